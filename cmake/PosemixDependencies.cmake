@@ -1,0 +1,24 @@
+# SPDX-License-Identifier: MIT
+# SPDX-FileCopyrightText: posemix contributors
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+find_package(Boost 1.74 REQUIRED CONFIG)
+find_package(fmt 9 REQUIRED)
+find_package(tomlplusplus 3.3 REQUIRED)
+find_package(nlohmann_json 3.11 REQUIRED)
+
+find_path(RANDOM123_INCLUDE_DIR Random123/philox.h REQUIRED)
+mark_as_advanced(RANDOM123_INCLUDE_DIR)
+add_library(posemix_random123 INTERFACE)
+target_include_directories(posemix_random123 SYSTEM INTERFACE "${RANDOM123_INCLUDE_DIR}")
+add_library(Random123::Random123 ALIAS posemix_random123)
+
+if(POSEMIX_BUILD_PROGRAM)
+  find_package(CLI11 2.1 REQUIRED)
+endif()
+if(POSEMIX_BUILD_TESTS)
+  find_package(GTest 1.12 REQUIRED)
+  find_package(rapidcheck REQUIRED)
+endif()
+if(POSEMIX_BUILD_BENCH)
+  find_package(benchmark 1.7 REQUIRED)
+endif()

@@ -1,0 +1,20 @@
+# SPDX-License-Identifier: MIT
+# SPDX-FileCopyrightText: posemix contributors
+include(CMakePackageConfigHelpers)
+
+set(POSEMIX_CMAKE_DIR "${CMAKE_INSTALL_LIBDIR}/cmake/posemix")
+get_property(posemix_rooms GLOBAL PROPERTY POSEMIX_EXPORTED_ROOMS)
+
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/include/posemix" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}"
+  FILES_MATCHING PATTERN "*.hpp" PATTERN "app" EXCLUDE)
+install(TARGETS ${posemix_rooms} posemix_umbrella EXPORT posemix-targets)
+install(EXPORT posemix-targets NAMESPACE posemix:: DESTINATION "${POSEMIX_CMAKE_DIR}")
+install(TARGETS posemix_testing EXPORT posemix-testing-targets)
+install(EXPORT posemix-testing-targets NAMESPACE posemix:: DESTINATION "${POSEMIX_CMAKE_DIR}")
+
+configure_package_config_file("${CMAKE_CURRENT_LIST_DIR}/posemix-config.cmake.in"
+  "${PROJECT_BINARY_DIR}/posemix-config.cmake" INSTALL_DESTINATION "${POSEMIX_CMAKE_DIR}")
+write_basic_package_version_file("${PROJECT_BINARY_DIR}/posemix-config-version.cmake"
+  COMPATIBILITY SameMinorVersion)
+install(FILES "${PROJECT_BINARY_DIR}/posemix-config.cmake"
+  "${PROJECT_BINARY_DIR}/posemix-config-version.cmake" DESTINATION "${POSEMIX_CMAKE_DIR}")

@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: MIT
+# SPDX-FileCopyrightText: posemix contributors
+#
+# How the project compiles its own targets. Nothing here reaches a user of the installed package.
+if(PROJECT_IS_TOP_LEVEL AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  find_program(POSEMIX_CCACHE ccache)
+  if(POSEMIX_CCACHE)
+    set(CMAKE_CXX_COMPILER_LAUNCHER "${POSEMIX_CCACHE}")
+  endif()
+endif()
+
+set(POSEMIX_WARNINGS -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
+    -Wnon-virtual-dtor -Wold-style-cast -Wimplicit-fallthrough)
+if(POSEMIX_WERROR)
+  list(APPEND POSEMIX_WARNINGS -Werror)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    # Flow analysis of g++ 12 gives false positives inside inlined Eigen kernels.
+    list(APPEND POSEMIX_WARNINGS -Wno-error=maybe-uninitialized -Wno-error=array-bounds
+         -Wno-error=stringop-overflow -Wno-error=stringop-overread)
+  endif()
+endif()
+
+# posemix_apply_policy(<target>): warnings, sanitizers and coverage, all PRIVATE.
+function(posemix_apply_policy target)
+  target_compile_features(${target} PUBLIC cxx_std_20)
+  set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF POSITION_INDEPENDENT_CODE ON)
+  # Contraction into fused multiply-adds would make results depend on the machine.
+  target_compile_options(${target} PRIVATE ${POSEMIX_WARNINGS} -ffp-contract=off)
+  if(POSEMIX_SANITIZE)
+    target_compile_options(${target} PRIVATE -fsanitize=${POSEMIX_SANITIZE}
+      -fno-sanitize-recover=all -fno-omit-frame-pointer)
+    target_link_options(${target} PRIVATE -fsanitize=${POSEMIX_SANITIZE})
+  endif()
+  if(POSEMIX_COVERAGE)
+    target_compile_options(${target} PRIVATE --coverage)
+    target_link_options(${target} PRIVATE --coverage)
+  endif()
+endfunction()

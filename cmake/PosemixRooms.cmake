@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: MIT
+# SPDX-FileCopyrightText: posemix contributors
+include(GoogleTest)
+
+# posemix_add_room(<room>
+#   [SOURCES <file>...]      none: the room is header-only, an INTERFACE library
+#   [DEPENDS <target>...]    public: appear in the room's headers (posemix::<room>, Eigen3::Eigen, ...)
+#   [PRIVATE <target>...]    compiled libraries that only the sources use (fmt::fmt, ...); users still link them
+#   [BUILD_ONLY <target>...] header-only libraries that only the sources use; users never see them
+#   [INTERNAL])              neither installed nor part of posemix::posemix
+#
+# Defines the library posemix_<room> with the alias posemix::<room>.
+function(posemix_add_room room)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "INTERNAL" "" "SOURCES;DEPENDS;PRIVATE;BUILD_ONLY")
+  if(arg_UNPARSED_ARGUMENTS)
+    message(FATAL_ERROR "posemix_add_room(${room}): unknown arguments ${arg_UNPARSED_ARGUMENTS}")
+  endif()
+  set(target posemix_${room})
+  if(arg_SOURCES)
+    add_library(${target} STATIC ${arg_SOURCES})
+    posemix_apply_policy(${target})
+    set(scope PUBLIC)
+  else()
+    add_library(${target} INTERFACE)
+    target_compile_features(${target} INTERFACE cxx_std_20)
+    set(scope INTERFACE)
+  endif()
+  add_library(posemix::${room} ALIAS ${target})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${room})
+  target_include_directories(${target} ${scope}
+    "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>"
+    "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>")
+  target_link_libraries(${target} ${scope} ${arg_DEPENDS})
+  if(arg_SOURCES)
+    target_link_libraries(${target} PRIVATE ${arg_PRIVATE})
+    foreach(library IN LISTS arg_BUILD_ONLY)
+      target_link_libraries(${target} PRIVATE "$<BUILD_INTERFACE:${library}>")
+    endforeach()
+  endif()
+  if(NOT arg_INTERNAL)
+    set_property(GLOBAL APPEND PROPERTY POSEMIX_EXPORTED_ROOMS ${target})
+  endif()
+endfunction()
+
+# posemix_add_program(SOURCES <file>... [DEPENDS <target>...])
+#
+# Defines the program posemix, left at the top of the build folder.
+function(posemix_add_program)
+  cmake_parse_arguments(PARSE_ARGV 0 arg "" "" "SOURCES;DEPENDS")
+  add_executable(posemix ${arg_SOURCES})
+  posemix_apply_policy(posemix)
+  target_link_libraries(posemix PRIVATE ${arg_DEPENDS})
+  set_target_properties(posemix PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}")
+  if(POSEMIX_INSTALL)
+    install(TARGETS posemix RUNTIME)
+  endif()
+endfunction()
+
+# posemix_add_test(<name>
+#   SOURCES <file>...
+#   [DEPENDS <target>...]  libraries under test
+#   [LABEL <label>]        slow: left out of coverage; fuzz: run under asan-ubsan by `make fuzz`
+#   [TIMEOUT <seconds>])   of one test case, 300 unless given
+#
+# Defines the executable <name>, linked with gtest_main, rapidcheck and posemix::testing, and one ctest test per case.
+# Property tests use a fixed RapidCheck seed; RC_PARAMS="seed=7" in the environment of ctest overrides it.
+function(posemix_add_test name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "TIMEOUT;LABEL" "SOURCES;DEPENDS")
+  if(arg_UNPARSED_ARGUMENTS)
+    message(FATAL_ERROR "posemix_add_test(${name}): unknown arguments ${arg_UNPARSED_ARGUMENTS}")
+  endif()
+  if(NOT arg_TIMEOUT)
+    set(arg_TIMEOUT 300)
+  endif()
+  if(arg_LABEL)
+    set(label LABELS ${arg_LABEL})
+  endif()
+  add_executable(${name} ${arg_SOURCES})
+  posemix_apply_policy(${name})
+  target_link_libraries(${name} PRIVATE ${arg_DEPENDS} posemix::testing GTest::gtest_main)
+  target_compile_definitions(${name} PRIVATE
+    POSEMIX_DEFAULT_DATA_DIR="${PROJECT_SOURCE_DIR}/../shared/data"
+    POSEMIX_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60
+    PROPERTIES TIMEOUT ${arg_TIMEOUT} ${label}
+    ENVIRONMENT_MODIFICATION "RC_PARAMS=string_prepend:seed=20221124 ")
+  if(arg_LABEL STREQUAL "fuzz")
+    set_property(GLOBAL APPEND PROPERTY POSEMIX_FUZZ_TESTS ${name})
+  endif()
+endfunction()
+
+# posemix_add_bench(<name> SOURCES <file>... [DEPENDS <target>...])
+function(posemix_add_bench name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;DEPENDS")
+  add_executable(${name} ${arg_SOURCES})
+  posemix_apply_policy(${name})
+  target_link_libraries(${name} PRIVATE ${arg_DEPENDS} benchmark::benchmark_main)
+  set_property(GLOBAL APPEND PROPERTY POSEMIX_BENCHMARKS ${name})
+endfunction()

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <cstdlib>
+#include <filesystem>
+#include <optional>
+#include <string_view>
+
+#include <gtest/gtest.h>
+
+namespace posemix::testing {
+
+/// The folder of recorded sequences: the environment variable POSEMIX_DATA, else the definition
+/// POSEMIX_DEFAULT_DATA_DIR of the test target; nothing where that is not a folder.
+inline std::optional<std::filesystem::path> data_dir() {
+  const char* named = std::getenv("POSEMIX_DATA");
+#ifdef POSEMIX_DEFAULT_DATA_DIR
+  if (named == nullptr) named = POSEMIX_DEFAULT_DATA_DIR;
+#endif
+  if (named == nullptr || !std::filesystem::is_directory(named)) return std::nullopt;
+  return std::filesystem::path(named);
+}
+
+/// True in continuous integration (environment variable CI=true), where a missing data folder is a
+/// failure.
+inline bool data_is_mandatory() {
+  const char* ci = std::getenv("CI");
+  return ci != nullptr && std::string_view(ci) == "true";
+}
+
+}  // namespace posemix::testing
+
+/// Ends the test where the recorded sequences are missing: skipped, or failed where CI=true.
+#define POSEMIX_REQUIRE_DATA()                                                               \
+  do {                                                                                       \
+    if (!::posemix::testing::data_dir()) {                                                   \
+      if (::posemix::testing::data_is_mandatory())                                           \
+        FAIL() << "recorded sequences are mandatory here: set POSEMIX_DATA to their folder"; \
+      GTEST_SKIP() << "no recorded sequences: set POSEMIX_DATA to their folder";             \
+    }                                                                                        \
+  } while (false)
