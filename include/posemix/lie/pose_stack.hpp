@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "posemix/base/error.hpp"
+#include "posemix/lie/se3.hpp"
+
+namespace posemix {
+
+/// SE(3)^n, the poses of n bodies, n known at run time. Tangent: [phi_1; rho_1; phi_2; rho_2; ...]
+/// in rad and metres.
+///
+/// Adjoint and Jacobians are block-diagonal; the dense ones are for reading and testing, the
+/// congruences work block by block in O(n^2). Functions of two stacks, or of a tangent vector,
+/// throw InvalidInput where the sizes do not fit. Assigning a stack of the same size allocates
+/// nothing.
+template <typename S>
+class PoseStack {
+ public:
+  using Scalar = S;
+  using Pose = SE3<Scalar>;
+  static constexpr int Dof = Eigen::Dynamic;
+  using Tangent = Eigen::Matrix<Scalar, Eigen::Dynamic, 1>;
+  using TangentMatrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
+
+  /// The empty stack.
+  PoseStack() = default;
+  /// `size` identities.
+  explicit PoseStack(std::size_t size) : poses_(size) {}
+  explicit PoseStack(std::vector<Pose> poses) : poses_(std::move(poses)) {}
+
+  std::size_t size() const { return poses_.size(); }
+  const Pose& operator[](std::size_t i) const { return poses_[i]; }
+  Pose& operator[](std::size_t i) { return poses_[i]; }
+  void push_back(const Pose& pose) { poses_.push_back(pose); }
+  const std::vector<Pose>& poses() const { return poses_; }
+  auto begin() const { return poses_.begin(); }
+  auto end() const { return poses_.end(); }
+
+  static PoseStack exp(const Tangent& xi);
+  Tangent log() const;
+  PoseStack operator*(const PoseStack& other) const;
+  PoseStack inverse() const;
+  PoseStack identity() const { return PoseStack(size()); }
+  Eigen::Index dof() const { return Pose::Dof * static_cast<Eigen::Index>(size()); }
+
+  TangentMatrix adjoint() const;
+  static TangentMatrix ad(const Tangent& xi) { return block_diagonal(xi, &Pose::ad); }
+  static TangentMatrix left_jacobian(const Tangent& xi) {
+    return block_diagonal(xi, &Pose::left_jacobian);
+  }
+  static TangentMatrix left_jacobian_inverse(const Tangent& xi) {
+    return block_diagonal(xi, &Pose::left_jacobian_inverse);
+  }
+  static TangentMatrix right_jacobian(const Tangent& xi) { return left_jacobian(-xi); }
+  static TangentMatrix right_jacobian_inverse(const Tangent& xi) {
+    return left_jacobian_inverse(-xi);
+  }
+
+  /// log |det J_l|: the sum over the poses.
+  static Scalar log_abs_det_left_jacobian(const Tangent& xi);
+
+  /// Ad P Ad^T for a symmetric P, of which the 6x6 blocks on and above the diagonal are read.
+  TangentMatrix adjoint_congruence(const TangentMatrix& p) const;
+  /// J_l P J_l^T for a symmetric P, of which the 6x6 blocks on and above the diagonal are read.
+  static TangentMatrix left_jacobian_congruence(const Tangent& xi, const TangentMatrix& p) {
+    return congruence(blocks_of(xi, &Pose::left_jacobian_blocks), p);
+  }
+  /// J_l^-1 P J_l^-T for a symmetric P, of which the 6x6 blocks on and above the diagonal are read.
+  static TangentMatrix left_jacobian_inverse_congruence(const Tangent& xi, const TangentMatrix& p) {
+    return congruence(blocks_of(xi, &Pose::left_jacobian_inverse_blocks), p);
+  }
+
+  /// Whether each pose is (see SE3::is_approx); false where the sizes differ.
+  bool is_approx(const PoseStack& other, const Scalar& tol) const;
+
+ private:
+  using Blocks = TwistMatrix<Scalar>;
+
+  static std::size_t poses_in(const Tangent& xi) {
+    if (xi.size() % Pose::Dof != 0) {
+      throw InvalidInput("tangent vector of a pose stack has " + std::to_string(xi.size()) +
+                         " entries; expected a multiple of 6");
+    }
+    return static_cast<std::size_t>(xi.size() / Pose::Dof);
+  }
+  static Eigen::Index offset(std::size_t i) { return Pose::Dof * static_cast<Eigen::Index>(i); }
+  static typename Pose::Tangent part(const Tangent& xi, std::size_t i) {
+    return xi.template segment<Pose::Dof>(offset(i));
+  }
+
+  template <typename Function>
+  static TangentMatrix block_diagonal(const Tangent& xi, Function function) {
+    TangentMatrix m = TangentMatrix::Zero(xi.size(), xi.size());
+    for (std::size_t i = 0, n = poses_in(xi); i < n; ++i) {
+      m.template block<6, 6>(offset(i), offset(i)) = function(part(xi, i));
+    }
+    return m;
+  }
+
+  template <typename Function>
+  static std::vector<Blocks> blocks_of(const Tangent& xi, Function function) {
+    std::vector<Blocks> blocks(poses_in(xi));
+    for (std::size_t i = 0; i < blocks.size(); ++i) blocks[i] = function(part(xi, i));
+    return blocks;
+  }
+
+  static TangentMatrix congruence(const std::vector<Blocks>& blocks, const TangentMatrix& p);
+
+  std::vector<Pose> poses_;
+};
+
+template <typename S>
+PoseStack<S> PoseStack<S>::exp(const Tangent& xi) {
+  PoseStack stack(poses_in(xi));
+  for (std::size_t i = 0; i < stack.size(); ++i) stack[i] = Pose::exp(part(xi, i));
+  return stack;
+}
+
+template <typename S>
+typename PoseStack<S>::Tangent PoseStack<S>::log() const {
+  Tangent xi(dof());
+  for (std::size_t i = 0; i < size(); ++i) {
+    xi.template segment<Pose::Dof>(offset(i)) = poses_[i].log();
+  }
+  return xi;
+}
+
+template <typename S>
+PoseStack<S> PoseStack<S>::operator*(const PoseStack& other) const {
+  if (size() != other.size()) {
+    throw InvalidInput("pose stacks of " + std::to_string(size()) + " and " +
+                       std::to_string(other.size()) + " poses cannot be multiplied");
+  }
+  PoseStack product(size());
+  for (std::size_t i = 0; i < size(); ++i) product[i] = poses_[i] * other[i];
+  return product;
+}
+
+template <typename S>
+PoseStack<S> PoseStack<S>::inverse() const {
+  PoseStack result(size());
+  for (std::size_t i = 0; i < size(); ++i) result[i] = poses_[i].inverse();
+  return result;
+}
+
+template <typename S>
+typename PoseStack<S>::TangentMatrix PoseStack<S>::adjoint() const {
+  TangentMatrix m = TangentMatrix::Zero(dof(), dof());
+  for (std::size_t i = 0; i < size(); ++i) {
+    m.template block<6, 6>(offset(i), offset(i)) = poses_[i].adjoint();
+  }
+  return m;
+}
+
+template <typename S>
+S PoseStack<S>::log_abs_det_left_jacobian(const Tangent& xi) {
+  Scalar sum(0);
+  for (std::size_t i = 0, n = poses_in(xi); i < n; ++i) {
+    sum += Pose::log_abs_det_left_jacobian(part(xi, i));
+  }
+  return sum;
+}
+
+template <typename S>
+typename PoseStack<S>::TangentMatrix PoseStack<S>::adjoint_congruence(
+    const TangentMatrix& p) const {
+  std::vector<Blocks> blocks(size());
+  for (std::size_t i = 0; i < size(); ++i) blocks[i] = poses_[i].adjoint_blocks();
+  return congruence(blocks, p);
+}
+
+template <typename S>
+typename PoseStack<S>::TangentMatrix PoseStack<S>::congruence(const std::vector<Blocks>& blocks,
+                                                              const TangentMatrix& p) {
+  const Eigen::Index n = offset(blocks.size());
+  if (p.rows() != n || p.cols() != n) {
+    throw InvalidInput("covariance is " + std::to_string(p.rows()) + "x" +
+                       std::to_string(p.cols()) + "; expected " + std::to_string(n) + "x" +
+                       std::to_string(n));
+  }
+  TangentMatrix m(n, n);
+  for (std::size_t j = 0; j < blocks.size(); ++j) {
+    for (std::size_t i = 0; i < j; ++i) {
+      const typename Blocks::Dense block =
+          blocks[i].sandwich(p.template block<6, 6>(offset(i), offset(j)), blocks[j]);
+      m.template block<6, 6>(offset(i), offset(j)) = block;
+      m.template block<6, 6>(offset(j), offset(i)) = block.transpose();
+    }
+    m.template block<6, 6>(offset(j), offset(j)) =
+        blocks[j].congruence(p.template block<6, 6>(offset(j), offset(j)));
+  }
+  return m;
+}
+
+template <typename S>
+bool PoseStack<S>::is_approx(const PoseStack& other, const Scalar& tol) const {
+  if (size() != other.size()) return false;
+  for (std::size_t i = 0; i < size(); ++i) {
+    if (!poses_[i].is_approx(other[i], tol)) return false;
+  }
+  return true;
+}
+
+extern template class PoseStack<double>;
+
+}  // namespace posemix

@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <Eigen/Core>
+
+#include "posemix/base/error.hpp"
+#include "posemix/lie/small_angle.hpp"
+#include "posemix/lie/so3.hpp"
+#include "posemix/lie/twist_matrix.hpp"
+
+namespace posemix {
+
+/// Rigid motions of three-space, T = (R, t). Tangent: [phi; rho], rotation vector (rad) first, then
+/// metres.
+///
+/// Invariants: those of SO3 for the rotation; the last row of matrix() is exactly 0 0 0 1.
+///
+/// Every Adjoint and Jacobian is a block matrix [a 0; b a]. In a Jacobian, a is that of SO3 at phi
+/// and b its directional derivative along rho, which follows from J(phi + eps rho) with rho as a
+/// dual number; no separate "Q block" is needed.
+template <typename S>
+class SE3 {
+ public:
+  using Scalar = S;
+  static constexpr int Dof = 6;
+  using Tangent = Eigen::Matrix<Scalar, 6, 1>;
+  using TangentMatrix = Eigen::Matrix<Scalar, 6, 6>;
+  using Matrix = Eigen::Matrix<Scalar, 4, 4>;
+  using Vector3 = Eigen::Matrix<Scalar, 3, 1>;
+  using Rotation = SO3<Scalar>;
+  using Blocks = TwistMatrix<Scalar>;
+
+  /// The identity.
+  SE3() : translation_(Vector3::Zero()) {}
+  /// p -> rotation * p + translation (metres).
+  SE3(const Rotation& rotation, const Vector3& translation)
+      : rotation_(rotation), translation_(translation) {}
+
+  /// From a homogeneous 4x4 matrix; throws InvalidInput where the rotation is not one to `tol` (see
+  /// SO3::from_matrix), an entry is not finite, or the last row differs from 0 0 0 1 by more than
+  /// `tol`.
+  static SE3 from_matrix(const Matrix& m, const Scalar& tol = Scalar(1e-6));
+
+  static SE3 exp(const Tangent& xi);
+  /// [phi; rho] with |phi| at most pi.
+  Tangent log() const;
+
+  const Rotation& rotation() const { return rotation_; }
+  const Vector3& translation() const { return translation_; }
+  Matrix matrix() const;
+
+  SE3 operator*(const SE3& other) const {
+    return SE3(rotation_ * other.rotation_, rotation_ * other.translation_ + translation_);
+  }
+  /// The point `p` (metres) transformed.
+  Vector3 operator*(const Vector3& p) const { return rotation_ * p + translation_; }
+
+  SE3 inverse() const {
+    const Rotation back = rotation_.inverse();
+    return SE3(back, -(back * translation_));
+  }
+  static SE3 identity() { return SE3(); }
+  static Eigen::Index dof() { return Dof; }
+
+  /// [R 0; t^R R].
+  Blocks adjoint_blocks() const {
+    const typename Blocks::Block r = rotation_.matrix();
+    return {r, Rotation::hat(translation_) * r};
+  }
+  TangentMatrix adjoint() const { return adjoint_blocks().dense(); }
+  /// Ad P Ad^T for a symmetric P.
+  TangentMatrix adjoint_congruence(const TangentMatrix& p) const {
+    return adjoint_blocks().congruence(p);
+  }
+
+  /// The 4x4 matrix [phi^ rho; 0 0].
+  static Matrix hat(const Tangent& xi);
+  /// The inverse of hat; rotation part from the skew-symmetric part of the upper left block.
+  static Tangent vee(const Matrix& m);
+  /// [phi^ 0; rho^ phi^].
+  static TangentMatrix ad(const Tangent& xi) {
+    return Blocks{Rotation::hat(xi.template head<3>()), Rotation::hat(xi.template tail<3>())}
+        .dense();
+  }
+
+  static Blocks left_jacobian_blocks(const Tangent& xi);
+  /// Singular at |phi| = 2 pi, 4 pi, ...
+  static Blocks left_jacobian_inverse_blocks(const Tangent& xi);
+
+  static TangentMatrix left_jacobian(const Tangent& xi) { return left_jacobian_blocks(xi).dense(); }
+  static TangentMatrix left_jacobian_inverse(const Tangent& xi) {
+    return left_jacobian_inverse_blocks(xi).dense();
+  }
+  static TangentMatrix right_jacobian(const Tangent& xi) { return left_jacobian(-xi); }
+  static TangentMatrix right_jacobian_inverse(const Tangent& xi) {
+    return left_jacobian_inverse(-xi);
+  }
+
+  /// log |det J_l|: twice that of SO3 at phi.
+  static Scalar log_abs_det_left_jacobian(const Tangent& xi) {
+    return Scalar(2) * Rotation::log_abs_det_left_jacobian(xi.template head<3>());
+  }
+  /// J_l P J_l^T for a symmetric P.
+  static TangentMatrix left_jacobian_congruence(const Tangent& xi, const TangentMatrix& p) {
+    return left_jacobian_blocks(xi).congruence(p);
+  }
+  /// J_l^-1 P J_l^-T for a symmetric P.
+  static TangentMatrix left_jacobian_inverse_congruence(const Tangent& xi, const TangentMatrix& p) {
+    return left_jacobian_inverse_blocks(xi).congruence(p);
+  }
+
+  /// Whether the rotations differ by at most `tol` rad and the translations by at most `tol`
+  /// metres.
+  bool is_approx(const SE3& other, const Scalar& tol) const {
+    return rotation_.is_approx(other.rotation_, tol) &&
+           (translation_ - other.translation_).norm() <= tol;
+  }
+
+  template <typename Other>
+  SE3<Other> cast() const {
+    return SE3<Other>(rotation_.template cast<Other>(), translation_.template cast<Other>());
+  }
+
+ private:
+  Rotation rotation_;
+  Vector3 translation_;
+};
+
+template <typename S>
+SE3<S> SE3<S>::from_matrix(const Matrix& m, const Scalar& tol) {
+  if (!m.allFinite()) throw InvalidInput("pose matrix has an entry that is not finite");
+  Eigen::Matrix<Scalar, 1, 4> last_row;
+  last_row << Scalar(0), Scalar(0), Scalar(0), Scalar(1);
+  if (!((m.row(3) - last_row).cwiseAbs().maxCoeff() <= tol)) {
+    throw InvalidInput("last row of a pose matrix is not 0 0 0 1");
+  }
+  return SE3(Rotation::from_matrix(m.template topLeftCorner<3, 3>(), tol),
+             m.template topRightCorner<3, 1>());
+}
+
+template <typename S>
+SE3<S> SE3<S>::exp(const Tangent& xi) {
+  const Vector3 phi = xi.template head<3>();
+  const Vector3 rho = xi.template tail<3>();
+  return SE3(Rotation::exp(phi), Rotation::left_jacobian(phi) * rho);
+}
+
+template <typename S>
+typename SE3<S>::Tangent SE3<S>::log() const {
+  Tangent xi;
+  const Vector3 phi = rotation_.log();
+  xi.template head<3>() = phi;
+  xi.template tail<3>() = Rotation::left_jacobian_inverse(phi) * translation_;
+  return xi;
+}
+
+template <typename S>
+typename SE3<S>::Matrix SE3<S>::matrix() const {
+  Matrix m = Matrix::Identity();
+  m.template topLeftCorner<3, 3>() = rotation_.matrix();
+  m.template topRightCorner<3, 1>() = translation_;
+  return m;
+}
+
+template <typename S>
+typename SE3<S>::Matrix SE3<S>::hat(const Tangent& xi) {
+  Matrix m = Matrix::Zero();
+  m.template topLeftCorner<3, 3>() = Rotation::hat(xi.template head<3>());
+  m.template topRightCorner<3, 1>() = xi.template tail<3>();
+  return m;
+}
+
+template <typename S>
+typename SE3<S>::Tangent SE3<S>::vee(const Matrix& m) {
+  Tangent xi;
+  xi.template head<3>() = Rotation::vee(m.template topLeftCorner<3, 3>());
+  xi.template tail<3>() = m.template topRightCorner<3, 1>();
+  return xi;
+}
+
+template <typename S>
+TwistMatrix<S> SE3<S>::left_jacobian_blocks(const Tangent& xi) {
+  const Vector3 phi = xi.template head<3>();
+  const Vector3 rho = xi.template tail<3>();
+  const Scalar u = phi.squaredNorm();
+  const auto c = small_angle::jacobian_coefficients(u);
+  const auto slope = small_angle::jacobian_coefficient_slopes(u, c);
+  const Scalar du = Scalar(2) * phi.dot(rho);
+  const typename Blocks::Block phi_hat = Rotation::hat(phi);
+  const typename Blocks::Block phi_phi = phi * phi.transpose();
+  const typename Blocks::Block phi_rho = phi * rho.transpose();
+
+  Blocks j;
+  j.a = c.rest * phi_phi + c.cosc * phi_hat;
+  j.a.diagonal().array() += c.sinc;
+  j.b = c.cosc * Rotation::hat(rho) + c.rest * (phi_rho + phi_rho.transpose()) +
+        du * (slope.cosc * phi_hat + slope.rest * phi_phi);
+  j.b.diagonal().array() += du * slope.sinc;
+  return j;
+}
+
+template <typename S>
+TwistMatrix<S> SE3<S>::left_jacobian_inverse_blocks(const Tangent& xi) {
+  const Vector3 phi = xi.template head<3>();
+  const Vector3 rho = xi.template tail<3>();
+  const Scalar u = phi.squaredNorm();
+  const auto c = small_angle::inverse_jacobian_coefficients(u);
+  const auto slope = small_angle::inverse_jacobian_coefficient_slopes(u, c);
+  const Scalar du = Scalar(2) * phi.dot(rho);
+  const typename Blocks::Block phi_phi = phi * phi.transpose();
+  const typename Blocks::Block phi_rho = phi * rho.transpose();
+
+  Blocks j;
+  j.a = c.rest * phi_phi - Rotation::hat(phi) / Scalar(2);
+  j.a.diagonal().array() += c.half_cot;
+  j.b = c.rest * (phi_rho + phi_rho.transpose()) + (du * slope.rest) * phi_phi -
+        Rotation::hat(rho) / Scalar(2);
+  j.b.diagonal().array() += du * slope.half_cot;
+  return j;
+}
+
+extern template class SE3<double>;
+
+}  // namespace posemix

@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+#include "posemix/base/error.hpp"
+#include "posemix/lie/small_angle.hpp"
+#include "posemix/lie/twist_matrix.hpp"
+
+namespace posemix {
+
+/// Rotations of three-space. Tangent: rotation vector phi in radians.
+///
+/// Invariants:
+/// - the stored quaternion has unit norm to a few units in the last place (every product
+/// renormalises);
+/// - q and -q are the same rotation: every function gives the same result for both;
+/// - log() has norm at most pi; at exactly pi its first non-zero component is positive.
+///
+/// Closed forms: Barfoot, State Estimation for Robotics, section 7.1.
+template <typename S>
+class SO3 {
+ public:
+  using Scalar = S;
+  static constexpr int Dof = 3;
+  using Tangent = Eigen::Matrix<Scalar, 3, 1>;
+  using TangentMatrix = Eigen::Matrix<Scalar, 3, 3>;
+  using Matrix = Eigen::Matrix<Scalar, 3, 3>;
+  using Vector3 = Eigen::Matrix<Scalar, 3, 1>;
+  using Quaternion = Eigen::Quaternion<Scalar>;
+
+  /// The identity.
+  SO3() : q_(Scalar(1), Scalar(0), Scalar(0), Scalar(0)) {}
+
+  /// The rotation of `q` / |q|; throws InvalidInput where |q| is zero or not finite.
+  static SO3 from_quaternion(const Quaternion& q);
+
+  /// The rotation nearest to the 3x3 matrix `r`; throws InvalidInput where an entry of r^T r - I
+  /// exceeds `tol` in absolute value, where det r < 0, or where an entry is not finite.
+  static SO3 from_matrix(const Matrix& r, const Scalar& tol = Scalar(1e-6));
+
+  /// Rotation by the angle |phi| (rad) about phi.
+  static SO3 exp(const Tangent& phi);
+
+  /// Rotation vector (rad) of norm at most pi.
+  Tangent log() const;
+
+  const Quaternion& quaternion() const { return q_; }
+  Matrix matrix() const { return q_.toRotationMatrix(); }
+
+  /// Angle of rotation in [0, pi] (rad).
+  Scalar angle() const;
+
+  SO3 operator*(const SO3& other) const { return SO3(renormalised(q_ * other.q_)); }
+
+  /// The point `p` rotated.
+  Vector3 operator*(const Vector3& p) const { return q_ * p; }
+
+  SO3 inverse() const { return SO3(q_.conjugate()); }
+  static SO3 identity() { return SO3(); }
+  static Eigen::Index dof() { return Dof; }
+
+  TangentMatrix adjoint() const { return matrix(); }
+
+  /// Ad P Ad^T for a symmetric P.
+  TangentMatrix adjoint_congruence(const TangentMatrix& p) const { return congruence(matrix(), p); }
+
+  /// The skew-symmetric matrix phi^ with phi^ p = phi x p.
+  static Matrix hat(const Tangent& phi);
+
+  /// The inverse of hat, applied to the skew-symmetric part of `m`.
+  static Tangent vee(const Matrix& m);
+
+  static TangentMatrix ad(const Tangent& phi) { return hat(phi); }
+
+  static TangentMatrix left_jacobian(const Tangent& phi);
+
+  /// Singular at |phi| = 2 pi, 4 pi, ...
+  static TangentMatrix left_jacobian_inverse(const Tangent& phi);
+
+  static TangentMatrix right_jacobian(const Tangent& phi) { return left_jacobian(-phi); }
+  static TangentMatrix right_jacobian_inverse(const Tangent& phi) {
+    return left_jacobian_inverse(-phi);
+  }
+
+  /// log |det J_l| = log(2 (1 - cos theta) / theta^2).
+  static Scalar log_abs_det_left_jacobian(const Tangent& phi) {
+    return Scalar(2) * small_angle::log_abs_sinc(Scalar(phi.squaredNorm() / Scalar(4)));
+  }
+
+  /// J_l P J_l^T for a symmetric P.
+  static TangentMatrix left_jacobian_congruence(const Tangent& phi, const TangentMatrix& p) {
+    return congruence(left_jacobian(phi), p);
+  }
+
+  /// J_l^-1 P J_l^-T for a symmetric P.
+  static TangentMatrix left_jacobian_inverse_congruence(const Tangent& phi,
+                                                        const TangentMatrix& p) {
+    return congruence(left_jacobian_inverse(phi), p);
+  }
+
+  /// Whether the angle between the two rotations is at most `tol` (rad).
+  bool is_approx(const SO3& other, const Scalar& tol) const {
+    return (inverse() * other).angle() <= tol;
+  }
+
+  template <typename Other>
+  SO3<Other> cast() const {
+    return SO3<Other>::from_quaternion(q_.template cast<Other>());
+  }
+
+ private:
+  explicit SO3(const Quaternion& unit) : q_(unit) {}
+
+  /// One Newton step towards |q| = 1.
+  static Quaternion renormalised(const Quaternion& q) {
+    const Scalar scale = (Scalar(3) - q.squaredNorm()) / Scalar(2);
+    return Quaternion(q.w() * scale, q.x() * scale, q.y() * scale, q.z() * scale);
+  }
+
+  static TangentMatrix congruence(const TangentMatrix& j, const TangentMatrix& p) {
+    const TangentMatrix jp = j * p;
+    return mirror_upper(jp * j.transpose());
+  }
+
+  Quaternion q_;
+};
+
+template <typename S>
+SO3<S> SO3<S>::from_quaternion(const Quaternion& q) {
+  if (!q.coeffs().allFinite()) throw InvalidInput("quaternion has a component that is not finite");
+  const Scalar largest = q.coeffs().cwiseAbs().maxCoeff();
+  if (!(largest > Scalar(0)))
+    throw InvalidInput("quaternion has zero norm; expected a non-zero one");
+  Quaternion scaled(q.w() / largest, q.x() / largest, q.y() / largest, q.z() / largest);
+  scaled.coeffs() /= scaled.norm();
+  return SO3(renormalised(scaled));
+}
+
+template <typename S>
+SO3<S> SO3<S>::from_matrix(const Matrix& r, const Scalar& tol) {
+  if (!r.allFinite()) throw InvalidInput("rotation matrix has an entry that is not finite");
+  Matrix rotation = r;
+  Matrix defect = r.transpose() * r - Matrix::Identity();
+  const Scalar deviation = defect.cwiseAbs().maxCoeff();
+  if (!(deviation <= tol)) {
+    throw InvalidInput("rotation matrix is not orthonormal: an entry of R^T R - I is " +
+                       std::to_string(static_cast<double>(deviation)) + "; expected at most " +
+                       std::to_string(static_cast<double>(tol)));
+  }
+  if (r.determinant() < Scalar(0)) {
+    throw InvalidInput("rotation matrix has determinant -1 (a reflection); expected +1");
+  }
+  const Scalar rounding = Scalar(8) * std::numeric_limits<Scalar>::epsilon();
+  constexpr int kMaxPolarSteps = 20;  // Newton-Schulz steps to the nearest rotation
+  for (int step = 0; step < kMaxPolarSteps && defect.cwiseAbs().maxCoeff() > rounding; ++step) {
+    rotation -= (rotation * defect / Scalar(2)).eval();
+    defect = rotation.transpose() * rotation - Matrix::Identity();
+  }
+  return from_quaternion(Quaternion(rotation));
+}
+
+template <typename S>
+SO3<S> SO3<S>::exp(const Tangent& phi) {
+  using std::cos;
+  using std::sqrt;
+  const Scalar quarter_u = phi.squaredNorm() / Scalar(4);
+  const Scalar half_sinc = small_angle::sinc(quarter_u) / Scalar(2);
+  return SO3(renormalised(Quaternion(cos(Scalar(sqrt(quarter_u))), half_sinc * phi.x(),
+                                     half_sinc * phi.y(), half_sinc * phi.z())));
+}
+
+template <typename S>
+typename SO3<S>::Tangent SO3<S>::log() const {
+  using std::atan2;
+  using std::sqrt;
+  Tangent v = q_.vec();
+  Scalar w = q_.w();
+  const Scalar zero(0);
+  const bool negative_axis =
+      v.x() < zero || (v.x() == zero && (v.y() < zero || (v.y() == zero && v.z() < zero)));
+  if (w < zero || (w == zero && negative_axis)) {
+    v = -v;
+    w = -w;
+  }
+  const Scalar n2 = v.squaredNorm();
+  const Scalar underflow =
+      std::numeric_limits<Scalar>::min() / std::numeric_limits<Scalar>::epsilon();
+  if (n2 < underflow) return v * (Scalar(2) / w);
+  const Scalar n = sqrt(n2);
+  return v * Scalar(Scalar(2) * atan2(n, w) / n);
+}
+
+template <typename S>
+S SO3<S>::angle() const {
+  using std::abs;
+  using std::atan2;
+  return Scalar(2) * atan2(Scalar(q_.vec().norm()), Scalar(abs(q_.w())));
+}
+
+template <typename S>
+typename SO3<S>::Matrix SO3<S>::hat(const Tangent& phi) {
+  Matrix m;
+  m << Scalar(0), -phi.z(), phi.y(),  //
+      phi.z(), Scalar(0), -phi.x(),   //
+      -phi.y(), phi.x(), Scalar(0);
+  return m;
+}
+
+template <typename S>
+typename SO3<S>::Tangent SO3<S>::vee(const Matrix& m) {
+  return Tangent(m(2, 1) - m(1, 2), m(0, 2) - m(2, 0), m(1, 0) - m(0, 1)) / Scalar(2);
+}
+
+template <typename S>
+typename SO3<S>::TangentMatrix SO3<S>::left_jacobian(const Tangent& phi) {
+  const auto c = small_angle::jacobian_coefficients(Scalar(phi.squaredNorm()));
+  TangentMatrix j = c.rest * phi * phi.transpose() + c.cosc * hat(phi);
+  j.diagonal().array() += c.sinc;
+  return j;
+}
+
+template <typename S>
+typename SO3<S>::TangentMatrix SO3<S>::left_jacobian_inverse(const Tangent& phi) {
+  const auto c = small_angle::inverse_jacobian_coefficients(Scalar(phi.squaredNorm()));
+  TangentMatrix j = c.rest * phi * phi.transpose() - hat(phi) / Scalar(2);
+  j.diagonal().array() += c.half_cot;
+  return j;
+}
+
+extern template class SO3<double>;
+
+}  // namespace posemix
