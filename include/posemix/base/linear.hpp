@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <fmt/format.h>
+
+#include "posemix/base/error.hpp"
+
+/// Small linear algebra that every room shares.
+namespace posemix {
+
+using Vector6d = Eigen::Matrix<double, 6, 1>;
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+
+inline constexpr double kLogTwoPi = 1.8378770664093454835606594728112;
+
+/// Replaces `matrix` by its symmetric part, in place.
+template <class Derived>
+void symmetrize(Eigen::MatrixBase<Derived>& matrix) {
+  for (Eigen::Index column = 0; column < matrix.cols(); ++column) {
+    for (Eigen::Index row = 0; row < column; ++row) {
+      const auto mean = 0.5 * (matrix(row, column) + matrix(column, row));
+      matrix(row, column) = mean;
+      matrix(column, row) = mean;
+    }
+  }
+}
+
+/// log det of the matrix whose Cholesky factor is given.
+template <class Matrix>
+double log_det(const Eigen::LLT<Matrix>& factor) {
+  return 2.0 * factor.matrixLLT().diagonal().array().log().sum();
+}
+
+/// log N(residual; 0, S) for the Cholesky factor of S.
+template <class Matrix, class Vector>
+double log_normal(const Eigen::LLT<Matrix>& factor, const Eigen::MatrixBase<Vector>& residual) {
+  const double squared = factor.matrixL().solve(residual).squaredNorm();
+  return -0.5 * (squared + log_det(factor) + static_cast<double>(residual.size()) * kLogTwoPi);
+}
+
+/// The symmetric part of a covariance after checking it: square of the given size, finite, symmetric up to rounding
+/// (1e-9 of its largest entry) and positive definite. `name` begins the error message.
+/// @throws InvalidInput naming the property that fails
+template <class Matrix>
+Matrix checked_covariance(const Matrix& covariance, Eigen::Index size, const std::string& name) {
+  if (covariance.rows() != size || covariance.cols() != size) {
+    throw InvalidInput(fmt::format("{} is {} x {}, expected {} x {}", name, covariance.rows(),
+                                   covariance.cols(), size, size));
+  }
+  if (!covariance.allFinite()) throw InvalidInput(name + " holds a value that is not finite");
+  const double largest = size == 0 ? 0.0 : covariance.cwiseAbs().maxCoeff();
+  if (size > 0 && (covariance - covariance.transpose()).cwiseAbs().maxCoeff() > 1e-9 * largest) {
+    throw InvalidInput(name + " is not symmetric");
+  }
+  Matrix symmetric = covariance;
+  symmetrize(symmetric);
+  if (Eigen::LLT<Matrix>(symmetric).info() != Eigen::Success) {
+    throw InvalidInput(name + " is not positive definite");
+  }
+  return symmetric;
+}
+
+}  // namespace posemix

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <cmath>
+#include <limits>
+
+#include "posemix/density/concentrated_gaussian.hpp"
+
+/// Operations on one peak: move it to another tangent space, compose, invert, fuse.
+namespace posemix {
+
+/// The density as a Gaussian in the tangent space at `anchor` (midway-merge paper, eq. 9-10; Cesic et al. 2017):
+/// mean d = Log(X0 anchor^-1), covariance J_l^-1(d) P J_l^-T(d). First order in xi, exact in d along one-parameter
+/// subgroups. (The paper's sign convention gives mean -d.)
+template <LieGroup G>
+TangentGaussian<G> recenter(const ConcentratedGaussian<G>& density, const G& anchor) {
+  const typename G::Tangent d = (density.mean() * anchor.inverse()).log();
+  return {anchor, d, G::left_jacobian_inverse_congruence(d, density.covariance())};
+}
+
+/// The back-projection: the zero-mean density at Exp(mean) anchor with covariance J_l(mean) P J_l(mean)^T
+/// (Cesic et al. 2017). Undoes `recenter`.
+template <LieGroup G>
+ConcentratedGaussian<G> back_project(const TangentGaussian<G>& gaussian) {
+  return ConcentratedGaussian<G>::trusted(
+      G::exp(gaussian.mean) * gaussian.anchor,
+      G::left_jacobian_congruence(gaussian.mean, gaussian.covariance));
+}
+
+/// The density of X Y for independent X and Y, to first order: mean X0 Y0, covariance P_X + Ad(X0) P_Y Ad(X0)^T
+/// (Barfoot and Furgale 2014).
+template <LieGroup G>
+ConcentratedGaussian<G> compose(const ConcentratedGaussian<G>& x, const ConcentratedGaussian<G>& y) {
+  typename G::TangentMatrix covariance = x.covariance() + x.mean().adjoint_congruence(y.covariance());
+  return ConcentratedGaussian<G>::trusted(x.mean() * y.mean(), std::move(covariance));
+}
+
+/// The density of X^-1: mean X0^-1, covariance Ad(X0^-1) P Ad(X0^-1)^T. Exact.
+template <LieGroup G>
+ConcentratedGaussian<G> inverse(const ConcentratedGaussian<G>& x) {
+  return ConcentratedGaussian<G>::trusted(x.mean().inverse(), x.body_covariance());
+}
+
+/// The density of X^-1 Y for independent X and Y, to first order. For two poses of one joint density use
+/// `relative_pose`, which knows their cross-covariance.
+template <LieGroup G>
+ConcentratedGaussian<G> between(const ConcentratedGaussian<G>& x, const ConcentratedGaussian<G>& y) {
+  return compose(inverse(x), y);
+}
+
+/// Settings of `fuse`.
+struct FuseSettings {
+  int max_iterations = 50;
+  double tolerance = 1e-12;  ///< stop when the step's norm falls below this [rad, m]
+};
+
+/// Result of `fuse`.
+template <class D>
+struct FuseResult {
+  D density;           ///< the normalised product
+  double log_overlap;  ///< log of the integral of p q over the group, Laplace's approximation [nats]
+  bool converged;
+  int iterations;
+};
+
+namespace internal {
+
+/// Information form of one factor of a product, linearised at a common element.
+template <LieGroup G>
+struct Factor {
+  typename G::TangentMatrix information;
+  typename G::Tangent pull;
+
+  Factor(const ConcentratedGaussian<G>& density, const G& at) {
+    const typename G::Tangent residual = (at * density.mean().inverse()).log();
+    const typename G::TangentMatrix jacobian = G::left_jacobian_inverse(residual);
+    const Eigen::LLT<typename G::TangentMatrix> factor(density.covariance());
+    const typename G::TangentMatrix weighted = factor.solve(jacobian);
+    information = jacobian.transpose() * weighted;
+    pull = -(weighted.transpose() * residual);
+  }
+};
+
+}  // namespace internal
+
+/// The normalised product of two densities on the same group and the log of its integral.
+///
+/// Gauss-Newton on the sum of both negative logs finds the mode X*; the covariance is the inverse of the information
+/// there, and the overlap is Laplace's: p(X*) q(X*) (2 pi)^(n/2) |P|^(1/2), with both volume factors. Exact on R^n.
+/// Not converging is reported, not thrown.
+template <LieGroup G>
+FuseResult<ConcentratedGaussian<G>> fuse(const ConcentratedGaussian<G>& p,
+                                         const ConcentratedGaussian<G>& q,
+                                         const FuseSettings& settings = {}) {
+  using Matrix = typename G::TangentMatrix;
+  const Eigen::Index n = p.dof();
+  if (q.dof() != n) {
+    throw InvalidInput(fmt::format("fuse: densities of {} and {} degrees of freedom", n, q.dof()));
+  }
+  G mode = p.mean();
+  Eigen::LLT<Matrix> information;
+  bool converged = false;
+  int iteration = 0;
+  while (!converged && iteration < settings.max_iterations) {
+    const internal::Factor<G> from_p(p, mode);
+    const internal::Factor<G> from_q(q, mode);
+    information.compute(from_p.information + from_q.information);
+    const typename G::Tangent step = information.solve(from_p.pull + from_q.pull);
+    mode = G::exp(step) * mode;
+    converged = step.norm() < settings.tolerance;
+    ++iteration;
+  }
+  Matrix covariance = information.solve(Matrix::Identity(n, n));
+  symmetrize(covariance);
+  const double log_overlap = p.log_density(mode) + q.log_density(mode) +
+                             0.5 * (static_cast<double>(n) * kLogTwoPi - log_det(information));
+  return {ConcentratedGaussian<G>::trusted(mode, covariance), log_overlap, converged, iteration};
+}
+
+}  // namespace posemix

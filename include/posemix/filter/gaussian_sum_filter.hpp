@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "posemix/filter/predict.hpp"
+#include "posemix/reduction/reduce.hpp"
+
+namespace posemix {
+
+/// Joint posterior of the camera and all objects.
+using Posterior = Mixture<Hypothesis>;
+
+/// How the components of a detector's noise are combined over the objects seen in one frame.
+enum class NoiseUse {
+  joint,      ///< one component is chosen for all visible objects together (the midway paper's filter)
+  per_object  ///< one component for every object, the objects processed one after another with a reduction after each
+};
+
+/// What is reported as the estimate.
+enum class Summary {
+  best,               ///< the hypothesis of the largest weight
+  merge_two_largest,  ///< the merge of the two largest weights (the midway paper's)
+  whole_mixture       ///< the merge of all hypotheses
+};
+
+/// Settings of the filter.
+struct FilterSettings {
+  NoiseUse noise_use = NoiseUse::per_object;
+  /// A detection is left out when its squared Mahalanobis distance exceeds this quantile of the chi-square distribution
+  /// with six degrees of freedom for every hypothesis and noise component; 1 turns the gate off.
+  double gate_probability = 1.0;
+  Summary summary = Summary::whole_mixture;
+  ReductionSettings reduction;
+};
+
+/// What an update did with every detection, in the order given.
+struct UpdateReport {
+  std::vector<bool> gated;                  ///< left out by the gate
+  std::vector<bool> failed;                 ///< left out because an innovation covariance was not positive definite
+  double log_evidence = 0.0;                ///< log of the summed likelihood of the detections used [nats]
+  std::vector<ReductionReport> reductions;  ///< one for joint use, one per used detection otherwise
+  double update_seconds = 0.0;
+  double reduce_seconds = 0.0;
+};
+
+/// The Gaussian-sum invariant EKF (midway-merge paper, Algorithm 1): predict, update, reduce, summarise.
+///
+/// Invariants: every hypothesis holds the same poses in the same order, pose 0 is the camera; every covariance is
+/// symmetric positive definite; weights are normalised logarithms.
+class GaussianSumFilter {
+ public:
+  /// Starts from a prior, usually one hypothesis that holds the camera alone.
+  /// @throws InvalidInput when a setting is out of range
+  GaussianSumFilter(Posterior prior, FilterSettings settings);
+
+  /// Moves every hypothesis, for example by predict_with_odometry.
+  void predict(const std::function<Hypothesis(Hypothesis)>& motion);
+
+  /// Every hypothesis gets one child per noise component, is updated, and the mixture is reduced.
+  /// @throws InvalidInput when a detection names the camera, a pose that does not exist or one named twice, or when
+  /// joint use finds detectors whose components differ in number or weight
+  UpdateReport update(std::span<const Detection> detections);
+
+  /// A new object enters every hypothesis with its full cross-covariance, one child per noise component, and the
+  /// mixture is reduced. Returns the index of its pose.
+  std::size_t add_object(const SE3d& camera_object, const DetectorNoise& noise);
+
+  /// A new object enters every hypothesis at T_R camera_object with an error that is independent of all others, the
+  /// covariance in the world frame. Returns the index of its pose.
+  std::size_t add_independent_object(const SE3d& camera_object, const Matrix6d& covariance);
+
+  const Posterior& posterior() const { return posterior_; }
+  const FilterSettings& settings() const { return settings_; }
+
+  /// One Gaussian in place of the posterior.
+  Hypothesis summarise() const;
+
+ private:
+  bool branch(std::span<const Detection> detections, UpdateReport& report);
+  void reduce(UpdateReport& report);
+
+  Posterior posterior_;
+  FilterSettings settings_;
+  double gate_;
+};
+
+}  // namespace posemix

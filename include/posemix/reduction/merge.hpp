@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <span>
+
+#include "posemix/mixture/moments.hpp"
+
+namespace posemix {
+
+/// How several components become one.
+enum class MergeRule {
+  /// Every component is moved to the tangent space at the midway point, the weighted mean of the means, where the
+  /// merged mean is zero, and moments are matched there (midway-merge paper, eq. 12-19).
+  midway,
+  /// Every component is moved to the tangent space of the one with the largest weight (the first of equals), moments
+  /// are matched there, and the result is back-projected with J_l (Cesic et al. 2017).
+  tangent_of_larger,
+  /// Mean and covariance of the sum as a random element of the group: iterated mean, then second moments, by
+  /// cubature.
+  moment_matched
+};
+
+/// Settings of `merge`.
+struct MergeSettings {
+  MergeRule rule = MergeRule::midway;
+  TransportJacobian jacobian = TransportJacobian::exact;  ///< for midway and tangent_of_larger
+  int max_iterations = 100;                               ///< of the mean of three or more components
+  double tolerance = 1e-12;                               ///< norm of its last step [rad, m]
+};
+
+/// Result of `merge`: the component with the summed weight, and whether its mean converged.
+template <class D>
+struct MergeResult {
+  Component<D> component;
+  bool converged;
+};
+
+/// The midway point of the components: eq. 12 for two, for more the element M at which the merged mean is zero,
+/// sum_i w_i Log(X_i M^-1) = 0 (eq. 15 and 17), by iteration.
+template <LieGroup G>
+MeanResult<G> midway_point(std::span<const Component<ConcentratedGaussian<G>>> components,
+                           const MergeSettings& settings = {});
+
+/// One component in place of several. Weights add up (eq. 19); components of weight zero are ignored (if all are
+/// zero, they count equally). Not converging is reported, not thrown.
+/// @throws InvalidInput when there is no component
+template <LieGroup G>
+MergeResult<ConcentratedGaussian<G>> merge(
+    std::span<const Component<ConcentratedGaussian<G>>> components,
+    const MergeSettings& settings = {});
+
+}  // namespace posemix
+
+#include "posemix/reduction/merge_impl.hpp"

@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "posemix/density/concentrated_gaussian.hpp"
+
+namespace posemix {
+
+template class ConcentratedGaussian<SO3d>;
+template class ConcentratedGaussian<SE3d>;
+template class ConcentratedGaussian<PoseStackd>;
+
+}  // namespace posemix

@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "posemix/filter/gaussian_sum_filter.hpp"
+
+#include <algorithm>
+#include <boost/math/distributions/chi_squared.hpp>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+namespace posemix {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+double gate_threshold(double probability) {
+  if (!(probability > 0.0 && probability <= 1.0)) {
+    throw InvalidInput(fmt::format("gate probability is {}, expected a number in (0, 1]", probability));
+  }
+  if (probability == 1.0) return std::numeric_limits<double>::infinity();
+  return boost::math::quantile(boost::math::chi_squared(6.0), probability);
+}
+
+void check_detections(std::span<const Detection> detections, std::size_t poses) {
+  for (std::size_t i = 0; i < detections.size(); ++i) {
+    const std::size_t object = detections[i].object;
+    if (object == kCamera || object >= poses) {
+      throw InvalidInput(fmt::format("detection of pose {}, expected an object in 1..{}", object, poses - 1));
+    }
+    for (std::size_t j = 0; j < i; ++j) {
+      if (detections[j].object == object) {
+        throw InvalidInput(fmt::format("object at pose {} is detected twice in one frame", object));
+      }
+    }
+  }
+}
+
+/// The number of noise components that all detectors share, with the same weights (eq. 33).
+std::size_t common_components(std::span<const Detection> detections) {
+  const auto& first = detections.front().noise->components();
+  for (const Detection& detection : detections) {
+    const auto& other = detection.noise->components();
+    const bool same = std::equal(first.begin(), first.end(), other.begin(), other.end(),
+                                 [](const NoiseComponent& a, const NoiseComponent& b) {
+                                   return std::abs(a.weight - b.weight) < 1e-12;
+                                 });
+    if (!same) {
+      throw InvalidInput(
+          "joint use of noise components needs the same number of components with the same weights for every object");
+    }
+  }
+  return first.size();
+}
+
+/// True when no hypothesis can explain the detection under any of its noise components.
+bool is_outlier(const Posterior& posterior, const Detection& detection, double threshold) {
+  for (const auto& hypothesis : posterior.components()) {
+    for (const NoiseComponent& noise : detection.noise->components()) {
+      if (squared_mahalanobis(hypothesis.density, detection, noise) <= threshold) return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+GaussianSumFilter::GaussianSumFilter(Posterior prior, FilterSettings settings)
+    : posterior_(std::move(prior)),
+      settings_(settings),
+      gate_(gate_threshold(settings.gate_probability)) {
+  require(settings_.reduction.max_components > 0, "filter: max_components is 0, expected at least 1");
+}
+
+void GaussianSumFilter::predict(const std::function<Hypothesis(Hypothesis)>& motion) {
+  std::vector<Component<Hypothesis>> hypotheses = std::move(posterior_).release();
+  for (auto& hypothesis : hypotheses) hypothesis.density = motion(std::move(hypothesis.density));
+  posterior_ = Posterior(std::move(hypotheses));
+}
+
+UpdateReport GaussianSumFilter::update(std::span<const Detection> detections) {
+  check_detections(detections, posterior_[0].density.mean().size());
+  UpdateReport report;
+  report.gated.assign(detections.size(), false);
+  report.failed.assign(detections.size(), false);
+  for (std::size_t i = 0; i < detections.size(); ++i) {
+    report.gated[i] = std::isfinite(gate_) && is_outlier(posterior_, detections[i], gate_);
+  }
+  if (settings_.noise_use == NoiseUse::joint) {
+    std::vector<Detection> used;
+    for (std::size_t i = 0; i < detections.size(); ++i) {
+      if (!report.gated[i]) used.push_back(detections[i]);
+    }
+    if (used.empty()) return report;
+    const bool ok = branch(used, report);
+    for (std::size_t i = 0; i < detections.size(); ++i) report.failed[i] = !ok && !report.gated[i];
+    reduce(report);
+    return report;
+  }
+  for (std::size_t i = 0; i < detections.size(); ++i) {
+    if (report.gated[i]) continue;
+    report.failed[i] = !branch(detections.subspan(i, 1), report);
+    reduce(report);
+  }
+  return report;
+}
+
+bool GaussianSumFilter::branch(std::span<const Detection> detections, UpdateReport& report) {
+  const auto start = Clock::now();
+  const std::size_t noise_components = common_components(detections);
+  std::vector<Component<Hypothesis>> children;
+  std::vector<double> log_weights;
+  children.reserve(posterior_.size() * noise_components);
+  for (const auto& parent : posterior_.components()) {
+    for (std::size_t i = 0; i < noise_components; ++i) {
+      std::vector<const NoiseComponent*> noise;
+      for (const Detection& detection : detections) noise.push_back(&detection.noise->components()[i]);
+      UpdateResult child = posemix::update(parent.density, detections, noise);
+      log_weights.push_back(parent.log_weight + std::log(noise.front()->weight) + child.log_likelihood);
+      children.push_back({log_weights.back(), std::move(child.posterior)});
+    }
+  }
+  const double log_evidence = log_sum_exp(log_weights);
+  const bool ok = std::isfinite(log_evidence);
+  if (ok) {
+    report.log_evidence += log_evidence;
+    posterior_ = Posterior(std::move(children));
+  }
+  report.update_seconds += seconds_since(start);
+  return ok;
+}
+
+void GaussianSumFilter::reduce(UpdateReport& report) {
+  const auto start = Clock::now();
+  auto reduction = posemix::reduce(std::move(posterior_), settings_.reduction);
+  posterior_ = std::move(reduction.mixture);
+  report.reductions.push_back(std::move(reduction.report));
+  report.reduce_seconds += seconds_since(start);
+}
+
+std::size_t GaussianSumFilter::add_object(const SE3d& camera_object, const DetectorNoise& noise) {
+  const std::size_t index = posterior_[0].density.mean().size();
+  const Detection detection{index, camera_object, &noise};
+  std::vector<Component<Hypothesis>> children;
+  for (const auto& parent : posterior_.components()) {
+    for (const NoiseComponent& component : noise.components()) {
+      children.push_back({parent.log_weight + std::log(component.weight),
+                          with_detected_object(parent.density, detection, component)});
+    }
+  }
+  posterior_ = posemix::reduce(Posterior(std::move(children)), settings_.reduction).mixture;
+  return index;
+}
+
+std::size_t GaussianSumFilter::add_independent_object(const SE3d& camera_object,
+                                                      const Matrix6d& covariance) {
+  const Matrix6d checked = checked_covariance(covariance, 6, "covariance of the new object");
+  const std::size_t index = posterior_[0].density.mean().size();
+  predict([&](const Hypothesis& hypothesis) {
+    return with_independent_pose(hypothesis, hypothesis.mean()[kCamera] * camera_object, checked);
+  });
+  return index;
+}
+
+Hypothesis GaussianSumFilter::summarise() const {
+  const auto& components = posterior_.components();
+  if (settings_.summary == Summary::best || components.size() == 1) {
+    return components[posterior_.heaviest()].density;
+  }
+  if (settings_.summary == Summary::whole_mixture) {
+    return merge<PoseStackd>(std::span(components), settings_.reduction.merge).component.density;
+  }
+  std::vector<std::size_t> order(components.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return components[a].log_weight > components[b].log_weight;
+  });
+  const Component<Hypothesis> two[] = {components[order[0]], components[order[1]]};
+  return merge<PoseStackd>(std::span<const Component<Hypothesis>>(two), settings_.reduction.merge)
+      .component.density;
+}
+
+}  // namespace posemix

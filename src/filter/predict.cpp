@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "posemix/filter/predict.hpp"
+
+#include <utility>
+
+namespace posemix {
+namespace {
+
+constexpr Eigen::Index kPoseDof = 6;
+constexpr Eigen::Index kMotionOffset = kPoseDof * static_cast<Eigen::Index>(kMotion);
+
+void add_noise(Eigen::MatrixXd& covariance, Eigen::Index offset, const SE3d& pose, const Matrix6d& q) {
+  covariance.block<kPoseDof, kPoseDof>(offset, offset) += pose.adjoint_congruence(q);
+}
+
+}  // namespace
+
+Hypothesis predict_with_odometry(Hypothesis hypothesis, const SE3d& motion, const Matrix6d& q) {
+  auto [mean, covariance] = std::move(hypothesis).release();
+  mean[kCamera] = mean[kCamera] * motion;
+  add_noise(covariance, 0, mean[kCamera], q);
+  return Hypothesis::trusted(std::move(mean), std::move(covariance));
+}
+
+Hypothesis predict_random_walk(Hypothesis hypothesis, const Matrix6d& q) {
+  return predict_with_odometry(std::move(hypothesis), SE3d(), q);
+}
+
+Hypothesis predict_constant_velocity(Hypothesis hypothesis, double periods, const Matrix6d& q,
+                                     const Matrix6d& q_motion) {
+  auto [mean, covariance] = std::move(hypothesis).release();
+  const Vector6d velocity = mean[kMotion].log();
+  const Matrix6d transfer = mean[kCamera].adjoint() * (periods * SE3d::left_jacobian(periods * velocity) *
+                                                       SE3d::left_jacobian_inverse(velocity));
+  // Covariance of (xi_R + transfer xi_V, rest): first the rows, then the columns.
+  covariance.topRows<kPoseDof>() += transfer * covariance.middleRows<kPoseDof>(kMotionOffset);
+  covariance.leftCols<kPoseDof>() +=
+      covariance.middleCols<kPoseDof>(kMotionOffset) * transfer.transpose();
+  mean[kCamera] = mean[kCamera] * SE3d::exp(periods * velocity);
+  add_noise(covariance, 0, mean[kCamera], q);
+  add_noise(covariance, kMotionOffset, mean[kMotion], q_motion);
+  symmetrize(covariance);
+  return Hypothesis::trusted(std::move(mean), std::move(covariance));
+}
+
+}  // namespace posemix

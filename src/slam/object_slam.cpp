@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "posemix/slam/object_slam.hpp"
+
+#include <chrono>
+#include <utility>
+
+namespace posemix {
+namespace {
+
+/// The prior of the filter: the camera, and its motion where the model needs one (at rest).
+Posterior prior(const ConcentratedGaussian<SE3d>& camera, const MotionSettings& motion) {
+  Hypothesis hypothesis(PoseStackd(std::vector<SE3d>{camera.mean()}), camera.covariance());
+  if (motion.model == MotionModel::constant_velocity) {
+    const Matrix6d at_rest = motion.motion_noise.over(motion.period_s);
+    hypothesis = with_independent_pose(hypothesis, SE3d(), at_rest);
+  }
+  return Posterior({{0.0, std::move(hypothesis)}});
+}
+
+}  // namespace
+
+ObjectSlam::ObjectSlam(const ConcentratedGaussian<SE3d>& camera, std::vector<ObjectModel> objects,
+                       ObjectSlamSettings settings)
+    : objects_(std::move(objects)),
+      motion_(settings.motion),
+      filter_(prior(camera, settings.motion), settings.filter),
+      indices_(objects_.size()),
+      estimate_(filter_.summarise()) {
+  require(motion_.period_s > 0.0, "motion: period_s must be positive");
+}
+
+FrameReport ObjectSlam::start(const std::vector<std::optional<SE3d>>& detections) {
+  return observe(detections);
+}
+
+FrameReport ObjectSlam::step(const FrameInput& input) {
+  if (!(input.dt > 0.0)) {
+    throw InvalidInput(fmt::format("frame: dt is {} s, expected a positive time", input.dt));
+  }
+  const auto start = std::chrono::steady_clock::now();
+  predict(input);
+  FrameReport report = observe(input.detections);
+  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return report;
+}
+
+void ObjectSlam::predict(const FrameInput& input) {
+  switch (motion_.model) {
+    case MotionModel::odometry: {
+      const bool known = input.odometry.has_value();
+      const Matrix6d q = (known ? motion_.noise : motion_.unknown_motion).over(input.dt);
+      const SE3d motion = input.odometry.value_or(SE3d());
+      filter_.predict([&](Hypothesis h) { return predict_with_odometry(std::move(h), motion, q); });
+      return;
+    }
+    case MotionModel::random_walk: {
+      const Matrix6d q = motion_.noise.over(input.dt);
+      filter_.predict([&](Hypothesis h) { return predict_random_walk(std::move(h), q); });
+      return;
+    }
+    case MotionModel::constant_velocity: {
+      const double periods = input.dt / motion_.period_s;
+      const Matrix6d q = motion_.noise.over(input.dt);
+      const Matrix6d q_motion = motion_.motion_noise.over(input.dt);
+      filter_.predict([&](Hypothesis h) {
+        return predict_constant_velocity(std::move(h), periods, q, q_motion);
+      });
+      return;
+    }
+  }
+}
+
+FrameReport ObjectSlam::observe(const std::vector<std::optional<SE3d>>& detections) {
+  if (detections.size() != objects_.size()) {
+    throw InvalidInput(fmt::format("frame: {} detections for {} objects", detections.size(), objects_.size()));
+  }
+  FrameReport report;
+  report.fates.assign(objects_.size(), DetectionFate::none);
+
+  // Update with the objects that are already in the map.
+  std::vector<Detection> known;
+  std::vector<std::size_t> known_objects;
+  for (std::size_t object = 0; object < objects_.size(); ++object) {
+    if (!detections[object] || !indices_[object]) continue;
+    known.push_back({*indices_[object], *detections[object], &objects_[object].noise});
+    known_objects.push_back(object);
+  }
+  report.update = filter_.update(known);
+  for (std::size_t i = 0; i < known.size(); ++i) {
+    report.fates[known_objects[i]] = report.update.gated[i]    ? DetectionFate::gated
+                                     : report.update.failed[i] ? DetectionFate::failed
+                                                               : DetectionFate::used;
+  }
+
+  // Objects seen for the first time enter the map.
+  for (std::size_t object = 0; object < objects_.size(); ++object) {
+    if (!detections[object] || indices_[object]) continue;
+    const ObjectModel& model = objects_[object];
+    indices_[object] = model.independent_start
+                           ? filter_.add_independent_object(*detections[object], *model.independent_start)
+                           : filter_.add_object(*detections[object], model.noise);
+    report.fates[object] = DetectionFate::started;
+  }
+  estimate_ = filter_.summarise();
+  return report;
+}
+
+}  // namespace posemix
