@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "posemix/slam/evaluation.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "posemix/base/units.hpp"
+
+namespace posemix {
+namespace {
+
+using Poses = std::vector<std::optional<SE3d>>;
+
+/// Accumulates the errors of a pose.
+class ErrorSum {
+ public:
+  void add(const std::optional<SE3d>& estimate, const std::optional<SE3d>& truth) {
+    if (!estimate || !truth) return;
+    const Vector6d error = (*estimate * truth->inverse()).log();
+    position_ += (estimate->translation() - truth->translation()).squaredNorm();
+    rotation_ += error.head<3>().squaredNorm();
+    position_log_ += error.tail<3>().squaredNorm();
+    ++count_;
+  }
+
+  PoseErrors errors() const {
+    if (count_ == 0) return {};
+    const auto rms = [&](double sum) { return std::sqrt(sum / static_cast<double>(count_)); };
+    return {rms(position_), degrees(rms(rotation_)), rms(position_log_)};
+  }
+
+ private:
+  double position_ = 0.0;
+  double rotation_ = 0.0;
+  double position_log_ = 0.0;
+  std::size_t count_ = 0;
+};
+
+const std::optional<SE3d>& entry(const Poses& poses, std::size_t frame) {
+  static const std::optional<SE3d> none;
+  return poses.empty() ? none : poses[frame];
+}
+
+std::optional<SE3d> mean_of(const std::optional<PoseDensity>& density) {
+  return density ? std::optional(density->mean()) : std::nullopt;
+}
+
+/// e^T P^-1 e with e = Log(T_true T_est^-1).
+double squared_normalized_error(const PoseDensity& estimate, const SE3d& truth) {
+  const Vector6d error = (truth * estimate.mean().inverse()).log();
+  return error.dot(Eigen::LLT<Matrix6d>(estimate.covariance()).solve(error));
+}
+
+ObjectMetrics evaluate_object(const Sequence& sequence, const SlamRun& run, std::size_t object) {
+  ObjectMetrics metrics;
+  metrics.id = sequence.objects[object].id;
+  ErrorSum world;
+  ErrorSum relative;
+  ErrorSum detection;
+  double nees = 0.0;
+  std::size_t nees_count = 0;
+  for (std::size_t k = 0; k < run.frames.size(); ++k) {
+    const FrameEstimate& frame = run.frames[k];
+    const auto& detected = sequence.objects[object].detections[k];
+    const auto truth = true_relative_pose(sequence, object, k);
+    world.add(mean_of(frame.objects[object]), true_world_pose(sequence, object, k));
+    relative.add(mean_of(frame.relative[object]), truth);
+    detection.add(detected, truth);
+    metrics.detections += detected.has_value() ? 1 : 0;
+    metrics.gated += frame.report.fates[object] == DetectionFate::gated ? 1 : 0;
+    if (frame.relative[object] && truth) {
+      nees += squared_normalized_error(*frame.relative[object], *truth);
+      ++nees_count;
+    }
+  }
+  metrics.world = world.errors();
+  metrics.relative = relative.errors();
+  metrics.detection_relative = detection.errors();
+  if (nees_count > 0) metrics.relative_anees = nees / (6.0 * static_cast<double>(nees_count));
+  return metrics;
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+Timing timing_of(const SlamRun& run) {
+  constexpr double kMicroseconds = 1e6;
+  std::vector<double> frame_us;
+  std::vector<double> update_us;
+  std::vector<double> reduce_us;
+  double merges = 0.0;
+  for (std::size_t k = 1; k < run.frames.size(); ++k) {
+    const FrameReport& report = run.frames[k].report;
+    frame_us.push_back(kMicroseconds * report.seconds);
+    update_us.push_back(kMicroseconds * report.update.update_seconds);
+    reduce_us.push_back(kMicroseconds * report.update.reduce_seconds);
+    for (const auto& reduction : report.update.reductions) {
+      merges += static_cast<double>(reduction.merges.size());
+    }
+  }
+  const double count = std::max<double>(1.0, static_cast<double>(frame_us.size()));
+  return {median(frame_us), median(update_us), median(reduce_us), merges / count};
+}
+
+}  // namespace
+
+std::optional<SE3d> true_relative_pose(const Sequence& sequence, std::size_t object, std::size_t frame) {
+  const ObjectRecording& recording = sequence.objects[object];
+  if (const auto& relative = entry(recording.relative_truth, frame)) return relative;
+  const auto& world = entry(recording.world_truth, frame);
+  const auto& camera = entry(sequence.camera_truth, frame);
+  if (!world || !camera) return std::nullopt;
+  return camera->inverse() * *world;
+}
+
+std::optional<SE3d> true_world_pose(const Sequence& sequence, std::size_t object, std::size_t frame) {
+  const ObjectRecording& recording = sequence.objects[object];
+  if (const auto& world = entry(recording.world_truth, frame)) return world;
+  const auto& relative = entry(recording.relative_truth, frame);
+  const auto& camera = entry(sequence.camera_truth, frame);
+  if (!relative || !camera) return std::nullopt;
+  return *camera * *relative;
+}
+
+Metrics evaluate(const Sequence& sequence, const SlamRun& run) {
+  Metrics metrics;
+  metrics.frames = run.frames.size();
+  ErrorSum camera;
+  for (std::size_t k = 0; k < run.frames.size(); ++k) {
+    camera.add(run.frames[k].camera.mean(), entry(sequence.camera_truth, k));
+  }
+  metrics.camera = camera.errors();
+  for (std::size_t object = 0; object < sequence.objects.size(); ++object) {
+    metrics.objects.push_back(evaluate_object(sequence, run, object));
+  }
+  metrics.timing = timing_of(run);
+  return metrics;
+}
+
+}  // namespace posemix
