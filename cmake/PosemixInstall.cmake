@@ -2,7 +2,6 @@
 # SPDX-FileCopyrightText: posemix contributors
 include(CMakePackageConfigHelpers)
 
-set(POSEMIX_CMAKE_DIR "${CMAKE_INSTALL_LIBDIR}/cmake/posemix")
 get_property(posemix_rooms GLOBAL PROPERTY POSEMIX_EXPORTED_ROOMS)
 
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/include/posemix" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}"

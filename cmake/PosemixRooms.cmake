@@ -89,11 +89,14 @@ function(posemix_add_test name)
   endif()
 endfunction()
 
-# posemix_add_bench(<name> SOURCES <file>... [DEPENDS <target>...])
+# posemix_add_bench(bench_<x> SOURCES <file>... [DEPENDS <target>...])
+#
+# Defines a Google Benchmark program that `make bench` runs.
 function(posemix_add_bench name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;DEPENDS")
   add_executable(${name} ${arg_SOURCES})
   posemix_apply_policy(${name})
   target_link_libraries(${name} PRIVATE ${arg_DEPENDS} benchmark::benchmark_main)
+  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/bench")
   set_property(GLOBAL APPEND PROPERTY POSEMIX_BENCHMARKS ${name})
 endfunction()

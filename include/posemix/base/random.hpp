@@ -10,7 +10,7 @@
 
 namespace posemix {
 
-/// A counter-based random stream (Philox4x32-10, Salmon et al. 2011).
+/// A counter-based random stream (Philox4x32-10 \cite salmon2011random).
 ///
 /// Two numbers name a stream, the seed and the stream index; streams with different names are
 /// independent. The output depends on nothing but the name and the position, so work items that own
