@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "simulation_detector.hpp"
+
+#include <algorithm>
+
+namespace posemix::simulation {
+namespace {
+
+Pose pose_of(const Eigen::Vector3d& rotation_rad, const Eigen::Vector3d& translation_m) {
+  return {SO3<Real>::exp(rotation_rad.cast<Real>()), translation_m.cast<Real>()};
+}
+
+Vector6 vector_of(const SimulationSd& sd) {
+  Vector6 values;
+  values << sd.rotation_rad.cast<Real>(), sd.translation_m.cast<Real>();
+  return values;
+}
+
+std::vector<double> weights_of(const SimulationObject& object) {
+  std::vector<double> weights;
+  for (const SimulationNoise& component : object.noise) weights.push_back(component.weight);
+  return weights;
+}
+
+Real correlation(double time_s, double period_s) {
+  return time_s > 0.0 ? std::exp(-static_cast<Real>(period_s) / time_s) : Real(0);
+}
+
+/// States 0 (off) and 1 (on). A run of `on` ends with probability (1 - keep)(1 - fraction).
+StickyChain run_chain(const SimulationRuns& runs, double period_s, RandomStream random) {
+  const Real off = 1 - static_cast<Real>(runs.fraction);
+  const bool independent = !(runs.mean_run_s * off > period_s);
+  const Real keep = independent ? Real(0) : 1 - period_s / (runs.mean_run_s * off);
+  return {{1.0 - runs.fraction, runs.fraction}, keep, random};
+}
+
+}  // namespace
+
+Detector::Detector(const SimulationObject& object, double period_s, std::uint64_t seed)
+    : flip_(pose_of(object.flips.rotation_rad, object.flips.translation_m)),
+      box_(object.outliers.box_m.cast<Real>()),
+      first_frame_(object.first_frame),
+      component_(weights_of(object), correlation(object.correlation_s, period_s),
+                 named_stream(seed, object.id + "/component")),
+      normal_(correlation(object.correlation_s, period_s),
+              named_stream(seed, object.id + "/normal")),
+      flips_(run_chain(object.flips.runs, period_s, named_stream(seed, object.id + "/flips"))),
+      outliers_(
+          run_chain(object.outliers.runs, period_s, named_stream(seed, object.id + "/outliers"))),
+      misses_(run_chain(object.misses, period_s, named_stream(seed, object.id + "/misses"))),
+      wrong_poses_(named_stream(seed, object.id + "/wrong-poses")) {
+  for (const SimulationNoise& noise : object.noise) {
+    modes_.push_back({noise.frame, vector_of(noise.sd),
+                      pose_of(noise.offset_rotation_rad, noise.offset_translation_m)});
+  }
+}
+
+std::optional<Pose> Detector::next(const Pose& truth) {
+  // Every process moves on in every frame, whatever the others say.
+  const Mode& mode = modes_[component_.next()];
+  const Vector6 error = mode.sd.cwiseProduct(normal_.next());
+  const bool flipped = flips_.next() == 1;
+  const bool outlier = outliers_.next() == 1;
+  const bool missed = misses_.next() == 1;
+  const SO3<Real> wrong_rotation = draw_rotation(wrong_poses_);
+  Vector3 wrong_translation;
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    wrong_translation[i] = (2 * static_cast<Real>(wrong_poses_.uniform()) - 1) * box_[i];
+  }
+  if (!outlier) wrong_.reset();
+  if (outlier && !wrong_) wrong_ = Pose(wrong_rotation, wrong_translation);
+  if (frame_++ < first_frame_ || missed) return std::nullopt;
+
+  const Pose shift = (wrong_ ? *wrong_ : flipped ? flip_ : Pose()) * mode.offset;
+  if (mode.frame == NoiseFrame::object) return truth * shift * Pose::exp(error);
+  const SO3<Real> to_object = truth.rotation().inverse();
+  Vector6 turned;
+  turned << to_object * Vector3(error.head<3>()), to_object * Vector3(error.tail<3>());
+  return truth * Pose::exp(turned) * shift;
+}
+
+}  // namespace posemix::simulation

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "posemix/slam/simulation.hpp"
+#include "simulation_random.hpp"
+
+namespace posemix::simulation {
+
+/// The detector of one object, frame by frame.
+class Detector {
+ public:
+  Detector(const SimulationObject& object, double period_s, std::uint64_t seed);
+
+  /// The detection in the next frame; `truth` is T_camera_object.
+  std::optional<Pose> next(const Pose& truth);
+
+ private:
+  struct Mode {
+    NoiseFrame frame;
+    Vector6 sd;
+    Pose offset;
+  };
+
+  std::vector<Mode> modes_;
+  Pose flip_;
+  Vector3 box_;
+  std::size_t first_frame_;
+  std::size_t frame_ = 0;
+  StickyChain component_;
+  CorrelatedNormal normal_;
+  StickyChain flips_;
+  StickyChain outliers_;
+  StickyChain misses_;
+  RandomStream wrong_poses_;
+  std::optional<Pose> wrong_;  ///< in a run of outliers
+};
+
+}  // namespace posemix::simulation

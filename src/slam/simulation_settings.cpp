@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include <cmath>
+#include <limits>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "posemix/slam/simulation.hpp"
+
+/// Settings of the simulation: their checks, and what the filter is told of them.
+namespace posemix {
+namespace {
+
+constexpr std::size_t kMostFrames = 10'000'000;
+constexpr double kLongestPeriod = 3600.0;  // seconds
+constexpr double kSmallestWeight = 1e-12;
+constexpr double kLargestWeight = 1e12;
+constexpr double kFurthest = 1e3;      // metres
+constexpr double kLargestAngle = 1e3;  // radians
+
+/// Checks numbers and remembers whose they are.
+class Checker {
+ public:
+  explicit Checker(std::string owner) : owner_(std::move(owner)) {}
+
+  void within(double value, double lowest, double highest, const char* name) const {
+    if (value >= lowest && value <= highest) return;
+    throw InvalidInput(fmt::format("simulation: {} {} is {}, expected a number in [{:g}, {:g}]",
+                                   owner_, name, value, lowest, highest));
+  }
+  void within(const Eigen::Vector3d& values, double lowest, double highest,
+              const char* name) const {
+    for (const double value : values) within(value, lowest, highest, name);
+  }
+  void sd(const SimulationSd& sd) const {
+    within(sd.rotation_rad, 0.0, kLargestAngle, "standard deviation of rotation");
+    within(sd.translation_m, 0.0, kFurthest, "standard deviation of translation");
+  }
+  void runs(const SimulationRuns& runs, const char* name) const {
+    within(runs.fraction, 0.0, 1.0, name);
+    within(runs.mean_run_s, 0.0, std::numeric_limits<double>::max(), "mean run");
+  }
+  void noise(const SimulationNoise& noise) const {
+    within(noise.weight, kSmallestWeight, kLargestWeight, "weight of noise");
+    sd(noise.sd);
+    within(noise.offset_rotation_rad, -kLargestAngle, kLargestAngle, "offset rotation");
+    within(noise.offset_translation_m, -kFurthest, kFurthest, "offset translation");
+  }
+
+ private:
+  std::string owner_;
+};
+
+void check(const SimulationPath& path) {
+  const Checker checker("path");
+  checker.within(static_cast<double>(path.frames), 1, kMostFrames, "frames");
+  checker.within(path.period_s, 1e-9, kLongestPeriod, "period");
+  checker.within(path.target_m, -kFurthest, kFurthest, "target");
+  checker.within(path.range.mean_m, 0.0, kFurthest, "range");
+  checker.within(path.range.swing_m, -kFurthest, kFurthest, "swing of the range");
+  checker.within(path.height.mean_m, -kFurthest, kFurthest, "height");
+  checker.within(path.height.swing_m, -kFurthest, kFurthest, "swing of the height");
+  const double nearest = path.range.mean_m - std::abs(path.range.swing_m);
+  const double highest = std::abs(path.height.mean_m) + std::abs(path.height.swing_m);
+  if (!(nearest > highest)) {
+    throw InvalidInput(fmt::format(
+        "simulation: path: the smallest range, {} m, must exceed the largest height, {} m", nearest,
+        highest));
+  }
+}
+
+void check(const SimulationObject& object, std::size_t frames) {
+  if (object.id.empty()) throw InvalidInput("simulation: an object has no id");
+  const Checker checker(fmt::format("object '{}':", object.id));
+  checker.within(object.position_m, -kFurthest, kFurthest, "position");
+  checker.within(object.rotation_rad, -kLargestAngle, kLargestAngle, "rotation");
+  if (object.noise.empty()) {
+    throw InvalidInput(
+        fmt::format("simulation: object '{}': there is no noise component", object.id));
+  }
+  for (const SimulationNoise& noise : object.noise) checker.noise(noise);
+  for (const SimulationNoise& noise : object.claimed) checker.noise(noise);
+  checker.within(object.correlation_s, 0.0, std::numeric_limits<double>::max(), "correlation time");
+  checker.runs(object.flips.runs, "fraction of flips");
+  checker.within(object.flips.rotation_rad, -kLargestAngle, kLargestAngle, "flip rotation");
+  checker.within(object.flips.translation_m, -kFurthest, kFurthest, "flip translation");
+  checker.runs(object.outliers.runs, "fraction of outliers");
+  checker.within(object.outliers.box_m, 0.0, kFurthest, "box of outliers");
+  checker.runs(object.misses, "fraction of misses");
+  if (object.first_frame >= frames) {
+    throw InvalidInput(fmt::format("simulation: object '{}' appears at frame {} of {}", object.id,
+                                   object.first_frame, frames));
+  }
+}
+
+Matrix6d covariance_of(const SimulationSd& sd) {
+  return pose_covariance(sd.rotation_rad, sd.translation_m);
+}
+
+SE3d offset_of(const SimulationNoise& noise) {
+  return {SO3d::exp(noise.offset_rotation_rad), noise.offset_translation_m};
+}
+
+}  // namespace
+
+void validate(const SimulationConfig& config) {
+  check(config.path);
+  Checker("odometry").sd(config.odometry);
+  if (config.claimed_odometry) Checker("claimed odometry").sd(*config.claimed_odometry);
+  Checker("start").sd(config.start);
+  std::set<std::string> ids;
+  for (const SimulationObject& object : config.objects) {
+    check(object, config.path.frames);
+    if (!ids.insert(object.id).second) {
+      throw InvalidInput(fmt::format("simulation: object id '{}' occurs twice", object.id));
+    }
+  }
+}
+
+std::vector<SimulationNoise> claimed_noise(const SimulationObject& object) {
+  if (!object.claimed.empty()) return object.claimed;
+  double total = 0.0;
+  for (const SimulationNoise& noise : object.noise) total += noise.weight;
+  const double flipped = object.flips.runs.fraction;
+  const SE3d flip(SO3d::exp(object.flips.rotation_rad), object.flips.translation_m);
+  std::vector<SimulationNoise> components;
+  for (SimulationNoise noise : object.noise) {
+    noise.weight *= (1.0 - flipped) / total;
+    if (noise.weight > 0.0) components.push_back(noise);
+  }
+  for (SimulationNoise noise : object.noise) {
+    noise.weight *= flipped / total;
+    const SE3d offset = flip * offset_of(noise);
+    noise.offset_rotation_rad = offset.rotation().log();
+    noise.offset_translation_m = offset.translation();
+    if (noise.weight > 0.0) components.push_back(noise);
+  }
+  return components;
+}
+
+ObjectModel object_model(const SimulationObject& object) {
+  std::vector<NoiseComponent> components;
+  for (const SimulationNoise& noise : claimed_noise(object)) {
+    components.push_back({noise.weight, covariance_of(noise.sd), noise.frame, offset_of(noise)});
+  }
+  return {object.id, DetectorNoise(std::move(components)), {}};
+}
+
+MotionSettings motion_settings(const SimulationConfig& config) {
+  MotionSettings motion;
+  motion.noise.covariance = covariance_of(config.claimed_odometry.value_or(config.odometry));
+  motion.noise.per = NoisePer::second;
+  return motion;
+}
+
+ConcentratedGaussian<SE3d> camera_prior(const SimulationConfig& config,
+                                        const SimulatedSequence& simulated) {
+  return {simulated.camera_start.pose(), covariance_of(config.start)};
+}
+
+}  // namespace posemix
