@@ -63,6 +63,7 @@ endfunction()
 #   [TIMEOUT <seconds>])   of one test case, 300 unless given
 #
 # Defines the executable <name>, linked with gtest_main, rapidcheck and posemix::testing, and one ctest test per case.
+# Helpers that rooms share are included by their path from tests/ ("filter/scenario.hpp").
 # Property tests use a fixed RapidCheck seed; RC_PARAMS="seed=7" in the environment of ctest overrides it.
 function(posemix_add_test name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "TIMEOUT;LABEL" "SOURCES;DEPENDS")
@@ -78,6 +79,7 @@ function(posemix_add_test name)
   add_executable(${name} ${arg_SOURCES})
   posemix_apply_policy(${name})
   target_link_libraries(${name} PRIVATE ${arg_DEPENDS} posemix::testing GTest::gtest_main)
+  target_include_directories(${name} PRIVATE "${PROJECT_SOURCE_DIR}/tests")
   target_compile_definitions(${name} PRIVATE
     POSEMIX_DEFAULT_DATA_DIR="${PROJECT_SOURCE_DIR}/../shared/data"
     POSEMIX_SOURCE_DIR="${PROJECT_SOURCE_DIR}")

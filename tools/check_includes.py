@@ -37,15 +37,18 @@ def room_of(path):
     return parts[1] if parts[1] in ROOMS + ("testing",) else None
 
 
+def included_room(target):
+    """The room of an included header, named by its path from include/ or from tests/."""
+    return room_of(("include/" if target.startswith("posemix/") else "tests/") + target)
+
+
 def include_error(path, quote, target):
     """What is wrong with `#include target` in `path`, or None."""
     if ".." in Path(target).parts:
-        return f"include '{target}' by its path from include/, not relative to this file"
-    if not target.startswith("posemix/"):
-        return None
+        return f"include '{target}' by its path from include/ or tests/, not relative to this file"
     room = room_of(path)
-    included = room_of("include/" + target)
-    if room is None:
+    included = included_room(target)
+    if room is None or included is None and not target.startswith("posemix/"):
         return None
     if quote == "<":
         return f"include own header '{target}' with quotes"

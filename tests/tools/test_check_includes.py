@@ -53,6 +53,10 @@ class Directions(unittest.TestCase):
         self.assertTrue(messages("src/lie/a.cpp", '#include "../base/private.hpp"\n'))
         self.assertFalse(messages("src/lie/a.cpp", '#include "private.hpp"\n#include <Eigen/Core>\n'))
 
+    def test_shared_helpers_of_tests_follow_the_same_order(self):
+        self.assertFalse(messages("tests/slam/test_a.cpp", '#include "filter/scenario.hpp"\n'))
+        self.assertTrue(messages("tests/filter/test_a.cpp", '#include "slam/scenario.hpp"\n'))
+
     def test_test_tools_are_for_tests(self):
         body = '#include "posemix/testing/data.hpp"\n'
         self.assertFalse(messages("tests/lie/test_a.cpp", body))
