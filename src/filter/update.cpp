@@ -18,10 +18,10 @@ Index offset(std::size_t pose) { return kPoseDof * static_cast<Index>(pose); }
 
 /// The noise covariance carried into the world frame: Ad(E) R Ad(E)^T, E the pose of the axes it is stated in.
 Matrix6d world_noise(const NoiseComponent& noise, const SE3d& camera, const SE3d& object) {
-  if (noise.frame == NoiseFrame::camera) {
-    return SE3d(camera.rotation(), object.translation()).adjoint_congruence(noise.covariance);
-  }
-  return (object * noise.offset).adjoint_congruence(noise.covariance);
+  const SE3d mode = object * noise.offset;
+  const bool in_camera = noise.frame == NoiseFrame::camera;
+  const SE3d axes = in_camera ? SE3d(camera.rotation(), mode.translation()) : mode;
+  return axes.adjoint_congruence(noise.covariance);
 }
 
 /// The detection freed of its mode: T_camera_object as the component believes it.

@@ -9,10 +9,9 @@
 
 namespace posemix {
 
-/// The axes in which a noise covariance is stated. Rotation and translation are about and of the object's origin in
-/// both cases.
+/// The axes in which a noise covariance is stated. In both cases the rotation is about the origin of the detected mode.
 enum class NoiseFrame {
-  object,  ///< Y = T_camera_object Exp(n), n along the object's axes (midway-merge paper, eq. 32)
+  object,  ///< Y = T_camera_object offset Exp(n), n along the mode's own axes (midway-merge paper, eq. 32)
   camera   ///< the same with n along the camera's axes
 };
 

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include <gtest/gtest.h>
+
+#include "../filter/scenario.hpp"
+#include "posemix/slam/object_slam.hpp"
+
+namespace posemix {
+namespace {
+
+using testing::gaussian_noise;
+using testing::isotropic;
+using testing::pose;
+
+const ConcentratedGaussian<SE3d> kPrior(pose(0.1, 0.2, -0.1, 0.3, -0.2, 0.1), isotropic(0.5, 0.005));
+const SE3d kObject = pose(0.4, -0.3, 0.2, 0.1, 0.2, 1.1);
+
+ObjectModel model(const std::string& id) { return {id, gaussian_noise(), std::nullopt}; }
+
+ObjectSlam make(ObjectSlamSettings settings = {}) {
+  return ObjectSlam(kPrior, {model("a"), model("b")}, settings);
+}
+
+std::optional<SE3d> seen(const SE3d& camera = kPrior.mean()) { return camera.inverse() * kObject; }
+
+TEST(ObjectSlamTest, FramesWithNothingAreValid) {
+  ObjectSlam slam = make();
+  const FrameReport first = slam.start({std::nullopt, std::nullopt});
+  EXPECT_EQ(first.fates, std::vector(2, DetectionFate::none));
+  EXPECT_EQ(slam.estimate().mean().size(), 1U);
+  slam.step({0.1, std::nullopt, {std::nullopt, std::nullopt}});
+  EXPECT_TRUE(slam.estimate().mean()[kCamera].is_approx(kPrior.mean(), 1e-12));
+  EXPECT_FALSE(slam.pose_index(0).has_value());
+}
+
+TEST(ObjectSlamTest, ObjectsEnterInTheOrderSeenAndAtAnyFrame) {
+  ObjectSlam slam = make();
+  slam.start({std::nullopt, std::nullopt});
+  EXPECT_EQ(slam.step({0.1, SE3d(), {std::nullopt, seen()}}).fates[1], DetectionFate::started);
+  EXPECT_EQ(slam.pose_index(1), std::optional<std::size_t>(1));
+  const FrameReport report = slam.step({0.1, SE3d(), {seen(), seen()}});
+  EXPECT_EQ(report.fates[0], DetectionFate::started);
+  EXPECT_EQ(report.fates[1], DetectionFate::used);
+  EXPECT_EQ(slam.pose_index(0), std::optional<std::size_t>(2));
+  EXPECT_EQ(slam.estimate().mean().size(), 3U);
+}
+
+TEST(ObjectSlamTest, MissingOdometryIsARandomWalkOfTheUnknownMotion) {
+  ObjectSlamSettings settings;
+  settings.motion.unknown_motion = {isotropic(10.0, 0.1), NoisePer::second};
+  ObjectSlam known = make(settings);
+  ObjectSlam unknown = make(settings);
+  for (ObjectSlam* slam : {&known, &unknown}) slam->start({std::nullopt, std::nullopt});
+  known.step({0.5, SE3d(), {std::nullopt, std::nullopt}});
+  unknown.step({0.5, std::nullopt, {std::nullopt, std::nullopt}});
+  const Matrix6d added = unknown.estimate().covariance() - kPrior.covariance();
+  EXPECT_TRUE(added.isApprox(kPrior.mean().adjoint_congruence(0.5 * isotropic(10.0, 0.1)), 1e-9));
+  EXPECT_LT(known.estimate().covariance()(0, 0), unknown.estimate().covariance()(0, 0));
+}
+
+TEST(ObjectSlamTest, IndependentStartKeepsTheGivenCovarianceAndNoCrossTerms) {
+  ObjectModel independent = model("a");
+  independent.independent_start = isotropic(4.0, 0.1);
+  ObjectSlam slam(kPrior, {independent}, {});
+  slam.start({seen()});
+  const Eigen::MatrixXd p = slam.estimate().covariance();
+  EXPECT_TRUE(p.bottomRightCorner(6, 6).isApprox(isotropic(4.0, 0.1), 1e-14));
+  EXPECT_EQ(p.topRightCorner(6, 6).cwiseAbs().maxCoeff(), 0.0);
+}
+
+TEST(ObjectSlamTest, ConstantVelocityKeepsTheMotionInTheState) {
+  ObjectSlamSettings settings;
+  settings.motion.model = MotionModel::constant_velocity;
+  ObjectSlam slam = make(settings);
+  slam.start({seen(), std::nullopt});
+  EXPECT_EQ(slam.estimate().mean().size(), 3U);
+  EXPECT_EQ(slam.pose_index(0), std::optional<std::size_t>(2));
+  SE3d camera = kPrior.mean();
+  const SE3d motion = pose(0.01, 0.0, -0.01, 0.01, 0.0, 0.0);
+  for (int frame = 0; frame < 80; ++frame) {
+    camera = camera * motion;
+    slam.step({0.1, std::nullopt, {seen(camera), std::nullopt}});
+  }
+  EXPECT_LT((slam.estimate().mean()[kMotion] * motion.inverse()).log().norm(), 2e-3);
+}
+
+TEST(ObjectSlamTest, RefusesInputOfTheWrongShape) {
+  ObjectSlam slam = make();
+  EXPECT_THROW(slam.start({std::nullopt}), InvalidInput);
+  slam.start({std::nullopt, std::nullopt});
+  EXPECT_THROW(slam.step({0.0, SE3d(), {std::nullopt, std::nullopt}}), InvalidInput);
+  EXPECT_THROW(slam.step({-1.0, SE3d(), {std::nullopt, std::nullopt}}), InvalidInput);
+  EXPECT_THROW(slam.step({0.1, SE3d(), {}}), InvalidInput);
+  ObjectSlamSettings settings;
+  settings.motion.period_s = 0.0;
+  EXPECT_THROW(make(settings), InvalidInput);
+}
+
+}  // namespace
+}  // namespace posemix
