@@ -40,7 +40,7 @@ StickyChain run_chain(const SimulationRuns& runs, double period_s, RandomStream 
 Detector::Detector(const SimulationObject& object, double period_s, std::uint64_t seed)
     : flip_(pose_of(object.flips.rotation_rad, object.flips.translation_m)),
       box_(object.outliers.box_m.cast<Real>()),
-      first_frame_(object.first_frame),
+      hidden_frames_(object.hidden_frames),
       component_(weights_of(object), correlation(object.correlation_s, period_s),
                  named_stream(seed, object.id + "/component")),
       normal_(correlation(object.correlation_s, period_s),
@@ -70,14 +70,14 @@ std::optional<Pose> Detector::next(const Pose& truth) {
   }
   if (!outlier) wrong_.reset();
   if (outlier && !wrong_) wrong_ = Pose(wrong_rotation, wrong_translation);
-  if (frame_++ < first_frame_ || missed) return std::nullopt;
+  if (frame_++ < hidden_frames_ || missed) return std::nullopt;
 
-  const Pose shift = (wrong_ ? *wrong_ : flipped ? flip_ : Pose()) * mode.offset;
-  if (mode.frame == NoiseFrame::object) return truth * shift * Pose::exp(error);
-  const SO3<Real> to_object = truth.rotation().inverse();
+  const Pose mode_pose = truth * (wrong_ ? *wrong_ : flipped ? flip_ : Pose()) * mode.offset;
+  if (mode.frame == NoiseFrame::object) return mode_pose * Pose::exp(error);
+  const SO3<Real> to_mode = mode_pose.rotation().inverse();
   Vector6 turned;
-  turned << to_object * Vector3(error.head<3>()), to_object * Vector3(error.tail<3>());
-  return truth * Pose::exp(turned) * shift;
+  turned << to_mode * Vector3(error.head<3>()), to_mode * Vector3(error.tail<3>());
+  return mode_pose * Pose::exp(turned);
 }
 
 }  // namespace posemix::simulation

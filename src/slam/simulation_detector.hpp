@@ -28,7 +28,7 @@ class Detector {
   std::vector<Mode> modes_;
   Pose flip_;
   Vector3 box_;
-  std::size_t first_frame_;
+  std::size_t hidden_frames_;
   std::size_t frame_ = 0;
   StickyChain component_;
   CorrelatedNormal normal_;

@@ -89,9 +89,9 @@ void check(const SimulationObject& object, std::size_t frames) {
   checker.runs(object.outliers.runs, "fraction of outliers");
   checker.within(object.outliers.box_m, 0.0, kFurthest, "box of outliers");
   checker.runs(object.misses, "fraction of misses");
-  if (object.first_frame >= frames) {
-    throw InvalidInput(fmt::format("simulation: object '{}' appears at frame {} of {}", object.id,
-                                   object.first_frame, frames));
+  if (object.hidden_frames >= frames) {
+    throw InvalidInput(fmt::format("simulation: object '{}' is hidden for {} of {} frames", object.id,
+                                   object.hidden_frames, frames));
   }
 }
 

@@ -88,7 +88,7 @@ struct SimulationObject {
   SimulationFlips flips;
   SimulationOutliers outliers;
   SimulationRuns misses;
-  std::size_t first_frame = 0;  ///< no detection before this frame
+  std::size_t hidden_frames = 0;  ///< the object appears after so many frames
   /// The noise that the filter is told; empty: claimed_noise derives it.
   std::vector<SimulationNoise> claimed;
 };
