@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -52,7 +53,7 @@ ConcentratedGaussian<G> between(const ConcentratedGaussian<G>& x, const Concentr
 /// Settings of `fuse`.
 struct FuseSettings {
   int max_iterations = 50;
-  double tolerance = 1e-12;  ///< stop when the step's norm falls below this [rad, m]
+  double tolerance = 1e-12;  ///< stop when the step's norm falls below this, or rounding [rad, m]
 };
 
 /// Result of `fuse`.
@@ -65,6 +66,12 @@ struct FuseResult {
 };
 
 namespace internal {
+
+/// The length of a step near `element` that is nothing but rounding [rad, m].
+template <LieGroup G>
+double rounding_step(const G& element) {
+  return 16.0 * std::numeric_limits<double>::epsilon() * (1.0 + element.log().norm());
+}
 
 /// Information form of one factor of a product, linearised at a common element.
 template <LieGroup G>
@@ -89,6 +96,7 @@ struct Factor {
 /// Gauss-Newton on the sum of both negative logs finds the mode X*; the covariance is the inverse of the information
 /// there, and the overlap is Laplace's: p(X*) q(X*) (2 pi)^(n/2) |P|^(1/2), with both volume factors. Exact on R^n.
 /// Not converging is reported, not thrown.
+/// @throws InvalidInput when sizes differ or max_iterations is not positive
 template <LieGroup G>
 FuseResult<ConcentratedGaussian<G>> fuse(const ConcentratedGaussian<G>& p,
                                          const ConcentratedGaussian<G>& q,
@@ -98,6 +106,8 @@ FuseResult<ConcentratedGaussian<G>> fuse(const ConcentratedGaussian<G>& p,
   if (q.dof() != n) {
     throw InvalidInput(fmt::format("fuse: densities of {} and {} degrees of freedom", n, q.dof()));
   }
+  require(settings.max_iterations > 0, "fuse: max_iterations must be at least 1");
+  const double tolerance = std::max(settings.tolerance, internal::rounding_step(p.mean()));
   G mode = p.mean();
   Eigen::LLT<Matrix> information;
   bool converged = false;
@@ -108,7 +118,7 @@ FuseResult<ConcentratedGaussian<G>> fuse(const ConcentratedGaussian<G>& p,
     information.compute(from_p.information + from_q.information);
     const typename G::Tangent step = information.solve(from_p.pull + from_q.pull);
     mode = G::exp(step) * mode;
-    converged = step.norm() < settings.tolerance;
+    converged = step.norm() < tolerance;
     ++iteration;
   }
   Matrix covariance = information.solve(Matrix::Identity(n, n));

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+#include <Eigen/LU>
+
+#include "posemix/density/operations.hpp"
+#include "posemix/testing/density_draw.hpp"
+#include "posemix/testing/expect.hpp"
+#include "posemix/testing/rotation_quadrature.hpp"
+
+namespace posemix {
+namespace {
+
+using testing::check_property;
+using testing::draw_gaussian;
+using testing::relative_difference;
+
+template <class G>
+class FuseOn : public ::testing::Test {};
+using Groups = ::testing::Types<SO3d, SE3d, PoseStackd, Rnd<3>>;
+TYPED_TEST_SUITE(FuseOn, Groups);
+
+/// Two densities at most a few deviations apart.
+template <class G>
+std::pair<ConcentratedGaussian<G>, ConcentratedGaussian<G>> draw_pair() {
+  const G centre = testing::draw_near_identity<G>(1.0);
+  const auto p = draw_gaussian<G>(0.3, 0.3);
+  const auto q = draw_gaussian<G>(0.3, 0.2);
+  return {{p.mean() * centre, p.covariance()}, {q.mean() * centre, q.covariance()}};
+}
+
+TEST(FuseOnVectors, IsTheClosedForm) {
+  check_property([] {
+    const auto p = draw_gaussian<Rnd<3>>(2.0, 0.5);
+    const auto q = draw_gaussian<Rnd<3>>(2.0, 0.3);
+    const auto fused = fuse(p, q);
+    // N(x; a, A) N(x; b, B) = N(a; b, A + B) N(x; c, C), C^-1 = A^-1 + B^-1, c = C (A^-1 a + B^-1
+    // b).
+    const Eigen::Matrix3d info_p = p.covariance().inverse();
+    const Eigen::Matrix3d info_q = q.covariance().inverse();
+    const Eigen::Matrix3d covariance = (info_p + info_q).inverse();
+    const Eigen::Vector3d mean =
+        covariance * (info_p * p.mean().value() + info_q * q.mean().value());
+    const Eigen::Matrix3d sum = p.covariance() + q.covariance();
+    const Eigen::Vector3d d = p.mean().value() - q.mean().value();
+    const double overlap = -0.5 * (d.dot(sum.inverse() * d) + std::log(sum.determinant()) +
+                                   3.0 * std::log(2.0 * std::numbers::pi));
+    RC_ASSERT(fused.converged);
+    RC_ASSERT((fused.density.mean().value() - mean).norm() < 1e-10);
+    RC_ASSERT(relative_difference(fused.density.covariance(), covariance) < 1e-10);
+    RC_ASSERT(std::abs(fused.log_overlap - overlap) < 1e-9 * (1.0 + std::abs(overlap)));
+  });
+}
+
+TYPED_TEST(FuseOn, IsSymmetricInItsArguments) {
+  check_property([] {
+    const auto [p, q] = draw_pair<TypeParam>();
+    const auto forth = fuse(p, q);
+    const auto back = fuse(q, p);
+    RC_ASSERT(forth.converged && back.converged);
+    RC_ASSERT(forth.density.mean().is_approx(back.density.mean(), 1e-9));
+    RC_ASSERT(relative_difference(forth.density.covariance(), back.density.covariance()) < 1e-8);
+    RC_ASSERT(std::abs(forth.log_overlap - back.log_overlap) <
+              1e-8 * (1.0 + std::abs(forth.log_overlap)));
+  });
+}
+
+TYPED_TEST(FuseOn, WithItselfHalvesTheCovariance) {
+  check_property([] {
+    const auto p = draw_gaussian<TypeParam>(1.0, 0.2);
+    const auto fused = fuse(p, p);
+    // integral of N(x; m, P)^2 dx = N(0; 0, 2 P).
+    const Eigen::MatrixXd twice = 2.0 * p.covariance();
+    const double overlap = -0.5 * (std::log(twice.determinant()) +
+                                   static_cast<double>(p.dof()) * std::log(2.0 * std::numbers::pi));
+    RC_ASSERT(fused.density.mean().is_approx(p.mean(), 1e-12));
+    RC_ASSERT(relative_difference(fused.density.covariance(), 0.5 * p.covariance()) < 1e-10);
+    RC_ASSERT(std::abs(fused.log_overlap - overlap) < 1e-9 * (1.0 + std::abs(overlap)));
+  });
+}
+
+/// -log p without normaliser and volume factor.
+template <class G>
+double half_squared_distance(const ConcentratedGaussian<G>& density, const G& x) {
+  const Eigen::VectorXd xi = (x * density.mean().inverse()).log();
+  const Eigen::MatrixXd covariance = density.covariance();
+  return 0.5 * xi.dot(covariance.llt().solve(xi));
+}
+
+TYPED_TEST(FuseOn, TheMeanIsTheModeOfTheProduct) {
+  check_property([] {
+    using G = TypeParam;
+    using Tangent = typename G::Tangent;
+    const auto [p, q] = draw_pair<G>();
+    const auto fused = fuse(p, q);
+    RC_ASSERT(fused.converged);
+    const Eigen::MatrixXd root = Eigen::MatrixXd(fused.density.covariance()).llt().matrixL();
+    for (Eigen::Index i = 0; i < p.dof(); ++i) {
+      // Along one deviation of the product the second derivative is about one.
+      const auto cost = [&, &p = p, &q = q](double s) {
+        const G x = G::exp(Tangent(s * root.col(i))) * fused.density.mean();
+        return half_squared_distance(p, x) + half_squared_distance(q, x);
+      };
+      const double h = 1e-3;
+      const double slope = (8.0 * (cost(h) - cost(-h)) - (cost(2 * h) - cost(-2 * h))) / (12.0 * h);
+      RC_ASSERT(std::abs(slope) < 1e-8);
+    }
+  });
+}
+
+/// Relative error of the Laplace overlap on SO(3), deviations and distance proportional to `scale`.
+double overlap_error(double scale) {
+  Eigen::Matrix3d a;
+  a << 1.0, 0.3, -0.1, 0.3, 0.6, 0.2, -0.1, 0.2, 0.8;
+  Eigen::Matrix3d b;
+  b << 0.5, -0.1, 0.2, -0.1, 1.2, 0.1, 0.2, 0.1, 0.7;
+  const SO3d mean = SO3d::exp({0.3, -1.0, 0.7});
+  const SO3d other = SO3d::exp(scale * Eigen::Vector3d(0.9, -0.4, 0.7)) * mean;
+  const ConcentratedGaussian<SO3d> p(mean, scale * scale * a);
+  const ConcentratedGaussian<SO3d> q(other, scale * scale * b);
+  const auto fused = fuse(p, q);
+  const ConcentratedGaussian<SO3d>::Evaluator log_p(p);
+  const ConcentratedGaussian<SO3d>::Evaluator log_q(q);
+  const testing::BallRule rule{
+      .radius = std::min(std::numbers::pi, 8.0 * scale), .radial_panels = 3, .azimuths = 100};
+  const double exact = rule.integrate(fused.density.mean(), [&](const SO3d& x) {
+    return std::exp(log_p.log_density(x) + log_q.log_density(x));
+  });
+  return std::exp(fused.log_overlap) / exact - 1.0;
+}
+
+TEST(Fuse, OverlapOnRotationsAgreesWithQuadrature) {
+  const double error = overlap_error(0.3);
+  EXPECT_LT(std::abs(error), 0.03);
+  // Laplace's approximation neglects terms quadratic in the deviations.
+  EXPECT_NEAR(error / overlap_error(0.15), 4.0, 0.4);
+  EXPECT_LT(std::abs(overlap_error(0.01)), 4e-5);
+}
+
+TEST(Fuse, ReportsWhenItHasNotConverged) {
+  const Matrix6d spread = 0.04 * Matrix6d::Identity();
+  const Vector6d step = (Vector6d() << 0.8, -0.5, 0.6, 1.0, -2.0, 0.5).finished();
+  const ConcentratedGaussian<SE3d> p(SE3d(), spread);
+  const ConcentratedGaussian<SE3d> q(SE3d::exp(step), 0.5 * spread);
+  const auto stopped = fuse(p, q, {.max_iterations = 1});
+  EXPECT_FALSE(stopped.converged);
+  EXPECT_EQ(stopped.iterations, 1);
+  const auto finished = fuse(p, q);
+  EXPECT_TRUE(finished.converged);
+  EXPECT_LT(finished.iterations, 20);
+}
+
+TEST(Fuse, RejectsUnusableArguments) {
+  const auto stack = [](std::size_t size) {
+    const auto n = static_cast<Eigen::Index>(6 * size);
+    return ConcentratedGaussian<PoseStackd>(PoseStackd(size), Eigen::MatrixXd::Identity(n, n));
+  };
+  EXPECT_EQ(testing::thrown_message([&] { fuse(stack(1), stack(2)); }),
+            "fuse: densities of 6 and 12 degrees of freedom");
+  EXPECT_EQ(testing::thrown_message([&] { fuse(stack(1), stack(1), {.max_iterations = 0}); }),
+            "fuse: max_iterations must be at least 1");
+}
+
+TEST(Fuse, ConvergesFarFromTheOrigin) {
+  // Map coordinates, where rounding alone exceeds the default tolerance.
+  const SE3d far(SO3d::exp({0.3, 1.0, -2.0}), {4.2e6, 5.5e5, 4.7e6});
+  Matrix6d covariance = 1e-4 * Matrix6d::Identity();
+  covariance.bottomRightCorner<3, 3>() *= 100.0;
+  const ConcentratedGaussian<SE3d> p(SE3d::exp(Vector6d::Constant(1e-3)) * far, covariance);
+  const ConcentratedGaussian<SE3d> q(far, covariance);
+  EXPECT_TRUE(fuse(p, q).converged);
+}
+
+}  // namespace
+}  // namespace posemix
