@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <initializer_list>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+
+/// Checked reading of TOML: every error names file, line and key, and no key goes unread.
+namespace posemix {
+
+struct TomlNode;
+struct TomlState;
+
+/// The interval that a number of a document must lie in.
+struct NumberRange {
+  double lowest = -std::numeric_limits<double>::infinity();
+  double highest = std::numeric_limits<double>::infinity();
+  bool without_lowest = false;   ///< the lower end itself is not allowed
+  bool without_highest = false;  ///< the upper end itself is not allowed
+
+  bool contains(double number) const;
+  /// "number", "positive number", "number in [0, 1]", ...
+  std::string describe() const;
+};
+
+inline constexpr NumberRange kAnyNumber{};
+inline constexpr NumberRange kPositive{.lowest = 0, .without_lowest = true};
+inline constexpr NumberRange kNotNegative{.lowest = 0};
+inline constexpr NumberRange kUnitInterval{.lowest = 0, .highest = 1};
+
+/// The interval that an integer of a document must lie in.
+struct IntegerRange {
+  std::int64_t lowest = std::numeric_limits<std::int64_t>::min();
+  std::int64_t highest = std::numeric_limits<std::int64_t>::max();
+
+  /// "integer", "integer of at least 1", "integer in [0, 9]", ...
+  std::string describe() const;
+};
+
+inline constexpr IntegerRange kAnyInteger{};
+inline constexpr IntegerRange kAtLeastOne{.lowest = 1};
+inline constexpr IntegerRange kAtLeastZero{.lowest = 0};
+
+/// A table of a TomlDocument, by which its values are read. Cheap to copy; keeps the document's
+/// values alive, but is void after TomlDocument::apply_override.
+///
+/// Every getter throws InvalidInput `file:line: key 'noise.mug.weight' is a string, expected a
+/// number in [0, 1]` when the value is of another type or out of range, and when it is missing
+/// where the getter has no default. A value that came from an override is located as `--set
+/// key=value` in place of `file:line`. A missing key whose name is there with another unit suffix
+/// is reported as such (`key 'sd_rad': expected 'sd_deg' (degrees)`).
+///
+/// A key that a getter (or has()) asked for counts as known. Call finish() when all are read.
+class TomlTable {
+ public:
+  /// The dotted path of this table, as `noise.mug` or `objects[0]`; empty at the top of the
+  /// document.
+  const std::string& path() const { return path_; }
+  /// The table's keys in the order of the text. They do not count as known thereby.
+  std::vector<std::string> keys() const;
+  /// True where the key is present.
+  bool has(std::string_view key) const;
+  /// True where the key is present and holds an array.
+  bool is_array(std::string_view key) const;
+
+  /// A finite number; integers are taken too.
+  double get_double(std::string_view key, const NumberRange& range = kAnyNumber) const;
+  double get_double_or(std::string_view key, double otherwise,
+                       const NumberRange& range = kAnyNumber) const;
+
+  std::int64_t get_integer(std::string_view key, const IntegerRange& range = kAnyInteger) const;
+  std::int64_t get_integer_or(std::string_view key, std::int64_t otherwise,
+                              const IntegerRange& range = kAnyInteger) const;
+
+  bool get_bool(std::string_view key) const;
+  bool get_bool_or(std::string_view key, bool otherwise) const;
+
+  /// A string in which `${name}` is replaced (see TomlDocument). A number or boolean that came from
+  /// an override is taken as it was written there.
+  std::string get_string(std::string_view key) const;
+  std::string get_string_or(std::string_view key, std::string_view otherwise) const;
+
+  /// One of the allowed words; the result is its position among them.
+  std::size_t get_word(std::string_view key, std::span<const std::string_view> words) const;
+
+  /// The value that belongs to a word: `get_enum<Rule>("rule", {{"midway", Rule::midway}, ...})`.
+  template <typename Value>
+  Value get_enum(std::string_view key,
+                 std::initializer_list<std::pair<std::string_view, Value>> choices) const;
+  template <typename Value>
+  Value get_enum_or(std::string_view key, Value otherwise,
+                    std::initializer_list<std::pair<std::string_view, Value>> choices) const;
+
+  /// An array of `size` finite numbers (of any size where not given), each within the range.
+  Eigen::VectorXd get_vector(std::string_view key, std::optional<Eigen::Index> size = {},
+                             const NumberRange& range = kAnyNumber) const;
+  Eigen::VectorXd get_vector_or(std::string_view key, const Eigen::VectorXd& otherwise,
+                                const NumberRange& range = kAnyNumber) const;
+
+  /// An array of rows, each an array of finite numbers.
+  Eigen::MatrixXd get_matrix(std::string_view key, Eigen::Index rows, Eigen::Index columns) const;
+
+  /// An array of strings, each treated as by get_string.
+  std::vector<std::string> get_strings(std::string_view key) const;
+  std::vector<std::string> get_strings_or(std::string_view key,
+                                          const std::vector<std::string>& otherwise) const;
+
+  TomlTable get_table(std::string_view key) const;
+  std::optional<TomlTable> find_table(std::string_view key) const;
+
+  /// An array of tables, `[[key]]`; at least one.
+  std::vector<TomlTable> get_tables(std::string_view key) const;
+  /// An array of tables; none where the key is missing.
+  std::vector<TomlTable> find_tables(std::string_view key) const;
+
+  /// Where the key's value (or, without one, this table) was written: `file:line` or `--set
+  /// key=value`.
+  std::string location(std::string_view key) const;
+  /// Throws InvalidInput `location: key 'path.key' message`.
+  [[noreturn]] void fail(std::string_view key, std::string_view message) const;
+
+  /// Throws InvalidInput for a key of this table or of any table below it that nobody asked for,
+  /// with its place and the known key that it resembles.
+  void finish() const;
+
+ private:
+  friend class TomlDocument;
+  TomlTable(std::shared_ptr<const TomlState> state, const TomlNode* node, std::string path);
+
+  const TomlNode* find(std::string_view key) const;
+  const TomlNode& require(std::string_view key, std::string_view expected) const;
+  [[noreturn]] void fail_value(std::string_view key, const TomlNode& node,
+                               std::string_view expected) const;
+  [[noreturn]] void fail_missing(std::string_view key, std::string_view expected) const;
+  double number_of(std::string_view key, const TomlNode& node, const NumberRange& range,
+                   std::string_view expected) const;
+  std::string string_of(std::string_view key, const TomlNode& node,
+                        std::string_view expected) const;
+  std::vector<TomlTable> tables_of(std::string_view key, const TomlNode& node) const;
+
+  std::shared_ptr<const TomlState> state_;
+  const TomlNode* node_;
+  std::string path_;
+};
+
+/// A TOML document with overrides and variables.
+///
+/// `${name}` in a string stands for the variable `name`: one set by set_variable, else the string
+/// or integer under the key `name` at the top of the document (which thereby counts as known). `${`
+/// without `}` and names that are neither are errors.
+class TomlDocument {
+ public:
+  /// Parses a text; `name` stands for the file in messages. Throws InvalidInput `name:line:
+  /// reason`, also for an empty text and for one above 1 MiB.
+  static TomlDocument parse(std::string_view text, const std::string& name);
+  /// Parses a file.
+  static TomlDocument load(const std::filesystem::path& path);
+
+  /// Sets a value by its path: `filter.gate=0.99`, `objects.0.detections=mug.txt`,
+  /// `objects.mug.detections=...`.
+  ///
+  /// A part of the path that meets an array is an index from zero or else the `id` of one of its
+  /// tables. A part may be quoted ("a.b"). Tables on the way are created. The text after '=' is a
+  /// TOML value, and where it is not (a bare word, 0001) a string. Throws InvalidInput `--set
+  /// key=value: reason`.
+  void apply_override(std::string_view assignment);
+
+  /// Gives the variable `name` a value that goes before the document's own.
+  void set_variable(const std::string& name, const std::string& value);
+
+  /// The table at the top.
+  TomlTable root() const;
+  const std::string& name() const;
+
+  /// As TomlTable::finish for the whole document.
+  void finish() const { root().finish(); }
+
+ private:
+  explicit TomlDocument(std::shared_ptr<TomlState> state);
+  std::shared_ptr<TomlState> state_;
+};
+
+template <typename Value>
+Value TomlTable::get_enum(std::string_view key,
+                          std::initializer_list<std::pair<std::string_view, Value>> choices) const {
+  std::vector<std::string_view> words;
+  for (const auto& choice : choices) words.push_back(choice.first);
+  return (choices.begin() + get_word(key, words))->second;
+}
+
+template <typename Value>
+Value TomlTable::get_enum_or(
+    std::string_view key, Value otherwise,
+    std::initializer_list<std::pair<std::string_view, Value>> choices) const {
+  return has(key) ? get_enum(key, choices) : otherwise;
+}
+
+}  // namespace posemix

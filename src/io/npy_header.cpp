@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "npy_header.hpp"
+
+#include <map>
+
+#include <fmt/format.h>
+
+#include "posemix/base/error.hpp"
+#include "posemix/io/text.hpp"
+
+namespace posemix {
+namespace {
+
+constexpr std::string_view kMagic = "\x93NUMPY";
+
+[[noreturn]] void fail(const std::string& name, std::string_view got, std::string_view expected) {
+  throw InvalidInput(fmt::format("{}: got {}, expected {}", name, got, expected));
+}
+
+/// Reads the dictionary literal of a header, whose values are strings, words and tuples.
+class DictionaryReader {
+ public:
+  DictionaryReader(std::string_view text, const std::string& name) : text_(text), name_(name) {}
+
+  std::map<std::string_view, std::string_view> read() {
+    std::map<std::string_view, std::string_view> entries;
+    expect('{');
+    while (!accept('}')) {
+      const std::string_view key = string();
+      expect(':');
+      if (!entries.emplace(key, value()).second)
+        stop(fmt::format("the key {} again", in_quotes(key)));
+      if (!accept(',') && peek() != '}') stop("no ',' after a value");
+    }
+    skip_blanks();
+    if (position_ != text_.size()) stop("characters after '}'");
+    return entries;
+  }
+
+ private:
+  [[noreturn]] void stop(std::string_view got) const {
+    fail(name_, fmt::format("{} in the header {}", got, in_quotes(text_, 100)),
+         "{'descr': '<f4', 'fortran_order': False, 'shape': (4, 4), }");
+  }
+  void skip_blanks() {
+    while (position_ < text_.size() && (text_[position_] == ' ' || text_[position_] == '\n')) {
+      ++position_;
+    }
+  }
+  char peek() {
+    skip_blanks();
+    if (position_ == text_.size()) stop("an early end");
+    return text_[position_];
+  }
+  bool accept(char c) {
+    if (peek() != c) return false;
+    ++position_;
+    return true;
+  }
+  void expect(char c) {
+    if (!accept(c)) stop(fmt::format("no '{}'", c));
+  }
+  std::string_view until(std::size_t begin, std::size_t end, std::string_view what) {
+    if (end == std::string_view::npos) stop(fmt::format("no end of a {}", what));
+    position_ = end;
+    return text_.substr(begin, end - begin);
+  }
+  std::string_view string() {
+    const char quote = peek();
+    if (quote != '\'' && quote != '"') stop("no string");
+    const std::size_t begin = position_ + 1;
+    const std::string_view content = until(begin, text_.find(quote, begin), "string");
+    ++position_;
+    return content;
+  }
+  std::string_view value() {
+    const char first = peek();
+    if (first == '\'' || first == '"') return string();
+    if (first != '(') return until(position_, text_.find_first_of(",} \n", position_), "value");
+    const std::string_view tuple = until(position_, text_.find(')', position_), "tuple");
+    ++position_;
+    return tuple;
+  }
+
+  std::string_view text_;
+  const std::string& name_;
+  std::size_t position_ = 0;
+};
+
+std::string without_blanks(std::string_view text) {
+  std::string result;
+  for (const char c : text) {
+    if (c != ' ') result += c;
+  }
+  return result;
+}
+
+/// Bytes before the dictionary and bytes of the dictionary.
+struct Extent {
+  std::size_t begin, size;
+};
+
+Extent dictionary_extent(std::string_view bytes, const std::string& name) {
+  if (!bytes.starts_with(kMagic)) {
+    fail(name, in_quotes(bytes.substr(0, kMagic.size())),
+         "a NumPy file, which starts with \"\\x93NUMPY\"");
+  }
+  const auto byte = [&](std::size_t i) -> std::size_t {
+    if (i >= bytes.size())
+      fail(name, fmt::format("{} bytes", bytes.size()), "a whole NumPy header");
+    return static_cast<unsigned char>(bytes[i]);
+  };
+  const std::size_t major = byte(6);
+  if (major < 1 || major > 3 || byte(7) != 0) {
+    fail(name, fmt::format("NumPy format {}.{}", major, byte(7)), "1.0, 2.0 or 3.0");
+  }
+  Extent extent{major == 1 ? 10U : 12U, byte(8) | byte(9) << 8};
+  if (major > 1) extent.size |= byte(10) << 16 | byte(11) << 24;
+  if (extent.size > bytes.size() - extent.begin) {
+    fail(name, fmt::format("{} bytes", bytes.size()),
+         fmt::format("at least the {} bytes of the header", extent.begin + extent.size));
+  }
+  return extent;
+}
+
+}  // namespace
+
+NpyHeader parse_npy_header(std::string_view bytes, const std::string& name) {
+  const Extent extent = dictionary_extent(bytes, name);
+  auto entries = DictionaryReader(bytes.substr(extent.begin, extent.size), name).read();
+  for (const std::string_view key : {"descr", "fortran_order", "shape"}) {
+    if (!entries.contains(key))
+      fail(name, fmt::format("a header without '{}'", key), "one with it");
+  }
+  if (entries.size() != 3)
+    fail(name, "unknown keys in the header", "descr, fortran_order and shape");
+  const std::string_view type = entries["descr"];
+  if (type != "<f4" && type != "<f8") {
+    fail(name, fmt::format("numbers of type {}", in_quotes(type)),
+         "'<f4' or '<f8' (little-endian floats)");
+  }
+  const std::string_view order = entries["fortran_order"];
+  if (order != "True" && order != "False") {
+    fail(name, fmt::format("fortran_order {}", in_quotes(order)), "True or False");
+  }
+  if (without_blanks(entries["shape"]) != "(4,4") {
+    fail(name, fmt::format("the shape {}", in_quotes(fmt::format("{})", entries["shape"]))),
+         "(4, 4)");
+  }
+  return {extent.begin + extent.size, type == "<f4" ? 4U : 8U, order == "True"};
+}
+
+}  // namespace posemix

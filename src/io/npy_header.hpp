@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+namespace posemix {
+
+/// What the header of a .npy file with a 4x4 matrix says.
+struct NpyHeader {
+  std::size_t size = 0;        ///< bytes before the data
+  std::size_t entry_size = 0;  ///< 4 or 8 bytes per number
+  bool fortran_order = false;  ///< columns first
+};
+
+/// The header at the start of `bytes`. Throws InvalidInput unless it announces a 4x4 matrix of
+/// little-endian 32- or 64-bit floats in format version 1, 2 or 3.
+NpyHeader parse_npy_header(std::string_view bytes, const std::string& name);
+
+}  // namespace posemix

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <Eigen/Eigenvalues>
+
+#include "picture_parts.hpp"
+#include "posemix/base/units.hpp"
+
+namespace posemix {
+namespace {
+
+constexpr std::size_t kMostPoints = 2000;
+
+std::optional<double> rotation_error_deg(const std::optional<SE3d>& a,
+                                         const std::optional<SE3d>& b) {
+  if (!a || !b) return std::nullopt;
+  return degrees((a->rotation() * b->rotation().inverse()).log().norm());
+}
+
+double width_deg(const PoseDensity& density) {
+  const Eigen::Matrix3d rotation = density.covariance().topLeftCorner<3, 3>();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(rotation, Eigen::EigenvaluesOnly);
+  return degrees(3.0 * std::sqrt(std::max(0.0, eigen.eigenvalues().maxCoeff())));
+}
+
+double quantile(const Curve& curve, double probability) {
+  std::vector<double> values;
+  for (const auto& value : curve) {
+    if (value) values.push_back(*value);
+  }
+  if (values.empty()) return 0.0;
+  std::sort(values.begin(), values.end());
+  return values[static_cast<std::size_t>(probability * static_cast<double>(values.size() - 1))];
+}
+
+/// Upper end of the error axis: all of the estimate, and of the rest what still leaves the estimate
+/// readable.
+double highest_of(const StripCurves& curves) {
+  const double estimate = quantile(curves.estimate, 1.0);
+  const double width = quantile(curves.width, 0.9);
+  const double detector = quantile(curves.detector, 0.9);
+  double highest = estimate > 0.0
+                       ? std::max(estimate, std::min(std::max(width, detector), 2.5 * estimate))
+                       : width;
+  highest = std::clamp(1.1 * highest, 0.1, 185.0);
+  const double step = round_step(highest, 4);
+  return step * std::ceil(highest / step);
+}
+
+/// Time and error to pixels.
+class StripView {
+ public:
+  StripView(const SvgBox& box, const std::vector<double>& stamps, double highest)
+      : box_(box),
+        first_(stamps.front()),
+        span_(std::max(stamps.back() - stamps.front(), 1e-9)),
+        highest_(highest) {}
+
+  double x(double stamp) const { return box_.left + box_.width * (stamp - first_) / span_; }
+  double y(double value) const {
+    return box_.bottom() - box_.height * std::min(value / highest_, 1.0);
+  }
+
+  const SvgBox& box() const { return box_; }
+  double first() const { return first_; }
+  double span() const { return span_; }
+  double highest() const { return highest_; }
+
+ private:
+  SvgBox box_;
+  double first_;
+  double span_;
+  double highest_;
+};
+
+/// Pieces of a curve without gaps.
+std::vector<std::vector<Eigen::Vector2d>> pieces(const StripView& view,
+                                                 const std::vector<double>& stamps,
+                                                 const Curve& curve) {
+  const std::size_t stride = 1 + curve.size() / kMostPoints;
+  std::vector<std::vector<Eigen::Vector2d>> result(1);
+  for (std::size_t k = 0; k < curve.size(); k += stride) {
+    if (curve[k]) {
+      result.back().emplace_back(view.x(stamps[k]), view.y(*curve[k]));
+    } else if (!result.back().empty()) {
+      result.emplace_back();
+    }
+  }
+  return result;
+}
+
+void draw_band(SvgDocument& svg, const StripView& view, const std::vector<double>& stamps,
+               const Curve& width, const std::string& colour) {
+  for (std::vector<Eigen::Vector2d> outline : pieces(view, stamps, width)) {
+    if (outline.size() < 2) continue;
+    outline.emplace_back(outline.back().x(), view.box().bottom());
+    outline.emplace_back(outline.front().x(), view.box().bottom());
+    svg.polygon(outline, {.fill = colour, .opacity = 0.16});
+  }
+}
+
+void draw_detector(SvgDocument& svg, const StripView& view, const std::vector<double>& stamps,
+                   const Curve& curve, const std::string& colour) {
+  std::vector<Eigen::Vector2d> points;
+  for (const auto& piece : pieces(view, stamps, curve))
+    points.insert(points.end(), piece.begin(), piece.end());
+  svg.dots(points, {.stroke = colour, .width = 1.8, .opacity = 0.4});
+}
+
+void draw_axes(SvgDocument& svg, const StripView& view, bool with_time) {
+  const SvgBox& box = view.box();
+  const SvgStyle grid{.stroke = std::string(kGridColour)};
+  const SvgFont font{.size = 11, .fill = std::string(kAxisColour), .anchor = SvgAnchor::end};
+  const double step = round_step(view.highest(), 3);
+  for (double value = 0.0; value <= view.highest() * (1.0 + 1e-9); value += step) {
+    svg.line({box.left, view.y(value)}, {box.right(), view.y(value)}, grid);
+    svg.text({box.left - 6, view.y(value) + 4}, fmt::format("{:.4g}", value), font);
+  }
+  if (!with_time) return;
+  const double time_step = round_step(view.span(), 8);
+  for (double i = std::ceil(view.first() / time_step); i * time_step <= view.first() + view.span();
+       ++i) {
+    svg.text({view.x(i * time_step), box.bottom() + 15}, fmt::format("{:.6g}", i * time_step),
+             {.size = 11, .fill = std::string(kAxisColour), .anchor = SvgAnchor::middle});
+  }
+  svg.text({box.right(), box.bottom() + 30}, "time [s]",
+           {.size = 12, .fill = std::string(kAxisColour), .anchor = SvgAnchor::end});
+}
+
+}  // namespace
+
+StripCurves strip_curves(const SlamJob& job, const SlamRun& run, std::size_t object) {
+  StripCurves curves;
+  for (std::size_t k = 0; k < run.frames.size(); ++k) {
+    const auto truth = true_relative_pose(job.sequence, object, k);
+    const auto& density = run.frames[k].relative[object];
+    const auto mean = density ? std::optional(density->mean()) : std::nullopt;
+    curves.estimate.push_back(rotation_error_deg(mean, truth));
+    curves.detector.push_back(
+        rotation_error_deg(job.sequence.objects[object].detections[k], truth));
+    curves.width.push_back(density ? std::optional(width_deg(*density)) : std::nullopt);
+  }
+  return curves;
+}
+
+void draw_strip(SvgDocument& svg, const SvgBox& box, const SlamJob& job, std::size_t object,
+                const StripCurves& curves, bool last) {
+  const std::vector<double>& stamps = job.sequence.stamps;
+  const StripView view(box, stamps, highest_of(curves));
+  const std::string colour = object_colour(object);
+  draw_axes(svg, view, last);
+  draw_band(svg, view, stamps, curves.width, colour);
+  draw_detector(svg, view, stamps, curves.detector, colour);
+  for (const auto& piece : pieces(view, stamps, curves.estimate))
+    svg.polyline(piece, {.stroke = colour, .width = 1.4});
+  svg.rectangle(box, {.stroke = std::string(kAxisColour), .width = 0.8});
+  svg.text({box.left + 8, box.top + 15}, job.models[object].id, {.fill = colour, .bold = true});
+}
+
+}  // namespace posemix

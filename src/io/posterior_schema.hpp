@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <array>
+#include <string_view>
+
+#include "posemix/io/posterior_file.hpp"
+
+/// Words of posterior.json that writer and reader share.
+namespace posemix {
+
+inline constexpr std::string_view kPosteriorType = "posemix.posterior";
+inline constexpr std::string_view kSide = "left";
+inline constexpr std::string_view kOrder = "rot_trans";
+inline constexpr std::string_view kRotationUnit = "rad";
+inline constexpr std::string_view kTranslationUnit = "m";
+
+struct PoseKindWords {
+  PoseKind kind;
+  std::string_view word;
+  std::string_view transform;
+  std::string_view frame;  ///< that the covariance is stated in
+};
+
+inline constexpr std::array<PoseKindWords, 3> kPoseKinds{
+    {{PoseKind::camera, "camera", "T_world_camera", "world"},
+     {PoseKind::camera_motion, "camera_motion", "T_camera_camera_after_one_period", "camera"},
+     {PoseKind::object, "object", "T_world_object", "world"}}};
+
+}  // namespace posemix

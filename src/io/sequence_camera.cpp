@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include <fmt/format.h>
+
+#include "posemix/base/error.hpp"
+#include "posemix/base/units.hpp"
+#include "sequence_parts.hpp"
+
+namespace posemix {
+namespace {
+
+/// The first entry of `lever_arms` whose range of names holds the sequence's.
+Eigen::Vector3d lever_arm_of_sequence(const TomlTable& root, const TomlTable& camera) {
+  const std::string sequence = root.get_string("sequence");
+  std::optional<Eigen::Vector3d> chosen;
+  for (const TomlTable& range : camera.get_tables("lever_arms")) {
+    const bool inside = range.get_string("from") <= sequence && sequence <= range.get_string("to");
+    const Eigen::Vector3d lever_arm = range.get_vector("lever_arm_m", 3, kPosition);
+    if (inside && !chosen) chosen = lever_arm;
+  }
+  if (!chosen)
+    camera.fail("lever_arms", fmt::format("has no range that holds sequence '{}'", sequence));
+  return *chosen;
+}
+
+Eigen::Vector3d read_lever_arm(const TomlTable& root, const TomlTable& camera) {
+  const bool by_sequence = camera.has("lever_arms");
+  if (by_sequence && camera.has("lever_arm_m")) {
+    camera.fail("lever_arm_m", "stands beside lever_arms, expected one of the two");
+  }
+  if (by_sequence) return lever_arm_of_sequence(root, camera);
+  return camera.get_vector_or("lever_arm_m", Eigen::VectorXd::Zero(3), kPosition);
+}
+
+ProcessNoise read_process_noise(const TomlTable& motion, std::string_view key,
+                                const ProcessNoise& otherwise) {
+  const auto table = motion.find_table(key);
+  if (!table) return otherwise;
+  const Eigen::Vector3d rotation = read_sd(*table, "rotation_sd_deg", kSdOrZero, kRadPerDeg);
+  const Eigen::Vector3d translation = read_sd(*table, "translation_sd_m", kSdOrZero, 1.0);
+  return {pose_covariance(rotation, translation),
+          table->get_enum_or<NoisePer>("per", otherwise.per,
+                                       {{"frame", NoisePer::frame}, {"second", NoisePer::second}})};
+}
+
+SE3d read_start_pose(const TomlTable& start, const Poses& camera_truth) {
+  if (start.is_array("pose")) return read_pose(start, "pose");
+  const bool known = !camera_truth.empty() && camera_truth.front();
+  enum class Word { ground_truth, identity };
+  const Word word =
+      start.get_enum_or<Word>("pose", camera_truth.empty() ? Word::identity : Word::ground_truth,
+                              {{"ground_truth", Word::ground_truth}, {"identity", Word::identity}});
+  if (word == Word::identity) return SE3d();
+  if (!known) {
+    start.fail("pose",
+               "is \"ground_truth\", but camera.ground_truth has no pose at the first frame; give "
+               "\"identity\" "
+               "or seven numbers [tx, ty, tz, qx, qy, qz, qw]");
+  }
+  return *camera_truth.front();
+}
+
+}  // namespace
+
+CameraFiles read_camera_files(const TomlTable& root, const FileFinder& files) {
+  CameraFiles result;
+  const auto camera = root.find_table("camera");
+  if (!camera) return result;
+  result.frame_period_s = camera->get_double_or("frame_period_s", kFramePeriodS, kPeriod);
+  if (camera->has("odometry")) {
+    result.odometry = read_stamped(*camera, "odometry", files, {.allow_misses = true});
+  }
+  const SE3d lever_arm(SO3d(), read_lever_arm(root, *camera));
+  if (camera->has("ground_truth")) {
+    result.truth = read_stamped(*camera, "ground_truth", files);
+    for (StampedPose& frame : result.truth->poses) frame.pose = *frame.pose * lever_arm;
+  }
+  return result;
+}
+
+PoseDensity read_camera_prior(const TomlTable& root, const Poses& camera_truth) {
+  Eigen::Vector3d rotation = Eigen::Vector3d::Constant(radians(kStartRotationSdDeg));
+  Eigen::Vector3d translation = Eigen::Vector3d::Constant(kStartTranslationSdM);
+  SE3d pose = camera_truth.empty() ? SE3d() : camera_truth.front().value_or(SE3d());
+  const auto camera = root.find_table("camera");
+  if (const auto start = camera ? camera->find_table("start") : std::nullopt) {
+    pose = read_start_pose(*start, camera_truth);
+    if (start->has("rotation_sd_deg")) {
+      rotation = read_sd(*start, "rotation_sd_deg", kSd, kRadPerDeg);
+    }
+    if (start->has("translation_sd_m")) {
+      translation = read_sd(*start, "translation_sd_m", kSd, 1.0);
+    }
+  }
+  return PoseDensity(pose, pose_covariance(rotation, translation));
+}
+
+MotionSettings read_motion(const TomlTable& root, bool has_odometry) {
+  MotionSettings settings;
+  settings.model = has_odometry ? MotionModel::odometry : MotionModel::constant_velocity;
+  const auto motion = root.find_table("motion");
+  if (!motion) return settings;
+  settings.model =
+      motion->get_enum_or<MotionModel>("model", settings.model,
+                                       {{"odometry", MotionModel::odometry},
+                                        {"random_walk", MotionModel::random_walk},
+                                        {"constant_velocity", MotionModel::constant_velocity}});
+  if (settings.model == MotionModel::odometry && !has_odometry) {
+    motion->fail("model", "is \"odometry\", but there is no file under camera.odometry");
+  }
+  settings.period_s = motion->get_double_or("period_s", settings.period_s, kPeriod);
+  settings.noise = read_process_noise(*motion, "noise", settings.noise);
+  settings.motion_noise = read_process_noise(*motion, "motion_noise", settings.motion_noise);
+  settings.unknown_motion = read_process_noise(*motion, "unknown_motion", settings.unknown_motion);
+  return settings;
+}
+
+}  // namespace posemix

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "posemix/io/sequence_file.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <tuple>
+
+#include <fmt/format.h>
+
+#include "posemix/base/error.hpp"
+#include "posemix/io/text.hpp"
+#include "sequence_parts.hpp"
+
+namespace posemix {
+namespace {
+
+constexpr std::size_t kLongestId = 100;
+
+void check_schema(const TomlTable& root) {
+  const std::int64_t schema = root.get_integer("schema");
+  if (schema == kSequenceSchema) return;
+  root.fail("schema",
+            fmt::format("is {}, expected {}: this is another version of the sequence file", schema,
+                        kSequenceSchema));
+}
+
+std::string read_id(const TomlTable& object, std::set<std::string>& taken) {
+  constexpr std::string_view kAllowed =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_.-";
+  const std::string id = object.get_string("id");
+  const bool fits =
+      !id.empty() && id.size() <= kLongestId && id.find_first_not_of(kAllowed) == std::string::npos;
+  if (!fits) {
+    object.fail("id", fmt::format("is {}, expected 1 to {} letters, digits, '_', '.' and '-'",
+                                  in_quotes(id), kLongestId));
+  }
+  if (!taken.insert(id).second) {
+    object.fail("id", fmt::format("is {}, which another object has already", in_quotes(id)));
+  }
+  return id;
+}
+
+ObjectModel read_model(const TomlTable& object, std::set<std::string>& ids,
+                       const std::map<std::string, DetectorNoise>& noise_models) {
+  std::string id = read_id(object, ids);
+  const std::string noise = object.get_string("noise");
+  const auto found = noise_models.find(noise);
+  if (found == noise_models.end()) {
+    object.fail("noise", fmt::format("is {0}, but there is no table [noise.{1}]", in_quotes(noise),
+                                     noise.empty() ? "NAME" : noise));
+  }
+  std::optional<Matrix6d> start;
+  if (const auto table = object.find_table("start")) start = read_pose_covariance(*table);
+  return {std::move(id), found->second, start};
+}
+
+/// Stamps of the odometry, else of the camera's truth, else of all stamped detections, else frame
+/// numbers.
+Timeline make_timeline(const CameraFiles& camera, const std::vector<DetectionFile>& detections) {
+  std::set<double> stamps;
+  const auto add = [&](const std::vector<StampedPose>& poses) {
+    for (const StampedPose& pose : poses) stamps.insert(pose.stamp);
+  };
+  if (camera.odometry) {
+    add(camera.odometry->poses);
+  } else if (camera.truth) {
+    add(camera.truth->poses);
+  } else {
+    for (const DetectionFile& file : detections) {
+      if (file.stamped) add(*file.stamped);
+    }
+  }
+  if (!stamps.empty()) return Timeline(std::vector<double>(stamps.begin(), stamps.end()));
+  std::set<std::int64_t> numbers;
+  for (const DetectionFile& file : detections) {
+    for (const auto& [number, pose] : file.numbered) numbers.insert(number);
+  }
+  return Timeline(std::vector<std::int64_t>(numbers.begin(), numbers.end()), camera.frame_period_s);
+}
+
+void read_recordings(const TomlTable& root, const FileFinder& files, const CameraFiles& camera,
+                     SlamJob& job) {
+  const std::vector<TomlTable> objects = root.get_tables("objects");
+  std::vector<DetectionFile> detections;
+  for (const TomlTable& object : objects) detections.push_back(read_detections(object, files));
+  const Timeline timeline = make_timeline(camera, detections);
+  Sequence& sequence = job.sequence;
+  sequence.stamps = timeline.stamps();
+  if (camera.odometry) sequence.odometry = timeline.select(*camera.odometry);
+  if (camera.truth) sequence.camera_truth = timeline.select(*camera.truth);
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    ObjectRecording recording;
+    recording.id = job.models[i].id;
+    recording.detections =
+        located(objects[i], "detections", [&] { return detections[i].on(timeline); });
+    read_object_truth(objects[i], files, timeline, recording);
+    sequence.objects.push_back(std::move(recording));
+  }
+  validate(sequence);
+}
+
+/// Joint use needs detectors with the same number of noise components and the same weights.
+void check_joint_noise(const TomlTable& root, const SlamJob& job) {
+  if (job.settings.filter.noise_use != NoiseUse::joint) return;
+  const auto& first = job.models.front().noise.components();
+  for (const ObjectModel& model : job.models) {
+    const auto& other = model.noise.components();
+    const bool same = std::equal(first.begin(), first.end(), other.begin(), other.end(),
+                                 [](const NoiseComponent& a, const NoiseComponent& b) {
+                                   return std::abs(a.weight - b.weight) < 1e-12;
+                                 });
+    if (same) continue;
+    root.get_table("filter").fail(
+        "noise_use",
+        fmt::format(
+            "is \"joint\", which needs noise models with equal weights, but those of objects "
+            "'{}' and '{}' differ",
+            job.models.front().id, model.id));
+  }
+}
+
+void use_method(const TomlTable& root, const MethodSettings& method, SlamJob& job) {
+  job.method = method.name;
+  job.settings.filter = method.filter;
+  if (method.riekf) {
+    const TomlTable filter = root.get_table("filter");
+    std::tie(job.models, job.settings) =
+        located(filter, "method", [&] { return as_riekf(job.models, job.settings); });
+  }
+  check_joint_noise(root, job);
+}
+
+}  // namespace
+
+SlamJob read_slam_job(const TomlDocument& document,
+                      const std::vector<std::filesystem::path>& folders) {
+  const TomlTable root = document.root();
+  check_schema(root);
+  const FileFinder files(folders, root.get_strings_or("roots", {"."}));
+  const auto noise_models = read_noise_models(root);
+  std::vector<ObjectModel> models;
+  std::set<std::string> ids;
+  for (const TomlTable& object : root.get_tables("objects")) {
+    models.push_back(read_model(object, ids, noise_models));
+  }
+  const CameraFiles camera = read_camera_files(root, files);
+  SlamJob job{.name = std::filesystem::path(document.name()).stem().string(),
+              .method = {},
+              .sequence = {},
+              .camera_prior = PoseDensity(SE3d(), Matrix6d::Identity()),
+              .models = std::move(models),
+              .settings = {}};
+  read_recordings(root, files, camera, job);
+  job.camera_prior = read_camera_prior(root, job.sequence.camera_truth);
+  job.settings.motion = read_motion(root, camera.odometry.has_value());
+  use_method(root, read_filter(root), job);
+  if (const auto output = root.find_table("output")) {
+    job.trace_hypotheses = static_cast<std::size_t>(
+        output->get_integer_or("trace_hypotheses", kTraceHypotheses, kAtLeastZero));
+  }
+  document.finish();
+  return job;
+}
+
+}  // namespace posemix

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include <cmath>
+
+#include <fmt/format.h>
+#include <Eigen/Geometry>
+
+#include "posemix/base/error.hpp"
+#include "posemix/base/units.hpp"
+#include "posemix/io/rigid.hpp"
+#include "sequence_parts.hpp"
+
+namespace posemix {
+namespace {
+
+SE3d read_offset(const TomlTable& component) {
+  const auto offset = component.find_table("offset");
+  if (!offset) return NoiseComponent{}.offset;
+  constexpr NumberRange kRotationDeg{.lowest = -360, .highest = 360};
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(3);
+  const Eigen::Vector3d rotation = offset->get_vector_or("rotation_deg", zero, kRotationDeg);
+  const Eigen::Vector3d translation = offset->get_vector_or("translation_m", zero, kPosition);
+  return SE3d(SO3d::exp(kRadPerDeg * rotation), translation);
+}
+
+NoiseComponent read_component(const TomlTable& table) {
+  constexpr NumberRange kWeight{.lowest = 1e-12, .highest = 1e12};
+  const NoiseComponent defaults;
+  return {.weight = table.get_double_or("weight", defaults.weight, kWeight),
+          .covariance = read_pose_covariance(table),
+          .frame = table.get_enum_or<NoiseFrame>(
+              "frame", defaults.frame,
+              {{"object", NoiseFrame::object}, {"camera", NoiseFrame::camera}}),
+          .offset = read_offset(table)};
+}
+
+}  // namespace
+
+Eigen::Vector3d read_sd(const TomlTable& table, std::string_view key, const NumberRange& range,
+                        double unit) {
+  if (table.is_array(key)) return unit * table.get_vector(key, 3, range);
+  return Eigen::Vector3d::Constant(unit * table.get_double(key, range));
+}
+
+Matrix6d read_pose_covariance(const TomlTable& table) {
+  const Eigen::Vector3d rotation = read_sd(table, "rotation_sd_deg", kSd, kRadPerDeg);
+  const Eigen::Vector3d translation = read_sd(table, "translation_sd_m", kSd, 1.0);
+  return pose_covariance(rotation, translation);
+}
+
+SE3d read_pose(const TomlTable& table, std::string_view key) {
+  const Eigen::VectorXd numbers = table.get_vector(key, 7, kPosition);
+  const Eigen::Quaterniond quaternion(numbers[6], numbers[3], numbers[4], numbers[5]);
+  const double norm = quaternion.coeffs().stableNorm();
+  if (!(std::abs(norm - 1.0) <= kQuaternionNormTolerance)) {
+    table.fail(
+        key,
+        fmt::format(
+            "has a quaternion of norm {:.6g}, expected [tx, ty, tz, qx, qy, qz, qw] with norm 1",
+            norm));
+  }
+  return SE3d(SO3d::from_quaternion(quaternion), numbers.head<3>());
+}
+
+std::map<std::string, DetectorNoise> read_noise_models(const TomlTable& root) {
+  std::map<std::string, DetectorNoise> models;
+  const TomlTable noise = root.get_table("noise");
+  for (const std::string& name : noise.keys()) {
+    const TomlTable model = noise.get_table(name);
+    std::vector<NoiseComponent> components;
+    for (const TomlTable& component : model.get_tables("components")) {
+      components.push_back(read_component(component));
+    }
+    models.emplace(name, located(model, "components", [&] { return DetectorNoise(components); }));
+  }
+  return models;
+}
+
+}  // namespace posemix

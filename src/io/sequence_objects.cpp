@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include <algorithm>
+#include <initializer_list>
+#include <limits>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "posemix/base/error.hpp"
+#include "posemix/io/bop.hpp"
+#include "posemix/io/npy.hpp"
+#include "posemix/io/object_poses.hpp"
+#include "posemix/io/text.hpp"
+#include "sequence_parts.hpp"
+
+namespace posemix {
+namespace {
+
+/// The one of the keys that the table has; throws where it has none or several.
+std::string_view the_one_of(const TomlTable& object, std::string_view key,
+                            std::initializer_list<std::string_view> choices) {
+  const TomlTable table = object.get_table(key);
+  std::string_view chosen;
+  std::size_t count = 0;
+  for (const std::string_view choice : choices) {
+    if (!table.has(choice)) continue;
+    chosen = choice;
+    ++count;
+  }
+  if (count == 1) return chosen;
+  object.fail(key, fmt::format("has {} of the keys {}, expected one",
+                               count == 0 ? "none" : "several", fmt::join(choices, ", ")));
+}
+
+/// Frame numbers counted from zero; the table's key `first_frame` is the number of the first frame.
+std::map<std::int64_t, SE3d> from_first_frame(const TomlTable& table, const std::string& name,
+                                              std::map<std::int64_t, SE3d> poses) {
+  const std::int64_t first = table.get_integer_or("first_frame", 1, kAtLeastZero);
+  if (!poses.empty() && poses.begin()->first < first) {
+    table.fail("first_frame",
+               fmt::format("is {}, but {} has frame {}", first, name, poses.begin()->first));
+  }
+  std::map<std::int64_t, SE3d> shifted;
+  for (const auto& [number, pose] : poses) {
+    check_position(pose, fmt::format("{}: frame {}", name, number));
+    shifted.emplace_hint(shifted.end(), number - first, pose);
+  }
+  return shifted;
+}
+
+DetectionFile read_tum_detections(const TomlTable& table, const FileFinder& files) {
+  const TumOptions options{.allow_misses = true,
+                           .zero_translation_is_miss = table.get_bool_or(
+                               "zero_translation_is_miss", TumOptions{}.zero_translation_is_miss)};
+  StampedFile file = read_stamped(table, "tum", files, options);
+  return {std::move(file.name), std::move(file.poses), {}};
+}
+
+DetectionFile read_npy_detections(const TomlTable& table, const FileFinder& files) {
+  const std::filesystem::path folder = files.find(table, "npy");
+  auto poses = posemix::read_npy_detections(folder, table.get_string("prefix"));
+  return {folder.string(), std::nullopt,
+          from_first_frame(table, folder.string(), std::move(poses))};
+}
+
+DetectionFile read_bop_detections(const TomlTable& table, const FileFinder& files) {
+  const std::filesystem::path path = files.find(table, "bop");
+  const BopSelection selection{table.get_integer("scene", kAtLeastZero),
+                               table.get_integer("object", kAtLeastZero)};
+  const double min_score = table.get_double_or("min_score", std::numeric_limits<double>::lowest());
+  std::map<std::int64_t, SE3d> poses;
+  for (const auto& [image, candidates] : read_bop(path, selection)) {
+    const auto best = std::max_element(
+        candidates.begin(), candidates.end(),
+        [](const ScoredPose& a, const ScoredPose& b) { return a.score < b.score; });
+    if (best->score >= min_score) poses.emplace(image, best->pose);
+  }
+  if (poses.empty()) {
+    table.fail("min_score", fmt::format("is {}, and {} has no estimate of so high a score",
+                                        min_score, path.string()));
+  }
+  return {path.string(), std::nullopt, from_first_frame(table, path.string(), std::move(poses))};
+}
+
+SE3d read_entry(const TomlTable& truth, const FileFinder& files, const std::string& id) {
+  const std::filesystem::path path = files.find(truth, "world_poses");
+  const std::map<std::string, SE3d> poses = read_object_poses(path);
+  const std::string entry = truth.get_string_or("entry", id);
+  const auto found = poses.find(entry);
+  if (found == poses.end()) {
+    truth.fail("entry", fmt::format("is {}, which is not in {}", in_quotes(entry), path.string()));
+  }
+  return found->second;
+}
+
+}  // namespace
+
+Poses DetectionFile::on(const Timeline& timeline) const {
+  Poses detections(timeline.size());
+  for (const auto& [number, pose] : numbered) {
+    const auto frame = timeline.at_number(number);
+    if (!frame) {
+      throw InvalidInput(fmt::format(
+          "{}: got a detection of the frame {} after the first, expected one of the {} frames",
+          name, number, timeline.size()));
+    }
+    detections[*frame] = pose;
+  }
+  for (const StampedPose& record : stamped.value_or(std::vector<StampedPose>())) {
+    const auto frame = timeline.at_stamp(record.stamp);
+    if (frame) {
+      detections[*frame] = record.pose;
+    } else if (record.pose) {
+      throw InvalidInput(fmt::format("{}: got a detection at stamp {} s, where there is no frame",
+                                     name, record.stamp));
+    }
+  }
+  return detections;
+}
+
+DetectionFile read_detections(const TomlTable& object, const FileFinder& files) {
+  const std::string_view kind = the_one_of(object, "detections", {"tum", "npy", "bop"});
+  const TomlTable table = object.get_table("detections");
+  if (kind == "tum") return read_tum_detections(table, files);
+  if (kind == "npy") return read_npy_detections(table, files);
+  return read_bop_detections(table, files);
+}
+
+void read_object_truth(const TomlTable& object, const FileFinder& files, const Timeline& timeline,
+                       ObjectRecording& recording) {
+  if (!object.has("ground_truth")) return;
+  const std::string_view kind = the_one_of(
+      object, "ground_truth", {"relative_tum", "world_tum", "world_poses", "world_pose"});
+  const TomlTable truth = object.get_table("ground_truth");
+  if (kind == "relative_tum") {
+    recording.relative_truth = timeline.select(read_stamped(truth, kind, files));
+  } else if (kind == "world_tum") {
+    recording.world_truth = timeline.select(read_stamped(truth, kind, files));
+  } else if (kind == "world_poses") {
+    recording.world_truth = Poses(timeline.size(), read_entry(truth, files, recording.id));
+  } else {
+    recording.world_truth = Poses(timeline.size(), read_pose(truth, kind));
+  }
+}
+
+}  // namespace posemix

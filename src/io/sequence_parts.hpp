@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "posemix/io/sequence_file.hpp"
+#include "posemix/io/tum.hpp"
+
+/// The parts of a sequence file, one source file each.
+namespace posemix {
+
+using Poses = std::vector<std::optional<SE3d>>;
+
+/// Ranges that keep every later computation finite; what lies beyond is in a wrong unit.
+inline constexpr NumberRange kSd{.lowest = 1e-9, .highest = 1e6};
+inline constexpr NumberRange kSdOrZero{.lowest = 0, .highest = 1e6};
+inline constexpr NumberRange kPosition{.lowest = -1e8, .highest = 1e8};
+inline constexpr NumberRange kPeriod{.lowest = 1e-6, .highest = 1e6};
+inline constexpr double kLatestStamp = 1e12;
+
+/// Throws InvalidInput `where: ...` when the position is not within kPosition.
+void check_position(const SE3d& pose, std::string_view where);
+
+/// Finds the files that a document names.
+class FileFinder {
+ public:
+  FileFinder(std::vector<std::filesystem::path> folders, std::vector<std::string> roots)
+      : folders_(std::move(folders)), roots_(std::move(roots)) {}
+
+  /// The file or folder named under a key. Throws InvalidInput with the places looked at.
+  std::filesystem::path find(const TomlTable& table, std::string_view key) const;
+
+ private:
+  std::vector<std::filesystem::path> folders_;
+  std::vector<std::string> roots_;
+};
+
+/// Runs `action`; an InvalidInput that it throws gets the place of the key before its message.
+template <typename Action>
+auto located(const TomlTable& table, std::string_view key, Action&& action) {
+  try {
+    return action();
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(table.location(key) + ": " + error.what());
+  }
+}
+
+/// Poses of a file, in the order of its stamps.
+struct StampedFile {
+  std::string name;
+  std::vector<StampedPose> poses;
+};
+
+/// Reads the TUM file named under a key; stamps and positions out of range are errors.
+StampedFile read_stamped(const TomlTable& table, std::string_view key, const FileFinder& files,
+                         const TumOptions& options = {});
+
+/// The frames of a sequence.
+class Timeline {
+ public:
+  /// Stamps in seconds, increasing.
+  explicit Timeline(std::vector<double> stamps);
+  /// Frames that are known by number only, counted from zero, with `period_s` between two numbers.
+  Timeline(std::vector<std::int64_t> numbers, double period_s);
+
+  const std::vector<double>& stamps() const { return stamps_; }
+  std::size_t size() const { return stamps_.size(); }
+  /// The frame whose stamp is nearest, where it is within half the least distance of stamps and 1
+  /// ms.
+  std::optional<std::size_t> at_stamp(double stamp) const;
+  /// The frame of a number counted from zero.
+  std::optional<std::size_t> at_number(std::int64_t number) const;
+
+  /// The poses of a file at the frames; records at other times are left out. Throws InvalidInput
+  /// when none is left.
+  Poses select(const StampedFile& file) const;
+
+ private:
+  std::vector<double> stamps_;
+  std::optional<std::vector<std::int64_t>> numbers_;
+  double tolerance_;
+};
+
+// --- [camera] and [motion]
+
+struct CameraFiles {
+  std::optional<StampedFile> odometry;
+  std::optional<StampedFile> truth;  ///< lever arm applied
+  double frame_period_s = kFramePeriodS;
+};
+
+CameraFiles read_camera_files(const TomlTable& root, const FileFinder& files);
+PoseDensity read_camera_prior(const TomlTable& root, const Poses& camera_truth);
+MotionSettings read_motion(const TomlTable& root, bool has_odometry);
+
+// --- [noise] and standard deviations
+
+/// A number or an array of three under the key, with its unit's factor applied.
+Eigen::Vector3d read_sd(const TomlTable& table, std::string_view key, const NumberRange& range,
+                        double unit);
+/// Covariance of the keys rotation_sd_deg and translation_sd_m, both needed and positive.
+Matrix6d read_pose_covariance(const TomlTable& table);
+/// Seven numbers tx ty tz qx qy qz qw.
+SE3d read_pose(const TomlTable& table, std::string_view key);
+
+std::map<std::string, DetectorNoise> read_noise_models(const TomlTable& root);
+
+// --- [[objects]]
+
+/// The detections of one object before they are put on the frames: by stamp, or by number counted
+/// from zero.
+struct DetectionFile {
+  std::string name;
+  std::optional<std::vector<StampedPose>> stamped;
+  std::map<std::int64_t, SE3d> numbered;
+
+  Poses on(const Timeline& timeline) const;
+};
+
+DetectionFile read_detections(const TomlTable& object, const FileFinder& files);
+/// Fills relative_truth and world_truth from the key `ground_truth`.
+void read_object_truth(const TomlTable& object, const FileFinder& files, const Timeline& timeline,
+                       ObjectRecording& recording);
+
+// --- [filter]
+
+struct MethodSettings {
+  std::string name;
+  bool riekf = false;
+  FilterSettings filter;
+};
+
+MethodSettings read_filter(const TomlTable& root);
+
+}  // namespace posemix

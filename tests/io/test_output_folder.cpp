@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "posemix/io/output_folder.hpp"
+
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "temporary_folder.hpp"
+
+namespace posemix {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::content_of;
+using testing::TemporaryFolder;
+
+std::set<std::string> everything_in(const fs::path& folder) {
+  std::set<std::string> names;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    names.insert(entry.path().lexically_relative(folder).string());
+  }
+  return names;
+}
+
+template <typename Action>
+std::string output_error(Action&& action) {
+  try {
+    action();
+  } catch (const OutputError& error) {
+    return error.what();
+  }
+  return "(no OutputError)";
+}
+
+TEST(OutputFolder, AppearsOnCommit) {
+  const TemporaryFolder folder;
+  OutputFolder out(folder / "results");
+  EXPECT_EQ(out.target(), folder / "results");
+  out.write("metrics.json", "{}");
+  out.write("more/camera.tum", std::string_view("a\0b", 3));
+  EXPECT_FALSE(fs::exists(folder / "results"));
+  out.commit();
+  EXPECT_EQ(everything_in(folder.path()),
+            (std::set<std::string>{"results", "results/metrics.json", "results/more",
+                                   "results/more/camera.tum"}));
+  EXPECT_EQ(content_of(folder / "results/more/camera.tum"), std::string("a\0b", 3));
+}
+
+TEST(OutputFolder, LeavesNothingWithoutCommit) {
+  const TemporaryFolder folder;
+  {
+    OutputFolder out(folder / "a/b/results/");
+    out.write("metrics.json", "{}");
+    EXPECT_TRUE(fs::exists(folder / "a/b"));
+  }
+  EXPECT_EQ(everything_in(folder.path()), std::set<std::string>{});
+}
+
+TEST(OutputFolder, CreatesParents) {
+  const TemporaryFolder folder;
+  OutputFolder out(folder / "a/b/results");
+  out.write("x", "1");
+  out.commit();
+  EXPECT_EQ(content_of(folder / "a/b/results/x"), "1");
+}
+
+TEST(OutputFolder, ReplacesAnEmptyFolder) {
+  const TemporaryFolder folder;
+  fs::create_directory(folder / "results");
+  OutputFolder out(folder / "results");
+  out.write("x", "1");
+  out.commit();
+  EXPECT_EQ(everything_in(folder.path()), (std::set<std::string>{"results", "results/x"}));
+}
+
+TEST(OutputFolder, ReplacesFilesAndKeepsOthers) {
+  const TemporaryFolder folder;
+  folder.put("results/x", "old");
+  folder.put("results/mine", "kept");
+  {
+    OutputFolder out(folder / "results");
+    out.write("x", "lost");
+  }
+  EXPECT_EQ(content_of(folder / "results/x"), "old");
+  OutputFolder out(folder / "results");
+  out.write("x", "new");
+  out.write("sub/y", "1");
+  out.commit();
+  EXPECT_EQ(content_of(folder / "results/x"), "new");
+  EXPECT_EQ(content_of(folder / "results/mine"), "kept");
+  EXPECT_EQ(everything_in(folder.path()),
+            (std::set<std::string>{"results", "results/x", "results/mine", "results/sub",
+                                   "results/sub/y"}));
+}
+
+TEST(OutputFolder, FollowsALink) {
+  const TemporaryFolder folder;
+  fs::create_directory(folder / "real");
+  fs::create_directory_symlink(folder / "real", folder / "link");
+  OutputFolder out(folder / "link");
+  out.write("x", "1");
+  out.commit();
+  EXPECT_TRUE(fs::is_symlink(folder / "link"));
+  EXPECT_EQ(content_of(folder / "real/x"), "1");
+}
+
+TEST(OutputFolder, TwoAtOnce) {
+  const TemporaryFolder folder;
+  OutputFolder first(folder / "results");
+  OutputFolder second(folder / "results");
+  first.write("x", "1");
+  second.write("x", "2");
+  first.commit();
+  second.commit();
+  EXPECT_EQ(everything_in(folder.path()), (std::set<std::string>{"results", "results/x"}));
+  EXPECT_EQ(content_of(folder / "results/x"), "2");
+}
+
+TEST(OutputFolder, ErrorsNamePathAndReason) {
+  const TemporaryFolder folder;
+  const std::string file = folder.put("file", "x").string();
+  EXPECT_EQ(output_error([&] { OutputFolder out(file); }),
+            file + ": cannot be written: not a folder");
+  EXPECT_EQ(output_error([&] { OutputFolder out(file + "/results"); }),
+            file + "/results: cannot be created: Not a directory");
+  EXPECT_EQ(output_error([&] { OutputFolder out(file + "/a/results"); }),
+            file + "/a: cannot be created: Not a directory");
+  EXPECT_EQ(output_error([] { OutputFolder out(""); }), ": cannot be written: not a folder name");
+  EXPECT_EQ(output_error([] { OutputFolder out("/"); }), "/: cannot be written: not a folder name");
+  EXPECT_EQ(output_error([] {
+              OutputFolder out("/proc/results");
+            }).rfind("/proc/results: cannot be created: ", 0),
+            0U);
+  EXPECT_EQ(everything_in(folder.path()), std::set<std::string>{"file"});
+}
+
+TEST(OutputFolder, NamesStayInside) {
+  const TemporaryFolder folder;
+  OutputFolder out(folder / "results");
+  for (const char* name : {"", "../x", "a/../../x", "/etc/x", "a/", "."}) {
+    EXPECT_NE(output_error([&] { out.write(name, "x"); }).find("not a file name within the folder"),
+              std::string::npos)
+        << name;
+  }
+  out.write("x", "1");
+  EXPECT_NE(output_error([&] { out.write("x", "2"); }).find("File exists"), std::string::npos);
+  EXPECT_NE(output_error([&] { out.write("x/y", "2"); }).find("Not a directory"),
+            std::string::npos);
+}
+
+TEST(OutputFolder, ClosedAfterCommit) {
+  const TemporaryFolder folder;
+  OutputFolder out(folder / "results");
+  out.commit();
+  EXPECT_NE(output_error([&] { out.write("x", "1"); }).find("already in place"), std::string::npos);
+  EXPECT_NE(output_error([&] { out.commit(); }).find("already in place"), std::string::npos);
+}
+
+TEST(OutputFolder, AFolderInTheWayChangesNothing) {
+  const TemporaryFolder folder;
+  folder.put("results/a", "old");
+  folder.put("results/b/c", "old");
+  {
+    OutputFolder out(folder / "results");
+    out.write("a", "new");
+    out.write("b", "new");
+    EXPECT_EQ(output_error([&] { out.commit(); }),
+              (folder / "results/b").string() + ": cannot be replaced: is a folder");
+  }
+  EXPECT_EQ(content_of(folder / "results/a"), "old");
+  EXPECT_EQ(everything_in(folder.path()),
+            (std::set<std::string>{"results", "results/a", "results/b", "results/b/c"}));
+}
+
+}  // namespace
+}  // namespace posemix
