@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "simulate.hpp"
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "exit_codes.hpp"
+#include "interrupt.hpp"
+#include "posemix/io/output_folder.hpp"
+#include "posemix/io/simulation_folder.hpp"
+#include "summary.hpp"
+
+namespace posemix {
+namespace {
+
+struct SimulateOptions {
+  std::string config;
+  std::string out;
+  std::uint64_t seed = 1;
+  std::vector<std::string> overrides;
+  bool quiet = false;
+};
+
+int simulate_to_folder(const SimulateOptions& options) {
+  const InterruptGuard guard;
+  TomlDocument document = TomlDocument::load(options.config);
+  for (const std::string& assignment : options.overrides) document.apply_override(assignment);
+  const SimulationFile file = read_simulation(document);
+  const SimulatedSequence simulated = simulate(file.config, options.seed);
+  guard.check();
+  OutputFolder folder(options.out);
+  for (const auto& [name, content] : format_simulation(file, simulated, options.seed)) {
+    folder.write(name, content);
+    guard.check();
+  }
+  folder.commit();
+  if (!options.quiet) {
+    print_text(fmt::format("{} simulated frames, {} objects: {}/sequence.toml\n",
+                           simulated.stamps_ns.size(), simulated.objects.size(), options.out));
+  }
+  return kExitDone;
+}
+
+}  // namespace
+
+void add_simulate_verb(CLI::App& program, std::function<int()>& action) {
+  const auto options = std::make_shared<SimulateOptions>();
+  CLI::App* verb = program.add_subcommand("simulate", "Write a simulated recording");
+  verb->footer(
+      "Writes DIR/sequence.toml, which `posemix slam` reads, and the files that it names.\n"
+      "The same seed gives the same bytes on any machine.\n"
+      "\n"
+      "Example: posemix simulate configs/demo.toml --seed 1 --out build/sequence");
+  verb->add_option("config", options->config, "What to simulate (TOML; see docs/simulation.md)")
+      ->required()
+      ->type_name("CONFIG.toml");
+  verb->add_option("--seed", options->seed, "Seed of all random numbers")
+      ->type_name("N")
+      ->capture_default_str();
+  verb->add_option("--out", options->out, "Folder for the recording")->required()->type_name("DIR");
+  verb->add_option("--set", options->overrides, "Override a key of the configuration; repeatable")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
+  verb->add_flag("--quiet", options->quiet, "Print nothing");
+  verb->callback(
+      [options, &action] { action = [options] { return simulate_to_folder(*options); }; });
+}
+
+}  // namespace posemix
