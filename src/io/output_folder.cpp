@@ -117,12 +117,12 @@ void OutputFolder::create_parents() {
   std::error_code error;
   for (fs::path parent = target_.parent_path(); !fs::exists(parent, error) && !error;
        parent = parent.parent_path()) {
-    missing.push_back(parent);
+    missing.insert(missing.begin(), parent);
   }
-  for (auto parent = missing.rbegin(); parent != missing.rend(); ++parent) {
-    const bool created = fs::create_directory(*parent, error);
-    check(error, *parent, "cannot be created");
-    if (created) created_parents_.push_back(*parent);
+  for (const fs::path& parent : missing) {
+    const bool created = fs::create_directory(parent, error);
+    check(error, parent, "cannot be created");
+    if (created) created_parents_.insert(created_parents_.begin(), parent);
   }
 }
 
@@ -141,20 +141,19 @@ bool OutputFolder::create_hidden_in(const fs::path& folder) {
 
 void OutputFolder::create_hidden() {
   const fs::path parent = target_.parent_path();
-  const bool beside = on_one_device(target_, parent) && create_hidden_in(parent);
+  const bool beside = on_one_device(target_, parent);
+  if (beside && create_hidden_in(parent)) return;
   const int reason = errno;
   std::error_code ignored;
-  if (beside || (fs::is_directory(target_, ignored) && create_hidden_in(target_))) return;
-  errno = reason;
+  if (fs::is_directory(target_, ignored) && create_hidden_in(target_)) return;
+  if (beside) errno = reason;
   fail_with_errno(target_, "cannot be created");
 }
 
 void OutputFolder::remove_traces() noexcept {
   std::error_code ignored;
   if (!hidden_.empty()) fs::remove_all(hidden_, ignored);
-  for (auto parent = created_parents_.rbegin(); parent != created_parents_.rend(); ++parent) {
-    ::rmdir(parent->c_str());
-  }
+  for (const fs::path& parent : created_parents_) ::rmdir(parent.c_str());
 }
 
 void OutputFolder::write(const fs::path& name, std::string_view content) {

@@ -31,8 +31,8 @@ SE3d pose_from_numbers(const PoseNumbers& numbers, const LineReader& reader) {
 }
 
 std::string format_pose(const SE3d& pose) {
-  const Eigen::Vector3d t = pose.translation();
-  const Eigen::Quaterniond q = pose.rotation().quaternion();
+  const Eigen::Vector3d& t = pose.translation();
+  const Eigen::Quaterniond& q = pose.rotation().quaternion();
   const std::array<double, 7> numbers{t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()};
   std::string text;
   for (const double number : numbers) {

@@ -2,7 +2,11 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "posemix/io/output_folder.hpp"
 
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <set>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -103,6 +107,24 @@ TEST(OutputFolder, FollowsALink) {
   out.commit();
   EXPECT_TRUE(fs::is_symlink(folder / "link"));
   EXPECT_EQ(content_of(folder / "real/x"), "1");
+}
+
+TEST(OutputFolder, WritesInsideAMountPoint) {
+  const fs::path mount = "/dev/shm";
+  struct stat of_mount {};
+  struct stat of_parent {};
+  if (::stat(mount.c_str(), &of_mount) != 0 || ::stat("/dev", &of_parent) != 0 ||
+      of_mount.st_dev == of_parent.st_dev || ::access(mount.c_str(), W_OK) != 0) {
+    GTEST_SKIP() << "no mount point to write into";
+  }
+  const std::string name = "posemix-test-" + std::to_string(::getpid());
+  OutputFolder out(mount);
+  out.write(name, "1");
+  EXPECT_FALSE(fs::exists(mount / name));
+  out.commit();
+  EXPECT_EQ(content_of(mount / name), "1");
+  fs::remove(mount / name);
+  EXPECT_FALSE(fs::exists(mount / (".shm.partial-" + std::to_string(::getpid()))));
 }
 
 TEST(OutputFolder, TwoAtOnce) {

@@ -52,7 +52,7 @@ class OutputFolder {
 
   std::filesystem::path target_;
   std::filesystem::path hidden_;
-  std::vector<std::filesystem::path> created_parents_;
+  std::vector<std::filesystem::path> created_parents_;  // innermost first
   std::vector<std::filesystem::path> names_;
   bool committed_ = false;
 };
