@@ -25,6 +25,16 @@ struct Component {
   D density;
 };
 
+/// The log of the summed weight of some components.
+/// @throws InvalidInput when a log-weight is NaN or +inf, or all weights are zero
+template <class D>
+double checked_log_total(std::span<const Component<D>> components) {
+  std::vector<double> log_weights(components.size());
+  std::transform(components.begin(), components.end(), log_weights.begin(),
+                 [](const auto& component) { return component.log_weight; });
+  return checked_log_total(std::span<const double>(log_weights));
+}
+
 /// A mixture sum_i w_i D_i of densities of one kind over one group (midway-merge paper, eq. 6).
 ///
 /// Invariants, tested as a list:
@@ -149,10 +159,7 @@ class Mixture {
 
  private:
   void normalize() {
-    std::vector<double> log_weights(size());
-    std::transform(components_.begin(), components_.end(), log_weights.begin(),
-                   [](const auto& component) { return component.log_weight; });
-    const double total = checked_log_total(log_weights);
+    const double total = checked_log_total(std::span<const Component<D>>(components_));
     for (auto& component : components_) component.log_weight -= total;
   }
 

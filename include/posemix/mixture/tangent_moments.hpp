@@ -27,28 +27,25 @@ TangentGaussian<G> recenter(const ConcentratedGaussian<G>& density, const G& anc
 
 /// Mean and covariance of a weighted sum of components in the tangent space at `anchor`, every component moved there
 /// first (midway-merge paper, eq. 8, 13-15, 18; for two or more components). The weights need not be normalised.
+/// @throws InvalidInput when there is no component, a log-weight is NaN or +inf, or all weights are zero
 template <LieGroup G>
 TangentGaussian<G> tangent_moments(std::span<const Component<ConcentratedGaussian<G>>> components,
                                    const G& anchor,
                                    TransportJacobian jacobian = TransportJacobian::exact) {
   const Eigen::Index n = anchor.dof();
-  double largest = components.front().log_weight;
-  for (const auto& component : components) largest = std::max(largest, component.log_weight);
+  require(!components.empty(), "tangent_moments: there is no component");
+  const double log_total = checked_log_total(components);
 
-  double total = 0.0;
   typename G::Tangent mean = G::Tangent::Zero(n);
   typename G::TangentMatrix second = G::TangentMatrix::Zero(n, n);
   for (const auto& component : components) {
-    const double weight = std::exp(component.log_weight - largest);
+    const double weight = std::exp(component.log_weight - log_total);
     if (weight == 0.0) continue;
     const TangentGaussian<G> moved = recenter(component.density, anchor, jacobian);
-    total += weight;
     mean += weight * moved.mean;
     second += weight * moved.covariance;
     second.noalias() += (weight * moved.mean) * moved.mean.transpose();
   }
-  mean /= total;
-  second /= total;
   second.noalias() -= mean * mean.transpose();
   symmetrize(second);
   return {anchor, mean, second};

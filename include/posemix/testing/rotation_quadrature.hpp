@@ -47,15 +47,14 @@ struct BallRule {
   int azimuths = 120;
   Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();
 
-  /// The integral of f(X) over X = Exp(xi) centre.
+  /// Calls f(X, weight) at every node X = Exp(xi) centre.
   template <class Function>
-  double integrate(const SO3d& centre, Function&& f) const {
+  void for_each(const SO3d& centre, Function&& f) const {
     const auto radii = gauss_legendre(0.0, radius, radial_panels);
     const auto cosines = gauss_legendre(-1.0, 1.0, polar_panels);
     const Eigen::Vector3d along = axis.normalized();
     const Eigen::Vector3d across = along.unitOrthogonal();
     const double step = 2.0 * std::numbers::pi / azimuths;
-    double sum = 0.0;
     for (int k = 0; k < azimuths; ++k) {
       const Eigen::Vector3d side =
           std::cos(k * step) * across + std::sin(k * step) * along.cross(across);
@@ -63,10 +62,17 @@ struct BallRule {
         const Eigen::Vector3d direction = c.at * along + std::sqrt(1.0 - c.at * c.at) * side;
         for (const QuadratureNode& r : radii) {
           const double volume = 2.0 * (1.0 - std::cos(r.at));
-          sum += step * c.weight * r.weight * volume * f(SO3d::exp(r.at * direction) * centre);
+          f(SO3d::exp(r.at * direction) * centre, step * c.weight * r.weight * volume);
         }
       }
     }
+  }
+
+  /// The integral of f(X) over X = Exp(xi) centre.
+  template <class Function>
+  double integrate(const SO3d& centre, Function&& f) const {
+    double sum = 0.0;
+    for_each(centre, [&](const SO3d& x, double weight) { sum += weight * f(x); });
     return sum;
   }
 };
