@@ -7,8 +7,9 @@
 #include "posemix/lie/mean.hpp"
 #include "posemix/mixture/tangent_moments.hpp"
 
-/// Divergences between two peaks in closed form: both are moved to the tangent space at the midpoint of their means
-/// (first order, as in `recenter`) and compared there as Gaussians in a vector space.
+/// Divergences between two peaks in closed form: both are moved to the tangent space at the
+/// midpoint of their means (first order, as in `recenter`) and compared there as Gaussians in a
+/// vector space.
 namespace posemix {
 
 namespace internal {
@@ -34,7 +35,8 @@ double gaussian_kl(const ConcentratedGaussian<G>& p, const ConcentratedGaussian<
   const typename G::Tangent d = at.q.mean - at.p.mean;
   const double trace = q_factor.solve(at.p.covariance).trace();
   const double squared = q_factor.matrixL().solve(d).squaredNorm();
-  return 0.5 * (trace + squared - static_cast<double>(p.dof()) + log_det(q_factor) - log_det(p_factor));
+  return 0.5 *
+         (trace + squared - static_cast<double>(p.dof()) + log_det(q_factor) - log_det(p_factor));
 }
 
 /// D(p || q) + D(q || p) [nats], closed form at the midpoint.
@@ -43,9 +45,9 @@ double gaussian_symmetric_kl(const ConcentratedGaussian<G>& p, const Concentrate
   return gaussian_kl(p, q) + gaussian_kl(q, p);
 }
 
-/// Runnalls' upper bound on the divergence of a mixture from itself after merging two components, with
-/// w_i = exp(log_weight_i):  [(w_a + w_b) log|P_ab| - w_a log|P_a| - w_b log|P_b|] / 2  (Runnalls 2007, eq. 16),
-/// the covariances taken at the midway point of the two.
+/// Runnalls' upper bound on the divergence of a mixture from itself after merging two components,
+/// with w_i = exp(log_weight_i):  [(w_a + w_b) log|P_ab| - w_a log|P_a| - w_b log|P_b|] / 2
+/// (Runnalls 2007), the covariances taken at the midway point of the two.
 template <LieGroup G>
 double runnalls_bound(const Component<ConcentratedGaussian<G>>& a,
                       const Component<ConcentratedGaussian<G>>& b) {
