@@ -21,7 +21,8 @@ double seconds_since(Clock::time_point start) {
 
 double gate_threshold(double probability) {
   if (!(probability > 0.0 && probability <= 1.0)) {
-    throw InvalidInput(fmt::format("gate probability is {}, expected a number in (0, 1]", probability));
+    throw InvalidInput(
+        fmt::format("gate probability is {}, expected a number in (0, 1]", probability));
   }
   if (probability == 1.0) return std::numeric_limits<double>::infinity();
   return boost::math::quantile(boost::math::chi_squared(6.0), probability);
@@ -31,7 +32,8 @@ void check_detections(std::span<const Detection> detections, std::size_t poses) 
   for (std::size_t i = 0; i < detections.size(); ++i) {
     const std::size_t object = detections[i].object;
     if (object == kCamera || object >= poses) {
-      throw InvalidInput(fmt::format("detection of pose {}, expected an object in 1..{}", object, poses - 1));
+      throw InvalidInput(
+          fmt::format("detection of pose {}, expected an object in 1..{}", object, poses - 1));
     }
     for (std::size_t j = 0; j < i; ++j) {
       if (detections[j].object == object) {
@@ -52,7 +54,8 @@ std::size_t common_components(std::span<const Detection> detections) {
                                  });
     if (!same) {
       throw InvalidInput(
-          "joint use of noise components needs the same number of components with the same weights for every object");
+          "joint use of noise components needs the same number of components with the same weights "
+          "for every object");
     }
   }
   return first.size();
@@ -74,7 +77,8 @@ GaussianSumFilter::GaussianSumFilter(Posterior prior, FilterSettings settings)
     : posterior_(std::move(prior)),
       settings_(settings),
       gate_(gate_threshold(settings.gate_probability)) {
-  require(settings_.reduction.max_components > 0, "filter: max_components is 0, expected at least 1");
+  require(settings_.reduction.max_components > 0,
+          "filter: max_components is 0, expected at least 1");
 }
 
 void GaussianSumFilter::predict(const std::function<Hypothesis(Hypothesis)>& motion) {
@@ -119,9 +123,14 @@ bool GaussianSumFilter::branch(std::span<const Detection> detections, UpdateRepo
   for (const auto& parent : posterior_.components()) {
     for (std::size_t i = 0; i < noise_components; ++i) {
       std::vector<const NoiseComponent*> noise;
-      for (const Detection& detection : detections) noise.push_back(&detection.noise->components()[i]);
-      UpdateResult child = posemix::update(parent.density, detections, noise);
-      log_weights.push_back(parent.log_weight + std::log(noise.front()->weight) + child.log_likelihood);
+      for (const Detection& detection : detections)
+        noise.push_back(&detection.noise->components()[i]);
+      UpdateResult child =
+          settings_.update == UpdateRule::iterated
+              ? iterated_update(parent.density, detections, noise, settings_.first_object)
+              : posemix::update(parent.density, detections, noise);
+      log_weights.push_back(parent.log_weight + std::log(noise.front()->weight) +
+                            child.log_likelihood);
       children.push_back({log_weights.back(), std::move(child.posterior)});
     }
   }

@@ -10,7 +10,8 @@ namespace {
 constexpr Eigen::Index kPoseDof = 6;
 constexpr Eigen::Index kMotionOffset = kPoseDof * static_cast<Eigen::Index>(kMotion);
 
-void add_noise(Eigen::MatrixXd& covariance, Eigen::Index offset, const SE3d& pose, const Matrix6d& q) {
+void add_noise(Eigen::MatrixXd& covariance, Eigen::Index offset, const SE3d& pose,
+               const Matrix6d& q) {
   covariance.block<kPoseDof, kPoseDof>(offset, offset) += pose.adjoint_congruence(q);
 }
 
@@ -31,8 +32,9 @@ Hypothesis predict_constant_velocity(Hypothesis hypothesis, double periods, cons
                                      const Matrix6d& q_motion) {
   auto [mean, covariance] = std::move(hypothesis).release();
   const Vector6d velocity = mean[kMotion].log();
-  const Matrix6d transfer = mean[kCamera].adjoint() * (periods * SE3d::left_jacobian(periods * velocity) *
-                                                       SE3d::left_jacobian_inverse(velocity));
+  const Matrix6d transfer =
+      mean[kCamera].adjoint() *
+      (periods * SE3d::left_jacobian(periods * velocity) * SE3d::left_jacobian_inverse(velocity));
   // Covariance of (xi_R + transfer xi_V, rest): first the rows, then the columns.
   covariance.topRows<kPoseDof>() += transfer * covariance.middleRows<kPoseDof>(kMotionOffset);
   covariance.leftCols<kPoseDof>() +=

@@ -16,7 +16,8 @@ constexpr Index kPoseDof = 6;
 
 Index offset(std::size_t pose) { return kPoseDof * static_cast<Index>(pose); }
 
-/// The noise covariance carried into the world frame: Ad(E) R Ad(E)^T, E the pose of the axes it is stated in.
+/// The noise covariance carried into the world frame: Ad(E) R Ad(E)^T, E the pose of the axes it is
+/// stated in.
 Matrix6d world_noise(const NoiseComponent& noise, const SE3d& camera, const SE3d& object) {
   const SE3d mode = object * noise.offset;
   const bool in_camera = noise.frame == NoiseFrame::camera;
@@ -66,7 +67,8 @@ struct Observation {
       const Innovation one = innovation(prior.mean(), detections[j], *components[j]);
       residual.segment<kPoseDof>(offset(j)) = one.residual;
       noise.block<kPoseDof, kPoseDof>(offset(j), offset(j)) = one.noise;
-      p_ht.middleCols<kPoseDof>(offset(j)) = observed_columns(prior.covariance(), detections[j].object);
+      p_ht.middleCols<kPoseDof>(offset(j)) =
+          observed_columns(prior.covariance(), detections[j].object);
     }
     for (std::size_t j = 0; j < detections.size(); ++j) {
       s.middleRows<kPoseDof>(offset(j)) = p_ht.middleRows<kPoseDof>(offset(detections[j].object)) -
@@ -93,7 +95,8 @@ MatrixXd joseph(const MatrixXd& covariance, const MatrixXd& gain, const Observat
 
 }  // namespace
 
-Innovation innovation(const PoseStackd& mean, const Detection& detection, const NoiseComponent& noise) {
+Innovation innovation(const PoseStackd& mean, const Detection& detection,
+                      const NoiseComponent& noise) {
   const SE3d& camera = mean[kCamera];
   const SE3d& object = mean[detection.object];
   const SE3d detected = camera * without_offset(detection, noise);
@@ -123,8 +126,9 @@ UpdateResult update(const Hypothesis& prior, std::span<const Detection> detectio
   // Gain and correction, K = P H^T S^-1, X <- Exp(K z) X.
   const MatrixXd gain = s.solve(observed.p_ht.transpose()).transpose();
   PoseStackd mean = PoseStackd::exp(gain * observed.residual) * prior.mean();
-  return {Hypothesis::trusted(std::move(mean), joseph(prior.covariance(), gain, observed, detections)),
-          log_normal(s, observed.residual), true};
+  return {
+      Hypothesis::trusted(std::move(mean), joseph(prior.covariance(), gain, observed, detections)),
+      log_normal(s, observed.residual), true};
 }
 
 Hypothesis with_detected_object(const Hypothesis& prior, const Detection& detection,
@@ -137,7 +141,8 @@ Hypothesis with_detected_object(const Hypothesis& prior, const Detection& detect
                   prior.covariance().middleCols<kPoseDof>(offset(kCamera)));
 }
 
-Hypothesis with_independent_pose(const Hypothesis& prior, const SE3d& mean, const Matrix6d& covariance) {
+Hypothesis with_independent_pose(const Hypothesis& prior, const SE3d& mean,
+                                 const Matrix6d& covariance) {
   return extended(prior, mean, covariance, MatrixXd::Zero(prior.dof(), kPoseDof));
 }
 

@@ -43,15 +43,16 @@ inline DetectorNoise gaussian_noise(double rotation_sd_deg = 4.0, double transla
 /// A filter that knows the camera alone.
 inline GaussianSumFilter camera_filter(const SE3d& camera, const Matrix6d& covariance,
                                        const FilterSettings& settings = {}) {
-  return GaussianSumFilter(Posterior({{0.0, Hypothesis(PoseStackd(std::vector<SE3d>{camera}), covariance)}}),
-                           settings);
+  return GaussianSumFilter(
+      Posterior({{0.0, Hypothesis(PoseStackd(std::vector<SE3d>{camera}), covariance)}}), settings);
 }
 
 /// A correlated positive definite covariance over `poses` poses, about 0.05 rad and 5 cm.
 inline Eigen::MatrixXd correlated_covariance(std::size_t poses, RandomStream& stream) {
   const auto n = static_cast<Eigen::Index>(6 * poses);
   Eigen::MatrixXd root(n, n);
-  for (double& value : root.reshaped()) value = 0.05 * stream.normal() / std::sqrt(static_cast<double>(n));
+  for (double& value : root.reshaped())
+    value = 0.05 * stream.normal() / std::sqrt(static_cast<double>(n));
   return root * root.transpose() + 1e-4 * Eigen::MatrixXd::Identity(n, n);
 }
 

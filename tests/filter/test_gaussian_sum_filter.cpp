@@ -40,7 +40,8 @@ TEST(GaussianSumFilter, OneHypothesisAndOneComponentIsTheInvariantEkf) {
     filter.predict([&](Hypothesis h) { return predict_with_odometry(std::move(h), motion, q); });
     ekf = predict_with_odometry(std::move(ekf), motion, q);
     const SE3d relative = ekf.mean()[0].inverse() * ekf.mean()[1];
-    const Detection detection{object, relative * SE3d::exp(draw(isotropic(4.0, 0.01), stream)), &noise};
+    const Detection detection{object, relative * SE3d::exp(draw(isotropic(4.0, 0.01), stream)),
+                              &noise};
     const NoiseComponent* const component = &noise.components().front();
     const UpdateResult result = update(ekf, std::span(&detection, 1), std::span(&component, 1));
     ekf = result.posterior;
@@ -56,9 +57,11 @@ TEST(GaussianSumFilter, WeightsFollowBayesRule) {
   // Two components, one object: w_i proportional to alpha_i N(z; 0, S_i), by hand.
   const DetectorNoise noise = heavy_tailed_noise(30.0);
   GaussianSumFilter filter = camera_filter(kCameraPose, isotropic(0.5, 0.005));
-  const std::size_t object = filter.add_independent_object(kCameraPose.inverse() * kObject, isotropic(2.0, 0.01));
+  const std::size_t object =
+      filter.add_independent_object(kCameraPose.inverse() * kObject, isotropic(2.0, 0.01));
   const Hypothesis prior = filter.posterior()[0].density;
-  const Detection detection{object, kCameraPose.inverse() * kObject * pose(0, 0, 0.3, 0, 0, 0), &noise};
+  const Detection detection{object, kCameraPose.inverse() * kObject * pose(0, 0, 0.3, 0, 0, 0),
+                            &noise};
   filter.update(std::span(&detection, 1));
   ASSERT_EQ(filter.posterior().size(), 2U);
   double joint[2];
@@ -79,7 +82,8 @@ TEST(GaussianSumFilter, SharpNoiseDoesNotUnderflow) {
   const DetectorNoise noise({{0.7, isotropic(0.01, 1e-5)}, {0.3, isotropic(0.02, 2e-5)}});
   GaussianSumFilter filter = camera_filter(kCameraPose, isotropic(0.01, 1e-5));
   const std::size_t object = filter.add_object(kCameraPose.inverse() * kObject, noise);
-  const Detection far{object, kCameraPose.inverse() * kObject * pose(0.5, 0.3, 0.2, 0.1, 0.1, 0.2), &noise};
+  const Detection far{object, kCameraPose.inverse() * kObject * pose(0.5, 0.3, 0.2, 0.1, 0.1, 0.2),
+                      &noise};
   const UpdateReport report = filter.update(std::span(&far, 1));
   EXPECT_LT(report.log_evidence, -1e5);
   EXPECT_FALSE(report.failed.front());
@@ -96,8 +100,10 @@ TEST(GaussianSumFilter, JointUseBranchesOncePerFrameAndPerObjectOncePerObject) {
     settings.reduction.prune_below = 0.0;
     GaussianSumFilter filter = camera_filter(kCameraPose, isotropic(0.5, 0.005), settings);
     const SE3d second = kObject * pose(0, 0, 0, 0.3, 0, 0);
-    const std::size_t a = filter.add_independent_object(kCameraPose.inverse() * kObject, isotropic(2.0, 0.01));
-    const std::size_t b = filter.add_independent_object(kCameraPose.inverse() * second, isotropic(2.0, 0.01));
+    const std::size_t a =
+        filter.add_independent_object(kCameraPose.inverse() * kObject, isotropic(2.0, 0.01));
+    const std::size_t b =
+        filter.add_independent_object(kCameraPose.inverse() * second, isotropic(2.0, 0.01));
     const Detection detections[] = {{a, kCameraPose.inverse() * kObject, &noise},
                                     {b, kCameraPose.inverse() * second, &noise}};
     filter.update(detections);
@@ -113,8 +119,9 @@ TEST(GaussianSumFilter, NumberOfHypothesesStaysBounded) {
   GaussianSumFilter filter = camera_filter(kCameraPose, isotropic(0.5, 0.005), settings);
   const std::size_t object = filter.add_object(kCameraPose.inverse() * kObject, noise);
   for (int frame = 0; frame < 30; ++frame) {
-    const Detection detection{object, kCameraPose.inverse() * kObject * SE3d::exp(draw(isotropic(8.0, 0.01), stream)),
-                              &noise};
+    const Detection detection{
+        object, kCameraPose.inverse() * kObject * SE3d::exp(draw(isotropic(8.0, 0.01), stream)),
+        &noise};
     filter.update(std::span(&detection, 1));
     EXPECT_LE(filter.posterior().size(), 4U);
     EXPECT_NEAR(log_weight_sum(filter.posterior()), 0.0, 1e-12);
@@ -128,9 +135,11 @@ TEST(GaussianSumFilter, GateIsTheChiSquareQuantile) {
   const double threshold = boost::math::quantile(boost::math::chi_squared(6), 0.99);
   const auto gated = [&](double scale) {
     GaussianSumFilter filter = camera_filter(kCameraPose, isotropic(0.5, 0.005), settings);
-    const std::size_t object = filter.add_independent_object(kCameraPose.inverse() * kObject, isotropic(2.0, 0.01));
+    const std::size_t object =
+        filter.add_independent_object(kCameraPose.inverse() * kObject, isotropic(2.0, 0.01));
     const auto at = [&](double shift) {
-      return Detection{object, kCameraPose.inverse() * kObject * pose(0, 0, 0, 0, shift, 0), &noise};
+      return Detection{object, kCameraPose.inverse() * kObject * pose(0, 0, 0, 0, shift, 0),
+                       &noise};
     };
     const Hypothesis prior = filter.posterior()[0].density;
     const double unit = squared_mahalanobis(prior, at(0.1), noise.components().front());
@@ -154,7 +163,8 @@ TEST(GaussianSumFilter, SummariesAreWhatTheyAreCalled) {
     settings.reduction.prune_below = 0.0;
     GaussianSumFilter filter = camera_filter(kCameraPose, isotropic(0.5, 0.005), settings);
     const std::size_t object = filter.add_object(kCameraPose.inverse() * kObject, noise);
-    const Detection detection{object, kCameraPose.inverse() * kObject * pose(0, 0, 0.3, 0, 0, 0), &noise};
+    const Detection detection{object, kCameraPose.inverse() * kObject * pose(0, 0, 0.3, 0, 0, 0),
+                              &noise};
     filter.update(std::span(&detection, 1));
     return std::pair(filter.summarise(), filter.posterior());
   };
@@ -163,16 +173,20 @@ TEST(GaussianSumFilter, SummariesAreWhatTheyAreCalled) {
   EXPECT_TRUE(best.mean().is_approx(posterior[posterior.heaviest()].density.mean(), 0.0));
 
   std::vector<Component<Hypothesis>> sorted = posterior.components();
-  std::sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.log_weight > b.log_weight; });
-  const auto two = merge<PoseStackd>(std::span<const Component<Hypothesis>>(sorted).first(2)).component.density;
-  EXPECT_TRUE(summary(Summary::merge_two_largest).first.covariance().isApprox(two.covariance(), 1e-12));
-  const auto all = merge<PoseStackd>(std::span<const Component<Hypothesis>>(sorted)).component.density;
+  std::sort(sorted.begin(), sorted.end(),
+            [](const auto& a, const auto& b) { return a.log_weight > b.log_weight; });
+  const auto two =
+      merge<PoseStackd>(std::span<const Component<Hypothesis>>(sorted).first(2)).component.density;
+  EXPECT_TRUE(
+      summary(Summary::merge_two_largest).first.covariance().isApprox(two.covariance(), 1e-12));
+  const auto all =
+      merge<PoseStackd>(std::span<const Component<Hypothesis>>(sorted)).component.density;
   EXPECT_TRUE(summary(Summary::whole_mixture).first.covariance().isApprox(all.covariance(), 1e-9));
 }
 
 TEST(GaussianSumFilter, LateObjectCarriesTheCorrelationWithTheCamera) {
-  // The camera drifts without detections, then sees a new object: its absolute error is the camera's, its relative error
-  // the detector's alone.
+  // The camera drifts without detections, then sees a new object: its absolute error is the
+  // camera's, its relative error the detector's alone.
   const DetectorNoise noise = gaussian_noise(2.0, 0.005);
   GaussianSumFilter filter = camera_filter(kCameraPose, isotropic(5.0, 0.1));
   const SE3d relative = kCameraPose.inverse() * kObject;
@@ -187,13 +201,15 @@ TEST(GaussianSumFilter, LateObjectCarriesTheCorrelationWithTheCamera) {
 
 TEST(GaussianSumFilter, ObjectWithNearSymmetryEntersAsSeveralHypotheses) {
   NoiseComponent plain{0.8, isotropic(3.0, 0.01)};
-  NoiseComponent flipped{0.2, isotropic(3.0, 0.01), NoiseFrame::object, pose(0, 0, std::numbers::pi, 0, 0, 0)};
+  NoiseComponent flipped{0.2, isotropic(3.0, 0.01), NoiseFrame::object,
+                         pose(0, 0, std::numbers::pi, 0, 0, 0)};
   GaussianSumFilter filter = camera_filter(kCameraPose, isotropic(0.5, 0.005));
   const SE3d relative = kCameraPose.inverse() * kObject;
   const std::size_t object = filter.add_object(relative, DetectorNoise({plain, flipped}));
   ASSERT_EQ(filter.posterior().size(), 2U);
   EXPECT_NEAR(filter.posterior().weight(1), 0.2, 1e-12);
-  EXPECT_TRUE(filter.posterior()[1].density.mean()[object].is_approx(kObject * flipped.offset.inverse(), 1e-12));
+  EXPECT_TRUE(filter.posterior()[1].density.mean()[object].is_approx(
+      kObject * flipped.offset.inverse(), 1e-12));
 }
 
 TEST(GaussianSumFilter, RefusesImpossibleDetectionsAndSettings) {
@@ -224,12 +240,14 @@ TEST(GaussianSumFilterSlow, CovarianceStaysPositiveDefiniteOverAMillionSteps) {
   const Matrix6d r = noise.components().front().covariance;
   const Matrix6d q = isotropic(0.05, 2e-4);
   Hypothesis h(PoseStackd(std::vector<SE3d>{kCameraPose}), isotropic(0.1, 0.001));
-  h = with_detected_object(h, {1, kCameraPose.inverse() * kObject, &noise}, noise.components().front());
+  h = with_detected_object(h, {1, kCameraPose.inverse() * kObject, &noise},
+                           noise.components().front());
   SE3d camera = kCameraPose;
   const NoiseComponent* const component = &noise.components().front();
   for (int step = 1; step <= 1000000; ++step) {
     const double phase = 1e-3 * step;
-    const SE3d motion = pose(0.001 * std::cos(phase), 0.001 * std::sin(phase), 0, 0.001 * std::sin(phase), 0, 0);
+    const SE3d motion =
+        pose(0.001 * std::cos(phase), 0.001 * std::sin(phase), 0, 0.001 * std::sin(phase), 0, 0);
     camera = camera * motion;
     h = predict_with_odometry(std::move(h), motion, q);
     const Detection detection{1, camera.inverse() * kObject * SE3d::exp(draw(r, stream)), &noise};

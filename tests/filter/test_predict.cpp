@@ -12,7 +12,8 @@ using testing::isotropic;
 using testing::pose;
 
 PoseStackd camera_motion_object() {
-  return PoseStackd(std::vector<SE3d>{pose(0.3, -0.2, 0.5, 0.4, 0.1, -0.6), pose(0.05, -0.02, 0.04, 0.03, 0.01, -0.02),
+  return PoseStackd(std::vector<SE3d>{pose(0.3, -0.2, 0.5, 0.4, 0.1, -0.6),
+                                      pose(0.05, -0.02, 0.04, 0.03, 0.01, -0.02),
                                       pose(1.0, 0.4, -0.3, 0.2, 0.8, 0.5)});
 }
 
@@ -25,7 +26,8 @@ TEST(Predict, OdometryMovesTheCameraAndAddsNoiseInItsFrame) {
   EXPECT_TRUE(after.mean()[kCamera].is_approx(before.mean()[kCamera] * motion, 1e-14));
   EXPECT_TRUE(after.mean()[2].is_approx(before.mean()[2], 0.0));
   const Eigen::MatrixXd added = after.covariance() - before.covariance();
-  const Matrix6d expected = after.mean()[kCamera].adjoint() * q * after.mean()[kCamera].adjoint().transpose();
+  const Matrix6d expected =
+      after.mean()[kCamera].adjoint() * q * after.mean()[kCamera].adjoint().transpose();
   EXPECT_TRUE(added.topLeftCorner(6, 6).isApprox(expected, 1e-10));
   EXPECT_EQ(added.bottomRows(12).cwiseAbs().maxCoeff(), 0.0);
 }
@@ -64,7 +66,8 @@ TEST(Predict, ConstantVelocityMovesTheMeanAndPropagatesTheCovariance) {
       jacobian.col(i) = (error(kStep) - error(-kStep)) / (2.0 * kStep);
     }
     const Eigen::MatrixXd propagated = jacobian * before.covariance() * jacobian.transpose();
-    EXPECT_LT((after.covariance() - propagated).cwiseAbs().maxCoeff(), 1e-8) << periods << " periods";
+    EXPECT_LT((after.covariance() - propagated).cwiseAbs().maxCoeff(), 1e-8)
+        << periods << " periods";
   }
 }
 
@@ -83,8 +86,10 @@ TEST(Predict, ConstantVelocityTracksASteadyMotionThatARandomWalkLagsBehind) {
     for (int frame = 0; frame < 60; ++frame) {
       truth = truth * motion;
       filter.predict([&](Hypothesis h) {
-        return constant_velocity ? predict_constant_velocity(std::move(h), 1.0, isotropic(0.05, 1e-4), isotropic(0.05, 1e-4))
-                                 : predict_random_walk(std::move(h), isotropic(0.3, 0.003));
+        return constant_velocity
+                   ? predict_constant_velocity(std::move(h), 1.0, isotropic(0.05, 1e-4),
+                                               isotropic(0.05, 1e-4))
+                   : predict_random_walk(std::move(h), isotropic(0.3, 0.003));
       });
       if (frame >= 30) error += (filter.summarise().mean()[kCamera] * truth.inverse()).log().norm();
       const Detection detection{index, truth.inverse() * object, &noise};

@@ -18,7 +18,8 @@ using testing::pose;
 
 /// A scene with two objects and a correlated prior.
 struct Scene {
-  PoseStackd truth{std::vector<SE3d>{pose(0.3, -0.2, 0.5, 0.4, 0.1, -0.6), pose(1.0, 0.4, -0.3, 0.2, 0.8, 0.5),
+  PoseStackd truth{std::vector<SE3d>{pose(0.3, -0.2, 0.5, 0.4, 0.1, -0.6),
+                                     pose(1.0, 0.4, -0.3, 0.2, 0.8, 0.5),
                                      pose(-0.7, 0.2, 1.4, -0.3, 0.5, 0.9)}};
   RandomStream stream{42};
   Eigen::MatrixXd covariance = correlated_covariance(3, stream);
@@ -34,8 +35,9 @@ struct Scene {
   }
 };
 
-/// The right-invariant EKF as textbooks write it, dense and in the camera frame, without any of the structure that the
-/// library uses: v = Log(T_co^-1-measured...), H = [-Ad(T_c^-1) .. Ad(T_c^-1) ..], explicit inverse, P+ = (I - K H) P.
+/// The right-invariant EKF as textbooks write it, dense and in the camera frame, without any of the
+/// structure that the library uses: v = Log(T_co^-1-measured...), H = [-Ad(T_c^-1) .. Ad(T_c^-1)
+/// ..], explicit inverse, P+ = (I - K H) P.
 struct Textbook {
   PoseStackd mean;
   Eigen::MatrixXd covariance;
@@ -55,7 +57,8 @@ struct Textbook {
       v.segment<6>(row) = (detections[j] * predicted.inverse()).log();
       h.block<6, 6>(row, 0) = -to_camera;
       h.block<6, 6>(row, static_cast<Eigen::Index>(6 * objects[j])) = to_camera;
-      r.block<6, 6>(row, row) = predicted.adjoint() * object_noise * predicted.adjoint().transpose();
+      r.block<6, 6>(row, row) =
+          predicted.adjoint() * object_noise * predicted.adjoint().transpose();
     }
     const Eigen::MatrixXd s = h * covariance * h.transpose() + r;
     const Eigen::MatrixXd k = covariance * h.transpose() * s.inverse();
@@ -82,7 +85,8 @@ TEST(Update, AgreesWithTextbookFilterOverManyFrames) {
         textbook.mean[0].adjoint() * q * textbook.mean[0].adjoint().transpose();
     hypothesis = predict_with_odometry(std::move(hypothesis), motion, q);
 
-    const std::vector<std::size_t> objects = frame % 3 == 0 ? std::vector<std::size_t>{2} : std::vector<std::size_t>{1, 2};
+    const std::vector<std::size_t> objects =
+        frame % 3 == 0 ? std::vector<std::size_t>{2} : std::vector<std::size_t>{1, 2};
     std::vector<Detection> detections;
     std::vector<SE3d> poses;
     std::vector<const NoiseComponent*> components;
@@ -104,7 +108,8 @@ TEST(Update, AgreesWithTextbookFilterOverManyFrames) {
 
 TEST(Update, InnovationIsLinearInTheErrors) {
   // z = Log(T_R Y T_o^-1) with T = Exp(xi) T_0: central differences give H = [-I I].
-  const PoseStackd mean(std::vector<SE3d>{pose(0.3, -0.2, 0.5, 0.4, 0.1, -0.6), pose(1.0, 0.4, -0.3, 0.2, 0.8, 0.5)});
+  const PoseStackd mean(
+      std::vector<SE3d>{pose(0.3, -0.2, 0.5, 0.4, 0.1, -0.6), pose(1.0, 0.4, -0.3, 0.2, 0.8, 0.5)});
   const DetectorNoise noise = gaussian_noise();
   constexpr double kStep = 1e-5;
   for (Eigen::Index i = 0; i < 12; ++i) {
@@ -121,8 +126,10 @@ TEST(Update, InnovationIsLinearInTheErrors) {
 }
 
 TEST(Update, NoiseEntersInTheNamedFrame) {
-  // The slope of the innovation with respect to the noise n, by central differences, is the root of R in world axes.
-  const PoseStackd mean(std::vector<SE3d>{pose(0.3, -0.2, 0.5, 0.4, 0.1, -0.6), pose(1.0, 0.4, -0.3, 0.2, 0.8, 0.5)});
+  // The slope of the innovation with respect to the noise n, by central differences, is the root of
+  // R in world axes.
+  const PoseStackd mean(
+      std::vector<SE3d>{pose(0.3, -0.2, 0.5, 0.4, 0.1, -0.6), pose(1.0, 0.4, -0.3, 0.2, 0.8, 0.5)});
   const SE3d relative = mean[0].inverse() * mean[1];
   Vector6d sd;
   sd << 0.01, 0.02, 0.03, 0.004, 0.005, 0.006;
@@ -135,16 +142,20 @@ TEST(Update, NoiseEntersInTheNamedFrame) {
     for (Eigen::Index i = 0; i < 6; ++i) {
       const auto residual = [&](double step) {
         const Vector6d n = step * sd(i) * Vector6d::Unit(i);
-        // Along the camera's axes the same small motion is applied after turning it into the object's axes.
+        // Along the camera's axes the same small motion is applied after turning it into the
+        // object's axes.
         const SE3d mode = relative * component.offset;
-        const SE3d axes(frame == NoiseFrame::object ? SO3d() : mode.rotation().inverse(), Eigen::Vector3d::Zero());
+        const SE3d axes(frame == NoiseFrame::object ? SO3d() : mode.rotation().inverse(),
+                        Eigen::Vector3d::Zero());
         const Detection detection{1, mode * axes * SE3d::exp(n) * axes.inverse(), &noise};
         return innovation(mean, detection, component).residual;
       };
       slope.col(i) = (residual(kStep) - residual(-kStep)) / (2.0 * kStep);
     }
-    const Matrix6d world = innovation(mean, {1, relative * component.offset, &noise}, component).noise;
-    EXPECT_LT((slope * slope.transpose() - world).cwiseAbs().maxCoeff(), 1e-6 * world.cwiseAbs().maxCoeff());
+    const Matrix6d world =
+        innovation(mean, {1, relative * component.offset, &noise}, component).noise;
+    EXPECT_LT((slope * slope.transpose() - world).cwiseAbs().maxCoeff(),
+              1e-6 * world.cwiseAbs().maxCoeff());
   }
 }
 
@@ -198,11 +209,13 @@ TEST(Update, ReportsAnInnovationCovarianceThatIsNotPositiveDefinite) {
 }
 
 TEST(NewObject, ErrorIsThatOfCameraAndDetectionTogether) {
-  // Covariance of (xi_R, xi_o) by drawing camera errors and detection noise, against with_detected_object.
+  // Covariance of (xi_R, xi_o) by drawing camera errors and detection noise, against
+  // with_detected_object.
   RandomStream stream(7);
   const Matrix6d camera_covariance = isotropic(1.0, 0.01);
   const SE3d camera = pose(0.3, -0.2, 0.5, 0.4, 0.1, -0.6);
-  const NoiseComponent component{1.0, isotropic(1.5, 0.01), NoiseFrame::object, pose(0, 0, 2.0, 0.1, 0, 0)};
+  const NoiseComponent component{1.0, isotropic(1.5, 0.01), NoiseFrame::object,
+                                 pose(0, 0, 2.0, 0.1, 0, 0)};
   const DetectorNoise noise({component});
   const SE3d detected = pose(1.0, 0.4, -0.3, 0.2, 0.1, 1.0);
   const Hypothesis prior(PoseStackd(std::vector<SE3d>{camera}), camera_covariance);
@@ -212,17 +225,21 @@ TEST(NewObject, ErrorIsThatOfCameraAndDetectionTogether) {
   Eigen::Matrix<double, 12, 12> sum = Eigen::Matrix<double, 12, 12>::Zero();
   for (int i = 0; i < kDraws; ++i) {
     const SE3d true_camera = SE3d::exp(draw(camera_covariance, stream)) * camera;
-    const SE3d clean = detected * SE3d::exp(draw(component.covariance, stream)).inverse() * component.offset.inverse();
+    const SE3d clean = detected * SE3d::exp(draw(component.covariance, stream)).inverse() *
+                       component.offset.inverse();
     Eigen::Matrix<double, 12, 1> error;
-    error << (true_camera * camera.inverse()).log(), (true_camera * clean * joint.mean()[1].inverse()).log();
+    error << (true_camera * camera.inverse()).log(),
+        (true_camera * clean * joint.mean()[1].inverse()).log();
     sum += error * error.transpose() / kDraws;
   }
   const Eigen::Matrix<double, 12, 12> expected = joint.covariance();
   const Eigen::Matrix<double, 12, 1> sd = expected.diagonal().cwiseSqrt();
   for (Eigen::Index i = 0; i < 12; ++i) {
     for (Eigen::Index j = 0; j < 12; ++j) {
-      // Five standard errors of a sample covariance, 1/sqrt(n) of the product of the deviations, plus 1 % curvature.
-      EXPECT_NEAR(sum(i, j) / (sd(i) * sd(j)), expected(i, j) / (sd(i) * sd(j)), 5.0 * std::sqrt(2.0 / kDraws) + 0.01);
+      // Five standard errors of a sample covariance, 1/sqrt(n) of the product of the deviations,
+      // plus 1 % curvature.
+      EXPECT_NEAR(sum(i, j) / (sd(i) * sd(j)), expected(i, j) / (sd(i) * sd(j)),
+                  5.0 * std::sqrt(2.0 / kDraws) + 0.01);
     }
   }
 }

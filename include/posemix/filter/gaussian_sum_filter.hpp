@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "posemix/filter/iterated_update.hpp"
 #include "posemix/filter/predict.hpp"
 #include "posemix/reduction/reduce.hpp"
 
@@ -16,8 +17,15 @@ using Posterior = Mixture<Hypothesis>;
 
 /// How the components of a detector's noise are combined over the objects seen in one frame.
 enum class NoiseUse {
-  joint,      ///< one component is chosen for all visible objects together (the midway paper's filter)
-  per_object  ///< one component for every object, the objects processed one after another with a reduction after each
+  joint,  ///< one component is chosen for all visible objects together (the midway paper's filter)
+  per_object  ///< one component for every object, the objects processed one after another with a
+              ///< reduction after each
+};
+
+/// How one hypothesis is updated.
+enum class UpdateRule {
+  linearized,  ///< once, at the prior mean, covariance in Joseph's form (the midway paper's)
+  iterated     ///< `iterated_update`: consistent when the odometry is bad against the detector
 };
 
 /// What is reported as the estimate.
@@ -30,27 +38,33 @@ enum class Summary {
 /// Settings of the filter.
 struct FilterSettings {
   NoiseUse noise_use = NoiseUse::per_object;
-  /// A detection is left out when its squared Mahalanobis distance exceeds this quantile of the chi-square distribution
-  /// with six degrees of freedom for every hypothesis and noise component; 1 turns the gate off.
+  UpdateRule update = UpdateRule::linearized;
+  /// A detection is left out when its squared Mahalanobis distance exceeds this quantile of the
+  /// chi-square distribution with six degrees of freedom for every hypothesis and noise component;
+  /// 1 turns the gate off.
   double gate_probability = 1.0;
   Summary summary = Summary::whole_mixture;
   ReductionSettings reduction;
+  std::size_t first_object =
+      1;  ///< index of the first object's pose: 2 where the motion is part of the state
 };
 
 /// What an update did with every detection, in the order given.
 struct UpdateReport {
-  std::vector<bool> gated;                  ///< left out by the gate
-  std::vector<bool> failed;                 ///< left out because an innovation covariance was not positive definite
-  double log_evidence = 0.0;                ///< log of the summed likelihood of the detections used [nats]
+  std::vector<bool> gated;  ///< left out by the gate
+  std::vector<bool>
+      failed;  ///< left out because an innovation covariance was not positive definite
+  double log_evidence = 0.0;  ///< log of the summed likelihood of the detections used [nats]
   std::vector<ReductionReport> reductions;  ///< one for joint use, one per used detection otherwise
   double update_seconds = 0.0;
   double reduce_seconds = 0.0;
 };
 
-/// The Gaussian-sum invariant EKF (midway-merge paper, Algorithm 1): predict, update, reduce, summarise.
+/// The Gaussian-sum invariant EKF (midway-merge paper, Algorithm 1): predict, update, reduce,
+/// summarise.
 ///
-/// Invariants: every hypothesis holds the same poses in the same order, pose 0 is the camera; every covariance is
-/// symmetric positive definite; weights are normalised logarithms.
+/// Invariants: every hypothesis holds the same poses in the same order, pose 0 is the camera; every
+/// covariance is symmetric positive definite; weights are normalised logarithms.
 class GaussianSumFilter {
  public:
   /// Starts from a prior, usually one hypothesis that holds the camera alone.
@@ -61,16 +75,16 @@ class GaussianSumFilter {
   void predict(const std::function<Hypothesis(Hypothesis)>& motion);
 
   /// Every hypothesis gets one child per noise component, is updated, and the mixture is reduced.
-  /// @throws InvalidInput when a detection names the camera, a pose that does not exist or one named twice, or when
-  /// joint use finds detectors whose components differ in number or weight
+  /// @throws InvalidInput when a detection names the camera, a pose that does not exist or one
+  /// named twice, or when joint use finds detectors whose components differ in number or weight
   UpdateReport update(std::span<const Detection> detections);
 
-  /// A new object enters every hypothesis with its full cross-covariance, one child per noise component, and the
-  /// mixture is reduced. Returns the index of its pose.
+  /// A new object enters every hypothesis with its full cross-covariance, one child per noise
+  /// component, and the mixture is reduced. Returns the index of its pose.
   std::size_t add_object(const SE3d& camera_object, const DetectorNoise& noise);
 
-  /// A new object enters every hypothesis at T_R camera_object with an error that is independent of all others, the
-  /// covariance in the world frame. Returns the index of its pose.
+  /// A new object enters every hypothesis at T_R camera_object with an error that is independent of
+  /// all others, the covariance in the world frame. Returns the index of its pose.
   std::size_t add_independent_object(const SE3d& camera_object, const Matrix6d& covariance);
 
   const Posterior& posterior() const { return posterior_; }

@@ -8,7 +8,8 @@
 #include "posemix/density/concentrated_gaussian.hpp"
 #include "posemix/filter/detector_noise.hpp"
 
-/// The invariant extended Kalman filter on one hypothesis: camera T_R and objects T_j, X = Exp(xi) X0 pose by pose.
+/// The invariant extended Kalman filter on one hypothesis: camera T_R and objects T_j, X = Exp(xi)
+/// X0 pose by pose.
 namespace posemix {
 
 /// A hypothesis over all poses: pose 0 is the camera.
@@ -16,7 +17,8 @@ using Hypothesis = ConcentratedGaussian<PoseStackd>;
 
 inline constexpr std::size_t kCamera = 0;
 
-/// One detection: the pose `camera_object` (T_camera_object, eq. 32's Y) of the object at index `object` of the stack.
+/// One detection: the pose `camera_object` (T_camera_object, eq. 32's Y) of the object at index
+/// `object` of the stack.
 struct Detection {
   std::size_t object;
   SE3d camera_object;
@@ -31,10 +33,12 @@ struct Innovation {
   Matrix6d noise;  ///< covariance of the noise carried into the world frame
 };
 
-Innovation innovation(const PoseStackd& mean, const Detection& detection, const NoiseComponent& noise);
+Innovation innovation(const PoseStackd& mean, const Detection& detection,
+                      const NoiseComponent& noise);
 
-/// Squared Mahalanobis distance z^T S^-1 z of one detection from one hypothesis; chi-square with six degrees of freedom
-/// when the hypothesis and the component are right. Infinite when S is numerically not positive definite.
+/// Squared Mahalanobis distance z^T S^-1 z of one detection from one hypothesis; chi-square with
+/// six degrees of freedom when the hypothesis and the component are right. Infinite when S is
+/// numerically not positive definite.
 double squared_mahalanobis(const Hypothesis& hypothesis, const Detection& detection,
                            const NoiseComponent& noise);
 
@@ -42,20 +46,23 @@ double squared_mahalanobis(const Hypothesis& hypothesis, const Detection& detect
 struct UpdateResult {
   Hypothesis posterior;
   double log_likelihood;  ///< log N(z; 0, S) [nats]
-  bool ok;  ///< false: S is numerically not positive definite, the posterior is the prior and the likelihood -inf
+  bool ok;  ///< false: S is numerically not positive definite, the posterior is the prior and the
+            ///< likelihood -inf
 };
 
-/// Updates one hypothesis with several detections at once, each under the noise component given for it. Covariance in
-/// Joseph's form.
+/// Updates one hypothesis with several detections at once, each under the noise component given for
+/// it. Covariance in Joseph's form.
 UpdateResult update(const Hypothesis& prior, std::span<const Detection> detections,
                     std::span<const NoiseComponent* const> noise);
 
-/// The hypothesis with one more pose, the object of `detection` (its index is not looked at): T_o = T_R Y offset^-1,
-/// P_oo = P_RR + R, P_o* = P_R*, so that the new object is as correlated with everything as the camera is.
+/// The hypothesis with one more pose, the object of `detection` (its index is not looked at): T_o =
+/// T_R Y offset^-1, P_oo = P_RR + R, P_o* = P_R*, so that the new object is as correlated with
+/// everything as the camera is.
 Hypothesis with_detected_object(const Hypothesis& prior, const Detection& detection,
                                 const NoiseComponent& noise);
 
 /// The hypothesis with one more pose whose error is independent of all others.
-Hypothesis with_independent_pose(const Hypothesis& prior, const SE3d& mean, const Matrix6d& covariance);
+Hypothesis with_independent_pose(const Hypothesis& prior, const SE3d& mean,
+                                 const Matrix6d& covariance);
 
 }  // namespace posemix
