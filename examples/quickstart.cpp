@@ -9,9 +9,11 @@
 int main() {
   using Pose = posemix::ConcentratedGaussian<posemix::SE3d>;
   const posemix::Matrix6d covariance = 1e-3 * posemix::Matrix6d::Identity();
-  const posemix::SE3d seen(posemix::SO3d(), {0.0, 0.0, 0.8});  // a detector's answer, T_camera_mug ...
+  const posemix::SE3d seen(posemix::SO3d(),
+                           {0.0, 0.0, 0.8});  // a detector's answer, T_camera_mug ...
   const posemix::SO3d flip = posemix::SO3d::exp({0.0, 0.0, std::numbers::pi});
-  const posemix::SE3d flipped(flip, seen.translation());  // ... which is turned by 180 degrees at times
+  const posemix::SE3d flipped(flip,
+                              seen.translation());  // ... which is turned by 180 degrees at times
   const double weights[] = {0.7, 0.3};
   const auto mug = posemix::Mixture<Pose>::from_weights(
       weights, {Pose(seen, covariance), Pose(flipped, covariance)});

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 
-// One hypothesis updated with M detections at once: the structured update (H = [-I I], Joseph's form) against the same
-// filter written densely, as the midway authors' program does (H with adjoints, explicit products of full matrices).
+// One hypothesis updated with M detections at once: the structured update (H = [-I I], Joseph's
+// form) against the same filter written densely, as the midway authors' program does (H with
+// adjoints, explicit products of full matrices).
 #include <benchmark/benchmark.h>
 
 #include <vector>
@@ -61,7 +62,8 @@ void dense(benchmark::State& state) {
       v.segment<6>(j) = (detection.camera_object * predicted.inverse()).log();
       h.block<6, 6>(j, 0) = -to_camera;
       h.block<6, 6>(j, j + 6) = to_camera;
-      r.block<6, 6>(j, j) = predicted.adjoint() * scene.components[0]->covariance * predicted.adjoint().transpose();
+      r.block<6, 6>(j, j) =
+          predicted.adjoint() * scene.components[0]->covariance * predicted.adjoint().transpose();
     }
     const Eigen::MatrixXd& p = scene.prior.covariance();
     const Eigen::MatrixXd s = h * p * h.transpose() + r;

@@ -17,7 +17,8 @@ Eigen::Index offset(std::size_t index) { return kPoseDof * static_cast<Eigen::In
 void check_indices(std::span<const std::size_t> indices, std::size_t size) {
   for (auto it = indices.begin(); it != indices.end(); ++it) {
     if (*it >= size) {
-      throw InvalidInput(fmt::format("pose index {} is out of range, the joint density has {} poses", *it, size));
+      throw InvalidInput(
+          fmt::format("pose index {} is out of range, the joint density has {} poses", *it, size));
     }
     if (std::find(indices.begin(), it, *it) != it) {
       throw InvalidInput(fmt::format("pose index {} occurs twice", *it));
@@ -62,7 +63,8 @@ ConcentratedGaussian<PoseStackd> marginal(const ConcentratedGaussian<PoseStackd>
                                                    blocks(joint.covariance(), indices, indices));
 }
 
-ConcentratedGaussian<SE3d> marginal(const ConcentratedGaussian<PoseStackd>& joint, std::size_t index) {
+ConcentratedGaussian<SE3d> marginal(const ConcentratedGaussian<PoseStackd>& joint,
+                                    std::size_t index) {
   check_indices(std::span(&index, 1), joint.mean().size());
   return ConcentratedGaussian<SE3d>::trusted(
       joint.mean()[index],
@@ -89,7 +91,8 @@ ConcentratedGaussian<PoseStackd> conditional(const ConcentratedGaussian<PoseStac
   const Eigen::MatrixXd gain = given.solve(cross.transpose()).transpose();
   Eigen::MatrixXd covariance = blocks(joint.covariance(), rest, rest) - gain * cross.transpose();
   symmetrize(covariance);
-  return back_project(TangentGaussian<PoseStackd>{select(mean, rest), gain * deviation, covariance});
+  return back_project(
+      TangentGaussian<PoseStackd>{select(mean, rest), gain * deviation, covariance});
 }
 
 ConcentratedGaussian<SE3d> relative_pose(const ConcentratedGaussian<PoseStackd>& joint,

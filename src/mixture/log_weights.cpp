@@ -25,7 +25,8 @@ double log_sum_exp(std::span<const double> terms) {
 double checked_log_total(std::span<const double> log_weights) {
   for (std::size_t i = 0; i < log_weights.size(); ++i) {
     if (std::isnan(log_weights[i]) || log_weights[i] == std::numeric_limits<double>::infinity()) {
-      throw InvalidInput(fmt::format("log-weight {} is {}, expected a number or -inf", i, log_weights[i]));
+      throw InvalidInput(
+          fmt::format("log-weight {} is {}, expected a number or -inf", i, log_weights[i]));
     }
   }
   const double total = log_sum_exp(log_weights);

@@ -30,8 +30,8 @@ Mixture<ConcentratedGaussian<SE3d>> marginal(const Mixture<ConcentratedGaussian<
 
 Mixture<ConcentratedGaussian<SE3d>> relative_pose(
     const Mixture<ConcentratedGaussian<PoseStackd>>& joint, std::size_t from, std::size_t to) {
-  return of_every_component(
-      joint, [&](const auto& density) { return relative_pose(density, from, to); });
+  return of_every_component(joint,
+                            [&](const auto& density) { return relative_pose(density, from, to); });
 }
 
 }  // namespace posemix

@@ -8,7 +8,7 @@ template Reduction<ConcentratedGaussian<SO3d>> reduce(Mixture<ConcentratedGaussi
                                                       const ReductionSettings&);
 template Reduction<ConcentratedGaussian<SE3d>> reduce(Mixture<ConcentratedGaussian<SE3d>>,
                                                       const ReductionSettings&);
-template Reduction<ConcentratedGaussian<PoseStackd>> reduce(Mixture<ConcentratedGaussian<PoseStackd>>,
-                                                            const ReductionSettings&);
+template Reduction<ConcentratedGaussian<PoseStackd>> reduce(
+    Mixture<ConcentratedGaussian<PoseStackd>>, const ReductionSettings&);
 
 }  // namespace posemix

@@ -109,7 +109,8 @@ Timing timing_of(const SlamRun& run) {
 
 }  // namespace
 
-std::optional<SE3d> true_relative_pose(const Sequence& sequence, std::size_t object, std::size_t frame) {
+std::optional<SE3d> true_relative_pose(const Sequence& sequence, std::size_t object,
+                                       std::size_t frame) {
   const ObjectRecording& recording = sequence.objects[object];
   if (const auto& relative = entry(recording.relative_truth, frame)) return relative;
   const auto& world = entry(recording.world_truth, frame);
@@ -118,7 +119,8 @@ std::optional<SE3d> true_relative_pose(const Sequence& sequence, std::size_t obj
   return camera->inverse() * *world;
 }
 
-std::optional<SE3d> true_world_pose(const Sequence& sequence, std::size_t object, std::size_t frame) {
+std::optional<SE3d> true_world_pose(const Sequence& sequence, std::size_t object,
+                                    std::size_t frame) {
   const ObjectRecording& recording = sequence.objects[object];
   if (const auto& world = entry(recording.world_truth, frame)) return world;
   const auto& relative = entry(recording.relative_truth, frame);

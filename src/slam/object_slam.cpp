@@ -73,7 +73,8 @@ void ObjectSlam::predict(const FrameInput& input) {
 
 FrameReport ObjectSlam::observe(const std::vector<std::optional<SE3d>>& detections) {
   if (detections.size() != objects_.size()) {
-    throw InvalidInput(fmt::format("frame: {} detections for {} objects", detections.size(), objects_.size()));
+    throw InvalidInput(
+        fmt::format("frame: {} detections for {} objects", detections.size(), objects_.size()));
   }
   FrameReport report;
   report.fates.assign(objects_.size(), DetectionFate::none);
@@ -97,9 +98,10 @@ FrameReport ObjectSlam::observe(const std::vector<std::optional<SE3d>>& detectio
   for (std::size_t object = 0; object < objects_.size(); ++object) {
     if (!detections[object] || indices_[object]) continue;
     const ObjectModel& model = objects_[object];
-    indices_[object] = model.independent_start
-                           ? filter_.add_independent_object(*detections[object], *model.independent_start)
-                           : filter_.add_object(*detections[object], model.noise);
+    indices_[object] =
+        model.independent_start
+            ? filter_.add_independent_object(*detections[object], *model.independent_start)
+            : filter_.add_object(*detections[object], model.noise);
     report.fates[object] = DetectionFate::started;
   }
   estimate_ = filter_.summarise();

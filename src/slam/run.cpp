@@ -18,7 +18,8 @@ std::optional<SE3d> odometry_step(const Sequence& sequence, std::size_t frame) {
 
 std::vector<std::optional<SE3d>> detections_at(const Sequence& sequence, std::size_t frame) {
   std::vector<std::optional<SE3d>> detections;
-  for (const ObjectRecording& object : sequence.objects) detections.push_back(object.detections[frame]);
+  for (const ObjectRecording& object : sequence.objects)
+    detections.push_back(object.detections[frame]);
   return detections;
 }
 
@@ -37,7 +38,8 @@ FrameEstimate estimate_of(const ObjectSlam& slam, FrameReport report, bool recor
     const auto index = slam.pose_index(object);
     frame.pose_indices.push_back(index);
     frame.objects.push_back(index ? std::optional(marginal(joint, *index)) : std::nullopt);
-    frame.relative.push_back(index ? std::optional(relative_pose(joint, kCamera, *index)) : std::nullopt);
+    frame.relative.push_back(index ? std::optional(relative_pose(joint, kCamera, *index))
+                                   : std::nullopt);
   }
   if (record_hypotheses) frame.hypotheses = snapshots(slam.posterior());
   return frame;

@@ -26,7 +26,8 @@ void validate(const Sequence& sequence) {
   for (std::size_t k = 0; k < frames; ++k) {
     const double stamp = sequence.stamps[k];
     if (!std::isfinite(stamp) || (k > 0 && !(stamp > sequence.stamps[k - 1]))) {
-      throw InvalidInput(fmt::format("stamp {} of frame {} is not finite and larger than the one before", stamp, k));
+      throw InvalidInput(fmt::format(
+          "stamp {} of frame {} is not finite and larger than the one before", stamp, k));
     }
   }
   check_length(sequence.odometry.size(), frames, "odometry");
@@ -37,11 +38,13 @@ void validate(const Sequence& sequence) {
       throw InvalidInput(fmt::format("object id '{}' occurs twice", object.id));
     }
     if (object.detections.size() != frames) {
-      throw InvalidInput(fmt::format("object '{}' has {} detection entries for {} frames", object.id,
-                                     object.detections.size(), frames));
+      throw InvalidInput(fmt::format("object '{}' has {} detection entries for {} frames",
+                                     object.id, object.detections.size(), frames));
     }
-    check_length(object.relative_truth.size(), frames, fmt::format("relative truth of object '{}'", object.id));
-    check_length(object.world_truth.size(), frames, fmt::format("world truth of object '{}'", object.id));
+    check_length(object.relative_truth.size(), frames,
+                 fmt::format("relative truth of object '{}'", object.id));
+    check_length(object.world_truth.size(), frames,
+                 fmt::format("world truth of object '{}'", object.id));
   }
 }
 

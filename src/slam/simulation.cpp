@@ -98,6 +98,7 @@ SimulatedObject simulate_object(const SimulationObject& object, const std::vecto
 
 std::vector<std::optional<SE3d>> poses_of(const std::vector<SimulatedPose>& track) {
   std::vector<std::optional<SE3d>> poses;
+  poses.reserve(track.size());
   for (const SimulatedPose& entry : track) poses.emplace_back(entry.pose());
   return poses;
 }

@@ -90,8 +90,8 @@ void check(const SimulationObject& object, std::size_t frames) {
   checker.within(object.outliers.box_m, 0.0, kFurthest, "box of outliers");
   checker.runs(object.misses, "fraction of misses");
   if (object.hidden_frames >= frames) {
-    throw InvalidInput(fmt::format("simulation: object '{}' is hidden for {} of {} frames", object.id,
-                                   object.hidden_frames, frames));
+    throw InvalidInput(fmt::format("simulation: object '{}' is hidden for {} of {} frames",
+                                   object.id, object.hidden_frames, frames));
   }
 }
 

@@ -70,7 +70,8 @@ TEST(Conventions, DensityIsWithRespectToTheHaarMeasure) {
 TEST(Conventions, WeightsAreNaturalLogarithms) {
   const ConcentratedGaussian<SE3d> density(SE3d(), Matrix6d::Identity());
   const double weights[] = {0.7, 0.3};
-  const auto mixture = Mixture<ConcentratedGaussian<SE3d>>::from_weights(weights, {density, density});
+  const auto mixture =
+      Mixture<ConcentratedGaussian<SE3d>>::from_weights(weights, {density, density});
   EXPECT_NEAR(mixture[0].log_weight, -0.356675, kPrinted);
   EXPECT_NEAR(mixture[1].log_weight, -1.203973, kPrinted);
 }
@@ -86,7 +87,8 @@ TEST(Conventions, InnovationIsInTheWorldFrame) {
   const auto residual = [&](const SE3d& detected) {
     return innovation(mean, {1, detected, &noise}, noise.components().front()).residual;
   };
-  EXPECT_NEAR((residual(translation(0, 0.02, 2)) - vector6(0, 0, 0, 0, 0.02, 0)).norm(), 0.0, 1e-12);
+  EXPECT_NEAR((residual(translation(0, 0.02, 2)) - vector6(0, 0, 0, 0, 0.02, 0)).norm(), 0.0,
+              1e-12);
   const SE3d turned = translation(0, 0, 2) * SE3d::exp(vector6(0, 0.1, 0, 0, 0, 0));
   EXPECT_NEAR((residual(turned) - vector6(0, 0.1, 0, -0.2, 0, 0)).norm(), 0.0, 1e-12);
 }

@@ -33,14 +33,15 @@ SE3d draw_detection(const SE3d& relative, const DetectorNoise& noise, RandomStre
   return relative;
 }
 
-/// e^T P^-1 e of the full state (camera and objects) at the last frame of one simulated run. Prior, odometry and detector
-/// errors are drawn from the model that the filter believes.
+/// e^T P^-1 e of the full state (camera and objects) at the last frame of one simulated run. Prior,
+/// odometry and detector errors are drawn from the model that the filter believes.
 double squared_normalized_error(const DetectorNoise& noise, std::uint64_t run) {
   RandomStream stream(20221124, run);
   const Matrix6d camera_covariance = isotropic(0.5, 0.01);
   const Matrix6d q = isotropic(0.1, 0.002);
   const SE3d start = pose(0.2, -0.1, 0.3, 0.1, 0.2, -0.1);
-  const std::vector<SE3d> objects = {pose(0.5, 0.2, -0.4, 0.3, 0.1, 1.0), pose(-0.8, 0.3, 1.0, -0.4, 0.2, 1.2)};
+  const std::vector<SE3d> objects = {pose(0.5, 0.2, -0.4, 0.3, 0.1, 1.0),
+                                     pose(-0.8, 0.3, 1.0, -0.4, 0.2, 1.2)};
 
   ObjectSlamSettings settings;
   settings.filter.noise_use = NoiseUse::per_object;
@@ -72,7 +73,8 @@ double squared_normalized_error(const DetectorNoise& noise, std::uint64_t run) {
 /// ANEES (midway-merge paper, eq. 35) over independent runs, and its 95 % chi-square band.
 void expect_consistent(const DetectorNoise& noise) {
   double sum = 0.0;
-  for (int run = 0; run < kRuns; ++run) sum += squared_normalized_error(noise, static_cast<std::uint64_t>(run));
+  for (int run = 0; run < kRuns; ++run)
+    sum += squared_normalized_error(noise, static_cast<std::uint64_t>(run));
   const double dof = 6.0 * (1 + kObjects) * kRuns;
   const boost::math::chi_squared distribution(dof);
   const double anees = sum / dof;

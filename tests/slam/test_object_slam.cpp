@@ -12,7 +12,8 @@ using testing::gaussian_noise;
 using testing::isotropic;
 using testing::pose;
 
-const ConcentratedGaussian<SE3d> kPrior(pose(0.1, 0.2, -0.1, 0.3, -0.2, 0.1), isotropic(0.5, 0.005));
+const ConcentratedGaussian<SE3d> kPrior(pose(0.1, 0.2, -0.1, 0.3, -0.2, 0.1),
+                                        isotropic(0.5, 0.005));
 const SE3d kObject = pose(0.4, -0.3, 0.2, 0.1, 0.2, 1.1);
 
 ObjectModel model(const std::string& id) { return {id, gaussian_noise(), std::nullopt}; }

@@ -56,7 +56,9 @@ TEST(Run, OdometryNeedsBothEndsOfAStep) {
   Sequence sequence = perfect_sequence();
   sequence.odometry[2].reset();
   const SlamRun result = run_default(sequence);
-  const auto sd = [&](std::size_t k) { return std::sqrt(result.frames[k].camera.covariance()(0, 0)); };
+  const auto sd = [&](std::size_t k) {
+    return std::sqrt(result.frames[k].camera.covariance()(0, 0));
+  };
   // Steps 1->2 and 2->3 are unknown motion: the camera gets less certain there than with odometry.
   const SlamRun with_odometry = run_default(perfect_sequence());
   EXPECT_GT(sd(2), std::sqrt(with_odometry.frames[2].camera.covariance()(0, 0)));
@@ -130,7 +132,8 @@ TEST(Evaluate, ErrorsAreThoseOfAKnownDisplacement) {
 TEST(Evaluate, RelativeAneesIsTheSquaredErrorOverTheVariance) {
   Sequence sequence = perfect_sequence();
   const SlamRun result = run_default(sequence);
-  // Truth displaced along one axis of the camera by two standard deviations, scaled by correlation-free P^-1.
+  // Truth displaced along one axis of the camera by two standard deviations, scaled by
+  // correlation-free P^-1.
   double expected = 0.0;
   for (std::size_t k = 0; k < 5; ++k) {
     const PoseDensity& relative = *result.frames[k].relative[0];
@@ -157,7 +160,8 @@ TEST(Evaluate, RelativeTruthAndCameraGiveTheWorldPose) {
   Sequence sequence = perfect_sequence();
   ObjectRecording& object = sequence.objects[0];
   object.world_truth.clear();
-  for (const auto& camera : sequence.camera_truth) object.relative_truth.emplace_back(camera->inverse() * kObject);
+  for (const auto& camera : sequence.camera_truth)
+    object.relative_truth.emplace_back(camera->inverse() * kObject);
   object.relative_truth[2].reset();
   EXPECT_TRUE(true_world_pose(sequence, 0, 1)->is_approx(kObject, 1e-12));
   EXPECT_FALSE(true_world_pose(sequence, 0, 2).has_value());

@@ -6,9 +6,9 @@
 #include <numbers>
 #include <string>
 
+#include <fmt/format.h>
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <fmt/format.h>
 
 #include "posemix/base/error.hpp"
 
@@ -45,8 +45,9 @@ double log_normal(const Eigen::LLT<Matrix>& factor, const Eigen::MatrixBase<Vect
   return -0.5 * (squared + log_det(factor) + static_cast<double>(residual.size()) * kLogTwoPi);
 }
 
-/// The symmetric part of a covariance after checking it: square of the given size, finite, symmetric up to rounding
-/// (1e-9 of its largest entry) and positive definite. `name` begins the error message.
+/// The symmetric part of a covariance after checking it: square of the given size, finite,
+/// symmetric up to rounding (1e-9 of its largest entry) and positive definite. `name` begins the
+/// error message.
 /// @throws InvalidInput naming the property that fails
 template <class Matrix>
 Matrix checked_covariance(const Matrix& covariance, Eigen::Index size, const std::string& name) {

@@ -8,14 +8,16 @@
 
 #include "posemix/slam/run.hpp"
 
-/// Errors and consistency of a run against ground truth. Everything is empty where there is no ground truth.
+/// Errors and consistency of a run against ground truth. Everything is empty where there is no
+/// ground truth.
 namespace posemix {
 
 /// Root mean square errors of a pose over the frames that have both estimate and truth.
 struct PoseErrors {
-  std::optional<double> position_rmse_m;      ///< Euclidean distance of the positions
-  std::optional<double> rotation_rmse_deg;    ///< angle of the rotation between estimate and truth
-  std::optional<double> position_log_rmse_m;  ///< translation part of Log(T_est T_true^-1), the midway paper's number
+  std::optional<double> position_rmse_m;    ///< Euclidean distance of the positions
+  std::optional<double> rotation_rmse_deg;  ///< angle of the rotation between estimate and truth
+  std::optional<double>
+      position_log_rmse_m;  ///< translation part of Log(T_est T_true^-1), the midway paper's number
 };
 
 /// Metrics of one object.
@@ -26,7 +28,8 @@ struct ObjectMetrics {
   PoseErrors detection_relative;  ///< T_camera_object as detected
   std::size_t detections = 0;
   std::size_t gated = 0;
-  /// Mean over the frames of e^T P^-1 e / 6 with e = Log(T_true T_est^-1) of T_camera_object; 1 when consistent.
+  /// Mean over the frames of e^T P^-1 e / 6 with e = Log(T_true T_est^-1) of T_camera_object; 1
+  /// when consistent.
   std::optional<double> relative_anees;
 };
 
@@ -47,9 +50,11 @@ struct Metrics {
 
 Metrics evaluate(const Sequence& sequence, const SlamRun& run);
 
-/// True T_camera_object and T_world_object of one object at one frame, from whichever of relative, world and camera
-/// truth is known.
-std::optional<SE3d> true_relative_pose(const Sequence& sequence, std::size_t object, std::size_t frame);
-std::optional<SE3d> true_world_pose(const Sequence& sequence, std::size_t object, std::size_t frame);
+/// True T_camera_object and T_world_object of one object at one frame, from whichever of relative,
+/// world and camera truth is known.
+std::optional<SE3d> true_relative_pose(const Sequence& sequence, std::size_t object,
+                                       std::size_t frame);
+std::optional<SE3d> true_world_pose(const Sequence& sequence, std::size_t object,
+                                    std::size_t frame);
 
 }  // namespace posemix

@@ -23,7 +23,7 @@ struct HypothesisSnapshot {
 
 /// The causal estimates of one frame. Objects not seen so far are empty.
 struct FrameEstimate {
-  PoseDensity camera;                              ///< T_world_camera
+  PoseDensity camera;                                ///< T_world_camera
   std::vector<std::optional<PoseDensity>> objects;   ///< T_world_object
   std::vector<std::optional<PoseDensity>> relative;  ///< T_camera_object, with the cross-covariance
   std::vector<std::optional<std::size_t>> pose_indices;
@@ -34,7 +34,7 @@ struct FrameEstimate {
 /// A processed recording.
 struct SlamRun {
   std::vector<FrameEstimate> frames;
-  Posterior posterior;                              ///< of the last frame
+  Posterior posterior;                                   ///< of the last frame
   std::vector<std::optional<std::size_t>> pose_indices;  ///< of the objects in the posterior
 };
 
@@ -45,16 +45,16 @@ struct RunOptions {
   std::function<bool(std::size_t, std::size_t)> progress;
 };
 
-/// Runs object SLAM over a recording, one object model per object of the recording, in the same order. Frames at which
-/// odometry is missing on either side count as frames without odometry. When `progress` stops it, the frames done so
-/// far are returned.
+/// Runs object SLAM over a recording, one object model per object of the recording, in the same
+/// order. Frames at which odometry is missing on either side count as frames without odometry. When
+/// `progress` stops it, the frames done so far are returned.
 /// @throws InvalidInput when the sequence is not valid or the models do not fit it
 SlamRun run(const Sequence& sequence, const PoseDensity& camera_prior,
             const std::vector<ObjectModel>& models, const ObjectSlamSettings& settings,
             const RunOptions& options = {});
 
-/// The same models with one Gaussian of noise each, and settings with one hypothesis: the right-invariant extended
-/// Kalman filter (RIEKF).
+/// The same models with one Gaussian of noise each, and settings with one hypothesis: the
+/// right-invariant extended Kalman filter (RIEKF).
 std::pair<std::vector<ObjectModel>, ObjectSlamSettings> as_riekf(std::vector<ObjectModel> models,
                                                                  ObjectSlamSettings settings);
 

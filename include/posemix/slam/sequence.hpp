@@ -13,22 +13,24 @@ namespace posemix {
 
 /// The recording of one object. Poses are T_camera_object (or T_world_object where said), metres.
 struct ObjectRecording {
-  std::string id;                                   ///< names the output files
-  std::vector<std::optional<SE3d>> detections;      ///< T_camera_object by the detector; empty: not detected
-  std::vector<std::optional<SE3d>> relative_truth;  ///< true T_camera_object; no entries where unknown
-  std::vector<std::optional<SE3d>> world_truth;     ///< true T_world_object; no entries where unknown
+  std::string id;  ///< names the output files
+  std::vector<std::optional<SE3d>>
+      detections;  ///< T_camera_object by the detector; empty: not detected
+  std::vector<std::optional<SE3d>>
+      relative_truth;                            ///< true T_camera_object; no entries where unknown
+  std::vector<std::optional<SE3d>> world_truth;  ///< true T_world_object; no entries where unknown
 };
 
 /// A recording: stamps, and what is known at each.
 struct Sequence {
-  std::vector<double> stamps;                      ///< seconds, strictly increasing
-  std::vector<std::optional<SE3d>> odometry;       ///< T_odom_camera; no entries: no odometry at all
-  std::vector<std::optional<SE3d>> camera_truth;   ///< true T_world_camera; no entries where unknown
+  std::vector<double> stamps;                     ///< seconds, strictly increasing
+  std::vector<std::optional<SE3d>> odometry;      ///< T_odom_camera; no entries: no odometry at all
+  std::vector<std::optional<SE3d>> camera_truth;  ///< true T_world_camera; no entries where unknown
   std::vector<ObjectRecording> objects;
 };
 
-/// @throws InvalidInput when there is no frame, stamps do not increase, a vector has the wrong length, or two objects
-/// share an id
+/// @throws InvalidInput when there is no frame, stamps do not increase, a vector has the wrong
+/// length, or two objects share an id
 void validate(const Sequence& sequence);
 
 }  // namespace posemix
