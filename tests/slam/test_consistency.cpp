@@ -5,7 +5,7 @@
 #include <boost/math/distributions/chi_squared.hpp>
 #include <cstdio>
 
-#include "../filter/scenario.hpp"
+#include "filter/scenario.hpp"
 #include "posemix/slam/object_slam.hpp"
 
 namespace posemix {

@@ -2,7 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include <gtest/gtest.h>
 
-#include "../filter/scenario.hpp"
+#include "filter/scenario.hpp"
 #include "posemix/slam/object_slam.hpp"
 
 namespace posemix {

@@ -4,7 +4,7 @@
 
 #include <functional>
 
-#include "../filter/scenario.hpp"
+#include "filter/scenario.hpp"
 #include "posemix/slam/evaluation.hpp"
 
 namespace posemix {
