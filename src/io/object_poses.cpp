@@ -3,6 +3,7 @@
 #include "posemix/io/object_poses.hpp"
 
 #include <array>
+#include <span>
 #include <vector>
 
 #include <fmt/format.h>
@@ -31,8 +32,11 @@ std::map<std::string, SE3d> parse_object_poses(std::string_view text, const std:
   LineReader reader(text, name);
   while (reader.next_content()) {
     const std::vector<std::string_view> words = split_words(reader.line());
-    if (words.size() != kColumns.size() + 1) {
+    if (words.size() < kColumns.size() + 1) {
       reader.fail(fmt::format("{} columns", words.size()), "8: id tx ty tz qx qy qz qw");
+    }
+    for (const std::string_view word : std::span(words).subspan(kColumns.size() + 1)) {
+      reader.number_from(word, "a column after qw");
     }
     const bool fresh = poses.emplace(std::string(words[0]), parse_pose(words, reader)).second;
     if (!fresh)

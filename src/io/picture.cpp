@@ -55,6 +55,10 @@ class Legend {
                  {.stroke = std::string(kAxisColour), .fill = std::string(kGridColour)});
     row(text);
   }
+  void cross(std::string_view text) {
+    draw_cross(svg_, {kLegendLeft + 13, y_ - 4});
+    row(text);
+  }
   void row(std::string_view text) {
     svg_.text({kLegendLeft + 36, y_}, text, {.size = 12.5});
     y_ += 20;
@@ -87,20 +91,21 @@ void draw_legend(SvgDocument& svg, const SlamJob& job, const Metrics& metrics) {
   const std::string camera(kCameraColour);
   const std::string truth(kTruthColour);
   Legend legend(svg);
-  legend.heading("Map, seen from above the plane");
+  legend.heading("Map");
   legend.line("camera, estimate, with view direction", {.stroke = camera, .width = 1.8});
   if (!job.sequence.camera_truth.empty()) {
     legend.line("camera, ground truth", {.stroke = truth, .width = 1.8, .dash = "6 4"});
   }
   legend.dot("start", {.stroke = camera, .width = 1.6, .fill = "#ffffff"});
   legend.dot("end", {.fill = camera});
-  legend.ellipse("object at the end, 3-sigma of its position");
+  legend.ellipse("3-sigma of the position");
+  legend.dot("object at the end", {.fill = object_colour(0)});
   const bool known = std::any_of(
       metrics.objects.begin(), metrics.objects.end(),
       [](const ObjectMetrics& object) { return object.world.position_rmse_m.has_value(); });
-  if (known) legend.row("x: object, ground truth");
+  if (known) legend.cross("object, ground truth");
   legend.space();
-  legend.heading("Objects, error relative to the camera (rms)");
+  legend.heading("Objects relative to the camera (rms)");
   const std::size_t shown = std::min(metrics.objects.size(), kMostStrips);
   for (std::size_t i = 0; i < shown; ++i) legend.object(i, metrics.objects[i]);
   if (shown < metrics.objects.size())

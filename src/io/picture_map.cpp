@@ -120,18 +120,6 @@ void draw_polyline(SvgDocument& svg, const MapView& view, const std::vector<Eige
   svg.polyline(points, style);
 }
 
-/// Short lines along the camera's optical axis.
-void draw_view_directions(SvgDocument& svg, const MapView& view, const SlamRun& run) {
-  const std::size_t stride = std::max<std::size_t>(1, run.frames.size() / kViewTicks);
-  const double length = 16.0 / view.pixels_per_metre();
-  for (std::size_t k = 0; k < run.frames.size(); k += stride) {
-    const SE3d& camera = run.frames[k].camera.mean();
-    const Eigen::Vector3d ahead = camera * Eigen::Vector3d(0, 0, length);
-    svg.line(view.pixel(camera.translation()), view.pixel(ahead),
-             {.stroke = std::string(kCameraColour), .opacity = 0.45});
-  }
-}
-
 /// Covariance of the position of T in the plane: the error of T's position is rho + phi x t.
 Eigen::Matrix2d plane_covariance(const MapView& view, const PoseDensity& density) {
   Eigen::Matrix<double, 3, 6> jacobian;
@@ -154,14 +142,20 @@ void draw_ellipse(SvgDocument& svg, const MapView& view, const PoseDensity& dens
   const double angle = -degrees(std::atan2(axis.y(), axis.x()));
   const Eigen::Vector2d centre = view.pixel(density.mean().translation());
   svg.ellipse(centre, radii, angle, {.fill = colour, .opacity = 0.25});
-  svg.ellipse(centre, radii, angle, {.stroke = colour, .width = 1.2});
+  svg.ellipse(centre, radii, angle, {.stroke = colour, .width = 0.9, .opacity = 0.8});
 }
 
-void draw_cross(SvgDocument& svg, const Eigen::Vector2d& at, const SvgStyle& style) {
-  const Eigen::Vector2d a(4.5, 4.5);
-  const Eigen::Vector2d b(4.5, -4.5);
-  svg.line(at - a, at + a, style);
-  svg.line(at - b, at + b, style);
+/// Ellipses of the camera's position and short lines along its optical axis.
+void draw_camera_marks(SvgDocument& svg, const MapView& view, const SlamRun& run) {
+  const std::size_t stride = std::max<std::size_t>(1, run.frames.size() / kViewTicks);
+  const double length = 16.0 / view.pixels_per_metre();
+  for (std::size_t k = 0; k < run.frames.size(); k += stride) {
+    const SE3d& camera = run.frames[k].camera.mean();
+    draw_ellipse(svg, view, run.frames[k].camera, std::string(kTruthColour));
+    const Eigen::Vector3d ahead = camera * Eigen::Vector3d(0, 0, length);
+    svg.line(view.pixel(camera.translation()), view.pixel(ahead),
+             {.stroke = std::string(kCameraColour), .opacity = 0.45});
+  }
 }
 
 /// A place for a label beside `at` that is not on the labels placed so far.
@@ -185,8 +179,7 @@ void draw_objects(SvgDocument& svg, const MapView& view, const SlamJob& job, con
     const Eigen::Vector2d centre = view.pixel(density->mean().translation());
     svg.circle(centre, 2.6, {.fill = colour});
     if (const auto truth = last_truth(job, run, object)) {
-      draw_cross(svg, view.pixel(truth->translation()),
-                 {.stroke = std::string(kTruthColour), .width = 1.6});
+      draw_cross(svg, view.pixel(truth->translation()));
     }
     svg.text(place_label(centre, labels), job.models[object].id, {.fill = colour, .bold = true});
   }
@@ -229,13 +222,21 @@ void draw_scale(SvgDocument& svg, const MapView& view) {
 
 }  // namespace
 
+void draw_cross(SvgDocument& svg, const Eigen::Vector2d& at) {
+  const SvgStyle style{.stroke = std::string(kTruthColour), .width = 1.6};
+  const Eigen::Vector2d a(4.5, 4.5);
+  const Eigen::Vector2d b(4.5, -4.5);
+  svg.line(at - a, at + a, style);
+  svg.line(at - b, at + b, style);
+}
+
 void draw_map(SvgDocument& svg, const SvgBox& box, const SlamJob& job, const SlamRun& run) {
   const MapView view(box, extent_of(job, run), choose_axes(run));
   draw_grid(svg, view);
   svg.begin_clip(box);
   draw_polyline(svg, view, true_path(job),
                 {.stroke = std::string(kTruthColour), .width = 1.6, .dash = "6 4"});
-  draw_view_directions(svg, view, run);
+  draw_camera_marks(svg, view, run);
   draw_polyline(svg, view, estimated_path(run),
                 {.stroke = std::string(kCameraColour), .width = 1.6});
   svg.circle(view.pixel(run.frames.front().camera.mean().translation()), 4.5,

@@ -29,6 +29,9 @@ inline std::string object_colour(std::size_t object) {
 /// The map of camera path and objects.
 void draw_map(SvgDocument& svg, const SvgBox& box, const SlamJob& job, const SlamRun& run);
 
+/// The mark of a true object position.
+void draw_cross(SvgDocument& svg, const Eigen::Vector2d& at);
+
 /// One number per frame of one object; empty where there is none.
 using Curve = std::vector<std::optional<double>>;
 

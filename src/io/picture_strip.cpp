@@ -157,7 +157,8 @@ void draw_strip(SvgDocument& svg, const SvgBox& box, const SlamJob& job, std::si
   for (const auto& piece : pieces(view, stamps, curves.estimate))
     svg.polyline(piece, {.stroke = colour, .width = 1.4});
   svg.rectangle(box, {.stroke = std::string(kAxisColour), .width = 0.8});
-  svg.text({box.left + 8, box.top + 15}, job.models[object].id, {.fill = colour, .bold = true});
+  svg.text({box.left + 8, box.top + 15}, job.models[object].id,
+           {.fill = colour, .bold = true, .halo = true});
 }
 
 }  // namespace posemix

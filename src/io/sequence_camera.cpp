@@ -14,9 +14,10 @@ Eigen::Vector3d lever_arm_of_sequence(const TomlTable& root, const TomlTable& ca
   const std::string sequence = root.get_string("sequence");
   std::optional<Eigen::Vector3d> chosen;
   for (const TomlTable& range : camera.get_tables("lever_arms")) {
-    const bool inside = range.get_string("from") <= sequence && sequence <= range.get_string("to");
+    const std::string from = range.get_string("from");
+    const std::string to = range.get_string("to");
     const Eigen::Vector3d lever_arm = range.get_vector("lever_arm_m", 3, kPosition);
-    if (inside && !chosen) chosen = lever_arm;
+    if (!chosen && from <= sequence && sequence <= to) chosen = lever_arm;
   }
   if (!chosen)
     camera.fail("lever_arms", fmt::format("has no range that holds sequence '{}'", sequence));

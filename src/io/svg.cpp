@@ -40,6 +40,12 @@ std::string_view word(SvgAnchor anchor) {
   return "start";
 }
 
+std::string font_extras(const SvgFont& font) {
+  std::string text = font.bold ? R"( font-weight="bold")" : "";
+  if (font.halo) text += R"( stroke="#ffffff" stroke-width="3" paint-order="stroke")";
+  return text;
+}
+
 }  // namespace
 
 std::string xml_text(std::string_view text) {
@@ -125,8 +131,8 @@ void SvgDocument::text(const Eigen::Vector2d& at, std::string_view text, const S
   body_ +=
       fmt::format(
           R"(<text x="{:.1f}" y="{:.1f}" font-size="{:.4g}" fill="{}" text-anchor="{}"{}>{}</text>)",
-          at.x(), at.y(), font.size, font.fill, word(font.anchor),
-          font.bold ? R"( font-weight="bold")" : "", xml_text(text)) +
+          at.x(), at.y(), font.size, font.fill, word(font.anchor), font_extras(font),
+          xml_text(text)) +
       "\n";
 }
 

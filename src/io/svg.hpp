@@ -27,6 +27,7 @@ struct SvgFont {
   std::string fill = "#222222";
   SvgAnchor anchor = SvgAnchor::start;
   bool bold = false;
+  bool halo = false;  ///< a white rim, for text on top of a drawing
 };
 
 struct SvgBox {

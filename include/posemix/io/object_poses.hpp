@@ -15,9 +15,10 @@ namespace posemix {
 
 /// The poses T_world_object of a text by object id (any word); at least one.
 ///
-/// Blank lines and lines that start with '#' are skipped. Throws InvalidInput `name:line: got ...,
-/// expected ...` for anything else than seven finite numbers after an id, for a quaternion that is
-/// not of norm one within 1e-2, and for an id that stands twice.
+/// Blank lines and lines that start with '#' are skipped; numbers after qw are ignored. Throws
+/// InvalidInput `name:line: got ..., expected ...` for anything else than an id and at least seven
+/// finite numbers, for a quaternion that is not of norm one within 1e-2, and for an id that stands
+/// twice.
 std::map<std::string, SE3d> parse_object_poses(std::string_view text, const std::string& name);
 
 /// As parse_object_poses, for a file.

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+/// Exit codes of the program, for every verb.
+namespace posemix {
+
+inline constexpr int kExitDone = 0;
+inline constexpr int kExitInternal = 1;  ///< an error of the program itself
+inline constexpr int kExitUsage = 2;     ///< the command line
+inline constexpr int kExitInput = 3;     ///< an input file, or a value in it
+inline constexpr int kExitOutput = 4;    ///< a file or the standard output that cannot be written
+inline constexpr int kExitSignal = 128;  ///< plus the number of the signal: 130 for an interrupt
+
+}  // namespace posemix

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "program.hpp"
+
+#include <cstdio>
+#include <functional>
+#include <new>
+#include <sstream>
+#include <string>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "exit_codes.hpp"
+#include "interrupt.hpp"
+#include "posemix/base/error.hpp"
+#include "posemix/io/output_folder.hpp"
+#include "simulate.hpp"
+#include "slam.hpp"
+#include "summary.hpp"
+
+namespace posemix {
+namespace {
+
+int report(std::string_view message, int exit_code) {
+  const std::string line = fmt::format("posemix: error: {}\n", message);
+  std::fputs(line.c_str(), stderr);
+  return exit_code;
+}
+
+/// Runs a verb.
+int guarded(const std::function<int()>& action) {
+  try {
+    return action();
+  } catch (const InvalidInput& error) {
+    return report(error.what(), kExitInput);
+  } catch (const OutputError& error) {
+    return report(error.what(), kExitOutput);
+  } catch (const Interrupted& error) {
+    return report(error.what(), kExitSignal + error.signal());
+  } catch (const std::bad_alloc&) {
+    return report("out of memory", kExitInternal);
+  } catch (const std::exception& error) {
+    return report(fmt::format("internal error: {}", error.what()), kExitInternal);
+  }
+}
+
+void describe(CLI::App& program) {
+  program.name("posemix");
+  program.require_subcommand(1);
+  program.get_formatter()->label("SUBCOMMAND", "VERB");
+  program.get_formatter()->label("Subcommands", "Verbs");
+  program.set_version_flag("--version", "posemix " POSEMIX_VERSION);
+  program.footer(
+      "Exit codes: 0 done, 1 internal error, 2 wrong usage, 3 bad input file or value,\n"
+      "4 output cannot be written, 130 interrupted.\n"
+      "\n"
+      "Example: posemix simulate configs/demo.toml --seed 1 --out out/sequence\n"
+      "         posemix slam out/sequence/sequence.toml --out out/results\n"
+      "\n"
+      "`posemix VERB --help` describes a verb.");
+}
+
+/// Answers --help and --version, and reports mistakes in the command line.
+int answer(const CLI::App& program, const CLI::ParseError& reason) {
+  if (reason.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) {
+    return guarded([&] {
+      std::ostringstream text;
+      program.exit(reason, text, text);
+      print_text(text.str());
+      return kExitDone;
+    });
+  }
+  const auto verbs = program.get_subcommands();
+  const std::string help =
+      verbs.empty() ? "posemix --help" : fmt::format("posemix {} --help", verbs[0]->get_name());
+  return report(fmt::format("{}; see `{}`", reason.what(), help), kExitUsage);
+}
+
+}  // namespace
+
+int run_program(int argc, const char* const* argv) {
+  CLI::App program(
+      "Poses of a camera and of objects from noisy detections, with calibrated multi-modal "
+      "uncertainty");
+  std::function<int()> action;
+  try {
+    describe(program);
+    add_slam_verb(program, action);
+    add_simulate_verb(program, action);
+    program.parse(argc, argv);
+  } catch (const CLI::ParseError& reason) {
+    return answer(program, reason);
+  }
+  return guarded(action);
+}
+
+}  // namespace posemix

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "slam.hpp"
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "exit_codes.hpp"
+#include "interrupt.hpp"
+#include "posemix/base/error.hpp"
+#include "posemix/io/output_folder.hpp"
+#include "posemix/io/results.hpp"
+#include "posemix/io/sequence_file.hpp"
+#include "progress.hpp"
+#include "summary.hpp"
+
+namespace posemix {
+namespace {
+
+struct SlamOptions {
+  std::string sequence;
+  std::optional<std::string> data;
+  std::string out;
+  std::vector<std::string> overrides;
+  bool quiet = false;
+  bool json = false;
+};
+
+SlamJob read_job(const SlamOptions& options) {
+  TomlDocument document = TomlDocument::load(options.sequence);
+  for (const std::string& assignment : options.overrides) document.apply_override(assignment);
+  return read_slam_job(document, data_folders(options.sequence, options.data));
+}
+
+SlamRun filter(const SlamJob& job, const SlamOptions& options, const InterruptGuard& guard) {
+  ProgressBar bar(!options.quiet && on_terminal());
+  const auto progress = [&](std::size_t done, std::size_t total) {
+    bar.update(done, total);
+    return !guard.interrupted();
+  };
+  try {
+    return run(job.sequence, job.camera_prior, job.models, job.settings,
+               {.record_hypotheses = job.trace_hypotheses > 0, .progress = progress});
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(fmt::format("{}: {}", options.sequence, error.what()));
+  }
+}
+
+int slam_to_folder(const SlamOptions& options) {
+  const InterruptGuard guard;
+  const SlamJob job = read_job(options);
+  OutputFolder folder(options.out);
+  guard.check();
+  const SlamRun result = filter(job, options, guard);
+  guard.check();
+  const Metrics metrics = evaluate(job.sequence, result);
+  for (const auto& [name, content] : format_results(job, result, metrics)) {
+    folder.write(name, content);
+    guard.check();
+  }
+  folder.commit();
+  if (options.json) {
+    print_text(format_metrics(metrics, job.method));
+  } else if (!options.quiet) {
+    print_text(format_summary(job, metrics) + fmt::format("\nResults: {}\n", options.out));
+  }
+  return kExitDone;
+}
+
+}  // namespace
+
+void add_slam_verb(CLI::App& program, std::function<int()>& action) {
+  const auto options = std::make_shared<SlamOptions>();
+  CLI::App* verb = program.add_subcommand("slam", "Camera and objects from recorded detections");
+  verb->footer(
+      "Writes into DIR: camera.tum, object_<id>.tum, relative_<id>.tum, metrics.json,\n"
+      "posterior.json, trace.json and picture.svg. The folder appears when all is done.\n"
+      "\n"
+      "Relative paths in SEQUENCE.toml are looked up below --data; without it, beside the\n"
+      "sequence file, then below $POSEMIX_DATA, then below ../shared/data.\n"
+      "\n"
+      "Example: posemix slam configs/ycbv-dope.toml --set object=004_sugar_box_16k \\\n"
+      "           --set sequence=0036 --set filter.max_components=6 --out out/0036");
+  verb->add_option("sequence", options->sequence,
+                   "The recording and the settings (TOML; see docs/formats.md)")
+      ->required()
+      ->type_name("SEQUENCE.toml");
+  verb->add_option("--data", options->data, "Folder below which the recording's files lie")
+      ->type_name("DIR");
+  verb->add_option("--set", options->overrides, "Override a key of the sequence file; repeatable")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
+  verb->add_option("--out", options->out, "Folder for the results")->required()->type_name("DIR");
+  verb->add_flag("--json", options->json, "Print metrics.json instead of a table");
+  verb->add_flag("--quiet", options->quiet, "Print neither progress nor table");
+  verb->callback([options, &action] { action = [options] { return slam_to_folder(*options); }; });
+}
+
+}  // namespace posemix

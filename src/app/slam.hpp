@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <functional>
+
+namespace CLI {
+class App;
+}
+
+namespace posemix {
+
+/// Adds the verb `slam` to the program. When it is on the command line, parsing sets `action` to
+/// what it does; the result of `action` is the exit code.
+void add_slam_verb(CLI::App& program, std::function<int()>& action);
+
+}  // namespace posemix

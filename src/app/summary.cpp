@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "summary.hpp"
+
+#include <algorithm>
+#include <cstdio>
+
+#include <fmt/format.h>
+
+#include "posemix/io/output_folder.hpp"
+
+namespace posemix {
+namespace {
+
+std::string cell(const std::optional<double>& value, double factor) {
+  return value ? fmt::format("{:.2f}", factor * *value) : "-";
+}
+
+std::string errors(const PoseErrors& e) {
+  return fmt::format("{:>8} {:>7}", cell(e.position_rmse_m, 100.0), cell(e.rotation_rmse_deg, 1.0));
+}
+
+std::string object_row(const ObjectMetrics& object, std::size_t width) {
+  return fmt::format("{:<{}}  {}  {}  {}  {:>6}  {:>10} {:>6}\n", object.id, width,
+                     errors(object.world), errors(object.relative),
+                     errors(object.detection_relative), cell(object.relative_anees, 1.0),
+                     object.detections, object.gated);
+}
+
+}  // namespace
+
+std::string format_summary(const SlamJob& job, const Metrics& metrics) {
+  std::size_t width = 6;
+  for (const ObjectMetrics& object : metrics.objects) width = std::max(width, object.id.size());
+  std::string text = fmt::format("{}: {}, {} frames, {:.2f} ms per frame (median)\n\n", job.name,
+                                 job.method, metrics.frames, 1e-3 * metrics.timing.frame_median_us);
+  text += "Root mean square errors [cm, deg]; '-' where there is no ground truth.\n";
+  text += fmt::format("{:<{}}  {:^16}  {:^16}  {:^16}  {:>6}  {:>10} {:>6}\n", "", width, "world",
+                      "relative", "detector", "ANEES", "detections", "gated");
+  text += fmt::format("{:<{}}  {}\n", "camera", width, errors(metrics.camera));
+  for (const ObjectMetrics& object : metrics.objects) text += object_row(object, width);
+  return text;
+}
+
+void print_text(std::string_view text) {
+  const bool written = std::fwrite(text.data(), 1, text.size(), stdout) == text.size();
+  if (!written || std::fflush(stdout) != 0) throw OutputError("standard output: cannot be written");
+}
+
+}  // namespace posemix
