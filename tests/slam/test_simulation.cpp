@@ -68,6 +68,7 @@ TEST(Simulation, OdometryIncrementsHaveTheirNoiseOnTheRight) {
   SimulationConfig config = config_with({}, kManyFrames);
   config.odometry = small_sd();
   config.path.period_s = 0.25;
+  config.path.turns = kManyFrames / 5;  // large steps tell the right side from the left
   const Sequence sequence = simulate(config, 5).sequence();
   EXPECT_TRUE(sequence.odometry[0]->is_approx(SE3d(), 0.0));
   SampleMoments moments(6);
