@@ -18,13 +18,21 @@ Posterior prior(const ConcentratedGaussian<SE3d>& camera, const MotionSettings& 
   return Posterior({{0.0, std::move(hypothesis)}});
 }
 
+GaussianSumFilter make_filter(const ConcentratedGaussian<SE3d>& camera,
+                              const ObjectSlamSettings& settings) {
+  Posterior start = prior(camera, settings.motion);
+  FilterSettings filter = settings.filter;
+  filter.first_object = start[0].density.mean().size();
+  return {std::move(start), filter};
+}
+
 }  // namespace
 
 ObjectSlam::ObjectSlam(const ConcentratedGaussian<SE3d>& camera, std::vector<ObjectModel> objects,
-                       ObjectSlamSettings settings)
+                       const ObjectSlamSettings& settings)
     : objects_(std::move(objects)),
       motion_(settings.motion),
-      filter_(prior(camera, settings.motion), settings.filter),
+      filter_(make_filter(camera, settings)),
       indices_(objects_.size()),
       estimate_(filter_.summarise()) {
   require(motion_.period_s > 0.0, "motion: period_s must be positive");

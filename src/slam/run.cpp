@@ -77,6 +77,7 @@ SlamRun run(const Sequence& sequence, const PoseDensity& camera_prior,
 std::pair<std::vector<ObjectModel>, ObjectSlamSettings> as_riekf(std::vector<ObjectModel> models,
                                                                  ObjectSlamSettings settings) {
   for (ObjectModel& model : models) model.noise = model.noise.single_gaussian();
+  settings.filter.update = UpdateRule::linearized;
   settings.filter.reduction.max_components = 1;
   settings.filter.reduction.merge_from = 0;
   return {std::move(models), settings};

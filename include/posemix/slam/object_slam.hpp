@@ -92,7 +92,7 @@ class ObjectSlam {
  public:
   /// `camera` is the prior of T_world_camera at the first frame.
   ObjectSlam(const ConcentratedGaussian<SE3d>& camera, std::vector<ObjectModel> objects,
-             ObjectSlamSettings settings);
+             const ObjectSlamSettings& settings);
 
   /// The first frame: detections only, nothing moves. Every later frame: `step`.
   /// @throws InvalidInput when the number of detections is not that of the object models, or dt is
