@@ -61,6 +61,7 @@ void add_simulate_verb(CLI::App& program, std::function<int()>& action) {
       ->required()
       ->type_name("CONFIG.toml");
   verb->add_option("--seed", options->seed, "Seed of all random numbers")
+      ->check(CLI::NonNegativeNumber)
       ->type_name("N")
       ->capture_default_str();
   verb->add_option("--out", options->out, "Folder for the recording")->required()->type_name("DIR");
