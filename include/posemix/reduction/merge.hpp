@@ -25,8 +25,8 @@ enum class MergeRule {
 struct MergeSettings {
   MergeRule rule = MergeRule::midway;
   TransportJacobian jacobian = TransportJacobian::exact;  ///< for midway and tangent_of_larger
-  int max_iterations = 100;                               ///< of the mean of three or more components
-  double tolerance = 1e-12;                               ///< norm of its last step [rad, m]
+  int max_iterations = 100;  ///< of the mean: of three or more components, or moment_matched
+  double tolerance = 1e-12;  ///< norm of its last step [rad, m]
 };
 
 /// Result of `merge`: the component with the summed weight, and whether its mean converged.
@@ -37,7 +37,8 @@ struct MergeResult {
 };
 
 /// The midway point of the components: eq. 12 for two, for more the element M at which the merged mean is zero,
-/// sum_i w_i Log(X_i M^-1) = 0 (eq. 15 and 17), by iteration.
+/// sum_i w_i Log(X_i M^-1) = 0 (eq. 15 and 17), by iteration. Components without weight as in `merge`.
+/// @throws InvalidInput when there is no component
 template <LieGroup G>
 MeanResult<G> midway_point(std::span<const Component<ConcentratedGaussian<G>>> components,
                            const MergeSettings& settings = {});

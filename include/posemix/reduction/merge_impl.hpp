@@ -41,18 +41,17 @@ struct Carrying {
   }
 };
 
-}  // namespace internal
-
+/// The midway point of components that all carry weight.
 template <LieGroup G>
-MeanResult<G> midway_point(std::span<const Component<ConcentratedGaussian<G>>> components,
-                           const MergeSettings& settings) {
+MeanResult<G> carrying_midway_point(std::span<const Component<ConcentratedGaussian<G>>> components,
+                                    const MergeSettings& settings) {
   if (components.size() == 2) {
     const double log_ratio = components[0].log_weight - components[1].log_weight;
     const double w_2 = 1.0 / (1.0 + std::exp(log_ratio));
     const G& x_1 = components[0].density.mean();
     return {interpolate(x_1, components[1].density.mean(), w_2), true, 1, 0.0};  // eq. 12
   }
-  const double largest = components[internal::heaviest(components)].log_weight;
+  const double largest = components[heaviest(components)].log_weight;
   std::vector<G> means;
   std::vector<double> weights;
   for (const auto& component : components) {
@@ -60,6 +59,16 @@ MeanResult<G> midway_point(std::span<const Component<ConcentratedGaussian<G>>> c
     weights.push_back(std::exp(component.log_weight - largest));
   }
   return weighted_mean<G>(means, weights, MeanSettings{settings.max_iterations, settings.tolerance});
+}
+
+}  // namespace internal
+
+template <LieGroup G>
+MeanResult<G> midway_point(std::span<const Component<ConcentratedGaussian<G>>> components,
+                           const MergeSettings& settings) {
+  require(!components.empty(), "midway_point: there is no component");
+  const internal::Carrying<ConcentratedGaussian<G>> carrying(components);
+  return internal::carrying_midway_point<G>(carrying.components, settings);
 }
 
 template <LieGroup G>
@@ -75,7 +84,7 @@ MergeResult<ConcentratedGaussian<G>> merge(
 
   switch (settings.rule) {
     case MergeRule::midway: {
-      const MeanResult<G> midway = midway_point(parts, settings);
+      const MeanResult<G> midway = internal::carrying_midway_point(parts, settings);
       TangentGaussian<G> merged = tangent_moments(parts, midway.mean, settings.jacobian);  // eq. 18
       return {{carrying.log_total, Density::trusted(midway.mean, std::move(merged.covariance))},
               midway.converged};
@@ -86,7 +95,7 @@ MergeResult<ConcentratedGaussian<G>> merge(
       return {{carrying.log_total, back_project(merged)}, true};
     }
     case MergeRule::moment_matched: {
-      Moments<Density> matched = moments<G>(parts);
+      Moments<Density> matched = moments<G>(parts, {settings.max_iterations, settings.tolerance});
       return {{carrying.log_total, std::move(matched.density)}, matched.converged};
     }
   }
