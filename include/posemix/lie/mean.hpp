@@ -7,9 +7,10 @@
 #include <cstddef>
 #include <limits>
 #include <span>
-#include <string>
 #include <utility>
 #include <vector>
+
+#include <fmt/format.h>
 
 #include "posemix/base/error.hpp"
 #include "posemix/lie/concept.hpp"
@@ -39,15 +40,16 @@ template <typename Scalar>
 Scalar checked_weight_sum(std::size_t count, std::span<const Scalar> weights) {
   if (count == 0) throw InvalidInput("weighted mean of no elements");
   if (weights.size() != count) {
-    throw InvalidInput("weighted mean of " + std::to_string(count) + " elements with " +
-                       std::to_string(weights.size()) + " weights; expected one for each");
+    throw InvalidInput(
+        fmt::format("weighted mean of {} elements with {} weights; expected one for each", count,
+                    weights.size()));
   }
   Scalar sum(0);
   for (std::size_t i = 0; i < count; ++i) {
     if (!(weights[i] >= Scalar(0)) || weights[i] > std::numeric_limits<Scalar>::max()) {
-      throw InvalidInput("weight " + std::to_string(i) + " of a weighted mean is " +
-                         std::to_string(static_cast<double>(weights[i])) +
-                         "; expected a finite number, zero or more");
+      throw InvalidInput(fmt::format(
+          "weight {} of a weighted mean is {:.6g}; expected a finite number, zero or more", i,
+          static_cast<double>(weights[i])));
     }
     sum += weights[i];
   }

@@ -3,10 +3,10 @@
 #pragma once
 
 #include <cstddef>
-#include <string>
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
 #include <Eigen/Core>
 
 #include "posemix/base/error.hpp"
@@ -86,8 +86,8 @@ class PoseStack {
 
   static std::size_t poses_in(const Tangent& xi) {
     if (xi.size() % Pose::Dof != 0) {
-      throw InvalidInput("tangent vector of a pose stack has " + std::to_string(xi.size()) +
-                         " entries; expected a multiple of 6");
+      throw InvalidInput(fmt::format(
+          "tangent vector of a pose stack has {} entries; expected a multiple of 6", xi.size()));
     }
     return static_cast<std::size_t>(xi.size() / Pose::Dof);
   }
@@ -136,8 +136,8 @@ typename PoseStack<S>::Tangent PoseStack<S>::log() const {
 template <typename S>
 PoseStack<S> PoseStack<S>::operator*(const PoseStack& other) const {
   if (size() != other.size()) {
-    throw InvalidInput("pose stacks of " + std::to_string(size()) + " and " +
-                       std::to_string(other.size()) + " poses cannot be multiplied");
+    throw InvalidInput(
+        fmt::format("pose stacks of {} and {} poses cannot be multiplied", size(), other.size()));
   }
   PoseStack product(size());
   for (std::size_t i = 0; i < size(); ++i) product[i] = poses_[i] * other[i];
@@ -182,9 +182,8 @@ typename PoseStack<S>::TangentMatrix PoseStack<S>::congruence(const std::vector<
                                                               const TangentMatrix& p) {
   const Eigen::Index n = offset(blocks.size());
   if (p.rows() != n || p.cols() != n) {
-    throw InvalidInput("covariance is " + std::to_string(p.rows()) + "x" +
-                       std::to_string(p.cols()) + "; expected " + std::to_string(n) + "x" +
-                       std::to_string(n));
+    throw InvalidInput(
+        fmt::format("covariance is {}x{}; expected {}x{}", p.rows(), p.cols(), n, n));
   }
   TangentMatrix m(n, n);
   for (std::size_t j = 0; j < blocks.size(); ++j) {

@@ -2,8 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 #pragma once
 
-#include <string>
-
+#include <fmt/format.h>
 #include <Eigen/Core>
 
 #include "posemix/base/error.hpp"
@@ -31,8 +30,8 @@ class Rn {
   /// The sum; throws InvalidInput where the dimensions differ.
   Rn operator*(const Rn& other) const {
     if (dof() != other.dof()) {
-      throw InvalidInput("vectors of dimension " + std::to_string(dof()) + " and " +
-                         std::to_string(other.dof()) + " cannot be added");
+      throw InvalidInput(
+          fmt::format("vectors of dimension {} and {} cannot be added", dof(), other.dof()));
     }
     return Rn(value_ + other.value_);
   }

@@ -4,8 +4,8 @@
 
 #include <cmath>
 #include <limits>
-#include <string>
 
+#include <fmt/format.h>
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -151,9 +151,10 @@ SO3<S> SO3<S>::from_matrix(const Matrix& r, const Scalar& tol) {
   Matrix defect = r.transpose() * r - Matrix::Identity();
   const Scalar deviation = defect.cwiseAbs().maxCoeff();
   if (!(deviation <= tol)) {
-    throw InvalidInput("rotation matrix is not orthonormal: an entry of R^T R - I is " +
-                       std::to_string(static_cast<double>(deviation)) + "; expected at most " +
-                       std::to_string(static_cast<double>(tol)));
+    throw InvalidInput(
+        fmt::format("rotation matrix is not orthonormal: an entry of R^T R - I is {:.6g}; expected "
+                    "at most {:.6g}",
+                    static_cast<double>(deviation), static_cast<double>(tol)));
   }
   if (r.determinant() < Scalar(0)) {
     throw InvalidInput("rotation matrix has determinant -1 (a reflection); expected +1");
