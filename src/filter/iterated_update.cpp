@@ -3,7 +3,6 @@
 #include "posemix/filter/iterated_update.hpp"
 
 #include <limits>
-#include <optional>
 #include <utility>
 #include <vector>
 
@@ -18,134 +17,142 @@ constexpr Index kPoseDof = 6;
 
 Index offset(std::size_t pose) { return kPoseDof * static_cast<Index>(pose); }
 
-/// The prior of the relative poses Z_j = Exp(zeta_j) mean_j, zeta_j = Ad(T_j^-1) (xi_R - xi_j) =: D
-/// xi.
+template <int Dim>
+using Square = Eigen::Matrix<double, Dim, Dim>;
+template <int Dim>
+using Vector = Eigen::Matrix<double, Dim, 1>;
+
+/// The prior of the relative poses Z_j = Exp(zeta_j) mean_j, zeta_j = Ad(T_j^-1) (xi_R - xi_j) =:
+/// (D xi)_j. Dim is six times the number of detections, or dynamic.
+template <int Dim>
 struct RelativePrior {
   std::vector<SE3d> mean;
   std::vector<Matrix6d> to_object;  ///< Ad(T_j^-1)
   std::vector<std::size_t> objects;
-  MatrixXd cross;       ///< P D^T
-  MatrixXd covariance;  ///< D P D^T
+  Eigen::Matrix<double, Eigen::Dynamic, Dim> cross;  ///< P D^T
+  Square<Dim> covariance;                            ///< D P D^T
 
-  RelativePrior(const Hypothesis& prior, std::span<const Detection> detections)
-      : cross(prior.dof(), offset(detections.size())), covariance(cross.cols(), cross.cols()) {
+  RelativePrior(const Hypothesis& prior, std::span<const Detection> detections) {
     for (const Detection& detection : detections) {
       const SE3d inverse = prior.mean()[detection.object].inverse();
       mean.push_back(inverse * prior.mean()[kCamera]);
       to_object.push_back(inverse.adjoint());
       objects.push_back(detection.object);
     }
-    times_d_transposed(prior.covariance(), cross);
+    cross = times_d_transposed(prior.covariance());
+    covariance.resize(size(), size());
     for (std::size_t j = 0; j < objects.size(); ++j) {
-      covariance.middleRows<kPoseDof>(offset(j)) =
-          to_object[j] * (cross.middleRows<kPoseDof>(offset(kCamera)) -
-                          cross.middleRows<kPoseDof>(offset(objects[j])));
+      covariance.template middleRows<kPoseDof>(offset(j)).noalias() =
+          to_object[j] * (cross.template middleRows<kPoseDof>(offset(kCamera)) -
+                          cross.template middleRows<kPoseDof>(offset(objects[j])));
     }
     symmetrize(covariance);
   }
 
+  Index size() const { return offset(objects.size()); }
+
   /// matrix D^T
-  void times_d_transposed(const MatrixXd& matrix, MatrixXd& result) const {
+  Eigen::Matrix<double, Eigen::Dynamic, Dim> times_d_transposed(const MatrixXd& matrix) const {
+    Eigen::Matrix<double, Eigen::Dynamic, Dim> result(matrix.rows(), size());
     for (std::size_t j = 0; j < objects.size(); ++j) {
-      result.middleCols<kPoseDof>(offset(j)).noalias() =
+      result.template middleCols<kPoseDof>(offset(j)).noalias() =
           (matrix.middleCols<kPoseDof>(offset(kCamera)) -
            matrix.middleCols<kPoseDof>(offset(objects[j]))) *
           to_object[j].transpose();
     }
+    return result;
   }
 };
 
-/// Detection noise n_j = Log(Z_j Y_j offset^-1) at given relative poses, its covariance and its
-/// Jacobian J_l^-1(n_j).
+/// Detection noise n_j = Log(Z_j Y_j offset^-1) at given relative poses, and its covariance, pose
+/// by pose.
 struct Residual {
-  VectorXd n;
-  MatrixXd noise;
-  MatrixXd jacobian;
+  Vector6d n;
+  Matrix6d noise;
 
-  Residual(const std::vector<SE3d>& relative, std::span<const Detection> detections,
-           std::span<const NoiseComponent* const> components)
-      : n(offset(detections.size())),
-        noise(MatrixXd::Zero(n.size(), n.size())),
-        jacobian(MatrixXd::Zero(n.size(), n.size())) {
-    for (std::size_t j = 0; j < detections.size(); ++j) {
-      const NoiseComponent& component = *components[j];
-      const SE3d& z = relative[j];
-      const Vector6d one = (z * detections[j].camera_object * component.offset.inverse()).log();
-      const bool in_camera = component.frame == NoiseFrame::camera;
-      const SE3d axes =
-          in_camera ? SE3d(z.rotation(), component.offset.translation()) : component.offset;
-      n.segment<kPoseDof>(offset(j)) = one;
-      noise.block<kPoseDof, kPoseDof>(offset(j), offset(j)) =
-          axes.adjoint_congruence(component.covariance);
-      jacobian.block<kPoseDof, kPoseDof>(offset(j), offset(j)) = SE3d::left_jacobian_inverse(one);
-    }
+  Residual(const SE3d& relative, const Detection& detection, const NoiseComponent& component)
+      : n((relative * detection.camera_object * component.offset.inverse()).log()) {
+    const bool in_camera = component.frame == NoiseFrame::camera;
+    const SE3d axes =
+        in_camera ? SE3d(relative.rotation(), component.offset.translation()) : component.offset;
+    noise = axes.adjoint_congruence(component.covariance);
   }
+
+  double squared_norm() const { return n.dot(Eigen::LLT<Matrix6d>(noise).solve(n)); }
 };
 
 /// The solution of the Gauss-Newton iteration.
+template <int Dim>
 struct RelativePosterior {
-  VectorXd zeta;        ///< of the solution, in the tangent space at the prior mean
-  MatrixXd covariance;  ///< there
+  Vector<Dim> zeta;        ///< of the solution, in the tangent space at the prior mean
+  Square<Dim> covariance;  ///< there
   double log_likelihood;
   bool ok;
 };
 
 /// Gauss-Newton on |zeta|^2_P + |n|^2_R over the relative poses.
+template <int Dim>
 class RelativeEstimator {
  public:
-  RelativeEstimator(const RelativePrior& prior, std::span<const Detection> detections,
+  RelativeEstimator(const RelativePrior<Dim>& prior, std::span<const Detection> detections,
                     std::span<const NoiseComponent* const> components)
       : prior_(prior),
         detections_(detections),
         components_(components),
         prior_factor_(prior.covariance),
-        z_(prior.mean),
-        zeta_(VectorXd::Zero(prior.covariance.rows())) {}
+        at_{prior.mean, Vector<Dim>::Zero(prior.size()), 0.0} {
+    at_.cost = cost_of(at_);
+  }
 
-  RelativePosterior solve(const IteratedUpdateSettings& settings) {
-    if (prior_factor_.info() != Eigen::Success) return failure();
-    double cost = cost_at(z_, zeta_);
+  RelativePosterior<Dim> solve(const IteratedUpdateSettings& settings) {
+    if (prior_factor_.info() != Eigen::Success || !linearize()) return failure();
     for (int iteration = 0; iteration < settings.max_iterations; ++iteration) {
-      if (!linearize()) return failure();
       // delta = -zeta - K (n - H zeta), shortened until the cost does not rise.
-      VectorXd step = -zeta_ - gain_ * (residual_->n - residual_->jacobian * zeta_);
-      std::vector<SE3d> z = moved(step);
-      VectorXd zeta = zeta_of(z);
-      double next = cost_at(z, zeta);
-      for (int half = 0; half < 8 && next > cost * (1.0 + 1e-12); ++half) {
+      Vector<Dim> step = -at_.zeta - gain_ * (n_ - h_ * at_.zeta);
+      Iterate next = moved(step);
+      for (int half = 0; half < 8 && next.cost > at_.cost * (1.0 + 1e-12); ++half) {
         step *= 0.5;
-        z = moved(step);
-        zeta = zeta_of(z);
-        next = cost_at(z, zeta);
+        next = moved(step);
       }
-      z_ = std::move(z);
-      zeta_ = std::move(zeta);
-      cost = next;
+      at_ = std::move(next);
+      if (!linearize()) return failure();
       if (step.norm() < settings.tolerance) break;
     }
-    if (!linearize()) return failure();
-    return {zeta_, posterior_covariance(),
-            -0.5 * (cost + log_det(innovation_) + static_cast<double>(zeta_.size()) * kLogTwoPi),
-            true};
+    return {
+        at_.zeta, posterior_covariance(),
+        -0.5 * (at_.cost + log_det(innovation_) + static_cast<double>(prior_.size()) * kLogTwoPi),
+        true};
   }
 
  private:
-  RelativePosterior failure() const {
-    return {zeta_, prior_.covariance, -std::numeric_limits<double>::infinity(), false};
+  struct Iterate {
+    std::vector<SE3d> z;
+    Vector<Dim> zeta;  ///< Log(Z mean^-1)
+    double cost;       ///< zeta^T P^-1 zeta + n^T R^-1 n
+  };
+
+  RelativePosterior<Dim> failure() const {
+    return {at_.zeta, prior_.covariance, -std::numeric_limits<double>::infinity(), false};
   }
 
-  /// K, H and R at the current relative poses; false when the innovation covariance is not positive
+  /// n, H, R and K at the current iterate; false when the innovation covariance is not positive
   /// definite.
   bool linearize() {
-    residual_.emplace(z_, detections_, components_);
-    chart_ = MatrixXd::Zero(zeta_.size(), zeta_.size());
-    for (std::size_t j = 0; j < z_.size(); ++j) {
-      chart_.block<kPoseDof, kPoseDof>(offset(j), offset(j)) =
-          SE3d::left_jacobian(zeta_.segment<kPoseDof>(offset(j)));
+    const Index size = prior_.size();
+    n_.resize(size);
+    h_ = noise_ = chart_ = Square<Dim>::Zero(size, size);
+    for (std::size_t j = 0; j < at_.z.size(); ++j) {
+      const Residual residual(at_.z[j], detections_[j], *components_[j]);
+      const Index o = offset(j);
+      n_.template segment<kPoseDof>(o) = residual.n;
+      noise_.template block<kPoseDof, kPoseDof>(o, o) = residual.noise;
+      h_.template block<kPoseDof, kPoseDof>(o, o) = SE3d::left_jacobian_inverse(residual.n);
+      chart_.template block<kPoseDof, kPoseDof>(o, o) =
+          SE3d::left_jacobian(at_.zeta.template segment<kPoseDof>(o));
     }
-    here_ = chart_ * prior_.covariance * chart_.transpose();
-    const MatrixXd p_ht = here_ * residual_->jacobian.transpose();
-    MatrixXd s = residual_->jacobian * p_ht + residual_->noise;
+    here_.noalias() = chart_ * prior_.covariance * chart_.transpose();
+    const Square<Dim> p_ht = here_ * h_.transpose();
+    Square<Dim> s = h_ * p_ht + noise_;
     symmetrize(s);
     innovation_.compute(s);
     if (innovation_.info() != Eigen::Success) return false;
@@ -153,50 +160,48 @@ class RelativeEstimator {
     return true;
   }
 
-  std::vector<SE3d> moved(const VectorXd& step) const {
-    std::vector<SE3d> z = z_;
-    for (std::size_t j = 0; j < z.size(); ++j)
-      z[j] = SE3d::exp(step.segment<kPoseDof>(offset(j))) * z[j];
-    return z;
-  }
-
-  VectorXd zeta_of(const std::vector<SE3d>& z) const {
-    VectorXd zeta(zeta_.size());
-    for (std::size_t j = 0; j < z.size(); ++j) {
-      zeta.segment<kPoseDof>(offset(j)) = (z[j] * prior_.mean[j].inverse()).log();
+  Iterate moved(const Vector<Dim>& step) const {
+    Iterate next{at_.z, at_.zeta, 0.0};
+    for (std::size_t j = 0; j < next.z.size(); ++j) {
+      next.z[j] = SE3d::exp(step.template segment<kPoseDof>(offset(j))) * next.z[j];
+      next.zeta.template segment<kPoseDof>(offset(j)) =
+          (next.z[j] * prior_.mean[j].inverse()).log();
     }
-    return zeta;
+    next.cost = cost_of(next);
+    return next;
   }
 
-  double cost_at(const std::vector<SE3d>& z, const VectorXd& zeta) const {
-    const Residual residual(z, detections_, components_);
-    return prior_factor_.matrixL().solve(zeta).squaredNorm() +
-           residual.n.dot(Eigen::LLT<MatrixXd>(residual.noise).solve(residual.n));
+  double cost_of(const Iterate& iterate) const {
+    double cost = prior_factor_.matrixL().solve(iterate.zeta).squaredNorm();
+    for (std::size_t j = 0; j < iterate.z.size(); ++j) {
+      cost += Residual(iterate.z[j], detections_[j], *components_[j]).squared_norm();
+    }
+    return cost;
   }
 
   /// Joseph's form at the solution, carried back to the tangent space at the prior mean.
-  MatrixXd posterior_covariance() const {
-    const MatrixXd rest =
-        MatrixXd::Identity(zeta_.size(), zeta_.size()) - gain_ * residual_->jacobian;
-    const MatrixXd at_solution =
-        rest * here_ * rest.transpose() + gain_ * residual_->noise * gain_.transpose();
-    const Eigen::PartialPivLU<MatrixXd> chart(chart_);
-    MatrixXd covariance = chart.solve(chart.solve(at_solution).transpose());
+  Square<Dim> posterior_covariance() const {
+    const Square<Dim> rest = Square<Dim>::Identity(prior_.size(), prior_.size()) - gain_ * h_;
+    const Square<Dim> at_solution =
+        rest * here_ * rest.transpose() + gain_ * noise_ * gain_.transpose();
+    const Eigen::PartialPivLU<Square<Dim>> chart(chart_);
+    Square<Dim> covariance = chart.solve(Square<Dim>(chart.solve(at_solution).transpose()));
     symmetrize(covariance);
     return covariance;
   }
 
-  const RelativePrior& prior_;
+  const RelativePrior<Dim>& prior_;
   std::span<const Detection> detections_;
   std::span<const NoiseComponent* const> components_;
-  Eigen::LLT<MatrixXd> prior_factor_;
-  std::vector<SE3d> z_;
-  VectorXd zeta_;
-  std::optional<Residual> residual_;
-  MatrixXd chart_;  ///< J_l(zeta_j), block by block
-  MatrixXd here_;   ///< prior covariance in the tangent space at z_
-  MatrixXd gain_;
-  Eigen::LLT<MatrixXd> innovation_;
+  Eigen::LLT<Square<Dim>> prior_factor_;
+  Iterate at_;
+  Vector<Dim> n_;
+  Square<Dim> h_;      ///< J_l^-1(n_j), block by block
+  Square<Dim> noise_;  ///< R, block by block
+  Square<Dim> chart_;  ///< J_l(zeta_j), block by block
+  Square<Dim> here_;   ///< prior covariance in the tangent space at the iterate
+  Square<Dim> gain_;
+  Eigen::LLT<Square<Dim>> innovation_;
 };
 
 /// The pose that each pose is taken relative to: the camera to the first object seen, the other
@@ -260,32 +265,44 @@ Hypothesis back_project_relative(const PoseStackd& mean, const VectorXd& xi, Mat
   return Hypothesis::trusted(std::move(moved), std::move(covariance));
 }
 
-}  // namespace
-
-UpdateResult iterated_update(const Hypothesis& prior, std::span<const Detection> detections,
-                             std::span<const NoiseComponent* const> noise, std::size_t first_object,
-                             const IteratedUpdateSettings& settings) {
-  if (detections.empty()) return {prior, 0.0, true};
+template <int Dim>
+UpdateResult update_in_relative_poses(const Hypothesis& prior,
+                                      std::span<const Detection> detections,
+                                      std::span<const NoiseComponent* const> noise,
+                                      std::size_t first_object,
+                                      const IteratedUpdateSettings& settings) {
   // The relative poses that are seen.
-  const RelativePrior relative(prior, detections);
-  const RelativePosterior solution = RelativeEstimator(relative, detections, noise).solve(settings);
+  const RelativePrior<Dim> relative(prior, detections);
+  const RelativePosterior<Dim> solution =
+      RelativeEstimator<Dim>(relative, detections, noise).solve(settings);
   if (!solution.ok) return {prior, solution.log_likelihood, false};
 
   // Everything else by regression on them: xi = G zeta, P <- (I - G D) P (I - G D)^T + G S G^T.
-  const Eigen::LLT<MatrixXd> factor(relative.covariance);
-  const MatrixXd g = factor.solve(relative.cross.transpose()).transpose();
+  const Eigen::LLT<Square<Dim>> factor(relative.covariance);
+  const Eigen::Matrix<double, Eigen::Dynamic, Dim> g =
+      factor.solve(relative.cross.transpose()).transpose();
   MatrixXd covariance = prior.covariance();
   covariance.noalias() -= g * relative.cross.transpose();
-  MatrixXd rest = g * solution.covariance;
-  MatrixXd remaining(prior.dof(), rest.cols());
-  relative.times_d_transposed(covariance, remaining);
-  rest -= remaining;
+  const Eigen::Matrix<double, Eigen::Dynamic, Dim> rest =
+      g * solution.covariance - relative.times_d_transposed(covariance);
   covariance.noalias() += rest * g.transpose();
 
   const std::size_t anchor = detections.front().object;
   return {back_project_relative(prior.mean(), g * solution.zeta, std::move(covariance),
                                 parents(prior.mean().size(), detections, first_object), anchor),
           solution.log_likelihood, true};
+}
+
+}  // namespace
+
+UpdateResult iterated_update(const Hypothesis& prior, std::span<const Detection> detections,
+                             std::span<const NoiseComponent* const> noise, std::size_t first_object,
+                             const IteratedUpdateSettings& settings) {
+  if (detections.empty()) return {prior, 0.0, true};
+  if (detections.size() == 1) {
+    return update_in_relative_poses<6>(prior, detections, noise, first_object, settings);
+  }
+  return update_in_relative_poses<Eigen::Dynamic>(prior, detections, noise, first_object, settings);
 }
 
 }  // namespace posemix
