@@ -54,9 +54,11 @@ std::string_view name_of(MergeRule rule) {
   return "";
 }
 
-std::string method_name(Method method, MergeRule rule) {
-  if (method == Method::riekf) return "riekf";
-  return fmt::format("gm-iekf ({})", name_of(rule));
+std::string method_name(Method method, const FilterSettings& settings) {
+  const bool iterated = settings.update == UpdateRule::iterated;
+  if (method == Method::riekf) return iterated ? "riekf (iterated)" : "riekf";
+  return fmt::format("gm-iekf ({}{})", name_of(settings.reduction.merge.rule),
+                     iterated ? ", iterated" : "");
 }
 
 }  // namespace
@@ -71,6 +73,9 @@ MethodSettings read_filter(const TomlTable& root) {
     settings.noise_use = filter->get_enum_or<NoiseUse>(
         "noise_use", settings.noise_use,
         {{"per_object", NoiseUse::per_object}, {"joint", NoiseUse::joint}});
+    settings.update = filter->get_enum_or<UpdateRule>(
+        "update", settings.update,
+        {{"linearized", UpdateRule::linearized}, {"iterated", UpdateRule::iterated}});
     settings.gate_probability =
         filter->get_double_or("gate_probability", settings.gate_probability,
                               {.lowest = 0, .highest = 1, .without_lowest = true});
@@ -82,7 +87,7 @@ MethodSettings read_filter(const TomlTable& root) {
     settings.reduction = read_reduction(*filter);
   }
   result.riekf = method == Method::riekf;
-  result.name = method_name(method, settings.reduction.merge.rule);
+  result.name = method_name(method, settings);
   return result;
 }
 
