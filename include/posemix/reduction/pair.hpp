@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 #pragma once
 
+#include <algorithm>
 #include <concepts>
 #include <limits>
 #include <utility>
@@ -107,7 +108,8 @@ class PairSelector {
     }
     for (std::size_t other = 0; other < components.size(); ++other) {
       if (other == a) continue;
-      costs_[std::max(a, other)][std::min(a, other)] = cost(components[a], components[other]);
+      const auto [column, row] = std::minmax(a, other);
+      costs_[row][column] = cost(components[row], components[column]);
     }
   }
 

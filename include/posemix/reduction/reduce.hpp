@@ -17,7 +17,7 @@ struct ReductionSettings {
   std::size_t merge_from = 0;       ///< merging starts at this many; 0: as soon as there are more than max_components
   PairRule pair = PairRule::largest_with_smallest;
   DistanceMetric distance = DistanceMetric::tangent_norm;  ///< for PairRule::most_distant
-  MergeSettings merge;
+  MergeSettings merge{};
 };
 
 /// One merge, weights as fractions of the whole mixture.
