@@ -47,6 +47,10 @@ int simulate_to_folder(const SimulateOptions& options) {
   return kExitDone;
 }
 
+std::string not_negative(const std::string& number) {
+  return number.starts_with('-') ? "got " + number + ", expected an integer of at least 0" : "";
+}
+
 }  // namespace
 
 void add_simulate_verb(CLI::App& program, std::function<int()>& action) {
@@ -61,7 +65,7 @@ void add_simulate_verb(CLI::App& program, std::function<int()>& action) {
       ->required()
       ->type_name("CONFIG.toml");
   verb->add_option("--seed", options->seed, "Seed of all random numbers")
-      ->check(CLI::NonNegativeNumber)
+      ->check(not_negative)
       ->type_name("N")
       ->capture_default_str();
   verb->add_option("--out", options->out, "Folder for the recording")->required()->type_name("DIR");
