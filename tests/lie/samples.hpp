@@ -8,6 +8,8 @@
 #include <type_traits>
 #include <vector>
 
+#include <boost/math/constants/constants.hpp>
+
 #include <Eigen/Core>
 
 #include "oracle.hpp"
