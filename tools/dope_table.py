@@ -26,8 +26,8 @@ import tempfile
 from pathlib import Path
 
 VARIANTS = (
-    "RIEKF: filter.method=riekf filter.gate_probability=1.0",
-    "RIEKF with gate: filter.method=riekf filter.gate_probability=0.999",
+    "RIEKF: filter.method=riekf objects.0.noise=gaussian",
+    "RIEKF with gate: filter.method=riekf objects.0.noise=gaussian filter.gate_probability=0.999",
     "default:",
 )
 FIRST_OF_SECOND_CAMERA = "0060"

@@ -30,7 +30,9 @@ double log_weight_sum(const Posterior& posterior) {
 TEST(GaussianSumFilter, OneHypothesisAndOneComponentIsTheInvariantEkf) {
   RandomStream stream(1);
   const DetectorNoise noise = gaussian_noise();
-  GaussianSumFilter filter = camera_filter(kCameraPose, isotropic(1.0, 0.01));
+  FilterSettings settings;
+  settings.update = UpdateRule::linearized;
+  GaussianSumFilter filter = camera_filter(kCameraPose, isotropic(1.0, 0.01), settings);
   const std::size_t object = filter.add_object(kCameraPose.inverse() * kObject, noise);
   Hypothesis ekf = filter.posterior()[0].density;
   double log_evidence = 0.0;
@@ -56,7 +58,9 @@ TEST(GaussianSumFilter, OneHypothesisAndOneComponentIsTheInvariantEkf) {
 TEST(GaussianSumFilter, WeightsFollowBayesRule) {
   // Two components, one object: w_i proportional to alpha_i N(z; 0, S_i), by hand.
   const DetectorNoise noise = heavy_tailed_noise(30.0);
-  GaussianSumFilter filter = camera_filter(kCameraPose, isotropic(0.5, 0.005));
+  FilterSettings settings;
+  settings.update = UpdateRule::linearized;
+  GaussianSumFilter filter = camera_filter(kCameraPose, isotropic(0.5, 0.005), settings);
   const std::size_t object =
       filter.add_independent_object(kCameraPose.inverse() * kObject, isotropic(2.0, 0.01));
   const Hypothesis prior = filter.posterior()[0].density;

@@ -38,7 +38,7 @@ enum class Summary {
 /// Settings of the filter.
 struct FilterSettings {
   NoiseUse noise_use = NoiseUse::per_object;
-  UpdateRule update = UpdateRule::linearized;
+  UpdateRule update = UpdateRule::iterated;
   /// A detection is left out when its squared Mahalanobis distance exceeds this quantile of the
   /// chi-square distribution with six degrees of freedom for every hypothesis and noise component;
   /// 1 turns the gate off.
