@@ -197,7 +197,7 @@ TEST(SimulationConfig, OverridesReachTheSequenceFile) {
   EXPECT_EQ(file.config.path.frames, 20U);
   EXPECT_EQ(file.config.objects[0].misses.fraction, 0.0);
   const SlamJob job = job_from(format_simulation(file, simulate(file.config, 1), 1));
-  EXPECT_EQ(job.method, "riekf");
+  EXPECT_TRUE(job.method.starts_with("riekf")) << job.method;
 }
 
 TEST(SimulationConfig, DemoIsValid) {
