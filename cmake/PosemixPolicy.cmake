@@ -5,7 +5,9 @@
 if(PROJECT_IS_TOP_LEVEL AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   find_program(POSEMIX_CCACHE ccache)
   if(POSEMIX_CCACHE)
-    set(CMAKE_CXX_COMPILER_LAUNCHER "${POSEMIX_CCACHE}")
+    # Precompiled headers are cached only with these.
+    set(CMAKE_CXX_COMPILER_LAUNCHER "${CMAKE_COMMAND}" -E env
+      CCACHE_SLOPPINESS=pch_defines,time_macros "${POSEMIX_CCACHE}")
   endif()
 endif()
 
@@ -34,5 +36,24 @@ function(posemix_apply_policy target)
   if(POSEMIX_COVERAGE)
     target_compile_options(${target} PRIVATE --coverage)
     target_link_options(${target} PRIVATE --coverage)
+  endif()
+endfunction()
+
+# posemix_precompile(<target> FROM <owner> [HEADERS <header>...])
+#
+# Compiles the target with the headers that the owner, a target with the same compile options, has precompiled; the
+# owner itself names them. Half of the time of most files goes into parsing Eigen and GoogleTest.
+function(posemix_precompile target)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "FROM" "HEADERS")
+  if(NOT POSEMIX_PRECOMPILE)
+    return()
+  endif()
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    target_compile_options(${target} PRIVATE -fpch-preprocess)
+  endif()
+  if(target STREQUAL arg_FROM)
+    target_precompile_headers(${target} PRIVATE ${arg_HEADERS})
+  else()
+    target_precompile_headers(${target} REUSE_FROM ${arg_FROM})
   endif()
 endfunction()
