@@ -14,9 +14,10 @@ namespace posemix {
 /// A Gaussian on a Lie group, concentrated around one mean element:
 ///   X = Exp(xi) X0,  xi ~ N(0, P).
 ///
-/// The perturbation is on the left, so xi and P live in the reference frame (for a pose T_a_b, in frame a), rotation
-/// first, in radians and metres. The density is with respect to the bi-invariant (Haar) measure dX = |det J_l(xi)| dxi
-/// (midway-merge paper, eq. 4-5; that paper writes Exp(-xi), which a zero-mean xi does not see).
+/// The perturbation is on the left, so xi and P live in the reference frame (for a pose T_a_b, in
+/// frame a), rotation first, in radians and metres. The density is with respect to the bi-invariant
+/// (Haar) measure dX = |det J_l(xi)| dxi (midway-merge paper, eq. 4-5; that paper writes Exp(-xi),
+/// which a zero-mean xi does not see).
 ///
 /// Invariants, tested as a list:
 ///  - the covariance is symmetric positive definite and has the size of the group;
@@ -30,9 +31,11 @@ class ConcentratedGaussian {
   using Tangent = typename G::Tangent;
   using Covariance = typename G::TangentMatrix;
 
-  /// @throws InvalidInput when the covariance has the wrong size or is not finite, symmetric, positive definite
+  /// @throws InvalidInput when the covariance has the wrong size or is not finite, symmetric,
+  /// positive definite
   ConcentratedGaussian(G mean, const Covariance& covariance)
-      : mean_(std::move(mean)), covariance_(checked_covariance(covariance, mean_.dof(), "covariance")) {}
+      : mean_(std::move(mean)),
+        covariance_(checked_covariance(covariance, mean_.dof(), "covariance")) {}
 
   /// The same without the checks, for results of computations that preserve the invariants.
   static ConcentratedGaussian trusted(G mean, Covariance covariance) {
@@ -48,8 +51,8 @@ class ConcentratedGaussian {
   /// Gives mean and covariance away; the density must not be used afterwards.
   std::pair<G, Covariance> release() && { return {std::move(mean_), std::move(covariance_)}; }
 
-  /// Log of the density with respect to the Haar measure, in nats. Factorises the covariance at every call; for many
-  /// points build an Evaluator once.
+  /// Log of the density with respect to the Haar measure, in nats. Factorises the covariance at
+  /// every call; for many points build an Evaluator once.
   double log_density(const G& element) const { return Evaluator(*this).log_density(element); }
 
   /// One draw, Exp(L z) X0 with P = L L^T.
@@ -84,7 +87,8 @@ class ConcentratedGaussian {
   Covariance covariance_;
 };
 
-/// A Gaussian in the tangent space at `anchor` whose mean need not be zero: X = Exp(xi) anchor, xi ~ N(mean, P).
+/// A Gaussian in the tangent space at `anchor` whose mean need not be zero: X = Exp(xi) anchor, xi
+/// ~ N(mean, P).
 template <LieGroup G>
 struct TangentGaussian {
   G anchor;

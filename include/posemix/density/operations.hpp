@@ -11,17 +11,17 @@
 /// Operations on one peak: move it to another tangent space, compose, invert, fuse.
 namespace posemix {
 
-/// The density as a Gaussian in the tangent space at `anchor` (midway-merge paper, eq. 9-10; Cesic et al. 2017):
-/// mean d = Log(X0 anchor^-1), covariance J_l^-1(d) P J_l^-T(d). First order in xi, exact in d along one-parameter
-/// subgroups. (The paper's sign convention gives mean -d.)
+/// The density as a Gaussian in the tangent space at `anchor` (midway-merge paper, eq. 9-10; Cesic
+/// et al. 2017): mean d = Log(X0 anchor^-1), covariance J_l^-1(d) P J_l^-T(d). First order in xi,
+/// exact in d along one-parameter subgroups. (The paper's sign convention gives mean -d.)
 template <LieGroup G>
 TangentGaussian<G> recenter(const ConcentratedGaussian<G>& density, const G& anchor) {
   const typename G::Tangent d = (density.mean() * anchor.inverse()).log();
   return {anchor, d, G::left_jacobian_inverse_congruence(d, density.covariance())};
 }
 
-/// The back-projection: the zero-mean density at Exp(mean) anchor with covariance J_l(mean) P J_l(mean)^T
-/// (Cesic et al. 2017). Undoes `recenter`.
+/// The back-projection: the zero-mean density at Exp(mean) anchor with covariance J_l(mean) P
+/// J_l(mean)^T (Cesic et al. 2017). Undoes `recenter`.
 template <LieGroup G>
 ConcentratedGaussian<G> back_project(const TangentGaussian<G>& gaussian) {
   return ConcentratedGaussian<G>::trusted(
@@ -29,11 +29,13 @@ ConcentratedGaussian<G> back_project(const TangentGaussian<G>& gaussian) {
       G::left_jacobian_congruence(gaussian.mean, gaussian.covariance));
 }
 
-/// The density of X Y for independent X and Y, to first order: mean X0 Y0, covariance P_X + Ad(X0) P_Y Ad(X0)^T
-/// (Barfoot and Furgale 2014).
+/// The density of X Y for independent X and Y, to first order: mean X0 Y0, covariance P_X + Ad(X0)
+/// P_Y Ad(X0)^T (Barfoot and Furgale 2014).
 template <LieGroup G>
-ConcentratedGaussian<G> compose(const ConcentratedGaussian<G>& x, const ConcentratedGaussian<G>& y) {
-  typename G::TangentMatrix covariance = x.covariance() + x.mean().adjoint_congruence(y.covariance());
+ConcentratedGaussian<G> compose(const ConcentratedGaussian<G>& x,
+                                const ConcentratedGaussian<G>& y) {
+  typename G::TangentMatrix covariance =
+      x.covariance() + x.mean().adjoint_congruence(y.covariance());
   return ConcentratedGaussian<G>::trusted(x.mean() * y.mean(), std::move(covariance));
 }
 
@@ -43,10 +45,11 @@ ConcentratedGaussian<G> inverse(const ConcentratedGaussian<G>& x) {
   return ConcentratedGaussian<G>::trusted(x.mean().inverse(), x.body_covariance());
 }
 
-/// The density of X^-1 Y for independent X and Y, to first order. For two poses of one joint density use
-/// `relative_pose`, which knows their cross-covariance.
+/// The density of X^-1 Y for independent X and Y, to first order. For two poses of one joint
+/// density use `relative_pose`, which knows their cross-covariance.
 template <LieGroup G>
-ConcentratedGaussian<G> between(const ConcentratedGaussian<G>& x, const ConcentratedGaussian<G>& y) {
+ConcentratedGaussian<G> between(const ConcentratedGaussian<G>& x,
+                                const ConcentratedGaussian<G>& y) {
   return compose(inverse(x), y);
 }
 
@@ -59,8 +62,9 @@ struct FuseSettings {
 /// Result of `fuse`.
 template <class D>
 struct FuseResult {
-  D density;           ///< the normalised product
-  double log_overlap;  ///< log of the integral of p q over the group, Laplace's approximation [nats]
+  D density;  ///< the normalised product
+  double
+      log_overlap;  ///< log of the integral of p q over the group, Laplace's approximation [nats]
   bool converged;
   int iterations;
 };
@@ -93,9 +97,9 @@ struct Factor {
 
 /// The normalised product of two densities on the same group and the log of its integral.
 ///
-/// Gauss-Newton on the sum of both negative logs finds the mode X*; the covariance is the inverse of the information
-/// there, and the overlap is Laplace's: p(X*) q(X*) (2 pi)^(n/2) |P|^(1/2), with both volume factors. Exact on R^n.
-/// Not converging is reported, not thrown.
+/// Gauss-Newton on the sum of both negative logs finds the mode X*; the covariance is the inverse
+/// of the information there, and the overlap is Laplace's: p(X*) q(X*) (2 pi)^(n/2) |P|^(1/2), with
+/// both volume factors. Exact on R^n. Not converging is reported, not thrown.
 /// @throws InvalidInput when sizes differ or max_iterations is not positive
 template <LieGroup G>
 FuseResult<ConcentratedGaussian<G>> fuse(const ConcentratedGaussian<G>& p,

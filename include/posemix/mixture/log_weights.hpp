@@ -7,7 +7,8 @@
 /// Weights as logarithms.
 namespace posemix {
 
-/// log(exp(a_0) + exp(a_1) + ...) without overflow or underflow; -inf for no terms or when all are -inf.
+/// log(exp(a_0) + exp(a_1) + ...) without overflow or underflow; -inf for no terms or when all are
+/// -inf.
 double log_sum_exp(std::span<const double> terms);
 
 /// The log of the sum of the weights.

@@ -47,8 +47,8 @@ class Mixture {
   using Density = D;
   using Group = typename D::Group;
 
-  /// Normalises the weights. @throws InvalidInput when there is no component, a log-weight is NaN or +inf, all
-  /// weights are zero, or sizes differ
+  /// Normalises the weights. @throws InvalidInput when there is no component, a log-weight is NaN
+  /// or +inf, all weights are zero, or sizes differ
   explicit Mixture(std::vector<Component<D>> components) : components_(std::move(components)) {
     require(!components_.empty(), "a mixture needs at least one component");
     for (const auto& component : components_) {
@@ -60,17 +60,19 @@ class Mixture {
     normalize();
   }
 
-  /// A mixture from plain weights, normalised. @throws InvalidInput when sizes differ, a weight is negative or not
-  /// finite, or all are zero
+  /// A mixture from plain weights, normalised. @throws InvalidInput when sizes differ, a weight is
+  /// negative or not finite, or all are zero
   static Mixture from_weights(std::span<const double> weights, std::vector<D> densities) {
     if (weights.size() != densities.size()) {
-      throw InvalidInput(fmt::format("{} weights for {} components", weights.size(), densities.size()));
+      throw InvalidInput(
+          fmt::format("{} weights for {} components", weights.size(), densities.size()));
     }
     std::vector<Component<D>> components;
     components.reserve(weights.size());
     for (std::size_t i = 0; i < weights.size(); ++i) {
       if (!(weights[i] >= 0.0) || !std::isfinite(weights[i])) {
-        throw InvalidInput(fmt::format("weight {} is {}, expected a finite number >= 0", i, weights[i]));
+        throw InvalidInput(
+            fmt::format("weight {} is {}, expected a finite number >= 0", i, weights[i]));
       }
       components.push_back({std::log(weights[i]), std::move(densities[i])});
     }
@@ -110,8 +112,8 @@ class Mixture {
     return components_[chosen].density.sample(stream);
   }
 
-  /// Drops every component whose weight is below `threshold` (the heaviest always stays), normalises, and returns
-  /// the weight dropped.
+  /// Drops every component whose weight is below `threshold` (the heaviest always stays),
+  /// normalises, and returns the weight dropped.
   double prune(double threshold) {
     const std::size_t kept = heaviest();
     double dropped = 0.0;

@@ -28,8 +28,9 @@ struct Moments {
 
 namespace internal {
 
-/// First and second moment of Log(X anchor^-1) under one component, by the spherical cubature rule of degree three:
-/// 2n points at sqrt(n) standard deviations, exact for polynomials up to degree three in xi.
+/// First and second moment of Log(X anchor^-1) under one component, by the spherical cubature rule
+/// of degree three: 2n points at sqrt(n) standard deviations, exact for polynomials up to degree
+/// three in xi.
 template <LieGroup G>
 struct CubatureMoments {
   typename G::Tangent first;

@@ -6,7 +6,8 @@
 #include "posemix/density/pose_stack.hpp"
 #include "posemix/mixture/mixture.hpp"
 
-/// Operations on mixtures, written once for every density: each is the operation on all pairs of components.
+/// Operations on mixtures, written once for every density: each is the operation on all pairs of
+/// components.
 namespace posemix {
 
 /// The mixture of X Y for independent X and Y.
@@ -45,8 +46,8 @@ struct MixtureFusion {
   bool converged;       ///< of every pair
 };
 
-/// The normalised product of two mixtures: all pairs, each weighted by the product of the two weights and the overlap
-/// of the two densities.
+/// The normalised product of two mixtures: all pairs, each weighted by the product of the two
+/// weights and the overlap of the two densities.
 /// @throws InvalidInput when the overlap of every pair underflows to zero even as a logarithm
 template <class D>
 MixtureFusion<D> fuse(const Mixture<D>& p, const Mixture<D>& q, const FuseSettings& settings = {}) {

@@ -25,9 +25,11 @@ TangentGaussian<G> recenter(const ConcentratedGaussian<G>& density, const G& anc
   return {anchor, d, bernoulli_inverse_congruence<G>(d, density.covariance())};
 }
 
-/// Mean and covariance of a weighted sum of components in the tangent space at `anchor`, every component moved there
-/// first (midway-merge paper, eq. 8, 13-15, 18; for two or more components). The weights need not be normalised.
-/// @throws InvalidInput when there is no component, a log-weight is NaN or +inf, or all weights are zero
+/// Mean and covariance of a weighted sum of components in the tangent space at `anchor`, every
+/// component moved there first (midway-merge paper, eq. 8, 13-15, 18; for two or more components).
+/// The weights need not be normalised.
+/// @throws InvalidInput when there is no component, a log-weight is NaN or +inf, or all weights are
+/// zero
 template <LieGroup G>
 TangentGaussian<G> tangent_moments(std::span<const Component<ConcentratedGaussian<G>>> components,
                                    const G& anchor,

@@ -10,13 +10,16 @@ namespace posemix {
 
 /// How several components become one.
 enum class MergeRule {
-  /// Every component is moved to the tangent space at the midway point, the weighted mean of the means, where the
+  /// Every component is moved to the tangent space at the midway point, the weighted mean of the
+  /// means, where the
   /// merged mean is zero, and moments are matched there (midway-merge paper, eq. 12-19).
   midway,
-  /// Every component is moved to the tangent space of the one with the largest weight (the first of equals), moments
+  /// Every component is moved to the tangent space of the one with the largest weight (the first of
+  /// equals), moments
   /// are matched there, and the result is back-projected with J_l (Cesic et al. 2017).
   tangent_of_larger,
-  /// Mean and covariance of the sum as a random element of the group: iterated mean, then second moments, by
+  /// Mean and covariance of the sum as a random element of the group: iterated mean, then second
+  /// moments, by
   /// cubature.
   moment_matched
 };
@@ -36,15 +39,16 @@ struct MergeResult {
   bool converged;
 };
 
-/// The midway point of the components: eq. 12 for two, for more the element M at which the merged mean is zero,
-/// sum_i w_i Log(X_i M^-1) = 0 (eq. 15 and 17), by iteration. Components without weight as in `merge`.
+/// The midway point of the components: eq. 12 for two, for more the element M at which the merged
+/// mean is zero, sum_i w_i Log(X_i M^-1) = 0 (eq. 15 and 17), by iteration. Components without
+/// weight as in `merge`.
 /// @throws InvalidInput when there is no component
 template <LieGroup G>
 MeanResult<G> midway_point(std::span<const Component<ConcentratedGaussian<G>>> components,
                            const MergeSettings& settings = {});
 
-/// One component in place of several. Weights add up (eq. 19); components of weight zero are ignored (if all are
-/// zero, they count equally). Not converging is reported, not thrown.
+/// One component in place of several. Weights add up (eq. 19); components of weight zero are
+/// ignored (if all are zero, they count equally). Not converging is reported, not thrown.
 /// @throws InvalidInput when there is no component
 template <LieGroup G>
 MergeResult<ConcentratedGaussian<G>> merge(

@@ -21,7 +21,8 @@ std::size_t heaviest(std::span<const Component<D>> components) {
   return best;
 }
 
-/// The components that carry weight (all of them, equally, when none does) and the log of their summed weight.
+/// The components that carry weight (all of them, equally, when none does) and the log of their
+/// summed weight.
 template <class D>
 struct Carrying {
   std::vector<Component<D>> components;
@@ -58,7 +59,8 @@ MeanResult<G> carrying_midway_point(std::span<const Component<ConcentratedGaussi
     means.push_back(component.density.mean());
     weights.push_back(std::exp(component.log_weight - largest));
   }
-  return weighted_mean<G>(means, weights, MeanSettings{settings.max_iterations, settings.tolerance});
+  return weighted_mean<G>(means, weights,
+                          MeanSettings{settings.max_iterations, settings.tolerance});
 }
 
 }  // namespace internal

@@ -22,7 +22,8 @@ enum class PairRule {
 
 /// What "distant" means, d = Log(X_b X_a^-1).
 enum class DistanceMetric {
-  tangent_norm,  ///< |d| over all coordinates, radians and metres alike (the midway paper's |dx|, eq. 16)
+  tangent_norm,  ///< |d| over all coordinates, radians and metres alike (the midway paper's |dx|,
+                 ///< eq. 16)
   rotation,      ///< norm of the rotation coordinates [rad]
   translation,   ///< norm of the translation coordinates [m]
   mahalanobis    ///< sqrt(d^T (P_a + P_b)^-1 d)
@@ -46,16 +47,19 @@ double part_norm(const typename G::Tangent& d, Eigen::Index part) {
 
 }  // namespace internal
 
-/// Distance between the means of two densities in the named metric. On a group without poses (SO(3), R^n) rotation
-/// and translation are the tangent norm.
+/// Distance between the means of two densities in the named metric. On a group without poses
+/// (SO(3), R^n) rotation and translation are the tangent norm.
 template <LieGroup G>
 double distance(const ConcentratedGaussian<G>& a, const ConcentratedGaussian<G>& b,
                 DistanceMetric metric) {
   const typename G::Tangent d = (b.mean() * a.mean().inverse()).log();
   switch (metric) {
-    case DistanceMetric::tangent_norm: return d.norm();
-    case DistanceMetric::rotation: return internal::part_norm<G>(d, 0);
-    case DistanceMetric::translation: return internal::part_norm<G>(d, 1);
+    case DistanceMetric::tangent_norm:
+      return d.norm();
+    case DistanceMetric::rotation:
+      return internal::part_norm<G>(d, 0);
+    case DistanceMetric::translation:
+      return internal::part_norm<G>(d, 1);
     case DistanceMetric::mahalanobis: {
       const Eigen::LLT<typename G::TangentMatrix> sum(a.covariance() + b.covariance());
       return sum.matrixL().solve(d).norm();
@@ -64,7 +68,8 @@ double distance(const ConcentratedGaussian<G>& a, const ConcentratedGaussian<G>&
   throw InvalidInput("distance: unknown metric");
 }
 
-/// Chooses pairs while a list of components shrinks. Costs of pairs that a merge leaves alone are kept.
+/// Chooses pairs while a list of components shrinks. Costs of pairs that a merge leaves alone are
+/// kept.
 template <LieGroup G>
 class PairSelector {
  public:
@@ -82,8 +87,9 @@ class PairSelector {
     }
   }
 
-  /// The next pair (a, b), a < b. Ties go to the pair found first in order of a, then b; for weights, to the first
-  /// largest and the last smallest, so that equal weights never pair a component with itself.
+  /// The next pair (a, b), a < b. Ties go to the pair found first in order of a, then b; for
+  /// weights, to the first largest and the last smallest, so that equal weights never pair a
+  /// component with itself.
   std::pair<std::size_t, std::size_t> next(const Components& components) const {
     if (rule_ == PairRule::largest_with_smallest) return extreme_weights(components);
     double best = std::numeric_limits<double>::infinity();
@@ -127,10 +133,14 @@ class PairSelector {
   double cost(const Component<ConcentratedGaussian<G>>& a,
               const Component<ConcentratedGaussian<G>>& b) const {
     switch (rule_) {
-      case PairRule::most_distant: return -distance(a.density, b.density, metric_);
-      case PairRule::runnalls: return runnalls_bound(a, b);
-      case PairRule::symmetric_kl: return gaussian_symmetric_kl(a.density, b.density);
-      case PairRule::largest_with_smallest: break;
+      case PairRule::most_distant:
+        return -distance(a.density, b.density, metric_);
+      case PairRule::runnalls:
+        return runnalls_bound(a, b);
+      case PairRule::symmetric_kl:
+        return gaussian_symmetric_kl(a.density, b.density);
+      case PairRule::largest_with_smallest:
+        break;
     }
     throw InvalidInput("reduce: unknown pair rule");
   }

@@ -14,7 +14,8 @@ namespace posemix {
 struct ReductionSettings {
   double prune_below = 5e-6;        ///< components with a smaller weight are dropped first
   std::size_t max_components = 12;  ///< merging goes on until no more than this many are left
-  std::size_t merge_from = 0;       ///< merging starts at this many; 0: as soon as there are more than max_components
+  std::size_t merge_from =
+      0;  ///< merging starts at this many; 0: as soon as there are more than max_components
   PairRule pair = PairRule::largest_with_smallest;
   DistanceMetric distance = DistanceMetric::tangent_norm;  ///< for PairRule::most_distant
   MergeSettings merge{};
@@ -45,8 +46,8 @@ struct Reduction {
   ReductionReport report;
 };
 
-/// A mixture with fewer components: prune, then merge pair after pair. Total weight is preserved (pruned weight is
-/// spread over the rest in proportion).
+/// A mixture with fewer components: prune, then merge pair after pair. Total weight is preserved
+/// (pruned weight is spread over the rest in proportion).
 /// @throws InvalidInput when max_components is zero or prune_below is not in [0, 1)
 template <LieGroup G>
 Reduction<ConcentratedGaussian<G>> reduce(Mixture<ConcentratedGaussian<G>> mixture,
@@ -61,7 +62,8 @@ Reduction<ConcentratedGaussian<G>> reduce(Mixture<ConcentratedGaussian<G>> mixtu
   report.components_pruned = report.components_before - mixture.size();
 
   std::vector<Component<Density>> components = std::move(mixture).release();
-  const std::size_t start = settings.merge_from == 0 ? settings.max_components + 1 : settings.merge_from;
+  const std::size_t start =
+      settings.merge_from == 0 ? settings.max_components + 1 : settings.merge_from;
   if (components.size() >= start) {
     PairSelector<G> selector(components, settings.pair, settings.distance);
     while (components.size() > settings.max_components) {
@@ -72,7 +74,8 @@ Reduction<ConcentratedGaussian<G>> reduce(Mixture<ConcentratedGaussian<G>> mixtu
       const G relative = pair[1].density.mean() * pair[0].density.mean().inverse();
       report.merges.push_back({w_a, w_b, relative.log().norm()});
       report.weight_moved += std::min(w_a, w_b);
-      MergeResult<Density> merged = merge<G>(std::span<const Component<Density>>(pair), settings.merge);
+      MergeResult<Density> merged =
+          merge<G>(std::span<const Component<Density>>(pair), settings.merge);
       report.converged = report.converged && merged.converged;
       components[a] = std::move(merged.component);
       components.erase(components.begin() + static_cast<std::ptrdiff_t>(b));
