@@ -63,16 +63,19 @@ Timeline make_timeline(const CameraFiles& camera, const std::vector<DetectionFil
   const auto add = [&](const std::vector<StampedPose>& poses) {
     for (const StampedPose& pose : poses) stamps.insert(pose.stamp);
   };
+  std::string source = "the detections";
   if (camera.odometry) {
+    source = camera.odometry->name;
     add(camera.odometry->poses);
   } else if (camera.truth) {
+    source = camera.truth->name;
     add(camera.truth->poses);
   } else {
     for (const DetectionFile& file : detections) {
       if (file.stamped) add(*file.stamped);
     }
   }
-  if (!stamps.empty()) return Timeline(std::vector<double>(stamps.begin(), stamps.end()));
+  if (!stamps.empty()) return Timeline({stamps.begin(), stamps.end()}, std::move(source));
   std::set<std::int64_t> numbers;
   for (const DetectionFile& file : detections) {
     for (const auto& [number, pose] : file.numbered) numbers.insert(number);

@@ -97,13 +97,14 @@ StampedFile read_stamped(const TomlTable& table, std::string_view key, const Fil
   return file;
 }
 
-Timeline::Timeline(std::vector<double> stamps)
-    : stamps_(std::move(stamps)), tolerance_(tolerance_of(stamps_)) {}
+Timeline::Timeline(std::vector<double> stamps, std::string source)
+    : stamps_(std::move(stamps)), tolerance_(tolerance_of(stamps_)), source_(std::move(source)) {}
 
 Timeline::Timeline(std::vector<std::int64_t> numbers, double period_s)
     : stamps_(stamps_of(numbers, period_s)),
       numbers_(std::move(numbers)),
-      tolerance_(tolerance_of(stamps_)) {}
+      tolerance_(tolerance_of(stamps_)),
+      source_("the detections") {}
 
 std::optional<std::size_t> Timeline::at_stamp(double stamp) const {
   const auto after = std::lower_bound(stamps_.begin(), stamps_.end(), stamp);

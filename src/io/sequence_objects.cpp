@@ -101,9 +101,9 @@ Poses DetectionFile::on(const Timeline& timeline) const {
   for (const auto& [number, pose] : numbered) {
     const auto frame = timeline.at_number(number);
     if (!frame) {
-      throw InvalidInput(fmt::format(
-          "{}: got a detection of the frame {} after the first, expected one of the {} frames",
-          name, number, timeline.size()));
+      throw InvalidInput(
+          fmt::format("{}: got a detection {} frames after the first, where {} has {} frames", name,
+                      number, timeline.source(), timeline.size()));
     }
     detections[*frame] = pose;
   }
@@ -112,8 +112,8 @@ Poses DetectionFile::on(const Timeline& timeline) const {
     if (frame) {
       detections[*frame] = record.pose;
     } else if (record.pose) {
-      throw InvalidInput(fmt::format("{}: got a detection at stamp {} s, where there is no frame",
-                                     name, record.stamp));
+      throw InvalidInput(fmt::format("{}: got a detection at stamp {} s, where {} has no frame",
+                                     name, record.stamp, timeline.source()));
     }
   }
   return detections;

@@ -65,13 +65,14 @@ StampedFile read_stamped(const TomlTable& table, std::string_view key, const Fil
 /// The frames of a sequence.
 class Timeline {
  public:
-  /// Stamps in seconds, increasing.
-  explicit Timeline(std::vector<double> stamps);
+  /// Stamps in seconds, increasing; `source` names the file that they are from.
+  Timeline(std::vector<double> stamps, std::string source);
   /// Frames that are known by number only, counted from zero, with `period_s` between two numbers.
   Timeline(std::vector<std::int64_t> numbers, double period_s);
 
   const std::vector<double>& stamps() const { return stamps_; }
   std::size_t size() const { return stamps_.size(); }
+  const std::string& source() const { return source_; }
   /// The frame whose stamp is nearest, where it is within half the least distance of stamps and 1
   /// ms.
   std::optional<std::size_t> at_stamp(double stamp) const;
@@ -86,6 +87,7 @@ class Timeline {
   std::vector<double> stamps_;
   std::optional<std::vector<std::int64_t>> numbers_;
   double tolerance_;
+  std::string source_;
 };
 
 // --- [camera] and [motion]

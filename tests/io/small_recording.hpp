@@ -60,6 +60,7 @@ ground_truth = {world_pose = [0.0, 0.1, 0.7, 0, 0, 0, 1]}
 [filter]
 max_components = 4
 gate_probability = 0.9999
+update = "linearized"
 )";
 
 /// The true poses and the detections.

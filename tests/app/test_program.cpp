@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include <algorithm>
+#include <chrono>
+#include <thread>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "app/run_program.hpp"
+#include "io/small_recording.hpp"
+#include "posemix/io/posterior_file.hpp"
+
+namespace posemix {
+namespace {
+
+using nlohmann::json;
+using testing::content_of;
+using testing::names_in;
+using testing::ProgramResult;
+using testing::run_posemix;
+using testing::SmallFolder;
+using testing::TemporaryFolder;
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+/// One line that starts as every error does.
+void expect_error(const ProgramResult& result, int exit_code, const std::string& part) {
+  EXPECT_EQ(result.exit_code, exit_code) << result.err;
+  EXPECT_TRUE(result.err.starts_with("posemix: error: ")) << result.err;
+  EXPECT_TRUE(contains(result.err, part)) << result.err;
+  EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+  EXPECT_EQ(result.out, "");
+}
+
+TEST(Program, HelpHasAnExampleForEveryVerb) {
+  const ProgramResult program = run_posemix({"--help"});
+  EXPECT_EQ(program.exit_code, 0);
+  EXPECT_TRUE(contains(program.out, "Exit codes: 0 done")) << program.out;
+  EXPECT_TRUE(contains(program.out, "Example: posemix ")) << program.out;
+  for (const std::string verb : {"slam", "simulate"}) {
+    EXPECT_TRUE(contains(program.out, verb));
+    const ProgramResult help = run_posemix({verb, "--help"});
+    EXPECT_EQ(help.exit_code, 0);
+    EXPECT_TRUE(contains(help.out, "Example: posemix " + verb)) << help.out;
+    EXPECT_EQ(help.err, "");
+  }
+}
+
+TEST(Program, Version) {
+  const ProgramResult result = run_posemix({"--version"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_TRUE(result.out.starts_with("posemix ")) << result.out;
+  EXPECT_EQ(std::count(result.out.begin(), result.out.end(), '.'), 2);
+}
+
+TEST(Program, WrongUsage) {
+  expect_error(run_posemix({}), 2, "`posemix --help`");
+  expect_error(run_posemix({"fly"}), 2, "`posemix --help`");
+  expect_error(run_posemix({"slam"}), 2, "`posemix slam --help`");
+  expect_error(run_posemix({"slam", "a.toml"}), 2, "--out is required");
+  expect_error(run_posemix({"slam", "a.toml", "--out", "x", "--frobnicate"}), 2, "--frobnicate");
+}
+
+class Slam : public ::testing::Test {
+ protected:
+  ProgramResult slam(std::vector<std::string> more = {}) {
+    std::vector<std::string> arguments{"slam", small_.toml().string(), "--out", out().string()};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_posemix(arguments);
+  }
+  std::filesystem::path out() const { return results_ / "run"; }
+
+  SmallFolder small_;
+  TemporaryFolder results_;
+};
+
+TEST_F(Slam, WritesAllFilesAndPrintsATable) {
+  const ProgramResult result = slam();
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(result.err, "") << "no progress bar in a pipe";
+  EXPECT_TRUE(contains(result.out, "sequence: gm-iekf (midway), 20 frames")) << result.out;
+  EXPECT_TRUE(contains(result.out, "\nmug ")) << result.out;
+  EXPECT_EQ(names_in(out()),
+            (std::vector<std::string>{"camera.tum", "metrics.json", "object_box.tum",
+                                      "object_can.tum", "object_mug.tum", "picture.svg",
+                                      "posterior.json", "relative_box.tum", "relative_can.tum",
+                                      "relative_mug.tum", "trace.json"}));
+  EXPECT_EQ(names_in(results_.path()), std::vector<std::string>{"run"});
+  EXPECT_EQ(read_posterior(out() / "posterior.json").poses.size(), 4U);
+}
+
+TEST_F(Slam, JsonPrintsTheMetrics) {
+  const ProgramResult result = slam({"--json"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_EQ(result.out, content_of(out() / "metrics.json"));
+  EXPECT_EQ(json::parse(result.out)["frames"], 20);
+}
+
+TEST_F(Slam, QuietPrintsNothing) {
+  const ProgramResult result = slam({"--quiet"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_EQ(result.out + result.err, "");
+}
+
+TEST_F(Slam, OverridesAndDataFolder) {
+  const std::string elsewhere = (results_ / "copy.toml").string();
+  std::filesystem::copy(small_.toml(), elsewhere);
+  const ProgramResult result = run_posemix(
+      {"slam", elsewhere, "--data", small_.folder.path().string(), "--set", "filter.method=riekf",
+       "--set", "filter.gate_probability=0.5", "--json", "--out", out().string()});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(json::parse(result.out)["method"], "riekf");
+  expect_error(
+      run_posemix({"slam", elsewhere, "--out", (results_ / "b").string(), "--data", "/nowhere"}), 3,
+      "/nowhere: is not a folder");
+}
+
+TEST_F(Slam, BadInputLeavesNothing) {
+  expect_error(slam({"--set", "filter.gate=1"}), 3,
+               "--set filter.gate=1: unknown key 'filter.gate'");
+  expect_error(slam({"--set", "filter"}), 3, "expected key=value");
+  expect_error(run_posemix({"slam", "/nowhere.toml", "--out", out().string()}), 3,
+               "/nowhere.toml: cannot be read");
+  EXPECT_EQ(names_in(results_.path()), std::vector<std::string>{});
+}
+
+TEST_F(Slam, OutputThatCannotBeWritten) {
+  const std::string file = results_.put("file", "x").string();
+  const std::vector<std::string> command{"slam", small_.toml().string(), "--out"};
+  const auto into = [&](const std::string& folder) {
+    std::vector<std::string> arguments = command;
+    arguments.push_back(folder);
+    return run_posemix(arguments);
+  };
+  expect_error(into(file), 4, "not a folder");
+  expect_error(into(file + "/below"), 4, file);
+  expect_error(into(""), 4, "cannot be written");
+  EXPECT_EQ(names_in(results_.path()), std::vector<std::string>{"file"});
+}
+
+TEST_F(Slam, FullStandardOutputIsAnError) {
+  testing::RunningProgram program(
+      {POSEMIX_PROGRAM, "slam", small_.toml().string(), "--out", out().string()}, "/dev/full");
+  const ProgramResult result = program.wait();
+  EXPECT_EQ(result.exit_code, 4);
+  EXPECT_EQ(result.err, "posemix: error: standard output: cannot be written\n");
+}
+
+TEST_F(Slam, AnotherRunReplacesTheFiles) {
+  EXPECT_EQ(slam().exit_code, 0);
+  const std::string before = content_of(out() / "camera.tum");
+  EXPECT_EQ(slam({"--set", "filter.method=riekf"}).exit_code, 0);
+  EXPECT_NE(content_of(out() / "camera.tum"), before);
+  EXPECT_EQ(names_in(results_.path()), std::vector<std::string>{"run"});
+}
+
+/// A long recording, so that there is time to interrupt it.
+std::string long_tum(std::size_t frames) {
+  std::vector<StampedPose> poses;
+  for (std::size_t k = 0; k < frames; ++k)
+    poses.push_back({0.1 * static_cast<double>(k), SE3d(SO3d(), {0, 0, 0.5})});
+  return format_tum(poses);
+}
+
+TEST_F(Slam, AnInterruptLeavesNothing) {
+  small_.folder.put("long.txt", long_tum(200000));
+  small_.folder.put("long.toml", R"(schema = 1
+[camera]
+odometry = "long.txt"
+[noise.n]
+components = [{weight = 1, rotation_sd_deg = 3, translation_sd_m = 0.1}, {weight = 1, rotation_sd_deg = 9, translation_sd_m = 0.1}]
+[[objects]]
+id = "a"
+noise = "n"
+detections = {tum = "long.txt"}
+[filter]
+max_components = 64
+)");
+  for (const int signal : {SIGINT, SIGTERM}) {
+    testing::RunningProgram program({POSEMIX_PROGRAM, "slam",
+                                     (small_.folder / "long.toml").string(), "--out",
+                                     (results_ / "a/b").string()});
+    while (!program.has_ended() && names_in(results_.path()).empty()) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    program.send(signal);
+    const ProgramResult result = program.wait();
+    EXPECT_EQ(result.exit_code, 128 + signal) << result.err;
+    EXPECT_EQ(result.err, "posemix: error: interrupted\n");
+    EXPECT_EQ(names_in(results_.path()), std::vector<std::string>{});
+  }
+}
+
+TEST_F(Slam, ThePictureIsXml) {
+  EXPECT_EQ(slam().exit_code, 0);
+  const std::string check =
+      "import sys, xml.etree.ElementTree as e; assert "
+      "e.parse(sys.argv[1]).getroot().tag.endswith('svg')";
+  testing::RunningProgram python({POSEMIX_PYTHON, "-c", check, (out() / "picture.svg").string()});
+  const ProgramResult result = python.wait();
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+}
+
+}  // namespace
+}  // namespace posemix
