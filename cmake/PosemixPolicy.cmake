@@ -39,6 +39,12 @@ function(posemix_apply_policy target)
   endif()
 endfunction()
 
+# posemix_apply_test_policy(<target>): tests take longer to compile than to run; what they test is optimised in full.
+function(posemix_apply_test_policy target)
+  posemix_apply_policy(${target})
+  target_compile_options(${target} PRIVATE "$<$<CONFIG:Release>:-O1>")
+endfunction()
+
 # posemix_precompile(<target> FROM <owner> [HEADERS <header>...])
 #
 # Compiles the target with the headers that the owner, a target with the same compile options, has precompiled; the
