@@ -116,6 +116,7 @@ Extent extent_of(const SlamJob& job, const SlamRun& run) {
 void draw_polyline(SvgDocument& svg, const MapView& view, const std::vector<Eigen::Vector3d>& path,
                    const SvgStyle& style) {
   std::vector<Eigen::Vector2d> points;
+  points.reserve(path.size());
   for (const auto& point : path) points.push_back(view.pixel(point));
   svg.polyline(points, style);
 }

@@ -41,7 +41,7 @@ class Place {
     }
     std::vector<Place> items;
     for (std::size_t i = 0; i < json_.size(); ++i)
-      items.push_back({json_[i], fmt::format("{}[{}]", path_, i)});
+      items.emplace_back(json_[i], fmt::format("{}[{}]", path_, i));
     return items;
   }
 

@@ -29,7 +29,7 @@ void check_schema(const TomlTable& root) {
 std::string read_id(const TomlTable& object, std::set<std::string>& taken) {
   constexpr std::string_view kAllowed =
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_.-";
-  const std::string id = object.get_string("id");
+  std::string id = object.get_string("id");
   const bool fits =
       !id.empty() && id.size() <= kLongestId && id.find_first_not_of(kAllowed) == std::string::npos;
   if (!fits) {
@@ -87,6 +87,7 @@ void read_recordings(const TomlTable& root, const FileFinder& files, const Camer
                      SlamJob& job) {
   const std::vector<TomlTable> objects = root.get_tables("objects");
   std::vector<DetectionFile> detections;
+  detections.reserve(objects.size());
   for (const TomlTable& object : objects) detections.push_back(read_detections(object, files));
   const Timeline timeline = make_timeline(camera, detections);
   Sequence& sequence = job.sequence;

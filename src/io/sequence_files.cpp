@@ -35,6 +35,7 @@ double tolerance_of(const std::vector<double>& stamps) {
 
 std::vector<double> stamps_of(const std::vector<std::int64_t>& numbers, double period_s) {
   std::vector<double> stamps;
+  stamps.reserve(numbers.size());
   for (const std::int64_t number : numbers)
     stamps.push_back(static_cast<double>(number) * period_s);
   return stamps;
@@ -66,7 +67,7 @@ fs::path FileFinder::find(const TomlTable& table, std::string_view key) const {
   std::vector<std::string> places;
   for (const fs::path& folder : folders_) {
     for (const std::string& root : roots_) {
-      const fs::path place = (folder / root / named).lexically_normal();
+      fs::path place = (folder / root / named).lexically_normal();
       if (is_there(place)) return place;
       const std::string text = in_quotes(place.string(), 300);
       if (std::find(places.begin(), places.end(), text) == places.end()) places.push_back(text);

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include <fcntl.h>
+#include <pty.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -80,6 +81,28 @@ class RunningProgram {
 inline ProgramResult run_posemix(std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), POSEMIX_PROGRAM);
   return RunningProgram(arguments).wait();
+}
+
+/// What a program writes to its standard error where that is a terminal.
+inline std::string terminal_output(const std::vector<std::string>& command) {
+  int terminal = -1;
+  const pid_t child = forkpty(&terminal, nullptr, nullptr, nullptr);
+  if (child < 0) throw std::runtime_error("no terminal");
+  if (child == 0) {
+    std::vector<char*> arguments;
+    for (const std::string& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
+    arguments.push_back(nullptr);
+    execv(arguments[0], arguments.data());
+    _exit(127);
+  }
+  std::string output;
+  char buffer[1024];
+  for (ssize_t count; (count = read(terminal, buffer, sizeof buffer)) > 0;) {
+    output.append(buffer, static_cast<std::size_t>(count));
+  }
+  close(terminal);
+  waitpid(child, nullptr, 0);
+  return output;
 }
 
 /// Names of everything in a folder, hidden files too.

@@ -105,6 +105,18 @@ TEST_F(Slam, QuietPrintsNothing) {
   EXPECT_EQ(result.out + result.err, "");
 }
 
+TEST_F(Slam, AProgressBarOnATerminalOnly) {
+  const std::vector<std::string> command{POSEMIX_PROGRAM, "slam", small_.toml().string(), "--out",
+                                         out().string()};
+  const std::string shown = testing::terminal_output(command);
+  EXPECT_TRUE(contains(shown, "[#")) << shown;
+  EXPECT_TRUE(contains(shown, "/20 frames")) << shown;
+  EXPECT_TRUE(contains(shown, "\r\033[K")) << "the bar is erased";
+  std::vector<std::string> quiet = command;
+  quiet.push_back("--quiet");
+  EXPECT_EQ(testing::terminal_output(quiet), "");
+}
+
 TEST_F(Slam, OverridesAndDataFolder) {
   const std::string elsewhere = (results_ / "copy.toml").string();
   std::filesystem::copy(small_.toml(), elsewhere);

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "posemix/base/units.hpp"
+#include "posemix/io/results.hpp"
+#include "posemix/io/text.hpp"
+
+/// The defaults in docs/formats.md are those of the settings.
+namespace posemix {
+namespace {
+
+/// Last cell of the table row that begins with the key.
+std::string documented(const std::string& key) {
+  const std::string text = read_file(POSEMIX_SOURCE_DIR "/docs/formats.md");
+  const std::size_t row = text.find("\n| `" + key + "`");
+  if (row == std::string::npos) return "(no row of " + key + ")";
+  const std::size_t end = text.find(" |\n", row);
+  const std::size_t cell = text.rfind("| ", end - 1);
+  return text.substr(cell + 2, end - cell - 2);
+}
+
+TEST(FormatsDocument, DefaultsOfTheFilter) {
+  const FilterSettings s;
+  EXPECT_EQ(documented("update"), s.update == UpdateRule::iterated ? "iterated" : "linearized");
+  EXPECT_EQ(documented("noise_use"), s.noise_use == NoiseUse::per_object ? "per_object" : "joint");
+  EXPECT_EQ(documented("gate_probability"), fmt::format("{:g}", s.gate_probability));
+  EXPECT_EQ(documented("summary"), s.summary == Summary::whole_mixture ? "whole_mixture" : "other");
+  EXPECT_EQ(documented("max_components"), fmt::format("{}", s.reduction.max_components));
+  EXPECT_EQ(documented("merge_from"), fmt::format("{}", s.reduction.merge_from));
+  EXPECT_EQ(parse_number(documented("prune_below")), s.reduction.prune_below);
+  EXPECT_EQ(documented("merge_rule"),
+            s.reduction.merge.rule == MergeRule::midway ? "midway" : "other");
+  EXPECT_EQ(documented("pair_rule"), s.reduction.pair == PairRule::largest_with_smallest
+                                         ? "largest_with_smallest"
+                                         : "other");
+  EXPECT_EQ(documented("distance"),
+            s.reduction.distance == DistanceMetric::tangent_norm ? "tangent_norm" : "other");
+  EXPECT_EQ(documented("transport_jacobian"),
+            s.reduction.merge.jacobian == TransportJacobian::exact ? "exact" : "bernoulli");
+  EXPECT_EQ(documented("trace_hypotheses"), fmt::format("{}", kTraceHypotheses));
+}
+
+std::string noise(const ProcessNoise& noise) {
+  const Vector6d sd = noise.covariance.diagonal().cwiseSqrt();
+  return fmt::format("per {}, {:.4g} deg, {:.4g} m",
+                     noise.per == NoisePer::second ? "second" : "frame", degrees(sd[0]), sd[3]);
+}
+
+TEST(FormatsDocument, DefaultsOfTheMotion) {
+  const MotionSettings s;
+  EXPECT_EQ(documented("period_s"), fmt::format("{:g}", s.period_s));
+  EXPECT_EQ(documented("noise"), noise(s.noise));
+  EXPECT_EQ(documented("motion_noise"), noise(s.motion_noise));
+  EXPECT_EQ(documented("unknown_motion"), noise(s.unknown_motion));
+  EXPECT_EQ(documented("frame_period_s"), fmt::format("{:g}", kFramePeriodS));
+  EXPECT_EQ(documented("start.rotation_sd_deg`, `start.translation_sd_m"),
+            fmt::format("{:g}, {:g}", kStartRotationSdDeg, kStartTranslationSdM));
+}
+
+}  // namespace
+}  // namespace posemix
