@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "program.hpp"
 
+#include <csignal>
 #include <cstdio>
 #include <functional>
 #include <new>
@@ -81,6 +82,7 @@ int answer(const CLI::App& program, const CLI::ParseError& reason) {
 }  // namespace
 
 int run_program(int argc, const char* const* argv) {
+  std::signal(SIGPIPE, SIG_IGN);
   CLI::App program(
       "Poses of a camera and of objects from noisy detections, with calibrated multi-modal "
       "uncertainty");
