@@ -36,10 +36,10 @@ double quantile(const Curve& curve, double probability) {
   return values[static_cast<std::size_t>(probability * static_cast<double>(values.size() - 1))];
 }
 
-/// Upper end of the error axis: all of the estimate, and of the rest what still leaves the estimate
+/// Upper end of the error axis: nearly all of the estimate, and of the rest what leaves it
 /// readable.
 double highest_of(const StripCurves& curves) {
-  const double estimate = quantile(curves.estimate, 1.0);
+  const double estimate = quantile(curves.estimate, 0.97);
   const double width = quantile(curves.width, 0.9);
   const double detector = quantile(curves.detector, 0.9);
   double highest = estimate > 0.0

@@ -26,6 +26,16 @@ void check_schema(const TomlTable& root) {
                         kSequenceSchema));
 }
 
+/// Name of the file, or of its folder where that is "sequence", and of the recording.
+std::string read_name(const TomlDocument& document, const TomlTable& root) {
+  std::filesystem::path path = std::filesystem::path(document.name()).replace_extension();
+  while (path.filename() == "sequence" && path.parent_path().has_filename())
+    path = path.parent_path();
+  const std::string name = path.filename().string();
+  const std::string recording = root.get_string_or("sequence", "");
+  return name.find(recording) == std::string::npos ? name + " " + recording : name;
+}
+
 std::string read_id(const TomlTable& object, std::set<std::string>& taken) {
   constexpr std::string_view kAllowed =
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_.-";
@@ -150,7 +160,7 @@ SlamJob read_slam_job(const TomlDocument& document,
     models.push_back(read_model(object, ids, noise_models));
   }
   const CameraFiles camera = read_camera_files(root, files);
-  SlamJob job{.name = std::filesystem::path(document.name()).stem().string(),
+  SlamJob job{.name = read_name(document, root),
               .method = {},
               .sequence = {},
               .camera_prior = PoseDensity(SE3d(), Matrix6d::Identity()),

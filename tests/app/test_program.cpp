@@ -81,7 +81,7 @@ TEST_F(Slam, WritesAllFilesAndPrintsATable) {
   const ProgramResult result = slam();
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(result.err, "") << "no progress bar in a pipe";
-  EXPECT_TRUE(contains(result.out, "sequence: gm-iekf (midway), 20 frames")) << result.out;
+  EXPECT_TRUE(contains(result.out, " 0001: gm-iekf (midway), 20 frames")) << result.out;
   EXPECT_TRUE(contains(result.out, "\nmug ")) << result.out;
   EXPECT_EQ(names_in(out()),
             (std::vector<std::string>{"camera.tum", "metrics.json", "object_box.tum",

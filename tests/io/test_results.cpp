@@ -166,7 +166,7 @@ TEST(Results, EstimatesThatAreNotFiniteAreAnError) {
 }
 
 TEST(Picture, IsWellFormedInEveryCase) {
-  EXPECT_NE(results().files.at("picture.svg").find("<title>small: gm-iekf (midway)</title>"),
+  EXPECT_NE(results().files.at("picture.svg").find("<title>small 0001: gm-iekf (midway)</title>"),
             std::string::npos);
   SlamJob job = *results().job;
   job.name = "<&\"\xff";

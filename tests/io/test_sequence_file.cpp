@@ -36,7 +36,7 @@ class SequenceFile : public ::testing::Test {
 
 TEST_F(SequenceFile, ReadsEverySource) {
   const SlamJob job = read_with({});
-  EXPECT_EQ(job.name, "s");
+  EXPECT_EQ(job.name, "s 0001");
   EXPECT_EQ(job.method, "gm-iekf (midway)");
   const Sequence& sequence = job.sequence;
   ASSERT_EQ(sequence.stamps.size(), kSmallFrames);

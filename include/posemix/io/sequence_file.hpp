@@ -31,7 +31,7 @@ inline constexpr std::size_t kTraceHypotheses = 12;
 
 /// All that object SLAM needs for one run.
 struct SlamJob {
-  std::string name;    ///< of the sequence file, without folder and extension
+  std::string name;    ///< of sequence file and recording, for people
   std::string method;  ///< for people: "gm-iekf (midway)", "riekf"
   Sequence sequence;
   PoseDensity camera_prior;         ///< T_world_camera of the image frame, first frame
