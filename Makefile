@@ -51,7 +51,7 @@ test: build/.bootstrap-test
 fuzz: build/.bootstrap-test
 	@$(call configured,asan-ubsan,POSEMIX_BUILD_TESTS)
 	cmake --build --preset asan-ubsan --target fuzz_tests
-	ctest --preset asan-ubsan -L '^fuzz$$' --no-tests=ignore
+	ctest --preset asan-ubsan -L '^fuzz$$'
 
 bench: build/.bootstrap-bench
 	@$(call configured,release,POSEMIX_BUILD_BENCH)
