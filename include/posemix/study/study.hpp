@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+/// Studies: experiments that split into independent work items, so that threads, processes and
+/// hosts can share them and an interrupted one can be continued.
+namespace posemix {
+
+/// One file of a report.
+struct StudyFile {
+  std::string name;
+  std::string content;
+};
+
+/// What a study says when all its items are done.
+struct StudyReport {
+  std::vector<StudyFile> files;  ///< study.json, tables (CSV) and figures (SVG)
+  std::string summary;           ///< the main table, for people
+};
+
+/// An experiment.
+///
+/// Invariants: `run_item` depends on nothing but the settings and the item's index (random numbers
+/// come from a stream of the item's own), may be called from several threads at once, and gives a
+/// text without line breaks; `report` depends on nothing but the texts of all items, in the order
+/// of their indices. So the report is the same to the last bit for any number of threads or ranks,
+/// except for files that say how long things took.
+struct Study {
+  std::string name;
+  std::string settings;   ///< everything that determines the result, as one line of JSON
+  std::size_t items = 0;  ///< number of work items
+  std::function<std::string(std::size_t)> run_item;
+  std::function<StudyReport(std::span<const std::string>)> report;
+};
+
+}  // namespace posemix

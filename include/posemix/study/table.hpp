@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+namespace posemix {
+
+/// Version of study.json that this library writes (key `schema`).
+inline constexpr int kStudySchema = 1;
+
+/// A value of a table; std::monostate where there is none (null in JSON, nothing in CSV).
+using Cell = std::variant<std::monostate, double, std::int64_t, std::string>;
+
+/// Rows of named values.
+class StudyTable {
+ public:
+  explicit StudyTable(std::vector<std::string> columns);
+
+  /// @throws InvalidInput when the number of cells is not that of the columns
+  void add(std::vector<Cell> row);
+
+  const std::vector<std::string>& columns() const { return columns_; }
+  const std::vector<std::vector<Cell>>& rows() const { return rows_; }
+
+  /// Comma-separated values with a head line; numbers with as many digits as they need to be read
+  /// back, texts quoted where they must be.
+  std::string csv() const;
+  /// Aligned columns for people; numbers with `digits` significant digits.
+  std::string text(int digits = 5) const;
+
+ private:
+  std::vector<std::string> columns_;
+  std::vector<std::vector<Cell>> rows_;
+};
+
+/// The file study.json: {"schema": 1, "study": name, "rows": [{column: value, ...}, ...]}. A number
+/// that is not finite is written as null.
+std::string format_study(std::string_view study, const StudyTable& rows);
+
+}  // namespace posemix
