@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace posemix {
+
+using ChartRange = std::pair<double, double>;
+
+struct ChartTick {
+  double value;
+  std::string label;  ///< empty: a grid line only
+};
+
+/// True where an axis can show the value: finite (1e300 at most), and positive on a logarithmic
+/// axis (1e-300 at least).
+bool shows(double value, bool log);
+
+/// A range with some room around the values that can be shown. A linear one begins at zero where
+/// nothing is negative and the least value is near zero in comparison with the largest.
+ChartRange range_around(std::span<const double> values, bool log);
+
+/// Values to pixels.
+class ChartAxis {
+ public:
+  /// `from` and `to` are the pixels of the range's ends.
+  ChartAxis(const ChartRange& range, bool log, double from, double to);
+
+  double at(double value) const;
+  const ChartRange& range() const { return range_; }
+  bool log() const { return log_; }
+
+  /// About `count` ticks with labels; on a logarithmic axis also lines between the decades.
+  std::vector<ChartTick> ticks(int count) const;
+
+ private:
+  std::vector<ChartTick> linear_ticks(int count) const;
+  std::vector<ChartTick> decade_ticks(std::span<const int> labelled, int count) const;
+
+  ChartRange range_;
+  bool log_;
+  double from_;
+  double to_;
+};
+
+}  // namespace posemix

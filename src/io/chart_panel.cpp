@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include <algorithm>
+#include <limits>
+
+#include "chart_parts.hpp"
+
+namespace posemix {
+namespace {
+
+constexpr double kLeft = 60.0;
+constexpr double kRight = 16.0;
+constexpr double kBottom = 46.0;
+constexpr double kLabelHeight = 20.0;
+constexpr double kTitleHeight = 20.0;
+constexpr double kTickFont = 11.5;
+constexpr double kLabelFont = 12.5;
+constexpr double kPixelsPerXTick = 60.0;
+constexpr double kPixelsPerYTick = 45.0;
+
+void append(std::vector<double>& values, const std::vector<double>& more) {
+  values.insert(values.end(), more.begin(), more.end());
+}
+
+ChartRange x_range(const Chart& chart) {
+  if (chart.x_range) return *chart.x_range;
+  std::vector<double> values;
+  for (const ChartSeries& series : chart.series) append(values, series.x);
+  return range_around(values, chart.log_x);
+}
+
+ChartRange y_range(const Chart& chart) {
+  if (chart.y_range) return *chart.y_range;
+  std::vector<double> values;
+  for (const ChartSeries& series : chart.series) {
+    append(values, series.y);
+    append(values, series.lower);
+    append(values, series.upper);
+    if (series.step && series.x.size() > series.y.size()) values.push_back(0.0);
+  }
+  for (const auto& mark : chart.marks) values.push_back(mark.first);
+  return range_around(values, chart.log_y);
+}
+
+SvgStyle grid_style(const ChartTick& tick) {
+  return {.stroke = std::string(tick.label.empty() ? kChartFineGrid : kChartGrid)};
+}
+
+SvgFont tick_font(SvgAnchor anchor) {
+  return {.size = kTickFont, .fill = std::string(kChartAxis), .anchor = anchor};
+}
+
+int tick_count(double pixels, double pixels_per_tick) {
+  return std::max(3, static_cast<int>(pixels / pixels_per_tick));
+}
+
+void draw_grid(SvgDocument& svg, const SvgBox& plot, const ChartAxis& x, const ChartAxis& y) {
+  for (const ChartTick& tick : x.ticks(tick_count(plot.width, kPixelsPerXTick))) {
+    const double at = x.at(tick.value);
+    svg.line({at, plot.top}, {at, plot.bottom()}, grid_style(tick));
+    if (!tick.label.empty())
+      svg.text({at, plot.bottom() + 15}, tick.label, tick_font(SvgAnchor::middle));
+  }
+  for (const ChartTick& tick : y.ticks(tick_count(plot.height, kPixelsPerYTick))) {
+    const double at = y.at(tick.value);
+    svg.line({plot.left, at}, {plot.right(), at}, grid_style(tick));
+    if (!tick.label.empty())
+      svg.text({plot.left - 6, at + 4}, tick.label, tick_font(SvgAnchor::end));
+  }
+}
+
+void draw_labels(SvgDocument& svg, const SvgBox& box, const SvgBox& plot, const Chart& chart) {
+  const SvgFont font{.size = kLabelFont, .fill = std::string(kChartAxis)};
+  if (!chart.title.empty())
+    svg.text({plot.left, box.top + 15}, chart.title, {.size = 13.5, .bold = true});
+  svg.text({box.left + 14, plot.top - 7}, chart.y_label, font);
+  svg.text({plot.right(), plot.bottom() + 34}, chart.x_label,
+           {.size = kLabelFont, .fill = std::string(kChartAxis), .anchor = SvgAnchor::end});
+}
+
+void draw_marks(SvgDocument& svg, const SvgBox& plot, const ChartAxis& y, const Chart& chart) {
+  for (const auto& [value, label] : chart.marks) {
+    if (!shows(value, y.log()) || value < y.range().first || value > y.range().second) continue;
+    const double at = y.at(value);
+    svg.line({plot.left, at}, {plot.right(), at},
+             {.stroke = std::string(kChartAxis), .width = 1.2, .dash = "5 4"});
+    svg.text({plot.right() - 5, at - 4}, label,
+             {.size = kTickFont,
+              .fill = std::string(kChartAxis),
+              .anchor = SvgAnchor::end,
+              .halo = true});
+  }
+}
+
+}  // namespace
+
+void draw_panel(SvgDocument& svg, const SvgBox& box, const Chart& chart,
+                const ChartLegend& legend) {
+  const double head = (chart.title.empty() ? 0.0 : kTitleHeight) + kLabelHeight;
+  const SvgBox plot{box.left + kLeft, box.top + head, box.width - kLeft - kRight,
+                    box.height - head - kBottom};
+  const ChartAxis x(x_range(chart), chart.log_x, plot.left, plot.right());
+  const ChartAxis y(y_range(chart), chart.log_y, plot.bottom(), plot.top);
+  draw_grid(svg, plot, x, y);
+  svg.begin_clip(plot);
+  for (const ChartSeries& series : chart.series)
+    draw_series(svg, x, y, series, legend.style(series));
+  svg.end_clip();
+  draw_marks(svg, plot, y, chart);
+  svg.rectangle(plot, {.stroke = std::string(kChartAxis), .width = 0.8});
+  draw_labels(svg, box, plot, chart);
+}
+
+}  // namespace posemix
