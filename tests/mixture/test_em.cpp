@@ -81,7 +81,7 @@ TYPED_TEST(EmOn, NeverLowersTheLogLikelihood) {
   using D = Gaussian<TypeParam>;
   double fall = 0.0;
   std::size_t iterations = 0;
-  for (std::uint64_t seed = 0; seed < 24; ++seed) {
+  for (std::uint64_t seed = 0; seed < (TypeParam::Dof == Eigen::Dynamic ? 8 : 24); ++seed) {
     RandomStream stream(7, seed);
     const double reach = seed % 3 == 0 ? 2.0 : 0.6;
     const double spread = seed % 2 == 0 ? 0.9 : 0.3;
@@ -102,7 +102,7 @@ TYPED_TEST(EmOn, NeverLowersTheLogLikelihood) {
     EXPECT_EQ(fit.log_likelihood, fit.history.back());
   }
   EXPECT_LE(fall, 1e-9);
-  EXPECT_GT(iterations, 500U);
+  EXPECT_GT(iterations, 150U);
 }
 
 /// The log-likelihood of the mixture with component k moved and its spread changed.
@@ -119,8 +119,7 @@ double perturbed_log_likelihood(const Mixture<Gaussian<G>>& mixture, std::size_t
 }
 
 /// At the end the slope of the likelihood is zero in every mean and covariance: the M-step is that
-/// of maximum likelihood, volume factor included. (The weighted mean of logarithms would leave a
-/// slope of tens here.)
+/// of maximum likelihood, volume factor included. (Without it slopes of up to 0.3 are left here.)
 TYPED_TEST(EmOn, EndsWhereTheLikelihoodIsStationary) {
   using G = TypeParam;
   RandomStream stream(11);
@@ -148,6 +147,49 @@ TYPED_TEST(EmOn, EndsWhereTheLikelihoodIsStationary) {
                             (2.0 * kStep);
       EXPECT_NEAR(growth, 0.0, 2e-2) << "variance " << k << " along " << i;
     }
+  }
+}
+
+/// The blocks of poses, which are computed coordinate by coordinate, against the group's own
+/// functions; angles up to pi, down to zero, and translations of metres.
+TEST(EmSamples, OfPosesAgreeWithTheGroup) {
+  RandomStream stream(21);
+  std::vector<SE3d> poses;
+  const SE3d centre = random_element<SE3d>(1.0, stream);
+  for (int i = 0; i < 300; ++i) {
+    Vector6d xi;
+    stream.fill_normal(xi);
+    xi.head<3>() = std::pow(10.0, -9.0 * (i % 10) / 9.0) * xi.head<3>().normalized() * 3.14;
+    poses.push_back(SE3d::exp(xi) * centre);
+  }
+  poses.push_back(centre);
+  const EmSamples<SE3d> samples(poses);
+  for (const std::size_t begin : {std::size_t{0}, std::size_t{256}}) {
+    const std::size_t count = std::min<std::size_t>(256, poses.size() - begin);
+    const auto columns = static_cast<Eigen::Index>(count);
+    EmSamples<SE3d>::Block block;
+    samples.log(begin, count, centre.inverse(), block);
+    TangentRows<SE3d> y(6, columns);
+    Eigen::ArrayXd shares(columns);
+    Vector6d expected = Vector6d::Zero();
+    for (Eigen::Index i = 0; i < columns; ++i) {
+      const Vector6d xi = (poses[begin + static_cast<std::size_t>(i)] * centre.inverse()).log();
+      ASSERT_LT((block.xi().col(i) - xi).norm(), 2e-14 * (1.0 + xi.norm())) << xi.transpose();
+      ASSERT_NEAR(block.log_volume[i], SE3d::log_abs_det_left_jacobian(xi), 1e-14);
+      y.col(i) = Vector6d::Random();
+      shares[i] = stream.uniform();
+      Vector6d volume = Vector6d::Zero();
+      for (Eigen::Index j = 0; j < 3; ++j) {
+        const Vector6d step = 1e-6 * Vector6d::Unit(j);
+        volume[j] = (SE3d::log_abs_det_left_jacobian(xi + step) -
+                     SE3d::log_abs_det_left_jacobian(xi - step)) /
+                    2e-6;
+      }
+      expected += shares[i] * (SE3d::right_jacobian_inverse(xi).transpose() * y.col(i) + volume);
+    }
+    Vector6d gradient = Vector6d::Zero();
+    EmSamples<SE3d>::add_gradient(block, y, shares, gradient);
+    EXPECT_LT((gradient - expected).norm(), 1e-7 * static_cast<double>(count));
   }
 }
 
@@ -186,7 +228,7 @@ Mixture<Gaussian<SE3d>> three_poses() {
 TEST(Em, RecoversAMixtureOfPoses) {
   RandomStream stream(5);
   const Mixture<Gaussian<SE3d>> truth = three_poses();
-  constexpr double kCount = 20000;
+  constexpr double kCount = 8000;
   const auto samples = draws(truth, static_cast<std::size_t>(kCount), stream);
   const EmSettings settings{.components = 3, .restarts = 4};
   const auto fit = fit_mixture<Gaussian<SE3d>>(samples, {}, settings, stream);
@@ -215,9 +257,9 @@ TEST(Em, RecoversAMixtureOfPoses) {
 TEST(Em, PicksTheNumberOfComponentsByBic) {
   RandomStream stream(6);
   const auto samples = draws(three_poses(), 1500, stream);
-  const EmSettings settings{.components = 5, .restarts = 3};
+  const EmSettings settings{.components = 4, .restarts = 2};
   const auto selection = fit_mixture_by_bic<Gaussian<SE3d>>(samples, {}, settings, stream);
-  ASSERT_EQ(selection.fits.size(), 5U);
+  ASSERT_EQ(selection.fits.size(), 4U);
   EXPECT_EQ(selection.best, 2U);
 }
 

@@ -48,26 +48,28 @@ struct EmModel<ConcentratedGaussian<G>> {
 
     void log_density(const Samples& samples, std::size_t begin, std::size_t count,
                      Eigen::Ref<Eigen::ArrayXd> out) {
-      samples.log(begin, count, inverse_mean_, xi_, log_volume_);
-      const Eigen::Index n = xi_.rows();
-      white_.resize(n, xi_.cols());
+      samples.log(begin, count, inverse_mean_, block_);
+      const auto& xi = block_.xi();
+      const Eigen::Index n = xi.rows();
+      white_.resize(n, xi.cols());
       for (Eigen::Index i = 0; i < n; ++i) {
-        white_.row(i) = inverse_factor_(i, 0) * xi_.row(0);
-        for (Eigen::Index j = 1; j <= i; ++j) white_.row(i) += inverse_factor_(i, j) * xi_.row(j);
+        white_.row(i) = inverse_factor_(i, 0) * xi.row(0);
+        for (Eigen::Index j = 1; j <= i; ++j) white_.row(i) += inverse_factor_(i, j) * xi.row(j);
       }
-      out = log_constant_ - log_volume_;
+      out = log_constant_ - block_.log_volume;
       for (Eigen::Index i = 0; i < n; ++i) out -= 0.5 * white_.row(i).array().square().transpose();
     }
 
     void accumulate(const Eigen::ArrayXd& shares) {
-      const Eigen::Index n = xi_.rows();
+      const auto& xi = block_.xi();
+      const Eigen::Index n = xi.rows();
       weight_ += shares.sum();
-      shared_.resize(xi_.cols());
+      shared_.resize(xi.cols());
       for (Eigen::Index i = 0; i < n; ++i) {
-        shared_ = xi_.row(i).array() * shares.transpose();
+        shared_ = xi.row(i).array() * shares.transpose();
         first_[i] += shared_.sum();
         for (Eigen::Index j = 0; j <= i; ++j) {
-          second_(i, j) += shared_.matrix().dot(xi_.row(j));
+          second_(i, j) += shared_.matrix().dot(xi.row(j));
         }
       }
       if (settings_->fixed_means) return;
@@ -76,7 +78,7 @@ struct EmModel<ConcentratedGaussian<G>> {
         for (Eigen::Index j = i + 1; j < n; ++j)
           white_.row(i) += inverse_factor_(j, i) * white_.row(j);
       }
-      Samples::add_gradient(xi_, white_, shares, gradient_);
+      Samples::add_gradient(block_, white_, shares, gradient_);
     }
 
     double weight() const { return weight_; }
@@ -100,9 +102,8 @@ struct EmModel<ConcentratedGaussian<G>> {
     G inverse_mean_;
     Covariance inverse_factor_;  ///< inverse of the Cholesky factor
     double log_constant_ = 0.0;
-    Rows xi_;
+    typename Samples::Block block_;
     Rows white_;
-    Eigen::ArrayXd log_volume_;
     Eigen::Array<double, 1, Eigen::Dynamic> shared_;
     double weight_ = 0.0;
     Tangent first_;

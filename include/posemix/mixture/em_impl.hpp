@@ -26,9 +26,6 @@ std::size_t needed_samples(std::size_t components, Eigen::Index dof, const EmSet
 double shares_from_log_terms(std::span<const double> weights,
                              Eigen::Array<double, Eigen::Dynamic, Eigen::Dynamic>& terms);
 
-/// Elements per block: their tangent vectors stay in the cache.
-inline constexpr std::size_t kEmBlock = 256;
-
 /// EM from one start.
 template <class D>
 class EmRun {

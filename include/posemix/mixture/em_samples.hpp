@@ -62,42 +62,77 @@ struct VolumeGradient<PoseStackd> {
 
 }  // namespace internal
 
+/// At most this many samples in a block: their tangent vectors stay in the cache.
+inline constexpr std::size_t kEmBlock = 256;
+
 /// Samples of a group for EmModel: their logarithms about an element, block by block.
 template <LieGroup G>
 class EmSamples {
  public:
+  /// The logarithms of a block.
+  struct Block {
+    TangentRows<G> tangents;
+    Eigen::ArrayXd log_volume;  ///< log |det J_l(xi)|
+
+    const TangentRows<G>& xi() const { return tangents; }
+  };
+
   explicit EmSamples(std::span<const G> elements) : elements_(elements.begin(), elements.end()) {}
 
   std::size_t size() const { return elements_.size(); }
 
-  /// xi = Log(X centre^-1) and log |det J_l(xi)| of the samples begin, begin + 1, ...
-  void log(std::size_t begin, std::size_t count, const G& inverse_centre, TangentRows<G>& xi,
-           Eigen::ArrayXd& log_volume) const {
+  /// xi = Log(X centre^-1) of the samples begin, begin + 1, ...
+  void log(std::size_t begin, std::size_t count, const G& inverse_centre, Block& block) const {
     const auto columns = static_cast<Eigen::Index>(count);
-    xi.resize(inverse_centre.dof(), columns);
-    log_volume.resize(columns);
+    block.tangents.resize(inverse_centre.dof(), columns);
+    block.log_volume.resize(columns);
     for (Eigen::Index i = 0; i < columns; ++i) {
-      const typename G::Tangent tangent =
+      const typename G::Tangent xi =
           (elements_[begin + static_cast<std::size_t>(i)] * inverse_centre).log();
-      xi.col(i) = tangent;
-      log_volume[i] = G::log_abs_det_left_jacobian(tangent);
+      block.tangents.col(i) = xi;
+      block.log_volume[i] = G::log_abs_det_left_jacobian(xi);
     }
   }
 
   /// Adds sum_i shares_i (J_r(xi_i)^-T y_i + grad log |det J_l(xi_i)|).
-  static void add_gradient(const TangentRows<G>& xi, const TangentRows<G>& y,
+  static void add_gradient(const Block& block, const TangentRows<G>& y,
                            const Eigen::ArrayXd& shares, typename G::Tangent& gradient) {
-    for (Eigen::Index i = 0; i < xi.cols(); ++i) {
+    for (Eigen::Index i = 0; i < y.cols(); ++i) {
       if (shares[i] == 0.0) continue;
-      const typename G::Tangent tangent = xi.col(i);
-      const typename G::Tangent direction =
-          G::right_jacobian_inverse(tangent).transpose() * y.col(i);
-      gradient += shares[i] * (direction + internal::VolumeGradient<G>::at(tangent));
+      const typename G::Tangent xi = block.tangents.col(i);
+      gradient += shares[i] * (G::right_jacobian_inverse(xi).transpose() * y.col(i) +
+                               internal::VolumeGradient<G>::at(xi));
     }
   }
 
  private:
   std::vector<G> elements_;
+};
+
+/// Poses, with vector instructions: quaternions and translations lie coordinate by coordinate.
+template <>
+class EmSamples<SE3d> {
+ public:
+  struct Block {
+    /// xi; sin(t/2) / (t/2) for the angle t; (1 - (t/2) cot(t/2)) / t^2 and its derivative in t^2.
+    Eigen::Matrix<double, 9, Eigen::Dynamic, Eigen::RowMajor> values;
+    Eigen::ArrayXd log_volume;
+    Eigen::Index count = 0;  ///< columns in use
+
+    auto xi() const { return values.topLeftCorner(6, count); }
+  };
+
+  explicit EmSamples(std::span<const SE3d> elements);
+
+  std::size_t size() const { return static_cast<std::size_t>(coordinates_.rows()); }
+
+  void log(std::size_t begin, std::size_t count, const SE3d& inverse_centre, Block& block) const;
+
+  static void add_gradient(const Block& block, const TangentRows<SE3d>& y,
+                           const Eigen::ArrayXd& shares, SE3d::Tangent& gradient);
+
+ private:
+  Eigen::Array<double, Eigen::Dynamic, 7> coordinates_;  ///< qx qy qz qw tx ty tz
 };
 
 }  // namespace posemix
