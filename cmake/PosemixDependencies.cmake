@@ -6,6 +6,13 @@ find_package(fmt 9 REQUIRED)
 find_package(tomlplusplus 3.3 REQUIRED)
 find_package(nlohmann_json 3.11 REQUIRED)
 
+find_package(Threads REQUIRED)
+set(POSEMIX_WITH_MPI OFF)
+if(POSEMIX_MPI)
+  find_package(MPI 3.0 COMPONENTS CXX)
+  set(POSEMIX_WITH_MPI ${MPI_CXX_FOUND})
+endif()
+
 find_path(RANDOM123_INCLUDE_DIR Random123/philox.h REQUIRED)
 mark_as_advanced(RANDOM123_INCLUDE_DIR)
 add_library(posemix_random123 INTERFACE)

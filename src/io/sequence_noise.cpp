@@ -62,16 +62,19 @@ SE3d read_pose(const TomlTable& table, std::string_view key) {
   return SE3d(SO3d::from_quaternion(quaternion), numbers.head<3>());
 }
 
+DetectorNoise read_detector_noise(const TomlTable& model) {
+  std::vector<NoiseComponent> components;
+  for (const TomlTable& component : model.get_tables("components")) {
+    components.push_back(read_component(component));
+  }
+  return located(model, "components", [&] { return DetectorNoise(components); });
+}
+
 std::map<std::string, DetectorNoise> read_noise_models(const TomlTable& root) {
   std::map<std::string, DetectorNoise> models;
   const TomlTable noise = root.get_table("noise");
   for (const std::string& name : noise.keys()) {
-    const TomlTable model = noise.get_table(name);
-    std::vector<NoiseComponent> components;
-    for (const TomlTable& component : model.get_tables("components")) {
-      components.push_back(read_component(component));
-    }
-    models.emplace(name, located(model, "components", [&] { return DetectorNoise(components); }));
+    models.emplace(name, read_detector_noise(noise.get_table(name)));
   }
   return models;
 }

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "posemix/io/detector_noise.hpp"
 #include "posemix/io/sequence_file.hpp"
 #include "posemix/io/tum.hpp"
 
@@ -107,8 +108,6 @@ MotionSettings read_motion(const TomlTable& root, bool has_odometry);
 /// A number or an array of three under the key, with its unit's factor applied.
 Eigen::Vector3d read_sd(const TomlTable& table, std::string_view key, const NumberRange& range,
                         double unit);
-/// Covariance of the keys rotation_sd_deg and translation_sd_m, both needed and positive.
-Matrix6d read_pose_covariance(const TomlTable& table);
 /// Seven numbers tx ty tz qx qy qz qw.
 SE3d read_pose(const TomlTable& table, std::string_view key);
 

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <span>
+#include <utility>
+
+/// Statistics of studies.
+namespace posemix {
+
+struct MeanWithError {
+  double mean;
+  double standard_error;  ///< of the mean; NaN for fewer than two values
+};
+
+MeanWithError mean_with_error(std::span<const double> values);
+
+double median(std::span<const double> values);
+
+/// The interval in which the mean of `count` normalised squared errors of `dof` degrees of freedom
+/// lies with probability 0.95 when the errors are independent and the covariances right: quantiles
+/// of the chi-square distribution over count dof.
+std::pair<double, double> chi_square_band(std::size_t count, std::size_t dof);
+
+/// A comparison of paired values a_i - b_i.
+struct PairedTest {
+  double mean_difference;
+  double standard_error;
+  double p_value;  ///< two-sided, Student's t; 1 where all differences are zero; NaN below two
+};
+
+/// @throws InvalidInput when the two have different sizes
+PairedTest paired_test(std::span<const double> a, std::span<const double> b);
+
+}  // namespace posemix

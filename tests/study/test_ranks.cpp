@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include <cstdlib>
+
+#include <gtest/gtest.h>
+
+#include "posemix/study/journal.hpp"
+#include "study/counting_study.hpp"
+#include "study/running_program.hpp"
+
+/// A study over several processes.
+namespace posemix {
+namespace {
+
+using testing::counting_study;
+using testing::ProgramResult;
+using testing::TemporaryFolder;
+
+constexpr std::size_t kItems = 200;
+
+class Ranks : public ::testing::TestWithParam<int> {
+ protected:
+  static void SetUpTestSuite() {
+    // More ranks than cores, and tests as root, are what Open MPI asks about.
+    setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 1);
+    setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 1);
+    setenv("OMPI_MCA_rmaps_base_oversubscribe", "1", 1);
+  }
+
+  ProgramResult run(std::vector<std::string> arguments) const {
+    std::vector<std::string> command{POSEMIX_MPIRUN, "-n", std::to_string(GetParam()),
+                                     POSEMIX_RANKS_PROGRAM, journal_.string()};
+    command.insert(command.end(), arguments.begin(), arguments.end());
+    return testing::RunningProgram(command).wait();
+  }
+
+  static std::string expected() {
+    const Study study = counting_study(kItems);
+    std::vector<std::string> results;
+    for (std::size_t item = 0; item < kItems; ++item) results.push_back(study.run_item(item));
+    return study.report(results).summary;
+  }
+
+  TemporaryFolder folder_;
+  std::filesystem::path journal_ = folder_ / "journal";
+};
+
+TEST_P(Ranks, GiveWhatOneProcessGives) {
+  const ProgramResult result = run({});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(result.out, expected());
+}
+
+TEST_P(Ranks, LoseNoFinishedItemWhenOneDies) {
+  const ProgramResult died = run({"--die-at", "150"});
+  EXPECT_NE(died.exit_code, 0);
+  {
+    const Journal journal(journal_, counting_study(kItems), true);
+    // Items are handed out in order, at most two to a rank at a time.
+    EXPECT_GE(journal.finished().size(), 150U - 2U * static_cast<std::size_t>(GetParam()));
+    EXPECT_FALSE(journal.finished().contains(150));
+  }
+  const ProgramResult resumed = run({"--resume"});
+  EXPECT_EQ(resumed.exit_code, 0) << resumed.err;
+  EXPECT_EQ(resumed.out, expected());
+}
+
+INSTANTIATE_TEST_SUITE_P(Two, Ranks, ::testing::Values(2));
+INSTANTIATE_TEST_SUITE_P(Four, Ranks, ::testing::Values(4));
+
+}  // namespace
+}  // namespace posemix
