@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "posemix/study/statistics.hpp"
+#include "ycbv_parts.hpp"
+
+namespace posemix {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kInfinity = "inf";
+constexpr std::size_t kMostRowsShown = 40;
+constexpr std::size_t kCounts = 2;  ///< columns after the texts that are not averaged
+
+Json to_json(const Cell& cell) {
+  if (const auto* number = std::get_if<double>(&cell)) {
+    if (std::isinf(*number)) return kInfinity;
+    return std::isnan(*number) ? Json() : Json(*number);
+  }
+  if (const auto* integer = std::get_if<std::int64_t>(&cell)) return *integer;
+  if (const auto* text = std::get_if<std::string>(&cell)) return *text;
+  return {};
+}
+
+Cell to_cell(const Json& json) {
+  if (json.is_number_float()) return json.get<double>();
+  if (json.is_number_integer()) return json.get<std::int64_t>();
+  if (json.is_string() && json == kInfinity) return std::numeric_limits<double>::infinity();
+  if (json.is_string()) return json.get<std::string>();
+  return {};
+}
+
+Json to_json(const std::vector<std::vector<Cell>>& rows) {
+  Json json = Json::array();
+  for (const auto& row : rows) {
+    Json& cells = json.emplace_back(Json::array());
+    for (const Cell& cell : row) cells.push_back(to_json(cell));
+  }
+  return json;
+}
+
+std::vector<std::vector<Cell>> to_rows(const Json& json) {
+  std::vector<std::vector<Cell>> rows;
+  for (const Json& cells : json) {
+    auto& row = rows.emplace_back();
+    for (const Json& cell : cells) row.push_back(to_cell(cell));
+  }
+  return rows;
+}
+
+double mean_of(const std::vector<double>& values) {
+  double sum = 0.0;
+  for (const double value : values) sum += value;
+  return sum / static_cast<double>(values.size());
+}
+
+/// The numbers of one column of some rows; none where there is nothing.
+std::vector<double> numbers_of(const std::vector<const std::vector<Cell>*>& rows,
+                               std::size_t column) {
+  std::vector<double> numbers;
+  for (const auto* row : rows) {
+    if (const auto* number = std::get_if<double>(&(*row)[column])) numbers.push_back(*number);
+  }
+  return numbers;
+}
+
+/// Rows of one detector and method, in the order of their first.
+using Group = std::vector<const std::vector<Cell>*>;
+std::vector<Group> groups_of(const StudyTable& table) {
+  std::vector<Group> groups;
+  for (const auto& row : table.rows()) {
+    const auto same = [&](const Group& group) {
+      return (*group[0])[2] == row[2] && (*group[0])[3] == row[3];
+    };
+    const auto found = std::find_if(groups.begin(), groups.end(), same);
+    if (found == groups.end()) {
+      groups.push_back({&row});
+    } else {
+      found->push_back(&row);
+    }
+  }
+  return groups;
+}
+
+/// Mean and median rows of every detector and method.
+StudyTable summarise(const StudyTable& table, std::size_t first_number) {
+  StudyTable result(table.columns());
+  const std::vector<Group> groups = groups_of(table);
+  for (const bool median : {false, true}) {
+    for (const Group& group : groups) {
+      std::vector<Cell> row(table.columns().size());
+      row[0] = median ? "median" : "mean";
+      row[1] = "all";
+      row[2] = (*group[0])[2];
+      row[3] = (*group[0])[3];
+      for (std::size_t column = first_number; column < row.size(); ++column) {
+        const auto numbers = numbers_of(group, column);
+        if (!numbers.empty()) row[column] = median ? posemix::median(numbers) : mean_of(numbers);
+      }
+      result.add(std::move(row));
+    }
+  }
+  return result;
+}
+
+StudyTable joined(const StudyTable& first, const StudyTable& second) {
+  StudyTable result = first;
+  for (const auto& row : second.rows()) result.add(row);
+  return result;
+}
+
+/// The columns that fit on a screen.
+std::string text_of(const StudyTable& table) {
+  static const std::vector<std::pair<std::string, std::string>> shown{
+      {"sequence", "sequence"},
+      {"object", "object"},
+      {"detector", "detector"},
+      {"method", "method"},
+      {"camera_rotation_rmse_deg", "cam deg"},
+      {"camera_position_rmse_cm", "cam cm"},
+      {"object_rotation_rmse_deg", "obj deg"},
+      {"object_position_rmse_cm", "obj cm"},
+      {"relative_rotation_rmse_deg", "rel deg"},
+      {"relative_position_rmse_cm", "rel cm"},
+      {"relative_anees", "ANEES"},
+      {"pixel_median", "px"},
+      {"merges_per_frame", "merges"}};
+  std::vector<std::string> names;
+  std::vector<std::size_t> places;
+  for (const auto& [column, name] : shown) {
+    const auto& columns = table.columns();
+    names.push_back(name);
+    places.push_back(static_cast<std::size_t>(std::find(columns.begin(), columns.end(), column) -
+                                              columns.begin()));
+  }
+  StudyTable result(names);
+  for (const auto& row : table.rows()) {
+    std::vector<Cell> cells;
+    for (const std::size_t place : places) cells.push_back(row[place]);
+    result.add(std::move(cells));
+  }
+  return result.text(4);
+}
+
+}  // namespace
+
+const std::vector<std::string>& ycbv_columns() {
+  static const std::vector<std::string> columns{"sequence",
+                                                "object",
+                                                "detector",
+                                                "method",
+                                                "frames",
+                                                "detections",
+                                                "camera_rotation_rmse_deg",
+                                                "camera_position_rmse_cm",
+                                                "camera_position_log_rmse_cm",
+                                                "object_rotation_rmse_deg",
+                                                "object_position_rmse_cm",
+                                                "relative_rotation_rmse_deg",
+                                                "relative_position_rmse_cm",
+                                                "relative_anees",
+                                                "pixel_median",
+                                                "merges_per_frame",
+                                                "object_truth"};
+  return columns;
+}
+
+const std::vector<std::string>& ycbv_timing_columns() {
+  static const std::vector<std::string> columns{
+      "sequence",         "object",          "detector",      "method",          "frame_median_us",
+      "update_median_us", "merge_median_us", "merge_mean_us", "merges_per_frame"};
+  return columns;
+}
+
+std::string format_ycbv_rows(const YcbvRows& rows) {
+  return Json{{"rows", to_json(rows.results)}, {"timing", to_json(rows.timing)}}.dump();
+}
+
+YcbvRows parse_ycbv_rows(const std::string& text) {
+  const Json json = Json::parse(text);
+  return {to_rows(json.at("rows")), to_rows(json.at("timing"))};
+}
+
+StudyReport report_ycbv(std::span<const std::string> items) {
+  StudyTable results(ycbv_columns());
+  StudyTable timing(ycbv_timing_columns());
+  for (const std::string& item : items) {
+    YcbvRows rows = parse_ycbv_rows(item);
+    for (auto& row : rows.results) results.add(std::move(row));
+    for (auto& row : rows.timing) timing.add(std::move(row));
+  }
+  const StudyTable means = summarise(results, kYcbvTexts + kCounts);
+  const StudyTable all = joined(results, means);
+  StudyReport report;
+  report.files = {{"study.json", format_study("ycbv", all)},
+                  {"ycbv.csv", all.csv()},
+                  {"timing.csv", joined(timing, summarise(timing, kYcbvTexts)).csv()}};
+  for (StudyFile& figure : draw_ycbv(results)) report.files.push_back(std::move(figure));
+  report.summary = text_of(results.rows().size() <= kMostRowsShown ? all : means);
+  return report;
+}
+
+}  // namespace posemix

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include <cmath>
+
+#include "posemix/base/units.hpp"
+#include "posemix/slam/evaluation.hpp"
+#include "ycbv_parts.hpp"
+
+namespace posemix {
+namespace {
+
+constexpr double kCentimetres = 100.0;
+constexpr double kMicroseconds = 1e6;
+
+Cell cell(const std::optional<double>& value, double scale = 1.0) {
+  return value ? Cell(scale * *value) : Cell();
+}
+
+Cell integer(std::size_t count) { return static_cast<std::int64_t>(count); }
+
+using PosePairs = std::vector<std::pair<SE3d, SE3d>>;
+
+/// Root mean square errors over pairs of estimate and truth, as `evaluate` defines them.
+PoseErrors errors_of(const PosePairs& pairs) {
+  if (pairs.empty()) return {};
+  double position = 0.0;
+  double rotation = 0.0;
+  double position_log = 0.0;
+  for (const auto& [estimate, truth] : pairs) {
+    const Vector6d error = (estimate * truth.inverse()).log();
+    position += (estimate.translation() - truth.translation()).squaredNorm();
+    rotation += error.head<3>().squaredNorm();
+    position_log += error.tail<3>().squaredNorm();
+  }
+  const auto rms = [&](double sum) { return std::sqrt(sum / static_cast<double>(pairs.size())); };
+  return {rms(position), degrees(rms(rotation)), rms(position_log)};
+}
+
+/// What a row holds besides its texts.
+struct Row {
+  PoseErrors camera = {};
+  PoseErrors world = {};
+  PoseErrors relative = {};
+  std::optional<double> anees = {};
+  std::optional<double> pixels = {};
+  std::optional<double> merges = {};
+};
+
+/// Rows of one method on one recording.
+class Item {
+ public:
+  Item(const YcbvStudySettings& settings, const Recording& recording, const YcbvMethod& method)
+      : recording_(recording),
+        method_(method),
+        job_(read_ycbv_job(settings, recording, method)),
+        pixels_(PixelMetric::find(recording)) {}
+
+  YcbvRows rows() {
+    switch (method_.kind) {
+      case YcbvKind::detector:
+        run_detector();
+        break;
+      case YcbvKind::odometry:
+        run_odometry();
+        break;
+      case YcbvKind::filter:
+        run_filter();
+        break;
+    }
+    return std::move(rows_);
+  }
+
+ private:
+  const ObjectRecording& object(std::size_t index) const { return job_.sequence.objects[index]; }
+
+  /// Where the truth of an object is from: world poses stand for robust means of the detections.
+  Cell truth_of(std::size_t index) const {
+    if (!object(index).relative_truth.empty()) return "ground truth";
+    if (object(index).world_truth.empty() || job_.sequence.camera_truth.empty()) return {};
+    return "proxy";
+  }
+
+  std::size_t detections(std::size_t index) const {
+    std::size_t count = 0;
+    for (const auto& detection : object(index).detections) count += detection ? 1 : 0;
+    return count;
+  }
+
+  void add(std::size_t index, const Row& row) {
+    rows_.results.push_back(
+        {recording_.sequence, object(index).id, recording_.detector, method_.name,
+         integer(job_.sequence.stamps.size()), integer(detections(index)),
+         cell(row.camera.rotation_rmse_deg), cell(row.camera.position_rmse_m, kCentimetres),
+         cell(row.camera.position_log_rmse_m, kCentimetres), cell(row.world.rotation_rmse_deg),
+         cell(row.world.position_rmse_m, kCentimetres), cell(row.relative.rotation_rmse_deg),
+         cell(row.relative.position_rmse_m, kCentimetres), cell(row.anees), cell(row.pixels),
+         cell(row.merges), truth_of(index)});
+  }
+
+  /// Estimates of T_camera_object with the truth of their frames.
+  template <class EstimateAt>
+  PosePairs pairs(std::size_t index, const EstimateAt& estimate_at) const {
+    PosePairs pairs;
+    for (std::size_t k = 0; k < job_.sequence.stamps.size(); ++k) {
+      const std::optional<SE3d> estimate = estimate_at(k);
+      const auto truth = true_relative_pose(job_.sequence, index, k);
+      if (estimate && truth) pairs.emplace_back(*estimate, *truth);
+    }
+    return pairs;
+  }
+
+  std::optional<double> pixels(const PosePairs& pairs) const {
+    return pixels_ ? pixels_->median(pairs) : std::nullopt;
+  }
+
+  void run_detector() {
+    for (std::size_t i = 0; i < job_.models.size(); ++i) {
+      const PosePairs found = pairs(i, [&](std::size_t k) { return object(i).detections[k]; });
+      add(i, {.relative = errors_of(found), .pixels = pixels(found)});
+    }
+  }
+
+  /// The odometry from the first frame on that has odometry and truth, where the two agree.
+  void run_odometry() {
+    const Sequence& sequence = job_.sequence;
+    PosePairs pairs;
+    std::optional<SE3d> world_odom;
+    for (std::size_t k = 0; k < sequence.stamps.size(); ++k) {
+      if (sequence.odometry.empty() || sequence.camera_truth.empty()) break;
+      const auto& odometry = sequence.odometry[k];
+      const auto& truth = sequence.camera_truth[k];
+      if (!odometry || !truth) continue;
+      if (!world_odom) world_odom = *truth * odometry->inverse();
+      pairs.emplace_back(*world_odom * *odometry, *truth);
+    }
+    for (std::size_t i = 0; i < job_.models.size(); ++i) add(i, {.camera = errors_of(pairs)});
+  }
+
+  void run_filter() {
+    const SlamRun slam = run(job_.sequence, job_.camera_prior, job_.models, job_.settings);
+    const Metrics metrics = evaluate(job_.sequence, slam);
+    for (std::size_t i = 0; i < job_.models.size(); ++i) {
+      const ObjectMetrics& errors = metrics.objects[i];
+      const auto estimate_at = [&](std::size_t k) {
+        const auto& density = slam.frames[k].relative[i];
+        return density ? std::optional(density->mean()) : std::nullopt;
+      };
+      add(i, {metrics.camera, errors.world, errors.relative, errors.relative_anees,
+              pixels(pairs(i, estimate_at)), metrics.timing.merges_per_frame});
+    }
+    add_timing(slam, metrics.timing);
+  }
+
+  void add_timing(const SlamRun& slam, const Timing& timing) {
+    double seconds = 0.0;
+    for (const FrameEstimate& frame : slam.frames) seconds += frame.report.update.reduce_seconds;
+    const double mean = kMicroseconds * seconds / static_cast<double>(slam.frames.size());
+    rows_.timing.push_back({recording_.sequence, recording_.object, recording_.detector,
+                            method_.name, timing.frame_median_us, timing.update_median_us,
+                            timing.reduce_median_us, mean, timing.merges_per_frame});
+  }
+
+  const Recording& recording_;
+  const YcbvMethod& method_;
+  SlamJob job_;
+  std::optional<PixelMetric> pixels_;
+  YcbvRows rows_;
+};
+
+}  // namespace
+
+YcbvRows run_ycbv(const YcbvStudySettings& settings, const Recording& recording,
+                  const YcbvMethod& method) {
+  return Item(settings, recording, method).rows();
+}
+
+}  // namespace posemix

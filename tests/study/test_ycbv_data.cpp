@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+
+// The study on the recorded sequences against runs of the sequence files.
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "posemix/io/sequence_file.hpp"
+#include "posemix/slam/evaluation.hpp"
+#include "posemix/study/ycbv.hpp"
+#include "posemix/testing/data.hpp"
+
+namespace posemix {
+namespace {
+
+using Json = nlohmann::json;
+
+Json rows_of(const YcbvStudySettings& settings) {
+  const Study study = make_ycbv_study(settings);
+  std::vector<std::string> results;
+  for (std::size_t i = 0; i < study.items; ++i) results.push_back(study.run_item(i));
+  return Json::parse(study.report(results).files.at(0).content).at("rows");
+}
+
+Metrics run_config(const std::string& name, const std::vector<std::string>& overrides) {
+  TomlDocument document =
+      TomlDocument::load(std::string(POSEMIX_SOURCE_DIR "/configs/") + name + ".toml");
+  for (const std::string& each : overrides) document.apply_override(each);
+  const SlamJob job = read_slam_job(document, {*testing::data_dir()});
+  return evaluate(job.sequence, run(job.sequence, job.camera_prior, job.models, job.settings));
+}
+
+void expect_row(const Json& row, const Metrics& metrics, std::size_t object) {
+  const ObjectMetrics& errors = metrics.objects[object];
+  EXPECT_EQ(row["object"], errors.id);
+  EXPECT_EQ(row["detections"], errors.detections);
+  EXPECT_EQ(row["camera_rotation_rmse_deg"], *metrics.camera.rotation_rmse_deg);
+  EXPECT_EQ(row["camera_position_rmse_cm"], 100 * *metrics.camera.position_rmse_m);
+  EXPECT_EQ(row["relative_rotation_rmse_deg"], *errors.relative.rotation_rmse_deg);
+  EXPECT_EQ(row["object_position_rmse_cm"], 100 * *errors.world.position_rmse_m);
+  EXPECT_EQ(row["relative_anees"], *errors.relative_anees);
+}
+
+TEST(YcbvData, Sequence0022IsAsTheSequenceFileRunsIt) {
+  POSEMIX_REQUIRE_DATA();
+  const Json rows = rows_of(
+      {.data = *testing::data_dir(), .methods = {"midway", "published"}, .sequences = {"0022"}});
+  const Metrics midway =
+      run_config("ycbv-0022", {"filter.noise_use=joint", "filter.update=linearized",
+                               "filter.gate_probability=1", "filter.summary=merge_two_largest"});
+  const Metrics published = run_config("ycbv-0022-paper", {});
+  ASSERT_GE(rows.size(), 8U);
+  for (std::size_t i = 0; i < 4; ++i) {
+    expect_row(rows[i], midway, i);
+    expect_row(rows[4 + i], published, i);
+  }
+  // The midway paper's Table II: 2.82 cm, 1.82 deg.
+  EXPECT_NEAR(rows[7]["camera_position_log_rmse_cm"], 2.82, 0.005);
+  EXPECT_NEAR(rows[7]["camera_rotation_rmse_deg"], 1.82, 0.005);
+}
+
+TEST(YcbvData, DopePairsAreAsTheSequenceFileRunsThem) {
+  POSEMIX_REQUIRE_DATA();
+  for (const auto& [object, sequence] :
+       {std::pair<std::string, std::string>{"003_cracker_box_16k", "0035"},
+        std::pair<std::string, std::string>{"010_potted_meat_can_16k", "0060"}}) {
+    const Json rows = rows_of({.data = *testing::data_dir(),
+                               .methods = {"riekf", "default"},
+                               .sequences = {sequence},
+                               .objects = {object}});
+    const std::vector<std::string> pair{"object=" + object, "sequence=" + sequence};
+    std::vector<std::string> riekf = pair;
+    riekf.insert(riekf.end(), {"filter.method=riekf", "objects.0.noise=gaussian"});
+    expect_row(rows[0], run_config("ycbv-dope", riekf), 0);
+    expect_row(rows[1], run_config("ycbv-dope", pair), 0);
+  }
+}
+
+}  // namespace
+}  // namespace posemix
