@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "quadrature_rules.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <boost/math/quadrature/gauss.hpp>
+#include <boost/math/quadrature/gauss_kronrod.hpp>
+#include <boost/math/special_functions/legendre.hpp>
+
+namespace posemix::internal {
+namespace {
+
+KronrodRule make_kronrod() {
+  using Rule = boost::math::quadrature::gauss_kronrod<double, 15>;
+  using Coarse = boost::math::quadrature::gauss<double, 7>;
+  KronrodRule rule{};
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < Rule::abscissa().size(); ++i) {
+    const double at = Rule::abscissa()[i];
+    const double weight = Rule::weights()[i];
+    const double difference = i % 2 == 0 ? weight - Coarse::weights()[i / 2] : weight;
+    rule.nodes[next++] = {at, weight, difference};
+    if (i > 0) rule.nodes[next++] = {-at, weight, difference};
+  }
+  return rule;
+}
+
+template <std::size_t kSize>
+std::array<PatchRules::Node, kSize> make_gauss() {
+  using Rule = boost::math::quadrature::gauss<double, kSize>;
+  std::array<PatchRules::Node, kSize> nodes{};
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < Rule::abscissa().size(); ++i) {
+    const double at = Rule::abscissa()[i];
+    nodes[next++] = {at, Rule::weights()[i]};
+    if (at != 0.0) nodes[next++] = {-at, Rule::weights()[i]};
+  }
+  return nodes;
+}
+
+PatchRules make_patch() {
+  PatchRules rules{make_gauss<PatchRules::kFine>(), make_gauss<PatchRules::kCoarse>(), {}};
+  std::ranges::transform(rules.fine, rules.top_mode.begin(), [](const auto& node) {
+    return boost::math::legendre_p(static_cast<int>(PatchRules::kFine) - 2, node.at);
+  });
+  return rules;
+}
+
+}  // namespace
+
+const KronrodRule& KronrodRule::instance() {
+  static const KronrodRule rule = make_kronrod();
+  return rule;
+}
+
+const PatchRules& PatchRules::instance() {
+  static const PatchRules rules = make_patch();
+  return rules;
+}
+
+double kronrod_error(double difference, double absolute) {
+  const double size = std::abs(difference);
+  if (absolute <= 0.0) return size;
+  return size * std::min(1.0, std::sqrt(200.0 * size / absolute));
+}
+
+}  // namespace posemix::internal

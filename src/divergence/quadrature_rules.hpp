@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+namespace posemix::internal {
+
+/// Gauss-Kronrod rule with 7 and 15 points on [-1, 1].
+struct KronrodRule {
+  struct Node {
+    double at;
+    double weight;
+    double difference;  ///< weight less the weight in the rule with 7 points
+  };
+  std::array<Node, 15> nodes;
+
+  static const KronrodRule& instance();
+};
+
+/// Error of the 15-point rule from its difference to the 7-point rule, as in QUADPACK: the
+/// difference is the error of the 7-point rule, of half the order.
+double kronrod_error(double difference, double absolute);
+
+/// Two Gauss-Legendre rules on [-1, 1] for tensor products.
+struct PatchRules {
+  static constexpr std::size_t kFine = 8;
+  static constexpr std::size_t kCoarse = 5;
+  struct Node {
+    double at;
+    double weight;
+  };
+  std::array<Node, kFine> fine;
+  std::array<Node, kCoarse> coarse;
+  std::array<double, kFine> top_mode;  ///< the Legendre polynomial of degree kFine - 2 at `fine`
+
+  static const PatchRules& instance();
+};
+
+}  // namespace posemix::internal
