@@ -189,8 +189,9 @@ Hypothesis GaussianSumFilter::summarise() const {
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return components[a].log_weight > components[b].log_weight;
   });
-  const Component<Hypothesis> two[] = {components[order[0]], components[order[1]]};
-  return merge<PoseStackd>(std::span<const Component<Hypothesis>>(two), settings_.reduction.merge)
+  const Component<Hypothesis>* const two[] = {&components[order[0]], &components[order[1]]};
+  return merge<PoseStackd>(std::span<const Component<Hypothesis>* const>(two),
+                           settings_.reduction.merge)
       .component.density;
 }
 

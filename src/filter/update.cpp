@@ -2,38 +2,32 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "posemix/filter/update.hpp"
 
+#include <array>
 #include <limits>
 #include <utility>
+
+#include "noise_axes.hpp"
+#include "pose_blocks.hpp"
 
 namespace posemix {
 namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
-using Eigen::VectorXd;
+using internal::block;
+using internal::columns;
+using internal::kPoseDof;
+using internal::offset;
+using internal::rows;
+using internal::Square;
+using internal::Tall;
+using internal::Vector;
+using internal::without_offset;
 
-constexpr Index kPoseDof = 6;
-
-Index offset(std::size_t pose) { return kPoseDof * static_cast<Index>(pose); }
-
-/// The noise covariance carried into the world frame: Ad(E) R Ad(E)^T, E the pose of the axes it is
-/// stated in.
+/// The noise covariance carried into the world frame, Ad(E) R Ad(E)^T.
 Matrix6d world_noise(const NoiseComponent& noise, const SE3d& camera, const SE3d& object) {
-  const SE3d mode = object * noise.offset;
-  const bool in_camera = noise.frame == NoiseFrame::camera;
-  const SE3d axes = in_camera ? SE3d(camera.rotation(), mode.translation()) : mode;
-  return axes.adjoint_congruence(noise.covariance);
-}
-
-/// The detection freed of its mode: T_camera_object as the component believes it.
-SE3d without_offset(const Detection& detection, const NoiseComponent& noise) {
-  return detection.camera_object * noise.offset.inverse();
-}
-
-/// P H^T for one object: covariance columns of the object less those of the camera.
-auto observed_columns(const MatrixXd& covariance, std::size_t object) {
-  return covariance.middleCols<kPoseDof>(offset(object)) -
-         covariance.middleCols<kPoseDof>(offset(kCamera));
+  return internal::noise_axes(noise, camera.rotation(), object)
+      .adjoint_congruence(noise.covariance);
 }
 
 Hypothesis extended(const Hypothesis& prior, const SE3d& mean, const Matrix6d& covariance,
@@ -50,47 +44,70 @@ Hypothesis extended(const Hypothesis& prior, const SE3d& mean, const Matrix6d& c
   return Hypothesis::trusted(std::move(poses), std::move(joint));
 }
 
+/// matrix H^T: the columns of each object less those of the camera.
+template <int Dim>
+Tall<Dim> times_ht(const MatrixXd& matrix, std::span<const Detection> detections) {
+  Tall<Dim> result(matrix.rows(), offset(detections.size()));
+  for (std::size_t j = 0; j < detections.size(); ++j) {
+    columns(result, j) = columns(matrix, detections[j].object) - columns(matrix, kCamera);
+  }
+  return result;
+}
+
 /// z, R and the products P H^T and S = H P H^T + R of several detections.
+template <int Dim>
 struct Observation {
-  VectorXd residual;
-  MatrixXd noise;
-  MatrixXd p_ht;
-  MatrixXd s;
+  Vector<Dim> residual;
+  Square<Dim> noise;
+  Tall<Dim> p_ht;
+  Square<Dim> s;
 
   Observation(const Hypothesis& prior, std::span<const Detection> detections,
               std::span<const NoiseComponent* const> components)
-      : residual(offset(detections.size())),
-        noise(MatrixXd::Zero(residual.size(), residual.size())),
-        p_ht(prior.dof(), residual.size()),
-        s(residual.size(), residual.size()) {
+      : p_ht(times_ht<Dim>(prior.covariance(), detections)) {
+    const Index size = offset(detections.size());
+    residual.resize(size);
+    noise.setZero(size, size);
+    s.resize(size, size);
     for (std::size_t j = 0; j < detections.size(); ++j) {
       const Innovation one = innovation(prior.mean(), detections[j], *components[j]);
-      residual.segment<kPoseDof>(offset(j)) = one.residual;
-      noise.block<kPoseDof, kPoseDof>(offset(j), offset(j)) = one.noise;
-      p_ht.middleCols<kPoseDof>(offset(j)) =
-          observed_columns(prior.covariance(), detections[j].object);
-    }
-    for (std::size_t j = 0; j < detections.size(); ++j) {
-      s.middleRows<kPoseDof>(offset(j)) = p_ht.middleRows<kPoseDof>(offset(detections[j].object)) -
-                                          p_ht.middleRows<kPoseDof>(offset(kCamera));
+      residual.template segment<kPoseDof>(offset(j)) = one.residual;
+      block(noise, j, j) = one.noise;
+      rows(s, j) = rows(p_ht, detections[j].object) - rows(p_ht, kCamera);
     }
     s += noise;
     symmetrize(s);
   }
 };
 
-/// (I - K H) P (I - K H)^T + K R K^T, Joseph's form.
-MatrixXd joseph(const MatrixXd& covariance, const MatrixXd& gain, const Observation& observed,
-                std::span<const Detection> detections) {
-  MatrixXd posterior = covariance;
-  posterior.noalias() -= gain * observed.p_ht.transpose();
-  MatrixXd rest = gain * observed.noise;
-  for (std::size_t j = 0; j < detections.size(); ++j) {
-    rest.middleCols<kPoseDof>(offset(j)) -= observed_columns(posterior, detections[j].object);
+template <int Dim>
+UpdateResult update_with(const Hypothesis& prior, std::span<const Detection> detections,
+                         std::span<const NoiseComponent* const> noise) {
+  // Innovation and its covariance, S = H P H^T + R.
+  const Observation<Dim> observed(prior, detections, noise);
+  const Eigen::LLT<Square<Dim>> s(observed.s);
+  if (s.info() != Eigen::Success) {
+    return {prior, -std::numeric_limits<double>::infinity(), false};
   }
-  posterior.noalias() += rest * gain.transpose();
-  symmetrize(posterior);
-  return posterior;
+  // Gain and correction, K = P H^T S^-1, X <- Exp(K z) X.
+  const Tall<Dim> gain = internal::times_inverse<Dim>(observed.p_ht, s);
+  PoseStackd mean = prior.mean();
+  for (std::size_t k = 0; k < mean.size(); ++k) {
+    mean[k] = SE3d::exp(rows(gain, k) * observed.residual) * mean[k];
+  }
+  // Joseph's form: P' = (I - K H) P, then P <- P' - (P' H^T - K R) K^T.
+  MatrixXd covariance = prior.covariance();
+  internal::subtract_symmetric_product<Dim>(covariance, gain, observed.p_ht);
+  Tall<Dim> rest = times_ht<Dim>(covariance, detections);
+  for (std::size_t j = 0; j < detections.size(); ++j) {
+    const Matrix6d noise_j = block(observed.noise, j, j);
+    for (std::size_t k = 0; k < mean.size(); ++k) {
+      block(rest, k, j).noalias() -= block(gain, k, j) * noise_j;
+    }
+  }
+  internal::subtract_symmetric_product<Dim>(covariance, rest, gain);
+  return {Hypothesis::trusted(std::move(mean), std::move(covariance)),
+          log_normal(s, observed.residual), true};
 }
 
 }  // namespace
@@ -105,11 +122,8 @@ Innovation innovation(const PoseStackd& mean, const Detection& detection,
 
 double squared_mahalanobis(const Hypothesis& hypothesis, const Detection& detection,
                            const NoiseComponent& noise) {
-  const Innovation one = innovation(hypothesis.mean(), detection, noise);
-  const auto p_ht = observed_columns(hypothesis.covariance(), detection.object);
-  const Matrix6d s = p_ht.middleRows<kPoseDof>(offset(detection.object)) -
-                     p_ht.middleRows<kPoseDof>(offset(kCamera)) + one.noise;
-  const Eigen::LLT<Matrix6d> factor(s);
+  const Observation<kPoseDof> one(hypothesis, std::span(&detection, 1), std::array{&noise});
+  const Eigen::LLT<Matrix6d> factor(one.s);
   if (factor.info() != Eigen::Success) return std::numeric_limits<double>::infinity();
   return factor.matrixL().solve(one.residual).squaredNorm();
 }
@@ -117,28 +131,17 @@ double squared_mahalanobis(const Hypothesis& hypothesis, const Detection& detect
 UpdateResult update(const Hypothesis& prior, std::span<const Detection> detections,
                     std::span<const NoiseComponent* const> noise) {
   if (detections.empty()) return {prior, 0.0, true};
-  // Innovation and its covariance, S = H P H^T + R.
-  const Observation observed(prior, detections, noise);
-  const Eigen::LLT<MatrixXd> s(observed.s);
-  if (s.info() != Eigen::Success) {
-    return {prior, -std::numeric_limits<double>::infinity(), false};
-  }
-  // Gain and correction, K = P H^T S^-1, X <- Exp(K z) X.
-  const MatrixXd gain = s.solve(observed.p_ht.transpose()).transpose();
-  PoseStackd mean = PoseStackd::exp(gain * observed.residual) * prior.mean();
-  return {
-      Hypothesis::trusted(std::move(mean), joseph(prior.covariance(), gain, observed, detections)),
-      log_normal(s, observed.residual), true};
+  if (detections.size() == 1) return update_with<kPoseDof>(prior, detections, noise);
+  return update_with<Eigen::Dynamic>(prior, detections, noise);
 }
 
 Hypothesis with_detected_object(const Hypothesis& prior, const Detection& detection,
                                 const NoiseComponent& noise) {
   const SE3d& camera = prior.mean()[kCamera];
   const SE3d object = camera * without_offset(detection, noise);
-  const Matrix6d camera_covariance =
-      prior.covariance().block<kPoseDof, kPoseDof>(offset(kCamera), offset(kCamera));
-  return extended(prior, object, camera_covariance + world_noise(noise, camera, object),
-                  prior.covariance().middleCols<kPoseDof>(offset(kCamera)));
+  const MatrixXd& p = prior.covariance();
+  return extended(prior, object, block(p, kCamera, kCamera) + world_noise(noise, camera, object),
+                  columns(p, kCamera));
 }
 
 Hypothesis with_independent_pose(const Hypothesis& prior, const SE3d& mean,

@@ -77,6 +77,34 @@ TEST(Reduce, PruningReportsTheWeightDropped) {
   EXPECT_NEAR(reduced.weight(0), 0.6 / (1.0 - 4e-6), 1e-15);
 }
 
+TEST(Reduce, KeepsTheHeaviestWithoutMerging) {
+  const auto mixture =
+      Mixture<Line>::from_weights(std::vector{0.1, 0.4, 0.2, 0.1, 0.2},
+                                  {on_line(0), on_line(1), on_line(2), on_line(3), on_line(4)});
+  const auto [reduced, report] = reduce(mixture, {.keep_heaviest = 2});
+  ASSERT_EQ(reduced.size(), 2U);
+  // In the order they had; of the two of weight 0.2 the earlier.
+  EXPECT_EQ(reduced[0].density.mean().value()[0], 1.0);
+  EXPECT_EQ(reduced[1].density.mean().value()[0], 2.0);
+  EXPECT_NEAR(reduced.weight(0), 2.0 / 3.0, 1e-15);
+  EXPECT_EQ(report.components_pruned, 3U);
+  EXPECT_NEAR(report.weight_pruned, 0.4, 1e-15);
+  EXPECT_TRUE(report.merges.empty());
+}
+
+TEST(Reduce, KeepsTheHeaviestAfterPruningAndBeforeMerging) {
+  const ReductionSettings settings{.prune_below = 0.02, .keep_heaviest = 6, .max_components = 4};
+  // Weights 1/55 .. 10/55: the first is pruned, then three dropped, then two merges.
+  const auto [reduced, report] = reduce(ladder(10), settings);
+  EXPECT_EQ(reduced.size(), 4U);
+  EXPECT_EQ(report.components_pruned, 4U);
+  EXPECT_NEAR(report.weight_pruned, 10.0 / 55.0, 1e-15);
+  EXPECT_EQ(report.merges.size(), 2U);
+  // Nothing is dropped where no more are there.
+  EXPECT_EQ(reduce(ladder(6), {.keep_heaviest = 6}).report.components_pruned, 0U);
+  EXPECT_EQ(reduce(ladder(6), {.keep_heaviest = 0}).mixture.size(), 6U);
+}
+
 TEST(Reduce, ReportTellsEveryMerge) {
   // By hand, the largest with the smallest: 0.5 at 0 takes 0.1 at 4; then 0.6 takes 0.15 at 1.
   const auto mixture = Mixture<Line>::from_weights(

@@ -78,6 +78,25 @@ class PoseStack {
     return congruence(blocks_of(xi, &Pose::left_jacobian_inverse_blocks), p);
   }
 
+  /// sum += weight J_l^-1 P J_l^-T for a symmetric P, of which the 6x6 blocks on and above the
+  /// diagonal are read. Needs no memory of the size of P.
+  static void add_left_jacobian_inverse_congruence(const Tangent& xi, const TangentMatrix& p,
+                                                   const Scalar& weight, TangentMatrix& sum) {
+    check_size(p, xi.size());
+    check_size(sum, xi.size());
+    const std::vector<Blocks> blocks = blocks_of(xi, &Pose::left_jacobian_inverse_blocks);
+    for_each_block(blocks, p,
+                   [&](const Eigen::Index row, const Eigen::Index column,
+                       const typename Blocks::Dense& block) {
+                     sum.template block<6, 6>(row, column) += weight * block;
+                     if (row != column)
+                       sum.template block<6, 6>(column, row) += weight * block.transpose();
+                   });
+  }
+
+  /// Ad xi.
+  Tangent adjoint_times(const Tangent& xi) const;
+
   /// Whether each pose is (see SE3::is_approx); false where the sizes differ.
   bool is_approx(const PoseStack& other, const Scalar& tol) const;
 
@@ -110,6 +129,26 @@ class PoseStack {
     std::vector<Blocks> blocks(poses_in(xi));
     for (std::size_t i = 0; i < blocks.size(); ++i) blocks[i] = function(part(xi, i));
     return blocks;
+  }
+
+  static void check_size(const TangentMatrix& p, Eigen::Index n) {
+    if (p.rows() != n || p.cols() != n) {
+      throw InvalidInput(
+          fmt::format("covariance is {}x{}; expected {}x{}", p.rows(), p.cols(), n, n));
+    }
+  }
+
+  /// Calls use(row, column, block) for every 6x6 block of B P B^T on and above the diagonal, B the
+  /// block diagonal matrix.
+  template <typename Use>
+  static void for_each_block(const std::vector<Blocks>& blocks, const TangentMatrix& p, Use use) {
+    for (std::size_t j = 0; j < blocks.size(); ++j) {
+      for (std::size_t i = 0; i < j; ++i) {
+        use(offset(i), offset(j),
+            blocks[i].sandwich(p.template block<6, 6>(offset(i), offset(j)), blocks[j]));
+      }
+      use(offset(j), offset(j), blocks[j].congruence(p.template block<6, 6>(offset(j), offset(j))));
+    }
   }
 
   static TangentMatrix congruence(const std::vector<Blocks>& blocks, const TangentMatrix& p);
@@ -178,24 +217,30 @@ typename PoseStack<S>::TangentMatrix PoseStack<S>::adjoint_congruence(
 }
 
 template <typename S>
+typename PoseStack<S>::Tangent PoseStack<S>::adjoint_times(const Tangent& xi) const {
+  if (poses_in(xi) != size()) {
+    throw InvalidInput(fmt::format("tangent vector of {} entries for {} poses; expected {}",
+                                   xi.size(), size(), dof()));
+  }
+  Tangent result(dof());
+  for (std::size_t i = 0; i < size(); ++i) {
+    result.template segment<Pose::Dof>(offset(i)) = poses_[i].adjoint() * part(xi, i);
+  }
+  return result;
+}
+
+template <typename S>
 typename PoseStack<S>::TangentMatrix PoseStack<S>::congruence(const std::vector<Blocks>& blocks,
                                                               const TangentMatrix& p) {
   const Eigen::Index n = offset(blocks.size());
-  if (p.rows() != n || p.cols() != n) {
-    throw InvalidInput(
-        fmt::format("covariance is {}x{}; expected {}x{}", p.rows(), p.cols(), n, n));
-  }
+  check_size(p, n);
   TangentMatrix m(n, n);
-  for (std::size_t j = 0; j < blocks.size(); ++j) {
-    for (std::size_t i = 0; i < j; ++i) {
-      const typename Blocks::Dense block =
-          blocks[i].sandwich(p.template block<6, 6>(offset(i), offset(j)), blocks[j]);
-      m.template block<6, 6>(offset(i), offset(j)) = block;
-      m.template block<6, 6>(offset(j), offset(i)) = block.transpose();
-    }
-    m.template block<6, 6>(offset(j), offset(j)) =
-        blocks[j].congruence(p.template block<6, 6>(offset(j), offset(j)));
-  }
+  for_each_block(
+      blocks, p,
+      [&](const Eigen::Index row, const Eigen::Index column, const typename Blocks::Dense& block) {
+        m.template block<6, 6>(row, column) = block;
+        if (row != column) m.template block<6, 6>(column, row) = block.transpose();
+      });
   return m;
 }
 

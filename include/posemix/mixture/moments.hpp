@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "posemix/mixture/tangent_moments.hpp"
@@ -28,69 +29,104 @@ struct Moments {
 
 namespace internal {
 
-/// First and second moment of Log(X anchor^-1) under one component, by the spherical cubature rule
-/// of degree three: 2n points at sqrt(n) standard deviations, exact for polynomials up to degree
-/// three in xi.
+/// A stack is its poses, every other element one part.
 template <LieGroup G>
-struct CubatureMoments {
-  typename G::Tangent first;
-  typename G::TangentMatrix second;
+std::span<const G> parts_of(const G& element) {
+  return {&element, 1};
+}
+inline std::span<const SE3d> parts_of(const PoseStackd& stack) { return stack.poses(); }
 
-  CubatureMoments(const ConcentratedGaussian<G>& density, const typename G::TangentMatrix& factor,
-                  const G& anchor)
-      : first(G::Tangent::Zero(density.dof())),
-        second(G::TangentMatrix::Zero(density.dof(), density.dof())) {
-    const Eigen::Index n = density.dof();
-    const G offset = density.mean() * anchor.inverse();
-    const double radius = std::sqrt(static_cast<double>(n));
-    for (Eigen::Index column = 0; column < n; ++column) {
-      for (const double sign : {-radius, radius}) {
-        const typename G::Tangent point = (G::exp(sign * factor.col(column)) * offset).log();
-        first += point;
-        second.noalias() += point * point.transpose();
-      }
-    }
-    first /= static_cast<double>(2 * n);
-    second /= static_cast<double>(2 * n);
-  }
-};
-
-/// A weighted sum of components with its covariances factorised.
+/// The 2n points Exp(+-sqrt(n) L e_c) X0 of the spherical cubature rule of degree three, P = L L^T,
+/// which is exact for polynomials up to degree three in xi. L is lower triangular: a part of X is
+/// moved by the columns up to its own and stays where it is for all others.
 template <LieGroup G>
-class SumOfComponents {
+class CubaturePoints {
  public:
-  using Components = std::span<const Component<ConcentratedGaussian<G>>>;
+  using Part = typename decltype(parts_of(std::declval<const G&>()))::value_type;
+  /// One column per point.
+  using Tangents = Eigen::Matrix<double, G::Dof, Eigen::Dynamic>;
 
-  explicit SumOfComponents(Components components) : components_(components) {
-    const double log_total = checked_log_total(components);
-    for (const auto& component : components) {
-      weights_.push_back(std::exp(component.log_weight - log_total));
-      factors_.push_back(
-          Eigen::LLT<typename G::TangentMatrix>(component.density.covariance()).matrixL());
+  explicit CubaturePoints(const ConcentratedGaussian<G>& density)
+      : size_(2 * density.dof()), mean_(&density.mean()) {
+    const Eigen::Index n = density.dof();
+    const Eigen::LLT<typename G::TangentMatrix> factor(density.covariance());
+    const auto& l = factor.matrixLLT();
+    const double radius = std::sqrt(static_cast<double>(n));
+    Eigen::Index row = 0;
+    for (const Part& part : parts_of(density.mean())) {
+      const Eigen::Index dof = part.dof();
+      std::vector<Part>& points = points_.emplace_back();
+      points.reserve(static_cast<std::size_t>(2 * (row + dof)));
+      for (Eigen::Index column = 0; column < row + dof; ++column) {
+        typename Part::Tangent xi = radius * l.col(column).segment(row, dof);
+        if (column > row) xi.head(column - row).setZero();
+        points.push_back(Part::exp(-xi) * part);
+        points.push_back(Part::exp(xi) * part);
+      }
+      row += dof;
     }
   }
 
-  const G& heaviest_mean() const {
-    const auto heaviest = std::max_element(weights_.begin(), weights_.end()) - weights_.begin();
-    return components_[static_cast<std::size_t>(heaviest)].density.mean();
-  }
-
-  /// Adds E[Log(X anchor^-1)] to `first` and E[Log(X anchor^-1) Log(X anchor^-1)^T] to `second`.
-  void add_moments(const G& anchor, typename G::Tangent& first,
-                   typename G::TangentMatrix& second) const {
-    for (std::size_t i = 0; i < weights_.size(); ++i) {
-      if (weights_[i] == 0.0) continue;
-      const CubatureMoments<G> part(components_[i].density, factors_[i], anchor);
-      first += weights_[i] * part.first;
-      second += weights_[i] * part.second;
+  /// Log(X anchor^-1) of every point.
+  Tangents seen_from(const G& anchor) const {
+    Tangents tangents(anchor.dof(), size_);
+    Eigen::Index row = 0;
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      const Part inverse = parts_of(anchor)[i].inverse();
+      const Eigen::Index dof = inverse.dof();
+      const auto moved = static_cast<Eigen::Index>(points_[i].size());
+      for (Eigen::Index k = 0; k < moved; ++k) {
+        tangents.col(k).segment(row, dof) =
+            (points_[i][static_cast<std::size_t>(k)] * inverse).log();
+      }
+      const typename Part::Tangent still = (parts_of(*mean_)[i] * inverse).log();
+      tangents.block(row, moved, dof, size_ - moved).colwise() = still;
+      row += dof;
     }
+    return tangents;
   }
 
  private:
-  Components components_;
-  std::vector<double> weights_;
-  std::vector<typename G::TangentMatrix> factors_;
+  Eigen::Index size_;
+  const G* mean_;
+  std::vector<std::vector<Part>> points_;  ///< of every part
 };
+
+/// `moments` of densities with weights that sum to one.
+template <LieGroup G>
+Moments<ConcentratedGaussian<G>> moments_of(
+    std::span<const double> weights, std::span<const ConcentratedGaussian<G>* const> densities,
+    const MomentSettings& settings) {
+  const auto heaviest = std::max_element(weights.begin(), weights.end()) - weights.begin();
+  G mean = densities[static_cast<std::size_t>(heaviest)]->mean();
+  const double tolerance = std::max(settings.tolerance, rounding_step(mean));
+  const Eigen::Index n = mean.dof();
+  std::vector<CubaturePoints<G>> points;
+  points.reserve(densities.size());
+  for (const auto* density : densities) points.emplace_back(*density);
+  std::vector<typename CubaturePoints<G>::Tangents> tangents(points.size());
+  typename G::Tangent step = G::Tangent::Zero(n);
+  bool converged = false;
+  int iteration = 0;
+  while (true) {
+    step.setZero();
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      tangents[i] = points[i].seen_from(mean);
+      step += weights[i] * tangents[i].rowwise().mean();
+    }
+    converged = step.norm() < tolerance;
+    if (converged || iteration >= settings.max_iterations) break;
+    mean = G::exp(step) * mean;
+    ++iteration;
+  }
+  typename G::TangentMatrix covariance = G::TangentMatrix::Zero(n, n);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    covariance.template selfadjointView<Eigen::Upper>().rankUpdate(
+        tangents[i], weights[i] / static_cast<double>(2 * n));
+  }
+  covariance = mirror_upper(covariance);
+  return {ConcentratedGaussian<G>::trusted(mean, covariance), converged, iteration, step.norm()};
+}
 
 }  // namespace internal
 
@@ -107,25 +143,16 @@ Moments<ConcentratedGaussian<G>> moments(
     std::span<const Component<ConcentratedGaussian<G>>> components,
     const MomentSettings& settings = {}) {
   require(!components.empty(), "moments: there is no component");
-  const internal::SumOfComponents<G> sum(components);
-  G mean = sum.heaviest_mean();
-  const double tolerance = std::max(settings.tolerance, internal::rounding_step(mean));
-  const Eigen::Index n = mean.dof();
-  typename G::TangentMatrix covariance = G::TangentMatrix::Zero(n, n);
-  typename G::Tangent step = G::Tangent::Zero(n);
-  bool converged = false;
-  int iteration = 0;
-  while (true) {
-    step.setZero();
-    covariance.setZero();
-    sum.add_moments(mean, step, covariance);
-    converged = step.norm() < tolerance;
-    if (converged || iteration >= settings.max_iterations) break;
-    mean = G::exp(step) * mean;
-    ++iteration;
+  const double log_total = checked_log_total(components);
+  std::vector<double> weights;
+  std::vector<const ConcentratedGaussian<G>*> densities;
+  for (const auto& component : components) {
+    const double weight = std::exp(component.log_weight - log_total);
+    if (weight == 0.0) continue;
+    weights.push_back(weight);
+    densities.push_back(&component.density);
   }
-  symmetrize(covariance);
-  return {ConcentratedGaussian<G>::trusted(mean, covariance), converged, iteration, step.norm()};
+  return internal::moments_of<G>(weights, densities, settings);
 }
 
 /// Mean and covariance of a whole mixture.

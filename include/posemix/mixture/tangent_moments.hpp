@@ -2,7 +2,9 @@
 // SPDX-FileCopyrightText: posemix contributors
 #pragma once
 
+#include <cmath>
 #include <span>
+#include <vector>
 
 #include "posemix/density/operations.hpp"
 #include "posemix/lie/bernoulli.hpp"
@@ -25,6 +27,53 @@ TangentGaussian<G> recenter(const ConcentratedGaussian<G>& density, const G& anc
   return {anchor, d, bernoulli_inverse_congruence<G>(d, density.covariance())};
 }
 
+namespace internal {
+
+/// A density that counts with `weight`; its mean is Exp(d) anchor.
+template <LieGroup G>
+struct SeenFrom {
+  double weight;
+  const ConcentratedGaussian<G>* density;
+  typename G::Tangent d;
+};
+
+/// sum += weight J_l^-1(d) P J_l^-T(d).
+template <LieGroup G>
+void add_transported(const SeenFrom<G>& seen, TransportJacobian jacobian,
+                     typename G::TangentMatrix& sum) {
+  const auto& p = seen.density->covariance();
+  if (jacobian == TransportJacobian::bernoulli) {
+    typename G::TangentMatrix moved = bernoulli_inverse_congruence<G>(seen.d, p);
+    symmetrize(moved);
+    sum += seen.weight * moved;
+  } else if constexpr (requires {
+                         G::add_left_jacobian_inverse_congruence(seen.d, p, seen.weight, sum);
+                       }) {
+    G::add_left_jacobian_inverse_congruence(seen.d, p, seen.weight, sum);
+  } else {
+    sum += seen.weight * G::left_jacobian_inverse_congruence(seen.d, p);
+  }
+}
+
+/// The moments in the tangent space at `anchor` of densities seen from there. The weights sum to
+/// one.
+template <LieGroup G>
+TangentGaussian<G> moments_at(const G& anchor, std::span<const SeenFrom<G>> parts,
+                              TransportJacobian jacobian) {
+  const Eigen::Index n = anchor.dof();
+  TangentGaussian<G> result{anchor, G::Tangent::Zero(n), G::TangentMatrix::Zero(n, n)};
+  typename G::Tangent deviation;
+  for (const SeenFrom<G>& part : parts) result.mean += part.weight * part.d;
+  for (const SeenFrom<G>& part : parts) {
+    add_transported(part, jacobian, result.covariance);
+    deviation = std::sqrt(part.weight) * (part.d - result.mean);
+    result.covariance.noalias() += deviation * deviation.transpose();
+  }
+  return result;
+}
+
+}  // namespace internal
+
 /// Mean and covariance of a weighted sum of components in the tangent space at `anchor`, every
 /// component moved there first (midway-merge paper, eq. 8, 13-15, 18; for two or more components).
 /// The weights need not be normalised.
@@ -34,23 +83,17 @@ template <LieGroup G>
 TangentGaussian<G> tangent_moments(std::span<const Component<ConcentratedGaussian<G>>> components,
                                    const G& anchor,
                                    TransportJacobian jacobian = TransportJacobian::exact) {
-  const Eigen::Index n = anchor.dof();
   require(!components.empty(), "tangent_moments: there is no component");
   const double log_total = checked_log_total(components);
-
-  typename G::Tangent mean = G::Tangent::Zero(n);
-  typename G::TangentMatrix second = G::TangentMatrix::Zero(n, n);
+  const G inverse = anchor.inverse();
+  std::vector<internal::SeenFrom<G>> parts;
+  parts.reserve(components.size());
   for (const auto& component : components) {
     const double weight = std::exp(component.log_weight - log_total);
     if (weight == 0.0) continue;
-    const TangentGaussian<G> moved = recenter(component.density, anchor, jacobian);
-    mean += weight * moved.mean;
-    second += weight * moved.covariance;
-    second.noalias() += (weight * moved.mean) * moved.mean.transpose();
+    parts.push_back({weight, &component.density, (component.density.mean() * inverse).log()});
   }
-  second.noalias() -= mean * mean.transpose();
-  symmetrize(second);
-  return {anchor, mean, second};
+  return internal::moments_at<G>(anchor, parts, jacobian);
 }
 
 }  // namespace posemix

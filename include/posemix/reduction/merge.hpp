@@ -55,6 +55,12 @@ MergeResult<ConcentratedGaussian<G>> merge(
     std::span<const Component<ConcentratedGaussian<G>>> components,
     const MergeSettings& settings = {});
 
+/// The same for components that do not lie next to each other.
+template <LieGroup G>
+MergeResult<ConcentratedGaussian<G>> merge(
+    std::span<const Component<ConcentratedGaussian<G>>* const> components,
+    const MergeSettings& settings = {});
+
 }  // namespace posemix
 
 #include "posemix/reduction/merge_impl.hpp"

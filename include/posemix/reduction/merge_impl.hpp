@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -11,56 +12,102 @@
 namespace posemix {
 namespace internal {
 
-/// Index of the largest weight; the first of equals.
-template <class D>
-std::size_t heaviest(std::span<const Component<D>> components) {
-  std::size_t best = 0;
-  for (std::size_t i = 1; i < components.size(); ++i) {
-    if (components[i].log_weight > components[best].log_weight) best = i;
-  }
-  return best;
-}
-
-/// The components that carry weight (all of them, equally, when none does) and the log of their
-/// summed weight.
-template <class D>
+/// The components that carry weight (all of them, equally, when none does), their weights
+/// normalised, and the log of their summed weight.
+template <LieGroup G>
 struct Carrying {
-  std::vector<Component<D>> components;
-  double log_total;
+  using Density = ConcentratedGaussian<G>;
 
-  explicit Carrying(std::span<const Component<D>> all) {
+  double log_total;
+  std::vector<double> weights;
+  std::vector<const Density*> densities;
+
+  explicit Carrying(std::span<const Component<Density>* const> all) {
     std::vector<double> log_weights;
-    for (const auto& component : all) log_weights.push_back(component.log_weight);
+    log_weights.reserve(all.size());
+    for (const auto* component : all) log_weights.push_back(component->log_weight);
     log_total = log_sum_exp(log_weights);
-    for (const auto& component : all) {
-      if (std::isinf(log_total)) {
-        components.push_back({0.0, component.density});
-      } else if (!std::isinf(component.log_weight)) {
-        components.push_back(component);
-      }
+    const bool none = std::isinf(log_total);
+    weights.reserve(all.size());
+    densities.reserve(all.size());
+    for (const auto* component : all) {
+      if (!none && std::isinf(component->log_weight)) continue;
+      weights.push_back(none ? 1.0 / static_cast<double>(all.size())
+                             : std::exp(component->log_weight - log_total));
+      densities.push_back(&component->density);
     }
+  }
+
+  std::size_t size() const { return densities.size(); }
+  const G& mean(std::size_t i) const { return densities[i]->mean(); }
+
+  /// Index of the largest weight; the first of equals.
+  std::size_t heaviest() const {
+    const auto largest = std::max_element(weights.begin(), weights.end());
+    return static_cast<std::size_t>(largest - weights.begin());
+  }
+
+  /// The components seen from `anchor`.
+  std::vector<SeenFrom<G>> seen_from(const G& anchor) const {
+    const G inverse = anchor.inverse();
+    std::vector<SeenFrom<G>> parts;
+    parts.reserve(size());
+    for (std::size_t i = 0; i < size(); ++i) {
+      parts.push_back({weights[i], densities[i], (mean(i) * inverse).log()});
+    }
+    return parts;
   }
 };
 
-/// The midway point of components that all carry weight.
+/// Ad(x) xi.
 template <LieGroup G>
-MeanResult<G> carrying_midway_point(std::span<const Component<ConcentratedGaussian<G>>> components,
-                                    const MergeSettings& settings) {
-  if (components.size() == 2) {
-    const double log_ratio = components[0].log_weight - components[1].log_weight;
-    const double w_2 = 1.0 / (1.0 + std::exp(log_ratio));
-    const G& x_1 = components[0].density.mean();
-    return {interpolate(x_1, components[1].density.mean(), w_2), true, 1, 0.0};  // eq. 12
+typename G::Tangent adjoint_times(const G& x, const typename G::Tangent& xi) {
+  if constexpr (requires { x.adjoint_times(xi); }) {
+    return x.adjoint_times(xi);
+  } else {
+    return x.adjoint() * xi;
   }
-  const double largest = components[heaviest(components)].log_weight;
+}
+
+/// The midway point of components that all carry weight, and the components seen from there.
+template <LieGroup G>
+struct Midway {
+  MeanResult<G> point;
+  std::vector<SeenFrom<G>> parts;
+};
+
+/// Eq. 12: with dx = Log(X_2 X_1^-1) the point is Exp(w_2 dx) X_1, and from there X_1 is seen at
+/// -w_2 dx, X_2 at w_1 dx. Taken from Log(X_1^-1 X_2) = Ad(X_1^-1) dx, which does not lose digits
+/// far from the origin.
+template <LieGroup G>
+Midway<G> midway_of_two(const Carrying<G>& two) {
+  const double w_1 = two.weights[0];
+  const double w_2 = two.weights[1];
+  const G& x_1 = two.mean(0);
+  const typename G::Tangent body = (x_1.inverse() * two.mean(1)).log();
+  const typename G::Tangent dx = adjoint_times(x_1, body);
+  return {{x_1 * G::exp(w_2 * body), true, 1, 0.0},
+          {{w_1, two.densities[0], -w_2 * dx}, {w_2, two.densities[1], w_1 * dx}}};
+}
+
+template <LieGroup G>
+Midway<G> midway_of(const Carrying<G>& carrying, const MergeSettings& settings) {
+  if (carrying.size() == 2) return midway_of_two(carrying);
   std::vector<G> means;
-  std::vector<double> weights;
-  for (const auto& component : components) {
-    means.push_back(component.density.mean());
-    weights.push_back(std::exp(component.log_weight - largest));
-  }
-  return weighted_mean<G>(means, weights,
-                          MeanSettings{settings.max_iterations, settings.tolerance});
+  means.reserve(carrying.size());
+  for (std::size_t i = 0; i < carrying.size(); ++i) means.push_back(carrying.mean(i));
+  MeanResult<G> point = weighted_mean<G>(means, carrying.weights,
+                                         MeanSettings{settings.max_iterations, settings.tolerance});
+  return {point, carrying.seen_from(point.mean)};
+}
+
+/// Pointers to components that lie next to each other.
+template <class D>
+std::vector<const Component<D>*> pointers_to(std::span<const Component<D>> components) {
+  std::vector<const Component<D>*> pointers;
+  pointers.reserve(components.size());
+  for (const auto& component : components) pointers.push_back(&component);
+  return pointers;
 }
 
 }  // namespace internal
@@ -69,39 +116,52 @@ template <LieGroup G>
 MeanResult<G> midway_point(std::span<const Component<ConcentratedGaussian<G>>> components,
                            const MergeSettings& settings) {
   require(!components.empty(), "midway_point: there is no component");
-  const internal::Carrying<ConcentratedGaussian<G>> carrying(components);
-  return internal::carrying_midway_point<G>(carrying.components, settings);
+  return internal::midway_of(internal::Carrying<G>(internal::pointers_to(components)), settings)
+      .point;
+}
+
+template <LieGroup G>
+MergeResult<ConcentratedGaussian<G>> merge(
+    std::span<const Component<ConcentratedGaussian<G>>* const> components,
+    const MergeSettings& settings) {
+  using Density = ConcentratedGaussian<G>;
+  require(!components.empty(), "merge: there is no component");
+  if (components.size() == 1) return {*components.front(), true};
+
+  const internal::Carrying<G> carrying(components);
+  const double log_weight = carrying.log_total;
+  if (carrying.size() == 1) return {{log_weight, *carrying.densities.front()}, true};
+
+  switch (settings.rule) {
+    case MergeRule::midway: {
+      const internal::Midway<G> midway = internal::midway_of(carrying, settings);
+      TangentGaussian<G> merged = internal::moments_at<G>(midway.point.mean, midway.parts,
+                                                          settings.jacobian);  // eq. 18
+      return {
+          {log_weight, Density::trusted(std::move(merged.anchor), std::move(merged.covariance))},
+          midway.point.converged};
+    }
+    case MergeRule::tangent_of_larger: {
+      const G& anchor = carrying.mean(carrying.heaviest());
+      return {{log_weight, back_project(internal::moments_at<G>(anchor, carrying.seen_from(anchor),
+                                                                settings.jacobian))},
+              true};
+    }
+    case MergeRule::moment_matched: {
+      Moments<Density> matched = internal::moments_of<G>(
+          carrying.weights, carrying.densities, {settings.max_iterations, settings.tolerance});
+      return {{log_weight, std::move(matched.density)}, matched.converged};
+    }
+  }
+  throw InvalidInput("merge: unknown rule");
 }
 
 template <LieGroup G>
 MergeResult<ConcentratedGaussian<G>> merge(
     std::span<const Component<ConcentratedGaussian<G>>> components, const MergeSettings& settings) {
-  using Density = ConcentratedGaussian<G>;
-  require(!components.empty(), "merge: there is no component");
-  if (components.size() == 1) return {components.front(), true};
-
-  const internal::Carrying<Density> carrying(components);
-  const std::span<const Component<Density>> parts(carrying.components);
-  if (parts.size() == 1) return {{carrying.log_total, parts.front().density}, true};
-
-  switch (settings.rule) {
-    case MergeRule::midway: {
-      const MeanResult<G> midway = internal::carrying_midway_point(parts, settings);
-      TangentGaussian<G> merged = tangent_moments(parts, midway.mean, settings.jacobian);  // eq. 18
-      return {{carrying.log_total, Density::trusted(midway.mean, std::move(merged.covariance))},
-              midway.converged};
-    }
-    case MergeRule::tangent_of_larger: {
-      const G& anchor = parts[internal::heaviest(parts)].density.mean();
-      const TangentGaussian<G> merged = tangent_moments(parts, anchor, settings.jacobian);
-      return {{carrying.log_total, back_project(merged)}, true};
-    }
-    case MergeRule::moment_matched: {
-      Moments<Density> matched = moments<G>(parts, {settings.max_iterations, settings.tolerance});
-      return {{carrying.log_total, std::move(matched.density)}, matched.converged};
-    }
-  }
-  throw InvalidInput("merge: unknown rule");
+  return merge<G>(
+      std::span<const Component<ConcentratedGaussian<G>>* const>(internal::pointers_to(components)),
+      settings);
 }
 
 }  // namespace posemix

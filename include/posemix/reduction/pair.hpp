@@ -3,12 +3,15 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <concepts>
 #include <limits>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "posemix/divergence/gaussian.hpp"
+#include "posemix/mixture/moments.hpp"
 
 namespace posemix {
 
@@ -31,18 +34,46 @@ enum class DistanceMetric {
 
 namespace internal {
 
-template <class G>
-inline constexpr bool kHasPoses = std::same_as<G, SE3d> || std::same_as<G, PoseStackd>;
+/// Squared norms of the rotation and the translation coordinates of a tangent vector.
+struct SquaredNorms {
+  double rotation = 0.0;
+  double translation = 0.0;
+};
 
-/// Norm over the rotation (part 0) or translation (part 1) coordinates of all poses.
+/// Those of Log T, without the logarithm. J_l^-1(phi) keeps what lies along the axis of the
+/// rotation by theta and stretches what lies across it by h = (theta/2) / sin(theta/2), so that
+///   |J_l^-1(phi) t|^2 = h^2 |t|^2 - (h^2 - 1) (axis . t)^2.
+inline SquaredNorms squared_norms_of_log(const SE3d& pose) {
+  const Eigen::Vector3d sine = pose.rotation().quaternion().vec();  // sin(theta/2) axis
+  const Eigen::Vector3d& t = pose.translation();
+  const double sine_squared = sine.squaredNorm();
+  if (sine_squared < std::numeric_limits<double>::min()) return {0.0, t.squaredNorm()};
+  const double half_angle =
+      std::atan2(std::sqrt(sine_squared), std::abs(pose.rotation().quaternion().w()));
+  const double stretch = half_angle * half_angle / sine_squared;
+  const double along = sine.dot(t);
+  return {4.0 * half_angle * half_angle,
+          stretch * t.squaredNorm() - (stretch - 1.0) * along * along / sine_squared};
+}
+
+/// Distance of two elements: the norm of Log(b a^-1) over the coordinates the metric names.
 template <LieGroup G>
-double part_norm(const typename G::Tangent& d, Eigen::Index part) {
-  if constexpr (!kHasPoses<G>) return d.norm();
-  double squared = 0.0;
-  for (Eigen::Index at = 3 * part; at < d.size(); at += 6) {
-    squared += d.template segment<3>(at).squaredNorm();
+double log_distance(const G& a, const G& b, DistanceMetric metric) {
+  if constexpr (std::same_as<G, SE3d> || std::same_as<G, PoseStackd>) {
+    SquaredNorms sum;
+    const std::span<const SE3d> from = parts_of(a);
+    const std::span<const SE3d> to = parts_of(b);
+    for (std::size_t i = 0; i < from.size(); ++i) {
+      const SquaredNorms one = squared_norms_of_log(to[i] * from[i].inverse());
+      sum.rotation += one.rotation;
+      sum.translation += one.translation;
+    }
+    if (metric == DistanceMetric::rotation) return std::sqrt(sum.rotation);
+    if (metric == DistanceMetric::translation) return std::sqrt(sum.translation);
+    return std::sqrt(sum.rotation + sum.translation);
+  } else {
+    return (b * a.inverse()).log().norm();
   }
-  return std::sqrt(squared);
 }
 
 }  // namespace internal
@@ -52,15 +83,13 @@ double part_norm(const typename G::Tangent& d, Eigen::Index part) {
 template <LieGroup G>
 double distance(const ConcentratedGaussian<G>& a, const ConcentratedGaussian<G>& b,
                 DistanceMetric metric) {
-  const typename G::Tangent d = (b.mean() * a.mean().inverse()).log();
   switch (metric) {
     case DistanceMetric::tangent_norm:
-      return d.norm();
     case DistanceMetric::rotation:
-      return internal::part_norm<G>(d, 0);
     case DistanceMetric::translation:
-      return internal::part_norm<G>(d, 1);
+      return internal::log_distance(a.mean(), b.mean(), metric);
     case DistanceMetric::mahalanobis: {
+      const typename G::Tangent d = (b.mean() * a.mean().inverse()).log();
       const Eigen::LLT<typename G::TangentMatrix> sum(a.covariance() + b.covariance());
       return sum.matrixL().solve(d).norm();
     }

@@ -2,7 +2,11 @@
 // SPDX-FileCopyrightText: posemix contributors
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <numeric>
+#include <utility>
 #include <vector>
 
 #include "posemix/reduction/merge.hpp"
@@ -13,6 +17,8 @@ namespace posemix {
 /// Settings of `reduce`.
 struct ReductionSettings {
   double prune_below = 5e-6;        ///< components with a smaller weight are dropped first
+  std::size_t keep_heaviest = 0;    ///< after pruning only so many of the heaviest components are
+                                    ///< kept, without merging; 0: all
   std::size_t max_components = 12;  ///< merging goes on until no more than this many are left
   std::size_t merge_from =
       0;  ///< merging starts at this many; 0: as soon as there are more than max_components
@@ -46,8 +52,33 @@ struct Reduction {
   ReductionReport report;
 };
 
-/// A mixture with fewer components: prune, then merge pair after pair. Total weight is preserved
-/// (pruned weight is spread over the rest in proportion).
+namespace internal {
+
+/// The `count` heaviest components in their order (of equals the earlier) and the weight dropped.
+template <class D>
+std::pair<Mixture<D>, double> heaviest_of(Mixture<D> mixture, std::size_t count) {
+  std::vector<Component<D>> components = std::move(mixture).release();
+  std::vector<std::size_t> order(components.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return components[a].log_weight > components[b].log_weight;
+  });
+  double dropped = 0.0;
+  for (std::size_t i = count; i < order.size(); ++i) {
+    dropped += std::exp(components[order[i]].log_weight);
+  }
+  order.resize(count);
+  std::sort(order.begin(), order.end());
+  std::vector<Component<D>> kept;
+  kept.reserve(count);
+  for (const std::size_t i : order) kept.push_back(std::move(components[i]));
+  return {Mixture<D>(std::move(kept)), dropped};
+}
+
+}  // namespace internal
+
+/// A mixture with fewer components: prune, keep the heaviest, then merge pair after pair. Total
+/// weight is preserved (pruned weight is spread over the rest in proportion).
 /// @throws InvalidInput when max_components is zero or prune_below is not in [0, 1)
 template <LieGroup G>
 Reduction<ConcentratedGaussian<G>> reduce(Mixture<ConcentratedGaussian<G>> mixture,
@@ -59,6 +90,12 @@ Reduction<ConcentratedGaussian<G>> reduce(Mixture<ConcentratedGaussian<G>> mixtu
   ReductionReport report;
   report.components_before = mixture.size();
   report.weight_pruned = mixture.prune(settings.prune_below);
+  if (settings.keep_heaviest > 0 && mixture.size() > settings.keep_heaviest) {
+    const double left = 1.0 - report.weight_pruned;
+    auto [kept, dropped] = internal::heaviest_of(std::move(mixture), settings.keep_heaviest);
+    mixture = std::move(kept);
+    report.weight_pruned += left * dropped;
+  }
   report.components_pruned = report.components_before - mixture.size();
 
   std::vector<Component<Density>> components = std::move(mixture).release();
@@ -68,14 +105,14 @@ Reduction<ConcentratedGaussian<G>> reduce(Mixture<ConcentratedGaussian<G>> mixtu
     PairSelector<G> selector(components, settings.pair, settings.distance);
     while (components.size() > settings.max_components) {
       const auto [a, b] = selector.next(components);
-      const Component<Density> pair[] = {components[a], components[b]};
-      const double w_a = std::exp(pair[0].log_weight);
-      const double w_b = std::exp(pair[1].log_weight);
-      const G relative = pair[1].density.mean() * pair[0].density.mean().inverse();
-      report.merges.push_back({w_a, w_b, relative.log().norm()});
+      const Component<Density>* const pair[] = {&components[a], &components[b]};
+      const double w_a = std::exp(pair[0]->log_weight);
+      const double w_b = std::exp(pair[1]->log_weight);
+      report.merges.push_back(
+          {w_a, w_b, distance(pair[0]->density, pair[1]->density, DistanceMetric::tangent_norm)});
       report.weight_moved += std::min(w_a, w_b);
       MergeResult<Density> merged =
-          merge<G>(std::span<const Component<Density>>(pair), settings.merge);
+          merge<G>(std::span<const Component<Density>* const>(pair), settings.merge);
       report.converged = report.converged && merged.converged;
       components[a] = std::move(merged.component);
       components.erase(components.begin() + static_cast<std::ptrdiff_t>(b));

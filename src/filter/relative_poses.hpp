@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "pose_blocks.hpp"
+#include "posemix/filter/iterated_update.hpp"
+
+/// The relative poses that detections see, and their estimation by iteration. In the room `filter`
+/// only. Dim is six times the number of detections: 6, or dynamic.
+namespace posemix::internal {
+
+/// One detection: of Z = T_o^-1 T_R = Exp(zeta) mean it says that Log(Z detected) is noise.
+struct RelativePose {
+  std::size_t object;
+  SE3d mean;
+  Matrix6d to_object;  ///< Ad(T_o^-1)
+  SE3d detected;       ///< Y offset^-1
+  const NoiseComponent* component;
+  Eigen::LLT<Matrix6d> noise_factor;  ///< of the component's covariance, in its own axes
+};
+
+/// The prior of the relative poses, zeta_j = Ad(T_j^-1) (xi_R - xi_j) =: (D xi)_j.
+template <int Dim>
+struct RelativePrior {
+  std::vector<RelativePose> poses;
+  Tall<Dim> cross;         ///< P D^T
+  Square<Dim> covariance;  ///< D P D^T
+  Eigen::LLT<Square<Dim>> factor;
+
+  RelativePrior(const Hypothesis& prior, std::span<const Detection> detections,
+                std::span<const NoiseComponent* const> noise);
+
+  Eigen::Index size() const { return offset(poses.size()); }
+
+  /// matrix D^T
+  Tall<Dim> times_dt(const Eigen::MatrixXd& matrix) const;
+};
+
+/// The solution of the iteration.
+template <int Dim>
+struct RelativePosterior {
+  Vector<Dim> zeta;        ///< of the solution, in the tangent space at the prior mean
+  Square<Dim> covariance;  ///< there
+  double log_likelihood;
+  bool ok;
+};
+
+/// Gauss-Newton on zeta^T P^-1 zeta + n^T R^-1 n.
+template <int Dim>
+RelativePosterior<Dim> estimate(const RelativePrior<Dim>& prior,
+                                const IteratedUpdateSettings& settings);
+
+extern template struct RelativePrior<kPoseDof>;
+extern template struct RelativePrior<Eigen::Dynamic>;
+extern template RelativePosterior<kPoseDof> estimate(const RelativePrior<kPoseDof>&,
+                                                     const IteratedUpdateSettings&);
+extern template RelativePosterior<Eigen::Dynamic> estimate(const RelativePrior<Eigen::Dynamic>&,
+                                                           const IteratedUpdateSettings&);
+
+}  // namespace posemix::internal
