@@ -10,6 +10,7 @@ namespace {
 enum class Method { gm_iekf, riekf };
 
 constexpr IntegerRange kComponents{.lowest = 1, .highest = 100000};
+constexpr IntegerRange kKeepHeaviest{.lowest = 0, .highest = 100000};
 constexpr IntegerRange kMergeFrom{.lowest = 0, .highest = 100000};
 
 ReductionSettings read_reduction(const TomlTable& filter) {
@@ -18,6 +19,7 @@ ReductionSettings read_reduction(const TomlTable& filter) {
     return static_cast<std::size_t>(
         filter.get_integer_or(key, static_cast<std::int64_t>(otherwise), range));
   };
+  r.keep_heaviest = integer("keep_heaviest", r.keep_heaviest, kKeepHeaviest);
   r.max_components = integer("max_components", r.max_components, kComponents);
   r.merge_from = integer("merge_from", r.merge_from, kMergeFrom);
   r.prune_below = filter.get_double_or("prune_below", r.prune_below,

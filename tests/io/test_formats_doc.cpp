@@ -30,6 +30,7 @@ TEST(FormatsDocument, DefaultsOfTheFilter) {
   EXPECT_EQ(documented("max_components"), fmt::format("{}", s.reduction.max_components));
   EXPECT_EQ(documented("merge_from"), fmt::format("{}", s.reduction.merge_from));
   EXPECT_EQ(parse_number(documented("prune_below")), s.reduction.prune_below);
+  EXPECT_EQ(documented("keep_heaviest"), fmt::format("{}", s.reduction.keep_heaviest));
   EXPECT_EQ(documented("merge_rule"),
             s.reduction.merge.rule == MergeRule::midway ? "midway" : "other");
   EXPECT_EQ(documented("pair_rule"), s.reduction.pair == PairRule::largest_with_smallest
