@@ -121,7 +121,8 @@ void SphereCubature::refine() {
     surprise -= part.integral.value;
     error += part.integral.error;
   }
-  // As in Cuhre: halves that disagree with the whole by more than their errors raise them.
+  // Halves that disagree with the whole by more than their errors raise them (Cuhre,
+  // \cite berntsen1991adaptive and its implementation in Cuba).
   surprise = 0.25 * std::abs(surprise);
   for (Cell& part : parts) {
     if (error > 0.0) part.integral.error *= 1.0 + 2.0 * surprise / error;

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <cstddef>
+
+#include "posemix/base/random.hpp"
+#include "posemix/divergence/estimate.hpp"
+#include "posemix/mixture/operations.hpp"
+
+/// Divergences between mixtures on any group by randomised quasi-Monte Carlo: importance sampling
+/// with Sobol points, stratified over the components, and digital shifts from the random stream
+/// \cite lecuyer2002randomized. The error is one standard error over independent replicates; the
+/// estimates are unbiased. Tangent vectors that rotate by more than pi carry no mass, as in the
+/// quadrature on SO(3).
+///
+/// Compiled for SO3d, SE3d, PoseStackd and Rnd<Eigen::Dynamic>.
+namespace posemix {
+
+/// How many points.
+struct MonteCarloSettings {
+  /// In all; every component gets its share in every replicate, and at least 16 points.
+  std::size_t samples = 1 << 16;
+  std::size_t replicates = 32;  ///< independent randomisations, at least 2
+};
+
+/// Kullback-Leibler divergence D(p || q) [nats], sampled from p.
+/// @throws InvalidInput when sizes differ, there are less than 2 replicates, or fewer samples than
+/// replicates
+template <LieGroup G>
+DivergenceEstimate kl_monte_carlo(const Mixture<ConcentratedGaussian<G>>& p,
+                                  const Mixture<ConcentratedGaussian<G>>& q, RandomStream& stream,
+                                  const MonteCarloSettings& settings = {});
+
+/// D(p || q) + D(q || p) [nats], sampled from (p + q) / 2: (p - q) log(p/q) is never negative.
+/// @throws InvalidInput as kl_monte_carlo
+template <LieGroup G>
+DivergenceEstimate symmetric_kl_monte_carlo(const Mixture<ConcentratedGaussian<G>>& p,
+                                            const Mixture<ConcentratedGaussian<G>>& q,
+                                            RandomStream& stream,
+                                            const MonteCarloSettings& settings = {});
+
+/// Integral square distance int (p - q)^2 dX, sampled from (p + q) / 2; its unit is that of 1 / dX.
+/// @throws InvalidInput as kl_monte_carlo
+template <LieGroup G>
+DivergenceEstimate isd_monte_carlo(const Mixture<ConcentratedGaussian<G>>& p,
+                                   const Mixture<ConcentratedGaussian<G>>& q, RandomStream& stream,
+                                   const MonteCarloSettings& settings = {});
+
+}  // namespace posemix

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "ball_integral.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/SVD>
+
+#include "quadrature_rules.hpp"
+
+namespace posemix::internal {
+namespace {
+
+/// Share of the tolerance that the integrals along the rays may use.
+constexpr double kInnerShare = 0.01;
+constexpr int kMaxPieces = 400;
+
+}  // namespace
+
+BallIntegral::BallIntegral(const RotationPair& pair, DensityFactor factor, bool over_both,
+                           const std::optional<Eigen::Vector3d>& axis, double tolerance)
+    : pair_(pair),
+      factor_(factor),
+      inner_tolerance_(std::max(1e-13, kInnerShare * tolerance)),
+      cubature_([this](std::size_t k, const Eigen::Vector3d& u) { return along_ray(k, u); },
+                axis.has_value()) {
+  const double share = over_both ? 0.5 : 1.0;
+  const auto add = [&](const RotationPeak& peak) {
+    centres_.push_back({&peak, share, axis ? symmetric_root(peak, *axis) : peak.root});
+  };
+  for (const RotationPeak& peak : pair.p) add(peak);
+  if (over_both) {
+    for (const RotationPeak& peak : pair.q) add(peak);
+  }
+  for (std::size_t k = 0; k < centres_.size(); ++k) cubature_.add_sphere(k, features(k));
+  ray_tolerance_ = inner_tolerance_ * cubature_.total().absolute / solid_weight();
+}
+
+/// The square root whose third axis is the axis of symmetry.
+Eigen::Matrix3d BallIntegral::symmetric_root(const RotationPeak& peak,
+                                             const Eigen::Vector3d& axis) {
+  const Eigen::Matrix3d covariance = peak.root * peak.root.transpose();
+  const double along = axis.dot(covariance * axis);
+  const Eigen::Vector3d first = axis.unitOrthogonal();
+  const double across = std::sqrt(0.5 * (covariance.trace() - along));
+  Eigen::Matrix3d root;
+  root << across * first, across * axis.cross(first), std::sqrt(along) * axis;
+  return root;
+}
+
+double BallIntegral::solid_weight() const {
+  double sum = 0.0;
+  for (const Centre& centre : centres_) sum += centre.share * centre.peak->weight;
+  return sum * 4.0 * std::numbers::pi * std::exp(-1.5 * kLogTwoPi);
+}
+
+/// Directions of the other peaks, where they are narrow as seen from this one.
+std::vector<SphereFeature> BallIntegral::features(std::size_t k) const {
+  constexpr double kWidth = 4.0;    // standard deviations
+  constexpr double kNarrow = 0.5;   // rad
+  constexpr double kFinest = 1e-3;  // rad
+  std::vector<SphereFeature> found;
+  const Eigen::Matrix3d whiten = centres_[k].root.inverse();
+  for (const auto* side : {&pair_.p, &pair_.q}) {
+    for (const RotationPeak& other : *side) {
+      const Eigen::Quaterniond step = other.mean * centres_[k].peak->mean.conjugate();
+      const Eigen::Vector3d offset = SO3d::from_quaternion(step).log();
+      const Eigen::Matrix3d spread = whiten * other.root;
+      const double width = kWidth * spread.jacobiSvd().singularValues()[2];
+      for (const double turn : {0.0, 2.0 * std::numbers::pi}) {
+        if (offset.norm() == 0.0) continue;
+        const Eigen::Vector3d white = whiten * (offset - turn * offset.normalized());
+        const double distance = white.norm();
+        const bool reached = distance - 3.0 * width < kRadius &&
+                             (turn == 0.0 || offset.norm() > 0.5 * std::numbers::pi);
+        if (!reached || width > kNarrow * distance) continue;
+        found.push_back({white / distance, std::max(kFinest, width / distance)});
+      }
+    }
+  }
+  return found;
+}
+
+RayIntegral BallIntegral::piece(const RotationRay& ray, double stretch, double from,
+                                double to) const {
+  const double centre = 0.5 * (from + to);
+  const double half = 0.5 * (to - from);
+  RayIntegral sum;
+  double difference = 0.0;
+  for (const auto& node : KronrodRule::instance().nodes) {
+    const double rho = centre + half * node.at;
+    const auto log_density = ray.at(rho * stretch);
+    const double value =
+        half * rho * rho * std::exp(-0.5 * rho * rho) * factor_(log_density.p, log_density.q);
+    sum.value += node.weight * value;
+    sum.absolute += node.weight * std::abs(value);
+    difference += node.difference * value;
+  }
+  sum.error = kronrod_error(difference, sum.absolute);
+  sum.evaluations = KronrodRule::instance().nodes.size();
+  return sum;
+}
+
+RayIntegral BallIntegral::along_ray(std::size_t k, const Eigen::Vector3d& u) const {
+  constexpr double kMiddle = 4.0;
+  const Centre& centre = centres_[k];
+  const Eigen::Vector3d along = centre.root * u;
+  const double stretch = along.norm();
+  const double end = std::min(kRadius, std::numbers::pi / stretch);
+  const RotationRay ray(pair_, centre.peak->mean, along / stretch);
+  std::vector<double> breaks{0.0};
+  ray.append_breaks(end * stretch, stretch, breaks);
+  for (double& at : breaks) at /= stretch;
+  if (end > kMiddle) breaks.push_back(kMiddle);
+  breaks.push_back(end);
+  std::ranges::sort(breaks);
+
+  struct Piece {
+    double from, to;
+    RayIntegral integral;
+  };
+  std::vector<Piece> pieces;
+  RayIntegral sum;
+  for (std::size_t i = 0; i + 1 < breaks.size(); ++i) {
+    if (breaks[i + 1] - breaks[i] < 1e-12) continue;
+    pieces.push_back({breaks[i], breaks[i + 1], piece(ray, stretch, breaks[i], breaks[i + 1])});
+    sum.add(pieces.back().integral, 1.0);
+  }
+  const double tolerance = std::max(ray_tolerance_, inner_tolerance_ * sum.absolute);
+  while (sum.error > tolerance && pieces.size() < kMaxPieces) {
+    const auto worst =
+        std::ranges::max_element(pieces, {}, [](const Piece& p) { return p.integral.error; });
+    const double middle = 0.5 * (worst->from + worst->to);
+    const Piece left{worst->from, middle, piece(ray, stretch, worst->from, middle)};
+    const Piece right{middle, worst->to, piece(ray, stretch, middle, worst->to)};
+    const std::size_t evaluations = sum.evaluations;
+    sum.add(worst->integral, -1.0);
+    sum.evaluations = evaluations;
+    sum.add(left.integral, 1.0).add(right.integral, 1.0);
+    *worst = left;
+    pieces.push_back(right);
+  }
+  RayIntegral weighted;
+  return weighted.add(sum, centre.share * centre.peak->weight * std::exp(-1.5 * kLogTwoPi));
+}
+
+RayIntegral missing_mass_gap(const RotationPair& pair, double tolerance) {
+  const auto peak_at = [&](std::size_t k) -> const RotationPeak& {
+    return k < pair.p.size() ? pair.p[k] : pair.q[k - pair.p.size()];
+  };
+  SphereCubature cubature(
+      [&](std::size_t k, const Eigen::Vector3d& u) {
+        const double x = std::numbers::pi / (peak_at(k).root * u).norm();
+        const double beyond = std::erfc(x * std::numbers::sqrt2 / 2.0) +
+                              std::sqrt(2.0 / std::numbers::pi) * x * std::exp(-0.5 * x * x);
+        const double value = peak_at(k).weight * beyond / (4.0 * std::numbers::pi);
+        return RayIntegral{k < pair.p.size() ? -value : value, 0.0, value, 1};
+      },
+      false);
+  for (std::size_t k = 0; k < pair.p.size() + pair.q.size(); ++k) {
+    if (peak_at(k).root.colwise().norm().maxCoeff() * kRadius > std::numbers::pi) {
+      cubature.add_sphere(k, {});
+    }
+  }
+  constexpr std::size_t kMaxPoints = 2'000'000;
+  while (cubature.total().error > tolerance && cubature.total().evaluations < kMaxPoints) {
+    cubature.refine();
+  }
+  return cubature.total();
+}
+
+}  // namespace posemix::internal

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "density_factors.hpp"
+#include "rotation_ray.hpp"
+#include "sphere_cubature.hpp"
+
+namespace posemix::internal {
+
+/// Standard deviations out to which a peak is followed: 5e-18 of its mass lies beyond.
+inline constexpr double kRadius = 9.0;
+
+/// One divergence of one pair of mixtures as a sum of integrals over tangent balls.
+class BallIntegral {
+ public:
+  /// Over the peaks of p, or over those of both with half their weights. `axis`: of symmetry.
+  BallIntegral(const RotationPair& pair, DensityFactor factor, bool over_both,
+               const std::optional<Eigen::Vector3d>& axis, double tolerance);
+  BallIntegral(const BallIntegral&) = delete;
+  BallIntegral& operator=(const BallIntegral&) = delete;
+  BallIntegral(BallIntegral&&) = delete;
+  BallIntegral& operator=(BallIntegral&&) = delete;
+  ~BallIntegral() = default;
+
+  const RayIntegral& total() const { return cubature_.total(); }
+  void refine() { cubature_.refine(); }
+
+ private:
+  /// A peak about which to integrate, and its square root in the coordinates of the sphere.
+  struct Centre {
+    const RotationPeak* peak;
+    double share;
+    Eigen::Matrix3d root;
+  };
+
+  static Eigen::Matrix3d symmetric_root(const RotationPeak& peak, const Eigen::Vector3d& axis);
+  double solid_weight() const;
+  std::vector<SphereFeature> features(std::size_t k) const;
+  RayIntegral along_ray(std::size_t k, const Eigen::Vector3d& u) const;
+  RayIntegral piece(const RotationRay& ray, double stretch, double from, double to) const;
+
+  const RotationPair& pair_;
+  DensityFactor factor_;
+  double inner_tolerance_;
+  double ray_tolerance_ = 0.0;
+  std::vector<Centre> centres_;
+  SphereCubature cubature_;
+};
+
+/// The Gaussian mass beyond |xi| = pi of every peak of q, less that of p, both weighted.
+RayIntegral missing_mass_gap(const RotationPair& pair, double tolerance);
+
+}  // namespace posemix::internal
