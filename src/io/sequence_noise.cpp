@@ -23,11 +23,19 @@ SE3d read_offset(const TomlTable& component) {
   return SE3d(SO3d::exp(kRadPerDeg * rotation), translation);
 }
 
+Matrix6d read_covariance(const TomlTable& component) {
+  if (!component.has("covariance")) return read_pose_covariance(component);
+  for (const char* other : {"rotation_sd_deg", "translation_sd_m"}) {
+    if (component.has(other)) component.fail(other, "stands beside 'covariance', expected one");
+  }
+  return component.get_matrix("covariance", 6, 6);
+}
+
 NoiseComponent read_component(const TomlTable& table) {
   constexpr NumberRange kWeight{.lowest = 1e-12, .highest = 1e12};
   const NoiseComponent defaults;
   return {.weight = table.get_double_or("weight", defaults.weight, kWeight),
-          .covariance = read_pose_covariance(table),
+          .covariance = read_covariance(table),
           .frame = table.get_enum_or<NoiseFrame>(
               "frame", defaults.frame,
               {{"object", NoiseFrame::object}, {"camera", NoiseFrame::camera}}),

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "posemix/base/linear.hpp"
+#include "posemix/filter/detector_noise.hpp"
+#include "posemix/io/sequence_file.hpp"
+#include "posemix/io/toml_table.hpp"
+#include "posemix/study/study.hpp"
+
+/// How a detector errs (midway-merge paper, Fig. 5): statistics of its residuals against ground
+/// truth, and a noise model fitted to them.
+namespace posemix {
+
+/// The detections of one object in one recording, with the truth; one entry per frame, evenly
+/// spaced in time.
+struct ResidualSet {
+  std::string detector;
+  std::string object;  ///< the object's class
+  std::string recording;
+  /// The truth is the mean of the detections themselves: it hides what all of them have in common.
+  bool proxy = false;
+  std::vector<std::optional<SE3d>> truth = {};     ///< T_camera_object
+  std::vector<std::optional<SE3d>> detected = {};  ///< T_camera_object
+};
+
+/// The residual n of a detection Y [rad, m]: Y = T Exp(n) along the object's axes (midway-merge
+/// paper, eq. 32), or the same along the camera's axes, with the rotation about the object's origin
+/// in both.
+Vector6d detection_residual(const SE3d& truth, const SE3d& detected, NoiseFrame frame);
+
+/// What `study noise` does. Rotations in degrees, translations in metres.
+struct NoiseStudySettings {
+  std::size_t max_components = 4;
+  int restarts = 6;
+  std::uint64_t seed = 1;
+  NoiseFrame frame = NoiseFrame::object;
+  bool free_means = false;       ///< components may have offsets; object frame only
+  bool full_covariance = false;  ///< else diagonal
+  /// The BIC that chooses the number of components counts frames; else independent ones, of which
+  /// there are fewer where residuals are correlated in time.
+  bool count_frames = true;
+  double max_rotation_sd_deg = 90.0;  ///< of a component
+  double max_translation_sd_m = 1.0;
+  double gross_rotation_deg = 20.0;  ///< beyond one of these a detection is a gross error
+  double gross_translation_m = 0.1;
+  std::size_t bins = 60;
+  std::vector<std::string> sequences = {};  ///< paths of sequence files
+  std::string detections = {};              ///< or of two TUM files of T_camera_object
+  std::string ground_truth = {};
+};
+
+/// Reads settings: `max_components`, `restarts`, `seed`, `frame` ("object", "camera"), `means`
+/// ("zero", "free"), `covariance` ("diagonal", "full"), `bic` ("frames", "effective"),
+/// `max_rotation_sd_deg`, `max_translation_sd_m`, `gross_rotation_deg`, `gross_translation_m`,
+/// `bins`, and what is to be read in place of a data folder: `sequences` (paths of sequence files)
+/// or `detections` and `ground_truth` (TUM files of T_camera_object).
+/// @throws InvalidInput naming file, line and key
+NoiseStudySettings read_noise_settings(const TomlTable& table);
+
+/// The detections of a sequence that have a truth, one set per object that has any.
+std::vector<ResidualSet> residuals_of(const SlamJob& job, const std::string& detector,
+                                      const std::string& recording);
+
+/// Those of every recording of a data folder (find_recordings). CosyPose's recordings have no
+/// ground truth of the objects; there it is a proxy.
+std::vector<ResidualSet> find_residuals(const std::filesystem::path& data);
+
+/// What the settings name: sequence files, two TUM files (stamps within 1 ms belong together), or
+/// else the data folder.
+/// @throws InvalidInput when there is nothing to read
+std::vector<ResidualSet> read_residuals(const NoiseStudySettings& settings,
+                                        const std::optional<std::filesystem::path>& data);
+
+/// The table `[noise.NAME]` of a sequence file, with every digit; diagonal covariances as standard
+/// deviations.
+std::string format_noise_toml(std::string_view name, const DetectorNoise& noise);
+
+/// The study: one item per detector and class of objects (its recordings together), and one per
+/// detector with several classes for all of them (object `all`). Report: study.json and noise.csv
+/// (one row per object and axis: `detector`, `object`, `axis`, `count`, `mean`, `sd`, `kurtosis`,
+/// `lag1_autocorrelation`, `correlation_frames`, ...; rotations in degrees, translations in
+/// metres), models.csv (log-likelihood and BIC by number of components), and per object
+/// noise_NAME.toml with the chosen model and noise_NAME.svg with histograms.
+/// @throws InvalidInput for means that are free in the camera frame, and when an object has too few
+/// detections with a truth
+Study make_noise_study(std::vector<ResidualSet> residuals, const NoiseStudySettings& settings);
+
+}  // namespace posemix

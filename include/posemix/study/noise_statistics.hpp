@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+/// Statistics of residuals that follow each other in time.
+namespace posemix {
+
+/// One value per frame of a recording; nothing where there was no detection.
+using ResidualTrack = std::vector<std::optional<double>>;
+
+/// Moments and order statistics. Everything is NaN where there are too few values.
+struct AxisStatistics {
+  std::size_t count = 0;
+  double mean;
+  double sd;  ///< about the mean, by count
+  double rms;
+  double median;
+  double robust_sd;  ///< 1.4826 times the median distance from the median
+  double skewness;
+  double kurtosis;  ///< fourth moment by squared variance: 3 for a Gaussian
+};
+
+AxisStatistics axis_statistics(std::span<const ResidualTrack> tracks);
+
+/// How residuals hang together in time.
+struct Autocorrelation {
+  std::vector<double> at_lag;  ///< entry k at a distance of k frames; entry 0 is 1
+  double lag1;                 ///< NaN where there are no neighbours
+  /// Frames that count as one: 1 + 2 sum of the autocorrelation, at least 1. The sum ends where
+  /// that of an even lag and its successor is not positive (Geyer, Practical Markov chain Monte
+  /// Carlo, 1992: initial positive sequence).
+  double correlation_frames;
+  double effective_count;  ///< number of values by correlation_frames
+};
+
+/// Pairs are formed within the tracks only, about the mean of all: what distinguishes whole
+/// recordings counts as correlation. Lags up to half the longest track, and `max_lag`.
+Autocorrelation autocorrelation(std::span<const ResidualTrack> tracks, std::size_t max_lag = 1000);
+
+}  // namespace posemix

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "posemix/study/noise_statistics.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "posemix/study/statistics.hpp"
+
+namespace posemix {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+/// Of a Gaussian, standard deviation by median distance from the median.
+constexpr double kSdByMedianDistance = 1.482602218505602;
+
+std::vector<double> values_of(std::span<const ResidualTrack> tracks) {
+  std::vector<double> values;
+  for (const ResidualTrack& track : tracks) {
+    for (const auto& value : track) {
+      if (value) values.push_back(*value);
+    }
+  }
+  return values;
+}
+
+double mean_of(const std::vector<double>& values) {
+  double sum = 0.0;
+  for (const double value : values) sum += value;
+  return sum / static_cast<double>(values.size());
+}
+
+/// Mean of (value - centre)^power.
+double moment(const std::vector<double>& values, double centre, int power) {
+  double sum = 0.0;
+  for (const double value : values) sum += std::pow(value - centre, power);
+  return sum / static_cast<double>(values.size());
+}
+
+/// Mean product of values `lag` frames apart, about the mean; NaN where there are no pairs.
+double covariance_at(std::span<const ResidualTrack> tracks, double mean, std::size_t lag) {
+  double sum = 0.0;
+  std::size_t pairs = 0;
+  for (const ResidualTrack& track : tracks) {
+    for (std::size_t i = lag; i < track.size(); ++i) {
+      if (!track[i] || !track[i - lag]) continue;
+      sum += (*track[i] - mean) * (*track[i - lag] - mean);
+      ++pairs;
+    }
+  }
+  return pairs == 0 ? kNaN : sum / static_cast<double>(pairs);
+}
+
+}  // namespace
+
+AxisStatistics axis_statistics(std::span<const ResidualTrack> tracks) {
+  const std::vector<double> values = values_of(tracks);
+  if (values.empty()) return {0, kNaN, kNaN, kNaN, kNaN, kNaN, kNaN, kNaN};
+  const double mean = mean_of(values);
+  const double variance = moment(values, mean, 2);
+  const double middle = median(values);
+  std::vector<double> distances = values;
+  for (double& distance : distances) distance = std::abs(distance - middle);
+  return {.count = values.size(),
+          .mean = mean,
+          .sd = std::sqrt(variance),
+          .rms = std::sqrt(moment(values, 0.0, 2)),
+          .median = middle,
+          .robust_sd = kSdByMedianDistance * median(distances),
+          .skewness = variance > 0.0 ? moment(values, mean, 3) / std::pow(variance, 1.5) : kNaN,
+          .kurtosis = variance > 0.0 ? moment(values, mean, 4) / (variance * variance) : kNaN};
+}
+
+Autocorrelation autocorrelation(std::span<const ResidualTrack> tracks, std::size_t max_lag) {
+  const std::vector<double> values = values_of(tracks);
+  Autocorrelation result{{1.0}, kNaN, kNaN, kNaN};
+  if (values.empty()) return result;
+  const double mean = mean_of(values);
+  const double variance = covariance_at(tracks, mean, 0);
+  if (!(variance > 0.0)) return result;
+  std::size_t longest = 0;
+  for (const ResidualTrack& track : tracks) longest = std::max(longest, track.size());
+  const std::size_t last = std::min(max_lag, longest / 2);
+  double sum = 0.0;
+  bool positive = true;
+  for (std::size_t lag = 1; lag <= last; ++lag) {
+    result.at_lag.push_back(covariance_at(tracks, mean, lag) / variance);
+    if (lag % 2 == 0) continue;
+    const double pair = result.at_lag[lag - 1] + result.at_lag[lag];
+    positive = positive && pair > 0.0;
+    if (positive) sum += pair;
+    if (!positive && lag >= 100) break;
+  }
+  if (last >= 1) result.lag1 = result.at_lag[1];
+  result.correlation_frames = std::max(1.0, 2.0 * sum - 1.0);
+  result.effective_count = static_cast<double>(values.size()) / result.correlation_frames;
+  return result;
+}
+
+}  // namespace posemix

@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "posemix/study/noise.hpp"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "posemix/base/error.hpp"
+#include "posemix/base/random.hpp"
+#include "posemix/base/units.hpp"
+#include "posemix/io/detector_noise.hpp"
+#include "posemix/mixture/em.hpp"
+#include "posemix/study/noise_statistics.hpp"
+#include "posemix/testing/data.hpp"
+#include "posemix/testing/expect.hpp"
+
+namespace posemix {
+namespace {
+
+using testing::relative_difference;
+using testing::thrown_message;
+
+SE3d random_pose(RandomStream& stream) {
+  Eigen::VectorXd xi(6);
+  stream.fill_normal(xi);
+  return SE3d::exp(Vector6d(xi));
+}
+
+/// Detections Y = T Exp(n) with a sharp component (weight 0.6; 2 deg, 5 mm) and one with 15 deg
+/// about z, in the axes of the frame.
+ResidualSet simulated(NoiseFrame frame, std::size_t frames, std::uint64_t seed) {
+  RandomStream stream(seed);
+  ResidualSet set{
+      .detector = "simulated", .object = "cup " + std::to_string(seed), .recording = "1"};
+  for (std::size_t i = 0; i < frames; ++i) {
+    const SE3d truth = random_pose(stream);
+    Eigen::VectorXd n(6);
+    stream.fill_normal(n);
+    n.head<3>() *= radians(2.0);
+    n.tail<3>() *= 5e-3;
+    if (stream.uniform() < 0.4) n[2] *= 7.5;
+    if (frame == NoiseFrame::camera) {
+      n = SE3d(truth.rotation().inverse(), Eigen::Vector3d::Zero()).adjoint() * n;
+    }
+    const bool seen = i % 10 != 3;
+    set.truth.push_back(truth);
+    set.detected.push_back(seen ? std::optional(truth * SE3d::exp(Vector6d(n))) : std::nullopt);
+  }
+  return set;
+}
+
+std::string file(const StudyReport& report, const std::string& name) {
+  for (const StudyFile& f : report.files) {
+    if (f.name == name) return f.content;
+  }
+  return {};
+}
+
+StudyReport run_all(const Study& study) {
+  std::vector<std::string> results;
+  for (std::size_t i = 0; i < study.items; ++i) results.push_back(study.run_item(i));
+  return study.report(results);
+}
+
+DetectorNoise read_back(const std::string& toml, const std::string& name) {
+  const TomlDocument document = TomlDocument::parse(toml, "noise.toml");
+  DetectorNoise noise = read_detector_noise(document.root().get_table("noise").get_table(name));
+  document.finish();
+  return noise;
+}
+
+TEST(NoiseStudy, RecoversASimulatedMixture) {
+  for (const NoiseFrame frame : {NoiseFrame::object, NoiseFrame::camera}) {
+    const NoiseStudySettings settings{.max_components = 3, .restarts = 2, .frame = frame};
+    const Study study = make_noise_study({simulated(frame, 4000, 1)}, settings);
+    ASSERT_EQ(study.items, 1U);
+    const StudyReport report = run_all(study);
+    const DetectorNoise noise =
+        read_back(file(report, "noise_simulated_cup_1.toml"), "simulated_cup_1");
+    ASSERT_EQ(noise.components().size(), 2U);
+    const NoiseComponent& sharp = noise.components()[0];
+    const NoiseComponent& wide = noise.components()[1];
+    EXPECT_EQ(sharp.frame, frame);
+    EXPECT_NEAR(sharp.weight, 0.6, 0.05);
+    for (Eigen::Index i = 0; i < 6; ++i) {
+      const double sd = i < 3 ? radians(2.0) : 5e-3;
+      EXPECT_NEAR(std::sqrt(sharp.covariance(i, i)) / sd, 1.0, 0.08);
+      EXPECT_NEAR(std::sqrt(wide.covariance(i, i)) / (i == 2 ? 7.5 * sd : sd), 1.0, 0.1);
+    }
+    const auto rows = nlohmann::json::parse(file(report, "study.json"))["rows"];
+    ASSERT_EQ(rows.size(), 6U);
+    EXPECT_EQ(rows[2]["axis"], "rotation_z");
+    EXPECT_EQ(rows[2]["count"], 3600);
+    // sd^2 = 0.6 2^2 + 0.4 15^2; kurtosis = 3 (0.6 2^4 + 0.4 15^4) / sd^4
+    EXPECT_NEAR(rows[2]["sd"], std::sqrt(92.4), 0.4);
+    EXPECT_NEAR(rows[2]["kurtosis"], 3.0 * 20259.6 / (92.4 * 92.4), 0.7);
+    EXPECT_NEAR(rows[0]["kurtosis"], 3.0, 0.4);
+    EXPECT_NEAR(rows[2]["lag1_autocorrelation"], 0.0, 0.06);
+    EXPECT_LT(file(report, "noise_simulated_cup_1.svg").find("<svg"), 200U);
+  }
+}
+
+TEST(NoiseStudy, HasOneItemPerObjectAndOneForAll) {
+  const ResidualSet a = simulated(NoiseFrame::object, 60, 1);
+  const ResidualSet b = simulated(NoiseFrame::object, 80, 2);
+  const Study study = make_noise_study({a, b, a}, {.max_components = 1});
+  ASSERT_EQ(study.items, 3U);
+  std::vector<std::string> objects;
+  std::vector<int> counts;
+  for (std::size_t i = 0; i < study.items; ++i) {
+    const auto item = nlohmann::json::parse(study.run_item(i));
+    objects.push_back(item["object"]);
+    counts.push_back(item["axes"][0]["count"]);
+  }
+  EXPECT_EQ(objects, (std::vector<std::string>{"cup 1", "cup 2", "all"}));
+  EXPECT_EQ(counts, (std::vector<int>{108, 72, 180}));
+  EXPECT_NE(study.settings, make_noise_study({a, b}, {.max_components = 1}).settings);
+}
+
+TEST(NoiseStudy, ModelsReadBackAsTheyWere) {
+  RandomStream stream(4);
+  Eigen::VectorXd entries(36);
+  stream.fill_normal(entries);
+  const Matrix6d root = entries.reshaped(6, 6);
+  Matrix6d full = 1e-3 * (root * root.transpose() + Matrix6d::Identity());
+  symmetrize(full);
+  const DetectorNoise noise(
+      {{.weight = 0.7, .covariance = full, .offset = random_pose(stream)},
+       {.weight = 0.3, .covariance = pose_covariance({0.1, 0.2, 0.3}, {1e-3, 1.0, 0.3})}});
+  const DetectorNoise back = read_back(format_noise_toml("cup", noise), "cup");
+  ASSERT_EQ(back.components().size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const NoiseComponent& a = noise.components()[i];
+    const NoiseComponent& b = back.components()[i];
+    EXPECT_NEAR(a.weight, b.weight, 1e-15);
+    EXPECT_LT(relative_difference(b.covariance, a.covariance), 1e-14);
+    EXPECT_TRUE(b.offset.is_approx(a.offset, 1e-14));
+  }
+}
+
+TEST(NoiseStudy, FindsModesWithFreeMeans) {
+  RandomStream stream(5);
+  ResidualSet set{.detector = "d", .object = "o", .recording = "1"};
+  const Vector6d mode = radians(1.0) * 90.0 * Vector6d::Unit(1);
+  for (int i = 0; i < 3000; ++i) {
+    const SE3d truth = random_pose(stream);
+    Eigen::VectorXd n(6);
+    stream.fill_normal(n);
+    const SE3d offset = i % 4 == 0 ? SE3d::exp(mode) : SE3d();
+    set.truth.push_back(truth);
+    set.detected.push_back(truth * offset * SE3d::exp(Vector6d(0.02 * n)));
+  }
+  const Study study = make_noise_study(
+      {set}, {.max_components = 2, .restarts = 2, .free_means = true, .full_covariance = true});
+  const DetectorNoise noise = read_back(file(run_all(study), "noise_d_o.toml"), "d_o");
+  ASSERT_EQ(noise.components().size(), 2U);
+  EXPECT_NEAR(noise.components()[1].weight, 0.25, 1e-6);
+  EXPECT_LT((noise.components()[1].offset.log() - mode).norm(), 5e-3);
+  EXPECT_LT(
+      relative_difference(noise.components()[1].covariance, Matrix6d(4e-4 * Matrix6d::Identity())),
+      0.2);
+}
+
+TEST(NoiseStudy, RefusesBadInput) {
+  EXPECT_EQ(thrown_message([] { make_noise_study({}, {}); }),
+            "study noise: there are no detections with a truth");
+  const ResidualSet set = simulated(NoiseFrame::camera, 30, 1);
+  EXPECT_EQ(thrown_message([&] {
+              make_noise_study({set}, {.frame = NoiseFrame::camera, .free_means = true});
+            }),
+            "study noise: free means in the camera frame cannot be written as a noise model, "
+            "expected means = \"zero\" or frame = \"object\"");
+  ResidualSet few = set;
+  for (std::size_t i = 5; i < 30; ++i) few.detected[i] = std::nullopt;
+  const Study study = make_noise_study({few}, {});
+  EXPECT_EQ(thrown_message([&] { study.run_item(0); }),
+            "study noise: 4 detections of cup 1 with a truth, expected 20");
+  const TomlDocument document = TomlDocument::parse("means = \"some\"", "n.toml");
+  EXPECT_NE(thrown_message([&] { read_noise_settings(document.root()); }).find("n.toml:1"),
+            std::string::npos);
+}
+
+TEST(NoiseStatistics, AutocorrelationOfAFirstOrderProcess) {
+  constexpr double kA = 0.8;
+  RandomStream stream(6);
+  std::vector<ResidualTrack> tracks;
+  for (int recording = 0; recording < 20; ++recording) {
+    double x = stream.normal() / std::sqrt(1.0 - kA * kA);
+    ResidualTrack& track = tracks.emplace_back();
+    for (int i = 0; i < 2000; ++i) {
+      track.push_back(stream.uniform() < 0.2 ? std::nullopt : std::optional(x));
+      x = kA * x + stream.normal();
+    }
+  }
+  const Autocorrelation result = autocorrelation(tracks);
+  EXPECT_NEAR(result.lag1, kA, 0.015);
+  EXPECT_NEAR(result.at_lag[4], std::pow(kA, 4), 0.04);
+  EXPECT_NEAR(result.correlation_frames, (1.0 + kA) / (1.0 - kA), 1.2);
+}
+
+TEST(NoiseStatistics, OfFewNumbersByHand) {
+  const std::vector<ResidualTrack> tracks{{1.0, std::nullopt, 2.0}, {2.0, 7.0}};
+  const AxisStatistics s = axis_statistics(tracks);
+  EXPECT_EQ(s.count, 4U);
+  EXPECT_DOUBLE_EQ(s.mean, 3.0);
+  EXPECT_DOUBLE_EQ(s.sd, std::sqrt(5.5));
+  EXPECT_DOUBLE_EQ(s.median, 2.0);
+  EXPECT_DOUBLE_EQ(s.robust_sd, 1.482602218505602 * 0.5);
+  EXPECT_NEAR(s.skewness, 13.5 / std::pow(5.5, 1.5), 1e-12);
+  EXPECT_NEAR(s.kurtosis, 68.5 / (5.5 * 5.5), 1e-12);
+  EXPECT_NEAR(autocorrelation(tracks).lag1, -4.0 / 5.5, 1e-12);
+  EXPECT_TRUE(std::isnan(axis_statistics({}).mean));
+}
+
+/// Figures of the data folder's README for the mug of 0022, against the proxy.
+TEST(NoiseStudy, MugOfSequence0022) {
+  POSEMIX_REQUIRE_DATA();
+  std::vector<ResidualSet> sets = find_residuals(*testing::data_dir());
+  std::erase_if(sets, [](const ResidualSet& set) {
+    return set.detector != "cosypose" || set.object != "14" || set.recording != "0022";
+  });
+  if (sets.empty()) GTEST_SKIP() << "no detections of 0022";
+  ASSERT_EQ(sets.size(), 1U);
+  EXPECT_TRUE(sets[0].proxy);
+  std::vector<ResidualTrack> track(1);
+  std::vector<Rnd<1>> samples;
+  for (std::size_t i = 0; i < sets[0].truth.size(); ++i) {
+    if (!sets[0].detected[i]) continue;
+    const Vector6d n =
+        detection_residual(*sets[0].truth[i], *sets[0].detected[i], NoiseFrame::object);
+    track[0].push_back(degrees(n[2]));
+    samples.emplace_back(Rnd<1>::Tangent::Constant(degrees(n[2])));
+  }
+  const AxisStatistics s = axis_statistics(track);
+  EXPECT_EQ(s.count, 1152U);
+  EXPECT_NEAR(s.rms, 7.67, 0.02);
+  EXPECT_NEAR(autocorrelation(track).lag1, 0.84, 0.01);
+  RandomStream stream(1);
+  const auto fit = fit_mixture<ConcentratedGaussian<Rnd<1>>>(
+      samples, {}, {.components = 2, .restarts = 4}, stream);
+  const std::size_t sharp =
+      fit.mixture[0].density.covariance()(0, 0) < fit.mixture[1].density.covariance()(0, 0) ? 0 : 1;
+  EXPECT_NEAR(fit.mixture.weight(sharp), 0.38, 0.03);
+  EXPECT_NEAR(std::sqrt(fit.mixture[sharp].density.covariance()(0, 0)), 0.9, 0.1);
+  EXPECT_NEAR(std::sqrt(fit.mixture[1 - sharp].density.covariance()(0, 0)), 9.6, 0.3);
+}
+
+}  // namespace
+}  // namespace posemix
