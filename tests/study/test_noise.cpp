@@ -7,10 +7,12 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "io/temporary_folder.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/base/random.hpp"
 #include "posemix/base/units.hpp"
 #include "posemix/io/detector_noise.hpp"
+#include "posemix/io/tum.hpp"
 #include "posemix/mixture/em.hpp"
 #include "posemix/study/noise_statistics.hpp"
 #include "posemix/testing/data.hpp"
@@ -140,6 +142,51 @@ TEST(NoiseStudy, ModelsReadBackAsTheyWere) {
   }
 }
 
+/// A recording on disk, studied from its TUM files and from its sequence file, and the model that
+/// comes out put back into the sequence file.
+TEST(NoiseStudy, ReadsFilesAndGivesAModelThatSlamReads) {
+  const testing::TemporaryFolder folder;
+  const ResidualSet set = simulated(NoiseFrame::object, 400, 3);
+  std::vector<StampedPose> detections, truth;
+  for (std::size_t i = 0; i < 400; ++i) {
+    detections.push_back({0.1 * static_cast<double>(i), set.detected[i]});
+    truth.push_back({0.1 * static_cast<double>(i), set.truth[i]});
+  }
+  const auto detected = folder.put("d.txt", format_tum(detections, TumMisses::write_zeros));
+  const auto true_file = folder.put("t.txt", format_tum(truth));
+  const std::string sequence =
+      "schema = 1\n[[objects]]\nid = \"cup\"\nnoise = \"fitted\"\n"
+      "detections = {tum = \"d.txt\"}\nground_truth = {relative_tum = \"t.txt\"}\n";
+  const auto file_of_sequence = folder.put(
+      "s.toml",
+      sequence + "[noise.fitted]\ncomponents = [{rotation_sd_deg = 3, translation_sd_m = 1}]\n");
+
+  const auto pair = read_residuals(
+      {.detections = detected.string(), .ground_truth = true_file.string()}, std::nullopt);
+  const auto by_sequence = read_residuals({.sequences = {file_of_sequence.string()}}, std::nullopt);
+  ASSERT_EQ(pair.size(), 1U);
+  ASSERT_EQ(by_sequence.size(), 1U);
+  EXPECT_EQ(by_sequence[0].object, "cup");
+  for (const ResidualSet* read : {&pair[0], &by_sequence[0]}) {
+    ASSERT_EQ(read->detected.size(), 400U);
+    for (std::size_t i = 0; i < 400; ++i) {
+      ASSERT_EQ(read->detected[i].has_value(), set.detected[i].has_value());
+      if (!set.detected[i]) continue;
+      ASSERT_TRUE(read->detected[i]->is_approx(*set.detected[i], 1e-9));
+      ASSERT_TRUE(read->truth[i]->is_approx(*set.truth[i], 1e-9));
+    }
+  }
+
+  const Study study = make_noise_study(by_sequence, {.max_components = 2, .restarts = 1});
+  const std::string toml = file(run_all(study), "noise_detector_cup.toml");
+  TomlDocument document = TomlDocument::parse(sequence + toml, (folder / "fitted.toml").string());
+  document.apply_override("objects.cup.noise=detector_cup");
+  const SlamJob job = read_slam_job(document, {folder.path()});
+  ASSERT_EQ(job.models.size(), 1U);
+  EXPECT_EQ(job.models[0].noise.components().size(), 2U);
+  EXPECT_NEAR(job.models[0].noise.components()[0].weight, 0.6, 0.15);
+}
+
 TEST(NoiseStudy, FindsModesWithFreeMeans) {
   RandomStream stream(5);
   ResidualSet set{.detector = "d", .object = "o", .recording = "1"};
@@ -235,6 +282,7 @@ TEST(NoiseStudy, MugOfSequence0022) {
   }
   const AxisStatistics s = axis_statistics(track);
   EXPECT_EQ(s.count, 1152U);
+  EXPECT_GT(s.kurtosis, 4.0);
   EXPECT_NEAR(s.rms, 7.67, 0.02);
   EXPECT_NEAR(autocorrelation(track).lag1, 0.84, 0.01);
   RandomStream stream(1);

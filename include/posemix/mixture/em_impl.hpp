@@ -139,21 +139,29 @@ class EmRun {
   EmSettings settings_;
 };
 
-}  // namespace internal
-
+/// Checks settings and samples; returns the degrees of freedom. @throws InvalidInput
 template <class D>
-EmResult<D> fit_mixture(std::span<const typename D::Group> samples, std::span<const double> weights,
-                        const EmSettings& settings, RandomStream& stream,
-                        const std::optional<Mixture<D>>& start) {
+Eigen::Index checked_em_samples(std::span<const typename D::Group> samples,
+                                const EmSettings& settings) {
   require(!samples.empty(), "EM: there are no samples");
   const Eigen::Index dof = samples.front().dof();
-  internal::check_em_settings(settings, dof);
+  check_em_settings(settings, dof);
   for (std::size_t i = 0; i < samples.size(); ++i) {
     if (samples[i].dof() != dof || !samples[i].log().allFinite()) {
       throw InvalidInput(fmt::format(
           "EM: sample {} is not finite, or not of {} degrees of freedom as the first", i, dof));
     }
   }
+  return dof;
+}
+
+}  // namespace internal
+
+template <class D>
+EmResult<D> fit_mixture(std::span<const typename D::Group> samples, std::span<const double> weights,
+                        const EmSettings& settings, RandomStream& stream,
+                        const std::optional<Mixture<D>>& start) {
+  const Eigen::Index dof = internal::checked_em_samples<D>(samples, settings);
   const std::vector<double> ones(weights.empty() ? samples.size() : 0, 1.0);
   if (weights.empty()) weights = ones;
   const std::size_t needed = internal::needed_samples(settings.components, dof, settings);
