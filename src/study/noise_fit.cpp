@@ -104,6 +104,7 @@ Json axis_json(const Residuals& residuals, std::size_t axis, const NoiseStudySet
           {"inlier_sd", number(inlier.sd)},
           {"inlier_lag1_autocorrelation", number(inlier_time.lag1)},
           {"inlier_correlation_frames", number(inlier_time.correlation_frames)},
+          {"inlier_sd_of_recordings", number(spread_of_means(residuals.inliers[axis]))},
           {"histogram", histogram(residuals.axes[axis], settings.bins)}};
 }
 

@@ -30,7 +30,8 @@ constexpr std::array kAxisColumns{"count",
                                   "effective_count",
                                   "inlier_sd",
                                   "inlier_lag1_autocorrelation",
-                                  "inlier_correlation_frames"};
+                                  "inlier_correlation_frames",
+                                  "inlier_sd_of_recordings"};
 
 Cell cell(const Json& json) {
   if (json.is_number_integer()) return json.get<std::int64_t>();

@@ -39,18 +39,33 @@ double moment(const std::vector<double>& values, double centre, int power) {
   return sum / static_cast<double>(values.size());
 }
 
-/// Mean product of values `lag` frames apart, about the mean; NaN where there are no pairs.
-double covariance_at(std::span<const ResidualTrack> tracks, double mean, std::size_t lag) {
+/// Mean product of values `lag` frames apart; NaN where there are no pairs.
+double covariance_at(std::span<const ResidualTrack> tracks, std::size_t lag) {
   double sum = 0.0;
   std::size_t pairs = 0;
   for (const ResidualTrack& track : tracks) {
     for (std::size_t i = lag; i < track.size(); ++i) {
       if (!track[i] || !track[i - lag]) continue;
-      sum += (*track[i] - mean) * (*track[i - lag] - mean);
+      sum += *track[i] * *track[i - lag];
       ++pairs;
     }
   }
   return pairs == 0 ? kNaN : sum / static_cast<double>(pairs);
+}
+
+/// The tracks without those that are empty, each about its own mean.
+std::vector<ResidualTrack> centred(std::span<const ResidualTrack> tracks) {
+  std::vector<ResidualTrack> result;
+  for (const ResidualTrack& track : tracks) {
+    const std::vector<double> values = values_of({&track, 1});
+    if (values.empty()) continue;
+    const double mean = mean_of(values);
+    result.push_back(track);
+    for (auto& value : result.back()) {
+      if (value) *value -= mean;
+    }
+  }
+  return result;
 }
 
 }  // namespace
@@ -73,12 +88,22 @@ AxisStatistics axis_statistics(std::span<const ResidualTrack> tracks) {
           .kurtosis = variance > 0.0 ? moment(values, mean, 4) / (variance * variance) : kNaN};
 }
 
+double spread_of_means(std::span<const ResidualTrack> tracks) {
+  std::vector<double> means;
+  for (const ResidualTrack& track : tracks) {
+    const std::vector<double> values = values_of({&track, 1});
+    if (!values.empty()) means.push_back(mean_of(values));
+  }
+  if (means.size() < 2) return kNaN;
+  return std::sqrt(moment(means, mean_of(means), 2) * static_cast<double>(means.size()) /
+                   static_cast<double>(means.size() - 1));
+}
+
 Autocorrelation autocorrelation(std::span<const ResidualTrack> tracks, std::size_t max_lag) {
-  const std::vector<double> values = values_of(tracks);
+  const std::vector<ResidualTrack> about_mean = centred(tracks);
+  const std::size_t count = values_of(about_mean).size();
   Autocorrelation result{{1.0}, kNaN, kNaN, kNaN};
-  if (values.empty()) return result;
-  const double mean = mean_of(values);
-  const double variance = covariance_at(tracks, mean, 0);
+  const double variance = covariance_at(about_mean, 0);
   if (!(variance > 0.0)) return result;
   std::size_t longest = 0;
   for (const ResidualTrack& track : tracks) longest = std::max(longest, track.size());
@@ -86,7 +111,7 @@ Autocorrelation autocorrelation(std::span<const ResidualTrack> tracks, std::size
   double sum = 0.0;
   bool positive = true;
   for (std::size_t lag = 1; lag <= last; ++lag) {
-    result.at_lag.push_back(covariance_at(tracks, mean, lag) / variance);
+    result.at_lag.push_back(covariance_at(about_mean, lag) / variance);
     if (lag % 2 == 0) continue;
     const double pair = result.at_lag[lag - 1] + result.at_lag[lag];
     positive = positive && pair > 0.0;
@@ -95,7 +120,7 @@ Autocorrelation autocorrelation(std::span<const ResidualTrack> tracks, std::size
   }
   if (last >= 1) result.lag1 = result.at_lag[1];
   result.correlation_frames = std::max(1.0, 2.0 * sum - 1.0);
-  result.effective_count = static_cast<double>(values.size()) / result.correlation_frames;
+  result.effective_count = static_cast<double>(count) / result.correlation_frames;
   return result;
 }
 

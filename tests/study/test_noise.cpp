@@ -257,7 +257,8 @@ TEST(NoiseStatistics, OfFewNumbersByHand) {
   EXPECT_DOUBLE_EQ(s.robust_sd, 1.482602218505602 * 0.5);
   EXPECT_NEAR(s.skewness, 13.5 / std::pow(5.5, 1.5), 1e-12);
   EXPECT_NEAR(s.kurtosis, 68.5 / (5.5 * 5.5), 1e-12);
-  EXPECT_NEAR(autocorrelation(tracks).lag1, -4.0 / 5.5, 1e-12);
+  EXPECT_NEAR(autocorrelation(tracks).lag1, -6.25 / 3.25, 1e-12);
+  EXPECT_NEAR(spread_of_means(tracks), 3.0 / std::sqrt(2.0), 1e-12);
   EXPECT_TRUE(std::isnan(axis_statistics({}).mean));
 }
 

@@ -27,6 +27,9 @@ struct AxisStatistics {
 
 AxisStatistics axis_statistics(std::span<const ResidualTrack> tracks);
 
+/// Standard deviation of the tracks' means, over tracks with a value; NaN for fewer than two.
+double spread_of_means(std::span<const ResidualTrack> tracks);
+
 /// How residuals hang together in time.
 struct Autocorrelation {
   std::vector<double> at_lag;  ///< entry k at a distance of k frames; entry 0 is 1
@@ -38,8 +41,8 @@ struct Autocorrelation {
   double effective_count;  ///< number of values by correlation_frames
 };
 
-/// Pairs are formed within the tracks only, about the mean of all: what distinguishes whole
-/// recordings counts as correlation. Lags up to half the longest track, and `max_lag`.
+/// Pairs are formed within the tracks only, each about its own mean; what distinguishes whole
+/// tracks is spread_of_means. Lags up to half the longest track, and `max_lag`.
 Autocorrelation autocorrelation(std::span<const ResidualTrack> tracks, std::size_t max_lag = 1000);
 
 }  // namespace posemix

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "posemix/mixture/mixture.hpp"
+#include "posemix/testing/density_draw.hpp"
+
+/// Random mixtures and draws from them, for tests of EM.
+namespace posemix::testing {
+
+template <LieGroup G>
+using Gaussian = ConcentratedGaussian<G>;
+
+template <LieGroup G>
+G random_element(double reach, RandomStream& stream) {
+  Eigen::VectorXd xi(tested_dof<G>());
+  stream.fill_normal(xi);
+  return G::exp(typename G::Tangent(reach * xi));
+}
+
+/// Draws from `count` components scattered by `reach`, each with random correlated spread.
+template <LieGroup G>
+Mixture<Gaussian<G>> random_mixture(std::size_t count, double reach, double spread,
+                                    RandomStream& stream) {
+  const Eigen::Index n = tested_dof<G>();
+  std::vector<Component<Gaussian<G>>> components;
+  for (std::size_t k = 0; k < count; ++k) {
+    Eigen::VectorXd entries(n * n);
+    stream.fill_normal(entries);
+    const Eigen::MatrixXd root = entries.reshaped(n, n);
+    typename G::TangentMatrix covariance =
+        spread * spread *
+        (root * root.transpose() / static_cast<double>(n) + 0.2 * Eigen::MatrixXd::Identity(n, n));
+    symmetrize(covariance);
+    components.push_back({std::log(0.5 + stream.uniform()),
+                          Gaussian<G>(random_element<G>(reach, stream), covariance)});
+  }
+  return Mixture<Gaussian<G>>(std::move(components));
+}
+
+template <class D>
+std::vector<typename D::Group> draws(const Mixture<D>& mixture, std::size_t count,
+                                     RandomStream& stream) {
+  std::vector<typename D::Group> samples;
+  for (std::size_t i = 0; i < count; ++i) samples.push_back(mixture.sample(stream));
+  return samples;
+}
+
+}  // namespace posemix::testing
