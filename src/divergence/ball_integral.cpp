@@ -19,21 +19,20 @@ constexpr int kMaxPieces = 400;
 
 }  // namespace
 
-BallIntegral::BallIntegral(const RotationPair& pair, DensityFactor factor, bool over_both,
+BallIntegral::BallIntegral(const RotationPair& pair, DensityFactor factor, Centres centres,
                            const std::optional<Eigen::Vector3d>& axis, double tolerance)
     : pair_(pair),
       factor_(factor),
       inner_tolerance_(std::max(1e-13, kInnerShare * tolerance)),
       cubature_([this](std::size_t k, const Eigen::Vector3d& u) { return along_ray(k, u); },
                 axis.has_value()) {
-  const double share = over_both ? 0.5 : 1.0;
-  const auto add = [&](const RotationPeak& peak) {
-    centres_.push_back({&peak, share, axis ? symmetric_root(peak, *axis) : peak.root});
+  const auto add = [&](const std::vector<RotationPeak>& peaks, double share) {
+    for (const RotationPeak& peak : peaks) {
+      centres_.push_back({&peak, share, axis ? symmetric_root(peak, *axis) : peak.root});
+    }
   };
-  for (const RotationPeak& peak : pair.p) add(peak);
-  if (over_both) {
-    for (const RotationPeak& peak : pair.q) add(peak);
-  }
+  add(pair.p, centres == Centres::mean ? 0.5 : 1.0);
+  if (centres != Centres::of_p) add(pair.q, centres == Centres::mean ? 0.5 : -1.0);
   for (std::size_t k = 0; k < centres_.size(); ++k) cubature_.add_sphere(k, features(k));
   ray_tolerance_ = inner_tolerance_ * cubature_.total().absolute / solid_weight();
 }
@@ -52,7 +51,7 @@ Eigen::Matrix3d BallIntegral::symmetric_root(const RotationPeak& peak,
 
 double BallIntegral::solid_weight() const {
   double sum = 0.0;
-  for (const Centre& centre : centres_) sum += centre.share * centre.peak->weight;
+  for (const Centre& centre : centres_) sum += std::abs(centre.share) * centre.peak->weight;
   return sum * 4.0 * std::numbers::pi * std::exp(-1.5 * kLogTwoPi);
 }
 
@@ -98,7 +97,7 @@ RayIntegral BallIntegral::piece(const RotationRay& ray, double stretch, double f
     sum.absolute += node.weight * std::abs(value);
     difference += node.difference * value;
   }
-  sum.error = kronrod_error(difference, sum.absolute);
+  sum.error = std::abs(difference);
   sum.evaluations = KronrodRule::instance().nodes.size();
   return sum;
 }
@@ -143,7 +142,9 @@ RayIntegral BallIntegral::along_ray(std::size_t k, const Eigen::Vector3d& u) con
     pieces.push_back(right);
   }
   RayIntegral weighted;
-  return weighted.add(sum, centre.share * centre.peak->weight * std::exp(-1.5 * kLogTwoPi));
+  weighted.add(sum, std::abs(centre.share) * centre.peak->weight * std::exp(-1.5 * kLogTwoPi));
+  weighted.value = std::copysign(1.0, centre.share) * weighted.value;
+  return weighted;
 }
 
 RayIntegral missing_mass_gap(const RotationPair& pair, double tolerance) {

@@ -14,11 +14,18 @@ namespace posemix::internal {
 /// Standard deviations out to which a peak is followed: 5e-18 of its mass lies beyond.
 inline constexpr double kRadius = 9.0;
 
+/// The peaks about which to integrate, and their share of the sum.
+enum class Centres {
+  of_p,        ///< those of p
+  difference,  ///< those of p less those of q
+  mean         ///< those of both, with half their weights
+};
+
 /// One divergence of one pair of mixtures as a sum of integrals over tangent balls.
 class BallIntegral {
  public:
-  /// Over the peaks of p, or over those of both with half their weights. `axis`: of symmetry.
-  BallIntegral(const RotationPair& pair, DensityFactor factor, bool over_both,
+  /// `axis`: of symmetry, if there is one.
+  BallIntegral(const RotationPair& pair, DensityFactor factor, Centres centres,
                const std::optional<Eigen::Vector3d>& axis, double tolerance);
   BallIntegral(const BallIntegral&) = delete;
   BallIntegral& operator=(const BallIntegral&) = delete;

@@ -20,6 +20,9 @@ using DensityFactor = double (*)(double log_p, double log_q);
 /// log(p/q): sums over the peaks of p to int p log(p/q).
 inline double log_ratio(double log_p, double log_q) { return log_p - log_q; }
 
+/// p - q: the difference of its sums over the peaks of p and of q is int (p - q)^2.
+inline double density_gap(double log_p, double log_q) { return std::exp(log_p) - std::exp(log_q); }
+
 /// (p log(p/q) - p + q) / s.
 inline double gap_factor(double log_p, double log_q) {
   const double h = log_p - log_q;

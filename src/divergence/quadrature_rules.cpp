@@ -3,7 +3,6 @@
 #include "quadrature_rules.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include <boost/math/quadrature/gauss.hpp>
 #include <boost/math/quadrature/gauss_kronrod.hpp>
@@ -58,12 +57,6 @@ const KronrodRule& KronrodRule::instance() {
 const PatchRules& PatchRules::instance() {
   static const PatchRules rules = make_patch();
   return rules;
-}
-
-double kronrod_error(double difference, double absolute) {
-  const double size = std::abs(difference);
-  if (absolute <= 0.0) return size;
-  return size * std::min(1.0, std::sqrt(200.0 * size / absolute));
 }
 
 }  // namespace posemix::internal

@@ -19,10 +19,6 @@ struct KronrodRule {
   static const KronrodRule& instance();
 };
 
-/// Error of the 15-point rule from its difference to the 7-point rule, as in QUADPACK: the
-/// difference is the error of the 7-point rule, of half the order.
-double kronrod_error(double difference, double absolute);
-
 /// Two Gauss-Legendre rules on [-1, 1] for tensor products.
 struct PatchRules {
   static constexpr std::size_t kFine = 8;

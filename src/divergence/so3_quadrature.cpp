@@ -16,7 +16,7 @@ namespace {
 
 /// Rounding of a log density.
 constexpr double kLogRounding = 4e-15;
-/// Where int p log(p/q) is below this share of int p |log(p/q)|, the non-negative form is used.
+/// Where a smooth integrand cancels to less than this share, the non-negative form is used.
 constexpr double kCancellation = 0.05;
 
 RotationPair checked_pair(const RotationDensity& p, const RotationDensity& q,
@@ -53,6 +53,21 @@ double largest_density(const RotationPair& pair) {
   return largest;
 }
 
+/// By the smooth form, or where that cancels by the non-negative one.
+DivergenceEstimate best_of(const RotationPair& pair, DensityFactor smooth, Centres centres,
+                           DensityFactor positive, double peak_density,
+                           const RotationQuadratureSettings& settings, bool& cancels) {
+  const auto axis = common_axis(pair);
+  BallIntegral direct(pair, smooth, centres, axis, settings.relative_tolerance);
+  const RayIntegral first = direct.total();
+  cancels = std::abs(first.value) < kCancellation * first.absolute;
+  if (!cancels) return refined(direct, peak_density, settings);
+  BallIntegral gap(pair, positive, Centres::mean, axis, settings.relative_tolerance);
+  DivergenceEstimate estimate = refined(gap, peak_density, settings);
+  estimate.evaluations += first.evaluations;
+  return estimate;
+}
+
 }  // namespace
 }  // namespace internal
 
@@ -60,22 +75,14 @@ DivergenceEstimate kl(const RotationDensity& p, const RotationDensity& q,
                       const RotationQuadratureSettings& settings) {
   using namespace internal;
   const RotationPair pair = checked_pair(p, q, settings);
-  const auto axis = common_axis(pair);
-  std::size_t spent = 0;
-  {
-    BallIntegral direct(pair, log_ratio, false, axis, settings.relative_tolerance);
-    if (std::abs(direct.total().value) >= kCancellation * direct.total().absolute) {
-      return refined(direct, 1.0, settings);
-    }
-    spent = direct.total().evaluations;
-  }
-  BallIntegral gap(pair, gap_factor, true, axis, settings.relative_tolerance);
-  DivergenceEstimate estimate = refined(gap, 1.0, settings);
+  bool cancels = false;
+  DivergenceEstimate estimate =
+      best_of(pair, log_ratio, Centres::of_p, gap_factor, 1.0, settings, cancels);
+  if (!cancels) return estimate;
   const double allowed = settings.relative_tolerance * std::abs(estimate.value);
   const RayIntegral masses = missing_mass_gap(pair, 0.1 * allowed);
   estimate.value += masses.value;
   estimate.error += masses.error;
-  estimate.evaluations += spent;
   estimate.converged = estimate.converged && masses.error <= allowed;
   return estimate;
 }
@@ -83,18 +90,18 @@ DivergenceEstimate kl(const RotationDensity& p, const RotationDensity& q,
 DivergenceEstimate symmetric_kl(const RotationDensity& p, const RotationDensity& q,
                                 const RotationQuadratureSettings& settings) {
   using namespace internal;
-  const RotationPair pair = checked_pair(p, q, settings);
-  BallIntegral integral(pair, symmetric_factor, true, common_axis(pair),
-                        settings.relative_tolerance);
-  return refined(integral, 1.0, settings);
+  bool cancels = false;
+  return best_of(checked_pair(p, q, settings), log_ratio, Centres::difference, symmetric_factor,
+                 1.0, settings, cancels);
 }
 
 DivergenceEstimate isd(const RotationDensity& p, const RotationDensity& q,
                        const RotationQuadratureSettings& settings) {
   using namespace internal;
   const RotationPair pair = checked_pair(p, q, settings);
-  BallIntegral integral(pair, square_factor, true, common_axis(pair), settings.relative_tolerance);
-  return refined(integral, largest_density(pair), settings);
+  bool cancels = false;
+  return best_of(pair, density_gap, Centres::difference, square_factor, largest_density(pair),
+                 settings, cancels);
 }
 
 }  // namespace posemix
