@@ -19,6 +19,7 @@
 #include "posemix/io/output_folder.hpp"
 #include "simulate.hpp"
 #include "slam.hpp"
+#include "study.hpp"
 #include "summary.hpp"
 
 namespace posemix {
@@ -73,10 +74,12 @@ int answer(const CLI::App& program, const CLI::ParseError& reason) {
       return kExitDone;
     });
   }
-  const auto verbs = program.get_subcommands();
-  const std::string help =
-      verbs.empty() ? "posemix --help" : fmt::format("posemix {} --help", verbs[0]->get_name());
-  return report(fmt::format("{}; see `{}`", reason.what(), help), kExitUsage);
+  std::string command = "posemix";
+  for (auto verbs = program.get_subcommands(); !verbs.empty();
+       verbs = verbs[0]->get_subcommands()) {
+    command += " " + verbs[0]->get_name();
+  }
+  return report(fmt::format("{}; see `{} --help`", reason.what(), command), kExitUsage);
 }
 
 }  // namespace
@@ -91,6 +94,7 @@ int run_program(int argc, const char* const* argv) {
     describe(program);
     add_slam_verb(program, action);
     add_simulate_verb(program, action);
+    add_study_verb(program, action);
     program.parse(argc, argv);
   } catch (const CLI::ParseError& reason) {
     return answer(program, reason);

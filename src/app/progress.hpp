@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstddef>
 #include <string>
+#include <string_view>
 
 namespace posemix {
 
@@ -12,23 +13,30 @@ namespace posemix {
 bool on_terminal();
 
 /// The text of a progress bar: `[#####.....]  50 %  576/1152 frames  3.2 s`.
-std::string progress_text(std::size_t done, std::size_t total, double seconds);
+std::string progress_text(std::size_t done, std::size_t total, double seconds,
+                          std::string_view unit);
 
-/// A bar on the standard error that is drawn over itself and erased at the end of its scope.
-class ProgressBar {
+/// Tells on the standard error how far the program is: by a bar that is drawn over itself and
+/// erased at the end of its scope where that is a terminal; elsewhere by nothing or by a line now
+/// and then.
+class ProgressReport {
  public:
-  /// Draws nothing unless `shown`.
-  explicit ProgressBar(bool shown);
-  ~ProgressBar();
-  ProgressBar(const ProgressBar&) = delete;
-  ProgressBar& operator=(const ProgressBar&) = delete;
+  /// Says nothing unless `shown`, and off terminals nothing unless `lines` is set: the ranks of
+  /// an MPI job write to a pipe even when a person is waiting at the end of it.
+  ProgressReport(bool shown, std::string_view unit, bool lines = false);
+  ~ProgressReport();
+  ProgressReport(const ProgressReport&) = delete;
+  ProgressReport& operator=(const ProgressReport&) = delete;
 
   void update(std::size_t done, std::size_t total);
 
  private:
   using Clock = std::chrono::steady_clock;
 
-  bool shown_;
+  enum class Style { none, bar, lines };
+
+  Style style_;
+  std::string unit_;
   bool drawn_ = false;
   Clock::time_point start_ = Clock::now();
   Clock::time_point next_ = start_;

@@ -39,9 +39,9 @@ SlamJob read_job(const SlamOptions& options) {
 }
 
 SlamRun filter(const SlamJob& job, const SlamOptions& options, const InterruptGuard& guard) {
-  ProgressBar bar(!options.quiet && on_terminal());
+  ProgressReport progress_report(!options.quiet, "frames");
   const auto progress = [&](std::size_t done, std::size_t total) {
-    bar.update(done, total);
+    progress_report.update(done, total);
     return !guard.interrupted();
   };
   try {

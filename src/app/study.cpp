@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "study.hpp"
+
+#include <array>
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "exit_codes.hpp"
+#include "interrupt.hpp"
+#include "posemix/base/error.hpp"
+#include "posemix/io/output_folder.hpp"
+#include "posemix/io/toml_table.hpp"
+#include "posemix/study/divergence.hpp"
+#include "posemix/study/monte_carlo.hpp"
+#include "posemix/study/noise.hpp"
+#include "posemix/study/run_study.hpp"
+#include "posemix/study/ycbv.hpp"
+#include "progress.hpp"
+#include "summary.hpp"
+
+namespace posemix {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct StudyOptions {
+  std::optional<std::string> settings;
+  std::vector<std::string> overrides;
+  std::optional<std::string> data;
+  std::string out;
+  std::size_t threads = 0;
+  bool resume = false;
+  bool quiet = false;
+  bool json = false;
+};
+
+/// A study that the program knows.
+struct StudyVerb {
+  const char* name;
+  const char* description;
+  const char* example;
+  bool reads_data;
+  Study (*make)(const TomlTable& settings, const StudyOptions& options);
+};
+
+/// --data, the environment variable POSEMIX_DATA, or ../shared/data.
+fs::path data_folder(const StudyOptions& options) {
+  if (options.data) return *options.data;
+  const char* named = std::getenv("POSEMIX_DATA");
+  return named != nullptr && *named != '\0' ? named : "../shared/data";
+}
+
+const std::array kStudies{
+    StudyVerb{"divergence", "What merging two components on SO(3) loses, by rule and distance",
+              "posemix study divergence --out out/divergence", false,
+              [](const TomlTable& table, const StudyOptions&) {
+                return make_divergence_study(read_divergence_settings(table));
+              }},
+    StudyVerb{"monte-carlo", "Filters on a simulated recording with odometry of growing noise",
+              "posemix study monte-carlo --set runs=400 --set 'methods=[\"midway\",\"iterated\"]' "
+              "--out out/mc\n         mpirun -n 4 posemix study monte-carlo --out out/mc",
+              false,
+              [](const TomlTable& table, const StudyOptions&) {
+                return make_monte_carlo_study(read_monte_carlo_settings(table));
+              }},
+    StudyVerb{"ycbv", "Filters on every recording of the data folder",
+              "posemix study ycbv --set 'sequences=[\"0022\"]' --out out/ycbv", true,
+              [](const TomlTable& table, const StudyOptions& options) {
+                YcbvStudySettings settings = read_ycbv_settings(table);
+                settings.data = data_folder(options);
+                return make_ycbv_study(settings);
+              }},
+    StudyVerb{"noise", "A detector's errors against ground truth, and a noise model for them",
+              "posemix study noise --out out/noise", true,
+              [](const TomlTable& table, const StudyOptions& options) {
+                const NoiseStudySettings settings = read_noise_settings(table);
+                return make_noise_study(read_residuals(settings, data_folder(options)), settings);
+              }}};
+
+Study read_study(const StudyVerb& verb, const StudyOptions& options) {
+  TomlDocument document = options.settings ? TomlDocument::load(*options.settings)
+                                           : TomlDocument::parse("schema = 1\n", verb.name);
+  for (const std::string& assignment : options.overrides) document.apply_override(assignment);
+  document.root().get_integer_or("schema", 1, {.lowest = 1, .highest = 1});
+  Study study = verb.make(document.root(), options);
+  document.finish();
+  return study;
+}
+
+/// DIR.journal beside DIR.
+fs::path journal_beside(const std::string& out) {
+  fs::path path = fs::path(out).lexically_normal();
+  if (!path.has_filename()) path = path.parent_path();
+  path += ".journal";
+  return path;
+}
+
+/// Fails now rather than at the end where the results cannot be written.
+void check_output(const std::string& out, const fs::path& journal) {
+  OutputFolder{out};
+  std::error_code error;
+  if (journal.has_parent_path()) fs::create_directories(journal.parent_path(), error);
+}
+
+void write_report(const StudyReport& report, const StudyOptions& options) {
+  OutputFolder folder(options.out);
+  for (const StudyFile& file : report.files) folder.write(file.name, file.content);
+  folder.commit();
+  if (options.json) {
+    print_text(report.files.front().content);
+  } else if (!options.quiet) {
+    print_text(report.summary + fmt::format("\nResults: {}\n", options.out));
+  }
+}
+
+int run_verb(const StudyVerb& verb, const StudyOptions& options) {
+  const InterruptGuard guard;
+  Ranks ranks;
+  const bool leads = ranks.rank() == 0;
+  const fs::path journal = journal_beside(options.out);
+  ProgressReport progress(leads && !options.quiet, "items", ranks.size() > 1);
+  const auto make = [&] {
+    if (leads) check_output(options.out, journal);
+    return read_study(verb, options);
+  };
+  const auto go_on = [&](std::size_t done, std::size_t items) {
+    progress.update(done, items);
+    return !guard.interrupted();
+  };
+  const auto run = run_study(ranks, make,
+                             {.threads = options.threads,
+                              .journal = journal,
+                              .resume = options.resume,
+                              .progress = go_on});
+  if (!run) return kExitDone;
+  guard.check();
+  write_report(run->study.report(run->results), options);
+  fs::remove(journal);
+  return kExitDone;
+}
+
+void add_options(CLI::App& verb, const std::shared_ptr<StudyOptions>& options, bool reads_data) {
+  verb.add_option("settings", options->settings, "Settings (TOML; see docs/studies.md)")
+      ->type_name("SETTINGS.toml");
+  verb.add_option("--set", options->overrides, "Override a key of the settings; repeatable")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
+  if (reads_data) {
+    verb.add_option("--data", options->data,
+                    "Folder of the recordings; without it $POSEMIX_DATA, then ../shared/data")
+        ->type_name("DIR");
+  }
+  verb.add_option("--out", options->out, "Folder for the results")->required()->type_name("DIR");
+  verb.add_option("--threads", options->threads,
+                  "Threads of this process; without it the cores, shared among the host's ranks")
+      ->check(CLI::Range(1, 4096))
+      ->type_name("N");
+  verb.add_flag("--resume", options->resume, "Continue an interrupted study from DIR.journal");
+  verb.add_flag("--json", options->json, "Print study.json instead of a table");
+  verb.add_flag("--quiet", options->quiet, "Print neither progress nor table");
+}
+
+}  // namespace
+
+void add_study_verb(CLI::App& program, std::function<int()>& action) {
+  CLI::App* study = program.add_subcommand("study", "Experiments, on all cores or over MPI");
+  study->require_subcommand(1);
+  study->footer(
+      "Example: posemix study divergence --out out/divergence\n"
+      "\n"
+      "`posemix study STUDY --help` describes a study.");
+  study->get_formatter()->label("SUBCOMMAND", "STUDY");
+  study->get_formatter()->label("Subcommands", "Studies");
+  for (const StudyVerb& known : kStudies) {
+    const auto options = std::make_shared<StudyOptions>();
+    CLI::App* verb = study->add_subcommand(known.name, known.description);
+    verb->footer(fmt::format(
+        "Writes study.json, tables (CSV) and figures (SVG) into DIR when all is done. What is\n"
+        "finished is kept in DIR.journal until then.\n"
+        "\n"
+        "Example: {}",
+        known.example));
+    add_options(*verb, options, known.reads_data);
+    verb->callback([options, &action, &known] {
+      action = [options, &known] { return run_verb(known, *options); };
+    });
+  }
+}
+
+}  // namespace posemix

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <functional>
+
+namespace CLI {  // NOLINT(readability-identifier-naming)
+class App;
+}
+
+namespace posemix {
+
+/// Adds the verb `study`, with one verb of its own per study, to the program. When one is on the
+/// command line, parsing sets `action` to what it does; the result of `action` is the exit code.
+void add_study_verb(CLI::App& program, std::function<int()>& action);
+
+}  // namespace posemix

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "posemix/study/monte_carlo.hpp"
+
+namespace posemix {
+
+/// @throws InvalidInput naming the setting
+void check_monte_carlo_settings(const MonteCarloSettings& settings);
+
+std::string monte_carlo_settings_json(const MonteCarloSettings& settings);
+
+StudyReport report_monte_carlo(const MonteCarloSettings& settings,
+                               std::span<const std::string> results);
+
+}  // namespace posemix

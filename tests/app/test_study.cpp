@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include <algorithm>
+#include <chrono>
+#include <thread>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "app/run_program.hpp"
+
+/// `posemix study` from outside.
+namespace posemix {
+namespace {
+
+namespace fs = std::filesystem;
+
+using testing::content_of;
+using testing::names_in;
+using testing::ProgramResult;
+using testing::run_posemix;
+using testing::RunningProgram;
+using testing::TemporaryFolder;
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+class StudyVerb : public ::testing::Test {
+ protected:
+  fs::path out(const std::string& name = "out") const { return folder_ / name; }
+
+  /// A small Monte-Carlo study.
+  std::vector<std::string> monte_carlo(const fs::path& to) const {
+    return {"study", "monte-carlo",        "--set",  "runs=6",
+            "--set", "path.detections=40", "--set",  "noise_exponents=[1, 4]",
+            "--out", to.string(),          "--quiet"};
+  }
+
+  /// Every file but those that say how long things took.
+  static void expect_same_files(const fs::path& a, const fs::path& b) {
+    ASSERT_EQ(names_in(a), names_in(b));
+    for (const std::string& name : names_in(a)) {
+      if (name.starts_with("timing")) continue;
+      EXPECT_EQ(content_of(a / name), content_of(b / name)) << name;
+    }
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(StudyVerb, HelpHasAnExampleForEveryStudy) {
+  for (const std::string study : {"divergence", "monte-carlo", "ycbv", "noise"}) {
+    const ProgramResult help = run_posemix({"study", study, "--help"});
+    EXPECT_EQ(help.exit_code, 0) << help.err;
+    EXPECT_TRUE(contains(help.out, "Example: posemix study " + study)) << help.out;
+  }
+}
+
+TEST_F(StudyVerb, DivergenceWritesTheSchema) {
+  const ProgramResult result =
+      run_posemix({"study", "divergence", "--set", "phi_deg=[30]", "--out", out().string()});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(contains(result.out, "tangent_of_larger_anchor_2")) << result.out;
+  const auto json = nlohmann::json::parse(content_of(out() / "study.json"));
+  EXPECT_EQ(json.at("schema"), 1);
+  EXPECT_EQ(json.at("study"), "divergence");
+  EXPECT_NEAR(json.at("rows").at(0).at("kl").get<double>(), 0.87336600, 1e-8);
+  EXPECT_FALSE(fs::exists(out("out.journal"))) << "nothing is left of a study that is done";
+}
+
+TEST_F(StudyVerb, GivesTheSameForAnyNumberOfThreads) {
+  for (const std::string threads : {"1", "3"}) {
+    auto arguments = monte_carlo(out(threads));
+    arguments.insert(arguments.end(), {"--threads", threads});
+    const ProgramResult result = run_posemix(arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(result.out + result.err, "");
+  }
+  expect_same_files(out("1"), out("3"));
+}
+
+TEST_F(StudyVerb, ReadsSettingsFromAFile) {
+  const fs::path settings =
+      folder_.put("settings.toml",
+                  "runs = 2\nmethods = [\"iterated\"]\nnoise_exponents = [0]\n"
+                  "path = {detections = 5}\n");
+  const ProgramResult result =
+      run_posemix({"study", "monte-carlo", settings.string(), "--json", "--out", out().string()});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(nlohmann::json::parse(result.out).at("rows").at(0).at("runs"), 2);
+}
+
+TEST_F(StudyVerb, NamesWhatIsWrong) {
+  const auto refused = [&](std::vector<std::string> arguments, const std::string& part) {
+    arguments.insert(arguments.begin(), "study");
+    arguments.insert(arguments.end(), {"--out", out().string()});
+    const ProgramResult result = run_posemix(arguments);
+    EXPECT_EQ(result.exit_code, 3) << result.err;
+    EXPECT_TRUE(contains(result.err, part)) << result.err;
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+    EXPECT_TRUE(names_in(folder_.path()).empty()) << "nothing is left behind";
+  };
+  refused({"monte-carlo", "--set", "rums=3"}, "rums");
+  refused({"monte-carlo", "--set", "methods=[\"kalman\"]"}, "there is no method 'kalman'");
+  refused({"divergence", "--set", "weights=[1, -1]"}, "weights");
+  refused({"divergence", "missing.toml"}, "missing.toml");
+  refused({"ycbv", "--data", out("nowhere").string()}, "nowhere");
+  refused({"noise", "--data", out("nowhere").string()}, "nowhere");
+}
+
+TEST_F(StudyVerb, WrongUsageNamesTheHelp) {
+  const ProgramResult result = run_posemix({"study", "divergence"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_TRUE(contains(result.err, "`posemix study divergence --help`")) << result.err;
+}
+
+TEST_F(StudyVerb, ContinuesAfterAnInterruptAsIfThereWasNone) {
+  auto arguments = monte_carlo(out("resumed"));
+  arguments[3] = "runs=60";
+  std::vector<std::string> command{POSEMIX_PROGRAM};
+  command.insert(command.end(), arguments.begin(), arguments.end());
+  RunningProgram program(command);
+  const fs::path journal = out("resumed.journal");
+  while (!program.has_ended() && (!fs::exists(journal) || fs::file_size(journal) < 4000)) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  program.send(SIGINT);
+  EXPECT_EQ(program.wait().exit_code, 130);
+  ASSERT_TRUE(fs::exists(journal));
+  EXPECT_FALSE(fs::exists(out("resumed")));
+
+  const ProgramResult again = run_posemix(arguments);
+  EXPECT_EQ(again.exit_code, 3);
+  EXPECT_TRUE(contains(again.err, "--resume")) << again.err;
+
+  arguments.emplace_back("--resume");
+  EXPECT_EQ(run_posemix(arguments).exit_code, 0);
+  EXPECT_FALSE(fs::exists(journal));
+  arguments.pop_back();
+  arguments[9] = out("at once").string();
+  EXPECT_EQ(run_posemix(arguments).exit_code, 0);
+  expect_same_files(out("resumed"), out("at once"));
+}
+
+#ifdef POSEMIX_MPIRUN
+class StudyRanks : public StudyVerb, public ::testing::WithParamInterface<int> {
+ protected:
+  static void SetUpTestSuite() {
+    setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 1);
+    setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 1);
+    setenv("OMPI_MCA_rmaps_base_oversubscribe", "1", 1);
+  }
+
+  static ProgramResult run(const std::vector<std::string>& arguments) {
+    std::vector<std::string> command{POSEMIX_MPIRUN, "-n", std::to_string(GetParam()),
+                                     POSEMIX_PROGRAM};
+    command.insert(command.end(), arguments.begin(), arguments.end());
+    return RunningProgram(command).wait();
+  }
+};
+
+TEST_P(StudyRanks, GiveWhatOneProcessGives) {
+  EXPECT_EQ(run_posemix(monte_carlo(out("one"))).exit_code, 0);
+  const ProgramResult result = run(monte_carlo(out("many")));
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  expect_same_files(out("one"), out("many"));
+}
+
+TEST_P(StudyRanks, SayOnceWhatIsWrong) {
+  auto arguments = monte_carlo(out());
+  arguments.insert(arguments.end(), {"--set", "rums=3"});
+  const ProgramResult result = run(arguments);
+  EXPECT_NE(result.exit_code, 0);
+  const std::size_t first = result.err.find("posemix: error: ");
+  ASSERT_NE(first, std::string::npos) << result.err;
+  EXPECT_EQ(result.err.find("posemix: error: ", first + 1), std::string::npos) << result.err;
+}
+
+INSTANTIATE_TEST_SUITE_P(Two, StudyRanks, ::testing::Values(2));
+INSTANTIATE_TEST_SUITE_P(Four, StudyRanks, ::testing::Values(4));
+#endif
+
+}  // namespace
+}  // namespace posemix
