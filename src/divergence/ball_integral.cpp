@@ -15,7 +15,7 @@ namespace {
 
 /// Share of the tolerance that the integrals along the rays may use.
 constexpr double kInnerShare = 0.01;
-constexpr int kMaxPieces = 400;
+constexpr std::size_t kMaxPieces = 400;
 
 }  // namespace
 
@@ -102,31 +102,33 @@ RayIntegral BallIntegral::piece(const RotationRay& ray, double stretch, double f
   return sum;
 }
 
-RayIntegral BallIntegral::along_ray(std::size_t k, const Eigen::Vector3d& u) const {
-  constexpr double kMiddle = 4.0;
-  const Centre& centre = centres_[k];
-  const Eigen::Vector3d along = centre.root * u;
-  const double stretch = along.norm();
-  const double end = std::min(kRadius, std::numbers::pi / stretch);
-  const RotationRay ray(pair_, centre.peak->mean, along / stretch);
+std::vector<BallIntegral::Piece> BallIntegral::first_pieces(const RotationRay& ray, double stretch,
+                                                            double end) const {
+  constexpr double kMiddle = 4.0;  // most of the mass lies inside
+  constexpr double kSliver = 1e-12;
   std::vector<double> breaks{0.0};
   ray.append_breaks(end * stretch, stretch, breaks);
   for (double& at : breaks) at /= stretch;
   if (end > kMiddle) breaks.push_back(kMiddle);
   breaks.push_back(end);
   std::ranges::sort(breaks);
-
-  struct Piece {
-    double from, to;
-    RayIntegral integral;
-  };
   std::vector<Piece> pieces;
-  RayIntegral sum;
   for (std::size_t i = 0; i + 1 < breaks.size(); ++i) {
-    if (breaks[i + 1] - breaks[i] < 1e-12) continue;
+    if (breaks[i + 1] - breaks[i] < kSliver) continue;
     pieces.push_back({breaks[i], breaks[i + 1], piece(ray, stretch, breaks[i], breaks[i + 1])});
-    sum.add(pieces.back().integral, 1.0);
   }
+  return pieces;
+}
+
+RayIntegral BallIntegral::along_ray(std::size_t k, const Eigen::Vector3d& u) const {
+  const Centre& centre = centres_[k];
+  const Eigen::Vector3d along = centre.root * u;
+  const double stretch = along.norm();
+  const double end = std::min(kRadius, std::numbers::pi / stretch);
+  const RotationRay ray(pair_, centre.peak->mean, along / stretch);
+  std::vector<Piece> pieces = first_pieces(ray, stretch, end);
+  RayIntegral sum;
+  for (const Piece& part : pieces) sum.add(part.integral, 1.0);
   const double tolerance = std::max(ray_tolerance_, inner_tolerance_ * sum.absolute);
   while (sum.error > tolerance && pieces.size() < kMaxPieces) {
     const auto worst =

@@ -44,9 +44,17 @@ class BallIntegral {
     Eigen::Matrix3d root;
   };
 
+  /// A part of a ray, in standard deviations.
+  struct Piece {
+    double from;
+    double to;
+    RayIntegral integral;
+  };
+
   static Eigen::Matrix3d symmetric_root(const RotationPeak& peak, const Eigen::Vector3d& axis);
   double solid_weight() const;
   std::vector<SphereFeature> features(std::size_t k) const;
+  std::vector<Piece> first_pieces(const RotationRay& ray, double stretch, double end) const;
   RayIntegral along_ray(std::size_t k, const Eigen::Vector3d& u) const;
   RayIntegral piece(const RotationRay& ray, double stretch, double from, double to) const;
 

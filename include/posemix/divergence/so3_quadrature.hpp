@@ -16,12 +16,15 @@
 /// Gaussian mass beyond |xi| = pi. Where that mass matters, a Kullback-Leibler divergence can be
 /// negative.
 ///
-/// Method: the integrand is written as sum_k v_k N_k G over components k, and every part is
-/// integrated over the tangent ball of its own component in coordinates that whiten N_k: adaptive
-/// cubature over the directions, adaptive Gauss-Kronrod along each ray out to 9 standard
-/// deviations. A ray is cut where it crosses the cut locus (angle pi) of any component, which is
-/// the zero of one sinusoid, and where it passes a narrow one. Densities that share an axis of
-/// symmetry are found automatically and need no integral over the azimuth.
+/// Method: the integrand is written as sum_k v_k N_k G over components k (G = log(p/q) or p - q,
+/// or where that cancels a form that is never negative), and every part is integrated over the
+/// tangent ball of its own component in coordinates that whiten N_k: adaptive cubature over the
+/// directions, adaptive Gauss-Kronrod along each ray out to 9 standard deviations. A ray is cut
+/// where it crosses the cut locus (angle pi) of any component, which is the zero of one sinusoid,
+/// and where it passes a narrow one. Densities that share an axis of symmetry are found
+/// automatically and need no integral over the azimuth. Errors are estimated from pairs of rules
+/// and raised where halves of a cell disagree with the whole \cite berntsen1991adaptive; they are
+/// estimates, not bounds.
 namespace posemix {
 
 /// A peak or a mixture of peaks on SO(3); both convert.
