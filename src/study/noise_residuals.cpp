@@ -35,7 +35,7 @@ ResidualSet read_pair(const NoiseStudySettings& settings) {
 }  // namespace
 
 Vector6d detection_residual(const SE3d& truth, const SE3d& detected, NoiseFrame frame) {
-  const Vector6d residual = (truth.inverse() * detected).log();
+  Vector6d residual = (truth.inverse() * detected).log();
   if (frame == NoiseFrame::object) return residual;
   return SE3d(truth.rotation(), Eigen::Vector3d::Zero()).adjoint() * residual;
 }

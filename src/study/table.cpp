@@ -24,13 +24,18 @@ std::string quoted(const std::string& text) {
   return result + '"';
 }
 
-/// One cell as text, by the formatter of floating-point numbers.
+/// Cells as texts, by the formatter of floating-point numbers.
 template <class FormatDouble>
-std::string cell_text(const Cell& cell, const FormatDouble& format_double) {
-  if (const auto* number = std::get_if<double>(&cell)) return format_double(*number);
-  if (const auto* integer = std::get_if<std::int64_t>(&cell)) return fmt::format("{}", *integer);
-  if (const auto* text = std::get_if<std::string>(&cell)) return *text;
-  return {};
+std::vector<std::string> cell_texts(const std::vector<Cell>& row,
+                                    const FormatDouble& format_double) {
+  std::vector<std::string> texts(row.size());
+  std::transform(row.begin(), row.end(), texts.begin(), [&](const Cell& cell) -> std::string {
+    if (const auto* number = std::get_if<double>(&cell)) return format_double(*number);
+    if (const auto* integer = std::get_if<std::int64_t>(&cell)) return fmt::format("{}", *integer);
+    if (const auto* text = std::get_if<std::string>(&cell)) return *text;
+    return {};
+  });
+  return texts;
 }
 
 nlohmann::ordered_json cell_json(const Cell& cell) {
@@ -56,30 +61,23 @@ void StudyTable::add(std::vector<Cell> row) {
 }
 
 std::string StudyTable::csv() const {
-  const auto line = [](const std::vector<std::string>& cells) {
-    std::vector<std::string> parts;
-    for (const std::string& cell : cells) parts.push_back(quoted(cell));
-    return fmt::format("{}\n", fmt::join(parts, ","));
+  const auto line = [](std::vector<std::string> cells) {
+    std::transform(cells.begin(), cells.end(), cells.begin(), quoted);
+    return fmt::format("{}\n", fmt::join(cells, ","));
   };
   std::string result = line(columns_);
   for (const auto& row : rows_) {
-    std::vector<std::string> cells;
-    for (const Cell& cell : row) {
-      cells.push_back(cell_text(cell, [](double number) { return fmt::format("{}", number); }));
-    }
-    result += line(cells);
+    result += line(cell_texts(row, [](double number) { return fmt::format("{}", number); }));
   }
   return result;
 }
 
 std::string StudyTable::text(int digits) const {
-  std::vector<std::vector<std::string>> lines{columns_};
-  for (const auto& row : rows_) {
-    std::vector<std::string>& line = lines.emplace_back();
-    for (const Cell& cell : row) {
-      line.push_back(
-          cell_text(cell, [&](double number) { return fmt::format("{:.{}g}", number, digits); }));
-    }
+  std::vector<std::vector<std::string>> lines(1 + rows_.size());
+  lines[0] = columns_;
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    lines[i + 1] = cell_texts(
+        rows_[i], [digits](double number) { return fmt::format("{:.{}g}", number, digits); });
   }
   std::string result;
   for (const auto& line : lines) {

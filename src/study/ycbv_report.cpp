@@ -143,8 +143,9 @@ std::string text_of(const StudyTable& table) {
   }
   StudyTable result(names);
   for (const auto& row : table.rows()) {
-    std::vector<Cell> cells;
-    for (const std::size_t place : places) cells.push_back(row[place]);
+    std::vector<Cell> cells(places.size());
+    std::transform(places.begin(), places.end(), cells.begin(),
+                   [&row](std::size_t place) { return row[place]; });
     result.add(std::move(cells));
   }
   return result.text(4);
