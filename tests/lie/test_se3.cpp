@@ -72,15 +72,29 @@ TEST(SE3, CastsBetweenScalars) {
   EXPECT_TRUE(t.cast<float>().cast<double>().is_approx(t, 1e-6));
 }
 
-TEST(TwistMatrix, SandwichIsTheDenseProduct) {
+TEST(TwistMatrix, ProductsAreTheDenseOnes) {
+  using Dense = SE3d::TangentMatrix;
   const Vector6d xi = twist(Vector3d(0.3, -0.8, 0.2), Vector3d(2, 1, -1));
   const Vector6d eta = twist(Vector3d(-1, 0.1, 0.4), Vector3d(0, 3, 0.5));
   const auto left = SE3d::left_jacobian_blocks(xi);
   const auto right = SE3d::left_jacobian_inverse_blocks(eta);
-  SE3d::TangentMatrix p;
+  const Dense l = left.dense();
+  const Dense r = right.dense();
+  Dense p;
   for (Eigen::Index i = 0; i < p.size(); ++i) p(i) = static_cast<double>((7 * i) % 11) - 4;
-  const SE3d::TangentMatrix want = left.dense() * p * right.dense().transpose();
-  EXPECT_LE((left.sandwich(p, right) - want).norm(), 1e-13);
+  const auto expect_equal = [](const auto& got, const auto& want) {
+    EXPECT_LE((got - want).norm(), 1e-13);
+  };
+  expect_equal(left.sandwich(p, right), l * p * r.transpose());
+  expect_equal((left * right).dense(), l * r);
+  expect_equal(left.times(p), l * p);
+  expect_equal(left.times(xi), l * xi);
+  expect_equal(left.transpose_times(xi), l.transpose() * xi);
+  expect_equal(left.transpose_after(p), p * l.transpose());
+  const Dense symmetric = p + p.transpose();
+  const Dense congruent = left.congruence(symmetric);
+  expect_equal(congruent, l * symmetric * l.transpose());
+  EXPECT_EQ(congruent, congruent.transpose());
 }
 
 }  // namespace

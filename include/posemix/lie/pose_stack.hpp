@@ -224,7 +224,7 @@ typename PoseStack<S>::Tangent PoseStack<S>::adjoint_times(const Tangent& xi) co
   }
   Tangent result(dof());
   for (std::size_t i = 0; i < size(); ++i) {
-    result.template segment<Pose::Dof>(offset(i)) = poses_[i].adjoint() * part(xi, i);
+    result.template segment<Pose::Dof>(offset(i)) = poses_[i].adjoint_blocks().times(part(xi, i));
   }
   return result;
 }

@@ -65,8 +65,14 @@ class SE3 {
 
   /// [R 0; t^R R].
   Blocks adjoint_blocks() const {
-    const typename Blocks::Block r = rotation_.matrix();
-    return {r, Rotation::hat(translation_) * r};
+    Blocks m{rotation_.matrix(), {}};
+    const Vector3& t = translation_;
+    for (Eigen::Index j = 0; j < 3; ++j) {
+      m.b(0, j) = t.y() * m.a(2, j) - t.z() * m.a(1, j);
+      m.b(1, j) = t.z() * m.a(0, j) - t.x() * m.a(2, j);
+      m.b(2, j) = t.x() * m.a(1, j) - t.y() * m.a(0, j);
+    }
+    return m;
   }
   TangentMatrix adjoint() const { return adjoint_blocks().dense(); }
   /// Ad P Ad^T for a symmetric P.
@@ -143,15 +149,26 @@ template <typename S>
 SE3<S> SE3<S>::exp(const Tangent& xi) {
   const Vector3 phi = xi.template head<3>();
   const Vector3 rho = xi.template tail<3>();
-  return SE3(Rotation::exp(phi), Rotation::left_jacobian(phi) * rho);
+  const Scalar u = phi.squaredNorm();
+  const auto half = small_angle::cosine_and_sinc(Scalar(u / Scalar(4)));
+  // J_l rho = sinc rho + cosc phi x rho + rest phi phi^T rho by double-angle formulas. Cancellation
+  // in 1 - sinc leaves an error of the size of rounding in sinc rho, whatever the angle.
+  const Scalar sinc = half.sinc * half.cosine;
+  const Scalar cosc = half.sinc * half.sinc / Scalar(2);
+  const Scalar rest = u > Scalar(0) ? Scalar((Scalar(1) - sinc) / u) : Scalar(0);
+  const Vector3 translation = sinc * rho + cosc * phi.cross(rho) + (rest * phi.dot(rho)) * phi;
+  return SE3(Rotation::of_half_angle(half, phi), translation);
 }
 
 template <typename S>
 typename SE3<S>::Tangent SE3<S>::log() const {
+  // J_l^-1 = h cot h I - ratio v^ + rest v v^T, from the half angle h of the quaternion.
+  const typename Rotation::HalfAngle half = rotation_.half_angle();
+  const Vector3& t = translation_;
   Tangent xi;
-  const Vector3 phi = rotation_.log();
-  xi.template head<3>() = phi;
-  xi.template tail<3>() = Rotation::left_jacobian_inverse(phi) * translation_;
+  xi.template head<3>() = (Scalar(2) * half.ratio) * half.v;
+  xi.template tail<3>() = (half.ratio * half.w) * t - half.ratio * half.v.cross(t) +
+                          (half.rest * half.v.dot(t)) * half.v;
   return xi;
 }
 
@@ -187,17 +204,9 @@ TwistMatrix<S> SE3<S>::left_jacobian_blocks(const Tangent& xi) {
   const auto c = small_angle::jacobian_coefficients(u);
   const auto slope = small_angle::jacobian_coefficient_slopes(u, c);
   const Scalar du = Scalar(2) * phi.dot(rho);
-  const typename Blocks::Block phi_hat = Rotation::hat(phi);
-  const typename Blocks::Block phi_phi = phi * phi.transpose();
-  const typename Blocks::Block phi_rho = phi * rho.transpose();
-
-  Blocks j;
-  j.a = c.rest * phi_phi + c.cosc * phi_hat;
-  j.a.diagonal().array() += c.sinc;
-  j.b = c.cosc * Rotation::hat(rho) + c.rest * (phi_rho + phi_rho.transpose()) +
-        du * (slope.cosc * phi_hat + slope.rest * phi_phi);
-  j.b.diagonal().array() += du * slope.sinc;
-  return j;
+  return {hat_plus_symmetric<Scalar>(c.sinc, c.cosc * phi, phi, (c.rest / Scalar(2)) * phi),
+          hat_plus_symmetric<Scalar>(du * slope.sinc, c.cosc * rho + (du * slope.cosc) * phi, phi,
+                                     c.rest * rho + (du * slope.rest / Scalar(2)) * phi)};
 }
 
 template <typename S>
@@ -208,16 +217,9 @@ TwistMatrix<S> SE3<S>::left_jacobian_inverse_blocks(const Tangent& xi) {
   const auto c = small_angle::inverse_jacobian_coefficients(u);
   const auto slope = small_angle::inverse_jacobian_coefficient_slopes(u, c);
   const Scalar du = Scalar(2) * phi.dot(rho);
-  const typename Blocks::Block phi_phi = phi * phi.transpose();
-  const typename Blocks::Block phi_rho = phi * rho.transpose();
-
-  Blocks j;
-  j.a = c.rest * phi_phi - Rotation::hat(phi) / Scalar(2);
-  j.a.diagonal().array() += c.half_cot;
-  j.b = c.rest * (phi_rho + phi_rho.transpose()) + (du * slope.rest) * phi_phi -
-        Rotation::hat(rho) / Scalar(2);
-  j.b.diagonal().array() += du * slope.half_cot;
-  return j;
+  return {hat_plus_symmetric<Scalar>(c.half_cot, phi / Scalar(-2), phi, (c.rest / Scalar(2)) * phi),
+          hat_plus_symmetric<Scalar>(du * slope.half_cot, rho / Scalar(-2), phi,
+                                     c.rest * rho + (du * slope.rest / Scalar(2)) * phi)};
 }
 
 extern template class SE3<double>;

@@ -133,11 +133,20 @@ const CotangentSeries<Scalar>& cotangent_series() {
   }
 }
 
+/// The polynomial with these coefficients, lowest power first, by Estrin's scheme: pairs of terms,
+/// then pairs of pairs in u^2, so that few operations wait for each other.
 template <typename Scalar, std::size_t N>
-Scalar horner(const std::array<Scalar, N>& coefficients, const Scalar& u) {
-  Scalar sum = coefficients[N - 1];
-  for (std::size_t k = N - 1; k-- > 0;) sum = sum * u + coefficients[k];
-  return sum;
+Scalar polynomial(const std::array<Scalar, N>& coefficients, const Scalar& u) {
+  if constexpr (N == 1) {
+    return coefficients[0];
+  } else {
+    std::array<Scalar, (N + 1) / 2> pairs;
+    for (std::size_t k = 0; k < N / 2; ++k) {
+      pairs[k] = coefficients[2 * k] + coefficients[2 * k + 1] * u;
+    }
+    if constexpr (N % 2 == 1) pairs[N / 2] = coefficients[N - 1];
+    return polynomial(pairs, Scalar(u * u));
+  }
 }
 
 }  // namespace detail
@@ -147,15 +156,35 @@ template <typename Scalar>
 Scalar sinc(const Scalar& u) {
   using std::sin;
   using std::sqrt;
-  if (u < Scalar(kSeriesBelow)) return detail::horner(detail::sine_series<Scalar>().sinc, u);
+  if (u < Scalar(kSeriesBelow)) return detail::polynomial(detail::sine_series<Scalar>().sinc, u);
   const Scalar theta = sqrt(u);
   return sin(theta) / theta;
+}
+
+/// cos(theta) and sin(theta)/theta.
+template <typename Scalar>
+struct CosineAndSinc {
+  Scalar cosine;
+  Scalar sinc;
+};
+
+template <typename Scalar>
+CosineAndSinc<Scalar> cosine_and_sinc(const Scalar& u) {
+  using std::cos;
+  using std::sin;
+  using std::sqrt;
+  if (u < Scalar(kSeriesBelow)) {
+    const auto& series = detail::sine_series<Scalar>();
+    return {Scalar(1) - u * detail::polynomial(series.cosc, u), detail::polynomial(series.sinc, u)};
+  }
+  const Scalar theta = sqrt(u);
+  return {cos(theta), sin(theta) / theta};
 }
 
 /// (1 - sin(theta)/theta)/u.
 template <typename Scalar>
 Scalar sinc_rest(const Scalar& u) {
-  if (u < Scalar(kSeriesBelow)) return detail::horner(detail::sine_series<Scalar>().rest, u);
+  if (u < Scalar(kSeriesBelow)) return detail::polynomial(detail::sine_series<Scalar>().rest, u);
   return (Scalar(1) - sinc(u)) / u;
 }
 
@@ -173,8 +202,8 @@ JacobianCoefficients<Scalar> jacobian_coefficients(const Scalar& u) {
   using std::sqrt;
   if (u < Scalar(kSeriesBelow)) {
     const auto& series = detail::sine_series<Scalar>();
-    return {detail::horner(series.sinc, u), detail::horner(series.cosc, u),
-            detail::horner(series.rest, u)};
+    const Scalar rest = detail::polynomial(series.rest, u);
+    return {Scalar(1) - u * rest, detail::polynomial(series.cosc, u), rest};
   }
   const Scalar theta = sqrt(u);
   const Scalar half_sine = sin(theta / Scalar(2));
@@ -189,7 +218,7 @@ JacobianCoefficients<Scalar> jacobian_coefficient_slopes(
   const Scalar d_sinc = (value.rest - value.cosc) / Scalar(2);
   if (u < Scalar(kSeriesBelow)) {
     const auto& series = detail::sine_series<Scalar>();
-    return {d_sinc, detail::horner(series.d_cosc, u), detail::horner(series.d_rest, u)};
+    return {d_sinc, detail::polynomial(series.d_cosc, u), detail::polynomial(series.d_rest, u)};
   }
   const Scalar twice_u = Scalar(2) * u;
   return {d_sinc, (value.sinc - Scalar(2) * value.cosc) / twice_u,
@@ -210,7 +239,7 @@ InverseJacobianCoefficients<Scalar> inverse_jacobian_coefficients(const Scalar& 
   using std::sin;
   using std::sqrt;
   if (u < Scalar(kSeriesBelow)) {
-    const Scalar rest = detail::horner(detail::cotangent_series<Scalar>().rest, u);
+    const Scalar rest = detail::polynomial(detail::cotangent_series<Scalar>().rest, u);
     return {Scalar(1) - u * rest, rest};
   }
   const Scalar half = sqrt(u) / Scalar(2);
@@ -223,7 +252,7 @@ template <typename Scalar>
 InverseJacobianCoefficients<Scalar> inverse_jacobian_coefficient_slopes(
     const Scalar& u, const InverseJacobianCoefficients<Scalar>& value) {
   if (u < Scalar(kSeriesBelow)) {
-    const Scalar d_rest = detail::horner(detail::cotangent_series<Scalar>().d_rest, u);
+    const Scalar d_rest = detail::polynomial(detail::cotangent_series<Scalar>().d_rest, u);
     return {-value.rest - u * d_rest, d_rest};
   }
   const Scalar& h = value.half_cot;

@@ -16,6 +16,9 @@
 
 namespace posemix {
 
+template <typename S>
+class SE3;
+
 /// Rotations of three-space. Tangent: rotation vector phi in radians.
 ///
 /// Invariants:
@@ -117,6 +120,20 @@ class SO3 {
   }
 
  private:
+  template <typename>
+  friend class SE3;
+
+  /// The quaternion with w >= 0 and what Log needs of it, h = theta/2 being half of the angle.
+  struct HalfAngle {
+    Vector3 v;
+    Scalar w;
+    Scalar ratio;  ///< h / |v|: Log = 2 ratio v
+    Scalar rest;   ///< (1 - h cot h) / |v|^2, or zero where |v|^2 underflows
+  };
+  HalfAngle half_angle() const;
+  /// Exp(phi) from cos(h) and sin(h)/h.
+  static SO3 of_half_angle(const small_angle::CosineAndSinc<Scalar>& half, const Tangent& phi);
+
   explicit SO3(const Quaternion& unit) : q_(unit) {}
 
   /// One Newton step towards |q| = 1.
@@ -170,33 +187,46 @@ SO3<S> SO3<S>::from_matrix(const Matrix& r, const Scalar& tol) {
 
 template <typename S>
 SO3<S> SO3<S>::exp(const Tangent& phi) {
-  using std::cos;
-  using std::sqrt;
-  const Scalar quarter_u = phi.squaredNorm() / Scalar(4);
-  const Scalar half_sinc = small_angle::sinc(quarter_u) / Scalar(2);
-  return SO3(renormalised(Quaternion(cos(Scalar(sqrt(quarter_u))), half_sinc * phi.x(),
-                                     half_sinc * phi.y(), half_sinc * phi.z())));
+  return of_half_angle(small_angle::cosine_and_sinc(Scalar(phi.squaredNorm() / Scalar(4))), phi);
+}
+
+template <typename S>
+SO3<S> SO3<S>::of_half_angle(const small_angle::CosineAndSinc<Scalar>& half, const Tangent& phi) {
+  const Scalar scale = half.sinc / Scalar(2);
+  return SO3(
+      renormalised(Quaternion(half.cosine, scale * phi.x(), scale * phi.y(), scale * phi.z())));
 }
 
 template <typename S>
 typename SO3<S>::Tangent SO3<S>::log() const {
+  const HalfAngle half = half_angle();
+  return (Scalar(2) * half.ratio) * half.v;
+}
+
+template <typename S>
+typename SO3<S>::HalfAngle SO3<S>::half_angle() const {
   using std::atan2;
   using std::sqrt;
-  Tangent v = q_.vec();
-  Scalar w = q_.w();
+  HalfAngle half{q_.vec(), q_.w(), Scalar(0), Scalar(0)};
+  const Tangent& v = half.v;
   const Scalar zero(0);
   const bool negative_axis =
       v.x() < zero || (v.x() == zero && (v.y() < zero || (v.y() == zero && v.z() < zero)));
-  if (w < zero || (w == zero && negative_axis)) {
-    v = -v;
-    w = -w;
+  if (half.w < zero || (half.w == zero && negative_axis)) {
+    half.v = -half.v;
+    half.w = -half.w;
   }
   const Scalar n2 = v.squaredNorm();
   const Scalar underflow =
       std::numeric_limits<Scalar>::min() / std::numeric_limits<Scalar>::epsilon();
-  if (n2 < underflow) return v * (Scalar(2) / w);
-  const Scalar n = sqrt(n2);
-  return v * Scalar(Scalar(2) * atan2(n, w) / n);
+  if (n2 < underflow) {
+    half.ratio = Scalar(1) / half.w;
+  } else {
+    const Scalar n = sqrt(n2);
+    half.ratio = atan2(n, half.w) / n;
+    half.rest = (Scalar(1) - half.ratio * half.w) / n2;
+  }
+  return half;
 }
 
 template <typename S>
@@ -223,17 +253,13 @@ typename SO3<S>::Tangent SO3<S>::vee(const Matrix& m) {
 template <typename S>
 typename SO3<S>::TangentMatrix SO3<S>::left_jacobian(const Tangent& phi) {
   const auto c = small_angle::jacobian_coefficients(Scalar(phi.squaredNorm()));
-  TangentMatrix j = c.rest * phi * phi.transpose() + c.cosc * hat(phi);
-  j.diagonal().array() += c.sinc;
-  return j;
+  return hat_plus_symmetric<Scalar>(c.sinc, c.cosc * phi, phi, (c.rest / Scalar(2)) * phi);
 }
 
 template <typename S>
 typename SO3<S>::TangentMatrix SO3<S>::left_jacobian_inverse(const Tangent& phi) {
   const auto c = small_angle::inverse_jacobian_coefficients(Scalar(phi.squaredNorm()));
-  TangentMatrix j = c.rest * phi * phi.transpose() - hat(phi) / Scalar(2);
-  j.diagonal().array() += c.half_cot;
-  return j;
+  return hat_plus_symmetric<Scalar>(c.half_cot, phi / Scalar(-2), phi, (c.rest / Scalar(2)) * phi);
 }
 
 extern template class SO3<double>;

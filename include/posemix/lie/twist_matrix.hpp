@@ -6,12 +6,37 @@
 
 namespace posemix {
 
+/// Replaces the strict lower triangle of the square matrix `m` by the mirrored upper one.
+template <typename Derived>
+void mirror_upper_in_place(Eigen::MatrixBase<Derived>& m) {
+  for (Eigen::Index column = 0; column < m.cols(); ++column) {
+    for (Eigen::Index row = column + 1; row < m.rows(); ++row) m(row, column) = m(column, row);
+  }
+}
+
 /// `m` with its strict lower triangle replaced by the mirrored upper one.
 template <typename Derived>
 typename Derived::PlainObject mirror_upper(const Eigen::MatrixBase<Derived>& m) {
   typename Derived::PlainObject full = m;
-  full.template triangularView<Eigen::StrictlyLower>() = full.transpose();
+  mirror_upper_in_place(full);
   return full;
+}
+
+/// d I + w^ + p q^T + q p^T: the shape of every 3x3 block of a Jacobian. Written out, because the
+/// compiler keeps the entries in registers then.
+template <typename Scalar>
+Eigen::Matrix<Scalar, 3, 3> hat_plus_symmetric(const Scalar& d,
+                                               const Eigen::Matrix<Scalar, 3, 1>& w,
+                                               const Eigen::Matrix<Scalar, 3, 1>& p,
+                                               const Eigen::Matrix<Scalar, 3, 1>& q) {
+  const Scalar xy = p.x() * q.y() + p.y() * q.x();
+  const Scalar xz = p.x() * q.z() + p.z() * q.x();
+  const Scalar yz = p.y() * q.z() + p.z() * q.y();
+  Eigen::Matrix<Scalar, 3, 3> m;
+  m << d + Scalar(2) * p.x() * q.x(), xy - w.z(), xz + w.y(),  //
+      xy + w.z(), d + Scalar(2) * p.y() * q.y(), yz - w.x(),   //
+      xz - w.y(), yz + w.x(), d + Scalar(2) * p.z() * q.z();
+  return m;
 }
 
 /// The 6x6 matrix [a 0; b a] in tangent order [phi; rho]: the shape of every Adjoint and Jacobian
@@ -20,6 +45,7 @@ template <typename Scalar>
 struct TwistMatrix {
   using Block = Eigen::Matrix<Scalar, 3, 3>;
   using Dense = Eigen::Matrix<Scalar, 6, 6>;
+  using Tangent = Eigen::Matrix<Scalar, 6, 1>;
 
   Block a;
   Block b;
@@ -31,6 +57,11 @@ struct TwistMatrix {
     m.template bottomLeftCorner<3, 3>() = b;
     m.template bottomRightCorner<3, 3>() = a;
     return m;
+  }
+
+  /// The product, in three 3x3 products.
+  TwistMatrix operator*(const TwistMatrix& right) const {
+    return {a * right.a, b * right.a + a * right.b};
   }
 
   /// this * p * right^T for a 6x6 block p, in twelve 3x3 products.
@@ -49,8 +80,61 @@ struct TwistMatrix {
     return m;
   }
 
-  /// this * p * this^T for a symmetric p; the result is exactly symmetric.
-  Dense congruence(const Dense& p) const { return mirror_upper(sandwich(p, *this)); }
+  /// this * p * this^T for a symmetric p, in nine 3x3 products; the result is exactly symmetric.
+  Dense congruence(const Dense& p) const {
+    const Block left = p.template topLeftCorner<3, 3>() * a.transpose();
+    const Columns right = times_b_a_transpose(p);
+    Dense m;
+    m.template topLeftCorner<3, 3>() = a.lazyProduct(left);
+    m.template topRightCorner<3, 3>() = a.lazyProduct(right.template topRows<3>());
+    m.template bottomRightCorner<3, 3>() =
+        b.lazyProduct(right.template topRows<3>()) + a.lazyProduct(right.template bottomRows<3>());
+    mirror_upper_in_place(m);
+    return m;
+  }
+
+  /// this * p.
+  Dense times(const Dense& p) const {
+    Dense m;
+    m.template topRows<3>() = a.lazyProduct(p.template topRows<3>());
+    m.template bottomRows<3>() =
+        b.lazyProduct(p.template topRows<3>()) + a.lazyProduct(p.template bottomRows<3>());
+    return m;
+  }
+
+  Tangent times(const Tangent& x) const {
+    Tangent y;
+    y.template head<3>() = a * x.template head<3>();
+    y.template tail<3>() = b * x.template head<3>() + a * x.template tail<3>();
+    return y;
+  }
+
+  /// this^T * x.
+  Tangent transpose_times(const Tangent& x) const {
+    Tangent y;
+    y.template head<3>() =
+        a.transpose() * x.template head<3>() + b.transpose() * x.template tail<3>();
+    y.template tail<3>() = a.transpose() * x.template tail<3>();
+    return y;
+  }
+
+  /// p * this^T.
+  Dense transpose_after(const Dense& p) const {
+    Dense m;
+    m.template leftCols<3>() = p.template leftCols<3>().lazyProduct(a.transpose());
+    m.template rightCols<3>() = times_b_a_transpose(p);
+    return m;
+  }
+
+ private:
+  using Columns = Eigen::Matrix<Scalar, 6, 3>;
+
+  /// The last three columns of p * this^T. Lazy products are fused into one loop without
+  /// temporaries.
+  Columns times_b_a_transpose(const Dense& p) const {
+    return p.template leftCols<3>().lazyProduct(b.transpose()) +
+           p.template rightCols<3>().lazyProduct(a.transpose());
+  }
 };
 
 }  // namespace posemix
