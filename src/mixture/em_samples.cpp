@@ -49,9 +49,11 @@ enum LogRow { kXi = 0, kSinc = 6, kRest = 7, kSlope = 8, kLogRows = 9 };
 
 /// Log of sample * m for `count` samples whose coordinate j lies at sample + j * stride; row j of
 /// the result begins at out + j * kEmBlock, a constant so that rows are seen not to overlap.
-POSEMIX_VECTOR_VARIANTS
-void log_of_products(const double* __restrict sample, Eigen::Index stride, const double* m,
-                     Eigen::Index count, double* __restrict out) {
+/// In one piece, because a loop is turned into vector instructions as a whole or not at all.
+// NOLINTNEXTLINE(readability-function-size)
+POSEMIX_VECTOR_VARIANTS void log_of_products(const double* __restrict sample, Eigen::Index stride,
+                                             const double* m, Eigen::Index count,
+                                             double* __restrict out) {
   constexpr Eigen::Index kStride = kEmBlock;
   const double mx = m[0], my = m[1], mz = m[2], mw = m[3], cx = m[4], cy = m[5], cz = m[6];
   for (Eigen::Index i = 0; i < count; ++i) {
