@@ -43,8 +43,8 @@ std::vector<Item> make_items(const YcbvStudySettings& settings,
                              const std::vector<Recording>& recordings) {
   std::vector<Item> items;
   const auto names = settings.methods.empty() ? ycbv_methods() : settings.methods;
-  std::vector<YcbvMethod> methods;
-  for (const std::string& name : names) methods.push_back(find_ycbv_method(name));
+  std::vector<YcbvMethod> methods(names.size());
+  std::transform(names.begin(), names.end(), methods.begin(), find_ycbv_method);
   for (const Recording& recording : recordings) {
     for (const YcbvMethod& method : methods) {
       if (method.fits(recording)) items.push_back({recording, method});
