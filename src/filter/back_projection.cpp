@@ -17,7 +17,8 @@ using Eigen::MatrixXd;
 struct Link {
   std::size_t pose;
   std::size_t parent;
-  Matrix6d reset = Matrix6d::Identity();  ///< M_k, or J_l(xi_k) without a parent
+  TwistMatrix<double> reset{Eigen::Matrix3d::Identity(),
+                            Eigen::Matrix3d::Zero()};  ///< M_k, or J_l(xi_k) without a parent
 
   bool has_parent() const { return parent != pose; }
 };
@@ -46,15 +47,15 @@ void move(const PoseStackd& mean, const Eigen::VectorXd& xi, Link& link, PoseSta
   const Vector6d xi_k = segment(xi, link.pose);
   if (!link.has_parent()) {
     moved[link.pose] = SE3d::exp(xi_k) * before;
-    link.reset = SE3d::left_jacobian(xi_k);
+    link.reset = SE3d::left_jacobian_blocks(xi_k);
     return;
   }
   const SE3d to_parent = mean[link.parent].inverse();
-  const Matrix6d adjoint = to_parent.adjoint();
-  const Vector6d zeta = adjoint * (xi_k - segment(xi, link.parent));
+  const TwistMatrix<double> adjoint = to_parent.adjoint_blocks();
+  const Vector6d zeta = adjoint.times(Vector6d(xi_k - segment(xi, link.parent)));
   const SE3d& parent = moved[link.parent];
   moved[link.pose] = parent * SE3d::exp(zeta) * (to_parent * before);
-  link.reset.noalias() = (parent.adjoint() * SE3d::left_jacobian(zeta)) * adjoint;
+  link.reset = parent.adjoint_blocks() * SE3d::left_jacobian_blocks(zeta) * adjoint;
 }
 
 /// The rows of L P: children give up their parents' share, are reset, and get it back.
@@ -65,8 +66,7 @@ void reset_rows(const std::vector<Link>& links, MatrixXd& p) {
   const auto poses = links.size();
   for (const Link& link : links) {
     for (std::size_t column = 0; column < poses; ++column) {
-      const Matrix6d before = block(p, link.pose, column);
-      block(p, link.pose, column).noalias() = link.reset * before;
+      block(p, link.pose, column) = link.reset.times(Matrix6d(block(p, link.pose, column)));
     }
     if (link.has_parent()) rows(p, link.pose) += rows(p, link.parent);
   }

@@ -16,16 +16,17 @@ RelativePrior<Dim>::RelativePrior(const Hypothesis& prior, std::span<const Detec
   for (std::size_t j = 0; j < detections.size(); ++j) {
     const Detection& detection = detections[j];
     const SE3d inverse = prior.mean()[detection.object].inverse();
-    poses.push_back({detection.object, inverse * prior.mean()[kCamera], inverse.adjoint(),
+    const Eigen::LLT<Matrix6d> noise_factor(noise[j]->covariance);
+    poses.push_back({detection.object, inverse * prior.mean()[kCamera], inverse.adjoint_blocks(),
                      without_offset(detection, *noise[j]), noise[j],
-                     Eigen::LLT<Matrix6d>(noise[j]->covariance)});
+                     noise_factor.matrixL().solve(Matrix6d::Identity())});
   }
   cross = times_dt(prior.covariance());
   covariance.resize(size(), size());
   for (std::size_t i = 0; i < poses.size(); ++i) {
     for (std::size_t j = 0; j < poses.size(); ++j) {
       const Matrix6d difference = block(cross, kCamera, j) - block(cross, poses[i].object, j);
-      block(covariance, i, j).noalias() = poses[i].to_object * difference;
+      block(covariance, i, j) = poses[i].to_object.times(difference);
     }
   }
   symmetrize(covariance);
@@ -38,7 +39,7 @@ Tall<Dim> RelativePrior<Dim>::times_dt(const Eigen::MatrixXd& matrix) const {
   for (std::size_t j = 0; j < poses.size(); ++j) {
     for (std::size_t k = 0; k < static_cast<std::size_t>(matrix.rows() / kPoseDof); ++k) {
       const Matrix6d difference = block(matrix, k, kCamera) - block(matrix, k, poses[j].object);
-      block(result, k, j).noalias() = difference * poses[j].to_object.transpose();
+      block(result, k, j) = poses[j].to_object.transpose_after(difference);
     }
   }
   return result;
@@ -50,77 +51,116 @@ template <int Dim>
 class RelativeEstimator {
  public:
   explicit RelativeEstimator(const RelativePrior<Dim>& prior)
-      : prior_(prior), at_(iterate(Vector<Dim>::Zero(prior.size()))) {
+      : prior_(prior), parts_(prior.poses.size()) {
     p_mt_.resize(prior.size(), prior.size());
-    m_.resize(prior.poses.size());
+    for (std::size_t j = 0; j < parts_.size(); ++j) {
+      set_noise(j, noise_axes(*prior.poses[j].component, prior.poses[j].mean.rotation(), SE3d()));
+    }
   }
 
   RelativePosterior<Dim> solve(const IteratedUpdateSettings& settings) {
+    const Vector<Dim> zero = Vector<Dim>::Zero(prior_.size());
+    at_ = iterate(zero, zero);
     if (prior_.factor.info() != Eigen::Success || !linearize()) return failure();
     for (int iteration = 0; iteration < settings.max_iterations; ++iteration) {
-      // zeta <- -K (n - M zeta), the step shortened until the cost does not rise.
-      Vector<Dim> step = -at_.zeta - p_mt_ * innovation_.solve(at_.n - m_times(at_.zeta));
-      Iterate next = iterate(at_.zeta + step);
-      for (int half = 0; half < 8 && next.cost > at_.cost * (1.0 + 1e-12); ++half) {
-        step *= 0.5;
-        next = iterate(at_.zeta + step);
-      }
-      at_ = std::move(next);
+      const double moved = step();
       if (!linearize()) return failure();
-      if (step.norm() < settings.tolerance) break;
+      if (moved < settings.tolerance) break;
     }
     const auto size = static_cast<double>(prior_.size());
     return {at_.zeta, posterior_covariance(),
-            -0.5 * (at_.cost + log_det(innovation_) + size * kLogTwoPi), true};
+            -0.5 * (cost(at_) + log_det(innovation_) + size * kLogTwoPi), true};
   }
 
  private:
-  /// A value of zeta and what the cost there needs.
   struct Iterate {
     Vector<Dim> zeta;
-    Vector<Dim> n;      ///< Log(Z_j detected_j)
-    Square<Dim> noise;  ///< R, block by block
-    double cost;        ///< zeta^T P^-1 zeta + n^T R^-1 n
+    Vector<Dim> information;  ///< P^-1 zeta
+    Vector<Dim> n;            ///< Log(Z_j detected_j)
   };
 
-  Iterate iterate(const Vector<Dim>& zeta) const {
-    const Eigen::Index size = prior_.size();
-    Iterate next{zeta, Vector<Dim>(size), Square<Dim>::Zero(size, size), 0.0};
-    next.cost = prior_.factor.matrixL().solve(zeta).squaredNorm();
-    for (std::size_t j = 0; j < prior_.poses.size(); ++j) {
+  /// What the detection of one relative pose says around an iterate.
+  struct Linearization {
+    TwistMatrix<double> m;  ///< dn/dzeta
+    Matrix6d noise;         ///< R
+    Matrix6d whitener;      ///< W with W^T W = R^-1
+  };
+
+  Iterate iterate(const Vector<Dim>& zeta, const Vector<Dim>& information) const {
+    Iterate next{zeta, information, Vector<Dim>(zeta.size())};
+    for (std::size_t j = 0; j < parts_.size(); ++j) {
       const RelativePose& pose = prior_.poses[j];
-      const SE3d z = SE3d::exp(segment(zeta, j)) * pose.mean;
-      const Vector6d n = (z * pose.detected).log();
-      const SE3d axes = noise_axes(*pose.component, z.rotation(), SE3d());
-      const Vector6d in_axes = axes.inverse().adjoint() * n;
-      segment(next.n, j) = n;
-      block(next.noise, j, j) = axes.adjoint_congruence(pose.component->covariance);
-      next.cost += pose.noise_factor.matrixL().solve(in_axes).squaredNorm();
+      segment(next.n, j) = (SE3d::exp(segment(zeta, j)) * pose.mean * pose.detected).log();
     }
     return next;
   }
 
-  /// M, P M^T and the factor of S = M P M^T + R at the current iterate, M the derivative of n by
-  /// zeta, M_j = J_l^-1(n_j) J_l(zeta_j); false when S is not positive definite.
-  bool linearize() {
-    for (std::size_t j = 0; j < m_.size(); ++j) {
-      m_[j].noalias() = SE3d::left_jacobian_inverse(segment(at_.n, j)) *
-                        SE3d::left_jacobian(segment(at_.zeta, j));
-      columns(p_mt_, j).noalias() = columns(prior_.covariance, j) * m_[j].transpose();
+  /// zeta^T P^-1 zeta + n^T R^-1 n with R as it lies where the linearization is.
+  double cost(const Iterate& x) const {
+    double sum = x.zeta.dot(x.information);
+    for (std::size_t j = 0; j < parts_.size(); ++j) {
+      sum += (parts_[j].whitener * segment(x.n, j)).squaredNorm();
     }
-    Square<Dim> s = at_.noise;
-    for (std::size_t j = 0; j < m_.size(); ++j) rows(s, j).noalias() += m_[j] * rows(p_mt_, j);
-    symmetrize(s);
-    innovation_.compute(s);
-    return innovation_.info() == Eigen::Success;
+    return sum;
   }
 
-  Vector<Dim> m_times(const Vector<Dim>& zeta) const {
-    Vector<Dim> result(zeta.size());
-    for (std::size_t j = 0; j < m_.size(); ++j) {
-      segment(result, j).noalias() = m_[j] * segment(zeta, j);
+  /// zeta <- -K (n - M zeta), the step halved while the cost rises with R held fixed. Returns the
+  /// length of the step.
+  double step() {
+    Vector<Dim> target = at_.n;
+    for (std::size_t j = 0; j < parts_.size(); ++j) {
+      segment(target, j) -= parts_[j].m.times(Vector6d(segment(at_.zeta, j)));
     }
-    return result;
+    const Vector<Dim> y = innovation_.solve(target);
+    Vector<Dim> change = -at_.zeta - p_mt_ * y;
+    Vector<Dim> information_change = -at_.information;
+    for (std::size_t j = 0; j < parts_.size(); ++j) {
+      segment(information_change, j) -= parts_[j].m.transpose_times(segment(y, j));
+    }
+    const double highest = cost(at_) * (1.0 + 1e-12);
+    Iterate next = iterate(at_.zeta + change, at_.information + information_change);
+    for (int half = 0; half < kMaxHalvings && cost(next) > highest; ++half) {
+      change *= 0.5;
+      information_change *= 0.5;
+      next = iterate(at_.zeta + change, at_.information + information_change);
+    }
+    at_ = std::move(next);
+    return change.norm();
+  }
+
+  /// R of one detection for the pose of the axes in which its noise is stated.
+  void set_noise(std::size_t j, const SE3d& axes) {
+    const RelativePose& pose = prior_.poses[j];
+    parts_[j].noise = axes.adjoint_congruence(pose.component->covariance);
+    parts_[j].whitener.noalias() = pose.whitener * axes.inverse().adjoint();
+  }
+
+  /// M, R, P M^T and the factor of S = M P M^T + R at the current iterate, M the derivative of n by
+  /// zeta, M_j = J_l^-1(n_j) J_l(zeta_j); false when S is not positive definite.
+  bool linearize() {
+    Square<Dim> s(prior_.size(), prior_.size());
+    for (std::size_t j = 0; j < parts_.size(); ++j) {
+      const Vector6d zeta = segment(at_.zeta, j);
+      const RelativePose& pose = prior_.poses[j];
+      if (pose.component->frame == NoiseFrame::camera) {
+        const SO3d camera = SO3d::exp(zeta.head<3>()) * pose.mean.rotation();
+        set_noise(j, noise_axes(*pose.component, camera, SE3d()));
+      }
+      parts_[j].m =
+          SE3d::left_jacobian_inverse_blocks(segment(at_.n, j)) * SE3d::left_jacobian_blocks(zeta);
+      for (std::size_t i = 0; i < parts_.size(); ++i) {
+        block(p_mt_, i, j) = parts_[j].m.transpose_after(block(prior_.covariance, i, j));
+      }
+    }
+    // The factorization reads the lower triangle only.
+    for (std::size_t j = 0; j < parts_.size(); ++j) {
+      for (std::size_t i = j; i < parts_.size(); ++i) {
+        block(s, i, j) = parts_[i].m.times(Matrix6d(block(p_mt_, i, j)));
+      }
+      block(s, j, j) += parts_[j].noise;
+    }
+    innovation_.compute(s);
+    return innovation_.info() == Eigen::Success;
   }
 
   /// Joseph's form, (I - K M) P (I - K M)^T + K R K^T.
@@ -128,9 +168,13 @@ class RelativeEstimator {
     const Tall<Dim> gain = times_inverse<Dim>(p_mt_, innovation_);
     Square<Dim> covariance = prior_.covariance;
     covariance.noalias() -= gain * p_mt_.transpose();
-    Square<Dim> rest = gain * at_.noise;
-    for (std::size_t j = 0; j < m_.size(); ++j) {
-      columns(rest, j).noalias() -= columns(covariance, j) * m_[j].transpose();
+    Square<Dim> rest(prior_.size(), prior_.size());
+    for (std::size_t j = 0; j < parts_.size(); ++j) {
+      for (std::size_t i = 0; i < parts_.size(); ++i) {
+        Matrix6d difference = -parts_[j].m.transpose_after(block(covariance, i, j));
+        difference.noalias() += block(gain, i, j) * parts_[j].noise;
+        block(rest, i, j) = difference;
+      }
     }
     covariance.noalias() += rest * gain.transpose();
     symmetrize(covariance);
@@ -141,10 +185,12 @@ class RelativeEstimator {
     return {at_.zeta, prior_.covariance, -std::numeric_limits<double>::infinity(), false};
   }
 
+  static constexpr int kMaxHalvings = 8;
+
   const RelativePrior<Dim>& prior_;
   Iterate at_;
-  std::vector<Matrix6d> m_;  ///< M, block by block
-  Square<Dim> p_mt_;         ///< P M^T
+  std::vector<Linearization> parts_;
+  Square<Dim> p_mt_;  ///< P M^T
   Eigen::LLT<Square<Dim>> innovation_;
 };
 

@@ -16,10 +16,10 @@ namespace posemix::internal {
 struct RelativePose {
   std::size_t object;
   SE3d mean;
-  Matrix6d to_object;  ///< Ad(T_o^-1)
-  SE3d detected;       ///< Y offset^-1
+  TwistMatrix<double> to_object;  ///< Ad(T_o^-1)
+  SE3d detected;                  ///< Y offset^-1
   const NoiseComponent* component;
-  Eigen::LLT<Matrix6d> noise_factor;  ///< of the component's covariance, in its own axes
+  Matrix6d whitener;  ///< L^-1 for the component's covariance L L^T, in its own axes
 };
 
 /// The prior of the relative poses, zeta_j = Ad(T_j^-1) (xi_R - xi_j) =: (D xi)_j.
@@ -48,7 +48,8 @@ struct RelativePosterior {
   bool ok;
 };
 
-/// Gauss-Newton on zeta^T P^-1 zeta + n^T R^-1 n.
+/// Gauss-Newton on zeta^T P^-1 zeta + n^T R^-1 n, R as it lies at each iterate: the solution is
+/// where P^-1 zeta + M^T R^-1 n = 0.
 template <int Dim>
 RelativePosterior<Dim> estimate(const RelativePrior<Dim>& prior,
                                 const IteratedUpdateSettings& settings);

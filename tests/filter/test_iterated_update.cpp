@@ -210,6 +210,26 @@ TEST(IteratedUpdate, NoiseAlongCameraAxesAgreesWithTheLinearizedUpdateToFirstOrd
   EXPECT_TRUE(iterated.posterior.covariance().isApprox(once.posterior.covariance(), 1e-4));
 }
 
+TEST(IteratedUpdate, NoiseAlongCameraAxesHasOneSolutionHoweverFarItIsIterated) {
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    RandomStream stream(9, seed);
+    const Hypothesis prior(three_poses(), 36.0 * correlated_covariance(3, stream));
+    const Matrix6d r = pose_covariance({radians(3.0), radians(3.0), radians(15.0)},  //
+                                       {0.01, 0.01, 0.15});
+    const SE3d error = SE3d::exp(draw(isotropic(20.0, 0.15), stream));
+    const TwoDetections seen(prior.mean(), error, DetectorNoise({{1.0, r, NoiseFrame::camera}}));
+    const auto solve = [&](double tolerance) {
+      return iterated_update(prior, seen.detections, seen.components, 1, {400, tolerance});
+    };
+    const UpdateResult loose = solve(1e-7);
+    const UpdateResult tight = solve(1e-12);
+    ASSERT_TRUE(loose.ok && tight.ok);
+    EXPECT_TRUE(loose.posterior.mean().is_approx(tight.posterior.mean(), 1e-6)) << seed;
+    EXPECT_NEAR(loose.log_likelihood, tight.log_likelihood, 1e-5) << seed;
+    EXPECT_TRUE(loose.posterior.covariance().isApprox(tight.posterior.covariance(), 1e-5)) << seed;
+  }
+}
+
 TEST(IteratedUpdate, MotionInTheStateIsNoPartOfTheCommonMotion) {
   RandomStream stream(8);
   PoseStackd mean = three_poses();
