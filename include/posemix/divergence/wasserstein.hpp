@@ -68,7 +68,7 @@ double gaussian_wasserstein(const ConcentratedGaussian<G>& p, const Concentrated
   return std::sqrt(internal::squared_wasserstein(p, q, length_scale));
 }
 
-/// The mixture-Wasserstein distance MW2 \cite delon2020wasserstein: the square root of the least
+/// The mixture-Wasserstein distance MW2 (\cite delon2020wasserstein): the square root of the least
 /// cost of moving the weights of the components of p onto those of q, a move costing the W2^2 of
 /// the two peaks. An upper bound of W2 on R^n. The transport problem is solved exactly, with
 /// weights rounded to 2^-40 and costs to 2^-40 of the largest.
