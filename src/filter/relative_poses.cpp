@@ -9,6 +9,21 @@
 
 namespace posemix::internal {
 
+namespace {
+
+/// L^-1 of a Cholesky factorization L L^T, from the columns of its transpose: X L^T = I.
+Matrix6d inverse_of_factor(const Eigen::LLT<Matrix6d>& factor) {
+  const Matrix6d& l = factor.matrixLLT();
+  Matrix6d x = Matrix6d::Identity();
+  for (Eigen::Index j = 0; j < kPoseDof; ++j) {
+    for (Eigen::Index k = 0; k < j; ++k) x.col(j) -= x.col(k) * l(j, k);
+    x.col(j) /= l(j, j);
+  }
+  return x.transpose();
+}
+
+}  // namespace
+
 template <int Dim>
 RelativePrior<Dim>::RelativePrior(const Hypothesis& prior, std::span<const Detection> detections,
                                   std::span<const NoiseComponent* const> noise) {
@@ -19,7 +34,7 @@ RelativePrior<Dim>::RelativePrior(const Hypothesis& prior, std::span<const Detec
     const Eigen::LLT<Matrix6d> noise_factor(noise[j]->covariance);
     poses.push_back({detection.object, inverse * prior.mean()[kCamera], inverse.adjoint_blocks(),
                      without_offset(detection, *noise[j]), noise[j],
-                     noise_factor.matrixL().solve(Matrix6d::Identity())});
+                     inverse_of_factor(noise_factor)});
   }
   cross = times_dt(prior.covariance());
   covariance.resize(size(), size());
@@ -63,9 +78,9 @@ class RelativeEstimator {
     at_ = iterate(zero, zero);
     if (prior_.factor.info() != Eigen::Success || !linearize()) return failure();
     for (int iteration = 0; iteration < settings.max_iterations; ++iteration) {
-      const double moved = step();
+      // So close to the last linearization that a new one would say the same.
+      if (step() < settings.tolerance) break;
       if (!linearize()) return failure();
-      if (moved < settings.tolerance) break;
     }
     const auto size = static_cast<double>(prior_.size());
     return {at_.zeta, posterior_covariance(),
