@@ -80,7 +80,7 @@ struct TwistMatrix {
     return m;
   }
 
-  /// this * p * this^T for a symmetric p, in nine 3x3 products; the result is exactly symmetric.
+  /// this * p * this^T for a symmetric p, in eight 3x3 products; the result is exactly symmetric.
   Dense congruence(const Dense& p) const {
     const Block left = p.template topLeftCorner<3, 3>() * a.transpose();
     const Columns right = times_b_a_transpose(p);
