@@ -21,7 +21,8 @@ help:
 	@echo 'make test       build and run all tests, and the fuzz tests under sanitizers'
 	@echo 'make bench      build and run the benchmarks, results into build/bench'
 	@echo 'make format     format the sources'
-	@echo 'make lint       check format, include directions, scripts, and run clang-tidy'
+	@echo 'make lint       check format, include directions, scripts, and run clang-tidy; with TIDY_SINCE=COMMIT'
+	@echo '                clang-tidy only on the sources that have changed since'
 	@echo 'make docs       the reference pages, at build/docs/html/index.html'
 	@echo 'make coverage   line coverage of src/ and include/, at build/coverage/report/index.html'
 	@echo 'make install    install the program and the library under PREFIX ($(PREFIX))'
@@ -73,7 +74,8 @@ lint: build/.bootstrap-lint
 tidy: build/.bootstrap-lint
 	@test -f build/tidy/build.ninja || cmake --preset tidy
 	@cmake --build --preset tidy --target rebuild_cache >/dev/null
-	run-clang-tidy -quiet -j $(JOBS) -p build/tidy "$(CURDIR)/src/.*\.cpp$$"
+	@files=$$($(if $(TIDY_SINCE),git diff --name-only --diff-filter=d $(TIDY_SINCE) --,git ls-files) 'src/*.cpp'); \
+	if [ -n "$$files" ]; then run-clang-tidy -quiet -j $(JOBS) -p build/tidy $$files; fi
 
 docs: build/.bootstrap-docs
 	@mkdir -p build/docs

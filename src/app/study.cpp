@@ -105,7 +105,7 @@ fs::path journal_beside(const std::string& out) {
 
 /// Fails now rather than at the end where the results cannot be written.
 void check_output(const std::string& out, const fs::path& journal) {
-  OutputFolder{out};
+  { const OutputFolder writable(out); }
   std::error_code error;
   if (journal.has_parent_path()) fs::create_directories(journal.parent_path(), error);
 }

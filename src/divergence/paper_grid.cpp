@@ -118,7 +118,8 @@ PaperGridDivergence paper_grid_divergence(const RotationDensity& p, const Rotati
   for (int i = -reach; i <= reach; ++i) {
     for (int j = -reach; j <= reach; ++j) {
       for (int k = -reach; k <= reach; ++k) {
-        GridPoint point = shells[static_cast<std::size_t>(i * i + j * j + k * k)];
+        const int squared_radius = i * i + j * j + k * k;
+        GridPoint point = shells[static_cast<std::size_t>(squared_radius)];
         point.xi = step * Vector3d(i, j, k);
         add_point(p_peaks, q_peaks, point, sum);
       }

@@ -77,9 +77,10 @@ std::string draw_panels(std::string_view title, std::span<const Chart> charts, s
   legend.draw(svg, {kMargin, top - legend.height(width - 2 * kMargin), width - 2 * kMargin, 0});
   const double panel_width = width / static_cast<double>(columns);
   for (std::size_t i = 0; i < charts.size(); ++i) {
-    const SvgBox box{panel_width * static_cast<double>(i % columns),
-                     top + panel_height * static_cast<double>(i / columns), panel_width,
-                     panel_height};
+    const std::size_t row = i / columns;
+    const std::size_t column = i % columns;
+    const SvgBox box{panel_width * static_cast<double>(column),
+                     top + panel_height * static_cast<double>(row), panel_width, panel_height};
     draw_panel(svg, box, charts[i], legend);
   }
   return svg.str();

@@ -60,7 +60,8 @@ std::string difference(const Json& theirs, const Json& ours, const std::string& 
   }
   for (const auto& [key, value] : ours.items()) {
     const Json other = theirs.value(key, Json());
-    if (other != value) return difference(other, value, path.empty() ? key : path + "." + key);
+    if (other == value) continue;
+    return difference(other, value, path.empty() ? key : fmt::format("{}.{}", path, key));
   }
   return fmt::format("'{}' has other keys", path);
 }

@@ -143,7 +143,8 @@ std::string format_noise_toml(std::string_view name, const DetectorNoise& noise)
   return text + "]\n";
 }
 
-Study make_noise_study(std::vector<ResidualSet> residuals, const NoiseStudySettings& settings) {
+Study make_noise_study(const std::vector<ResidualSet>& residuals,
+                       const NoiseStudySettings& settings) {
   check(residuals, settings);
   const std::string text = settings_json(residuals, settings).dump();
   const auto groups = std::make_shared<const std::vector<NoiseGroup>>(noise_groups(residuals));

@@ -45,7 +45,7 @@ std::string truth_of(const Json& item) { return item["proxy"].get<bool>() ? "pro
 StudyTable axis_table(const std::vector<Json>& items) {
   std::vector<std::string> columns{"detector", "object", "truth", "recordings", "axis", "unit"};
   columns.insert(columns.end(), kAxisColumns.begin(), kAxisColumns.end());
-  columns.push_back("gross_errors");
+  columns.emplace_back("gross_errors");
   StudyTable table(columns);
   for (const Json& item : items) {
     for (std::size_t axis = 0; axis < 6; ++axis) {

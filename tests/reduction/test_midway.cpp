@@ -64,7 +64,8 @@ TYPED_TEST(MidwayOn, DistancesObeyTheTheorem) {
     const double scale = 1.0 + dx.norm();
     RC_ASSERT((dx_1 + w_2 / (w_1 + w_2) * dx).norm() < 1e-11 * scale);
     RC_ASSERT((dx_2 - w_1 / (w_1 + w_2) * dx).norm() < 1e-11 * scale);
-    RC_ASSERT(dx_1.squaredNorm() + dx_2.squaredNorm() <= dx.squaredNorm() * (1.0 + 1e-12));
+    const double rounding = 1e-14 * scale;
+    RC_ASSERT(std::hypot(dx_1.norm(), dx_2.norm()) <= dx.norm() * (1.0 + 1e-12) + rounding);
   });
 }
 

@@ -92,6 +92,7 @@ std::string format_noise_toml(std::string_view name, const DetectorNoise& noise)
 /// noise_NAME.toml with the chosen model and noise_NAME.svg with histograms.
 /// @throws InvalidInput for means that are free in the camera frame, and when an object has too few
 /// detections with a truth
-Study make_noise_study(std::vector<ResidualSet> residuals, const NoiseStudySettings& settings);
+Study make_noise_study(const std::vector<ResidualSet>& residuals,
+                       const NoiseStudySettings& settings);
 
 }  // namespace posemix
