@@ -60,9 +60,9 @@ void move(const PoseStackd& mean, const Eigen::VectorXd& xi, Link& link, PoseSta
 
 /// The rows of L P: children give up their parents' share, are reset, and get it back.
 void reset_rows(const std::vector<Link>& links, MatrixXd& p) {
-  for (auto link = links.rbegin(); link != links.rend(); ++link) {
-    if (link->has_parent()) rows(p, link->pose) -= rows(p, link->parent);
-  }
+  std::for_each(links.rbegin(), links.rend(), [&p](const Link& link) {
+    if (link.has_parent()) rows(p, link.pose) -= rows(p, link.parent);
+  });
   const auto poses = links.size();
   for (const Link& link : links) {
     for (std::size_t column = 0; column < poses; ++column) {
