@@ -10,7 +10,7 @@
 namespace {
 
 void one_run(benchmark::State& state, const char* method) {
-  posemix::MonteCarloSettings settings;
+  posemix::MonteCarloStudySettings settings;
   settings.methods = {method};
   for (auto _ : state) {
     benchmark::DoNotOptimize(posemix::run_monte_carlo(settings, 4.0, 0));

@@ -3,7 +3,6 @@
 #include "study.hpp"
 
 #include <array>
-#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -17,6 +16,7 @@
 #include "interrupt.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/io/output_folder.hpp"
+#include "posemix/io/sequence_file.hpp"
 #include "posemix/io/toml_table.hpp"
 #include "posemix/study/divergence.hpp"
 #include "posemix/study/monte_carlo.hpp"
@@ -51,11 +51,8 @@ struct StudyVerb {
   Study (*make)(const TomlTable& settings, const StudyOptions& options);
 };
 
-/// --data, the environment variable POSEMIX_DATA, or ../shared/data.
 fs::path data_folder(const StudyOptions& options) {
-  if (options.data) return *options.data;
-  const char* named = std::getenv("POSEMIX_DATA");
-  return named != nullptr && *named != '\0' ? named : "../shared/data";
+  return options.data ? fs::path(*options.data) : default_data_folder();
 }
 
 const std::array kStudies{
@@ -82,7 +79,7 @@ const std::array kStudies{
               "posemix study noise --out out/noise", true,
               [](const TomlTable& table, const StudyOptions& options) {
                 const NoiseStudySettings settings = read_noise_settings(table);
-                return make_noise_study(read_residuals(settings, data_folder(options)), settings);
+                return make_noise_study(read_residuals(settings, options.data), settings);
               }}};
 
 Study read_study(const StudyVerb& verb, const StudyOptions& options) {
@@ -143,7 +140,10 @@ int run_verb(const StudyVerb& verb, const StudyOptions& options) {
   if (!run) return kExitDone;
   guard.check();
   write_report(run->study.report(run->results), options);
-  fs::remove(journal);
+  std::error_code error;
+  if (!fs::remove(journal, error)) {
+    throw OutputError(fmt::format("{}: cannot be removed: {}", journal.string(), error.message()));
+  }
   return kExitDone;
 }
 

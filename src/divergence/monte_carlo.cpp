@@ -94,7 +94,7 @@ double stratum_mean(const Stratum<G>& stratum, std::size_t count, RandomStream& 
   return sum / static_cast<double>(count);
 }
 
-void check(Eigen::Index p, Eigen::Index q, const MonteCarloSettings& settings) {
+void check(Eigen::Index p, Eigen::Index q, const DivergenceSamplingSettings& settings) {
   if (p != q) throw InvalidInput(fmt::format("mixtures of {} and {} degrees of freedom", p, q));
   if (settings.replicates < 2 || settings.samples < settings.replicates) {
     throw InvalidInput(
@@ -108,7 +108,7 @@ template <LieGroup G>
 DivergenceEstimate sampled(const Mixture<ConcentratedGaussian<G>>& p,
                            const Mixture<ConcentratedGaussian<G>>& q, bool from_both,
                            internal::DensityFactor factor, RandomStream& stream,
-                           const MonteCarloSettings& settings) {
+                           const DivergenceSamplingSettings& settings) {
   check(p.dof(), q.dof(), settings);
   std::vector<Stratum<G>> strata;
   append_strata(p, from_both ? 0.5 : 1.0, strata);
@@ -142,7 +142,7 @@ DivergenceEstimate sampled(const Mixture<ConcentratedGaussian<G>>& p,
 template <LieGroup G>
 DivergenceEstimate kl_monte_carlo(const Mixture<ConcentratedGaussian<G>>& p,
                                   const Mixture<ConcentratedGaussian<G>>& q, RandomStream& stream,
-                                  const MonteCarloSettings& settings) {
+                                  const DivergenceSamplingSettings& settings) {
   return sampled(p, q, false, internal::log_ratio, stream, settings);
 }
 
@@ -150,21 +150,21 @@ template <LieGroup G>
 DivergenceEstimate symmetric_kl_monte_carlo(const Mixture<ConcentratedGaussian<G>>& p,
                                             const Mixture<ConcentratedGaussian<G>>& q,
                                             RandomStream& stream,
-                                            const MonteCarloSettings& settings) {
+                                            const DivergenceSamplingSettings& settings) {
   return sampled(p, q, true, internal::symmetric_factor, stream, settings);
 }
 
 template <LieGroup G>
 DivergenceEstimate isd_monte_carlo(const Mixture<ConcentratedGaussian<G>>& p,
                                    const Mixture<ConcentratedGaussian<G>>& q, RandomStream& stream,
-                                   const MonteCarloSettings& settings) {
+                                   const DivergenceSamplingSettings& settings) {
   return sampled(p, q, true, internal::square_factor, stream, settings);
 }
 
 template <LieGroup G>
 using Sampler = DivergenceEstimate(const Mixture<ConcentratedGaussian<G>>&,
                                    const Mixture<ConcentratedGaussian<G>>&, RandomStream&,
-                                   const MonteCarloSettings&);
+                                   const DivergenceSamplingSettings&);
 
 #define POSEMIX_INSTANTIATE(G)                     \
   template Sampler<G> kl_monte_carlo<G>;           \

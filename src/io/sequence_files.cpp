@@ -41,7 +41,20 @@ std::vector<double> stamps_of(const std::vector<std::int64_t>& numbers, double p
   return stamps;
 }
 
+constexpr const char* kUnnamedDataFolder = "../shared/data";
+
+/// The environment variable POSEMIX_DATA; null where it is not set or empty.
+const char* named_data_folder() {
+  const char* named = std::getenv("POSEMIX_DATA");
+  return named != nullptr && *named != '\0' ? named : nullptr;
+}
+
 }  // namespace
+
+fs::path default_data_folder() {
+  const char* named = named_data_folder();
+  return named != nullptr ? named : kUnnamedDataFolder;
+}
 
 std::vector<fs::path> data_folders(const fs::path& sequence_file,
                                    const std::optional<fs::path>& data) {
@@ -55,9 +68,8 @@ std::vector<fs::path> data_folders(const fs::path& sequence_file,
   }
   const fs::path own = sequence_file.parent_path();
   std::vector<fs::path> folders{own.empty() ? "." : own};
-  const char* named = std::getenv("POSEMIX_DATA");
-  if (named != nullptr && *named != '\0') folders.emplace_back(named);
-  folders.emplace_back("../shared/data");
+  if (named_data_folder() != nullptr) folders.emplace_back(named_data_folder());
+  folders.emplace_back(kUnnamedDataFolder);
   return folders;
 }
 

@@ -12,31 +12,6 @@ namespace {
 
 using Poses = std::vector<std::optional<SE3d>>;
 
-/// Accumulates the errors of a pose.
-class ErrorSum {
- public:
-  void add(const std::optional<SE3d>& estimate, const std::optional<SE3d>& truth) {
-    if (!estimate || !truth) return;
-    const Vector6d error = (*estimate * truth->inverse()).log();
-    position_ += (estimate->translation() - truth->translation()).squaredNorm();
-    rotation_ += error.head<3>().squaredNorm();
-    position_log_ += error.tail<3>().squaredNorm();
-    ++count_;
-  }
-
-  PoseErrors errors() const {
-    if (count_ == 0) return {};
-    const auto rms = [&](double sum) { return std::sqrt(sum / static_cast<double>(count_)); };
-    return {rms(position_), degrees(rms(rotation_)), rms(position_log_)};
-  }
-
- private:
-  double position_ = 0.0;
-  double rotation_ = 0.0;
-  double position_log_ = 0.0;
-  std::size_t count_ = 0;
-};
-
 const std::optional<SE3d>& entry(const Poses& poses, std::size_t frame) {
   static const std::optional<SE3d> none;
   return poses.empty() ? none : poses[frame];
@@ -46,18 +21,12 @@ std::optional<SE3d> mean_of(const std::optional<PoseDensity>& density) {
   return density ? std::optional(density->mean()) : std::nullopt;
 }
 
-/// e^T P^-1 e with e = Log(T_true T_est^-1).
-double squared_normalized_error(const PoseDensity& estimate, const SE3d& truth) {
-  const Vector6d error = (truth * estimate.mean().inverse()).log();
-  return error.dot(Eigen::LLT<Matrix6d>(estimate.covariance()).solve(error));
-}
-
 ObjectMetrics evaluate_object(const Sequence& sequence, const SlamRun& run, std::size_t object) {
   ObjectMetrics metrics;
   metrics.id = sequence.objects[object].id;
-  ErrorSum world;
-  ErrorSum relative;
-  ErrorSum detection;
+  PoseErrorSum world;
+  PoseErrorSum relative;
+  PoseErrorSum detection;
   double nees = 0.0;
   std::size_t nees_count = 0;
   for (std::size_t k = 0; k < run.frames.size(); ++k) {
@@ -109,6 +78,21 @@ Timing timing_of(const SlamRun& run) {
 
 }  // namespace
 
+void PoseErrorSum::add(const std::optional<SE3d>& estimate, const std::optional<SE3d>& truth) {
+  if (!estimate || !truth) return;
+  const Vector6d error = (*estimate * truth->inverse()).log();
+  position_ += (estimate->translation() - truth->translation()).squaredNorm();
+  rotation_ += error.head<3>().squaredNorm();
+  position_log_ += error.tail<3>().squaredNorm();
+  ++count_;
+}
+
+PoseErrors PoseErrorSum::errors() const {
+  if (count_ == 0) return {};
+  const auto rms = [&](double sum) { return std::sqrt(sum / static_cast<double>(count_)); };
+  return {rms(position_), degrees(rms(rotation_)), rms(position_log_)};
+}
+
 std::optional<SE3d> true_relative_pose(const Sequence& sequence, std::size_t object,
                                        std::size_t frame) {
   const ObjectRecording& recording = sequence.objects[object];
@@ -132,7 +116,7 @@ std::optional<SE3d> true_world_pose(const Sequence& sequence, std::size_t object
 Metrics evaluate(const Sequence& sequence, const SlamRun& run) {
   Metrics metrics;
   metrics.frames = run.frames.size();
-  ErrorSum camera;
+  PoseErrorSum camera;
   for (std::size_t k = 0; k < run.frames.size(); ++k) {
     camera.add(run.frames[k].camera.mean(), entry(sequence.camera_truth, k));
   }

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 #include "posemix/study/divergence.hpp"
+
+#include <fmt/format.h>
+
 #include "settings_toml.hpp"
 
 namespace posemix {
 namespace {
 
+constexpr double kFinestGridDeg = 0.1;
 constexpr NumberRange kSdDeg{.lowest = 0.01, .highest = 180};
 
 Eigen::Vector3d read_sd_rad(const TomlTable& table, std::string_view key,
@@ -32,8 +36,13 @@ DivergenceStudySettings read_divergence_settings(const TomlTable& table) {
   settings.second_sd_rad = read_sd_rad(table, "second_sd_deg", settings.second_sd_rad);
   settings.relative_tolerance = table.get_double_or(
       "relative_tolerance", settings.relative_tolerance, {.lowest = 1e-12, .highest = 0.1});
-  settings.paper_grid_step_deg = table.get_double_or(
-      "paper_grid_step_deg", settings.paper_grid_step_deg, {.lowest = 0, .highest = 30});
+  const double step = table.get_double_or("paper_grid_step_deg", settings.paper_grid_step_deg,
+                                          {.lowest = 0, .highest = 30});
+  if (step > 0.0 && step < kFinestGridDeg) {
+    table.fail("paper_grid_step_deg",
+               fmt::format("is {}, expected 0 or at least {}", step, kFinestGridDeg));
+  }
+  settings.paper_grid_step_deg = step;
   return settings;
 }
 

@@ -78,7 +78,10 @@ Journal::Journal(std::filesystem::path path, const Study& study, bool resume)
   }
 }
 
-Journal::~Journal() { ::close(file_); }
+Journal::~Journal() {
+  if (!holds_items_) ::unlink(path_.c_str());
+  ::close(file_);
+}
 
 void Journal::read(const Study& study) {
   const std::string text = read_file(path_);
@@ -94,8 +97,9 @@ void Journal::read(const Study& study) {
   const Json head = Json::parse(lines.line(), nullptr, false);
   if (!head.is_object()) lines.fail(in_quotes(lines.line()), "the head of a study's journal");
   if (const Json ours = Json::parse(expected); head != ours) {
-    throw InvalidInput(fmt::format("{}: the journal of another study: {}", path_.string(),
-                                   difference(head, ours)));
+    throw InvalidInput(fmt::format(
+        "{}: the journal of another study: {}; write to another folder, or remove the file",
+        path_.string(), difference(head, ours)));
   }
   while (lines.next()) {
     const Json line = Json::parse(lines.line(), nullptr, false);
@@ -106,6 +110,7 @@ void Journal::read(const Study& study) {
     }
     finished_[line["item"].get<std::size_t>()] = line["result"].get<std::string>();
   }
+  holds_items_ = !finished_.empty();
 }
 
 void Journal::append(std::size_t item, std::string_view result) {
@@ -113,6 +118,7 @@ void Journal::append(std::size_t item, std::string_view result) {
   line["item"] = item;
   line["result"] = result;
   write(line.dump() + "\n");
+  holds_items_ = true;
 }
 
 void Journal::write(std::string_view line) {
@@ -120,12 +126,6 @@ void Journal::write(std::string_view line) {
     const ssize_t written = ::write(file_, line.data(), line.size());
     if (written < 0 && errno != EINTR) fail_with_errno(path_, "cannot be written");
     if (written > 0) line.remove_prefix(static_cast<std::size_t>(written));
-  }
-}
-
-void Journal::remove() {
-  if (::unlink(path_.c_str()) != 0 && errno != ENOENT) {
-    fail_with_errno(path_, "cannot be removed");
   }
 }
 

@@ -10,6 +10,7 @@
 #include "monte_carlo_report.hpp"
 #include "monte_carlo_trial.hpp"
 #include "posemix/density/pose_stack.hpp"
+#include "posemix/slam/evaluation.hpp"
 
 namespace posemix {
 namespace {
@@ -21,13 +22,6 @@ double thread_seconds() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
-template <LieGroup G>
-double nees(const ConcentratedGaussian<G>& estimate, const G& truth) {
-  const typename G::Tangent e = (truth * estimate.mean().inverse()).log();
-  const Eigen::LLT<typename G::TangentMatrix> factor(estimate.covariance());
-  return factor.matrixL().solve(e).squaredNorm() / static_cast<double>(e.size());
 }
 
 double squared_rotation(const SE3d& estimate, const SE3d& truth) {
@@ -44,9 +38,11 @@ struct Sums {
   void add(const Hypothesis& estimate, const SE3d& camera, const SE3d& object_pose) {
     robot += squared_rotation(estimate.mean()[kCamera], camera);
     object += squared_rotation(estimate.mean()[kObject], object_pose);
-    anees += nees(estimate, PoseStackd(std::vector<SE3d>{camera, object_pose}));  // eq. 35
-    relative_nees +=
-        nees(relative_pose(estimate, kCamera, kObject), camera.inverse() * object_pose);
+    const PoseStackd truth(std::vector<SE3d>{camera, object_pose});
+    anees += squared_normalized_error(estimate, truth) / 12.0;  // eq. 35
+    relative_nees += squared_normalized_error(relative_pose(estimate, kCamera, kObject),
+                                              camera.inverse() * object_pose) /
+                     6.0;
   }
 };
 
@@ -84,7 +80,7 @@ std::string item_text(const std::vector<MonteCarloErrors>& errors) {
 
 }  // namespace
 
-std::vector<MonteCarloErrors> run_monte_carlo(const MonteCarloSettings& settings,
+std::vector<MonteCarloErrors> run_monte_carlo(const MonteCarloStudySettings& settings,
                                               double noise_exponent, std::size_t run) {
   const MonteCarloTrial trial = simulate_trial(settings, noise_exponent, run);
   const DetectorNoise single = settings.detector.single_gaussian();
@@ -97,7 +93,7 @@ std::vector<MonteCarloErrors> run_monte_carlo(const MonteCarloSettings& settings
   return errors;
 }
 
-Study make_monte_carlo_study(const MonteCarloSettings& settings) {
+Study make_monte_carlo_study(const MonteCarloStudySettings& settings) {
   check_monte_carlo_settings(settings);
   const auto run_item = [settings](std::size_t item) {
     const double exponent = settings.noise_exponents[item / settings.runs];

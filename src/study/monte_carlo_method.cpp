@@ -24,7 +24,8 @@ const std::vector<std::string>& monte_carlo_methods() {
   return names;
 }
 
-MonteCarloMethod monte_carlo_method(const std::string& name, const MonteCarloSettings& settings) {
+MonteCarloMethod monte_carlo_method(const std::string& name,
+                                    const MonteCarloStudySettings& settings) {
   const auto& names = monte_carlo_methods();
   if (std::find(names.begin(), names.end(), name) == names.end()) {
     throw InvalidInput(

@@ -37,7 +37,7 @@ constexpr std::size_t kSeconds = kQuantities.size();
 /// values(level, method, quantity): one number per run.
 class Values {
  public:
-  Values(const MonteCarloSettings& settings, std::span<const std::string> results)
+  Values(const MonteCarloStudySettings& settings, std::span<const std::string> results)
       : methods_(settings.methods.size()),
         values_(settings.noise_exponents.size() * methods_ * (kSeconds + 1)) {
     for (std::size_t item = 0; item < results.size(); ++item) {
@@ -65,7 +65,7 @@ class Values {
   std::vector<std::vector<double>> values_;
 };
 
-StudyTable main_table(const MonteCarloSettings& settings, const Values& values) {
+StudyTable main_table(const MonteCarloStudySettings& settings, const Values& values) {
   std::vector<std::string> columns{"method", "noise_exponent"};
   for (const Quantity& quantity : kQuantities) {
     columns.emplace_back(quantity.name);
@@ -94,7 +94,7 @@ StudyTable main_table(const MonteCarloSettings& settings, const Values& values) 
 }
 
 /// Every pair of methods, on the same runs.
-StudyTable paired_table(const MonteCarloSettings& settings, const Values& values) {
+StudyTable paired_table(const MonteCarloStudySettings& settings, const Values& values) {
   StudyTable table({"method", "against", "noise_exponent", "quantity", "mean_difference",
                     "standard_error", "p_value", "runs"});
   for (std::size_t a = 0; a < settings.methods.size(); ++a) {
@@ -112,7 +112,7 @@ StudyTable paired_table(const MonteCarloSettings& settings, const Values& values
   return table;
 }
 
-StudyTable timing_table(const MonteCarloSettings& settings, const Values& values) {
+StudyTable timing_table(const MonteCarloStudySettings& settings, const Values& values) {
   StudyTable table({"method", "noise_exponent", "median_ms_per_run", "median_us_per_detection"});
   const auto detections = static_cast<double>(settings.path.detections);
   for (std::size_t method = 0; method < settings.methods.size(); ++method) {
@@ -125,7 +125,7 @@ StudyTable timing_table(const MonteCarloSettings& settings, const Values& values
   return table;
 }
 
-std::string quantity_figure(const MonteCarloSettings& settings, const Values& values) {
+std::string quantity_figure(const MonteCarloStudySettings& settings, const Values& values) {
   std::vector<Chart> charts;
   for (std::size_t q = 0; q < kQuantities.size(); ++q) {
     const Quantity& quantity = kQuantities[q];
@@ -147,7 +147,7 @@ std::string quantity_figure(const MonteCarloSettings& settings, const Values& va
                      2);
 }
 
-std::string trajectory_figure(const MonteCarloSettings& settings) {
+std::string trajectory_figure(const MonteCarloStudySettings& settings) {
   ChartSeries path{.label = "camera"};
   ChartSeries first{.label = "first camera", .markers = true};
   const MonteCarloTrial trial = simulate_trial(settings, settings.noise_exponents.front(), 0);
@@ -165,7 +165,7 @@ std::string trajectory_figure(const MonteCarloSettings& settings) {
                      .series = {path, first, {.label = "object", .x = {0}, .y = {0}}}});
 }
 
-std::string timing_figure(const MonteCarloSettings& settings, const Values& values) {
+std::string timing_figure(const MonteCarloStudySettings& settings, const Values& values) {
   Chart chart{.title = "Processor time of one run",
               .x_label = "odometry noise, power of ten of Q",
               .y_label = "median [ms]",
@@ -180,7 +180,7 @@ std::string timing_figure(const MonteCarloSettings& settings, const Values& valu
   return draw_chart(chart);
 }
 
-std::string summary_text(const MonteCarloSettings& settings, const Values& values) {
+std::string summary_text(const MonteCarloStudySettings& settings, const Values& values) {
   StudyTable table(
       {"method", "10^", "robot deg", "object deg", "ANEES", "relative NEES", "ms/run"});
   for (std::size_t method = 0; method < settings.methods.size(); ++method) {
@@ -203,7 +203,7 @@ std::string summary_text(const MonteCarloSettings& settings, const Values& value
 
 }  // namespace
 
-StudyReport report_monte_carlo(const MonteCarloSettings& settings,
+StudyReport report_monte_carlo(const MonteCarloStudySettings& settings,
                                std::span<const std::string> results) {
   const Values values(settings, results);
   const StudyTable table = main_table(settings, values);

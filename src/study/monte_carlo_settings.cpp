@@ -45,8 +45,8 @@ Matrix6d read_covariance_or(const TomlTable& table, std::string_view key, const 
 
 }  // namespace
 
-MonteCarloSettings read_monte_carlo_settings(const TomlTable& table) {
-  MonteCarloSettings settings;
+MonteCarloStudySettings read_monte_carlo_settings(const TomlTable& table) {
+  MonteCarloStudySettings settings;
   settings.runs = read_count(table, "runs", settings.runs);
   settings.methods = table.get_strings_or("methods", settings.methods);
   for (std::string& name : settings.methods) {
@@ -75,7 +75,7 @@ MonteCarloSettings read_monte_carlo_settings(const TomlTable& table) {
   return settings;
 }
 
-void check_monte_carlo_settings(const MonteCarloSettings& settings) {
+void check_monte_carlo_settings(const MonteCarloStudySettings& settings) {
   require(settings.runs > 0, "monte-carlo: runs is 0, expected at least 1");
   require(!settings.methods.empty(), "monte-carlo: there is no method");
   require(!settings.noise_exponents.empty(), "monte-carlo: there is no noise exponent");
@@ -89,7 +89,7 @@ void check_monte_carlo_settings(const MonteCarloSettings& settings) {
   }
 }
 
-std::string monte_carlo_settings_json(const MonteCarloSettings& settings) {
+std::string monte_carlo_settings_json(const MonteCarloStudySettings& settings) {
   const MonteCarloPath& path = settings.path;
   const nlohmann::ordered_json json{{"runs", settings.runs},
                                     {"noise_exponents", settings.noise_exponents},

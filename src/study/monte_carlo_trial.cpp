@@ -12,7 +12,7 @@ namespace {
 /// leaves the others' numbers alone.
 enum class Purpose : std::size_t { start, odometry, detection, count };
 
-RandomStream stream_of(const MonteCarloSettings& settings, std::size_t run, Purpose purpose) {
+RandomStream stream_of(const MonteCarloStudySettings& settings, std::size_t run, Purpose purpose) {
   return RandomStream(settings.seed, run * static_cast<std::size_t>(Purpose::count) +
                                          static_cast<std::size_t>(purpose));
 }
@@ -73,7 +73,7 @@ class Detector {
 };
 
 /// Camera and object independent of each other, each off the truth by a draw from its covariance.
-Hypothesis draw_prior(const MonteCarloSettings& settings, const SE3d& true_object,
+Hypothesis draw_prior(const MonteCarloStudySettings& settings, const SE3d& true_object,
                       RandomStream stream) {
   const SE3d camera = SE3d::exp(draw(factor_of(settings.camera_start), stream));
   const SE3d object = true_object * SE3d::exp(draw(factor_of(settings.object_start), stream));
@@ -84,7 +84,7 @@ Hypothesis draw_prior(const MonteCarloSettings& settings, const SE3d& true_objec
 
 }  // namespace
 
-MonteCarloTrial simulate_trial(const MonteCarloSettings& settings, double noise_exponent,
+MonteCarloTrial simulate_trial(const MonteCarloStudySettings& settings, double noise_exponent,
                                std::size_t run) {
   const MonteCarloPath& path = settings.path;
   RandomStream odometry_stream = stream_of(settings, run, Purpose::odometry);

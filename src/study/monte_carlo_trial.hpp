@@ -24,7 +24,7 @@ struct MonteCarloTrial {
   std::vector<MonteCarloStep> steps;
 };
 
-MonteCarloTrial simulate_trial(const MonteCarloSettings& settings, double noise_exponent,
+MonteCarloTrial simulate_trial(const MonteCarloStudySettings& settings, double noise_exponent,
                                std::size_t run);
 
 /// A filter of the study, by its name.
@@ -34,6 +34,7 @@ struct MonteCarloMethod {
 };
 
 /// @throws InvalidInput for another name
-MonteCarloMethod monte_carlo_method(const std::string& name, const MonteCarloSettings& settings);
+MonteCarloMethod monte_carlo_method(const std::string& name,
+                                    const MonteCarloStudySettings& settings);
 
 }  // namespace posemix

@@ -79,12 +79,7 @@ std::vector<ResidualSet> read_residuals(const NoiseStudySettings& settings,
     for (ResidualSet& set : residuals_of(job, "detector", job.name)) sets.push_back(std::move(set));
   }
   if (!settings.sequences.empty()) return sets;
-  if (!data) {
-    throw InvalidInput(
-        "study noise: nothing to read, expected a data folder, sequence files (sequences) or two "
-        "TUM files (detections, ground_truth)");
-  }
-  return find_residuals(*data);
+  return find_residuals(data.value_or(default_data_folder()));
 }
 
 NoiseStudySettings read_noise_settings(const TomlTable& table) {

@@ -26,12 +26,6 @@ std::vector<double> values_of(std::span<const ResidualTrack> tracks) {
   return values;
 }
 
-double mean_of(const std::vector<double>& values) {
-  double sum = 0.0;
-  for (const double value : values) sum += value;
-  return sum / static_cast<double>(values.size());
-}
-
 /// Mean of (value - centre)^power.
 double moment(const std::vector<double>& values, double centre, int power) {
   double sum = 0.0;
@@ -59,10 +53,10 @@ std::vector<ResidualTrack> centred(std::span<const ResidualTrack> tracks) {
   for (const ResidualTrack& track : tracks) {
     const std::vector<double> values = values_of({&track, 1});
     if (values.empty()) continue;
-    const double mean = mean_of(values);
+    const double centre = mean(values);
     result.push_back(track);
     for (auto& value : result.back()) {
-      if (value) *value -= mean;
+      if (value) *value -= centre;
     }
   }
   return result;
@@ -73,29 +67,29 @@ std::vector<ResidualTrack> centred(std::span<const ResidualTrack> tracks) {
 AxisStatistics axis_statistics(std::span<const ResidualTrack> tracks) {
   const std::vector<double> values = values_of(tracks);
   if (values.empty()) return {0, kNaN, kNaN, kNaN, kNaN, kNaN, kNaN, kNaN};
-  const double mean = mean_of(values);
-  const double variance = moment(values, mean, 2);
+  const double centre = mean(values);
+  const double variance = moment(values, centre, 2);
   const double middle = median(values);
   std::vector<double> distances = values;
   for (double& distance : distances) distance = std::abs(distance - middle);
   return {.count = values.size(),
-          .mean = mean,
+          .mean = centre,
           .sd = std::sqrt(variance),
           .rms = std::sqrt(moment(values, 0.0, 2)),
           .median = middle,
           .robust_sd = kSdByMedianDistance * median(distances),
-          .skewness = variance > 0.0 ? moment(values, mean, 3) / std::pow(variance, 1.5) : kNaN,
-          .kurtosis = variance > 0.0 ? moment(values, mean, 4) / (variance * variance) : kNaN};
+          .skewness = variance > 0.0 ? moment(values, centre, 3) / std::pow(variance, 1.5) : kNaN,
+          .kurtosis = variance > 0.0 ? moment(values, centre, 4) / (variance * variance) : kNaN};
 }
 
 double spread_of_means(std::span<const ResidualTrack> tracks) {
   std::vector<double> means;
   for (const ResidualTrack& track : tracks) {
     const std::vector<double> values = values_of({&track, 1});
-    if (!values.empty()) means.push_back(mean_of(values));
+    if (!values.empty()) means.push_back(mean(values));
   }
   if (means.size() < 2) return kNaN;
-  return std::sqrt(moment(means, mean_of(means), 2) * static_cast<double>(means.size()) /
+  return std::sqrt(moment(means, mean(means), 2) * static_cast<double>(means.size()) /
                    static_cast<double>(means.size() - 1));
 }
 

@@ -20,14 +20,18 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace
 
+double mean(std::span<const double> values) {
+  if (values.empty()) return kNaN;
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
 MeanWithError mean_with_error(std::span<const double> values) {
-  if (values.empty()) return {kNaN, kNaN};
+  const double centre = mean(values);
+  if (values.size() < 2) return {centre, kNaN};
   const auto n = static_cast<double>(values.size());
-  const double mean = std::accumulate(values.begin(), values.end(), 0.0) / n;
-  if (values.size() < 2) return {mean, kNaN};
   double squares = 0.0;
-  for (const double value : values) squares += (value - mean) * (value - mean);
-  return {mean, std::sqrt(squares / (n - 1.0) / n)};
+  for (const double value : values) squares += (value - centre) * (value - centre);
+  return {centre, std::sqrt(squares / (n - 1.0) / n)};
 }
 
 double median(std::span<const double> values) {

@@ -32,9 +32,12 @@ std::vector<Recording> select_recordings(const YcbvStudySettings& settings) {
            !selected(settings.objects, recording.object);
   });
   if (recordings.empty()) {
-    throw InvalidInput(fmt::format("{}: has no recording with sequence in [{}] and object in [{}]",
-                                   settings.data.string(), fmt::join(settings.sequences, ", "),
-                                   fmt::join(settings.objects, ", ")));
+    const auto list = [](const std::vector<std::string>& wanted) {
+      return wanted.empty() ? std::string("any") : fmt::format("{}", fmt::join(wanted, ", "));
+    };
+    throw InvalidInput(fmt::format("{}: has no recording of sequence {} and object {}",
+                                   settings.data.string(), list(settings.sequences),
+                                   list(settings.objects)));
   }
   return recordings;
 }

@@ -56,12 +56,6 @@ std::vector<std::vector<Cell>> to_rows(const Json& json) {
   return rows;
 }
 
-double mean_of(const std::vector<double>& values) {
-  double sum = 0.0;
-  for (const double value : values) sum += value;
-  return sum / static_cast<double>(values.size());
-}
-
 /// The numbers of one column of some rows; none where there is nothing.
 std::vector<double> numbers_of(const std::vector<const std::vector<Cell>*>& rows,
                                std::size_t column) {
@@ -103,7 +97,7 @@ StudyTable summarise(const StudyTable& table, std::size_t first_number) {
       row[3] = (*group[0])[3];
       for (std::size_t column = first_number; column < row.size(); ++column) {
         const auto numbers = numbers_of(group, column);
-        if (!numbers.empty()) row[column] = median ? posemix::median(numbers) : mean_of(numbers);
+        if (!numbers.empty()) row[column] = median ? posemix::median(numbers) : mean(numbers);
       }
       result.add(std::move(row));
     }

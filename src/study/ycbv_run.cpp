@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include <cmath>
-
-#include "posemix/base/units.hpp"
 #include "posemix/slam/evaluation.hpp"
 #include "ycbv_parts.hpp"
 
@@ -20,20 +17,10 @@ Cell integer(std::size_t count) { return static_cast<std::int64_t>(count); }
 
 using PosePairs = std::vector<std::pair<SE3d, SE3d>>;
 
-/// Root mean square errors over pairs of estimate and truth, as `evaluate` defines them.
 PoseErrors errors_of(const PosePairs& pairs) {
-  if (pairs.empty()) return {};
-  double position = 0.0;
-  double rotation = 0.0;
-  double position_log = 0.0;
-  for (const auto& [estimate, truth] : pairs) {
-    const Vector6d error = (estimate * truth.inverse()).log();
-    position += (estimate.translation() - truth.translation()).squaredNorm();
-    rotation += error.head<3>().squaredNorm();
-    position_log += error.tail<3>().squaredNorm();
-  }
-  const auto rms = [&](double sum) { return std::sqrt(sum / static_cast<double>(pairs.size())); };
-  return {rms(position), degrees(rms(rotation)), rms(position_log)};
+  PoseErrorSum sum;
+  for (const auto& [estimate, truth] : pairs) sum.add(estimate, truth);
+  return sum.errors();
 }
 
 /// What a row holds besides its texts.

@@ -105,8 +105,23 @@ TEST_F(StudyVerb, NamesWhatIsWrong) {
   refused({"monte-carlo", "--set", "methods=[\"kalman\"]"}, "there is no method 'kalman'");
   refused({"divergence", "--set", "weights=[1, -1]"}, "weights");
   refused({"divergence", "missing.toml"}, "missing.toml");
+  refused({"divergence", "--set", "paper_grid_step_deg=1e-6"}, "paper_grid_step_deg");
   refused({"ycbv", "--data", out("nowhere").string()}, "nowhere");
   refused({"noise", "--data", out("nowhere").string()}, "nowhere");
+}
+
+TEST_F(StudyVerb, NoiseOfASequenceWhoseFilesLieBesideIt) {
+  const fs::path config = fs::path(POSEMIX_SOURCE_DIR) / "configs" / "demo.toml";
+  ASSERT_EQ(run_posemix({"simulate", config.string(), "--set", "camera.frames=250", "--out",
+                         out("recording").string(), "--quiet"})
+                .exit_code,
+            0);
+  const std::string sequence = (out("recording") / "sequence.toml").string();
+  const ProgramResult result =
+      run_posemix({"study", "noise", "--set", "sequences=[\"" + sequence + "\"]", "--set",
+                   "max_components=1", "--out", out().string()});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(fs::exists(out() / "noise_detector_mug.toml")) << result.out;
 }
 
 TEST_F(StudyVerb, WrongUsageNamesTheHelp) {

@@ -62,7 +62,7 @@ void expect_coverage(const std::function<DivergenceEstimate(RandomStream&)>& est
   EXPECT_LT(squares, high * 31.0 / 29.0);
 }
 
-const MonteCarloSettings kSmall{.samples = 4096, .replicates = 32};
+const DivergenceSamplingSettings kSmall{.samples = 4096, .replicates = 32};
 
 TEST(MonteCarlo, KlOnVectorsIsTheClosedFormWithinItsError) {
   RandomStream draw(1);

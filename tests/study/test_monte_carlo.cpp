@@ -13,8 +13,8 @@
 namespace posemix {
 namespace {
 
-MonteCarloSettings small_settings() {
-  MonteCarloSettings settings;
+MonteCarloStudySettings small_settings() {
+  MonteCarloStudySettings settings;
   settings.runs = 3;
   settings.noise_exponents = {0, 4};
   settings.methods = monte_carlo_methods();
@@ -29,7 +29,7 @@ std::vector<std::string> all_results(const Study& study) {
 }
 
 TEST(MonteCarlo, RunsEveryMethodOnTheSameRecording) {
-  const MonteCarloSettings settings = small_settings();
+  const MonteCarloStudySettings settings = small_settings();
   const auto errors = run_monte_carlo(settings, 4, 1);
   ASSERT_EQ(errors.size(), settings.methods.size());
   for (std::size_t i = 0; i < errors.size(); ++i) {
@@ -42,7 +42,7 @@ TEST(MonteCarlo, RunsEveryMethodOnTheSameRecording) {
 }
 
 TEST(MonteCarlo, ARunDoesNotDependOnTheOtherMethods) {
-  MonteCarloSettings settings = small_settings();
+  MonteCarloStudySettings settings = small_settings();
   const auto all = run_monte_carlo(settings, 0, 2);
   settings.methods = {"iterated"};
   const auto alone = run_monte_carlo(settings, 0, 2);
@@ -55,7 +55,7 @@ TEST(MonteCarlo, ARunDoesNotDependOnTheOtherMethods) {
 // Without odometry noise to speak of and with a sharp detector, the errors are those of the start,
 // which a detector cannot see; the filter knows.
 TEST(MonteCarlo, IsConsistentWhereOnlyTheStartIsUncertain) {
-  MonteCarloSettings settings = small_settings();
+  MonteCarloStudySettings settings = small_settings();
   settings.methods = {"iterated"};
   settings.detector = DetectorNoise({{.covariance = 1e-8 * Matrix6d::Identity()}});
   double sum = 0.0;
@@ -68,7 +68,7 @@ TEST(MonteCarlo, IsConsistentWhereOnlyTheStartIsUncertain) {
 }
 
 TEST(MonteCarlo, ReportHasARowPerMethodAndLevel) {
-  const MonteCarloSettings settings = small_settings();
+  const MonteCarloStudySettings settings = small_settings();
   const Study study = make_monte_carlo_study(settings);
   EXPECT_EQ(study.items, 6U);
   const StudyReport report = study.report(all_results(study));
@@ -95,7 +95,7 @@ TEST(MonteCarlo, ReadsSettings) {
       "[detector]\ncomponents = [{rotation_sd_deg = 2, translation_sd_m = 0.02, frame = "
       "\"camera\"}]\n",
       "settings.toml");
-  const MonteCarloSettings settings = read_monte_carlo_settings(document.root());
+  const MonteCarloStudySettings settings = read_monte_carlo_settings(document.root());
   document.finish();
   EXPECT_EQ(settings.runs, 7U);
   EXPECT_EQ(settings.methods, (std::vector<std::string>{"no_merge_64", "iterated"}));

@@ -49,7 +49,7 @@ constexpr std::array<double, 6> kObjectError{.025, .043, .075, .130, .191, .237}
 /// value(method, level, key) of the study with its default seed.
 class Table {
  public:
-  explicit Table(const MonteCarloSettings& settings) {
+  explicit Table(const MonteCarloStudySettings& settings) {
     Ranks ranks;
     const auto run = run_study(ranks, [&] { return make_monte_carlo_study(settings); });
     const StudyReport report = run->study.report(run->results);
@@ -68,7 +68,7 @@ class Table {
 // In one case, because all of it is about one study. The means of both programs have a standard
 // error, so the tolerance is three of the difference's; of an ANEES it is 0.028.
 TEST(MonteCarloTable, AgreesWithTheOracleAndIsConsistentWithTheIteratedUpdate) {
-  MonteCarloSettings settings;
+  MonteCarloStudySettings settings;
   settings.runs = 100;
   settings.methods = {"riekf", "midway", "iterated"};
   const Table value(settings);
@@ -94,7 +94,7 @@ TEST(MonteCarloTable, AgreesWithTheOracleAndIsConsistentWithTheIteratedUpdate) {
 }
 
 TEST(MonteCarloTable, TangentOfLargerIsMidwayToThreeDecimals) {
-  MonteCarloSettings settings;
+  MonteCarloStudySettings settings;
   settings.runs = 5;
   settings.methods = {"midway", "tangent_of_larger"};
   const Table value(settings);

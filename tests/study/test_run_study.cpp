@@ -137,6 +137,13 @@ TEST_F(JournalFile, IsNotOverwrittenWithoutResume) {
 
 TEST_F(JournalFile, StartsAfreshWithResumeWhereThereIsNone) { EXPECT_EQ(count(), 0U); }
 
+TEST_F(JournalFile, IsNotLeftBehindWithoutAFinishedItem) {
+  fill(0);
+  EXPECT_FALSE(std::filesystem::exists(path_));
+  fill(1);
+  EXPECT_TRUE(std::filesystem::exists(path_));
+}
+
 TEST_F(JournalFile, IgnoresALastLineThatWasCutOff) {
   fill(3);
   const std::string whole = read_file(path_);

@@ -210,7 +210,7 @@ TEST(YcbvStudy, RefusesWhatIsNotThere) {
   EXPECT_INVALID_WITH(make_ycbv_study({.data = tree.path(), .methods = {"kalman"}}),
                       "method \"kalman\", expected one of detector, odometry, riekf,");
   EXPECT_INVALID_WITH(make_ycbv_study({.data = tree.path(), .sequences = {"0099"}}),
-                      "has no recording with sequence in [0099] and object in []");
+                      "has no recording of sequence 0099 and object any");
   EXPECT_INVALID_WITH(
       make_ycbv_study({.data = tree.path(), .methods = {"published"}, .objects = {kBox}}),
       "none of them is for the recordings");

@@ -18,7 +18,7 @@
 namespace posemix {
 
 /// How many points.
-struct MonteCarloSettings {
+struct DivergenceSamplingSettings {
   /// In all; every component gets its share in every replicate, and at least 16 points.
   std::size_t samples = 1 << 16;
   std::size_t replicates = 32;  ///< independent randomisations, at least 2
@@ -30,7 +30,7 @@ struct MonteCarloSettings {
 template <LieGroup G>
 DivergenceEstimate kl_monte_carlo(const Mixture<ConcentratedGaussian<G>>& p,
                                   const Mixture<ConcentratedGaussian<G>>& q, RandomStream& stream,
-                                  const MonteCarloSettings& settings = {});
+                                  const DivergenceSamplingSettings& settings = {});
 
 /// D(p || q) + D(q || p) [nats], sampled from (p + q) / 2: (p - q) log(p/q) is never negative.
 /// @throws InvalidInput as kl_monte_carlo
@@ -38,13 +38,13 @@ template <LieGroup G>
 DivergenceEstimate symmetric_kl_monte_carlo(const Mixture<ConcentratedGaussian<G>>& p,
                                             const Mixture<ConcentratedGaussian<G>>& q,
                                             RandomStream& stream,
-                                            const MonteCarloSettings& settings = {});
+                                            const DivergenceSamplingSettings& settings = {});
 
 /// Integral square distance int (p - q)^2 dX, sampled from (p + q) / 2; its unit is that of 1 / dX.
 /// @throws InvalidInput as kl_monte_carlo
 template <LieGroup G>
 DivergenceEstimate isd_monte_carlo(const Mixture<ConcentratedGaussian<G>>& p,
                                    const Mixture<ConcentratedGaussian<G>>& q, RandomStream& stream,
-                                   const MonteCarloSettings& settings = {});
+                                   const DivergenceSamplingSettings& settings = {});
 
 }  // namespace posemix

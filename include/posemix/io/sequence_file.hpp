@@ -40,6 +40,10 @@ struct SlamJob {
   std::size_t trace_hypotheses = kTraceHypotheses;
 };
 
+/// The data folder that is used where none is given: the environment variable POSEMIX_DATA, else
+/// ../shared/data.
+std::filesystem::path default_data_folder();
+
 /// The folders below which a sequence file's relative paths are looked up, in order: `data` alone
 /// where it is given; else the sequence file's own folder, the environment variable POSEMIX_DATA
 /// and ../shared/data.

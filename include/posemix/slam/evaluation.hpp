@@ -20,6 +20,28 @@ struct PoseErrors {
       position_log_rmse_m;  ///< translation part of Log(T_est T_true^-1), the midway paper's number
 };
 
+/// Accumulates PoseErrors over frames; those without an estimate or a truth are left out.
+class PoseErrorSum {
+ public:
+  void add(const std::optional<SE3d>& estimate, const std::optional<SE3d>& truth);
+  PoseErrors errors() const;
+
+ private:
+  double position_ = 0.0;
+  double rotation_ = 0.0;
+  double position_log_ = 0.0;
+  std::size_t count_ = 0;
+};
+
+/// e^T P^-1 e with e = Log(X_true X_est^-1): chi-square with as many degrees of freedom as the
+/// group has when the estimate is consistent.
+template <LieGroup G>
+double squared_normalized_error(const ConcentratedGaussian<G>& estimate, const G& truth) {
+  const typename G::Tangent e = (truth * estimate.mean().inverse()).log();
+  const Eigen::LLT<typename G::TangentMatrix> factor(estimate.covariance());
+  return factor.matrixL().solve(e).squaredNorm();
+}
+
 /// Metrics of one object.
 struct ObjectMetrics {
   std::string id;

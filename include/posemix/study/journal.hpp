@@ -16,7 +16,8 @@ namespace posemix {
 ///
 /// A line of JSON that names the study and its settings, then one line per finished item. A line is
 /// handed to the system before append() returns, so a process that dies loses no finished item; a
-/// last line that was cut off is ignored. The file is locked against a second process.
+/// last line that was cut off is ignored. The file is locked against a second process. A journal in
+/// which no item was ever finished is removed in the end: there is nothing to continue.
 class Journal {
  public:
   /// Creates the file, or continues with the one that is there.
@@ -34,15 +35,13 @@ class Journal {
   /// @throws OutputError
   void append(std::size_t item, std::string_view result);
 
-  /// Removes the file: the study is done.
-  void remove();
-
  private:
   void read(const Study& study);
   void write(std::string_view line);
 
   std::filesystem::path path_;
   int file_;
+  bool holds_items_ = false;
   std::map<std::size_t, std::string> finished_;
 };
 

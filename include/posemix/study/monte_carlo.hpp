@@ -32,7 +32,7 @@ struct MonteCarloPath {
 
 /// What is simulated, and with which filters. The paper gives the detector's and the odometry's
 /// noise, N_h = 4 and 100 runs; the rest is chosen such that its figures come out.
-struct MonteCarloSettings {
+struct MonteCarloStudySettings {
   std::size_t runs = 400;
   /// The odometry's covariance is multiplied by ten to this power.
   std::vector<double> noise_exponents{0, 1, 2, 3, 4, 5};
@@ -82,16 +82,16 @@ struct MonteCarloErrors {
 /// Simulates run number `run` at a noise level and puts every method through it. Runs of equal
 /// number share their random numbers over all levels.
 /// @throws InvalidInput for a method without that name
-std::vector<MonteCarloErrors> run_monte_carlo(const MonteCarloSettings& settings,
+std::vector<MonteCarloErrors> run_monte_carlo(const MonteCarloStudySettings& settings,
                                               double noise_exponent, std::size_t run);
 
 /// Reads settings; keys as in docs/studies.md, defaults as above.
 /// @throws InvalidInput naming file, line and key
-MonteCarloSettings read_monte_carlo_settings(const TomlTable& table);
+MonteCarloStudySettings read_monte_carlo_settings(const TomlTable& table);
 
 /// The study: one work item per level and run. Rows: `method`, `noise_exponent`,
 /// `robot_rotation_rmse_deg`, `object_rotation_rmse_deg`, `anees`, `relative_nees`, their
 /// standard errors and 95 % chi-square bands, `runs`.
-Study make_monte_carlo_study(const MonteCarloSettings& settings);
+Study make_monte_carlo_study(const MonteCarloStudySettings& settings);
 
 }  // namespace posemix

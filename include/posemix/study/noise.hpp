@@ -74,9 +74,10 @@ std::vector<ResidualSet> residuals_of(const SlamJob& job, const std::string& det
 /// ground truth of the objects; there it is a proxy.
 std::vector<ResidualSet> find_residuals(const std::filesystem::path& data);
 
-/// What the settings name: sequence files, two TUM files (stamps within 1 ms belong together), or
-/// else the data folder.
-/// @throws InvalidInput when there is nothing to read
+/// What the settings name: sequence files (paths in them as data_folders says), two TUM files
+/// (stamps within 1 ms belong together), or else the data folder, default_data_folder() where none
+/// is given.
+/// @throws InvalidInput naming the file that is missing or not valid
 std::vector<ResidualSet> read_residuals(const NoiseStudySettings& settings,
                                         const std::optional<std::filesystem::path>& data);
 

@@ -15,6 +15,8 @@ struct MeanWithError {
 
 MeanWithError mean_with_error(std::span<const double> values);
 
+double mean(std::span<const double> values);
+
 double median(std::span<const double> values);
 
 /// The interval in which the mean of `count` normalised squared errors of `dof` degrees of freedom
