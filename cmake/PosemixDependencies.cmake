@@ -5,6 +5,8 @@ find_package(Boost 1.74 REQUIRED CONFIG)
 find_package(fmt 9 REQUIRED)
 find_package(tomlplusplus 3.3 REQUIRED)
 find_package(nlohmann_json 3.11 REQUIRED)
+# NLopt::nlopt; its C++ interface is header-only.
+find_package(NLopt 2.7 REQUIRED CONFIG)
 
 find_package(Threads REQUIRED)
 set(POSEMIX_WITH_MPI OFF)
