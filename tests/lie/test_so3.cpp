@@ -51,6 +51,20 @@ TEST(SO3, HalfTurnMatricesAreRead) {
   }
 }
 
+TEST(SO3, StoredQuaternionsAreKeptBitByBit) {
+  const auto turn = SO3d::exp(Vector3d(0.3, -0.2, 1.1));
+  SO3d rotation;
+  for (int i = 0; i < 1000; ++i) {
+    rotation = rotation * turn;
+    const auto again = SO3d::from_stored_quaternion(rotation.quaternion());
+    EXPECT_EQ(again.quaternion().coeffs(), rotation.quaternion().coeffs());
+  }
+  const Quaterniond rough(0.6000001, 0.8, 0.0, 0.0);
+  EXPECT_EQ(SO3d::from_stored_quaternion(rough).quaternion().coeffs(),
+            SO3d::from_quaternion(rough).quaternion().coeffs());
+  EXPECT_THROW(SO3d::from_stored_quaternion(Quaterniond(kNan, 0, 0, 1)), InvalidInput);
+}
+
 TEST(SO3, SignOfTheQuaternionDoesNotMatter) {
   const Quaterniond q(0.2, -0.5, 0.7, 0.4);
   const Quaterniond minus(-0.2, 0.5, -0.7, -0.4);

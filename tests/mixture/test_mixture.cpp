@@ -62,6 +62,22 @@ TEST(Mixture, WeightsFarBelowUnderflowKeepTheirRatio) {
   EXPECT_NEAR(mixture.weight(2), 1.0 / (1.0 + std::exp(1.0)), 1e-12);
 }
 
+TEST(Mixture, StoredWeightsAreKeptBitByBit) {
+  RandomStream stream(5);
+  for (int trial = 0; trial < 200; ++trial) {
+    std::vector<double> log_weights(7);
+    for (double& log_weight : log_weights) log_weight = -20.0 * stream.uniform();
+    const LineMixture mixture = with_log_weights(log_weights);
+    const auto again = LineMixture::from_stored(mixture.components());
+    for (std::size_t i = 0; i < mixture.size(); ++i) {
+      EXPECT_EQ(again[i].log_weight, mixture[i].log_weight);
+    }
+  }
+  const auto raw =
+      LineMixture::from_stored({{std::log(2.0), on_line(0.0, 1.0)}, {0.0, on_line(1.0, 1.0)}});
+  EXPECT_NEAR(raw.weight(0), 2.0 / 3.0, 1e-15);
+}
+
 TEST(Mixture, HeaviestIsTheFirstOfEquals) {
   EXPECT_EQ(with_weights({1.0, 2.0, 2.0}).heaviest(), 1U);
   EXPECT_EQ(with_weights({1.0}).heaviest(), 0U);

@@ -45,6 +45,10 @@ class SO3 {
   /// The rotation of `q` / |q|; throws InvalidInput where |q| is zero or not finite.
   static SO3 from_quaternion(const Quaternion& q);
 
+  /// The rotation of a quaternion that another rotation stored, as it was: where |q|^2 is one
+  /// within 16 units in the last place `q` is kept bit by bit, elsewhere as from_quaternion.
+  static SO3 from_stored_quaternion(const Quaternion& q);
+
   /// The rotation nearest to the 3x3 matrix `r`; throws InvalidInput where an entry of r^T r - I
   /// exceeds `tol` in absolute value, where det r < 0, or where an entry is not finite.
   static SO3 from_matrix(const Matrix& r, const Scalar& tol = Scalar(1e-6));
@@ -159,6 +163,14 @@ SO3<S> SO3<S>::from_quaternion(const Quaternion& q) {
   Quaternion scaled(q.w() / largest, q.x() / largest, q.y() / largest, q.z() / largest);
   scaled.coeffs() /= scaled.norm();
   return SO3(renormalised(scaled));
+}
+
+template <typename S>
+SO3<S> SO3<S>::from_stored_quaternion(const Quaternion& q) {
+  using std::abs;
+  const Scalar defect = abs(q.squaredNorm() - Scalar(1));
+  const bool unit = defect <= Scalar(16) * std::numeric_limits<Scalar>::epsilon();
+  return unit ? SO3(q) : from_quaternion(q);
 }
 
 template <typename S>

@@ -49,15 +49,12 @@ class Mixture {
 
   /// Normalises the weights. @throws InvalidInput when there is no component, a log-weight is NaN
   /// or +inf, all weights are zero, or sizes differ
-  explicit Mixture(std::vector<Component<D>> components) : components_(std::move(components)) {
-    require(!components_.empty(), "a mixture needs at least one component");
-    for (const auto& component : components_) {
-      if (component.density.dof() != components_.front().density.dof()) {
-        throw InvalidInput(fmt::format("mixture components of {} and {} degrees of freedom",
-                                       components_.front().density.dof(), component.density.dof()));
-      }
-    }
-    normalize();
+  explicit Mixture(std::vector<Component<D>> components) : Mixture(std::move(components), 0.0) {}
+
+  /// The same for components that a mixture held: log-weights whose weights sum to one within 1e-12
+  /// are kept bit by bit. @throws InvalidInput as above
+  static Mixture from_stored(std::vector<Component<D>> components) {
+    return Mixture(std::move(components), 1e-12);
   }
 
   /// A mixture from plain weights, normalised. @throws InvalidInput when sizes differ, a weight is
@@ -160,8 +157,22 @@ class Mixture {
   };
 
  private:
-  void normalize() {
+  Mixture(std::vector<Component<D>> components, double tolerance)
+      : components_(std::move(components)) {
+    require(!components_.empty(), "a mixture needs at least one component");
+    for (const auto& component : components_) {
+      if (component.density.dof() != components_.front().density.dof()) {
+        throw InvalidInput(fmt::format("mixture components of {} and {} degrees of freedom",
+                                       components_.front().density.dof(), component.density.dof()));
+      }
+    }
+    normalize(tolerance);
+  }
+
+  /// Leaves weights alone whose sum has a logarithm within `tolerance` of zero.
+  void normalize(double tolerance = 0.0) {
     const double total = checked_log_total(std::span<const Component<D>>(components_));
+    if (std::abs(total) <= tolerance) return;
     for (auto& component : components_) component.log_weight -= total;
   }
 
