@@ -162,6 +162,26 @@ LawMoments<G> law_moments(const ProjectedGaussian<G>& density) {
 }
 
 template <RotationOrPose G>
+ProjectedGaussian<G> with_law_moments(const SO3d& tangent_point, const typename G::Tangent& mean,
+                                      const typename G::TangentMatrix& covariance) {
+  typename G::Tangent y = mean;
+  y.template head<3>().setZero();
+  typename G::TangentMatrix p = covariance;
+  const Eigen::Matrix3d moment = covariance.template topLeftCorner<3, 3>();
+  const Eigen::Matrix3d s_uu = projected_covariance_of_moment(moment).covariance;
+  p.template topLeftCorner<3, 3>() = s_uu;
+  if constexpr (std::same_as<G, SE3d>) {  // t given u keeps its regression on u and its spread
+    const Eigen::Matrix3d b =
+        moment.llt().solve(covariance.template topRightCorner<3, 3>()).transpose();
+    p.template bottomLeftCorner<3, 3>() = b * s_uu;
+    p.template topRightCorner<3, 3>() = s_uu * b.transpose();
+    p.template bottomRightCorner<3, 3>() += b * (s_uu - moment) * b.transpose();
+  }
+  symmetrize(p);
+  return ProjectedGaussian<G>::trusted(tangent_point, y, p);
+}
+
+template <RotationOrPose G>
 ProjectedGaussian<G> restate(const ProjectedGaussian<G>& density, const SO3d& tangent_point) {
   using Tangent = typename G::Tangent;
   using Covariance = typename G::TangentMatrix;
@@ -183,6 +203,9 @@ template class ProjectedGaussian<SO3d>;
 template class ProjectedGaussian<SE3d>;
 template LawMoments<SO3d> law_moments(const ProjectedGaussian<SO3d>&);
 template LawMoments<SE3d> law_moments(const ProjectedGaussian<SE3d>&);
+template ProjectedGaussian<SO3d> with_law_moments(const SO3d&, const Eigen::Vector3d&,
+                                                  const Eigen::Matrix3d&);
+template ProjectedGaussian<SE3d> with_law_moments(const SO3d&, const Vector6d&, const Matrix6d&);
 template ProjectedGaussian<SO3d> restate(const ProjectedGaussian<SO3d>&, const SO3d&);
 template ProjectedGaussian<SE3d> restate(const ProjectedGaussian<SE3d>&, const SO3d&);
 

@@ -113,6 +113,13 @@ struct LawMoments {
 template <RotationOrPose G>
 LawMoments<G> law_moments(const ProjectedGaussian<G>& density);
 
+/// The density PG_0 at a tangent point whose law has the given moments of y = [u; t]: the
+/// maximum-likelihood one of samples with these moments. The mean of u must be zero: the first
+/// three entries of `mean` are ignored, and `covariance` is about zero in u.
+template <RotationOrPose G>
+ProjectedGaussian<G> with_law_moments(const SO3d& tangent_point, const typename G::Tangent& mean,
+                                      const typename G::TangentMatrix& covariance);
+
 /// The density in the tangent space at another rotation, with the Jacobian at the mean (MPG paper,
 /// eq. 15-16). First order in u.
 /// @throws InvalidInput when the mean is by pi from `tangent_point`

@@ -62,17 +62,22 @@ template <RotationOrPose G>
 ProjectedFusion<G> fuse(const ProjectedGaussian<G>& p, const ProjectedGaussian<G>& q,
                         const ProjectedFuseSettings& settings = {});
 
-/// Angle between the quaternions of the modes of two densities, 0 to pi/2; half of the angle
-/// between the rotations [rad].
+/// Angle between the quaternions of two tangent points, 0 to pi/2; half of the angle between the
+/// rotations [rad].
 template <RotationOrPose G>
-double quaternion_angle(const ProjectedGaussian<G>& p, const ProjectedGaussian<G>& q);
+double tangent_angle(const ProjectedGaussian<G>& p, const ProjectedGaussian<G>& q) {
+  return 0.5 * (p.tangent_point().inverse() * q.tangent_point()).angle();
+}
 
 /// How a nonlinear function of projected Gaussians becomes one.
 enum class CompositionRule {
-  /// The moments of the function by cubature under the densities' laws, then the projected Gaussian
-  /// whose law has them.
+  /// Its moments under the densities' laws by a cubature rule of degree five (for two poses 289
+  /// points \cite stroud1971), then the projected Gaussian whose law has them.
   cubature,
-  jacobian  ///< the function linearised at the modes (MPG paper, eq. 17)
+  /// Mean and covariance of its coordinates by the 2n points of degree three over the Gaussians in
+  /// the tangent spaces, taken for those of the result.
+  third_degree_cubature,
+  jacobian  ///< linearised at the modes (MPG paper, eq. 17)
 };
 
 /// The density of X Y for independent X and Y (MPG paper, gamma, eq. 17, dq3 = dq2 dq1 with X = 2,
