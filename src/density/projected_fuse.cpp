@@ -156,13 +156,12 @@ class ModeSearch {
   Eigen::LLT<Matrix> information_;
 };
 
-/// The element halfway between two: the quaternions' sum, or their difference for the other way
-/// round.
+/// The element halfway between two, or, the other way round, by the quaternions' difference.
 SO3d halfway(const SO3d& a, const SO3d& b, bool other_way) {
+  if (!other_way) return gnomonic::halfway(a, b);
   const double sign = a.quaternion().dot(b.quaternion()) < 0.0 ? -1.0 : 1.0;
-  const Eigen::Vector4d sum =
-      a.quaternion().coeffs() + (other_way ? -sign : sign) * b.quaternion().coeffs();
-  return SO3d::from_quaternion(Eigen::Quaterniond(sum));
+  return SO3d::from_quaternion(Eigen::Quaterniond(
+      Eigen::Vector4d(a.quaternion().coeffs() - sign * b.quaternion().coeffs())));
 }
 SE3d halfway(const SE3d& a, const SE3d& b, bool other_way) {
   return SE3d(halfway(a.rotation(), b.rotation(), other_way),
@@ -225,7 +224,7 @@ ProjectedFusion<G> fuse_by_jacobian(const ProjectedGaussian<G>& p, const Project
         degrees(angle), degrees(settings.max_angle)));
   }
   using Matrix = typename G::TangentMatrix;
-  const SO3d q3 = halfway(p.tangent_point(), q.tangent_point(), false);
+  const SO3d q3 = gnomonic::halfway(p.tangent_point(), q.tangent_point());
   const ProjectedGaussian<G> p3 = restate(p, q3);
   const ProjectedGaussian<G> r3 = restate(q, q3);
   const Eigen::LLT<Matrix> sum(p3.covariance() + r3.covariance());

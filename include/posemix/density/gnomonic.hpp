@@ -29,6 +29,14 @@ inline Eigen::Vector3d lift(const SO3d& tangent_point, const SO3d& rotation) {
   return r.vec() / r.w();
 }
 
+/// The rotation halfway between two: the sum of their quaternions, of whichever signs are nearer to
+/// each other.
+inline SO3d halfway(const SO3d& a, const SO3d& b) {
+  const double sign = a.quaternion().dot(b.quaternion()) < 0.0 ? -1.0 : 1.0;
+  return SO3d::from_quaternion(Eigen::Quaterniond(
+      Eigen::Vector4d(a.quaternion().coeffs() + sign * b.quaternion().coeffs())));
+}
+
 /// The chart at `from` seen in the chart at `to`: u -> f(u) with derivatives (MPG paper, eq. 15).
 /// With r = to^-1 from = (r0, rv):  f = (rv + r0 u + rv x u) / (r0 - rv.u).
 class Restatement {
