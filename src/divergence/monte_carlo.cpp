@@ -59,28 +59,59 @@ bool in_ball(const typename G::Tangent& xi) {
   }
 }
 
-/// One component from which to sample.
+/// One component from which to sample; `value` is what the point of a standard normal vector adds
+/// to the mean of a function over the component.
+template <class D>
+struct Stratum;
+
 template <LieGroup G>
-struct Stratum {
+struct Stratum<ConcentratedGaussian<G>> {
   double weight;
   G mean;
   typename G::TangentMatrix root;
+
+  Stratum(double share, const ConcentratedGaussian<G>& density)
+      : weight(share), mean(density.mean()), root(density.covariance().llt().matrixL()) {}
+
+  template <class Function>
+  double value(const Eigen::VectorXd& white, Function&& function) const {
+    const typename G::Tangent xi = root * white;
+    return in_ball<G>(xi) ? function(G::exp(xi) * mean) : 0.0;
+  }
 };
 
-template <LieGroup G>
-void append_strata(const Mixture<ConcentratedGaussian<G>>& mixture, double share,
-                   std::vector<Stratum<G>>& strata) {
+template <RotationOrPose G>
+struct Stratum<ProjectedGaussian<G>> {
+  double weight;
+  ProjectedGaussian<G> density;
+  typename G::TangentMatrix root;
+
+  Stratum(double share, const ProjectedGaussian<G>& of)
+      : weight(share), density(of), root(of.covariance().llt().matrixL()) {}
+
+  /// The law over the Gaussian is (1 + u.u)^-2 / C.
+  template <class Function>
+  double value(const Eigen::VectorXd& white, Function&& function) const {
+    const typename G::Tangent y = density.tangent_mean() + root * white;
+    const double squared = y.template head<3>().squaredNorm();
+    return std::exp(-2.0 * std::log1p(squared) - density.log_normalizer()) *
+           function(density.element(y));
+  }
+};
+
+template <class D>
+std::vector<Stratum<D>> strata_of(const Mixture<D>& mixture, double share) {
+  std::vector<Stratum<D>> strata;
   for (const auto& component : mixture.components()) {
     const double weight = share * std::exp(component.log_weight);
-    if (weight == 0.0) continue;
-    const Eigen::LLT<typename G::TangentMatrix> factor(component.density.covariance());
-    strata.push_back({weight, component.density.mean(), factor.matrixL()});
+    if (weight > 0.0) strata.emplace_back(weight, component.density);
   }
+  return strata;
 }
 
 /// The mean of `factor` over one stratum.
-template <LieGroup G, class Function>
-double stratum_mean(const Stratum<G>& stratum, std::size_t count, RandomStream& stream,
+template <class D, class Function>
+double stratum_mean(const Stratum<D>& stratum, std::size_t count, RandomStream& stream,
                     Function&& factor) {
   const Eigen::Index n = stratum.root.rows();
   NormalPoints points(static_cast<std::size_t>(n), stream);
@@ -88,8 +119,7 @@ double stratum_mean(const Stratum<G>& stratum, std::size_t count, RandomStream& 
   double sum = 0.0;
   for (std::size_t i = 0; i < count; ++i) {
     points.next(white);
-    const typename G::Tangent xi = stratum.root * white;
-    if (in_ball<G>(xi)) sum += factor(G::exp(xi) * stratum.mean);
+    sum += stratum.value(white, factor);
   }
   return sum / static_cast<double>(count);
 }
@@ -104,30 +134,30 @@ void check(Eigen::Index p, Eigen::Index q, const DivergenceSamplingSettings& set
   }
 }
 
-template <LieGroup G>
-DivergenceEstimate sampled(const Mixture<ConcentratedGaussian<G>>& p,
-                           const Mixture<ConcentratedGaussian<G>>& q, bool from_both,
+template <class P, class Q>
+DivergenceEstimate sampled(const Mixture<P>& p, const Mixture<Q>& q, bool from_both,
                            internal::DensityFactor factor, RandomStream& stream,
                            const DivergenceSamplingSettings& settings) {
   check(p.dof(), q.dof(), settings);
-  std::vector<Stratum<G>> strata;
-  append_strata(p, from_both ? 0.5 : 1.0, strata);
-  if (from_both) append_strata(q, 0.5, strata);
-  const typename Mixture<ConcentratedGaussian<G>>::Evaluator log_p(p);
-  const typename Mixture<ConcentratedGaussian<G>>::Evaluator log_q(q);
-  const auto at = [&](const G& x) { return factor(log_p.log_density(x), log_q.log_density(x)); };
+  const auto of_p = strata_of(p, from_both ? 0.5 : 1.0);
+  const auto of_q = from_both ? strata_of(q, 0.5) : std::vector<Stratum<Q>>{};
+  const typename Mixture<P>::Evaluator log_p(p);
+  const typename Mixture<Q>::Evaluator log_q(q);
+  const auto at = [&](const auto& x) { return factor(log_p.log_density(x), log_q.log_density(x)); };
 
   const double per_replicate =
       static_cast<double>(settings.samples) / static_cast<double>(settings.replicates);
   DivergenceEstimate estimate{0.0, 0.0, 0, true};
   std::vector<double> replicates(settings.replicates, 0.0);
   for (double& replicate : replicates) {
-    for (const Stratum<G>& stratum : strata) {
+    const auto add = [&](const auto& stratum) {
       const auto share = static_cast<std::size_t>(std::lround(stratum.weight * per_replicate));
       const std::size_t count = std::max(kLeastPoints, share);
       replicate += stratum.weight * stratum_mean(stratum, count, stream, at);
       estimate.evaluations += count;
-    }
+    };
+    for (const auto& stratum : of_p) add(stratum);
+    for (const auto& stratum : of_q) add(stratum);
   }
   const double count = static_cast<double>(settings.replicates);
   for (const double replicate : replicates) estimate.value += replicate / count;
@@ -139,42 +169,48 @@ DivergenceEstimate sampled(const Mixture<ConcentratedGaussian<G>>& p,
 
 }  // namespace
 
-template <LieGroup G>
-DivergenceEstimate kl_monte_carlo(const Mixture<ConcentratedGaussian<G>>& p,
-                                  const Mixture<ConcentratedGaussian<G>>& q, RandomStream& stream,
+template <class P, class Q>
+DivergenceEstimate kl_monte_carlo(const Mixture<P>& p, const Mixture<Q>& q, RandomStream& stream,
                                   const DivergenceSamplingSettings& settings) {
   return sampled(p, q, false, internal::log_ratio, stream, settings);
 }
 
-template <LieGroup G>
-DivergenceEstimate symmetric_kl_monte_carlo(const Mixture<ConcentratedGaussian<G>>& p,
-                                            const Mixture<ConcentratedGaussian<G>>& q,
+template <class P, class Q>
+DivergenceEstimate symmetric_kl_monte_carlo(const Mixture<P>& p, const Mixture<Q>& q,
                                             RandomStream& stream,
                                             const DivergenceSamplingSettings& settings) {
   return sampled(p, q, true, internal::symmetric_factor, stream, settings);
 }
 
-template <LieGroup G>
-DivergenceEstimate isd_monte_carlo(const Mixture<ConcentratedGaussian<G>>& p,
-                                   const Mixture<ConcentratedGaussian<G>>& q, RandomStream& stream,
+template <class P, class Q>
+DivergenceEstimate isd_monte_carlo(const Mixture<P>& p, const Mixture<Q>& q, RandomStream& stream,
                                    const DivergenceSamplingSettings& settings) {
   return sampled(p, q, true, internal::square_factor, stream, settings);
 }
 
-template <LieGroup G>
-using Sampler = DivergenceEstimate(const Mixture<ConcentratedGaussian<G>>&,
-                                   const Mixture<ConcentratedGaussian<G>>&, RandomStream&,
+template <class P, class Q>
+using Sampler = DivergenceEstimate(const Mixture<P>&, const Mixture<Q>&, RandomStream&,
                                    const DivergenceSamplingSettings&);
+template <class G>
+using Concentrated = ConcentratedGaussian<G>;
+template <class G>
+using Projected = ProjectedGaussian<G>;
 
-#define POSEMIX_INSTANTIATE(G)                     \
-  template Sampler<G> kl_monte_carlo<G>;           \
-  template Sampler<G> symmetric_kl_monte_carlo<G>; \
-  template Sampler<G> isd_monte_carlo<G>;
+#define POSEMIX_INSTANTIATE(P, Q)                        \
+  template Sampler<P, Q> kl_monte_carlo<P, Q>;           \
+  template Sampler<P, Q> symmetric_kl_monte_carlo<P, Q>; \
+  template Sampler<P, Q> isd_monte_carlo<P, Q>;
 
-POSEMIX_INSTANTIATE(SO3d)
-POSEMIX_INSTANTIATE(SE3d)
-POSEMIX_INSTANTIATE(PoseStackd)
-POSEMIX_INSTANTIATE(Rnd<Eigen::Dynamic>)
+POSEMIX_INSTANTIATE(Concentrated<SO3d>, Concentrated<SO3d>)
+POSEMIX_INSTANTIATE(Concentrated<SE3d>, Concentrated<SE3d>)
+POSEMIX_INSTANTIATE(Concentrated<PoseStackd>, Concentrated<PoseStackd>)
+POSEMIX_INSTANTIATE(Concentrated<Rnd<Eigen::Dynamic>>, Concentrated<Rnd<Eigen::Dynamic>>)
+POSEMIX_INSTANTIATE(Projected<SO3d>, Projected<SO3d>)
+POSEMIX_INSTANTIATE(Projected<SE3d>, Projected<SE3d>)
+POSEMIX_INSTANTIATE(Concentrated<SO3d>, Projected<SO3d>)
+POSEMIX_INSTANTIATE(Concentrated<SE3d>, Projected<SE3d>)
+POSEMIX_INSTANTIATE(Projected<SO3d>, Concentrated<SO3d>)
+POSEMIX_INSTANTIATE(Projected<SE3d>, Concentrated<SE3d>)
 #undef POSEMIX_INSTANTIATE
 
 }  // namespace posemix

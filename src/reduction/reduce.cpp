@@ -10,5 +10,9 @@ template Reduction<ConcentratedGaussian<SE3d>> reduce(Mixture<ConcentratedGaussi
                                                       const ReductionSettings&);
 template Reduction<ConcentratedGaussian<PoseStackd>> reduce(
     Mixture<ConcentratedGaussian<PoseStackd>>, const ReductionSettings&);
+template Reduction<ProjectedGaussian<SO3d>> reduce(Mixture<ProjectedGaussian<SO3d>>,
+                                                   const ReductionSettings&);
+template Reduction<ProjectedGaussian<SE3d>> reduce(Mixture<ProjectedGaussian<SE3d>>,
+                                                   const ReductionSettings&);
 
 }  // namespace posemix

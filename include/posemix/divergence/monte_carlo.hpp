@@ -5,16 +5,19 @@
 #include <cstddef>
 
 #include "posemix/base/random.hpp"
+#include "posemix/density/projected_gaussian.hpp"
 #include "posemix/divergence/estimate.hpp"
 #include "posemix/mixture/operations.hpp"
 
 /// Divergences between mixtures on any group by randomised quasi-Monte Carlo: importance sampling
 /// with Sobol points, stratified over the components, and digital shifts from the random stream
 /// \cite lecuyer2002randomized. The error is one standard error over independent replicates; the
-/// estimates are unbiased. Tangent vectors that rotate by more than pi carry no mass, as in the
-/// quadrature on SO(3).
+/// estimates are unbiased. Tangent vectors of concentrated Gaussians that rotate by more than pi
+/// carry no mass, as in the quadrature on SO(3); points of projected Gaussians are drawn from the
+/// Gaussian in the tangent space and weighted by what turns it into the law.
 ///
-/// Compiled for SO3d, SE3d, PoseStackd and Rnd<Eigen::Dynamic>.
+/// Compiled for concentrated Gaussians on SO3d, SE3d, PoseStackd and Rnd<Eigen::Dynamic>, for
+/// projected Gaussians on SO3d and SE3d, and there for one kind against the other.
 namespace posemix {
 
 /// How many points.
@@ -27,24 +30,21 @@ struct DivergenceSamplingSettings {
 /// Kullback-Leibler divergence D(p || q) [nats], sampled from p.
 /// @throws InvalidInput when sizes differ, there are less than 2 replicates, or fewer samples than
 /// replicates
-template <LieGroup G>
-DivergenceEstimate kl_monte_carlo(const Mixture<ConcentratedGaussian<G>>& p,
-                                  const Mixture<ConcentratedGaussian<G>>& q, RandomStream& stream,
+template <class P, class Q>
+DivergenceEstimate kl_monte_carlo(const Mixture<P>& p, const Mixture<Q>& q, RandomStream& stream,
                                   const DivergenceSamplingSettings& settings = {});
 
 /// D(p || q) + D(q || p) [nats], sampled from (p + q) / 2: (p - q) log(p/q) is never negative.
 /// @throws InvalidInput as kl_monte_carlo
-template <LieGroup G>
-DivergenceEstimate symmetric_kl_monte_carlo(const Mixture<ConcentratedGaussian<G>>& p,
-                                            const Mixture<ConcentratedGaussian<G>>& q,
+template <class P, class Q>
+DivergenceEstimate symmetric_kl_monte_carlo(const Mixture<P>& p, const Mixture<Q>& q,
                                             RandomStream& stream,
                                             const DivergenceSamplingSettings& settings = {});
 
 /// Integral square distance int (p - q)^2 dX, sampled from (p + q) / 2; its unit is that of 1 / dX.
 /// @throws InvalidInput as kl_monte_carlo
-template <LieGroup G>
-DivergenceEstimate isd_monte_carlo(const Mixture<ConcentratedGaussian<G>>& p,
-                                   const Mixture<ConcentratedGaussian<G>>& q, RandomStream& stream,
+template <class P, class Q>
+DivergenceEstimate isd_monte_carlo(const Mixture<P>& p, const Mixture<Q>& q, RandomStream& stream,
                                    const DivergenceSamplingSettings& settings = {});
 
 }  // namespace posemix

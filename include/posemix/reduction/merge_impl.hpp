@@ -14,9 +14,9 @@ namespace internal {
 
 /// The components that carry weight (all of them, equally, when none does), their weights
 /// normalised, and the log of their summed weight.
-template <LieGroup G>
+template <class Density>
 struct Carrying {
-  using Density = ConcentratedGaussian<G>;
+  using G = typename Density::Group;
 
   double log_total;
   std::vector<double> weights;
@@ -80,7 +80,7 @@ struct Midway {
 /// -w_2 dx, X_2 at w_1 dx. Taken from Log(X_1^-1 X_2) = Ad(X_1^-1) dx, which does not lose digits
 /// far from the origin.
 template <LieGroup G>
-Midway<G> midway_of_two(const Carrying<G>& two) {
+Midway<G> midway_of_two(const Carrying<ConcentratedGaussian<G>>& two) {
   const double w_1 = two.weights[0];
   const double w_2 = two.weights[1];
   const G& x_1 = two.mean(0);
@@ -91,7 +91,8 @@ Midway<G> midway_of_two(const Carrying<G>& two) {
 }
 
 template <LieGroup G>
-Midway<G> midway_of(const Carrying<G>& carrying, const MergeSettings& settings) {
+Midway<G> midway_of(const Carrying<ConcentratedGaussian<G>>& carrying,
+                    const MergeSettings& settings) {
   if (carrying.size() == 2) return midway_of_two(carrying);
   std::vector<G> means;
   means.reserve(carrying.size());
@@ -116,8 +117,8 @@ template <LieGroup G>
 MeanResult<G> midway_point(std::span<const Component<ConcentratedGaussian<G>>> components,
                            const MergeSettings& settings) {
   require(!components.empty(), "midway_point: there is no component");
-  return internal::midway_of(internal::Carrying<G>(internal::pointers_to(components)), settings)
-      .point;
+  const internal::Carrying<ConcentratedGaussian<G>> carrying(internal::pointers_to(components));
+  return internal::midway_of(carrying, settings).point;
 }
 
 template <LieGroup G>
@@ -128,7 +129,7 @@ MergeResult<ConcentratedGaussian<G>> merge(
   require(!components.empty(), "merge: there is no component");
   if (components.size() == 1) return {*components.front(), true};
 
-  const internal::Carrying<G> carrying(components);
+  const internal::Carrying<Density> carrying(components);
   const double log_weight = carrying.log_total;
   if (carrying.size() == 1) return {{log_weight, *carrying.densities.front()}, true};
 

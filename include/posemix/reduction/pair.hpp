@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "posemix/divergence/gaussian.hpp"
+#include "posemix/divergence/projected.hpp"
 #include "posemix/mixture/moments.hpp"
 
 namespace posemix {
@@ -20,7 +21,10 @@ enum class PairRule {
   largest_with_smallest,  ///< by weight, the midway paper's rule
   most_distant,           ///< the largest distance between means, the midway paper's simulation
   runnalls,               ///< the smallest of Runnalls' bounds on the divergence caused
-  symmetric_kl            ///< the smallest symmetric Kullback-Leibler divergence
+  symmetric_kl,           ///< the smallest symmetric Kullback-Leibler divergence
+  /// The smallest symmetric Kullback-Leibler divergence times w_a w_b / (w_a + w_b), to second
+  /// order the one that the merge causes (MPG paper, eq. 23 and 24).
+  weighted_symmetric_kl
 };
 
 /// What "distant" means, d = Log(X_b X_a^-1).
@@ -97,12 +101,31 @@ double distance(const ConcentratedGaussian<G>& a, const ConcentratedGaussian<G>&
   throw InvalidInput("distance: unknown metric");
 }
 
+/// The same for projected Gaussians, between their modes; Mahalanobis' distance in the tangent
+/// space halfway.
+template <RotationOrPose G>
+double distance(const ProjectedGaussian<G>& a, const ProjectedGaussian<G>& b,
+                DistanceMetric metric) {
+  if (metric == DistanceMetric::mahalanobis) return mahalanobis_distance(a, b);
+  return internal::log_distance(a.mean(), b.mean(), metric);
+}
+
+/// w_a w_b / (w_a + w_b) times the symmetric Kullback-Leibler divergence of the densities, with
+/// w = exp(log_weight); zero where a weight is.
+template <class D>
+double weighted_symmetric_kl(const Component<D>& a, const Component<D>& b) {
+  const double w_a = std::exp(a.log_weight);
+  const double w_b = std::exp(b.log_weight);
+  if (w_a == 0.0 || w_b == 0.0) return 0.0;
+  return w_a / (w_a + w_b) * w_b * gaussian_symmetric_kl(a.density, b.density);
+}
+
 /// Chooses pairs while a list of components shrinks. Costs of pairs that a merge leaves alone are
 /// kept.
-template <LieGroup G>
+template <class D>
 class PairSelector {
  public:
-  using Components = std::vector<Component<ConcentratedGaussian<G>>>;
+  using Components = std::vector<Component<D>>;
 
   PairSelector(const Components& components, PairRule rule, DistanceMetric metric)
       : rule_(rule), metric_(metric) {
@@ -159,8 +182,7 @@ class PairSelector {
     return std::minmax(largest, smallest);
   }
 
-  double cost(const Component<ConcentratedGaussian<G>>& a,
-              const Component<ConcentratedGaussian<G>>& b) const {
+  double cost(const Component<D>& a, const Component<D>& b) const {
     switch (rule_) {
       case PairRule::most_distant:
         return -distance(a.density, b.density, metric_);
@@ -168,6 +190,8 @@ class PairSelector {
         return runnalls_bound(a, b);
       case PairRule::symmetric_kl:
         return gaussian_symmetric_kl(a.density, b.density);
+      case PairRule::weighted_symmetric_kl:
+        return weighted_symmetric_kl(a, b);
       case PairRule::largest_with_smallest:
         break;
     }

@@ -6,9 +6,11 @@
 #include <cmath>
 #include <cstddef>
 #include <numeric>
+#include <optional>
 #include <utility>
 #include <vector>
 
+#include "posemix/reduction/loss.hpp"
 #include "posemix/reduction/merge.hpp"
 #include "posemix/reduction/pair.hpp"
 
@@ -17,6 +19,8 @@ namespace posemix {
 /// Settings of `reduce`.
 struct ReductionSettings {
   double prune_below = 5e-6;        ///< components with a smaller weight are dropped first
+  std::size_t drop_smallest = 0;    ///< after pruning so many of the lightest are dropped; the
+                                    ///< heaviest always stays
   std::size_t keep_heaviest = 0;    ///< after pruning only so many of the heaviest components are
                                     ///< kept, without merging; 0: all
   std::size_t max_components = 12;  ///< merging goes on until no more than this many are left
@@ -25,6 +29,7 @@ struct ReductionSettings {
   PairRule pair = PairRule::largest_with_smallest;
   DistanceMetric distance = DistanceMetric::tangent_norm;  ///< for PairRule::most_distant
   MergeSettings merge{};
+  bool bound_loss = false;  ///< whether the report holds bounds on the loss
 };
 
 /// One merge, weights as fractions of the whole mixture.
@@ -42,6 +47,9 @@ struct ReductionReport {
   double weight_pruned = 0.0;
   double weight_moved = 0.0;  ///< sum over the merges of the smaller of the two weights
   std::vector<MergeRecord> merges;
+  /// For every component before the one after that holds it, or kDropped.
+  std::vector<std::size_t> destination;
+  std::optional<BoundedLoss> bounded_loss;  ///< where it was asked for
   bool converged = true;
 };
 
@@ -54,73 +62,122 @@ struct Reduction {
 
 namespace internal {
 
-/// The `count` heaviest components in their order (of equals the earlier) and the weight dropped.
+/// The indices of the `count` heaviest components (of equals the earlier), in rising order.
 template <class D>
-std::pair<Mixture<D>, double> heaviest_of(Mixture<D> mixture, std::size_t count) {
-  std::vector<Component<D>> components = std::move(mixture).release();
+std::vector<std::size_t> heaviest_of(std::span<const Component<D>> components, std::size_t count) {
   std::vector<std::size_t> order(components.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return components[a].log_weight > components[b].log_weight;
   });
-  double dropped = 0.0;
-  for (std::size_t i = count; i < order.size(); ++i) {
-    dropped += std::exp(components[order[i]].log_weight);
-  }
-  order.resize(count);
+  order.resize(std::min(count, order.size()));
   std::sort(order.begin(), order.end());
+  return order;
+}
+
+/// The components at the given indices, in rising order, as a mixture.
+template <class D>
+Mixture<D> selected(std::vector<Component<D>> components, std::span<const std::size_t> indices) {
   std::vector<Component<D>> kept;
-  kept.reserve(count);
-  for (const std::size_t i : order) kept.push_back(std::move(components[i]));
-  return {Mixture<D>(std::move(kept)), dropped};
+  kept.reserve(indices.size());
+  for (const std::size_t i : indices) kept.push_back(std::move(components[i]));
+  return Mixture<D>(std::move(kept));
+}
+
+/// Drops components of little weight.
+template <class D>
+Mixture<D> without_light(Mixture<D> mixture, const ReductionSettings& settings,
+                         ReductionReport& report) {
+  const std::size_t heaviest = mixture.heaviest();
+  std::vector<std::size_t> left;
+  for (std::size_t i = 0; i < mixture.size(); ++i) {
+    if (i == heaviest || mixture.weight(i) >= settings.prune_below) left.push_back(i);
+  }
+  report.weight_pruned = mixture.prune(settings.prune_below);
+  std::size_t count = mixture.size() - std::min(settings.drop_smallest, mixture.size() - 1);
+  if (settings.keep_heaviest > 0) count = std::min(count, settings.keep_heaviest);
+  if (count < mixture.size()) {
+    const std::vector<std::size_t> kept =
+        heaviest_of<D>(std::span<const Component<D>>(mixture.components()), count);
+    double dropped = 0.0;
+    for (std::size_t i = 0, next = 0; i < mixture.size(); ++i) {
+      if (next < kept.size() && kept[next] == i) {
+        left[next++] = left[i];
+      } else {
+        dropped += mixture.weight(i);
+      }
+    }
+    left.resize(kept.size());
+    report.weight_pruned += (1.0 - report.weight_pruned) * dropped;
+    mixture = selected<D>(std::move(mixture).release(), kept);
+  }
+  report.components_pruned = report.components_before - mixture.size();
+  report.destination.assign(report.components_before, kDropped);
+  for (std::size_t i = 0; i < left.size(); ++i) report.destination[left[i]] = i;
+  return mixture;
+}
+
+/// Component b has become a part of component a < b.
+inline void redirect(std::vector<std::size_t>& destination, std::size_t a, std::size_t b) {
+  for (std::size_t& to : destination) {
+    if (to == b) {
+      to = a;
+    } else if (to > b && to != kDropped) {
+      --to;
+    }
+  }
+}
+
+/// Merges pair after pair.
+template <class D>
+void merge_pairs(std::vector<Component<D>>& components, const ReductionSettings& settings,
+                 ReductionReport& report) {
+  PairSelector<D> selector(components, settings.pair, settings.distance);
+  while (components.size() > settings.max_components) {
+    const auto [a, b] = selector.next(components);
+    const Component<D>* const pair[] = {&components[a], &components[b]};
+    const double w_a = std::exp(pair[0]->log_weight);
+    const double w_b = std::exp(pair[1]->log_weight);
+    report.merges.push_back(
+        {w_a, w_b, distance(pair[0]->density, pair[1]->density, DistanceMetric::tangent_norm)});
+    report.weight_moved += std::min(w_a, w_b);
+    MergeResult<D> merged = merge(std::span<const Component<D>* const>(pair), settings.merge);
+    report.converged = report.converged && merged.converged;
+    components[a] = std::move(merged.component);
+    components.erase(components.begin() + static_cast<std::ptrdiff_t>(b));
+    redirect(report.destination, a, b);
+    selector.merged(components, a, b);
+  }
 }
 
 }  // namespace internal
 
-/// A mixture with fewer components: prune, keep the heaviest, then merge pair after pair. Total
-/// weight is preserved (pruned weight is spread over the rest in proportion).
+/// A mixture with fewer components: prune, drop the lightest, keep the heaviest, then merge pair
+/// after pair. Total weight is preserved (dropped weight is spread over the rest in proportion).
+/// For concentrated Gaussians on any group, and for projected Gaussians.
 /// @throws InvalidInput when max_components is zero or prune_below is not in [0, 1)
-template <LieGroup G>
-Reduction<ConcentratedGaussian<G>> reduce(Mixture<ConcentratedGaussian<G>> mixture,
-                                          const ReductionSettings& settings = {}) {
-  using Density = ConcentratedGaussian<G>;
+template <class D>
+Reduction<D> reduce(Mixture<D> mixture, const ReductionSettings& settings = {}) {
   require(settings.max_components > 0, "reduce: max_components is 0, expected at least 1");
   require(settings.prune_below >= 0.0 && settings.prune_below < 1.0,
           "reduce: prune_below must lie in [0, 1)");
+  std::vector<Component<D>> before;
+  if (settings.bound_loss) before = mixture.components();
   ReductionReport report;
   report.components_before = mixture.size();
-  report.weight_pruned = mixture.prune(settings.prune_below);
-  if (settings.keep_heaviest > 0 && mixture.size() > settings.keep_heaviest) {
-    const double left = 1.0 - report.weight_pruned;
-    auto [kept, dropped] = internal::heaviest_of(std::move(mixture), settings.keep_heaviest);
-    mixture = std::move(kept);
-    report.weight_pruned += left * dropped;
-  }
-  report.components_pruned = report.components_before - mixture.size();
+  mixture = internal::without_light(std::move(mixture), settings, report);
 
-  std::vector<Component<Density>> components = std::move(mixture).release();
+  std::vector<Component<D>> components = std::move(mixture).release();
   const std::size_t start =
       settings.merge_from == 0 ? settings.max_components + 1 : settings.merge_from;
-  if (components.size() >= start) {
-    PairSelector<G> selector(components, settings.pair, settings.distance);
-    while (components.size() > settings.max_components) {
-      const auto [a, b] = selector.next(components);
-      const Component<Density>* const pair[] = {&components[a], &components[b]};
-      const double w_a = std::exp(pair[0]->log_weight);
-      const double w_b = std::exp(pair[1]->log_weight);
-      report.merges.push_back(
-          {w_a, w_b, distance(pair[0]->density, pair[1]->density, DistanceMetric::tangent_norm)});
-      report.weight_moved += std::min(w_a, w_b);
-      MergeResult<Density> merged =
-          merge<G>(std::span<const Component<Density>* const>(pair), settings.merge);
-      report.converged = report.converged && merged.converged;
-      components[a] = std::move(merged.component);
-      components.erase(components.begin() + static_cast<std::ptrdiff_t>(b));
-      selector.merged(components, a, b);
-    }
-  }
+  if (components.size() >= start) internal::merge_pairs(components, settings, report);
   report.components_after = components.size();
-  return {Mixture<Density>(std::move(components)), std::move(report)};
+  Reduction<D> result{Mixture<D>(std::move(components)), std::move(report)};
+  if (settings.bound_loss) {
+    result.report.bounded_loss = bounded_loss<D>(std::span<const Component<D>>(before),
+                                                 result.mixture, result.report.destination);
+  }
+  return result;
 }
 
 extern template Reduction<ConcentratedGaussian<SO3d>> reduce(Mixture<ConcentratedGaussian<SO3d>>,
@@ -129,5 +186,9 @@ extern template Reduction<ConcentratedGaussian<SE3d>> reduce(Mixture<Concentrate
                                                              const ReductionSettings&);
 extern template Reduction<ConcentratedGaussian<PoseStackd>> reduce(
     Mixture<ConcentratedGaussian<PoseStackd>>, const ReductionSettings&);
+extern template Reduction<ProjectedGaussian<SO3d>> reduce(Mixture<ProjectedGaussian<SO3d>>,
+                                                          const ReductionSettings&);
+extern template Reduction<ProjectedGaussian<SE3d>> reduce(Mixture<ProjectedGaussian<SE3d>>,
+                                                          const ReductionSettings&);
 
 }  // namespace posemix

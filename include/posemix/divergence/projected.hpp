@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include "posemix/density/projected_gaussian.hpp"
+#include "posemix/mixture/mixture.hpp"
+
+/// Divergences between two projected Gaussians in closed form. Both are restated in the tangent
+/// space at the rotation halfway between their modes, which is first order in u; densities with one
+/// tangent point stay as they are.
+///
+/// Two laws with different equators have an infinite Kullback-Leibler divergence in theory: one
+/// vanishes where the other does not. Restated they share the equator, and what is left out is the
+/// mass near it.
+///
+/// Compiled for SO3d and SE3d.
+namespace posemix {
+
+/// D(p || q) of the two Gaussians in the tangent space [nats].
+template <RotationOrPose G>
+double gaussian_kl(const ProjectedGaussian<G>& p, const ProjectedGaussian<G>& q);
+
+/// D(p || q) + D(q || p) of the two Gaussians in the tangent space [nats] (MPG paper, eq. 23).
+template <RotationOrPose G>
+double gaussian_symmetric_kl(const ProjectedGaussian<G>& p, const ProjectedGaussian<G>& q);
+
+/// D(p || q) of the two laws [nats]: with the exact moments and normalisers of both, so exact for
+/// densities with one tangent point.
+template <RotationOrPose G>
+double law_kl(const ProjectedGaussian<G>& p, const ProjectedGaussian<G>& q);
+
+/// D(p || q) + D(q || p) of the two laws [nats].
+template <RotationOrPose G>
+double law_symmetric_kl(const ProjectedGaussian<G>& p, const ProjectedGaussian<G>& q);
+
+/// Runnalls' bound as for concentrated Gaussians, in the tangent space at the rotation between the
+/// modes that the weights name.
+template <RotationOrPose G>
+double runnalls_bound(const Component<ProjectedGaussian<G>>& a,
+                      const Component<ProjectedGaussian<G>>& b);
+
+/// sqrt(d^T (P_a + P_b)^-1 d) for the difference d of the means.
+template <RotationOrPose G>
+double mahalanobis_distance(const ProjectedGaussian<G>& a, const ProjectedGaussian<G>& b);
+
+}  // namespace posemix

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <span>
+
+#include "posemix/density/projected_gaussian.hpp"
+#include "posemix/mixture/moments.hpp"
+
+/// Moments of mixtures of projected Gaussians. Compiled for SO3d and SE3d.
+namespace posemix {
+
+/// The rotation in whose chart the weighted mean of the given rotations is zero,
+/// sum_i w_i u_i = 0, by Newton's method: moving the tangent point by d moves u by
+/// -(I + u u^T) d + u x d. It maximises sum_i w_i log cos(theta_i / 2). The weights sum to one.
+/// Not converging is reported, not thrown.
+MeanResult<SO3d> gnomonic_mean(std::span<const SO3d> rotations, std::span<const double> weights,
+                               const MeanSettings& settings = {});
+
+/// Mean and covariance of y = [u; t] of a weighted sum of components in the tangent space at a
+/// rotation, as those of the Gaussians there, every component restated first (first order in its
+/// own u). The weights need not be normalised; components without weight are ignored.
+/// @throws InvalidInput when there is no component, a log-weight is NaN or +inf, all weights are
+/// zero, or a mode lies by pi from `tangent_point`
+template <RotationOrPose G>
+ProjectedGaussian<G> tangent_moments(std::span<const Component<ProjectedGaussian<G>>> components,
+                                     const SO3d& tangent_point);
+
+/// The projected Gaussian, PG_0, whose law has the moments of a weighted sum of components: its
+/// tangent point is the rotation where E[u] = 0 under the laws, its covariance the one whose law
+/// has the second moments there, which are those of maximum likelihood for this tangent point. The
+/// expectations are by cubature of degree five over the law of every component's u, with t given u
+/// exact. The weights need not be normalised. Not converging is reported, not thrown; `residual` is
+/// |E[u]|.
+/// @throws InvalidInput when there is no component, a log-weight is NaN or +inf, or all weights are
+/// zero
+template <RotationOrPose G>
+Moments<ProjectedGaussian<G>> moments(std::span<const Component<ProjectedGaussian<G>>> components,
+                                      const MomentSettings& settings = {});
+
+/// Mean and covariance of a whole mixture.
+template <RotationOrPose G>
+Moments<ProjectedGaussian<G>> moments(const Mixture<ProjectedGaussian<G>>& mixture,
+                                      const MomentSettings& settings = {}) {
+  return moments<G>(std::span<const Component<ProjectedGaussian<G>>>(mixture.components()),
+                    settings);
+}
+
+}  // namespace posemix

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "posemix/mixture/projected_mixture.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace posemix {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+constexpr int kPoints = 13;
+
+/// Points of a standard normal vector in three dimensions: the origin with weight 2/5 and the
+/// corners of an icosahedron of radius sqrt(5), 1/20 each; exact for polynomials of degree five.
+const Eigen::Matrix<double, 3, kPoints>& cubature_points() {
+  static const Eigen::Matrix<double, 3, kPoints> points = [] {
+    Eigen::Matrix<double, 3, kPoints> p = Eigen::Matrix<double, 3, kPoints>::Zero();
+    const double phi = std::numbers::phi;
+    const double scale = std::sqrt(5.0 / (1.0 + phi * phi));
+    int column = 1;
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const double one : {1.0, -1.0}) {
+        for (const double other : {phi, -phi}) {
+          p((axis + 1) % 3, column) = scale * one;
+          p((axis + 2) % 3, column) = scale * other;
+          ++column;
+        }
+      }
+    }
+    return p;
+  }();
+  return points;
+}
+double cubature_weight(int point) { return point == 0 ? 0.4 : 0.05; }
+
+/// Cubature points of one law: rotations, and the mean of t at each; t varies about it by
+/// `residual`.
+template <RotationOrPose G>
+struct LawPoints {
+  std::vector<SO3d> rotations;
+  Eigen::Matrix<double, G::Dof - 3, Eigen::Dynamic> translations;
+  Eigen::Matrix<double, G::Dof - 3, G::Dof - 3> residual;
+
+  explicit LawPoints(const ProjectedGaussian<G>& density) {
+    const LawMoments<G> law = law_moments(density);
+    const Matrix3d covariance = law.covariance.template topLeftCorner<3, 3>();
+    const Eigen::LLT<Matrix3d> factor(covariance);
+    const Eigen::Matrix<double, 3, kPoints> offsets = factor.matrixL() * cubature_points();
+    const Vector3d mean = law.mean.template head<3>();
+    for (int k = 0; k < kPoints; ++k) {
+      rotations.push_back(gnomonic::project(density.tangent_point(), mean + offsets.col(k)));
+    }
+    if constexpr (std::same_as<G, SE3d>) {
+      const Matrix3d cross = law.covariance.template bottomLeftCorner<3, 3>();
+      const Matrix3d gain = factor.solve(cross.transpose()).transpose();
+      translations = (gain * offsets).colwise() + Vector3d(law.mean.template tail<3>());
+      residual = law.covariance.template bottomRightCorner<3, 3>() - gain * cross.transpose();
+    }
+  }
+};
+
+/// Weights that sum to one, and the densities that carry them.
+template <RotationOrPose G>
+struct Weighted {
+  std::vector<double> weights;
+  std::vector<const ProjectedGaussian<G>*> densities;
+
+  explicit Weighted(std::span<const Component<ProjectedGaussian<G>>> components) {
+    const double log_total = checked_log_total(components);
+    for (const auto& component : components) {
+      const double weight = std::exp(component.log_weight - log_total);
+      if (weight == 0.0) continue;
+      weights.push_back(weight);
+      densities.push_back(&component.density);
+    }
+  }
+};
+
+/// The normalised sum of the quaternions, each with the sign that brings it next to the heaviest.
+SO3d chordal_start(std::span<const SO3d> rotations, std::span<const double> weights) {
+  const auto heaviest = std::max_element(weights.begin(), weights.end()) - weights.begin();
+  const Eigen::Vector4d first = rotations[static_cast<std::size_t>(heaviest)].quaternion().coeffs();
+  Eigen::Vector4d sum = Eigen::Vector4d::Zero();
+  for (std::size_t i = 0; i < rotations.size(); ++i) {
+    const Eigen::Vector4d q = rotations[i].quaternion().coeffs();
+    sum += std::copysign(weights[i], q.dot(first)) * q;
+  }
+  return SO3d::from_quaternion(Eigen::Quaterniond(sum));
+}
+
+}  // namespace
+
+MeanResult<SO3d> gnomonic_mean(std::span<const SO3d> rotations, std::span<const double> weights,
+                               const MeanSettings& settings) {
+  const double total = checked_weight_sum(rotations.size(), weights);
+  MeanResult<SO3d> result{chordal_start(rotations, weights)};
+  while (true) {
+    Vector3d mean = Vector3d::Zero();
+    Matrix3d curvature = Matrix3d::Identity();
+    for (std::size_t i = 0; i < rotations.size(); ++i) {
+      if (!(weights[i] > 0.0)) continue;
+      const Vector3d u = gnomonic::lift(result.mean, rotations[i]);
+      mean += weights[i] / total * u;
+      curvature += weights[i] / total * u * u.transpose();
+    }
+    result.residual = mean.norm();
+    const double reach = std::sqrt(curvature.trace());
+    constexpr double kRounding = 8.0 * std::numeric_limits<double>::epsilon();
+    result.converged = result.residual <= std::max(settings.tolerance, kRounding * reach);
+    const bool stuck = !mean.allFinite() || result.iterations >= settings.max_iterations;
+    if (result.converged || stuck) return result;
+    result.mean = gnomonic::project(result.mean, curvature.llt().solve(mean));
+    ++result.iterations;
+  }
+}
+
+template <RotationOrPose G>
+ProjectedGaussian<G> tangent_moments(std::span<const Component<ProjectedGaussian<G>>> components,
+                                     const SO3d& tangent_point) {
+  const Weighted<G> of(components);
+  std::vector<ProjectedGaussian<G>> moved;
+  typename G::Tangent mean = G::Tangent::Zero();
+  for (std::size_t i = 0; i < of.weights.size(); ++i) {
+    moved.push_back(restate(*of.densities[i], tangent_point));
+    mean += of.weights[i] * moved.back().tangent_mean();
+  }
+  typename G::TangentMatrix covariance = G::TangentMatrix::Zero();
+  for (std::size_t i = 0; i < moved.size(); ++i) {
+    const typename G::Tangent d = moved[i].tangent_mean() - mean;
+    covariance += of.weights[i] * (moved[i].covariance() + d * d.transpose());
+  }
+  symmetrize(covariance);
+  return ProjectedGaussian<G>::trusted(tangent_point, mean, covariance);
+}
+
+template <RotationOrPose G>
+Moments<ProjectedGaussian<G>> moments(std::span<const Component<ProjectedGaussian<G>>> components,
+                                      const MomentSettings& settings) {
+  const Weighted<G> of(components);
+  std::vector<LawPoints<G>> laws;
+  std::vector<SO3d> rotations;
+  std::vector<double> weights;
+  for (std::size_t i = 0; i < of.weights.size(); ++i) {
+    laws.emplace_back(*of.densities[i]);
+    for (int k = 0; k < kPoints; ++k) weights.push_back(of.weights[i] * cubature_weight(k));
+    rotations.insert(rotations.end(), laws[i].rotations.begin(), laws[i].rotations.end());
+  }
+  const MeanResult<SO3d> centre =
+      gnomonic_mean(rotations, weights, {settings.max_iterations, settings.tolerance});
+
+  Eigen::Matrix<double, G::Dof, Eigen::Dynamic> y(G::Dof,
+                                                  static_cast<Eigen::Index>(rotations.size()));
+  typename G::TangentMatrix covariance = G::TangentMatrix::Zero();
+  for (std::size_t i = 0; i < laws.size(); ++i) {
+    auto part = y.template middleCols<kPoints>(static_cast<Eigen::Index>(i) * kPoints);
+    for (int k = 0; k < kPoints; ++k) {
+      part.col(k).template head<3>() =
+          gnomonic::lift(centre.mean, laws[i].rotations[static_cast<std::size_t>(k)]);
+    }
+    if constexpr (std::same_as<G, SE3d>) {
+      part.template bottomRows<3>() = laws[i].translations;
+      covariance.template bottomRightCorner<3, 3>() += of.weights[i] * laws[i].residual;
+    }
+  }
+  const Eigen::Map<const Eigen::VectorXd> w(weights.data(), y.cols());
+  typename G::Tangent mean = y * w;
+  mean.template head<3>().setZero();
+  y.colwise() -= mean;
+  covariance += y * w.asDiagonal() * y.transpose();
+  symmetrize(covariance);
+  return {with_law_moments<G>(centre.mean, mean, covariance), centre.converged, centre.iterations,
+          centre.residual};
+}
+
+#define POSEMIX_INSTANTIATE(G)                                                                     \
+  template ProjectedGaussian<G> tangent_moments(std::span<const Component<ProjectedGaussian<G>>>,  \
+                                                const SO3d&);                                      \
+  template Moments<ProjectedGaussian<G>> moments(std::span<const Component<ProjectedGaussian<G>>>, \
+                                                 const MomentSettings&);
+
+POSEMIX_INSTANTIATE(SO3d)
+POSEMIX_INSTANTIATE(SE3d)
+#undef POSEMIX_INSTANTIATE
+
+}  // namespace posemix
