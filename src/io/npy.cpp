@@ -6,6 +6,7 @@
 #include <bit>
 #include <concepts>
 #include <cstring>
+#include <limits>
 #include <system_error>
 #include <vector>
 
@@ -18,7 +19,6 @@
 namespace posemix {
 namespace {
 
-constexpr std::size_t kEntries = 16;
 constexpr std::string_view kExtension = ".npy";
 
 template <std::floating_point Real, std::unsigned_integral Bits>
@@ -29,6 +29,45 @@ double entry_at(std::string_view data, std::size_t index) {
     bits = static_cast<Bits>((bits << 8) | value);
   }
   return static_cast<double>(std::bit_cast<Real>(bits));
+}
+
+/// Where the entry that Fortran order puts at `index` stands in C order.
+std::size_t place_in_c_order(std::size_t index, const std::vector<std::size_t>& shape) {
+  std::size_t place = 0;
+  std::size_t stride = 1;
+  std::vector<std::size_t> indices(shape.size());
+  for (std::size_t axis = 0; axis < shape.size(); ++axis) {
+    indices[axis] = index % shape[axis];
+    index /= shape[axis];
+  }
+  for (std::size_t axis = shape.size(); axis-- > 0;) {
+    place += indices[axis] * stride;
+    stride *= shape[axis];
+  }
+  return place;
+}
+
+/// The entries in C order.
+std::vector<double> entries_of(std::string_view bytes, const NpyHeader& header,
+                               const std::string& name) {
+  const std::string_view data = bytes.substr(header.size);
+  constexpr std::size_t kMost = std::numeric_limits<std::size_t>::max() / sizeof(double);
+  std::size_t count = 1;
+  for (const std::size_t length : header.shape) {
+    count = length != 0 && count > kMost / length ? kMost : count * length;
+  }
+  const std::size_t expected = count * header.entry_size;
+  if (data.size() != expected) {
+    throw InvalidInput(fmt::format("{}: got {} bytes, expected {} ({} of header, {} of data)", name,
+                                   bytes.size(), header.size + expected, header.size, expected));
+  }
+  std::vector<double> entries(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t place = header.fortran_order ? place_in_c_order(i, header.shape) : i;
+    entries[place] = header.entry_size == 4 ? entry_at<float, std::uint32_t>(data, i)
+                                            : entry_at<double, std::uint64_t>(data, i);
+  }
+  return entries;
 }
 
 std::vector<std::filesystem::path> files_of(const std::filesystem::path& folder) {
@@ -61,23 +100,30 @@ std::int64_t frame_number(const std::filesystem::path& path, std::size_t prefix_
 
 }  // namespace
 
+NpyArray parse_npy_array(std::string_view bytes, const std::string& name) {
+  const NpyHeader header = parse_npy_header(bytes, name);
+  return {header.shape, entries_of(bytes, header, name)};
+}
+
+std::string format_npy(const NpyArray& array) {
+  std::string bytes = format_npy_header(array.shape);
+  for (const double value : array.values) {
+    const auto bits = std::bit_cast<std::uint64_t>(value);
+    for (std::size_t byte = 0; byte < sizeof bits; ++byte) {
+      bytes += static_cast<char>((bits >> (8 * byte)) & 0xff);
+    }
+  }
+  return bytes;
+}
+
 Eigen::Matrix4d parse_npy_matrix(std::string_view bytes, const std::string& name) {
   const NpyHeader header = parse_npy_header(bytes, name);
-  const std::string_view data = bytes.substr(header.size);
-  const std::size_t expected = kEntries * header.entry_size;
-  if (data.size() != expected) {
-    throw InvalidInput(fmt::format("{}: got {} bytes, expected {} ({} of header, {} of data)", name,
-                                   bytes.size(), header.size + expected, header.size, expected));
+  if (header.shape != std::vector<std::size_t>{4, 4}) {
+    throw InvalidInput(
+        fmt::format("{}: got the shape {}, expected (4, 4)", name, in_quotes(header.shape_text)));
   }
-  Eigen::Matrix4d matrix;
-  for (std::size_t i = 0; i < kEntries; ++i) {
-    const double entry = header.entry_size == 4 ? entry_at<float, std::uint32_t>(data, i)
-                                                : entry_at<double, std::uint64_t>(data, i);
-    const auto outer = static_cast<Eigen::Index>(i / 4);
-    const auto inner = static_cast<Eigen::Index>(i % 4);
-    (header.fortran_order ? matrix(inner, outer) : matrix(outer, inner)) = entry;
-  }
-  return matrix;
+  const std::vector<double> entries = entries_of(bytes, header, name);
+  return Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(entries.data());
 }
 
 SE3d parse_npy_pose(std::string_view bytes, const std::string& name, double tolerance) {

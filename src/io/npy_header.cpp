@@ -5,6 +5,7 @@
 #include <map>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "posemix/base/error.hpp"
 #include "posemix/io/text.hpp"
@@ -88,12 +89,20 @@ class DictionaryReader {
   std::size_t position_ = 0;
 };
 
-std::string without_blanks(std::string_view text) {
-  std::string result;
-  for (const char c : text) {
-    if (c != ' ') result += c;
+/// The lengths in "(4, 4" or "(4,".
+std::vector<std::size_t> parse_shape(std::string_view text, const std::string& name) {
+  std::vector<std::size_t> shape;
+  std::vector<std::string_view> words = split_fields(text.substr(text.empty() ? 0 : 1), ',');
+  if (trimmed(words.back()).empty()) words.pop_back();
+  for (const std::string_view word : words) {
+    const auto length = parse_integer(trimmed(word));
+    if (!text.starts_with('(') || !length || *length < 0) {
+      fail(name, fmt::format("the shape {}", in_quotes(fmt::format("{})", text))),
+           "integers that are not negative");
+    }
+    shape.push_back(static_cast<std::size_t>(*length));
   }
-  return result;
+  return shape;
 }
 
 /// Bytes before the dictionary and bytes of the dictionary.
@@ -144,11 +153,20 @@ NpyHeader parse_npy_header(std::string_view bytes, const std::string& name) {
   if (order != "True" && order != "False") {
     fail(name, fmt::format("fortran_order {}", in_quotes(order)), "True or False");
   }
-  if (without_blanks(entries["shape"]) != "(4,4") {
-    fail(name, fmt::format("the shape {}", in_quotes(fmt::format("{})", entries["shape"]))),
-         "(4, 4)");
-  }
-  return {extent.begin + extent.size, type == "<f4" ? 4U : 8U, order == "True"};
+  return {extent.begin + extent.size, type == "<f4" ? 4U : 8U, order == "True",
+          fmt::format("{})", entries["shape"]), parse_shape(entries["shape"], name)};
+}
+
+std::string format_npy_header(const std::vector<std::size_t>& shape) {
+  constexpr std::size_t kBeforeText = 10;
+  constexpr std::size_t kAlignment = 64;
+  std::string text = fmt::format("{{'descr': '<f8', 'fortran_order': False, 'shape': ({}{}), }}",
+                                 fmt::join(shape, ", "), shape.size() == 1 ? "," : "");
+  text.append(kAlignment - 1 - (kBeforeText + text.size()) % kAlignment, ' ');
+  text += '\n';
+  const auto low = static_cast<char>(text.size() & 0xff);
+  const auto high = static_cast<char>(text.size() >> 8);
+  return std::string(kMagic) + '\x01' + '\0' + low + high + text;
 }
 
 }  // namespace posemix

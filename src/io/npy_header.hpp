@@ -5,18 +5,24 @@
 #include <cstddef>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace posemix {
 
-/// What the header of a .npy file with a 4x4 matrix says.
+/// What the header of a .npy file says.
 struct NpyHeader {
   std::size_t size = 0;        ///< bytes before the data
   std::size_t entry_size = 0;  ///< 4 or 8 bytes per number
   bool fortran_order = false;  ///< columns first
+  std::string shape_text;      ///< as it is written, "(4, 4)"
+  std::vector<std::size_t> shape;
 };
 
-/// The header at the start of `bytes`. Throws InvalidInput unless it announces a 4x4 matrix of
+/// The header at the start of `bytes`. Throws InvalidInput unless it announces an array of
 /// little-endian 32- or 64-bit floats in format version 1, 2 or 3.
 NpyHeader parse_npy_header(std::string_view bytes, const std::string& name);
+
+/// The header of 64-bit floats in C order, padded as NumPy does.
+std::string format_npy_header(const std::vector<std::size_t>& shape);
 
 }  // namespace posemix

@@ -3,7 +3,6 @@
 #include "posemix/io/output_folder.hpp"
 
 #include <cerrno>
-#include <cstring>
 #include <string>
 #include <system_error>
 
@@ -13,6 +12,8 @@
 
 #include <fmt/format.h>
 
+#include "descriptor.hpp"
+
 namespace posemix {
 namespace {
 
@@ -20,51 +21,9 @@ namespace fs = std::filesystem;
 
 constexpr int kMostAttempts = 1000;
 
-[[noreturn]] void fail(const fs::path& path, std::string_view what, std::string_view reason) {
-  throw OutputError(fmt::format("{}: {}: {}", path.string(), what, reason));
-}
-
-[[noreturn]] void fail_with_errno(const fs::path& path, std::string_view what) {
-  fail(path, what, std::strerror(errno));
-}
-
 void check(const std::error_code& error, const fs::path& path, std::string_view what) {
-  if (error) fail(path, what, error.message());
+  if (error) fail_output(path, what, error.message());
 }
-
-/// A file descriptor that closes itself.
-class Descriptor {
- public:
-  Descriptor(const fs::path& path, int flags)
-      : path_(path), number_(::open(path.c_str(), flags | O_CLOEXEC, 0666)) {
-    if (number_ < 0) fail_with_errno(path_, "cannot be written");
-  }
-  ~Descriptor() { ::close(number_); }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-
-  void write_all(std::string_view content) {
-    while (!content.empty()) {
-      const ssize_t written = ::write(number_, content.data(), content.size());
-      if (written < 0 && errno != EINTR) fail_with_errno(path_, "cannot be written");
-      if (written > 0) content.remove_prefix(static_cast<std::size_t>(written));
-    }
-  }
-
-  /// Waits until the content is on the disk; file systems that cannot say so are taken at their
-  /// word.
-  void sync() {
-    if (::fsync(number_) != 0 && errno != EINVAL && errno != EROFS) {
-      fail_with_errno(path_, "cannot be written to the disk");
-    }
-  }
-
- private:
-  fs::path path_;
-  int number_;
-};
-
-void sync_folder(const fs::path& folder) { Descriptor(folder, O_RDONLY | O_DIRECTORY).sync(); }
 
 fs::path resolved(const fs::path& target) {
   std::error_code error;
@@ -72,7 +31,7 @@ fs::path resolved(const fs::path& target) {
   check(error, target, "cannot be written");
   if (!path.has_filename()) path = path.parent_path();
   if (target.empty() || !path.has_filename())
-    fail(target, "cannot be written", "not a folder name");
+    fail_output(target, "cannot be written", "not a folder name");
   return path;
 }
 
@@ -98,7 +57,7 @@ OutputFolder::OutputFolder(const fs::path& target) : target_(resolved(target)) {
   std::error_code error;
   const fs::file_status status = fs::status(target_, error);
   if (fs::exists(status) && !fs::is_directory(status))
-    fail(target_, "cannot be written", "not a folder");
+    fail_output(target_, "cannot be written", "not a folder");
   try {
     create_parents();
     create_hidden();
@@ -157,8 +116,10 @@ void OutputFolder::remove_traces() noexcept {
 }
 
 void OutputFolder::write(const fs::path& name, std::string_view content) {
-  if (committed_) fail(target_ / name, "cannot be written", "the folder is already in place");
-  if (!stays_inside(name)) fail(name, "cannot be written", "not a file name within the folder");
+  if (committed_)
+    fail_output(target_ / name, "cannot be written", "the folder is already in place");
+  if (!stays_inside(name))
+    fail_output(name, "cannot be written", "not a file name within the folder");
   const fs::path path = hidden_ / name;
   std::error_code error;
   fs::create_directories(path.parent_path(), error);
@@ -173,7 +134,7 @@ void OutputFolder::move_files() {
   std::error_code error;
   for (const fs::path& name : names_) {
     const fs::path path = target_ / name;
-    if (fs::is_directory(path, error)) fail(path, "cannot be replaced", "is a folder");
+    if (fs::is_directory(path, error)) fail_output(path, "cannot be replaced", "is a folder");
     fs::create_directories(path.parent_path(), error);
     check(error, path.parent_path(), "cannot be created");
   }
@@ -188,7 +149,7 @@ void OutputFolder::move_files() {
 }
 
 void OutputFolder::commit() {
-  if (committed_) fail(target_, "cannot be committed", "the folder is already in place");
+  if (committed_) fail_output(target_, "cannot be committed", "the folder is already in place");
   sync_folder(hidden_);
   if (::rename(hidden_.c_str(), target_.c_str()) != 0) {
     const bool filled = errno == ENOTEMPTY || errno == EEXIST;

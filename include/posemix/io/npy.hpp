@@ -2,19 +2,35 @@
 // SPDX-FileCopyrightText: posemix contributors
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <map>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <Eigen/Core>
 
 #include "posemix/io/rigid.hpp"
 #include "posemix/lie/lie.hpp"
 
-/// NumPy .npy files that hold one homogeneous 4x4 matrix each.
+/// NumPy .npy files: arrays, and files that hold one homogeneous 4x4 matrix each.
 namespace posemix {
+
+/// An array of any shape; the last index runs fastest.
+struct NpyArray {
+  std::vector<std::size_t> shape;
+  std::vector<double> values;
+};
+
+/// The array in the bytes of a .npy file of format version 1, 2 or 3: little-endian 32- or 64-bit
+/// floats, C or Fortran order. Throws InvalidInput `name: got ..., expected ...`, also when bytes
+/// are missing or left over. The values are not checked.
+NpyArray parse_npy_array(std::string_view bytes, const std::string& name);
+
+/// The bytes of a .npy file, format version 1, 64-bit floats in C order.
+std::string format_npy(const NpyArray& array);
 
 /// The matrix in the bytes of a .npy file of format version 1, 2 or 3: shape (4, 4), little-endian
 /// 32- or 64-bit floats, C or Fortran order. Throws InvalidInput `name: got ..., expected ...`,

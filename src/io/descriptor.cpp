@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "descriptor.hpp"
+
+#include <cerrno>
+#include <cstring>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <fmt/format.h>
+
+#include "posemix/io/output_folder.hpp"
+
+namespace posemix {
+
+void fail_output(const std::filesystem::path& path, std::string_view what,
+                 std::string_view reason) {
+  throw OutputError(fmt::format("{}: {}: {}", path.string(), what, reason));
+}
+
+void fail_with_errno(const std::filesystem::path& path, std::string_view what) {
+  fail_output(path, what, std::strerror(errno));
+}
+
+Descriptor::Descriptor(const std::filesystem::path& path, int flags,
+                       const std::filesystem::path& shown)
+    : shown_(shown), number_(::open(path.c_str(), flags | O_CLOEXEC, 0666)) {
+  if (number_ < 0) fail_with_errno(shown_, "cannot be written");
+}
+
+Descriptor::~Descriptor() { ::close(number_); }
+
+void Descriptor::write_all(std::string_view content) {
+  while (!content.empty()) {
+    const ssize_t written = ::write(number_, content.data(), content.size());
+    if (written < 0 && errno != EINTR) fail_with_errno(shown_, "cannot be written");
+    if (written > 0) content.remove_prefix(static_cast<std::size_t>(written));
+  }
+}
+
+void Descriptor::sync() {
+  if (::fsync(number_) != 0 && errno != EINVAL && errno != EROFS) {
+    fail_with_errno(shown_, "cannot be written to the disk");
+  }
+}
+
+void sync_folder(const std::filesystem::path& folder) {
+  Descriptor(folder, O_RDONLY | O_DIRECTORY).sync();
+}
+
+}  // namespace posemix

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+
+namespace posemix {
+
+/// Throws OutputError `path: what: reason`.
+[[noreturn]] void fail_output(const std::filesystem::path& path, std::string_view what,
+                              std::string_view reason);
+/// The same with the reason in errno.
+[[noreturn]] void fail_with_errno(const std::filesystem::path& path, std::string_view what);
+
+/// A file descriptor that closes itself. Every member throws OutputError.
+class Descriptor {
+ public:
+  /// Messages name `shown`.
+  Descriptor(const std::filesystem::path& path, int flags, const std::filesystem::path& shown);
+  Descriptor(const std::filesystem::path& path, int flags) : Descriptor(path, flags, path) {}
+  ~Descriptor();
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+
+  void write_all(std::string_view content);
+  /// Waits until the content is on the disk; file systems that cannot say so are taken at their
+  /// word.
+  void sync();
+
+ private:
+  std::filesystem::path shown_;
+  int number_;
+};
+
+/// Waits until the names in a folder are on the disk.
+void sync_folder(const std::filesystem::path& folder);
+
+}  // namespace posemix

@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include <cmath>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "json_place.hpp"
+#include "mixture_parts.hpp"
+#include "posemix/base/error.hpp"
+#include "posemix/io/text.hpp"
+
+namespace posemix {
+namespace {
+
+/// The document; refuses a key that is twice in one object.
+Json document(std::string_view text, const std::string& name) {
+  std::vector<std::set<std::string>> open;
+  const auto check = [&](int, Json::parse_event_t event, const Json& parsed) {
+    if (event == Json::parse_event_t::object_start) open.emplace_back();
+    if (event == Json::parse_event_t::object_end) open.pop_back();
+    if (event == Json::parse_event_t::key &&
+        !open.back().insert(parsed.get<std::string>()).second) {
+      throw InvalidInput(fmt::format("{}: got the key {} twice in one object, expected once", name,
+                                     in_quotes(parsed.get<std::string>())));
+    }
+    return true;
+  };
+  try {
+    return Json::parse(text, check);
+  } catch (const Json::exception& error) {
+    throw InvalidInput(fmt::format("{}: got a text that is not JSON ({}), expected a mixture file",
+                                   name, error.what()));
+  }
+}
+
+template <class Value>
+Value value_of(const Words<Value>& words, const JsonPlace& place) {
+  const std::string got = place.string();
+  for (const auto& [word, value] : words) {
+    if (got == word) return value;
+  }
+  place.fail(in_quotes(got),
+             fmt::format("{} or {}", in_quotes(words[0].first), in_quotes(words[1].first)));
+}
+
+void check_schema(const JsonPlace& root) {
+  root.member("type").require_word(kMixtureType);
+  const JsonPlace schema = root.member("schema");
+  const double number = schema.number();
+  if (number != static_cast<double>(kMixtureSchema)) {
+    schema.fail(
+        fmt::format("{}", number),
+        fmt::format("{}: the file was written in another version of the format", kMixtureSchema));
+  }
+  root.require_only(
+      {"schema", "type", "group", "law", "side", "order", "units", "frames", "components"});
+  root.member("group").require_word(kMixtureGroup);
+}
+
+bool is_projected(const JsonPlace& law) {
+  const std::string word = law.string();
+  if (word != kConcentratedLaw && word != kProjectedLaw) {
+    law.fail(in_quotes(word),
+             fmt::format("{} or {}", in_quotes(kConcentratedLaw), in_quotes(kProjectedLaw)));
+  }
+  return word == kProjectedLaw;
+}
+
+MixtureConvention read_convention(const JsonPlace& root, bool projected) {
+  MixtureConvention convention;
+  const JsonPlace units = root.member("units");
+  units.require_only({"rotation", "translation"});
+  convention.order = value_of(kOrders, root.member("order"));
+  convention.length = value_of(kLengthUnits, units.member("translation"));
+  convention.side = value_of(kSides, root.member("side"));
+  if (projected) {
+    root.member("side").require_word(word_of(kSides, Side::right));
+    units.member("rotation").require_word(kProjectedUnit);
+  } else {
+    convention.angle = value_of(kAngleUnits, units.member("rotation"));
+  }
+  return convention;
+}
+
+FrameNames read_frames(const JsonPlace& place) {
+  place.require_only({"from", "to"});
+  const auto name = [&](std::string_view key) {
+    const JsonPlace member = place.member(key);
+    std::string word = member.string();
+    if (!is_frame_name(word)) {
+      member.fail(in_quotes(word), fmt::format("1 to {} printable ASCII characters without blanks",
+                                               kLongestFrameName));
+    }
+    return word;
+  };
+  return {name("from"), name("to")};
+}
+
+double read_log_weight(const JsonPlace& place) {
+  if (place.has("weight") == place.has("log_weight")) {
+    place.fail(place.has("weight") ? "both 'weight' and 'log_weight'" : "no key 'log_weight'",
+               "one of 'weight' and 'log_weight'");
+  }
+  if (place.has("log_weight")) return place.member("log_weight").number();
+  const JsonPlace weight = place.member("weight");
+  const double number = weight.number();
+  if (number < 0.0) weight.fail(fmt::format("{}", number), "a number of at least zero");
+  return std::log(number);
+}
+
+Eigen::Vector3d read_translation(const JsonPlace& place, LengthUnit unit) {
+  const Eigen::Vector3d translation = metres_per_unit(unit) * place.vector(3);
+  if (!is_position(translation)) {
+    place.fail("a position that is too far", fmt::format("at most {:g} m", kFarthestPosition));
+  }
+  return translation;
+}
+
+/// What `make` gives; its complaints are those about the covariance at `place`.
+template <class Make>
+auto with_covariance(const JsonPlace& place, const MixtureConvention& convention,
+                     const Make& make) {
+  const Matrix6d stated = place.square_matrix(6);
+  try {
+    return make(plain_covariance(checked_covariance(stated, 6, "the matrix"), convention));
+  } catch (const InvalidInput& error) {
+    place.fail(error.what(), "a symmetric positive definite matrix");
+  }
+}
+
+ConcentratedGaussian<SE3d> read_density(const JsonPlace& place, const MixtureConvention& convention,
+                                        const ConcentratedGaussian<SE3d>* /*law*/) {
+  place.require_only({"weight", "log_weight", "mean", "covariance"});
+  const JsonPlace mean = place.member("mean");
+  mean.require_only({"translation", "quaternion_xyzw"});
+  const SE3d pose(mean.member("quaternion_xyzw").rotation(),
+                  read_translation(mean.member("translation"), convention.length));
+  return with_covariance(place.member("covariance"), convention, [&](const Matrix6d& p) {
+    return ConcentratedGaussian<SE3d>(
+        pose, convention.side == Side::left ? p : pose.adjoint_congruence(p));
+  });
+}
+
+ProjectedGaussian<SE3d> read_density(const JsonPlace& place, const MixtureConvention& convention,
+                                     const ProjectedGaussian<SE3d>* /*law*/) {
+  place.require_only({"weight", "log_weight", "tangent_point", "tangent_mean", "covariance"});
+  const JsonPlace point = place.member("tangent_point");
+  point.require_only({"quaternion_xyzw"});
+  const JsonPlace mean = place.member("tangent_mean");
+  mean.require_only({"u", "translation"});
+  Vector6d y;
+  y << mean.member("u").vector(3), read_translation(mean.member("translation"), convention.length);
+  const SO3d rotation = point.member("quaternion_xyzw").rotation();
+  auto density = with_covariance(place.member("covariance"), convention, [&](const Matrix6d& p) {
+    return ProjectedGaussian<SE3d>(rotation, y, p);
+  });
+  if (!std::isfinite(density.log_normalizer())) {
+    place.fail("a density without a finite normaliser", "a mean and covariance of u near one");
+  }
+  return density;
+}
+
+template <class D>
+Mixture<D> read_components(const JsonPlace& place, const MixtureConvention& convention) {
+  std::vector<Component<D>> components;
+  for (const JsonPlace& item : place.items()) {
+    const double log_weight = read_log_weight(item);
+    components.push_back({log_weight, read_density(item, convention, static_cast<D*>(nullptr))});
+  }
+  try {
+    return Mixture<D>::from_stored(std::move(components));
+  } catch (const InvalidInput& error) {
+    place.fail(error.what(), "at least one component with a weight above zero");
+  }
+}
+
+}  // namespace
+
+MixtureFile parse_mixture(std::string_view text, const std::string& name) {
+  const Json json = document(text, name);
+  const JsonPlace root(json, name);
+  check_schema(root);
+  const bool projected = is_projected(root.member("law"));
+  const MixtureConvention convention = read_convention(root, projected);
+  FrameNames frames = read_frames(root.member("frames"));
+  const JsonPlace components = root.member("components");
+  if (projected) {
+    return {std::move(frames), read_components<ProjectedGaussian<SE3d>>(components, convention)};
+  }
+  return {std::move(frames), read_components<ConcentratedGaussian<SE3d>>(components, convention)};
+}
+
+MixtureFile read_mixture(const std::filesystem::path& path) {
+  return parse_mixture(read_file(path), path.string());
+}
+
+}  // namespace posemix
