@@ -7,6 +7,8 @@ find_package(tomlplusplus 3.3 REQUIRED)
 find_package(nlohmann_json 3.11 REQUIRED)
 # NLopt::nlopt; its C++ interface is header-only.
 find_package(NLopt 2.7 REQUIRED CONFIG)
+# Highway: vector instructions chosen where the program runs.
+find_package(hwy 1.0.3 REQUIRED CONFIG)
 
 find_package(Threads REQUIRED)
 set(POSEMIX_WITH_MPI OFF)

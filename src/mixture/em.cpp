@@ -65,19 +65,6 @@ double checked_em_weights(std::span<const double> weights, std::size_t samples,
   return total;
 }
 
-double shares_from_log_terms(std::span<const double> weights, Eigen::ArrayXXd& terms) {
-  const Eigen::Map<const Eigen::ArrayXd> weight(weights.data(), terms.rows());
-  const Eigen::ArrayXd largest = terms.rowwise().maxCoeff();
-  Eigen::ArrayXd sum = Eigen::ArrayXd::Zero(terms.rows());
-  for (auto column : terms.colwise()) {
-    column = (column - largest).exp();
-    sum += column;
-  }
-  const Eigen::ArrayXd scale = weight / sum;
-  for (auto column : terms.colwise()) column *= scale;
-  return (weight * (largest + sum.log())).sum();
-}
-
 }  // namespace internal
 
 Eigen::MatrixXd bounded_covariance(const Eigen::MatrixXd& second_moment,

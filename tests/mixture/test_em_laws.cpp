@@ -109,48 +109,5 @@ TYPED_TEST(EmOn, EndsWhereTheLikelihoodIsStationary) {
   }
 }
 
-/// The blocks of poses, which are computed coordinate by coordinate, against the group's own
-/// functions; angles up to pi, down to zero, and translations of metres.
-TEST(EmSamples, OfPosesAgreeWithTheGroup) {
-  RandomStream stream(21);
-  std::vector<SE3d> poses;
-  const SE3d centre = random_element<SE3d>(1.0, stream);
-  for (int i = 0; i < 300; ++i) {
-    Vector6d xi;
-    stream.fill_normal(xi);
-    xi.head<3>() = std::pow(10.0, -9.0 * (i % 10) / 9.0) * xi.head<3>().normalized() * 3.14;
-    poses.push_back(SE3d::exp(xi) * centre);
-  }
-  poses.push_back(centre);
-  const EmSamples<SE3d> samples(poses);
-  for (const std::size_t begin : {std::size_t{0}, std::size_t{256}}) {
-    const std::size_t count = std::min<std::size_t>(256, poses.size() - begin);
-    const auto columns = static_cast<Eigen::Index>(count);
-    EmSamples<SE3d>::Block block;
-    samples.log(begin, count, centre.inverse(), block);
-    TangentRows<SE3d> y(6, columns);
-    Eigen::ArrayXd shares(columns);
-    Vector6d expected = Vector6d::Zero();
-    for (Eigen::Index i = 0; i < columns; ++i) {
-      const Vector6d xi = (poses[begin + static_cast<std::size_t>(i)] * centre.inverse()).log();
-      ASSERT_LT((block.xi().col(i) - xi).norm(), 2e-14 * (1.0 + xi.norm())) << xi.transpose();
-      ASSERT_NEAR(block.log_volume[i], SE3d::log_abs_det_left_jacobian(xi), 1e-14);
-      y.col(i) = Vector6d::Random();
-      shares[i] = stream.uniform();
-      Vector6d volume = Vector6d::Zero();
-      for (Eigen::Index j = 0; j < 3; ++j) {
-        const Vector6d step = 1e-6 * Vector6d::Unit(j);
-        volume[j] = (SE3d::log_abs_det_left_jacobian(xi + step) -
-                     SE3d::log_abs_det_left_jacobian(xi - step)) /
-                    2e-6;
-      }
-      expected += shares[i] * (SE3d::right_jacobian_inverse(xi).transpose() * y.col(i) + volume);
-    }
-    Vector6d gradient = Vector6d::Zero();
-    EmSamples<SE3d>::add_gradient(block, y, shares, gradient);
-    EXPECT_LT((gradient - expected).norm(), 1e-7 * static_cast<double>(count));
-  }
-}
-
 }  // namespace
 }  // namespace posemix

@@ -55,11 +55,11 @@ struct EmResult {
 /// What EM needs to know of a kind of density. A specialisation EmModel<D> has
 ///  - `Samples`, made from a span of elements, with size(): the samples as the density wants them;
 ///  - `Worker(const D&, const EmSettings&)`, one component in one iteration:
-///    `log_density(samples, begin, count, out)` writes the log density of a block of samples,
-///    `accumulate(shares)` then adds the sufficient statistics of that block with these weights,
-///    `weight()` is the sum of all shares, and `update(step)` the component that maximises the
-///    expected log-likelihood; for 0 <= step < 1 the mean goes only that part of the way, and for
-///    step = 0 the expected log-likelihood must not fall;
+///    `log_density(samples, begin, count, out)` writes the log density of a block of samples into
+///    an EmRow, `accumulate(shares)` then adds the sufficient statistics of that block with these
+///    weights, `weight()` is the sum of all shares, and `update(step)` the component that maximises
+///    the expected log-likelihood; for 0 <= step < 1 the mean goes only that part of the way, and
+///    for step = 0 the expected log-likelihood must not fall;
 ///  - `start(elements, weights, settings, prior)`, a crude fit for a start, drawn to the density
 ///    `prior` where it points to one;
 ///  - `squared_distance(density, a, b)` of two elements in units of the density's spread;

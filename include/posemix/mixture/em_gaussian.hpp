@@ -5,16 +5,152 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "posemix/density/concentrated_gaussian.hpp"
 #include "posemix/density/pose_stack.hpp"
 #include "posemix/lie/mean.hpp"
 #include "posemix/mixture/em.hpp"
+#include "posemix/mixture/em_kernels.hpp"
 #include "posemix/mixture/em_samples.hpp"
 
 namespace posemix {
+
+namespace internal {
+
+/// What one component collects from the samples.
+template <LieGroup G>
+struct EmGaussianMoments {
+  double weight = 0.0;
+  typename G::Tangent first;         ///< sum r xi
+  typename G::TangentMatrix second;  ///< sum r xi xi^T
+  typename G::Tangent gradient;      ///< of the expected log-likelihood in the mean
+
+  explicit EmGaussianMoments(Eigen::Index dof)
+      : first(G::Tangent::Zero(dof)),
+        second(G::TangentMatrix::Zero(dof, dof)),
+        gradient(G::Tangent::Zero(dof)) {}
+
+  ConcentratedGaussian<G> update(const ConcentratedGaussian<G>& density, const EmSettings& settings,
+                                 double step) const {
+    using Tangent = typename G::Tangent;
+    using Covariance = typename G::TangentMatrix;
+    const Tangent move = settings.fixed_means
+                             ? Tangent(Tangent::Zero(first.size()))
+                             : Tangent(step * (density.covariance() * gradient) / weight);
+    const Tangent mean_xi = first / weight;
+    Covariance about = second / weight - mean_xi * move.transpose() - move * mean_xi.transpose() +
+                       move * move.transpose();
+    symmetrize(about);
+    const G mean = settings.fixed_means ? density.mean() : G::exp(move) * density.mean();
+    return ConcentratedGaussian<G>::trusted(mean, Covariance(bounded_covariance(about, settings)));
+  }
+};
+
+/// One component in one iteration, with the functions of any group.
+template <LieGroup G>
+class EmGaussianWorker {
+ public:
+  using Density = ConcentratedGaussian<G>;
+  using Tangent = typename G::Tangent;
+  using Covariance = typename G::TangentMatrix;
+  using Samples = EmSamples<G>;
+
+  EmGaussianWorker(const Density& density, const EmSettings& settings)
+      : density_(density),
+        settings_(&settings),
+        inverse_mean_(density.mean().inverse()),
+        moments_(density.dof()) {
+    const Eigen::LLT<Covariance> factor(density.covariance());
+    const Eigen::Index n = density.dof();
+    inverse_factor_ = factor.matrixL().solve(Covariance::Identity(n, n));
+    log_constant_ = -0.5 * (log_det(factor) + static_cast<double>(n) * kLogTwoPi);
+  }
+
+  void log_density(const Samples& samples, std::size_t begin, std::size_t count, EmRow& out) {
+    samples.log(begin, count, inverse_mean_, block_);
+    const auto& xi = block_.xi();
+    const Eigen::Index n = xi.rows();
+    white_.resize(n, xi.cols());
+    for (Eigen::Index i = 0; i < n; ++i) {
+      white_.row(i) = inverse_factor_(i, 0) * xi.row(0);
+      for (Eigen::Index j = 1; j <= i; ++j) white_.row(i) += inverse_factor_(i, j) * xi.row(j);
+    }
+    Eigen::Map<Eigen::ArrayXd> log(out.data(), xi.cols());
+    log = log_constant_ - block_.log_volume;
+    for (Eigen::Index i = 0; i < n; ++i) log -= 0.5 * white_.row(i).array().square().transpose();
+  }
+
+  void accumulate(const EmRow& row) {
+    const auto& xi = block_.xi();
+    const Eigen::Index n = xi.rows();
+    const Eigen::Map<const Eigen::ArrayXd> shares(row.data(), xi.cols());
+    moments_.weight += shares.sum();
+    shared_.resize(xi.cols());
+    for (Eigen::Index i = 0; i < n; ++i) {
+      shared_ = xi.row(i).array() * shares.transpose();
+      moments_.first[i] += shared_.sum();
+      for (Eigen::Index j = 0; j <= i; ++j) {
+        moments_.second(i, j) += shared_.matrix().dot(xi.row(j));
+        moments_.second(j, i) = moments_.second(i, j);
+      }
+    }
+    if (settings_->fixed_means) return;
+    for (Eigen::Index i = 0; i < n; ++i) {  // P^-1 xi, in place: row i needs rows i, i + 1, ...
+      white_.row(i) *= inverse_factor_(i, i);
+      for (Eigen::Index j = i + 1; j < n; ++j)
+        white_.row(i) += inverse_factor_(j, i) * white_.row(j);
+    }
+    Samples::add_gradient(block_, white_, row, moments_.gradient);
+  }
+
+  double weight() const { return moments_.weight; }
+  Density update(double step) const { return moments_.update(density_, *settings_, step); }
+
+ private:
+  Density density_;
+  const EmSettings* settings_;
+  G inverse_mean_;
+  Covariance inverse_factor_;  ///< inverse of the Cholesky factor
+  double log_constant_ = 0.0;
+  typename Samples::Block block_;
+  TangentRows<G> white_;
+  Eigen::Array<double, 1, Eigen::Dynamic> shared_;
+  EmGaussianMoments<G> moments_;
+};
+
+/// The same for poses, with vector instructions.
+template <>
+class EmGaussianWorker<SE3d> {
+ public:
+  using Density = ConcentratedGaussian<SE3d>;
+  using Samples = EmCoordinates;
+
+  EmGaussianWorker(const Density& density, const EmSettings& settings);
+
+  void log_density(const Samples& samples, std::size_t begin, std::size_t count, EmRow& out);
+  void accumulate(const EmRow& shares);
+  double weight() const { return sums_.total(0); }
+  Density update(double step) const;
+
+  /// What has been collected.
+  EmGaussianMoments<SE3d> moments() const;
+  /// The tangent vectors of the block, in rows.
+  const std::vector<EmRow>& rows() const { return rows_; }
+
+ private:
+  Vector6d gradient(const EmGaussianMoments<SE3d>& moments) const;
+
+  Density density_;
+  const EmSettings* settings_;
+  PoseKernel kernel_;
+  std::vector<EmRow> rows_;
+  std::size_t count_ = 0;
+  EmSums<28> sums_;
+  EmSums<kPoseGradientSums> gradient_;
+};
+
+}  // namespace internal
 
 /// Concentrated Gaussians under EM. With xi = Log(X X0^-1), weights r and their sum W, the expected
 /// log-likelihood of a component is
@@ -28,88 +164,8 @@ struct EmModel<ConcentratedGaussian<G>> {
   using Density = ConcentratedGaussian<G>;
   using Tangent = typename G::Tangent;
   using Covariance = typename G::TangentMatrix;
-  using Samples = EmSamples<G>;
-  using Rows = TangentRows<G>;
-
-  class Worker {
-   public:
-    Worker(const Density& density, const EmSettings& settings)
-        : density_(density),
-          settings_(&settings),
-          inverse_mean_(density.mean().inverse()),
-          first_(Tangent::Zero(density.dof())),
-          second_(Covariance::Zero(density.dof(), density.dof())),
-          gradient_(Tangent::Zero(density.dof())) {
-      const Eigen::LLT<Covariance> factor(density.covariance());
-      const Eigen::Index n = density.dof();
-      inverse_factor_ = factor.matrixL().solve(Covariance::Identity(n, n));
-      log_constant_ = -0.5 * (log_det(factor) + static_cast<double>(n) * kLogTwoPi);
-    }
-
-    void log_density(const Samples& samples, std::size_t begin, std::size_t count,
-                     Eigen::Ref<Eigen::ArrayXd> out) {
-      samples.log(begin, count, inverse_mean_, block_);
-      const auto& xi = block_.xi();
-      const Eigen::Index n = xi.rows();
-      white_.resize(n, xi.cols());
-      for (Eigen::Index i = 0; i < n; ++i) {
-        white_.row(i) = inverse_factor_(i, 0) * xi.row(0);
-        for (Eigen::Index j = 1; j <= i; ++j) white_.row(i) += inverse_factor_(i, j) * xi.row(j);
-      }
-      out = log_constant_ - block_.log_volume;
-      for (Eigen::Index i = 0; i < n; ++i) out -= 0.5 * white_.row(i).array().square().transpose();
-    }
-
-    void accumulate(const Eigen::ArrayXd& shares) {
-      const auto& xi = block_.xi();
-      const Eigen::Index n = xi.rows();
-      weight_ += shares.sum();
-      shared_.resize(xi.cols());
-      for (Eigen::Index i = 0; i < n; ++i) {
-        shared_ = xi.row(i).array() * shares.transpose();
-        first_[i] += shared_.sum();
-        for (Eigen::Index j = 0; j <= i; ++j) {
-          second_(i, j) += shared_.matrix().dot(xi.row(j));
-        }
-      }
-      if (settings_->fixed_means) return;
-      for (Eigen::Index i = 0; i < n; ++i) {  // P^-1 xi, in place: row i needs rows i, i + 1, ...
-        white_.row(i) *= inverse_factor_(i, i);
-        for (Eigen::Index j = i + 1; j < n; ++j)
-          white_.row(i) += inverse_factor_(j, i) * white_.row(j);
-      }
-      Samples::add_gradient(block_, white_, shares, gradient_);
-    }
-
-    double weight() const { return weight_; }
-
-    Density update(double step) const {
-      const Covariance moment = second_.template selfadjointView<Eigen::Lower>();
-      const Tangent first = first_ / weight_;
-      const Tangent move = settings_->fixed_means
-                               ? Tangent(Tangent::Zero(first.size()))
-                               : Tangent(step * (density_.covariance() * gradient_) / weight_);
-      Covariance about = moment / weight_ - first * move.transpose() - move * first.transpose() +
-                         move * move.transpose();
-      symmetrize(about);
-      const G mean = settings_->fixed_means ? density_.mean() : G::exp(move) * density_.mean();
-      return Density::trusted(mean, Covariance(bounded_covariance(about, *settings_)));
-    }
-
-   private:
-    Density density_;
-    const EmSettings* settings_;
-    G inverse_mean_;
-    Covariance inverse_factor_;  ///< inverse of the Cholesky factor
-    double log_constant_ = 0.0;
-    typename Samples::Block block_;
-    Rows white_;
-    Eigen::Array<double, 1, Eigen::Dynamic> shared_;
-    double weight_ = 0.0;
-    Tangent first_;
-    Covariance second_;  ///< lower triangle
-    Tangent gradient_;
-  };
+  using Worker = internal::EmGaussianWorker<G>;
+  using Samples = typename Worker::Samples;
 
   static Density start(std::span<const G> elements, std::span<const double> weights,
                        const EmSettings& settings, const Density* prior) {

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "posemix/mixture/em_rows.hpp"
 #include "posemix/mixture/em_start.hpp"
 
 namespace posemix {
@@ -21,10 +22,17 @@ double checked_em_weights(std::span<const double> weights, std::size_t samples, 
 /// Positive weights that a fit of `components` components needs.
 std::size_t needed_samples(std::size_t components, Eigen::Index dof, const EmSettings& settings);
 
-/// Log densities of a block in rows, one per component, become shares in place; returns the sum of
-/// weight times log density of the mixture.
-double shares_from_log_terms(std::span<const double> weights,
-                             Eigen::Array<double, Eigen::Dynamic, Eigen::Dynamic>& terms);
+/// Whether an element's coordinates are all finite.
+template <LieGroup G>
+bool is_finite_element(const G& element) {
+  return element.log().allFinite();
+}
+inline bool is_finite_element(const SO3d& element) {
+  return element.quaternion().coeffs().allFinite();
+}
+inline bool is_finite_element(const SE3d& element) {
+  return is_finite_element(element.rotation()) && element.translation().allFinite();
+}
 
 /// EM from one start.
 template <class D>
@@ -73,24 +81,23 @@ class EmRun {
 
   Pass evaluate(const Mixture<D>& mixture) const {
     Pass pass;
+    pass.workers.reserve(mixture.size());
     for (const auto& component : mixture.components()) {
       pass.workers.emplace_back(component.density, settings_);
     }
-    Eigen::ArrayXd column;
-    Eigen::ArrayXXd terms;
+    EmRow weights;
+    std::vector<EmRow> terms(mixture.size());
     for (std::size_t begin = 0; begin < samples_.size(); begin += kEmBlock) {
       const std::size_t count = std::min(kEmBlock, samples_.size() - begin);
-      terms.resize(static_cast<Eigen::Index>(count), static_cast<Eigen::Index>(mixture.size()));
       for (std::size_t k = 0; k < mixture.size(); ++k) {
-        const auto at = static_cast<Eigen::Index>(k);
-        pass.workers[k].log_density(samples_, begin, count, terms.col(at));
-        terms.col(at) += mixture[k].log_weight;
+        pass.workers[k].log_density(samples_, begin, count, terms[k]);
+        for (std::size_t i = 0; i < count; ++i) terms[k][i] += mixture[k].log_weight;
       }
-      pass.log_likelihood += shares_from_log_terms(weights_.subspan(begin, count), terms);
-      for (std::size_t k = 0; k < mixture.size(); ++k) {
-        column = terms.col(static_cast<Eigen::Index>(k));
-        pass.workers[k].accumulate(column);
-      }
+      const auto block = weights_.subspan(begin, count);
+      std::fill(std::copy(block.begin(), block.end(), weights.values.begin()), weights.values.end(),
+                0.0);
+      pass.log_likelihood += shares_from_log_terms(weights, count, terms);
+      for (std::size_t k = 0; k < mixture.size(); ++k) pass.workers[k].accumulate(terms[k]);
     }
     return pass;
   }
@@ -147,7 +154,7 @@ Eigen::Index checked_em_samples(std::span<const typename D::Group> samples,
   const Eigen::Index dof = samples.front().dof();
   check_em_settings(settings, dof);
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    if (samples[i].dof() != dof || !samples[i].log().allFinite()) {
+    if (samples[i].dof() != dof || !is_finite_element(samples[i])) {
       throw InvalidInput(fmt::format(
           "EM: sample {} is not finite, or not of {} degrees of freedom as the first", i, dof));
     }

@@ -9,6 +9,7 @@
 
 #include "posemix/lie/lie.hpp"
 #include "posemix/lie/small_angle.hpp"
+#include "posemix/mixture/em_rows.hpp"
 
 namespace posemix {
 
@@ -62,9 +63,6 @@ struct VolumeGradient<PoseStackd> {
 
 }  // namespace internal
 
-/// At most this many samples in a block: their tangent vectors stay in the cache.
-inline constexpr std::size_t kEmBlock = 256;
-
 /// Samples of a group for EmModel: their logarithms about an element, block by block.
 template <LieGroup G>
 class EmSamples {
@@ -95,44 +93,19 @@ class EmSamples {
   }
 
   /// Adds sum_i shares_i (J_r(xi_i)^-T y_i + grad log |det J_l(xi_i)|).
-  static void add_gradient(const Block& block, const TangentRows<G>& y,
-                           const Eigen::ArrayXd& shares, typename G::Tangent& gradient) {
+  static void add_gradient(const Block& block, const TangentRows<G>& y, const EmRow& shares,
+                           typename G::Tangent& gradient) {
     for (Eigen::Index i = 0; i < y.cols(); ++i) {
-      if (shares[i] == 0.0) continue;
+      const double share = shares[static_cast<std::size_t>(i)];
+      if (share == 0.0) continue;
       const typename G::Tangent xi = block.tangents.col(i);
-      gradient += shares[i] * (G::right_jacobian_inverse(xi).transpose() * y.col(i) +
-                               internal::VolumeGradient<G>::at(xi));
+      gradient += share * (G::right_jacobian_inverse(xi).transpose() * y.col(i) +
+                           internal::VolumeGradient<G>::at(xi));
     }
   }
 
  private:
   std::vector<G> elements_;
-};
-
-/// Poses, with vector instructions: quaternions and translations lie coordinate by coordinate.
-template <>
-class EmSamples<SE3d> {
- public:
-  struct Block {
-    /// xi; sin(t/2) / (t/2) for the angle t; (1 - (t/2) cot(t/2)) / t^2 and its derivative in t^2.
-    Eigen::Matrix<double, 9, Eigen::Dynamic, Eigen::RowMajor> values;
-    Eigen::ArrayXd log_volume;
-    Eigen::Index count = 0;  ///< columns in use
-
-    auto xi() const { return values.topLeftCorner(6, count); }
-  };
-
-  explicit EmSamples(std::span<const SE3d> elements);
-
-  std::size_t size() const { return static_cast<std::size_t>(coordinates_.rows()); }
-
-  void log(std::size_t begin, std::size_t count, const SE3d& inverse_centre, Block& block) const;
-
-  static void add_gradient(const Block& block, const TangentRows<SE3d>& y,
-                           const Eigen::ArrayXd& shares, SE3d::Tangent& gradient);
-
- private:
-  Eigen::Array<double, Eigen::Dynamic, 7> coordinates_;  ///< qx qy qz qw tx ty tz
 };
 
 }  // namespace posemix

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include <gtest/gtest.h>
+
+#include "mixture/em_draws.hpp"
+#include "posemix/mixture/em.hpp"
+
+/// The loops with vector instructions against the plain functions, sample by sample.
+namespace posemix {
+namespace {
+
+using testing::random_element;
+using testing::random_mixture;
+
+/// Poses about `centre` at angles from 3e-9 to pi and at metres, and the centre itself; one more
+/// than fits a block and a vector.
+std::vector<SE3d> poses_about(const SE3d& centre, RandomStream& stream) {
+  std::vector<SE3d> poses;
+  for (int i = 0; i < 300; ++i) {
+    Vector6d xi;
+    stream.fill_normal(xi);
+    xi.head<3>() = std::pow(10.0, -9.0 * (i % 10) / 9.0) * xi.head<3>().normalized() * 3.14;
+    poses.push_back(SE3d::exp(xi) * centre);
+  }
+  poses.push_back(centre);
+  return poses;
+}
+
+Vector6d volume_gradient(const Vector6d& xi) {
+  Vector6d gradient = Vector6d::Zero();
+  for (Eigen::Index j = 0; j < 3; ++j) {
+    const Vector6d step = 1e-6 * Vector6d::Unit(j);
+    gradient[j] =
+        (SE3d::log_abs_det_left_jacobian(xi + step) - SE3d::log_abs_det_left_jacobian(xi - step)) /
+        2e-6;
+  }
+  return gradient;
+}
+
+TEST(EmKernels, OfConcentratedGaussiansAgreeWithTheGroup) {
+  RandomStream stream(21);
+  const auto density = random_mixture<SE3d>(1, 1.0, 0.8, stream)[0].density;
+  const std::vector<SE3d> poses = poses_about(density.mean(), stream);
+  const EmCoordinates samples{std::span<const SE3d>(poses)};
+  const ConcentratedGaussian<SE3d>::Evaluator evaluator(density);
+  const Matrix6d precision = density.covariance().inverse();
+  const SE3d inverse = density.mean().inverse();
+  const EmSettings settings;
+  internal::EmGaussianWorker<SE3d> worker(density, settings);
+  internal::EmGaussianMoments<SE3d> expected(6);
+  for (const std::size_t begin : {std::size_t{0}, kEmBlock}) {
+    const std::size_t count = std::min(kEmBlock, poses.size() - begin);
+    EmRow log, shares;
+    worker.log_density(samples, begin, count, log);
+    for (std::size_t i = 0; i < count; ++i) {
+      const SE3d& pose = poses[begin + i];
+      const Vector6d xi = (pose * inverse).log();
+      for (std::size_t j = 0; j < 6; ++j) {
+        ASSERT_NEAR(worker.rows()[j][i], xi[static_cast<Eigen::Index>(j)], 1e-14 * (1 + xi.norm()));
+      }
+      const double direct = evaluator.log_density(pose);
+      ASSERT_NEAR(log[i], direct, 1e-12 * (1.0 + std::abs(direct)));
+      shares[i] = i % 3 == 0 ? 0.0 : stream.uniform();
+      expected.weight += shares[i];
+      expected.first += shares[i] * xi;
+      expected.second += shares[i] * xi * xi.transpose();
+      expected.gradient +=
+          shares[i] *
+          (SE3d::right_jacobian_inverse(xi).transpose() * (precision * xi) + volume_gradient(xi));
+    }
+    worker.accumulate(shares);
+  }
+  const auto moments = worker.moments();
+  EXPECT_NEAR(moments.weight, expected.weight, 1e-12 * expected.weight);
+  EXPECT_LT((moments.first - expected.first).norm(), 1e-11);
+  EXPECT_LT((moments.second - expected.second).norm(), 1e-12 * expected.second.norm());
+  EXPECT_LT((moments.gradient - expected.gradient).norm(), 1e-8 * expected.weight);
+}
+
+TEST(EmKernels, SharesAreThoseOfTheExponentials) {
+  RandomStream stream(22);
+  EmRow weights;
+  std::vector<EmRow> terms(3);
+  for (std::size_t i = 0; i < kEmBlock; ++i) {
+    weights[i] = stream.uniform();
+    for (EmRow& row : terms) row[i] = 30.0 * stream.normal() - 500.0;
+  }
+  terms[1][7] = -std::numeric_limits<double>::infinity();
+  const std::vector<EmRow> logs = terms;
+  const double log_likelihood = internal::shares_from_log_terms(weights, kEmBlock, terms);
+  double expected = 0.0;
+  for (std::size_t i = 0; i < kEmBlock; ++i) {
+    const double total = log_sum_exp(std::vector<double>{logs[0][i], logs[1][i], logs[2][i]});
+    expected += weights[i] * total;
+    for (std::size_t k = 0; k < 3; ++k) {
+      ASSERT_NEAR(terms[k][i], weights[i] * std::exp(logs[k][i] - total), 1e-13);
+    }
+  }
+  EXPECT_NEAR(log_likelihood, expected, 1e-13 * std::abs(expected));
+}
+
+TEST(EmKernels, NoComponentWithDensityMeansNoShares) {
+  EmRow weights;
+  weights[0] = 1.0;
+  std::vector<EmRow> terms(2);
+  terms[0][0] = terms[1][0] = -std::numeric_limits<double>::infinity();
+  EXPECT_EQ(internal::shares_from_log_terms(weights, 1, terms),
+            -std::numeric_limits<double>::infinity());
+  EXPECT_EQ(terms[0][0], 0.0);
+  EXPECT_EQ(terms[1][0], 0.0);
+}
+
+}  // namespace
+}  // namespace posemix
