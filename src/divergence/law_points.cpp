@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "law_points.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/Eigenvalues>
+
+namespace posemix::internal {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+/// Points of a standard normal vector in three dimensions and their weights.
+struct NormalRule {
+  std::vector<Vector3d> points;
+  std::vector<double> weights;
+
+  void add(const Vector3d& point, double weight) {
+    points.push_back(point);
+    weights.push_back(weight);
+  }
+};
+
+/// The origin and the corners of an icosahedron of radius sqrt(5).
+NormalRule icosahedron() {
+  NormalRule rule;
+  rule.add(Vector3d::Zero(), 0.4);
+  const double phi = std::numbers::phi;
+  const double scale = std::sqrt(5.0 / (1.0 + phi * phi));
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double one : {scale, -scale}) {
+      for (const double other : {scale * phi, -scale * phi}) {
+        Vector3d corner = Vector3d::Zero();
+        corner[(axis + 1) % 3] = one;
+        corner[(axis + 2) % 3] = other;
+        rule.add(corner, 0.05);
+      }
+    }
+  }
+  return rule;
+}
+
+/// Nodes are the eigenvalues of the Jacobi matrix of the Hermite polynomials, weights the squared
+/// first entries of its eigenvectors (Golub and Welsch 1969).
+NormalRule hermite_product() {
+  constexpr int kNodes = 11;
+  constexpr double kNegligible = 1e-12;
+  Eigen::MatrixXd jacobi = Eigen::MatrixXd::Zero(kNodes, kNodes);
+  for (int i = 1; i < kNodes; ++i) jacobi(i, i - 1) = std::sqrt(i);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(jacobi);
+  const Eigen::VectorXd x = eigen.eigenvalues();
+  const Eigen::VectorXd w = eigen.eigenvectors().row(0).cwiseAbs2();
+  NormalRule rule;
+  for (int i = 0; i < kNodes; ++i) {
+    for (int j = 0; j < kNodes; ++j) {
+      for (int k = 0; k < kNodes; ++k) {
+        const double weight = w[i] * w[j] * w[k];
+        if (weight > kNegligible) rule.add({x[i], x[j], x[k]}, weight);
+      }
+    }
+  }
+  return rule;
+}
+
+const NormalRule& normal_rule(PointRule rule) {
+  static const NormalRule few = icosahedron();
+  static const NormalRule many = hermite_product();
+  return rule == PointRule::cubature ? few : many;
+}
+
+/// The last three of six Gaussian coordinates given the first three.
+struct Regression {
+  Matrix3d gain;
+  Matrix3d spread;  ///< square root of the covariance that is left
+
+  explicit Regression(const Matrix6d& covariance) {
+    const Matrix3d cross = covariance.bottomLeftCorner<3, 3>();
+    const Eigen::LLT<Matrix3d> factor(Matrix3d(covariance.topLeftCorner<3, 3>()));
+    gain = factor.solve(cross.transpose()).transpose();
+    const Matrix3d left = covariance.bottomRightCorner<3, 3>() - gain * cross.transpose();
+    spread = left.llt().matrixL();
+  }
+};
+
+/// Calls visit(offset, weight) at the six points of degree three.
+template <class Visit>
+void for_each_offset(const Matrix3d& spread, Visit&& visit) {
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double radius : {std::numbers::sqrt3, -std::numbers::sqrt3}) {
+      visit(Vector3d(radius * spread.col(axis)), 1.0 / 6.0);
+    }
+  }
+}
+
+template <RotationOrPose G>
+void normalize(LawPoints<G>& points) {
+  double sum = 0.0;
+  for (const double weight : points.weights) sum += weight;
+  for (double& weight : points.weights) weight /= sum;
+}
+
+Matrix3d rotation_factor(const Matrix3d& covariance) { return covariance.llt().matrixL(); }
+
+}  // namespace
+
+template <RotationOrPose G>
+LawPoints<G> law_points(const TangentGaussian<G>& density, PointRule rule) {
+  const NormalRule& normal = normal_rule(rule);
+  const G back = density.anchor.inverse();
+  const typename G::TangentMatrix body = back.adjoint_congruence(density.covariance);
+  const typename G::Tangent mean = back.adjoint() * density.mean;
+  const Matrix3d root = rotation_factor(body.template topLeftCorner<3, 3>());
+  const Vector3d centre = mean.template head<3>();
+  const SO3d centre_back = SO3d::exp(-centre);
+  LawPoints<G> points;
+  const auto add = [&](const typename G::Tangent& xi, double weight) {
+    points.elements.push_back(density.anchor * G::exp(xi));
+    points.weights.push_back(weight);
+  };
+  for (std::size_t i = 0; i < normal.points.size(); ++i) {
+    const Vector3d offset_phi = root * normal.points[i];
+    const Vector3d phi = centre + offset_phi;
+    if (phi.norm() > std::numbers::pi || (centre_back * SO3d::exp(phi)).angle() > kReach) continue;
+    if constexpr (std::same_as<G, SE3d>) {
+      const Regression rho(body);
+      const Vector3d middle = mean.template tail<3>() + rho.gain * offset_phi;
+      for_each_offset(rho.spread, [&](const Vector3d& offset, double share) {
+        add((Vector6d() << phi, middle + offset).finished(), share * normal.weights[i]);
+      });
+    } else {
+      add(phi, normal.weights[i]);
+    }
+  }
+  normalize(points);
+  return points;
+}
+
+template <RotationOrPose G>
+LawPoints<G> law_points(const ProjectedGaussian<G>& density, PointRule rule) {
+  const NormalRule& normal = normal_rule(rule);
+  const bool by_moments = rule == PointRule::cubature;
+  const LawMoments<G> law = law_moments(density);
+  const typename G::Tangent mean = by_moments ? law.mean : density.tangent_mean();
+  const typename G::TangentMatrix covariance = by_moments ? law.covariance : density.covariance();
+  const Matrix3d root = rotation_factor(covariance.template topLeftCorner<3, 3>());
+  LawPoints<G> points;
+  const auto add = [&](const typename G::Tangent& y, double weight) {
+    points.elements.push_back(density.element(y));
+    points.weights.push_back(weight);
+  };
+  for (std::size_t i = 0; i < normal.points.size(); ++i) {
+    const Vector3d offset_u = root * normal.points[i];
+    const Vector3d u = mean.template head<3>() + offset_u;
+    // The law over the Gaussian is proportional to (1 + u.u)^-2.
+    const double weight =
+        normal.weights[i] * (by_moments ? 1.0 : std::pow(1.0 + u.squaredNorm(), -2));
+    if constexpr (std::same_as<G, SE3d>) {
+      const Regression t(covariance);
+      const Vector3d centre = mean.template tail<3>() + t.gain * offset_u;
+      for_each_offset(t.spread, [&](const Vector3d& offset, double share) {
+        add((Vector6d() << u, centre + offset).finished(), share * weight);
+      });
+    } else {
+      add(u, weight);
+    }
+  }
+  normalize(points);
+  return points;
+}
+
+#define POSEMIX_INSTANTIATE(G)                                            \
+  template LawPoints<G> law_points(const TangentGaussian<G>&, PointRule); \
+  template LawPoints<G> law_points(const ProjectedGaussian<G>&, PointRule);
+
+POSEMIX_INSTANTIATE(SO3d)
+POSEMIX_INSTANTIATE(SE3d)
+#undef POSEMIX_INSTANTIATE
+
+}  // namespace posemix::internal

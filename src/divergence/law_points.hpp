@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <numbers>
+#include <vector>
+
+#include "posemix/density/concentrated_gaussian.hpp"
+#include "posemix/density/projected_gaussian.hpp"
+
+namespace posemix::internal {
+
+/// Weighted elements that stand for a density; the weights sum to one.
+template <RotationOrPose G>
+struct LawPoints {
+  std::vector<G> elements;
+  std::vector<double> weights;
+};
+
+/// How many points.
+enum class PointRule {
+  cubature,   ///< 13 rotations, exact for polynomials of degree five
+  quadrature  ///< the product of three Gauss-Hermite rules of eleven nodes
+};
+
+/// Points of a density; for a pose every rotation with six translations, which have the mean and
+/// the covariance of the translation given the rotation. For a Gaussian in a tangent space those
+/// beyond `kReach` from its centre are left out, where a projected Gaussian's coordinates grow
+/// without limit.
+inline constexpr double kReach = 150.0 * std::numbers::pi / 180.0;
+template <RotationOrPose G>
+LawPoints<G> law_points(const TangentGaussian<G>& density, PointRule rule);
+template <RotationOrPose G>
+LawPoints<G> law_points(const ProjectedGaussian<G>& density, PointRule rule);
+
+}  // namespace posemix::internal
