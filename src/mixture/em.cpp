@@ -98,5 +98,11 @@ template EmResult<ConcentratedGaussian<SO3d>> fit_mixture(
 template EmResult<ConcentratedGaussian<SE3d>> fit_mixture(
     std::span<const SE3d>, std::span<const double>, const EmSettings&, RandomStream&,
     const std::optional<Mixture<ConcentratedGaussian<SE3d>>>&);
+template EmResult<ProjectedGaussian<SO3d>> fit_mixture(
+    std::span<const SO3d>, std::span<const double>, const EmSettings&, RandomStream&,
+    const std::optional<Mixture<ProjectedGaussian<SO3d>>>&);
+template EmResult<ProjectedGaussian<SE3d>> fit_mixture(
+    std::span<const SE3d>, std::span<const double>, const EmSettings&, RandomStream&,
+    const std::optional<Mixture<ProjectedGaussian<SE3d>>>&);
 
 }  // namespace posemix

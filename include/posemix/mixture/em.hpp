@@ -65,7 +65,10 @@ struct EmResult {
 ///  - `squared_distance(density, a, b)` of two elements in units of the density's spread;
 ///  - `stretched(density, factors)` with the spread of every coordinate multiplied;
 ///  - `parameters(dof, settings)`, the free parameters of one component;
-///  - `on_lower_bound(density, settings)`, whether the component has collapsed.
+///  - `on_lower_bound(density, settings)`, whether the component has collapsed;
+///  - where not every density is of the form that is fitted, `prepared(density, settings)`, one
+///  that
+///    is.
 template <class D>
 struct EmModel;
 
@@ -106,5 +109,6 @@ Eigen::MatrixXd bounded_covariance(const Eigen::MatrixXd& second_moment,
 
 }  // namespace posemix
 
-#include "posemix/mixture/em_gaussian.hpp"  // IWYU pragma: export
-#include "posemix/mixture/em_impl.hpp"      // IWYU pragma: export
+#include "posemix/mixture/em_gaussian.hpp"   // IWYU pragma: export
+#include "posemix/mixture/em_impl.hpp"       // IWYU pragma: export
+#include "posemix/mixture/em_projected.hpp"  // IWYU pragma: export

@@ -218,4 +218,11 @@ struct EmModel<ConcentratedGaussian<G>> {
   }
 };
 
+extern template EmResult<ConcentratedGaussian<SO3d>> fit_mixture(
+    std::span<const SO3d>, std::span<const double>, const EmSettings&, RandomStream&,
+    const std::optional<Mixture<ConcentratedGaussian<SO3d>>>&);
+extern template EmResult<ConcentratedGaussian<SE3d>> fit_mixture(
+    std::span<const SE3d>, std::span<const double>, const EmSettings&, RandomStream&,
+    const std::optional<Mixture<ConcentratedGaussian<SE3d>>>&);
+
 }  // namespace posemix

@@ -130,6 +130,7 @@ class EmRun {
   }
 
   bool is_degenerate(const Mixture<D>& mixture, const Pass& pass) const {
+    if (!std::isfinite(pass.log_likelihood)) return true;
     for (std::size_t k = 0; k < mixture.size(); ++k) {
       if (pass.workers[k].weight() <= kLostShare * total_) return true;
       if (EmModel<D>::on_lower_bound(mixture[k].density, settings_)) return true;
@@ -145,6 +146,19 @@ class EmRun {
   double total_;
   EmSettings settings_;
 };
+
+template <class D>
+Mixture<D> prepared_start(const Mixture<D>& start, const EmSettings& settings) {
+  if constexpr (requires { EmModel<D>::prepared(start[0].density, settings); }) {
+    std::vector<Component<D>> components;
+    for (const auto& [log_weight, density] : start.components()) {
+      components.push_back({log_weight, EmModel<D>::prepared(density, settings)});
+    }
+    return Mixture<D>(std::move(components));
+  } else {
+    return start;
+  }
+}
 
 /// Checks settings and samples; returns the degrees of freedom. @throws InvalidInput
 template <class D>
@@ -181,7 +195,7 @@ EmResult<D> fit_mixture(std::span<const typename D::Group> samples, std::span<co
           fmt::format("EM: the start has {} components of {} degrees of freedom, expected {} of {}",
                       start->size(), start->dof(), settings.components, dof));
     }
-    return run.run(*start);
+    return run.run(internal::prepared_start<D>(*start, settings));
   }
   const internal::EmStart<D> starts(samples, weights, settings);
   std::optional<EmResult<D>> best;
@@ -221,12 +235,5 @@ BicSelection<D> fit_mixture_by_bic(std::span<const typename D::Group> samples,
   }
   return selection;
 }
-
-extern template EmResult<ConcentratedGaussian<SO3d>> fit_mixture(
-    std::span<const SO3d>, std::span<const double>, const EmSettings&, RandomStream&,
-    const std::optional<Mixture<ConcentratedGaussian<SO3d>>>&);
-extern template EmResult<ConcentratedGaussian<SE3d>> fit_mixture(
-    std::span<const SE3d>, std::span<const double>, const EmSettings&, RandomStream&,
-    const std::optional<Mixture<ConcentratedGaussian<SE3d>>>&);
 
 }  // namespace posemix

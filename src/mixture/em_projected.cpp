@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "posemix/mixture/em_projected.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Eigenvalues>
+
+#include "posemix/lie/mean.hpp"
+
+namespace posemix {
+namespace {
+
+const SO3d& rotation_of(const SO3d& element) { return element; }
+const SO3d& rotation_of(const SE3d& element) { return element.rotation(); }
+
+/// The part of y beyond u.
+void put_translation(const SO3d&, SO3d::Tangent&) {}
+void put_translation(const SE3d& element, SE3d::Tangent& y) { y.tail<3>() = element.translation(); }
+
+/// t = a + B u + e: what the regression finds.
+struct Regression {
+  Eigen::Vector3d intercept;
+  Eigen::Matrix3d slope;
+  Eigen::Matrix3d residual;  ///< covariance of e, within bounds
+};
+
+Regression regress(const Vector6d& first, const Matrix6d& second, const EmSettings& settings) {
+  const Vector6d mean = settings.fixed_means ? Vector6d(Vector6d::Zero()) : first;
+  const Matrix6d about = second - mean * mean.transpose();
+  Regression fit{Eigen::Vector3d::Zero(), Eigen::Matrix3d::Zero(), about.bottomRightCorner<3, 3>()};
+  if (!settings.diagonal) {
+    Eigen::Matrix3d uu = about.topLeftCorner<3, 3>();
+    constexpr double kRidge = 1e-14;  // for samples that do not span three dimensions
+    uu.diagonal() +=
+        kRidge * (uu.diagonal() + Eigen::Vector3d::Constant(std::pow(settings.min_sd, 2)));
+    fit.slope = uu.ldlt().solve(about.topRightCorner<3, 3>()).transpose();
+    fit.residual -= fit.slope * about.topRightCorner<3, 3>();
+    symmetrize(fit.residual);
+  }
+  if (!settings.fixed_means) fit.intercept = first.tail<3>() - fit.slope * first.head<3>();
+  EmSettings of_translation = settings;
+  if (settings.unit.size() != 0) of_translation.unit = settings.unit.tail<3>().eval();
+  fit.residual = bounded_covariance(fit.residual, of_translation);
+  return fit;
+}
+
+/// What is left of the covariance of t once u is known.
+Eigen::Matrix3d covariance_given_u(const Matrix6d& p) {
+  const Eigen::Matrix3d uu = p.topLeftCorner<3, 3>();
+  return p.bottomRightCorner<3, 3>() -
+         p.bottomLeftCorner<3, 3>() * uu.llt().solve(p.topRightCorner<3, 3>());
+}
+
+/// The projected Gaussian of largest likelihood at a tangent point for moments of y = [u; t - a].
+ProjectedGaussian<SO3d> fit_at(const SO3d& tangent_point, const SO3d::Tangent&,
+                               const SO3d::Tangent&, const Eigen::Matrix3d& second,
+                               const EmSettings& settings) {
+  return ProjectedGaussian<SO3d>::trusted(tangent_point, Eigen::Vector3d::Zero(),
+                                          internal::bounded_projected_covariance(second, settings));
+}
+
+ProjectedGaussian<SE3d> fit_at(const SO3d& tangent_point, const Vector6d& centre,
+                               const Vector6d& first, const Matrix6d& second,
+                               const EmSettings& settings) {
+  const Eigen::Matrix3d uu =
+      internal::bounded_projected_covariance(second.topLeftCorner<3, 3>(), settings);
+  const Regression t = regress(first, second, settings);
+  Vector6d mean = Vector6d::Zero();
+  mean.tail<3>() = centre.tail<3>() + t.intercept;
+  Matrix6d covariance;
+  covariance.topLeftCorner<3, 3>() = uu;
+  covariance.bottomLeftCorner<3, 3>() = t.slope * uu;
+  covariance.topRightCorner<3, 3>() = (t.slope * uu).transpose();
+  covariance.bottomRightCorner<3, 3>() = t.residual + t.slope * uu * t.slope.transpose();
+  symmetrize(covariance);
+  return ProjectedGaussian<SE3d>::trusted(tangent_point, mean, covariance);
+}
+
+/// B^T R^-1 B, the information on u that t carries.
+Eigen::Matrix3d information_from_t(const Eigen::Matrix3d&) { return Eigen::Matrix3d::Zero(); }
+Eigen::Matrix3d information_from_t(const Matrix6d& p) {
+  const Eigen::Matrix3d uu = p.topLeftCorner<3, 3>();
+  const Eigen::Matrix3d slope = uu.llt().solve(p.topRightCorner<3, 3>()).transpose();
+  return slope.transpose() * covariance_given_u(p).ldlt().solve(slope);
+}
+
+/// The expected negative second derivative in d, per sample, for E[u u^T] = m. In the axes of P_uu
+/// the part from u is diagonal; t, of which a linear part in u explains all it can, adds that of
+/// u (u.d) less its linear part.
+Eigen::Matrix3d curvature(const Eigen::Matrix3d& uu, const Eigen::Matrix3d& m,
+                          const Eigen::Matrix3d& from_t) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(uu);
+  const Eigen::Matrix3d& axes = eigen.eigenvectors();
+  const Eigen::Array3d lambda = eigen.eigenvalues().array().inverse();
+  const Eigen::Array3d v = (axes.transpose() * m * axes).diagonal().array();
+  Eigen::Vector3d h;
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    const Eigen::Index j = (i + 1) % 3;
+    const Eigen::Index k = (i + 2) % 3;
+    h[i] = lambda[i] * (1.0 + 4.0 * v[i] + 9.0 * v[i] * v[i]) +
+           lambda[j] * (v[k] + 3.0 * v[j] * v[i]) + lambda[k] * (v[j] + 3.0 * v[k] * v[i]);
+  }
+  return axes * h.asDiagonal() * axes.transpose() + (from_t * m).trace() * m + m * from_t * m;
+}
+
+}  // namespace
+
+template <RotationOrPose G>
+EmModel<ProjectedGaussian<G>>::Worker::Worker(const Density& density, const EmSettings& settings)
+    : density_(density), settings_(&settings), kernel_{}, rows_(G::Dof) {
+  constexpr auto n = static_cast<std::size_t>(G::Dof);
+  const Eigen::LLT<Covariance> factor(density.covariance());
+  const Covariance whitening = factor.matrixL().solve(Covariance::Identity());
+  const Covariance precision = whitening.transpose() * whitening;
+  Eigen::Vector4d::Map(kernel_.tangent_point.data()) =
+      density.tangent_point().quaternion().coeffs();
+  Eigen::Vector3d::Map(kernel_.u.data()) = density.tangent_mean().template head<3>();
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    if (i >= 3) kernel_.translation[i - 3] = density.tangent_mean()[row];
+    Tangent::Map(kernel_.factor[i].data()) = whitening.row(row);
+    if (i < 3) Tangent::Map(kernel_.precision_u[i].data()) = precision.row(row);
+  }
+  kernel_.log_constant = -0.5 * (log_det(factor) + static_cast<double>(n) * kLogTwoPi) -
+                         density.log_normalizer() - gnomonic::kLogHaarPerHalfSphere;
+}
+
+template <RotationOrPose G>
+void EmModel<ProjectedGaussian<G>>::Worker::log_density(const Samples& samples, std::size_t begin,
+                                                        std::size_t count, EmRow& out) {
+  count_ = count;
+  internal::projected_log_density(G::Dof, samples.block(begin), count, kernel_, rows_.data(), out);
+}
+
+template <RotationOrPose G>
+void EmModel<ProjectedGaussian<G>>::Worker::accumulate(const EmRow& shares) {
+  internal::add_moments(G::Dof, rows_.data(), shares, count_, sums_.data());
+  if (!settings_->fixed_means) {
+    internal::add_projected_gradient(G::Dof, rows_.data(), shares, count_, kernel_,
+                                     gradient_.data());
+  }
+}
+
+/// The step d of the tangent point, for the P_uu, a, B and R that fit the shares best where it is:
+/// then sum r s = W P_uu^-1 E[u], and t adds nothing but to the third moments.
+template <RotationOrPose G>
+Eigen::Vector3d EmModel<ProjectedGaussian<G>>::Worker::move(const Tangent& first,
+                                                            const Covariance& second) const {
+  const Density fit =
+      fit_at(density_.tangent_point(), density_.tangent_mean(), first, second, *settings_);
+  const Eigen::Matrix3d uu = fit.covariance().template topLeftCorner<3, 3>();
+  const Eigen::Matrix3d m = second.template topLeftCorner<3, 3>();
+  const Eigen::Matrix3d precision = uu.llt().solve(Eigen::Matrix3d::Identity());
+  const Eigen::Matrix3d turn = m * precision;
+  Eigen::Vector3d gradient = precision * first.template head<3>();
+  gradient +=
+      Eigen::Vector3d(turn(1, 2) - turn(2, 1), turn(2, 0) - turn(0, 2), turn(0, 1) - turn(1, 0));
+  for (std::size_t i = 0; i < 3; ++i)
+    gradient[static_cast<Eigen::Index>(i)] += gradient_.total(i) / weight();
+  const Eigen::Vector3d d =
+      curvature(uu, m, information_from_t(fit.covariance())).llt().solve(gradient);
+  if (!d.allFinite()) return Eigen::Vector3d::Zero();
+  return d / std::max(1.0, d.norm());
+}
+
+template <RotationOrPose G>
+ProjectedGaussian<G> EmModel<ProjectedGaussian<G>>::Worker::update(double step) const {
+  constexpr auto n = static_cast<std::size_t>(G::Dof);
+  Tangent first;
+  Covariance second;
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    first[row] = sums_.total(1 + i) / weight();
+    for (std::size_t j = 0; j <= i; ++j) {
+      const auto column = static_cast<Eigen::Index>(j);
+      second(row, column) = sums_.total(internal::em_second_moment(n, i, j)) / weight();
+      second(column, row) = second(row, column);
+    }
+  }
+  SO3d tangent_point = density_.tangent_point();
+  if (!settings_->fixed_means && step > 0.0) {
+    const Eigen::Vector3d d = step * move(first, second);
+    tangent_point = gnomonic::project(tangent_point, d);
+    Covariance jacobian = Covariance::Identity();
+    jacobian.template topLeftCorner<3, 3>() =
+        (Eigen::Matrix3d::Identity() - SO3d::hat(d)) / (1.0 + d.squaredNorm());
+    Tangent shift = Tangent::Zero();
+    shift.template head<3>() = d;
+    second += shift * shift.transpose() - first * shift.transpose() - shift * first.transpose();
+    second = (jacobian * second * jacobian.transpose()).eval();
+    symmetrize(second);
+    first = (jacobian * (first - shift)).eval();
+  }
+  return fit_at(tangent_point, density_.tangent_mean(), first, second, *settings_);
+}
+
+template <RotationOrPose G>
+ProjectedGaussian<G> EmModel<ProjectedGaussian<G>>::start(std::span<const G> elements,
+                                                          std::span<const double> weights,
+                                                          const EmSettings& settings,
+                                                          const Density* prior) {
+  constexpr double kFarthest = 3.0;  // |u| at 143 degrees: a start is not to hang on the equator
+  SO3d tangent_point;
+  if (!settings.fixed_means) {
+    std::vector<SO3d> rotations;
+    for (const G& element : elements) rotations.push_back(rotation_of(element));
+    tangent_point = weighted_mean<SO3d>(rotations, weights, {.max_iterations = 20}).mean;
+  }
+  double total = 0.0;
+  double largest = 0.0;
+  Tangent first = Tangent::Zero();
+  Covariance second = Covariance::Zero();
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    const Eigen::Quaterniond r =
+        tangent_point.quaternion().conjugate() * rotation_of(elements[i]).quaternion();
+    Tangent y;
+    y.template head<3>() =
+        std::copysign(1.0, r.w()) * r.vec() / std::max(std::abs(r.w()), r.vec().norm() / kFarthest);
+    put_translation(elements[i], y);
+    first += weights[i] * y;
+    second += weights[i] * y * y.transpose();
+    total += weights[i];
+    largest = std::max(largest, weights[i]);
+  }
+  Tangent centre = first / total;
+  centre.template head<3>().setZero();
+  if (settings.fixed_means) centre.setZero();
+  second +=
+      total * centre * centre.transpose() - first * centre.transpose() - centre * first.transpose();
+  first -= total * centre;
+  if (prior != nullptr) {  // counts as many samples as it takes to span the tangent space
+    const double count = G::Dof * largest;
+    second += count * prior->covariance();
+    total += count;
+  }
+  second /= total;
+  symmetrize(second);
+  return fit_at(tangent_point, centre, Tangent(first / total), second, settings);
+}
+
+/// Half the angle between the rotations, in units of the mean spread of u, and the translations.
+template <RotationOrPose G>
+double EmModel<ProjectedGaussian<G>>::squared_distance(const Density& density, const G& a,
+                                                       const G& b) {
+  const Eigen::Vector3d half = 0.5 * (rotation_of(b).inverse() * rotation_of(a)).log();
+  const Tangent variance = density.covariance().diagonal();
+  double sum = 3.0 * half.squaredNorm() / variance.template head<3>().sum();
+  if constexpr (G::Dof == 6) {
+    const Eigen::Vector3d t = a.translation() - b.translation();
+    sum += (t.array().square() / variance.template tail<3>().array()).sum();
+  }
+  return sum;
+}
+
+template <RotationOrPose G>
+ProjectedGaussian<G> EmModel<ProjectedGaussian<G>>::stretched(const Density& density,
+                                                              const Eigen::VectorXd& factors) {
+  return Density::trusted(
+      density.tangent_point(), density.tangent_mean(),
+      Covariance(factors.asDiagonal() * density.covariance() * factors.asDiagonal()));
+}
+
+template <RotationOrPose G>
+std::size_t EmModel<ProjectedGaussian<G>>::parameters(Eigen::Index dof,
+                                                      const EmSettings& settings) {
+  const auto n = static_cast<std::size_t>(dof);
+  return (settings.fixed_means ? 0 : n) + (settings.diagonal ? n : n * (n + 1) / 2);
+}
+
+template <RotationOrPose G>
+bool EmModel<ProjectedGaussian<G>>::on_lower_bound(const Density& density,
+                                                   const EmSettings& settings) {
+  Tangent variance = density.covariance().diagonal();
+  if constexpr (G::Dof == 6) {
+    variance.template tail<3>() = covariance_given_u(density.covariance()).diagonal();
+  }
+  variance.template head<3>() *= 4.0;
+  if (settings.unit.size() != 0) variance.array() /= settings.unit.array().square();
+  return variance.maxCoeff() <= 1.001 * settings.min_sd * settings.min_sd;
+}
+
+template <RotationOrPose G>
+ProjectedGaussian<G> EmModel<ProjectedGaussian<G>>::prepared(const Density& density,
+                                                             const EmSettings& settings) {
+  const Eigen::Vector3d u = density.tangent_mean().template head<3>();
+  internal::bounded_projected_covariance(Eigen::Matrix3d::Identity(), settings);
+  return u.isZero(0.0) ? density : restate_at_mode(density);
+}
+
+template struct EmModel<ProjectedGaussian<SO3d>>;
+template struct EmModel<ProjectedGaussian<SE3d>>;
+
+}  // namespace posemix
