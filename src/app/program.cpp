@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "program.hpp"
 
+#include <array>
 #include <csignal>
 #include <cstdio>
 #include <functional>
@@ -15,6 +16,7 @@
 
 #include "exit_codes.hpp"
 #include "interrupt.hpp"
+#include "mixture_verbs.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/io/output_folder.hpp"
 #include "simulate.hpp"
@@ -24,6 +26,10 @@
 
 namespace posemix {
 namespace {
+
+constexpr std::array kMixtureVerbs{add_fit_verb,        add_fuse_verb,    add_compose_verb,
+                                   add_reduce_verb,     add_sample_verb,  add_density_verb,
+                                   add_divergence_verb, add_convert_verb, add_grasp_verb};
 
 int report(std::string_view message, int exit_code) {
   const std::string line = fmt::format("posemix: error: {}\n", message);
@@ -37,6 +43,8 @@ int guarded(const std::function<int()>& action) {
     return action();
   } catch (const InvalidInput& error) {
     return report(error.what(), kExitInput);
+  } catch (const BrokenPipe&) {
+    return kExitSignal + SIGPIPE;
   } catch (const OutputError& error) {
     return report(error.what(), kExitOutput);
   } catch (const Interrupted& error) {
@@ -56,10 +64,11 @@ void describe(CLI::App& program) {
   program.set_version_flag("--version", "posemix " POSEMIX_VERSION);
   program.footer(
       "Exit codes: 0 done, 1 internal error, 2 wrong usage, 3 bad input file or value,\n"
-      "4 output cannot be written, 130 interrupted.\n"
+      "4 output cannot be written, 130 interrupted, 141 nobody reads the output any more.\n"
       "\n"
       "Example: posemix simulate configs/demo.toml --seed 1 --out out/sequence\n"
       "         posemix slam out/sequence/sequence.toml --out out/results\n"
+      "         posemix compose a.json b.json | posemix reduce - --to 5 | posemix sample - -n 100\n"
       "\n"
       "`posemix VERB --help` describes a verb.");
 }
@@ -95,6 +104,7 @@ int run_program(int argc, const char* const* argv) {
     add_slam_verb(program, action);
     add_simulate_verb(program, action);
     add_study_verb(program, action);
+    for (const auto& add : kMixtureVerbs) add(program, action);
     program.parse(argc, argv);
   } catch (const CLI::ParseError& reason) {
     return answer(program, reason);

@@ -3,11 +3,10 @@
 #include "summary.hpp"
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdio>
 
 #include <fmt/format.h>
-
-#include "posemix/io/output_folder.hpp"
 
 namespace posemix {
 namespace {
@@ -44,7 +43,9 @@ std::string format_summary(const SlamJob& job, const Metrics& metrics) {
 
 void print_text(std::string_view text) {
   const bool written = std::fwrite(text.data(), 1, text.size(), stdout) == text.size();
-  if (!written || std::fflush(stdout) != 0) throw OutputError("standard output: cannot be written");
+  if (written && std::fflush(stdout) == 0) return;
+  if (errno == EPIPE) throw BrokenPipe();
+  throw OutputError("standard output: cannot be written");
 }
 
 }  // namespace posemix

@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "posemix/io/output_folder.hpp"
 #include "posemix/io/sequence_file.hpp"
 #include "posemix/slam/evaluation.hpp"
 
@@ -13,7 +14,14 @@ namespace posemix {
 /// A short table of errors and consistency for people.
 std::string format_summary(const SlamJob& job, const Metrics& metrics);
 
-/// Writes to the standard output. @throws OutputError when that is not possible
+/// Nobody reads the standard output any more.
+class BrokenPipe : public OutputError {
+ public:
+  BrokenPipe() : OutputError("standard output: nobody reads it any more") {}
+};
+
+/// Writes to the standard output.
+/// @throws BrokenPipe when its reader has gone, OutputError when it cannot be written
 void print_text(std::string_view text);
 
 }  // namespace posemix

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include <memory>
+
+#include "exit_codes.hpp"
+#include "mixture_verbs.hpp"
+#include "posemix/mixture/em.hpp"
+#include "verb_files.hpp"
+
+namespace posemix {
+namespace {
+
+struct FitOptions {
+  std::string samples;
+  std::optional<PoseFormat> format;
+  PoseSampleOptions columns;
+  FrameNames frames;
+  std::size_t components = 0;
+  std::size_t most_components = 0;
+  EmSettings em;
+  std::uint64_t seed = 1;
+  OutputOptions output;
+};
+
+const char* status_name(EmStatus status) {
+  switch (status) {
+    case EmStatus::converged:
+      return "converged";
+    case EmStatus::max_iterations:
+      return "max_iterations";
+    case EmStatus::degenerate:
+      return "degenerate";
+  }
+  return "unknown";
+}
+
+template <class D>
+Json fit_json(const EmResult<D>& fit, const PoseSamples& samples) {
+  return {{"samples", samples.poses.size()},
+          {"components", fit.mixture.size()},
+          {"log_likelihood", fit.log_likelihood},
+          {"parameters", fit.parameters},
+          {"bic", fit.bic},
+          {"iterations", fit.history.size() - 1},
+          {"starts", fit.starts},
+          {"status", status_name(fit.status)}};
+}
+
+template <class D>
+void fit_samples(const PoseSamples& samples, const FitOptions& options) {
+  RandomStream stream(options.seed);
+  EmSettings settings = options.em;
+  if (options.most_components == 0) {
+    settings.components = options.components;
+    const EmResult<D> fit = fit_mixture<D>(samples.poses, samples.weights, settings, stream);
+    write_mixture({options.frames, fit.mixture}, options.output);
+    report("fit", fit_json(fit, samples), options.output);
+    return;
+  }
+  settings.components = options.most_components;
+  const BicSelection<D> selection =
+      fit_mixture_by_bic<D>(samples.poses, samples.weights, settings, stream);
+  const EmResult<D>& best = selection.fits[selection.best];
+  Json found = fit_json(best, samples);
+  for (const EmResult<D>& fit : selection.fits) found["bic_by_components"].push_back(fit.bic);
+  write_mixture({options.frames, best.mixture}, options.output);
+  report("fit", found, options.output);
+}
+
+int fit_file(const FitOptions& options) {
+  const PoseSamples samples = read_pose_input(options.samples, options.format, options.columns);
+  try {
+    fit_samples<ConcentratedGaussian<SE3d>>(samples, options);
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(fmt::format("{}: {}", options.samples, error.what()));
+  }
+  return kExitDone;
+}
+
+void add_sample_options(CLI::App& verb, FitOptions& options) {
+  verb.add_option("samples", options.samples,
+                  "Poses (see docs/formats.md); - is the standard input")
+      ->required()
+      ->type_name("POSES");
+  add_format_option(verb, options.format);
+  verb.add_option("--weights", options.columns.weights,
+                  "Column of the weights in CSV; without it `weight` where there is one")
+      ->type_name("COLUMN");
+  add_choice<std::optional<Side>, Side>(
+      verb, "--residuals", options.columns.residuals,
+      {{"left", Side::left}, {"right", Side::right}},
+      "Fit est gt^-1 (left) or gt^-1 est (right) of the columns est_tx ... and gt_tx ...");
+  verb.add_option("--from", options.frames.from, "Frame a of the poses T_a_b")
+      ->required()
+      ->type_name("NAME");
+  verb.add_option("--to", options.frames.to, "Frame b")->required()->type_name("NAME");
+}
+
+void add_em_options(CLI::App& verb, FitOptions& options) {
+  CLI::Option_group* number = verb.add_option_group("Number of components");
+  add_count_option(*number, "--components", options.components, "So many");
+  add_count_option(*number, "--max-components", options.most_components,
+                   "1 to so many, whichever has the smallest BIC");
+  number->require_option(1);
+  verb.add_option("--restarts", options.em.restarts, "Starts, of which the most likely end is kept")
+      ->check(CLI::Range(1, 10000))
+      ->type_name("N")
+      ->capture_default_str();
+  verb.add_option("--min-sd", options.em.min_sd, "Smallest standard deviation, rad and m alike")
+      ->check(CLI::PositiveNumber)
+      ->type_name("SD")
+      ->capture_default_str();
+  verb.add_option("--max-sd", options.em.max_sd, "Largest; without it there is none")
+      ->check(CLI::PositiveNumber)
+      ->type_name("SD");
+  verb.add_option("--max-iterations", options.em.max_iterations, "Of one start")
+      ->check(CLI::Range(1, 1'000'000))
+      ->type_name("N")
+      ->capture_default_str();
+  verb.add_flag("--diagonal", options.em.diagonal, "Diagonal covariances");
+  add_seed_option(verb, options.seed);
+}
+
+}  // namespace
+
+void add_fit_verb(CLI::App& program, std::function<int()>& action) {
+  const auto options = std::make_shared<FitOptions>();
+  CLI::App* verb = program.add_subcommand("fit", "A mixture fitted to poses or residuals by EM");
+  verb->footer(
+      "Reports the log-likelihood, the BIC and how EM ended.\n"
+      "\n"
+      "Example: posemix fit samples.csv --components 2 --from camera --to mug --out mug.json\n"
+      "         posemix fit errors.csv --residuals right --max-components 4 --restarts 5 \\\n"
+      "           --from mug --to detected --out noise.json");
+  add_sample_options(*verb, *options);
+  add_em_options(*verb, *options);
+  add_report_options(*verb, options->output);
+  verb->callback([options, &action] { action = [options] { return fit_file(*options); }; });
+}
+
+}  // namespace posemix

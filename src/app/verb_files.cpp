@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "verb_files.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+
+#include "posemix/io/output_file.hpp"
+#include "posemix/io/text.hpp"
+#include "summary.hpp"
+
+namespace posemix {
+namespace {
+
+constexpr std::string_view kStandardStream = "-";
+constexpr std::size_t kLargestInput = std::size_t{1} << 30;
+
+std::string name_of(const std::string& path) {
+  return path == kStandardStream ? "standard input" : path;
+}
+
+std::string read_standard_input() {
+  std::string bytes;
+  std::array<char, 65536> buffer;
+  while (const std::size_t got = std::fread(buffer.data(), 1, buffer.size(), stdin)) {
+    bytes.append(buffer.data(), got);
+    if (bytes.size() > kLargestInput) {
+      throw InvalidInput("standard input: got more than 1 GiB, expected less");
+    }
+  }
+  if (std::ferror(stdin) != 0) throw InvalidInput("standard input: cannot be read");
+  return bytes;
+}
+
+std::string read_input(const std::string& path) {
+  return path == kStandardStream ? read_standard_input() : read_file(path);
+}
+
+std::string value_text(const Json& value) {
+  if (value.is_number_float()) return fmt::format("{:.10g}", value.get<double>());
+  return value.is_string() ? value.get<std::string>() : value.dump();
+}
+
+void add_rows(std::string& text, const Json& found, std::size_t indent) {
+  std::size_t width = 0;
+  for (const auto& [key, value] : found.items()) {
+    if (!value.is_object()) width = std::max(width, key.size());
+  }
+  for (const auto& [key, value] : found.items()) {
+    if (value.is_object()) {
+      text += fmt::format("{:{}}{}:\n", "", indent, key);
+      add_rows(text, value, indent + 2);
+    } else {
+      text += fmt::format("{:{}}{:<{}}  {}\n", "", indent, key + ":", width + 1, value_text(value));
+    }
+  }
+}
+
+}  // namespace
+
+void require_one_standard_input(std::span<const std::string> paths) {
+  if (std::count(paths.begin(), paths.end(), kStandardStream) > 1) {
+    throw InvalidInput("got '-' more than once, expected one input from the standard input");
+  }
+}
+
+NamedMixture read_mixture_input(const std::string& path) {
+  const std::string name = name_of(path);
+  return {name, parse_mixture(read_input(path), name)};
+}
+
+std::vector<NamedMixture> read_mixtures(std::span<const std::string> paths) {
+  require_one_standard_input(paths);
+  std::vector<NamedMixture> mixtures;
+  for (const std::string& path : paths) mixtures.push_back(read_mixture_input(path));
+  return mixtures;
+}
+
+PoseSamples read_pose_input(const std::string& path, const std::optional<PoseFormat>& format,
+                            const PoseSampleOptions& options) {
+  const auto known = format ? format : pose_format_of(path);
+  if (!known) {
+    throw InvalidInput(fmt::format(
+        "{}: got a name that does not say the format, expected .csv, .tum, .txt, .npy, or --format",
+        name_of(path)));
+  }
+  return parse_pose_samples(read_input(path), name_of(path), *known, options);
+}
+
+void write_output(const std::string& path, std::string_view content) {
+  if (path == kStandardStream) {
+    print_text(content);
+  } else {
+    write_output_file(path, content);
+  }
+}
+
+void write_mixture(const MixtureFile& file, const OutputOptions& output) {
+  write_output(output.out, format_mixture(file));
+}
+
+std::string format_table(const Json& found) {
+  std::string text;
+  add_rows(text, found, 0);
+  return text;
+}
+
+void report(std::string_view verb, const Json& found, const OutputOptions& output) {
+  if (output.quiet) return;
+  std::string text = found.dump() + "\n";
+  if (!output.json) {
+    text = fmt::format("posemix {}:\n", verb);
+    add_rows(text, found, 2);
+  }
+  std::fputs(text.c_str(), stderr);
+}
+
+std::string transform_name(const FrameNames& frames) {
+  return fmt::format("T_{}_{}", frames.from, frames.to);
+}
+
+void require_same_frames(const NamedMixture& a, const NamedMixture& b) {
+  if (a.file.frames == b.file.frames) return;
+  throw InvalidInput(fmt::format("{}: got {}, expected {} as in {}", b.name,
+                                 transform_name(b.file.frames), transform_name(a.file.frames),
+                                 a.name));
+}
+
+Law law_of(const AnyMixture& mixture) {
+  return std::holds_alternative<ConcentratedPoses>(mixture) ? Law::concentrated : Law::projected;
+}
+
+std::vector<std::pair<std::string, Law>> law_words() {
+  return {{"concentrated", Law::concentrated}, {"projected", Law::projected}};
+}
+
+std::string_view law_name(const AnyMixture& mixture) {
+  return law_of(mixture) == Law::concentrated ? "concentrated" : "projected";
+}
+
+void add_format_option(CLI::App& verb, std::optional<PoseFormat>& format) {
+  add_choice<std::optional<PoseFormat>, PoseFormat>(
+      verb, "--format", format,
+      {{"csv", PoseFormat::csv}, {"tum", PoseFormat::tum}, {"npy", PoseFormat::npy}},
+      "Format of the poses; without it what the end of the name says");
+}
+
+}  // namespace posemix

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "posemix/base/error.hpp"
+#include "posemix/io/mixture_file.hpp"
+#include "posemix/io/pose_samples.hpp"
+#include "verb_options.hpp"
+
+/// What the verbs on mixture files read and write. `-` stands for the standard streams.
+namespace posemix {
+
+using Json = nlohmann::ordered_json;
+
+/// Components above which a verb refuses to multiply mixtures.
+inline constexpr std::size_t kMostComponents = 1'000'000;
+
+/// Kinds of components.
+enum class Law { concentrated, projected };
+
+Law law_of(const AnyMixture& mixture);
+/// The words for them on the command line.
+std::vector<std::pair<std::string, Law>> law_words();
+
+/// A mixture and the name of its file in messages.
+struct NamedMixture {
+  std::string name;
+  MixtureFile file;
+};
+
+/// @throws InvalidInput when `-` is there more than once, and as parse_mixture
+std::vector<NamedMixture> read_mixtures(std::span<const std::string> paths);
+NamedMixture read_mixture_input(const std::string& path);
+
+/// The format is that of the name unless it is given.
+/// @throws InvalidInput when neither says the format, and as parse_pose_samples
+PoseSamples read_pose_input(const std::string& path, const std::optional<PoseFormat>& format,
+                            const PoseSampleOptions& options = {});
+
+/// Refuses two inputs from the standard input.
+void require_one_standard_input(std::span<const std::string> paths);
+
+/// To a file, which appears as a whole, or to the standard output.
+void write_output(const std::string& path, std::string_view content);
+void write_mixture(const MixtureFile& file, const OutputOptions& output);
+
+/// Tells on the standard error what a verb found, as a table or as JSON.
+void report(std::string_view verb, const Json& found, const OutputOptions& output);
+
+/// Lines `key: value`; values of objects are indented.
+std::string format_table(const Json& found);
+
+/// T_from_to.
+std::string transform_name(const FrameNames& frames);
+
+/// @throws InvalidInput when the frames of two mixtures differ
+void require_same_frames(const NamedMixture& a, const NamedMixture& b);
+
+std::string_view law_name(const AnyMixture& mixture);
+
+/// Option --format for poses.
+void add_format_option(CLI::App& verb, std::optional<PoseFormat>& format);
+
+/// `work` with both mixtures. @throws InvalidInput when they are of different laws
+template <class Work>
+AnyMixture with_one_law(const NamedMixture& a, const NamedMixture& b, const Work& work) {
+  return std::visit(
+      [&](const auto& p, const auto& q) -> AnyMixture {
+        if constexpr (std::is_same_v<decltype(p), decltype(q)>) {
+          if (p.size() > kMostComponents / q.size()) {
+            throw InvalidInput(fmt::format(
+                "{}: {} components times the {} of {} are too many, expected at most {} (see "
+                "posemix reduce)",
+                b.name, q.size(), p.size(), a.name, kMostComponents));
+          }
+          return work(p, q);
+        } else {
+          throw InvalidInput(
+              fmt::format("{}: got law \"{}\", expected \"{}\" as in {} (see "
+                          "posemix convert)",
+                          b.name, law_name(b.file.mixture), law_name(a.file.mixture), a.name));
+        }
+      },
+      a.file.mixture, b.file.mixture);
+}
+
+/// Refuses an option that only projected mixtures have.
+inline void require_projected(const NamedMixture& mixture, const char* option, bool given) {
+  if (given && std::holds_alternative<ConcentratedPoses>(mixture.file.mixture)) {
+    throw InvalidInput(fmt::format("{}: got law \"concentrated\", expected \"projected\" with {}",
+                                   mixture.name, option));
+  }
+}
+
+}  // namespace posemix

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+/// Options that several verbs share.
+namespace posemix {
+
+/// Where a verb writes, and what it says about it on the standard error.
+struct OutputOptions {
+  std::string out = "-";
+  bool json = false;
+  bool quiet = false;
+};
+
+/// --out alone.
+void add_out_option(CLI::App& verb, OutputOptions& output);
+/// --out, --json and --quiet, for verbs that report on the standard error.
+void add_report_options(CLI::App& verb, OutputOptions& output);
+
+void add_seed_option(CLI::App& verb, std::uint64_t& seed);
+
+/// A number of at least one.
+CLI::Option* add_count_option(CLI::App& verb, const std::string& name, std::size_t& count,
+                              const std::string& help);
+
+/// An option whose value is one of some words. `target` is an Enum or an optional of one.
+template <class Target, class Enum>
+CLI::Option* add_choice(CLI::App& verb, const std::string& name, Target& target,
+                        const std::vector<std::pair<std::string, Enum>>& words,
+                        const std::string& help) {
+  std::string all;
+  for (const auto& [word, value] : words) all += (all.empty() ? "" : "|") + word;
+  const auto choose = [&target, words, all, name](const std::string& got) {
+    for (const auto& [word, value] : words) {
+      if (got == word) {
+        target = value;
+        return;
+      }
+    }
+    throw CLI::ValidationError(name, fmt::format("got {}, expected {}", got, all));
+  };
+  return verb.add_option_function<std::string>(name, choose, help)->type_name(all);
+}
+
+}  // namespace posemix
