@@ -227,8 +227,8 @@ void add_moments(std::size_t n, const EmRow* y, const EmRow& shares, std::size_t
 template <int kN>
 void projected_gradient(const EmRow* y, const EmRow& shares, std::size_t count,
                         const ProjectedKernel& density, double* sums) {
-  V total[3];
-  for (std::size_t j = 0; j < 3; ++j) total[j] = load(sums + j * kSumStride);
+  V total[4];
+  for (std::size_t j = 0; j < 4; ++j) total[j] = load(sums + j * kSumStride);
   for (std::size_t i = 0; i < count; i += hn::Lanes(D())) {
     const V share = load(shares, i);
     if (none(share)) continue;
@@ -239,8 +239,9 @@ void projected_gradient(const EmRow* y, const EmRow& shares, std::size_t count,
     inner = hn::MulAdd(v[2], row_times(density.precision_u[2], v, kN), inner);
     inner = hn::Mul(share, inner);
     for (int j = 0; j < 3; ++j) total[j] = hn::MulAdd(inner, v[j], total[j]);
+    total[3] = hn::MulAdd(inner, dot({v[0], v[1], v[2]}, {v[0], v[1], v[2]}), total[3]);
   }
-  for (std::size_t j = 0; j < 3; ++j) hn::Store(total[j], D(), sums + j * kSumStride);
+  for (std::size_t j = 0; j < 4; ++j) hn::Store(total[j], D(), sums + j * kSumStride);
 }
 
 void add_projected_gradient(std::size_t n, const EmRow* y, const EmRow& shares, std::size_t count,

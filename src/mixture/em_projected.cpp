@@ -86,23 +86,27 @@ Eigen::Matrix3d information_from_t(const Matrix6d& p) {
   return slope.transpose() * covariance_given_u(p).ldlt().solve(slope);
 }
 
-/// The expected negative second derivative in d, per sample, for E[u u^T] = m. In the axes of P_uu
-/// the part from u is diagonal; t, of which a linear part in u explains all it can, adds that of
-/// u (u.d) less its linear part.
+/// The expected negative second derivative in d, per sample, for E[u u^T] = m and E[u.u (u.s)] =
+/// `fourth`, by whose ratio to that of a Gaussian its fourth moments are multiplied. In the axes of
+/// P_uu the part from u is diagonal; t, of which a linear part in u explains all it can, adds that
+/// of u (u.d) less its linear part.
 Eigen::Matrix3d curvature(const Eigen::Matrix3d& uu, const Eigen::Matrix3d& m,
-                          const Eigen::Matrix3d& from_t) {
+                          const Eigen::Matrix3d& from_t, double fourth) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(uu);
   const Eigen::Matrix3d& axes = eigen.eigenvectors();
   const Eigen::Array3d lambda = eigen.eigenvalues().array().inverse();
   const Eigen::Array3d v = (axes.transpose() * m * axes).diagonal().array();
+  const double of_gaussian = v.sum() * (lambda * v).sum() + 2.0 * (lambda * v.square()).sum();
+  const double heavy = std::max(0.1, fourth / of_gaussian);
   Eigen::Vector3d h;
   for (Eigen::Index i = 0; i < 3; ++i) {
     const Eigen::Index j = (i + 1) % 3;
     const Eigen::Index k = (i + 2) % 3;
-    h[i] = lambda[i] * (1.0 + 4.0 * v[i] + 9.0 * v[i] * v[i]) +
-           lambda[j] * (v[k] + 3.0 * v[j] * v[i]) + lambda[k] * (v[j] + 3.0 * v[k] * v[i]);
+    h[i] = lambda[i] * (1.0 + 4.0 * v[i]) + lambda[j] * v[k] + lambda[k] * v[j] +
+           3.0 * heavy * v[i] * (3.0 * lambda[i] * v[i] + lambda[j] * v[j] + lambda[k] * v[k]);
   }
-  return axes * h.asDiagonal() * axes.transpose() + (from_t * m).trace() * m + m * from_t * m;
+  return axes * h.asDiagonal() * axes.transpose() +
+         heavy * ((from_t * m).trace() * m + m * from_t * m);
 }
 
 }  // namespace
@@ -160,7 +164,9 @@ Eigen::Vector3d EmModel<ProjectedGaussian<G>>::Worker::move(const Tangent& first
   for (std::size_t i = 0; i < 3; ++i)
     gradient[static_cast<Eigen::Index>(i)] += gradient_.total(i) / weight();
   const Eigen::Vector3d d =
-      curvature(uu, m, information_from_t(fit.covariance())).llt().solve(gradient);
+      curvature(uu, m, information_from_t(fit.covariance()), gradient_.total(3) / weight())
+          .llt()
+          .solve(gradient);
   if (!d.allFinite()) return Eigen::Vector3d::Zero();
   return d / std::max(1.0, d.norm());
 }
@@ -272,13 +278,22 @@ std::size_t EmModel<ProjectedGaussian<G>>::parameters(Eigen::Index dof,
 template <RotationOrPose G>
 bool EmModel<ProjectedGaussian<G>>::on_lower_bound(const Density& density,
                                                    const EmSettings& settings) {
-  Tangent variance = density.covariance().diagonal();
-  if constexpr (G::Dof == 6) {
-    variance.template tail<3>() = covariance_given_u(density.covariance()).diagonal();
-  }
-  variance.template head<3>() *= 4.0;
-  if (settings.unit.size() != 0) variance.array() /= settings.unit.array().square();
-  return variance.maxCoeff() <= 1.001 * settings.min_sd * settings.min_sd;
+  Eigen::VectorXd inverse_unit = Eigen::VectorXd::Ones(G::Dof);
+  if (settings.unit.size() != 0) inverse_unit = settings.unit.cwiseInverse();
+  inverse_unit.head<3>() *= 2.0;
+  Eigen::VectorXd variances(G::Dof);
+  const auto put = [&](Eigen::Index at, const Eigen::Matrix3d& covariance) {
+    const Eigen::Vector3d scale = inverse_unit.segment<3>(at);
+    const Eigen::Matrix3d scaled = scale.asDiagonal() * covariance * scale.asDiagonal();
+    variances.segment<3>(at) =
+        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scaled, Eigen::EigenvaluesOnly)
+            .eigenvalues();
+  };
+  put(0, density.covariance().template topLeftCorner<3, 3>());
+  if constexpr (G::Dof == 6) put(3, covariance_given_u(density.covariance()));
+  const double lowest = settings.min_sd * settings.min_sd;
+  return variances.minCoeff() <= 1.001 * lowest &&
+         (variances.maxCoeff() <= 1.001 * lowest || lowest <= 1e-6 * variances.maxCoeff());
 }
 
 template <RotationOrPose G>

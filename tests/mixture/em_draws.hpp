@@ -2,10 +2,12 @@
 // SPDX-FileCopyrightText: posemix contributors
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 #include <vector>
 
+#include "posemix/density/projected_gaussian.hpp"
 #include "posemix/mixture/mixture.hpp"
 #include "posemix/testing/density_draw.hpp"
 
@@ -48,6 +50,49 @@ std::vector<typename D::Group> draws(const Mixture<D>& mixture, std::size_t coun
   std::vector<typename D::Group> samples;
   for (std::size_t i = 0; i < count; ++i) samples.push_back(mixture.sample(stream));
   return samples;
+}
+
+template <class G>
+using Projected = ProjectedGaussian<G>;
+
+template <class G>
+typename G::TangentMatrix random_covariance(double spread, RandomStream& stream) {
+  using Matrix = typename G::TangentMatrix;
+  Eigen::VectorXd entries(G::Dof * G::Dof);
+  stream.fill_normal(entries);
+  const Matrix root = entries.reshaped(G::Dof, G::Dof);
+  Matrix covariance =
+      spread * spread * (root * root.transpose() / G::Dof + 0.1 * Matrix::Identity());
+  symmetrize(covariance);
+  return covariance;
+}
+
+template <class G>
+Mixture<Projected<G>> random_projected(std::size_t count, double reach, double spread,
+                                       RandomStream& stream) {
+  std::vector<Component<Projected<G>>> components;
+  for (std::size_t k = 0; k < count; ++k) {
+    components.push_back(
+        {std::log(0.5 + stream.uniform()),
+         Projected<G>(random_element<G>(reach, stream), random_covariance<G>(spread, stream))});
+  }
+  return Mixture<Projected<G>>(std::move(components));
+}
+
+template <class D>
+double log_likelihood(const Mixture<D>& mixture, const std::vector<typename D::Group>& samples) {
+  const typename Mixture<D>::Evaluator evaluator(mixture);
+  double sum = 0.0;
+  for (const auto& sample : samples) sum += evaluator.log_density(sample);
+  return sum;
+}
+
+double worst_fall(const std::vector<double>& history) {
+  double fall = 0.0;
+  for (std::size_t i = 1; i < history.size(); ++i) {
+    fall = std::max(fall, history[i - 1] - history[i]);
+  }
+  return fall;
 }
 
 }  // namespace posemix::testing

@@ -11,25 +11,10 @@ namespace {
 
 using testing::draws;
 using testing::Gaussian;
-using testing::random_element;
+using testing::log_likelihood;
 using testing::random_mixture;
 using testing::tested_dof;
-
-template <class D>
-double log_likelihood(const Mixture<D>& mixture, const std::vector<typename D::Group>& samples) {
-  const typename Mixture<D>::Evaluator evaluator(mixture);
-  double sum = 0.0;
-  for (const auto& sample : samples) sum += evaluator.log_density(sample);
-  return sum;
-}
-
-double worst_fall(const std::vector<double>& history) {
-  double fall = 0.0;
-  for (std::size_t i = 1; i < history.size(); ++i) {
-    fall = std::max(fall, history[i - 1] - history[i]);
-  }
-  return fall;
-}
+using testing::worst_fall;
 
 template <class G>
 class EmOn : public ::testing::Test {};

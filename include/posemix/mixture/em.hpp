@@ -21,7 +21,7 @@ namespace posemix {
 enum class EmStatus {
   converged,       ///< an iteration gained less than the tolerance
   max_iterations,  ///< stopped before that
-  degenerate       ///< a component lost its samples, or all its spreads lie on the lower bound
+  degenerate       ///< a component lost its samples or collapsed to its lower bound
 };
 
 /// Settings of fit_mixture.

@@ -30,7 +30,7 @@ void projected_log_density(std::size_t n, const EmRow* samples, std::size_t coun
 void add_moments(std::size_t n, const EmRow* y, const EmRow& shares, std::size_t count,
                  double* sums);
 
-/// Adds sum share u (u . (P^-1 y)_u) to three sums.
+/// Adds sum share u (u . (P^-1 y)_u) to three sums, sum share u.u (u . (P^-1 y)_u) to a fourth.
 void add_projected_gradient(std::size_t n, const EmRow* y, const EmRow& shares, std::size_t count,
                             const ProjectedKernel& density, double* sums);
 

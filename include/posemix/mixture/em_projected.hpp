@@ -22,14 +22,16 @@ namespace posemix {
 /// Moving the tangent point by d, q0 (1, d) / sqrt(1 + d.d), changes u by -(I - u^ + u u^T) d, so
 /// the gradient is
 ///   g = sum r (s + u x s + u (u.s)),  s = (P^-1 (y - [0; a]))_u,
-/// and d = H^-1 g with the expectation H of the negative second derivative, fourth moments as those
-/// of a Gaussian. The moments at the new tangent point are taken as those of
+/// and d = H^-1 g with the expectation H of the negative second derivative, fourth moments those of
+/// a Gaussian but for a factor. The moments at the new tangent point are taken as those of
 /// (I - d^)(u - d) / (1 + d.d). Without a step the M-step is exact.
 ///
 /// Settings: `min_sd` and `max_sd` bound P_uu and R, for which the maximum keeps its closed form.
 /// The first three units are of the rotation angle, and |u| is about half of it: a bound of b in
 /// units of 1 rad is one of b / 2 on the standard deviations of u. They have to be equal unless
 /// `diagonal`. No variance of u exceeds 1e4, where the law is uniform but for 3 parts in 1e3.
+/// A component counts as collapsed when a spread lies on the lower bound and is less than 1e-3 of
+/// the largest: too few samples to span all directions.
 /// `diagonal` is along the axes that q0 rotates, and so is not the same for another frame of the
 /// object. A start with another tangent point than its mode is restated there first.
 template <RotationOrPose G>
@@ -60,7 +62,7 @@ struct EmModel<ProjectedGaussian<G>> {
     std::vector<EmRow> rows_;
     std::size_t count_ = 0;
     internal::EmSums<28> sums_;
-    internal::EmSums<3> gradient_;  ///< sum r u (u.s)
+    internal::EmSums<4> gradient_;  ///< sum r u (u.s) and sum r u.u (u.s)
   };
 
   static Density start(std::span<const G> elements, std::span<const double> weights,
