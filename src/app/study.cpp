@@ -15,10 +15,12 @@
 #include "exit_codes.hpp"
 #include "interrupt.hpp"
 #include "posemix/base/error.hpp"
+#include "posemix/io/grasp_outcomes.hpp"
 #include "posemix/io/output_folder.hpp"
 #include "posemix/io/sequence_file.hpp"
 #include "posemix/io/toml_table.hpp"
 #include "posemix/study/divergence.hpp"
+#include "posemix/study/grasp.hpp"
 #include "posemix/study/monte_carlo.hpp"
 #include "posemix/study/noise.hpp"
 #include "posemix/study/run_study.hpp"
@@ -35,6 +37,7 @@ struct StudyOptions {
   std::optional<std::string> settings;
   std::vector<std::string> overrides;
   std::optional<std::string> data;
+  std::optional<std::string> train;
   std::string out;
   std::size_t threads = 0;
   bool resume = false;
@@ -48,6 +51,7 @@ struct StudyVerb {
   const char* description;
   const char* example;
   bool reads_data;
+  bool learns;  ///< may learn from another folder
   Study (*make)(const TomlTable& settings, const StudyOptions& options);
 };
 
@@ -57,29 +61,37 @@ fs::path data_folder(const StudyOptions& options) {
 
 const std::array kStudies{
     StudyVerb{"divergence", "What merging two components on SO(3) loses, by rule and distance",
-              "posemix study divergence --out out/divergence", false,
+              "posemix study divergence --out out/divergence", false, false,
               [](const TomlTable& table, const StudyOptions&) {
                 return make_divergence_study(read_divergence_settings(table));
               }},
     StudyVerb{"monte-carlo", "Filters on a simulated recording with odometry of growing noise",
               "posemix study monte-carlo --set runs=400 --set 'methods=[\"midway\",\"iterated\"]' "
               "--out out/mc\n         mpirun -n 4 posemix study monte-carlo --out out/mc",
-              false,
+              false, false,
               [](const TomlTable& table, const StudyOptions&) {
                 return make_monte_carlo_study(read_monte_carlo_settings(table));
               }},
     StudyVerb{"ycbv", "Filters on every recording of the data folder",
-              "posemix study ycbv --set 'sequences=[\"0022\"]' --out out/ycbv", true,
+              "posemix study ycbv --set 'sequences=[\"0022\"]' --out out/ycbv", true, false,
               [](const TomlTable& table, const StudyOptions& options) {
                 YcbvStudySettings settings = read_ycbv_settings(table);
                 settings.data = data_folder(options);
                 return make_ycbv_study(settings);
               }},
     StudyVerb{"noise", "A detector's errors against ground truth, and a noise model for them",
-              "posemix study noise --out out/noise", true,
+              "posemix study noise --out out/noise", true, false,
               [](const TomlTable& table, const StudyOptions& options) {
                 const NoiseStudySettings settings = read_noise_settings(table);
                 return make_noise_study(read_residuals(settings, options.data), settings);
+              }},
+    StudyVerb{"grasp", "Success of grasps, predicted from what several pose estimators say",
+              "posemix study grasp --data scenes --train other-scenes --out out/grasp", true, true,
+              [](const TomlTable& table, const StudyOptions& options) {
+                std::optional<GraspOutcomes> train;
+                if (options.train) train = read_grasp_outcomes(*options.train);
+                return make_grasp_study(read_grasp_outcomes(data_folder(options)), train,
+                                        read_grasp_settings(table));
               }}};
 
 Study read_study(const StudyVerb& verb, const StudyOptions& options) {
@@ -147,15 +159,22 @@ int run_verb(const StudyVerb& verb, const StudyOptions& options) {
   return kExitDone;
 }
 
-void add_options(CLI::App& verb, const std::shared_ptr<StudyOptions>& options, bool reads_data) {
+void add_options(CLI::App& verb, const std::shared_ptr<StudyOptions>& options,
+                 const StudyVerb& known) {
   verb.add_option("settings", options->settings, "Settings (TOML; see docs/studies.md)")
       ->type_name("SETTINGS.toml");
   verb.add_option("--set", options->overrides, "Override a key of the settings; repeatable")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
-  if (reads_data) {
+  if (known.reads_data) {
     verb.add_option("--data", options->data,
                     "Folder of the recordings; without it $POSEMIX_DATA, then ../shared/data")
+        ->type_name("DIR");
+  }
+  if (known.learns) {
+    verb.add_option("--train", options->train,
+                    "Learn from this folder and predict all of --data; without it, from the rest "
+                    "of --data")
         ->type_name("DIR");
   }
   verb.add_option("--out", options->out, "Folder for the results")->required()->type_name("DIR");
@@ -188,7 +207,7 @@ void add_study_verb(CLI::App& program, std::function<int()>& action) {
         "\n"
         "Example: {}",
         known.example));
-    add_options(*verb, options, known.reads_data);
+    add_options(*verb, options, known);
     verb->callback([options, &action, &known] {
       action = [options, &known] { return run_verb(known, *options); };
     });

@@ -3,6 +3,7 @@
 #include "posemix/grasp/error_mixture.hpp"
 
 #include <cmath>
+#include <limits>
 
 #include "posemix/base/error.hpp"
 #include "posemix/lie/lie.hpp"

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -105,8 +106,8 @@ class Run {
   }
 
  private:
-  /// Column of a component's log weighted densities; returns log det of its covariance and the
-  /// trace with the prior through `penalty`.
+  /// Fills a component's column with its log weighted densities; returns log det P + tr(P^-1 P0)
+  /// of its covariance P.
   double fill(std::size_t k, const Vector6d& mean, const Matrix6d& covariance) {
     const Eigen::LLT<Matrix6d> factor(covariance);
     const Matrix6d whitening = factor.matrixL().solve(Matrix6d::Identity());
