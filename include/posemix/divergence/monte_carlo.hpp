@@ -27,7 +27,8 @@ struct DivergenceSamplingSettings {
   std::size_t replicates = 32;  ///< independent randomisations, at least 2
 };
 
-/// Kullback-Leibler divergence D(p || q) [nats], sampled from p.
+/// Kullback-Leibler divergence D(p || q) [nats], sampled from p; between projected Gaussians, which
+/// integrate to one, from (p + q) / 2 as int (p log(p/q) - p + q), which is never negative.
 /// @throws InvalidInput when sizes differ, there are less than 2 replicates, or fewer samples than
 /// replicates
 template <class P, class Q>
