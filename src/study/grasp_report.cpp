@@ -39,6 +39,9 @@ std::vector<Grasp> grasps_of(const std::vector<Json>& items) {
   return grasps;
 }
 
+/// In place of an object: all that have a region of their own.
+constexpr const char* kLearnt = "learnt";
+
 /// The grasps that a row is about; empty names stand for all.
 struct Selection {
   std::string split, object, gripper, estimator;
@@ -46,10 +49,14 @@ struct Selection {
   /// A row about all objects leaves out those whose outcomes are of one kind: there is nothing to
   /// predict.
   bool holds(const Grasp& g) const {
-    return (split.empty() || g.split == split) &&
-           (object.empty() ? g.region != "base_rate" : g.object == object) &&
+    return (split.empty() || g.split == split) && holds_object(g) &&
            (gripper.empty() || g.gripper == gripper) &&
            (estimator.empty() || g.estimator == estimator);
+  }
+
+  bool holds_object(const Grasp& g) const {
+    if (object.empty()) return g.region != "base_rate";
+    return object == kLearnt ? g.region == "own" : g.object == object;
   }
 };
 
@@ -65,6 +72,10 @@ std::vector<Selection> selections_of(const std::vector<Grasp>& grasps) {
     levels[2].insert({g.split, "", "", g.estimator});
     levels[3].insert({g.split, g.object, g.gripper, ""});
     levels[4].insert({g.split, g.object, g.gripper, g.estimator});
+    if (g.region == "pooled") {
+      levels[0].insert({g.split, kLearnt, "", ""});
+      levels[1].insert({g.split, kLearnt, g.gripper, ""});
+    }
     if (splits.size() < 2) continue;
     levels[0].insert({"", "", "", ""});
     levels[1].insert({"", "", g.gripper, ""});

@@ -149,6 +149,10 @@ TEST(GraspStudy, LearnsFromAnotherFolder) {
   EXPECT_EQ(mixture["grasps"], 120 + 40);
   EXPECT_LT(mixture["brier"], pooled_row(report, "base_rate", "train")["brier"].get<double>());
   EXPECT_TRUE(pooled_row(report, "mixture", "all").is_null());
+  const Json learnt =
+      find_row(report, {{"method", "mixture"}, {"object", "learnt"}, {"gripper", "all"}});
+  EXPECT_EQ(learnt["grasps"], 120);
+  EXPECT_EQ(learnt["region"], "own");
   EXPECT_EQ(find_row(report, {{"method", "mixture"}, {"object", "set/2"}})["region"], "pooled");
   EXPECT_EQ(find_row(report, {{"method", "mixture"}, {"object", "set/1"}})["region"], "own");
 }
