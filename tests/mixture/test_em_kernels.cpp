@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include <limits>
+
 #include <gtest/gtest.h>
+#include <hwy/targets.h>
 
 #include "mixture/em_draws.hpp"
 #include "posemix/mixture/em.hpp"
@@ -9,6 +12,7 @@
 namespace posemix {
 namespace {
 
+using testing::Projected;
 using testing::random_element;
 using testing::random_mixture;
 
@@ -108,6 +112,34 @@ TEST(EmKernels, NoComponentWithDensityMeansNoShares) {
             -std::numeric_limits<double>::infinity());
   EXPECT_EQ(terms[0][0], 0.0);
   EXPECT_EQ(terms[1][0], 0.0);
+}
+
+TEST(EmKernels, DoNotDependOnTheInstructions) {
+  RandomStream stream(23);
+  const auto density = random_mixture<SE3d>(1, 1.0, 0.8, stream)[0].density;
+  const Projected<SE3d> projected(density.mean(), density.covariance());
+  const std::vector<SE3d> poses = poses_about(random_element<SE3d>(0.5, stream), stream);
+  const EmCoordinates samples{std::span<const SE3d>(poses)};
+  const EmSettings settings;
+  const std::int64_t supported = hwy::SupportedTargets();
+  std::vector<EmRow> first;
+  for (const std::int64_t target : {HWY_EMU128, HWY_AVX2, HWY_AVX3, HWY_NEON}) {
+    if (target != HWY_EMU128 && (supported & target) == 0) continue;
+    hwy::GetChosenTarget().Update(target);
+    std::vector<EmRow> rows(3);
+    internal::EmGaussianWorker<SE3d>(density, settings).log_density(samples, 0, kEmBlock, rows[0]);
+    EmModel<Projected<SE3d>>::Worker(projected, settings)
+        .log_density(samples, 0, kEmBlock, rows[1]);
+    const double sum = internal::shares_from_log_terms(rows[0], kEmBlock, {&rows[1], 1});
+    rows[2][0] = sum;
+    if (first.empty()) first = rows;
+    for (std::size_t j = 0; j < rows.size(); ++j) {
+      for (std::size_t i = 0; i < kEmBlock; ++i) {
+        ASSERT_NEAR(rows[j][i], first[j][i], 1e-11 * (1.0 + std::abs(first[j][i])));
+      }
+    }
+  }
+  hwy::GetChosenTarget().Update(supported);
 }
 
 }  // namespace
