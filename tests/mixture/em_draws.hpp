@@ -87,7 +87,7 @@ double log_likelihood(const Mixture<D>& mixture, const std::vector<typename D::G
   return sum;
 }
 
-double worst_fall(const std::vector<double>& history) {
+inline double worst_fall(const std::vector<double>& history) {
   double fall = 0.0;
   for (std::size_t i = 1; i < history.size(); ++i) {
     fall = std::max(fall, history[i - 1] - history[i]);
