@@ -14,10 +14,11 @@ struct FitOptions {
   std::string samples;
   std::optional<PoseFormat> format;
   PoseSampleOptions columns;
+  Law law = Law::concentrated;
   FrameNames frames;
   std::size_t components = 0;
   std::size_t most_components = 0;
-  EmSettings em;
+  EmSettings em{.restarts = 5};
   std::uint64_t seed = 1;
   OutputOptions output;
 };
@@ -70,9 +71,13 @@ void fit_samples(const PoseSamples& samples, const FitOptions& options) {
 int fit_file(const FitOptions& options) {
   const PoseSamples samples = read_pose_input(options.samples, options.format, options.columns);
   try {
-    fit_samples<ConcentratedGaussian<SE3d>>(samples, options);
+    if (options.law == Law::projected) {
+      fit_samples<ProjectedGaussian<SE3d>>(samples, options);
+    } else {
+      fit_samples<ConcentratedGaussian<SE3d>>(samples, options);
+    }
   } catch (const InvalidInput& error) {
-    throw InvalidInput(fmt::format("{}: {}", options.samples, error.what()));
+    throw InvalidInput(fmt::format("{}: {}", input_name(options.samples), error.what()));
   }
   return kExitDone;
 }
@@ -97,6 +102,8 @@ void add_sample_options(CLI::App& verb, FitOptions& options) {
 }
 
 void add_em_options(CLI::App& verb, FitOptions& options) {
+  add_choice<Law, Law>(verb, "--law", options.law, law_words(), "Kind of the components")
+      ->default_str("concentrated");
   CLI::Option_group* number = verb.add_option_group("Number of components");
   add_count_option(*number, "--components", options.components, "So many");
   add_count_option(*number, "--max-components", options.most_components,
@@ -131,7 +138,7 @@ void add_fit_verb(CLI::App& program, std::function<int()>& action) {
       "\n"
       "Example: posemix fit samples.csv --components 2 --from camera --to mug --out mug.json\n"
       "         posemix fit errors.csv --residuals right --max-components 4 --restarts 5 \\\n"
-      "           --from mug --to detected --out noise.json");
+      "           --from mug --to detected --law projected --out noise.json");
   add_sample_options(*verb, *options);
   add_em_options(*verb, *options);
   add_report_options(*verb, options->output);

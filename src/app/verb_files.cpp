@@ -16,10 +16,6 @@ namespace {
 constexpr std::string_view kStandardStream = "-";
 constexpr std::size_t kLargestInput = std::size_t{1} << 30;
 
-std::string name_of(const std::string& path) {
-  return path == kStandardStream ? "standard input" : path;
-}
-
 std::string read_standard_input() {
   std::string bytes;
   std::array<char, 65536> buffer;
@@ -59,6 +55,10 @@ void add_rows(std::string& text, const Json& found, std::size_t indent) {
 
 }  // namespace
 
+std::string input_name(const std::string& path) {
+  return path == kStandardStream ? "standard input" : path;
+}
+
 void require_one_standard_input(std::span<const std::string> paths) {
   if (std::count(paths.begin(), paths.end(), kStandardStream) > 1) {
     throw InvalidInput("got '-' more than once, expected one input from the standard input");
@@ -66,7 +66,7 @@ void require_one_standard_input(std::span<const std::string> paths) {
 }
 
 NamedMixture read_mixture_input(const std::string& path) {
-  const std::string name = name_of(path);
+  const std::string name = input_name(path);
   return {name, parse_mixture(read_input(path), name)};
 }
 
@@ -83,9 +83,9 @@ PoseSamples read_pose_input(const std::string& path, const std::optional<PoseFor
   if (!known) {
     throw InvalidInput(fmt::format(
         "{}: got a name that does not say the format, expected .csv, .tum, .txt, .npy, or --format",
-        name_of(path)));
+        input_name(path)));
   }
-  return parse_pose_samples(read_input(path), name_of(path), *known, options);
+  return parse_pose_samples(read_input(path), input_name(path), *known, options);
 }
 
 void write_output(const std::string& path, std::string_view content) {

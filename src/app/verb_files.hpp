@@ -39,6 +39,9 @@ struct NamedMixture {
   MixtureFile file;
 };
 
+/// What messages call an input.
+std::string input_name(const std::string& path);
+
 /// @throws InvalidInput when `-` is there more than once, and as parse_mixture
 std::vector<NamedMixture> read_mixtures(std::span<const std::string> paths);
 NamedMixture read_mixture_input(const std::string& path);
