@@ -269,20 +269,25 @@ Conversion<ConcentratedGaussian<G>> to_concentrated(const Mixture<ProjectedGauss
       .convert(mixture);
 }
 
-#define POSEMIX_INSTANTIATE(G)                                                                    \
-  template ConvertedDensity<ProjectedGaussian<G>> to_projected(const ConcentratedGaussian<G>&,    \
-                                                               ConversionRule);                   \
-  template ConvertedDensity<ConcentratedGaussian<G>> to_concentrated(const ProjectedGaussian<G>&, \
-                                                                     ConversionRule);             \
-  template std::vector<Component<ConcentratedGaussian<G>>> split(const ConcentratedGaussian<G>&,  \
-                                                                 double);                         \
-  template Conversion<ProjectedGaussian<G>> to_projected(                                         \
-      const Mixture<ConcentratedGaussian<G>>&, RandomStream&, const ConversionSettings&);         \
-  template Conversion<ConcentratedGaussian<G>> to_concentrated(                                   \
-      const Mixture<ProjectedGaussian<G>>&, RandomStream&, const ConversionSettings&);
-
-POSEMIX_INSTANTIATE(SO3d)
-POSEMIX_INSTANTIATE(SE3d)
-#undef POSEMIX_INSTANTIATE
+template ConvertedDensity<ProjectedGaussian<SO3d>> to_projected(const ConcentratedGaussian<SO3d>&,
+                                                                ConversionRule);
+template ConvertedDensity<ConcentratedGaussian<SO3d>> to_concentrated(
+    const ProjectedGaussian<SO3d>&, ConversionRule);
+template std::vector<Component<ConcentratedGaussian<SO3d>>> split(const ConcentratedGaussian<SO3d>&,
+                                                                  double);
+template Conversion<ProjectedGaussian<SO3d>> to_projected(
+    const Mixture<ConcentratedGaussian<SO3d>>&, RandomStream&, const ConversionSettings&);
+template Conversion<ConcentratedGaussian<SO3d>> to_concentrated(
+    const Mixture<ProjectedGaussian<SO3d>>&, RandomStream&, const ConversionSettings&);
+template ConvertedDensity<ProjectedGaussian<SE3d>> to_projected(const ConcentratedGaussian<SE3d>&,
+                                                                ConversionRule);
+template ConvertedDensity<ConcentratedGaussian<SE3d>> to_concentrated(
+    const ProjectedGaussian<SE3d>&, ConversionRule);
+template std::vector<Component<ConcentratedGaussian<SE3d>>> split(const ConcentratedGaussian<SE3d>&,
+                                                                  double);
+template Conversion<ProjectedGaussian<SE3d>> to_projected(
+    const Mixture<ConcentratedGaussian<SE3d>>&, RandomStream&, const ConversionSettings&);
+template Conversion<ConcentratedGaussian<SE3d>> to_concentrated(
+    const Mixture<ProjectedGaussian<SE3d>>&, RandomStream&, const ConversionSettings&);
 
 }  // namespace posemix

@@ -27,7 +27,7 @@ template <RotationOrPose G>
 struct BodyView {
   using Tangent = typename G::Tangent;
   using Covariance = typename G::TangentMatrix;
-  static constexpr double kVolumes = G::Dof / 3;  ///< |det J_l| is that of SO(3) to this power
+  static constexpr int kVolumes = G::Dof / 3;  ///< |det J_l| is that of SO(3) to this power
 
   Tangent mean = Tangent::Zero();
   Covariance moment = Covariance::Zero();
@@ -200,12 +200,11 @@ ConvertedDensity<ProjectedGaussian<G>> fit_projected(const LawPoints<G>& points,
   return {view.density, converged};
 }
 
-#define POSEMIX_INSTANTIATE(G)                                                                    \
-  template ConvertedDensity<ConcentratedGaussian<G>> fit_concentrated(const LawPoints<G>&, bool); \
-  template ConvertedDensity<ProjectedGaussian<G>> fit_projected(const LawPoints<G>&, bool);
-
-POSEMIX_INSTANTIATE(SO3d)
-POSEMIX_INSTANTIATE(SE3d)
-#undef POSEMIX_INSTANTIATE
+template ConvertedDensity<ConcentratedGaussian<SO3d>> fit_concentrated(const LawPoints<SO3d>&,
+                                                                       bool);
+template ConvertedDensity<ProjectedGaussian<SO3d>> fit_projected(const LawPoints<SO3d>&, bool);
+template ConvertedDensity<ConcentratedGaussian<SE3d>> fit_concentrated(const LawPoints<SE3d>&,
+                                                                       bool);
+template ConvertedDensity<ProjectedGaussian<SE3d>> fit_projected(const LawPoints<SE3d>&, bool);
 
 }  // namespace posemix::internal

@@ -51,7 +51,7 @@ NormalRule hermite_product() {
   Eigen::MatrixXd jacobi = Eigen::MatrixXd::Zero(kNodes, kNodes);
   for (int i = 1; i < kNodes; ++i) jacobi(i, i - 1) = std::sqrt(i);
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(jacobi);
-  const Eigen::VectorXd x = eigen.eigenvalues();
+  const Eigen::VectorXd& x = eigen.eigenvalues();
   const Eigen::VectorXd w = eigen.eigenvectors().row(0).cwiseAbs2();
   NormalRule rule;
   for (int i = 0; i < kNodes; ++i) {
@@ -171,12 +171,9 @@ LawPoints<G> law_points(const ProjectedGaussian<G>& density, PointRule rule) {
   return points;
 }
 
-#define POSEMIX_INSTANTIATE(G)                                            \
-  template LawPoints<G> law_points(const TangentGaussian<G>&, PointRule); \
-  template LawPoints<G> law_points(const ProjectedGaussian<G>&, PointRule);
-
-POSEMIX_INSTANTIATE(SO3d)
-POSEMIX_INSTANTIATE(SE3d)
-#undef POSEMIX_INSTANTIATE
+template LawPoints<SO3d> law_points(const TangentGaussian<SO3d>&, PointRule);
+template LawPoints<SO3d> law_points(const ProjectedGaussian<SO3d>&, PointRule);
+template LawPoints<SE3d> law_points(const TangentGaussian<SE3d>&, PointRule);
+template LawPoints<SE3d> law_points(const ProjectedGaussian<SE3d>&, PointRule);
 
 }  // namespace posemix::internal

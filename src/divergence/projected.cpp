@@ -113,17 +113,19 @@ double mahalanobis_distance(const ProjectedGaussian<G>& a, const ProjectedGaussi
 template <RotationOrPose G>
 using Divergence = double(const ProjectedGaussian<G>&, const ProjectedGaussian<G>&);
 
-#define POSEMIX_INSTANTIATE(G)                                           \
-  template Divergence<G> gaussian_kl<G>;                                 \
-  template Divergence<G> gaussian_symmetric_kl<G>;                       \
-  template Divergence<G> law_kl<G>;                                      \
-  template Divergence<G> law_symmetric_kl<G>;                            \
-  template Divergence<G> mahalanobis_distance<G>;                        \
-  template double runnalls_bound(const Component<ProjectedGaussian<G>>&, \
-                                 const Component<ProjectedGaussian<G>>&);
-
-POSEMIX_INSTANTIATE(SO3d)
-POSEMIX_INSTANTIATE(SE3d)
-#undef POSEMIX_INSTANTIATE
+template Divergence<SO3d> gaussian_kl<SO3d>;
+template Divergence<SO3d> gaussian_symmetric_kl<SO3d>;
+template Divergence<SO3d> law_kl<SO3d>;
+template Divergence<SO3d> law_symmetric_kl<SO3d>;
+template Divergence<SO3d> mahalanobis_distance<SO3d>;
+template double runnalls_bound(const Component<ProjectedGaussian<SO3d>>&,
+                               const Component<ProjectedGaussian<SO3d>>&);
+template Divergence<SE3d> gaussian_kl<SE3d>;
+template Divergence<SE3d> gaussian_symmetric_kl<SE3d>;
+template Divergence<SE3d> law_kl<SE3d>;
+template Divergence<SE3d> law_symmetric_kl<SE3d>;
+template Divergence<SE3d> mahalanobis_distance<SE3d>;
+template double runnalls_bound(const Component<ProjectedGaussian<SE3d>>&,
+                               const Component<ProjectedGaussian<SE3d>>&);
 
 }  // namespace posemix

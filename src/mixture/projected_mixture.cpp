@@ -176,14 +176,13 @@ Moments<ProjectedGaussian<G>> moments(std::span<const Component<ProjectedGaussia
           centre.residual};
 }
 
-#define POSEMIX_INSTANTIATE(G)                                                                     \
-  template ProjectedGaussian<G> tangent_moments(std::span<const Component<ProjectedGaussian<G>>>,  \
-                                                const SO3d&);                                      \
-  template Moments<ProjectedGaussian<G>> moments(std::span<const Component<ProjectedGaussian<G>>>, \
-                                                 const MomentSettings&);
-
-POSEMIX_INSTANTIATE(SO3d)
-POSEMIX_INSTANTIATE(SE3d)
-#undef POSEMIX_INSTANTIATE
+template ProjectedGaussian<SO3d> tangent_moments(
+    std::span<const Component<ProjectedGaussian<SO3d>>>, const SO3d&);
+template Moments<ProjectedGaussian<SO3d>> moments(
+    std::span<const Component<ProjectedGaussian<SO3d>>>, const MomentSettings&);
+template ProjectedGaussian<SE3d> tangent_moments(
+    std::span<const Component<ProjectedGaussian<SE3d>>>, const SO3d&);
+template Moments<ProjectedGaussian<SE3d>> moments(
+    std::span<const Component<ProjectedGaussian<SE3d>>>, const MomentSettings&);
 
 }  // namespace posemix

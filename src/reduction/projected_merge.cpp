@@ -61,14 +61,13 @@ MergeResult<ProjectedGaussian<G>> merge(std::span<const Component<ProjectedGauss
       settings);
 }
 
-#define POSEMIX_INSTANTIATE(G)                                                        \
-  template MergeResult<ProjectedGaussian<G>> merge(                                   \
-      std::span<const Component<ProjectedGaussian<G>>* const>, const MergeSettings&); \
-  template MergeResult<ProjectedGaussian<G>> merge(                                   \
-      std::span<const Component<ProjectedGaussian<G>>>, const MergeSettings&);
-
-POSEMIX_INSTANTIATE(SO3d)
-POSEMIX_INSTANTIATE(SE3d)
-#undef POSEMIX_INSTANTIATE
+template MergeResult<ProjectedGaussian<SO3d>> merge(
+    std::span<const Component<ProjectedGaussian<SO3d>>* const>, const MergeSettings&);
+template MergeResult<ProjectedGaussian<SO3d>> merge(
+    std::span<const Component<ProjectedGaussian<SO3d>>>, const MergeSettings&);
+template MergeResult<ProjectedGaussian<SE3d>> merge(
+    std::span<const Component<ProjectedGaussian<SE3d>>* const>, const MergeSettings&);
+template MergeResult<ProjectedGaussian<SE3d>> merge(
+    std::span<const Component<ProjectedGaussian<SE3d>>>, const MergeSettings&);
 
 }  // namespace posemix

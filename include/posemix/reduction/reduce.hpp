@@ -88,12 +88,17 @@ Mixture<D> selected(std::vector<Component<D>> components, std::span<const std::s
 template <class D>
 Mixture<D> without_light(Mixture<D> mixture, const ReductionSettings& settings,
                          ReductionReport& report) {
+  std::vector<std::size_t> left(mixture.size());
+  std::iota(left.begin(), left.end(), std::size_t{0});
   const std::size_t heaviest = mixture.heaviest();
-  std::vector<std::size_t> left;
-  for (std::size_t i = 0; i < mixture.size(); ++i) {
-    if (i == heaviest || mixture.weight(i) >= settings.prune_below) left.push_back(i);
-  }
+  std::vector<double> log_weights(mixture.size());
+  for (std::size_t i = 0; i < mixture.size(); ++i) log_weights[i] = mixture[i].log_weight;
   report.weight_pruned = mixture.prune(settings.prune_below);
+  if (mixture.size() < left.size()) {
+    std::erase_if(left, [&](std::size_t i) {
+      return i != heaviest && !(std::exp(log_weights[i]) >= settings.prune_below);
+    });
+  }
   std::size_t count = mixture.size() - std::min(settings.drop_smallest, mixture.size() - 1);
   if (settings.keep_heaviest > 0) count = std::min(count, settings.keep_heaviest);
   if (count < mixture.size()) {
