@@ -24,6 +24,7 @@
 #include "posemix/study/monte_carlo.hpp"
 #include "posemix/study/noise.hpp"
 #include "posemix/study/run_study.hpp"
+#include "posemix/study/salt_box.hpp"
 #include "posemix/study/ycbv.hpp"
 #include "progress.hpp"
 #include "summary.hpp"
@@ -92,6 +93,12 @@ const std::array kStudies{
                 if (options.train) train = read_grasp_outcomes(*options.train);
                 return make_grasp_study(read_grasp_outcomes(data_folder(options)), train,
                                         read_grasp_settings(table));
+              }},
+    StudyVerb{"salt-box",
+              "The pose of a box from three features, as mixtures of projected Gaussians",
+              "posemix study salt-box --out out/salt-box", false, false,
+              [](const TomlTable& table, const StudyOptions&) {
+                return make_salt_box_study(read_salt_box_settings(table));
               }}};
 
 Study read_study(const StudyVerb& verb, const StudyOptions& options) {
