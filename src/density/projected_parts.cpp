@@ -30,7 +30,7 @@ TranslationMoments given(const Vector6d& mean, const Matrix6d& covariance, Eigen
 
 /// A standard normal density as three narrower ones: weights 1/6, 2/3, 1/6 at -a, 0, a keep mean,
 /// variance and fourth moment when a^2 = 3 (1 - s^2), s their standard deviation.
-constexpr double kNarrower = 0.6;
+constexpr double kNarrower = 0.7;
 const double kAway = std::sqrt(3.0 * (1.0 - kNarrower * kNarrower));
 
 struct TangentPiece {

@@ -28,7 +28,8 @@ ReductionSettings read_reduction(const TomlTable& filter) {
                                         {{"largest_with_smallest", PairRule::largest_with_smallest},
                                          {"most_distant", PairRule::most_distant},
                                          {"runnalls", PairRule::runnalls},
-                                         {"symmetric_kl", PairRule::symmetric_kl}});
+                                         {"symmetric_kl", PairRule::symmetric_kl},
+                                         {"weighted_symmetric_kl", PairRule::weighted_symmetric_kl}});
   r.distance = filter.get_enum_or<DistanceMetric>("distance", r.distance,
                                                   {{"tangent_norm", DistanceMetric::tangent_norm},
                                                    {"rotation", DistanceMetric::rotation},
