@@ -22,6 +22,12 @@ if(POSEMIX_WERROR)
   endif()
 endif()
 
+# posemix_sanitize(<target> <sanitizers>): separated by commas.
+function(posemix_sanitize target sanitizers)
+  target_compile_options(${target} PRIVATE -fsanitize=${sanitizers} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  target_link_options(${target} PRIVATE -fsanitize=${sanitizers})
+endfunction()
+
 # posemix_apply_policy(<target>): warnings, sanitizers and coverage, all PRIVATE.
 function(posemix_apply_policy target)
   target_compile_features(${target} PUBLIC cxx_std_20)
@@ -29,9 +35,7 @@ function(posemix_apply_policy target)
   # Contraction into fused multiply-adds would make results depend on the machine.
   target_compile_options(${target} PRIVATE ${POSEMIX_WARNINGS} -ffp-contract=off)
   if(POSEMIX_SANITIZE)
-    target_compile_options(${target} PRIVATE -fsanitize=${POSEMIX_SANITIZE}
-      -fno-sanitize-recover=all -fno-omit-frame-pointer)
-    target_link_options(${target} PRIVATE -fsanitize=${POSEMIX_SANITIZE})
+    posemix_sanitize(${target} "${POSEMIX_SANITIZE}")
   endif()
   if(POSEMIX_COVERAGE)
     target_compile_options(${target} PRIVATE --coverage)

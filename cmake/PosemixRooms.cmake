@@ -20,6 +20,8 @@ function(posemix_add_room room)
     add_library(${target} STATIC ${arg_SOURCES})
     posemix_apply_policy(${target})
     posemix_precompile(${target} FROM posemix_room_headers)
+    # Sources are small next to the templates that they instantiate.
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ${POSEMIX_UNITY} UNITY_BUILD_BATCH_SIZE 9)
     set(scope PUBLIC)
   else()
     add_library(${target} INTERFACE)
@@ -60,7 +62,7 @@ endfunction()
 # posemix_add_test(<name>
 #   SOURCES <file>...
 #   [DEPENDS <target>...]  libraries under test
-#   [LABEL <label>]        slow: left out of coverage; fuzz: run under asan-ubsan by `make fuzz`
+#   [LABEL <label>]        slow: left out of coverage; fuzz: under sanitizers, with posemix::io_sanitized, see there
 #   [TIMEOUT <seconds>])   of one test case, 300 unless given
 #
 # Defines the executable <name>, linked with gtest_main, rapidcheck and posemix::testing, and one ctest test per case.
@@ -79,7 +81,13 @@ function(posemix_add_test name)
   endif()
   add_executable(${name} ${arg_SOURCES})
   posemix_apply_test_policy(${name})
-  posemix_precompile(${name} FROM posemix_test_headers)
+  if(arg_LABEL STREQUAL "fuzz" AND TARGET posemix::io_sanitized)
+    posemix_sanitize(${name} address,undefined)
+    target_link_libraries(${name} PRIVATE posemix::io_sanitized)
+    target_sources(${name} PRIVATE "${PROJECT_SOURCE_DIR}/tests/sanitizer_options.cpp")
+  else()
+    posemix_precompile(${name} FROM posemix_test_headers)
+  endif()
   target_link_libraries(${name} PRIVATE ${arg_DEPENDS} posemix::testing GTest::gtest_main)
   target_include_directories(${name} PRIVATE "${PROJECT_SOURCE_DIR}/tests")
   target_compile_definitions(${name} PRIVATE

@@ -15,6 +15,7 @@
 #include "posemix/io/output_folder.hpp"
 #include "posemix/io/simulation_folder.hpp"
 #include "summary.hpp"
+#include "verb_options.hpp"
 
 namespace posemix {
 namespace {
@@ -47,10 +48,6 @@ int simulate_to_folder(const SimulateOptions& options) {
   return kExitDone;
 }
 
-std::string not_negative(const std::string& number) {
-  return number.starts_with('-') ? "got " + number + ", expected an integer of at least 0" : "";
-}
-
 }  // namespace
 
 void add_simulate_verb(CLI::App& program, std::function<int()>& action) {
@@ -64,10 +61,7 @@ void add_simulate_verb(CLI::App& program, std::function<int()>& action) {
   verb->add_option("config", options->config, "What to simulate (TOML; see docs/simulation.md)")
       ->required()
       ->type_name("CONFIG.toml");
-  verb->add_option("--seed", options->seed, "Seed of all random numbers")
-      ->check(not_negative)
-      ->type_name("N")
-      ->capture_default_str();
+  add_seed_option(*verb, options->seed);
   verb->add_option("--out", options->out, "Folder for the recording")->required()->type_name("DIR");
   verb->add_option("--set", options->overrides, "Override a key of the configuration; repeatable")
       ->type_name("KEY=VALUE")

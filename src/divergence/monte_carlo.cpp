@@ -10,9 +10,9 @@
 
 #include <fmt/format.h>
 #include <boost/math/distributions/normal.hpp>
-#include <boost/random/sobol.hpp>
 
 #include "density_factors.hpp"
+#include "posemix/base/sobol.hpp"
 
 namespace posemix {
 namespace {
@@ -22,25 +22,16 @@ constexpr std::size_t kLeastPoints = 16;
 /// Standard normal vectors from a Sobol sequence under a random digital shift.
 class NormalPoints {
  public:
-  NormalPoints(std::size_t dimension, RandomStream& stream)
-      : points_(dimension), shift_(dimension) {
-    for (std::uint64_t& bits : shift_) {
-      bits = (static_cast<std::uint64_t>(stream()) << 32U) | stream();
-    }
-  }
+  NormalPoints(std::size_t dimension, RandomStream& stream) : points_(dimension, stream) {}
 
   void next(Eigen::VectorXd& white) {
     const boost::math::normal_distribution<double> law;
-    for (std::size_t i = 0; i < shift_.size(); ++i) {
-      const std::uint64_t bits = (points_() ^ shift_[i]) >> 12U;
-      const double uniform = (static_cast<double>(bits) + 0.5) * 0x1p-52;
-      white[static_cast<Eigen::Index>(i)] = boost::math::quantile(law, uniform);
-    }
+    points_.next(white);
+    for (double& value : white) value = boost::math::quantile(law, value);
   }
 
  private:
-  boost::random::sobol points_;
-  std::vector<std::uint64_t> shift_;
+  ShiftedSobol points_;
 };
 
 /// Whether no rotation of the tangent vector exceeds pi.

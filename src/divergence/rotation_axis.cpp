@@ -8,7 +8,7 @@
 namespace posemix::internal {
 namespace {
 
-constexpr double kTolerance = 1e-11;
+constexpr double kRelativeTolerance = 1e-11;
 constexpr double kQuaternionRounding = 1e-15;
 
 using Peaks = std::vector<std::reference_wrapper<const RotationPeak>>;
@@ -34,7 +34,7 @@ Eigen::Vector3d candidate(const Peaks& peaks) {
     const Eigen::Vector3d variances = peak.root.colwise().squaredNorm();
     const double low = variances[1] - variances[0];
     const double high = variances[2] - variances[1];
-    if (std::max(low, high) <= kTolerance * variances[2]) continue;
+    if (std::max(low, high) <= kRelativeTolerance * variances[2]) continue;
     return peak.root.col(low > high ? 0 : 2).normalized();
   }
   return Eigen::Vector3d::UnitZ();
@@ -44,13 +44,13 @@ bool is_symmetric(const RotationPeak& first, const RotationPeak& peak,
                   const Eigen::Vector3d& axis) {
   const double smallest = peak.root.colwise().norm().minCoeff();
   const double off_axis = half_step(first, peak).cross(axis).norm();
-  if (off_axis > kTolerance * smallest + kQuaternionRounding) return false;
+  if (off_axis > kRelativeTolerance * smallest + kQuaternionRounding) return false;
   const Eigen::Matrix3d covariance = covariance_of(peak);
   const double along = axis.dot(covariance * axis);
   const double across = 0.5 * (covariance.trace() - along);
   const Eigen::Matrix3d expected =
       across * Eigen::Matrix3d::Identity() + (along - across) * axis * axis.transpose();
-  return (covariance - expected).cwiseAbs().maxCoeff() <= kTolerance * smallest * smallest;
+  return (covariance - expected).cwiseAbs().maxCoeff() <= kRelativeTolerance * smallest * smallest;
 }
 
 }  // namespace

@@ -4,10 +4,13 @@
 
 #include <utility>
 
+#include "pose_blocks.hpp"
+
 namespace posemix {
 namespace {
 
-constexpr Eigen::Index kPoseDof = 6;
+using internal::kPoseDof;
+
 constexpr Eigen::Index kMotionOffset = kPoseDof * static_cast<Eigen::Index>(kMotion);
 
 void add_noise(Eigen::MatrixXd& covariance, Eigen::Index offset, const SE3d& pose,

@@ -10,6 +10,7 @@
 #include "posemix/base/error.hpp"
 #include "posemix/base/units.hpp"
 #include "posemix/grasp/error_mixture.hpp"
+#include "upper_median.hpp"
 
 namespace posemix {
 namespace {
@@ -34,12 +35,6 @@ Rows rows_of(std::span<const Vector6d> errors) {
     rows.row(static_cast<Eigen::Index>(i)) = errors[i].transpose();
   }
   return rows;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 Matrix6d covariance_of(const Rows& rows) {
@@ -173,9 +168,9 @@ std::vector<Vector6d> trimmed_errors(std::span<const Vector6d> errors, double tr
   for (Eigen::Index k = 0; k < 6; ++k) {
     std::vector<double> values;
     for (const Vector6d& error : errors) values.push_back(error[k]);
-    centre[k] = median(values);
+    centre[k] = upper_median(values);
     for (double& value : values) value = std::abs(value - centre[k]);
-    reach[k] = trim * 1.4826 * median(std::move(values));
+    reach[k] = trim * 1.4826 * upper_median(std::move(values));
   }
   std::vector<Vector6d> kept;
   std::copy_if(errors.begin(), errors.end(), std::back_inserter(kept), [&](const Vector6d& error) {

@@ -8,6 +8,7 @@
 
 #include "posemix/base/error.hpp"
 #include "region_parts.hpp"
+#include "upper_median.hpp"
 
 namespace posemix {
 namespace {
@@ -114,12 +115,6 @@ double log_posterior(const RegionParameters& theta, const std::vector<Sample>& s
   return value;
 }
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 RegionParameters start_at(int start, const std::vector<Sample>& samples, const Normal& prior,
                           RandomStream& stream) {
   RegionParameters theta = prior.mean;
@@ -131,7 +126,7 @@ RegionParameters start_at(int start, const std::vector<Sample>& samples, const N
     }
     if (!values.empty()) {
       const double reach = 2.0 * prior.sd[kCentre + k];
-      theta[kCentre + k] = std::clamp(median(std::move(values)), -reach, reach);
+      theta[kCentre + k] = std::clamp(upper_median(std::move(values)), -reach, reach);
     }
   }
   if (start == 1) return theta;

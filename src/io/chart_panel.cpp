@@ -12,7 +12,7 @@ constexpr double kLeft = 60.0;
 constexpr double kRight = 16.0;
 constexpr double kBottom = 46.0;
 constexpr double kLabelHeight = 20.0;
-constexpr double kTitleHeight = 20.0;
+constexpr double kPanelTitleHeight = 20.0;
 constexpr double kTickFont = 11.5;
 constexpr double kLabelFont = 12.5;
 constexpr double kPixelsPerXTick = 60.0;
@@ -96,7 +96,7 @@ void draw_marks(SvgDocument& svg, const SvgBox& plot, const ChartAxis& y, const 
 
 void draw_panel(SvgDocument& svg, const SvgBox& box, const Chart& chart,
                 const ChartLegend& legend) {
-  const double head = (chart.title.empty() ? 0.0 : kTitleHeight) + kLabelHeight;
+  const double head = (chart.title.empty() ? 0.0 : kPanelTitleHeight) + kLabelHeight;
   const SvgBox plot{box.left + kLeft, box.top + head, box.width - kLeft - kRight,
                     box.height - head - kBottom};
   const ChartAxis x(x_range(chart), chart.log_x, plot.left, plot.right());

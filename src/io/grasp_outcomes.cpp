@@ -3,15 +3,13 @@
 #include "posemix/io/grasp_outcomes.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <map>
 #include <set>
 #include <tuple>
 
 #include <fmt/format.h>
 
+#include "csv_table.hpp"
 #include "posemix/base/error.hpp"
-#include "posemix/io/rigid.hpp"
 #include "posemix/io/text.hpp"
 
 namespace posemix {
@@ -21,85 +19,26 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kSource = "consensus-driven-uncertainty";
 constexpr std::string_view kGrasp = "grasp_";
-constexpr std::array<std::string_view, 7> kPoseColumns{"tx", "ty", "tz", "qx", "qy", "qz", "qw"};
 
-/// The rows of a table, by the names of its columns.
-class Table {
- public:
-  Table(std::string_view text, const std::string& name) : reader_(text, name) {
-    if (!reader_.next_content()) {
-      throw InvalidInput(fmt::format("{}: got no line, expected the names of the columns", name));
-    }
-    for (const std::string_view column : split_fields(reader_.line(), ',')) {
-      const std::string word(trimmed(column));
-      if (!columns_.emplace(word, columns_.size()).second) {
-        reader_.fail(fmt::format("column {} again", in_quotes(word)), "every column once");
-      }
+/// The grippers of a table, from its columns grasp_GRIPPER.
+std::vector<std::string> grippers_of(const CsvTable& table) {
+  std::vector<std::string> names;
+  for (const auto& [column, index] : table.columns()) {
+    if (column.size() > kGrasp.size() && column.starts_with(kGrasp)) {
+      names.push_back(column.substr(kGrasp.size()));
     }
   }
+  return names;
+}
 
-  bool next() {
-    if (!reader_.next_content()) return false;
-    fields_ = split_fields(reader_.line(), ',');
-    if (fields_.size() == columns_.size()) return true;
-    reader_.fail(fmt::format("{} columns", fields_.size()), fmt::format("{}", columns_.size()));
-  }
-
-  std::vector<std::string> grippers() const {
-    std::vector<std::string> names;
-    for (const auto& [column, index] : columns_) {
-      if (column.size() > kGrasp.size() && column.starts_with(kGrasp)) {
-        names.push_back(column.substr(kGrasp.size()));
-      }
-    }
-    return names;
-  }
-
-  void require_column(const std::string& column) const {
-    if (columns_.count(column) == 0) reader_.fail("no column " + column, "one of that name");
-  }
-
-  std::string_view field(const std::string& column) const {
-    return trimmed(fields_[columns_.at(column)]);
-  }
-  double number(const std::string& column) const {
-    return reader_.number_from(field(column), column);
-  }
-  std::int64_t index(const std::string& column) const {
-    return reader_.index_from(field(column), column);
-  }
-
-  SE3d pose(const std::string& prefix) const {
-    PoseNumbers numbers;
-    for (std::size_t i = 0; i < numbers.size(); ++i) {
-      numbers[i] = number(prefix + std::string(kPoseColumns[i]));
-    }
-    const double norm =
-        Eigen::Map<const Eigen::Vector4d>(numbers.data() + 3).stableNorm();  // qx qy qz qw
-    if (!(std::abs(norm - 1.0) <= kQuaternionNormTolerance)) {
-      reader_.fail(
-          fmt::format("a quaternion of norm {:.6g} in {}qx ... {}qw", norm, prefix, prefix),
-          fmt::format("norm 1 within {:g}", kQuaternionNormTolerance));
-    }
-    return pose_from_numbers(numbers, reader_);
-  }
-
-  std::optional<bool> outcome(const std::string& gripper) const {
-    const std::string column = std::string(kGrasp) + gripper;
-    const std::string_view word = field(column);
-    if (word.empty()) return std::nullopt;
-    const auto number = parse_number(word);
-    if (number == 0.0 || number == 1.0) return number == 1.0;
-    reader_.fail(fmt::format("{} = {}", column, in_quotes(word)), "0, 1 or nothing");
-  }
-
-  const LineReader& reader() const { return reader_; }
-
- private:
-  LineReader reader_;
-  std::map<std::string, std::size_t> columns_;
-  std::vector<std::string_view> fields_;
-};
+std::optional<bool> outcome(const CsvTable& table, const std::string& gripper) {
+  const std::string column = std::string(kGrasp) + gripper;
+  const std::string_view word = table.field(column);
+  if (word.empty()) return std::nullopt;
+  const auto number = parse_number(word);
+  if (number == 0.0 || number == 1.0) return number == 1.0;
+  table.reader().fail(fmt::format("{} = {}", column, in_quotes(word)), "0, 1 or nothing");
+}
 
 /// Places of the table's grippers among all; new ones come last.
 std::vector<std::size_t> gripper_places(const std::vector<std::string>& names,
@@ -115,13 +54,10 @@ std::vector<std::size_t> gripper_places(const std::vector<std::string>& names,
   return places;
 }
 
-void require_columns(const Table& table) {
+void require_columns(const CsvTable& table) {
   for (const char* column : {"scene_id", "im_id", "obj_id", "score"}) table.require_column(column);
-  for (const std::string prefix : {"est_", "gt_"}) {
-    for (const std::string_view column : kPoseColumns) {
-      table.require_column(prefix + std::string(column));
-    }
-  }
+  table.require_pose("est_");
+  table.require_pose("gt_");
 }
 
 }  // namespace
@@ -129,9 +65,9 @@ void require_columns(const Table& table) {
 void parse_grasp_outcomes(std::string_view text, const std::string& name,
                           const std::string& dataset, const std::string& estimator,
                           GraspOutcomes& outcomes) {
-  Table table(text, name);
+  CsvTable table(text, name);
   require_columns(table);
-  const std::vector<std::string> grippers = table.grippers();
+  const std::vector<std::string> grippers = grippers_of(table);
   const std::vector<std::size_t> places = gripper_places(grippers, outcomes);
   std::set<std::tuple<std::int64_t, std::int64_t, std::int64_t>> seen;
   while (table.next()) {
@@ -146,7 +82,7 @@ void parse_grasp_outcomes(std::string_view text, const std::string& name,
                      .outcomes = {}};
     trial.outcomes.resize(outcomes.grippers.size());
     for (std::size_t i = 0; i < grippers.size(); ++i) {
-      trial.outcomes[places[i]] = table.outcome(grippers[i]);
+      trial.outcomes[places[i]] = outcome(table, grippers[i]);
     }
     if (!seen.emplace(trial.scene, trial.image, trial.object).second) {
       table.reader().fail(fmt::format("object {} in image {} of scene {} again", trial.object,

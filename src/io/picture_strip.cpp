@@ -12,7 +12,7 @@
 namespace posemix {
 namespace {
 
-constexpr std::size_t kMostPoints = 2000;
+constexpr std::size_t kMostCurvePoints = 2000;
 
 std::optional<double> rotation_error_deg(const std::optional<SE3d>& a,
                                          const std::optional<SE3d>& b) {
@@ -80,7 +80,7 @@ class StripView {
 std::vector<std::vector<Eigen::Vector2d>> pieces(const StripView& view,
                                                  const std::vector<double>& stamps,
                                                  const Curve& curve) {
-  const std::size_t stride = 1 + curve.size() / kMostPoints;
+  const std::size_t stride = 1 + curve.size() / kMostCurvePoints;
   std::vector<std::vector<Eigen::Vector2d>> result(1);
   for (std::size_t k = 0; k < curve.size(); k += stride) {
     if (curve[k]) {

@@ -3,37 +3,30 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
-#include <vector>
+#include <memory>
 
 #include <Eigen/Core>
-#include <boost/random/sobol.hpp>
 
 #include "posemix/base/random.hpp"
 
 namespace posemix {
 
-/// Points of a Sobol sequence in the open unit cube under a random digital shift: each is uniform,
-/// together they are spread evenly.
+/// Points of a Sobol sequence in the open unit cube under a random digital shift
+/// \cite lecuyer2002randomized: each is uniform, together they are spread evenly.
 class ShiftedSobol {
  public:
-  ShiftedSobol(std::size_t dimension, RandomStream& stream)
-      : points_(dimension), shift_(dimension) {
-    for (std::uint64_t& bits : shift_) {
-      bits = (static_cast<std::uint64_t>(stream()) << 32U) | stream();
-    }
-  }
+  /// @throws std::invalid_argument for more dimensions than there are direction numbers (3667)
+  ShiftedSobol(std::size_t dimension, RandomStream& stream);
+  ShiftedSobol(ShiftedSobol&&) noexcept;
+  ShiftedSobol& operator=(ShiftedSobol&&) noexcept;
+  ~ShiftedSobol();
 
-  void next(Eigen::Ref<Eigen::VectorXd> uniform) {
-    for (std::size_t i = 0; i < shift_.size(); ++i) {
-      const std::uint64_t bits = (points_() ^ shift_[i]) >> 12U;
-      uniform[static_cast<Eigen::Index>(i)] = (static_cast<double>(bits) + 0.5) * 0x1p-52;
-    }
-  }
+  /// The next point; `uniform` has the size of the dimension.
+  void next(Eigen::Ref<Eigen::VectorXd> uniform);
 
  private:
-  boost::random::sobol points_;
-  std::vector<std::uint64_t> shift_;
+  struct Sequence;
+  std::unique_ptr<Sequence> sequence_;
 };
 
 }  // namespace posemix
