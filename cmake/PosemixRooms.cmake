@@ -80,7 +80,7 @@ function(posemix_add_test name)
   add_executable(${name} ${arg_SOURCES})
   posemix_apply_test_policy(${name})
   posemix_precompile(${name} FROM posemix_test_headers)
-  target_link_libraries(${name} PRIVATE ${arg_DEPENDS} posemix::testing GTest::gtest_main)
+  target_link_libraries(${name} PRIVATE posemix_test_support ${arg_DEPENDS} posemix::testing GTest::gtest_main)
   target_include_directories(${name} PRIVATE "${PROJECT_SOURCE_DIR}/tests")
   target_compile_definitions(${name} PRIVATE
     POSEMIX_DEFAULT_DATA_DIR="${PROJECT_SOURCE_DIR}/../shared/data"
