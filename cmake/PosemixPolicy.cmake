@@ -67,3 +67,13 @@ function(posemix_precompile target)
     target_precompile_headers(${target} REUSE_FROM ${arg_FROM})
   endif()
 endfunction()
+
+# posemix_unite(<target>): compiles the sources several at a time. A name in an unnamed namespace then occurs once per
+# target.
+function(posemix_unite target)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ${POSEMIX_UNITY} UNITY_BUILD_BATCH_SIZE 9)
+  if(POSEMIX_UNITY AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    # g++ takes an included source for a header, whose types must not depend on unnamed namespaces.
+    target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
+  endif()
+endfunction()

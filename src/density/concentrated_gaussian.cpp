@@ -7,5 +7,6 @@ namespace posemix {
 template class ConcentratedGaussian<SO3d>;
 template class ConcentratedGaussian<SE3d>;
 template class ConcentratedGaussian<PoseStackd>;
+template class ConcentratedGaussian<Rnd<3>>;
 
 }  // namespace posemix

@@ -6,12 +6,12 @@
 #include "gaussian_cubature.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/density/projected_operations.hpp"
+#include "rotation_of.hpp"
 
 namespace posemix {
 namespace {
 
-const SO3d& rotation_of(const SO3d& element) { return element; }
-const SO3d& rotation_of(const SE3d& element) { return element.rotation(); }
+using internal::rotation_of;
 
 /// Weighted elements of a group.
 template <RotationOrPose G>

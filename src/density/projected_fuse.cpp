@@ -9,12 +9,12 @@
 #include "posemix/base/error.hpp"
 #include "posemix/base/units.hpp"
 #include "posemix/density/projected_operations.hpp"
+#include "rotation_of.hpp"
 
 namespace posemix {
 namespace {
 
-const SO3d& rotation_of(const SO3d& element) { return element; }
-const SO3d& rotation_of(const SE3d& element) { return element.rotation(); }
+using internal::rotation_of;
 
 /// One factor of the product: its cost (y - mean)^T P^-1 (y - mean) / 2 as a function of the
 /// element, with derivatives in the chart at the element.

@@ -7,12 +7,12 @@
 #include <numbers>
 
 #include "posemix/density/projected_moments.hpp"
+#include "rotation_of.hpp"
 
 namespace posemix {
 namespace {
 
-const SO3d& rotation_of(const SO3d& element) { return element; }
-const SO3d& rotation_of(const SE3d& element) { return element.rotation(); }
+using internal::rotation_of;
 
 /// y of PG_0 at an element.
 SO3d::Tangent zero_form(const SO3d&) { return SO3d::Tangent::Zero(); }

@@ -99,3 +99,12 @@ double transport_cost(const Eigen::VectorXd& rows, const Eigen::VectorXd& column
 }
 
 }  // namespace posemix::internal
+
+namespace posemix {
+
+POSEMIX_WASSERSTEIN(, SO3d);
+POSEMIX_WASSERSTEIN(, SE3d);
+POSEMIX_WASSERSTEIN(, PoseStackd);
+POSEMIX_WASSERSTEIN(, Rnd<3>);
+
+}  // namespace posemix

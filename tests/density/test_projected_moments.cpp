@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "posemix/base/units.hpp"
 #include "posemix/density/projected_moments.hpp"
 #include "posemix/lie/lie.hpp"
 
@@ -74,6 +75,23 @@ TEST(ProjectedMoments, AgreeWithTheOracles) {
   EXPECT_LT((off.mean - Vector3d(0.08729255, -0.18189944, 0.03119763)).norm(), 1e-8);
   const Vector3d variance = (off.second_moment - off.mean * off.mean.transpose()).diagonal();
   EXPECT_LT((variance - Vector3d(0.070701862802, 0.034919441497, 0.110682375314)).norm(), 1e-12);
+}
+
+// Oracle: numpy prototype by Monte Carlo; rotation standard deviation in degrees, C, and the
+// variance of u under the law over that of the Gaussian.
+TEST(ProjectedMoments, OfIsotropicSpreads) {
+  const double table[][3] = {{5.0, 0.9888048, 0.9926},
+                             {10.0, 0.9567146, 0.9714},
+                             {15.0, 0.9086241, 0.9402},
+                             {22.9, 0.8131702, 0.8794},
+                             {57.3, 0.4273846, 0.629}};
+  for (const auto& [degrees_of_rotation, c, ratio] : table) {
+    const double u = 0.5 * radians(degrees_of_rotation);
+    const Matrix3d covariance = u * u * Matrix3d::Identity();
+    const ProjectedMoments moments = projected_moments(Vector3d::Zero(), covariance);
+    EXPECT_NEAR(std::exp(moments.log_normalizer), c, 3e-4);
+    EXPECT_NEAR(moments.second_moment(1, 1) / (u * u), ratio, 3e-4);
+  }
 }
 
 TEST(ProjectedMoments, AreDerivativesOfTheNormalizer) {

@@ -78,7 +78,7 @@ void expect_band(const std::array<double, 3>& kl, const Band& band) {
   EXPECT_LT(kl[2], kl[1] * 1.001 + 1e-6);
 }
 
-TEST(Conversion, LosesWhatTheNotesSayAndMaximumLikelihoodTheLeast) {
+TEST(Conversion, MaximumLikelihoodLosesTheLeast) {
   for (const Band& band :
        {Band{5.0, 0.0012, 0.0009}, Band{15.0, 0.0235, 0.0097}, Band{30.0, 0.28, 0.069}}) {
     for (const int seed : {1, 2}) {

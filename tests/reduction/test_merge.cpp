@@ -47,7 +47,7 @@ void assert_same(const Component<ConcentratedGaussian<G>>& actual,
 TEST(MergeOnVectors, EveryRulePreservesMoments) {
   // Midway-merge paper, eq. 8, in the form for any number of components.
   check_property([] {
-    const auto count = static_cast<std::size_t>(*rc::gen::inRange(2, 6));
+    const auto count = static_cast<std::size_t>(testing::draw_integer(2, 6));
     const auto components = draw_components<Rnd<3>>(count, 2.0, 0.7);
     double weight = 0.0;
     Eigen::Vector3d mean = Eigen::Vector3d::Zero();

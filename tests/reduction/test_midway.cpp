@@ -33,7 +33,7 @@ TYPED_TEST_SUITE(MidwayOn, Groups);
 /// Two to `most` components with the means of every pose within 1.5 rad of each other.
 template <class G>
 Components<G> draw_two_or_more(int most) {
-  const auto count = static_cast<std::size_t>(*rc::gen::inRange(2, most + 1));
+  const auto count = static_cast<std::size_t>(testing::draw_integer(2, most + 1));
   return draw_components<G>(count, 0.4, 0.2);
 }
 
@@ -85,6 +85,13 @@ TYPED_TEST(MidwayOn, PointOfTwoIsTheInterpolation) {
   });
 }
 
+/// share J^-1 P J^-T with dense matrices.
+Eigen::MatrixXd moved_back(const Eigen::MatrixXd& jacobian, double share,
+                           const Eigen::MatrixXd& covariance) {
+  const Eigen::MatrixXd inverse = jacobian.inverse();
+  return share * inverse * covariance * inverse.transpose();
+}
+
 TYPED_TEST(MidwayOn, MergeIsThatOfThePaper) {
   // Eq. 13, 14, 18 and 19 with dense matrices.
   check_property([] {
@@ -96,11 +103,9 @@ TYPED_TEST(MidwayOn, MergeIsThatOfThePaper) {
     const double share_2 = w_2 / (w_1 + w_2);
     const G& x_1 = components[0].density.mean();
     const typename G::Tangent dx = (components[1].density.mean() * x_1.inverse()).log();
-    const Eigen::MatrixXd j_1 = G::left_jacobian(typename G::Tangent(-share_2 * dx)).inverse();
-    const Eigen::MatrixXd j_2 = G::left_jacobian(typename G::Tangent(share_1 * dx)).inverse();
     const Eigen::MatrixXd expected =
-        share_1 * j_1 * components[0].density.covariance() * j_1.transpose() +
-        share_2 * j_2 * components[1].density.covariance() * j_2.transpose() +
+        moved_back(G::left_jacobian(-share_2 * dx), share_1, components[0].density.covariance()) +
+        moved_back(G::left_jacobian(share_1 * dx), share_2, components[1].density.covariance()) +
         share_1 * share_2 * dx * dx.transpose();
     const auto merged = merge(MidwayOn<G>::view(components)).component;
     RC_ASSERT(std::abs(merged.log_weight - std::log(w_1 + w_2)) < 1e-13);

@@ -68,4 +68,16 @@ Matrix checked_covariance(const Matrix& covariance, Eigen::Index size, const std
   return symmetric;
 }
 
+/// What every file would otherwise instantiate for itself, for matrices of one size.
+// NOLINTBEGIN(bugprone-macro-parentheses): types and keywords take none
+#define POSEMIX_LINEAR(prefix, N)                                                           \
+  prefix template double log_normal(const Eigen::LLT<Eigen::Matrix<double, N, N>>&,         \
+                                    const Eigen::MatrixBase<Eigen::Matrix<double, N, 1>>&); \
+  prefix template Eigen::Matrix<double, N, N> checked_covariance(                           \
+      const Eigen::Matrix<double, N, N>&, Eigen::Index, const std::string&)
+// NOLINTEND(bugprone-macro-parentheses)
+POSEMIX_LINEAR(extern, 3);
+POSEMIX_LINEAR(extern, 6);
+POSEMIX_LINEAR(extern, Eigen::Dynamic);
+
 }  // namespace posemix

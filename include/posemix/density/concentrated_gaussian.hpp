@@ -33,9 +33,7 @@ class ConcentratedGaussian {
 
   /// @throws InvalidInput when the covariance has the wrong size or is not finite, symmetric,
   /// positive definite
-  ConcentratedGaussian(G mean, const Covariance& covariance)
-      : mean_(std::move(mean)),
-        covariance_(checked_covariance(covariance, mean_.dof(), "covariance")) {}
+  ConcentratedGaussian(G mean, const Covariance& covariance);
 
   /// The same without the checks, for results of computations that preserve the invariants.
   static ConcentratedGaussian trusted(G mean, Covariance covariance) {
@@ -46,33 +44,24 @@ class ConcentratedGaussian {
   /// Covariance of xi in X = Exp(xi) X0: reference frame.
   const Covariance& covariance() const { return covariance_; }
   /// Covariance of the right perturbation, X = X0 Exp(delta): body frame.
-  Covariance body_covariance() const { return mean_.inverse().adjoint_congruence(covariance_); }
+  Covariance body_covariance() const;
   Eigen::Index dof() const { return mean_.dof(); }
   /// Gives mean and covariance away; the density must not be used afterwards.
   std::pair<G, Covariance> release() && { return {std::move(mean_), std::move(covariance_)}; }
 
   /// Log of the density with respect to the Haar measure, in nats. Factorises the covariance at
   /// every call; for many points build an Evaluator once.
-  double log_density(const G& element) const { return Evaluator(*this).log_density(element); }
+  double log_density(const G& element) const;
 
   /// One draw, Exp(L z) X0 with P = L L^T.
-  G sample(RandomStream& stream) const {
-    Eigen::VectorXd white(dof());
-    stream.fill_normal(white);
-    const Eigen::LLT<Covariance> factor(covariance_);
-    return G::exp(Tangent(factor.matrixL() * white)) * mean_;
-  }
+  G sample(RandomStream& stream) const;
 
   /// Log density at many points: the covariance is factorised once.
   class Evaluator {
    public:
-    explicit Evaluator(const ConcentratedGaussian& density)
-        : inverse_mean_(density.mean().inverse()), factor_(density.covariance()) {}
+    explicit Evaluator(const ConcentratedGaussian& density);
 
-    double log_density(const G& element) const {
-      const Tangent xi = (element * inverse_mean_).log();
-      return log_normal(factor_, xi) - G::log_abs_det_left_jacobian(xi);
-    }
+    double log_density(const G& element) const;
 
    private:
     G inverse_mean_;
@@ -87,6 +76,39 @@ class ConcentratedGaussian {
   Covariance covariance_;
 };
 
+template <LieGroup G>
+ConcentratedGaussian<G>::ConcentratedGaussian(G mean, const Covariance& covariance)
+    : mean_(std::move(mean)),
+      covariance_(checked_covariance(covariance, mean_.dof(), "covariance")) {}
+
+template <LieGroup G>
+typename ConcentratedGaussian<G>::Covariance ConcentratedGaussian<G>::body_covariance() const {
+  return mean_.inverse().adjoint_congruence(covariance_);
+}
+
+template <LieGroup G>
+double ConcentratedGaussian<G>::log_density(const G& element) const {
+  return Evaluator(*this).log_density(element);
+}
+
+template <LieGroup G>
+G ConcentratedGaussian<G>::sample(RandomStream& stream) const {
+  Eigen::VectorXd white(dof());
+  stream.fill_normal(white);
+  const Eigen::LLT<Covariance> factor(covariance_);
+  return G::exp(Tangent(factor.matrixL() * white)) * mean_;
+}
+
+template <LieGroup G>
+ConcentratedGaussian<G>::Evaluator::Evaluator(const ConcentratedGaussian& density)
+    : inverse_mean_(density.mean().inverse()), factor_(density.covariance()) {}
+
+template <LieGroup G>
+double ConcentratedGaussian<G>::Evaluator::log_density(const G& element) const {
+  const Tangent xi = (element * inverse_mean_).log();
+  return log_normal(factor_, xi) - G::log_abs_det_left_jacobian(xi);
+}
+
 /// A Gaussian in the tangent space at `anchor` whose mean need not be zero: X = Exp(xi) anchor, xi
 /// ~ N(mean, P).
 template <LieGroup G>
@@ -99,5 +121,6 @@ struct TangentGaussian {
 extern template class ConcentratedGaussian<SO3d>;
 extern template class ConcentratedGaussian<SE3d>;
 extern template class ConcentratedGaussian<PoseStackd>;
+extern template class ConcentratedGaussian<Rnd<3>>;
 
 }  // namespace posemix

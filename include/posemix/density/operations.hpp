@@ -132,4 +132,21 @@ FuseResult<ConcentratedGaussian<G>> fuse(const ConcentratedGaussian<G>& p,
   return {ConcentratedGaussian<G>::trusted(mode, covariance), log_overlap, converged, iteration};
 }
 
+// NOLINTBEGIN(bugprone-macro-parentheses): types and keywords take none
+#define POSEMIX_DENSITY_OPERATIONS(prefix, G)                                            \
+  prefix template TangentGaussian<G> recenter(const ConcentratedGaussian<G>&, const G&); \
+  prefix template ConcentratedGaussian<G> back_project(const TangentGaussian<G>&);       \
+  prefix template ConcentratedGaussian<G> compose(const ConcentratedGaussian<G>&,        \
+                                                  const ConcentratedGaussian<G>&);       \
+  prefix template ConcentratedGaussian<G> inverse(const ConcentratedGaussian<G>&);       \
+  prefix template ConcentratedGaussian<G> between(const ConcentratedGaussian<G>&,        \
+                                                  const ConcentratedGaussian<G>&);       \
+  prefix template FuseResult<ConcentratedGaussian<G>> fuse(                              \
+      const ConcentratedGaussian<G>&, const ConcentratedGaussian<G>&, const FuseSettings&)
+// NOLINTEND(bugprone-macro-parentheses)
+POSEMIX_DENSITY_OPERATIONS(extern, SO3d);
+POSEMIX_DENSITY_OPERATIONS(extern, SE3d);
+POSEMIX_DENSITY_OPERATIONS(extern, PoseStackd);
+POSEMIX_DENSITY_OPERATIONS(extern, Rnd<3>);
+
 }  // namespace posemix

@@ -67,4 +67,18 @@ double runnalls_bound(const Component<ConcentratedGaussian<G>>& a,
                 w_b * log_det_of(at.q.covariance));
 }
 
+// NOLINTBEGIN(bugprone-macro-parentheses): types and keywords take none
+#define POSEMIX_GAUSSIAN_DIVERGENCE(prefix, G)                                     \
+  prefix template double gaussian_kl(const ConcentratedGaussian<G>&,               \
+                                     const ConcentratedGaussian<G>&);              \
+  prefix template double gaussian_symmetric_kl(const ConcentratedGaussian<G>&,     \
+                                               const ConcentratedGaussian<G>&);    \
+  prefix template double runnalls_bound(const Component<ConcentratedGaussian<G>>&, \
+                                        const Component<ConcentratedGaussian<G>>&)
+// NOLINTEND(bugprone-macro-parentheses)
+POSEMIX_GAUSSIAN_DIVERGENCE(extern, SO3d);
+POSEMIX_GAUSSIAN_DIVERGENCE(extern, SE3d);
+POSEMIX_GAUSSIAN_DIVERGENCE(extern, PoseStackd);
+POSEMIX_GAUSSIAN_DIVERGENCE(extern, Rnd<3>);
+
 }  // namespace posemix

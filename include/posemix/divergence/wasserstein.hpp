@@ -93,4 +93,16 @@ double mixture_wasserstein(const Mixture<ConcentratedGaussian<G>>& p,
   return std::sqrt(internal::transport_cost(p_weights, q_weights, cost));
 }
 
+// NOLINTBEGIN(bugprone-macro-parentheses): types and keywords take none
+#define POSEMIX_WASSERSTEIN(prefix, G)                                                 \
+  prefix template double gaussian_wasserstein(const ConcentratedGaussian<G>&,          \
+                                              const ConcentratedGaussian<G>&, double); \
+  prefix template double mixture_wasserstein(const Mixture<ConcentratedGaussian<G>>&,  \
+                                             const Mixture<ConcentratedGaussian<G>>&, double)
+// NOLINTEND(bugprone-macro-parentheses)
+POSEMIX_WASSERSTEIN(extern, SO3d);
+POSEMIX_WASSERSTEIN(extern, SE3d);
+POSEMIX_WASSERSTEIN(extern, PoseStackd);
+POSEMIX_WASSERSTEIN(extern, Rnd<3>);
+
 }  // namespace posemix

@@ -52,13 +52,9 @@ class PoseStack {
   Eigen::Index dof() const { return Pose::Dof * static_cast<Eigen::Index>(size()); }
 
   TangentMatrix adjoint() const;
-  static TangentMatrix ad(const Tangent& xi) { return block_diagonal(xi, &Pose::ad); }
-  static TangentMatrix left_jacobian(const Tangent& xi) {
-    return block_diagonal(xi, &Pose::left_jacobian);
-  }
-  static TangentMatrix left_jacobian_inverse(const Tangent& xi) {
-    return block_diagonal(xi, &Pose::left_jacobian_inverse);
-  }
+  static TangentMatrix ad(const Tangent& xi);
+  static TangentMatrix left_jacobian(const Tangent& xi);
+  static TangentMatrix left_jacobian_inverse(const Tangent& xi);
   static TangentMatrix right_jacobian(const Tangent& xi) { return left_jacobian(-xi); }
   static TangentMatrix right_jacobian_inverse(const Tangent& xi) {
     return left_jacobian_inverse(-xi);
@@ -70,29 +66,14 @@ class PoseStack {
   /// Ad P Ad^T for a symmetric P, of which the 6x6 blocks on and above the diagonal are read.
   TangentMatrix adjoint_congruence(const TangentMatrix& p) const;
   /// J_l P J_l^T for a symmetric P, of which the 6x6 blocks on and above the diagonal are read.
-  static TangentMatrix left_jacobian_congruence(const Tangent& xi, const TangentMatrix& p) {
-    return congruence(blocks_of(xi, &Pose::left_jacobian_blocks), p);
-  }
+  static TangentMatrix left_jacobian_congruence(const Tangent& xi, const TangentMatrix& p);
   /// J_l^-1 P J_l^-T for a symmetric P, of which the 6x6 blocks on and above the diagonal are read.
-  static TangentMatrix left_jacobian_inverse_congruence(const Tangent& xi, const TangentMatrix& p) {
-    return congruence(blocks_of(xi, &Pose::left_jacobian_inverse_blocks), p);
-  }
+  static TangentMatrix left_jacobian_inverse_congruence(const Tangent& xi, const TangentMatrix& p);
 
   /// sum += weight J_l^-1 P J_l^-T for a symmetric P, of which the 6x6 blocks on and above the
   /// diagonal are read. Needs no memory of the size of P.
   static void add_left_jacobian_inverse_congruence(const Tangent& xi, const TangentMatrix& p,
-                                                   const Scalar& weight, TangentMatrix& sum) {
-    check_size(p, xi.size());
-    check_size(sum, xi.size());
-    const std::vector<Blocks> blocks = blocks_of(xi, &Pose::left_jacobian_inverse_blocks);
-    for_each_block(blocks, p,
-                   [&](const Eigen::Index row, const Eigen::Index column,
-                       const typename Blocks::Dense& block) {
-                     sum.template block<6, 6>(row, column) += weight * block;
-                     if (row != column)
-                       sum.template block<6, 6>(column, row) += weight * block.transpose();
-                   });
-  }
+                                                   const Scalar& weight, TangentMatrix& sum);
 
   /// Ad xi.
   Tangent adjoint_times(const Tangent& xi) const;
@@ -242,6 +223,47 @@ typename PoseStack<S>::TangentMatrix PoseStack<S>::congruence(const std::vector<
         if (row != column) m.template block<6, 6>(column, row) = block.transpose();
       });
   return m;
+}
+
+template <typename S>
+typename PoseStack<S>::TangentMatrix PoseStack<S>::ad(const Tangent& xi) {
+  return block_diagonal(xi, &Pose::ad);
+}
+
+template <typename S>
+typename PoseStack<S>::TangentMatrix PoseStack<S>::left_jacobian(const Tangent& xi) {
+  return block_diagonal(xi, &Pose::left_jacobian);
+}
+
+template <typename S>
+typename PoseStack<S>::TangentMatrix PoseStack<S>::left_jacobian_inverse(const Tangent& xi) {
+  return block_diagonal(xi, &Pose::left_jacobian_inverse);
+}
+
+template <typename S>
+typename PoseStack<S>::TangentMatrix PoseStack<S>::left_jacobian_congruence(
+    const Tangent& xi, const TangentMatrix& p) {
+  return congruence(blocks_of(xi, &Pose::left_jacobian_blocks), p);
+}
+
+template <typename S>
+typename PoseStack<S>::TangentMatrix PoseStack<S>::left_jacobian_inverse_congruence(
+    const Tangent& xi, const TangentMatrix& p) {
+  return congruence(blocks_of(xi, &Pose::left_jacobian_inverse_blocks), p);
+}
+
+template <typename S>
+void PoseStack<S>::add_left_jacobian_inverse_congruence(const Tangent& xi, const TangentMatrix& p,
+                                                        const Scalar& weight, TangentMatrix& sum) {
+  check_size(p, xi.size());
+  check_size(sum, xi.size());
+  const std::vector<Blocks> blocks = blocks_of(xi, &Pose::left_jacobian_inverse_blocks);
+  for_each_block(
+      blocks, p,
+      [&](const Eigen::Index row, const Eigen::Index column, const typename Blocks::Dense& block) {
+        sum.template block<6, 6>(row, column) += weight * block;
+        if (row != column) sum.template block<6, 6>(column, row) += weight * block.transpose();
+      });
 }
 
 template <typename S>

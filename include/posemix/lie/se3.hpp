@@ -74,30 +74,23 @@ class SE3 {
     }
     return m;
   }
-  TangentMatrix adjoint() const { return adjoint_blocks().dense(); }
+  TangentMatrix adjoint() const;
   /// Ad P Ad^T for a symmetric P.
-  TangentMatrix adjoint_congruence(const TangentMatrix& p) const {
-    return adjoint_blocks().congruence(p);
-  }
+  TangentMatrix adjoint_congruence(const TangentMatrix& p) const;
 
   /// The 4x4 matrix [phi^ rho; 0 0].
   static Matrix hat(const Tangent& xi);
   /// The inverse of hat; rotation part from the skew-symmetric part of the upper left block.
   static Tangent vee(const Matrix& m);
   /// [phi^ 0; rho^ phi^].
-  static TangentMatrix ad(const Tangent& xi) {
-    return Blocks{Rotation::hat(xi.template head<3>()), Rotation::hat(xi.template tail<3>())}
-        .dense();
-  }
+  static TangentMatrix ad(const Tangent& xi);
 
   static Blocks left_jacobian_blocks(const Tangent& xi);
   /// Singular at |phi| = 2 pi, 4 pi, ...
   static Blocks left_jacobian_inverse_blocks(const Tangent& xi);
 
-  static TangentMatrix left_jacobian(const Tangent& xi) { return left_jacobian_blocks(xi).dense(); }
-  static TangentMatrix left_jacobian_inverse(const Tangent& xi) {
-    return left_jacobian_inverse_blocks(xi).dense();
-  }
+  static TangentMatrix left_jacobian(const Tangent& xi);
+  static TangentMatrix left_jacobian_inverse(const Tangent& xi);
   static TangentMatrix right_jacobian(const Tangent& xi) { return left_jacobian(-xi); }
   static TangentMatrix right_jacobian_inverse(const Tangent& xi) {
     return left_jacobian_inverse(-xi);
@@ -108,20 +101,13 @@ class SE3 {
     return Scalar(2) * Rotation::log_abs_det_left_jacobian(xi.template head<3>());
   }
   /// J_l P J_l^T for a symmetric P.
-  static TangentMatrix left_jacobian_congruence(const Tangent& xi, const TangentMatrix& p) {
-    return left_jacobian_blocks(xi).congruence(p);
-  }
+  static TangentMatrix left_jacobian_congruence(const Tangent& xi, const TangentMatrix& p);
   /// J_l^-1 P J_l^-T for a symmetric P.
-  static TangentMatrix left_jacobian_inverse_congruence(const Tangent& xi, const TangentMatrix& p) {
-    return left_jacobian_inverse_blocks(xi).congruence(p);
-  }
+  static TangentMatrix left_jacobian_inverse_congruence(const Tangent& xi, const TangentMatrix& p);
 
   /// Whether the rotations differ by at most `tol` rad and the translations by at most `tol`
   /// metres.
-  bool is_approx(const SE3& other, const Scalar& tol) const {
-    return rotation_.is_approx(other.rotation_, tol) &&
-           (translation_ - other.translation_).norm() <= tol;
-  }
+  bool is_approx(const SE3& other, const Scalar& tol) const;
 
   template <typename Other>
   SE3<Other> cast() const {
@@ -220,6 +206,49 @@ TwistMatrix<S> SE3<S>::left_jacobian_inverse_blocks(const Tangent& xi) {
   return {hat_plus_symmetric<Scalar>(c.half_cot, phi / Scalar(-2), phi, (c.rest / Scalar(2)) * phi),
           hat_plus_symmetric<Scalar>(du * slope.half_cot, rho / Scalar(-2), phi,
                                      c.rest * rho + (du * slope.rest / Scalar(2)) * phi)};
+}
+
+template <typename S>
+typename SE3<S>::TangentMatrix SE3<S>::adjoint() const {
+  return adjoint_blocks().dense();
+}
+
+template <typename S>
+typename SE3<S>::TangentMatrix SE3<S>::adjoint_congruence(const TangentMatrix& p) const {
+  return adjoint_blocks().congruence(p);
+}
+
+template <typename S>
+typename SE3<S>::TangentMatrix SE3<S>::ad(const Tangent& xi) {
+  return Blocks{Rotation::hat(xi.template head<3>()), Rotation::hat(xi.template tail<3>())}.dense();
+}
+
+template <typename S>
+typename SE3<S>::TangentMatrix SE3<S>::left_jacobian(const Tangent& xi) {
+  return left_jacobian_blocks(xi).dense();
+}
+
+template <typename S>
+typename SE3<S>::TangentMatrix SE3<S>::left_jacobian_inverse(const Tangent& xi) {
+  return left_jacobian_inverse_blocks(xi).dense();
+}
+
+template <typename S>
+typename SE3<S>::TangentMatrix SE3<S>::left_jacobian_congruence(const Tangent& xi,
+                                                                const TangentMatrix& p) {
+  return left_jacobian_blocks(xi).congruence(p);
+}
+
+template <typename S>
+typename SE3<S>::TangentMatrix SE3<S>::left_jacobian_inverse_congruence(const Tangent& xi,
+                                                                        const TangentMatrix& p) {
+  return left_jacobian_inverse_blocks(xi).congruence(p);
+}
+
+template <typename S>
+bool SE3<S>::is_approx(const SE3& other, const Scalar& tol) const {
+  return rotation_.is_approx(other.rotation_, tol) &&
+         (translation_ - other.translation_).norm() <= tol;
 }
 
 extern template class SE3<double>;

@@ -77,7 +77,7 @@ class SO3 {
   TangentMatrix adjoint() const { return matrix(); }
 
   /// Ad P Ad^T for a symmetric P.
-  TangentMatrix adjoint_congruence(const TangentMatrix& p) const { return congruence(matrix(), p); }
+  TangentMatrix adjoint_congruence(const TangentMatrix& p) const;
 
   /// The skew-symmetric matrix phi^ with phi^ p = phi x p.
   static Matrix hat(const Tangent& phi);
@@ -103,20 +103,13 @@ class SO3 {
   }
 
   /// J_l P J_l^T for a symmetric P.
-  static TangentMatrix left_jacobian_congruence(const Tangent& phi, const TangentMatrix& p) {
-    return congruence(left_jacobian(phi), p);
-  }
+  static TangentMatrix left_jacobian_congruence(const Tangent& phi, const TangentMatrix& p);
 
   /// J_l^-1 P J_l^-T for a symmetric P.
-  static TangentMatrix left_jacobian_inverse_congruence(const Tangent& phi,
-                                                        const TangentMatrix& p) {
-    return congruence(left_jacobian_inverse(phi), p);
-  }
+  static TangentMatrix left_jacobian_inverse_congruence(const Tangent& phi, const TangentMatrix& p);
 
   /// Whether the angle between the two rotations is at most `tol` (rad).
-  bool is_approx(const SO3& other, const Scalar& tol) const {
-    return (inverse() * other).angle() <= tol;
-  }
+  bool is_approx(const SO3& other, const Scalar& tol) const;
 
   template <typename Other>
   SO3<Other> cast() const {
@@ -146,10 +139,7 @@ class SO3 {
     return Quaternion(q.w() * scale, q.x() * scale, q.y() * scale, q.z() * scale);
   }
 
-  static TangentMatrix congruence(const TangentMatrix& j, const TangentMatrix& p) {
-    const TangentMatrix jp = j * p;
-    return mirror_upper(jp * j.transpose());
-  }
+  static TangentMatrix congruence(const TangentMatrix& j, const TangentMatrix& p);
 
   Quaternion q_;
 };
@@ -272,6 +262,34 @@ template <typename S>
 typename SO3<S>::TangentMatrix SO3<S>::left_jacobian_inverse(const Tangent& phi) {
   const auto c = small_angle::inverse_jacobian_coefficients(Scalar(phi.squaredNorm()));
   return hat_plus_symmetric<Scalar>(c.half_cot, phi / Scalar(-2), phi, (c.rest / Scalar(2)) * phi);
+}
+
+template <typename S>
+typename SO3<S>::TangentMatrix SO3<S>::congruence(const TangentMatrix& j, const TangentMatrix& p) {
+  const TangentMatrix jp = j * p;
+  return mirror_upper(jp * j.transpose());
+}
+
+template <typename S>
+typename SO3<S>::TangentMatrix SO3<S>::adjoint_congruence(const TangentMatrix& p) const {
+  return congruence(matrix(), p);
+}
+
+template <typename S>
+typename SO3<S>::TangentMatrix SO3<S>::left_jacobian_congruence(const Tangent& phi,
+                                                                const TangentMatrix& p) {
+  return congruence(left_jacobian(phi), p);
+}
+
+template <typename S>
+typename SO3<S>::TangentMatrix SO3<S>::left_jacobian_inverse_congruence(const Tangent& phi,
+                                                                        const TangentMatrix& p) {
+  return congruence(left_jacobian_inverse(phi), p);
+}
+
+template <typename S>
+bool SO3<S>::is_approx(const SO3& other, const Scalar& tol) const {
+  return (inverse() * other).angle() <= tol;
 }
 
 extern template class SO3<double>;

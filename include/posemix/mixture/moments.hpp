@@ -162,4 +162,19 @@ Moments<ConcentratedGaussian<G>> moments(const Mixture<ConcentratedGaussian<G>>&
   return moments<G>(std::span(mixture.components()), settings);
 }
 
+// NOLINTBEGIN(bugprone-macro-parentheses): types and keywords take none
+#define POSEMIX_MOMENTS(prefix, G)                                                 \
+  prefix template Moments<ConcentratedGaussian<G>> internal::moments_of(           \
+      std::span<const double>, std::span<const ConcentratedGaussian<G>* const>,    \
+      const MomentSettings&);                                                      \
+  prefix template Moments<ConcentratedGaussian<G>> moments(                        \
+      std::span<const Component<ConcentratedGaussian<G>>>, const MomentSettings&); \
+  prefix template Moments<ConcentratedGaussian<G>> moments(                        \
+      const Mixture<ConcentratedGaussian<G>>&, const MomentSettings&)
+// NOLINTEND(bugprone-macro-parentheses)
+POSEMIX_MOMENTS(extern, SO3d);
+POSEMIX_MOMENTS(extern, SE3d);
+POSEMIX_MOMENTS(extern, PoseStackd);
+POSEMIX_MOMENTS(extern, Rnd<3>);
+
 }  // namespace posemix

@@ -96,4 +96,18 @@ TangentGaussian<G> tangent_moments(std::span<const Component<ConcentratedGaussia
   return internal::moments_at<G>(anchor, parts, jacobian);
 }
 
+// NOLINTBEGIN(bugprone-macro-parentheses): types and keywords take none
+#define POSEMIX_TANGENT_MOMENTS(prefix, G)                                              \
+  prefix template TangentGaussian<G> recenter(const ConcentratedGaussian<G>&, const G&, \
+                                              TransportJacobian);                       \
+  prefix template TangentGaussian<G> internal::moments_at(                              \
+      const G&, std::span<const internal::SeenFrom<G>>, TransportJacobian);             \
+  prefix template TangentGaussian<G> tangent_moments(                                   \
+      std::span<const Component<ConcentratedGaussian<G>>>, const G&, TransportJacobian)
+// NOLINTEND(bugprone-macro-parentheses)
+POSEMIX_TANGENT_MOMENTS(extern, SO3d);
+POSEMIX_TANGENT_MOMENTS(extern, SE3d);
+POSEMIX_TANGENT_MOMENTS(extern, PoseStackd);
+POSEMIX_TANGENT_MOMENTS(extern, Rnd<3>);
+
 }  // namespace posemix

@@ -165,4 +165,18 @@ MergeResult<ConcentratedGaussian<G>> merge(
       settings);
 }
 
+// NOLINTBEGIN(bugprone-macro-parentheses): types and keywords take none
+#define POSEMIX_MERGE(prefix, G)                                                                  \
+  prefix template MeanResult<G> midway_point(std::span<const Component<ConcentratedGaussian<G>>>, \
+                                             const MergeSettings&);                               \
+  prefix template MergeResult<ConcentratedGaussian<G>> merge(                                     \
+      std::span<const Component<ConcentratedGaussian<G>>* const>, const MergeSettings&);          \
+  prefix template MergeResult<ConcentratedGaussian<G>> merge(                                     \
+      std::span<const Component<ConcentratedGaussian<G>>>, const MergeSettings&)
+// NOLINTEND(bugprone-macro-parentheses)
+POSEMIX_MERGE(extern, SO3d);
+POSEMIX_MERGE(extern, SE3d);
+POSEMIX_MERGE(extern, PoseStackd);
+POSEMIX_MERGE(extern, Rnd<3>);
+
 }  // namespace posemix

@@ -127,80 +127,107 @@ class PairSelector {
  public:
   using Components = std::vector<Component<D>>;
 
-  PairSelector(const Components& components, PairRule rule, DistanceMetric metric)
-      : rule_(rule), metric_(metric) {
-    if (rule_ == PairRule::largest_with_smallest) return;
-    costs_.resize(components.size());
-    for (std::size_t row = 0; row < components.size(); ++row) {
-      costs_[row].resize(row);
-      for (std::size_t column = 0; column < row; ++column) {
-        costs_[row][column] = cost(components[row], components[column]);
-      }
-    }
-  }
+  PairSelector(const Components& components, PairRule rule, DistanceMetric metric);
 
   /// The next pair (a, b), a < b. Ties go to the pair found first in order of a, then b; for
   /// weights, to the first largest and the last smallest, so that equal weights never pair a
   /// component with itself.
-  std::pair<std::size_t, std::size_t> next(const Components& components) const {
-    if (rule_ == PairRule::largest_with_smallest) return extreme_weights(components);
-    double best = std::numeric_limits<double>::infinity();
-    std::pair<std::size_t, std::size_t> pair{0, 1};
-    for (std::size_t a = 0; a < components.size(); ++a) {
-      for (std::size_t b = a + 1; b < components.size(); ++b) {
-        if (costs_[b][a] < best) {
-          best = costs_[b][a];
-          pair = {a, b};
-        }
-      }
-    }
-    return pair;
-  }
+  std::pair<std::size_t, std::size_t> next(const Components& components) const;
 
   /// Tells that component a now holds the merge of a and b, and that b was erased.
-  void merged(const Components& components, std::size_t a, std::size_t b) {
-    if (rule_ == PairRule::largest_with_smallest) return;
-    costs_.erase(costs_.begin() + static_cast<std::ptrdiff_t>(b));
-    for (std::size_t row = b; row < costs_.size(); ++row) {
-      costs_[row].erase(costs_[row].begin() + static_cast<std::ptrdiff_t>(b));
-    }
-    for (std::size_t other = 0; other < components.size(); ++other) {
-      if (other == a) continue;
-      const auto [column, row] = std::minmax(a, other);
-      costs_[row][column] = cost(components[row], components[column]);
-    }
-  }
+  void merged(const Components& components, std::size_t a, std::size_t b);
 
  private:
-  static std::pair<std::size_t, std::size_t> extreme_weights(const Components& components) {
-    std::size_t largest = 0;
-    std::size_t smallest = 0;
-    for (std::size_t i = 1; i < components.size(); ++i) {
-      if (components[i].log_weight > components[largest].log_weight) largest = i;
-      if (components[i].log_weight <= components[smallest].log_weight) smallest = i;
-    }
-    return std::minmax(largest, smallest);
-  }
-
-  double cost(const Component<D>& a, const Component<D>& b) const {
-    switch (rule_) {
-      case PairRule::most_distant:
-        return -distance(a.density, b.density, metric_);
-      case PairRule::runnalls:
-        return runnalls_bound(a, b);
-      case PairRule::symmetric_kl:
-        return gaussian_symmetric_kl(a.density, b.density);
-      case PairRule::weighted_symmetric_kl:
-        return weighted_symmetric_kl(a, b);
-      case PairRule::largest_with_smallest:
-        break;
-    }
-    throw InvalidInput("reduce: unknown pair rule");
-  }
+  static std::pair<std::size_t, std::size_t> extreme_weights(const Components& components);
+  double cost(const Component<D>& a, const Component<D>& b) const;
 
   PairRule rule_;
   DistanceMetric metric_;
   std::vector<std::vector<double>> costs_;
 };
+
+template <class D>
+PairSelector<D>::PairSelector(const Components& components, PairRule rule, DistanceMetric metric)
+    : rule_(rule), metric_(metric) {
+  if (rule_ == PairRule::largest_with_smallest) return;
+  costs_.resize(components.size());
+  for (std::size_t row = 0; row < components.size(); ++row) {
+    costs_[row].resize(row);
+    for (std::size_t column = 0; column < row; ++column) {
+      costs_[row][column] = cost(components[row], components[column]);
+    }
+  }
+}
+
+template <class D>
+std::pair<std::size_t, std::size_t> PairSelector<D>::next(const Components& components) const {
+  if (rule_ == PairRule::largest_with_smallest) return extreme_weights(components);
+  double best = std::numeric_limits<double>::infinity();
+  std::pair<std::size_t, std::size_t> pair{0, 1};
+  for (std::size_t a = 0; a < components.size(); ++a) {
+    for (std::size_t b = a + 1; b < components.size(); ++b) {
+      if (costs_[b][a] < best) {
+        best = costs_[b][a];
+        pair = {a, b};
+      }
+    }
+  }
+  return pair;
+}
+
+template <class D>
+void PairSelector<D>::merged(const Components& components, std::size_t a, std::size_t b) {
+  if (rule_ == PairRule::largest_with_smallest) return;
+  costs_.erase(costs_.begin() + static_cast<std::ptrdiff_t>(b));
+  for (std::size_t row = b; row < costs_.size(); ++row) {
+    costs_[row].erase(costs_[row].begin() + static_cast<std::ptrdiff_t>(b));
+  }
+  for (std::size_t other = 0; other < components.size(); ++other) {
+    if (other == a) continue;
+    const auto [column, row] = std::minmax(a, other);
+    costs_[row][column] = cost(components[row], components[column]);
+  }
+}
+
+template <class D>
+std::pair<std::size_t, std::size_t> PairSelector<D>::extreme_weights(const Components& components) {
+  std::size_t largest = 0;
+  std::size_t smallest = 0;
+  for (std::size_t i = 1; i < components.size(); ++i) {
+    if (components[i].log_weight > components[largest].log_weight) largest = i;
+    if (components[i].log_weight <= components[smallest].log_weight) smallest = i;
+  }
+  return std::minmax(largest, smallest);
+}
+
+template <class D>
+double PairSelector<D>::cost(const Component<D>& a, const Component<D>& b) const {
+  switch (rule_) {
+    case PairRule::most_distant:
+      return -distance(a.density, b.density, metric_);
+    case PairRule::runnalls:
+      return runnalls_bound(a, b);
+    case PairRule::symmetric_kl:
+      return gaussian_symmetric_kl(a.density, b.density);
+    case PairRule::weighted_symmetric_kl:
+      return weighted_symmetric_kl(a, b);
+    case PairRule::largest_with_smallest:
+      break;
+  }
+  throw InvalidInput("reduce: unknown pair rule");
+}
+
+// NOLINTBEGIN(bugprone-macro-parentheses): types and keywords take none
+#define POSEMIX_PAIR(prefix, G)                                                                   \
+  prefix template double distance(const ConcentratedGaussian<G>&, const ConcentratedGaussian<G>&, \
+                                  DistanceMetric);                                                \
+  prefix template double weighted_symmetric_kl(const Component<ConcentratedGaussian<G>>&,         \
+                                               const Component<ConcentratedGaussian<G>>&);        \
+  prefix template class PairSelector<ConcentratedGaussian<G>>
+// NOLINTEND(bugprone-macro-parentheses)
+POSEMIX_PAIR(extern, SO3d);
+POSEMIX_PAIR(extern, SE3d);
+POSEMIX_PAIR(extern, PoseStackd);
+POSEMIX_PAIR(extern, Rnd<3>);
 
 }  // namespace posemix

@@ -4,10 +4,12 @@
 
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <ostream>
 #include <utility>
 #include <vector>
 
+#include <gtest/gtest.h>
 #include <rapidcheck.h>
 #include <rapidcheck/gtest.h>
 
@@ -30,10 +32,14 @@ void showValue(const Component<ConcentratedGaussian<G>>& component, std::ostream
 namespace testing {
 
 /// Runs the property inside the current Google test and fails it with the counterexample.
-template <class Property>
-void check_property(Property&& property) {
-  rc::detail::checkGTest(std::forward<Property>(property));
+/// Not a template: RapidCheck's own machinery is compiled once, not for every property.
+#ifdef POSEMIX_TESTING_COMPILED
+void check_property(const std::function<void()>& property);
+#else
+inline void check_property(const std::function<void()>& property) {
+  rc::detail::checkGTest(property);
 }
+#endif
 
 /// Number of tangent coordinates used for a group: three poses for a stack.
 template <LieGroup G>
@@ -68,7 +74,7 @@ std::vector<Component<ConcentratedGaussian<G>>> draw_components(std::size_t coun
   const G centre = draw_near_identity<G>(1.0);
   std::vector<Component<ConcentratedGaussian<G>>> components;
   for (std::size_t i = 0; i < count; ++i) {
-    const double weight = 1e-3 * *rc::gen::inRange(1, 1001);
+    const double weight = 1e-3 * draw_integer(1, 1001);
     const G mean = draw_near_identity<G>(reach) * centre;
     components.push_back(
         {std::log(weight), ConcentratedGaussian<G>(mean, draw_spread<G>(deviation))});
@@ -76,5 +82,32 @@ std::vector<Component<ConcentratedGaussian<G>>> draw_components(std::size_t coun
   return components;
 }
 
+#ifdef POSEMIX_TESTING_COMPILED
+// NOLINTBEGIN(bugprone-macro-parentheses): types and keywords take none
+#define POSEMIX_DENSITY_DRAW(prefix, G)                                               \
+  prefix template G draw_near_identity<G>(double);                                    \
+  prefix template typename G::TangentMatrix draw_spread<G>(double);                   \
+  prefix template ConcentratedGaussian<G> draw_gaussian<G>(double, double);           \
+  prefix template std::vector<Component<ConcentratedGaussian<G>>> draw_components<G>( \
+      std::size_t, double, double)
+// NOLINTEND(bugprone-macro-parentheses)
+POSEMIX_DENSITY_DRAW(extern, SO3d);
+POSEMIX_DENSITY_DRAW(extern, SE3d);
+POSEMIX_DENSITY_DRAW(extern, PoseStackd);
+POSEMIX_DENSITY_DRAW(extern, Rnd<3>);
+#endif
+
 }  // namespace testing
+
+#ifdef POSEMIX_TESTING_COMPILED
+// NOLINTBEGIN(bugprone-macro-parentheses): types and keywords take none
+#define POSEMIX_SHOW_COMPONENT(prefix, G) \
+  prefix template void showValue(const Component<ConcentratedGaussian<G>>&, std::ostream&)
+// NOLINTEND(bugprone-macro-parentheses)
+POSEMIX_SHOW_COMPONENT(extern, SO3d);
+POSEMIX_SHOW_COMPONENT(extern, SE3d);
+POSEMIX_SHOW_COMPONENT(extern, PoseStackd);
+POSEMIX_SHOW_COMPONENT(extern, Rnd<3>);
+#endif
+
 }  // namespace posemix

@@ -18,18 +18,25 @@
 /// property: they draw integers, so that a failing case shrinks to zeros and round numbers.
 namespace posemix::testing {
 
+/// An integer in [lowest, end).
+#ifdef POSEMIX_TESTING_COMPILED
+int draw_integer(int lowest, int end);
+#else
+inline int draw_integer(int lowest, int end) { return *rc::gen::inRange(lowest, end); }
+#endif
+
 /// A number in [0, 1] with six decimals.
 template <typename Scalar>
 Scalar draw_fraction() {
   constexpr int kSteps = 1'000'000;
-  return Scalar(*rc::gen::inRange(0, kSteps + 1)) / Scalar(kSteps);
+  return Scalar(draw_integer(0, kSteps + 1)) / Scalar(kSteps);
 }
 
 /// 10^-k with k in [1, largest].
 template <typename Scalar>
 Scalar draw_power_of_ten(int largest) {
   using std::pow;
-  return pow(Scalar(10), Scalar(-*rc::gen::inRange(1, largest + 1)));
+  return pow(Scalar(10), Scalar(-draw_integer(1, largest + 1)));
 }
 
 /// An angle in [0, pi) rad: zero, tiny (also with a square that underflows), just below pi, or
@@ -37,7 +44,7 @@ Scalar draw_power_of_ten(int largest) {
 template <typename Scalar>
 Scalar draw_angle() {
   const auto pi = static_cast<Scalar>(std::numbers::pi_v<long double>);
-  switch (*rc::gen::inRange(0, 6)) {
+  switch (draw_integer(0, 6)) {
     case 0:
       return Scalar(0);
     case 1:
@@ -54,7 +61,7 @@ template <typename Scalar, int N>
 Eigen::Matrix<Scalar, N, 1> draw_vector(Eigen::Index size, const Scalar& largest) {
   constexpr int kSteps = 1000;
   Eigen::Matrix<Scalar, N, 1> v(size);
-  for (Scalar& x : v) x = largest * Scalar(*rc::gen::inRange(-kSteps, kSteps + 1)) / Scalar(kSteps);
+  for (Scalar& x : v) x = largest * Scalar(draw_integer(-kSteps, kSteps + 1)) / Scalar(kSteps);
   return v;
 }
 
@@ -133,5 +140,18 @@ typename G::TangentMatrix draw_covariance(Eigen::Index dof) {
   const Matrix p = root * root.transpose() + Matrix::Identity(dof, dof);
   return mirror_upper(p);
 }
+
+#ifdef POSEMIX_TESTING_COMPILED
+// NOLINTBEGIN(bugprone-macro-parentheses): types and keywords take none
+#define POSEMIX_LIE_DRAW(prefix, G)                                  \
+  prefix template typename G::Tangent draw_tangent<G>(Eigen::Index); \
+  prefix template G draw_element<G>(Eigen::Index);                   \
+  prefix template typename G::TangentMatrix draw_covariance<G>(Eigen::Index)
+// NOLINTEND(bugprone-macro-parentheses)
+POSEMIX_LIE_DRAW(extern, SO3d);
+POSEMIX_LIE_DRAW(extern, SE3d);
+POSEMIX_LIE_DRAW(extern, PoseStackd);
+POSEMIX_LIE_DRAW(extern, Rnd<3>);
+#endif
 
 }  // namespace posemix::testing

@@ -236,12 +236,12 @@ class LieLaws {
   /// Two to five elements within 0.8 rad of one, with weights in (0, 1].
   std::pair<std::vector<G>, std::vector<Scalar>> cluster() const {
     const G centre = element();
-    const int count = *rc::gen::inRange(2, 6);
+    const int count = draw_integer(2, 6);
     std::vector<G> elements;
     std::vector<Scalar> weights;
     for (int i = 0; i < count; ++i) {
       elements.push_back(centre * G::exp(Tangent(Scalar(0.25) * tangent())));
-      weights.push_back(Scalar(*rc::gen::inRange(1, 1001)) / Scalar(1000));
+      weights.push_back(Scalar(draw_integer(1, 1001)) / Scalar(1000));
     }
     return {elements, weights};
   }
