@@ -24,12 +24,13 @@ ReductionSettings read_reduction(const TomlTable& filter) {
   r.merge_from = integer("merge_from", r.merge_from, kMergeFrom);
   r.prune_below = filter.get_double_or("prune_below", r.prune_below,
                                        {.lowest = 0, .highest = 1, .without_highest = true});
-  r.pair = filter.get_enum_or<PairRule>("pair_rule", r.pair,
-                                        {{"largest_with_smallest", PairRule::largest_with_smallest},
-                                         {"most_distant", PairRule::most_distant},
-                                         {"runnalls", PairRule::runnalls},
-                                         {"symmetric_kl", PairRule::symmetric_kl},
-                                         {"weighted_symmetric_kl", PairRule::weighted_symmetric_kl}});
+  r.pair =
+      filter.get_enum_or<PairRule>("pair_rule", r.pair,
+                                   {{"largest_with_smallest", PairRule::largest_with_smallest},
+                                    {"most_distant", PairRule::most_distant},
+                                    {"runnalls", PairRule::runnalls},
+                                    {"symmetric_kl", PairRule::symmetric_kl},
+                                    {"weighted_symmetric_kl", PairRule::weighted_symmetric_kl}});
   r.distance = filter.get_enum_or<DistanceMetric>("distance", r.distance,
                                                   {{"tangent_norm", DistanceMetric::tangent_norm},
                                                    {"rotation", DistanceMetric::rotation},

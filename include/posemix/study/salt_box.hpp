@@ -43,9 +43,9 @@ struct SaltBoxSettings {
   FusionRule fusion = FusionRule::mode;
   PairRule pair = PairRule::symmetric_kl;
   MergeRule merge = MergeRule::midway;
-  std::size_t drop = 10;    ///< lightest components dropped after a fusion
-  std::size_t keep = 10;    ///< components left by merging after that
-  std::size_t flags = 60;   ///< samples per mixture in the pictures
+  std::size_t drop = 10;     ///< lightest components dropped after a fusion
+  std::size_t keep = 10;     ///< components left by merging after that
+  std::size_t flags = 60;    ///< samples per mixture in the pictures
   std::size_t trials = 100;  ///< simulated detections of all features
   /// depth_sd of the trials: the worse the depth, the more of the box's tilt comes from the
   /// features.
