@@ -11,106 +11,14 @@
 #define HWY_TARGET_INCLUDE "em_kernels.cpp"
 #include "hwy/foreach_target.h"
 //
+#include "em_pose-inl.hpp"
+#include "em_vector-inl.hpp"
 #include "hwy/contrib/math/math-inl.h"
 #include "hwy/highway.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace posemix::internal {
 namespace HWY_NAMESPACE {
-
-namespace hn = hwy::HWY_NAMESPACE;
-using D = hn::CappedTag<double, 8>;
-using V = hn::Vec<D>;
-constexpr std::size_t kSumStride = 8;
-
-HWY_INLINE V load(const double* at) { return hn::Load(D(), at); }
-HWY_INLINE V load(const EmRow& row, std::size_t i) { return hn::Load(D(), row.data() + i); }
-HWY_INLINE void store(V v, EmRow& row, std::size_t i) { hn::Store(v, D(), row.data() + i); }
-HWY_INLINE V set(double value) { return hn::Set(D(), value); }
-
-struct V3 {
-  V x, y, z;
-};
-
-HWY_INLINE V3 load3(const EmRow* rows, std::size_t i) {
-  return {load(rows[0], i), load(rows[1], i), load(rows[2], i)};
-}
-HWY_INLINE V3 set3(const double* v) { return {set(v[0]), set(v[1]), set(v[2])}; }
-HWY_INLINE void store3(const V3& v, EmRow* rows, std::size_t i) {
-  store(v.x, rows[0], i);
-  store(v.y, rows[1], i);
-  store(v.z, rows[2], i);
-}
-HWY_INLINE V dot(const V3& a, const V3& b) {
-  return hn::MulAdd(a.x, b.x, hn::MulAdd(a.y, b.y, hn::Mul(a.z, b.z)));
-}
-HWY_INLINE V3 cross(const V3& a, const V3& b) {
-  return {hn::MulSub(a.y, b.z, hn::Mul(a.z, b.y)), hn::MulSub(a.z, b.x, hn::Mul(a.x, b.z)),
-          hn::MulSub(a.x, b.y, hn::Mul(a.y, b.x))};
-}
-/// s a - b.
-HWY_INLINE V3 scaled_difference(V s, const V3& a, const V3& b) {
-  return {hn::MulSub(s, a.x, b.x), hn::MulSub(s, a.y, b.y), hn::MulSub(s, a.z, b.z)};
-}
-/// s a + b.
-HWY_INLINE V3 scaled_sum(V s, const V3& a, const V3& b) {
-  return {hn::MulAdd(s, a.x, b.x), hn::MulAdd(s, a.y, b.y), hn::MulAdd(s, a.z, b.z)};
-}
-HWY_INLINE V3 scaled(V s, const V3& a) {
-  return {hn::Mul(s, a.x), hn::Mul(s, a.y), hn::Mul(s, a.z)};
-}
-
-struct Quaternion {
-  V3 v;
-  V w;
-};
-
-HWY_INLINE Quaternion load_rotation(const EmRow* samples, std::size_t i) {
-  return {load3(samples, i), load(samples[3], i)};
-}
-HWY_INLINE Quaternion product(const Quaternion& a, const Quaternion& b) {
-  return {scaled_sum(a.w, b.v, scaled_sum(b.w, a.v, cross(a.v, b.v))),
-          hn::MulSub(a.w, b.w, dot(a.v, b.v))};
-}
-
-/// Powers of z = 2 c - 1 for the polynomials in it.
-struct Powers {
-  V z, z2, z4;
-
-  HWY_INLINE explicit Powers(V cosine)
-      : z(hn::MulSub(set(2.0), cosine, set(1.0))), z2(hn::Mul(z, z)), z4(hn::Mul(z2, z2)) {}
-
-  HWY_INLINE V part(const double* c, int first, int last) const {
-    V sum = set(c[last]);
-    for (int k = last - 4; k >= first; k -= 4) sum = hn::MulAdd(sum, z4, set(c[k]));
-    return sum;
-  }
-  HWY_INLINE V polynomial(const double* c) const {
-    static_assert(kAngleDegree == 20);
-    const V even = hn::MulAdd(part(c, 2, 18), z2, part(c, 0, 20));
-    const V odd = hn::MulAdd(part(c, 3, 19), z2, part(c, 1, 17));
-    return hn::MulAdd(odd, z, even);
-  }
-};
-
-/// sum_j matrix_ij y_j over j in [0, columns).
-HWY_INLINE V row_times(const std::array<double, 6>& row, const V* y, int columns) {
-  V sum = hn::Mul(set(row[0]), y[0]);
-  for (int j = 1; j < columns; ++j)
-    sum = hn::MulAdd(set(row[static_cast<std::size_t>(j)]), y[j], sum);
-  return sum;
-}
-
-/// |L^-1 y|^2.
-template <int kN>
-HWY_INLINE V squared_norm(const std::array<std::array<double, 6>, 6>& factor, const V* y) {
-  V sum = hn::Zero(D());
-  for (int i = 0; i < kN; ++i) {
-    const V white = row_times(factor[static_cast<std::size_t>(i)], y, i + 1);
-    sum = hn::MulAdd(white, white, sum);
-  }
-  return sum;
-}
 
 template <int kN>
 void projected_rows(const EmRow* samples, std::size_t count, const ProjectedKernel& density,
@@ -166,8 +74,6 @@ struct MomentRow {
       hn::Store(second[j], D(), sums + em_second_moment(n, kRow, j) * kSumStride);
   }
 };
-
-HWY_INLINE bool none(V share) { return hn::AllTrue(D(), hn::Eq(share, hn::Zero(D()))); }
 
 void add_moments_3(const EmRow* y, const EmRow& shares, std::size_t count, double* sums) {
   V weight = load(sums);
@@ -248,117 +154,6 @@ void add_projected_gradient(std::size_t n, const EmRow* y, const EmRow& shares, 
                             const ProjectedKernel& density, double* sums) {
   n == 3 ? projected_gradient<3>(y, shares, count, density, sums)
          : projected_gradient<6>(y, shares, count, density, sums);
-}
-
-/// a x b + c.
-HWY_INLINE V3 cross_sum(const V3& a, const V3& b, const V3& c) {
-  return {hn::MulAdd(a.y, b.z, hn::NegMulAdd(a.z, b.y, c.x)),
-          hn::MulAdd(a.z, b.x, hn::NegMulAdd(a.x, b.z, c.y)),
-          hn::MulAdd(a.x, b.y, hn::NegMulAdd(a.y, b.x, c.z))};
-}
-
-/// Below this squared angle the coefficients of the inverse Jacobian are taken from their series.
-constexpr double kSeriesBelow = 1e-2;
-
-/// sum of c[k] u^k, k = 0 ... 4.
-HWY_INLINE V series(V u, const double (&c)[5]) {
-  const V low = hn::MulAdd(u, set(c[1]), set(c[0]));
-  const V high = hn::MulAdd(u, set(c[3]), set(c[2]));
-  const V u2 = hn::Mul(u, u);
-  return hn::MulAdd(hn::MulAdd(u2, set(c[4]), high), u2, low);
-}
-
-/// (1 - (t/2) cot(t/2)) / u, u = t^2, of (t/2) / sin(t/2), cos(t/2) and four times the square of
-/// the former. What it loses for small u is lost again where it is multiplied by u.
-HWY_INLINE V rest_of(V ratio, V cosine, V four_ratio_squared) {
-  const V u = hn::Mul(four_ratio_squared, hn::NegMulAdd(cosine, cosine, set(1.0)));
-  const V closed = hn::Div(hn::NegMulAdd(ratio, cosine, set(1.0)), u);
-  const V small = series(u, {1.0 / 12, 1.0 / 720, 1.0 / 30240, 1.0 / 1209600, 1.0 / 47900160});
-  return hn::IfThenElse(hn::Lt(u, set(kSeriesBelow)), small, closed);
-}
-
-/// Twice the derivative of that in u: ((t/2)^2 / sin^2(t/2) + (t/2) cot(t/2) - 2) / u^2.
-HWY_INLINE V twice_slope_of(V ratio, V rest, V u) {
-  const V rational = hn::NegMulAdd(rest, u, hn::MulSub(ratio, ratio, set(1.0)));
-  const V closed = hn::Div(rational, hn::Mul(u, u));
-  const V small = series(
-      u, {2.0 / 720, 4.0 / 30240, 6.0 / 1209600, 8.0 / 47900160, 10.0 * 691.0 / 1307674368000.0});
-  return hn::IfThenElse(hn::Lt(u, set(kSeriesBelow)), small, closed);
-}
-
-/// With V(phi)^-1 = I - phi^ / 2 + rest phi^ phi^ and V(phi)^-1 R(phi) = V(-phi)^-1,
-///   rho = V(phi)^-1 (t - R t0) = t - t0 + phi x (rest phi x (t - t0) - (t + t0) / 2).
-void pose_log_density(const EmRow* samples, std::size_t count, const PoseKernel& density,
-                      EmRow* rows, EmRow& out) {
-  const Quaternion inverse{
-      {set(-density.rotation[0]), set(-density.rotation[1]), set(-density.rotation[2])},
-      set(density.rotation[3])};
-  const V3 centre = set3(density.translation.data());
-  const V3 half_centre = scaled(set(0.5), centre);
-  for (std::size_t i = 0; i < count; i += hn::Lanes(D())) {
-    const Quaternion r = product(load_rotation(samples, i), inverse);
-    const V cosine = hn::Abs(r.w);
-    const Powers powers(cosine);
-    const V ratio = powers.polynomial(kHalfAngleOverSine);
-    const V log_volume = powers.polynomial(kLogVolume);
-    const V twice = hn::Add(ratio, ratio);
-    const V3 phi = scaled(hn::Xor(twice, hn::And(r.w, hn::SignBit(D()))), r.v);
-    const V rest = rest_of(ratio, cosine, hn::Mul(twice, twice));
-    const V3 t = load3(samples + 4, i);
-    const V3 d = {hn::Sub(t.x, centre.x), hn::Sub(t.y, centre.y), hn::Sub(t.z, centre.z)};
-    const V3 turned = cross(phi, d);
-    const V3 g = scaled_difference(rest, turned, scaled_sum(set(0.5), t, half_centre));
-    const V3 rho = cross_sum(phi, g, d);
-    const V xi[6] = {phi.x, phi.y, phi.z, rho.x, rho.y, rho.z};
-    const V squared = squared_norm<6>(density.factor, xi);
-    store3(phi, rows, i);
-    store3(rho, rows + 3, i);
-    store(ratio, rows[kRatio], i);
-    store(rest, rows[kRestRow], i);
-    store(squared, rows[kSquared], i);
-    store(hn::NegMulAdd(set(0.5), squared, hn::Sub(set(density.log_constant), log_volume)), out, i);
-  }
-}
-
-/// The sums of the part of J_r^-T y that is not linear in second moments. With phi^ phi^ y =
-/// phi (phi.y) - phi.phi y and the like, a = share rest, b = 2 share slope phi.rho:
-///   first:  phi (a (xi.y - 4) + b phi.y2) + rho (a phi.y2) - a phi.phi y1 - (2 a phi.rho + b
-///   phi.phi) y2 last:   phi (a phi.y2) - a phi.phi y2
-/// where -4 a phi comes from the volume, and y = P^-1 xi is applied to the sums.
-void add_pose_gradient(const EmRow* rows, const EmRow& shares, std::size_t count,
-                       const PoseKernel& density, double* sums) {
-  V total[kPoseGradientSums];
-  for (std::size_t j = 0; j < kPoseGradientSums; ++j) total[j] = load(sums + j * kSumStride);
-  const auto& p = density.precision;
-  for (std::size_t i = 0; i < count; i += hn::Lanes(D())) {
-    const V share = load(shares, i);
-    if (none(share)) continue;
-    const V3 phi = load3(rows + kXi, i);
-    const V3 rho = load3(rows + kXi + 3, i);
-    const V xi[6] = {phi.x, phi.y, phi.z, rho.x, rho.y, rho.z};
-    const V3 y2 = {row_times(p[3], xi, 6), row_times(p[4], xi, 6), row_times(p[5], xi, 6)};
-    const V a = hn::Mul(share, load(rows[kRestRow], i));
-    const V phi_rho = dot(phi, rho);
-    const V phi_phi = dot(phi, phi);
-    const V slope =
-        hn::Mul(share, twice_slope_of(load(rows[kRatio], i), load(rows[kRestRow], i), phi_phi));
-    const V phi_y2 = dot(phi, y2);
-    const V b = hn::Mul(slope, phi_rho);
-    const V with_y = hn::Mul(a, phi_phi);
-    const V with_y2 = hn::MulAdd(hn::Add(a, a), phi_rho, hn::Mul(b, phi_phi));
-    const V along_rho = hn::Mul(a, phi_y2);
-    const V along_phi =
-        hn::MulAdd(a, hn::Sub(load(rows[kSquared], i), set(4.0)), hn::Mul(b, phi_y2));
-    const V3 first = scaled_sum(along_phi, phi, {total[0], total[1], total[2]});
-    const V3 both = scaled_sum(along_rho, rho, first);
-    const V3 last = scaled_sum(along_rho, phi, {total[3], total[4], total[5]});
-    total[0] = both.x, total[1] = both.y, total[2] = both.z;
-    total[3] = last.x, total[4] = last.y, total[5] = last.z;
-    for (std::size_t j = 0; j < 6; ++j) total[6 + j] = hn::MulAdd(with_y, xi[j], total[6 + j]);
-    for (std::size_t j = 0; j < 6; ++j) total[12 + j] = hn::MulAdd(with_y2, xi[j], total[12 + j]);
-  }
-  for (std::size_t j = 0; j < kPoseGradientSums; ++j)
-    hn::Store(total[j], D(), sums + j * kSumStride);
 }
 
 /// exp(x) for x in [-700, 0]: 2^n exp(r), |r| <= ln 2 / 2, and the Taylor series to r^13.
