@@ -229,17 +229,19 @@ ProjectedGaussian<G> between(const ProjectedGaussian<G>& x, const ProjectedGauss
 
 template <RotationOrPose G>
 ProjectedGaussian<G> transform(const G& a, const ProjectedGaussian<G>& x) {
-  typename G::Tangent mean = x.tangent_mean();
-  typename G::TangentMatrix covariance = x.covariance();
-  if constexpr (std::same_as<G, SE3d>) {
+  if constexpr (std::same_as<G, SO3d>) {
+    return ProjectedGaussian<G>::trusted(a * x.tangent_point(), x.tangent_mean(), x.covariance());
+  } else {
+    typename G::Tangent mean = x.tangent_mean();
+    typename G::TangentMatrix covariance = x.covariance();
     const Eigen::Matrix3d r = a.rotation().matrix();
     mean.template tail<3>() = a * Eigen::Vector3d(mean.template tail<3>());
     covariance.template bottomRows<3>() = (r * covariance.template bottomRows<3>()).eval();
     covariance.template rightCols<3>() =
         (covariance.template rightCols<3>() * r.transpose()).eval();
     symmetrize(covariance);
+    return ProjectedGaussian<G>::trusted(a.rotation() * x.tangent_point(), mean, covariance);
   }
-  return ProjectedGaussian<G>::trusted(rotation_of(a) * x.tangent_point(), mean, covariance);
 }
 
 template <RotationOrPose G>

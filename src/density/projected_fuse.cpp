@@ -141,7 +141,7 @@ class ModeSearch {
   }
 
   G moved(const Tangent& step) const {
-    const SO3d rotation = gnomonic::project(rotation_of(mode_), step.template head<3>());
+    SO3d rotation = gnomonic::project(rotation_of(mode_), step.template head<3>());
     if constexpr (std::same_as<G, SE3d>) {
       return SE3d(rotation, mode_.translation() + step.template tail<3>());
     } else {

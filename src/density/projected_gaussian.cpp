@@ -67,7 +67,7 @@ ProjectedGaussian<G> ProjectedGaussian<G>::trusted(const G& mean, const Covarian
 
 template <RotationOrPose G>
 G ProjectedGaussian<G>::element(const Tangent& y) const {
-  const SO3d rotation = gnomonic::project(tangent_point_, y.template head<3>());
+  SO3d rotation = gnomonic::project(tangent_point_, y.template head<3>());
   if constexpr (std::same_as<G, SE3d>) {
     return SE3d(rotation, y.template tail<3>());
   } else {

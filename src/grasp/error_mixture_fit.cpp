@@ -64,8 +64,8 @@ class Run {
       Eigen::Index chosen = 0;
       while (chosen + 1 < nearest.size() && (left -= nearest[chosen]) >= 0.0) ++chosen;
       nearest = nearest.cwiseMin((scaled.rowwise() - scaled.row(chosen)).rowwise().squaredNorm());
-      means_.push_back(rows_.row(chosen).transpose());
-      covariances_.push_back(prior_ / settings_.prior_scale);
+      means_.emplace_back(rows_.row(chosen).transpose());
+      covariances_.emplace_back(prior_ / settings_.prior_scale);
       weights_.push_back(share);
     }
     weights_.push_back(kFirstOutlierWeight);

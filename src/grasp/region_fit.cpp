@@ -233,6 +233,7 @@ std::vector<ToleranceRegion> bootstrap_regions(std::span<const ErrorOutcome> out
   std::map<std::size_t, std::vector<ErrorOutcome>> by_group;
   for (std::size_t i = 0; i < groups.size(); ++i) by_group[groups[i]].push_back(outcomes[i]);
   std::vector<const std::vector<ErrorOutcome>*> all;
+  all.reserve(by_group.size());
   for (const auto& [group, members] : by_group) all.push_back(&members);
   std::vector<ToleranceRegion> regions;
   for (std::size_t i = 0; i < count; ++i) {

@@ -43,7 +43,7 @@ class Projection {
 
 void draw_flag(SvgDocument& svg, const Projection& at, const SE3<double>& pose, double length,
                const std::string& colour) {
-  const Vector3d foot = pose.translation();
+  const Vector3d& foot = pose.translation();
   const Vector3d x = pose.rotation() * Vector3d(Vector3d::UnitX());
   const Vector3d z = pose.rotation() * Vector3d(Vector3d::UnitZ());
   const Vector3d top = foot + length * z;

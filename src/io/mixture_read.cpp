@@ -110,7 +110,7 @@ double read_log_weight(const JsonPlace& place) {
 }
 
 Eigen::Vector3d read_translation(const JsonPlace& place, LengthUnit unit) {
-  const Eigen::Vector3d translation = metres_per_unit(unit) * place.vector(3);
+  Eigen::Vector3d translation = metres_per_unit(unit) * place.vector(3);
   if (!is_position(translation)) {
     place.fail("a position that is too far", fmt::format("at most {:g} m", kFarthestPosition));
   }

@@ -146,6 +146,7 @@ Mixture<ProjectedGaussian<G>> transform(const Mixture<ProjectedGaussian<G>>& x, 
   return on_each(x, [&](const auto& density) { return transform(density, b, settings.rule); });
 }
 
+// NOLINTBEGIN(bugprone-macro-parentheses): types
 #define POSEMIX_INSTANTIATE(G)                                                                     \
   template class Mixture<ProjectedGaussian<G>>;                                                    \
   template MixtureFusion<ProjectedGaussian<G>> fuse(const Mixture<ProjectedGaussian<G>>&,          \
@@ -167,5 +168,6 @@ Mixture<ProjectedGaussian<G>> transform(const Mixture<ProjectedGaussian<G>>& x, 
 POSEMIX_INSTANTIATE(SO3d)
 POSEMIX_INSTANTIATE(SE3d)
 #undef POSEMIX_INSTANTIATE
+// NOLINTEND(bugprone-macro-parentheses)
 
 }  // namespace posemix

@@ -94,6 +94,7 @@ std::vector<Selection> selections_of(const std::vector<Grasp>& grasps) {
 
 std::vector<ScoredPrediction> scored(const std::vector<const Grasp*>& grasps, std::size_t method) {
   std::vector<ScoredPrediction> predictions;
+  predictions.reserve(grasps.size());
   for (const Grasp* g : grasps) {
     predictions.push_back({g->probabilities[method], g->success, g->group});
   }

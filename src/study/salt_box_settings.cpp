@@ -49,10 +49,7 @@ std::size_t read_count(const TomlTable& table, std::string_view key, std::size_t
       key, static_cast<std::int64_t>(otherwise), {.lowest = lowest, .highest = kCount.highest}));
 }
 
-}  // namespace
-
-SaltBoxSettings read_salt_box_settings(const TomlTable& table) {
-  SaltBoxSettings settings = default_salt_box();
+void read_features(const TomlTable& table, SaltBoxSettings& settings) {
   if (table.has("features")) {
     settings.features.clear();
     for (const TomlTable& feature : table.get_tables("features")) {
@@ -71,6 +68,9 @@ SaltBoxSettings read_salt_box_settings(const TomlTable& table) {
   settings.depth_sd = table.get_double_or("depth_sd_m", settings.depth_sd, length);
   settings.trial_depth_sd =
       table.get_double_or("trial_depth_sd_m", settings.trial_depth_sd, length);
+}
+
+void read_rules(const TomlTable& table, SaltBoxSettings& settings) {
   settings.composition = table.get_enum_or<CompositionRule>(
       "composition", settings.composition,
       {{"jacobian", CompositionRule::jacobian},
@@ -88,6 +88,14 @@ SaltBoxSettings read_salt_box_settings(const TomlTable& table) {
                                    {{"midway", MergeRule::midway},
                                     {"moment_matched", MergeRule::moment_matched},
                                     {"tangent_of_larger", MergeRule::tangent_of_larger}});
+}
+
+}  // namespace
+
+SaltBoxSettings read_salt_box_settings(const TomlTable& table) {
+  SaltBoxSettings settings = default_salt_box();
+  read_features(table, settings);
+  read_rules(table, settings);
   settings.drop = read_count(table, "drop", settings.drop, 0);
   settings.keep = read_count(table, "keep", settings.keep, 1);
   settings.flags = read_count(table, "flags", settings.flags, 0);

@@ -17,6 +17,8 @@ class ShiftedSobol {
  public:
   /// @throws std::invalid_argument for more dimensions than there are direction numbers (3667)
   ShiftedSobol(std::size_t dimension, RandomStream& stream);
+  ShiftedSobol(const ShiftedSobol&) = delete;
+  ShiftedSobol& operator=(const ShiftedSobol&) = delete;
   ShiftedSobol(ShiftedSobol&&) noexcept;
   ShiftedSobol& operator=(ShiftedSobol&&) noexcept;
   ~ShiftedSobol();
