@@ -9,6 +9,7 @@
 
 #include "posemix/base/units.hpp"
 #include "posemix/density/operations.hpp"
+#include "posemix/density/projected_gaussian.hpp"
 #include "posemix/filter/update.hpp"
 #include "posemix/mixture/mixture.hpp"
 
@@ -65,6 +66,20 @@ TEST(Conventions, DensityIsWithRespectToTheHaarMeasure) {
   covariance.topLeftCorner<3, 3>() = Eigen::Matrix3d::Identity() * radians(1.0) * radians(1.0);
   const ConcentratedGaussian<SE3d> density(translation(1, 2, 3), covariance);
   EXPECT_NEAR(density.log_density(density.mean()), 20.446560, kPrinted);
+}
+
+TEST(Conventions, ProjectedGaussiansAreOnTheRight) {
+  const SO3d tangent_point = quarter_turn();
+  const SO3d turned = tangent_point * SO3d::exp({0, 0, radians(20.0)});
+  const Eigen::Vector3d u(0, 0, 0.176327);
+  EXPECT_NEAR((gnomonic::lift(tangent_point, turned) - u).norm(), 0.0, kPrinted);
+  const SO3d minus = SO3d::from_quaternion(Eigen::Quaterniond(-turned.quaternion().coeffs()));
+  EXPECT_NEAR((gnomonic::lift(tangent_point, minus) - u).norm(), 0.0, kPrinted);
+
+  Matrix6d covariance = Matrix6d::Identity() * 1e-4;
+  covariance.topLeftCorner<3, 3>() = Eigen::Matrix3d::Identity() * radians(0.5) * radians(0.5);
+  const ProjectedGaussian<SE3d> density(translation(1, 2, 3), covariance);
+  EXPECT_NEAR(density.log_density(density.mean()), 20.447017, kPrinted);
 }
 
 TEST(Conventions, WeightsAreNaturalLogarithms) {
