@@ -82,6 +82,11 @@ class Heads(unittest.TestCase):
         self.assertTrue(messages("include/posemix/lie/a.hpp", "\n"))
         self.assertFalse(messages("src/lie/a.cpp", "\n"))
 
+    def test_headers_for_every_set_of_vector_instructions(self):
+        guard = "#if defined(A) == defined(HWY_TARGET_TOGGLE)\n"
+        self.assertFalse(messages("src/mixture/a-inl.hpp", guard))
+        self.assertTrue(messages("src/mixture/a-inl.hpp", "#pragma once\n"))
+
     def test_missing_licence_lines(self):
         for path in ("src/lie/a.cpp", "tools/a.py", "cmake/a.cmake", "src/lie/CMakeLists.txt", "Makefile"):
             self.assertEqual(len(messages(path, "\n", head="")), 2, path)
