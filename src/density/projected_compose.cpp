@@ -3,8 +3,8 @@
 #include <optional>
 #include <vector>
 
-#include "gaussian_cubature.hpp"
 #include "posemix/base/error.hpp"
+#include "posemix/base/gaussian_cubature.hpp"
 #include "posemix/density/projected_operations.hpp"
 #include "rotation_of.hpp"
 

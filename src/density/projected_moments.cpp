@@ -4,9 +4,12 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+
+#include "posemix/base/linear.hpp"
 
 namespace posemix {
 namespace {
@@ -151,50 +154,56 @@ struct DiagonalFamily {
   }
 };
 
-struct DiagonalFit {
-  Eigen::Vector3d l;
-  bool converged;
-};
+}  // namespace
 
-/// Newton's method in lambda with halved steps.
-DiagonalFit fit_diagonal(const Eigen::Vector3d& target, double limit) {
+ProjectedVariances projected_variances_of_moments(const Eigen::Vector3d& moments,
+                                                  const Eigen::Vector3d& lower,
+                                                  const Eigen::Vector3d& upper) {
+  const Eigen::Vector3d target = moments.cwiseMax(std::numeric_limits<double>::min());
+  const Eigen::Vector3d least = upper.cwiseInverse();
+  const Eigen::Vector3d most = lower.cwiseInverse();  // infinite where there is no bound
   const auto cost = [&](const DiagonalFamily& at, const Eigen::Vector3d& lambda) {
     return at.log_partition + 0.5 * target.dot(lambda);
   };
-  Eigen::Vector3d lambda = target.cwiseInverse().cwiseMax(1.0 / limit);
+  Eigen::Vector3d lambda = target.cwiseInverse().cwiseMax(least).cwiseMin(most);
   DiagonalFamily at(lambda.cwiseInverse());
   for (int iteration = 0; iteration < 100; ++iteration) {
-    const Eigen::Vector3d gradient = 0.5 * (target - at.moments);
-    if ((gradient.array().abs() <= 1e-14 * target.array()).all())
-      return {lambda.cwiseInverse(), true};
-    const Eigen::Vector3d newton = at.hessian.ldlt().solve(-gradient);
+    // Coordinates that the gradient holds at a bound stay; Newton's method in the others.
+    Eigen::Vector3d slope = 0.5 * (target - at.moments);
+    Eigen::Matrix3d hessian = at.hessian;
+    for (Eigen::Index i = 0; i < 3; ++i) {
+      if (slope[i] > 0.0 ? lambda[i] > least[i] : lambda[i] < most[i]) continue;
+      slope[i] = 0.0;
+      hessian.row(i).setZero();
+      hessian.col(i).setZero();
+      hessian(i, i) = 1.0;
+    }
+    if ((slope.array().abs() <= 1e-14 * target.array()).all()) break;
+    const Eigen::Vector3d newton = hessian.ldlt().solve(-slope);
     bool moved = false;
-    for (double step = 1.0; step > 1e-10; step *= 0.5) {
+    for (double step = 1.0; step > 1e-10 && !moved; step *= 0.5) {
       const Eigen::Vector3d next =
-          (lambda + step * newton).cwiseMax(0.2 * lambda).cwiseMax(1.0 / limit);
+          (lambda + step * newton).cwiseMax(0.2 * lambda).cwiseMax(least).cwiseMin(most);
       const DiagonalFamily there(next.cwiseInverse());
-      if (cost(there, next) > cost(at, lambda)) continue;
-      moved = (next - lambda).cwiseAbs().cwiseQuotient(lambda).maxCoeff() > 1e-15;
+      if (!(cost(there, next) <= cost(at, lambda)) || next == lambda) continue;
       lambda = next;
       at = there;
-      break;
+      moved = true;
     }
     if (!moved) break;
   }
-  const bool met = (0.5 * (target - at.moments).array().abs() <= 1e-9 * target.array()).all();
+  const bool met = ((target - at.moments).array().abs() <= 1e-9 * target.array()).all();
   return {lambda.cwiseInverse(), met};
 }
-
-}  // namespace
 
 ProjectedCovariance projected_covariance_of_moment(const Eigen::Matrix3d& second_moment,
                                                    double limit) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(second_moment);
-  const Eigen::Vector3d target = eigen.eigenvalues().cwiseMax(1e-300);
-  const DiagonalFit fit = fit_diagonal(target, limit);
+  const ProjectedVariances fit = projected_variances_of_moments(
+      eigen.eigenvalues(), Eigen::Vector3d::Zero(), Eigen::Vector3d::Constant(limit));
   const Eigen::Matrix3d& v = eigen.eigenvectors();
-  Eigen::Matrix3d covariance = v * fit.l.asDiagonal() * v.transpose();
-  covariance = (0.5 * (covariance + covariance.transpose())).eval();
+  Eigen::Matrix3d covariance = v * fit.variances.asDiagonal() * v.transpose();
+  symmetrize(covariance);
   return {covariance, fit.converged};
 }
 

@@ -7,6 +7,8 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "posemix/base/gaussian_cubature.hpp"
+
 namespace posemix::internal {
 namespace {
 
@@ -23,25 +25,6 @@ struct NormalRule {
     weights.push_back(weight);
   }
 };
-
-/// The origin and the corners of an icosahedron of radius sqrt(5).
-NormalRule icosahedron() {
-  NormalRule rule;
-  rule.add(Vector3d::Zero(), 0.4);
-  const double phi = std::numbers::phi;
-  const double scale = std::sqrt(5.0 / (1.0 + phi * phi));
-  for (int axis = 0; axis < 3; ++axis) {
-    for (const double one : {scale, -scale}) {
-      for (const double other : {scale * phi, -scale * phi}) {
-        Vector3d corner = Vector3d::Zero();
-        corner[(axis + 1) % 3] = one;
-        corner[(axis + 2) % 3] = other;
-        rule.add(corner, 0.05);
-      }
-    }
-  }
-  return rule;
-}
 
 /// Nodes are the eigenvalues of the Jacobi matrix of the Hermite polynomials, weights the squared
 /// first entries of its eigenvectors (Golub and Welsch 1969).
@@ -66,7 +49,14 @@ NormalRule hermite_product() {
 }
 
 const NormalRule& normal_rule(PointRule rule) {
-  static const NormalRule few = icosahedron();
+  static const NormalRule few = [] {
+    const auto icosahedron = GaussianCubature<3>::icosahedron();
+    NormalRule points;
+    for (Eigen::Index i = 0; i < icosahedron.weights.size(); ++i) {
+      points.add(icosahedron.points.col(i), icosahedron.weights[i]);
+    }
+    return points;
+  }();
   static const NormalRule many = hermite_product();
   return rule == PointRule::cubature ? few : many;
 }

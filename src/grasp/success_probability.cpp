@@ -18,22 +18,16 @@
 #include "posemix/base/error.hpp"
 #include "posemix/base/sobol.hpp"
 #include "posemix/density/projected_operations.hpp"
+#include "posemix/divergence/conversion.hpp"
 
 namespace posemix {
 namespace {
 
 using Projected = ProjectedGaussian<SE3d>;
 
-/// The density as a projected Gaussian, to first order: u is half of the body's rotation vector, t
-/// moves with the body's rho.
 Projected as_projected(const Projected& density) { return density; }
 Projected as_projected(const ConcentratedGaussian<SE3d>& density) {
-  Matrix6d a = Matrix6d::Zero();
-  a.topLeftCorner<3, 3>().diagonal().setConstant(0.5);
-  a.bottomRightCorner<3, 3>() = density.mean().rotation().matrix();
-  Matrix6d covariance = a * density.body_covariance() * a.transpose();
-  symmetrize(covariance);
-  return Projected::trusted(density.mean(), covariance);
+  return to_projected(density, ConversionRule::linear).density;
 }
 
 /// A Gaussian in the coordinates [u; t] of the box at m, like the density.

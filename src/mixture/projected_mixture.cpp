@@ -4,7 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "posemix/base/gaussian_cubature.hpp"
 
 namespace posemix {
 namespace {
@@ -12,30 +13,11 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr int kPoints = 13;
-
-/// Points of a standard normal vector in three dimensions: the origin with weight 2/5 and the
-/// corners of an icosahedron of radius sqrt(5), 1/20 each; exact for polynomials of degree five.
-const Eigen::Matrix<double, 3, kPoints>& cubature_points() {
-  static const Eigen::Matrix<double, 3, kPoints> points = [] {
-    Eigen::Matrix<double, 3, kPoints> p = Eigen::Matrix<double, 3, kPoints>::Zero();
-    const double phi = std::numbers::phi;
-    const double scale = std::sqrt(5.0 / (1.0 + phi * phi));
-    int column = 1;
-    for (int axis = 0; axis < 3; ++axis) {
-      for (const double one : {1.0, -1.0}) {
-        for (const double other : {phi, -phi}) {
-          p((axis + 1) % 3, column) = scale * one;
-          p((axis + 2) % 3, column) = scale * other;
-          ++column;
-        }
-      }
-    }
-    return p;
-  }();
-  return points;
+/// Points of a standard normal vector in three dimensions.
+const GaussianCubature<3>& cubature() {
+  static const auto rule = GaussianCubature<3>::icosahedron();
+  return rule;
 }
-double cubature_weight(int point) { return point == 0 ? 0.4 : 0.05; }
 
 /// Cubature points of one law: rotations, and the mean of t at each; t varies about it by
 /// `residual`.
@@ -49,9 +31,9 @@ struct LawPoints {
     const LawMoments<G> law = law_moments(density);
     const Matrix3d covariance = law.covariance.template topLeftCorner<3, 3>();
     const Eigen::LLT<Matrix3d> factor(covariance);
-    const Eigen::Matrix<double, 3, kPoints> offsets = factor.matrixL() * cubature_points();
+    const Eigen::Matrix<double, 3, Eigen::Dynamic> offsets = factor.matrixL() * cubature().points;
     const Vector3d mean = law.mean.template head<3>();
-    for (int k = 0; k < kPoints; ++k) {
+    for (Eigen::Index k = 0; k < offsets.cols(); ++k) {
       rotations.push_back(gnomonic::project(density.tangent_point(), mean + offsets.col(k)));
     }
     if constexpr (std::same_as<G, SE3d>) {
@@ -146,7 +128,7 @@ Moments<ProjectedGaussian<G>> moments(std::span<const Component<ProjectedGaussia
   std::vector<double> weights;
   for (std::size_t i = 0; i < of.weights.size(); ++i) {
     laws.emplace_back(*of.densities[i]);
-    for (int k = 0; k < kPoints; ++k) weights.push_back(of.weights[i] * cubature_weight(k));
+    for (const double weight : cubature().weights) weights.push_back(of.weights[i] * weight);
     rotations.insert(rotations.end(), laws[i].rotations.begin(), laws[i].rotations.end());
   }
   const MeanResult<SO3d> centre =
@@ -156,8 +138,9 @@ Moments<ProjectedGaussian<G>> moments(std::span<const Component<ProjectedGaussia
                                                   static_cast<Eigen::Index>(rotations.size()));
   typename G::TangentMatrix covariance = G::TangentMatrix::Zero();
   for (std::size_t i = 0; i < laws.size(); ++i) {
-    auto part = y.template middleCols<kPoints>(static_cast<Eigen::Index>(i) * kPoints);
-    for (int k = 0; k < kPoints; ++k) {
+    const Eigen::Index points = cubature().weights.size();
+    auto part = y.middleCols(static_cast<Eigen::Index>(i) * points, points);
+    for (Eigen::Index k = 0; k < points; ++k) {
       part.col(k).template head<3>() =
           gnomonic::lift(centre.mean, laws[i].rotations[static_cast<std::size_t>(k)]);
     }

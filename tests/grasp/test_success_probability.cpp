@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "density/projected_oracle.hpp"
 #include "posemix/base/units.hpp"
 #include "posemix/grasp/success_probability.hpp"
 
@@ -14,16 +15,7 @@ namespace {
 using Eigen::Vector3d;
 using Pose = ProjectedGaussian<SE3d>;
 
-/// A_ij = ((7 i + 3 j + 5 seed) mod 11 - 5) / 10; D (A A^T + I) D.
-Matrix6d covariance(int seed, double rotation, double translation) {
-  Matrix6d a;
-  for (int i = 0; i < 6; ++i) {
-    for (int j = 0; j < 6; ++j) a(i, j) = ((7 * i + 3 * j + 5 * seed) % 11 - 5) / 10.0;
-  }
-  Vector6d d;
-  d << Vector3d::Constant(rotation), Vector3d::Constant(translation);
-  return d.asDiagonal() * (a * a.transpose() + Matrix6d::Identity()) * d.asDiagonal();
-}
+using oracle::covariance;
 
 template <class D>
 Mixture<D> single(const D& density) {

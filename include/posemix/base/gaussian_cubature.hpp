@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cmath>
+#include <numbers>
 
 #include <Eigen/Core>
 
@@ -30,6 +31,23 @@ struct GaussianCubature {
     for (int i = 0; i < N; ++i) {
       rule.add_axis(i, std::sqrt(m), (4.0 - N) / (2.0 * m * m));
       for (int j = 0; j < i; ++j) rule.add_diagonals(i, j, std::sqrt(0.5 * m), 1.0 / (m * m));
+    }
+    return rule;
+  }
+
+  /// The origin and the twelve corners of an icosahedron of radius sqrt(5): exact for polynomials
+  /// of degree five in three dimensions \cite stroud1971.
+  static GaussianCubature icosahedron() requires(N == 3) {
+    GaussianCubature rule(13);
+    rule.add(Point::Zero(), 0.4);
+    const double one = std::sqrt(5.0 / (1.0 + std::numbers::phi * std::numbers::phi));
+    const double other = std::numbers::phi * one;
+    for (int axis = 0; axis < 3; ++axis) {
+      const Point a = one * Point::Unit((axis + 1) % 3);
+      const Point b = other * Point::Unit((axis + 2) % 3);
+      for (const Point& point : {Point(a + b), Point(a - b), Point(b - a), Point(-a - b)}) {
+        rule.add(point, 0.05);
+      }
     }
     return rule;
   }
