@@ -17,7 +17,8 @@
 namespace posemix {
 namespace {
 
-constexpr std::size_t kLeastPoints = 16;
+/// Points of a component in a replicate, while there are enough for all.
+constexpr std::size_t kFewPoints = 16;
 
 /// Standard normal vectors from a Sobol sequence under a random digital shift.
 class NormalPoints {
@@ -146,10 +147,12 @@ DivergenceEstimate sampled(const Mixture<P>& p, const Mixture<Q>& q, bool from_b
       static_cast<double>(settings.samples) / static_cast<double>(settings.replicates);
   DivergenceEstimate estimate{0.0, 0.0, 0, true};
   std::vector<double> replicates(settings.replicates, 0.0);
+  const std::size_t least = std::clamp<std::size_t>(
+      settings.samples / (settings.replicates * (of_p.size() + of_q.size())), 1, kFewPoints);
   for (double& replicate : replicates) {
     const auto add = [&](const auto& stratum) {
       const auto share = static_cast<std::size_t>(std::lround(stratum.weight * per_replicate));
-      const std::size_t count = std::max(kLeastPoints, share);
+      const std::size_t count = std::max(least, share);
       replicate += stratum.weight * stratum_mean(stratum, count, stream, at);
       estimate.evaluations += count;
     };

@@ -73,6 +73,15 @@ TEST(ProjectedFuse, JacobianAgreesWithTheOracle) {
   EXPECT_NEAR(fused.log_overlap + kLogHaarPerHalfSphere, 8.263683751931, 1e-9);
 }
 
+TEST(ProjectedFuse, OverlapOfTheGaussiansAgreesWithTheOracle) {
+  const SO3d halfway = gnomonic::halfway(first().tangent_point(), second().tangent_point());
+  const auto p = restate(first(), halfway), q = restate(second(), halfway);
+  const Eigen::LLT<Matrix6d> sum(p.covariance() + q.covariance());
+  const Vector6d apart = q.tangent_mean() - p.tangent_mean();
+  EXPECT_NEAR(-0.5 * sum.matrixL().solve(apart).squaredNorm(), -1.224793534406, 1e-11);
+  EXPECT_NEAR(log_normal(sum, apart), 8.117484487680, 1e-11);
+}
+
 TEST(ProjectedFuse, JacobianRefusesBeyondItsLimit) {
   const auto at = [](double degrees_of_rotation) {
     return isotropic({radians(degrees_of_rotation), 0.0, 0.0}, 0.1);

@@ -64,6 +64,21 @@ TEST(SaltBox, HasTheSpreadsOfTheOracle) {
   expect_spread(stage(stages, "fused_l").mixture, {5.63, 4.33, 1.41}, {2.1, 3.5, 4.0});
 }
 
+/// Angle [deg] and distance [mm] between the mean and the truth.
+void expect_error(const PoseMpg& mixture, double rotation_deg, double translation_mm) {
+  const SE3d error = salt_box_truth().inverse() * spread_of(mixture).mean;
+  EXPECT_NEAR(degrees(error.rotation().angle()), rotation_deg, 0.06);
+  EXPECT_NEAR(1e3 * error.translation().norm(), translation_mm, 0.06);
+}
+
+TEST(SaltBox, HasTheErrorsOfTheOracle) {
+  const auto& stages = example();
+  expect_error(stage(stages, "object_B").mixture, 6.4, 3.3);
+  expect_error(stage(stages, "object_l").mixture, 12.6, 9.9);
+  expect_error(stage(stages, "object_mountain").mixture, 11.2, 10.0);
+  expect_error(stage(stages, "fused_l").mixture, 5.1, 2.2);
+}
+
 TEST(SaltBox, WithoutReductionTheEvidenceIsTheOracles) {
   const SaltBoxSettings settings = default_salt_box();
   const auto two = fuse(object_mixture(settings, settings.features[0]),
@@ -72,6 +87,7 @@ TEST(SaltBox, WithoutReductionTheEvidenceIsTheOracles) {
   EXPECT_EQ(three.mixture.size(), 343u);
   EXPECT_NEAR(three.log_evidence + gnomonic::kLogHaarPerHalfSphere, 19.350870173, 1e-3);
   expect_spread(three.mixture, {2.02, 3.45, 0.88}, {1.8, 1.3, 1.7});
+  expect_error(three.mixture, 4.4, 2.7);
 }
 
 TEST(SaltBox, ChangesLittleWithTheRounding) {
@@ -113,6 +129,10 @@ TEST(SaltBox, ReductionsLoseWhatTheOracleSays) {
   EXPECT_NEAR(loss(PairRule::weighted_symmetric_kl, 10), 0.0023, 4e-4);
   EXPECT_NEAR(loss(PairRule::runnalls, 10), 0.0027, 4e-4);
   EXPECT_NEAR(loss(PairRule::symmetric_kl, 1), 0.092, 0.003);
+  const auto heaviest =
+      reduce(two, {.prune_below = 0.0, .keep_heaviest = 10, .max_components = 10});
+  RandomStream stream(4);
+  EXPECT_NEAR(measured_loss(two, heaviest.mixture, stream).value, 0.028, 0.0015);
 }
 
 TEST(SaltBox, GraspAgreesWithTheOracle) {
@@ -124,6 +144,8 @@ TEST(SaltBox, GraspAgreesWithTheOracle) {
   const ToleranceBox box{Vector3d::Constant(radians(5.0)), Vector3d::Constant(0.005)};
   RandomStream stream(3);
   const BestGrasp best = best_grasp(posterior, box, stream);
+  const SE3d merged_mean = spread_of(posterior).mean;
+  EXPECT_NEAR(success_probability(posterior, box, merged_mean, stream).probability, 0.83832, 0.001);
   EXPECT_NEAR(best.success.probability, 0.83898, 0.001);
   for (const GraspCandidate& candidate : best.candidates) {
     EXPECT_NEAR(candidate.success.probability, best.success.probability, 5e-4);

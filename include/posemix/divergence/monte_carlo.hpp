@@ -22,7 +22,8 @@ namespace posemix {
 
 /// How many points.
 struct DivergenceSamplingSettings {
-  /// In all; every component gets its share in every replicate, and at least 16 points.
+  /// In all; every component gets its share in every replicate, and at least 16 points while there
+  /// are as many for every component, else at least one.
   std::size_t samples = 1 << 16;
   std::size_t replicates = 32;  ///< independent randomisations, at least 2
 };
