@@ -3,14 +3,70 @@
 #include "posemix/filter/detector_noise.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <utility>
+
+#include <fmt/format.h>
+#include <Eigen/Geometry>
+
+#include "posemix/base/error.hpp"
 
 namespace posemix {
 
-DetectorNoise::DetectorNoise(std::vector<NoiseComponent> components)
-    : components_(std::move(components)) {
+namespace {
+
+constexpr double kLeastRangeM = 1e-3;
+
+/// blkdiag(R, s R) C blkdiag(R, s R)^T.
+Matrix6d turned(const Matrix6d& covariance, const Eigen::Matrix3d& rotation, double scale) {
+  Matrix6d by = Matrix6d::Zero();
+  by.topLeftCorner<3, 3>() = rotation;
+  by.bottomRightCorner<3, 3>() = scale * rotation;
+  return mirror_upper(Matrix6d(by * covariance * by.transpose()));
+}
+
+}  // namespace
+
+std::string_view name_of(NoiseFrame frame) {
+  switch (frame) {
+    case NoiseFrame::object:
+      return "object";
+    case NoiseFrame::camera:
+      return "camera";
+    case NoiseFrame::ray:
+      return "ray";
+  }
+  return "";
+}
+
+NoiseComponent along_camera(const NoiseComponent& noise, const SE3d& camera_object) {
+  if (noise.frame != NoiseFrame::ray) return noise;
+  const Eigen::Vector3d ray = (camera_object * noise.offset).translation();
+  const double range = std::max(ray.norm(), kLeastRangeM);
+  const Eigen::Matrix3d axes =
+      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), ray).toRotationMatrix();
+  NoiseComponent result = noise;
+  result.frame = NoiseFrame::camera;
+  result.covariance = turned(noise.covariance, axes, range);
+  if (noise.update_covariance)
+    result.update_covariance = turned(*noise.update_covariance, axes, range);
+  return result;
+}
+
+DetectorNoise::DetectorNoise(std::vector<NoiseComponent> components, NullNoise null)
+    : components_(std::move(components)), null_(null) {
   require(!components_.empty(), "detector noise: there is no component");
-  double total = 0.0;
+  if (!(null_.weight >= 0.0) || !std::isfinite(null_.weight)) {
+    throw InvalidInput(fmt::format(
+        "detector noise: weight of the null is {}, expected a finite number >= 0", null_.weight));
+  }
+  if (!(null_.volume_m3 > 0.0) || !std::isfinite(null_.volume_m3)) {
+    throw InvalidInput(
+        fmt::format("detector noise: volume of the null is {} m^3, expected a positive number",
+                    null_.volume_m3));
+  }
+  double total = null_.weight;
   for (std::size_t i = 0; i < components_.size(); ++i) {
     NoiseComponent& component = components_[i];
     if (!(component.weight > 0.0) || !std::isfinite(component.weight)) {
@@ -20,9 +76,20 @@ DetectorNoise::DetectorNoise(std::vector<NoiseComponent> components)
     }
     component.covariance = checked_covariance(
         component.covariance, 6, fmt::format("detector noise: covariance of component {}", i));
+    if (component.update_covariance) {
+      component.update_covariance =
+          checked_covariance(*component.update_covariance, 6,
+                             fmt::format("detector noise: update covariance of component {}", i));
+    }
     total += component.weight;
   }
   for (NoiseComponent& component : components_) component.weight /= total;
+  null_.weight /= total;
+}
+
+double DetectorNoise::log_null_density() const {
+  constexpr double kPi = std::numbers::pi;
+  return std::log(null_.weight) - std::log(8.0 * kPi * kPi * null_.volume_m3);
 }
 
 DetectorNoise DetectorNoise::single_gaussian() const {

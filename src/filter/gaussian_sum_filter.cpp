@@ -47,6 +47,9 @@ void check_detections(std::span<const Detection> detections, std::size_t poses) 
 std::size_t common_components(std::span<const Detection> detections) {
   const auto& first = detections.front().noise->components();
   for (const Detection& detection : detections) {
+    if (detections.size() > 1 && detection.noise->null().weight > 0.0) {
+      throw InvalidInput("joint use of noise components: a noise model has a null component");
+    }
     const auto& other = detection.noise->components();
     const bool same = std::equal(first.begin(), first.end(), other.begin(), other.end(),
                                  [](const NoiseComponent& a, const NoiseComponent& b) {
@@ -59,6 +62,35 @@ std::size_t common_components(std::span<const Detection> detections) {
     }
   }
   return first.size();
+}
+
+/// One child of one hypothesis. Where components have an update covariance the weight is by the
+/// other, and linearized.
+UpdateResult child_of(const Hypothesis& parent, std::span<const Detection> detections,
+                      const std::vector<const NoiseComponent*>& noise,
+                      const FilterSettings& settings) {
+  const auto updated = [&](std::span<const NoiseComponent* const> components) {
+    return settings.update == UpdateRule::iterated
+               ? iterated_update(parent, detections, components, settings.first_object)
+               : posemix::update(parent, detections, components);
+  };
+  const bool one_covariance =
+      std::none_of(noise.begin(), noise.end(),
+                   [](const NoiseComponent* component) { return component->update_covariance; });
+  if (one_covariance) return updated(noise);
+  std::vector<NoiseComponent> believed;
+  std::vector<const NoiseComponent*> pointers;
+  believed.reserve(noise.size());
+  for (const NoiseComponent* component : noise) {
+    believed.push_back(*component);
+    believed.back().covariance = component->update_covariance.value_or(component->covariance);
+    pointers.push_back(&believed.back());
+  }
+  UpdateResult child = updated(pointers);
+  const UpdateResult weighed = posemix::update(parent, detections, noise);
+  if (!weighed.ok) return weighed;
+  child.log_likelihood = weighed.log_likelihood;
+  return child;
 }
 
 /// True when no hypothesis can explain the detection under any of its noise components.
@@ -119,19 +151,20 @@ bool GaussianSumFilter::branch(std::span<const Detection> detections, UpdateRepo
   const std::size_t noise_components = common_components(detections);
   std::vector<Component<Hypothesis>> children;
   std::vector<double> log_weights;
-  children.reserve(posterior_.size() * noise_components);
+  children.reserve(posterior_.size() * (noise_components + 1));
   for (const auto& parent : posterior_.components()) {
     for (std::size_t i = 0; i < noise_components; ++i) {
       std::vector<const NoiseComponent*> noise;
       for (const Detection& detection : detections)
         noise.push_back(&detection.noise->components()[i]);
-      UpdateResult child =
-          settings_.update == UpdateRule::iterated
-              ? iterated_update(parent.density, detections, noise, settings_.first_object)
-              : posemix::update(parent.density, detections, noise);
+      UpdateResult child = child_of(parent.density, detections, noise, settings_);
       log_weights.push_back(parent.log_weight + std::log(noise.front()->weight) +
                             child.log_likelihood);
       children.push_back({log_weights.back(), std::move(child.posterior)});
+    }
+    if (detections.front().noise->null().weight > 0.0) {
+      log_weights.push_back(parent.log_weight + detections.front().noise->log_null_density());
+      children.push_back({log_weights.back(), parent.density});
     }
   }
   const double log_evidence = log_sum_exp(log_weights);

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "back_projection.hpp"
+#include "noise_axes.hpp"
 #include "relative_poses.hpp"
 
 namespace posemix {
@@ -44,10 +45,13 @@ UpdateResult iterated_update(const Hypothesis& prior, std::span<const Detection>
                              std::span<const NoiseComponent* const> noise, std::size_t first_object,
                              const IteratedUpdateSettings& settings) {
   if (detections.empty()) return {prior, 0.0, true};
+  const internal::NoiseAtMean at_mean(prior.mean(), detections, noise);
+  const auto components = at_mean.components();
   if (detections.size() == 1) {
-    return update_in_relative_poses<6>(prior, detections, noise, first_object, settings);
+    return update_in_relative_poses<6>(prior, detections, components, first_object, settings);
   }
-  return update_in_relative_poses<Eigen::Dynamic>(prior, detections, noise, first_object, settings);
+  return update_in_relative_poses<Eigen::Dynamic>(prior, detections, components, first_object,
+                                                  settings);
 }
 
 }  // namespace posemix

@@ -26,6 +26,8 @@ using internal::without_offset;
 
 /// The noise covariance carried into the world frame, Ad(E) R Ad(E)^T.
 Matrix6d world_noise(const NoiseComponent& noise, const SE3d& camera, const SE3d& object) {
+  if (noise.frame == NoiseFrame::ray)
+    return world_noise(along_camera(noise, camera.inverse() * object), camera, object);
   return internal::noise_axes(noise, camera.rotation(), object)
       .adjoint_congruence(noise.covariance);
 }
@@ -122,7 +124,10 @@ Innovation innovation(const PoseStackd& mean, const Detection& detection,
 
 double squared_mahalanobis(const Hypothesis& hypothesis, const Detection& detection,
                            const NoiseComponent& noise) {
-  const Observation<kPoseDof> one(hypothesis, std::span(&detection, 1), std::array{&noise});
+  const std::array given{&noise};
+  const std::span<const Detection> detections(&detection, 1);
+  const internal::NoiseAtMean at_mean(hypothesis.mean(), detections, given);
+  const Observation<kPoseDof> one(hypothesis, detections, at_mean.components());
   const Eigen::LLT<Matrix6d> factor(one.s);
   if (factor.info() != Eigen::Success) return std::numeric_limits<double>::infinity();
   return factor.matrixL().solve(one.residual).squaredNorm();
@@ -131,8 +136,9 @@ double squared_mahalanobis(const Hypothesis& hypothesis, const Detection& detect
 UpdateResult update(const Hypothesis& prior, std::span<const Detection> detections,
                     std::span<const NoiseComponent* const> noise) {
   if (detections.empty()) return {prior, 0.0, true};
-  if (detections.size() == 1) return update_with<kPoseDof>(prior, detections, noise);
-  return update_with<Eigen::Dynamic>(prior, detections, noise);
+  const internal::NoiseAtMean at_mean(prior.mean(), detections, noise);
+  if (detections.size() == 1) return update_with<kPoseDof>(prior, detections, at_mean.components());
+  return update_with<Eigen::Dynamic>(prior, detections, at_mean.components());
 }
 
 Hypothesis with_detected_object(const Hypothesis& prior, const Detection& detection,

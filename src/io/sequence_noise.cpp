@@ -23,23 +23,43 @@ SE3d read_offset(const TomlTable& component) {
   return SE3d(SO3d::exp(kRadPerDeg * rotation), translation);
 }
 
-Matrix6d read_covariance(const TomlTable& component) {
-  if (!component.has("covariance")) return read_pose_covariance(component);
-  for (const char* other : {"rotation_sd_deg", "translation_sd_m"}) {
-    if (component.has(other)) component.fail(other, "stands beside 'covariance', expected one");
+/// Standard deviations under `rotation_sd_deg` and, along the viewing ray,
+/// `translation_sd_of_range`, else `translation_sd_m`; or all under `covariance`.
+Matrix6d read_covariance(const TomlTable& table, NoiseFrame frame) {
+  const char* const translation =
+      frame == NoiseFrame::ray ? "translation_sd_of_range" : "translation_sd_m";
+  if (!table.has("covariance")) {
+    return pose_covariance(read_sd(table, "rotation_sd_deg", kSd, kRadPerDeg),
+                           read_sd(table, translation, kSd, 1.0));
   }
-  return component.get_matrix("covariance", 6, 6);
+  for (const char* other : {"rotation_sd_deg", translation}) {
+    if (table.has(other)) table.fail(other, "stands beside 'covariance', expected one");
+  }
+  return table.get_matrix("covariance", 6, 6);
 }
 
+constexpr NumberRange kShare{.lowest = 1e-12, .highest = 1e12};
+
 NoiseComponent read_component(const TomlTable& table) {
-  constexpr NumberRange kWeight{.lowest = 1e-12, .highest = 1e12};
-  const NoiseComponent defaults;
-  return {.weight = table.get_double_or("weight", defaults.weight, kWeight),
-          .covariance = read_covariance(table),
-          .frame = table.get_enum_or<NoiseFrame>(
-              "frame", defaults.frame,
-              {{"object", NoiseFrame::object}, {"camera", NoiseFrame::camera}}),
-          .offset = read_offset(table)};
+  NoiseComponent component;
+  component.weight = table.get_double_or("weight", component.weight, kShare);
+  component.frame = table.get_enum_or<NoiseFrame>(
+      "frame", component.frame,
+      {{"object", NoiseFrame::object}, {"camera", NoiseFrame::camera}, {"ray", NoiseFrame::ray}});
+  component.covariance = read_covariance(table, component.frame);
+  component.offset = read_offset(table);
+  if (const auto update = table.find_table("update"))
+    component.update_covariance = read_covariance(*update, component.frame);
+  return component;
+}
+
+NullNoise read_null(const TomlTable& model) {
+  NullNoise null;
+  const auto table = model.find_table("null");
+  if (!table) return null;
+  null.weight = table->get_double("weight", kShare);
+  null.volume_m3 = table->get_double_or("volume_m3", null.volume_m3, kShare);
+  return null;
 }
 
 }  // namespace
@@ -75,7 +95,8 @@ DetectorNoise read_detector_noise(const TomlTable& model) {
   for (const TomlTable& component : model.get_tables("components")) {
     components.push_back(read_component(component));
   }
-  return located(model, "components", [&] { return DetectorNoise(components); });
+  const NullNoise null = read_null(model);
+  return located(model, "components", [&] { return DetectorNoise(components, null); });
 }
 
 std::map<std::string, DetectorNoise> read_noise_models(const TomlTable& root) {

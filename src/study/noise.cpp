@@ -47,7 +47,7 @@ Json settings_json(const std::vector<ResidualSet>& sets, const NoiseStudySetting
   Json json = {{"max_components", s.max_components},
                {"restarts", s.restarts},
                {"seed", s.seed},
-               {"frame", s.frame == NoiseFrame::object ? "object" : "camera"},
+               {"frame", name_of(s.frame)},
                {"means", s.free_means ? "free" : "zero"},
                {"covariance", s.full_covariance ? "full" : "diagonal"},
                {"bic", s.count_frames ? "frames" : "effective"},
@@ -119,7 +119,7 @@ std::string format_noise_toml(std::string_view name, const DetectorNoise& noise)
   std::string text = fmt::format("[noise.{}]\ncomponents = [\n", name);
   for (const NoiseComponent& component : noise.components()) {
     text += fmt::format("  {{weight = {}, frame = \"{}\", ", component.weight,
-                        component.frame == NoiseFrame::object ? "object" : "camera");
+                        name_of(component.frame));
     const Matrix6d& covariance = component.covariance;
     if (covariance.isDiagonal(0.0)) {
       const Vector6d sd = covariance.diagonal().cwiseSqrt();

@@ -21,10 +21,17 @@ inline nlohmann::ordered_json matrix_json(const Eigen::MatrixXd& matrix) {
 inline nlohmann::ordered_json noise_json(const DetectorNoise& noise) {
   nlohmann::ordered_json components = nlohmann::ordered_json::array();
   for (const NoiseComponent& component : noise.components()) {
-    components.push_back({{"weight", component.weight},
-                          {"frame", component.frame == NoiseFrame::object ? "object" : "camera"},
-                          {"covariance", matrix_json(component.covariance)},
-                          {"offset", matrix_json(component.offset.matrix())}});
+    nlohmann::ordered_json& entry = components.emplace_back(
+        nlohmann::ordered_json{{"weight", component.weight},
+                               {"frame", name_of(component.frame)},
+                               {"covariance", matrix_json(component.covariance)},
+                               {"offset", matrix_json(component.offset.matrix())}});
+    if (component.update_covariance)
+      entry["update_covariance"] = matrix_json(*component.update_covariance);
+  }
+  if (noise.null().weight > 0.0) {
+    components.push_back(
+        {{"null", {{"weight", noise.null().weight}, {"volume_m3", noise.null().volume_m3}}}});
   }
   return components;
 }

@@ -134,19 +134,27 @@ TEST(Update, NoiseEntersInTheNamedFrame) {
   Vector6d sd;
   sd << 0.01, 0.02, 0.03, 0.004, 0.005, 0.006;
   constexpr double kStep = 1e-5;
-  for (const NoiseFrame frame : {NoiseFrame::object, NoiseFrame::camera}) {
+  for (const NoiseFrame frame : {NoiseFrame::object, NoiseFrame::camera, NoiseFrame::ray}) {
     const NoiseComponent component{1.0, sd.cwiseAbs2().asDiagonal(), frame,
                                    pose(0.0, 0.0, std::numbers::pi, 0.01, 0.02, 0.0)};
     const DetectorNoise noise({component});
     Matrix6d slope;
     for (Eigen::Index i = 0; i < 6; ++i) {
       const auto residual = [&](double step) {
-        const Vector6d n = step * sd(i) * Vector6d::Unit(i);
+        Vector6d n = step * sd(i) * Vector6d::Unit(i);
         // Along the camera's axes the same small motion is applied after turning it into the
         // object's axes.
         const SE3d mode = relative * component.offset;
-        const SE3d axes(frame == NoiseFrame::object ? SO3d() : mode.rotation().inverse(),
-                        Eigen::Vector3d::Zero());
+        SE3d axes(frame == NoiseFrame::object ? SO3d() : mode.rotation().inverse(),
+                  Eigen::Vector3d::Zero());
+        if (frame == NoiseFrame::ray) {
+          // The z axis on the ray, turned about the axis that is perpendicular to both.
+          const Eigen::Vector3d ray = mode.translation().normalized();
+          const Eigen::Vector3d about = Eigen::Vector3d::UnitZ().cross(ray);
+          const SO3d turn = SO3d::exp(std::acos(ray.z()) * about.normalized());
+          axes = SE3d(mode.rotation().inverse() * turn, Eigen::Vector3d::Zero());
+          n.tail<3>() *= mode.translation().norm();
+        }
         const Detection detection{1, mode * axes * SE3d::exp(n) * axes.inverse(), &noise};
         return innovation(mean, detection, component).residual;
       };
@@ -157,6 +165,14 @@ TEST(Update, NoiseEntersInTheNamedFrame) {
     EXPECT_LT((slope * slope.transpose() - world).cwiseAbs().maxCoeff(),
               1e-6 * world.cwiseAbs().maxCoeff());
   }
+}
+
+TEST(Update, NoiseAlongTheRayNeedsARange) {
+  // At the camera itself the ray is the camera's z axis and the range counts as a millimetre.
+  const NoiseComponent component{1.0, isotropic(2.0, 0.1), NoiseFrame::ray};
+  const NoiseComponent at_zero = along_camera(component, SE3d());
+  EXPECT_EQ(at_zero.frame, NoiseFrame::camera);
+  EXPECT_NEAR(at_zero.covariance(5, 5), 1e-8, 1e-20);
 }
 
 TEST(Update, OffsetExplainsADetectionOfTheOtherMode) {

@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: posemix contributors
 #pragma once
 
+#include <optional>
+#include <string_view>
 #include <vector>
 
 #include "posemix/base/linear.hpp"
@@ -9,42 +11,69 @@
 
 namespace posemix {
 
-/// The axes in which a noise covariance is stated. In both cases the rotation is about the origin
-/// of the detected mode.
+/// The axes in which a noise covariance is stated. In all cases the rotation is about the origin of
+/// the detected mode.
 enum class NoiseFrame {
   object,  ///< Y = T_camera_object offset Exp(n), n along the mode's own axes (midway-merge paper,
            ///< eq. 32)
-  camera   ///< the same with n along the camera's axes
+  camera,  ///< the same with n along the camera's axes
+  ray      ///< the same with n along the camera's axes after the shortest turn that takes z to the
+           ///< viewing ray (from the camera to the mode), and its translation in units of the range
 };
+
+/// "object", "camera" or "ray".
+std::string_view name_of(NoiseFrame frame);
 
 /// One component of a detector's error: with probability `weight` the detection is
 ///   Y = T_camera_object offset Exp(n),  n ~ N(0, covariance).
 struct NoiseComponent {
   double weight = 1.0;
-  Matrix6d covariance = Matrix6d::Identity();  ///< rotation [rad], then translation [m]
+  /// Rotation [rad], then translation [m], for NoiseFrame::ray as a fraction of the range.
+  Matrix6d covariance = Matrix6d::Identity();
   NoiseFrame frame = NoiseFrame::object;
   SE3d offset = {};  ///< pose of the detected mode in the object's frame, the identity unless it is
                      ///< a near-symmetry
+  /// The covariance with which a detection moves the estimate, where it is not the one that weighs
+  /// hypotheses: errors that all frames have in common (a biased range) do not average out, so that
+  /// a frame teaches less than its own error says.
+  std::optional<Matrix6d> update_covariance = {};
 };
 
+/// A detection that says nothing: with probability `weight` it is uniform over all rotations and a
+/// volume, whatever the object's pose.
+struct NullNoise {
+  double weight = 0.0;
+  double volume_m3 = 1.0;
+};
+
+/// The component with its covariances along the camera's axes in metres, for an object at
+/// `camera_object`; components of other frames as they are. Ranges below a millimetre count as one.
+NoiseComponent along_camera(const NoiseComponent& noise, const SE3d& camera_object);
+
 /// The error of one detector on one class of objects: a mixture of components (midway-merge paper,
-/// eq. 33). Invariant: at least one component, weights positive and summing to one, covariances
-/// symmetric positive definite.
+/// eq. 33) and of the null. Invariant: at least one component, weights positive (the null's may be
+/// zero) and summing to one, covariances symmetric positive definite, a positive volume.
 class DetectorNoise {
  public:
   /// Normalises the weights. @throws InvalidInput naming the component when the invariant cannot
   /// hold
-  explicit DetectorNoise(std::vector<NoiseComponent> components);
+  explicit DetectorNoise(std::vector<NoiseComponent> components, NullNoise null = {});
 
   const std::vector<NoiseComponent>& components() const { return components_; }
+  const NullNoise& null() const { return null_; }
+
+  /// Log of the null's weight times its density 1 / (8 pi^2 V) on SE(3) [nats; rad^-3 m^-3]; -inf
+  /// for weight zero.
+  double log_null_density() const;
 
   /// The single Gaussian with the second moment of the components without an offset, for a filter
   /// with one hypothesis: components with an offset are left out (all kept when every one has an
-  /// offset).
+  /// offset), and so is the null.
   DetectorNoise single_gaussian() const;
 
  private:
   std::vector<NoiseComponent> components_;
+  NullNoise null_;
 };
 
 /// Diagonal covariance from standard deviations about and along x, y, z.
