@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "posemix/density/concentrated_gaussian.hpp"
+#include "posemix/filter/object_sensor.hpp"
+
+namespace posemix {
+
+/// Settings of MultiObjectFilter. Distances that are probabilities are quantiles of the chi-square
+/// distribution with six degrees of freedom.
+struct MultiObjectSettings {
+  std::size_t max_hypotheses = 8;        ///< of one object
+  std::size_t protected_hypotheses = 3;  ///< of these, those of the best recent score
+  /// A detection within this quantile of a hypothesis, under any noise component, is explained by
+  /// it; one that none explains starts a hypothesis.
+  double explained_probability = 0.9997;
+  double birth_covariance_factor = 9.0;  ///< of the detector's noise, for a new hypothesis
+  double birth_score = 10.0;             ///< [nats]
+  double score_memory = 0.9;             ///< share of the score that is left after a detection
+  /// Hypotheses are merged (midway-merge paper, eq. 12 to 19) when their poses differ by less than
+  /// these and lie within this quantile of each other as seen from the camera.
+  double merge_rotation_rad = 1.0471975511965976;  ///< 60 deg
+  double merge_translation_m = 0.5;
+  double merge_probability = 0.94;
+  double leader_margin = 0.7;  ///< a hypothesis takes the lead when it is ahead by more [nats]
+  /// Growth of an object's covariance per second, along its own axes: what the detector's error
+  /// varies with the view.
+  Matrix6d object_walk = Matrix6d::Zero();
+  /// The noise with which the camera's gain is computed, in units of a detection's; infinity: the
+  /// camera is considered, not estimated (Schmidt).
+  double camera_gain_noise = 1.0;
+};
+
+/// One alternative for the pose of one object, X = Exp(xi) X0 in the world frame.
+struct ObjectHypothesis {
+  SE3d pose;                     ///< T_world_object
+  Matrix6d covariance;           ///< of xi_O
+  Matrix6d with_camera;          ///< Cov(xi_O, xi_C), rows of the object
+  double log_weight = 0.0;       ///< among the hypotheses of the object and its absence, normalised
+  double score = 0.0;            ///< recent log evidence over that of the null [nats]
+  std::uint64_t id = 0;          ///< kept over time; a merge keeps that of the heavier
+  std::uint64_t detections = 0;  ///< processed since it began
+};
+
+/// What became of a detection.
+struct ObjectUpdateReport {
+  bool started = false;         ///< it began a hypothesis
+  bool changed_leader = false;  ///< another hypothesis leads than before
+  double log_evidence = 0.0;    ///< of the detection given all before [nats]
+  std::size_t merges = 0;
+  double inlier_share = 0.0;  ///< probability that the leading hypothesis' first noise component
+                              ///< explains it
+  Vector6d residual =
+      Vector6d::Zero();  ///< from the leading hypothesis, white under that component
+};
+
+/// Object SLAM with many hypotheses for every object and none for their product
+/// (docs/many-objects.md): the posterior is
+///   N(camera, leading hypotheses) prod_j sum_h w_jh p(O_jh | camera),
+/// the hypotheses of different objects are independent given the camera, and an object's detection
+/// is projected back onto this form with the least loss. A detection that no hypothesis explains
+/// starts one. Cost: linear in hypotheses, quadratic in objects.
+///
+/// Invariants: covariances are symmetric positive definite; the weights of an object's hypotheses
+/// and of its absence sum to one; every object with hypotheses has one that leads.
+class MultiObjectFilter {
+ public:
+  /// @throws InvalidInput when a setting is out of range
+  MultiObjectFilter(const ConcentratedGaussian<SE3d>& camera, std::vector<ObjectSensor> objects,
+                    const MultiObjectSettings& settings);
+  MultiObjectFilter(const MultiObjectFilter&);
+  MultiObjectFilter(MultiObjectFilter&&) noexcept;
+  MultiObjectFilter& operator=(const MultiObjectFilter&);
+  MultiObjectFilter& operator=(MultiObjectFilter&&) noexcept;
+  ~MultiObjectFilter();
+
+  /// T_C <- T_C motion, with noise `q` (right perturbation, camera frame) of a step of `dt`
+  /// seconds.
+  void predict(const SE3d& motion, const Matrix6d& q, double dt);
+
+  /// Constant velocity: the camera's motion per `period` becomes a part of the state at the first
+  /// call, at rest with covariance `at_rest`; as predict_constant_velocity.
+  void predict_constant_velocity(double dt, double period, const Matrix6d& q,
+                                 const Matrix6d& q_motion, const Matrix6d& at_rest);
+
+  /// One detection T_camera_object of the object at `object`.
+  /// @throws InvalidInput when there is no such object
+  ObjectUpdateReport update(std::size_t object, const SE3d& camera_object);
+
+  std::size_t objects() const;
+  /// T_world_camera.
+  ConcentratedGaussian<SE3d> camera() const;
+  /// The hypotheses of an object; empty until it was seen.
+  std::vector<ObjectHypothesis> hypotheses(std::size_t object) const;
+  /// Index of the hypothesis that leads.
+  std::optional<std::size_t> leading(std::size_t object) const;
+  /// Log probability that nothing seen so far was the object.
+  double log_absent(std::size_t object) const;
+  /// T_camera_object of one hypothesis, with the cross-covariance.
+  ConcentratedGaussian<SE3d> relative(std::size_t object, std::size_t hypothesis) const;
+  /// Camera, then the leading hypotheses of the objects that have any, in the order in which they
+  /// began; `index` says where.
+  ConcentratedGaussian<PoseStackd> backbone() const;
+  std::optional<std::size_t> backbone_index(std::size_t object) const;
+
+ private:
+  class State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace posemix

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include "posemix/filter/detector_noise.hpp"
+#include "posemix/filter/symmetry.hpp"
+
+namespace posemix {
+
+/// How one object is seen: the error of its detections, and the poses that look the same.
+struct ObjectSensor {
+  DetectorNoise noise;
+  SymmetryGroup symmetries = {};
+};
+
+}  // namespace posemix

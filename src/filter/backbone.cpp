@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "backbone.hpp"
+
+#include <array>
+
+#include "posemix/filter/update.hpp"
+
+namespace posemix::internal {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// Below this weight alternatives cannot change the leading object's row beyond rounding.
+constexpr double kNegligibleWeight = 1e-7;
+
+}  // namespace
+
+Pair Backbone::pair(std::size_t object) const {
+  Pair result{poses_[kCamera], poses_[object], {}};
+  result.covariance.topLeftCorner<6, 6>() = block(covariance_, kCamera, kCamera);
+  result.covariance.bottomRightCorner<6, 6>() = block(covariance_, object, object);
+  result.covariance.bottomLeftCorner<6, 6>() = block(covariance_, object, kCamera);
+  result.covariance.topRightCorner<6, 6>() = block(covariance_, kCamera, object);
+  return result;
+}
+
+std::size_t Backbone::append(const SE3d& pose, const Matrix6d& covariance,
+                             const Matrix6d& with_camera) {
+  const std::size_t index = poses_.size();
+  poses_.push_back(pose);
+  const Index n = offset(index);
+  covariance_.conservativeResize(n + kPoseDof, n + kPoseDof);
+  replace(index, pose, covariance, with_camera);
+  return index;
+}
+
+void Backbone::replace(std::size_t index, const SE3d& pose, const Matrix6d& covariance,
+                       const Matrix6d& with_camera) {
+  // B_j. = P_OC P_CC^-1 B_C.
+  poses_[index] = pose;
+  const Eigen::LLT<Matrix6d> camera(covariance_.topLeftCorner<6, 6>());
+  const Matrix6d by = camera.solve(with_camera.transpose()).transpose();
+  for (std::size_t k = 0; k < poses_.size(); ++k) {
+    if (k == index) continue;
+    const Matrix6d row = k == kCamera ? with_camera : Matrix6d(by * block(covariance_, kCamera, k));
+    block(covariance_, index, k) = row;
+    block(covariance_, k, index) = row.transpose();
+  }
+  block(covariance_, index, index) = covariance;
+}
+
+void Backbone::set_rows(std::size_t index, const SE3d& pose, const MatrixXd& values,
+                        const Matrix6d& covariance) {
+  poses_[index] = pose;
+  rows(covariance_, index) = values;
+  columns(covariance_, index) = values.transpose();
+  block(covariance_, index, index) = covariance;
+}
+
+void Backbone::regress(std::span<const std::size_t> indices, const VectorXd& mean,
+                       const MatrixXd& covariance, VectorXd& all_mean,
+                       MatrixXd& all_covariance) const {
+  // G = B_.I B_II^-1, mu = G m, B* = B + G (P - B_II) G^T.
+  const Index n = covariance_.rows();
+  const Index m = offset(indices.size());
+  MatrixXd columns_of(n, m);
+  MatrixXd prior(m, m);
+  for (std::size_t k = 0; k < indices.size(); ++k)
+    columns(columns_of, k) = columns(covariance_, indices[k]);
+  for (std::size_t k = 0; k < indices.size(); ++k) rows(prior, k) = rows(columns_of, indices[k]);
+  const MatrixXd g = prior.llt().solve(columns_of.transpose()).transpose();
+  all_mean.noalias() = g * mean;
+  const MatrixXd change = g * (covariance - prior);
+  all_covariance = covariance_;
+  all_covariance.noalias() += change * g.transpose();
+}
+
+Vector6d Backbone::update(std::size_t index, const PairMoments& leading,
+                          const CameraAlternative& alternative) {
+  const Index n = covariance_.rows();
+  VectorXd mean(n);
+  MatrixXd b;
+  regress(std::array{kCamera, index}, leading.mean, leading.covariance, mean, b);
+  if (alternative.weight < kNegligibleWeight) {
+    covariance_ = std::move(b);
+    symmetrize(covariance_);
+    return move(mean);
+  }
+  VectorXd other_mean(n);
+  MatrixXd other;
+  regress(std::array{kCamera}, alternative.mean, alternative.covariance, other_mean, other);
+
+  // Everything but the object: exact moments of the two. The object: regression on the rest as the
+  // leading hypothesis has it.
+  const double w_a = alternative.weight;
+  const double w = 1.0 - w_a;
+  const Index at = offset(index);
+  const Index rest = n - kPoseDof;
+  std::vector<Index> s;
+  s.reserve(static_cast<std::size_t>(rest));
+  for (Index i = 0; i < n; ++i) {
+    if (i < at || i >= at + kPoseDof) s.push_back(i);
+  }
+  const VectorXd difference = (other_mean - mean)(s);
+  const VectorXd shift = w_a * difference;
+  MatrixXd b_s = w * b(s, s) + w_a * other(s, s);
+  b_s.noalias() += w * w_a * difference * difference.transpose();
+  const MatrixXd b_js = b.middleRows(at, kPoseDof)(Eigen::all, s);
+  const MatrixXd before = b(s, s);
+  const MatrixXd g = before.llt().solve(b_js.transpose()).transpose();
+  mean.segment<kPoseDof>(at) += g * shift;
+  for (std::size_t i = 0; i < s.size(); ++i) mean(s[i]) += shift(static_cast<Index>(i));
+  const MatrixXd row = g * b_s;
+  covariance_(s, s) = b_s;
+  covariance_.middleRows(at, kPoseDof)(Eigen::all, s) = row;
+  covariance_.middleCols(at, kPoseDof)(s, Eigen::all) = row.transpose();
+  covariance_.block<kPoseDof, kPoseDof>(at, at) =
+      b.block<kPoseDof, kPoseDof>(at, at) + g * (b_s - before) * g.transpose();
+  symmetrize(covariance_);
+  return move(mean);
+}
+
+Vector6d Backbone::update_camera(const CameraAlternative& camera) {
+  VectorXd mean(covariance_.rows());
+  MatrixXd b;
+  regress(std::array{kCamera}, camera.mean, camera.covariance, mean, b);
+  covariance_ = std::move(b);
+  symmetrize(covariance_);
+  return move(mean);
+}
+
+Vector6d Backbone::move(const VectorXd& mean) {
+  for (std::size_t k = 0; k < poses_.size(); ++k)
+    poses_[k] = SE3d::exp(mean.segment<kPoseDof>(offset(k))) * poses_[k];
+  return mean.head<kPoseDof>();
+}
+
+}  // namespace posemix::internal

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "pair.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "noise_axes.hpp"
+#include "posemix/mixture/log_weights.hpp"
+
+namespace posemix::internal {
+namespace {
+
+using Matrix12x6d = Eigen::Matrix<double, 12, 6>;
+
+/// A component that explains the detection by less than this share of the best is left out.
+constexpr double kLeastLogShare = -9.0;
+
+/// Moments of a mixture of children in one tangent space, summed up child by child.
+class ChildMoments {
+ public:
+  explicit ChildMoments(const Matrix12d& prior) : prior_(prior) {}
+
+  /// A child that the detection does not move.
+  void add_unmoved(double weight) { second_.noalias() += weight * prior_; }
+
+  void add(double weight, const Vector12d& mean, const Matrix12d& covariance) {
+    mean_ += weight * mean;
+    second_.noalias() += weight * (covariance + mean * mean.transpose());
+  }
+
+  PairMoments moments() const {
+    Matrix12d covariance = second_ - mean_ * mean_.transpose();
+    symmetrize(covariance);
+    return {mean_, covariance};
+  }
+
+ private:
+  const Matrix12d& prior_;
+  Vector12d mean_ = Vector12d::Zero();
+  Matrix12d second_ = Matrix12d::Zero();
+};
+
+/// P H^T with H = [-I I].
+Matrix12x6d times_ht(const Matrix12d& p) { return p.rightCols<6>() - p.leftCols<6>(); }
+
+/// K = P H^T S^-1 with S = H P H^T + R; the camera's rows with R multiplied by a factor.
+Matrix12x6d gain(const Matrix12x6d& p_ht, const Matrix6d& difference, const Matrix6d& noise,
+                 double camera_factor) {
+  const Eigen::LLT<Matrix6d> s(difference + noise);
+  if (camera_factor == 1.0) return s.solve(p_ht.transpose()).transpose();
+  Matrix12x6d k;
+  k.bottomRows<6>() = s.solve(p_ht.bottomRows<6>().transpose()).transpose();
+  if (std::isinf(camera_factor)) {
+    k.topRows<6>().setZero();
+  } else {
+    const Eigen::LLT<Matrix6d> weaker(difference + camera_factor * noise);
+    k.topRows<6>() = weaker.solve(p_ht.topRows<6>().transpose()).transpose();
+  }
+  return k;
+}
+
+}  // namespace
+
+PairInnovation innovation(const Pair& pair, const SE3d& detected, const NoiseComponent& component,
+                          const SymmetryGroup& symmetries) {
+  const SE3d expected = pair.camera_object();
+  const NoiseComponent noise = along_camera(component, expected);
+  const SE3d axes = noise_axes(noise, pair.camera.rotation(), pair.object);
+  PairInnovation result;
+  result.noise = axes.adjoint_congruence(noise.covariance);
+  result.update_noise =
+      noise.update_covariance ? axes.adjoint_congruence(*noise.update_covariance) : result.noise;
+  SE3d seen = detected * noise.offset.inverse();
+  if (!symmetries.is_trivial()) {
+    const Matrix6d local =
+        pair.object.inverse().adjoint_congruence(Matrix6d(pair.difference() + result.noise));
+    seen = symmetries.closest(seen, expected, local.inverse());
+    const Matrix6d unobserved = pair.object.adjoint_congruence(symmetries.unobserved_covariance());
+    result.noise += unobserved;
+    result.update_noise += unobserved;
+  }
+  result.residual = (pair.camera * seen * pair.object.inverse()).log();
+  return result;
+}
+
+PairUpdate observe(const Pair& pair, const SE3d& detected, const ObjectSensor& sensor,
+                   double camera_gain_noise) {
+  const auto& components = sensor.noise.components();
+  const Matrix6d difference = pair.difference();
+  std::vector<PairInnovation> innovations;
+  std::vector<double> log_evidence;
+  innovations.reserve(components.size());
+  log_evidence.reserve(components.size() + 1);
+  PairUpdate result;
+  result.squared_distance = std::numeric_limits<double>::infinity();
+
+  // Evidence of every component, log w + log N(z; 0, H P H^T + R), and of the null.
+  for (const NoiseComponent& component : components) {
+    innovations.push_back(innovation(pair, detected, component, sensor.symmetries));
+    const PairInnovation& seen = innovations.back();
+    const Eigen::LLT<Matrix6d> s(difference + seen.noise);
+    const bool ok = s.info() == Eigen::Success;
+    const double squared =
+        ok ? s.matrixL().solve(seen.residual).squaredNorm() : result.squared_distance;
+    log_evidence.push_back(ok ? std::log(component.weight) -
+                                    0.5 * (squared + log_det(s) + 6.0 * kLogTwoPi)
+                              : -std::numeric_limits<double>::infinity());
+    result.squared_distance = std::min(result.squared_distance, squared);
+  }
+  log_evidence.push_back(sensor.noise.log_null_density());
+  result.log_evidence = log_sum_exp(log_evidence);
+  if (!std::isfinite(result.log_evidence)) {
+    result.posterior.covariance = pair.covariance;
+    return result;
+  }
+
+  // One child per component, and their moments.
+  ChildMoments children(pair.covariance);
+  const Matrix12x6d p_ht = times_ht(pair.covariance);
+  const double most = *std::max_element(log_evidence.begin(), log_evidence.end());
+  double kept = 0.0;
+  for (double& value : log_evidence) {
+    value = value < most + kLeastLogShare ? 0.0 : std::exp(value - result.log_evidence);
+    kept += value;
+  }
+  for (std::size_t i = 0; i < components.size(); ++i) {
+    const double weight = log_evidence[i] / kept;
+    if (weight == 0.0) continue;
+    const PairInnovation& seen = innovations[i];
+    const Matrix12x6d k = gain(p_ht, difference, seen.update_noise, camera_gain_noise);
+    // Joseph's form for whatever gain: P - K H P - P H^T K^T + K S K^T.
+    const Matrix12d kt = k * p_ht.transpose();
+    const Matrix12d covariance = pair.covariance - kt - kt.transpose() +
+                                 k * (difference + seen.update_noise) * k.transpose();
+    children.add(weight, k * seen.residual, covariance);
+  }
+  if (log_evidence.back() > 0.0) children.add_unmoved(log_evidence.back() / kept);
+  result.posterior = children.moments();
+  result.inlier_share = log_evidence.front() / kept;
+  const Eigen::LLT<Matrix6d> inlier(innovations.front().noise);
+  result.residual = inlier.matrixL().solve(innovations.front().residual);
+  return result;
+}
+
+}  // namespace posemix::internal
