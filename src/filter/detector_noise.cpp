@@ -18,12 +18,12 @@ namespace {
 
 constexpr double kLeastRangeM = 1e-3;
 
-/// blkdiag(R, s R) C blkdiag(R, s R)^T.
-Matrix6d turned(const Matrix6d& covariance, const Eigen::Matrix3d& rotation, double scale) {
-  Matrix6d by = Matrix6d::Zero();
-  by.topLeftCorner<3, 3>() = rotation;
-  by.bottomRightCorner<3, 3>() = scale * rotation;
-  return mirror_upper(Matrix6d(by * covariance * by.transpose()));
+/// blkdiag(I, s I) C blkdiag(I, s I).
+Matrix6d with_range(Matrix6d covariance, double range) {
+  covariance.topRightCorner<3, 3>() *= range;
+  covariance.bottomLeftCorner<3, 3>() *= range;
+  covariance.bottomRightCorner<3, 3>() *= range * range;
+  return covariance;
 }
 
 }  // namespace
@@ -40,17 +40,33 @@ std::string_view name_of(NoiseFrame frame) {
   return "";
 }
 
+NoiseAtPose noise_at(const NoiseComponent& noise, const SE3d& camera_object) {
+  const SE3d mode = camera_object * noise.offset;
+  const Matrix6d& update = noise.update_covariance ? *noise.update_covariance : noise.covariance;
+  switch (noise.frame) {
+    case NoiseFrame::object:
+      return {mode, noise.covariance, update};
+    case NoiseFrame::camera:
+      return {SE3d(SO3d(), mode.translation()), noise.covariance, update};
+    case NoiseFrame::ray:
+      break;
+  }
+  const Eigen::Vector3d& ray = mode.translation();
+  const double range = std::max(ray.norm(), kLeastRangeM);
+  const auto turn = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), ray);
+  return {SE3d(SO3d::from_quaternion(turn), ray), with_range(noise.covariance, range),
+          with_range(update, range)};
+}
+
 NoiseComponent along_camera(const NoiseComponent& noise, const SE3d& camera_object) {
   if (noise.frame != NoiseFrame::ray) return noise;
-  const Eigen::Vector3d ray = (camera_object * noise.offset).translation();
-  const double range = std::max(ray.norm(), kLeastRangeM);
-  const Eigen::Matrix3d axes =
-      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), ray).toRotationMatrix();
+  const NoiseAtPose at = noise_at(noise, camera_object);
+  const SE3d turn(at.axes.rotation(), Eigen::Vector3d::Zero());
   NoiseComponent result = noise;
   result.frame = NoiseFrame::camera;
-  result.covariance = turned(noise.covariance, axes, range);
+  result.covariance = turn.adjoint_congruence(at.covariance);
   if (noise.update_covariance)
-    result.update_covariance = turned(*noise.update_covariance, axes, range);
+    result.update_covariance = turn.adjoint_congruence(at.update_covariance);
   return result;
 }
 

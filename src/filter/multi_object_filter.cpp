@@ -3,6 +3,7 @@
 #include "posemix/filter/multi_object_filter.hpp"
 
 #include <algorithm>
+#include <array>
 #include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 #include <utility>
@@ -85,6 +86,35 @@ class MultiObjectFilter::State {
 
   ObjectUpdateReport update(std::size_t j, const SE3d& detected);
 
+  double dependent_frames() const {
+    double sum = settings.dependent_frames;
+    double weight = 1.0;
+    for (const ObjectState& object : objects) {
+      sum += object.seen * object.dependence.estimate(settings.dependent_frames,
+                                                      settings.dependent_frames_detections);
+      weight += object.seen;
+    }
+    return sum / weight;
+  }
+
+  /// Of the filter's covariances, to be those of the true error.
+  double factor() const { return has_odometry ? dependent_frames() : 1.0; }
+
+  /// What all detections of an object have in common, in the world frame.
+  Matrix6d common_error(const ObjectState& object, const SE3d& pose) const {
+    const Pair there{backbone.pose(kCamera), pose, internal::Matrix12d::Zero()};
+    return settings.common_error_share *
+           internal::component_noise(there, object.sensor.noise.components().front(),
+                                     object.sensor);
+  }
+
+  Pair honest_pair(const ObjectState& object, std::size_t h) const {
+    Pair pair = internal::pair_of(backbone, object, h);
+    pair.covariance *= factor();
+    pair.covariance.bottomRightCorner<6, 6>() += common_error(object, pair.object);
+    return pair;
+  }
+
   MultiObjectSettings settings;
   double explained;
   MergeBounds merge_bounds;
@@ -92,23 +122,45 @@ class MultiObjectFilter::State {
   std::vector<ObjectState> objects;
   std::optional<std::size_t> motion;  ///< index of the camera's motion in the backbone
   std::uint64_t next_id = 0;
+  Matrix6d drift = Matrix6d::Zero();  ///< of the map, in the world frame
+  bool has_odometry = true;
 
  private:
   void walk(ObjectState& object);
+  void learn_scale(ObjectState& object, const PairUpdate& update);
   ObjectHypothesis newborn(const ObjectState& object, const SE3d& detected);
   void move_camera(ObjectState& object, const std::vector<PairUpdate>& updates,
                    const std::vector<double>& weights, double unmoved);
 };
 
-/// The object's covariance grows by what its walk adds until now.
+/// The object's covariance grows by the map's drift since its last detection.
 void MultiObjectFilter::State::walk(ObjectState& object) {
-  const Matrix6d q = object.waited_s * settings.object_walk;
-  object.waited_s = 0.0;
-  for (ObjectHypothesis& hypothesis : object.hypotheses)
-    hypothesis.covariance += hypothesis.pose.adjoint_congruence(q);
+  const Matrix6d grown = drift - object.drift;
+  object.drift = drift;
+  for (ObjectHypothesis& hypothesis : object.hypotheses) hypothesis.covariance += hypothesis.pose.adjoint_congruence(grown);
   if (object.index) {
     const std::size_t i = *object.index;
-    internal::block(backbone.covariance(), i, i) += backbone.pose(i).adjoint_congruence(q);
+    internal::block(backbone.covariance(), i, i) += backbone.pose(i).adjoint_congruence(grown);
+  }
+}
+
+/// The scale of the noise from the innovations of the leading hypothesis: rotation, translation
+/// across the ray and along it, each the posterior mean of a variance with `noise_scale_detections`
+/// imagined ones of scale one.
+void MultiObjectFilter::State::learn_scale(ObjectState& object, const PairUpdate& update) {
+  if (!std::isfinite(settings.noise_scale_detections)) return;
+  const Vector6d ratio = update.residual.cwiseAbs2().cwiseQuotient(update.residual_variance);
+  const Vector6d now = object.sensor.noise_scale.cwiseAbs2();
+  constexpr std::array<std::array<int, 2>, 3> kGroups{{{0, 3}, {3, 2}, {5, 1}}};
+  object.seen += update.inlier_share;
+  const double rate = 1.0 / (settings.noise_scale_detections + object.seen);
+  for (const auto& [first, count] : kGroups) {
+    const double change =
+        ratio.segment(first, count).mean() / (1.0 - settings.common_error_share) - 1.0;
+    const double variance = now[first] * (1.0 + update.inlier_share * rate * change);
+    object.sensor.noise_scale.segment(first, count)
+        .setConstant(std::sqrt(
+            std::clamp(variance, settings.least_noise_scale * settings.least_noise_scale, 1.0)));
   }
 }
 
@@ -119,11 +171,9 @@ ObjectHypothesis MultiObjectFilter::State::newborn(const ObjectState& object,
   const Matrix6d camera = backbone.covariance(kCamera, kCamera);
   const NoiseComponent& component = object.sensor.noise.components().front();
   const SE3d seen = detected * component.offset.inverse();
-  const Pair there{backbone.pose(kCamera), backbone.pose(kCamera) * seen, {}};
-  const Matrix6d noise =
-      internal::innovation({there.camera, there.object, internal::Matrix12d::Zero()}, detected,
-                           component, object.sensor.symmetries)
-          .noise;
+  const Pair there{backbone.pose(kCamera), backbone.pose(kCamera) * seen,
+                   internal::Matrix12d::Zero()};
+  const Matrix6d noise = internal::innovation(there, detected, component, object.sensor).noise;
   ObjectHypothesis result{.pose = there.object,
                           .covariance = camera + settings.birth_covariance_factor * noise,
                           .with_camera = camera};
@@ -162,8 +212,8 @@ void MultiObjectFilter::State::move_camera(ObjectState& object,
       hypothesis.pose = SE3d::exp(pair.mean.tail<6>()) * hypothesis.pose;
       hypothesis.covariance = pair.covariance.bottomRightCorner<6, 6>();
       hypothesis.with_camera = pair.covariance.bottomLeftCorner<6, 6>();
-      internal::follow_camera(hypothesis, pair.mean.head<6>(), pair.covariance.topLeftCorner<6, 6>(), moved,
-                    after);
+      internal::follow_camera(hypothesis, pair.mean.head<6>(),
+                              pair.covariance.topLeftCorner<6, 6>(), moved, after);
     }
   }
 }
@@ -179,7 +229,7 @@ ObjectUpdateReport MultiObjectFilter::State::update(std::size_t j, const SE3d& d
   bool is_explained = false;
   for (std::size_t h = 0; h < object.hypotheses.size(); ++h) {
     updates.push_back(internal::observe(internal::pair_of(backbone, object, h), detected,
-                                        object.sensor, settings.camera_gain_noise));
+                                        object.sensor, settings.camera_gain_noise, has_odometry));
     is_explained = is_explained || updates.back().squared_distance < explained;
   }
 
@@ -207,7 +257,10 @@ ObjectUpdateReport MultiObjectFilter::State::update(std::size_t j, const SE3d& d
   const SE3d camera_before = backbone.pose(kCamera);
   if (object.index) {
     report.inlier_share = updates[object.leading].inlier_share;
-    report.residual = updates[object.leading].residual;
+    learn_scale(object, updates[object.leading]);
+    report.residual = updates[object.leading].residual.cwiseQuotient(
+        updates[object.leading].residual_variance.cwiseSqrt());
+    if (report.inlier_share > 0.5) object.dependence.add(report.residual);
     std::vector<double> weights;
     for (std::size_t h = 0; h < updates.size(); ++h)
       weights.push_back(std::exp(object.hypotheses[h].log_weight - report.log_evidence));
@@ -221,7 +274,7 @@ ObjectUpdateReport MultiObjectFilter::State::update(std::size_t j, const SE3d& d
   const Vector6d moved = (backbone.pose(kCamera) * camera_before.inverse()).log();
   for (ObjectHypothesis& hypothesis : born) {
     internal::follow_camera(hypothesis, Vector6d::Zero(), before, moved,
-                  backbone.covariance(kCamera, kCamera));
+                            backbone.covariance(kCamera, kCamera));
     object.hypotheses.push_back(std::move(hypothesis));
     report.started = true;
   }
@@ -255,12 +308,22 @@ MultiObjectFilter& MultiObjectFilter::operator=(const MultiObjectFilter& other) 
 MultiObjectFilter& MultiObjectFilter::operator=(MultiObjectFilter&&) noexcept = default;
 MultiObjectFilter::~MultiObjectFilter() = default;
 
-void MultiObjectFilter::predict(const SE3d& motion, const Matrix6d& q, double dt) {
+void MultiObjectFilter::predict_with_odometry(const SE3d& motion, const Matrix6d& q) {
   Backbone& backbone = state_->backbone;
   const SE3d camera = backbone.pose(kCamera) * motion;
   backbone.set_pose(kCamera, camera);
-  internal::block(backbone.covariance(), kCamera, kCamera) += camera.adjoint_congruence(q);
-  for (ObjectState& object : state_->objects) object.waited_s += dt;
+  const Matrix6d noise = camera.adjoint_congruence(q) / dependent_frames();
+  const double share = state_->settings.camera_share;
+  internal::block(backbone.covariance(), kCamera, kCamera) += share * noise;
+  state_->drift += (1.0 - share) / dependent_frames() * q;
+  state_->has_odometry = true;
+}
+
+void MultiObjectFilter::predict_random_walk(const Matrix6d& q) {
+  Backbone& backbone = state_->backbone;
+  internal::block(backbone.covariance(), kCamera, kCamera) +=
+      backbone.pose(kCamera).adjoint_congruence(q);
+  state_->has_odometry = false;
 }
 
 ObjectUpdateReport MultiObjectFilter::update(std::size_t object, const SE3d& camera_object) {
@@ -272,20 +335,22 @@ ObjectUpdateReport MultiObjectFilter::update(std::size_t object, const SE3d& cam
 
 std::size_t MultiObjectFilter::objects() const { return state_->objects.size(); }
 
+double MultiObjectFilter::dependent_frames() const { return state_->dependent_frames(); }
+
 ConcentratedGaussian<SE3d> MultiObjectFilter::camera() const {
-  return ConcentratedGaussian<SE3d>::trusted(state_->backbone.pose(kCamera),
-                                             state_->backbone.covariance(kCamera, kCamera));
+  return ConcentratedGaussian<SE3d>::trusted(
+      state_->backbone.pose(kCamera),
+      state_->factor() * state_->backbone.covariance(kCamera, kCamera));
 }
 
 std::vector<ObjectHypothesis> MultiObjectFilter::hypotheses(std::size_t object) const {
   const ObjectState& state = state_->objects[object];
   std::vector<ObjectHypothesis> list = state.hypotheses;
-  if (state.index) {
-    const Pair pair = state_->backbone.pair(*state.index);
-    ObjectHypothesis& leader = list[state.leading];
-    leader.pose = pair.object;
-    leader.covariance = pair.covariance.bottomRightCorner<6, 6>();
-    leader.with_camera = pair.covariance.bottomLeftCorner<6, 6>();
+  for (std::size_t h = 0; h < list.size(); ++h) {
+    const Pair pair = state_->honest_pair(state, h);
+    list[h].pose = pair.object;
+    list[h].covariance = pair.covariance.bottomRightCorner<6, 6>();
+    list[h].with_camera = pair.covariance.bottomLeftCorner<6, 6>();
   }
   return list;
 }
@@ -301,7 +366,7 @@ double MultiObjectFilter::log_absent(std::size_t object) const {
 
 ConcentratedGaussian<SE3d> MultiObjectFilter::relative(std::size_t object,
                                                        std::size_t hypothesis) const {
-  const Pair pair = internal::pair_of(state_->backbone, state_->objects[object], hypothesis);
+  const Pair pair = state_->honest_pair(state_->objects[object], hypothesis);
   return ConcentratedGaussian<SE3d>::trusted(
       pair.camera_object(), pair.camera.inverse().adjoint_congruence(pair.difference()));
 }
@@ -310,8 +375,14 @@ ConcentratedGaussian<PoseStackd> MultiObjectFilter::backbone() const {
   const Backbone& backbone = state_->backbone;
   std::vector<SE3d> poses;
   for (std::size_t i = 0; i < backbone.size(); ++i) poses.push_back(backbone.pose(i));
+  Eigen::MatrixXd covariance = state_->factor() * backbone.covariance();
+  for (const ObjectState& object : state_->objects) {
+    if (object.index)
+      internal::block(covariance, *object.index, *object.index) +=
+          state_->common_error(object, backbone.pose(*object.index));
+  }
   return ConcentratedGaussian<PoseStackd>::trusted(PoseStackd(std::move(poses)),
-                                                   backbone.covariance());
+                                                   std::move(covariance));
 }
 
 std::optional<std::size_t> MultiObjectFilter::backbone_index(std::size_t object) const {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "backbone.hpp"
+#include "dependence.hpp"
 #include "posemix/filter/multi_object_filter.hpp"
 
 /// The hypotheses of one object, one of which lies in the backbone. In the room `filter` only.
@@ -19,7 +20,9 @@ struct ObjectState {
   double log_absent = 0.0;
   std::size_t leading = 0;
   std::optional<std::size_t> index = {};
-  double waited_s = 0.0;  ///< time over which the object has not walked yet
+  double seen = 0.0;  ///< detections that taught the noise's scale
+  DependentFrames dependence = {};
+  Matrix6d drift = Matrix6d::Zero();  ///< of the map, up to the last detection
 };
 
 /// Camera and hypothesis h, from the backbone where it leads.

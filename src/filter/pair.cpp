@@ -43,6 +43,11 @@ class ChildMoments {
   Matrix12d second_ = Matrix12d::Zero();
 };
 
+/// The covariance with standard deviations times `scale`.
+Matrix6d scaled(const Matrix6d& covariance, const Vector6d& scale) {
+  return scale.asDiagonal() * covariance * scale.asDiagonal();
+}
+
 /// P H^T with H = [-I I].
 Matrix12x6d times_ht(const Matrix12d& p) { return p.rightCols<6>() - p.leftCols<6>(); }
 
@@ -64,16 +69,25 @@ Matrix12x6d gain(const Matrix12x6d& p_ht, const Matrix6d& difference, const Matr
 
 }  // namespace
 
+Matrix6d component_noise(const Pair& pair, const NoiseComponent& component,
+                         const ObjectSensor& sensor) {
+  const NoiseAtPose at = noise_at(component, pair.camera_object());
+  return (pair.camera * at.axes).adjoint_congruence(scaled(at.covariance, sensor.noise_scale));
+}
+
 PairInnovation innovation(const Pair& pair, const SE3d& detected, const NoiseComponent& component,
-                          const SymmetryGroup& symmetries) {
+                          const ObjectSensor& sensor) {
   const SE3d expected = pair.camera_object();
-  const NoiseComponent noise = along_camera(component, expected);
-  const SE3d axes = noise_axes(noise, pair.camera.rotation(), pair.object);
+  const NoiseAtPose at = noise_at(component, expected);
   PairInnovation result;
-  result.noise = axes.adjoint_congruence(noise.covariance);
+  result.axes = pair.camera * at.axes;
+  result.noise = result.axes.adjoint_congruence(scaled(at.covariance, sensor.noise_scale));
   result.update_noise =
-      noise.update_covariance ? axes.adjoint_congruence(*noise.update_covariance) : result.noise;
-  SE3d seen = detected * noise.offset.inverse();
+      component.update_covariance
+          ? result.axes.adjoint_congruence(scaled(at.update_covariance, sensor.noise_scale))
+          : result.noise;
+  SE3d seen = detected * component.offset.inverse();
+  const SymmetryGroup& symmetries = sensor.symmetries;
   if (!symmetries.is_trivial()) {
     const Matrix6d local =
         pair.object.inverse().adjoint_congruence(Matrix6d(pair.difference() + result.noise));
@@ -87,7 +101,7 @@ PairInnovation innovation(const Pair& pair, const SE3d& detected, const NoiseCom
 }
 
 PairUpdate observe(const Pair& pair, const SE3d& detected, const ObjectSensor& sensor,
-                   double camera_gain_noise) {
+                   double camera_gain_noise, bool averages) {
   const auto& components = sensor.noise.components();
   const Matrix6d difference = pair.difference();
   std::vector<PairInnovation> innovations;
@@ -99,7 +113,7 @@ PairUpdate observe(const Pair& pair, const SE3d& detected, const ObjectSensor& s
 
   // Evidence of every component, log w + log N(z; 0, H P H^T + R), and of the null.
   for (const NoiseComponent& component : components) {
-    innovations.push_back(innovation(pair, detected, component, sensor.symmetries));
+    innovations.push_back(innovation(pair, detected, component, sensor));
     const PairInnovation& seen = innovations.back();
     const Eigen::LLT<Matrix6d> s(difference + seen.noise);
     const bool ok = s.info() == Eigen::Success;
@@ -130,18 +144,22 @@ PairUpdate observe(const Pair& pair, const SE3d& detected, const ObjectSensor& s
     const double weight = log_evidence[i] / kept;
     if (weight == 0.0) continue;
     const PairInnovation& seen = innovations[i];
-    const Matrix12x6d k = gain(p_ht, difference, seen.update_noise, camera_gain_noise);
+    const Matrix6d& noise = averages ? seen.update_noise : seen.noise;
+    const Matrix12x6d k = gain(p_ht, difference, noise, camera_gain_noise);
     // Joseph's form for whatever gain: P - K H P - P H^T K^T + K S K^T.
     const Matrix12d kt = k * p_ht.transpose();
-    const Matrix12d covariance = pair.covariance - kt - kt.transpose() +
-                                 k * (difference + seen.update_noise) * k.transpose();
+    const Matrix12d covariance =
+        pair.covariance - kt - kt.transpose() + k * (difference + noise) * k.transpose();
     children.add(weight, k * seen.residual, covariance);
   }
   if (log_evidence.back() > 0.0) children.add_unmoved(log_evidence.back() / kept);
   result.posterior = children.moments();
   result.inlier_share = log_evidence.front() / kept;
-  const Eigen::LLT<Matrix6d> inlier(innovations.front().noise);
-  result.residual = inlier.matrixL().solve(innovations.front().residual);
+  const PairInnovation& inlier = innovations.front();
+  const SE3d to_axes = inlier.axes.inverse();
+  result.residual = to_axes.adjoint_blocks().times(inlier.residual);
+  result.residual_variance =
+      to_axes.adjoint_congruence(Matrix6d(difference + inlier.noise)).diagonal();
   return result;
 }
 

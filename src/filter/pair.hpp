@@ -39,16 +39,19 @@ struct PairMoments {
 /// What a detection says to one pair.
 struct PairUpdate {
   PairMoments posterior;
-  double log_evidence = 0.0;             ///< of all noise components and the null [nats]
-  double squared_distance = 0.0;         ///< least squared Mahalanobis distance over the components
-  double inlier_share = 0.0;             ///< posterior probability of the heaviest component
-  Vector6d residual = Vector6d::Zero();  ///< of the heaviest component, white under its covariance
+  double log_evidence = 0.0;      ///< of all noise components and the null [nats]
+  double squared_distance = 0.0;  ///< least squared Mahalanobis distance over the components
+  double inlier_share = 0.0;      ///< posterior probability of the first component
+  /// Innovation of the first component along the axes of its noise, and its expected variance.
+  Vector6d residual = Vector6d::Zero();
+  Vector6d residual_variance = Vector6d::Ones();
 };
 
 /// Noise, null and symmetries as in `sensor`; `camera_gain_noise` multiplies the noise with which
-/// the camera's gain is computed (infinity: the camera is not moved).
+/// the camera's gain is computed (infinity: the camera is not moved). Without `averages` the update
+/// is by the covariance that weighs.
 PairUpdate observe(const Pair& pair, const SE3d& detected, const ObjectSensor& sensor,
-                   double camera_gain_noise);
+                   double camera_gain_noise, bool averages);
 
 /// One component as it is seen from a pair: z = Log(T_C Y offset^-1 T_O^-1) with its covariances,
 /// all in the world frame.
@@ -56,9 +59,14 @@ struct PairInnovation {
   Vector6d residual;
   Matrix6d noise;
   Matrix6d update_noise;
+  SE3d axes;  ///< of the noise, in the world frame
 };
 
+/// Covariance of one component's noise, in the world frame.
+Matrix6d component_noise(const Pair& pair, const NoiseComponent& component,
+                         const ObjectSensor& sensor);
+
 PairInnovation innovation(const Pair& pair, const SE3d& detected, const NoiseComponent& component,
-                          const SymmetryGroup& symmetries);
+                          const ObjectSensor& sensor);
 
 }  // namespace posemix::internal

@@ -46,8 +46,19 @@ struct NullNoise {
   double volume_m3 = 1.0;
 };
 
+/// A component where it is seen: covariances in metres along axes whose pose in the camera's frame
+/// is `axes` (the origin of the mode, turned as the component's frame says).
+struct NoiseAtPose {
+  SE3d axes;
+  Matrix6d covariance;
+  Matrix6d update_covariance;
+};
+
+/// Of an object at `camera_object`. Ranges below a millimetre count as one.
+NoiseAtPose noise_at(const NoiseComponent& noise, const SE3d& camera_object);
+
 /// The component with its covariances along the camera's axes in metres, for an object at
-/// `camera_object`; components of other frames as they are. Ranges below a millimetre count as one.
+/// `camera_object`; components of other frames as they are.
 NoiseComponent along_camera(const NoiseComponent& noise, const SE3d& camera_object);
 
 /// The error of one detector on one class of objects: a mixture of components (midway-merge paper,

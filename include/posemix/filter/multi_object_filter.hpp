@@ -30,9 +30,20 @@ struct MultiObjectSettings {
   double merge_translation_m = 0.5;
   double merge_probability = 0.94;
   double leader_margin = 0.7;  ///< a hypothesis takes the lead when it is ahead by more [nats]
-  /// Growth of an object's covariance per second, along its own axes: what the detector's error
-  /// varies with the view.
-  Matrix6d object_walk = Matrix6d::Zero();
+  /// Share of the odometry's noise that is the camera's; the rest is the map's drift, every object
+  /// for itself. At 1 objects stand still and their detections correct the camera as much as they
+  /// can; at 0 the camera follows its odometry.
+  double camera_share = 0.2;
+  /// The noise's scale is learned from innovations, between the least scale and one; the noise as
+  /// given counts as this many detections. Infinity: the noise is taken as given.
+  double noise_scale_detections = 50.0;
+  double least_noise_scale = 0.1;
+  /// Frames that count as one because errors of successive detections depend on each other; learned
+  /// from innovations, this value counting as that many frames.
+  double dependent_frames = 30.0;
+  double dependent_frames_detections = 100.0;
+  /// Share of the noise's variance that all frames have in common, so that it never averages out.
+  double common_error_share = 0.2;
   /// The noise with which the camera's gain is computed, in units of a detection's; infinity: the
   /// camera is considered, not estimated (Schmidt).
   double camera_gain_noise = 1.0;
@@ -81,21 +92,28 @@ class MultiObjectFilter {
   MultiObjectFilter& operator=(MultiObjectFilter&&) noexcept;
   ~MultiObjectFilter();
 
-  /// T_C <- T_C motion, with noise `q` (right perturbation, camera frame) of a step of `dt`
-  /// seconds.
-  void predict(const SE3d& motion, const Matrix6d& q, double dt);
+  /// Odometry: T_C <- T_C motion, with noise `q` of the step (right perturbation, camera frame).
+  void predict_with_odometry(const SE3d& motion, const Matrix6d& q);
 
-  /// Constant velocity: the camera's motion per `period` becomes a part of the state at the first
-  /// call, at rest with covariance `at_rest`; as predict_constant_velocity.
-  void predict_constant_velocity(double dt, double period, const Matrix6d& q,
-                                 const Matrix6d& q_motion, const Matrix6d& at_rest);
+  /// Random walk: the mean stays. Without odometry the camera's motion is learned from differences
+  /// of successive detections, in which their common errors cancel: until the next odometry,
+  /// detections teach by the covariance that weighs them, and q counts in full.
+  void predict_random_walk(const Matrix6d& q);
+
+  /// Constant velocity: the camera's motion per reference period becomes part of the state at the
+  /// first call, at rest with covariance `at_rest`; else as posemix::predict_constant_velocity.
+  void predict_constant_velocity(double periods, const Matrix6d& q, const Matrix6d& q_motion,
+                                 const Matrix6d& at_rest);
 
   /// One detection T_camera_object of the object at `object`.
   /// @throws InvalidInput when there is no such object
   ObjectUpdateReport update(std::size_t object, const SE3d& camera_object);
 
   std::size_t objects() const;
-  /// T_world_camera.
+  /// Frames that count as one, over all objects.
+  double dependent_frames() const;
+  /// T_world_camera. Covariances here and below are of the true error: those of the filter times
+  /// dependent_frames(), and for objects the error that all frames have in common.
   ConcentratedGaussian<SE3d> camera() const;
   /// The hypotheses of an object; empty until it was seen.
   std::vector<ObjectHypothesis> hypotheses(std::size_t object) const;
@@ -106,7 +124,7 @@ class MultiObjectFilter {
   /// T_camera_object of one hypothesis, with the cross-covariance.
   ConcentratedGaussian<SE3d> relative(std::size_t object, std::size_t hypothesis) const;
   /// Camera, then the leading hypotheses of the objects that have any, in the order in which they
-  /// began; `index` says where.
+  /// began (and the camera's motion, see backbone_index).
   ConcentratedGaussian<PoseStackd> backbone() const;
   std::optional<std::size_t> backbone_index(std::size_t object) const;
 

@@ -11,6 +11,8 @@ namespace posemix {
 struct ObjectSensor {
   DetectorNoise noise;
   SymmetryGroup symmetries = {};
+  /// Factors of the noise's standard deviations along its own axes.
+  Vector6d noise_scale = Vector6d::Ones();
 };
 
 }  // namespace posemix
