@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <vector>
+
+#include "posemix/base/linear.hpp"
+#include "posemix/base/units.hpp"
+#include "posemix/lie/lie.hpp"
+
+/// Objects that look the same after a motion of their own frame.
+namespace posemix {
+
+/// The object looks the same turned by any angle about this line.
+struct SymmetryAxis {
+  Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();  ///< object frame, any length but zero
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();       ///< on the axis, object frame [m]
+};
+
+/// Within which two motions count as the same one when a group is built: rotation between them, and
+/// distance of their translations. Files round; a symmetry that is off by more is not exact.
+struct SymmetryTolerance {
+  double rotation_rad = radians(0.5);
+  double translation_m = 1e-3;
+};
+
+/// The motions g of an object's frame after which it looks the same: poses X and X g are equivalent
+/// (Hodan et al., "BOP Challenge 2020", section 2.2: a discrete set times continuous rotations).
+///
+/// Invariants, to the tolerance:
+/// - the set of all e k, e one of elements() and k a rotation about axes(), is closed under
+///   composition and inversion;
+/// - elements() begins with the identity, and no two of them differ by a rotation about axes();
+/// - axes() is empty, one axis (its point nearest to the origin), or, for all rotations about a
+///   point, the three coordinate directions through that point; directions have length one.
+class SymmetryGroup {
+ public:
+  /// The identity alone.
+  SymmetryGroup() : SymmetryGroup(std::vector<SE3d>{}) {}
+
+  /// The group of `elements` times the rotations about `axes`. The identity may be missing, and
+  /// duplicates are dropped. Axes in several directions through one point stand for all rotations
+  /// about it.
+  /// @throws InvalidInput naming two elements whose product is missing, an element that moves an
+  /// axis, or two axes without a common point; and for numbers that are not finite
+  explicit SymmetryGroup(const std::vector<SE3d>& elements,
+                         const std::vector<SymmetryAxis>& axes = {},
+                         const SymmetryTolerance& tolerance = {});
+
+  const std::vector<SE3d>& elements() const { return elements_; }
+  const std::vector<SymmetryAxis>& axes() const { return axes_; }
+  bool is_trivial() const { return elements_.size() == 1 && axes_.empty(); }
+
+  /// The equivalent pose X g with the least z^T information z, z = Log((X g)^-1 reference), along
+  /// the object's own axes.
+  ///
+  /// Over elements() it is exact. The angle about an axis starts from the one that leaves the least
+  /// rotation, phi = 2 atan2(q_v . d, q_w), and goes on by Gauss-Newton steps while they help: it
+  /// is the best angle near the reference, and may be another local one where no equivalent pose
+  /// is.
+  SE3d closest(const SE3d& pose, const SE3d& reference, const Matrix6d& information) const;
+
+  /// What a detection cannot tell, as a covariance along the object's own axes (of n in X Exp(n)):
+  /// (pi / sqrt 3)^2 a a^T for each axis, the variance of a uniform angle, with a = [d; p x d] for
+  /// the direction d through the point p. Zero without axes.
+  Matrix6d unobserved_covariance() const;
+
+ private:
+  /// Directions of the tangent space along which the pose is free: one column per axis.
+  using Generators = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::ColMajor, 6, 3>;
+  struct Named;
+
+  void take_axes(const std::vector<SymmetryAxis>& axes, const SymmetryTolerance& tolerance);
+  void require_axes_kept(const std::vector<Named>& all, const SymmetryTolerance& tolerance) const;
+  void require_closed(const std::vector<Named>& all, const SymmetryTolerance& tolerance) const;
+  /// The rotation k about axes() that leaves the least rotation in k^-1 error.
+  SE3d turned_to(const SE3d& error) const;
+  bool are_same(const SE3d& a, const SE3d& b, const SymmetryTolerance& tolerance) const;
+
+  std::vector<SE3d> elements_;
+  std::vector<SE3d> inverses_;
+  std::vector<SymmetryAxis> axes_;
+  Generators generators_{6, 0};
+};
+
+}  // namespace posemix
