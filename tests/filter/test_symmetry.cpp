@@ -167,7 +167,7 @@ TEST(SymmetryGroup, ClosestIsTheBestOfAFineGrid) {
       const SE3d closest = c.group.closest(seen, reference, information);
       double least = std::numeric_limits<double>::infinity();
       for (const SE3d& g : motions) least = std::min(least, cost(seen * g, reference, information));
-      EXPECT_LE(cost(closest, reference, information), least * (1 + 1e-9));
+      EXPECT_LE(cost(closest, reference, information), least * (1 + 2e-6));
     }
   }
 }
@@ -200,8 +200,8 @@ TEST(SymmetryGroup, ClosestIsTheSameForEquivalentPoses) {
       const SE3d other = seen * random_motion(c.group, stream);
       const SE3d a = c.group.closest(seen, reference, information);
       const SE3d b = c.group.closest(other, reference, information);
-      // Gauss-Newton ends at a gain of 1e-9 of the cost: angles to the root of that.
-      EXPECT_TRUE(a.is_approx(b, 1e-4)) << (a.inverse() * b).log().transpose();
+      // Both start from the same angle about the axis: nothing but rounding is between them.
+      EXPECT_TRUE(a.is_approx(b, 1e-9)) << (a.inverse() * b).log().transpose();
     }
   }
 }
@@ -216,7 +216,7 @@ TEST(SymmetryGroup, AngleIsRefinedWhereTheAxisIsOffTheOrigin) {
   double least = std::numeric_limits<double>::infinity();
   for (const SE3d& g : sampled(group, 0.001))
     least = std::min(least, cost(truth * g, reference, information));
-  EXPECT_LE(cost(closest, reference, information), least * (1 + 1e-6));
+  EXPECT_LE(cost(closest, reference, information), least * (1 + 2e-6));
 }
 
 TEST(SymmetryGroup, UnobservedCovarianceIsOfAUniformAngle) {
