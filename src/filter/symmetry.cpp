@@ -9,8 +9,8 @@
 #include <string>
 
 #include <fmt/format.h>
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 
 #include "posemix/base/error.hpp"
 
@@ -25,7 +25,7 @@ struct SymmetryGroup::Named {
 namespace {
 
 constexpr int kMostSteps = 4;
-constexpr double kSmallestGain = 1e-9;  ///< of the cost, below which a step is the last
+constexpr double kSmallestGain = 1e-6;  ///< of the cost, below which no step is made
 
 std::string described(const SE3d& motion) {
   const Eigen::AngleAxisd turn(motion.rotation().quaternion());
@@ -91,21 +91,25 @@ struct Equivalent {
   double cost;
 };
 
-/// Gauss-Newton over the angles: Log(Exp(-A eps) rest) = z - J_l^-1(z) A eps + ...
-template <class Generators>
-void refine(const Generators& generators, const Matrix6d& information, Equivalent& equivalent) {
-  using Normal = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 3, 3>;
+/// Gauss-Newton over the angles, Log(Exp(-A eps) rest) = z - J_l^-1(z) A eps + ..., while it
+/// promises a gain and a cost below `least`.
+template <int N>
+void refine(const Eigen::Matrix<double, 6, N>& generators, const Matrix6d& information,
+            double least, Equivalent& equivalent) {
   for (int step = 0; step < kMostSteps; ++step) {
-    const Generators slope = SE3d::left_jacobian_inverse(equivalent.z).lazyProduct(generators);
-    const Generators weighted = information.lazyProduct(slope);
-    const Normal normal = slope.transpose().lazyProduct(weighted);
-    const SE3d turn =
-        SE3d::exp(generators * normal.ldlt().solve(weighted.transpose().lazyProduct(equivalent.z)));
+    const auto jacobian = SE3d::left_jacobian_inverse_blocks(equivalent.z);
+    Eigen::Matrix<double, 6, N> slope;
+    for (int i = 0; i < N; ++i) slope.col(i) = jacobian.times(Vector6d(generators.col(i)));
+    const Eigen::Matrix<double, 6, N> weighted = information.lazyProduct(slope);
+    const Eigen::Matrix<double, N, N> normal = slope.transpose().lazyProduct(weighted);
+    const Eigen::Matrix<double, N, 1> pull = weighted.transpose().lazyProduct(equivalent.z);
+    const Eigen::Matrix<double, N, 1> eps = normal.inverse() * pull;
+    const double gain = pull.dot(eps);
+    if (!(gain > kSmallestGain * equivalent.cost && equivalent.cost - gain < least)) return;
+    const SE3d turn = SE3d::exp(generators * eps);
     const Equivalent next(equivalent.motion * turn, turn.inverse() * equivalent.rest, information);
     if (!(next.cost < equivalent.cost)) return;
-    const bool is_last = equivalent.cost - next.cost <= kSmallestGain * equivalent.cost;
     equivalent = next;
-    if (is_last) return;
   }
 }
 
@@ -233,7 +237,8 @@ SE3d SymmetryGroup::closest(const SE3d& pose, const SE3d& reference,
     const SE3d rest = inverses_[i] * error;
     const SE3d turn = turned_to(rest);
     Equivalent equivalent(elements_[i] * turn, turn.inverse() * rest, information);
-    if (!axes_.empty()) refine(generators_, information, equivalent);
+    if (axes_.size() == 1) refine<1>(generators_.leftCols<1>(), information, least, equivalent);
+    if (axes_.size() == 3) refine<3>(generators_, information, least, equivalent);
     if (!(equivalent.cost < least)) continue;
     least = equivalent.cost;
     best = equivalent.motion;
