@@ -2,7 +2,6 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include <cmath>
 #include <map>
-#include <optional>
 
 #include "posemix/study/statistics.hpp"
 #include "ycbv_rows.hpp"
@@ -63,16 +62,13 @@ class SummaryRow {
     return numbers.empty() ? Cell() : Cell(median(numbers));
   }
 
-  /// The number of rows with fewer pixels than the reference.
+  /// The number of rows whose column is below the reference; nothing where none can be compared.
   Cell better(std::string_view column, const Values& reference) const {
-    return count(reference,
-                 [&](std::size_t i, double other) { return table_.number(i, column) < other; });
+    return count(reference, column, [](double value, double other) { return value < other; });
   }
   /// The number of rows that can be compared with the reference.
   Cell compared(const Values& reference) const {
-    return count(reference, [&](std::size_t i, double) {
-      return !std::isnan(table_.number(i, "pixel_median"));
-    });
+    return count(reference, "pixel_median", [](double, double) { return true; });
   }
 
   /// Geometric mean of a column over that of the odometry.
@@ -91,33 +87,34 @@ class SummaryRow {
 
   /// Rows whose first detection is wrong, and of these the ones that end on the right mode.
   std::pair<Cell, Cell> recovered() const {
+    std::int64_t known = 0;
     std::int64_t wrong = 0;
     std::int64_t recovered = 0;
     for (const std::size_t i : group_.rows) {
       const double end = table_.number(i, "ends_on_right_mode");
       if (std::isnan(end)) continue;
-      const bool wrong_start = table_.number(i, "first_detection_wrong") == 1.0;
-      wrong += wrong_start ? 1 : 0;
-      recovered += wrong_start && end == 1.0 ? 1 : 0;
+      ++known;
+      if (table_.number(i, "first_detection_wrong") != 1.0) continue;
+      ++wrong;
+      recovered += end == 1.0 ? 1 : 0;
     }
-    const bool any = std::any_of(group_.rows.begin(), group_.rows.end(), [this](std::size_t i) {
-      return !std::isnan(table_.number(i, "ends_on_right_mode"));
-    });
-    return any ? std::pair<Cell, Cell>(recovered, wrong) : std::pair<Cell, Cell>();
+    if (known == 0) return {};
+    return {recovered, wrong};
   }
 
  private:
   template <class Condition>
-  Cell count(const Values& reference, const Condition& condition) const {
+  Cell count(const Values& reference, std::string_view column, const Condition& condition) const {
+    std::int64_t compared = 0;
     std::int64_t count = 0;
-    bool any = false;
     for (const std::size_t i : group_.rows) {
       const auto found = reference.find(table_.key(i));
-      if (found == reference.end() || std::isnan(table_.number(i, "pixel_median"))) continue;
-      any = true;
-      count += condition(i, found->second) ? 1 : 0;
+      const double value = table_.number(i, column);
+      if (found == reference.end() || std::isnan(value)) continue;
+      ++compared;
+      count += condition(value, found->second) ? 1 : 0;
     }
-    return any ? Cell(count) : Cell();
+    return compared > 0 ? Cell(count) : Cell();
   }
 
   const TableReader& table_;

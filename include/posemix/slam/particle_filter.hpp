@@ -18,9 +18,9 @@ struct ParticleFilterSettings {
   /// Resample when the effective sample size falls below this share of the particles, in [0, 1].
   double resample_below = 0.5;
   /// Random walk of every object's pose (right perturbation, the object's frame), which keeps
-  /// resampled particles apart: 0.3 deg, 1 mm.
+  /// resampled particles apart: 0.05 deg, 0.2 mm.
   ProcessNoise object_walk{
-      pose_covariance(Eigen::Vector3d::Constant(radians(0.3)), Eigen::Vector3d::Constant(1e-3))};
+      pose_covariance(Eigen::Vector3d::Constant(radians(0.05)), Eigen::Vector3d::Constant(2e-4))};
   /// Covariance (object's frame) with which an object stands in a particle's Gaussian, so that it
   /// is one: 0.1 deg, 0.5 mm.
   Matrix6d kernel =
