@@ -45,8 +45,7 @@ SlamRun filter(const SlamJob& job, const SlamOptions& options, const InterruptGu
     return !guard.interrupted();
   };
   try {
-    return run(job.sequence, job.camera_prior, job.models, job.settings,
-               {.record_hypotheses = job.trace_hypotheses > 0, .progress = progress});
+    return run(job, {.record_hypotheses = job.trace_hypotheses > 0, .progress = progress});
   } catch (const InvalidInput& error) {
     throw InvalidInput(fmt::format("{}: {}", options.sequence, error.what()));
   }

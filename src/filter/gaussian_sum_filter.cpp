@@ -64,11 +64,11 @@ std::size_t common_components(std::span<const Detection> detections) {
   return first.size();
 }
 
-/// One child of one hypothesis. Where components have an update covariance the weight is by the
-/// other, and linearized.
-UpdateResult child_of(const Hypothesis& parent, std::span<const Detection> detections,
-                      const std::vector<const NoiseComponent*>& noise,
-                      const FilterSettings& settings) {
+/// One child of one hypothesis without a robust loss. Where components have an update covariance
+/// the weight is by the other, and linearized.
+UpdateResult gaussian_child_of(const Hypothesis& parent, std::span<const Detection> detections,
+                               std::span<const NoiseComponent* const> noise,
+                               const FilterSettings& settings) {
   const auto updated = [&](std::span<const NoiseComponent* const> components) {
     return settings.update == UpdateRule::iterated
                ? iterated_update(parent, detections, components, settings.first_object)
@@ -93,6 +93,26 @@ UpdateResult child_of(const Hypothesis& parent, std::span<const Detection> detec
   return child;
 }
 
+UpdateResult child_of(const Hypothesis& parent, std::span<const Detection> detections,
+                      std::span<const NoiseComponent* const> noise,
+                      const FilterSettings& settings) {
+  const auto update = [&](std::span<const NoiseComponent* const> components) {
+    return gaussian_child_of(parent, detections, components, settings);
+  };
+  if (settings.robust_loss == RobustLoss::none) return update(noise);
+  return cauchy_update(parent, detections, noise, update, {.scale = settings.cauchy_scale});
+}
+
+/// Keeps the child of the largest weight among those from `first` on.
+void keep_most_likely(std::vector<Component<Hypothesis>>& children, std::size_t first) {
+  const auto begin = children.begin() + static_cast<std::ptrdiff_t>(first);
+  const auto best = std::max_element(begin, children.end(), [](const auto& a, const auto& b) {
+    return a.log_weight < b.log_weight;
+  });
+  std::iter_swap(begin, best);
+  children.erase(begin + 1, children.end());
+}
+
 /// True when no hypothesis can explain the detection under any of its noise components.
 bool is_outlier(const Posterior& posterior, const Detection& detection, double threshold) {
   for (const auto& hypothesis : posterior.components()) {
@@ -111,6 +131,10 @@ GaussianSumFilter::GaussianSumFilter(Posterior prior, FilterSettings settings)
       gate_(gate_threshold(settings.gate_probability)) {
   require(settings_.reduction.max_components > 0,
           "filter: max_components is 0, expected at least 1");
+  if (!(settings_.cauchy_scale > 0.0)) {
+    throw InvalidInput(fmt::format("filter: cauchy scale is {}, expected a positive number",
+                                   settings_.cauchy_scale));
+  }
 }
 
 void GaussianSumFilter::predict(const std::function<Hypothesis(Hypothesis)>& motion) {
@@ -153,6 +177,7 @@ bool GaussianSumFilter::branch(std::span<const Detection> detections, UpdateRepo
   std::vector<double> log_weights;
   children.reserve(posterior_.size() * (noise_components + 1));
   for (const auto& parent : posterior_.components()) {
+    const std::size_t first_child = children.size();
     for (std::size_t i = 0; i < noise_components; ++i) {
       std::vector<const NoiseComponent*> noise;
       for (const Detection& detection : detections)
@@ -166,6 +191,7 @@ bool GaussianSumFilter::branch(std::span<const Detection> detections, UpdateRepo
       log_weights.push_back(parent.log_weight + detections.front().noise->log_null_density());
       children.push_back({log_weights.back(), parent.density});
     }
+    if (settings_.noise_use == NoiseUse::most_likely) keep_most_likely(children, first_child);
   }
   const double log_evidence = log_sum_exp(log_weights);
   const bool ok = std::isfinite(log_evidence);
@@ -190,10 +216,12 @@ std::size_t GaussianSumFilter::add_object(const SE3d& camera_object, const Detec
   const Detection detection{index, camera_object, &noise};
   std::vector<Component<Hypothesis>> children;
   for (const auto& parent : posterior_.components()) {
+    const std::size_t first_child = children.size();
     for (const NoiseComponent& component : noise.components()) {
       children.push_back({parent.log_weight + std::log(component.weight),
                           with_detected_object(parent.density, detection, component)});
     }
+    if (settings_.noise_use == NoiseUse::most_likely) keep_most_likely(children, first_child);
   }
   posterior_ = posemix::reduce(Posterior(std::move(children)), settings_.reduction).mixture;
   return index;

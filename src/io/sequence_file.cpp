@@ -138,10 +138,22 @@ void check_joint_noise(const TomlTable& root, const SlamJob& job) {
 void use_method(const TomlTable& root, const MethodSettings& method, SlamJob& job) {
   job.method = method.name;
   job.settings.filter = method.filter;
-  if (method.riekf) {
-    const TomlTable filter = root.get_table("filter");
-    std::tie(job.models, job.settings) =
-        located(filter, "method", [&] { return as_riekf(job.models, job.settings); });
+  switch (method.method) {
+    case FilterMethod::gm_iekf:
+      break;
+    case FilterMethod::riekf:
+    case FilterMethod::riekf_cauchy:
+      std::tie(job.models, job.settings) = located(
+          root.get_table("filter"), "method", [&] { return as_riekf(job.models, job.settings); });
+      break;
+    case FilterMethod::max_mixture:
+      job.settings = as_max_mixture(job.settings);
+      break;
+    case FilterMethod::rbpf:
+      job.particles = method.particles;
+      job.particles->motion = job.settings.motion;
+      job.particles->merge = method.filter.reduction.merge;
+      return;
   }
   check_joint_noise(root, job);
 }
@@ -176,6 +188,12 @@ SlamJob read_slam_job(const TomlDocument& document,
   }
   document.finish();
   return job;
+}
+
+SlamRun run(const SlamJob& job, const RunOptions& options) {
+  if (job.particles)
+    return run_particle_filter(job.sequence, job.camera_prior, job.models, *job.particles, options);
+  return run(job.sequence, job.camera_prior, job.models, job.settings, options);
 }
 
 }  // namespace posemix

@@ -2,16 +2,17 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include <fmt/format.h>
 
+#include "posemix/base/units.hpp"
 #include "sequence_parts.hpp"
 
 namespace posemix {
 namespace {
 
-enum class Method { gm_iekf, riekf };
-
 constexpr IntegerRange kComponents{.lowest = 1, .highest = 100000};
 constexpr IntegerRange kKeepHeaviest{.lowest = 0, .highest = 100000};
 constexpr IntegerRange kMergeFrom{.lowest = 0, .highest = 100000};
+constexpr IntegerRange kParticles{.lowest = 1, .highest = 1000000};
+constexpr IntegerRange kSeed{.lowest = 0, .highest = std::int64_t{1} << 53};
 
 ReductionSettings read_reduction(const TomlTable& filter) {
   ReductionSettings r;
@@ -58,28 +59,68 @@ std::string_view name_of(MergeRule rule) {
   return "";
 }
 
-std::string method_name(Method method, const FilterSettings& settings) {
-  const bool iterated = settings.update == UpdateRule::iterated;
-  if (method == Method::riekf) return iterated ? "riekf (iterated)" : "riekf";
-  return fmt::format("gm-iekf ({}{})", name_of(settings.reduction.merge.rule),
-                     iterated ? ", iterated" : "");
+std::string method_name(const MethodSettings& settings) {
+  const bool iterated = settings.filter.update == UpdateRule::iterated;
+  switch (settings.method) {
+    case FilterMethod::riekf:
+      return "riekf";
+    case FilterMethod::riekf_cauchy:
+      return fmt::format("riekf (Cauchy, c = {:g})", settings.filter.cauchy_scale);
+    case FilterMethod::max_mixture:
+      return "max-mixture";
+    case FilterMethod::rbpf:
+      return fmt::format("rbpf ({} particles)", settings.particles.particles);
+    case FilterMethod::gm_iekf:
+      break;
+  }
+  return fmt::format("gm-iekf ({}{}{})", name_of(settings.filter.reduction.merge.rule),
+                     iterated ? ", iterated" : "",
+                     settings.filter.robust_loss == RobustLoss::cauchy ? ", Cauchy" : "");
+}
+
+ParticleFilterSettings read_particles(const TomlTable& filter) {
+  ParticleFilterSettings p;
+  p.particles = static_cast<std::size_t>(
+      filter.get_integer_or("particles", static_cast<std::int64_t>(p.particles), kParticles));
+  p.seed = static_cast<std::uint64_t>(
+      filter.get_integer_or("particle_seed", static_cast<std::int64_t>(p.seed), kSeed));
+  p.resample_below =
+      filter.get_double_or("resample_below", p.resample_below, {.lowest = 0, .highest = 1});
+  const Vector6d sd = p.object_walk.covariance.diagonal().cwiseSqrt();
+  const auto walk = [&](std::string_view key, const Eigen::Vector3d& otherwise, double unit) {
+    return filter.has(key) ? read_sd(filter, key, kSdOrZero, unit) : otherwise;
+  };
+  p.object_walk.covariance =
+      pose_covariance(walk("particle_walk_rotation_sd_deg", sd.head<3>(), kRadPerDeg),
+                      walk("particle_walk_translation_sd_m", sd.tail<3>(), 1.0));
+  return p;
 }
 
 }  // namespace
 
 MethodSettings read_filter(const TomlTable& root) {
   MethodSettings result;
-  Method method = Method::gm_iekf;
   FilterSettings& settings = result.filter;
   if (const auto filter = root.find_table("filter")) {
-    method = filter->get_enum_or<Method>("method", method,
-                                         {{"gm-iekf", Method::gm_iekf}, {"riekf", Method::riekf}});
-    settings.noise_use = filter->get_enum_or<NoiseUse>(
-        "noise_use", settings.noise_use,
-        {{"per_object", NoiseUse::per_object}, {"joint", NoiseUse::joint}});
+    result.method = filter->get_enum_or<FilterMethod>("method", result.method,
+                                                      {{"gm-iekf", FilterMethod::gm_iekf},
+                                                       {"riekf", FilterMethod::riekf},
+                                                       {"riekf_cauchy", FilterMethod::riekf_cauchy},
+                                                       {"max_mixture", FilterMethod::max_mixture},
+                                                       {"rbpf", FilterMethod::rbpf}});
+    settings.noise_use = filter->get_enum_or<NoiseUse>("noise_use", settings.noise_use,
+                                                       {{"per_object", NoiseUse::per_object},
+                                                        {"joint", NoiseUse::joint},
+                                                        {"most_likely", NoiseUse::most_likely}});
     settings.update = filter->get_enum_or<UpdateRule>(
         "update", settings.update,
         {{"linearized", UpdateRule::linearized}, {"iterated", UpdateRule::iterated}});
+    settings.robust_loss = filter->get_enum_or<RobustLoss>(
+        "robust_loss",
+        result.method == FilterMethod::riekf_cauchy ? RobustLoss::cauchy : settings.robust_loss,
+        {{"none", RobustLoss::none}, {"cauchy", RobustLoss::cauchy}});
+    settings.cauchy_scale = filter->get_double_or("cauchy_scale", settings.cauchy_scale,
+                                                  {.lowest = 1e-3, .highest = 1e6});
     settings.gate_probability =
         filter->get_double_or("gate_probability", settings.gate_probability,
                               {.lowest = 0, .highest = 1, .without_lowest = true});
@@ -89,9 +130,9 @@ MethodSettings read_filter(const TomlTable& root) {
                                       {"merge_two_largest", Summary::merge_two_largest},
                                       {"whole_mixture", Summary::whole_mixture}});
     settings.reduction = read_reduction(*filter);
+    result.particles = read_particles(*filter);
   }
-  result.riekf = method == Method::riekf;
-  result.name = method_name(method, settings);
+  result.name = method_name(result);
   return result;
 }
 

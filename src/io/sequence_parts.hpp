@@ -132,10 +132,13 @@ void read_object_truth(const TomlTable& object, const FileFinder& files, const T
 
 // --- [filter]
 
+enum class FilterMethod { gm_iekf, riekf, riekf_cauchy, max_mixture, rbpf };
+
 struct MethodSettings {
   std::string name;
-  bool riekf = false;
+  FilterMethod method = FilterMethod::gm_iekf;
   FilterSettings filter;
+  ParticleFilterSettings particles;  ///< of FilterMethod::rbpf; motion as by default
 };
 
 MethodSettings read_filter(const TomlTable& root);

@@ -45,6 +45,13 @@ FrameEstimate estimate_of(const ObjectSlam& slam, FrameReport report, bool recor
   return frame;
 }
 
+ObjectSlamSettings with_one_hypothesis(ObjectSlamSettings settings) {
+  settings.filter.update = UpdateRule::linearized;
+  settings.filter.reduction.max_components = 1;
+  settings.filter.reduction.merge_from = 0;
+  return settings;
+}
+
 }  // namespace
 
 SlamRun run(const Sequence& sequence, const PoseDensity& camera_prior,
@@ -77,10 +84,12 @@ SlamRun run(const Sequence& sequence, const PoseDensity& camera_prior,
 std::pair<std::vector<ObjectModel>, ObjectSlamSettings> as_riekf(std::vector<ObjectModel> models,
                                                                  ObjectSlamSettings settings) {
   for (ObjectModel& model : models) model.noise = model.noise.single_gaussian();
-  settings.filter.update = UpdateRule::linearized;
-  settings.filter.reduction.max_components = 1;
-  settings.filter.reduction.merge_from = 0;
-  return {std::move(models), settings};
+  return {std::move(models), with_one_hypothesis(settings)};
+}
+
+ObjectSlamSettings as_max_mixture(ObjectSlamSettings settings) {
+  settings.filter.noise_use = NoiseUse::most_likely;
+  return with_one_hypothesis(settings);
 }
 
 }  // namespace posemix

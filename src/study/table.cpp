@@ -48,6 +48,23 @@ nlohmann::ordered_json cell_json(const Cell& cell) {
   return nullptr;
 }
 
+nlohmann::ordered_json rows_json(const StudyTable& table) {
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  for (const auto& row : table.rows()) {
+    nlohmann::ordered_json& object = rows.emplace_back();
+    for (std::size_t i = 0; i < row.size(); ++i) object[table.columns()[i]] = cell_json(row[i]);
+  }
+  return rows;
+}
+
+nlohmann::ordered_json document_of(std::string_view study, const StudyTable& rows) {
+  nlohmann::ordered_json document;
+  document["schema"] = kStudySchema;
+  document["study"] = study;
+  document["rows"] = rows_json(rows);
+  return document;
+}
+
 }  // namespace
 
 StudyTable::StudyTable(std::vector<std::string> columns) : columns_(std::move(columns)) {}
@@ -97,14 +114,13 @@ std::string StudyTable::text(int digits) const {
 }
 
 std::string format_study(std::string_view study, const StudyTable& rows) {
-  nlohmann::ordered_json document;
-  document["schema"] = kStudySchema;
-  document["study"] = study;
-  document["rows"] = nlohmann::ordered_json::array();
-  for (const auto& row : rows.rows()) {
-    nlohmann::ordered_json& object = document["rows"].emplace_back();
-    for (std::size_t i = 0; i < row.size(); ++i) object[rows.columns()[i]] = cell_json(row[i]);
-  }
+  return document_of(study, rows).dump(1) + "\n";
+}
+
+std::string format_study(std::string_view study, const StudyTable& rows,
+                         const StudyTable& summary) {
+  nlohmann::ordered_json document = document_of(study, rows);
+  document["summary"] = rows_json(summary);
   return document.dump(1) + "\n";
 }
 

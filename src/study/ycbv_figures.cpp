@@ -8,14 +8,15 @@
 #include <fmt/format.h>
 
 #include "posemix/io/chart.hpp"
-#include "ycbv_parts.hpp"
+#include "ycbv_rows.hpp"
 
 namespace posemix {
 namespace {
 
 constexpr const char* kGrey = "#8A8A8A";
 
-constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
+/// The offline method that the figures show.
+constexpr const char* kAct = "published: ACT";
 
 /// An empty series of a method. Known methods keep their colours from figure to figure; that of
 /// the midway merge is dashed, so that the rule which it often equals shows below it.
@@ -28,52 +29,21 @@ ChartSeries series_of(const std::string& method) {
                                                           {"midway", "#009E73"},
                                                           {"midway_iterated", "#56B4E9"},
                                                           {"published", "#222222"},
+                                                          {"riekf_cauchy", "#F0E442"},
+                                                          {"max_mixture", "#882255"},
+                                                          {"rbpf", "#44AA99"},
+                                                          {kAct, kGrey},
                                                           {"default", "#0072B2"}};
   const auto found = colours.find(method);
   return {.label = method,
           .color = found == colours.end() ? "" : found->second,
-          .dash = method == "midway" ? "5 3" : "",
+          .dash = method == "midway" || method == kAct ? "5 3" : "",
           .markers = true};
 }
 
-/// A study's table, read by names.
-class Rows {
- public:
-  explicit Rows(const StudyTable& table) : table_(table) {}
-
-  std::size_t size() const { return table_.rows().size(); }
-  std::string text(std::size_t row, std::string_view column) const {
-    const auto* text = std::get_if<std::string>(&cell(row, column));
-    return text != nullptr ? *text : std::string();
-  }
-  /// NaN where there is nothing.
-  double number(std::size_t row, std::string_view column) const {
-    const auto* number = std::get_if<double>(&cell(row, column));
-    return number != nullptr ? *number : kNothing;
-  }
-  /// The different texts of a column, in the order of their first.
-  std::vector<std::string> names(std::string_view column) const {
-    std::vector<std::string> names;
-    for (std::size_t i = 0; i < size(); ++i) {
-      const std::string name = text(i, column);
-      if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
-    }
-    return names;
-  }
-
- private:
-  const Cell& cell(std::size_t row, std::string_view column) const {
-    const auto& columns = table_.columns();
-    const auto found = std::find(columns.begin(), columns.end(), column);
-    return table_.rows()[row][static_cast<std::size_t>(found - columns.begin())];
-  }
-
-  const StudyTable& table_;
-};
-
 /// The errors of one method, sorted, over the share of the recordings.
-ChartSeries sorted_errors(const Rows& rows, const std::string& detector, const std::string& method,
-                          std::string_view column) {
+ChartSeries sorted_errors(const TableReader& rows, const std::string& detector,
+                          const std::string& method, std::string_view column) {
   ChartSeries series = series_of(method);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const bool fits = rows.text(i, "detector") == detector && rows.text(i, "method") == method;
@@ -86,7 +56,7 @@ ChartSeries sorted_errors(const Rows& rows, const std::string& detector, const s
   return series;
 }
 
-Chart error_chart(const Rows& rows, const std::string& detector, std::string_view column,
+Chart error_chart(const TableReader& rows, const std::string& detector, std::string_view column,
                   const std::string& label) {
   Chart chart{.title = detector,
               .x_label = "share of recordings and objects",
@@ -94,13 +64,14 @@ Chart error_chart(const Rows& rows, const std::string& detector, std::string_vie
               .log_y = true,
               .x_range = std::pair(0.0, 1.0)};
   for (const std::string& method : rows.names("method")) {
+    if (is_published_offline(method) && method != kAct) continue;
     ChartSeries series = sorted_errors(rows, detector, method, column);
     if (!series.y.empty()) chart.series.push_back(std::move(series));
   }
   return chart;
 }
 
-std::string draw_errors(const Rows& rows) {
+std::string draw_errors(const TableReader& rows) {
   std::vector<Chart> charts;
   for (const std::string& detector : rows.names("detector")) {
     for (const auto& [column, label] :
@@ -118,33 +89,28 @@ std::string draw_errors(const Rows& rows) {
 /// Error of the odometry alone by detector, sequence and object.
 using Reference = std::map<std::string, double>;
 
-std::string key_of(const Rows& rows, std::size_t i) {
-  return fmt::format("{}/{}/{}", rows.text(i, "detector"), rows.text(i, "sequence"),
-                     rows.text(i, "object"));
-}
-
-Reference odometry_errors(const Rows& rows, std::string_view column) {
+Reference odometry_errors(const TableReader& rows, std::string_view column) {
   Reference reference;
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (rows.text(i, "method") == "odometry") reference[key_of(rows, i)] = rows.number(i, column);
+    if (rows.text(i, "method") == "odometry") reference[rows.key(i)] = rows.number(i, column);
   }
   return reference;
 }
 
 /// Single points: one method's error over that of the odometry.
-ChartSeries against_odometry(const Rows& rows, const Reference& odometry, const std::string& method,
-                             std::string_view column) {
+ChartSeries against_odometry(const TableReader& rows, const Reference& odometry,
+                             const std::string& method, std::string_view column) {
   ChartSeries series = series_of(method);
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    const auto found = odometry.find(key_of(rows, i));
+    const auto found = odometry.find(rows.key(i));
     if (rows.text(i, "method") != method || found == odometry.end()) continue;
-    series.x.insert(series.x.end(), {found->second, kNothing});
-    series.y.insert(series.y.end(), {rows.number(i, column), kNothing});
+    series.x.insert(series.x.end(), {found->second, TableReader::kNothing});
+    series.y.insert(series.y.end(), {rows.number(i, column), TableReader::kNothing});
   }
   return series;
 }
 
-Chart camera_chart(const Rows& rows, std::string_view column, const std::string& title,
+Chart camera_chart(const TableReader& rows, std::string_view column, const std::string& title,
                    const std::string& unit) {
   Chart chart{.title = title,
               .x_label = fmt::format("odometry alone, rms [{}]", unit),
@@ -160,13 +126,13 @@ Chart camera_chart(const Rows& rows, std::string_view column, const std::string&
   same.y = same.x;
   chart.series.push_back(std::move(same));
   for (const std::string& method : rows.names("method")) {
-    if (method != "odometry" && method != "detector")
+    if (method != "odometry" && method != "detector" && !is_published_offline(method))
       chart.series.push_back(against_odometry(rows, odometry, method, column));
   }
   return chart;
 }
 
-std::string draw_camera(const Rows& rows) {
+std::string draw_camera(const TableReader& rows) {
   const std::vector<Chart> charts{camera_chart(rows, "camera_rotation_rmse_deg", "rotation", "deg"),
                                   camera_chart(rows, "camera_position_rmse_cm", "position", "cm")};
   return draw_charts("Camera: error of each filter against its odometry alone", charts, 2);
@@ -175,7 +141,8 @@ std::string draw_camera(const Rows& rows) {
 }  // namespace
 
 std::vector<StudyFile> draw_ycbv(const StudyTable& rows) {
-  return {{"errors.svg", draw_errors(Rows(rows))}, {"camera.svg", draw_camera(Rows(rows))}};
+  return {{"errors.svg", draw_errors(TableReader(rows))},
+          {"camera.svg", draw_camera(TableReader(rows))}};
 }
 
 }  // namespace posemix

@@ -30,8 +30,9 @@ Overrides paper_filter(std::string_view merge_rule, std::string_view update) {
           "filter.transport_jacobian=exact"};
 }
 
-Overrides riekf(double gate) {
-  return {"filter.method=riekf", fmt::format("filter.gate_probability={}", gate)};
+/// A filter with one hypothesis.
+Overrides single(std::string_view method, double gate = 1.0) {
+  return {fmt::format("filter.method={}", method), fmt::format("filter.gate_probability={}", gate)};
 }
 
 std::vector<YcbvMethod> known_methods() {
@@ -40,8 +41,12 @@ std::vector<YcbvMethod> known_methods() {
   };
   return {{.name = "detector", .kind = YcbvKind::detector, .overrides = {}},
           {.name = "odometry", .kind = YcbvKind::odometry, .overrides = {}},
-          paper("riekf", riekf(1.0)),
-          paper("riekf_gated", riekf(0.999)),
+          {.name = "published_offline", .kind = YcbvKind::published_offline, .overrides = {}},
+          paper("riekf", single("riekf")),
+          paper("riekf_gated", single("riekf", 0.999)),
+          paper("riekf_cauchy", single("riekf_cauchy")),
+          {.name = "max_mixture", .overrides = single("max_mixture")},
+          {.name = "rbpf", .overrides = {"filter.method=rbpf"}},
           paper("tangent_of_larger", paper_filter("tangent_of_larger", "linearized")),
           paper("midway", paper_filter("midway", "linearized")),
           paper("midway_iterated", paper_filter("midway", "iterated")),
@@ -62,6 +67,11 @@ void add_odometry(const Recording& recording, TomlDocument& document) {
 }
 
 }  // namespace
+
+bool YcbvMethod::fits(const Recording& recording) const {
+  if (kind == YcbvKind::published_offline) return !published_pixels(recording).empty();
+  return !published || recording.detector == "cosypose";
+}
 
 std::vector<std::string> ycbv_methods() {
   std::vector<std::string> names;

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -24,7 +25,7 @@ const std::vector<std::string>& ycbv_columns();
 const std::vector<std::string>& ycbv_timing_columns();
 inline constexpr std::size_t kYcbvTexts = 4;
 
-enum class YcbvKind { detector, odometry, filter };
+enum class YcbvKind { detector, odometry, filter, published_offline };
 
 /// A method as it is applied.
 struct YcbvMethod {
@@ -34,9 +35,7 @@ struct YcbvMethod {
   bool paper_noise = false;            ///< DOPE: the noise model `gaussian`
   std::vector<std::string> overrides;  ///< of the profile
 
-  bool fits(const Recording& recording) const {
-    return !published || recording.detector == "cosypose";
-  }
+  bool fits(const Recording& recording) const;
 };
 
 /// @throws InvalidInput for a name that is not known
@@ -59,6 +58,24 @@ YcbvRows run_ycbv(const YcbvStudySettings& settings, const Recording& recording,
 /// As one line of JSON, and back.
 std::string format_ycbv_rows(const YcbvRows& rows);
 YcbvRows parse_ycbv_rows(const std::string& text);
+
+/// A published result of an offline method on one recording.
+struct PublishedPixels {
+  std::string method;  ///< "published: ACT"
+  double pixels;       ///< the median of the pixel metric [px]
+};
+
+/// The published results for a recording, from derived/slam6d_published_table1.csv of the data
+/// folder; none where there is no such file or it lacks the recording, or for another detector.
+/// @throws InvalidInput for a file that is not valid
+std::vector<PublishedPixels> published_pixels(const Recording& recording);
+
+/// Whether a row of that method is a PublishedPixels.
+bool is_published_offline(std::string_view method);
+
+/// One row by detector and method of what the rows of all recordings come to, see
+/// ycbv_summary.cpp.
+StudyTable summarise_ycbv(const StudyTable& rows);
 
 StudyReport report_ycbv(std::span<const std::string> items);
 

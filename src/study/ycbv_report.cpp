@@ -145,6 +145,20 @@ std::string text_of(const StudyTable& table) {
   return result.text(4);
 }
 
+/// The summary for people, and what it means.
+std::string text_of_summary(const StudyTable& summary) {
+  StudyTable result({"detector", "method", "n", "px", "last map px", "> ACT", "last map > ACT",
+                     "of", "cam deg/odom", "cam cm/odom", "recovered", "of wrong starts"});
+  for (const auto& row : summary.rows()) result.add(row);
+  const bool published = std::any_of(
+      summary.rows().begin(), summary.rows().end(),
+      [](const auto& row) { return is_published_offline(std::get<std::string>(row[1])); });
+  return result.text(4) +
+         (published ? "published: ... are the published errors of offline optimisation, not run "
+                      "here; > ACT counts pairs with fewer px than published: ACT.\n"
+                    : "");
+}
+
 }  // namespace
 
 const std::vector<std::string>& ycbv_columns() {
@@ -164,6 +178,9 @@ const std::vector<std::string>& ycbv_columns() {
                                                 "relative_anees",
                                                 "pixel_median",
                                                 "merges_per_frame",
+                                                "pixel_median_last_map",
+                                                "first_detection_wrong",
+                                                "ends_on_right_mode",
                                                 "object_truth"};
   return columns;
 }
@@ -195,11 +212,14 @@ StudyReport report_ycbv(std::span<const std::string> items) {
   const StudyTable means = summarise(results, kYcbvTexts + kCounts);
   const StudyTable all = joined(results, means);
   StudyReport report;
-  report.files = {{"study.json", format_study("ycbv", all)},
+  const StudyTable summary = summarise_ycbv(results);
+  report.files = {{"study.json", format_study("ycbv", all, summary)},
                   {"ycbv.csv", all.csv()},
+                  {"summary.csv", summary.csv()},
                   {"timing.csv", joined(timing, summarise(timing, kYcbvTexts)).csv()}};
   for (StudyFile& figure : draw_ycbv(results)) report.files.push_back(std::move(figure));
-  report.summary = text_of(results.rows().size() <= kMostRowsShown ? all : means);
+  report.summary = text_of(results.rows().size() <= kMostRowsShown ? all : means) + "\n" +
+                   text_of_summary(summary);
   return report;
 }
 

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include <algorithm>
+
+#include "posemix/base/units.hpp"
 #include "posemix/slam/evaluation.hpp"
 #include "ycbv_parts.hpp"
 
@@ -8,6 +11,9 @@ namespace {
 
 constexpr double kCentimetres = 100.0;
 constexpr double kMicroseconds = 1e6;
+/// Beyond one of these an estimate is on another mode (the gross errors of `study noise`).
+constexpr double kOtherModeDeg = 20.0;
+constexpr double kOtherModeM = 0.1;
 
 Cell cell(const std::optional<double>& value, double scale = 1.0) {
   return value ? Cell(scale * *value) : Cell();
@@ -15,12 +21,24 @@ Cell cell(const std::optional<double>& value, double scale = 1.0) {
 
 Cell integer(std::size_t count) { return static_cast<std::int64_t>(count); }
 
+Cell flag(const std::optional<bool>& value) { return value ? Cell(std::int64_t{*value}) : Cell(); }
+
 using PosePairs = std::vector<std::pair<SE3d, SE3d>>;
+
+std::optional<SE3d> mean_of(const std::optional<PoseDensity>& density) {
+  return density ? std::optional(density->mean()) : std::nullopt;
+}
 
 PoseErrors errors_of(const PosePairs& pairs) {
   PoseErrorSum sum;
   for (const auto& [estimate, truth] : pairs) sum.add(estimate, truth);
   return sum.errors();
+}
+
+bool on_right_mode(const SE3d& estimate, const SE3d& truth) {
+  const double angle = degrees((estimate.rotation() * truth.rotation().inverse()).log().norm());
+  return angle <= kOtherModeDeg &&
+         (estimate.translation() - truth.translation()).norm() <= kOtherModeM;
 }
 
 /// What a row holds besides its texts.
@@ -31,6 +49,8 @@ struct Row {
   std::optional<double> anees = {};
   std::optional<double> pixels = {};
   std::optional<double> merges = {};
+  std::optional<double> last_map_pixels = {};
+  std::optional<bool> ends_on_right_mode = {};
 };
 
 /// Rows of one method on one recording.
@@ -53,6 +73,10 @@ class Item {
       case YcbvKind::filter:
         run_filter();
         break;
+      case YcbvKind::published_offline:
+        for (const auto& [method, pixels] : published_pixels(recording_))
+          add(method, 0, {.pixels = pixels});
+        break;
     }
     return std::move(rows_);
   }
@@ -73,15 +97,40 @@ class Item {
     return count;
   }
 
-  void add(std::size_t index, const Row& row) {
-    rows_.results.push_back(
-        {recording_.sequence, object(index).id, recording_.detector, method_.name,
-         integer(job_.sequence.stamps.size()), integer(detections(index)),
-         cell(row.camera.rotation_rmse_deg), cell(row.camera.position_rmse_m, kCentimetres),
-         cell(row.camera.position_log_rmse_m, kCentimetres), cell(row.world.rotation_rmse_deg),
-         cell(row.world.position_rmse_m, kCentimetres), cell(row.relative.rotation_rmse_deg),
-         cell(row.relative.position_rmse_m, kCentimetres), cell(row.anees), cell(row.pixels),
-         cell(row.merges), truth_of(index)});
+  /// Whether the first detection is on another mode; nothing where its truth is not known.
+  std::optional<bool> first_detection_wrong(std::size_t index) const {
+    const auto& detections = object(index).detections;
+    const auto first = std::find_if(detections.begin(), detections.end(),
+                                    [](const auto& detection) { return detection.has_value(); });
+    if (first == detections.end()) return std::nullopt;
+    const auto truth = true_relative_pose(job_.sequence, index,
+                                          static_cast<std::size_t>(first - detections.begin()));
+    return truth ? std::optional(!on_right_mode(**first, *truth)) : std::nullopt;
+  }
+
+  void add(std::size_t index, const Row& row) { add(method_.name, index, row); }
+
+  void add(const std::string& method, std::size_t index, const Row& row) {
+    rows_.results.push_back({recording_.sequence,
+                             object(index).id,
+                             recording_.detector,
+                             method,
+                             integer(job_.sequence.stamps.size()),
+                             integer(detections(index)),
+                             cell(row.camera.rotation_rmse_deg),
+                             cell(row.camera.position_rmse_m, kCentimetres),
+                             cell(row.camera.position_log_rmse_m, kCentimetres),
+                             cell(row.world.rotation_rmse_deg),
+                             cell(row.world.position_rmse_m, kCentimetres),
+                             cell(row.relative.rotation_rmse_deg),
+                             cell(row.relative.position_rmse_m, kCentimetres),
+                             cell(row.anees),
+                             cell(row.pixels),
+                             cell(row.merges),
+                             cell(row.last_map_pixels),
+                             flag(first_detection_wrong(index)),
+                             flag(row.ends_on_right_mode),
+                             truth_of(index)});
   }
 
   /// Estimates of T_camera_object with the truth of their frames.
@@ -124,16 +173,26 @@ class Item {
   }
 
   void run_filter() {
-    const SlamRun slam = run(job_.sequence, job_.camera_prior, job_.models, job_.settings);
+    const SlamRun slam = run(job_);
     const Metrics metrics = evaluate(job_.sequence, slam);
     for (std::size_t i = 0; i < job_.models.size(); ++i) {
       const ObjectMetrics& errors = metrics.objects[i];
-      const auto estimate_at = [&](std::size_t k) {
-        const auto& density = slam.frames[k].relative[i];
-        return density ? std::optional(density->mean()) : std::nullopt;
+      const auto estimate_at = [&](std::size_t k) { return mean_of(slam.frames[k].relative[i]); };
+      const auto last = mean_of(slam.frames.back().objects[i]);
+      const auto last_map_at = [&](std::size_t k) {
+        return last ? std::optional(slam.frames[k].camera.mean().inverse() * *last) : std::nullopt;
       };
-      add(i, {metrics.camera, errors.world, errors.relative, errors.relative_anees,
-              pixels(pairs(i, estimate_at)), metrics.timing.merges_per_frame});
+      const PosePairs causal = pairs(i, estimate_at);
+      Row row{metrics.camera,
+              errors.world,
+              errors.relative,
+              errors.relative_anees,
+              pixels(causal),
+              metrics.timing.merges_per_frame,
+              pixels(pairs(i, last_map_at))};
+      if (!causal.empty())
+        row.ends_on_right_mode = on_right_mode(causal.back().first, causal.back().second);
+      add(i, row);
     }
     add_timing(slam, metrics.timing);
   }

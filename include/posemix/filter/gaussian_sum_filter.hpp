@@ -8,6 +8,7 @@
 
 #include "posemix/filter/iterated_update.hpp"
 #include "posemix/filter/predict.hpp"
+#include "posemix/filter/robust_update.hpp"
 #include "posemix/reduction/reduce.hpp"
 
 namespace posemix {
@@ -18,8 +19,11 @@ using Posterior = Mixture<Hypothesis>;
 /// How the components of a detector's noise are combined over the objects seen in one frame.
 enum class NoiseUse {
   joint,  ///< one component is chosen for all visible objects together (the midway paper's filter)
-  per_object  ///< one component for every object, the objects processed one after another with a
-              ///< reduction after each
+  per_object,  ///< one component for every object, the objects processed one after another with a
+               ///< reduction after each
+  most_likely  ///< the same, but every hypothesis keeps only the child of the largest weight, by
+               ///< one component or the null: with one hypothesis the max-mixture of Olson and
+               ///< Agarwal (2013). A new object enters by its detector's heaviest component.
 };
 
 /// How one hypothesis is updated.
@@ -39,6 +43,8 @@ enum class Summary {
 struct FilterSettings {
   NoiseUse noise_use = NoiseUse::per_object;
   UpdateRule update = UpdateRule::iterated;
+  RobustLoss robust_loss = RobustLoss::none;
+  double cauchy_scale = kCauchyScale;  ///< of RobustLoss::cauchy, standard deviations
   /// A detection is left out when its squared Mahalanobis distance exceeds this quantile of the
   /// chi-square distribution with six degrees of freedom for every hypothesis and noise component;
   /// 1 turns the gate off.

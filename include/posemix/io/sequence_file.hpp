@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "posemix/io/toml_table.hpp"
-#include "posemix/slam/run.hpp"
+#include "posemix/slam/particle_filter.hpp"
 
 /// Sequence files: a TOML document that names the files of a recording and how to filter it.
 /// docs/formats.md lists every key.
@@ -32,11 +32,12 @@ inline constexpr std::size_t kTraceHypotheses = 12;
 /// All that object SLAM needs for one run.
 struct SlamJob {
   std::string name;    ///< of sequence file and recording, for people
-  std::string method;  ///< for people: "gm-iekf (midway)", "riekf"
+  std::string method;  ///< for people: "gm-iekf (midway)", "riekf", "rbpf (300 particles)"
   Sequence sequence;
   PoseDensity camera_prior;         ///< T_world_camera of the image frame, first frame
   std::vector<ObjectModel> models;  ///< one per object of the sequence
   ObjectSlamSettings settings;
+  std::optional<ParticleFilterSettings> particles = {};  ///< filtered by particles in place of that
   std::size_t trace_hypotheses = kTraceHypotheses;
 };
 
@@ -61,5 +62,9 @@ std::vector<std::filesystem::path> data_folders(
 /// other files
 SlamJob read_slam_job(const TomlDocument& document,
                       const std::vector<std::filesystem::path>& folders);
+
+/// Runs the job by the filter that it names: `run`, or `run_particle_filter` where it has
+/// particles.
+SlamRun run(const SlamJob& job, const RunOptions& options = {});
 
 }  // namespace posemix

@@ -58,4 +58,9 @@ SlamRun run(const Sequence& sequence, const PoseDensity& camera_prior,
 std::pair<std::vector<ObjectModel>, ObjectSlamSettings> as_riekf(std::vector<ObjectModel> models,
                                                                  ObjectSlamSettings settings);
 
+/// Settings with one linearized hypothesis that uses for each detection the one noise component (or
+/// the null) of the largest weighted likelihood: the max-mixture of Olson and Agarwal (2013), as a
+/// filter.
+ObjectSlamSettings as_max_mixture(ObjectSlamSettings settings);
+
 }  // namespace posemix

@@ -42,4 +42,7 @@ class StudyTable {
 /// that is not finite is written as null.
 std::string format_study(std::string_view study, const StudyTable& rows);
 
+/// The same with a second table under the key "summary".
+std::string format_study(std::string_view study, const StudyTable& rows, const StudyTable& summary);
+
 }  // namespace posemix

@@ -29,14 +29,20 @@ struct YcbvStudySettings {
 /// The methods that the study knows, in the order of its table:
 /// - "detector": the detections themselves; "odometry": the odometry alone, aligned at the first
 ///   frame that has it and the true pose;
+/// - "published_offline": rows "published: ACT" and so on, the published pixel errors of offline
+///   pose-graph optimisation (Lu et al. 2022), where the data folder has their table; nothing is
+///   run;
 /// - "riekf", "riekf_gated": one hypothesis and one Gaussian, without and with a gate of 0.999;
+/// - "riekf_cauchy": the same without a gate, under the Cauchy loss;
+/// - "max_mixture": one hypothesis, for each detection the noise component of the largest weighted
+///   likelihood; "rbpf": the particle filter; both with the noise model of the profile;
 /// - "tangent_of_larger", "midway": the midway paper's filter (12 hypotheses, one noise component
 ///   for all objects of a frame, linearized update) with either rule of merging;
 /// - "midway_iterated": the same with the iterated update;
 /// - "published": the settings of the midway paper's own program; CosyPose recordings only;
 /// - "default": the filter of the detector's profile.
-/// All but the last two share motion, start and measurement with the default; DOPE's detections
-/// have the noise model `gaussian` of the profile there.
+/// All but the last two share motion, start and measurement with the default. Those of one Gaussian
+/// and the paper's filter take DOPE's detections by the noise model `gaussian` of the profile.
 std::vector<std::string> ycbv_methods();
 
 /// Reads the settings: the arrays `methods` (all of ycbv_methods where missing), `sequences`,
@@ -46,8 +52,9 @@ std::vector<std::string> ycbv_methods();
 YcbvStudySettings read_ycbv_settings(const TomlTable& table);
 
 /// The study: one item per recording and method, one row per recording, object and method, then
-/// the mean and the median by detector and method over what is known. Its report holds study.json,
-/// ycbv.csv, timing.csv (the only file that differs from run to run), errors.svg and camera.svg.
+/// the mean and the median by detector and method over what is known, and a summary against the
+/// published numbers and the odometry. Its report holds study.json, ycbv.csv, summary.csv,
+/// timing.csv (the only file that differs from run to run), errors.svg and camera.svg.
 /// @throws InvalidInput for a method that is not known, and when no recording fits the settings;
 /// from items for a file that is not valid
 Study make_ycbv_study(const YcbvStudySettings& settings);
