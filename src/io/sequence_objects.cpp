@@ -11,6 +11,7 @@
 #include "posemix/io/bop.hpp"
 #include "posemix/io/npy.hpp"
 #include "posemix/io/object_poses.hpp"
+#include "posemix/io/pose_table.hpp"
 #include "posemix/io/text.hpp"
 #include "sequence_parts.hpp"
 
@@ -83,6 +84,25 @@ DetectionFile read_bop_detections(const TomlTable& table, const FileFinder& file
   return {path.string(), std::nullopt, from_first_frame(table, path.string(), std::move(poses))};
 }
 
+/// Columns of a table: estimates with the prefix est_, the truth with gt_.
+DetectionFile read_table_poses(const TomlTable& table, const FileFinder& files,
+                               const std::string& prefix) {
+  const std::filesystem::path path = files.find(table, "pose_csv");
+  const BopSelection selection{table.get_integer("scene", kAtLeastZero),
+                               table.get_integer("object", kAtLeastZero)};
+  auto poses = read_pose_table(path, selection, prefix);
+  return {path.string(), std::nullopt, from_first_frame(table, path.string(), std::move(poses))};
+}
+
+/// Truth of the images in the table; those after the last frame are left out.
+Poses read_table_truth(const TomlTable& truth, const FileFinder& files, const Timeline& timeline) {
+  Poses poses(timeline.size());
+  for (const auto& [number, pose] : read_table_poses(truth, files, "gt_").numbered) {
+    if (const auto frame = timeline.at_number(number)) poses[*frame] = pose;
+  }
+  return poses;
+}
+
 SE3d read_entry(const TomlTable& truth, const FileFinder& files, const std::string& id) {
   const std::filesystem::path path = files.find(truth, "world_poses");
   const std::map<std::string, SE3d> poses = read_object_poses(path);
@@ -120,21 +140,25 @@ Poses DetectionFile::on(const Timeline& timeline) const {
 }
 
 DetectionFile read_detections(const TomlTable& object, const FileFinder& files) {
-  const std::string_view kind = the_one_of(object, "detections", {"tum", "npy", "bop"});
+  const std::string_view kind = the_one_of(object, "detections", {"tum", "npy", "bop", "pose_csv"});
   const TomlTable table = object.get_table("detections");
   if (kind == "tum") return read_tum_detections(table, files);
   if (kind == "npy") return read_npy_detections(table, files);
-  return read_bop_detections(table, files);
+  if (kind == "bop") return read_bop_detections(table, files);
+  return read_table_poses(table, files, "est_");
 }
 
 void read_object_truth(const TomlTable& object, const FileFinder& files, const Timeline& timeline,
                        ObjectRecording& recording) {
   if (!object.has("ground_truth")) return;
-  const std::string_view kind = the_one_of(
-      object, "ground_truth", {"relative_tum", "world_tum", "world_poses", "world_pose"});
+  const std::string_view kind =
+      the_one_of(object, "ground_truth",
+                 {"relative_tum", "pose_csv", "world_tum", "world_poses", "world_pose"});
   const TomlTable truth = object.get_table("ground_truth");
   if (kind == "relative_tum") {
     recording.relative_truth = timeline.select(read_stamped(truth, kind, files));
+  } else if (kind == "pose_csv") {
+    recording.relative_truth = read_table_truth(truth, files, timeline);
   } else if (kind == "world_tum") {
     recording.world_truth = timeline.select(read_stamped(truth, kind, files));
   } else if (kind == "world_poses") {

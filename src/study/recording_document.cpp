@@ -10,6 +10,7 @@
 #include "posemix/io/object_poses.hpp"
 #include "posemix/io/text.hpp"
 #include "posemix/study/recordings.hpp"
+#include "recording_parts.hpp"
 
 namespace posemix {
 namespace {
@@ -113,6 +114,7 @@ class Writer {
 
   bool keeps(const std::string& line, const std::string& id) const {
     const std::string_view key = key_of(line);
+    if (key == "object") return recording_.object != "all";  // nothing stands for several
     if (key == "odometry") return find(line).has_value();
     if (key != "ground_truth") return true;
     const auto place = find(line);
@@ -144,17 +146,29 @@ class Writer {
 
   std::string object_text(const std::string& id) const {
     const Section& section = section_of(id);
-    if (recording_.detector != "cosypose") return section.header + "\n" + lines_of(section, id);
+    if (recording_.detector == "dope") return section.header + "\n" + lines_of(section, id);
+    const std::string files = files_of(id);
     Section own{section.header};
     for (const std::string& line : section.lines) {
       const std::string_view key = key_of(line);
-      if (key != "id" && key != "detections") own.lines.push_back(line);
+      if (key.empty() || files.find(fmt::format("{} = ", key)) == std::string::npos)
+        own.lines.push_back(line);
     }
-    const std::string files = fmt::format(
-        "id = \"{}\"\ndetections = {{npy = \"midway/cosypose/${{sequence}}\", prefix = "
-        "\"obj_{:0>6}_\"}}\n",
-        id, id);
     return own.header + "\n" + files + lines_of(own, id);
+  }
+
+  /// The keys of an object that differ from recording to recording.
+  std::string files_of(const std::string& id) const {
+    if (recording_.detector == "cosypose") {
+      return fmt::format(
+          "id = \"{}\"\ndetections = {{npy = \"midway/cosypose/${{sequence}}\", prefix = "
+          "\"obj_{:0>6}_\"}}\n",
+          id, id);
+    }
+    const std::string table =
+        fmt::format("{{pose_csv = \"{}/ycbv_{}.csv\", scene = {}, object = {}}}", kTableFolder,
+                    recording_.detector, parse_integer(recording_.sequence).value_or(0), id);
+    return fmt::format("id = \"{}\"\ndetections = {}\nground_truth = {}\n", id, table, table);
   }
 
   const Recording& recording_;

@@ -5,11 +5,14 @@
 #include <algorithm>
 #include <map>
 #include <system_error>
+#include <tuple>
 
 #include <fmt/format.h>
 
 #include "posemix/base/error.hpp"
+#include "posemix/io/pose_table.hpp"
 #include "posemix/io/text.hpp"
+#include "recording_parts.hpp"
 #include "recording_profiles.hpp"
 
 namespace posemix {
@@ -79,6 +82,24 @@ void find_cosypose(const fs::path& data, std::vector<Recording>& recordings) {
   }
 }
 
+void find_tables(const fs::path& data, std::vector<Recording>& recordings) {
+  constexpr std::string_view kDataset = "ycbv_";
+  for (const fs::path& file : entries_of(data / kTableFolder)) {
+    const std::string stem = file.stem().string();
+    if (file.extension() != ".csv" || !stem.starts_with(kDataset)) continue;
+    for (const auto& [scene, numbers] : read_table_objects(file)) {
+      Recording recording{
+          data, stem.substr(kDataset.size()), "all", fmt::format("{:0>4}", scene), {}};
+      for (const std::int64_t number : numbers) recording.objects.push_back(std::to_string(number));
+      recordings.push_back(std::move(recording));
+    }
+  }
+}
+
+bool precedes(const Recording& a, const Recording& b) {
+  return std::tie(a.detector, a.object, a.sequence) < std::tie(b.detector, b.object, b.sequence);
+}
+
 }  // namespace
 
 std::optional<fs::path> find_experiments(const fs::path& data) {
@@ -96,11 +117,14 @@ std::vector<Recording> find_recordings(const fs::path& data) {
   std::vector<Recording> recordings;
   find_cosypose(data, recordings);
   find_dope(data, recordings);
+  find_tables(data, recordings);
+  std::stable_sort(recordings.begin(), recordings.end(), precedes);
   if (recordings.empty()) {
     throw InvalidInput(fmt::format(
         "{}: holds no recording, expected experiments/ycbv/inference/OBJECT/Initial/SEQUENCE.txt "
-        "(there or in slam-super-6d) or midway/cosypose/SEQUENCE/obj_OOOOOO_IIIIII.npy",
-        data.string()));
+        "(there or in slam-super-6d) or midway/cosypose/SEQUENCE/obj_OOOOOO_IIIIII.npy or "
+        "{}/ycbv_ESTIMATOR.csv",
+        data.string(), kTableFolder));
   }
   return recordings;
 }
@@ -113,8 +137,13 @@ std::string_view recording_profile(std::string_view name) {
       fmt::format("profile {}, expected dope, cosypose or published", in_quotes(name)));
 }
 
+std::string_view profile_name_of(const Recording& recording) {
+  return recording.detector == "cosypose" ? "cosypose" : "dope";
+}
+
 SlamJob read_recording(const Recording& recording, std::span<const std::string> overrides) {
-  TomlDocument document = recording_document(recording, recording_profile(recording.detector));
+  TomlDocument document =
+      recording_document(recording, recording_profile(profile_name_of(recording)));
   for (const std::string& each : overrides) document.apply_override(each);
   return read_slam_job(document, {recording.data});
 }

@@ -98,15 +98,17 @@ YcbvMethod find_ycbv_method(const std::string& name) {
 
 SlamJob read_ycbv_job(const YcbvStudySettings& settings, const Recording& recording,
                       const YcbvMethod& method) {
-  const auto own = settings.profiles.find(recording.detector);
+  const auto own = settings.profiles.find(std::string(profile_name_of(recording)));
   const bool replaced = own != settings.profiles.end() && !method.published;
   const std::string_view profile =
       replaced ? std::string_view(own->second)
-               : recording_profile(method.published ? "published" : recording.detector);
+               : recording_profile(method.published ? "published" : profile_name_of(recording));
   TomlDocument document = recording_document(recording, profile);
   if (method.kind == YcbvKind::odometry) add_odometry(recording, document);
-  if (method.paper_noise && recording.detector == "dope")
-    document.apply_override("objects.0.noise=gaussian");
+  if (method.paper_noise && profile_name_of(recording) == "dope") {
+    for (std::size_t i = 0; i < recording.objects.size(); ++i)
+      document.apply_override(fmt::format("objects.{}.noise=gaussian", i));
+  }
   for (const std::string& each : method.overrides) document.apply_override(each);
   for (const std::string& each : settings.overrides) document.apply_override(each);
   return read_slam_job(document, {recording.data});

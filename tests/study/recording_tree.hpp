@@ -71,6 +71,26 @@ class RecordingTree {
         format_object_poses({{"4", object_}, {"14", object_}}));
   }
 
+  /// A table of an estimator with objects 2 and 14 of a scene, in every second image.
+  void put_table(const std::string& estimator, int scene) {
+    std::string text = "# made up\nobj_id,scene_id,im_id";
+    for (const char* prefix : {"est_", "gt_"}) {
+      for (const char* column : {"tx", "ty", "tz", "qx", "qy", "qz", "qw"})
+        text += fmt::format(",{}{}", prefix, column);
+    }
+    for (std::size_t k = 1; k < kTreeFrames; k += 2) {
+      for (const int id : {14, 2}) {
+        text += fmt::format("\n{},{},{}", id, scene, k + 1) + row_of(*detections_[k].pose) +
+                row_of(*relative_[k].pose);
+      }
+    }
+    put(fmt::format("consensus-driven-uncertainty/ycbv_{}.csv", estimator), text + "\n");
+    put_camera(fmt::format("{:0>4}", scene), "slam-super-6d");
+  }
+
+  const SE3d& detection(std::size_t frame) const { return *detections_[frame].pose; }
+  const SE3d& relative(std::size_t frame) const { return *relative_[frame].pose; }
+
   void put(const std::filesystem::path& name, std::string_view content) {
     folder_.put(name, content);
   }
@@ -80,6 +100,12 @@ class RecordingTree {
   const std::filesystem::path& path() const { return folder_.path(); }
 
  private:
+  static std::string row_of(const SE3d& pose) {
+    const Eigen::Vector3d& t = pose.translation();
+    const Eigen::Vector4d q = pose.rotation().quaternion().coeffs();
+    return fmt::format(",{},{},{},{},{},{},{}", t[0], t[1], t[2], q[0], q[1], q[2], q[3]);
+  }
+
   void put_camera(const std::string& sequence, const std::filesystem::path& root) {
     const auto odom = root / "experiments/ycbv/odom";
     put(odom / "ground_truth" / (sequence + ".txt"), format_tum(truth_));

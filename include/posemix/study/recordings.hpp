@@ -17,10 +17,10 @@ namespace posemix {
 /// A sequence for which the folder has detections.
 struct Recording {
   std::filesystem::path data;  ///< the data folder
-  std::string detector;        ///< "dope" or "cosypose"
+  std::string detector;        ///< "dope", "cosypose", or the estimator of a table
   std::string object;          ///< folder name of the object's class; "all" for several objects
   std::string sequence;        ///< as "0022"
-  std::vector<std::string> objects;  ///< ids in results; for cosypose BOP object ids
+  std::vector<std::string> objects;  ///< ids in results; but for dope BOP object ids
 
   bool operator==(const Recording&) const = default;
 };
@@ -31,6 +31,8 @@ struct Recording {
 /// - CosyPose (npy, all objects of the sequence): midway/cosypose/SEQUENCE/obj_OOOOOO_IIIIII.npy.
 ///   An object with less than a hundredth of the files of the most frequent one is left out as a
 ///   stray.
+/// - estimators (CSV tables, all objects of a scene that are in the table):
+///   consensus-driven-uncertainty/ycbv_ESTIMATOR.csv, a recording per estimator and scene.
 /// @throws InvalidInput when the folder cannot be read or holds no recording
 std::vector<Recording> find_recordings(const std::filesystem::path& data);
 
@@ -43,8 +45,12 @@ std::optional<std::filesystem::path> find_experiments(const std::filesystem::pat
 /// @throws InvalidInput for another name
 std::string_view recording_profile(std::string_view name);
 
+/// The name of the profile by which a recording is read: that of CosyPose for its recordings, that
+/// of DOPE for all others.
+std::string_view profile_name_of(const Recording& recording);
+
 /// The sequence file of one recording, from a profile that was written for another one with the
-/// same detector.
+/// same detector, or for tables of estimates on the same scenes.
 ///
 /// The profile's keys `sequence` and `object` are set. An object of a recording with several has
 /// the keys of the profile's object of the same id, else of its first. Keys `odometry` and
@@ -53,7 +59,7 @@ std::string_view recording_profile(std::string_view name);
 /// camera's ground truth it starts at the identity.
 TomlDocument recording_document(const Recording& recording, std::string_view profile);
 
-/// Reads a recording by the profile of its detector; `overrides` as for
+/// Reads a recording by its profile; `overrides` as for
 /// TomlDocument::apply_override.
 /// @throws InvalidInput naming the file that is not valid
 SlamJob read_recording(const Recording& recording, std::span<const std::string> overrides = {});
