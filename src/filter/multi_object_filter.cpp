@@ -98,7 +98,7 @@ class MultiObjectFilter::State {
   }
 
   /// Of the filter's covariances, to be those of the true error.
-  double factor() const { return has_odometry ? dependent_frames() : 1.0; }
+  double factor() const { return settings.has_odometry ? dependent_frames() : 1.0; }
 
   /// What all detections of an object have in common, in the world frame.
   Matrix6d common_error(const ObjectState& object, const SE3d& pose) const {
@@ -123,7 +123,6 @@ class MultiObjectFilter::State {
   std::optional<std::size_t> motion;  ///< index of the camera's motion in the backbone
   std::uint64_t next_id = 0;
   Matrix6d drift = Matrix6d::Zero();  ///< of the map, in the world frame
-  bool has_odometry = true;
 
  private:
   void walk(ObjectState& object);
@@ -137,7 +136,8 @@ class MultiObjectFilter::State {
 void MultiObjectFilter::State::walk(ObjectState& object) {
   const Matrix6d grown = drift - object.drift;
   object.drift = drift;
-  for (ObjectHypothesis& hypothesis : object.hypotheses) hypothesis.covariance += hypothesis.pose.adjoint_congruence(grown);
+  for (ObjectHypothesis& hypothesis : object.hypotheses)
+    hypothesis.covariance += hypothesis.pose.adjoint_congruence(grown);
   if (object.index) {
     const std::size_t i = *object.index;
     internal::block(backbone.covariance(), i, i) += backbone.pose(i).adjoint_congruence(grown);
@@ -229,7 +229,8 @@ ObjectUpdateReport MultiObjectFilter::State::update(std::size_t j, const SE3d& d
   bool is_explained = false;
   for (std::size_t h = 0; h < object.hypotheses.size(); ++h) {
     updates.push_back(internal::observe(internal::pair_of(backbone, object, h), detected,
-                                        object.sensor, settings.camera_gain_noise, has_odometry));
+                                        object.sensor, settings.camera_gain_noise,
+                                        settings.has_odometry));
     is_explained = is_explained || updates.back().squared_distance < explained;
   }
 
@@ -257,6 +258,7 @@ ObjectUpdateReport MultiObjectFilter::State::update(std::size_t j, const SE3d& d
   const SE3d camera_before = backbone.pose(kCamera);
   if (object.index) {
     report.inlier_share = updates[object.leading].inlier_share;
+    report.null_share = updates[object.leading].null_share;
     learn_scale(object, updates[object.leading]);
     report.residual = updates[object.leading].residual.cwiseQuotient(
         updates[object.leading].residual_variance.cwiseSqrt());
@@ -316,14 +318,42 @@ void MultiObjectFilter::predict_with_odometry(const SE3d& motion, const Matrix6d
   const double share = state_->settings.camera_share;
   internal::block(backbone.covariance(), kCamera, kCamera) += share * noise;
   state_->drift += (1.0 - share) / dependent_frames() * q;
-  state_->has_odometry = true;
 }
 
 void MultiObjectFilter::predict_random_walk(const Matrix6d& q) {
   Backbone& backbone = state_->backbone;
   internal::block(backbone.covariance(), kCamera, kCamera) +=
       backbone.pose(kCamera).adjoint_congruence(q);
-  state_->has_odometry = false;
+}
+
+void MultiObjectFilter::predict_constant_velocity(double periods, const Matrix6d& q,
+                                                  const Matrix6d& q_motion,
+                                                  const Matrix6d& at_rest) {
+  Backbone& backbone = state_->backbone;
+  if (!state_->motion) state_->motion = backbone.append(SE3d(), at_rest, Matrix6d::Zero());
+  const std::size_t motion = *state_->motion;
+  const SE3d camera = backbone.pose(kCamera);
+  const SE3d velocity = backbone.pose(motion);
+  const Matrix6d transfer = constant_velocity_transfer(camera, velocity, periods);
+
+  // xi_C <- xi_C + F xi_V: the rows of others that depend on the camera alone, then the backbone.
+  const Eigen::LLT<Matrix6d> before(backbone.covariance(kCamera, kCamera));
+  const Matrix6d with_motion =
+      before.solve(backbone.covariance(kCamera, motion)) * transfer.transpose();
+  for (ObjectState& object : state_->objects) {
+    for (ObjectHypothesis& hypothesis : object.hypotheses) {
+      const Matrix6d change = hypothesis.with_camera * with_motion;
+      hypothesis.with_camera += change;
+    }
+  }
+  Eigen::MatrixXd& b = backbone.covariance();
+  internal::rows(b, kCamera) += transfer * internal::rows(b, motion);
+  internal::columns(b, kCamera) += internal::columns(b, motion) * transfer.transpose();
+  const SE3d moved = camera * SE3d::exp(periods * velocity.log());
+  backbone.set_pose(kCamera, moved);
+  internal::block(b, kCamera, kCamera) += moved.adjoint_congruence(q);
+  internal::block(b, motion, motion) += velocity.adjoint_congruence(q_motion);
+  symmetrize(b);
 }
 
 ObjectUpdateReport MultiObjectFilter::update(std::size_t object, const SE3d& camera_object) {
@@ -358,6 +388,17 @@ std::vector<ObjectHypothesis> MultiObjectFilter::hypotheses(std::size_t object) 
 std::optional<std::size_t> MultiObjectFilter::leading(std::size_t object) const {
   const ObjectState& state = state_->objects[object];
   return state.index ? std::optional(state.leading) : std::nullopt;
+}
+
+double MultiObjectFilter::mode_probability(std::size_t object) const {
+  const ObjectState& state = state_->objects[object];
+  if (!state.index) return 0.0;
+  const double dependent = std::max(1.0, state_->settings.dependent_answers * dependent_frames());
+  const double leader = state.hypotheses[state.leading].log_weight;
+  double sum = std::exp((state.log_absent - leader) / dependent);
+  for (const ObjectHypothesis& hypothesis : state.hypotheses)
+    sum += std::exp((hypothesis.log_weight - leader) / dependent);
+  return 1.0 / sum;
 }
 
 double MultiObjectFilter::log_absent(std::size_t object) const {

@@ -155,6 +155,7 @@ PairUpdate observe(const Pair& pair, const SE3d& detected, const ObjectSensor& s
   if (log_evidence.back() > 0.0) children.add_unmoved(log_evidence.back() / kept);
   result.posterior = children.moments();
   result.inlier_share = log_evidence.front() / kept;
+  result.null_share = log_evidence.back() / kept;
   const PairInnovation& inlier = innovations.front();
   const SE3d to_axes = inlier.axes.inverse();
   result.residual = to_axes.adjoint_blocks().times(inlier.residual);

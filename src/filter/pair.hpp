@@ -42,6 +42,7 @@ struct PairUpdate {
   double log_evidence = 0.0;      ///< of all noise components and the null [nats]
   double squared_distance = 0.0;  ///< least squared Mahalanobis distance over the components
   double inlier_share = 0.0;      ///< posterior probability of the first component
+  double null_share = 0.0;        ///< and of the null
   /// Innovation of the first component along the axes of its noise, and its expected variance.
   Vector6d residual = Vector6d::Zero();
   Vector6d residual_variance = Vector6d::Ones();

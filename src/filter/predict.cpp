@@ -31,13 +31,17 @@ Hypothesis predict_random_walk(Hypothesis hypothesis, const Matrix6d& q) {
   return predict_with_odometry(std::move(hypothesis), SE3d(), q);
 }
 
+Matrix6d constant_velocity_transfer(const SE3d& camera, const SE3d& motion, double periods) {
+  const Vector6d velocity = motion.log();
+  return camera.adjoint() * (periods * SE3d::left_jacobian(periods * velocity) *
+                             SE3d::left_jacobian_inverse(velocity));
+}
+
 Hypothesis predict_constant_velocity(Hypothesis hypothesis, double periods, const Matrix6d& q,
                                      const Matrix6d& q_motion) {
   auto [mean, covariance] = std::move(hypothesis).release();
   const Vector6d velocity = mean[kMotion].log();
-  const Matrix6d transfer =
-      mean[kCamera].adjoint() *
-      (periods * SE3d::left_jacobian(periods * velocity) * SE3d::left_jacobian_inverse(velocity));
+  const Matrix6d transfer = constant_velocity_transfer(mean[kCamera], mean[kMotion], periods);
   // Covariance of (xi_R + transfer xi_V, rest): first the rows, then the columns.
   covariance.topRows<kPoseDof>() += transfer * covariance.middleRows<kPoseDof>(kMotionOffset);
   covariance.leftCols<kPoseDof>() +=

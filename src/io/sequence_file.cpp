@@ -18,6 +18,10 @@ namespace {
 
 constexpr std::size_t kLongestId = 100;
 
+/// The noise of objects that name none: default_detector_noise() unless the file has a table of
+/// that name.
+constexpr std::string_view kDefaultNoise = "default";
+
 void check_schema(const TomlTable& root) {
   const std::int64_t schema = root.get_integer("schema");
   if (schema == kSequenceSchema) return;
@@ -55,15 +59,16 @@ std::string read_id(const TomlTable& object, std::set<std::string>& taken) {
 ObjectModel read_model(const TomlTable& object, std::set<std::string>& ids,
                        const std::map<std::string, DetectorNoise>& noise_models) {
   std::string id = read_id(object, ids);
-  const std::string noise = object.get_string("noise");
+  const std::string noise = object.get_string_or("noise", std::string(kDefaultNoise));
   const auto found = noise_models.find(noise);
-  if (found == noise_models.end()) {
+  const bool built_in = found == noise_models.end() && noise == kDefaultNoise;
+  if (found == noise_models.end() && !built_in) {
     object.fail("noise", fmt::format("is {0}, but there is no table [noise.{1}]", in_quotes(noise),
                                      noise.empty() ? "NAME" : noise));
   }
   std::optional<Matrix6d> start;
   if (const auto table = object.find_table("start")) start = read_pose_covariance(*table);
-  return {std::move(id), found->second, start};
+  return {std::move(id), built_in ? default_detector_noise() : found->second, {}, start};
 }
 
 /// Stamps of the odometry, else of the camera's truth, else of all stamped detections, else frame
@@ -135,10 +140,26 @@ void check_joint_noise(const TomlTable& root, const SlamJob& job) {
   }
 }
 
+/// The multi-object filter starts objects from their detections.
+void check_starts(const TomlTable& root, const SlamJob& job) {
+  const std::vector<TomlTable> objects = root.get_tables("objects");
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    if (!job.models[i].independent_start) continue;
+    objects[i].fail("start",
+                    "is for filter.method = \"gm-iekf\" and its kin; the multi-object filter "
+                    "starts objects from their detections");
+  }
+}
+
 void use_method(const TomlTable& root, const MethodSettings& method, SlamJob& job) {
   job.method = method.name;
   job.settings.filter = method.filter;
+  job.settings.multi_object = method.multi_object;
+  if (method.method != FilterMethod::multi_object) job.settings.kind = SlamFilter::gaussian_sum;
   switch (method.method) {
+    case FilterMethod::multi_object:
+      check_starts(root, job);
+      return;
     case FilterMethod::gm_iekf:
       break;
     case FilterMethod::riekf:

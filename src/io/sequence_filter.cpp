@@ -62,6 +62,8 @@ std::string_view name_of(MergeRule rule) {
 std::string method_name(const MethodSettings& settings) {
   const bool iterated = settings.filter.update == UpdateRule::iterated;
   switch (settings.method) {
+    case FilterMethod::multi_object:
+      return "multi-object";
     case FilterMethod::riekf:
       return "riekf";
     case FilterMethod::riekf_cauchy:
@@ -96,41 +98,50 @@ ParticleFilterSettings read_particles(const TomlTable& filter) {
   return p;
 }
 
+FilterSettings read_gaussian_sum(const TomlTable& filter, FilterMethod method) {
+  FilterSettings settings;
+  settings.noise_use = filter.get_enum_or<NoiseUse>("noise_use", settings.noise_use,
+                                                    {{"per_object", NoiseUse::per_object},
+                                                     {"joint", NoiseUse::joint},
+                                                     {"most_likely", NoiseUse::most_likely}});
+  settings.update = filter.get_enum_or<UpdateRule>(
+      "update", settings.update,
+      {{"linearized", UpdateRule::linearized}, {"iterated", UpdateRule::iterated}});
+  settings.robust_loss = filter.get_enum_or<RobustLoss>(
+      "robust_loss",
+      method == FilterMethod::riekf_cauchy ? RobustLoss::cauchy : settings.robust_loss,
+      {{"none", RobustLoss::none}, {"cauchy", RobustLoss::cauchy}});
+  settings.cauchy_scale =
+      filter.get_double_or("cauchy_scale", settings.cauchy_scale, {.lowest = 1e-3, .highest = 1e6});
+  settings.gate_probability =
+      filter.get_double_or("gate_probability", settings.gate_probability,
+                           {.lowest = 0, .highest = 1, .without_lowest = true});
+  settings.summary = filter.get_enum_or<Summary>("summary", settings.summary,
+                                                 {{"best", Summary::best},
+                                                  {"merge_two_largest", Summary::merge_two_largest},
+                                                  {"whole_mixture", Summary::whole_mixture}});
+  settings.reduction = read_reduction(filter);
+  return settings;
+}
+
 }  // namespace
 
 MethodSettings read_filter(const TomlTable& root) {
   MethodSettings result;
-  FilterSettings& settings = result.filter;
   if (const auto filter = root.find_table("filter")) {
     result.method = filter->get_enum_or<FilterMethod>("method", result.method,
-                                                      {{"gm-iekf", FilterMethod::gm_iekf},
+                                                      {{"multi_object", FilterMethod::multi_object},
+                                                       {"gm-iekf", FilterMethod::gm_iekf},
                                                        {"riekf", FilterMethod::riekf},
                                                        {"riekf_cauchy", FilterMethod::riekf_cauchy},
                                                        {"max_mixture", FilterMethod::max_mixture},
                                                        {"rbpf", FilterMethod::rbpf}});
-    settings.noise_use = filter->get_enum_or<NoiseUse>("noise_use", settings.noise_use,
-                                                       {{"per_object", NoiseUse::per_object},
-                                                        {"joint", NoiseUse::joint},
-                                                        {"most_likely", NoiseUse::most_likely}});
-    settings.update = filter->get_enum_or<UpdateRule>(
-        "update", settings.update,
-        {{"linearized", UpdateRule::linearized}, {"iterated", UpdateRule::iterated}});
-    settings.robust_loss = filter->get_enum_or<RobustLoss>(
-        "robust_loss",
-        result.method == FilterMethod::riekf_cauchy ? RobustLoss::cauchy : settings.robust_loss,
-        {{"none", RobustLoss::none}, {"cauchy", RobustLoss::cauchy}});
-    settings.cauchy_scale = filter->get_double_or("cauchy_scale", settings.cauchy_scale,
-                                                  {.lowest = 1e-3, .highest = 1e6});
-    settings.gate_probability =
-        filter->get_double_or("gate_probability", settings.gate_probability,
-                              {.lowest = 0, .highest = 1, .without_lowest = true});
-    settings.summary =
-        filter->get_enum_or<Summary>("summary", settings.summary,
-                                     {{"best", Summary::best},
-                                      {"merge_two_largest", Summary::merge_two_largest},
-                                      {"whole_mixture", Summary::whole_mixture}});
-    settings.reduction = read_reduction(*filter);
-    result.particles = read_particles(*filter);
+    if (result.method == FilterMethod::multi_object) {
+      result.multi_object = read_multi_object(*filter);
+    } else {
+      result.filter = read_gaussian_sum(*filter, result.method);
+      result.particles = read_particles(*filter);
+    }
   }
   result.name = method_name(result);
   return result;

@@ -101,9 +101,10 @@ DetectorNoise read_detector_noise(const TomlTable& model) {
 
 std::map<std::string, DetectorNoise> read_noise_models(const TomlTable& root) {
   std::map<std::string, DetectorNoise> models;
-  const TomlTable noise = root.get_table("noise");
-  for (const std::string& name : noise.keys()) {
-    models.emplace(name, read_detector_noise(noise.get_table(name)));
+  const auto noise = root.find_table("noise");
+  if (!noise) return models;
+  for (const std::string& name : noise->keys()) {
+    models.emplace(name, read_detector_noise(noise->get_table(name)));
   }
   return models;
 }

@@ -132,15 +132,17 @@ void read_object_truth(const TomlTable& object, const FileFinder& files, const T
 
 // --- [filter]
 
-enum class FilterMethod { gm_iekf, riekf, riekf_cauchy, max_mixture, rbpf };
+enum class FilterMethod { multi_object, gm_iekf, riekf, riekf_cauchy, max_mixture, rbpf };
 
 struct MethodSettings {
   std::string name;
-  FilterMethod method = FilterMethod::gm_iekf;
+  FilterMethod method = FilterMethod::multi_object;
+  MultiObjectSettings multi_object;
   FilterSettings filter;
   ParticleFilterSettings particles;  ///< of FilterMethod::rbpf; motion as by default
 };
 
+MultiObjectSettings read_multi_object(const TomlTable& filter);
 MethodSettings read_filter(const TomlTable& root);
 
 }  // namespace posemix

@@ -20,6 +20,10 @@ std::string_view name_of(DetectionFate fate) {
       return "started";
     case DetectionFate::used:
       return "used";
+    case DetectionFate::doubted:
+      return "doubted";
+    case DetectionFate::born:
+      return "born";
     case DetectionFate::gated:
       return "gated";
     case DetectionFate::failed:
@@ -108,13 +112,6 @@ Json hypotheses_of(const FrameEstimate& frame, std::size_t most) {
   return array;
 }
 
-std::size_t merges_of(const FrameEstimate& frame) {
-  std::size_t merges = 0;
-  for (const ReductionReport& reduction : frame.report.update.reductions)
-    merges += reduction.merges.size();
-  return merges;
-}
-
 Json conventions() {
   return {
       {"pose", "[tx, ty, tz, qx, qy, qz, qw], metres and unit quaternion"},
@@ -143,7 +140,7 @@ std::string format_trace(const SlamJob& job, const SlamRun& run) {
   Json merges = Json::array();
   Json hypotheses = Json::array();
   for (const FrameEstimate& frame : run.frames) {
-    merges.push_back(merges_of(frame));
+    merges.push_back(frame.report.merges);
     hypotheses.push_back(hypotheses_of(frame, job.trace_hypotheses));
   }
   const Json json = {{"schema", kTraceSchema},

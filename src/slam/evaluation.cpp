@@ -37,7 +37,11 @@ ObjectMetrics evaluate_object(const Sequence& sequence, const SlamRun& run, std:
     relative.add(mean_of(frame.relative[object]), truth);
     detection.add(detected, truth);
     metrics.detections += detected.has_value() ? 1 : 0;
-    metrics.gated += frame.report.fates[object] == DetectionFate::gated ? 1 : 0;
+    metrics.gated += frame.report.fates[object] == DetectionFate::gated ||
+                             frame.report.fates[object] == DetectionFate::doubted ||
+                             frame.report.fates[object] == DetectionFate::born
+                         ? 1
+                         : 0;
     if (frame.relative[object] && truth) {
       nees += squared_normalized_error(*frame.relative[object], *truth);
       ++nees_count;
@@ -68,9 +72,7 @@ Timing timing_of(const SlamRun& run) {
     frame_us.push_back(kMicroseconds * report.seconds);
     update_us.push_back(kMicroseconds * report.update.update_seconds);
     reduce_us.push_back(kMicroseconds * report.update.reduce_seconds);
-    for (const auto& reduction : report.update.reductions) {
-      merges += static_cast<double>(reduction.merges.size());
-    }
+    merges += static_cast<double>(report.merges);
   }
   const double count = std::max<double>(1.0, static_cast<double>(frame_us.size()));
   return {median(frame_us), median(update_us), median(reduce_us), merges / count};

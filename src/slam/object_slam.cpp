@@ -5,88 +5,164 @@
 #include <chrono>
 #include <utility>
 
+#include "frames.hpp"
+
 namespace posemix {
 namespace {
 
-/// The prior of the filter: the camera, and its motion where the model needs one (at rest).
-Posterior prior(const ConcentratedGaussian<SE3d>& camera, const MotionSettings& motion) {
-  Hypothesis hypothesis(PoseStackd(std::vector<SE3d>{camera.mean()}), camera.covariance());
-  if (motion.model == MotionModel::constant_velocity) {
-    const Matrix6d at_rest = motion.motion_noise.over(motion.period_s);
-    hypothesis = with_independent_pose(hypothesis, SE3d(), at_rest);
-  }
-  return Posterior({{0.0, std::move(hypothesis)}});
+using Detections = std::vector<std::optional<SE3d>>;
+using SlamClock = std::chrono::steady_clock;
+
+double elapsed_s(SlamClock::time_point start) {
+  return std::chrono::duration<double>(SlamClock::now() - start).count();
 }
 
-GaussianSumFilter make_filter(const ConcentratedGaussian<SE3d>& camera,
-                              const ObjectSlamSettings& settings) {
-  Posterior start = prior(camera, settings.motion);
+GaussianSumFilter gaussian_sum(const ConcentratedGaussian<SE3d>& camera,
+                               const ObjectSlamSettings& settings) {
+  Hypothesis start = internal::camera_hypothesis(camera, settings.motion);
   FilterSettings filter = settings.filter;
-  filter.first_object = start[0].density.mean().size();
-  return {std::move(start), filter};
+  filter.first_object = start.mean().size();
+  return {Posterior({{0.0, std::move(start)}}), filter};
+}
+
+MultiObjectFilter multi_object_filter(const ConcentratedGaussian<SE3d>& camera,
+                                      const std::vector<ObjectModel>& objects,
+                                      const ObjectSlamSettings& settings) {
+  std::vector<ObjectSensor> sensors;
+  for (const ObjectModel& object : objects) {
+    if (object.independent_start) {
+      throw InvalidInput(fmt::format(
+          "object '{}' has an independent start, which the multi-object filter does not know",
+          object.id));
+    }
+    sensors.push_back({object.noise, object.symmetries});
+  }
+  MultiObjectSettings filter = settings.multi_object;
+  filter.has_odometry = settings.motion.model == MotionModel::odometry;
+  return {camera, std::move(sensors), filter};
+}
+
+std::variant<GaussianSumFilter, MultiObjectFilter> make_filter(
+    const ConcentratedGaussian<SE3d>& camera, const std::vector<ObjectModel>& objects,
+    const ObjectSlamSettings& settings) {
+  if (settings.kind == SlamFilter::gaussian_sum) return gaussian_sum(camera, settings);
+  return multi_object_filter(camera, objects, settings);
+}
+
+Hypothesis summary_of(const std::variant<GaussianSumFilter, MultiObjectFilter>& filter) {
+  if (const auto* sum = std::get_if<GaussianSumFilter>(&filter)) return sum->summarise();
+  return std::get<MultiObjectFilter>(filter).backbone();
 }
 
 }  // namespace
+
+DetectorNoise default_detector_noise() {
+  const Eigen::Vector3d rotation = Eigen::Vector3d(7.5, 7.5, 2.0) * kRadPerDeg;
+  const Eigen::Vector3d translation(0.007, 0.007, 0.045);
+  constexpr double kCommonRange = 11.8;
+  constexpr double kWider = 2.7;
+  NoiseComponent inlier{.weight = 0.65,
+                        .covariance = pose_covariance(rotation, translation),
+                        .frame = NoiseFrame::ray};
+  inlier.update_covariance =
+      pose_covariance(rotation, translation.cwiseProduct(Eigen::Vector3d(1.0, 1.0, kCommonRange)));
+  NoiseComponent wide = inlier;
+  wide.weight = 0.12;
+  wide.covariance *= kWider * kWider;
+  *wide.update_covariance *= kWider * kWider;
+  return DetectorNoise({inlier, wide}, {.weight = 0.23, .volume_m3 = 1.0});
+}
 
 ObjectSlam::ObjectSlam(const ConcentratedGaussian<SE3d>& camera, std::vector<ObjectModel> objects,
                        const ObjectSlamSettings& settings)
     : objects_(std::move(objects)),
       motion_(settings.motion),
-      filter_(make_filter(camera, settings)),
+      filter_(make_filter(camera, objects_, settings)),
       indices_(objects_.size()),
-      estimate_(filter_.summarise()) {
+      estimate_(summary_of(filter_)) {
   require(motion_.period_s > 0.0, "motion: period_s must be positive");
 }
 
-FrameReport ObjectSlam::start(const std::vector<std::optional<SE3d>>& detections) {
-  return observe(detections);
-}
+FrameReport ObjectSlam::start(const Detections& detections) { return observe(detections); }
 
 FrameReport ObjectSlam::step(const FrameInput& input) {
   if (!(input.dt > 0.0)) {
     throw InvalidInput(fmt::format("frame: dt is {} s, expected a positive time", input.dt));
   }
-  const auto start = std::chrono::steady_clock::now();
-  predict(input);
+  const auto start = SlamClock::now();
+  std::visit([&](auto& filter) { predict(filter, input); }, filter_);
   FrameReport report = observe(input.detections);
-  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  report.seconds = elapsed_s(start);
   return report;
 }
 
-void ObjectSlam::predict(const FrameInput& input) {
+Posterior ObjectSlam::posterior() const {
+  if (const auto* sum = std::get_if<GaussianSumFilter>(&filter_)) return sum->posterior();
+  return Posterior({{0.0, estimate_}});
+}
+
+std::optional<std::size_t> ObjectSlam::pose_index(std::size_t object) const {
+  const MultiObjectFilter* filter = multi_object();
+  return filter != nullptr ? filter->backbone_index(object) : indices_[object];
+}
+
+void ObjectSlam::predict(GaussianSumFilter& filter, const FrameInput& input) const {
+  filter.predict([&](Hypothesis hypothesis) {
+    return internal::moved(std::move(hypothesis), motion_, input);
+  });
+}
+
+void ObjectSlam::predict(MultiObjectFilter& filter, const FrameInput& input) const {
   switch (motion_.model) {
-    case MotionModel::odometry: {
-      const bool known = input.odometry.has_value();
-      const Matrix6d q = (known ? motion_.noise : motion_.unknown_motion).over(input.dt);
-      const SE3d motion = input.odometry.value_or(SE3d());
-      filter_.predict([&](Hypothesis h) { return predict_with_odometry(std::move(h), motion, q); });
+    case MotionModel::odometry:
+      if (input.odometry) {
+        filter.predict_with_odometry(*input.odometry, motion_.noise.over(input.dt));
+      } else {
+        filter.predict_random_walk(motion_.unknown_motion.over(input.dt));
+      }
       return;
-    }
-    case MotionModel::random_walk: {
-      const Matrix6d q = motion_.noise.over(input.dt);
-      filter_.predict([&](Hypothesis h) { return predict_random_walk(std::move(h), q); });
+    case MotionModel::random_walk:
+      filter.predict_random_walk(motion_.noise.over(input.dt));
       return;
-    }
-    case MotionModel::constant_velocity: {
-      const double periods = input.dt / motion_.period_s;
-      const Matrix6d q = motion_.noise.over(input.dt);
-      const Matrix6d q_motion = motion_.motion_noise.over(input.dt);
-      filter_.predict([&](Hypothesis h) {
-        return predict_constant_velocity(std::move(h), periods, q, q_motion);
-      });
+    case MotionModel::constant_velocity:
+      filter.predict_constant_velocity(input.dt / motion_.period_s, motion_.noise.over(input.dt),
+                                       motion_.motion_noise.over(input.dt),
+                                       motion_.motion_noise.over(motion_.period_s));
       return;
-    }
   }
 }
 
-FrameReport ObjectSlam::observe(const std::vector<std::optional<SE3d>>& detections) {
+FrameReport ObjectSlam::observe(const Detections& detections) {
   if (detections.size() != objects_.size()) {
     throw InvalidInput(
         fmt::format("frame: {} detections for {} objects", detections.size(), objects_.size()));
   }
   FrameReport report;
   report.fates.assign(objects_.size(), DetectionFate::none);
+  std::visit([&](auto& filter) { observe(filter, detections, report); }, filter_);
+  estimate_ = summary_of(filter_);
+  return report;
+}
 
+void ObjectSlam::observe(MultiObjectFilter& filter, const Detections& detections,
+                         FrameReport& report) {
+  const auto start = SlamClock::now();
+  for (std::size_t object = 0; object < objects_.size(); ++object) {
+    if (!detections[object]) continue;
+    const bool known = filter.leading(object).has_value();
+    const ObjectUpdateReport update = filter.update(object, *detections[object]);
+    report.update.log_evidence += update.log_evidence;
+    report.merges += update.merges;
+    report.fates[object] = !known                    ? DetectionFate::started
+                           : update.started          ? DetectionFate::born
+                           : update.null_share > 0.5 ? DetectionFate::doubted
+                                                     : DetectionFate::used;
+  }
+  report.update.update_seconds = elapsed_s(start);
+}
+
+void ObjectSlam::observe(GaussianSumFilter& filter, const Detections& detections,
+                         FrameReport& report) {
   // Update with the objects that are already in the map.
   std::vector<Detection> known;
   std::vector<std::size_t> known_objects;
@@ -95,12 +171,14 @@ FrameReport ObjectSlam::observe(const std::vector<std::optional<SE3d>>& detectio
     known.push_back({*indices_[object], *detections[object], &objects_[object].noise});
     known_objects.push_back(object);
   }
-  report.update = filter_.update(known);
+  report.update = filter.update(known);
   for (std::size_t i = 0; i < known.size(); ++i) {
     report.fates[known_objects[i]] = report.update.gated[i]    ? DetectionFate::gated
                                      : report.update.failed[i] ? DetectionFate::failed
                                                                : DetectionFate::used;
   }
+  for (const ReductionReport& reduction : report.update.reductions)
+    report.merges += reduction.merges.size();
 
   // Objects seen for the first time enter the map.
   for (std::size_t object = 0; object < objects_.size(); ++object) {
@@ -108,12 +186,10 @@ FrameReport ObjectSlam::observe(const std::vector<std::optional<SE3d>>& detectio
     const ObjectModel& model = objects_[object];
     indices_[object] =
         model.independent_start
-            ? filter_.add_independent_object(*detections[object], *model.independent_start)
-            : filter_.add_object(*detections[object], model.noise);
+            ? filter.add_independent_object(*detections[object], *model.independent_start)
+            : filter.add_object(*detections[object], model.noise);
     report.fates[object] = DetectionFate::started;
   }
-  estimate_ = filter_.summarise();
-  return report;
 }
 
 }  // namespace posemix

@@ -30,6 +30,10 @@ struct MultiObjectSettings {
   double merge_translation_m = 0.5;
   double merge_probability = 0.94;
   double leader_margin = 0.7;  ///< a hypothesis takes the lead when it is ahead by more [nats]
+  /// Whether the camera has odometry. Without it its motion is learned from differences of
+  /// successive detections, in which their common errors cancel: detections then teach by the
+  /// covariance that weighs them, and frames count as independent of each other.
+  bool has_odometry = true;
   /// Share of the odometry's noise that is the camera's; the rest is the map's drift, every object
   /// for itself. At 1 objects stand still and their detections correct the camera as much as they
   /// can; at 0 the camera follows its odometry.
@@ -40,10 +44,13 @@ struct MultiObjectSettings {
   double least_noise_scale = 0.1;
   /// Frames that count as one because errors of successive detections depend on each other; learned
   /// from innovations, this value counting as that many frames.
-  double dependent_frames = 30.0;
-  double dependent_frames_detections = 100.0;
+  double dependent_frames = 60.0;
+  double dependent_frames_detections = 300.0;
   /// Share of the noise's variance that all frames have in common, so that it never averages out.
-  double common_error_share = 0.2;
+  double common_error_share = 0.4;
+  /// Runs of one answer, right or wrong, are longer than errors depend on each other: in
+  /// mode_probability so many times dependent_frames count as one.
+  double dependent_answers = 3.0;
   /// The noise with which the camera's gain is computed, in units of a detection's; infinity: the
   /// camera is considered, not estimated (Schmidt).
   double camera_gain_noise = 1.0;
@@ -68,6 +75,7 @@ struct ObjectUpdateReport {
   std::size_t merges = 0;
   double inlier_share = 0.0;  ///< probability that the leading hypothesis' first noise component
                               ///< explains it
+  double null_share = 1.0;    ///< that nothing of the leading hypothesis does
   Vector6d residual =
       Vector6d::Zero();  ///< from the leading hypothesis, white under that component
 };
@@ -95,9 +103,7 @@ class MultiObjectFilter {
   /// Odometry: T_C <- T_C motion, with noise `q` of the step (right perturbation, camera frame).
   void predict_with_odometry(const SE3d& motion, const Matrix6d& q);
 
-  /// Random walk: the mean stays. Without odometry the camera's motion is learned from differences
-  /// of successive detections, in which their common errors cancel: until the next odometry,
-  /// detections teach by the covariance that weighs them, and q counts in full.
+  /// Random walk, or a frame that the odometry lacks: the mean stays, q counts in full.
   void predict_random_walk(const Matrix6d& q);
 
   /// Constant velocity: the camera's motion per reference period becomes part of the state at the
@@ -119,6 +125,10 @@ class MultiObjectFilter {
   std::vector<ObjectHypothesis> hypotheses(std::size_t object) const;
   /// Index of the hypothesis that leads.
   std::optional<std::size_t> leading(std::size_t object) const;
+  /// Probability that the leading hypothesis is the right one: its weight against those of the
+  /// others and of absence, with dependent detections counted once, w^(1 / dependent). The weights
+  /// themselves count every detection as independent and are sure too soon.
+  double mode_probability(std::size_t object) const;
   /// Log probability that nothing seen so far was the object.
   double log_absent(std::size_t object) const;
   /// T_camera_object of one hypothesis, with the cross-covariance.

@@ -27,4 +27,7 @@ Hypothesis predict_random_walk(Hypothesis hypothesis, const Matrix6d& q);
 Hypothesis predict_constant_velocity(Hypothesis hypothesis, double periods, const Matrix6d& q,
                                      const Matrix6d& q_motion);
 
+/// Factor of xi_V in xi_R above.
+Matrix6d constant_velocity_transfer(const SE3d& camera, const SE3d& motion, double periods);
+
 }  // namespace posemix

@@ -5,13 +5,22 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "posemix/base/units.hpp"
 #include "posemix/filter/gaussian_sum_filter.hpp"
+#include "posemix/filter/multi_object_filter.hpp"
 
 /// Object SLAM, live: one call per frame.
 namespace posemix {
+
+/// The error of detectors of single images, where nothing better is known: rotation about the
+/// camera's axes 7.5 deg and about the viewing ray 2 deg, translation 0.7 % of the range across the
+/// ray and 4.5 % along it; a second component 2.7 times as wide; and a null. Errors along the ray
+/// have most in common, so a frame teaches the range twelve times less. docs/many-objects.md says
+/// where the numbers are from.
+DetectorNoise default_detector_noise();
 
 /// How the camera is predicted.
 enum class MotionModel {
@@ -54,21 +63,38 @@ struct MotionSettings {
 /// A class of objects as the tracker knows it.
 struct ObjectModel {
   std::string id;
-  DetectorNoise noise;
+  DetectorNoise noise = default_detector_noise();
+  SymmetryGroup symmetries = {};  ///< for the multi-object filter
   /// Covariance (world frame) with which the object starts independently of everything else. Empty,
   /// the default: it starts from its first detection with the detector's noise and its full
   /// cross-covariance.
   std::optional<Matrix6d> independent_start;
 };
 
+/// The filter behind object SLAM.
+enum class SlamFilter {
+  multi_object,  ///< MultiObjectFilter: births, nulls, hypotheses of every object for itself
+  gaussian_sum   ///< GaussianSumFilter: hypotheses over all poses (midway-merge paper)
+};
+
 /// Settings of object SLAM.
 struct ObjectSlamSettings {
-  FilterSettings filter;
+  SlamFilter kind = SlamFilter::multi_object;
+  MultiObjectSettings multi_object;  ///< has_odometry follows from the motion model
+  FilterSettings filter;             ///< of SlamFilter::gaussian_sum
   MotionSettings motion;
 };
 
 /// What happened to one object in one frame.
-enum class DetectionFate { none, started, used, gated, failed };
+enum class DetectionFate {
+  none,
+  started,  ///< the object entered the map
+  used,
+  doubted,  ///< used, but more likely to be a gross error under the leading hypothesis
+  born,     ///< explained by no hypothesis, it began one
+  gated,
+  failed
+};
 
 /// Input of one frame.
 struct FrameInput {
@@ -81,6 +107,7 @@ struct FrameInput {
 struct FrameReport {
   std::vector<DetectionFate> fates;  ///< one per object model
   UpdateReport update;
+  std::size_t merges = 0;
   double seconds = 0.0;  ///< predict, update, reduce and summarise
 };
 
@@ -100,20 +127,28 @@ class ObjectSlam {
   FrameReport start(const std::vector<std::optional<SE3d>>& detections);
   FrameReport step(const FrameInput& input);
 
-  const Posterior& posterior() const { return filter_.posterior(); }
+  /// The joint posterior; of the multi-object filter camera and leading hypotheses.
+  Posterior posterior() const;
   /// One Gaussian for all poses, by the summary of the settings.
   const Hypothesis& estimate() const { return estimate_; }
   /// Index of the object's pose in every hypothesis; empty until it was seen.
-  std::optional<std::size_t> pose_index(std::size_t object) const { return indices_[object]; }
+  std::optional<std::size_t> pose_index(std::size_t object) const;
+  /// The multi-object filter where it is the one behind this, else nothing.
+  const MultiObjectFilter* multi_object() const { return std::get_if<MultiObjectFilter>(&filter_); }
   const std::vector<ObjectModel>& objects() const { return objects_; }
 
  private:
-  void predict(const FrameInput& input);
+  void predict(GaussianSumFilter& filter, const FrameInput& input) const;
+  void predict(MultiObjectFilter& filter, const FrameInput& input) const;
   FrameReport observe(const std::vector<std::optional<SE3d>>& detections);
+  void observe(GaussianSumFilter& filter, const std::vector<std::optional<SE3d>>& detections,
+               FrameReport& report);
+  void observe(MultiObjectFilter& filter, const std::vector<std::optional<SE3d>>& detections,
+               FrameReport& report);
 
   std::vector<ObjectModel> objects_;
   MotionSettings motion_;
-  GaussianSumFilter filter_;
+  std::variant<GaussianSumFilter, MultiObjectFilter> filter_;
   std::vector<std::optional<std::size_t>> indices_;
   Hypothesis estimate_;
 };

@@ -21,13 +21,24 @@ struct HypothesisSnapshot {
   PoseStackd poses;
 };
 
+/// One alternative of one object at one frame.
+struct ObjectAlternative {
+  double log_weight;  ///< of the filter: every detection counts as independent
+  SE3d pose;          ///< T_world_object
+  std::uint64_t id;   ///< the same from frame to frame
+};
+
 /// The causal estimates of one frame. Objects not seen so far are empty.
 struct FrameEstimate {
   PoseDensity camera;                                ///< T_world_camera
   std::vector<std::optional<PoseDensity>> objects;   ///< T_world_object
   std::vector<std::optional<PoseDensity>> relative;  ///< T_camera_object, with the cross-covariance
   std::vector<std::optional<std::size_t>> pose_indices;
-  std::vector<HypothesisSnapshot> hypotheses;  ///< only when asked for
+  std::vector<HypothesisSnapshot> hypotheses;  ///< over all poses; only when asked for
+  /// Of every object, by the multi-object filter; only when asked for.
+  std::vector<std::vector<ObjectAlternative>> alternatives;
+  /// Probability that the estimate is on the right mode, by the multi-object filter.
+  std::vector<std::optional<double>> mode_probabilities;
   FrameReport report;
 };
 
@@ -36,6 +47,9 @@ struct SlamRun {
   std::vector<FrameEstimate> frames;
   Posterior posterior;                                   ///< of the last frame
   std::vector<std::optional<std::size_t>> pose_indices;  ///< of the objects in the posterior
+  /// Hypotheses of every object at the last frame, by the multi-object filter; the posterior holds
+  /// those that lead.
+  std::vector<std::vector<ObjectHypothesis>> alternatives;
 };
 
 /// Options of `run`.
