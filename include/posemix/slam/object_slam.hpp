@@ -9,6 +9,7 @@
 
 #include "posemix/base/units.hpp"
 #include "posemix/filter/gaussian_sum_filter.hpp"
+#include "posemix/filter/symmetry.hpp"
 
 /// Object SLAM, live: one call per frame.
 namespace posemix {
@@ -58,7 +59,9 @@ struct ObjectModel {
   /// Covariance (world frame) with which the object starts independently of everything else. Empty,
   /// the default: it starts from its first detection with the detector's noise and its full
   /// cross-covariance.
-  std::optional<Matrix6d> independent_start;
+  std::optional<Matrix6d> independent_start = {};
+  /// Motions of the object's frame that no detector can tell.
+  SymmetryGroup symmetries = {};
 };
 
 /// Settings of object SLAM.
