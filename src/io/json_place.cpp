@@ -28,6 +28,13 @@ JsonPlace JsonPlace::member(std::string_view key) const {
 
 bool JsonPlace::has(std::string_view key) const { return json_->contains(std::string(key)); }
 
+std::vector<std::string> JsonPlace::keys() const {
+  if (!json_->is_object()) fail(json_->type_name(), "an object");
+  std::vector<std::string> keys;
+  for (const auto& [key, value] : json_->items()) keys.push_back(key);
+  return keys;
+}
+
 void JsonPlace::require_only(std::initializer_list<std::string_view> keys) const {
   if (!json_->is_object()) fail(json_->type_name(), "an object");
   for (const auto& [key, value] : json_->items()) {

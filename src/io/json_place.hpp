@@ -26,6 +26,8 @@ class JsonPlace {
   /// The value of a key that must be there.
   JsonPlace member(std::string_view key) const;
   bool has(std::string_view key) const;
+  /// The keys of an object, in the order of the text.
+  std::vector<std::string> keys() const;
   /// Refuses an object that has other keys.
   void require_only(std::initializer_list<std::string_view> keys) const;
   std::vector<JsonPlace> items(std::optional<std::size_t> size = {}) const;

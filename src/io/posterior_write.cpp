@@ -13,13 +13,13 @@
 namespace posemix {
 namespace {
 
-Json array_of(const Eigen::Ref<const Eigen::VectorXd>& vector) {
+Json posterior_numbers(const Eigen::Ref<const Eigen::VectorXd>& vector) {
   return std::vector<double>(vector.begin(), vector.end());
 }
 
 Json pose_json(const SE3d& pose) {
-  return {{"translation", array_of(pose.translation())},
-          {"quaternion_xyzw", array_of(pose.rotation().quaternion().coeffs())}};
+  return {{"translation", posterior_numbers(pose.translation())},
+          {"quaternion_xyzw", posterior_numbers(pose.rotation().quaternion().coeffs())}};
 }
 
 Json component_json(const Component<Hypothesis>& component) {
@@ -28,7 +28,7 @@ Json component_json(const Component<Hypothesis>& component) {
   for (const SE3d& pose : density.mean()) poses.push_back(pose_json(pose));
   Json rows = Json::array();
   for (Eigen::Index row = 0; row < density.covariance().rows(); ++row) {
-    rows.push_back(array_of(density.covariance().row(row).transpose()));
+    rows.push_back(posterior_numbers(density.covariance().row(row).transpose()));
   }
   return {{"log_weight", component.log_weight},
           {"poses", std::move(poses)},

@@ -56,7 +56,7 @@ std::string read_id(const TomlTable& object, std::set<std::string>& taken) {
   return id;
 }
 
-ObjectModel read_model(const TomlTable& object, std::set<std::string>& ids,
+ObjectModel read_model(const TomlTable& object, const FileFinder& files, std::set<std::string>& ids,
                        const std::map<std::string, DetectorNoise>& noise_models) {
   std::string id = read_id(object, ids);
   const std::string noise = object.get_string_or("noise", std::string(kDefaultNoise));
@@ -68,7 +68,8 @@ ObjectModel read_model(const TomlTable& object, std::set<std::string>& ids,
   }
   std::optional<Matrix6d> start;
   if (const auto table = object.find_table("start")) start = read_pose_covariance(*table);
-  return {std::move(id), built_in ? default_detector_noise() : found->second, {}, start};
+  return {std::move(id), built_in ? default_detector_noise() : found->second, start,
+          read_object_symmetries(object, files)};
 }
 
 /// Stamps of the odometry, else of the camera's truth, else of all stamped detections, else frame
@@ -190,7 +191,7 @@ SlamJob read_slam_job(const TomlDocument& document,
   std::vector<ObjectModel> models;
   std::set<std::string> ids;
   for (const TomlTable& object : root.get_tables("objects")) {
-    models.push_back(read_model(object, ids, noise_models));
+    models.push_back(read_model(object, files, ids, noise_models));
   }
   const CameraFiles camera = read_camera_files(root, files);
   SlamJob job{.name = read_name(document, root),

@@ -130,6 +130,9 @@ DetectionFile read_detections(const TomlTable& object, const FileFinder& files);
 void read_object_truth(const TomlTable& object, const FileFinder& files, const Timeline& timeline,
                        ObjectRecording& recording);
 
+/// The key `symmetries`; the trivial group without it.
+SymmetryGroup read_object_symmetries(const TomlTable& object, const FileFinder& files);
+
 // --- [filter]
 
 enum class FilterMethod { multi_object, gm_iekf, riekf, riekf_cauchy, max_mixture, rbpf };

@@ -64,11 +64,12 @@ struct MotionSettings {
 struct ObjectModel {
   std::string id;
   DetectorNoise noise = default_detector_noise();
-  SymmetryGroup symmetries = {};  ///< for the multi-object filter
   /// Covariance (world frame) with which the object starts independently of everything else. Empty,
   /// the default: it starts from its first detection with the detector's noise and its full
   /// cross-covariance.
-  std::optional<Matrix6d> independent_start;
+  std::optional<Matrix6d> independent_start = {};
+  /// Motions of the object's frame that no detector can tell; for the multi-object filter.
+  SymmetryGroup symmetries = {};
 };
 
 /// The filter behind object SLAM.

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "posemix/density/concentrated_gaussian.hpp"
+#include "posemix/filter/detector_noise.hpp"
+#include "posemix/filter/symmetry.hpp"
+
+/// Which instance of a class of objects a detection is of.
+namespace posemix {
+
+/// A detection that names the class of the object, not which one of several it is.
+struct Candidate {
+  std::string class_id;
+  SE3d camera_object;  ///< T_camera_object as detected
+  double score = 0.0;  ///< the detector's confidence, larger is surer
+};
+
+struct AssociationSettings {
+  /// Part of the distribution of the position's error (chi-square, 3 degrees of freedom) within
+  /// which a detection can be of an instance.
+  double gate_probability = 0.999;
+  /// The rotation costs at most as much as an error at this part of its distribution (chi-square, 3
+  /// degrees of freedom): a detection at the place of an instance is of that instance even where it
+  /// shows a wrong mode, for no other object can be there.
+  double rotation_cap_probability = 0.99;
+  /// Candidates without an instance begin a new one from this score on, ...
+  double least_new_score = 0.0;
+  /// ... unless they lie nearer than this to an instance or to a better candidate [m].
+  double least_separation_m = 0.02;
+};
+
+enum class CandidateFate {
+  assigned,  ///< of a known instance
+  fresh,     ///< of an instance not known so far
+  rejected   ///< of none: a second detection of one object, or below the score of a new one
+};
+
+/// What a candidate is.
+struct Association {
+  CandidateFate fate = CandidateFate::rejected;
+  std::size_t instance = 0;  ///< where assigned: index among the instances
+  /// Where assigned: the equivalent pose nearest to the instance; elsewhere as detected.
+  SE3d camera_object;
+  double cost = 0.0;  ///< where assigned: its part of the total cost
+};
+
+/// The one-to-one assignment with the least total cost of the candidates of one class in one frame
+/// to the instances of that class; exact.
+///
+/// A pair costs the squared Mahalanobis distance of the pose error e = [Log(R_Y R_X^T); t_Y - t_X],
+/// along the camera's axes, under the instance's covariance and the detector's; where that is less,
+/// the distance of the position alone plus the cap of the rotation. Y is the detection's equivalent
+/// pose nearest to the instance X. A candidate without an instance costs the sum of gate and cap,
+/// and no pair beyond the gate of the position is possible.
+///
+/// `instances` are the predicted densities of T_camera_object (perturbation on the left), `noise`
+/// the detector's error on this class; its offset is not used.
+/// @throws InvalidInput when a probability is not in (0, 1)
+std::vector<Association> associate(std::span<const ConcentratedGaussian<SE3d>> instances,
+                                   std::span<const Candidate> candidates,
+                                   const NoiseComponent& noise, const SymmetryGroup& symmetries,
+                                   const AssociationSettings& settings = {});
+
+/// For each row of a cost matrix its own column so that the sum of the chosen entries is least;
+/// exact, in O(rows^2 columns) (Hungarian algorithm with shortest augmenting paths).
+/// @throws InvalidInput when there are more rows than columns or an entry is not finite
+std::vector<Eigen::Index> least_cost_assignment(const Eigen::MatrixXd& cost);
+
+}  // namespace posemix

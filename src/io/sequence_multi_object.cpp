@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include <limits>
+
+#include "posemix/base/units.hpp"
+#include "sequence_parts.hpp"
+
+namespace posemix {
+
+MultiObjectSettings read_multi_object(const TomlTable& filter) {
+  constexpr IntegerRange kHypotheses{.lowest = 1, .highest = 100000};
+  constexpr IntegerRange kProtected{.lowest = 0, .highest = 100000};
+  constexpr NumberRange kProbability{
+      .lowest = 0, .highest = 1, .without_lowest = true, .without_highest = true};
+  constexpr NumberRange kNotNegative{.lowest = 0};
+  constexpr NumberRange kAtLeastOne{.lowest = 1};
+  constexpr NumberRange kShare{.lowest = 0, .highest = 1};
+  MultiObjectSettings s;
+  const auto count = [&](std::string_view key, std::size_t& value, const IntegerRange& range) {
+    value = static_cast<std::size_t>(
+        filter.get_integer_or(key, static_cast<std::int64_t>(value), range));
+  };
+  const auto number = [&](std::string_view key, double& value, const NumberRange& range) {
+    value = filter.get_double_or(key, value, range);
+  };
+  count("max_hypotheses", s.max_hypotheses, kHypotheses);
+  count("protected_hypotheses", s.protected_hypotheses, kProtected);
+  number("explained_probability", s.explained_probability, kProbability);
+  number("birth_covariance_factor", s.birth_covariance_factor, kPositive);
+  number("birth_score", s.birth_score, kNotNegative);
+  number("score_memory", s.score_memory, kShare);
+  s.merge_rotation_rad = radians(filter.get_double_or(
+      "merge_rotation_deg", degrees(s.merge_rotation_rad), {.lowest = 0, .highest = 180}));
+  number("merge_translation_m", s.merge_translation_m, kNotNegative);
+  number("merge_probability", s.merge_probability, kProbability);
+  number("leader_margin", s.leader_margin, kNotNegative);
+  number("camera_share", s.camera_share, kShare);
+  number("camera_gain_noise", s.camera_gain_noise, kAtLeastOne);
+  if (filter.get_enum_or<bool>("camera", false, {{"estimated", false}, {"considered", true}}))
+    s.camera_gain_noise = std::numeric_limits<double>::infinity();
+  number("noise_scale_detections", s.noise_scale_detections, kPositive);
+  number("least_noise_scale", s.least_noise_scale,
+         {.lowest = 0, .highest = 1, .without_lowest = true});
+  number("dependent_frames", s.dependent_frames, kAtLeastOne);
+  number("dependent_frames_detections", s.dependent_frames_detections, kNotNegative);
+  number("common_error_share", s.common_error_share,
+         {.lowest = 0, .highest = 1, .without_highest = true});
+  number("dependent_answers", s.dependent_answers, kPositive);
+  return s;
+}
+
+}  // namespace posemix

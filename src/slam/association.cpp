@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "posemix/slam/association.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include <fmt/format.h>
+#include <Eigen/Cholesky>
+#include <boost/math/distributions/chi_squared.hpp>
+
+#include "posemix/base/error.hpp"
+
+namespace posemix {
+namespace {
+
+/// Above every sum of possible costs: pairs beyond the gate are never taken.
+constexpr double kImpossible = 1e6;
+
+double chi_squared_of_three(double probability, const char* name) {
+  if (!(probability > 0.0 && probability < 1.0))
+    throw InvalidInput(fmt::format("{} is {}, expected a number in (0, 1)", name, probability));
+  return boost::math::quantile(boost::math::chi_squared(3.0), probability);
+}
+
+/// One instance and what a detection of it looks like.
+class Predicted {
+ public:
+  /// Covariance of e = [theta; t_Y - t_X] along the camera's axes: the position moves by
+  /// rho + phi x t under Exp([phi; rho]).
+  Predicted(const ConcentratedGaussian<SE3d>& instance, const NoiseComponent& noise)
+      : pose_(instance.mean()) {
+    Matrix6d to_position = Matrix6d::Identity();
+    to_position.bottomLeftCorner<3, 3>() = -SO3d::hat(pose_.translation());
+    Matrix6d to_camera = Matrix6d::Identity();
+    const NoiseComponent along = along_camera(noise, pose_);
+    const Eigen::Matrix3d rotation = pose_.rotation().matrix();
+    Matrix6d to_object = Matrix6d::Zero();
+    to_object.topLeftCorner<3, 3>() = rotation;
+    to_object.bottomRightCorner<3, 3>() = rotation;
+    if (along.frame == NoiseFrame::object) to_camera = to_object;
+    const Matrix6d covariance =
+        mirror_upper(Matrix6d(to_position * instance.covariance() * to_position.transpose() +
+                              to_camera * along.covariance * to_camera.transpose()));
+    pose_factor_.compute(covariance);
+    position_factor_.compute(covariance.bottomRightCorner<3, 3>());
+    information_ = mirror_upper(Matrix6d(to_object.transpose() * pose_factor_.solve(to_object)));
+  }
+
+  const SE3d& pose() const { return pose_; }
+  SE3d nearest(const SE3d& detection, const SymmetryGroup& symmetries) const {
+    return symmetries.closest(detection, pose_, information_);
+  }
+  double squared_position(const SE3d& detection) const {
+    return position_factor_.matrixL()
+        .solve(Eigen::Vector3d(detection.translation() - pose_.translation()))
+        .squaredNorm();
+  }
+  double squared_pose(const SE3d& detection) const {
+    Vector6d error;
+    error << (detection.rotation() * pose_.rotation().inverse()).log(),
+        detection.translation() - pose_.translation();
+    return pose_factor_.matrixL().solve(error).squaredNorm();
+  }
+
+ private:
+  SE3d pose_;
+  Eigen::LLT<Matrix6d> pose_factor_;
+  Eigen::LLT<Eigen::Matrix3d> position_factor_;
+  Matrix6d information_;  ///< along the object's axes
+};
+
+struct Gates {
+  double position;
+  double cap;
+};
+
+/// Costs of the pairs, then one column per candidate for having no instance.
+Eigen::MatrixXd cost_matrix(const std::vector<Predicted>& instances,
+                            std::span<const Candidate> candidates, const SymmetryGroup& symmetries,
+                            const Gates& gates) {
+  const auto rows = static_cast<Eigen::Index>(candidates.size());
+  const auto columns = static_cast<Eigen::Index>(instances.size());
+  Eigen::MatrixXd cost(rows, columns + rows);
+  cost.leftCols(columns).setConstant(kImpossible);
+  cost.rightCols(rows).setConstant(gates.position + gates.cap);
+  for (Eigen::Index i = 0; i < rows; ++i) {
+    for (Eigen::Index j = 0; j < columns; ++j) {
+      const Predicted& instance = instances[static_cast<std::size_t>(j)];
+      const SE3d nearest =
+          instance.nearest(candidates[static_cast<std::size_t>(i)].camera_object, symmetries);
+      const double position = instance.squared_position(nearest);
+      if (position > gates.position) continue;
+      cost(i, j) = std::min(instance.squared_pose(nearest), position + gates.cap);
+    }
+  }
+  return cost;
+}
+
+/// Candidates without an instance begin one, the best first, where there is room.
+void admit_fresh(const std::vector<Predicted>& instances, std::span<const Candidate> candidates,
+                 const AssociationSettings& settings, std::vector<Association>& associations) {
+  std::vector<Eigen::Vector3d> taken;
+  for (const Predicted& instance : instances) taken.push_back(instance.pose().translation());
+  std::vector<std::size_t> order(candidates.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return candidates[a].score > candidates[b].score;
+  });
+  for (const std::size_t i : order) {
+    if (associations[i].fate == CandidateFate::assigned) continue;
+    const Eigen::Vector3d& place = candidates[i].camera_object.translation();
+    const bool has_room = std::none_of(taken.begin(), taken.end(), [&](const Eigen::Vector3d& t) {
+      return (t - place).norm() < settings.least_separation_m;
+    });
+    if (!has_room || candidates[i].score < settings.least_new_score) continue;
+    associations[i].fate = CandidateFate::fresh;
+    taken.push_back(place);
+  }
+}
+
+}  // namespace
+
+std::vector<Association> associate(std::span<const ConcentratedGaussian<SE3d>> instances,
+                                   std::span<const Candidate> candidates,
+                                   const NoiseComponent& noise, const SymmetryGroup& symmetries,
+                                   const AssociationSettings& settings) {
+  const Gates gates{
+      chi_squared_of_three(settings.gate_probability, "gate_probability"),
+      chi_squared_of_three(settings.rotation_cap_probability, "rotation_cap_probability")};
+  std::vector<Predicted> predicted;
+  predicted.reserve(instances.size());
+  for (const auto& instance : instances) predicted.emplace_back(instance, noise);
+  const Eigen::MatrixXd cost = cost_matrix(predicted, candidates, symmetries, gates);
+  const std::vector<Eigen::Index> columns = least_cost_assignment(cost);
+  std::vector<Association> associations(candidates.size());
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    Association& association = associations[i];
+    association.camera_object = candidates[i].camera_object;
+    const auto column = static_cast<std::size_t>(columns[i]);
+    if (column >= instances.size()) continue;
+    association.fate = CandidateFate::assigned;
+    association.instance = column;
+    association.camera_object = predicted[column].nearest(candidates[i].camera_object, symmetries);
+    association.cost = cost(static_cast<Eigen::Index>(i), columns[i]);
+  }
+  admit_fresh(predicted, candidates, settings, associations);
+  return associations;
+}
+
+}  // namespace posemix
