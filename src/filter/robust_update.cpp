@@ -25,9 +25,9 @@ class MultipliedNoise {
   MultipliedNoise(const MultipliedNoise&) = delete;
   MultipliedNoise& operator=(const MultipliedNoise&) = delete;
 
-  /// Sets one lambda; returns by how much the weight 1 / lambda changes.
+  /// Sets one lambda; returns the share by which it changes the weight 1 / lambda.
   double set(std::size_t j, double lambda) {
-    const double change = std::abs(1.0 / lambda - 1.0 / lambdas_[j]);
+    const double change = std::abs(lambdas_[j] / lambda - 1.0);
     lambdas_[j] = lambda;
     multiplied_[j].covariance = lambda * given_[j]->covariance;
     if (given_[j]->update_covariance)

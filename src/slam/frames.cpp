@@ -42,7 +42,7 @@ Hypothesis moved(Hypothesis hypothesis, const MotionSettings& motion, const Fram
           std::move(hypothesis), input.odometry.value_or(SE3d()),
           (input.odometry ? motion.noise : motion.unknown_motion).over(input.dt));
     case MotionModel::random_walk:
-      return predict_random_walk(std::move(hypothesis), motion.noise.over(input.dt));
+      return predict_random_walk(std::move(hypothesis), motion.walk.over(input.dt));
     case MotionModel::constant_velocity:
       return predict_constant_velocity(std::move(hypothesis), input.dt / motion.period_s,
                                        motion.noise.over(input.dt),

@@ -122,7 +122,7 @@ void ObjectSlam::predict(MultiObjectFilter& filter, const FrameInput& input) con
       }
       return;
     case MotionModel::random_walk:
-      filter.predict_random_walk(motion_.noise.over(input.dt));
+      filter.predict_random_walk(motion_.walk.over(input.dt));
       return;
     case MotionModel::constant_velocity:
       filter.predict_constant_velocity(input.dt / motion_.period_s, motion_.noise.over(input.dt),

@@ -189,6 +189,7 @@ id = "a"
 noise = "n"
 detections = {tum = "long.txt"}
 [filter]
+method = "gm-iekf"
 max_components = 64
 )");
   for (const int signal : {SIGINT, SIGTERM}) {

@@ -58,6 +58,7 @@ detections = {bop = "can.csv", scene = 2, object = 5}
 ground_truth = {world_pose = [0.0, 0.1, 0.7, 0, 0, 0, 1]}
 
 [filter]
+method = "gm-iekf"
 max_components = 4
 gate_probability = 0.9999
 update = "linearized"

@@ -76,7 +76,7 @@ TEST_F(SequenceFile, SettingsArriveWithTheirUnits) {
 
 TEST_F(SequenceFile, DefaultsAreThoseOfTheSettings) {
   const std::string filter =
-      "[filter]\nmax_components = 4\ngate_probability = 0.9999\nupdate = \"linearized\"\n";
+      "[filter]\nmethod = \"gm-iekf\"\nmax_components = 4\ngate_probability = 0.9999\nupdate = \"linearized\"\n";
   const std::string text = replaced(std::string(kSmallToml), filter, "");
   const SlamJob job = read(text);
   const ObjectSlamSettings defaults;

@@ -55,6 +55,7 @@ claimed_noise = "mug"
 hidden_frames = 15
 
 [filter]
+method = "gm-iekf"
 gate_probability = 0.99
 max_components = 7
 pair_rule = "runnalls"

@@ -23,7 +23,7 @@ inline constexpr double kCauchyScale = 2.862;
 struct CauchySettings {
   double scale = kCauchyScale;  ///< c, standard deviations
   int max_iterations = 10;      ///< the reweightings after the first
-  double tolerance = 1e-6;      ///< stop when no weight 1 / lambda changes by more
+  double tolerance = 1e-6;      ///< stop when no weight 1 / lambda changes by a larger share
 };
 
 /// An update under given noise components, one for each detection.

@@ -26,8 +26,8 @@ struct ParticleFilterSettings {
   Matrix6d kernel =
       pose_covariance(Eigen::Vector3d::Constant(radians(0.1)), Eigen::Vector3d::Constant(5e-4));
   std::size_t hypotheses = 32;  ///< the heaviest particles that are reported as hypotheses
-  MotionSettings motion;
-  MergeSettings merge;  ///< of the particles into one Gaussian
+  MotionSettings motion = {};
+  MergeSettings merge = {};  ///< of the particles into one Gaussian
 };
 
 /// Object SLAM over a recording by particles (Doucet et al. 2000, the camera's part Chen and Liu's
