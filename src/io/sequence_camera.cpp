@@ -110,8 +110,7 @@ MotionSettings read_motion(const TomlTable& root, bool has_odometry) {
     motion->fail("model", "is \"odometry\", but there is no file under camera.odometry");
   }
   settings.period_s = motion->get_double_or("period_s", settings.period_s, kPeriod);
-  ProcessNoise& noise =
-      settings.model == MotionModel::random_walk ? settings.walk : settings.noise;
+  ProcessNoise& noise = settings.model == MotionModel::random_walk ? settings.walk : settings.noise;
   noise = read_process_noise(*motion, "noise", noise);
   settings.motion_noise = read_process_noise(*motion, "motion_noise", settings.motion_noise);
   settings.unknown_motion = read_process_noise(*motion, "unknown_motion", settings.unknown_motion);

@@ -12,9 +12,9 @@ MultiObjectSettings read_multi_object(const TomlTable& filter) {
   constexpr IntegerRange kProtected{.lowest = 0, .highest = 100000};
   constexpr NumberRange kProbability{
       .lowest = 0, .highest = 1, .without_lowest = true, .without_highest = true};
-  constexpr NumberRange kNotNegative{.lowest = 0};
-  constexpr NumberRange kAtLeastOne{.lowest = 1};
-  constexpr NumberRange kShare{.lowest = 0, .highest = 1};
+  constexpr NumberRange kZeroOrMore{.lowest = 0};
+  constexpr NumberRange kOneOrMore{.lowest = 1};
+  constexpr NumberRange kPart{.lowest = 0, .highest = 1};
   MultiObjectSettings s;
   const auto count = [&](std::string_view key, std::size_t& value, const IntegerRange& range) {
     value = static_cast<std::size_t>(
@@ -27,22 +27,22 @@ MultiObjectSettings read_multi_object(const TomlTable& filter) {
   count("protected_hypotheses", s.protected_hypotheses, kProtected);
   number("explained_probability", s.explained_probability, kProbability);
   number("birth_covariance_factor", s.birth_covariance_factor, kPositive);
-  number("birth_score", s.birth_score, kNotNegative);
-  number("score_memory", s.score_memory, kShare);
+  number("birth_score", s.birth_score, kZeroOrMore);
+  number("score_memory", s.score_memory, kPart);
   s.merge_rotation_rad = radians(filter.get_double_or(
       "merge_rotation_deg", degrees(s.merge_rotation_rad), {.lowest = 0, .highest = 180}));
-  number("merge_translation_m", s.merge_translation_m, kNotNegative);
+  number("merge_translation_m", s.merge_translation_m, kZeroOrMore);
   number("merge_probability", s.merge_probability, kProbability);
-  number("leader_margin", s.leader_margin, kNotNegative);
-  number("camera_share", s.camera_share, kShare);
-  number("camera_gain_noise", s.camera_gain_noise, kAtLeastOne);
+  number("leader_margin", s.leader_margin, kZeroOrMore);
+  number("camera_share", s.camera_share, kPart);
+  number("camera_gain_noise", s.camera_gain_noise, kOneOrMore);
   if (filter.get_enum_or<bool>("camera", false, {{"estimated", false}, {"considered", true}}))
     s.camera_gain_noise = std::numeric_limits<double>::infinity();
   number("noise_scale_detections", s.noise_scale_detections, kPositive);
   number("least_noise_scale", s.least_noise_scale,
          {.lowest = 0, .highest = 1, .without_lowest = true});
-  number("dependent_frames", s.dependent_frames, kAtLeastOne);
-  number("dependent_frames_detections", s.dependent_frames_detections, kNotNegative);
+  number("dependent_frames", s.dependent_frames, kOneOrMore);
+  number("dependent_frames_detections", s.dependent_frames_detections, kZeroOrMore);
   number("common_error_share", s.common_error_share,
          {.lowest = 0, .highest = 1, .without_highest = true});
   number("dependent_answers", s.dependent_answers, kPositive);

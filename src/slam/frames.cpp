@@ -54,7 +54,11 @@ Hypothesis moved(Hypothesis hypothesis, const MotionSettings& motion, const Fram
 FrameEstimate frame_estimate(const Hypothesis& joint,
                              const std::vector<std::optional<std::size_t>>& pose_indices,
                              FrameReport report) {
-  FrameEstimate frame{marginal(joint, kCamera), {}, {}, pose_indices, {}, std::move(report)};
+  FrameEstimate frame{.camera = marginal(joint, kCamera),
+                      .objects = {},
+                      .relative = {},
+                      .pose_indices = pose_indices,
+                      .report = std::move(report)};
   for (const auto& index : pose_indices) {
     frame.objects.push_back(index ? std::optional(marginal(joint, *index)) : std::nullopt);
     frame.relative.push_back(index ? std::optional(relative_pose(joint, kCamera, *index))

@@ -105,7 +105,7 @@ SlamJob read_ycbv_job(const YcbvStudySettings& settings, const Recording& record
                : recording_profile(method.published ? "published" : profile_name_of(recording));
   TomlDocument document = recording_document(recording, profile);
   if (method.kind == YcbvKind::odometry) add_odometry(recording, document);
-  if (method.paper_noise && profile_name_of(recording) == "dope") {
+  if (method.paper_noise && !replaced) {
     for (std::size_t i = 0; i < recording.objects.size(); ++i)
       document.apply_override(fmt::format("objects.{}.noise=gaussian", i));
   }

@@ -34,11 +34,11 @@ struct FrameEstimate {
   std::vector<std::optional<PoseDensity>> objects;   ///< T_world_object
   std::vector<std::optional<PoseDensity>> relative;  ///< T_camera_object, with the cross-covariance
   std::vector<std::optional<std::size_t>> pose_indices;
-  std::vector<HypothesisSnapshot> hypotheses;  ///< over all poses; only when asked for
+  std::vector<HypothesisSnapshot> hypotheses = {};  ///< over all poses; only when asked for
   /// Of every object, by the multi-object filter; only when asked for.
-  std::vector<std::vector<ObjectAlternative>> alternatives;
+  std::vector<std::vector<ObjectAlternative>> alternatives = {};
   /// Probability that the estimate is on the right mode, by the multi-object filter.
-  std::vector<std::optional<double>> mode_probabilities;
+  std::vector<std::optional<double>> mode_probabilities = {};
   FrameReport report;
 };
 
@@ -49,7 +49,7 @@ struct SlamRun {
   std::vector<std::optional<std::size_t>> pose_indices;  ///< of the objects in the posterior
   /// Hypotheses of every object at the last frame, by the multi-object filter; the posterior holds
   /// those that lead.
-  std::vector<std::vector<ObjectHypothesis>> alternatives;
+  std::vector<std::vector<ObjectHypothesis>> alternatives = {};
 };
 
 /// Options of `run`.
