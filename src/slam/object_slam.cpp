@@ -5,22 +5,14 @@
 #include <chrono>
 #include <utility>
 
+#include "frames.hpp"
+
 namespace posemix {
 namespace {
 
-/// The prior of the filter: the camera, and its motion where the model needs one (at rest).
-Posterior prior(const ConcentratedGaussian<SE3d>& camera, const MotionSettings& motion) {
-  Hypothesis hypothesis(PoseStackd(std::vector<SE3d>{camera.mean()}), camera.covariance());
-  if (motion.model == MotionModel::constant_velocity) {
-    const Matrix6d at_rest = motion.motion_noise.over(motion.period_s);
-    hypothesis = with_independent_pose(hypothesis, SE3d(), at_rest);
-  }
-  return Posterior({{0.0, std::move(hypothesis)}});
-}
-
 GaussianSumFilter make_filter(const ConcentratedGaussian<SE3d>& camera,
                               const ObjectSlamSettings& settings) {
-  Posterior start = prior(camera, settings.motion);
+  Posterior start({{0.0, internal::camera_hypothesis(camera, settings.motion)}});
   FilterSettings filter = settings.filter;
   filter.first_object = start[0].density.mean().size();
   return {std::move(start), filter};
@@ -54,29 +46,7 @@ FrameReport ObjectSlam::step(const FrameInput& input) {
 }
 
 void ObjectSlam::predict(const FrameInput& input) {
-  switch (motion_.model) {
-    case MotionModel::odometry: {
-      const bool known = input.odometry.has_value();
-      const Matrix6d q = (known ? motion_.noise : motion_.unknown_motion).over(input.dt);
-      const SE3d motion = input.odometry.value_or(SE3d());
-      filter_.predict([&](Hypothesis h) { return predict_with_odometry(std::move(h), motion, q); });
-      return;
-    }
-    case MotionModel::random_walk: {
-      const Matrix6d q = motion_.noise.over(input.dt);
-      filter_.predict([&](Hypothesis h) { return predict_random_walk(std::move(h), q); });
-      return;
-    }
-    case MotionModel::constant_velocity: {
-      const double periods = input.dt / motion_.period_s;
-      const Matrix6d q = motion_.noise.over(input.dt);
-      const Matrix6d q_motion = motion_.motion_noise.over(input.dt);
-      filter_.predict([&](Hypothesis h) {
-        return predict_constant_velocity(std::move(h), periods, q, q_motion);
-      });
-      return;
-    }
-  }
+  filter_.predict([&](Hypothesis h) { return internal::moved(std::move(h), motion_, input); });
 }
 
 FrameReport ObjectSlam::observe(const std::vector<std::optional<SE3d>>& detections) {

@@ -105,6 +105,7 @@ class ObjectSlam {
   const Hypothesis& estimate() const { return estimate_; }
   /// Index of the object's pose in every hypothesis; empty until it was seen.
   std::optional<std::size_t> pose_index(std::size_t object) const { return indices_[object]; }
+  const std::vector<std::optional<std::size_t>>& pose_indices() const { return indices_; }
   const std::vector<ObjectModel>& objects() const { return objects_; }
 
  private:
