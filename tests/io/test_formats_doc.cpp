@@ -11,10 +11,10 @@
 namespace posemix {
 namespace {
 
-/// Last cell of the table row that begins with the key.
-std::string documented(const std::string& key) {
+/// Last cell of the first table row after the text `from` that begins with the key.
+std::string documented(const std::string& key, const std::string& from = "") {
   const std::string text = read_file(POSEMIX_SOURCE_DIR "/docs/formats.md");
-  const std::size_t row = text.find("\n| `" + key + "`");
+  const std::size_t row = text.find("\n| `" + key + "`", text.find(from));
   if (row == std::string::npos) return "(no row of " + key + ")";
   const std::size_t end = text.find(" |\n", row);
   const std::size_t cell = text.rfind("| ", end - 1);
@@ -23,7 +23,8 @@ std::string documented(const std::string& key) {
 
 TEST(FormatsDocument, DefaultsOfTheFilter) {
   const FilterSettings s;
-  EXPECT_EQ(documented("update"), s.update == UpdateRule::iterated ? "iterated" : "linearized");
+  EXPECT_EQ(documented("update", "### `[filter]`"),
+            s.update == UpdateRule::iterated ? "iterated" : "linearized");
   EXPECT_EQ(documented("noise_use"), s.noise_use == NoiseUse::per_object ? "per_object" : "joint");
   EXPECT_EQ(documented("gate_probability"), fmt::format("{:g}", s.gate_probability));
   EXPECT_EQ(documented("summary"), s.summary == Summary::whole_mixture ? "whole_mixture" : "other");
@@ -41,6 +42,17 @@ TEST(FormatsDocument, DefaultsOfTheFilter) {
   EXPECT_EQ(documented("transport_jacobian"),
             s.reduction.merge.jacobian == TransportJacobian::exact ? "exact" : "bernoulli");
   EXPECT_EQ(documented("trace_hypotheses"), fmt::format("{}", kTraceHypotheses));
+  EXPECT_EQ(documented("cauchy_scale"), fmt::format("{:g}", s.cauchy_scale));
+}
+
+TEST(FormatsDocument, DefaultsOfTheParticleFilter) {
+  const ParticleFilterSettings s;
+  EXPECT_EQ(documented("particles"), fmt::format("{}", s.particles));
+  EXPECT_EQ(documented("particle_seed"), fmt::format("{}", s.seed));
+  EXPECT_EQ(documented("resample_below"), fmt::format("{:g}", s.resample_below));
+  const Vector6d sd = s.object_walk.covariance.diagonal().cwiseSqrt();
+  EXPECT_EQ(documented("particle_walk_rotation_sd_deg`, `particle_walk_translation_sd_m"),
+            fmt::format("{:g}, {:g}", degrees(sd[0]), sd[3]));
 }
 
 std::string noise(const ProcessNoise& noise) {
