@@ -42,6 +42,15 @@ void check(const MultiObjectSettings& s) {
   require(s.score_memory >= 0.0 && s.score_memory <= 1.0, "score_memory must lie in [0, 1]");
   require(s.leader_margin >= 0.0, "leader_margin must not be negative");
   require(s.camera_gain_noise >= 1.0, "camera_gain_noise must be at least 1");
+  require(s.camera_share >= 0.0 && s.camera_share <= 1.0, "camera_share must lie in [0, 1]");
+  require(s.noise_scale_detections > 0.0, "noise_scale_detections must be positive");
+  require(s.least_noise_scale > 0.0 && s.least_noise_scale <= 1.0,
+          "least_noise_scale must lie in (0, 1]");
+  require(s.correlation_s >= 0.0, "correlation_s must not be negative");
+  require(s.correlation_detections >= 0.0, "correlation_detections must not be negative");
+  require(s.common_error_share >= 0.0 && s.common_error_share < 1.0,
+          "common_error_share must lie in [0, 1)");
+  require(s.dependent_answers > 0.0, "dependent_answers must be positive");
 }
 
 /// Moments of the camera under all hypotheses but the leading one, and under the object's absence
@@ -162,9 +171,11 @@ void MultiObjectFilter::State::begin(ObjectState& object) {
   if (first) backbone.covariance() *= before / factor();
 }
 
-/// The object's covariance grows by the map's drift since its last detection.
+/// The object's covariance grows by the map's drift since its last detection, and by what no
+/// detection can tell: about an axis of symmetry nothing is kept, because what was learned about
+/// one estimate of the axis is not about the next.
 void MultiObjectFilter::State::walk(ObjectState& object) {
-  const Matrix6d grown = drift - object.drift;
+  const Matrix6d grown = drift - object.drift + object.sensor.symmetries.unobserved_covariance();
   object.drift = drift;
   for (ObjectHypothesis& hypothesis : object.hypotheses)
     hypothesis.covariance += hypothesis.pose.adjoint_congruence(grown);
@@ -401,6 +412,10 @@ ObjectUpdateReport MultiObjectFilter::update(std::size_t object, const SE3d& cam
 std::size_t MultiObjectFilter::objects() const { return state_->objects.size(); }
 
 double MultiObjectFilter::dependent_detections() const { return state_->dependent_detections(); }
+
+Vector6d MultiObjectFilter::noise_scale(std::size_t object) const {
+  return state_->objects[object].sensor.noise_scale;
+}
 
 ConcentratedGaussian<SE3d> MultiObjectFilter::camera() const {
   return ConcentratedGaussian<SE3d>::trusted(

@@ -119,6 +119,8 @@ class MultiObjectFilter {
   std::size_t objects() const;
   /// Detections of an object that count as one, over all objects.
   double dependent_detections() const;
+  /// Factors of the standard deviations of an object's noise, learned.
+  Vector6d noise_scale(std::size_t object) const;
   /// T_world_camera. Covariances here and below are of the true error: those of the filter times
   /// dependent_detections(), and for objects the error that all frames have in common.
   ConcentratedGaussian<SE3d> camera() const;
