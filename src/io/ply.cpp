@@ -175,7 +175,7 @@ std::vector<Eigen::Vector3d> parse_ply_vertices(std::string_view bytes, const st
   PlyHeader header = parse_header(bytes, name);
   std::vector<Eigen::Vector3d> vertices;
   for (std::size_t i = 0; i < header.vertices; ++i)
-    vertices.push_back(unit_m * take_vertex(header, i, name));
+    vertices.emplace_back(unit_m * take_vertex(header, i, name));
   return vertices;
 }
 

@@ -103,6 +103,7 @@ std::vector<TlessScene> read_tless(const std::filesystem::path& data, double lea
   std::set<std::int64_t> numbers;
   for (const BopRow& row : truth) numbers.insert(row.scene);
   std::vector<TlessScene> scenes;
+  scenes.reserve(numbers.size());
   for (const std::int64_t number : numbers)
     scenes.push_back(tless_scene(number, truth, estimates, least_score));
   return scenes;
