@@ -124,6 +124,19 @@ class MultiObjectFilter::State {
   /// are.
   double factor() const { return settings.has_odometry ? dependent_detections() : 1.0; }
 
+  /// Of the hypotheses of an object, w^(1 / dependent) normalised with that of absence.
+  std::vector<double> probabilities(const ObjectState& object) const {
+    const double dependent = std::max(1.0, settings.dependent_answers * dependent_detections());
+    std::vector<double> terms;
+    for (const ObjectHypothesis& hypothesis : object.hypotheses)
+      terms.push_back(hypothesis.log_weight / dependent);
+    terms.push_back(object.log_absent / dependent);
+    const double total = log_sum_exp(terms);
+    terms.pop_back();
+    for (double& term : terms) term = std::exp(term - total);
+    return terms;
+  }
+
   /// What all detections of an object have in common, in the world frame.
   Matrix6d common_error(const ObjectState& object, const SE3d& pose) const {
     const Pair there{backbone.pose(kCamera), pose, internal::Matrix12d::Zero()};
@@ -426,7 +439,9 @@ ConcentratedGaussian<SE3d> MultiObjectFilter::camera() const {
 std::vector<ObjectHypothesis> MultiObjectFilter::hypotheses(std::size_t object) const {
   const ObjectState& state = state_->objects[object];
   std::vector<ObjectHypothesis> list = state.hypotheses;
+  const std::vector<double> probabilities = state_->probabilities(state);
   for (std::size_t h = 0; h < list.size(); ++h) {
+    list[h].probability = probabilities[h];
     const Pair pair = state_->honest_pair(state, h);
     list[h].pose = pair.object;
     list[h].covariance = pair.covariance.bottomRightCorner<6, 6>();
@@ -442,14 +457,7 @@ std::optional<std::size_t> MultiObjectFilter::leading(std::size_t object) const 
 
 double MultiObjectFilter::mode_probability(std::size_t object) const {
   const ObjectState& state = state_->objects[object];
-  if (!state.index) return 0.0;
-  const double dependent =
-      std::max(1.0, state_->settings.dependent_answers * dependent_detections());
-  const double leader = state.hypotheses[state.leading].log_weight;
-  double sum = std::exp((state.log_absent - leader) / dependent);
-  for (const ObjectHypothesis& hypothesis : state.hypotheses)
-    sum += std::exp((hypothesis.log_weight - leader) / dependent);
-  return 1.0 / sum;
+  return state.index ? state_->probabilities(state)[state.leading] : 0.0;
 }
 
 double MultiObjectFilter::log_absent(std::size_t object) const {

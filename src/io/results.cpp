@@ -2,10 +2,13 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "posemix/io/results.hpp"
 
+#include <cmath>
+
 #include <fmt/format.h>
 
 #include "json_numbers.hpp"
 #include "posemix/base/error.hpp"
+#include "posemix/io/mixture_file.hpp"
 #include "posemix/io/picture.hpp"
 #include "posemix/io/tum.hpp"
 
@@ -65,7 +68,21 @@ Json object_metrics(const ObjectMetrics& object) {
           {"detection_relative_rotation_rmse_deg",
            json_number(object.detection_relative.rotation_rmse_deg)},
           {"detections", object.detections},
-          {"gated", object.gated}};
+          {"gated", object.gated},
+          {"right_mode_share", json_number(object.right_mode_share)},
+          {"mode_probability", json_number(object.mode_probability)}};
+}
+
+/// The alternatives of one object, those that are impossible left out.
+Mixture<PoseDensity> world_mixture(const std::vector<ObjectHypothesis>& alternatives) {
+  constexpr double kLeastProbability = 1e-12;
+  std::vector<Component<PoseDensity>> components;
+  for (const ObjectHypothesis& hypothesis : alternatives) {
+    if (hypothesis.probability < kLeastProbability) continue;
+    components.push_back({std::log(hypothesis.probability),
+                          PoseDensity::trusted(hypothesis.pose, hypothesis.covariance)});
+  }
+  return Mixture<PoseDensity>(std::move(components));
 }
 
 }  // namespace
@@ -73,24 +90,30 @@ Json object_metrics(const ObjectMetrics& object) {
 std::string format_metrics(const Metrics& metrics, const std::string& method) {
   Json objects = Json::object();
   Json anees = Json::object();
+  Json right_anees = Json::object();
   for (const ObjectMetrics& object : metrics.objects) {
     objects[object.id] = object_metrics(object);
     anees[object.id] = json_number(object.relative_anees);
+    right_anees[object.id] = json_number(object.right_mode_anees);
   }
-  const Json json = {{"schema", kMetricsSchema},
-                     {"frames", metrics.frames},
-                     {"method", method},
-                     {"camera",
-                      {{"position_rmse_m", json_number(metrics.camera.position_rmse_m)},
-                       {"rotation_rmse_deg", json_number(metrics.camera.rotation_rmse_deg)},
-                       {"position_log_rmse_m", json_number(metrics.camera.position_log_rmse_m)}}},
-                     {"objects", objects},
-                     {"consistency", {{"relative_anees", anees}}},
-                     {"timing",
-                      {{"frame_median_us", json_number(metrics.timing.frame_median_us)},
-                       {"update_median_us", json_number(metrics.timing.update_median_us)},
-                       {"reduce_median_us", json_number(metrics.timing.reduce_median_us)},
-                       {"merges_per_frame", json_number(metrics.timing.merges_per_frame)}}}};
+  const Json json = {
+      {"schema", kMetricsSchema},
+      {"frames", metrics.frames},
+      {"method", method},
+      {"camera",
+       {{"position_rmse_m", json_number(metrics.camera.position_rmse_m)},
+        {"rotation_rmse_deg", json_number(metrics.camera.rotation_rmse_deg)},
+        {"position_log_rmse_m", json_number(metrics.camera.position_log_rmse_m)}}},
+      {"odometry",
+       {{"position_rmse_m", json_number(metrics.odometry.position_rmse_m)},
+        {"rotation_rmse_deg", json_number(metrics.odometry.rotation_rmse_deg)}}},
+      {"objects", objects},
+      {"consistency", {{"relative_anees", anees}, {"right_mode_relative_anees", right_anees}}},
+      {"timing",
+       {{"frame_median_us", json_number(metrics.timing.frame_median_us)},
+        {"update_median_us", json_number(metrics.timing.update_median_us)},
+        {"reduce_median_us", json_number(metrics.timing.reduce_median_us)},
+        {"merges_per_frame", json_number(metrics.timing.merges_per_frame)}}}};
   return json_text(json, 2);
 }
 
@@ -116,6 +139,12 @@ std::vector<NamedText> format_results(const SlamJob& job, const SlamRun& run,
                        object_tum(job, run, &FrameEstimate::objects, object));
     files.emplace_back(fmt::format("relative_{}.tum", id),
                        object_tum(job, run, &FrameEstimate::relative, object));
+  }
+  for (std::size_t object = 0; object < run.alternatives.size(); ++object) {
+    if (run.alternatives[object].empty()) continue;
+    files.emplace_back(fmt::format("mixture_{}.json", job.models[object].id),
+                       format_mixture({{"world", job.models[object].id},
+                                       world_mixture(run.alternatives[object])}));
   }
   files.emplace_back("metrics.json", format_metrics(metrics, job.method));
   files.emplace_back("posterior.json", format_posterior(last_posterior(job, run)));

@@ -69,6 +69,20 @@ Json camera_of(const SlamJob& job, const SlamRun& run) {
   return camera;
 }
 
+/// The most probable alternatives of one object at one frame.
+Json alternatives_of(std::vector<ObjectAlternative> list, std::size_t most) {
+  std::stable_sort(list.begin(), list.end(),
+                   [](const auto& a, const auto& b) { return a.probability > b.probability; });
+  if (list.size() > most) list.resize(most);
+  Json array = Json::array();
+  for (const ObjectAlternative& alternative : list) {
+    array.push_back({{"id", alternative.id},
+                     {"probability", rounded(alternative.probability, kCompactDigits)},
+                     {"pose", json_pose(alternative.pose, kCompactDigits)}});
+  }
+  return array;
+}
+
 Json object_of(const SlamJob& job, const SlamRun& run, std::size_t object) {
   Track world;
   Track relative;
@@ -85,6 +99,16 @@ Json object_of(const SlamJob& job, const SlamRun& run, std::size_t object) {
   Json json = {{"world", std::move(world).json()}, {"relative", std::move(relative).json()}};
   json["world"]["truth"] = truth_or_null(world_truth);
   json["relative"]["truth"] = truth_or_null(relative_truth);
+  Json probabilities = Json::array();
+  Json alternatives = Json::array();
+  for (const FrameEstimate& frame : run.frames) {
+    if (!frame.mode_probabilities.empty())
+      probabilities.push_back(json_number(frame.mode_probabilities[object]));
+    if (!frame.alternatives.empty())
+      alternatives.push_back(alternatives_of(frame.alternatives[object], job.trace_hypotheses));
+  }
+  if (!probabilities.empty()) json["mode_probability"] = std::move(probabilities);
+  if (!alternatives.empty()) json["alternatives"] = std::move(alternatives);
   json["detection"] = poses_of(job.sequence.objects[object].detections);
   json["fate"] = std::move(fates);
   return json;

@@ -28,6 +28,7 @@ ObjectMetrics evaluate_object(const Sequence& sequence, const SlamRun& run, std:
   PoseErrorSum relative;
   PoseErrorSum detection;
   double nees = 0.0;
+  double right_nees = 0.0;
   std::size_t nees_count = 0;
   for (std::size_t k = 0; k < run.frames.size(); ++k) {
     const FrameEstimate& frame = run.frames[k];
@@ -43,14 +44,29 @@ ObjectMetrics evaluate_object(const Sequence& sequence, const SlamRun& run, std:
                          ? 1
                          : 0;
     if (frame.relative[object] && truth) {
-      nees += squared_normalized_error(*frame.relative[object], *truth);
+      const double squared = squared_normalized_error(*frame.relative[object], *truth);
+      nees += squared;
       ++nees_count;
+      const bool right = on_right_mode(frame.relative[object]->mean(), *truth);
+      if (right) {
+        right_nees += squared;
+        ++metrics.right_mode_frames;
+      }
+      if (!frame.mode_probabilities.empty() && frame.mode_probabilities[object])
+        metrics.forecasts.push_back({*frame.mode_probabilities[object], right});
     }
   }
   metrics.world = world.errors();
   metrics.relative = relative.errors();
   metrics.detection_relative = detection.errors();
-  if (nees_count > 0) metrics.relative_anees = nees / (6.0 * static_cast<double>(nees_count));
+  const auto right_frames = static_cast<double>(metrics.right_mode_frames);
+  if (nees_count > 0) {
+    metrics.relative_anees = nees / (6.0 * static_cast<double>(nees_count));
+    metrics.right_mode_share = right_frames / static_cast<double>(nees_count);
+  }
+  if (metrics.right_mode_frames > 0) metrics.right_mode_anees = right_nees / (6.0 * right_frames);
+  const auto& last = run.frames.back().mode_probabilities;
+  if (!last.empty()) metrics.mode_probability = last[object];
   return metrics;
 }
 
@@ -78,7 +94,28 @@ Timing timing_of(const SlamRun& run) {
   return {median(frame_us), median(update_us), median(reduce_us), merges / count};
 }
 
+PoseErrors odometry_errors(const Sequence& sequence) {
+  PoseErrorSum sum;
+  std::optional<SE3d> world_odom;
+  for (std::size_t k = 0; k < sequence.stamps.size(); ++k) {
+    const auto& odometry = entry(sequence.odometry, k);
+    const auto& truth = entry(sequence.camera_truth, k);
+    if (!odometry || !truth) continue;
+    if (!world_odom) world_odom = *truth * odometry->inverse();
+    sum.add(*world_odom * *odometry, truth);
+  }
+  return sum.errors();
+}
+
 }  // namespace
+
+bool on_right_mode(const SE3d& estimate, const SE3d& truth) {
+  constexpr double kRotationDeg = 20.0;
+  constexpr double kTranslationM = 0.1;
+  const double angle = (truth.rotation().inverse() * estimate.rotation()).log().norm();
+  return degrees(angle) < kRotationDeg &&
+         (estimate.translation() - truth.translation()).norm() < kTranslationM;
+}
 
 void PoseErrorSum::add(const std::optional<SE3d>& estimate, const std::optional<SE3d>& truth) {
   if (!estimate || !truth) return;
@@ -123,6 +160,7 @@ Metrics evaluate(const Sequence& sequence, const SlamRun& run) {
     camera.add(run.frames[k].camera.mean(), entry(sequence.camera_truth, k));
   }
   metrics.camera = camera.errors();
+  metrics.odometry = odometry_errors(sequence);
   for (std::size_t object = 0; object < sequence.objects.size(); ++object) {
     metrics.objects.push_back(evaluate_object(sequence, run, object));
   }

@@ -23,7 +23,7 @@ FrameEstimate estimate_of(const ObjectSlam& slam, FrameReport report, bool recor
     if (!record_hypotheses) continue;
     std::vector<ObjectAlternative>& alternatives = frame.alternatives.emplace_back();
     for (const ObjectHypothesis& hypothesis : filter->hypotheses(object))
-      alternatives.push_back({hypothesis.log_weight, hypothesis.pose, hypothesis.id});
+      alternatives.push_back({hypothesis.probability, hypothesis.pose, hypothesis.id});
   }
   return frame;
 }

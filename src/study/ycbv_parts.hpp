@@ -24,6 +24,8 @@ const std::vector<std::string>& ycbv_columns();
 /// Columns of timing.csv; the first four are texts.
 const std::vector<std::string>& ycbv_timing_columns();
 inline constexpr std::size_t kYcbvTexts = 4;
+/// Bins of the probability of a mode, of equal width.
+inline constexpr std::size_t kForecastBins = 10;
 
 enum class YcbvKind { detector, odometry, filter, published_offline };
 
@@ -49,6 +51,7 @@ SlamJob read_ycbv_job(const YcbvStudySettings& settings, const Recording& record
 struct YcbvRows {
   std::vector<std::vector<Cell>> results;
   std::vector<std::vector<Cell>> timing;
+  std::vector<std::vector<Cell>> forecasts = {};  ///< of the mode, by bins of its probability
 };
 
 /// Runs one method on one recording.
@@ -78,6 +81,10 @@ bool is_published_offline(std::string_view method);
 StudyTable summarise_ycbv(const StudyTable& rows);
 
 StudyReport report_ycbv(std::span<const std::string> items);
+
+/// reliability.csv and reliability.svg: by detector and method, how often the mode was right
+/// against its probability, every recording and object with the same weight.
+std::vector<StudyFile> report_forecasts(std::span<const std::vector<Cell>> forecasts);
 
 /// errors.svg: the errors of every method, sorted; camera.svg: the camera's error against that of
 /// the odometry alone.

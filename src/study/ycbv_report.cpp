@@ -125,6 +125,8 @@ std::string text_of(const StudyTable& table) {
       {"relative_rotation_rmse_deg", "rel deg"},
       {"relative_position_rmse_cm", "rel cm"},
       {"relative_anees", "ANEES"},
+      {"right_mode_share", "right"},
+      {"right_mode_anees", "ANEES right"},
       {"pixel_median", "px"},
       {"merges_per_frame", "merges"}};
   std::vector<std::string> names;
@@ -181,6 +183,8 @@ const std::vector<std::string>& ycbv_columns() {
                                                 "pixel_median_last_map",
                                                 "first_detection_wrong",
                                                 "ends_on_right_mode",
+                                                "right_mode_share",
+                                                "right_mode_anees",
                                                 "object_truth"};
   return columns;
 }
@@ -193,21 +197,26 @@ const std::vector<std::string>& ycbv_timing_columns() {
 }
 
 std::string format_ycbv_rows(const YcbvRows& rows) {
-  return Json{{"rows", to_json(rows.results)}, {"timing", to_json(rows.timing)}}.dump();
+  return Json{{"rows", to_json(rows.results)},
+              {"timing", to_json(rows.timing)},
+              {"forecasts", to_json(rows.forecasts)}}
+      .dump();
 }
 
 YcbvRows parse_ycbv_rows(const std::string& text) {
   const Json json = Json::parse(text);
-  return {to_rows(json.at("rows")), to_rows(json.at("timing"))};
+  return {to_rows(json.at("rows")), to_rows(json.at("timing")), to_rows(json.at("forecasts"))};
 }
 
 StudyReport report_ycbv(std::span<const std::string> items) {
   StudyTable results(ycbv_columns());
   StudyTable timing(ycbv_timing_columns());
+  std::vector<std::vector<Cell>> forecasts;
   for (const std::string& item : items) {
     YcbvRows rows = parse_ycbv_rows(item);
     for (auto& row : rows.results) results.add(std::move(row));
     for (auto& row : rows.timing) timing.add(std::move(row));
+    std::move(rows.forecasts.begin(), rows.forecasts.end(), std::back_inserter(forecasts));
   }
   const StudyTable means = summarise(results, kYcbvTexts + kCounts);
   const StudyTable all = joined(results, means);
@@ -217,6 +226,7 @@ StudyReport report_ycbv(std::span<const std::string> items) {
                   {"ycbv.csv", all.csv()},
                   {"summary.csv", summary.csv()},
                   {"timing.csv", joined(timing, summarise(timing, kYcbvTexts)).csv()}};
+  for (StudyFile& file : report_forecasts(forecasts)) report.files.push_back(std::move(file));
   for (StudyFile& figure : draw_ycbv(results)) report.files.push_back(std::move(figure));
   report.summary = text_of(results.rows().size() <= kMostRowsShown ? all : means) + "\n" +
                    text_of_summary(summary);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 #include <algorithm>
+#include <array>
 
 #include "posemix/base/units.hpp"
 #include "posemix/slam/evaluation.hpp"
@@ -12,8 +13,6 @@ namespace {
 constexpr double kCentimetres = 100.0;
 constexpr double kMicroseconds = 1e6;
 /// Beyond one of these an estimate is on another mode (the gross errors of `study noise`).
-constexpr double kOtherModeDeg = 20.0;
-constexpr double kOtherModeM = 0.1;
 
 Cell cell(const std::optional<double>& value, double scale = 1.0) {
   return value ? Cell(scale * *value) : Cell();
@@ -35,12 +34,6 @@ PoseErrors errors_of(const PosePairs& pairs) {
   return sum.errors();
 }
 
-bool on_right_mode(const SE3d& estimate, const SE3d& truth) {
-  const double angle = degrees((estimate.rotation() * truth.rotation().inverse()).log().norm());
-  return angle <= kOtherModeDeg &&
-         (estimate.translation() - truth.translation()).norm() <= kOtherModeM;
-}
-
 /// What a row holds besides its texts.
 struct Row {
   PoseErrors camera = {};
@@ -51,6 +44,8 @@ struct Row {
   std::optional<double> merges = {};
   std::optional<double> last_map_pixels = {};
   std::optional<bool> ends_on_right_mode = {};
+  std::optional<double> right_mode_share = {};
+  std::optional<double> right_mode_anees = {};
 };
 
 /// Rows of one method on one recording.
@@ -130,6 +125,8 @@ class Item {
                              cell(row.last_map_pixels),
                              flag(first_detection_wrong(index)),
                              flag(row.ends_on_right_mode),
+                             cell(row.right_mode_share),
+                             cell(row.right_mode_anees),
                              truth_of(index)});
   }
 
@@ -190,11 +187,32 @@ class Item {
               pixels(causal),
               metrics.timing.merges_per_frame,
               pixels(pairs(i, last_map_at))};
+      row.right_mode_share = errors.right_mode_share;
+      row.right_mode_anees = errors.right_mode_anees;
+      add_forecasts(i, errors.forecasts);
       if (!causal.empty())
         row.ends_on_right_mode = on_right_mode(causal.back().first, causal.back().second);
       add(i, row);
     }
     add_timing(slam, metrics.timing);
+  }
+
+  /// How often the mode was right where its probability said so, by bins of the probability.
+  void add_forecasts(std::size_t index, const std::vector<ModeForecast>& forecasts) {
+    std::array<std::array<double, 3>, kForecastBins> bins{};
+    for (const ModeForecast& forecast : forecasts) {
+      const double place = forecast.probability * static_cast<double>(kForecastBins);
+      auto& bin = bins[std::min(kForecastBins - 1, static_cast<std::size_t>(place))];
+      bin[0] += 1.0;
+      bin[1] += forecast.probability;
+      bin[2] += forecast.right ? 1.0 : 0.0;
+    }
+    for (std::size_t bin = 0; bin < kForecastBins; ++bin) {
+      if (bins[bin][0] == 0.0) continue;
+      rows_.forecasts.push_back({recording_.sequence, object(index).id, recording_.detector,
+                                 method_.name, integer(bin), bins[bin][0], bins[bin][1],
+                                 bins[bin][2]});
+    }
   }
 
   void add_timing(const SlamRun& slam, const Timing& timing) {

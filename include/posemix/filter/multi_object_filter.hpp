@@ -58,12 +58,14 @@ struct MultiObjectSettings {
 
 /// One alternative for the pose of one object, X = Exp(xi) X0 in the world frame.
 struct ObjectHypothesis {
-  SE3d pose;                     ///< T_world_object
-  Matrix6d covariance;           ///< of xi_O
-  Matrix6d with_camera;          ///< Cov(xi_O, xi_C), rows of the object
-  double log_weight = 0.0;       ///< among the hypotheses of the object and its absence, normalised
-  double score = 0.0;            ///< recent log evidence over that of the null [nats]
-  std::uint64_t id = 0;          ///< kept over time; a merge keeps that of the heavier
+  SE3d pose;                 ///< T_world_object
+  Matrix6d covariance;       ///< of xi_O
+  Matrix6d with_camera;      ///< Cov(xi_O, xi_C), rows of the object
+  double log_weight = 0.0;   ///< among the hypotheses of the object and its absence, normalised;
+                             ///< counts every detection as independent and is sure too soon
+  double probability = 0.0;  ///< the same with dependent detections counted once
+  double score = 0.0;        ///< recent log evidence over that of the null [nats]
+  std::uint64_t id = 0;      ///< kept over time; a merge keeps that of the heavier
   std::uint64_t detections = 0;  ///< processed since it began
 };
 
@@ -129,8 +131,7 @@ class MultiObjectFilter {
   /// Index of the hypothesis that leads.
   std::optional<std::size_t> leading(std::size_t object) const;
   /// Probability that the leading hypothesis is the right one: its weight against those of the
-  /// others and of absence, with dependent detections counted once, w^(1 / dependent). The weights
-  /// themselves count every detection as independent and are sure too soon.
+  /// others and of absence, with dependent detections counted once, w^(1 / dependent).
   double mode_probability(std::size_t object) const;
   /// Log probability that nothing seen so far was the object.
   double log_absent(std::size_t object) const;

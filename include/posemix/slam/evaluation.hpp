@@ -42,6 +42,15 @@ double squared_normalized_error(const ConcentratedGaussian<G>& estimate, const G
   return factor.matrixL().solve(e).squaredNorm();
 }
 
+/// The probability that an estimate is on the right mode, and whether it was.
+struct ModeForecast {
+  double probability;
+  bool right;
+};
+
+/// Whether a pose is within 20 deg and 10 cm of the truth.
+bool on_right_mode(const SE3d& estimate, const SE3d& truth);
+
 /// Metrics of one object.
 struct ObjectMetrics {
   std::string id;
@@ -50,6 +59,13 @@ struct ObjectMetrics {
   PoseErrors detection_relative;  ///< T_camera_object as detected
   std::size_t detections = 0;
   std::size_t gated = 0;
+  /// Frames within 20 deg and 10 cm of the truth, and their share of those with estimate and truth.
+  std::size_t right_mode_frames = 0;
+  std::optional<double> right_mode_share;
+  std::optional<double> right_mode_anees;  ///< as relative_anees, over these frames
+  /// Probability of the mode at the last frame.
+  std::optional<double> mode_probability;
+  std::vector<ModeForecast> forecasts;
   /// Mean over the frames of e^T P^-1 e / 6 with e = Log(T_true T_est^-1) of T_camera_object; 1
   /// when consistent.
   std::optional<double> relative_anees;
@@ -66,6 +82,7 @@ struct Timing {
 struct Metrics {
   std::size_t frames = 0;
   PoseErrors camera;
+  PoseErrors odometry;  ///< of the odometry alone, which agrees with the truth at its first frame
   std::vector<ObjectMetrics> objects;
   Timing timing;
 };

@@ -23,9 +23,9 @@ struct HypothesisSnapshot {
 
 /// One alternative of one object at one frame.
 struct ObjectAlternative {
-  double log_weight;  ///< of the filter: every detection counts as independent
-  SE3d pose;          ///< T_world_object
-  std::uint64_t id;   ///< the same from frame to frame
+  double probability;  ///< dependent detections counted once
+  SE3d pose;           ///< T_world_object
+  std::uint64_t id;    ///< the same from frame to frame
 };
 
 /// The causal estimates of one frame. Objects not seen so far are empty.
