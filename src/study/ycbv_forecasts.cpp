@@ -73,8 +73,10 @@ std::vector<StudyFile> report_forecasts(std::span<const std::vector<Cell>> forec
               .x_label = "probability of the mode",
               .y_label = "share on the right mode",
               .x_range = std::pair(0.0, 1.0)};
-  chart.series.push_back(
-      {.label = "calibrated", .color = "#8A8A8A", .dash = "5 4", .x = {0.0, 1.0}, .y = {0.0, 1.0}});
+  ChartSeries diagonal{.label = "calibrated", .color = "#8A8A8A", .dash = "5 4"};
+  diagonal.x = {0.0, 1.0};
+  diagonal.y = {0.0, 1.0};
+  chart.series.push_back(std::move(diagonal));
   for (const auto& [key, bins] : bins_of(forecasts)) {
     const auto& [detector, method] = key;
     const double error = calibration_error(bins);
@@ -90,9 +92,10 @@ std::vector<StudyFile> report_forecasts(std::span<const std::vector<Cell>> forec
     }
     if (detector == "all") chart.series.push_back(std::move(series));
   }
+  const std::vector<Chart> charts{std::move(chart)};
   return {{"reliability.csv", table.csv()},
           {"reliability.svg",
-           draw_charts("How often the mode is right, against its probability", {chart}, 1)}};
+           draw_charts("How often the mode is right, against its probability", charts, 1)}};
 }
 
 }  // namespace posemix
