@@ -40,12 +40,15 @@ std::string_view name_of(NoiseFrame frame) {
   return "";
 }
 
+ViewingRay viewing_ray(const SE3d& camera_mode) {
+  const Eigen::Vector3d& ray = camera_mode.translation();
+  return {Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), ray).toRotationMatrix(),
+          std::max(ray.norm(), kLeastRangeM)};
+}
+
 NoiseComponent along_camera(const NoiseComponent& noise, const SE3d& camera_object) {
   if (noise.frame != NoiseFrame::ray) return noise;
-  const Eigen::Vector3d ray = (camera_object * noise.offset).translation();
-  const double range = std::max(ray.norm(), kLeastRangeM);
-  const Eigen::Matrix3d axes =
-      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), ray).toRotationMatrix();
+  const auto [axes, range] = viewing_ray(camera_object * noise.offset);
   NoiseComponent result = noise;
   result.frame = NoiseFrame::camera;
   result.covariance = turned(noise.covariance, axes, range);

@@ -76,7 +76,7 @@ DetectorNoise read_back(const std::string& toml, const std::string& name) {
 TEST(NoiseStudy, RecoversASimulatedMixture) {
   for (const NoiseFrame frame : {NoiseFrame::object, NoiseFrame::camera}) {
     const NoiseStudySettings settings{.max_components = 3, .restarts = 2, .frame = frame};
-    const Study study = make_noise_study({simulated(frame, 4000, 1)}, settings);
+    const Study study = make_noise_study({.residuals = {simulated(frame, 4000, 1)}}, settings);
     ASSERT_EQ(study.items, 1U);
     const StudyReport report = run_all(study);
     const DetectorNoise noise =

@@ -46,6 +46,14 @@ struct NullNoise {
   double volume_m3 = 1.0;
 };
 
+/// What NoiseFrame::ray refers to at a mode T_camera_mode.
+struct ViewingRay {
+  Eigen::Matrix3d axes;  ///< its axes in those of the camera, the third towards the mode
+  double range;          ///< from the camera to the mode [m], at least a millimetre
+};
+
+ViewingRay viewing_ray(const SE3d& camera_mode);
+
 /// The component with its covariances along the camera's axes in metres, for an object at
 /// `camera_object`; components of other frames as they are. Ranges below a millimetre count as one.
 NoiseComponent along_camera(const NoiseComponent& noise, const SE3d& camera_object);
