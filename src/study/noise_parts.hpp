@@ -49,8 +49,10 @@ struct NoiseValidation {
   NoiseFrame frame;
   bool null;
   std::size_t components;
-  double log_density;     ///< mean per detection [nats]
-  double standard_error;  ///< of that, from the folds' means
+  double log_density;                ///< mean per detection [nats]
+  std::vector<double> by_fold = {};  ///< the same by fold
+  double below_best = 0.0;           ///< what the best of all kinds has more
+  double standard_error = 0.0;       ///< of that, from the folds' differences
 };
 
 /// Models of 1 to max_components components, with and without null, in all frames. Folds are of

@@ -239,7 +239,8 @@ void add_tables(const std::vector<Json>& items, StudyReport& report) {
                               "recordings",      "accepted"};
   const StudyTable modes = group_table(items, "modes", kModes);
   if (!modes.rows().empty()) report.files.push_back({"modes.csv", modes.csv()});
-  constexpr std::array kFolds{"frame", "null", "components", "log_density", "standard_error"};
+  constexpr std::array kFolds{"frame",       "null",       "components",
+                              "log_density", "below_best", "standard_error"};
   const StudyTable folds = group_table(items, "validation", kFolds);
   if (!folds.rows().empty()) {
     report.files.push_back({"validation.csv", folds.csv()});

@@ -55,6 +55,20 @@ Eigen::ArrayXXd held_out(const std::vector<Observations>& folds, const NoiseStud
   return sums;
 }
 
+void compare_with_best(std::vector<NoiseValidation>& rows) {
+  if (rows.empty()) return;
+  const NoiseValidation best =
+      *std::max_element(rows.begin(), rows.end(),
+                        [](const auto& a, const auto& b) { return a.log_density < b.log_density; });
+  for (NoiseValidation& row : rows) {
+    std::vector<double> differences;
+    for (std::size_t f = 0; f < row.by_fold.size(); ++f)
+      differences.push_back(best.by_fold[f] - row.by_fold[f]);
+    row.below_best = best.log_density - row.log_density;
+    row.standard_error = mean_with_error(differences).standard_error;
+  }
+}
+
 }  // namespace
 
 std::vector<NoiseValidation> cross_validate(const std::vector<NoiseTrack>& tracks,
@@ -76,22 +90,27 @@ std::vector<NoiseValidation> cross_validate(const std::vector<NoiseTrack>& track
         for (std::size_t f = 0; f < folds.size(); ++f)
           means.push_back(sums(k, static_cast<Eigen::Index>(f)) /
                           static_cast<double>(folds[f].size()));
-        rows.push_back({frame, null, static_cast<std::size_t>(k) + 1, sums.row(k).sum() / count,
-                        mean_with_error(means).standard_error});
+        rows.push_back({.frame = frame,
+                        .null = null,
+                        .components = static_cast<std::size_t>(k) + 1,
+                        .log_density = sums.row(k).sum() / count,
+                        .by_fold = std::move(means)});
       }
     }
   }
+  std::erase_if(rows, [](const NoiseValidation& row) { return !std::isfinite(row.log_density); });
+  compare_with_best(rows);
   return rows;
 }
 
 nlohmann::ordered_json validation_json(const std::vector<NoiseValidation>& rows) {
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
   for (const NoiseValidation& row : rows) {
-    if (!std::isfinite(row.log_density)) continue;
     json.push_back({{"frame", name_of(row.frame)},
                     {"null", row.null ? 1 : 0},
                     {"components", row.components},
                     {"log_density", row.log_density},
+                    {"below_best", row.below_best},
                     {"standard_error", row.standard_error}});
   }
   return json;
