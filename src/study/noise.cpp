@@ -51,6 +51,7 @@ Json settings_json(const NoiseData& data, const NoiseStudySettings& s) {
                {"covariance", s.full_covariance ? "full" : "diagonal"},
                {"null", s.null},
                {"null_volume_m3", s.null_volume_m3},
+               {"null_least", s.least_null},
                {"modes", s.modes},
                {"mode_radius_deg", s.mode.radius_deg},
                {"mode_share", s.mode.least_share},

@@ -29,6 +29,7 @@ class NoiseEm {
           const NoiseFitSettings& settings)
       : observations_(observations), settings_(settings), null_(start.null()) {
     for (const NoiseComponent& component : start.components()) add(component);
+    if (null_.weight > 0.0) set_null(null_.weight);
   }
 
   NoiseFit run() {
@@ -99,9 +100,14 @@ class NoiseEm {
       const Matrix6d second = terms_[k].rows->second_moment(share) / weight;
       component.covariance = bounded_covariance(second, settings_.em);
     }
-    if (null_.weight > 0.0)
-      null_.weight =
-          std::max(shares_.col(shares_.cols() - 1).mean(), std::numeric_limits<double>::min());
+    if (null_.weight > 0.0) set_null(shares_.col(shares_.cols() - 1).mean());
+  }
+
+  /// The null's weight, or the least that it may have; then the others share what is left.
+  void set_null(double weight) {
+    null_.weight = std::max({weight, settings_.least_null, std::numeric_limits<double>::min()});
+    if (null_.weight <= weight) return;
+    for (Term& term : terms_) term.component.weight *= (1.0 - null_.weight) / (1.0 - weight);
   }
 
   /// Moves the offsets where that raises the log-likelihood `now`; returns what it is then. Leaves
@@ -158,6 +164,7 @@ class NoiseEm {
     std::stable_sort(components.begin(), components.end(),
                      [](const auto& a, const auto& b) { return a.weight > b.weight; });
     if (!std::isfinite(log_likelihood)) status_ = EmStatus::degenerate;
+    if (null_.weight <= kLostNoiseShare) null_.weight = 0.0;
     const double bic = static_cast<double>(parameters) * std::log(count()) - 2.0 * log_likelihood;
     return {DetectorNoise(std::move(components), null_),
             log_likelihood,

@@ -20,6 +20,8 @@ namespace {
 /// At most so many detections, evenly spaced, are tried as centres of a ball.
 constexpr std::size_t kCentres = 1000;
 constexpr int kMeanShifts = 20;
+/// Of the null where the modes' fit begins.
+constexpr double kLeastNull = 1e-3;
 
 double angle_between(const SO3d& a, const SO3d& b) { return (a.inverse() * b).log().norm(); }
 
@@ -165,17 +167,18 @@ std::optional<DetectorNoise> without_worst(std::span<const NoiseObservation> obs
 
 NoiseModesFit add_noise_modes(std::span<const NoiseObservation> observations, const NoiseFit& fit,
                               const NoiseFitSettings& settings, const NoiseModeSettings& modes) {
-  require(fit.noise.null().weight > 0.0, "noise model: modes need a null");
+  require(settings.null, "noise model: modes need a null");
   const auto clusters = clusters_of(outliers_of(observations, fit.noise, radians(modes.radius_deg)),
                                     static_cast<double>(observations.size()), settings, modes);
   NoiseModesFit result{fit, {}};
   if (clusters.empty()) return result;
-  // The clusters' observations were the null's.
+  // Most of the clusters' observations were the null's.
   std::vector<NoiseComponent> components = fit.noise.components();
   NullNoise null = fit.noise.null();
+  const double least = std::max(0.1 * null.weight, kLeastNull);
   for (const NoiseComponent& cluster : clusters) {
     components.push_back(cluster);
-    null.weight = std::max(null.weight - cluster.weight, 0.1 * fit.noise.null().weight);
+    null.weight = std::max(null.weight - cluster.weight, least);
   }
   std::optional<DetectorNoise> next = DetectorNoise(std::move(components), null);
   while (next) {

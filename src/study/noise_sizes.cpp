@@ -50,6 +50,7 @@ NoiseFitSettings noise_fit_settings(const NoiseStudySettings& settings, std::siz
                        .frame = settings.frame,
                        .null = settings.null,
                        .null_volume_m3 = settings.null_volume_m3,
+                       .least_null = settings.least_null,
                        .em = {.components = components,
                               .restarts = settings.restarts,
                               .diagonal = !settings.full_covariance,

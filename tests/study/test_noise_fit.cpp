@@ -132,6 +132,12 @@ TEST(NoiseFit, ANullThatIsNotThereVanishes) {
     observations.push_back({truth, detect_along_ray(truth, ray_deviations(), stream)});
   }
   EXPECT_LT(fit_noise(observations, bounded(1), stream).noise.null().weight, 2e-3);
+  NoiseFitSettings settings = bounded(2);
+  settings.least_null = 0.05;
+  const NoiseFit held = fit_noise(observations, settings, stream);
+  EXPECT_NEAR(held.noise.null().weight, 0.05, 1e-12);
+  EXPECT_NEAR(held.log_likelihood, noise_log_density(held.noise, observations).sum(), 1e-6);
+  expect_never_falls(held.history);
 }
 
 TEST(NoiseFit, NeverLowersTheLikelihoodWithOffsetsToo) {

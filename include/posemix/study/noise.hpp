@@ -55,7 +55,8 @@ struct NoiseStudySettings {
   bool full_covariance = false;  ///< else diagonal
   bool null = false;             ///< models have a null, whose weight is estimated
   double null_volume_m3 = 1.0;
-  bool modes = false;  ///< and modes, where there are any (add_noise_modes)
+  double least_null = 1e-3;  ///< its least weight: a detector that has not failed yet may
+  bool modes = false;        ///< and modes, where there are any (add_noise_modes)
   NoiseModeSettings mode = {};
   /// The BIC that chooses the number of components counts frames; else independent ones, of which
   /// there are fewer where residuals are correlated in time.
@@ -75,11 +76,11 @@ struct NoiseStudySettings {
 
 /// Reads settings: `max_components`, `restarts`, `seed`, `frame` ("object", "camera", "ray"),
 /// `means` ("zero", "free"), `covariance` ("diagonal", "full"), `null` (default: in frame ray),
-/// `null_volume_m3`, `modes`, `mode_radius_deg`, `mode_share`, `mode_recordings`, `bic` ("frames",
-/// "effective"), `folds`, `max_rotation_sd_deg`, `max_translation_sd_m`, `gross_rotation_deg`,
-/// `gross_translation_m`, `bins`, `windows_s`, `bootstrap`, `detectors`, and what is to be read in
-/// place of a data folder: `sequences` (paths of sequence files) or `detections` and `ground_truth`
-/// (TUM files of T_camera_object).
+/// `null_volume_m3`, `null_least`, `modes`, `mode_radius_deg`, `mode_share`, `mode_recordings`,
+/// `bic` ("frames", "effective"), `folds`, `max_rotation_sd_deg`, `max_translation_sd_m`,
+/// `gross_rotation_deg`, `gross_translation_m`, `bins`, `windows_s`, `bootstrap`, `detectors`, and
+/// what is to be read in place of a data folder: `sequences` (paths of sequence files) or
+/// `detections` and `ground_truth` (TUM files of T_camera_object).
 /// @throws InvalidInput naming file, line and key
 NoiseStudySettings read_noise_settings(const TomlTable& table);
 

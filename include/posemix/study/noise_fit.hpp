@@ -38,6 +38,7 @@ struct NoiseFitSettings {
   NoiseFrame frame = NoiseFrame::object;
   bool null = false;  ///< with a null of the volume below, whose weight is estimated
   double null_volume_m3 = 1.0;
+  double least_null = 0.0;  ///< the null's least weight: a detector that has not failed yet may
   /// Covariances diagonal or full and their bounds, convergence, number of starts. Units: of the
   /// residual. `components` and `fixed_means` are not looked at.
   EmSettings em = {};
@@ -54,9 +55,10 @@ struct NoiseFit {
 };
 
 /// EM from a start, whose components' frames stay. Offsets that are not the identity are estimated,
-/// the others stay zero, and so does a null of weight zero. Every step is an E-step with the M-step
-/// of weights and covariances, in turn with a Gauss-Newton step of the offsets, which is shortened
-/// until it does not lower the likelihood: `history` never falls by more than rounding.
+/// the others stay zero, and so does a null of weight zero; one that falls below 1e-9 becomes zero.
+/// Every step is an E-step with the M-step of weights and covariances, in turn with a Gauss-Newton
+/// step of the offsets, which is shortened until it does not lower the likelihood: `history` never
+/// falls by more than rounding.
 /// @throws InvalidInput when there are no observations
 NoiseFit refine_noise(std::span<const NoiseObservation> observations, const DetectorNoise& start,
                       const NoiseFitSettings& settings);

@@ -34,7 +34,7 @@ struct NoiseModesFit {
   std::vector<NoiseMode> modes;  ///< those that were tried, the heaviest cluster first
 };
 
-/// Adds modes to a model that has a null.
+/// Adds modes to a model.
 ///
 /// 1. The detections that are beyond the gate (kInlierGate) of the heaviest component, with a
 ///    rotation that errs by more than the radius, are clustered by rotation T_true^-1 Y, greedily:
@@ -44,7 +44,7 @@ struct NoiseModesFit {
 ///    and the model refined (refine_noise).
 /// 3. A mode that has not the least share, comes from too few recordings, is wider than the radius,
 ///    or has come within it of no offset is left out, the least heavy first, and the rest refined.
-/// @throws InvalidInput for a model without a null
+/// @throws InvalidInput for settings without a null
 NoiseModesFit add_noise_modes(std::span<const NoiseObservation> observations, const NoiseFit& fit,
                               const NoiseFitSettings& settings, const NoiseModeSettings& modes);
 
