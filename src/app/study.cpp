@@ -84,7 +84,7 @@ const std::array kStudies{
               "posemix study noise --out out/noise", true, false,
               [](const TomlTable& table, const StudyOptions& options) {
                 const NoiseStudySettings settings = read_noise_settings(table);
-                return make_noise_study(read_residuals(settings, options.data), settings);
+                return make_noise_study(read_noise_data(settings, options.data), settings);
               }},
     StudyVerb{"grasp", "Success of grasps, predicted from what several pose estimators say",
               "posemix study grasp --data scenes --train other-scenes --out out/grasp", true, true,

@@ -40,6 +40,12 @@ std::string_view name_of(NoiseFrame frame) {
   return "";
 }
 
+ViewingRay viewing_ray(const SE3d& camera_mode) {
+  const Eigen::Vector3d& ray = camera_mode.translation();
+  const auto turn = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), ray);
+  return {SO3d::from_quaternion(turn), std::max(ray.norm(), kLeastRangeM)};
+}
+
 NoiseAtPose noise_at(const NoiseComponent& noise, const SE3d& camera_object) {
   const SE3d mode = camera_object * noise.offset;
   const Matrix6d& update = noise.update_covariance ? *noise.update_covariance : noise.covariance;
@@ -51,10 +57,8 @@ NoiseAtPose noise_at(const NoiseComponent& noise, const SE3d& camera_object) {
     case NoiseFrame::ray:
       break;
   }
-  const Eigen::Vector3d& ray = mode.translation();
-  const double range = std::max(ray.norm(), kLeastRangeM);
-  const auto turn = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), ray);
-  return {SE3d(SO3d::from_quaternion(turn), ray), with_range(noise.covariance, range),
+  const auto [axes, range] = viewing_ray(mode);
+  return {SE3d(axes, mode.translation()), with_range(noise.covariance, range),
           with_range(update, range)};
 }
 
@@ -70,8 +74,15 @@ NoiseComponent along_camera(const NoiseComponent& noise, const SE3d& camera_obje
   return result;
 }
 
-DetectorNoise::DetectorNoise(std::vector<NoiseComponent> components, NullNoise null)
-    : components_(std::move(components)), null_(null) {
+DetectorNoise::DetectorNoise(std::vector<NoiseComponent> components, NullNoise null,
+                             NoiseDependence dependence)
+    : components_(std::move(components)), null_(null), dependence_(std::move(dependence)) {
+  if (dependence_.dependent_frames && !(*dependence_.dependent_frames >= 1.0)) {
+    throw InvalidInput(fmt::format("detector noise: {} dependent frames, expected at least 1",
+                                   *dependence_.dependent_frames));
+  }
+  if (dependence_.bias && !dependence_.bias->allFinite())
+    throw InvalidInput("detector noise: the bias is not finite");
   require(!components_.empty(), "detector noise: there is no component");
   if (!(null_.weight >= 0.0) || !std::isfinite(null_.weight)) {
     throw InvalidInput(fmt::format(

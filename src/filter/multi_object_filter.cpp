@@ -112,7 +112,8 @@ class MultiObjectFilter::State {
       const double interval = object.detections > 1 ? (object.last_s - object.first_s) /
                                                           static_cast<double>(object.detections - 1)
                                                     : frame_s;
-      const double prior = std::max(1.0, settings.correlation_s / std::max(interval, kLeastS));
+      const double prior = object.sensor.noise.dependence().dependent_frames.value_or(
+          std::max(1.0, settings.correlation_s / std::max(interval, kLeastS)));
       const double share = 1.0 + object.seen;
       sum += share * object.dependence.estimate(prior, settings.correlation_detections);
       weight += share;
@@ -140,9 +141,12 @@ class MultiObjectFilter::State {
   /// What all detections of an object have in common, in the world frame.
   Matrix6d common_error(const ObjectState& object, const SE3d& pose) const {
     const Pair there{backbone.pose(kCamera), pose, internal::Matrix12d::Zero()};
-    return settings.common_error_share *
-           internal::component_noise(there, object.sensor.noise.components().front(),
-                                     object.sensor);
+    NoiseComponent component = object.sensor.noise.components().front();
+    if (const auto& bias = object.sensor.noise.dependence().bias) {
+      component.covariance = *bias;
+      return internal::component_noise(there, component, {object.sensor.noise});
+    }
+    return settings.common_error_share * internal::component_noise(there, component, object.sensor);
   }
 
   Pair honest_pair(const ObjectState& object, std::size_t h) const {

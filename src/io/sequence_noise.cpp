@@ -62,6 +62,19 @@ NullNoise read_null(const TomlTable& model) {
   return null;
 }
 
+NoiseDependence read_dependence(const TomlTable& model, NoiseFrame frame) {
+  NoiseDependence dependence;
+  if (model.has("dependent_frames"))
+    dependence.dependent_frames = model.get_double("dependent_frames", {.lowest = 1});
+  if (const auto bias = model.find_table("bias")) {
+    const char* const translation =
+        frame == NoiseFrame::ray ? "translation_sd_of_range" : "translation_sd_m";
+    dependence.bias = pose_covariance(read_sd(*bias, "rotation_sd_deg", kSdOrZero, kRadPerDeg),
+                                      read_sd(*bias, translation, kSdOrZero, 1.0));
+  }
+  return dependence;
+}
+
 }  // namespace
 
 Eigen::Vector3d read_sd(const TomlTable& table, std::string_view key, const NumberRange& range,
@@ -96,7 +109,9 @@ DetectorNoise read_detector_noise(const TomlTable& model) {
     components.push_back(read_component(component));
   }
   const NullNoise null = read_null(model);
-  return located(model, "components", [&] { return DetectorNoise(components, null); });
+  const NoiseDependence dependence = read_dependence(
+      model, components.empty() ? NoiseComponent{}.frame : components.front().frame);
+  return located(model, "components", [&] { return DetectorNoise(components, null, dependence); });
 }
 
 std::map<std::string, DetectorNoise> read_noise_models(const TomlTable& root) {

@@ -11,7 +11,6 @@
 
 #include "noise_parts.hpp"
 #include "posemix/base/error.hpp"
-#include "posemix/base/units.hpp"
 
 namespace posemix {
 namespace {
@@ -43,36 +42,58 @@ class Fingerprint {
   std::uint64_t hash_ = 0xcbf29ce484222325ULL;
 };
 
-Json settings_json(const std::vector<ResidualSet>& sets, const NoiseStudySettings& s) {
+Json settings_json(const NoiseData& data, const NoiseStudySettings& s) {
   Json json = {{"max_components", s.max_components},
                {"restarts", s.restarts},
                {"seed", s.seed},
                {"frame", name_of(s.frame)},
                {"means", s.free_means ? "free" : "zero"},
                {"covariance", s.full_covariance ? "full" : "diagonal"},
+               {"null", s.null},
+               {"null_volume_m3", s.null_volume_m3},
+               {"null_least", s.least_null},
+               {"modes", s.modes},
+               {"mode_radius_deg", s.mode.radius_deg},
+               {"mode_share", s.mode.least_share},
+               {"mode_recordings", s.mode.least_recordings},
+               {"folds", s.folds},
+               {"windows_s", s.odometry.windows_s},
+               {"bootstrap", s.odometry.bootstrap},
                {"bic", s.count_frames ? "frames" : "effective"},
                {"max_rotation_sd_deg", s.max_rotation_sd_deg},
                {"max_translation_sd_m", s.max_translation_sd_m},
                {"gross_rotation_deg", s.gross_rotation_deg},
                {"gross_translation_m", s.gross_translation_m},
                {"bins", s.bins}};
-  for (const ResidualSet& set : sets) {
-    Fingerprint data;
-    data.add(set.truth);
-    data.add(set.detected);
+  for (const ResidualSet& set : data.residuals) {
+    Fingerprint poses;
+    poses.add(set.truth);
+    poses.add(set.detected);
     json["data"].push_back(
-        {set.detector, set.object, set.recording, set.truth.size(), data.text()});
+        {set.detector, set.object, set.recording, set.symmetric, set.truth.size(), poses.text()});
+  }
+  for (const OdometryRecording& recording : data.odometry) {
+    Fingerprint poses;
+    poses.add(recording.odometry);
+    poses.add(recording.camera_truth);
+    json["odometry"].push_back({recording.name, recording.stamps.size(), poses.text()});
   }
   return json;
 }
 
 void check(const std::vector<ResidualSet>& sets, const NoiseStudySettings& settings) {
   require(!sets.empty(), "study noise: there are no detections with a truth");
-  if (settings.free_means && settings.frame == NoiseFrame::camera) {
-    throw InvalidInput(
-        "study noise: free means in the camera frame cannot be written as a noise model, expected "
-        "means = \"zero\" or frame = \"object\"");
+  if (settings.free_means && settings.frame != NoiseFrame::object) {
+    throw InvalidInput(fmt::format(
+        "study noise: free means in the {} frame cannot be written as a noise model, expected "
+        "means = \"zero\" or frame = \"object\"",
+        name_of(settings.frame)));
   }
+  require(!settings.free_means || !settings.null,
+          "study noise: free means beside a null, expected means = \"zero\" (with modes = true for "
+          "offset poses) or null = false");
+  require(!settings.modes || settings.null,
+          "study noise: modes without a null, expected null = true");
   for (const ResidualSet& set : sets) {
     if (set.truth.size() == set.detected.size()) continue;
     throw InvalidInput(
@@ -92,16 +113,16 @@ std::vector<NoiseGroup> noise_groups(const std::vector<ResidualSet>& sets) {
   std::vector<NoiseGroup> groups;
   for (const std::string& detector : detectors) {
     const std::size_t first = groups.size();
-    NoiseGroup all{detector, "all", {}};
+    NoiseGroup all{detector, "all", false, {}};
     for (const ResidualSet& set : sets) {
       if (set.detector != detector) continue;
       auto group = std::find_if(groups.begin() + static_cast<std::ptrdiff_t>(first), groups.end(),
                                 [&](const NoiseGroup& g) { return g.object == set.object; });
-      if (group == groups.end()) group = groups.insert(group, {detector, set.object, {}});
+      if (group == groups.end()) group = groups.insert(group, {detector, set.object, true, {}});
       group->sets.push_back(set);
-      all.sets.push_back(set);
+      if (!set.symmetric) all.sets.push_back(set);
     }
-    if (groups.size() > first + 1) groups.push_back(std::move(all));
+    if (groups.size() > first + 1 && !all.sets.empty()) groups.push_back(std::move(all));
   }
   return groups;
 }
@@ -114,42 +135,14 @@ std::string noise_name(const std::string& detector, const std::string& object) {
   return name;
 }
 
-std::string format_noise_toml(std::string_view name, const DetectorNoise& noise) {
-  const auto list = [](const auto& v) { return fmt::format("[{}]", fmt::join(v, ", ")); };
-  std::string text = fmt::format("[noise.{}]\ncomponents = [\n", name);
-  for (const NoiseComponent& component : noise.components()) {
-    text += fmt::format("  {{weight = {}, frame = \"{}\", ", component.weight,
-                        name_of(component.frame));
-    const Matrix6d& covariance = component.covariance;
-    if (covariance.isDiagonal(0.0)) {
-      const Vector6d sd = covariance.diagonal().cwiseSqrt();
-      const Eigen::Vector3d rotation = sd.head<3>() / kRadPerDeg;
-      const Eigen::Vector3d translation = sd.tail<3>();
-      text += fmt::format("rotation_sd_deg = {}, translation_sd_m = {}", list(rotation),
-                          list(translation));
-    } else {
-      std::vector<std::string> rows;
-      for (const auto& row : covariance.rowwise()) rows.push_back(list(row));
-      text += fmt::format("covariance = {}", list(rows));
-    }
-    if (component.offset.log().norm() > 0.0) {
-      const Eigen::Vector3d rotation = component.offset.rotation().log() / kRadPerDeg;
-      const Eigen::Vector3d& translation = component.offset.translation();
-      text += fmt::format(", offset = {{rotation_deg = {}, translation_m = {}}}", list(rotation),
-                          list(translation));
-    }
-    text += "},\n";
-  }
-  return text + "]\n";
-}
-
-Study make_noise_study(const std::vector<ResidualSet>& residuals,
-                       const NoiseStudySettings& settings) {
-  check(residuals, settings);
-  const std::string text = settings_json(residuals, settings).dump();
-  const auto groups = std::make_shared<const std::vector<NoiseGroup>>(noise_groups(residuals));
-  return {"noise", text, groups->size(),
-          [groups, settings](std::size_t item) {
+Study make_noise_study(const NoiseData& data, const NoiseStudySettings& settings) {
+  check(data.residuals, settings);
+  const std::string text = settings_json(data, settings).dump();
+  const auto groups = std::make_shared<const std::vector<NoiseGroup>>(noise_groups(data.residuals));
+  const auto odometry = std::make_shared<const std::vector<OdometryRecording>>(data.odometry);
+  return {"noise", text, groups->size() + (odometry->empty() ? 0 : 1),
+          [groups, odometry, settings](std::size_t item) {
+            if (item == groups->size()) return study_odometry(*odometry, settings).dump();
             return study_noise((*groups)[item], settings, item).dump();
           },
           report_noise};

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -32,13 +34,23 @@ ResidualSet read_pair(const NoiseStudySettings& settings) {
   return set;
 }
 
-}  // namespace
-
-Vector6d detection_residual(const SE3d& truth, const SE3d& detected, NoiseFrame frame) {
-  Vector6d residual = (truth.inverse() * detected).log();
-  if (frame == NoiseFrame::object) return residual;
-  return SE3d(truth.rotation(), Eigen::Vector3d::Zero()).adjoint() * residual;
+/// YCB-V objects that the BOP calls symmetric.
+bool is_symmetric(const std::string& object) {
+  constexpr std::array kSymmetric{"1", "13", "14", "16", "18", "19", "20", "21"};
+  return std::find(kSymmetric.begin(), kSymmetric.end(), object) != kSymmetric.end();
 }
+
+/// Adds the odometry and the camera's truth of a sequence that is not there yet and has both.
+void add_odometry_of(const SlamJob& job, const std::string& name, NoiseData& data) {
+  const Sequence& sequence = job.sequence;
+  const bool known =
+      std::any_of(data.odometry.begin(), data.odometry.end(),
+                  [&](const OdometryRecording& other) { return other.name == name; });
+  if (known || sequence.odometry.empty() || sequence.camera_truth.empty()) return;
+  data.odometry.push_back({name, sequence.stamps, sequence.odometry, sequence.camera_truth});
+}
+
+}  // namespace
 
 std::vector<ResidualSet> residuals_of(const SlamJob& job, const std::string& detector,
                                       const std::string& recording) {
@@ -57,59 +69,40 @@ std::vector<ResidualSet> residuals_of(const SlamJob& job, const std::string& det
   return sets;
 }
 
-std::vector<ResidualSet> find_residuals(const std::filesystem::path& data) {
-  std::vector<ResidualSet> sets;
+NoiseData find_noise_data(const std::filesystem::path& data) {
+  NoiseData all;
   for (const Recording& recording : find_recordings(data)) {
-    for (ResidualSet& set :
-         residuals_of(read_recording(recording), recording.detector, recording.sequence)) {
+    const SlamJob job = read_recording(recording);
+    add_odometry_of(job, recording.sequence, all);
+    for (ResidualSet& set : residuals_of(job, recording.detector, recording.sequence)) {
       set.proxy = recording.detector == "cosypose";
-      sets.push_back(std::move(set));
+      set.symmetric = recording.detector != "dope" && !set.proxy && is_symmetric(set.object);
+      all.residuals.push_back(std::move(set));
     }
   }
-  return sets;
+  return all;
 }
 
-std::vector<ResidualSet> read_residuals(const NoiseStudySettings& settings,
-                                        const std::optional<std::filesystem::path>& data) {
-  if (!settings.detections.empty()) return {read_pair(settings)};
-  std::vector<ResidualSet> sets;
+NoiseData read_noise_data(const NoiseStudySettings& settings,
+                          const std::optional<std::filesystem::path>& data) {
+  NoiseData all;
+  if (!settings.detections.empty()) {
+    all.residuals = {read_pair(settings)};
+  } else if (settings.sequences.empty()) {
+    all = find_noise_data(data.value_or(default_data_folder()));
+  }
   for (const std::string& path : settings.sequences) {
     const TomlDocument document = TomlDocument::load(path);
     const SlamJob job = read_slam_job(document, data_folders(path, data));
-    for (ResidualSet& set : residuals_of(job, "detector", job.name)) sets.push_back(std::move(set));
+    add_odometry_of(job, job.name, all);
+    for (ResidualSet& set : residuals_of(job, "detector", job.name))
+      all.residuals.push_back(std::move(set));
   }
-  if (!settings.sequences.empty()) return sets;
-  return find_residuals(data.value_or(default_data_folder()));
-}
-
-NoiseStudySettings read_noise_settings(const TomlTable& table) {
-  NoiseStudySettings s;
-  const auto count = [&](const char* key, std::int64_t otherwise, std::int64_t highest) {
-    return table.get_integer_or(key, otherwise, {.lowest = 1, .highest = highest});
-  };
-  s.max_components = static_cast<std::size_t>(count("max_components", 4, 100));
-  s.restarts = static_cast<int>(count("restarts", s.restarts, 1000));
-  s.seed = static_cast<std::uint64_t>(table.get_integer_or("seed", 1, kAtLeastZero));
-  s.bins = static_cast<std::size_t>(count("bins", 60, 10000));
-  s.frame = table.get_enum_or<NoiseFrame>(
-      "frame", s.frame, {{"object", NoiseFrame::object}, {"camera", NoiseFrame::camera}});
-  s.free_means = table.get_enum_or<bool>("means", false, {{"zero", false}, {"free", true}});
-  s.full_covariance =
-      table.get_enum_or<bool>("covariance", false, {{"diagonal", false}, {"full", true}});
-  s.count_frames = table.get_enum_or<bool>("bic", true, {{"frames", true}, {"effective", false}});
-  s.max_rotation_sd_deg =
-      table.get_double_or("max_rotation_sd_deg", s.max_rotation_sd_deg, kPositive);
-  s.max_translation_sd_m =
-      table.get_double_or("max_translation_sd_m", s.max_translation_sd_m, kPositive);
-  s.gross_rotation_deg = table.get_double_or("gross_rotation_deg", s.gross_rotation_deg, kPositive);
-  s.gross_translation_m =
-      table.get_double_or("gross_translation_m", s.gross_translation_m, kPositive);
-  if (table.has("sequences")) s.sequences = table.get_strings("sequences");
-  if (table.has("detections") || table.has("ground_truth")) {
-    s.detections = table.get_string("detections");
-    s.ground_truth = table.get_string("ground_truth");
-  }
-  return s;
+  const std::vector<std::string>& wanted = settings.detectors;
+  std::erase_if(all.residuals, [&](const ResidualSet& set) {
+    return !wanted.empty() && std::find(wanted.begin(), wanted.end(), set.detector) == wanted.end();
+  });
+  return all;
 }
 
 }  // namespace posemix

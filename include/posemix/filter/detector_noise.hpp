@@ -46,6 +46,14 @@ struct NullNoise {
   double volume_m3 = 1.0;
 };
 
+/// What NoiseFrame::ray refers to at a mode T_camera_mode.
+struct ViewingRay {
+  SO3d axes;     ///< its axes in those of the camera, the third towards the mode
+  double range;  ///< from the camera to the mode [m], at least a millimetre
+};
+
+ViewingRay viewing_ray(const SE3d& camera_mode);
+
 /// A component where it is seen: covariances in metres along axes whose pose in the camera's frame
 /// is `axes` (the origin of the mode, turned as the component's frame says).
 struct NoiseAtPose {
@@ -61,6 +69,15 @@ NoiseAtPose noise_at(const NoiseComponent& noise, const SE3d& camera_object);
 /// `camera_object`; components of other frames as they are.
 NoiseComponent along_camera(const NoiseComponent& noise, const SE3d& camera_object);
 
+/// What successive detections have in common, where it is known; else a filter's settings say.
+struct NoiseDependence {
+  /// Detections of an object that count as one.
+  std::optional<double> dependent_frames = {};
+  /// Covariance of the error that all detections of a recording share, in the frame and the units
+  /// of the first component.
+  std::optional<Matrix6d> bias = {};
+};
+
 /// The error of one detector on one class of objects: a mixture of components (midway-merge paper,
 /// eq. 33) and of the null. Invariant: at least one component, weights positive (the null's may be
 /// zero) and summing to one, covariances symmetric positive definite, a positive volume.
@@ -68,10 +85,12 @@ class DetectorNoise {
  public:
   /// Normalises the weights. @throws InvalidInput naming the component when the invariant cannot
   /// hold
-  explicit DetectorNoise(std::vector<NoiseComponent> components, NullNoise null = {});
+  explicit DetectorNoise(std::vector<NoiseComponent> components, NullNoise null = {},
+                         NoiseDependence dependence = {});
 
   const std::vector<NoiseComponent>& components() const { return components_; }
   const NullNoise& null() const { return null_; }
+  const NoiseDependence& dependence() const { return dependence_; }
 
   /// Log of the null's weight times its density 1 / (8 pi^2 V) on SE(3) [nats; rad^-3 m^-3]; -inf
   /// for weight zero.
@@ -85,6 +104,7 @@ class DetectorNoise {
  private:
   std::vector<NoiseComponent> components_;
   NullNoise null_;
+  NoiseDependence dependence_;
 };
 
 /// Diagonal covariance from standard deviations about and along x, y, z.

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "posemix/study/odometry_noise.hpp"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "posemix/base/units.hpp"
+#include "posemix/io/toml_table.hpp"
+#include "posemix/testing/expect.hpp"
+#include "study/simulated_detections.hpp"
+
+namespace posemix {
+namespace {
+
+using testing::normal_vector;
+
+Vector6d walk_deviations() {
+  Vector6d sd;
+  sd << radians(0.2), radians(0.1), radians(0.3), 1e-3, 2e-3, 1.5e-3;
+  return sd;
+}
+
+Vector6d jitter_deviations() {
+  Vector6d sd;
+  sd << radians(0.05), radians(0.1), radians(0.02), 1e-3, 5e-4, 2e-3;
+  return sd;
+}
+
+/// A camera on a circle of 1 m that looks inwards, once around in a minute. The odometry adds
+/// Exp(n) on the right of every step, the annotation Exp(w) on the right of every pose.
+OdometryRecording simulated_odometry(std::size_t frames, double spikes, RandomStream& stream) {
+  OdometryRecording recording{.name = "r", .stamps = {}, .odometry = {}, .camera_truth = {}};
+  constexpr double kPeriod = 0.1;
+  SE3d odometry;
+  SE3d before;
+  for (std::size_t i = 0; i < frames; ++i) {
+    const double time = kPeriod * static_cast<double>(i);
+    const double angle = radians(6.0) * time;
+    const SE3d camera(SO3d::exp({0.0, angle, 0.0}), {-std::sin(angle), 0.0, -std::cos(angle)});
+    if (i > 0) {
+      const Vector6d n = std::sqrt(kPeriod) * normal_vector(stream).cwiseProduct(walk_deviations());
+      odometry = odometry * (before.inverse() * camera) * SE3d::exp(n);
+    }
+    before = camera;
+    Vector6d w = normal_vector(stream).cwiseProduct(jitter_deviations());
+    if (stream.uniform() < spikes) w *= 50.0;
+    recording.stamps.push_back(time);
+    recording.odometry.emplace_back(odometry);
+    recording.camera_truth.emplace_back(camera * SE3d::exp(w));
+  }
+  return recording;
+}
+
+std::vector<OdometryRecording> recordings(std::size_t count, double spikes) {
+  RandomStream stream(5);
+  std::vector<OdometryRecording> all;
+  for (std::size_t r = 0; r < count; ++r) all.push_back(simulated_odometry(900, spikes, stream));
+  return all;
+}
+
+TEST(OdometryNoise, RecoversWalkAndJitter) {
+  const OdometryNoise noise = fit_odometry_noise(recordings(20, 0.0), {.bootstrap = 30});
+  EXPECT_EQ(noise.recordings, 20U);
+  ASSERT_EQ(noise.windows.size(), 10U);
+  EXPECT_NEAR(noise.windows[9].seconds, 30.0, 0.01);
+  for (Eigen::Index i = 0; i < 6; ++i) {
+    // 20 recordings of 90 s; the windows that say most about q are the 3600 or so of half a second.
+    EXPECT_NEAR(noise.sd_per_sqrt_s[i] / walk_deviations()[i], 1.0, 0.12) << i;
+    EXPECT_LT(noise.sd_per_sqrt_s_error[i], 0.1 * walk_deviations()[i]) << i;
+    EXPECT_NEAR(noise.sd_per_sqrt_s[i], walk_deviations()[i], 4.5 * noise.sd_per_sqrt_s_error[i]);
+    // Where the walk of a single step, 0.1 s, is far above the jitter, that is hard to see.
+    const double step = std::sqrt(0.1) * walk_deviations()[i];
+    EXPECT_NEAR(noise.jitter_sd[i], jitter_deviations()[i],
+                0.1 * jitter_deviations()[i] + 0.1 * step)
+        << i;
+    for (const OdometryWindow& window : noise.windows)
+      EXPECT_NEAR(std::sqrt(window.fitted[i] / window.variance[i]), 1.0, 0.3);
+  }
+}
+
+TEST(OdometryNoise, SpikesOfTheAnnotationDoNotCount) {
+  const OdometryNoise noise = fit_odometry_noise(recordings(20, 0.02), {.bootstrap = 0});
+  for (Eigen::Index i = 0; i < 6; ++i)
+    EXPECT_NEAR(noise.sd_per_sqrt_s[i] / walk_deviations()[i], 1.0, 0.2) << i;
+  EXPECT_TRUE(std::isnan(noise.jitter_sd_error[0]));
+}
+
+TEST(OdometryNoise, IsWrittenAsAMotionModel) {
+  const OdometryNoise noise = fit_odometry_noise(recordings(2, 0.0), {.bootstrap = 0});
+  const TomlDocument document = TomlDocument::parse(format_odometry_toml(noise), "odometry.toml");
+  const TomlTable motion = document.root().get_table("motion");
+  EXPECT_EQ(motion.get_string("model"), "odometry");
+  const TomlTable table = motion.get_table("noise");
+  EXPECT_EQ(table.get_string("per"), "second");
+  const Eigen::VectorXd rotation = table.get_vector("rotation_sd_deg", 3);
+  const Eigen::VectorXd translation = table.get_vector("translation_sd_m", 3);
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    EXPECT_NEAR(rotation[i] / degrees(noise.sd_per_sqrt_s[i]), 1.0, 5e-3);
+    EXPECT_NEAR(translation[i] / noise.sd_per_sqrt_s[3 + i], 1.0, 5e-3);
+  }
+  document.finish();
+}
+
+TEST(OdometryNoise, FramesWithoutAPoseAreSkipped) {
+  auto all = recordings(20, 0.0);
+  for (OdometryRecording& recording : all) {
+    for (std::size_t i = 0; i < 900; i += 7) recording.odometry[i] = std::nullopt;
+    for (std::size_t i = 3; i < 900; i += 11) recording.camera_truth[i] = std::nullopt;
+  }
+  const OdometryNoise noise = fit_odometry_noise(all, {.bootstrap = 0});
+  for (Eigen::Index i = 0; i < 6; ++i)
+    EXPECT_NEAR(noise.sd_per_sqrt_s[i] / walk_deviations()[i], 1.0, 0.15) << i;
+  for (OdometryRecording& recording : all) {
+    for (auto& pose : recording.camera_truth) pose = std::nullopt;
+  }
+  EXPECT_EQ(testing::thrown_message([&] { fit_odometry_noise(all, {}); }),
+            "odometry noise: no recording has odometry with the camera's truth");
+}
+
+}  // namespace
+}  // namespace posemix
