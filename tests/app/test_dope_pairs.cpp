@@ -24,7 +24,7 @@ void expect_results(const SlamJob& job) {
   const SlamRun slam = run(job.sequence, job.camera_prior, job.models, job.settings);
   const Metrics metrics = evaluate(job.sequence, slam);
   EXPECT_EQ(slam.frames.size(), job.sequence.stamps.size());
-  EXPECT_EQ(format_results(job, slam, metrics).size(), 7U);
+  EXPECT_EQ(format_results(job, slam, metrics).size(), 8U);
   EXPECT_TRUE(metrics.camera.position_rmse_m.has_value());
   EXPECT_TRUE(metrics.objects[0].world.rotation_rmse_deg.has_value());
   EXPECT_TRUE(metrics.objects[0].relative.rotation_rmse_deg.has_value());

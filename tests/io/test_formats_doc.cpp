@@ -61,10 +61,34 @@ std::string noise(const ProcessNoise& noise) {
                      noise.per == NoisePer::second ? "second" : "frame", degrees(sd[0]), sd[3]);
 }
 
+TEST(FormatsDocument, DefaultsOfTheMultiObjectFilter) {
+  const MultiObjectSettings s;
+  const auto number = [](double value) { return fmt::format("{:g}", value); };
+  EXPECT_EQ(documented("max_hypotheses"), fmt::format("{}", s.max_hypotheses));
+  EXPECT_EQ(documented("protected_hypotheses"), fmt::format("{}", s.protected_hypotheses));
+  EXPECT_EQ(documented("explained_probability"), number(s.explained_probability));
+  EXPECT_EQ(documented("birth_covariance_factor"), number(s.birth_covariance_factor));
+  EXPECT_EQ(documented("birth_score`, `score_memory"),
+            number(s.birth_score) + ", " + number(s.score_memory));
+  EXPECT_EQ(documented("merge_rotation_deg`, `merge_translation_m`, `merge_probability"),
+            fmt::format("{:g}, {:g}, {:g}", degrees(s.merge_rotation_rad), s.merge_translation_m,
+                        s.merge_probability));
+  EXPECT_EQ(documented("leader_margin"), number(s.leader_margin));
+  EXPECT_EQ(documented("camera_share"), number(s.camera_share));
+  EXPECT_EQ(documented("camera_gain_noise"), number(s.camera_gain_noise));
+  EXPECT_EQ(documented("noise_scale_detections`, `least_noise_scale"),
+            number(s.noise_scale_detections) + ", " + number(s.least_noise_scale));
+  EXPECT_EQ(documented("correlation_s`, `correlation_detections"),
+            number(s.correlation_s) + ", " + number(s.correlation_detections));
+  EXPECT_EQ(documented("common_error_share"), number(s.common_error_share));
+  EXPECT_EQ(documented("dependent_answers"), number(s.dependent_answers));
+}
+
 TEST(FormatsDocument, DefaultsOfTheMotion) {
   const MotionSettings s;
   EXPECT_EQ(documented("period_s"), fmt::format("{:g}", s.period_s));
-  EXPECT_EQ(documented("noise"), noise(s.noise));
+  EXPECT_EQ(documented("noise", "### `[motion]`"), noise(s.noise));
+  EXPECT_EQ(documented("noise", "of the odometry, or of the pose"), noise(s.walk));
   EXPECT_EQ(documented("motion_noise"), noise(s.motion_noise));
   EXPECT_EQ(documented("unknown_motion"), noise(s.unknown_motion));
   EXPECT_EQ(documented("frame_period_s"), fmt::format("{:g}", kFramePeriodS));

@@ -76,7 +76,8 @@ TEST_F(SequenceFile, SettingsArriveWithTheirUnits) {
 
 TEST_F(SequenceFile, DefaultsAreThoseOfTheSettings) {
   const std::string filter =
-      "[filter]\nmethod = \"gm-iekf\"\nmax_components = 4\ngate_probability = 0.9999\nupdate = \"linearized\"\n";
+      "[filter]\nmethod = \"gm-iekf\"\nmax_components = 4\ngate_probability = 0.9999\nupdate = "
+      "\"linearized\"\n";
   const std::string text = replaced(std::string(kSmallToml), filter, "");
   const SlamJob job = read(text);
   const ObjectSlamSettings defaults;
@@ -240,7 +241,7 @@ TEST_F(SequenceFile, ObjectTruth) {
 
 TEST_F(SequenceFile, WrongKeysAndUnits) {
   EXPECT_INVALID(read_changed("max_components", "max_component"),
-                 "s.toml:41: unknown key 'filter.max_component', did you mean 'max_components'?");
+                 "s.toml:42: unknown key 'filter.max_component', did you mean 'max_components'?");
   EXPECT_INVALID(
       read_changed("translation_sd_m = 0.002\n\n[motion]", "translation_sd_mm = 2\n\n[motion]"),
       "s.toml:11: key 'camera.start.translation_sd_mm': expected 'translation_sd_m' (metres)");

@@ -44,6 +44,7 @@ double squared_normalized_error(const DetectorNoise& noise, std::uint64_t run) {
                                      pose(-0.8, 0.3, 1.0, -0.4, 0.2, 1.2)};
 
   ObjectSlamSettings settings;
+  settings.kind = SlamFilter::gaussian_sum;
   settings.filter.noise_use = NoiseUse::per_object;
   settings.filter.reduction.max_components = noise.components().size() == 1 ? 1 : 8;
   settings.motion.noise = {q, NoisePer::frame};

@@ -37,7 +37,9 @@ Sequence perfect_sequence() {
 }
 
 SlamRun run_default(const Sequence& sequence, const RunOptions& options = {}) {
-  return run(sequence, kPrior, {{"mug", gaussian_noise(), std::nullopt}}, {}, options);
+  return run(sequence, kPrior, {{"mug", gaussian_noise(), std::nullopt}},
+             {.kind = SlamFilter::gaussian_sum, .multi_object = {}, .filter = {}, .motion = {}},
+             options);
 }
 
 TEST(Run, PerfectInputGivesPerfectOutput) {

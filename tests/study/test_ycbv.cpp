@@ -182,16 +182,16 @@ TEST(YcbvStudy, TimesAreThoseOfTheFilters) {
 
 TEST(YcbvStudy, OverridesAndOwnMethodsReachTheFilter) {
   const SmallTree tree;
-  const auto merges = [&](const YcbvStudySettings& settings, const std::string& method) {
-    return find_row(run_rows(settings), "0001", kBox, method)["merges_per_frame"].get<double>();
+  const auto anees = [&](const YcbvStudySettings& settings, const std::string& method) {
+    return find_row(run_rows(settings), "0001", kBox, method)["relative_anees"].get<double>();
   };
   const YcbvStudySettings plain{.data = tree.path(), .methods = {"default"}};
   YcbvStudySettings own = plain;
-  own.methods = {"narrow: filter.max_components=2"};
+  own.methods = {"narrow: filter.common_error_share=0"};
   YcbvStudySettings all = plain;
-  all.overrides = {"filter.max_components=2"};
-  EXPECT_NE(merges(own, "narrow"), merges(plain, "default"));
-  EXPECT_EQ(merges(own, "narrow"), merges(all, "default"));
+  all.overrides = {"filter.common_error_share=0"};
+  EXPECT_NE(anees(own, "narrow"), anees(plain, "default"));
+  EXPECT_EQ(anees(own, "narrow"), anees(all, "default"));
   EXPECT_NE(make_ycbv_study(plain).settings, make_ycbv_study(all).settings);
 }
 
