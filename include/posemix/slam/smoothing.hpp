@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <deque>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "posemix/slam/run.hpp"
@@ -60,6 +61,9 @@ class FixedLagSmoother {
 
   std::optional<FrameEstimate> add(const FrameInput& input, FrameReport report);
   std::vector<FrameEstimate> smooth(std::size_t count);
+  void add_alternatives(std::span<const FrameInput* const> inputs,
+                        const std::vector<Hypothesis>& leading,
+                        std::vector<FrameEstimate>& estimates) const;
 
   MotionSettings motion_;
   SmoothingSettings smoothing_;
