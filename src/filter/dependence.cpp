@@ -31,7 +31,7 @@ void DependentFrames::add(const Vector6d& residual) {
 }
 
 double DependentFrames::estimate(double prior, double prior_frames) const {
-  if (levels_.empty() || levels_.front().squares <= 0.0) return prior;
+  if (std::isinf(prior_frames) || levels_.empty() || levels_.front().squares <= 0.0) return prior;
   const auto frames = static_cast<double>(levels_.front().blocks);
   const double single = levels_.front().squares / frames;
   double most = 1.0;

@@ -25,6 +25,10 @@ using internal::Pair;
 using internal::PairMoments;
 using internal::PairUpdate;
 
+constexpr double kUsualFrameS = 0.1;
+/// Detections closer in time count as that far apart.
+constexpr double kLeastS = 1e-3;
+
 double squared_distance_at(double probability, const char* name) {
   if (!(probability > 0.0 && probability < 1.0)) {
     throw InvalidInput(fmt::format("{} is {}, expected a number in (0, 1)", name, probability));
@@ -38,6 +42,15 @@ void check(const MultiObjectSettings& s) {
   require(s.score_memory >= 0.0 && s.score_memory <= 1.0, "score_memory must lie in [0, 1]");
   require(s.leader_margin >= 0.0, "leader_margin must not be negative");
   require(s.camera_gain_noise >= 1.0, "camera_gain_noise must be at least 1");
+  require(s.camera_share >= 0.0 && s.camera_share <= 1.0, "camera_share must lie in [0, 1]");
+  require(s.noise_scale_detections > 0.0, "noise_scale_detections must be positive");
+  require(s.least_noise_scale > 0.0 && s.least_noise_scale <= 1.0,
+          "least_noise_scale must lie in (0, 1]");
+  require(s.correlation_s >= 0.0, "correlation_s must not be negative");
+  require(s.correlation_detections >= 0.0, "correlation_detections must not be negative");
+  require(s.common_error_share >= 0.0 && s.common_error_share < 1.0,
+          "common_error_share must lie in [0, 1)");
+  require(s.dependent_answers > 0.0, "dependent_answers must be positive");
 }
 
 /// Moments of the camera under all hypotheses but the leading one, and under the object's absence
@@ -86,19 +99,30 @@ class MultiObjectFilter::State {
 
   ObjectUpdateReport update(std::size_t j, const SE3d& detected);
 
-  double dependent_frames() const {
-    double sum = settings.dependent_frames;
-    double weight = 1.0;
-    for (const ObjectState& object : objects) {
-      sum += object.seen * object.dependence.estimate(settings.dependent_frames,
-                                                      settings.dependent_frames_detections);
-      weight += object.seen;
-    }
-    return sum / weight;
+  void pass(double dt) {
+    now_s += dt;
+    frame_s = dt;
   }
 
-  /// Of the filter's covariances, to be those of the true error.
-  double factor() const { return settings.has_odometry ? dependent_frames() : 1.0; }
+  double dependent_detections() const {
+    double sum = 0.0;
+    double weight = 0.0;
+    for (const ObjectState& object : objects) {
+      if (object.detections == 0) continue;
+      const double interval = object.detections > 1 ? (object.last_s - object.first_s) /
+                                                          static_cast<double>(object.detections - 1)
+                                                    : frame_s;
+      const double prior = std::max(1.0, settings.correlation_s / std::max(interval, kLeastS));
+      const double share = 1.0 + object.seen;
+      sum += share * object.dependence.estimate(prior, settings.correlation_detections);
+      weight += share;
+    }
+    return weight > 0.0 ? sum / weight : 1.0;
+  }
+
+  /// Of the filter's covariances, to be those of the true error. Until the first detection they
+  /// are.
+  double factor() const { return settings.has_odometry ? dependent_detections() : 1.0; }
 
   /// What all detections of an object have in common, in the world frame.
   Matrix6d common_error(const ObjectState& object, const SE3d& pose) const {
@@ -123,11 +147,14 @@ class MultiObjectFilter::State {
   MergeBounds merge_bounds;
   Backbone backbone;
   std::vector<ObjectState> objects;
+  double now_s = 0.0;
+  double frame_s = kUsualFrameS;      ///< between the last two frames
   std::optional<std::size_t> motion;  ///< index of the camera's motion in the backbone
   std::uint64_t next_id = 0;
   Matrix6d drift = Matrix6d::Zero();  ///< of the map, in the world frame
 
  private:
+  void begin(ObjectState& object);
   void walk(ObjectState& object);
   void learn_scale(ObjectState& object, const PairUpdate& update);
   ObjectHypothesis newborn(const ObjectState& object, const SE3d& detected);
@@ -135,9 +162,23 @@ class MultiObjectFilter::State {
                    const std::vector<double>& weights, double unmoved);
 };
 
-/// The object's covariance grows by the map's drift since its last detection.
+/// Counts the detection. At the first of all the filter's covariances become those of detections
+/// that count as independent.
+void MultiObjectFilter::State::begin(ObjectState& object) {
+  const double before = factor();
+  if (object.detections++ == 0) object.first_s = now_s;
+  object.last_s = now_s;
+  const bool first = std::all_of(objects.begin(), objects.end(), [&](const ObjectState& other) {
+    return &other == &object ? other.detections == 1 : other.detections == 0;
+  });
+  if (first) backbone.covariance() *= before / factor();
+}
+
+/// The object's covariance grows by the map's drift since its last detection, and by what no
+/// detection can tell: about an axis of symmetry nothing is kept, because what was learned about
+/// one estimate of the axis is not about the next.
 void MultiObjectFilter::State::walk(ObjectState& object) {
-  const Matrix6d grown = drift - object.drift;
+  const Matrix6d grown = drift - object.drift + object.sensor.symmetries.unobserved_covariance();
   object.drift = drift;
   for (ObjectHypothesis& hypothesis : object.hypotheses)
     hypothesis.covariance += hypothesis.pose.adjoint_congruence(grown);
@@ -223,6 +264,7 @@ void MultiObjectFilter::State::move_camera(ObjectState& object,
 
 ObjectUpdateReport MultiObjectFilter::State::update(std::size_t j, const SE3d& detected) {
   ObjectState& object = objects[j];
+  begin(object);
   walk(object);
   ObjectUpdateReport report;
 
@@ -313,25 +355,28 @@ MultiObjectFilter& MultiObjectFilter::operator=(const MultiObjectFilter& other) 
 MultiObjectFilter& MultiObjectFilter::operator=(MultiObjectFilter&&) noexcept = default;
 MultiObjectFilter::~MultiObjectFilter() = default;
 
-void MultiObjectFilter::predict_with_odometry(const SE3d& motion, const Matrix6d& q) {
+void MultiObjectFilter::predict_with_odometry(const SE3d& motion, const Matrix6d& q, double dt) {
   Backbone& backbone = state_->backbone;
   const SE3d camera = backbone.pose(kCamera) * motion;
   backbone.set_pose(kCamera, camera);
-  const Matrix6d noise = camera.adjoint_congruence(q) / dependent_frames();
+  const double factor = state_->factor();
   const double share = state_->settings.camera_share;
-  internal::block(backbone.covariance(), kCamera, kCamera) += share * noise;
-  state_->drift += (1.0 - share) / dependent_frames() * q;
+  internal::block(backbone.covariance(), kCamera, kCamera) +=
+      share / factor * camera.adjoint_congruence(q);
+  state_->drift += (1.0 - share) / factor * q;
+  state_->pass(dt);
 }
 
-void MultiObjectFilter::predict_random_walk(const Matrix6d& q) {
+void MultiObjectFilter::predict_random_walk(const Matrix6d& q, double dt) {
   Backbone& backbone = state_->backbone;
   internal::block(backbone.covariance(), kCamera, kCamera) +=
-      backbone.pose(kCamera).adjoint_congruence(q);
+      backbone.pose(kCamera).adjoint_congruence(q) / state_->factor();
+  state_->pass(dt);
 }
 
 void MultiObjectFilter::predict_constant_velocity(double periods, const Matrix6d& q,
-                                                  const Matrix6d& q_motion,
-                                                  const Matrix6d& at_rest) {
+                                                  const Matrix6d& q_motion, const Matrix6d& at_rest,
+                                                  double dt) {
   Backbone& backbone = state_->backbone;
   if (!state_->motion) state_->motion = backbone.append(SE3d(), at_rest, Matrix6d::Zero());
   const std::size_t motion = *state_->motion;
@@ -357,6 +402,7 @@ void MultiObjectFilter::predict_constant_velocity(double periods, const Matrix6d
   internal::block(b, kCamera, kCamera) += moved.adjoint_congruence(q);
   internal::block(b, motion, motion) += velocity.adjoint_congruence(q_motion);
   symmetrize(b);
+  state_->pass(dt);
 }
 
 ObjectUpdateReport MultiObjectFilter::update(std::size_t object, const SE3d& camera_object) {
@@ -368,7 +414,11 @@ ObjectUpdateReport MultiObjectFilter::update(std::size_t object, const SE3d& cam
 
 std::size_t MultiObjectFilter::objects() const { return state_->objects.size(); }
 
-double MultiObjectFilter::dependent_frames() const { return state_->dependent_frames(); }
+double MultiObjectFilter::dependent_detections() const { return state_->dependent_detections(); }
+
+Vector6d MultiObjectFilter::noise_scale(std::size_t object) const {
+  return state_->objects[object].sensor.noise_scale;
+}
 
 ConcentratedGaussian<SE3d> MultiObjectFilter::camera() const {
   return ConcentratedGaussian<SE3d>::trusted(
@@ -396,7 +446,8 @@ std::optional<std::size_t> MultiObjectFilter::leading(std::size_t object) const 
 double MultiObjectFilter::mode_probability(std::size_t object) const {
   const ObjectState& state = state_->objects[object];
   if (!state.index) return 0.0;
-  const double dependent = std::max(1.0, state_->settings.dependent_answers * dependent_frames());
+  const double dependent =
+      std::max(1.0, state_->settings.dependent_answers * dependent_detections());
   const double leader = state.hypotheses[state.leading].log_weight;
   double sum = std::exp((state.log_absent - leader) / dependent);
   for (const ObjectHypothesis& hypothesis : state.hypotheses)

@@ -21,6 +21,9 @@ struct ObjectState {
   std::size_t leading = 0;
   std::optional<std::size_t> index = {};
   double seen = 0.0;  ///< detections that taught the noise's scale
+  std::uint64_t detections = 0;
+  double first_s = 0.0;  ///< time of the first detection
+  double last_s = 0.0;   ///< and of the last
   DependentFrames dependence = {};
   Matrix6d drift = Matrix6d::Zero();  ///< of the map, up to the last detection
 };

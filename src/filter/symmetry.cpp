@@ -29,7 +29,7 @@ constexpr double kSmallestGain = 1e-6;  ///< of the cost, below which no step is
 
 std::string described(const SE3d& motion) {
   const Eigen::AngleAxisd turn(motion.rotation().quaternion());
-  const Eigen::Vector3d axis = turn.axis();
+  const Eigen::Vector3d& axis = turn.axis();
   const Eigen::Vector3d mm = 1e3 * motion.translation();
   return fmt::format("{:.1f} deg about [{:.3g}, {:.3g}, {:.3g}] with [{:.3g}, {:.3g}, {:.3g}] mm",
                      degrees(turn.angle()), axis.x(), axis.y(), axis.z(), mm.x(), mm.y(), mm.z());

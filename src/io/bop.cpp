@@ -18,7 +18,7 @@ constexpr std::string_view kHeader = "scene_id,im_id,obj_id,score,R,t,time";
 constexpr std::size_t kFields = 7;
 constexpr double kMetresPerMillimetre = 1e-3;
 
-struct Row {
+struct RawRow {
   std::int64_t scene, image, object;
   double score;
   Eigen::Matrix4d pose;
@@ -36,12 +36,12 @@ std::array<double, N> parse_numbers(std::string_view field, std::string_view col
   return numbers;
 }
 
-Row parse_row(const LineReader& reader) {
+RawRow parse_row(const LineReader& reader) {
   const std::vector<std::string_view> fields = split_fields(reader.line(), ',');
   if (fields.size() != kFields) {
     reader.fail(fmt::format("{} columns", fields.size()), fmt::format("7: {}", kHeader));
   }
-  Row row;
+  RawRow row;
   row.scene = reader.index_from(trimmed(fields[0]), "scene_id");
   row.image = reader.index_from(trimmed(fields[1]), "im_id");
   row.object = reader.index_from(trimmed(fields[2]), "obj_id");
@@ -55,19 +55,26 @@ Row parse_row(const LineReader& reader) {
   return row;
 }
 
-}  // namespace
-
-BopDetections parse_bop(std::string_view text, const std::string& name, BopSelection selection) {
-  BopDetections detections;
+/// Calls `take` for every row but the header.
+template <typename Take>
+void for_each_row(std::string_view text, const std::string& name, Take&& take) {
   LineReader reader(text, name);
   while (reader.next()) {
     if (trimmed(reader.line()).empty()) continue;
     if (reader.number() == 1 && trimmed(reader.line()) == kHeader) continue;
-    const Row row = parse_row(reader);
-    if (row.scene != selection.scene || row.object != selection.object) continue;
-    const std::string where = fmt::format("{}:{}", name, reader.number());
-    detections[row.image].push_back({row.score, pose_from_matrix(row.pose, where)});
+    const RawRow row = parse_row(reader);
+    take(row, fmt::format("{}:{}", name, reader.number()));
   }
+}
+
+}  // namespace
+
+BopDetections parse_bop(std::string_view text, const std::string& name, BopSelection selection) {
+  BopDetections detections;
+  for_each_row(text, name, [&](const RawRow& row, const std::string& where) {
+    if (row.scene != selection.scene || row.object != selection.object) return;
+    detections[row.image].push_back({row.score, pose_from_matrix(row.pose, where)});
+  });
   if (detections.empty()) {
     throw InvalidInput(
         fmt::format("{}: got no row of scene {} and object {}, expected at least one", name,
@@ -78,6 +85,20 @@ BopDetections parse_bop(std::string_view text, const std::string& name, BopSelec
 
 BopDetections read_bop(const std::filesystem::path& path, BopSelection selection) {
   return parse_bop(read_file(path), path.string(), selection);
+}
+
+std::vector<BopRow> parse_bop_rows(std::string_view text, const std::string& name) {
+  std::vector<BopRow> rows;
+  for_each_row(text, name, [&](const RawRow& row, const std::string& where) {
+    rows.push_back(
+        {row.scene, row.image, row.object, row.score, pose_from_matrix(row.pose, where)});
+  });
+  if (rows.empty()) throw InvalidInput(fmt::format("{}: got no row, expected at least one", name));
+  return rows;
+}
+
+std::vector<BopRow> read_bop_rows(const std::filesystem::path& path) {
+  return parse_bop_rows(read_file(path), path.string());
 }
 
 }  // namespace posemix

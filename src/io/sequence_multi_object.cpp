@@ -41,8 +41,8 @@ MultiObjectSettings read_multi_object(const TomlTable& filter) {
   number("noise_scale_detections", s.noise_scale_detections, kPositive);
   number("least_noise_scale", s.least_noise_scale,
          {.lowest = 0, .highest = 1, .without_lowest = true});
-  number("dependent_frames", s.dependent_frames, kOneOrMore);
-  number("dependent_frames_detections", s.dependent_frames_detections, kZeroOrMore);
+  number("correlation_s", s.correlation_s, kZeroOrMore);
+  number("correlation_detections", s.correlation_detections, kZeroOrMore);
   number("common_error_share", s.common_error_share,
          {.lowest = 0, .highest = 1, .without_highest = true});
   number("dependent_answers", s.dependent_answers, kPositive);

@@ -21,7 +21,7 @@ SymmetryGroups read_groups(const TomlDocument& document) {
   if (schema != kSymmetrySchema)
     root.fail("schema", fmt::format("is {}, expected {}", schema, kSymmetrySchema));
   SymmetryGroups groups;
-  const TomlTable objects = root.get_table("objects");
+  const TomlTable objects = root.get_table("symmetries");
   for (const std::string& key : objects.keys()) {
     const auto id = parse_integer(key);
     if (!id || *id < 0) objects.fail(key, "is no object id, expected a number");

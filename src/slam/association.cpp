@@ -101,6 +101,7 @@ Eigen::MatrixXd cost_matrix(const std::vector<Predicted>& instances,
 void admit_fresh(const std::vector<Predicted>& instances, std::span<const Candidate> candidates,
                  const AssociationSettings& settings, std::vector<Association>& associations) {
   std::vector<Eigen::Vector3d> taken;
+  taken.reserve(instances.size() + candidates.size());
   for (const Predicted& instance : instances) taken.push_back(instance.pose().translation());
   std::vector<std::size_t> order(candidates.size());
   std::iota(order.begin(), order.end(), std::size_t{0});

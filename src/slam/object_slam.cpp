@@ -116,18 +116,18 @@ void ObjectSlam::predict(MultiObjectFilter& filter, const FrameInput& input) con
   switch (motion_.model) {
     case MotionModel::odometry:
       if (input.odometry) {
-        filter.predict_with_odometry(*input.odometry, motion_.noise.over(input.dt));
+        filter.predict_with_odometry(*input.odometry, motion_.noise.over(input.dt), input.dt);
       } else {
-        filter.predict_random_walk(motion_.unknown_motion.over(input.dt));
+        filter.predict_random_walk(motion_.unknown_motion.over(input.dt), input.dt);
       }
       return;
     case MotionModel::random_walk:
-      filter.predict_random_walk(motion_.walk.over(input.dt));
+      filter.predict_random_walk(motion_.walk.over(input.dt), input.dt);
       return;
     case MotionModel::constant_velocity:
       filter.predict_constant_velocity(input.dt / motion_.period_s, motion_.noise.over(input.dt),
                                        motion_.motion_noise.over(input.dt),
-                                       motion_.motion_noise.over(motion_.period_s));
+                                       motion_.motion_noise.over(motion_.period_s), input.dt);
       return;
   }
 }

@@ -10,5 +10,6 @@ namespace posemix {
 extern const std::string_view kDopeProfile;
 extern const std::string_view kCosyposeProfile;
 extern const std::string_view kPublishedProfile;
+extern const std::string_view kTlessSymmetries;
 
 }  // namespace posemix

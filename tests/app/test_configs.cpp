@@ -4,6 +4,7 @@
 
 #include "posemix/io/sequence_file.hpp"
 #include "posemix/io/simulation_config.hpp"
+#include "posemix/io/symmetries.hpp"
 #include "posemix/testing/data.hpp"
 
 namespace posemix {
@@ -16,7 +17,9 @@ TEST(Configs, AllAreRead) {
   for (const auto& entry : std::filesystem::directory_iterator(POSEMIX_SOURCE_DIR "/configs")) {
     SCOPED_TRACE(entry.path());
     TomlDocument document = TomlDocument::load(entry.path());
-    if (document.root().get_tables("objects")[0].has("detections")) {
+    if (document.root().has("symmetries")) {
+      EXPECT_FALSE(read_symmetry_file(entry.path()).empty());
+    } else if (document.root().get_tables("objects")[0].has("detections")) {
       const SlamJob job = read_slam_job(document, data_folders(entry.path(), testing::data_dir()));
       EXPECT_GT(job.sequence.stamps.size(), 100U);
       ++sequences;

@@ -38,6 +38,20 @@ TEST(Bop, SelectsSceneAndObject) {
                  "b.csv: got no row of scene 48 and object 14, expected at least one");
 }
 
+TEST(Bop, AllRows) {
+  const std::string other = "49,12,15,1,1 0 0 0 1 0 0 0 1,0 0 1000,1\r\n";
+  const std::vector<BopRow> rows = parse_bop_rows(kHeader + kRow + "\n" + other, "b.csv");
+  ASSERT_EQ(rows.size(), 2U);
+  EXPECT_EQ(rows[0].object, 14);
+  EXPECT_EQ(rows[0].score, 0.5);
+  EXPECT_EQ(rows[1].scene, 49);
+  EXPECT_EQ(rows[1].image, 12);
+  EXPECT_EQ(rows[1].pose.translation().z(), 1.0);
+  EXPECT_INVALID(parse_bop_rows(kHeader, "b.csv"), "b.csv: got no row, expected at least one");
+  EXPECT_INVALID_WITH(parse_bop_rows(kRow + "1,2,3,4,1 0 0 0 1 0 0 0 2,0 0 0,1\n", "b.csv"),
+                      "b.csv:2: rotation matrix is not orthonormal");
+}
+
 TEST(Bop, RejectsDamagedRows) {
   const auto with = [](std::string row, const std::string& from, const std::string& to) {
     return kHeader + row.replace(row.find(from), from.size(), to);

@@ -20,11 +20,11 @@ SymmetryGroups parse(const std::string& text) { return parse_symmetry_file(text,
 
 TEST(SymmetryFile, ReadsElementsAndAxes) {
   const SymmetryGroups groups = parse(R"(schema = 1
-[objects.26]
+[symmetries.26]
 discrete = [{rotation_deg = [0, 0, 180], translation_m = [-0.014, 0, 0]}]
-[objects.4]
+[symmetries.4]
 axes = [{direction = [0, 0, 1], point_m = [0.01, 0, 0]}]
-[objects.7]
+[symmetries.7]
 )");
   ASSERT_EQ(groups.size(), 3U);
   ASSERT_EQ(groups.at(26).elements().size(), 2U);
@@ -36,14 +36,16 @@ axes = [{direction = [0, 0, 1], point_m = [0.01, 0, 0]}]
 }
 
 TEST(SymmetryFile, RefusesWithThePlace) {
-  EXPECT_INVALID_WITH(parse("schema = 2\n[objects.4]\n"),
+  EXPECT_INVALID_WITH(parse("schema = 2\n[symmetries.4]\n"),
                       "s.toml:1: key 'schema' is 2, expected 1");
-  EXPECT_INVALID_WITH(parse("schema = 1\n[objects.mug]\n"), "key 'objects.mug' is no object id");
-  EXPECT_INVALID_WITH(parse("schema = 1\n[objects.4]\ndiscrete = [{rotation_deg = [0, 90, 0]}]\n"),
-                      "s.toml:3: symmetries: the set is no group: element 0 ");
-  EXPECT_INVALID_WITH(parse("schema = 1\n[objects.4]\naxis = []\n"), "'objects.4.axis'");
-  EXPECT_INVALID_WITH(parse("schema = 1\n[objects.4]\naxes = [{point_m = [0, 0, 0]}]\n"),
-                      "'objects.4.axes[0].direction'");
+  EXPECT_INVALID_WITH(parse("schema = 1\n[symmetries.mug]\n"),
+                      "key 'symmetries.mug' is no object id");
+  EXPECT_INVALID_WITH(
+      parse("schema = 1\n[symmetries.4]\ndiscrete = [{rotation_deg = [0, 90, 0]}]\n"),
+      "s.toml:3: symmetries: the set is no group: element 0 ");
+  EXPECT_INVALID_WITH(parse("schema = 1\n[symmetries.4]\naxis = []\n"), "'symmetries.4.axis'");
+  EXPECT_INVALID_WITH(parse("schema = 1\n[symmetries.4]\naxes = [{point_m = [0, 0, 0]}]\n"),
+                      "'symmetries.4.axes[0].direction'");
 }
 
 TEST(SymmetryFile, JsonIsModelsInfo) {

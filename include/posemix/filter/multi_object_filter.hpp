@@ -37,19 +37,19 @@ struct MultiObjectSettings {
   /// Share of the odometry's noise that is the camera's; the rest is the map's drift, every object
   /// for itself. At 1 objects stand still and their detections correct the camera as much as they
   /// can; at 0 the camera follows its odometry.
-  double camera_share = 0.2;
+  double camera_share = 0.1;
   /// The noise's scale is learned from innovations, between the least scale and one; the noise as
   /// given counts as this many detections. Infinity: the noise is taken as given.
-  double noise_scale_detections = 50.0;
+  double noise_scale_detections = 10.0;
   double least_noise_scale = 0.1;
-  /// Frames that count as one because errors of successive detections depend on each other; learned
-  /// from innovations, this value counting as that many frames.
-  double dependent_frames = 60.0;
-  double dependent_frames_detections = 300.0;
+  /// Errors of successive detections depend on each other: those within this time count as one.
+  /// Learned from innovations, this value counting as that many detections.
+  double correlation_s = 10.0;
+  double correlation_detections = 300.0;
   /// Share of the noise's variance that all frames have in common, so that it never averages out.
   double common_error_share = 0.4;
   /// Runs of one answer, right or wrong, are longer than errors depend on each other: in
-  /// mode_probability so many times dependent_frames count as one.
+  /// mode_probability so many times as many count as one.
   double dependent_answers = 3.0;
   /// The noise with which the camera's gain is computed, in units of a detection's; infinity: the
   /// camera is considered, not estimated (Schmidt).
@@ -100,26 +100,29 @@ class MultiObjectFilter {
   MultiObjectFilter& operator=(MultiObjectFilter&&) noexcept;
   ~MultiObjectFilter();
 
-  /// Odometry: T_C <- T_C motion, with noise `q` of the step (right perturbation, camera frame).
-  void predict_with_odometry(const SE3d& motion, const Matrix6d& q);
+  /// Odometry over `dt` seconds: T_C <- T_C motion, with noise `q` of the step (right perturbation,
+  /// camera frame).
+  void predict_with_odometry(const SE3d& motion, const Matrix6d& q, double dt);
 
   /// Random walk, or a frame that the odometry lacks: the mean stays, q counts in full.
-  void predict_random_walk(const Matrix6d& q);
+  void predict_random_walk(const Matrix6d& q, double dt);
 
   /// Constant velocity: the camera's motion per reference period becomes part of the state at the
   /// first call, at rest with covariance `at_rest`; else as posemix::predict_constant_velocity.
   void predict_constant_velocity(double periods, const Matrix6d& q, const Matrix6d& q_motion,
-                                 const Matrix6d& at_rest);
+                                 const Matrix6d& at_rest, double dt);
 
   /// One detection T_camera_object of the object at `object`.
   /// @throws InvalidInput when there is no such object
   ObjectUpdateReport update(std::size_t object, const SE3d& camera_object);
 
   std::size_t objects() const;
-  /// Frames that count as one, over all objects.
-  double dependent_frames() const;
+  /// Detections of an object that count as one, over all objects.
+  double dependent_detections() const;
+  /// Factors of the standard deviations of an object's noise, learned.
+  Vector6d noise_scale(std::size_t object) const;
   /// T_world_camera. Covariances here and below are of the true error: those of the filter times
-  /// dependent_frames(), and for objects the error that all frames have in common.
+  /// dependent_detections(), and for objects the error that all frames have in common.
   ConcentratedGaussian<SE3d> camera() const;
   /// The hypotheses of an object; empty until it was seen.
   std::vector<ObjectHypothesis> hypotheses(std::size_t object) const;

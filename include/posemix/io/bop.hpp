@@ -40,4 +40,19 @@ BopDetections parse_bop(std::string_view text, const std::string& name, BopSelec
 /// As parse_bop, for a file.
 BopDetections read_bop(const std::filesystem::path& path, BopSelection selection);
 
+/// One row of a BOP file.
+struct BopRow {
+  std::int64_t scene = 0;
+  std::int64_t image = 0;
+  std::int64_t object = 0;
+  double score = 0;
+  SE3d pose;  ///< T_camera_object, metres
+};
+
+/// All rows in the file's order, checked as by parse_bop; at least one.
+std::vector<BopRow> parse_bop_rows(std::string_view text, const std::string& name);
+
+/// As parse_bop_rows, for a file.
+std::vector<BopRow> read_bop_rows(const std::filesystem::path& path);
+
 }  // namespace posemix

@@ -20,7 +20,7 @@ SymmetryGroup read_symmetry_group(const TomlTable& table);
 /// Groups by object id.
 using SymmetryGroups = std::map<std::int64_t, SymmetryGroup>;
 
-/// The groups of a symmetry file: TOML with `schema = 1` and one table [objects.ID] per object,
+/// The groups of a symmetry file: TOML with `schema = 1` and one table [symmetries.ID] per object,
 /// with the keys of read_symmetry_group; or, where the name ends in .json, BOP's models_info.json.
 /// @throws InvalidInput naming file and key
 SymmetryGroups read_symmetry_file(const std::filesystem::path& path);

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
+
+/// Vertices of PLY meshes, as BOP's models are stored.
+namespace posemix {
+
+/// The positions of a mesh's vertices, in the file's order and unit times `unit_m` (BOP: 1e-3).
+///
+/// Formats ascii 1.0 and binary_little_endian 1.0; `vertex` is the first element, with numbers x, y
+/// and z and no lists. Other properties and what follows the vertices are skipped. Throws
+/// InvalidInput `name: got ..., expected ...`, also for numbers that are not finite.
+std::vector<Eigen::Vector3d> parse_ply_vertices(std::string_view bytes, const std::string& name,
+                                                double unit_m);
+
+/// As parse_ply_vertices, for a file.
+std::vector<Eigen::Vector3d> read_ply_vertices(const std::filesystem::path& path, double unit_m);
+
+}  // namespace posemix

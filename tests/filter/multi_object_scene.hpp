@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <limits>
+#include <numbers>
+#include <vector>
+
+#include "posemix/filter/multi_object_filter.hpp"
+#include "scenario.hpp"
+
+/// A camera that circles objects, and a detector that errs in modes, for the tests of the
+/// multi-object filter.
+namespace posemix::testing {
+
+/// Everything that is learned or put in for real detectors is off: the filter is one of independent
+/// detections with known noise.
+inline MultiObjectSettings plain_settings() {
+  MultiObjectSettings s;
+  s.camera_share = 1.0;
+  s.noise_scale_detections = std::numeric_limits<double>::infinity();
+  s.correlation_s = 0.0;
+  s.correlation_detections = std::numeric_limits<double>::infinity();
+  s.common_error_share = 0.0;
+  return s;
+}
+
+/// Sharp, wide and null along the ray: those of the many-objects notes.
+inline DetectorNoise ray_noise(double null = 0.23) {
+  const Matrix6d sharp =
+      pose_covariance({radians(7.5), radians(7.5), radians(2.0)}, {0.005, 0.005, 0.06});
+  return DetectorNoise({{.weight = 0.65, .covariance = sharp, .frame = NoiseFrame::ray},
+                        {.weight = 0.12, .covariance = 7.29 * sharp, .frame = NoiseFrame::ray}},
+                       {.weight = null, .volume_m3 = 1.0});
+}
+
+struct OrbitScene {
+  explicit OrbitScene(std::uint64_t seed, std::size_t objects, double rotation_sd_deg,
+                      double translation_sd_m)
+      : stream(seed, 7), q(isotropic(rotation_sd_deg, translation_sd_m)), camera(camera_at(0)) {
+    for (std::size_t j = 0; j < objects; ++j) {
+      const auto place = static_cast<double>(j);
+      truth.push_back(pose(0.3 * place, 0.2, 0.5 - place, 0.15 * place - 0.15, 0.1, 0.05));
+    }
+  }
+
+  /// Looks at the origin from a circle of one metre.
+  static SE3d camera_at(int frame) {
+    const double angle = 0.02 * frame;
+    const SE3d turn = pose(0, 0, angle, 0, 0, 0);
+    const SE3d view(SO3d::exp({-2.2, 0.0, 0.0}), {0.0, -1.0, 0.7});
+    return turn * view;
+  }
+
+  /// The next frame's odometry.
+  SE3d advance() {
+    const SE3d next = camera_at(++frame);
+    const SE3d motion = camera.inverse() * next;
+    camera = next;
+    return motion * SE3d::exp(draw(q, stream));
+  }
+
+  /// A detection: of the truth, of a flip of it, or wild.
+  SE3d detect(std::size_t object, double flips, double wild) {
+    const SE3d seen = camera.inverse() * truth[object];
+    const double chance = stream.uniform();
+    if (chance < wild) {
+      return SE3d(
+          SO3d::exp(2.0 * Eigen::Vector3d(stream.normal(), stream.normal(), stream.normal())),
+          seen.translation() +
+              0.1 * Eigen::Vector3d(stream.normal(), stream.normal(), stream.normal()));
+    }
+    const SE3d flip = pose(0, 0, std::numbers::pi, 0, 0, 0);
+    const SE3d mode = chance < wild + flips ? seen * flip : seen;
+    const NoiseAtPose at = noise_at(ray_noise().components().front(), mode);
+    return at.axes * SE3d::exp(draw(at.covariance, stream)) * at.axes.inverse() * mode;
+  }
+
+  RandomStream stream;
+  Matrix6d q;
+  int frame = 0;
+  SE3d camera;
+  std::vector<SE3d> truth;
+};
+
+/// The hypotheses of an object as a mixture over its pose in the world.
+inline Mixture<ConcentratedGaussian<SE3d>> world_mixture(const MultiObjectFilter& filter,
+                                                         std::size_t object) {
+  std::vector<Component<ConcentratedGaussian<SE3d>>> components;
+  for (const ObjectHypothesis& h : filter.hypotheses(object))
+    components.push_back({h.log_weight, {h.pose, h.covariance}});
+  return Mixture<ConcentratedGaussian<SE3d>>(std::move(components));
+}
+
+}  // namespace posemix::testing

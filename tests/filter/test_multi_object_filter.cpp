@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include <gtest/gtest.h>
+
+#include "multi_object_scene.hpp"
+#include "posemix/density/pose_stack.hpp"
+
+namespace posemix {
+namespace {
+
+using testing::isotropic;
+using testing::OrbitScene;
+using testing::plain_settings;
+using testing::pose;
+using testing::ray_noise;
+
+MultiObjectFilter make(const OrbitScene& scene, const MultiObjectSettings& settings,
+                       const SymmetryGroup& symmetries = {}, double null = 0.23) {
+  std::vector<ObjectSensor> sensors(scene.truth.size(), {ray_noise(null), symmetries});
+  return {ConcentratedGaussian<SE3d>(scene.camera, isotropic(0.1, 0.002)), sensors, settings};
+}
+
+double angle_deg(const SE3d& a, const SE3d& b) {
+  return degrees((a.rotation().inverse() * b.rotation()).log().norm());
+}
+
+bool is_right(const MultiObjectFilter& filter, const OrbitScene& scene, std::size_t object) {
+  const auto leader = filter.leading(object);
+  if (!leader) return false;
+  const SE3d estimate = filter.hypotheses(object)[*leader].pose;
+  return angle_deg(estimate, scene.truth[object]) < 20.0 &&
+         (estimate.translation() - scene.truth[object].translation()).norm() < 0.1;
+}
+
+TEST(MultiObjectFilter, ALateTruthWinsOverAWrongBeginning) {
+  OrbitScene scene(1, 1, 0.05, 1e-3);
+  MultiObjectFilter filter = make(scene, plain_settings());
+  int recovered = -1;
+  for (int frame = 0; frame < 80; ++frame) {
+    if (frame > 0) filter.predict_with_odometry(scene.advance(), scene.q, 0.1);
+    filter.update(0, scene.detect(0, frame < 25 ? 1.0 : 0.0, 0.0));
+    if (frame == 24) {
+      EXPECT_FALSE(is_right(filter, scene, 0));
+    }
+    if (recovered < 0 && is_right(filter, scene, 0)) recovered = frame;
+  }
+  // As many right answers as wrong ones are needed, and no more.
+  EXPECT_GE(recovered, 40);
+  EXPECT_LE(recovered, 56);
+}
+
+TEST(MultiObjectFilter, AYoungHypothesisIsKeptThoughEveryOldOneIsHeavier) {
+  OrbitScene scene(2, 1, 0.01, 1e-4);
+  MultiObjectSettings settings = plain_settings();
+  settings.max_hypotheses = 3;
+  settings.protected_hypotheses = 1;
+  MultiObjectFilter filter = make(scene, settings);
+  // Three modes fight for long; the fourth comes late.
+  const SE3d quarter = pose(0, 0, 0.5 * std::numbers::pi, 0, 0, 0);
+  const auto turned = [&](int turns) {
+    SE3d seen = scene.camera.inverse() * scene.truth[0];
+    for (int i = 0; i < turns; ++i) seen = seen * quarter;
+    return seen;
+  };
+  for (int frame = 0; frame < 120; ++frame) {
+    if (frame > 0) filter.predict_with_odometry(scene.advance(), scene.q, 0.1);
+    filter.update(0, turned(1 + frame % 3));
+  }
+  EXPECT_FALSE(is_right(filter, scene, 0));
+  for (int frame = 0; frame < 120; ++frame) {
+    filter.predict_with_odometry(scene.advance(), scene.q, 0.1);
+    filter.update(0, turned(0));
+  }
+  EXPECT_TRUE(is_right(filter, scene, 0));
+}
+
+TEST(MultiObjectFilter, AGrossErrorMovesNothing) {
+  OrbitScene scene(3, 2, 0.01, 1e-4);
+  MultiObjectFilter filter = make(scene, plain_settings());
+  for (int frame = 0; frame < 20; ++frame) {
+    if (frame > 0) filter.predict_with_odometry(scene.advance(), scene.q, 0.1);
+    for (const std::size_t j : {0U, 1U}) filter.update(j, scene.detect(j, 0.0, 0.0));
+  }
+  const auto before = filter.backbone();
+  const SE3d wrong = scene.camera.inverse() * scene.truth[0] * pose(1.5, 0, 0, 0.2, 0, 0);
+  const ObjectUpdateReport report = filter.update(0, wrong);
+  EXPECT_TRUE(report.started);
+  EXPECT_GT(report.null_share, 0.999);
+  const auto after = filter.backbone();
+  EXPECT_LT((after.mean() * before.mean().inverse()).log().norm(), 1e-6);
+  EXPECT_TRUE(after.covariance().isApprox(before.covariance(), 1e-3));
+}
+
+TEST(MultiObjectFilter, CovariancesStayPositiveDefiniteAndWeightsNormalised) {
+  OrbitScene scene(4, 4, 0.1, 2e-3);
+  MultiObjectSettings settings = plain_settings();
+  settings.camera_share = 0.3;
+  settings.camera_gain_noise = 4.0;
+  MultiObjectFilter filter = make(scene, settings);
+  for (int frame = 0; frame < 200; ++frame) {
+    if (frame > 0) filter.predict_with_odometry(scene.advance(), scene.q, 0.1);
+    for (std::size_t j = 0; j < 4; ++j) filter.update(j, scene.detect(j, 0.4, 0.1));
+    const Eigen::MatrixXd p = filter.backbone().covariance();
+    ASSERT_EQ(p, p.transpose());
+    ASSERT_EQ(Eigen::LLT<Eigen::MatrixXd>(p).info(), Eigen::Success) << "frame " << frame;
+    for (std::size_t j = 0; j < 4; ++j) {
+      double sum = std::exp(filter.log_absent(j));
+      const auto list = filter.hypotheses(j);
+      ASSERT_LE(list.size(), settings.max_hypotheses);
+      for (std::size_t h = 0; h < list.size(); ++h) {
+        sum += std::exp(list[h].log_weight);
+        // Object and camera together are a Gaussian, too.
+        const Eigen::MatrixXd r = filter.relative(j, h).covariance();
+        ASSERT_EQ(Eigen::LLT<Eigen::MatrixXd>(r).info(), Eigen::Success);
+      }
+      ASSERT_NEAR(sum, 1.0, 1e-9);
+      ASSERT_GE(filter.mode_probability(j), 0.0);
+      ASSERT_LE(filter.mode_probability(j), 1.0);
+    }
+  }
+}
+
+TEST(MultiObjectFilter, AConsideredCameraFollowsItsOdometryAlone) {
+  OrbitScene scene(5, 2, 0.2, 3e-3);
+  MultiObjectSettings settings = plain_settings();
+  settings.camera_gain_noise = std::numeric_limits<double>::infinity();
+  MultiObjectFilter filter = make(scene, settings);
+  SE3d odometry = scene.camera;
+  for (int frame = 0; frame < 50; ++frame) {
+    if (frame > 0) {
+      const SE3d motion = scene.advance();
+      odometry = odometry * motion;
+      filter.predict_with_odometry(motion, scene.q, 0.1);
+    }
+    for (const std::size_t j : {0U, 1U}) filter.update(j, scene.detect(j, 0.2, 0.0));
+  }
+  // Modes that are given up move it by what merging them leaves, far below its uncertainty.
+  EXPECT_LT((filter.camera().mean() * odometry.inverse()).log().norm(), 1e-9);
+}
+
+TEST(MultiObjectFilter, EstimatesDoNotFlipBetweenEquivalentPoses) {
+  const SymmetryGroup half_turn({pose(0, 0, std::numbers::pi, 0.0, 0, 0)});
+  OrbitScene scene(6, 1, 0.02, 3e-4);
+  MultiObjectFilter filter = make(scene, plain_settings(), half_turn);
+  double farthest = 0.0;
+  std::optional<SE3d> last;
+  for (int frame = 0; frame < 100; ++frame) {
+    if (frame > 0) filter.predict_with_odometry(scene.advance(), scene.q, 0.1);
+    const SE3d seen = scene.detect(0, 0.0, 0.0);
+    filter.update(0, frame % 2 == 0 ? seen : seen * half_turn.elements()[1]);
+    const SE3d now = filter.hypotheses(0)[*filter.leading(0)].pose;
+    if (last) farthest = std::max(farthest, angle_deg(*last, now));
+    last = now;
+  }
+  EXPECT_EQ(filter.hypotheses(0).size(), 1U);
+  EXPECT_LT(farthest, 15.0);
+}
+
+TEST(MultiObjectFilter, AnAxisOfSymmetryTeachesNothingAboutItsAngle) {
+  const SymmetryGroup axis({}, {{Eigen::Vector3d::UnitZ(), Eigen::Vector3d::Zero()}});
+  OrbitScene scene(7, 1, 0.0, 0.0);
+  scene.q = isotropic(0.001, 1e-5);
+  MultiObjectFilter filter = make(scene, plain_settings(), axis);
+  for (int frame = 0; frame < 60; ++frame) {
+    if (frame > 0) filter.predict_with_odometry(scene.advance(), scene.q, 0.1);
+    const SE3d spin = pose(0, 0, 6.0 * scene.stream.uniform(), 0, 0, 0);
+    filter.update(0, scene.detect(0, 0.0, 0.0) * spin);
+  }
+  ASSERT_EQ(filter.hypotheses(0).size(), 1U);
+  const ObjectHypothesis h = filter.hypotheses(0)[0];
+  const Matrix6d body = h.pose.inverse().adjoint_congruence(h.covariance);
+  EXPECT_LT(degrees(std::sqrt(body(0, 0))), 2.0);
+  EXPECT_GT(degrees(std::sqrt(body(2, 2))), 10.0);
+  const Eigen::Vector3d z = Eigen::Vector3d::UnitZ();
+  EXPECT_LT(degrees(std::acos((h.pose.rotation() * z).dot(scene.truth[0].rotation() * z))), 3.0);
+}
+
+TEST(MultiObjectFilter, TheNoisesScaleIsLearned) {
+  // The detector is four times better than the filter is told.
+  OrbitScene scene(8, 1, 0.02, 3e-4);
+  MultiObjectSettings settings = plain_settings();
+  settings.noise_scale_detections = 10.0;
+  const NoiseComponent sharp = ray_noise().components().front();
+  const DetectorNoise told(
+      {{.weight = 0.9, .covariance = 16.0 * sharp.covariance, .frame = NoiseFrame::ray}},
+      {.weight = 0.1, .volume_m3 = 1.0});
+  MultiObjectFilter filter(ConcentratedGaussian<SE3d>(scene.camera, isotropic(0.1, 0.002)),
+                           {{told}}, settings);
+  for (int frame = 0; frame < 300; ++frame) {
+    if (frame > 0) filter.predict_with_odometry(scene.advance(), scene.q, 0.1);
+    filter.update(0, scene.detect(0, 0.0, 0.0));
+  }
+  const Vector6d scale = filter.noise_scale(0);
+  for (const double value : scale) EXPECT_NEAR(value, 0.25, 0.08);
+}
+
+TEST(MultiObjectFilter, DependentDetectionsAreCountedOnce) {
+  // Every error is repeated ten times.
+  OrbitScene scene(9, 1, 0.001, 1e-5);
+  MultiObjectSettings settings = plain_settings();
+  settings.correlation_detections = 10.0;
+  MultiObjectFilter filter = make(scene, settings);
+  SE3d error;
+  for (int frame = 0; frame < 3000; ++frame) {
+    if (frame > 0) filter.predict_with_odometry(scene.advance(), scene.q, 0.1);
+    const SE3d seen = scene.camera.inverse() * scene.truth[0];
+    if (frame % 10 == 0) error = seen.inverse() * scene.detect(0, 0.0, 0.0);
+    filter.update(0, seen * error);
+  }
+  EXPECT_NEAR(filter.dependent_detections(), 10.0, 3.0);
+}
+
+TEST(MultiObjectFilter, RefusesWhatItDoesNotKnow) {
+  const OrbitScene scene(1, 1, 0.05, 1e-3);
+  MultiObjectFilter filter = make(scene, plain_settings());
+  EXPECT_THROW(filter.update(1, SE3d()), InvalidInput);
+  const auto refused = [&](auto change) {
+    MultiObjectSettings settings = plain_settings();
+    change(settings);
+    EXPECT_THROW(make(scene, settings), InvalidInput);
+  };
+  refused([](auto& s) { s.max_hypotheses = 0; });
+  refused([](auto& s) { s.explained_probability = 1.0; });
+  refused([](auto& s) { s.merge_probability = -0.1; });
+  refused([](auto& s) { s.birth_covariance_factor = 0.0; });
+  refused([](auto& s) { s.score_memory = 1.5; });
+  refused([](auto& s) { s.camera_gain_noise = 0.5; });
+  refused([](auto& s) { s.camera_share = 1.5; });
+  refused([](auto& s) { s.common_error_share = 1.0; });
+  refused([](auto& s) { s.correlation_s = -1.0; });
+}
+
+TEST(MultiObjectFilter, ConstantVelocityIsThatOfTheGaussianSumFilter) {
+  const Matrix6d q = isotropic(0.1, 1e-3);
+  const Matrix6d q_motion = isotropic(0.2, 2e-3);
+  const Matrix6d at_rest = isotropic(5.0, 0.05);
+  OrbitScene scene(10, 1, 0.0, 0.0);
+  const DetectorNoise noise({{1.0, isotropic(2.0, 0.01)}});
+  MultiObjectSettings settings = plain_settings();
+  settings.has_odometry = false;
+  settings.birth_covariance_factor = 1.0;
+  const ConcentratedGaussian<SE3d> start(scene.camera, isotropic(0.1, 0.002));
+  MultiObjectFilter filter(start, {{noise}}, settings);
+  Hypothesis reference(PoseStackd(std::vector<SE3d>{start.mean()}), start.covariance());
+  reference = with_independent_pose(reference, SE3d(), at_rest);
+  scene.q = isotropic(1e-6, 1e-9);
+  for (int frame = 0; frame < 20; ++frame) {
+    if (frame > 0) {
+      scene.advance();
+      filter.predict_constant_velocity(1.0, q, q_motion, at_rest, 0.1);
+      reference = predict_constant_velocity(std::move(reference), 1.0, q, q_motion);
+    }
+    const SE3d seen = scene.camera.inverse() * scene.truth[0] *
+                      SE3d::exp(testing::draw(isotropic(2.0, 0.01), scene.stream));
+    filter.update(0, seen);
+    const Detection detection{2, seen, &noise};
+    const NoiseComponent* component = &noise.components().front();
+    reference =
+        frame == 0
+            ? with_detected_object(reference, detection, *component)
+            : update(reference, std::span(&detection, 1), std::span(&component, 1)).posterior;
+  }
+  const auto camera = marginal(reference, kCamera);
+  EXPECT_LT((filter.camera().mean() * camera.mean().inverse()).log().norm(), 1e-9);
+  EXPECT_TRUE(filter.camera().covariance().isApprox(camera.covariance(), 1e-6));
+}
+
+}  // namespace
+}  // namespace posemix

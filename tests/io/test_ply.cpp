@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "posemix/io/ply.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "expect_invalid.hpp"
+
+namespace posemix {
+namespace {
+
+const std::string kAscii =
+    "ply\nformat ascii 1.0\ncomment any\nelement vertex 2\nproperty float x\nproperty float y\n"
+    "property float z\nproperty uchar red\nelement face 1\nproperty list uchar int vertex_indices\n"
+    "end_header\n1 2 3 255\n-4.5 0 6e1 0\n3 0 1 0\n";
+
+std::vector<Eigen::Vector3d> parse(const std::string& bytes) {
+  return parse_ply_vertices(bytes, "m.ply", 1e-3);
+}
+
+std::string with(std::string text, const std::string& from, const std::string& to) {
+  return text.replace(text.find(from), from.size(), to);
+}
+
+template <typename Number>
+void append(std::string& bytes, Number number) {
+  char raw[sizeof number];
+  std::memcpy(raw, &number, sizeof number);
+  bytes.append(raw, sizeof number);
+}
+
+TEST(Ply, Ascii) {
+  const auto vertices = parse(kAscii);
+  ASSERT_EQ(vertices.size(), 2U);
+  EXPECT_LT((vertices[0] - Eigen::Vector3d(0.001, 0.002, 0.003)).norm(), 1e-15);
+  EXPECT_LT((vertices[1] - Eigen::Vector3d(-0.0045, 0, 0.06)).norm(), 1e-15);
+}
+
+TEST(Ply, BinaryWithPropertiesInAnyOrder) {
+  std::string bytes =
+      "ply\r\nformat binary_little_endian 1.0\r\nelement vertex 2\r\nproperty uchar red\r\n"
+      "property double z\r\nproperty float x\r\nproperty short any\r\nproperty float y\r\n"
+      "end_header\r\n";
+  for (int i = 0; i < 2; ++i) {
+    append<std::uint8_t>(bytes, 10);  // a line end among the numbers
+    append<double>(bytes, 3.0 + i);
+    append<float>(bytes, 1.5F);
+    append<std::int16_t>(bytes, -2);
+    append<float>(bytes, -2.0F);
+  }
+  const auto vertices = parse(bytes);
+  ASSERT_EQ(vertices.size(), 2U);
+  EXPECT_LT((vertices[1] - Eigen::Vector3d(0.0015, -0.002, 0.004)).norm(), 1e-15);
+  EXPECT_INVALID(parse(bytes.substr(0, bytes.size() - 1)), "m.ply: got 1 vertices, expected 2");
+}
+
+TEST(Ply, RefusesDamage) {
+  EXPECT_INVALID(parse("plx\n"), "m.ply: got another first line, expected 'ply'");
+  EXPECT_INVALID(parse(with(kAscii, "end_header", "end")),
+                 "m.ply: got no line 'end_header', expected one");
+  EXPECT_INVALID(parse(with(kAscii, "ascii", "binary_big_endian")),
+                 "m.ply: got another format, expected ascii or binary_little_endian");
+  EXPECT_INVALID(parse(with(kAscii, "float y", "float w")),
+                 "m.ply: got vertices without x, y, z, expected all three");
+  EXPECT_INVALID(parse(with(kAscii, "float y", "text y")),
+                 "m.ply: got a vertex property of type \"text\", expected a number");
+  EXPECT_INVALID(parse(with(kAscii, "property uchar red", "property list uchar int red")),
+                 "m.ply: got a vertex property that is a list, expected numbers");
+  EXPECT_INVALID(
+      parse(with(kAscii, "vertex 2", "vertex -2")),
+      "m.ply: got \"element vertex -2\", expected 'element vertex' and a positive number");
+  EXPECT_INVALID(parse(with(kAscii, "-4.5", "nan")),
+                 "m.ply: got a damaged line of vertex 1, expected 4 numbers");
+  EXPECT_INVALID_WITH(parse(with(kAscii, "vertex 2", "vertex 9")), "damaged line of vertex 3");
+}
+
+}  // namespace
+}  // namespace posemix
