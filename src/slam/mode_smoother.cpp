@@ -54,7 +54,7 @@ ModeSmoother::Step ModeSmoother::predict(const PoseStackd& poses, const MatrixXd
   switch (motion.model) {
     case MotionModel::odometry:
       if (input.odometry) {
-        const Matrix6d q = motion.noise.over(input.dt) / model_.dependent_frames;
+        const Matrix6d q = motion.noise.over(input.dt) / model_.dependent_detections;
         moved[kCamera] = poses[kCamera] * *input.odometry;
         add_noise(kCamera, model_.camera_share * q);
         for (std::size_t i = model_.first_object(); i < poses.size(); ++i)
@@ -75,6 +75,14 @@ ModeSmoother::Step ModeSmoother::predict(const PoseStackd& poses, const MatrixXd
       add_noise(kMotion, motion.motion_noise.over(input.dt));
       break;
     }
+  }
+  // As in the filter, what no detection can tell does not last from one to the next.
+  for (std::size_t j = 0; j < model_.objects.size(); ++j) {
+    const SymmetryGroup& symmetries = model_.sensors[j]->symmetries;
+    if (symmetries.is_trivial() || !input.detections[model_.objects[j]]) continue;
+    const std::size_t object = model_.first_object() + j;
+    square(step.noise, object) +=
+        moved[object].adjoint_congruence(symmetries.unobserved_covariance());
   }
   step.predicted += step.noise;
   symmetrize(step.predicted);

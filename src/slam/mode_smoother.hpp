@@ -16,7 +16,7 @@ namespace posemix::internal {
 struct ModeModel {
   MotionSettings motion;
   double camera_share = 1.0;              ///< as in MultiObjectSettings
-  double dependent_frames = 1.0;          ///< odometry's noise is divided by it
+  double dependent_detections = 1.0;      ///< odometry's noise is divided by it
   bool averages = true;                   ///< detections teach by their update covariance
   std::vector<std::size_t> objects = {};  ///< of the pose at first_object() and on
   std::vector<const ObjectSensor*> sensors = {};

@@ -30,7 +30,7 @@ SmoothingWindow::SmoothingWindow(const MultiObjectFilter& before, const MultiObj
     : before_(before), now_(now), indices_(modes.size()) {
   model_.motion = motion;
   model_.camera_share = now.settings().camera_share;
-  model_.dependent_frames = now.dependent_frames();
+  model_.dependent_detections = now.dependent_detections();
   model_.averages = now.settings().has_odometry;
   for (std::size_t j = 0; j < modes.size(); ++j) {
     if (!modes[j]) continue;
@@ -101,10 +101,12 @@ Hypothesis SmoothingWindow::start(const Modes& known, bool vague) const {
       block(pose, pose) = vague ? vague_covariance() : hypotheses_[i].covariance;
     }
   }
+  // The filter's covariances count dependent detections as it knew them; their true error stays.
+  const double factor = before_.covariance_factor() / now_.covariance_factor();
   for (std::size_t i = 0; i < to.size(); ++i) {
     poses[to[i]] = given.mean()[i];
     for (std::size_t k = 0; k < to.size(); ++k)
-      block(to[i], to[k]) = given.covariance().block<6, 6>(row_of(i), row_of(k));
+      block(to[i], to[k]) = factor * given.covariance().block<6, 6>(row_of(i), row_of(k));
   }
   return Hypothesis::trusted(std::move(poses), std::move(covariance));
 }

@@ -2,11 +2,10 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include <algorithm>
 #include <chrono>
+#include <fstream>
 #include <thread>
 
 #include <gtest/gtest.h>
-#include <fstream>
-
 #include <nlohmann/json.hpp>
 
 #include "app/run_program.hpp"

@@ -36,8 +36,8 @@ ObjectSlamSettings plain_settings(double camera_share = 1.0) {
   ObjectSlamSettings settings;
   settings.multi_object.camera_share = camera_share;
   settings.multi_object.noise_scale_detections = std::numeric_limits<double>::infinity();
-  settings.multi_object.dependent_frames = 1.0;
-  settings.multi_object.dependent_frames_detections = 1e15;
+  settings.multi_object.correlation_s = 0.0;
+  settings.multi_object.correlation_detections = std::numeric_limits<double>::infinity();
   settings.multi_object.common_error_share = 0.0;
   settings.motion.noise = {kQ, NoisePer::frame};
   settings.motion.unknown_motion = {isotropic(5.0, 0.1), NoisePer::frame};
