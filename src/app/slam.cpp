@@ -28,6 +28,8 @@ struct SlamOptions {
   std::optional<std::string> data;
   std::string out;
   std::vector<std::string> overrides;
+  bool smooth = false;
+  std::optional<std::size_t> smooth_lag;
   bool quiet = false;
   bool json = false;
 };
@@ -35,6 +37,11 @@ struct SlamOptions {
 SlamJob read_job(const SlamOptions& options) {
   TomlDocument document = TomlDocument::load(options.sequence);
   for (const std::string& assignment : options.overrides) document.apply_override(assignment);
+  if (options.smooth) document.apply_override("filter.smooth=full");
+  if (options.smooth_lag) {
+    document.apply_override("filter.smooth=fixed_lag");
+    document.apply_override(fmt::format("filter.smooth_lag={}", *options.smooth_lag));
+  }
   return read_slam_job(document, data_folders(options.sequence, options.data));
 }
 
@@ -95,6 +102,12 @@ void add_slam_verb(CLI::App& program, std::function<int()>& action) {
   verb->add_option("--set", options->overrides, "Override a key of the sequence file; repeatable")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
+  CLI::Option* const smooth = verb->add_flag(
+      "--smooth", options->smooth, "Estimates from the whole recording (filter.smooth = \"full\")");
+  verb->add_option("--smooth-lag", options->smooth_lag,
+                   "Estimates from N frames more (filter.smooth = \"fixed_lag\")")
+      ->type_name("N")
+      ->excludes(smooth);
   verb->add_option("--out", options->out, "Folder for the results")->required()->type_name("DIR");
   verb->add_flag("--json", options->json, "Print metrics.json instead of a table");
   verb->add_flag("--quiet", options->quiet, "Print neither progress nor table");

@@ -140,7 +140,10 @@ class MultiObjectFilter::State {
 
   /// What all detections of an object have in common, in the world frame.
   Matrix6d common_error(const ObjectState& object, const SE3d& pose) const {
-    const Pair there{backbone.pose(kCamera), pose, internal::Matrix12d::Zero()};
+    return common_error(object, backbone.pose(kCamera), pose);
+  }
+  Matrix6d common_error(const ObjectState& object, const SE3d& camera, const SE3d& pose) const {
+    const Pair there{camera, pose, internal::Matrix12d::Zero()};
     NoiseComponent component = object.sensor.noise.components().front();
     if (const auto& bias = object.sensor.noise.dependence().bias) {
       component.covariance = *bias;
@@ -491,6 +494,48 @@ ConcentratedGaussian<PoseStackd> MultiObjectFilter::backbone() const {
 
 std::optional<std::size_t> MultiObjectFilter::backbone_index(std::size_t object) const {
   return state_->objects[object].index;
+}
+
+const MultiObjectSettings& MultiObjectFilter::settings() const { return state_->settings; }
+
+const ObjectSensor& MultiObjectFilter::sensor(std::size_t object) const {
+  return state_->objects[object].sensor;
+}
+
+double MultiObjectFilter::covariance_factor() const { return state_->factor(); }
+
+Matrix6d MultiObjectFilter::common_error(std::size_t object, const SE3d& camera,
+                                         const SE3d& pose) const {
+  return state_->common_error(state_->objects[object], camera, pose);
+}
+
+ConcentratedGaussian<PoseStackd> MultiObjectFilter::joint(
+    std::span<const std::optional<std::size_t>> hypotheses) const {
+  // The backbone with further hypotheses appended, then the poses that were asked for.
+  Backbone all = state_->backbone;
+  std::vector<std::size_t> order{kCamera};
+  if (state_->motion) order.push_back(*state_->motion);
+  for (std::size_t j = 0; j < state_->objects.size(); ++j) {
+    const ObjectState& object = state_->objects[j];
+    if (!hypotheses[j]) continue;
+    std::size_t at = object.index.value();
+    if (*hypotheses[j] != object.leading) {
+      const ObjectHypothesis& other = object.hypotheses.at(*hypotheses[j]);
+      at = all.append(other.pose, other.covariance, other.with_camera);
+    }
+    internal::block(all.covariance(), at, at) +=
+        all.pose(at).adjoint_congruence(Matrix6d(state_->drift - object.drift));
+    order.push_back(at);
+  }
+  std::vector<SE3d> poses;
+  Eigen::MatrixXd covariance(internal::offset(order.size()), internal::offset(order.size()));
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    poses.push_back(all.pose(order[i]));
+    for (std::size_t k = 0; k < order.size(); ++k)
+      internal::block(covariance, i, k) = all.covariance(order[i], order[k]);
+  }
+  return ConcentratedGaussian<PoseStackd>::trusted(PoseStackd(std::move(poses)),
+                                                   std::move(covariance));
 }
 
 }  // namespace posemix

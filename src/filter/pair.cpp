@@ -100,32 +100,48 @@ PairInnovation innovation(const Pair& pair, const SE3d& detected, const NoiseCom
   return result;
 }
 
-PairUpdate observe(const Pair& pair, const SE3d& detected, const ObjectSensor& sensor,
-                   double camera_gain_noise, bool averages) {
+Explanation explain(const Pair& pair, const SE3d& detected, const ObjectSensor& sensor) {
   const auto& components = sensor.noise.components();
   const Matrix6d difference = pair.difference();
-  std::vector<PairInnovation> innovations;
-  std::vector<double> log_evidence;
-  innovations.reserve(components.size());
-  log_evidence.reserve(components.size() + 1);
-  PairUpdate result;
+  Explanation result;
   result.squared_distance = std::numeric_limits<double>::infinity();
+  result.innovations.reserve(components.size());
+  std::vector<double>& shares = result.shares;
+  shares.reserve(components.size() + 1);
 
   // Evidence of every component, log w + log N(z; 0, H P H^T + R), and of the null.
   for (const NoiseComponent& component : components) {
-    innovations.push_back(innovation(pair, detected, component, sensor));
-    const PairInnovation& seen = innovations.back();
+    result.innovations.push_back(innovation(pair, detected, component, sensor));
+    const PairInnovation& seen = result.innovations.back();
     const Eigen::LLT<Matrix6d> s(difference + seen.noise);
     const bool ok = s.info() == Eigen::Success;
     const double squared =
         ok ? s.matrixL().solve(seen.residual).squaredNorm() : result.squared_distance;
-    log_evidence.push_back(ok ? std::log(component.weight) -
-                                    0.5 * (squared + log_det(s) + 6.0 * kLogTwoPi)
-                              : -std::numeric_limits<double>::infinity());
+    shares.push_back(ok ? std::log(component.weight) -
+                              0.5 * (squared + log_det(s) + 6.0 * kLogTwoPi)
+                        : -std::numeric_limits<double>::infinity());
     result.squared_distance = std::min(result.squared_distance, squared);
   }
-  log_evidence.push_back(sensor.noise.log_null_density());
-  result.log_evidence = log_sum_exp(log_evidence);
+  shares.push_back(sensor.noise.log_null_density());
+  result.log_evidence = log_sum_exp(shares);
+
+  // Shares, without those that hardly count.
+  const double most = *std::max_element(shares.begin(), shares.end());
+  double kept = 0.0;
+  for (double& share : shares) {
+    share = share < most + kLeastLogShare ? 0.0 : std::exp(share - result.log_evidence);
+    kept += share;
+  }
+  for (double& share : shares) share /= kept;
+  return result;
+}
+
+PairUpdate observe(const Pair& pair, const SE3d& detected, const ObjectSensor& sensor,
+                   double camera_gain_noise, bool averages) {
+  const Explanation seen_as = explain(pair, detected, sensor);
+  PairUpdate result;
+  result.squared_distance = seen_as.squared_distance;
+  result.log_evidence = seen_as.log_evidence;
   if (!std::isfinite(result.log_evidence)) {
     result.posterior.covariance = pair.covariance;
     return result;
@@ -134,16 +150,11 @@ PairUpdate observe(const Pair& pair, const SE3d& detected, const ObjectSensor& s
   // One child per component, and their moments.
   ChildMoments children(pair.covariance);
   const Matrix12x6d p_ht = times_ht(pair.covariance);
-  const double most = *std::max_element(log_evidence.begin(), log_evidence.end());
-  double kept = 0.0;
-  for (double& value : log_evidence) {
-    value = value < most + kLeastLogShare ? 0.0 : std::exp(value - result.log_evidence);
-    kept += value;
-  }
-  for (std::size_t i = 0; i < components.size(); ++i) {
-    const double weight = log_evidence[i] / kept;
+  const Matrix6d difference = pair.difference();
+  for (std::size_t i = 0; i < seen_as.innovations.size(); ++i) {
+    const double weight = seen_as.shares[i];
     if (weight == 0.0) continue;
-    const PairInnovation& seen = innovations[i];
+    const PairInnovation& seen = seen_as.innovations[i];
     const Matrix6d& noise = averages ? seen.update_noise : seen.noise;
     const Matrix12x6d k = gain(p_ht, difference, noise, camera_gain_noise);
     // Joseph's form for whatever gain: P - K H P - P H^T K^T + K S K^T.
@@ -152,11 +163,11 @@ PairUpdate observe(const Pair& pair, const SE3d& detected, const ObjectSensor& s
         pair.covariance - kt - kt.transpose() + k * (difference + noise) * k.transpose();
     children.add(weight, k * seen.residual, covariance);
   }
-  if (log_evidence.back() > 0.0) children.add_unmoved(log_evidence.back() / kept);
+  if (seen_as.shares.back() > 0.0) children.add_unmoved(seen_as.shares.back());
   result.posterior = children.moments();
-  result.inlier_share = log_evidence.front() / kept;
-  result.null_share = log_evidence.back() / kept;
-  const PairInnovation& inlier = innovations.front();
+  result.inlier_share = seen_as.shares.front();
+  result.null_share = seen_as.shares.back();
+  const PairInnovation& inlier = seen_as.innovations.front();
   const SE3d to_axes = inlier.axes.inverse();
   result.residual = to_axes.adjoint_blocks().times(inlier.residual);
   result.residual_variance =

@@ -2,7 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 #pragma once
 
-#include <array>
+#include <vector>
 
 #include "posemix/base/linear.hpp"
 #include "posemix/filter/object_sensor.hpp"
@@ -69,5 +69,16 @@ Matrix6d component_noise(const Pair& pair, const NoiseComponent& component,
 
 PairInnovation innovation(const Pair& pair, const SE3d& detected, const NoiseComponent& component,
                           const ObjectSensor& sensor);
+
+/// What a detection may be: one component of its noise, or the null.
+struct Explanation {
+  std::vector<PairInnovation> innovations;  ///< one per component
+  std::vector<double> shares;               ///< posterior probabilities; the null's is last
+  double log_evidence = 0.0;
+  double squared_distance = 0.0;  ///< least squared Mahalanobis distance over the components
+};
+
+/// Shares are not numbers where the evidence is zero.
+Explanation explain(const Pair& pair, const SE3d& detected, const ObjectSensor& sensor);
 
 }  // namespace posemix::internal

@@ -156,6 +156,7 @@ void use_method(const TomlTable& root, const MethodSettings& method, SlamJob& jo
   job.method = method.name;
   job.settings.filter = method.filter;
   job.settings.multi_object = method.multi_object;
+  job.smoothing = method.smoothing;
   if (method.method != FilterMethod::multi_object) job.settings.kind = SlamFilter::gaussian_sum;
   switch (method.method) {
     case FilterMethod::multi_object:
@@ -215,6 +216,9 @@ SlamJob read_slam_job(const TomlDocument& document,
 SlamRun run(const SlamJob& job, const RunOptions& options) {
   if (job.particles)
     return run_particle_filter(job.sequence, job.camera_prior, job.models, *job.particles, options);
+  if (job.smoothing)
+    return run_smoothed(job.sequence, job.camera_prior, job.models, job.settings, *job.smoothing,
+                        options);
   return run(job.sequence, job.camera_prior, job.models, job.settings, options);
 }
 

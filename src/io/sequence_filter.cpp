@@ -12,6 +12,8 @@ constexpr IntegerRange kComponents{.lowest = 1, .highest = 100000};
 constexpr IntegerRange kKeepHeaviest{.lowest = 0, .highest = 100000};
 constexpr IntegerRange kMergeFrom{.lowest = 0, .highest = 100000};
 constexpr IntegerRange kParticles{.lowest = 1, .highest = 1000000};
+constexpr IntegerRange kLag{.lowest = 1, .highest = 1000000};
+constexpr IntegerRange kPasses{.lowest = 1, .highest = 100};
 constexpr IntegerRange kSeed{.lowest = 0, .highest = std::int64_t{1} << 53};
 
 ReductionSettings read_reduction(const TomlTable& filter) {
@@ -63,7 +65,11 @@ std::string method_name(const MethodSettings& settings) {
   const bool iterated = settings.filter.update == UpdateRule::iterated;
   switch (settings.method) {
     case FilterMethod::multi_object:
-      return "multi-object";
+      if (!settings.smoothing) return "multi-object";
+      return settings.smoothing->lag_frames == 0
+                 ? "multi-object, smoothed"
+                 : fmt::format("multi-object, smoothed by {} frames",
+                               settings.smoothing->lag_frames);
     case FilterMethod::riekf:
       return "riekf";
     case FilterMethod::riekf_cauchy:
@@ -96,6 +102,29 @@ ParticleFilterSettings read_particles(const TomlTable& filter) {
       pose_covariance(walk("particle_walk_rotation_sd_deg", sd.head<3>(), kRadPerDeg),
                       walk("particle_walk_translation_sd_m", sd.tail<3>(), 1.0));
   return p;
+}
+
+enum class Smoothing { none, fixed_lag, full };
+
+std::optional<SmoothingSettings> read_smoothing(const TomlTable& filter) {
+  const auto kind = filter.get_enum_or<Smoothing>(
+      "smooth", Smoothing::none,
+      {{"none", Smoothing::none}, {"fixed_lag", Smoothing::fixed_lag}, {"full", Smoothing::full}});
+  SmoothingSettings settings;
+  const auto lag = static_cast<std::size_t>(
+      filter.get_integer_or("smooth_lag", static_cast<std::int64_t>(kSmoothLag), kLag));
+  settings.passes = static_cast<std::size_t>(
+      filter.get_integer_or("smooth_passes", static_cast<std::int64_t>(settings.passes), kPasses));
+  if (kind == Smoothing::none) return std::nullopt;
+  if (kind == Smoothing::fixed_lag) settings.lag_frames = lag;
+  return settings;
+}
+
+void refuse_smoothing(const TomlTable& filter) {
+  for (const std::string_view key : {"smooth", "smooth_lag", "smooth_passes"}) {
+    if (filter.has(key))
+      filter.fail(key, "is for filter.method = \"multi_object\"; no other filter is smoothed");
+  }
 }
 
 FilterSettings read_gaussian_sum(const TomlTable& filter, FilterMethod method) {
@@ -138,7 +167,9 @@ MethodSettings read_filter(const TomlTable& root) {
                                                        {"rbpf", FilterMethod::rbpf}});
     if (result.method == FilterMethod::multi_object) {
       result.multi_object = read_multi_object(*filter);
+      result.smoothing = read_smoothing(*filter);
     } else {
+      refuse_smoothing(*filter);
       result.filter = read_gaussian_sum(*filter, result.method);
       result.particles = read_particles(*filter);
     }

@@ -141,6 +141,7 @@ struct MethodSettings {
   std::string name;
   FilterMethod method = FilterMethod::multi_object;
   MultiObjectSettings multi_object;
+  std::optional<SmoothingSettings> smoothing;
   FilterSettings filter;
   ParticleFilterSettings particles;  ///< of FilterMethod::rbpf; motion as by default
 };

@@ -33,11 +33,12 @@ ChartSeries series_of(const std::string& method) {
                                                           {"max_mixture", "#882255"},
                                                           {"rbpf", "#44AA99"},
                                                           {kAct, kGrey},
-                                                          {"default", "#0072B2"}};
+                                                          {"default", "#0072B2"},
+                                                          {"default_smoothed", "#0072B2"}};
   const auto found = colours.find(method);
   return {.label = method,
           .color = found == colours.end() ? "" : found->second,
-          .dash = method == "midway" || method == kAct ? "5 3" : "",
+          .dash = method == "midway" || method == "default_smoothed" || method == kAct ? "5 3" : "",
           .markers = true};
 }
 

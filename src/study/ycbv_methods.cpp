@@ -51,7 +51,8 @@ std::vector<YcbvMethod> known_methods() {
           paper("midway", paper_filter("midway", "linearized")),
           paper("midway_iterated", paper_filter("midway", "iterated")),
           {.name = "published", .published = true, .overrides = {}},
-          {.name = "default", .overrides = {}}};
+          {.name = "default", .overrides = {}},
+          {.name = "default_smoothed", .overrides = {"filter.smooth=full"}}};
 }
 
 /// Odometry that the profile does not name, for the row of odometry alone.

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include <algorithm>
 #include <chrono>
+#include <fstream>
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -97,6 +98,24 @@ TEST_F(Slam, JsonPrintsTheMetrics) {
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_EQ(result.out, content_of(out() / "metrics.json"));
   EXPECT_EQ(json::parse(result.out)["frames"], 20);
+}
+
+TEST_F(Slam, Smooths) {
+  const std::string file = (results_ / "smooth.toml").string();
+  const std::string text = content_of(small_.toml());
+  std::ofstream(file) << text.substr(0, text.find("[filter]"));
+  const auto method = [&](std::vector<std::string> more) {
+    std::vector<std::string> arguments{
+        "slam", file, "--data", small_.folder.path().string(), "--json", "--out", out().string()};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const ProgramResult result = run_posemix(arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return json::parse(result.out)["method"].get<std::string>();
+  };
+  EXPECT_EQ(method({"--smooth"}), "multi-object, smoothed");
+  EXPECT_EQ(method({"--smooth-lag", "3"}), "multi-object, smoothed by 3 frames");
+  expect_error(slam({"--smooth"}), 3, "no other filter is smoothed");
+  expect_error(slam({"--smooth", "--smooth-lag", "3"}), 2, "--smooth");
 }
 
 TEST_F(Slam, QuietPrintsNothing) {

@@ -67,5 +67,43 @@ TEST(FilterMethods, ParticleFilter) {
   EXPECT_INVALID_WITH(read_small({"filter.particles=0"}), "key 'filter.particles'");
 }
 
+/// The small recording by the multi-object filter.
+SlamJob read_multi_object_job(const std::vector<std::string>& overrides) {
+  const testing::SmallFolder small;
+  std::string text(testing::kSmallToml.substr(0, testing::kSmallToml.find("[filter]")));
+  TomlDocument document = TomlDocument::parse(text, "s.toml");
+  for (const std::string& each : overrides) document.apply_override(each);
+  return read_slam_job(document, {small.folder.path()});
+}
+
+TEST(FilterMethods, Smoothing) {
+  EXPECT_FALSE(read_multi_object_job({}).smoothing.has_value());
+  EXPECT_FALSE(read_multi_object_job({"filter.smooth=none"}).smoothing.has_value());
+  const SlamJob full = read_multi_object_job({"filter.smooth=full", "filter.smooth_passes=2"});
+  EXPECT_EQ(full.method, "multi-object, smoothed");
+  ASSERT_TRUE(full.smoothing.has_value());
+  EXPECT_EQ(full.smoothing->lag_frames, 0U);
+  EXPECT_EQ(full.smoothing->passes, 2U);
+  const SlamJob lag = read_multi_object_job({"filter.smooth=fixed_lag"});
+  EXPECT_EQ(lag.method, "multi-object, smoothed by 20 frames");
+  EXPECT_EQ(lag.smoothing->lag_frames, kSmoothLag);
+  EXPECT_EQ(read_multi_object_job({"filter.smooth=fixed_lag", "filter.smooth_lag=7"})
+                .smoothing->lag_frames,
+            7U);
+  // `run` of the job smooths.
+  const SlamRun by_job = run(full);
+  const SlamRun direct =
+      run_smoothed(full.sequence, full.camera_prior, full.models, full.settings, {.passes = 2});
+  EXPECT_EQ(by_job.frames[3].camera.mean().matrix(), direct.frames[3].camera.mean().matrix());
+  EXPECT_NE(by_job.frames[3].camera.mean().matrix(),
+            run(read_multi_object_job({})).frames[3].camera.mean().matrix());
+  EXPECT_INVALID_WITH(read_multi_object_job({"filter.smooth=half"}), "key 'filter.smooth'");
+  EXPECT_INVALID_WITH(read_multi_object_job({"filter.smooth=fixed_lag", "filter.smooth_lag=0"}),
+                      "key 'filter.smooth_lag'");
+  for (const std::string method : {"gm-iekf", "riekf", "rbpf"})
+    EXPECT_INVALID_WITH(read_small({"filter.method=" + method, "filter.smooth=full"}),
+                        "key 'filter.smooth' is for filter.method = \"multi_object\"");
+}
+
 }  // namespace
 }  // namespace posemix

@@ -45,6 +45,12 @@ TEST(FormatsDocument, DefaultsOfTheFilter) {
   EXPECT_EQ(documented("cauchy_scale"), fmt::format("{:g}", s.cauchy_scale));
 }
 
+TEST(FormatsDocument, DefaultsOfSmoothing) {
+  EXPECT_EQ(documented("smooth"), "none");
+  EXPECT_EQ(documented("smooth_lag"), fmt::format("{}", kSmoothLag));
+  EXPECT_EQ(documented("smooth_passes"), fmt::format("{}", SmoothingSettings().passes));
+}
+
 TEST(FormatsDocument, DefaultsOfTheParticleFilter) {
   const ParticleFilterSettings s;
   EXPECT_EQ(documented("particles"), fmt::format("{}", s.particles));

@@ -142,6 +142,20 @@ class MultiObjectFilter {
   ConcentratedGaussian<PoseStackd> backbone() const;
   std::optional<std::size_t> backbone_index(std::size_t object) const;
 
+  // --- what a smoother needs
+
+  const MultiObjectSettings& settings() const;
+  /// The sensor with the scale of its noise as it is learned by now.
+  const ObjectSensor& sensor(std::size_t object) const;
+  /// What the filter's own covariances are multiplied by to be those of the true error.
+  double covariance_factor() const;
+  /// The error that all detections of the object have in common, in the world frame.
+  Matrix6d common_error(std::size_t object, const SE3d& camera, const SE3d& pose) const;
+  /// The camera, its motion where it has one, and the given hypothesis of every object (by index;
+  /// objects with none are left out), with the filter's own covariances.
+  ConcentratedGaussian<PoseStackd> joint(
+      std::span<const std::optional<std::size_t>> hypotheses) const;
+
  private:
   class State;
   std::unique_ptr<State> state_;

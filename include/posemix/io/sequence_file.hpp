@@ -10,6 +10,7 @@
 
 #include "posemix/io/toml_table.hpp"
 #include "posemix/slam/particle_filter.hpp"
+#include "posemix/slam/smoothing.hpp"
 
 /// Sequence files: a TOML document that names the files of a recording and how to filter it.
 /// docs/formats.md lists every key.
@@ -29,6 +30,9 @@ inline constexpr double kFramePeriodS = 0.1;
 /// Hypotheses per frame in trace.json where the file does not say (key `output.trace_hypotheses`).
 inline constexpr std::size_t kTraceHypotheses = 12;
 
+/// Frames that smoothing looks ahead where the file does not say (key `filter.smooth_lag`).
+inline constexpr std::size_t kSmoothLag = 20;
+
 /// All that object SLAM needs for one run.
 struct SlamJob {
   std::string name;    ///< of sequence file and recording, for people
@@ -38,6 +42,7 @@ struct SlamJob {
   std::vector<ObjectModel> models;  ///< one per object of the sequence
   ObjectSlamSettings settings;
   std::optional<ParticleFilterSettings> particles = {};  ///< filtered by particles in place of that
+  std::optional<SmoothingSettings> smoothing = {};  ///< of the multi-object filter
   std::size_t trace_hypotheses = kTraceHypotheses;
 };
 
@@ -63,8 +68,8 @@ std::vector<std::filesystem::path> data_folders(
 SlamJob read_slam_job(const TomlDocument& document,
                       const std::vector<std::filesystem::path>& folders);
 
-/// Runs the job by the filter that it names: `run`, or `run_particle_filter` where it has
-/// particles.
+/// Runs the job by the filter that it names: `run`, `run_smoothed` where it has smoothing, or
+/// `run_particle_filter` where it has particles.
 SlamRun run(const SlamJob& job, const RunOptions& options = {});
 
 }  // namespace posemix

@@ -40,8 +40,9 @@ struct YcbvStudySettings {
 ///   for all objects of a frame, linearized update) with either rule of merging;
 /// - "midway_iterated": the same with the iterated update;
 /// - "published": the settings of the midway paper's own program; CosyPose recordings only;
-/// - "default": the filter of the detector's profile.
-/// All but the last two share motion, start and measurement with the default. Those of one Gaussian
+/// - "default": the filter of the detector's profile; "default_smoothed": the same, smoothed over
+///   the whole recording.
+/// All but the last three share motion, start and measurement with the default. Those of one Gaussian
 /// and the paper's filter take DOPE's detections by the noise model `gaussian` of the profile.
 std::vector<std::string> ycbv_methods();
 

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "posemix/slam/run.hpp"
+
+/// Estimates that also look ahead: from all detections of a recording, or from those of a few
+/// frames more (docs/filter.md, smoothing).
+namespace posemix {
+
+/// Settings of smoothing.
+struct SmoothingSettings {
+  /// Frames that an estimate looks ahead; 0: all, to the end of the recording.
+  std::size_t lag_frames = 0;
+  /// Forward and backward passes. The first is linearised where it predicts, each further one where
+  /// the one before it ended, which also weighs the noise's components anew.
+  std::size_t passes = 3;
+  /// Hypotheses of an object with at least this weight are smoothed, where they are asked for
+  /// (RunOptions::record_hypotheses); the leading one always is.
+  double least_weight = 1e-6;
+};
+
+/// Object SLAM that reports each frame `lag_frames` later than it comes. The multi-object filter
+/// runs ahead; what leads there decides on which mode every object is in the whole window, and the
+/// window is smoothed on these modes: forward filter and Rauch-Tung-Striebel pass, starting from
+/// what the filter knew before the window. Cost: linear in the lag, per frame.
+class FixedLagSmoother {
+ public:
+  /// @throws InvalidInput as ObjectSlam, when a setting is out of range, when the filter is not the
+  /// multi-object one, and when it only considers the camera
+  FixedLagSmoother(const PoseDensity& camera, std::vector<ObjectModel> objects,
+                   const ObjectSlamSettings& settings, const SmoothingSettings& smoothing,
+                   bool record_hypotheses = false);
+
+  /// As ObjectSlam; the estimate is that of the frame `lag_frames` earlier, if there is one. Its
+  /// `report` is of the filter, its time that of both.
+  std::optional<FrameEstimate> start(const std::vector<std::optional<SE3d>>& detections);
+  std::optional<FrameEstimate> step(const FrameInput& input);
+
+  /// The frames that are left, after the last one.
+  std::vector<FrameEstimate> finish();
+
+  /// The filter that runs ahead.
+  const ObjectSlam& slam() const { return slam_; }
+  /// Camera, its motion under constant velocity, and objects, at the last frame that was reported.
+  const std::optional<Hypothesis>& joint() const { return joint_; }
+
+ private:
+  struct Frame {
+    FrameInput input;
+    FrameReport report;
+    std::vector<bool> known;  ///< objects that were seen by then
+    std::optional<MultiObjectFilter> after;
+  };
+
+  std::optional<FrameEstimate> add(const FrameInput& input, FrameReport report);
+  std::vector<FrameEstimate> smooth(std::size_t count);
+  void add_alternatives(std::span<const FrameInput* const> inputs,
+                        const std::vector<Hypothesis>& leading,
+                        std::vector<FrameEstimate>& estimates) const;
+
+  MotionSettings motion_;
+  SmoothingSettings smoothing_;
+  bool record_hypotheses_;
+  ObjectSlam slam_;
+  MultiObjectFilter before_;  ///< before the first frame of the window
+  std::deque<Frame> window_;
+  std::optional<Hypothesis> joint_;
+};
+
+/// `run` with smoothed estimates. Objects are reported from the frame on in which they were first
+/// detected, on the mode that leads in the end (for a lag: when the frame is reported), which may
+/// not be the first one; mode_probabilities and weights are those of then. `alternatives` of the
+/// frames hold the hypotheses of then, each smoothed in place of the leading one. The posterior is
+/// the smoothed one of the last frame, in the order camera, motion, objects.
+/// @throws InvalidInput as `run` and FixedLagSmoother
+SlamRun run_smoothed(const Sequence& sequence, const PoseDensity& camera_prior,
+                     const std::vector<ObjectModel>& models, const ObjectSlamSettings& settings,
+                     const SmoothingSettings& smoothing, const RunOptions& options = {});
+
+}  // namespace posemix

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "mode_smoother.hpp"
+
+#include <utility>
+
+#include "posemix/filter/predict.hpp"
+
+namespace posemix::internal {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr Index kPart = 6;
+
+Index at_pose(std::size_t pose) { return kPart * static_cast<Index>(pose); }
+
+auto square(MatrixXd& matrix, std::size_t pose) {
+  return matrix.block<kPart, kPart>(at_pose(pose), at_pose(pose));
+}
+
+/// P <- F P F^T where F adds `transfer` times the motion's rows to the camera's.
+void move_camera_by(const MatrixXd& transfer, MatrixXd& covariance) {
+  covariance.topRows<kPart>() += transfer * covariance.middleRows<kPart>(at_pose(kMotion));
+  covariance.leftCols<kPart>() +=
+      covariance.middleCols<kPart>(at_pose(kMotion)) * transfer.transpose();
+}
+
+/// Rows of the object minus those of the camera: what a detection is about.
+auto difference_rows(const MatrixXd& covariance, std::size_t object) {
+  return covariance.middleRows<kPart>(at_pose(object)) - covariance.topRows<kPart>();
+}
+
+Matrix6d difference_covariance(const MatrixXd& covariance, std::size_t object) {
+  const Eigen::Matrix<double, kPart, Eigen::Dynamic> rows = difference_rows(covariance, object);
+  return rows.middleCols<kPart>(at_pose(object)) - rows.leftCols<kPart>();
+}
+
+}  // namespace
+
+ModeSmoother::Step ModeSmoother::predict(const PoseStackd& poses, const MatrixXd& covariance,
+                                         const FrameInput& input, PoseStackd& moved) const {
+  Step step;
+  step.predicted = covariance;
+  step.noise = MatrixXd::Zero(covariance.rows(), covariance.cols());
+  moved = poses;
+  if (!(input.dt > 0.0)) return step;
+  const MotionSettings& motion = model_.motion;
+  const auto add_noise = [&](std::size_t pose, const Matrix6d& q) {
+    square(step.noise, pose) = moved[pose].adjoint_congruence(q);
+  };
+  switch (motion.model) {
+    case MotionModel::odometry:
+      if (input.odometry) {
+        const Matrix6d q = motion.noise.over(input.dt) / model_.dependent_detections;
+        moved[kCamera] = poses[kCamera] * *input.odometry;
+        add_noise(kCamera, model_.camera_share * q);
+        for (std::size_t i = model_.first_object(); i < poses.size(); ++i)
+          add_noise(i, (1.0 - model_.camera_share) * q);
+      } else {
+        add_noise(kCamera, motion.unknown_motion.over(input.dt));
+      }
+      break;
+    case MotionModel::random_walk:
+      add_noise(kCamera, motion.walk.over(input.dt));
+      break;
+    case MotionModel::constant_velocity: {
+      const double periods = input.dt / motion.period_s;
+      step.transfer = constant_velocity_transfer(poses[kCamera], poses[kMotion], periods);
+      move_camera_by(step.transfer, step.predicted);
+      moved[kCamera] = poses[kCamera] * SE3d::exp(periods * poses[kMotion].log());
+      add_noise(kCamera, motion.noise.over(input.dt));
+      add_noise(kMotion, motion.motion_noise.over(input.dt));
+      break;
+    }
+  }
+  // As in the filter, what no detection can tell does not last from one to the next.
+  for (std::size_t j = 0; j < model_.objects.size(); ++j) {
+    const SymmetryGroup& symmetries = model_.sensors[j]->symmetries;
+    if (symmetries.is_trivial() || !input.detections[model_.objects[j]]) continue;
+    const std::size_t object = model_.first_object() + j;
+    square(step.noise, object) +=
+        moved[object].adjoint_congruence(symmetries.unobserved_covariance());
+  }
+  step.predicted += step.noise;
+  symmetrize(step.predicted);
+  return step;
+}
+
+/// In information form, for a detection's information may be singular: with D = H P H^T,
+/// M = (I + Lambda D)^-1: m += P H^T M (eta - Lambda H m), P -= P H^T M Lambda H P.
+void ModeSmoother::update(Step& step, const FrameInput& input, const MatrixXd& weighing) const {
+  step.mean = step.predicted_mean;
+  step.covariance = step.predicted;
+  for (std::size_t j = 0; j < model_.objects.size(); ++j) {
+    const auto& detected = input.detections[model_.objects[j]];
+    if (!detected) continue;
+    const std::size_t object = model_.first_object() + j;
+    const ModeMeasurement seen = measure_mode(step.reference[kCamera], step.reference[object],
+                                              difference_covariance(weighing, object), *detected,
+                                              *model_.sensors[j], model_.averages);
+    const Eigen::Matrix<double, kPart, Eigen::Dynamic> h_p =
+        difference_rows(step.covariance, object);
+    const Matrix6d d = h_p.middleCols<kPart>(at_pose(object)) - h_p.leftCols<kPart>();
+    const Vector6d h_m = step.mean.segment<kPart>(at_pose(object)) - step.mean.head<kPart>();
+    const Eigen::PartialPivLU<Matrix6d> m(Matrix6d::Identity() + seen.information * d);
+    step.mean += h_p.transpose() * m.solve(seen.pull - seen.information * h_m);
+    step.covariance -= h_p.transpose() * m.solve(seen.information * h_p);
+    symmetrize(step.covariance);
+  }
+}
+
+void ModeSmoother::run(const Hypothesis& start, const std::vector<Hypothesis>& reference) {
+  steps_.clear();
+  steps_.reserve(frames_.size());
+  PoseStackd poses = start.mean();
+  MatrixXd covariance = start.covariance();
+  for (std::size_t k = 0; k < frames_.size(); ++k) {
+    PoseStackd moved;
+    Step step = predict(poses, covariance, *frames_[k], moved);
+    step.reference = reference.empty() ? moved : reference[k].mean();
+    step.predicted_mean = (moved * step.reference.inverse()).log();
+    update(step, *frames_[k], reference.empty() ? step.predicted : reference[k].covariance());
+    poses = PoseStackd::exp(step.mean) * step.reference;
+    covariance = step.covariance;
+    steps_.push_back(std::move(step));
+  }
+  backward();
+}
+
+/// Rauch, Tung and Striebel (1965): A = P_k F^T P_(k+1|k)^-1, m_k^s = m_k + A (m_(k+1)^s -
+/// m_(k+1|k)); the covariance in the form that cannot lose its sign,
+/// P_k^s = (I - A F) P_k (I - A F)^T + A (P_(k+1)^s + Q) A^T.
+void ModeSmoother::backward() {
+  const auto to_density = [](const Step& step, const VectorXd& mean, MatrixXd covariance) {
+    return Hypothesis::trusted(PoseStackd::exp(mean) * step.reference, std::move(covariance));
+  };
+  std::vector<Hypothesis> reversed;
+  reversed.reserve(steps_.size());
+  VectorXd mean = steps_.back().mean;
+  MatrixXd covariance = steps_.back().covariance;
+  reversed.push_back(to_density(steps_.back(), mean, covariance));
+  for (std::size_t k = steps_.size() - 1; k-- > 0;) {
+    const Step& now = steps_[k];
+    const Step& next = steps_[k + 1];
+    MatrixXd f_p = now.covariance;
+    if (next.transfer.size() > 0)
+      f_p.topRows<kPart>() += next.transfer * now.covariance.middleRows<kPart>(at_pose(kMotion));
+    const MatrixXd a = next.predicted.llt().solve(f_p).transpose();
+    mean = now.mean + a * (mean - next.predicted_mean);
+    MatrixXd keep = MatrixXd::Identity(a.rows(), a.cols()) - a;
+    if (next.transfer.size() > 0)
+      keep.middleCols<kPart>(at_pose(kMotion)) -= a.leftCols<kPart>() * next.transfer;
+    covariance =
+        keep * now.covariance * keep.transpose() + a * (covariance + next.noise) * a.transpose();
+    symmetrize(covariance);
+    reversed.push_back(to_density(now, mean, covariance));
+  }
+  smoothed_.assign(std::make_move_iterator(reversed.rbegin()),
+                   std::make_move_iterator(reversed.rend()));
+}
+
+}  // namespace posemix::internal

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "posemix/slam/smoothing.hpp"
+
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+#include "frames.hpp"
+#include "smoothing_window.hpp"
+
+namespace posemix {
+namespace {
+
+using internal::leading_modes;
+using internal::Modes;
+using internal::SmoothingWindow;
+using SmoothingClock = std::chrono::steady_clock;
+
+const MultiObjectFilter& smoothed_filter(const ObjectSlam& slam) {
+  if (const MultiObjectFilter* filter = slam.multi_object()) return *filter;
+  throw InvalidInput("only the multi-object filter is smoothed");
+}
+
+}  // namespace
+
+FixedLagSmoother::FixedLagSmoother(const PoseDensity& camera, std::vector<ObjectModel> objects,
+                                   const ObjectSlamSettings& settings,
+                                   const SmoothingSettings& smoothing, bool record_hypotheses)
+    : motion_(settings.motion),
+      smoothing_(smoothing),
+      record_hypotheses_(record_hypotheses),
+      slam_(camera, std::move(objects), settings),
+      before_(smoothed_filter(slam_)) {
+  require(smoothing.passes > 0, "smoothing: passes is 0, expected at least 1");
+  require(before_.settings().camera_gain_noise == 1.0,
+          "smoothing: camera_gain_noise must be 1; a camera whose gain is made smaller, or that is "
+          "only considered, is not smoothed");
+}
+
+std::optional<FrameEstimate> FixedLagSmoother::start(
+    const std::vector<std::optional<SE3d>>& detections) {
+  return add({0.0, std::nullopt, detections}, slam_.start(detections));
+}
+
+std::optional<FrameEstimate> FixedLagSmoother::step(const FrameInput& input) {
+  return add(input, slam_.step(input));
+}
+
+std::vector<FrameEstimate> FixedLagSmoother::finish() {
+  if (window_.empty()) return {};
+  std::vector<FrameEstimate> frames = smooth(window_.size());
+  window_.clear();
+  return frames;
+}
+
+std::optional<FrameEstimate> FixedLagSmoother::add(const FrameInput& input, FrameReport report) {
+  const MultiObjectFilter& filter = *slam_.multi_object();
+  std::vector<bool> known;
+  for (std::size_t j = 0; j < filter.objects(); ++j) known.push_back(filter.leading(j).has_value());
+  const std::size_t lag = smoothing_.lag_frames;
+  window_.push_back(
+      {input, std::move(report), std::move(known), lag > 0 ? std::optional(filter) : std::nullopt});
+  if (lag == 0 || window_.size() <= lag) return std::nullopt;
+  FrameEstimate estimate = smooth(1).front();
+  before_ = std::move(*window_.front().after);
+  window_.pop_front();
+  return estimate;
+}
+
+/// The first `count` frames of the window, smoothed.
+std::vector<FrameEstimate> FixedLagSmoother::smooth(std::size_t count) {
+  const auto begin = SmoothingClock::now();
+  const MultiObjectFilter& now = *slam_.multi_object();
+  std::vector<const FrameInput*> inputs;
+  for (const Frame& frame : window_) inputs.push_back(&frame.input);
+  const SmoothingWindow window(before_, now, motion_, leading_modes(now));
+  const std::vector<Hypothesis> joint = window.smooth(inputs, smoothing_.passes);
+
+  std::vector<FrameEstimate> estimates;
+  for (std::size_t k = 0; k < count; ++k) {
+    std::vector<std::optional<std::size_t>> indices(now.objects());
+    std::vector<std::optional<double>> probabilities(now.objects());
+    for (std::size_t j = 0; j < now.objects(); ++j) {
+      if (!window_[k].known[j]) continue;
+      indices[j] = window.pose_index(j);
+      probabilities[j] = now.mode_probability(j);
+    }
+    joint_ = window.honest(joint[k]);
+    estimates.push_back(internal::frame_estimate(*joint_, indices, window_[k].report));
+    estimates.back().mode_probabilities = std::move(probabilities);
+  }
+  if (record_hypotheses_) add_alternatives(inputs, joint, estimates);
+
+  const double seconds = std::chrono::duration<double>(SmoothingClock::now() - begin).count();
+  for (FrameEstimate& estimate : estimates)
+    estimate.report.seconds += seconds / static_cast<double>(count);
+  return estimates;
+}
+
+/// Every hypothesis of an object in place of the leading one.
+void FixedLagSmoother::add_alternatives(std::span<const FrameInput* const> inputs,
+                                        const std::vector<Hypothesis>& leading,
+                                        std::vector<FrameEstimate>& estimates) const {
+  const MultiObjectFilter& now = *slam_.multi_object();
+  for (FrameEstimate& estimate : estimates) estimate.alternatives.resize(now.objects());
+  for (std::size_t j = 0; j < now.objects(); ++j) {
+    const auto list = now.hypotheses(j);
+    for (std::size_t h = 0; h < list.size(); ++h) {
+      Modes modes = leading_modes(now);
+      const bool leads = modes[j] == h;
+      if (!leads && list[h].log_weight < std::log(smoothing_.least_weight)) continue;
+      modes[j] = h;
+      const SmoothingWindow window(before_, now, motion_, modes);
+      const auto joint = leads ? leading : window.smooth(inputs, smoothing_.passes);
+      for (std::size_t k = 0; k < estimates.size(); ++k) {
+        if (!estimates[k].pose_indices[j]) continue;
+        estimates[k].alternatives[j].push_back(
+            {list[h].log_weight, joint[k].mean()[*window.pose_index(j)], list[h].id});
+      }
+    }
+  }
+}
+
+SlamRun run_smoothed(const Sequence& sequence, const PoseDensity& camera_prior,
+                     const std::vector<ObjectModel>& models, const ObjectSlamSettings& settings,
+                     const SmoothingSettings& smoothing, const RunOptions& options) {
+  internal::check_run(sequence, models);
+  FixedLagSmoother smoother(camera_prior, models, settings, smoothing, options.record_hypotheses);
+  const std::size_t count = sequence.stamps.size();
+  std::vector<FrameEstimate> frames;
+  frames.reserve(count);
+  for (std::size_t k = 0; k < count; ++k) {
+    const FrameInput input = internal::frame_input(sequence, k);
+    auto estimate = k == 0 ? smoother.start(input.detections) : smoother.step(input);
+    if (estimate) frames.push_back(std::move(*estimate));
+    if (options.progress && !options.progress(k + 1, count)) break;
+  }
+  for (FrameEstimate& estimate : smoother.finish()) frames.push_back(std::move(estimate));
+  auto pose_indices = frames.back().pose_indices;
+  SlamRun result{
+      std::move(frames), Posterior({{0.0, *smoother.joint()}}), std::move(pose_indices), {}};
+  for (std::size_t j = 0; j < models.size(); ++j)
+    result.alternatives.push_back(smoother.slam().multi_object()->hypotheses(j));
+  return result;
+}
+
+}  // namespace posemix

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "mode_smoother.hpp"
+#include "posemix/slam/object_slam.hpp"
+
+/// Frames to be smoothed, between what the filter knew and what it knows. In the room `slam` only.
+namespace posemix::internal {
+
+/// One hypothesis of every object by its index, none for an object that has none.
+using Modes = std::vector<std::optional<std::size_t>>;
+
+Modes leading_modes(const MultiObjectFilter& filter);
+
+/// The window on one mode of every object: `before` is the filter before its first frame, `now`
+/// after its last; `modes` are hypotheses of now. All that was learned of the noise is of now.
+class SmoothingWindow {
+ public:
+  SmoothingWindow(const MultiObjectFilter& before, const MultiObjectFilter& now,
+                  const MotionSettings& motion, const Modes& modes);
+
+  /// Camera, its motion under constant velocity, then the objects that have a mode; covariances as
+  /// the filter has them.
+  std::vector<Hypothesis> smooth(std::span<const FrameInput* const> frames,
+                                 std::size_t passes) const;
+
+  /// The same density with covariances of the true error.
+  Hypothesis honest(const Hypothesis& joint) const;
+
+  /// Of the object's pose in what is smoothed.
+  std::optional<std::size_t> pose_index(std::size_t object) const { return indices_[object]; }
+
+ private:
+  Modes known_before() const;
+  Hypothesis start(const Modes& known, bool vague) const;
+
+  const MultiObjectFilter& before_;
+  const MultiObjectFilter& now_;
+  ModeModel model_;
+  std::vector<ObjectHypothesis> hypotheses_;  ///< of now, by object of the model
+  std::vector<std::optional<std::size_t>> indices_;
+};
+
+}  // namespace posemix::internal
