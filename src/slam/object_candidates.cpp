@@ -46,7 +46,7 @@ void ObjectSlam::observe_class(MultiObjectFilter& filter, const std::vector<std:
     const auto leading = filter.leading(object);
     if (!leading) continue;
     instances.push_back(object);
-    predicted.push_back(filter.relative(object, *leading));
+    predicted.push_back(predicted_instance(filter, object));
   }
   std::vector<Candidate> of_class;
   of_class.reserve(members.size());
@@ -69,6 +69,19 @@ void ObjectSlam::observe_class(MultiObjectFilter& filter, const std::vector<std:
     candidate = new_instance(filter, models);
     if (candidate.object) update(filter, *candidate.object, associations[i].camera_object, report);
   }
+}
+
+ConcentratedGaussian<SE3d> ObjectSlam::predicted_instance(const MultiObjectFilter& filter,
+                                                          std::size_t object) const {
+  const std::size_t leading = *filter.leading(object);
+  ConcentratedGaussian<SE3d> density = filter.relative(object, leading);
+  if (motion_.model != MotionModel::odometry) return density;
+  // After n detections with noise R the filter has R / (n - 1 + 1 / birth factor), and says as many
+  // times that as detections count as one: more than R while n is less.
+  const double detections = static_cast<double>(filter.hypotheses(object)[leading].detections);
+  const double independent = detections - 1.0 + 1.0 / birth_covariance_factor_;
+  const double share = std::min(1.0, independent / filter.dependent_detections());
+  return ConcentratedGaussian<SE3d>::trusted(density.mean(), share * density.covariance());
 }
 
 CandidateReport ObjectSlam::new_instance(MultiObjectFilter& filter,

@@ -81,6 +81,7 @@ ObjectSlam::ObjectSlam(const ConcentratedGaussian<SE3d>& camera, std::vector<Obj
       indices_(objects_.size()),
       association_(settings.association),
       confirming_detections_(settings.confirming_detections),
+      birth_covariance_factor_(settings.multi_object.birth_covariance_factor),
       sightings_(objects_.size()),
       estimate_(summary_of(filter_)) {
   require(motion_.period_s > 0.0, "motion: period_s must be positive");

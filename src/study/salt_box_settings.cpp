@@ -9,7 +9,7 @@
 namespace posemix {
 namespace {
 
-constexpr IntegerRange kCount{.lowest = 0, .highest = 100000};
+constexpr IntegerRange kSaltBoxCount{.lowest = 0, .highest = 100000};
 
 /// A quaternion w x y z, normalised.
 SO3d read_rotation(const TomlTable& table, std::string_view key) {
@@ -45,8 +45,9 @@ void check_names(const TomlTable& table, const std::vector<SaltBoxFeature>& feat
 
 std::size_t read_count(const TomlTable& table, std::string_view key, std::size_t otherwise,
                        std::int64_t lowest) {
-  return static_cast<std::size_t>(table.get_integer_or(
-      key, static_cast<std::int64_t>(otherwise), {.lowest = lowest, .highest = kCount.highest}));
+  return static_cast<std::size_t>(
+      table.get_integer_or(key, static_cast<std::int64_t>(otherwise),
+                           {.lowest = lowest, .highest = kSaltBoxCount.highest}));
 }
 
 void read_features(const TomlTable& table, SaltBoxSettings& settings) {

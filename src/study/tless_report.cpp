@@ -21,7 +21,7 @@ Cell cell_of(const Json& value) {
   return {};
 }
 
-StudyTable table_of(const std::vector<Json>& rows) {
+StudyTable tless_table(const std::vector<Json>& rows) {
   std::vector<std::string> columns;
   for (const auto& entry : rows.front().items()) columns.push_back(entry.key());
   StudyTable table(columns);
@@ -60,7 +60,7 @@ std::vector<double> known(const std::vector<Json>& rows, const std::string& key)
   return values;
 }
 
-Cell median_of(const std::vector<Json>& rows, const std::string& key) {
+Cell tless_median(const std::vector<Json>& rows, const std::string& key) {
   const std::vector<double> values = known(rows, key);
   return values.empty() ? Cell() : Cell(median(values));
 }
@@ -88,7 +88,7 @@ Figures figures_of(const std::vector<Json>& instances, const std::vector<Json>& 
     figures.emplace_back(prefix + "within_share",
                          ratio(sum_of(instances, prefix + "within"), whole));
     for (const char* name : {"rotation_deg", "translation_m", "mssd_m"})
-      figures.emplace_back(prefix + name, median_of(instances, prefix + name));
+      figures.emplace_back(prefix + name, tless_median(instances, prefix + name));
   };
   add("", frames);
   add("detection_", frames);
@@ -121,11 +121,11 @@ StudyReport report_tless(std::span<const std::string> results) {
   for (std::size_t i = 0; i < declared.size(); ++i)
     summary.add({declared[i].first, declared[i].second, none[i].second});
 
-  const StudyTable rows = table_of(instances);
+  const StudyTable rows = tless_table(instances);
   StudyReport report;
   report.files = {{"study.json", format_study("tless", rows, summary)},
                   {"tless.csv", rows.csv()},
-                  {"scenes.csv", table_of(scenes).csv()},
+                  {"scenes.csv", tless_table(scenes).csv()},
                   {"summary.csv", summary.csv()}};
   report.summary = summary.text(4);
   return report;

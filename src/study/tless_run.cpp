@@ -20,7 +20,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kFlipDeg = 20.0;
-constexpr double kSamePlaceM = 0.05;
+constexpr double kFlipPlaceM = 0.05;
 /// The world is the first camera: what is left of its prior.
 constexpr double kStartDeg = 0.01;
 constexpr double kStartM = 1e-4;
@@ -180,7 +180,7 @@ void count_flips(const std::vector<ObjectModel>& models, const SlamRun& run,
       const auto plain = symmetric_pose_error(now->mean(), before->mean(), {});
       const auto symmetric = symmetric_pose_error(now->mean(), before->mean(), group);
       if (degrees(plain.rotation_rad) > kFlipDeg && degrees(symmetric.rotation_rad) < kFlipDeg &&
-          symmetric.translation_m < kSamePlaceM)
+          symmetric.translation_m < kFlipPlaceM)
         ++flips;
     }
   }

@@ -183,6 +183,9 @@ class ObjectSlam {
   void observe_class(MultiObjectFilter& filter, const std::vector<std::size_t>& models,
                      const std::vector<Candidate>& candidates,
                      const std::vector<std::size_t>& members, FrameReport& report);
+  /// T_camera_object of the leading hypothesis, at most as uncertain as by one detection.
+  ConcentratedGaussian<SE3d> predicted_instance(const MultiObjectFilter& filter,
+                                                std::size_t object) const;
   CandidateReport new_instance(MultiObjectFilter& filter, const std::vector<std::size_t>& models);
 
   /// When and how often an object was seen.
@@ -197,6 +200,7 @@ class ObjectSlam {
   std::vector<std::optional<std::size_t>> indices_;
   AssociationSettings association_;
   std::size_t confirming_detections_;
+  double birth_covariance_factor_;
   std::vector<Sightings> sightings_;
   std::size_t frame_ = 0;
   Hypothesis estimate_;
