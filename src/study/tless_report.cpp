@@ -96,6 +96,8 @@ Figures figures_of(const std::vector<Json>& instances, const std::vector<Json>& 
   for (const char* name : {"detections", "confirmed", "false_confirmed", "recycled"})
     figures.emplace_back(name, sum_of(scenes, name));
   figures.emplace_back("flip_share", ratio(sum_of(scenes, "flips"), sum_of(scenes, "steps")));
+  figures.emplace_back("axis_turn_share",
+                       ratio(sum_of(scenes, "axis_turns"), sum_of(scenes, "axis_steps")));
   for (const char* name :
        {"camera_rotation_rmse_deg", "camera_position_rmse_m",
         "synthetic_odometry_rotation_rmse_deg", "synthetic_odometry_position_rmse_m"})

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 
@@ -161,11 +162,12 @@ void count_instances(const TlessScene& scene, const std::vector<ObjectModel>& mo
   row["false_confirmed"] = wrong;
 }
 
-/// Jumps of the world estimates to another equivalent, of those from one frame to the next.
+/// Jumps of the world estimates to another equivalent, of those from one frame to the next; turns
+/// about an axis of symmetry, which no detection tells, are counted for themselves.
 void count_flips(const std::vector<ObjectModel>& models, const SlamRun& run,
                  const TlessMetric& metric, Json& row) {
-  std::int64_t steps = 0;
-  std::int64_t flips = 0;
+  std::array<std::int64_t, 2> steps{0, 0};
+  std::array<std::int64_t, 2> flips{0, 0};
   for (std::size_t k = 1; k < run.frames.size(); ++k) {
     std::vector<bool> is_new(models.size(), false);
     for (const CandidateReport& candidate : run.frames[k].report.candidates) {
@@ -175,17 +177,20 @@ void count_flips(const std::vector<ObjectModel>& models, const SlamRun& run,
       const auto& before = run.frames[k - 1].objects[m];
       const auto& now = run.frames[k].objects[m];
       if (!before || !now || is_new[m]) continue;
-      ++steps;
       const SymmetryGroup& group = metric.symmetries(models[m].class_id);
+      const std::size_t kind = group.axes().empty() ? 0 : 1;
+      ++steps[kind];
       const auto plain = symmetric_pose_error(now->mean(), before->mean(), {});
       const auto symmetric = symmetric_pose_error(now->mean(), before->mean(), group);
       if (degrees(plain.rotation_rad) > kFlipDeg && degrees(symmetric.rotation_rad) < kFlipDeg &&
           symmetric.translation_m < kFlipPlaceM)
-        ++flips;
+        ++flips[kind];
     }
   }
-  row["steps"] = steps;
-  row["flips"] = flips;
+  row["steps"] = steps[0];
+  row["flips"] = flips[0];
+  row["axis_steps"] = steps[1];
+  row["axis_turns"] = flips[1];
 }
 
 void count_candidates(const SlamRun& run, Json& row) {

@@ -45,7 +45,8 @@ TlessStudySettings read_tless_settings(const TomlTable& table);
 ///
 /// Report: study.json and tless.csv (one row per scene, symmetries and true instance), scenes.csv
 /// (camera, false instances, flips), summary.csv. A flip: the world estimate of one instance turns
-/// by more than 20 deg from one frame to the next while to the nearest equivalent it turns by less.
+/// by more than 20 deg from one frame to the next while to the nearest equivalent it turns by less;
+/// for objects with an axis of symmetry such turns are counted apart.
 /// @throws InvalidInput when the data are not there, or have none of the scenes
 Study make_tless_study(const TlessStudySettings& settings);
 
