@@ -25,6 +25,7 @@
 #include "posemix/study/noise.hpp"
 #include "posemix/study/run_study.hpp"
 #include "posemix/study/salt_box.hpp"
+#include "posemix/study/tless_study.hpp"
 #include "posemix/study/ycbv.hpp"
 #include "progress.hpp"
 #include "summary.hpp"
@@ -99,6 +100,13 @@ const std::array kStudies{
               "posemix study salt-box --out out/salt-box", false, false,
               [](const TomlTable& table, const StudyOptions&) {
                 return make_salt_box_study(read_salt_box_settings(table));
+              }},
+    StudyVerb{"tless", "Several equal and symmetric objects, by detections that name a class",
+              "posemix study tless --set 'scenes=[2, 4]' --out out/tless", true, false,
+              [](const TomlTable& table, const StudyOptions& options) {
+                TlessStudySettings settings = read_tless_settings(table);
+                settings.data = data_folder(options);
+                return make_tless_study(settings);
               }}};
 
 Study read_study(const StudyVerb& verb, const StudyOptions& options) {

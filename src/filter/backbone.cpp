@@ -52,6 +52,16 @@ void Backbone::replace(std::size_t index, const SE3d& pose, const Matrix6d& cova
   block(covariance_, index, index) = covariance;
 }
 
+void Backbone::erase(std::size_t index) {
+  poses_.erase(poses_.begin() + static_cast<std::ptrdiff_t>(index));
+  std::vector<Index> kept;
+  const Index at = offset(index);
+  for (Index i = 0; i < covariance_.rows(); ++i) {
+    if (i < at || i >= at + kPoseDof) kept.push_back(i);
+  }
+  covariance_ = MatrixXd(covariance_(kept, kept));
+}
+
 void Backbone::set_rows(std::size_t index, const SE3d& pose, const MatrixXd& values,
                         const Matrix6d& covariance) {
   poses_[index] = pose;

@@ -46,6 +46,9 @@ class Backbone {
   void replace(std::size_t index, const SE3d& pose, const Matrix6d& covariance,
                const Matrix6d& with_camera);
 
+  /// Drops the pose at `index`; those behind it move up. What is left keeps its moments.
+  void erase(std::size_t index);
+
   /// The pose at `index` with its rows, of which the block at `index` itself is not looked at.
   void set_rows(std::size_t index, const SE3d& pose, const Eigen::MatrixXd& rows,
                 const Matrix6d& covariance);

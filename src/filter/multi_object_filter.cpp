@@ -94,10 +94,11 @@ class MultiObjectFilter::State {
                      squared_distance_at(given.merge_probability, "merge_probability")},
         backbone(camera) {
     check(settings);
-    for (ObjectSensor& sensor : sensors) objects.push_back({std::move(sensor)});
+    for (ObjectSensor& sensor : sensors) objects.push_back({.sensor = std::move(sensor)});
   }
 
   ObjectUpdateReport update(std::size_t j, const SE3d& detected);
+  void forget(std::size_t j);
 
   void pass(double dt) {
     now_s += dt;
@@ -189,6 +190,28 @@ void MultiObjectFilter::State::begin(ObjectState& object) {
     return &other == &object ? other.detections == 1 : other.detections == 0;
   });
   if (first) backbone.covariance() *= before / factor();
+}
+
+/// When the last object is forgotten the filter's covariances become those of the true error again,
+/// see begin().
+void MultiObjectFilter::State::forget(std::size_t j) {
+  const double before = factor();
+  ObjectState& object = objects[j];
+  if (object.index) {
+    const std::size_t erased = *object.index;
+    backbone.erase(erased);
+    for (ObjectState& other : objects) {
+      if (other.index && *other.index > erased) --*other.index;
+    }
+    if (motion && *motion > erased) --*motion;
+  }
+  ObjectSensor sensor = std::move(object.sensor);
+  sensor.noise_scale = object.given_noise_scale;
+  object = {.sensor = std::move(sensor)};
+  if (std::all_of(objects.begin(), objects.end(),
+                  [](const ObjectState& other) { return other.detections == 0; })) {
+    backbone.covariance() *= before / factor();
+  }
 }
 
 /// The object's covariance grows by the map's drift since its last detection, and by what no
@@ -427,6 +450,13 @@ ObjectUpdateReport MultiObjectFilter::update(std::size_t object, const SE3d& cam
     throw InvalidInput(fmt::format("detection of object {}, but there are {}", object, objects()));
   }
   return state_->update(object, camera_object);
+}
+
+void MultiObjectFilter::forget(std::size_t object) {
+  if (object >= objects()) {
+    throw InvalidInput(fmt::format("object {} to forget, but there are {}", object, objects()));
+  }
+  state_->forget(object);
 }
 
 std::size_t MultiObjectFilter::objects() const { return state_->objects.size(); }

@@ -16,6 +16,7 @@ namespace posemix::internal {
 /// the entry of the list holds the rest.
 struct ObjectState {
   ObjectSensor sensor;
+  Vector6d given_noise_scale = sensor.noise_scale;  ///< before anything was learned
   std::vector<ObjectHypothesis> hypotheses = {};
   double log_absent = 0.0;
   std::size_t leading = 0;

@@ -12,8 +12,8 @@ namespace posemix {
 namespace {
 
 constexpr double kWidth = 1000.0;
-constexpr double kMapLeft = 64.0;
-constexpr SvgBox kMap{kMapLeft, 100.0, 600.0, 460.0};
+constexpr double kPictureLeft = 64.0;
+constexpr SvgBox kMap{kPictureLeft, 100.0, 600.0, 460.0};
 constexpr double kLegendLeft = 688.0;
 constexpr double kStripTop = 636.0;
 constexpr double kStripHeight = 84.0;
@@ -117,7 +117,7 @@ void draw_strips(SvgDocument& svg, const SlamJob& job, const SlamRun& run, const
   const bool known = std::any_of(
       metrics.objects.begin(), metrics.objects.end(),
       [](const ObjectMetrics& object) { return object.relative.rotation_rmse_deg.has_value(); });
-  svg.text({kMapLeft, kStripTop - 10},
+  svg.text({kPictureLeft, kStripTop - 10},
            known ? "Rotation of the object relative to the camera [deg]: error of the estimate "
                    "(line) and of the "
                    "detector (dots), 3-sigma width (shade)"
@@ -125,7 +125,7 @@ void draw_strips(SvgDocument& svg, const SlamJob& job, const SlamRun& run, const
            {.size = 12.5, .bold = true});
   for (std::size_t i = 0; i < shown; ++i) {
     const double top = kStripTop + static_cast<double>(i) * (kStripHeight + kStripGap);
-    draw_strip(svg, {kMapLeft, top, kWidth - kMapLeft - 28, kStripHeight}, job, i,
+    draw_strip(svg, {kPictureLeft, top, kWidth - kPictureLeft - 28, kStripHeight}, job, i,
                strip_curves(job, run, i), i + 1 == shown);
   }
 }
@@ -137,8 +137,8 @@ std::string format_picture(const SlamJob& job, const SlamRun& run, const Metrics
   const double height = kStripTop + static_cast<double>(shown) * (kStripHeight + kStripGap) + 34.0;
   const std::string title = fmt::format("{}: {}", job.name, job.method);
   SvgDocument svg(kWidth, height, title);
-  svg.text({kMapLeft, 34}, title, {.size = 20, .bold = true});
-  svg.text({kMapLeft, 58}, headline(job, run, metrics),
+  svg.text({kPictureLeft, 34}, title, {.size = 20, .bold = true});
+  svg.text({kPictureLeft, 58}, headline(job, run, metrics),
            {.size = 14, .fill = std::string(kAxisColour)});
   draw_map(svg, kMap, job, run);
   draw_legend(svg, job, metrics);

@@ -20,6 +20,7 @@ FrameInput frame_input(const Sequence& sequence, std::size_t frame) {
   FrameInput input;
   for (const ObjectRecording& object : sequence.objects)
     input.detections.push_back(object.detections[frame]);
+  if (!sequence.candidates.empty()) input.candidates = sequence.candidates[frame];
   if (frame == 0) return input;
   input.dt = sequence.stamps[frame] - sequence.stamps[frame - 1];
   if (sequence.odometry.empty()) return input;

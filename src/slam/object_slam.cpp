@@ -79,11 +79,18 @@ ObjectSlam::ObjectSlam(const ConcentratedGaussian<SE3d>& camera, std::vector<Obj
       motion_(settings.motion),
       filter_(make_filter(camera, objects_, settings)),
       indices_(objects_.size()),
+      association_(settings.association),
+      confirming_detections_(settings.confirming_detections),
+      birth_covariance_factor_(settings.multi_object.birth_covariance_factor),
+      sightings_(objects_.size()),
       estimate_(summary_of(filter_)) {
   require(motion_.period_s > 0.0, "motion: period_s must be positive");
 }
 
-FrameReport ObjectSlam::start(const Detections& detections) { return observe(detections); }
+FrameReport ObjectSlam::start(const Detections& detections,
+                              const std::vector<Candidate>& candidates) {
+  return observe(detections, candidates);
+}
 
 FrameReport ObjectSlam::step(const FrameInput& input) {
   if (!(input.dt > 0.0)) {
@@ -91,7 +98,7 @@ FrameReport ObjectSlam::step(const FrameInput& input) {
   }
   const auto start = SlamClock::now();
   std::visit([&](auto& filter) { predict(filter, input); }, filter_);
-  FrameReport report = observe(input.detections);
+  FrameReport report = observe(input.detections, input.candidates);
   report.seconds = elapsed_s(start);
   return report;
 }
@@ -132,14 +139,28 @@ void ObjectSlam::predict(MultiObjectFilter& filter, const FrameInput& input) con
   }
 }
 
-FrameReport ObjectSlam::observe(const Detections& detections) {
+FrameReport ObjectSlam::observe(const Detections& detections,
+                                const std::vector<Candidate>& candidates) {
   if (detections.size() != objects_.size()) {
     throw InvalidInput(
         fmt::format("frame: {} detections for {} objects", detections.size(), objects_.size()));
   }
+  auto* multi_object = std::get_if<MultiObjectFilter>(&filter_);
+  if (multi_object == nullptr && !candidates.empty()) {
+    throw InvalidInput(
+        fmt::format("frame: {} candidates for the Gaussian-sum filter, expected detections that "
+                    "name their object, or the multi-object filter",
+                    candidates.size()));
+  }
+  ++frame_;
   FrameReport report;
   report.fates.assign(objects_.size(), DetectionFate::none);
   std::visit([&](auto& filter) { observe(filter, detections, report); }, filter_);
+  if (!candidates.empty()) {
+    const auto start = SlamClock::now();
+    observe_candidates(*multi_object, candidates, report);
+    report.update.update_seconds += elapsed_s(start);
+  }
   estimate_ = summary_of(filter_);
   return report;
 }
@@ -148,17 +169,23 @@ void ObjectSlam::observe(MultiObjectFilter& filter, const Detections& detections
                          FrameReport& report) {
   const auto start = SlamClock::now();
   for (std::size_t object = 0; object < objects_.size(); ++object) {
-    if (!detections[object]) continue;
-    const bool known = filter.leading(object).has_value();
-    const ObjectUpdateReport update = filter.update(object, *detections[object]);
-    report.update.log_evidence += update.log_evidence;
-    report.merges += update.merges;
-    report.fates[object] = !known                    ? DetectionFate::started
-                           : update.started          ? DetectionFate::born
-                           : update.null_share > 0.5 ? DetectionFate::doubted
-                                                     : DetectionFate::used;
+    if (detections[object]) update(filter, object, *detections[object], report);
   }
   report.update.update_seconds = elapsed_s(start);
+}
+
+void ObjectSlam::update(MultiObjectFilter& filter, std::size_t object, const SE3d& detected,
+                        FrameReport& report) {
+  const bool known = filter.leading(object).has_value();
+  const ObjectUpdateReport update = filter.update(object, detected);
+  ++sightings_[object].count;
+  sightings_[object].last_frame = frame_;
+  report.update.log_evidence += update.log_evidence;
+  report.merges += update.merges;
+  report.fates[object] = !known                    ? DetectionFate::started
+                         : update.started          ? DetectionFate::born
+                         : update.null_share > 0.5 ? DetectionFate::doubted
+                                                   : DetectionFate::used;
 }
 
 void ObjectSlam::observe(GaussianSumFilter& filter, const Detections& detections,
@@ -168,6 +195,7 @@ void ObjectSlam::observe(GaussianSumFilter& filter, const Detections& detections
   std::vector<std::size_t> known_objects;
   for (std::size_t object = 0; object < objects_.size(); ++object) {
     if (!detections[object] || !indices_[object]) continue;
+    ++sightings_[object].count;
     known.push_back({*indices_[object], *detections[object], &objects_[object].noise});
     known_objects.push_back(object);
   }
@@ -189,6 +217,7 @@ void ObjectSlam::observe(GaussianSumFilter& filter, const Detections& detections
             ? filter.add_independent_object(*detections[object], *model.independent_start)
             : filter.add_object(*detections[object], model.noise);
     report.fates[object] = DetectionFate::started;
+    ++sightings_[object].count;
   }
 }
 

@@ -40,6 +40,8 @@ SlamRun run_particle_filter(const Sequence& sequence, const PoseDensity& camera_
                             const std::vector<ObjectModel>& models,
                             const ParticleFilterSettings& settings, const RunOptions& options) {
   internal::check_run(sequence, models);
+  require(sequence.candidates.empty(),
+          "the particle filter needs detections that name their object, got candidates");
   check_particles(settings);
   internal::ParticleCloud cloud(camera_prior, models, settings);
   const std::size_t count = sequence.stamps.size();

@@ -48,7 +48,7 @@ SlamRun run(const Sequence& sequence, const PoseDensity& camera_prior,
   frames.reserve(count);
   for (std::size_t k = 0; k < count; ++k) {
     const FrameInput input = internal::frame_input(sequence, k);
-    FrameReport report = k == 0 ? slam.start(input.detections) : slam.step(input);
+    FrameReport report = k == 0 ? slam.start(input.detections, input.candidates) : slam.step(input);
     frames.push_back(estimate_of(slam, std::move(report), options.record_hypotheses));
     if (options.progress && !options.progress(k + 1, count)) break;
   }

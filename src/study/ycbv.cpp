@@ -16,7 +16,7 @@
 namespace posemix {
 namespace {
 
-struct Item {
+struct YcbvItem {
   Recording recording;
   YcbvMethod method;
 };
@@ -42,9 +42,9 @@ std::vector<Recording> select_recordings(const YcbvStudySettings& settings) {
   return recordings;
 }
 
-std::vector<Item> make_items(const YcbvStudySettings& settings,
-                             const std::vector<Recording>& recordings) {
-  std::vector<Item> items;
+std::vector<YcbvItem> make_items(const YcbvStudySettings& settings,
+                                 const std::vector<Recording>& recordings) {
+  std::vector<YcbvItem> items;
   const auto names = settings.methods.empty() ? ycbv_methods() : settings.methods;
   std::vector<YcbvMethod> methods(names.size());
   std::transform(names.begin(), names.end(), methods.begin(), find_ycbv_method);
@@ -59,7 +59,7 @@ std::vector<Item> make_items(const YcbvStudySettings& settings,
 }
 
 /// Everything that the result follows from but the recordings' contents.
-std::string settings_text(const YcbvStudySettings& settings, const std::vector<Item>& items) {
+std::string settings_text(const YcbvStudySettings& settings, const std::vector<YcbvItem>& items) {
   nlohmann::ordered_json json;
   json["data"] = settings.data.string();
   json["set"] = settings.overrides;
@@ -106,8 +106,8 @@ YcbvStudySettings read_ycbv_settings(const TomlTable& table) {
 }
 
 Study make_ycbv_study(const YcbvStudySettings& settings) {
-  auto items =
-      std::make_shared<const std::vector<Item>>(make_items(settings, select_recordings(settings)));
+  auto items = std::make_shared<const std::vector<YcbvItem>>(
+      make_items(settings, select_recordings(settings)));
   Study study;
   study.name = "ycbv";
   study.settings = settings_text(settings, *items);

@@ -118,6 +118,12 @@ class MultiObjectFilter {
   /// @throws InvalidInput when there is no such object
   ObjectUpdateReport update(std::size_t object, const SE3d& camera_object);
 
+  /// The object is as if never seen: no hypotheses, absence certain, its noise as given. What its
+  /// detections said about the camera and about others stays. Indices of the backbone behind its
+  /// own move up by one.
+  /// @throws InvalidInput when there is no such object
+  void forget(std::size_t object);
+
   std::size_t objects() const;
   /// Detections of an object that count as one, over all objects.
   double dependent_detections() const;

@@ -4,22 +4,15 @@
 
 #include <cstddef>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "posemix/density/concentrated_gaussian.hpp"
 #include "posemix/filter/detector_noise.hpp"
 #include "posemix/filter/symmetry.hpp"
+#include "posemix/slam/candidate.hpp"
 
 /// Which instance of a class of objects a detection is of.
 namespace posemix {
-
-/// A detection that names the class of the object, not which one of several it is.
-struct Candidate {
-  std::string class_id;
-  SE3d camera_object;  ///< T_camera_object as detected
-  double score = 0.0;  ///< the detector's confidence, larger is surer
-};
 
 struct AssociationSettings {
   /// Part of the distribution of the position's error (chi-square, 3 degrees of freedom) within
@@ -38,7 +31,8 @@ struct AssociationSettings {
 enum class CandidateFate {
   assigned,  ///< of a known instance
   fresh,     ///< of an instance not known so far
-  rejected   ///< of none: a second detection of one object, or below the score of a new one
+  rejected,  ///< of none: a second detection of one object, or below the score of a new one
+  dropped    ///< fresh, but there is no model of its class, or none is free (ObjectSlam)
 };
 
 /// What a candidate is.

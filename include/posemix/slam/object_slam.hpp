@@ -11,6 +11,7 @@
 #include "posemix/base/units.hpp"
 #include "posemix/filter/gaussian_sum_filter.hpp"
 #include "posemix/filter/multi_object_filter.hpp"
+#include "posemix/slam/association.hpp"
 
 /// Object SLAM, live: one call per frame.
 namespace posemix {
@@ -62,7 +63,7 @@ struct MotionSettings {
   double period_s = 0.1;  ///< reference period of the constant-velocity motion
 };
 
-/// A class of objects as the tracker knows it.
+/// One object as the tracker knows it.
 struct ObjectModel {
   std::string id;
   DetectorNoise noise = default_detector_noise();
@@ -72,6 +73,10 @@ struct ObjectModel {
   std::optional<Matrix6d> independent_start = {};
   /// Motions of the object's frame that no detector can tell; for the multi-object filter.
   SymmetryGroup symmetries = {};
+  /// Objects that no detector can tell apart share a class; FrameInput::candidates are of classes.
+  /// They are alike: noise and symmetries of a class are those of its first model. Empty: the
+  /// object is a class of its own, named as its id.
+  std::string class_id = {};
 };
 
 /// The filter behind object SLAM.
@@ -86,6 +91,10 @@ struct ObjectSlamSettings {
   MultiObjectSettings multi_object;  ///< has_odometry follows from the motion model
   FilterSettings filter;             ///< of SlamFilter::gaussian_sum
   MotionSettings motion;
+  AssociationSettings association;  ///< of candidates; for the multi-object filter
+  /// An instance with fewer detections is tentative: its model is used again where a candidate
+  /// begins a new instance of the class and no model is free.
+  std::size_t confirming_detections = 3;
 };
 
 /// What happened to one object in one frame.
@@ -104,11 +113,21 @@ struct FrameInput {
   double dt = 0.0;                              ///< seconds since the last frame
   std::optional<SE3d> odometry;                 ///< T_camera(k-1)_camera(k)
   std::vector<std::optional<SE3d>> detections;  ///< T_camera_object, one entry per object model
+  /// Detections that name a class, for the multi-object filter; each is of one instance at most.
+  std::vector<Candidate> candidates = {};
+};
+
+/// What became of a candidate.
+struct CandidateReport {
+  CandidateFate fate = CandidateFate::rejected;
+  std::optional<std::size_t> object = {};  ///< the model that took it, where assigned or fresh
+  bool recycled = false;                   ///< another instance was forgotten for it
 };
 
 /// Report of one frame.
 struct FrameReport {
-  std::vector<DetectionFate> fates;  ///< one per object model
+  std::vector<DetectionFate> fates;         ///< one per object model
+  std::vector<CandidateReport> candidates;  ///< one per candidate
   UpdateReport update;
   std::size_t merges = 0;
   double seconds = 0.0;  ///< predict, update, reduce and summarise
@@ -125,9 +144,14 @@ class ObjectSlam {
              const ObjectSlamSettings& settings);
 
   /// The first frame: detections only, nothing moves. Every later frame: `step`.
-  /// @throws InvalidInput when the number of detections is not that of the object models, or dt is
-  /// not positive
-  FrameReport start(const std::vector<std::optional<SE3d>>& detections);
+  ///
+  /// Candidates are associated class by class (posemix::associate), after the detections: those of
+  /// a known instance update it; those of none take the next free model of the class, or that of
+  /// the tentative instance that was not seen for longest.
+  /// @throws InvalidInput when the number of detections is not that of the object models, dt is not
+  /// positive, or the Gaussian-sum filter gets candidates
+  FrameReport start(const std::vector<std::optional<SE3d>>& detections,
+                    const std::vector<Candidate>& candidates = {});
   FrameReport step(const FrameInput& input);
 
   /// The joint posterior; of the multi-object filter camera and leading hypotheses.
@@ -139,20 +163,46 @@ class ObjectSlam {
   /// The multi-object filter where it is the one behind this, else nothing.
   const MultiObjectFilter* multi_object() const { return std::get_if<MultiObjectFilter>(&filter_); }
   const std::vector<ObjectModel>& objects() const { return objects_; }
+  /// Detections that made the object what it is, candidates included; zero again when another
+  /// instance takes its model.
+  std::size_t detections(std::size_t object) const { return sightings_[object].count; }
 
  private:
   void predict(GaussianSumFilter& filter, const FrameInput& input) const;
   void predict(MultiObjectFilter& filter, const FrameInput& input) const;
-  FrameReport observe(const std::vector<std::optional<SE3d>>& detections);
+  FrameReport observe(const std::vector<std::optional<SE3d>>& detections,
+                      const std::vector<Candidate>& candidates);
   void observe(GaussianSumFilter& filter, const std::vector<std::optional<SE3d>>& detections,
                FrameReport& report);
   void observe(MultiObjectFilter& filter, const std::vector<std::optional<SE3d>>& detections,
                FrameReport& report);
+  void update(MultiObjectFilter& filter, std::size_t object, const SE3d& detected,
+              FrameReport& report);
+  void observe_candidates(MultiObjectFilter& filter, const std::vector<Candidate>& candidates,
+                          FrameReport& report);
+  void observe_class(MultiObjectFilter& filter, const std::vector<std::size_t>& models,
+                     const std::vector<Candidate>& candidates,
+                     const std::vector<std::size_t>& members, FrameReport& report);
+  /// T_camera_object of the leading hypothesis, at most as uncertain as by one detection.
+  ConcentratedGaussian<SE3d> predicted_instance(const MultiObjectFilter& filter,
+                                                std::size_t object) const;
+  CandidateReport new_instance(MultiObjectFilter& filter, const std::vector<std::size_t>& models);
+
+  /// When and how often an object was seen.
+  struct Sightings {
+    std::size_t count = 0;
+    std::size_t last_frame = 0;
+  };
 
   std::vector<ObjectModel> objects_;
   MotionSettings motion_;
   std::variant<GaussianSumFilter, MultiObjectFilter> filter_;
   std::vector<std::optional<std::size_t>> indices_;
+  AssociationSettings association_;
+  std::size_t confirming_detections_;
+  double birth_covariance_factor_;
+  std::vector<Sightings> sightings_;
+  std::size_t frame_ = 0;
   Hypothesis estimate_;
 };
 

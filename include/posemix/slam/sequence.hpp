@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "posemix/lie/lie.hpp"
+#include "posemix/slam/candidate.hpp"
 
 /// A recording as plain data. Every vector over frames has one entry per stamp.
 namespace posemix {
@@ -27,6 +28,8 @@ struct Sequence {
   std::vector<std::optional<SE3d>> odometry;      ///< T_odom_camera; no entries: no odometry at all
   std::vector<std::optional<SE3d>> camera_truth;  ///< true T_world_camera; no entries where unknown
   std::vector<ObjectRecording> objects;
+  /// Detections that do not say which instance they are of; no entries: there are none.
+  std::vector<std::vector<Candidate>> candidates = {};
 };
 
 /// @throws InvalidInput when there is no frame, stamps do not increase, a vector has the wrong
