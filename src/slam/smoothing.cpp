@@ -3,7 +3,6 @@
 #include "posemix/slam/smoothing.hpp"
 
 #include <chrono>
-#include <cmath>
 #include <utility>
 
 #include "frames.hpp"
@@ -109,14 +108,14 @@ void FixedLagSmoother::add_alternatives(std::span<const FrameInput* const> input
     for (std::size_t h = 0; h < list.size(); ++h) {
       Modes modes = leading_modes(now);
       const bool leads = modes[j] == h;
-      if (!leads && list[h].log_weight < std::log(smoothing_.least_weight)) continue;
+      if (!leads && list[h].probability < smoothing_.least_weight) continue;
       modes[j] = h;
       const SmoothingWindow window(before_, now, motion_, modes);
       const auto joint = leads ? leading : window.smooth(inputs, smoothing_.passes);
       for (std::size_t k = 0; k < estimates.size(); ++k) {
         if (!estimates[k].pose_indices[j]) continue;
         estimates[k].alternatives[j].push_back(
-            {list[h].log_weight, joint[k].mean()[*window.pose_index(j)], list[h].id});
+            {list[h].probability, joint[k].mean()[*window.pose_index(j)], list[h].id});
       }
     }
   }

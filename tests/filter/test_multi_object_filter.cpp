@@ -74,6 +74,31 @@ TEST(MultiObjectFilter, AYoungHypothesisIsKeptThoughEveryOldOneIsHeavier) {
   EXPECT_TRUE(is_right(filter, scene, 0));
 }
 
+TEST(MultiObjectFilter, AKnownModeBeginsWithEveryObject) {
+  // One detection in five is turned by 90 degrees, the first among them.
+  const SE3d turn = pose(0, 0, 0.5 * std::numbers::pi, 0, 0, 0);
+  std::vector<NoiseComponent> components = ray_noise().components();
+  components.push_back(components.front());
+  components.back().weight = 0.2;
+  components.back().offset = turn;
+  OrbitScene scene(12, 1, 0.02, 3e-4);
+  MultiObjectFilter filter(ConcentratedGaussian<SE3d>(scene.camera, isotropic(0.1, 0.002)),
+                           {{DetectorNoise(components, {.weight = 0.1, .volume_m3 = 1.0})}},
+                           plain_settings());
+  for (int frame = 0; frame < 60; ++frame) {
+    if (frame > 0) filter.predict_with_odometry(scene.advance(), scene.q, 0.1);
+    const SE3d seen = scene.detect(0, 0.0, 0.0);
+    filter.update(0, frame % 5 == 0 ? seen * turn : seen);
+    if (frame == 0) {
+      ASSERT_EQ(filter.hypotheses(0).size(), 2U);
+      // 0.77 of the components' weight are of the mode without an offset, 0.2 of the other.
+      const auto list = filter.hypotheses(0);
+      EXPECT_NEAR(list[0].log_weight - list[1].log_weight, std::log(0.77 / 0.2), 1e-9);
+    }
+  }
+  EXPECT_TRUE(is_right(filter, scene, 0));
+}
+
 TEST(MultiObjectFilter, AGrossErrorMovesNothing) {
   OrbitScene scene(3, 2, 0.01, 1e-4);
   MultiObjectFilter filter = make(scene, plain_settings());

@@ -56,11 +56,9 @@ TEST(MultiObjectSimulation, TheRightModeLeadsAtTheEnd) {
     const Sequence sequence = simulated.sequence();
     std::vector<ObjectModel> models;
     for (const SimulationObject& one : config.objects) models.push_back({.id = one.id});
-    const SlamRun result = run(sequence, camera_prior(config, simulated), models,
-                               {.kind = SlamFilter::multi_object,
-                                .multi_object = {},
-                                .filter = {},
-                                .motion = motion_settings(config)});
+    ObjectSlamSettings settings;
+    settings.motion = motion_settings(config);
+    const SlamRun result = run(sequence, camera_prior(config, simulated), models, settings);
     const FrameEstimate& last = result.frames.back();
     for (std::size_t j = 0; j < models.size(); ++j) {
       ++objects;

@@ -37,9 +37,9 @@ Sequence perfect_sequence() {
 }
 
 SlamRun run_default(const Sequence& sequence, const RunOptions& options = {}) {
-  return run(sequence, kPrior, {{"mug", gaussian_noise(), std::nullopt}},
-             {.kind = SlamFilter::gaussian_sum, .multi_object = {}, .filter = {}, .motion = {}},
-             options);
+  ObjectSlamSettings settings;
+  settings.kind = SlamFilter::gaussian_sum;
+  return run(sequence, kPrior, {{"mug", gaussian_noise(), std::nullopt}}, settings, options);
 }
 
 TEST(Run, PerfectInputGivesPerfectOutput) {

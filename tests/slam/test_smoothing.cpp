@@ -306,8 +306,8 @@ TEST(Smoothing, TheModeOfTheEndHoldsFromTheBeginning) {
   const auto& first = smoothed.frames.front().alternatives[0];
   ASSERT_FALSE(first.empty());
   for (const ObjectAlternative& each : first) {
-    EXPECT_LE(each.log_weight, 0.0);
-    EXPECT_GE(each.log_weight, std::log(SmoothingSettings().least_weight));
+    EXPECT_LE(each.probability, 1.0);
+    EXPECT_GE(each.probability, SmoothingSettings().least_weight);
   }
   EXPECT_TRUE(run_smoothed(sequence, prior, models, {}, {}).frames[0].alternatives.empty());
 }

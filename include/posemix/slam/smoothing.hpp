@@ -21,7 +21,7 @@ struct SmoothingSettings {
   /// Forward and backward passes. The first is linearised where it predicts, each further one where
   /// the one before it ended, which also weighs the noise's components anew.
   std::size_t passes = 3;
-  /// Hypotheses of an object with at least this weight are smoothed, where they are asked for
+  /// Hypotheses of an object with at least this probability are smoothed, where they are asked for
   /// (RunOptions::record_hypotheses); the leading one always is.
   double least_weight = 1e-6;
 };
@@ -76,9 +76,9 @@ class FixedLagSmoother {
 
 /// `run` with smoothed estimates. Objects are reported from the frame on in which they were first
 /// detected, on the mode that leads in the end (for a lag: when the frame is reported), which may
-/// not be the first one; mode_probabilities and weights are those of then. `alternatives` of the
-/// frames hold the hypotheses of then, each smoothed in place of the leading one. The posterior is
-/// the smoothed one of the last frame, in the order camera, motion, objects.
+/// not be the first one; mode_probabilities and probabilities are those of then. `alternatives` of
+/// the frames hold the hypotheses of then, each smoothed in place of the leading one. The posterior
+/// is the smoothed one of the last frame, in the order camera, motion, objects.
 /// @throws InvalidInput as `run` and FixedLagSmoother
 SlamRun run_smoothed(const Sequence& sequence, const PoseDensity& camera_prior,
                      const std::vector<ObjectModel>& models, const ObjectSlamSettings& settings,
