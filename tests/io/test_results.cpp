@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include "posemix/io/mixture_file.hpp"
 #include "posemix/io/results.hpp"
 
 #include <algorithm>
@@ -90,15 +91,16 @@ TEST(Results, MetricsFollowTheSchema) {
     return names;
   };
   EXPECT_EQ(keys(metrics), (std::vector<std::string>{"camera", "consistency", "frames", "method",
-                                                     "objects", "schema", "timing"}));
+                                                     "objects", "odometry", "schema", "timing"}));
   EXPECT_EQ(
       keys(metrics["camera"]),
       (std::vector<std::string>{"position_log_rmse_m", "position_rmse_m", "rotation_rmse_deg"}));
-  EXPECT_EQ(keys(metrics["objects"]["mug"]),
-            (std::vector<std::string>{"detection_relative_position_rmse_m",
-                                      "detection_relative_rotation_rmse_deg", "detections", "gated",
-                                      "position_rmse_m", "relative_position_rmse_m",
-                                      "relative_rotation_rmse_deg", "rotation_rmse_deg"}));
+  EXPECT_EQ(
+      keys(metrics["objects"]["mug"]),
+      (std::vector<std::string>{
+          "detection_relative_position_rmse_m", "detection_relative_rotation_rmse_deg",
+          "detections", "gated", "mode_probability", "position_rmse_m", "relative_position_rmse_m",
+          "relative_rotation_rmse_deg", "right_mode_share", "rotation_rmse_deg"}));
   EXPECT_EQ(keys(metrics["timing"]),
             (std::vector<std::string>{"frame_median_us", "merges_per_frame", "reduce_median_us",
                                       "update_median_us"}));
@@ -107,6 +109,26 @@ TEST(Results, MetricsFollowTheSchema) {
             *results().metrics.objects[2].relative.rotation_rmse_deg);
   EXPECT_EQ(metrics["consistency"]["relative_anees"]["box"].get<double>(),
             *results().metrics.objects[1].relative_anees);
+}
+
+TEST(Results, TheMultiObjectFilterWritesItsHypotheses) {
+  const Results all({"filter={}"});
+  ASSERT_TRUE(all.files.contains("mixture_mug.json"));
+  const MixtureFile file = parse_mixture(all.files.at("mixture_mug.json"), "mixture_mug.json");
+  EXPECT_EQ(file.frames, (FrameNames{"world", "mug"}));
+  const auto& mixture = std::get<Mixture<ConcentratedGaussian<SE3d>>>(file.mixture);
+  EXPECT_GE(mixture.size(), 1U);
+  const json trace = json::parse(all.files.at("trace.json"));
+  const json& mug = trace["objects"]["mug"];
+  ASSERT_EQ(mug["mode_probability"].size(), kSmallFrames);
+  ASSERT_EQ(mug["alternatives"].size(), kSmallFrames);
+  const json metrics = json::parse(all.files.at("metrics.json"));
+  EXPECT_EQ(metrics["method"], "multi-object");
+  const double probability = metrics["objects"]["mug"]["mode_probability"];
+  EXPECT_GT(probability, 0.0);
+  EXPECT_LE(probability, 1.0);
+  EXPECT_NEAR(mug["mode_probability"].back().get<double>(), probability, 1e-9);
+  EXPECT_NEAR(mug["alternatives"].back()[0]["probability"].get<double>(), probability, 1e-6);
 }
 
 TEST(Results, NullWithoutGroundTruth) {

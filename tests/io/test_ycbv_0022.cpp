@@ -71,7 +71,7 @@ TEST(Ycbv0022, AnObjectThatAppearsLateIsAsGoodAsOneStartedFromTheTrueCamera) {
   const double started = mug_rotation_rmse(fresh, run_job(fresh), 0);
   std::printf("mug, relative rotation: hidden until frame 200 %.3f deg, started there %.3f deg\n",
               hidden, started);
-  EXPECT_LT(hidden, started + 0.3);
+  EXPECT_LT(hidden, 1.1 * started);
 }
 
 TEST(Ycbv0022, FortyGrossOutliersAreGatedAway) {

@@ -64,7 +64,9 @@ TEST(ObjectSlamTest, MissingOdometryIsARandomWalkOfTheUnknownMotion) {
 TEST(ObjectSlamTest, IndependentStartKeepsTheGivenCovarianceAndNoCrossTerms) {
   ObjectModel independent = model("a");
   independent.independent_start = isotropic(4.0, 0.1);
-  ObjectSlam slam(kPrior, {independent}, {});
+  ObjectSlamSettings settings;
+  settings.kind = SlamFilter::gaussian_sum;
+  ObjectSlam slam(kPrior, {independent}, settings);
   slam.start({seen()});
   const Eigen::MatrixXd p = slam.estimate().covariance();
   EXPECT_TRUE(p.bottomRightCorner(6, 6).isApprox(isotropic(4.0, 0.1), 1e-14));
@@ -85,6 +87,33 @@ TEST(ObjectSlamTest, ConstantVelocityKeepsTheMotionInTheState) {
     slam.step({0.1, std::nullopt, {seen(camera), std::nullopt}});
   }
   EXPECT_LT((slam.estimate().mean()[kMotion] * motion.inverse()).log().norm(), 2e-3);
+}
+
+TEST(ObjectSlamTest, TheDefaultIsTheMultiObjectFilterAndSaysWhatBecameOfDetections) {
+  ObjectSlam slam(kPrior, {{.id = "a"}, {.id = "b"}}, {});
+  ASSERT_NE(slam.multi_object(), nullptr);
+  EXPECT_EQ(slam.start({seen(), std::nullopt}).fates,
+            (std::vector{DetectionFate::started, DetectionFate::none}));
+  EXPECT_EQ(slam.step({0.1, SE3d(), {seen(), std::nullopt}}).fates[0], DetectionFate::used);
+  const std::optional<SE3d> flipped = *seen() * pose(0, 3.0, 0, 0, 0, 0);
+  EXPECT_EQ(slam.step({0.1, SE3d(), {flipped, std::nullopt}}).fates[0], DetectionFate::born);
+  for (int i = 0; i < 5; ++i) slam.step({0.1, SE3d(), {seen(), std::nullopt}});
+  EXPECT_EQ(slam.step({0.1, SE3d(), {flipped, std::nullopt}}).fates[0], DetectionFate::doubted);
+  EXPECT_EQ(slam.pose_index(0), std::optional<std::size_t>(1));
+  EXPECT_FALSE(slam.pose_index(1).has_value());
+  EXPECT_EQ(slam.multi_object()->hypotheses(0).size(), 2U);
+  EXPECT_EQ(slam.posterior().size(), 1U);
+  // Without odometry for a frame the camera is as uncertain as the unknown motion.
+  const double known = slam.estimate().covariance()(0, 0);
+  slam.step({0.1, std::nullopt, {std::nullopt, std::nullopt}});
+  EXPECT_GT(slam.estimate().covariance()(0, 0),
+            known + 0.9 * MotionSettings().unknown_motion.over(0.1)(0, 0));
+}
+
+TEST(ObjectSlamTest, AnIndependentStartIsRefusedByTheMultiObjectFilter) {
+  ObjectModel independent = model("a");
+  independent.independent_start = isotropic(4.0, 0.1);
+  EXPECT_THROW(ObjectSlam(kPrior, {independent}, {}), InvalidInput);
 }
 
 TEST(ObjectSlamTest, RefusesInputOfTheWrongShape) {
