@@ -17,7 +17,7 @@ export CTEST_PARALLEL_LEVEL = $(JOBS)
 
 help:
 	@echo 'make build      the program, at $(PROGRAM)'
-	@echo 'make demo       simulate a sequence and run two filters on it side by side, into build/demo'
+	@echo 'make demo       simulate a sequence and run three filters on it side by side, into build/demo'
 	@echo 'make test       build and run all tests; those that damage files under sanitizers'
 	@echo 'make bench      build and run the benchmarks, results into build/bench'
 	@echo 'make format     format the sources'

@@ -102,8 +102,11 @@ std::string camera_text(const SimulationConfig& config, const SimulatedSequence&
 std::string object_text(const SimulationObject& settings, const SimulatedObject& object) {
   std::string text = fmt::format("\n[noise.\"{}\"]\ncomponents = [\n", object.id);
   for (const SimulationNoise& noise : claimed_noise(settings)) text += component_text(noise);
+  text += "]\n";
+  if (const NullNoise null = claimed_null(settings); null.weight > 0.0)
+    text +=
+        fmt::format("null = {{weight = {:.12g}, volume_m3 = {:g}}}\n", null.weight, null.volume_m3);
   text += fmt::format(
-      "]\n"
       "\n"
       "[[objects]]\n"
       "id = \"{0}\"\n"

@@ -42,7 +42,7 @@ struct SlamJob {
   std::vector<ObjectModel> models;  ///< one per object of the sequence
   ObjectSlamSettings settings;
   std::optional<ParticleFilterSettings> particles = {};  ///< filtered by particles in place of that
-  std::optional<SmoothingSettings> smoothing = {};  ///< of the multi-object filter
+  std::optional<SmoothingSettings> smoothing = {};       ///< of the multi-object filter
   std::size_t trace_hypotheses = kTraceHypotheses;
 };
 

@@ -42,8 +42,9 @@ struct YcbvStudySettings {
 /// - "published": the settings of the midway paper's own program; CosyPose recordings only;
 /// - "default": the filter of the detector's profile; "default_smoothed": the same, smoothed over
 ///   the whole recording.
-/// All but the last three share motion, start and measurement with the default. Those of one Gaussian
-/// and the paper's filter take DOPE's detections by the noise model `gaussian` of the profile.
+/// All but the last three share motion, start and measurement with the default. Those of one
+/// Gaussian and the paper's filter take DOPE's detections by the noise model `gaussian` of the
+/// profile.
 std::vector<std::string> ycbv_methods();
 
 /// Reads the settings: the arrays `methods` (all of ycbv_methods where missing), `sequences`,
