@@ -66,7 +66,7 @@ TEST_F(Simulate, MistakesLeaveNothing) {
   EXPECT_EQ(names_in(results_.path()), std::vector<std::string>{});
 }
 
-TEST_F(Simulate, DemoComparesTwoFilters) {
+TEST_F(Simulate, DemoComparesThreeFilters) {
   testing::RunningProgram demo(
       {POSEMIX_PYTHON, kSource + "/tools/demo", POSEMIX_PROGRAM, (results_ / "demo").string()});
   const ProgramResult result = demo.wait();
@@ -76,7 +76,7 @@ TEST_F(Simulate, DemoComparesTwoFilters) {
     EXPECT_NE(result.out.find(part), std::string::npos) << part;
   }
   EXPECT_EQ(names_in(results_ / "demo"),
-            (std::vector<std::string>{"gm-iekf", "riekf", "sequence"}));
+            (std::vector<std::string>{"gm-iekf", "multi-object", "riekf", "sequence"}));
 }
 
 }  // namespace

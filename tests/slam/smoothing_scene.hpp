@@ -69,4 +69,7 @@ inline Sequence drawn_sequence(std::uint64_t seed, std::size_t objects) {
   return sequence;
 }
 
+/// Norm of the tangent vector from one pose to the other.
+inline double distance(const SE3d& a, const SE3d& b) { return (a * b.inverse()).log().norm(); }
+
 }  // namespace posemix::testing

@@ -16,6 +16,7 @@
 namespace posemix {
 namespace {
 
+using testing::distance;
 using testing::draw;
 using testing::drawn_sequence;
 using testing::isotropic;

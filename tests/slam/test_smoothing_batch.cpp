@@ -18,6 +18,7 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+using testing::distance;
 using testing::drawn_sequence;
 using testing::isotropic;
 using testing::kFrames;
@@ -117,8 +118,6 @@ class Batch {
   VectorXd pull_;
   MatrixXd covariance_;
 };
-
-double distance(const SE3d& a, const SE3d& b) { return (a * b.inverse()).log().norm(); }
 
 /// Largest relative difference, measured in units of the expected covariance.
 double difference(const Matrix6d& a, const Matrix6d& expected) {
