@@ -103,18 +103,23 @@ Vector6d Backbone::update(std::size_t index, const PairMoments& leading,
   MatrixXd other;
   regress(std::array{kCamera}, alternative.mean, alternative.covariance, other_mean, other);
 
-  // Everything but the object: exact moments of the two. The object: regression on the rest as the
-  // leading hypothesis has it.
-  const double w_a = alternative.weight;
+  project(index, alternative.weight, mean, b, other_mean - mean, other);
+  return move(mean);
+}
+
+/// Everything but the object: exact moments of the two. The object: regression on the rest as the
+/// leading hypothesis has it.
+void Backbone::project(std::size_t index, double w_a, VectorXd& mean, const MatrixXd& b,
+                       const VectorXd& apart, const MatrixXd& other) {
   const double w = 1.0 - w_a;
   const Index at = offset(index);
-  const Index rest = n - kPoseDof;
+  const Index n = covariance_.rows();
   std::vector<Index> s;
-  s.reserve(static_cast<std::size_t>(rest));
+  s.reserve(static_cast<std::size_t>(n - kPoseDof));
   for (Index i = 0; i < n; ++i) {
     if (i < at || i >= at + kPoseDof) s.push_back(i);
   }
-  const VectorXd difference = (other_mean - mean)(s);
+  const VectorXd difference = apart(s);
   const VectorXd shift = w_a * difference;
   MatrixXd b_s = w * b(s, s) + w_a * other(s, s);
   b_s.noalias() += w * w_a * difference * difference.transpose();
@@ -130,7 +135,6 @@ Vector6d Backbone::update(std::size_t index, const PairMoments& leading,
   covariance_.block<kPoseDof, kPoseDof>(at, at) =
       b.block<kPoseDof, kPoseDof>(at, at) + g * (b_s - before) * g.transpose();
   symmetrize(covariance_);
-  return move(mean);
 }
 
 Vector6d Backbone::update_camera(const CameraAlternative& camera) {

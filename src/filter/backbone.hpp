@@ -69,6 +69,10 @@ class Backbone {
   void regress(std::span<const std::size_t> indices, const Eigen::VectorXd& mean,
                const Eigen::MatrixXd& covariance, Eigen::VectorXd& all_mean,
                Eigen::MatrixXd& all_covariance) const;
+  /// The covariance of the mixture of moments (`mean`, `b`), of the leading hypothesis, and
+  /// (`mean` + `apart`, `other`) with weight `w_a`, projected; `mean` becomes that of the mixture.
+  void project(std::size_t index, double w_a, Eigen::VectorXd& mean, const Eigen::MatrixXd& b,
+               const Eigen::VectorXd& apart, const Eigen::MatrixXd& other);
   Vector6d move(const Eigen::VectorXd& mean);
 
   std::vector<SE3d> poses_;

@@ -87,7 +87,7 @@ UpdateResult gaussian_child_of(const Hypothesis& parent, std::span<const Detecti
     pointers.push_back(&believed.back());
   }
   UpdateResult child = updated(pointers);
-  const UpdateResult weighed = posemix::update(parent, detections, noise);
+  UpdateResult weighed = posemix::update(parent, detections, noise);
   if (!weighed.ok) return weighed;
   child.log_likelihood = weighed.log_likelihood;
   return child;

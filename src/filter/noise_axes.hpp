@@ -31,7 +31,10 @@ class NoiseAtMean {
     }
   }
   NoiseAtMean(const NoiseAtMean&) = delete;
+  NoiseAtMean(NoiseAtMean&&) = delete;
   NoiseAtMean& operator=(const NoiseAtMean&) = delete;
+  NoiseAtMean& operator=(NoiseAtMean&&) = delete;
+  ~NoiseAtMean() = default;
 
   std::span<const NoiseComponent* const> components() const { return pointers_; }
 

@@ -23,7 +23,10 @@ class MultipliedNoise {
       pointers_.push_back(&multiplied_.emplace_back(*component));
   }
   MultipliedNoise(const MultipliedNoise&) = delete;
+  MultipliedNoise(MultipliedNoise&&) = delete;
   MultipliedNoise& operator=(const MultipliedNoise&) = delete;
+  MultipliedNoise& operator=(MultipliedNoise&&) = delete;
+  ~MultipliedNoise() = default;
 
   /// Sets one lambda; returns the share by which it changes the weight 1 / lambda.
   double set(std::size_t j, double lambda) {

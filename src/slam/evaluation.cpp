@@ -21,15 +21,57 @@ std::optional<SE3d> mean_of(const std::optional<PoseDensity>& density) {
   return density ? std::optional(density->mean()) : std::nullopt;
 }
 
+/// Consistency and the mode of one object's estimates, frame by frame.
+class ObjectScores {
+ public:
+  void add(const PoseDensity& relative, const SE3d& truth,
+           const std::optional<double>& probability) {
+    const double squared = squared_normalized_error(relative, truth);
+    const bool right = on_right_mode(relative.mean(), truth);
+    nees_ += squared;
+    ++count_;
+    if (right) {
+      right_nees_ += squared;
+      ++right_;
+    }
+    if (probability) forecasts_.push_back({*probability, right});
+  }
+
+  void report(ObjectMetrics& metrics) && {
+    const auto right = static_cast<double>(right_);
+    metrics.right_mode_frames = right_;
+    metrics.forecasts = std::move(forecasts_);
+    if (count_ == 0) return;
+    metrics.relative_anees = nees_ / (6.0 * static_cast<double>(count_));
+    metrics.right_mode_share = right / static_cast<double>(count_);
+    if (right_ > 0) metrics.right_mode_anees = right_nees_ / (6.0 * right);
+  }
+
+ private:
+  double nees_ = 0.0;
+  double right_nees_ = 0.0;
+  std::size_t count_ = 0;
+  std::size_t right_ = 0;
+  std::vector<ModeForecast> forecasts_;
+};
+
+/// Whether a filter left the detection out or took it for a gross error.
+bool is_gated(DetectionFate fate) {
+  return fate == DetectionFate::gated || fate == DetectionFate::doubted ||
+         fate == DetectionFate::born;
+}
+
+std::optional<double> mode_probability(const FrameEstimate& frame, std::size_t object) {
+  return frame.mode_probabilities.empty() ? std::nullopt : frame.mode_probabilities[object];
+}
+
 ObjectMetrics evaluate_object(const Sequence& sequence, const SlamRun& run, std::size_t object) {
   ObjectMetrics metrics;
   metrics.id = sequence.objects[object].id;
   PoseErrorSum world;
   PoseErrorSum relative;
   PoseErrorSum detection;
-  double nees = 0.0;
-  double right_nees = 0.0;
-  std::size_t nees_count = 0;
+  ObjectScores scores;
   for (std::size_t k = 0; k < run.frames.size(); ++k) {
     const FrameEstimate& frame = run.frames[k];
     const auto& detected = sequence.objects[object].detections[k];
@@ -38,35 +80,15 @@ ObjectMetrics evaluate_object(const Sequence& sequence, const SlamRun& run, std:
     relative.add(mean_of(frame.relative[object]), truth);
     detection.add(detected, truth);
     metrics.detections += detected.has_value() ? 1 : 0;
-    metrics.gated += frame.report.fates[object] == DetectionFate::gated ||
-                             frame.report.fates[object] == DetectionFate::doubted ||
-                             frame.report.fates[object] == DetectionFate::born
-                         ? 1
-                         : 0;
-    if (frame.relative[object] && truth) {
-      const double squared = squared_normalized_error(*frame.relative[object], *truth);
-      nees += squared;
-      ++nees_count;
-      const bool right = on_right_mode(frame.relative[object]->mean(), *truth);
-      if (right) {
-        right_nees += squared;
-        ++metrics.right_mode_frames;
-      }
-      if (!frame.mode_probabilities.empty() && frame.mode_probabilities[object])
-        metrics.forecasts.push_back({*frame.mode_probabilities[object], right});
-    }
+    metrics.gated += is_gated(frame.report.fates[object]) ? 1 : 0;
+    if (frame.relative[object] && truth)
+      scores.add(*frame.relative[object], *truth, mode_probability(frame, object));
   }
   metrics.world = world.errors();
   metrics.relative = relative.errors();
   metrics.detection_relative = detection.errors();
-  const auto right_frames = static_cast<double>(metrics.right_mode_frames);
-  if (nees_count > 0) {
-    metrics.relative_anees = nees / (6.0 * static_cast<double>(nees_count));
-    metrics.right_mode_share = right_frames / static_cast<double>(nees_count);
-  }
-  if (metrics.right_mode_frames > 0) metrics.right_mode_anees = right_nees / (6.0 * right_frames);
-  const auto& last = run.frames.back().mode_probabilities;
-  if (!last.empty()) metrics.mode_probability = last[object];
+  std::move(scores).report(metrics);
+  metrics.mode_probability = mode_probability(run.frames.back(), object);
   return metrics;
 }
 

@@ -40,6 +40,8 @@ Matrix6d difference_covariance(const MatrixXd& covariance, std::size_t object) {
 
 }  // namespace
 
+// One stage after the other, and nothing of them stands alone.
+// NOLINTNEXTLINE(readability-function-size)
 ModeSmoother::Step ModeSmoother::predict(const PoseStackd& poses, const MatrixXd& covariance,
                                          const FrameInput& input, PoseStackd& moved) const {
   Step step;

@@ -64,12 +64,12 @@ SlamRun run(const Sequence& sequence, const PoseDensity& camera_prior,
 std::pair<std::vector<ObjectModel>, ObjectSlamSettings> as_riekf(std::vector<ObjectModel> models,
                                                                  ObjectSlamSettings settings) {
   for (ObjectModel& model : models) model.noise = model.noise.single_gaussian();
-  return {std::move(models), with_one_hypothesis(settings)};
+  return {std::move(models), with_one_hypothesis(std::move(settings))};
 }
 
 ObjectSlamSettings as_max_mixture(ObjectSlamSettings settings) {
   settings.filter.noise_use = NoiseUse::most_likely;
-  return with_one_hypothesis(settings);
+  return with_one_hypothesis(std::move(settings));
 }
 
 }  // namespace posemix

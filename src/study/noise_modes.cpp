@@ -52,6 +52,7 @@ std::vector<std::size_t> members_of(const std::vector<SE3d>& errors, const SO3d&
 
 SO3d mean_rotation(const std::vector<SE3d>& errors, const std::vector<std::size_t>& members) {
   std::vector<SO3d> rotations;
+  rotations.reserve(members.size());
   for (const std::size_t i : members) rotations.push_back(errors[i].rotation());
   const std::vector<double> weights(rotations.size(), 1.0);
   return weighted_mean<SO3d>(rotations, weights, {.max_iterations = 20}).mean;
@@ -78,6 +79,7 @@ SE3d centre_of(const std::vector<SE3d>& errors, const std::vector<std::size_t>& 
   Eigen::Vector3d middle;
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
     std::vector<double> values;
+    values.reserve(members.size());
     for (const std::size_t i : members) values.push_back(errors[i].translation()[axis]);
     middle[axis] = median(values);
   }
@@ -91,6 +93,7 @@ std::vector<NoiseComponent> clusters_of(std::vector<NoiseObservation> outliers, 
   std::vector<NoiseComponent> clusters;
   while (clusters.size() < modes.most && !outliers.empty()) {
     std::vector<SE3d> errors;
+    errors.reserve(outliers.size());
     for (const NoiseObservation& each : outliers)
       errors.push_back(each.truth.inverse() * each.detected);
     const auto members = fullest_ball(errors, radians(modes.radius_deg));
@@ -98,6 +101,7 @@ std::vector<NoiseComponent> clusters_of(std::vector<NoiseObservation> outliers, 
     if (share < modes.least_share) break;
     const SE3d offset = centre_of(errors, members);
     std::vector<NoiseObservation> held;
+    held.reserve(members.size());
     for (const std::size_t i : members) held.push_back(outliers[i]);
     const ResidualRows rows(held, settings.frame, offset);
     const Eigen::ArrayXd ones = Eigen::ArrayXd::Ones(static_cast<Eigen::Index>(held.size()));
@@ -106,8 +110,10 @@ std::vector<NoiseComponent> clusters_of(std::vector<NoiseObservation> outliers, 
                         .covariance = bounded_covariance(second, settings.em),
                         .frame = settings.frame,
                         .offset = offset});
-    for (auto i = members.rbegin(); i != members.rend(); ++i)
-      outliers.erase(outliers.begin() + static_cast<std::ptrdiff_t>(*i));
+    std::size_t index = 0;
+    std::erase_if(outliers, [&](const NoiseObservation&) {
+      return std::binary_search(members.begin(), members.end(), index++);
+    });
   }
   return clusters;
 }

@@ -5,6 +5,8 @@
 
 namespace posemix {
 
+// One stage after the other, and nothing of them stands alone.
+// NOLINTNEXTLINE(readability-function-size)
 NoiseStudySettings read_noise_settings(const TomlTable& table) {
   NoiseStudySettings s;
   const auto count = [&](const char* key, std::int64_t otherwise, std::int64_t highest) {

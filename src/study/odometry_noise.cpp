@@ -41,6 +41,8 @@ constexpr double kMedianOfSquares = 0.45493642311957283;
 Matrix6d squared_adjoint(const SE3d& pose) { return pose.adjoint().cwiseAbs2(); }
 
 /// The windows of about `length` seconds of one recording; they begin a quarter of it apart.
+// One stage after the other, and nothing of them stands alone.
+// NOLINTNEXTLINE(readability-function-size)
 WindowSums window_sums(const OdometryRecording& recording, double length) {
   const std::vector<double>& stamps = recording.stamps;
   WindowSums sums;
