@@ -87,7 +87,8 @@ struct ObjectUpdateReport {
 ///   N(camera, leading hypotheses) prod_j sum_h w_jh p(O_jh | camera),
 /// the hypotheses of different objects are independent given the camera, and an object's detection
 /// is projected back onto this form with the least loss. A detection that no hypothesis explains
-/// starts one. Cost: linear in hypotheses, quadratic in objects.
+/// starts one. Cost: linear in hypotheses; in objects quadratic per detection, cubic while modes
+/// compete.
 ///
 /// Invariants: covariances are symmetric positive definite; the weights of an object's hypotheses
 /// and of its absence sum to one; every object with hypotheses has one that leads.
