@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "posemix/filter/multi_object_filter.hpp"
 
+#include <cmath>
 #include <utility>
 
 #include "multi_object_state.hpp"
@@ -13,6 +14,28 @@ namespace posemix {
 using internal::Backbone;
 using internal::ObjectState;
 using internal::Pair;
+
+namespace {
+
+void require_finite(const SE3d& pose, const char* name) {
+  if (!pose.matrix().allFinite())
+    throw InvalidInput(fmt::format("{} holds a value that is not finite", name));
+}
+
+/// A noise may have directions without any.
+void require_noise(const Matrix6d& covariance, const char* name) {
+  if (!covariance.allFinite())
+    throw InvalidInput(fmt::format("{} holds a value that is not finite", name));
+  if (covariance.diagonal().minCoeff() < 0.0)
+    throw InvalidInput(fmt::format("{} has a negative variance", name));
+}
+
+void require_time(double dt) {
+  if (!(dt >= 0.0) || std::isinf(dt))
+    throw InvalidInput(fmt::format("time step is {}; expected seconds, zero or more", dt));
+}
+
+}  // namespace
 
 MultiObjectFilter::MultiObjectFilter(const ConcentratedGaussian<SE3d>& camera,
                                      std::vector<ObjectSensor> objects,
@@ -30,6 +53,9 @@ MultiObjectFilter& MultiObjectFilter::operator=(MultiObjectFilter&&) noexcept = 
 MultiObjectFilter::~MultiObjectFilter() = default;
 
 void MultiObjectFilter::predict_with_odometry(const SE3d& motion, const Matrix6d& q, double dt) {
+  require_finite(motion, "odometry");
+  require_noise(q, "noise of the odometry");
+  require_time(dt);
   Backbone& backbone = state_->backbone;
   const SE3d camera = backbone.pose(kCamera) * motion;
   backbone.set_pose(kCamera, camera);
@@ -42,6 +68,8 @@ void MultiObjectFilter::predict_with_odometry(const SE3d& motion, const Matrix6d
 }
 
 void MultiObjectFilter::predict_random_walk(const Matrix6d& q, double dt) {
+  require_noise(q, "noise of the random walk");
+  require_time(dt);
   Backbone& backbone = state_->backbone;
   internal::block(backbone.covariance(), kCamera, kCamera) +=
       backbone.pose(kCamera).adjoint_congruence(q) / state_->factor();
@@ -51,6 +79,12 @@ void MultiObjectFilter::predict_random_walk(const Matrix6d& q, double dt) {
 void MultiObjectFilter::predict_constant_velocity(double periods, const Matrix6d& q,
                                                   const Matrix6d& q_motion, const Matrix6d& at_rest,
                                                   double dt) {
+  require_noise(q, "noise of the pose");
+  require_noise(q_motion, "noise of the motion");
+  require_noise(at_rest, "covariance of the motion at rest");
+  require_time(dt);
+  if (!std::isfinite(periods))
+    throw InvalidInput(fmt::format("{} periods; expected a finite number", periods));
   Backbone& backbone = state_->backbone;
   if (!state_->motion) state_->motion = backbone.append(SE3d(), at_rest, Matrix6d::Zero());
   const std::size_t motion = *state_->motion;
@@ -83,6 +117,7 @@ ObjectUpdateReport MultiObjectFilter::update(std::size_t object, const SE3d& cam
   if (object >= objects()) {
     throw InvalidInput(fmt::format("detection of object {}, but there are {}", object, objects()));
   }
+  require_finite(camera_object, "detection");
   return state_->update(object, camera_object);
 }
 

@@ -21,6 +21,13 @@ const MultiObjectFilter& smoothed_filter(const ObjectSlam& slam) {
   throw InvalidInput("only the multi-object filter is smoothed");
 }
 
+/// Which instance a detection is of would have to be smoothed too.
+void refuse_candidates(bool none) {
+  require(none,
+          "smoothing: detections that name a class are not smoothed, expected detections "
+          "that name their object");
+}
+
 }  // namespace
 
 FixedLagSmoother::FixedLagSmoother(const PoseDensity& camera, std::vector<ObjectModel> objects,
@@ -43,6 +50,7 @@ std::optional<FrameEstimate> FixedLagSmoother::start(
 }
 
 std::optional<FrameEstimate> FixedLagSmoother::step(const FrameInput& input) {
+  refuse_candidates(input.candidates.empty());
   return add(input, slam_.step(input));
 }
 
@@ -108,7 +116,7 @@ void FixedLagSmoother::add_alternatives(std::span<const FrameInput* const> input
     for (std::size_t h = 0; h < list.size(); ++h) {
       Modes modes = leading_modes(now);
       const bool leads = modes[j] == h;
-      if (!leads && list[h].probability < smoothing_.least_weight) continue;
+      if (!leads && list[h].probability < smoothing_.least_probability) continue;
       modes[j] = h;
       const SmoothingWindow window(before_, now, motion_, modes);
       const auto joint = leads ? leading : window.smooth(inputs, smoothing_.passes);
@@ -125,6 +133,7 @@ SlamRun run_smoothed(const Sequence& sequence, const PoseDensity& camera_prior,
                      const std::vector<ObjectModel>& models, const ObjectSlamSettings& settings,
                      const SmoothingSettings& smoothing, const RunOptions& options) {
   internal::check_run(sequence, models);
+  refuse_candidates(sequence.candidates.empty());
   FixedLagSmoother smoother(camera_prior, models, settings, smoothing, options.record_hypotheses);
   const std::size_t count = sequence.stamps.size();
   std::vector<FrameEstimate> frames;

@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "multi_object_scene.hpp"
 #include "posemix/density/pose_stack.hpp"
 
@@ -253,6 +255,23 @@ TEST(MultiObjectFilter, RefusesWhatItDoesNotKnow) {
   refused([](auto& s) { s.camera_share = 1.5; });
   refused([](auto& s) { s.common_error_share = 1.0; });
   refused([](auto& s) { s.correlation_s = -1.0; });
+}
+
+TEST(MultiObjectFilter, RefusesWhatIsNotFiniteAndStaysAsItWas) {
+  OrbitScene scene(1, 1, 0.05, 1e-3);
+  MultiObjectFilter filter = make(scene, plain_settings());
+  filter.update(0, scene.camera.inverse() * scene.truth[0]);
+  const Eigen::MatrixXd before = filter.backbone().covariance();
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const SE3d bad(SO3d(), {0.0, nan, 0.0});
+  const Matrix6d q = isotropic(0.1, 1e-3);
+  EXPECT_THROW(filter.update(0, bad), InvalidInput);
+  EXPECT_THROW(filter.predict_with_odometry(bad, q, 0.1), InvalidInput);
+  EXPECT_THROW(filter.predict_with_odometry(SE3d(), nan * q, 0.1), InvalidInput);
+  EXPECT_THROW(filter.predict_with_odometry(SE3d(), -q, 0.1), InvalidInput);
+  EXPECT_THROW(filter.predict_random_walk(q, -0.1), InvalidInput);
+  EXPECT_THROW(filter.predict_constant_velocity(1.0, q, q, nan * q, 0.1), InvalidInput);
+  EXPECT_EQ(filter.backbone().covariance(), before);
 }
 
 TEST(MultiObjectFilter, ConstantVelocityIsThatOfTheGaussianSumFilter) {

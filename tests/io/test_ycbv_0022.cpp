@@ -19,8 +19,9 @@ namespace {
 constexpr std::size_t kMug = 3;
 constexpr std::size_t kLate = 199;  // frame 200, counted from one
 
-SlamJob read_job() {
-  const TomlDocument document = TomlDocument::load(POSEMIX_SOURCE_DIR "/configs/ycbv-0022.toml");
+SlamJob read_job(const std::vector<std::string>& overrides = {}) {
+  TomlDocument document = TomlDocument::load(POSEMIX_SOURCE_DIR "/configs/ycbv-0022.toml");
+  for (const std::string& assignment : overrides) document.apply_override(assignment);
   return read_slam_job(document, {*testing::data_dir()});
 }
 
@@ -61,9 +62,8 @@ SlamJob cropped(SlamJob job, std::size_t first) {
   return job;
 }
 
-TEST(Ycbv0022, AnObjectThatAppearsLateIsAsGoodAsOneStartedFromTheTrueCamera) {
-  POSEMIX_REQUIRE_DATA();
-  const SlamJob job = read_job();
+/// Rms [deg] of the mug when it is hidden until kLate, and when everything begins there.
+std::pair<double, double> late_and_fresh(const SlamJob& job) {
   SlamJob late = job;
   for (std::size_t k = 0; k < kLate; ++k) late.sequence.objects[kMug].detections[k].reset();
   const double hidden = mug_rotation_rmse(late, run_job(late), kLate);
@@ -71,7 +71,21 @@ TEST(Ycbv0022, AnObjectThatAppearsLateIsAsGoodAsOneStartedFromTheTrueCamera) {
   const double started = mug_rotation_rmse(fresh, run_job(fresh), 0);
   std::printf("mug, relative rotation: hidden until frame 200 %.3f deg, started there %.3f deg\n",
               hidden, started);
-  EXPECT_LT(hidden, 1.1 * started);
+  return {hidden, started};
+}
+
+TEST(Ycbv0022, AnObjectThatAppearsLateIsAsGoodAsOneStartedFromTheTrueCamera) {
+  POSEMIX_REQUIRE_DATA();
+  const auto [hidden, started] = late_and_fresh(read_job());
+  EXPECT_LT(hidden, started + 0.5);
+}
+
+TEST(Ycbv0022, AnObjectThatAppearsLateIsAsGoodInTheGaussianSumFilter) {
+  POSEMIX_REQUIRE_DATA();
+  const auto [hidden, started] = late_and_fresh(read_job(
+      {"filter={method=\"gm-iekf\", gate_probability=0.9999}", "objects.0.noise=gaussian",
+       "objects.1.noise=gaussian", "objects.2.noise=gaussian", "objects.3.noise=gaussian"}));
+  EXPECT_LT(hidden, started + 0.3);
 }
 
 TEST(Ycbv0022, FortyGrossOutliersAreGatedAway) {

@@ -102,7 +102,7 @@ TEST(Smoothing, TheModeOfTheEndHoldsFromTheBeginning) {
   ASSERT_FALSE(first.empty());
   for (const ObjectAlternative& each : first) {
     EXPECT_LE(each.probability, 1.0);
-    EXPECT_GE(each.probability, SmoothingSettings().least_weight);
+    EXPECT_GE(each.probability, SmoothingSettings().least_probability);
   }
   EXPECT_TRUE(run_smoothed(sequence, prior, models, {}, {}).frames[0].alternatives.empty());
 }
@@ -116,7 +116,7 @@ TEST(Smoothing, AlternativesAreSmoothedInPlaceOfTheLeadingMode) {
         sequence.camera_truth[k]->inverse() * kObjects[0] * (k % 2 == 0 ? turned : SE3d());
   }
   SmoothingSettings settings;
-  settings.least_weight = 1e-300;
+  settings.least_probability = 0.0;
   const SlamRun smoothed = run_smoothed(sequence, PoseDensity(kStart, kStartCovariance), {{"0"}},
                                         {}, settings, {.record_hypotheses = true, .progress = {}});
   for (const FrameEstimate& frame : smoothed.frames) {
@@ -226,6 +226,12 @@ TEST(Smoothing, RefusesWhatItCannotSmooth) {
   EXPECT_THROW(run_smoothed(sequence, prior, models, considered, {}), InvalidInput);
   EXPECT_THROW(run_smoothed(sequence, prior, models, {}, {.passes = 0}), InvalidInput);
   EXPECT_THROW(run_smoothed(sequence, prior, {}, {}, {}), InvalidInput);
+  Sequence candidates = sequence;
+  candidates.candidates.resize(kFrames);
+  EXPECT_THROW(run_smoothed(candidates, prior, models, {}, {}), InvalidInput);
+  FixedLagSmoother smoother(prior, models, {}, {.lag_frames = 3});
+  smoother.start({std::nullopt});
+  EXPECT_THROW(smoother.step({0.1, SE3d(), {std::nullopt}, {{"0", SE3d(), 1.0}}}), InvalidInput);
 }
 
 TEST(Smoothing, CanBeStopped) {

@@ -92,6 +92,9 @@ struct ObjectUpdateReport {
 ///
 /// Invariants: covariances are symmetric positive definite; the weights of an object's hypotheses
 /// and of its absence sum to one; every object with hypotheses has one that leads.
+///
+/// Predictions and updates throw InvalidInput, and change nothing, when an argument is not finite,
+/// a variance or a time step negative.
 class MultiObjectFilter {
  public:
   /// @throws InvalidInput when a setting is out of range
@@ -116,7 +119,7 @@ class MultiObjectFilter {
                                  const Matrix6d& at_rest, double dt);
 
   /// One detection T_camera_object of the object at `object`.
-  /// @throws InvalidInput when there is no such object
+  /// @throws InvalidInput when there is no such object or the pose is not finite
   ObjectUpdateReport update(std::size_t object, const SE3d& camera_object);
 
   /// The object is as if never seen: no hypotheses, absence certain, its noise as given. What its

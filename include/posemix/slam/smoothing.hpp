@@ -23,7 +23,7 @@ struct SmoothingSettings {
   std::size_t passes = 3;
   /// Hypotheses of an object with at least this probability are smoothed, where they are asked for
   /// (RunOptions::record_hypotheses); the leading one always is.
-  double least_weight = 1e-6;
+  double least_probability = 1e-3;
 };
 
 /// Object SLAM that reports each frame `lag_frames` later than it comes. The multi-object filter
@@ -33,7 +33,7 @@ struct SmoothingSettings {
 class FixedLagSmoother {
  public:
   /// @throws InvalidInput as ObjectSlam, when a setting is out of range, when the filter is not the
-  /// multi-object one, and when it only considers the camera
+  /// multi-object one, and when it only considers the camera; `step` for candidates
   FixedLagSmoother(const PoseDensity& camera, std::vector<ObjectModel> objects,
                    const ObjectSlamSettings& settings, const SmoothingSettings& smoothing,
                    bool record_hypotheses = false);
