@@ -1,0 +1,307 @@
+# SPDX-License-Identifier: MIT
+# SPDX-FileCopyrightText: posemix contributors
+"""Densities with one peak: `ConcentratedGaussian` and `ProjectedGaussian`.
+
+Densities are with respect to the Haar measure, in nats. Covariances are rotation (rad) before translation
+(m).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Generic, TypeVar
+
+import numpy as np
+import numpy.typing as npt
+
+from posemix import _core
+from posemix._arrays import FloatArray, as_floats, flat_rows
+from posemix.lie import SE3, SO3
+from posemix.random import RandomStream, stream_of
+
+__all__ = ["ConcentratedGaussian", "ProjectedGaussian"]
+
+G = TypeVar("G", SO3, SE3)
+
+_CONCENTRATED: dict[type, Any] = {SO3: _core.ConcentratedSO3, SE3: _core.ConcentratedSE3}
+_PROJECTED: dict[type, Any] = {SO3: _core.ProjectedSO3, SE3: _core.ProjectedSE3}
+
+
+def rows_of(points: SO3 | SE3) -> FloatArray:
+    """Elements as rows."""
+    return flat_rows(np.ascontiguousarray(points._data), 1)
+
+
+def group_of_handle(handle: Any) -> type[SO3] | type[SE3]:
+    """The group of a compiled density or mixture."""
+    return SO3 if type(handle).__name__.endswith("SO3") else SE3
+
+
+def standard_deviations(covariance: FloatArray) -> str:
+    """Square roots of the diagonal, for people: degrees and millimetres."""
+    sds = np.sqrt(np.diagonal(covariance))
+    text = "sd " + ", ".join(f"{math.degrees(v):.3g}" for v in sds[:3]) + " deg"
+    if len(sds) == 6:
+        text += "; " + ", ".join(f"{1000 * v:.3g}" for v in sds[3:]) + " mm"
+    return text if len(sds) <= 6 else f"covariance {covariance.shape[0]} x {covariance.shape[0]}"
+
+
+class ConcentratedGaussian(Generic[G]):
+    """A Gaussian on a Lie group around one element: X = Exp(xi) mean, xi ~ N(0, covariance).
+
+    The perturbation is on the left: for a pose T_a_b, xi lives in frame a. A mean of shape (n,) makes it a joint
+    density on SE(3)^n, pose by pose.
+
+    Parameters
+    ----------
+    mean : SO3 or SE3
+        One element, or an array of n poses.
+    covariance : array_like, shape (dof, dof) or (6 n, 6 n)
+        Covariance of xi [rad, m], symmetric positive definite.
+
+    Raises
+    ------
+    ValueError
+        For a covariance of the wrong size, not finite, not symmetric or not positive definite.
+
+    References
+    ----------
+    Midway-merge paper, eq. 4-5.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from posemix import ConcentratedGaussian, SE3
+    >>> pose = ConcentratedGaussian(SE3(), np.diag([0.01] * 3 + [1e-4] * 3))
+    >>> pose.sample(1000, seed=1).shape
+    (1000,)
+    >>> round(pose.log_density(SE3()).item(), 2)
+    15.21
+    """
+
+    __slots__ = ("_group", "_handle")
+
+    def __init__(self, mean: G, covariance: npt.ArrayLike) -> None:
+        matrix = np.ascontiguousarray(covariance, dtype=np.float64)
+        if not isinstance(mean, (SO3, SE3)):
+            raise TypeError(f"mean is a {type(mean).__name__}; expected SO3 or SE3")
+        dof = mean.DOF * math.prod(mean.shape)
+        if matrix.shape != (dof, dof):
+            raise ValueError(f"covariance has shape {matrix.shape}; expected ({dof}, {dof})")
+        self._group: type[G] = type(mean)
+        if not mean.shape:
+            self._handle: Any = _CONCENTRATED[type(mean)](mean._data, matrix)
+        elif len(mean.shape) == 1 and isinstance(mean, SE3):
+            self._handle = _core.ConcentratedStack(mean._data, matrix)
+        else:
+            raise ValueError(f"mean has shape {mean.shape}; expected one element, or (n,) poses")
+
+    @classmethod
+    def _of(cls, handle: Any) -> ConcentratedGaussian[G]:
+        density = cls.__new__(cls)
+        density._handle = handle
+        density._group = group_of_handle(handle)  # type: ignore[assignment]
+        return density
+
+    @property
+    def mean(self) -> G:
+        """The element in the middle, X0."""
+        data = self._handle.mean
+        return self._group._wrap(data, data.shape[:-1])
+
+    @property
+    def covariance(self) -> FloatArray:
+        """Covariance of xi in X = Exp(xi) X0 (left perturbation, reference frame)."""
+        matrix: FloatArray = self._handle.covariance
+        return matrix
+
+    @property
+    def body_covariance(self) -> FloatArray:
+        """Covariance of delta in X = X0 Exp(delta) (right perturbation, body frame)."""
+        matrix: FloatArray = self._handle.body_covariance
+        return matrix
+
+    def log_density(self, points: G) -> FloatArray:
+        """Log of the density with respect to the Haar measure [nats].
+
+        Parameters
+        ----------
+        points : SO3 or SE3, shape (...)
+            Elements; of a joint density shape (..., n).
+
+        Returns
+        -------
+        ndarray, shape (...)
+        """
+        shape = points.shape if not self.mean.shape else self._stack_shape(points)
+        result: FloatArray = self._handle.log_density(rows_of(points))
+        return result.reshape(shape)
+
+    def _stack_shape(self, points: G) -> tuple[int, ...]:
+        n = self.mean.shape[0]
+        if not points.shape or points.shape[-1] != n:
+            raise ValueError(f"points have shape {points.shape}; expected (..., {n})")
+        return points.shape[:-1]
+
+    def sample(self, count: int, seed: int | RandomStream) -> G:
+        """Draws, shape (count,), or (count, n) from a joint density.
+
+        Parameters
+        ----------
+        count : int
+            Number of draws.
+        seed : int or RandomStream
+            A seed, or a stream that goes on.
+        """
+        data = self._handle.sample(count, stream_of(seed))
+        return self._group._wrap(data, data.shape[:-1])
+
+    def marginal(self, index: int) -> ConcentratedGaussian[SE3]:
+        """The density of one pose of a joint density."""
+        return ConcentratedGaussian._of(self._joint().marginal(index))
+
+    def conditional(self, indices: list[int], values: SE3) -> ConcentratedGaussian[SE3]:
+        """The joint density of the others, given the poses at `indices` to first order."""
+        return ConcentratedGaussian._of(self._joint().conditional(indices, rows_of(values)))
+
+    def relative_pose(self, from_index: int, to_index: int) -> ConcentratedGaussian[SE3]:
+        """The density of ``T_from^-1 T_to`` in a joint density, with its cross-covariance."""
+        return ConcentratedGaussian._of(self._joint().relative_pose(from_index, to_index))
+
+    def _joint(self) -> Any:
+        if not self.mean.shape:
+            raise ValueError("this is the density of one element; expected a joint density")
+        return self._handle
+
+    def __reduce__(self) -> tuple[Any, tuple[Any, ...]]:
+        return ConcentratedGaussian, (self.mean, self.covariance)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, ConcentratedGaussian):
+            return NotImplemented
+        return np.array_equal(self.mean._data, other.mean._data) and np.array_equal(
+            self.covariance, other.covariance
+        )
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __repr__(self) -> str:
+        return f"ConcentratedGaussian({self.mean!r}, {standard_deviations(self.covariance)})"
+
+
+class ProjectedGaussian(Generic[G]):
+    """A Gaussian in the tangent space of the unit quaternions, projected (MPG paper, III-B).
+
+    y = [u, t] ~ N(tangent_mean, covariance), q = q0 (1, u) / sqrt(1 + u.u). u = axis tan(angle / 2), without unit,
+    turns the body (a perturbation on the right); t is the translation itself [m], in the reference frame.
+
+    Parameters
+    ----------
+    tangent_point : SO3
+        The rotation q0.
+    tangent_mean : array_like, shape (3,) or (6,)
+        Mean of y: ``[u]`` of a rotation, ``[u, t]`` of a pose.
+    covariance : array_like, shape (3, 3) or (6, 6)
+        Covariance of y, symmetric positive definite.
+
+    Raises
+    ------
+    ValueError
+        For numbers that are not finite, and a covariance that is not symmetric positive definite.
+    """
+
+    __slots__ = ("_group", "_handle")
+
+    def __init__(
+        self, tangent_point: SO3, tangent_mean: npt.ArrayLike, covariance: npt.ArrayLike
+    ) -> None:
+        mean = np.ascontiguousarray(tangent_mean, dtype=np.float64)
+        if mean.shape not in ((3,), (6,)):
+            raise ValueError(f"tangent_mean has shape {mean.shape}; expected (3,) or (6,)")
+        matrix = as_floats(covariance, (len(mean), len(mean)), "covariance")
+        group: Any = SO3 if len(mean) == 3 else SE3
+        self._group: type[G] = group
+        self._handle: Any = _PROJECTED[group](tangent_point._data, mean, matrix)
+
+    @classmethod
+    def at_mean(cls, mean: G, covariance: npt.ArrayLike) -> ProjectedGaussian[G]:
+        """The density whose tangent point is its mode (PG_0).
+
+        Parameters
+        ----------
+        mean : SO3 or SE3
+            The mode.
+        covariance : array_like
+            Covariance of y.
+        """
+        if isinstance(mean, SE3):
+            return cls(mean.rotation, np.r_[np.zeros(3), mean.translation], covariance)
+        return cls(mean, np.zeros(3), covariance)
+
+    @classmethod
+    def _of(cls, handle: Any) -> ProjectedGaussian[G]:
+        density = cls.__new__(cls)
+        density._handle = handle
+        density._group = group_of_handle(handle)  # type: ignore[assignment]
+        return density
+
+    @property
+    def tangent_point(self) -> SO3:
+        """The rotation q0."""
+        return SO3._wrap(self._handle.tangent_point, ())
+
+    @property
+    def tangent_mean(self) -> FloatArray:
+        """Mean of y."""
+        values: FloatArray = self._handle.tangent_mean
+        return values
+
+    @property
+    def covariance(self) -> FloatArray:
+        """Covariance of y."""
+        matrix: FloatArray = self._handle.covariance
+        return matrix
+
+    @property
+    def mean(self) -> G:
+        """The element at y = mean, which is the mode."""
+        return self._group._wrap(self._handle.mean, ())
+
+    def log_density(self, points: G) -> FloatArray:
+        """Log of the density with respect to the Haar measure [nats], shape of `points`."""
+        result: FloatArray = self._handle.log_density(rows_of(points))
+        return result.reshape(points.shape)
+
+    def sample(self, count: int, seed: int | RandomStream) -> G:
+        """Draws from the density, shape (count,)."""
+        return self._group._wrap(self._handle.sample(count, stream_of(seed)), (count,))
+
+    def sample_by_projection(self, count: int, seed: int | RandomStream) -> G:
+        """Draws of y projected (MPG paper, IV): not the density's law where it is wide."""
+        data = self._handle.sample_by_projection(count, stream_of(seed))
+        return self._group._wrap(data, (count,))
+
+    def restate(self, tangent_point: SO3) -> ProjectedGaussian[G]:
+        """The density in the tangent space at another rotation, first order in u (eq. 15-16)."""
+        return ProjectedGaussian._of(self._handle.restate(tangent_point._data))
+
+    def __reduce__(self) -> tuple[Any, tuple[Any, ...]]:
+        return ProjectedGaussian, (self.tangent_point, self.tangent_mean, self.covariance)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, ProjectedGaussian):
+            return NotImplemented
+        return all(
+            np.array_equal(a, b)
+            for a, b in (
+                (self.tangent_point._data, other.tangent_point._data),
+                (self.tangent_mean, other.tangent_mean),
+                (self.covariance, other.covariance),
+            )
+        )
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __repr__(self) -> str:
+        sds = np.sqrt(np.diagonal(self.covariance))
+        return f"ProjectedGaussian(mode {self.mean!r}, sd of y {np.array2string(sds, precision=4)})"

@@ -1,0 +1,219 @@
+# SPDX-License-Identifier: MIT
+# SPDX-FileCopyrightText: posemix contributors
+"""Weighted sums of densities."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Iterator, Sequence
+from typing import Any, Generic, TypeVar
+
+import numpy as np
+import numpy.typing as npt
+
+from posemix import _core
+from posemix._arrays import FloatArray
+from posemix.density import (
+    ConcentratedGaussian,
+    ProjectedGaussian,
+    group_of_handle,
+    rows_of,
+    standard_deviations,
+)
+from posemix.lie import SE3, SO3
+from posemix.random import RandomStream, stream_of
+
+__all__ = ["Mixture"]
+
+D = TypeVar("D", bound="ConcentratedGaussian[Any] | ProjectedGaussian[Any]")
+
+_MIXTURES: dict[str, Any] = {
+    name: getattr(_core, "Mixture" + name)
+    for name in (
+        "ConcentratedSO3", "ConcentratedSE3", "ConcentratedStack", "ProjectedSO3", "ProjectedSE3",
+    )
+}  # fmt: skip
+
+
+def density_of(handle: Any) -> Any:
+    """The density of a compiled one."""
+    kind = ConcentratedGaussian if type(handle).__name__.startswith("Conc") else ProjectedGaussian
+    return kind._of(handle)
+
+
+def log_of_weights(weights: npt.ArrayLike) -> FloatArray:
+    """Logarithms of weights that are finite and not negative."""
+    values = np.ascontiguousarray(weights, dtype=np.float64)
+    for i, weight in enumerate(values):
+        if not (weight >= 0.0 and np.isfinite(weight)):
+            raise ValueError(f"weight {i} is {weight}, expected a finite number >= 0")
+    with np.errstate(divide="ignore"):
+        return np.log(values)
+
+
+class Mixture(Generic[D]):
+    """A weighted sum of densities of one kind.
+
+    Parameters
+    ----------
+    densities : sequence of ConcentratedGaussian or of ProjectedGaussian
+        The components' densities, all on one group.
+    weights : array_like, shape (k,), optional
+        Not negative; normalised. Equal unless given.
+    log_weights : array_like, shape (k,), optional
+        Natural logarithms instead.
+
+    Raises
+    ------
+    ValueError
+        For no component, other numbers of weights, weights that are negative, not finite or all zero.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from posemix import ConcentratedGaussian, Mixture, SE3, SO3
+    >>> covariance = np.diag([0.01] * 3 + [1e-4] * 3)
+    >>> flipped = SE3(SO3.exp([0, 0, np.pi]))
+    >>> modes = [ConcentratedGaussian(pose, covariance) for pose in (SE3(), flipped)]
+    >>> mixture = Mixture(modes, weights=[0.7, 0.3])
+    >>> mixture.weights.round(2)
+    array([0.7, 0.3])
+    >>> mixture.log_density(mixture.sample(10_000, seed=1)).shape
+    (10000,)
+    """
+
+    __slots__ = ("_handle",)
+
+    def __init__(
+        self,
+        densities: Sequence[D],
+        weights: npt.ArrayLike | None = None,
+        *,
+        log_weights: npt.ArrayLike | None = None,
+    ) -> None:
+        if not densities:
+            raise ValueError("a mixture needs at least one component")
+        if weights is not None and log_weights is not None:
+            raise ValueError("weights and log_weights are both given; expected one of them")
+        kinds = {type(density._handle).__name__ for density in densities}
+        if len(kinds) > 1:
+            raise ValueError(f"components of different kinds: {', '.join(sorted(kinds))}")
+        if log_weights is not None:
+            logs = np.ascontiguousarray(log_weights, dtype=np.float64)
+        else:
+            logs = log_of_weights(np.ones(len(densities)) if weights is None else weights)
+        make = _MIXTURES[kinds.pop()]
+        self._handle: Any = make(list(logs), [density._handle for density in densities])
+
+    @classmethod
+    def _of(cls, handle: Any) -> Mixture[D]:
+        mixture = cls.__new__(cls)
+        mixture._handle = handle
+        return mixture
+
+    def __len__(self) -> int:
+        return len(self._handle)
+
+    def __getitem__(self, index: int) -> D:
+        """The density of one component."""
+        at = index + len(self) if index < 0 else index
+        density: D = density_of(self._handle.density(at))
+        return density
+
+    def __iter__(self) -> Iterator[D]:
+        return (self[i] for i in range(len(self)))
+
+    @property
+    def log_weights(self) -> FloatArray:
+        """Natural logarithms of the weights, shape (k,)."""
+        values: FloatArray = self._handle.log_weights
+        return values
+
+    @property
+    def weights(self) -> FloatArray:
+        """The weights, shape (k,); they sum to one."""
+        return np.exp(self.log_weights)
+
+    @property
+    def means(self) -> Any:
+        """The components' means as one array of elements, shape (k,)."""
+        group = group_of_handle(self._handle)
+        data = np.stack([density.mean._data for density in self])
+        return group._wrap(data, data.shape[:-1])
+
+    @property
+    def covariances(self) -> FloatArray:
+        """The components' covariances, shape (k, dof, dof)."""
+        return np.stack([density.covariance for density in self])
+
+    def log_density(self, points: SO3 | SE3) -> FloatArray:
+        """Log of the density with respect to the Haar measure [nats], shape of `points`."""
+        result: FloatArray = self._handle.log_density(rows_of(points))
+        return result.reshape(points.shape)
+
+    def responsibilities(self, points: SO3 | SE3) -> FloatArray:
+        """Probabilities of the components given a point, shape (..., k)."""
+        logs = self._handle.component_log_densities(rows_of(points)) + self.log_weights
+        logs -= logs.max(axis=1, keepdims=True)
+        shares = np.exp(logs)
+        shares /= shares.sum(axis=1, keepdims=True)
+        return np.asarray(shares.reshape((*points.shape, len(self))))
+
+    def sample(self, count: int, seed: int | RandomStream) -> Any:
+        """Draws, shape (count,)."""
+        group = group_of_handle(self._handle)
+        return group._wrap(self._handle.sample(count, stream_of(seed)), (count,))
+
+    def prune(self, threshold: float) -> tuple[Mixture[D], float]:
+        """The mixture without components lighter than `threshold`, and the weight dropped.
+
+        The heaviest component always stays.
+        """
+        handle, dropped = self._handle.prune(threshold)
+        return Mixture._of(handle), dropped
+
+    def marginal(self, index: int) -> Mixture[ConcentratedGaussian[SE3]]:
+        """The mixture of one pose of a joint mixture."""
+        return Mixture._of(self._handle.marginal(index))
+
+    def relative_pose(
+        self, from_index: int, to_index: int
+    ) -> Mixture[ConcentratedGaussian[SE3]]:
+        """The mixture of ``T_from^-1 T_to`` of a joint mixture, with cross-covariances."""
+        return Mixture._of(self._handle.relative_pose(from_index, to_index))
+
+    def __reduce__(self) -> tuple[Any, tuple[Any, ...]]:
+        return _restored, (list(self), self.log_weights)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Mixture):
+            return NotImplemented
+        return (
+            len(self) == len(other)
+            and np.array_equal(self.log_weights, other.log_weights)
+            and all(a == b for a, b in zip(self, other, strict=True))
+        )
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __repr__(self) -> str:
+        lines = [f"Mixture of {len(self)}:"]
+        heaviest = np.argsort(-self.log_weights, kind="stable")
+        lines += [f"  {self.weights[i]:.4f}  {self[int(i)]!r}" for i in heaviest[:8]]
+        if len(self) > 8:
+            lines.append(f"  and {len(self) - 8} lighter")
+        return "\n".join(lines)
+
+    def _repr_html_(self) -> str:
+        """A table of the components, for notebooks."""
+        rows = "".join(
+            f"<tr><td>{weight:.4f}</td><td>{html.escape(repr(density.mean))}</td>"
+            f"<td>{html.escape(standard_deviations(density.covariance))}</td></tr>"
+            for weight, density in zip(self.weights, self, strict=True)
+        )
+        head = "<tr><th>weight</th><th>mean</th><th>standard deviations</th></tr>"
+        return f"<table><thead>{head}</thead><tbody>{rows}</tbody></table>"
+
+
+def _restored(densities: list[D], log_weights: FloatArray) -> Mixture[D]:
+    return Mixture(densities, log_weights=log_weights)

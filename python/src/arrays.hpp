@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <numeric>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+
+#include "posemix/base/error.hpp"
+#include "posemix/lie/lie.hpp"
+
+/// numpy arrays in and out. Poses are rows [tx, ty, tz, qx, qy, qz, qw], rotations [qx, qy, qz,
+/// qw].
+namespace posemix::python {
+
+namespace nb = nanobind;
+using namespace nb::literals;  // NOLINT(google-build-using-namespace)
+
+/// Rows of numbers: converted where the memory is not that of a C-contiguous array of doubles.
+using Rows = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+/// Square matrices.
+using Matrices = nb::ndarray<const double, nb::ndim<3>, nb::c_contig, nb::device::cpu>;
+using Numbers = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using Array = nb::ndarray<nb::numpy, double>;
+
+/// A new array and the memory that it owns. Made with the interpreter's lock held, filled without.
+struct NewArray {
+  double* data;
+  Array array;
+
+  explicit NewArray(const std::vector<std::size_t>& shape)
+      : NewArray(shape, new double[std::accumulate(shape.begin(), shape.end(), std::size_t{1},
+                                                   std::multiplies<>())]) {}
+
+ private:
+  NewArray(const std::vector<std::size_t>& shape, double* memory)
+      : data(memory),
+        array(memory, shape.size(), shape.data(),
+              nb::capsule(memory, [](void* p) noexcept { delete[] static_cast<double*>(p); })) {}
+};
+
+/// How an element of a group stands in an array.
+template <class G>
+struct Wire;
+
+template <>
+struct Wire<SO3d> {
+  static constexpr std::size_t kSize = 4;
+  static constexpr std::size_t kDof = 3;
+  static constexpr std::size_t kSide = 3;  ///< of its matrix
+  static SO3d read(const double* p) {
+    return SO3d::from_stored_quaternion(Eigen::Quaterniond(p[3], p[0], p[1], p[2]));
+  }
+  static void write(const SO3d& rotation, double* p) {
+    const Eigen::Quaterniond& q = rotation.quaternion();
+    p[0] = q.x();
+    p[1] = q.y();
+    p[2] = q.z();
+    p[3] = q.w();
+  }
+};
+
+template <>
+struct Wire<SE3d> {
+  static constexpr std::size_t kSize = 7;
+  static constexpr std::size_t kDof = 6;
+  static constexpr std::size_t kSide = 4;
+  static SE3d read(const double* p) {
+    return {Wire<SO3d>::read(p + 3), Eigen::Vector3d(p[0], p[1], p[2])};
+  }
+  static void write(const SE3d& pose, double* p) {
+    Eigen::Map<Eigen::Vector3d> translation(p);
+    translation = pose.translation();
+    Wire<SO3d>::write(pose.rotation(), p + 3);
+  }
+};
+
+inline void require_columns(const Rows& rows, std::size_t columns, const char* name) {
+  if (rows.shape(1) != columns) {
+    throw InvalidInput(fmt::format("{} has shape ({}, {}); expected ({}, {})", name, rows.shape(0),
+                                   rows.shape(1), rows.shape(0), columns));
+  }
+}
+
+/// The elements in the rows of an array.
+template <class G>
+std::vector<G> elements_of(const Rows& rows, const char* name) {
+  require_columns(rows, Wire<G>::kSize, name);
+  std::vector<G> elements;
+  elements.reserve(rows.shape(0));
+  for (std::size_t i = 0; i < rows.shape(0); ++i)
+    elements.push_back(Wire<G>::read(rows.data() + i * Wire<G>::kSize));
+  return elements;
+}
+
+template <class G>
+G element_of(const Numbers& row) {
+  if (row.shape(0) != Wire<G>::kSize) {
+    throw InvalidInput(
+        fmt::format("element of {} numbers; expected {}", row.shape(0), Wire<G>::kSize));
+  }
+  return Wire<G>::read(row.data());
+}
+
+template <class G>
+Array array_of(const G& element) {
+  NewArray result({Wire<G>::kSize});
+  Wire<G>::write(element, result.data);
+  return std::move(result.array);
+}
+
+template <>
+inline Array array_of(const PoseStackd& stack) {
+  NewArray result({stack.size(), 7});
+  for (std::size_t i = 0; i < stack.size(); ++i) Wire<SE3d>::write(stack[i], result.data + 7 * i);
+  return std::move(result.array);
+}
+
+void bind_random(nb::module_& m);
+void bind_lie(nb::module_& m);
+void bind_density(nb::module_& m);
+void bind_mixture(nb::module_& m);
+void bind_reduction(nb::module_& m);
+void bind_divergence(nb::module_& m);
+void bind_em(nb::module_& m);
+
+}  // namespace posemix::python

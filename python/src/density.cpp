@@ -1,0 +1,329 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "density.hpp"
+
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/vector.h>
+
+#include "posemix/density/operations.hpp"
+#include "posemix/density/pose_stack.hpp"
+#include "posemix/density/projected_operations.hpp"
+#include "posemix/lie/pose_stack.hpp"
+#include "settings.hpp"
+
+namespace posemix::python {
+namespace {
+
+template <class D>
+using FuseTuple = std::tuple<D, double, bool, int>;
+
+template <class G>
+void bind_concentrated(nb::module_& m, const char* name) {
+  using D = ConcentratedGaussian<G>;
+  using Covariance = typename G::TangentMatrix;
+  nb::class_<D>(m, name)
+      .def(
+          "__init__",
+          [](D* self, const Numbers& mean, const Covariance& covariance) {
+            new (self) D(element_of<G>(mean), covariance);
+          },
+          "mean"_a, "covariance"_a)
+      .def_prop_ro(
+          "mean", [](const D& self) { return array_of(self.mean()); }, nb::rv_policy::move)
+      .def_prop_ro(
+          "covariance", [](const D& self) { return matrix_array(self.covariance()); },
+          nb::rv_policy::move)
+      .def_prop_ro(
+          "body_covariance", [](const D& self) { return matrix_array(self.body_covariance()); },
+          nb::rv_policy::move)
+      .def("log_density", &log_densities<D>, "points"_a)
+      .def(
+          "sample",
+          [](const D& self, std::size_t count, RandomStream& stream) {
+            const typename D::Covariance factor =
+                Eigen::LLT<Covariance>(self.covariance()).matrixL();
+            Eigen::VectorXd white(self.dof());
+            return drawn<G>(count, [&] {
+              stream.fill_normal(white);
+              return G::exp(typename G::Tangent(factor * white)) * self.mean();
+            });
+          },
+          "count"_a, "stream"_a);
+  m.def(
+      "compose", [](const D& x, const D& y) { return compose(x, y); }, "x"_a, "y"_a);
+  m.def(
+      "inverse", [](const D& x) { return inverse(x); }, "x"_a);
+  m.def(
+      "between", [](const D& x, const D& y) { return between(x, y); }, "x"_a, "y"_a);
+  m.def(
+      "fuse",
+      [](const D& p, const D& q, const FuseSettings& settings) {
+        auto result = fuse(p, q, settings);
+        return nb::make_tuple(std::move(result.density), result.log_overlap, result.converged,
+                              result.iterations);
+      },
+      "p"_a, "q"_a, "settings"_a);
+  m.def(
+      "recenter",
+      [](const D& x, const Numbers& anchor) {
+        const TangentGaussian<G> moved = recenter(x, element_of<G>(anchor));
+        return nb::make_tuple(vector_array(moved.mean), matrix_array(moved.covariance));
+      },
+      "x"_a, "anchor"_a);
+  m.def(
+      "back_project",
+      [](const Numbers& anchor, const typename G::Tangent& mean, const Covariance& covariance) {
+        return back_project(TangentGaussian<G>{element_of<G>(anchor), mean, covariance});
+      },
+      "anchor"_a, "mean"_a, "covariance"_a);
+}
+
+void bind_stack(nb::module_& m) {
+  using D = ConcentratedStack;
+  nb::class_<D>(m, "ConcentratedStack")
+      .def(
+          "__init__",
+          [](D* self, const Rows& mean, const Eigen::MatrixXd& covariance) {
+            new (self) D(PoseStackd(elements_of<SE3d>(mean, "mean")), covariance);
+          },
+          "mean"_a, "covariance"_a)
+      .def_prop_ro(
+          "mean", [](const D& self) { return array_of(self.mean()); }, nb::rv_policy::move)
+      .def_prop_ro(
+          "covariance", [](const D& self) { return matrix_array(self.covariance()); },
+          nb::rv_policy::move)
+      .def(
+          "marginal", [](const D& self, std::size_t index) { return marginal(self, index); },
+          "index"_a)
+      .def(
+          "marginals",
+          [](const D& self, const std::vector<std::size_t>& indices) {
+            return marginal(self, std::span<const std::size_t>(indices));
+          },
+          "indices"_a)
+      .def(
+          "conditional",
+          [](const D& self, const std::vector<std::size_t>& indices, const Rows& values) {
+            const std::vector<SE3d> poses = elements_of<SE3d>(values, "values");
+            return conditional(self, indices, poses);
+          },
+          "indices"_a, "values"_a)
+      .def(
+          "relative_pose",
+          [](const D& self, std::size_t from, std::size_t to) {
+            return relative_pose(self, from, to);
+          },
+          "from_index"_a, "to_index"_a)
+      .def(
+          "log_density",
+          [](const D& self, const Rows& points) {
+            const std::size_t n = self.mean().size();
+            const std::vector<SE3d> poses = elements_of<SE3d>(points, "points");
+            NewArray out({poses.size() / n});
+            const nb::gil_scoped_release unlocked;
+            const D::Evaluator evaluator(self);
+            for (std::size_t i = 0; (i + 1) * n <= poses.size(); ++i) {
+              const auto first = poses.begin() + static_cast<std::ptrdiff_t>(i * n);
+              out.data[i] = evaluator.log_density(
+                  PoseStackd(std::vector<SE3d>(first, first + static_cast<std::ptrdiff_t>(n))));
+            }
+            return std::move(out.array);
+          },
+          "points"_a)
+      .def(
+          "sample",
+          [](const D& self, std::size_t count, RandomStream& stream) {
+            NewArray out({count, self.mean().size(), 7});
+            const nb::gil_scoped_release unlocked;
+            double* row = out.data;
+            for (std::size_t i = 0; i < count; ++i) {
+              for (const SE3d& pose : self.sample(stream)) {
+                Wire<SE3d>::write(pose, row);
+                row += 7;
+              }
+            }
+            return std::move(out.array);
+          },
+          "count"_a, "stream"_a);
+}
+
+template <class G>
+void bind_projected(nb::module_& m, const char* name) {
+  using D = ProjectedGaussian<G>;
+  using Covariance = typename G::TangentMatrix;
+  nb::class_<D>(m, name)
+      .def(
+          "__init__",
+          [](D* self, const Numbers& tangent_point, const typename G::Tangent& mean,
+             const Covariance& covariance) {
+            new (self) D(element_of<SO3d>(tangent_point), mean, covariance);
+          },
+          "tangent_point"_a, "tangent_mean"_a, "covariance"_a)
+      .def_prop_ro(
+          "tangent_point", [](const D& self) { return array_of(self.tangent_point()); },
+          nb::rv_policy::move)
+      .def_prop_ro(
+          "tangent_mean", [](const D& self) { return vector_array(self.tangent_mean()); },
+          nb::rv_policy::move)
+      .def_prop_ro(
+          "covariance", [](const D& self) { return matrix_array(self.covariance()); },
+          nb::rv_policy::move)
+      .def_prop_ro(
+          "mean", [](const D& self) { return array_of(self.mean()); }, nb::rv_policy::move)
+      .def_prop_ro("log_normalizer", &D::log_normalizer)
+      .def("log_density", &log_densities<D>, "points"_a)
+      .def(
+          "sample",
+          [](const D& self, std::size_t count, RandomStream& stream) {
+            return drawn<G>(count, [&] { return self.sample(stream); });
+          },
+          "count"_a, "stream"_a)
+      .def(
+          "sample_by_projection",
+          [](const D& self, std::size_t count, RandomStream& stream) {
+            return drawn<G>(count, [&] { return self.sample_by_projection(stream); });
+          },
+          "count"_a, "stream"_a)
+      .def("law_moments",
+           [](const D& self) {
+             const LawMoments<G> moments = law_moments(self);
+             return nb::make_tuple(vector_array(moments.mean), matrix_array(moments.covariance));
+           })
+      .def(
+          "restate",
+          [](const D& self, const Numbers& tangent_point) {
+            return restate(self, element_of<SO3d>(tangent_point));
+          },
+          "tangent_point"_a);
+  m.def(
+      "compose", [](const D& x, const D& y, CompositionRule rule) { return compose(x, y, rule); },
+      "x"_a, "y"_a, "rule"_a);
+  m.def(
+      "inverse", [](const D& x, CompositionRule rule) { return inverse(x, rule); }, "x"_a,
+      "rule"_a);
+  m.def(
+      "between", [](const D& x, const D& y, CompositionRule rule) { return between(x, y, rule); },
+      "x"_a, "y"_a, "rule"_a);
+  m.def(
+      "fuse",
+      [](const D& p, const D& q, const ProjectedFuseSettings& settings) {
+        auto result = fuse(p, q, settings);
+        return nb::make_tuple(std::move(result.density), result.log_overlap, result.converged,
+                              result.iterations);
+      },
+      "p"_a, "q"_a, "settings"_a);
+}
+
+/// Means as rows and covariances one after the other; one of either stands for all.
+struct PoseRows {
+  Rows means;
+  Matrices covariances;
+
+  PoseRows(const Rows& m, const Matrices& c) : means(m), covariances(c) {
+    require_columns(means, 7, "means");
+    if (covariances.shape(1) != 6 || covariances.shape(2) != 6)
+      throw InvalidInput("covariances do not have the shape (n, 6, 6)");
+    if (covariances.shape(0) != means.shape(0)) {
+      throw InvalidInput(fmt::format("{} means and {} covariances; expected as many of both",
+                                     means.shape(0), covariances.shape(0)));
+    }
+  }
+
+  std::size_t size() const { return means.shape(0); }
+  ConcentratedSE3 at(std::size_t i) const {
+    const std::size_t k = size() == 1 ? 0 : i;
+    const Eigen::Map<const Matrix6d> covariance(covariances.data() + 36 * k);
+    return ConcentratedSE3::trusted(Wire<SE3d>::read(means.data() + 7 * k), covariance);
+  }
+};
+
+/// Densities written back as arrays.
+struct PoseRowsOut {
+  NewArray means;
+  NewArray covariances;
+
+  explicit PoseRowsOut(std::size_t n) : means({n, 7}), covariances({n, 6, 6}) {}
+  void set(std::size_t i, const ConcentratedSE3& density) {
+    Wire<SE3d>::write(density.mean(), means.data + 7 * i);
+    Eigen::Map<Matrix6d>(covariances.data + 36 * i) = density.covariance();
+  }
+  nb::tuple tuple() { return nb::make_tuple(std::move(means.array), std::move(covariances.array)); }
+};
+
+template <class Operation>
+nb::tuple each_density(const PoseRows& x, const PoseRows& y, Operation operation) {
+  if (x.size() != y.size() && x.size() != 1 && y.size() != 1) {
+    throw InvalidInput(fmt::format(
+        "{} densities and {}; expected as many of both, or one of either", x.size(), y.size()));
+  }
+  const std::size_t n = x.size() == 1 ? y.size() : x.size();
+  PoseRowsOut out(n);
+  {
+    const nb::gil_scoped_release unlocked;
+    for (std::size_t i = 0; i < n; ++i) out.set(i, operation(x.at(i), y.at(i)));
+  }
+  return out.tuple();
+}
+
+/// Operations on many densities on SE(3) at once.
+void bind_batches(nb::module_& m) {
+  m.def("compose_rows", [](const Rows& mx, const Matrices& cx, const Rows& my, const Matrices& cy) {
+    return each_density({mx, cx}, {my, cy},
+                        [](const auto& x, const auto& y) { return compose(x, y); });
+  });
+  m.def("between_rows", [](const Rows& mx, const Matrices& cx, const Rows& my, const Matrices& cy) {
+    return each_density({mx, cx}, {my, cy},
+                        [](const auto& x, const auto& y) { return between(x, y); });
+  });
+  m.def("inverse_rows", [](const Rows& mx, const Matrices& cx) {
+    const PoseRows x(mx, cx);
+    return each_density(x, x, [](const auto& a, const auto&) { return inverse(a); });
+  });
+  m.def("fuse_rows", [](const Rows& mx, const Matrices& cx, const Rows& my, const Matrices& cy,
+                        const FuseSettings& settings) {
+    return each_density({mx, cx}, {my, cy},
+                        [&](const auto& x, const auto& y) { return fuse(x, y, settings).density; });
+  });
+}
+
+void bind_settings(nb::module_& m) {
+  Settings<FuseSettings>(m, "FuseSettings", "Settings of `fuse` for concentrated Gaussians.")
+      .field("max_iterations", &FuseSettings::max_iterations, "int", "Gauss-Newton steps at most.")
+      .field("tolerance", &FuseSettings::tolerance, "float", "Norm of the last step [rad, m].")
+      .done();
+  nb::enum_<FusionRule>(m, "FusionRule", "How the product of two projected Gaussians is found.")
+      .value("mode", FusionRule::mode, "At the exact mode of the product, with its Hessian.")
+      .value("jacobian", FusionRule::jacobian,
+             "Both restated halfway (MPG paper, eq. 14-16); small angles only.");
+  nb::enum_<CompositionRule>(m, "CompositionRule", "How projected Gaussians are composed.")
+      .value("cubature", CompositionRule::cubature, "Moments under the laws, degree five.")
+      .value("third_degree_cubature", CompositionRule::third_degree_cubature,
+             "2n points over the Gaussians in the tangent spaces.")
+      .value("jacobian", CompositionRule::jacobian, "Linearised (MPG paper, eq. 17).");
+  Settings<ProjectedFuseSettings>(m, "ProjectedFuseSettings",
+                                  "Settings of `fuse` for projected Gaussians.")
+      .field("rule", &ProjectedFuseSettings::rule, "FusionRule", "How the product is found.")
+      .field("max_iterations", &ProjectedFuseSettings::max_iterations, "int", "Steps at most.")
+      .field("tolerance", &ProjectedFuseSettings::tolerance, "float", "Norm of the last step.")
+      .field("max_angle", &ProjectedFuseSettings::max_angle, "float",
+             "For the Jacobian rule: largest angle between the quaternions of the tangent points, "
+             "half of that between the rotations [rad].")
+      .field("second_mode_from", &ProjectedFuseSettings::second_mode_from, "float",
+             "The product's second mode is kept where its relative weight is at least this.")
+      .done();
+}
+
+}  // namespace
+
+void bind_density(nb::module_& m) {
+  bind_settings(m);
+  bind_concentrated<SO3d>(m, "ConcentratedSO3");
+  bind_concentrated<SE3d>(m, "ConcentratedSE3");
+  bind_stack(m);
+  bind_projected<SO3d>(m, "ProjectedSO3");
+  bind_projected<SE3d>(m, "ProjectedSE3");
+  bind_batches(m);
+}
+
+}  // namespace posemix::python

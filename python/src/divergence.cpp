@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "posemix/divergence/monte_carlo.hpp"
+
+#include <optional>
+
+#include "mixture.hpp"
+#include "posemix/divergence/conversion.hpp"
+#include "posemix/divergence/gaussian.hpp"
+#include "posemix/divergence/projected.hpp"
+#include "posemix/divergence/wasserstein.hpp"
+#include "settings.hpp"
+
+namespace posemix::python {
+namespace {
+
+nb::tuple estimate_tuple(const DivergenceEstimate& estimate) {
+  return nb::make_tuple(estimate.value, estimate.error, estimate.evaluations);
+}
+
+/// The estimates between mixtures of two kinds.
+template <class P, class Q>
+void bind_pair(nb::module_& m) {
+  using Sampling = DivergenceSamplingSettings;
+  const auto def = [&](const char* name, auto function) {
+    m.def(
+        name,
+        [function](const Mixture<P>& p, const Mixture<Q>& q, RandomStream& stream,
+                   const Sampling& settings) {
+          std::optional<DivergenceEstimate> estimate;
+          {
+            const nb::gil_scoped_release unlocked;
+            estimate = function(p, q, stream, settings);
+          }
+          return estimate_tuple(*estimate);
+        },
+        "p"_a, "q"_a, "stream"_a, "settings"_a);
+  };
+  def("kl_monte_carlo", [](const Mixture<P>& p, const Mixture<Q>& q, RandomStream& r,
+                           const Sampling& s) { return kl_monte_carlo(p, q, r, s); });
+  def("symmetric_kl_monte_carlo",
+      [](const Mixture<P>& p, const Mixture<Q>& q, RandomStream& r, const Sampling& s) {
+        return symmetric_kl_monte_carlo(p, q, r, s);
+      });
+  def("isd_monte_carlo", [](const Mixture<P>& p, const Mixture<Q>& q, RandomStream& r,
+                            const Sampling& s) { return isd_monte_carlo(p, q, r, s); });
+}
+
+template <class G>
+void bind_group(nb::module_& m) {
+  using C = ConcentratedGaussian<G>;
+  using P = ProjectedGaussian<G>;
+  bind_pair<C, C>(m);
+  bind_pair<C, P>(m);
+  bind_pair<P, C>(m);
+  bind_pair<P, P>(m);
+  m.def("gaussian_kl", [](const C& p, const C& q) { return gaussian_kl(p, q); });
+  m.def("gaussian_kl", [](const P& p, const P& q) { return gaussian_kl(p, q); });
+  m.def("law_kl", [](const P& p, const P& q) { return law_kl(p, q); });
+  m.def("gaussian_wasserstein", [](const C& p, const C& q, double length_scale) {
+    return gaussian_wasserstein(p, q, length_scale);
+  });
+  m.def("mixture_wasserstein", [](const Mixture<C>& p, const Mixture<C>& q, double length_scale) {
+    return mixture_wasserstein(p, q, length_scale);
+  });
+  m.def("runnalls_bound", [](double log_a, const C& a, double log_b, const C& b) {
+    return runnalls_bound(Component<C>{log_a, a}, Component<C>{log_b, b});
+  });
+  m.def("runnalls_bound", [](double log_a, const P& a, double log_b, const P& b) {
+    return runnalls_bound(Component<P>{log_a, a}, Component<P>{log_b, b});
+  });
+  const auto tuple = [](auto&& conversion) {
+    return nb::make_tuple(std::move(conversion.mixture), conversion.kl_lost, conversion.kl_error,
+                          conversion.components_split, conversion.within_limit);
+  };
+  m.def("to_projected", [tuple](const Mixture<C>& x, RandomStream& r, const ConversionSettings& s) {
+    return tuple(to_projected(x, r, s));
+  });
+  m.def("to_concentrated",
+        [tuple](const Mixture<P>& x, RandomStream& r, const ConversionSettings& s) {
+          return tuple(to_concentrated(x, r, s));
+        });
+}
+
+void bind_settings(nb::module_& m) {
+  using Sampling = DivergenceSamplingSettings;
+  Settings<Sampling>(m, "DivergenceSamplingSettings", "Settings of the sampled divergences.")
+      .field("samples", &Sampling::samples, "int", "Points in all.")
+      .field("replicates", &Sampling::replicates, "int",
+             "Independent randomisations, for the standard error.")
+      .done();
+  nb::enum_<ConversionRule>(m, "ConversionRule", "How one kind of density becomes the other.")
+      .value("linear", ConversionRule::linear, "To first order.")
+      .value("cubature", ConversionRule::cubature, "Moments in the other chart, degree five.")
+      .value("maximum_likelihood", ConversionRule::maximum_likelihood, "The least divergence.");
+  nb::enum_<LargeLoss>(m, "LargeLoss", "What happens to a component that converts badly.")
+      .value("split", LargeLoss::split, "It is split until its loss meets the limit.")
+      .value("refuse", LargeLoss::refuse, "An error.")
+      .value("accept", LargeLoss::accept, "It is converted all the same.");
+  Settings<ConversionSettings>(m, "ConversionSettings",
+                               "Settings of `to_projected` and `to_concentrated`.")
+      .field("rule", &ConversionSettings::rule, "ConversionRule", "How a component is converted.")
+      .field("max_kl", &ConversionSettings::max_kl, "float",
+             "Divergence that a component may lose [nats].")
+      .field("on_large_loss", &ConversionSettings::on_large_loss, "LargeLoss",
+             "What happens beyond it.")
+      .field("max_pieces", &ConversionSettings::max_pieces, "int", "Of one component.")
+      .field("sampling", &ConversionSettings::sampling, "DivergenceSamplingSettings",
+             "How the loss is measured.")
+      .done();
+}
+
+}  // namespace
+
+void bind_divergence(nb::module_& m) {
+  bind_settings(m);
+  bind_group<SO3d>(m);
+  bind_group<SE3d>(m);
+}
+
+}  // namespace posemix::python

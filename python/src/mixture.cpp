@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "mixture.hpp"
+
+#include <nanobind/stl/vector.h>
+
+#include "posemix/mixture/moments.hpp"
+#include "posemix/mixture/projected_mixture.hpp"
+#include "settings.hpp"
+
+namespace posemix::python {
+namespace {
+
+template <class D>
+nb::class_<Mixture<D>> bind_mixture_of(nb::module_& m, const char* name) {
+  using M = Mixture<D>;
+  nb::class_<M> cls(m, name);
+  cls.def(
+      "__init__",
+      [](M* self, const std::vector<double>& log_weights, const std::vector<D>& densities) {
+        new (self) M(M::from_stored(components_of(log_weights, densities)));
+      },
+      "log_weights"_a, "densities"_a);
+  cls.def("__len__", &M::size);
+  cls.def_prop_ro(
+      "log_weights",
+      [](const M& self) {
+        NewArray out({self.size()});
+        for (std::size_t i = 0; i < self.size(); ++i) out.data[i] = self[i].log_weight;
+        return std::move(out.array);
+      },
+      nb::rv_policy::move);
+  cls.def(
+      "density",
+      [](const M& self, std::size_t i) {
+        if (i >= self.size()) throw nb::index_error();
+        return self[i].density;
+      },
+      "index"_a);
+  cls.def(
+      "prune",
+      [](const M& self, double threshold) {
+        M pruned = self;
+        const double dropped = pruned.prune(threshold);
+        return nb::make_tuple(std::move(pruned), dropped);
+      },
+      "threshold"_a);
+  m.def(
+      "moments",
+      [](const M& mixture, const MomentSettings& settings) {
+        const auto result = moments(mixture, settings);
+        return nb::make_tuple(result.density, result.converged, result.iterations, result.residual);
+      },
+      "mixture"_a, "settings"_a);
+  return cls;
+}
+
+/// What a mixture over one element has and one over a stack has not.
+template <class D>
+nb::class_<Mixture<D>> bind_element_mixture(nb::module_& m, const char* name) {
+  using M = Mixture<D>;
+  using G = typename D::Group;
+  return bind_mixture_of<D>(m, name)
+      .def("log_density", &log_densities<M>, "points"_a)
+      .def(
+          "sample",
+          [](const M& self, std::size_t count, RandomStream& stream) {
+            return drawn<G>(count, [&] { return self.sample(stream); });
+          },
+          "count"_a, "stream"_a)
+      .def(
+          "component_log_densities",
+          [](const M& self, const Rows& points) {
+            require_columns(points, Wire<G>::kSize, "points");
+            NewArray out({points.shape(0), self.size()});
+            {
+              const nb::gil_scoped_release unlocked;
+              std::vector<typename D::Evaluator> evaluators;
+              for (const auto& component : self.components())
+                evaluators.emplace_back(component.density);
+              for (std::size_t i = 0; i < points.shape(0); ++i) {
+                const G point = Wire<G>::read(points.data() + i * Wire<G>::kSize);
+                for (std::size_t k = 0; k < self.size(); ++k)
+                  out.data[i * self.size() + k] = evaluators[k].log_density(point);
+              }
+            }
+            return std::move(out.array);
+          },
+          "points"_a);
+}
+
+template <class D>
+nb::tuple fusion_tuple(MixtureFusion<D>&& fusion) {
+  return nb::make_tuple(std::move(fusion.mixture), fusion.log_evidence, fusion.converged);
+}
+
+template <class G>
+void bind_concentrated_operations(nb::module_& m) {
+  using M = Mixture<ConcentratedGaussian<G>>;
+  m.def(
+      "compose", [](const M& x, const M& y) { return compose(x, y); }, "x"_a, "y"_a);
+  m.def(
+      "inverse", [](const M& x) { return inverse(x); }, "x"_a);
+  m.def(
+      "between", [](const M& x, const M& y) { return between(x, y); }, "x"_a, "y"_a);
+  m.def(
+      "fuse",
+      [](const M& p, const M& q, const FuseSettings& settings) {
+        return fusion_tuple(fuse(p, q, settings));
+      },
+      "p"_a, "q"_a, "settings"_a);
+}
+
+template <class G>
+void bind_projected_mixture_operations(nb::module_& m) {
+  using M = Mixture<ProjectedGaussian<G>>;
+  using Compose = ProjectedMixtureComposeSettings;
+  m.def(
+      "compose", [](const M& x, const M& y, const Compose& s) { return compose(x, y, s); }, "x"_a,
+      "y"_a, "settings"_a);
+  m.def(
+      "inverse", [](const M& x, const Compose& s) { return inverse(x, s); }, "x"_a, "settings"_a);
+  m.def(
+      "between", [](const M& x, const M& y, const Compose& s) { return between(x, y, s); }, "x"_a,
+      "y"_a, "settings"_a);
+  m.def(
+      "fuse",
+      [](const M& p, const M& q, const ProjectedMixtureFuseSettings& settings) {
+        return fusion_tuple(fuse(p, q, settings));
+      },
+      "p"_a, "q"_a, "settings"_a);
+}
+
+void bind_settings(nb::module_& m) {
+  Settings<MomentSettings>(m, "MomentSettings", "Settings of `moments`.")
+      .field("max_iterations", &MomentSettings::max_iterations, "int", "Updates of the mean.")
+      .field("tolerance", &MomentSettings::tolerance, "float",
+             "The mean's last step, or rounding [rad, m].")
+      .done();
+  nb::enum_<PairWeight>(m, "PairWeight", "Weight of a pair in the fusion of projected mixtures.")
+      .value("overlap", PairWeight::overlap, "The integral of the product of the two densities.")
+      .value("alpha_delta", PairWeight::alpha_delta,
+             "alpha delta of the MPG paper, eq. 19; not a probability.");
+  Settings<ProjectedMixtureFuseSettings>(m, "ProjectedMixtureFuseSettings",
+                                         "Settings of `fuse` for mixtures of projected Gaussians.")
+      .field("pair", &ProjectedMixtureFuseSettings::pair, "ProjectedFuseSettings",
+             "How two components are fused.")
+      .field("weight", &ProjectedMixtureFuseSettings::weight, "PairWeight", "Weight of a pair.")
+      .done();
+  Settings<ProjectedMixtureComposeSettings>(
+      m, "ProjectedMixtureComposeSettings",
+      "Settings of `compose`, `between` and `inverse` for mixtures of projected Gaussians.")
+      .field("rule", &ProjectedMixtureComposeSettings::rule, "CompositionRule",
+             "How two components are composed.")
+      .field("split_above", &ProjectedMixtureComposeSettings::split_above, "float",
+             "A left factor wider in rotation than this standard deviation is split first [rad].")
+      .done();
+}
+
+}  // namespace
+
+void bind_mixture(nb::module_& m) {
+  bind_settings(m);
+  bind_element_mixture<ConcentratedSO3>(m, "MixtureConcentratedSO3");
+  bind_element_mixture<ConcentratedSE3>(m, "MixtureConcentratedSE3");
+  bind_element_mixture<ProjectedSO3>(m, "MixtureProjectedSO3");
+  bind_element_mixture<ProjectedSE3>(m, "MixtureProjectedSE3");
+  bind_mixture_of<ConcentratedStack>(m, "MixtureConcentratedStack")
+      .def(
+          "marginal",
+          [](const Mixture<ConcentratedStack>& self, std::size_t i) { return marginal(self, i); },
+          "index"_a)
+      .def(
+          "relative_pose",
+          [](const Mixture<ConcentratedStack>& self, std::size_t from, std::size_t to) {
+            return relative_pose(self, from, to);
+          },
+          "from_index"_a, "to_index"_a);
+  bind_concentrated_operations<SO3d>(m);
+  bind_concentrated_operations<SE3d>(m);
+  bind_projected_mixture_operations<SO3d>(m);
+  bind_projected_mixture_operations<SE3d>(m);
+}
+
+}  // namespace posemix::python

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "arrays.hpp"
+
+NB_MODULE(_core, m) {
+  using namespace posemix::python;  // NOLINT(google-build-using-namespace)
+  m.doc() = "The compiled part of posemix. Its users are the modules of the package.";
+  m.attr("version") = POSEMIX_VERSION;
+  bind_random(m);
+  bind_lie(m);
+  bind_density(m);
+  bind_mixture(m);
+  bind_reduction(m);
+  bind_divergence(m);
+  bind_em(m);
+}
