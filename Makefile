@@ -5,6 +5,7 @@
 # twice. The CMake presets do the same without installing anything.
 JOBS ?= $(shell nproc)
 PREFIX ?= /usr/local
+PYTHON ?= python3
 PROGRAM := build/release/posemix
 FORMATTED = $(shell find include src tests bench -name '*.hpp' -o -name '*.cpp')
 SCRIPTS := tools/bootstrap .ci/run
@@ -12,13 +13,18 @@ SCRIPTS := tools/bootstrap .ci/run
 export CMAKE_BUILD_PARALLEL_LEVEL = $(JOBS)
 export CTEST_PARALLEL_LEVEL = $(JOBS)
 
-.PHONY: help build demo test fuzz bench format lint tidy docs coverage install clean
+VENV := build/venv
+PYTHON_SOURCES = $(shell find python -name '*.py' -o -name '*.?pp' -o -name CMakeLists.txt)
+
+VENV_PIP = $(VENV)/bin/pip install --quiet --disable-pip-version-check
+
+.PHONY: help build built demo test test-cpp test-python fuzz bench format lint tidy docs coverage install clean
 .DELETE_ON_ERROR:
 
 help:
 	@echo 'make build      the program, at $(PROGRAM)'
 	@echo 'make demo       simulate a sequence and run three filters on it side by side, into build/demo'
-	@echo 'make test       build and run all tests; those that damage files under sanitizers'
+	@echo 'make test       build and run all tests: test-cpp (those that damage files under sanitizers), test-python'
 	@echo 'make bench      build and run the benchmarks, results into build/bench'
 	@echo 'make format     format the sources'
 	@echo 'make lint       check format, include directions, scripts, and run clang-tidy; with TIDY_SINCE=COMMIT'
@@ -43,10 +49,28 @@ build: build/.bootstrap-build
 demo: build build/.bootstrap-demo
 	tools/demo $(PROGRAM) build/demo
 
-test: build/.bootstrap-test
+test: test-cpp test-python
+
+built: build/.bootstrap-test
 	@$(call configured,release,POSEMIX_BUILD_TESTS)
 	cmake --build --preset release
+
+test-cpp: built
 	ctest --preset release
+
+# The package is built as pip builds it, with the library that is there already.
+build/.python: build/.bootstrap-test pyproject.toml $(PYTHON_SOURCES) | built
+	cmake --install build/release --prefix build/prefix >/dev/null
+	@test -x $(VENV)/bin/python || $(PYTHON) -m venv $(VENV)
+	$(VENV_PIP) '.[test]' \
+	  -Ccmake.define.CMAKE_PREFIX_PATH='$(CURDIR)/build/prefix'
+	@touch $@
+
+test-python: build/.python
+	$(VENV)/bin/ruff check --quiet python
+	cd python && ../$(VENV)/bin/mypy --strict posemix
+	$(VENV)/bin/pytest -q
+	$(VENV)/bin/pytest -q --doctest-modules --pyargs posemix
 
 fuzz: build/.bootstrap-test
 	@$(call configured,release,POSEMIX_BUILD_TESTS)
@@ -76,9 +100,13 @@ tidy: build/.bootstrap-lint
 	@files=$$($(if $(TIDY_SINCE),git diff --name-only --diff-filter=d $(TIDY_SINCE) --,git ls-files) 'src/*.cpp'); \
 	if [ -n "$$files" ]; then run-clang-tidy -quiet -j $(JOBS) -p build/tidy $$files; fi
 
-docs: build/.bootstrap-docs
+docs: build/.bootstrap-docs build/.python
+	$(VENV_PIP) '.[docs]' -Ccmake.define.CMAKE_PREFIX_PATH='$(CURDIR)/build/prefix'
 	@mkdir -p build/docs
 	doxygen docs/Doxyfile
+	$(VENV)/bin/sphinx-build -q -j auto -w build/docs/warnings.txt docs build/docs/html 2>/dev/null
+	@! grep 'WARNING\|ERROR' build/docs/warnings.txt | grep -v '_api/cpp/'
+	@echo 'Documents: build/docs/html/index.html'
 
 coverage: build/.bootstrap-coverage
 	@$(call configured,coverage,POSEMIX_BUILD_TESTS)

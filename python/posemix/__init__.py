@@ -27,7 +27,7 @@ from posemix._core import (
     ProjectedMixtureFuseSettings as ProjectedMixtureFuseSettings,
     ReductionSettings as ReductionSettings,
     TransportJacobian as TransportJacobian,
-    version as __version__,
+    version as version,
 )
 from posemix.density import *
 from posemix.divergence import *
@@ -36,3 +36,5 @@ from posemix.lie import *
 from posemix.mixture import *
 from posemix.operations import *
 from posemix.random import *
+
+__version__ = version

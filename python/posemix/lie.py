@@ -10,7 +10,7 @@ perturbation is on the left, ``X = Exp(xi) X0``. ``T_a_b`` maps points of frame 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, ClassVar, Generic, TypeVar
+from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 import numpy.typing as npt

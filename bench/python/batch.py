@@ -1,0 +1,46 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+# SPDX-FileCopyrightText: posemix contributors
+"""Exp and Log of a million elements: the Python package beside C++ in the same run.
+
+usage: bench/python/batch.py build/release/bench/bench_batch     with the package installed
+"""
+
+import json
+import subprocess
+import sys
+import time
+
+import numpy as np
+
+from posemix import SE3, SO3
+
+COUNT = 1_000_000
+REPEATS = 9
+
+
+def median_ms(function):
+    times = []
+    for _ in range(REPEATS):
+        begin = time.perf_counter()
+        function()
+        times.append(1e3 * (time.perf_counter() - begin))
+    return float(np.median(times))
+
+
+def main(program):
+    run = [program, "--benchmark_format=json", f"--benchmark_repetitions={REPEATS}"]
+    found = json.loads(subprocess.run(run, check=True, capture_output=True, text=True).stdout)
+    cpp = {b["run_name"]: b["real_time"] for b in found["benchmarks"] if b.get("aggregate_name") == "median"}
+    print(f"{'':16}{'C++ [ms]':>10}{'Python [ms]':>13}{'ratio':>8}")
+    for group in (SO3, SE3):
+        xi = np.random.default_rng(7).normal(size=(COUNT, group.DOF))
+        elements = group.exp(xi)
+        for name, function in (("Exp", lambda g=group, v=xi: g.exp(v)), ("Log", elements.log)):
+            peer = cpp[f"{name}Many<{group.__name__}d>"]
+            own = median_ms(function)
+            print(f"{group.__name__ + ' ' + name:16}{peer:10.1f}{own:13.1f}{own / peer:8.2f}")
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
