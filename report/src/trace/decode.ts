@@ -62,7 +62,7 @@ export async function inflate(packed: Uint8Array<ArrayBuffer>, length: number): 
 }
 
 function checkHead(head: ColumnHead): void {
-  const known = head !== null && typeof head === "object" && head.type in ARRAYS;
+  const known = head !== null && typeof head === "object" && Object.hasOwn(ARRAYS, head.type);
   if (!known || !Number.isInteger(head.width) || head.width < 1 || !Number.isFinite(head.scale)) {
     throw new BadPayload(`The trace has a column that this page cannot read: ${JSON.stringify(head)}.`);
   }

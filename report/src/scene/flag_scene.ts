@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+import { Color, Vector3 } from "three";
+import { cholesky } from "../math/linear.ts";
+import { type Mixture, positionCovariance } from "../mixture/mixture.ts";
+import type { Samples } from "../mixture/sample.ts";
+import { colourOf } from "../ui/palette.ts";
+import { themeColour } from "../ui/theme.ts";
+import { Batch } from "./batch.ts";
+import { axesShape, ballShape, flagShape, grid, gridStep } from "./shapes.ts";
+import { Viewport } from "./viewport.ts";
+
+const LEAST_LABELLED = 0.02;
+
+export interface FlagLayers {
+  flags: boolean;
+  ellipsoids: boolean;
+  means: boolean;
+  labels: boolean;
+}
+
+/** A mixture in space: draws as flags, the components' means as axes and their positions as ellipsoids. */
+export class FlagScene {
+  readonly viewport: Viewport;
+  readonly layers: FlagLayers = { flags: true, ellipsoids: true, means: true, labels: true };
+  readonly gridStep: number;
+  private readonly flags: Batch;
+  private readonly glass: Batch;
+  private readonly means: Batch;
+  private readonly size: number;
+  private mixture: Mixture | undefined;
+  private samples: Samples | undefined;
+  private hidden: ReadonlySet<number> = new Set();
+
+  /** Made for all mixtures that it will show, so that its view need not change between them. */
+  constructor(name: string, mixtures: readonly { mixture: Mixture; samples: Samples }[]) {
+    // Cameras see y downwards; of other frames z is taken to be up.
+    const fromCamera = mixtures[0].mixture.from === "camera";
+    const up = fromCamera ? new Vector3(0, -1, 0) : new Vector3(0, 0, 1);
+    this.viewport = new Viewport(name, up);
+    const spread = boundsOf(mixtures.map(({ samples }) => samples));
+    const extent = Math.max(spread[0].distanceTo(spread[1]), 1e-3);
+    this.size = 0.16 * extent;
+    this.viewport.setBounds(spread.flatMap((point) => [point.clone().addScalar(this.size), point.clone().subScalar(this.size)]));
+    this.gridStep = gridStep(extent);
+    const most = Math.max(...mixtures.map(({ mixture }) => mixture.components.length));
+    this.flags = new Batch(flagShape(), Math.max(...mixtures.map(({ samples }) => samples.count)));
+    this.glass = new Batch(ballShape(), most, { glass: true });
+    this.means = new Batch(axesShape(0.05), most, { solid: true });
+    for (const batch of [this.flags, this.glass, this.means]) this.viewport.scene.add(batch.mesh);
+    const lowest = Math.min(...spread.map((point) => point.dot(up))) - this.size;
+    this.viewport.scene.add(grid(this.viewport.centre, up, extent, lowest));
+    this.viewport.look("fit");
+  }
+
+  show(mixture: Mixture, samples: Samples, hidden: ReadonlySet<number>): void {
+    this.mixture = mixture;
+    this.samples = samples;
+    this.hidden = hidden;
+    this.update();
+  }
+
+  setLayer(layer: keyof FlagLayers, on: boolean): void {
+    this.layers[layer] = on;
+    this.update();
+  }
+
+  get flagCount(): number {
+    return this.flags.mesh.count;
+  }
+
+  private update(): void {
+    if (!this.mixture || !this.samples) return;
+    const colours = this.mixture.components.map((_, k) => new Color(colourOf(k)));
+    for (const batch of [this.flags, this.glass, this.means]) batch.begin();
+    if (this.layers.flags) this.addFlags(this.samples, colours);
+    this.viewport.labels.clear();
+    this.mixture.components.forEach((component, k) => {
+      if (this.hidden.has(k)) return;
+      const opacity = 0.25 + 0.75 * Math.sqrt(component.weight);
+      if (this.layers.means) this.means.addPose(component.translation, component.quaternion, 1.2 * this.size, colours[k], 1);
+      if (this.layers.ellipsoids) {
+        const root = new Float64Array(9);
+        const covariance = positionCovariance(this.mixture!, component);
+        for (let i = 0; i < 3; ++i) covariance[4 * i] += 1e-12;
+        cholesky(covariance, 3, root);
+        this.glass.addLinear(component.translation, root, 3, colours[k], 0.6 * opacity);
+      }
+      if (this.layers.labels && component.weight >= LEAST_LABELLED) {
+        const [x, y, z] = component.translation;
+        this.viewport.labels.add(x, y, z, `${k + 1}: ${(100 * component.weight).toFixed(0)} %`, themeColour("--ink"));
+      }
+    });
+    for (const batch of [this.flags, this.glass, this.means]) batch.end();
+    this.viewport.invalidate();
+  }
+
+  private addFlags(samples: Samples, colours: Color[]): void {
+    for (let i = 0; i < samples.count; ++i) {
+      const k = samples.components[i];
+      if (this.hidden.has(k)) continue;
+      const position = samples.positions.subarray(3 * i, 3 * i + 3);
+      const quaternion = samples.quaternions.subarray(4 * i, 4 * i + 4);
+      this.flags.addPose(position, quaternion, this.size, colours[k], 0.45);
+    }
+  }
+}
+
+function boundsOf(all: Samples[]): Vector3[] {
+  const low = new Vector3(Infinity, Infinity, Infinity);
+  const high = new Vector3(-Infinity, -Infinity, -Infinity);
+  for (const { positions } of all) {
+    for (let i = 0; i < positions.length; i += 3) {
+      const point = new Vector3(positions[i], positions[i + 1], positions[i + 2]);
+      low.min(point);
+      high.max(point);
+    }
+  }
+  return [low, high];
+}
