@@ -14,6 +14,8 @@ export interface ColumnHead {
   type: "uint8" | "uint16" | "int16" | "int32";
   scale: number;
   map: "linear" | "exp";
+  /** Whether the differences are stored with their sign in the lowest bit. */
+  fold?: boolean;
 }
 
 export interface PackedTrace {

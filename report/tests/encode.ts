@@ -7,15 +7,17 @@ import type { ColumnHead, PackedTrace } from "../src/payload.ts";
 const BYTES = { uint8: 1, uint16: 2, int16: 2, int32: 4 } as const;
 type Row = ArrayLike<number> | null;
 
-/** Quantises, takes differences along the frames and splits them into byte planes. */
-export function encodeComponent(values: ArrayLike<number>, type: ColumnHead["type"], out: Uint8Array, start: number): void {
+/** Takes differences along the frames, with `fold` their signs into the lowest bit, and splits them into byte planes. */
+export function encodeComponent(values: ArrayLike<number>, { type, fold }: ColumnHead, out: Uint8Array, start: number): void {
   const bytes = BYTES[type];
+  const unused = 32 - 8 * bytes;
   const frames = values.length;
   let last = 0;
   for (let i = 0; i < frames; ++i) {
-    const difference = values[i] - last;
+    const difference = ((values[i] - last) << unused) >> unused;
+    const stored = fold ? (difference << 1) ^ (difference >> 31) : difference;
     last = values[i];
-    for (let plane = 0; plane < bytes; ++plane) out[start + plane * frames + i] = (difference >> (8 * plane)) & 0xff;
+    for (let plane = 0; plane < bytes; ++plane) out[start + plane * frames + i] = (stored >>> (8 * plane)) & 0xff;
   }
 }
 
@@ -26,10 +28,11 @@ export class TraceWriter {
   constructor(private readonly frames: number) {}
 
   /** Integers of every component. */
-  add(head: ColumnHead, components: ArrayLike<number>[]): void {
+  add(column: ColumnHead, components: ArrayLike<number>[]): void {
+    const head = { fold: true, ...column };
     const size = BYTES[head.type] * this.frames;
     const bytes = new Uint8Array(size * head.width);
-    components.forEach((values, k) => encodeComponent(values, head.type, bytes, k * size));
+    components.forEach((values, k) => encodeComponent(values, head, bytes, k * size));
     this.heads.push(head);
     this.parts.push(bytes);
   }

@@ -16,7 +16,7 @@ import { footer, header, noScene, picture, publish } from "./page.ts";
 
 const FLAGS = 400;
 const DRAWS = 20000;
-const BINS = 120;
+const BINS = 90;
 const MOST_SERIES = 8;
 const LAYERS: readonly (readonly [keyof FlagLayers, string])[] = [
   ["flags", "Flags"], ["means", "Means"], ["ellipsoids", "3-sigma ellipsoids"], ["labels", "Labels"],
@@ -32,31 +32,42 @@ export function mixtureDocuments(payload: Payload): Mixture[] {
 
 export type AngleFrame = "body" | "reference";
 
-/** Histogram of the angle about an axis, seen from the heaviest component's mean [per degree]: the whole, then by component. */
-export function angleHistogram(mixture: Mixture, samples: Samples, axis: number, frame: AngleFrame, bins: number): { x: number[]; density: number[][] } {
+/** The angle of every draw about an axis, seen from the heaviest component's mean [deg]. */
+export function anglesOf(mixture: Mixture, samples: Samples, axis: number, frame: AngleFrame): Float64Array {
   const heaviest = mixture.components.reduce((best, one) => (one.weight > best.weight ? one : best));
   const direction: Vec3 = [0, 0, 0];
   direction[axis] = 1;
-  const width = 360 / bins;
-  const density = Array.from({ length: 1 + mixture.components.length }, () => new Array<number>(bins).fill(0));
   const turned = [0, 0, 0, 1];
   const inverse = heaviest.quaternion.map((value, i) => (i < 3 ? -value : value));
+  const angles = new Float64Array(samples.count);
   for (let i = 0; i < samples.count; ++i) {
     const q = samples.quaternions.subarray(4 * i, 4 * i + 4);
     if (frame === "body") multiply(inverse, q, turned);
     else multiplyInverse(q, heaviest.quaternion, turned);
-    const bin = Math.min(bins - 1, Math.floor((twistAngle(turned, direction) * DEGREES + 180) / width));
-    density[0][bin] += 1 / (samples.count * width);
-    density[1 + samples.components[i]][bin] += 1 / (samples.count * width);
+    angles[i] = twistAngle(turned, direction) * DEGREES;
   }
-  return { x: Array.from({ length: bins }, (_, i) => -180 + (i + 0.5) * width), density };
+  return angles;
+}
+
+/** Share per degree in bins over the range of the angles: of all draws, then by component. */
+export function histogram(angles: Float64Array, components: Int32Array, count: number, bins: number): { x: number[]; density: number[][] } {
+  const [low, high] = [angles.reduce((a, b) => Math.min(a, b), 180), angles.reduce((a, b) => Math.max(a, b), -180)];
+  const width = Math.max((high - low) / bins, 1e-6);
+  const density = Array.from({ length: 1 + count }, () => new Array<number>(bins).fill(0));
+  angles.forEach((angle, i) => {
+    const bin = Math.min(bins - 1, Math.floor((angle - low) / width));
+    density[0][bin] += 1 / (angles.length * width);
+    density[1 + components[i]][bin] += 1 / (angles.length * width);
+  });
+  return { x: Array.from({ length: bins }, (_, i) => low + (i + 0.5) * width), density };
 }
 
 function marginal(mixture: Mixture, samples: Samples, group: ChartGroup): HTMLElement {
   let axis = 2;
   let frame: AngleFrame = "body";
   const fill = () => {
-    const { x, density } = angleHistogram(mixture, samples, axis, frame, BINS);
+    const angles = anglesOf(mixture, samples, axis, frame);
+    const { x, density } = histogram(angles, samples.components, mixture.components.length, BINS);
     const series: ChartSeries[] = [{ label: "all", values: density[0], kind: "shade" }];
     const shown = Math.min(MOST_SERIES, mixture.components.length);
     for (let k = 0; k < shown && mixture.components.length > 1; ++k) {

@@ -59,7 +59,7 @@ function spread(stages: Table): ChartGroup {
   };
   const chart = (title: string, key: (axis: string) => string, scale: number) =>
     new Chart({
-      title, x, xLabel: "stage, in the order of the table", height: 240,
+      title, x, xNames: names, height: 300,
       series: ["x", "y", "z"].map((axis, k) => ({ label: axis, values: column(key(axis), scale), colour: colourOf(k), kind: "both" as const })),
     });
   group.replace([

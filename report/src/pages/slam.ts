@@ -20,7 +20,7 @@ const LAYERS: readonly (readonly [keyof Layers, string])[] = [
   ["detections", "Detections"], ["labels", "Labels"],
 ];
 const VIEWS: readonly (readonly [View, string])[] = [
-  ["fit", "All"], ["top", "Top"], ["front", "Front"], ["side", "Side"], ["eye", "Camera"],
+  ["fit", "All"], ["near", "Objects"], ["top", "Top"], ["front", "Front"], ["side", "Side"], ["eye", "Camera"],
 ];
 
 function sceneControls(scene: SlamScene, hasTruth: boolean): HTMLElement {
@@ -97,6 +97,7 @@ export async function slamPage(payload: Payload): Promise<HTMLElement> {
     get frame() { return player.frame; },
     get updateTime() { return updateTime; },
     get drawTime() { return scene?.viewport.drawTime; },
+    get firstDraw() { return scene?.viewport.firstDraw; },
     get ghosts() { return scene?.ghostCount; },
     decodeTime: decoded - started,
     pose: (id: string) => scene?.shown(id === "camera" ? "camera" : trace.objects.findIndex((object) => object.id === id)),

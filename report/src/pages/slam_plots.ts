@@ -5,10 +5,10 @@ import { Chart, type ChartSeries } from "../plots/chart.ts";
 import { countFates, fateChart } from "../plots/fates.ts";
 import { ChartGroup } from "../plots/group.ts";
 import {
-  errorComponents, errorNorms, hypothesisSeries, negative, poseSeries, ROTATION_NAMES, type RotationAs, threeSigma,
+  errorComponents, errorNorms, hypothesisSeries, negative, poseSeries, ROTATION_NAMES, type RotationAs, threeSigma, usualRange,
 } from "../plots/series.ts";
 import type { Estimate, PoseTrack, Trace } from "../trace/trace.ts";
-import { choice, element } from "../ui/dom.ts";
+import { choice, element, toggle } from "../ui/dom.ts";
 import { colourOf, FATE_MARKS } from "../ui/palette.ts";
 import { table } from "../ui/table.ts";
 
@@ -32,8 +32,8 @@ export function detectionPlots(trace: Trace, group: ChartGroup, seek: Seek): HTM
     const chart = (title: string, half: "position" | "rotation", axis: number) => {
       const series: ChartSeries[] = [];
       if (seen) series.push({ label: "detected", values: seen[half][axis], colour: "#8A8A8A", kind: "dots" });
-      if (truth) series.push({ label: "truth", values: truth[half][axis], kind: "dashed" });
       if (own) series.push({ label: "filtered", values: own[half][axis], colour });
+      if (truth) series.push({ label: "truth", values: truth[half][axis], kind: "dashed" });
       return new Chart({ title, x: trace.seconds, series, seek });
     };
     group.replace([
@@ -71,7 +71,9 @@ function targets(trace: Trace): Target[] {
 export function errorPlots(trace: Trace, group: ChartGroup, seek: Seek): HTMLElement {
   const list = targets(trace);
   const note = element("p", { class: "hint" });
-  const fill = (index: number) => {
+  let index = 0;
+  let whole = false;
+  const fill = () => {
     const { estimate, detection, colour } = list[index];
     const paint = colour ? { colour } : {};
     const sigma = threeSigma(estimate, trace.frames);
@@ -86,13 +88,13 @@ export function errorPlots(trace: Trace, group: ChartGroup, seek: Seek): HTMLEle
       const series: ChartSeries[] = [{ label: "3 sigma", values: sigma[of], kind: "shade", ...paint }];
       if (seen) series.push({ label: "detected", values: seen[of], colour: "#8A8A8A", kind: "dots" });
       if (norms) series.push({ label: "error", values: norms[of], ...paint });
-      return new Chart({ title, x: trace.seconds, series, seek });
+      return new Chart({ title, x: trace.seconds, series, seek, ...(whole ? {} : { range: usualRange(series, true) }) });
     };
     const part = (title: string, half: "rotation" | "position", axis: number) => {
       const values = sigma[half][axis];
       const series: ChartSeries[] = [{ label: "3 sigma", values, lower: negative(values), kind: "band", ...paint }];
       if (parts) series.push({ label: "error", values: parts[half][axis], ...paint });
-      return new Chart({ title, x: trace.seconds, series, seek });
+      return new Chart({ title, x: trace.seconds, series, seek, ...(whole ? {} : { range: usualRange(series, false) }) });
     };
     group.replace([
       norm("rotation error [deg]", "angle"),
@@ -102,9 +104,10 @@ export function errorPlots(trace: Trace, group: ChartGroup, seek: Seek): HTMLEle
     ]);
   };
   if (list.length === 0) return element("p", { class: "notice" }, "The run has no estimates.");
-  fill(0);
-  const chooser = choice("Pose", list.map(({ name }, i) => [String(i), name] as const), "0", (value) => fill(Number(value)));
-  return element("div", {}, element("div", { class: "controls" }, chooser, note), group.node);
+  fill();
+  const chooser = choice("Pose", list.map(({ name }, i) => [String(i), name] as const), "0", (value) => ((index = Number(value)), fill()));
+  const range = toggle("Whole range", whole, (on) => ((whole = on), fill()));
+  return element("div", {}, element("div", { class: "controls" }, chooser, range, note), group.node);
 }
 
 /** Probability of the modes, and of every hypothesis of an object. */

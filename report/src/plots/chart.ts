@@ -2,7 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 import uPlot from "uplot";
 import { element } from "../ui/dom.ts";
-import { faded, TRUTH_COLOUR } from "../ui/palette.ts";
+import { faded } from "../ui/palette.ts";
 import { onTheme, themeColour } from "../ui/theme.ts";
 
 export type Values = (number | null)[];
@@ -12,7 +12,7 @@ export interface ChartSeries {
   values: Values;
   /** None: the colour of the text. */
   colour?: string;
-  kind?: "line" | "dots" | "both" | "dashed" | "shade" | "band" | "truth";
+  kind?: "line" | "dots" | "both" | "dashed" | "shade" | "band";
   /** Of a band: its lower edge; `values` is the upper one. */
   lower?: Values;
 }
@@ -31,31 +31,61 @@ export interface ChartSettings {
   /** Paints instead of series, in the coordinates of the canvas. */
   paint?: (plot: uPlot) => void;
   yNames?: string[];
+  /** Names of x = 1, 2, ... */
+  xNames?: string[];
 }
 
+const WIDTHS: Partial<Record<string, number>> = { dots: 0, shade: 0.6, band: 0.6, dashed: 1.1 };
+
 function stroke(series: ChartSeries): () => string {
-  if (series.kind === "truth") return () => TRUTH_COLOUR;
   return () => series.colour ?? themeColour("--ink");
+}
+
+/** Small squares; of several in one place only one is painted, so that many thousand stay cheap. */
+function paintDots(plot: uPlot, index: number, colour: string): void {
+  const { ctx, bbox } = plot;
+  const [xs, ys] = [plot.data[0], plot.data[index]];
+  const size = Math.round(2.4 * devicePixelRatio);
+  const taken = new Set<number>();
+  const top = Math.round(bbox.top);
+  const bottom = top + Math.round(bbox.height);
+  ctx.save();
+  ctx.fillStyle = colour;
+  for (let i = 0; i < xs.length; ++i) {
+    const value = ys[i];
+    if (value === null || value === undefined) continue;
+    const x = Math.round(plot.valToPos(xs[i], "x", true));
+    const y = Math.round(plot.valToPos(value, "y", true));
+    if (x < bbox.left || x > bbox.left + bbox.width || y < top || y > bottom) continue;
+    const place = x * 16384 + y;
+    if (taken.has(place)) continue;
+    taken.add(place);
+    ctx.fillRect(x - size / 2, y - size / 2, size, size);
+  }
+  ctx.restore();
 }
 
 function seriesOf(series: ChartSeries): uPlot.Series {
   const colour = stroke(series);
   const kind = series.kind ?? "line";
-  const dots = kind === "dots" || kind === "both";
   return {
     label: series.label,
     stroke: kind === "shade" || kind === "band" ? () => faded7(colour(), 0.5) : colour,
-    width: kind === "dots" ? 0 : kind === "shade" || kind === "band" ? 0.6 : 1.6,
-    ...(kind === "dots" ? { paths: () => null } : {}),
-    ...(kind === "truth" || kind === "dashed" ? { dash: [6, 4] } : {}),
+    width: WIDTHS[kind] ?? 1.6,
+    ...(kind === "dots" ? { paths: (plot, index) => (paintDots(plot, index, colour()), null) } : {}),
+    ...(kind === "dashed" ? { dash: [6, 4] } : {}),
     ...(kind === "shade" ? { fill: () => faded7(colour(), 0.16) } : {}),
-    points: { show: dots, size: kind === "both" ? 6 : 3, stroke: colour, fill: colour, width: 0.5 },
+    points: { show: kind === "both", size: 6, stroke: colour, fill: colour, width: 0.5 },
     value: (_plot, value) => (value === null || value === undefined ? "–" : String(Number(value.toPrecision(4)))),
     spanGaps: false,
   };
 }
 
 const faded7 = (colour: string, opacity: number) => (colour.length === 7 ? faded(colour, opacity) : colour);
+
+function namedTicks(names: string[]): uPlot.Axis {
+  return { size: 96, rotate: -40, splits: () => names.map((_, i) => i + 1), values: () => names };
+}
 
 /** A plot with a caption, a legend, and a line that marks a place on its x axis. */
 export class Chart {
@@ -105,7 +135,9 @@ export class Chart {
         y: { distr: settings.yLog ? 3 : 1, ...(settings.range ? { range: settings.range } : {}) },
       },
       axes: [
-        axis({ size: 34, gap: 2, label: settings.xLabel ?? "time [s]", labelSize: 14, labelGap: 0 }),
+        axis({
+          size: 24, gap: 3, ...(settings.xNames ? namedTicks(settings.xNames) : {}), ...(settings.xLabel ? { label: settings.xLabel, labelSize: 16, labelGap: 0 } : {}),
+        }),
         axis({ size: names ? 84 : 54, gap: 3, ...(names ? { splits: () => names.map((_, i) => i + 0.5), values: () => names } : {}) }),
       ],
       cursor: { drag: { x: true, y: false }, points: { size: 5 }, ...(settings.seek ? { sync: { key: "time" } } : {}) },

@@ -7,7 +7,7 @@ import type { Chart } from "./chart.ts";
 export class ChartGroup {
   readonly node = element("div", { class: "charts" });
   private charts: Chart[] = [];
-  private seconds = 0;
+  private seconds = NaN;
 
   replace(charts: Chart[]): void {
     for (const chart of this.charts) chart.destroy();

@@ -4,7 +4,7 @@
 import { covarianceOf, largestEigenvalue } from "../math/linear.ts";
 import { angleBetween, DEGREES, log, multiplyInverse, rollPitchYaw, rotationVector, unwrap } from "../math/rotation.ts";
 import type { Estimate, PoseTrack, Trace } from "../trace/trace.ts";
-import type { Values } from "./chart.ts";
+import type { ChartSeries, Values } from "./chart.ts";
 
 export type RotationAs = "vector" | "rpy";
 export const ROTATION_NAMES: Record<RotationAs, string[]> = {
@@ -148,4 +148,15 @@ export function hypothesisSeries(trace: Trace, object: number): Values[] {
     }
     return values;
   });
+}
+
+/** What nine tenths of the detections and of the shade and all but a hundredth of the errors stay within. */
+export function usualRange(series: ChartSeries[], fromZero: boolean): [number, number] {
+  let top = 0;
+  for (const { values, kind } of series) {
+    const sizes = values.filter((value) => value !== null).map((value) => Math.abs(value!)).sort((a, b) => a - b);
+    if (sizes.length > 0) top = Math.max(top, sizes[Math.floor((kind === undefined ? 0.99 : 0.9) * (sizes.length - 1))]);
+  }
+  top = top > 0 ? 1.2 * top : 1;
+  return [fromZero ? 0 : -top, top];
 }

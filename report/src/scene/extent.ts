@@ -34,17 +34,16 @@ export function nearestAxis(direction: Vector3): Vector3 {
   return up;
 }
 
-/** Positions of camera and objects that the views should show; a hundredth at either end of each axis is left out. */
-export function boundsOf(trace: Trace): Vector3[] {
+/** The corners of the box around positions; a hundredth at either end of each axis is left out. */
+function corners(trace: Trace, tracks: (PoseTrack | undefined)[]): Vector3[] {
   const points: Vector3[] = [];
   const at = [0, 0, 0];
-  const collect = (track: PoseTrack | undefined) =>
+  for (const track of tracks) {
     sampled(track, trace.frames, (frame) => {
       track!.position(frame, at);
       points.push(new Vector3(at[0], at[1], at[2]));
     });
-  collect(trace.camera?.pose);
-  for (const object of trace.objects) collect(object.world?.pose);
+  }
   if (points.length === 0) return points;
   const low = new Vector3();
   const high = new Vector3();
@@ -54,4 +53,14 @@ export function boundsOf(trace: Trace): Vector3[] {
     high.setComponent(axis, sorted[Math.ceil(0.99 * (sorted.length - 1))]);
   }
   return [low, high];
+}
+
+/** Of the positions of objects. */
+export function objectBounds(trace: Trace): Vector3[] {
+  return corners(trace, trace.objects.map(({ world }) => world?.pose));
+}
+
+/** Of the positions of camera and objects. */
+export function boundsOf(trace: Trace): Vector3[] {
+  return corners(trace, [trace.camera?.pose, ...trace.objects.map(({ world }) => world?.pose)]);
 }

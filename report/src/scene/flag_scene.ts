@@ -22,7 +22,7 @@ export interface FlagLayers {
 /** A mixture in space: draws as flags, the components' means as axes and their positions as ellipsoids. */
 export class FlagScene {
   readonly viewport: Viewport;
-  readonly layers: FlagLayers = { flags: true, ellipsoids: true, means: true, labels: true };
+  readonly layers: FlagLayers = { flags: true, ellipsoids: false, means: true, labels: true };
   readonly gridStep: number;
   private readonly flags: Batch;
   private readonly glass: Batch;
@@ -41,7 +41,7 @@ export class FlagScene {
     const spread = boundsOf(mixtures.map(({ samples }) => samples));
     const extent = Math.max(spread[0].distanceTo(spread[1]), 1e-3);
     this.size = 0.16 * extent;
-    this.viewport.setBounds(spread.flatMap((point) => [point.clone().addScalar(this.size), point.clone().subScalar(this.size)]));
+    this.viewport.setBounds(spread.flatMap((point) => [point.clone().addScalar(0.4 * this.size), point.clone().subScalar(0.4 * this.size)]));
     this.gridStep = gridStep(extent);
     const most = Math.max(...mixtures.map(({ mixture }) => mixture.components.length));
     this.flags = new Batch(flagShape(), Math.max(...mixtures.map(({ samples }) => samples.count)));

@@ -6,6 +6,7 @@ import { onTheme, themeColour } from "../ui/theme.ts";
 
 const MOST = 256;
 const LINE = 14;
+const MOST_SHIFT = 4 * LINE;
 
 /** Words at points of the scene, on a canvas above it; nothing is allocated while frames go by. */
 export class LabelLayer {
@@ -62,14 +63,16 @@ export class LabelLayer {
       if (this.point.z > 1 || this.point.z < -1) continue;
       const x = Math.round((0.5 + 0.5 * this.point.x) * this.width) + 9;
       let y = Math.round((0.5 - 0.5 * this.point.y) * this.height) - 9;
+      const lowest = y + MOST_SHIFT;
       const width = 7 * this.texts[i].length;
-      for (let k = 0; k < i; ++k) {
+      for (let k = 0; k < i && y <= lowest; ++k) {
         const near = this.placed[3 * k + 2] > 0 && Math.abs(this.placed[3 * k + 1] - y) < LINE;
         if (near && x < this.placed[3 * k] + this.placed[3 * k + 2] && this.placed[3 * k] < x + width) {
           y = this.placed[3 * k + 1] + LINE;
           k = -1;
         }
       }
+      if (y > lowest) continue;
       this.placed[3 * i] = x;
       this.placed[3 * i + 1] = y;
       this.placed[3 * i + 2] = width;

@@ -10,10 +10,10 @@ import type { Estimate, Trace } from "../trace/trace.ts";
 import { colourOf, TRUTH_COLOUR } from "../ui/palette.ts";
 import { onTheme, themeColour } from "../ui/theme.ts";
 import { Batch } from "./batch.ts";
-import { boundsOf, upAxis } from "./extent.ts";
+import { boundsOf, objectBounds, upAxis } from "./extent.ts";
 import { dashedPath, Path } from "./path.ts";
 import { axesShape, ballShape, frustumPoints, grid, gridStep, meshShape } from "./shapes.ts";
-import { Viewport } from "./viewport.ts";
+import { type View, Viewport } from "./viewport.ts";
 
 /** What can be shown or hidden. */
 export interface Layers {
@@ -26,6 +26,9 @@ export interface Layers {
 
 const LEAST_SHOWN = 5e-4;
 const LEAST_LABELLED = 5e-3;
+/** A hypothesis this near to the estimate is the estimate [m, squared sine of half the angle]. */
+const SAME_PLACE = 1e-3;
+const SAME_TURN = 2e-5;
 const PERCENT = Array.from({ length: 101 }, (_, i) => `${i} %`);
 
 export interface ShownPose {
@@ -54,6 +57,7 @@ export class SlamScene {
   private readonly grey = new Color(TRUTH_COLOUR);
   private readonly ink = new Color();
   private inkText = "";
+  private readonly names: string[] = [];
   private readonly unit: number;
   private readonly eye = new Matrix4();
   private frame = 0;
@@ -73,6 +77,7 @@ export class SlamScene {
     const bounds = boundsOf(trace);
     this.viewport.setBounds(bounds);
     const size = this.viewport.size;
+    this.viewport.setNear(objectBounds(trace), 0.06 * size);
     this.unit = 0.05 * size;
     this.gridStep = gridStep(size);
     this.colours = trace.objects.map((_, i) => new Color(colourOf(i)));
@@ -122,7 +127,7 @@ export class SlamScene {
     this.viewport.invalidate();
   }
 
-  look(view: "fit" | "top" | "front" | "side" | "eye"): void {
+  look(view: View): void {
     this.viewport.look(view, this.eye);
     this.cameraNode.visible = view !== "eye" && !this.cameraNode.userData["absent"];
   }
@@ -196,16 +201,42 @@ export class SlamScene {
       if (body) body.addPose(this.p, this.q, 1, colour, 1);
       this.axes.addPose(this.p, this.q, this.unit, colour, 1);
       this.balls.addPose(this.p, this.q, 0.16 * this.unit, colour, 1);
-      if (this.layers.labels) this.viewport.labels.add(this.p[0], this.p[1], this.p[2], object.id, this.inkText);
+      if (this.layers.labels) {
+        const { p } = this;
+        this.viewport.labels.add(p[0], p[1], p[2], this.nameOf(index, this.leadingPercent(index, frame)), this.inkText);
+      }
       this.addEllipsoid(world, frame, this.p, colour);
     }
     body?.end();
     if (world) this.addTruth(world, frame);
     this.addDetection(index, frame);
-    this.addGhosts(index, frame);
+    this.addGhosts(index, frame, here);
   }
 
-  private addGhosts(index: number, frame: number): void {
+  /** The id, with the weight of the hypothesis that is the estimate where there is one. */
+  private nameOf(index: number, percent: number): string {
+    if (percent < 0) return this.trace.objects[index].id;
+    return (this.names[101 * index + percent] ??= `${this.trace.objects[index].id}: ${PERCENT[percent]}`);
+  }
+
+  private leadingPercent(index: number, frame: number): number {
+    if (!this.layers.hypotheses) return -1;
+    for (const slot of this.trace.objects[index].hypotheses) {
+      if (!slot.pose.has(frame)) continue;
+      slot.pose.position(frame, this.p2);
+      slot.pose.quaternion(frame, this.q2);
+      if (this.isEstimate()) return Math.round(100 * slot.probability(frame));
+    }
+    return -1;
+  }
+
+  private isEstimate(): boolean {
+    const { p, q, p2, q2 } = this;
+    const dot = q[0] * q2[0] + q[1] * q2[1] + q[2] * q2[2] + q[3] * q2[3];
+    return Math.hypot(p[0] - p2[0], p[1] - p2[1], p[2] - p2[2]) < SAME_PLACE && 1 - dot * dot < SAME_TURN;
+  }
+
+  private addGhosts(index: number, frame: number, here: boolean): void {
     const { hypotheses } = this.trace.objects[index];
     const body = this.bodyGhosts[index];
     body?.begin();
@@ -216,6 +247,7 @@ export class SlamScene {
       if (weight < LEAST_SHOWN) continue;
       slot.pose.position(frame, this.p2);
       slot.pose.quaternion(frame, this.q2);
+      if (here && this.isEstimate()) continue;
       const colour = this.colours[index];
       if (body) body.addPose(this.p2, this.q2, 1, colour, 0.5 * opacity(weight));
       else this.ghosts.addPose(this.p2, this.q2, 1.15 * this.unit, colour, opacity(weight));

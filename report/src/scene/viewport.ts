@@ -8,7 +8,7 @@ import { element } from "../ui/dom.ts";
 import { onTheme } from "../ui/theme.ts";
 import { LabelLayer } from "./labels.ts";
 
-export type View = "fit" | "top" | "front" | "side" | "eye";
+export type View = "fit" | "near" | "top" | "front" | "side" | "eye";
 
 const KEY_TURN = Math.PI / 36;
 
@@ -24,8 +24,13 @@ export class Viewport {
   onLeaveEye: () => void = () => {};
   /** Time that the last drawing took on the processor [ms]. */
   drawTime = 0;
+  /** When something was drawn for the first time [ms since the page was asked for]. */
+  firstDraw = 0;
   private readonly renderer: WebGLRenderer;
   private readonly box = new Box3();
+  private nearBox: Box3 | undefined;
+  private view: View = "fit";
+  private moved = false;
   private pending = false;
   private eye: Matrix4 | undefined;
 
@@ -42,7 +47,10 @@ export class Viewport {
     this.camera.up.copy(up);
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.addEventListener("change", () => this.invalidate());
-    this.controls.addEventListener("start", () => this.leaveEye());
+    this.controls.addEventListener("start", () => {
+      this.moved = true;
+      this.leaveEye();
+    });
     canvas.addEventListener("keydown", (event) => this.key(event));
     this.scene.add(new AmbientLight(0xffffff, 1.6));
     const sun = new DirectionalLight(0xffffff, 2.2);
@@ -62,6 +70,13 @@ export class Viewport {
     this.camera.far = this.size * 40;
   }
 
+  /** What the view "near" has to show. */
+  setNear(points: Iterable<Vector3>, margin: number): void {
+    const box = new Box3();
+    for (const point of points) box.expandByPoint(point);
+    this.nearBox = box.isEmpty() ? undefined : box.expandByScalar(margin);
+  }
+
   /** Whether the view is that of the recording's camera. */
   get fromEye(): boolean {
     return this.eye !== undefined;
@@ -78,6 +93,8 @@ export class Viewport {
   /** Stands such that everything is seen; from the eye, where the given matrix is, camera frame of OpenCV. */
   look(view: View, eye?: Matrix4): void {
     this.eye = view === "eye" ? eye : undefined;
+    this.view = view;
+    this.moved = false;
     if (!this.eye) {
       const across = Math.abs(this.up.x) < 0.9 ? new Vector3(1, 0, 0) : new Vector3(0, 1, 0);
       across.addScaledVector(this.up, -across.dot(this.up)).normalize();
@@ -87,14 +104,29 @@ export class Viewport {
       else if (view === "front") from.copy(forward).negate();
       else if (view === "side") from.copy(across);
       else from.copy(across).multiplyScalar(0.55).addScaledVector(forward, -0.75).addScaledVector(this.up, 0.6);
-      const narrow = Math.min(1, this.camera.aspect);
-      const distance = (0.56 * this.size) / (Math.tan((this.camera.fov * Math.PI) / 360) * narrow);
+      const box = view === "near" && this.nearBox ? this.nearBox : this.box;
+      const centre = box.getCenter(new Vector3());
       this.camera.up.copy(this.up);
-      this.camera.position.copy(this.centre).addScaledVector(from.normalize(), distance);
-      this.controls.target.copy(this.centre);
+      this.camera.position.copy(centre).addScaledVector(from.normalize(), this.distanceFor(box, from));
+      this.controls.target.copy(centre);
     }
     this.controls.update();
     this.invalidate();
+  }
+
+  /** How far away all of a box is seen, looking against a direction. */
+  private distanceFor(box: Box3, from: Vector3): number {
+    const right = new Vector3().crossVectors(this.up, from).normalize();
+    const above = new Vector3().crossVectors(from, right);
+    const high = Math.tan((this.camera.fov * Math.PI) / 360);
+    const centre = box.getCenter(new Vector3());
+    let distance = 0;
+    for (let i = 0; i < 8; ++i) {
+      const corner = new Vector3(i & 1 ? box.max.x : box.min.x, i & 2 ? box.max.y : box.min.y, i & 4 ? box.max.z : box.min.z).sub(centre);
+      const reach = Math.max(Math.abs(corner.dot(right)) / (high * this.camera.aspect), Math.abs(corner.dot(above)) / high);
+      distance = Math.max(distance, corner.dot(from) + 1.1 * reach);
+    }
+    return distance;
   }
 
   /** Moves with the camera of the recording, where that is the view. */
@@ -128,6 +160,7 @@ export class Viewport {
     this.pending = false;
     if (this.node.clientWidth === 0) return;
     const start = performance.now();
+    this.firstDraw ||= start;
     this.followEye();
     this.camera.updateMatrixWorld();
     this.beforeDraw();
@@ -143,13 +176,16 @@ export class Viewport {
     this.camera.updateProjectionMatrix();
     this.renderer.setSize(width, height, false);
     this.labels.resize(width, height);
+    // Until the reader turns the scene, it keeps fitting.
+    if (!this.moved && !this.eye) this.look(this.view);
     this.draw();
   }
 
   private key(event: KeyboardEvent): void {
     const turn: Record<string, [number, number]> = { a: [-1, 0], d: [1, 0], w: [0, -1], s: [0, 1] };
     const step = turn[event.key.toLowerCase()];
-    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    if (event.ctrlKey || event.metaKey || event.altKey || !(step || ["+", "=", "-"].includes(event.key))) return;
+    this.moved = true;
     this.leaveEye();
     const arm = this.camera.position.clone().sub(this.controls.target);
     if (step) {
@@ -158,8 +194,7 @@ export class Viewport {
       const tilt = arm.angleTo(this.up) + step[1] * KEY_TURN;
       if (tilt > 0.05 && tilt < Math.PI - 0.05) arm.applyAxisAngle(axis, step[1] * KEY_TURN);
     } else if (event.key === "+" || event.key === "=") arm.multiplyScalar(0.9);
-    else if (event.key === "-") arm.multiplyScalar(1 / 0.9);
-    else return;
+    else arm.multiplyScalar(1 / 0.9);
     event.preventDefault();
     this.camera.position.copy(this.controls.target).add(arm);
     this.controls.update();

@@ -68,29 +68,21 @@ function checkHead(head: ColumnHead): void {
   }
 }
 
-/** Undoes byte planes and differences of one component, whose bytes begin at `start`. */
-export function decodeComponent(bytes: Uint8Array, start: number, frames: number, type: ColumnHead["type"]): Integers {
+/** Undoes byte planes, folded signs and differences of one component, whose bytes begin at `start`. */
+export function decodeComponent(bytes: Uint8Array, start: number, frames: number, { type, fold }: ColumnHead): Integers {
   const values = new ARRAYS[type](frames);
-  let last = 0;
-  if (values.BYTES_PER_ELEMENT === 1) {
-    for (let i = 0; i < frames; ++i) values[i] = last = last + bytes[start + i];
-    return values;
-  }
+  const width = values.BYTES_PER_ELEMENT;
   const second = start + frames;
-  if (values.BYTES_PER_ELEMENT === 2) {
-    for (let i = 0; i < frames; ++i) {
-      last = (last + (bytes[start + i] | (bytes[second + i] << 8))) & 0xffff;
-      values[i] = last;
-    }
-    return values;
-  }
   const third = second + frames;
   const fourth = third + frames;
+  let last = 0;
+  // What goes beyond the width of the column falls off when it is stored.
   for (let i = 0; i < frames; ++i) {
-    const difference =
-      bytes[start + i] | (bytes[second + i] << 8) | (bytes[third + i] << 16) | (bytes[fourth + i] << 24);
-    last = (last + difference) | 0;
-    values[i] = last;
+    let difference = bytes[start + i];
+    if (width > 1) difference |= bytes[second + i] << 8;
+    if (width > 2) difference |= (bytes[third + i] << 16) | (bytes[fourth + i] << 24);
+    if (fold) difference = (difference >>> 1) ^ -(difference & 1);
+    values[i] = last = (last + difference) | 0;
   }
   return values;
 }
@@ -108,7 +100,7 @@ export async function decodeColumns(trace: PackedTrace): Promise<Columns> {
   for (const head of trace.columns) {
     const components: Integers[] = [];
     for (let k = 0; k < head.width; ++k) {
-      components.push(decodeComponent(bytes, start, frames, head.type));
+      components.push(decodeComponent(bytes, start, frames, head));
       start += frames * ARRAYS[head.type].BYTES_PER_ELEMENT;
     }
     columns.set(head.name, new Column(head, components));
