@@ -101,7 +101,8 @@ class Generator {
     const mean = [...place, 0, 0, Math.sin(angle / 2), Math.cos(angle / 2)];
     const still = this.parts(7).map((values, k) => values.fill(mean[k]));
     this.constant(`${name}/mask`, "uint8", 1, 0b11111);
-    this.poses(`${name}/world`, this.shaken(mean, 5e-3, 0.01, 0.005));
+    const leading = this.shaken(mean, 5e-3, 0.01, 0.005);
+    this.poses(`${name}/world`, leading);
     this.spread(`${name}/world`, 0.3);
     this.poses(`${name}/world/truth`, still);
     const relative = this.shaken([0.1, 0.05 * index, 1.6, 0.5, 0.5, 0.5, 0.5], 0.01, 0.01, 0.02);
@@ -122,7 +123,7 @@ class Generator {
       this.constant(`${slot}/id`, "int32", 1, 100 * index + k);
       const weights = heaviest.map((value) => (k === 0 ? value : share * (1 - value)));
       this.add(`${slot}/probability`, "uint16", 1 / 65535, [weights]);
-      this.poses(slot, this.shaken(near, 5e-3, 0.01, 0.005), GHOST_PLACE, GHOST_TURN);
+      this.poses(slot, k === 0 ? leading : this.shaken(near, 5e-3, 0.01, 0.005), GHOST_PLACE, GHOST_TURN);
     }
   }
 

@@ -67,20 +67,21 @@ export function quaternionOf(v: Numbers, out: Numbers): void {
   for (let i = 0; i < 3; ++i) out[i] = scale * v[i];
 }
 
+function vectorOf(q: Numbers, sign: number, out: Numbers): void {
+  const sine = Math.hypot(q[0], q[1], q[2]);
+  const w = sign * q[3];
+  const scale = sine < 1e-9 && w > 0 ? 2 / w : (2 * Math.atan2(sine, w)) / (sine || 1);
+  for (let i = 0; i < 3; ++i) out[i] = sign * scale * q[i];
+}
+
 /** The rotation vector of this very quaternion: of -q it is another one, with an angle beyond pi. */
 export function rotationVector(q: Numbers, out: Numbers): void {
-  const sine = Math.hypot(q[0], q[1], q[2]);
-  const scale = sine < 1e-9 ? 2 / (q[3] || 1) : (2 * Math.atan2(sine, q[3])) / sine;
-  for (let i = 0; i < 3; ++i) out[i] = scale * q[i];
+  vectorOf(q, 1, out);
 }
 
 /** Log: the rotation vector of at most pi. */
 export function log(q: Numbers, out: Numbers): void {
-  rotationVector(q, out);
-  if (q[3] >= 0) return;
-  const angle = Math.hypot(out[0], out[1], out[2]);
-  const scale = angle > 0 ? (angle - 2 * Math.PI) / angle : 0;
-  for (let i = 0; i < 3; ++i) out[i] *= scale;
+  vectorOf(q, q[3] < 0 ? -1 : 1, out);
 }
 
 /** Angle between two rotations. */

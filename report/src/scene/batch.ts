@@ -45,6 +45,8 @@ export interface BatchLook {
   tintShare?: number;
   /** Whether what lies behind is hidden. */
   solid?: boolean;
+  /** Whether it is seen through what is in front of it. */
+  onTop?: boolean;
 }
 
 export class Batch {
@@ -63,12 +65,14 @@ export class Batch {
       defines: { ...(own ? { OWN_COLOURS: "" } : {}), ...(look.glass ? { GLASS: "" } : {}) },
       transparent: !look.solid,
       depthWrite: look.solid ?? false,
+      depthTest: !look.onTop,
       side: DoubleSide,
     });
     const geometry = shape.clone();
     this.mesh = new InstancedMesh(geometry, material, Math.max(1, most));
     this.mesh.frustumCulled = false;
     this.mesh.count = 0;
+    this.mesh.renderOrder = look.onTop ? 1 : 0;
     this.mesh.instanceMatrix.setUsage(DynamicDrawUsage);
     this.matrices = this.mesh.instanceMatrix.array as Float32Array;
     this.tints = new Float32Array(4 * Math.max(1, most));

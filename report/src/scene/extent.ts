@@ -34,8 +34,8 @@ export function nearestAxis(direction: Vector3): Vector3 {
   return up;
 }
 
-/** The corners of the box around positions; a hundredth at either end of each axis is left out. */
-function corners(trace: Trace, tracks: (PoseTrack | undefined)[]): Vector3[] {
+/** Positions over the frames, without a hundredth at either end of each axis. */
+function positions(trace: Trace, tracks: (PoseTrack | undefined)[]): Vector3[] {
   const points: Vector3[] = [];
   const at = [0, 0, 0];
   for (const track of tracks) {
@@ -44,23 +44,19 @@ function corners(trace: Trace, tracks: (PoseTrack | undefined)[]): Vector3[] {
       points.push(new Vector3(at[0], at[1], at[2]));
     });
   }
-  if (points.length === 0) return points;
-  const low = new Vector3();
-  const high = new Vector3();
-  for (let axis = 0; axis < 3; ++axis) {
+  const ranges = [0, 1, 2].map((axis) => {
     const sorted = points.map((point) => point.getComponent(axis)).sort((a, b) => a - b);
-    low.setComponent(axis, sorted[Math.floor(0.01 * sorted.length)]);
-    high.setComponent(axis, sorted[Math.ceil(0.99 * (sorted.length - 1))]);
-  }
-  return [low, high];
+    return [sorted[Math.floor(0.01 * sorted.length)], sorted[Math.ceil(0.99 * (sorted.length - 1))]];
+  });
+  return points.filter((point) => ranges.every(([low, high], axis) => point.getComponent(axis) >= low && point.getComponent(axis) <= high));
 }
 
-/** Of the positions of objects. */
+/** Of the objects. */
 export function objectBounds(trace: Trace): Vector3[] {
-  return corners(trace, trace.objects.map(({ world }) => world?.pose));
+  return positions(trace, trace.objects.map(({ world }) => world?.pose));
 }
 
-/** Of the positions of camera and objects. */
+/** Of camera and objects. */
 export function boundsOf(trace: Trace): Vector3[] {
-  return corners(trace, [trace.camera?.pose, ...trace.objects.map(({ world }) => world?.pose)]);
+  return positions(trace, [trace.camera?.pose, ...trace.objects.map(({ world }) => world?.pose)]);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-import { Color, Vector3 } from "three";
+import { Box3, Color, Vector3 } from "three";
 import { cholesky } from "../math/linear.ts";
 import { type Mixture, positionCovariance } from "../mixture/mixture.ts";
 import type { Samples } from "../mixture/sample.ts";
@@ -38,17 +38,18 @@ export class FlagScene {
     const fromCamera = mixtures[0].mixture.from === "camera";
     const up = fromCamera ? new Vector3(0, -1, 0) : new Vector3(0, 0, 1);
     this.viewport = new Viewport(name, up);
-    const spread = boundsOf(mixtures.map(({ samples }) => samples));
-    const extent = Math.max(spread[0].distanceTo(spread[1]), 1e-3);
+    const points = mixtures.flatMap(({ samples }) => pointsOf(samples));
+    const spread = new Box3().setFromPoints(points);
+    const extent = Math.max(spread.min.distanceTo(spread.max), 1e-3);
     this.size = 0.16 * extent;
-    this.viewport.setBounds(spread.flatMap((point) => [point.clone().addScalar(0.4 * this.size), point.clone().subScalar(0.4 * this.size)]));
+    this.viewport.setBounds(points);
     this.gridStep = gridStep(extent);
     const most = Math.max(...mixtures.map(({ mixture }) => mixture.components.length));
     this.flags = new Batch(flagShape(), Math.max(...mixtures.map(({ samples }) => samples.count)));
     this.glass = new Batch(ballShape(), most, { glass: true });
     this.means = new Batch(axesShape(0.05), most, { solid: true });
     for (const batch of [this.flags, this.glass, this.means]) this.viewport.scene.add(batch.mesh);
-    const lowest = Math.min(...spread.map((point) => point.dot(up))) - this.size;
+    const lowest = Math.min(spread.min.dot(up), spread.max.dot(up)) - this.size;
     this.viewport.scene.add(grid(this.viewport.centre, up, extent, lowest));
     this.viewport.look("fit");
   }
@@ -106,15 +107,6 @@ export class FlagScene {
   }
 }
 
-function boundsOf(all: Samples[]): Vector3[] {
-  const low = new Vector3(Infinity, Infinity, Infinity);
-  const high = new Vector3(-Infinity, -Infinity, -Infinity);
-  for (const { positions } of all) {
-    for (let i = 0; i < positions.length; i += 3) {
-      const point = new Vector3(positions[i], positions[i + 1], positions[i + 2]);
-      low.min(point);
-      high.max(point);
-    }
-  }
-  return [low, high];
+function pointsOf({ positions, count }: Samples): Vector3[] {
+  return Array.from({ length: count }, (_, i) => new Vector3().fromArray(positions, 3 * i));
 }

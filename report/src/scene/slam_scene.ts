@@ -25,7 +25,7 @@ export interface Layers {
 }
 
 const LEAST_SHOWN = 5e-4;
-const LEAST_LABELLED = 5e-3;
+const LEAST_LABELLED = 0.02;
 /** A hypothesis this near to the estimate is the estimate [m, squared sine of half the angle]. */
 const SAME_PLACE = 1e-3;
 const SAME_TURN = 2e-5;
@@ -77,7 +77,7 @@ export class SlamScene {
     const bounds = boundsOf(trace);
     this.viewport.setBounds(bounds);
     const size = this.viewport.size;
-    this.viewport.setNear(objectBounds(trace), 0.06 * size);
+    this.viewport.setNear(objectBounds(trace));
     this.unit = 0.05 * size;
     this.gridStep = gridStep(size);
     this.colours = trace.objects.map((_, i) => new Color(colourOf(i)));
@@ -85,7 +85,7 @@ export class SlamScene {
     const slots = trace.objects.reduce((sum, object) => sum + object.hypotheses.length, trace.cameraHypotheses.length);
     this.axes = new Batch(axesShape(), count, { solid: true });
     this.balls = new Batch(ballShape(), count, { solid: true });
-    this.glass = new Batch(ballShape(), count + 1, { glass: true });
+    this.glass = new Batch(ballShape(), count + 1, { glass: true, onTop: true });
     this.ghosts = new Batch(axesShape(0.05), slots, { tintShare: 0.75 });
     this.truths = new Batch(axesShape(0.035), count + 1, { tintShare: 0.85 });
     this.detections = new Batch(axesShape(0.03), count, { tintShare: 1 });
@@ -108,7 +108,7 @@ export class SlamScene {
     scene.add(grid(this.viewport.centre, up, size, ground));
     onTheme(() => this.takeColours());
     this.takeColours();
-    this.viewport.onLeaveEye = () => (this.cameraNode.visible = !this.cameraNode.userData["absent"]);
+    this.viewport.onLeaveEye = () => this.update(this.frame);
     this.viewport.look("fit");
   }
 
@@ -129,7 +129,7 @@ export class SlamScene {
 
   look(view: View): void {
     this.viewport.look(view, this.eye);
-    this.cameraNode.visible = view !== "eye" && !this.cameraNode.userData["absent"];
+    this.update(this.frame);
   }
 
   /** Shows or hides, and draws. */
@@ -159,8 +159,9 @@ export class SlamScene {
     this.updateCamera(frame);
     for (let i = 0; i < this.trace.objects.length; ++i) this.updateObject(i, frame);
     for (const batch of [this.axes, this.balls, this.glass, this.ghosts, this.truths, this.detections]) batch.end();
-    this.truthPath.visible = layers.truth;
+    this.truthPath.visible = layers.truth && !viewport.fromEye;
     this.path?.update(frame);
+    if (this.path) this.path.node.visible = !viewport.fromEye;
   }
 
   private updateCamera(frame: number): void {
@@ -174,8 +175,9 @@ export class SlamScene {
       camera.pose.quaternion(frame, this.cameraQ);
       this.place(this.cameraNode, this.cameraP, this.cameraQ);
       this.eye.compose(this.cameraNode.position, this.cameraNode.quaternion, ONE);
-      this.addEllipsoid(camera, frame, this.cameraP, this.ink);
     }
+    if (this.viewport.fromEye) return;
+    if (here) this.addEllipsoid(camera, frame, this.cameraP, this.ink);
     this.addTruth(camera, frame);
     if (!this.layers.hypotheses) return;
     for (const slot of this.trace.cameraHypotheses) {
@@ -200,7 +202,7 @@ export class SlamScene {
       this.place(this.objectNodes[index], this.p, this.q);
       if (body) body.addPose(this.p, this.q, 1, colour, 1);
       this.axes.addPose(this.p, this.q, this.unit, colour, 1);
-      this.balls.addPose(this.p, this.q, 0.16 * this.unit, colour, 1);
+      this.balls.addPose(this.p, this.q, 0.1 * this.unit, colour, 1);
       if (this.layers.labels) {
         const { p } = this;
         this.viewport.labels.add(p[0], p[1], p[2], this.nameOf(index, this.leadingPercent(index, frame)), this.inkText);
@@ -253,7 +255,7 @@ export class SlamScene {
       else this.ghosts.addPose(this.p2, this.q2, 1.15 * this.unit, colour, opacity(weight));
       if (this.layers.labels && weight >= LEAST_LABELLED) {
         const text = PERCENT[Math.round(100 * weight)];
-        this.viewport.labels.add(this.p2[0], this.p2[1], this.p2[2], text, colourOf(index));
+        this.viewport.labels.add(this.p2[0], this.p2[1], this.p2[2], text, this.inkText);
       }
     }
     body?.end();

@@ -28,7 +28,8 @@ export class Viewport {
   firstDraw = 0;
   private readonly renderer: WebGLRenderer;
   private readonly box = new Box3();
-  private nearBox: Box3 | undefined;
+  private points: Vector3[] = [];
+  private nearPoints: Vector3[] = [];
   private view: View = "fit";
   private moved = false;
   private pending = false;
@@ -63,7 +64,8 @@ export class Viewport {
   /** What the views have to show. */
   setBounds(points: Iterable<Vector3>): void {
     this.box.makeEmpty();
-    for (const point of points) this.box.expandByPoint(point);
+    this.points = [...points];
+    for (const point of this.points) this.box.expandByPoint(point);
     if (this.box.isEmpty()) this.box.setFromCenterAndSize(new Vector3(), new Vector3(1, 1, 1));
     this.box.expandByScalar(0.05 * this.size + 1e-3);
     this.camera.near = this.size / 500;
@@ -71,10 +73,8 @@ export class Viewport {
   }
 
   /** What the view "near" has to show. */
-  setNear(points: Iterable<Vector3>, margin: number): void {
-    const box = new Box3();
-    for (const point of points) box.expandByPoint(point);
-    this.nearBox = box.isEmpty() ? undefined : box.expandByScalar(margin);
+  setNear(points: Iterable<Vector3>): void {
+    this.nearPoints = [...points];
   }
 
   /** Whether the view is that of the recording's camera. */
@@ -104,27 +104,29 @@ export class Viewport {
       else if (view === "front") from.copy(forward).negate();
       else if (view === "side") from.copy(across);
       else from.copy(across).multiplyScalar(0.55).addScaledVector(forward, -0.75).addScaledVector(this.up, 0.6);
-      const box = view === "near" && this.nearBox ? this.nearBox : this.box;
-      const centre = box.getCenter(new Vector3());
+      const near = view === "near" && this.nearPoints.length > 0;
+      const points = near ? this.nearPoints : this.points;
+      const centre = points.length > 0 ? new Box3().setFromPoints(points).getCenter(new Vector3()) : this.centre;
+      const least = (near ? 0.12 : 0.02) * this.size;
       this.camera.up.copy(this.up);
-      this.camera.position.copy(centre).addScaledVector(from.normalize(), this.distanceFor(box, from));
+      this.camera.position.copy(centre).addScaledVector(from.normalize(), this.distanceFor(points, centre, from, least));
       this.controls.target.copy(centre);
     }
     this.controls.update();
     this.invalidate();
   }
 
-  /** How far away all of a box is seen, looking against a direction. */
-  private distanceFor(box: Box3, from: Vector3): number {
+  /** How far away all points, with a margin around each, are seen, looking against a direction. */
+  private distanceFor(points: Vector3[], centre: Vector3, from: Vector3, margin: number): number {
     const right = new Vector3().crossVectors(this.up, from).normalize();
     const above = new Vector3().crossVectors(from, right);
     const high = Math.tan((this.camera.fov * Math.PI) / 360);
-    const centre = box.getCenter(new Vector3());
-    let distance = 0;
-    for (let i = 0; i < 8; ++i) {
-      const corner = new Vector3(i & 1 ? box.max.x : box.min.x, i & 2 ? box.max.y : box.min.y, i & 4 ? box.max.z : box.min.z).sub(centre);
-      const reach = Math.max(Math.abs(corner.dot(right)) / (high * this.camera.aspect), Math.abs(corner.dot(above)) / high);
-      distance = Math.max(distance, corner.dot(from) + 1.1 * reach);
+    let distance = margin / high;
+    for (const point of points) {
+      const arm = point.clone().sub(centre);
+      const across = (Math.abs(arm.dot(right)) + margin) / (high * this.camera.aspect);
+      const along = (Math.abs(arm.dot(above)) + margin) / high;
+      distance = Math.max(distance, arm.dot(from) + 1.05 * Math.max(across, along));
     }
     return distance;
   }
