@@ -32,7 +32,11 @@ class Generator {
   }
 
   private add(name: string, type: ColumnHead["type"], scale: number, parts: Parts, map: ColumnHead["map"] = "linear"): void {
-    const components = parts.map((values) => Int32Array.from(values, (value) => Math.round((map === "exp" ? Math.log(value) : value) / scale)));
+    const components = parts.map((values) => {
+      const integers = new Int32Array(values.length);
+      for (let i = 0; i < values.length; ++i) integers[i] = Math.round((map === "exp" ? Math.log(values[i]) : values[i]) / scale);
+      return integers;
+    });
     this.writer.add({ name, width: parts.length, type, scale, map }, components);
   }
 

@@ -16,8 +16,8 @@ export function normalize(q: Numbers): void {
 
 /** out = a b; out may be a or b. */
 export function multiply(a: Numbers, b: Numbers, out: Numbers): void {
-  const [ax, ay, az, aw] = [a[0], a[1], a[2], a[3]];
-  const [bx, by, bz, bw] = [b[0], b[1], b[2], b[3]];
+  const ax = a[0], ay = a[1], az = a[2], aw = a[3];
+  const bx = b[0], by = b[1], bz = b[2], bw = b[3];
   out[0] = aw * bx + ax * bw + ay * bz - az * by;
   out[1] = aw * by - ax * bz + ay * bw + az * bx;
   out[2] = aw * bz + ax * by - ay * bx + az * bw;
@@ -26,8 +26,8 @@ export function multiply(a: Numbers, b: Numbers, out: Numbers): void {
 
 /** out = a b^-1. */
 export function multiplyInverse(a: Numbers, b: Numbers, out: Numbers): void {
-  const [ax, ay, az, aw] = [a[0], a[1], a[2], a[3]];
-  const [bx, by, bz, bw] = [-b[0], -b[1], -b[2], b[3]];
+  const ax = a[0], ay = a[1], az = a[2], aw = a[3];
+  const bx = -b[0], by = -b[1], bz = -b[2], bw = b[3];
   out[0] = aw * bx + ax * bw + ay * bz - az * by;
   out[1] = aw * by - ax * bz + ay * bw + az * bx;
   out[2] = aw * bz + ax * by - ay * bx + az * bw;
@@ -36,7 +36,7 @@ export function multiplyInverse(a: Numbers, b: Numbers, out: Numbers): void {
 
 /** The rotation matrix, row by row. */
 export function matrixOf(q: Numbers, out: Numbers): void {
-  const [x, y, z, w] = [q[0], q[1], q[2], q[3]];
+  const x = q[0], y = q[1], z = q[2], w = q[3];
   out[0] = 1 - 2 * (y * y + z * z);
   out[1] = 2 * (x * y - z * w);
   out[2] = 2 * (x * z + y * w);
@@ -49,8 +49,8 @@ export function matrixOf(q: Numbers, out: Numbers): void {
 }
 
 export function rotate(q: Numbers, v: Numbers, out: Numbers): void {
-  const [x, y, z, w] = [q[0], q[1], q[2], q[3]];
-  const [a, b, c] = [v[0], v[1], v[2]];
+  const x = q[0], y = q[1], z = q[2], w = q[3];
+  const a = v[0], b = v[1], c = v[2];
   const tx = 2 * (y * c - z * b);
   const ty = 2 * (z * a - x * c);
   const tz = 2 * (x * b - y * a);
@@ -95,9 +95,15 @@ export function angleBetween(a: Numbers, b: Numbers): number {
   return 2 * Math.atan2(r, dot);
 }
 
+/** Whether two poses are one within a millimetre and half a degree, which is what is drawn of a difference. */
+export function samePose(p: Numbers, q: Numbers, otherP: Numbers, otherQ: Numbers): boolean {
+  const dot = q[0] * otherQ[0] + q[1] * otherQ[1] + q[2] * otherQ[2] + q[3] * otherQ[3];
+  return Math.hypot(p[0] - otherP[0], p[1] - otherP[1], p[2] - otherP[2]) < 1e-3 && 1 - dot * dot < 2e-5;
+}
+
 /** Roll, pitch, yaw about the fixed axes x, y, z: R = Rz(yaw) Ry(pitch) Rx(roll). */
 export function rollPitchYaw(q: Numbers, out: Numbers): void {
-  const [x, y, z, w] = [q[0], q[1], q[2], q[3]];
+  const x = q[0], y = q[1], z = q[2], w = q[3];
   out[0] = Math.atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y));
   out[1] = Math.asin(Math.max(-1, Math.min(1, 2 * (w * y - z * x))));
   out[2] = Math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z));

@@ -76,56 +76,82 @@ function componentTable(mixture: Mixture): HTMLElement {
   return table(`T_${mixture.from}_${mixture.to}: ${mixture.law} Gaussians; rotation sd about the ${side}`, columns, rows);
 }
 
+interface Drawn {
+  mixture: Mixture;
+  /** Few draws, for flags. */
+  flags: Samples;
+  /** Many, for the marginal. */
+  many: Samples | undefined;
+}
+
+/** The scene and its buttons; nothing where the browser cannot draw it. */
+function makeScene(drawn: Drawn[], stage: HTMLElement): FlagScene | undefined {
+  try {
+    const most = Math.max(...drawn.map(({ mixture }) => mixture.components.length));
+    const scene = new FlagScene("Draws from the mixture as flags", most, FLAGS);
+    const views = element("div", { class: "buttons", role: "group", "aria-label": "View" },
+      ...VIEWS.map(([view, name]) => button(name, () => scene.viewport.look(view))));
+    const layers = element("div", { class: "toggles", role: "group", "aria-label": "Show" },
+      ...LAYERS.map(([layer, name]) => toggle(name, scene.layers[layer], (on) => scene.setLayer(layer, on))));
+    stage.append(scene.viewport.node, element("div", { class: "controls" }, views, layers),
+      element("p", { class: "hint" }, "A flag's foot is the position, its pole the z axis, its pennant points along x."));
+    return scene;
+  } catch (error) {
+    stage.append(noScene(error));
+    return undefined;
+  }
+}
+
+function componentToggles(mixture: Mixture, hidden: Set<number>, change: () => void): HTMLElement {
+  const parts = element("div", { class: "toggles", role: "group", "aria-label": "Components" });
+  mixture.components.forEach((_, k) => {
+    const box = toggle(`${k + 1}`, true, (on) => {
+      if (on) hidden.delete(k);
+      else hidden.add(k);
+      change();
+    });
+    box.style.setProperty("--swatch", colourOf(k));
+    box.classList.add("swatched");
+    parts.append(box);
+  });
+  return parts;
+}
+
+export interface MixtureView {
+  node: HTMLElement;
+  flagCount: () => number;
+}
+
 /** Scene, marginal and table of one or more mixtures. */
-export function mixtureView(mixtures: Mixture[]): { node: HTMLElement; flagCount: () => number; show: (index: number) => void } {
-  const drawn = mixtures.map((mixture) => ({ mixture, samples: sampleMixture(mixture, FLAGS), many: undefined as Samples | undefined }));
+export function mixtureView(mixtures: Mixture[]): MixtureView {
+  const drawn = mixtures.map((mixture): Drawn => ({ mixture, flags: sampleMixture(mixture, FLAGS), many: undefined }));
   const below = element("div", { class: "below" });
   const stage = element("div", { class: "stage" });
-  let scene: FlagScene | undefined;
-  let last = "";
-  const sceneOf = (index: number) => {
-    // Mixtures of one frame share a scene; another frame is another scene.
-    const { from } = drawn[index].mixture;
-    if (scene && last === from) return;
-    last = from;
-    scene = new FlagScene(`Draws from the mixture as flags`, drawn.filter(({ mixture }) => mixture.from === from));
-    const views = element("div", { class: "buttons", role: "group", "aria-label": "View" },
-      ...VIEWS.map(([view, name]) => button(name, () => scene!.viewport.look(view))));
-    const layers = element("div", { class: "toggles", role: "group", "aria-label": "Show" },
-      ...LAYERS.map(([layer, name]) => toggle(name, scene!.layers[layer], (on) => scene!.setLayer(layer, on))));
-    stage.replaceChildren(scene.viewport.node, element("div", { class: "controls" }, views, layers),
-      element("p", { class: "hint" }, "A flag's foot is the position, its pole the z axis, its pennant points along x."));
-  };
+  const scene = makeScene(drawn, stage);
+  let fitted = "";
   const show = (index: number) => {
     const entry = drawn[index];
-    const { mixture, samples } = entry;
+    const { mixture, flags } = entry;
     const hidden = new Set<number>();
-    try {
-      sceneOf(index);
-      scene?.show(mixture, samples, hidden);
-    } catch (error) {
-      stage.replaceChildren(noScene(error));
-    }
+    const update = () => scene?.show(mixture, flags, hidden);
+    // Mixtures of one pose, such as the stages of a fusion, are seen from one place.
+    const pose = `${mixture.from} ${mixture.to}`;
+    if (fitted !== pose) scene?.fit(mixture.from, drawn.filter((one) => `${one.mixture.from} ${one.mixture.to}` === pose).map((one) => one.flags));
+    fitted = pose;
+    update();
     entry.many ??= sampleMixture(mixture, DRAWS, 2);
-    const parts = element("div", { class: "toggles", role: "group", "aria-label": "Components" });
-    mixture.components.forEach((_, k) => {
-      const box = toggle(`${k + 1}`, true, (on) => {
-        if (on) hidden.delete(k);
-        else hidden.add(k);
-        scene?.show(mixture, samples, hidden);
-      });
-      box.style.setProperty("--swatch", colourOf(k));
-      box.classList.add("swatched");
-      parts.append(box);
-    });
-    below.replaceChildren(...(mixture.components.length > 1 ? [parts] : []), marginal(mixture, entry.many, new ChartGroup()), componentTable(mixture));
+    below.replaceChildren(
+      ...(mixture.components.length > 1 ? [componentToggles(mixture, hidden, update)] : []),
+      marginal(mixture, entry.many, new ChartGroup()), componentTable(mixture));
   };
   show(0);
   const chooser = mixtures.length > 1
     ? [choice("Mixture", mixtures.map(({ name, to }, i) => [String(i), `${to} (${name})`] as const), "0", (value) => show(Number(value)))]
     : [];
-  const node = element("div", { class: "mixture" }, ...chooser, element("div", { class: "columns" }, stage, below));
-  return { node, flagCount: () => scene?.flagCount ?? 0, show };
+  return {
+    node: element("div", { class: "mixture" }, ...chooser, element("div", { class: "columns" }, stage, below)),
+    flagCount: () => scene?.flagCount ?? 0,
+  };
 }
 
 export function mixturePage(payload: Payload): HTMLElement {

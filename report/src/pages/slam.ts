@@ -99,6 +99,7 @@ export async function slamPage(payload: Payload): Promise<HTMLElement> {
     get drawTime() { return scene?.viewport.drawTime; },
     get firstDraw() { return scene?.viewport.firstDraw; },
     get ghosts() { return scene?.ghostCount; },
+    get bodies() { return scene?.bodyIds; },
     decodeTime: decoded - started,
     pose: (id: string) => scene?.shown(id === "camera" ? "camera" : trace.objects.findIndex((object) => object.id === id)),
   });

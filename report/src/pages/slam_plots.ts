@@ -21,6 +21,7 @@ function objectChoice(trace: Trace, change: (index: number) => void): HTMLElemen
 
 /** Detections against filtered poses, T_camera_object by component (midway-merge paper, Figs. 6 and 7). */
 export function detectionPlots(trace: Trace, group: ChartGroup, seek: Seek): HTMLElement {
+  if (trace.objects.length === 0) return element("p", { class: "notice" }, "The run has no objects.");
   let index = 0;
   let as: RotationAs = "vector";
   const fill = () => {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-import { Box3, Color, Vector3 } from "three";
+import { Box3, Color, type GridHelper, Vector3 } from "three";
 import { cholesky } from "../math/linear.ts";
 import { type Mixture, positionCovariance } from "../mixture/mixture.ts";
 import type { Samples } from "../mixture/sample.ts";
 import { colourOf } from "../ui/palette.ts";
 import { themeColour } from "../ui/theme.ts";
 import { Batch } from "./batch.ts";
-import { axesShape, ballShape, flagShape, grid, gridStep } from "./shapes.ts";
+import { axesShape, ballShape, flagShape, grid } from "./shapes.ts";
 import { Viewport } from "./viewport.ts";
 
 const LEAST_LABELLED = 0.02;
@@ -23,34 +23,39 @@ export interface FlagLayers {
 export class FlagScene {
   readonly viewport: Viewport;
   readonly layers: FlagLayers = { flags: true, ellipsoids: false, means: true, labels: true };
-  readonly gridStep: number;
   private readonly flags: Batch;
   private readonly glass: Batch;
   private readonly means: Batch;
-  private readonly size: number;
+  private size = 1;
+  private ground: GridHelper | undefined;
   private mixture: Mixture | undefined;
   private samples: Samples | undefined;
   private hidden: ReadonlySet<number> = new Set();
 
-  /** Made for all mixtures that it will show, so that its view need not change between them. */
-  constructor(name: string, mixtures: readonly { mixture: Mixture; samples: Samples }[]) {
+  /** @param components, flags what it has to be able to show at most */
+  constructor(name: string, components: number, flags: number) {
+    this.viewport = new Viewport(name, new Vector3(0, 0, 1));
+    this.flags = new Batch(flagShape(), flags);
+    this.glass = new Batch(ballShape(), components, { glass: true });
+    this.means = new Batch(axesShape(0.05), components, { solid: true });
+    for (const batch of [this.flags, this.glass, this.means]) this.viewport.scene.add(batch.mesh);
+  }
+
+  /** Stands such that these draws are seen, in the frame of this name. */
+  fit(frame: string, all: Samples[]): void {
     // Cameras see y downwards; of other frames z is taken to be up.
-    const fromCamera = mixtures[0].mixture.from === "camera";
-    const up = fromCamera ? new Vector3(0, -1, 0) : new Vector3(0, 0, 1);
-    this.viewport = new Viewport(name, up);
-    const points = mixtures.flatMap(({ samples }) => pointsOf(samples));
+    const up = frame === "camera" ? new Vector3(0, -1, 0) : new Vector3(0, 0, 1);
+    const points = all.flatMap(pointsOf);
     const spread = new Box3().setFromPoints(points);
     const extent = Math.max(spread.min.distanceTo(spread.max), 1e-3);
     this.size = 0.16 * extent;
+    this.viewport.setUp(up);
     this.viewport.setBounds(points);
-    this.gridStep = gridStep(extent);
-    const most = Math.max(...mixtures.map(({ mixture }) => mixture.components.length));
-    this.flags = new Batch(flagShape(), Math.max(...mixtures.map(({ samples }) => samples.count)));
-    this.glass = new Batch(ballShape(), most, { glass: true });
-    this.means = new Batch(axesShape(0.05), most, { solid: true });
-    for (const batch of [this.flags, this.glass, this.means]) this.viewport.scene.add(batch.mesh);
     const lowest = Math.min(spread.min.dot(up), spread.max.dot(up)) - this.size;
-    this.viewport.scene.add(grid(this.viewport.centre, up, extent, lowest));
+    this.ground?.removeFromParent();
+    this.ground?.dispose();
+    this.ground = grid(this.viewport.centre, up, extent, lowest);
+    this.viewport.scene.add(this.ground);
     this.viewport.look("fit");
   }
 
@@ -79,7 +84,7 @@ export class FlagScene {
     this.mixture.components.forEach((component, k) => {
       if (this.hidden.has(k)) return;
       const opacity = 0.25 + 0.75 * Math.sqrt(component.weight);
-      if (this.layers.means) this.means.addPose(component.translation, component.quaternion, 1.2 * this.size, colours[k], 1);
+      if (this.layers.means) this.means.addPose(component.translation, component.quaternion, 0.9 * this.size, colours[k], 1);
       if (this.layers.ellipsoids) {
         const root = new Float64Array(9);
         const covariance = positionCovariance(this.mixture!, component);

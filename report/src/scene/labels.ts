@@ -64,7 +64,7 @@ export class LabelLayer {
       const x = Math.round((0.5 + 0.5 * this.point.x) * this.width) + 9;
       let y = Math.round((0.5 - 0.5 * this.point.y) * this.height) - 9;
       const lowest = y + MOST_SHIFT;
-      const width = 7 * this.texts[i].length;
+      const width = 6.4 * this.texts[i].length;
       for (let k = 0; k < i && y <= lowest; ++k) {
         const near = this.placed[3 * k + 2] > 0 && Math.abs(this.placed[3 * k + 1] - y) < LINE;
         if (near && x < this.placed[3 * k] + this.placed[3 * k + 2] && this.placed[3 * k] < x + width) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-import { BoxGeometry, BufferAttribute, BufferGeometry, Color, GridHelper, SphereGeometry, Vector3 } from "three";
+import {
+  BoxGeometry, BufferAttribute, BufferGeometry, Color, GridHelper, LineBasicMaterial, LineSegments, SphereGeometry, Vector3,
+} from "three";
 import { mergeGeometries } from "three/examples/jsm/utils/BufferGeometryUtils.js";
 import { BadPayload, type PackedMesh } from "../payload.ts";
 import { bytesOfBase64 } from "../trace/decode.ts";
@@ -37,14 +39,17 @@ export function flagShape(): BufferGeometry {
   return mergeGeometries([pole, pennant]);
 }
 
-/** The edges of a camera that looks along z, x to the right and y down, of depth one. */
-export function frustumPoints(): Float32Array {
+/** The edges of a camera that looks along z, x to the right and y down. */
+export function frustum(depth: number): LineSegments<BufferGeometry, LineBasicMaterial> {
   const [w, h] = [0.62, 0.46];
   const corners = [[-w, -h], [w, -h], [w, h], [-w, h]].map(([x, y]) => [x, y, 1]);
   const edges: number[][] = [];
   corners.forEach((corner, i) => edges.push([0, 0, 0], corner, corner, corners[(i + 1) % 4]));
   edges.push([-0.3 * w, -1.05 * h, 1], [0, -1.4 * h, 1], [0, -1.4 * h, 1], [0.3 * w, -1.05 * h, 1]);
-  return new Float32Array(edges.flat());
+  const points = new BufferGeometry().setAttribute("position", new BufferAttribute(new Float32Array(edges.flat()), 3));
+  const lines = new LineSegments(points, new LineBasicMaterial());
+  lines.scale.setScalar(depth);
+  return lines;
 }
 
 /** A length of 1, 2 or 5 times a power of ten, about a tenth of another. */

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-import {
-  BufferAttribute, BufferGeometry, Color, Group, LineBasicMaterial, LineSegments, Matrix4, Vector3,
-} from "three";
+import { Color, Group, Matrix4, Vector3 } from "three";
 import { cholesky } from "../math/linear.ts";
-import { multiply, rotate } from "../math/rotation.ts";
+import { multiply, rotate, samePose } from "../math/rotation.ts";
 import type { PackedMesh } from "../payload.ts";
 import type { Estimate, Trace } from "../trace/trace.ts";
 import { colourOf, TRUTH_COLOUR } from "../ui/palette.ts";
@@ -12,7 +10,7 @@ import { onTheme, themeColour } from "../ui/theme.ts";
 import { Batch } from "./batch.ts";
 import { boundsOf, objectBounds, upAxis } from "./extent.ts";
 import { dashedPath, Path } from "./path.ts";
-import { axesShape, ballShape, frustumPoints, grid, gridStep, meshShape } from "./shapes.ts";
+import { axesShape, ballShape, frustum, grid, gridStep, meshShape } from "./shapes.ts";
 import { type View, Viewport } from "./viewport.ts";
 
 /** What can be shown or hidden. */
@@ -26,9 +24,6 @@ export interface Layers {
 
 const LEAST_SHOWN = 5e-4;
 const LEAST_LABELLED = 0.02;
-/** A hypothesis this near to the estimate is the estimate [m, squared sine of half the angle]. */
-const SAME_PLACE = 1e-3;
-const SAME_TURN = 2e-5;
 const PERCENT = Array.from({ length: 101 }, (_, i) => `${i} %`);
 
 export interface ShownPose {
@@ -42,6 +37,7 @@ export class SlamScene {
   readonly layers: Layers = { truth: true, ellipsoids: true, hypotheses: true, detections: false, labels: true };
   readonly gridStep: number;
   private readonly cameraNode = new Group();
+  private readonly frustum: ReturnType<typeof frustum>;
   private readonly objectNodes: Group[];
   private readonly path: Path | undefined;
   private readonly truthPath: Group = new Group();
@@ -51,6 +47,7 @@ export class SlamScene {
   private readonly ghosts: Batch;
   private readonly truths: Batch;
   private readonly detections: Batch;
+  private readonly batches: Batch[];
   private readonly bodies: (Batch | undefined)[];
   private readonly bodyGhosts: (Batch | undefined)[];
   private readonly colours: Color[];
@@ -93,11 +90,12 @@ export class SlamScene {
     this.bodies = shapes.map((shape) => shape && new Batch(shape, 1, { solid: true }));
     this.bodyGhosts = shapes.map((shape, i) => shape && new Batch(shape, trace.objects[i].hypotheses.length));
     const { scene } = this.viewport;
-    for (const batch of [this.axes, this.balls, this.glass, this.ghosts, this.truths, this.detections]) scene.add(batch.mesh);
-    for (const batch of [...this.bodies, ...this.bodyGhosts]) if (batch) scene.add(batch.mesh);
+    this.batches = [this.axes, this.balls, this.glass, this.ghosts, this.truths, this.detections];
+    for (const batch of [...this.batches, ...this.bodies, ...this.bodyGhosts]) if (batch) scene.add(batch.mesh);
     this.objectNodes = trace.objects.map(() => new Group());
     scene.add(this.cameraNode, this.truthPath, ...this.objectNodes);
-    this.addFrustum();
+    this.frustum = frustum(1.4 * this.unit);
+    this.cameraNode.add(this.frustum);
     if (trace.camera) {
       this.path = new Path(trace.camera.pose, trace.frames);
       scene.add(this.path.node);
@@ -112,18 +110,11 @@ export class SlamScene {
     this.viewport.look("fit");
   }
 
-  private addFrustum(): void {
-    const points = new BufferGeometry().setAttribute("position", new BufferAttribute(frustumPoints(), 3));
-    const lines = new LineSegments(points, new LineBasicMaterial());
-    lines.scale.setScalar(1.4 * this.unit);
-    this.cameraNode.add(lines);
-  }
-
   private takeColours(): void {
     this.inkText = themeColour("--ink");
     this.ink.set(this.inkText);
     this.path?.setColour(this.ink);
-    ((this.cameraNode.children[0] as LineSegments).material as LineBasicMaterial).color.copy(this.ink);
+    this.frustum.material.color.copy(this.ink);
     this.viewport.invalidate();
   }
 
@@ -151,14 +142,21 @@ export class SlamScene {
     return this.bodyGhosts.reduce((sum, batch) => sum + (batch?.mesh.count ?? 0), this.ghosts.mesh.count);
   }
 
+  /** The objects that are drawn as meshes. */
+  get bodyIds(): string[] {
+    return this.trace.objects.filter((_, i) => this.bodies[i]?.mesh.visible).map(({ id }) => id);
+  }
+
   update(frame: number): void {
     this.frame = frame;
     const { viewport, layers } = this;
     viewport.labels.clear();
-    for (const batch of [this.axes, this.balls, this.glass, this.ghosts, this.truths, this.detections]) batch.begin();
+    for (const batch of this.batches) batch.begin();
     this.updateCamera(frame);
+    // The names of all objects are placed before the weights of their ghosts.
     for (let i = 0; i < this.trace.objects.length; ++i) this.updateObject(i, frame);
-    for (const batch of [this.axes, this.balls, this.glass, this.ghosts, this.truths, this.detections]) batch.end();
+    for (let i = 0; i < this.trace.objects.length; ++i) this.addGhosts(i, frame);
+    for (const batch of this.batches) batch.end();
     this.truthPath.visible = layers.truth && !viewport.fromEye;
     this.path?.update(frame);
     if (this.path) this.path.node.visible = !viewport.fromEye;
@@ -212,7 +210,6 @@ export class SlamScene {
     body?.end();
     if (world) this.addTruth(world, frame);
     this.addDetection(index, frame);
-    this.addGhosts(index, frame, here);
   }
 
   /** The id, with the weight of the hypothesis that is the estimate where there is one. */
@@ -227,19 +224,18 @@ export class SlamScene {
       if (!slot.pose.has(frame)) continue;
       slot.pose.position(frame, this.p2);
       slot.pose.quaternion(frame, this.q2);
-      if (this.isEstimate()) return Math.round(100 * slot.probability(frame));
+      if (samePose(this.p, this.q, this.p2, this.q2)) return Math.round(100 * slot.probability(frame));
     }
     return -1;
   }
 
-  private isEstimate(): boolean {
-    const { p, q, p2, q2 } = this;
-    const dot = q[0] * q2[0] + q[1] * q2[1] + q[2] * q2[2] + q[3] * q2[3];
-    return Math.hypot(p[0] - p2[0], p[1] - p2[1], p[2] - p2[2]) < SAME_PLACE && 1 - dot * dot < SAME_TURN;
-  }
-
-  private addGhosts(index: number, frame: number, here: boolean): void {
-    const { hypotheses } = this.trace.objects[index];
+  private addGhosts(index: number, frame: number): void {
+    const { hypotheses, world } = this.trace.objects[index];
+    const here = world !== undefined && world.pose.has(frame);
+    if (here) {
+      world.pose.position(frame, this.p);
+      world.pose.quaternion(frame, this.q);
+    }
     const body = this.bodyGhosts[index];
     body?.begin();
     for (let k = 0; this.layers.hypotheses && k < hypotheses.length; ++k) {
@@ -249,7 +245,7 @@ export class SlamScene {
       if (weight < LEAST_SHOWN) continue;
       slot.pose.position(frame, this.p2);
       slot.pose.quaternion(frame, this.q2);
-      if (here && this.isEstimate()) continue;
+      if (here && samePose(this.p, this.q, this.p2, this.q2)) continue;
       const colour = this.colours[index];
       if (body) body.addPose(this.p2, this.q2, 1, colour, 0.5 * opacity(weight));
       else this.ghosts.addPose(this.p2, this.q2, 1.15 * this.unit, colour, opacity(weight));

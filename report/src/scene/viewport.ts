@@ -36,7 +36,7 @@ export class Viewport {
   private eye: Matrix4 | undefined;
 
   /** @throws Error where the browser has no WebGL */
-  constructor(name: string, private readonly up: Vector3) {
+  constructor(name: string, private up: Vector3) {
     this.renderer = new WebGLRenderer({ antialias: true, alpha: true });
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     const canvas = this.renderer.domElement;
@@ -59,6 +59,10 @@ export class Viewport {
     this.scene.add(sun);
     new ResizeObserver(() => this.resize()).observe(this.node);
     onTheme(() => this.invalidate());
+  }
+
+  setUp(up: Vector3): void {
+    this.up = up;
   }
 
   /** What the views have to show. */

@@ -39,7 +39,7 @@ export function choice(
   chosen: string,
   change: (value: string) => void,
 ): HTMLLabelElement {
-  const list = element("select");
+  const list = element("select", { "aria-label": text });
   for (const [value, name] of options) list.append(element("option", { value, selected: value === chosen }, name));
   list.addEventListener("change", () => change(list.value));
   return element("label", { class: "choice" }, element("span", {}, text), list);
