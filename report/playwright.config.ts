@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+import { defineConfig } from "@playwright/test";
+
+export default defineConfig({
+  testDir: "tests/page",
+  workers: 2,
+  timeout: 60_000,
+  reporter: [["list"]],
+  snapshotPathTemplate: "tests/golden/{arg}{ext}",
+  // Fonts and software rendering differ a little between machines.
+  expect: { toHaveScreenshot: { maxDiffPixelRatio: 0.04, animations: "disabled" } },
+  use: {
+    browserName: "chromium",
+    viewport: { width: 1100, height: 720 },
+    launchOptions: {
+      executablePath: process.env["POSEMIX_CHROMIUM"] ?? "/usr/bin/chromium",
+      args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"],
+    },
+  },
+});

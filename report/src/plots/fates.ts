@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+// What became of every detection: a row per object.
+import type uPlot from "uplot";
+import type { Trace } from "../trace/trace.ts";
+import { FATE_MARKS } from "../ui/palette.ts";
+import { Chart } from "./chart.ts";
+
+/** Number of detections of every fate, by object. */
+export function countFates(trace: Trace): number[][] {
+  return trace.objects.map(({ fate }) => {
+    const counts = trace.fates.map(() => 0);
+    if (fate) for (let frame = 0; frame < trace.frames; ++frame) ++counts[fate[frame]];
+    return counts;
+  });
+}
+
+function paint(trace: Trace, plot: uPlot): void {
+  const { ctx } = plot;
+  const { left, top, width, height } = plot.bbox;
+  const count = trace.objects.length;
+  ctx.save();
+  ctx.beginPath();
+  ctx.rect(left, top, width, height);
+  ctx.clip();
+  trace.objects.forEach(({ fate }, row) => {
+    if (!fate) return;
+    const bottom = plot.valToPos(count - 1 - row, "y", true);
+    const full = 0.85 * (bottom - plot.valToPos(count - row, "y", true));
+    for (let from = 0; from < trace.frames; ) {
+      let to = from + 1;
+      while (to < trace.frames && fate[to] === fate[from]) ++to;
+      const mark = FATE_MARKS[trace.fates[fate[from]]] ?? { colour: "#8A8A8A", height: 0.5 };
+      if (mark.colour !== "") {
+        const x = plot.valToPos(trace.seconds[from], "x", true);
+        const end = plot.valToPos(trace.seconds[Math.min(to, trace.frames - 1)], "x", true);
+        ctx.fillStyle = mark.colour;
+        ctx.fillRect(x, bottom - mark.height * full, Math.max(1.5, end - x), mark.height * full);
+      }
+      from = to;
+    }
+  });
+  ctx.restore();
+}
+
+export function fateChart(trace: Trace, seek: (seconds: number) => void): Chart {
+  const count = trace.objects.length;
+  return new Chart({
+    title: "What became of the detections",
+    x: trace.seconds,
+    height: 44 + Math.max(3, count) * 26,
+    series: [{ label: "fate", values: new Array<null>(trace.frames).fill(null), kind: "dots" }],
+    range: [0, count],
+    yNames: trace.objects.map(({ id }) => (id.length > 13 ? `${id.slice(0, 12)}…` : id)).reverse(),
+    seek,
+    paint: (plot) => paint(trace, plot),
+  });
+}

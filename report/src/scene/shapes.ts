@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+import {
+  BoxGeometry, BufferAttribute, BufferGeometry, Color, GridHelper, LineBasicMaterial, LineSegments, SphereGeometry, Vector3,
+} from "three";
+import { mergeGeometries } from "three/examples/jsm/utils/BufferGeometryUtils.js";
+import { BadPayload, type PackedMesh } from "../payload.ts";
+import { bytesOfBase64 } from "../trace/decode.ts";
+import { AXIS_COLOURS } from "../ui/palette.ts";
+
+/** Three bars of length one along x, y and z, each with its colour. */
+export function axesShape(thickness = 0.07): BufferGeometry {
+  const bars = AXIS_COLOURS.map((colour, axis) => {
+    const size = [thickness, thickness, thickness];
+    size[axis] = 1;
+    const bar = new BoxGeometry(size[0], size[1], size[2]);
+    bar.translate(axis === 0 ? 0.5 : 0, axis === 1 ? 0.5 : 0, axis === 2 ? 0.5 : 0);
+    const { r, g, b } = new Color(colour);
+    const count = bar.getAttribute("position").count;
+    const colours = new Float32Array(3 * count);
+    for (let i = 0; i < count; ++i) colours.set([r, g, b], 3 * i);
+    bar.setAttribute("axisColour", new BufferAttribute(colours, 3));
+    return bar;
+  });
+  return mergeGeometries(bars);
+}
+
+export function ballShape(): BufferGeometry {
+  return new SphereGeometry(1, 24, 16);
+}
+
+/** A flag of height one: the foot is the position, the pole the z axis, the pennant's tip points along x. */
+export function flagShape(): BufferGeometry {
+  const pole = new BoxGeometry(0.02, 0.02, 1).translate(0, 0, 0.5).toNonIndexed();
+  pole.deleteAttribute("uv");
+  const pennant = new BufferGeometry();
+  pennant.setAttribute("position", new BufferAttribute(new Float32Array([0, 0, 1, 0, 0, 0.6, 0.6, 0, 0.8]), 3));
+  pennant.setAttribute("normal", new BufferAttribute(new Float32Array([0, 1, 0, 0, 1, 0, 0, 1, 0]), 3));
+  return mergeGeometries([pole, pennant]);
+}
+
+/** The edges of a camera that looks along z, x to the right and y down. */
+export function frustum(depth: number): LineSegments<BufferGeometry, LineBasicMaterial> {
+  const [w, h] = [0.62, 0.46];
+  const corners = [[-w, -h], [w, -h], [w, h], [-w, h]].map(([x, y]) => [x, y, 1]);
+  const edges: number[][] = [];
+  corners.forEach((corner, i) => edges.push([0, 0, 0], corner, corner, corners[(i + 1) % 4]));
+  edges.push([-0.3 * w, -1.05 * h, 1], [0, -1.4 * h, 1], [0, -1.4 * h, 1], [0.3 * w, -1.05 * h, 1]);
+  const points = new BufferGeometry().setAttribute("position", new BufferAttribute(new Float32Array(edges.flat()), 3));
+  const lines = new LineSegments(points, new LineBasicMaterial());
+  lines.scale.setScalar(depth);
+  return lines;
+}
+
+/** A length of 1, 2 or 5 times a power of ten, about a tenth of another. */
+export function gridStep(size: number): number {
+  const raw = size / 10;
+  const power = 10 ** Math.floor(Math.log10(raw));
+  return power * (raw / power < 1.5 ? 1 : raw / power < 3.5 ? 2 : 5);
+}
+
+export function grid(centre: Vector3, up: Vector3, size: number, height: number): GridHelper {
+  const step = gridStep(size);
+  const cells = 2 * Math.ceil((0.75 * size) / step);
+  const helper = new GridHelper(cells * step, cells, 0x888888, 0x888888);
+  helper.material.transparent = true;
+  helper.material.opacity = 0.28;
+  helper.material.depthWrite = false;
+  helper.quaternion.setFromUnitVectors(new Vector3(0, 1, 0), up);
+  const snapped = centre.clone().divideScalar(step).round().multiplyScalar(step);
+  helper.position.copy(snapped).addScaledVector(up, height - snapped.dot(up));
+  return helper;
+}
+
+/** The triangles of a mesh that the payload holds. */
+export function meshShape(id: string, packed: PackedMesh): BufferGeometry {
+  const vertices = new Float32Array(bytesOfBase64(packed.vertices).buffer);
+  const triangles = new Uint32Array(bytesOfBase64(packed.triangles).buffer);
+  if (vertices.length % 3 !== 0 || triangles.some((index) => index >= vertices.length / 3)) {
+    throw new BadPayload(`The mesh of object ${id} is damaged.`);
+  }
+  const shape = new BufferGeometry();
+  shape.setAttribute("position", new BufferAttribute(vertices, 3));
+  shape.setIndex(new BufferAttribute(triangles, 1));
+  shape.computeVertexNormals();
+  return shape;
+}

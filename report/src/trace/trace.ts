@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+// A run over its frames. Reading a frame writes into arrays of the caller and allocates nothing.
+import { covarianceOf } from "../math/linear.ts";
+import { normalize, type Numbers } from "../math/rotation.ts";
+import type { PackedTrace } from "../payload.ts";
+import { type Column, type Columns, decodeColumns, type Integers } from "./decode.ts";
+
+/** Which frames have an entry: one bit of a mask, or all where there is no mask. */
+class Presence {
+  constructor(
+    private readonly mask: Integers | undefined,
+    private readonly bit: number,
+  ) {}
+
+  has(frame: number): boolean {
+    return this.mask === undefined || (this.mask[frame] & this.bit) !== 0;
+  }
+}
+
+export class PoseTrack {
+  constructor(
+    private readonly presence: Presence,
+    private readonly place: Column,
+    private readonly turn: Column,
+  ) {}
+
+  has(frame: number): boolean {
+    return this.presence.has(frame);
+  }
+
+  position(frame: number, out: Numbers): void {
+    for (let i = 0; i < 3; ++i) out[i] = this.place.components[i][frame] * this.place.head.scale;
+  }
+
+  quaternion(frame: number, out: Numbers): void {
+    for (let i = 0; i < 4; ++i) out[i] = this.turn.components[i][frame];
+    normalize(out);
+  }
+}
+
+/** An estimate over the frames: pose, standard deviations and the covariance of the position. */
+export class Estimate {
+  constructor(
+    readonly pose: PoseTrack,
+    readonly truth: PoseTrack | undefined,
+    private readonly logSd: Column | undefined,
+    private readonly positionSd: Column | undefined,
+    private readonly correlation: Column | undefined,
+  ) {}
+
+  get hasSd(): boolean {
+    return this.logSd !== undefined;
+  }
+
+  get hasPositionSd(): boolean {
+    return this.positionSd !== undefined;
+  }
+
+  get hasCovariance(): boolean {
+    return this.positionSd !== undefined && this.correlation !== undefined;
+  }
+
+  /** Standard deviations of the rotation about x, y, z [rad]. */
+  rotationSd(frame: number, out: Numbers): void {
+    for (let i = 0; i < 3; ++i) out[i] = this.logSd ? this.logSd.value(i, frame) : NaN;
+  }
+
+  /** Standard deviations of the position [m]. */
+  positionSdAt(frame: number, out: Numbers): void {
+    for (let i = 0; i < 3; ++i) out[i] = this.positionSd ? this.positionSd.value(i, frame) : NaN;
+  }
+
+  private readonly sd = new Float64Array(3);
+  private readonly rho = new Float64Array(3);
+
+  /** The covariance of the position, nine numbers [m^2]. */
+  covariance(frame: number, out: Numbers): void {
+    this.positionSdAt(frame, this.sd);
+    for (let i = 0; i < 3; ++i) this.rho[i] = this.correlation ? this.correlation.value(i, frame) : 0;
+    covarianceOf(this.sd, this.rho, out);
+  }
+}
+
+/** One place in the list of hypotheses; the hypothesis in it changes with `id`. */
+export class HypothesisSlot {
+  constructor(
+    readonly pose: PoseTrack,
+    private readonly ids: Column | undefined,
+    private readonly weight: Column,
+  ) {}
+
+  id(frame: number): number {
+    return this.ids ? this.ids.components[0][frame] : 0;
+  }
+
+  probability(frame: number): number {
+    return this.weight.components[0][frame] * this.weight.head.scale;
+  }
+}
+
+export interface ObjectTrack {
+  id: string;
+  world: Estimate | undefined;
+  relative: Estimate | undefined;
+  detection: PoseTrack | undefined;
+  fate: Integers | undefined;
+  modeProbability: Column | undefined;
+  hypotheses: HypothesisSlot[];
+}
+
+function poseTrack(columns: Columns, name: string, presence: Presence): PoseTrack | undefined {
+  const place = columns.get(`${name}/position`);
+  const turn = columns.get(`${name}/quaternion`);
+  return place && turn ? new PoseTrack(presence, place, turn) : undefined;
+}
+
+function estimate(columns: Columns, name: string, here: Presence, truth: Presence): Estimate | undefined {
+  const pose = poseTrack(columns, name, here);
+  if (!pose) return undefined;
+  return new Estimate(
+    pose,
+    poseTrack(columns, `${name}/truth`, truth),
+    columns.get(`${name}/log_sd`),
+    columns.get(`${name}/position_log_sd`),
+    columns.get(`${name}/position_correlation`),
+  );
+}
+
+function slots(columns: Columns, name: string): HypothesisSlot[] {
+  const found: HypothesisSlot[] = [];
+  for (let k = 0; ; ++k) {
+    const slot = `${name}/hypotheses/${k}`;
+    const weight = columns.get(`${slot}/probability`);
+    const pose = poseTrack(columns, slot, new Presence(columns.get(`${slot}/mask`)?.components[0], 1));
+    if (!weight || !pose) return found;
+    found.push(new HypothesisSlot(pose, columns.get(`${slot}/id`), weight));
+  }
+}
+
+export class Trace {
+  readonly frames: number;
+  /** Seconds since the first frame. */
+  readonly seconds: Float64Array;
+  readonly fates: readonly string[];
+  readonly camera: Estimate | undefined;
+  readonly cameraHypotheses: readonly HypothesisSlot[];
+  readonly objects: readonly ObjectTrack[];
+
+  constructor(
+    readonly head: PackedTrace,
+    columns: Columns,
+  ) {
+    this.frames = head.frames;
+    this.seconds = Float64Array.from(head.stamps_s, (stamp) => stamp - head.stamps_s[0]);
+    this.fates = head.fates ?? [];
+    const bits = (mask: Integers | undefined, bit: number) => new Presence(mask, 1 << bit);
+    const mask = columns.get("camera/mask")?.components[0];
+    this.camera = estimate(columns, "camera", bits(mask, 0), bits(mask, 1));
+    this.cameraHypotheses = slots(columns, "camera");
+    this.objects = head.order.map((id) => {
+      const name = `objects/${id}`;
+      const own = columns.get(`${name}/mask`)?.components[0];
+      return {
+        id,
+        world: estimate(columns, `${name}/world`, bits(own, 0), bits(own, 1)),
+        relative: estimate(columns, `${name}/relative`, bits(own, 2), bits(own, 3)),
+        detection: poseTrack(columns, `${name}/detection`, bits(own, 4)),
+        fate: columns.get(`${name}/fate`)?.components[0],
+        modeProbability: columns.get(`${name}/mode_probability`),
+        hypotheses: slots(columns, name),
+      };
+    });
+  }
+
+  get hasTruth(): boolean {
+    return this.camera?.truth !== undefined || this.objects.some((object) => object.world?.truth !== undefined);
+  }
+
+  /** The last frame that is not after a time. */
+  frameAt(seconds: number): number {
+    let low = 0;
+    let high = this.frames - 1;
+    while (low < high) {
+      const middle = (low + high + 1) >> 1;
+      if (this.seconds[middle] <= seconds) low = middle;
+      else high = middle - 1;
+    }
+    return low;
+  }
+}
+
+export async function readTrace(packed: PackedTrace): Promise<Trace> {
+  return new Trace(packed, await decodeColumns(packed));
+}
