@@ -8,6 +8,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "picture_parts.hpp"
+#include "position_covariance.hpp"
 #include "posemix/base/units.hpp"
 
 namespace posemix {
@@ -121,15 +122,10 @@ void draw_polyline(SvgDocument& svg, const MapView& view, const std::vector<Eige
   svg.polyline(points, style);
 }
 
-/// Covariance of the position of T in the plane: the error of T's position is rho + phi x t.
+/// Covariance of the position in the plane.
 Eigen::Matrix2d plane_covariance(const MapView& view, const PoseDensity& density) {
-  Eigen::Matrix<double, 3, 6> jacobian;
-  jacobian << -SO3d::hat(density.mean().translation()), Eigen::Matrix3d::Identity();
-  const Eigen::Matrix3d covariance = jacobian * density.covariance() * jacobian.transpose();
-  const auto [a, b] = view.axes();
-  return (Eigen::Matrix2d() << covariance(a, a), covariance(a, b), covariance(b, a),
-          covariance(b, b))
-      .finished();
+  const std::array<Eigen::Index, 2> axes = view.axes();
+  return position_covariance(density)(axes, axes);
 }
 
 void draw_ellipse(SvgDocument& svg, const MapView& view, const PoseDensity& density,

@@ -4,7 +4,9 @@
 #include <cmath>
 
 #include "json_numbers.hpp"
+#include "position_covariance.hpp"
 #include "posemix/io/results.hpp"
+#include "trace_names.hpp"
 
 namespace posemix {
 namespace {
@@ -12,30 +14,19 @@ namespace {
 constexpr int kPoseDigits = 9;
 constexpr int kCompactDigits = 7;
 
-std::string_view name_of(DetectionFate fate) {
-  switch (fate) {
-    case DetectionFate::none:
-      return "none";
-    case DetectionFate::started:
-      return "started";
-    case DetectionFate::used:
-      return "used";
-    case DetectionFate::doubted:
-      return "doubted";
-    case DetectionFate::born:
-      return "born";
-    case DetectionFate::gated:
-      return "gated";
-    case DetectionFate::failed:
-      return "failed";
-  }
-  return "";
-}
-
 Json poses_of(const std::vector<std::optional<SE3d>>& poses) {
   Json array = Json::array();
   for (const auto& pose : poses) array.push_back(json_pose(pose, kPoseDigits));
   return array;
+}
+
+/// [xx, xy, xz, yy, yz, zz] of the position's covariance.
+Json position_covariance_of(const PoseDensity& density) {
+  const Eigen::Matrix3d covariance = position_covariance(density);
+  Eigen::Matrix<double, 6, 1> upper;
+  upper << covariance(0, 0), covariance(0, 1), covariance(0, 2), covariance(1, 1), covariance(1, 2),
+      covariance(2, 2);
+  return json_vector(upper, kCompactDigits);
 }
 
 /// Means and standard deviations of one pose over the frames.
@@ -46,13 +37,19 @@ class Track {
     sds_.push_back(density
                        ? json_vector(density->covariance().diagonal().cwiseSqrt(), kCompactDigits)
                        : Json(nullptr));
+    positions_.push_back(density ? position_covariance_of(*density) : Json(nullptr));
   }
 
-  Json json() && { return {{"pose", std::move(poses_)}, {"sd", std::move(sds_)}}; }
+  Json json() && {
+    return {{"pose", std::move(poses_)},
+            {"sd", std::move(sds_)},
+            {"position_covariance", std::move(positions_)}};
+  }
 
  private:
   Json poses_ = Json::array();
   Json sds_ = Json::array();
+  Json positions_ = Json::array();
 };
 
 Json truth_or_null(const std::vector<std::optional<SE3d>>& truth) {
@@ -92,7 +89,7 @@ Json object_of(const SlamJob& job, const SlamRun& run, std::size_t object) {
   for (std::size_t k = 0; k < run.frames.size(); ++k) {
     world.add(run.frames[k].objects[object]);
     relative.add(run.frames[k].relative[object]);
-    fates.push_back(name_of(run.frames[k].report.fates[object]));
+    fates.push_back(fate_name(run.frames[k].report.fates[object]));
     world_truth.push_back(true_world_pose(job.sequence, object, k));
     relative_truth.push_back(true_relative_pose(job.sequence, object, k));
   }
@@ -143,6 +140,9 @@ Json conventions() {
        "[rx, ry, rz, tx, ty, tz], radians and metres: square roots of the covariance diagonal of "
        "xi in "
        "X = Exp(xi) X0, in the reference frame"},
+      {"position_covariance",
+       "[xx, xy, xz, yy, yz, zz], square metres: of the position in the reference frame, to first "
+       "order"},
       {"camera", "T_world_camera"},
       {"world", "T_world_object"},
       {"relative", "T_camera_object"},

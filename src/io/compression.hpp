@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+
+/// zlib streams (RFC 1950) and base64 (RFC 4648).
+namespace posemix {
+
+/// Compresses bytes that come in pieces.
+class Deflater {
+ public:
+  Deflater();
+  ~Deflater();
+  Deflater(const Deflater&) = delete;
+  Deflater& operator=(const Deflater&) = delete;
+
+  void add(std::string_view bytes);
+  /// Ends the stream, to which nothing can be added, and returns it.
+  std::string finish();
+
+ private:
+  struct State;
+  void run(int flush);
+
+  std::unique_ptr<State> state_;
+  std::string stream_;
+};
+
+/// The bytes of a whole zlib stream, whose number is known.
+/// @throws std::runtime_error for a damaged stream or another number
+std::string inflated(std::string_view stream, std::size_t size);
+
+std::string base64(std::string_view bytes);
+
+}  // namespace posemix

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "trace_series.hpp"
+
+namespace posemix {
+
+/// Keys that lead to a value, from the outside in.
+using TraceKeys = std::vector<std::string>;
+
+/// Compresses columns and describes them.
+void write_columns(const std::vector<TraceColumn>& columns, Deflater& data, Json& headers);
+
+/// The arrays over frames of the camera or of an object.
+class TraceEntity {
+ public:
+  /// `path`: its place in messages. `prefix`: "camera" or "objects/<id>", before the names of its
+  /// columns.
+  TraceEntity(std::string path, std::string prefix)
+      : path_(std::move(path)), prefix_(std::move(prefix)) {}
+
+  /// For the array under these keys within the entity; null where it is none that a report needs.
+  /// @throws InvalidInput when the array has been opened before
+  TraceSeries* open(const TraceKeys& keys, const TraceScales& scales);
+
+  /// Compresses all arrays, which have equal lengths, and a mask of what is there.
+  /// @throws InvalidInput when one is missing that a report needs, or when poses lack deviations
+  void write(Deflater& data, Json& headers);
+
+ private:
+  bool is_camera() const { return prefix_ == "camera"; }
+  bool has(const std::string& key) const { return series_.contains(key); }
+  TraceSeriesPtr make(const TraceKeys& keys, const std::string& path,
+                      const TraceScales& scales) const;
+  void check() const;
+  void require_same(const std::string& key, const std::string& pose) const;
+  TraceColumn mask() const;
+
+  std::string path_;
+  std::string prefix_;
+  std::map<std::string, TraceSeriesPtr> series_;  ///< by the keys within the entity
+};
+
+}  // namespace posemix

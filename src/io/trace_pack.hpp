@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <istream>
+#include <string>
+
+#include "json_numbers.hpp"
+
+namespace posemix {
+
+/// The key `trace` of a report: trace.json as compressed columns.
+///
+/// The text is read once, piece by piece; in memory is what is compressed and the columns of one
+/// object (or, of joint hypotheses, those of all objects). `name` stands for the file in messages.
+/// @throws InvalidInput naming the file and the place in it
+Json pack_trace(std::istream& text, const std::string& name);
+
+}  // namespace posemix

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "trace_column.hpp"
+#include "trace_place.hpp"
+
+/// Arrays over frames of trace.json on their way into columns of a report.
+namespace posemix {
+
+/// A position that does not fit into its column: another attempt with a coarser scale will do.
+struct PositionOutOfReach {};
+
+/// What all columns of a report have in common.
+struct TraceScales {
+  double position_m = 1e-5;
+};
+
+/// Position and quaternion of a pose over the frames; the quaternion's sign does not jump.
+class PoseColumns {
+ public:
+  PoseColumns(const std::string& prefix, const TraceScales& scales);
+
+  /// [tx, ty, tz, qx, qy, qz, qw]
+  void add(const TracePlace& place);
+  void repeat_until(std::size_t frames);
+  void move_to(std::vector<TraceColumn>& columns) &&;
+
+ private:
+  TraceColumn position_;
+  TraceColumn quaternion_;
+  std::array<double, 4> last_{0.0, 0.0, 0.0, 1.0};
+};
+
+/// One array: is given its entries in turn.
+class TraceSeries {
+ public:
+  /// `path`: the array's place in messages.
+  explicit TraceSeries(std::string path) : path_(std::move(path)) {}
+  virtual ~TraceSeries() = default;
+  TraceSeries(const TraceSeries&) = delete;
+  TraceSeries& operator=(const TraceSeries&) = delete;
+
+  void add(const Json& entry) {
+    present_.push_back(!entry.is_null());
+    read({entry, path_, frames() - 1});
+  }
+  /// The frames whose entry is not null.
+  const std::vector<bool>& present() const { return present_; }
+  std::size_t frames() const { return present_.size(); }
+  const std::string& path() const { return path_; }
+
+  /// Takes what has been read.
+  virtual void move_to(std::vector<TraceColumn>& columns) = 0;
+
+ protected:
+  /// Frame frames() - 1.
+  virtual void read(const TracePlace& place) = 0;
+
+ private:
+  std::string path_;
+  std::vector<bool> present_;
+};
+
+using TraceSeriesPtr = std::unique_ptr<TraceSeries>;
+
+/// Poses: columns `prefix`/position and `prefix`/quaternion.
+TraceSeriesPtr pose_series(std::string path, const std::string& prefix, const TraceScales& scales);
+/// Standard deviations: column `prefix`/log_sd.
+TraceSeriesPtr sd_series(std::string path, const std::string& prefix);
+/// Covariances of positions: columns `prefix`/position_log_sd and `prefix`/position_correlation.
+TraceSeriesPtr position_series(std::string path, const std::string& prefix);
+/// Probabilities: column `name`.
+TraceSeriesPtr probability_series(std::string path, const std::string& name);
+/// What became of detections: column `name` of indices into kFateNames.
+TraceSeriesPtr fate_series(std::string path, const std::string& name);
+
+}  // namespace posemix
