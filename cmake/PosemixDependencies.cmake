@@ -10,6 +10,7 @@ find_package(NLopt 2.7 REQUIRED CONFIG)
 # Highway: vector instructions chosen where the program runs.
 find_package(hwy 1.0.3 REQUIRED CONFIG)
 
+find_package(ZLIB 1.2 REQUIRED)
 find_package(Threads REQUIRED)
 set(POSEMIX_WITH_MPI OFF)
 if(POSEMIX_MPI)

@@ -4,12 +4,14 @@
 
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 
 #include <fmt/format.h>
 
-#include "posemix/base/error.hpp"
+#include "ply_header.hpp"
 #include "posemix/io/text.hpp"
 
 namespace posemix {
@@ -17,53 +19,6 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little,
               "binary PLY is read as it lies in memory");
-
-enum class PlyNumber { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
-
-struct PlyHeader {
-  bool is_binary = false;
-  std::size_t vertices = 0;
-  std::vector<PlyNumber> types;                   ///< of a vertex's properties
-  std::array<std::ptrdiff_t, 3> xyz{-1, -1, -1};  ///< which of them
-  std::string_view body;                          ///< after the line end_header
-};
-
-[[noreturn]] void fail_ply(const std::string& name, std::string_view got,
-                           std::string_view expected) {
-  throw InvalidInput(fmt::format("{}: got {}, expected {}", name, got, expected));
-}
-
-/// The bytes up to the next LF, which is taken away with a CR before it.
-std::string_view take_line(std::string_view& bytes) {
-  const std::size_t end = bytes.find('\n');
-  std::string_view line = bytes.substr(0, end);
-  bytes.remove_prefix(end == std::string_view::npos ? bytes.size() : end + 1);
-  if (line.ends_with('\r')) line.remove_suffix(1);
-  return line;
-}
-
-PlyNumber ply_type(std::string_view word, const std::string& name) {
-  constexpr std::array<std::pair<std::string_view, PlyNumber>, 16> kTypes{
-      {{"char", PlyNumber::int8},
-       {"int8", PlyNumber::int8},
-       {"uchar", PlyNumber::uint8},
-       {"uint8", PlyNumber::uint8},
-       {"short", PlyNumber::int16},
-       {"int16", PlyNumber::int16},
-       {"ushort", PlyNumber::uint16},
-       {"uint16", PlyNumber::uint16},
-       {"int", PlyNumber::int32},
-       {"int32", PlyNumber::int32},
-       {"uint", PlyNumber::uint32},
-       {"uint32", PlyNumber::uint32},
-       {"float", PlyNumber::float32},
-       {"float32", PlyNumber::float32},
-       {"double", PlyNumber::float64},
-       {"float64", PlyNumber::float64}}};
-  for (const auto& [key, type] : kTypes)
-    if (key == word) return type;
-  fail_ply(name, fmt::format("a vertex property of type {}", in_quotes(word)), "a number");
-}
 
 std::size_t size_of(PlyNumber type) {
   constexpr std::array<std::size_t, 8> kSizes{1, 1, 2, 2, 4, 4, 4, 8};
@@ -99,88 +54,147 @@ double binary_number(PlyNumber type, const char* bytes) {
   return 0.0;
 }
 
-void add_property(PlyHeader& header, const std::vector<std::string_view>& words,
-                  const std::string& name) {
-  if (words.size() != 3) fail_ply(name, "a vertex property that is a list", "numbers");
-  const auto at = static_cast<std::ptrdiff_t>(header.types.size());
-  if (words[2] == "x") header.xyz[0] = at;
-  if (words[2] == "y") header.xyz[1] = at;
-  if (words[2] == "z") header.xyz[2] = at;
-  header.types.push_back(ply_type(words[1], name));
+/// Takes the numbers of one element after the other from the body of a file.
+class PlyBody {
+ public:
+  PlyBody(const PlyHeader& header, const std::string& name)
+      : body_(header.body), is_binary_(header.is_binary), name_(name) {}
+
+  /// The numbers of every property, a list's as many as it has.
+  const std::vector<std::vector<double>>& take(const PlyElement& element, std::size_t index) {
+    element_ = &element;
+    index_ = index;
+    if (!is_binary_) {
+      words_ = split_words(take_line(body_));
+      word_ = 0;
+    }
+    values_.resize(element.properties.size());
+    for (std::size_t i = 0; i < values_.size(); ++i) {
+      const PlyProperty& property = element.properties[i];
+      const std::size_t length = property.length ? take_length(*property.length) : 1;
+      values_[i].clear();
+      for (std::size_t k = 0; k < length; ++k) values_[i].push_back(take_number(property.type));
+    }
+    return values_;
+  }
+
+ private:
+  std::size_t take_length(PlyNumber type) {
+    const double length = take_number(type);
+    if (!(length >= 0.0) || length != std::floor(length)) fail("a list of so many entries");
+    return static_cast<std::size_t>(length);
+  }
+
+  double take_number(PlyNumber type) {
+    if (!is_binary_) {
+      const auto number = word_ < words_.size() ? parse_number(words_[word_++]) : std::nullopt;
+      if (!number) fail("a number more");
+      return *number;
+    }
+    const std::size_t size = size_of(type);
+    if (body_.size() < size) {
+      fail_ply(name_, fmt::format("the end of the file in {} {}", element_->name, index_),
+               fmt::format("{} of them", element_->count));
+    }
+    const double number = binary_number(type, body_.data());
+    body_.remove_prefix(size);
+    return number;
+  }
+
+  [[noreturn]] void fail(std::string_view expected) const {
+    fail_ply(name_, fmt::format("a damaged line of {} {}", element_->name, index_), expected);
+  }
+
+  std::string_view body_;
+  bool is_binary_;
+  const std::string& name_;
+  const PlyElement* element_ = nullptr;
+  std::size_t index_ = 0;
+  std::vector<std::string_view> words_;  ///< of the line
+  std::size_t word_ = 0;
+  std::vector<std::vector<double>> values_;
+};
+
+std::vector<Eigen::Vector3d> take_vertices(PlyBody& body, const PlyElement& element,
+                                           const std::string& name, double unit_m) {
+  const std::array<std::size_t, 3> xyz{element.index_of("x"), element.index_of("y"),
+                                       element.index_of("z")};
+  std::vector<Eigen::Vector3d> vertices;
+  for (std::size_t i = 0; i < element.count; ++i) {
+    const auto& values = body.take(element, i);
+    const Eigen::Vector3d vertex(values[xyz[0]][0], values[xyz[1]][0], values[xyz[2]][0]);
+    if (!vertex.allFinite()) fail_ply(name, fmt::format("vertex {} not finite", i), "numbers");
+    vertices.emplace_back(unit_m * vertex);
+  }
+  return vertices;
 }
 
-PlyHeader parse_header(std::string_view bytes, const std::string& name) {
-  if (take_line(bytes) != "ply") fail_ply(name, "another first line", "'ply'");
-  PlyHeader header;
-  std::size_t elements = 0;
-  bool has_format = false;
-  for (std::string_view line = take_line(bytes); line != "end_header"; line = take_line(bytes)) {
-    if (bytes.empty()) fail_ply(name, "no line 'end_header'", "one");
-    const std::vector<std::string_view> words = split_words(line);
-    if (words.size() == 3 && words[0] == "format") {
-      has_format = words[1] == "ascii" || words[1] == "binary_little_endian";
-      header.is_binary = words[1] == "binary_little_endian";
-    } else if (words.size() == 3 && words[0] == "element") {
-      const auto count = parse_integer(words[2]);
-      ++elements;
-      if (elements > 1) continue;
-      if (words[1] != "vertex" || !count || *count < 1)
-        fail_ply(name, in_quotes(line), "'element vertex' and a positive number");
-      header.vertices = static_cast<std::size_t>(*count);
-    } else if (words.size() >= 2 && words[0] == "property" && elements == 1) {
-      add_property(header, words, name);
-    }
+/// Adds a face as a fan of triangles.
+void add_face(PlyMesh& mesh, const std::vector<double>& corners, std::size_t face,
+              const std::string& name) {
+  if (corners.size() < 3) {
+    fail_ply(name, fmt::format("face {} of {} corners", face, corners.size()), "at least 3");
   }
-  if (!has_format) fail_ply(name, "another format", "ascii or binary_little_endian");
-  for (const std::ptrdiff_t at : header.xyz)
-    if (at < 0) fail_ply(name, "vertices without x, y, z", "all three");
-  header.body = bytes;
-  return header;
+  std::vector<std::uint32_t> indices;
+  for (const double corner : corners) {
+    if (!(corner >= 0.0 && corner < static_cast<double>(mesh.vertices.size())) ||
+        corner != std::floor(corner)) {
+      fail_ply(name, fmt::format("corner {} of face {}", corner, face),
+               fmt::format("one of {} vertices", mesh.vertices.size()));
+    }
+    indices.push_back(static_cast<std::uint32_t>(corner));
+  }
+  for (std::size_t i = 2; i < indices.size(); ++i) {
+    mesh.triangles.push_back({indices[0], indices[i - 1], indices[i]});
+  }
 }
 
-/// The x, y, z of one vertex, which is taken from the body.
-Eigen::Vector3d take_vertex(PlyHeader& header, std::size_t index, const std::string& name) {
-  std::vector<double> numbers(header.types.size());
-  if (header.is_binary) {
-    std::size_t at = 0;
-    for (std::size_t i = 0; i < numbers.size(); ++i) {
-      const std::size_t size = size_of(header.types[i]);
-      if (header.body.size() < at + size)
-        fail_ply(name, fmt::format("{} vertices", index), fmt::format("{}", header.vertices));
-      numbers[i] = binary_number(header.types[i], header.body.data() + at);
-      at += size;
-    }
-    header.body.remove_prefix(at);
-  } else {
-    const std::vector<std::string_view> words = split_words(take_line(header.body));
-    for (std::size_t i = 0; i < numbers.size(); ++i) {
-      const auto number = i < words.size() ? parse_number(words[i]) : std::nullopt;
-      if (!number)
-        fail_ply(name, fmt::format("a damaged line of vertex {}", index),
-                 fmt::format("{} numbers", numbers.size()));
-      numbers[i] = *number;
-    }
+std::size_t index_of_corners(const PlyElement& face, const std::string& name) {
+  std::size_t at = face.index_of("vertex_indices");
+  if (at == face.properties.size()) at = face.index_of("vertex_index");
+  if (at == face.properties.size() || !face.properties[at].length) {
+    fail_ply(name, "faces without a list 'vertex_indices'", "one");
   }
-  Eigen::Vector3d vertex;
-  for (std::size_t i = 0; i < 3; ++i)
-    vertex[static_cast<Eigen::Index>(i)] = numbers[static_cast<std::size_t>(header.xyz[i])];
-  if (!vertex.allFinite()) fail_ply(name, fmt::format("vertex {} not finite", index), "numbers");
-  return vertex;
+  return at;
 }
 
 }  // namespace
 
 std::vector<Eigen::Vector3d> parse_ply_vertices(std::string_view bytes, const std::string& name,
                                                 double unit_m) {
-  PlyHeader header = parse_header(bytes, name);
-  std::vector<Eigen::Vector3d> vertices;
-  for (std::size_t i = 0; i < header.vertices; ++i)
-    vertices.emplace_back(unit_m * take_vertex(header, i, name));
-  return vertices;
+  const PlyHeader header = parse_ply_header(bytes, name);
+  PlyBody body(header, name);
+  return take_vertices(body, header.elements.front(), name, unit_m);
 }
 
 std::vector<Eigen::Vector3d> read_ply_vertices(const std::filesystem::path& path, double unit_m) {
   return parse_ply_vertices(read_file(path), path.string(), unit_m);
+}
+
+PlyMesh parse_ply_mesh(std::string_view bytes, const std::string& name, double unit_m) {
+  const PlyHeader header = parse_ply_header(bytes, name);
+  PlyBody body(header, name);
+  PlyMesh mesh;
+  mesh.vertices = take_vertices(body, header.elements.front(), name, unit_m);
+  if (mesh.vertices.size() > std::numeric_limits<std::uint32_t>::max()) {
+    fail_ply(name, fmt::format("{} vertices", mesh.vertices.size()), "fewer");
+  }
+  for (std::size_t i = 1; i < header.elements.size(); ++i) {
+    const PlyElement& element = header.elements[i];
+    const bool is_face = element.name == "face";
+    const std::size_t corners = is_face ? index_of_corners(element, name) : 0;
+    for (std::size_t k = 0; k < element.count; ++k) {
+      const auto& values = body.take(element, k);
+      if (is_face) add_face(mesh, values[corners], k, name);
+    }
+    if (is_face) break;
+  }
+  if (mesh.triangles.empty()) fail_ply(name, "no faces", "some");
+  return mesh;
+}
+
+PlyMesh read_ply_mesh(const std::filesystem::path& path, double unit_m) {
+  return parse_ply_mesh(read_file(path), path.string(), unit_m);
 }
 
 }  // namespace posemix

@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: posemix contributors
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -9,7 +11,7 @@
 
 #include <Eigen/Core>
 
-/// Vertices of PLY meshes, as BOP's models are stored.
+/// PLY meshes, as BOP's models are stored.
 namespace posemix {
 
 /// The positions of a mesh's vertices, in the file's order and unit times `unit_m` (BOP: 1e-3).
@@ -22,5 +24,21 @@ std::vector<Eigen::Vector3d> parse_ply_vertices(std::string_view bytes, const st
 
 /// As parse_ply_vertices, for a file.
 std::vector<Eigen::Vector3d> read_ply_vertices(const std::filesystem::path& path, double unit_m);
+
+/// A triangle mesh.
+struct PlyMesh {
+  std::vector<Eigen::Vector3d> vertices;
+  /// Indices of each triangle's corners among the vertices, in the order of the file.
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+};
+
+/// As parse_ply_vertices, with the faces: those of the element `face`, lists `vertex_indices` or
+/// `vertex_index`. A face of more corners becomes a fan of triangles about its first corner.
+/// Throws InvalidInput, also for a mesh without faces, a face of fewer than three corners, and a
+/// corner that is no vertex.
+PlyMesh parse_ply_mesh(std::string_view bytes, const std::string& name, double unit_m);
+
+/// As parse_ply_mesh, for a file.
+PlyMesh read_ply_mesh(const std::filesystem::path& path, double unit_m);
 
 }  // namespace posemix

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "report_folder.hpp"
+
+#include <algorithm>
+#include <system_error>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "posemix/base/error.hpp"
+#include "posemix/io/mixture_file.hpp"
+#include "posemix/io/text.hpp"
+
+namespace posemix {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kTraceFile = "trace.json";
+constexpr const char* kMetricsFile = "metrics.json";
+constexpr const char* kStudyFile = "study.json";
+
+[[noreturn]] void fail_to_list(const fs::path& folder, const std::error_code& error) {
+  throw InvalidInput(fmt::format("{}: cannot be read: {}", folder.string(), error.message()));
+}
+
+/// What a folder holds, sorted.
+std::vector<fs::path> paths_in(const fs::path& folder) {
+  std::error_code error;
+  std::vector<fs::path> paths;
+  fs::directory_iterator at(folder, error);
+  for (; !error && at != fs::directory_iterator(); at.increment(error)) paths.push_back(at->path());
+  if (error) fail_to_list(folder, error);
+  std::sort(paths.begin(), paths.end());
+  return paths;
+}
+
+bool is_file(const fs::path& path) {
+  std::error_code error;
+  return fs::is_regular_file(path, error);
+}
+
+bool is_run_or_study(const fs::path& folder) {
+  return is_file(folder / kTraceFile) || is_file(folder / kStudyFile);
+}
+
+Json read_document(const fs::path& path) {
+  try {
+    return Json::parse(read_file(path));
+  } catch (const Json::exception& error) {
+    throw InvalidInput(
+        fmt::format("{}: got a text that is not JSON ({}), expected JSON as posemix writes it",
+                    path.string(), error.what()));
+  }
+}
+
+bool is_mixture(const Json& document) {
+  if (!document.is_object()) return false;
+  const auto type = document.find("type");
+  return type != document.end() && *type == "posemix.mixture";
+}
+
+/// Refuses a mixture file that the library does not read.
+void check_mixture(const Json& document, const fs::path& path) {
+  if (is_mixture(document)) parse_mixture(document.dump(), path.string());
+}
+
+/// Of a folder that slam or study wrote: files of every kind that a report shows.
+void add_file(ReportFolder& folder, const fs::path& path) {
+  const std::string name = path.filename().string();
+  const std::string extension = path.extension().string();
+  if (extension == ".json" && name != kTraceFile) {
+    Json document = read_document(path);
+    check_mixture(document, path);
+    folder.documents[name] = std::move(document);
+  } else if (extension == ".csv") {
+    folder.tables[name] = read_file(path);
+  } else if (extension == ".svg") {
+    folder.pictures[name] = read_file(path);
+  } else if (extension == ".md") {
+    folder.texts[name] = read_file(path);
+  }
+}
+
+/// Of a folder in which other files may lie.
+void add_mixture(ReportFolder& folder, const fs::path& path) {
+  if (path.extension() != ".json") return;
+  Json document = read_document(path);
+  check_mixture(document, path);
+  if (is_mixture(document)) folder.documents[path.filename().string()] = std::move(document);
+}
+
+[[noreturn]] void fail_without_results(const fs::path& folder) {
+  std::vector<std::string> within;
+  for (const fs::path& path : paths_in(folder)) {
+    if (is_run_or_study(path)) within.push_back(path.string());
+  }
+  const std::string expected =
+      within.empty() ? "what posemix slam or posemix study wrote, or mixture files"
+                     : fmt::format("one of the folders within that have some: {}",
+                                   fmt::join(within, ", "));
+  throw InvalidInput(
+      fmt::format("{}: got a folder without results, expected {}", folder.string(), expected));
+}
+
+ReportKind study_kind(const Json& study, const fs::path& path) {
+  const auto name = study.is_object() ? study.find("study") : study.end();
+  if (name == study.end() || !name->is_string()) {
+    throw InvalidInput(
+        fmt::format("{}: got no key 'study', expected the study's name", path.string()));
+  }
+  return *name == "salt-box" ? ReportKind::salt_box : ReportKind::study;
+}
+
+ReportKind kind_of(const ReportFolder& folder, const fs::path& path) {
+  if (is_file(path / kTraceFile)) {
+    if (!folder.documents.contains(kMetricsFile)) read_file(path / kMetricsFile);
+    return ReportKind::slam;
+  }
+  const auto study = folder.documents.find(kStudyFile);
+  if (study != folder.documents.end()) return study_kind(*study, path / kStudyFile);
+  if (folder.documents.empty()) fail_without_results(path);
+  return ReportKind::mixture;
+}
+
+ReportFolder one_mixture(const fs::path& path) {
+  ReportFolder folder;
+  folder.kind = ReportKind::mixture;
+  parse_mixture(read_file(path), path.string());
+  folder.documents[path.filename().string()] = read_document(path);
+  return folder;
+}
+
+}  // namespace
+
+std::set<std::string> ReportFolder::mixture_frames() const {
+  std::set<std::string> names;
+  for (const Json& document : documents) {
+    if (is_mixture(document)) names.insert(document.at("frames").at("to").get<std::string>());
+  }
+  return names;
+}
+
+ReportFolder read_report_folder(const fs::path& results) {
+  if (is_file(results)) return one_mixture(results);
+  ReportFolder folder;
+  const auto add = is_run_or_study(results) ? add_file : add_mixture;
+  for (const fs::path& path : paths_in(results)) {
+    if (is_file(path)) add(folder, path);
+  }
+  folder.kind = kind_of(folder, results);
+  return folder;
+}
+
+}  // namespace posemix

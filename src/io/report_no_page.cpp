@@ -1,0 +1,9 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "report_page.hpp"
+
+namespace posemix {
+
+ReportPage report_page() { return {}; }
+
+}  // namespace posemix

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+namespace posemix {
+
+/// The page without data as a zlib stream; empty where the library was built without it.
+struct ReportPage {
+  std::string_view stream;
+  std::size_t size = 0;  ///< of the page
+};
+
+/// Defined by a source that the build generates, or by report_no_page.cpp.
+ReportPage report_page();
+
+/// The page with data in the place of its mark. JSON: no '<' is left in it, which could end the
+/// element that holds it.
+/// @throws std::runtime_error when the page has not exactly one mark
+std::string filled_page(std::string page, std::string_view json);
+
+}  // namespace posemix
