@@ -19,6 +19,7 @@
 #include "mixture_verbs.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/io/output_folder.hpp"
+#include "report.hpp"
 #include "simulate.hpp"
 #include "slam.hpp"
 #include "study.hpp"
@@ -31,7 +32,7 @@ constexpr std::array kMixtureVerbs{add_fit_verb,        add_fuse_verb,    add_co
                                    add_reduce_verb,     add_sample_verb,  add_density_verb,
                                    add_divergence_verb, add_convert_verb, add_grasp_verb};
 
-int report(std::string_view message, int exit_code) {
+int fail(std::string_view message, int exit_code) {
   const std::string line = fmt::format("posemix: error: {}\n", message);
   std::fputs(line.c_str(), stderr);
   return exit_code;
@@ -42,17 +43,17 @@ int guarded(const std::function<int()>& action) {
   try {
     return action();
   } catch (const InvalidInput& error) {
-    return report(error.what(), kExitInput);
+    return fail(error.what(), kExitInput);
   } catch (const BrokenPipe&) {
     return kExitSignal + SIGPIPE;
   } catch (const OutputError& error) {
-    return report(error.what(), kExitOutput);
+    return fail(error.what(), kExitOutput);
   } catch (const Interrupted& error) {
-    return report(error.what(), kExitSignal + error.signal());
+    return fail(error.what(), kExitSignal + error.signal());
   } catch (const std::bad_alloc&) {
-    return report("out of memory", kExitInternal);
+    return fail("out of memory", kExitInternal);
   } catch (const std::exception& error) {
-    return report(fmt::format("internal error: {}", error.what()), kExitInternal);
+    return fail(fmt::format("internal error: {}", error.what()), kExitInternal);
   }
 }
 
@@ -68,6 +69,7 @@ void describe(CLI::App& program) {
       "\n"
       "Example: posemix simulate configs/demo.toml --seed 1 --out out/sequence\n"
       "         posemix slam out/sequence/sequence.toml --out out/results\n"
+      "         posemix report out/results --open\n"
       "         posemix compose a.json b.json | posemix reduce - --to 5 | posemix sample - -n 100\n"
       "\n"
       "`posemix VERB --help` describes a verb.");
@@ -88,7 +90,7 @@ int answer(const CLI::App& program, const CLI::ParseError& reason) {
        verbs = verbs[0]->get_subcommands()) {
     command += " " + verbs[0]->get_name();
   }
-  return report(fmt::format("{}; see `{} --help`", reason.what(), command), kExitUsage);
+  return fail(fmt::format("{}; see `{} --help`", reason.what(), command), kExitUsage);
 }
 
 }  // namespace
@@ -104,6 +106,7 @@ int run_program(int argc, const char* const* argv) {
     add_slam_verb(program, action);
     add_simulate_verb(program, action);
     add_study_verb(program, action);
+    add_report_verb(program, action);
     for (const auto& add : kMixtureVerbs) add(program, action);
     program.parse(argc, argv);
   } catch (const CLI::ParseError& reason) {

@@ -15,13 +15,17 @@
 #include "interrupt.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/io/output_folder.hpp"
+#include "posemix/io/report.hpp"
 #include "posemix/io/results.hpp"
 #include "posemix/io/sequence_file.hpp"
 #include "progress.hpp"
+#include "report.hpp"
 #include "summary.hpp"
 
 namespace posemix {
 namespace {
+
+namespace fs = std::filesystem;
 
 struct SlamOptions {
   std::string sequence;
@@ -30,6 +34,7 @@ struct SlamOptions {
   std::vector<std::string> overrides;
   bool smooth = false;
   std::optional<std::size_t> smooth_lag;
+  bool report = false;
   bool quiet = false;
   bool json = false;
 };
@@ -58,8 +63,15 @@ SlamRun filter(const SlamJob& job, const SlamOptions& options, const InterruptGu
   }
 }
 
+/// Writes the report of the results, and says where.
+std::string report_of(const SlamOptions& options, const InterruptGuard& guard) {
+  const fs::path path = write_report_shown(options.out, {}, !options.quiet, guard);
+  return fmt::format("Report:  {}\n", file_url(path));
+}
+
 int slam_to_folder(const SlamOptions& options) {
   const InterruptGuard guard;
+  if (options.report) require_report_page();
   const SlamJob job = read_job(options);
   OutputFolder folder(options.out);
   guard.check();
@@ -71,10 +83,11 @@ int slam_to_folder(const SlamOptions& options) {
     guard.check();
   }
   folder.commit();
+  const std::string report = options.report ? report_of(options, guard) : "";
   if (options.json) {
     print_text(format_metrics(metrics, job.method));
   } else if (!options.quiet) {
-    print_text(format_summary(job, metrics) + fmt::format("\nResults: {}\n", options.out));
+    print_text(format_summary(job, metrics) + fmt::format("\nResults: {}\n", options.out) + report);
   }
   return kExitDone;
 }
@@ -109,6 +122,7 @@ void add_slam_verb(CLI::App& program, std::function<int()>& action) {
       ->type_name("N")
       ->excludes(smooth);
   verb->add_option("--out", options->out, "Folder for the results")->required()->type_name("DIR");
+  verb->add_flag("--report", options->report, "Write DIR/report.html too (see posemix report)");
   verb->add_flag("--json", options->json, "Print metrics.json instead of a table");
   verb->add_flag("--quiet", options->quiet, "Print neither progress nor table");
   verb->callback([options, &action] { action = [options] { return slam_to_folder(*options); }; });

@@ -61,8 +61,8 @@ std::string Deflater::finish() {
 std::string inflated(std::string_view stream, std::size_t size) {
   std::string bytes(size, '\0');
   uLongf got = size;
-  const int result = uncompress(reinterpret_cast<Bytef*>(bytes.data()), &got, zlib_bytes(stream),
-                                stream.size());
+  const int result =
+      uncompress(reinterpret_cast<Bytef*>(bytes.data()), &got, zlib_bytes(stream), stream.size());
   if (result != Z_OK || got != size) throw std::runtime_error("a damaged zlib stream");
   return bytes;
 }

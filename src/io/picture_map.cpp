@@ -8,8 +8,8 @@
 #include <Eigen/Eigenvalues>
 
 #include "picture_parts.hpp"
-#include "position_covariance.hpp"
 #include "posemix/base/units.hpp"
+#include "position_covariance.hpp"
 
 namespace posemix {
 namespace {

@@ -30,10 +30,14 @@ const char* kind_name(ReportKind kind) {
   return kNames[static_cast<std::size_t>(kind)];
 }
 
-Json read_trace(const fs::path& path) {
+Json read_trace(const fs::path& path, const ReportOptions& options) {
   std::ifstream text(path, std::ios::binary);
-  if (!text) throw InvalidInput(fmt::format("{}: cannot be read", path.string()));
-  return pack_trace(text, path.string());
+  std::error_code error;
+  const auto size = static_cast<std::size_t>(fs::file_size(path, error));
+  if (!text || error) throw InvalidInput(fmt::format("{}: cannot be read", path.string()));
+  return pack_trace(text, path.string(), [&](std::size_t done) {
+    if (options.progress) options.progress(done, size);
+  });
 }
 
 /// Name of the last part of a path that has one.
@@ -85,9 +89,9 @@ Json meshes_json(const ReportOptions& options, const std::set<std::string>& obje
   Json meshes = Json::object();
   for (const auto& [id, mesh] : options.meshes) {
     if (!objects.contains(id)) {
-      throw InvalidInput(fmt::format("{}: got a mesh for the object {}, expected one for {}",
-                                     mesh.ply.string(), in_quotes(id),
-                                     objects.empty() ? "none" : fmt::format("{}", fmt::join(objects, ", "))));
+      throw InvalidInput(fmt::format(
+          "{}: got a mesh for the object {}, expected one for {}", mesh.ply.string(), in_quotes(id),
+          objects.empty() ? "none" : fmt::format("{}", fmt::join(objects, ", "))));
     }
     meshes[id] = mesh_json(mesh);
   }
@@ -105,10 +109,17 @@ fs::path path_of_report(const fs::path& results, const ReportOptions& options) {
 
 bool has_report_page() { return !report_page().stream.empty(); }
 
+void require_report_page() {
+  if (has_report_page()) return;
+  throw OutputError(
+      "a report cannot be written: this posemix was built without its page, which needs Node.js 18 "
+      "and npm (CMake option POSEMIX_REPORT)");
+}
+
 std::string format_report(const fs::path& results, const ReportOptions& options) {
   ReportFolder folder = read_report_folder(results);
   Json trace;
-  if (folder.kind == ReportKind::slam) trace = read_trace(results / "trace.json");
+  if (folder.kind == ReportKind::slam) trace = read_trace(results / "trace.json", options);
   Json report = {{"schema", kReportSchema},
                  {"type", "posemix.report"},
                  {"kind", kind_name(folder.kind)},
@@ -124,15 +135,10 @@ std::string format_report(const fs::path& results, const ReportOptions& options)
 }
 
 fs::path write_report(const fs::path& results, const ReportOptions& options) {
-  const fs::path path = path_of_report(results, options);
+  require_report_page();
   const ReportPage page = report_page();
-  if (page.stream.empty()) {
-    throw OutputError(
-        fmt::format("{}: cannot be written: posemix was built without the report page, which needs "
-                    "Node.js 18 and npm (CMake option POSEMIX_REPORT)",
-                    path.string()));
-  }
   const std::string data = format_report(results, options);
+  fs::path path = path_of_report(results, options);
   write_output_file(path, filled_page(inflated(page.stream, page.size), data));
   return path;
 }

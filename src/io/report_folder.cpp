@@ -98,9 +98,9 @@ void add_mixture(ReportFolder& folder, const fs::path& path) {
     if (is_run_or_study(path)) within.push_back(path.string());
   }
   const std::string expected =
-      within.empty() ? "what posemix slam or posemix study wrote, or mixture files"
-                     : fmt::format("one of the folders within that have some: {}",
-                                   fmt::join(within, ", "));
+      within.empty()
+          ? "what posemix slam or posemix study wrote, or mixture files"
+          : fmt::format("one of the folders within that have some: {}", fmt::join(within, ", "));
   throw InvalidInput(
       fmt::format("{}: got a folder without results, expected {}", folder.string(), expected));
 }

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "json_numbers.hpp"
-#include "position_covariance.hpp"
 #include "posemix/io/results.hpp"
+#include "position_covariance.hpp"
 #include "trace_names.hpp"
 
 namespace posemix {

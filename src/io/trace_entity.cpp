@@ -17,9 +17,8 @@ namespace {
 
 /// Bits of the column `mask` of the camera and of an object: which arrays have an entry.
 const std::map<std::string, unsigned> kMaskBits{
-    {"pose", 0U},           {"truth", 1U},          {"world: pose", 0U},
-    {"world: truth", 1U},   {"relative: pose", 2U}, {"relative: truth", 3U},
-    {"detection", 4U},      {"mode_probability", 5U}};
+    {"pose", 0U},           {"truth", 1U},           {"world: pose", 0U}, {"world: truth", 1U},
+    {"relative: pose", 2U}, {"relative: truth", 3U}, {"detection", 4U},   {"mode_probability", 5U}};
 
 const std::vector<std::string> kCameraKeys{"pose", "sd"};
 const std::vector<std::string> kObjectKeys{"world: pose",  "world: sd", "relative: pose",

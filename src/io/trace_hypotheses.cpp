@@ -130,6 +130,7 @@ void JointHypotheses::read(const TracePlace& place) {
     const TracePlace& item = places.emplace_back(place.item(i));
     const double weight = item.member("weight").probability();
     const TracePlace& poses = places.emplace_back(item.member("poses"));
+    if (poses.size() == 0) poses.fail("no poses", "the camera's and the objects'");
     if (slots_.empty()) {
       HypothesisSlots unseen(scales_);
       for (std::size_t frame = 1; frame < frames(); ++frame) unseen.add({});

@@ -62,8 +62,8 @@ class TracePacker {
 
  private:
   bool hear_inside(std::size_t depth, Event event, const Json& value) {
-    const bool ends = event == Event::value || event == Event::array_end ||
-                      event == Event::object_end;
+    const bool ends =
+        event == Event::value || event == Event::array_end || event == Event::object_end;
     if (depth == series_depth_ + 1 && ends) {
       series_->add(value);
       return false;
@@ -89,8 +89,8 @@ class TracePacker {
   TraceEntity& entity(std::size_t depth, const std::string& prefix) {
     if (entity_) return *entity_;
     if (!entities_.insert(prefix).second) {
-      throw InvalidInput(fmt::format("{}: got {} again, expected it once", name_,
-                                     in_quotes(prefix)));
+      throw InvalidInput(
+          fmt::format("{}: got {} again, expected it once", name_, in_quotes(prefix)));
     }
     const std::string path = depth == 1 ? "camera" : "objects: " + keys_[1];
     entity_depth_ = depth;
@@ -175,24 +175,31 @@ class TracePacker {
   Json headers_ = Json::array();
 };
 
-Json pack_once(std::istream& text, const std::string& name, const TraceScales& scales) {
+using TraceProgress = std::function<void(std::size_t)>;
+
+Json pack_once(std::istream& text, const std::string& name, const TraceProgress& progress,
+               const TraceScales& scales) {
+  constexpr std::size_t kEventsBetween = 1U << 16U;
   TracePacker packer(name, scales);
+  std::size_t events = 0;
   const auto hear = [&](int depth, Event event, Json& value) {
+    if (++events % kEventsBetween == 0) progress(static_cast<std::size_t>(text.tellg()));
     return packer.hear(static_cast<std::size_t>(depth), event, value);
   };
   try {
     return packer.finish(Json::parse(text, hear));
   } catch (const Json::exception& error) {
-    throw InvalidInput(fmt::format("{}: got a text that is not JSON: {}", name, error.what()));
+    throw InvalidInput(fmt::format("{}: got a text that is not JSON ({}), expected trace.json",
+                                   name, error.what()));
   }
 }
 
 }  // namespace
 
-Json pack_trace(std::istream& text, const std::string& name) {
+Json pack_trace(std::istream& text, const std::string& name, const TraceProgress& progress) {
   for (TraceScales scales;; scales.position_m *= 10.0) {
     try {
-      return pack_once(text, name, scales);
+      return pack_once(text, name, progress, scales);
     } catch (const PositionOutOfReach&) {
       text.clear();
       text.seekg(0);

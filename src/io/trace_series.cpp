@@ -30,9 +30,7 @@ class PoseSeries final : public TraceSeries {
  public:
   PoseSeries(std::string path, const std::string& prefix, const TraceScales& scales)
       : TraceSeries(std::move(path)), columns_(prefix, scales) {}
-  void move_to(std::vector<TraceColumn>& columns) override {
-    std::move(columns_).move_to(columns);
-  }
+  void move_to(std::vector<TraceColumn>& columns) override { std::move(columns_).move_to(columns); }
 
  private:
   void read(const TracePlace& place) override {
@@ -47,7 +45,9 @@ class SdSeries final : public TraceSeries {
  public:
   SdSeries(std::string path, const std::string& prefix)
       : TraceSeries(std::move(path)), column_(prefix + "/log_sd", sd_format(6)) {}
-  void move_to(std::vector<TraceColumn>& columns) override { columns.push_back(std::move(column_)); }
+  void move_to(std::vector<TraceColumn>& columns) override {
+    columns.push_back(std::move(column_));
+  }
 
  private:
   void read(const TracePlace& place) override {
@@ -105,7 +105,9 @@ class NumberSeries : public TraceSeries {
  public:
   NumberSeries(std::string path, const std::string& name, const ColumnFormat& format)
       : TraceSeries(std::move(path)), column_(name, format) {}
-  void move_to(std::vector<TraceColumn>& columns) override { columns.push_back(std::move(column_)); }
+  void move_to(std::vector<TraceColumn>& columns) override {
+    columns.push_back(std::move(column_));
+  }
 
  protected:
   virtual double number(const TracePlace& place) = 0;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include "posemix/io/mixture_file.hpp"
 #include "posemix/io/results.hpp"
 
 #include <algorithm>
@@ -10,7 +9,8 @@
 #include <nlohmann/json.hpp>
 
 #include "io/expect_invalid.hpp"
-#include "io/small_recording.hpp"
+#include "io/small_results.hpp"
+#include "posemix/io/mixture_file.hpp"
 #include "posemix/io/picture.hpp"
 
 namespace posemix {
@@ -18,27 +18,9 @@ namespace {
 
 using nlohmann::json;
 using testing::kSmallFrames;
-using testing::kSmallToml;
 using testing::replaced;
 
-/// One run over the small recording and its files.
-struct Results {
-  explicit Results(const std::vector<std::string>& overrides = {}) {
-    TomlDocument document = TomlDocument::parse(kSmallToml, "small.toml");
-    for (const std::string& each : overrides) document.apply_override(each);
-    job.emplace(read_slam_job(document, {small.folder.path()}));
-    slam.emplace(run(job->sequence, job->camera_prior, job->models, job->settings,
-                     {.record_hypotheses = job->trace_hypotheses > 0, .progress = {}}));
-    metrics = evaluate(job->sequence, *slam);
-    for (auto& [name, text] : format_results(*job, *slam, metrics)) files[name] = text;
-  }
-
-  testing::SmallFolder small;
-  std::optional<SlamJob> job;
-  std::optional<SlamRun> slam;
-  Metrics metrics;
-  std::map<std::string, std::string> files;
-};
+using Results = testing::SmallResults;
 
 const Results& results() {
   static const Results results;
@@ -169,6 +151,31 @@ TEST(Results, TraceHoldsTheRun) {
     EXPECT_EQ(hypothesis["poses"].size(), 4U);
   }
   EXPECT_NEAR(total, 1.0, 1e-6);
+}
+
+TEST(Results, TraceHoldsTheCovarianceOfPositions) {
+  const json trace = json::parse(results().files.at("trace.json"));
+  const json& track = trace["objects"]["box"]["relative"];
+  ASSERT_EQ(track["position_covariance"].size(), kSmallFrames);
+  const PoseDensity& density = *results().slam->frames[7].relative[1];
+  // Differences of the position in the directions of xi.
+  const double step = 1e-6;
+  Eigen::Matrix<double, 3, 6> jacobian;
+  for (Eigen::Index i = 0; i < 6; ++i) {
+    const Vector6d xi = step * Vector6d::Unit(i);
+    const SE3d plus = SE3d::exp(xi) * density.mean();
+    const SE3d minus = SE3d::exp(-xi) * density.mean();
+    jacobian.col(i) = (plus.translation() - minus.translation()) / (2.0 * step);
+  }
+  const Eigen::Matrix3d expected = jacobian * density.covariance() * jacobian.transpose();
+  const auto upper = track["position_covariance"][7].get<std::vector<double>>();
+  const double tolerance = 1e-6 * expected.norm();
+  EXPECT_NEAR(upper[0], expected(0, 0), tolerance);
+  EXPECT_NEAR(upper[1], expected(0, 1), tolerance);
+  EXPECT_NEAR(upper[2], expected(0, 2), tolerance);
+  EXPECT_NEAR(upper[3], expected(1, 1), tolerance);
+  EXPECT_NEAR(upper[4], expected(1, 2), tolerance);
+  EXPECT_NEAR(upper[5], expected(2, 2), tolerance);
 }
 
 TEST(Results, TraceKeepsTheHeaviestHypotheses) {

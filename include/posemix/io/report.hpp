@@ -2,7 +2,9 @@
 // SPDX-FileCopyrightText: posemix contributors
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -20,16 +22,21 @@ struct ReportMesh {
 struct ReportOptions {
   /// Where the report is written; without it report.html in the results folder, and for a mixture
   /// file FILE.json beside it FILE.html.
-  std::optional<std::filesystem::path> out;
+  std::optional<std::filesystem::path> out = std::nullopt;
   /// By object id.
-  std::map<std::string, ReportMesh> meshes;
+  std::map<std::string, ReportMesh> meshes = {};
   /// Without it, from the results.
-  std::optional<std::string> title;
+  std::optional<std::string> title = std::nullopt;
+  /// Told now and then how many bytes of the trace have been read, of how many; what it throws ends
+  /// the work.
+  std::function<void(std::size_t done, std::size_t total)> progress = {};
 };
 
 /// Whether this build of the library holds the page (CMake option POSEMIX_REPORT). Without it
 /// write_report throws.
 bool has_report_page();
+/// @throws OutputError where it does not, with what is missing
+void require_report_page();
 
 /// What the page shows, as JSON (docs/formats.md, report.html).
 ///
@@ -42,7 +49,7 @@ std::string format_report(const std::filesystem::path& results, const ReportOpti
 
 /// Writes the report of a results folder as a whole or not at all, and returns its path.
 /// @throws InvalidInput as format_report
-/// @throws OutputError where the report cannot be written, or where the library has no page
+/// @throws OutputError where the report cannot be written, and as require_report_page
 std::filesystem::path write_report(const std::filesystem::path& results,
                                    const ReportOptions& options = {});
 
