@@ -8,7 +8,7 @@ PREFIX ?= /usr/local
 PYTHON ?= python3
 PROGRAM := build/release/posemix
 FORMATTED = $(shell find include src tests bench -name '*.hpp' -o -name '*.cpp')
-SCRIPTS := tools/bootstrap .ci/run
+SCRIPTS := tools/bootstrap tools/report_inputs .ci/run
 
 export CMAKE_BUILD_PARALLEL_LEVEL = $(JOBS)
 export CTEST_PARALLEL_LEVEL = $(JOBS)
@@ -18,13 +18,14 @@ PYTHON_SOURCES = $(shell find python -name '*.py' -o -name '*.?pp' -o -name CMak
 
 VENV_PIP = $(VENV)/bin/pip install --quiet --disable-pip-version-check
 
-.PHONY: help build built demo test test-cpp test-python fuzz bench format lint tidy docs coverage install clean
+.PHONY: help build built demo test test-cpp test-python report-test fuzz bench format lint tidy docs coverage install clean
 .DELETE_ON_ERROR:
 
 help:
 	@echo 'make build      the program, at $(PROGRAM)'
-	@echo 'make demo       simulate a sequence and run three filters on it side by side, into build/demo'
-	@echo 'make test       build and run all tests: test-cpp (those that damage files under sanitizers), test-python'
+	@echo 'make demo       simulate a sequence and run three filters on it side by side, into build/demo, with a report'
+	@echo 'make test       build and run all tests: test-cpp (those that damage files under sanitizers), test-python,'
+	@echo '                report-test (the report page in a browser)'
 	@echo 'make bench      build and run the benchmarks, results into build/bench'
 	@echo 'make format     format the sources'
 	@echo 'make lint       check format, include directions, scripts, and run clang-tidy; with TIDY_SINCE=COMMIT'
@@ -49,7 +50,7 @@ build: build/.bootstrap-build
 demo: build build/.bootstrap-demo
 	tools/demo $(PROGRAM) build/demo
 
-test: test-cpp test-python
+test: test-cpp test-python report-test
 
 built: build/.bootstrap-test
 	@$(call configured,release,POSEMIX_BUILD_TESTS)
@@ -57,6 +58,10 @@ built: build/.bootstrap-test
 
 test-cpp: built
 	ctest --preset release
+
+report-test: build build/.bootstrap-test
+	tools/report_inputs $(PROGRAM) build/report-inputs
+	cd report && POSEMIX_REPORT_INPUTS="$(CURDIR)/build/report-inputs" npm test
 
 # The package is built as pip builds it, with the library that is there already.
 build/.python: build/.bootstrap-test pyproject.toml $(PYTHON_SOURCES) | built

@@ -24,6 +24,15 @@ const TypeFacts& facts_of(ColumnType type) {
   return kFacts[static_cast<std::size_t>(type)];
 }
 
+/// A difference modulo 2^bits, as a number that is small where it is near zero on either side.
+std::uint32_t folded(std::int64_t difference, std::size_t bits) {
+  const std::size_t unused = 64 - bits;
+  const auto shifted = static_cast<std::uint64_t>(difference) << unused;
+  const std::int64_t in_range = static_cast<std::int64_t>(shifted) >> unused;
+  return static_cast<std::uint32_t>(static_cast<std::uint64_t>(in_range) << 1U ^
+                                    static_cast<std::uint64_t>(in_range >> 63));
+}
+
 }  // namespace
 
 TraceColumn::TraceColumn(std::string name, const ColumnFormat& format)
@@ -50,7 +59,7 @@ void TraceColumn::add(std::span<const double> values) {
   const std::size_t bytes = facts_of(format_.type).bytes;
   for (std::size_t i = 0; i < format_.width; ++i) {
     const std::int64_t q = quantised(values[i]);
-    const auto difference = static_cast<std::uint64_t>(q) - static_cast<std::uint64_t>(last_[i]);
+    const std::uint32_t difference = folded(q - last_[i], 8 * bytes);
     for (std::size_t byte = 0; byte < bytes; ++byte) {
       planes_[i * bytes + byte] += static_cast<char>(difference >> 8 * byte & 0xFFU);
     }
@@ -69,7 +78,8 @@ Json TraceColumn::header() const {
           {"width", format_.width},
           {"type", facts_of(format_.type).name},
           {"scale", format_.scale},
-          {"map", format_.map == ColumnMap::linear ? "linear" : "exp"}};
+          {"map", format_.map == ColumnMap::linear ? "linear" : "exp"},
+          {"fold", true}};
 }
 
 void TraceColumn::write(Deflater& out) const {

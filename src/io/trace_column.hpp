@@ -23,8 +23,8 @@ struct ColumnFormat {
   ColumnMap map = ColumnMap::linear;
 };
 
-/// Values over the frames as a report holds them: integers, each minus the one before it, the bytes
-/// of equal rank together. docs/formats.md describes it.
+/// Values over the frames as a report holds them: integers, each minus the one before it and
+/// folded, the bytes of equal rank together. docs/formats.md describes it.
 class TraceColumn {
  public:
   TraceColumn(std::string name, const ColumnFormat& format);
@@ -40,7 +40,7 @@ class TraceColumn {
 
   std::size_t frames() const { return planes_.front().size(); }
   void put_before_name(const std::string& prefix) { name_ = prefix + name_; }
-  /// {"name", "width", "type", "scale", "map"}
+  /// {"name", "width", "type", "scale", "map", "fold"}
   Json header() const;
   void write(Deflater& out) const;
 

@@ -70,10 +70,10 @@ TraceSeriesPtr TraceEntity::make(const TraceKeys& keys, const std::string& path,
   }
   if (keys.size() != 1) return nullptr;
   const std::string name = prefix_ + "/" + keys[0];
-  if (keys[0] == "detection") return pose_series(path, name, scales);
+  if (keys[0] == "detection") return pose_series(path, name, scales.coarse());
   if (keys[0] == "fate") return fate_series(path, name);
   if (keys[0] == "mode_probability") return probability_series(path, name);
-  if (keys[0] == "alternatives") return alternatives_series(path, prefix_, scales);
+  if (keys[0] == "alternatives") return alternatives_series(path, prefix_, scales.coarse());
   return nullptr;
 }
 

@@ -24,7 +24,7 @@ using Event = Json::parse_event_t;
 class TracePacker {
  public:
   TracePacker(const std::string& name, const TraceScales& scales)
-      : name_(name), scales_(scales), joint_(name + ": hypotheses", scales) {}
+      : name_(name), scales_(scales), joint_(name + ": hypotheses", scales.coarse()) {}
 
   /// What the parser asks: whether the value is to be kept.
   bool hear(std::size_t depth, Event event, Json& value) {

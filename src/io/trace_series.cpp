@@ -14,16 +14,19 @@ namespace posemix {
 namespace {
 
 constexpr double kFarthestPosition = 1e8;
-constexpr double kUnitScale = 1.0 / 32767.0;
-constexpr ColumnFormat kQuaternionFormat{4, ColumnType::int16, kUnitScale};
-constexpr ColumnFormat kCorrelationFormat{3, ColumnType::int16, kUnitScale};
+constexpr double kLogSdScale = 5e-3;
+constexpr ColumnFormat kCorrelationFormat{3, ColumnType::int16, 1.0 / 32767.0};
 
 ColumnFormat position_format(const TraceScales& scales) {
   return {3, ColumnType::int32, scales.position_m};
 }
 
+ColumnFormat quaternion_format(const TraceScales& scales) {
+  return {4, ColumnType::int16, scales.quaternion};
+}
+
 ColumnFormat sd_format(std::size_t width) {
-  return {width, ColumnType::int16, 1e-3, ColumnMap::exponential};
+  return {width, ColumnType::int16, kLogSdScale, ColumnMap::exponential};
 }
 
 class PoseSeries final : public TraceSeries {
@@ -140,7 +143,7 @@ class FateSeries final : public NumberSeries {
 
 PoseColumns::PoseColumns(const std::string& prefix, const TraceScales& scales)
     : position_(prefix + "/position", position_format(scales)),
-      quaternion_(prefix + "/quaternion", kQuaternionFormat) {}
+      quaternion_(prefix + "/quaternion", quaternion_format(scales)) {}
 
 void PoseColumns::add(const TracePlace& place) {
   constexpr double kNormTolerance = 1e-4;

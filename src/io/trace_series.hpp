@@ -16,9 +16,13 @@ namespace posemix {
 /// A position that does not fit into its column: another attempt with a coarser scale will do.
 struct PositionOutOfReach {};
 
-/// What all columns of a report have in common.
+/// Steps of poses.
 struct TraceScales {
   double position_m = 1e-5;
+  double quaternion = 1.0 / 32767.0;
+
+  /// Of detections and hypotheses, which are many and only looked at.
+  TraceScales coarse() const { return {10.0 * position_m, 1.0 / 8191.0}; }
 };
 
 /// Position and quaternion of a pose over the frames; the quaternion's sign does not jump.

@@ -126,6 +126,17 @@ std::vector<StudyFile> pictures(const SaltBoxSettings& settings,
   return files;
 }
 
+/// mixture_<stage>.json: poses of features, then of the box.
+std::vector<StudyFile> mixture_files(const std::vector<SaltBoxStage>& stages) {
+  std::vector<StudyFile> files;
+  for (const SaltBoxStage& stage : stages) {
+    const std::string of = stage.name.starts_with("feature_") ? stage.name : "box";
+    files.push_back(
+        {"mixture_" + stage.name + ".json", format_mixture({{"camera", of}, stage.mixture})});
+  }
+  return files;
+}
+
 constexpr const char* kTrap =
     "Features seen in one view share one tilt: fused as if independent they are overconfident\n"
     "(trials.csv, shared_view). Fuse features of different views, or one of each view.\n";
@@ -149,6 +160,7 @@ StudyReport report_salt_box(const SaltBoxSettings& settings, std::span<const std
   }
   report.files.push_back(
       {"posterior.json", format_mixture({{"camera", "box"}, run.back().mixture})});
+  for (StudyFile& file : mixture_files(run)) report.files.push_back(std::move(file));
   for (StudyFile& file : pictures(settings, run)) report.files.push_back(std::move(file));
   return report;
 }

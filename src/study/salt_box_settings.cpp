@@ -28,16 +28,19 @@ SaltBoxFeature read_feature(const TomlTable& table) {
 }
 
 void check_names(const TomlTable& table, const std::vector<SaltBoxFeature>& features) {
+  constexpr std::size_t kLongestName = 80;
   std::set<std::string> names;
   for (const SaltBoxFeature& feature : features) {
-    const bool plain = feature.name.find_first_not_of(
+    const bool plain = feature.name.size() <= kLongestName &&
+                       feature.name.find_first_not_of(
                            "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_") ==
-                       std::string::npos;
+                           std::string::npos;
     if (feature.name.empty() || !plain || !names.insert(feature.name).second) {
-      table.fail("features",
-                 fmt::format("has the name '{}', expected names of letters, digits, - and _ that "
-                             "differ",
-                             feature.name));
+      table.fail(
+          "features",
+          fmt::format("has the name '{}', expected names of up to 80 letters, digits, - and _ that "
+                      "differ",
+                      feature.name));
     }
   }
   if (features.size() < 2) table.fail("features", "expected at least two");

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "app/run_program.hpp"
+#include "posemix/io/report.hpp"
 
 namespace posemix {
 namespace {
@@ -77,6 +78,10 @@ TEST_F(Simulate, DemoComparesThreeFilters) {
   }
   EXPECT_EQ(names_in(results_ / "demo"),
             (std::vector<std::string>{"gm-iekf", "multi-object", "riekf", "sequence"}));
+  if (!has_report_page()) return;
+  const std::string page = (results_ / "demo/multi-object/report.html").string();
+  EXPECT_TRUE(result.out.ends_with("file://" + page + "\n")) << result.out;
+  EXPECT_GT(std::filesystem::file_size(page), 100000U);
 }
 
 }  // namespace

@@ -76,6 +76,7 @@ class ReportTrace {
   }
 
   static double value(const nlohmann::json& column, std::uint32_t integer) {
+    if (!column["fold"]) throw std::runtime_error("a column that is not folded");
     const double scale = column["scale"];
     double q = integer;
     if (column["type"] == "int16") q = static_cast<std::int16_t>(integer);
@@ -90,10 +91,12 @@ class ReportTrace {
     for (std::size_t i = 0; i < width(column); ++i) {
       std::uint32_t integer = 0;
       for (std::size_t k = 0; k < frames; ++k) {
+        std::uint32_t folded = 0;
         for (std::size_t byte = 0; byte < bytes_of(column); ++byte) {
-          integer += static_cast<std::uint32_t>(static_cast<unsigned char>(at[byte * frames + k]))
-                     << 8 * byte;
+          folded |= static_cast<std::uint32_t>(static_cast<unsigned char>(at[byte * frames + k]))
+                    << 8 * byte;
         }
+        integer += folded % 2 == 0 ? folded / 2 : ~(folded / 2);
         result[k][i] = value(column, integer);
       }
       at += frames * bytes_of(column);

@@ -50,13 +50,14 @@ void expect_pose(const json& pose, const ReportTrace& trace, const std::string& 
   const auto& position = trace[prefix + "/position"][k];
   const auto& quaternion = trace[prefix + "/quaternion"][k];
   const double step = trace.header(prefix + "/position")["scale"];
+  const double turn = trace.header(prefix + "/quaternion")["scale"];
   double product = 0.0;
   for (std::size_t i = 0; i < 4; ++i) product += quaternion[i] * pose[3 + i].get<double>();
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_NEAR(position[i], pose[i].get<double>(), 0.501 * step) << prefix << " " << k;
   }
   for (std::size_t i = 0; i < 4; ++i) {
-    EXPECT_NEAR((product < 0 ? -1 : 1) * quaternion[i], pose[3 + i].get<double>(), 0.501 / 32767.0)
+    EXPECT_NEAR((product < 0 ? -1 : 1) * quaternion[i], pose[3 + i].get<double>(), 0.501 * turn)
         << prefix << " " << k;
   }
 }
@@ -74,7 +75,7 @@ void expect_deviations(const json& track, const ReportTrace& trace, const std::s
   for (std::size_t k = 0; k < kSmallFrames; ++k) {
     if (track["sd"][k].is_null()) continue;
     for (std::size_t i = 0; i < 6; ++i) {
-      EXPECT_NEAR(trace[prefix + "/log_sd"][k][i] / track["sd"][k][i].get<double>(), 1.0, 6e-4);
+      EXPECT_NEAR(trace[prefix + "/log_sd"][k][i] / track["sd"][k][i].get<double>(), 1.0, 2.6e-3);
     }
     const auto upper = track["position_covariance"][k].get<std::vector<double>>();
     const auto& sd = trace[prefix + "/position_log_sd"][k];
@@ -82,10 +83,10 @@ void expect_deviations(const json& track, const ReportTrace& trace, const std::s
     const auto covariance = [&](std::size_t c, std::size_t a, std::size_t b) {
       return correlation[c] * sd[a] * sd[b];
     };
-    EXPECT_NEAR(sd[0] * sd[0] / upper[0], 1.0, 1.1e-3);
-    EXPECT_NEAR(sd[1] * sd[1] / upper[3], 1.0, 1.1e-3);
-    EXPECT_NEAR(sd[2] * sd[2] / upper[5], 1.0, 1.1e-3);
-    const double tolerance = 1.2e-3 * (upper[0] + upper[3] + upper[5]);
+    EXPECT_NEAR(sd[0] * sd[0] / upper[0], 1.0, 5.1e-3);
+    EXPECT_NEAR(sd[1] * sd[1] / upper[3], 1.0, 5.1e-3);
+    EXPECT_NEAR(sd[2] * sd[2] / upper[5], 1.0, 5.1e-3);
+    const double tolerance = 5.2e-3 * (upper[0] + upper[3] + upper[5]);
     EXPECT_NEAR(covariance(0, 0, 1), upper[1], tolerance);
     EXPECT_NEAR(covariance(1, 0, 2), upper[2], tolerance);
     EXPECT_NEAR(covariance(2, 1, 2), upper[4], tolerance);
@@ -226,6 +227,22 @@ TEST(ReportTrace, TheOrderOfKeysDoesNotMatter) {
   const ReportTrace sorted = TraceFolder(sorted_text).trace();
   const ReportTrace written = TraceFolder(text).trace();
   EXPECT_TRUE(sorted.columns() == written.columns());
+}
+
+TEST(ReportTrace, StepsAreFine) {
+  const ReportTrace packed = TraceFolder(joint_trace()).trace();
+  const auto scale = [&](const std::string& name) {
+    return packed.header(name)["scale"].get<double>();
+  };
+  for (const std::string pose : {"camera", "camera/truth", "objects/mug/relative"}) {
+    EXPECT_EQ(scale(pose + "/position"), 1e-5);
+    EXPECT_EQ(scale(pose + "/quaternion"), 1.0 / 32767.0);
+  }
+  for (const std::string pose : {"camera/hypotheses/0", "objects/mug/detection"}) {
+    EXPECT_NEAR(scale(pose + "/position"), 1e-4, 1e-18);
+    EXPECT_EQ(scale(pose + "/quaternion"), 1.0 / 8191.0);
+  }
+  EXPECT_EQ(scale("camera/log_sd"), 5e-3);
 }
 
 TEST(ReportTrace, FarPositionsTakeACoarserStep) {

@@ -183,6 +183,11 @@ TEST(SaltBoxStudy, WritesItsFiles) {
   EXPECT_NE(picture.find("<polygon"), std::string::npos);
   const MixtureFile posterior = parse_mixture(content("posterior.json"), "posterior.json");
   EXPECT_EQ(std::get<ProjectedPoses>(posterior.mixture).size(), 10u);
+  for (const auto& row : rows.at("rows")) {
+    const std::string name = "mixture_" + row.at("stage").get<std::string>() + ".json";
+    const MixtureFile stage = parse_mixture(content(name), name);
+    EXPECT_EQ(std::get<ProjectedPoses>(stage.mixture).size(), row.at("components"));
+  }
   EXPECT_NE(content("trials.csv").find("shared_view"), std::string::npos);
 }
 
