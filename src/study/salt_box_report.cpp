@@ -131,8 +131,8 @@ std::vector<StudyFile> mixture_files(const std::vector<SaltBoxStage>& stages) {
   std::vector<StudyFile> files;
   for (const SaltBoxStage& stage : stages) {
     const std::string of = stage.name.starts_with("feature_") ? stage.name : "box";
-    files.push_back(
-        {"mixture_" + stage.name + ".json", format_mixture({{"camera", of}, stage.mixture})});
+    files.push_back({fmt::format("mixture_{}.json", stage.name),
+                     format_mixture({{"camera", of}, stage.mixture})});
   }
   return files;
 }

@@ -59,7 +59,7 @@ TEST_F(ReportVerb, WritesThePageAndSaysWhere) {
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(result.out, "Report: file://" + results_.path().string() + "/a%20run/report.html\n");
   EXPECT_EQ(result.err, "");
-  EXPECT_NE(page().find("\"title\":\"small 0001: gm-iekf (midway)\""), std::string::npos);
+  EXPECT_NE(page().find(" 0001: gm-iekf (midway)\",\"program\":"), std::string::npos);
   const ProgramResult quiet = report({"--out", (results_ / "x.html").string(), "--quiet"});
   EXPECT_EQ(quiet.exit_code, 0);
   EXPECT_EQ(quiet.out, "");

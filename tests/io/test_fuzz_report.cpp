@@ -41,7 +41,7 @@ TEST(FuzzReport, Traces) {
     folder.put("trace.json", text);
     format_report(folder.path());
   };
-  expect_sound(fuzz(originals, 1500, 31, parse), 50);
+  expect_sound(fuzz(originals, 1500, 31, parse), 20);
 }
 
 TEST(FuzzReport, Meshes) {
