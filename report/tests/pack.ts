@@ -114,7 +114,7 @@ export function packTrace(json: TraceJson): PackedTrace {
   json.order.forEach((id, index) => {
     const object = json.objects[id];
     const name = `objects/${id}`;
-    const bits = [object.world.pose, object.world.truth, object.relative.pose, object.relative.truth, object.detection];
+    const bits = [object.world.pose, object.world.truth, object.relative.pose, object.relative.truth, object.detection, object.mode_probability?.map((value) => (value === null ? null : [value]))];
     writer.add(head(`${name}/mask`), [mask(frames, ...bits)]);
     track(writer, `${name}/world`, object.world);
     track(writer, `${name}/relative`, object.relative);

@@ -104,7 +104,7 @@ class Generator {
     const place = [0.5 * Math.cos(angle), 0.5 * Math.sin(angle), 0.05 * (index % 3)];
     const mean = [...place, 0, 0, Math.sin(angle / 2), Math.cos(angle / 2)];
     const still = this.parts(7).map((values, k) => values.fill(mean[k]));
-    this.constant(`${name}/mask`, "uint8", 1, 0b11111);
+    this.constant(`${name}/mask`, "uint8", 1, 0b111111);
     const leading = this.shaken(mean, 5e-3, 0.01, 0.005);
     this.poses(`${name}/world`, leading);
     this.spread(`${name}/world`, 0.3);

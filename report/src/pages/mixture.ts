@@ -19,6 +19,7 @@ const FLAGS = 400;
 const DRAWS = 20000;
 const BINS = 90;
 const MOST_SERIES = 8;
+const MOST_TOGGLES = 16;
 const LAYERS: readonly (readonly [keyof FlagLayers, string])[] = [
   ["flags", "Flags"], ["means", "Means"], ["ellipsoids", "3-sigma ellipsoids"], ["labels", "Labels"],
 ];
@@ -31,6 +32,12 @@ export function mixtureDocuments(payload: Payload): Mixture[] {
     .map(([name, document]) => readMixture(name, document));
 }
 
+/** The numbers of the components with the largest weights, in their order. */
+function heaviest({ components }: Mixture, most: number): number[] {
+  const byWeight = components.map((_, k) => k).sort((a, b) => components[b].weight - components[a].weight);
+  return byWeight.slice(0, most).sort((a, b) => a - b);
+}
+
 function marginal(mixture: Mixture, samples: Samples, group: ChartGroup): HTMLElement {
   let axis = 2;
   let frame: AngleFrame = "body";
@@ -38,8 +45,7 @@ function marginal(mixture: Mixture, samples: Samples, group: ChartGroup): HTMLEl
     const angles = anglesOf(mixture, samples, axis, frame);
     const { x, density } = histogram(angles, samples.components, mixture.components.length, BINS);
     const series: ChartSeries[] = [{ label: "all", values: density[0], kind: "shade" }];
-    const shown = Math.min(MOST_SERIES, mixture.components.length);
-    for (let k = 0; k < shown && mixture.components.length > 1; ++k) {
+    for (const k of mixture.components.length > 1 ? heaviest(mixture, MOST_SERIES) : []) {
       series.push({ label: `component ${k + 1}`, values: density[1 + k], colour: colourOf(k) });
     }
     group.replace([new Chart({ title: `angle about ${"xyz"[axis]}, probability per degree`, x, xLabel: "angle [deg]", series, height: 260 })]);
@@ -104,7 +110,7 @@ function makeScene(drawn: Drawn[], stage: HTMLElement): FlagScene | undefined {
 
 function componentToggles(mixture: Mixture, hidden: Set<number>, change: () => void): HTMLElement {
   const parts = element("div", { class: "toggles", role: "group", "aria-label": "Components" });
-  mixture.components.forEach((_, k) => {
+  for (const k of heaviest(mixture, MOST_TOGGLES)) {
     const box = toggle(`${k + 1}`, true, (on) => {
       if (on) hidden.delete(k);
       else hidden.add(k);
@@ -113,7 +119,7 @@ function componentToggles(mixture: Mixture, hidden: Set<number>, change: () => v
     box.style.setProperty("--swatch", colourOf(k));
     box.classList.add("swatched");
     parts.append(box);
-  });
+  }
   return parts;
 }
 

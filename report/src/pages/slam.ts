@@ -2,7 +2,8 @@
 // SPDX-FileCopyrightText: posemix contributors
 import type { Payload } from "../payload.ts";
 import { ChartGroup } from "../plots/group.ts";
-import { type Layers, SlamScene } from "../scene/slam_scene.ts";
+import type { Layers } from "../scene/layers.ts";
+import { SlamScene } from "../scene/slam_scene.ts";
 import type { View } from "../scene/viewport.ts";
 import { readTrace, type Trace } from "../trace/trace.ts";
 import { button, element, toggle } from "../ui/dom.ts";
@@ -99,6 +100,7 @@ export async function slamPage(payload: Payload): Promise<HTMLElement> {
     get drawTime() { return scene?.viewport.drawTime; },
     get firstDraw() { return scene?.viewport.firstDraw; },
     get ghosts() { return scene?.ghostCount; },
+    get ellipsoids() { return scene?.ellipsoidCount; },
     get bodies() { return scene?.bodyIds; },
     decodeTime: decoded - started,
     pose: (id: string) => scene?.shown(id === "camera" ? "camera" : trace.objects.findIndex((object) => object.id === id)),

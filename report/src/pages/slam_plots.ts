@@ -115,9 +115,9 @@ export function errorPlots(trace: Trace, group: ChartGroup, seek: Seek): HTMLEle
 export function hypothesisPlots(trace: Trace, group: ChartGroup, seek: Seek): HTMLElement {
   const fill = (index: number) => {
     const charts: Chart[] = [];
-    const modes = trace.objects.flatMap(({ id, modeProbability, world }, i) => {
+    const modes = trace.objects.flatMap(({ id, modeProbability }, i) => {
       if (!modeProbability) return [];
-      const values = Array.from({ length: trace.frames }, (_, frame) => (world?.pose.has(frame) ? modeProbability.value(0, frame) : null));
+      const values = Array.from({ length: trace.frames }, (_, frame) => modeProbability(frame) ?? null);
       return [{ label: id, values, colour: colourOf(i) }];
     });
     const slots = hypothesisSeries(trace, index).map((values, k) => ({
@@ -146,7 +146,7 @@ export function fatePlots(trace: Trace, group: ChartGroup, seek: Seek): HTMLElem
     const key = element("span", { class: "swatch" });
     key.style.background = mark.colour;
     key.style.height = `${mark.height}em`;
-    legend.append(element("li", {}, key, `${name}: ${mark.text}`));
+    legend.append(element("li", {}, key, mark.text === name ? name : `${name}: ${mark.text}`));
   });
   group.replace(trace.objects.length > 0 ? [fateChart(trace, seek)] : []);
   const rows = trace.objects.map(({ id }, i) => ({ name: id, cells: counts[i].map((value) => ({ value })) }));

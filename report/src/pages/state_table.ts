@@ -52,8 +52,8 @@ export class StateTable {
       this.writePose(row, object.world?.pose);
       this.set(row, 5, object.fate ? (this.trace.fates[object.fate[this.frame]] ?? "") : "");
       this.set(row, 6, this.living(i));
-      const seen = object.modeProbability && object.world?.pose.has(this.frame);
-      this.set(row, 7, seen ? `${(100 * object.modeProbability!.value(0, this.frame)).toFixed(1)} %` : "–");
+      const mode = object.modeProbability?.(this.frame);
+      this.set(row, 7, mode === undefined ? "–" : `${(100 * mode).toFixed(1)} %`);
     });
   }
 

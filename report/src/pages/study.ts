@@ -1,20 +1,22 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 import { isObject, type JsonObject, type Payload } from "../payload.ts";
-import { type Choice, explorer } from "../plots/explorer.ts";
+import { explorer } from "../plots/explorer.ts";
+import type { Choice } from "../plots/pivot.ts";
 import { choice, element } from "../ui/dom.ts";
 import { type Tab, tabs } from "../ui/tabs.ts";
-import { files, parseCsv, type Table, tableNode, tableOfRows } from "./files.ts";
+import { parseCsv, type Table, tableOfRows } from "../ui/csv.ts";
+import { files, tableNode } from "./files.ts";
 import { footer, header, picture, publish } from "./page.ts";
 
 /** What the chart of a study's table shows first. */
 const FIRST: Readonly<Record<string, Partial<Choice>>> = {
   divergence: { x: "phi_deg", y: "kl", by: "rule" },
   "monte-carlo": { x: "noise_exponent", y: "robot_rotation_rmse_deg", by: "method" },
-  noise: { x: "count", y: "robust_sd", by: "axis" },
-  grasp: { x: "grasps", y: "brier", by: "method" },
-  ycbv: { x: "relative_position_rmse_m", y: "relative_rotation_rmse_deg", by: "method" },
-  tless: { x: "frames", y: "rotation_deg", by: "symmetries" },
+  noise: { x: "axis", y: "robust_sd", by: "object" },
+  grasp: { x: "object", y: "brier", by: "method" },
+  ycbv: { x: "sequence", y: "relative_rotation_rmse_deg", by: "method" },
+  tless: { x: "object", y: "rotation_deg", by: "symmetries" },
 };
 
 /** The rows of study.json, its summary and the CSV files that are not the same again. */
@@ -36,7 +38,7 @@ export function studyTables(payload: Payload): Record<string, Table> {
 function charts(found: Record<string, Table>, preferred: Partial<Choice>): HTMLElement {
   const place = element("div");
   const show = (name: string) =>
-    place.replaceChildren(explorer(found[name], preferred) ?? element("p", { class: "notice" }, "This table has no two columns of numbers."));
+    place.replaceChildren(explorer(found[name], preferred) ?? element("p", { class: "notice" }, "This table has no numbers to draw."));
   const names = Object.keys(found);
   const first = found["rows"] ? "rows" : names[0];
   show(first);

@@ -12,7 +12,7 @@ export interface ChartSeries {
   values: Values;
   /** None: the colour of the text. */
   colour?: string;
-  kind?: "line" | "dots" | "both" | "dashed" | "shade" | "band";
+  kind?: "line" | "dots" | "points" | "both" | "dashed" | "shade" | "band";
   /** Of a band: its lower edge; `values` is the upper one. */
   lower?: Values;
 }
@@ -75,7 +75,8 @@ function seriesOf(series: ChartSeries): uPlot.Series {
     ...(kind === "dots" ? { paths: (plot, index) => (paintDots(plot, index, colour()), null) } : {}),
     ...(kind === "dashed" ? { dash: [6, 4] } : {}),
     ...(kind === "shade" ? { fill: () => faded7(colour(), 0.16) } : {}),
-    points: { show: kind === "both", size: 6, stroke: colour, fill: colour, width: 0.5 },
+    ...(kind === "points" ? { paths: () => null } : {}),
+    points: { show: kind === "both" || kind === "points", size: 6, stroke: colour, fill: colour, width: 0.5 },
     value: (_plot, value) => (value === null || value === undefined ? "–" : String(Number(value.toPrecision(4)))),
     spanGaps: false,
   };
@@ -131,7 +132,10 @@ export class Chart {
       series,
       bands,
       scales: {
-        x: { time: false, distr: settings.xLog ? 3 : 1 },
+        x: {
+          time: false, distr: settings.xLog ? 3 : 1,
+          ...(settings.xNames ? { range: [0.5, settings.xNames.length + 0.5] as [number, number] } : {}),
+        },
         y: { distr: settings.yLog ? 3 : 1, ...(settings.range ? { range: settings.range } : {}) },
       },
       axes: [

@@ -84,7 +84,7 @@ export class FlagScene {
     this.mixture.components.forEach((component, k) => {
       if (this.hidden.has(k)) return;
       const opacity = 0.25 + 0.75 * Math.sqrt(component.weight);
-      if (this.layers.means) this.means.addPose(component.translation, component.quaternion, 0.9 * this.size, colours[k], 1);
+      if (this.layers.means) this.means.addPose(component.translation, component.quaternion, 1.1 * this.size * Math.cbrt(component.weight), colours[k], 1);
       if (this.layers.ellipsoids) {
         const root = new Float64Array(9);
         const covariance = positionCovariance(this.mixture!, component);

@@ -8,6 +8,8 @@ import { BadPayload, type PackedMesh } from "../payload.ts";
 import { bytesOfBase64 } from "../trace/decode.ts";
 import { AXIS_COLOURS } from "../ui/palette.ts";
 
+const COARSE = 500;
+
 /** Three bars of length one along x, y and z, each with its colour. */
 export function axesShape(thickness = 0.07): BufferGeometry {
   const bars = AXIS_COLOURS.map((colour, axis) => {
@@ -82,6 +84,8 @@ export function meshShape(id: string, packed: PackedMesh): BufferGeometry {
   const shape = new BufferGeometry();
   shape.setAttribute("position", new BufferAttribute(vertices, 3));
   shape.setIndex(new BufferAttribute(triangles, 1));
-  shape.computeVertexNormals();
-  return shape;
+  // Coarse shapes have true edges.
+  const drawn = triangles.length / 3 < COARSE ? shape.toNonIndexed() : shape;
+  drawn.computeVertexNormals();
+  return drawn;
 }

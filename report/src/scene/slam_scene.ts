@@ -9,27 +9,14 @@ import { colourOf, TRUTH_COLOUR } from "../ui/palette.ts";
 import { onTheme, themeColour } from "../ui/theme.ts";
 import { Batch } from "./batch.ts";
 import { boundsOf, objectBounds, upAxis } from "./extent.ts";
+import type { Layers, ShownPose } from "./layers.ts";
 import { dashedPath, Path } from "./path.ts";
 import { axesShape, ballShape, frustum, grid, gridStep, meshShape } from "./shapes.ts";
 import { type View, Viewport } from "./viewport.ts";
 
-/** What can be shown or hidden. */
-export interface Layers {
-  truth: boolean;
-  ellipsoids: boolean;
-  hypotheses: boolean;
-  detections: boolean;
-  labels: boolean;
-}
-
 const LEAST_SHOWN = 5e-4;
 const LEAST_LABELLED = 0.02;
 const PERCENT = Array.from({ length: 101 }, (_, i) => `${i} %`);
-
-export interface ShownPose {
-  position: number[];
-  quaternion: number[];
-}
 
 /** Camera, objects and hypotheses of a run at one frame. */
 export class SlamScene {
@@ -142,6 +129,11 @@ export class SlamScene {
     return this.bodyGhosts.reduce((sum, batch) => sum + (batch?.mesh.count ?? 0), this.ghosts.mesh.count);
   }
 
+  /** Number of ellipsoids drawn. */
+  get ellipsoidCount(): number {
+    return this.glass.mesh.count;
+  }
+
   /** The objects that are drawn as meshes. */
   get bodyIds(): string[] {
     return this.trace.objects.filter((_, i) => this.bodies[i]?.mesh.visible).map(({ id }) => id);
@@ -171,11 +163,11 @@ export class SlamScene {
     if (here) {
       camera.pose.position(frame, this.cameraP);
       camera.pose.quaternion(frame, this.cameraQ);
-      this.place(this.cameraNode, this.cameraP, this.cameraQ);
+      place(this.cameraNode, this.cameraP, this.cameraQ);
       this.eye.compose(this.cameraNode.position, this.cameraNode.quaternion, ONE);
     }
     if (this.viewport.fromEye) return;
-    if (here) this.addEllipsoid(camera, frame, this.cameraP, this.ink);
+    if (here) this.addEllipsoid(camera, frame, this.cameraP, this.grey);
     this.addTruth(camera, frame);
     if (!this.layers.hypotheses) return;
     for (const slot of this.trace.cameraHypotheses) {
@@ -197,7 +189,7 @@ export class SlamScene {
     if (here) {
       world.pose.position(frame, this.p);
       world.pose.quaternion(frame, this.q);
-      this.place(this.objectNodes[index], this.p, this.q);
+      place(this.objectNodes[index], this.p, this.q);
       if (body) body.addPose(this.p, this.q, 1, colour, 1);
       this.axes.addPose(this.p, this.q, this.unit, colour, 1);
       this.balls.addPose(this.p, this.q, 0.1 * this.unit, colour, 1);
@@ -283,11 +275,11 @@ export class SlamScene {
     multiply(this.cameraQ, this.q2, this.q2);
     this.detections.addPose(this.p2, this.q2, 1.6 * this.unit, this.colours[index], 0.9);
   }
+}
 
-  private place(node: Group, position: Float64Array, quaternion: Float64Array): void {
-    node.position.set(position[0], position[1], position[2]);
-    node.quaternion.set(quaternion[0], quaternion[1], quaternion[2], quaternion[3]);
-  }
+function place(node: Group, position: Float64Array, quaternion: Float64Array): void {
+  node.position.fromArray(position);
+  node.quaternion.fromArray(quaternion);
 }
 
 const ONE = new Vector3(1, 1, 1);

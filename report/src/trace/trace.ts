@@ -105,7 +105,8 @@ export interface ObjectTrack {
   relative: Estimate | undefined;
   detection: PoseTrack | undefined;
   fate: Integers | undefined;
-  modeProbability: Column | undefined;
+  /** Probability of the mode at a frame; none: undefined. */
+  modeProbability: ((frame: number) => number | undefined) | undefined;
   hypotheses: HypothesisSlot[];
 }
 
@@ -125,6 +126,10 @@ function estimate(columns: Columns, name: string, here: Presence, truth: Presenc
     columns.get(`${name}/position_log_sd`),
     columns.get(`${name}/position_correlation`),
   );
+}
+
+function scalar(column: Column | undefined, presence: Presence): ((frame: number) => number | undefined) | undefined {
+  return column && ((frame) => (presence.has(frame) ? column.value(0, frame) : undefined));
 }
 
 function slots(columns: Columns, name: string): HypothesisSlot[] {
@@ -167,7 +172,7 @@ export class Trace {
         relative: estimate(columns, `${name}/relative`, bits(own, 2), bits(own, 3)),
         detection: poseTrack(columns, `${name}/detection`, bits(own, 4)),
         fate: columns.get(`${name}/fate`)?.components[0],
-        modeProbability: columns.get(`${name}/mode_probability`),
+        modeProbability: scalar(columns.get(`${name}/mode_probability`), bits(own, 5)),
         hypotheses: slots(columns, name),
       };
     });

@@ -2,7 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 import { expect, test } from "@playwright/test";
 import type { JsonObject } from "../../src/payload.ts";
-import { formatted } from "../../src/ui/table.ts";
+import { formatted } from "../../src/ui/format.ts";
 import { packTrace, type TraceJson } from "../pack.ts";
 import { syntheticMetrics, syntheticReport } from "../synthetic.ts";
 import { open, probe, scrub, type ShownPose, shownPose } from "./report.ts";

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+// Reports that the program wrote, in the folder $POSEMIX_REPORT_INPUTS (tools/report_inputs).
+import { readdirSync, readFileSync } from "node:fs";
+import path from "node:path";
+import { pathToFileURL } from "node:url";
+import { expect, test } from "@playwright/test";
+import type { JsonObject } from "../../src/payload.ts";
+import type { TraceJson } from "../pack.ts";
+import { openAllTabs, probe, scrub, shownPose, watch } from "./report.ts";
+
+const inputs = process.env["POSEMIX_REPORT_INPUTS"] ?? "";
+const json = <T>(folder: string, name: string) => JSON.parse(readFileSync(path.join(inputs, folder, name), "utf8")) as T;
+const address = (folder: string) => pathToFileURL(path.resolve(inputs, folder, "report.html")).href;
+
+test.skip(inputs === "", "POSEMIX_REPORT_INPUTS is not set: make report-test sets it");
+
+for (const [folder, kind] of [["slam", "slam"], ["joint", "slam"], ["mixture", "mixture"], ["salt-box", "salt_box"], ["study", "study"]]) {
+  test(`the program's report of ${folder} loads without complaints, all tabs`, async ({ page }) => {
+    const complaints = watch(page);
+    await page.goto(address(folder));
+    await page.waitForSelector("html[data-ready]");
+    await expect(page.getByRole("alert")).toHaveCount(0);
+    expect(await probe(page, "kind")).toBe(kind);
+    await openAllTabs(page);
+    expect(complaints).toEqual([]);
+  });
+}
+
+for (const folder of ["slam", "joint"]) {
+  test(`the program's report of ${folder} shows its trace`, async ({ page }) => {
+    const trace = json<TraceJson>(folder, "trace.json");
+    await page.goto(address(folder));
+    await page.waitForSelector("html[data-ready]");
+    expect(await probe(page, "frames")).toBe(trace.frames);
+    for (const frame of [0, 1, 77, trace.frames - 1]) {
+      await scrub(page, frame);
+      for (const [id, pose] of [["camera", trace.camera.pose[frame]], ...trace.order.map((name) => [name, trace.objects[name].world.pose[frame]])] as [string, number[] | null][]) {
+        const shown = await shownPose(page, id);
+        expect(shown === undefined, `${id} at ${frame}`).toBe(pose === null);
+        pose?.slice(0, 3).forEach((value, i) => expect(Math.abs(shown!.position[i] - value)).toBeLessThan(0.51e-5));
+        const dot = pose?.slice(3).reduce((sum, value, i) => sum + value * shown!.quaternion[i], 0) ?? 1;
+        expect(1 - Math.abs(dot)).toBeLessThan(1e-8);
+      }
+    }
+    expect(await probe<number>(page, "ellipsoids")).toBe(1 + trace.order.filter((id) => trace.objects[id].world.pose[trace.frames - 1]).length);
+  });
+
+  test(`the program's report of ${folder} shows its metrics.json`, async ({ page }) => {
+    const metrics = json<{ objects: Record<string, JsonObject>; camera: JsonObject }>(folder, "metrics.json");
+    await page.goto(address(folder));
+    await page.getByRole("tab", { name: "Numbers" }).click();
+    const value = (key: string) => page.locator(`#metrics [data-key="${key}"]`).getAttribute("data-value");
+    for (const [name, number] of Object.entries(metrics.camera)) expect(JSON.parse((await value(`camera/${name}`))!)).toBe(number);
+    for (const [id, object] of Object.entries(metrics.objects)) {
+      for (const [name, number] of Object.entries(object)) expect(JSON.parse((await value(`objects/${id}/${name}`))!)).toBe(number);
+    }
+  });
+}
+
+test("the program's meshes are drawn", async ({ page }) => {
+  await page.goto(address("slam"));
+  await page.waitForSelector("html[data-ready]");
+  expect(await probe(page, "bodies")).toEqual(["tea-box"]);
+});
+
+test("the program's salt box has its stages in space, in their order", async ({ page }) => {
+  await page.goto(address("salt-box"));
+  await page.waitForSelector("html[data-ready]");
+  const rows = json<{ rows: { stage: string }[] }>("salt-box", "study.json").rows.map(({ stage }) => `mixture_${stage}.json`);
+  expect((await probe<string[]>(page, "mixtures")).slice(0, rows.length)).toEqual(rows);
+});
+
+test("every folder of the inputs is looked at", () => {
+  const reports = readdirSync(inputs, { withFileTypes: true }).filter((entry) => entry.isDirectory() && readdirSync(path.join(inputs, entry.name)).includes("report.html"));
+  expect(reports.map(({ name }) => name).sort()).toEqual(["joint", "mixture", "salt-box", "slam", "study"]);
+});
