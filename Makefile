@@ -61,7 +61,8 @@ test-cpp: built
 
 report-test: build build/.bootstrap-test
 	tools/report_inputs $(PROGRAM) build/report-inputs
-	cd report && POSEMIX_REPORT_INPUTS="$(CURDIR)/build/report-inputs" npm test
+	cd report && POSEMIX_REPORT_INPUTS="$(CURDIR)/build/report-inputs" \
+	  POSEMIX_CHROMIUM="$$(command -v chromium)" npm test
 
 # The package is built as pip builds it, with the library that is there already.
 build/.python: build/.bootstrap-test pyproject.toml $(PYTHON_SOURCES) | built
