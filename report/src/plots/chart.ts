@@ -84,8 +84,15 @@ function seriesOf(series: ChartSeries): uPlot.Series {
 
 const faded7 = (colour: string, opacity: number) => (colour.length === 7 ? faded(colour, opacity) : colour);
 
+/** How the legend says where the pointer is. */
+function xSeries({ xLabel, xNames }: ChartSettings): uPlot.Series {
+  const text = (value: number | null) => (value === null ? "–" : (xNames?.[value - 1] ?? String(Number(value.toPrecision(6)))));
+  return { label: xLabel ?? (xNames ? "at" : "time [s]"), value: (_plot, value) => text(value) };
+}
+
 function namedTicks(names: string[]): uPlot.Axis {
-  return { size: 96, rotate: -40, splits: () => names.map((_, i) => i + 1), values: () => names };
+  const longest = Math.max(...names.map((name) => name.length));
+  return { size: Math.min(150, 14 + 6.5 * longest), rotate: -90, splits: () => names.map((_, i) => i + 1), values: () => names };
 }
 
 /** A plot with a caption, a legend, and a line that marks a place on its x axis. */
@@ -99,7 +106,7 @@ export class Chart {
     this.place = element("div", { class: "plot", role: "img", "aria-label": this.summary() });
     this.node = element("figure", { class: "chart" }, element("figcaption", {}, settings.title), this.place);
     const data: Values[] = [Array.from(settings.x)];
-    const series: uPlot.Series[] = [{ label: settings.xLabel ?? "time [s]", value: (_p, v) => (v === null ? "–" : String(Number(v.toPrecision(6)))) }];
+    const series: uPlot.Series[] = [xSeries(settings)];
     const bands: uPlot.Band[] = [];
     for (const one of settings.series) {
       data.push(one.values);
