@@ -13,4 +13,7 @@ NB_MODULE(_core, m) {
   bind_reduction(m);
   bind_divergence(m);
   bind_em(m);
+  bind_grasp(m);
+  bind_errors(m);
+  bind_tolerance(m);
 }
