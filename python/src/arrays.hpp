@@ -131,5 +131,9 @@ void bind_em(nb::module_& m);
 void bind_grasp(nb::module_& m);
 void bind_tolerance(nb::module_& m);
 void bind_errors(nb::module_& m);
+void bind_symmetry(nb::module_& m);
+void bind_noise(nb::module_& m);
+void bind_multi_object_filter(nb::module_& m);
+void bind_gaussian_sum_filter(nb::module_& m);
 
 }  // namespace posemix::python

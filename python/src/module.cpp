@@ -16,4 +16,8 @@ NB_MODULE(_core, m) {
   bind_grasp(m);
   bind_errors(m);
   bind_tolerance(m);
+  bind_symmetry(m);
+  bind_noise(m);
+  bind_multi_object_filter(m);
+  bind_gaussian_sum_filter(m);
 }
