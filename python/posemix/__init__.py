@@ -38,5 +38,6 @@ from posemix.lie import *
 from posemix.mixture import *
 from posemix.operations import *
 from posemix.random import *
+from posemix.slam import *
 
 __version__ = version

@@ -20,4 +20,10 @@ NB_MODULE(_core, m) {
   bind_noise(m);
   bind_multi_object_filter(m);
   bind_gaussian_sum_filter(m);
+  bind_slam_settings(m);
+  bind_sequence(m);
+  bind_slam(m);
+  bind_slam_run(m);
+  bind_evaluation(m);
+  bind_simulation(m);
 }
