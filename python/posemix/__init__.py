@@ -34,6 +34,7 @@ from posemix.divergence import *
 from posemix.em import *
 from posemix.filter import *
 from posemix.grasp import *
+from posemix.io import *
 from posemix.lie import *
 from posemix.mixture import *
 from posemix.operations import *

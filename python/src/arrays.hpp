@@ -141,5 +141,7 @@ void bind_slam(nb::module_& m);
 void bind_slam_run(nb::module_& m);
 void bind_evaluation(nb::module_& m);
 void bind_simulation(nb::module_& m);
+void bind_jobs(nb::module_& m);
+void bind_files(nb::module_& m);
 
 }  // namespace posemix::python

@@ -26,4 +26,6 @@ NB_MODULE(_core, m) {
   bind_slam_run(m);
   bind_evaluation(m);
   bind_simulation(m);
+  bind_files(m);
+  bind_jobs(m);
 }
