@@ -32,9 +32,13 @@ from posemix._core import (
 from posemix.density import *
 from posemix.divergence import *
 from posemix.em import *
+from posemix.filter import *
+from posemix.grasp import *
+from posemix.io import *
 from posemix.lie import *
 from posemix.mixture import *
 from posemix.operations import *
 from posemix.random import *
+from posemix.slam import *
 
 __version__ = version

@@ -358,6 +358,18 @@ class ReductionReport:
     converged: bool
 
 
+def reduction_report(values: dict[str, Any]) -> ReductionReport:
+    """The report of compiled values."""
+    loss = values["bounded_loss"]
+    return ReductionReport(
+        **{
+            **values,
+            "merges": [MergeRecord(*merge) for merge in values["merges"]],
+            "bounded_loss": None if loss is None else BoundedLoss(**loss),
+        }
+    )
+
+
 @dataclass(frozen=True)
 class Reduction(Generic[D]):
     """Result of `reduce`: the smaller mixture and what was done."""
@@ -375,7 +387,4 @@ def reduce(mixture: Mixture[D], settings: ReductionSettings | None = None) -> Re
         For settings out of range.
     """
     handle, report = _core.reduce(mixture._handle, settings or ReductionSettings())
-    report["merges"] = [MergeRecord(*merge) for merge in report["merges"]]
-    loss = report["bounded_loss"]
-    report["bounded_loss"] = None if loss is None else BoundedLoss(**loss)
-    return Reduction(Mixture._of(handle), ReductionReport(**report))
+    return Reduction(Mixture._of(handle), reduction_report(report))

@@ -128,5 +128,20 @@ void bind_mixture(nb::module_& m);
 void bind_reduction(nb::module_& m);
 void bind_divergence(nb::module_& m);
 void bind_em(nb::module_& m);
+void bind_grasp(nb::module_& m);
+void bind_tolerance(nb::module_& m);
+void bind_errors(nb::module_& m);
+void bind_symmetry(nb::module_& m);
+void bind_noise(nb::module_& m);
+void bind_multi_object_filter(nb::module_& m);
+void bind_gaussian_sum_filter(nb::module_& m);
+void bind_slam_settings(nb::module_& m);
+void bind_sequence(nb::module_& m);
+void bind_slam(nb::module_& m);
+void bind_slam_run(nb::module_& m);
+void bind_evaluation(nb::module_& m);
+void bind_simulation(nb::module_& m);
+void bind_jobs(nb::module_& m);
+void bind_files(nb::module_& m);
 
 }  // namespace posemix::python

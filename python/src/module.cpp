@@ -13,4 +13,19 @@ NB_MODULE(_core, m) {
   bind_reduction(m);
   bind_divergence(m);
   bind_em(m);
+  bind_grasp(m);
+  bind_errors(m);
+  bind_tolerance(m);
+  bind_symmetry(m);
+  bind_noise(m);
+  bind_multi_object_filter(m);
+  bind_gaussian_sum_filter(m);
+  bind_slam_settings(m);
+  bind_sequence(m);
+  bind_slam(m);
+  bind_slam_run(m);
+  bind_evaluation(m);
+  bind_simulation(m);
+  bind_files(m);
+  bind_jobs(m);
 }

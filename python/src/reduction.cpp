@@ -4,10 +4,46 @@
 
 #include <nanobind/stl/vector.h>
 
+#include "filter.hpp"
 #include "mixture.hpp"
 #include "settings.hpp"
 
 namespace posemix::python {
+namespace {
+
+nb::object loss_dict(const std::optional<BoundedLoss>& loss) {
+  if (!loss) return nb::none();
+  nb::dict dict;
+  dict["dropped"] = loss->dropped;
+  dict["merged_kl"] = loss->merged_kl;
+  dict["merged_symmetric_kl"] = loss->merged_symmetric_kl;
+  dict["total_variation"] = loss->total_variation;
+  dict["kl_from_reduced"] = loss->kl_from_reduced;
+  return dict;
+}
+
+}  // namespace
+
+nb::dict report_dict(const ReductionReport& report) {
+  nb::list merges;
+  for (const MergeRecord& merge : report.merges)
+    merges.append(nb::make_tuple(merge.weight_a, merge.weight_b, merge.distance));
+  nb::list destination;
+  for (const std::size_t to : report.destination)
+    destination.append(to == kDropped ? nb::object(nb::none()) : nb::object(nb::int_(to)));
+  nb::dict dict;
+  dict["components_before"] = report.components_before;
+  dict["components_pruned"] = report.components_pruned;
+  dict["components_after"] = report.components_after;
+  dict["weight_pruned"] = report.weight_pruned;
+  dict["weight_moved"] = report.weight_moved;
+  dict["merges"] = merges;
+  dict["destination"] = destination;
+  dict["bounded_loss"] = loss_dict(report.bounded_loss);
+  dict["converged"] = report.converged;
+  return dict;
+}
+
 namespace {
 
 void bind_rules(nb::module_& m) {
@@ -60,37 +96,6 @@ void bind_settings(nb::module_& m) {
       .field("bound_loss", &ReductionSettings::bound_loss, "bool",
              "Whether the report holds bounds on the loss.")
       .done();
-}
-
-nb::object loss_dict(const std::optional<BoundedLoss>& loss) {
-  if (!loss) return nb::none();
-  nb::dict dict;
-  dict["dropped"] = loss->dropped;
-  dict["merged_kl"] = loss->merged_kl;
-  dict["merged_symmetric_kl"] = loss->merged_symmetric_kl;
-  dict["total_variation"] = loss->total_variation;
-  dict["kl_from_reduced"] = loss->kl_from_reduced;
-  return dict;
-}
-
-nb::dict report_dict(const ReductionReport& report) {
-  nb::list merges;
-  for (const MergeRecord& merge : report.merges)
-    merges.append(nb::make_tuple(merge.weight_a, merge.weight_b, merge.distance));
-  nb::list destination;
-  for (const std::size_t to : report.destination)
-    destination.append(to == kDropped ? nb::object(nb::none()) : nb::object(nb::int_(to)));
-  nb::dict dict;
-  dict["components_before"] = report.components_before;
-  dict["components_pruned"] = report.components_pruned;
-  dict["components_after"] = report.components_after;
-  dict["weight_pruned"] = report.weight_pruned;
-  dict["weight_moved"] = report.weight_moved;
-  dict["merges"] = merges;
-  dict["destination"] = destination;
-  dict["bounded_loss"] = loss_dict(report.bounded_loss);
-  dict["converged"] = report.converged;
-  return dict;
 }
 
 template <class D>

@@ -1,0 +1,333 @@
+# SPDX-License-Identifier: MIT
+# SPDX-FileCopyrightText: posemix contributors
+"""Object SLAM, live: one call per frame."""
+
+from __future__ import annotations
+
+import collections.abc
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from posemix import _core
+from posemix._arrays import FloatArray
+from posemix._core import (
+    AssociationSettings,
+    CandidateFate,
+    DetectionFate,
+    MotionModel,
+    MotionSettings,
+    NoiseComponent,
+    NoisePer,
+    ObjectModel,
+    ObjectSlamSettings,
+    ProcessNoise,
+    SlamFilter,
+    SmoothingSettings,
+    SymmetryGroup,
+)
+from posemix.density import ConcentratedGaussian
+from posemix.filters import MultiObjectFilter
+from posemix.lie import SE3
+from posemix.mixture import Mixture
+from posemix.recording import Candidate, candidate_rows, with_misses
+from posemix.runs import FrameEstimate, FrameReport, frame_estimate, frame_report
+
+__all__ = [
+    "Association", "AssociationSettings", "CandidateFate", "DetectionFate", "FixedLagSmoother",
+    "FrameInput", "MotionModel", "MotionSettings", "NoisePer", "ObjectModel", "ObjectSlam", "ObjectSlamSettings",
+    "ProcessNoise", "SlamFilter", "SmoothingSettings", "associate", "least_cost_assignment",
+]  # fmt: skip
+
+Detections = collections.abc.Sequence[SE3 | None] | Mapping[str, SE3] | SE3
+
+
+@dataclass(frozen=True)
+class FrameInput:
+    """Input of one frame.
+
+    Attributes
+    ----------
+    dt : float
+        Since the last frame [s].
+    odometry : SE3, optional
+        T_camera(k-1)_camera(k).
+    detections : sequence of SE3 and None, mapping from ids, or SE3 of shape (objects,)
+        T_camera_object, one entry per object model; a mapping holds those that were detected.
+    candidates : sequence of Candidate
+        Detections that name a class, for the multi-object filter.
+    """
+
+    dt: float
+    odometry: SE3 | None = None
+    detections: Detections = field(default_factory=dict)
+    candidates: collections.abc.Sequence[Candidate] = ()
+
+
+def _detection_rows(detections: Detections, models: list[ObjectModel]) -> FloatArray:
+    if isinstance(detections, Mapping):
+        ids = [model.id for model in models]
+        for id in detections:
+            if id not in ids:
+                raise ValueError(f"no object is called '{id}'; expected one of {', '.join(ids)}")
+        detections = [detections.get(id) for id in ids]
+    return with_misses(detections)._data
+
+
+class ObjectSlam:
+    """Camera and objects, estimated live.
+
+    A frame is predict, update, reduce, summarise; objects seen for the first time enter after the update. Frames
+    without detections or without odometry are valid.
+
+    Parameters
+    ----------
+    camera : ConcentratedGaussian
+        Prior of T_world_camera at the first frame.
+    objects : sequence of ObjectModel
+        What may be seen.
+    settings : ObjectSlamSettings, optional
+        Filter and motion model.
+
+    Raises
+    ------
+    ValueError
+        When a setting is out of range or models of one class differ.
+
+    Examples
+    --------
+    >>> from posemix import SE3, ConcentratedGaussian, FrameInput, ObjectModel, ObjectSlam, pose_covariance
+    >>> camera = ConcentratedGaussian(SE3(), pose_covariance(0.001, 0.002))
+    >>> slam = ObjectSlam(camera, [ObjectModel(id="mug"), ObjectModel(id="box")])
+    >>> slam.start({"mug": SE3(translation=[0, 0, 0.8])}).fates
+    [DetectionFate.started, DetectionFate.none]
+    >>> moved = SE3(translation=[0.01, 0, 0])
+    >>> slam.step(FrameInput(0.1, moved, {"mug": SE3(translation=[-0.01, 0, 0.8])})).fates[0]
+    DetectionFate.used
+    """
+
+    __slots__ = ("_handle",)
+
+    def __init__(
+        self,
+        camera: ConcentratedGaussian[SE3],
+        objects: collections.abc.Sequence[ObjectModel],
+        settings: ObjectSlamSettings | None = None,
+    ) -> None:
+        self._handle = _core.ObjectSlam(
+            camera._handle, list(objects), settings or ObjectSlamSettings()
+        )
+
+    @classmethod
+    def _of(cls, handle: _core.ObjectSlam) -> ObjectSlam:
+        slam = cls.__new__(cls)
+        slam._handle = handle
+        return slam
+
+    def start(
+        self, detections: Detections, candidates: collections.abc.Sequence[Candidate] = ()
+    ) -> FrameReport:
+        """The first frame: detections and candidates as of `FrameInput`; nothing moves."""
+        rows = _detection_rows(detections, self.objects)
+        return frame_report(self._handle.start(rows, candidate_rows(candidates)))
+
+    def step(self, input: FrameInput) -> FrameReport:
+        """Every later frame.
+
+        Raises
+        ------
+        ValueError
+            When the number of detections is not that of the object models, dt is not positive, or the Gaussian-sum
+            filter gets candidates.
+        """
+        rows = _detection_rows(input.detections, self.objects)
+        report = self._handle.step(
+            input.dt, input.odometry, rows, candidate_rows(input.candidates)
+        )
+        return frame_report(report)
+
+    @property
+    def objects(self) -> list[ObjectModel]:
+        """Copies of the object models."""
+        return self._handle.objects()
+
+    @property
+    def posterior(self) -> Mixture[ConcentratedGaussian[SE3]]:
+        """The joint posterior; of the multi-object filter camera and leading hypotheses."""
+        return Mixture._of(self._handle.posterior())
+
+    @property
+    def estimate(self) -> ConcentratedGaussian[SE3]:
+        """One Gaussian for all poses; pose 0 is the camera, see `pose_index`."""
+        return ConcentratedGaussian._of(self._handle.estimate())
+
+    def pose_index(self, object: int) -> int | None:
+        """Index of the object's pose in the estimate; None until it was seen."""
+        return self._handle.pose_index(object)
+
+    def detections(self, object: int) -> int:
+        """Detections that made the object what it is, candidates included."""
+        return self._handle.detections(object)
+
+    @property
+    def multi_object(self) -> MultiObjectFilter | None:
+        """A copy of the multi-object filter where it is the one behind this."""
+        handle = self._handle.multi_object()
+        return None if handle is None else MultiObjectFilter._of(handle)
+
+    def __copy__(self) -> ObjectSlam:
+        return ObjectSlam._of(self._handle.copy())
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> ObjectSlam:
+        return self.__copy__()
+
+    def __repr__(self) -> str:
+        seen = [m.id for j, m in enumerate(self.objects) if self.pose_index(j) is not None]
+        return f"<ObjectSlam of {len(self.objects)} objects, seen: {', '.join(seen) or 'none'}>"
+
+
+class FixedLagSmoother:
+    """Object SLAM that reports each frame some frames later than it comes, smoothed.
+
+    Parameters
+    ----------
+    camera, objects, settings
+        As of `ObjectSlam`; the filter must be the multi-object one.
+    smoothing : SmoothingSettings
+        How far it looks ahead.
+    record_hypotheses : bool
+        Whether estimates hold the alternatives of every object.
+
+    Raises
+    ------
+    ValueError
+        As `ObjectSlam`, when a setting is out of range, when the filter is not the multi-object one, and when it
+        only considers the camera.
+    """
+
+    __slots__ = ("_handle",)
+
+    def __init__(
+        self,
+        camera: ConcentratedGaussian[SE3],
+        objects: collections.abc.Sequence[ObjectModel],
+        smoothing: SmoothingSettings,
+        settings: ObjectSlamSettings | None = None,
+        record_hypotheses: bool = False,
+    ) -> None:
+        self._handle = _core.FixedLagSmoother(
+            camera._handle,
+            list(objects),
+            settings or ObjectSlamSettings(),
+            smoothing,
+            record_hypotheses,
+        )
+
+    def start(self, detections: Detections) -> FrameEstimate | None:
+        """The first frame; the estimate of the frame `lag_frames` earlier, if there is one."""
+        rows = _detection_rows(detections, self.slam.objects)
+        return _maybe_estimate(self._handle.start(rows))
+
+    def step(self, input: FrameInput) -> FrameEstimate | None:
+        """Every later frame; ValueError for candidates."""
+        rows = _detection_rows(input.detections, self.slam.objects)
+        candidates = candidate_rows(input.candidates)
+        return _maybe_estimate(self._handle.step(input.dt, input.odometry, rows, candidates))
+
+    def finish(self) -> list[FrameEstimate]:
+        """The frames that are left, after the last one."""
+        return [frame_estimate(values) for values in self._handle.finish()]
+
+    @property
+    def slam(self) -> ObjectSlam:
+        """A copy of the filter that runs ahead."""
+        return ObjectSlam._of(self._handle.slam())
+
+    @property
+    def joint(self) -> ConcentratedGaussian[SE3] | None:
+        """Camera, its motion under constant velocity, and objects, at the last frame reported."""
+        handle = self._handle.joint()
+        return None if handle is None else ConcentratedGaussian._of(handle)
+
+
+def _maybe_estimate(values: Any) -> FrameEstimate | None:
+    return None if values is None else frame_estimate(values)
+
+
+@dataclass(frozen=True)
+class Association:
+    """What a candidate is.
+
+    Attributes
+    ----------
+    fate : CandidateFate
+        Assigned to an instance, fresh, or rejected.
+    instance : int
+        Where assigned: index among the instances.
+    camera_object : SE3
+        Where assigned: the equivalent pose nearest to the instance; elsewhere as detected.
+    cost : float
+        Where assigned: its part of the total cost.
+    """
+
+    fate: CandidateFate
+    instance: int
+    camera_object: SE3
+    cost: float
+
+
+def associate(
+    instances: collections.abc.Sequence[ConcentratedGaussian[SE3]],
+    candidates: collections.abc.Sequence[Candidate],
+    noise: NoiseComponent,
+    symmetries: SymmetryGroup | None = None,
+    settings: AssociationSettings | None = None,
+) -> list[Association]:
+    """The one-to-one assignment of candidates to instances of their class with the least cost.
+
+    Parameters
+    ----------
+    instances : sequence of ConcentratedGaussian
+        Predicted T_camera_object of the instances.
+    candidates : sequence of Candidate
+        Of one class in one frame.
+    noise : NoiseComponent
+        The detector's error on this class.
+    symmetries : SymmetryGroup, optional
+        Of the class.
+    settings : AssociationSettings, optional
+        Gate, and when a candidate is new.
+
+    Raises
+    ------
+    ValueError
+        When a probability is not in (0, 1).
+    """
+    found = _core.associate(
+        [density._handle for density in instances],
+        candidate_rows(candidates),
+        noise,
+        symmetries or SymmetryGroup(),
+        settings or AssociationSettings(),
+    )
+    return [Association(*values) for values in found]
+
+
+def least_cost_assignment(cost: npt.ArrayLike) -> list[int]:
+    """For each row of a cost matrix its own column so that the sum of the entries is least.
+
+    Parameters
+    ----------
+    cost : array_like, shape (rows, columns)
+        Finite, with at least as many columns as rows.
+
+    Examples
+    --------
+    >>> from posemix import least_cost_assignment
+    >>> least_cost_assignment([[1, 2], [1, 4]])
+    [1, 0]
+    """
+    return _core.least_cost_assignment(np.ascontiguousarray(cost, dtype=np.float64))

@@ -1,0 +1,499 @@
+# SPDX-License-Identifier: MIT
+# SPDX-FileCopyrightText: posemix contributors
+"""Object SLAM over whole recordings, and its results as arrays."""
+
+from __future__ import annotations
+
+import collections.abc
+import html
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any, overload
+
+import numpy as np
+import numpy.typing as npt
+
+from posemix import _core
+from posemix._arrays import FloatArray
+from posemix._core import (
+    CandidateFate,
+    DetectionFate,
+    ObjectModel,
+    ObjectSlamSettings,
+    ParticleFilterSettings,
+    SmoothingSettings,
+)
+from posemix.density import ConcentratedGaussian, standard_deviations
+from posemix.filters import ObjectHypothesis, UpdateReport, update_report
+from posemix.lie import SE3
+from posemix.mixture import Mixture
+from posemix.recording import Sequence, is_known
+
+__all__ = [
+    "CandidateReport", "FrameEstimate", "FrameReport", "HypothesisSnapshot", "ObjectAlternative",
+    "ParticleFilterSettings", "PoseTrack", "SlamJob", "SlamRun", "as_max_mixture", "as_riekf", "run", "run_particle_filter", "run_smoothed",
+]  # fmt: skip
+
+Progress = Callable[[int, int], bool | None]
+
+
+@dataclass(frozen=True)
+class CandidateReport:
+    """What became of a candidate.
+
+    Attributes
+    ----------
+    fate : CandidateFate
+        Whether it is of an instance.
+    object : int or None
+        The model that took it, where assigned or fresh.
+    recycled : bool
+        Another instance was forgotten for it.
+    """
+
+    fate: CandidateFate
+    object: int | None
+    recycled: bool
+
+
+@dataclass(frozen=True)
+class FrameReport:
+    """Report of one frame.
+
+    Attributes
+    ----------
+    fates : list of DetectionFate
+        One per object model.
+    candidates : list of CandidateReport
+        One per candidate.
+    update : UpdateReport
+        Of the Gaussian-sum filter.
+    merges : int
+        Hypotheses that became one with another.
+    seconds : float
+        Predict, update, reduce and summarise [s].
+    """
+
+    fates: list[DetectionFate]
+    candidates: list[CandidateReport]
+    update: UpdateReport
+    merges: int
+    seconds: float
+
+
+def frame_report(values: dict[str, Any]) -> FrameReport:
+    """The report of compiled values."""
+    changed = {
+        "candidates": [CandidateReport(*c) for c in values["candidates"]],
+        "update": update_report(values["update"]),
+    }
+    return FrameReport(**{**values, **changed})
+
+
+@dataclass(frozen=True)
+class HypothesisSnapshot:
+    """One hypothesis of one frame: log-weight, and mean poses of camera and objects."""
+
+    log_weight: float
+    poses: SE3
+
+
+@dataclass(frozen=True)
+class ObjectAlternative:
+    """One alternative of one object at one frame.
+
+    Attributes
+    ----------
+    probability : float
+        Dependent detections counted once.
+    pose : SE3
+        T_world_object.
+    id : int
+        The same from frame to frame.
+    """
+
+    probability: float
+    pose: SE3
+    id: int
+
+
+@dataclass(frozen=True)
+class FrameEstimate:
+    """The causal estimates of one frame. Objects not seen so far are None.
+
+    Attributes
+    ----------
+    camera : ConcentratedGaussian
+        T_world_camera.
+    objects, relative : list of ConcentratedGaussian or None
+        T_world_object; T_camera_object, with the cross-covariance.
+    pose_indices : list of int or None
+        Of the objects in every hypothesis.
+    hypotheses : list of HypothesisSnapshot
+        Over all poses, by the Gaussian-sum filter; only when recorded.
+    alternatives : list of list of ObjectAlternative
+        Of every object, by the multi-object filter; only when recorded.
+    mode_probabilities : list of float or None
+        That the estimate is on the right mode, by the multi-object filter.
+    report : FrameReport
+        What was done.
+    """
+
+    camera: ConcentratedGaussian[SE3]
+    objects: list[ConcentratedGaussian[SE3] | None]
+    relative: list[ConcentratedGaussian[SE3] | None]
+    pose_indices: list[int | None]
+    hypotheses: list[HypothesisSnapshot]
+    alternatives: list[list[ObjectAlternative]]
+    mode_probabilities: list[float | None]
+    report: FrameReport
+
+
+def _maybe(handles: list[Any]) -> list[ConcentratedGaussian[SE3] | None]:
+    return [None if h is None else ConcentratedGaussian._of(h) for h in handles]
+
+
+def frame_estimate(values: dict[str, Any]) -> FrameEstimate:
+    """The estimate of compiled values."""
+    changed = {
+        "camera": ConcentratedGaussian._of(values["camera"]),
+        "objects": _maybe(values["objects"]),
+        "relative": _maybe(values["relative"]),
+        "hypotheses": [HypothesisSnapshot(*h) for h in values["hypotheses"]],
+        "alternatives": [
+            [ObjectAlternative(*a) for a in of_object] for of_object in values["alternatives"]
+        ],
+        "report": frame_report(values["report"]),
+    }
+    return FrameEstimate(**{**values, **changed})
+
+
+@dataclass(frozen=True, eq=False)
+class PoseTrack:
+    """One pose over the frames of a run.
+
+    Attributes
+    ----------
+    poses : SE3, shape (n,)
+        Means; NaN in frames without an estimate.
+    covariances : ndarray, shape (n, 6, 6)
+        Left perturbation; NaN in frames without an estimate.
+    """
+
+    poses: SE3
+    covariances: FloatArray
+
+    @property
+    def known(self) -> npt.NDArray[np.bool_]:
+        """Frames with an estimate, shape (n,)."""
+        return is_known(self.poses)
+
+    def __len__(self) -> int:
+        return len(self.poses)
+
+    def __repr__(self) -> str:
+        return f"<PoseTrack of {len(self)} frames, {int(self.known.sum())} with an estimate>"
+
+
+class SlamRun:
+    """A processed recording; `run` makes it. ``run[i]`` is the `FrameEstimate` of frame i.
+
+    A run that a progress callback stopped is shorter than the recording.
+    """
+
+    __slots__ = ("_handle", "_ids", "_stamps")
+
+    def __init__(self, handle: _core.SlamRun, stamps: FloatArray, ids: list[str]) -> None:
+        self._handle = handle
+        self._stamps = stamps[: len(handle)]
+        self._ids = ids
+
+    def __len__(self) -> int:
+        return len(self._handle)
+
+    def __getitem__(self, frame: int) -> FrameEstimate:
+        at = frame + len(self) if frame < 0 else frame
+        return frame_estimate(self._handle.frame(at))
+
+    def __iter__(self) -> Iterator[FrameEstimate]:
+        return (self[i] for i in range(len(self)))
+
+    @property
+    def frames(self) -> list[FrameEstimate]:
+        """The estimates of all frames; `camera`, `object` and `relative` are faster."""
+        return list(self)
+
+    @property
+    def stamps(self) -> FloatArray:
+        """Times of the frames, shape (n,) [s]."""
+        return self._stamps
+
+    @property
+    def ids(self) -> list[str]:
+        """Names of the objects."""
+        return list(self._ids)
+
+    def _index(self, object: int | str) -> int:
+        if isinstance(object, str):
+            if object not in self._ids:
+                names = ", ".join(self._ids)
+                raise ValueError(f"no object is called '{object}'; expected one of {names}")
+            return self._ids.index(object)
+        if not 0 <= object < len(self._ids):
+            raise ValueError(f"there is no object {object}; expected less than {len(self._ids)}")
+        return object
+
+    def _track(self, values: Any) -> PoseTrack:
+        means, covariances = values
+        return PoseTrack(SE3._wrap(means, (len(self),)), covariances)
+
+    @property
+    def camera(self) -> PoseTrack:
+        """T_world_camera."""
+        return self._track(self._handle.camera())
+
+    def object(self, object: int | str) -> PoseTrack:
+        """T_world_object of an object by index or id."""
+        return self._track(self._handle.object(self._index(object)))
+
+    def relative(self, object: int | str) -> PoseTrack:
+        """T_camera_object, with the cross-covariance."""
+        return self._track(self._handle.relative(self._index(object)))
+
+    def mode_probabilities(self, object: int | str) -> FloatArray:
+        """Probabilities that the estimate is on the right mode, shape (n,); NaN where unknown."""
+        return self._handle.mode_probabilities(self._index(object))
+
+    @property
+    def seconds(self) -> FloatArray:
+        """Time taken per frame, shape (n,) [s]."""
+        return self._handle.seconds()
+
+    @property
+    def posterior(self) -> Mixture[ConcentratedGaussian[SE3]]:
+        """The joint posterior of the last frame."""
+        return Mixture._of(self._handle.posterior())
+
+    @property
+    def pose_indices(self) -> list[int | None]:
+        """Index of every object's pose in the posterior."""
+        return self._handle.pose_indices()
+
+    @property
+    def alternatives(self) -> list[list[ObjectHypothesis]]:
+        """Hypotheses of every object at the last frame, by the multi-object filter."""
+        return [
+            [ObjectHypothesis(**h) for h in of_object]
+            for of_object in self._handle.alternatives()
+        ]
+
+    def __copy__(self) -> SlamRun:
+        return self
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> SlamRun:
+        return self
+
+    def __repr__(self) -> str:
+        return f"<SlamRun of {len(self)} frames, objects {', '.join(self._ids) or 'none'}>"
+
+    def _repr_html_(self) -> str:
+        """A table of the last frame's estimates, for notebooks."""
+        last = self[-1]
+        named: list[tuple[str, Any, Any]] = [("camera", last.camera, None)]
+        probabilities = last.mode_probabilities or [None] * len(self._ids)
+        named += list(zip(self._ids, last.objects, probabilities, strict=True))
+        rows = "".join(_row(*values) for values in named)
+        head = "<tr><th>pose</th><th>mean (world)</th><th>standard deviations</th><th>mode</th></tr>"
+        title = html.escape(f"{len(self)} frames; the last one")
+        return f"<table><caption>{title}</caption><thead>{head}</thead><tbody>{rows}</tbody></table>"
+
+
+def _row(name: str, density: ConcentratedGaussian[SE3] | None, probability: float | None) -> str:
+    cells = ["not seen", "", ""]
+    if density is not None:
+        sure = "" if probability is None else f"{probability:.3f}"
+        cells = [repr(density.mean), standard_deviations(density.covariance), sure]
+    return "<tr>" + "".join(f"<td>{html.escape(c)}</td>" for c in [name, *cells]) + "</tr>"
+
+
+@dataclass(frozen=True, eq=False)
+class SlamJob:
+    """All that object SLAM needs for one run; `posemix.io.read_slam_job` reads it from a file.
+
+    Attributes
+    ----------
+    name, method : str
+        For people.
+    sequence : Sequence
+        The recording.
+    camera_prior : ConcentratedGaussian
+        T_world_camera of the first frame.
+    models : list of ObjectModel
+        One per object of the sequence.
+    settings : ObjectSlamSettings
+        Filter and motion model.
+    particles : ParticleFilterSettings, optional
+        Filtered by particles in place of that.
+    smoothing : SmoothingSettings, optional
+        Of the multi-object filter.
+    trace_hypotheses : int
+        Hypotheses per frame in trace.json.
+    """
+
+    name: str
+    method: str
+    sequence: Sequence
+    camera_prior: ConcentratedGaussian[SE3]
+    models: list[ObjectModel]
+    settings: ObjectSlamSettings
+    particles: ParticleFilterSettings | None = None
+    smoothing: SmoothingSettings | None = None
+    trace_hypotheses: int = 12
+
+    def _compiled(self) -> _core.SlamJob:
+        return _core.SlamJob(
+            self.name, self.method, self.sequence._compiled(), self.camera_prior._handle,
+            self.models, self.settings, self.particles, self.smoothing, self.trace_hypotheses,
+        )  # fmt: skip
+
+    @classmethod
+    def _of(cls, handle: _core.SlamJob) -> SlamJob:
+        name, method, sequence, prior, *rest = handle.values()
+        return cls(name, method, Sequence._of(sequence), ConcentratedGaussian._of(prior), *rest)
+
+    def __repr__(self) -> str:
+        return f"<SlamJob '{self.name}' by {self.method}: {self.sequence!r}>"
+
+
+def _ids(sequence: Sequence) -> list[str]:
+    return [recording.id for recording in sequence.objects]
+
+
+@overload
+def run(
+    job: SlamJob, /, *, record_hypotheses: bool | None = None, progress: Progress | None = None
+) -> SlamRun: ...
+@overload
+def run(
+    sequence: Sequence,
+    camera_prior: ConcentratedGaussian[SE3],
+    models: collections.abc.Sequence[ObjectModel],
+    settings: ObjectSlamSettings | None = None,
+    *,
+    record_hypotheses: bool | None = None,
+    progress: Progress | None = None,
+) -> SlamRun: ...
+def run(
+    sequence: Sequence | SlamJob,
+    camera_prior: Any = None,
+    models: Any = None,
+    settings: ObjectSlamSettings | None = None,
+    *,
+    record_hypotheses: bool | None = None,
+    progress: Progress | None = None,
+) -> SlamRun:
+    """Runs object SLAM over a recording, or a job by the filter that it names.
+
+    The interpreter's lock is released; Ctrl-C stops it.
+
+    Parameters
+    ----------
+    sequence : Sequence or SlamJob
+        The recording; of a job nothing else is needed.
+    camera_prior : ConcentratedGaussian
+        T_world_camera of the first frame.
+    models : sequence of ObjectModel
+        One per object of the recording, in the same order.
+    settings : ObjectSlamSettings, optional
+        Filter and motion model.
+    record_hypotheses : bool, optional
+        Whether frames hold hypotheses; unless given, only where a job traces them.
+    progress : callable, optional
+        Called with (frames done, frames in all) after every frame; where it returns False the run stops and the
+        frames done so far are returned.
+
+    Raises
+    ------
+    ValueError
+        When the models do not fit the sequence or a setting is out of range.
+    """
+    if isinstance(sequence, SlamJob):
+        job = sequence
+        traced = job.trace_hypotheses > 0 if record_hypotheses is None else record_hypotheses
+        handle = _core.run_job(job._compiled(), traced, progress)
+        return SlamRun(handle, job.sequence.stamps, _ids(job.sequence))
+    handle = _core.run(
+        sequence._compiled(), camera_prior._handle, list(models), settings or ObjectSlamSettings(),
+        bool(record_hypotheses), progress,
+    )  # fmt: skip
+    return SlamRun(handle, sequence.stamps, _ids(sequence))
+
+
+def run_smoothed(
+    sequence: Sequence,
+    camera_prior: ConcentratedGaussian[SE3],
+    models: collections.abc.Sequence[ObjectModel],
+    smoothing: SmoothingSettings | None = None,
+    settings: ObjectSlamSettings | None = None,
+    *,
+    record_hypotheses: bool = False,
+    progress: Progress | None = None,
+) -> SlamRun:
+    """`run` with estimates that also look ahead.
+
+    Parameters
+    ----------
+    sequence, camera_prior, models, settings, record_hypotheses, progress
+        As of `run`.
+    smoothing : SmoothingSettings, optional
+        How far it looks ahead: to the end unless given.
+
+    Raises
+    ------
+    ValueError
+        As `run` and `FixedLagSmoother`.
+    """
+    handle = _core.run_smoothed(
+        sequence._compiled(), camera_prior._handle, list(models), settings or ObjectSlamSettings(),
+        smoothing or SmoothingSettings(), record_hypotheses, progress,
+    )  # fmt: skip
+    return SlamRun(handle, sequence.stamps, _ids(sequence))
+
+
+def run_particle_filter(
+    sequence: Sequence,
+    camera_prior: ConcentratedGaussian[SE3],
+    models: collections.abc.Sequence[ObjectModel],
+    settings: ParticleFilterSettings | None = None,
+    *,
+    record_hypotheses: bool = False,
+    progress: Progress | None = None,
+) -> SlamRun:
+    """Object SLAM by a Rao-Blackwellised particle filter, a baseline; arguments as of `run`.
+
+    References
+    ----------
+    Doucet et al. 2000; Chen and Liu 2000.
+    """
+    handle = _core.run_particle_filter(
+        sequence._compiled(), camera_prior._handle, list(models), settings or ParticleFilterSettings(),
+        record_hypotheses, progress,
+    )  # fmt: skip
+    return SlamRun(handle, sequence.stamps, _ids(sequence))
+
+
+def as_riekf(
+    models: collections.abc.Sequence[ObjectModel], settings: ObjectSlamSettings
+) -> tuple[list[ObjectModel], ObjectSlamSettings]:
+    """Models with one Gaussian of noise each and settings with one hypothesis (RIEKF)."""
+    return _core.as_riekf(list(models), settings)
+
+
+def as_max_mixture(settings: ObjectSlamSettings) -> ObjectSlamSettings:
+    """Settings with one linearized hypothesis and the likeliest noise component only.
+
+    References
+    ----------
+    Olson and Agarwal, Inference on Networks of Mixtures for Robust Robot Mapping (2013), as a filter.
+    """
+    return _core.as_max_mixture(settings)

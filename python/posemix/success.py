@@ -1,0 +1,334 @@
+# SPDX-License-Identifier: MIT
+# SPDX-FileCopyrightText: posemix contributors
+"""Grasps under pose uncertainty: how likely one succeeds, and where it should be.
+
+Errors of estimates are poses, or rows ``[rotation vector (rad), displacement (m)]`` in the frame of the line of
+sight (`sight_error`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from posemix import _core
+from posemix._arrays import FloatArray, require_finite
+from posemix._core import (
+    AxisSymmetry,
+    BestGraspSettings,
+    RegionFitSettings,
+    RegionPriors,
+    SuccessSettings,
+    ToleranceRegion,
+)
+from posemix.density import ConcentratedGaussian, ProjectedGaussian
+from posemix.lie import SE3
+from posemix.mixture import Mixture
+from posemix.random import RandomStream, stream_of
+
+__all__ = [
+    "AxisSymmetry", "BestGrasp", "BestGraspSettings", "GraspCandidate", "RegionFit", "RegionFitSettings",
+    "RegionPriors", "SuccessEstimate", "SuccessSettings", "ToleranceBox", "ToleranceRegion", "best_grasp",
+    "bootstrap_regions", "fit_tolerance_region", "nearest_equivalent", "reduced_error", "success_probability",
+]  # fmt: skip
+
+PoseMixture = Mixture[ConcentratedGaussian[SE3]] | Mixture[ProjectedGaussian[SE3]]
+
+
+@dataclass(frozen=True, eq=False)
+class ToleranceBox:
+    """The box of poses X = (R, t) in the frame of the grasp that a grasp tolerates.
+
+    |u_i| <= tan(rotation_i / 2) for R = R(u) in the gnomonic chart at the identity, |t_i| <= translation_i.
+
+    Attributes
+    ----------
+    rotation : array_like, shape (3,) or ()
+        Largest rotation about each axis, below pi [rad].
+    translation : array_like, shape (3,) or ()
+        Largest translation along each axis [m].
+
+    References
+    ----------
+    MPG paper, section V.
+    """
+
+    rotation: npt.ArrayLike
+    translation: npt.ArrayLike
+
+    def __post_init__(self) -> None:
+        for name in ("rotation", "translation"):
+            values = np.asarray(getattr(self, name), dtype=np.float64)
+            object.__setattr__(self, name, np.array(np.broadcast_to(values, (3,))))
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, ToleranceBox):
+            return NotImplemented
+        return all(map(np.array_equal, self._sides(), other._sides()))
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def _sides(self) -> tuple[FloatArray, FloatArray]:
+        return np.asarray(self.rotation), np.asarray(self.translation)
+
+
+@dataclass(frozen=True)
+class SuccessEstimate:
+    """A probability by randomised quasi-Monte Carlo.
+
+    Attributes
+    ----------
+    probability : float
+        The estimate.
+    error : float
+        One standard error, from the replicates.
+    evaluations : int
+        Points at which the density was evaluated.
+    """
+
+    probability: float
+    error: float
+    evaluations: int
+
+
+def success_probability(
+    mixture: PoseMixture,
+    box: ToleranceBox,
+    m: SE3,
+    seed: int | RandomStream,
+    settings: SuccessSettings | None = None,
+) -> SuccessEstimate:
+    """The probability that a pose lies in m(B) = {m X : X in B}; unbiased.
+
+    Parameters
+    ----------
+    mixture : Mixture
+        Over poses, concentrated or projected.
+    box : ToleranceBox
+        The box B.
+    m : SE3
+        Frame of the grasp in the reference frame of the mixture.
+    seed : int or RandomStream
+        Of the randomised points.
+    settings : SuccessSettings, optional
+        How many points.
+
+    Raises
+    ------
+    ValueError
+        For a box with a side that is not positive or a rotation of pi or more, fewer than 2 replicates or no
+        points.
+
+    References
+    ----------
+    MPG paper, section V; Genz, Numerical Computation of Multivariate Normal Probabilities (1992).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from posemix import SE3, ConcentratedGaussian, Mixture, ToleranceBox, success_probability
+    >>> mixture = Mixture([ConcentratedGaussian(SE3(), np.diag([0.01] * 3 + [1e-4] * 3))])
+    >>> box = ToleranceBox(rotation=1.0, translation=[0.01, 1.0, 1.0])
+    >>> round(success_probability(mixture, box, SE3(), seed=1).probability, 3)
+    0.683
+    """
+    rotation, translation = box._sides()
+    found = _core.success_probability(
+        mixture._handle, rotation, translation, m, stream_of(seed), settings or SuccessSettings()
+    )
+    return SuccessEstimate(*found)
+
+
+@dataclass(frozen=True)
+class GraspCandidate:
+    """Where one start of `best_grasp` ended.
+
+    Attributes
+    ----------
+    start, pose : SE3
+        Frame of the grasp at the start and at the end.
+    success : SuccessEstimate
+        Probability at the end.
+    """
+
+    start: SE3
+    pose: SE3
+    success: SuccessEstimate
+
+
+@dataclass(frozen=True)
+class BestGrasp:
+    """The pose that maximises the probability.
+
+    Attributes
+    ----------
+    pose : SE3
+        Frame of the grasp.
+    success : SuccessEstimate
+        Its probability.
+    candidates : list of GraspCandidate
+        What every start found, best first.
+    evaluations : int
+        Of the probability while searching.
+    """
+
+    pose: SE3
+    success: SuccessEstimate
+    candidates: list[GraspCandidate]
+    evaluations: int
+
+
+def best_grasp(
+    mixture: PoseMixture,
+    box: ToleranceBox,
+    seed: int | RandomStream,
+    settings: BestGraspSettings | None = None,
+) -> BestGrasp:
+    """The m that maximises the probability that a pose lies in m(B), from the heaviest modes.
+
+    Parameters
+    ----------
+    mixture : Mixture
+        Over poses.
+    box : ToleranceBox
+        The box B.
+    seed : int or RandomStream
+        Of the randomised points.
+    settings : BestGraspSettings, optional
+        Starts, points, when the search stops.
+
+    Raises
+    ------
+    ValueError
+        As `success_probability`, and for no starts.
+    """
+    rotation, translation = box._sides()
+    pose, success, candidates, evaluations = _core.best_grasp(
+        mixture._handle, rotation, translation, stream_of(seed), settings or BestGraspSettings()
+    )
+    return BestGrasp(
+        pose,
+        SuccessEstimate(*success),
+        [GraspCandidate(start, end, SuccessEstimate(*s)) for start, end, s in candidates],
+        evaluations,
+    )
+
+
+def reduced_error(error: SE3, symmetry: AxisSymmetry) -> SE3:
+    """Errors T_truth^-1 T_estimate against the equivalent truths with the least rotation.
+
+    Parameters
+    ----------
+    error : SE3, shape (...)
+        Errors.
+    symmetry : AxisSymmetry
+        Of the object.
+    """
+    return _core.reduced_error(error, symmetry)
+
+
+def nearest_equivalent(pose: SE3, reference: SE3, symmetry: AxisSymmetry) -> SE3:
+    """The poses equivalent to `pose` whose rotations are nearest to those of `reference`.
+
+    Parameters
+    ----------
+    pose, reference : SE3, shape (...) or ()
+        Poses; a single one stands for all.
+    symmetry : AxisSymmetry
+        Of the object.
+    """
+    return _core.nearest_equivalent(pose, reference, symmetry)
+
+
+@dataclass(frozen=True)
+class RegionFit:
+    """A fitted region.
+
+    Attributes
+    ----------
+    region : ToleranceRegion
+        The most probable one.
+    log_posterior : float
+        Up to a constant that depends on the settings only [nats].
+    converged : bool
+        Of the start that was kept.
+    successes, failures : int
+        Numbers of outcomes.
+    identified : list of bool
+        For every width, whether the outcomes say more about it than the prior does.
+    """
+
+    region: ToleranceRegion
+    log_posterior: float
+    converged: bool
+    successes: int
+    failures: int
+    identified: list[bool]
+
+
+def _outcomes(errors: SE3, successes: npt.ArrayLike) -> tuple[SE3, list[bool]]:
+    require_finite(errors._data, "errors")
+    return errors, np.asarray(successes, dtype=bool).reshape(-1).tolist()
+
+
+def fit_tolerance_region(
+    errors: SE3,
+    successes: npt.ArrayLike,
+    seed: int | RandomStream,
+    settings: RegionFitSettings | None = None,
+) -> RegionFit:
+    """The most probable region of errors that a grasp forgives, given outcomes.
+
+    Parameters
+    ----------
+    errors : SE3, shape (n,)
+        T_truth^-1 T_estimate of the estimates that the grasps were planned with.
+    successes : array_like of bool, shape (n,)
+        What became of the grasps.
+    seed : int or RandomStream
+        Of the starts.
+    settings : RegionFitSettings, optional
+        Priors, and how long is searched.
+
+    Raises
+    ------
+    ValueError
+        For other numbers of errors and outcomes, and when there is no start.
+    """
+    found = _core.fit_tolerance_region(
+        *_outcomes(errors, successes), settings or RegionFitSettings(), stream_of(seed)
+    )
+    return RegionFit(*found)
+
+
+def bootstrap_regions(
+    errors: SE3,
+    successes: npt.ArrayLike,
+    groups: npt.ArrayLike,
+    count: int,
+    seed: int | RandomStream,
+    settings: RegionFitSettings | None = None,
+) -> list[ToleranceRegion]:
+    """Regions fitted to bootstrap samples of the outcomes, drawn by whole groups.
+
+    Parameters
+    ----------
+    errors, successes, seed, settings
+        As of `fit_tolerance_region`.
+    groups : array_like of int, shape (n,)
+        Outcomes of one group, as of one image, are alike.
+    count : int
+        Number of regions.
+
+    Raises
+    ------
+    ValueError
+        As `fit_tolerance_region`.
+    """
+    members: list[Any] = np.asarray(groups, dtype=np.intp).reshape(-1).tolist()
+    chosen = settings or RegionFitSettings()
+    arguments = _outcomes(errors, successes)
+    return list(_core.bootstrap_regions(*arguments, members, count, chosen, stream_of(seed)))

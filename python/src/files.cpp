@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include <filesystem>
+
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/map.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/variant.h>
+
+#include "posemix/io/bop.hpp"
+#include "posemix/io/bop_models.hpp"
+#include "posemix/io/grasp_outcomes.hpp"
+#include "posemix/io/mixture_file.hpp"
+#include "posemix/io/object_poses.hpp"
+#include "posemix/io/output_file.hpp"
+#include "posemix/io/pose_samples.hpp"
+#include "posemix/io/posterior_file.hpp"
+#include "posemix/io/symmetries.hpp"
+#include "posemix/io/text.hpp"
+#include "posemix/io/tum.hpp"
+#include "settings.hpp"
+#include "slam.hpp"
+
+namespace posemix::python {
+namespace {
+
+namespace fs = std::filesystem;
+
+void bind_conventions(nb::module_& m) {
+  nb::enum_<Side>(m, "Side", "Side of the perturbation of concentrated Gaussians.")
+      .value("left", Side::left, "X = Exp(xi) X0, the library's.")
+      .value("right", Side::right, "X = X0 Exp(delta).");
+  nb::enum_<TangentOrder>(m, "TangentOrder", "Order of a tangent vector's halves.")
+      .value("rotation_translation", TangentOrder::rotation_translation, "The library's.")
+      .value("translation_rotation", TangentOrder::translation_rotation, "The other.");
+  nb::enum_<AngleUnit>(m, "AngleUnit", "Unit of rotations.")
+      .value("rad", AngleUnit::rad, "The library's.")
+      .value("deg", AngleUnit::deg, "Degrees.");
+  nb::enum_<LengthUnit>(m, "LengthUnit", "Unit of translations.")
+      .value("m", LengthUnit::m, "The library's.")
+      .value("mm", LengthUnit::mm, "Millimetres.");
+  using C = MixtureConvention;
+  Settings<C>(m, "MixtureConvention", "How a mixture file states what the library holds.")
+      .field("side", &C::side, "Side", "Of concentrated Gaussians only.")
+      .field("order", &C::order, "TangentOrder", "Of tangent vectors.")
+      .field("angle", &C::angle, "AngleUnit", "Of concentrated Gaussians only.")
+      .field("length", &C::length, "LengthUnit", "Of translations.")
+      .done();
+}
+
+void bind_mixtures(nb::module_& m) {
+  bind_conventions(m);
+  m.def("read_mixture", [](const fs::path& path) {
+    MixtureFile file = read_mixture(path);
+    return nb::make_tuple(file.frames.from, file.frames.to, std::move(file.mixture));
+  });
+  m.def("write_mixture", [](const fs::path& path, const std::string& from, const std::string& to,
+                            const AnyMixture& mixture, const MixtureConvention& convention) {
+    write_output_file(path, format_mixture({{from, to}, mixture}, convention));
+  });
+  nb::enum_<PoseKind>(m, "PoseKind", "What a pose of a joint density is.")
+      .value("camera", PoseKind::camera, "T_world_camera.")
+      .value("camera_motion", PoseKind::camera_motion, "T_camera_camera over one period.")
+      .value("object", PoseKind::object, "T_world_object.");
+  m.def("read_posterior", [](const fs::path& path) {
+    PosteriorFile file = read_posterior(path);
+    const nb::list poses = list_of(
+        file.poses, [](const NamedPose& pose) { return nb::make_tuple(pose.name, pose.kind); });
+    return nb::make_tuple(file.method, file.stamp, poses, std::move(file.mixture));
+  });
+  m.def("write_posterior",
+        [](const fs::path& path, const std::string& method, double stamp,
+           const std::vector<std::pair<std::string, PoseKind>>& names, const Posterior& mixture) {
+          PosteriorFile file{method, stamp, {}, mixture};
+          for (const auto& [name, kind] : names) file.poses.push_back({name, kind});
+          write_output_file(path, format_posterior(file));
+        });
+}
+
+void bind_tum(nb::module_& m) {
+  m.def("read_tum", [](const fs::path& path, bool allow_misses, bool zero_translation_is_miss) {
+    const std::vector<StampedPose> frames =
+        read_tum(path, {allow_misses, zero_translation_is_miss});
+    NewArray stamps({frames.size()});
+    MaybePoses poses;
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      stamps.data[i] = frames[i].stamp;
+      poses.push_back(frames[i].pose);
+    }
+    return nb::make_tuple(std::move(stamps.array), rows_of(poses));
+  });
+  m.def("write_tum",
+        [](const fs::path& path, const Numbers& stamps, const Rows& rows, bool misses_as_zeros) {
+          const MaybePoses poses = maybe_poses(rows, "poses");
+          if (poses.size() != stamps.shape(0)) {
+            throw InvalidInput(fmt::format("{} stamps and {} poses; expected as many of both",
+                                           stamps.shape(0), poses.size()));
+          }
+          std::vector<StampedPose> frames;
+          for (std::size_t i = 0; i < poses.size(); ++i)
+            frames.push_back({stamps.data()[i], poses[i]});
+          const auto misses = misses_as_zeros ? TumMisses::write_zeros : TumMisses::leave_out;
+          write_output_file(path, format_tum(frames, misses));
+        });
+}
+
+nb::tuple model_tuple(const BopModel& model) {
+  const nb::object box = model.box ? nb::object(nb::make_tuple(vector_array(model.box->lowest_m),
+                                                               vector_array(model.box->size_m)))
+                                   : nb::object(nb::none());
+  return nb::make_tuple(model.diameter_m, model.symmetries, box);
+}
+
+void bind_bop(nb::module_& m) {
+  m.def("read_bop_rows", [](const fs::path& path) {
+    const std::vector<BopRow> rows = read_bop_rows(path);
+    std::vector<SE3d> poses;
+    for (const BopRow& row : rows) poses.push_back(row.pose);
+    const nb::list keys = list_of(rows, [](const BopRow& row) {
+      return nb::make_tuple(row.scene, row.image, row.object, row.score);
+    });
+    return nb::make_tuple(keys, PoseArray::of(poses));
+  });
+  m.def("read_bop_models", [](const fs::path& path) {
+    nb::dict models;
+    for (const auto& [id, model] : read_bop_models(path)) models[nb::int_(id)] = model_tuple(model);
+    return models;
+  });
+  m.def("read_bop_model", [](const fs::path& path, std::int64_t object) {
+    return model_tuple(read_bop_model(path, object));
+  });
+  m.def("read_symmetry_file", [](const fs::path& path) { return read_symmetry_file(path); });
+}
+
+void bind_pose_files(nb::module_& m) {
+  m.def("read_object_poses", [](const fs::path& path) { return read_object_poses(path); });
+  m.def("write_object_poses", [](const fs::path& path, const std::map<std::string, SE3d>& poses) {
+    write_output_file(path, format_object_poses(poses));
+  });
+  m.def(
+      "read_pose_samples",
+      [](const fs::path& path, const std::optional<Side>& residuals,
+         const std::optional<std::string>& weights) {
+        const std::optional<PoseFormat> format = pose_format_of(path.string());
+        if (!format)
+          throw InvalidInput(path.string() + ": expected a name in .csv, .npy, .tum or .txt");
+        const PoseSamples samples =
+            parse_pose_samples(read_file(path), path.string(), *format, {residuals, weights});
+        return nb::make_tuple(PoseArray::of(samples.poses), samples.weights);
+      },
+      "path"_a, "residuals"_a.none(), "weights"_a.none());
+  m.def("write_poses", [](const fs::path& path, const PoseArray& poses) {
+    const std::optional<PoseFormat> format = pose_format_of(path.string());
+    if (!format)
+      throw InvalidInput(path.string() + ": expected a name in .csv, .npy, .tum or .txt");
+    const std::vector<SE3d> all = poses.poses();
+    write_output_file(path, format_poses(all, *format));
+  });
+}
+
+void bind_outcomes(nb::module_& m) {
+  m.def("read_grasp_outcomes", [](const fs::path& folder) {
+    const GraspOutcomes outcomes = read_grasp_outcomes(folder);
+    std::vector<SE3d> estimates;
+    std::vector<SE3d> truths;
+    for (const GraspTrial& trial : outcomes.trials) {
+      estimates.push_back(trial.estimate);
+      truths.push_back(trial.truth);
+    }
+    const nb::list trials = list_of(outcomes.trials, [](const GraspTrial& t) {
+      return nb::make_tuple(t.dataset, t.estimator, t.scene, t.image, t.object, t.score,
+                            t.outcomes);
+    });
+    return nb::make_tuple(outcomes.grippers, trials, PoseArray::of(estimates),
+                          PoseArray::of(truths));
+  });
+}
+
+}  // namespace
+
+void bind_files(nb::module_& m) {
+  nb::register_exception_translator([](const std::exception_ptr& error, void* /*payload*/) {
+    try {
+      std::rethrow_exception(error);
+    } catch (const OutputError& refused) {
+      PyErr_SetString(PyExc_OSError, refused.what());
+    }
+  });
+  bind_mixtures(m);
+  bind_tum(m);
+  bind_bop(m);
+  bind_pose_files(m);
+  bind_outcomes(m);
+}
+
+}  // namespace posemix::python

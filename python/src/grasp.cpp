@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "density.hpp"
+#include "dict.hpp"
+#include "posemix/grasp/success_probability.hpp"
+#include "posemix/grasp/symmetry.hpp"
+#include "poses.hpp"
+#include "settings.hpp"
+
+namespace posemix::python {
+namespace {
+
+nb::tuple estimate_tuple(const SuccessEstimate& estimate) {
+  return nb::make_tuple(estimate.probability, estimate.error, estimate.evaluations);
+}
+
+template <class D>
+void bind_criterion(nb::module_& m) {
+  m.def("success_probability", [](const Mixture<D>& mixture, const Eigen::Vector3d& rotation,
+                                  const Eigen::Vector3d& translation, const SE3d& at,
+                                  RandomStream& stream, const SuccessSettings& settings) {
+    std::optional<SuccessEstimate> estimate;
+    {
+      const nb::gil_scoped_release unlocked;
+      estimate = success_probability(mixture, {rotation, translation}, at, stream, settings);
+    }
+    return estimate_tuple(*estimate);
+  });
+  m.def("best_grasp", [](const Mixture<D>& mixture, const Eigen::Vector3d& rotation,
+                         const Eigen::Vector3d& translation, RandomStream& stream,
+                         const BestGraspSettings& settings) {
+    std::optional<BestGrasp> best;
+    {
+      const nb::gil_scoped_release unlocked;
+      best = best_grasp(mixture, {rotation, translation}, stream, settings);
+    }
+    return nb::make_tuple(best->pose, estimate_tuple(best->success),
+                          list_of(best->candidates,
+                                  [](const GraspCandidate& c) {
+                                    return nb::make_tuple(c.start, c.pose,
+                                                          estimate_tuple(c.success));
+                                  }),
+                          best->evaluations);
+  });
+}
+
+void bind_settings(nb::module_& m) {
+  Settings<SuccessSettings>(m, "SuccessSettings", "Settings of `success_probability`.")
+      .field("points", &SuccessSettings::points, "int", "For every component in every replicate.")
+      .field("replicates", &SuccessSettings::replicates, "int",
+             "Independent randomisations, at least 2.")
+      .done();
+  Settings<BestGraspSettings>(m, "BestGraspSettings", "Settings of `best_grasp`.")
+      .field("starts", &BestGraspSettings::starts, "int",
+             "The modes of so many of the heaviest components.")
+      .field("points", &BestGraspSettings::points, "int", "Per component while searching.")
+      .field("max_evaluations", &BestGraspSettings::max_evaluations, "int",
+             "Of the gradient, for every start.")
+      .field("tolerance", &BestGraspSettings::tolerance, "float",
+             "Stop when an iteration gains less, relative.")
+      .field("final", &BestGraspSettings::final, "SuccessSettings",
+             "For the probabilities reported.")
+      .done();
+  Settings<AxisSymmetry>(m, "AxisSymmetry",
+                         "Rotations about an axis through the object's origin that change nothing.")
+      .field("axis", &AxisSymmetry::axis, "numpy.typing.ArrayLike",
+             "Shape (3,), of length one, object frame.")
+      .field("fold", &AxisSymmetry::fold, "int", "By multiples of a turn / fold; 0: by any angle.")
+      .done();
+}
+
+/// f(x_i, y_i) for two arrays of poses, of which one may be a single pose.
+template <class Function>
+PoseArray each_pose(const PoseArray& x, const PoseArray& y, Function f) {
+  if (x.shape != y.shape && !x.shape.empty() && !y.shape.empty())
+    throw InvalidInput(fmt::format("{} poses and {}; expected one shape", x.size(), y.size()));
+  const PoseArray& longer = x.shape.empty() ? y : x;
+  NewArray out({longer.size(), 7});
+  for (std::size_t i = 0; i < longer.size(); ++i) {
+    const SE3d pose = f(x[x.shape.empty() ? 0 : i], y[y.shape.empty() ? 0 : i]);
+    Wire<SE3d>::write(pose, out.data + 7 * i);
+  }
+  return PoseArray::of(std::move(out.array), longer.shape);
+}
+
+}  // namespace
+
+void bind_grasp(nb::module_& m) {
+  bind_settings(m);
+  bind_criterion<ConcentratedSE3>(m);
+  bind_criterion<ProjectedSE3>(m);
+  m.def("reduced_error", [](const PoseArray& errors, const AxisSymmetry& symmetry) {
+    return each_pose(errors, errors, [&](const SE3d& error, const SE3d&) {
+      return reduced_error(error, symmetry);
+    });
+  });
+  m.def("nearest_equivalent",
+        [](const PoseArray& poses, const PoseArray& references, const AxisSymmetry& symmetry) {
+          return each_pose(poses, references, [&](const SE3d& pose, const SE3d& reference) {
+            return nearest_equivalent(pose, reference, symmetry);
+          });
+        });
+}
+
+}  // namespace posemix::python

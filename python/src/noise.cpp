@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "posemix/filter/detector_noise.hpp"
+
+#include <nanobind/stl/tuple.h>
+
+#include "dict.hpp"
+#include "posemix/filter/object_sensor.hpp"
+#include "posemix/slam/object_slam.hpp"
+#include "settings.hpp"
+
+namespace posemix::python {
+namespace {
+
+void bind_parts(nb::module_& m) {
+  nb::enum_<NoiseFrame>(m, "NoiseFrame",
+                        "Axes of a noise covariance; rotations are about the detected mode's "
+                        "origin.")
+      .value("object", NoiseFrame::object,
+             "Y = T_camera_object offset Exp(n), n along the mode's own axes.")
+      .value("camera", NoiseFrame::camera, "The same with n along the camera's axes.")
+      .value("ray", NoiseFrame::ray,
+             "The same with z along the viewing ray and translations in units of the range.");
+  using C = NoiseComponent;
+  Settings<C>(m, "NoiseComponent",
+              "One component of a detector's error: Y = T_camera_object offset Exp(n).")
+      .field("weight", &C::weight, "float", "Its probability.")
+      .field("covariance", &C::covariance, "numpy.typing.ArrayLike",
+             "Shape (6, 6) [rad, m; in the frame of the ray as a fraction of the range].")
+      .field("frame", &C::frame, "NoiseFrame", "Axes of the covariance.")
+      .field("offset", &C::offset, "posemix.lie.SE3",
+             "Pose of the detected mode in the object's frame.")
+      .field("update_covariance", &C::update_covariance, "numpy.typing.ArrayLike | None",
+             "With which a detection moves the estimate, where it is not the one that weighs "
+             "hypotheses.")
+      .done();
+  Settings<NullNoise>(m, "NullNoise",
+                      "A detection that says nothing: uniform over rotations and a volume.")
+      .field("weight", &NullNoise::weight, "float", "Its probability.")
+      .field("volume_m3", &NullNoise::volume_m3, "float", "The volume [m^3].")
+      .done();
+  using D = NoiseDependence;
+  Settings<D>(m, "NoiseDependence", "What successive detections have in common, where known.")
+      .field("dependent_frames", &D::dependent_frames, "float | None",
+             "Detections of an object that count as one.")
+      .field("bias", &D::bias, "numpy.typing.ArrayLike | None",
+             "Shape (6, 6): covariance of the error that a whole recording shares, in frame and "
+             "units of the first component.")
+      .done();
+}
+
+bool same_noise(const DetectorNoise& a, nb::handle other) {
+  if (!nb::isinstance<DetectorNoise>(other)) return false;
+  const DetectorNoise& b = *nb::inst_ptr<DetectorNoise>(other);
+  return nb::cast(a.components()).equal(nb::cast(b.components())) &&
+         nb::cast(a.null()).equal(nb::cast(b.null())) &&
+         nb::cast(a.dependence()).equal(nb::cast(b.dependence()));
+}
+
+constexpr const char* kDetectorNoiseDoc =
+    R"(The error of one detector on one class of objects: a mixture of components and a null.
+
+Parameters
+----------
+components : list of NoiseComponent
+    At least one; weights are normalised with the null's.
+null : NullNoise, optional
+    Detections of nothing; weight zero unless given.
+dependence : NoiseDependence, optional
+    What successive detections have in common.
+
+Raises
+------
+ValueError
+    Naming the component whose weight is not positive or whose covariance is not positive definite.
+
+References
+----------
+Midway-merge paper, eq. 33.
+)";
+
+void bind_detector_noise(nb::module_& m) {
+  using D = DetectorNoise;
+  nb::class_<D> noise(m, "DetectorNoise", kDetectorNoiseDoc);
+  noise.def(
+      "__init__",
+      [](D* self, const std::vector<NoiseComponent>& components,
+         const std::optional<NullNoise>& null, const std::optional<NoiseDependence>& dependence) {
+        new (self)
+            D(components, null.value_or(NullNoise{}), dependence.value_or(NoiseDependence{}));
+      },
+      "components"_a, "null"_a = nb::none(), "dependence"_a = nb::none());
+  noise.def_prop_ro(
+      "components", [](const D& self) { return self.components(); }, "Copies of the components.");
+  noise.def_prop_ro(
+      "null", [](const D& self) { return self.null(); }, "Copy of the null.");
+  noise.def_prop_ro(
+      "dependence", [](const D& self) { return self.dependence(); }, "Copy of the dependence.");
+  noise.def_prop_ro("log_null_density", &D::log_null_density,
+                    "Log of the null's weight times its density [nats]; -inf for weight zero.");
+  noise.def("single_gaussian", &D::single_gaussian,
+            "The one Gaussian with the second moment of the components without an offset.");
+  noise.def("__eq__", &same_noise, nb::sig("def __eq__(self, other: object, /) -> bool"));
+  noise.def("__getstate__", [](const D& self) {
+    return nb::make_tuple(self.components(), self.null(), self.dependence());
+  });
+  noise.def("__setstate__",
+            [](D& self,
+               const std::tuple<std::vector<NoiseComponent>, NullNoise, NoiseDependence>& state) {
+              new (&self) D(std::get<0>(state), std::get<1>(state), std::get<2>(state));
+            });
+  noise.def("__repr__", [](const D& self) {
+    std::string weights;
+    for (const NoiseComponent& c : self.components())
+      weights +=
+          fmt::format("{}{:.4g} {}", weights.empty() ? "" : ", ", c.weight, name_of(c.frame));
+    return fmt::format("<DetectorNoise of {}: {}; null {:.4g}>", self.components().size(), weights,
+                       self.null().weight);
+  });
+  noise.attr("__hash__") = nb::none();
+}
+
+void bind_sensor(nb::module_& m) {
+  using S = ObjectSensor;
+  Settings<S>(m, "ObjectSensor", "How one object is seen.",
+              [] { return ObjectSensor{.noise = default_detector_noise()}; })
+      .field("noise", &S::noise, "DetectorNoise", "The error of its detections.")
+      .field("symmetries", &S::symmetries, "SymmetryGroup", "The poses that look the same.")
+      .field("noise_scale", &S::noise_scale, "numpy.typing.ArrayLike",
+             "Shape (6,): factors of the noise's standard deviations along its own axes.")
+      .done();
+  m.def("pose_covariance", &pose_covariance);
+  m.def("default_detector_noise", &default_detector_noise);
+  m.def("along_camera", &along_camera);
+}
+
+}  // namespace
+
+void bind_noise(nb::module_& m) {
+  bind_parts(m);
+  bind_detector_noise(m);
+  bind_sensor(m);
+}
+
+}  // namespace posemix::python

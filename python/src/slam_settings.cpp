@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "dict.hpp"
+#include "posemix/slam/particle_filter.hpp"
+#include "posemix/slam/smoothing.hpp"
+#include "settings.hpp"
+
+namespace posemix::python {
+namespace {
+
+void bind_enums(nb::module_& m) {
+  nb::enum_<MotionModel>(m, "MotionModel", "How the camera is predicted.")
+      .value("odometry", MotionModel::odometry,
+             "Where it is missing for a frame, a random walk with the noise of unknown motion.")
+      .value("random_walk", MotionModel::random_walk, "The mean stays.")
+      .value("constant_velocity", MotionModel::constant_velocity,
+             "The motion per period is part of the state.");
+  nb::enum_<NoisePer>(m, "NoisePer", "How a covariance grows with time.")
+      .value("frame", NoisePer::frame, "Per frame.")
+      .value("second", NoisePer::second, "Per second.");
+  nb::enum_<SlamFilter>(m, "SlamFilter", "The filter behind object SLAM.")
+      .value("multi_object", SlamFilter::multi_object,
+             "MultiObjectFilter: hypotheses of every object for itself.")
+      .value("gaussian_sum", SlamFilter::gaussian_sum,
+             "GaussianSumFilter: hypotheses over all poses (midway-merge paper).");
+  nb::enum_<DetectionFate>(m, "DetectionFate", "What happened to one object in one frame.")
+      .value("none", DetectionFate::none, "It was not detected.")
+      .value("started", DetectionFate::started, "It entered the map.")
+      .value("used", DetectionFate::used, "The detection was used.")
+      .value("doubted", DetectionFate::doubted,
+             "Used, but more likely a gross error under the leading hypothesis.")
+      .value("born", DetectionFate::born, "Explained by no hypothesis, it began one.")
+      .value("gated", DetectionFate::gated, "Left out by the gate.")
+      .value("failed", DetectionFate::failed, "Left out: not positive definite.");
+  nb::enum_<CandidateFate>(m, "CandidateFate", "What a candidate is.")
+      .value("assigned", CandidateFate::assigned, "Of a known instance.")
+      .value("fresh", CandidateFate::fresh, "Of an instance not known so far.")
+      .value("rejected", CandidateFate::rejected,
+             "Of none: a second detection of one object, or below the score of a new one.")
+      .value("dropped", CandidateFate::dropped, "Fresh, but no model of its class is free.");
+}
+
+void bind_motion(nb::module_& m) {
+  using P = ProcessNoise;
+  Settings<P>(m, "ProcessNoise", "Noise of a motion, right perturbation, camera frame.")
+      .field("covariance", &P::covariance, "numpy.typing.ArrayLike",
+             "Shape (6, 6), per frame or per second [rad, m].")
+      .field("per", &P::per, "NoisePer", "Of what.")
+      .done();
+  using S = MotionSettings;
+  Settings<S>(m, "MotionSettings", "Settings of the motion model.")
+      .field("model", &S::model, "MotionModel", "How the camera is predicted.")
+      .field("noise", &S::noise, "ProcessNoise",
+             "Of the odometry, or of the pose under constant velocity.")
+      .field("walk", &S::walk, "ProcessNoise", "Of the random walk.")
+      .field("motion_noise", &S::motion_noise, "ProcessNoise",
+             "Of the motion per period under constant velocity.")
+      .field("unknown_motion", &S::unknown_motion, "ProcessNoise", "Of a frame without odometry.")
+      .field("period_s", &S::period_s, "float", "Of the constant-velocity motion [s].")
+      .done();
+}
+
+void bind_association(nb::module_& m) {
+  using S = AssociationSettings;
+  Settings<S>(m, "AssociationSettings", "Which instance a candidate is of.")
+      .field("gate_probability", &S::gate_probability, "float",
+             "Part of the position's error within which a detection can be of an instance.")
+      .field("rotation_cap_probability", &S::rotation_cap_probability, "float",
+             "The rotation costs at most an error at this part of its distribution.")
+      .field("least_new_score", &S::least_new_score, "float",
+             "From which candidates begin a new instance.")
+      .field("least_separation_m", &S::least_separation_m, "float",
+             "Of a new instance from any other [m].")
+      .done();
+}
+
+void bind_slam_settings_struct(nb::module_& m) {
+  using S = ObjectSlamSettings;
+  Settings<S>(m, "ObjectSlamSettings", "Settings of object SLAM.")
+      .field("kind", &S::kind, "SlamFilter", "The filter behind it.")
+      .field("multi_object", &S::multi_object, "MultiObjectSettings",
+             "Its settings; has_odometry follows from the motion model.")
+      .field("filter", &S::filter, "FilterSettings", "Of SlamFilter.gaussian_sum.")
+      .field("motion", &S::motion, "MotionSettings", "How the camera moves.")
+      .field("association", &S::association, "AssociationSettings", "Of candidates.")
+      .field("confirming_detections", &S::confirming_detections, "int",
+             "An instance with fewer is tentative.")
+      .done();
+  using O = ObjectModel;
+  Settings<O>(m, "ObjectModel", "One object as the tracker knows it.")
+      .field("id", &O::id, "str", "Its name.")
+      .field("noise", &O::noise, "DetectorNoise", "How its detector errs.")
+      .field("independent_start", &O::independent_start, "numpy.typing.ArrayLike | None",
+             "Shape (6, 6), world frame: it starts independently of everything else with this; "
+             "else from its first detection.")
+      .field("symmetries", &O::symmetries, "SymmetryGroup",
+             "Motions that no detector can tell; for the multi-object filter.")
+      .field("class_id", &O::class_id, "str",
+             "Objects that no detector can tell apart share one; empty: its id.")
+      .done();
+}
+
+void bind_other_methods(nb::module_& m) {
+  using S = SmoothingSettings;
+  Settings<S>(m, "SmoothingSettings", "Settings of smoothing.")
+      .field("lag_frames", &S::lag_frames, "int",
+             "Frames that an estimate looks ahead; 0: to the end of the recording.")
+      .field("passes", &S::passes, "int", "Forward and backward passes.")
+      .field("least_probability", &S::least_probability, "float",
+             "Of a hypothesis that is smoothed, where hypotheses are recorded.")
+      .done();
+  using P = ParticleFilterSettings;
+  Settings<P>(m, "ParticleFilterSettings", "Settings of `run_particle_filter`.")
+      .field("particles", &P::particles, "int", "How many.")
+      .field("seed", &P::seed, "int", "Of the draws.")
+      .field("resample_below", &P::resample_below, "float",
+             "Effective share of the particles below which they are resampled.")
+      .field("object_walk", &P::object_walk, "ProcessNoise",
+             "Walk of every object, right perturbation, the object's frame.")
+      .field("kernel", &P::kernel, "numpy.typing.ArrayLike",
+             "Shape (6, 6): covariance of an object in a particle's Gaussian.")
+      .field("hypotheses", &P::hypotheses, "int", "Particles that are reported.")
+      .field("motion", &P::motion, "MotionSettings", "How the camera moves.")
+      .field("merge", &P::merge, "MergeSettings", "Of the particles into one Gaussian.")
+      .done();
+}
+
+}  // namespace
+
+void bind_slam_settings(nb::module_& m) {
+  bind_enums(m);
+  bind_motion(m);
+  bind_association(m);
+  bind_slam_settings_struct(m);
+  bind_other_methods(m);
+}
+
+}  // namespace posemix::python

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "posemix/filter/symmetry.hpp"
+
+#include <nanobind/stl/pair.h>
+
+#include "density.hpp"
+#include "dict.hpp"
+#include "posemix/io/bop_models.hpp"
+#include "posemix/slam/symmetric_error.hpp"
+#include "settings.hpp"
+
+namespace posemix::python {
+namespace {
+
+constexpr const char* kGroupDoc =
+    R"(The motions g of an object's frame after which it looks the same: X and X g are equivalent.
+
+Parameters
+----------
+elements : SE3, shape (k,), optional
+    The discrete ones; the identity may be missing.
+axes : list of SymmetryAxis, optional
+    Lines about which any rotation changes nothing.
+tolerance : SymmetryTolerance, optional
+    Within which two motions count as one.
+
+Raises
+------
+ValueError
+    Naming two elements whose product is missing, an element that moves an axis, or two axes without a
+    common point.
+
+References
+----------
+Hodan et al., BOP Challenge 2020, section 2.2.
+
+Examples
+--------
+>>> import numpy as np
+>>> from posemix import SE3, SO3, SymmetryGroup
+>>> box = SymmetryGroup(SE3(SO3.exp([[0, 0, np.pi]])))
+>>> turned = box.closest(SE3(SO3.exp([0, 0, 3.0])), SE3(), np.eye(6))
+>>> turned.rotation.log().round(4)
+array([ 0.    ,  0.    , -0.1416])
+)";
+
+PoseArray closest(const SymmetryGroup& group, const PoseArray& poses, const PoseArray& references,
+                  const Matrix6d& information) {
+  if (!references.shape.empty() && references.shape != poses.shape) {
+    throw InvalidInput(fmt::format("{} poses and {} references; expected as many, or one reference",
+                                   poses.size(), references.size()));
+  }
+  NewArray out({poses.size(), 7});
+  {
+    const nb::gil_scoped_release unlocked;
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      const SE3d reference = references[references.shape.empty() ? 0 : i];
+      Wire<SE3d>::write(group.closest(poses[i], reference, information), out.data + 7 * i);
+    }
+  }
+  return PoseArray::of(std::move(out.array), poses.shape);
+}
+
+SymmetryGroup group_of_entry(const nb::dict& entry) {
+  nb::dict models;
+  models["1"] = entry;
+  const nb::object text = nb::module_::import_("json").attr("dumps")(models);
+  return parse_bop_model(nb::cast<std::string>(text), "models_info entry", 1).symmetries;
+}
+
+SymmetryGroup make_group(const std::optional<PoseArray>& elements,
+                         const std::vector<SymmetryAxis>& axes,
+                         const SymmetryTolerance& tolerance) {
+  return SymmetryGroup(elements ? elements->poses() : std::vector<SE3d>{}, axes, tolerance);
+}
+
+void bind_axis(nb::module_& m) {
+  Settings<SymmetryAxis>(m, "SymmetryAxis",
+                         "The object looks the same turned by any angle about this line.")
+      .field("direction", &SymmetryAxis::direction, "numpy.typing.ArrayLike",
+             "Shape (3,), object frame, any length but zero.")
+      .field("point", &SymmetryAxis::point, "numpy.typing.ArrayLike",
+             "Shape (3,), on the axis, object frame [m].")
+      .done();
+  Settings<SymmetryTolerance>(m, "SymmetryTolerance",
+                              "Within which two motions count as the same one.")
+      .field("rotation_rad", &SymmetryTolerance::rotation_rad, "float", "Angle between them [rad].")
+      .field("translation_m", &SymmetryTolerance::translation_m, "float",
+             "Distance of their translations [m].")
+      .done();
+}
+
+void bind_group(nb::module_& m) {
+  using S = SymmetryGroup;
+  nb::class_<S> group(m, "SymmetryGroup", kGroupDoc);
+  group.def(
+      "__init__",
+      [](S* self, const std::optional<PoseArray>& elements, const std::vector<SymmetryAxis>& axes,
+         const std::optional<SymmetryTolerance>& tolerance) {
+        new (self) S(make_group(elements, axes, tolerance.value_or(SymmetryTolerance{})));
+      },
+      "elements"_a = nb::none(), "axes"_a = nb::tuple(), "tolerance"_a = nb::none());
+  group.def_static("from_bop", &group_of_entry, "entry"_a,
+                   "The group of one entry of BOP's models_info.json, as json reads it.\n\n"
+                   "Discrete times continuous; lengths in millimetres become metres.\n");
+  group.def_prop_ro(
+      "elements", [](const S& self) { return PoseArray::of(self.elements()); }, nb::rv_policy::move,
+      "The discrete motions, shape (k,); the first is the identity.");
+  group.def_prop_ro(
+      "axes", [](const S& self) { return self.axes(); }, "Copies of the axes.");
+  group.def_prop_ro("is_trivial", &S::is_trivial, "Whether the identity is all there is.");
+  group.def("closest", &closest, "pose"_a, "reference"_a, "information"_a,
+            "The equivalent poses X g nearest to a reference.\n\n"
+            "Parameters\n----------\npose : SE3, shape (...)\n    Poses X.\n"
+            "reference : SE3, shape (...) or ()\n    One per pose, or one for all.\n"
+            "information : array_like, shape (6, 6)\n"
+            "    Of z = Log((X g)^-1 reference), along the object's own axes.\n");
+  group.def(
+      "unobserved_covariance",
+      [](const S& self) { return matrix_array(self.unobserved_covariance()); },
+      "What a detection cannot tell, shape (6, 6), along the object's own axes.");
+  group.def("__getstate__", [](const S& self) {
+    return nb::make_tuple(PoseArray::of(self.elements()), self.axes());
+  });
+  group.def("__setstate__",
+            [](S& self, const std::pair<PoseArray, std::vector<SymmetryAxis>>& state) {
+              new (&self) S(make_group(state.first, state.second, {}));
+            });
+  group.def(
+      "__eq__",
+      [](const S& self, nb::handle other) {
+        if (!nb::isinstance<S>(other)) return false;
+        const S& that = *nb::inst_ptr<S>(other);
+        return std::ranges::equal(self.elements(), that.elements(), SettingValue<SE3d>::same) &&
+               nb::cast(self.axes()).equal(nb::cast(that.axes()));
+      },
+      nb::sig("def __eq__(self, other: object, /) -> bool"));
+  group.def("__repr__", [](const S& self) {
+    return fmt::format("<SymmetryGroup of {} motions and {} axes>", self.elements().size(),
+                       self.axes().size());
+  });
+  group.attr("__hash__") = nb::none();
+}
+
+void bind_errors_of_symmetric(nb::module_& m) {
+  m.def("max_symmetric_surface_distance", [](const SE3d& estimate, const SE3d& truth,
+                                             const Rows& points, const SymmetryGroup& group) {
+    require_columns(points, 3, "points");
+    std::vector<Eigen::Vector3d> all;
+    for (std::size_t i = 0; i < points.shape(0); ++i)
+      all.emplace_back(Eigen::Map<const Eigen::Vector3d>(points.data() + 3 * i));
+    const nb::gil_scoped_release unlocked;
+    return max_symmetric_surface_distance(estimate, truth, all, group);
+  });
+  m.def("symmetric_pose_error",
+        [](const SE3d& estimate, const SE3d& truth, const SymmetryGroup& group, double length_m) {
+          const SymmetricPoseError error = symmetric_pose_error(estimate, truth, group, length_m);
+          return nb::make_tuple(error.rotation_rad, error.translation_m);
+        });
+}
+
+}  // namespace
+
+void bind_symmetry(nb::module_& m) {
+  bind_axis(m);
+  bind_group(m);
+  bind_errors_of_symmetric(m);
+}
+
+}  // namespace posemix::python

@@ -1,0 +1,265 @@
+# SPDX-License-Identifier: MIT
+# SPDX-FileCopyrightText: posemix contributors
+"""Files: round trips, and runs that equal those of the program."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import os
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import posemix as pm
+import pytest
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+
+
+def program() -> str:
+    path = os.environ.get("POSEMIX_PROGRAM")
+    if not path:
+        pytest.skip("POSEMIX_PROGRAM, the path of the program, is not set")
+    return path
+
+
+def data() -> Path:
+    path = Path(os.environ.get("POSEMIX_DATA", "../shared/data"))
+    if not path.is_dir():
+        pytest.skip(f"no data in {path}; POSEMIX_DATA names the folder")
+    return path
+
+
+@pytest.fixture(scope="module")
+def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A simulated recording as files."""
+    folder = tmp_path_factory.mktemp("simulated") / "recording"
+    file = pm.read_simulation(CONFIGS / "demo.toml", ["camera.frames=210"])
+    pm.write_simulation(folder, file, pm.simulate(file.config, seed=1), seed=1)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def plain_recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The same without settings of the filter."""
+    folder = tmp_path_factory.mktemp("simulated") / "plain"
+    file = pm.read_simulation(CONFIGS / "demo.toml", ["camera.frames=210"])
+    file = dataclasses.replace(file, filter=[])
+    pm.write_simulation(folder, file, pm.simulate(file.config, seed=2), seed=2)
+    return folder
+
+
+def without_timing(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {k: without_timing(v) for k, v in value.items() if "_us" not in k and "timing" not in k}
+    return [without_timing(v) for v in value] if isinstance(value, list) else value
+
+
+def assert_same_results(a: Path, b: Path) -> None:
+    names = sorted(p.name for p in a.iterdir())
+    assert names == sorted(p.name for p in b.iterdir()) and "camera.tum" in names
+    for name in names:
+        if name.endswith(".tum"):
+            assert (a / name).read_bytes() == (b / name).read_bytes(), name
+        elif name.endswith(".json"):
+            ours, theirs = (without_timing(json.loads((p / name).read_text())) for p in (a, b))
+            assert ours == theirs, name
+
+
+@pytest.mark.parametrize(
+    "overrides",
+    [[], ["filter.smooth=full"], ["filter.method=gm-iekf"], ["filter.method=riekf"], ["filter.method=rbpf"]],
+    ids=["default", "smoothed", "gm-iekf", "riekf", "particles"],
+)
+def test_a_job_gives_what_the_program_gives(
+    plain_recording: Path, tmp_path: Path, overrides: list[str]
+) -> None:
+    job = pm.read_slam_job(plain_recording / "sequence.toml", overrides=overrides)
+    run = pm.run(job)
+    pm.write_results(tmp_path / "python", job, run)
+    sets = [word for override in overrides for word in ("--set", override)]
+    command = [program(), "slam", plain_recording / "sequence.toml", *sets, "--quiet", "--out", tmp_path / "cpp"]
+    subprocess.run([str(word) for word in command], check=True)
+    assert_same_results(tmp_path / "cpp", tmp_path / "python")
+
+
+def test_a_simulation_gives_what_the_program_gives(recording: Path, tmp_path: Path) -> None:
+    short = ["--set", "camera.frames=210", "--seed", "1", "--quiet"]
+    command = [program(), "simulate", str(CONFIGS / "demo.toml"), *short, "--out", str(tmp_path / "cpp")]
+    subprocess.run(command, check=True)
+    for file in sorted((tmp_path / "cpp").iterdir()):
+        assert file.read_bytes() == (recording / file.name).read_bytes(), file.name
+
+
+def test_recorded_data_gives_what_the_program_gives(tmp_path: Path) -> None:
+    folder = data()
+    config = CONFIGS / "ycbv-0022.toml"
+    job = pm.read_slam_job(config, data=folder)
+    run = pm.run(job)
+    metrics = pm.evaluate(job, run)
+    command = [program(), "slam", config, "--data", folder, "--quiet", "--json", "--out", tmp_path / "cpp"]
+    subprocess.run([str(word) for word in command], check=True, stdout=subprocess.DEVNULL)
+    theirs = json.loads((tmp_path / "cpp" / "metrics.json").read_text())
+    assert metrics.frames == theirs["frames"] == len(run)
+    trajectory = pm.read_tum(tmp_path / "cpp" / "camera.tum")
+    assert trajectory.poses.is_approx(run.camera.poses, 1e-9)
+    posterior = pm.read_posterior(tmp_path / "cpp" / "posterior.json")
+    assert posterior.mixture == run.posterior
+    assert [p.name for p in posterior.poses][0] == "camera"
+
+
+def test_a_job_is_open(recording: Path) -> None:
+    job = pm.read_slam_job(recording / "sequence.toml", overrides=["output.trace_hypotheses=0"])
+    assert repr(job.sequence).startswith("<Sequence of 210 frames")
+    whole = pm.run(job)
+    parts = pm.run(job.sequence, job.camera_prior, job.models, job.settings)
+    assert whole.posterior == parts.posterior
+    assert whole[-1].alternatives == []
+    settings = pm.ObjectSlamSettings(motion=job.settings.motion, kind=pm.SlamFilter.gaussian_sum)
+    other = pm.run(dataclasses.replace(job, settings=settings))
+    assert other.posterior != whole.posterior
+    assert len(pm.run(job, progress=lambda done, total: done < 5)) == 5
+
+
+def test_errors_name_the_file(recording: Path, tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="missing.toml"):
+        pm.read_slam_job(tmp_path / "missing.toml")
+    with pytest.raises(ValueError, match="--set filter.methd=x"):
+        pm.read_slam_job(recording / "sequence.toml", overrides=["filter.methd=x"])
+    bad = tmp_path / "bad.tum"
+    bad.write_text("0 1 2 3 0 0 0 1\n1 1 2 x 0 0 0 1\n")
+    with pytest.raises(ValueError, match="bad.tum:2:"):
+        pm.read_tum(bad)
+    job = pm.read_slam_job(recording / "sequence.toml")
+    with pytest.raises(OSError, match="bad.tum"):
+        pm.write_results(bad, job, pm.run(job))
+
+
+def test_trajectories(tmp_path: Path) -> None:
+    rng = np.random.default_rng(1)
+    poses = pm.with_misses(pm.SE3.exp(rng.normal(size=(4, 6))), [True, False, True, True])
+    pm.write_tum(tmp_path / "a.tum", [0, 0.5, 1.0, 1.5], poses)
+    assert pm.read_tum(tmp_path / "a.tum").stamps.tolist() == [0, 1.0, 1.5]
+    pm.write_tum(tmp_path / "b.tum", [0, 0.5, 1.0, 1.5], poses, misses_as_zeros=True)
+    again = pm.read_tum(tmp_path / "b.tum", allow_misses=True)
+    assert len(again) == 4 and pm.is_known(again.poses).tolist() == [True, False, True, True]
+    np.testing.assert_allclose(again.poses._data, poses._data, atol=1e-11)
+    with pytest.raises(ValueError, match="2 stamps and 4 poses"):
+        pm.write_tum(tmp_path / "c.tum", [0, 1], poses)
+
+
+@pytest.mark.parametrize("kind", ["concentrated", "projected"])
+def test_mixtures(tmp_path: Path, kind: str) -> None:
+    poses = pm.SE3.exp(np.random.default_rng(2).normal(size=(3, 6)))
+    covariance = np.diag([0.01, 0.02, 0.03, 1e-4, 2e-4, 3e-4])
+    make: Any = pm.ConcentratedGaussian if kind == "concentrated" else pm.ProjectedGaussian.at_mean
+    mixture = pm.Mixture([make(pose, covariance) for pose in poses], [0.5, 0.3, 0.2])
+    pm.write_mixture(tmp_path / "m.json", mixture, "camera", "mug")
+    file = pm.read_mixture(tmp_path / "m.json")
+    assert (file.from_frame, file.to_frame) == ("camera", "mug")
+    assert file.mixture == mixture
+    other = pm.MixtureConvention(order=pm.TangentOrder.translation_rotation, length=pm.LengthUnit.mm)
+    pm.write_mixture(tmp_path / "n.json", mixture, "camera", "mug", other)
+    again = pm.read_mixture(tmp_path / "n.json").mixture
+    np.testing.assert_allclose(again.covariances, mixture.covariances, rtol=1e-12)
+    with pytest.raises(ValueError, match="frame|name"):
+        pm.write_mixture(tmp_path / "m.json", mixture, "two words", "mug")
+
+
+def test_a_right_side_covariance_is_carried_over(tmp_path: Path) -> None:
+    pose = pm.SE3(pm.SO3.exp([0.3, -0.2, 0.5]), [0.4, 0.1, 0.9])
+    body = np.diag([0.01, 0.02, 0.03, 1e-4, 2e-4, 3e-4])
+    adjoint = pose.adjoint()
+    mixture = pm.Mixture([pm.ConcentratedGaussian(pose, adjoint @ body @ adjoint.T)])
+    pm.write_mixture(tmp_path / "m.json", mixture, "a", "b", pm.MixtureConvention(side=pm.Side.right))
+    text = json.dumps(json.loads((tmp_path / "m.json").read_text()))
+    assert '"right"' in text
+    again = pm.read_mixture(tmp_path / "m.json").mixture
+    np.testing.assert_allclose(again[0].body_covariance, body, atol=1e-12)
+
+
+def test_posteriors(tmp_path: Path) -> None:
+    joint = pm.ConcentratedGaussian(pm.SE3.identity((2,)), np.eye(12))
+    names = [pm.NamedPose("camera", pm.PoseKind.camera), pm.NamedPose("mug", pm.PoseKind.object)]
+    file = pm.PosteriorFile("by hand", 1.5, names, pm.Mixture([joint]))
+    pm.write_posterior(tmp_path / "posterior.json", file)
+    assert pm.read_posterior(tmp_path / "posterior.json") == file
+    with pytest.raises(ValueError, match="names|poses"):
+        pm.write_posterior(tmp_path / "p.json", pm.PosteriorFile("", 0.0, names[:1], file.mixture))
+
+
+@pytest.mark.parametrize("name", ["poses.csv", "poses.npy", "poses.tum"])
+def test_pose_samples(tmp_path: Path, name: str) -> None:
+    poses = pm.SE3.exp(np.random.default_rng(3).normal(size=(5, 6)))
+    pm.write_poses(tmp_path / name, poses)
+    samples = pm.read_pose_samples(tmp_path / name)
+    assert samples.poses.is_approx(poses, 1e-11) and samples.weights is None
+    with pytest.raises(ValueError, match="expected a name in .csv"):
+        pm.write_poses(tmp_path / "poses.xml", poses)
+
+
+def test_weights_and_residuals_of_csv(tmp_path: Path) -> None:
+    columns = [f"{p}_{c}" for p in ("est", "gt") for c in ("tx", "ty", "tz", "qx", "qy", "qz", "qw")]
+    rng = np.random.default_rng(4)
+    estimate, truth = pm.SE3.exp(rng.normal(size=(3, 6))), pm.SE3.exp(rng.normal(size=(3, 6)))
+    rows = np.hstack([estimate.to_tq(), truth.to_tq(), [[1.0], [2], [3]]])
+    path = tmp_path / "pairs.csv"
+    np.savetxt(path, rows, delimiter=",", header=",".join([*columns, "weight"]), comments="", fmt="%.17g")
+    right = pm.read_pose_samples(path, residuals=pm.Side.right)
+    assert right.poses.is_approx(truth.inverse() * estimate, 1e-12)
+    assert right.weights is not None and right.weights.tolist() == [1, 2, 3]
+    left = pm.read_pose_samples(path, residuals=pm.Side.left)
+    assert left.poses.is_approx(estimate * truth.inverse(), 1e-12)
+
+
+def test_object_poses(tmp_path: Path) -> None:
+    poses = {"mug": pm.SE3(translation=[1.0, 0, 0]), "box": pm.SE3(pm.SO3.exp([0.1, 0, 0]))}
+    pm.write_object_poses(tmp_path / "objects.txt", poses)
+    again = pm.read_object_poses(tmp_path / "objects.txt")
+    assert set(again) == set(poses)
+    assert all(again[id].is_approx(poses[id], 1e-11) for id in poses)
+
+
+def test_bop(tmp_path: Path) -> None:
+    turn = pm.SO3.exp([0.1, 0.2, 0.3])
+    numbers = " ".join(f"{v:.17g}" for v in turn.matrix().reshape(-1))
+    (tmp_path / "results.csv").write_text(
+        "scene_id,im_id,obj_id,score,R,t,time\n"
+        f"1,7,5,0.9,{numbers},10 20 800,0.1\n"
+        f"1,8,5,0.8,{numbers},11 20 800,0.1\n"
+    )
+    rows = pm.read_bop_rows(tmp_path / "results.csv")
+    assert len(rows) == 2 and rows.image.tolist() == [7, 8] and rows.score.tolist() == [0.9, 0.8]
+    assert rows.poses[0].is_approx(pm.SE3(turn, [0.01, 0.02, 0.8]), 1e-9)
+    models = {
+        "3": {
+            "diameter": 100.0, "min_x": -10, "min_y": -20, "min_z": -30, "size_x": 20, "size_y": 40, "size_z": 60,
+            "symmetries_discrete": [[-1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]],
+        }
+    }  # fmt: skip
+    (tmp_path / "models_info.json").write_text(json.dumps(models))
+    model = pm.read_bop_models(tmp_path / "models_info.json")[3]
+    assert model.diameter_m == pytest.approx(0.1)
+    assert model.symmetries == pm.SymmetryGroup.from_bop(models["3"])
+    assert model.box is not None
+    np.testing.assert_allclose(model.box.corners().max(axis=0), [0.01, 0.02, 0.03])
+    assert pm.read_bop_model(tmp_path / "models_info.json", 3).symmetries == model.symmetries
+    assert pm.read_symmetry_file(tmp_path / "models_info.json")[3] == model.symmetries
+    with pytest.raises(ValueError, match="results.csv:2"):
+        text = (tmp_path / "results.csv").read_text().replace("0.9,", "high,")
+        (tmp_path / "results.csv").write_text(text)
+        pm.read_bop_rows(tmp_path / "results.csv")
+
+
+def test_grasp_outcomes(tmp_path: Path) -> None:
+    poses = [f"{p}_{c}" for p in ("est", "gt") for c in ("tx", "ty", "tz", "qx", "qy", "qz", "qw")]
+    header = ",".join(["scene_id", "im_id", "obj_id", "score", *poses, "grasp_wide"])
+    row = "1,2,3,0.5,0,0,1,0,0,0,1,0,0,1.1,0,0,0,1,"
+    (tmp_path / "set_net.csv").write_text(f"{header}\n{row}1\n{row.replace('1,2,', '1,3,', 1)}\n")
+    outcomes = pm.read_grasp_outcomes(tmp_path)
+    assert outcomes.grippers == ["wide"]
+    assert [t.outcomes for t in outcomes.trials] == [[True], [None]]
+    assert outcomes.trials[0].estimator == "net" and outcomes.trials[1].image == 3
+    assert outcomes.truths.translation[:, 2].tolist() == [1.1, 1.1]
