@@ -25,6 +25,10 @@ add_library(Random123::Random123 ALIAS posemix_random123)
 
 if(POSEMIX_BUILD_PROGRAM)
   find_package(CLI11 2.1 REQUIRED)
+  # `posemix data` fetches, checks and unpacks.
+  find_package(CURL 7.85 REQUIRED)
+  find_package(OpenSSL 3.0 REQUIRED COMPONENTS Crypto)
+  find_package(LibArchive 3.6 REQUIRED)
 endif()
 if(POSEMIX_BUILD_TESTS)
   find_package(GTest 1.12 REQUIRED)
