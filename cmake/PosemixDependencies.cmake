@@ -17,6 +17,13 @@ if(POSEMIX_MPI)
   set(POSEMIX_WITH_MPI ${MPI_CXX_FOUND})
 endif()
 
+# MatIO::MatIO, for YCB-Video folders.
+set(POSEMIX_WITH_MATIO OFF)
+if(POSEMIX_MATIO)
+  find_package(MatIO 1.5)
+  set(POSEMIX_WITH_MATIO ${MatIO_FOUND})
+endif()
+
 find_path(RANDOM123_INCLUDE_DIR Random123/philox.h REQUIRED)
 mark_as_advanced(RANDOM123_INCLUDE_DIR)
 add_library(posemix_random123 INTERFACE)

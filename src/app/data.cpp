@@ -121,6 +121,7 @@ void add_data_verb(CLI::App& program, std::function<int()>& action) {
   add_data_list_verb(*verb, action);
   add_data_fetch_verb(*verb, action);
   add_data_verify_verb(*verb, action);
+  add_data_sequence_verb(*verb, action);
 }
 
 }  // namespace posemix

@@ -18,5 +18,6 @@ void add_data_verb(CLI::App& program, std::function<int()>& action);
 void add_data_list_verb(CLI::App& data, std::function<int()>& action);
 void add_data_fetch_verb(CLI::App& data, std::function<int()>& action);
 void add_data_verify_verb(CLI::App& data, std::function<int()>& action);
+void add_data_sequence_verb(CLI::App& data, std::function<int()>& action);
 
 }  // namespace posemix

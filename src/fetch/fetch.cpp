@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cstdio>
 #include <cstring>
+#include <exception>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -71,7 +72,7 @@ class Fetch {
         if (std::chrono::steady_clock::now() >= next_lock_) write_lock();
       }
     } catch (...) {
-      write_lock();
+      note_what_came();
       throw;
     }
     write_lock();
@@ -99,6 +100,15 @@ class Fetch {
   void write_lock() {
     next_lock_ = std::chrono::steady_clock::now() + kLockPeriod;
     if (!lock_.files.empty()) write_output_file(folder_ / kLockFileName, format_lock_file(lock_));
+  }
+
+  /// After an error, which is the one to tell, of a full disk too.
+  void note_what_came() noexcept {
+    try {
+      write_lock();
+    } catch (const std::exception&) {
+      // Files that are not noted are compared again.
+    }
   }
 
   /// The host's own statement. Nothing where it was stopped.
