@@ -104,7 +104,9 @@ LockFile parse_lock_file(std::string_view text, const std::string& name) {
   LockFile lock{root.member("source").string(), root.member("revision").string(), {}};
   const LockValue files = root.member("files");
   for (const auto& [path, entry] : files.object().items()) {
-    if (!is_inner_path(path)) files.fail("paths below the folder");
+    if (!is_inner_path(path))
+      throw InvalidInput(fmt::format("{}: files: got the path {}, expected one below the folder",
+                                     name, in_quotes(path, 200)));
     lock.files[path] = read_entry(LockValue(entry, fmt::format("{}: files: {}", name, path)));
   }
   return lock;

@@ -39,8 +39,9 @@ TEST(Sources, BuiltInOnesNameHttpsAndHaveAHashForEveryFile) {
 
 TEST(Sources, HashesAreThoseOfTheFilesOnThisMachine) {
   POSEMIX_REQUIRE_DATA();
+  const std::vector<DataSource> sources = built_in_sources();
   for (const char* name : {"midway", "slam-super-6d"}) {
-    for (const SourceFile& file : find_source(built_in_sources(), name).files) {
+    for (const SourceFile& file : find_source(sources, name).files) {
       const auto content = content_of_file(*testing::data_dir() / name / file.path);
       ASSERT_EQ(content->sha256, file.sha256) << file.path;
     }
@@ -94,7 +95,8 @@ TEST(LockFiles, ReadBackAndRefuseWhatIsWrong) {
   };
   EXPECT_EQ(error("\"size\": 3", "\"size\": -3"),
             "l: files: a/b: size: got \"-3\", expected a number of bytes");
-  EXPECT_EQ(error("\"a/b\"", "\"../b\""), error("\"a/b\"", "\"/b\""));
+  EXPECT_EQ(error("\"a/b\"", "\"../b\""),
+            "l: files: got the path \"../b\", expected one below the folder");
   EXPECT_NE(error("\"pinned\"", "\"loose\"").find("expected pinned, published or none"),
             std::string::npos);
   EXPECT_NE(error("\"schema\": 1", "\"schema\": 2").find("l: schema: got"), std::string::npos);

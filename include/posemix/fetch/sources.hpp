@@ -61,6 +61,7 @@ std::vector<DataSource> built_in_sources();
 
 /// The source of that name. @throws InvalidInput that lists the names
 const DataSource& find_source(const std::vector<DataSource>& sources, std::string_view name);
+const DataSource& find_source(std::vector<DataSource>&& sources, std::string_view name) = delete;
 
 /// True for 64 lower-case hexadecimal digits.
 bool is_sha256(std::string_view text);
