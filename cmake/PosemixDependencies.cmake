@@ -18,6 +18,13 @@ if(POSEMIX_MPI)
   set(POSEMIX_WITH_MPI ${MPI_CXX_FOUND})
 endif()
 
+# MatIO::MatIO, for YCB-Video folders.
+set(POSEMIX_WITH_MATIO OFF)
+if(POSEMIX_MATIO)
+  find_package(MatIO 1.5)
+  set(POSEMIX_WITH_MATIO ${MatIO_FOUND})
+endif()
+
 find_path(RANDOM123_INCLUDE_DIR Random123/philox.h REQUIRED)
 mark_as_advanced(RANDOM123_INCLUDE_DIR)
 add_library(posemix_random123 INTERFACE)
@@ -26,6 +33,10 @@ add_library(Random123::Random123 ALIAS posemix_random123)
 
 if(POSEMIX_BUILD_PROGRAM)
   find_package(CLI11 2.1 REQUIRED)
+  # `posemix data` fetches, checks and unpacks.
+  find_package(CURL 7.85 REQUIRED)
+  find_package(OpenSSL 3.0 REQUIRED COMPONENTS Crypto)
+  find_package(LibArchive 3.6 REQUIRED)
 endif()
 if(POSEMIX_BUILD_TESTS)
   find_package(GTest 1.12 REQUIRED)

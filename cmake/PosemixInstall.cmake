@@ -5,7 +5,7 @@ include(CMakePackageConfigHelpers)
 get_property(posemix_rooms GLOBAL PROPERTY POSEMIX_EXPORTED_ROOMS)
 
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/include/posemix" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}"
-  FILES_MATCHING PATTERN "*.hpp" PATTERN "app" EXCLUDE)
+  FILES_MATCHING PATTERN "*.hpp" PATTERN "app" EXCLUDE PATTERN "fetch" EXCLUDE)
 install(TARGETS ${posemix_rooms} posemix_umbrella EXPORT posemix-targets)
 install(EXPORT posemix-targets NAMESPACE posemix:: DESTINATION "${POSEMIX_CMAKE_DIR}")
 install(TARGETS posemix_testing EXPORT posemix-testing-targets)
@@ -16,4 +16,4 @@ configure_package_config_file("${CMAKE_CURRENT_LIST_DIR}/posemix-config.cmake.in
 write_basic_package_version_file("${PROJECT_BINARY_DIR}/posemix-config-version.cmake"
   COMPATIBILITY SameMinorVersion)
 install(FILES "${PROJECT_BINARY_DIR}/posemix-config.cmake"
-  "${PROJECT_BINARY_DIR}/posemix-config-version.cmake" DESTINATION "${POSEMIX_CMAKE_DIR}")
+  "${PROJECT_BINARY_DIR}/posemix-config-version.cmake" "${CMAKE_CURRENT_LIST_DIR}/FindMatIO.cmake" DESTINATION "${POSEMIX_CMAKE_DIR}")

@@ -13,7 +13,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-ROOMS = ("base", "lie", "density", "mixture", "divergence", "reduction", "filter", "slam", "grasp", "io", "study", "app")
+ROOMS = ("base", "lie", "density", "mixture", "divergence", "reduction", "filter", "slam", "grasp", "io", "study", "fetch", "app")
 LIBRARY_TREES = ("src", "include")
 ROOM_TREES = ("src", "tests", "bench")
 CPP_SUFFIXES = (".hpp", ".cpp")

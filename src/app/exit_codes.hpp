@@ -10,6 +10,7 @@ inline constexpr int kExitInternal = 1;  ///< an error of the program itself
 inline constexpr int kExitUsage = 2;     ///< the command line
 inline constexpr int kExitInput = 3;     ///< an input file, or a value in it
 inline constexpr int kExitOutput = 4;    ///< a file or the standard output that cannot be written
+inline constexpr int kExitNetwork = 5;   ///< a server, or the way to it
 inline constexpr int kExitSignal = 128;  ///< plus the number of the signal: 130 for an interrupt
 
 }  // namespace posemix

@@ -28,6 +28,8 @@ InterruptGuard::~InterruptGuard() {
 
 bool InterruptGuard::interrupted() const { return noted_signal != 0; }
 
+int InterruptGuard::signal() const { return noted_signal; }
+
 void InterruptGuard::check() const {
   if (interrupted()) throw Interrupted(noted_signal);
 }

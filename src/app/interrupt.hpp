@@ -4,13 +4,15 @@
 
 #include <csignal>
 #include <stdexcept>
+#include <string>
 
 namespace posemix {
 
 /// The user or the system asked the program to stop.
 class Interrupted : public std::runtime_error {
  public:
-  explicit Interrupted(int signal) : std::runtime_error("interrupted"), signal_(signal) {}
+  explicit Interrupted(int signal, const std::string& message = "interrupted")
+      : std::runtime_error(message), signal_(signal) {}
   int signal() const { return signal_; }
 
  private:
@@ -27,6 +29,8 @@ class InterruptGuard {
   InterruptGuard& operator=(const InterruptGuard&) = delete;
 
   bool interrupted() const;
+  /// The signal; zero where none came.
+  int signal() const;
   /// Throws Interrupted after a signal.
   void check() const;
 

@@ -14,10 +14,12 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include "data.hpp"
 #include "exit_codes.hpp"
 #include "interrupt.hpp"
 #include "mixture_verbs.hpp"
 #include "posemix/base/error.hpp"
+#include "posemix/fetch/download.hpp"
 #include "posemix/io/output_folder.hpp"
 #include "report.hpp"
 #include "simulate.hpp"
@@ -48,6 +50,8 @@ int guarded(const std::function<int()>& action) {
     return kExitSignal + SIGPIPE;
   } catch (const OutputError& error) {
     return fail(error.what(), kExitOutput);
+  } catch (const NetworkError& error) {
+    return fail(error.what(), kExitNetwork);
   } catch (const Interrupted& error) {
     return fail(error.what(), kExitSignal + error.signal());
   } catch (const std::bad_alloc&) {
@@ -65,7 +69,8 @@ void describe(CLI::App& program) {
   program.set_version_flag("--version", "posemix " POSEMIX_VERSION);
   program.footer(
       "Exit codes: 0 done, 1 internal error, 2 wrong usage, 3 bad input file or value,\n"
-      "4 output cannot be written, 130 interrupted, 141 nobody reads the output any more.\n"
+      "4 output cannot be written, 5 network, 130 interrupted, 141 nobody reads the output any "
+      "more.\n"
       "\n"
       "Example: posemix simulate configs/demo.toml --seed 1 --out out/sequence\n"
       "         posemix slam out/sequence/sequence.toml --out out/results\n"
@@ -107,6 +112,7 @@ int run_program(int argc, const char* const* argv) {
     add_simulate_verb(program, action);
     add_study_verb(program, action);
     add_report_verb(program, action);
+    add_data_verb(program, action);
     for (const auto& add : kMixtureVerbs) add(program, action);
     program.parse(argc, argv);
   } catch (const CLI::ParseError& reason) {

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include <set>
+
 #include <fmt/format.h>
 
 #include "posemix/base/error.hpp"
@@ -61,6 +63,23 @@ SE3d read_start_pose(const TomlTable& start, const Poses& camera_truth) {
   return *camera_truth.front();
 }
 
+/// The camera poses of a dataset's scene; the scene's frames are those of all its images.
+NumberedScene read_scene_truth(const TomlTable& truth, const FileFinder& files,
+                               const SE3d& lever_arm) {
+  const DatasetScene& scene = files.scene(truth);
+  const auto poses = located(truth, truth.has("bop_dataset") ? "bop_dataset" : "ycb_video",
+                             [&] { return scene.camera_poses(); });
+  const std::set<std::int64_t> images = scene.image_ids();
+  const std::int64_t first = read_first_frame(truth, scene.name, *images.begin());
+  NumberedScene result{scene.name, {}};
+  for (const std::int64_t image : images) {
+    const auto pose = poses.find(image);
+    result.poses[image - first] =
+        pose == poses.end() ? std::nullopt : std::optional(pose->second * lever_arm);
+  }
+  return result;
+}
+
 }  // namespace
 
 CameraFiles read_camera_files(const TomlTable& root, const FileFinder& files) {
@@ -72,7 +91,9 @@ CameraFiles read_camera_files(const TomlTable& root, const FileFinder& files) {
     result.odometry = read_stamped(*camera, "odometry", files, {.allow_misses = true});
   }
   const SE3d lever_arm(SO3d(), read_lever_arm(root, *camera));
-  if (camera->has("ground_truth")) {
+  if (camera->is_table("ground_truth")) {
+    result.scene_truth = read_scene_truth(camera->get_table("ground_truth"), files, lever_arm);
+  } else if (camera->has("ground_truth")) {
     result.truth = read_stamped(*camera, "ground_truth", files);
     for (StampedPose& frame : result.truth->poses) frame.pose = *frame.pose * lever_arm;
   }

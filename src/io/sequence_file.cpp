@@ -69,56 +69,39 @@ ObjectModel read_model(const TomlTable& object, const FileFinder& files, std::se
   std::optional<Matrix6d> start;
   if (const auto table = object.find_table("start")) start = read_pose_covariance(*table);
   return {std::move(id), built_in ? default_detector_noise() : found->second, start,
-          read_object_symmetries(object, files)};
+          read_object_symmetries(object, files), object.get_string_or("class", "")};
 }
 
-/// Stamps of the odometry, else of the camera's truth, else of all stamped detections, else frame
-/// numbers.
-Timeline make_timeline(const CameraFiles& camera, const std::vector<DetectionFile>& detections) {
-  std::set<double> stamps;
-  const auto add = [&](const std::vector<StampedPose>& poses) {
-    for (const StampedPose& pose : poses) stamps.insert(pose.stamp);
-  };
-  std::string source = "the detections";
-  if (camera.odometry) {
-    source = camera.odometry->name;
-    add(camera.odometry->poses);
-  } else if (camera.truth) {
-    source = camera.truth->name;
-    add(camera.truth->poses);
-  } else {
-    for (const DetectionFile& file : detections) {
-      if (file.stamped) add(*file.stamped);
-    }
-  }
-  if (!stamps.empty()) return Timeline({stamps.begin(), stamps.end()}, std::move(source));
-  std::set<std::int64_t> numbers;
-  for (const DetectionFile& file : detections) {
-    for (const auto& [number, pose] : file.numbered) numbers.insert(number);
-  }
-  return Timeline(std::vector<std::int64_t>(numbers.begin(), numbers.end()), camera.frame_period_s);
+std::vector<std::string> ids_of(const std::vector<ObjectModel>& models) {
+  std::vector<std::string> ids;
+  for (const ObjectModel& model : models) ids.push_back(model.id);
+  return ids;
 }
 
-void read_recordings(const TomlTable& root, const FileFinder& files, const CameraFiles& camera,
-                     SlamJob& job) {
+/// Candidates are of the classes of objects, and the other way round.
+void check_classes(const TomlTable& root, const SlamJob& job, bool multi_object) {
+  std::set<std::string> named;
+  for (const TomlTable& table : root.find_tables("candidates")) {
+    named.insert(table.get_string("class"));
+    if (!multi_object)
+      table.fail("class",
+                 "is for filter.method = \"multi_object\" alone: no other filter tells "
+                 "the instances of a class apart");
+  }
+  std::set<std::string> classes;
   const std::vector<TomlTable> objects = root.get_tables("objects");
-  std::vector<DetectionFile> detections;
-  detections.reserve(objects.size());
-  for (const TomlTable& object : objects) detections.push_back(read_detections(object, files));
-  const Timeline timeline = make_timeline(camera, detections);
-  Sequence& sequence = job.sequence;
-  sequence.stamps = timeline.stamps();
-  if (camera.odometry) sequence.odometry = timeline.select(*camera.odometry);
-  if (camera.truth) sequence.camera_truth = timeline.select(*camera.truth);
   for (std::size_t i = 0; i < objects.size(); ++i) {
-    ObjectRecording recording;
-    recording.id = job.models[i].id;
-    recording.detections =
-        located(objects[i], "detections", [&] { return detections[i].on(timeline); });
-    read_object_truth(objects[i], files, timeline, recording);
-    sequence.objects.push_back(std::move(recording));
+    const std::string& name = job.models[i].class_id;
+    classes.insert(name);
+    if (objects[i].has("class") && !named.contains(name))
+      objects[i].fail("class", fmt::format("is {}, but no table [[candidates]] has that class",
+                                           in_quotes(name)));
   }
-  validate(sequence);
+  for (const TomlTable& table : root.find_tables("candidates")) {
+    const std::string name = table.get_string("class");
+    if (name.empty() || !classes.contains(name))
+      table.fail("class", fmt::format("is {}, but no object has that class", in_quotes(name)));
+  }
 }
 
 /// Joint use needs detectors with the same number of noise components and the same weights.
@@ -201,10 +184,12 @@ SlamJob read_slam_job(const TomlDocument& document,
               .camera_prior = PoseDensity(SE3d(), Matrix6d::Identity()),
               .models = std::move(models),
               .settings = {}};
-  read_recordings(root, files, camera, job);
+  job.sequence = read_recordings(root, files, camera, ids_of(job.models));
   job.camera_prior = read_camera_prior(root, job.sequence.camera_truth);
   job.settings.motion = read_motion(root, camera.odometry.has_value());
-  use_method(root, read_filter(root), job);
+  const MethodSettings method = read_filter(root);
+  check_classes(root, job, method.method == FilterMethod::multi_object);
+  use_method(root, method, job);
   if (const auto output = root.find_table("output")) {
     job.trace_hypotheses = static_cast<std::size_t>(
         output->get_integer_or("trace_hypotheses", kTraceHypotheses, kAtLeastZero));

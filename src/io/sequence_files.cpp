@@ -89,6 +89,32 @@ fs::path FileFinder::find(const TomlTable& table, std::string_view key) const {
                               in_quotes(named.string(), 200), fmt::join(places, ", ")));
 }
 
+const DatasetScene& FileFinder::scene(const TomlTable& table) const {
+  const bool bop = table.has("bop_dataset");
+  const fs::path dataset = find(table, bop ? "bop_dataset" : "ycb_video");
+  const std::string part =
+      bop ? table.get_string_or("split", "test") : table.get_string("sequence");
+  const std::int64_t number = bop ? table.get_integer("scene", kAtLeastZero) : 0;
+  const bool inside = !part.empty() && part.find("..") == std::string::npos && part[0] != '/';
+  if (!inside) table.fail(bop ? "split" : "sequence", "is no name of a folder");
+  const std::string key = fmt::format("{}\n{}\n{}", dataset.string(), part, number);
+  const auto known = scenes_->find(key);
+  if (known != scenes_->end()) return known->second;
+  return scenes_
+      ->emplace(key, located(table, bop ? "bop_dataset" : "ycb_video",
+                             [&] {
+                               return bop ? read_bop_scene(dataset, part, number)
+                                          : read_ycb_video_scene(dataset, part);
+                             }))
+      .first->second;
+}
+
+std::int64_t read_first_frame(const TomlTable& table, const std::string& name, std::int64_t least) {
+  const std::int64_t first = table.get_integer_or("first_frame", 1, kAtLeastZero);
+  if (least >= first) return first;
+  table.fail("first_frame", fmt::format("is {}, but {} has frame {}", first, name, least));
+}
+
 void check_position(const SE3d& pose, std::string_view where) {
   const double farthest = pose.translation().cwiseAbs().maxCoeff();
   if (farthest <= kPosition.highest) return;
@@ -113,11 +139,11 @@ StampedFile read_stamped(const TomlTable& table, std::string_view key, const Fil
 Timeline::Timeline(std::vector<double> stamps, std::string source)
     : stamps_(std::move(stamps)), tolerance_(tolerance_of(stamps_)), source_(std::move(source)) {}
 
-Timeline::Timeline(std::vector<std::int64_t> numbers, double period_s)
+Timeline::Timeline(std::vector<std::int64_t> numbers, double period_s, std::string source)
     : stamps_(stamps_of(numbers, period_s)),
       numbers_(std::move(numbers)),
       tolerance_(tolerance_of(stamps_)),
-      source_("the detections") {}
+      source_(std::move(source)) {}
 
 std::optional<std::size_t> Timeline::at_stamp(double stamp) const {
   const auto after = std::lower_bound(stamps_.begin(), stamps_.end(), stamp);

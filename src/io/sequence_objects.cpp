@@ -18,6 +18,8 @@
 namespace posemix {
 namespace {
 
+constexpr std::int64_t kHighest = std::numeric_limits<std::int64_t>::max();
+
 /// The one of the keys that the table has; throws where it has none or several.
 std::string_view the_one_of(const TomlTable& object, std::string_view key,
                             std::initializer_list<std::string_view> choices) {
@@ -34,14 +36,11 @@ std::string_view the_one_of(const TomlTable& object, std::string_view key,
                                count == 0 ? "none" : "several", fmt::join(choices, ", ")));
 }
 
-/// Frame numbers counted from zero; the table's key `first_frame` is the number of the first frame.
+/// Frame numbers counted from zero.
 std::map<std::int64_t, SE3d> from_first_frame(const TomlTable& table, const std::string& name,
-                                              std::map<std::int64_t, SE3d> poses) {
-  const std::int64_t first = table.get_integer_or("first_frame", 1, kAtLeastZero);
-  if (!poses.empty() && poses.begin()->first < first) {
-    table.fail("first_frame",
-               fmt::format("is {}, but {} has frame {}", first, name, poses.begin()->first));
-  }
+                                              const std::map<std::int64_t, SE3d>& poses) {
+  const std::int64_t least = poses.empty() ? kHighest : poses.begin()->first;
+  const std::int64_t first = read_first_frame(table, name, least);
   std::map<std::int64_t, SE3d> shifted;
   for (const auto& [number, pose] : poses) {
     check_position(pose, fmt::format("{}: frame {}", name, number));
@@ -103,6 +102,39 @@ Poses read_table_truth(const TomlTable& truth, const FileFinder& files, const Ti
   return poses;
 }
 
+/// Truth of the images of a dataset's scene; those that are no frames are left out.
+Poses read_scene_objects(const TomlTable& truth, std::string_view kind, const FileFinder& files,
+                         const Timeline& timeline) {
+  const DatasetScene& scene = files.scene(truth);
+  const std::int64_t object = truth.get_integer("object", kAtLeastZero);
+  std::optional<std::size_t> instance;
+  if (truth.has("instance"))
+    instance = static_cast<std::size_t>(truth.get_integer("instance", kAtLeastZero));
+  const auto found = located(truth, kind, [&] { return scene.poses_of(object, instance); });
+  Poses poses(timeline.size());
+  for (const auto& [number, pose] : from_first_frame(truth, scene.name, found)) {
+    if (const auto frame = timeline.at_number(number)) poses[*frame] = pose;
+  }
+  return poses;
+}
+
+CandidateFile read_candidate_file(const TomlTable& table, const FileFinder& files) {
+  const std::filesystem::path path = files.find(table, "bop");
+  const BopSelection selection{table.get_integer("scene", kAtLeastZero),
+                               table.get_integer("object", kAtLeastZero)};
+  const double min_score = table.get_double_or("min_score", std::numeric_limits<double>::lowest());
+  CandidateFile file{path.string(), table.get_string("class"), {}};
+  const BopDetections detections = read_bop(path, selection);
+  const std::int64_t first = read_first_frame(table, file.name, detections.begin()->first);
+  for (const auto& [image, estimates] : detections) {
+    for (const ScoredPose& estimate : estimates) {
+      check_position(estimate.pose, fmt::format("{}: frame {}", file.name, image));
+      if (estimate.score >= min_score) file.numbered[image - first].push_back(estimate);
+    }
+  }
+  return file;
+}
+
 SE3d read_entry(const TomlTable& truth, const FileFinder& files, const std::string& id) {
   const std::filesystem::path path = files.find(truth, "world_poses");
   const std::map<std::string, SE3d> poses = read_object_poses(path);
@@ -139,7 +171,23 @@ Poses DetectionFile::on(const Timeline& timeline) const {
   return detections;
 }
 
-DetectionFile read_detections(const TomlTable& object, const FileFinder& files) {
+std::vector<CandidateFile> read_candidates(const TomlTable& root, const FileFinder& files) {
+  std::vector<CandidateFile> candidates;
+  for (const TomlTable& table : root.find_tables("candidates"))
+    candidates.push_back(read_candidate_file(table, files));
+  return candidates;
+}
+
+std::optional<DetectionFile> read_detections(const TomlTable& object, const FileFinder& files) {
+  if (object.has("class")) {
+    for (const char* key : {"detections", "ground_truth"}) {
+      if (object.has(key))
+        object.fail(key,
+                    "stands beside 'class', expected none: which of the instances the object "
+                    "follows is not known before");
+    }
+    return std::nullopt;
+  }
   const std::string_view kind = the_one_of(object, "detections", {"tum", "npy", "bop", "pose_csv"});
   const TomlTable table = object.get_table("detections");
   if (kind == "tum") return read_tum_detections(table, files);
@@ -151,14 +199,16 @@ DetectionFile read_detections(const TomlTable& object, const FileFinder& files) 
 void read_object_truth(const TomlTable& object, const FileFinder& files, const Timeline& timeline,
                        ObjectRecording& recording) {
   if (!object.has("ground_truth")) return;
-  const std::string_view kind =
-      the_one_of(object, "ground_truth",
-                 {"relative_tum", "pose_csv", "world_tum", "world_poses", "world_pose"});
+  const std::string_view kind = the_one_of(object, "ground_truth",
+                                           {"relative_tum", "pose_csv", "world_tum", "world_poses",
+                                            "world_pose", "bop_dataset", "ycb_video"});
   const TomlTable truth = object.get_table("ground_truth");
   if (kind == "relative_tum") {
     recording.relative_truth = timeline.select(read_stamped(truth, kind, files));
   } else if (kind == "pose_csv") {
     recording.relative_truth = read_table_truth(truth, files, timeline);
+  } else if (kind == "bop_dataset" || kind == "ycb_video") {
+    recording.relative_truth = read_scene_objects(truth, kind, files, timeline);
   } else if (kind == "world_tum") {
     recording.world_truth = timeline.select(read_stamped(truth, kind, files));
   } else if (kind == "world_poses") {

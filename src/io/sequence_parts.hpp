@@ -5,11 +5,14 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "posemix/io/bop.hpp"
+#include "posemix/io/dataset.hpp"
 #include "posemix/io/detector_noise.hpp"
 #include "posemix/io/sequence_file.hpp"
 #include "posemix/io/tum.hpp"
@@ -38,9 +41,15 @@ class FileFinder {
   /// The file or folder named under a key. Throws InvalidInput with the places looked at.
   std::filesystem::path find(const TomlTable& table, std::string_view key) const;
 
+  /// The scene that a table names by `bop_dataset`, `split` and `scene`, or by `ycb_video` and
+  /// `sequence`; read once.
+  const DatasetScene& scene(const TomlTable& table) const;
+
  private:
   std::vector<std::filesystem::path> folders_;
   std::vector<std::string> roots_;
+  std::shared_ptr<std::map<std::string, DatasetScene>> scenes_ =
+      std::make_shared<std::map<std::string, DatasetScene>>();
 };
 
 /// Runs `action`; an InvalidInput that it throws gets the place of the key before its message.
@@ -69,7 +78,7 @@ class Timeline {
   /// Stamps in seconds, increasing; `source` names the file that they are from.
   Timeline(std::vector<double> stamps, std::string source);
   /// Frames that are known by number only, counted from zero, with `period_s` between two numbers.
-  Timeline(std::vector<std::int64_t> numbers, double period_s);
+  Timeline(std::vector<std::int64_t> numbers, double period_s, std::string source);
 
   const std::vector<double>& stamps() const { return stamps_; }
   std::size_t size() const { return stamps_.size(); }
@@ -93,9 +102,20 @@ class Timeline {
 
 // --- [camera] and [motion]
 
+/// The table's key `first_frame`, the number of the first frame. Throws where `least`, the least
+/// number in the file `name`, is below it.
+std::int64_t read_first_frame(const TomlTable& table, const std::string& name, std::int64_t least);
+
+/// Camera poses of a dataset's scene, by number counted from zero; empty: not known.
+struct NumberedScene {
+  std::string name;
+  std::map<std::int64_t, std::optional<SE3d>> poses;
+};
+
 struct CameraFiles {
   std::optional<StampedFile> odometry;
-  std::optional<StampedFile> truth;  ///< lever arm applied
+  std::optional<StampedFile> truth;          ///< lever arm applied
+  std::optional<NumberedScene> scene_truth;  ///< in place of that
   double frame_period_s = kFramePeriodS;
 };
 
@@ -125,10 +145,24 @@ struct DetectionFile {
   Poses on(const Timeline& timeline) const;
 };
 
-DetectionFile read_detections(const TomlTable& object, const FileFinder& files);
+/// The key `detections`; empty for an object with the key `class`, which has candidates instead.
+std::optional<DetectionFile> read_detections(const TomlTable& object, const FileFinder& files);
+
+/// Detections of one class, by number counted from zero.
+struct CandidateFile {
+  std::string name;
+  std::string class_id;
+  std::map<std::int64_t, std::vector<ScoredPose>> numbered;
+};
+/// The key `candidates`: detections that name a class; none where it is missing.
+std::vector<CandidateFile> read_candidates(const TomlTable& root, const FileFinder& files);
 /// Fills relative_truth and world_truth from the key `ground_truth`.
 void read_object_truth(const TomlTable& object, const FileFinder& files, const Timeline& timeline,
                        ObjectRecording& recording);
+
+/// Frames, camera and objects, which have those ids.
+Sequence read_recordings(const TomlTable& root, const FileFinder& files, const CameraFiles& camera,
+                         const std::vector<std::string>& ids);
 
 /// The key `symmetries`; the trivial group without it.
 SymmetryGroup read_object_symmetries(const TomlTable& object, const FileFinder& files);

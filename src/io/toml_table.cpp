@@ -72,6 +72,11 @@ bool TomlTable::is_array(std::string_view key) const {
   return node != nullptr && node->kind == TomlKind::array;
 }
 
+bool TomlTable::is_table(std::string_view key) const {
+  const TomlNode* node = find(key);
+  return node != nullptr && node->kind == TomlKind::table;
+}
+
 const TomlNode& TomlTable::require(std::string_view key, std::string_view expected) const {
   const TomlNode* node = find(key);
   if (node == nullptr) fail_missing(key, expected);

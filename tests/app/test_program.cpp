@@ -41,7 +41,7 @@ TEST(Program, HelpHasAnExampleForEveryVerb) {
   EXPECT_EQ(program.exit_code, 0);
   EXPECT_TRUE(contains(program.out, "Exit codes: 0 done")) << program.out;
   EXPECT_TRUE(contains(program.out, "Example: posemix ")) << program.out;
-  for (const std::string verb : {"slam", "simulate", "study", "report"}) {
+  for (const std::string verb : {"slam", "simulate", "study", "report", "data"}) {
     EXPECT_TRUE(contains(program.out, verb));
     const ProgramResult help = run_posemix({verb, "--help"});
     EXPECT_EQ(help.exit_code, 0);

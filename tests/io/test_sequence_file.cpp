@@ -229,7 +229,7 @@ TEST_F(SequenceFile, ObjectTruth) {
                       "is \"mug\", which is not in");
   EXPECT_INVALID_WITH(read_with({"objects.box.ground_truth.world_pose=[0,0,0,0,0,0,1]"}),
                       "has several of the keys relative_tum, pose_csv, world_tum, world_poses, "
-                      "world_pose, expected "
+                      "world_pose, bop_dataset, ycb_video, expected "
                       "one");
   EXPECT_INVALID_WITH(read_with({"objects.box.ground_truth={}"}), "has none of the keys");
   const SlamJob moving = read_with({"objects.mug.ground_truth={world_tum='truth/0001.txt'}"});

@@ -73,6 +73,8 @@ class TomlTable {
   bool has(std::string_view key) const;
   /// True where the key is present and holds an array.
   bool is_array(std::string_view key) const;
+  /// True where the key is present and holds a table.
+  bool is_table(std::string_view key) const;
 
   /// A finite number; integers are taken too.
   double get_double(std::string_view key, const NumberRange& range = kAnyNumber) const;

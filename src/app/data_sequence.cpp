@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include <cmath>
+#include <cstdio>
+#include <memory>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "data.hpp"
+#include "exit_codes.hpp"
+#include "posemix/base/error.hpp"
+#include "posemix/io/dataset_sequence.hpp"
+#include "verb_files.hpp"
+
+namespace posemix {
+namespace {
+
+struct DataSequenceOptions {
+  DatasetSequence request;
+  std::vector<double> lever_arm_m;
+  std::string out = "-";
+  bool quiet = false;
+};
+
+int write_sequence(DataSequenceOptions options) {
+  for (const double number : options.lever_arm_m) {
+    if (!std::isfinite(number))
+      throw InvalidInput(fmt::format("--lever-arm: got {}, expected metres", number));
+  }
+  if (!options.lever_arm_m.empty())
+    options.request.lever_arm_m = Eigen::Vector3d(options.lever_arm_m.data());
+  const DatasetSequenceText text = format_dataset_sequence(options.request);
+  write_output(options.out, text.toml);
+  if (options.quiet) return kExitDone;
+  for (const std::string& note : text.notes)
+    std::fputs(fmt::format("note: {}\n", note).c_str(), stderr);
+  return kExitDone;
+}
+
+void add_sequence_inputs(CLI::App& verb, DataSequenceOptions& options) {
+  DatasetSequence& request = options.request;
+  verb.add_option("dataset", request.dataset, "Folder of a BOP dataset or of YCB-Video")
+      ->required()
+      ->type_name("DIR");
+  verb.add_option("--scene", request.scene, "Number of the scene, or of the YCB-Video sequence")
+      ->required()
+      ->check(CLI::Range(0, 999'999))
+      ->type_name("N");
+  verb.add_option("--results", request.results, "The detector's estimates (BOP results, CSV)")
+      ->required()
+      ->type_name("FILE.csv");
+  verb.add_option("--split", request.split, "Folder of the scene in a BOP dataset")
+      ->type_name("NAME")
+      ->capture_default_str();
+  verb.add_option("--object", request.objects, "Only this object; repeatable")
+      ->type_name("ID")
+      ->allow_extra_args(false);
+  verb.add_option("--min-score", request.min_score, "Leave estimates of a lower score out")
+      ->type_name("X");
+}
+
+}  // namespace
+
+void add_data_sequence_verb(CLI::App& data, std::function<int()>& action) {
+  const auto options = std::make_shared<DataSequenceOptions>();
+  CLI::App* verb = data.add_subcommand("sequence", "Write the sequence file of a dataset's scene");
+  verb->footer(
+      "Example: posemix data sequence data/ycbv --scene 48 --results RESULTS.csv --out scene.toml\n"
+      "         posemix slam scene.toml --out out/48");
+  add_sequence_inputs(*verb, *options);
+  verb->add_option("--odometry", options->request.odometry, "Odometry of the camera (TUM)")
+      ->type_name("FILE");
+  verb->add_option("--lever-arm", options->lever_arm_m,
+                   "From the annotated camera to that of the images, metres")
+      ->expected(3)
+      ->type_name("X Y Z");
+  verb->add_option("--frame-period", options->request.frame_period_s,
+                   "Time between two image numbers, seconds")
+      ->check(CLI::PositiveNumber)
+      ->type_name("S");
+  verb->add_option("--out", options->out, "File for the result; - is the standard output")
+      ->type_name("FILE.toml")
+      ->capture_default_str();
+  verb->add_flag("--quiet", options->quiet, "Print no notes");
+  verb->callback([options, &action] { action = [options] { return write_sequence(*options); }; });
+}
+
+}  // namespace posemix

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include <archive.h>
+#include <archive_entry.h>
+#include <gtest/gtest.h>
+
+#include "app/data_fixture.hpp"
+
+/// What `posemix data` does with files that are there: verify, unpack, read a registry.
+namespace posemix {
+namespace {
+
+using testing::content_of;
+using testing::Data;
+using testing::has;
+using testing::ProgramResult;
+using testing::run_posemix;
+
+TEST_F(Data, VerifyFindsChangedAndMissingFiles) {
+  use("plain", pin());
+  ASSERT_EQ(fetch().exit_code, 0);
+  const std::string out = (folder_ / "out").string();
+  EXPECT_EQ(run_posemix({"data", "verify", out}).exit_code, 0);
+  folder_.put("out/test/a b/file.txt", "changed");
+  const ProgramResult changed = run_posemix({"data", "verify", out + "/test"});
+  EXPECT_EQ(changed.exit_code, 3);
+  EXPECT_TRUE(has(changed.out, "a b/file.txt: got 7 bytes of SHA-256")) << changed.out;
+  const ProgramResult refetch = fetch();
+  EXPECT_EQ(refetch.exit_code, 3);
+  EXPECT_TRUE(has(refetch.err, "the file was there before and is another")) << refetch.err;
+  EXPECT_EQ(content_of(target()), "changed") << "a user's file stays";
+  std::filesystem::remove(target());
+  EXPECT_TRUE(has(run_posemix({"data", "verify", out}).out, "a b/file.txt: is not there"));
+  EXPECT_EQ(run_posemix({"data", "verify", (folder_ / "nowhere").string()}).exit_code, 3);
+}
+
+/// A zip file of one entry.
+void write_zip(const std::filesystem::path& path, const std::string& name,
+               const std::string& content, const std::string& link = "") {
+  archive* zip = archive_write_new();
+  archive_write_set_format_zip(zip);
+  ASSERT_EQ(archive_write_open_filename(zip, path.c_str()), ARCHIVE_OK);
+  archive_entry* entry = archive_entry_new();
+  archive_entry_set_pathname(entry, name.c_str());
+  archive_entry_set_perm(entry, 0644);
+  archive_entry_set_filetype(entry, link.empty() ? AE_IFREG : AE_IFLNK);
+  if (!link.empty()) archive_entry_set_symlink(entry, link.c_str());
+  archive_entry_set_size(entry, static_cast<la_int64_t>(content.size()));
+  archive_write_header(zip, entry);
+  archive_write_data(zip, content.data(), content.size());
+  archive_entry_free(entry);
+  archive_write_free(zip);
+}
+
+TEST_F(Data, UnpacksArchivesInsideTheFolderOnly) {
+  const auto fetch_zip = [&](const std::string& name, const std::string& link = "") {
+    write_zip(folder_ / "a.zip", name, link.empty() ? "hello" : "", link);
+    server_.put("a.zip", content_of(folder_ / "a.zip"));
+    std::filesystem::remove_all(folder_ / "out");
+    folder_.put("sources.toml",
+                fmt::format("schema = 1\n[[sources]]\nname = \"test\"\ntitle = \"t\"\n"
+                            "licence = \"l\"\nbase_url = \"{}\"\n"
+                            "files = [{{path = \"a.zip\", strip = \"top\"}}]\n",
+                            server_.url("plain")));
+    return fetch({"--yes", "--unpack"});
+  };
+  EXPECT_EQ(fetch_zip("top/inner/x.txt").exit_code, 0);
+  EXPECT_EQ(content_of(folder_ / "out/test/inner/x.txt"), "hello");
+  for (const char* evil : {"../x.txt", "top/../../x.txt", "/x.txt"}) {
+    const ProgramResult result = fetch_zip(evil);
+    EXPECT_EQ(result.exit_code, 3) << evil << result.err;
+    EXPECT_TRUE(has(result.err, "expected a path inside the folder")) << result.err;
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "out/x.txt"));
+  }
+  const ProgramResult link = fetch_zip("link", "/tmp");
+  EXPECT_EQ(link.exit_code, 3);
+  EXPECT_TRUE(has(link.err, "no links")) << link.err;
+}
+
+TEST_F(Data, ADamagedRegistryIsRefused) {
+  const auto error_of = [&](const std::string& files) {
+    folder_.put("sources.toml",
+                "schema = 1\n[[sources]]\nname = \"test\"\ntitle = \"t\"\n"
+                "licence = \"l\"\nbase_url = \"https://files.invalid/\"\n" +
+                    files);
+    const ProgramResult result = fetch();
+    EXPECT_EQ(result.exit_code, 3) << result.err;
+    return result.err;
+  };
+  EXPECT_TRUE(has(error_of("files = [{path = \"../a\"}]\n"), "sources.toml:7: key"));
+  EXPECT_TRUE(has(error_of("files = [{path = \"a\", sha256 = \"12\"}]\n"), "64 hexadecimal"));
+  EXPECT_TRUE(has(error_of("files = [{path = \"a\", published = true}]\n"), "'published_url'"));
+  EXPECT_TRUE(has(error_of("files = [{path = \"a\"}, {path = \"a\"}]\n"), "twice"));
+  EXPECT_TRUE(has(error_of(""), "sources[0].files"));
+  folder_.put("list.sha256", "12  a\n");
+  EXPECT_TRUE(has(error_of("manifest = \"list.sha256\"\n"), "list.sha256:1: got"));
+  EXPECT_TRUE(has(error_of("manifest = \"../list\"\n"), "'sources[0].manifest'"));
+}
+
+}  // namespace
+}  // namespace posemix
