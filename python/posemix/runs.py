@@ -31,7 +31,8 @@ from posemix.recording import Sequence, is_known
 
 __all__ = [
     "CandidateReport", "FrameEstimate", "FrameReport", "HypothesisSnapshot", "ObjectAlternative",
-    "ParticleFilterSettings", "PoseTrack", "SlamJob", "SlamRun", "as_max_mixture", "as_riekf", "run", "run_particle_filter", "run_smoothed",
+    "ParticleFilterSettings", "PoseTrack", "SlamJob", "SlamRun", "as_max_mixture", "as_riekf",
+    "run", "run_particle_filter", "run_smoothed",
 ]  # fmt: skip
 
 Progress = Callable[[int, int], bool | None]

@@ -210,8 +210,9 @@ def test_fixed_lag_smoother_equals_run_smoothed() -> None:
             estimate = smoother.step(pm.FrameInput(dt, odometry, seen))
         assert (estimate is None) == (k < 5)
         estimates += [] if estimate is None else [estimate]
+    twin = copy.copy(smoother)
     estimates += smoother.finish()
-    assert len(estimates) == 30
+    assert len(estimates) == 30 and len(twin.finish()) == 5
     for a, b in zip(estimates, run, strict=True):
         assert a.camera.mean.is_approx(b.camera.mean, 1e-9)
     assert smoother.slam.detections(0) == 30 and smoother.joint is not None
