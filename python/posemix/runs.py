@@ -214,6 +214,8 @@ class SlamRun:
 
     def __getitem__(self, frame: int) -> FrameEstimate:
         at = frame + len(self) if frame < 0 else frame
+        if not 0 <= at < len(self):
+            raise IndexError(f"there is no frame {frame} of {len(self)}")
         return frame_estimate(self._handle.frame(at))
 
     def __iter__(self) -> Iterator[FrameEstimate]:
