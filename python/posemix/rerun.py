@@ -3,8 +3,8 @@
 """Logs poses, densities and mixtures to Rerun: `pip install posemix[rerun]`.
 
 Every function takes an entity path and logs at the current time; `set_time` sets it. Without `recording` the one that
-rerun.init made current is meant. What is drawn of a T_world_x stands in the world's coordinates, so paths belong below the
-world's entity, not below x. Lengths are metres.
+rerun.init made current is meant. What is drawn of a T_world_x stands in the world's coordinates, so paths belong below
+the world's entity, not below x. Lengths are metres.
 """
 
 from __future__ import annotations

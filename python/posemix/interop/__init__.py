@@ -8,21 +8,26 @@ error, exact in the mean; the rest is exact. docs/interop.md is the table of all
 """
 
 from posemix.interop import (
-    bop as bop,
-    conventions as conventions,
-    euler as euler,
-    evo as evo,
-    g2o as g2o,
-    gtsam as gtsam,
-    jaxlie as jaxlie,
-    kitti as kitti,
-    manif as manif,
-    mrpt as mrpt,
-    navlie as navlie,
-    pytransform3d as pytransform3d,
-    ros as ros,
-    scipy as scipy,
-    sophus as sophus,
-    symforce as symforce,
-    tum as tum,
+    bop,
+    conventions,
+    euler,
+    evo,
+    g2o,
+    gtsam,
+    jaxlie,
+    kitti,
+    manif,
+    mrpt,
+    navlie,
+    pytransform3d,
+    ros,
+    scipy,
+    sophus,
+    symforce,
+    tum,
 )
+
+__all__ = [
+    "bop", "conventions", "euler", "evo", "g2o", "gtsam", "jaxlie", "kitti", "manif",
+    "mrpt", "navlie", "pytransform3d", "ros", "scipy", "sophus", "symforce", "tum",
+]  # fmt: skip

@@ -7,17 +7,12 @@ flat axes, with the plane to look at, or axes with the projection "3d". Colours 
 with any colour vision tell apart.
 """
 
-from posemix.plot.path import trajectory as trajectory
-from posemix.plot.series import (
-    axis_marginal as axis_marginal,
-    chi_square_quantile as chi_square_quantile,
-    mode_probabilities as mode_probabilities,
-    nees as nees,
-)
-from posemix.plot.space import (
-    ellipsoid as ellipsoid,
-    flags as flags,
-    position_contours as position_contours,
-    position_covariance as position_covariance,
-)
-from posemix.plot.style import PALETTE as PALETTE
+from posemix.plot.path import trajectory
+from posemix.plot.series import axis_marginal, chi_square_quantile, mode_probabilities, nees
+from posemix.plot.space import ellipsoid, flags, position_contours, position_covariance
+from posemix.plot.style import PALETTE
+
+__all__ = [
+    "PALETTE", "axis_marginal", "chi_square_quantile", "ellipsoid", "flags", "mode_probabilities", "nees",
+    "position_contours", "position_covariance", "trajectory",
+]  # fmt: skip

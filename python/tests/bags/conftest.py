@@ -11,7 +11,7 @@ import pytest
 
 pytest.importorskip("rosbags")
 
-from bag_maker import T_BASE_CAMERA, T_ODOM_OBJECT, BagMaker, base_at
+from .bag_maker import T_BASE_CAMERA, T_ODOM_OBJECT, BagMaker, base_at
 
 from posemix import SE3
 

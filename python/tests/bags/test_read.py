@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bag_maker import KINDS, SECOND, START, T_BASE_CAMERA, T_ODOM_OBJECT, BagMaker, base_at
+from .bag_maker import KINDS, SECOND, START, T_BASE_CAMERA, T_ODOM_OBJECT, BagMaker, base_at
 
 from posemix import SE3, bags
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from bag_maker import KINDS, SECOND, START
+from .bag_maker import KINDS, SECOND, START
 
 from posemix import SE3, SO3, ConcentratedGaussian, Mixture, bags
 

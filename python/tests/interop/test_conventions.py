@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from oracle import assert_same, jacobian_of, sampled_covariance
+from .oracle import assert_same, jacobian_of, sampled_covariance
 
 from posemix import SE3, SO3
 from posemix.interop import conventions as c

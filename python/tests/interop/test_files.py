@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from oracle import assert_same
+from .oracle import assert_same
 
 from posemix import SE3, SO3, ConcentratedGaussian, interop
 from posemix.interop import bop, g2o, kitti, tum

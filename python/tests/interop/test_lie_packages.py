@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from oracle import assert_same, jacobian_of
+from .oracle import assert_same, jacobian_of
 
 from posemix import SE3, SO3, ConcentratedGaussian, compose, interop, inverse
 

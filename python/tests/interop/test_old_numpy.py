@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from oracle import assert_same, jacobian_of
+from .oracle import assert_same, jacobian_of
 
 from posemix import SE3, ConcentratedGaussian, interop
 from posemix.interop import g2o

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from oracle import assert_same, jacobian_of, sampled_covariance
+from .oracle import assert_same, jacobian_of, sampled_covariance
 
 from posemix import SE3, SO3, ConcentratedGaussian
 from posemix.interop import euler, ros
