@@ -217,3 +217,14 @@ def test_planes_are_checked(flat: Any) -> None:
         plot.flags(flat, SE3(), plane="xx")  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="positive"):
         plot.flags(flat, SE3(), length=0.0)
+
+
+def test_tubes_are_not_twisted(space: Any) -> None:
+    """Around a circle every face joins points that lie side by side."""
+    angles = np.linspace(0.0, 6.0, 200)
+    circle = np.stack([np.cos(angles), np.sin(angles), 0.1 * angles], axis=1)
+    path = SE3(SO3.identity(200), circle)
+    spread = np.diag([1e-12] * 3 + [1e-4, 4e-4, 9e-4])
+    _, tube = plot.trajectory(space, path, np.tile(spread, (200, 1, 1)))
+    faces = np.array(tube._faces if hasattr(tube, "_faces") else tube._vec[:3].T).reshape((-1, 4, 3))
+    assert np.linalg.norm(faces[:, 0] - faces[:, 1], axis=1).max() < 0.05

@@ -106,12 +106,23 @@ def _banks(path: FloatArray, spread: FloatArray, sigmas: float) -> tuple[FloatAr
     return path + width[:, None] * across, path - width[:, None] * across
 
 
+def _carried(along: FloatArray) -> FloatArray:
+    """Unit vectors across the path that turn no more than it does, shape (n, 3)."""
+    across = np.empty_like(along)
+    last = np.eye(3)[np.argmin(np.abs(along[0]))]
+    for i, direction in enumerate(along):
+        last = last - (last @ direction) * direction
+        if np.linalg.norm(last) < 1e-6:  # a quarter turn from one pose to the next
+            last = np.cross(direction, np.eye(3)[np.argmin(np.abs(direction))])
+        last = last / np.linalg.norm(last)
+        across[i] = last
+    return across
+
+
 def _rings(path: FloatArray, spread: FloatArray, sigmas: float, sectors: int = 16) -> FloatArray:
     """Outlines of the spread in the planes across the path, shape (n, sectors + 1, 3)."""
     along = _directions(path)
-    helper = np.eye(3)[np.argmin(np.abs(along), axis=1)]
-    first = np.cross(along, helper)
-    first /= np.linalg.norm(first, axis=1, keepdims=True)
+    first = _carried(along)
     plane = np.stack([first, np.cross(along, first)], axis=2)
     roots = root_of(np.swapaxes(plane, 1, 2) @ spread @ plane)
     angles = np.linspace(0.0, 2.0 * np.pi, sectors + 1)

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -28,7 +28,7 @@ from posemix.plot.style import (
 
 __all__ = ["ellipsoid", "flags", "position_contours", "position_covariance"]
 
-PoseLaw = ConcentratedGaussian[SE3] | ProjectedGaussian[SE3] | Mixture[Any]
+PoseLaw: TypeAlias = ConcentratedGaussian[SE3] | ProjectedGaussian[SE3] | Mixture[Any]
 
 
 def position_covariance(
@@ -52,9 +52,10 @@ def position_covariance(
 
 
 def root_of(covariance: FloatArray) -> FloatArray:
-    """A with A A^T = covariance, also for a singular one."""
+    """The symmetric A with A A = covariance, also of a singular one."""
     values, vectors = np.linalg.eigh(covariance)
-    return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0))[..., None, :])
+    scaled = vectors * np.sqrt(np.maximum(values, 0.0))[..., None, :]
+    return np.asarray(scaled @ np.swapaxes(vectors, -1, -2))
 
 
 def _many(poses: SE3) -> SE3:
