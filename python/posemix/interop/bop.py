@@ -26,11 +26,12 @@ from posemix.interop.bop_models import (
     parse_models,
     read_models,
 )
+from posemix.interop.bop_objects import detector_noise, symmetry_group
 from posemix.lie import SE3
 
 __all__ = [
-    "Model", "NoiseMode", "Results", "SymmetryAxis", "discretized", "format_models", "format_results", "noise_modes",
-    "parse_models", "parse_results", "read_models", "read_results", "write_results",
+    "Model", "NoiseMode", "Results", "SymmetryAxis", "detector_noise", "discretized", "format_models", "format_results",
+    "noise_modes", "parse_models", "parse_results", "read_models", "read_results", "symmetry_group", "write_results",
 ]  # fmt: skip
 
 _MILLIMETRE = 1e-3
