@@ -128,14 +128,20 @@ def _inputs(recording: Recording, models: Sequence[ObjectModel]) -> Iterator[Fra
         yield FrameInput(dt, motion, detections, candidates)
 
 
-def _mixture_of(slam: ObjectSlam, index: int, pose_index: int) -> PoseMixture:
-    """The hypotheses of one object."""
-    many = slam.multi_object
-    if many is None:
-        return slam.posterior.marginal(pose_index)
-    found = many.hypotheses(index)
-    densities = [ConcentratedGaussian(h.pose, h.covariance) for h in found]
-    return Mixture(densities, [h.probability for h in found])
+class _Hypotheses:
+    """Of every object at one frame."""
+
+    def __init__(self, slam: ObjectSlam) -> None:
+        self._many = slam.multi_object
+        self._joint = slam.posterior if self._many is None else None
+
+    def of(self, index: int, pose_index: int) -> PoseMixture:
+        if self._joint is not None:
+            return self._joint.marginal(pose_index)
+        assert self._many is not None
+        found = self._many.hypotheses(index)
+        densities = [ConcentratedGaussian(h.pose, h.covariance) for h in found]
+        return Mixture(densities, [h.probability for h in found])
 
 
 def track_objects(
@@ -180,12 +186,12 @@ def track_objects(
             slam.start(frame.detections, frame.candidates)
         else:
             slam.step(frame)
-        stamp, joint = int(recording.stamps_ns[k]), slam.estimate
+        stamp, joint, hypotheses = int(recording.stamps_ns[k]), slam.estimate, _Hypotheses(slam)
         camera.add(stamp, joint.marginal(0))
         for j in range(len(objects)):
             index = slam.pose_index(j)
             if index is not None:
-                rows[j].add(stamp, joint.marginal(index), _mixture_of(slam, j, index))
+                rows[j].add(stamp, joint.marginal(index), hypotheses.of(j, index))
         if progress is not None and progress(k + 1, len(recording.stamps_ns)) is False:
             break
     known = {model.class_id or model.id for model in objects}

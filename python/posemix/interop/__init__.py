@@ -24,10 +24,9 @@ from posemix.interop import (
     scipy,
     sophus,
     symforce,
-    tum,
 )
 
 __all__ = [
     "bop", "conventions", "euler", "evo", "g2o", "gtsam", "jaxlie", "kitti", "manif",
-    "mrpt", "navlie", "pytransform3d", "ros", "scipy", "sophus", "symforce", "tum",
+    "mrpt", "navlie", "pytransform3d", "ros", "scipy", "sophus", "symforce",
 ]  # fmt: skip

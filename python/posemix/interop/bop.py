@@ -1,127 +1,154 @@
 # SPDX-License-Identifier: MIT
 # SPDX-FileCopyrightText: posemix contributors
-"""BOP: result files (CSV) and the symmetries of models_info.json. Files in millimetres, arrays in metres.
+"""BOP: result files and models_info.json, which are in millimetres, and what symmetries do to a detector.
 
-Poses are T_camera_object. A symmetry g is a motion of the object's frame after which the object looks the same: X
-and X g are one pose to a detector.
+`posemix.read_bop_rows` and `posemix.read_bop_models` read the files; this writes them. Poses are T_camera_object. A
+symmetry g is a motion of the object's frame after which the object looks the same: X and X g are one pose to a
+detector.
 """
 
 from __future__ import annotations
 
+import json
+import math
 import os
-from dataclasses import dataclass
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from posemix._arrays import FloatArray
-from posemix._files import numbered_lines, numbers, read_text, write_text
-from posemix.interop.bop_models import (
-    Model,
-    NoiseMode,
-    SymmetryAxis,
-    discretized,
-    format_models,
-    noise_modes,
-    parse_models,
-    read_models,
-)
-from posemix.interop.bop_objects import detector_noise, symmetry_group
+from posemix._arrays import FloatArray, as_floats
+from posemix._files import write_text
+from posemix.io import BopModel, BopRows
 from posemix.lie import SE3
+from posemix.noise import (
+    DetectorNoise,
+    NoiseComponent,
+    NoiseFrame,
+    NullNoise,
+    SymmetryAxis,
+    SymmetryGroup,
+)
 
-__all__ = [
-    "Model", "NoiseMode", "Results", "SymmetryAxis", "detector_noise", "discretized", "format_models", "format_results",
-    "noise_modes", "parse_models", "parse_results", "read_models", "read_results", "symmetry_group", "write_results",
-]  # fmt: skip
+__all__ = ["discretized", "format_models", "format_results", "noise_modes", "write_models", "write_results"]
 
 _MILLIMETRE = 1e-3
-_HEADER = "scene_id,im_id,obj_id,score,R,t,time"
 
 
-@dataclass(frozen=True)
-class Results:
-    """Rows of a result file.
+def format_results(rows: BopRows, *, time_s: npt.ArrayLike = -1.0) -> str:
+    """The text of a result file, with header; reads back up to rounding of the millimetres.
 
-    Attributes
+    Parameters
     ----------
-    scene_id, im_id, obj_id : ndarray of int, shape (n,)
-        What was seen where.
-    score : ndarray, shape (n,)
-        Confidence of the detector, larger is surer.
-    poses : SE3, shape (n,)
-        T_camera_object [m].
-    time : ndarray, shape (n,)
-        Time of the row's image [s], -1 where unknown.
+    rows : BopRows
+        Estimates; T_camera_object [m].
+    time_s : array_like, shape (n,) or ()
+        Time that the row's image took [s], -1 where unknown.
     """
-
-    scene_id: npt.NDArray[np.int64]
-    im_id: npt.NDArray[np.int64]
-    obj_id: npt.NDArray[np.int64]
-    score: FloatArray
-    poses: SE3
-    time: FloatArray
-
-
-def _result_row(line: str, where: str) -> tuple[list[int], list[float], FloatArray]:
-    fields = line.split(",")
-    if len(fields) != 7:
-        raise ValueError(f"{where}: got {len(fields)} columns, expected 7: {_HEADER}")
-    try:
-        ids = [int(field) for field in fields[:3]]
-    except ValueError:
-        raise ValueError(f"{where}: got '{','.join(fields[:3])}', expected three integers") from None
-    matrix = np.eye(4)
-    matrix[:3, :3] = np.reshape(numbers(fields[4].split(), 9, f"{where}: R"), (3, 3))
-    matrix[:3, 3] = np.multiply(numbers(fields[5].split(), 3, f"{where}: t"), _MILLIMETRE)
-    score, time = numbers([fields[3], fields[6]], 2, where)
-    return ids, [score, time], matrix
+    times = np.broadcast_to(np.asarray(time_s, dtype=np.float64), (len(rows),))
+    lines = ["scene_id,im_id,obj_id,score,R,t,time"]
+    for i, matrix in enumerate(rows.poses.matrix()):
+        rotation = " ".join(repr(float(v)) for v in matrix[:3, :3].ravel())
+        translation = " ".join(repr(float(v)) for v in matrix[:3, 3] / _MILLIMETRE)
+        ids = f"{rows.scene[i]},{rows.image[i]},{rows.object[i]}"
+        lines.append(f"{ids},{float(rows.score[i])!r},{rotation},{translation},{float(times[i])!r}")
+    return "\n".join(lines) + "\n"
 
 
-def parse_results(text: str, name: str = "text") -> Results:
-    """The rows of a result file; the header line is optional.
+def write_results(path: str | os.PathLike[str], rows: BopRows, *, time_s: npt.ArrayLike = -1.0) -> None:
+    """As `format_results`, to a file, all or nothing."""
+    write_text(path, format_results(rows, time_s=time_s))
+
+
+def _entry(model: BopModel) -> dict[str, Any]:
+    entry: dict[str, Any] = {"diameter": model.diameter_m / _MILLIMETRE}
+    if model.box is not None:
+        for name, values in (("min", model.box.lowest_m), ("size", model.box.size_m)):
+            entry.update({f"{name}_{axis}": float(v) / _MILLIMETRE for axis, v in zip("xyz", values, strict=True)})
+    matrices = model.symmetries.elements.matrix()[1:]
+    matrices[:, :3, 3] /= _MILLIMETRE
+    if len(matrices):
+        entry["symmetries_discrete"] = matrices.reshape((-1, 16)).tolist()
+    if model.symmetries.axes:
+        entry["symmetries_continuous"] = [
+            {"axis": axis.direction.tolist(), "offset": (axis.point / _MILLIMETRE).tolist()}
+            for axis in model.symmetries.axes
+        ]
+    return entry
+
+
+def format_models(models: Mapping[int, BopModel]) -> str:
+    """The text of a models_info.json: diameters, boxes and symmetries, the identity left out."""
+    return json.dumps({str(key): _entry(model) for key, model in models.items()}, indent=1) + "\n"
+
+
+def write_models(path: str | os.PathLike[str], models: Mapping[int, BopModel]) -> None:
+    """As `format_models`, to a file, all or nothing."""
+    write_text(path, format_models(models))
+
+
+def _twist(axis: SymmetryAxis) -> FloatArray:
+    direction = axis.direction / np.linalg.norm(axis.direction)
+    return np.concatenate([direction, np.cross(axis.point, direction)])
+
+
+def discretized(symmetries: SymmetryGroup, max_step: float) -> SE3:
+    """All symmetries as one array, turns about axes in steps, as the BOP toolkit does; the identity first.
+
+    Parameters
+    ----------
+    symmetries : SymmetryGroup
+        Without axes or with one; of a sphere there is no such list.
+    max_step : float
+        Largest way of a vertex between two steps, as a fraction of the diameter; the BOP toolkit's
+        max_sym_disc_step is 0.01.
+
+    Returns
+    -------
+    SE3, shape (k,)
 
     Raises
     ------
     ValueError
-        Naming the line, also for an R that is no rotation to 1e-3.
+        For a step that is not positive, and for several axes.
     """
-    ids, scores, poses = [], [], []
-    for number, line in numbered_lines(text):
-        if line.replace(" ", "") == _HEADER:
-            continue
-        where = f"{name}:{number}"
-        row = _result_row(line, where)
-        ids.append(row[0])
-        scores.append(row[1])
-        try:
-            poses.append(SE3.from_matrix(row[2], tolerance=1e-3).to_tq())
-        except ValueError as error:
-            raise ValueError(f"{where}: R: {error}") from None
-    scene, image, objects = np.array(ids, dtype=np.int64).reshape((-1, 3)).T
-    score, time = np.array(scores).reshape((-1, 2)).T
-    return Results(
-        scene, image, objects, score, SE3.from_tq(np.array(poses).reshape((-1, 7))), time
-    )
+    if not max_step > 0.0:
+        raise ValueError(f"max_step is {max_step}; expected a positive number")
+    elements, axes = symmetries.elements, symmetries.axes
+    if len(axes) > 1:
+        raise ValueError(f"the symmetries have {len(axes)} axes; expected at most one")
+    if not axes:
+        return elements
+    count = math.ceil(math.pi / max_step)
+    angles = 2.0 * math.pi * np.arange(count) / count
+    motions = elements[:, None] * SE3.exp(angles[:, None] * _twist(axes[0]))
+    return SE3.from_tq(motions.to_tq().reshape((-1, 7)))
 
 
-def format_results(results: Results) -> str:
-    """The text of a result file, with header."""
-    lines = [_HEADER]
-    matrices = results.poses.matrix()
-    for i, matrix in enumerate(matrices):
-        rotation = " ".join(repr(float(v)) for v in matrix[:3, :3].ravel())
-        translation = " ".join(repr(float(v)) for v in matrix[:3, 3] / _MILLIMETRE)
-        ids = f"{results.scene_id[i]},{results.im_id[i]},{results.obj_id[i]}"
-        score, time = float(results.score[i]), float(results.time[i])
-        lines.append(f"{ids},{score!r},{rotation},{translation},{time!r}")
-    return "\n".join(lines) + "\n"
+def noise_modes(
+    symmetries: SymmetryGroup, covariance: npt.ArrayLike, *, null: NullNoise | None = None
+) -> DetectorNoise:
+    """The noise of a detector that cannot tell the symmetries of an object.
 
+    One mode per discrete symmetry, equally likely. About each axis the angle is unknown: its variance of
+    pi^2 / 3, that of a uniform angle, is added along the twist of the axis, to first order. For filters without
+    `ObjectModel.symmetries`, such as the Gaussian-sum filter; where the filter knows the group, the noise is
+    that of the detector alone.
 
-def read_results(path: str | os.PathLike[str]) -> Results:
-    """As `parse_results`, of a file."""
-    return parse_results(read_text(path), os.fspath(path))
-
-
-def write_results(path: str | os.PathLike[str], results: Results) -> None:
-    """As `format_results`, to a file, all or nothing."""
-    write_text(path, format_results(results))
+    Parameters
+    ----------
+    symmetries : SymmetryGroup
+        Of one object.
+    covariance : array_like, shape (6, 6)
+        Of the detector's own error along the object's axes, rotation (rad) before translation (m).
+    null : NullNoise, optional
+        Detections of nothing; its weight is a probability, below one.
+    """
+    total = as_floats(covariance, (6, 6), "covariance") + symmetries.unobserved_covariance()
+    elements = symmetries.elements
+    weight = (1.0 - (null.weight if null is not None else 0.0)) / len(elements)
+    components = [
+        NoiseComponent(weight=weight, covariance=total, frame=NoiseFrame.object, offset=offset) for offset in elements
+    ]
+    return DetectorNoise(components, null)

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from .bag_maker import KINDS, SECOND, START, T_BASE_CAMERA, T_ODOM_OBJECT, BagMaker, base_at
 
-from posemix import SE3, bags
+from posemix import SE3, bags, interpolate
+from posemix.bags.transforms import Timeline
 
 
 def check(recording: bags.Recording) -> None:
@@ -140,3 +141,14 @@ def test_a_ring_of_frames() -> None:
     buffer.add("b", "a", SE3())
     with pytest.raises(ValueError, match="form a ring"):
         buffer.lookup("a", "b", np.array([0]), max_gap_s=1.0)
+
+
+def test_between_two_stamps_is_the_geodesic() -> None:
+    a, b = SE3.exp([0.1, 0.2, 0.3, 1, 2, 3]), SE3.exp([-1.0, 0.5, 0.3, -1, 2, 0])
+    stamps = np.array([300, 100], dtype=np.int64) * SECOND
+    line = Timeline(stamps, SE3.from_tq(np.stack([b.to_tq(), a.to_tq()])))
+    at = np.array([50, 100, 125, 250, 300, 301], dtype=np.int64) * SECOND
+    poses, found = line.at(at, max_gap_s=1000.0)
+    assert found.tolist() == [False, True, True, True, True, False]
+    assert poses[1:5].is_approx(interpolate(a, b, [0.0, 0.125, 0.75, 1.0]), 1e-12)
+    assert line.at(at, max_gap_s=10.0)[1].tolist() == [False, True, False, False, True, False]
