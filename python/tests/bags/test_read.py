@@ -2,6 +2,8 @@
 # SPDX-FileCopyrightText: posemix contributors
 from __future__ import annotations
 
+import contextlib
+import sqlite3
 from collections.abc import Callable
 from pathlib import Path
 
@@ -152,3 +154,15 @@ def test_between_two_stamps_is_the_geodesic() -> None:
     assert found.tolist() == [False, True, True, True, True, False]
     assert poses[1:5].is_approx(interpolate(a, b, [0.0, 0.125, 0.75, 1.0]), 1e-12)
     assert line.at(at, max_gap_s=10.0)[1].tolist() == [False, True, False, False, True, False]
+
+
+def test_bags_without_definitions(drive: Callable[..., Path]) -> None:
+    """As ROS 2 Humble writes them: the types are posemix's own."""
+    path = drive("sqlite3")
+    (file,) = path.glob("*.db3")
+    with contextlib.closing(sqlite3.connect(file)) as database:
+        tables = [row[0] for row in database.execute("SELECT name FROM sqlite_master WHERE type = 'table'")]
+        assert "message_definitions" in tables
+        database.execute("DELETE FROM message_definitions")
+        database.commit()
+    check(bags.read(path, detections="/objects", odometry="/odom"))
