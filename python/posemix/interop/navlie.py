@@ -19,7 +19,7 @@ __all__ = ["from_state", "to_state"]
 def from_state(state: Any) -> ConcentratedGaussian[SE3]:
     """A density of a navlie StateWithCovariance around an SE3State.
 
-    The side is the state's own `direction`; first-order in nothing, Ad is exact.
+    The side is the state's own `direction`. Exact.
     """
     pose = SE3.from_matrix(np.asarray(state.state.value, dtype=np.float64))
     return density_from(
