@@ -72,10 +72,20 @@ build/.python: build/.bootstrap-test pyproject.toml $(PYTHON_SOURCES) | built
 	  -Ccmake.define.CMAKE_PREFIX_PATH='$(CURDIR)/build/prefix'
 	@touch $@
 
-test-python: build/.python
+# The peers that are built for NumPy 1 have an environment of their own, which borrows the package.
+build/.numpy1: build/.python
+	@test -x $(VENV)-numpy1/bin/python || $(PYTHON) -m venv $(VENV)-numpy1
+	$(VENV)-numpy1/bin/pip install --quiet --disable-pip-version-check \
+	  'numpy<2' 'pytest>=8' 'sophuspy>=1.2' 'g2o-python>=0.0.12'
+	@mkdir -p build/numpy1
+	ln -sfn "$$($(VENV)/bin/python -c 'import posemix; print(posemix.__path__[0])')" build/numpy1/posemix
+	@touch $@
+
+test-python: build/.python build/.numpy1
 	$(VENV)/bin/ruff check --quiet python
 	cd python && ../$(VENV)/bin/mypy --strict posemix
 	$(VENV)/bin/pytest -q
+	PYTHONPATH=build/numpy1 $(VENV)-numpy1/bin/pytest -q python/tests/interop/test_old_numpy.py
 	$(VENV)/bin/pytest -q --doctest-modules --pyargs posemix
 
 fuzz: build/.bootstrap-test

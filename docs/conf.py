@@ -83,8 +83,10 @@ def write_python_pages() -> None:
     """One page of the Python reference per module."""
     pages = []
     folder = Path(posemix.__file__).parent
-    for path in sorted([*folder.glob("*.py"), *folder.glob("*/__init__.py")]):
+    for path in sorted([*folder.glob("*.py"), *folder.glob("*/__init__.py"), *folder.glob("interop/[a-z]*.py")]):
         name = path.parent.name if path.name == "__init__.py" else path.stem
+        if path.parent.name == "interop" and path.name != "__init__.py":
+            name = f"interop.{path.stem}"
         if name.startswith("_") or path == folder / "__init__.py":
             continue
         title = f"# posemix.{name}"

@@ -158,7 +158,7 @@ def _number(value: float | None, factor: float) -> str:
 
 def _errors_text(errors: PoseErrors) -> str:
     if errors.position_rmse_m is None:
-        return "no ground truth"
+        return "not known"
     position = _number(errors.position_rmse_m, 1000)
     return f"{position} mm, {_number(errors.rotation_rmse_deg, 1)} deg"
 

@@ -246,6 +246,14 @@ class FixedLagSmoother:
         """A copy of the filter that runs ahead."""
         return ObjectSlam._of(self._handle.slam())
 
+    def __copy__(self) -> FixedLagSmoother:
+        smoother = FixedLagSmoother.__new__(FixedLagSmoother)
+        smoother._handle = self._handle.copy()
+        return smoother
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> FixedLagSmoother:
+        return self.__copy__()
+
     @property
     def joint(self) -> ConcentratedGaussian[SE3] | None:
         """Camera, its motion under constant velocity, and objects, at the last frame reported."""

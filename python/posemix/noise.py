@@ -25,9 +25,9 @@ from posemix._core import (
 from posemix.lie import SE3
 
 __all__ = [
-    "DetectorNoise", "NoiseComponent", "NoiseDependence", "NoiseFrame", "NullNoise", "ObjectSensor", "SymmetricPoseError",
-    "SymmetryAxis", "SymmetryGroup", "SymmetryTolerance", "along_camera", "default_detector_noise",
-    "max_symmetric_surface_distance", "pose_covariance", "symmetric_pose_error",
+    "DetectorNoise", "NoiseComponent", "NoiseDependence", "NoiseFrame", "NullNoise", "ObjectSensor",
+    "SymmetricPoseError", "SymmetryAxis", "SymmetryGroup", "SymmetryTolerance", "along_camera",
+    "default_detector_noise", "max_symmetric_surface_distance", "pose_covariance", "symmetric_pose_error",
 ]  # fmt: skip
 
 

@@ -31,7 +31,8 @@ from posemix.recording import Sequence, is_known
 
 __all__ = [
     "CandidateReport", "FrameEstimate", "FrameReport", "HypothesisSnapshot", "ObjectAlternative",
-    "ParticleFilterSettings", "PoseTrack", "SlamJob", "SlamRun", "as_max_mixture", "as_riekf", "run", "run_particle_filter", "run_smoothed",
+    "ParticleFilterSettings", "PoseTrack", "SlamJob", "SlamRun", "as_max_mixture", "as_riekf",
+    "run", "run_particle_filter", "run_smoothed",
 ]  # fmt: skip
 
 Progress = Callable[[int, int], bool | None]
@@ -213,6 +214,8 @@ class SlamRun:
 
     def __getitem__(self, frame: int) -> FrameEstimate:
         at = frame + len(self) if frame < 0 else frame
+        if not 0 <= at < len(self):
+            raise IndexError(f"there is no frame {frame} of {len(self)}")
         return frame_estimate(self._handle.frame(at))
 
     def __iter__(self) -> Iterator[FrameEstimate]:

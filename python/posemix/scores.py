@@ -14,11 +14,12 @@ import numpy as np
 import numpy.typing as npt
 
 from posemix import _core
-from posemix._arrays import FloatArray, require_finite
+from posemix._arrays import FloatArray, as_floats, flat_rows, require_finite
+from posemix._core import LogisticSettings
 
 __all__ = [
-    "PlattCalibration", "ReliabilityBin", "accuracy", "auc_within_groups", "brier_score", "calibration_error",
-    "fit_platt", "log_loss", "reliability",
+    "LogisticModel", "LogisticSettings", "PlattCalibration", "ReliabilityBin", "accuracy", "auc_within_groups",
+    "brier_score", "calibration_error", "fit_logistic", "fit_platt", "log_loss", "reliability",
 ]  # fmt: skip
 
 
@@ -137,3 +138,51 @@ class PlattCalibration:
 def fit_platt(probabilities: npt.ArrayLike, successes: npt.ArrayLike) -> PlattCalibration:
     """The most probable calibration, with normal priors about slope 1 and bias 0."""
     return PlattCalibration(*_core.fit_platt(*_arguments(probabilities, successes), []))
+
+
+@dataclass(frozen=True, eq=False)
+class LogisticModel:
+    """P(success) = s(bias + weights . x), s the logistic function.
+
+    Attributes
+    ----------
+    weights : ndarray, shape (features,)
+        One per feature.
+    bias : float
+        Log odds at zero.
+    """
+
+    weights: FloatArray
+    bias: float
+
+    def probability(self, features: npt.ArrayLike) -> FloatArray:
+        """Probabilities at features of shape (..., features), shape (...)."""
+        rows = as_floats(features, (len(self.weights),), "features")
+        values: FloatArray = _core.logistic_probability(self.weights, self.bias, flat_rows(rows, 1))
+        return values.reshape(rows.shape[:-1])
+
+
+def fit_logistic(
+    features: npt.ArrayLike, successes: npt.ArrayLike, settings: LogisticSettings | None = None
+) -> LogisticModel:
+    """The most probable logistic model of outcomes.
+
+    Parameters
+    ----------
+    features : array_like, shape (n, features)
+        Row i belongs to outcome i.
+    successes : array_like of bool, shape (n,)
+        Outcomes.
+    settings : LogisticSettings, optional
+        The prior.
+
+    Raises
+    ------
+    ValueError
+        When sizes differ.
+    """
+    rows = require_finite(np.ascontiguousarray(features, dtype=np.float64), "features")
+    if rows.ndim != 2:
+        raise ValueError(f"features have shape {rows.shape}; expected (n, features)")
+    outcomes: list[bool] = np.asarray(successes, dtype=bool).reshape(-1).tolist()
+    return LogisticModel(*_core.fit_logistic(rows, outcomes, settings or LogisticSettings()))

@@ -185,12 +185,38 @@ void bind_scores(nb::module_& m) {
   });
 }
 
+void bind_logistic(nb::module_& m) {
+  using S = LogisticSettings;
+  Settings<S>(m, "LogisticSettings", "Settings of `fit_logistic`: a normal prior.")
+      .field("weights_mean", &S::weights_mean, "numpy.typing.ArrayLike",
+             "Shape (features,); zero where empty.")
+      .field("bias_mean", &S::bias_mean, "float", "Of the bias.")
+      .field("weights_sd", &S::weights_sd, "float", "Of every weight.")
+      .field("bias_sd", &S::bias_sd, "float", "Of the bias.")
+      .field("max_iterations", &S::max_iterations, "int", "Newton steps at most.")
+      .done();
+  m.def("fit_logistic",
+        [](const Eigen::MatrixXd& features, const std::vector<bool>& outcomes, const S& settings) {
+          const LogisticModel model = fit_logistic(features, outcomes, settings);
+          return nb::make_tuple(vector_array(model.weights), model.bias);
+        });
+  m.def("logistic_probability",
+        [](const Eigen::VectorXd& weights, double bias, const Eigen::MatrixXd& features) {
+          const LogisticModel model{weights, bias};
+          NewArray out({static_cast<std::size_t>(features.rows())});
+          for (Eigen::Index i = 0; i < features.rows(); ++i)
+            out.data[i] = model.probability(features.row(i).transpose());
+          return std::move(out.array);
+        });
+}
+
 }  // namespace
 
 void bind_errors(nb::module_& m) {
   bind_error_mixture(m);
   bind_error_fit(m);
   bind_scores(m);
+  bind_logistic(m);
 }
 
 }  // namespace posemix::python

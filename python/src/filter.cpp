@@ -52,12 +52,11 @@ nb::list hypothesis_list(const std::vector<ObjectHypothesis>& hypotheses) {
 
 namespace {
 
-void bind_multi_object_settings(nb::module_& m) {
+using MultiObjectFields = Settings<MultiObjectSettings>;
+
+void add_hypothesis_fields(MultiObjectFields& settings) {
   using S = MultiObjectSettings;
-  Settings<S>(m, "MultiObjectSettings",
-              "Settings of `MultiObjectFilter`. Distances that are probabilities are quantiles of "
-              "the\nchi-square distribution with six degrees of freedom.")
-      .field("max_hypotheses", &S::max_hypotheses, "int", "Of one object.")
+  settings.field("max_hypotheses", &S::max_hypotheses, "int", "Of one object.")
       .field("protected_hypotheses", &S::protected_hypotheses, "int",
              "Of these, those of the best recent score.")
       .field("explained_probability", &S::explained_probability, "float",
@@ -73,7 +72,12 @@ void bind_multi_object_settings(nb::module_& m) {
       .field("merge_translation_m", &S::merge_translation_m, "float",
              "Hypotheses merge when they differ by less [m].")
       .field("merge_probability", &S::merge_probability, "float",
-             "And lie within this quantile of each other as seen from the camera.")
+             "And lie within this quantile of each other as seen from the camera.");
+}
+
+void add_noise_fields(MultiObjectFields& settings) {
+  using S = MultiObjectSettings;
+  settings
       .field("leader_margin", &S::leader_margin, "float",
              "A hypothesis takes the lead when it is ahead by more [nats].")
       .field("has_odometry", &S::has_odometry, "bool", "Whether the camera has odometry.")
@@ -91,8 +95,17 @@ void bind_multi_object_settings(nb::module_& m) {
       .field("dependent_answers", &S::dependent_answers, "float",
              "So many times as many detections count as one in the mode's probability.")
       .field("camera_gain_noise", &S::camera_gain_noise, "float",
-             "Noise with which the camera's gain is computed, in units of a detection's.")
-      .done();
+             "Noise with which the camera's gain is computed, in units of a detection's.");
+}
+
+void bind_multi_object_settings(nb::module_& m) {
+  MultiObjectFields settings(
+      m, "MultiObjectSettings",
+      "Settings of `MultiObjectFilter`. Distances that are probabilities are quantiles of "
+      "the\nchi-square distribution with six degrees of freedom.");
+  add_hypothesis_fields(settings);
+  add_noise_fields(settings);
+  settings.done();
 }
 
 /// Predictions and updates.

@@ -56,7 +56,6 @@ UpdateReport update(GaussianSumFilter& filter, const std::vector<std::size_t>& o
   std::vector<Detection> detections;
   for (std::size_t i = 0; i < objects.size(); ++i)
     detections.push_back({objects[i], poses[i], &noise[i]});
-  const nb::gil_scoped_release unlocked;
   return filter.update(detections);
 }
 

@@ -90,6 +90,7 @@ void bind_smoother(nb::module_& m) {
            [](S& self) {
              return list_of(self.finish(), [](const FrameEstimate& e) { return estimate_dict(e); });
            })
+      .def("copy", [](const S& self) { return S(self); })
       .def("slam", [](const S& self) { return ObjectSlam(self.slam()); })
       .def("joint", [](const S& self) { return self.joint(); });
 }

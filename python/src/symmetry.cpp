@@ -14,7 +14,7 @@ namespace posemix::python {
 namespace {
 
 constexpr const char* kGroupDoc =
-    R"(The motions g of an object's frame after which it looks the same: X and X g are equivalent.
+    R"(The motions g of an object's frame after which it looks the same: X and X g are alike.
 
 Parameters
 ----------
@@ -28,8 +28,8 @@ tolerance : SymmetryTolerance, optional
 Raises
 ------
 ValueError
-    Naming two elements whose product is missing, an element that moves an axis, or two axes without a
-    common point.
+    Naming two elements whose product is missing, an element that moves an axis, or two axes
+    without a common point.
 
 References
 ----------
@@ -91,19 +91,8 @@ void bind_axis(nb::module_& m) {
       .done();
 }
 
-void bind_group(nb::module_& m) {
+void bind_queries(nb::class_<SymmetryGroup>& group) {
   using S = SymmetryGroup;
-  nb::class_<S> group(m, "SymmetryGroup", kGroupDoc);
-  group.def(
-      "__init__",
-      [](S* self, const std::optional<PoseArray>& elements, const std::vector<SymmetryAxis>& axes,
-         const std::optional<SymmetryTolerance>& tolerance) {
-        new (self) S(make_group(elements, axes, tolerance.value_or(SymmetryTolerance{})));
-      },
-      "elements"_a = nb::none(), "axes"_a = nb::tuple(), "tolerance"_a = nb::none());
-  group.def_static("from_bop", &group_of_entry, "entry"_a,
-                   "The group of one entry of BOP's models_info.json, as json reads it.\n\n"
-                   "Discrete times continuous; lengths in millimetres become metres.\n");
   group.def_prop_ro(
       "elements", [](const S& self) { return PoseArray::of(self.elements()); }, nb::rv_policy::move,
       "The discrete motions, shape (k,); the first is the identity.");
@@ -120,6 +109,22 @@ void bind_group(nb::module_& m) {
       "unobserved_covariance",
       [](const S& self) { return matrix_array(self.unobserved_covariance()); },
       "What a detection cannot tell, shape (6, 6), along the object's own axes.");
+}
+
+void bind_group(nb::module_& m) {
+  using S = SymmetryGroup;
+  nb::class_<S> group(m, "SymmetryGroup", kGroupDoc);
+  group.def(
+      "__init__",
+      [](S* self, const std::optional<PoseArray>& elements, const std::vector<SymmetryAxis>& axes,
+         const std::optional<SymmetryTolerance>& tolerance) {
+        new (self) S(make_group(elements, axes, tolerance.value_or(SymmetryTolerance{})));
+      },
+      "elements"_a = nb::none(), "axes"_a = nb::tuple(), "tolerance"_a = nb::none());
+  group.def_static("from_bop", &group_of_entry, "entry"_a,
+                   "The group of one entry of BOP's models_info.json, as json reads it.\n\n"
+                   "Discrete times continuous; lengths in millimetres become metres.\n");
+  bind_queries(group);
   group.def("__getstate__", [](const S& self) {
     return nb::make_tuple(PoseArray::of(self.elements()), self.axes());
   });

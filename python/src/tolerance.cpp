@@ -133,6 +133,9 @@ void bind_consensus(nb::module_& m) {
     }
     return nb::make_tuple(PoseArray::of(consensus->truths), vector_array(consensus->weights));
   });
+}
+
+void bind_consensus_uses(nb::module_& m) {
   m.def("resample_consensus",
         [](const PoseArray& truths, const Eigen::VectorXd& weights, std::size_t count) {
           const PoseConsensus drawn = PoseConsensus{truths.poses(), weights}.resampled(count);
@@ -160,6 +163,7 @@ void bind_tolerance(nb::module_& m) {
   bind_region(m);
   bind_region_fit(m);
   bind_consensus(m);
+  bind_consensus_uses(m);
 }
 
 }  // namespace posemix::python

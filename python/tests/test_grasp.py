@@ -196,6 +196,19 @@ def test_platt_calibration_undoes_overconfidence() -> None:
     assert fit(np.array([[0.5]])).shape == (1, 1)
 
 
+def test_logistic_regression_is_at_the_mode() -> None:
+    rng = np.random.default_rng(7)
+    x = rng.normal(size=(500, 2))
+    won = rng.random(500) < logistic(x @ [1.5, -0.5] + 0.3)
+    settings = pm.LogisticSettings(weights_mean=[1.0, 0.0])
+    model = pm.fit_logistic(x, won, settings)
+    residual = won - model.probability(x)
+    np.testing.assert_allclose(x.T @ residual, model.weights - [1.0, 0.0], atol=1e-6)
+    assert residual.sum() == pytest.approx(model.bias / 9.0, abs=1e-6)
+    with pytest.raises(ValueError):
+        pm.fit_logistic(x, won[:3])
+
+
 def test_symmetric_errors() -> None:
     half_turn = pm.AxisSymmetry(axis=[0, 0, 1], fold=2)
     error = pm.SE3(pm.SO3.exp([[0, 0, 3.0], [0, 0, 0.2]]))

@@ -7,6 +7,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import os
+import pickle
 import subprocess
 from pathlib import Path
 from typing import Any
@@ -113,7 +114,7 @@ def test_recorded_data_gives_what_the_program_gives(tmp_path: Path) -> None:
 def test_a_job_is_open(recording: Path) -> None:
     job = pm.read_slam_job(recording / "sequence.toml", overrides=["output.trace_hypotheses=0"])
     assert repr(job.sequence).startswith("<Sequence of 210 frames")
-    whole = pm.run(job)
+    whole = pm.run(pickle.loads(pickle.dumps(job)))
     parts = pm.run(job.sequence, job.camera_prior, job.models, job.settings)
     assert whole.posterior == parts.posterior
     assert whole[-1].alternatives == []

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: MIT
+# SPDX-FileCopyrightText: posemix contributors
+"""Text files, read with their names in errors and written all or not at all."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+
+def read_text(path: str | os.PathLike[str]) -> str:
+    """The file's text; ValueError where it is not UTF-8."""
+    try:
+        return Path(path).read_text(encoding="utf-8")
+    except UnicodeDecodeError as error:
+        raise ValueError(f"{os.fspath(path)}: is not a text file (UTF-8)") from error
+
+
+def numbered_lines(text: str) -> Iterator[tuple[int, str]]:
+    """Lines with their numbers from one, without blank ones and those that start with #."""
+    for number, line in enumerate(text.splitlines(), start=1):
+        stripped = line.strip()
+        if stripped and not stripped.startswith("#"):
+            yield number, stripped
+
+
+def numbers(fields: list[str], count: int, where: str) -> list[float]:
+    """The fields as `count` finite numbers; ValueError names the place."""
+    if len(fields) != count:
+        raise ValueError(f"{where}: got {len(fields)} numbers, expected {count}")
+    values = []
+    for field in fields:
+        try:
+            value = float(field)
+        except ValueError:
+            raise ValueError(f"{where}: got '{field}', expected a number") from None
+        if value - value != 0.0:
+            raise ValueError(f"{where}: got '{field}', expected a finite number")
+        values.append(value)
+    return values
+
+
+def write_text(path: str | os.PathLike[str], text: str) -> None:
+    """Writes a file beside its place and renames it: there is never a part of one."""
+    target = Path(path)
+    handle, name = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
+    try:
+        with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as file:
+            file.write(text)
+        os.chmod(name, 0o644)
+        os.replace(name, target)
+    except BaseException:
+        os.unlink(name)
+        raise

@@ -1,0 +1,164 @@
+# SPDX-License-Identifier: MIT
+# SPDX-FileCopyrightText: posemix contributors
+"""Sides, orders and charts of a pose's error, and the Jacobians between them.
+
+All Jacobians J map the error of the other convention to posemix's: the left perturbation, rotation (rad)
+before translation (m), in X = Exp(xi) X0. Covariances follow to first order, P = J P_other J^T.
+"""
+
+from __future__ import annotations
+
+from typing import Literal, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from posemix._arrays import FloatArray, as_floats
+from posemix.density import ConcentratedGaussian
+from posemix.lie import SE3
+
+__all__ = [
+    "Order", "Side", "additive_jacobian", "covariance_from", "covariance_to", "density_from",
+    "density_to", "inverted", "product_jacobian", "require_word", "restated", "side_jacobian", "skew", "tangent_from",
+    "tangent_to",
+]  # fmt: skip
+
+Side: TypeAlias = Literal["left", "right"]
+Order: TypeAlias = Literal["rotation_first", "translation_first"]
+
+
+def require_word(value: str, allowed: tuple[str, ...], name: str) -> None:
+    """ValueError unless the value of the argument `name` is allowed."""
+    if value not in allowed:
+        expected = " or ".join(repr(word) for word in allowed)
+        raise ValueError(f"{name} is {value!r}; expected {expected}")
+
+
+def skew(v: npt.ArrayLike) -> FloatArray:
+    """[v]x, shape (..., 3, 3): [v]x w is the cross product of v and w."""
+    x, y, z = np.moveaxis(as_floats(v, (3,), "v"), -1, 0)
+    zero = np.zeros_like(x)
+    rows = [[zero, -z, y], [z, zero, -x], [-y, x, zero]]
+    return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
+
+
+def _swapped(values: FloatArray, axes: tuple[int, ...], order: Order) -> FloatArray:
+    require_word(order, ("rotation_first", "translation_first"), "order")
+    return values if order == "rotation_first" else np.roll(values, 3, axis=axes)
+
+
+def tangent_from(vector: npt.ArrayLike, *, order: Order) -> FloatArray:
+    """Tangent vectors, shape (..., 6), rotation first.
+
+    Parameters
+    ----------
+    vector : array_like, shape (..., 6)
+        Tangent vectors [rad, m].
+    order : {"rotation_first", "translation_first"}
+        Which half of `vector` comes first.
+    """
+    return _swapped(as_floats(vector, (6,), "vector"), (-1,), order)
+
+
+def tangent_to(vector: npt.ArrayLike, *, order: Order) -> FloatArray:
+    """Tangent vectors in another order; undoes `tangent_from`."""
+    return _swapped(as_floats(vector, (6,), "vector"), (-1,), order)
+
+
+def side_jacobian(mean: SE3, side: Side) -> FloatArray:
+    """From errors on a side to those on the left: the identity or Ad(mean); exact.
+
+    Parameters
+    ----------
+    mean : SE3, shape (...)
+        Poses.
+    side : {"left", "right"}
+        "left": X = Exp(xi) X0. "right": X = X0 Exp(xi), along the body's axes.
+
+    Returns
+    -------
+    ndarray, shape (..., 6, 6)
+    """
+    require_word(side, ("left", "right"), "side")
+    if side == "left":
+        return np.broadcast_to(np.eye(6), (*mean.shape, 6, 6))
+    return mean.adjoint()
+
+
+def additive_jacobian(mean: SE3) -> FloatArray:
+    """From [theta, dt], R = Exp(theta) R0 and t = t0 + dt, both along the reference frame's axes.
+
+    rho = dt + [t0]x theta to first order.
+    """
+    jacobian = np.zeros((*mean.shape, 6, 6))
+    jacobian[...] = np.eye(6)
+    jacobian[..., 3:, :3] = skew(mean.translation)
+    return jacobian
+
+
+def product_jacobian(mean: SE3) -> FloatArray:
+    """From [theta, dt], R = R0 Exp(theta) along the body's axes and t = t0 + dt along the reference's."""
+    jacobian = additive_jacobian(mean)
+    turned = mean.rotation.matrix()
+    jacobian[..., :3, :3] = turned
+    jacobian[..., 3:, :3] = skew(mean.translation) @ turned
+    return jacobian
+
+
+def inverted(jacobian: FloatArray) -> FloatArray:
+    """The inverses of Jacobians, shape (..., 6, 6)."""
+    return np.asarray(np.linalg.inv(jacobian), dtype=np.float64)
+
+
+def restated(covariance: npt.ArrayLike, jacobian: FloatArray) -> FloatArray:
+    """J P J^T, symmetric to the last bit, shape (..., 6, 6)."""
+    product = jacobian @ as_floats(covariance, (6, 6), "covariance") @ np.swapaxes(jacobian, -1, -2)
+    return np.asarray(0.5 * (product + np.swapaxes(product, -1, -2)))
+
+
+def covariance_from(
+    mean: SE3, covariance: npt.ArrayLike, *, side: Side, order: Order
+) -> FloatArray:
+    """Covariances of the left perturbation, rotation first.
+
+    Parameters
+    ----------
+    mean : SE3, shape (...)
+        Poses T_a_b.
+    covariance : array_like, shape (..., 6, 6)
+        Covariances at them [rad, m].
+    side : {"left", "right"}
+        Of the perturbation: in the frame a (X = Exp(xi) X0) or in b (X = X0 Exp(xi)).
+    order : {"rotation_first", "translation_first"}
+        Of the halves.
+
+    Returns
+    -------
+    ndarray, shape (..., 6, 6)
+    """
+    matrix = _swapped(as_floats(covariance, (6, 6), "covariance"), (-2, -1), order)
+    return restated(matrix, side_jacobian(mean, side))
+
+
+def covariance_to(
+    mean: SE3, covariance: npt.ArrayLike, *, side: Side, order: Order
+) -> FloatArray:
+    """Covariances in another side and order, of left ones, rotation first; undoes `covariance_from`."""
+    require_word(side, ("left", "right"), "side")
+    back = side_jacobian(mean.inverse(), side)
+    return _swapped(restated(covariance, back), (-2, -1), order)
+
+
+def density_from(
+    mean: SE3, covariance: npt.ArrayLike, *, side: Side, order: Order
+) -> ConcentratedGaussian[SE3]:
+    """One density of a pose and a covariance in any side and order; see `covariance_from`."""
+    return ConcentratedGaussian(mean, covariance_from(mean, covariance, side=side, order=order))
+
+
+def density_to(
+    density: ConcentratedGaussian[SE3], *, side: Side, order: Order
+) -> tuple[SE3, FloatArray]:
+    """Mean and covariance of a density in any side and order; undoes `density_from`."""
+    mean = density.mean
+    return mean, covariance_to(mean, density.covariance, side=side, order=order)

@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: MIT
+# SPDX-FileCopyrightText: posemix contributors
+"""manif: coefficients x y z qx qy qz qw, tangent vectors with the translation first.
+
+manif's operators plus and minus are on the right; lplus and lminus are on the left. So `side` says which.
+"""
+
+from __future__ import annotations
+
+import numpy.typing as npt
+
+from posemix._arrays import FloatArray
+from posemix.density import ConcentratedGaussian
+from posemix.interop.conventions import Side, density_from, density_to, tangent_from, tangent_to
+from posemix.lie import SE3
+
+__all__ = ["from_coeffs", "from_gaussian", "from_tangent", "to_coeffs", "to_gaussian", "to_tangent"]
+
+
+def from_coeffs(coeffs: npt.ArrayLike) -> SE3:
+    """Poses of SE3d.coeffs(), shape (..., 7); exact."""
+    return SE3.from_tq(coeffs)
+
+
+def to_coeffs(pose: SE3) -> FloatArray:
+    """SE3d.coeffs() of poses, shape (..., 7); exact."""
+    return pose.to_tq()
+
+
+def from_tangent(vector: npt.ArrayLike) -> FloatArray:
+    """Tangent vectors, rotation first, of SE3Tangentd.coeffs(), shape (..., 6); exact."""
+    return tangent_from(vector, order="translation_first")
+
+
+def to_tangent(vector: npt.ArrayLike) -> FloatArray:
+    """SE3Tangentd.coeffs() of tangent vectors, rotation first, shape (..., 6); exact."""
+    return tangent_to(vector, order="translation_first")
+
+
+def from_gaussian(
+    coeffs: npt.ArrayLike, covariance: npt.ArrayLike, *, side: Side
+) -> ConcentratedGaussian[SE3]:
+    """A density of coefficients, shape (7,), and a covariance, translation (m) before rotation (rad).
+
+    Parameters
+    ----------
+    coeffs : array_like, shape (7,)
+        T_a_b.
+    covariance : array_like, shape (6, 6)
+        Translation before rotation.
+    side : {"left", "right"}
+        "right" for plus and minus, "left" for lplus and lminus.
+    """
+    return density_from(from_coeffs(coeffs), covariance, side=side, order="translation_first")
+
+
+def to_gaussian(density: ConcentratedGaussian[SE3], *, side: Side) -> tuple[FloatArray, FloatArray]:
+    """Coefficients and covariance; undoes `from_gaussian`."""
+    mean, covariance = density_to(density, side=side, order="translation_first")
+    return to_coeffs(mean), covariance

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: MIT
+# SPDX-FileCopyrightText: posemix contributors
+"""symforce: sym.Pose3 as the product SO(3) x R^3.
+
+Pose3.retract turns on the right, R = R0 Exp(theta), and adds the translation along the reference frame's
+axes, t = t0 + dt; tangent vectors and covariances have the rotation first.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from posemix._arrays import FloatArray
+from posemix._peers import peer
+from posemix.density import ConcentratedGaussian
+from posemix.interop.conventions import inverted, product_jacobian, restated
+from posemix.lie import SE3, SO3
+
+__all__ = ["from_gaussian", "from_pose3", "to_gaussian", "to_pose3"]
+
+
+def from_pose3(pose: Any) -> SE3:
+    """One pose of a sym.Pose3; exact."""
+    storage = np.asarray(pose.to_storage(), dtype=np.float64)
+    return SE3(SO3(storage[:4]), storage[4:])
+
+
+def to_pose3(pose: SE3) -> Any:
+    """A sym.Pose3 of one pose; exact."""
+    tq = pose.to_tq()
+    sym = peer("sym", "posemix.interop.symforce", "symforce-sym")
+    return sym.Pose3.from_storage([*tq[3:].tolist(), *tq[:3].tolist()])
+
+
+def from_gaussian(pose: Any, covariance: npt.ArrayLike) -> ConcentratedGaussian[SE3]:
+    """A density of a pose and its covariance; first order in the error.
+
+    Parameters
+    ----------
+    pose : sym.Pose3
+        T_a_b.
+    covariance : array_like, shape (6, 6)
+        Of [theta, dt], theta (rad) in frame b, dt (m) in frame a.
+    """
+    mean = from_pose3(pose)
+    return ConcentratedGaussian(mean, restated(covariance, product_jacobian(mean)))
+
+
+def to_gaussian(density: ConcentratedGaussian[SE3]) -> tuple[Any, FloatArray]:
+    """A sym.Pose3 and its covariance; undoes `from_gaussian`."""
+    mean = density.mean
+    inverse = inverted(product_jacobian(mean))
+    return to_pose3(mean), restated(density.covariance, inverse)

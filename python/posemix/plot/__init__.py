@@ -1,0 +1,18 @@
+# SPDX-License-Identifier: MIT
+# SPDX-FileCopyrightText: posemix contributors
+"""Pictures of poses, densities and mixtures with matplotlib: `pip install posemix[plot]`.
+
+Every function draws on axes that it is given, labels them with units, and returns the artists. Functions of space take
+flat axes, with the plane to look at, or axes with the projection "3d". Colours are those of Okabe and Ito, which people
+with any colour vision tell apart.
+"""
+
+from posemix.plot.path import trajectory
+from posemix.plot.series import axis_marginal, chi_square_quantile, mode_probabilities, nees
+from posemix.plot.space import ellipsoid, flags, position_contours, position_covariance
+from posemix.plot.style import PALETTE
+
+__all__ = [
+    "PALETTE", "axis_marginal", "chi_square_quantile", "ellipsoid", "flags", "mode_probabilities", "nees",
+    "position_contours", "position_covariance", "trajectory",
+]  # fmt: skip

@@ -1,0 +1,247 @@
+# SPDX-License-Identifier: MIT
+# SPDX-FileCopyrightText: posemix contributors
+"""Logs poses, densities and mixtures to Rerun: `pip install posemix[rerun]`.
+
+Every function takes an entity path and logs at the current time; `set_time` sets it. Without `recording` the one that
+rerun.init made current is meant. What is drawn of a T_world_x stands in the world's coordinates, so paths belong below
+the world's entity, not below x. Lengths are metres.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from posemix._arrays import FloatArray, as_floats
+from posemix._peers import peer
+from posemix.density import ConcentratedGaussian
+from posemix.lie import SE3
+from posemix.mixture import Mixture
+from posemix.plot.space import position_covariance
+from posemix.plot.style import PALETTE
+
+__all__ = [
+    "log_ellipsoid", "log_hypotheses", "log_pose", "log_scalars", "log_trajectory", "log_tracking", "set_time",
+]  # fmt: skip
+
+TIMELINE = "time"
+
+# Of x, y and z: as near to red, green and blue as colours go that everybody tells apart.
+_AXES = ("#D55E00", "#009E73", "#0072B2")
+
+
+def _rerun() -> Any:
+    return peer("rerun", "posemix.rerun", "posemix[rerun]")
+
+
+def _rgba(colour: str, alpha: float) -> list[int]:
+    red, green, blue = (int(colour[i : i + 2], 16) for i in (1, 3, 5))
+    return [red, green, blue, round(255 * min(max(alpha, 0.0), 1.0))]
+
+
+def set_time(seconds: float, *, recording: Any = None) -> None:
+    """Sets the time of what is logged next, on the timeline "time" [s]."""
+    _rerun().set_time(TIMELINE, duration=float(seconds), recording=recording)
+
+
+def log_pose(path: str, pose: SE3, *, axis_length: float = 0.1, recording: Any = None) -> None:
+    """One pose as the transform of an entity, with its axes drawn.
+
+    Parameters
+    ----------
+    path : str
+        Entity whose children stand in the frame of the pose.
+    pose : SE3
+        T_parent_entity.
+    axis_length : float
+        Of the axes drawn [m].
+    recording : RecordingStream, optional
+        Where to.
+    """
+    rr = _rerun()
+    tq = pose.to_tq()
+    transform = rr.Transform3D(translation=tq[:3], quaternion=tq[3:])
+    rr.log(path, transform, rr.TransformAxes3D(axis_length), recording=recording)
+
+
+def _ellipsoids(
+    means: SE3, covariances: FloatArray, sigmas: float
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Centres, half sizes and quaternions of the positions' ellipsoids."""
+    values, vectors = np.linalg.eigh(position_covariance(means, covariances))
+    turned = vectors * np.where(np.linalg.det(vectors) < 0.0, -1.0, 1.0)[..., None, None]
+    homogeneous = np.zeros((*means.shape, 4, 4))
+    homogeneous[..., :3, :3] = turned
+    homogeneous[..., 3, 3] = 1.0
+    quaternions = SE3.from_matrix(homogeneous).rotation.quaternion
+    return means.translation, sigmas * np.sqrt(np.maximum(values, 0.0)), quaternions
+
+
+def log_ellipsoid(
+    path: str,
+    density: ConcentratedGaussian[SE3],
+    *,
+    sigmas: float = 3.0,
+    colour: str = PALETTE[0],
+    recording: Any = None,
+) -> None:
+    """The ellipsoid of a position, to first order in the pose's error.
+
+    Parameters
+    ----------
+    path : str
+        Entity below the frame that the density's poses are seen from.
+    density : ConcentratedGaussian
+        Of one pose T_world_x.
+    sigmas : float
+        Half axes in standard deviations.
+    colour : str
+        As "#0072B2".
+    recording : RecordingStream, optional
+        Where to.
+    """
+    rr = _rerun()
+    centre, sizes, quaternion = _ellipsoids(density.mean, density.covariance, sigmas)
+    ellipsoid = rr.Ellipsoids3D(
+        centers=[centre], half_sizes=[sizes], quaternions=[quaternion], colors=[_rgba(colour, 0.6)]
+    )
+    rr.log(path, ellipsoid, recording=recording)
+
+
+def log_hypotheses(
+    path: str,
+    mixture: Mixture[ConcentratedGaussian[SE3]],
+    *,
+    axis_length: float = 0.1,
+    sigmas: float = 3.0,
+    recording: Any = None,
+) -> None:
+    """The components of a mixture as ghosts: axes and ellipsoids as solid as they are likely.
+
+    Axes are logged to PATH/axes, three arrows x, y, z per component, the heaviest component first and labelled
+    with its weight; ellipsoids to PATH/ellipsoids.
+
+    Parameters
+    ----------
+    path : str
+        Entity below the frame that the poses are seen from.
+    mixture : Mixture
+        Of one pose T_world_x.
+    axis_length : float
+        Of the arrows [m].
+    sigmas : float
+        Half axes of the ellipsoids in standard deviations.
+    recording : RecordingStream, optional
+        Where to.
+    """
+    rr = _rerun()
+    order = np.argsort(-mixture.log_weights, kind="stable")
+    weights = mixture.weights[order]
+    means: SE3 = mixture.means[order]
+    vectors = axis_length * np.swapaxes(means.rotation.matrix(), -1, -2).reshape((-1, 3))
+    labels = [text for weight in weights for text in (f"{weight:.3f}", "", "")]
+    arrows = rr.Arrows3D(
+        vectors=vectors,
+        origins=np.repeat(means.translation, 3, axis=0),
+        colors=[_rgba(axis, 0.15 + 0.85 * w) for w in weights for axis in _AXES],
+        labels=labels,
+    )
+    rr.log(f"{path}/axes", arrows, recording=recording)
+    centres, sizes, quaternions = _ellipsoids(means, mixture.covariances[order], sigmas)
+    ellipsoids = rr.Ellipsoids3D(
+        centers=centres,
+        half_sizes=sizes,
+        quaternions=quaternions,
+        colors=[_rgba(PALETTE[0], 0.05 + 0.6 * w) for w in weights],
+    )
+    rr.log(f"{path}/ellipsoids", ellipsoids, recording=recording)
+
+
+def log_trajectory(
+    path: str,
+    poses: SE3,
+    *,
+    colour: str = PALETTE[0],
+    static: bool = False,
+    recording: Any = None,
+) -> None:
+    """A path of positions as a line.
+
+    Parameters
+    ----------
+    path : str
+        Entity below the frame that the poses are seen from.
+    poses : SE3, shape (n,)
+        T_world_x.
+    colour : str
+        As "#0072B2".
+    static : bool
+        Whether the line is there at all times.
+    recording : RecordingStream, optional
+        Where to.
+    """
+    rr = _rerun()
+    strip = rr.LineStrips3D([poses.translation], colors=[_rgba(colour, 1.0)])
+    rr.log(path, strip, static=static, recording=recording)
+
+
+def log_scalars(path: str, values: Mapping[str, float], *, recording: Any = None) -> None:
+    """Numbers over time, each to PATH/NAME.
+
+    Parameters
+    ----------
+    path : str
+        Entity.
+    values : mapping of str to float
+        By name; say units in the names, as "rotation_error_deg". NaN is left out.
+    recording : RecordingStream, optional
+        Where to.
+    """
+    rr = _rerun()
+    for name, value in values.items():
+        if not np.isnan(value):
+            rr.log(f"{path}/{name}", rr.Scalars([float(value)]), recording=recording)
+
+
+def log_tracking(
+    path: str,
+    stamps: npt.ArrayLike,
+    poses: SE3,
+    covariances: npt.ArrayLike,
+    *,
+    colour: str = PALETTE[0],
+    sigmas: float = 3.0,
+    recording: Any = None,
+) -> None:
+    """A whole estimate over time: PATH/pose moves, with PATH/ellipsoid; the whole way stands in PATH/way.
+
+    Parameters
+    ----------
+    path : str
+        Entity below the world's.
+    stamps : array_like, shape (n,)
+        Seconds.
+    poses : SE3, shape (n,)
+        T_world_x.
+    covariances : array_like, shape (n, 6, 6)
+        Of the left perturbation, rotation (rad) before translation (m).
+    colour : str
+        As "#0072B2".
+    sigmas : float
+        Half axes of the ellipsoids in standard deviations.
+    recording : RecordingStream, optional
+        Where to.
+    """
+    times = as_floats(stamps, (len(poses),), "stamps")
+    matrices = as_floats(covariances, (len(poses), 6, 6), "covariances")
+    log_trajectory(f"{path}/way", poses, colour=colour, static=True, recording=recording)
+    for i, time in enumerate(times):
+        set_time(float(time), recording=recording)
+        log_pose(f"{path}/pose", poses[i], recording=recording)
+        density = ConcentratedGaussian(poses[i], matrices[i])
+        log_ellipsoid(
+            f"{path}/ellipsoid", density, sigmas=sigmas, colour=colour, recording=recording
+        )

@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: MIT
+# SPDX-FileCopyrightText: posemix contributors
+"""Recordings are written as .rrd files and read back."""
+
+from __future__ import annotations
+
+import warnings
+from collections import defaultdict
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+rr = pytest.importorskip("rerun")
+
+from posemix import SE3, SO3, ConcentratedGaussian, Mixture, plot
+from posemix import rerun as log
+
+COVARIANCE = np.diag([0.02, 0.01, 0.03, 1e-4, 4e-4, 9e-4])
+
+
+def reader(path: Path) -> Any:
+    module = pytest.importorskip("rerun.chunk" if hasattr(rr, "chunk") else "rerun.experimental")
+    return module.RrdReader(str(path))
+
+
+@pytest.fixture
+def logged(tmp_path: Path) -> Callable[[Callable[[Any], None]], dict[str, dict[str, list[Any]]]]:
+    """Runs what logs, and returns columns by entity and name, rows in the order of time."""
+
+    def run(use: Callable[[Any], None]) -> dict[str, dict[str, list[Any]]]:
+        path = tmp_path / "recording.rrd"
+        recording = rr.RecordingStream("posemix_test", recording_id="test")
+        recording.save(str(path))
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            use(recording)
+        recording.disconnect()
+        found: dict[str, dict[str, list[Any]]] = defaultdict(lambda: defaultdict(list))
+        for chunk in reader(path).stream().to_chunks():
+            batch = chunk.to_record_batch()
+            for name, column in zip(batch.schema.names, batch.columns, strict=True):
+                if str(column.type).startswith(("timestamp", "duration")):
+                    column = column.cast("int64")  # nanoseconds
+                found[chunk.entity_path.lstrip("/")][name] += column.to_pylist()
+        return found
+
+    return run
+
+
+def test_pose_at_a_time(logged: Any) -> None:
+    pose = SE3(SO3.exp([0.1, 0.2, 0.3]), [1.0, 2.0, 3.0])
+
+    def use(recording: Any) -> None:
+        log.set_time(1.5, recording=recording)
+        log.log_pose("world/camera", pose, axis_length=0.25, recording=recording)
+
+    row = logged(use)["world/camera"]
+    np.testing.assert_allclose(row["Transform3D:translation"][0], [[1.0, 2.0, 3.0]])
+    np.testing.assert_allclose(
+        row["Transform3D:quaternion"][0], [pose.rotation.quaternion], rtol=1e-6
+    )
+    np.testing.assert_allclose(row["TransformAxes3D:axis_length"][0], [0.25])
+    assert row["time"] == [1_500_000_000]
+
+
+def test_ellipsoid_has_the_covariance(logged: Any) -> None:
+    density = ConcentratedGaussian(SE3(SO3.exp([0.3, 0.1, 2.0]), [1.0, -1.0, 0.5]), COVARIANCE)
+    row = logged(
+        lambda r: log.log_ellipsoid("e", density, sigmas=2.0, colour="#102030", recording=r)
+    )["e"]
+    np.testing.assert_allclose(row["Ellipsoids3D:centers"][0], [[1.0, -1.0, 0.5]])
+    turn = SO3(row["Ellipsoids3D:quaternions"][0][0]).matrix()
+    half = np.array(row["Ellipsoids3D:half_sizes"][0][0]) / 2.0
+    expected = plot.position_covariance(density.mean, density.covariance)
+    np.testing.assert_allclose(turn @ np.diag(half**2) @ turn.T, expected, atol=1e-6)
+    assert row["Ellipsoids3D:colors"][0][0] >> 8 == 0x102030
+
+
+def test_ghosts_are_as_solid_as_they_are_likely(logged: Any) -> None:
+    light = ConcentratedGaussian(SE3(translation=[1.0, 0.0, 0.0]), COVARIANCE)
+    heavy = ConcentratedGaussian(SE3(SO3.exp([0, 0, np.pi / 2]), [2.0, 0.0, 0.0]), COVARIANCE)
+    mixture = Mixture([light, heavy], [0.2, 0.8])
+    found = logged(
+        lambda r: log.log_hypotheses("world/mug", mixture, axis_length=0.1, recording=r)
+    )
+    axes = found["world/mug/axes"]
+    assert axes["Arrows3D:labels"][0] == ["0.800", "", "", "0.200", "", ""]
+    vectors = np.array(axes["Arrows3D:vectors"][0])
+    np.testing.assert_allclose(vectors[0], [0.0, 0.1, 0.0], atol=1e-7)
+    np.testing.assert_allclose(vectors[3], [0.1, 0.0, 0.0], atol=1e-7)
+    np.testing.assert_allclose(np.array(axes["Arrows3D:origins"][0])[:, 0], [2, 2, 2, 1, 1, 1])
+    alpha = [colour & 0xFF for colour in axes["Arrows3D:colors"][0]]
+    assert alpha == [212] * 3 + [82] * 3
+    assert len(found["world/mug/ellipsoids"]["Ellipsoids3D:centers"][0]) == 2
+
+
+def test_single_component(logged: Any) -> None:
+    single = Mixture([ConcentratedGaussian(SE3(), COVARIANCE)])
+    found = logged(lambda r: log.log_hypotheses("m", single, recording=r))
+    assert found["m/axes"]["Arrows3D:labels"][0] == ["1.000", "", ""]
+
+
+def test_numbers_over_time(logged: Any) -> None:
+    def use(recording: Any) -> None:
+        for i in range(3):
+            log.set_time(0.1 * i, recording=recording)
+            value = float("nan") if i == 1 else 2.0 * i
+            log.log_scalars("errors", {"rotation_deg": value, "weight": 0.5}, recording=recording)
+
+    found = logged(use)
+    assert found["errors/rotation_deg"]["Scalars:scalars"] == [[0.0], [4.0]]
+    assert found["errors/weight"]["Scalars:scalars"] == [[0.5]] * 3
+    assert found["errors/weight"]["time"] == [0, 100_000_000, 200_000_000]
+
+
+def test_whole_estimate(logged: Any) -> None:
+    poses = SE3(SO3.identity(4), np.arange(12.0).reshape((4, 3)))
+    stamps = [0.0, 0.5, 1.0, 1.5]
+    covariances = np.tile(COVARIANCE, (4, 1, 1))
+    found = logged(
+        lambda r: log.log_tracking("world/camera", stamps, poses, covariances, recording=r)
+    )
+    moved = np.array(found["world/camera/pose"]["Transform3D:translation"])[:, 0]
+    np.testing.assert_allclose(moved, poses.translation)
+    way = found["world/camera/way"]
+    np.testing.assert_allclose(way["LineStrips3D:strips"][0][0], poses.translation)
+    assert "time" not in way
+    assert len(found["world/camera/ellipsoid"]["Ellipsoids3D:centers"]) == 4
+    with pytest.raises(ValueError, match="stamps has shape"):
+        log.log_tracking("a", stamps[:2], poses, covariances)
