@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import collections.abc
 import os
+import pathlib
 from dataclasses import dataclass
 from typing import Any
 
@@ -41,7 +42,7 @@ __all__ = [
     "TangentOrder", "read_bop_model", "read_bop_models", "read_bop_rows", "read_grasp_outcomes", "read_mixture",
     "read_object_poses", "read_pose_samples", "read_posterior", "read_simulation", "read_slam_job",
     "read_symmetry_file", "read_tum", "write_mixture", "write_object_poses", "write_poses", "write_posterior",
-    "write_results", "write_simulation", "write_tum",
+    "write_report", "write_results", "write_simulation", "write_tum",
 ]  # fmt: skip
 
 Path = str | os.PathLike[str]
@@ -93,6 +94,42 @@ def write_results(folder: Path, job: SlamJob, run: SlamRun) -> None:
     handle = job._compiled()
     metrics = _core.evaluate(job.sequence._compiled(), run._handle)
     _core.write_results(os.fspath(folder), handle, run._handle, metrics)
+
+
+def write_report(
+    results: Path,
+    out: Path | None = None,
+    title: str | None = None,
+    meshes: collections.abc.Mapping[str, tuple[Path, float]] | None = None,
+) -> pathlib.Path:
+    """One HTML file that shows results in a browser, as ``posemix report``; no network, no server.
+
+    Parameters
+    ----------
+    results : path
+        A folder of `write_results`, ``posemix slam`` or ``posemix study``, a folder of mixture files, or one of these.
+    out : path, optional
+        Where it is written; unless given report.html in the folder, or beside the mixture file.
+    title : str, optional
+        Unless given, from the results.
+    meshes : mapping, optional
+        By object id, a PLY file and the length of its unit [m]: 1e-3 for BOP's models.
+
+    Returns
+    -------
+    pathlib.Path
+        The file written.
+
+    Raises
+    ------
+    ValueError
+        Naming file and place: no results, a damaged file, a mesh of no object.
+    OSError
+        Where the system refuses, or the package was built without the page (npm was missing).
+    """
+    paths = {id: (os.fspath(ply), unit) for id, (ply, unit) in (meshes or {}).items()}
+    target = None if out is None else os.fspath(out)
+    return pathlib.Path(_core.write_report(os.fspath(results), target, title, paths))
 
 
 @dataclass(frozen=True)

@@ -128,6 +128,7 @@ void bind_mixture(nb::module_& m);
 void bind_reduction(nb::module_& m);
 void bind_divergence(nb::module_& m);
 void bind_em(nb::module_& m);
+void bind_report(nb::module_& m);
 void bind_grasp(nb::module_& m);
 void bind_tolerance(nb::module_& m);
 void bind_errors(nb::module_& m);

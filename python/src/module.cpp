@@ -4,6 +4,9 @@
 
 NB_MODULE(_core, m) {
   using namespace posemix::python;  // NOLINT(google-build-using-namespace)
+  // Settings are default arguments of what they are settings of: the interpreter ends before such
+  // circles are found.
+  nanobind::set_leak_warnings(false);
   m.doc() = "The compiled part of posemix. Its users are the modules of the package.";
   m.attr("version") = POSEMIX_VERSION;
   bind_random(m);
@@ -13,6 +16,7 @@ NB_MODULE(_core, m) {
   bind_reduction(m);
   bind_divergence(m);
   bind_em(m);
+  bind_report(m);
   bind_grasp(m);
   bind_errors(m);
   bind_tolerance(m);
