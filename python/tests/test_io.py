@@ -124,6 +124,25 @@ def test_a_job_is_open(recording: Path) -> None:
     assert len(pm.run(job, progress=lambda done, total: done < 5)) == 5
 
 
+def test_a_report_holds_the_run(recording: Path, tmp_path: Path) -> None:
+    job = pm.read_slam_job(recording / "sequence.toml")
+    pm.write_results(tmp_path / "out", job, pm.run(job))
+    page = pm.write_report(tmp_path / "out", title="A table & its <objects>")
+    assert page == tmp_path / "out" / "report.html"
+    text = page.read_text()
+    start = text.index('id="posemix-report">') + len('id="posemix-report">')
+    shown = json.loads(text[start : text.index("</script>", start)])
+    assert shown["kind"] == "slam" and shown["title"] == "A table & its <objects>"
+    assert shown["trace"]["frames"] == len(job.sequence)
+    metrics = json.loads((tmp_path / "out" / "metrics.json").read_text())
+    assert shown["documents"]["metrics.json"] == metrics
+    with pytest.raises(ValueError, match="nobody"):
+        pm.write_report(tmp_path / "out", meshes={"nobody": (tmp_path / "mesh.ply", 1e-3)})
+    with pytest.raises(ValueError, match="empty"):
+        (tmp_path / "empty").mkdir()
+        pm.write_report(tmp_path / "empty")
+
+
 def test_errors_name_the_file(recording: Path, tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="missing.toml"):
         pm.read_slam_job(tmp_path / "missing.toml")
