@@ -18,7 +18,7 @@ PYTHON_SOURCES = $(shell find python -name '*.py' -o -name '*.?pp' -o -name CMak
 
 VENV_PIP = $(VENV)/bin/pip install --quiet --disable-pip-version-check
 
-.PHONY: help build built demo test test-cpp test-python report-test fuzz bench format lint tidy docs coverage install clean
+.PHONY: help build built demo test test-cpp test-python report-test fuzz bench format style lint tidy docs coverage install clean
 .DELETE_ON_ERROR:
 
 help:
@@ -28,8 +28,8 @@ help:
 	@echo '                report-test (the report page in a browser)'
 	@echo 'make bench      build and run the benchmarks, results into build/bench'
 	@echo 'make format     format the sources'
-	@echo 'make lint       check format, include directions, scripts, and run clang-tidy; with TIDY_SINCE=COMMIT'
-	@echo '                clang-tidy only on the sources that have changed since'
+	@echo 'make style      check format, include directions and scripts'
+	@echo 'make lint       the same, and clang-tidy; with TIDY_SINCE=COMMIT only on the sources changed since'
 	@echo 'make docs       the reference pages, at build/docs/html/index.html'
 	@echo 'make coverage   line coverage of src/ and include/, at build/coverage/report/index.html'
 	@echo 'make install    install the program and the library under PREFIX ($(PREFIX))'
@@ -50,7 +50,9 @@ build: build/.bootstrap-build
 demo: build build/.bootstrap-demo
 	tools/demo $(PROGRAM) build/demo
 
-test: test-cpp test-python report-test
+# Browsers wait more than they compute: beside the tests of the package.
+test: test-cpp
+	$(MAKE) --no-print-directory -j2 --output-sync=target test-python report-test
 
 built: build/.bootstrap-test
 	@$(call configured,release,POSEMIX_BUILD_TESTS)
@@ -59,7 +61,7 @@ built: build/.bootstrap-test
 test-cpp: built
 	ctest --preset release
 
-report-test: build build/.bootstrap-test
+report-test: built
 	tools/report_inputs $(PROGRAM) build/report-inputs
 	cd report && POSEMIX_REPORT_INPUTS="$(CURDIR)/build/report-inputs" \
 	  POSEMIX_CHROMIUM="$$(command -v chromium)" npm test
@@ -101,14 +103,15 @@ bench: build/.bootstrap-bench
 	  "$$bench" --benchmark_out="build/bench/$${bench##*/}.json" --benchmark_out_format=json || exit 1; \
 	done
 
-format: build/.bootstrap-lint
+format: build/.bootstrap-style
 	clang-format -i $(FORMATTED)
 
-lint: build/.bootstrap-lint
+style: build/.bootstrap-style
 	tools/check_includes.py
 	clang-format --dry-run -Werror $(FORMATTED)
 	shellcheck $(SCRIPTS)
-	@$(MAKE) --no-print-directory tidy
+
+lint: style tidy
 
 tidy: build/.bootstrap-lint
 	@test -f build/tidy/build.ninja || cmake --preset tidy

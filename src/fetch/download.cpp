@@ -37,6 +37,10 @@ class PartFile : public Sink {
   ~PartFile() override {
     if (number_ >= 0) ::close(number_);
   }
+  PartFile(const PartFile&) = delete;
+  PartFile(PartFile&&) = delete;
+  PartFile& operator=(const PartFile&) = delete;
+  PartFile& operator=(PartFile&&) = delete;
 
   std::uint64_t size() const override { return size_; }
   void clear() override {

@@ -120,7 +120,7 @@ class SequenceWriter {
       for (const auto& [id, model] : read_bop_models(path)) models_.insert(id);
       return;
     }
-    notes_.push_back("no symmetries are declared: the dataset's models_info.json is not there");
+    notes_.emplace_back("no symmetries are declared: the dataset's models_info.json is not there");
   }
 
   std::size_t instance_count(std::int64_t object) const {
@@ -137,7 +137,7 @@ class SequenceWriter {
     if (known)
       text += fmt::format("ground_truth = {{{}, first_frame = {}}}\n", place_, first_frame_);
     else
-      notes_.push_back("the camera has no ground truth: the dataset does not say how it moved");
+      notes_.emplace_back("the camera has no ground truth: the dataset does not say how it moved");
     if (request_.lever_arm_m) {
       const Eigen::Vector3d& arm = *request_.lever_arm_m;
       text += fmt::format("lever_arm_m = [{}, {}, {}]\n", arm.x(), arm.y(), arm.z());

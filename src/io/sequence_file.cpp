@@ -74,6 +74,7 @@ ObjectModel read_model(const TomlTable& object, const FileFinder& files, std::se
 
 std::vector<std::string> ids_of(const std::vector<ObjectModel>& models) {
   std::vector<std::string> ids;
+  ids.reserve(models.size());
   for (const ObjectModel& model : models) ids.push_back(model.id);
   return ids;
 }

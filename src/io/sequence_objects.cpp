@@ -59,9 +59,9 @@ DetectionFile read_tum_detections(const TomlTable& table, const FileFinder& file
 
 DetectionFile read_npy_detections(const TomlTable& table, const FileFinder& files) {
   const std::filesystem::path folder = files.find(table, "npy");
-  auto poses = posemix::read_npy_detections(folder, table.get_string("prefix"));
+  const auto poses = posemix::read_npy_detections(folder, table.get_string("prefix"));
   return {folder.string(), std::nullopt,
-          from_first_frame(table, folder.string(), std::move(poses))};
+          from_first_frame(table, folder.string(), poses)};
 }
 
 DetectionFile read_bop_detections(const TomlTable& table, const FileFinder& files) {
@@ -80,7 +80,7 @@ DetectionFile read_bop_detections(const TomlTable& table, const FileFinder& file
     table.fail("min_score", fmt::format("is {}, and {} has no estimate of so high a score",
                                         min_score, path.string()));
   }
-  return {path.string(), std::nullopt, from_first_frame(table, path.string(), std::move(poses))};
+  return {path.string(), std::nullopt, from_first_frame(table, path.string(), poses)};
 }
 
 /// Columns of a table: estimates with the prefix est_, the truth with gt_.
@@ -89,8 +89,8 @@ DetectionFile read_table_poses(const TomlTable& table, const FileFinder& files,
   const std::filesystem::path path = files.find(table, "pose_csv");
   const BopSelection selection{table.get_integer("scene", kAtLeastZero),
                                table.get_integer("object", kAtLeastZero)};
-  auto poses = read_pose_table(path, selection, prefix);
-  return {path.string(), std::nullopt, from_first_frame(table, path.string(), std::move(poses))};
+  const auto poses = read_pose_table(path, selection, prefix);
+  return {path.string(), std::nullopt, from_first_frame(table, path.string(), poses)};
 }
 
 /// Truth of the images in the table; those after the last frame are left out.
