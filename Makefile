@@ -24,8 +24,8 @@ VENV_PIP = $(VENV)/bin/pip install --quiet --disable-pip-version-check
 help:
 	@echo 'make build      the program, at $(PROGRAM)'
 	@echo 'make demo       simulate a sequence and run three filters on it side by side, into build/demo, with a report'
-	@echo 'make test       build and run all tests: test-cpp (those that damage files under sanitizers), test-python,'
-	@echo '                report-test (the report page in a browser)'
+	@echo 'make test       build and run all tests: test-cpp, test-python, report-test (the report page in a browser)'
+	@echo 'make fuzz       the tests that damage files, under sanitizers'
 	@echo 'make bench      build and run the benchmarks, results into build/bench'
 	@echo 'make format     format the sources'
 	@echo 'make style      check format, include directions and scripts'
@@ -92,6 +92,7 @@ test-python: build/.python build/.numpy1
 
 fuzz: build/.bootstrap-test
 	@$(call configured,release,POSEMIX_BUILD_TESTS)
+	@$(call configured,release,POSEMIX_SANITIZED_FUZZ)
 	cmake --build --preset release --target fuzz_tests
 	ctest --preset release -L '^fuzz$$'
 

@@ -62,7 +62,7 @@ endfunction()
 # posemix_add_test(<name>
 #   SOURCES <file>...
 #   [DEPENDS <target>...]  libraries under test
-#   [LABEL <label>]        slow: left out of coverage; fuzz: under sanitizers, with posemix::io_sanitized, see there
+#   [LABEL <label>]        slow: left out of coverage; fuzz: with posemix::io_sanitized where there is one, see there
 #   [TIMEOUT <seconds>])   of one test case, 300 unless given
 #
 # Defines the executable <name>, linked with gtest_main, rapidcheck and posemix::testing, and one ctest test per case.
