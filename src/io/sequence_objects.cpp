@@ -60,8 +60,7 @@ DetectionFile read_tum_detections(const TomlTable& table, const FileFinder& file
 DetectionFile read_npy_detections(const TomlTable& table, const FileFinder& files) {
   const std::filesystem::path folder = files.find(table, "npy");
   const auto poses = posemix::read_npy_detections(folder, table.get_string("prefix"));
-  return {folder.string(), std::nullopt,
-          from_first_frame(table, folder.string(), poses)};
+  return {folder.string(), std::nullopt, from_first_frame(table, folder.string(), poses)};
 }
 
 DetectionFile read_bop_detections(const TomlTable& table, const FileFinder& files) {
