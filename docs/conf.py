@@ -46,7 +46,8 @@ html_title = f"posemix {release}"
 exclude_patterns = ["_build"]
 myst_heading_anchors = 4
 myst_enable_extensions = ["dollarmath", "colon_fence"]
-suppress_warnings = ["myst.header", "myst.xref_missing", "duplicate_declaration.cpp"]
+# Settings share names of attributes; headers open the same namespaces.
+suppress_warnings = ["myst.header", "myst.xref_missing", "duplicate_declaration.cpp", "ref.python"]
 autodoc_typehints = "none"
 numpydoc_show_class_members = False
 breathe_projects = {"posemix": str(ROOT / "build" / "docs" / "xml")}
@@ -96,7 +97,7 @@ def write_python_pages() -> None:
     settings = ["# Settings and enumerations", "", "```{eval-rst}"]
     for name, value in sorted(vars(posemix).items()):
         if inspect.isclass(value) and value.__module__ == "posemix._core":
-            settings += [f".. autoclass:: posemix.{name}", ""]
+            settings += [f".. autoclass:: posemix.{name}", "   :no-index:", ""]
     write(GENERATED / "python" / "settings.md", [*settings, "```"])
     write(GENERATED / "python.md", ["# Python reference", "", *toctree([*pages, "python/settings"])])
 

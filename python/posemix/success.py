@@ -42,7 +42,7 @@ PoseMixture = Mixture[ConcentratedGaussian[SE3]] | Mixture[ProjectedGaussian[SE3
 class ToleranceBox:
     """The box of poses X = (R, t) in the frame of the grasp that a grasp tolerates.
 
-    |u_i| <= tan(rotation_i / 2) for R = R(u) in the gnomonic chart at the identity, |t_i| <= translation_i.
+    ``|u_i|`` <= tan(rotation_i / 2) for R = R(u) in the gnomonic chart at the identity, ``|t_i|`` <= translation_i.
 
     Attributes
     ----------
