@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from posemix import _core
-from posemix._arrays import FloatArray, as_floats, flat_rows
+from posemix._arrays import FloatArray, as_floats, flat_rows, require_finite
 from posemix._core import (
     CompositionRule,
     FuseSettings,
@@ -96,7 +96,7 @@ def between(
 
 
 def _pose_rows(means: SE3, covariances: npt.ArrayLike) -> tuple[FloatArray, FloatArray]:
-    matrices = as_floats(covariances, (6, 6), "covariances")
+    matrices = require_finite(as_floats(covariances, (6, 6), "covariances"), "covariances")
     return flat_rows(np.ascontiguousarray(means._data), 1), flat_rows(matrices, 2)
 
 
@@ -115,12 +115,17 @@ def compose_arrays(
     x, y : SE3, shape (n,) or ()
         Means; a single one stands for all.
     covariance_x, covariance_y : array_like, shape (n, 6, 6) or (6, 6)
-        Covariances of the left perturbations, as many as means. They are not checked.
+        Covariances of the left perturbations, as many as means. That they are positive definite is not checked.
 
     Returns
     -------
     mean : SE3, shape (n,)
     covariance : ndarray, shape (n, 6, 6)
+
+    Raises
+    ------
+    ValueError
+        For covariances that are not finite, and numbers of densities that do not fit.
     """
     rows = _core.compose_rows(*_pose_rows(x, covariance_x), *_pose_rows(y, covariance_y))
     return _pose_arrays(rows, x.shape or y.shape)
@@ -145,12 +150,22 @@ def fuse_arrays(
     y: SE3,
     covariance_y: npt.ArrayLike,
     settings: FuseSettings | None = None,
-) -> tuple[SE3, FloatArray]:
-    """Means and covariances of the products of two densities each, as `compose_arrays`."""
-    rows = _core.fuse_rows(
+) -> tuple[SE3, FloatArray, npt.NDArray[np.bool_]]:
+    """Means and covariances of the products of two densities each; arguments as of `compose_arrays`.
+
+    Returns
+    -------
+    mean : SE3, shape (n,)
+    covariance : ndarray, shape (n, 6, 6)
+    converged : ndarray of bool, shape (n,)
+        Where it is False mean and covariance are those of the last iteration.
+    """
+    means, covariances, converged = _core.fuse_rows(
         *_pose_rows(x, covariance_x), *_pose_rows(y, covariance_y), settings or FuseSettings()
     )
-    return _pose_arrays(rows, x.shape or y.shape)
+    shape = x.shape or y.shape
+    mean, covariance = _pose_arrays((means, covariances), shape)
+    return mean, covariance, np.asarray(converged, dtype=bool).reshape(shape)
 
 
 @dataclass(frozen=True)

@@ -282,8 +282,13 @@ void bind_batches(nb::module_& m) {
   });
   m.def("fuse_rows", [](const Rows& mx, const Matrices& cx, const Rows& my, const Matrices& cy,
                         const FuseSettings& settings) {
-    return each_density({mx, cx}, {my, cy},
-                        [&](const auto& x, const auto& y) { return fuse(x, y, settings).density; });
+    std::vector<bool> converged;
+    const nb::tuple fused = each_density({mx, cx}, {my, cy}, [&](const auto& x, const auto& y) {
+      auto result = fuse(x, y, settings);
+      converged.push_back(result.converged);
+      return std::move(result.density);
+    });
+    return nb::make_tuple(fused[0], fused[1], converged);
   });
 }
 

@@ -15,6 +15,7 @@ from posemix import (
     SE3,
     SO3,
     ConcentratedGaussian,
+    FuseSettings,
     ProjectedGaussian,
     back_project,
     between,
@@ -98,7 +99,12 @@ def test_batches_are_one_density_after_the_other(rng: np.random.Generator) -> No
     means = SE3.exp(rng.normal(size=(2, 6, 6)))
     p = np.stack([covariance(rng, 0.1, 0.02) for _ in range(12)]).reshape(2, 6, 6, 6)
     mean, cov = compose_arrays(means[0], p[0], means[1], p[1])
-    fused_mean, fused_cov = fuse_arrays(means[0], p[0], means[0], p[1])
+    fused_mean, fused_cov, converged = fuse_arrays(means[0], p[0], means[0], p[1])
+    assert converged.all()
+    once = fuse_arrays(means[0], p[0], means[1], p[1], FuseSettings(max_iterations=1))
+    assert not once[2].any()
+    with pytest.raises(ValueError, match=r"covariances holds nan at index \(0, 0, 0\)"):
+        compose_arrays(means[0], np.full((6, 6, 6), np.nan), means[1], p[1])
     inverse_mean, inverse_cov = inverse_arrays(means[0], p[0])
     for i in range(6):
         x = ConcentratedGaussian(means[0][i], p[0, i])
