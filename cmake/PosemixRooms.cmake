@@ -35,6 +35,8 @@ function(posemix_add_room room)
     "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>")
   target_link_libraries(${target} ${scope} ${arg_DEPENDS})
   if(arg_SOURCES)
+    # Private headers that rooms share are included by their path from src/.
+    target_include_directories(${target} PRIVATE "${PROJECT_SOURCE_DIR}/src")
     target_link_libraries(${target} PRIVATE ${arg_PRIVATE})
     foreach(library IN LISTS arg_BUILD_ONLY)
       target_link_libraries(${target} PRIVATE "$<BUILD_INTERFACE:${library}>")
@@ -59,41 +61,43 @@ function(posemix_add_program)
   endif()
 endfunction()
 
-# posemix_add_test(<name>
+# posemix_add_tests(<room>
 #   SOURCES <file>...
 #   [DEPENDS <target>...]  libraries under test
-#   [LABEL <label>]        slow: left out of coverage; fuzz: with posemix::io_sanitized where there is one, see there
+#   [LABEL <label>]        slow: left out of coverage; fuzz: with the sanitized file rooms where there are any
 #   [TIMEOUT <seconds>])   of one test case, 300 unless given
 #
-# Defines the executable <name>, linked with gtest_main, rapidcheck and posemix::testing, and one ctest test per case.
+# Defines the program tests_<room>, or tests_<room>_<label>, linked with gtest_main, rapidcheck and posemix::testing, and
+# one ctest test <room>.<suite>.<case> per case.
 # Helpers that rooms share are included by their path from tests/ ("filter/scenario.hpp").
 # Property tests use a fixed RapidCheck seed; RC_PARAMS="seed=7" in the environment of ctest overrides it.
-function(posemix_add_test name)
+function(posemix_add_tests room)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "TIMEOUT;LABEL" "SOURCES;DEPENDS")
   if(arg_UNPARSED_ARGUMENTS)
-    message(FATAL_ERROR "posemix_add_test(${name}): unknown arguments ${arg_UNPARSED_ARGUMENTS}")
+    message(FATAL_ERROR "posemix_add_tests(${room}): unknown arguments ${arg_UNPARSED_ARGUMENTS}")
   endif()
   if(NOT arg_TIMEOUT)
     set(arg_TIMEOUT 300)
   endif()
+  set(name tests_${room})
+  set(label)
   if(arg_LABEL)
+    string(APPEND name _${arg_LABEL})
     set(label LABELS ${arg_LABEL})
   endif()
   add_executable(${name} ${arg_SOURCES})
   posemix_apply_test_policy(${name})
-  if(arg_LABEL STREQUAL "fuzz" AND TARGET posemix::io_sanitized)
+  if(arg_LABEL STREQUAL "fuzz" AND TARGET posemix::files_sanitized)
     posemix_sanitize(${name} address,undefined)
-    list(TRANSFORM arg_DEPENDS REPLACE "^posemix::io$" posemix::io_sanitized)
+    list(TRANSFORM arg_DEPENDS REPLACE "^posemix::(io|config|draw|results)$" posemix::files_sanitized)
     target_sources(${name} PRIVATE "${PROJECT_SOURCE_DIR}/tests/sanitizer_options.cpp")
   else()
     posemix_precompile(${name} FROM posemix_test_headers)
   endif()
   target_link_libraries(${name} PRIVATE posemix_test_support ${arg_DEPENDS} posemix::testing GTest::gtest_main)
-  target_include_directories(${name} PRIVATE "${PROJECT_SOURCE_DIR}/tests")
-  target_compile_definitions(${name} PRIVATE
-    POSEMIX_DEFAULT_DATA_DIR="${PROJECT_SOURCE_DIR}/../shared/data"
-    POSEMIX_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
-  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60
+  target_include_directories(${name} PRIVATE "${PROJECT_SOURCE_DIR}/tests" "${PROJECT_SOURCE_DIR}/src")
+  target_compile_definitions(${name} PRIVATE POSEMIX_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  gtest_discover_tests(${name} TEST_PREFIX ${room}. DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60
     PROPERTIES TIMEOUT ${arg_TIMEOUT} ${label}
     ENVIRONMENT_MODIFICATION "RC_PARAMS=string_prepend:seed=20221124 ")
   if(arg_LABEL STREQUAL "fuzz")

@@ -5,7 +5,7 @@
 // of the same run.
 #include <benchmark/benchmark.h>
 
-#include "posemix/study/monte_carlo.hpp"
+#include "study/monte_carlo/study.hpp"
 
 namespace {
 

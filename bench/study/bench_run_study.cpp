@@ -11,7 +11,7 @@
 
 #include <unistd.h>
 
-#include "posemix/study/run_study.hpp"
+#include "study/engine/run_study.hpp"
 
 namespace {
 

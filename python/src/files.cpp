@@ -9,6 +9,7 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/variant.h>
 
+#include "posemix/config/symmetries.hpp"
 #include "posemix/io/bop.hpp"
 #include "posemix/io/bop_models.hpp"
 #include "posemix/io/grasp_outcomes.hpp"
@@ -17,7 +18,6 @@
 #include "posemix/io/output_file.hpp"
 #include "posemix/io/pose_samples.hpp"
 #include "posemix/io/posterior_file.hpp"
-#include "posemix/io/symmetries.hpp"
 #include "posemix/io/text.hpp"
 #include "posemix/io/tum.hpp"
 #include "settings.hpp"

@@ -7,10 +7,10 @@
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 
+#include "posemix/config/sequence_file.hpp"
 #include "posemix/io/output_folder.hpp"
-#include "posemix/io/results.hpp"
-#include "posemix/io/sequence_file.hpp"
-#include "posemix/io/simulation_folder.hpp"
+#include "posemix/results/results.hpp"
+#include "posemix/results/simulation_folder.hpp"
 #include "settings.hpp"
 #include "slam.hpp"
 

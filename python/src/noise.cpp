@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include "posemix/filter/detector_noise.hpp"
+#include "posemix/detector/detector_noise.hpp"
 
 #include <nanobind/stl/tuple.h>
 
 #include "dict.hpp"
-#include "posemix/filter/object_sensor.hpp"
+#include "posemix/detector/object_sensor.hpp"
 #include "posemix/slam/object_slam.hpp"
 #include "settings.hpp"
 

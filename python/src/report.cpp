@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include "posemix/io/report.hpp"
+#include "posemix/results/report.hpp"
 
 #include <filesystem>
 #include <map>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include "posemix/filter/symmetry.hpp"
+#include "posemix/detector/symmetry.hpp"
 
 #include <nanobind/stl/pair.h>
 

@@ -27,7 +27,7 @@ def program() -> str:
 
 
 def data() -> Path:
-    path = Path(os.environ.get("POSEMIX_DATA", "../shared/data"))
+    path = Path(os.environ.get("POSEMIX_DATA", "data"))
     if not path.is_dir():
         pytest.skip(f"no data in {path}; POSEMIX_DATA names the folder")
     return path

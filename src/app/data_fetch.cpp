@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 #include <cstdio>
-#include <cstdlib>
 #include <iostream>
 #include <memory>
 
@@ -13,10 +12,11 @@
 #include "data.hpp"
 #include "data_parts.hpp"
 #include "exit_codes.hpp"
+#include "fetch/fetch.hpp"
+#include "fetch/unpack.hpp"
 #include "interrupt.hpp"
 #include "posemix/base/error.hpp"
-#include "posemix/fetch/fetch.hpp"
-#include "posemix/fetch/unpack.hpp"
+#include "posemix/config/data_folder.hpp"
 #include "progress.hpp"
 #include "summary.hpp"
 
@@ -34,13 +34,10 @@ struct DataFetchOptions {
   ConnectionSettings connection;
 };
 
-constexpr const char* kUnnamedFetchFolder = "data";
 constexpr std::uint64_t kMegabyte = 1'000'000;
 
 std::filesystem::path fetch_folder(const DataFetchOptions& options) {
-  const char* named = std::getenv("POSEMIX_DATA");
-  if (options.out) return *options.out;
-  return named != nullptr && *named != '\0' ? named : kUnnamedFetchFolder;
+  return options.out ? std::filesystem::path(*options.out) : default_data_folder();
 }
 
 std::string licence_notice(const DataSource& source, const std::vector<SourceFile>& files,
@@ -157,7 +154,7 @@ void add_data_fetch_verb(CLI::App& data, std::function<int()>& action) {
       ->required()
       ->type_name("NAME");
   verb->add_option("--out", options->out,
-                   "Folder for the source's folder; $POSEMIX_DATA, else data, unless given")
+                   "Folder for the source's folder; $POSEMIX_DATA or the cache unless given")
       ->type_name("DIR");
   verb->add_option("--file", options->patterns,
                    "Only this file; * stands for any characters; repeatable")

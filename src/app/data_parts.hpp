@@ -9,7 +9,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "posemix/fetch/sources.hpp"
+#include "fetch/sources.hpp"
 
 /// What the verbs of `data` share.
 namespace posemix {

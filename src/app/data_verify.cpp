@@ -8,9 +8,9 @@
 #include "data.hpp"
 #include "data_parts.hpp"
 #include "exit_codes.hpp"
+#include "fetch/verify.hpp"
 #include "interrupt.hpp"
 #include "posemix/base/error.hpp"
-#include "posemix/fetch/verify.hpp"
 #include "summary.hpp"
 
 namespace posemix {

@@ -16,10 +16,10 @@
 
 #include "data.hpp"
 #include "exit_codes.hpp"
+#include "fetch/download.hpp"
 #include "interrupt.hpp"
 #include "mixture_verbs.hpp"
 #include "posemix/base/error.hpp"
-#include "posemix/fetch/download.hpp"
 #include "posemix/io/output_folder.hpp"
 #include "report.hpp"
 #include "simulate.hpp"

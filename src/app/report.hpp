@@ -6,7 +6,7 @@
 #include <functional>
 #include <string>
 
-#include "posemix/io/report.hpp"
+#include "posemix/results/report.hpp"
 
 namespace CLI {  // NOLINT(readability-identifier-naming)
 class App;

@@ -13,7 +13,7 @@
 #include "exit_codes.hpp"
 #include "interrupt.hpp"
 #include "posemix/io/output_folder.hpp"
-#include "posemix/io/simulation_folder.hpp"
+#include "posemix/results/simulation_folder.hpp"
 #include "summary.hpp"
 #include "verb_options.hpp"
 

@@ -15,19 +15,19 @@
 #include "exit_codes.hpp"
 #include "interrupt.hpp"
 #include "posemix/base/error.hpp"
+#include "posemix/config/sequence_file.hpp"
+#include "posemix/config/toml_table.hpp"
 #include "posemix/io/grasp_outcomes.hpp"
 #include "posemix/io/output_folder.hpp"
-#include "posemix/io/sequence_file.hpp"
-#include "posemix/io/toml_table.hpp"
-#include "posemix/study/divergence.hpp"
-#include "posemix/study/grasp.hpp"
-#include "posemix/study/monte_carlo.hpp"
-#include "posemix/study/noise.hpp"
-#include "posemix/study/run_study.hpp"
-#include "posemix/study/salt_box.hpp"
-#include "posemix/study/tless_study.hpp"
-#include "posemix/study/ycbv.hpp"
 #include "progress.hpp"
+#include "study/divergence/study.hpp"
+#include "study/engine/run_study.hpp"
+#include "study/grasp/study.hpp"
+#include "study/monte_carlo/study.hpp"
+#include "study/noise/study.hpp"
+#include "study/salt_box/study.hpp"
+#include "study/tless/study.hpp"
+#include "study/ycbv/study.hpp"
 #include "summary.hpp"
 
 namespace posemix {
@@ -182,8 +182,9 @@ void add_options(CLI::App& verb, const std::shared_ptr<StudyOptions>& options,
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
   if (known.reads_data) {
-    verb.add_option("--data", options->data,
-                    "Folder of the recordings; without it $POSEMIX_DATA, then ../shared/data")
+    verb.add_option(
+            "--data", options->data,
+            "Folder of the recordings; without it $POSEMIX_DATA, or the cache of `posemix data`")
         ->type_name("DIR");
   }
   if (known.learns) {

@@ -5,8 +5,8 @@
 #include <string>
 #include <string_view>
 
+#include "posemix/config/sequence_file.hpp"
 #include "posemix/io/output_folder.hpp"
-#include "posemix/io/sequence_file.hpp"
 #include "posemix/slam/evaluation.hpp"
 
 namespace posemix {

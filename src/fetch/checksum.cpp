@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include "posemix/fetch/checksum.hpp"
+#include "checksum.hpp"
 
 #include <array>
 #include <cerrno>

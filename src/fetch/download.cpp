@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include "posemix/fetch/download.hpp"
+#include "download.hpp"
 
 #include <algorithm>
 #include <cerrno>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include "posemix/fetch/fetch.hpp"
+#include "fetch.hpp"
 
 #include <algorithm>
 #include <array>
@@ -13,8 +13,8 @@
 
 #include <fmt/format.h>
 
+#include "paths.hpp"
 #include "posemix/base/error.hpp"
-#include "posemix/fetch/paths.hpp"
 #include "posemix/io/output_file.hpp"
 #include "posemix/io/text.hpp"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include "posemix/fetch/lock_file.hpp"
+#include "lock_file.hpp"
 
 #include <array>
 #include <ctime>
@@ -9,10 +9,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "paths.hpp"
 #include "posemix/base/error.hpp"
-#include "posemix/fetch/paths.hpp"
-#include "posemix/fetch/sources.hpp"
 #include "posemix/io/text.hpp"
+#include "sources.hpp"
 
 namespace posemix {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include "posemix/fetch/paths.hpp"
+#include "paths.hpp"
 
 #include <algorithm>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include "posemix/fetch/sources.hpp"
+#include "sources.hpp"
 
 #include <algorithm>
 #include <array>
@@ -11,8 +11,8 @@
 #include <fmt/ranges.h>
 
 #include "built_in.hpp"
+#include "paths.hpp"
 #include "posemix/base/error.hpp"
-#include "posemix/fetch/paths.hpp"
 #include "posemix/io/text.hpp"
 
 namespace posemix {

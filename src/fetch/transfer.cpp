@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 
+#include "download.hpp"
 #include "posemix/base/error.hpp"
-#include "posemix/fetch/download.hpp"
-#include "posemix/fetch/sources.hpp"
+#include "sources.hpp"
 
 namespace posemix {
 namespace {

@@ -11,7 +11,7 @@
 
 #include <curl/curl.h>
 
-#include "posemix/fetch/checksum.hpp"
+#include "checksum.hpp"
 
 namespace posemix {
 

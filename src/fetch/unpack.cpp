@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include "posemix/fetch/unpack.hpp"
+#include "unpack.hpp"
 
 #include <algorithm>
 #include <array>
@@ -18,8 +18,8 @@
 
 #include <fmt/format.h>
 
+#include "paths.hpp"
 #include "posemix/base/error.hpp"
-#include "posemix/fetch/paths.hpp"
 #include "posemix/io/output_folder.hpp"
 #include "posemix/io/text.hpp"
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include "posemix/fetch/verify.hpp"
+#include "verify.hpp"
 
 #include <algorithm>
 #include <map>
 
 #include <fmt/format.h>
 
+#include "lock_file.hpp"
 #include "posemix/base/error.hpp"
-#include "posemix/fetch/lock_file.hpp"
 
 namespace posemix {
 namespace {

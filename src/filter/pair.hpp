@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "posemix/base/linear.hpp"
-#include "posemix/filter/object_sensor.hpp"
+#include "posemix/detector/object_sensor.hpp"
 #include "posemix/lie/lie.hpp"
 
 /// Camera and one hypothesis of one object: what a detection speaks about. In the room `filter`

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "posemix/io/mixture_file.hpp"
+#include "posemix/io/rigid.hpp"
 
 /// Words of mixture files and changes of convention that writer and reader share.
 namespace posemix {
@@ -18,7 +19,6 @@ inline constexpr std::string_view kConcentratedLaw = "concentrated";
 inline constexpr std::string_view kProjectedLaw = "projected";
 /// Unit of u of projected Gaussians, tan(theta/2).
 inline constexpr std::string_view kProjectedUnit = "tan_half_angle";
-inline constexpr double kFarthestPosition = 1e8;  ///< m
 inline constexpr std::size_t kLongestFrameName = 100;
 
 template <class Value>

@@ -11,6 +11,13 @@
 
 namespace posemix {
 
+void check_position(const SE3d& pose, std::string_view where) {
+  const double farthest = pose.translation().cwiseAbs().maxCoeff();
+  if (farthest <= kFarthestPosition) return;
+  throw InvalidInput(fmt::format("{}: got a position of {:g} m, expected at most {:g} m", where,
+                                 farthest, kFarthestPosition));
+}
+
 SE3d pose_from_matrix(const Eigen::Matrix4d& matrix, std::string_view where, double tolerance) {
   try {
     return SE3d::from_matrix(matrix, tolerance);

@@ -9,7 +9,6 @@
 #include "posemix/io/dataset.hpp"
 #include "posemix/io/rigid.hpp"
 #include "posemix/io/text.hpp"
-#include "sequence_parts.hpp"
 
 namespace posemix {
 namespace {

@@ -8,9 +8,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "app/data_server.hpp"
-#include "app/run_program.hpp"
-#include "posemix/fetch/checksum.hpp"
+#include "data_server.hpp"
+#include "fetch/checksum.hpp"
+#include "run_program.hpp"
 
 namespace posemix::testing {
 

@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "app/run_program.hpp"
 #include "posemix/io/mixture_file.hpp"
+#include "run_program.hpp"
 
 /// A folder with mixture files, and the program in a shell.
 namespace posemix::testing {

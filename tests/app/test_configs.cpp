@@ -2,9 +2,9 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include <gtest/gtest.h>
 
-#include "posemix/io/sequence_file.hpp"
-#include "posemix/io/simulation_config.hpp"
-#include "posemix/io/symmetries.hpp"
+#include "posemix/config/sequence_file.hpp"
+#include "posemix/config/simulation_config.hpp"
+#include "posemix/config/symmetries.hpp"
 #include "posemix/testing/data.hpp"
 
 namespace posemix {

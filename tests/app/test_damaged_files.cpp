@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "app/run_program.hpp"
-#include "io/small_recording.hpp"
+#include "config/small_recording.hpp"
+#include "run_program.hpp"
 
 /// Every input file of a recording, damaged in every way, through the program: an error that names
 /// the file, and no output.

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "app/data_fixture.hpp"
+#include "data_fixture.hpp"
 
 namespace posemix {
 namespace {

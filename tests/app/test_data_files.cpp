@@ -4,7 +4,7 @@
 #include <archive_entry.h>
 #include <gtest/gtest.h>
 
-#include "app/data_fixture.hpp"
+#include "data_fixture.hpp"
 
 /// What `posemix data` does with files that are there: verify, unpack, read a registry.
 namespace posemix {

@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "app/run_program.hpp"
-#include "io/small_dataset.hpp"
+#include "config/small_dataset.hpp"
+#include "run_program.hpp"
 
 /// From a dataset's folder and a detector's results to filtered poses.
 namespace posemix {

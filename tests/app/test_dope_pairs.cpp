@@ -2,7 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include <gtest/gtest.h>
 
-#include "posemix/io/results.hpp"
+#include "posemix/results/results.hpp"
 #include "posemix/testing/data.hpp"
 
 /// configs/ycbv-dope.toml on every pair of object and sequence of the data folder, with default

@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "app/mixture_folder.hpp"
 #include "io/mixture_draws.hpp"
+#include "mixture_folder.hpp"
 #include "posemix/io/pose_samples.hpp"
 
 /// The verbs on mixture files, alone and in pipes.

@@ -8,9 +8,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "app/run_program.hpp"
-#include "io/small_recording.hpp"
+#include "config/small_recording.hpp"
 #include "posemix/io/posterior_file.hpp"
+#include "run_program.hpp"
 
 namespace posemix {
 namespace {

@@ -6,9 +6,9 @@
 #include <gtest/gtest.h>
 
 #include "posemix/base/units.hpp"
-#include "posemix/io/results.hpp"
 #include "posemix/io/text.hpp"
 #include "posemix/io/tum.hpp"
+#include "posemix/results/results.hpp"
 #include "posemix/testing/data.hpp"
 
 /// configs/ycbv-0022-paper.toml against the published filter of the midway-merge paper, frame by

@@ -8,9 +8,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "app/run_program.hpp"
-#include "io/small_recording.hpp"
-#include "posemix/io/report.hpp"
+#include "config/small_recording.hpp"
+#include "posemix/results/report.hpp"
+#include "run_program.hpp"
 
 namespace posemix {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "app/run_program.hpp"
-#include "posemix/io/report.hpp"
+#include "posemix/results/report.hpp"
+#include "run_program.hpp"
 
 namespace posemix {
 namespace {

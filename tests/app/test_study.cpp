@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "app/run_program.hpp"
+#include "run_program.hpp"
 
 /// `posemix study` from outside.
 namespace posemix {

@@ -4,13 +4,13 @@
 
 #include <gtest/gtest.h>
 
+#include "fetch/checksum.hpp"
+#include "fetch/fetch.hpp"
+#include "fetch/lock_file.hpp"
+#include "fetch/paths.hpp"
+#include "fetch/sources.hpp"
 #include "io/expect_invalid.hpp"
 #include "io/temporary_folder.hpp"
-#include "posemix/fetch/checksum.hpp"
-#include "posemix/fetch/fetch.hpp"
-#include "posemix/fetch/lock_file.hpp"
-#include "posemix/fetch/paths.hpp"
-#include "posemix/fetch/sources.hpp"
 #include "posemix/testing/data.hpp"
 #include "posemix/testing/mutate.hpp"
 

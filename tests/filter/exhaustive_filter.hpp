@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "posemix/density/concentrated_gaussian.hpp"
-#include "posemix/filter/detector_noise.hpp"
+#include "posemix/detector/detector_noise.hpp"
 #include "posemix/mixture/log_weights.hpp"
 #include "posemix/mixture/mixture.hpp"
 

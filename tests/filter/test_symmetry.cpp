@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include "posemix/filter/symmetry.hpp"
+#include "posemix/detector/symmetry.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <limits>
 #include <numbers>
 
+#include "filter/scenario.hpp"
 #include "posemix/testing/expect.hpp"
-#include "scenario.hpp"
 
 namespace posemix {
 namespace {

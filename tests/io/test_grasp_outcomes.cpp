@@ -4,9 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include "io/expect_invalid.hpp"
-#include "io/temporary_folder.hpp"
+#include "expect_invalid.hpp"
 #include "posemix/testing/data.hpp"
+#include "temporary_folder.hpp"
 
 namespace posemix {
 namespace {

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Eigenvalues>
 
-#include "mixture/em_draws.hpp"
+#include "em_draws.hpp"
 #include "posemix/testing/expect.hpp"
 
 namespace posemix {

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 
-#include "mixture/em_draws.hpp"
+#include "em_draws.hpp"
 #include "posemix/mixture/em.hpp"
 
 /// The loops with vector instructions against the plain functions, sample by sample.

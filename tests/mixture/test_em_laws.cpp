@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "mixture/em_draws.hpp"
+#include "em_draws.hpp"
 
 namespace posemix {
 namespace {

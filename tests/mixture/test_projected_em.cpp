@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Eigenvalues>
 
-#include "mixture/em_draws.hpp"
+#include "em_draws.hpp"
 #include "posemix/density/projected_moments.hpp"
 #include "posemix/mixture/em.hpp"
 #include "posemix/testing/expect.hpp"

@@ -2,7 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include <gtest/gtest.h>
 
-#include "mixture/em_draws.hpp"
+#include "em_draws.hpp"
 #include "posemix/mixture/em.hpp"
 
 namespace posemix {

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "slam/simulation_samples.hpp"
+#include "simulation_samples.hpp"
 
 namespace posemix {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "posemix/slam/evaluation.hpp"
 #include "posemix/testing/expect.hpp"
-#include "slam/simulation_samples.hpp"
+#include "simulation_samples.hpp"
 
 namespace posemix {
 namespace {

@@ -10,8 +10,8 @@
 #include <numbers>
 
 #include "posemix/slam/evaluation.hpp"
-#include "slam/simulation_samples.hpp"
-#include "slam/smoothing_scene.hpp"
+#include "simulation_samples.hpp"
+#include "smoothing_scene.hpp"
 
 namespace posemix {
 namespace {

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "posemix/base/random.hpp"
-#include "posemix/study/study.hpp"
+#include "study/engine/study.hpp"
 
 namespace posemix::testing {
 

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "posemix/study/run_study.hpp"
-#include "study/counting_study.hpp"
+#include "counting_study.hpp"
+#include "study/engine/run_study.hpp"
 
 int main(int argc, char** argv) {
   const std::vector<std::string> arguments(argv + 1, argv + argc);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include "posemix/study/divergence.hpp"
+#include "study/divergence/study.hpp"
 
 #include <array>
 #include <map>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include "posemix/study/grasp.hpp"
+#include "study/grasp/study.hpp"
 
 #include <cmath>
 

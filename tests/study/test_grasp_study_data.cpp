@@ -4,8 +4,8 @@
 #include <nlohmann/json.hpp>
 
 #include "posemix/io/grasp_outcomes.hpp"
-#include "posemix/study/grasp.hpp"
 #include "posemix/testing/data.hpp"
+#include "study/grasp/study.hpp"
 
 namespace posemix {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include "posemix/study/monte_carlo.hpp"
+#include "study/monte_carlo/study.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -9,8 +9,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "posemix/study/monte_carlo.hpp"
-#include "posemix/study/run_study.hpp"
+#include "study/engine/run_study.hpp"
+#include "study/monte_carlo/study.hpp"
 
 /// Table I against an independent prototype (another program, other random numbers, 100 runs).
 namespace posemix {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include "posemix/study/noise.hpp"
+#include "study/noise/study.hpp"
 
 #include <cmath>
 #include <regex>
@@ -12,10 +12,10 @@
 #include "posemix/base/error.hpp"
 #include "posemix/base/random.hpp"
 #include "posemix/base/units.hpp"
-#include "posemix/io/detector_noise.hpp"
+#include "posemix/config/detector_noise.hpp"
+#include "posemix/detector/noise_statistics.hpp"
 #include "posemix/io/tum.hpp"
 #include "posemix/mixture/em.hpp"
-#include "posemix/study/noise_statistics.hpp"
 #include "posemix/testing/data.hpp"
 #include "posemix/testing/expect.hpp"
 

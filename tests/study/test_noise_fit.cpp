@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include "posemix/study/noise_fit.hpp"
+#include "posemix/detector/noise_fit.hpp"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "detector/simulated_detections.hpp"
 #include "posemix/density/concentrated_gaussian.hpp"
-#include "posemix/study/noise.hpp"
 #include "posemix/testing/expect.hpp"
-#include "study/simulated_detections.hpp"
+#include "study/noise/study.hpp"
 
 namespace posemix {
 namespace {

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include "posemix/study/odometry_noise.hpp"
+#include "posemix/detector/odometry_noise.hpp"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
+#include "detector/simulated_detections.hpp"
 #include "posemix/base/units.hpp"
-#include "posemix/io/toml_table.hpp"
+#include "posemix/config/toml_table.hpp"
 #include "posemix/testing/expect.hpp"
-#include "study/simulated_detections.hpp"
 
 namespace posemix {
 namespace {

@@ -4,9 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include "posemix/study/journal.hpp"
-#include "study/counting_study.hpp"
-#include "study/running_program.hpp"
+#include "counting_study.hpp"
+#include "running_program.hpp"
+#include "study/engine/journal.hpp"
 
 /// A study over several processes.
 namespace posemix {

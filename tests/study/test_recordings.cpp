@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include "posemix/study/recordings.hpp"
+#include "study/recordings/recordings.hpp"
 
 #include "io/expect_invalid.hpp"
 #include "posemix/io/text.hpp"
 #include "posemix/testing/data.hpp"
-#include "study/recording_tree.hpp"
+#include "recording_tree.hpp"
 
 namespace posemix {
 namespace {

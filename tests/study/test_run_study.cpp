@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include "posemix/study/run_study.hpp"
+#include "study/engine/run_study.hpp"
 
 #include <atomic>
 #include <fstream>
@@ -9,12 +9,12 @@
 
 #include <gtest/gtest.h>
 
+#include "counting_study.hpp"
 #include "io/temporary_folder.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/io/output_folder.hpp"
 #include "posemix/io/text.hpp"
-#include "posemix/study/journal.hpp"
-#include "study/counting_study.hpp"
+#include "study/engine/journal.hpp"
 
 namespace posemix {
 namespace {

@@ -9,7 +9,7 @@
 #include "posemix/grasp/success_probability.hpp"
 #include "posemix/io/mixture_file.hpp"
 #include "posemix/reduction/loss.hpp"
-#include "posemix/study/salt_box.hpp"
+#include "study/salt_box/study.hpp"
 
 // Oracle: numpy prototype on the detections before they were rounded to six digits; the rounding
 // moves log evidences by up to 0.001 (ChangesLittleWithTheRounding).

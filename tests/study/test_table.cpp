@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include "posemix/study/table.hpp"
+#include "study/engine/table.hpp"
 
 #include <limits>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include "posemix/study/tless.hpp"
+#include "study/tless/scene.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include "posemix/study/tless_study.hpp"
+#include "study/tless/study.hpp"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -8,10 +8,10 @@
 #include <numbers>
 
 #include "posemix/base/units.hpp"
-#include "posemix/study/run_study.hpp"
 #include "posemix/testing/data.hpp"
 #include "posemix/testing/expect.hpp"
-#include "tless_parts.hpp"
+#include "study/engine/run_study.hpp"
+#include "study/tless/parts.hpp"
 
 namespace posemix {
 namespace {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include "posemix/study/ycbv.hpp"
+#include "study/ycbv/study.hpp"
 
 #include <cmath>
 
 #include <nlohmann/json.hpp>
 
 #include "io/expect_invalid.hpp"
-#include "study/recording_tree.hpp"
+#include "recording_tree.hpp"
 
 namespace posemix {
 namespace {

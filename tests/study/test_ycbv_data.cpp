@@ -5,10 +5,10 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "posemix/io/sequence_file.hpp"
+#include "posemix/config/sequence_file.hpp"
 #include "posemix/slam/evaluation.hpp"
-#include "posemix/study/ycbv.hpp"
 #include "posemix/testing/data.hpp"
+#include "study/ycbv/study.hpp"
 
 namespace posemix {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "io/expect_invalid.hpp"
 #include "posemix/base/units.hpp"
-#include "posemix/study/ycbv.hpp"
-#include "study/recording_tree.hpp"
+#include "recording_tree.hpp"
+#include "study/ycbv/study.hpp"
 
 namespace posemix {
 namespace {

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "posemix/base/linear.hpp"
-#include "posemix/filter/object_sensor.hpp"
+#include "posemix/detector/object_sensor.hpp"
 #include "posemix/lie/lie.hpp"
 
 namespace posemix {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "posemix/density/concentrated_gaussian.hpp"
-#include "posemix/filter/object_sensor.hpp"
+#include "posemix/detector/object_sensor.hpp"
 
 namespace posemix {
 

@@ -6,7 +6,7 @@
 #include <span>
 
 #include "posemix/density/concentrated_gaussian.hpp"
-#include "posemix/filter/detector_noise.hpp"
+#include "posemix/detector/detector_noise.hpp"
 
 /// The invariant extended Kalman filter on one hypothesis: camera T_R and objects T_j, X = Exp(xi)
 /// X0 pose by pose.

@@ -10,7 +10,7 @@
 #include <string>
 #include <string_view>
 
-#include "posemix/filter/symmetry.hpp"
+#include "posemix/detector/symmetry.hpp"
 
 /// BOP's `models_info.json`: one entry per object id, lengths in millimetres.
 namespace posemix {

@@ -20,6 +20,13 @@ inline constexpr double kRotationTolerance = 1e-4;
 /// Deviation of a quaternion's norm from one that rounded text is allowed.
 inline constexpr double kQuaternionNormTolerance = 1e-2;
 
+/// Positions beyond this are in a wrong unit [m].
+inline constexpr double kFarthestPosition = 1e8;
+
+/// @throws InvalidInput with `where` before the reason when a coordinate of the position is beyond
+/// kFarthestPosition
+void check_position(const SE3d& pose, std::string_view where);
+
 /// The pose of a homogeneous 4x4 matrix (metres); the rotation is the one nearest to the matrix's.
 ///
 /// Throws InvalidInput, with `where` before the reason, when an entry is not finite, when an entry

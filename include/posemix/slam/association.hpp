@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "posemix/density/concentrated_gaussian.hpp"
-#include "posemix/filter/detector_noise.hpp"
-#include "posemix/filter/symmetry.hpp"
+#include "posemix/detector/detector_noise.hpp"
+#include "posemix/detector/symmetry.hpp"
 #include "posemix/slam/candidate.hpp"
 
 /// Which instance of a class of objects a detection is of.

@@ -4,7 +4,7 @@
 
 #include <span>
 
-#include "posemix/filter/symmetry.hpp"
+#include "posemix/detector/symmetry.hpp"
 
 /// Errors of poses of objects that have symmetries.
 namespace posemix {

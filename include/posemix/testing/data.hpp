@@ -11,13 +11,10 @@
 
 namespace posemix::testing {
 
-/// The folder of recorded sequences: the environment variable POSEMIX_DATA, else the definition
-/// POSEMIX_DEFAULT_DATA_DIR of the test target; nothing where that is not a folder.
+/// The folder of recorded sequences, named by the environment variable POSEMIX_DATA; nothing where
+/// that is not a folder.
 inline std::optional<std::filesystem::path> data_dir() {
   const char* named = std::getenv("POSEMIX_DATA");
-#ifdef POSEMIX_DEFAULT_DATA_DIR
-  if (named == nullptr) named = POSEMIX_DEFAULT_DATA_DIR;
-#endif
   if (named == nullptr || !std::filesystem::is_directory(named)) return std::nullopt;
   return std::filesystem::path(named);
 }

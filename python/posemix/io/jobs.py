@@ -32,8 +32,8 @@ def read_slam_job(
     path : path
         The sequence file (TOML).
     data : path, optional
-        Folder below which the recording's files lie; unless given the sequence file's own, POSEMIX_DATA and
-        ../shared/data.
+        Folder below which the recording's files lie; unless given the sequence file's own, then
+        POSEMIX_DATA or the cache of ``posemix data``.
     overrides : sequence of str
         ``key=value``, as ``posemix slam --set``.
 

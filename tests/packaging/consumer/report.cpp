@@ -2,7 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include <cstdio>
 
-#include <posemix/io/report.hpp>
+#include <posemix/results/report.hpp>
 
 /// Writes the report of a results folder.
 int main(int argc, char** argv) {

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+/// Where recordings lie.
+namespace posemix {
+
+/// The cache of `posemix data`: $XDG_CACHE_HOME/posemix, or ~/.cache/posemix where that variable
+/// is not set, or the folder `data` where there is no home folder either.
+std::filesystem::path data_cache_folder();
+
+/// The data folder that is used where none is given: the environment variable POSEMIX_DATA, else
+/// the cache of `posemix data`.
+std::filesystem::path default_data_folder();
+
+/// The folders below which a sequence file's relative paths are looked up, in order: `data` alone
+/// where it is given; else the sequence file's own folder, then default_data_folder().
+/// @throws InvalidInput when `data` is not a folder
+std::vector<std::filesystem::path> data_folders(
+    const std::filesystem::path& sequence_file,
+    const std::optional<std::filesystem::path>& data = std::nullopt);
+
+}  // namespace posemix

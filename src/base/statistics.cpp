@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "posemix/base/statistics.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <vector>
+
+#include <boost/math/distributions/chi_squared.hpp>
+#include <boost/math/distributions/students_t.hpp>
+
+#include "posemix/base/error.hpp"
+
+namespace posemix {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+}  // namespace
+
+double mean(std::span<const double> values) {
+  if (values.empty()) return kNaN;
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+MeanWithError mean_with_error(std::span<const double> values) {
+  const double centre = mean(values);
+  if (values.size() < 2) return {centre, kNaN};
+  const auto n = static_cast<double>(values.size());
+  double squares = 0.0;
+  for (const double value : values) squares += (value - centre) * (value - centre);
+  return {centre, std::sqrt(squares / (n - 1.0) / n)};
+}
+
+double median(std::span<const double> values) {
+  if (values.empty()) return kNaN;
+  std::vector<double> sorted(values.begin(), values.end());
+  std::sort(sorted.begin(), sorted.end());
+  const std::size_t half = sorted.size() / 2;
+  return sorted.size() % 2 == 1 ? sorted[half] : 0.5 * (sorted[half - 1] + sorted[half]);
+}
+
+std::pair<double, double> chi_square_band(std::size_t count, std::size_t dof) {
+  const auto n = static_cast<double>(count * dof);
+  const boost::math::chi_squared law(n);
+  return {boost::math::quantile(law, 0.025) / n, boost::math::quantile(law, 0.975) / n};
+}
+
+PairedTest paired_test(std::span<const double> a, std::span<const double> b) {
+  require(a.size() == b.size(), "paired_test: two samples of different sizes");
+  std::vector<double> differences(a.size());
+  std::transform(a.begin(), a.end(), b.begin(), differences.begin(), std::minus<>());
+  const MeanWithError difference = mean_with_error(differences);
+  if (differences.size() < 2) return {difference.mean, kNaN, kNaN};
+  if (difference.standard_error == 0.0) {
+    return {difference.mean, 0.0, difference.mean == 0.0 ? 1.0 : 0.0};
+  }
+  const boost::math::students_t law(static_cast<double>(differences.size()) - 1.0);
+  const double t = std::abs(difference.mean) / difference.standard_error;
+  return {difference.mean, difference.standard_error,
+          2.0 * boost::math::cdf(boost::math::complement(law, t))};
+}
+
+}  // namespace posemix

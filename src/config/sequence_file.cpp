@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "posemix/config/sequence_file.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <tuple>
+
+#include <fmt/format.h>
+
+#include "posemix/base/error.hpp"
+#include "posemix/io/text.hpp"
+#include "sequence_parts.hpp"
+
+namespace posemix {
+namespace {
+
+constexpr std::size_t kLongestId = 100;
+
+/// The noise of objects that name none: default_detector_noise() unless the file has a table of
+/// that name.
+constexpr std::string_view kDefaultNoise = "default";
+
+void check_schema(const TomlTable& root) {
+  const std::int64_t schema = root.get_integer("schema");
+  if (schema == kSequenceSchema) return;
+  root.fail("schema",
+            fmt::format("is {}, expected {}: this is another version of the sequence file", schema,
+                        kSequenceSchema));
+}
+
+/// Name of the file, or of its folder where that is "sequence", and of the recording.
+std::string read_name(const TomlDocument& document, const TomlTable& root) {
+  std::filesystem::path path = std::filesystem::path(document.name()).replace_extension();
+  while (path.filename() == "sequence" && path.parent_path().has_filename())
+    path = path.parent_path();
+  const std::string name = path.filename().string();
+  const std::string recording = root.get_string_or("sequence", "");
+  return name.find(recording) == std::string::npos ? name + " " + recording : name;
+}
+
+std::string read_id(const TomlTable& object, std::set<std::string>& taken) {
+  constexpr std::string_view kAllowed =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_.-";
+  std::string id = object.get_string("id");
+  const bool fits =
+      !id.empty() && id.size() <= kLongestId && id.find_first_not_of(kAllowed) == std::string::npos;
+  if (!fits) {
+    object.fail("id", fmt::format("is {}, expected 1 to {} letters, digits, '_', '.' and '-'",
+                                  in_quotes(id), kLongestId));
+  }
+  if (!taken.insert(id).second) {
+    object.fail("id", fmt::format("is {}, which another object has already", in_quotes(id)));
+  }
+  return id;
+}
+
+ObjectModel read_model(const TomlTable& object, const FileFinder& files, std::set<std::string>& ids,
+                       const std::map<std::string, DetectorNoise>& noise_models) {
+  std::string id = read_id(object, ids);
+  const std::string noise = object.get_string_or("noise", std::string(kDefaultNoise));
+  const auto found = noise_models.find(noise);
+  const bool built_in = found == noise_models.end() && noise == kDefaultNoise;
+  if (found == noise_models.end() && !built_in) {
+    object.fail("noise", fmt::format("is {0}, but there is no table [noise.{1}]", in_quotes(noise),
+                                     noise.empty() ? "NAME" : noise));
+  }
+  std::optional<Matrix6d> start;
+  if (const auto table = object.find_table("start")) start = read_pose_covariance(*table);
+  return {std::move(id), built_in ? default_detector_noise() : found->second, start,
+          read_object_symmetries(object, files), object.get_string_or("class", "")};
+}
+
+std::vector<std::string> ids_of(const std::vector<ObjectModel>& models) {
+  std::vector<std::string> ids;
+  ids.reserve(models.size());
+  for (const ObjectModel& model : models) ids.push_back(model.id);
+  return ids;
+}
+
+/// Candidates are of the classes of objects, and the other way round.
+void check_classes(const TomlTable& root, const SlamJob& job, bool multi_object) {
+  std::set<std::string> named;
+  for (const TomlTable& table : root.find_tables("candidates")) {
+    named.insert(table.get_string("class"));
+    if (!multi_object)
+      table.fail("class",
+                 "is for filter.method = \"multi_object\" alone: no other filter tells "
+                 "the instances of a class apart");
+  }
+  std::set<std::string> classes;
+  const std::vector<TomlTable> objects = root.get_tables("objects");
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    const std::string& name = job.models[i].class_id;
+    classes.insert(name);
+    if (objects[i].has("class") && !named.contains(name))
+      objects[i].fail("class", fmt::format("is {}, but no table [[candidates]] has that class",
+                                           in_quotes(name)));
+  }
+  for (const TomlTable& table : root.find_tables("candidates")) {
+    const std::string name = table.get_string("class");
+    if (name.empty() || !classes.contains(name))
+      table.fail("class", fmt::format("is {}, but no object has that class", in_quotes(name)));
+  }
+}
+
+/// Joint use needs detectors with the same number of noise components and the same weights.
+void check_joint_noise(const TomlTable& root, const SlamJob& job) {
+  if (job.settings.filter.noise_use != NoiseUse::joint) return;
+  const auto& first = job.models.front().noise.components();
+  for (const ObjectModel& model : job.models) {
+    const auto& other = model.noise.components();
+    const bool same = std::equal(first.begin(), first.end(), other.begin(), other.end(),
+                                 [](const NoiseComponent& a, const NoiseComponent& b) {
+                                   return std::abs(a.weight - b.weight) < 1e-12;
+                                 });
+    if (same) continue;
+    root.get_table("filter").fail(
+        "noise_use",
+        fmt::format(
+            "is \"joint\", which needs noise models with equal weights, but those of objects "
+            "'{}' and '{}' differ",
+            job.models.front().id, model.id));
+  }
+}
+
+/// The multi-object filter starts objects from their detections.
+void check_starts(const TomlTable& root, const SlamJob& job) {
+  const std::vector<TomlTable> objects = root.get_tables("objects");
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    if (!job.models[i].independent_start) continue;
+    objects[i].fail("start",
+                    "is for filter.method = \"gm-iekf\" and its kin; the multi-object filter "
+                    "starts objects from their detections");
+  }
+}
+
+void use_method(const TomlTable& root, const MethodSettings& method, SlamJob& job) {
+  job.method = method.name;
+  job.settings.filter = method.filter;
+  job.settings.multi_object = method.multi_object;
+  job.smoothing = method.smoothing;
+  if (method.method != FilterMethod::multi_object) job.settings.kind = SlamFilter::gaussian_sum;
+  switch (method.method) {
+    case FilterMethod::multi_object:
+      check_starts(root, job);
+      return;
+    case FilterMethod::gm_iekf:
+      break;
+    case FilterMethod::riekf:
+    case FilterMethod::riekf_cauchy:
+      std::tie(job.models, job.settings) = located(
+          root.get_table("filter"), "method", [&] { return as_riekf(job.models, job.settings); });
+      break;
+    case FilterMethod::max_mixture:
+      job.settings = as_max_mixture(job.settings);
+      break;
+    case FilterMethod::rbpf:
+      job.particles = method.particles;
+      job.particles->motion = job.settings.motion;
+      job.particles->merge = method.filter.reduction.merge;
+      return;
+  }
+  check_joint_noise(root, job);
+}
+
+}  // namespace
+
+SlamJob read_slam_job(const TomlDocument& document,
+                      const std::vector<std::filesystem::path>& folders) {
+  const TomlTable root = document.root();
+  check_schema(root);
+  const FileFinder files(folders, root.get_strings_or("roots", {"."}));
+  const auto noise_models = read_noise_models(root);
+  std::vector<ObjectModel> models;
+  std::set<std::string> ids;
+  for (const TomlTable& object : root.get_tables("objects")) {
+    models.push_back(read_model(object, files, ids, noise_models));
+  }
+  const CameraFiles camera = read_camera_files(root, files);
+  SlamJob job{.name = read_name(document, root),
+              .method = {},
+              .sequence = {},
+              .camera_prior = PoseDensity(SE3d(), Matrix6d::Identity()),
+              .models = std::move(models),
+              .settings = {}};
+  job.sequence = read_recordings(root, files, camera, ids_of(job.models));
+  job.camera_prior = read_camera_prior(root, job.sequence.camera_truth);
+  job.settings.motion = read_motion(root, camera.odometry.has_value());
+  const MethodSettings method = read_filter(root);
+  check_classes(root, job, method.method == FilterMethod::multi_object);
+  use_method(root, method, job);
+  if (const auto output = root.find_table("output")) {
+    job.trace_hypotheses = static_cast<std::size_t>(
+        output->get_integer_or("trace_hypotheses", kTraceHypotheses, kAtLeastZero));
+  }
+  document.finish();
+  return job;
+}
+
+SlamRun run(const SlamJob& job, const RunOptions& options) {
+  if (job.particles)
+    return run_particle_filter(job.sequence, job.camera_prior, job.models, *job.particles, options);
+  if (job.smoothing)
+    return run_smoothed(job.sequence, job.camera_prior, job.models, job.settings, *job.smoothing,
+                        options);
+  return run(job.sequence, job.camera_prior, job.models, job.settings, options);
+}
+
+}  // namespace posemix

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "posemix/config/simulation_config.hpp"
+
+#include <map>
+#include <optional>
+#include <set>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "posemix/base/error.hpp"
+#include "sequence_parts.hpp"
+
+namespace posemix {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr std::int64_t kSchema = 1;
+
+constexpr IntegerRange kFrames{.lowest = 1, .highest = 10'000'000};
+constexpr IntegerRange kCount{.lowest = 0, .highest = 10'000'000};
+constexpr NumberRange kFramePeriod{.lowest = 1e-6, .highest = 3600};
+constexpr NumberRange kTime{.lowest = 0, .highest = 1e6};
+constexpr NumberRange kLength{.lowest = -1e3, .highest = 1e3};
+constexpr NumberRange kBox{.lowest = 0, .highest = 1e3};
+constexpr NumberRange kAngleDeg{.lowest = -360, .highest = 360};
+constexpr NumberRange kWeight{.lowest = 1e-12, .highest = 1e12};
+/// Sequence files show nine decimals of a standard deviation.
+constexpr NumberRange kSdShown{.lowest = 1e-6, .highest = 1e3};
+
+using NoiseModels = std::map<std::string, std::vector<SimulationNoise>>;
+
+std::size_t get_count(const TomlTable& table, std::string_view key, std::size_t otherwise,
+                      const IntegerRange& range) {
+  return static_cast<std::size_t>(
+      table.get_integer_or(key, static_cast<std::int64_t>(otherwise), range));
+}
+
+Vector3d get_vector3(const TomlTable& table, std::string_view key, const Vector3d& otherwise) {
+  return table.get_vector_or(key, otherwise, kLength);
+}
+
+/// A rotation vector in degrees.
+Vector3d get_rotation(const TomlTable& table, std::string_view key) {
+  return kRadPerDeg * table.get_vector_or(key, Vector3d::Zero(), kAngleDeg);
+}
+
+SimulationSd get_sd(const TomlTable& table, const SimulationSd& otherwise) {
+  SimulationSd sd = otherwise;
+  if (table.has("rotation_sd_deg")) {
+    sd.rotation_rad = read_sd(table, "rotation_sd_deg", kSdShown, kRadPerDeg);
+  }
+  if (table.has("translation_sd_m")) {
+    sd.translation_m = read_sd(table, "translation_sd_m", kSdShown, 1.0);
+  }
+  return sd;
+}
+
+SimulationSwing get_swing(const TomlTable& parent, std::string_view key, SimulationSwing swing) {
+  if (const auto table = parent.find_table(key)) {
+    swing.mean_m = table->get_double_or("mean_m", swing.mean_m, kLength);
+    swing.swing_m = table->get_double_or("swing_m", swing.swing_m, kLength);
+    swing.waves = get_count(*table, "waves", swing.waves, kCount);
+  }
+  return swing;
+}
+
+SimulationPath get_path(const TomlTable& camera) {
+  SimulationPath path;
+  path.frames = get_count(camera, "frames", path.frames, kFrames);
+  path.period_s = camera.get_double_or("period_s", path.period_s, kFramePeriod);
+  path.turns = get_count(camera, "turns", path.turns, kCount);
+  path.target_m = get_vector3(camera, "target_m", path.target_m);
+  path.range = get_swing(camera, "range", path.range);
+  path.height = get_swing(camera, "height", path.height);
+  return path;
+}
+
+SimulationNoise get_component(const TomlTable& table) {
+  SimulationNoise noise;
+  noise.weight = table.get_double_or("weight", noise.weight, kWeight);
+  noise.sd = get_sd(table, noise.sd);
+  noise.frame = table.get_enum_or<NoiseFrame>(
+      "frame", noise.frame, {{"object", NoiseFrame::object}, {"camera", NoiseFrame::camera}});
+  if (const auto offset = table.find_table("offset")) {
+    noise.offset_rotation_rad = get_rotation(*offset, "rotation_deg");
+    noise.offset_translation_m = get_vector3(*offset, "translation_m", Vector3d::Zero());
+  }
+  return noise;
+}
+
+NoiseModels get_noise_models(const TomlTable& root) {
+  NoiseModels models;
+  const auto table = root.find_table("noise");
+  if (!table) return models;
+  for (const std::string& name : table->keys()) {
+    for (const TomlTable& component : table->get_table(name).get_tables("components")) {
+      models[name].push_back(get_component(component));
+    }
+  }
+  return models;
+}
+
+/// The noise model that `key` of an object names.
+const std::vector<SimulationNoise>& named_noise(const NoiseModels& models, const TomlTable& object,
+                                                std::string_view key) {
+  const auto found = models.find(object.get_string(key));
+  if (found == models.end()) {
+    object.fail(key, fmt::format("names a noise model that is not there, [noise.{}]",
+                                 object.get_string(key)));
+  }
+  return found->second;
+}
+
+SimulationRuns get_runs(const TomlTable& table) {
+  return {table.get_double_or("fraction", 0.0, kUnitInterval),
+          table.get_double_or("mean_run_s", 0.0, kTime)};
+}
+
+std::string get_id(const TomlTable& object) {
+  std::string id = object.get_string("id");
+  constexpr std::string_view kAllowed =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_.-";
+  if (id.empty() || id.find_first_not_of(kAllowed) != std::string::npos) {
+    object.fail("id", fmt::format("is \"{}\", expected letters, digits, '_', '.' and '-'", id));
+  }
+  return id;
+}
+
+SimulationObject get_object(const TomlTable& table, const NoiseModels& models) {
+  SimulationObject object;
+  object.id = get_id(table);
+  object.position_m = get_vector3(table, "position_m", object.position_m);
+  object.rotation_rad = get_rotation(table, "rotation_deg");
+  object.noise = named_noise(models, table, "noise");
+  if (table.has("claimed_noise")) object.claimed = named_noise(models, table, "claimed_noise");
+  object.correlation_s = table.get_double_or("correlation_s", 0.0, kTime);
+  if (const auto flips = table.find_table("flips")) {
+    object.flips.runs = get_runs(*flips);
+    object.flips.rotation_rad = get_rotation(*flips, "rotation_deg");
+    object.flips.translation_m = get_vector3(*flips, "translation_m", object.flips.translation_m);
+  }
+  if (const auto outliers = table.find_table("outliers")) {
+    object.outliers.runs = get_runs(*outliers);
+    object.outliers.box_m = outliers->get_vector_or("box_m", object.outliers.box_m, kBox);
+  }
+  if (const auto misses = table.find_table("misses")) object.misses = get_runs(*misses);
+  object.hidden_frames = get_count(table, "hidden_frames", 0, kCount);
+  return object;
+}
+
+std::vector<SimulationObject> get_objects(const TomlTable& root, std::size_t frames) {
+  std::vector<SimulationObject> objects;
+  std::set<std::string> ids;
+  const NoiseModels models = get_noise_models(root);
+  for (const TomlTable& table : root.get_tables("objects")) {
+    objects.push_back(get_object(table, models));
+    const SimulationObject& object = objects.back();
+    if (!ids.insert(object.id).second) {
+      table.fail("id", fmt::format("is \"{}\", which another object has too", object.id));
+    }
+    if (object.hidden_frames >= frames) {
+      table.fail("hidden_frames",
+                 fmt::format("is {}, but there are only {} frames", object.hidden_frames, frames));
+    }
+  }
+  return objects;
+}
+
+/// A number or a string as TOML writes it.
+std::string value_text(const TomlTable& table, const std::string& key) {
+  try {
+    return fmt::format("{}", table.get_double(key));
+  } catch (const InvalidInput&) {
+    return fmt::format("\"{}\"", table.get_string(key));
+  }
+}
+
+std::vector<std::pair<std::string, std::string>> get_filter(const TomlTable& root) {
+  std::vector<std::pair<std::string, std::string>> settings;
+  if (const auto filter = root.find_table("filter")) {
+    for (const std::string& key : filter->keys()) {
+      settings.emplace_back(key, value_text(*filter, key));
+    }
+  }
+  return settings;
+}
+
+}  // namespace
+
+SimulationFile read_simulation(const TomlDocument& document) {
+  const TomlTable root = document.root();
+  root.get_integer("schema", {kSchema, kSchema});
+  SimulationFile file;
+  SimulationConfig& config = file.config;
+  if (const auto camera = root.find_table("camera")) {
+    config.path = get_path(*camera);
+    if (const auto start = camera->find_table("start")) config.start = get_sd(*start, config.start);
+  }
+  if (const auto odometry = root.find_table("odometry")) {
+    config.odometry = get_sd(*odometry, config.odometry);
+  }
+  if (const auto motion = root.find_table("motion")) {
+    config.claimed_odometry = get_sd(motion->get_table("noise"), config.odometry);
+  }
+  config.objects = get_objects(root, config.path.frames);
+  read_filter(root);
+  document.finish();
+  file.filter = get_filter(root);
+  try {
+    validate(config);
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(fmt::format("{}: {}", document.name(), error.what()));
+  }
+  return file;
+}
+
+}  // namespace posemix

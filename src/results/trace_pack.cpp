@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "trace_pack.hpp"
+
+#include <optional>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "io/json_place.hpp"
+#include "posemix/base/error.hpp"
+#include "posemix/io/text.hpp"
+#include "posemix/results/results.hpp"
+#include "trace_entity.hpp"
+#include "trace_hypotheses.hpp"
+#include "trace_names.hpp"
+
+namespace posemix {
+namespace {
+
+using Event = Json::parse_event_t;
+
+/// Hears what the parser finds. Arrays over frames are taken entry by entry and never kept.
+class TracePacker {
+ public:
+  TracePacker(const std::string& name, const TraceScales& scales)
+      : name_(name), scales_(scales), joint_(name + ": hypotheses", scales.coarse()) {}
+
+  /// What the parser asks: whether the value is to be kept.
+  bool hear(std::size_t depth, Event event, Json& value) {
+    if (series_ != nullptr) return hear_inside(depth, event, value);
+    if (event == Event::key) {
+      keys_.resize(depth);
+      keys_[depth - 1] = value.get<std::string>();
+    } else if (event == Event::array_start && depth > 0 && keys_.size() == depth) {
+      open(depth);
+    } else if (event == Event::object_end && entity_ && depth == entity_depth_) {
+      close_entity();
+    }
+    return true;
+  }
+
+  Json finish(const Json& document) {
+    const JsonPlace root(document, name_);
+    check(root);
+    const std::vector<std::string> order = objects_in_order(root);
+    if (!has_alternatives_) write_joint(order);
+    const JsonPlace stamps = root.member("stamps_s");
+    Json times = Json::array();
+    for (const JsonPlace& stamp : stamps.items(frames_)) times.push_back(stamp.number());
+    const auto copy = [&](const char* key) { return Json(root.member(key).string()); };
+    return {{"name", copy("name")},
+            {"method", copy("method")},
+            {"conventions", document.value("conventions", Json::object())},
+            {"order", order},
+            {"frames", *frames_},
+            {"stamps_s", std::move(times)},
+            {"fates", kFateNames},
+            {"columns", std::move(headers_)},
+            {"data", base64(data_.finish())}};
+  }
+
+ private:
+  bool hear_inside(std::size_t depth, Event event, const Json& value) {
+    const bool ends =
+        event == Event::value || event == Event::array_end || event == Event::object_end;
+    if (depth == series_depth_ + 1 && ends) {
+      series_->add(value);
+      return false;
+    }
+    if (depth == series_depth_ && event == Event::array_end) close_series();
+    return true;
+  }
+
+  void open(std::size_t depth) {
+    if (keys_ == TraceKeys{"hypotheses"}) {
+      if (joint_.frames() > 0) throw InvalidInput(joint_.path() + ": got the key again");
+      series_ = &joint_;
+    } else if (keys_[0] == "camera" && depth == 2) {
+      series_ = entity(1, "camera").open({keys_[1]}, scales_);
+    } else if (keys_[0] == "objects" && depth >= 3) {
+      const TraceKeys within(keys_.begin() + 2, keys_.end());
+      series_ = entity(2, "objects/" + keys_[1]).open(within, scales_);
+      if (series_ != nullptr && within[0] == "alternatives") has_alternatives_ = true;
+    }
+    series_depth_ = depth;
+  }
+
+  TraceEntity& entity(std::size_t depth, const std::string& prefix) {
+    if (entity_) return *entity_;
+    if (!entities_.insert(prefix).second) {
+      throw InvalidInput(
+          fmt::format("{}: got {} again, expected it once", name_, in_quotes(prefix)));
+    }
+    const std::string path = depth == 1 ? "camera" : "objects: " + keys_[1];
+    entity_depth_ = depth;
+    return entity_.emplace(name_ + ": " + path, prefix);
+  }
+
+  void close_entity() {
+    entity_->write(data_, headers_);
+    entity_.reset();
+  }
+
+  void close_series() {
+    if (!frames_) {
+      frames_ = series_->frames();
+      first_path_ = series_->path();
+    }
+    if (series_->frames() != *frames_) {
+      throw InvalidInput(fmt::format("{}: got {} entries, expected {} as in {}", series_->path(),
+                                     series_->frames(), *frames_, in_quotes(first_path_, 200)));
+    }
+    series_ = nullptr;
+  }
+
+  void check(const JsonPlace& root) {
+    root.member("type").require_word("posemix.trace");
+    const double schema = root.member("schema").number();
+    if (schema != static_cast<double>(kTraceSchema)) {
+      root.member("schema").fail(fmt::format("{}", schema),
+                                 fmt::format("{}: the file was written in another version of the "
+                                             "format",
+                                             kTraceSchema));
+    }
+    if (!entities_.contains("camera")) root.member("camera").fail("no list", "\"pose\" and others");
+    const double frames = root.member("frames").number();
+    if (frames != static_cast<double>(*frames_)) {
+      root.member("frames").fail(fmt::format("{}", frames),
+                                 fmt::format("{} as in \"pose\"", *frames_));
+    }
+  }
+
+  /// The ids under `order`, which are those under `objects`.
+  std::vector<std::string> objects_in_order(const JsonPlace& root) const {
+    std::vector<std::string> order;
+    std::set<std::string> named{"camera"};
+    for (const JsonPlace& item : root.member("order").items()) {
+      order.push_back(item.string());
+      if (!named.insert("objects/" + order.back()).second) {
+        item.fail(in_quotes(order.back()) + " again", "another id");
+      }
+      if (!entities_.contains("objects/" + order.back())) {
+        item.fail(in_quotes(order.back()), "an object with lists under \"objects\"");
+      }
+    }
+    if (named != entities_) {
+      root.member("objects").fail("objects that \"order\" lacks", "the same");
+    }
+    return order;
+  }
+
+  void write_joint(const std::vector<std::string>& order) {
+    std::vector<std::string> prefixes{"camera"};
+    for (const std::string& id : order) prefixes.push_back("objects/" + id);
+    joint_.name(std::move(prefixes));
+    std::vector<TraceColumn> columns;
+    joint_.move_to(columns);
+    write_columns(columns, data_, headers_);
+  }
+
+  std::string name_;
+  TraceScales scales_;
+  TraceKeys keys_;                 ///< to where the parser is, as far as these are keys
+  TraceSeries* series_ = nullptr;  ///< being read
+  std::size_t series_depth_ = 0;
+  std::optional<TraceEntity> entity_;
+  std::size_t entity_depth_ = 0;
+  std::set<std::string> entities_;  ///< read by now
+  JointHypotheses joint_;
+  bool has_alternatives_ = false;
+  std::optional<std::size_t> frames_;
+  std::string first_path_;
+  Deflater data_;
+  Json headers_ = Json::array();
+};
+
+using TraceProgress = std::function<void(std::size_t)>;
+
+Json pack_once(std::istream& text, const std::string& name, const TraceProgress& progress,
+               const TraceScales& scales) {
+  constexpr std::size_t kEventsBetween = 1U << 16U;
+  TracePacker packer(name, scales);
+  std::size_t events = 0;
+  const auto hear = [&](int depth, Event event, Json& value) {
+    if (++events % kEventsBetween == 0) progress(static_cast<std::size_t>(text.tellg()));
+    return packer.hear(static_cast<std::size_t>(depth), event, value);
+  };
+  try {
+    return packer.finish(Json::parse(text, hear));
+  } catch (const Json::exception& error) {
+    throw InvalidInput(fmt::format("{}: got a text that is not JSON ({}), expected trace.json",
+                                   name, error.what()));
+  }
+}
+
+}  // namespace
+
+Json pack_trace(std::istream& text, const std::string& name, const TraceProgress& progress) {
+  for (TraceScales scales;; scales.position_m *= 10.0) {
+    try {
+      return pack_once(text, name, progress, scales);
+    } catch (const PositionOutOfReach&) {
+      text.clear();
+      text.seekg(0);
+    }
+  }
+}
+
+}  // namespace posemix

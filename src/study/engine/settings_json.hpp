@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <Eigen/Core>
+#include <nlohmann/json.hpp>
+
+#include "posemix/detector/detector_noise.hpp"
+
+/// Settings of studies as JSON, every number with all its digits.
+namespace posemix {
+
+inline nlohmann::ordered_json matrix_json(const Eigen::MatrixXd& matrix) {
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  for (const auto& row : matrix.rowwise()) {
+    rows.push_back(std::vector<double>(row.begin(), row.end()));
+  }
+  return rows;
+}
+
+inline nlohmann::ordered_json noise_json(const DetectorNoise& noise) {
+  nlohmann::ordered_json components = nlohmann::ordered_json::array();
+  for (const NoiseComponent& component : noise.components()) {
+    nlohmann::ordered_json& entry = components.emplace_back(
+        nlohmann::ordered_json{{"weight", component.weight},
+                               {"frame", name_of(component.frame)},
+                               {"covariance", matrix_json(component.covariance)},
+                               {"offset", matrix_json(component.offset.matrix())}});
+    if (component.update_covariance)
+      entry["update_covariance"] = matrix_json(*component.update_covariance);
+  }
+  if (noise.null().weight > 0.0) {
+    components.push_back(
+        {{"null", {{"weight", noise.null().weight}, {"volume_m3", noise.null().volume_m3}}}});
+  }
+  return components;
+}
+
+}  // namespace posemix

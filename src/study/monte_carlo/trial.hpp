@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <vector>
+
+#include "posemix/filter/gaussian_sum_filter.hpp"
+#include "study.hpp"
+
+namespace posemix {
+
+/// What happens between two detections, and the detection.
+struct MonteCarloStep {
+  std::vector<SE3d> odometry;  ///< T_camera(i)_camera(i+1) as measured
+  SE3d detection;              ///< T_camera_object as detected
+  SE3d true_camera;            ///< T_world_camera at the detection
+};
+
+/// One simulated run.
+struct MonteCarloTrial {
+  Matrix6d odometry_noise;  ///< covariance of one odometry step
+  SE3d true_object;         ///< T_world_object
+  Hypothesis prior;         ///< of camera and object before the first step
+  std::vector<MonteCarloStep> steps;
+};
+
+MonteCarloTrial simulate_trial(const MonteCarloStudySettings& settings, double noise_exponent,
+                               std::size_t run);
+
+/// A filter of the study, by its name.
+struct MonteCarloMethod {
+  FilterSettings filter;
+  bool single_gaussian;  ///< the detector's noise as one Gaussian
+};
+
+/// @throws InvalidInput for another name
+MonteCarloMethod monte_carlo_method(const std::string& name,
+                                    const MonteCarloStudySettings& settings);
+
+}  // namespace posemix

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include <cmath>
+#include <limits>
+
+#include "parts.hpp"
+#include "posemix/base/units.hpp"
+#include "study/engine/settings_json.hpp"
+
+/// Results of `study noise` as JSON and back.
+namespace posemix {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+double from_finite(const Json& json) {
+  return json.is_number() ? json.get<double>() : std::numeric_limits<double>::quiet_NaN();
+}
+
+NoiseFrame frame_from(const Json& json) {
+  if (json == "ray") return NoiseFrame::ray;
+  return json == "camera" ? NoiseFrame::camera : NoiseFrame::object;
+}
+
+template <class Matrix>
+Matrix matrix_from(const Json& json) {
+  Matrix matrix;
+  for (Eigen::Index row = 0; row < matrix.rows(); ++row) {
+    for (Eigen::Index column = 0; column < matrix.cols(); ++column)
+      matrix(row, column) = json.at(row).at(column);
+  }
+  return matrix;
+}
+
+}  // namespace
+
+nlohmann::ordered_json finite_json(double value) {
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
+nlohmann::ordered_json noise_to_json(const DetectorNoise& noise) { return noise_json(noise); }
+
+DetectorNoise noise_from_json(const nlohmann::ordered_json& json) {
+  std::vector<NoiseComponent> components;
+  NullNoise null;
+  for (const auto& entry : json) {
+    if (entry.contains("null")) {
+      null = {entry["null"].at("weight"), entry["null"].at("volume_m3")};
+      continue;
+    }
+    components.push_back(
+        {.weight = entry.at("weight"),
+         .covariance = matrix_from<Matrix6d>(entry.at("covariance")),
+         .frame = frame_from(entry.at("frame")),
+         .offset = SE3d::from_matrix(matrix_from<Eigen::Matrix4d>(entry.at("offset")))});
+  }
+  return DetectorNoise(std::move(components), null);
+}
+
+nlohmann::ordered_json modes_json(const std::vector<NoiseMode>& modes) {
+  Json json = Json::array();
+  for (const NoiseMode& mode : modes) {
+    const Eigen::Vector3d rotation = mode.offset.rotation().log();
+    const Eigen::Vector3d axis = rotation.normalized();
+    const Eigen::Vector3d& t = mode.offset.translation();
+    json.push_back({{"weight", mode.weight},
+                    {"angle_deg", degrees(rotation.norm())},
+                    {"axis_x", axis[0]},
+                    {"axis_y", axis[1]},
+                    {"axis_z", axis[2]},
+                    {"translation_x_m", t[0]},
+                    {"translation_y_m", t[1]},
+                    {"translation_z_m", t[2]},
+                    {"rotation_sd_deg", mode.rotation_sd_deg},
+                    {"recordings", mode.recordings},
+                    {"accepted", mode.accepted ? 1 : 0}});
+  }
+  return json;
+}
+
+nlohmann::ordered_json correlation_json(const NoiseCorrelation& c) {
+  Json json = {{"inliers", c.inliers},
+               {"dependent_frames", finite_json(c.inlier.about_zero)},
+               {"dependent_frames_within", finite_json(c.inlier.within)},
+               {"outlier_share", finite_json(c.outlier_share)},
+               {"outlier_run", finite_json(c.outlier_run)},
+               {"outlier_dependent_frames", finite_json(c.outlier.about_zero)},
+               {"outlier_dependent_frames_within", finite_json(c.outlier.within)}};
+  for (std::size_t axis = 0; axis < 6; ++axis) {
+    const double bias = c.bias_sd[static_cast<Eigen::Index>(axis)];
+    json["axes"].push_back({{"dependent_frames", finite_json(c.axes[axis].about_zero)},
+                            {"dependent_frames_within", finite_json(c.axes[axis].within)},
+                            {"bias_sd", finite_json(axis < 3 ? degrees(bias) : bias)}});
+  }
+  return json;
+}
+
+NoiseCorrelation correlation_from_json(const nlohmann::ordered_json& json) {
+  NoiseCorrelation c;
+  c.inliers = json.at("inliers");
+  c.inlier = {from_finite(json.at("dependent_frames")),
+              from_finite(json.at("dependent_frames_within"))};
+  for (std::size_t axis = 0; axis < 6; ++axis) {
+    const double bias = from_finite(json.at("axes").at(axis).at("bias_sd"));
+    c.bias_sd[static_cast<Eigen::Index>(axis)] = axis < 3 ? radians(bias) : bias;
+  }
+  return c;
+}
+
+}  // namespace posemix

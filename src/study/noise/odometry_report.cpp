@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "parts.hpp"
+#include "posemix/base/units.hpp"
+#include "posemix/draw/chart.hpp"
+#include "study/engine/table.hpp"
+
+namespace posemix {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json vector_json(const Vector6d& values) {
+  Json json = Json::array();
+  for (const double value : values) json.push_back(finite_json(value));
+  return json;
+}
+
+Vector6d vector_from(const Json& json) {
+  Vector6d values;
+  for (Eigen::Index i = 0; i < 6; ++i) {
+    const Json& entry = json.at(static_cast<std::size_t>(i));
+    values[i] = entry.is_number() ? entry.get<double>() : std::numeric_limits<double>::quiet_NaN();
+  }
+  return values;
+}
+
+OdometryNoise odometry_from(const Json& item) {
+  OdometryNoise noise{.sd_per_sqrt_s = vector_from(item.at("sd_per_sqrt_s")),
+                      .jitter_sd = vector_from(item.at("jitter_sd")),
+                      .sd_per_sqrt_s_error = vector_from(item.at("sd_per_sqrt_s_error")),
+                      .jitter_sd_error = vector_from(item.at("jitter_sd_error")),
+                      .windows = {},
+                      .recordings = item.at("recordings")};
+  for (const Json& window : item.at("windows")) {
+    noise.windows.push_back({window.at("seconds"), window.at("independent"),
+                             vector_from(window.at("variance")), vector_from(window.at("fitted"))});
+  }
+  return noise;
+}
+
+/// Degrees or millimetres of a value in radians or metres.
+double in_unit(double value, std::size_t axis) {
+  return axis < 3 ? degrees(value) : 1000.0 * value;
+}
+
+StudyTable window_table(const OdometryNoise& noise) {
+  StudyTable table({"axis", "unit", "window_s", "independent_windows", "rms", "fitted_rms"});
+  for (std::size_t axis = 0; axis < 6; ++axis) {
+    const auto at = static_cast<Eigen::Index>(axis);
+    for (const OdometryWindow& window : noise.windows) {
+      table.add({kNoiseAxes[axis], axis < 3 ? "deg" : "mm", window.seconds, window.independent,
+                 in_unit(std::sqrt(window.variance[at]), axis),
+                 in_unit(std::sqrt(window.fitted[at]), axis)});
+    }
+  }
+  return table;
+}
+
+StudyTable odometry_summary(const OdometryNoise& noise) {
+  StudyTable table({"axis", "unit", "per sqrt s", "+-", "jitter", "+-"});
+  for (std::size_t axis = 0; axis < 6; ++axis) {
+    const auto at = static_cast<Eigen::Index>(axis);
+    table.add({kNoiseAxes[axis], axis < 3 ? "deg" : "mm", in_unit(noise.sd_per_sqrt_s[at], axis),
+               in_unit(noise.sd_per_sqrt_s_error[at], axis), in_unit(noise.jitter_sd[at], axis),
+               in_unit(noise.jitter_sd_error[at], axis)});
+  }
+  return table;
+}
+
+Chart variance_chart(const OdometryNoise& noise, std::size_t first) {
+  Chart chart{.title = first == 0 ? "Rotation" : "Translation",
+              .x_label = "window [s]",
+              .y_label = first == 0 ? "variance [deg^2]" : "variance [mm^2]",
+              .log_x = true,
+              .log_y = true};
+  constexpr std::array kColours{"#0072B2", "#D55E00", "#009E73"};
+  constexpr std::array kLetters{"x", "y", "z"};
+  for (std::size_t i = 0; i < 3; ++i) {
+    ChartSeries seen{.label = kLetters[i], .color = kColours[i], .markers = true};
+    ChartSeries fitted{
+        .label = std::string(kLetters[i]) + ", fitted", .color = kColours[i], .dash = "6 4"};
+    for (const OdometryWindow& window : noise.windows) {
+      const auto at = static_cast<Eigen::Index>(first + i);
+      const double unit = std::pow(in_unit(1.0, first), 2);
+      seen.x.push_back(window.seconds);
+      seen.y.push_back(unit * window.variance[at]);
+      fitted.x.push_back(window.seconds);
+      fitted.y.push_back(unit * window.fitted[at]);
+    }
+    chart.series.push_back(std::move(seen));
+    chart.series.push_back(std::move(fitted));
+  }
+  return chart;
+}
+
+}  // namespace
+
+std::string format_odometry_toml(const OdometryNoise& noise) {
+  const auto list = [](const Vector6d& values, Eigen::Index from, double unit) {
+    const Eigen::Vector3d part = values.segment<3>(from) / unit;
+    return fmt::format("[{:.3g}]", fmt::join(part, ", "));
+  };
+  return fmt::format(
+      "# A random walk of the odometry fitted to its error against the camera's truth in {}\n"
+      "# recordings, over windows of {:.3g} to {:.3g} s. Standard errors {} deg and {} m;\n"
+      "# jitter of the truth {} deg and {} m.\n"
+      "[motion]\nmodel = \"odometry\"\n"
+      "noise = {{per = \"second\", rotation_sd_deg = {}, translation_sd_m = {}}}\n",
+      noise.recordings, noise.windows.front().seconds, noise.windows.back().seconds,
+      list(noise.sd_per_sqrt_s_error, 0, kRadPerDeg), list(noise.sd_per_sqrt_s_error, 3, 1.0),
+      list(noise.jitter_sd, 0, kRadPerDeg), list(noise.jitter_sd, 3, 1.0),
+      list(noise.sd_per_sqrt_s, 0, kRadPerDeg), list(noise.sd_per_sqrt_s, 3, 1.0));
+}
+
+nlohmann::ordered_json study_odometry(const std::vector<OdometryRecording>& recordings,
+                                      const NoiseStudySettings& settings) {
+  const OdometryNoise noise = fit_odometry_noise(recordings, settings.odometry);
+  Json json = {{"sd_per_sqrt_s", vector_json(noise.sd_per_sqrt_s)},
+               {"sd_per_sqrt_s_error", vector_json(noise.sd_per_sqrt_s_error)},
+               {"jitter_sd", vector_json(noise.jitter_sd)},
+               {"jitter_sd_error", vector_json(noise.jitter_sd_error)},
+               {"recordings", noise.recordings},
+               {"windows", Json::array()}};
+  for (const OdometryWindow& window : noise.windows) {
+    json["windows"].push_back({{"seconds", window.seconds},
+                               {"independent", window.independent},
+                               {"variance", vector_json(window.variance)},
+                               {"fitted", vector_json(window.fitted)}});
+  }
+  return json;
+}
+
+void report_odometry(const nlohmann::ordered_json& item, StudyReport& report) {
+  const OdometryNoise noise = odometry_from(item);
+  report.files.push_back({"odometry.toml", format_odometry_toml(noise)});
+  report.files.push_back({"odometry.csv", window_table(noise).csv()});
+  const std::array charts{variance_chart(noise, 0), variance_chart(noise, 3)};
+  report.files.push_back(
+      {"odometry.svg",
+       draw_charts("Error of the odometry by the length of the window", charts, 2)});
+  report.summary += fmt::format("\nOdometry in {} recordings:\n", noise.recordings) +
+                    odometry_summary(noise).text(3);
+}
+
+}  // namespace posemix

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "study.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cctype>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "parts.hpp"
+#include "posemix/base/error.hpp"
+
+namespace posemix {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// FNV-1a over the bits of every pose: names the data in the settings of the study.
+class Fingerprint {
+ public:
+  void add(const std::vector<std::optional<SE3d>>& poses) {
+    for (const auto& pose : poses) {
+      add(pose ? 1.0 : 0.0);
+      if (!pose) continue;
+      for (const double q : pose->rotation().quaternion().coeffs()) add(q);
+      for (const double t : pose->translation()) add(t);
+    }
+  }
+
+  std::string text() const { return fmt::format("{:016x}", hash_); }
+
+ private:
+  void add(double number) {
+    const auto bits = std::bit_cast<std::uint64_t>(number);
+    for (int shift = 0; shift < 64; shift += 8) {
+      hash_ = (hash_ ^ ((bits >> shift) & 0xffU)) * 0x100000001b3ULL;
+    }
+  }
+
+  std::uint64_t hash_ = 0xcbf29ce484222325ULL;
+};
+
+Json settings_json(const NoiseData& data, const NoiseStudySettings& s) {
+  Json json = {{"max_components", s.max_components},
+               {"restarts", s.restarts},
+               {"seed", s.seed},
+               {"frame", name_of(s.frame)},
+               {"means", s.free_means ? "free" : "zero"},
+               {"covariance", s.full_covariance ? "full" : "diagonal"},
+               {"null", s.null},
+               {"null_volume_m3", s.null_volume_m3},
+               {"null_least", s.least_null},
+               {"modes", s.modes},
+               {"mode_radius_deg", s.mode.radius_deg},
+               {"mode_share", s.mode.least_share},
+               {"mode_recordings", s.mode.least_recordings},
+               {"folds", s.folds},
+               {"windows_s", s.odometry.windows_s},
+               {"bootstrap", s.odometry.bootstrap},
+               {"bic", s.count_frames ? "frames" : "effective"},
+               {"max_rotation_sd_deg", s.max_rotation_sd_deg},
+               {"max_translation_sd_m", s.max_translation_sd_m},
+               {"gross_rotation_deg", s.gross_rotation_deg},
+               {"gross_translation_m", s.gross_translation_m},
+               {"bins", s.bins}};
+  for (const ResidualSet& set : data.residuals) {
+    Fingerprint poses;
+    poses.add(set.truth);
+    poses.add(set.detected);
+    json["data"].push_back(
+        {set.detector, set.object, set.recording, set.symmetric, set.truth.size(), poses.text()});
+  }
+  for (const OdometryRecording& recording : data.odometry) {
+    Fingerprint poses;
+    poses.add(recording.odometry);
+    poses.add(recording.camera_truth);
+    json["odometry"].push_back({recording.name, recording.stamps.size(), poses.text()});
+  }
+  return json;
+}
+
+void check(const std::vector<ResidualSet>& sets, const NoiseStudySettings& settings) {
+  require(!sets.empty(), "study noise: there are no detections with a truth");
+  if (settings.free_means && settings.frame != NoiseFrame::object) {
+    throw InvalidInput(fmt::format(
+        "study noise: free means in the {} frame cannot be written as a noise model, expected "
+        "means = \"zero\" or frame = \"object\"",
+        name_of(settings.frame)));
+  }
+  require(!settings.free_means || !settings.null,
+          "study noise: free means beside a null, expected means = \"zero\" (with modes = true for "
+          "offset poses) or null = false");
+  require(!settings.modes || settings.null,
+          "study noise: modes without a null, expected null = true");
+  for (const ResidualSet& set : sets) {
+    if (set.truth.size() == set.detected.size()) continue;
+    throw InvalidInput(
+        fmt::format("study noise: {} of {} has {} frames of truth and {} of detections", set.object,
+                    set.recording, set.truth.size(), set.detected.size()));
+  }
+}
+
+}  // namespace
+
+std::vector<NoiseGroup> noise_groups(const std::vector<ResidualSet>& sets) {
+  std::vector<std::string> detectors;
+  for (const ResidualSet& set : sets) {
+    if (std::find(detectors.begin(), detectors.end(), set.detector) == detectors.end())
+      detectors.push_back(set.detector);
+  }
+  std::vector<NoiseGroup> groups;
+  for (const std::string& detector : detectors) {
+    const std::size_t first = groups.size();
+    NoiseGroup all{detector, "all", false, {}};
+    for (const ResidualSet& set : sets) {
+      if (set.detector != detector) continue;
+      auto group = std::find_if(groups.begin() + static_cast<std::ptrdiff_t>(first), groups.end(),
+                                [&](const NoiseGroup& g) { return g.object == set.object; });
+      if (group == groups.end()) group = groups.insert(group, {detector, set.object, true, {}});
+      group->sets.push_back(set);
+      if (!set.symmetric) all.sets.push_back(set);
+    }
+    if (groups.size() > first + 1 && !all.sets.empty()) groups.push_back(std::move(all));
+  }
+  return groups;
+}
+
+std::string noise_name(const std::string& detector, const std::string& object) {
+  std::string name = detector + "_" + object;
+  for (char& c : name) {
+    if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '_' && c != '-') c = '_';
+  }
+  return name;
+}
+
+Study make_noise_study(const NoiseData& data, const NoiseStudySettings& settings) {
+  check(data.residuals, settings);
+  const std::string text = settings_json(data, settings).dump();
+  const auto groups = std::make_shared<const std::vector<NoiseGroup>>(noise_groups(data.residuals));
+  const auto odometry = std::make_shared<const std::vector<OdometryRecording>>(data.odometry);
+  return {"noise", text, groups->size() + (odometry->empty() ? 0 : 1),
+          [groups, odometry, settings](std::size_t item) {
+            if (item == groups->size()) return study_odometry(*odometry, settings).dump();
+            return study_noise((*groups)[item], settings, item).dump();
+          },
+          report_noise};
+}
+
+}  // namespace posemix

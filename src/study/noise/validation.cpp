@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "parts.hpp"
+#include "posemix/base/statistics.hpp"
+
+namespace posemix {
+namespace {
+
+using Observations = std::vector<NoiseObservation>;
+
+/// The observations of each fold.
+std::vector<Observations> folds_of(const std::vector<NoiseTrack>& tracks, std::size_t count) {
+  std::size_t recordings = 0;
+  for (const NoiseObservation& each : observations_of(tracks))
+    recordings = std::max(recordings, each.recording + 1);
+  std::vector<Observations> folds(count);
+  for (const NoiseTrack& track : tracks) {
+    for (std::size_t frame = 0; frame < track.size(); ++frame) {
+      if (!track[frame]) continue;
+      const std::size_t fold =
+          recordings >= count ? track[frame]->recording % count : frame * count / track.size();
+      folds[fold].push_back(*track[frame]);
+    }
+  }
+  std::erase_if(folds, [](const Observations& fold) { return fold.empty(); });
+  return folds;
+}
+
+Observations all_but(const std::vector<Observations>& folds, std::size_t left_out) {
+  Observations rest;
+  for (std::size_t f = 0; f < folds.size(); ++f) {
+    if (f != left_out) rest.insert(rest.end(), folds[f].begin(), folds[f].end());
+  }
+  return rest;
+}
+
+/// Sizes of models by rows, folds by columns: the sum of the log densities in the fold.
+Eigen::ArrayXXd held_out(const std::vector<Observations>& folds, const NoiseStudySettings& settings,
+                         std::size_t item) {
+  Eigen::ArrayXXd sums = Eigen::ArrayXXd::Constant(
+      static_cast<Eigen::Index>(settings.max_components), static_cast<Eigen::Index>(folds.size()),
+      std::numeric_limits<double>::quiet_NaN());
+  for (std::size_t f = 0; f < folds.size(); ++f) {
+    RandomStream stream(settings.seed, item);
+    const auto fits = fit_noise_sizes(all_but(folds, f), settings, stream);
+    for (std::size_t k = 0; k < fits.size(); ++k) {
+      sums(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(f)) =
+          noise_log_density(fits[k].noise, folds[f]).sum();
+    }
+  }
+  return sums;
+}
+
+void compare_with_best(std::vector<NoiseValidation>& rows) {
+  if (rows.empty()) return;
+  const NoiseValidation best =
+      *std::max_element(rows.begin(), rows.end(),
+                        [](const auto& a, const auto& b) { return a.log_density < b.log_density; });
+  for (NoiseValidation& row : rows) {
+    std::vector<double> differences;
+    for (std::size_t f = 0; f < row.by_fold.size(); ++f)
+      differences.push_back(best.by_fold[f] - row.by_fold[f]);
+    row.below_best = best.log_density - row.log_density;
+    row.standard_error = mean_with_error(differences).standard_error;
+  }
+}
+
+}  // namespace
+
+std::vector<NoiseValidation> cross_validate(const std::vector<NoiseTrack>& tracks,
+                                            const NoiseStudySettings& settings, std::size_t item) {
+  const std::vector<Observations> folds = folds_of(tracks, settings.folds);
+  std::vector<NoiseValidation> rows;
+  if (folds.size() < 2) return rows;
+  double count = 0.0;
+  for (const Observations& fold : folds) count += static_cast<double>(fold.size());
+  for (const NoiseFrame frame : {NoiseFrame::object, NoiseFrame::camera, NoiseFrame::ray}) {
+    for (const bool null : {false, true}) {
+      NoiseStudySettings of_kind = settings;
+      of_kind.frame = frame;
+      of_kind.null = null;
+      of_kind.free_means = false;
+      const Eigen::ArrayXXd sums = held_out(folds, of_kind, item);
+      for (Eigen::Index k = 0; k < sums.rows(); ++k) {
+        std::vector<double> means;
+        for (std::size_t f = 0; f < folds.size(); ++f)
+          means.push_back(sums(k, static_cast<Eigen::Index>(f)) /
+                          static_cast<double>(folds[f].size()));
+        rows.push_back({.frame = frame,
+                        .null = null,
+                        .components = static_cast<std::size_t>(k) + 1,
+                        .log_density = sums.row(k).sum() / count,
+                        .by_fold = std::move(means)});
+      }
+    }
+  }
+  std::erase_if(rows, [](const NoiseValidation& row) { return !std::isfinite(row.log_density); });
+  compare_with_best(rows);
+  return rows;
+}
+
+nlohmann::ordered_json validation_json(const std::vector<NoiseValidation>& rows) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const NoiseValidation& row : rows) {
+    json.push_back({{"frame", name_of(row.frame)},
+                    {"null", row.null ? 1 : 0},
+                    {"components", row.components},
+                    {"log_density", row.log_density},
+                    {"below_best", row.below_best},
+                    {"standard_error", row.standard_error}});
+  }
+  return json;
+}
+
+}  // namespace posemix

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "study.hpp"
+
+namespace posemix {
+
+/// The example as one-line JSON: rows of stages and of reductions.
+std::string salt_box_example(const SaltBoxSettings& settings);
+/// One trial as one-line JSON.
+std::string salt_box_trial(const SaltBoxSettings& settings, std::size_t trial);
+StudyReport report_salt_box(const SaltBoxSettings& settings, std::span<const std::string> results);
+
+/// Settings of the reduction after a fusion.
+ReductionSettings salt_box_reduction(const SaltBoxSettings& settings);
+
+}  // namespace posemix

@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "parts.hpp"
+#include "posemix/base/statistics.hpp"
+
+namespace posemix {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kInfinity = "inf";
+constexpr std::size_t kMostRowsShown = 40;
+constexpr std::size_t kCounts = 2;  ///< columns after the texts that are not averaged
+
+Json to_json(const Cell& cell) {
+  if (const auto* number = std::get_if<double>(&cell)) {
+    if (std::isinf(*number)) return kInfinity;
+    return std::isnan(*number) ? Json() : Json(*number);
+  }
+  if (const auto* integer = std::get_if<std::int64_t>(&cell)) return *integer;
+  if (const auto* text = std::get_if<std::string>(&cell)) return *text;
+  return {};
+}
+
+Cell to_cell(const Json& json) {
+  if (json.is_number_float()) return json.get<double>();
+  if (json.is_number_integer()) return json.get<std::int64_t>();
+  if (json.is_string() && json == kInfinity) return std::numeric_limits<double>::infinity();
+  if (json.is_string()) return json.get<std::string>();
+  return {};
+}
+
+Json to_json(const std::vector<std::vector<Cell>>& rows) {
+  Json json = Json::array();
+  for (const auto& row : rows) {
+    Json& cells = json.emplace_back(Json::array());
+    for (const Cell& cell : row) cells.push_back(to_json(cell));
+  }
+  return json;
+}
+
+std::vector<std::vector<Cell>> to_rows(const Json& json) {
+  std::vector<std::vector<Cell>> rows;
+  for (const Json& cells : json) {
+    auto& row = rows.emplace_back();
+    for (const Json& cell : cells) row.push_back(to_cell(cell));
+  }
+  return rows;
+}
+
+/// The numbers of one column of some rows; none where there is nothing.
+std::vector<double> numbers_of(const std::vector<const std::vector<Cell>*>& rows,
+                               std::size_t column) {
+  std::vector<double> numbers;
+  for (const auto* row : rows) {
+    if (const auto* number = std::get_if<double>(&(*row)[column])) numbers.push_back(*number);
+  }
+  return numbers;
+}
+
+/// Rows of one detector and method, in the order of their first.
+using Group = std::vector<const std::vector<Cell>*>;
+std::vector<Group> groups_of(const StudyTable& table) {
+  std::vector<Group> groups;
+  for (const auto& row : table.rows()) {
+    const auto same = [&](const Group& group) {
+      return (*group[0])[2] == row[2] && (*group[0])[3] == row[3];
+    };
+    const auto found = std::find_if(groups.begin(), groups.end(), same);
+    if (found == groups.end()) {
+      groups.push_back({&row});
+    } else {
+      found->push_back(&row);
+    }
+  }
+  return groups;
+}
+
+/// Mean and median rows of every detector and method.
+StudyTable summarise(const StudyTable& table, std::size_t first_number) {
+  StudyTable result(table.columns());
+  const std::vector<Group> groups = groups_of(table);
+  for (const bool median : {false, true}) {
+    for (const Group& group : groups) {
+      std::vector<Cell> row(table.columns().size());
+      row[0] = median ? "median" : "mean";
+      row[1] = "all";
+      row[2] = (*group[0])[2];
+      row[3] = (*group[0])[3];
+      for (std::size_t column = first_number; column < row.size(); ++column) {
+        const auto numbers = numbers_of(group, column);
+        if (!numbers.empty()) row[column] = median ? posemix::median(numbers) : mean(numbers);
+      }
+      result.add(std::move(row));
+    }
+  }
+  return result;
+}
+
+StudyTable joined(const StudyTable& first, const StudyTable& second) {
+  StudyTable result = first;
+  for (const auto& row : second.rows()) result.add(row);
+  return result;
+}
+
+/// The columns that fit on a screen.
+std::string text_of(const StudyTable& table) {
+  static const std::vector<std::pair<std::string, std::string>> shown{
+      {"sequence", "sequence"},
+      {"object", "object"},
+      {"detector", "detector"},
+      {"method", "method"},
+      {"camera_rotation_rmse_deg", "cam deg"},
+      {"camera_position_rmse_cm", "cam cm"},
+      {"object_rotation_rmse_deg", "obj deg"},
+      {"object_position_rmse_cm", "obj cm"},
+      {"relative_rotation_rmse_deg", "rel deg"},
+      {"relative_position_rmse_cm", "rel cm"},
+      {"relative_anees", "ANEES"},
+      {"right_mode_share", "right"},
+      {"right_mode_anees", "ANEES right"},
+      {"pixel_median", "px"},
+      {"merges_per_frame", "merges"}};
+  std::vector<std::string> names;
+  std::vector<std::size_t> places;
+  for (const auto& [column, name] : shown) {
+    const auto& columns = table.columns();
+    names.push_back(name);
+    places.push_back(static_cast<std::size_t>(std::find(columns.begin(), columns.end(), column) -
+                                              columns.begin()));
+  }
+  StudyTable result(names);
+  for (const auto& row : table.rows()) {
+    std::vector<Cell> cells(places.size());
+    std::transform(places.begin(), places.end(), cells.begin(),
+                   [&row](std::size_t place) { return row[place]; });
+    result.add(std::move(cells));
+  }
+  return result.text(4);
+}
+
+/// The summary for people, and what it means.
+std::string text_of_summary(const StudyTable& summary) {
+  StudyTable result({"detector", "method", "n", "px", "last map px", "> ACT", "last map > ACT",
+                     "of", "cam deg/odom", "cam cm/odom", "recovered", "of wrong starts"});
+  for (const auto& row : summary.rows()) result.add(row);
+  const bool published = std::any_of(
+      summary.rows().begin(), summary.rows().end(),
+      [](const auto& row) { return is_published_offline(std::get<std::string>(row[1])); });
+  return result.text(4) +
+         (published ? "published: ... are the published errors of offline optimisation, not run "
+                      "here; > ACT counts pairs with fewer px than published: ACT.\n"
+                    : "");
+}
+
+}  // namespace
+
+const std::vector<std::string>& ycbv_columns() {
+  static const std::vector<std::string> columns{"sequence",
+                                                "object",
+                                                "detector",
+                                                "method",
+                                                "frames",
+                                                "detections",
+                                                "camera_rotation_rmse_deg",
+                                                "camera_position_rmse_cm",
+                                                "camera_position_log_rmse_cm",
+                                                "object_rotation_rmse_deg",
+                                                "object_position_rmse_cm",
+                                                "relative_rotation_rmse_deg",
+                                                "relative_position_rmse_cm",
+                                                "relative_anees",
+                                                "pixel_median",
+                                                "merges_per_frame",
+                                                "pixel_median_last_map",
+                                                "first_detection_wrong",
+                                                "ends_on_right_mode",
+                                                "right_mode_share",
+                                                "right_mode_anees",
+                                                "object_truth"};
+  return columns;
+}
+
+const std::vector<std::string>& ycbv_timing_columns() {
+  static const std::vector<std::string> columns{
+      "sequence",         "object",          "detector",      "method",          "frame_median_us",
+      "update_median_us", "merge_median_us", "merge_mean_us", "merges_per_frame"};
+  return columns;
+}
+
+std::string format_ycbv_rows(const YcbvRows& rows) {
+  return Json{{"rows", to_json(rows.results)},
+              {"timing", to_json(rows.timing)},
+              {"forecasts", to_json(rows.forecasts)}}
+      .dump();
+}
+
+YcbvRows parse_ycbv_rows(const std::string& text) {
+  const Json json = Json::parse(text);
+  return {to_rows(json.at("rows")), to_rows(json.at("timing")), to_rows(json.at("forecasts"))};
+}
+
+StudyReport report_ycbv(std::span<const std::string> items) {
+  StudyTable results(ycbv_columns());
+  StudyTable timing(ycbv_timing_columns());
+  std::vector<std::vector<Cell>> forecasts;
+  for (const std::string& item : items) {
+    YcbvRows rows = parse_ycbv_rows(item);
+    for (auto& row : rows.results) results.add(std::move(row));
+    for (auto& row : rows.timing) timing.add(std::move(row));
+    std::move(rows.forecasts.begin(), rows.forecasts.end(), std::back_inserter(forecasts));
+  }
+  const StudyTable means = summarise(results, kYcbvTexts + kCounts);
+  const StudyTable all = joined(results, means);
+  StudyReport report;
+  const StudyTable summary = summarise_ycbv(results);
+  report.files = {{"study.json", format_study("ycbv", all, summary)},
+                  {"ycbv.csv", all.csv()},
+                  {"summary.csv", summary.csv()},
+                  {"timing.csv", joined(timing, summarise(timing, kYcbvTexts)).csv()}};
+  for (StudyFile& file : report_forecasts(forecasts)) report.files.push_back(std::move(file));
+  for (StudyFile& figure : draw_ycbv(results)) report.files.push_back(std::move(figure));
+  report.summary = text_of(results.rows().size() <= kMostRowsShown ? all : means) + "\n" +
+                   text_of_summary(summary);
+  return report;
+}
+
+}  // namespace posemix

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "posemix/base/random.hpp"
+#include "posemix/base/units.hpp"
+#include "posemix/detector/noise_fit.hpp"
+
+/// Detections that follow a noise model, drawn by its definition and not by the code under test.
+namespace posemix::testing {
+
+inline Vector6d normal_vector(RandomStream& stream) {
+  Eigen::VectorXd n(6);
+  stream.fill_normal(n);
+  return n;
+}
+
+inline SO3d uniform_rotation(RandomStream& stream) {
+  Eigen::VectorXd q(4);
+  stream.fill_normal(q);
+  return SO3d::from_quaternion(Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized());
+}
+
+/// An object before the camera, 0.4 to 1.6 m away, up to 30 degrees off its axis.
+inline SE3d pose_before_camera(RandomStream& stream) {
+  const double range = 0.4 + 1.2 * stream.uniform();
+  const Eigen::Vector3d ray =
+      Eigen::Vector3d(stream.uniform() - 0.5, stream.uniform() - 0.5, 1.0).normalized();
+  return SE3d(uniform_rotation(stream), range * ray);
+}
+
+/// Y for the deviations sd along the viewing ray of the mode T (rotation about its origin): n
+/// turned by Rodrigues' formula from z to the ray, and Y = T Exp(n in the axes of T).
+inline SE3d detect_along_ray(const SE3d& mode, const Vector6d& sd, RandomStream& stream) {
+  const Vector6d n = normal_vector(stream).cwiseProduct(sd);
+  const Eigen::Vector3d& t = mode.translation();
+  const Eigen::Vector3d axis = Eigen::Vector3d::UnitZ().cross(t.normalized());
+  const double angle = std::atan2(axis.norm(), t.normalized().z());
+  const SO3d turn = SO3d::exp(angle * axis.normalized());
+  const SO3d to_mode = mode.rotation().inverse() * turn;
+  Vector6d along_mode;
+  along_mode << to_mode * Eigen::Vector3d(n.head<3>()),
+      to_mode * Eigen::Vector3d(t.norm() * n.tail<3>());
+  return mode * SE3d::exp(along_mode);
+}
+
+/// A pose that is uniform over all rotations and a cube of 1 m about the object.
+inline SE3d detect_nothing(const SE3d& truth, RandomStream& stream) {
+  const Eigen::Vector3d shift(stream.uniform() - 0.5, stream.uniform() - 0.5,
+                              stream.uniform() - 0.5);
+  return SE3d(uniform_rotation(stream), truth.translation() + shift);
+}
+
+inline Vector6d ray_deviations() {
+  Vector6d sd;
+  sd << radians(4.0), radians(3.5), radians(2.0), 0.008, 0.01, 0.05;
+  return sd;
+}
+
+}  // namespace posemix::testing

@@ -1,0 +1,309 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "posemix/results/results.hpp"
+
+#include <algorithm>
+#include <map>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "io/expect_invalid.hpp"
+#include "posemix/draw/picture.hpp"
+#include "posemix/io/mixture_file.hpp"
+#include "small_results.hpp"
+
+namespace posemix {
+namespace {
+
+using nlohmann::json;
+using testing::kSmallFrames;
+using testing::replaced;
+
+using Results = testing::SmallResults;
+
+const Results& results() {
+  static const Results results;
+  return results;
+}
+
+TEST(Results, NamesOfFiles) {
+  std::vector<std::string> names;
+  for (const auto& [name, text] : results().files) names.push_back(name);
+  EXPECT_EQ(names, (std::vector<std::string>{
+                       "camera.tum", "metrics.json", "object_box.tum", "object_can.tum",
+                       "object_mug.tum", "picture.svg", "posterior.json", "relative_box.tum",
+                       "relative_can.tum", "relative_mug.tum", "trace.json"}));
+}
+
+TEST(Results, TrajectoriesAreTheEstimates) {
+  const auto camera = parse_tum(results().files.at("camera.tum"), "camera.tum");
+  const auto world = parse_tum(results().files.at("object_box.tum"), "object_box.tum");
+  const auto relative = parse_tum(results().files.at("relative_box.tum"), "relative_box.tum");
+  ASSERT_EQ(camera.size(), kSmallFrames);
+  ASSERT_EQ(relative.size(), kSmallFrames);
+  for (std::size_t k = 0; k < kSmallFrames; ++k) {
+    EXPECT_EQ(camera[k].stamp, results().job->sequence.stamps[k]);
+    EXPECT_TRUE(camera[k].pose->is_approx(results().slam->frames[k].camera.mean(), 1e-11));
+    EXPECT_TRUE(relative[k].pose->is_approx(camera[k].pose->inverse() * *world[k].pose, 1e-10));
+  }
+}
+
+TEST(Results, ObjectsNotSeenYetAreLeftOut) {
+  testing::SmallFolder small;
+  small.folder.put("late.txt", "1.5 0 0 0.5 0 0 0 1\n");
+  Results late({"objects.mug.detections.tum=" + (small.folder / "late.txt").string()});
+  const auto mug = parse_tum(late.files.at("relative_mug.tum"), "relative_mug.tum");
+  ASSERT_EQ(mug.size(), 5U);
+  EXPECT_EQ(mug.front().stamp, 1.5);
+  const json trace = json::parse(late.files.at("trace.json"));
+  EXPECT_TRUE(trace["objects"]["mug"]["world"]["pose"][14].is_null());
+  EXPECT_EQ(trace["objects"]["mug"]["fate"][15], "started");
+  EXPECT_TRUE(trace["hypotheses"][14][0]["poses"][1].is_null());
+}
+
+TEST(Results, MetricsFollowTheSchema) {
+  const json metrics = json::parse(results().files.at("metrics.json"));
+  EXPECT_EQ(metrics["schema"], 1);
+  EXPECT_EQ(metrics["frames"], kSmallFrames);
+  EXPECT_EQ(metrics["method"], "gm-iekf (midway)");
+  const auto keys = [](const json& object) {
+    std::vector<std::string> names;
+    for (const auto& [key, value] : object.items()) names.push_back(key);
+    return names;
+  };
+  EXPECT_EQ(keys(metrics), (std::vector<std::string>{"camera", "consistency", "frames", "method",
+                                                     "objects", "odometry", "schema", "timing"}));
+  EXPECT_EQ(
+      keys(metrics["camera"]),
+      (std::vector<std::string>{"position_log_rmse_m", "position_rmse_m", "rotation_rmse_deg"}));
+  EXPECT_EQ(
+      keys(metrics["objects"]["mug"]),
+      (std::vector<std::string>{
+          "detection_relative_position_rmse_m", "detection_relative_rotation_rmse_deg",
+          "detections", "gated", "mode_probability", "position_rmse_m", "relative_position_rmse_m",
+          "relative_rotation_rmse_deg", "right_mode_share", "rotation_rmse_deg"}));
+  EXPECT_EQ(keys(metrics["timing"]),
+            (std::vector<std::string>{"frame_median_us", "merges_per_frame", "reduce_median_us",
+                                      "update_median_us"}));
+  EXPECT_EQ(metrics["objects"]["mug"]["detections"], kSmallFrames - 1);
+  EXPECT_EQ(metrics["objects"]["can"]["relative_rotation_rmse_deg"].get<double>(),
+            *results().metrics.objects[2].relative.rotation_rmse_deg);
+  EXPECT_EQ(metrics["consistency"]["relative_anees"]["box"].get<double>(),
+            *results().metrics.objects[1].relative_anees);
+}
+
+TEST(Results, TheMultiObjectFilterWritesItsHypotheses) {
+  const Results all({"filter={}"});
+  ASSERT_TRUE(all.files.contains("mixture_mug.json"));
+  const MixtureFile file = parse_mixture(all.files.at("mixture_mug.json"), "mixture_mug.json");
+  EXPECT_EQ(file.frames, (FrameNames{"world", "mug"}));
+  const auto& mixture = std::get<Mixture<ConcentratedGaussian<SE3d>>>(file.mixture);
+  EXPECT_GE(mixture.size(), 1U);
+  const json trace = json::parse(all.files.at("trace.json"));
+  const json& mug = trace["objects"]["mug"];
+  ASSERT_EQ(mug["mode_probability"].size(), kSmallFrames);
+  ASSERT_EQ(mug["alternatives"].size(), kSmallFrames);
+  const json metrics = json::parse(all.files.at("metrics.json"));
+  EXPECT_EQ(metrics["method"], "multi-object");
+  const double probability = metrics["objects"]["mug"]["mode_probability"];
+  EXPECT_GT(probability, 0.0);
+  EXPECT_LE(probability, 1.0);
+  EXPECT_NEAR(mug["mode_probability"].back().get<double>(), probability, 1e-9);
+  EXPECT_NEAR(mug["alternatives"].back()[0]["probability"].get<double>(), probability, 1e-6);
+}
+
+TEST(Results, NullWithoutGroundTruth) {
+  Metrics metrics;
+  metrics.objects.emplace_back().id = "mug";
+  metrics.camera.position_rmse_m = std::nan("");
+  const json parsed = json::parse(format_metrics(metrics, "riekf"));
+  EXPECT_TRUE(parsed["camera"]["position_rmse_m"].is_null());
+  EXPECT_TRUE(parsed["camera"]["rotation_rmse_deg"].is_null());
+  EXPECT_TRUE(parsed["objects"]["mug"]["position_rmse_m"].is_null());
+  EXPECT_TRUE(parsed["consistency"]["relative_anees"]["mug"].is_null());
+}
+
+TEST(Results, TraceHoldsTheRun) {
+  const json trace = json::parse(results().files.at("trace.json"));
+  EXPECT_EQ(trace["schema"], 1);
+  EXPECT_EQ(trace["type"], "posemix.trace");
+  EXPECT_EQ(trace["stamps_s"].get<std::vector<double>>(), results().job->sequence.stamps);
+  EXPECT_EQ(trace["order"], json({"mug", "box", "can"}));
+  EXPECT_EQ(trace["camera"]["pose"].size(), kSmallFrames);
+  EXPECT_EQ(trace["camera"]["truth"].size(), kSmallFrames);
+  const FrameEstimate& frame = results().slam->frames[7];
+  const auto pose = trace["camera"]["pose"][7].get<std::vector<double>>();
+  const auto sd = trace["objects"]["box"]["relative"]["sd"][7].get<std::vector<double>>();
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    EXPECT_NEAR(pose[static_cast<std::size_t>(i)], frame.camera.mean().translation()[i], 1e-8);
+    EXPECT_NEAR(sd[static_cast<std::size_t>(i)], std::sqrt(frame.relative[1]->covariance()(i, i)),
+                1e-8);
+  }
+  EXPECT_TRUE(trace["objects"]["mug"]["detection"][3].is_null());
+  EXPECT_EQ(trace["objects"]["mug"]["fate"][3], "none");
+  double total = 0.0;
+  double last = 1.0;
+  for (const json& hypothesis : trace["hypotheses"][9]) {
+    EXPECT_LE(hypothesis["weight"], last);
+    last = hypothesis["weight"];
+    total += last;
+    EXPECT_EQ(hypothesis["poses"].size(), 4U);
+  }
+  EXPECT_NEAR(total, 1.0, 1e-6);
+}
+
+TEST(Results, TraceHoldsTheCovarianceOfPositions) {
+  const json trace = json::parse(results().files.at("trace.json"));
+  const json& track = trace["objects"]["box"]["relative"];
+  ASSERT_EQ(track["position_covariance"].size(), kSmallFrames);
+  const PoseDensity& density = *results().slam->frames[7].relative[1];
+  // Differences of the position in the directions of xi.
+  const double step = 1e-6;
+  Eigen::Matrix<double, 3, 6> jacobian;
+  for (Eigen::Index i = 0; i < 6; ++i) {
+    const Vector6d xi = step * Vector6d::Unit(i);
+    const SE3d plus = SE3d::exp(xi) * density.mean();
+    const SE3d minus = SE3d::exp(-xi) * density.mean();
+    jacobian.col(i) = (plus.translation() - minus.translation()) / (2.0 * step);
+  }
+  const Eigen::Matrix3d expected = jacobian * density.covariance() * jacobian.transpose();
+  const auto upper = track["position_covariance"][7].get<std::vector<double>>();
+  const double tolerance = 1e-6 * expected.norm();
+  EXPECT_NEAR(upper[0], expected(0, 0), tolerance);
+  EXPECT_NEAR(upper[1], expected(0, 1), tolerance);
+  EXPECT_NEAR(upper[2], expected(0, 2), tolerance);
+  EXPECT_NEAR(upper[3], expected(1, 1), tolerance);
+  EXPECT_NEAR(upper[4], expected(1, 2), tolerance);
+  EXPECT_NEAR(upper[5], expected(2, 2), tolerance);
+}
+
+TEST(Results, TraceKeepsTheHeaviestHypotheses) {
+  const Results one({"output.trace_hypotheses=1"});
+  const json trace = json::parse(one.files.at("trace.json"));
+  EXPECT_EQ(trace["hypotheses"][9].size(), 1U);
+  const Results none({"output.trace_hypotheses=0"});
+  EXPECT_EQ(json::parse(none.files.at("trace.json"))["hypotheses"][9].size(), 0U);
+}
+
+TEST(Results, EstimatesThatAreNotFiniteAreAnError) {
+  SlamRun damaged = *results().slam;
+  damaged.frames[4].camera =
+      PoseDensity::trusted(SE3d(SO3d(), {std::nan(""), 0, 0}), Matrix6d::Identity());
+  EXPECT_INVALID_WITH(format_results(*results().job, damaged, results().metrics),
+                      "the estimate at stamp 0.4 s is not finite");
+}
+
+TEST(Picture, IsWellFormedInEveryCase) {
+  EXPECT_NE(results().files.at("picture.svg").find("<title>small 0001: gm-iekf (midway)</title>"),
+            std::string::npos);
+  SlamJob job = *results().job;
+  job.name = "<&\"\xff";
+  job.sequence.camera_truth.clear();
+  for (ObjectRecording& object : job.sequence.objects) {
+    object.relative_truth.clear();
+    object.world_truth.clear();
+  }
+  const std::string plain =
+      format_picture(job, *results().slam, evaluate(job.sequence, *results().slam));
+  EXPECT_NE(plain.find("<title>&lt;&amp;&quot;?: gm-iekf (midway)</title>"), std::string::npos);
+  EXPECT_NE(plain.find("no ground truth of the camera"), std::string::npos);
+  EXPECT_EQ(std::count(plain.begin(), plain.end(), '<'),
+            std::count(plain.begin(), plain.end(), '>'));
+  EXPECT_EQ(plain.find("nan"), std::string::npos);
+  EXPECT_EQ(plain.find("inf"), std::string::npos);
+}
+
+TEST(Picture, OfOneFrame) {
+  SlamJob job = *results().job;
+  SlamRun single = *results().slam;
+  single.frames.erase(single.frames.begin() + 1, single.frames.end());
+  job.sequence.stamps.resize(1);
+  const std::string picture = format_picture(job, single, results().metrics);
+  EXPECT_EQ(picture.find("nan"), std::string::npos);
+  EXPECT_EQ(picture.find("inf"), std::string::npos);
+}
+
+// --- posterior.json
+
+PosteriorFile reread(const std::string& text) { return parse_posterior(text, "p.json"); }
+
+TEST(PosteriorFile, ReadsBackBitByBit) {
+  const PosteriorFile written = last_posterior(*results().job, *results().slam);
+  const PosteriorFile file = reread(results().files.at("posterior.json"));
+  EXPECT_EQ(file.method, "gm-iekf (midway)");
+  EXPECT_EQ(file.stamp, results().job->sequence.stamps.back());
+  ASSERT_EQ(file.poses.size(), 4U);
+  EXPECT_EQ(file.poses[0].name, "camera");
+  EXPECT_EQ(file.poses[3].name, "can");
+  EXPECT_EQ(file.poses[3].kind, PoseKind::object);
+  ASSERT_EQ(file.mixture.size(), written.mixture.size());
+  for (std::size_t i = 0; i < file.mixture.size(); ++i) {
+    EXPECT_NEAR(file.mixture[i].log_weight, written.mixture[i].log_weight, 1e-13);
+    EXPECT_EQ(file.mixture[i].density.covariance(), written.mixture[i].density.covariance());
+    EXPECT_TRUE(file.mixture[i].density.mean().is_approx(written.mixture[i].density.mean(), 1e-15));
+  }
+}
+
+TEST(PosteriorFile, NamesTheMotionOfConstantVelocity) {
+  const Results moving({"motion={model='constant_velocity'}"});
+  const PosteriorFile file = reread(moving.files.at("posterior.json"));
+  ASSERT_EQ(file.poses.size(), 5U);
+  EXPECT_EQ(file.poses[1].kind, PoseKind::camera_motion);
+  EXPECT_EQ(file.poses[2].name, "mug");
+}
+
+TEST(PosteriorFile, NamesMustFitTheMixture) {
+  PosteriorFile file = last_posterior(*results().job, *results().slam);
+  file.poses.pop_back();
+  EXPECT_INVALID(format_posterior(file), "posterior: 3 names for 4 poses");
+}
+
+TEST(PosteriorFile, RejectsWhatItDoesNotKnow) {
+  json good = json::parse(results().files.at("posterior.json"));
+  const auto with = [&](const char* pointer, const json& value) {
+    json copy = good;
+    copy[json::json_pointer(pointer)] = value;
+    return copy.dump();
+  };
+  good["comment"] = "keys that are not known are ignored";
+  EXPECT_NO_THROW(reread(good.dump()));
+  EXPECT_INVALID(
+      reread(with("/schema", 2)),
+      "p.json: schema: got 2, expected 1: the file was written in another version of the format");
+  EXPECT_INVALID(reread(with("/type", "posemix.trace")),
+                 "p.json: type: got \"posemix.trace\", expected \"posemix.posterior\"");
+  EXPECT_INVALID_WITH(reread(with("/perturbation/side", "right")),
+                      "side: got \"right\", expected \"left\"");
+  EXPECT_INVALID_WITH(reread(with("/perturbation/order", "trans_rot")), "order: got");
+  EXPECT_INVALID_WITH(reread(with("/units/rotation", "deg")),
+                      "rotation: got \"deg\", expected \"rad\"");
+  EXPECT_INVALID_WITH(reread(with("/poses/1/kind", "robot")),
+                      "p.json: poses[1]: kind: got \"robot\"");
+  EXPECT_INVALID_WITH(reread(with("/poses/1/name", "can")), "the object \"can\" again");
+  EXPECT_INVALID_WITH(reread(with("/poses/0", good["poses"][1])), "as the first pose");
+  EXPECT_INVALID_WITH(reread(with("/components", json::array())), "components: got no component");
+  EXPECT_INVALID_WITH(reread(with("/components/0/poses/2/quaternion_xyzw/3", 3.0)), "norm");
+  EXPECT_INVALID_WITH(reread(with("/components/0/covariance/3/3", -1.0)), "not positive definite");
+  EXPECT_INVALID_WITH(reread(with("/components/0/covariance/3/4", 1.0)), "not symmetric");
+  EXPECT_INVALID_WITH(reread(with("/components/0/covariance/0", json::array({1, 2}))),
+                      "got 2 entries, expected 24");
+  EXPECT_INVALID_WITH(reread(with("/components/0/log_weight", nullptr)),
+                      "log_weight: got null, expected a number");
+  EXPECT_INVALID_WITH(reread(with("/components/0/poses", json::array())),
+                      "got 0 entries, expected 4");
+}
+
+TEST(PosteriorFile, RejectsDamagedFiles) {
+  const std::string& good = results().files.at("posterior.json");
+  EXPECT_INVALID_WITH(reread(""), "p.json: got a text that is not JSON");
+  EXPECT_INVALID_WITH(reread(good.substr(0, good.size() / 2)), "not JSON");
+  EXPECT_INVALID_WITH(reread("[1, 2]"), "p.json: got array, expected an object");
+  EXPECT_INVALID_WITH(reread("{}"), "got no key 'type'");
+  EXPECT_INVALID_WITH(reread(replaced(good, "\"log_weight\":", "\"log_weight\":1e999,\"x\":")),
+                      "p.json");
+  EXPECT_INVALID_WITH(read_posterior("/nowhere/p.json"), "/nowhere/p.json: cannot be read");
+}
+
+}  // namespace
+}  // namespace posemix
