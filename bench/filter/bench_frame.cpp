@@ -82,8 +82,8 @@ struct Recording {
   }
 };
 
-FilterSettings settings(UpdateRule update, MergeRule merge) {
-  FilterSettings settings;
+GaussianSumSettings settings(UpdateRule update, MergeRule merge) {
+  GaussianSumSettings settings;
   settings.update = update;
   settings.summary = Summary::merge_two_largest;
   settings.reduction.max_components = 4;

@@ -3,8 +3,9 @@
 
 // One frame of the multi-object filter: odometry and one detection of every object, each of which
 // keeps three modes alive, with eight hypotheses per object. By objects the time grows with the
-// hypotheses and, through the backbone, a little faster than linearly; a joint filter would need
-// 3^objects hypotheses. Beside it one pair update per hypothesis, the least that any filter does.
+// hypotheses and, through the joint Gaussian, a little faster than linearly; a joint filter would
+// need 3^objects hypotheses. Beside it one pair update per hypothesis, the least that any filter
+// does.
 #include <benchmark/benchmark.h>
 
 #include <limits>

@@ -277,13 +277,13 @@ class ProjectedGaussian(Generic[G]):
         return self._group._wrap(self._handle.sample(count, stream_of(seed)), (count,))
 
     def sample_by_projection(self, count: int, seed: int | RandomStream) -> G:
-        """Draws of y projected (MPG paper, IV): not the density's law where it is wide."""
+        """Draws of y projected (MPG paper, IV): not the density's distribution where it is wide."""
         data = self._handle.sample_by_projection(count, stream_of(seed))
         return self._group._wrap(data, (count,))
 
-    def restate(self, tangent_point: SO3) -> ProjectedGaussian[G]:
+    def change_chart(self, tangent_point: SO3) -> ProjectedGaussian[G]:
         """The density in the tangent space at another rotation, first order in u (eq. 15-16)."""
-        return ProjectedGaussian._of(self._handle.restate(tangent_point._data))
+        return ProjectedGaussian._of(self._handle.change_chart(tangent_point._data))
 
     def __reduce__(self) -> tuple[Any, tuple[Any, ...]]:
         return ProjectedGaussian, (self.tangent_point, self.tangent_mean, self.covariance)

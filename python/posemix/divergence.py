@@ -16,7 +16,7 @@ from posemix.random import RandomStream, stream_of
 
 __all__ = [
     "Conversion", "DivergenceEstimate", "gaussian_kl", "gaussian_wasserstein", "isd_monte_carlo", "kl_monte_carlo",
-    "law_kl", "mixture_wasserstein", "runnalls_bound", "symmetric_kl_monte_carlo", "to_concentrated", "to_projected",
+    "exact_kl", "mixture_wasserstein", "runnalls_bound", "symmetric_kl_monte_carlo", "to_concentrated", "to_projected",
 ]  # fmt: skip
 
 D = TypeVar("D", bound="ConcentratedGaussian[Any] | ProjectedGaussian[Any]")
@@ -108,9 +108,9 @@ def gaussian_kl(p: D, q: D) -> float:
     return float(_core.gaussian_kl(p._handle, q._handle))
 
 
-def law_kl(p: ProjectedGaussian[Any], q: ProjectedGaussian[Any]) -> float:
-    """D(p || q) of two projected Gaussians under their laws, by cubature [nats]."""
-    return float(_core.law_kl(p._handle, q._handle))
+def exact_kl(p: ProjectedGaussian[Any], q: ProjectedGaussian[Any]) -> float:
+    """D(p || q) of two projected Gaussians under their distributions, by cubature [nats]."""
+    return float(_core.exact_kl(p._handle, q._handle))
 
 
 def runnalls_bound(a: D, weight_a: float, b: D, weight_b: float) -> float:

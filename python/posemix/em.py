@@ -21,7 +21,7 @@ __all__ = ["BicSelection", "EmResult", "fit_mixture", "fit_mixture_by_bic"]
 
 D = TypeVar("D", bound="ConcentratedGaussian[Any] | ProjectedGaussian[Any]")
 
-Law = Literal["concentrated", "projected"]
+Distribution = Literal["concentrated", "projected"]
 
 
 @dataclass(frozen=True)
@@ -73,15 +73,15 @@ def _result(found: Any) -> EmResult[Any]:
 
 
 def _arguments(
-    samples: SO3 | SE3, weights: npt.ArrayLike | None, law: str, name: str
+    samples: SO3 | SE3, weights: npt.ArrayLike | None, distribution: str, name: str
 ) -> tuple[Any, list[float]]:
-    if law not in ("concentrated", "projected"):
-        raise ValueError(f"law is '{law}'; expected 'concentrated' or 'projected'")
+    if distribution not in ("concentrated", "projected"):
+        raise ValueError(f"distribution is '{distribution}'; expected 'concentrated' or 'projected'")
     if len(samples.shape) != 1:
         raise ValueError(f"samples have shape {samples.shape}; expected (n,)")
     group = "so3" if isinstance(samples, SO3) else "se3"
     counts = [] if weights is None else np.asarray(weights, dtype=np.float64).tolist()
-    return getattr(_core, f"{name}_{law}_{group}"), counts
+    return getattr(_core, f"{name}_{distribution}_{group}"), counts
 
 
 def fit_mixture(
@@ -89,7 +89,7 @@ def fit_mixture(
     settings: EmSettings,
     seed: int | RandomStream,
     weights: npt.ArrayLike | None = None,
-    law: Law = "concentrated",
+    distribution: Distribution = "concentrated",
     start: Mixture[Any] | None = None,
 ) -> EmResult[Any]:
     """The most likely mixture that EM finds.
@@ -104,7 +104,7 @@ def fit_mixture(
         Of the starts.
     weights : array_like, shape (n,), optional
         How often every sample counts.
-    law : {"concentrated", "projected"}
+    distribution : {"concentrated", "projected"}
         Kind of the components.
     start : Mixture, optional
         EM starts there and nowhere else.
@@ -122,12 +122,12 @@ def fit_mixture(
     --------
     >>> import numpy as np
     >>> from posemix import SE3, ConcentratedGaussian, EmSettings, fit_mixture
-    >>> law = ConcentratedGaussian(SE3(), np.diag([0.01] * 3 + [1e-4] * 3))
-    >>> fit = fit_mixture(law.sample(2000, seed=1), EmSettings(components=1), seed=2)
+    >>> distribution = ConcentratedGaussian(SE3(), np.diag([0.01] * 3 + [1e-4] * 3))
+    >>> fit = fit_mixture(distribution.sample(2000, seed=1), EmSettings(components=1), seed=2)
     >>> fit.status
     EmStatus.converged
     """
-    function, counts = _arguments(samples, weights, law, "fit")
+    function, counts = _arguments(samples, weights, distribution, "fit")
     handle = None if start is None else start._handle
     return _result(function(rows_of(samples), counts, settings, stream_of(seed), handle))
 
@@ -137,9 +137,9 @@ def fit_mixture_by_bic(
     settings: EmSettings,
     seed: int | RandomStream,
     weights: npt.ArrayLike | None = None,
-    law: Law = "concentrated",
+    distribution: Distribution = "concentrated",
 ) -> BicSelection[Any]:
     """Fits of 1 to ``settings.components`` components, and which one the BIC prefers."""
-    function, counts = _arguments(samples, weights, law, "fit_by_bic")
+    function, counts = _arguments(samples, weights, distribution, "fit_by_bic")
     fits, best = function(rows_of(samples), counts, settings, stream_of(seed))
     return BicSelection([_result(fit) for fit in fits], best)

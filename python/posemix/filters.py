@@ -14,7 +14,7 @@ from posemix import _core
 from posemix._arrays import FloatArray, as_floats
 from posemix._core import (
     DetectorNoise,
-    FilterSettings,
+    GaussianSumSettings,
     MultiObjectSettings,
     NoiseUse,
     ObjectSensor,
@@ -28,7 +28,7 @@ from posemix.mixture import Mixture
 from posemix.operations import ReductionReport, reduction_report
 
 __all__ = [
-    "Detection", "FilterSettings", "GaussianSumFilter", "MultiObjectFilter", "MultiObjectSettings", "NoiseUse",
+    "Detection", "GaussianSumSettings", "GaussianSumFilter", "MultiObjectFilter", "MultiObjectSettings", "NoiseUse",
     "ObjectHypothesis", "ObjectUpdateReport", "RobustLoss", "Summary", "UpdateReport", "UpdateRule",
 ]  # fmt: skip
 
@@ -41,14 +41,14 @@ class ObjectHypothesis:
     ----------
     pose : SE3
         T_world_object.
-    covariance, with_camera : ndarray, shape (6, 6)
+    covariance, cross_covariance : ndarray, shape (6, 6)
         Of xi of the object, and with that of the camera (rows of the object).
     log_weight : float
         Among the hypotheses of the object and its absence; counts every detection as independent.
     probability : float
         The same with dependent detections counted once.
     score : float
-        Recent log evidence over that of the null [nats].
+        Recent log evidence over that of clutter [nats].
     id : int
         Kept over time; a merge keeps that of the heavier.
     detections : int
@@ -57,7 +57,7 @@ class ObjectHypothesis:
 
     pose: SE3
     covariance: FloatArray
-    with_camera: FloatArray
+    cross_covariance: FloatArray
     log_weight: float
     probability: float
     score: float
@@ -79,7 +79,7 @@ class ObjectUpdateReport:
         Of the detection given all before [nats].
     merges : int
         Hypotheses that became one with another.
-    inlier_share, null_share : float
+    inlier_probability, clutter_probability : float
         Probabilities that the leading hypothesis' first noise component, and that nothing of it, explains the
         detection.
     residual : ndarray, shape (6,)
@@ -90,8 +90,8 @@ class ObjectUpdateReport:
     changed_leader: bool
     log_evidence: float
     merges: int
-    inlier_share: float
-    null_share: float
+    inlier_probability: float
+    clutter_probability: float
     residual: FloatArray
 
 
@@ -213,9 +213,9 @@ class MultiObjectFilter:
         return self._handle.settings()
 
     @property
-    def dependent_detections(self) -> float:
+    def correlation_length(self) -> float:
         """Detections of an object that count as one, over all objects."""
-        return self._handle.dependent_detections()
+        return self._handle.correlation_length()
 
     def noise_scale(self, object: int) -> FloatArray:
         """Factors of the standard deviations of an object's noise, learned; shape (6,)."""
@@ -246,13 +246,13 @@ class MultiObjectFilter:
         """T_camera_object of one hypothesis, with the cross-covariance."""
         return ConcentratedGaussian._of(self._handle.relative(object, hypothesis))
 
-    def backbone(self) -> ConcentratedGaussian[SE3]:
+    def joint(self) -> ConcentratedGaussian[SE3]:
         """Camera, then the leading hypotheses in the order in which they began, jointly."""
-        return ConcentratedGaussian._of(self._handle.backbone())
+        return ConcentratedGaussian._of(self._handle.joint())
 
-    def backbone_index(self, object: int) -> int | None:
-        """Index of the object's pose in the backbone."""
-        return self._handle.backbone_index(object)
+    def pose_index(self, object: int) -> int | None:
+        """Index of the object's pose in the joint Gaussian."""
+        return self._handle.pose_index(object)
 
     def __copy__(self) -> MultiObjectFilter:
         return MultiObjectFilter._of(self._handle.copy())
@@ -323,7 +323,7 @@ class GaussianSumFilter:
     ----------
     prior : Mixture or ConcentratedGaussian
         Over T_world_camera alone, or over the camera and objects jointly.
-    settings : FilterSettings, optional
+    settings : GaussianSumSettings, optional
         How detections are used, and how hypotheses are reduced.
 
     Raises
@@ -341,13 +341,13 @@ class GaussianSumFilter:
     def __init__(
         self,
         prior: Mixture[ConcentratedGaussian[SE3]] | ConcentratedGaussian[SE3],
-        settings: FilterSettings | None = None,
+        settings: GaussianSumSettings | None = None,
     ) -> None:
         mixture = Mixture([prior]) if isinstance(prior, ConcentratedGaussian) else prior
         if not mixture[0].mean.shape:
             joint = [ConcentratedGaussian(p.mean._wrap(p.mean._data, (1,)), p.covariance) for p in mixture]
             mixture = Mixture(joint, log_weights=mixture.log_weights)
-        self._handle = _core.GaussianSumFilter(mixture._handle, settings or FilterSettings())
+        self._handle = _core.GaussianSumFilter(mixture._handle, settings or GaussianSumSettings())
 
     def predict(
         self, motion: Callable[[ConcentratedGaussian[SE3]], ConcentratedGaussian[SE3]]
@@ -411,7 +411,7 @@ class GaussianSumFilter:
         return Mixture._of(self._handle.posterior())
 
     @property
-    def settings(self) -> FilterSettings:
+    def settings(self) -> GaussianSumSettings:
         """A copy of the settings."""
         return self._handle.settings()
 

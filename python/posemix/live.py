@@ -16,8 +16,8 @@ from posemix import _core
 from posemix._arrays import FloatArray
 from posemix._core import (
     AssociationSettings,
-    CandidateFate,
-    DetectionFate,
+    CandidateStatus,
+    DetectionStatus,
     MotionModel,
     MotionSettings,
     NoiseComponent,
@@ -37,7 +37,7 @@ from posemix.recording import Candidate, candidate_rows, with_misses
 from posemix.runs import FrameEstimate, FrameReport, frame_estimate, frame_report
 
 __all__ = [
-    "Association", "AssociationSettings", "CandidateFate", "DetectionFate", "FixedLagSmoother",
+    "Association", "AssociationSettings", "CandidateStatus", "DetectionStatus", "FixedLagSmoother",
     "FrameInput", "MotionModel", "MotionSettings", "NoisePer", "ObjectModel", "ObjectSlam", "ObjectSlamSettings",
     "ProcessNoise", "SlamFilter", "SmoothingSettings", "associate", "least_cost_assignment",
 ]  # fmt: skip
@@ -102,11 +102,11 @@ class ObjectSlam:
     >>> from posemix import SE3, ConcentratedGaussian, FrameInput, ObjectModel, ObjectSlam, pose_covariance
     >>> camera = ConcentratedGaussian(SE3(), pose_covariance(0.001, 0.002))
     >>> slam = ObjectSlam(camera, [ObjectModel(id="mug"), ObjectModel(id="box")])
-    >>> slam.start({"mug": SE3(translation=[0, 0, 0.8])}).fates
-    [DetectionFate.started, DetectionFate.none]
+    >>> slam.start({"mug": SE3(translation=[0, 0, 0.8])}).statuses
+    [DetectionStatus.started, DetectionStatus.none]
     >>> moved = SE3(translation=[0.01, 0, 0])
-    >>> slam.step(FrameInput(0.1, moved, {"mug": SE3(translation=[-0.01, 0, 0.8])})).fates[0]
-    DetectionFate.used
+    >>> slam.step(FrameInput(0.1, moved, {"mug": SE3(translation=[-0.01, 0, 0.8])})).statuses[0]
+    DetectionStatus.used
     """
 
     __slots__ = ("_handle",)
@@ -271,7 +271,7 @@ class Association:
 
     Attributes
     ----------
-    fate : CandidateFate
+    status : CandidateStatus
         Assigned to an instance, fresh, or rejected.
     instance : int
         Where assigned: index among the instances.
@@ -281,7 +281,7 @@ class Association:
         Where assigned: its part of the total cost.
     """
 
-    fate: CandidateFate
+    status: CandidateStatus
     instance: int
     camera_object: SE3
     cost: float

@@ -16,7 +16,7 @@ from posemix._core import (
     NoiseComponent,
     NoiseDependence,
     NoiseFrame,
-    NullNoise,
+    Clutter,
     ObjectSensor,
     SymmetryAxis,
     SymmetryGroup,
@@ -25,7 +25,7 @@ from posemix._core import (
 from posemix.lie import SE3
 
 __all__ = [
-    "DetectorNoise", "NoiseComponent", "NoiseDependence", "NoiseFrame", "NullNoise", "ObjectSensor",
+    "DetectorNoise", "NoiseComponent", "NoiseDependence", "NoiseFrame", "Clutter", "ObjectSensor",
     "SymmetricPoseError", "SymmetryAxis", "SymmetryGroup", "SymmetryTolerance", "along_camera",
     "default_detector_noise", "max_symmetric_surface_distance", "pose_covariance", "symmetric_pose_error",
 ]  # fmt: skip
@@ -60,7 +60,7 @@ def default_detector_noise() -> DetectorNoise:
     """The error of detectors of single images, where nothing better is known.
 
     Rotation about the camera's axes 7.5 deg and about the viewing ray 2 deg, translation 0.7 % of the range across
-    the ray and 4.5 % along it; a second component 2.7 times as wide; and a null.
+    the ray and 4.5 % along it; a second component 2.7 times as wide; and clutter.
     """
     return _core.default_detector_noise()
 

@@ -16,8 +16,8 @@ import numpy.typing as npt
 from posemix import _core
 from posemix._arrays import FloatArray
 from posemix._core import (
-    CandidateFate,
-    DetectionFate,
+    CandidateStatus,
+    DetectionStatus,
     ObjectModel,
     ObjectSlamSettings,
     ParticleFilterSettings,
@@ -44,7 +44,7 @@ class CandidateReport:
 
     Attributes
     ----------
-    fate : CandidateFate
+    status : CandidateStatus
         Whether it is of an instance.
     object : int or None
         The model that took it, where assigned or fresh.
@@ -52,7 +52,7 @@ class CandidateReport:
         Another instance was forgotten for it.
     """
 
-    fate: CandidateFate
+    status: CandidateStatus
     object: int | None
     recycled: bool
 
@@ -63,7 +63,7 @@ class FrameReport:
 
     Attributes
     ----------
-    fates : list of DetectionFate
+    statuses : list of DetectionStatus
         One per object model.
     candidates : list of CandidateReport
         One per candidate.
@@ -75,7 +75,7 @@ class FrameReport:
         Predict, update, reduce and summarise [s].
     """
 
-    fates: list[DetectionFate]
+    statuses: list[DetectionStatus]
     candidates: list[CandidateReport]
     update: UpdateReport
     merges: int

@@ -7,7 +7,7 @@ from __future__ import annotations
 from posemix import _core
 from posemix._core import (
     MotionSettings,
-    NullNoise,
+    Clutter,
     ObjectModel,
     SimulationConfig,
     SimulationFlips,
@@ -26,7 +26,7 @@ from posemix.recording import Sequence
 __all__ = [
     "SimulatedSequence", "SimulationConfig", "SimulationFlips", "SimulationNoise", "SimulationObject",
     "SimulationOutliers", "SimulationPath", "SimulationRuns", "SimulationSd", "SimulationSwing", "camera_prior",
-    "claimed_noise", "claimed_null", "motion_settings", "object_model", "simulate",
+    "claimed_noise", "claimed_clutter", "motion_settings", "object_model", "simulate",
 ]  # fmt: skip
 
 
@@ -83,9 +83,9 @@ def claimed_noise(object: SimulationObject) -> list[SimulationNoise]:
     return _core.claimed_noise(object)
 
 
-def claimed_null(object: SimulationObject) -> NullNoise:
-    """The null that the filter is told: the fraction of outliers."""
-    return _core.claimed_null(object)
+def claimed_clutter(object: SimulationObject) -> Clutter:
+    """The clutter that the filter is told: the fraction of outliers."""
+    return _core.claimed_clutter(object)
 
 
 def object_model(object: SimulationObject) -> ObjectModel:

@@ -185,15 +185,15 @@ void bind_projected(nb::module_& m, const char* name) {
             return drawn<G>(count, [&] { return self.sample_by_projection(stream); });
           },
           "count"_a, "stream"_a)
-      .def("law_moments",
+      .def("moments_of",
            [](const D& self) {
-             const LawMoments<G> moments = law_moments(self);
+             const DistributionMoments<G> moments = moments_of(self);
              return nb::make_tuple(vector_array(moments.mean), matrix_array(moments.covariance));
            })
       .def(
-          "restate",
+          "change_chart",
           [](const D& self, const Numbers& tangent_point) {
-            return restate(self, element_of<SO3d>(tangent_point));
+            return change_chart(self, element_of<SO3d>(tangent_point));
           },
           "tangent_point"_a);
   m.def(
@@ -302,7 +302,7 @@ void bind_settings(nb::module_& m) {
       .value("jacobian", FusionRule::jacobian,
              "Both restated halfway (MPG paper, eq. 14-16); small angles only.");
   nb::enum_<CompositionRule>(m, "CompositionRule", "How projected Gaussians are composed.")
-      .value("cubature", CompositionRule::cubature, "Moments under the laws, degree five.")
+      .value("cubature", CompositionRule::cubature, "Moments under the distributions, degree five.")
       .value("third_degree_cubature", CompositionRule::third_degree_cubature,
              "2n points over the Gaussians in the tangent spaces.")
       .value("jacobian", CompositionRule::jacobian, "Linearised (MPG paper, eq. 17).");

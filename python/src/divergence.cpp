@@ -56,7 +56,7 @@ void bind_group(nb::module_& m) {
   bind_pair<P, P>(m);
   m.def("gaussian_kl", [](const C& p, const C& q) { return gaussian_kl(p, q); });
   m.def("gaussian_kl", [](const P& p, const P& q) { return gaussian_kl(p, q); });
-  m.def("law_kl", [](const P& p, const P& q) { return law_kl(p, q); });
+  m.def("exact_kl", [](const P& p, const P& q) { return exact_kl(p, q); });
   m.def("gaussian_wasserstein", [](const C& p, const C& q, double length_scale) {
     return gaussian_wasserstein(p, q, length_scale);
   });

@@ -29,8 +29,8 @@ nb::dict report_dict(const ObjectUpdateReport& report) {
   dict["changed_leader"] = report.changed_leader;
   dict["log_evidence"] = report.log_evidence;
   dict["merges"] = report.merges;
-  dict["inlier_share"] = report.inlier_share;
-  dict["null_share"] = report.null_share;
+  dict["inlier_probability"] = report.inlier_probability;
+  dict["clutter_probability"] = report.clutter_probability;
   dict["residual"] = vector_array(report.residual);
   return dict;
 }
@@ -40,7 +40,7 @@ nb::list hypothesis_list(const std::vector<ObjectHypothesis>& hypotheses) {
     nb::dict dict;
     dict["pose"] = h.pose;
     dict["covariance"] = matrix_array(h.covariance);
-    dict["with_camera"] = matrix_array(h.with_camera);
+    dict["cross_covariance"] = matrix_array(h.cross_covariance);
     dict["log_weight"] = h.log_weight;
     dict["probability"] = h.probability;
     dict["score"] = h.score;
@@ -81,7 +81,7 @@ void add_noise_fields(MultiObjectFields& settings) {
       .field("leader_margin", &S::leader_margin, "float",
              "A hypothesis takes the lead when it is ahead by more [nats].")
       .field("has_odometry", &S::has_odometry, "bool", "Whether the camera has odometry.")
-      .field("camera_share", &S::camera_share, "float",
+      .field("odometry_camera_fraction", &S::odometry_camera_fraction, "float",
              "Share of the odometry's noise that is the camera's; the rest is the map's drift.")
       .field("noise_scale_detections", &S::noise_scale_detections, "float",
              "Detections that the noise as given counts as; infinity: it is not learned.")
@@ -90,9 +90,9 @@ void add_noise_fields(MultiObjectFields& settings) {
              "Detections within this time count as one [s].")
       .field("correlation_detections", &S::correlation_detections, "float",
              "Detections that this value counts as.")
-      .field("common_error_share", &S::common_error_share, "float",
+      .field("bias_variance_fraction", &S::bias_variance_fraction, "float",
              "Share of the noise's variance that all frames have in common.")
-      .field("dependent_answers", &S::dependent_answers, "float",
+      .field("mode_correlation_factor", &S::mode_correlation_factor, "float",
              "So many times as many detections count as one in the mode's probability.")
       .field("camera_gain_noise", &S::camera_gain_noise, "float",
              "Noise with which the camera's gain is computed, in units of a detection's.");
@@ -143,7 +143,7 @@ void bind_multi_object(nb::module_& m) {
       nb::init<const ConcentratedSE3&, std::vector<ObjectSensor>, const MultiObjectSettings&>());
   bind_steps(filter);
   filter.def("objects", &F::objects)
-      .def("dependent_detections", &F::dependent_detections)
+      .def("correlation_length", &F::correlation_length)
       .def("noise_scale",
            [](const F& self, std::size_t j) { return vector_array(self.noise_scale(j)); })
       .def("camera", &F::camera)
@@ -157,8 +157,8 @@ void bind_multi_object(nb::module_& m) {
              require_hypothesis(self, object, hypothesis);
              return self.relative(object, hypothesis);
            })
-      .def("backbone", &F::backbone)
-      .def("backbone_index", &F::backbone_index)
+      .def("joint", &F::joint)
+      .def("pose_index", &F::pose_index)
       .def("settings", [](const F& self) { return self.settings(); });
 }
 

@@ -31,8 +31,8 @@ void bind_enums(nb::module_& m) {
 }
 
 void bind_filter_settings(nb::module_& m) {
-  using S = FilterSettings;
-  Settings<S>(m, "FilterSettings", "Settings of `GaussianSumFilter`.")
+  using S = GaussianSumSettings;
+  Settings<S>(m, "GaussianSumSettings", "Settings of `GaussianSumFilter`.")
       .field("noise_use", &S::noise_use, "NoiseUse", "How noise components are combined.")
       .field("update", &S::update, "UpdateRule", "How one hypothesis is updated.")
       .field("robust_loss", &S::robust_loss, "RobustLoss", "By which it is updated.")
@@ -86,7 +86,7 @@ void bind_predictions(nb::class_<GaussianSumFilter>& filter) {
 void bind_filter(nb::module_& m) {
   using F = GaussianSumFilter;
   nb::class_<F> filter(m, "GaussianSumFilter");
-  filter.def(nb::init<Posterior, FilterSettings>());
+  filter.def(nb::init<Posterior, GaussianSumSettings>());
   bind_predictions(filter);
   filter
       .def("update",

@@ -34,10 +34,10 @@ void bind_parts(nb::module_& m) {
              "With which a detection moves the estimate, where it is not the one that weighs "
              "hypotheses.")
       .done();
-  Settings<NullNoise>(m, "NullNoise",
-                      "A detection that says nothing: uniform over rotations and a volume.")
-      .field("weight", &NullNoise::weight, "float", "Its probability.")
-      .field("volume_m3", &NullNoise::volume_m3, "float", "The volume [m^3].")
+  Settings<Clutter>(m, "Clutter",
+                    "A detection that says nothing: uniform over rotations and a volume.")
+      .field("weight", &Clutter::weight, "float", "Its probability.")
+      .field("volume_m3", &Clutter::volume_m3, "float", "The volume [m^3].")
       .done();
   using D = NoiseDependence;
   Settings<D>(m, "NoiseDependence", "What successive detections have in common, where known.")
@@ -53,18 +53,18 @@ bool same_noise(const DetectorNoise& a, nb::handle other) {
   if (!nb::isinstance<DetectorNoise>(other)) return false;
   const DetectorNoise& b = *nb::inst_ptr<DetectorNoise>(other);
   return nb::cast(a.components()).equal(nb::cast(b.components())) &&
-         nb::cast(a.null()).equal(nb::cast(b.null())) &&
+         nb::cast(a.clutter()).equal(nb::cast(b.clutter())) &&
          nb::cast(a.dependence()).equal(nb::cast(b.dependence()));
 }
 
 constexpr const char* kDetectorNoiseDoc =
-    R"(The error of one detector on one class of objects: a mixture of components and a null.
+    R"(The error of one detector on one class of objects: a mixture of components and clutter.
 
 Parameters
 ----------
 components : list of NoiseComponent
-    At least one; weights are normalised with the null's.
-null : NullNoise, optional
+    At least one; weights are normalised with clutter's.
+clutter : Clutter, optional
     Detections of nothing; weight zero unless given.
 dependence : NoiseDependence, optional
     What successive detections have in common.
@@ -85,37 +85,37 @@ void bind_detector_noise(nb::module_& m) {
   noise.def(
       "__init__",
       [](D* self, const std::vector<NoiseComponent>& components,
-         const std::optional<NullNoise>& null, const std::optional<NoiseDependence>& dependence) {
+         const std::optional<Clutter>& clutter, const std::optional<NoiseDependence>& dependence) {
         new (self)
-            D(components, null.value_or(NullNoise{}), dependence.value_or(NoiseDependence{}));
+            D(components, clutter.value_or(Clutter{}), dependence.value_or(NoiseDependence{}));
       },
-      "components"_a, "null"_a = nb::none(), "dependence"_a = nb::none());
+      "components"_a, "clutter"_a = nb::none(), "dependence"_a = nb::none());
   noise.def_prop_ro(
       "components", [](const D& self) { return self.components(); }, "Copies of the components.");
   noise.def_prop_ro(
-      "null", [](const D& self) { return self.null(); }, "Copy of the null.");
+      "clutter", [](const D& self) { return self.clutter(); }, "Copy of clutter.");
   noise.def_prop_ro(
       "dependence", [](const D& self) { return self.dependence(); }, "Copy of the dependence.");
-  noise.def_prop_ro("log_null_density", &D::log_null_density,
-                    "Log of the null's weight times its density [nats]; -inf for weight zero.");
+  noise.def_prop_ro("log_clutter_density", &D::log_clutter_density,
+                    "Log of clutter's weight times its density [nats]; -inf for weight zero.");
   noise.def("single_gaussian", &D::single_gaussian,
             "The one Gaussian with the second moment of the components without an offset.");
   noise.def("__eq__", &same_noise, nb::sig("def __eq__(self, other: object, /) -> bool"));
   noise.def("__getstate__", [](const D& self) {
-    return nb::make_tuple(self.components(), self.null(), self.dependence());
+    return nb::make_tuple(self.components(), self.clutter(), self.dependence());
   });
-  noise.def("__setstate__",
-            [](D& self,
-               const std::tuple<std::vector<NoiseComponent>, NullNoise, NoiseDependence>& state) {
-              new (&self) D(std::get<0>(state), std::get<1>(state), std::get<2>(state));
-            });
+  noise.def(
+      "__setstate__",
+      [](D& self, const std::tuple<std::vector<NoiseComponent>, Clutter, NoiseDependence>& state) {
+        new (&self) D(std::get<0>(state), std::get<1>(state), std::get<2>(state));
+      });
   noise.def("__repr__", [](const D& self) {
     std::string weights;
     for (const NoiseComponent& c : self.components())
       weights +=
           fmt::format("{}{:.4g} {}", weights.empty() ? "" : ", ", c.weight, name_of(c.frame));
-    return fmt::format("<DetectorNoise of {}: {}; null {:.4g}>", self.components().size(), weights,
-                       self.null().weight);
+    return fmt::format("<DetectorNoise of {}: {}; clutter {:.4g}>", self.components().size(),
+                       weights, self.clutter().weight);
   });
   noise.attr("__hash__") = nb::none();
 }

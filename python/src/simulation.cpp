@@ -107,7 +107,7 @@ void bind_functions(nb::module_& m) {
     return simulate(config, seed);
   });
   m.def("claimed_noise", &claimed_noise);
-  m.def("claimed_null", &claimed_null);
+  m.def("claimed_clutter", &claimed_clutter);
   m.def("object_model", &object_model);
   m.def("motion_settings", &motion_settings);
   m.def("camera_prior", [](const SimulationConfig& config, const SimulatedSequence& simulated) {

@@ -12,9 +12,9 @@ namespace posemix::python {
 
 nb::dict report_dict(const FrameReport& report) {
   nb::dict dict;
-  dict["fates"] = report.fates;
+  dict["statuses"] = report.statuses;
   dict["candidates"] = list_of(report.candidates, [](const CandidateReport& candidate) {
-    return nb::make_tuple(candidate.fate, candidate.object, candidate.recycled);
+    return nb::make_tuple(candidate.status, candidate.object, candidate.recycled);
   });
   dict["update"] = report_dict(report.update);
   dict["merges"] = report.merges;
@@ -102,7 +102,7 @@ void bind_association_functions(nb::module_& m) {
     const std::vector<Candidate> candidates = candidates_of(rows);
     return list_of(associate(instances, candidates, noise, symmetries, settings),
                    [](const Association& a) {
-                     return nb::make_tuple(a.fate, a.instance, a.camera_object, a.cost);
+                     return nb::make_tuple(a.status, a.instance, a.camera_object, a.cost);
                    });
   });
   m.def("least_cost_assignment",

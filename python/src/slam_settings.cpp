@@ -23,21 +23,21 @@ void bind_enums(nb::module_& m) {
              "MultiObjectFilter: hypotheses of every object for itself.")
       .value("gaussian_sum", SlamFilter::gaussian_sum,
              "GaussianSumFilter: hypotheses over all poses (midway-merge paper).");
-  nb::enum_<DetectionFate>(m, "DetectionFate", "What happened to one object in one frame.")
-      .value("none", DetectionFate::none, "It was not detected.")
-      .value("started", DetectionFate::started, "It entered the map.")
-      .value("used", DetectionFate::used, "The detection was used.")
-      .value("doubted", DetectionFate::doubted,
+  nb::enum_<DetectionStatus>(m, "DetectionStatus", "What happened to one object in one frame.")
+      .value("none", DetectionStatus::none, "It was not detected.")
+      .value("started", DetectionStatus::started, "It entered the map.")
+      .value("used", DetectionStatus::used, "The detection was used.")
+      .value("doubted", DetectionStatus::doubted,
              "Used, but more likely a gross error under the leading hypothesis.")
-      .value("born", DetectionFate::born, "Explained by no hypothesis, it began one.")
-      .value("gated", DetectionFate::gated, "Left out by the gate.")
-      .value("failed", DetectionFate::failed, "Left out: not positive definite.");
-  nb::enum_<CandidateFate>(m, "CandidateFate", "What a candidate is.")
-      .value("assigned", CandidateFate::assigned, "Of a known instance.")
-      .value("fresh", CandidateFate::fresh, "Of an instance not known so far.")
-      .value("rejected", CandidateFate::rejected,
+      .value("birth", DetectionStatus::birth, "Explained by no hypothesis, it began one.")
+      .value("gated", DetectionStatus::gated, "Left out by the gate.")
+      .value("failed", DetectionStatus::failed, "Left out: not positive definite.");
+  nb::enum_<CandidateStatus>(m, "CandidateStatus", "What a candidate is.")
+      .value("assigned", CandidateStatus::assigned, "Of a known instance.")
+      .value("fresh", CandidateStatus::fresh, "Of an instance not known so far.")
+      .value("rejected", CandidateStatus::rejected,
              "Of none: a second detection of one object, or below the score of a new one.")
-      .value("dropped", CandidateFate::dropped, "Fresh, but no model of its class is free.");
+      .value("dropped", CandidateStatus::dropped, "Fresh, but no model of its class is free.");
 }
 
 void bind_motion(nb::module_& m) {
@@ -80,7 +80,7 @@ void bind_slam_settings_struct(nb::module_& m) {
       .field("kind", &S::kind, "SlamFilter", "The filter behind it.")
       .field("multi_object", &S::multi_object, "MultiObjectSettings",
              "Its settings; has_odometry follows from the motion model.")
-      .field("filter", &S::filter, "FilterSettings", "Of SlamFilter.gaussian_sum.")
+      .field("filter", &S::filter, "GaussianSumSettings", "Of SlamFilter.gaussian_sum.")
       .field("motion", &S::motion, "MotionSettings", "How the camera moves.")
       .field("association", &S::association, "AssociationSettings", "Of candidates.")
       .field("confirming_detections", &S::confirming_detections, "int",

@@ -16,18 +16,18 @@ import pytest
 SD = pm.pose_covariance(0.02, 0.01)
 
 
-def noise(*weights: float, null: float = 0.0) -> pm.DetectorNoise:
+def noise(*weights: float, clutter: float = 0.0) -> pm.DetectorNoise:
     components = [pm.NoiseComponent(weight=w, covariance=SD * 4**k) for k, w in enumerate(weights)]
-    return pm.DetectorNoise(components, pm.NullNoise(weight=null, volume_m3=2.0))
+    return pm.DetectorNoise(components, pm.Clutter(weight=clutter, volume_m3=2.0))
 
 
 def test_detector_noise_is_a_value() -> None:
-    mixed = noise(0.6, 0.3, null=0.1)
+    mixed = noise(0.6, 0.3, clutter=0.1)
     assert [c.weight for c in mixed.components] == pytest.approx([0.6, 0.3])
-    assert mixed.log_null_density == pytest.approx(math.log(0.1 / (8 * math.pi**2 * 2.0)))
+    assert mixed.log_clutter_density == pytest.approx(math.log(0.1 / (8 * math.pi**2 * 2.0)))
     assert pickle.loads(pickle.dumps(mixed)) == mixed == copy.copy(mixed)
     assert mixed != noise(0.6, 0.4)
-    assert repr(mixed) == "<DetectorNoise of 2: 0.6 object, 0.3 object; null 0.1>"
+    assert repr(mixed) == "<DetectorNoise of 2: 0.6 object, 0.3 object; clutter 0.1>"
     single = mixed.single_gaussian().components[0].covariance
     np.testing.assert_allclose(single, SD * (0.6 + 4 * 0.3) / 0.9)
     with pytest.raises(ValueError, match="weight"):
@@ -118,7 +118,7 @@ def prior(sd: float = 0.001) -> pm.ConcentratedGaussian[pm.SE3]:
 
 
 def test_gaussian_sum_start_and_linear_update_by_numpy() -> None:
-    settings = pm.FilterSettings(update=pm.UpdateRule.linearized, summary=pm.Summary.best)
+    settings = pm.GaussianSumSettings(update=pm.UpdateRule.linearized, summary=pm.Summary.best)
     tracker = pm.GaussianSumFilter(prior(0.05), settings)
     seen = pm.SE3(pm.SO3.exp([0.3, -0.2, 0.1]), [0.1, 0.2, 0.9])
     detector = noise(1.0)
@@ -166,7 +166,7 @@ def test_gaussian_sum_predictions() -> None:
 
 def test_gaussian_sum_branches_and_reduces() -> None:
     tracker = pm.GaussianSumFilter(
-        prior(), pm.FilterSettings(reduction=pm.ReductionSettings(max_components=3))
+        prior(), pm.GaussianSumSettings(reduction=pm.ReductionSettings(max_components=3))
     )
     tracker.add_object(pm.SE3(translation=[0, 0, 1.0]), noise(0.7, 0.3))
     report = tracker.update([pm.Detection(1, pm.SE3(translation=[0, 0, 1.01]), noise(0.7, 0.3))])
@@ -179,13 +179,13 @@ def test_gaussian_sum_branches_and_reduces() -> None:
 def plain() -> pm.MultiObjectSettings:
     """Nothing is learned: independent detections with known noise."""
     return pm.MultiObjectSettings(
-        camera_share=1.0, noise_scale_detections=math.inf, correlation_s=0.0,
-        correlation_detections=math.inf, common_error_share=0.0,
+        odometry_camera_fraction=1.0, noise_scale_detections=math.inf, correlation_s=0.0,
+        correlation_detections=math.inf, bias_variance_fraction=0.0,
     )  # fmt: skip
 
 
 def test_multi_object_filter_averages_like_information() -> None:
-    sensor = pm.ObjectSensor(noise=noise(0.999, null=0.001))
+    sensor = pm.ObjectSensor(noise=noise(0.999, clutter=0.001))
     tracker = pm.MultiObjectFilter(prior(1e-6), [sensor], plain())
     rng = np.random.default_rng(2)
     truth = pm.SE3(translation=[0.1, 0, 0.8])
@@ -204,7 +204,7 @@ def test_multi_object_filter_averages_like_information() -> None:
 
 
 def test_multi_object_filter_keeps_two_answers_apart() -> None:
-    tracker = pm.MultiObjectFilter(prior(), [pm.ObjectSensor(noise=noise(0.9, null=0.1))] * 2, plain())
+    tracker = pm.MultiObjectFilter(prior(), [pm.ObjectSensor(noise=noise(0.9, clutter=0.1))] * 2, plain())
     here = pm.SE3(translation=[0, 0, 0.8])
     flipped = here * turn(180, [0, 0, 1.0])
     for k in range(12):
@@ -222,7 +222,7 @@ def test_multi_object_filter_keeps_two_answers_apart() -> None:
     other = copy.deepcopy(tracker)
     other.forget(0)
     assert other.hypotheses(0) == [] and len(tracker.hypotheses(0)) == 2
-    assert tracker.backbone_index(0) == 1 and tracker.backbone().mean.shape == (2,)
+    assert tracker.pose_index(0) == 1 and tracker.joint().mean.shape == (2,)
 
 
 def test_multi_object_filter_refuses() -> None:

@@ -33,10 +33,10 @@ def test_success_is_a_product_for_independent_coordinates() -> None:
 
 def test_success_agrees_with_counting_draws() -> None:
     here = pm.SE3(pm.SO3.exp([0.2, -0.4, 1.0]), [0.1, 0.2, 0.6])
-    law = pm.ProjectedGaussian.at_mean(here, np.diag(SPREAD**2))
+    distribution = pm.ProjectedGaussian.at_mean(here, np.diag(SPREAD**2))
     box = pm.ToleranceBox([0.03, 0.05, 0.02], [0.004, 0.004, 0.004])
-    found = pm.success_probability(pm.Mixture([law]), box, here, seed=1)
-    inside = here.inverse() * law.sample(200_000, seed=2)
+    found = pm.success_probability(pm.Mixture([distribution]), box, here, seed=1)
+    inside = here.inverse() * distribution.sample(200_000, seed=2)
     quaternion = inside.rotation.quaternion
     chart = quaternion[:, :3] / quaternion[:, 3:]
     hits = (np.abs(chart) <= np.tan(np.asarray(box.rotation) / 2)).all(axis=1)

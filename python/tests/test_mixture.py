@@ -139,14 +139,14 @@ def test_converting_there_and_back_loses_little() -> None:
     assert kl_monte_carlo(mixture, back.mixture, seed=3).value < 0.02
 
 
-@pytest.mark.parametrize("law", ["concentrated", "projected"])
-def test_em_finds_two_modes(law: str) -> None:
+@pytest.mark.parametrize("distribution", ["concentrated", "projected"])
+def test_em_finds_two_modes(distribution: str) -> None:
     mixture = two_modes()
-    fit = fit_mixture(mixture.sample(4000, seed=1), EmSettings(components=2, restarts=3), seed=2, law=law)
+    fit = fit_mixture(mixture.sample(4000, seed=1), EmSettings(components=2, restarts=3), seed=2, distribution=distribution)
     assert fit.status == EmStatus.converged
     assert sorted(fit.mixture.weights) == pytest.approx([0.3, 0.7], abs=0.03)
     assert np.all(np.diff(fit.history) > -1e-6)
-    chosen = fit_mixture_by_bic(mixture.sample(1500, seed=4), EmSettings(components=3), seed=5, law=law)
+    chosen = fit_mixture_by_bic(mixture.sample(1500, seed=4), EmSettings(components=3), seed=5, distribution=distribution)
     assert len(chosen.fit.mixture) == 2
 
 
@@ -154,7 +154,7 @@ def test_em_refuses_bad_samples() -> None:
     with pytest.raises(ValueError, match="samples have shape"):
         fit_mixture(SE3(), EmSettings(), seed=1)
     with pytest.raises(ValueError, match="expected 'concentrated' or 'projected'"):
-        fit_mixture(SE3.identity(20), EmSettings(), seed=1, law="normal")  # type: ignore[arg-type]
+        fit_mixture(SE3.identity(20), EmSettings(), seed=1, distribution="normal")  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="component"):
         fit_mixture(SE3.identity(3), EmSettings(), seed=1)
 

@@ -111,8 +111,8 @@ def test_bananas_of_other_laws(flat: Any) -> None:
     projected = ProjectedGaussian.at_mean(SE3(), 0.1 * COVARIANCE)
     far = ConcentratedGaussian(SE3(translation=[1.0, 0.0, 0.0]), 0.01 * COVARIANCE)
     near = ConcentratedGaussian(SE3(), 0.01 * COVARIANCE)
-    for law in (projected, Mixture([far, near])):
-        contours = plot.position_contours(flat, law, levels=(0.5, 0.9), point=[0.1, 0.0, 0.0])
+    for distribution in (projected, Mixture([far, near])):
+        contours = plot.position_contours(flat, distribution, levels=(0.5, 0.9), point=[0.1, 0.0, 0.0])
         assert len(contours.levels) == 2
     with pytest.raises(ValueError, match="between 0 and 1"):
         plot.position_contours(flat, projected, levels=(1.0,))

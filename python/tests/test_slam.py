@@ -112,7 +112,7 @@ def test_live_equals_batch() -> None:
             odometry = sequence.odometry[k - 1].inverse() * sequence.odometry[k]
             dt = sequence.stamps[k] - sequence.stamps[k - 1]
             report = slam.step(pm.FrameInput(dt, odometry, seen))
-        assert report.fates == run[k].report.fates
+        assert report.statuses == run[k].report.statuses
     assert slam.posterior == run.posterior
     assert slam.estimate.mean[0].is_approx(run.camera.poses[-1], 1e-12)
     assert slam.pose_index(1) == run.pose_indices[1]
@@ -274,7 +274,7 @@ def test_candidates_of_one_class_become_instances() -> None:
     slam = pm.ObjectSlam(prior, models)
     candidates = [pm.Candidate("can", place, 0.9) for place in places]
     report = slam.start([None] * 3, candidates)
-    assert [c.fate for c in report.candidates] == [pm.CandidateFate.fresh] * 2
+    assert [c.status for c in report.candidates] == [pm.CandidateStatus.fresh] * 2
     report = slam.step(pm.FrameInput(0.1, pm.SE3(), [None] * 3, candidates[::-1]))
     assert [c.object for c in report.candidates] == [1, 0]
     recorded = pm.Sequence(
@@ -298,4 +298,4 @@ def test_association_by_brute_force() -> None:
     near = pm.Candidate("can", pm.SE3(translation=[0.005, 0, 1.0]), 0.5)
     far = pm.Candidate("can", pm.SE3(translation=[0.5, 0, 1.0]), 0.5)
     found = pm.associate([where], [far, near], noise)
-    assert [a.fate for a in found] == [pm.CandidateFate.fresh, pm.CandidateFate.assigned]
+    assert [a.status for a in found] == [pm.CandidateStatus.fresh, pm.CandidateStatus.assigned]

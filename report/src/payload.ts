@@ -24,7 +24,7 @@ export interface PackedTrace {
   order: string[];
   frames: number;
   stamps_s: number[];
-  fates?: string[];
+  statuses?: string[];
   columns: ColumnHead[];
   data: string;
 }

@@ -7,7 +7,7 @@ const diagonal = (values: number[]) => values.map((value, i) => values.map((_, j
 
 /** A detector that turns a mug by 180 degrees at times; body axes, degrees and millimetres. */
 export const mug = {
-  schema: 1, type: "posemix.mixture", group: "SE3", law: "concentrated", side: "right", order: "rotation_translation",
+  schema: 1, type: "posemix.mixture", group: "SE3", distribution: "concentrated", side: "right", order: "rotation_translation",
   units: { rotation: "deg", translation: "mm" },
   frames: { from: "camera", to: "mug" },
   components: [
@@ -19,7 +19,7 @@ export const mug = {
 /** Projected components with a standard deviation of u. */
 export function projected(sd: number, quaternions = [[0, 0, 0, 1]]): JsonObject {
   return {
-    schema: 1, type: "posemix.mixture", group: "SE3", law: "projected", side: "right", order: "rotation_translation",
+    schema: 1, type: "posemix.mixture", group: "SE3", distribution: "projected", side: "right", order: "rotation_translation",
     units: { rotation: "tan_half_angle", translation: "m" },
     frames: { from: "camera", to: "box" },
     components: quaternions.map((quaternion_xyzw, i) => ({

@@ -18,7 +18,7 @@ interface ObjectJson {
   world: TrackJson;
   relative: TrackJson;
   detection: Poses;
-  fate: string[];
+  status: string[];
   mode_probability?: (number | null)[];
   alternatives?: { id: number; probability: number; pose: Pose }[][];
 }
@@ -40,7 +40,7 @@ interface Slot {
   pose: Pose;
 }
 
-export const FATES = ["none", "started", "used", "doubted", "born", "gated", "failed"];
+export const STATUSES = ["none", "started", "used", "doubted", "birth", "gated", "failed"];
 
 function mask(frames: number, ...bits: (Poses | null | undefined)[]): Int32Array {
   const values = new Int32Array(frames);
@@ -119,12 +119,12 @@ export function packTrace(json: TraceJson): PackedTrace {
     track(writer, `${name}/world`, object.world);
     track(writer, `${name}/relative`, object.relative);
     writer.addPoses(`${name}/detection`, object.detection);
-    writer.add(head(`${name}/fate`), [object.fate.map((fate) => FATES.indexOf(fate))]);
+    writer.add(head(`${name}/status`), [object.status.map((status) => STATUSES.indexOf(status))]);
     if (object.mode_probability) {
       const rows = object.mode_probability.map((value) => (value === null ? null : [value]));
       writer.addRows(`${name}/mode_probability`, 1, "uint16", 1 / 65535, rows);
     }
     hypotheses(writer, name, object.alternatives ?? joint(json, index + 1));
   });
-  return writer.packed({ name: json.name, method: json.method, order: json.order, stamps_s: json.stamps_s, fates: FATES });
+  return writer.packed({ name: json.name, method: json.method, order: json.order, stamps_s: json.stamps_s, statuses: STATUSES });
 }

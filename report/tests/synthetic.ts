@@ -4,7 +4,7 @@
 import { normal, uniform } from "../src/mixture/sample.ts";
 import type { ColumnHead, JsonObject, PackedTrace } from "../src/payload.ts";
 import { TraceWriter } from "./encode.ts";
-import { FATES } from "./pack.ts";
+import { STATUSES } from "./pack.ts";
 
 export interface Size {
   frames: number;
@@ -114,7 +114,7 @@ class Generator {
     this.poses(`${name}/relative`, this.noisy(relative, 2e-4, 5e-4));
     this.spread(`${name}/relative`, 0.3);
     this.poses(`${name}/detection`, this.noisy(relative, 2e-3, 5e-3), 1e-4, GHOST_TURN);
-    this.add(`${name}/fate`, "uint8", 1, [Float64Array.from({ length: frames }, (_, i) => (i === 0 ? 1 : i % 97 < 3 ? 5 : i % 131 < 9 ? 0 : 2))]);
+    this.add(`${name}/status`, "uint8", 1, [Float64Array.from({ length: frames }, (_, i) => (i === 0 ? 1 : i % 97 < 3 ? 5 : i % 131 < 9 ? 0 : 2))]);
     const heaviest = Float64Array.from({ length: frames }, (_, i) => 1 - 0.5 / (1 + i / 200));
     this.add(`${name}/mode_probability`, "uint16", 1 / 65535, [heaviest]);
     for (let k = 0; k < hypotheses; ++k) {
@@ -144,7 +144,7 @@ class Generator {
       method: "multi-object",
       order: Array.from({ length: objects }, (_, i) => `object-${i}`),
       stamps_s: Array.from({ length: frames }, (_, i) => 100 + i / 30),
-      fates: FATES,
+      statuses: STATUSES,
     });
   }
 }

@@ -3,11 +3,11 @@
 #include <limits>
 #include <memory>
 
+#include "command_files.hpp"
 #include "exit_codes.hpp"
-#include "mixture_verbs.hpp"
+#include "mixture_commands.hpp"
 #include "posemix/base/units.hpp"
 #include "posemix/mixture/projected_operations.hpp"
-#include "verb_files.hpp"
 
 namespace posemix {
 namespace {
@@ -67,18 +67,18 @@ NamedMixture inverse_of(const NamedMixture& a, const Settings& settings) {
 
 NamedMixture between_of(const NamedMixture& a, const NamedMixture& b, const Settings& settings) {
   require_common_frame(a, a.file.frames.from, b, b.file.frames.from);
-  return {
-      b.name,
-      {{a.file.frames.to, b.file.frames.to},
-       with_one_law(a, b, [&](const auto& x, const auto& y) { return quotient(x, y, settings); })}};
+  return {b.name,
+          {{a.file.frames.to, b.file.frames.to},
+           with_one_distribution(
+               a, b, [&](const auto& x, const auto& y) { return quotient(x, y, settings); })}};
 }
 
 NamedMixture product_of(const NamedMixture& a, const NamedMixture& b, const Settings& settings) {
   require_common_frame(a, a.file.frames.to, b, b.file.frames.from);
-  return {
-      b.name,
-      {{a.file.frames.from, b.file.frames.to},
-       with_one_law(a, b, [&](const auto& x, const auto& y) { return product(x, y, settings); })}};
+  return {b.name,
+          {{a.file.frames.from, b.file.frames.to},
+           with_one_distribution(
+               a, b, [&](const auto& x, const auto& y) { return product(x, y, settings); })}};
 }
 
 void check_count(const ComposeOptions& options) {
@@ -115,10 +115,10 @@ int compose_files(const ComposeOptions& options) {
 
 }  // namespace
 
-void add_compose_verb(CLI::App& program, std::function<int()>& action) {
+void add_compose_command(CLI::App& program, std::function<int()>& action) {
   const auto options = std::make_shared<ComposeOptions>();
-  CLI::App* verb = program.add_subcommand("compose", "Chain uncertain poses, or invert one");
-  verb->footer(
+  CLI::App* command = program.add_subcommand("compose", "Chain uncertain poses, or invert one");
+  command->footer(
       "T_a_c = T_a_b T_b_c for independent T_a_b and T_b_c: all pairs of components, so the\n"
       "numbers of components multiply. The frames must chain.\n"
       "\n"
@@ -126,23 +126,24 @@ void add_compose_verb(CLI::App& program, std::function<int()>& action) {
       "         posemix compose --inverse T_camera_mug.json\n"
       "         posemix compose --between T_camera_mug.json T_camera_box.json | posemix reduce - "
       "--to 5");
-  verb->add_option("files", options->files, "Mixture files; - is the standard input")
+  command->add_option("files", options->files, "Mixture files; - is the standard input")
       ->required()
       ->type_name("MIXTURE.json");
-  CLI::Option* inverse = verb->add_flag("--inverse", options->inverse, "T_b_a of one T_a_b");
-  verb->add_flag("--between", options->between, "T_b_c of T_a_b and T_a_c")->excludes(inverse);
+  CLI::Option* inverse = command->add_flag("--inverse", options->inverse, "T_b_a of one T_a_b");
+  command->add_flag("--between", options->between, "T_b_c of T_a_b and T_a_c")->excludes(inverse);
   add_choice<std::optional<CompositionRule>, CompositionRule>(
-      *verb, "--rule", options->rule,
+      *command, "--rule", options->rule,
       {{"cubature", CompositionRule::cubature},
        {"third_degree_cubature", CompositionRule::third_degree_cubature},
        {"jacobian", CompositionRule::jacobian}},
       "How projected components compose; without it by cubature of degree five");
-  verb->add_option("--split-above-deg", options->split_above_deg,
+  command
+      ->add_option("--split-above-deg", options->split_above_deg,
                    "Projected components on the left whose rotation is wider are split first")
       ->check(CLI::PositiveNumber)
       ->type_name("DEG");
-  add_out_option(*verb, options->output);
-  verb->callback([options, &action] {
+  add_out_option(*command, options->output);
+  command->callback([options, &action] {
     check_count(*options);
     action = [options] { return compose_files(*options); };
   });

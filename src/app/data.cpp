@@ -68,8 +68,9 @@ int list_data(const DataListOptions& options) {
 
 }  // namespace
 
-void add_registry_option(CLI::App& verb, std::optional<std::string>& registry) {
-  verb.add_option("--registry", registry,
+void add_registry_option(CLI::App& command, std::optional<std::string>& registry) {
+  command
+      .add_option("--registry", registry,
                   "Sources of your own, beside the program's (docs/data.md)")
       ->type_name("FILE.toml");
 }
@@ -101,27 +102,27 @@ std::string format_amount(const std::vector<SourceFile>& files) {
   return known ? fmt::format("{}, {}", count, format_bytes(bytes)) : count;
 }
 
-void add_data_list_verb(CLI::App& data, std::function<int()>& action) {
+void add_data_list_command(CLI::App& data, std::function<int()>& action) {
   const auto options = std::make_shared<DataListOptions>();
-  CLI::App* verb = data.add_subcommand("list", "The sources, or the files of one");
-  verb->footer("Example: posemix data list ycbv");
-  verb->add_option("source", options->source, "Name of a source")->type_name("NAME");
-  add_registry_option(*verb, options->registry);
-  verb->callback([options, &action] { action = [options] { return list_data(*options); }; });
+  CLI::App* command = data.add_subcommand("list", "The sources, or the files of one");
+  command->footer("Example: posemix data list ycbv");
+  command->add_option("source", options->source, "Name of a source")->type_name("NAME");
+  add_registry_option(*command, options->registry);
+  command->callback([options, &action] { action = [options] { return list_data(*options); }; });
 }
 
-void add_data_verb(CLI::App& program, std::function<int()>& action) {
-  CLI::App* verb = program.add_subcommand("data", "Fetch public data, check it, and use it");
-  verb->require_subcommand(1);
-  verb->get_formatter()->label("SUBCOMMAND", "VERB");
-  verb->get_formatter()->label("Subcommands", "Verbs");
-  verb->footer(
+void add_data_command(CLI::App& program, std::function<int()>& action) {
+  CLI::App* command = program.add_subcommand("data", "Fetch public data, check it, and use it");
+  command->require_subcommand(1);
+  command->get_formatter()->label("SUBCOMMAND", "VERB");
+  command->get_formatter()->label("Subcommands", "Commands");
+  command->footer(
       "Example: posemix data fetch slam-super-6d --yes\n"
       "         posemix slam configs/ycbv-dope.toml --data data --out out/0001");
-  add_data_list_verb(*verb, action);
-  add_data_fetch_verb(*verb, action);
-  add_data_verify_verb(*verb, action);
-  add_data_sequence_verb(*verb, action);
+  add_data_list_command(*command, action);
+  add_data_fetch_command(*command, action);
+  add_data_verify_command(*command, action);
+  add_data_sequence_command(*command, action);
 }
 
 }  // namespace posemix

@@ -10,14 +10,14 @@ class App;
 
 namespace posemix {
 
-/// Adds the verb `data` and its own verbs to the program. When one is on the command line, parsing
-/// sets `action` to what it does; the result of `action` is the exit code.
-void add_data_verb(CLI::App& program, std::function<int()>& action);
+/// Adds the command `data` and its own commands to the program. When one is on the command line,
+/// parsing sets `action` to what it does; the result of `action` is the exit code.
+void add_data_command(CLI::App& program, std::function<int()>& action);
 
 /// Parts of `data`, one source file each.
-void add_data_list_verb(CLI::App& data, std::function<int()>& action);
-void add_data_fetch_verb(CLI::App& data, std::function<int()>& action);
-void add_data_verify_verb(CLI::App& data, std::function<int()>& action);
-void add_data_sequence_verb(CLI::App& data, std::function<int()>& action);
+void add_data_list_command(CLI::App& data, std::function<int()>& action);
+void add_data_fetch_command(CLI::App& data, std::function<int()>& action);
+void add_data_verify_command(CLI::App& data, std::function<int()>& action);
+void add_data_sequence_command(CLI::App& data, std::function<int()>& action);
 
 }  // namespace posemix

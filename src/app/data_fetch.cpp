@@ -141,37 +141,40 @@ int fetch_data(const DataFetchOptions& options) {
 
 }  // namespace
 
-void add_data_fetch_verb(CLI::App& data, std::function<int()>& action) {
+void add_data_fetch_command(CLI::App& data, std::function<int()>& action) {
   const auto options = std::make_shared<DataFetchOptions>();
-  CLI::App* verb = data.add_subcommand("fetch", "Get the files of a source");
-  verb->footer(
+  CLI::App* command = data.add_subcommand("fetch", "Get the files of a source");
+  command->footer(
       "The files go to DIR/NAME, with a lock file that notes size and SHA-256 of each. A file "
       "that\n"
       "is not complete is kept as FILE.part, and the next run fetches the rest of it.\n"
       "\n"
       "Example: posemix data fetch ycbv --unpack --yes");
-  verb->add_option("source", options->source, "Name of a source (posemix data list)")
+  command->add_option("source", options->source, "Name of a source (posemix data list)")
       ->required()
       ->type_name("NAME");
-  verb->add_option("--out", options->out,
+  command
+      ->add_option("--out", options->out,
                    "Folder for the source's folder; $POSEMIX_DATA or the cache unless given")
       ->type_name("DIR");
-  verb->add_option("--file", options->patterns,
+  command
+      ->add_option("--file", options->patterns,
                    "Only this file; * stands for any characters; repeatable")
       ->type_name("PATTERN")
       ->allow_extra_args(false);
-  verb->add_flag("--yes", options->yes, "Accept the licence that is shown");
-  verb->add_flag("--unpack", options->unpack, "Unpack archives too");
-  verb->add_option("--retries", options->connection.retries,
+  command->add_flag("--yes", options->yes, "Accept the licence that is shown");
+  command->add_flag("--unpack", options->unpack, "Unpack archives too");
+  command
+      ->add_option("--retries", options->connection.retries,
                    "Tries after an error that may pass, before giving up")
       ->check(CLI::Range(0, 100))
       ->type_name("N")
       ->capture_default_str();
-  verb->add_flag("--allow-http", options->connection.allow_http,
-                 "Also addresses of other machines without encryption");
-  add_registry_option(*verb, options->registry);
-  verb->add_flag("--quiet", options->quiet, "Print neither progress nor what was done");
-  verb->callback([options, &action] { action = [options] { return fetch_data(*options); }; });
+  command->add_flag("--allow-http", options->connection.allow_http,
+                    "Also addresses of other machines without encryption");
+  add_registry_option(*command, options->registry);
+  command->add_flag("--quiet", options->quiet, "Print neither progress nor what was done");
+  command->callback([options, &action] { action = [options] { return fetch_data(*options); }; });
 }
 
 }  // namespace posemix

@@ -11,10 +11,10 @@
 
 #include "fetch/sources.hpp"
 
-/// What the verbs of `data` share.
+/// What the commands of `data` share.
 namespace posemix {
 
-void add_registry_option(CLI::App& verb, std::optional<std::string>& registry);
+void add_registry_option(CLI::App& command, std::optional<std::string>& registry);
 
 /// The sources of the registry file, before those of the program; the program's alone without one.
 std::vector<DataSource> known_sources(const std::optional<std::string>& registry);

@@ -7,11 +7,11 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include "command_files.hpp"
 #include "data.hpp"
 #include "exit_codes.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/io/dataset_sequence.hpp"
-#include "verb_files.hpp"
 
 namespace posemix {
 namespace {
@@ -38,52 +38,56 @@ int write_sequence(DataSequenceOptions options) {
   return kExitDone;
 }
 
-void add_sequence_inputs(CLI::App& verb, DataSequenceOptions& options) {
+void add_sequence_inputs(CLI::App& command, DataSequenceOptions& options) {
   DatasetSequence& request = options.request;
-  verb.add_option("dataset", request.dataset, "Folder of a BOP dataset or of YCB-Video")
+  command.add_option("dataset", request.dataset, "Folder of a BOP dataset or of YCB-Video")
       ->required()
       ->type_name("DIR");
-  verb.add_option("--scene", request.scene, "Number of the scene, or of the YCB-Video sequence")
+  command.add_option("--scene", request.scene, "Number of the scene, or of the YCB-Video sequence")
       ->required()
       ->check(CLI::Range(0, 999'999))
       ->type_name("N");
-  verb.add_option("--results", request.results, "The detector's estimates (BOP results, CSV)")
+  command.add_option("--results", request.results, "The detector's estimates (BOP results, CSV)")
       ->required()
       ->type_name("FILE.csv");
-  verb.add_option("--split", request.split, "Folder of the scene in a BOP dataset")
+  command.add_option("--split", request.split, "Folder of the scene in a BOP dataset")
       ->type_name("NAME")
       ->capture_default_str();
-  verb.add_option("--object", request.objects, "Only this object; repeatable")
+  command.add_option("--object", request.objects, "Only this object; repeatable")
       ->type_name("ID")
       ->allow_extra_args(false);
-  verb.add_option("--min-score", request.min_score, "Leave estimates of a lower score out")
+  command.add_option("--min-score", request.min_score, "Leave estimates of a lower score out")
       ->type_name("X");
 }
 
 }  // namespace
 
-void add_data_sequence_verb(CLI::App& data, std::function<int()>& action) {
+void add_data_sequence_command(CLI::App& data, std::function<int()>& action) {
   const auto options = std::make_shared<DataSequenceOptions>();
-  CLI::App* verb = data.add_subcommand("sequence", "Write the sequence file of a dataset's scene");
-  verb->footer(
+  CLI::App* command =
+      data.add_subcommand("sequence", "Write the sequence file of a dataset's scene");
+  command->footer(
       "Example: posemix data sequence data/ycbv --scene 48 --results RESULTS.csv --out scene.toml\n"
       "         posemix slam scene.toml --out out/48");
-  add_sequence_inputs(*verb, *options);
-  verb->add_option("--odometry", options->request.odometry, "Odometry of the camera (TUM)")
+  add_sequence_inputs(*command, *options);
+  command->add_option("--odometry", options->request.odometry, "Odometry of the camera (TUM)")
       ->type_name("FILE");
-  verb->add_option("--lever-arm", options->lever_arm_m,
+  command
+      ->add_option("--lever-arm", options->lever_arm_m,
                    "From the annotated camera to that of the images, metres")
       ->expected(3)
       ->type_name("X Y Z");
-  verb->add_option("--frame-period", options->request.frame_period_s,
+  command
+      ->add_option("--frame-period", options->request.frame_period_s,
                    "Time between two image numbers, seconds")
       ->check(CLI::PositiveNumber)
       ->type_name("S");
-  verb->add_option("--out", options->out, "File for the result; - is the standard output")
+  command->add_option("--out", options->out, "File for the result; - is the standard output")
       ->type_name("FILE.toml")
       ->capture_default_str();
-  verb->add_flag("--quiet", options->quiet, "Print no notes");
-  verb->callback([options, &action] { action = [options] { return write_sequence(*options); }; });
+  command->add_flag("--quiet", options->quiet, "Print no notes");
+  command->callback(
+      [options, &action] { action = [options] { return write_sequence(*options); }; });
 }
 
 }  // namespace posemix

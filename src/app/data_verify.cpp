@@ -52,15 +52,15 @@ int verify_data(const DataVerifyOptions& options) {
 
 }  // namespace
 
-void add_data_verify_verb(CLI::App& data, std::function<int()>& action) {
+void add_data_verify_command(CLI::App& data, std::function<int()>& action) {
   const auto options = std::make_shared<DataVerifyOptions>();
-  CLI::App* verb = data.add_subcommand("verify", "Compare fetched files with their lock file");
-  verb->footer("Example: posemix data verify data");
-  verb->add_option("folder", options->folder, "A source's folder, or the one with all of them")
+  CLI::App* command = data.add_subcommand("verify", "Compare fetched files with their lock file");
+  command->footer("Example: posemix data verify data");
+  command->add_option("folder", options->folder, "A source's folder, or the one with all of them")
       ->required()
       ->type_name("DIR");
-  add_registry_option(*verb, options->registry);
-  verb->callback([options, &action] { action = [options] { return verify_data(*options); }; });
+  add_registry_option(*command, options->registry);
+  command->callback([options, &action] { action = [options] { return verify_data(*options); }; });
 }
 
 }  // namespace posemix

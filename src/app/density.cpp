@@ -3,9 +3,9 @@
 #include <array>
 #include <memory>
 
+#include "command_files.hpp"
 #include "exit_codes.hpp"
-#include "mixture_verbs.hpp"
-#include "verb_files.hpp"
+#include "mixture_commands.hpp"
 
 namespace posemix {
 namespace {
@@ -18,8 +18,8 @@ struct DensityOptions {
 
 std::vector<double> log_densities(const AnyMixture& mixture, const std::vector<SE3d>& poses) {
   return std::visit(
-      [&]<class D>(const Mixture<D>& of_one_law) {
-        const typename Mixture<D>::Evaluator evaluator(of_one_law);
+      [&]<class D>(const Mixture<D>& of_one_distribution) {
+        const typename Mixture<D>::Evaluator evaluator(of_one_distribution);
         std::vector<double> values;
         values.reserve(poses.size());
         for (const SE3d& pose : poses) values.push_back(evaluator.log_density(pose));
@@ -42,26 +42,28 @@ int density_at_poses(const DensityOptions& options) {
 
 }  // namespace
 
-void add_density_verb(CLI::App& program, std::function<int()>& action) {
+void add_density_command(CLI::App& program, std::function<int()>& action) {
   const auto options = std::make_shared<DensityOptions>();
-  CLI::App* verb = program.add_subcommand("density", "Log density of a mixture at poses");
-  verb->footer(
+  CLI::App* command = program.add_subcommand("density", "Log density of a mixture at poses");
+  command->footer(
       "Writes one column, log_density_per_rad3_m3, with one line per pose: the natural logarithm\n"
       "of the density with respect to the Haar measure, rotation vector volume at the identity\n"
       "(rad^3) times volume (m^3); -inf where there is none.\n"
       "\n"
       "Example: posemix density mug.json candidates.csv\n"
       "         posemix sample mug.json -n 10 | posemix density mug.json - --format csv");
-  verb->add_option("mixture", options->files[0], "Mixture file; - is the standard input")
+  command->add_option("mixture", options->files[0], "Mixture file; - is the standard input")
       ->required()
       ->type_name("MIXTURE.json");
-  verb->add_option("poses", options->files[1],
+  command
+      ->add_option("poses", options->files[1],
                    "Poses (see docs/formats.md); - is the standard input")
       ->required()
       ->type_name("POSES");
-  add_format_option(*verb, options->format);
-  add_out_option(*verb, options->output);
-  verb->callback([options, &action] { action = [options] { return density_at_poses(*options); }; });
+  add_format_option(*command, options->format);
+  add_out_option(*command, options->output);
+  command->callback(
+      [options, &action] { action = [options] { return density_at_poses(*options); }; });
 }
 
 }  // namespace posemix

@@ -3,11 +3,11 @@
 #include <cmath>
 #include <memory>
 
+#include "command_files.hpp"
 #include "exit_codes.hpp"
-#include "mixture_verbs.hpp"
+#include "mixture_commands.hpp"
 #include "posemix/divergence/monte_carlo.hpp"
 #include "posemix/divergence/wasserstein.hpp"
-#include "verb_files.hpp"
 
 namespace posemix {
 namespace {
@@ -25,7 +25,7 @@ Json estimate_json(const DivergenceEstimate& estimate, const char* unit) {
   return {{"value", estimate.value}, {"standard_error", estimate.error}, {"unit", unit}};
 }
 
-/// Null where a law is projected.
+/// Null where a distribution is projected.
 template <class P, class Q>
 Json wasserstein_json(const Mixture<P>& p, const Mixture<Q>& q, double length_scale) {
   using Concentrated = ConcentratedGaussian<SE3d>;
@@ -69,34 +69,36 @@ int compare_files(const DivergenceOptions& options) {
 
 }  // namespace
 
-void add_divergence_verb(CLI::App& program, std::function<int()>& action) {
+void add_divergence_command(CLI::App& program, std::function<int()>& action) {
   const auto options = std::make_shared<DivergenceOptions>();
-  CLI::App* verb = program.add_subcommand("divergence", "How far apart two mixtures are");
-  verb->footer(
+  CLI::App* command = program.add_subcommand("divergence", "How far apart two mixtures are");
+  command->footer(
       "Prints D(p || q), D(q || p), their sum, the integral square distance, each with one "
       "standard\n"
-      "error, and for concentrated mixtures the mixture-Wasserstein distance. The laws may "
+      "error, and for concentrated mixtures the mixture-Wasserstein distance. The distributions "
+      "may "
       "differ.\n"
       "\n"
       "Example: posemix divergence before.json after.json --json\n"
       "         posemix reduce mug.json --to 3 | posemix divergence mug.json -");
-  verb->add_option("files", options->files, "Mixture files p and q; - is the standard input")
+  command->add_option("files", options->files, "Mixture files p and q; - is the standard input")
       ->required()
       ->expected(2)
       ->type_name("MIXTURE.json");
-  verb->add_option("--samples", options->samples, "Points of each estimate")
+  command->add_option("--samples", options->samples, "Points of each estimate")
       ->check(CLI::Range(std::size_t{1024}, std::size_t{1} << 30))
       ->type_name("N")
       ->capture_default_str();
-  add_seed_option(*verb, options->seed);
-  verb->add_option("--length-scale", options->length_scale,
+  add_seed_option(*command, options->seed);
+  command
+      ->add_option("--length-scale", options->length_scale,
                    "Metres that one radian weighs as much as, in the Wasserstein distance")
       ->check(CLI::PositiveNumber)
       ->type_name("M")
       ->capture_default_str();
-  verb->add_flag("--json", options->json, "One line of JSON instead of a table");
-  add_out_option(*verb, options->output);
-  verb->callback([options, &action] { action = [options] { return compare_files(*options); }; });
+  command->add_flag("--json", options->json, "One line of JSON instead of a table");
+  add_out_option(*command, options->output);
+  command->callback([options, &action] { action = [options] { return compare_files(*options); }; });
 }
 
 }  // namespace posemix

@@ -2,7 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 #pragma once
 
-/// Exit codes of the program, for every verb.
+/// Exit codes of the program, for every command.
 namespace posemix {
 
 inline constexpr int kExitDone = 0;

@@ -2,10 +2,10 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include <memory>
 
+#include "command_files.hpp"
 #include "exit_codes.hpp"
-#include "mixture_verbs.hpp"
+#include "mixture_commands.hpp"
 #include "posemix/mixture/em.hpp"
-#include "verb_files.hpp"
 
 namespace posemix {
 namespace {
@@ -14,7 +14,7 @@ struct FitOptions {
   std::string samples;
   std::optional<PoseFormat> format;
   PoseSampleOptions columns;
-  Law law = Law::concentrated;
+  Distribution distribution = Distribution::concentrated;
   FrameNames frames;
   std::size_t components = 0;
   std::size_t most_components = 0;
@@ -71,7 +71,7 @@ void fit_samples(const PoseSamples& samples, const FitOptions& options) {
 int fit_file(const FitOptions& options) {
   const PoseSamples samples = read_pose_input(options.samples, options.format, options.columns);
   try {
-    if (options.law == Law::projected) {
+    if (options.distribution == Distribution::projected) {
       fit_samples<ProjectedGaussian<SE3d>>(samples, options);
     } else {
       fit_samples<ConcentratedGaussian<SE3d>>(samples, options);
@@ -82,67 +82,71 @@ int fit_file(const FitOptions& options) {
   return kExitDone;
 }
 
-void add_sample_options(CLI::App& verb, FitOptions& options) {
-  verb.add_option("samples", options.samples,
+void add_sample_options(CLI::App& command, FitOptions& options) {
+  command
+      .add_option("samples", options.samples,
                   "Poses (see docs/formats.md); - is the standard input")
       ->required()
       ->type_name("POSES");
-  add_format_option(verb, options.format);
-  verb.add_option("--weights", options.columns.weights,
+  add_format_option(command, options.format);
+  command
+      .add_option("--weights", options.columns.weights,
                   "Column of the weights in CSV; without it `weight` where there is one")
       ->type_name("COLUMN");
   add_choice<std::optional<Side>, Side>(
-      verb, "--residuals", options.columns.residuals,
+      command, "--residuals", options.columns.residuals,
       {{"left", Side::left}, {"right", Side::right}},
       "Fit est gt^-1 (left) or gt^-1 est (right) of the columns est_tx ... and gt_tx ...");
-  verb.add_option("--from", options.frames.from, "Frame a of the poses T_a_b")
+  command.add_option("--from", options.frames.from, "Frame a of the poses T_a_b")
       ->required()
       ->type_name("NAME");
-  verb.add_option("--to", options.frames.to, "Frame b")->required()->type_name("NAME");
+  command.add_option("--to", options.frames.to, "Frame b")->required()->type_name("NAME");
 }
 
-void add_em_options(CLI::App& verb, FitOptions& options) {
-  add_choice<Law, Law>(verb, "--law", options.law, law_words(), "Kind of the components")
+void add_em_options(CLI::App& command, FitOptions& options) {
+  add_choice<Distribution, Distribution>(command, "--distribution", options.distribution,
+                                         distribution_words(), "Kind of the components")
       ->default_str("concentrated");
-  CLI::Option_group* number = verb.add_option_group("Number of components");
+  CLI::Option_group* number = command.add_option_group("Number of components");
   add_count_option(*number, "--components", options.components, "So many");
   add_count_option(*number, "--max-components", options.most_components,
                    "1 to so many, whichever has the smallest BIC");
   number->require_option(1);
-  verb.add_option("--restarts", options.em.restarts, "Starts, of which the most likely end is kept")
+  command
+      .add_option("--restarts", options.em.restarts, "Starts, of which the most likely end is kept")
       ->check(CLI::Range(1, 10000))
       ->type_name("N")
       ->capture_default_str();
-  verb.add_option("--min-sd", options.em.min_sd, "Smallest standard deviation, rad and m alike")
+  command.add_option("--min-sd", options.em.min_sd, "Smallest standard deviation, rad and m alike")
       ->check(CLI::PositiveNumber)
       ->type_name("SD")
       ->capture_default_str();
-  verb.add_option("--max-sd", options.em.max_sd, "Largest; without it there is none")
+  command.add_option("--max-sd", options.em.max_sd, "Largest; without it there is none")
       ->check(CLI::PositiveNumber)
       ->type_name("SD");
-  verb.add_option("--max-iterations", options.em.max_iterations, "Of one start")
+  command.add_option("--max-iterations", options.em.max_iterations, "Of one start")
       ->check(CLI::Range(1, 1'000'000))
       ->type_name("N")
       ->capture_default_str();
-  verb.add_flag("--diagonal", options.em.diagonal, "Diagonal covariances");
-  add_seed_option(verb, options.seed);
+  command.add_flag("--diagonal", options.em.diagonal, "Diagonal covariances");
+  add_seed_option(command, options.seed);
 }
 
 }  // namespace
 
-void add_fit_verb(CLI::App& program, std::function<int()>& action) {
+void add_fit_command(CLI::App& program, std::function<int()>& action) {
   const auto options = std::make_shared<FitOptions>();
-  CLI::App* verb = program.add_subcommand("fit", "A mixture fitted to poses or residuals by EM");
-  verb->footer(
+  CLI::App* command = program.add_subcommand("fit", "A mixture fitted to poses or residuals by EM");
+  command->footer(
       "Reports the log-likelihood, the BIC and how EM ended.\n"
       "\n"
       "Example: posemix fit samples.csv --components 2 --from camera --to mug --out mug.json\n"
       "         posemix fit errors.csv --residuals right --max-components 4 --restarts 5 \\\n"
-      "           --from mug --to detected --law projected --out noise.json");
-  add_sample_options(*verb, *options);
-  add_em_options(*verb, *options);
-  add_report_options(*verb, options->output);
-  verb->callback([options, &action] { action = [options] { return fit_file(*options); }; });
+      "           --from mug --to detected --distribution projected --out noise.json");
+  add_sample_options(*command, *options);
+  add_em_options(*command, *options);
+  add_report_options(*command, options->output);
+  command->callback([options, &action] { action = [options] { return fit_file(*options); }; });
 }
 
 }  // namespace posemix

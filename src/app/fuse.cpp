@@ -2,10 +2,10 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include <memory>
 
+#include "command_files.hpp"
 #include "exit_codes.hpp"
-#include "mixture_verbs.hpp"
+#include "mixture_commands.hpp"
 #include "posemix/mixture/projected_operations.hpp"
-#include "verb_files.hpp"
 
 namespace posemix {
 namespace {
@@ -45,12 +45,13 @@ int fuse_files(const FuseOptions& options) {
     require_projected(inputs[i], "--pair-weight", options.weight.has_value());
     if (i == 0) continue;
     require_same_frames(result, inputs[i]);
-    AnyMixture product = with_one_law(result, inputs[i], [&](const auto& p, const auto& q) {
-      auto fusion = fused(p, q, settings);
-      log_evidence += fusion.log_evidence;
-      converged = converged && fusion.converged;
-      return std::move(fusion.mixture);
-    });
+    AnyMixture product =
+        with_one_distribution(result, inputs[i], [&](const auto& p, const auto& q) {
+          auto fusion = fused(p, q, settings);
+          log_evidence += fusion.log_evidence;
+          converged = converged && fusion.converged;
+          return std::move(fusion.mixture);
+        });
     result.file.mixture = std::move(product);
   }
   const std::size_t components =
@@ -64,11 +65,11 @@ int fuse_files(const FuseOptions& options) {
 
 }  // namespace
 
-void add_fuse_verb(CLI::App& program, std::function<int()>& action) {
+void add_fuse_command(CLI::App& program, std::function<int()>& action) {
   const auto options = std::make_shared<FuseOptions>();
-  CLI::App* verb =
+  CLI::App* command =
       program.add_subcommand("fuse", "The product of independent beliefs about one pose");
-  verb->footer(
+  command->footer(
       "All pairs of components, weighted by their overlap, so the numbers of components multiply.\n"
       "The log evidence, the log of the integral of the product over rad^3 m^3, tells how well\n"
       "the beliefs agree.\n"
@@ -76,19 +77,19 @@ void add_fuse_verb(CLI::App& program, std::function<int()>& action) {
       "Example: posemix fuse left.json right.json --out both.json\n"
       "         posemix fuse one.json two.json | posemix reduce - --to 5 | posemix fuse - "
       "three.json --json");
-  verb->add_option("files", options->files, "Mixture files; - is the standard input")
+  command->add_option("files", options->files, "Mixture files; - is the standard input")
       ->required()
       ->type_name("MIXTURE.json");
   add_choice<std::optional<FusionRule>, FusionRule>(
-      *verb, "--rule", options->rule,
+      *command, "--rule", options->rule,
       {{"mode", FusionRule::mode}, {"jacobian", FusionRule::jacobian}},
       "How projected components fuse; without it at the exact mode");
   add_choice<std::optional<PairWeight>, PairWeight>(
-      *verb, "--pair-weight", options->weight,
+      *command, "--pair-weight", options->weight,
       {{"overlap", PairWeight::overlap}, {"alpha_delta", PairWeight::alpha_delta}},
       "Weight of a pair of projected components; without it their overlap");
-  add_report_options(*verb, options->output);
-  verb->callback([options, &action] {
+  add_report_options(*command, options->output);
+  command->callback([options, &action] {
     if (options->files.size() < 2) {
       throw CLI::ValidationError("files", "got one mixture file, expected two or more");
     }

@@ -4,11 +4,11 @@
 
 #include <Eigen/Geometry>
 
+#include "command_files.hpp"
 #include "exit_codes.hpp"
-#include "mixture_verbs.hpp"
+#include "mixture_commands.hpp"
 #include "posemix/base/units.hpp"
 #include "posemix/grasp/success_probability.hpp"
-#include "verb_files.hpp"
 
 namespace posemix {
 namespace {
@@ -90,18 +90,20 @@ int grasp_in_box(const GraspOptions& options) {
   return kExitDone;
 }
 
-void add_box_options(CLI::App& verb, GraspOptions& options) {
-  verb.add_option("--rotation-deg", options.rotation_deg,
+void add_box_options(CLI::App& command, GraspOptions& options) {
+  command
+      .add_option("--rotation-deg", options.rotation_deg,
                   "Largest rotation about the axes of the grasp: one number, or x y z")
       ->required()
       ->expected(1, 3)
       ->type_name("DEG");
-  verb.add_option("--translation", options.translation,
+  command
+      .add_option("--translation", options.translation,
                   "Largest translation along the axes of the grasp [m]: one number, or x y z")
       ->required()
       ->expected(1, 3)
       ->type_name("M");
-  CLI::Option_group* where = verb.add_option_group("Pose of the grasp");
+  CLI::Option_group* where = command.add_option_group("Pose of the grasp");
   where->add_option("--pose", options.pose, "tx ty tz qx qy qz qw in the frame of the mixture")
       ->expected(kPoseNumbers)
       ->type_name("NUMBER");
@@ -111,10 +113,11 @@ void add_box_options(CLI::App& verb, GraspOptions& options) {
 
 }  // namespace
 
-void add_grasp_verb(CLI::App& program, std::function<int()>& action) {
+void add_grasp_command(CLI::App& program, std::function<int()>& action) {
   const auto options = std::make_shared<GraspOptions>();
-  CLI::App* verb = program.add_subcommand("grasp", "How likely a grasp succeeds, or the best one");
-  verb->footer(
+  CLI::App* command =
+      program.add_subcommand("grasp", "How likely a grasp succeeds, or the best one");
+  command->footer(
       "The probability that the pose lies in the box of poses that a grasp tolerates: rotations "
       "by\n"
       "up to so much about every axis of the grasp, translations by up to so much along it.\n"
@@ -122,18 +125,19 @@ void add_grasp_verb(CLI::App& program, std::function<int()>& action) {
       "Example: posemix grasp mug.json --rotation-deg 5 --translation 0.005 --best\n"
       "         posemix grasp mug.json --rotation-deg 5 5 20 --translation 0.01 \\\n"
       "           --pose 0 0 0.8 0 0 0 1 --json");
-  verb->add_option("file", options->file, "Mixture file; - is the standard input")
+  command->add_option("file", options->file, "Mixture file; - is the standard input")
       ->required()
       ->type_name("MIXTURE.json");
-  add_box_options(*verb, *options);
-  add_count_option(*verb, "--starts", options->starts, "Components from whose modes --best starts")
+  add_box_options(*command, *options);
+  add_count_option(*command, "--starts", options->starts,
+                   "Components from whose modes --best starts")
       ->capture_default_str();
-  add_count_option(*verb, "--points", options->points, "Points per component and replicate")
+  add_count_option(*command, "--points", options->points, "Points per component and replicate")
       ->capture_default_str();
-  add_seed_option(*verb, options->seed);
-  verb->add_flag("--json", options->json, "One line of JSON instead of a table");
-  add_out_option(*verb, options->output);
-  verb->callback([options, &action] {
+  add_seed_option(*command, options->seed);
+  command->add_flag("--json", options->json, "One line of JSON instead of a table");
+  add_out_option(*command, options->output);
+  command->callback([options, &action] {
     check_numbers(options->rotation_deg, "--rotation-deg");
     check_numbers(options->translation, "--translation");
     action = [options] { return grasp_in_box(*options); };

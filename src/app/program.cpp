@@ -18,7 +18,7 @@
 #include "exit_codes.hpp"
 #include "fetch/download.hpp"
 #include "interrupt.hpp"
-#include "mixture_verbs.hpp"
+#include "mixture_commands.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/io/output_folder.hpp"
 #include "report.hpp"
@@ -30,9 +30,10 @@
 namespace posemix {
 namespace {
 
-constexpr std::array kMixtureVerbs{add_fit_verb,        add_fuse_verb,    add_compose_verb,
-                                   add_reduce_verb,     add_sample_verb,  add_density_verb,
-                                   add_divergence_verb, add_convert_verb, add_grasp_verb};
+constexpr std::array kMixtureCommands{
+    add_fit_command,        add_fuse_command,    add_compose_command,
+    add_reduce_command,     add_sample_command,  add_density_command,
+    add_divergence_command, add_convert_command, add_grasp_command};
 
 int fail(std::string_view message, int exit_code) {
   const std::string line = fmt::format("posemix: error: {}\n", message);
@@ -40,7 +41,7 @@ int fail(std::string_view message, int exit_code) {
   return exit_code;
 }
 
-/// Runs a verb.
+/// Runs a command.
 int guarded(const std::function<int()>& action) {
   try {
     return action();
@@ -65,7 +66,7 @@ void describe(CLI::App& program) {
   program.name("posemix");
   program.require_subcommand(1);
   program.get_formatter()->label("SUBCOMMAND", "VERB");
-  program.get_formatter()->label("Subcommands", "Verbs");
+  program.get_formatter()->label("Subcommands", "Commands");
   program.set_version_flag("--version", "posemix " POSEMIX_VERSION);
   program.footer(
       "Exit codes: 0 done, 1 internal error, 2 wrong usage, 3 bad input file or value,\n"
@@ -77,7 +78,7 @@ void describe(CLI::App& program) {
       "         posemix report out/results --open\n"
       "         posemix compose a.json b.json | posemix reduce - --to 5 | posemix sample - -n 100\n"
       "\n"
-      "`posemix VERB --help` describes a verb.");
+      "`posemix VERB --help` describes a command.");
 }
 
 /// Answers --help and --version, and reports mistakes in the command line.
@@ -91,9 +92,9 @@ int answer(const CLI::App& program, const CLI::ParseError& reason) {
     });
   }
   std::string command = "posemix";
-  for (auto verbs = program.get_subcommands(); !verbs.empty();
-       verbs = verbs[0]->get_subcommands()) {
-    command += " " + verbs[0]->get_name();
+  for (auto commands = program.get_subcommands(); !commands.empty();
+       commands = commands[0]->get_subcommands()) {
+    command += " " + commands[0]->get_name();
   }
   return fail(fmt::format("{}; see `{} --help`", reason.what(), command), kExitUsage);
 }
@@ -108,12 +109,12 @@ int run_program(int argc, const char* const* argv) {
   std::function<int()> action;
   try {
     describe(program);
-    add_slam_verb(program, action);
-    add_simulate_verb(program, action);
-    add_study_verb(program, action);
-    add_report_verb(program, action);
-    add_data_verb(program, action);
-    for (const auto& add : kMixtureVerbs) add(program, action);
+    add_slam_command(program, action);
+    add_simulate_command(program, action);
+    add_study_command(program, action);
+    add_report_command(program, action);
+    add_data_command(program, action);
+    for (const auto& add : kMixtureCommands) add(program, action);
     program.parse(argc, argv);
   } catch (const CLI::ParseError& reason) {
     return answer(program, reason);

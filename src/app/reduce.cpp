@@ -2,10 +2,10 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include <memory>
 
+#include "command_files.hpp"
 #include "exit_codes.hpp"
-#include "mixture_verbs.hpp"
+#include "mixture_commands.hpp"
 #include "posemix/reduction/reduce.hpp"
-#include "verb_files.hpp"
 
 namespace posemix {
 namespace {
@@ -75,8 +75,8 @@ int reduce_file(const ReduceOptions& options) {
   return kExitDone;
 }
 
-void add_rule_options(CLI::App& verb, ReduceOptions& options) {
-  add_choice<PairRule, PairRule>(verb, "--pair", options.pair,
+void add_rule_options(CLI::App& command, ReduceOptions& options) {
+  add_choice<PairRule, PairRule>(command, "--pair", options.pair,
                                  {{"weighted_symmetric_kl", PairRule::weighted_symmetric_kl},
                                   {"symmetric_kl", PairRule::symmetric_kl},
                                   {"runnalls", PairRule::runnalls},
@@ -84,14 +84,14 @@ void add_rule_options(CLI::App& verb, ReduceOptions& options) {
                                   {"most_distant", PairRule::most_distant}},
                                  "Which two are merged next")
       ->default_str("weighted_symmetric_kl");
-  add_choice<DistanceMetric, DistanceMetric>(verb, "--distance", options.distance,
+  add_choice<DistanceMetric, DistanceMetric>(command, "--distance", options.distance,
                                              {{"tangent_norm", DistanceMetric::tangent_norm},
                                               {"rotation", DistanceMetric::rotation},
                                               {"translation", DistanceMetric::translation},
                                               {"mahalanobis", DistanceMetric::mahalanobis}},
                                              "What distant means, for --pair most_distant")
       ->default_str("tangent_norm");
-  add_choice<MergeRule, MergeRule>(verb, "--merge", options.merge,
+  add_choice<MergeRule, MergeRule>(command, "--merge", options.merge,
                                    {{"moment_matched", MergeRule::moment_matched},
                                     {"midway", MergeRule::midway},
                                     {"tangent_of_larger", MergeRule::tangent_of_larger}},
@@ -101,10 +101,10 @@ void add_rule_options(CLI::App& verb, ReduceOptions& options) {
 
 }  // namespace
 
-void add_reduce_verb(CLI::App& program, std::function<int()>& action) {
+void add_reduce_command(CLI::App& program, std::function<int()>& action) {
   const auto options = std::make_shared<ReduceOptions>();
-  CLI::App* verb = program.add_subcommand("reduce", "A mixture with fewer components");
-  verb->footer(
+  CLI::App* command = program.add_subcommand("reduce", "A mixture with fewer components");
+  command->footer(
       "Drops what --drop-below and --drop say, then merges pair after pair until --to are left.\n"
       "Reports the divergence D(before || after) measured by quasi-Monte Carlo, and bounds: on "
       "the\n"
@@ -114,24 +114,24 @@ void add_reduce_verb(CLI::App& program, std::function<int()>& action) {
       "Example: posemix reduce mug.json --drop-below 1e-4 --to 10 --out fewer.json\n"
       "         posemix fuse a.json b.json | posemix reduce - --to 5 --pair runnalls --merge "
       "midway");
-  verb->add_option("file", options->file, "Mixture file; - is the standard input")
+  command->add_option("file", options->file, "Mixture file; - is the standard input")
       ->required()
       ->type_name("MIXTURE.json");
-  verb->add_option("--to", options->to, "Components to merge down to; without it none is merged")
+  command->add_option("--to", options->to, "Components to merge down to; without it none is merged")
       ->check(CLI::Range(std::size_t{1}, kMostComponents))
       ->type_name("N");
-  verb->add_option("--drop-below", options->drop_below, "Components of less weight are dropped")
+  command->add_option("--drop-below", options->drop_below, "Components of less weight are dropped")
       ->check(CLI::Range(0.0, 0.999999))
       ->type_name("WEIGHT");
-  add_count_option(*verb, "--drop", options->drop, "So many of the lightest are dropped");
-  add_rule_options(*verb, *options);
-  verb->add_option("--samples", options->samples, "Points for the measured divergence")
+  add_count_option(*command, "--drop", options->drop, "So many of the lightest are dropped");
+  add_rule_options(*command, *options);
+  command->add_option("--samples", options->samples, "Points for the measured divergence")
       ->check(CLI::Range(std::size_t{1024}, std::size_t{1} << 30))
       ->type_name("N")
       ->capture_default_str();
-  add_seed_option(*verb, options->seed);
-  add_report_options(*verb, options->output);
-  verb->callback([options, &action] { action = [options] { return reduce_file(*options); }; });
+  add_seed_option(*command, options->seed);
+  add_report_options(*command, options->output);
+  command->callback([options, &action] { action = [options] { return reduce_file(*options); }; });
 }
 
 }  // namespace posemix

@@ -79,7 +79,7 @@ void open_in_browser(const fs::path& path) {
   }
 }
 
-int report_verb(const ReportVerbOptions& options) {
+int report_command(const ReportVerbOptions& options) {
   const InterruptGuard guard;
   ReportOptions report{.out = options.out, .title = options.title};
   const double unit_m = options.mesh_unit == "mm" ? 1e-3 : 1.0;
@@ -114,29 +114,33 @@ std::string file_url(const fs::path& path) {
   return url;
 }
 
-void add_report_verb(CLI::App& program, std::function<int()>& action) {
+void add_report_command(CLI::App& program, std::function<int()>& action) {
   const auto options = std::make_shared<ReportVerbOptions>();
-  CLI::App* verb = program.add_subcommand("report", "Results as one HTML page for a browser");
-  verb->footer(
+  CLI::App* command = program.add_subcommand("report", "Results as one HTML page for a browser");
+  command->footer(
       "RESULTS is a folder that posemix slam or posemix study wrote, a folder of mixture files,\n"
       "or one mixture file. The page is one file that needs neither a network nor a server.\n"
       "\n"
       "Example: posemix report out/0036 --mesh mug=models/obj_000014.ply --mesh-unit mm --open");
-  verb->add_option("results", options->results, "What to show")->required()->type_name("RESULTS");
-  verb->add_option("--out", options->out, "Where to write it; without it report.html in the folder")
+  command->add_option("results", options->results, "What to show")
+      ->required()
+      ->type_name("RESULTS");
+  command
+      ->add_option("--out", options->out, "Where to write it; without it report.html in the folder")
       ->type_name("FILE.html");
   CLI::Option* const unit =
-      verb->add_option("--mesh-unit", options->mesh_unit, "Unit of all meshes (BOP: mm)")
+      command->add_option("--mesh-unit", options->mesh_unit, "Unit of all meshes (BOP: mm)")
           ->check(CLI::IsMember({"m", "mm"}))
           ->type_name("m|mm");
-  verb->add_option("--mesh", options->meshes, "Mesh of an object, with --mesh-unit; repeatable")
+  command->add_option("--mesh", options->meshes, "Mesh of an object, with --mesh-unit; repeatable")
       ->type_name("ID=FILE.ply")
       ->allow_extra_args(false)
       ->needs(unit);
-  verb->add_option("--title", options->title, "Title of the page")->type_name("TEXT");
-  verb->add_flag("--open", options->open, "Open it with xdg-open");
-  verb->add_flag("--quiet", options->quiet, "Print nothing");
-  verb->callback([options, &action] { action = [options] { return report_verb(*options); }; });
+  command->add_option("--title", options->title, "Title of the page")->type_name("TEXT");
+  command->add_flag("--open", options->open, "Open it with xdg-open");
+  command->add_flag("--quiet", options->quiet, "Print nothing");
+  command->callback(
+      [options, &action] { action = [options] { return report_command(*options); }; });
 }
 
 }  // namespace posemix

@@ -16,9 +16,9 @@ namespace posemix {
 
 class InterruptGuard;
 
-/// Adds the verb `report` to the program. When it is on the command line, parsing sets `action` to
-/// what it does; the result of `action` is the exit code.
-void add_report_verb(CLI::App& program, std::function<int()>& action);
+/// Adds the command `report` to the program. When it is on the command line, parsing sets `action`
+/// to what it does; the result of `action` is the exit code.
+void add_report_command(CLI::App& program, std::function<int()>& action);
 
 /// write_report with a progress bar where `shown`, until a signal.
 std::filesystem::path write_report_shown(const std::filesystem::path& results,

@@ -2,9 +2,9 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include <memory>
 
+#include "command_files.hpp"
 #include "exit_codes.hpp"
-#include "mixture_verbs.hpp"
-#include "verb_files.hpp"
+#include "mixture_commands.hpp"
 
 namespace posemix {
 namespace {
@@ -53,28 +53,30 @@ int sample_file(const SampleOptions& options) {
 
 }  // namespace
 
-void add_sample_verb(CLI::App& program, std::function<int()>& action) {
+void add_sample_command(CLI::App& program, std::function<int()>& action) {
   const auto options = std::make_shared<SampleOptions>();
-  CLI::App* verb = program.add_subcommand("sample", "Draw poses from a mixture");
-  verb->footer(
+  CLI::App* command = program.add_subcommand("sample", "Draw poses from a mixture");
+  command->footer(
       "The same seed gives the same poses. Without --format and a name that says it, CSV.\n"
       "\n"
       "Example: posemix sample mug.json -n 1000 --seed 1 --out samples.npy\n"
       "         posemix compose a.json b.json | posemix reduce - --to 5 | posemix sample - -n 100");
-  verb->add_option("file", options->file, "Mixture file; - is the standard input")
+  command->add_option("file", options->file, "Mixture file; - is the standard input")
       ->required()
       ->type_name("MIXTURE.json");
-  add_count_option(*verb, "-n,--count", options->count, "How many")->required();
-  add_seed_option(*verb, options->seed);
+  add_count_option(*command, "-n,--count", options->count, "How many")->required();
+  add_seed_option(*command, options->seed);
   CLI::Option* projection =
-      verb->add_flag("--by-projection", options->by_projection,
-                     "Project Gaussian draws from the tangent space, as the MPG paper does: not "
-                     "the law of the density");
-  verb->add_flag("--exact", options->exact, "Draw from the law itself (this is the default)")
+      command->add_flag("--by-projection", options->by_projection,
+                        "Project Gaussian draws from the tangent space, as the MPG paper does: not "
+                        "the distribution of the density");
+  command
+      ->add_flag("--exact", options->exact,
+                 "Draw from the distribution itself (this is the default)")
       ->excludes(projection);
-  add_format_option(*verb, options->format);
-  add_out_option(*verb, options->output);
-  verb->callback([options, &action] { action = [options] { return sample_file(*options); }; });
+  add_format_option(*command, options->format);
+  add_out_option(*command, options->output);
+  command->callback([options, &action] { action = [options] { return sample_file(*options); }; });
 }
 
 }  // namespace posemix

@@ -10,12 +10,12 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include "command_options.hpp"
 #include "exit_codes.hpp"
 #include "interrupt.hpp"
 #include "posemix/io/output_folder.hpp"
 #include "posemix/results/simulation_folder.hpp"
 #include "summary.hpp"
-#include "verb_options.hpp"
 
 namespace posemix {
 namespace {
@@ -50,24 +50,27 @@ int simulate_to_folder(const SimulateOptions& options) {
 
 }  // namespace
 
-void add_simulate_verb(CLI::App& program, std::function<int()>& action) {
+void add_simulate_command(CLI::App& program, std::function<int()>& action) {
   const auto options = std::make_shared<SimulateOptions>();
-  CLI::App* verb = program.add_subcommand("simulate", "Write a simulated recording");
-  verb->footer(
+  CLI::App* command = program.add_subcommand("simulate", "Write a simulated recording");
+  command->footer(
       "Writes DIR/sequence.toml, which `posemix slam` reads, and the files that it names.\n"
       "The same seed gives the same bytes on any machine.\n"
       "\n"
       "Example: posemix simulate configs/demo.toml --seed 1 --out build/sequence");
-  verb->add_option("config", options->config, "What to simulate (TOML; see docs/simulation.md)")
+  command->add_option("config", options->config, "What to simulate (TOML; see docs/simulation.md)")
       ->required()
       ->type_name("CONFIG.toml");
-  add_seed_option(*verb, options->seed);
-  verb->add_option("--out", options->out, "Folder for the recording")->required()->type_name("DIR");
-  verb->add_option("--set", options->overrides, "Override a key of the configuration; repeatable")
+  add_seed_option(*command, options->seed);
+  command->add_option("--out", options->out, "Folder for the recording")
+      ->required()
+      ->type_name("DIR");
+  command
+      ->add_option("--set", options->overrides, "Override a key of the configuration; repeatable")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
-  verb->add_flag("--quiet", options->quiet, "Print nothing");
-  verb->callback(
+  command->add_flag("--quiet", options->quiet, "Print nothing");
+  command->callback(
       [options, &action] { action = [options] { return simulate_to_folder(*options); }; });
 }
 

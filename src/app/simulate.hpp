@@ -10,8 +10,8 @@ class App;
 
 namespace posemix {
 
-/// Adds the verb `simulate` to the program. When it is on the command line, parsing sets `action`
-/// to what it does; the result of `action` is the exit code.
-void add_simulate_verb(CLI::App& program, std::function<int()>& action);
+/// Adds the command `simulate` to the program. When it is on the command line, parsing sets
+/// `action` to what it does; the result of `action` is the exit code.
+void add_simulate_command(CLI::App& program, std::function<int()>& action);
 
 }  // namespace posemix

@@ -94,10 +94,10 @@ int slam_to_folder(const SlamOptions& options) {
 
 }  // namespace
 
-void add_slam_verb(CLI::App& program, std::function<int()>& action) {
+void add_slam_command(CLI::App& program, std::function<int()>& action) {
   const auto options = std::make_shared<SlamOptions>();
-  CLI::App* verb = program.add_subcommand("slam", "Camera and objects from recorded detections");
-  verb->footer(
+  CLI::App* command = program.add_subcommand("slam", "Camera and objects from recorded detections");
+  command->footer(
       "Writes into DIR: camera.tum, object_<id>.tum, relative_<id>.tum, metrics.json,\n"
       "posterior.json, trace.json and picture.svg. The folder appears when all is done.\n"
       "\n"
@@ -106,26 +106,32 @@ void add_slam_verb(CLI::App& program, std::function<int()>& action) {
       "\n"
       "Example: posemix slam configs/ycbv-dope.toml --set object=004_sugar_box_16k \\\n"
       "           --set sequence=0036 --set filter.max_components=6 --out out/0036");
-  verb->add_option("sequence", options->sequence,
+  command
+      ->add_option("sequence", options->sequence,
                    "The recording and the settings (TOML; see docs/formats.md)")
       ->required()
       ->type_name("SEQUENCE.toml");
-  verb->add_option("--data", options->data, "Folder below which the recording's files lie")
+  command->add_option("--data", options->data, "Folder below which the recording's files lie")
       ->type_name("DIR");
-  verb->add_option("--set", options->overrides, "Override a key of the sequence file; repeatable")
+  command
+      ->add_option("--set", options->overrides, "Override a key of the sequence file; repeatable")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
-  CLI::Option* const smooth = verb->add_flag(
+  CLI::Option* const smooth = command->add_flag(
       "--smooth", options->smooth, "Estimates from the whole recording (filter.smooth = \"full\")");
-  verb->add_option("--smooth-lag", options->smooth_lag,
+  command
+      ->add_option("--smooth-lag", options->smooth_lag,
                    "Estimates from N frames more (filter.smooth = \"fixed_lag\")")
       ->type_name("N")
       ->excludes(smooth);
-  verb->add_option("--out", options->out, "Folder for the results")->required()->type_name("DIR");
-  verb->add_flag("--report", options->report, "Write DIR/report.html too (see posemix report)");
-  verb->add_flag("--json", options->json, "Print metrics.json instead of a table");
-  verb->add_flag("--quiet", options->quiet, "Print neither progress nor table");
-  verb->callback([options, &action] { action = [options] { return slam_to_folder(*options); }; });
+  command->add_option("--out", options->out, "Folder for the results")
+      ->required()
+      ->type_name("DIR");
+  command->add_flag("--report", options->report, "Write DIR/report.html too (see posemix report)");
+  command->add_flag("--json", options->json, "Print metrics.json instead of a table");
+  command->add_flag("--quiet", options->quiet, "Print neither progress nor table");
+  command->callback(
+      [options, &action] { action = [options] { return slam_to_folder(*options); }; });
 }
 
 }  // namespace posemix

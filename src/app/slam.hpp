@@ -10,8 +10,8 @@ class App;
 
 namespace posemix {
 
-/// Adds the verb `slam` to the program. When it is on the command line, parsing sets `action` to
+/// Adds the command `slam` to the program. When it is on the command line, parsing sets `action` to
 /// what it does; the result of `action` is the exit code.
-void add_slam_verb(CLI::App& program, std::function<int()>& action);
+void add_slam_command(CLI::App& program, std::function<int()>& action);
 
 }  // namespace posemix

@@ -48,7 +48,7 @@ struct StudyOptions {
 };
 
 /// A study that the program knows.
-struct StudyVerb {
+struct StudyCommand {
   const char* name;
   const char* description;
   const char* example;
@@ -62,59 +62,61 @@ fs::path data_folder(const StudyOptions& options) {
 }
 
 const std::array kStudies{
-    StudyVerb{"divergence", "What merging two components on SO(3) loses, by rule and distance",
-              "posemix study divergence --out out/divergence", false, false,
-              [](const TomlTable& table, const StudyOptions&) {
-                return make_divergence_study(read_divergence_settings(table));
-              }},
-    StudyVerb{"monte-carlo", "Filters on a simulated recording with odometry of growing noise",
-              "posemix study monte-carlo --set runs=400 --set 'methods=[\"midway\",\"iterated\"]' "
-              "--out out/mc\n         mpirun -n 4 posemix study monte-carlo --out out/mc",
-              false, false,
-              [](const TomlTable& table, const StudyOptions&) {
-                return make_monte_carlo_study(read_monte_carlo_settings(table));
-              }},
-    StudyVerb{"ycbv", "Filters on every recording of the data folder",
-              "posemix study ycbv --set 'sequences=[\"0022\"]' --out out/ycbv", true, false,
-              [](const TomlTable& table, const StudyOptions& options) {
-                YcbvStudySettings settings = read_ycbv_settings(table);
-                settings.data = data_folder(options);
-                return make_ycbv_study(settings);
-              }},
-    StudyVerb{"noise", "A detector's errors against ground truth, and a noise model for them",
-              "posemix study noise --out out/noise", true, false,
-              [](const TomlTable& table, const StudyOptions& options) {
-                const NoiseStudySettings settings = read_noise_settings(table);
-                return make_noise_study(read_noise_data(settings, options.data), settings);
-              }},
-    StudyVerb{"grasp", "Success of grasps, predicted from what several pose estimators say",
-              "posemix study grasp --data scenes --train other-scenes --out out/grasp", true, true,
-              [](const TomlTable& table, const StudyOptions& options) {
-                std::optional<GraspOutcomes> train;
-                if (options.train) train = read_grasp_outcomes(*options.train);
-                return make_grasp_study(read_grasp_outcomes(data_folder(options)), train,
-                                        read_grasp_settings(table));
-              }},
-    StudyVerb{"salt-box",
-              "The pose of a box from three features, as mixtures of projected Gaussians",
-              "posemix study salt-box --out out/salt-box", false, false,
-              [](const TomlTable& table, const StudyOptions&) {
-                return make_salt_box_study(read_salt_box_settings(table));
-              }},
-    StudyVerb{"tless", "Several equal and symmetric objects, by detections that name a class",
-              "posemix study tless --set 'scenes=[2, 4]' --out out/tless", true, false,
-              [](const TomlTable& table, const StudyOptions& options) {
-                TlessStudySettings settings = read_tless_settings(table);
-                settings.data = data_folder(options);
-                return make_tless_study(settings);
-              }}};
+    StudyCommand{"divergence", "What merging two components on SO(3) loses, by rule and distance",
+                 "posemix study divergence --out out/divergence", false, false,
+                 [](const TomlTable& table, const StudyOptions&) {
+                   return make_divergence_study(read_divergence_settings(table));
+                 }},
+    StudyCommand{
+        "monte-carlo", "Filters on a simulated recording with odometry of growing noise",
+        "posemix study monte-carlo --set runs=400 --set 'methods=[\"midway\",\"iterated\"]' "
+        "--out out/mc\n         mpirun -n 4 posemix study monte-carlo --out out/mc",
+        false, false,
+        [](const TomlTable& table, const StudyOptions&) {
+          return make_monte_carlo_study(read_monte_carlo_settings(table));
+        }},
+    StudyCommand{"ycbv", "Filters on every recording of the data folder",
+                 "posemix study ycbv --set 'sequences=[\"0022\"]' --out out/ycbv", true, false,
+                 [](const TomlTable& table, const StudyOptions& options) {
+                   YcbvStudySettings settings = read_ycbv_settings(table);
+                   settings.data = data_folder(options);
+                   return make_ycbv_study(settings);
+                 }},
+    StudyCommand{"noise", "A detector's errors against ground truth, and a noise model for them",
+                 "posemix study noise --out out/noise", true, false,
+                 [](const TomlTable& table, const StudyOptions& options) {
+                   const NoiseStudySettings settings = read_noise_settings(table);
+                   return make_noise_study(read_noise_data(settings, options.data), settings);
+                 }},
+    StudyCommand{"grasp", "Success of grasps, predicted from what several pose estimators say",
+                 "posemix study grasp --data scenes --train other-scenes --out out/grasp", true,
+                 true,
+                 [](const TomlTable& table, const StudyOptions& options) {
+                   std::optional<GraspOutcomes> train;
+                   if (options.train) train = read_grasp_outcomes(*options.train);
+                   return make_grasp_study(read_grasp_outcomes(data_folder(options)), train,
+                                           read_grasp_settings(table));
+                 }},
+    StudyCommand{"salt-box",
+                 "The pose of a box from three features, as mixtures of projected Gaussians",
+                 "posemix study salt-box --out out/salt-box", false, false,
+                 [](const TomlTable& table, const StudyOptions&) {
+                   return make_salt_box_study(read_salt_box_settings(table));
+                 }},
+    StudyCommand{"tless", "Several equal and symmetric objects, by detections that name a class",
+                 "posemix study tless --set 'scenes=[2, 4]' --out out/tless", true, false,
+                 [](const TomlTable& table, const StudyOptions& options) {
+                   TlessStudySettings settings = read_tless_settings(table);
+                   settings.data = data_folder(options);
+                   return make_tless_study(settings);
+                 }}};
 
-Study read_study(const StudyVerb& verb, const StudyOptions& options) {
+Study read_study(const StudyCommand& command, const StudyOptions& options) {
   TomlDocument document = options.settings ? TomlDocument::load(*options.settings)
-                                           : TomlDocument::parse("schema = 1\n", verb.name);
+                                           : TomlDocument::parse("schema = 1\n", command.name);
   for (const std::string& assignment : options.overrides) document.apply_override(assignment);
   document.root().get_integer_or("schema", 1, {.lowest = 1, .highest = 1});
-  Study study = verb.make(document.root(), options);
+  Study study = command.make(document.root(), options);
   document.finish();
   return study;
 }
@@ -145,7 +147,7 @@ void write_report(const StudyReport& report, const StudyOptions& options) {
   }
 }
 
-int run_verb(const StudyVerb& verb, const StudyOptions& options) {
+int run_command(const StudyCommand& command, const StudyOptions& options) {
   const InterruptGuard guard;
   Ranks ranks;
   const bool leads = ranks.rank() == 0;
@@ -153,7 +155,7 @@ int run_verb(const StudyVerb& verb, const StudyOptions& options) {
   ProgressReport progress(leads && !options.quiet, "items", ranks.size() > 1);
   const auto make = [&] {
     if (leads) check_output(options.out, journal);
-    return read_study(verb, options);
+    return read_study(command, options);
   };
   const auto go_on = [&](std::size_t done, std::size_t items) {
     progress.update(done, items);
@@ -174,38 +176,41 @@ int run_verb(const StudyVerb& verb, const StudyOptions& options) {
   return kExitDone;
 }
 
-void add_options(CLI::App& verb, const std::shared_ptr<StudyOptions>& options,
-                 const StudyVerb& known) {
-  verb.add_option("settings", options->settings, "Settings (TOML; see docs/studies.md)")
+void add_options(CLI::App& command, const std::shared_ptr<StudyOptions>& options,
+                 const StudyCommand& known) {
+  command.add_option("settings", options->settings, "Settings (TOML; see docs/studies.md)")
       ->type_name("SETTINGS.toml");
-  verb.add_option("--set", options->overrides, "Override a key of the settings; repeatable")
+  command.add_option("--set", options->overrides, "Override a key of the settings; repeatable")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
   if (known.reads_data) {
-    verb.add_option(
+    command
+        .add_option(
             "--data", options->data,
             "Folder of the recordings; without it $POSEMIX_DATA, or the cache of `posemix data`")
         ->type_name("DIR");
   }
   if (known.learns) {
-    verb.add_option("--train", options->train,
+    command
+        .add_option("--train", options->train,
                     "Learn from this folder and predict all of --data; without it, from the rest "
                     "of --data")
         ->type_name("DIR");
   }
-  verb.add_option("--out", options->out, "Folder for the results")->required()->type_name("DIR");
-  verb.add_option("--threads", options->threads,
+  command.add_option("--out", options->out, "Folder for the results")->required()->type_name("DIR");
+  command
+      .add_option("--threads", options->threads,
                   "Threads of this process; without it the cores, shared among the host's ranks")
       ->check(CLI::Range(1, 4096))
       ->type_name("N");
-  verb.add_flag("--resume", options->resume, "Continue an interrupted study from DIR.journal");
-  verb.add_flag("--json", options->json, "Print study.json instead of a table");
-  verb.add_flag("--quiet", options->quiet, "Print neither progress nor table");
+  command.add_flag("--resume", options->resume, "Continue an interrupted study from DIR.journal");
+  command.add_flag("--json", options->json, "Print study.json instead of a table");
+  command.add_flag("--quiet", options->quiet, "Print neither progress nor table");
 }
 
 }  // namespace
 
-void add_study_verb(CLI::App& program, std::function<int()>& action) {
+void add_study_command(CLI::App& program, std::function<int()>& action) {
   CLI::App* study = program.add_subcommand("study", "Experiments, on all cores or over MPI");
   study->require_subcommand(1);
   study->footer(
@@ -214,18 +219,18 @@ void add_study_verb(CLI::App& program, std::function<int()>& action) {
       "`posemix study STUDY --help` describes a study.");
   study->get_formatter()->label("SUBCOMMAND", "STUDY");
   study->get_formatter()->label("Subcommands", "Studies");
-  for (const StudyVerb& known : kStudies) {
+  for (const StudyCommand& known : kStudies) {
     const auto options = std::make_shared<StudyOptions>();
-    CLI::App* verb = study->add_subcommand(known.name, known.description);
-    verb->footer(fmt::format(
+    CLI::App* command = study->add_subcommand(known.name, known.description);
+    command->footer(fmt::format(
         "Writes study.json, tables (CSV) and figures (SVG) into DIR when all is done. What is\n"
         "finished is kept in DIR.journal until then.\n"
         "\n"
         "Example: {}",
         known.example));
-    add_options(*verb, options, known);
-    verb->callback([options, &action, &known] {
-      action = [options, &known] { return run_verb(known, *options); };
+    add_options(*command, options, known);
+    command->callback([options, &action, &known] {
+      action = [options, &known] { return run_command(known, *options); };
     });
   }
 }

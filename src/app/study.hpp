@@ -10,8 +10,9 @@ class App;
 
 namespace posemix {
 
-/// Adds the verb `study`, with one verb of its own per study, to the program. When one is on the
-/// command line, parsing sets `action` to what it does; the result of `action` is the exit code.
-void add_study_verb(CLI::App& program, std::function<int()>& action);
+/// Adds the command `study`, with one command of its own per study, to the program. When one is on
+/// the command line, parsing sets `action` to what it does; the result of `action` is the exit
+/// code.
+void add_study_command(CLI::App& program, std::function<int()>& action);
 
 }  // namespace posemix

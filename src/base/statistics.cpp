@@ -44,8 +44,9 @@ double median(std::span<const double> values) {
 
 std::pair<double, double> chi_square_band(std::size_t count, std::size_t dof) {
   const auto n = static_cast<double>(count * dof);
-  const boost::math::chi_squared law(n);
-  return {boost::math::quantile(law, 0.025) / n, boost::math::quantile(law, 0.975) / n};
+  const boost::math::chi_squared distribution(n);
+  return {boost::math::quantile(distribution, 0.025) / n,
+          boost::math::quantile(distribution, 0.975) / n};
 }
 
 PairedTest paired_test(std::span<const double> a, std::span<const double> b) {
@@ -57,10 +58,10 @@ PairedTest paired_test(std::span<const double> a, std::span<const double> b) {
   if (difference.standard_error == 0.0) {
     return {difference.mean, 0.0, difference.mean == 0.0 ? 1.0 : 0.0};
   }
-  const boost::math::students_t law(static_cast<double>(differences.size()) - 1.0);
+  const boost::math::students_t distribution(static_cast<double>(differences.size()) - 1.0);
   const double t = std::abs(difference.mean) / difference.standard_error;
   return {difference.mean, difference.standard_error,
-          2.0 * boost::math::cdf(boost::math::complement(law, t))};
+          2.0 * boost::math::cdf(boost::math::complement(distribution, t))};
 }
 
 }  // namespace posemix

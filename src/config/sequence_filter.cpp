@@ -127,8 +127,8 @@ void refuse_smoothing(const TomlTable& filter) {
   }
 }
 
-FilterSettings read_gaussian_sum(const TomlTable& filter, FilterMethod method) {
-  FilterSettings settings;
+GaussianSumSettings read_gaussian_sum(const TomlTable& filter, FilterMethod method) {
+  GaussianSumSettings settings;
   settings.noise_use = filter.get_enum_or<NoiseUse>("noise_use", settings.noise_use,
                                                     {{"per_object", NoiseUse::per_object},
                                                      {"joint", NoiseUse::joint},

@@ -34,7 +34,7 @@ MultiObjectSettings read_multi_object(const TomlTable& filter) {
   number("merge_translation_m", s.merge_translation_m, kZeroOrMore);
   number("merge_probability", s.merge_probability, kProbability);
   number("leader_margin", s.leader_margin, kZeroOrMore);
-  number("camera_share", s.camera_share, kPart);
+  number("odometry_camera_fraction", s.odometry_camera_fraction, kPart);
   number("camera_gain_noise", s.camera_gain_noise, kOneOrMore);
   if (filter.get_enum_or<bool>("camera", false, {{"estimated", false}, {"considered", true}}))
     s.camera_gain_noise = std::numeric_limits<double>::infinity();
@@ -43,9 +43,9 @@ MultiObjectSettings read_multi_object(const TomlTable& filter) {
          {.lowest = 0, .highest = 1, .without_lowest = true});
   number("correlation_s", s.correlation_s, kZeroOrMore);
   number("correlation_detections", s.correlation_detections, kZeroOrMore);
-  number("common_error_share", s.common_error_share,
+  number("bias_variance_fraction", s.bias_variance_fraction,
          {.lowest = 0, .highest = 1, .without_highest = true});
-  number("dependent_answers", s.dependent_answers, kPositive);
+  number("mode_correlation_factor", s.mode_correlation_factor, kPositive);
   return s;
 }
 

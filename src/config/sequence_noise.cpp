@@ -53,13 +53,13 @@ NoiseComponent read_component(const TomlTable& table) {
   return component;
 }
 
-NullNoise read_null(const TomlTable& model) {
-  NullNoise null;
-  const auto table = model.find_table("null");
-  if (!table) return null;
-  null.weight = table->get_double("weight", kShare);
-  null.volume_m3 = table->get_double_or("volume_m3", null.volume_m3, kShare);
-  return null;
+Clutter read_clutter(const TomlTable& model) {
+  Clutter clutter;
+  const auto table = model.find_table("clutter");
+  if (!table) return clutter;
+  clutter.weight = table->get_double("weight", kShare);
+  clutter.volume_m3 = table->get_double_or("volume_m3", clutter.volume_m3, kShare);
+  return clutter;
 }
 
 NoiseDependence read_dependence(const TomlTable& model, NoiseFrame frame) {
@@ -108,10 +108,11 @@ DetectorNoise read_detector_noise(const TomlTable& model) {
   for (const TomlTable& component : model.get_tables("components")) {
     components.push_back(read_component(component));
   }
-  const NullNoise null = read_null(model);
+  const Clutter clutter = read_clutter(model);
   const NoiseDependence dependence = read_dependence(
       model, components.empty() ? NoiseComponent{}.frame : components.front().frame);
-  return located(model, "components", [&] { return DetectorNoise(components, null, dependence); });
+  return located(model, "components",
+                 [&] { return DetectorNoise(components, clutter, dependence); });
 }
 
 std::map<std::string, DetectorNoise> read_noise_models(const TomlTable& root) {

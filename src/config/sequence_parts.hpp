@@ -174,7 +174,7 @@ struct MethodSettings {
   FilterMethod method = FilterMethod::multi_object;
   MultiObjectSettings multi_object;
   std::optional<SmoothingSettings> smoothing;
-  FilterSettings filter;
+  GaussianSumSettings filter;
   ParticleFilterSettings particles;  ///< of FilterMethod::rbpf; motion as by default
 };
 

@@ -21,16 +21,16 @@ struct WeightedElements {
 };
 
 /// The elements at the points z of a standard Gaussian, for the third-degree rule under the
-/// Gaussian in the tangent space, else under the Gaussian with the moments of the law.
+/// Gaussian in the tangent space, else under the Gaussian with the moments of the distribution.
 template <RotationOrPose G>
 class PointMap {
  public:
   PointMap(const ProjectedGaussian<G>& density, CompositionRule rule)
       : density_(&density), mean_(density.tangent_mean()), factor_(density.covariance().llt()) {
     if (rule == CompositionRule::third_degree_cubature) return;
-    const LawMoments<G> law = law_moments(density);
-    mean_ = law.mean;
-    factor_.compute(law.covariance);
+    const DistributionMoments<G> distribution = moments_of(density);
+    mean_ = distribution.mean;
+    factor_.compute(distribution.covariance);
   }
 
   template <class Z>
@@ -124,7 +124,7 @@ std::optional<ProjectedGaussian<G>> density_of(const ChartMoments<G>& moments,
     mean.template head<3>().setZero();
     return ProjectedGaussian<G>::trusted(moments.tangent_point, mean, moments.covariance);
   }
-  return with_law_moments<G>(moments.tangent_point, moments.mean, moments.covariance);
+  return with_moments<G>(moments.tangent_point, moments.mean, moments.covariance);
 }
 
 /// The density of a function: by the rule asked for, or where that fails by the one of degree
@@ -199,7 +199,7 @@ template <RotationOrPose G>
 ProjectedGaussian<G> compose(const ProjectedGaussian<G>& x, const ProjectedGaussian<G>& y,
                              CompositionRule rule) {
   if (rule == CompositionRule::jacobian) {
-    return compose_by_jacobian(restate_at_mode(x), restate_at_mode(y));
+    return compose_by_jacobian(change_chart_to_mode(x), change_chart_to_mode(y));
   }
   const auto product = [](const G& a, const G& b) { return a * b; };
   return by_cubature<G>(rotation_of(x.mean() * y.mean()), rule,
@@ -211,7 +211,7 @@ ProjectedGaussian<G> inverse(const ProjectedGaussian<G>& x, CompositionRule rule
   if constexpr (std::same_as<G, SO3d>) {
     return inverse_by_jacobian(x);
   } else {
-    if (rule == CompositionRule::jacobian) return inverse_by_jacobian(restate_at_mode(x));
+    if (rule == CompositionRule::jacobian) return inverse_by_jacobian(change_chart_to_mode(x));
     const auto inverted = [](const G& a) { return a.inverse(); };
     return by_cubature<G>(x.mean().rotation().inverse(), rule,
                           [&](CompositionRule by) { return evaluate(x, by, inverted); });
@@ -248,7 +248,7 @@ template <RotationOrPose G>
 ProjectedGaussian<G> transform(const ProjectedGaussian<G>& x, const G& b, CompositionRule rule) {
   if constexpr (std::same_as<G, SE3d>) {
     if (b.translation() != Eigen::Vector3d::Zero()) {
-      if (rule == CompositionRule::jacobian) return moved_by_jacobian(restate_at_mode(x), b);
+      if (rule == CompositionRule::jacobian) return moved_by_jacobian(change_chart_to_mode(x), b);
       const auto moved = [&](const G& a) { return a * b; };
       return by_cubature<G>(x.mean().rotation() * b.rotation(), rule,
                             [&](CompositionRule by) { return evaluate(x, by, moved); });

@@ -212,7 +212,8 @@ ProjectedFusion<G> fuse_at_mode(const ProjectedGaussian<G>& p, const ProjectedGa
   return fusion;
 }
 
-/// Eq. 14-16: both restated at q3 = (q1 + q2) / |q1 + q2|, fused there, restated at the mode.
+/// Eq. 14-16: both moved to the chart at q3 = (q1 + q2) / |q1 + q2|, fused there, restated at the
+/// mode.
 template <RotationOrPose G>
 ProjectedFusion<G> fuse_by_jacobian(const ProjectedGaussian<G>& p, const ProjectedGaussian<G>& q,
                                     const ProjectedFuseSettings& settings) {
@@ -225,8 +226,8 @@ ProjectedFusion<G> fuse_by_jacobian(const ProjectedGaussian<G>& p, const Project
   }
   using Matrix = typename G::TangentMatrix;
   const SO3d q3 = gnomonic::halfway(p.tangent_point(), q.tangent_point());
-  const ProjectedGaussian<G> p3 = restate(p, q3);
-  const ProjectedGaussian<G> r3 = restate(q, q3);
+  const ProjectedGaussian<G> p3 = change_chart(p, q3);
+  const ProjectedGaussian<G> r3 = change_chart(q, q3);
   const Eigen::LLT<Matrix> sum(p3.covariance() + r3.covariance());
   const typename G::Tangent apart = r3.tangent_mean() - p3.tangent_mean();
   const Matrix gain = sum.solve(p3.covariance()).transpose();
@@ -242,7 +243,7 @@ ProjectedFusion<G> fuse_by_jacobian(const ProjectedGaussian<G>& p, const Project
   const double log_overlap = log_normal(sum, apart) + log_jacobian(p) + log_jacobian(q) +
                              fused.log_normalizer() - p.log_normalizer() - q.log_normalizer() -
                              gnomonic::kLogHaarPerHalfSphere;
-  return {restate_at_mode(fused), log_overlap, true, 1, {}};
+  return {change_chart_to_mode(fused), log_overlap, true, 1, {}};
 }
 
 }  // namespace

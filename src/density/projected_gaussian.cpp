@@ -139,31 +139,32 @@ double ProjectedGaussian<G>::Evaluator::log_density(const G& element) const {
 }
 
 template <RotationOrPose G>
-LawMoments<G> law_moments(const ProjectedGaussian<G>& density) {
+DistributionMoments<G> moments_of(const ProjectedGaussian<G>& density) {
   const Eigen::Vector3d mu = density.tangent_mean().template head<3>();
   const Eigen::Matrix3d s_uu = density.covariance().template topLeftCorner<3, 3>();
   const ProjectedMoments of_u = projected_moments(mu, s_uu);
   const Eigen::Matrix3d covariance_u = of_u.second_moment - of_u.mean * of_u.mean.transpose();
-  LawMoments<G> law{density.tangent_mean(), density.covariance(),
-                    density.tangent_point().matrix() * of_u.rotation};
-  law.mean.template head<3>() = of_u.mean;
-  law.covariance.template topLeftCorner<3, 3>() = covariance_u;
+  DistributionMoments<G> distribution{density.tangent_mean(), density.covariance(),
+                                      density.tangent_point().matrix() * of_u.rotation};
+  distribution.mean.template head<3>() = of_u.mean;
+  distribution.covariance.template topLeftCorner<3, 3>() = covariance_u;
   if constexpr (std::same_as<G, SE3d>) {  // t given u is Gaussian: E[t | u] = mu_t + B (u - mu_u)
     const Eigen::Matrix3d b =
         s_uu.llt().solve(density.covariance().template topRightCorner<3, 3>()).transpose();
-    law.mean.template tail<3>() += b * (of_u.mean - mu);
+    distribution.mean.template tail<3>() += b * (of_u.mean - mu);
     const Eigen::Matrix3d cross = b * covariance_u;
-    law.covariance.template bottomLeftCorner<3, 3>() = cross;
-    law.covariance.template topRightCorner<3, 3>() = cross.transpose();
-    law.covariance.template bottomRightCorner<3, 3>() += b * (covariance_u - s_uu) * b.transpose();
+    distribution.covariance.template bottomLeftCorner<3, 3>() = cross;
+    distribution.covariance.template topRightCorner<3, 3>() = cross.transpose();
+    distribution.covariance.template bottomRightCorner<3, 3>() +=
+        b * (covariance_u - s_uu) * b.transpose();
   }
-  symmetrize(law.covariance);
-  return law;
+  symmetrize(distribution.covariance);
+  return distribution;
 }
 
 template <RotationOrPose G>
-ProjectedGaussian<G> with_law_moments(const SO3d& tangent_point, const typename G::Tangent& mean,
-                                      const typename G::TangentMatrix& covariance) {
+ProjectedGaussian<G> with_moments(const SO3d& tangent_point, const typename G::Tangent& mean,
+                                  const typename G::TangentMatrix& covariance) {
   typename G::Tangent y = mean;
   y.template head<3>().setZero();
   typename G::TangentMatrix p = covariance;
@@ -182,7 +183,7 @@ ProjectedGaussian<G> with_law_moments(const SO3d& tangent_point, const typename 
 }
 
 template <RotationOrPose G>
-ProjectedGaussian<G> restate(const ProjectedGaussian<G>& density, const SO3d& tangent_point) {
+ProjectedGaussian<G> change_chart(const ProjectedGaussian<G>& density, const SO3d& tangent_point) {
   using Tangent = typename G::Tangent;
   using Covariance = typename G::TangentMatrix;
   const gnomonic::Restatement f(density.tangent_point(), tangent_point);
@@ -190,7 +191,7 @@ ProjectedGaussian<G> restate(const ProjectedGaussian<G>& density, const SO3d& ta
   Tangent mean = density.tangent_mean();
   mean.template head<3>() = f(u);
   if (!mean.allFinite()) {
-    throw InvalidInput("restate: the mean lies by pi from the new tangent point");
+    throw InvalidInput("change_chart: the mean lies by pi from the new tangent point");
   }
   Covariance j = Covariance::Identity();
   j.template topLeftCorner<3, 3>() = f.jacobian(u);
@@ -201,12 +202,12 @@ ProjectedGaussian<G> restate(const ProjectedGaussian<G>& density, const SO3d& ta
 
 template class ProjectedGaussian<SO3d>;
 template class ProjectedGaussian<SE3d>;
-template LawMoments<SO3d> law_moments(const ProjectedGaussian<SO3d>&);
-template LawMoments<SE3d> law_moments(const ProjectedGaussian<SE3d>&);
-template ProjectedGaussian<SO3d> with_law_moments(const SO3d&, const Eigen::Vector3d&,
-                                                  const Eigen::Matrix3d&);
-template ProjectedGaussian<SE3d> with_law_moments(const SO3d&, const Vector6d&, const Matrix6d&);
-template ProjectedGaussian<SO3d> restate(const ProjectedGaussian<SO3d>&, const SO3d&);
-template ProjectedGaussian<SE3d> restate(const ProjectedGaussian<SE3d>&, const SO3d&);
+template DistributionMoments<SO3d> moments_of(const ProjectedGaussian<SO3d>&);
+template DistributionMoments<SE3d> moments_of(const ProjectedGaussian<SE3d>&);
+template ProjectedGaussian<SO3d> with_moments(const SO3d&, const Eigen::Vector3d&,
+                                              const Eigen::Matrix3d&);
+template ProjectedGaussian<SE3d> with_moments(const SO3d&, const Vector6d&, const Matrix6d&);
+template ProjectedGaussian<SO3d> change_chart(const ProjectedGaussian<SO3d>&, const SO3d&);
+template ProjectedGaussian<SE3d> change_chart(const ProjectedGaussian<SE3d>&, const SO3d&);
 
 }  // namespace posemix

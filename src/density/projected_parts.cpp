@@ -61,8 +61,8 @@ ProjectedGaussian<SO3d> rotation_marginal(const ProjectedGaussian<SE3d>& density
 }
 
 TranslationMoments translation_marginal(const ProjectedGaussian<SE3d>& density) {
-  const LawMoments<SE3d> law = law_moments(density);
-  return {law.mean.tail<3>(), law.covariance.bottomRightCorner<3, 3>()};
+  const DistributionMoments<SE3d> distribution = moments_of(density);
+  return {distribution.mean.tail<3>(), distribution.covariance.bottomRightCorner<3, 3>()};
 }
 
 ProjectedGaussian<SO3d> rotation_given_translation(const ProjectedGaussian<SE3d>& density,
@@ -106,7 +106,7 @@ std::vector<SplitPiece<G>> split(const ProjectedGaussian<G>& density, double max
     // N / C is the sum of w_i C_i / C times N_i / C_i.
     const double weight =
         piece.weight * std::exp(in_chart.log_normalizer() - density.log_normalizer());
-    pieces.push_back({weight, restate_at_mode(in_chart)});
+    pieces.push_back({weight, change_chart_to_mode(in_chart)});
   }
   double total = 0.0;
   for (const auto& piece : pieces) total += piece.weight;

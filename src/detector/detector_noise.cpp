@@ -74,9 +74,9 @@ NoiseComponent along_camera(const NoiseComponent& noise, const SE3d& camera_obje
   return result;
 }
 
-DetectorNoise::DetectorNoise(std::vector<NoiseComponent> components, NullNoise null,
+DetectorNoise::DetectorNoise(std::vector<NoiseComponent> components, Clutter clutter,
                              NoiseDependence dependence)
-    : components_(std::move(components)), null_(null), dependence_(std::move(dependence)) {
+    : components_(std::move(components)), clutter_(clutter), dependence_(std::move(dependence)) {
   if (dependence_.dependent_frames && !(*dependence_.dependent_frames >= 1.0)) {
     throw InvalidInput(fmt::format("detector noise: {} dependent frames, expected at least 1",
                                    *dependence_.dependent_frames));
@@ -84,16 +84,16 @@ DetectorNoise::DetectorNoise(std::vector<NoiseComponent> components, NullNoise n
   if (dependence_.bias && !dependence_.bias->allFinite())
     throw InvalidInput("detector noise: the bias is not finite");
   require(!components_.empty(), "detector noise: there is no component");
-  if (!(null_.weight >= 0.0) || !std::isfinite(null_.weight)) {
+  if (!(clutter_.weight >= 0.0) || !std::isfinite(clutter_.weight)) {
     throw InvalidInput(fmt::format(
-        "detector noise: weight of the null is {}, expected a finite number >= 0", null_.weight));
+        "detector noise: weight of clutter is {}, expected a finite number >= 0", clutter_.weight));
   }
-  if (!(null_.volume_m3 > 0.0) || !std::isfinite(null_.volume_m3)) {
+  if (!(clutter_.volume_m3 > 0.0) || !std::isfinite(clutter_.volume_m3)) {
     throw InvalidInput(
-        fmt::format("detector noise: volume of the null is {} m^3, expected a positive number",
-                    null_.volume_m3));
+        fmt::format("detector noise: volume of clutter is {} m^3, expected a positive number",
+                    clutter_.volume_m3));
   }
-  double total = null_.weight;
+  double total = clutter_.weight;
   for (std::size_t i = 0; i < components_.size(); ++i) {
     NoiseComponent& component = components_[i];
     if (!(component.weight > 0.0) || !std::isfinite(component.weight)) {
@@ -111,12 +111,12 @@ DetectorNoise::DetectorNoise(std::vector<NoiseComponent> components, NullNoise n
     total += component.weight;
   }
   for (NoiseComponent& component : components_) component.weight /= total;
-  null_.weight /= total;
+  clutter_.weight /= total;
 }
 
-double DetectorNoise::log_null_density() const {
+double DetectorNoise::log_clutter_density() const {
   constexpr double kPi = std::numbers::pi;
-  return std::log(null_.weight) - std::log(8.0 * kPi * kPi * null_.volume_m3);
+  return std::log(clutter_.weight) - std::log(8.0 * kPi * kPi * clutter_.volume_m3);
 }
 
 DetectorNoise DetectorNoise::single_gaussian() const {

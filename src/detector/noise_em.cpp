@@ -27,9 +27,9 @@ class NoiseEm {
  public:
   NoiseEm(std::span<const NoiseObservation> observations, const DetectorNoise& start,
           const NoiseFitSettings& settings)
-      : observations_(observations), settings_(settings), null_(start.null()) {
+      : observations_(observations), settings_(settings), clutter_(start.clutter()) {
     for (const NoiseComponent& component : start.components()) add(component);
-    if (null_.weight > 0.0) set_null(null_.weight);
+    if (clutter_.weight > 0.0) set_clutter(clutter_.weight);
   }
 
   NoiseFit run() {
@@ -73,18 +73,19 @@ class NoiseEm {
     return std::make_shared<const ResidualRows>(observations_, component.frame, component.offset);
   }
 
-  /// The E-step: shares_, one column per component and one for the null; returns the
+  /// The E-step: shares_, one column per component and one for clutter; returns the
   /// log-likelihood.
   double expect() {
-    const auto columns = static_cast<Eigen::Index>(terms_.size()) + (null_.weight > 0.0 ? 1 : 0);
+    const auto columns = static_cast<Eigen::Index>(terms_.size()) + (clutter_.weight > 0.0 ? 1 : 0);
     shares_.resize(static_cast<Eigen::Index>(observations_.size()), columns);
     for (std::size_t k = 0; k < terms_.size(); ++k) {
       const NoiseComponent& component = terms_[k].component;
       shares_.col(static_cast<Eigen::Index>(k)) =
           terms_[k].rows->log_density(component.covariance) + std::log(component.weight);
     }
-    if (null_.weight > 0.0)
-      shares_.col(columns - 1).setConstant(std::log(null_.weight) + log_uniform(null_.volume_m3));
+    if (clutter_.weight > 0.0)
+      shares_.col(columns - 1)
+          .setConstant(std::log(clutter_.weight) + log_uniform(clutter_.volume_m3));
     const Eigen::ArrayXd log_density = log_sum_exp_of_rows(shares_);
     shares_ = (shares_.colwise() - log_density).exp();
     return log_density.sum();
@@ -100,14 +101,15 @@ class NoiseEm {
       const Matrix6d second = terms_[k].rows->second_moment(share) / weight;
       component.covariance = bounded_covariance(second, settings_.em);
     }
-    if (null_.weight > 0.0) set_null(shares_.col(shares_.cols() - 1).mean());
+    if (clutter_.weight > 0.0) set_clutter(shares_.col(shares_.cols() - 1).mean());
   }
 
-  /// The null's weight, or the least that it may have; then the others share what is left.
-  void set_null(double weight) {
-    null_.weight = std::max({weight, settings_.least_null, std::numeric_limits<double>::min()});
-    if (null_.weight <= weight) return;
-    for (Term& term : terms_) term.component.weight *= (1.0 - null_.weight) / (1.0 - weight);
+  /// clutter's weight, or the least that it may have; then the others share what is left.
+  void set_clutter(double weight) {
+    clutter_.weight =
+        std::max({weight, settings_.least_clutter, std::numeric_limits<double>::min()});
+    if (clutter_.weight <= weight) return;
+    for (Term& term : terms_) term.component.weight *= (1.0 - clutter_.weight) / (1.0 - weight);
   }
 
   /// Moves the offsets where that raises the log-likelihood `now`; returns what it is then. Leaves
@@ -153,7 +155,7 @@ class NoiseEm {
 
   NoiseFit result(double log_likelihood) {
     std::vector<NoiseComponent> components;
-    std::size_t parameters = terms_.size() - (null_.weight > 0.0 ? 0 : 1);
+    std::size_t parameters = terms_.size() - (clutter_.weight > 0.0 ? 0 : 1);
     for (const Term& term : terms_) {
       const NoiseComponent& component = term.component;
       components.push_back(component);
@@ -164,9 +166,9 @@ class NoiseEm {
     std::stable_sort(components.begin(), components.end(),
                      [](const auto& a, const auto& b) { return a.weight > b.weight; });
     if (!std::isfinite(log_likelihood)) status_ = EmStatus::degenerate;
-    if (null_.weight <= kLostNoiseShare) null_.weight = 0.0;
+    if (clutter_.weight <= kLostNoiseShare) clutter_.weight = 0.0;
     const double bic = static_cast<double>(parameters) * std::log(count()) - 2.0 * log_likelihood;
-    return {DetectorNoise(std::move(components), null_),
+    return {DetectorNoise(std::move(components), clutter_),
             log_likelihood,
             std::move(history_),
             status_,
@@ -185,7 +187,7 @@ class NoiseEm {
   std::span<const NoiseObservation> observations_;
   NoiseFitSettings settings_;
   std::vector<Term> terms_;
-  NullNoise null_;
+  Clutter clutter_;
   Eigen::ArrayXXd shares_;
   std::vector<double> history_;
   EmStatus status_ = EmStatus::converged;
@@ -196,16 +198,16 @@ class NoiseEm {
 Eigen::ArrayXd noise_log_density(const DetectorNoise& noise,
                                  std::span<const NoiseObservation> observations) {
   const auto size = static_cast<Eigen::Index>(observations.size());
-  const bool null = noise.null().weight > 0.0;
+  const bool clutter = noise.clutter().weight > 0.0;
   Eigen::ArrayXXd terms(size,
-                        static_cast<Eigen::Index>(noise.components().size()) + (null ? 1 : 0));
+                        static_cast<Eigen::Index>(noise.components().size()) + (clutter ? 1 : 0));
   for (std::size_t k = 0; k < noise.components().size(); ++k) {
     const NoiseComponent& component = noise.components()[k];
     const ResidualRows rows(observations, component.frame, component.offset);
     terms.col(static_cast<Eigen::Index>(k)) =
         rows.log_density(component.covariance) + std::log(component.weight);
   }
-  if (null) terms.col(terms.cols() - 1).setConstant(noise.log_null_density());
+  if (clutter) terms.col(terms.cols() - 1).setConstant(noise.log_clutter_density());
   return log_sum_exp_of_rows(terms);
 }
 

@@ -20,8 +20,8 @@ namespace {
 /// At most so many detections, evenly spaced, are tried as centres of a ball.
 constexpr std::size_t kCentres = 1000;
 constexpr int kMeanShifts = 20;
-/// Of the null where the modes' fit begins.
-constexpr double kLeastNull = 1e-3;
+/// Of clutter where the modes' fit begins.
+constexpr double kLeastClutter = 1e-3;
 
 double angle_between(const SO3d& a, const SO3d& b) { return (a.inverse() * b).log().norm(); }
 
@@ -161,10 +161,10 @@ std::optional<DetectorNoise> without_worst(std::span<const NoiseObservation> obs
     const NoiseMode mode = describe(observations, noise, *it, settings);
     if (mode.accepted) continue;
     refused.push_back(mode);
-    NullNoise null = noise.null();
-    null.weight += it->weight;
+    Clutter clutter = noise.clutter();
+    clutter.weight += it->weight;
     components.erase(std::next(it).base());
-    return DetectorNoise(std::move(components), null);
+    return DetectorNoise(std::move(components), clutter);
   }
   return std::nullopt;
 }
@@ -173,20 +173,20 @@ std::optional<DetectorNoise> without_worst(std::span<const NoiseObservation> obs
 
 NoiseModesFit add_noise_modes(std::span<const NoiseObservation> observations, const NoiseFit& fit,
                               const NoiseFitSettings& settings, const NoiseModeSettings& modes) {
-  require(settings.null, "noise model: modes need a null");
+  require(settings.clutter, "noise model: modes need clutter");
   const auto clusters = clusters_of(outliers_of(observations, fit.noise, radians(modes.radius_deg)),
                                     static_cast<double>(observations.size()), settings, modes);
   NoiseModesFit result{fit, {}};
   if (clusters.empty()) return result;
-  // Most of the clusters' observations were the null's.
+  // Most of the clusters' observations were clutter's.
   std::vector<NoiseComponent> components = fit.noise.components();
-  NullNoise null = fit.noise.null();
-  const double least = std::max(0.1 * null.weight, kLeastNull);
+  Clutter clutter = fit.noise.clutter();
+  const double least = std::max(0.1 * clutter.weight, kLeastClutter);
   for (const NoiseComponent& cluster : clusters) {
     components.push_back(cluster);
-    null.weight = std::max(null.weight - cluster.weight, least);
+    clutter.weight = std::max(clutter.weight - cluster.weight, least);
   }
-  std::optional<DetectorNoise> next = DetectorNoise(std::move(components), null);
+  std::optional<DetectorNoise> next = DetectorNoise(std::move(components), clutter);
   while (next) {
     result.fit = refine_noise(observations, *next, settings);
     next = without_worst(observations, result.fit.noise, modes, result.modes);

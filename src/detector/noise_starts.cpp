@@ -14,8 +14,8 @@
 namespace posemix {
 namespace {
 
-/// Weight of the null at a start.
-constexpr double kStartNull = 0.25;
+/// Weight of clutter at a start.
+constexpr double kStartClutter = 0.25;
 
 /// Spreads of the components of a start, by that of the residuals.
 struct SpreadRange {
@@ -41,7 +41,7 @@ Vector6d spread_of(const ResidualRows& rows, bool robust) {
 /// robust spread, and from the third on every coordinate's is multiplied at random.
 DetectorNoise concentric_start(const ResidualRows& rows, const NoiseFitSettings& settings,
                                int attempt, RandomStream& stream) {
-  const bool robust = (attempt % 2 == 0) == settings.null;
+  const bool robust = (attempt % 2 == 0) == settings.clutter;
   const SpreadRange range = robust ? SpreadRange{0.7, 4.0} : SpreadRange{0.25, 1.5};
   const Vector6d spread = spread_of(rows, robust);
   std::vector<NoiseComponent> components;
@@ -60,9 +60,9 @@ DetectorNoise concentric_start(const ResidualRows& rows, const NoiseFitSettings&
                           .covariance = bounded_covariance(second, settings.em),
                           .frame = settings.frame});
   }
-  NullNoise null{0.0, settings.null_volume_m3};
-  if (settings.null) null.weight = kStartNull / (1.0 - kStartNull);
-  return DetectorNoise(std::move(components), null);
+  Clutter clutter{0.0, settings.clutter_volume_m3};
+  if (settings.clutter) clutter.weight = kStartClutter / (1.0 - kStartClutter);
+  return DetectorNoise(std::move(components), clutter);
 }
 
 }  // namespace
@@ -76,7 +76,7 @@ NoiseFit fit_noise(std::span<const NoiseObservation> observations, const NoiseFi
                     observations.size(), settings.components));
   }
   const ResidualRows rows(observations, settings.frame, SE3d());
-  const bool convex = settings.components == 1 && !settings.null;
+  const bool convex = settings.components == 1 && !settings.clutter;
   const int attempts = convex ? 1 : std::max(1, settings.em.restarts);
   std::optional<NoiseFit> best;
   const auto rank = [](const NoiseFit& fit) {

@@ -122,7 +122,7 @@ ConvertedDensity<ProjectedGaussian<G>> converted(const TangentGaussian<G>& densi
     symmetrize(covariance);
     return {ProjectedGaussian<G>::trusted(at_mode.mean(), covariance), true};
   }
-  return internal::fit_projected(internal::law_points(density, points_for(rule)),
+  return internal::fit_projected(internal::quadrature_points(density, points_for(rule)),
                                  rule == ConversionRule::maximum_likelihood);
 }
 
@@ -133,12 +133,12 @@ ConvertedDensity<ConcentratedGaussian<G>> converted(const ProjectedGaussian<G>& 
     const G mean = density.mean();
     const typename G::TangentMatrix inverse = linear_map(mean).inverse();
     const typename G::TangentMatrix body =
-        inverse * restate_at_mode(density).covariance() * inverse.transpose();
+        inverse * change_chart_to_mode(density).covariance() * inverse.transpose();
     typename G::TangentMatrix covariance = mean.adjoint_congruence(body);
     symmetrize(covariance);
     return {ConcentratedGaussian<G>::trusted(mean, covariance), true};
   }
-  return internal::fit_concentrated(internal::law_points(density, points_for(rule)),
+  return internal::fit_concentrated(internal::quadrature_points(density, points_for(rule)),
                                     rule == ConversionRule::maximum_likelihood);
 }
 

@@ -33,7 +33,7 @@ struct BodyView {
   Covariance moment = Covariance::Zero();
   double cost = 0.0;
 
-  BodyView(const LawPoints<G>& points, const G& at) : points_(&points), back_(at.inverse()) {
+  BodyView(const QuadraturePoints<G>& points, const G& at) : points_(&points), back_(at.inverse()) {
     for (std::size_t i = 0; i < points.elements.size(); ++i) {
       const Tangent xi = (back_ * points.elements[i]).log();
       mean += points.weights[i] * xi;
@@ -59,7 +59,7 @@ struct BodyView {
   }
 
  private:
-  const LawPoints<G>* points_;
+  const QuadraturePoints<G>* points_;
   G back_;
 };
 
@@ -94,7 +94,7 @@ struct ChartView {
   ProjectedGaussian<G> density;
   double cost;
 
-  ChartView(const LawPoints<G>& points, const SO3d& tangent_point)
+  ChartView(const QuadraturePoints<G>& points, const SO3d& tangent_point)
       : ChartView(points, tangent_point, moments_at(points, tangent_point)) {}
 
   /// Moving the tangent point by d moves u by -(I + u u^T) d + u x d.
@@ -122,7 +122,7 @@ struct ChartView {
     typename G::TangentMatrix covariance = G::TangentMatrix::Zero();  ///< about zero in u
   };
 
-  static ChartMoments moments_at(const LawPoints<G>& points, const SO3d& tangent_point) {
+  static ChartMoments moments_at(const QuadraturePoints<G>& points, const SO3d& tangent_point) {
     const auto chart = ProjectedGaussian<G>::trusted(tangent_point, G::Tangent::Zero(),
                                                      G::TangentMatrix::Identity());
     typename G::Tangent mean = G::Tangent::Zero();
@@ -153,21 +153,22 @@ struct ChartView {
     return result;
   }
 
-  ChartView(const LawPoints<G>& points, const SO3d& tangent_point, const ChartMoments& moments)
-      : density(with_law_moments<G>(tangent_point, moments.mean, moments.covariance)),
+  ChartView(const QuadraturePoints<G>& points, const SO3d& tangent_point,
+            const ChartMoments& moments)
+      : density(with_moments<G>(tangent_point, moments.mean, moments.covariance)),
         points_(&points) {
     const Eigen::LLT<typename G::TangentMatrix> factor(density.covariance());
     cost = 0.5 * log_det(factor) + density.log_normalizer() +
            0.5 * factor.solve(moments.covariance).trace();
   }
 
-  const LawPoints<G>* points_;
+  const QuadraturePoints<G>* points_;
 };
 
 }  // namespace
 
 template <RotationOrPose G>
-ConvertedDensity<ConcentratedGaussian<G>> fit_concentrated(const LawPoints<G>& points,
+ConvertedDensity<ConcentratedGaussian<G>> fit_concentrated(const QuadraturePoints<G>& points,
                                                            bool most_likely) {
   const MeanResult<G> start = weighted_mean<G>(points.elements, points.weights);
   G mean = start.mean;
@@ -184,7 +185,8 @@ ConvertedDensity<ConcentratedGaussian<G>> fit_concentrated(const LawPoints<G>& p
 }
 
 template <RotationOrPose G>
-ConvertedDensity<ProjectedGaussian<G>> fit_projected(const LawPoints<G>& points, bool most_likely) {
+ConvertedDensity<ProjectedGaussian<G>> fit_projected(const QuadraturePoints<G>& points,
+                                                     bool most_likely) {
   std::vector<SO3d> rotations;
   rotations.reserve(points.elements.size());
   for (const G& element : points.elements) rotations.push_back(rotation_of(element));
@@ -200,11 +202,13 @@ ConvertedDensity<ProjectedGaussian<G>> fit_projected(const LawPoints<G>& points,
   return {view.density, converged};
 }
 
-template ConvertedDensity<ConcentratedGaussian<SO3d>> fit_concentrated(const LawPoints<SO3d>&,
-                                                                       bool);
-template ConvertedDensity<ProjectedGaussian<SO3d>> fit_projected(const LawPoints<SO3d>&, bool);
-template ConvertedDensity<ConcentratedGaussian<SE3d>> fit_concentrated(const LawPoints<SE3d>&,
-                                                                       bool);
-template ConvertedDensity<ProjectedGaussian<SE3d>> fit_projected(const LawPoints<SE3d>&, bool);
+template ConvertedDensity<ConcentratedGaussian<SO3d>> fit_concentrated(
+    const QuadraturePoints<SO3d>&, bool);
+template ConvertedDensity<ProjectedGaussian<SO3d>> fit_projected(const QuadraturePoints<SO3d>&,
+                                                                 bool);
+template ConvertedDensity<ConcentratedGaussian<SE3d>> fit_concentrated(
+    const QuadraturePoints<SE3d>&, bool);
+template ConvertedDensity<ProjectedGaussian<SE3d>> fit_projected(const QuadraturePoints<SE3d>&,
+                                                                 bool);
 
 }  // namespace posemix::internal

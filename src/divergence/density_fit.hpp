@@ -2,20 +2,21 @@
 // SPDX-FileCopyrightText: posemix contributors
 #pragma once
 
-#include "law_points.hpp"
 #include "posemix/divergence/conversion.hpp"
+#include "quadrature_points.hpp"
 
 namespace posemix::internal {
 
 /// The concentrated Gaussian with the mean and the covariance of the points, or the most likely
 /// one.
 template <RotationOrPose G>
-ConvertedDensity<ConcentratedGaussian<G>> fit_concentrated(const LawPoints<G>& points,
+ConvertedDensity<ConcentratedGaussian<G>> fit_concentrated(const QuadraturePoints<G>& points,
                                                            bool most_likely);
 
-/// The projected Gaussian, PG_0, whose law has the moments of the points where the mean of u is
-/// zero, or the most likely one.
+/// The projected Gaussian, PG_0, whose distribution has the moments of the points where the mean of
+/// u is zero, or the most likely one.
 template <RotationOrPose G>
-ConvertedDensity<ProjectedGaussian<G>> fit_projected(const LawPoints<G>& points, bool most_likely);
+ConvertedDensity<ProjectedGaussian<G>> fit_projected(const QuadraturePoints<G>& points,
+                                                     bool most_likely);
 
 }  // namespace posemix::internal

@@ -26,9 +26,9 @@ class NormalPoints {
   NormalPoints(std::size_t dimension, RandomStream& stream) : points_(dimension, stream) {}
 
   void next(Eigen::VectorXd& white) {
-    const boost::math::normal_distribution<double> law;
+    const boost::math::normal_distribution<double> distribution;
     points_.next(white);
-    for (double& value : white) value = boost::math::quantile(law, value);
+    for (double& value : white) value = boost::math::quantile(distribution, value);
   }
 
  private:
@@ -81,7 +81,7 @@ struct Stratum<ProjectedGaussian<G>> {
   Stratum(double share, const ProjectedGaussian<G>& of)
       : weight(share), density(of), root(of.covariance().llt().matrixL()) {}
 
-  /// The law over the Gaussian is (1 + u.u)^-2 / C.
+  /// The distribution over the Gaussian is (1 + u.u)^-2 / C.
   template <class Function>
   double value(const Eigen::VectorXd& white, Function&& function) const {
     const typename G::Tangent y = density.tangent_mean() + root * white;

@@ -22,8 +22,8 @@ struct CommonTangent {
         a.tangent_point().quaternion().coeffs() - b.tangent_point().quaternion().coeffs();
     if (apart.isZero(0.0)) return;
     const SO3d anchor = interpolate(rotation_of(a.mean()), rotation_of(b.mean()), share);
-    p = restate(a, anchor);
-    q = restate(b, anchor);
+    p = change_chart(a, anchor);
+    q = change_chart(b, anchor);
   }
 
   typename G::Tangent difference() const { return q.tangent_mean() - p.tangent_mean(); }
@@ -47,13 +47,14 @@ double gaussian_kl_in(const ProjectedGaussian<G>& p, const ProjectedGaussian<G>&
 }
 
 template <RotationOrPose G>
-double law_kl_in(const ProjectedGaussian<G>& p, const ProjectedGaussian<G>& q) {
+double exact_kl_in(const ProjectedGaussian<G>& p, const ProjectedGaussian<G>& q) {
   using Matrix = typename G::TangentMatrix;
-  const LawMoments<G> law = law_moments(p);
+  const DistributionMoments<G> distribution = moments_of(p);
   const Eigen::LLT<Matrix> p_factor(p.covariance());
   const Eigen::LLT<Matrix> q_factor(q.covariance());
-  const double gap = quadratic_form(law.mean, law.covariance, q.tangent_mean(), q_factor) -
-                     quadratic_form(law.mean, law.covariance, p.tangent_mean(), p_factor);
+  const double gap =
+      quadratic_form(distribution.mean, distribution.covariance, q.tangent_mean(), q_factor) -
+      quadratic_form(distribution.mean, distribution.covariance, p.tangent_mean(), p_factor);
   return 0.5 * (gap + log_det(q_factor) - log_det(p_factor)) + q.log_normalizer() -
          p.log_normalizer();
 }
@@ -73,15 +74,15 @@ double gaussian_symmetric_kl(const ProjectedGaussian<G>& p, const ProjectedGauss
 }
 
 template <RotationOrPose G>
-double law_kl(const ProjectedGaussian<G>& p, const ProjectedGaussian<G>& q) {
+double exact_kl(const ProjectedGaussian<G>& p, const ProjectedGaussian<G>& q) {
   const CommonTangent<G> at(p, q, 0.5);
-  return law_kl_in(at.p, at.q);
+  return exact_kl_in(at.p, at.q);
 }
 
 template <RotationOrPose G>
-double law_symmetric_kl(const ProjectedGaussian<G>& p, const ProjectedGaussian<G>& q) {
+double exact_symmetric_kl(const ProjectedGaussian<G>& p, const ProjectedGaussian<G>& q) {
   const CommonTangent<G> at(p, q, 0.5);
-  return law_kl_in(at.p, at.q) + law_kl_in(at.q, at.p);
+  return exact_kl_in(at.p, at.q) + exact_kl_in(at.q, at.p);
 }
 
 template <RotationOrPose G>
@@ -115,15 +116,15 @@ using Divergence = double(const ProjectedGaussian<G>&, const ProjectedGaussian<G
 
 template Divergence<SO3d> gaussian_kl<SO3d>;
 template Divergence<SO3d> gaussian_symmetric_kl<SO3d>;
-template Divergence<SO3d> law_kl<SO3d>;
-template Divergence<SO3d> law_symmetric_kl<SO3d>;
+template Divergence<SO3d> exact_kl<SO3d>;
+template Divergence<SO3d> exact_symmetric_kl<SO3d>;
 template Divergence<SO3d> mahalanobis_distance<SO3d>;
 template double runnalls_bound(const Component<ProjectedGaussian<SO3d>>&,
                                const Component<ProjectedGaussian<SO3d>>&);
 template Divergence<SE3d> gaussian_kl<SE3d>;
 template Divergence<SE3d> gaussian_symmetric_kl<SE3d>;
-template Divergence<SE3d> law_kl<SE3d>;
-template Divergence<SE3d> law_symmetric_kl<SE3d>;
+template Divergence<SE3d> exact_kl<SE3d>;
+template Divergence<SE3d> exact_symmetric_kl<SE3d>;
 template Divergence<SE3d> mahalanobis_distance<SE3d>;
 template double runnalls_bound(const Component<ProjectedGaussian<SE3d>>&,
                                const Component<ProjectedGaussian<SE3d>>&);

@@ -47,8 +47,8 @@ void check_detections(std::span<const Detection> detections, std::size_t poses) 
 std::size_t common_components(std::span<const Detection> detections) {
   const auto& first = detections.front().noise->components();
   for (const Detection& detection : detections) {
-    if (detections.size() > 1 && detection.noise->null().weight > 0.0) {
-      throw InvalidInput("joint use of noise components: a noise model has a null component");
+    if (detections.size() > 1 && detection.noise->clutter().weight > 0.0) {
+      throw InvalidInput("joint use of noise components: a noise model has clutter component");
     }
     const auto& other = detection.noise->components();
     const bool same = std::equal(first.begin(), first.end(), other.begin(), other.end(),
@@ -68,7 +68,7 @@ std::size_t common_components(std::span<const Detection> detections) {
 /// the weight is by the other, and linearized.
 UpdateResult gaussian_child_of(const Hypothesis& parent, std::span<const Detection> detections,
                                std::span<const NoiseComponent* const> noise,
-                               const FilterSettings& settings) {
+                               const GaussianSumSettings& settings) {
   const auto updated = [&](std::span<const NoiseComponent* const> components) {
     return settings.update == UpdateRule::iterated
                ? iterated_update(parent, detections, components, settings.first_object)
@@ -95,7 +95,7 @@ UpdateResult gaussian_child_of(const Hypothesis& parent, std::span<const Detecti
 
 UpdateResult child_of(const Hypothesis& parent, std::span<const Detection> detections,
                       std::span<const NoiseComponent* const> noise,
-                      const FilterSettings& settings) {
+                      const GaussianSumSettings& settings) {
   const auto update = [&](std::span<const NoiseComponent* const> components) {
     return gaussian_child_of(parent, detections, components, settings);
   };
@@ -125,7 +125,7 @@ bool is_outlier(const Posterior& posterior, const Detection& detection, double t
 
 }  // namespace
 
-GaussianSumFilter::GaussianSumFilter(Posterior prior, FilterSettings settings)
+GaussianSumFilter::GaussianSumFilter(Posterior prior, GaussianSumSettings settings)
     : posterior_(std::move(prior)),
       settings_(settings),
       gate_(gate_threshold(settings.gate_probability)) {
@@ -187,8 +187,8 @@ bool GaussianSumFilter::branch(std::span<const Detection> detections, UpdateRepo
                             child.log_likelihood);
       children.push_back({log_weights.back(), std::move(child.posterior)});
     }
-    if (detections.front().noise->null().weight > 0.0) {
-      log_weights.push_back(parent.log_weight + detections.front().noise->log_null_density());
+    if (detections.front().noise->clutter().weight > 0.0) {
+      log_weights.push_back(parent.log_weight + detections.front().noise->log_clutter_density());
       children.push_back({log_weights.back(), parent.density});
     }
     if (settings_.noise_use == NoiseUse::most_likely) keep_most_likely(children, first_child);

@@ -24,8 +24,8 @@ ModeMeasurement measure_mode(const SE3d& camera, const SE3d& object, const Matri
     result.pull.noalias() += information * seen.residual;
   }
   symmetrize(result.information);
-  result.inlier_share = seen_as.shares.front();
-  result.null_share = seen_as.shares.back();
+  result.inlier_probability = seen_as.shares.front();
+  result.clutter_probability = seen_as.shares.back();
   return result;
 }
 

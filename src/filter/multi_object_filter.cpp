@@ -11,7 +11,7 @@
 
 namespace posemix {
 
-using internal::Backbone;
+using internal::JointGaussian;
 using internal::ObjectState;
 using internal::Pair;
 
@@ -56,12 +56,12 @@ void MultiObjectFilter::predict_with_odometry(const SE3d& motion, const Matrix6d
   require_finite(motion, "odometry");
   require_noise(q, "noise of the odometry");
   require_time(dt);
-  Backbone& backbone = state_->backbone;
-  const SE3d camera = backbone.pose(kCamera) * motion;
-  backbone.set_pose(kCamera, camera);
+  JointGaussian& joint = state_->joint;
+  const SE3d camera = joint.pose(kCamera) * motion;
+  joint.set_pose(kCamera, camera);
   const double factor = state_->factor();
-  const double share = state_->settings.camera_share;
-  internal::block(backbone.covariance(), kCamera, kCamera) +=
+  const double share = state_->settings.odometry_camera_fraction;
+  internal::block(joint.covariance(), kCamera, kCamera) +=
       share / factor * camera.adjoint_congruence(q);
   state_->drift += (1.0 - share) / factor * q;
   state_->pass(dt);
@@ -70,9 +70,9 @@ void MultiObjectFilter::predict_with_odometry(const SE3d& motion, const Matrix6d
 void MultiObjectFilter::predict_random_walk(const Matrix6d& q, double dt) {
   require_noise(q, "noise of the random walk");
   require_time(dt);
-  Backbone& backbone = state_->backbone;
-  internal::block(backbone.covariance(), kCamera, kCamera) +=
-      backbone.pose(kCamera).adjoint_congruence(q) / state_->factor();
+  JointGaussian& joint = state_->joint;
+  internal::block(joint.covariance(), kCamera, kCamera) +=
+      joint.pose(kCamera).adjoint_congruence(q) / state_->factor();
   state_->pass(dt);
 }
 
@@ -85,28 +85,29 @@ void MultiObjectFilter::predict_constant_velocity(double periods, const Matrix6d
   require_time(dt);
   if (!std::isfinite(periods))
     throw InvalidInput(fmt::format("{} periods; expected a finite number", periods));
-  Backbone& backbone = state_->backbone;
-  if (!state_->motion) state_->motion = backbone.append(SE3d(), at_rest, Matrix6d::Zero());
+  JointGaussian& joint = state_->joint;
+  if (!state_->motion) state_->motion = joint.append(SE3d(), at_rest, Matrix6d::Zero());
   const std::size_t motion = *state_->motion;
-  const SE3d camera = backbone.pose(kCamera);
-  const SE3d velocity = backbone.pose(motion);
+  const SE3d camera = joint.pose(kCamera);
+  const SE3d velocity = joint.pose(motion);
   const Matrix6d transfer = constant_velocity_transfer(camera, velocity, periods);
 
-  // xi_C <- xi_C + F xi_V: the rows of others that depend on the camera alone, then the backbone.
-  const Eigen::LLT<Matrix6d> before(backbone.covariance(kCamera, kCamera));
+  // xi_C <- xi_C + F xi_V: the rows of others that depend on the camera alone, then the joint
+  // Gaussian.
+  const Eigen::LLT<Matrix6d> before(joint.covariance(kCamera, kCamera));
   const Matrix6d with_motion =
-      before.solve(backbone.covariance(kCamera, motion)) * transfer.transpose();
+      before.solve(joint.covariance(kCamera, motion)) * transfer.transpose();
   for (ObjectState& object : state_->objects) {
     for (ObjectHypothesis& hypothesis : object.hypotheses) {
-      const Matrix6d change = hypothesis.with_camera * with_motion;
-      hypothesis.with_camera += change;
+      const Matrix6d change = hypothesis.cross_covariance * with_motion;
+      hypothesis.cross_covariance += change;
     }
   }
-  Eigen::MatrixXd& b = backbone.covariance();
+  Eigen::MatrixXd& b = joint.covariance();
   internal::rows(b, kCamera) += transfer * internal::rows(b, motion);
   internal::columns(b, kCamera) += internal::columns(b, motion) * transfer.transpose();
   const SE3d moved = camera * SE3d::exp(periods * velocity.log());
-  backbone.set_pose(kCamera, moved);
+  joint.set_pose(kCamera, moved);
   internal::block(b, kCamera, kCamera) += moved.adjoint_congruence(q);
   internal::block(b, motion, motion) += velocity.adjoint_congruence(q_motion);
   symmetrize(b);
@@ -130,7 +131,7 @@ void MultiObjectFilter::forget(std::size_t object) {
 
 std::size_t MultiObjectFilter::objects() const { return state_->objects.size(); }
 
-double MultiObjectFilter::dependent_detections() const { return state_->dependent_detections(); }
+double MultiObjectFilter::correlation_length() const { return state_->correlation_length(); }
 
 Vector6d MultiObjectFilter::noise_scale(std::size_t object) const {
   return state_->objects[object].sensor.noise_scale;
@@ -138,8 +139,7 @@ Vector6d MultiObjectFilter::noise_scale(std::size_t object) const {
 
 ConcentratedGaussian<SE3d> MultiObjectFilter::camera() const {
   return ConcentratedGaussian<SE3d>::trusted(
-      state_->backbone.pose(kCamera),
-      state_->factor() * state_->backbone.covariance(kCamera, kCamera));
+      state_->joint.pose(kCamera), state_->factor() * state_->joint.covariance(kCamera, kCamera));
 }
 
 std::vector<ObjectHypothesis> MultiObjectFilter::hypotheses(std::size_t object) const {
@@ -148,10 +148,10 @@ std::vector<ObjectHypothesis> MultiObjectFilter::hypotheses(std::size_t object) 
   const std::vector<double> probabilities = state_->probabilities(state);
   for (std::size_t h = 0; h < list.size(); ++h) {
     list[h].probability = probabilities[h];
-    const Pair pair = state_->honest_pair(state, h);
+    const Pair pair = state_->inflated_pair(state, h);
     list[h].pose = pair.object;
     list[h].covariance = pair.covariance.bottomRightCorner<6, 6>();
-    list[h].with_camera = pair.covariance.bottomLeftCorner<6, 6>();
+    list[h].cross_covariance = pair.covariance.bottomLeftCorner<6, 6>();
   }
   return list;
 }
@@ -172,26 +172,26 @@ double MultiObjectFilter::log_absent(std::size_t object) const {
 
 ConcentratedGaussian<SE3d> MultiObjectFilter::relative(std::size_t object,
                                                        std::size_t hypothesis) const {
-  const Pair pair = state_->honest_pair(state_->objects[object], hypothesis);
+  const Pair pair = state_->inflated_pair(state_->objects[object], hypothesis);
   return ConcentratedGaussian<SE3d>::trusted(
       pair.camera_object(), pair.camera.inverse().adjoint_congruence(pair.difference()));
 }
 
-ConcentratedGaussian<PoseStackd> MultiObjectFilter::backbone() const {
-  const Backbone& backbone = state_->backbone;
+ConcentratedGaussian<PoseStackd> MultiObjectFilter::joint() const {
+  const JointGaussian& joint = state_->joint;
   std::vector<SE3d> poses;
-  for (std::size_t i = 0; i < backbone.size(); ++i) poses.push_back(backbone.pose(i));
-  Eigen::MatrixXd covariance = state_->factor() * backbone.covariance();
+  for (std::size_t i = 0; i < joint.size(); ++i) poses.push_back(joint.pose(i));
+  Eigen::MatrixXd covariance = state_->factor() * joint.covariance();
   for (const ObjectState& object : state_->objects) {
     if (object.index)
       internal::block(covariance, *object.index, *object.index) +=
-          state_->common_error(object, backbone.pose(*object.index));
+          state_->bias_covariance(object, joint.pose(*object.index));
   }
   return ConcentratedGaussian<PoseStackd>::trusted(PoseStackd(std::move(poses)),
                                                    std::move(covariance));
 }
 
-std::optional<std::size_t> MultiObjectFilter::backbone_index(std::size_t object) const {
+std::optional<std::size_t> MultiObjectFilter::pose_index(std::size_t object) const {
   return state_->objects[object].index;
 }
 
@@ -203,15 +203,15 @@ const ObjectSensor& MultiObjectFilter::sensor(std::size_t object) const {
 
 double MultiObjectFilter::covariance_factor() const { return state_->factor(); }
 
-Matrix6d MultiObjectFilter::common_error(std::size_t object, const SE3d& camera,
-                                         const SE3d& pose) const {
-  return state_->common_error(state_->objects[object], camera, pose);
+Matrix6d MultiObjectFilter::bias_covariance(std::size_t object, const SE3d& camera,
+                                            const SE3d& pose) const {
+  return state_->bias_covariance(state_->objects[object], camera, pose);
 }
 
-ConcentratedGaussian<PoseStackd> MultiObjectFilter::joint(
+ConcentratedGaussian<PoseStackd> MultiObjectFilter::joint_of(
     std::span<const std::optional<std::size_t>> hypotheses) const {
-  // The backbone with further hypotheses appended, then the poses that were asked for.
-  Backbone all = state_->backbone;
+  // the joint Gaussian with further hypotheses appended, then the poses that were asked for.
+  JointGaussian all = state_->joint;
   std::vector<std::size_t> order{kCamera};
   if (state_->motion) order.push_back(*state_->motion);
   for (std::size_t j = 0; j < state_->objects.size(); ++j) {
@@ -220,7 +220,7 @@ ConcentratedGaussian<PoseStackd> MultiObjectFilter::joint(
     std::size_t at = object.index.value();
     if (*hypotheses[j] != object.leading) {
       const ObjectHypothesis& other = object.hypotheses.at(*hypotheses[j]);
-      at = all.append(other.pose, other.covariance, other.with_camera);
+      at = all.append(other.pose, other.covariance, other.cross_covariance);
     }
     internal::block(all.covariance(), at, at) +=
         all.pose(at).adjoint_congruence(Matrix6d(state_->drift - object.drift));

@@ -33,15 +33,16 @@ void check_settings(const MultiObjectSettings& s) {
   require(s.score_memory >= 0.0 && s.score_memory <= 1.0, "score_memory must lie in [0, 1]");
   require(s.leader_margin >= 0.0, "leader_margin must not be negative");
   require(s.camera_gain_noise >= 1.0, "camera_gain_noise must be at least 1");
-  require(s.camera_share >= 0.0 && s.camera_share <= 1.0, "camera_share must lie in [0, 1]");
+  require(s.odometry_camera_fraction >= 0.0 && s.odometry_camera_fraction <= 1.0,
+          "odometry_camera_fraction must lie in [0, 1]");
   require(s.noise_scale_detections > 0.0, "noise_scale_detections must be positive");
   require(s.least_noise_scale > 0.0 && s.least_noise_scale <= 1.0,
           "least_noise_scale must lie in (0, 1]");
   require(s.correlation_s >= 0.0, "correlation_s must not be negative");
   require(s.correlation_detections >= 0.0, "correlation_detections must not be negative");
-  require(s.common_error_share >= 0.0 && s.common_error_share < 1.0,
-          "common_error_share must lie in [0, 1)");
-  require(s.dependent_answers > 0.0, "dependent_answers must be positive");
+  require(s.bias_variance_fraction >= 0.0 && s.bias_variance_fraction < 1.0,
+          "bias_variance_fraction must lie in [0, 1)");
+  require(s.mode_correlation_factor > 0.0, "mode_correlation_factor must be positive");
 }
 
 }  // namespace
@@ -52,12 +53,12 @@ MultiObjectFilter::State::State(const ConcentratedGaussian<SE3d>& camera,
       explained(squared_distance_at(given.explained_probability, "explained_probability")),
       merge_bounds{given.merge_rotation_rad, given.merge_translation_m,
                    squared_distance_at(given.merge_probability, "merge_probability")},
-      backbone(camera) {
+      joint(camera) {
   check_settings(settings);
   for (ObjectSensor& sensor : sensors) objects.push_back({.sensor = std::move(sensor)});
 }
 
-double MultiObjectFilter::State::dependent_detections() const {
+double MultiObjectFilter::State::correlation_length() const {
   double sum = 0.0;
   double weight = 0.0;
   for (const ObjectState& object : objects) {
@@ -75,7 +76,7 @@ double MultiObjectFilter::State::dependent_detections() const {
 }
 
 std::vector<double> MultiObjectFilter::State::probabilities(const ObjectState& object) const {
-  const double dependent = std::max(1.0, settings.dependent_answers * dependent_detections());
+  const double dependent = std::max(1.0, settings.mode_correlation_factor * correlation_length());
   std::vector<double> terms;
   for (const ObjectHypothesis& hypothesis : object.hypotheses)
     terms.push_back(hypothesis.log_weight / dependent);
@@ -86,21 +87,22 @@ std::vector<double> MultiObjectFilter::State::probabilities(const ObjectState& o
   return terms;
 }
 
-Matrix6d MultiObjectFilter::State::common_error(const ObjectState& object, const SE3d& camera,
-                                                const SE3d& pose) const {
+Matrix6d MultiObjectFilter::State::bias_covariance(const ObjectState& object, const SE3d& camera,
+                                                   const SE3d& pose) const {
   const Pair there{camera, pose, internal::Matrix12d::Zero()};
   NoiseComponent component = object.sensor.noise.components().front();
   if (const auto& bias = object.sensor.noise.dependence().bias) {
     component.covariance = *bias;
     return internal::component_noise(there, component, {object.sensor.noise});
   }
-  return settings.common_error_share * internal::component_noise(there, component, object.sensor);
+  return settings.bias_variance_fraction *
+         internal::component_noise(there, component, object.sensor);
 }
 
-Pair MultiObjectFilter::State::honest_pair(const ObjectState& object, std::size_t h) const {
-  Pair pair = internal::pair_of(backbone, object, h);
+Pair MultiObjectFilter::State::inflated_pair(const ObjectState& object, std::size_t h) const {
+  Pair pair = internal::pair_of(joint, object, h);
   pair.covariance *= factor();
-  pair.covariance.bottomRightCorner<6, 6>() += common_error(object, pair.object);
+  pair.covariance.bottomRightCorner<6, 6>() += bias_covariance(object, pair.object);
   return pair;
 }
 
@@ -113,7 +115,7 @@ void MultiObjectFilter::State::begin(ObjectState& object) {
   const bool first = std::all_of(objects.begin(), objects.end(), [&](const ObjectState& other) {
     return &other == &object ? other.detections == 1 : other.detections == 0;
   });
-  if (first) backbone.covariance() *= before / factor();
+  if (first) joint.covariance() *= before / factor();
 }
 
 /// When the last object is forgotten the filter's covariances become those of the true error again,
@@ -123,7 +125,7 @@ void MultiObjectFilter::State::forget(std::size_t j) {
   ObjectState& object = objects[j];
   if (object.index) {
     const std::size_t erased = *object.index;
-    backbone.erase(erased);
+    joint.erase(erased);
     for (ObjectState& other : objects) {
       if (other.index && *other.index > erased) --*other.index;
     }
@@ -134,7 +136,7 @@ void MultiObjectFilter::State::forget(std::size_t j) {
   object = {.sensor = std::move(sensor)};
   if (std::all_of(objects.begin(), objects.end(),
                   [](const ObjectState& other) { return other.detections == 0; })) {
-    backbone.covariance() *= before / factor();
+    joint.covariance() *= before / factor();
   }
 }
 
@@ -148,7 +150,7 @@ void MultiObjectFilter::State::walk(ObjectState& object) {
     hypothesis.covariance += hypothesis.pose.adjoint_congruence(grown);
   if (object.index) {
     const std::size_t i = *object.index;
-    internal::block(backbone.covariance(), i, i) += backbone.pose(i).adjoint_congruence(grown);
+    internal::block(joint.covariance(), i, i) += joint.pose(i).adjoint_congruence(grown);
   }
 }
 
@@ -160,12 +162,12 @@ void MultiObjectFilter::State::learn_scale(ObjectState& object, const PairUpdate
   const Vector6d ratio = update.residual.cwiseAbs2().cwiseQuotient(update.residual_variance);
   const Vector6d now = object.sensor.noise_scale.cwiseAbs2();
   constexpr std::array<std::array<int, 2>, 3> kGroups{{{0, 3}, {3, 2}, {5, 1}}};
-  object.seen += update.inlier_share;
+  object.seen += update.inlier_probability;
   const double rate = 1.0 / (settings.noise_scale_detections + object.seen);
   for (const auto& [first, count] : kGroups) {
     const double change =
-        ratio.segment(first, count).mean() / (1.0 - settings.common_error_share) - 1.0;
-    const double variance = now[first] * (1.0 + update.inlier_share * rate * change);
+        ratio.segment(first, count).mean() / (1.0 - settings.bias_variance_fraction) - 1.0;
+    const double variance = now[first] * (1.0 + update.inlier_probability * rate * change);
     object.sensor.noise_scale.segment(first, count)
         .setConstant(std::sqrt(
             std::clamp(variance, settings.least_noise_scale * settings.least_noise_scale, 1.0)));

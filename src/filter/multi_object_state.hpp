@@ -24,28 +24,28 @@ class MultiObjectFilter::State {
     frame_s = dt;
   }
 
-  double dependent_detections() const;
+  double correlation_length() const;
   /// Of the filter's covariances, to be those of the true error. Until the first detection they
   /// are.
-  double factor() const { return settings.has_odometry ? dependent_detections() : 1.0; }
+  double factor() const { return settings.has_odometry ? correlation_length() : 1.0; }
   /// Of the hypotheses of an object, w^(1 / dependent) normalised with that of absence.
   std::vector<double> probabilities(const ObjectState& object) const;
   /// What all detections of an object have in common, in the world frame.
-  Matrix6d common_error(const ObjectState& object, const SE3d& camera, const SE3d& pose) const;
-  Matrix6d common_error(const ObjectState& object, const SE3d& pose) const {
-    return common_error(object, backbone.pose(kCamera), pose);
+  Matrix6d bias_covariance(const ObjectState& object, const SE3d& camera, const SE3d& pose) const;
+  Matrix6d bias_covariance(const ObjectState& object, const SE3d& pose) const {
+    return bias_covariance(object, joint.pose(kCamera), pose);
   }
   /// Camera and one hypothesis with the covariance of the true error.
-  internal::Pair honest_pair(const ObjectState& object, std::size_t h) const;
+  internal::Pair inflated_pair(const ObjectState& object, std::size_t h) const;
 
   MultiObjectSettings settings;
   double explained;
   internal::MergeBounds merge_bounds;
-  internal::Backbone backbone;
+  internal::JointGaussian joint;
   std::vector<ObjectState> objects;
   double now_s = 0.0;
   double frame_s = 0.1;               ///< between the last two frames
-  std::optional<std::size_t> motion;  ///< index of the camera's motion in the backbone
+  std::optional<std::size_t> motion;  ///< index of the camera's motion in the joint Gaussian
   std::uint64_t next_id = 0;
   Matrix6d drift = Matrix6d::Zero();  ///< of the map, in the world frame
 
@@ -55,12 +55,12 @@ class MultiObjectFilter::State {
   std::vector<PairUpdate> observe(const ObjectState& object, const SE3d& detected) const;
   void learn(ObjectState& object, const PairUpdate& leader, ObjectUpdateReport& report) const;
   void learn_scale(ObjectState& object, const PairUpdate& update) const;
-  std::vector<ObjectHypothesis> newborn(const ObjectState& object, const SE3d& detected);
+  std::vector<ObjectHypothesis> births_of(const ObjectState& object, const SE3d& detected);
   double weigh(ObjectState& object, const std::vector<PairUpdate>& updates,
-               const std::vector<ObjectHypothesis>& born) const;
+               const std::vector<ObjectHypothesis>& births) const;
   void move_camera(ObjectState& object, const std::vector<PairUpdate>& updates, double log_evidence,
-                   std::vector<ObjectHypothesis>& born);
-  std::size_t settle(ObjectState& object, std::vector<ObjectHypothesis> born);
+                   std::vector<ObjectHypothesis>& births);
+  std::size_t settle(ObjectState& object, std::vector<ObjectHypothesis> births);
 };
 
 }  // namespace posemix

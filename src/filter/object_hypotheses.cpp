@@ -12,22 +12,22 @@
 namespace posemix::internal {
 namespace {
 
-/// The hypothesis with the backbone's pose and covariances where it leads.
-ObjectHypothesis current(const Backbone& backbone, const ObjectState& object, std::size_t h) {
+/// The hypothesis with the joint Gaussian's pose and covariances where it leads.
+ObjectHypothesis current(const JointGaussian& joint, const ObjectState& object, std::size_t h) {
   ObjectHypothesis result = object.hypotheses[h];
   if (!object.index || h != object.leading) return result;
-  result.pose = backbone.pose(*object.index);
-  result.covariance = backbone.covariance(*object.index, *object.index);
-  result.with_camera = backbone.covariance(*object.index, kCamera);
+  result.pose = joint.pose(*object.index);
+  result.covariance = joint.covariance(*object.index, *object.index);
+  result.cross_covariance = joint.covariance(*object.index, kCamera);
   return result;
 }
 
 /// True when two hypotheses agree; `b` becomes the representative of its pose that is nearest.
-bool agree(const Backbone& backbone, const ObjectState& object, const ObjectHypothesis& a,
+bool agree(const JointGaussian& joint, const ObjectState& object, const ObjectHypothesis& a,
            ObjectHypothesis& b, const MergeBounds& bounds) {
-  const Matrix6d camera = backbone.covariance(kCamera, kCamera);
+  const Matrix6d camera = joint.covariance(kCamera, kCamera);
   const auto seen_from_camera = [&](const ObjectHypothesis& h) {
-    return Matrix6d(h.covariance + camera - h.with_camera - h.with_camera.transpose());
+    return Matrix6d(h.covariance + camera - h.cross_covariance - h.cross_covariance.transpose());
   };
   if ((a.pose.translation() - b.pose.translation()).norm() > bounds.translation_m) return false;
   if (!object.sensor.symmetries.is_trivial()) {
@@ -79,31 +79,31 @@ ObjectHypothesis merged(const ObjectHypothesis& a, const ObjectHypothesis& b,
   ObjectHypothesis result = a.log_weight >= b.log_weight ? a : b;
   result.pose = midway.pose;
   result.covariance = midway.covariance(a.covariance, b.covariance);
-  result.with_camera = midway.cross(a.with_camera, b.with_camera);
+  result.cross_covariance = midway.cross(a.cross_covariance, b.cross_covariance);
   result.log_weight = log_sum_exp(weights);
   result.score = std::max(a.score, b.score);
   result.detections = std::max(a.detections, b.detections);
   return result;
 }
 
-/// Rows of the backbone for hypothesis h: its own where it leads, by regression on the camera
+/// Rows of the joint Gaussian for hypothesis h: its own where it leads, by regression on the camera
 /// otherwise.
-Eigen::MatrixXd rows_of(const Backbone& backbone, const ObjectState& object,
+Eigen::MatrixXd rows_of(const JointGaussian& joint, const ObjectState& object,
                         const ObjectHypothesis& hypothesis, bool leads) {
-  if (leads) return rows(backbone.covariance(), *object.index);
-  const Eigen::LLT<Matrix6d> camera(backbone.covariance(kCamera, kCamera));
-  const Matrix6d by = camera.solve(hypothesis.with_camera.transpose()).transpose();
-  return by * rows(backbone.covariance(), kCamera);
+  if (leads) return rows(joint.covariance(), *object.index);
+  const Eigen::LLT<Matrix6d> camera(joint.covariance(kCamera, kCamera));
+  const Matrix6d by = camera.solve(hypothesis.cross_covariance.transpose()).transpose();
+  return by * rows(joint.covariance(), kCamera);
 }
 
-void merge_two(Backbone& backbone, ObjectState& object, std::size_t a, std::size_t b,
+void merge_two(JointGaussian& joint, ObjectState& object, std::size_t a, std::size_t b,
                const ObjectHypothesis& at_a, const ObjectHypothesis& at_b) {
   const Midway midway(at_a, at_b);
   const ObjectHypothesis result = merged(at_a, at_b, midway);
   if (object.leading == a || object.leading == b) {
-    const Eigen::MatrixXd row = midway.cross(rows_of(backbone, object, at_a, object.leading == a),
-                                             rows_of(backbone, object, at_b, object.leading == b));
-    backbone.set_rows(*object.index, midway.pose, row, result.covariance);
+    const Eigen::MatrixXd row = midway.cross(rows_of(joint, object, at_a, object.leading == a),
+                                             rows_of(joint, object, at_b, object.leading == b));
+    joint.set_rows(*object.index, midway.pose, row, result.covariance);
   }
   object.hypotheses[a] = result;
   object.hypotheses.erase(object.hypotheses.begin() + static_cast<std::ptrdiff_t>(b));
@@ -116,13 +116,13 @@ void merge_two(Backbone& backbone, ObjectState& object, std::size_t a, std::size
 
 }  // namespace
 
-Pair pair_of(const Backbone& backbone, const ObjectState& object, std::size_t h) {
-  if (object.index && h == object.leading) return backbone.pair(*object.index);
+Pair pair_of(const JointGaussian& joint, const ObjectState& object, std::size_t h) {
+  if (object.index && h == object.leading) return joint.pair(*object.index);
   const ObjectHypothesis& hypothesis = object.hypotheses[h];
-  Pair pair{backbone.pose(kCamera), hypothesis.pose, {}};
-  pair.covariance.topLeftCorner<6, 6>() = backbone.covariance(kCamera, kCamera);
-  pair.covariance.bottomLeftCorner<6, 6>() = hypothesis.with_camera;
-  pair.covariance.topRightCorner<6, 6>() = hypothesis.with_camera.transpose();
+  Pair pair{joint.pose(kCamera), hypothesis.pose, {}};
+  pair.covariance.topLeftCorner<6, 6>() = joint.covariance(kCamera, kCamera);
+  pair.covariance.bottomLeftCorner<6, 6>() = hypothesis.cross_covariance;
+  pair.covariance.topRightCorner<6, 6>() = hypothesis.cross_covariance.transpose();
   pair.covariance.bottomRightCorner<6, 6>() = hypothesis.covariance;
   return pair;
 }
@@ -131,23 +131,23 @@ void follow_camera(ObjectHypothesis& hypothesis, const Vector6d& mean, const Mat
                    const Vector6d& new_mean, const Matrix6d& new_covariance) {
   // G = P_OC P_CC^-1, O <- Exp(G (m' - m)) O, P_OO += G (P_CC' - P_CC) G^T, P_OC <- G P_CC'.
   const Eigen::LLT<Matrix6d> camera(covariance);
-  const Matrix6d g = camera.solve(hypothesis.with_camera.transpose()).transpose();
+  const Matrix6d g = camera.solve(hypothesis.cross_covariance.transpose()).transpose();
   const Vector6d shift = g * (new_mean - mean);
   hypothesis.pose = SE3d::exp(shift) * hypothesis.pose;
   hypothesis.covariance += g * (new_covariance - covariance) * g.transpose();
   symmetrize(hypothesis.covariance);
-  hypothesis.with_camera.noalias() = g * new_covariance;
+  hypothesis.cross_covariance.noalias() = g * new_covariance;
 }
 
-std::size_t merge_hypotheses(Backbone& backbone, ObjectState& object, const MergeBounds& bounds) {
+std::size_t merge_hypotheses(JointGaussian& joint, ObjectState& object, const MergeBounds& bounds) {
   std::size_t merges = 0;
   auto& list = object.hypotheses;
   for (std::size_t a = 0; a < list.size(); ++a) {
     for (std::size_t b = a + 1; b < list.size();) {
-      const ObjectHypothesis at_a = current(backbone, object, a);
-      ObjectHypothesis at_b = current(backbone, object, b);
-      if (agree(backbone, object, at_a, at_b, bounds)) {
-        merge_two(backbone, object, a, b, at_a, at_b);
+      const ObjectHypothesis at_a = current(joint, object, a);
+      ObjectHypothesis at_b = current(joint, object, b);
+      if (agree(joint, object, at_a, at_b, bounds)) {
+        merge_two(joint, object, a, b, at_a, at_b);
         ++merges;
       } else {
         ++b;
@@ -171,7 +171,7 @@ void keep_best(ObjectState& object, std::size_t most, std::size_t protected_hypo
     return list[a].score != list[b].score ? list[a].score > list[b].score : list[a].id > list[b].id;
   });
   order.resize(most);
-  // The leader stays whatever happens: the backbone speaks of it.
+  // The leader stays whatever happens: the joint Gaussian speaks of it.
   if (std::find(order.begin(), order.end(), object.leading) == order.end())
     order.back() = object.leading;
   std::sort(order.begin(), order.end());
@@ -194,7 +194,7 @@ void normalise(ObjectState& object) {
   for (ObjectHypothesis& hypothesis : object.hypotheses) hypothesis.log_weight -= total;
 }
 
-bool choose_leader(Backbone& backbone, ObjectState& object, double margin) {
+bool choose_leader(JointGaussian& joint, ObjectState& object, double margin) {
   auto& list = object.hypotheses;
   const auto heaviest = std::max_element(list.begin(), list.end(),
                                          [](const ObjectHypothesis& a, const ObjectHypothesis& b) {
@@ -203,8 +203,8 @@ bool choose_leader(Backbone& backbone, ObjectState& object, double margin) {
   const auto h = static_cast<std::size_t>(heaviest - list.begin());
   if (h == object.leading || heaviest->log_weight <= list[object.leading].log_weight + margin)
     return false;
-  list[object.leading] = current(backbone, object, object.leading);
-  backbone.replace(*object.index, heaviest->pose, heaviest->covariance, heaviest->with_camera);
+  list[object.leading] = current(joint, object, object.leading);
+  joint.replace(*object.index, heaviest->pose, heaviest->covariance, heaviest->cross_covariance);
   object.leading = h;
   return true;
 }

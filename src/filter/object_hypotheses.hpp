@@ -5,15 +5,16 @@
 #include <optional>
 #include <vector>
 
-#include "backbone.hpp"
 #include "dependence.hpp"
+#include "joint_gaussian.hpp"
 #include "posemix/filter/multi_object_filter.hpp"
 
-/// The hypotheses of one object, one of which lies in the backbone. In the room `filter` only.
+/// The hypotheses of one object, one of which lies in the joint Gaussian. In the room `filter`
+/// only.
 namespace posemix::internal {
 
-/// One object. The leading hypothesis' pose and covariances are those of the backbone at `index`;
-/// the entry of the list holds the rest.
+/// One object. The leading hypothesis' pose and covariances are those of the joint Gaussian at
+/// `index`; the entry of the list holds the rest.
 struct ObjectState {
   ObjectSensor sensor;
   Vector6d given_noise_scale = sensor.noise_scale;  ///< before anything was learned
@@ -29,8 +30,8 @@ struct ObjectState {
   Matrix6d drift = Matrix6d::Zero();  ///< of the map, up to the last detection
 };
 
-/// Camera and hypothesis h, from the backbone where it leads.
-Pair pair_of(const Backbone& backbone, const ObjectState& object, std::size_t h);
+/// Camera and hypothesis h, from the joint Gaussian where it leads.
+Pair pair_of(const JointGaussian& joint, const ObjectState& object, std::size_t h);
 
 /// Hypotheses that do not lead follow the camera: xi_O = G xi_C + rest, where the camera's moments
 /// have changed from (`mean`, `covariance`) to (`new_mean`, `new_covariance`), all in the tangent
@@ -46,7 +47,7 @@ struct MergeBounds {
 };
 
 /// Merges hypotheses that agree. Returns how many merges there were.
-std::size_t merge_hypotheses(Backbone& backbone, ObjectState& object, const MergeBounds& bounds);
+std::size_t merge_hypotheses(JointGaussian& joint, ObjectState& object, const MergeBounds& bounds);
 
 /// Keeps the heaviest, and of the others those of the best score, the newest of equals.
 void keep_best(ObjectState& object, std::size_t most, std::size_t protected_hypotheses);
@@ -56,6 +57,6 @@ void normalise(ObjectState& object);
 
 /// Lets the heaviest hypothesis lead where it is ahead by more than `margin`. Returns whether the
 /// lead changed.
-bool choose_leader(Backbone& backbone, ObjectState& object, double margin);
+bool choose_leader(JointGaussian& joint, ObjectState& object, double margin);
 
 }  // namespace posemix::internal

@@ -109,7 +109,7 @@ Explanation explain(const Pair& pair, const SE3d& detected, const ObjectSensor& 
   std::vector<double>& shares = result.shares;
   shares.reserve(components.size() + 1);
 
-  // Evidence of every component, log w + log N(z; 0, H P H^T + R), and of the null.
+  // Evidence of every component, log w + log N(z; 0, H P H^T + R), and of clutter.
   for (const NoiseComponent& component : components) {
     result.innovations.push_back(innovation(pair, detected, component, sensor));
     const PairInnovation& seen = result.innovations.back();
@@ -122,7 +122,7 @@ Explanation explain(const Pair& pair, const SE3d& detected, const ObjectSensor& 
                         : -std::numeric_limits<double>::infinity());
     result.squared_distance = std::min(result.squared_distance, squared);
   }
-  shares.push_back(sensor.noise.log_null_density());
+  shares.push_back(sensor.noise.log_clutter_density());
   result.log_evidence = log_sum_exp(shares);
 
   // Shares, without those that hardly count.
@@ -165,8 +165,8 @@ PairUpdate observe(const Pair& pair, const SE3d& detected, const ObjectSensor& s
   }
   if (seen_as.shares.back() > 0.0) children.add_unmoved(seen_as.shares.back());
   result.posterior = children.moments();
-  result.inlier_share = seen_as.shares.front();
-  result.null_share = seen_as.shares.back();
+  result.inlier_probability = seen_as.shares.front();
+  result.clutter_probability = seen_as.shares.back();
   const PairInnovation& inlier = seen_as.innovations.front();
   const SE3d to_axes = inlier.axes.inverse();
   result.residual = to_axes.adjoint_blocks().times(inlier.residual);

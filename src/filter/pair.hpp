@@ -39,18 +39,18 @@ struct PairMoments {
 /// What a detection says to one pair.
 struct PairUpdate {
   PairMoments posterior;
-  double log_evidence = 0.0;      ///< of all noise components and the null [nats]
-  double squared_distance = 0.0;  ///< least squared Mahalanobis distance over the components
-  double inlier_share = 0.0;      ///< posterior probability of the first component
-  double null_share = 0.0;        ///< and of the null
+  double log_evidence = 0.0;         ///< of all noise components and clutter [nats]
+  double squared_distance = 0.0;     ///< least squared Mahalanobis distance over the components
+  double inlier_probability = 0.0;   ///< posterior probability of the first component
+  double clutter_probability = 0.0;  ///< and of clutter
   /// Innovation of the first component along the axes of its noise, and its expected variance.
   Vector6d residual = Vector6d::Zero();
   Vector6d residual_variance = Vector6d::Ones();
 };
 
-/// Noise, null and symmetries as in `sensor`; `camera_gain_noise` multiplies the noise with which
-/// the camera's gain is computed (infinity: the camera is not moved). Without `averages` the update
-/// is by the covariance that weighs.
+/// Noise, clutter and symmetries as in `sensor`; `camera_gain_noise` multiplies the noise with
+/// which the camera's gain is computed (infinity: the camera is not moved). Without `averages` the
+/// update is by the covariance that weighs.
 PairUpdate observe(const Pair& pair, const SE3d& detected, const ObjectSensor& sensor,
                    double camera_gain_noise, bool averages);
 
@@ -70,10 +70,10 @@ Matrix6d component_noise(const Pair& pair, const NoiseComponent& component,
 PairInnovation innovation(const Pair& pair, const SE3d& detected, const NoiseComponent& component,
                           const ObjectSensor& sensor);
 
-/// What a detection may be: one component of its noise, or the null.
+/// What a detection may be: one component of its noise, or clutter.
 struct Explanation {
   std::vector<PairInnovation> innovations;  ///< one per component
-  std::vector<double> shares;               ///< posterior probabilities; the null's is last
+  std::vector<double> shares;               ///< posterior probabilities; clutter's is last
   double log_evidence = 0.0;
   double squared_distance = 0.0;  ///< least squared Mahalanobis distance over the components
 };

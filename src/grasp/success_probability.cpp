@@ -40,8 +40,8 @@ internal::BoxedGaussian proposal(const Projected& density, const SE3d& m, const 
     mean.tail<3>() = seen.tangent_mean().tail<3>();
     return {mean, seen.covariance(), limit};
   }
-  const Projected restated = restate(seen, SO3d());
-  return {restated.tangent_mean(), restated.covariance(), limit};
+  const Projected moved = change_chart(seen, SO3d());
+  return {moved.tangent_mean(), moved.covariance(), limit};
 }
 
 Vector6d checked_limits(const ToleranceBox& box) {

@@ -15,8 +15,8 @@ namespace posemix {
 
 inline constexpr std::string_view kMixtureType = "posemix.mixture";
 inline constexpr std::string_view kMixtureGroup = "SE3";
-inline constexpr std::string_view kConcentratedLaw = "concentrated";
-inline constexpr std::string_view kProjectedLaw = "projected";
+inline constexpr std::string_view kConcentratedWord = "concentrated";
+inline constexpr std::string_view kProjectedWord = "projected";
 /// Unit of u of projected Gaussians, tan(theta/2).
 inline constexpr std::string_view kProjectedUnit = "tan_half_angle";
 inline constexpr std::size_t kLongestFrameName = 100;

@@ -53,18 +53,18 @@ void check_schema(const JsonPlace& root) {
         fmt::format("{}", number),
         fmt::format("{}: the file was written in another version of the format", kMixtureSchema));
   }
-  root.require_only(
-      {"schema", "type", "group", "law", "side", "order", "units", "frames", "components"});
+  root.require_only({"schema", "type", "group", "distribution", "side", "order", "units", "frames",
+                     "components"});
   root.member("group").require_word(kMixtureGroup);
 }
 
-bool is_projected(const JsonPlace& law) {
-  const std::string word = law.string();
-  if (word != kConcentratedLaw && word != kProjectedLaw) {
-    law.fail(in_quotes(word),
-             fmt::format("{} or {}", in_quotes(kConcentratedLaw), in_quotes(kProjectedLaw)));
+bool is_projected(const JsonPlace& distribution) {
+  const std::string word = distribution.string();
+  if (word != kConcentratedWord && word != kProjectedWord) {
+    distribution.fail(in_quotes(word), fmt::format("{} or {}", in_quotes(kConcentratedWord),
+                                                   in_quotes(kProjectedWord)));
   }
-  return word == kProjectedLaw;
+  return word == kProjectedWord;
 }
 
 MixtureConvention read_convention(const JsonPlace& root, bool projected) {
@@ -130,7 +130,7 @@ auto with_covariance(const JsonPlace& place, const MixtureConvention& convention
 }
 
 ConcentratedGaussian<SE3d> read_density(const JsonPlace& place, const MixtureConvention& convention,
-                                        const ConcentratedGaussian<SE3d>* /*law*/) {
+                                        const ConcentratedGaussian<SE3d>* /*distribution*/) {
   place.require_only({"weight", "log_weight", "mean", "covariance"});
   const JsonPlace mean = place.member("mean");
   mean.require_only({"translation", "quaternion_xyzw"});
@@ -143,7 +143,7 @@ ConcentratedGaussian<SE3d> read_density(const JsonPlace& place, const MixtureCon
 }
 
 ProjectedGaussian<SE3d> read_density(const JsonPlace& place, const MixtureConvention& convention,
-                                     const ProjectedGaussian<SE3d>* /*law*/) {
+                                     const ProjectedGaussian<SE3d>* /*distribution*/) {
   place.require_only({"weight", "log_weight", "tangent_point", "tangent_mean", "covariance"});
   const JsonPlace point = place.member("tangent_point");
   point.require_only({"quaternion_xyzw"});
@@ -181,7 +181,7 @@ MixtureFile parse_mixture(std::string_view text, const std::string& name) {
   const Json json = document(text, name);
   const JsonPlace root(json, name);
   check_schema(root);
-  const bool projected = is_projected(root.member("law"));
+  const bool projected = is_projected(root.member("distribution"));
   const MixtureConvention convention = read_convention(root, projected);
   FrameNames frames = read_frames(root.member("frames"));
   const JsonPlace components = root.member("components");

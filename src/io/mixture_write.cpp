@@ -105,7 +105,7 @@ std::string format_mixture(const MixtureFile& file, const MixtureConvention& con
       {"schema", kMixtureSchema},
       {"type", kMixtureType},
       {"group", kMixtureGroup},
-      {"law", projected ? kProjectedLaw : kConcentratedLaw},
+      {"distribution", projected ? kProjectedWord : kConcentratedWord},
       {"side", word_of(kSides, stated.side)},
       {"order", word_of(kOrders, stated.order)},
       {"units",

@@ -301,7 +301,7 @@ ProjectedGaussian<G> EmModel<ProjectedGaussian<G>>::prepared(const Density& dens
                                                              const EmSettings& settings) {
   const Eigen::Vector3d u = density.tangent_mean().template head<3>();
   internal::bounded_projected_covariance(Eigen::Matrix3d::Identity(), settings);
-  return u.isZero(0.0) ? density : restate_at_mode(density);
+  return u.isZero(0.0) ? density : change_chart_to_mode(density);
 }
 
 template struct EmModel<ProjectedGaussian<SO3d>>;

@@ -19,28 +19,29 @@ const GaussianCubature<3>& cubature() {
   return rule;
 }
 
-/// Cubature points of one law: rotations, and the mean of t at each; t varies about it by
+/// Cubature points of one distribution: rotations, and the mean of t at each; t varies about it by
 /// `residual`.
 template <RotationOrPose G>
-struct LawPoints {
+struct QuadraturePoints {
   std::vector<SO3d> rotations;
   Eigen::Matrix<double, G::Dof - 3, Eigen::Dynamic> translations;
   Eigen::Matrix<double, G::Dof - 3, G::Dof - 3> residual;
 
-  explicit LawPoints(const ProjectedGaussian<G>& density) {
-    const LawMoments<G> law = law_moments(density);
-    const Matrix3d covariance = law.covariance.template topLeftCorner<3, 3>();
+  explicit QuadraturePoints(const ProjectedGaussian<G>& density) {
+    const DistributionMoments<G> distribution = moments_of(density);
+    const Matrix3d covariance = distribution.covariance.template topLeftCorner<3, 3>();
     const Eigen::LLT<Matrix3d> factor(covariance);
     const Eigen::Matrix<double, 3, Eigen::Dynamic> offsets = factor.matrixL() * cubature().points;
-    const Vector3d mean = law.mean.template head<3>();
+    const Vector3d mean = distribution.mean.template head<3>();
     for (Eigen::Index k = 0; k < offsets.cols(); ++k) {
       rotations.push_back(gnomonic::project(density.tangent_point(), mean + offsets.col(k)));
     }
     if constexpr (std::same_as<G, SE3d>) {
-      const Matrix3d cross = law.covariance.template bottomLeftCorner<3, 3>();
+      const Matrix3d cross = distribution.covariance.template bottomLeftCorner<3, 3>();
       const Matrix3d gain = factor.solve(cross.transpose()).transpose();
-      translations = (gain * offsets).colwise() + Vector3d(law.mean.template tail<3>());
-      residual = law.covariance.template bottomRightCorner<3, 3>() - gain * cross.transpose();
+      translations = (gain * offsets).colwise() + Vector3d(distribution.mean.template tail<3>());
+      residual =
+          distribution.covariance.template bottomRightCorner<3, 3>() - gain * cross.transpose();
     }
   }
 };
@@ -107,7 +108,7 @@ ProjectedGaussian<G> tangent_moments(std::span<const Component<ProjectedGaussian
   std::vector<ProjectedGaussian<G>> moved;
   typename G::Tangent mean = G::Tangent::Zero();
   for (std::size_t i = 0; i < of.weights.size(); ++i) {
-    moved.push_back(restate(*of.densities[i], tangent_point));
+    moved.push_back(change_chart(*of.densities[i], tangent_point));
     mean += of.weights[i] * moved.back().tangent_mean();
   }
   typename G::TangentMatrix covariance = G::TangentMatrix::Zero();
@@ -123,13 +124,14 @@ template <RotationOrPose G>
 Moments<ProjectedGaussian<G>> moments(std::span<const Component<ProjectedGaussian<G>>> components,
                                       const MomentSettings& settings) {
   const Weighted<G> of(components);
-  std::vector<LawPoints<G>> laws;
+  std::vector<QuadraturePoints<G>> distributions;
   std::vector<SO3d> rotations;
   std::vector<double> weights;
   for (std::size_t i = 0; i < of.weights.size(); ++i) {
-    laws.emplace_back(*of.densities[i]);
+    distributions.emplace_back(*of.densities[i]);
     for (const double weight : cubature().weights) weights.push_back(of.weights[i] * weight);
-    rotations.insert(rotations.end(), laws[i].rotations.begin(), laws[i].rotations.end());
+    rotations.insert(rotations.end(), distributions[i].rotations.begin(),
+                     distributions[i].rotations.end());
   }
   const MeanResult<SO3d> centre =
       gnomonic_mean(rotations, weights, {settings.max_iterations, settings.tolerance});
@@ -137,16 +139,16 @@ Moments<ProjectedGaussian<G>> moments(std::span<const Component<ProjectedGaussia
   Eigen::Matrix<double, G::Dof, Eigen::Dynamic> y(G::Dof,
                                                   static_cast<Eigen::Index>(rotations.size()));
   typename G::TangentMatrix covariance = G::TangentMatrix::Zero();
-  for (std::size_t i = 0; i < laws.size(); ++i) {
+  for (std::size_t i = 0; i < distributions.size(); ++i) {
     const Eigen::Index points = cubature().weights.size();
     auto part = y.middleCols(static_cast<Eigen::Index>(i) * points, points);
     for (Eigen::Index k = 0; k < points; ++k) {
       part.col(k).template head<3>() =
-          gnomonic::lift(centre.mean, laws[i].rotations[static_cast<std::size_t>(k)]);
+          gnomonic::lift(centre.mean, distributions[i].rotations[static_cast<std::size_t>(k)]);
     }
     if constexpr (std::same_as<G, SE3d>) {
-      part.template bottomRows<3>() = laws[i].translations;
-      covariance.template bottomRightCorner<3, 3>() += of.weights[i] * laws[i].residual;
+      part.template bottomRows<3>() = distributions[i].translations;
+      covariance.template bottomRightCorner<3, 3>() += of.weights[i] * distributions[i].residual;
     }
   }
   const Eigen::Map<const Eigen::VectorXd> w(weights.data(), y.cols());
@@ -155,7 +157,7 @@ Moments<ProjectedGaussian<G>> moments(std::span<const Component<ProjectedGaussia
   y.colwise() -= mean;
   covariance += y * w.asDiagonal() * y.transpose();
   symmetrize(covariance);
-  return {with_law_moments<G>(centre.mean, mean, covariance), centre.converged, centre.iterations,
+  return {with_moments<G>(centre.mean, mean, covariance), centre.converged, centre.iterations,
           centre.residual};
 }
 

@@ -15,7 +15,7 @@ namespace {
 template <RotationOrPose G>
 double log_delta(const ProjectedGaussian<G>& p, const ProjectedGaussian<G>& q) {
   const SO3d halfway = gnomonic::halfway(p.tangent_point(), q.tangent_point());
-  const ProjectedGaussian<G> p3 = restate(p, halfway), q3 = restate(q, halfway);
+  const ProjectedGaussian<G> p3 = change_chart(p, halfway), q3 = change_chart(q, halfway);
   const Eigen::LLT<typename G::TangentMatrix> sum(p3.covariance() + q3.covariance());
   const typename G::Tangent apart = q3.tangent_mean() - p3.tangent_mean();
   return -0.5 * sum.matrixL().solve(apart).squaredNorm();

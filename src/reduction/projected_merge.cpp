@@ -43,8 +43,9 @@ MergeResult<ProjectedGaussian<G>> merge(
       return {{log_weight, centred(tangent_moments<G>(all, point.mean))}, point.converged};
     }
     case MergeRule::tangent_of_larger:
-      return {{log_weight, restate_at_mode(tangent_moments<G>(all, modes[carrying.heaviest()]))},
-              true};
+      return {
+          {log_weight, change_chart_to_mode(tangent_moments<G>(all, modes[carrying.heaviest()]))},
+          true};
     case MergeRule::moment_matched: {
       Moments<Density> matched = moments<G>(all, {settings.max_iterations, settings.tolerance});
       return {{log_weight, std::move(matched.density)}, matched.converged};

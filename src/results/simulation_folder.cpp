@@ -103,9 +103,9 @@ std::string object_text(const SimulationObject& settings, const SimulatedObject&
   std::string text = fmt::format("\n[noise.\"{}\"]\ncomponents = [\n", object.id);
   for (const SimulationNoise& noise : claimed_noise(settings)) text += component_text(noise);
   text += "]\n";
-  if (const NullNoise null = claimed_null(settings); null.weight > 0.0)
-    text +=
-        fmt::format("null = {{weight = {:.12g}, volume_m3 = {:g}}}\n", null.weight, null.volume_m3);
+  if (const Clutter clutter = claimed_clutter(settings); clutter.weight > 0.0)
+    text += fmt::format("clutter = {{weight = {:.12g}, volume_m3 = {:g}}}\n", clutter.weight,
+                        clutter.volume_m3);
   text += fmt::format(
       "\n"
       "[[objects]]\n"

@@ -83,13 +83,13 @@ Json alternatives_of(std::vector<ObjectAlternative> list, std::size_t most) {
 Json object_of(const SlamJob& job, const SlamRun& run, std::size_t object) {
   Track world;
   Track relative;
-  Json fates = Json::array();
+  Json statuses = Json::array();
   std::vector<std::optional<SE3d>> world_truth;
   std::vector<std::optional<SE3d>> relative_truth;
   for (std::size_t k = 0; k < run.frames.size(); ++k) {
     world.add(run.frames[k].objects[object]);
     relative.add(run.frames[k].relative[object]);
-    fates.push_back(fate_name(run.frames[k].report.fates[object]));
+    statuses.push_back(status_name(run.frames[k].report.statuses[object]));
     world_truth.push_back(true_world_pose(job.sequence, object, k));
     relative_truth.push_back(true_relative_pose(job.sequence, object, k));
   }
@@ -107,7 +107,7 @@ Json object_of(const SlamJob& job, const SlamRun& run, std::size_t object) {
   if (!probabilities.empty()) json["mode_probability"] = std::move(probabilities);
   if (!alternatives.empty()) json["alternatives"] = std::move(alternatives);
   json["detection"] = poses_of(job.sequence.objects[object].detections);
-  json["fate"] = std::move(fates);
+  json["status"] = std::move(statuses);
   return json;
 }
 

@@ -22,7 +22,7 @@ const std::map<std::string, unsigned> kMaskBits{
 
 const std::vector<std::string> kCameraKeys{"pose", "sd"};
 const std::vector<std::string> kObjectKeys{"world: pose",  "world: sd", "relative: pose",
-                                           "relative: sd", "detection", "fate"};
+                                           "relative: sd", "detection", "status"};
 
 TraceSeriesPtr track_series(const std::string& path, const std::string& key,
                             const std::string& prefix, const TraceScales& scales) {
@@ -71,7 +71,7 @@ TraceSeriesPtr TraceEntity::make(const TraceKeys& keys, const std::string& path,
   if (keys.size() != 1) return nullptr;
   const std::string name = prefix_ + "/" + keys[0];
   if (keys[0] == "detection") return pose_series(path, name, scales.coarse());
-  if (keys[0] == "fate") return fate_series(path, name);
+  if (keys[0] == "status") return status_series(path, name);
   if (keys[0] == "mode_probability") return probability_series(path, name);
   if (keys[0] == "alternatives") return alternatives_series(path, prefix_, scales.coarse());
   return nullptr;

@@ -9,12 +9,12 @@
 
 namespace posemix {
 
-/// What trace.json calls the members of DetectionFate, in their order.
-inline constexpr std::array<std::string_view, 7> kFateNames{"none", "started", "used",  "doubted",
-                                                            "born", "gated",   "failed"};
+/// What trace.json calls the members of DetectionStatus, in their order.
+inline constexpr std::array<std::string_view, 7> kStatusNames{
+    "none", "started", "used", "doubted", "birth", "gated", "failed"};
 
-constexpr std::string_view fate_name(DetectionFate fate) {
-  return kFateNames[static_cast<std::size_t>(fate)];
+constexpr std::string_view status_name(DetectionStatus status) {
+  return kStatusNames[static_cast<std::size_t>(status)];
 }
 
 }  // namespace posemix

@@ -55,7 +55,7 @@ class TracePacker {
             {"order", order},
             {"frames", *frames_},
             {"stamps_s", std::move(times)},
-            {"fates", kFateNames},
+            {"statuses", kStatusNames},
             {"columns", std::move(headers_)},
             {"data", base64(data_.finish())}};
   }

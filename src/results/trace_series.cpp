@@ -129,13 +129,13 @@ class ProbabilitySeries final : public NumberSeries {
   double number(const TracePlace& place) override { return place.probability(); }
 };
 
-class FateSeries final : public NumberSeries {
+class StatusSeries final : public NumberSeries {
   using NumberSeries::NumberSeries;
   double number(const TracePlace& place) override {
     const std::string name = place.value().is_string() ? place.value().get<std::string>() : "";
-    const auto found = std::find(kFateNames.begin(), kFateNames.end(), name);
-    if (found == kFateNames.end()) place.fail(in_quotes(name), "what became of a detection");
-    return static_cast<double>(found - kFateNames.begin());
+    const auto found = std::find(kStatusNames.begin(), kStatusNames.end(), name);
+    if (found == kStatusNames.end()) place.fail(in_quotes(name), "what became of a detection");
+    return static_cast<double>(found - kStatusNames.begin());
   }
 };
 
@@ -194,8 +194,8 @@ TraceSeriesPtr probability_series(std::string path, const std::string& name) {
   return std::make_unique<ProbabilitySeries>(std::move(path), name, format);
 }
 
-TraceSeriesPtr fate_series(std::string path, const std::string& name) {
-  return std::make_unique<FateSeries>(std::move(path), name, ColumnFormat{});
+TraceSeriesPtr status_series(std::string path, const std::string& name) {
+  return std::make_unique<StatusSeries>(std::move(path), name, ColumnFormat{});
 }
 
 }  // namespace posemix

@@ -81,7 +81,7 @@ TraceSeriesPtr sd_series(std::string path, const std::string& prefix);
 TraceSeriesPtr position_series(std::string path, const std::string& prefix);
 /// Probabilities: column `name`.
 TraceSeriesPtr probability_series(std::string path, const std::string& name);
-/// What became of detections: column `name` of indices into kFateNames.
-TraceSeriesPtr fate_series(std::string path, const std::string& name);
+/// What became of detections: column `name` of indices into kStatusNames.
+TraceSeriesPtr status_series(std::string path, const std::string& name);
 
 }  // namespace posemix

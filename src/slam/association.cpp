@@ -109,13 +109,13 @@ void admit_fresh(const std::vector<Predicted>& instances, std::span<const Candid
     return candidates[a].score > candidates[b].score;
   });
   for (const std::size_t i : order) {
-    if (associations[i].fate == CandidateFate::assigned) continue;
+    if (associations[i].status == CandidateStatus::assigned) continue;
     const Eigen::Vector3d& place = candidates[i].camera_object.translation();
     const bool has_room = std::none_of(taken.begin(), taken.end(), [&](const Eigen::Vector3d& t) {
       return (t - place).norm() < settings.least_separation_m;
     });
     if (!has_room || candidates[i].score < settings.least_new_score) continue;
-    associations[i].fate = CandidateFate::fresh;
+    associations[i].status = CandidateStatus::fresh;
     taken.push_back(place);
   }
 }
@@ -140,7 +140,7 @@ std::vector<Association> associate(std::span<const ConcentratedGaussian<SE3d>> i
     association.camera_object = candidates[i].camera_object;
     const auto column = static_cast<std::size_t>(columns[i]);
     if (column >= instances.size()) continue;
-    association.fate = CandidateFate::assigned;
+    association.status = CandidateStatus::assigned;
     association.instance = column;
     association.camera_object = predicted[column].nearest(candidates[i].camera_object, symmetries);
     association.cost = cost(static_cast<Eigen::Index>(i), columns[i]);

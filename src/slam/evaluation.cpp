@@ -56,9 +56,9 @@ class ObjectScores {
 };
 
 /// Whether a filter left the detection out or took it for a gross error.
-bool is_gated(DetectionFate fate) {
-  return fate == DetectionFate::gated || fate == DetectionFate::doubted ||
-         fate == DetectionFate::born;
+bool is_gated(DetectionStatus status) {
+  return status == DetectionStatus::gated || status == DetectionStatus::doubted ||
+         status == DetectionStatus::birth;
 }
 
 std::optional<double> mode_probability(const FrameEstimate& frame, std::size_t object) {
@@ -80,7 +80,7 @@ ObjectMetrics evaluate_object(const Sequence& sequence, const SlamRun& run, std:
     relative.add(mean_of(frame.relative[object]), truth);
     detection.add(detected, truth);
     metrics.detections += detected.has_value() ? 1 : 0;
-    metrics.gated += is_gated(frame.report.fates[object]) ? 1 : 0;
+    metrics.gated += is_gated(frame.report.statuses[object]) ? 1 : 0;
     if (frame.relative[object] && truth)
       scores.add(*frame.relative[object], *truth, mode_probability(frame, object));
   }

@@ -56,11 +56,11 @@ ModeSmoother::Step ModeSmoother::predict(const PoseStackd& poses, const MatrixXd
   switch (motion.model) {
     case MotionModel::odometry:
       if (input.odometry) {
-        const Matrix6d q = motion.noise.over(input.dt) / model_.dependent_detections;
+        const Matrix6d q = motion.noise.over(input.dt) / model_.correlation_length;
         moved[kCamera] = poses[kCamera] * *input.odometry;
-        add_noise(kCamera, model_.camera_share * q);
+        add_noise(kCamera, model_.odometry_camera_fraction * q);
         for (std::size_t i = model_.first_object(); i < poses.size(); ++i)
-          add_noise(i, (1.0 - model_.camera_share) * q);
+          add_noise(i, (1.0 - model_.odometry_camera_fraction) * q);
       } else {
         add_noise(kCamera, motion.unknown_motion.over(input.dt));
       }

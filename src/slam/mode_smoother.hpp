@@ -15,8 +15,8 @@ namespace posemix::internal {
 /// How camera and objects move and are seen, one mode of each object.
 struct ModeModel {
   MotionSettings motion;
-  double camera_share = 1.0;              ///< as in MultiObjectSettings
-  double dependent_detections = 1.0;      ///< odometry's noise is divided by it
+  double odometry_camera_fraction = 1.0;  ///< as in MultiObjectSettings
+  double correlation_length = 1.0;        ///< odometry's noise is divided by it
   bool averages = true;                   ///< detections teach by their update covariance
   std::vector<std::size_t> objects = {};  ///< of the pose at first_object() and on
   std::vector<const ObjectSensor*> sensors = {};

@@ -28,7 +28,7 @@ void ObjectSlam::observe_candidates(MultiObjectFilter& filter,
     });
   }
 
-  report.candidates.assign(candidates.size(), {.fate = CandidateFate::dropped});
+  report.candidates.assign(candidates.size(), {.status = CandidateStatus::dropped});
   for (const auto& [name, members] : candidates_of) {
     const auto models = models_of.find(name);
     if (models != models_of.end())
@@ -58,14 +58,14 @@ void ObjectSlam::observe_class(MultiObjectFilter& filter, const std::vector<std:
   // The known before the new: a model that was seen in this frame is not used again.
   for (std::size_t i = 0; i < members.size(); ++i) {
     CandidateReport& candidate = report.candidates[members[i]];
-    candidate.fate = associations[i].fate;
-    if (candidate.fate != CandidateFate::assigned) continue;
+    candidate.status = associations[i].status;
+    if (candidate.status != CandidateStatus::assigned) continue;
     candidate.object = instances[associations[i].instance];
     update(filter, *candidate.object, associations[i].camera_object, report);
   }
   for (std::size_t i = 0; i < members.size(); ++i) {
     CandidateReport& candidate = report.candidates[members[i]];
-    if (candidate.fate != CandidateFate::fresh) continue;
+    if (candidate.status != CandidateStatus::fresh) continue;
     candidate = new_instance(filter, models);
     if (candidate.object) update(filter, *candidate.object, associations[i].camera_object, report);
   }
@@ -80,7 +80,7 @@ ConcentratedGaussian<SE3d> ObjectSlam::predicted_instance(const MultiObjectFilte
   // times that as detections count as one: more than R while n is less.
   const double detections = static_cast<double>(filter.hypotheses(object)[leading].detections);
   const double independent = detections - 1.0 + 1.0 / birth_covariance_factor_;
-  const double share = std::min(1.0, independent / filter.dependent_detections());
+  const double share = std::min(1.0, independent / filter.correlation_length());
   return ConcentratedGaussian<SE3d>::trusted(density.mean(), share * density.covariance());
 }
 
@@ -88,15 +88,15 @@ CandidateReport ObjectSlam::new_instance(MultiObjectFilter& filter,
                                          const std::vector<std::size_t>& models) {
   std::optional<std::size_t> oldest;
   for (const std::size_t object : models) {
-    if (!filter.leading(object)) return {.fate = CandidateFate::fresh, .object = object};
+    if (!filter.leading(object)) return {.status = CandidateStatus::fresh, .object = object};
     const Sightings& seen = sightings_[object];
     if (seen.count >= confirming_detections_ || seen.last_frame == frame_) continue;
     if (!oldest || seen.last_frame < sightings_[*oldest].last_frame) oldest = object;
   }
-  if (!oldest) return {.fate = CandidateFate::dropped};
+  if (!oldest) return {.status = CandidateStatus::dropped};
   filter.forget(*oldest);
   sightings_[*oldest] = {};
-  return {.fate = CandidateFate::fresh, .object = oldest, .recycled = true};
+  return {.status = CandidateStatus::fresh, .object = oldest, .recycled = true};
 }
 
 }  // namespace posemix

@@ -20,7 +20,7 @@ double elapsed_s(SlamClock::time_point start) {
 GaussianSumFilter gaussian_sum(const ConcentratedGaussian<SE3d>& camera,
                                const ObjectSlamSettings& settings) {
   Hypothesis start = internal::camera_hypothesis(camera, settings.motion);
-  FilterSettings filter = settings.filter;
+  GaussianSumSettings filter = settings.filter;
   filter.first_object = start.mean().size();
   return {Posterior({{0.0, std::move(start)}}), filter};
 }
@@ -51,7 +51,7 @@ std::variant<GaussianSumFilter, MultiObjectFilter> make_filter(
 
 Hypothesis summary_of(const std::variant<GaussianSumFilter, MultiObjectFilter>& filter) {
   if (const auto* sum = std::get_if<GaussianSumFilter>(&filter)) return sum->summarise();
-  return std::get<MultiObjectFilter>(filter).backbone();
+  return std::get<MultiObjectFilter>(filter).joint();
 }
 
 }  // namespace
@@ -110,7 +110,7 @@ Posterior ObjectSlam::posterior() const {
 
 std::optional<std::size_t> ObjectSlam::pose_index(std::size_t object) const {
   const MultiObjectFilter* filter = multi_object();
-  return filter != nullptr ? filter->backbone_index(object) : indices_[object];
+  return filter != nullptr ? filter->pose_index(object) : indices_[object];
 }
 
 void ObjectSlam::predict(GaussianSumFilter& filter, const FrameInput& input) const {
@@ -154,7 +154,7 @@ FrameReport ObjectSlam::observe(const Detections& detections,
   }
   ++frame_;
   FrameReport report;
-  report.fates.assign(objects_.size(), DetectionFate::none);
+  report.statuses.assign(objects_.size(), DetectionStatus::none);
   std::visit([&](auto& filter) { observe(filter, detections, report); }, filter_);
   if (!candidates.empty()) {
     const auto start = SlamClock::now();
@@ -182,10 +182,10 @@ void ObjectSlam::update(MultiObjectFilter& filter, std::size_t object, const SE3
   sightings_[object].last_frame = frame_;
   report.update.log_evidence += update.log_evidence;
   report.merges += update.merges;
-  report.fates[object] = !known                    ? DetectionFate::started
-                         : update.started          ? DetectionFate::born
-                         : update.null_share > 0.5 ? DetectionFate::doubted
-                                                   : DetectionFate::used;
+  report.statuses[object] = !known                             ? DetectionStatus::started
+                            : update.started                   ? DetectionStatus::birth
+                            : update.clutter_probability > 0.5 ? DetectionStatus::doubted
+                                                               : DetectionStatus::used;
 }
 
 void ObjectSlam::observe(GaussianSumFilter& filter, const Detections& detections,
@@ -201,9 +201,9 @@ void ObjectSlam::observe(GaussianSumFilter& filter, const Detections& detections
   }
   report.update = filter.update(known);
   for (std::size_t i = 0; i < known.size(); ++i) {
-    report.fates[known_objects[i]] = report.update.gated[i]    ? DetectionFate::gated
-                                     : report.update.failed[i] ? DetectionFate::failed
-                                                               : DetectionFate::used;
+    report.statuses[known_objects[i]] = report.update.gated[i]    ? DetectionStatus::gated
+                                        : report.update.failed[i] ? DetectionStatus::failed
+                                                                  : DetectionStatus::used;
   }
   for (const ReductionReport& reduction : report.update.reductions)
     report.merges += reduction.merges.size();
@@ -216,7 +216,7 @@ void ObjectSlam::observe(GaussianSumFilter& filter, const Detections& detections
         model.independent_start
             ? filter.add_independent_object(*detections[object], *model.independent_start)
             : filter.add_object(*detections[object], model.noise);
-    report.fates[object] = DetectionFate::started;
+    report.statuses[object] = DetectionStatus::started;
     ++sightings_[object].count;
   }
 }

@@ -99,14 +99,14 @@ void ParticleCloud::predict(const FrameInput& input) {
 bool ParticleCloud::start(Particle& particle, double& log_weight, std::size_t object,
                           const SE3d& detected) {
   const DetectorNoise& noise = models_[object].noise;
-  const double null = noise.null().weight;
-  if (null > 0.0) {
-    log_weight += noise.log_null_density() - std::log(null);
-    if (random_.uniform() < null) return false;
+  const double clutter = noise.clutter().weight;
+  if (clutter > 0.0) {
+    log_weight += noise.log_clutter_density() - std::log(clutter);
+    if (random_.uniform() < clutter) return false;
   }
   std::vector<double> weights;
   for (const NoiseComponent& component : noise.components()) weights.push_back(component.weight);
-  const NoiseComponent& component = noise.components()[draw_index(weights, 1.0 - null, random_)];
+  const NoiseComponent& component = noise.components()[draw_index(weights, 1.0 - clutter, random_)];
   const std::size_t last = particle.camera.mean().size();
   const auto& independent = models_[object].independent_start;
   const Hypothesis joint =
@@ -133,7 +133,7 @@ void ParticleCloud::weigh(Particle& particle, double& log_weight, std::size_t ob
                         ? std::log(component.weight) + log_normal(s, seen.residual)
                         : -std::numeric_limits<double>::infinity());
   }
-  if (noise.null().weight > 0.0) terms.push_back(noise.log_null_density());
+  if (noise.clutter().weight > 0.0) terms.push_back(noise.log_clutter_density());
   const double total = log_sum_exp(terms);
   log_weight += total;
   if (!std::isfinite(total)) return;
@@ -146,8 +146,8 @@ void ParticleCloud::weigh(Particle& particle, double& log_weight, std::size_t ob
   condition_camera(particle.camera, innovation(poses, detection, believed));
 }
 
-DetectionFate ParticleCloud::observe(std::size_t object, const SE3d& detected,
-                                     UpdateReport& report) {
+DetectionStatus ParticleCloud::observe(std::size_t object, const SE3d& detected,
+                                       UpdateReport& report) {
   const auto begin = ParticleClock::now();
   const bool known = std::any_of(
       particles_.begin(), particles_.end(),
@@ -171,8 +171,8 @@ DetectionFate ParticleCloud::observe(std::size_t object, const SE3d& detected,
     if (known) report.log_evidence += log_evidence;
   }
   report.update_seconds += seconds_from(begin);
-  if (!ok) return DetectionFate::failed;
-  return known || !started ? DetectionFate::used : DetectionFate::started;
+  if (!ok) return DetectionStatus::failed;
+  return known || !started ? DetectionStatus::used : DetectionStatus::started;
 }
 
 bool ParticleCloud::resample_if_degenerate() {
@@ -195,12 +195,12 @@ bool ParticleCloud::resample_if_degenerate() {
 
 FrameReport ParticleCloud::observe(const std::vector<std::optional<SE3d>>& detections) {
   FrameReport report;
-  report.fates.assign(models_.size(), DetectionFate::none);
+  report.statuses.assign(models_.size(), DetectionStatus::none);
   for (std::size_t object = 0; object < models_.size(); ++object) {
     if (!detections[object]) continue;
-    report.fates[object] = observe(object, *detections[object], report.update);
+    report.statuses[object] = observe(object, *detections[object], report.update);
     report.update.gated.push_back(false);
-    report.update.failed.push_back(report.fates[object] == DetectionFate::failed);
+    report.update.failed.push_back(report.statuses[object] == DetectionStatus::failed);
     const auto begin = ParticleClock::now();
     resample_if_degenerate();
     report.update.reduce_seconds += seconds_from(begin);

@@ -43,7 +43,7 @@ class ParticleCloud {
  private:
   bool start(Particle& particle, double& log_weight, std::size_t object, const SE3d& detected);
   void weigh(Particle& particle, double& log_weight, std::size_t object, const SE3d& detected);
-  DetectionFate observe(std::size_t object, const SE3d& detected, UpdateReport& report);
+  DetectionStatus observe(std::size_t object, const SE3d& detected, UpdateReport& report);
   bool resample_if_degenerate();
 
   const std::vector<ObjectModel>& models_;

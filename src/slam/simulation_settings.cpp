@@ -140,7 +140,7 @@ std::vector<SimulationNoise> claimed_noise(const SimulationObject& object) {
   return components;
 }
 
-NullNoise claimed_null(const SimulationObject& object) {
+Clutter claimed_clutter(const SimulationObject& object) {
   const double fraction = object.outliers.runs.fraction;
   return {.weight = fraction < 1.0 ? fraction / (1.0 - fraction) : 1.0, .volume_m3 = 1.0};
 }
@@ -150,7 +150,7 @@ ObjectModel object_model(const SimulationObject& object) {
   for (const SimulationNoise& noise : claimed_noise(object)) {
     components.push_back({noise.weight, covariance_of(noise.sd), noise.frame, offset_of(noise)});
   }
-  return {object.id, DetectorNoise(std::move(components), claimed_null(object)), {}};
+  return {object.id, DetectorNoise(std::move(components), claimed_clutter(object)), {}};
 }
 
 MotionSettings motion_settings(const SimulationConfig& config) {

@@ -93,7 +93,7 @@ std::vector<FrameEstimate> FixedLagSmoother::smooth(std::size_t count) {
       indices[j] = window.pose_index(j);
       probabilities[j] = now.mode_probability(j);
     }
-    joint_ = window.honest(joint[k]);
+    joint_ = window.inflated(joint[k]);
     estimates.push_back(internal::frame_estimate(*joint_, indices, window_[k].report));
     estimates.back().mode_probabilities = std::move(probabilities);
   }

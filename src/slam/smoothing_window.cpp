@@ -29,8 +29,8 @@ SmoothingWindow::SmoothingWindow(const MultiObjectFilter& before, const MultiObj
                                  const MotionSettings& motion, const Modes& modes)
     : before_(before), now_(now), indices_(modes.size()) {
   model_.motion = motion;
-  model_.camera_share = now.settings().camera_share;
-  model_.dependent_detections = now.dependent_detections();
+  model_.odometry_camera_fraction = now.settings().odometry_camera_fraction;
+  model_.correlation_length = now.correlation_length();
   model_.averages = now.settings().has_odometry;
   for (std::size_t j = 0; j < modes.size(); ++j) {
     if (!modes[j]) continue;
@@ -53,12 +53,12 @@ std::vector<Hypothesis> SmoothingWindow::smooth(std::span<const FrameInput* cons
   return smoother.smoothed();
 }
 
-Hypothesis SmoothingWindow::honest(const Hypothesis& joint) const {
+Hypothesis SmoothingWindow::inflated(const Hypothesis& joint) const {
   Eigen::MatrixXd covariance = now_.covariance_factor() * joint.covariance();
   for (const std::size_t object : model_.objects) {
     const std::size_t pose = *indices_[object];
     covariance.block<6, 6>(row_of(pose), row_of(pose)) +=
-        now_.common_error(object, joint.mean()[kCamera], joint.mean()[pose]);
+        now_.bias_covariance(object, joint.mean()[kCamera], joint.mean()[pose]);
   }
   return Hypothesis::trusted(joint.mean(), std::move(covariance));
 }
@@ -85,7 +85,7 @@ Hypothesis SmoothingWindow::start(const Modes& known, bool vague) const {
   };
 
   // Poses that are new, and where those that the filter had belong.
-  const Hypothesis given = before_.joint(known);
+  const Hypothesis given = before_.joint_of(known);
   const auto objects = static_cast<std::size_t>(
       std::count_if(known.begin(), known.end(), [](const auto& mode) { return mode.has_value(); }));
   std::vector<std::size_t> to{kCamera};

@@ -31,7 +31,7 @@ class SmoothingWindow {
                                  std::size_t passes) const;
 
   /// The same density with covariances of the true error.
-  Hypothesis honest(const Hypothesis& joint) const;
+  Hypothesis inflated(const Hypothesis& joint) const;
 
   /// Of the object's pose in what is smoothed.
   std::optional<std::size_t> pose_index(std::size_t object) const { return indices_[object]; }

@@ -36,16 +36,16 @@ void expect_error(const ProgramResult& result, int exit_code, const std::string&
   EXPECT_EQ(result.out, "");
 }
 
-TEST(Program, HelpHasAnExampleForEveryVerb) {
+TEST(Program, HelpHasAnExampleForEveryCommand) {
   const ProgramResult program = run_posemix({"--help"});
   EXPECT_EQ(program.exit_code, 0);
   EXPECT_TRUE(contains(program.out, "Exit codes: 0 done")) << program.out;
   EXPECT_TRUE(contains(program.out, "Example: posemix ")) << program.out;
-  for (const std::string verb : {"slam", "simulate", "study", "report", "data"}) {
-    EXPECT_TRUE(contains(program.out, verb));
-    const ProgramResult help = run_posemix({verb, "--help"});
+  for (const std::string command : {"slam", "simulate", "study", "report", "data"}) {
+    EXPECT_TRUE(contains(program.out, command));
+    const ProgramResult help = run_posemix({command, "--help"});
     EXPECT_EQ(help.exit_code, 0);
-    EXPECT_TRUE(contains(help.out, "Example: posemix " + verb)) << help.out;
+    EXPECT_TRUE(contains(help.out, "Example: posemix " + command)) << help.out;
     EXPECT_EQ(help.err, "");
   }
 }

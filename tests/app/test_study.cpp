@@ -26,7 +26,7 @@ bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
-class StudyVerb : public ::testing::Test {
+class StudyCommand : public ::testing::Test {
  protected:
   fs::path out(const std::string& name = "out") const { return folder_ / name; }
 
@@ -49,7 +49,7 @@ class StudyVerb : public ::testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(StudyVerb, HelpHasAnExampleForEveryStudy) {
+TEST_F(StudyCommand, HelpHasAnExampleForEveryStudy) {
   for (const std::string study : {"divergence", "monte-carlo", "ycbv", "noise"}) {
     const ProgramResult help = run_posemix({"study", study, "--help"});
     EXPECT_EQ(help.exit_code, 0) << help.err;
@@ -57,7 +57,7 @@ TEST_F(StudyVerb, HelpHasAnExampleForEveryStudy) {
   }
 }
 
-TEST_F(StudyVerb, DivergenceWritesTheSchema) {
+TEST_F(StudyCommand, DivergenceWritesTheSchema) {
   const ProgramResult result =
       run_posemix({"study", "divergence", "--set", "phi_deg=[30]", "--out", out().string()});
   EXPECT_EQ(result.exit_code, 0) << result.err;
@@ -69,7 +69,7 @@ TEST_F(StudyVerb, DivergenceWritesTheSchema) {
   EXPECT_FALSE(fs::exists(out("out.journal"))) << "nothing is left of a study that is done";
 }
 
-TEST_F(StudyVerb, GivesTheSameForAnyNumberOfThreads) {
+TEST_F(StudyCommand, GivesTheSameForAnyNumberOfThreads) {
   for (const std::string threads : {"1", "3"}) {
     auto arguments = monte_carlo(out(threads));
     arguments.insert(arguments.end(), {"--threads", threads});
@@ -80,7 +80,7 @@ TEST_F(StudyVerb, GivesTheSameForAnyNumberOfThreads) {
   expect_same_files(out("1"), out("3"));
 }
 
-TEST_F(StudyVerb, ReadsSettingsFromAFile) {
+TEST_F(StudyCommand, ReadsSettingsFromAFile) {
   const fs::path settings =
       folder_.put("settings.toml",
                   "runs = 2\nmethods = [\"iterated\"]\nnoise_exponents = [0]\n"
@@ -91,7 +91,7 @@ TEST_F(StudyVerb, ReadsSettingsFromAFile) {
   EXPECT_EQ(nlohmann::json::parse(result.out).at("rows").at(0).at("runs"), 2);
 }
 
-TEST_F(StudyVerb, NamesWhatIsWrong) {
+TEST_F(StudyCommand, NamesWhatIsWrong) {
   const auto refused = [&](std::vector<std::string> arguments, const std::string& part) {
     arguments.insert(arguments.begin(), "study");
     arguments.insert(arguments.end(), {"--out", out().string()});
@@ -110,7 +110,7 @@ TEST_F(StudyVerb, NamesWhatIsWrong) {
   refused({"noise", "--data", out("nowhere").string()}, "nowhere");
 }
 
-TEST_F(StudyVerb, NoiseOfASequenceWhoseFilesLieBesideIt) {
+TEST_F(StudyCommand, NoiseOfASequenceWhoseFilesLieBesideIt) {
   const fs::path config = fs::path(POSEMIX_SOURCE_DIR) / "configs" / "demo.toml";
   ASSERT_EQ(run_posemix({"simulate", config.string(), "--set", "camera.frames=250", "--out",
                          out("recording").string(), "--quiet"})
@@ -124,13 +124,13 @@ TEST_F(StudyVerb, NoiseOfASequenceWhoseFilesLieBesideIt) {
   EXPECT_TRUE(fs::exists(out() / "noise_detector_mug.toml")) << result.out;
 }
 
-TEST_F(StudyVerb, WrongUsageNamesTheHelp) {
+TEST_F(StudyCommand, WrongUsageNamesTheHelp) {
   const ProgramResult result = run_posemix({"study", "divergence"});
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_TRUE(contains(result.err, "`posemix study divergence --help`")) << result.err;
 }
 
-TEST_F(StudyVerb, ContinuesAfterAnInterruptAsIfThereWasNone) {
+TEST_F(StudyCommand, ContinuesAfterAnInterruptAsIfThereWasNone) {
   auto arguments = monte_carlo(out("resumed"));
   arguments[3] = "runs=60";
   std::vector<std::string> command{POSEMIX_PROGRAM};
@@ -159,7 +159,7 @@ TEST_F(StudyVerb, ContinuesAfterAnInterruptAsIfThereWasNone) {
 }
 
 #ifdef POSEMIX_MPIRUN
-class StudyRanks : public StudyVerb, public ::testing::WithParamInterface<int> {
+class StudyRanks : public StudyCommand, public ::testing::WithParamInterface<int> {
  protected:
   static void SetUpTestSuite() {
     setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 1);

@@ -21,8 +21,8 @@ double integral(const ConcentratedGaussian<SO3d>& density, const SO3d& centre,
   return rule.integrate(centre, [&](const SO3d& x) { return std::exp(evaluator.log_density(x)); });
 }
 
-/// Mass of N(0, s^2 I) in three dimensions inside the radius r: the chi law of three degrees of
-/// freedom, in closed form.
+/// Mass of N(0, s^2 I) in three dimensions inside the radius r: the chi distribution of three
+/// degrees of freedom, in closed form.
 double isotropic_mass(double s, double r) {
   const double z = r / s;
   return std::erf(z / std::sqrt(2.0)) -

@@ -52,10 +52,10 @@ TEST(ProjectedCompose, JacobianAgreesWithTheOracle) {
 }
 
 TEST(ProjectedCompose, MeanOfTheTranslation) {
-  // The mean under the laws is known exactly: E[R2] E[t1] + E[t2].
+  // The mean under the distributions is known exactly: E[R2] E[t1] + E[t2].
   const Vector3d exact(0.552280759620911, -0.224246578943763, 0.200493537004670);
-  const Vector3d by_moments = law_moments(outer()).rotation * law_moments(inner()).mean.tail<3>() +
-                              law_moments(outer()).mean.tail<3>();
+  const Vector3d by_moments = moments_of(outer()).rotation * moments_of(inner()).mean.tail<3>() +
+                              moments_of(outer()).mean.tail<3>();
   EXPECT_LT((by_moments - exact).norm(), 1e-12);
   const auto mean = [](CompositionRule rule) {
     return Vector3d(compose(outer(), inner(), rule).tangent_mean().tail<3>());
@@ -109,7 +109,7 @@ Gaps gaps(double degrees_per_axis) {
     if (mean.head<3>().norm() < 1e-9) break;
     centre = gnomonic::project(centre, 0.7 * mean.head<3>());
   }
-  const Gaussian best = with_law_moments<SE3d>(centre, mean, moment);
+  const Gaussian best = with_moments<SE3d>(centre, mean, moment);
   const auto score = [&](const Gaussian& density) {
     std::size_t next = 0;
     return mean_log_density(density, static_cast<int>(samples.size()),
@@ -155,13 +155,13 @@ TEST(ProjectedInverse, UndoesItself) {
 
 TEST(ProjectedInverse, HasTheMomentsOfInvertedSamples) {
   const Gaussian inverted = inverse(inner());
-  const LawMoments<SE3d> law = law_moments(inverted);
+  const DistributionMoments<SE3d> distribution = moments_of(inverted);
   RandomStream stream(4);
   testing::SampleMoments moments(6);
   for (int i = 0; i < 40000; ++i) {
     moments.add(inverted.coordinates(inner().sample(stream).inverse()));
   }
-  EXPECT_LT(moments.worst_score(law.mean, law.covariance, 0.01), 4.5);
+  EXPECT_LT(moments.worst_score(distribution.mean, distribution.covariance, 0.01), 4.5);
 }
 
 TEST(ProjectedBetween, IsTheInverseComposed) {

@@ -75,7 +75,7 @@ TEST(ProjectedFuse, JacobianAgreesWithTheOracle) {
 
 TEST(ProjectedFuse, OverlapOfTheGaussiansAgreesWithTheOracle) {
   const SO3d halfway = gnomonic::halfway(first().tangent_point(), second().tangent_point());
-  const auto p = restate(first(), halfway), q = restate(second(), halfway);
+  const auto p = change_chart(first(), halfway), q = change_chart(second(), halfway);
   const Eigen::LLT<Matrix6d> sum(p.covariance() + q.covariance());
   const Vector6d apart = q.tangent_mean() - p.tangent_mean();
   EXPECT_NEAR(-0.5 * sum.matrixL().solve(apart).squaredNorm(), -1.224793534406, 1e-11);

@@ -122,20 +122,20 @@ TEST(ProjectedGaussian, SamplesHaveTheMomentsOfTheLaw) {
   for (const Rotation& density : {Rotation(SO3d(), tilted()), wide}) {
     RandomStream stream(2);
     testing::SampleMoments rotations(9);
-    const LawMoments<SO3d> law = law_moments(density);
+    const DistributionMoments<SO3d> distribution = moments_of(density);
     for (int i = 0; i < 40000; ++i) {
       rotations.add(density.sample(stream).matrix().reshaped());
     }
     const Eigen::VectorXd spread = rotations.covariance().diagonal().cwiseSqrt() / 200.0;
-    const Eigen::VectorXd difference = rotations.mean() - law.rotation.reshaped();
+    const Eigen::VectorXd difference = rotations.mean() - distribution.rotation.reshaped();
     EXPECT_LT((difference.array() / spread.array()).abs().maxCoeff(), 4.5);
   }
   const Pose pose = example();
-  const LawMoments<SE3d> law = law_moments(pose);
+  const DistributionMoments<SE3d> distribution = moments_of(pose);
   RandomStream stream(3);
   testing::SampleMoments coordinates(6);
   for (int i = 0; i < 40000; ++i) coordinates.add(pose.coordinates(pose.sample(stream)));
-  EXPECT_LT(coordinates.worst_score(law.mean, law.covariance), 4.5);
+  EXPECT_LT(coordinates.worst_score(distribution.mean, distribution.covariance), 4.5);
 }
 
 // Oracle: numpy prototype. Rotation standard deviation in degrees, then KL of projected Gaussian
@@ -149,7 +149,7 @@ TEST(ProjectedGaussian, ProjectedSamplesHaveAnotherLaw) {
     double sum = 0.0;
     const int samples = 200000;
     for (int i = 0; i < samples; ++i) {
-      // The law of a projected sample has density N(u) (1 + u.u)^2 in dm, eq. 11 N(u) / C.
+      // The distribution of a projected sample has density N(u) (1 + u.u)^2 in dm, eq. 11 N(u) / C.
       const Vector3d at = density.coordinates(density.sample_by_projection(stream));
       sum += 2.0 * std::log1p(at.squaredNorm());
     }
@@ -159,8 +159,9 @@ TEST(ProjectedGaussian, ProjectedSamplesHaveAnotherLaw) {
 
 TEST(ProjectedGaussian, LawMomentsAndBack) {
   const Pose density = example();
-  const LawMoments<SE3d> law = law_moments(density);
-  const Pose again = with_law_moments<SE3d>(density.tangent_point(), law.mean, law.covariance);
+  const DistributionMoments<SE3d> distribution = moments_of(density);
+  const Pose again =
+      with_moments<SE3d>(density.tangent_point(), distribution.mean, distribution.covariance);
   EXPECT_LT((again.covariance() - density.covariance()).norm(), 1e-12);
   EXPECT_LT((again.tangent_mean() - density.tangent_mean()).norm(), 1e-12);
 }
@@ -168,14 +169,14 @@ TEST(ProjectedGaussian, LawMomentsAndBack) {
 TEST(ProjectedGaussian, RestatesWithItsJacobian) {
   const Pose density = example();
   const SO3d near = density.tangent_point() * SO3d::exp({0.1, 0.2, -0.1});
-  const Pose moved = restate(density, near);
+  const Pose moved = change_chart(density, near);
   EXPECT_TRUE(moved.mean().is_approx(density.mean(), 1e-13));
-  const Pose back = restate(moved, density.tangent_point());
+  const Pose back = change_chart(moved, density.tangent_point());
   EXPECT_LT((back.covariance() - density.covariance()).norm(), 1e-13);
-  EXPECT_LT(restate_at_mode(moved).tangent_mean().head<3>().norm(), 1e-14);
+  EXPECT_LT(change_chart_to_mode(moved).tangent_mean().head<3>().norm(), 1e-14);
   const auto opposite =
       density.tangent_point() * SO3d::from_quaternion(Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0));
-  EXPECT_THROW(restate(density, opposite), InvalidInput);
+  EXPECT_THROW(change_chart(density, opposite), InvalidInput);
 }
 
 TEST(ProjectedParts, ConditionalTimesMarginalIsTheJoint) {

@@ -78,7 +78,7 @@ TEST(ProjectedMoments, AgreeWithTheOracles) {
 }
 
 // Oracle: numpy prototype by Monte Carlo; rotation standard deviation in degrees, C, and the
-// variance of u under the law over that of the Gaussian.
+// variance of u under the distribution over that of the Gaussian.
 TEST(ProjectedMoments, OfIsotropicSpreads) {
   const double table[][3] = {{5.0, 0.9888048, 0.9926},
                              {10.0, 0.9567146, 0.9714},

@@ -151,8 +151,8 @@ TEST(Conversion, OfNarrowDensitiesIsLinear) {
 }
 
 TEST(Conversion, OfIsotropicRotationsHasTheVarianceOfTheAngle) {
-  // The best concentrated Gaussian has the variance E[angle^2] / 3 under the law of the projected
-  // one, density N(u; 0, s^2) of u = tan(angle / 2) with respect to (1 + u^2)^-2 du.
+  // The best concentrated Gaussian has the variance E[angle^2] / 3 under the distribution of the
+  // projected one, density N(u; 0, s^2) of u = tan(angle / 2) with respect to (1 + u^2)^-2 du.
   constexpr double s = 0.2;
   double sum = 0.0;
   double squares = 0.0;
@@ -177,7 +177,7 @@ TEST(Conversion, OfIsotropicRotationsHasTheVarianceOfTheAngle) {
 TEST(Conversion, AnyTangentPointWillDo) {
   const Projected at_mode = projected(1, 8.0);
   const Projected elsewhere =
-      restate(at_mode, at_mode.tangent_point() * SO3d::exp({0.05, -0.1, 0.02}));
+      change_chart(at_mode, at_mode.tangent_point() * SO3d::exp({0.05, -0.1, 0.02}));
   for (const ConversionRule rule : kRules) {
     const auto a = to_concentrated(at_mode, rule).density;
     const auto b = to_concentrated(elsewhere, rule).density;

@@ -85,8 +85,8 @@ TEST(ProjectedDivergence, OfLawsIsWhatSamplingFinds) {
     const SO3d q = SO3d::exp({0.4, -0.2, 0.9});
     const Pose a = pose(stream, q, deviation);
     const Pose b = pose(stream, q, deviation);
-    expect_near(kl_monte_carlo(single(a), single(b), stream), law_kl(a, b), 0.01);
-    expect_near(symmetric_kl_monte_carlo(single(a), single(b), stream), law_symmetric_kl(a, b),
+    expect_near(kl_monte_carlo(single(a), single(b), stream), exact_kl(a, b), 0.01);
+    expect_near(symmetric_kl_monte_carlo(single(a), single(b), stream), exact_symmetric_kl(a, b),
                 0.05);
   }
 }
@@ -102,13 +102,13 @@ TEST(ProjectedDivergence, OfLawsIsThatOfTheGaussiansWhereBothAreNarrow) {
     const Rotation a = rotation(SO3d(), Eigen::Vector3d::Zero(), scale * shape_a);
     const Rotation b = rotation(SO3d(), scale * apart, scale * shape_b);
     const double gaussian = gaussian_symmetric_kl(a, b);
-    const double law = law_symmetric_kl(a, b);
-    EXPECT_LT(law, before);
-    EXPECT_LT(law, gaussian);
+    const double distribution = exact_symmetric_kl(a, b);
+    EXPECT_LT(distribution, before);
+    EXPECT_LT(distribution, gaussian);
     if (degrees == 0.1) {
-      EXPECT_NEAR(law, gaussian, 1e-4 * gaussian);
+      EXPECT_NEAR(distribution, gaussian, 1e-4 * gaussian);
     }
-    before = law;
+    before = distribution;
   }
 }
 
@@ -120,12 +120,12 @@ TEST(ProjectedDivergence, DoesNotDependOnTheFrame) {
   const auto turned = [&](const Rotation& p) {
     return Rotation(turn * p.tangent_point(), p.tangent_mean(), p.covariance());
   };
-  EXPECT_NEAR(law_kl(turned(a), turned(b)), law_kl(a, b), 1e-12);
+  EXPECT_NEAR(exact_kl(turned(a), turned(b)), exact_kl(a, b), 1e-12);
   EXPECT_NEAR(gaussian_kl(turned(a), turned(b)), gaussian_kl(a, b), 1e-12);
-  EXPECT_NEAR(law_symmetric_kl(a, b), law_symmetric_kl(b, a), 1e-12);
-  EXPECT_NEAR(law_kl(a, a), 0.0, 1e-14);
+  EXPECT_NEAR(exact_symmetric_kl(a, b), exact_symmetric_kl(b, a), 1e-12);
+  EXPECT_NEAR(exact_kl(a, a), 0.0, 1e-14);
   // Restated at their own modes they are nearly the same densities.
-  EXPECT_NEAR(law_kl(restate_at_mode(a), restate_at_mode(b)), law_kl(a, b), 0.02);
+  EXPECT_NEAR(exact_kl(change_chart_to_mode(a), change_chart_to_mode(b)), exact_kl(a, b), 0.02);
 }
 
 /// int f(angle) times the Haar measure of all rotations by that angle, 16 pi sin(angle / 2)^2.

@@ -55,16 +55,16 @@ class ExhaustiveFilter {
       next.push_back(tuple);
       least = std::min(least, condition(next.back(), object, detected));
     }
-    const double volume = 8.0 * std::numbers::pi * std::numbers::pi * noise_.null().volume_m3;
+    const double volume = 8.0 * std::numbers::pi * std::numbers::pi * noise_.clutter().volume_m3;
     const int id = hypotheses_[object];
     if (least >= explained_) ++hypotheses_[object];
     for (const Tuple& tuple : tuples_) {
       if (tuple.hypothesis[object] >= 0) continue;
       next.push_back(tuple);
-      next.back().log_weight += noise_.log_null_density();
+      next.back().log_weight += noise_.log_clutter_density();
       if (least < explained_) continue;
       next.push_back(born(tuple, object, id, detected));
-      next.back().log_weight += std::log(1.0 - noise_.null().weight) - std::log(volume);
+      next.back().log_weight += std::log(1.0 - noise_.clutter().weight) - std::log(volume);
     }
     tuples_ = std::move(next);
     std::vector<double> weights;
@@ -99,7 +99,7 @@ class ExhaustiveFilter {
     return adjoint * along.covariance * adjoint.transpose();
   }
 
-  /// Children inlier, wide, null; their moments. Returns the least squared distance.
+  /// Children inlier, wide, clutter; their moments. Returns the least squared distance.
   double condition(Tuple& tuple, std::size_t object, const SE3d& detected) const {
     const SE3d& camera = tuple.poses[0];
     const SE3d& pose = tuple.poses[object + 1];
@@ -124,7 +124,7 @@ class ExhaustiveFilter {
       means.emplace_back(k * z);
       covariances.emplace_back(p - k * h * p);
     }
-    evidence.push_back(noise_.log_null_density());
+    evidence.push_back(noise_.log_clutter_density());
     means.emplace_back(Eigen::VectorXd::Zero(dim()));
     covariances.push_back(p);
     const double total = log_sum_exp(evidence);

@@ -17,21 +17,21 @@ namespace posemix::testing {
 /// detections with known noise.
 inline MultiObjectSettings plain_settings() {
   MultiObjectSettings s;
-  s.camera_share = 1.0;
+  s.odometry_camera_fraction = 1.0;
   s.noise_scale_detections = std::numeric_limits<double>::infinity();
   s.correlation_s = 0.0;
   s.correlation_detections = std::numeric_limits<double>::infinity();
-  s.common_error_share = 0.0;
+  s.bias_variance_fraction = 0.0;
   return s;
 }
 
-/// Sharp, wide and null along the ray: those of the many-objects notes.
-inline DetectorNoise ray_noise(double null = 0.23) {
+/// Sharp, wide and clutter along the ray: those of the many-objects notes.
+inline DetectorNoise ray_noise(double clutter = 0.23) {
   const Matrix6d sharp =
       pose_covariance({radians(7.5), radians(7.5), radians(2.0)}, {0.005, 0.005, 0.06});
   return DetectorNoise({{.weight = 0.65, .covariance = sharp, .frame = NoiseFrame::ray},
                         {.weight = 0.12, .covariance = 7.29 * sharp, .frame = NoiseFrame::ray}},
-                       {.weight = null, .volume_m3 = 1.0});
+                       {.weight = clutter, .volume_m3 = 1.0});
 }
 
 struct OrbitScene {

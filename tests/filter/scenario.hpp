@@ -42,7 +42,7 @@ inline DetectorNoise gaussian_noise(double rotation_sd_deg = 4.0, double transla
 
 /// A filter that knows the camera alone.
 inline GaussianSumFilter camera_filter(const SE3d& camera, const Matrix6d& covariance,
-                                       const FilterSettings& settings = {}) {
+                                       const GaussianSumSettings& settings = {}) {
   return GaussianSumFilter(
       Posterior({{0.0, Hypothesis(PoseStackd(std::vector<SE3d>{camera}), covariance)}}), settings);
 }

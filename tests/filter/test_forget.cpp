@@ -38,10 +38,10 @@ TEST(Forget, TheRestIsAsBefore) {
   EXPECT_TRUE(filter.hypotheses(1).empty());
   EXPECT_EQ(filter.log_absent(1), 0.0);
   EXPECT_EQ(filter.mode_probability(1), 0.0);
-  EXPECT_EQ(filter.backbone_index(0), std::optional<std::size_t>(1));
-  EXPECT_EQ(filter.backbone_index(1), std::nullopt);
-  EXPECT_EQ(filter.backbone_index(2), std::optional<std::size_t>(2));
-  ASSERT_EQ(filter.backbone().mean().size(), 3U);
+  EXPECT_EQ(filter.pose_index(0), std::optional<std::size_t>(1));
+  EXPECT_EQ(filter.pose_index(1), std::nullopt);
+  EXPECT_EQ(filter.pose_index(2), std::optional<std::size_t>(2));
+  ASSERT_EQ(filter.joint().mean().size(), 3U);
 
   for (int k = 0; k < 3; ++k) {
     const SE3d odometry = scene.advance();
@@ -73,8 +73,8 @@ TEST(Forget, TheObjectBeginsAnew) {
   EXPECT_TRUE(report.started);
   EXPECT_EQ(filter.hypotheses(0).size(), 1U);
   EXPECT_EQ(filter.hypotheses(0).front().detections, 1U);
-  EXPECT_EQ(filter.backbone_index(1), std::optional<std::size_t>(1));
-  EXPECT_EQ(filter.backbone_index(0), std::optional<std::size_t>(2));
+  EXPECT_EQ(filter.pose_index(1), std::optional<std::size_t>(1));
+  EXPECT_EQ(filter.pose_index(0), std::optional<std::size_t>(2));
 }
 
 // Detections depend on each other in time by the defaults: covariances of the filter are not those
@@ -83,12 +83,12 @@ TEST(Forget, TheLastOneLeavesTheCamera) {
   OrbitScene scene(3, 1, 0.3, 5e-3);
   MultiObjectFilter filter = make(scene, {});
   see_all(filter, scene, 5);
-  ASSERT_GT(filter.dependent_detections(), 2.0);
+  ASSERT_GT(filter.correlation_length(), 2.0);
   const auto before = filter.camera();
   filter.forget(0);
   EXPECT_TRUE(filter.camera().mean().is_approx(before.mean(), 1e-15));
   EXPECT_TRUE(filter.camera().covariance().isApprox(before.covariance(), 1e-12));
-  EXPECT_EQ(filter.backbone().mean().size(), 1U);
+  EXPECT_EQ(filter.joint().mean().size(), 1U);
 }
 
 TEST(Forget, TheCamerasMotionStays) {
@@ -118,7 +118,7 @@ TEST(Forget, RefusesWhatIsNotThere) {
   MultiObjectFilter filter = make(scene, {});
   EXPECT_THROW(filter.forget(1), InvalidInput);
   filter.forget(0);  // never seen: nothing to do
-  EXPECT_EQ(filter.backbone().mean().size(), 1U);
+  EXPECT_EQ(filter.joint().mean().size(), 1U);
 }
 
 }  // namespace

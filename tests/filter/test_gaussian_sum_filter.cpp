@@ -30,7 +30,7 @@ double log_weight_sum(const Posterior& posterior) {
 TEST(GaussianSumFilter, OneHypothesisAndOneComponentIsTheInvariantEkf) {
   RandomStream stream(1);
   const DetectorNoise noise = gaussian_noise();
-  FilterSettings settings;
+  GaussianSumSettings settings;
   settings.update = UpdateRule::linearized;
   GaussianSumFilter filter = camera_filter(kCameraPose, isotropic(1.0, 0.01), settings);
   const std::size_t object = filter.add_object(kCameraPose.inverse() * kObject, noise);
@@ -58,7 +58,7 @@ TEST(GaussianSumFilter, OneHypothesisAndOneComponentIsTheInvariantEkf) {
 TEST(GaussianSumFilter, WeightsFollowBayesRule) {
   // Two components, one object: w_i proportional to alpha_i N(z; 0, S_i), by hand.
   const DetectorNoise noise = heavy_tailed_noise(30.0);
-  FilterSettings settings;
+  GaussianSumSettings settings;
   settings.update = UpdateRule::linearized;
   GaussianSumFilter filter = camera_filter(kCameraPose, isotropic(0.5, 0.005), settings);
   const std::size_t object =
@@ -99,7 +99,7 @@ TEST(GaussianSumFilter, SharpNoiseDoesNotUnderflow) {
 TEST(GaussianSumFilter, JointUseBranchesOncePerFrameAndPerObjectOncePerObject) {
   const DetectorNoise noise = heavy_tailed_noise();
   for (const NoiseUse use : {NoiseUse::joint, NoiseUse::per_object}) {
-    FilterSettings settings;
+    GaussianSumSettings settings;
     settings.noise_use = use;
     settings.reduction.prune_below = 0.0;
     GaussianSumFilter filter = camera_filter(kCameraPose, isotropic(0.5, 0.005), settings);
@@ -118,7 +118,7 @@ TEST(GaussianSumFilter, JointUseBranchesOncePerFrameAndPerObjectOncePerObject) {
 TEST(GaussianSumFilter, NumberOfHypothesesStaysBounded) {
   RandomStream stream(5);
   const DetectorNoise noise = heavy_tailed_noise();
-  FilterSettings settings;
+  GaussianSumSettings settings;
   settings.reduction.max_components = 4;
   GaussianSumFilter filter = camera_filter(kCameraPose, isotropic(0.5, 0.005), settings);
   const std::size_t object = filter.add_object(kCameraPose.inverse() * kObject, noise);
@@ -134,7 +134,7 @@ TEST(GaussianSumFilter, NumberOfHypothesesStaysBounded) {
 
 TEST(GaussianSumFilter, GateIsTheChiSquareQuantile) {
   const DetectorNoise noise = gaussian_noise();
-  FilterSettings settings;
+  GaussianSumSettings settings;
   settings.gate_probability = 0.99;
   const double threshold = boost::math::quantile(boost::math::chi_squared(6), 0.99);
   const auto gated = [&](double scale) {
@@ -162,7 +162,7 @@ TEST(GaussianSumFilter, GateIsTheChiSquareQuantile) {
 TEST(GaussianSumFilter, SummariesAreWhatTheyAreCalled) {
   const DetectorNoise noise = heavy_tailed_noise(30.0);
   const auto summary = [&](Summary kind) {
-    FilterSettings settings;
+    GaussianSumSettings settings;
     settings.summary = kind;
     settings.reduction.prune_below = 0.0;
     GaussianSumFilter filter = camera_filter(kCameraPose, isotropic(0.5, 0.005), settings);
@@ -219,7 +219,7 @@ TEST(GaussianSumFilter, ObjectWithNearSymmetryEntersAsSeveralHypotheses) {
 TEST(GaussianSumFilter, RefusesImpossibleDetectionsAndSettings) {
   const DetectorNoise noise = gaussian_noise();
   const DetectorNoise other({{0.5, isotropic(4, 0.01)}, {0.5, isotropic(8, 0.01)}});
-  FilterSettings settings;
+  GaussianSumSettings settings;
   settings.noise_use = NoiseUse::joint;
   GaussianSumFilter filter = camera_filter(kCameraPose, isotropic(0.5, 0.005), settings);
   const std::size_t a = filter.add_object(kCameraPose.inverse() * kObject, noise);

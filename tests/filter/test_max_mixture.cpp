@@ -22,8 +22,8 @@ using testing::pose;
 const SE3d kCameraPose = pose(0.3, -0.2, 0.5, 0.4, 0.1, -0.6);
 const SE3d kObject = pose(1.0, 0.4, -0.3, 0.2, 0.8, 0.9);
 
-FilterSettings max_mixture() {
-  FilterSettings settings;
+GaussianSumSettings max_mixture() {
+  GaussianSumSettings settings;
   settings.noise_use = NoiseUse::most_likely;
   settings.update = UpdateRule::linearized;
   settings.reduction.max_components = 1;
@@ -54,7 +54,7 @@ TEST(MaxMixture, OneComponentIsTheInvariantEkf) {
 }
 
 TEST(MaxMixture, TheLargestWeightedLikelihoodIsUsedAlone) {
-  // By hand: log w_i + log N(z; 0, S_i) against log w_null - log(8 pi^2 V).
+  // By hand: log w_i + log N(z; 0, S_i) against log w_clutter - log(8 pi^2 V).
   const DetectorNoise noise({{0.6, isotropic(3.0, 0.01)}, {0.3, isotropic(12.0, 0.05)}},
                             {.weight = 0.1, .volume_m3 = 2.0});
   std::array<int, 3> used{};
@@ -105,7 +105,7 @@ TEST(MaxMixture, ANewObjectEntersByTheHeaviestComponent) {
 }
 
 TEST(MaxMixture, EachHypothesisKeepsOneChild) {
-  FilterSettings settings = max_mixture();
+  GaussianSumSettings settings = max_mixture();
   settings.reduction.max_components = 8;
   settings.reduction.prune_below = 0.0;
   const Hypothesis one(PoseStackd({kCameraPose, kObject}),
@@ -118,7 +118,7 @@ TEST(MaxMixture, EachHypothesisKeepsOneChild) {
   filter.update(std::span(&detection, 1));
   ASSERT_EQ(filter.posterior().size(), 2U);
   EXPECT_GT(filter.posterior().weight(0), 0.99);
-  // The second explains the detection by the null alone.
+  // The second explains the detection by clutter alone.
   EXPECT_EQ(filter.posterior()[1].density.covariance(), other.covariance());
 }
 

@@ -17,8 +17,8 @@ using testing::pose;
 using testing::ray_noise;
 
 MultiObjectFilter make(const OrbitScene& scene, const MultiObjectSettings& settings,
-                       const SymmetryGroup& symmetries = {}, double null = 0.23) {
-  std::vector<ObjectSensor> sensors(scene.truth.size(), {ray_noise(null), symmetries});
+                       const SymmetryGroup& symmetries = {}, double clutter = 0.23) {
+  std::vector<ObjectSensor> sensors(scene.truth.size(), {ray_noise(clutter), symmetries});
   return {ConcentratedGaussian<SE3d>(scene.camera, isotropic(0.1, 0.002)), sensors, settings};
 }
 
@@ -108,12 +108,12 @@ TEST(MultiObjectFilter, AGrossErrorMovesNothing) {
     if (frame > 0) filter.predict_with_odometry(scene.advance(), scene.q, 0.1);
     for (const std::size_t j : {0U, 1U}) filter.update(j, scene.detect(j, 0.0, 0.0));
   }
-  const auto before = filter.backbone();
+  const auto before = filter.joint();
   const SE3d wrong = scene.camera.inverse() * scene.truth[0] * pose(1.5, 0, 0, 0.2, 0, 0);
   const ObjectUpdateReport report = filter.update(0, wrong);
   EXPECT_TRUE(report.started);
-  EXPECT_GT(report.null_share, 0.999);
-  const auto after = filter.backbone();
+  EXPECT_GT(report.clutter_probability, 0.999);
+  const auto after = filter.joint();
   EXPECT_LT((after.mean() * before.mean().inverse()).log().norm(), 1e-6);
   EXPECT_TRUE(after.covariance().isApprox(before.covariance(), 1e-3));
 }
@@ -121,13 +121,13 @@ TEST(MultiObjectFilter, AGrossErrorMovesNothing) {
 TEST(MultiObjectFilter, CovariancesStayPositiveDefiniteAndWeightsNormalised) {
   OrbitScene scene(4, 4, 0.1, 2e-3);
   MultiObjectSettings settings = plain_settings();
-  settings.camera_share = 0.3;
+  settings.odometry_camera_fraction = 0.3;
   settings.camera_gain_noise = 4.0;
   MultiObjectFilter filter = make(scene, settings);
   for (int frame = 0; frame < 200; ++frame) {
     if (frame > 0) filter.predict_with_odometry(scene.advance(), scene.q, 0.1);
     for (std::size_t j = 0; j < 4; ++j) filter.update(j, scene.detect(j, 0.4, 0.1));
-    const Eigen::MatrixXd p = filter.backbone().covariance();
+    const Eigen::MatrixXd p = filter.joint().covariance();
     ASSERT_EQ(p, p.transpose());
     ASSERT_EQ(Eigen::LLT<Eigen::MatrixXd>(p).info(), Eigen::Success) << "frame " << frame;
     for (std::size_t j = 0; j < 4; ++j) {
@@ -234,7 +234,7 @@ TEST(MultiObjectFilter, DependentDetectionsAreCountedOnce) {
     if (frame % 10 == 0) error = seen.inverse() * scene.detect(0, 0.0, 0.0);
     filter.update(0, seen * error);
   }
-  EXPECT_NEAR(filter.dependent_detections(), 10.0, 3.0);
+  EXPECT_NEAR(filter.correlation_length(), 10.0, 3.0);
 }
 
 TEST(MultiObjectFilter, RefusesWhatItDoesNotKnow) {
@@ -252,8 +252,8 @@ TEST(MultiObjectFilter, RefusesWhatItDoesNotKnow) {
   refused([](auto& s) { s.birth_covariance_factor = 0.0; });
   refused([](auto& s) { s.score_memory = 1.5; });
   refused([](auto& s) { s.camera_gain_noise = 0.5; });
-  refused([](auto& s) { s.camera_share = 1.5; });
-  refused([](auto& s) { s.common_error_share = 1.0; });
+  refused([](auto& s) { s.odometry_camera_fraction = 1.5; });
+  refused([](auto& s) { s.bias_variance_fraction = 1.0; });
   refused([](auto& s) { s.correlation_s = -1.0; });
 }
 
@@ -261,7 +261,7 @@ TEST(MultiObjectFilter, RefusesWhatIsNotFiniteAndStaysAsItWas) {
   OrbitScene scene(1, 1, 0.05, 1e-3);
   MultiObjectFilter filter = make(scene, plain_settings());
   filter.update(0, scene.camera.inverse() * scene.truth[0]);
-  const Eigen::MatrixXd before = filter.backbone().covariance();
+  const Eigen::MatrixXd before = filter.joint().covariance();
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const SE3d bad(SO3d(), {0.0, nan, 0.0});
   const Matrix6d q = isotropic(0.1, 1e-3);
@@ -271,7 +271,7 @@ TEST(MultiObjectFilter, RefusesWhatIsNotFiniteAndStaysAsItWas) {
   EXPECT_THROW(filter.predict_with_odometry(SE3d(), -q, 0.1), InvalidInput);
   EXPECT_THROW(filter.predict_random_walk(q, -0.1), InvalidInput);
   EXPECT_THROW(filter.predict_constant_velocity(1.0, q, q, nan * q, 0.1), InvalidInput);
-  EXPECT_EQ(filter.backbone().covariance(), before);
+  EXPECT_EQ(filter.joint().covariance(), before);
 }
 
 TEST(MultiObjectFilter, ConstantVelocityIsThatOfTheGaussianSumFilter) {

@@ -107,7 +107,7 @@ TEST(CauchyUpdate, IsASettingOfTheFilter) {
   // Ten good detections and one of half a metre.
   const DetectorNoise noise = gaussian_noise();
   const auto error_after = [&](RobustLoss loss) {
-    FilterSettings settings;
+    GaussianSumSettings settings;
     settings.update = UpdateRule::linearized;
     settings.robust_loss = loss;
     GaussianSumFilter filter = camera_filter(kCameraPose, isotropic(0.1, 0.001), settings);
@@ -127,7 +127,7 @@ TEST(CauchyUpdate, MultipliesTheUpdateCovarianceToo) {
   NoiseComponent component = gaussian_noise().components().front();
   component.update_covariance = isotropic(1.0, 0.002);
   const DetectorNoise noise({component});
-  FilterSettings settings;
+  GaussianSumSettings settings;
   settings.robust_loss = RobustLoss::cauchy;
   for (const UpdateRule rule : {UpdateRule::linearized, UpdateRule::iterated}) {
     settings.update = rule;
@@ -142,7 +142,7 @@ TEST(CauchyUpdate, MultipliesTheUpdateCovarianceToo) {
 }
 
 TEST(CauchyUpdate, RefusesAScaleThatIsNotPositive) {
-  FilterSettings settings;
+  GaussianSumSettings settings;
   settings.cauchy_scale = 0.0;
   EXPECT_THROW(camera_filter(kCameraPose, isotropic(0.1, 0.001), settings), InvalidInput);
   const DetectorNoise noise = gaussian_noise();

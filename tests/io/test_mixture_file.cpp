@@ -25,7 +25,7 @@ const FrameNames kFrames{"camera", "mug"};
 
 /// One component in the library's convention, written by hand.
 const std::string kConcentrated = R"({
-  "schema": 1, "type": "posemix.mixture", "group": "SE3", "law": "concentrated", "side": "left",
+  "schema": 1, "type": "posemix.mixture", "group": "SE3", "distribution": "concentrated", "side": "left",
   "order": "rotation_translation", "units": {"rotation": "rad", "translation": "m"},
   "frames": {"from": "camera", "to": "mug"},
   "components": [{"weight": 1, "mean": {"translation": [1, 2, 3], "quaternion_xyzw": [0, 0, 0.6, 0.8]},
@@ -33,7 +33,7 @@ const std::string kConcentrated = R"({
                    [0, 0, 0, 0.01, 0, 0], [0, 0, 0, 0, 0.02, 0], [0.001, 0, 0, 0, 0, 0.03]]}]})";
 
 const std::string kProjected = R"({
-  "schema": 1, "type": "posemix.mixture", "group": "SE3", "law": "projected", "side": "right",
+  "schema": 1, "type": "posemix.mixture", "group": "SE3", "distribution": "projected", "side": "right",
   "order": "rotation_translation", "units": {"rotation": "tan_half_angle", "translation": "m"},
   "frames": {"from": "camera", "to": "mug"},
   "components": [{"log_weight": 0, "tangent_point": {"quaternion_xyzw": [0, 0, 0.6, 0.8]},
@@ -153,8 +153,8 @@ TEST(MixtureFile, EveryConventionSaysTheSame) {
 }
 
 TEST(MixtureFile, MissingAndUnknownKeysAreRefused) {
-  for (const char* key :
-       {"schema", "type", "group", "law", "side", "order", "units", "frames", "components"}) {
+  for (const char* key : {"schema", "type", "group", "distribution", "side", "order", "units",
+                          "frames", "components"}) {
     EXPECT_INVALID(parse(without("", key)),
                    std::string("m.json: got no key '") + key + "', expected one");
   }
@@ -182,8 +182,9 @@ TEST(MixtureFile, WrongWordsAreRefused) {
                  "m.json: schema: got 2, expected 1: the file was written in another version of "
                  "the format");
   EXPECT_INVALID(parse(with("/group", "SO3")), "m.json: group: got \"SO3\", expected \"SE3\"");
-  EXPECT_INVALID(parse(with("/law", "Gaussian")),
-                 "m.json: law: got \"Gaussian\", expected \"concentrated\" or \"projected\"");
+  EXPECT_INVALID(
+      parse(with("/distribution", "Gaussian")),
+      "m.json: distribution: got \"Gaussian\", expected \"concentrated\" or \"projected\"");
   EXPECT_INVALID(parse(with("/side", "body")),
                  "m.json: side: got \"body\", expected \"left\" or \"right\"");
   EXPECT_INVALID(parse(with("/units/translation", "cm")),

@@ -44,13 +44,12 @@ TEST(MpgErrata, MixtureOfEquation18IntegratesToOneOverN) {
 
 TEST(MpgErrata, MomentsAsCovarianceAreTooNarrow) {
   // Oracle: numpy prototype of the paper's fit, 27.6 degrees in place of 30 for an isotropic
-  // rotation spread; exactly, the second moment under the law of eq. 11.
+  // rotation spread; exactly, the second moment under the distribution of eq. 11.
   const Rotation density = isotropic(Eigen::Vector3d::Zero(), 30.0);
   const ProjectedMoments moments = projected_moments(Eigen::Vector3d::Zero(), density.covariance());
   const double papers = 2.0 * degrees(std::sqrt(moments.second_moment(0, 0)));
   EXPECT_NEAR(papers, 27.6, 0.5);
-  const auto likely =
-      with_law_moments<SO3d>(SO3d(), Eigen::Vector3d::Zero(), moments.second_moment);
+  const auto likely = with_moments<SO3d>(SO3d(), Eigen::Vector3d::Zero(), moments.second_moment);
   EXPECT_NEAR(2.0 * degrees(std::sqrt(likely.covariance()(0, 0))), 30.0, 1e-9);
 }
 

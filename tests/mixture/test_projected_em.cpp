@@ -224,7 +224,7 @@ TEST(ProjectedEm, RestatesAStartAtItsMode) {
   const auto fit =
       fit_mixture<Projected<SE3d>>(samples, {}, {.max_iterations = 1}, stream,
                                    std::optional(Mixture<Projected<SE3d>>({{0.0, aside}})));
-  const Mixture<Projected<SE3d>> restated({{0.0, restate_at_mode(aside)}});
+  const Mixture<Projected<SE3d>> restated({{0.0, change_chart_to_mode(aside)}});
   EXPECT_NEAR(fit.history.front(), log_likelihood(restated, samples), 1e-9);
   EXPECT_TRUE(fit.mixture[0].density.tangent_mean().head<3>().isZero(0.0));
 }

@@ -139,10 +139,10 @@ TEST(ProjectedMerge, MomentsAreThoseOfSamples) {
   RandomStream stream(5);
   const auto mixture = random_mixture<SE3d>(stream, 3, 0.3, 0.1);
   const Pose result = moments(mixture).density;
-  const LawMoments<SE3d> law = law_moments(result);
+  const DistributionMoments<SE3d> distribution = moments_of(result);
   testing::SampleMoments samples(6);
   for (int i = 0; i < 100000; ++i) samples.add(result.coordinates(mixture.sample(stream)));
-  EXPECT_LT(samples.worst_score(law.mean, law.covariance, 1e-3), 5.0);
+  EXPECT_LT(samples.worst_score(distribution.mean, distribution.covariance, 1e-3), 5.0);
 }
 
 TEST(ProjectedMerge, MatchingTheMomentsOfTheLawLosesTheLeast) {

@@ -22,7 +22,7 @@ std::string documented(const std::string& key, const std::string& from = "") {
 }
 
 TEST(FormatsDocument, DefaultsOfTheFilter) {
-  const FilterSettings s;
+  const GaussianSumSettings s;
   EXPECT_EQ(documented("update", "### `[filter]`"),
             s.update == UpdateRule::iterated ? "iterated" : "linearized");
   EXPECT_EQ(documented("noise_use"), s.noise_use == NoiseUse::per_object ? "per_object" : "joint");
@@ -80,14 +80,14 @@ TEST(FormatsDocument, DefaultsOfTheMultiObjectFilter) {
             fmt::format("{:g}, {:g}, {:g}", degrees(s.merge_rotation_rad), s.merge_translation_m,
                         s.merge_probability));
   EXPECT_EQ(documented("leader_margin"), number(s.leader_margin));
-  EXPECT_EQ(documented("camera_share"), number(s.camera_share));
+  EXPECT_EQ(documented("odometry_camera_fraction"), number(s.odometry_camera_fraction));
   EXPECT_EQ(documented("camera_gain_noise"), number(s.camera_gain_noise));
   EXPECT_EQ(documented("noise_scale_detections`, `least_noise_scale"),
             number(s.noise_scale_detections) + ", " + number(s.least_noise_scale));
   EXPECT_EQ(documented("correlation_s`, `correlation_detections"),
             number(s.correlation_s) + ", " + number(s.correlation_detections));
-  EXPECT_EQ(documented("common_error_share"), number(s.common_error_share));
-  EXPECT_EQ(documented("dependent_answers"), number(s.dependent_answers));
+  EXPECT_EQ(documented("bias_variance_fraction"), number(s.bias_variance_fraction));
+  EXPECT_EQ(documented("mode_correlation_factor"), number(s.mode_correlation_factor));
 }
 
 TEST(FormatsDocument, DefaultsOfTheMotion) {

@@ -52,16 +52,16 @@ TEST(ReportErrors, NameThePlace) {
                  "camera: sd[4][1]: got -1, expected no negative number");
   expect_message(damaged(trace, "/objects/mug/world/position_covariance/6/3", -1.0),
                  "objects: mug: world: position_covariance[6][3]: got -1, expected a variance");
-  expect_message(damaged(trace, "/objects/mug/fate/3", "gone"),
-                 "objects: mug: fate[3]: got \"gone\", expected what became of a detection");
+  expect_message(damaged(trace, "/objects/mug/status/3", "gone"),
+                 "objects: mug: status[3]: got \"gone\", expected what became of a detection");
   expect_message(damaged(trace, "/objects/mug/alternatives/3/0/id", 0.5),
                  "objects: mug: alternatives[3][0]: id: got 0.5, expected an integer");
   expect_message(damaged(trace, "/objects/mug/alternatives/3/0/probability", 1.5),
                  "probability: got 1.5, expected a probability");
   expect_message(damaged(trace, "/objects/mug/alternatives/3/0", {{"id", 1}}),
                  "objects: mug: alternatives[3][0]: got no key 'probability', expected one");
-  EXPECT_NE(damaged(trace, "/objects/mug/fate", {"used"})
-                .find("objects: mug: fate: got 1 entries, expected 20 as in"),
+  EXPECT_NE(damaged(trace, "/objects/mug/status", {"used"})
+                .find("objects: mug: status: got 1 entries, expected 20 as in"),
             std::string::npos);
 }
 

@@ -89,8 +89,8 @@ TEST(ReportTrace, HoldsPosesAndDeviations) {
       expect_track(object["relative"], packed, prefix + "/mask", 2, prefix + "/relative");
       expect_poses(object["detection"], packed, prefix + "/mask", 4, prefix + "/detection");
       for (std::size_t k = 0; k < kSmallFrames; ++k) {
-        const auto fate = static_cast<std::size_t>(packed[prefix + "/fate"][k][0]);
-        EXPECT_EQ(report["trace"]["fates"][fate], object["fate"][k]);
+        const auto status = static_cast<std::size_t>(packed[prefix + "/status"][k][0]);
+        EXPECT_EQ(report["trace"]["statuses"][status], object["status"][k]);
       }
     }
   }

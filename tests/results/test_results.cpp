@@ -58,7 +58,7 @@ TEST(Results, ObjectsNotSeenYetAreLeftOut) {
   EXPECT_EQ(mug.front().stamp, 1.5);
   const json trace = json::parse(late.files.at("trace.json"));
   EXPECT_TRUE(trace["objects"]["mug"]["world"]["pose"][14].is_null());
-  EXPECT_EQ(trace["objects"]["mug"]["fate"][15], "started");
+  EXPECT_EQ(trace["objects"]["mug"]["status"][15], "started");
   EXPECT_TRUE(trace["hypotheses"][14][0]["poses"][1].is_null());
 }
 
@@ -141,7 +141,7 @@ TEST(Results, TraceHoldsTheRun) {
                 1e-8);
   }
   EXPECT_TRUE(trace["objects"]["mug"]["detection"][3].is_null());
-  EXPECT_EQ(trace["objects"]["mug"]["fate"][3], "none");
+  EXPECT_EQ(trace["objects"]["mug"]["status"][3], "none");
   double total = 0.0;
   double last = 1.0;
   for (const json& hypothesis : trace["hypotheses"][9]) {

@@ -92,7 +92,7 @@ TEST(Associate, GivesEveryInstanceItsDetection) {
   ASSERT_EQ(result.size(), 3U);
   const std::vector<std::size_t> expected{2, 0, 1};
   for (std::size_t i = 0; i < 3; ++i) {
-    EXPECT_EQ(result[i].fate, CandidateFate::assigned);
+    EXPECT_EQ(result[i].status, CandidateStatus::assigned);
     EXPECT_EQ(result[i].instance, expected[i]);
     EXPECT_TRUE(result[i].camera_object.is_approx(seen[i].camera_object, 0.0));
   }
@@ -105,11 +105,11 @@ TEST(Associate, TakesTheEquivalentPoseNearestToTheInstance) {
   const auto aware = associate(instances, seen, noise(), SymmetryGroup({half_turn()}));
   // Without the symmetry the place decides, at the price of the cap: the 0.99 quantile of a
   // chi-square with three degrees of freedom is 11.345 (tables).
-  ASSERT_EQ(plain[0].fate, CandidateFate::assigned);
+  ASSERT_EQ(plain[0].status, CandidateStatus::assigned);
   EXPECT_TRUE(plain[0].camera_object.is_approx(seen[0].camera_object, 0.0));
   const double variance = 0.004 * 0.004 + 0.005 * 0.005;
   EXPECT_NEAR(plain[0].cost, 0.002 * 0.002 / variance + 11.345, 1e-3);
-  ASSERT_EQ(aware[0].fate, CandidateFate::assigned);
+  ASSERT_EQ(aware[0].status, CandidateStatus::assigned);
   EXPECT_TRUE(aware[0].camera_object.is_approx(at(0.002, 0, 4), 1e-12));
   EXPECT_LT(aware[0].cost, 2.0);
 }
@@ -119,11 +119,11 @@ TEST(Associate, GateIsOfThePosition) {
   const double sd = std::hypot(0.004, 0.005);
   const double gate = sd * std::sqrt(16.266);
   const std::vector<Density> instances{density(at(0, 0))};
-  const auto fate = [&](double x) {
-    return associate(instances, std::vector{candidate(at(x, 0))}, noise(), {})[0].fate;
+  const auto status = [&](double x) {
+    return associate(instances, std::vector{candidate(at(x, 0))}, noise(), {})[0].status;
   };
-  EXPECT_EQ(fate(0.999 * gate), CandidateFate::assigned);
-  EXPECT_EQ(fate(1.001 * gate), CandidateFate::fresh);
+  EXPECT_EQ(status(0.999 * gate), CandidateStatus::assigned);
+  EXPECT_EQ(status(1.001 * gate), CandidateStatus::fresh);
 }
 
 TEST(Associate, SecondDetectionOfOneObjectIsRejected) {
@@ -134,18 +134,18 @@ TEST(Associate, SecondDetectionOfOneObjectIsRejected) {
   AssociationSettings settings;
   settings.least_new_score = 0.5;
   const auto result = associate(instances, seen, noise(), {}, settings);
-  EXPECT_EQ(result[0].fate, CandidateFate::rejected);
-  EXPECT_EQ(result[1].fate, CandidateFate::assigned);
-  EXPECT_EQ(result[2].fate, CandidateFate::rejected);  // beside a better one
-  EXPECT_EQ(result[3].fate, CandidateFate::fresh);
-  EXPECT_EQ(result[4].fate, CandidateFate::rejected);  // score
+  EXPECT_EQ(result[0].status, CandidateStatus::rejected);
+  EXPECT_EQ(result[1].status, CandidateStatus::assigned);
+  EXPECT_EQ(result[2].status, CandidateStatus::rejected);  // beside a better one
+  EXPECT_EQ(result[3].status, CandidateStatus::fresh);
+  EXPECT_EQ(result[4].status, CandidateStatus::rejected);  // score
 }
 
 TEST(Associate, WithoutInstancesOrCandidates) {
   EXPECT_TRUE(associate({}, {}, noise(), {}).empty());
   EXPECT_TRUE(associate(std::vector{density(at(0, 0))}, {}, noise(), {}).empty());
-  EXPECT_EQ(associate({}, std::vector{candidate(at(0, 0))}, noise(), {})[0].fate,
-            CandidateFate::fresh);
+  EXPECT_EQ(associate({}, std::vector{candidate(at(0, 0))}, noise(), {})[0].status,
+            CandidateStatus::fresh);
   EXPECT_NE(thrown_message([] { associate({}, {}, noise(), {}, {.gate_probability = 1.0}); }), "");
 }
 
@@ -202,7 +202,7 @@ TEST(Associate, TotalCostIsLeastOfAllAssignments) {
             pair_cost(instances[std::size_t(j)], seen[std::size_t(i)].camera_object, detector);
     double total = 0.0;
     for (const Association& a : associate(instances, seen, detector, {}))
-      total += a.fate == CandidateFate::assigned ? a.cost : 16.266236 + 11.344867;
+      total += a.status == CandidateStatus::assigned ? a.cost : 16.266236 + 11.344867;
     EXPECT_NEAR(total, least_by_trying(cost), 1e-4 * total);
   }
 }

@@ -145,11 +145,12 @@ std::vector<Candidate> at(double x, double score = 1.0) {
 
 TEST(ObjectCandidates, ATentativeInstanceGivesWay) {
   ObjectSlam slam = make(SE3d(), bolts(1, {}));
-  EXPECT_EQ(slam.start(none(1), at(0.0)).candidates[0].fate, CandidateFate::fresh);
-  EXPECT_EQ(slam.step({0.1, SE3d(), none(1), at(0.0)}).candidates[0].fate, CandidateFate::assigned);
+  EXPECT_EQ(slam.start(none(1), at(0.0)).candidates[0].status, CandidateStatus::fresh);
+  EXPECT_EQ(slam.step({0.1, SE3d(), none(1), at(0.0)}).candidates[0].status,
+            CandidateStatus::assigned);
   EXPECT_EQ(slam.detections(0), 2U);
   const CandidateReport taken = slam.step({0.1, SE3d(), none(1), at(0.4)}).candidates[0];
-  EXPECT_EQ(taken.fate, CandidateFate::fresh);
+  EXPECT_EQ(taken.status, CandidateStatus::fresh);
   EXPECT_EQ(taken.object, std::optional<std::size_t>(0));
   EXPECT_TRUE(taken.recycled);
   EXPECT_EQ(slam.detections(0), 1U);
@@ -161,7 +162,7 @@ TEST(ObjectCandidates, AConfirmedInstanceStays) {
   slam.start(none(1), at(0.0));
   for (int k = 0; k < 2; ++k) slam.step({0.1, SE3d(), none(1), at(0.0)});
   const CandidateReport other = slam.step({0.1, SE3d(), none(1), at(0.4)}).candidates[0];
-  EXPECT_EQ(other.fate, CandidateFate::dropped);
+  EXPECT_EQ(other.status, CandidateStatus::dropped);
   EXPECT_FALSE(other.object.has_value());
   EXPECT_EQ(slam.detections(0), 3U);
 }
@@ -173,10 +174,10 @@ TEST(ObjectCandidates, TheSurestTakesTheLastModel) {
   both.push_back({"nut", SE3d(), 1.0});
   const FrameReport report = slam.start(none(1), both);
   // One that was seen in this frame does not give way.
-  EXPECT_EQ(report.candidates[0].fate, CandidateFate::dropped);
-  EXPECT_EQ(report.candidates[1].fate, CandidateFate::fresh);
-  EXPECT_EQ(report.candidates[2].fate, CandidateFate::dropped);
-  EXPECT_EQ(report.fates[0], DetectionFate::started);
+  EXPECT_EQ(report.candidates[0].status, CandidateStatus::dropped);
+  EXPECT_EQ(report.candidates[1].status, CandidateStatus::fresh);
+  EXPECT_EQ(report.candidates[2].status, CandidateStatus::dropped);
+  EXPECT_EQ(report.statuses[0], DetectionStatus::started);
 }
 
 TEST(ObjectCandidates, AnObjectIsAClassOfItsOwn) {
@@ -184,7 +185,7 @@ TEST(ObjectCandidates, AnObjectIsAClassOfItsOwn) {
   ObjectSlam slam = make(SE3d(), {bolt});
   slam.start({at(0.0).front().camera_object});
   const FrameReport report = slam.step({0.1, SE3d(), none(1), at(0.0)});
-  EXPECT_EQ(report.candidates[0].fate, CandidateFate::assigned);
+  EXPECT_EQ(report.candidates[0].status, CandidateStatus::assigned);
   EXPECT_EQ(slam.detections(0), 2U);
 }
 

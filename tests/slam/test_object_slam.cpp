@@ -29,7 +29,7 @@ std::optional<SE3d> seen(const SE3d& camera = kPrior.mean()) { return camera.inv
 TEST(ObjectSlamTest, FramesWithNothingAreValid) {
   ObjectSlam slam = make();
   const FrameReport first = slam.start({std::nullopt, std::nullopt});
-  EXPECT_EQ(first.fates, std::vector(2, DetectionFate::none));
+  EXPECT_EQ(first.statuses, std::vector(2, DetectionStatus::none));
   EXPECT_EQ(slam.estimate().mean().size(), 1U);
   slam.step({0.1, std::nullopt, {std::nullopt, std::nullopt}});
   EXPECT_TRUE(slam.estimate().mean()[kCamera].is_approx(kPrior.mean(), 1e-12));
@@ -39,11 +39,11 @@ TEST(ObjectSlamTest, FramesWithNothingAreValid) {
 TEST(ObjectSlamTest, ObjectsEnterInTheOrderSeenAndAtAnyFrame) {
   ObjectSlam slam = make();
   slam.start({std::nullopt, std::nullopt});
-  EXPECT_EQ(slam.step({0.1, SE3d(), {std::nullopt, seen()}}).fates[1], DetectionFate::started);
+  EXPECT_EQ(slam.step({0.1, SE3d(), {std::nullopt, seen()}}).statuses[1], DetectionStatus::started);
   EXPECT_EQ(slam.pose_index(1), std::optional<std::size_t>(1));
   const FrameReport report = slam.step({0.1, SE3d(), {seen(), seen()}});
-  EXPECT_EQ(report.fates[0], DetectionFate::started);
-  EXPECT_EQ(report.fates[1], DetectionFate::used);
+  EXPECT_EQ(report.statuses[0], DetectionStatus::started);
+  EXPECT_EQ(report.statuses[1], DetectionStatus::used);
   EXPECT_EQ(slam.pose_index(0), std::optional<std::size_t>(2));
   EXPECT_EQ(slam.estimate().mean().size(), 3U);
 }
@@ -92,13 +92,14 @@ TEST(ObjectSlamTest, ConstantVelocityKeepsTheMotionInTheState) {
 TEST(ObjectSlamTest, TheDefaultIsTheMultiObjectFilterAndSaysWhatBecameOfDetections) {
   ObjectSlam slam(kPrior, {{.id = "a"}, {.id = "b"}}, {});
   ASSERT_NE(slam.multi_object(), nullptr);
-  EXPECT_EQ(slam.start({seen(), std::nullopt}).fates,
-            (std::vector{DetectionFate::started, DetectionFate::none}));
-  EXPECT_EQ(slam.step({0.1, SE3d(), {seen(), std::nullopt}}).fates[0], DetectionFate::used);
+  EXPECT_EQ(slam.start({seen(), std::nullopt}).statuses,
+            (std::vector{DetectionStatus::started, DetectionStatus::none}));
+  EXPECT_EQ(slam.step({0.1, SE3d(), {seen(), std::nullopt}}).statuses[0], DetectionStatus::used);
   const std::optional<SE3d> flipped = *seen() * pose(0, 3.0, 0, 0, 0, 0);
-  EXPECT_EQ(slam.step({0.1, SE3d(), {flipped, std::nullopt}}).fates[0], DetectionFate::born);
+  EXPECT_EQ(slam.step({0.1, SE3d(), {flipped, std::nullopt}}).statuses[0], DetectionStatus::birth);
   for (int i = 0; i < 5; ++i) slam.step({0.1, SE3d(), {seen(), std::nullopt}});
-  EXPECT_EQ(slam.step({0.1, SE3d(), {flipped, std::nullopt}}).fates[0], DetectionFate::doubted);
+  EXPECT_EQ(slam.step({0.1, SE3d(), {flipped, std::nullopt}}).statuses[0],
+            DetectionStatus::doubted);
   EXPECT_EQ(slam.pose_index(0), std::optional<std::size_t>(1));
   EXPECT_FALSE(slam.pose_index(1).has_value());
   EXPECT_EQ(slam.multi_object()->hypotheses(0).size(), 2U);

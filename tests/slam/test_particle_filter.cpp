@@ -111,17 +111,17 @@ TEST(ParticleFilter, TheSameSeedGivesTheSameRun) {
   }
 }
 
-TEST(ParticleFilter, TracksThroughGrossErrorsByTheNull) {
+TEST(ParticleFilter, TracksThroughGrossErrorsByClutter) {
   Sequence sequence = sequence_of(60);
   for (std::size_t k = 20; k < 30; ++k)
     sequence.objects[0].detections[k] =
         *sequence.objects[0].detections[k] * pose(2.0, 0.0, 0.0, 0.3, 0.0, 0.0);
   const DetectorNoise robust({{0.8, isotropic(4.0, 0.01)}}, {.weight = 0.2});
-  const SlamRun with_null = run_particles(sequence, robust);
-  EXPECT_LT(rotation_error(with_null, 29, kMug), 6.0);
-  EXPECT_LT(rotation_error(with_null, 59, kMug), 6.0);
-  EXPECT_EQ(with_null.frames[25].report.fates[0], DetectionFate::used);
-  const Metrics metrics = evaluate(sequence, with_null);
+  const SlamRun with_clutter = run_particles(sequence, robust);
+  EXPECT_LT(rotation_error(with_clutter, 29, kMug), 6.0);
+  EXPECT_LT(rotation_error(with_clutter, 59, kMug), 6.0);
+  EXPECT_EQ(with_clutter.frames[25].report.statuses[0], DetectionStatus::used);
+  const Metrics metrics = evaluate(sequence, with_clutter);
   EXPECT_LT(*metrics.camera.position_rmse_m, 0.05);
 }
 
@@ -131,7 +131,7 @@ TEST(ParticleFilter, AWrongFirstDetectionIsLeftByTheParticlesThatWaited) {
       *sequence.objects[0].detections[0] * pose(0.0, 2.5, 0.0, 0.0, 0.0, 0.0);
   const DetectorNoise robust({{0.8, isotropic(4.0, 0.01)}}, {.weight = 0.2});
   const SlamRun waited = run_particles(sequence, robust);
-  EXPECT_EQ(waited.frames[0].report.fates[0], DetectionFate::started);
+  EXPECT_EQ(waited.frames[0].report.statuses[0], DetectionStatus::started);
   EXPECT_GT(rotation_error(waited, 0, kMug), 90.0);
   EXPECT_LT(rotation_error(waited, 39, kMug), 6.0);
 }
@@ -149,7 +149,7 @@ TEST(ParticleFilter, SeveralObjectsEnterAsTheyAreSeen) {
   const SlamRun result =
       run_particle_filter(sequence, kPrior, {model(noise), model(noise, "box")}, settings, options);
   EXPECT_FALSE(result.frames[7].objects[1].has_value());
-  EXPECT_EQ(result.frames[8].report.fates[1], DetectionFate::started);
+  EXPECT_EQ(result.frames[8].report.statuses[1], DetectionStatus::started);
   ASSERT_TRUE(result.frames[19].objects[1].has_value());
   EXPECT_EQ(result.pose_indices, (std::vector<std::optional<std::size_t>>{1, 2}));
   EXPECT_EQ(result.posterior.size(), 5U);

@@ -164,7 +164,8 @@ TEST(FixedLag, ReportsEveryFrameOnceAndInTime) {
   ASSERT_EQ(frames.size(), kFrames);
   for (std::size_t k = 0; k < kFrames; ++k) {
     EXPECT_LT(distance(frames[k].camera.mean(), *sequence.camera_truth[k]), 0.05) << k;
-    EXPECT_EQ(frames[k].report.fates[0], k == 0 ? DetectionFate::started : DetectionFate::used);
+    EXPECT_EQ(frames[k].report.statuses[0],
+              k == 0 ? DetectionStatus::started : DetectionStatus::used);
     EXPECT_EQ(frames[k].pose_indices[1].has_value(), k >= 4);
   }
 }

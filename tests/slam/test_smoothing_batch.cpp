@@ -36,8 +36,10 @@ using testing::pose;
 /// small here, like the smoother.
 class Batch {
  public:
-  Batch(const Sequence& sequence, double camera_share)
-      : sequence_(sequence), share_(camera_share), per_frame_(1 + sequence.objects.size()) {
+  Batch(const Sequence& sequence, double odometry_camera_fraction)
+      : sequence_(sequence),
+        share_(odometry_camera_fraction),
+        per_frame_(1 + sequence.objects.size()) {
     for (std::size_t k = 0; k < kFrames; ++k) {
       poses_.push_back(*sequence.camera_truth[k]);
       for (std::size_t j = 0; j + 1 < per_frame_; ++j) poses_.push_back(kObjects[j]);

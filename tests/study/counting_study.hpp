@@ -17,7 +17,7 @@ namespace posemix::testing {
 inline Study counting_study(std::size_t items, std::uint64_t seed = 1) {
   Study study;
   study.name = "counting";
-  study.settings = fmt::format(R"({{"seed":{},"law":{{"sd":0.1}}}})", seed);
+  study.settings = fmt::format(R"({{"seed":{},"distribution":{{"sd":0.1}}}})", seed);
   study.items = items;
   study.run_item = [seed](std::size_t item) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));

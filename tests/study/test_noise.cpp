@@ -149,7 +149,7 @@ TEST(NoiseStudy, ModelsReadBackAsTheyWere) {
   }
 }
 
-/// Text of a model with a null, in frame ray, with an update and with correlations.
+/// Text of a model with clutter, in frame ray, with an update and with correlations.
 TEST(NoiseStudy, ModelsAlongTheRayReadBackAsTheyWere) {
   const Matrix6d covariance = pose_covariance({0.1, 0.2, 0.3}, {5e-3, 6e-3, 0.05});
   const DetectorNoise noise({{.weight = 0.7,
@@ -172,8 +172,8 @@ TEST(NoiseStudy, ModelsAlongTheRayReadBackAsTheyWere) {
   EXPECT_EQ(component.frame, NoiseFrame::ray);
   EXPECT_LT(relative_difference(component.covariance, covariance), 1e-14);
   EXPECT_LT(relative_difference(*component.update_covariance, Matrix6d(4.0 * covariance)), 1e-14);
-  EXPECT_NEAR(back.null().weight, 0.3, 1e-15);
-  EXPECT_EQ(back.null().volume_m3, 2.5);
+  EXPECT_NEAR(back.clutter().weight, 0.3, 1e-15);
+  EXPECT_EQ(back.clutter().volume_m3, 2.5);
 }
 
 /// A recording on disk, studied from its TUM files and from its sequence file, and the model that
@@ -261,7 +261,7 @@ TEST(NoiseStudy, RefusesBadInput) {
             "expected means = \"zero\" or frame = \"object\"");
   EXPECT_NE(thrown_message([&] {
               make_noise_study({.residuals = {set}}, {.modes = true});
-            }).find("modes without a null"),
+            }).find("modes without clutter"),
             std::string::npos);
   ResidualSet few = set;
   for (std::size_t i = 5; i < 30; ++i) few.detected[i] = std::nullopt;

@@ -79,14 +79,14 @@ TEST(NoiseLogDensity, IsThatOfTheGaussianOnTheGroup) {
 }
 
 /// 70 % along the ray, 30 % that say nothing.
-std::vector<NoiseObservation> detections_with_null(std::size_t count, std::uint64_t seed) {
+std::vector<NoiseObservation> detections_with_clutter(std::size_t count, std::uint64_t seed) {
   RandomStream stream(seed);
   std::vector<NoiseObservation> observations;
   for (std::size_t i = 0; i < count; ++i) {
     const SE3d truth = pose_before_camera(stream);
-    const bool null = stream.uniform() < 0.3;
-    observations.push_back({truth, null ? detect_nothing(truth, stream)
-                                        : detect_along_ray(truth, ray_deviations(), stream)});
+    const bool clutter = stream.uniform() < 0.3;
+    observations.push_back({truth, clutter ? detect_nothing(truth, stream)
+                                           : detect_along_ray(truth, ray_deviations(), stream)});
   }
   return observations;
 }
@@ -94,7 +94,7 @@ std::vector<NoiseObservation> detections_with_null(std::size_t count, std::uint6
 NoiseFitSettings bounded(std::size_t components) {
   return {.components = components,
           .frame = NoiseFrame::ray,
-          .null = true,
+          .clutter = true,
           .em = {.restarts = 2, .diagonal = true, .min_sd = 1e-4, .max_sd = 1.5}};
 }
 
@@ -103,14 +103,14 @@ void expect_never_falls(const std::vector<double>& history) {
     EXPECT_GE(history[i], history[i - 1] - 1e-10 * std::abs(history[i])) << "step " << i;
 }
 
-TEST(NoiseFit, RecoversTheWeightOfTheNull) {
-  const auto observations = detections_with_null(6000, 3);
+TEST(NoiseFit, RecoversTheWeightOfClutter) {
+  const auto observations = detections_with_clutter(6000, 3);
   RandomStream stream(1);
   const NoiseFit fit = fit_noise(observations, bounded(1), stream);
   EXPECT_EQ(fit.status, EmStatus::converged);
   EXPECT_EQ(fit.parameters, 7U);
   // Three standard errors of a share of 0.3 among 6000.
-  EXPECT_NEAR(fit.noise.null().weight, 0.3, 0.018);
+  EXPECT_NEAR(fit.noise.clutter().weight, 0.3, 0.018);
   const Vector6d sd = fit.noise.components()[0].covariance.diagonal().cwiseSqrt();
   // Four standard errors of a deviation from 4200 values: 4 / sqrt(2 4200).
   for (Eigen::Index i = 0; i < 6; ++i) EXPECT_NEAR(sd[i] / ray_deviations()[i], 1.0, 0.044) << i;
@@ -131,18 +131,18 @@ TEST(NoiseFit, ANullThatIsNotThereVanishes) {
     const SE3d truth = pose_before_camera(stream);
     observations.push_back({truth, detect_along_ray(truth, ray_deviations(), stream)});
   }
-  EXPECT_LT(fit_noise(observations, bounded(1), stream).noise.null().weight, 2e-3);
+  EXPECT_LT(fit_noise(observations, bounded(1), stream).noise.clutter().weight, 2e-3);
   NoiseFitSettings settings = bounded(2);
-  settings.least_null = 0.05;
+  settings.least_clutter = 0.05;
   const NoiseFit held = fit_noise(observations, settings, stream);
-  EXPECT_NEAR(held.noise.null().weight, 0.05, 1e-12);
+  EXPECT_NEAR(held.noise.clutter().weight, 0.05, 1e-12);
   EXPECT_NEAR(held.log_likelihood, noise_log_density(held.noise, observations).sum(), 1e-6);
   expect_never_falls(held.history);
 }
 
 TEST(NoiseFit, NeverLowersTheLikelihoodWithOffsetsToo) {
   RandomStream stream(5);
-  auto observations = detections_with_null(1500, 6);
+  auto observations = detections_with_clutter(1500, 6);
   const SE3d mode(SO3d::exp({0.0, 1.5, 0.2}), {0.02, 0.0, -0.03});
   for (int i = 0; i < 400; ++i) {
     const SE3d truth = pose_before_camera(stream);
@@ -174,9 +174,9 @@ TEST(NoiseFit, NeverLowersTheLikelihoodWithOffsetsToo) {
 
 TEST(NoiseFit, RefusesTooFew) {
   RandomStream stream(1);
-  EXPECT_EQ(
-      testing::thrown_message([&] { fit_noise(detections_with_null(3, 1), bounded(2), stream); }),
-      "noise model: 3 observations for 2 components, expected two per component");
+  EXPECT_EQ(testing::thrown_message(
+                [&] { fit_noise(detections_with_clutter(3, 1), bounded(2), stream); }),
+            "noise model: 3 observations for 2 components, expected two per component");
 }
 
 /// Recordings of a detector that gives a pose 90 degrees off in every recording, and another one
@@ -202,7 +202,7 @@ TEST(NoiseModes, AreWhatSeveralRecordingsHave) {
     sets.push_back(std::move(set));
   }
   const NoiseStudySettings settings{
-      .max_components = 1, .restarts = 2, .frame = NoiseFrame::ray, .null = true, .modes = true};
+      .max_components = 1, .restarts = 2, .frame = NoiseFrame::ray, .clutter = true, .modes = true};
   const Study study = make_noise_study({.residuals = sets}, settings);
   const auto item = nlohmann::json::parse(study.run_item(0));
   ASSERT_EQ(item["modes"].size(), 2U);
@@ -221,13 +221,13 @@ TEST(NoiseModes, AreWhatSeveralRecordingsHave) {
   EXPECT_NEAR(components[1]["offset"][1][3], 0.02, 0.01);
 }
 
-/// Ranges between 0.4 and 1.6 m tell the frames apart, and gross errors ask for a null.
+/// Ranges between 0.4 and 1.6 m tell the frames apart, and gross errors ask for clutter.
 TEST(NoiseValidation, PrefersTheModelThatTheDataFollow) {
   RandomStream stream(8);
   std::vector<ResidualSet> sets;
   for (int recording = 0; recording < 3; ++recording) {
     ResidualSet set{.detector = "d", .object = "o", .recording = std::to_string(recording)};
-    for (const NoiseObservation& each : detections_with_null(500, 20 + recording)) {
+    for (const NoiseObservation& each : detections_with_clutter(500, 20 + recording)) {
       set.truth.push_back(each.truth);
       set.detected.push_back(each.detected);
     }
@@ -235,11 +235,11 @@ TEST(NoiseValidation, PrefersTheModelThatTheDataFollow) {
   }
   const Study study = make_noise_study(
       {.residuals = sets},
-      {.max_components = 2, .restarts = 1, .frame = NoiseFrame::ray, .null = true, .folds = 3});
+      {.max_components = 2, .restarts = 1, .frame = NoiseFrame::ray, .clutter = true, .folds = 3});
   const auto item = nlohmann::json::parse(study.run_item(0));
   ASSERT_EQ(item["validation"].size(), 12U);
   for (const auto& row : item["validation"]) {
-    const bool right = row["frame"] == "ray" && row["null"] == 1;
+    const bool right = row["frame"] == "ray" && row["clutter"] == 1;
     EXPECT_EQ(row["below_best"].get<double>() < 0.05, right) << row.dump();
   }
 }

@@ -22,8 +22,8 @@ concept RotationOrPose = std::same_as<G, SO3d> || std::same_as<G, SE3d>;
 ///
 /// u is dimensionless, tan(theta/2) along the axis, in the frame that q0 rotates (a perturbation on
 /// the right); t is the translation itself in metres, in the reference frame. Sampling u from the
-/// Gaussian and projecting does not give this law (`sample_by_projection`): the density of eq. 11
-/// lacks the chart's volume factor.
+/// Gaussian and projecting does not give this distribution (`sample_by_projection`): the density of
+/// eq. 11 lacks the chart's volume factor.
 ///
 /// Invariants, tested as a list:
 ///  - the covariance is symmetric positive definite;
@@ -74,8 +74,8 @@ class ProjectedGaussian {
   /// One draw from the density, by rejection: from the Gaussian or from uniform rotations,
   /// whichever is accepted more often.
   G sample(RandomStream& stream) const;
-  /// One draw of y from the Gaussian, projected (MPG paper, IV): not the law of eq. 11, and the
-  /// wider the covariance, the less so.
+  /// One draw of y from the Gaussian, projected (MPG paper, IV): not the distribution of eq. 11,
+  /// and the wider the covariance, the less so.
   G sample_by_projection(RandomStream& stream) const;
 
   /// Log density at many points: the covariance is factorised once.
@@ -101,36 +101,36 @@ class ProjectedGaussian {
   double log_normalizer_;
 };
 
-/// Mean and covariance of y = [u; t] under the law of a projected Gaussian, exact up to the rule of
-/// `projected_moments`.
+/// Mean and covariance of y = [u; t] under the distribution of a projected Gaussian, exact up to
+/// the rule of `projected_moments`.
 template <RotationOrPose G>
-struct LawMoments {
+struct DistributionMoments {
   typename G::Tangent mean;
   typename G::TangentMatrix covariance;
   Eigen::Matrix3d rotation;  ///< E[R], R the rotation matrix of the element
 };
 
 template <RotationOrPose G>
-LawMoments<G> law_moments(const ProjectedGaussian<G>& density);
+DistributionMoments<G> moments_of(const ProjectedGaussian<G>& density);
 
-/// The density PG_0 at a tangent point whose law has the given moments of y = [u; t]: the
+/// The density PG_0 at a tangent point whose distribution has the given moments of y = [u; t]: the
 /// maximum-likelihood one of samples with these moments. The mean of u must be zero: the first
 /// three entries of `mean` are ignored, and `covariance` is about zero in u.
 template <RotationOrPose G>
-ProjectedGaussian<G> with_law_moments(const SO3d& tangent_point, const typename G::Tangent& mean,
-                                      const typename G::TangentMatrix& covariance);
+ProjectedGaussian<G> with_moments(const SO3d& tangent_point, const typename G::Tangent& mean,
+                                  const typename G::TangentMatrix& covariance);
 
 /// The density in the tangent space at another rotation, with the Jacobian at the mean (MPG paper,
 /// eq. 15-16). First order in u.
 /// @throws InvalidInput when the mean is by pi from `tangent_point`
 template <RotationOrPose G>
-ProjectedGaussian<G> restate(const ProjectedGaussian<G>& density, const SO3d& tangent_point);
+ProjectedGaussian<G> change_chart(const ProjectedGaussian<G>& density, const SO3d& tangent_point);
 
 /// The density with the mode as its tangent point, PG_0.
 template <RotationOrPose G>
-ProjectedGaussian<G> restate_at_mode(const ProjectedGaussian<G>& density) {
-  return restate(density, gnomonic::project(density.tangent_point(),
-                                            density.tangent_mean().template head<3>()));
+ProjectedGaussian<G> change_chart_to_mode(const ProjectedGaussian<G>& density) {
+  return change_chart(density, gnomonic::project(density.tangent_point(),
+                                                 density.tangent_mean().template head<3>()));
 }
 
 extern template class ProjectedGaussian<SO3d>;

@@ -15,8 +15,8 @@ namespace posemix {
 /// eigenvalues of S up to 1e4.
 double projected_log_normalizer(const Eigen::Vector3d& mean, const Eigen::Matrix3d& covariance);
 
-/// Moments of u under the law of a projected Gaussian, density proportional to N(u; m, S) with
-/// respect to dm = (1 + u.u)^-2 du. By the same rule.
+/// Moments of u under the distribution of a projected Gaussian, density proportional to N(u; m, S)
+/// with respect to dm = (1 + u.u)^-2 du. By the same rule.
 struct ProjectedMoments {
   double log_normalizer;          ///< log C
   Eigen::Vector3d mean;           ///< E[u]

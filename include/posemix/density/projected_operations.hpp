@@ -14,7 +14,8 @@ namespace posemix {
 /// How two projected Gaussians are fused.
 enum class FusionRule {
   mode,     ///< at the exact mode of the product, with its Hessian; any angle
-  jacobian  ///< both restated at the rotation halfway (MPG paper, eq. 14-16); small angles only
+  jacobian  ///< both moved to the chart at the rotation halfway (MPG paper, eq. 14-16); small
+            ///< angles only
 };
 
 /// Settings of `fuse` for projected Gaussians.
@@ -71,8 +72,9 @@ double tangent_angle(const ProjectedGaussian<G>& p, const ProjectedGaussian<G>& 
 
 /// How a nonlinear function of projected Gaussians becomes one.
 enum class CompositionRule {
-  /// Its moments under the densities' laws by a cubature rule of degree five (for two poses 289
-  /// points \cite stroud1971), then the projected Gaussian whose law has them.
+  /// Its moments under the densities' distributions by a cubature rule of degree five (for two
+  /// poses 289
+  /// points \cite stroud1971), then the projected Gaussian whose distribution has them.
   cubature,
   /// Mean and covariance of its coordinates by the 2n points of degree three over the Gaussians in
   /// the tangent spaces, taken for those of the result.
@@ -135,7 +137,7 @@ struct SplitPiece {
 /// The density as a sum of narrower ones: along every principal axis of the rotation whose standard
 /// deviation of u exceeds `max_spread`, three Gaussians in place of one, again and again until none
 /// does. The weights sum to one. Sums of Gaussians are close to the Gaussian in the tangent space;
-/// every piece is then restated at its own mode, which is first order in its own spread.
+/// every piece is then moved to the chart at its own mode, which is first order in its own spread.
 /// @param max_spread standard deviation of u, about half of that of the rotation in rad
 /// @throws InvalidInput when max_spread is not positive, or needs more than 1000 pieces
 template <RotationOrPose G>

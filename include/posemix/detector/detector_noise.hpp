@@ -41,7 +41,7 @@ struct NoiseComponent {
 
 /// A detection that says nothing: with probability `weight` it is uniform over all rotations and a
 /// volume, whatever the object's pose.
-struct NullNoise {
+struct Clutter {
   double weight = 0.0;
   double volume_m3 = 1.0;
 };
@@ -79,31 +79,31 @@ struct NoiseDependence {
 };
 
 /// The error of one detector on one class of objects: a mixture of components (midway-merge paper,
-/// eq. 33) and of the null. Invariant: at least one component, weights positive (the null's may be
+/// eq. 33) and of clutter. Invariant: at least one component, weights positive (clutter's may be
 /// zero) and summing to one, covariances symmetric positive definite, a positive volume.
 class DetectorNoise {
  public:
   /// Normalises the weights. @throws InvalidInput naming the component when the invariant cannot
   /// hold
-  explicit DetectorNoise(std::vector<NoiseComponent> components, NullNoise null = {},
+  explicit DetectorNoise(std::vector<NoiseComponent> components, Clutter clutter = {},
                          NoiseDependence dependence = {});
 
   const std::vector<NoiseComponent>& components() const { return components_; }
-  const NullNoise& null() const { return null_; }
+  const Clutter& clutter() const { return clutter_; }
   const NoiseDependence& dependence() const { return dependence_; }
 
-  /// Log of the null's weight times its density 1 / (8 pi^2 V) on SE(3) [nats; rad^-3 m^-3]; -inf
+  /// Log of clutter's weight times its density 1 / (8 pi^2 V) on SE(3) [nats; rad^-3 m^-3]; -inf
   /// for weight zero.
-  double log_null_density() const;
+  double log_clutter_density() const;
 
   /// The single Gaussian with the second moment of the components without an offset, for a filter
   /// with one hypothesis: components with an offset are left out (all kept when every one has an
-  /// offset), and so is the null.
+  /// offset), and so is clutter.
   DetectorNoise single_gaussian() const;
 
  private:
   std::vector<NoiseComponent> components_;
-  NullNoise null_;
+  Clutter clutter_;
   NoiseDependence dependence_;
 };
 

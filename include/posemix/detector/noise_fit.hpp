@@ -36,9 +36,9 @@ Eigen::ArrayXd noise_log_density(const DetectorNoise& noise,
 struct NoiseFitSettings {
   std::size_t components = 1;
   NoiseFrame frame = NoiseFrame::object;
-  bool null = false;  ///< with a null of the volume below, whose weight is estimated
-  double null_volume_m3 = 1.0;
-  double least_null = 0.0;  ///< the null's least weight: a detector that has not failed yet may
+  bool clutter = false;  ///< with clutter of the volume below, whose weight is estimated
+  double clutter_volume_m3 = 1.0;
+  double least_clutter = 0.0;  ///< clutter's least weight: a detector that has not failed yet may
   /// Covariances diagonal or full and their bounds, convergence, number of starts. Units: of the
   /// residual. `components` and `fixed_means` are not looked at.
   EmSettings em = {};
@@ -55,16 +55,16 @@ struct NoiseFit {
 };
 
 /// EM from a start, whose components' frames stay. Offsets that are not the identity are estimated,
-/// the others stay zero, and so does a null of weight zero; one that falls below 1e-9 becomes zero.
-/// Every step is an E-step with the M-step of weights and covariances, in turn with a Gauss-Newton
-/// step of the offsets, which is shortened until it does not lower the likelihood: `history` never
-/// falls by more than rounding.
+/// the others stay zero, and so does clutter of weight zero; one that falls below 1e-9 becomes
+/// zero. Every step is an E-step with the M-step of weights and covariances, in turn with a
+/// Gauss-Newton step of the offsets, which is shortened until it does not lower the likelihood:
+/// `history` never falls by more than rounding.
 /// @throws InvalidInput when there are no observations
 NoiseFit refine_noise(std::span<const NoiseObservation> observations, const DetectorNoise& start,
                       const NoiseFitSettings& settings);
 
 /// The most likely of refine_noise's ends from `em.restarts` concentric starts without offsets, for
-/// one component without a null from a single one.
+/// one component without clutter from a single one.
 /// @throws InvalidInput for fewer observations than two per component
 NoiseFit fit_noise(std::span<const NoiseObservation> observations, const NoiseFitSettings& settings,
                    RandomStream& stream);

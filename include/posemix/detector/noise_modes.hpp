@@ -44,7 +44,7 @@ struct NoiseModesFit {
 ///    and the model refined (refine_noise).
 /// 3. A mode that has not the least share, comes from too few recordings, is wider than the radius,
 ///    or has come within it of no offset is left out, the least heavy first, and the rest refined.
-/// @throws InvalidInput for settings without a null
+/// @throws InvalidInput for settings without clutter
 NoiseModesFit add_noise_modes(std::span<const NoiseObservation> observations, const NoiseFit& fit,
                               const NoiseFitSettings& settings, const NoiseModeSettings& modes);
 

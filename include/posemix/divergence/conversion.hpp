@@ -17,7 +17,8 @@ namespace posemix {
 enum class ConversionRule {
   /// To first order in the perturbation on the right, u = phi / 2 and t = t0 + R0 rho.
   linear,
-  /// The moments of the law in the other kind's coordinates by cubature of degree five, about the
+  /// The moments of the distribution in the other kind's coordinates by cubature of degree five,
+  /// about the
   /// element where their mean is zero.
   cubature,
   /// The least divergence D(original || converted): the expectations by Gauss-Hermite quadrature,

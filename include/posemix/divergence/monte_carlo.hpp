@@ -14,7 +14,7 @@
 /// \cite lecuyer2002randomized. The error is one standard error over independent replicates; the
 /// estimates are unbiased. Tangent vectors of concentrated Gaussians that rotate by more than pi
 /// carry no mass, as in the quadrature on SO(3); points of projected Gaussians are drawn from the
-/// Gaussian in the tangent space and weighted by what turns it into the law.
+/// Gaussian in the tangent space and weighted by what turns it into the distribution.
 ///
 /// Compiled for concentrated Gaussians on SO3d, SE3d, PoseStackd and Rnd<Eigen::Dynamic>, for
 /// projected Gaussians on SO3d and SE3d, and there for one kind against the other.

@@ -5,13 +5,13 @@
 #include "posemix/density/projected_gaussian.hpp"
 #include "posemix/mixture/mixture.hpp"
 
-/// Divergences between two projected Gaussians in closed form. Both are restated in the tangent
-/// space at the rotation halfway between their modes, which is first order in u; densities with one
-/// tangent point stay as they are.
+/// Divergences between two projected Gaussians in closed form. Both are moved to one chart, in the
+/// tangent space at the rotation halfway between their modes, which is first order in u; densities
+/// with one tangent point stay as they are.
 ///
-/// Two laws with different equators have an infinite Kullback-Leibler divergence in theory: one
-/// vanishes where the other does not. Restated they share the equator, and what is left out is the
-/// mass near it.
+/// Two distributions with different equators have an infinite Kullback-Leibler divergence in
+/// theory: one vanishes where the other does not. Restated they share the equator, and what is left
+/// out is the mass near it.
 ///
 /// Compiled for SO3d and SE3d.
 namespace posemix {
@@ -24,14 +24,14 @@ double gaussian_kl(const ProjectedGaussian<G>& p, const ProjectedGaussian<G>& q)
 template <RotationOrPose G>
 double gaussian_symmetric_kl(const ProjectedGaussian<G>& p, const ProjectedGaussian<G>& q);
 
-/// D(p || q) of the two laws [nats]: with the exact moments and normalisers of both, so exact for
-/// densities with one tangent point.
+/// D(p || q) of the two distributions [nats]: with the exact moments and normalisers of both, so
+/// exact for densities with one tangent point.
 template <RotationOrPose G>
-double law_kl(const ProjectedGaussian<G>& p, const ProjectedGaussian<G>& q);
+double exact_kl(const ProjectedGaussian<G>& p, const ProjectedGaussian<G>& q);
 
-/// D(p || q) + D(q || p) of the two laws [nats].
+/// D(p || q) + D(q || p) of the two distributions [nats].
 template <RotationOrPose G>
-double law_symmetric_kl(const ProjectedGaussian<G>& p, const ProjectedGaussian<G>& q);
+double exact_symmetric_kl(const ProjectedGaussian<G>& p, const ProjectedGaussian<G>& q);
 
 /// Runnalls' bound as for concentrated Gaussians, in the tangent space at the rotation between the
 /// modes that the weights name.

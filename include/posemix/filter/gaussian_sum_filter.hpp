@@ -22,7 +22,7 @@ enum class NoiseUse {
   per_object,  ///< one component for every object, the objects processed one after another with a
                ///< reduction after each
   most_likely  ///< the same, but every hypothesis keeps only the child of the largest weight, by
-               ///< one component or the null: with one hypothesis the max-mixture of Olson and
+               ///< one component or clutter: with one hypothesis the max-mixture of Olson and
                ///< Agarwal (2013). A new object enters by its detector's heaviest component.
 };
 
@@ -40,7 +40,7 @@ enum class Summary {
 };
 
 /// Settings of the filter.
-struct FilterSettings {
+struct GaussianSumSettings {
   NoiseUse noise_use = NoiseUse::per_object;
   UpdateRule update = UpdateRule::iterated;
   RobustLoss robust_loss = RobustLoss::none;
@@ -75,7 +75,7 @@ class GaussianSumFilter {
  public:
   /// Starts from a prior, usually one hypothesis that holds the camera alone.
   /// @throws InvalidInput when a setting is out of range
-  GaussianSumFilter(Posterior prior, FilterSettings settings);
+  GaussianSumFilter(Posterior prior, GaussianSumSettings settings);
 
   /// Moves every hypothesis, for example by predict_with_odometry.
   void predict(const std::function<Hypothesis(Hypothesis)>& motion);
@@ -94,7 +94,7 @@ class GaussianSumFilter {
   std::size_t add_independent_object(const SE3d& camera_object, const Matrix6d& covariance);
 
   const Posterior& posterior() const { return posterior_; }
-  const FilterSettings& settings() const { return settings_; }
+  const GaussianSumSettings& settings() const { return settings_; }
 
   /// One Gaussian in place of the posterior.
   Hypothesis summarise() const;
@@ -104,7 +104,7 @@ class GaussianSumFilter {
   void reduce(UpdateReport& report);
 
   Posterior posterior_;
-  FilterSettings settings_;
+  GaussianSumSettings settings_;
   double gate_;
 };
 

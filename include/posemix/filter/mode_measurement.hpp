@@ -13,12 +13,12 @@ namespace posemix {
 struct ModeMeasurement {
   Matrix6d information = Matrix6d::Zero();
   Vector6d pull = Vector6d::Zero();
-  double inlier_share = 0.0;  ///< probability of the noise's first component
-  double null_share = 1.0;    ///< that the detection is of nothing
+  double inlier_probability = 0.0;   ///< probability of the noise's first component
+  double clutter_probability = 1.0;  ///< that the detection is of nothing
 };
 
-/// The expectation step of expectation-maximisation over the noise's components and the null
-/// (docs/filter.md): the components' information R_i^-1 by their posterior probabilities, the null
+/// The expectation step of expectation-maximisation over the noise's components and clutter
+/// (docs/filter.md): the components' information R_i^-1 by their posterior probabilities, clutter
 /// saying nothing. `difference` is the covariance of xi_O - xi_C under which they are weighed. With
 /// `averages` a component says as much as its update covariance, as in MultiObjectFilter with
 /// odometry.

@@ -37,7 +37,7 @@ struct MultiObjectSettings {
   /// Share of the odometry's noise that is the camera's; the rest is the map's drift, every object
   /// for itself. At 1 objects stand still and their detections correct the camera as much as they
   /// can; at 0 the camera follows its odometry.
-  double camera_share = 0.1;
+  double odometry_camera_fraction = 0.1;
   /// The noise's scale is learned from innovations, between the least scale and one; the noise as
   /// given counts as this many detections. Infinity: the noise is taken as given.
   double noise_scale_detections = 10.0;
@@ -47,10 +47,10 @@ struct MultiObjectSettings {
   double correlation_s = 10.0;
   double correlation_detections = 300.0;
   /// Share of the noise's variance that all frames have in common, so that it never averages out.
-  double common_error_share = 0.4;
+  double bias_variance_fraction = 0.4;
   /// Runs of one answer, right or wrong, are longer than errors depend on each other: in
   /// mode_probability so many times as many count as one.
-  double dependent_answers = 3.0;
+  double mode_correlation_factor = 3.0;
   /// The noise with which the camera's gain is computed, in units of a detection's; infinity: the
   /// camera is considered, not estimated (Schmidt).
   double camera_gain_noise = 1.0;
@@ -58,14 +58,14 @@ struct MultiObjectSettings {
 
 /// One alternative for the pose of one object, X = Exp(xi) X0 in the world frame.
 struct ObjectHypothesis {
-  SE3d pose;                 ///< T_world_object
-  Matrix6d covariance;       ///< of xi_O
-  Matrix6d with_camera;      ///< Cov(xi_O, xi_C), rows of the object
-  double log_weight = 0.0;   ///< among the hypotheses of the object and its absence, normalised;
-                             ///< counts every detection as independent and is sure too soon
-  double probability = 0.0;  ///< the same with dependent detections counted once
-  double score = 0.0;        ///< recent log evidence over that of the null [nats]
-  std::uint64_t id = 0;      ///< kept over time; a merge keeps that of the heavier
+  SE3d pose;                  ///< T_world_object
+  Matrix6d covariance;        ///< of xi_O
+  Matrix6d cross_covariance;  ///< Cov(xi_O, xi_C), rows of the object
+  double log_weight = 0.0;    ///< among the hypotheses of the object and its absence, normalised;
+                              ///< counts every detection as independent and is sure too soon
+  double probability = 0.0;   ///< the same with dependent detections counted once
+  double score = 0.0;         ///< recent log evidence over that of clutter [nats]
+  std::uint64_t id = 0;       ///< kept over time; a merge keeps that of the heavier
   std::uint64_t detections = 0;  ///< processed since it began
 };
 
@@ -75,9 +75,9 @@ struct ObjectUpdateReport {
   bool changed_leader = false;  ///< another hypothesis leads than before
   double log_evidence = 0.0;    ///< of the detection given all before [nats]
   std::size_t merges = 0;
-  double inlier_share = 0.0;  ///< probability that the leading hypothesis' first noise component
-                              ///< explains it
-  double null_share = 1.0;    ///< that nothing of the leading hypothesis does
+  double inlier_probability = 0.0;  ///< probability that the leading hypothesis' first noise
+                                    ///< component explains it
+  double clutter_probability = 1.0;  ///< that nothing of the leading hypothesis does
   Vector6d residual =
       Vector6d::Zero();  ///< from the leading hypothesis, white under that component
 };
@@ -123,18 +123,18 @@ class MultiObjectFilter {
   ObjectUpdateReport update(std::size_t object, const SE3d& camera_object);
 
   /// The object is as if never seen: no hypotheses, absence certain, its noise as given. What its
-  /// detections said about the camera and about others stays. Indices of the backbone behind its
-  /// own move up by one.
+  /// detections said about the camera and about others stays. Indices of the joint Gaussian behind
+  /// its own move up by one.
   /// @throws InvalidInput when there is no such object
   void forget(std::size_t object);
 
   std::size_t objects() const;
   /// Detections of an object that count as one, over all objects.
-  double dependent_detections() const;
+  double correlation_length() const;
   /// Factors of the standard deviations of an object's noise, learned.
   Vector6d noise_scale(std::size_t object) const;
   /// T_world_camera. Covariances here and below are of the true error: those of the filter times
-  /// dependent_detections(), and for objects the error that all frames have in common.
+  /// correlation_length(), and for objects the error that all frames have in common.
   ConcentratedGaussian<SE3d> camera() const;
   /// The hypotheses of an object; empty until it was seen.
   std::vector<ObjectHypothesis> hypotheses(std::size_t object) const;
@@ -148,9 +148,9 @@ class MultiObjectFilter {
   /// T_camera_object of one hypothesis, with the cross-covariance.
   ConcentratedGaussian<SE3d> relative(std::size_t object, std::size_t hypothesis) const;
   /// Camera, then the leading hypotheses of the objects that have any, in the order in which they
-  /// began (and the camera's motion, see backbone_index).
-  ConcentratedGaussian<PoseStackd> backbone() const;
-  std::optional<std::size_t> backbone_index(std::size_t object) const;
+  /// began (and the camera's motion, see pose_index).
+  ConcentratedGaussian<PoseStackd> joint() const;
+  std::optional<std::size_t> pose_index(std::size_t object) const;
 
   // --- what a smoother needs
 
@@ -160,10 +160,10 @@ class MultiObjectFilter {
   /// What the filter's own covariances are multiplied by to be those of the true error.
   double covariance_factor() const;
   /// The error that all detections of the object have in common, in the world frame.
-  Matrix6d common_error(std::size_t object, const SE3d& camera, const SE3d& pose) const;
+  Matrix6d bias_covariance(std::size_t object, const SE3d& camera, const SE3d& pose) const;
   /// The camera, its motion where it has one, and the given hypothesis of every object (by index;
   /// objects with none are left out), with the filter's own covariances.
-  ConcentratedGaussian<PoseStackd> joint(
+  ConcentratedGaussian<PoseStackd> joint_of(
       std::span<const std::optional<std::size_t>> hypotheses) const;
 
  private:

@@ -35,7 +35,7 @@ struct SuccessEstimate {
 
 /// The probability that a pose lies in `m(B) = {m X : X in B}`.
 ///
-/// Every component is restated as a Gaussian in the coordinates of the box; Genz's separation of
+/// Every component becomes a Gaussian in the coordinates of the box; Genz's separation of
 /// variables \cite genz1992 draws points from that Gaussian within the box, and each counts with
 /// the exact ratio of the density to the Gaussian, so the estimate is unbiased.
 /// @param m frame of the grasp in the reference frame of the mixture

@@ -15,7 +15,7 @@ namespace posemix {
 /// in the Gaussian. With weights r, sum W, the expected log-likelihood of a component is
 ///   sum r log N(y; [0; a], P) - W log C(P_uu) + const.
 /// Given q0 it falls in two parts (MPG paper, section IV, has neither C in the shares nor this
-/// M-step). P_uu is that of the law whose second moment is the samples'
+/// M-step). P_uu is that of the distribution whose second moment is the samples'
 /// (`projected_covariance_of_moment`), and t = a + B u + e, e ~ N(0, R), is a linear regression;
 /// P_tu = B P_uu, P_tt = R + B P_uu B^T.
 ///
@@ -29,11 +29,11 @@ namespace posemix {
 /// Settings: `min_sd` and `max_sd` bound P_uu and R, for which the maximum keeps its closed form.
 /// The first three units are of the rotation angle, and |u| is about half of it: a bound of b in
 /// units of 1 rad is one of b / 2 on the standard deviations of u. They have to be equal unless
-/// `diagonal`. No variance of u exceeds 1e4, where the law is uniform but for 3 parts in 1e3.
-/// A component counts as collapsed when a spread lies on the lower bound and is less than 1e-3 of
-/// the largest: too few samples to span all directions.
-/// `diagonal` is along the axes that q0 rotates, and so is not the same for another frame of the
-/// object. A start with another tangent point than its mode is restated there first.
+/// `diagonal`. No variance of u exceeds 1e4, where the distribution is uniform but for 3 parts in
+/// 1e3. A component counts as collapsed when a spread lies on the lower bound and is less than 1e-3
+/// of the largest: too few samples to span all directions. `diagonal` is along the axes that q0
+/// rotates, and so is not the same for another frame of the object. A start with another tangent
+/// point than its mode is restated there first.
 template <RotationOrPose G>
 struct EmModel<ProjectedGaussian<G>> {
   using Density = ProjectedGaussian<G>;

@@ -26,12 +26,12 @@ template <RotationOrPose G>
 ProjectedGaussian<G> tangent_moments(std::span<const Component<ProjectedGaussian<G>>> components,
                                      const SO3d& tangent_point);
 
-/// The projected Gaussian, PG_0, whose law has the moments of a weighted sum of components: its
-/// tangent point is the rotation where E[u] = 0 under the laws, its covariance the one whose law
-/// has the second moments there, which are those of maximum likelihood for this tangent point. The
-/// expectations are by cubature of degree five over the law of every component's u, with t given u
-/// exact. The weights need not be normalised. Not converging is reported, not thrown; `residual` is
-/// |E[u]|.
+/// The projected Gaussian, PG_0, whose distribution has the moments of a weighted sum of
+/// components: its tangent point is the rotation where E[u] = 0 under the distributions, its
+/// covariance the one whose distribution has the second moments there, which are those of maximum
+/// likelihood for this tangent point. The expectations are by cubature of degree five over the
+/// distribution of every component's u, with t given u exact. The weights need not be normalised.
+/// Not converging is reported, not thrown; `residual` is |E[u]|.
 /// @throws InvalidInput when there is no component, a log-weight is NaN or +inf, or all weights are
 /// zero
 template <RotationOrPose G>

@@ -25,8 +25,8 @@ inline constexpr std::size_t kDropped = std::numeric_limits<std::size_t>::max();
 ///   D(D || M') <= sum_i l_i D(p_i || p'_j(i)),
 /// and the same the other way round and for the sum of both: eq. 24 of the MPG paper without its
 /// factor 1 / (l_1 + l_2), for any number of merges in a row. On R^n these are bounds; elsewhere
-/// the divergences of the components are those of Gaussians (for projected Gaussians of the laws)
-/// in a common tangent space, which is first order.
+/// the divergences of the components are those of Gaussians (for projected Gaussians of the
+/// distributions) in a common tangent space, which is first order.
 struct BoundedLoss {
   /// |P(B) - P'(B)| of the dropping for every set B: lambda. (The MPG paper has 2 lambda.)
   double dropped = 0.0;
@@ -48,7 +48,7 @@ double component_kl(const ConcentratedGaussian<G>& p, const ConcentratedGaussian
 }
 template <RotationOrPose G>
 double component_kl(const ProjectedGaussian<G>& p, const ProjectedGaussian<G>& q) {
-  return law_kl(p, q);
+  return exact_kl(p, q);
 }
 
 }  // namespace internal

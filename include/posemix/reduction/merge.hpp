@@ -62,13 +62,16 @@ MergeResult<ConcentratedGaussian<G>> merge(
     std::span<const Component<ConcentratedGaussian<G>>* const> components,
     const MergeSettings& settings = {});
 
-/// The same rules for projected Gaussians; the result is PG_0, the Jacobian is that of `restate`.
-///  - midway: the components are restated at the rotation where the weighted mean of their modes is
+/// The same rules for projected Gaussians; the result is PG_0, the Jacobian is that of
+/// `change_chart`.
+///  - midway: the components are moved to the chart at the rotation where the weighted mean of
+///  their modes is
 ///    zero (`gnomonic_mean`), and the moments of the Gaussians are matched there;
-///  - tangent_of_larger: they are restated at the mode of the heaviest, the moments of the
-///  Gaussians
+///  - tangent_of_larger: they are moved to the chart at the mode of the heaviest, the moments of
+///  the Gaussians
 ///    are matched there, and the result is restated at its own mode;
-///  - moment_matched: the moments of the law (`moments`), which is the one to take where spreads or
+///  - moment_matched: the moments of the distribution (`moments`), which is the one to take where
+///  spreads or
 ///    distances are large.
 /// @throws InvalidInput when there is no component, or with tangent_of_larger when a mode lies by
 /// pi from that of the heaviest

@@ -28,7 +28,7 @@ struct AssociationSettings {
   double least_separation_m = 0.02;
 };
 
-enum class CandidateFate {
+enum class CandidateStatus {
   assigned,  ///< of a known instance
   fresh,     ///< of an instance not known so far
   rejected,  ///< of none: a second detection of one object, or below the score of a new one
@@ -37,7 +37,7 @@ enum class CandidateFate {
 
 /// What a candidate is.
 struct Association {
-  CandidateFate fate = CandidateFate::rejected;
+  CandidateStatus status = CandidateStatus::rejected;
   std::size_t instance = 0;  ///< where assigned: index among the instances
   /// Where assigned: the equivalent pose nearest to the instance; elsewhere as detected.
   SE3d camera_object;

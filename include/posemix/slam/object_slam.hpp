@@ -18,7 +18,7 @@ namespace posemix {
 
 /// The error of detectors of single images, where nothing better is known: rotation about the
 /// camera's axes 7.5 deg and about the viewing ray 2 deg, translation 0.7 % of the range across the
-/// ray and 4.5 % along it; a second component 2.7 times as wide; and a null. Errors along the ray
+/// ray and 4.5 % along it; a second component 2.7 times as wide; and clutter. Errors along the ray
 /// have most in common, so a frame teaches the range twelve times less. docs/many-objects.md says
 /// where the numbers are from.
 DetectorNoise default_detector_noise();
@@ -81,7 +81,7 @@ struct ObjectModel {
 
 /// The filter behind object SLAM.
 enum class SlamFilter {
-  multi_object,  ///< MultiObjectFilter: births, nulls, hypotheses of every object for itself
+  multi_object,  ///< MultiObjectFilter: births, clutter, hypotheses of every object for itself
   gaussian_sum   ///< GaussianSumFilter: hypotheses over all poses (midway-merge paper)
 };
 
@@ -89,7 +89,7 @@ enum class SlamFilter {
 struct ObjectSlamSettings {
   SlamFilter kind = SlamFilter::multi_object;
   MultiObjectSettings multi_object;  ///< has_odometry follows from the motion model
-  FilterSettings filter;             ///< of SlamFilter::gaussian_sum
+  GaussianSumSettings filter;        ///< of SlamFilter::gaussian_sum
   MotionSettings motion;
   AssociationSettings association;  ///< of candidates; for the multi-object filter
   /// An instance with fewer detections is tentative: its model is used again where a candidate
@@ -98,12 +98,12 @@ struct ObjectSlamSettings {
 };
 
 /// What happened to one object in one frame.
-enum class DetectionFate {
+enum class DetectionStatus {
   none,
   started,  ///< the object entered the map
   used,
   doubted,  ///< used, but more likely to be a gross error under the leading hypothesis
-  born,     ///< explained by no hypothesis, it began one
+  birth,    ///< explained by no hypothesis, it began one
   gated,
   failed
 };
@@ -119,14 +119,14 @@ struct FrameInput {
 
 /// What became of a candidate.
 struct CandidateReport {
-  CandidateFate fate = CandidateFate::rejected;
+  CandidateStatus status = CandidateStatus::rejected;
   std::optional<std::size_t> object = {};  ///< the model that took it, where assigned or fresh
   bool recycled = false;                   ///< another instance was forgotten for it
 };
 
 /// Report of one frame.
 struct FrameReport {
-  std::vector<DetectionFate> fates;         ///< one per object model
+  std::vector<DetectionStatus> statuses;    ///< one per object model
   std::vector<CandidateReport> candidates;  ///< one per candidate
   UpdateReport update;
   std::size_t merges = 0;

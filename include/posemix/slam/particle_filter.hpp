@@ -36,9 +36,9 @@ struct ParticleFilterSettings {
 ///
 ///  - *Start*: an object enters a particle by its first detection. A noise component is drawn by
 ///    weight, the object's pose from its distribution given the particle's camera, and the camera
-///    is conditioned on that pose. With the null's weight the detection says nothing and the object
-///    enters by a later one; it is then uniform over the null's volume.
-///  - *Update*: a particle's weight is multiplied by sum_c w_c N(z; 0, P_RR + R_c) + w_null / (8
+///    is conditioned on that pose. With clutter's weight the detection says nothing and the object
+///    enters by a later one; it is then uniform over clutter's volume.
+///  - *Update*: a particle's weight is multiplied by sum_c w_c N(z; 0, P_RR + R_c) + w_clutter / (8
 ///    pi^2 V). One of the terms is drawn by its share, and the camera is updated by it (by the
 ///    component's update covariance where it has one), linearized at the prior mean.
 ///  - *Resampling* is systematic, and before each frame the objects take a step of their walk.

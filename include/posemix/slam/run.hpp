@@ -73,7 +73,7 @@ std::pair<std::vector<ObjectModel>, ObjectSlamSettings> as_riekf(std::vector<Obj
                                                                  ObjectSlamSettings settings);
 
 /// Settings with one linearized hypothesis that uses for each detection the one noise component (or
-/// the null) of the largest weighted likelihood: the max-mixture of Olson and Agarwal (2013), as a
+/// clutter) of the largest weighted likelihood: the max-mixture of Olson and Agarwal (2013), as a
 /// filter.
 ObjectSlamSettings as_max_mixture(ObjectSlamSettings settings);
 

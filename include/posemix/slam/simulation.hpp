@@ -145,9 +145,9 @@ SimulatedSequence simulate(const SimulationConfig& config, std::uint64_t seed);
 /// not part of it.
 std::vector<SimulationNoise> claimed_noise(const SimulationObject& object);
 
-/// The null that the filter is told beside components whose weights sum to one: the fraction of
+/// The clutter that the filter is told beside components whose weights sum to one: the fraction of
 /// outliers.
-NullNoise claimed_null(const SimulationObject& object);
+Clutter claimed_clutter(const SimulationObject& object);
 
 /// What the filter is told: object model, motion with the claimed odometry error, and start.
 ObjectModel object_model(const SimulationObject& object);

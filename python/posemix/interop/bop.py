@@ -26,7 +26,7 @@ from posemix.noise import (
     DetectorNoise,
     NoiseComponent,
     NoiseFrame,
-    NullNoise,
+    Clutter,
     SymmetryAxis,
     SymmetryGroup,
 )
@@ -127,7 +127,7 @@ def discretized(symmetries: SymmetryGroup, max_step: float) -> SE3:
 
 
 def noise_modes(
-    symmetries: SymmetryGroup, covariance: npt.ArrayLike, *, null: NullNoise | None = None
+    symmetries: SymmetryGroup, covariance: npt.ArrayLike, *, clutter: Clutter | None = None
 ) -> DetectorNoise:
     """The noise of a detector that cannot tell the symmetries of an object.
 
@@ -142,13 +142,13 @@ def noise_modes(
         Of one object.
     covariance : array_like, shape (6, 6)
         Of the detector's own error along the object's axes, rotation (rad) before translation (m).
-    null : NullNoise, optional
+    clutter : Clutter, optional
         Detections of nothing; its weight is a probability, below one.
     """
     total = as_floats(covariance, (6, 6), "covariance") + symmetries.unobserved_covariance()
     elements = symmetries.elements
-    weight = (1.0 - (null.weight if null is not None else 0.0)) / len(elements)
+    weight = (1.0 - (clutter.weight if clutter is not None else 0.0)) / len(elements)
     components = [
         NoiseComponent(weight=weight, covariance=total, frame=NoiseFrame.object, offset=offset) for offset in elements
     ]
-    return DetectorNoise(components, null)
+    return DetectorNoise(components, clutter)

@@ -19,7 +19,7 @@ from posemix.lie import SE3
 
 __all__ = [
     "Order", "Side", "additive_jacobian", "covariance_from", "covariance_to", "density_from",
-    "density_to", "inverted", "product_jacobian", "require_word", "restated", "side_jacobian", "skew", "tangent_from",
+    "density_to", "inverted", "product_jacobian", "require_word", "transformed", "side_jacobian", "skew", "tangent_from",
     "tangent_to",
 ]  # fmt: skip
 
@@ -110,7 +110,7 @@ def inverted(jacobian: FloatArray) -> FloatArray:
     return np.asarray(np.linalg.inv(jacobian), dtype=np.float64)
 
 
-def restated(covariance: npt.ArrayLike, jacobian: FloatArray) -> FloatArray:
+def transformed(covariance: npt.ArrayLike, jacobian: FloatArray) -> FloatArray:
     """J P J^T, symmetric to the last bit, shape (..., 6, 6)."""
     product = jacobian @ as_floats(covariance, (6, 6), "covariance") @ np.swapaxes(jacobian, -1, -2)
     return np.asarray(0.5 * (product + np.swapaxes(product, -1, -2)))
@@ -137,7 +137,7 @@ def covariance_from(
     ndarray, shape (..., 6, 6)
     """
     matrix = _swapped(as_floats(covariance, (6, 6), "covariance"), (-2, -1), order)
-    return restated(matrix, side_jacobian(mean, side))
+    return transformed(matrix, side_jacobian(mean, side))
 
 
 def covariance_to(
@@ -146,7 +146,7 @@ def covariance_to(
     """Covariances in another side and order, of left ones, rotation first; undoes `covariance_from`."""
     require_word(side, ("left", "right"), "side")
     back = side_jacobian(mean.inverse(), side)
-    return _swapped(restated(covariance, back), (-2, -1), order)
+    return _swapped(transformed(covariance, back), (-2, -1), order)
 
 
 def density_from(

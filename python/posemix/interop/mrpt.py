@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from posemix._arrays import FloatArray, as_floats
 from posemix.density import ConcentratedGaussian
-from posemix.interop.conventions import restated
+from posemix.interop.conventions import transformed
 from posemix.interop.euler import from_rpy, inverse_rpy_jacobian, rpy_jacobian, to_rpy
 from posemix.lie import SE3
 
@@ -54,7 +54,7 @@ def from_gaussian(
         Of these numbers.
     """
     mean = from_pose3d(values)
-    return ConcentratedGaussian(mean, restated(covariance, jacobian(mean)))
+    return ConcentratedGaussian(mean, transformed(covariance, jacobian(mean)))
 
 
 def to_gaussian(density: ConcentratedGaussian[SE3]) -> tuple[FloatArray, FloatArray]:
@@ -68,4 +68,4 @@ def to_gaussian(density: ConcentratedGaussian[SE3]) -> tuple[FloatArray, FloatAr
     mean = density.mean
     back = np.empty((6, 6))
     back[_PLACES] = inverse_rpy_jacobian(mean)
-    return to_pose3d(mean), restated(density.covariance, back)
+    return to_pose3d(mean), transformed(density.covariance, back)

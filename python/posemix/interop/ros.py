@@ -30,7 +30,7 @@ from posemix.interop.conventions import (
     additive_jacobian,
     inverted,
     require_word,
-    restated,
+    transformed,
     side_jacobian,
 )
 from posemix.interop.euler import inverse_rpy_jacobian, rpy_jacobian
@@ -77,7 +77,7 @@ def covariance_from_ros(
     """
     rows = as_floats(values, (36,), "values")
     matrix = np.roll(rows.reshape((*rows.shape[:-1], 6, 6)), 3, axis=(-2, -1))
-    return restated(matrix, _jacobian(mean, reading, frame, inverse=False))
+    return transformed(matrix, _jacobian(mean, reading, frame, inverse=False))
 
 
 def covariance_to_ros(
@@ -90,7 +90,7 @@ def covariance_to_ros(
     ValueError
         With the reading "rpy" at a pitch of a quarter turn.
     """
-    matrix = restated(covariance, _jacobian(mean, reading, frame, inverse=True))
+    matrix = transformed(covariance, _jacobian(mean, reading, frame, inverse=True))
     return np.roll(matrix, 3, axis=(-2, -1)).reshape((*matrix.shape[:-2], 36))
 
 

@@ -16,7 +16,7 @@ import numpy.typing as npt
 from posemix._arrays import FloatArray
 from posemix._peers import peer
 from posemix.density import ConcentratedGaussian
-from posemix.interop.conventions import inverted, product_jacobian, restated
+from posemix.interop.conventions import inverted, product_jacobian, transformed
 from posemix.lie import SE3, SO3
 
 __all__ = ["from_gaussian", "from_pose3", "to_gaussian", "to_pose3"]
@@ -46,11 +46,11 @@ def from_gaussian(pose: Any, covariance: npt.ArrayLike) -> ConcentratedGaussian[
         Of [theta, dt], theta (rad) in frame b, dt (m) in frame a.
     """
     mean = from_pose3(pose)
-    return ConcentratedGaussian(mean, restated(covariance, product_jacobian(mean)))
+    return ConcentratedGaussian(mean, transformed(covariance, product_jacobian(mean)))
 
 
 def to_gaussian(density: ConcentratedGaussian[SE3]) -> tuple[Any, FloatArray]:
     """A sym.Pose3 and its covariance; undoes `from_gaussian`."""
     mean = density.mean
     inverse = inverted(product_jacobian(mean))
-    return to_pose3(mean), restated(density.covariance, inverse)
+    return to_pose3(mean), transformed(density.covariance, inverse)

@@ -33,7 +33,7 @@ def axis_marginal(
     bins: int = 180,
     seed: int = 0,
 ) -> tuple[list[Any], Any]:
-    """The law of the turn about an axis of the body, component by component; by sampling.
+    """The distribution of the turn about an axis of the body, component by component; by sampling.
 
     The turn is that of q_ref^-1 q about the axis (swing and twist): 2 atan2(q_v . axis, q_w), in
     (-180, 180] degrees.

@@ -28,7 +28,7 @@ from posemix.plot.style import (
 
 __all__ = ["ellipsoid", "flags", "position_contours", "position_covariance"]
 
-PoseLaw: TypeAlias = ConcentratedGaussian[SE3] | ProjectedGaussian[SE3] | Mixture[Any]
+PoseDistribution: TypeAlias = ConcentratedGaussian[SE3] | ProjectedGaussian[SE3] | Mixture[Any]
 
 
 def position_covariance(
@@ -193,7 +193,7 @@ def _sphere(rings: int = 12, sectors: int = 24) -> FloatArray:
 
 def position_contours(
     ax: Axes,
-    law: PoseLaw,
+    distribution: PoseDistribution,
     *,
     point: npt.ArrayLike = (0.0, 0.0, 0.0),
     plane: Plane = "xy",
@@ -212,7 +212,7 @@ def position_contours(
     ----------
     ax : Axes
         Flat.
-    law : ConcentratedGaussian, ProjectedGaussian or Mixture
+    distribution : ConcentratedGaussian, ProjectedGaussian or Mixture
         Of one pose.
     point : array_like, shape (3,)
         The point of the body whose position it is [m].
@@ -234,7 +234,7 @@ def position_contours(
     if not wanted or not all(0.0 < level < 1.0 for level in wanted):
         raise ValueError(f"levels are {tuple(levels)}; expected numbers between 0 and 1")
     flat = plane_indices(plane)
-    positions = law.sample(samples, seed).act(as_floats(point, (3,), "point"))[:, flat]
+    positions = distribution.sample(samples, seed).act(as_floats(point, (3,), "point"))[:, flat]
     low, high = positions.min(axis=0), positions.max(axis=0)
     margin = np.maximum(0.1 * (high - low), 1e-9)
     sides = [np.linspace(low[i] - margin[i], high[i] + margin[i], bins + 1) for i in range(2)]

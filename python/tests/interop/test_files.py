@@ -19,7 +19,7 @@ from posemix import (
     BopRows,
     ConcentratedGaussian,
     NoiseFrame,
-    NullNoise,
+    Clutter,
     ObjectModel,
     ObjectSlam,
     SymmetryGroup,
@@ -195,7 +195,7 @@ def test_bop_symmetries_in_steps(models: dict[int, BopModel]) -> None:
 
 def test_noise_modes_cover_the_symmetries(models: dict[int, BopModel], covariance: np.ndarray) -> None:
     flip = models[5].symmetries
-    noise = bop.noise_modes(flip, covariance, null=NullNoise(weight=0.25, volume_m3=1.0))
+    noise = bop.noise_modes(flip, covariance, clutter=Clutter(weight=0.25, volume_m3=1.0))
     assert [c.weight for c in noise.components] == pytest.approx([0.375, 0.375])
     assert {c.frame for c in noise.components} == {NoiseFrame.object}
     assert noise.components[1].offset.is_approx(flip.elements[1])

@@ -5,7 +5,7 @@ import { congruence } from "../math/linear.ts";
 import { matrixOf, multiply, normalize, type Numbers } from "../math/rotation.ts";
 import { BadPayload, isObject, type Json, type JsonObject } from "../payload.ts";
 
-export type Law = "concentrated" | "projected";
+export type Distribution = "concentrated" | "projected";
 export type Side = "left" | "right";
 
 export interface Component {
@@ -22,7 +22,7 @@ export interface Component {
 
 export interface Mixture {
   name: string;
-  law: Law;
+  distribution: Distribution;
   side: Side;
   from: string;
   to: string;
@@ -66,8 +66,8 @@ export function project(q0: Numbers, u: Numbers, out: Numbers): void {
 export function readMixture(name: string, document: Json): Mixture {
   const json = object(document, name);
   if (json["schema"] !== 1) throw new BadPayload(`${name} has schema ${String(json["schema"])}; this page reads schema 1.`);
-  const law = json["law"];
-  if (law !== "concentrated" && law !== "projected") throw new BadPayload(`${name}: the law "${String(law)}" is not known.`);
+  const distribution = json["distribution"];
+  if (distribution !== "concentrated" && distribution !== "projected") throw new BadPayload(`${name}: the distribution "${String(distribution)}" is not known.`);
   const units = object(json["units"], `${name}: units`);
   const frames = object(json["frames"], `${name}: frames`);
   const scale = [units["rotation"] === "deg" ? Math.PI / 180 : 1, units["translation"] === "mm" ? 1e-3 : 1];
@@ -77,11 +77,11 @@ export function readMixture(name: string, document: Json): Mixture {
     const where = `${name}: components[${i}]`;
     const value = object(entry, where);
     const weight = typeof value["weight"] === "number" ? value["weight"] : Math.exp(Number(value["log_weight"] ?? -Infinity));
-    const mean = object(value[law === "projected" ? "tangent_mean" : "mean"], where);
-    const place = law === "projected" ? object(value["tangent_point"], where) : mean;
+    const mean = object(value[distribution === "projected" ? "tangent_mean" : "mean"], where);
+    const place = distribution === "projected" ? object(value["tangent_point"], where) : mean;
     const tangentPoint = [...numbers(place["quaternion_xyzw"], 4, where)];
     normalize(tangentPoint);
-    const u = law === "projected" ? numbers(mean["u"], 3, where) : [0, 0, 0];
+    const u = distribution === "projected" ? numbers(mean["u"], 3, where) : [0, 0, 0];
     const quaternion = [0, 0, 0, 1];
     project(tangentPoint, u, quaternion);
     return {
@@ -96,14 +96,14 @@ export function readMixture(name: string, document: Json): Mixture {
   const sum = components.reduce((total, { weight }) => total + weight, 0);
   if (!(sum > 0)) throw new BadPayload(`${name}: the weights must have a positive sum.`);
   for (const component of components) component.weight /= sum;
-  const side = law === "projected" || json["side"] === "right" ? "right" : "left";
-  return { name, law, side, from: String(frames["from"]), to: String(frames["to"]), components };
+  const side = distribution === "projected" || json["side"] === "right" ? "right" : "left";
+  return { name, distribution, side, from: String(frames["from"]), to: String(frames["to"]), components };
 }
 
 /** The covariance of the position, to first order, row by row. */
 export function positionCovariance(mixture: Mixture, { covariance: p, translation: t, quaternion }: Component): Float64Array {
   const block = new Float64Array(9);
-  if (mixture.law === "concentrated" && mixture.side === "left") {
+  if (mixture.distribution === "concentrated" && mixture.side === "left") {
     const j = new Float64Array(36);
     j.set([0, t[2], -t[1], 1, 0, 0], 18);
     j.set([-t[2], 0, t[0], 0, 1, 0], 24);
@@ -113,7 +113,7 @@ export function positionCovariance(mixture: Mixture, { covariance: p, translatio
     return block;
   }
   for (let i = 0; i < 9; ++i) block[i] = p[6 * (3 + Math.floor(i / 3)) + 3 + (i % 3)];
-  if (mixture.law === "projected") return block;
+  if (mixture.distribution === "projected") return block;
   const r = new Float64Array(9);
   matrixOf(quaternion, r);
   return congruence(r, block, 3);
@@ -121,6 +121,6 @@ export function positionCovariance(mixture: Mixture, { covariance: p, translatio
 
 /** Standard deviations about the three axes [rad], of a projected component to first order. */
 export function rotationSd(mixture: Mixture, { covariance, u }: Component): number[] {
-  const scale = mixture.law === "projected" ? 2 / (1 + u[0] ** 2 + u[1] ** 2 + u[2] ** 2) : 1;
+  const scale = mixture.distribution === "projected" ? 2 / (1 + u[0] ** 2 + u[1] ** 2 + u[2] ** 2) : 1;
   return [0, 7, 14].map((i) => scale * Math.sqrt(covariance[i]));
 }

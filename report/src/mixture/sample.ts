@@ -75,7 +75,7 @@ class Drawer {
   }
 
   draw(q: number[], t: number[]): void {
-    if (this.mixture.law === "projected") this.projected(q, t);
+    if (this.mixture.distribution === "projected") this.projected(q, t);
     else this.concentrated(q, t);
   }
 
@@ -87,7 +87,7 @@ class Drawer {
     }
   }
 
-  /** The law is the Gaussian times (1 + u.u)^-2, up to a constant: rejection. */
+  /** The distribution is the Gaussian times (1 + u.u)^-2, up to a constant: rejection. */
   private projected(q: number[], t: number[]): void {
     const { translation, tangentPoint, u } = this.component;
     const { y } = this;
@@ -117,7 +117,7 @@ class Drawer {
   }
 }
 
-/** Draws `count` poses under the law of the densities. */
+/** Draws `count` poses under the distribution of the densities. */
 export function sampleMixture(mixture: Mixture, count: number, seed = 1): Samples {
   const random = uniform(seed);
   const gauss = normal(random);

@@ -79,7 +79,7 @@ function componentTable(mixture: Mixture): HTMLElement {
     };
   });
   const side = mixture.side === "left" ? `axes of ${mixture.from}` : `axes of ${mixture.to}`;
-  return table(`T_${mixture.from}_${mixture.to}: ${mixture.law} Gaussians; rotation sd about the ${side}`, columns, rows);
+  return table(`T_${mixture.from}_${mixture.to}: ${mixture.distribution} Gaussians; rotation sd about the ${side}`, columns, rows);
 }
 
 interface Drawn {

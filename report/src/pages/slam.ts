@@ -13,7 +13,7 @@ import { files } from "./files.ts";
 import { metrics } from "./metrics.ts";
 import { mixtureDocuments, mixtureView } from "./mixture.ts";
 import { footer, header, noScene, picture, publish } from "./page.ts";
-import { detectionPlots, errorPlots, fatePlots, hypothesisPlots, type Seek } from "./slam_plots.ts";
+import { detectionPlots, errorPlots, statusPlots, hypothesisPlots, type Seek } from "./slam_plots.ts";
 import { StateTable } from "./state_table.ts";
 
 const LAYERS: readonly (readonly [keyof Layers, string])[] = [
@@ -60,7 +60,7 @@ function makeTabs(trace: Trace, payload: Payload, seek: Seek, groups: ChartGroup
     plots("Detections", detectionPlots),
     plots("Errors", errorPlots),
     plots("Hypotheses", hypothesisPlots),
-    plots("Fates", fatePlots),
+    plots("Status", statusPlots),
     { name: "Numbers", build: () => metrics(payload.documents["metrics.json"]) },
   ];
   const mixtures = mixtureDocuments(payload);

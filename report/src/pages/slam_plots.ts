@@ -2,14 +2,14 @@
 // SPDX-FileCopyrightText: posemix contributors
 // The plots of a run, tab by tab.
 import { Chart, type ChartSeries } from "../plots/chart.ts";
-import { countFates, fateChart } from "../plots/fates.ts";
+import { countStatuses, statusChart } from "../plots/statuses.ts";
 import { ChartGroup } from "../plots/group.ts";
 import {
   errorComponents, errorNorms, hypothesisSeries, negative, poseSeries, ROTATION_NAMES, type RotationAs, threeSigma, usualRange,
 } from "../plots/series.ts";
 import type { Estimate, PoseTrack, Trace } from "../trace/trace.ts";
 import { choice, element, toggle } from "../ui/dom.ts";
-import { colourOf, FATE_MARKS } from "../ui/palette.ts";
+import { colourOf, STATUS_MARKS } from "../ui/palette.ts";
 import { table } from "../ui/table.ts";
 
 export type Seek = (seconds: number) => void;
@@ -137,18 +137,18 @@ export function hypothesisPlots(trace: Trace, group: ChartGroup, seek: Seek): HT
 }
 
 /** What became of the detections, over time and counted. */
-export function fatePlots(trace: Trace, group: ChartGroup, seek: Seek): HTMLElement {
-  const counts = countFates(trace);
+export function statusPlots(trace: Trace, group: ChartGroup, seek: Seek): HTMLElement {
+  const counts = countStatuses(trace);
   const legend = element("ul", { class: "legend" });
-  trace.fates.forEach((name) => {
-    const mark = FATE_MARKS[name];
+  trace.statuses.forEach((name) => {
+    const mark = STATUS_MARKS[name];
     if (!mark || mark.colour === "") return;
     const key = element("span", { class: "swatch" });
     key.style.background = mark.colour;
     key.style.height = `${mark.height}em`;
     legend.append(element("li", {}, key, mark.text === name ? name : `${name}: ${mark.text}`));
   });
-  group.replace(trace.objects.length > 0 ? [fateChart(trace, seek)] : []);
+  group.replace(trace.objects.length > 0 ? [statusChart(trace, seek)] : []);
   const rows = trace.objects.map(({ id }, i) => ({ name: id, cells: counts[i].map((value) => ({ value })) }));
-  return element("div", {}, group.node, legend, table("Frames by fate", ["", ...trace.fates], rows));
+  return element("div", {}, group.node, legend, table("Frames by status", ["", ...trace.statuses], rows));
 }

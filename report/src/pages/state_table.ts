@@ -5,7 +5,7 @@ import type { PoseTrack, Trace } from "../trace/trace.ts";
 import { element } from "../ui/dom.ts";
 
 const EVERY = 120;
-const COLUMNS = ["", "x [m]", "y [m]", "z [m]", "rotation vector [deg]", "fate", "hypotheses", "on the right mode"];
+const COLUMNS = ["", "x [m]", "y [m]", "z [m]", "rotation vector [deg]", "status", "hypotheses", "on the right mode"];
 
 /** Camera and objects at the frame that is shown, in words and numbers. While frames go by it follows a few times a second. */
 export class StateTable {
@@ -50,7 +50,7 @@ export class StateTable {
     objects.forEach((object, i) => {
       const row = this.rows[i + 1];
       this.writePose(row, object.world?.pose);
-      this.set(row, 5, object.fate ? (this.trace.fates[object.fate[this.frame]] ?? "") : "");
+      this.set(row, 5, object.status ? (this.trace.statuses[object.status[this.frame]] ?? "") : "");
       this.set(row, 6, this.living(i));
       const mode = object.modeProbability?.(this.frame);
       this.set(row, 7, mode === undefined ? "–" : `${(100 * mode).toFixed(1)} %`);

@@ -104,7 +104,7 @@ export interface ObjectTrack {
   world: Estimate | undefined;
   relative: Estimate | undefined;
   detection: PoseTrack | undefined;
-  fate: Integers | undefined;
+  status: Integers | undefined;
   /** Probability of the mode at a frame; none: undefined. */
   modeProbability: ((frame: number) => number | undefined) | undefined;
   hypotheses: HypothesisSlot[];
@@ -147,7 +147,7 @@ export class Trace {
   readonly frames: number;
   /** Seconds since the first frame. */
   readonly seconds: Float64Array;
-  readonly fates: readonly string[];
+  readonly statuses: readonly string[];
   readonly camera: Estimate | undefined;
   readonly cameraHypotheses: readonly HypothesisSlot[];
   readonly objects: readonly ObjectTrack[];
@@ -158,7 +158,7 @@ export class Trace {
   ) {
     this.frames = head.frames;
     this.seconds = Float64Array.from(head.stamps_s, (stamp) => stamp - head.stamps_s[0]);
-    this.fates = head.fates ?? [];
+    this.statuses = head.statuses ?? [];
     const bits = (mask: Integers | undefined, bit: number) => new Presence(mask, 1 << bit);
     const mask = columns.get("camera/mask")?.components[0];
     this.camera = estimate(columns, "camera", bits(mask, 0), bits(mask, 1));
@@ -171,7 +171,7 @@ export class Trace {
         world: estimate(columns, `${name}/world`, bits(own, 0), bits(own, 1)),
         relative: estimate(columns, `${name}/relative`, bits(own, 2), bits(own, 3)),
         detection: poseTrack(columns, `${name}/detection`, bits(own, 4)),
-        fate: columns.get(`${name}/fate`)?.components[0],
+        status: columns.get(`${name}/status`)?.components[0],
         modeProbability: scalar(columns.get(`${name}/mode_probability`), bits(own, 5)),
         hypotheses: slots(columns, name),
       };

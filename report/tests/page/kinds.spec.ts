@@ -20,7 +20,7 @@ test("a run loads without complaints, all tabs", async ({ page }) => {
   expect(complaints).toEqual([]);
 });
 
-test("a mixture loads: flags, table and marginal of both laws", async ({ page }) => {
+test("a mixture loads: flags, table and marginal of both distributions", async ({ page }) => {
   const complaints = await open(page, "mixture", mixtureReport());
   expect(await probe(page, "flags")).toBe(400);
   await expect(page.getByRole("row", { name: /^1 0\.7 / })).toBeVisible();

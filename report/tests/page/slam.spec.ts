@@ -18,7 +18,7 @@ function shortTrace(): TraceJson {
   const cup = [null, [-0.2, 0, 0.123456789, ...turn(3)], [-0.2, 0, 0.2, ...turn(3.1)]];
   const part = (pose: (number[] | null)[]) => ({ pose, sd, position_covariance: covariance, truth: null });
   const object = (pose: (number[] | null)[], id: number) => ({
-    world: part(pose), relative: part(pose), detection: pose, fate: pose.map((p) => (p ? "used" : "none")),
+    world: part(pose), relative: part(pose), detection: pose, status: pose.map((p) => (p ? "used" : "none")),
     mode_probability: pose.map((p) => (p ? 0.75 : null)),
     alternatives: pose.map((p) => (p ? [{ id, probability: 0.75, pose: p }, { id: id + 1, probability: 0.25, pose: [9, 9, 9, 0, 0, 0, 1] }] : [])),
   });

@@ -27,7 +27,7 @@ test("20,000 frames of ten objects with twelve hypotheses: size, and the time of
   const megabytes = statSync(placeOf("large")).size / 1e6;
   expect(megabytes).toBeLessThan(15);
   const times: Record<string, number> = {};
-  for (const tab of ["Detections", "Errors", "Hypotheses", "Fates"]) {
+  for (const tab of ["Detections", "Errors", "Hypotheses", "Status"]) {
     await page.getByRole("tab", { name: tab }).click();
     times[tab] = median(await scrubMany(page, 60, 20000));
     expect(times[tab], tab).toBeLessThan(LIMIT_MS);

@@ -94,7 +94,7 @@ test("a hypothesis keeps its slot while it lives", () => {
   assert.deepEqual(slots.map((slot) => slot.map((entry) => entry?.id ?? null)), [[1, 3, null, 4], [2, 2, 2, 2]]);
 });
 
-test("a synthetic trace has its hypotheses, covariances and fates", async () => {
+test("a synthetic trace has its hypotheses, covariances and statuses", async () => {
   const trace = await readTrace(syntheticTrace({ frames: 40, objects: 3, hypotheses: 4 }));
   assert.equal(trace.objects.length, 3);
   const weights = trace.objects[1].hypotheses.map((slot) => slot.probability(20));
@@ -106,5 +106,5 @@ test("a synthetic trace has its hypotheses, covariances and fates", async () => 
   trace.objects[0].world!.positionSdAt(10, sd);
   assert.ok(Math.abs(covariance[1] / (sd[0] * sd[1]) - 0.5) < 1e-4);
   assert.ok(Math.abs(covariance[8] - sd[2] ** 2) < 1e-15);
-  assert.equal(trace.fates[trace.objects[2].fate![0]], "started");
+  assert.equal(trace.statuses[trace.objects[2].status![0]], "started");
 });

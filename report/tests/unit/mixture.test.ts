@@ -57,7 +57,7 @@ test("draws have the moments of a concentrated component", () => {
   close(Math.sqrt(square), 0.008, 2e-4);
 });
 
-test("draws of a wide projected component follow its law, not the Gaussian's", () => {
+test("draws of a wide projected component follow its distribution, not the Gaussian's", () => {
   const sd = 0.8;
   const mixture = readMixture("wide.json", projected(sd));
   const { quaternions, count } = sampleMixture(mixture, 40000);
@@ -90,7 +90,7 @@ test("the marginal angle: shares of the components, half a turn apart", () => {
 });
 
 test("mixtures that are wrong are refused by name", () => {
-  assert.throws(() => readMixture("a.json", { ...mug, law: "wrapped" }), /a\.json: the law "wrapped"/);
+  assert.throws(() => readMixture("a.json", { ...mug, distribution: "wrapped" }), /a\.json: the distribution "wrapped"/);
   assert.throws(() => readMixture("a.json", { ...mug, schema: 2 }), /schema 2/);
   assert.throws(() => readMixture("a.json", { ...mug, components: [] }), /components/);
   assert.throws(() => readMixture("a.json", { ...mug, components: [{ ...mug["components"][0], covariance: [[1]] }] }), /six rows/);

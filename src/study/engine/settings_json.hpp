@@ -29,9 +29,10 @@ inline nlohmann::ordered_json noise_json(const DetectorNoise& noise) {
     if (component.update_covariance)
       entry["update_covariance"] = matrix_json(*component.update_covariance);
   }
-  if (noise.null().weight > 0.0) {
+  if (noise.clutter().weight > 0.0) {
     components.push_back(
-        {{"null", {{"weight", noise.null().weight}, {"volume_m3", noise.null().volume_m3}}}});
+        {{"clutter",
+          {{"weight", noise.clutter().weight}, {"volume_m3", noise.clutter().volume_m3}}}});
   }
   return components;
 }

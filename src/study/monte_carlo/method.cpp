@@ -32,7 +32,7 @@ MonteCarloMethod monte_carlo_method(const std::string& name,
         fmt::format("there is no method '{}'; expected one of {}", name, fmt::join(names, ", ")));
   }
   MonteCarloMethod method{{}, name == "riekf" || name == "iterated_riekf"};
-  FilterSettings& filter = method.filter;
+  GaussianSumSettings& filter = method.filter;
   filter.update = name.starts_with("iterated") ? UpdateRule::iterated : UpdateRule::linearized;
   filter.summary = Summary::merge_two_largest;
   filter.reduction.prune_below = settings.prune_below;

@@ -29,7 +29,7 @@ MonteCarloTrial simulate_trial(const MonteCarloStudySettings& settings, double n
 
 /// A filter of the study, by its name.
 struct MonteCarloMethod {
-  FilterSettings filter;
+  GaussianSumSettings filter;
   bool single_gaussian;  ///< the detector's noise as one Gaussian
 };
 

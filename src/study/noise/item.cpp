@@ -162,7 +162,7 @@ Json models_json(const Models& models, double count, double dependent) {
                                        [](const auto& c) { return c.offset.log().norm() > 0.0; });
     json.push_back({{"components", components.size()},
                     {"offsets", offsets},
-                    {"null", fit.noise.null().weight},
+                    {"clutter", fit.noise.clutter().weight},
                     {"parameters", fit.parameters},
                     {"log_likelihood", fit.log_likelihood},
                     {"bic", fit.bic},

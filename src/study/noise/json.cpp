@@ -42,10 +42,10 @@ nlohmann::ordered_json noise_to_json(const DetectorNoise& noise) { return noise_
 
 DetectorNoise noise_from_json(const nlohmann::ordered_json& json) {
   std::vector<NoiseComponent> components;
-  NullNoise null;
+  Clutter clutter;
   for (const auto& entry : json) {
-    if (entry.contains("null")) {
-      null = {entry["null"].at("weight"), entry["null"].at("volume_m3")};
+    if (entry.contains("clutter")) {
+      clutter = {entry["clutter"].at("weight"), entry["clutter"].at("volume_m3")};
       continue;
     }
     components.push_back(
@@ -54,7 +54,7 @@ DetectorNoise noise_from_json(const nlohmann::ordered_json& json) {
          .frame = frame_from(entry.at("frame")),
          .offset = SE3d::from_matrix(matrix_from<Eigen::Matrix4d>(entry.at("offset")))});
   }
-  return DetectorNoise(std::move(components), null);
+  return DetectorNoise(std::move(components), clutter);
 }
 
 nlohmann::ordered_json modes_json(const std::vector<NoiseMode>& modes) {

@@ -47,7 +47,7 @@ std::vector<NoiseFit> fit_noise_sizes(std::span<const NoiseObservation> observat
 /// How well a kind of model predicts detections that it was not fitted to.
 struct NoiseValidation {
   NoiseFrame frame;
-  bool null;
+  bool clutter;
   std::size_t components;
   double log_density;                ///< mean per detection [nats]
   std::vector<double> by_fold = {};  ///< the same by fold
@@ -55,7 +55,7 @@ struct NoiseValidation {
   double standard_error = 0.0;       ///< of that, from the folds' differences
 };
 
-/// Models of 1 to max_components components, with and without null, in all frames. Folds are of
+/// Models of 1 to max_components components, with and without clutter, in all frames. Folds are of
 /// whole recordings, or where there are fewer of those, of blocks of time.
 std::vector<NoiseValidation> cross_validate(const std::vector<NoiseTrack>& tracks,
                                             const NoiseStudySettings& settings, std::size_t item);

@@ -110,7 +110,7 @@ const Json& chosen_model(const Json& item) {
   return item["models"].back();
 }
 
-/// Density of one coordinate of the residual at x, in the unit of the axis, without the null. Along
+/// Density of one coordinate of the residual at x, in the unit of the axis, without clutter. Along
 /// the object's axes an offset counts by its logarithm; along others it has no place.
 double marginal_density(const DetectorNoise& noise, std::size_t axis, double x) {
   const auto at = static_cast<Eigen::Index>(axis);
@@ -183,8 +183,8 @@ std::string toml_of(const Json& item, const std::string& name) {
 
 /// The chosen models and how their errors hang together, one row per group.
 StudyTable summary_table(const std::vector<Json>& items) {
-  StudyTable table({"detector", "object", "truth", "symm", "count", "gross", "K", "null", "modes",
-                    "lag1", "dep frames", "within", "out run", "dep out"});
+  StudyTable table({"detector", "object", "truth", "symm", "count", "gross", "K", "clutter",
+                    "modes", "lag1", "dep frames", "within", "out run", "dep out"});
   for (const Json& item : items) {
     const Json& model = chosen_model(item);
     const Json& correlation = item["correlation"];
@@ -197,7 +197,7 @@ StudyTable summary_table(const std::vector<Json>& items) {
                item["symmetric"].get<bool>() ? "yes" : "", cell(item["axes"][0]["count"]),
                cell(item["gross_errors"]),
                std::int64_t{model["components"].get<int>() - model["offsets"].get<int>()},
-               cell(model["null"]), cell(model["offsets"]), mean(lags),
+               cell(model["clutter"]), cell(model["offsets"]), mean(lags),
                cell(correlation["dependent_frames"]), cell(correlation["dependent_frames_within"]),
                cell(correlation["outlier_run"]), cell(correlation["outlier_dependent_frames"])});
   }
@@ -227,7 +227,7 @@ void add_tables(const std::vector<Json>& items, StudyReport& report) {
   const StudyTable axes = axis_table(items);
   report.files.push_back({"study.json", format_study("noise", axes)});
   report.files.push_back({"noise.csv", axes.csv()});
-  constexpr std::array kModels{"components",     "offsets", "null",          "parameters",
+  constexpr std::array kModels{"components",     "offsets", "clutter",       "parameters",
                                "log_likelihood", "bic",     "bic_effective", "iterations",
                                "status",         "chosen"};
   report.files.push_back({"models.csv", group_table(items, "models", kModels).csv()});
@@ -239,7 +239,7 @@ void add_tables(const std::vector<Json>& items, StudyReport& report) {
                               "recordings",      "accepted"};
   const StudyTable modes = group_table(items, "modes", kModes);
   if (!modes.rows().empty()) report.files.push_back({"modes.csv", modes.csv()});
-  constexpr std::array kFolds{"frame",       "null",       "components",
+  constexpr std::array kFolds{"frame",       "clutter",    "components",
                               "log_density", "below_best", "standard_error"};
   const StudyTable folds = group_table(items, "validation", kFolds);
   if (!folds.rows().empty()) {

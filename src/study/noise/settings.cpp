@@ -22,9 +22,10 @@ NoiseStudySettings read_noise_settings(const TomlTable& table) {
   s.free_means = table.get_enum_or<bool>("means", false, {{"zero", false}, {"free", true}});
   s.full_covariance =
       table.get_enum_or<bool>("covariance", false, {{"diagonal", false}, {"full", true}});
-  s.null = table.get_bool_or("null", s.frame == NoiseFrame::ray);
-  s.null_volume_m3 = table.get_double_or("null_volume_m3", s.null_volume_m3, kPositive);
-  s.least_null = table.get_double_or("null_least", s.least_null, {.lowest = 0, .highest = 0.5});
+  s.clutter = table.get_bool_or("clutter", s.frame == NoiseFrame::ray);
+  s.clutter_volume_m3 = table.get_double_or("clutter_volume_m3", s.clutter_volume_m3, kPositive);
+  s.least_clutter =
+      table.get_double_or("clutter_least", s.least_clutter, {.lowest = 0, .highest = 0.5});
   s.modes = table.get_bool_or("modes", s.modes);
   s.mode.radius_deg = table.get_double_or("mode_radius_deg", s.mode.radius_deg, kPositive);
   s.mode.least_share = table.get_double_or("mode_share", s.mode.least_share, kPositive);

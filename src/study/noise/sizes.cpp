@@ -48,9 +48,9 @@ std::vector<NoiseFit> fit_free_means(std::span<const NoiseObservation> observati
 NoiseFitSettings noise_fit_settings(const NoiseStudySettings& settings, std::size_t components) {
   NoiseFitSettings fit{.components = components,
                        .frame = settings.frame,
-                       .null = settings.null,
-                       .null_volume_m3 = settings.null_volume_m3,
-                       .least_null = settings.least_null,
+                       .clutter = settings.clutter,
+                       .clutter_volume_m3 = settings.clutter_volume_m3,
+                       .least_clutter = settings.least_clutter,
                        .em = {.components = components,
                               .restarts = settings.restarts,
                               .diagonal = !settings.full_covariance,

@@ -49,9 +49,9 @@ Json settings_json(const NoiseData& data, const NoiseStudySettings& s) {
                {"frame", name_of(s.frame)},
                {"means", s.free_means ? "free" : "zero"},
                {"covariance", s.full_covariance ? "full" : "diagonal"},
-               {"null", s.null},
-               {"null_volume_m3", s.null_volume_m3},
-               {"null_least", s.least_null},
+               {"clutter", s.clutter},
+               {"clutter_volume_m3", s.clutter_volume_m3},
+               {"clutter_least", s.least_clutter},
                {"modes", s.modes},
                {"mode_radius_deg", s.mode.radius_deg},
                {"mode_share", s.mode.least_share},
@@ -89,11 +89,12 @@ void check(const std::vector<ResidualSet>& sets, const NoiseStudySettings& setti
         "means = \"zero\" or frame = \"object\"",
         name_of(settings.frame)));
   }
-  require(!settings.free_means || !settings.null,
-          "study noise: free means beside a null, expected means = \"zero\" (with modes = true for "
-          "offset poses) or null = false");
-  require(!settings.modes || settings.null,
-          "study noise: modes without a null, expected null = true");
+  require(
+      !settings.free_means || !settings.clutter,
+      "study noise: free means beside clutter, expected means = \"zero\" (with modes = true for "
+      "offset poses) or clutter = false");
+  require(!settings.modes || settings.clutter,
+          "study noise: modes without clutter, expected clutter = true");
   for (const ResidualSet& set : sets) {
     if (set.truth.size() == set.detected.size()) continue;
     throw InvalidInput(

@@ -51,12 +51,12 @@ struct NoiseStudySettings {
   int restarts = 6;
   std::uint64_t seed = 1;
   NoiseFrame frame = NoiseFrame::object;
-  bool free_means = false;       ///< components may have offsets; object frame without a null only
+  bool free_means = false;       ///< components may have offsets; object frame without clutter only
   bool full_covariance = false;  ///< else diagonal
-  bool null = false;             ///< models have a null, whose weight is estimated
-  double null_volume_m3 = 1.0;
-  double least_null = 1e-3;  ///< its least weight: a detector that has not failed yet may
-  bool modes = false;        ///< and modes, where there are any (add_noise_modes)
+  bool clutter = false;          ///< models have clutter, whose weight is estimated
+  double clutter_volume_m3 = 1.0;
+  double least_clutter = 1e-3;  ///< its least weight: a detector that has not failed yet may
+  bool modes = false;           ///< and modes, where there are any (add_noise_modes)
   NoiseModeSettings mode = {};
   /// The BIC that chooses the number of components counts frames; else independent ones, of which
   /// there are fewer where residuals are correlated in time.
@@ -75,12 +75,12 @@ struct NoiseStudySettings {
 };
 
 /// Reads settings: `max_components`, `restarts`, `seed`, `frame` ("object", "camera", "ray"),
-/// `means` ("zero", "free"), `covariance` ("diagonal", "full"), `null` (default: in frame ray),
-/// `null_volume_m3`, `null_least`, `modes`, `mode_radius_deg`, `mode_share`, `mode_recordings`,
-/// `bic` ("frames", "effective"), `folds`, `max_rotation_sd_deg`, `max_translation_sd_m`,
-/// `gross_rotation_deg`, `gross_translation_m`, `bins`, `windows_s`, `bootstrap`, `detectors`, and
-/// what is to be read in place of a data folder: `sequences` (paths of sequence files) or
-/// `detections` and `ground_truth` (TUM files of T_camera_object).
+/// `means` ("zero", "free"), `covariance` ("diagonal", "full"), `clutter` (default: in frame ray),
+/// `clutter_volume_m3`, `clutter_least`, `modes`, `mode_radius_deg`, `mode_share`,
+/// `mode_recordings`, `bic` ("frames", "effective"), `folds`, `max_rotation_sd_deg`,
+/// `max_translation_sd_m`, `gross_rotation_deg`, `gross_translation_m`, `bins`, `windows_s`,
+/// `bootstrap`, `detectors`, and what is to be read in place of a data folder: `sequences` (paths
+/// of sequence files) or `detections` and `ground_truth` (TUM files of T_camera_object).
 /// @throws InvalidInput naming file, line and key
 NoiseStudySettings read_noise_settings(const TomlTable& table);
 
@@ -114,7 +114,7 @@ std::string format_noise_toml(std::string_view name, const DetectorNoise& noise,
 /// noise_NAME.toml with the chosen model and noise_NAME.svg with histograms; odometry.toml,
 /// odometry.csv and odometry.svg.
 /// @throws InvalidInput for means that are free in another frame than the object's or beside a
-/// null, modes without a null, and when an object has too few detections with a truth
+/// clutter, modes without clutter, and when an object has too few detections with a truth
 Study make_noise_study(const NoiseData& data, const NoiseStudySettings& settings);
 
 }  // namespace posemix

@@ -79,9 +79,9 @@ std::string format_noise_toml(std::string_view name, const DetectorNoise& noise,
   std::string text = fmt::format("[noise.{}]\ncomponents = [\n", name);
   for (const NoiseComponent& component : noise.components()) text += component_text(component);
   text += "]\n";
-  if (noise.null().weight > 0.0) {
-    text += fmt::format("null = {{weight = {}, volume_m3 = {}}}\n", noise.null().weight,
-                        noise.null().volume_m3);
+  if (noise.clutter().weight > 0.0) {
+    text += fmt::format("clutter = {{weight = {}, volume_m3 = {}}}\n", noise.clutter().weight,
+                        noise.clutter().volume_m3);
   }
   if (correlation != nullptr)
     text += correlation_text(*correlation, noise.components().front().frame);

@@ -79,10 +79,10 @@ std::vector<NoiseValidation> cross_validate(const std::vector<NoiseTrack>& track
   double count = 0.0;
   for (const Observations& fold : folds) count += static_cast<double>(fold.size());
   for (const NoiseFrame frame : {NoiseFrame::object, NoiseFrame::camera, NoiseFrame::ray}) {
-    for (const bool null : {false, true}) {
+    for (const bool clutter : {false, true}) {
       NoiseStudySettings of_kind = settings;
       of_kind.frame = frame;
-      of_kind.null = null;
+      of_kind.clutter = clutter;
       of_kind.free_means = false;
       const Eigen::ArrayXXd sums = held_out(folds, of_kind, item);
       for (Eigen::Index k = 0; k < sums.rows(); ++k) {
@@ -91,7 +91,7 @@ std::vector<NoiseValidation> cross_validate(const std::vector<NoiseTrack>& track
           means.push_back(sums(k, static_cast<Eigen::Index>(f)) /
                           static_cast<double>(folds[f].size()));
         rows.push_back({.frame = frame,
-                        .null = null,
+                        .clutter = clutter,
                         .components = static_cast<std::size_t>(k) + 1,
                         .log_density = sums.row(k).sum() / count,
                         .by_fold = std::move(means)});
@@ -107,7 +107,7 @@ nlohmann::ordered_json validation_json(const std::vector<NoiseValidation>& rows)
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
   for (const NoiseValidation& row : rows) {
     json.push_back({{"frame", name_of(row.frame)},
-                    {"null", row.null ? 1 : 0},
+                    {"clutter", row.clutter ? 1 : 0},
                     {"components", row.components},
                     {"log_density", row.log_density},
                     {"below_best", row.below_best},

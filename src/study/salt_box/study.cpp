@@ -140,7 +140,7 @@ PoseSpread spread_of(const PoseMpg& mixture) {
   const Pose one = moments(mixture).density;
   Vector6d scale = Vector6d::Ones();
   scale.head<3>().setConstant(2.0);
-  const Matrix6d covariance = scale.asDiagonal() * law_moments(one).covariance * scale.asDiagonal();
+  const Matrix6d covariance = scale.asDiagonal() * moments_of(one).covariance * scale.asDiagonal();
   const Vector6d sd = covariance.diagonal().cwiseSqrt();
   return {one.mean(), sd.head<3>(), sd.tail<3>(), covariance};
 }

@@ -78,12 +78,13 @@ struct SaltBoxStage {
 /// `fused_NAME`, `dropped_NAME`, `merged_NAME`, each with the mixture merged before.
 std::vector<SaltBoxStage> run_salt_box(const SaltBoxSettings& settings);
 
-/// Standard deviations of a mixture under the law of the one projected Gaussian with its moments.
+/// Standard deviations of a mixture under the distribution of the one projected Gaussian with its
+/// moments.
 struct PoseSpread {
   SE3d mean;
   Eigen::Vector3d rotation;     ///< about the axes of the mean [rad]
   Eigen::Vector3d translation;  ///< along the axes of the reference frame [m]
-  Matrix6d covariance;          ///< of [2 u; t] under the law
+  Matrix6d covariance;          ///< of [2 u; t] under the distribution
 };
 PoseSpread spread_of(const PoseMpg& mixture);
 

@@ -124,7 +124,7 @@ std::vector<std::size_t> detections_of(const SlamRun& run, std::size_t models) {
     for (const CandidateReport& candidate : frame.report.candidates) {
       if (!candidate.object) continue;
       count[*candidate.object] =
-          candidate.fate == CandidateFate::fresh ? 1 : count[*candidate.object] + 1;
+          candidate.status == CandidateStatus::fresh ? 1 : count[*candidate.object] + 1;
     }
   }
   return count;
@@ -171,7 +171,7 @@ void count_flips(const std::vector<ObjectModel>& models, const SlamRun& run,
   for (std::size_t k = 1; k < run.frames.size(); ++k) {
     std::vector<bool> is_new(models.size(), false);
     for (const CandidateReport& candidate : run.frames[k].report.candidates) {
-      if (candidate.fate == CandidateFate::fresh) is_new[*candidate.object] = true;
+      if (candidate.status == CandidateStatus::fresh) is_new[*candidate.object] = true;
     }
     for (std::size_t m = 0; m < models.size(); ++m) {
       const auto& before = run.frames[k - 1].objects[m];
@@ -198,8 +198,8 @@ void count_candidates(const SlamRun& run, Json& row) {
   for (const FrameEstimate& frame : run.frames) {
     for (const CandidateReport& candidate : frame.report.candidates) {
       ++all;
-      assigned += candidate.fate == CandidateFate::assigned ? 1 : 0;
-      fresh += candidate.fate == CandidateFate::fresh ? 1 : 0;
+      assigned += candidate.status == CandidateStatus::assigned ? 1 : 0;
+      fresh += candidate.status == CandidateStatus::fresh ? 1 : 0;
       recycled += candidate.recycled ? 1 : 0;
     }
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include "verb_files.hpp"
+#include "command_files.hpp"
 
 #include <algorithm>
 #include <array>
@@ -106,11 +106,11 @@ std::string format_table(const Json& found) {
   return text;
 }
 
-void report(std::string_view verb, const Json& found, const OutputOptions& output) {
+void report(std::string_view command, const Json& found, const OutputOptions& output) {
   if (output.quiet) return;
   std::string text = found.dump() + "\n";
   if (!output.json) {
-    text = fmt::format("posemix {}:\n", verb);
+    text = fmt::format("posemix {}:\n", command);
     add_rows(text, found, 2);
   }
   std::fputs(text.c_str(), stderr);
@@ -127,21 +127,22 @@ void require_same_frames(const NamedMixture& a, const NamedMixture& b) {
                                  a.name));
 }
 
-Law law_of(const AnyMixture& mixture) {
-  return std::holds_alternative<ConcentratedPoses>(mixture) ? Law::concentrated : Law::projected;
+Distribution distribution_of(const AnyMixture& mixture) {
+  return std::holds_alternative<ConcentratedPoses>(mixture) ? Distribution::concentrated
+                                                            : Distribution::projected;
 }
 
-std::vector<std::pair<std::string, Law>> law_words() {
-  return {{"concentrated", Law::concentrated}, {"projected", Law::projected}};
+std::vector<std::pair<std::string, Distribution>> distribution_words() {
+  return {{"concentrated", Distribution::concentrated}, {"projected", Distribution::projected}};
 }
 
-std::string_view law_name(const AnyMixture& mixture) {
-  return law_of(mixture) == Law::concentrated ? "concentrated" : "projected";
+std::string_view distribution_name(const AnyMixture& mixture) {
+  return distribution_of(mixture) == Distribution::concentrated ? "concentrated" : "projected";
 }
 
-void add_format_option(CLI::App& verb, std::optional<PoseFormat>& format) {
+void add_format_option(CLI::App& command, std::optional<PoseFormat>& format) {
   add_choice<std::optional<PoseFormat>, PoseFormat>(
-      verb, "--format", format,
+      command, "--format", format,
       {{"csv", PoseFormat::csv}, {"tum", PoseFormat::tum}, {"npy", PoseFormat::npy}},
       "Format of the poses; without it what the end of the name says");
 }

@@ -13,25 +13,25 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "command_options.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/io/mixture_file.hpp"
 #include "posemix/io/pose_samples.hpp"
-#include "verb_options.hpp"
 
-/// What the verbs on mixture files read and write. `-` stands for the standard streams.
+/// What the commands on mixture files read and write. `-` stands for the standard streams.
 namespace posemix {
 
 using Json = nlohmann::ordered_json;
 
-/// Components above which a verb refuses to multiply mixtures.
+/// Components above which a command refuses to multiply mixtures.
 inline constexpr std::size_t kMostComponents = 1'000'000;
 
 /// Kinds of components.
-enum class Law { concentrated, projected };
+enum class Distribution { concentrated, projected };
 
-Law law_of(const AnyMixture& mixture);
+Distribution distribution_of(const AnyMixture& mixture);
 /// The words for them on the command line.
-std::vector<std::pair<std::string, Law>> law_words();
+std::vector<std::pair<std::string, Distribution>> distribution_words();
 
 /// A mixture and the name of its file in messages.
 struct NamedMixture {
@@ -58,8 +58,8 @@ void require_one_standard_input(std::span<const std::string> paths);
 void write_output(const std::string& path, std::string_view content);
 void write_mixture(const MixtureFile& file, const OutputOptions& output);
 
-/// Tells on the standard error what a verb found, as a table or as JSON.
-void report(std::string_view verb, const Json& found, const OutputOptions& output);
+/// Tells on the standard error what a command found, as a table or as JSON.
+void report(std::string_view command, const Json& found, const OutputOptions& output);
 
 /// Lines `key: value`; values of objects are indented.
 std::string format_table(const Json& found);
@@ -70,14 +70,14 @@ std::string transform_name(const FrameNames& frames);
 /// @throws InvalidInput when the frames of two mixtures differ
 void require_same_frames(const NamedMixture& a, const NamedMixture& b);
 
-std::string_view law_name(const AnyMixture& mixture);
+std::string_view distribution_name(const AnyMixture& mixture);
 
 /// Option --format for poses.
-void add_format_option(CLI::App& verb, std::optional<PoseFormat>& format);
+void add_format_option(CLI::App& command, std::optional<PoseFormat>& format);
 
-/// `work` with both mixtures. @throws InvalidInput when they are of different laws
+/// `work` with both mixtures. @throws InvalidInput when they are of different distributions
 template <class Work>
-AnyMixture with_one_law(const NamedMixture& a, const NamedMixture& b, const Work& work) {
+AnyMixture with_one_distribution(const NamedMixture& a, const NamedMixture& b, const Work& work) {
   return std::visit(
       [&](const auto& p, const auto& q) -> AnyMixture {
         if constexpr (std::is_same_v<decltype(p), decltype(q)>) {
@@ -90,9 +90,10 @@ AnyMixture with_one_law(const NamedMixture& a, const NamedMixture& b, const Work
           return work(p, q);
         } else {
           throw InvalidInput(
-              fmt::format("{}: got law \"{}\", expected \"{}\" as in {} (see "
+              fmt::format("{}: got distribution \"{}\", expected \"{}\" as in {} (see "
                           "posemix convert)",
-                          b.name, law_name(b.file.mixture), law_name(a.file.mixture), a.name));
+                          b.name, distribution_name(b.file.mixture),
+                          distribution_name(a.file.mixture), a.name));
         }
       },
       a.file.mixture, b.file.mixture);
@@ -101,8 +102,9 @@ AnyMixture with_one_law(const NamedMixture& a, const NamedMixture& b, const Work
 /// Refuses an option that only projected mixtures have.
 inline void require_projected(const NamedMixture& mixture, const char* option, bool given) {
   if (given && std::holds_alternative<ConcentratedPoses>(mixture.file.mixture)) {
-    throw InvalidInput(fmt::format("{}: got law \"concentrated\", expected \"projected\" with {}",
-                                   mixture.name, option));
+    throw InvalidInput(
+        fmt::format("{}: got distribution \"concentrated\", expected \"projected\" with {}",
+                    mixture.name, option));
   }
 }
 

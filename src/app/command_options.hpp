@@ -11,10 +11,10 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
-/// Options that several verbs share.
+/// Options that several commands share.
 namespace posemix {
 
-/// Where a verb writes, and what it says about it on the standard error.
+/// Where a command writes, and what it says about it on the standard error.
 struct OutputOptions {
   std::string out = "-";
   bool json = false;
@@ -22,19 +22,19 @@ struct OutputOptions {
 };
 
 /// --out alone.
-void add_out_option(CLI::App& verb, OutputOptions& output);
-/// --out, --json and --quiet, for verbs that report on the standard error.
-void add_report_options(CLI::App& verb, OutputOptions& output);
+void add_out_option(CLI::App& command, OutputOptions& output);
+/// --out, --json and --quiet, for commands that report on the standard error.
+void add_report_options(CLI::App& command, OutputOptions& output);
 
-void add_seed_option(CLI::App& verb, std::uint64_t& seed);
+void add_seed_option(CLI::App& command, std::uint64_t& seed);
 
 /// A number of at least one.
-CLI::Option* add_count_option(CLI::App& verb, const std::string& name, std::size_t& count,
+CLI::Option* add_count_option(CLI::App& command, const std::string& name, std::size_t& count,
                               const std::string& help);
 
 /// An option whose value is one of some words. `target` is an Enum or an optional of one.
 template <class Target, class Enum>
-CLI::Option* add_choice(CLI::App& verb, const std::string& name, Target& target,
+CLI::Option* add_choice(CLI::App& command, const std::string& name, Target& target,
                         const std::vector<std::pair<std::string, Enum>>& words,
                         const std::string& help) {
   std::string all;
@@ -48,7 +48,7 @@ CLI::Option* add_choice(CLI::App& verb, const std::string& name, Target& target,
     }
     throw CLI::ValidationError(name, fmt::format("got {}, expected {}", got, all));
   };
-  return verb.add_option_function<std::string>(name, choose, help)->type_name(all);
+  return command.add_option_function<std::string>(name, choose, help)->type_name(all);
 }
 
 }  // namespace posemix

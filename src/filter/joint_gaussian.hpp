@@ -22,9 +22,9 @@ struct CameraAlternative {
 };
 
 /// The joint Gaussian of camera (pose 0), further poses of its motion, and one pose per object.
-class Backbone {
+class JointGaussian {
  public:
-  explicit Backbone(const ConcentratedGaussian<SE3d>& camera)
+  explicit JointGaussian(const ConcentratedGaussian<SE3d>& camera)
       : poses_{camera.mean()}, covariance_(camera.covariance()) {}
 
   std::size_t size() const { return poses_.size(); }
@@ -40,11 +40,12 @@ class Backbone {
 
   /// Appends a pose that depends on the others through the camera alone: its covariance, and that
   /// with the camera (rows of the new pose). Returns its index.
-  std::size_t append(const SE3d& pose, const Matrix6d& covariance, const Matrix6d& with_camera);
+  std::size_t append(const SE3d& pose, const Matrix6d& covariance,
+                     const Matrix6d& cross_covariance);
 
   /// The same in place of the pose at `index`.
   void replace(std::size_t index, const SE3d& pose, const Matrix6d& covariance,
-               const Matrix6d& with_camera);
+               const Matrix6d& cross_covariance);
 
   /// Drops the pose at `index`; those behind it move up. What is left keeps its moments.
   void erase(std::size_t index);

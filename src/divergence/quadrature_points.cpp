@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include "law_points.hpp"
+#include "quadrature_points.hpp"
 
 #include <cmath>
 #include <numbers>
@@ -86,7 +86,7 @@ void for_each_offset(const Matrix3d& spread, Visit&& visit) {
 }
 
 template <RotationOrPose G>
-void normalize(LawPoints<G>& points) {
+void normalize(QuadraturePoints<G>& points) {
   double sum = 0.0;
   for (const double weight : points.weights) sum += weight;
   for (double& weight : points.weights) weight /= sum;
@@ -97,7 +97,7 @@ Matrix3d rotation_factor(const Matrix3d& covariance) { return covariance.llt().m
 }  // namespace
 
 template <RotationOrPose G>
-LawPoints<G> law_points(const TangentGaussian<G>& density, PointRule rule) {
+QuadraturePoints<G> quadrature_points(const TangentGaussian<G>& density, PointRule rule) {
   const NormalRule& normal = normal_rule(rule);
   const G back = density.anchor.inverse();
   const typename G::TangentMatrix body = back.adjoint_congruence(density.covariance);
@@ -105,7 +105,7 @@ LawPoints<G> law_points(const TangentGaussian<G>& density, PointRule rule) {
   const Matrix3d root = rotation_factor(body.template topLeftCorner<3, 3>());
   const Vector3d centre = mean.template head<3>();
   const SO3d centre_back = SO3d::exp(-centre);
-  LawPoints<G> points;
+  QuadraturePoints<G> points;
   const auto add = [&](const typename G::Tangent& xi, double weight) {
     points.elements.push_back(density.anchor * G::exp(xi));
     points.weights.push_back(weight);
@@ -129,14 +129,15 @@ LawPoints<G> law_points(const TangentGaussian<G>& density, PointRule rule) {
 }
 
 template <RotationOrPose G>
-LawPoints<G> law_points(const ProjectedGaussian<G>& density, PointRule rule) {
+QuadraturePoints<G> quadrature_points(const ProjectedGaussian<G>& density, PointRule rule) {
   const NormalRule& normal = normal_rule(rule);
   const bool by_moments = rule == PointRule::cubature;
-  const LawMoments<G> law = law_moments(density);
-  const typename G::Tangent mean = by_moments ? law.mean : density.tangent_mean();
-  const typename G::TangentMatrix covariance = by_moments ? law.covariance : density.covariance();
+  const DistributionMoments<G> distribution = moments_of(density);
+  const typename G::Tangent mean = by_moments ? distribution.mean : density.tangent_mean();
+  const typename G::TangentMatrix covariance =
+      by_moments ? distribution.covariance : density.covariance();
   const Matrix3d root = rotation_factor(covariance.template topLeftCorner<3, 3>());
-  LawPoints<G> points;
+  QuadraturePoints<G> points;
   const auto add = [&](const typename G::Tangent& y, double weight) {
     points.elements.push_back(density.element(y));
     points.weights.push_back(weight);
@@ -144,7 +145,7 @@ LawPoints<G> law_points(const ProjectedGaussian<G>& density, PointRule rule) {
   for (std::size_t i = 0; i < normal.points.size(); ++i) {
     const Vector3d offset_u = root * normal.points[i];
     const Vector3d u = mean.template head<3>() + offset_u;
-    // The law over the Gaussian is proportional to (1 + u.u)^-2.
+    // The distribution over the Gaussian is proportional to (1 + u.u)^-2.
     const double weight =
         normal.weights[i] * (by_moments ? 1.0 : std::pow(1.0 + u.squaredNorm(), -2));
     if constexpr (std::same_as<G, SE3d>) {
@@ -161,9 +162,9 @@ LawPoints<G> law_points(const ProjectedGaussian<G>& density, PointRule rule) {
   return points;
 }
 
-template LawPoints<SO3d> law_points(const TangentGaussian<SO3d>&, PointRule);
-template LawPoints<SO3d> law_points(const ProjectedGaussian<SO3d>&, PointRule);
-template LawPoints<SE3d> law_points(const TangentGaussian<SE3d>&, PointRule);
-template LawPoints<SE3d> law_points(const ProjectedGaussian<SE3d>&, PointRule);
+template QuadraturePoints<SO3d> quadrature_points(const TangentGaussian<SO3d>&, PointRule);
+template QuadraturePoints<SO3d> quadrature_points(const ProjectedGaussian<SO3d>&, PointRule);
+template QuadraturePoints<SE3d> quadrature_points(const TangentGaussian<SE3d>&, PointRule);
+template QuadraturePoints<SE3d> quadrature_points(const ProjectedGaussian<SE3d>&, PointRule);
 
 }  // namespace posemix::internal

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include "backbone.hpp"
+#include "joint_gaussian.hpp"
 
 #include <array>
 
@@ -18,7 +18,7 @@ constexpr double kNegligibleWeight = 1e-7;
 
 }  // namespace
 
-Pair Backbone::pair(std::size_t object) const {
+Pair JointGaussian::pair(std::size_t object) const {
   Pair result{poses_[kCamera], poses_[object], {}};
   result.covariance.topLeftCorner<6, 6>() = block(covariance_, kCamera, kCamera);
   result.covariance.bottomRightCorner<6, 6>() = block(covariance_, object, object);
@@ -27,32 +27,33 @@ Pair Backbone::pair(std::size_t object) const {
   return result;
 }
 
-std::size_t Backbone::append(const SE3d& pose, const Matrix6d& covariance,
-                             const Matrix6d& with_camera) {
+std::size_t JointGaussian::append(const SE3d& pose, const Matrix6d& covariance,
+                                  const Matrix6d& cross_covariance) {
   const std::size_t index = poses_.size();
   poses_.push_back(pose);
   const Index n = offset(index);
   covariance_.conservativeResize(n + kPoseDof, n + kPoseDof);
-  replace(index, pose, covariance, with_camera);
+  replace(index, pose, covariance, cross_covariance);
   return index;
 }
 
-void Backbone::replace(std::size_t index, const SE3d& pose, const Matrix6d& covariance,
-                       const Matrix6d& with_camera) {
+void JointGaussian::replace(std::size_t index, const SE3d& pose, const Matrix6d& covariance,
+                            const Matrix6d& cross_covariance) {
   // B_j. = P_OC P_CC^-1 B_C.
   poses_[index] = pose;
   const Eigen::LLT<Matrix6d> camera(covariance_.topLeftCorner<6, 6>());
-  const Matrix6d by = camera.solve(with_camera.transpose()).transpose();
+  const Matrix6d by = camera.solve(cross_covariance.transpose()).transpose();
   for (std::size_t k = 0; k < poses_.size(); ++k) {
     if (k == index) continue;
-    const Matrix6d row = k == kCamera ? with_camera : Matrix6d(by * block(covariance_, kCamera, k));
+    const Matrix6d row =
+        k == kCamera ? cross_covariance : Matrix6d(by * block(covariance_, kCamera, k));
     block(covariance_, index, k) = row;
     block(covariance_, k, index) = row.transpose();
   }
   block(covariance_, index, index) = covariance;
 }
 
-void Backbone::erase(std::size_t index) {
+void JointGaussian::erase(std::size_t index) {
   poses_.erase(poses_.begin() + static_cast<std::ptrdiff_t>(index));
   std::vector<Index> kept;
   const Index at = offset(index);
@@ -62,17 +63,17 @@ void Backbone::erase(std::size_t index) {
   covariance_ = MatrixXd(covariance_(kept, kept));
 }
 
-void Backbone::set_rows(std::size_t index, const SE3d& pose, const MatrixXd& values,
-                        const Matrix6d& covariance) {
+void JointGaussian::set_rows(std::size_t index, const SE3d& pose, const MatrixXd& values,
+                             const Matrix6d& covariance) {
   poses_[index] = pose;
   rows(covariance_, index) = values;
   columns(covariance_, index) = values.transpose();
   block(covariance_, index, index) = covariance;
 }
 
-void Backbone::regress(std::span<const std::size_t> indices, const VectorXd& mean,
-                       const MatrixXd& covariance, VectorXd& all_mean,
-                       MatrixXd& all_covariance) const {
+void JointGaussian::regress(std::span<const std::size_t> indices, const VectorXd& mean,
+                            const MatrixXd& covariance, VectorXd& all_mean,
+                            MatrixXd& all_covariance) const {
   // G = B_.I B_II^-1, mu = G m, B* = B + G (P - B_II) G^T.
   const Index n = covariance_.rows();
   const Index m = offset(indices.size());
@@ -88,8 +89,8 @@ void Backbone::regress(std::span<const std::size_t> indices, const VectorXd& mea
   all_covariance.noalias() += change * g.transpose();
 }
 
-Vector6d Backbone::update(std::size_t index, const PairMoments& leading,
-                          const CameraAlternative& alternative) {
+Vector6d JointGaussian::update(std::size_t index, const PairMoments& leading,
+                               const CameraAlternative& alternative) {
   const Index n = covariance_.rows();
   VectorXd mean(n);
   MatrixXd b;
@@ -109,8 +110,8 @@ Vector6d Backbone::update(std::size_t index, const PairMoments& leading,
 
 /// Everything but the object: exact moments of the two. The object: regression on the rest as the
 /// leading hypothesis has it.
-void Backbone::project(std::size_t index, double w_a, VectorXd& mean, const MatrixXd& b,
-                       const VectorXd& apart, const MatrixXd& other) {
+void JointGaussian::project(std::size_t index, double w_a, VectorXd& mean, const MatrixXd& b,
+                            const VectorXd& apart, const MatrixXd& other) {
   const double w = 1.0 - w_a;
   const Index at = offset(index);
   const Index n = covariance_.rows();
@@ -137,7 +138,7 @@ void Backbone::project(std::size_t index, double w_a, VectorXd& mean, const Matr
   symmetrize(covariance_);
 }
 
-Vector6d Backbone::update_camera(const CameraAlternative& camera) {
+Vector6d JointGaussian::update_camera(const CameraAlternative& camera) {
   VectorXd mean(covariance_.rows());
   MatrixXd b;
   regress(std::array{kCamera}, camera.mean, camera.covariance, mean, b);
@@ -146,7 +147,7 @@ Vector6d Backbone::update_camera(const CameraAlternative& camera) {
   return move(mean);
 }
 
-Vector6d Backbone::move(const VectorXd& mean) {
+Vector6d JointGaussian::move(const VectorXd& mean) {
   for (std::size_t k = 0; k < poses_.size(); ++k)
     poses_[k] = SE3d::exp(mean.segment<kPoseDof>(offset(k))) * poses_[k];
   return mean.head<kPoseDof>();

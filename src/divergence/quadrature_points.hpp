@@ -12,7 +12,7 @@ namespace posemix::internal {
 
 /// Weighted elements that stand for a density; the weights sum to one.
 template <RotationOrPose G>
-struct LawPoints {
+struct QuadraturePoints {
   std::vector<G> elements;
   std::vector<double> weights;
 };
@@ -29,8 +29,8 @@ enum class PointRule {
 /// without limit.
 inline constexpr double kReach = 150.0 * std::numbers::pi / 180.0;
 template <RotationOrPose G>
-LawPoints<G> law_points(const TangentGaussian<G>& density, PointRule rule);
+QuadraturePoints<G> quadrature_points(const TangentGaussian<G>& density, PointRule rule);
 template <RotationOrPose G>
-LawPoints<G> law_points(const ProjectedGaussian<G>& density, PointRule rule);
+QuadraturePoints<G> quadrature_points(const ProjectedGaussian<G>& density, PointRule rule);
 
 }  // namespace posemix::internal

@@ -26,7 +26,7 @@ constexpr const char* kTriangle =
     "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
     "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
 
-class ReportVerb : public ::testing::Test {
+class ReportCommand : public ::testing::Test {
  protected:
   void SetUp() override {
     if (!has_report_page()) GTEST_SKIP() << "built without the page (POSEMIX_REPORT)";
@@ -54,7 +54,7 @@ class ReportVerb : public ::testing::Test {
   testing::TemporaryFolder results_;
 };
 
-TEST_F(ReportVerb, WritesThePageAndSaysWhere) {
+TEST_F(ReportCommand, WritesThePageAndSaysWhere) {
   const ProgramResult result = report();
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(result.out, "Report: file://" + results_.path().string() + "/a%20run/report.html\n");
@@ -66,7 +66,7 @@ TEST_F(ReportVerb, WritesThePageAndSaysWhere) {
   EXPECT_EQ(content_of(results_ / "x.html"), page());
 }
 
-TEST_F(ReportVerb, TitleAndMeshes) {
+TEST_F(ReportCommand, TitleAndMeshes) {
   const std::string mesh = results_.put("mug.ply", kTriangle).string();
   const ProgramResult result = report(
       {"--mesh", "mug=" + mesh, "--mesh", "box=" + mesh, "--mesh-unit", "mm", "--title", "T&T"});
@@ -75,7 +75,7 @@ TEST_F(ReportVerb, TitleAndMeshes) {
   EXPECT_NE(page().find("\"meshes\":{\"box\":{\"vertices\":"), std::string::npos);
 }
 
-TEST_F(ReportVerb, Mistakes) {
+TEST_F(ReportCommand, Mistakes) {
   const std::string mesh = results_.put("mug.ply", kTriangle).string();
   const auto expect = [&](const std::vector<std::string>& more, int exit_code,
                           const std::string& part) {
@@ -98,7 +98,7 @@ TEST_F(ReportVerb, Mistakes) {
   EXPECT_EQ(std::count(names.begin(), names.end(), "report.html"), 0);
 }
 
-TEST_F(ReportVerb, SlamWritesItToo) {
+TEST_F(ReportCommand, SlamWritesItToo) {
   const ProgramResult result = slam({"--report"});
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_NE(result.out.find("\nResults: " + run() + "\nReport:  file://"), std::string::npos);
@@ -134,14 +134,14 @@ class Opener {
   testing::TemporaryFolder folder_;
 };
 
-TEST_F(ReportVerb, OpensThePage) {
+TEST_F(ReportCommand, OpensThePage) {
   const Opener opener;
   const ProgramResult result = report({"--open"});
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(opener.arguments(), "1|" + run() + "/report.html|");
 }
 
-TEST_F(ReportVerb, SaysWhenThePageCannotBeOpened) {
+TEST_F(ReportCommand, SaysWhenThePageCannotBeOpened) {
   const std::string path = std::getenv("PATH");
   ::setenv("PATH", results_.path().c_str(), 1);
   const ProgramResult result = report({"--open"});

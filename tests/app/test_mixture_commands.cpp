@@ -9,7 +9,7 @@
 #include "mixture_folder.hpp"
 #include "posemix/io/pose_samples.hpp"
 
-/// The verbs on mixture files, alone and in pipes.
+/// The commands on mixture files, alone and in pipes.
 namespace posemix {
 namespace {
 
@@ -21,26 +21,28 @@ using testing::ProgramResult;
 using testing::two_peaks;
 using testing::two_projected_peaks;
 
-class MixtureVerbs : public testing::MixtureFolder {};
+class MixtureCommands : public testing::MixtureFolder {};
 
-TEST_F(MixtureVerbs, HelpHasAnExample) {
-  for (const std::string verb : {"fit", "fuse", "compose", "reduce", "sample", "density",
-                                 "divergence", "convert", "grasp"}) {
-    EXPECT_TRUE(contains(output_of("posemix " + verb + " --help"), "Example: posemix " + verb));
+TEST_F(MixtureCommands, HelpHasAnExample) {
+  for (const std::string command : {"fit", "fuse", "compose", "reduce", "sample", "density",
+                                    "divergence", "convert", "grasp"}) {
+    EXPECT_TRUE(
+        contains(output_of("posemix " + command + " --help"), "Example: posemix " + command));
   }
 }
 
-TEST_F(MixtureVerbs, ComposeChainsFrames) {
-  for (const std::string law : {"", "-pg"}) {
+TEST_F(MixtureCommands, ComposeChainsFrames) {
+  for (const std::string distribution : {"", "-pg"}) {
     const MixtureFile chain =
-        mixture_of("posemix compose camera" + law + ".json mug" + law + ".json");
+        mixture_of("posemix compose camera" + distribution + ".json mug" + distribution + ".json");
     EXPECT_EQ(chain.frames, (FrameNames{"table", "mug"}));
     EXPECT_EQ(std::visit([](const auto& m) { return m.size(); }, chain.mixture), 4U);
-    EXPECT_EQ(mixture_of("posemix compose --inverse mug" + law + ".json").frames,
+    EXPECT_EQ(mixture_of("posemix compose --inverse mug" + distribution + ".json").frames,
               (FrameNames{"mug", "camera"}));
-    EXPECT_EQ(
-        mixture_of("posemix compose --between mug" + law + ".json mug" + law + ".json").frames,
-        (FrameNames{"mug", "mug"}));
+    EXPECT_EQ(mixture_of("posemix compose --between mug" + distribution + ".json mug" +
+                         distribution + ".json")
+                  .frames,
+              (FrameNames{"mug", "mug"}));
   }
   const auto chain = mixture_of("posemix compose camera.json mug.json");
   const auto expected = compose(two_peaks(), two_peaks());
@@ -51,12 +53,12 @@ TEST_F(MixtureVerbs, ComposeChainsFrames) {
   expect_error("posemix compose mug.json", 2, "got 1 mixture files, expected two or more");
   expect_error("posemix compose --inverse mug.json camera.json", 2, "--inverse: got 2 mixture");
   expect_error("posemix compose camera.json mug-pg.json", 3,
-               "mug-pg.json: got law \"projected\", expected \"concentrated\"");
+               "mug-pg.json: got distribution \"projected\", expected \"concentrated\"");
   expect_error("posemix compose camera.json mug.json --rule jacobian", 3,
-               "got law \"concentrated\", expected \"projected\" with --rule");
+               "got distribution \"concentrated\", expected \"projected\" with --rule");
 }
 
-TEST_F(MixtureVerbs, FuseReportsTheEvidence) {
+TEST_F(MixtureCommands, FuseReportsTheEvidence) {
   const auto fused = fuse(two_peaks(), two_peaks(), FuseSettings{});
   const ProgramResult result = shell("posemix fuse mug.json mug.json --json");
   EXPECT_EQ(result.exit_code, 0);
@@ -70,7 +72,7 @@ TEST_F(MixtureVerbs, FuseReportsTheEvidence) {
   expect_error("posemix fuse - - < mug.json", 3, "'-' more than once");
 }
 
-TEST_F(MixtureVerbs, EvidencesAddUp) {
+TEST_F(MixtureCommands, EvidencesAddUp) {
   const auto evidence = [&](const std::string& line) -> double {
     return json::parse(shell(line).err)["log_evidence"];
   };
@@ -80,10 +82,10 @@ TEST_F(MixtureVerbs, EvidencesAddUp) {
   EXPECT_NEAR(first + second, all, 1e-12);
 }
 
-TEST_F(MixtureVerbs, ReduceReportsWhatItLoses) {
-  for (const std::string law : {"", "-pg"}) {
-    const ProgramResult result = shell("posemix compose camera" + law + ".json mug" + law +
-                                       ".json | posemix reduce - --to 2 --json");
+TEST_F(MixtureCommands, ReduceReportsWhatItLoses) {
+  for (const std::string distribution : {"", "-pg"}) {
+    const ProgramResult result = shell("posemix compose camera" + distribution + ".json mug" +
+                                       distribution + ".json | posemix reduce - --to 2 --json");
     EXPECT_EQ(result.exit_code, 0) << result.err;
     const json report = json::parse(result.err);
     EXPECT_EQ(report["components_before"], 4);
@@ -104,14 +106,14 @@ TEST_F(MixtureVerbs, ReduceReportsWhatItLoses) {
                "--pair: got nearest, expected weighted_symmetric_kl|");
 }
 
-TEST_F(MixtureVerbs, APipeOfThree) {
+TEST_F(MixtureCommands, APipeOfThree) {
   const std::string text = output_of(
       "posemix compose camera.json mug.json | posemix reduce - --to 5 --quiet | "
       "posemix sample - -n 100 --seed 3");
   EXPECT_EQ(parse_pose_samples(text, "p", PoseFormat::csv).poses.size(), 100U);
 }
 
-TEST_F(MixtureVerbs, SamplesAreThoseOfTheLibrary) {
+TEST_F(MixtureCommands, SamplesAreThoseOfTheLibrary) {
   output_of("posemix sample mug.json -n 50 --seed 9 --out s.npy");
   const auto read =
       parse_pose_samples(content_of(folder_ / "s.npy"), "s.npy", PoseFormat::npy).poses;
@@ -127,10 +129,10 @@ TEST_F(MixtureVerbs, SamplesAreThoseOfTheLibrary) {
   expect_error("posemix sample mug.json", 2, "--count is required");
 }
 
-TEST_F(MixtureVerbs, DensityAtPoses) {
-  for (const std::string law : {"", "-pg"}) {
-    output_of("posemix sample mug" + law + ".json -n 20 --out points.csv");
-    std::istringstream column(output_of("posemix density mug" + law + ".json points.csv"));
+TEST_F(MixtureCommands, DensityAtPoses) {
+  for (const std::string distribution : {"", "-pg"}) {
+    output_of("posemix sample mug" + distribution + ".json -n 20 --out points.csv");
+    std::istringstream column(output_of("posemix density mug" + distribution + ".json points.csv"));
     const auto poses =
         parse_pose_samples(content_of(folder_ / "points.csv"), "p", PoseFormat::csv).poses;
     std::string line;
@@ -138,15 +140,15 @@ TEST_F(MixtureVerbs, DensityAtPoses) {
     EXPECT_EQ(line, "log_density_per_rad3_m3");
     for (const SE3d& pose : poses) {
       std::getline(column, line);
-      const double expected =
-          law.empty() ? two_peaks().log_density(pose) : two_projected_peaks().log_density(pose);
+      const double expected = distribution.empty() ? two_peaks().log_density(pose)
+                                                   : two_projected_peaks().log_density(pose);
       EXPECT_NEAR(std::stod(line), expected, 1e-9);
     }
   }
   expect_error("posemix density mug.json mug.json", 3, "does not say the format");
 }
 
-TEST_F(MixtureVerbs, FitFindsThePeaksAgain) {
+TEST_F(MixtureCommands, FitFindsThePeaksAgain) {
   const ProgramResult result = shell(
       "posemix sample mug.json -n 3000 | posemix fit - --format csv --max-components 3 "
       "--from camera --to mug --json --out fit.json");
@@ -166,11 +168,12 @@ TEST_F(MixtureVerbs, FitFindsThePeaksAgain) {
       3, "expected at least 14");
 }
 
-TEST_F(MixtureVerbs, FitProjectedAndWeighted) {
+TEST_F(MixtureCommands, FitProjectedAndWeighted) {
   output_of("posemix sample mug-pg.json -n 2000 --out s.csv");
   const json report = json::parse(
-      shell("posemix fit s.csv --law projected --components 2 --from camera --to mug --json "
-            "--out fit.json")
+      shell(
+          "posemix fit s.csv --distribution projected --components 2 --from camera --to mug --json "
+          "--out fit.json")
           .err);
   EXPECT_EQ(report["status"], "converged");
   const json found = json::parse(output_of("posemix divergence mug-pg.json fit.json --json"));
@@ -184,20 +187,20 @@ TEST_F(MixtureVerbs, FitProjectedAndWeighted) {
   EXPECT_NEAR(weighted["log_likelihood"], half["log_likelihood"], 1e-4);
 }
 
-TEST_F(MixtureVerbs, DivergenceOfAFileFromItself) {
-  for (const std::string law : {"", "-pg"}) {
-    const std::string file = "mug" + law + ".json";
+TEST_F(MixtureCommands, DivergenceOfAFileFromItself) {
+  for (const std::string distribution : {"", "-pg"}) {
+    const std::string file = "mug" + distribution + ".json";
     const json found =
         json::parse(output_of("posemix divergence " + file + " " + file + " --json"));
     EXPECT_NEAR(found["kl"]["value"], 0.0, 1e-12);
     EXPECT_NEAR(found["isd"]["value"], 0.0, 1e-9);
-    EXPECT_EQ(found["wasserstein"].is_null(), !law.empty());
+    EXPECT_EQ(found["wasserstein"].is_null(), !distribution.empty());
   }
   EXPECT_TRUE(contains(output_of("posemix divergence mug.json mug-pg.json"), "symmetric_kl:"));
   expect_error("posemix divergence mug.json", 2, "files");
 }
 
-TEST_F(MixtureVerbs, ConvertBetweenConventionsAndLaws) {
+TEST_F(MixtureCommands, ConvertBetweenConventionsAndLaws) {
   const MixtureFile original{{"camera", "mug"}, two_peaks()};
   const MixtureConvention convention{Side::right, TangentOrder::translation_rotation,
                                      AngleUnit::deg, LengthUnit::mm};
@@ -206,16 +209,16 @@ TEST_F(MixtureVerbs, ConvertBetweenConventionsAndLaws) {
             format_mixture(original, convention));
   EXPECT_EQ(output_of("posemix convert mug.json"), content_of(folder_ / "mug.json"));
   const ProgramResult result = shell(
-      "posemix convert mug-pg.json --law concentrated --json --rule cubature "
+      "posemix convert mug-pg.json --distribution concentrated --json --rule cubature "
       "--on-large-loss accept");
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_GT(json::parse(result.err)["kl_lost_nats"], 0.0);
-  EXPECT_TRUE(contains(result.out, "\"law\": \"concentrated\""));
+  EXPECT_TRUE(contains(result.out, "\"distribution\": \"concentrated\""));
   expect_error("posemix convert mug-pg.json --side left", 3,
                "expected \"concentrated\" with --side");
 }
 
-TEST_F(MixtureVerbs, GraspAtAPoseAndTheBest) {
+TEST_F(MixtureCommands, GraspAtAPoseAndTheBest) {
   const json at =
       json::parse(output_of("posemix grasp mug.json --rotation-deg 10 --translation 0.05 "
                             "--pose 0 0 0.8 0 0 0 1 --json"));
@@ -231,7 +234,7 @@ TEST_F(MixtureVerbs, GraspAtAPoseAndTheBest) {
                "--pose: got a quaternion of norm 2");
 }
 
-TEST_F(MixtureVerbs, DamagedFiles) {
+TEST_F(MixtureCommands, DamagedFiles) {
   const std::string text = content_of(folder_ / "mug.json");
   folder_.put("cut.json", text.substr(0, text.size() / 2));
   folder_.put("empty.json", "");
@@ -245,13 +248,13 @@ TEST_F(MixtureVerbs, DamagedFiles) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "out.json"));
 }
 
-TEST_F(MixtureVerbs, OutputThatCannotBeWritten) {
+TEST_F(MixtureCommands, OutputThatCannotBeWritten) {
   expect_error("posemix sample mug.json -n 3 --out none/s.csv", 4, "none/s.csv: cannot be written");
   expect_error("posemix sample mug.json -n 3 > /dev/full", 4, "standard output: cannot be written");
   EXPECT_EQ(testing::names_in(folder_.path()).size(), 4U);
 }
 
-TEST_F(MixtureVerbs, AReaderThatLeavesIsNoError) {
+TEST_F(MixtureCommands, AReaderThatLeavesIsNoError) {
   const ProgramResult result =
       shell("{ posemix sample mug.json -n 20000; echo $? > code; } | head -n 1");
   EXPECT_EQ(result.out, "tx,ty,tz,qx,qy,qz,qw\n");
