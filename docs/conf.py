@@ -52,7 +52,7 @@ html_static_path = [f"{util.find_spec('sphinx-mathjax-offline').submodule_search
 mathjax_path = "mathjax/tex-chtml.js"
 exclude_patterns = ["_build"]
 myst_heading_anchors = 4
-myst_enable_extensions = ["dollarmath", "colon_fence"]
+myst_enable_extensions = ["dollarmath", "colon_fence", "html_image"]
 # Settings share names of attributes; headers open the same namespaces.
 suppress_warnings = ["myst.header", "myst.xref_missing", "duplicate_declaration.cpp", "ref.python"]
 autodoc_typehints = "none"
