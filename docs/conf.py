@@ -3,6 +3,7 @@
 """Settings of the documentation's pages: run by `make docs`, after Doxygen and with the package installed."""
 
 import inspect
+from importlib import util
 from importlib.metadata import version as version_of
 from pathlib import Path
 from xml.etree import ElementTree
@@ -18,11 +19,14 @@ ROOMS = {
     "mixture": "Mixtures and EM",
     "divergence": "Divergences",
     "reduction": "Merging and reduction",
+    "detector": "How detectors err",
     "filter": "Filters",
     "slam": "Object SLAM",
     "grasp": "Grasps",
     "io": "Files",
-    "study": "Studies",
+    "config": "Settings from files",
+    "draw": "Drawings",
+    "results": "Results and reports",
     "testing": "Tools for tests",
 }
 # All but the namespaces, which every header opens anew.
@@ -43,9 +47,12 @@ extensions = [
 ]
 html_theme = "furo"
 html_title = f"posemix {release}"
+# MathJax lies beside the pages: they show equations without a network.
+html_static_path = [f"{util.find_spec('sphinx-mathjax-offline').submodule_search_locations[0]}/static"]
+mathjax_path = "mathjax/tex-chtml.js"
 exclude_patterns = ["_build"]
 myst_heading_anchors = 4
-myst_enable_extensions = ["dollarmath", "colon_fence"]
+myst_enable_extensions = ["dollarmath", "colon_fence", "html_image"]
 # Settings share names of attributes; headers open the same namespaces.
 suppress_warnings = ["myst.header", "myst.xref_missing", "duplicate_declaration.cpp", "ref.python"]
 autodoc_typehints = "none"

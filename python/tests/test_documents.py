@@ -22,3 +22,13 @@ def test_the_code_of_a_page_runs(page: Path, tmp_path: Path, monkeypatch: pytest
     for block in re.finditer(r"```python\n(.*?)```", text, re.DOTALL):
         line = text.count("\n", 0, block.start(1))
         exec(compile("\n" * line + block[1], str(page), "exec"), names)  # noqa: S102
+
+
+@pytest.mark.parametrize("page", ["docs/architecture.md", "CONTRIBUTING.md"])
+def test_the_files_that_a_page_names_exist(page: str) -> None:
+    """The map of the code is that of the code."""
+    root = DOCS.parent
+    folders = r"bench|cmake|configs|docs|include|python|report|src|tests|tools|\.ci"
+    named = re.findall(rf"`((?:{folders})/[\w./*-]+)`", (root / page).read_text())
+    assert named
+    assert [path for path in named if not list(root.glob(path.rstrip("/")))] == []
