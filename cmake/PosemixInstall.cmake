@@ -5,7 +5,7 @@ include(CMakePackageConfigHelpers)
 get_property(posemix_rooms GLOBAL PROPERTY POSEMIX_EXPORTED_ROOMS)
 
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/include/posemix" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}"
-  FILES_MATCHING PATTERN "*.hpp" PATTERN "app" EXCLUDE PATTERN "fetch" EXCLUDE)
+  FILES_MATCHING PATTERN "*.hpp")
 install(TARGETS ${posemix_rooms} posemix_umbrella EXPORT posemix-targets)
 install(EXPORT posemix-targets NAMESPACE posemix:: DESTINATION "${POSEMIX_CMAKE_DIR}")
 install(TARGETS posemix_testing EXPORT posemix-testing-targets)
