@@ -98,6 +98,15 @@ class Heads(unittest.TestCase):
             self.assertTrue(messages("docs/page.md", f"see /{folder}/data\n"), folder)
             self.assertFalse(messages("docs/page.md", f"see https://example.org/{folder}/data\n"))
 
+    def test_data_folder_beside_the_checkout(self):
+        folder = "/".join(("..", "shared", "data"))
+        for path in ("src/config/a.cpp", "src/app/help.cpp", "python/posemix/a.py", "docs/page.md", "configs/a.toml"):
+            self.assertEqual(messages(path, f"// default: {folder}\n"),
+                             ["data folder beside the checkout; use --data or POSEMIX_DATA"], path)
+        for path in (".ci/run", "Makefile"):
+            self.assertFalse(messages(path, f"# {folder}\n"), path)
+        self.assertFalse(messages("docs/page.md", "see https://example.org/shared/database\n"))
+
 
 class Tree(unittest.TestCase):
     def run_main(self, root):
