@@ -11,7 +11,9 @@
 #include "posemix/testing/data.hpp"
 #include "posemix/testing/expect.hpp"
 #include "study/engine/run_study.hpp"
-#include "study/tless/parts.hpp"
+#include "study/tless/metric.hpp"
+#include "study/tless/report.hpp"
+#include "study/tless/run.hpp"
 
 namespace posemix {
 namespace {

@@ -6,11 +6,11 @@
 
 #include <fmt/format.h>
 
-#include "parts.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/io/object_poses.hpp"
 #include "posemix/io/text.hpp"
 #include "recordings.hpp"
+#include "table_folder.hpp"
 
 namespace posemix {
 namespace {

@@ -9,11 +9,11 @@
 
 #include <fmt/format.h>
 
-#include "parts.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/io/pose_table.hpp"
 #include "posemix/io/text.hpp"
 #include "profiles.hpp"
+#include "table_folder.hpp"
 
 namespace posemix {
 namespace {

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include "report.hpp"
+
 #include <cmath>
 #include <map>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "parts.hpp"
 #include "posemix/base/random.hpp"
 #include "posemix/base/statistics.hpp"
 #include "posemix/draw/flags.hpp"

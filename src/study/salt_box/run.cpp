@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include "run.hpp"
+
 #include <array>
 #include <cmath>
 #include <numbers>
 
 #include <nlohmann/json.hpp>
 
-#include "parts.hpp"
 #include "posemix/base/random.hpp"
 #include "posemix/reduction/loss.hpp"
 

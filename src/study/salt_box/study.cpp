@@ -7,9 +7,10 @@
 
 #include <nlohmann/json.hpp>
 
-#include "parts.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/mixture/projected_mixture.hpp"
+#include "report.hpp"
+#include "run.hpp"
 #include "study/engine/settings_json.hpp"
 
 namespace posemix {

@@ -78,6 +78,9 @@ struct SaltBoxStage {
 /// `fused_NAME`, `dropped_NAME`, `merged_NAME`, each with the mixture merged before.
 std::vector<SaltBoxStage> run_salt_box(const SaltBoxSettings& settings);
 
+/// Settings of the reduction after a fusion.
+ReductionSettings salt_box_reduction(const SaltBoxSettings& settings);
+
 /// Standard deviations of a mixture under the distribution of the one projected Gaussian with its
 /// moments.
 struct PoseSpread {

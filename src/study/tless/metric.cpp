@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include "metric.hpp"
+
 #include <string>
 
-#include "parts.hpp"
 #include "posemix/base/units.hpp"
 #include "posemix/io/bop_models.hpp"
 #include "posemix/slam/symmetric_error.hpp"

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include "report.hpp"
+
 #include <cmath>
 
 #include <nlohmann/json.hpp>
 
-#include "parts.hpp"
 #include "posemix/base/statistics.hpp"
 #include "study/engine/table.hpp"
 

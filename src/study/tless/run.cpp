@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include "run.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,11 +10,12 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "parts.hpp"
+#include "metric.hpp"
 #include "posemix/base/random.hpp"
 #include "posemix/base/statistics.hpp"
 #include "posemix/base/units.hpp"
 #include "posemix/slam/evaluation.hpp"
+#include "posemix/slam/run.hpp"
 #include "posemix/slam/symmetric_error.hpp"
 
 namespace posemix {

@@ -9,9 +9,11 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "parts.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/io/bop_models.hpp"
+#include "report.hpp"
+#include "run.hpp"
+#include "scene.hpp"
 
 namespace posemix {
 namespace {

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include "figures.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,7 +10,8 @@
 #include <fmt/format.h>
 
 #include "posemix/draw/chart.hpp"
-#include "rows.hpp"
+#include "published.hpp"
+#include "table_reader.hpp"
 
 namespace posemix {
 namespace {

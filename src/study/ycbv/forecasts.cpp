@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include "forecasts.hpp"
+
 #include <array>
 #include <cmath>
 #include <map>
 
 #include <fmt/format.h>
 
-#include "parts.hpp"
 #include "posemix/draw/chart.hpp"
 
 /// Is the probability of the mode what it says?

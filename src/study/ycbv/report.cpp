@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include "report.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,8 +10,11 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "parts.hpp"
+#include "figures.hpp"
+#include "forecasts.hpp"
 #include "posemix/base/statistics.hpp"
+#include "published.hpp"
+#include "summary.hpp"
 
 namespace posemix {
 namespace {

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include "run.hpp"
+
 #include <algorithm>
 #include <array>
 
-#include "parts.hpp"
+#include "forecasts.hpp"
+#include "pixels.hpp"
 #include "posemix/base/units.hpp"
 #include "posemix/slam/evaluation.hpp"
+#include "published.hpp"
 
 namespace posemix {
 namespace {

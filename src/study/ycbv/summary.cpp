@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include "summary.hpp"
+
 #include <cmath>
 #include <map>
 
 #include "posemix/base/statistics.hpp"
-#include "rows.hpp"
+#include "table_reader.hpp"
 
 /// What the rows come to: against the published offline numbers, against the odometry, and from
 /// wrong starts.

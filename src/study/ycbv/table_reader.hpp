@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "parts.hpp"
+#include "study/engine/table.hpp"
 
 namespace posemix {
 
