@@ -21,7 +21,7 @@ inline constexpr std::string_view kChartGrid = "#E4E4E4";
 inline constexpr std::string_view kChartFineGrid = "#F3F3F3";
 inline constexpr std::string_view kChartAxis = "#555555";
 
-/// How a series is drawn: its own colour and dash, or those of its place in the legend.
+/// Colour and dash of a series: its own, or the defaults for its place in the legend.
 struct SeriesStyle {
   std::string colour;
   std::string dash;

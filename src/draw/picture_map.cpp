@@ -30,7 +30,7 @@ struct Extent {
   }
 };
 
-/// A world plane spanned by two axes, and how it lies in the picture.
+/// A world plane spanned by two axes, and its place in the picture.
 class MapView {
  public:
   MapView(const SvgBox& box, const Extent& extent, std::array<Eigen::Index, 2> axes)
@@ -67,7 +67,7 @@ class MapView {
   Eigen::Vector2d centre_;
 };
 
-/// The plane across the axis in which the camera moved least; x-y where that is nearly the case.
+/// The plane across the axis in which the camera moved least; the x-y plane if z is nearly that axis.
 std::array<Eigen::Index, 2> choose_axes(const SlamRun& run) {
   Extent path;
   for (const FrameEstimate& frame : run.frames) path.add(frame.camera.mean().translation());

@@ -14,7 +14,7 @@
 /// The parts of picture.svg.
 namespace posemix {
 
-/// Colours that colour-blind readers tell apart (Okabe and Ito 2008).
+/// Colours that colour-blind readers can distinguish (Okabe and Ito 2008).
 inline constexpr std::array<std::string_view, 6> kObjectColours{"#D55E00", "#0072B2", "#009E73",
                                                                 "#CC79A7", "#E69F00", "#56B4E9"};
 inline constexpr std::string_view kCameraColour = "#222222";
@@ -32,12 +32,12 @@ void draw_map(SvgDocument& svg, const SvgBox& box, const SlamJob& job, const Sla
 /// The mark of a true object position.
 void draw_cross(SvgDocument& svg, const Eigen::Vector2d& at);
 
-/// One number per frame of one object; empty where there is none.
+/// One number per frame of one object; empty for a frame without a value.
 using Curve = std::vector<std::optional<double>>;
 
-/// What the strip of one object shows, all in degrees.
+/// The curves in the strip of one object [deg].
 struct StripCurves {
-  Curve estimate;  ///< rotation error of the estimate; nowhere where there is no truth
+  Curve estimate;  ///< rotation error of the estimate; empty without ground truth
   Curve detector;  ///< rotation error of the detections
   Curve width;     ///< 3 sigma about the least certain axis
 };

@@ -36,7 +36,7 @@ class SampleMoments {
   }
   Eigen::MatrixXd covariance() const { return second_moment() - mean() * mean().transpose(); }
 
-  /// Largest difference from the expected mean and covariance, in standard errors, after taking off
+  /// Largest difference from the expected mean and covariance, in standard errors, after subtracting
   /// `allowance` times the size of the quantity (sqrt of a variance, product of two for the second
   /// moments).
   double worst_score(const Eigen::VectorXd& expected_mean,
