@@ -18,7 +18,7 @@
 namespace posemix {
 namespace {
 
-/// Everything that the result follows from but the recordings' contents.
+/// Everything that determines the result, except for the contents of the recordings.
 std::string tless_settings_text(const TlessStudySettings& s,
                                 const std::vector<TlessScene>& scenes) {
   nlohmann::ordered_json json = {{"data", s.data.string()},

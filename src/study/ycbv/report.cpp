@@ -61,7 +61,7 @@ std::vector<std::vector<Cell>> to_rows(const Json& json) {
   return rows;
 }
 
-/// The numbers of one column of some rows; none where there is nothing.
+/// The numbers of one column of some rows, without missing ones.
 std::vector<double> numbers_of(const std::vector<const std::vector<Cell>*>& rows,
                                std::size_t column) {
   std::vector<double> numbers;
@@ -71,7 +71,7 @@ std::vector<double> numbers_of(const std::vector<const std::vector<Cell>*>& rows
   return numbers;
 }
 
-/// Rows of one detector and method, in the order of their first.
+/// Rows by detector and method, in the order of first appearance.
 using Group = std::vector<const std::vector<Cell>*>;
 std::vector<Group> groups_of(const StudyTable& table) {
   std::vector<Group> groups;
@@ -152,7 +152,7 @@ std::string text_of(const StudyTable& table) {
   return result.text(4);
 }
 
-/// The summary for people, and what it means.
+/// The summary as text, with an explanation.
 std::string text_of_summary(const StudyTable& summary) {
   StudyTable result({"detector", "method", "n", "px", "last map px", "> ACT", "last map > ACT",
                      "of", "cam deg/odom", "cam cm/odom", "recovered", "of wrong starts"});

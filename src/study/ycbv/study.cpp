@@ -58,7 +58,7 @@ std::vector<YcbvItem> make_items(const YcbvStudySettings& settings,
   return items;
 }
 
-/// Everything that the result follows from but the recordings' contents.
+/// Everything that determines the result, except for the contents of the recordings.
 std::string settings_text(const YcbvStudySettings& settings, const std::vector<YcbvItem>& items) {
   nlohmann::ordered_json json;
   json["data"] = settings.data.string();
