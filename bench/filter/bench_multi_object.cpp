@@ -3,9 +3,9 @@
 
 // One frame of the multi-object filter: odometry and one detection of every object, each of which
 // keeps three modes alive, with eight hypotheses per object. The time grows with the number of
-// hypotheses and, through the joint Gaussian, a little faster than linearly in the number of objects;
-// a filter with joint hypotheses would need 3^objects of them. For comparison, one pair update per
-// hypothesis: the minimum for any filter.
+// hypotheses and, through the joint Gaussian, a little faster than linearly in the number of
+// objects; a filter with joint hypotheses would need 3^objects of them. For comparison, one pair
+// update per hypothesis: the minimum for any filter.
 #include <benchmark/benchmark.h>
 
 #include <limits>

@@ -67,7 +67,8 @@ class MapView {
   Eigen::Vector2d centre_;
 };
 
-/// The plane across the axis in which the camera moved least; the x-y plane if z is nearly that axis.
+/// The plane across the axis in which the camera moved least; the x-y plane if z is nearly that
+/// axis.
 std::array<Eigen::Index, 2> choose_axes(const SlamRun& run) {
   Extent path;
   for (const FrameEstimate& frame : run.frames) path.add(frame.camera.mean().translation());

@@ -27,8 +27,8 @@ class NetworkError : public std::runtime_error {
 };
 
 struct ConnectionSettings {
-  bool allow_http = false;  ///< allow unencrypted addresses on other machines
-  int retries = 4;          ///< after a transient error without progress
+  bool allow_http = false;                     ///< allow unencrypted addresses on other machines
+  int retries = 4;                             ///< after a transient error without progress
   std::chrono::milliseconds first_wait{1000};  ///< before the first retry; doubles
 };
 

@@ -17,7 +17,8 @@ namespace posemix {
 
 /// One file of a source.
 struct SourceFile {
-  std::string path;  ///< relative to the source's address and to its folder, with '/'; never leads out of it
+  std::string path;  ///< relative to the source's address and to its folder, with '/'; never leads
+                     ///< out of it
   std::optional<std::uint64_t> size;  ///< [bytes], if known
   std::string sha256;                 ///< 64 hexadecimal digits; empty where the registry has none
   bool published = false;             ///< the host publishes a hash, as a Git LFS pointer

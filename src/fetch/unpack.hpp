@@ -18,7 +18,8 @@ using UnpackProgress = std::function<bool(std::size_t files)>;
 bool is_archive_name(const std::string& name);
 
 /// Unpacks the files of an archive below `folder`, without the leading folder `strip` if that is
-/// given; files of the same name are replaced. Returns the number of files; empty if it was stopped.
+/// given; files of the same name are replaced. Returns the number of files; empty if it was
+/// stopped.
 ///
 /// Entries that lead out of the folder, are links or devices, or would be written through a
 /// symbolic link are refused.

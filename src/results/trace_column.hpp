@@ -31,7 +31,8 @@ class TraceColumn {
 
   /// Whether the integers of a linear column can represent the value.
   bool holds(double value) const;
-  /// Adds the values of one frame, as many as the width; a value out of range becomes the nearest one.
+  /// Adds the values of one frame, as many as the width; a value out of range becomes the nearest
+  /// one.
   void add(std::span<const double> values);
   /// Adds a frame without values.
   void repeat();

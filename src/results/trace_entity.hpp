@@ -19,8 +19,8 @@ void write_columns(const std::vector<TraceColumn>& columns, Deflater& data, Json
 /// The arrays over frames of the camera or of an object.
 class TraceEntity {
  public:
-  /// `path` names the entity in error messages; `prefix` is "camera" or "objects/<id>" and begins the
-  /// names of its columns.
+  /// `path` names the entity in error messages; `prefix` is "camera" or "objects/<id>" and begins
+  /// the names of its columns.
   TraceEntity(std::string path, std::string prefix)
       : path_(std::move(path)), prefix_(std::move(prefix)) {}
 
@@ -29,7 +29,8 @@ class TraceEntity {
   TraceSeries* open(const TraceKeys& keys, const TraceScales& scales);
 
   /// Compresses all arrays, which have equal lengths, and a mask of the entries that exist.
-  /// @throws InvalidInput when an array that a report needs is missing, or when poses lack deviations
+  /// @throws InvalidInput when an array that a report needs is missing, or when poses lack
+  /// deviations
   void write(Deflater& data, Json& headers);
 
  private:

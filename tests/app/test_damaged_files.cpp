@@ -8,7 +8,8 @@
 #include "config/small_recording.hpp"
 #include "run_program.hpp"
 
-/// The program on recordings with a damaged input file: an error that names the file, and no output.
+/// The program on recordings with a damaged input file: an error that names the file, and no
+/// output.
 namespace posemix {
 namespace {
 

@@ -76,7 +76,7 @@ class ExhaustiveFilter {
 
   std::size_t size() const { return tuples_.size(); }
 
-  /// Of the camera (pose 0), or of an object given that it is there.
+  /// The marginal of the camera (pose 0), or of an object given that it exists.
   Mixture<ConcentratedGaussian<SE3d>> marginal(std::size_t pose) const {
     std::vector<Component<ConcentratedGaussian<SE3d>>> components;
     const auto at = static_cast<Eigen::Index>(6 * pose);

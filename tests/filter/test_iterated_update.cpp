@@ -166,8 +166,7 @@ TEST(IteratedUpdate, CommonMotionGainsNoInformationInTenThousandUpdates) {
   }
   const Matrix6d after = carried.transpose() * information(h) * carried;
   EXPECT_LT((after - before).norm(), 1e-6 * before.norm());
-  // What is observable did gain: the relative pose is known a hundred times better than one
-  // detection.
+  // Observable quantities did gain: the relative pose is far more certain than one detection.
   EXPECT_LT(relative_pose(h, 0, 1).covariance()(0, 0), 1e-3 * r(0, 0));
 }
 

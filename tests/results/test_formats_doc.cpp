@@ -7,7 +7,7 @@
 #include "posemix/io/text.hpp"
 #include "posemix/results/results.hpp"
 
-/// The defaults in docs/formats.md are those of the settings.
+/// The defaults in docs/formats.md equal the defaults of the settings.
 namespace posemix {
 namespace {
 

@@ -171,7 +171,7 @@ TEST(FixedLag, ReportsEveryFrameOnceAndInTime) {
 }
 
 TEST(FixedLag, LooksAheadJustSoFar) {
-  // The right mode leads from some frame on; its lag earlier it is what is reported.
+  // The right mode leads from some frame on, and is reported from one lag earlier on.
   const Sequence sequence = wrong_at_first();
   const PoseDensity prior(kStart, kStartCovariance);
   const std::vector<ObjectModel> models{{"0"}};
@@ -188,7 +188,7 @@ TEST(FixedLag, LooksAheadJustSoFar) {
 }
 
 TEST(Smoothing, MotionWithoutOdometry) {
-  // Steady motion: smoothing pays most at the start, where the velocity is not known.
+  // Steady motion: smoothing gains most at the start, where the velocity is unknown.
   Sequence sequence = drawn_sequence(4, 1);
   sequence.odometry.clear();
   const PoseDensity prior(kStart, kStartCovariance);

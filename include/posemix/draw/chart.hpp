@@ -20,7 +20,8 @@ struct ChartSeries {
   std::string label = {};  ///< label in the legend; empty: no entry
   std::vector<double> x = {};
   std::vector<double> y = {};
-  std::vector<double> lower = {};  ///< lower edges of a band, one per point, with `upper`; empty: no band
+  std::vector<double> lower =
+      {};  ///< lower edges of a band, one per point, with `upper`; empty: no band
   std::vector<double> upper = {};
   std::string color = {};  ///< as "#0072B2"; empty: chosen by the label's place in the legend
   std::string dash = {};   ///< lengths of dashes and gaps, as "6 4"; empty: a full line

@@ -23,7 +23,8 @@ using NamedText = std::pair<std::string, std::string>;
 
 /// All files of one run: camera.tum, object_<id>.tum, relative_<id>.tum, metrics.json,
 /// posterior.json, trace.json and picture.svg.
-/// @throws InvalidInput when an estimate is not finite, which extreme numbers in the input can cause
+/// @throws InvalidInput when an estimate is not finite, which extreme numbers in the input can
+/// cause
 std::vector<NamedText> format_results(const SlamJob& job, const SlamRun& run,
                                       const Metrics& metrics);
 

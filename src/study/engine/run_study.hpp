@@ -35,9 +35,9 @@ struct StudyRun {
 ///
 /// Every rank calls this; every rank makes the study for itself. Rank 0 hands out items as others
 /// finish, writes the journal and gets the results; the rest get nothing back. The journal of a
-/// study that was stopped, or that died, is kept; the caller removes the journal of a complete study
-/// once its report is written. When `make` or an item throws on any rank, no rank begins another item
-/// and rank 0 throws.
+/// study that was stopped, or that died, is kept; the caller removes the journal of a complete
+/// study once its report is written. When `make` or an item throws on any rank, no rank begins
+/// another item and rank 0 throws.
 /// @throws InvalidInput as Journal, and when the ranks do not agree on the study
 std::optional<StudyRun> run_study(Ranks& ranks, const std::function<Study()>& make,
                                   const StudyRunOptions& options = {});

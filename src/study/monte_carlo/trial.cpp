@@ -8,8 +8,8 @@
 namespace posemix {
 namespace {
 
-/// Purposes of random numbers. Each has a stream of its own, so that a change in one does not affect
-/// the numbers of the others.
+/// Purposes of random numbers. Each has a stream of its own, so that a change in one does not
+/// affect the numbers of the others.
 enum class Purpose : std::size_t { start, odometry, detection, count };
 
 RandomStream stream_of(const MonteCarloStudySettings& settings, std::size_t run, Purpose purpose) {

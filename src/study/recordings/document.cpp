@@ -88,8 +88,8 @@ class Writer {
   bool camera_truth() const { return camera_truth_; }
 
  private:
-  /// Checks which files of the camera exist. A profile without odometry has a motion model that needs
-  /// none.
+  /// Checks which files of the camera exist. A profile without odometry has a motion model that
+  /// needs none.
   void find_files_of_camera() {
     for (const Section& section : sections_) {
       if (section.header != "[camera]") continue;

@@ -39,9 +39,9 @@ std::vector<Recording> find_recordings(const std::filesystem::path& data);
 /// The folder experiments/ycbv of a data folder, if it exists.
 std::optional<std::filesystem::path> find_experiments(const std::filesystem::path& data);
 
-/// The text of the built-in sequence file of a detector, with its noise model and filter: for "dope"
-/// configs/ycbv-dope.toml, for "cosypose" configs/ycbv-0022.toml, and for "published" the settings
-/// of the midway paper's program, configs/ycbv-0022-paper.toml.
+/// The text of the built-in sequence file of a detector, with its noise model and filter: for
+/// "dope" configs/ycbv-dope.toml, for "cosypose" configs/ycbv-0022.toml, and for "published" the
+/// settings of the midway paper's program, configs/ycbv-0022-paper.toml.
 /// @throws InvalidInput for another name
 std::string_view recording_profile(std::string_view name);
 

@@ -32,8 +32,9 @@ struct SaltBoxFeature {
 /// Settings of `study salt-box`. Rotations in radians, translations in metres.
 struct SaltBoxSettings {
   std::vector<SaltBoxFeature> features;  ///< at least two
-  double tilt_sd = radians(3.66);        ///< deviation of an element about the x and y axes of the feature
-  double spin_sd = radians(3.0);         ///< about its z axis
+  double tilt_sd =
+      radians(3.66);              ///< deviation of an element about the x and y axes of the feature
+  double spin_sd = radians(3.0);  ///< about its z axis
   /// The six outer elements are tilted by this. With tilt_sd, the tilt then has the variance of a
   /// uniform disc of 15 degrees.
   double cone = radians(10.0);
@@ -69,8 +70,8 @@ PoseMpg object_mixture(const SaltBoxSettings& settings, const SaltBoxFeature& fe
 struct SaltBoxStage {
   std::string name;
   PoseMpg mixture;
-  /// For a fusion: the log of the integral of the product over the half sphere of quaternions and the
-  /// translations, the paper's measure [nats].
+  /// For a fusion: the log of the integral of the product over the half sphere of quaternions and
+  /// the translations, the paper's measure [nats].
   std::optional<double> log_evidence;
 };
 
@@ -97,9 +98,9 @@ SaltBoxSettings read_salt_box_settings(const TomlTable& table);
 
 /// The study: one work item for the example and one per trial. Files: study.json (rows `stage`,
 /// `components`, `log_evidence`, `rotation_std_deg`, `translation_std_m` and more), reductions.csv
-/// (the loss of dropping and merging after the first fusion, by rule), trials.csv (errors and normalised
-/// squared errors with tilts drawn feature by feature, and with one tilt for all features of a
-/// view), flags_STAGE.svg, posterior.json (the last mixture).
+/// (the loss of dropping and merging after the first fusion, by rule), trials.csv (errors and
+/// normalised squared errors with tilts drawn feature by feature, and with one tilt for all
+/// features of a view), flags_STAGE.svg, posterior.json (the last mixture).
 Study make_salt_box_study(const SaltBoxSettings& settings);
 
 }  // namespace posemix

@@ -165,8 +165,8 @@ void count_instances(const TlessScene& scene, const std::vector<ObjectModel>& mo
   row["false_confirmed"] = wrong;
 }
 
-/// Counts jumps of the world estimates to an equivalent pose from one frame to the next. Turns about
-/// an axis of symmetry, which no detection determines, are counted separately.
+/// Counts jumps of the world estimates to an equivalent pose from one frame to the next. Turns
+/// about an axis of symmetry, which no detection determines, are counted separately.
 void count_flips(const std::vector<ObjectModel>& models, const SlamRun& run,
                  const TlessMetric& metric, Json& row) {
   std::array<std::int64_t, 2> steps{0, 0};

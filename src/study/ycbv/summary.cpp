@@ -8,8 +8,8 @@
 #include "posemix/base/statistics.hpp"
 #include "table_reader.hpp"
 
-/// The summary compares the rows with the published offline results and with the odometry, and counts
-/// recoveries from wrong starts.
+/// The summary compares the rows with the published offline results and with the odometry, and
+/// counts recoveries from wrong starts.
 namespace posemix {
 namespace {
 
