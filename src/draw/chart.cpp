@@ -8,8 +8,11 @@
 
 #include <fmt/format.h>
 
-#include "chart_parts.hpp"
+#include "chart_axis.hpp"
+#include "chart_legend.hpp"
+#include "chart_panel.hpp"
 #include "posemix/base/error.hpp"
+#include "svg.hpp"
 
 namespace posemix {
 namespace {

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include "chart_legend.hpp"
+
 #include <algorithm>
 #include <array>
-
-#include "chart_parts.hpp"
+#include <string_view>
 
 namespace posemix {
 namespace {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include "chart_series.hpp"
+
 #include <cstddef>
 #include <utility>
-
-#include "chart_parts.hpp"
 
 namespace posemix {
 namespace {

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include "picture_map.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,7 +9,7 @@
 #include <fmt/format.h>
 #include <Eigen/Eigenvalues>
 
-#include "picture_parts.hpp"
+#include "picture_colours.hpp"
 #include "posemix/base/units.hpp"
 #include "position_covariance.hpp"
 

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include "picture_strip.hpp"
+
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 #include <Eigen/Eigenvalues>
 
-#include "picture_parts.hpp"
+#include "picture_colours.hpp"
 #include "posemix/base/units.hpp"
 
 namespace posemix {
