@@ -44,7 +44,7 @@ struct OrbitScene {
     }
   }
 
-  /// Looks at the origin from a circle of one metre.
+  /// A camera that looks at the origin from a circle of one metre.
   static SE3d camera_at(int frame) {
     const double angle = 0.02 * frame;
     const SE3d turn = pose(0, 0, angle, 0, 0, 0);
@@ -52,7 +52,7 @@ struct OrbitScene {
     return turn * view;
   }
 
-  /// The next frame's odometry.
+  /// Moves the camera and returns the next frame's odometry.
   SE3d advance() {
     const SE3d next = camera_at(++frame);
     const SE3d motion = camera.inverse() * next;

@@ -21,7 +21,7 @@ inline Matrix6d isotropic(double rotation_sd_deg, double translation_sd_m) {
                          Eigen::Vector3d::Constant(translation_sd_m));
 }
 
-/// A draw of N(0, covariance).
+/// A sample of N(0, covariance).
 inline Vector6d draw(const Matrix6d& covariance, RandomStream& stream) {
   Eigen::VectorXd white(6);
   stream.fill_normal(white);

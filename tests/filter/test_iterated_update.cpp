@@ -52,7 +52,7 @@ TEST(IteratedUpdate, IsTheLinearizedUpdateWhereEverythingIsSmall) {
   EXPECT_NEAR(iterated.log_likelihood, once.log_likelihood, 1e-3);
 }
 
-/// |zeta|^2_P + |n|^2_R of relative poses, straight from the definitions.
+/// |zeta|^2_P + |n|^2_R of relative poses, directly from the definitions.
 double cost(const Hypothesis& prior, const TwoDetections& seen, const std::array<SE3d, 2>& z) {
   Eigen::MatrixXd d = Eigen::MatrixXd::Zero(12, 18);
   Eigen::VectorXd zeta(12);

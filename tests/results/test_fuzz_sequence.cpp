@@ -8,7 +8,7 @@
 #include "posemix/results/results.hpp"
 #include "posemix/testing/mutate.hpp"
 
-/// Damaged sequence files and recordings through all that `posemix slam` does with them.
+/// Runs every step of `posemix slam` on damaged sequence files and recordings.
 namespace posemix {
 namespace {
 

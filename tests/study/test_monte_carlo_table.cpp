@@ -12,7 +12,7 @@
 #include "study/engine/run_study.hpp"
 #include "study/monte_carlo/study.hpp"
 
-/// Table I against an independent prototype (another program, other random numbers, 100 runs).
+/// Compares Table I to an independent prototype (another program, other random numbers, 100 runs).
 namespace posemix {
 namespace {
 

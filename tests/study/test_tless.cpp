@@ -20,7 +20,7 @@ SE3d camera(std::int64_t image) {
   return SE3d(SO3d::exp({0.02 * t, -0.05 * t, 0.01 * t}), {0.03 * t, 0.01 * t, -0.02 * t});
 }
 
-/// Two objects of class 1, one of class 2; `world` of one shows nothing of the others.
+/// Two objects of class 1 and one of class 2: class and pose in the world.
 const std::vector<std::pair<std::int64_t, SE3d>>& things() {
   static const std::vector<std::pair<std::int64_t, SE3d>> things{
       {1, SE3d(SO3d::exp({0.1, 0.2, 0.3}), {0.0, 0.0, 0.7})},
