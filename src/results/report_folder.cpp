@@ -62,7 +62,7 @@ bool is_mixture(const Json& document) {
   return type != document.end() && *type == "posemix.mixture";
 }
 
-/// Refuses a mixture file that the library cannot read.
+/// Refuses a mixture file that the library does not read.
 void check_mixture(const Json& document, const fs::path& path) {
   if (is_mixture(document)) parse_mixture(document.dump(), path.string());
 }

@@ -44,7 +44,7 @@ class TraceEntity {
 
   std::string path_;
   std::string prefix_;
-  std::map<std::string, TraceSeriesPtr> series_;  ///< series by their keys within the entity
+  std::map<std::string, TraceSeriesPtr> series_;  ///< by the keys within the entity
 };
 
 }  // namespace posemix

@@ -57,7 +57,7 @@ TEST(FilterMethods, ParticleFilter) {
   EXPECT_NEAR(std::sqrt(walk(5, 5)), 0.3, 1e-15);
   EXPECT_EQ(job.particles->motion.model, job.settings.motion.model);
   EXPECT_EQ(job.particles->motion.noise.covariance, job.settings.motion.noise.covariance);
-  // The method of the job is the particle filter.
+  // `run` of the job is the particle filter.
   const SlamRun by_job = run(job);
   const SlamRun direct =
       run_particle_filter(job.sequence, job.camera_prior, job.models, *job.particles);

@@ -172,7 +172,7 @@ TEST(ObjectCandidates, TheSurestTakesTheLastModel) {
   both.push_back(at(0.4, 0.9).front());
   both.push_back({"nut", SE3d(), 1.0});
   const FrameReport report = slam.start(none(1), both);
-  // An instance that was seen in this frame is not replaced.
+  // One that was seen in this frame does not give way.
   EXPECT_EQ(report.candidates[0].status, CandidateStatus::dropped);
   EXPECT_EQ(report.candidates[1].status, CandidateStatus::fresh);
   EXPECT_EQ(report.candidates[2].status, CandidateStatus::dropped);
