@@ -26,7 +26,7 @@ help:
 	@echo 'make demo       simulate a sequence and run three filters on it side by side, into build/demo, with a report'
 	@echo 'make test       build and run all tests: test-cpp, test-python, report-test (the report page in a browser)'
 	@echo 'make fuzz       the tests that damage files, under sanitizers'
-	@echo 'make bench      build and run the benchmarks, results into build/bench'
+	@echo 'make bench      build and run the benchmarks, results into build/bench; then those of the report page in a browser'
 	@echo 'make format     format the sources'
 	@echo 'make style      check format, include directions and scripts'
 	@echo 'make lint       the same, and clang-tidy; with TIDY_SINCE=COMMIT only on the sources changed since'
@@ -103,6 +103,7 @@ bench: build/.bootstrap-bench
 	@for bench in build/release/bench/bench_*; do \
 	  "$$bench" --benchmark_out="build/bench/$${bench##*/}.json" --benchmark_out_format=json || exit 1; \
 	done
+	cd report && POSEMIX_CHROMIUM="$$(command -v chromium)" npm run --silent bench
 
 format: build/.bootstrap-style
 	clang-format -i $(FORMATTED)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 # SPDX-FileCopyrightText: posemix contributors
 #
-# How the project compiles its own targets. Nothing here reaches a user of the installed package.
+# Compile options for the targets of the project. Users of the installed package do not get them.
 if(PROJECT_IS_TOP_LEVEL AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   find_program(POSEMIX_CCACHE ccache)
   if(POSEMIX_CCACHE)
@@ -22,7 +22,7 @@ if(POSEMIX_WERROR)
   endif()
 endif()
 
-# posemix_sanitize(<target> <sanitizers>): separated by commas.
+# posemix_sanitize(<target> <sanitizers>): compiles with sanitizers, a list separated by commas.
 function(posemix_sanitize target sanitizers)
   target_compile_options(${target} PRIVATE -fsanitize=${sanitizers} -fno-sanitize-recover=all -fno-omit-frame-pointer)
   target_link_options(${target} PRIVATE -fsanitize=${sanitizers})
@@ -43,7 +43,8 @@ function(posemix_apply_policy target)
   endif()
 endfunction()
 
-# posemix_apply_test_policy(<target>): tests take longer to compile than to run; what they test is optimised in full.
+# posemix_apply_test_policy(<target>): little optimisation, because tests take longer to compile than to run; the code
+# under test is optimised in full.
 function(posemix_apply_test_policy target)
   posemix_apply_policy(${target})
   target_compile_options(${target} PRIVATE "$<$<CONFIG:Release>:-O1>")
@@ -52,7 +53,7 @@ endfunction()
 # posemix_precompile(<target> FROM <owner> [HEADERS <header>...])
 #
 # Compiles the target with the headers that the owner, a target with the same compile options, has precompiled; the
-# owner itself names them. Half of the time of most files goes into parsing Eigen and GoogleTest.
+# owner itself names them. Parsing Eigen and GoogleTest takes half of the compile time of most files.
 function(posemix_precompile target)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "FROM" "HEADERS")
   if(NOT POSEMIX_PRECOMPILE)

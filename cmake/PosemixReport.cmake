@@ -6,7 +6,7 @@ find_program(POSEMIX_NODE node DOC "Node.js, 18 or later")
 find_program(POSEMIX_NPM npm DOC "npm, which comes with Node.js")
 mark_as_advanced(POSEMIX_NODE POSEMIX_NPM)
 
-# posemix_find_node(<variable>): whether npm and a Node.js that is recent enough are there.
+# posemix_find_node(<variable>): whether npm and a recent enough Node.js are installed.
 function(posemix_find_node variable)
   set(${variable} OFF PARENT_SCOPE)
   if(POSEMIX_NODE AND POSEMIX_NPM)
@@ -23,7 +23,7 @@ if(POSEMIX_REPORT AND NOT POSEMIX_NODE_FOUND)
   message(FATAL_ERROR "POSEMIX_REPORT needs Node.js 18 or later and npm on the PATH; without the page: -DPOSEMIX_REPORT=OFF")
 endif()
 
-# posemix_add_report_page(<variable>): the source of the library that holds the page, or says that there is none.
+# posemix_add_report_page(<variable>): the source with the page, or with the error of a build without it.
 function(posemix_add_report_page variable)
   if(NOT POSEMIX_REPORT)
     set(${variable} report_no_page.cpp PARENT_SCOPE)
@@ -54,7 +54,7 @@ function(posemix_add_report_page variable)
   set(${variable} "${out}/report_page_data.cpp" PARENT_SCOPE)
 endfunction()
 
-# posemix_use_report_page(<target>): a library with that source.
+# posemix_use_report_page(<target>): for the library that compiles this source.
 function(posemix_use_report_page target)
   target_include_directories(${target} PRIVATE "${CMAKE_CURRENT_SOURCE_DIR}")
   if(TARGET posemix_report_page)

@@ -64,7 +64,7 @@ endfunction()
 # posemix_add_tests(<room>
 #   SOURCES <file>...
 #   [DEPENDS <target>...]  libraries under test
-#   [LABEL <label>]        slow: left out of coverage; fuzz: with the sanitized file rooms where there are any
+#   [LABEL <label>]        slow: left out of coverage; fuzz: linked with the sanitized file rooms if they are built
 #   [TIMEOUT <seconds>])   of one test case, 300 unless given
 #
 # Defines the program tests_<room>, or tests_<room>_<label>, linked with gtest_main, rapidcheck and posemix::testing, and
@@ -112,6 +112,7 @@ function(posemix_add_bench name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;DEPENDS")
   add_executable(${name} ${arg_SOURCES})
   posemix_apply_policy(${name})
+  target_include_directories(${name} PRIVATE "${PROJECT_SOURCE_DIR}/src")
   target_link_libraries(${name} PRIVATE ${arg_DEPENDS} benchmark::benchmark_main)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/bench")
   set_property(GLOBAL APPEND PROPERTY POSEMIX_BENCHMARKS ${name})

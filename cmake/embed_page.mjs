@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-// Writes a C++ source that holds a page, compressed: node embed_page.mjs PAGE.html SOURCE.cpp
+// Writes a C++ source with a page, compressed: node embed_page.mjs PAGE.html SOURCE.cpp
 import { readFileSync, writeFileSync } from "node:fs";
 import { deflateSync } from "node:zlib";
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 # SPDX-FileCopyrightText: posemix contributors
 #
-# cmake -DNPM=<npm> -P run_npm.cmake -- <arguments>: runs npm, and says how to do without it when it fails.
+# cmake -DNPM=<npm> -P run_npm.cmake -- <arguments>: runs npm; its error message names the option for builds without npm.
 set(arguments "")
 set(is_argument OFF)
 math(EXPR last "${CMAKE_ARGC} - 1")

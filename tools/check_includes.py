@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 # SPDX-FileCopyrightText: posemix contributors
-"""Check the include directions between rooms, and the head of every source file.
+"""Check the include directions between rooms, the head of every source file, and paths that only some machines have.
 
 A room includes only itself and the rooms before it in ROOMS. Prints one line per violation, as
 file:line: message, and exits with 1 where there is one.
@@ -24,6 +24,9 @@ SPDX_LINES = ("SPDX-License-Identifier: MIT", "SPDX-FileCopyrightText: posemix c
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
 MACHINE_PATH = re.compile(r"(?<![A-Za-z0-9_.~-])/(work|root|home|Users)/")
+# The data folder is named by --data, $POSEMIX_DATA or the cache of `posemix data`, never by a place beside the checkout.
+SHARED_DATA = re.compile(r"\bshared[/]data\b")
+SHARED_DATA_ALLOWED = (".ci/run", "Makefile")
 
 
 def room_of(path):
@@ -95,6 +98,8 @@ def check_file(path, text):
     for number, line in enumerate(lines, 1):
         if MACHINE_PATH.search(line):
             yield number, "path of one machine"
+        if SHARED_DATA.search(line) and path not in SHARED_DATA_ALLOWED:
+            yield number, "data folder beside the checkout; use --data or POSEMIX_DATA"
 
 
 def project_files(root):

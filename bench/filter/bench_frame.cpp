@@ -41,7 +41,7 @@ SE3d camera_at(double turn) {
   return {SO3d::from_matrix(axes), position};
 }
 
-/// What the filter is given.
+/// The input of the filter.
 struct Recording {
   static constexpr double kDrift =
       30.0;  ///< of the odometry, times the drift of the study's level 0

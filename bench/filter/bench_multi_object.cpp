@@ -2,10 +2,10 @@
 // SPDX-FileCopyrightText: posemix contributors
 
 // One frame of the multi-object filter: odometry and one detection of every object, each of which
-// keeps three modes alive, with eight hypotheses per object. By objects the time grows with the
-// hypotheses and, through the joint Gaussian, a little faster than linearly; a joint filter would
-// need 3^objects hypotheses. Beside it one pair update per hypothesis, the least that any filter
-// does.
+// keeps three modes alive, with eight hypotheses per object. The time grows with the number of
+// hypotheses and, through the joint Gaussian, a little faster than linearly in the number of
+// objects; a filter with joint hypotheses would need 3^objects of them. For comparison, one pair
+// update per hypothesis: the minimum for any filter.
 #include <benchmark/benchmark.h>
 
 #include <limits>

@@ -7,8 +7,8 @@
 #include "posemix/base/random.hpp"
 #include "posemix/lie/lie.hpp"
 
-// A million elements at once, result allocated anew, as the Python package does it: what
-// bench/python/batch.py compares the package with.
+// A million elements at once into a newly allocated result, as in the Python package: the reference
+// for bench/python/batch.py.
 namespace posemix {
 namespace {
 

@@ -11,8 +11,8 @@
 #include "posemix/mixture/em.hpp"
 
 /// EM of seven components on SE(3): one iteration (a pass over all samples and the M-step) against
-/// what it would take with the functions of one sample at a time. The counter `ratio` is naive time
-/// over EM's in this run.
+/// the same with functions of one sample at a time. The counter `ratio` is the naive time over the
+/// time of EM in this run.
 namespace posemix {
 namespace {
 
@@ -56,7 +56,7 @@ double seconds_of_processor() {
   return static_cast<double>(std::clock()) / static_cast<double>(CLOCKS_PER_SEC);
 }
 
-/// Seconds of processor for the shares and second moments of a tenth of the samples, one by one.
+/// Processor time [s] for the shares and second moments of a tenth of the samples, one by one.
 template <class D>
 double naive_seconds(const Problem<D>& problem) {
   std::vector<typename D::Evaluator> evaluators;
@@ -81,7 +81,7 @@ double naive_seconds(const Problem<D>& problem) {
   return seconds_of_processor() - begin;
 }
 
-/// An iteration takes a tenth of what ten more of them take, in time of the processor.
+/// Processor time of an iteration: a tenth of the time that ten more of them take.
 template <class D>
 void bench_iteration(benchmark::State& state) {
   const Problem<D>& problem = Problem<D>::of(state.range(0));

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 
-// What the lead of a study costs per work item, with and without a journal: items that do nothing
-// but return a text of the length of a Monte-Carlo item's. The inverse is the rate of items at
-// which rank 0 saturates.
+// Cost of leading a study per work item, with and without a journal. The items only return a text
+// as long as that of a Monte-Carlo item. The inverse is the rate of items at which rank 0
+// saturates.
 #include <benchmark/benchmark.h>
 
 #include <filesystem>

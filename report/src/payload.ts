@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-// What the program writes into the page.
+// The data that the program writes into the page.
 
 export type Json = null | boolean | number | string | Json[] | { [key: string]: Json };
 export type JsonObject = { [key: string]: Json };
@@ -48,7 +48,7 @@ export interface Payload {
   trace?: PackedTrace;
 }
 
-/** A payload that this page cannot show; the message is for the reader. */
+/** A payload that this page cannot show; the message is shown to the reader. */
 export class BadPayload extends Error {}
 
 export function isObject(value: unknown): value is JsonObject {
@@ -80,7 +80,7 @@ function trace(value: unknown): PackedTrace {
   return value as unknown as PackedTrace;
 }
 
-/** Checks what was written into the page. */
+/** Checks the data in the page. */
 export function readPayload(text: string): Payload {
   if (text.trim() === "" || text.trim().startsWith("@")) {
     throw new BadPayload("This is the empty template of a report. `posemix report DIR` fills it.");

@@ -8,8 +8,11 @@
 
 #include <fmt/format.h>
 
-#include "chart_parts.hpp"
+#include "chart_axis.hpp"
+#include "chart_legend.hpp"
+#include "chart_panel.hpp"
 #include "posemix/base/error.hpp"
+#include "svg.hpp"
 
 namespace posemix {
 namespace {
@@ -22,7 +25,7 @@ constexpr double kMargin = 14.0;
 constexpr double kTitleSize = 17.0;
 constexpr double kTitleHeight = 36.0;
 
-/// Size at which a text of so many characters fits a width.
+/// The font size, at most `size`, at which a text fits a width.
 double fitting_size(double size, std::string_view text, double width) {
   return std::min(size,
                   width / (kCharacterWidth * std::max(1.0, static_cast<double>(text.size()))));

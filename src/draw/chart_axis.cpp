@@ -20,7 +20,7 @@ constexpr double kLargest = 1e300;
 constexpr double kSmallest = 1e-300;
 constexpr std::size_t kFewestTicks = 3;
 
-/// "0.5", "1200", "1e-5".
+/// The label of a tick, such as "0.5", "1200" or "1e-5".
 std::string number_text(double value, int digits = 6) {
   std::string text = fmt::format("{:.{}g}", value, digits);
   const std::size_t exponent = text.find('e');

@@ -17,15 +17,15 @@ struct ChartTick {
   std::string label;  ///< empty: a grid line only
 };
 
-/// True where an axis can show the value: finite (1e300 at most), and positive on a logarithmic
+/// True if an axis can show the value: finite (1e300 at most), and positive on a logarithmic
 /// axis (1e-300 at least).
 bool shows(double value, bool log);
 
-/// A range with some room around the values that can be shown. A linear one begins at zero where
-/// nothing is negative and the least value is near zero in comparison with the largest.
+/// A range with a margin around the values that can be shown. A linear range begins at zero if no
+/// value is negative and the least is small compared with the largest.
 ChartRange range_around(std::span<const double> values, bool log);
 
-/// Values to pixels.
+/// Maps values to pixels.
 class ChartAxis {
  public:
   /// `from` and `to` are the pixels of the range's ends.

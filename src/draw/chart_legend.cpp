@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include "chart_legend.hpp"
+
 #include <algorithm>
 #include <array>
-
-#include "chart_parts.hpp"
+#include <string_view>
 
 namespace posemix {
 namespace {
@@ -14,8 +15,8 @@ constexpr double kSwatch = 26.0;
 constexpr double kGap = 7.0;
 constexpr double kBelow = 8.0;
 
-/// Colours that colour-blind readers tell apart (Okabe and Ito 2008), without the yellow, which is
-/// too faint for a line on white.
+/// Colours that colour-blind readers can distinguish (Okabe and Ito 2008), without the yellow,
+/// which is too faint for a line on white.
 constexpr std::array<std::string_view, 7> kColours{"#0072B2", "#D55E00", "#009E73", "#CC79A7",
                                                    "#E69F00", "#56B4E9", "#222222"};
 /// A second round through the colours is dashed, a third dotted.

@@ -1,12 +1,20 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include "chart_panel.hpp"
+
 #include <algorithm>
 #include <limits>
+#include <string_view>
 
-#include "chart_parts.hpp"
+#include "chart_axis.hpp"
+#include "chart_series.hpp"
 
 namespace posemix {
 namespace {
+
+constexpr std::string_view kChartGrid = "#E4E4E4";
+constexpr std::string_view kChartFineGrid = "#F3F3F3";
+constexpr std::string_view kChartAxis = "#555555";
 
 constexpr double kLeft = 60.0;
 constexpr double kRight = 16.0;

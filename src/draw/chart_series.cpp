@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include "chart_series.hpp"
+
 #include <cstddef>
 #include <utility>
-
-#include "chart_parts.hpp"
 
 namespace posemix {
 namespace {
@@ -39,7 +39,7 @@ std::vector<Points> line_pieces(const ChartAxis& x, const ChartAxis& y, const Ch
   return pieces.take();
 }
 
-/// The outline of a staircase; of a histogram with its sides down to zero.
+/// The outline of a staircase. The outline of a histogram has sides down to zero.
 std::vector<Points> step_pieces(const ChartAxis& x, const ChartAxis& y, const ChartSeries& series) {
   const bool edges = series.x.size() > series.y.size();
   const double ground = y.log() ? y.range().first : 0.0;

@@ -6,7 +6,10 @@
 
 #include <fmt/format.h>
 
-#include "picture_parts.hpp"
+#include "picture_colours.hpp"
+#include "picture_map.hpp"
+#include "picture_strip.hpp"
+#include "svg.hpp"
 
 namespace posemix {
 namespace {

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include "picture_map.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,7 +9,7 @@
 #include <fmt/format.h>
 #include <Eigen/Eigenvalues>
 
-#include "picture_parts.hpp"
+#include "picture_colours.hpp"
 #include "posemix/base/units.hpp"
 #include "position_covariance.hpp"
 
@@ -30,7 +32,7 @@ struct Extent {
   }
 };
 
-/// A world plane spanned by two axes, and how it lies in the picture.
+/// A world plane spanned by two axes, and its place in the picture.
 class MapView {
  public:
   MapView(const SvgBox& box, const Extent& extent, std::array<Eigen::Index, 2> axes)
@@ -67,7 +69,8 @@ class MapView {
   Eigen::Vector2d centre_;
 };
 
-/// The plane across the axis in which the camera moved least; x-y where that is nearly the case.
+/// The plane across the axis in which the camera moved least; the x-y plane if z is nearly that
+/// axis.
 std::array<Eigen::Index, 2> choose_axes(const SlamRun& run) {
   Extent path;
   for (const FrameEstimate& frame : run.frames) path.add(frame.camera.mean().translation());

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include "picture_strip.hpp"
+
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 #include <Eigen/Eigenvalues>
 
-#include "picture_parts.hpp"
+#include "picture_colours.hpp"
 #include "posemix/base/units.hpp"
 
 namespace posemix {
@@ -36,8 +38,8 @@ double quantile(const Curve& curve, double probability) {
   return values[static_cast<std::size_t>(probability * static_cast<double>(values.size() - 1))];
 }
 
-/// Upper end of the error axis: nearly all of the estimate, and of the rest what leaves it
-/// readable.
+/// Upper end of the error axis: it includes nearly all errors of the estimate, and those of the
+/// detections only as far as the estimate stays readable.
 double highest_of(const StripCurves& curves) {
   const double estimate = quantile(curves.estimate, 0.97);
   const double width = quantile(curves.width, 0.9);
@@ -50,7 +52,7 @@ double highest_of(const StripCurves& curves) {
   return step * std::ceil(highest / step);
 }
 
-/// Time and error to pixels.
+/// Maps time and error to pixels.
 class StripView {
  public:
   StripView(const SvgBox& box, const std::vector<double>& stamps, double highest)

@@ -9,15 +9,15 @@
 
 #include <Eigen/Core>
 
-/// Text of SVG pictures. Coordinates are pixels, x to the right and y down.
+/// Writes SVG pictures as text. Coordinates are pixels, x to the right and y down.
 namespace posemix {
 
 struct SvgStyle {
   std::string stroke = "none";
   double width = 1.0;
   std::string fill = "none";
-  double opacity = 1.0;   ///< of stroke and fill
-  std::string dash = {};  ///< lengths of dashes and gaps, as "6 4"
+  double opacity = 1.0;   ///< opacity of stroke and fill
+  std::string dash = {};  ///< lengths of dashes and gaps, such as "6 4"
 };
 
 enum class SvgAnchor { start, middle, end };
@@ -46,7 +46,7 @@ class SvgDocument {
 
   void rectangle(const SvgBox& box, const SvgStyle& style);
   void line(const Eigen::Vector2d& from, const Eigen::Vector2d& to, const SvgStyle& style);
-  /// A line through the points; nothing for fewer than two.
+  /// A line through the points; draws nothing for fewer than two.
   void polyline(std::span<const Eigen::Vector2d> points, const SvgStyle& style);
   void polygon(std::span<const Eigen::Vector2d> points, const SvgStyle& style);
   /// Round dots of the stroke's colour and width.
@@ -56,7 +56,7 @@ class SvgDocument {
                const SvgStyle& style);
   void text(const Eigen::Vector2d& at, std::string_view text, const SvgFont& font = {});
 
-  /// What is drawn until end_clip() shows only within the box.
+  /// Everything drawn until end_clip() is visible only within the box.
   void begin_clip(const SvgBox& box);
   void end_clip();
 

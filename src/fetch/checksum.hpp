@@ -10,16 +10,16 @@
 
 namespace posemix {
 
-/// Told how many bytes of a file are done; false stops the work.
+/// Called with the number of bytes of a file that are done; returning false stops the work.
 using ByteProgress = std::function<bool(std::uint64_t bytes)>;
 
-/// What a file holds.
+/// Size and hash of a file.
 struct FileContent {
   std::uint64_t size = 0;
   std::string sha256;  ///< 64 hexadecimal digits in lower case
 };
 
-/// Size and SHA-256 of a file; nothing where `progress` stopped it.
+/// Computes size and SHA-256 of a file; empty if `progress` stopped it.
 /// @throws InvalidInput naming the file that cannot be read
 std::optional<FileContent> content_of_file(const std::filesystem::path& path,
                                            const ByteProgress& progress = {});

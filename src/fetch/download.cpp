@@ -25,7 +25,7 @@ namespace {
 constexpr std::size_t kLongestText = 1U << 16U;
 constexpr std::chrono::milliseconds kNap{50};
 
-/// The file that a download grows in.
+/// The file that a download is appended to.
 class PartFile : public Sink {
  public:
   explicit PartFile(const std::filesystem::path& path)
@@ -90,7 +90,7 @@ class TextSink : public Sink {
   std::string& text_;
 };
 
-/// Waits; false when `progress` stops it.
+/// Waits. Returns false if `progress` stops the wait.
 bool wait(std::chrono::milliseconds time, const ByteProgress& progress, std::uint64_t bytes) {
   const auto end = std::chrono::steady_clock::now() + time;
   while (std::chrono::steady_clock::now() < end) {
@@ -100,7 +100,7 @@ bool wait(std::chrono::milliseconds time, const ByteProgress& progress, std::uin
   return true;
 }
 
-/// Tries until it works, nothing comes any more, or it is stopped.
+/// Retries until the transfer succeeds, makes no more progress, or is stopped.
 bool persist(const ConnectionSettings& settings, Sink& sink, const ByteProgress& progress,
              const std::function<bool()>& attempt) {
   int left = settings.retries;

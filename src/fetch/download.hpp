@@ -14,10 +14,10 @@
 
 namespace posemix {
 
-/// The network or a server did not do what was asked: the message names the address and the reason.
+/// A failure of the network or of a server. The message names the address and the reason.
 class NetworkError : public std::runtime_error {
  public:
-  /// `transient`: it may work when it is tried again.
+  /// `transient`: a retry may succeed.
   NetworkError(const std::string& message, bool transient)
       : std::runtime_error(message), transient_(transient) {}
   bool transient() const { return transient_; }
@@ -27,12 +27,12 @@ class NetworkError : public std::runtime_error {
 };
 
 struct ConnectionSettings {
-  bool allow_http = false;  ///< addresses of other machines that are not encrypted, too
-  int retries = 4;          ///< after a transient error without progress
+  bool allow_http = false;                     ///< allow unencrypted addresses on other machines
+  int retries = 4;                             ///< after a transient error without progress
   std::chrono::milliseconds first_wait{1000};  ///< before the first retry; doubles
 };
 
-/// Fetches by HTTP, one file after the other over the same connection where the server lets it.
+/// Fetches files by HTTP, one after the other, over one connection if the server allows it.
 class Connection {
  public:
   explicit Connection(const ConnectionSettings& settings);
@@ -40,14 +40,14 @@ class Connection {
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
 
-  /// Fetches the rest of a file: what `part` holds already is asked for no more, unless the server
-  /// cannot answer so. True when all is there, false when `progress` stopped it; what has come
-  /// stays in `part`.
+  /// Fetches the rest of a file: the bytes that `part` has already are not requested again, unless
+  /// the server cannot resume. Returns true if the file is complete, false if `progress` stopped
+  /// the transfer; `part` keeps the bytes received.
   /// @throws NetworkError, InvalidInput (an address or answer that is refused), OutputError
   bool get(const std::string& url, const std::filesystem::path& part,
            const std::optional<std::uint64_t>& size, const ByteProgress& progress);
 
-  /// A short text. @throws as get
+  /// Fetches a short text. @throws as get
   std::string get_text(const std::string& url, const ByteProgress& progress);
 
  private:

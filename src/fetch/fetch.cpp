@@ -25,10 +25,10 @@ namespace fs = std::filesystem;
 
 constexpr std::chrono::seconds kLockPeriod{2};
 
-/// What a file should be.
+/// The expected size and hash of a file.
 struct Expectation {
   std::optional<std::uint64_t> size;
-  std::string sha256;  ///< empty: not known
+  std::string sha256;  ///< empty: unknown
   HashCheck check = HashCheck::none;
 };
 
@@ -41,7 +41,7 @@ bool is_file_there(const fs::path& path) {
   return fs::exists(path, ignored);
 }
 
-/// Work on the files of one source.
+/// Fetches the files of one source.
 class Fetch {
  public:
   Fetch(const DataSource& source, const std::vector<SourceFile>& files, fs::path folder,
@@ -102,16 +102,17 @@ class Fetch {
     if (!lock_.files.empty()) write_output_file(folder_ / kLockFileName, format_lock_file(lock_));
   }
 
-  /// After an error, which is the one to tell, of a full disk too.
+  /// Writes the lock file after an error. A second error, such as a full disk, is dropped in favour
+  /// of the first.
   void note_what_came() noexcept {
     try {
       write_lock();
     } catch (const std::exception&) {
-      // Files that are not noted are compared again.
+      // A file without an entry is compared again in the next run.
     }
   }
 
-  /// The host's own statement. Nothing where it was stopped.
+  /// The size and hash that the host publishes. Empty if the fetch was stopped.
   std::optional<Expectation> published(const SourceFile& file) {
     const std::string url = source_.published_url_of(file);
     bool stopped = false;
@@ -130,7 +131,8 @@ class Fetch {
     return Expectation{content.size, content.sha256, HashCheck::published};
   }
 
-  /// What the file should be; `there`: what was noted when it was fetched is enough.
+  /// The expected size and hash of the file. For a file that is `there`, the entry of its fetch
+  /// suffices.
   std::optional<Expectation> expectation(const SourceFile& file, bool there) {
     if (!file.sha256.empty()) return Expectation{file.size, file.sha256, HashCheck::pinned};
     const auto known = lock_.files.find(file.path);
@@ -140,7 +142,7 @@ class Fetch {
     return Expectation{file.size, "", HashCheck::none};
   }
 
-  /// False when it was stopped.
+  /// Returns false if it was stopped.
   bool handle(const SourceFile& file) {
     const fs::path target = folder_ / file.path;
     const bool there = is_file_there(target);
@@ -161,7 +163,7 @@ class Fetch {
     return true;
   }
 
-  /// The content of a file that is there.
+  /// Size and hash of an existing file.
   std::optional<FileContent> compare(const fs::path& target, const Expectation& expected) {
     auto content = content_of_file(target, byte_progress());
     if (content && !expected.sha256.empty() && content->sha256 != expected.sha256) {
@@ -180,7 +182,7 @@ class Fetch {
     const bool resumed = is_file_there(part) && fs::file_size(part) > 0;
     auto content = get_part(file, part, expected);
     if (content && is_wrong(*content, expected) && resumed) {
-      fs::remove(part);  // what lay there was of another file
+      fs::remove(part);  // it belongs to another file
       content = get_part(file, part, expected);
     }
     if (!content) {

@@ -23,7 +23,7 @@ constexpr std::int64_t kLockSchema = 1;
 constexpr std::string_view kLockType = "posemix.data-lock";
 constexpr std::array kChecks{HashCheck::pinned, HashCheck::published, HashCheck::none};
 
-/// A value of a lock file and where it stands.
+/// A value of a lock file with its place.
 class LockValue {
  public:
   LockValue(const LockJson& json, std::string place) : json_(json), place_(std::move(place)) {}

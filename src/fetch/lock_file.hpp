@@ -10,13 +10,13 @@
 
 namespace posemix {
 
-/// Name of the file beside fetched data that says what was fetched.
+/// Name of the file beside fetched data that lists it.
 inline constexpr std::string_view kLockFileName = "posemix-data.lock.json";
 
-/// What a fetched file was compared with.
+/// The hash that a fetched file was compared with.
 enum class HashCheck { pinned, published, none };
 
-/// The words for them in files: "pinned", "published", "none".
+/// Their names in files: "pinned", "published", "none".
 std::string_view word_of(HashCheck check);
 
 /// One fetched file.
@@ -25,24 +25,24 @@ struct LockEntry {
   std::uint64_t size = 0;
   std::string sha256;
   HashCheck check = HashCheck::none;
-  std::string date;  ///< of the fetch, UTC, 2026-11-21T20:15:00Z
+  std::string date;  ///< time of the fetch, UTC, 2026-11-21T20:15:00Z
 };
 
-/// What a folder of fetched data holds.
+/// The fetched files of a folder.
 struct LockFile {
   std::string source;
   std::string revision;
-  std::map<std::string, LockEntry> files;  ///< by path below the folder
+  std::map<std::string, LockEntry> files;  ///< entries by path below the folder
 };
 
 /// @throws InvalidInput naming file and key
 LockFile parse_lock_file(std::string_view text, const std::string& name);
 std::string format_lock_file(const LockFile& lock);
 
-/// The lock file of a folder; an empty one where there is none.
+/// Reads the lock file of a folder; returns an empty one if the folder has none.
 LockFile read_lock_file(const std::filesystem::path& folder);
 
-/// The time now, as in LockEntry::date.
+/// The current time in the form of LockEntry::date.
 std::string utc_now();
 
 }  // namespace posemix

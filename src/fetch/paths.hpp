@@ -6,11 +6,11 @@
 
 namespace posemix {
 
-/// True for a path with '/' that leads to something below the folder it is applied to: not empty,
-/// not absolute, no part that is empty, "." or "..", neither '\\' nor control characters.
+/// True for a path with '/' that names something below the folder it is applied to: not empty,
+/// not absolute, without parts that are empty, "." or "..", neither '\\' nor control characters.
 bool is_inner_path(std::string_view path);
 
-/// True where `text` is `pattern`, in which '*' stands for any characters.
+/// True if `text` matches `pattern`, in which '*' stands for any characters.
 bool matches_pattern(std::string_view text, std::string_view pattern);
 
 }  // namespace posemix

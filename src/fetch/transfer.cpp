@@ -20,7 +20,7 @@ constexpr long kMostRedirects = 8;
 constexpr long kConnectSeconds = 30;
 constexpr long kSilentSeconds = 60;
 
-/// Answers after which another try may help.
+/// Statuses after which a retry may succeed.
 bool is_transient(long code) { return code == 408 || code == 429 || (code >= 500 && code <= 599); }
 
 std::string_view meaning(long code) {

@@ -15,7 +15,7 @@
 
 namespace posemix {
 
-/// Where the bytes of an answer go.
+/// Destination of the bytes of an answer.
 class Sink {
  public:
   Sink() = default;
@@ -24,7 +24,7 @@ class Sink {
   virtual ~Sink() = default;
 
   virtual std::uint64_t size() const = 0;
-  /// Forgets all bytes. @throws OutputError
+  /// Discards all bytes. @throws OutputError
   virtual void clear() = 0;
   /// @throws OutputError
   virtual void append(std::string_view bytes) = 0;
@@ -36,7 +36,7 @@ class Transfer {
   Transfer(CURL* curl, std::string url, bool allow_http, Sink& sink,
            const std::optional<std::uint64_t>& size, const ByteProgress& progress);
 
-  /// True when all is there, false when it was stopped.
+  /// Returns true if the transfer is complete, false if it was stopped.
   /// @throws NetworkError, and what the sink and check_url throw
   bool perform();
 
@@ -46,11 +46,11 @@ class Transfer {
 
   void set_options();
   void take(std::string_view bytes);
-  /// Looks at the head of the answer before its first byte.
+  /// Checks the head of the answer before its first byte.
   void begin();
   bool continues() const;
   long code() const;
-  /// Runs what may throw inside a callback of libcurl; false after an exception.
+  /// Runs code that may throw inside a callback of libcurl; returns false after an exception.
   bool guarded(const std::function<void()>& action);
   [[noreturn]] void fail(CURLcode reason) const;
 

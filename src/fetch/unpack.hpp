@@ -10,15 +10,16 @@
 
 namespace posemix {
 
-/// Told how many files are unpacked; false stops the work.
+/// Called with the number of files unpacked so far; returning false stops the work.
 using UnpackProgress = std::function<bool(std::size_t files)>;
 
 /// True for names of archives that unpack_archive reads: .zip, .tar, .tar.gz, .tgz, .tar.xz,
 /// .tar.bz2.
 bool is_archive_name(const std::string& name);
 
-/// Unpacks the files of an archive below `folder`, without the leading folder `strip` where it is
-/// given; files of the same name are replaced. The number of files; nothing where it was stopped.
+/// Unpacks the files of an archive below `folder`, without the leading folder `strip` if that is
+/// given; files of the same name are replaced. Returns the number of files; empty if it was
+/// stopped.
 ///
 /// Entries that lead out of the folder, are links or devices, or would be written through a
 /// symbolic link are refused.

@@ -25,7 +25,7 @@ PinnedHashes pinned_hashes(const std::vector<DataSource>& sources, const LockFil
   return pinned;
 }
 
-/// What is wrong with a file; empty where nothing is.
+/// The problem of a file; empty if there is none.
 std::string problem_of(const std::string& path, const LockEntry& entry, const FileContent& content,
                        const PinnedHashes& pinned) {
   if (content.sha256 != entry.sha256) {

@@ -18,7 +18,7 @@ class Deflater {
   Deflater& operator=(const Deflater&) = delete;
 
   void add(std::string_view bytes);
-  /// Ends the stream, to which nothing can be added, and returns it.
+  /// Ends the stream and returns it; nothing can be added afterwards.
   std::string finish();
 
  private:
@@ -29,8 +29,8 @@ class Deflater {
   std::string stream_;
 };
 
-/// The bytes of a whole zlib stream, whose number is known.
-/// @throws std::runtime_error for a damaged stream or another number
+/// The bytes of a whole zlib stream of known uncompressed size.
+/// @throws std::runtime_error for a damaged stream or another size
 std::string inflated(std::string_view stream, std::size_t size);
 
 std::string base64(std::string_view bytes);

@@ -26,7 +26,7 @@ constexpr const char* kStudyFile = "study.json";
   throw InvalidInput(fmt::format("{}: cannot be read: {}", folder.string(), error.message()));
 }
 
-/// What a folder holds, sorted.
+/// The entries of a folder, sorted.
 std::vector<fs::path> paths_in(const fs::path& folder) {
   std::error_code error;
   std::vector<fs::path> paths;
@@ -67,7 +67,7 @@ void check_mixture(const Json& document, const fs::path& path) {
   if (is_mixture(document)) parse_mixture(document.dump(), path.string());
 }
 
-/// Of a folder that slam or study wrote: files of every kind that a report shows.
+/// Reads the files that a report shows from a folder that slam or study wrote.
 void add_file(ReportFolder& folder, const fs::path& path) {
   const std::string name = path.filename().string();
   const std::string extension = path.extension().string();
@@ -84,7 +84,7 @@ void add_file(ReportFolder& folder, const fs::path& path) {
   }
 }
 
-/// Of a folder in which other files may lie.
+/// Reads the mixtures of a folder that may also have other files.
 void add_mixture(ReportFolder& folder, const fs::path& path) {
   if (path.extension() != ".json") return;
   Json document = read_document(path);

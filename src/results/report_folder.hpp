@@ -12,7 +12,7 @@ namespace posemix {
 
 enum class ReportKind { slam, mixture, salt_box, study };
 
-/// Files of a results folder as a report holds them, by name; the trace apart.
+/// The files of a results folder that go into a report, by name, and the trace separately.
 struct ReportFolder {
   ReportKind kind = ReportKind::slam;
   Json documents = Json::object();
@@ -20,7 +20,7 @@ struct ReportFolder {
   Json pictures = Json::object();
   Json texts = Json::object();
 
-  /// What the mixtures are of, the second of their frames.
+  /// The entity that the mixtures describe: the second of their frames.
   std::set<std::string> mixture_frames() const;
 };
 

@@ -73,7 +73,7 @@ Json object_metrics(const ObjectMetrics& object) {
           {"mode_probability", json_number(object.mode_probability)}};
 }
 
-/// The alternatives of one object, those that are impossible left out.
+/// The alternatives of one object, without those of probability zero.
 Mixture<PoseDensity> world_mixture(const std::vector<ObjectHypothesis>& alternatives) {
   constexpr double kLeastProbability = 1e-12;
   std::vector<Component<PoseDensity>> components;

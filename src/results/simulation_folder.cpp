@@ -56,7 +56,7 @@ std::string tum(const SimulatedSequence& simulated, std::string_view transform,
   });
 }
 
-/// A vector in TOML. Nine decimals hide how it was computed.
+/// A vector in TOML. Nine decimals hide rounding errors, which depend on the machine.
 std::string array(const Vector3d& vector) {
   std::string text;
   for (const double value : vector) {

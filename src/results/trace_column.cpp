@@ -24,7 +24,8 @@ const TypeFacts& facts_of(ColumnType type) {
   return kFacts[static_cast<std::size_t>(type)];
 }
 
-/// A difference modulo 2^bits, as a number that is small where it is near zero on either side.
+/// A difference modulo 2^bits as an unsigned number that is small if the difference is near zero,
+/// on either side.
 std::uint32_t folded(std::int64_t difference, std::size_t bits) {
   const std::size_t unused = 64 - bits;
   const auto shifted = static_cast<std::uint64_t>(difference) << unused;

@@ -19,17 +19,18 @@ void write_columns(const std::vector<TraceColumn>& columns, Deflater& data, Json
 /// The arrays over frames of the camera or of an object.
 class TraceEntity {
  public:
-  /// `path`: its place in messages. `prefix`: "camera" or "objects/<id>", before the names of its
-  /// columns.
+  /// `path` names the entity in error messages; `prefix` is "camera" or "objects/<id>" and begins
+  /// the names of its columns.
   TraceEntity(std::string path, std::string prefix)
       : path_(std::move(path)), prefix_(std::move(prefix)) {}
 
-  /// For the array under these keys within the entity; null where it is none that a report needs.
+  /// The series for the array under these keys of the entity; null if a report does not need it.
   /// @throws InvalidInput when the array has been opened before
   TraceSeries* open(const TraceKeys& keys, const TraceScales& scales);
 
-  /// Compresses all arrays, which have equal lengths, and a mask of what is there.
-  /// @throws InvalidInput when one is missing that a report needs, or when poses lack deviations
+  /// Compresses all arrays, which have equal lengths, and a mask of the entries that exist.
+  /// @throws InvalidInput when an array that a report needs is missing, or when poses lack
+  /// deviations
   void write(Deflater& data, Json& headers);
 
  private:

@@ -57,7 +57,7 @@ class AlternativesSeries final : public TraceSeries {
 
   std::string prefix_;
   HypothesisSlots slots_;
-  std::vector<TracePlace> places_;  ///< to which those of hypotheses_ refer
+  std::vector<TracePlace> places_;  ///< places of the entries of hypotheses_
   std::vector<TraceHypothesis> hypotheses_;
 };
 

@@ -18,22 +18,22 @@ struct TraceHypothesis {
   TracePlace pose;
 };
 
-/// Hypotheses over the frames in slots: each keeps its slot as long as it lives, so that what a
-/// slot holds changes little from frame to frame.
+/// Hypotheses over the frames in slots. A hypothesis keeps its slot as long as it lives, so that
+/// the values of a slot change little from frame to frame.
 class HypothesisSlots {
  public:
   explicit HypothesisSlots(const TraceScales& scales) : scales_(scales) {}
 
-  /// The next frame.
+  /// Adds the hypotheses of the next frame.
   void add(const std::vector<TraceHypothesis>& hypotheses);
-  /// As columns `prefix`/hypotheses/k/...
+  /// Compresses the slots as columns `prefix`/hypotheses/k/...
   void move_to(const std::string& prefix, std::vector<TraceColumn>& columns);
 
  private:
   struct Slot {
     Slot(std::size_t index, const TraceScales& scales, std::size_t frames);
 
-    std::optional<std::int32_t> id;  ///< of the hypothesis that lives in it
+    std::optional<std::int32_t> id;  ///< id of the hypothesis in the slot
     TraceColumn mask;
     TraceColumn ids;
     TraceColumn probabilities;
@@ -52,17 +52,17 @@ class HypothesisSlots {
 TraceSeriesPtr alternatives_series(std::string path, const std::string& prefix,
                                    const TraceScales& scales);
 
-/// Joint hypotheses: poses of the camera and of every object. They become hypotheses of each for
-/// itself, whose ids are their ranks.
+/// Joint hypotheses: poses of the camera and of every object. They become hypotheses of
+/// every entity separately, whose ids are their ranks.
 class JointHypotheses final : public TraceSeries {
  public:
   JointHypotheses(std::string path, const TraceScales& scales)
       : TraceSeries(std::move(path)), scales_(scales) {}
 
-  /// What the poses are of ("camera", "objects/mug", ...), in their order.
-  /// @throws InvalidInput when there is another number of poses
+  /// The entities of the poses ("camera", "objects/mug", ...), in their order.
+  /// @throws InvalidInput when the number of poses is different
   void name(std::vector<std::string> prefixes);
-  /// After name().
+  /// Call name() first.
   void move_to(std::vector<TraceColumn>& columns) override;
 
  private:
@@ -70,7 +70,7 @@ class JointHypotheses final : public TraceSeries {
 
   TraceScales scales_;
   std::vector<std::string> prefixes_;
-  std::vector<HypothesisSlots> slots_;  ///< per pose; empty until the first hypothesis
+  std::vector<HypothesisSlots> slots_;  ///< one per pose; empty until the first hypothesis
 };
 
 }  // namespace posemix

@@ -9,7 +9,7 @@
 
 namespace posemix {
 
-/// What trace.json calls the members of DetectionStatus, in their order.
+/// The names of the members of DetectionStatus in trace.json, in their order.
 inline constexpr std::array<std::string_view, 7> kStatusNames{
     "none", "started", "used", "doubted", "birth", "gated", "failed"};
 

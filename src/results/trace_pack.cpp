@@ -20,13 +20,13 @@ namespace {
 
 using Event = Json::parse_event_t;
 
-/// Hears what the parser finds. Arrays over frames are taken entry by entry and never kept.
+/// Receives the events of the parser. Arrays over frames are taken entry by entry and never kept.
 class TracePacker {
  public:
   TracePacker(const std::string& name, const TraceScales& scales)
       : name_(name), scales_(scales), joint_(name + ": hypotheses", scales.coarse()) {}
 
-  /// What the parser asks: whether the value is to be kept.
+  /// Callback of the parser: returns whether to keep the value.
   bool hear(std::size_t depth, Event event, Json& value) {
     if (series_ != nullptr) return hear_inside(depth, event, value);
     if (event == Event::key) {
@@ -131,7 +131,7 @@ class TracePacker {
     }
   }
 
-  /// The ids under `order`, which are those under `objects`.
+  /// The ids under `order`, which must equal the keys of `objects`.
   std::vector<std::string> objects_in_order(const JsonPlace& root) const {
     std::vector<std::string> order;
     std::set<std::string> named{"camera"};
@@ -161,12 +161,12 @@ class TracePacker {
 
   std::string name_;
   TraceScales scales_;
-  TraceKeys keys_;                 ///< to where the parser is, as far as these are keys
-  TraceSeries* series_ = nullptr;  ///< being read
+  TraceKeys keys_;                 ///< path to the current value, keys only
+  TraceSeries* series_ = nullptr;  ///< the array that is being read
   std::size_t series_depth_ = 0;
   std::optional<TraceEntity> entity_;
   std::size_t entity_depth_ = 0;
-  std::set<std::string> entities_;  ///< read by now
+  std::set<std::string> entities_;  ///< entities read so far
   JointHypotheses joint_;
   bool has_alternatives_ = false;
   std::optional<std::size_t> frames_;

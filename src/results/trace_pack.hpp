@@ -13,9 +13,9 @@ namespace posemix {
 
 /// The key `trace` of a report: trace.json as compressed columns.
 ///
-/// The text is read once, piece by piece; in memory is what is compressed and the columns of one
-/// object (or, of joint hypotheses, those of all objects). `name` stands for the file in messages;
-/// `progress` is told now and then how many bytes have been read.
+/// The text is read once, piece by piece. Memory holds the compressed data and the columns of one
+/// object (for joint hypotheses, the columns of all objects). `name` is the file's name in error
+/// messages; `progress` is called now and then with the number of bytes read.
 /// @throws InvalidInput naming the file and the place in it
 Json pack_trace(std::istream& text, const std::string& name,
                 const std::function<void(std::size_t)>& progress);

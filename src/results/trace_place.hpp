@@ -10,11 +10,11 @@
 
 namespace posemix {
 
-/// A value inside one entry of an array over frames. Knows its way there, and puts it into words
-/// only for a message: a trace has millions of values. Lives no longer than what it came from.
+/// A value inside one entry of an array over frames, with its path. The path becomes text only for
+/// an error message, because a trace has millions of values. Must not outlive its parent.
 class TracePlace {
  public:
-  /// Entry `index` of the array `path` ("trace.json: camera: pose").
+  /// The entry `index` of the array `path` ("trace.json: camera: pose").
   TracePlace(const Json& value, std::string_view path, std::size_t index)
       : value_(&value), path_(path), index_(index) {}
 
@@ -23,14 +23,14 @@ class TracePlace {
 
   const Json& value() const { return *value_; }
   TracePlace member(std::string_view key) const;
-  /// Number of entries; throws for what is no array.
+  /// Number of entries. Throws InvalidInput if the value is not an array.
   std::size_t size() const;
   TracePlace item(std::size_t index) const { return {(*value_)[index], {}, index, this}; }
 
   double number() const;
   double number_in(double lowest, double highest) const;
   double probability() const;  ///< rounding may have made it a little more than one
-  /// As many numbers as fit, no more and no fewer.
+  /// Fills `values`; the entry must have exactly as many numbers.
   void numbers(std::span<double> values) const;
 
  private:
@@ -40,7 +40,7 @@ class TracePlace {
   std::string text() const;
 
   const Json* value_;
-  std::string_view path_;  ///< or the key within the parent, empty for an entry
+  std::string_view path_;  ///< path of the array, or the key within the parent; empty for an entry
   std::size_t index_;
   const TracePlace* parent_ = nullptr;
 };

@@ -10,18 +10,18 @@
 #include "trace_column.hpp"
 #include "trace_place.hpp"
 
-/// Arrays over frames of trace.json on their way into columns of a report.
+/// Converts the arrays over frames of trace.json to columns of a report.
 namespace posemix {
 
 /// A position that does not fit into its column: another attempt with a coarser scale will do.
 struct PositionOutOfReach {};
 
-/// Steps of poses.
+/// Quantization steps of poses.
 struct TraceScales {
   double position_m = 1e-5;
   double quaternion = 1.0 / 32767.0;
 
-  /// Of detections and hypotheses, which are many and only looked at.
+  /// Coarser steps for detections and hypotheses, which are numerous and only displayed.
   TraceScales coarse() const { return {10.0 * position_m, 1.0 / 8191.0}; }
 };
 
@@ -41,10 +41,10 @@ class PoseColumns {
   std::array<double, 4> last_{0.0, 0.0, 0.0, 1.0};
 };
 
-/// One array: is given its entries in turn.
+/// One array, which receives its entries in turn.
 class TraceSeries {
  public:
-  /// `path`: the array's place in messages.
+  /// `path` names the array in error messages.
   explicit TraceSeries(std::string path) : path_(std::move(path)) {}
   virtual ~TraceSeries() = default;
   TraceSeries(const TraceSeries&) = delete;
@@ -59,11 +59,11 @@ class TraceSeries {
   std::size_t frames() const { return present_.size(); }
   const std::string& path() const { return path_; }
 
-  /// Takes what has been read.
+  /// Takes the entries that have been read.
   virtual void move_to(std::vector<TraceColumn>& columns) = 0;
 
  protected:
-  /// Frame frames() - 1.
+  /// Reads the entry of frame frames() - 1.
   virtual void read(const TracePlace& place) = 0;
 
  private:
@@ -81,7 +81,7 @@ TraceSeriesPtr sd_series(std::string path, const std::string& prefix);
 TraceSeriesPtr position_series(std::string path, const std::string& prefix);
 /// Probabilities: column `name`.
 TraceSeriesPtr probability_series(std::string path, const std::string& name);
-/// What became of detections: column `name` of indices into kStatusNames.
+/// Status of detections: column `name` of indices into kStatusNames.
 TraceSeriesPtr status_series(std::string path, const std::string& name);
 
 }  // namespace posemix

@@ -18,7 +18,7 @@ inline bool has(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
-/// One file of 100 kB on a server, a registry that names it, and a folder to fetch to.
+/// One file of 100 kB on a server, a registry with it, and a folder to fetch to.
 class Data : public ::testing::Test {
  protected:
   void SetUp() override {

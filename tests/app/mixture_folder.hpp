@@ -59,7 +59,7 @@ class MixtureFolder : public ::testing::Test {
     return RunningProgram({"/bin/bash", "-o", "pipefail", "-c", script}).wait();
   }
 
-  /// What a line of shell prints, which must end well and say nothing else.
+  /// The output of a line of shell, which must succeed without error messages.
   std::string output_of(const std::string& line) const {
     const ProgramResult result = shell(line);
     EXPECT_EQ(result.exit_code, 0) << line << "\n" << result.err;

@@ -22,7 +22,7 @@ inline ProgramResult run_posemix(std::vector<std::string> arguments) {
   return RunningProgram(arguments).wait();
 }
 
-/// What a program writes to its standard error where that is a terminal.
+/// The standard error of a program, as written to a terminal.
 inline std::string terminal_output(const std::vector<std::string>& command) {
   int terminal = -1;
   const pid_t child = forkpty(&terminal, nullptr, nullptr, nullptr);
@@ -44,7 +44,7 @@ inline std::string terminal_output(const std::vector<std::string>& command) {
   return output;
 }
 
-/// Names of everything in a folder, hidden files too.
+/// The names of all entries of a folder, with hidden files.
 inline std::vector<std::string> names_in(const std::filesystem::path& folder) {
   std::vector<std::string> names;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {

@@ -8,8 +8,8 @@
 #include "config/small_recording.hpp"
 #include "run_program.hpp"
 
-/// Every input file of a recording, damaged in every way, through the program: an error that names
-/// the file, and no output.
+/// The program on recordings with a damaged input file: an error that names the file, and no
+/// output.
 namespace posemix {
 namespace {
 
@@ -38,14 +38,14 @@ std::string with_nan(std::string text) {
   return text.replace(begin, end - begin, "nan");
 }
 
-/// The first and the last line exchanged.
+/// The text with the first and the last line exchanged.
 std::string wrong_order(const std::string& text) {
   const std::size_t first = text.find('\n') + 1;
   const std::size_t last = text.rfind('\n', text.size() - 2) + 1;
   return text.substr(last) + text.substr(first, last - first) + text.substr(0, first);
 }
 
-/// Ends in the middle of the last line.
+/// The text without the second half of the last line.
 std::string cut(const std::string& text) {
   const std::size_t last = text.rfind('\n', text.size() - 2) + 1;
   return text.substr(0, (last + text.size()) / 2);

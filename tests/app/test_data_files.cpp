@@ -6,7 +6,7 @@
 
 #include "data_fixture.hpp"
 
-/// What `posemix data` does with files that are there: verify, unpack, read a registry.
+/// `posemix data` on existing files: verify, unpack, read a registry.
 namespace posemix {
 namespace {
 

@@ -6,7 +6,7 @@
 #include "config/small_dataset.hpp"
 #include "run_program.hpp"
 
-/// From a dataset's folder and a detector's results to filtered poses.
+/// `posemix data sequence` on a dataset's folder and a detector's results, then `posemix slam`.
 namespace posemix {
 namespace {
 

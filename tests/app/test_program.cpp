@@ -27,7 +27,7 @@ bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
-/// One line that starts as every error does.
+/// One line with the prefix of every error message.
 void expect_error(const ProgramResult& result, int exit_code, const std::string& part) {
   EXPECT_EQ(result.exit_code, exit_code) << result.err;
   EXPECT_TRUE(result.err.starts_with("posemix: error: ")) << result.err;

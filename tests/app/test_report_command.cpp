@@ -107,7 +107,7 @@ TEST_F(ReportCommand, SlamWritesItToo) {
   EXPECT_EQ(by_slam, page());
 }
 
-/// A program of that name, first on the PATH, which notes its arguments.
+/// A program of that name, first on the PATH, which writes its arguments to a file.
 class Opener {
  public:
   Opener() : path_(std::getenv("PATH")) {
@@ -121,7 +121,7 @@ class Opener {
   Opener(const Opener&) = delete;
   Opener& operator=(const Opener&) = delete;
 
-  /// What it was given; it runs beside the program that calls it.
+  /// Its arguments. It runs in parallel with its caller, so this waits for them.
   std::string arguments() const {
     for (int i = 0; i < 200 && !std::filesystem::exists(folder_ / "arguments"); ++i) {
       std::this_thread::sleep_for(std::chrono::milliseconds(50));

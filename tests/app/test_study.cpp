@@ -9,7 +9,7 @@
 
 #include "run_program.hpp"
 
-/// `posemix study` from outside.
+/// The command `posemix study`.
 namespace posemix {
 namespace {
 
@@ -37,7 +37,7 @@ class StudyCommand : public ::testing::Test {
             "--out", to.string(),          "--quiet"};
   }
 
-  /// Every file but those that say how long things took.
+  /// Every file but those with times.
   static void expect_same_files(const fs::path& a, const fs::path& b) {
     ASSERT_EQ(names_in(a), names_in(b));
     for (const std::string& name : names_in(a)) {

@@ -11,13 +11,12 @@
 
 #include "config/small_recording.hpp"
 
-/// The small recording as the folders of public datasets hold one: scene 2 with objects 4, 5
-/// and 14.
+/// The small recording in the layout of public datasets: scene 2 with objects 4, 5 and 14.
 namespace posemix::testing {
 
 inline constexpr std::int64_t kSmallObjects[] = {4, 5, 14};
 
-/// "[1, 2, 3]" of a matrix row by row.
+/// The entries of a matrix, row by row, as "[1, 2, 3]".
 inline std::string json_numbers(const Eigen::Ref<const Eigen::MatrixXd>& matrix) {
   std::string text;
   for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
@@ -27,7 +26,7 @@ inline std::string json_numbers(const Eigen::Ref<const Eigen::MatrixXd>& matrix)
   return "[" + text + "]";
 }
 
-/// `"R": [...], "t": [...]`, t in millimetres.
+/// A pose as `"R": [...], "t": [...]`, t in millimetres.
 inline std::string bop_pose(const SE3d& pose, const std::string& of) {
   return fmt::format("\"cam_R_{}\": {}, \"cam_t_{}\": {}", of,
                      json_numbers(pose.rotation().matrix()), of,

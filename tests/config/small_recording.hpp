@@ -134,7 +134,7 @@ class SmallFolder {
   TemporaryFolder folder;
 };
 
-/// `text` with the first occurrence of `old` replaced; throws where there is none.
+/// `text` with the first occurrence of `old` replaced; throws if there is none.
 inline std::string replaced(std::string text, std::string_view old, std::string_view by) {
   const std::size_t at = text.find(old);
   if (at == std::string::npos) throw std::logic_error("not in the text: " + std::string(old));

@@ -41,7 +41,7 @@ class Dataset : public ::testing::Test {
     return read_slam_job(TomlDocument::parse(text, "s.toml"), {small_.folder.path()});
   }
 
-  /// One object of the scene; `more` at the end.
+  /// One object of the scene, with `more` keys at the end.
   std::string toml(const std::string& place, const std::string& more = "") const {
     return fmt::format(
         "schema = 1\n[camera]\nground_truth = {{{0}}}\n[[objects]]\nid = \"can\"\n"

@@ -67,7 +67,7 @@ TEST(FilterMethods, ParticleFilter) {
   EXPECT_INVALID_WITH(read_small({"filter.particles=0"}), "key 'filter.particles'");
 }
 
-/// The small recording by the multi-object filter.
+/// Runs the multi-object filter on the small recording.
 SlamJob read_multi_object_job(const std::vector<std::string>& overrides) {
   const testing::SmallFolder small;
   std::string text(testing::kSmallToml.substr(0, testing::kSmallToml.find("[filter]")));
@@ -90,7 +90,7 @@ TEST(FilterMethods, Smoothing) {
   EXPECT_EQ(read_multi_object_job({"filter.smooth=fixed_lag", "filter.smooth_lag=7"})
                 .smoothing->lag_frames,
             7U);
-  // `run` of the job smooths.
+  // The job smooths.
   const SlamRun by_job = run(full);
   const SlamRun direct =
       run_smoothed(full.sequence, full.camera_prior, full.models, full.settings, {.passes = 2});

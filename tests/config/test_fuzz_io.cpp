@@ -78,7 +78,7 @@ void require_pose(const SE3d& pose) {
           "a quaternion that is not unit");
 }
 
-/// Reads what a sequence file would, leniently, so that damage of every kind reaches a getter.
+/// Reads the keys of a sequence file leniently, so that damage of every kind reaches a getter.
 void read_every_way(const TomlTable& table) {
   enum class Word { one, two };
   const auto attempt = [](auto read) {

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 
-// What must hold on the recording YCB-Video 0022 with configs/ycbv-0022.toml, damaged in known
-// ways.
+// Requirements on the recording YCB-Video 0022 with configs/ycbv-0022.toml, damaged in known ways.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -29,7 +28,7 @@ SlamRun run_job(const SlamJob& job) {
   return run(job.sequence, job.camera_prior, job.models, job.settings);
 }
 
-/// Rms of the mug's relative rotation error [deg] over the frames from `first` of the recording on.
+/// Rms of the mug's relative rotation error [deg] over the frames from `first` on.
 double mug_rotation_rmse(const SlamJob& job, const SlamRun& result, std::size_t first) {
   double squared = 0.0;
   std::size_t count = 0;
@@ -62,7 +61,7 @@ SlamJob cropped(SlamJob job, std::size_t first) {
   return job;
 }
 
-/// Rms [deg] of the mug when it is hidden until kLate, and when everything begins there.
+/// Rms [deg] of the mug when it is hidden until kLate, and when the recording begins there.
 std::pair<double, double> late_and_fresh(const SlamJob& job) {
   SlamJob late = job;
   for (std::size_t k = 0; k < kLate; ++k) late.sequence.objects[kMug].detections[k].reset();

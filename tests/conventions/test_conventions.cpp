@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 
-// The worked examples of docs/conventions.md, with the numbers as they stand there.
+// The worked examples of docs/conventions.md, with the numbers on that page.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -54,7 +54,7 @@ TEST(Conventions, PerturbationIsOnTheLeft) {
 TEST(Conventions, ComposeAddsInTheFrameOfTheStart) {
   Matrix6d small = 1e-18 * Matrix6d::Identity();
   small(2, 2) = radians(2.0) * radians(2.0);
-  // Each move's own error: a turn about its start, then 1 m along x.
+  // Every motion has its own error: a turn about its start, then 1 m along x.
   const ConcentratedGaussian<SE3d> move(translation(1, 0, 0), small);
   const ConcentratedGaussian<SE3d> both = compose(move, move);
   EXPECT_NEAR(both.mean().translation().x(), 2.0, 1e-15);

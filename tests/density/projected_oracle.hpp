@@ -27,7 +27,7 @@ inline ProjectedGaussian<SE3d> gaussian(const Eigen::Vector3d& rotation_vector,
   return {SE3d(SO3d::exp(rotation_vector), translation), covariance};
 }
 
-/// The largest difference of the quaternion (w, x, y, z), whatever its sign.
+/// The largest difference of the quaternion (w, x, y, z), for either sign.
 inline double quaternion_distance(const SO3d& rotation, const Eigen::Vector4d& wxyz) {
   const Eigen::Quaterniond& q = rotation.quaternion();
   const Eigen::Vector4d found(q.w(), q.x(), q.y(), q.z());

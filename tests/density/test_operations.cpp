@@ -143,7 +143,7 @@ TEST(Operations, ComposeAgreesWithMonteCarlo) {
   const auto y = pose_density(kY, kSpread);
   const auto draw = [&](RandomStream& stream) { return x.sample(stream) * y.sample(stream); };
   EXPECT_LT(worst_score(compose(x, y), draw), 4.5);
-  EXPECT_GT(worst_score(compose(y, x), draw), 20.0);  // the order matters and the test sees it
+  EXPECT_GT(worst_score(compose(y, x), draw), 20.0);  // the order matters, and the test detects it
 }
 
 TEST(Operations, InverseAgreesWithMonteCarlo) {

@@ -112,7 +112,7 @@ TEST(PoseStackDensity, IndependentPosesAreConditionedOnNothing) {
 }
 
 TEST(PoseStackDensity, RelativePoseUsesTheCrossCovariance) {
-  // Two poses that move together: their relative pose is known better than either.
+  // Two poses with a common error: their relative pose is more certain than either.
   const Matrix6d common = 0.25 * Matrix6d::Identity();
   const Matrix6d own = 1e-4 * Matrix6d::Identity();
   Eigen::MatrixXd covariance(12, 12);
@@ -125,7 +125,7 @@ TEST(PoseStackDensity, RelativePoseUsesTheCrossCovariance) {
   const Eigen::MatrixXd adjoint = from.inverse().adjoint();
   EXPECT_TRUE(
       testing::matrices_near(relative.covariance(), 2e-4 * adjoint * adjoint.transpose(), 1e-15));
-  // `between` of the two marginals takes them as independent and loses that.
+  // `between` of the two marginals assumes independence and loses that.
   const auto independent = between(marginal(joint, 0), marginal(joint, 1));
   EXPECT_GT(independent.covariance().trace(), 1000.0 * relative.covariance().trace());
 }

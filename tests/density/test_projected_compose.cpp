@@ -78,8 +78,8 @@ Gaussian with_rotation_spread(const Gaussian& density, double degrees_per_axis) 
   return {density.mean(), covariance};
 }
 
-/// How much lower the expected log density of the composition is than that of the projected
-/// Gaussian of maximum likelihood, by samples [nats].
+/// The expected log density of the projected Gaussian of maximum likelihood minus that of the
+/// composition, by samples [nats].
 struct Gaps {
   double cubature;
   double third_degree;

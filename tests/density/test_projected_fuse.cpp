@@ -8,7 +8,7 @@
 #include "posemix/density/projected_operations.hpp"
 #include "projected_oracle.hpp"
 
-// Oracles: numpy prototypes of the formulas and, where said, importance sampling. Overlaps there
+// Oracles: numpy prototypes of the formulas and, where noted, importance sampling. Their overlaps
 // are with respect to the half sphere of quaternions: log 8 more than with the Haar measure.
 namespace posemix {
 namespace {
@@ -106,8 +106,7 @@ TEST(ProjectedFuse, IsExactOnACommonTangentPoint) {
   }
 }
 
-/// log of the integral of p q over the rotations, by sampling from p. The standard error of the log
-/// comes with it.
+/// The log of the integral of p q over the rotations, by sampling from p, with its standard error.
 std::pair<double, double> sampled_overlap(const ProjectedGaussian<SO3d>& p,
                                           const ProjectedGaussian<SO3d>& q, int samples) {
   RandomStream stream(7);

@@ -8,8 +8,8 @@
 #include "posemix/density/projected_moments.hpp"
 #include "posemix/lie/lie.hpp"
 
-// Oracles: numpy prototypes, by sampling and quadrature of other forms of the same integrals; those
-// of more than 15 digits by mpmath's quadrature with 40.
+// Oracles: numpy prototypes, by sampling and quadrature of other forms of the same integrals;
+// oracles of more than 15 digits by mpmath's quadrature with 40 digits.
 namespace posemix {
 namespace {
 

@@ -17,7 +17,7 @@ class Sampling : public ::testing::Test {
  protected:
   static constexpr Eigen::Index kDof = G::Dof == Eigen::Dynamic ? 12 : G::Dof;
 
-  /// Correlated, with standard deviations between 0.05 and 0.35 (rad, m).
+  /// A correlated covariance with standard deviations between 0.05 and 0.35 (rad, m).
   static ConcentratedGaussian<G> density() {
     typename G::TangentMatrix root = G::TangentMatrix::Identity(kDof, kDof);
     for (Eigen::Index i = 1; i < kDof; ++i) root(i, i - 1) = -0.6;

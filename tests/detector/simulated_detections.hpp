@@ -10,7 +10,8 @@
 #include "posemix/base/units.hpp"
 #include "posemix/detector/noise_fit.hpp"
 
-/// Detections that follow a noise model, drawn by its definition and not by the code under test.
+/// Detections with the errors of a noise model, drawn by its definition, not by the code under
+/// test.
 namespace posemix::testing {
 
 inline Vector6d normal_vector(RandomStream& stream) {
@@ -33,8 +34,9 @@ inline SE3d pose_before_camera(RandomStream& stream) {
   return SE3d(uniform_rotation(stream), range * ray);
 }
 
-/// Y for the deviations sd along the viewing ray of the mode T (rotation about its origin): n
-/// turned by Rodrigues' formula from z to the ray, and Y = T Exp(n in the axes of T).
+/// A detection Y with deviations sd along the viewing ray of the mode T (rotation about its
+/// origin): the error n is turned by Rodrigues' formula from z to the ray, and Y = T Exp(n in the
+/// axes of T).
 inline SE3d detect_along_ray(const SE3d& mode, const Vector6d& sd, RandomStream& stream) {
   const Vector6d n = normal_vector(stream).cwiseProduct(sd);
   const Eigen::Vector3d& t = mode.translation();

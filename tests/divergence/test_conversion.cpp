@@ -53,7 +53,7 @@ Mixture<D> single(const D& density) {
   return Mixture<D>({{0.0, density}});
 }
 
-/// The same points for every rule, so that differences are not noise.
+/// Every rule uses the same points, so that differences are not noise.
 template <class P, class Q>
 double lost(const P& before, const Q& after) {
   RandomStream stream(1);

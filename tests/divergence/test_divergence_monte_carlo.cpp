@@ -46,7 +46,8 @@ Mixture<ConcentratedGaussian<G>> single(const ConcentratedGaussian<G>& density) 
 }
 
 /// Over many seeds the squared errors in units of the standard error must have the mean of the
-/// squared Student t with replicates - 1 degrees: (r - 1) / (r - 3), within its own scatter.
+/// squared Student t with replicates - 1 degrees: (r - 1) / (r - 3), within its own statistical
+/// error.
 void expect_coverage(const std::function<DivergenceEstimate(RandomStream&)>& estimate,
                      double exact) {
   constexpr int kSeeds = 100;

@@ -74,7 +74,7 @@ TYPED_TEST(DivergenceOn, SymmetricKlIsTheSumOfBothAndSymmetric) {
   });
 }
 
-/// Both means shifted on the left and on the right: the same densities in other frames.
+/// Shifts both means on the left and on the right: the same densities in other frames.
 template <class G>
 ConcentratedGaussian<G> moved(const G& left, const ConcentratedGaussian<G>& density,
                               const G& right) {

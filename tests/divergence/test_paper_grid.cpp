@@ -22,14 +22,14 @@ Peak peak(double deviation, double angle) {
           s * s * Eigen::Matrix3d::Identity()};
 }
 
-/// Relative error of the KLD, the difference of tangent-of-larger (first component) from midway,
-/// and the mass, of the paper's method, by an independent program.
+/// The paper's method in an independent program: relative error of the KLD, the difference of
+/// tangent-of-larger (first component) from midway, and the mass.
 struct Row {
   double phi;
   double kl_error;
   double kl_first;
   double mass;
-  double kl_unit, first_unit, mass_unit;  ///< of the last digit given
+  double kl_unit, first_unit, mass_unit;  ///< units of the last given digit
 };
 
 class PaperGrid : public ::testing::TestWithParam<Row> {};

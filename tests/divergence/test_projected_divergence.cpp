@@ -97,7 +97,7 @@ TEST(ProjectedDivergence, OfLawsIsThatOfTheGaussiansWhereBothAreNarrow) {
   const Eigen::Vector3d apart(0.3, -0.5, 0.2);
   double before = std::numeric_limits<double>::infinity();
   for (const double degrees : {0.1, 5.0, 15.0, 30.0}) {
-    // Standard deviations of u are half of those of the angle. Eq. 23 does not see the scale.
+    // Standard deviations of u are half those of the angle. Eq. 23 does not depend on the scale.
     const double scale = 0.5 * degrees * kDegree;
     const Rotation a = rotation(SO3d(), Eigen::Vector3d::Zero(), scale * shape_a);
     const Rotation b = rotation(SO3d(), scale * apart, scale * shape_b);
@@ -124,7 +124,7 @@ TEST(ProjectedDivergence, DoesNotDependOnTheFrame) {
   EXPECT_NEAR(gaussian_kl(turned(a), turned(b)), gaussian_kl(a, b), 1e-12);
   EXPECT_NEAR(exact_symmetric_kl(a, b), exact_symmetric_kl(b, a), 1e-12);
   EXPECT_NEAR(exact_kl(a, a), 0.0, 1e-14);
-  // Restated at their own modes they are nearly the same densities.
+  // In charts at their own modes they are nearly the same densities.
   EXPECT_NEAR(exact_kl(change_chart_to_mode(a), change_chart_to_mode(b)), exact_kl(a, b), 0.02);
 }
 
@@ -146,7 +146,7 @@ TEST(MonteCarloOfTwoKinds, IsTheIntegralOverTheAngle) {
   const Rotation projected(SO3d(), Eigen::Matrix3d(0.04 * Eigen::Matrix3d::Identity()));
   const auto log_lie = [&](double a) { return lie.log_density(SO3d::exp({a, 0, 0})); };
   const auto log_projected = [&](double a) { return projected.log_density(SO3d::exp({0, a, 0})); };
-  const double most = 2.5;  // eight standard deviations of the wider
+  const double most = 2.5;  // eight standard deviations of the wider density
   const auto kl_of = [&](const auto& log_p, const auto& log_q) {
     return over_angles(most, [&](double a) { return std::exp(log_p(a)) * (log_p(a) - log_q(a)); });
   };

@@ -24,7 +24,7 @@ std::size_t count(const std::string& text, const std::string& part) {
   return found;
 }
 
-/// True where every tag is closed in order and no text holds bare markup or numbers that are not
+/// True if every tag is closed in order and no text has unescaped markup or numbers that are not
 /// finite.
 bool is_well_formed(const std::string& svg) {
   static const std::regex tag(
@@ -49,7 +49,7 @@ bool is_well_formed(const std::string& svg) {
   return open.empty() && texts.find('<') == std::string::npos;
 }
 
-/// The labels that stand on the axes: texts of 11.5 pixels.
+/// The labels of the axes: texts of 11.5 pixels.
 std::vector<std::string> tick_labels(const std::string& svg) {
   static const std::regex label(R"re(font-size="11.5"[^>]*>([^<]*)</text>)re");
   std::vector<std::string> labels;

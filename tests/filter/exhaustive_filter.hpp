@@ -13,7 +13,7 @@
 
 /// The posterior that MultiObjectFilter approximates, without its approximations: one dense
 /// Gaussian over camera and objects for every tuple of hypotheses, none of which is ever merged or
-/// dropped. Written apart from the library's filter: only the groups, the noise model and the
+/// dropped. It is independent of the library's filter: only the groups, the noise model and the
 /// mixtures are shared.
 namespace posemix::testing {
 
@@ -76,7 +76,7 @@ class ExhaustiveFilter {
 
   std::size_t size() const { return tuples_.size(); }
 
-  /// Of the camera (pose 0), or of an object given that it is there.
+  /// The marginal of the camera (pose 0), or of an object given that it exists.
   Mixture<ConcentratedGaussian<SE3d>> marginal(std::size_t pose) const {
     std::vector<Component<ConcentratedGaussian<SE3d>>> components;
     const auto at = static_cast<Eigen::Index>(6 * pose);
@@ -99,7 +99,8 @@ class ExhaustiveFilter {
     return adjoint * along.covariance * adjoint.transpose();
   }
 
-  /// Children inlier, wide, clutter; their moments. Returns the least squared distance.
+  /// Conditions the tuple on a detection, by the moments of its children (inlier, wide, clutter).
+  /// Returns the least squared distance.
   double condition(Tuple& tuple, std::size_t object, const SE3d& detected) const {
     const SE3d& camera = tuple.poses[0];
     const SE3d& pose = tuple.poses[object + 1];

@@ -13,8 +13,8 @@
 /// multi-object filter.
 namespace posemix::testing {
 
-/// Everything that is learned or put in for real detectors is off: the filter is one of independent
-/// detections with known noise.
+/// Switches off everything that is learned or added for real detectors: the filter assumes
+/// independent detections with known noise.
 inline MultiObjectSettings plain_settings() {
   MultiObjectSettings s;
   s.odometry_camera_fraction = 1.0;
@@ -25,7 +25,7 @@ inline MultiObjectSettings plain_settings() {
   return s;
 }
 
-/// Sharp, wide and clutter along the ray: those of the many-objects notes.
+/// Noise along the ray with a sharp component, a wide one and clutter, as in docs/many-objects.md.
 inline DetectorNoise ray_noise(double clutter = 0.23) {
   const Matrix6d sharp =
       pose_covariance({radians(7.5), radians(7.5), radians(2.0)}, {0.005, 0.005, 0.06});
@@ -44,7 +44,7 @@ struct OrbitScene {
     }
   }
 
-  /// Looks at the origin from a circle of one metre.
+  /// A camera that looks at the origin from a circle of one metre.
   static SE3d camera_at(int frame) {
     const double angle = 0.02 * frame;
     const SE3d turn = pose(0, 0, angle, 0, 0, 0);
@@ -52,7 +52,7 @@ struct OrbitScene {
     return turn * view;
   }
 
-  /// The next frame's odometry.
+  /// Moves the camera and returns the next frame's odometry.
   SE3d advance() {
     const SE3d next = camera_at(++frame);
     const SE3d motion = camera.inverse() * next;
@@ -60,7 +60,7 @@ struct OrbitScene {
     return motion * SE3d::exp(draw(q, stream));
   }
 
-  /// A detection: of the truth, of a flip of it, or wild.
+  /// A detection of the true pose, of its flip, or a gross error.
   SE3d detect(std::size_t object, double flips, double wild) {
     const SE3d seen = camera.inverse() * truth[object];
     const double chance = stream.uniform();

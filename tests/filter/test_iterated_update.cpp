@@ -52,7 +52,7 @@ TEST(IteratedUpdate, IsTheLinearizedUpdateWhereEverythingIsSmall) {
   EXPECT_NEAR(iterated.log_likelihood, once.log_likelihood, 1e-3);
 }
 
-/// |zeta|^2_P + |n|^2_R of relative poses, straight from the definitions.
+/// |zeta|^2_P + |n|^2_R of relative poses, directly from the definitions.
 double cost(const Hypothesis& prior, const TwoDetections& seen, const std::array<SE3d, 2>& z) {
   Eigen::MatrixXd d = Eigen::MatrixXd::Zero(12, 18);
   Eigen::VectorXd zeta(12);
@@ -166,8 +166,7 @@ TEST(IteratedUpdate, CommonMotionGainsNoInformationInTenThousandUpdates) {
   }
   const Matrix6d after = carried.transpose() * information(h) * carried;
   EXPECT_LT((after - before).norm(), 1e-6 * before.norm());
-  // What is observable did gain: the relative pose is known a hundred times better than one
-  // detection.
+  // Observable quantities did gain: the relative pose is far more certain than one detection.
   EXPECT_LT(relative_pose(h, 0, 1).covariance()(0, 0), 1e-3 * r(0, 0));
 }
 

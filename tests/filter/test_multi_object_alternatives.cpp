@@ -26,11 +26,12 @@ bool holds(const std::vector<ObjectHypothesis>& hypotheses, const SE3d& wanted) 
 }
 
 struct Alive {
-  std::size_t modes = 0;  ///< seen eight times or more
+  std::size_t modes = 0;  ///< modes seen eight times or more
   std::size_t kept = 0;
 };
 
-/// Five objects, each seen in three modes in turn by chance, 5 % wild, over 120 frames.
+/// Five objects over 120 frames, each detected in one of three modes at random, with 5 % gross
+/// errors.
 Alive alternatives(std::uint64_t seed, std::size_t max_hypotheses) {
   OrbitScene scene(seed, kObjects, 0.01, 0.15e-3);
   MultiObjectSettings settings = testing::plain_settings();

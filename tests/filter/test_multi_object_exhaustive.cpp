@@ -91,15 +91,15 @@ TEST(MultiObjectExhaustive, LosesLittleAtMediumOdometryWhereOneModeLeads) {
   EXPECT_LT(mean.object, 0.02);
 }
 
-// Where two modes tie again and again, the camera's own alternatives are lost: one camera stands
-// for those under either mode.
+// If two modes tie again and again, the camera's own alternatives are lost: one camera represents
+// the cameras under both modes.
 TEST(MultiObjectExhaustive, LosesTheCamerasAlternativesAtMediumOdometryWhereModesTie) {
   const Losses mean = mean_losses(0.05, 1e-3, 0.4);
   EXPECT_LT(mean.camera, 0.2);
   EXPECT_LT(mean.object, 0.3);
 }
 
-// With one object and one component of noise nothing is left to approximate.
+// With one object and one component of noise the filter approximates nothing.
 TEST(MultiObjectExhaustive, IsExactForOneMode) {
   OrbitScene scene(5, 1, 0.3, 0.005);
   const Matrix6d start = isotropic(0.1, 0.002);

@@ -46,7 +46,7 @@ TEST(MultiObjectFilter, ALateTruthWinsOverAWrongBeginning) {
     }
     if (recovered < 0 && is_right(filter, scene, 0)) recovered = frame;
   }
-  // As many right answers as wrong ones are needed, and no more.
+  // Recovery needs as many right detections as there were wrong ones, and no more.
   EXPECT_GE(recovered, 40);
   EXPECT_LE(recovered, 56);
 }
@@ -161,7 +161,7 @@ TEST(MultiObjectFilter, AConsideredCameraFollowsItsOdometryAlone) {
     }
     for (const std::size_t j : {0U, 1U}) filter.update(j, scene.detect(j, 0.2, 0.0));
   }
-  // Modes that are given up move it by what merging them leaves, far below its uncertainty.
+  // Merging the modes that are given up moves the camera, but far less than its uncertainty.
   EXPECT_LT((filter.camera().mean() * odometry.inverse()).log().norm(), 1e-9);
 }
 
@@ -203,7 +203,7 @@ TEST(MultiObjectFilter, AnAxisOfSymmetryTeachesNothingAboutItsAngle) {
 }
 
 TEST(MultiObjectFilter, TheNoisesScaleIsLearned) {
-  // The detector is four times better than the filter is told.
+  // The detector is four times better than the noise of the filter.
   OrbitScene scene(8, 1, 0.02, 3e-4);
   MultiObjectSettings settings = plain_settings();
   settings.noise_scale_detections = 10.0;

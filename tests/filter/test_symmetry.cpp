@@ -31,7 +31,7 @@ const Eigen::Vector3d kX = Eigen::Vector3d::UnitX();
 const Eigen::Vector3d kZ = Eigen::Vector3d::UnitZ();
 const Eigen::Vector3d kOff(0.03, -0.02, 0.01);
 
-/// A scene's worth of different groups: what the object may be turned by, as matrices.
+/// Different groups, with motions of the object as matrices.
 struct Case {
   const char* name;
   SymmetryGroup group;
@@ -180,7 +180,7 @@ TEST(SymmetryGroup, ClosestIsAnEquivalentPose) {
     const SE3d closest =
         c.group.closest(seen, pose(0.1, 0.2, 2.5, 0.3, 0.1, 1.0), random_information(stream));
     const SE3d g = seen.inverse() * closest;
-    // One more element that is none of the group's would be kept, or refused.
+    // An additional element outside the group would be kept, or refused.
     std::vector<SE3d> with{g};
     for (const SE3d& element : c.group.elements()) with.push_back(element);
     EXPECT_EQ(SymmetryGroup(with, c.group.axes(), {1e-7, 1e-7}).elements().size(),
@@ -188,7 +188,7 @@ TEST(SymmetryGroup, ClosestIsAnEquivalentPose) {
   }
 }
 
-/// No flip between equivalent poses: whichever of them is seen, the closest one is the same.
+/// No flip between equivalent poses: the closest pose is the same for all of them.
 TEST(SymmetryGroup, ClosestIsTheSameForEquivalentPoses) {
   RandomStream stream(7);
   for (const Case& c : cases()) {
@@ -200,14 +200,14 @@ TEST(SymmetryGroup, ClosestIsTheSameForEquivalentPoses) {
       const SE3d other = seen * random_motion(c.group, stream);
       const SE3d a = c.group.closest(seen, reference, information);
       const SE3d b = c.group.closest(other, reference, information);
-      // Both start from the same angle about the axis: nothing but rounding is between them.
+      // Both start from the same angle about the axis, so they differ by rounding errors only.
       EXPECT_TRUE(a.is_approx(b, 1e-9)) << (a.inverse() * b).log().transpose();
     }
   }
 }
 
 TEST(SymmetryGroup, AngleIsRefinedWhereTheAxisIsOffTheOrigin) {
-  // A line one metre away: the position says more of the angle than the rotation does.
+  // A line one metre away: the position determines the angle better than the rotation does.
   const SymmetryGroup group({}, {{kZ, Eigen::Vector3d(1, 0, 0)}});
   const Matrix6d information = isotropic(20.0, 0.001).inverse();
   const SE3d reference;

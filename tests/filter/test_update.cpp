@@ -35,8 +35,8 @@ struct Scene {
   }
 };
 
-/// The right-invariant EKF as textbooks write it, dense and in the camera frame, without any of the
-/// structure that the library uses: v = Log(T_co^-1-measured...), H = [-Ad(T_c^-1) .. Ad(T_c^-1)
+/// The right-invariant EKF of textbooks, dense and in the camera frame, without the structure that
+/// the library uses: v = Log(T_co^-1-measured...), H = [-Ad(T_c^-1) .. Ad(T_c^-1)
 /// ..], explicit inverse, P+ = (I - K H) P.
 struct Textbook {
   PoseStackd mean;

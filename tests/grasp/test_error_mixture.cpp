@@ -23,7 +23,7 @@ Vector6d normal6(RandomStream& stream) {
   return z;
 }
 
-/// 80 % sharp (1 deg, 2 mm; 20 mm of depth), 15 % turned by 30 deg about z, 5 % anything.
+/// 80 % sharp (1 deg, 2 mm; 20 mm of depth), 15 % turned by 30 deg about z, 5 % gross errors.
 std::vector<Vector6d> simulated_errors(std::size_t count, std::uint64_t seed) {
   RandomStream stream(seed);
   Vector6d sd;

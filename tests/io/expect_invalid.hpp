@@ -11,7 +11,7 @@
 
 namespace posemix::testing {
 
-/// The message of the InvalidInput that `action` throws; a note where it throws none.
+/// The message of the InvalidInput that `action` throws; a note if it throws none.
 template <typename Action>
 std::string invalid_input_message(Action&& action) {
   try {

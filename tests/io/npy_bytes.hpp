@@ -10,7 +10,7 @@
 
 namespace posemix::testing {
 
-/// How npy_bytes writes a matrix.
+/// Layout of a matrix that npy_bytes writes.
 struct NpyForm {
   int version = 1;
   bool fortran = false;

@@ -85,7 +85,7 @@ TEST(GraspOutcomes, ReadsAFolderInTheOrderOfNames) {
                       "results.csv: got this file name, expected DATASET_ESTIMATOR.csv");
 }
 
-/// Counted in the tables themselves: lines that are neither comment nor head, outcomes that are 1.
+/// Counts from the tables themselves: lines that are neither comment nor head, outcomes that are 1.
 TEST(GraspOutcomes, OfTheDataFolder) {
   POSEMIX_REQUIRE_DATA();
   if (!std::filesystem::is_directory(*testing::data_dir() / "consensus-driven-uncertainty")) {

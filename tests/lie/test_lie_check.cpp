@@ -9,7 +9,7 @@
 #include "posemix/lie/lie.hpp"
 #include "posemix/testing/lie_laws.hpp"
 
-// The law suite must notice a broken group, and say what it expected.
+// The law suite must detect a broken group, and print what it expected.
 namespace posemix::testing {
 namespace {
 

@@ -8,7 +8,7 @@
 #include "em_draws.hpp"
 #include "posemix/mixture/em.hpp"
 
-/// The loops with vector instructions against the plain functions, sample by sample.
+/// Compares the loops with vector instructions to the plain functions, sample by sample.
 namespace posemix {
 namespace {
 

@@ -9,7 +9,7 @@
 #include "posemix/density/projected_moments.hpp"
 #include "posemix/mixture/projected_operations.hpp"
 
-// What the MPG paper states and does not hold; docs/mpg.md lists all.
+// Statements of the MPG paper that do not hold; docs/mpg.md lists all.
 namespace posemix {
 namespace {
 

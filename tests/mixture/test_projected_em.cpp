@@ -96,9 +96,9 @@ TEST(ProjectedEm, AWeightCountsSamples) {
   }
 }
 
-/// Uniform rotations have the density 1 / (8 pi^2), which many wide components come near to: more
-/// than that is noise, about half a unit for every parameter. (Less is left by the limit on P_uu,
-/// up to 41 for one component.)
+/// Uniform rotations have the density 1 / (8 pi^2), which many wide components approximate. A
+/// higher likelihood is noise, about half a unit for every parameter; a lower one is due to the
+/// limit on P_uu, up to 41 for one component.
 TEST(ProjectedEm, OfUniformRotationsDoesNotDiverge) {
   constexpr std::size_t kCount = 1000;
   const double uniform = -1000.0 * std::log(8.0 * std::numbers::pi * std::numbers::pi);
@@ -119,7 +119,7 @@ TEST(ProjectedEm, OfUniformRotationsDoesNotDiverge) {
   }
 }
 
-/// A sample by pi from a tangent point has no density there, and no NaN follows from it.
+/// A sample at an angle of pi from a tangent point has density zero there, and causes no NaN.
 TEST(ProjectedEm, SamplesAtTheEquatorHaveNoDensity) {
   RandomStream stream(4);
   const Mixture<Projected<SE3d>> truth(

@@ -21,8 +21,8 @@ class ProjectedEmOn : public ::testing::Test {};
 using Groups = ::testing::Types<SO3d, SE3d>;
 TYPED_TEST_SUITE(ProjectedEmOn, Groups);
 
-/// Three to twenty degrees (u is half the angle) and once 57 degrees, weights, bounds, all kinds of
-/// settings.
+/// Samples with deviations of three to twenty degrees (u is half the angle) and once 57 degrees,
+/// with weights, bounds, and all kinds of settings.
 TYPED_TEST(ProjectedEmOn, NeverLowersTheLogLikelihood) {
   using D = Projected<TypeParam>;
   double fall = 0.0;
@@ -97,7 +97,7 @@ TYPED_TEST(ProjectedEmOn, EndsWhereTheLikelihoodIsStationary) {
   }
 }
 
-/// The loops with vector instructions against the class.
+/// Compares the loops with vector instructions to the class.
 TYPED_TEST(ProjectedEmOn, KernelsAgreeWithTheClass) {
   using G = TypeParam;
   RandomStream stream(14);

@@ -15,8 +15,8 @@ using Eigen::Vector3d;
 using Rotation = ProjectedGaussian<SO3d>;
 using Pose = ProjectedGaussian<SE3d>;
 
-/// Rotations about x by `at` degrees: half of the weight narrow, half wide. A standard deviation of
-/// rotation is twice that of u.
+/// Rotations about x by `at` degrees: half of the weight on a narrow component, half on a wide one.
+/// A standard deviation of rotation is twice that of u.
 Mixture<Rotation> narrow_and_wide(double at) {
   const SO3d centre = SO3d::exp({radians(at), 0.0, 0.0});
   const auto isotropic = [&](double degrees_of_rotation) {

@@ -46,8 +46,9 @@ struct LineDivergence {
 };
 
 TEST(Bounds, OfOneMergeHoldWithAndWithoutThePapersFactor) {
-  // Eq. 24 has the right side over l_1 + l_2; by joint convexity it holds without. A study of 400
-  // random mixtures found the left over the right side to be .24 with and .38 without at most.
+  // Eq. 24 divides the right side by l_1 + l_2; by joint convexity it also holds without the
+  // division. A study of 400 random mixtures found the left over the right side to be .24 with and
+  // .38 without at most.
   RandomStream stream(1);
   double largest = 0.0;
   double largest_with_factor = 0.0;

@@ -9,7 +9,7 @@
 #include "posemix/testing/density_draw.hpp"
 #include "posemix/testing/expect.hpp"
 
-/// What the midway-merge paper proves about the midway point, on every group.
+/// Theorems of the midway-merge paper about the midway point, on every group.
 namespace posemix {
 namespace {
 

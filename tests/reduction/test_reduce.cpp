@@ -100,7 +100,7 @@ TEST(Reduce, KeepsTheHeaviestAfterPruningAndBeforeMerging) {
   EXPECT_EQ(report.components_pruned, 4U);
   EXPECT_NEAR(report.weight_pruned, 10.0 / 55.0, 1e-15);
   EXPECT_EQ(report.merges.size(), 2U);
-  // Nothing is dropped where no more are there.
+  // No component is dropped if there are not more than six.
   EXPECT_EQ(reduce(ladder(6), {.keep_heaviest = 6}).report.components_pruned, 0U);
   EXPECT_EQ(reduce(ladder(6), {.keep_heaviest = 0}).mixture.size(), 6U);
 }

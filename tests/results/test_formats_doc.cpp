@@ -7,11 +7,11 @@
 #include "posemix/io/text.hpp"
 #include "posemix/results/results.hpp"
 
-/// The defaults in docs/formats.md are those of the settings.
+/// The defaults in docs/formats.md equal the defaults of the settings.
 namespace posemix {
 namespace {
 
-/// Last cell of the first table row after the text `from` that begins with the key.
+/// The last cell of the first table row after the text `from` that begins with the key.
 std::string documented(const std::string& key, const std::string& from = "") {
   const std::string text = read_file(POSEMIX_SOURCE_DIR "/docs/formats.md");
   const std::size_t row = text.find("\n| `" + key + "`", text.find(from));

@@ -21,7 +21,7 @@ void expect_sound(const FuzzReport& report, std::size_t least_of_each) {
   EXPECT_GT(report.rejected, least_of_each);
 }
 
-/// With line ends, for damage by lines.
+/// The trace with line ends, for damage by lines.
 std::string lines_of(std::string trace) {
   for (std::size_t at = 0; (at = trace.find("],[", at)) != std::string::npos; ++at) {
     trace.insert(at + 2, "\n");

@@ -8,7 +8,7 @@
 #include "posemix/results/results.hpp"
 #include "posemix/testing/mutate.hpp"
 
-/// Damaged sequence files and recordings through all that `posemix slam` does with them.
+/// Runs every step of `posemix slam` on damaged sequence files and recordings.
 namespace posemix {
 namespace {
 
@@ -18,14 +18,14 @@ using testing::FuzzReport;
 constexpr std::size_t kInputs = 10000;
 constexpr std::size_t kMostFrames = 6;
 
-/// The small recording with the object of TUM detections alone.
+/// The small recording with only the object that has TUM detections.
 std::string one_object() {
   const std::string text(testing::kSmallToml);
   const std::size_t begin = text.find("[[objects]]\nid = \"box\"");
   return text.substr(0, begin) + text.substr(text.find("[filter]"));
 }
 
-/// With few hypotheses and frames: a damaged setting may ask for any number.
+/// Runs with few hypotheses and frames, because a damaged setting may have any number.
 void slam_to_text(const TomlDocument& document, const std::filesystem::path& folder) {
   SlamJob job = read_slam_job(document, {folder});
   auto& reduction = job.settings.filter.reduction;

@@ -20,7 +20,7 @@ using nlohmann::json;
 using testing::content_of;
 using testing::TemporaryFolder;
 
-/// A folder with what slam wrote.
+/// A folder with results of slam.
 const TemporaryFolder& slam_folder() {
   static const TemporaryFolder folder;
   static const bool written = [] {

@@ -14,7 +14,7 @@ using testing::joint_trace;
 using testing::multi_object_trace;
 using testing::TraceFolder;
 
-/// Message about the trace with one value changed.
+/// The error message for the trace with one value changed.
 std::string damaged(const json& trace, const char* pointer, const json& value) {
   json copy = trace;
   copy[json::json_pointer(pointer)] = value;

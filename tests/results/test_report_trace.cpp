@@ -5,7 +5,7 @@
 
 #include "trace_folder.hpp"
 
-/// The trace of a report against trace.json.
+/// Compares the trace of a report to trace.json.
 namespace posemix {
 namespace {
 
@@ -17,7 +17,7 @@ using testing::ReportTrace;
 using testing::SmallResults;
 using testing::TraceFolder;
 
-/// Poses up to the steps of position and quaternion, and the sign of the latter.
+/// Compares poses up to the steps of position and quaternion, and the sign of the latter.
 void expect_pose(const json& pose, const ReportTrace& trace, const std::string& prefix,
                  std::size_t k) {
   const auto& position = trace[prefix + "/position"][k];

@@ -12,7 +12,7 @@
 
 namespace posemix::testing {
 
-/// A folder with a trace, as `posemix slam` leaves it.
+/// A folder with a trace, as written by `posemix slam`.
 class TraceFolder {
  public:
   explicit TraceFolder(const std::string& trace) {

@@ -21,7 +21,7 @@ inline const Matrix6d kQ = isotropic(0.05, 0.001);
 inline const Matrix6d kR = isotropic(0.4, 0.004);
 inline const Matrix6d kStartCovariance = isotropic(0.1, 0.002);
 
-/// The filter takes all noise as given and every error as independent of all others.
+/// The filter assumes the given noise, and errors that are independent of each other.
 inline ObjectSlamSettings plain_slam_settings(double odometry_camera_fraction = 1.0) {
   ObjectSlamSettings settings;
   settings.multi_object.odometry_camera_fraction = odometry_camera_fraction;
@@ -40,8 +40,8 @@ inline std::vector<ObjectModel> models_with(const DetectorNoise& noise, std::siz
   return models;
 }
 
-/// Drawn from the model: small errors, the second object seen from frame 4 on, every third frame
-/// without it, one step without odometry.
+/// A sequence drawn from the model: small errors, the second object seen from frame 4 on, every
+/// third frame without it, one step without odometry.
 inline Sequence drawn_sequence(std::uint64_t seed, std::size_t objects) {
   RandomStream stream(5, seed);
   Sequence sequence;

@@ -149,7 +149,7 @@ TEST(Associate, WithoutInstancesOrCandidates) {
   EXPECT_NE(thrown_message([] { associate({}, {}, noise(), {}, {.gate_probability = 1.0}); }), "");
 }
 
-/// The cost of a pair after the definition in the header, with the position's covariance from
+/// The cost of a pair by the definition in the header, with the position's covariance from
 /// finite differences and explicit inverses.
 double pair_cost(const Density& instance, const SE3d& seen, const NoiseComponent& detector) {
   const double h = 1e-6;

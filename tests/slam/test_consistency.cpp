@@ -34,7 +34,7 @@ SE3d draw_detection(const SE3d& relative, const DetectorNoise& noise, RandomStre
 }
 
 /// e^T P^-1 e of the full state (camera and objects) at the last frame of one simulated run. Prior,
-/// odometry and detector errors are drawn from the model that the filter believes.
+/// odometry and detector errors are drawn from the model of the filter.
 double squared_normalized_error(const DetectorNoise& noise, std::uint64_t run) {
   RandomStream stream(20221124, run);
   const Matrix6d camera_covariance = isotropic(0.5, 0.01);

@@ -6,7 +6,7 @@
 #include "posemix/slam/evaluation.hpp"
 #include "posemix/slam/simulation.hpp"
 
-/// Object SLAM with its default settings on simulated recordings of what real detectors do.
+/// Object SLAM with its default settings on simulated recordings with the errors of real detectors.
 namespace posemix {
 namespace {
 

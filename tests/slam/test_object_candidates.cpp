@@ -41,8 +41,8 @@ std::vector<std::optional<SE3d>> none(std::size_t count) {
   return std::vector<std::optional<SE3d>>(count);
 }
 
-/// Detections in an order of no meaning: half of them turned, a fifth missing, and in two of five
-/// frames one of nothing.
+/// Detections in arbitrary order: half of them turned, a fifth missing, and in two of five frames a
+/// false one.
 std::vector<Candidate> detect(OrbitScene& scene) {
   std::vector<Candidate> candidates;
   for (std::size_t j = 0; j < scene.truth.size(); ++j) {
@@ -128,8 +128,7 @@ TEST(ObjectCandidates, EqualSymmetricObjectsAreToldApart) {
   }
 }
 
-// What the test above looks for is there: without the symmetry half of the detections are of
-// another mode.
+// The test above is not vacuous: without the symmetry half of the detections are of another mode.
 TEST(ObjectCandidates, FlipsWithoutTheSymmetry) {
   std::size_t flips = 0;
   for (const std::uint64_t seed : {1U, 2U, 3U}) {

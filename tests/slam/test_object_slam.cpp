@@ -18,7 +18,8 @@ const SE3d kObject = pose(0.4, -0.3, 0.2, 0.1, 0.2, 1.1);
 
 ObjectModel model(const std::string& id) { return {id, gaussian_noise(), std::nullopt}; }
 
-/// The loop around a filter is the same for both; what is known of a Gaussian sum is exact.
+/// Uses the Gaussian-sum filter, whose results are known exactly; the code around it is the same
+/// for both filters.
 ObjectSlam make(ObjectSlamSettings settings = {}) {
   settings.kind = SlamFilter::gaussian_sum;
   return ObjectSlam(kPrior, {model("a"), model("b")}, settings);

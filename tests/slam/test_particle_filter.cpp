@@ -22,7 +22,7 @@ const PoseDensity kPrior(kStart, isotropic(0.5, 0.005));
 const SE3d kMug = pose(0.4, -0.3, 0.2, 0.1, 0.2, 1.1);
 const SE3d kBox = pose(-0.2, 0.5, 0.7, -0.3, 0.1, 0.9);
 
-/// Frames of one object with errors of the detector that the model knows.
+/// Frames of one object with detector errors that follow the model.
 Sequence sequence_of(std::size_t frames, const SE3d& object = kMug, std::uint64_t seed = 1,
                      const Matrix6d& errors = isotropic(4.0, 0.01)) {
   RandomStream stream(seed);

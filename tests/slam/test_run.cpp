@@ -19,7 +19,7 @@ const SE3d kObject = pose(0.4, -0.3, 0.2, 0.1, 0.2, 1.1);
 const SE3d kStart = pose(0.1, 0.2, -0.1, 0.3, -0.2, 0.1);
 const PoseDensity kPrior(kStart, isotropic(0.5, 0.005));
 
-/// Five frames of one object, everything known and without error.
+/// Five frames of one object, complete and without errors.
 Sequence perfect_sequence() {
   Sequence sequence;
   ObjectRecording object{"mug", {}, {}, {}};

@@ -29,7 +29,7 @@ using testing::models_with;
 using testing::plain_slam_settings;
 using testing::pose;
 
-/// The prototype's simulation in small: correlated errors, gross ones in runs, flips.
+/// A small version of the prototype's simulation: correlated errors, gross errors in runs, flips.
 SimulationConfig hard_config() {
   SimulationObject object = testing::object_with(
       {{.sd = testing::sd_of(Eigen::Vector3d::Constant(5.0), Eigen::Vector3d::Constant(0.01))}});
@@ -61,7 +61,7 @@ TEST(Smoothing, IsBetterThanTheFilterOnDisturbedDetections) {
   EXPECT_LT(smooth, causal - 12 * std::log(1.2));
 }
 
-/// Twenty wrong detections, all alike, then sixty right ones.
+/// Twenty equal wrong detections, then sixty right ones.
 Sequence wrong_at_first() {
   RandomStream stream(9, 1);
   Sequence sequence;
@@ -171,7 +171,7 @@ TEST(FixedLag, ReportsEveryFrameOnceAndInTime) {
 }
 
 TEST(FixedLag, LooksAheadJustSoFar) {
-  // The right mode leads from some frame on; its lag earlier it is what is reported.
+  // The right mode leads from some frame on, and is reported from one lag earlier on.
   const Sequence sequence = wrong_at_first();
   const PoseDensity prior(kStart, kStartCovariance);
   const std::vector<ObjectModel> models{{"0"}};
@@ -188,7 +188,7 @@ TEST(FixedLag, LooksAheadJustSoFar) {
 }
 
 TEST(Smoothing, MotionWithoutOdometry) {
-  // Steady motion: smoothing pays most at the start, where the velocity is not known.
+  // Steady motion: smoothing gains most at the start, where the velocity is unknown.
   Sequence sequence = drawn_sequence(4, 1);
   sequence.odometry.clear();
   const PoseDensity prior(kStart, kStartCovariance);

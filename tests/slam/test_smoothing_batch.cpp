@@ -32,8 +32,8 @@ using testing::plain_slam_settings;
 using testing::pose;
 
 /// All frames at once: Gauss-Newton on camera and object poses of every frame with a dense
-/// information matrix, written down from the model alone. To first order in the errors, which are
-/// small here, like the smoother.
+/// information matrix, derived from the model alone. Like the smoother, it is of first order in the
+/// errors, which are small here.
 class Batch {
  public:
   Batch(const Sequence& sequence, double odometry_camera_fraction)
@@ -50,7 +50,7 @@ class Batch {
   const SE3d& at(std::size_t frame, std::size_t pose) const {
     return poses_[frame * per_frame_ + pose];
   }
-  /// Of xi_b - xi_a at one frame; of xi_a alone where both are the same.
+  /// The covariance of xi_b - xi_a at one frame; of xi_a alone if both are the same.
   Matrix6d covariance(std::size_t frame, std::size_t a, std::size_t b) const {
     MatrixXd h = MatrixXd::Zero(6, covariance_.rows());
     h.middleCols<6>(row(frame, b)) = Matrix6d::Identity();
@@ -105,7 +105,7 @@ class Batch {
     const Matrix6d q = known ? Matrix6d(share_ * kQ) : isotropic(5.0, 0.1);
     add(row(k - 1, 0), row(k, 0), (moved * at(k, 0).inverse()).log(), moved.adjoint_congruence(q));
     for (std::size_t pose = 1; pose < per_frame_; ++pose) {
-      // Without a drift: as good as none.
+      // Without a drift, a negligible one.
       const Matrix6d drift = (known ? 1.0 - share_ : 0.0) * kQ + 1e-14 * Matrix6d::Identity();
       add(row(k - 1, pose), row(k, pose), (at(k - 1, pose) * at(k, pose).inverse()).log(),
           at(k, pose).adjoint_congruence(drift));

@@ -37,8 +37,8 @@ std::vector<Eigen::Vector3d> random_points(RandomStream& stream) {
   return points;
 }
 
-/// As bop_toolkit's pose_error.mssd: the largest distance for each of a list of motions, then the
-/// least.
+/// The method of bop_toolkit's pose_error.mssd: the largest distance for each of a list of motions,
+/// then the least of these.
 double mssd_of(const SE3d& estimate, const SE3d& truth, const std::vector<Eigen::Vector3d>& points,
                const std::vector<SE3d>& motions) {
   double least = std::numeric_limits<double>::infinity();

@@ -19,7 +19,7 @@ namespace posemix::testing {
 inline constexpr std::size_t kTreeFrames = 12;
 inline constexpr std::string_view kTreeBox = "003_cracker_box_16k";
 
-/// A camera that moves on a line before a static object, seen with known errors.
+/// A camera that moves on a line in front of a static object, with known detection errors.
 class RecordingTree {
  public:
   RecordingTree() {

@@ -15,9 +15,9 @@
 
 namespace posemix::testing {
 
-/// What a run of the program left behind.
+/// Results of a run of the program.
 struct ProgramResult {
-  int exit_code;  ///< 128 plus the signal's number where a signal ended it
+  int exit_code;  ///< 128 plus the signal's number if a signal ended it
   std::string out;
   std::string err;
 };

@@ -64,8 +64,8 @@ TEST(DivergenceStudy, AgreesWithTheOracleAtEveryAngle) {
   }
 }
 
-// What the paper claims holds for the Kullback-Leibler divergence; for the integral square distance
-// it depends on which component is taken as the larger of two equal weights.
+// The claim of the paper holds for the Kullback-Leibler divergence; for the integral square
+// distance it depends on which component is taken as the larger of two equal weights.
 TEST(DivergenceStudy, TheClaimOnTheSquareDistanceDependsOnTheAnchor) {
   for (const OracleRow& oracle : kOracle) {
     const auto rows = rows_at(oracle.phi_deg);

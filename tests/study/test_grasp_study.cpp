@@ -21,8 +21,8 @@ using Json = nlohmann::json;
 using testing::thrown_message;
 
 /// Two estimators in three scenes: errors of 2 deg and 4 mm (25 mm of depth), one in ten ten times
-/// as large. Object 1 is in the scenes named first, object 2 in the last only; grasps forgive 12 mm
-/// across z for object 1, 9 mm for object 2. Object 3 is always grasped.
+/// as large. Object 1 is in the scenes named first, object 2 in the last only; grasps tolerate 12
+/// mm across z for object 1, 9 mm for object 2. Object 3 is always grasped.
 void put_tables(const testing::TemporaryFolder& folder, const std::string& below,
                 std::uint64_t seed, std::int64_t first_scene, int frames) {
   for (const std::string estimator : {"one", "two"}) {
@@ -84,7 +84,7 @@ std::string file(const StudyReport& report, const std::string& name) {
   return {};
 }
 
-/// The row of study.json with these values; null where there is none.
+/// The row of study.json with these values; null if there is none.
 Json find_row(const StudyReport& report, const Json& wanted) {
   const Json study = Json::parse(report.files.front().content);
   for (const Json& row : study["rows"]) {

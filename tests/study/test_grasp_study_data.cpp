@@ -10,8 +10,8 @@
 namespace posemix {
 namespace {
 
-/// Bars that a prototype passed on the same tables, over all grasps that were held out (split
-/// `all`), and those of them that hold for a new scene (split `scene`).
+/// Bounds from the scores of a prototype on the same tables, over all held-out grasps (split
+/// `all`), and over those in a new scene (split `scene`).
 TEST(GraspStudyData, PredictsGraspsOfTheDataFolder) {
   POSEMIX_REQUIRE_DATA();
   if (!std::filesystem::is_directory(*testing::data_dir() / "consensus-driven-uncertainty")) {

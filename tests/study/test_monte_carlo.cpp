@@ -52,8 +52,8 @@ TEST(MonteCarlo, ARunDoesNotDependOnTheOtherMethods) {
   EXPECT_EQ(alone[0].robot_rotation_rmse_deg, same.robot_rotation_rmse_deg);
 }
 
-// Without odometry noise to speak of and with a sharp detector, the errors are those of the start,
-// which a detector cannot see; the filter knows.
+// With negligible odometry noise and a sharp detector, the remaining errors are those of the start,
+// which is unobservable; the covariance must include them.
 TEST(MonteCarlo, IsConsistentWhereOnlyTheStartIsUncertain) {
   MonteCarloStudySettings settings = small_settings();
   settings.methods = {"iterated"};

@@ -12,7 +12,7 @@
 #include "study/engine/run_study.hpp"
 #include "study/monte_carlo/study.hpp"
 
-/// Table I against an independent prototype (another program, other random numbers, 100 runs).
+/// Compares Table I to an independent prototype (another program, other random numbers, 100 runs).
 namespace posemix {
 namespace {
 
@@ -65,7 +65,7 @@ class Table {
   std::map<std::string, std::vector<nlohmann::json>> rows_;
 };
 
-// In one case, because all of it is about one study. The means of both programs have a standard
+// One test case, because it is all about one study. The means of both programs have a standard
 // error, so the tolerance is three of the difference's; of an ANEES it is 0.028.
 TEST(MonteCarloTable, AgreesWithTheOracleAndIsConsistentWithTheIteratedUpdate) {
   MonteCarloStudySettings settings;

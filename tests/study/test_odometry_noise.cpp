@@ -66,11 +66,12 @@ TEST(OdometryNoise, RecoversWalkAndJitter) {
   ASSERT_EQ(noise.windows.size(), 10U);
   EXPECT_NEAR(noise.windows[9].seconds, 30.0, 0.01);
   for (Eigen::Index i = 0; i < 6; ++i) {
-    // 20 recordings of 90 s; the windows that say most about q are the 3600 or so of half a second.
+    // 20 recordings of 90 s; the windows with most information about q are the 3600 or so of half a
+    // second.
     EXPECT_NEAR(noise.sd_per_sqrt_s[i] / walk_deviations()[i], 1.0, 0.12) << i;
     EXPECT_LT(noise.sd_per_sqrt_s_error[i], 0.1 * walk_deviations()[i]) << i;
     EXPECT_NEAR(noise.sd_per_sqrt_s[i], walk_deviations()[i], 4.5 * noise.sd_per_sqrt_s_error[i]);
-    // Where the walk of a single step, 0.1 s, is far above the jitter, that is hard to see.
+    // If the walk of a single step, 0.1 s, is far above the jitter, the jitter is hard to estimate.
     const double step = std::sqrt(0.1) * walk_deviations()[i];
     EXPECT_NEAR(noise.jitter_sd[i], jitter_deviations()[i],
                 0.1 * jitter_deviations()[i] + 0.1 * step)

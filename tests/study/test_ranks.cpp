@@ -21,7 +21,7 @@ constexpr std::size_t kItems = 200;
 class Ranks : public ::testing::TestWithParam<int> {
  protected:
   static void SetUpTestSuite() {
-    // More ranks than cores, and tests as root, are what Open MPI asks about.
+    // Open MPI refuses more ranks than cores, and to run as root, without these.
     setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 1);
     setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 1);
     setenv("OMPI_MCA_rmaps_base_oversubscribe", "1", 1);

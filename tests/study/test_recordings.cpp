@@ -64,7 +64,7 @@ TEST(Recordings, EveryFileIsRead) {
 }
 
 /// The lever arm of these scenes leaves a static object static: 0.33 deg and 0.9 mm in the median
-/// over pairs of scene and object, says the README of the data.
+/// over pairs of scene and object, according to the README of the data.
 TEST(Recordings, ObjectsOfTheTablesStandStill) {
   POSEMIX_REQUIRE_DATA();
   std::size_t pairs = 0;

@@ -20,7 +20,7 @@ SE3d camera(std::int64_t image) {
   return SE3d(SO3d::exp({0.02 * t, -0.05 * t, 0.01 * t}), {0.03 * t, 0.01 * t, -0.02 * t});
 }
 
-/// Two objects of class 1, one of class 2; `world` of one shows nothing of the others.
+/// Two objects of class 1 and one of class 2: class and pose in the world.
 const std::vector<std::pair<std::int64_t, SE3d>>& things() {
   static const std::vector<std::pair<std::int64_t, SE3d>> things{
       {1, SE3d(SO3d::exp({0.1, 0.2, 0.3}), {0.0, 0.0, 0.7})},
@@ -65,7 +65,7 @@ TEST(Tless, InstancesAreKnownByTheirPlace) {
 }
 
 TEST(Tless, ImagesThatCouldBeAnywhereWait) {
-  // Image 2 shows one object of class 1: which, is known by nothing. Image 1 is known by image 5.
+  // Image 2 shows one object of class 1, and nothing determines which. Image 5 determines image 1.
   const std::vector<BopRow> truth{row(0, 0), row(0, 1), row(2, 0), row(1, 2),
                                   row(5, 0), row(5, 1), row(5, 2)};
   const TlessScene scene = tless_scene(3, truth, {}, 0.5);
@@ -129,8 +129,8 @@ TEST(Tless, RecordedScenes) {
   }
 }
 
-/// Detections against the nearest true instance of their class: with the symmetries, most of those
-/// that looked turned are not.
+/// Detections against the nearest true instance of their class: with the symmetries, most of
+/// the apparent turns vanish.
 TEST(Tless, SymmetriesExplainTheResiduals) {
   POSEMIX_REQUIRE_DATA();
   if (!std::filesystem::is_directory(*testing::data_dir() / "bop_toolkit")) GTEST_SKIP();

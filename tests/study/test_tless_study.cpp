@@ -11,7 +11,9 @@
 #include "posemix/testing/data.hpp"
 #include "posemix/testing/expect.hpp"
 #include "study/engine/run_study.hpp"
-#include "study/tless/parts.hpp"
+#include "study/tless/metric.hpp"
+#include "study/tless/report.hpp"
+#include "study/tless/run.hpp"
 
 namespace posemix {
 namespace {
@@ -22,8 +24,8 @@ SE3d turned(double z_deg, double x = 0.0) {
   return SE3d(SO3d::exp({0.0, 0.0, radians(z_deg)}), {x, 0.0, 0.7});
 }
 
-/// A scene of two objects of class 5 that a camera at rest sees turned by half in every second
-/// image, and of one detection where nothing is.
+/// A scene of two objects of class 5, detected by a camera at rest with a half turn in every second
+/// image, and with one false detection.
 TlessScene scene() {
   TlessScene scene;
   scene.scene = 7;
@@ -155,8 +157,8 @@ TEST(TlessStudy, ReadsItsSettings) {
             std::string::npos);
 }
 
-// On the data: the filter is nearer to the truth more often than single images, and does not flip
-// with the symmetries where it does without.
+// On the data the filter is near the truth more often than single images, and flips without the
+// symmetries but not with them.
 TEST(TlessStudy, RecordedScenes) {
   POSEMIX_REQUIRE_DATA();
   if (!std::filesystem::is_directory(*testing::data_dir() / "bop_toolkit")) GTEST_SKIP();

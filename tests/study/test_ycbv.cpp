@@ -103,7 +103,8 @@ TEST(YcbvStudy, OdometryAloneDriftsAsMuchAsItWasMadeTo) {
   for (std::size_t k = 0; k < testing::kTreeFrames; ++k)
     squared += std::pow(0.1 * static_cast<double>(k), 2);
   const double drift = std::sqrt(squared / testing::kTreeFrames);
-  // The odometry is that of the annotated frame here, and the true frame of the images is 2 cm off.
+  // Here the odometry is stated for the annotated frame, and the true frame of the images is 2 cm
+  // off.
   const double turn = 0.0207 * 100 * 0.01 * testing::kTreeFrames;
   for (const char* sequence : {"0001", "0022"}) {
     const Json row =

@@ -97,8 +97,8 @@ Json dope_summary(const std::string& method) {
   return {};
 }
 
-// Better than published offline optimisation
-// (ACT, 15.1 px) causally, and never worse for the camera than its odometry.
+// Causal estimates are better than published offline optimisation (ACT, 15.1 px), and the camera is
+// never worse than its odometry.
 TEST(YcbvData, TheDefaultSurvivesRealDetections) {
   POSEMIX_REQUIRE_DATA();
   const Json row = dope_summary("default");

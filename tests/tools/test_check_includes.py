@@ -74,7 +74,7 @@ class Rooms(unittest.TestCase):
     def test_rooms_are_those_of_the_build(self):
         build = (Path(__file__).resolve().parents[2] / "CMakeLists.txt").read_text(encoding="utf-8")
         rooms = re.search(r"set\(POSEMIX_ROOMS ([^)]*)\)", build)[1].split()
-        self.assertEqual((*rooms, "fetch", "app"), check_includes.ROOMS)
+        self.assertEqual((*rooms, "study", "fetch", "app"), check_includes.ROOMS)
 
 
 class Heads(unittest.TestCase):
@@ -97,6 +97,15 @@ class Heads(unittest.TestCase):
         for folder in ("work", "root", "home"):
             self.assertTrue(messages("docs/page.md", f"see /{folder}/data\n"), folder)
             self.assertFalse(messages("docs/page.md", f"see https://example.org/{folder}/data\n"))
+
+    def test_data_folder_beside_the_checkout(self):
+        folder = "/".join(("..", "shared", "data"))
+        for path in ("src/config/a.cpp", "src/app/help.cpp", "python/posemix/a.py", "docs/page.md", "configs/a.toml"):
+            self.assertEqual(messages(path, f"// default: {folder}\n"),
+                             ["data folder beside the checkout; use --data or POSEMIX_DATA"], path)
+        for path in (".ci/run", "Makefile"):
+            self.assertFalse(messages(path, f"# {folder}\n"), path)
+        self.assertFalse(messages("docs/page.md", "see https://example.org/shared/database\n"))
 
 
 class Tree(unittest.TestCase):

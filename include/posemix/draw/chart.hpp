@@ -17,12 +17,13 @@ namespace posemix {
 /// Points that are not finite (within 1e300), or not positive on a logarithmic axis (1e-300 at
 /// least), are left out and break the line. A point without neighbours is drawn as a dot.
 struct ChartSeries {
-  std::string label = {};  ///< in the legend; nowhere where empty
+  std::string label = {};  ///< label in the legend; empty: no entry
   std::vector<double> x = {};
   std::vector<double> y = {};
-  std::vector<double> lower = {};  ///< with `upper` a band, one entry per point; none where empty
+  std::vector<double> lower =
+      {};  ///< lower edges of a band, one per point, with `upper`; empty: no band
   std::vector<double> upper = {};
-  std::string color = {};  ///< as "#0072B2"; empty: by the label's place in the legend
+  std::string color = {};  ///< as "#0072B2"; empty: chosen by the label's place in the legend
   std::string dash = {};   ///< lengths of dashes and gaps, as "6 4"; empty: a full line
   bool markers = false;    ///< a dot on every point
   /// Steps: y[i] holds from x[i] to x[i+1]. With one x more than y, the edges of a histogram's
@@ -38,7 +39,7 @@ struct Chart {
   bool log_x = false;
   bool log_y = false;
   std::vector<ChartSeries> series = {};
-  std::optional<std::pair<double, double>> x_range = {};  ///< of the series where empty
+  std::optional<std::pair<double, double>> x_range = {};  ///< empty: the range of the series
   std::optional<std::pair<double, double>> y_range = {};
   std::vector<std::pair<double, std::string>> marks = {};  ///< horizontal reference lines
 };

@@ -12,7 +12,7 @@
 
 namespace posemix {
 
-/// Poses drawn alike.
+/// A group of poses that are drawn in one colour.
 struct FlagGroup {
   std::string label;
   std::string colour;  ///< as "#009E73"
@@ -25,10 +25,10 @@ struct OutlinedBox {
   Eigen::Vector3d size;  ///< edge lengths [m]
 };
 
-/// How flags are seen: from a point far away, in the frame of the poses with x to the right, y down
+/// The view of flags: from a point far away, in the frame of the poses with x to the right, y down
 /// and z into the depth, turned by `yaw` to the side and `pitch` from above.
 struct FlagView {
-  Eigen::Vector3d centre;  ///< in the middle of the picture [m]
+  Eigen::Vector3d centre;  ///< point in the middle of the picture [m]
   double extent;           ///< half of the picture's width [m]
   double yaw_deg = 35.0;
   double pitch_deg = 25.0;

@@ -10,7 +10,7 @@
 #include <string>
 
 /// Reports: one HTML file that shows a folder of results in a browser, without a network or a
-/// server. docs/formats.md describes what it holds.
+/// server. docs/formats.md describes its content.
 namespace posemix {
 
 /// A triangle mesh of an object, in the object's frame.
@@ -20,31 +20,31 @@ struct ReportMesh {
 };
 
 struct ReportOptions {
-  /// Where the report is written; without it report.html in the results folder, and for a mixture
-  /// file FILE.json beside it FILE.html.
+  /// The file to write. By default report.html in the results folder, and for a mixture file
+  /// FILE.json the file FILE.html beside it.
   std::optional<std::filesystem::path> out = std::nullopt;
-  /// By object id.
+  /// Meshes by object id.
   std::map<std::string, ReportMesh> meshes = {};
-  /// Without it, from the results.
+  /// Title of the page. By default it is taken from the results.
   std::optional<std::string> title = std::nullopt;
-  /// Told now and then how many bytes of the trace have been read, of how many; what it throws ends
-  /// the work.
+  /// Called now and then with the number of bytes of the trace read so far and in all; an exception
+  /// that it throws ends the work.
   std::function<void(std::size_t done, std::size_t total)> progress = {};
 };
 
-/// Whether this build of the library holds the page (CMake option POSEMIX_REPORT). Without it
-/// write_report throws.
+/// Whether this build of the library includes the page (CMake option POSEMIX_REPORT). Without the
+/// page, write_report throws.
 bool has_report_page();
-/// @throws OutputError where it does not, with what is missing
+/// Does nothing if this build includes the page.
+/// @throws OutputError otherwise, naming what is missing
 void require_report_page();
 
-/// What the page shows, as JSON (docs/formats.md, report.html).
+/// The data of the page, as JSON (docs/formats.md, report.html).
 ///
 /// `results` is a folder that `posemix slam` or `posemix study` wrote, a folder of mixture files,
-/// or one mixture file. Of a trace as much is in memory as the JSON takes, and the columns of one
-/// object.
-/// @throws InvalidInput naming the file and the place in it: a folder without results, which names
-/// the folders within that have some; a damaged file; a mesh for an object that is not there
+/// or one mixture file. For a trace, memory holds the JSON and the columns of one object.
+/// @throws InvalidInput naming the file and the place in it: a folder without results, with the
+/// names of folders within that have some; a damaged file; a mesh for an unknown object
 std::string format_report(const std::filesystem::path& results, const ReportOptions& options = {});
 
 /// Writes the report of a results folder as a whole or not at all, and returns its path.

@@ -23,18 +23,18 @@ using NamedText = std::pair<std::string, std::string>;
 
 /// All files of one run: camera.tum, object_<id>.tum, relative_<id>.tum, metrics.json,
 /// posterior.json, trace.json and picture.svg.
-/// @throws InvalidInput when an estimate is not finite, which extreme numbers in the input lead to
+/// @throws InvalidInput when an estimate is not finite, which extreme numbers in the input can
+/// cause
 std::vector<NamedText> format_results(const SlamJob& job, const SlamRun& run,
                                       const Metrics& metrics);
 
-/// metrics.json: root mean square errors, consistency and timing; null where there is no ground
-/// truth.
+/// metrics.json: root mean square errors, consistency and timing; null without ground truth.
 std::string format_metrics(const Metrics& metrics, const std::string& method);
 
 /// trace.json: estimates, detections and hypotheses frame by frame, for a report.
 std::string format_trace(const SlamJob& job, const SlamRun& run);
 
-/// The posterior of the last frame with its names.
+/// posterior.json: the posterior of the last frame with the names of its poses.
 PosteriorFile last_posterior(const SlamJob& job, const SlamRun& run);
 
 }  // namespace posemix

@@ -11,8 +11,8 @@
 
 namespace posemix::testing {
 
-/// The folder of recorded sequences, named by the environment variable POSEMIX_DATA; nothing where
-/// that is not a folder.
+/// The folder of recorded sequences, named by the environment variable POSEMIX_DATA; empty if that
+/// is not a folder.
 inline std::optional<std::filesystem::path> data_dir() {
   const char* named = std::getenv("POSEMIX_DATA");
   if (named == nullptr || !std::filesystem::is_directory(named)) return std::nullopt;
@@ -28,7 +28,7 @@ inline bool data_is_mandatory() {
 
 }  // namespace posemix::testing
 
-/// Ends the test where the recorded sequences are missing: skipped, or failed where CI=true.
+/// Ends the test if the recorded sequences are missing: skipped, or failed with CI=true.
 #define POSEMIX_REQUIRE_DATA()                                                               \
   do {                                                                                       \
     if (!::posemix::testing::data_dir()) {                                                   \

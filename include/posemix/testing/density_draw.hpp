@@ -21,7 +21,7 @@
 /// RapidCheck property.
 namespace posemix {
 
-/// How RapidCheck prints a component of a counterexample.
+/// Prints a component of a counterexample for RapidCheck.
 template <LieGroup G>
 void showValue(const Component<ConcentratedGaussian<G>>& component, std::ostream& stream) {
   stream << "weight " << std::exp(component.log_weight) << ", log mean "
@@ -32,7 +32,7 @@ void showValue(const Component<ConcentratedGaussian<G>>& component, std::ostream
 namespace testing {
 
 /// Runs the property inside the current Google test and fails it with the counterexample.
-/// Not a template: RapidCheck's own machinery is compiled once, not for every property.
+/// It is not a template, so that RapidCheck's machinery is compiled once, not for every property.
 #ifdef POSEMIX_TESTING_COMPILED
 void check_property(const std::function<void()>& property);
 #else

@@ -9,10 +9,10 @@
 
 #include "posemix/base/error.hpp"
 
-/// Expectations that the tests of several rooms share.
+/// Expectations for the tests of several rooms.
 namespace posemix::testing {
 
-/// The message of the InvalidInput that `action` throws; empty where it throws none.
+/// The message of the InvalidInput that `action` throws; empty if it throws none.
 template <class Action>
 std::string thrown_message(Action&& action) {
   try {
@@ -24,7 +24,7 @@ std::string thrown_message(Action&& action) {
 }
 
 /// Largest absolute difference of two matrices of the same size, relative to the largest entry of
-/// `expected`; infinite where an entry is not finite or the sizes differ.
+/// `expected`; infinite if an entry is not finite or the sizes differ.
 template <class A, class B>
 double relative_difference(const Eigen::MatrixBase<A>& actual,
                            const Eigen::MatrixBase<B>& expected) {
@@ -35,7 +35,7 @@ double relative_difference(const Eigen::MatrixBase<A>& actual,
   return difference == 0.0 ? 0.0 : difference / expected.cwiseAbs().maxCoeff();
 }
 
-/// Succeeds where no entry of two matrices differs by more than `tolerance`.
+/// Succeeds if no entry of two matrices differs by more than `tolerance`.
 template <class A, class B>
 ::testing::AssertionResult matrices_near(const Eigen::MatrixBase<A>& actual,
                                          const Eigen::MatrixBase<B>& expected, double tolerance) {

@@ -36,7 +36,7 @@ using WideScalar =
 template <typename G>
 using Wide = typename Rebind<G, WideScalar<typename G::Scalar>>::type;
 
-/// A matrix or vector, widened so that one function prints those of all sizes.
+/// A matrix or vector of dynamic size, so that one function prints all sizes.
 using Shown = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
 
 inline std::string show_matrix(const Shown& m, int digits) {
@@ -55,7 +55,7 @@ std::string show(const Eigen::Matrix<Scalar, Rows, Cols>& m) {
   return show_matrix(m.template cast<long double>(), std::numeric_limits<Scalar>::max_digits10);
 }
 
-/// A group element is shown as its logarithm.
+/// A group element is printed as its logarithm.
 template <LieGroup G>
 std::string show(const G& x) {
   return "  Exp" + show(x.log());
@@ -74,7 +74,7 @@ Scalar distance(const Eigen::Matrix<Scalar, Rows, Cols>& x,
   return (x - y).norm();
 }
 
-/// Fails the property, showing what was compared.
+/// Fails the property and prints the compared values.
 [[noreturn]] inline void fail_comparison(const char* what, const std::string& expected,
                                          const std::string& actual, double distance,
                                          double tolerance) {

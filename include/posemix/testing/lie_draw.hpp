@@ -40,7 +40,7 @@ Scalar draw_power_of_ten(int largest) {
 }
 
 /// An angle in [0, pi) rad: zero, tiny (also with a square that underflows), just below pi, or
-/// anything.
+/// uniform.
 template <typename Scalar>
 Scalar draw_angle() {
   const auto pi = static_cast<Scalar>(std::numbers::pi_v<long double>);
@@ -81,7 +81,7 @@ Eigen::Matrix<Scalar, 3, 1> draw_translation() {
   return draw_vector<Scalar, 3>(3, Scalar(kSizes[i]));
 }
 
-/// How to draw a tangent vector of a group; specialise it for a group of your own.
+/// Draws a tangent vector of a group; specialise it for a group of your own.
 template <typename G>
 struct TangentDraw;
 

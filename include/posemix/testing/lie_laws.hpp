@@ -17,7 +17,7 @@
 
 namespace posemix::testing {
 
-/// A named property: `holds` draws its own data from RapidCheck and throws where the law is broken.
+/// A named property: `holds` draws its own data from RapidCheck and throws if the law is broken.
 struct Law {
   std::string name;
   std::function<void()> holds;
@@ -34,7 +34,7 @@ class LieLaws {
   using Tangent = typename G::Tangent;
   using TangentMatrix = typename G::TangentMatrix;
 
-  /// For elements of `dof` degrees of freedom.
+  /// Laws for elements of `dof` degrees of freedom.
   explicit LieLaws(Eigen::Index dof) : dof_(dof) {}
 
   void group_axioms() const {
@@ -250,7 +250,7 @@ class LieLaws {
   MeanSettings exact_{.tolerance = 0.0};
 };
 
-/// The laws of `G`; `dof` is needed where it is not known at compile time.
+/// The laws of `G`; `dof` is needed if it is not known at compile time.
 template <LieGroup G>
 std::vector<Law> lie_laws(Eigen::Index dof = G::Dof) {
   using Laws = LieLaws<G>;

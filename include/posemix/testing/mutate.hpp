@@ -165,16 +165,16 @@ class Mutator {
   RandomStream random_;
 };
 
-/// What a parser did with damaged inputs.
+/// Outcomes of a parser on damaged inputs.
 struct FuzzReport {
-  std::size_t accepted = 0;           ///< returned
-  std::size_t rejected = 0;           ///< threw InvalidInput
-  std::vector<std::string> failures;  ///< threw anything else: what, and the input
+  std::size_t accepted = 0;           ///< inputs for which it returned
+  std::size_t rejected = 0;           ///< inputs for which it threw InvalidInput
+  std::vector<std::string> failures;  ///< any other exception, with the input
 };
 
-/// Calls `parse` with `count` damaged copies of the originals, in turn. It must return, after
-/// whatever checks of the result it likes, or throw InvalidInput; any other exception is a failure
-/// of the report.
+/// Calls `parse` with `count` damaged copies of the originals, in turn. It must return,
+/// possibly after checks of the result, or throw InvalidInput; any other exception is reported as a
+/// failure.
 template <typename Parse>
 FuzzReport fuzz(std::span<const std::string> originals, std::size_t count, std::uint64_t seed,
                 Parse&& parse) {

@@ -36,9 +36,9 @@ class SampleMoments {
   }
   Eigen::MatrixXd covariance() const { return second_moment() - mean() * mean().transpose(); }
 
-  /// Largest difference from the expected mean and covariance, in standard errors, after taking off
-  /// `allowance` times the size of the quantity (sqrt of a variance, product of two for the second
-  /// moments).
+  /// Largest difference from the expected mean and covariance, in standard errors, after
+  /// subtracting `allowance` times the size of the quantity (sqrt of a variance, product of two for
+  /// the second moments).
   double worst_score(const Eigen::VectorXd& expected_mean,
                      const Eigen::MatrixXd& expected_covariance, double allowance = 0.0) const {
     const Eigen::VectorXd deviation = expected_covariance.diagonal().cwiseSqrt();

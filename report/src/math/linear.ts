@@ -4,8 +4,8 @@
 import type { Numbers } from "./rotation.ts";
 
 /**
- * L with L L^T = P for an n x n symmetric P. Directions without extent give zero columns, so that a flat or rounded
- * covariance still has a root.
+ * L with L L^T = P for an n x n symmetric P. Directions without variance give zero columns, so that a singular
+ * covariance, or one with rounding errors, still has a root.
  */
 export function cholesky(p: Numbers, n: number, out: Numbers): void {
   for (let i = 0; i < n; ++i) {

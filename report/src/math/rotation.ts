@@ -74,7 +74,7 @@ function vectorOf(q: Numbers, sign: number, out: Numbers): void {
   for (let i = 0; i < 3; ++i) out[i] = sign * scale * q[i];
 }
 
-/** The rotation vector of this very quaternion: of -q it is another one, with an angle beyond pi. */
+/** The rotation vector of a quaternion with its sign: q and -q give different ones, one of them beyond pi. */
 export function rotationVector(q: Numbers, out: Numbers): void {
   vectorOf(q, 1, out);
 }
@@ -95,7 +95,7 @@ export function angleBetween(a: Numbers, b: Numbers): number {
   return 2 * Math.atan2(r, dot);
 }
 
-/** Whether two poses are one within a millimetre and half a degree, which is what is drawn of a difference. */
+/** Whether two poses agree within a millimetre and half a degree; smaller differences are not visible. */
 export function samePose(p: Numbers, q: Numbers, otherP: Numbers, otherQ: Numbers): boolean {
   const dot = q[0] * otherQ[0] + q[1] * otherQ[1] + q[2] * otherQ[2] + q[3] * otherQ[3];
   return Math.hypot(p[0] - otherP[0], p[1] - otherP[1], p[2] - otherP[2]) < 1e-3 && 1 - dot * dot < 2e-5;

@@ -7,7 +7,7 @@ import type { Samples } from "./sample.ts";
 
 export type AngleFrame = "body" | "reference";
 
-/** The angle of every draw about an axis, seen from the heaviest component's mean [deg]. */
+/** The angle of every sample about an axis, relative to the heaviest component's mean [deg]. */
 export function anglesOf(mixture: Mixture, samples: Samples, axis: number, frame: AngleFrame): Float64Array {
   const heaviest = mixture.components.reduce((best, one) => (one.weight > best.weight ? one : best));
   const direction: Vec3 = [0, 0, 0];
@@ -24,7 +24,7 @@ export function anglesOf(mixture: Mixture, samples: Samples, axis: number, frame
   return angles;
 }
 
-/** Share per degree in bins over the range of the angles: of all draws, then by component. */
+/** Share per degree in bins over the range of the angles: for all samples, then by component. */
 export function histogram(angles: Float64Array, components: Int32Array, count: number, bins: number): { x: number[]; density: number[][] } {
   const [low, high] = [angles.reduce((a, b) => Math.min(a, b), 180), angles.reduce((a, b) => Math.max(a, b), -180)];
   const width = Math.max((high - low) / bins, 1e-6);

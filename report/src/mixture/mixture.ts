@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-// A mixture file, brought to one convention: rotation before translation, metres, radians or tan(angle / 2).
+// A mixture file, converted to one convention: rotation before translation, metres, radians or tan(angle / 2).
 import { congruence } from "../math/linear.ts";
 import { matrixOf, multiply, normalize, type Numbers } from "../math/rotation.ts";
 import { BadPayload, isObject, type Json, type JsonObject } from "../payload.ts";
@@ -10,10 +10,10 @@ export type Side = "left" | "right";
 
 export interface Component {
   weight: number;
-  /** Translation and quaternion of the mean (of a projected one: of its mode where u is its mean). */
+  /** Translation and quaternion of the mean (for a projected component: of the pose at the mean of u). */
   translation: number[];
   quaternion: number[];
-  /** Of a projected component: where its tangent space touches, and the mean of u in it. */
+  /** For a projected component: its tangent point, and the mean of u. */
   tangentPoint: number[];
   u: number[];
   /** 6x6, rotation first, row by row. */
@@ -119,7 +119,7 @@ export function positionCovariance(mixture: Mixture, { covariance: p, translatio
   return congruence(r, block, 3);
 }
 
-/** Standard deviations about the three axes [rad], of a projected component to first order. */
+/** Standard deviations about the three axes [rad], for a projected component to first order. */
 export function rotationSd(mixture: Mixture, { covariance, u }: Component): number[] {
   const scale = mixture.distribution === "projected" ? 2 / (1 + u[0] ** 2 + u[1] ** 2 + u[2] ** 2) : 1;
   return [0, 7, 14].map((i) => scale * Math.sqrt(covariance[i]));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-// Draws from mixtures, the same ones every time.
+// Samples from mixtures, the same ones every time.
 import { cholesky } from "../math/linear.ts";
 import { multiply, quaternionOf, rotate } from "../math/rotation.ts";
 import { type Component, type Mixture, project } from "./mixture.ts";
@@ -40,7 +40,7 @@ export interface Samples {
   positions: Float64Array;
   /** Four numbers per sample, x y z w. */
   quaternions: Float64Array;
-  /** The component that each was drawn from. */
+  /** The component of each sample. */
   components: Int32Array;
 }
 
@@ -59,7 +59,7 @@ export function expPose(xi: ArrayLike<number>, q: number[], t: number[]): void {
   quaternionOf(phi, q);
 }
 
-/** Draws from one component into q and t. */
+/** Draws a sample of one component into q and t. */
 class Drawer {
   private readonly z = new Float64Array(6);
   private readonly y = new Float64Array(6);
@@ -87,7 +87,7 @@ class Drawer {
     }
   }
 
-  /** The distribution is the Gaussian times (1 + u.u)^-2, up to a constant: rejection. */
+  /** Rejection sampling: the distribution is the Gaussian times (1 + u.u)^-2, up to a constant. */
   private projected(q: number[], t: number[]): void {
     const { translation, tangentPoint, u } = this.component;
     const { y } = this;

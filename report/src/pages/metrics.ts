@@ -7,7 +7,7 @@ import { table } from "../ui/table.ts";
 
 const leaf = (value: Json) => !isObject(value);
 
-/** A table with a row per entry: of an object of objects, the inner keys are the columns. */
+/** A table with a row per entry; if entries are objects, their keys are the columns. */
 function section(name: string, value: JsonObject): HTMLElement[] {
   const entries = Object.entries(value);
   const nested = entries.filter((entry): entry is [string, JsonObject] => isObject(entry[1]));
@@ -28,7 +28,7 @@ function section(name: string, value: JsonObject): HTMLElement[] {
   return made;
 }
 
-/** {quantity: {object: number}} turned over, so that every table has a row per object. */
+/** {quantity: {object: number}} transposed, so that every table has a row per object. */
 function byObject(value: JsonObject, objects: Json | undefined): JsonObject {
   const ids = isObject(objects) ? Object.keys(objects) : [];
   const quantities = Object.entries(value);
@@ -48,6 +48,6 @@ export function metrics(document: Json | undefined): HTMLElement {
     else if (key !== "schema") top[key] = value;
   }
   node.prepend(...section("run", top));
-  node.append(element("p", { class: "hint" }, "Root mean squares over the frames that have both estimate and ground truth. A dash: there is none."));
+  node.append(element("p", { class: "hint" }, "Root mean squares over the frames with both an estimate and ground truth. A dash marks a missing value."));
   return node;
 }

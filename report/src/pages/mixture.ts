@@ -55,7 +55,7 @@ function marginal(mixture: Mixture, samples: Samples, group: ChartGroup): HTMLEl
     element("div", { class: "controls" },
       choice("Axis", [["0", "x"], ["1", "y"], ["2", "z"]], "2", (value) => ((axis = Number(value)), fill())),
       choice("of", [["body", mixture.to], ["reference", mixture.from]], frame, (value) => ((frame = value as AngleFrame), fill())),
-      element("p", { class: "hint" }, `From the heaviest component's mean, ${samples.count} draws.`)),
+      element("p", { class: "hint" }, `Relative to the heaviest component's mean, from ${samples.count} samples.`)),
     group.node);
 }
 
@@ -84,17 +84,17 @@ function componentTable(mixture: Mixture): HTMLElement {
 
 interface Drawn {
   mixture: Mixture;
-  /** Few draws, for flags. */
+  /** Few samples, for flags. */
   flags: Samples;
-  /** Many, for the marginal. */
+  /** Many samples, for the marginal. */
   many: Samples | undefined;
 }
 
-/** The scene and its buttons; nothing where the browser cannot draw it. */
+/** The scene and its buttons; undefined if the browser cannot draw it. */
 function makeScene(drawn: Drawn[], stage: HTMLElement): FlagScene | undefined {
   try {
     const most = Math.max(...drawn.map(({ mixture }) => mixture.components.length));
-    const scene = new FlagScene("Draws from the mixture as flags", most, FLAGS);
+    const scene = new FlagScene("Samples from the mixture as flags", most, FLAGS);
     const views = element("div", { class: "buttons", role: "group", "aria-label": "View" },
       ...VIEWS.map(([view, name]) => button(name, () => scene.viewport.look(view))));
     const layers = element("div", { class: "toggles", role: "group", "aria-label": "Show" },
@@ -140,7 +140,7 @@ export function mixtureView(mixtures: Mixture[]): MixtureView {
     const { mixture, flags } = entry;
     const hidden = new Set<number>();
     const update = () => scene?.show(mixture, flags, hidden);
-    // Mixtures of one pose, such as the stages of a fusion, are seen from one place.
+    // Mixtures of one pose, such as the stages of a fusion, share one view.
     const pose = `${mixture.from} ${mixture.to}`;
     if (fitted !== pose) scene?.fit(mixture.from, drawn.filter((one) => `${one.mixture.from} ${one.mixture.to}` === pose).map((one) => one.flags));
     fitted = pose;

@@ -14,20 +14,20 @@ import { mixtureDocuments, mixtureView } from "./mixture.ts";
 import { footer, header, picture, publish } from "./page.ts";
 import { studyTables } from "./study.ts";
 
-/** Pictures and mixtures of stages in the order in which the stages come. */
+/** Pictures and mixtures in the order of the stages. */
 export function inOrder(names: string[], stages: string[]): string[] {
   const place = (name: string) => {
     const bare = name.replace(/^(flags|mixture)_/, "").replace(/\.(svg|json)$/, "");
     const exact = stages.indexOf(bare);
     if (exact >= 0) return 2 * exact;
-    // "features" and "objects" show feature_B, feature_l, ...: the first of them.
+    // The pictures "features" and "objects" show several mixtures; the first of them counts.
     const group = stages.findIndex((stage) => stage.startsWith(bare.replace(/s$/, "_")));
     return group >= 0 ? 2 * group - 1 : 2 * stages.length;
   };
   return [...names].sort((a, b) => place(a) - place(b));
 }
 
-/** One picture at a time, with buttons to the one before and after. */
+/** One picture at a time, with buttons to the previous and the next one. */
 function stepper(payload: Payload, names: string[]): HTMLElement {
   const place = element("div", { "aria-live": "polite" });
   const list = element("div", { class: "steps", role: "group", "aria-label": "Stage" });

@@ -68,7 +68,7 @@ function targets(trace: Trace): Target[] {
   return list;
 }
 
-/** Errors against the ground truth with three standard deviations; without one these alone. */
+/** Errors against the ground truth with three standard deviations; without ground truth the deviations alone. */
 export function errorPlots(trace: Trace, group: ChartGroup, seek: Seek): HTMLElement {
   const list = targets(trace);
   const note = element("p", { class: "hint" });
@@ -136,7 +136,7 @@ export function hypothesisPlots(trace: Trace, group: ChartGroup, seek: Seek): HT
   return element("div", {}, element("div", { class: "controls" }, objectChoice(trace, fill), hint), group.node);
 }
 
-/** What became of the detections, over time and counted. */
+/** Status of the detections, over time and counted. */
 export function statusPlots(trace: Trace, group: ChartGroup, seek: Seek): HTMLElement {
   const counts = countStatuses(trace);
   const legend = element("ul", { class: "legend" });

@@ -7,7 +7,7 @@ import { element } from "../ui/dom.ts";
 const EVERY = 120;
 const COLUMNS = ["", "x [m]", "y [m]", "z [m]", "rotation vector [deg]", "status", "hypotheses", "on the right mode"];
 
-/** Camera and objects at the frame that is shown, in words and numbers. While frames go by it follows a few times a second. */
+/** Numbers of camera and objects at the shown frame. While playing, it is updated a few times a second. */
 export class StateTable {
   readonly node: HTMLElement;
   private readonly rows: HTMLTableRowElement[] = [];
@@ -57,7 +57,7 @@ export class StateTable {
     });
   }
 
-  /** The weights of the hypotheses that there are, the heaviest first. */
+  /** The weights of the hypotheses in this frame, the heaviest first. */
   private living(index: number): string {
     const slots = index < 0 ? this.trace.cameraHypotheses : this.trace.objects[index].hypotheses;
     const weights = slots.filter((slot) => slot.pose.has(this.frame)).map((slot) => slot.probability(this.frame));

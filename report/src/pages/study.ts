@@ -9,7 +9,7 @@ import { parseCsv, type Table, tableOfRows } from "../ui/csv.ts";
 import { files, tableNode } from "./files.ts";
 import { footer, header, picture, publish } from "./page.ts";
 
-/** What the chart of a study's table shows first. */
+/** The initial columns of the chart of a study's table. */
 const FIRST: Readonly<Record<string, Partial<Choice>>> = {
   divergence: { x: "phi_deg", y: "kl", by: "rule" },
   "monte-carlo": { x: "noise_exponent", y: "robot_rotation_rmse_deg", by: "method" },
@@ -19,7 +19,7 @@ const FIRST: Readonly<Record<string, Partial<Choice>>> = {
   tless: { x: "object", y: "rotation_deg", by: "symmetries" },
 };
 
-/** The rows of study.json, its summary and the CSV files that are not the same again. */
+/** The rows of study.json, its summary, and the CSV files with other content. */
 export function studyTables(payload: Payload): Record<string, Table> {
   const document = payload.documents["study.json"];
   const found: Record<string, Table> = {};

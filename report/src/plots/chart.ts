@@ -10,10 +10,10 @@ export type Values = (number | null)[];
 export interface ChartSeries {
   label: string;
   values: Values;
-  /** None: the colour of the text. */
+  /** Default: the colour of the text. */
   colour?: string;
   kind?: "line" | "dots" | "points" | "both" | "dashed" | "shade" | "band";
-  /** Of a band: its lower edge; `values` is the upper one. */
+  /** Lower edge of a band; `values` is the upper edge. */
   lower?: Values;
 }
 
@@ -26,9 +26,9 @@ export interface ChartSettings {
   range?: [number, number];
   xLog?: boolean;
   yLog?: boolean;
-  /** Called with x where the reader pressed. */
+  /** Called with the x at which the reader pressed. */
   seek?: (x: number) => void;
-  /** Paints instead of series, in the coordinates of the canvas. */
+  /** Paints in place of the series, in the coordinates of the canvas. */
   paint?: (plot: uPlot) => void;
   yNames?: string[];
   /** Names of x = 1, 2, ... */
@@ -41,7 +41,7 @@ function stroke(series: ChartSeries): () => string {
   return () => series.colour ?? themeColour("--ink");
 }
 
-/** Small squares; of several in one place only one is painted, so that many thousand stay cheap. */
+/** Small squares; only one is painted per place, so that many thousand are cheap. */
 function paintDots(plot: uPlot, index: number, colour: string): void {
   const { ctx, bbox } = plot;
   const [xs, ys] = [plot.data[0], plot.data[index]];
@@ -84,7 +84,7 @@ function seriesOf(series: ChartSeries): uPlot.Series {
 
 const faded7 = (colour: string, opacity: number) => (colour.length === 7 ? faded(colour, opacity) : colour);
 
-/** How the legend says where the pointer is. */
+/** The legend's text for the position of the pointer. */
 function xSeries({ xLabel, xNames }: ChartSettings): uPlot.Series {
   const text = (value: number | null) => (value === null ? "–" : (xNames?.[value - 1] ?? String(Number(value.toPrecision(6)))));
   return { label: xLabel ?? (xNames ? "at" : "time [s]"), value: (_plot, value) => text(value) };
@@ -95,7 +95,7 @@ function namedTicks(names: string[]): uPlot.Axis {
   return { size: Math.min(150, 14 + 6.5 * longest), rotate: -90, splits: () => names.map((_, i) => i + 1), values: () => names };
 }
 
-/** A plot with a caption, a legend, and a line that marks a place on its x axis. */
+/** A plot with a caption, a legend, and a line that marks a value on its x axis. */
 export class Chart {
   readonly node: HTMLElement;
   private readonly plot: uPlot;

@@ -14,7 +14,7 @@ function withUnit(column: string): string {
   return unit ? `${name} [${unit}]` : name;
 }
 
-/** A chart of a table with lists to choose its columns from; nothing where there is nothing to draw. */
+/** A chart of a table with lists to choose its columns from; undefined if there is nothing to draw. */
 export function explorer(table: Table, preferred: Partial<Choice>): HTMLElement | undefined {
   const numeric = numericColumns(table);
   const groups = groupColumns(table);

@@ -3,7 +3,7 @@
 import { element } from "../ui/dom.ts";
 import type { Chart } from "./chart.ts";
 
-/** Charts that share the line of the time shown; only those in sight are moved. */
+/** Charts that share the line at the shown time; only visible charts are updated. */
 export class ChartGroup {
   readonly node = element("div", { class: "charts" });
   private charts: Chart[] = [];

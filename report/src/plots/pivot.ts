@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-// From a table to lines: what stands across, up, and what makes a line.
+// Converts a table to lines: one column is x, one is y, one separates the lines.
 import type { Json } from "../payload.ts";
 import type { Table } from "../ui/csv.ts";
 
@@ -21,7 +21,7 @@ export function numericColumns({ columns, rows }: Table): string[] {
   return columns.filter((_, k) => rows.some((row) => isNumber(row[k])) && rows.every((row) => row[k] === null || isNumber(row[k])));
 }
 
-/** Columns by which rows may be grouped: words, or numbers of few values. */
+/** Columns by which rows may be grouped: words, or numbers with few values. */
 export function groupColumns({ columns, rows }: Table): string[] {
   return columns.filter((_, k) => {
     const different = new Set(rows.map((row) => row[k]));
@@ -36,7 +36,7 @@ export function nameColumns({ columns, rows }: Table): string[] {
 
 export interface Pivot {
   x: number[];
-  /** Where x are words: these; x is then 1, 2, ... */
+  /** The words on the x axis, if x is words; x is then 1, 2, ... */
   names: string[] | undefined;
   groups: string[];
   values: Values[];

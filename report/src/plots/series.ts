@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-// What the plots of a run show, computed from its trace.
+// The series in the plots of a run, computed from its trace.
 import { covarianceOf, largestEigenvalue } from "../math/linear.ts";
 import { angleBetween, DEGREES, log, multiplyInverse, rollPitchYaw, rotationVector, unwrap } from "../math/rotation.ts";
 import type { Estimate, PoseTrack, Trace } from "../trace/trace.ts";
@@ -22,8 +22,8 @@ export interface PoseSeries {
 }
 
 /**
- * A track as plots show it. Quaternions keep the sign nearest to the one before (of `beside`, where there is one), so that
- * lines do not jump where the rotation does not.
+ * A track for plots. Quaternions have the sign nearest to the previous frame (to `beside`, if given), so that lines jump
+ * only where the rotation does.
  */
 export function poseSeries(track: PoseTrack, frames: number, as: RotationAs, beside?: PoseSeries): PoseSeries {
   const series = { position: three(frames), rotation: three(frames) };
@@ -74,7 +74,7 @@ function nearestVector(q: number[], last: number[], near: number[], beside: bool
   rotationVector(q, out);
 }
 
-/** Angle [deg] and distance [mm] between two tracks where both are. */
+/** Angle [deg] and distance [mm] between two tracks in frames that have both. */
 export function errorNorms(track: PoseTrack, truth: PoseTrack, frames: number): { angle: Values; distance: Values } {
   const [angle, distance] = [blank(frames), blank(frames)];
   const [p, t] = [[0, 0, 0], [0, 0, 0]];
@@ -137,7 +137,7 @@ export function threeSigma(estimate: Estimate, frames: number): PoseSeries & { a
 
 export const negative = (values: Values): Values => values.map((value) => (value === null ? null : -value));
 
-/** The probability in every slot of an object; a gap where another hypothesis takes a slot over. */
+/** The probability in every slot of an object, with a gap where another hypothesis takes over the slot. */
 export function hypothesisSeries(trace: Trace, object: number): Values[] {
   return trace.objects[object].hypotheses.map((slot) => {
     const values = blank(trace.frames);
@@ -150,7 +150,7 @@ export function hypothesisSeries(trace: Trace, object: number): Values[] {
   });
 }
 
-/** What nine tenths of the detections and of the shade and all but a hundredth of the errors stay within. */
+/** A limit that holds nine tenths of the detections and of the shade, and all but a hundredth of the errors. */
 export function usualRange(series: ChartSeries[], fromZero: boolean): [number, number] {
   let top = 0;
   for (const { values, kind } of series) {

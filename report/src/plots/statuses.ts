@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-// What became of every detection: a row per object.
+// The status of every detection: a row per object.
 import type uPlot from "uplot";
 import type { Trace } from "../trace/trace.ts";
 import { STATUS_MARKS } from "../ui/palette.ts";

@@ -39,13 +39,13 @@ void main() {
 }`;
 
 export interface BatchLook {
-  /** As if of glass: the rim is seen more than the middle. */
+  /** Glassy look: the rim is more opaque than the middle. */
   glass?: boolean;
-  /** Share of the instance's colour where the shape has colours of its own, as axes do; 1: that colour alone. */
+  /** Share of the instance's colour if the shape has its own colours, such as axes; 1: the instance's colour alone. */
   tintShare?: number;
-  /** Whether what lies behind is hidden. */
+  /** Whether it hides what is behind it. */
   solid?: boolean;
-  /** Whether it is seen through what is in front of it. */
+  /** Whether it is visible through what is in front of it. */
   onTop?: boolean;
 }
 
@@ -84,7 +84,7 @@ export class Batch {
     this.count = 0;
   }
 
-  /** A copy that is turned by q, of one size in all directions. */
+  /** A copy rotated by q, with one size in all directions. */
   addPose(position: Numbers, q: Numbers, size: number, colour: Color, opacity: number): void {
     matrixOf(q, this.rotation);
     this.addLinear(position, this.rotation, size, colour, opacity);

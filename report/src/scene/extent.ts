@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-// How large a run is and which way is up in it.
+// Size of a run in space, and its upward direction.
 import { Vector3 } from "three";
 import { rotate } from "../math/rotation.ts";
 import type { PoseTrack, Trace } from "../trace/trace.ts";
@@ -12,7 +12,7 @@ function sampled(track: PoseTrack | undefined, frames: number, visit: (frame: nu
   for (let frame = 0; frame < frames; frame += step) if (track?.has(frame)) visit(frame);
 }
 
-/** The axis of the world that is nearest to up as the camera has it on the average. */
+/** The axis of the world that is nearest to the camera's average upward direction. */
 export function upAxis(trace: Trace): Vector3 {
   const sum = new Vector3();
   const q = [0, 0, 0, 1];
@@ -34,7 +34,7 @@ export function nearestAxis(direction: Vector3): Vector3 {
   return up;
 }
 
-/** Positions over the frames, without a hundredth at either end of each axis. */
+/** Positions over the frames, without the outermost hundredth at either end of each axis. */
 function positions(trace: Trace, tracks: (PoseTrack | undefined)[]): Vector3[] {
   const points: Vector3[] = [];
   const at = [0, 0, 0];
@@ -51,12 +51,12 @@ function positions(trace: Trace, tracks: (PoseTrack | undefined)[]): Vector3[] {
   return points.filter((point) => ranges.every(([low, high], axis) => point.getComponent(axis) >= low && point.getComponent(axis) <= high));
 }
 
-/** Of the objects. */
+/** The extent of the objects. */
 export function objectBounds(trace: Trace): Vector3[] {
   return positions(trace, trace.objects.map(({ world }) => world?.pose));
 }
 
-/** Of camera and objects. */
+/** The extent of camera and objects. */
 export function boundsOf(trace: Trace): Vector3[] {
   return positions(trace, [trace.camera?.pose, ...trace.objects.map(({ world }) => world?.pose)]);
 }

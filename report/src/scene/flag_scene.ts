@@ -19,7 +19,7 @@ export interface FlagLayers {
   labels: boolean;
 }
 
-/** A mixture in space: draws as flags, the components' means as axes and their positions as ellipsoids. */
+/** A mixture in space: samples as flags, the components' means as axes and their positions as ellipsoids. */
 export class FlagScene {
   readonly viewport: Viewport;
   readonly layers: FlagLayers = { flags: true, ellipsoids: false, means: true, labels: true };
@@ -32,7 +32,7 @@ export class FlagScene {
   private samples: Samples | undefined;
   private hidden: ReadonlySet<number> = new Set();
 
-  /** @param components, flags what it has to be able to show at most */
+  /** @param components, flags the largest numbers to be shown */
   constructor(name: string, components: number, flags: number) {
     this.viewport = new Viewport(name, new Vector3(0, 0, 1));
     this.flags = new Batch(flagShape(), flags);
@@ -41,9 +41,9 @@ export class FlagScene {
     for (const batch of [this.flags, this.glass, this.means]) this.viewport.scene.add(batch.mesh);
   }
 
-  /** Stands such that these draws are seen, in the frame of this name. */
+  /** Moves the view so that these samples are visible, in the frame of this name. */
   fit(frame: string, all: Samples[]): void {
-    // Cameras see y downwards; of other frames z is taken to be up.
+    // In camera frames y points down; in other frames z is assumed to point up.
     const up = frame === "camera" ? new Vector3(0, -1, 0) : new Vector3(0, 0, 1);
     const points = all.flatMap(pointsOf);
     const spread = new Box3().setFromPoints(points);

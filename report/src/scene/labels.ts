@@ -8,7 +8,7 @@ const MOST = 256;
 const LINE = 14;
 const MOST_SHIFT = 4 * LINE;
 
-/** Words at points of the scene, on a canvas above it; nothing is allocated while frames go by. */
+/** Labels at points of the scene, on a canvas above it; drawing a frame allocates nothing. */
 export class LabelLayer {
   readonly canvas = element("canvas", { class: "labels", "aria-hidden": "true" });
   private readonly context = this.canvas.getContext("2d")!;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 
-/** What can be shown or hidden. */
+/** Parts of the scene that can be shown or hidden. */
 export interface Layers {
   truth: boolean;
   ellipsoids: boolean;
@@ -10,7 +10,7 @@ export interface Layers {
   labels: boolean;
 }
 
-/** Where something is drawn: x y z and a quaternion x y z w. */
+/** A pose at which something is drawn: x y z and a quaternion x y z w. */
 export interface ShownPose {
   position: number[];
   quaternion: number[];

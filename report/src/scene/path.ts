@@ -8,7 +8,7 @@ import { LineGeometry } from "three/examples/jsm/lines/LineGeometry.js";
 import { LineMaterial } from "three/examples/jsm/lines/LineMaterial.js";
 import type { PoseTrack } from "../trace/trace.ts";
 
-/** Positions of the frames that have one, and how many of them there are up to each frame. */
+/** Positions of the frames that have one, and their number up to each frame. */
 export function pathPoints(track: PoseTrack, frames: number): { points: Float32Array; counts: Int32Array } {
   const points: number[] = [];
   const counts = new Int32Array(frames);
@@ -23,7 +23,7 @@ export function pathPoints(track: PoseTrack, frames: number): { points: Float32A
   return { points: new Float32Array(points), counts };
 }
 
-/** A way through space: thin as a whole, thick up to the frame that is shown. */
+/** A path in space: a thin line as a whole, a thick line up to the shown frame. */
 export class Path {
   readonly node = new Group();
   private readonly thin = new LineBasicMaterial({ transparent: true, opacity: 0.35 });

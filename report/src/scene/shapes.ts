@@ -54,7 +54,7 @@ export function frustum(depth: number): LineSegments<BufferGeometry, LineBasicMa
   return lines;
 }
 
-/** A length of 1, 2 or 5 times a power of ten, about a tenth of another. */
+/** A length of 1, 2 or 5 times a power of ten, about a tenth of a given length. */
 export function gridStep(size: number): number {
   const raw = size / 10;
   const power = 10 ** Math.floor(Math.log10(raw));
@@ -74,7 +74,7 @@ export function grid(centre: Vector3, up: Vector3, size: number, height: number)
   return helper;
 }
 
-/** The triangles of a mesh that the payload holds. */
+/** The triangles of a mesh in the payload. */
 export function meshShape(id: string, packed: PackedMesh): BufferGeometry {
   const vertices = new Float32Array(bytesOfBase64(packed.vertices).buffer);
   const triangles = new Uint32Array(bytesOfBase64(packed.triangles).buffer);

@@ -45,7 +45,7 @@ export class SlamScene {
   private readonly unit: number;
   private readonly eye = new Matrix4();
   private frame = 0;
-  // Scratch, so that a frame allocates nothing.
+  // Scratch memory, so that a frame allocates nothing.
   private readonly p = new Float64Array(3);
   private readonly q = new Float64Array(4);
   private readonly p2 = new Float64Array(3);
@@ -110,7 +110,7 @@ export class SlamScene {
     this.update(this.frame);
   }
 
-  /** Shows or hides, and draws. */
+  /** Shows or hides a layer, and draws. */
   setLayer(layer: keyof Layers, on: boolean): void {
     this.layers[layer] = on;
     this.update(this.frame);
@@ -204,7 +204,7 @@ export class SlamScene {
     this.addDetection(index, frame);
   }
 
-  /** The id, with the weight of the hypothesis that is the estimate where there is one. */
+  /** The label: the id, and the weight of the leading hypothesis if there is one. */
   private nameOf(index: number, percent: number): string {
     if (percent < 0) return this.trace.objects[index].id;
     return (this.names[101 * index + percent] ??= `${this.trace.objects[index].id}: ${PERCENT[percent]}`);

@@ -24,7 +24,7 @@ export class Viewport {
   onLeaveEye: () => void = () => {};
   /** Time that the last drawing took on the processor [ms]. */
   drawTime = 0;
-  /** When something was drawn for the first time [ms since the page was asked for]. */
+  /** Time of the first drawing [ms since the page was requested]. */
   firstDraw = 0;
   private readonly renderer: WebGLRenderer;
   private readonly box = new Box3();
@@ -35,7 +35,7 @@ export class Viewport {
   private pending = false;
   private eye: Matrix4 | undefined;
 
-  /** @throws Error where the browser has no WebGL */
+  /** @throws Error if the browser has no WebGL */
   constructor(name: string, private up: Vector3) {
     this.renderer = new WebGLRenderer({ antialias: true, alpha: true });
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
@@ -65,7 +65,7 @@ export class Viewport {
     this.up = up;
   }
 
-  /** What the views have to show. */
+  /** The extent that the views show. */
   setBounds(points: Iterable<Vector3>): void {
     this.box.makeEmpty();
     this.points = [...points];
@@ -76,12 +76,12 @@ export class Viewport {
     this.camera.far = this.size * 40;
   }
 
-  /** What the view "near" has to show. */
+  /** The extent that the view "near" shows. */
   setNear(points: Iterable<Vector3>): void {
     this.nearPoints = [...points];
   }
 
-  /** Whether the view is that of the recording's camera. */
+  /** Whether the view is from the recording's camera. */
   get fromEye(): boolean {
     return this.eye !== undefined;
   }
@@ -94,7 +94,7 @@ export class Viewport {
     return this.box.getCenter(new Vector3());
   }
 
-  /** Stands such that everything is seen; from the eye, where the given matrix is, camera frame of OpenCV. */
+  /** Moves the view so that everything is visible; "eye" is the view from a camera pose (OpenCV's camera frame). */
   look(view: View, eye?: Matrix4): void {
     this.eye = view === "eye" ? eye : undefined;
     this.view = view;
@@ -120,7 +120,7 @@ export class Viewport {
     this.invalidate();
   }
 
-  /** How far away all points, with a margin around each, are seen, looking against a direction. */
+  /** The distance at which all points, with a margin around each, are visible, looking against a direction. */
   private distanceFor(points: Vector3[], centre: Vector3, from: Vector3, margin: number): number {
     const right = new Vector3().crossVectors(this.up, from).normalize();
     const above = new Vector3().crossVectors(from, right);
@@ -135,7 +135,7 @@ export class Viewport {
     return distance;
   }
 
-  /** Moves with the camera of the recording, where that is the view. */
+  /** Follows the camera of the recording, if the view is from there. */
   followEye(): void {
     if (!this.eye) return;
     const e = this.eye.elements;
@@ -182,7 +182,7 @@ export class Viewport {
     this.camera.updateProjectionMatrix();
     this.renderer.setSize(width, height, false);
     this.labels.resize(width, height);
-    // Until the reader turns the scene, it keeps fitting.
+    // The view is fitted again until the reader turns the scene.
     if (!this.moved && !this.eye) this.look(this.view);
     this.draw();
   }

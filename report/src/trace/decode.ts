@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-// From the packed trace to typed arrays.
+// Decodes the packed trace into typed arrays.
 import { BadPayload, type ColumnHead, type PackedTrace } from "../payload.ts";
 
 export type Integers = Uint8Array | Uint16Array | Int16Array | Int32Array;
 
 const ARRAYS = { uint8: Uint8Array, uint16: Uint16Array, int16: Int16Array, int32: Int32Array } as const;
 
-/** One quantity over the frames: integers by component, and what they stand for. */
+/** One quantity over the frames: integers by component, and the mapping to values. */
 export class Column {
   constructor(
     readonly head: ColumnHead,
@@ -76,7 +76,7 @@ export function decodeComponent(bytes: Uint8Array, start: number, frames: number
   const third = second + frames;
   const fourth = third + frames;
   let last = 0;
-  // What goes beyond the width of the column falls off when it is stored.
+  // Storing truncates to the width of the column, as the encoding intends.
   for (let i = 0; i < frames; ++i) {
     let difference = bytes[start + i];
     if (width > 1) difference |= bytes[second + i] << 8;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-// A run over its frames. Reading a frame writes into arrays of the caller and allocates nothing.
+// A run frame by frame. Reading a frame writes into arrays of the caller and allocates nothing.
 import { covarianceOf } from "../math/linear.ts";
 import { normalize, type Numbers } from "../math/rotation.ts";
 import type { PackedTrace } from "../payload.ts";
 import { type Column, type Columns, decodeColumns, type Integers } from "./decode.ts";
 
-/** Which frames have an entry: one bit of a mask, or all where there is no mask. */
+/** Which frames have an entry: one bit of a mask, or all if there is no mask. */
 class Presence {
   constructor(
     private readonly mask: Integers | undefined,
@@ -105,7 +105,7 @@ export interface ObjectTrack {
   relative: Estimate | undefined;
   detection: PoseTrack | undefined;
   status: Integers | undefined;
-  /** Probability of the mode at a frame; none: undefined. */
+  /** Probability of the mode at a frame; undefined if there is none. */
   modeProbability: ((frame: number) => number | undefined) | undefined;
   hypotheses: HypothesisSlot[];
 }
@@ -182,7 +182,7 @@ export class Trace {
     return this.camera?.truth !== undefined || this.objects.some((object) => object.world?.truth !== undefined);
   }
 
-  /** The last frame that is not after a time. */
+  /** The last frame at or before a time. */
   frameAt(seconds: number): number {
     let low = 0;
     let high = this.frames - 1;

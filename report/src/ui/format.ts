@@ -2,7 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 import type { Json } from "../payload.ts";
 
-/** A number as tables show it, four significant digits; a missing one is a dash. */
+/** A number with four significant digits for tables; a missing one is a dash. */
 export function formatted(value: Json | undefined): string {
   if (value === null || value === undefined || value === "") return "–";
   if (typeof value !== "number") return typeof value === "object" ? JSON.stringify(value) : String(value);

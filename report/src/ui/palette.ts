@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-// Colours that people with any colour vision tell apart (Okabe and Ito; the last four after Tol).
+// Colours that readers with any colour vision can distinguish (Okabe and Ito; the last four after Tol).
 
 const COLOURS = [
   "#D55E00", "#0072B2", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#882255", "#44AA99", "#999933", "#AA4499",
 ] as const;
 
-/** The colour of the object, component or series of a number. */
+/** The colour of an object, component or series by its number. */
 export function colourOf(index: number): string {
   return COLOURS[index % COLOURS.length];
 }
@@ -14,15 +14,15 @@ export function colourOf(index: number): string {
 export const AXIS_COLOURS = ["#D55E00", "#009E73", "#0072B2"] as const;
 export const TRUTH_COLOUR = "#8A8A8A";
 
-/** How the status of a detection is drawn: colour, and the share of its row's height, so that colour is not all. */
+/** The mark of a status: a colour, and a share of the row's height, so that the colour is not the only difference. */
 export const STATUS_MARKS: Readonly<Record<string, { colour: string; height: number; text: string }>> = {
   none: { colour: "", height: 0, text: "no detection" },
   started: { colour: "#009E73", height: 1, text: "the object entered" },
-  used: { colour: "#56B4E9", height: 0.35, text: "used" },
-  doubted: { colour: "#E69F00", height: 0.6, text: "used, but more likely a gross error" },
-  birth: { colour: "#CC79A7", height: 0.8, text: "explained by no hypothesis, began one" },
-  gated: { colour: "#D55E00", height: 0.7, text: "gated" },
-  failed: { colour: "#882255", height: 0.9, text: "failed numerically" },
+  used: { colour: "#56B4E9", height: 0.35, text: "used in the update" },
+  doubted: { colour: "#E69F00", height: 0.6, text: "used, but probably a gross error" },
+  birth: { colour: "#CC79A7", height: 0.8, text: "not explained by any hypothesis: began a new one" },
+  gated: { colour: "#D55E00", height: 0.7, text: "outside the gate, not used" },
+  failed: { colour: "#882255", height: 0.9, text: "numerical failure, not used" },
 };
 
 /** With an opacity from 0 to 1. */

@@ -11,7 +11,7 @@ export interface Clock {
   frameAt(seconds: number): number;
 }
 
-/** The frame that is shown: a bar to scrub and play, and the keys. */
+/** Controls for the shown frame: a bar to scrub and play, and keys. */
 export class Player {
   readonly node: HTMLElement;
   frame = 0;

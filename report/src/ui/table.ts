@@ -6,11 +6,11 @@ import { formatted, titleOf } from "./format.ts";
 
 export interface Cell {
   value: Json | undefined;
-  /** Where it is in its document, for those who look for it. */
+  /** Its path in the document, as an attribute for tests and scripts. */
   key?: string;
 }
 
-/** A table with a row per name; it scrolls sideways where the page is narrow. */
+/** A table with a row per name; it scrolls sideways on a narrow page. */
 export function table(caption: string, columns: string[], rows: { name: string; cells: Cell[] }[]): HTMLElement {
   const head = element("tr");
   for (const column of columns) {

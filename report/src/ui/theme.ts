@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-// Dark and light: what the system prefers, until the reader chooses.
+// Dark and light theme: the preference of the system, until the reader chooses.
 import { element } from "./dom.ts";
 
 export type Theme = "light" | "dark";

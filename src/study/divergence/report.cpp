@@ -20,7 +20,7 @@ using Json = nlohmann::ordered_json;
 using Curves = std::map<std::string, std::vector<double>>;
 
 struct Part {
-  std::vector<std::string> rules;  ///< in order
+  std::vector<std::string> rules;  ///< rules in their order
   std::map<std::string, Curves> values;
 };
 
@@ -62,7 +62,7 @@ ChartSeries curve(const DivergenceStudySettings& settings, const std::string& ru
   return {.label = rule, .x = settings.phi_deg, .y = std::move(y), .markers = true};
 }
 
-/// Fig. 3: what each rule loses more than the midway merge; and the losses themselves.
+/// Fig. 3: the loss of each rule in excess of the midway merge, and the losses themselves.
 std::string figure(const DivergenceStudySettings& settings, const Part& part) {
   const auto chart = [](const char* y_label) {
     return Chart{.x_label = "phi [deg]", .y_label = y_label};

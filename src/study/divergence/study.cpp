@@ -22,7 +22,7 @@ Rotation merged(const Parts& parts, MergeRule rule) {
   return merge<SO3d>(std::span<const Component<Rotation>>(parts), {.rule = rule}).component.density;
 }
 
-/// The merge in the tangent space of the component at `anchor`, whichever is the larger.
+/// The merge in the tangent space of the component at `anchor`, whichever is larger.
 Rotation merged_at(const Parts& parts, std::size_t anchor) {
   return back_project(tangent_moments<SO3d>(std::span<const Component<Rotation>>(parts),
                                             parts[anchor].density.mean()));

@@ -12,7 +12,7 @@
 #include "posemix/reduction/merge.hpp"
 #include "study/engine/study.hpp"
 
-/// How much of a mixture on SO(3) each merge rule loses (midway-merge paper, section V, Fig. 3).
+/// The loss of each merge rule on a mixture on SO(3) (midway-merge paper, section V, Fig. 3).
 namespace posemix {
 
 /// Two components whose means are the angle phi times `direction` apart (eq. 23), as a rotation
@@ -23,9 +23,9 @@ struct DivergenceStudySettings {
   Eigen::Vector3d direction{1, -1, 1};
   Eigen::Vector3d first_sd_rad = Eigen::Vector3d::Constant(radians(5.0));
   Eigen::Vector3d second_sd_rad = Eigen::Vector3d::Constant(radians(10.0));
-  double relative_tolerance = 1e-8;  ///< of the quadrature
-  /// Step of the paper's own integration on a grid (eq. 28), which is done too where this is
-  /// positive; the paper's is 0.3.
+  double relative_tolerance = 1e-8;  ///< tolerance of the quadrature
+  /// Step of the paper's own integration on a grid (eq. 28), which is computed as well if
+  /// this is positive; the paper has 0.3.
   double paper_grid_step_deg = 0.0;
 };
 

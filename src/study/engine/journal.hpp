@@ -12,24 +12,24 @@
 
 namespace posemix {
 
-/// The finished items of a study that is not done yet, in a file.
+/// The file of finished items of a study in progress.
 ///
-/// A line of JSON that names the study and its settings, then one line per finished item. A line is
-/// handed to the system before append() returns, so a process that dies loses no finished item; a
-/// last line that was cut off is ignored. The file is locked against a second process. A journal in
-/// which no item was ever finished is removed in the end: there is nothing to continue.
+/// The first line is JSON with the study's name and settings; one line per finished item follows. A
+/// line is flushed before append() returns, so a process that dies loses no finished item; an
+/// incomplete last line is ignored. The file is locked against a second process. A journal without
+/// a finished item is removed in the end, because there is nothing to continue.
 class Journal {
  public:
-  /// Creates the file, or continues with the one that is there.
-  /// @throws InvalidInput when there is one and `resume` is not set, when it is that of another
-  /// study or of other settings, or is damaged
-  /// @throws OutputError when it cannot be written, or another process holds it
+  /// Creates the file, or continues an existing one.
+  /// @throws InvalidInput when it exists and `resume` is not set, when it belongs to another study
+  /// or to other settings, or is damaged
+  /// @throws OutputError when it cannot be written, or another process has locked it
   Journal(std::filesystem::path path, const Study& study, bool resume);
   ~Journal();
   Journal(const Journal&) = delete;
   Journal& operator=(const Journal&) = delete;
 
-  /// Results that the file held when it was opened, by item.
+  /// The results that were in the file when it was opened, by item.
   const std::map<std::size_t, std::string>& finished() const { return finished_; }
 
   /// @throws OutputError

@@ -10,10 +10,10 @@
 
 namespace posemix {
 
-/// What ranks say to each other.
+/// Kinds of messages between ranks.
 enum class RankMessageKind : int { hello, item, result, error, stop, bye };
 
-/// A message from another rank: a number and a text, which mean what the kind says.
+/// A message from another rank. The kind determines the meaning of number and text.
 struct RankMessage {
   int from;
   RankMessageKind kind;
@@ -23,20 +23,20 @@ struct RankMessage {
 
 /// The processes that work on one study.
 ///
-/// A process that was started by `mpirun` (or another launcher that speaks PMI or PMIx) joins the
-/// others through MPI; any other is alone, rank 0 of 1. All members are for one thread only. Lives
-/// once in a process.
+/// A process that was started by `mpirun` (or another launcher with PMI or PMIx) joins the others
+/// through MPI; any other process is rank 0 of 1. All members must be called from one thread. A
+/// process has at most one object of this class.
 class Ranks {
  public:
   Ranks();
-  /// Waits until all that was sent is delivered.
+  /// Waits until all sent messages are delivered.
   ~Ranks();
   Ranks(const Ranks&) = delete;
   Ranks& operator=(const Ranks&) = delete;
 
   int rank() const;
   int size() const;
-  /// How many ranks share this host, this one included.
+  /// The number of ranks on this host, this one included.
   int on_host() const;
 
   /// Sends without waiting.
@@ -44,7 +44,7 @@ class Ranks {
   /// The next message, if one has arrived.
   std::optional<RankMessage> receive();
 
-  /// Whether this build speaks MPI.
+  /// Whether this build has MPI.
   static bool with_mpi();
 
  private:

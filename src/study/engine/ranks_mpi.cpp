@@ -14,8 +14,8 @@
 namespace posemix {
 namespace {
 
-/// Whether a launcher of parallel programs started this process: what Open MPI's mpirun, PMIx and
-/// PMI launchers set.
+/// Whether a launcher of parallel programs started this process, by the environment variables of
+/// Open MPI's mpirun, PMIx and PMI.
 bool launched_in_parallel() {
   constexpr const char* kMarks[] = {"OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMI_RANK"};
   return std::any_of(std::begin(kMarks), std::end(kMarks),
@@ -50,7 +50,7 @@ class Ranks::Impl {
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
 
-  /// Forgets what was delivered.
+  /// Frees the messages that have been delivered.
   void tidy() {
     outgoing.remove_if([](Outgoing& message) {
       int done = 0;

@@ -22,7 +22,7 @@ namespace {
 
 using Kind = RankMessageKind;
 
-/// How long a rank waits for its own threads before it looks for messages.
+/// The time for which a rank waits for its own threads before it checks for messages.
 constexpr std::chrono::milliseconds kPatience{1};
 
 std::size_t threads_of(const Ranks& ranks, const StudyRunOptions& options) {
@@ -31,10 +31,10 @@ std::size_t threads_of(const Ranks& ranks, const StudyRunOptions& options) {
   return std::max<std::size_t>(1, cores / static_cast<std::size_t>(ranks.on_host()));
 }
 
-/// What rank 0 knows about another rank.
+/// State of another rank, as seen by rank 0.
 struct Follower {
-  std::size_t threads = 0;  ///< 0 until it has said hello
-  std::size_t items = 0;    ///< that it was given and has not finished
+  std::size_t threads = 0;  ///< 0 until its first message
+  std::size_t items = 0;    ///< items handed out and not finished
   bool gone = false;
 };
 
@@ -44,7 +44,7 @@ class Leader {
   Leader(Ranks& ranks, const StudyRunOptions& options)
       : ranks_(ranks), options_(options), followers_(static_cast<std::size_t>(ranks.size())) {}
 
-  /// However it ends, what is being worked on is kept and nobody is left waiting.
+  /// In all cases, items in progress are kept and no rank is left waiting.
   ~Leader() {
     collect_running();
     dismiss();
@@ -91,7 +91,7 @@ class Leader {
 
   bool go_on() const { return !options_.progress || options_.progress(done_, results_.size()); }
 
-  /// Keeps every thread busy and one more item at hand.
+  /// Submits items to every thread and one more, so that no thread waits.
   void hand_out() {
     while (!waiting_.empty() && pool_->outstanding() < pool_->threads() + 1) {
       pool_->submit(waiting_.front());
@@ -136,7 +136,7 @@ class Leader {
     }
   }
 
-  /// Keeps a result after the end. Why a journal cannot be written has been said before.
+  /// Keeps a result after the end. A journal that cannot be written was reported before.
   void keep(std::size_t item, std::string_view text) noexcept {
     try {
       if (journal_) journal_->append(item, text);
@@ -145,7 +145,7 @@ class Leader {
     }
   }
 
-  /// Waits for the items that this rank is working on, and begins nothing new.
+  /// Waits for the items in progress on this rank; begins no new one.
   void collect_running() noexcept {
     if (!pool_) return;
     pool_->cancel();
@@ -156,7 +156,7 @@ class Leader {
     }
   }
 
-  /// Sends the others home, and keeps what they have finished by then.
+  /// Stops the other ranks, and keeps the results that they finish until then.
   void dismiss() noexcept {
     for (std::size_t rank = 1; rank < followers_.size(); ++rank) {
       ranks_.send(static_cast<int>(rank), Kind::stop);
@@ -196,7 +196,7 @@ std::string message_of(const std::exception_ptr& error) {
   }
 }
 
-/// Sends results, until rank 0 says stop; then those of the items that had begun.
+/// Sends results until rank 0 sends stop; then the results of the items in progress.
 void work_for_leader(Ranks& ranks, WorkPool& pool) {
   bool stopped = false;
   while (!stopped || pool.outstanding() > 0) {
@@ -225,7 +225,7 @@ void wait_for_stop(Ranks& ranks) {
   }
 }
 
-/// Any other rank.
+/// The work of any rank but rank 0.
 void follow(Ranks& ranks, const std::function<Study()>& make, const StudyRunOptions& options) {
   try {
     const Study study = make();

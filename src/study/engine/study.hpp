@@ -18,10 +18,10 @@ struct StudyFile {
   std::string content;
 };
 
-/// What a study says when all its items are done.
+/// The report of a study whose items are all done.
 struct StudyReport {
   std::vector<StudyFile> files;  ///< study.json, tables (CSV) and figures (SVG)
-  std::string summary;           ///< the main table, for people
+  std::string summary;           ///< the main table as text
 };
 
 /// An experiment.
@@ -30,7 +30,7 @@ struct StudyReport {
 /// come from a stream of the item's own), may be called from several threads at once, and gives a
 /// text without line breaks; `report` depends on nothing but the texts of all items, in the order
 /// of their indices. So the report is the same to the last bit for any number of threads or ranks,
-/// except for files that say how long things took.
+/// except for files with times.
 struct Study {
   std::string name;
   std::string settings;   ///< everything that determines the result, as one line of JSON

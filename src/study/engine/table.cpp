@@ -24,7 +24,7 @@ std::string quoted(const std::string& text) {
   return result + '"';
 }
 
-/// Cells as texts, by the formatter of floating-point numbers.
+/// The cells of a row as texts; `format_double` formats floating-point numbers.
 template <class FormatDouble>
 std::vector<std::string> cell_texts(const std::vector<Cell>& row,
                                     const FormatDouble& format_double) {

@@ -13,7 +13,7 @@ namespace posemix {
 /// Version of study.json that this library writes (key `schema`).
 inline constexpr int kStudySchema = 1;
 
-/// A value of a table; std::monostate where there is none (null in JSON, nothing in CSV).
+/// A value of a table; std::monostate if there is none (null in JSON, nothing in CSV).
 using Cell = std::variant<std::monostate, double, std::int64_t, std::string>;
 
 /// Rows of named values.
@@ -21,16 +21,16 @@ class StudyTable {
  public:
   explicit StudyTable(std::vector<std::string> columns);
 
-  /// @throws InvalidInput when the number of cells is not that of the columns
+  /// @throws InvalidInput unless there is one cell per column
   void add(std::vector<Cell> row);
 
   const std::vector<std::string>& columns() const { return columns_; }
   const std::vector<std::vector<Cell>>& rows() const { return rows_; }
 
-  /// Comma-separated values with a head line; numbers with as many digits as they need to be read
-  /// back, texts quoted where they must be.
+  /// Comma-separated values with a head line; numbers with as many digits as are needed to
+  /// read them back exactly, texts quoted if necessary.
   std::string csv() const;
-  /// Aligned columns for people; numbers with `digits` significant digits.
+  /// Aligned columns; numbers with `digits` significant digits.
   std::string text(int digits = 5) const;
 
  private:

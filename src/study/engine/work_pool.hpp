@@ -28,18 +28,18 @@ class WorkPool {
   using Work = std::function<std::string(std::size_t)>;
 
   WorkPool(std::size_t threads, Work work);
-  /// Drops what has not begun and waits for the rest.
+  /// Drops items that have not begun and waits for the others.
   ~WorkPool();
   WorkPool(const WorkPool&) = delete;
   WorkPool& operator=(const WorkPool&) = delete;
 
   std::size_t threads() const { return threads_.size(); }
   void submit(std::size_t item);
-  /// Drops what has not begun.
+  /// Drops items that have not begun.
   void cancel();
-  /// Items submitted whose results have not been taken.
+  /// The number of submitted items whose results have not been taken.
   std::size_t outstanding() const;
-  /// Takes all results there are; waits for one, but not for longer than `patience`.
+  /// Takes all available results; waits for one, but at most for `patience`.
   std::vector<WorkResult> take(std::chrono::milliseconds patience);
 
  private:

@@ -23,10 +23,10 @@ constexpr std::size_t kRelativeDof = 6;
 struct Quantity {
   std::string_view name;
   std::string_view axis;
-  std::size_t dof;  ///< of a normalised squared error; 0: an error in degrees
+  std::size_t dof;  ///< degrees of freedom of a normalised squared error; 0: an error in degrees
 };
 
-/// In the order of an item's numbers, which end with the processor time.
+/// The quantities in the order of an item's numbers, which end with the processor time.
 constexpr std::array<Quantity, 4> kQuantities{
     {{"robot_rotation_rmse_deg", "robot, rotation [deg]", 0},
      {"object_rotation_rmse_deg", "object, rotation [deg]", 0},

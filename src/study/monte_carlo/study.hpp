@@ -18,8 +18,8 @@ namespace posemix {
 
 /// The camera's path in the object's frame, z up, at s from 0 to 1 over the recording:
 ///   p(s) = (r cos a, r sin a, h + w sin 2a),  a = 2 pi turns s,
-/// looking at the object's origin with the image's x axis horizontal. The world frame is that of
-/// the first camera.
+/// looking at the object's origin with the image's x axis horizontal. The world frame is the
+/// frame of the first camera.
 struct MonteCarloPath {
   double radius_m = 3.0;
   double height_m = 1.2;
@@ -30,8 +30,8 @@ struct MonteCarloPath {
   double detection_period_s = 1.5;
 };
 
-/// What is simulated, and with which filters. The paper gives the detector's and the odometry's
-/// noise, N_h = 4 and 100 runs; the rest is chosen such that its figures come out.
+/// Settings of the simulation, and the filters. The paper gives the detector's and the odometry's
+/// noise, N_h = 4 and 100 runs; the rest is chosen such that its figures are reproduced.
 struct MonteCarloStudySettings {
   std::size_t runs = 400;
   /// The odometry's covariance is multiplied by ten to this power.
@@ -48,7 +48,7 @@ struct MonteCarloStudySettings {
   /// Covariance of the object's first pose (right perturbation, object frame): 4 deg, 1 cm.
   Matrix6d object_start =
       pose_covariance(Eigen::Vector3d::Constant(radians(4.0)), Eigen::Vector3d::Constant(0.01));
-  /// Of detection and filter: eq. 36.
+  /// The detector's noise, in the simulation and in the filter: eq. 36.
   DetectorNoise detector{
       {{.weight = 0.7,
         .covariance = pose_covariance(Eigen::Vector3d::Constant(radians(4.0)),
@@ -63,8 +63,8 @@ struct MonteCarloStudySettings {
 /// Names of the methods, in the order in which they are documented.
 ///
 /// All but the last three update linearly, as the paper does, and merge the most distant pair:
-/// - midway, tangent_of_larger, moment_matched: by the rule of that name;
-/// - runnalls_pairs, largest_with_smallest: midway merges of pairs chosen otherwise;
+/// - midway, tangent_of_larger, moment_matched: merges by the rule of that name;
+/// - runnalls_pairs, largest_with_smallest: midway merges of pairs chosen by another rule;
 /// - no_merge_64: no merges, the 64 heaviest components are kept;
 /// - riekf: one Gaussian, with the second moment of the detector's noise;
 /// - iterated, iterated_tangent_of_larger, iterated_riekf: the iterated update in relative poses.
@@ -79,7 +79,7 @@ struct MonteCarloErrors {
   double seconds;        ///< processor time of the filter
 };
 
-/// Simulates run number `run` at a noise level and puts every method through it. Runs of equal
+/// Simulates run number `run` at a noise level and runs every method on it. Runs of equal
 /// number share their random numbers over all levels.
 /// @throws InvalidInput for a method without that name
 std::vector<MonteCarloErrors> run_monte_carlo(const MonteCarloStudySettings& settings,

@@ -8,8 +8,8 @@
 namespace posemix {
 namespace {
 
-/// What random numbers are drawn for. Each purpose has a stream of its own, so that a change in one
-/// leaves the others' numbers alone.
+/// Purposes of random numbers. Each has a stream of its own, so that a change in one does not
+/// affect the numbers of the others.
 enum class Purpose : std::size_t { start, odometry, detection, count };
 
 RandomStream stream_of(const MonteCarloStudySettings& settings, std::size_t run, Purpose purpose) {
@@ -72,7 +72,7 @@ class Detector {
   std::vector<Matrix6d> factors_;
 };
 
-/// Camera and object independent of each other, each off the truth by a draw from its covariance.
+/// A prior with independent camera and object, each off the truth by a draw from its covariance.
 Hypothesis draw_prior(const MonteCarloStudySettings& settings, const SE3d& true_object,
                       RandomStream stream) {
   const SE3d camera = SE3d::exp(draw(factor_of(settings.camera_start), stream));

@@ -9,10 +9,10 @@
 
 namespace posemix {
 
-/// What happens between two detections, and the detection.
+/// The odometry between two detections, and the second detection.
 struct MonteCarloStep {
-  std::vector<SE3d> odometry;  ///< T_camera(i)_camera(i+1) as measured
-  SE3d detection;              ///< T_camera_object as detected
+  std::vector<SE3d> odometry;  ///< measured T_camera(i)_camera(i+1)
+  SE3d detection;              ///< detected T_camera_object
   SE3d true_camera;            ///< T_world_camera at the detection
 };
 

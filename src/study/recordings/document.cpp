@@ -6,11 +6,11 @@
 
 #include <fmt/format.h>
 
-#include "parts.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/io/object_poses.hpp"
 #include "posemix/io/text.hpp"
 #include "recordings.hpp"
+#include "table_folder.hpp"
 
 namespace posemix {
 namespace {
@@ -88,7 +88,8 @@ class Writer {
   bool camera_truth() const { return camera_truth_; }
 
  private:
-  /// A profile that names no odometry has a motion model that needs none.
+  /// Checks which files of the camera exist. A profile without odometry has a motion model that
+  /// needs none.
   void find_files_of_camera() {
     for (const Section& section : sections_) {
       if (section.header != "[camera]") continue;
@@ -99,7 +100,7 @@ class Writer {
     }
   }
 
-  /// The file that a line names, where it is there.
+  /// The file that a line names, if it exists.
   std::optional<fs::path> find(const std::string& line) const {
     std::string name = quoted_in(line);
     replace_all(name, "${sequence}", recording_.sequence);
@@ -114,7 +115,7 @@ class Writer {
 
   bool keeps(const std::string& line, const std::string& id) const {
     const std::string_view key = key_of(line);
-    if (key == "object") return recording_.object != "all";  // nothing stands for several
+    if (key == "object") return recording_.object != "all";  // several objects have no common key
     if (key == "odometry") return find(line).has_value();
     if (key != "ground_truth") return true;
     const auto place = find(line);

@@ -4,7 +4,7 @@
 
 #include <string_view>
 
-/// Sequence files of configs/, part of the library.
+/// Texts of sequence files of configs/, compiled into the program.
 namespace posemix {
 
 extern const std::string_view kDopeProfile;

@@ -9,18 +9,18 @@
 
 #include <fmt/format.h>
 
-#include "parts.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/io/pose_table.hpp"
 #include "posemix/io/text.hpp"
 #include "profiles.hpp"
+#include "table_folder.hpp"
 
 namespace posemix {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// Files of an object per file of the most frequent object below which it is a stray.
+/// An object with fewer files than this share of the most frequent object's files is a stray.
 constexpr double kStrayShare = 0.01;
 
 bool is_folder(const fs::path& path) {
@@ -28,7 +28,7 @@ bool is_folder(const fs::path& path) {
   return fs::is_directory(path, ignored);
 }
 
-/// What lies in a folder, sorted by name; nothing where there is no such folder.
+/// The entries of a folder, sorted by name; empty if there is no such folder.
 std::vector<fs::path> entries_of(const fs::path& folder) {
   std::vector<fs::path> entries;
   if (!is_folder(folder)) return entries;
@@ -52,7 +52,7 @@ void find_dope(const fs::path& data, std::vector<Recording>& recordings) {
   }
 }
 
-/// The number in `obj_OOOOOO_IIIIII.npy` that stands for the object.
+/// The object's number OOOOOO in `obj_OOOOOO_IIIIII.npy`.
 std::optional<std::int64_t> object_number(const fs::path& file) {
   const std::string name = file.filename().string();
   const auto fields = split_fields(name, '_');

@@ -19,8 +19,8 @@ struct Recording {
   std::filesystem::path data;  ///< the data folder
   std::string detector;        ///< "dope", "cosypose", or the estimator of a table
   std::string object;          ///< folder name of the object's class; "all" for several objects
-  std::string sequence;        ///< as "0022"
-  std::vector<std::string> objects;  ///< ids in results; but for dope BOP object ids
+  std::string sequence;        ///< such as "0022"
+  std::vector<std::string> objects;  ///< ids in results: for DOPE class names, else BOP object ids
 
   bool operator==(const Recording&) const = default;
 };
@@ -36,31 +36,30 @@ struct Recording {
 /// @throws InvalidInput when the folder cannot be read or holds no recording
 std::vector<Recording> find_recordings(const std::filesystem::path& data);
 
-/// The folder experiments/ycbv of a data folder, where there is one.
+/// The folder experiments/ycbv of a data folder, if it exists.
 std::optional<std::filesystem::path> find_experiments(const std::filesystem::path& data);
 
-/// The sequence file in which this library sets a detector's noise model and filter: of "dope"
-/// configs/ycbv-dope.toml, of "cosypose" configs/ycbv-0022.toml, and of "published" the settings of
-/// the midway paper's program, configs/ycbv-0022-paper.toml.
+/// The text of the built-in sequence file of a detector, with its noise model and filter: for
+/// "dope" configs/ycbv-dope.toml, for "cosypose" configs/ycbv-0022.toml, and for "published" the
+/// settings of the midway paper's program, configs/ycbv-0022-paper.toml.
 /// @throws InvalidInput for another name
 std::string_view recording_profile(std::string_view name);
 
-/// The name of the profile by which a recording is read: that of CosyPose for its recordings, that
-/// of DOPE for all others.
+/// The name of the profile for a recording: "cosypose" for recordings of CosyPose, "dope" for all
+/// others.
 std::string_view profile_name_of(const Recording& recording);
 
-/// The sequence file of one recording, from a profile that was written for another one with the
-/// same detector, or for tables of estimates on the same scenes.
+/// The sequence file of one recording, made from a profile: the sequence file of another recording
+/// of the same detector, or of tables of estimates on the same scenes.
 ///
 /// The profile's keys `sequence` and `object` are set. An object of a recording with several has
 /// the keys of the profile's object of the same id, else of its first. Keys `odometry` and
-/// `ground_truth` whose file is not there (or does not hold the object) are left out; without
-/// odometry also the profile's motion model, which is then constant velocity, and without the
-/// camera's ground truth it starts at the identity.
+/// `ground_truth` whose file does not exist (or lacks the object) are left out. Without odometry
+/// the profile's motion model is left out too, and constant velocity is used. Without the camera's
+/// ground truth the camera starts at the identity.
 TomlDocument recording_document(const Recording& recording, std::string_view profile);
 
-/// Reads a recording by its profile; `overrides` as for
-/// TomlDocument::apply_override.
+/// Reads a recording by its profile, changed by `overrides` (see TomlDocument::apply_override).
 /// @throws InvalidInput naming the file that is not valid
 SlamJob read_recording(const Recording& recording, std::span<const std::string> overrides = {});
 

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include "report.hpp"
+
 #include <cmath>
 #include <map>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "parts.hpp"
 #include "posemix/base/random.hpp"
 #include "posemix/base/statistics.hpp"
 #include "posemix/draw/flags.hpp"
@@ -94,8 +95,8 @@ FlagGroup flags_of(const SaltBoxSettings& settings, const SaltBoxStage& stage, s
   return group;
 }
 
-/// One picture per stage, all seen alike. Features and the objects composed from them are shown
-/// together, as in Figs. 2 and 3 of the paper.
+/// One picture per stage, all with the same view. Features and the objects composed from them are
+/// shown together, as in Figs. 2 and 3 of the paper.
 std::vector<StudyFile> pictures(const SaltBoxSettings& settings,
                                 const std::vector<SaltBoxStage>& stages) {
   std::vector<FlagGroup> features, objects;

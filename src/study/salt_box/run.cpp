@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include "run.hpp"
+
 #include <array>
 #include <cmath>
 #include <numbers>
 
 #include <nlohmann/json.hpp>
 
-#include "parts.hpp"
 #include "posemix/base/random.hpp"
 #include "posemix/reduction/loss.hpp"
 
@@ -26,7 +27,7 @@ Json stage_json(const SaltBoxStage& stage) {
   return json;
 }
 
-/// What a reduction of a mixture loses, measured and bounded.
+/// The loss of a reduction of a mixture, measured and bounded.
 Json reduction_json(const PoseMpg& mixture, const char* rule, ReductionSettings reduction) {
   reduction.bound_loss = true;
   const auto reduced = reduce(mixture, reduction);
@@ -41,7 +42,7 @@ Json reduction_json(const PoseMpg& mixture, const char* rule, ReductionSettings 
           {"total_variation_bound", reduced.report.bounded_loss->total_variation}};
 }
 
-/// Ways to have fewer components of one mixture.
+/// Rules that reduce one mixture.
 Json reductions(const SaltBoxSettings& settings, const PoseMpg& mixture) {
   ReductionSettings base = salt_box_reduction(settings);
   Json rows = Json::array();
@@ -63,7 +64,7 @@ Json reductions(const SaltBoxSettings& settings, const PoseMpg& mixture) {
   return rows;
 }
 
-/// A tilt drawn uniformly from the disc whose variance the elements stand for.
+/// A tilt drawn uniformly from the disc that the elements approximate.
 Vector3d draw_tilt(const SaltBoxSettings& settings, RandomStream& stream) {
   const double radius = std::sqrt(4.0 * settings.tilt_sd * settings.tilt_sd +
                                   12.0 / 7.0 * settings.cone * settings.cone) *
@@ -91,7 +92,7 @@ SaltBoxSettings simulate(const SaltBoxSettings& settings, bool shared_view, Rand
   return simulated;
 }
 
-/// Errors of the estimates that hold one, two, ... features.
+/// Errors of the estimates from one, two, ... features.
 Json errors(const SaltBoxSettings& simulated) {
   Json rows = Json::array();
   std::size_t features = 0;

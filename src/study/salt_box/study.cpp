@@ -7,9 +7,10 @@
 
 #include <nlohmann/json.hpp>
 
-#include "parts.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/mixture/projected_mixture.hpp"
+#include "report.hpp"
+#include "run.hpp"
 #include "study/engine/settings_json.hpp"
 
 namespace posemix {
@@ -24,7 +25,7 @@ SE3d detection(const Vector3d& translation, double w, double x, double y, double
 }
 
 /// The covariance of an element: u of the rotation in the feature's axes, translation along the
-/// line of sight to it. A standard deviation of u is half of that of the rotation.
+/// line of sight to it. A standard deviation of u is half that of the rotation.
 Matrix6d element_covariance(const SaltBoxSettings& settings, const Vector3d& position) {
   Vector3d u(settings.tilt_sd, settings.tilt_sd, settings.spin_sd);
   u *= 0.5;

@@ -15,9 +15,9 @@
 #include "study/engine/study.hpp"
 
 /// The salt box (MPG paper, section VI, Figs. 2-6): the pose of a box from features on its front.
-/// Every feature says where it is, less well along the line of sight, and how it is turned about
-/// the line of sight, but its tilt is known only within a cone; its pose is a mixture of seven
-/// projected Gaussians. The paper states no numbers: those here are our own.
+/// Every feature determines its position, less well along the line of sight, and its turn about the
+/// line of sight, but its tilt only within a cone; its pose is a mixture of seven projected
+/// Gaussians. The paper states no numbers: those here are our own.
 namespace posemix {
 
 using PoseMpg = Mixture<ProjectedGaussian<SE3d>>;
@@ -25,16 +25,17 @@ using PoseMpg = Mixture<ProjectedGaussian<SE3d>>;
 /// A feature on the box and its detection.
 struct SaltBoxFeature {
   std::string name;
-  Eigen::Vector3d point;  ///< where it is on the box, whose axes it shares [m]
+  Eigen::Vector3d point;  ///< position on the box, whose axes it shares [m]
   SE3d detected;          ///< T_camera_feature
 };
 
-/// What `study salt-box` does. Rotations in radians, translations in metres.
+/// Settings of `study salt-box`. Rotations in radians, translations in metres.
 struct SaltBoxSettings {
   std::vector<SaltBoxFeature> features;  ///< at least two
-  double tilt_sd = radians(3.66);        ///< of an element about the x and y axes of the feature
-  double spin_sd = radians(3.0);         ///< about its z axis
-  /// The six outer elements are tilted by this; with tilt_sd the variance of tilt is that of a
+  double tilt_sd =
+      radians(3.66);              ///< deviation of an element about the x and y axes of the feature
+  double spin_sd = radians(3.0);  ///< about its z axis
+  /// The six outer elements are tilted by this. With tilt_sd, the tilt then has the variance of a
   /// uniform disc of 15 degrees.
   double cone = radians(10.0);
   double lateral_sd = 0.0015;  ///< across the line of sight
@@ -47,14 +48,14 @@ struct SaltBoxSettings {
   std::size_t keep = 10;     ///< components left by merging after that
   std::size_t flags = 60;    ///< samples per mixture in the pictures
   std::size_t trials = 100;  ///< simulated detections of all features
-  /// depth_sd of the trials: the worse the depth, the more of the box's tilt comes from the
-  /// features.
+  /// depth_sd of the trials: the worse the depth, the more the tilt of the box depends on the tilts
+  /// of the features.
   double trial_depth_sd = 0.01;
   std::uint64_t seed = 1;
 };
 
 /// The detections of the example: truth `salt_box_truth()`, errors of the tilt drawn for every
-/// feature on its own.
+/// feature separately.
 SaltBoxSettings default_salt_box();
 /// T_camera_box of the example.
 SE3d salt_box_truth();
@@ -69,14 +70,17 @@ PoseMpg object_mixture(const SaltBoxSettings& settings, const SaltBoxFeature& fe
 struct SaltBoxStage {
   std::string name;
   PoseMpg mixture;
-  /// Of a fusion: log of the integral of the product over the half sphere of quaternions and the
-  /// translations, the paper's measure [nats].
+  /// For a fusion: the log of the integral of the product over the half sphere of quaternions and
+  /// the translations, the paper's measure [nats].
   std::optional<double> log_evidence;
 };
 
 /// All stages in order: for every feature `feature_NAME` and `object_NAME`; from the second on
 /// `fused_NAME`, `dropped_NAME`, `merged_NAME`, each with the mixture merged before.
 std::vector<SaltBoxStage> run_salt_box(const SaltBoxSettings& settings);
+
+/// Settings of the reduction after a fusion.
+ReductionSettings salt_box_reduction(const SaltBoxSettings& settings);
 
 /// Standard deviations of a mixture under the distribution of the one projected Gaussian with its
 /// moments.
@@ -94,9 +98,9 @@ SaltBoxSettings read_salt_box_settings(const TomlTable& table);
 
 /// The study: one work item for the example and one per trial. Files: study.json (rows `stage`,
 /// `components`, `log_evidence`, `rotation_std_deg`, `translation_std_m` and more), reductions.csv
-/// (what dropping and merging the first fusion loses, by rule), trials.csv (errors and normalised
-/// squared errors with tilts drawn feature by feature, and with one tilt for all features of a
-/// view), flags_STAGE.svg, posterior.json (the last mixture).
+/// (the loss of dropping and merging after the first fusion, by rule), trials.csv (errors and
+/// normalised squared errors with tilts drawn feature by feature, and with one tilt for all
+/// features of a view), flags_STAGE.svg, posterior.json (the last mixture).
 Study make_salt_box_study(const SaltBoxSettings& settings);
 
 }  // namespace posemix

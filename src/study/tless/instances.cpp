@@ -8,7 +8,7 @@
 namespace posemix {
 namespace {
 
-/// Relative poses of one scene are constant to the digits of the file.
+/// Relative poses in one scene are constant up to the digits of the file.
 constexpr double kSamePlaceM = 1e-3;
 constexpr double kSameRotationRad = radians(0.2);
 
@@ -37,8 +37,8 @@ std::size_t support(const std::vector<Instance>& instances, const std::vector<Bo
   return count;
 }
 
-/// The camera pose that puts most objects of an image onto known instances; nothing where there is
-/// none, or where two that differ put equally many.
+/// The camera pose for which most objects of an image coincide with known instances; empty if there
+/// is none, or if two different poses match equally many.
 std::optional<SE3d> place_camera(const std::vector<Instance>& instances,
                                  const std::vector<BopRow>& rows) {
   std::optional<SE3d> best;
@@ -61,7 +61,7 @@ std::optional<SE3d> place_camera(const std::vector<Instance>& instances,
   return is_clear ? best : std::nullopt;
 }
 
-/// Puts the objects of a placed image onto their instances; those of none begin new ones.
+/// Assigns the objects of a placed image to their instances; the others begin new instances.
 void add_image(StaticScene& scene, std::size_t image, const std::vector<BopRow>& rows,
                std::size_t images) {
   const SE3d& camera = *scene.world_camera[image];

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include "metric.hpp"
+
 #include <string>
 
-#include "parts.hpp"
 #include "posemix/base/units.hpp"
 #include "posemix/io/bop_models.hpp"
 #include "posemix/slam/symmetric_error.hpp"
@@ -13,7 +14,7 @@ namespace {
 constexpr double kWithinDeg = 20.0;
 constexpr double kWithinM = 0.05;
 
-/// Stands for the surface of an object without a model.
+/// A proxy for the surface of an object without a model.
 std::array<Eigen::Vector3d, 8> cube() {
   return ObjectBox{Eigen::Vector3d::Constant(-0.05), Eigen::Vector3d::Constant(0.1)}.corners();
 }

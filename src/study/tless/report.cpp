@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include "report.hpp"
+
 #include <cmath>
 
 #include <nlohmann/json.hpp>
 
-#include "parts.hpp"
 #include "posemix/base/statistics.hpp"
 #include "study/engine/table.hpp"
 
@@ -65,7 +66,7 @@ Cell tless_median(const std::vector<Json>& rows, const std::string& key) {
   return values.empty() ? Cell() : Cell(median(values));
 }
 
-/// Root mean square over scenes, whose frames are equally many.
+/// Root mean square over scenes, which have equal numbers of frames.
 Cell rms_of(const std::vector<Json>& rows, const std::string& key) {
   const std::vector<double> values = known(rows, key);
   if (values.empty()) return {};
@@ -76,7 +77,7 @@ Cell rms_of(const std::vector<Json>& rows, const std::string& key) {
 
 using Figures = std::vector<std::pair<std::string, Cell>>;
 
-/// Shares over all instances and frames; medians over the instances.
+/// Summary figures: shares over all instances and frames, medians over the instances.
 Figures figures_of(const std::vector<Json>& instances, const std::vector<Json>& scenes) {
   const std::int64_t frames = sum_of(instances, "frames");
   const auto count = static_cast<std::int64_t>(instances.size());

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include "run.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,11 +10,12 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "parts.hpp"
+#include "metric.hpp"
 #include "posemix/base/random.hpp"
 #include "posemix/base/statistics.hpp"
 #include "posemix/base/units.hpp"
 #include "posemix/slam/evaluation.hpp"
+#include "posemix/slam/run.hpp"
 #include "posemix/slam/symmetric_error.hpp"
 
 namespace posemix {
@@ -22,7 +25,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kFlipDeg = 20.0;
 constexpr double kFlipPlaceM = 0.05;
-/// The world is the first camera: what is left of its prior.
+/// The prior of the first camera, which defines the world: nearly exact.
 constexpr double kStartDeg = 0.01;
 constexpr double kStartM = 1e-4;
 
@@ -31,7 +34,7 @@ Matrix6d odometry_covariance(const TlessStudySettings& s) {
                          Eigen::Vector3d::Constant(s.odometry_translation_sd_m));
 }
 
-/// As many instances of a class as one image shows at most, and one more.
+/// The models of a class: as many as its largest number of detections in one image, and one more.
 std::vector<ObjectModel> models_of(const TlessScene& scene, const TlessMetric& metric,
                                    bool declared) {
   std::map<std::string, std::size_t> most;
@@ -117,7 +120,7 @@ Json instance_row(const TlessScene& scene, const std::vector<ObjectModel>& model
   return row;
 }
 
-/// Detections that made every model what it is at the end.
+/// The number of detections assigned to every model since its instance began.
 std::vector<std::size_t> detections_of(const SlamRun& run, std::size_t models) {
   std::vector<std::size_t> count(models, 0);
   for (const FrameEstimate& frame : run.frames) {
@@ -130,7 +133,7 @@ std::vector<std::size_t> detections_of(const SlamRun& run, std::size_t models) {
   return count;
 }
 
-/// Confirmed instances at the end, and those of them that are the nearest of no true one.
+/// Counts the confirmed instances at the end, and those that are not the nearest of any true one.
 void count_instances(const TlessScene& scene, const std::vector<ObjectModel>& models,
                      const SlamRun& run, double match_m, Json& row) {
   const std::vector<std::size_t> detections = detections_of(run, models.size());
@@ -162,8 +165,8 @@ void count_instances(const TlessScene& scene, const std::vector<ObjectModel>& mo
   row["false_confirmed"] = wrong;
 }
 
-/// Jumps of the world estimates to another equivalent, of those from one frame to the next; turns
-/// about an axis of symmetry, which no detection tells, are counted for themselves.
+/// Counts jumps of the world estimates to an equivalent pose from one frame to the next. Turns
+/// about an axis of symmetry, which no detection determines, are counted separately.
 void count_flips(const std::vector<ObjectModel>& models, const SlamRun& run,
                  const TlessMetric& metric, Json& row) {
   std::array<std::int64_t, 2> steps{0, 0};
@@ -257,7 +260,7 @@ nlohmann::ordered_json run_tless(const TlessScene& scene, const TlessStudySettin
   const TlessMetric metric(settings);
   const Sequence sequence = with_synthetic_odometry(scene, settings);
   const std::vector<ObjectModel> models = models_of(scene, metric, declared);
-  // The run wants one recording per model; who is who in the truth it does not get to know.
+  // The run takes one recording per model, without the truth.
   Sequence input = sequence;
   input.objects.clear();
   for (const ObjectModel& model : models) {

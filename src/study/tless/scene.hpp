@@ -15,23 +15,23 @@
 #include "posemix/slam/sequence.hpp"
 
 /// T-LESS scenes from BOP result files, as recordings with several instances of a class and with
-/// detections that do not say which instance they are of.
+/// detections that do not name their instance.
 namespace posemix {
 
 /// A scene as a recording. The world is the camera of the first image.
 ///
-/// `sequence` has one object per instance, in the order of class and appearance, named CLASS where
-/// the scene has one instance of the class and CLASS.NUMBER (from zero) where it has several. Its
-/// detections are empty: see `candidates`. There is no odometry.
+/// `sequence` has one object per instance, in the order of class and appearance, named CLASS if
+/// the scene has one instance of the class and CLASS.NUMBER (from zero) if it has several. It has
+/// no detections (see `candidates`) and no odometry.
 struct TlessScene {
   std::int64_t scene = 0;
   std::vector<std::int64_t> images;  ///< im_id, increasing; stamps are a tenth of it, in seconds
   Sequence sequence;                 ///< camera_truth, relative_truth and world_truth
-  std::vector<std::string> classes;  ///< of the objects of `sequence`: the BOP object id
+  std::vector<std::string> classes;  ///< BOP object ids of the objects of `sequence`
   std::vector<std::vector<Candidate>> candidates;  ///< per image, in the file's order
 };
 
-/// The images and true poses of one scene by image: where a camera moves past things that stand.
+/// Camera poses and true instances of one scene, in which a camera moves and objects stand still.
 struct StaticScene {
   struct Instance {
     std::int64_t object = 0;                         ///< class
@@ -43,10 +43,10 @@ struct StaticScene {
   std::vector<Instance> instances;                ///< in the order of appearance
 };
 
-/// Camera poses and instances from true T_camera_object, per image. An image is placed where most
-/// of its objects fall onto instances of their class already known, within 1 mm and 0.2 deg; one
-/// that could be placed in several ways waits until others are. Images that remain have no camera
-/// pose, and their objects belong to no instance.
+/// Camera poses and instances from true T_camera_object, per image. An image is placed such
+/// that most of its objects coincide with known instances of their class, within 1 mm and 0.2 deg;
+/// an image with several such places waits until others are placed. Images that remain have no
+/// camera pose, and their objects belong to no instance.
 StaticScene static_scene(std::span<const std::vector<BopRow>> images);
 
 /// One scene from true and estimated rows (of any scenes); estimates below `least_score` are left
@@ -60,7 +60,7 @@ TlessScene tless_scene(std::int64_t scene, std::span<const BopRow> truth,
 std::vector<TlessScene> read_tless(const std::filesystem::path& data, double least_score = 0.5);
 
 /// Symmetries by object id as read off the residuals of a detector: configs/tless-symmetries.toml,
-/// part of the library. Objects that are not in it have none that is known.
+/// part of the library. Objects that are not in it have no known symmetries.
 SymmetryGroups tless_symmetries();
 
 }  // namespace posemix

@@ -9,14 +9,16 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "parts.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/io/bop_models.hpp"
+#include "report.hpp"
+#include "run.hpp"
+#include "scene.hpp"
 
 namespace posemix {
 namespace {
 
-/// Everything that the result follows from but the recordings' contents.
+/// Everything that determines the result, except for the contents of the recordings.
 std::string tless_settings_text(const TlessStudySettings& s,
                                 const std::vector<TlessScene>& scenes) {
   nlohmann::ordered_json json = {{"data", s.data.string()},

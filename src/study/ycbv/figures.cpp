@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include "figures.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,7 +10,8 @@
 #include <fmt/format.h>
 
 #include "posemix/draw/chart.hpp"
-#include "rows.hpp"
+#include "published.hpp"
+#include "table_reader.hpp"
 
 namespace posemix {
 namespace {
@@ -18,8 +21,8 @@ constexpr const char* kGrey = "#8A8A8A";
 /// The offline method that the figures show.
 constexpr const char* kAct = "published: ACT";
 
-/// An empty series of a method. Known methods keep their colours from figure to figure; that of
-/// the midway merge is dashed, so that the rule which it often equals shows below it.
+/// An empty series of a method. Known methods have the same colour in every figure. The line
+/// of the midway merge is dashed, because it often covers the line of another rule.
 ChartSeries series_of(const std::string& method) {
   static const std::map<std::string, const char*> colours{{"detector", kGrey},
                                                           {"odometry", kGrey},
@@ -87,7 +90,7 @@ std::string draw_errors(const TableReader& rows) {
                      charts.size() == 1 ? 1 : 2);
 }
 
-/// Error of the odometry alone by detector, sequence and object.
+/// Errors of the odometry alone by detector, sequence and object.
 using Reference = std::map<std::string, double>;
 
 Reference odometry_errors(const TableReader& rows, std::string_view column) {
@@ -98,7 +101,7 @@ Reference odometry_errors(const TableReader& rows, std::string_view column) {
   return reference;
 }
 
-/// Single points: one method's error over that of the odometry.
+/// Single points: the errors of one method (y) and of the odometry (x).
 ChartSeries against_odometry(const TableReader& rows, const Reference& odometry,
                              const std::string& method, std::string_view column) {
   ChartSeries series = series_of(method);

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include "forecasts.hpp"
+
 #include <array>
 #include <cmath>
 #include <map>
 
 #include <fmt/format.h>
 
-#include "parts.hpp"
 #include "posemix/draw/chart.hpp"
 
-/// Is the probability of the mode what it says?
+/// Is the probability of the mode calibrated?
 namespace posemix {
 namespace {
 
@@ -30,7 +31,7 @@ std::string text_at(const std::vector<Cell>& row, std::size_t column) {
   return std::get<std::string>(row[column]);
 }
 
-/// By detector and method.
+/// Bins by detector and method.
 std::map<std::pair<std::string, std::string>, ForecastBins> bins_of(
     std::span<const std::vector<Cell>> forecasts) {
   const auto track = [](const std::vector<Cell>& row) {

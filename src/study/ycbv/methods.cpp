@@ -6,9 +6,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "parts.hpp"
+#include "method.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/io/text.hpp"
+#include "published.hpp"
 
 namespace posemix {
 namespace {

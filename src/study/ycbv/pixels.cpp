@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include "pixels.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -7,7 +9,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "parts.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/base/statistics.hpp"
 #include "posemix/io/text.hpp"

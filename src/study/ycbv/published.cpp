@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include "published.hpp"
+
 #include <algorithm>
 #include <system_error>
 
 #include <fmt/format.h>
 
-#include "parts.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/io/text.hpp"
 

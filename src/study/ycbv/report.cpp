@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include "report.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,8 +10,11 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "parts.hpp"
+#include "figures.hpp"
+#include "forecasts.hpp"
 #include "posemix/base/statistics.hpp"
+#include "published.hpp"
+#include "summary.hpp"
 
 namespace posemix {
 namespace {
@@ -56,7 +61,7 @@ std::vector<std::vector<Cell>> to_rows(const Json& json) {
   return rows;
 }
 
-/// The numbers of one column of some rows; none where there is nothing.
+/// The numbers of one column of some rows, without missing ones.
 std::vector<double> numbers_of(const std::vector<const std::vector<Cell>*>& rows,
                                std::size_t column) {
   std::vector<double> numbers;
@@ -66,7 +71,7 @@ std::vector<double> numbers_of(const std::vector<const std::vector<Cell>*>& rows
   return numbers;
 }
 
-/// Rows of one detector and method, in the order of their first.
+/// Rows by detector and method, in the order of first appearance.
 using Group = std::vector<const std::vector<Cell>*>;
 std::vector<Group> groups_of(const StudyTable& table) {
   std::vector<Group> groups;
@@ -147,7 +152,7 @@ std::string text_of(const StudyTable& table) {
   return result.text(4);
 }
 
-/// The summary for people, and what it means.
+/// The summary as text, with an explanation.
 std::string text_of_summary(const StudyTable& summary) {
   StudyTable result({"detector", "method", "n", "px", "last map px", "> ACT", "last map > ACT",
                      "of", "cam deg/odom", "cam cm/odom", "recovered", "of wrong starts"});

@@ -1,18 +1,21 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include "run.hpp"
+
 #include <algorithm>
 #include <array>
 
-#include "parts.hpp"
+#include "forecasts.hpp"
+#include "pixels.hpp"
 #include "posemix/base/units.hpp"
 #include "posemix/slam/evaluation.hpp"
+#include "published.hpp"
 
 namespace posemix {
 namespace {
 
 constexpr double kCentimetres = 100.0;
 constexpr double kMicroseconds = 1e6;
-/// Beyond one of these an estimate is on another mode (the gross errors of `study noise`).
 
 Cell cell(const std::optional<double>& value, double scale = 1.0) {
   return value ? Cell(scale * *value) : Cell();
@@ -34,7 +37,7 @@ PoseErrors errors_of(const PosePairs& pairs) {
   return sum.errors();
 }
 
-/// What a row holds besides its texts.
+/// The numbers of a row.
 struct Row {
   PoseErrors camera = {};
   PoseErrors world = {};
@@ -79,7 +82,7 @@ class Item {
  private:
   const ObjectRecording& object(std::size_t index) const { return job_.sequence.objects[index]; }
 
-  /// Where the truth of an object is from: world poses stand for robust means of the detections.
+  /// The source of an object's truth. World poses are a proxy: robust means of the detections.
   Cell truth_of(std::size_t index) const {
     if (!object(index).relative_truth.empty()) return "ground truth";
     if (object(index).world_truth.empty() || job_.sequence.camera_truth.empty()) return {};
@@ -92,7 +95,7 @@ class Item {
     return count;
   }
 
-  /// Whether the first detection is on another mode; nothing where its truth is not known.
+  /// Whether the first detection is on another mode; empty if its truth is unknown.
   std::optional<bool> first_detection_wrong(std::size_t index) const {
     const auto& detections = object(index).detections;
     const auto first = std::find_if(detections.begin(), detections.end(),
@@ -153,7 +156,7 @@ class Item {
     }
   }
 
-  /// The odometry from the first frame on that has odometry and truth, where the two agree.
+  /// The odometry alone, aligned at the first frame that has both odometry and truth.
   void run_odometry() {
     const Sequence& sequence = job_.sequence;
     PosePairs pairs;
@@ -197,7 +200,7 @@ class Item {
     add_timing(slam, metrics.timing);
   }
 
-  /// How often the mode was right where its probability said so, by bins of the probability.
+  /// Counts how often the mode was right, by bins of its probability.
   void add_forecasts(std::size_t index, const std::vector<ModeForecast>& forecasts) {
     std::array<std::array<double, 3>, kForecastBins> bins{};
     for (const ModeForecast& forecast : forecasts) {

@@ -9,9 +9,9 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "parts.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/io/text.hpp"
+#include "report.hpp"
 
 namespace posemix {
 namespace {
@@ -58,7 +58,7 @@ std::vector<YcbvItem> make_items(const YcbvStudySettings& settings,
   return items;
 }
 
-/// Everything that the result follows from but the recordings' contents.
+/// Everything that determines the result, except for the contents of the recordings.
 std::string settings_text(const YcbvStudySettings& settings, const std::vector<YcbvItem>& items) {
   nlohmann::ordered_json json;
   json["data"] = settings.data.string();

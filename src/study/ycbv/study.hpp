@@ -13,20 +13,20 @@
 /// Object SLAM on recordings (midway-merge paper, Section VII-B, Tables II and III).
 namespace posemix {
 
-/// What `study ycbv` compares, and on what.
+/// Settings of `study ycbv`: the recordings and the methods to compare.
 struct YcbvStudySettings {
   std::filesystem::path data = {};  ///< the folder of the recordings, see find_recordings
   /// Names of ycbv_methods, or "NAME: KEY=VALUE ...": the default filter with overrides.
   std::vector<std::string> methods = {};
-  std::vector<std::string> sequences = {};  ///< as "0022"; empty: all
-  std::vector<std::string> objects = {};    ///< as "003_cracker_box_16k" or "all"; empty: all
+  std::vector<std::string> sequences = {};  ///< such as "0022"; empty: all
+  std::vector<std::string> objects = {};    ///< such as "003_cracker_box_16k", or "all"; empty: all
   std::vector<std::string> overrides =
       {};  ///< for every method, as for TomlDocument::apply_override
-  /// Text of the sequence file by detector; recording_profile where there is none.
+  /// Text of the sequence file by detector; recording_profile for the others.
   std::map<std::string, std::string> profiles = {};
 };
 
-/// The methods that the study knows, in the order of its table:
+/// The methods of the study, in the order of its table:
 /// - "detector": the detections themselves; "odometry": the odometry alone, aligned at the first
 ///   frame that has it and the true pose;
 /// - "published_offline": rows "published: ACT" and so on, the published pixel errors of offline
@@ -42,9 +42,9 @@ struct YcbvStudySettings {
 /// - "published": the settings of the midway paper's own program; CosyPose recordings only;
 /// - "default": the filter of the detector's profile; "default_smoothed": the same, smoothed over
 ///   the whole recording.
-/// All but the last three share motion, start and measurement with the default. Those of one
-/// Gaussian and the paper's filter take DOPE's detections by the noise model `gaussian` of the
-/// profile.
+/// All but the last three share motion, start and measurement with the default. The
+/// filters of one Gaussian and the paper's filter use the noise model `gaussian` of the profile for
+/// DOPE's detections.
 std::vector<std::string> ycbv_methods();
 
 /// Reads the settings: the arrays `methods` (all of ycbv_methods where missing), `sequences`,
@@ -54,10 +54,10 @@ std::vector<std::string> ycbv_methods();
 YcbvStudySettings read_ycbv_settings(const TomlTable& table);
 
 /// The study: one item per recording and method, one row per recording, object and method, then
-/// the mean and the median by detector and method over what is known, and a summary against the
+/// the mean and the median by detector and method over the known values, and a summary against the
 /// published numbers and the odometry. Its report holds study.json, ycbv.csv, summary.csv,
 /// timing.csv (the only file that differs from run to run), errors.svg and camera.svg.
-/// @throws InvalidInput for a method that is not known, and when no recording fits the settings;
+/// @throws InvalidInput for an unknown method, and when no recording fits the settings;
 /// from items for a file that is not valid
 Study make_ycbv_study(const YcbvStudySettings& settings);
 

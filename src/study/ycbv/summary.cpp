@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include "summary.hpp"
+
 #include <cmath>
 #include <map>
 
 #include "posemix/base/statistics.hpp"
-#include "rows.hpp"
+#include "table_reader.hpp"
 
-/// What the rows come to: against the published offline numbers, against the odometry, and from
-/// wrong starts.
+/// The summary compares the rows with the published offline results and with the odometry, and
+/// counts recoveries from wrong starts.
 namespace posemix {
 namespace {
 
@@ -62,7 +64,7 @@ class SummaryRow {
     return numbers.empty() ? Cell() : Cell(median(numbers));
   }
 
-  /// The number of rows whose column is below the reference; nothing where none can be compared.
+  /// The number of rows whose column is below the reference; empty if none can be compared.
   Cell better(std::string_view column, const Values& reference) const {
     return count(reference, column, [](double value, double other) { return value < other; });
   }
@@ -71,7 +73,7 @@ class SummaryRow {
     return count(reference, "pixel_median", [](double, double) { return true; });
   }
 
-  /// Geometric mean of a column over that of the odometry.
+  /// Geometric mean of the ratio of a column to the odometry's value.
   Cell over(const Values& odometry, std::string_view column) const {
     double sum = 0.0;
     std::size_t count = 0;
@@ -85,7 +87,8 @@ class SummaryRow {
     return count == 0 ? Cell() : Cell(std::exp(sum / static_cast<double>(count)));
   }
 
-  /// Rows whose first detection is wrong, and of these the ones that end on the right mode.
+  /// The number of rows that end on the right mode although their first detection is wrong, and the
+  /// number of rows whose first detection is wrong.
   std::pair<Cell, Cell> recovered() const {
     std::int64_t known = 0;
     std::int64_t wrong = 0;

@@ -5,18 +5,12 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <vector>
 
-#include <nlohmann/json_fwd.hpp>
-
-#include "posemix/slam/run.hpp"
-#include "scene.hpp"
 #include "study.hpp"
 
-/// What the sources of `study tless` share.
 namespace posemix {
 
-/// Errors of one pose against the nearest equivalent of the truth.
+/// Errors of one pose against the nearest equivalent of the true pose.
 struct TlessErrors {
   double rotation_deg = 0.0;
   double translation_m = 0.0;
@@ -31,23 +25,13 @@ class TlessMetric {
 
   const SymmetryGroup& symmetries(const std::string& class_id) const;
   TlessErrors errors(const std::string& class_id, const SE3d& estimate, const SE3d& truth) const;
-  /// Of the poses that are within the settings' `match_m` of the truth that which is nearest; its
-  /// errors.
+  /// The errors of the pose that is nearest to the true one; empty where none is within the
+  /// settings' `match_m`.
   std::optional<TlessErrors> nearest(const std::string& class_id, std::span<const SE3d> poses,
                                      const SE3d& truth) const;
 
  private:
   const TlessStudySettings& settings_;
 };
-
-/// One scene with or without declared symmetries: {"instances": [...], "scene": {...}}, rows of
-/// named numbers.
-nlohmann::ordered_json run_tless(const TlessScene& scene, const TlessStudySettings& settings,
-                                 bool declared);
-
-StudyReport report_tless(std::span<const std::string> results);
-
-/// The scene with synthetic odometry: the true motion of the camera with noise.
-Sequence with_synthetic_odometry(const TlessScene& scene, const TlessStudySettings& settings);
 
 }  // namespace posemix

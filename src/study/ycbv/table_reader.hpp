@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "parts.hpp"
+#include "study/engine/table.hpp"
 
 namespace posemix {
 
@@ -24,7 +24,7 @@ class TableReader {
     const auto* text = std::get_if<std::string>(&cell(row, column));
     return text != nullptr ? *text : std::string();
   }
-  /// NaN where there is nothing.
+  /// The number in a cell; NaN if there is none.
   double number(std::size_t row, std::string_view column) const {
     const Cell& value = cell(row, column);
     if (const auto* integer = std::get_if<std::int64_t>(&value))
@@ -36,7 +36,7 @@ class TableReader {
   std::string key(std::size_t row) const {
     return text(row, "detector") + "/" + text(row, "sequence") + "/" + text(row, "object");
   }
-  /// The different texts of a column, in the order of their first.
+  /// The different texts of a column, in the order of first appearance.
   std::vector<std::string> names(std::string_view column) const {
     std::vector<std::string> names;
     for (std::size_t i = 0; i < size(); ++i) {

@@ -4,7 +4,6 @@
 
 #include <string_view>
 
-/// Where the recordings of a data folder are.
 namespace posemix {
 
 /// The tables of estimates, ycbv_ESTIMATOR.csv.

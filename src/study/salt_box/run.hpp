@@ -2,7 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 #pragma once
 
-#include <span>
+#include <cstddef>
 #include <string>
 
 #include "study.hpp"
@@ -13,9 +13,5 @@ namespace posemix {
 std::string salt_box_example(const SaltBoxSettings& settings);
 /// One trial as one-line JSON.
 std::string salt_box_trial(const SaltBoxSettings& settings, std::size_t trial);
-StudyReport report_salt_box(const SaltBoxSettings& settings, std::span<const std::string> results);
-
-/// Settings of the reduction after a fusion.
-ReductionSettings salt_box_reduction(const SaltBoxSettings& settings);
 
 }  // namespace posemix
