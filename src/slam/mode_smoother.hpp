@@ -7,7 +7,8 @@
 #include <vector>
 
 #include "posemix/filter/mode_measurement.hpp"
-#include "posemix/slam/object_slam.hpp"
+#include "posemix/slam/frame_input.hpp"
+#include "posemix/slam/motion_settings.hpp"
 
 /// Smoothing of one mode per object. In the room `slam` only.
 namespace posemix::internal {
