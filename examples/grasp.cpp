@@ -15,7 +15,6 @@
 
 #include <posemix/base/random.hpp>
 #include <posemix/base/units.hpp>
-#include <posemix/detector/detector_noise.hpp>
 #include <posemix/grasp/success_probability.hpp>
 
 using namespace posemix;
@@ -23,8 +22,9 @@ using Gaussian = ConcentratedGaussian<SE3d>;
 
 int main() {
   const double a = 0.6;
-  const Matrix6d P =
-      pose_covariance(Eigen::Vector3d::Constant(radians(3.0)), Eigen::Vector3d::Constant(0.004));
+  Vector6d sd;  // rotation, then translation
+  sd << Eigen::Vector3d::Constant(radians(3.0)), Eigen::Vector3d::Constant(0.004);
+  const Matrix6d P = sd.cwiseAbs2().asDiagonal();
   const SE3d M;
   const SE3d D(SO3d(), {0.008, 0.0, 0.0});
   const double weights[] = {a, 1.0 - a};
