@@ -4,8 +4,6 @@
 
 #include <utility>
 
-#include "slam/motion.hpp"
-
 namespace posemix::internal {
 namespace {
 
@@ -47,7 +45,23 @@ ModeSmoother::Step ModeSmoother::predict(const PoseStackd& poses, const MatrixXd
   step.noise = MatrixXd::Zero(covariance.rows(), covariance.cols());
   moved = poses;
   if (!(input.dt > 0.0)) return step;
-  const CameraStep camera = camera_step(model_.motion, input);
+  move(camera_step(model_.motion, input), poses, step, moved);
+  // As in the filter, what no detection can tell does not last from one to the next.
+  for (std::size_t j = 0; j < model_.objects.size(); ++j) {
+    const SymmetryGroup& symmetries = model_.sensors[j]->symmetries;
+    if (symmetries.is_trivial() || !input.detections[model_.objects[j]]) continue;
+    const std::size_t object = model_.first_object() + j;
+    square(step.noise, object) +=
+        moved[object].adjoint_congruence(symmetries.unobserved_covariance());
+  }
+  step.predicted += step.noise;
+  symmetrize(step.predicted);
+  return step;
+}
+
+/// The camera's motion: mean, transition of the covariance, and noise of camera, motion and map.
+void ModeSmoother::move(const CameraStep& camera, const PoseStackd& poses, Step& step,
+                        PoseStackd& moved) const {
   const auto add_noise = [&](std::size_t pose, const Matrix6d& q) {
     square(step.noise, pose) = moved[pose].adjoint_congruence(q);
   };
@@ -67,17 +81,6 @@ ModeSmoother::Step ModeSmoother::predict(const PoseStackd& poses, const MatrixXd
   } else {
     add_noise(kCamera, camera.q);
   }
-  // As in the filter, what no detection can tell does not last from one to the next.
-  for (std::size_t j = 0; j < model_.objects.size(); ++j) {
-    const SymmetryGroup& symmetries = model_.sensors[j]->symmetries;
-    if (symmetries.is_trivial() || !input.detections[model_.objects[j]]) continue;
-    const std::size_t object = model_.first_object() + j;
-    square(step.noise, object) +=
-        moved[object].adjoint_congruence(symmetries.unobserved_covariance());
-  }
-  step.predicted += step.noise;
-  symmetrize(step.predicted);
-  return step;
 }
 
 /// In information form, for a detection's information may be singular: with D = H P H^T,
