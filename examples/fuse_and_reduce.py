@@ -24,6 +24,7 @@ F = px.SE3.exp([0.0, 0.0, math.pi, 0.0, 0.0, 0.0])
 
 
 def look(a: float, M: px.SE3) -> px.Mixture:
+    """One look: upright with probability a, else turned."""
     peaks = [px.ConcentratedGaussian(M, P), px.ConcentratedGaussian(M * F, P)]
     return px.Mixture(peaks, weights=[a, 1.0 - a])
 

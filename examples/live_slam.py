@@ -23,6 +23,7 @@ random = np.random.default_rng(1)
 
 
 def noise(covariance: np.ndarray) -> px.SE3:
+    """Exp of a draw from N(0, covariance), a diagonal one."""
     return px.SE3.exp(np.sqrt(np.diag(covariance)) * random.standard_normal(6))
 
 
