@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include <fmt/ranges.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/string_view.h>
 
 #include "setting_value.hpp"
 #include "slam.hpp"
