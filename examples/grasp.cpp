@@ -36,8 +36,8 @@ int main() {
   const SuccessEstimate at_peak = success_probability(p, B, M, random);
   const BestGrasp best = best_grasp(p, B, random);
   const double x = best.pose.translation().x();
-  std::printf("at the heaviest peak: s = %.3f +- %.3f\n", at_peak.probability, at_peak.error);
-  std::printf("best, %.1f mm along x: s = %.3f +- %.3f\n", 1e3 * x, best.success.probability,
+  std::printf("at the heaviest peak: s = %.4f +- %.4f\n", at_peak.probability, at_peak.error);
+  std::printf("best, %.1f mm along x: s = %.4f +- %.4f\n", 1e3 * x, best.success.probability,
               best.success.error);
 
   const bool good = best.success.probability > at_peak.probability + 0.02 && 0.001 < x && x < 0.007;

@@ -29,8 +29,8 @@ B = px.ToleranceBox(rotation=[math.radians(10.0)] * 3, translation=[0.01] * 3)
 at_peak = px.success_probability(p, B, M, seed=1)
 best = px.best_grasp(p, B, seed=1)
 x = best.pose.translation[0]
-print(f"at the heaviest peak: s = {at_peak.probability:.3f} +- {at_peak.error:.3f}")
-print(f"best, {1e3 * x:.1f} mm along x: s = {best.success.probability:.3f} +- {best.success.error:.3f}")
+print(f"at the heaviest peak: s = {at_peak.probability:.4f} +- {at_peak.error:.4f}")
+print(f"best, {1e3 * x:.1f} mm along x: s = {best.success.probability:.4f} +- {best.success.error:.4f}")
 
 good = best.success.probability > at_peak.probability + 0.02 and 0.001 < x < 0.007
 print("good" if good else "not good: expected a better place between the peaks")
