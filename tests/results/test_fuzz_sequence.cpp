@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "config/small_recording.hpp"
+#include "posemix/config/sequence_file.hpp"
 #include "posemix/results/results.hpp"
 #include "posemix/testing/mutate.hpp"
 
