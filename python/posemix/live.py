@@ -18,28 +18,32 @@ from posemix._core import (
     AssociationSettings,
     CandidateStatus,
     DetectionStatus,
+    FrameEstimate,
     MotionModel,
     MotionSettings,
+    MultiObjectSlamSettings,
     NoiseComponent,
     NoisePer,
     ObjectModel,
     ObjectSlamSettings,
     ProcessNoise,
-    SlamFilter,
+    SlamMethod,
     SmoothingSettings,
     SymmetryGroup,
+    find_slam_method,
+    slam_methods,
 )
 from posemix.density import ConcentratedGaussian
 from posemix.filters import MultiObjectFilter
 from posemix.lie import SE3
 from posemix.mixture import Mixture
 from posemix.recording import Candidate, candidate_rows, with_misses
-from posemix.runs import FrameEstimate, FrameReport, frame_estimate, frame_report
 
 __all__ = [
     "Association", "AssociationSettings", "CandidateStatus", "DetectionStatus", "FixedLagSmoother",
-    "FrameInput", "MotionModel", "MotionSettings", "NoisePer", "ObjectModel", "ObjectSlam", "ObjectSlamSettings",
-    "ProcessNoise", "SlamFilter", "SmoothingSettings", "associate", "least_cost_assignment",
+    "FrameInput", "MotionModel", "MotionSettings", "MultiObjectSlamSettings", "NoisePer", "ObjectModel", "ObjectSlam",
+    "ObjectSlamSettings", "ProcessNoise", "SlamMethod", "SmoothingSettings", "associate", "find_slam_method",
+    "least_cost_assignment", "slam_methods",
 ]  # fmt: skip
 
 Detections = collections.abc.Sequence[SE3 | None] | Mapping[str, SE3] | SE3
@@ -47,29 +51,28 @@ Detections = collections.abc.Sequence[SE3 | None] | Mapping[str, SE3] | SE3
 
 @dataclass(frozen=True)
 class FrameInput:
-    """Input of one frame.
+    """Input of one frame. Of the first frame `dt` and `motion` are ignored.
 
     Attributes
     ----------
     dt : float
-        Since the last frame [s].
-    odometry : SE3, optional
-        T_camera(k-1)_camera(k).
+        Since the last frame, positive [s].
+    motion : SE3, optional
+        T_camera(k-1)_camera(k), from odometry.
     detections : sequence of SE3 and None, mapping from ids, or SE3 of shape (objects,)
         T_camera_object, one entry per object model; a mapping holds those that were detected.
     candidates : sequence of Candidate
         Detections that name a class, for the multi-object filter.
     """
 
-    dt: float
-    odometry: SE3 | None = None
+    dt: float = 0.0
+    motion: SE3 | None = None
     detections: Detections = field(default_factory=dict)
     candidates: collections.abc.Sequence[Candidate] = ()
 
 
-def _detection_rows(detections: Detections, models: list[ObjectModel]) -> FloatArray:
+def _detection_rows(detections: Detections, ids: list[str]) -> FloatArray:
     if isinstance(detections, Mapping):
-        ids = [model.id for model in models]
         for id in detections:
             if id not in ids:
                 raise ValueError(f"no object is called '{id}'; expected one of {', '.join(ids)}")
@@ -102,14 +105,20 @@ class ObjectSlam:
     >>> from posemix import SE3, ConcentratedGaussian, FrameInput, ObjectModel, ObjectSlam, pose_covariance
     >>> camera = ConcentratedGaussian(SE3(), pose_covariance(0.001, 0.002))
     >>> slam = ObjectSlam(camera, [ObjectModel(id="mug"), ObjectModel(id="box")])
-    >>> slam.start({"mug": SE3(translation=[0, 0, 0.8])}).statuses
+    >>> estimate = slam.step(FrameInput(detections={"mug": SE3(translation=[0, 0, 0.8])}))
+    >>> estimate
+    <FrameEstimate of 2 objects, seen: mug>
+    >>> estimate.report.statuses
     [DetectionStatus.started, DetectionStatus.none]
     >>> moved = SE3(translation=[0.01, 0, 0])
-    >>> slam.step(FrameInput(0.1, moved, {"mug": SE3(translation=[-0.01, 0, 0.8])})).statuses[0]
+    >>> estimate = slam.step(FrameInput(0.1, moved, {"mug": SE3(translation=[-0.01, 0, 0.8])}))
+    >>> estimate.object("mug").status
     DetectionStatus.used
+    >>> float(estimate.objects["mug"].mean.translation[2].round(3))
+    0.8
     """
 
-    __slots__ = ("_handle",)
+    __slots__ = ("_handle", "_ids")
 
     def __init__(
         self,
@@ -120,34 +129,31 @@ class ObjectSlam:
         self._handle = _core.ObjectSlam(
             camera._handle, list(objects), settings or ObjectSlamSettings()
         )
+        self._ids = self._handle.ids()
 
     @classmethod
     def _of(cls, handle: _core.ObjectSlam) -> ObjectSlam:
         slam = cls.__new__(cls)
         slam._handle = handle
+        slam._ids = handle.ids()
         return slam
 
-    def start(
-        self, detections: Detections, candidates: collections.abc.Sequence[Candidate] = ()
-    ) -> FrameReport:
-        """The first frame: detections and candidates as of `FrameInput`; nothing moves."""
-        rows = _detection_rows(detections, self.objects)
-        return frame_report(self._handle.start(rows, candidate_rows(candidates)))
-
-    def step(self, input: FrameInput) -> FrameReport:
-        """Every later frame.
+    def step(self, input: FrameInput) -> FrameEstimate:
+        """The next frame; at the first one nothing moves.
 
         Raises
         ------
         ValueError
-            When the number of detections is not that of the object models, dt is not positive, or the Gaussian-sum
-            filter gets candidates.
+            When the number of detections is not that of the object models, dt is not positive after the first frame,
+            or another filter than the multi-object one gets candidates.
         """
-        rows = _detection_rows(input.detections, self.objects)
-        report = self._handle.step(
-            input.dt, input.odometry, rows, candidate_rows(input.candidates)
-        )
-        return frame_report(report)
+        rows = _detection_rows(input.detections, self._ids)
+        return self._handle.step(input.dt, input.motion, rows, candidate_rows(input.candidates))
+
+    @property
+    def ids(self) -> list[str]:
+        """Ids of the object models, in their order."""
+        return list(self._ids)
 
     @property
     def objects(self) -> list[ObjectModel]:
@@ -185,8 +191,8 @@ class ObjectSlam:
         return self.__copy__()
 
     def __repr__(self) -> str:
-        seen = [m.id for j, m in enumerate(self.objects) if self.pose_index(j) is not None]
-        return f"<ObjectSlam of {len(self.objects)} objects, seen: {', '.join(seen) or 'none'}>"
+        seen = [id for j, id in enumerate(self._ids) if self.pose_index(j) is not None]
+        return f"<ObjectSlam of {len(self._ids)} objects, seen: {', '.join(seen) or 'none'}>"
 
 
 class FixedLagSmoother:
@@ -208,7 +214,7 @@ class FixedLagSmoother:
         only considers the camera.
     """
 
-    __slots__ = ("_handle",)
+    __slots__ = ("_handle", "_ids")
 
     def __init__(
         self,
@@ -225,21 +231,22 @@ class FixedLagSmoother:
             smoothing,
             record_hypotheses,
         )
-
-    def start(self, detections: Detections) -> FrameEstimate | None:
-        """The first frame; the estimate of the frame `lag_frames` earlier, if there is one."""
-        rows = _detection_rows(detections, self.slam.objects)
-        return _maybe_estimate(self._handle.start(rows))
+        self._ids = [model.id for model in objects]
 
     def step(self, input: FrameInput) -> FrameEstimate | None:
-        """Every later frame; ValueError for candidates."""
-        rows = _detection_rows(input.detections, self.slam.objects)
-        candidates = candidate_rows(input.candidates)
-        return _maybe_estimate(self._handle.step(input.dt, input.odometry, rows, candidates))
+        """As `ObjectSlam.step`, the estimate of the frame `lag_frames` earlier, if there is one.
+
+        Raises
+        ------
+        ValueError
+            As `ObjectSlam.step`, and for candidates.
+        """
+        rows = _detection_rows(input.detections, self._ids)
+        return self._handle.step(input.dt, input.motion, rows, candidate_rows(input.candidates))
 
     def finish(self) -> list[FrameEstimate]:
         """The frames that are left, after the last one."""
-        return [frame_estimate(values) for values in self._handle.finish()]
+        return self._handle.finish()
 
     @property
     def slam(self) -> ObjectSlam:
@@ -249,6 +256,7 @@ class FixedLagSmoother:
     def __copy__(self) -> FixedLagSmoother:
         smoother = FixedLagSmoother.__new__(FixedLagSmoother)
         smoother._handle = self._handle.copy()
+        smoother._ids = self._ids
         return smoother
 
     def __deepcopy__(self, memo: dict[int, Any]) -> FixedLagSmoother:
@@ -259,10 +267,6 @@ class FixedLagSmoother:
         """Camera, its motion under constant velocity, and objects, at the last frame reported."""
         handle = self._handle.joint()
         return None if handle is None else ConcentratedGaussian._of(handle)
-
-
-def _maybe_estimate(values: Any) -> FrameEstimate | None:
-    return None if values is None else frame_estimate(values)
 
 
 @dataclass(frozen=True)

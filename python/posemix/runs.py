@@ -16,157 +16,30 @@ import numpy.typing as npt
 from posemix import _core
 from posemix._arrays import FloatArray
 from posemix._core import (
-    CandidateStatus,
-    DetectionStatus,
+    CandidateReport,
+    FrameEstimate,
+    FrameReport,
+    HypothesisSnapshot,
+    ObjectAlternative,
+    ObjectEstimate,
     ObjectModel,
     ObjectSlamSettings,
     ParticleFilterSettings,
+    SlamMethod,
     SmoothingSettings,
 )
 from posemix.density import ConcentratedGaussian, standard_deviations
-from posemix.filters import ObjectHypothesis, UpdateReport, update_report
+from posemix.filters import ObjectHypothesis
 from posemix.lie import SE3
 from posemix.mixture import Mixture
 from posemix.recording import Sequence, is_known
 
 __all__ = [
-    "CandidateReport", "FrameEstimate", "FrameReport", "HypothesisSnapshot", "ObjectAlternative",
-    "ParticleFilterSettings", "PoseTrack", "SlamJob", "SlamRun", "as_max_mixture", "as_riekf",
-    "run", "run_particle_filter", "run_smoothed",
+    "CandidateReport", "FrameEstimate", "FrameReport", "HypothesisSnapshot", "ObjectAlternative", "ObjectEstimate",
+    "ParticleFilterSettings", "PoseTrack", "SlamJob", "SlamRun", "run", "run_smoothed",
 ]  # fmt: skip
 
 Progress = Callable[[int, int], bool | None]
-
-
-@dataclass(frozen=True)
-class CandidateReport:
-    """What became of a candidate.
-
-    Attributes
-    ----------
-    status : CandidateStatus
-        Whether it is of an instance.
-    object : int or None
-        The model that took it, where assigned or fresh.
-    recycled : bool
-        Another instance was forgotten for it.
-    """
-
-    status: CandidateStatus
-    object: int | None
-    recycled: bool
-
-
-@dataclass(frozen=True)
-class FrameReport:
-    """Report of one frame.
-
-    Attributes
-    ----------
-    statuses : list of DetectionStatus
-        One per object model.
-    candidates : list of CandidateReport
-        One per candidate.
-    update : UpdateReport
-        Of the Gaussian-sum filter.
-    merges : int
-        Hypotheses that became one with another.
-    seconds : float
-        Predict, update, reduce and summarise [s].
-    """
-
-    statuses: list[DetectionStatus]
-    candidates: list[CandidateReport]
-    update: UpdateReport
-    merges: int
-    seconds: float
-
-
-def frame_report(values: dict[str, Any]) -> FrameReport:
-    """The report of compiled values."""
-    changed = {
-        "candidates": [CandidateReport(*c) for c in values["candidates"]],
-        "update": update_report(values["update"]),
-    }
-    return FrameReport(**{**values, **changed})
-
-
-@dataclass(frozen=True)
-class HypothesisSnapshot:
-    """One hypothesis of one frame: log-weight, and mean poses of camera and objects."""
-
-    log_weight: float
-    poses: SE3
-
-
-@dataclass(frozen=True)
-class ObjectAlternative:
-    """One alternative of one object at one frame.
-
-    Attributes
-    ----------
-    probability : float
-        Dependent detections counted once.
-    pose : SE3
-        T_world_object.
-    id : int
-        The same from frame to frame.
-    """
-
-    probability: float
-    pose: SE3
-    id: int
-
-
-@dataclass(frozen=True)
-class FrameEstimate:
-    """The causal estimates of one frame. Objects not seen so far are None.
-
-    Attributes
-    ----------
-    camera : ConcentratedGaussian
-        T_world_camera.
-    objects, relative : list of ConcentratedGaussian or None
-        T_world_object; T_camera_object, with the cross-covariance.
-    pose_indices : list of int or None
-        Of the objects in every hypothesis.
-    hypotheses : list of HypothesisSnapshot
-        Over all poses, by the Gaussian-sum filter; only when recorded.
-    alternatives : list of list of ObjectAlternative
-        Of every object, by the multi-object filter; only when recorded.
-    mode_probabilities : list of float or None
-        That the estimate is on the right mode, by the multi-object filter.
-    report : FrameReport
-        What was done.
-    """
-
-    camera: ConcentratedGaussian[SE3]
-    objects: list[ConcentratedGaussian[SE3] | None]
-    relative: list[ConcentratedGaussian[SE3] | None]
-    pose_indices: list[int | None]
-    hypotheses: list[HypothesisSnapshot]
-    alternatives: list[list[ObjectAlternative]]
-    mode_probabilities: list[float | None]
-    report: FrameReport
-
-
-def _maybe(handles: list[Any]) -> list[ConcentratedGaussian[SE3] | None]:
-    return [None if h is None else ConcentratedGaussian._of(h) for h in handles]
-
-
-def frame_estimate(values: dict[str, Any]) -> FrameEstimate:
-    """The estimate of compiled values."""
-    changed = {
-        "camera": ConcentratedGaussian._of(values["camera"]),
-        "objects": _maybe(values["objects"]),
-        "relative": _maybe(values["relative"]),
-        "hypotheses": [HypothesisSnapshot(*h) for h in values["hypotheses"]],
-        "alternatives": [
-            [ObjectAlternative(*a) for a in of_object] for of_object in values["alternatives"]
-        ],
-        "report": frame_report(values["report"]),
-    }
-    return FrameEstimate(**{**values, **changed})
 
 
 @dataclass(frozen=True, eq=False)
@@ -216,7 +89,7 @@ class SlamRun:
         at = frame + len(self) if frame < 0 else frame
         if not 0 <= at < len(self):
             raise IndexError(f"there is no frame {frame} of {len(self)}")
-        return frame_estimate(self._handle.frame(at))
+        return self._handle.frame(at)
 
     def __iter__(self) -> Iterator[FrameEstimate]:
         return (self[i] for i in range(len(self)))
@@ -303,8 +176,8 @@ class SlamRun:
         """A table of the last frame's estimates, for notebooks."""
         last = self[-1]
         named: list[tuple[str, Any, Any]] = [("camera", last.camera, None)]
-        probabilities = last.mode_probabilities or [None] * len(self._ids)
-        named += list(zip(self._ids, last.objects, probabilities, strict=True))
+        probabilities = last.mode_probabilities
+        named += [(id, density, probabilities.get(id)) for id, density in last.objects.items()]
         rows = "".join(_row(*values) for values in named)
         head = "<tr><th>pose</th><th>mean (world)</th><th>standard deviations</th><th>mode</th></tr>"
         title = html.escape(f"{len(self)} frames; the last one")
@@ -326,7 +199,7 @@ class SlamJob:
     Attributes
     ----------
     name, method : str
-        For people.
+        Display names of recording and method.
     sequence : Sequence
         The recording.
     camera_prior : ConcentratedGaussian
@@ -334,11 +207,9 @@ class SlamJob:
     models : list of ObjectModel
         One per object of the sequence.
     settings : ObjectSlamSettings
-        Filter and motion model.
-    particles : ParticleFilterSettings, optional
-        Filtered by particles in place of that.
+        Tracker and motion model.
     smoothing : SmoothingSettings, optional
-        Of the multi-object filter.
+        Of the multi-object tracker.
     trace_hypotheses : int
         Hypotheses per frame in trace.json.
     """
@@ -349,20 +220,31 @@ class SlamJob:
     camera_prior: ConcentratedGaussian[SE3]
     models: list[ObjectModel]
     settings: ObjectSlamSettings
-    particles: ParticleFilterSettings | None = None
     smoothing: SmoothingSettings | None = None
     trace_hypotheses: int = 12
 
     def _compiled(self) -> _core.SlamJob:
         return _core.SlamJob(
             self.name, self.method, self.sequence._compiled(), self.camera_prior._handle,
-            self.models, self.settings, self.particles, self.smoothing, self.trace_hypotheses,
+            self.models, self.settings, self.smoothing, self.trace_hypotheses,
         )  # fmt: skip
 
     @classmethod
     def _of(cls, handle: _core.SlamJob) -> SlamJob:
         name, method, sequence, prior, *rest = handle.values()
         return cls(name, method, Sequence._of(sequence), ConcentratedGaussian._of(prior), *rest)
+
+    def using(self, method: str | SlamMethod) -> SlamJob:
+        """The job by another of `slam_methods`: its tracker, smoothing, and noise of the object models.
+
+        Raises
+        ------
+        ValueError
+            For a name that is not known.
+        """
+        handle = self._compiled()
+        handle.use(method if isinstance(method, str) else method.name)
+        return SlamJob._of(handle)
 
     def __repr__(self) -> str:
         return f"<SlamJob '{self.name}' by {self.method}: {self.sequence!r}>"
@@ -461,42 +343,3 @@ def run_smoothed(
         smoothing or SmoothingSettings(), record_hypotheses, progress,
     )  # fmt: skip
     return SlamRun(handle, sequence.stamps, _ids(sequence))
-
-
-def run_particle_filter(
-    sequence: Sequence,
-    camera_prior: ConcentratedGaussian[SE3],
-    models: collections.abc.Sequence[ObjectModel],
-    settings: ParticleFilterSettings | None = None,
-    *,
-    record_hypotheses: bool = False,
-    progress: Progress | None = None,
-) -> SlamRun:
-    """Object SLAM by a Rao-Blackwellised particle filter, a baseline; arguments as of `run`.
-
-    References
-    ----------
-    Doucet et al. 2000; Chen and Liu 2000.
-    """
-    handle = _core.run_particle_filter(
-        sequence._compiled(), camera_prior._handle, list(models), settings or ParticleFilterSettings(),
-        record_hypotheses, progress,
-    )  # fmt: skip
-    return SlamRun(handle, sequence.stamps, _ids(sequence))
-
-
-def as_riekf(
-    models: collections.abc.Sequence[ObjectModel], settings: ObjectSlamSettings
-) -> tuple[list[ObjectModel], ObjectSlamSettings]:
-    """Models with one Gaussian of noise each and settings with one hypothesis (RIEKF)."""
-    return _core.as_riekf(list(models), settings)
-
-
-def as_max_mixture(settings: ObjectSlamSettings) -> ObjectSlamSettings:
-    """Settings with one linearized hypothesis and the likeliest noise component only.
-
-    References
-    ----------
-    Olson and Agarwal, Inference on Networks of Mixtures for Robust Robot Mapping (2013), as a filter.
-    """
-    return _core.as_max_mixture(settings)

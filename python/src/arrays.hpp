@@ -138,6 +138,7 @@ void bind_multi_object_filter(nb::module_& m);
 void bind_gaussian_sum_filter(nb::module_& m);
 void bind_slam_settings(nb::module_& m);
 void bind_sequence(nb::module_& m);
+void bind_frame_estimate(nb::module_& m);
 void bind_slam(nb::module_& m);
 void bind_slam_run(nb::module_& m);
 void bind_evaluation(nb::module_& m);

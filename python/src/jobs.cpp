@@ -27,23 +27,23 @@ TomlDocument document_of(const fs::path& path, const std::vector<std::string>& o
 
 void bind_job(nb::module_& m) {
   using J = SlamJob;
-  nb::class_<J>(m, "SlamJob")
-      .def(
+  nb::class_<J> made(m, "SlamJob");
+  made.def(
           "__init__",
           [](J* self, const std::string& name, const std::string& method, const Sequence& sequence,
              const PoseDensity& prior, const std::vector<ObjectModel>& models,
-             const ObjectSlamSettings& settings,
-             const std::optional<ParticleFilterSettings>& particles,
-             const std::optional<SmoothingSettings>& smoothing, std::size_t trace_hypotheses) {
-            new (self) J{name,     method,    sequence,  prior,           models,
-                         settings, particles, smoothing, trace_hypotheses};
+             const ObjectSlamSettings& settings, const std::optional<SmoothingSettings>& smoothing,
+             std::size_t trace_hypotheses) {
+            new (self)
+                J{name, method, sequence, prior, models, settings, smoothing, trace_hypotheses};
           },
           "name"_a, "method"_a, "sequence"_a, "camera_prior"_a, "models"_a, "settings"_a,
-          "particles"_a.none(), "smoothing"_a.none(), "trace_hypotheses"_a)
+          "smoothing"_a.none(), "trace_hypotheses"_a)
       .def("values", [](const J& job) {
         return nb::make_tuple(job.name, job.method, job.sequence, job.camera_prior, job.models,
-                              job.settings, job.particles, job.smoothing, job.trace_hypotheses);
+                              job.settings, job.smoothing, job.trace_hypotheses);
       });
+  made.def("use", [](J& job, const std::string& name) { job.use(find_slam_method(name)); });
   m.def(
       "read_slam_job",
       [](const fs::path& path, const std::optional<fs::path>& data,

@@ -25,6 +25,7 @@ NB_MODULE(_core, m) {
   bind_multi_object_filter(m);
   bind_gaussian_sum_filter(m);
   bind_slam_settings(m);
+  bind_frame_estimate(m);
   bind_sequence(m);
   bind_slam(m);
   bind_slam_run(m);

@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string>
+#include <variant>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -11,6 +12,7 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
 #include "poses.hpp"
@@ -26,6 +28,12 @@ struct SettingValue {
   static bool same(const Value& a, const Value& b) { return get(a).equal(get(b)); }
   static std::string text(const Value& value) { return nb::repr(get(value)).c_str(); }
 };
+
+/// Of a value that may change its type no reference is given out.
+template <class Value>
+inline constexpr bool kIsVariant = false;
+template <class... Values>
+inline constexpr bool kIsVariant<std::variant<Values...>> = true;
 
 /// Vectors and matrices, from anything that numpy makes an array of.
 template <int Rows, int Columns, int Options, int MaxRows, int MaxColumns>

@@ -46,6 +46,10 @@ class Settings {
       class_.def_prop_rw(
           name, [member](T& t) -> Value& { return t.*member; }, set,
           nb::for_getter(nb::rv_policy::reference_internal), kept(text));
+    } else if constexpr (kIsVariant<Value>) {
+      class_.def_prop_rw(
+          name, [member](const T& t) { return t.*member; },
+          [member](T& t, Value value) { t.*member = std::move(value); }, kept(text));
     } else {
       class_.def_rw(name, member, kept(text));
     }

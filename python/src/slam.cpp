@@ -10,18 +10,6 @@
 
 namespace posemix::python {
 
-nb::dict report_dict(const FrameReport& report) {
-  nb::dict dict;
-  dict["statuses"] = report.statuses;
-  dict["candidates"] = list_of(report.candidates, [](const CandidateReport& candidate) {
-    return nb::make_tuple(candidate.status, candidate.object, candidate.recycled);
-  });
-  dict["update"] = report_dict(report.update);
-  dict["merges"] = report.merges;
-  dict["seconds"] = report.seconds;
-  return dict;
-}
-
 namespace {
 
 using CandidateRow = std::tuple<std::string, SE3d, double>;
@@ -32,31 +20,22 @@ std::vector<Candidate> candidates_of(const std::vector<CandidateRow>& rows) {
   return all;
 }
 
-FrameInput input_of(double dt, const std::optional<SE3d>& odometry, const Rows& detections,
+FrameInput input_of(double dt, const std::optional<SE3d>& motion, const Rows& detections,
                     const std::vector<CandidateRow>& candidates) {
-  return {dt, odometry, maybe_poses(detections, "detections"), candidates_of(candidates)};
-}
-
-nb::object maybe_estimate(const std::optional<FrameEstimate>& estimate) {
-  return estimate ? nb::object(estimate_dict(*estimate)) : nb::object(nb::none());
+  return {dt, motion, maybe_poses(detections, "detections"), candidates_of(candidates)};
 }
 
 void bind_object_slam(nb::module_& m) {
   using S = ObjectSlam;
   nb::class_<S>(m, "ObjectSlam")
       .def(nb::init<const ConcentratedSE3&, std::vector<ObjectModel>, const ObjectSlamSettings&>())
-      .def("start",
-           [](S& self, const Rows& detections, const std::vector<CandidateRow>& candidates) {
-             return report_dict(
-                 self.start(maybe_poses(detections, "detections"), candidates_of(candidates)));
-           })
       .def(
           "step",
-          [](S& self, double dt, const std::optional<SE3d>& odometry, const Rows& detections,
+          [](S& self, double dt, const std::optional<SE3d>& motion, const Rows& detections,
              const std::vector<CandidateRow>& candidates) {
-            return report_dict(self.step(input_of(dt, odometry, detections, candidates)));
+            return self.step(input_of(dt, motion, detections, candidates));
           },
-          "dt"_a, "odometry"_a.none(), "detections"_a, "candidates"_a)
+          "dt"_a, "motion"_a.none(), "detections"_a, "candidates"_a)
       .def("posterior", &S::posterior)
       .def("estimate", [](const S& self) { return self.estimate(); })
       .def("pose_index", &S::pose_index)
@@ -66,6 +45,10 @@ void bind_object_slam(nb::module_& m) {
              return *self.multi_object();
            })
       .def("objects", [](const S& self) { return self.objects(); })
+      .def("ids",
+           [](const S& self) {
+             return list_of(self.objects(), [](const ObjectModel& model) { return model.id; });
+           })
       .def("detections", &S::detections)
       .def("copy", [](const S& self) { return S(self); });
 }
@@ -75,21 +58,14 @@ void bind_smoother(nb::module_& m) {
   nb::class_<S>(m, "FixedLagSmoother")
       .def(nb::init<const ConcentratedSE3&, std::vector<ObjectModel>, const ObjectSlamSettings&,
                     const SmoothingSettings&, bool>())
-      .def("start",
-           [](S& self, const Rows& detections) {
-             return maybe_estimate(self.start(maybe_poses(detections, "detections")));
-           })
       .def(
           "step",
-          [](S& self, double dt, const std::optional<SE3d>& odometry, const Rows& detections,
+          [](S& self, double dt, const std::optional<SE3d>& motion, const Rows& detections,
              const std::vector<CandidateRow>& candidates) {
-            return maybe_estimate(self.step(input_of(dt, odometry, detections, candidates)));
+            return self.step(input_of(dt, motion, detections, candidates));
           },
-          "dt"_a, "odometry"_a.none(), "detections"_a, "candidates"_a)
-      .def("finish",
-           [](S& self) {
-             return list_of(self.finish(), [](const FrameEstimate& e) { return estimate_dict(e); });
-           })
+          "dt"_a, "motion"_a.none(), "detections"_a, "candidates"_a)
+      .def("finish", &S::finish)
       .def("copy", [](const S& self) { return S(self); })
       .def("slam", [](const S& self) { return ObjectSlam(self.slam()); })
       .def("joint", [](const S& self) { return self.joint(); });

@@ -17,9 +17,6 @@ using MaybePoses = std::vector<std::optional<SE3d>>;
 MaybePoses maybe_poses(const Rows& rows, const std::string& name);
 Array rows_of(const MaybePoses& poses);
 
-nb::dict report_dict(const FrameReport& report);
-nb::dict estimate_dict(const FrameEstimate& estimate);
-
 /// What a run does after every frame, without the interpreter's lock held: signals are handed on,
 /// and `progress` (None or a function of frames done and in all) is called.
 std::function<bool(std::size_t, std::size_t)> progress_of(const nb::object& progress);

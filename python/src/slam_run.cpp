@@ -7,32 +7,11 @@
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 
-#include "posemix/slam/particle_filter.hpp"
 #include "posemix/slam/smoothing.hpp"
 #include "settings.hpp"
 #include "slam.hpp"
 
 namespace posemix::python {
-
-nb::dict estimate_dict(const FrameEstimate& estimate) {
-  nb::dict dict;
-  dict["camera"] = estimate.camera;
-  dict["objects"] = estimate.objects;
-  dict["relative"] = estimate.relative;
-  dict["pose_indices"] = estimate.pose_indices;
-  dict["hypotheses"] = list_of(estimate.hypotheses, [](const HypothesisSnapshot& h) {
-    return nb::make_tuple(h.log_weight, PoseArray::of(h.poses.poses()));
-  });
-  dict["alternatives"] =
-      list_of(estimate.alternatives, [](const std::vector<ObjectAlternative>& of_object) {
-        return list_of(of_object, [](const ObjectAlternative& a) {
-          return nb::make_tuple(a.probability, a.pose, a.id);
-        });
-      });
-  dict["mode_probabilities"] = estimate.mode_probabilities;
-  dict["report"] = report_dict(estimate.report);
-  return dict;
-}
 
 std::function<bool(std::size_t, std::size_t)> progress_of(const nb::object& progress) {
   using Clock = std::chrono::steady_clock;
@@ -108,7 +87,7 @@ void bind_run_class(nb::module_& m) {
       .def("frame",
            [](const SlamRun& self, std::size_t i) {
              if (i >= self.frames.size()) throw nb::index_error();
-             return estimate_dict(self.frames[i]);
+             return self.frames[i];
            })
       .def("posterior", [](const SlamRun& self) { return self.posterior; })
       .def("pose_indices", [](const SlamRun& self) { return self.pose_indices; })
@@ -146,18 +125,6 @@ void bind_run_functions(nb::module_& m) {
       },
       "sequence"_a, "prior"_a, "models"_a, "settings"_a, "smoothing"_a, "record"_a,
       "progress"_a.none());
-  m.def(
-      "run_particle_filter",
-      [](const Sequence& sequence, const PoseDensity& prior, const Models& models,
-         const ParticleFilterSettings& settings, bool record, const nb::object& progress) {
-        return without_lock(record, progress, [&](const RunOptions& options) {
-          return run_particle_filter(sequence, prior, models, settings, options);
-        });
-      },
-      "sequence"_a, "prior"_a, "models"_a, "settings"_a, "record"_a, "progress"_a.none());
-  m.def("as_riekf",
-        [](const Models& models, const ObjectSlamSettings& s) { return as_riekf(models, s); });
-  m.def("as_max_mixture", [](const ObjectSlamSettings& s) { return as_max_mixture(s); });
 }
 
 }  // namespace

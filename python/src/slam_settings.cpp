@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include <nanobind/stl/string.h>
+
 #include "dict.hpp"
-#include "posemix/slam/particle_filter.hpp"
-#include "posemix/slam/smoothing.hpp"
+#include "posemix/slam/method.hpp"
 #include "settings.hpp"
 
 namespace posemix::python {
@@ -18,11 +19,6 @@ void bind_enums(nb::module_& m) {
   nb::enum_<NoisePer>(m, "NoisePer", "How a covariance grows with time.")
       .value("frame", NoisePer::frame, "Per frame.")
       .value("second", NoisePer::second, "Per second.");
-  nb::enum_<SlamFilter>(m, "SlamFilter", "The filter behind object SLAM.")
-      .value("multi_object", SlamFilter::multi_object,
-             "MultiObjectFilter: hypotheses of every object for itself.")
-      .value("gaussian_sum", SlamFilter::gaussian_sum,
-             "GaussianSumFilter: hypotheses over all poses (midway-merge paper).");
   nb::enum_<DetectionStatus>(m, "DetectionStatus", "What happened to one object in one frame.")
       .value("none", DetectionStatus::none, "It was not detected.")
       .value("started", DetectionStatus::started, "It entered the map.")
@@ -75,16 +71,23 @@ void bind_association(nb::module_& m) {
 }
 
 void bind_slam_settings_struct(nb::module_& m) {
+  using M = MultiObjectSlamSettings;
+  Settings<M>(m, "MultiObjectSlamSettings",
+              "Object SLAM by the MultiObjectFilter: hypotheses of every object for itself.")
+      .field("filter", &M::filter, "MultiObjectSettings",
+             "Of the filter; has_odometry follows from the motion model.")
+      .field("association", &M::association, "AssociationSettings", "Of candidates.")
+      .field("confirming_detections", &M::confirming_detections, "int",
+             "An instance with fewer is tentative.")
+      .done();
   using S = ObjectSlamSettings;
   Settings<S>(m, "ObjectSlamSettings", "Settings of object SLAM.")
-      .field("kind", &S::kind, "SlamFilter", "The filter behind it.")
-      .field("multi_object", &S::multi_object, "MultiObjectSettings",
-             "Its settings; has_odometry follows from the motion model.")
-      .field("filter", &S::filter, "GaussianSumSettings", "Of SlamFilter.gaussian_sum.")
       .field("motion", &S::motion, "MotionSettings", "How the camera moves.")
-      .field("association", &S::association, "AssociationSettings", "Of candidates.")
-      .field("confirming_detections", &S::confirming_detections, "int",
-             "An instance with fewer is tentative.")
+      .field("tracker", &S::tracker,
+             "MultiObjectSlamSettings | GaussianSumSettings | ParticleFilterSettings",
+             "The filter is chosen by its settings; a copy, which changes nothing until assigned.")
+      .field("record_hypotheses", &S::record_hypotheses, "bool",
+             "Whether every estimate holds the hypotheses.")
       .done();
   using O = ObjectModel;
   Settings<O>(m, "ObjectModel", "One object as the tracker knows it.")
@@ -110,7 +113,8 @@ void bind_other_methods(nb::module_& m) {
              "Of a hypothesis that is smoothed, where hypotheses are recorded.")
       .done();
   using P = ParticleFilterSettings;
-  Settings<P>(m, "ParticleFilterSettings", "Settings of `run_particle_filter`.")
+  Settings<P>(m, "ParticleFilterSettings",
+              "Object SLAM by a Rao-Blackwellised particle filter, a baseline.")
       .field("particles", &P::particles, "int", "How many.")
       .field("seed", &P::seed, "int", "Of the draws.")
       .field("resample_below", &P::resample_below, "float",
@@ -120,9 +124,36 @@ void bind_other_methods(nb::module_& m) {
       .field("kernel", &P::kernel, "numpy.typing.ArrayLike",
              "Shape (6, 6): covariance of an object in a particle's Gaussian.")
       .field("hypotheses", &P::hypotheses, "int", "Particles that are reported.")
-      .field("motion", &P::motion, "MotionSettings", "How the camera moves.")
       .field("merge", &P::merge, "MergeSettings", "Of the particles into one Gaussian.")
       .done();
+}
+
+void bind_methods(nb::module_& m) {
+  using M = SlamMethod;
+  nb::class_<M>(m, "SlamMethod", "A tracker with its settings, and what belongs to it.")
+      .def_ro("name", &M::name, "As in sequence files.")
+      .def_ro("description", &M::description, "One line.")
+      .def_prop_ro(
+          "tracker", [](const M& self) { return self.tracker; }, "Settings of its tracker.")
+      .def_ro("smoothing", &M::smoothing, "Of estimates that also look ahead, else None.")
+      .def_ro("single_gaussian", &M::single_gaussian,
+              "Whether the detector's noise is used as one Gaussian.")
+      .def_prop_ro("title", &M::title, "For display, with the settings.")
+      .def(
+          "settings",
+          [](const M& self, const std::optional<MotionSettings>& motion) {
+            return self.settings(motion.value_or(MotionSettings{}));
+          },
+          "motion"_a = nb::none(), "Settings of `ObjectSlam` for a camera that moves in this way.")
+      .def("models", &M::models, "models"_a, "The object models as the method takes them.")
+      .def("__repr__", [](const M& self) {
+        return fmt::format("<SlamMethod '{}': {}>", self.name, self.description);
+      });
+  m.def("slam_methods", &slam_methods,
+        "All methods of object SLAM, the same as in sequence files and studies.");
+  m.def(
+      "find_slam_method", [](const std::string& name) { return find_slam_method(name); }, "name"_a,
+      "The method of a name. ValueError with the names for another.");
 }
 
 }  // namespace
@@ -131,8 +162,9 @@ void bind_slam_settings(nb::module_& m) {
   bind_enums(m);
   bind_motion(m);
   bind_association(m);
-  bind_slam_settings_struct(m);
   bind_other_methods(m);
+  bind_slam_settings_struct(m);
+  bind_methods(m);
 }
 
 }  // namespace posemix::python

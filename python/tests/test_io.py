@@ -117,8 +117,8 @@ def test_a_job_is_open(recording: Path) -> None:
     whole = pm.run(pickle.loads(pickle.dumps(job)))
     parts = pm.run(job.sequence, job.camera_prior, job.models, job.settings)
     assert whole.posterior == parts.posterior
-    assert whole[-1].alternatives == []
-    settings = pm.ObjectSlamSettings(motion=job.settings.motion, kind=pm.SlamFilter.gaussian_sum)
+    assert whole[-1].alternatives == {}
+    settings = pm.ObjectSlamSettings(motion=job.settings.motion, tracker=pm.GaussianSumSettings())
     other = pm.run(dataclasses.replace(job, settings=settings))
     assert other.posterior != whole.posterior
     assert len(pm.run(job, progress=lambda done, total: done < 5)) == 5

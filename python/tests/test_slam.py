@@ -45,6 +45,14 @@ class Scene:
         return pm.run(self.sequence, self.prior, self.models, self.settings, **options)
 
 
+def frame_input(sequence: pm.Sequence, k: int, seen: object) -> pm.FrameInput:
+    """The frame as a live caller gives it; nothing moves before the first one."""
+    if k == 0:
+        return pm.FrameInput(detections=seen)
+    motion = sequence.odometry[k - 1].inverse() * sequence.odometry[k]
+    return pm.FrameInput(sequence.stamps[k] - sequence.stamps[k - 1], motion, seen)
+
+
 def test_a_miss_is_a_row_of_nan() -> None:
     poses = pm.with_misses([pm.SE3(), None, pm.SE3(translation=[1.0, 0, 0])])
     assert pm.is_known(poses).tolist() == [True, False, True]
@@ -76,12 +84,16 @@ def test_settings_nest_and_are_values() -> None:
     settings.motion.noise.covariance = pm.pose_covariance(0.1, 0.2)
     settings.motion.noise.covariance[0, 0] = 7.0
     assert settings.motion.noise.covariance[0, 0] == 7.0
-    settings.multi_object.max_hypotheses = 5
+    filter = pm.MultiObjectSettings(max_hypotheses=5)
+    settings.tracker = pm.MultiObjectSlamSettings(filter=filter)
+    assert settings.tracker.filter.max_hypotheses == 5
     assert copy.deepcopy(settings) == settings == pickle.loads(pickle.dumps(settings))
     assert settings != pm.ObjectSlamSettings()
     assert "covariance=diag([7, 0.01, 0.01, 0.04, 0.04, 0.04])" in repr(settings.motion.noise)
     model = pm.ObjectModel(id="mug", independent_start=np.eye(6))
     assert pickle.loads(pickle.dumps(model)) == model
+    with pytest.raises(TypeError):
+        settings.tracker = pm.MotionSettings()
     with pytest.raises(TypeError, match="ObjectModel has no setting 'name'"):
         pm.ObjectModel(name="mug")
 
@@ -106,13 +118,20 @@ def test_live_equals_batch() -> None:
     sequence = scene.sequence
     for k in range(len(sequence)):
         seen = {o.id: o.detections[k] for o in sequence.objects if pm.is_known(o.detections)[k]}
-        if k == 0:
-            report = slam.start(seen)
-        else:
-            odometry = sequence.odometry[k - 1].inverse() * sequence.odometry[k]
-            dt = sequence.stamps[k] - sequence.stamps[k - 1]
-            report = slam.step(pm.FrameInput(dt, odometry, seen))
-        assert report.statuses == run[k].report.statuses
+        estimate = slam.step(frame_input(sequence, k, seen))
+        assert estimate.report.statuses == run[k].report.statuses
+        assert estimate.camera == run[k].camera
+        assert list(estimate.objects) == ["mug", "box"]
+    assert estimate.objects == run[-1].objects
+    assert estimate.mode_probabilities == run[-1].mode_probabilities
+    mug = estimate.object("mug")
+    assert mug.world == estimate.objects["mug"] and mug.relative == estimate.relative["mug"]
+    assert mug.mode_probability == estimate.mode_probabilities["mug"]
+    assert mug.alternatives == [] and estimate.alternatives == {}
+    assert mug.status == estimate.report.statuses[0]
+    assert repr(estimate) == "<FrameEstimate of 2 objects, seen: mug, box>"
+    with pytest.raises(ValueError, match="no object 'cup', expected one of: mug, box"):
+        estimate.object("cup")
     assert slam.posterior == run.posterior
     assert slam.estimate.mean[0].is_approx(run.camera.poses[-1], 1e-12)
     assert slam.pose_index(1) == run.pose_indices[1]
@@ -134,10 +153,10 @@ def test_run_is_arrays() -> None:
     mug = run.relative("mug")
     assert len(run) == 80 and mug.poses.shape == (80,) and mug.covariances.shape == (80, 6, 6)
     frame = run[-1]
-    assert frame.relative[0].mean.is_approx(mug.poses[-1], 0.0)
-    np.testing.assert_array_equal(frame.relative[0].covariance, mug.covariances[-1])
-    assert frame.alternatives[0][0].probability > 0.5
-    assert run.mode_probabilities(0)[-1] == frame.mode_probabilities[0]
+    assert frame.relative["mug"].mean.is_approx(mug.poses[-1], 0.0)
+    np.testing.assert_array_equal(frame.relative["mug"].covariance, mug.covariances[-1])
+    assert frame.alternatives["mug"][0].probability > 0.5
+    assert run.mode_probabilities(0)[-1] == frame.mode_probabilities["mug"]
     assert run.alternatives[0][0].pose.is_approx(run.object(0).poses[-1], 1e-9)
     assert (run.seconds[1:] > 0).all()
     first = np.argmax(pm.is_known(scene.sequence.objects[1].detections))
@@ -164,7 +183,7 @@ def test_metrics_by_numpy() -> None:
     e = (true_mug * mug.poses.inverse()).log()
     squared = np.einsum("ni,nij,nj->n", e, np.linalg.inv(mug.covariances), e)
     assert metrics.objects[0].relative_anees == pytest.approx(squared.mean() / 6)
-    last = pm.squared_normalized_error(run[-1].relative[0], true_mug[-1])
+    last = pm.squared_normalized_error(run[-1].relative["mug"], true_mug[-1])
     assert last == pytest.approx(squared[-1])
     assert metrics.objects[0].relative.position_rmse_m < metrics.objects[0].detection_relative.position_rmse_m
     assert pickle.loads(pickle.dumps(metrics)) == metrics
@@ -179,20 +198,39 @@ def test_metrics_by_numpy() -> None:
 
 def test_gaussian_sum_smoothing_particles_and_baselines() -> None:
     scene = Scene(40)
-    joint = Scene(40, kind=pm.SlamFilter.gaussian_sum)
+    joint = Scene(40, tracker=pm.GaussianSumSettings())
     run = joint.run(record_hypotheses=True)
     assert len(run[-1].hypotheses) == len(run.posterior)
-    assert run[-1].mode_probabilities in ([], [None, None])
-    models, settings = pm.as_riekf(joint.models, joint.settings)
-    single = pm.run(joint.sequence, joint.prior, models, settings)
+    assert run[-1].mode_probabilities == {}
+    riekf = pm.find_slam_method("riekf")
+    models = riekf.models(joint.models)
+    single = pm.run(joint.sequence, joint.prior, models, riekf.settings(joint.settings.motion))
     assert len(single.posterior) == 1 and len(models[0].noise.components) == 1
-    assert pm.as_max_mixture(joint.settings).filter.noise_use == pm.NoiseUse.most_likely
-    particles = pm.ParticleFilterSettings(particles=50, motion=scene.settings.motion)
-    by_particles = pm.run_particle_filter(scene.sequence, scene.prior, scene.models, particles)
+    tracker = pm.ParticleFilterSettings(particles=50)
+    particles = pm.ObjectSlamSettings(motion=scene.settings.motion, tracker=tracker)
+    by_particles = pm.run(scene.sequence, scene.prior, scene.models, particles)
     smoothed = pm.run_smoothed(scene.sequence, scene.prior, scene.models, settings=scene.settings)
     for result in (single, by_particles, smoothed):
         found = pm.evaluate(scene.sequence, result).objects[0]
         assert found.relative.position_rmse_m < 0.02
+
+
+def test_methods_by_name() -> None:
+    names = [method.name for method in pm.slam_methods()]
+    assert names[0] == "multi_object" and "midway" in names and "rbpf" in names
+    mixture = pm.find_slam_method("max_mixture")
+    assert mixture.tracker.noise_use == pm.NoiseUse.most_likely
+    assert mixture.title == "max-mixture" and mixture.smoothing is None and mixture.description
+    assert pm.find_slam_method("smoothed").smoothing == pm.SmoothingSettings()
+    with pytest.raises(ValueError, match="method 'ekf', expected one of: multi_object, "):
+        pm.find_slam_method("ekf")
+    scene = Scene(5)
+    job = pm.SlamJob("five", "", scene.sequence, scene.prior, scene.models, scene.settings)
+    riekf = job.using("riekf")
+    assert riekf.method == "riekf" and len(riekf.models[0].noise.components) == 1
+    assert len(pm.run(riekf).posterior) == 1
+    smoothed = job.using(pm.find_slam_method("smoothed"))
+    assert smoothed.smoothing == pm.SmoothingSettings() and len(pm.run(smoothed)) == 5
 
 
 def test_fixed_lag_smoother_equals_run_smoothed() -> None:
@@ -203,12 +241,7 @@ def test_fixed_lag_smoother_equals_run_smoothed() -> None:
     sequence, estimates = scene.sequence, []
     for k in range(len(sequence)):
         seen = pm.with_misses(np.stack([o.detections._data[k] for o in sequence.objects]))
-        if k == 0:
-            estimate = smoother.start(seen)
-        else:
-            odometry = sequence.odometry[k - 1].inverse() * sequence.odometry[k]
-            dt = sequence.stamps[k] - sequence.stamps[k - 1]
-            estimate = smoother.step(pm.FrameInput(dt, odometry, seen))
+        estimate = smoother.step(frame_input(sequence, k, seen))
         assert (estimate is None) == (k < 5)
         estimates += [] if estimate is None else [estimate]
     twin = copy.copy(smoother)
@@ -273,9 +306,9 @@ def test_candidates_of_one_class_become_instances() -> None:
     prior = pm.ConcentratedGaussian(pm.SE3(), pm.pose_covariance(1e-3, 1e-3))
     slam = pm.ObjectSlam(prior, models)
     candidates = [pm.Candidate("can", place, 0.9) for place in places]
-    report = slam.start([None] * 3, candidates)
+    report = slam.step(pm.FrameInput(detections=[None] * 3, candidates=candidates)).report
     assert [c.status for c in report.candidates] == [pm.CandidateStatus.fresh] * 2
-    report = slam.step(pm.FrameInput(0.1, pm.SE3(), [None] * 3, candidates[::-1]))
+    report = slam.step(pm.FrameInput(0.1, pm.SE3(), [None] * 3, candidates[::-1])).report
     assert [c.object for c in report.candidates] == [1, 0]
     recorded = pm.Sequence(
         [0.0, 0.1], pm.SE3.identity((2,)),

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
-#include <tuple>
+#include <variant>
 
 #include <fmt/format.h>
 
@@ -107,7 +107,8 @@ void check_classes(const TomlTable& root, const SlamJob& job, bool multi_object)
 
 /// Joint use needs detectors with the same number of noise components and the same weights.
 void check_joint_noise(const TomlTable& root, const SlamJob& job) {
-  if (job.settings.filter.noise_use != NoiseUse::joint) return;
+  const auto* filter = std::get_if<GaussianSumSettings>(&job.settings.tracker);
+  if (filter == nullptr || filter->noise_use != NoiseUse::joint) return;
   const auto& first = job.models.front().noise.components();
   for (const ObjectModel& model : job.models) {
     const auto& other = model.noise.components();
@@ -136,32 +137,17 @@ void check_starts(const TomlTable& root, const SlamJob& job) {
   }
 }
 
-void use_method(const TomlTable& root, const MethodSettings& method, SlamJob& job) {
-  job.method = method.name;
-  job.settings.filter = method.filter;
-  job.settings.multi_object = method.multi_object;
-  job.smoothing = method.smoothing;
-  if (method.method != FilterMethod::multi_object) job.settings.kind = SlamFilter::gaussian_sum;
-  switch (method.method) {
-    case FilterMethod::multi_object:
-      check_starts(root, job);
-      return;
-    case FilterMethod::gm_iekf:
-      break;
-    case FilterMethod::riekf:
-    case FilterMethod::riekf_cauchy:
-      std::tie(job.models, job.settings) = located(
-          root.get_table("filter"), "method", [&] { return as_riekf(job.models, job.settings); });
-      break;
-    case FilterMethod::max_mixture:
-      job.settings = as_max_mixture(job.settings);
-      break;
-    case FilterMethod::rbpf:
-      job.particles = method.particles;
-      job.particles->motion = job.settings.motion;
-      job.particles->merge = method.filter.reduction.merge;
-      return;
+bool is_multi_object(const SlamMethod& method) {
+  return std::holds_alternative<MultiObjectSlamSettings>(method.tracker);
+}
+
+void use_method(const TomlTable& root, const SlamMethod& method, SlamJob& job) {
+  if (method.single_gaussian) {
+    located(root.get_table("filter"), "method", [&] { job.use(method); });
+  } else {
+    job.use(method);
   }
+  if (is_multi_object(method)) check_starts(root, job);
   check_joint_noise(root, job);
 }
 
@@ -188,8 +174,8 @@ SlamJob read_slam_job(const TomlDocument& document,
   job.sequence = read_recordings(root, files, camera, ids_of(job.models));
   job.camera_prior = read_camera_prior(root, job.sequence.camera_truth);
   job.settings.motion = read_motion(root, camera.odometry.has_value());
-  const MethodSettings method = read_filter(root);
-  check_classes(root, job, method.method == FilterMethod::multi_object);
+  const SlamMethod method = read_filter(root);
+  check_classes(root, job, is_multi_object(method));
   use_method(root, method, job);
   if (const auto output = root.find_table("output")) {
     job.trace_hypotheses = static_cast<std::size_t>(
@@ -197,15 +183,6 @@ SlamJob read_slam_job(const TomlDocument& document,
   }
   document.finish();
   return job;
-}
-
-SlamRun run(const SlamJob& job, const RunOptions& options) {
-  if (job.particles)
-    return run_particle_filter(job.sequence, job.camera_prior, job.models, *job.particles, options);
-  if (job.smoothing)
-    return run_smoothed(job.sequence, job.camera_prior, job.models, job.settings, *job.smoothing,
-                        options);
-  return run(job.sequence, job.camera_prior, job.models, job.settings, options);
 }
 
 }  // namespace posemix

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include <fmt/format.h>
+#include <variant>
 
 #include "posemix/base/units.hpp"
 #include "sequence_parts.hpp"
 
 namespace posemix {
 namespace {
+
+constexpr std::string_view kDefaultMethod = "multi_object";
 
 constexpr IntegerRange kComponents{.lowest = 1, .highest = 100000};
 constexpr IntegerRange kKeepHeaviest{.lowest = 0, .highest = 100000};
@@ -16,8 +18,7 @@ constexpr IntegerRange kLag{.lowest = 1, .highest = 1000000};
 constexpr IntegerRange kPasses{.lowest = 1, .highest = 100};
 constexpr IntegerRange kSeed{.lowest = 0, .highest = std::int64_t{1} << 53};
 
-ReductionSettings read_reduction(const TomlTable& filter) {
-  ReductionSettings r;
+ReductionSettings read_reduction(const TomlTable& filter, ReductionSettings r) {
   const auto integer = [&](std::string_view key, std::size_t otherwise, const IntegerRange& range) {
     return static_cast<std::size_t>(
         filter.get_integer_or(key, static_cast<std::int64_t>(otherwise), range));
@@ -49,45 +50,7 @@ ReductionSettings read_reduction(const TomlTable& filter) {
   return r;
 }
 
-std::string_view name_of(MergeRule rule) {
-  switch (rule) {
-    case MergeRule::midway:
-      return "midway";
-    case MergeRule::tangent_of_larger:
-      return "tangent of larger";
-    case MergeRule::moment_matched:
-      return "moment matched";
-  }
-  return "";
-}
-
-std::string method_name(const MethodSettings& settings) {
-  const bool iterated = settings.filter.update == UpdateRule::iterated;
-  switch (settings.method) {
-    case FilterMethod::multi_object:
-      if (!settings.smoothing) return "multi-object";
-      return settings.smoothing->lag_frames == 0
-                 ? "multi-object, smoothed"
-                 : fmt::format("multi-object, smoothed by {} frames",
-                               settings.smoothing->lag_frames);
-    case FilterMethod::riekf:
-      return "riekf";
-    case FilterMethod::riekf_cauchy:
-      return fmt::format("riekf (Cauchy, c = {:g})", settings.filter.cauchy_scale);
-    case FilterMethod::max_mixture:
-      return "max-mixture";
-    case FilterMethod::rbpf:
-      return fmt::format("rbpf ({} particles)", settings.particles.particles);
-    case FilterMethod::gm_iekf:
-      break;
-  }
-  return fmt::format("gm-iekf ({}{}{})", name_of(settings.filter.reduction.merge.rule),
-                     iterated ? ", iterated" : "",
-                     settings.filter.robust_loss == RobustLoss::cauchy ? ", Cauchy" : "");
-}
-
-ParticleFilterSettings read_particles(const TomlTable& filter) {
-  ParticleFilterSettings p;
+ParticleFilterSettings read_particles(const TomlTable& filter, ParticleFilterSettings p) {
   p.particles = static_cast<std::size_t>(
       filter.get_integer_or("particles", static_cast<std::int64_t>(p.particles), kParticles));
   p.seed = static_cast<std::uint64_t>(
@@ -106,9 +69,13 @@ ParticleFilterSettings read_particles(const TomlTable& filter) {
 
 enum class Smoothing { none, fixed_lag, full };
 
-std::optional<SmoothingSettings> read_smoothing(const TomlTable& filter) {
+std::optional<SmoothingSettings> read_smoothing(const TomlTable& filter,
+                                                const std::optional<SmoothingSettings>& preset) {
+  const Smoothing otherwise = !preset                   ? Smoothing::none
+                              : preset->lag_frames == 0 ? Smoothing::full
+                                                        : Smoothing::fixed_lag;
   const auto kind = filter.get_enum_or<Smoothing>(
-      "smooth", Smoothing::none,
+      "smooth", otherwise,
       {{"none", Smoothing::none}, {"fixed_lag", Smoothing::fixed_lag}, {"full", Smoothing::full}});
   SmoothingSettings settings;
   const auto lag = static_cast<std::size_t>(
@@ -127,8 +94,7 @@ void refuse_smoothing(const TomlTable& filter) {
   }
 }
 
-GaussianSumSettings read_gaussian_sum(const TomlTable& filter, FilterMethod method) {
-  GaussianSumSettings settings;
+GaussianSumSettings read_gaussian_sum(const TomlTable& filter, GaussianSumSettings settings) {
   settings.noise_use = filter.get_enum_or<NoiseUse>("noise_use", settings.noise_use,
                                                     {{"per_object", NoiseUse::per_object},
                                                      {"joint", NoiseUse::joint},
@@ -136,10 +102,9 @@ GaussianSumSettings read_gaussian_sum(const TomlTable& filter, FilterMethod meth
   settings.update = filter.get_enum_or<UpdateRule>(
       "update", settings.update,
       {{"linearized", UpdateRule::linearized}, {"iterated", UpdateRule::iterated}});
-  settings.robust_loss = filter.get_enum_or<RobustLoss>(
-      "robust_loss",
-      method == FilterMethod::riekf_cauchy ? RobustLoss::cauchy : settings.robust_loss,
-      {{"none", RobustLoss::none}, {"cauchy", RobustLoss::cauchy}});
+  settings.robust_loss =
+      filter.get_enum_or<RobustLoss>("robust_loss", settings.robust_loss,
+                                     {{"none", RobustLoss::none}, {"cauchy", RobustLoss::cauchy}});
   settings.cauchy_scale =
       filter.get_double_or("cauchy_scale", settings.cauchy_scale, {.lowest = 1e-3, .highest = 1e6});
   settings.gate_probability =
@@ -149,33 +114,46 @@ GaussianSumSettings read_gaussian_sum(const TomlTable& filter, FilterMethod meth
                                                  {{"best", Summary::best},
                                                   {"merge_two_largest", Summary::merge_two_largest},
                                                   {"whole_mixture", Summary::whole_mixture}});
-  settings.reduction = read_reduction(filter);
+  settings.reduction = read_reduction(filter, settings.reduction);
   return settings;
+}
+
+/// The method of the key `method`, as it is in the table of methods.
+const SlamMethod& read_method(const TomlTable& filter) {
+  if (!filter.has("method")) return find_slam_method(kDefaultMethod);
+  std::vector<std::string_view> names;
+  for (const SlamMethod& method : slam_methods()) names.push_back(method.name);
+  return slam_methods()[filter.get_word("method", names)];
+}
+
+/// The keys of the Gaussian-sum filter are those of the particle filter, too: one file fits all
+/// baselines.
+void read_baseline(const TomlTable& filter, SlamMethod& method) {
+  if (auto* particles = std::get_if<ParticleFilterSettings>(&method.tracker)) {
+    particles->merge = read_gaussian_sum(filter, {}).reduction.merge;
+    *particles = read_particles(filter, *particles);
+    return;
+  }
+  auto& settings = std::get<GaussianSumSettings>(method.tracker);
+  settings = read_gaussian_sum(filter, settings);
+  read_particles(filter, {});
+  if (method.restore != nullptr) method.restore(settings);
 }
 
 }  // namespace
 
-MethodSettings read_filter(const TomlTable& root) {
-  MethodSettings result;
-  if (const auto filter = root.find_table("filter")) {
-    result.method = filter->get_enum_or<FilterMethod>("method", result.method,
-                                                      {{"multi_object", FilterMethod::multi_object},
-                                                       {"gm-iekf", FilterMethod::gm_iekf},
-                                                       {"riekf", FilterMethod::riekf},
-                                                       {"riekf_cauchy", FilterMethod::riekf_cauchy},
-                                                       {"max_mixture", FilterMethod::max_mixture},
-                                                       {"rbpf", FilterMethod::rbpf}});
-    if (result.method == FilterMethod::multi_object) {
-      result.multi_object = read_multi_object(*filter);
-      result.smoothing = read_smoothing(*filter);
-    } else {
-      refuse_smoothing(*filter);
-      result.filter = read_gaussian_sum(*filter, result.method);
-      result.particles = read_particles(*filter);
-    }
+SlamMethod read_filter(const TomlTable& root) {
+  const auto filter = root.find_table("filter");
+  if (!filter) return find_slam_method(kDefaultMethod);
+  SlamMethod method = read_method(*filter);
+  if (auto* tracker = std::get_if<MultiObjectSlamSettings>(&method.tracker)) {
+    tracker->filter = read_multi_object(*filter, tracker->filter);
+    method.smoothing = read_smoothing(*filter, method.smoothing);
+  } else {
+    refuse_smoothing(*filter);
+    read_baseline(*filter, method);
   }
-  result.name = method_name(result);
-  return result;
+  return method;
 }
 
 }  // namespace posemix

@@ -7,7 +7,7 @@
 
 namespace posemix {
 
-MultiObjectSettings read_multi_object(const TomlTable& filter) {
+MultiObjectSettings read_multi_object(const TomlTable& filter, MultiObjectSettings s) {
   constexpr IntegerRange kHypotheses{.lowest = 1, .highest = 100000};
   constexpr IntegerRange kProtected{.lowest = 0, .highest = 100000};
   constexpr NumberRange kProbability{
@@ -15,7 +15,6 @@ MultiObjectSettings read_multi_object(const TomlTable& filter) {
   constexpr NumberRange kZeroOrMore{.lowest = 0};
   constexpr NumberRange kOneOrMore{.lowest = 1};
   constexpr NumberRange kPart{.lowest = 0, .highest = 1};
-  MultiObjectSettings s;
   const auto count = [&](std::string_view key, std::size_t& value, const IntegerRange& range) {
     value = static_cast<std::size_t>(
         filter.get_integer_or(key, static_cast<std::int64_t>(value), range));

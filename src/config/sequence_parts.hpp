@@ -167,18 +167,9 @@ SymmetryGroup read_object_symmetries(const TomlTable& object, const FileFinder& 
 
 // --- [filter]
 
-enum class FilterMethod { multi_object, gm_iekf, riekf, riekf_cauchy, max_mixture, rbpf };
-
-struct MethodSettings {
-  std::string name;
-  FilterMethod method = FilterMethod::multi_object;
-  MultiObjectSettings multi_object;
-  std::optional<SmoothingSettings> smoothing;
-  GaussianSumSettings filter;
-  ParticleFilterSettings particles;  ///< of FilterMethod::rbpf; motion as by default
-};
-
-MultiObjectSettings read_multi_object(const TomlTable& filter);
-MethodSettings read_filter(const TomlTable& root);
+/// The keys of the multi-object filter; those that are missing stay as they are in `settings`.
+MultiObjectSettings read_multi_object(const TomlTable& filter, MultiObjectSettings settings);
+/// The method of the table `filter` with the settings that it changes.
+SlamMethod read_filter(const TomlTable& root);
 
 }  // namespace posemix

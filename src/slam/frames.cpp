@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include "frames.hpp"
+#include "slam/frames.hpp"
 
 #include <utility>
 
@@ -26,40 +26,27 @@ FrameInput frame_input(const Sequence& sequence, std::size_t frame) {
   if (sequence.odometry.empty()) return input;
   const auto& before = sequence.odometry[frame - 1];
   const auto& now = sequence.odometry[frame];
-  if (before && now) input.odometry = before->inverse() * *now;
+  if (before && now) input.motion = before->inverse() * *now;
   return input;
 }
 
-Hypothesis camera_hypothesis(const PoseDensity& camera, const MotionSettings& motion) {
-  Hypothesis hypothesis(PoseStackd(std::vector<SE3d>{camera.mean()}), camera.covariance());
-  if (motion.model != MotionModel::constant_velocity) return hypothesis;
-  return with_independent_pose(hypothesis, SE3d(), motion.motion_noise.over(motion.period_s));
-}
-
-Hypothesis moved(Hypothesis hypothesis, const MotionSettings& motion, const FrameInput& input) {
-  switch (motion.model) {
-    case MotionModel::odometry:
-      return predict_with_odometry(
-          std::move(hypothesis), input.odometry.value_or(SE3d()),
-          (input.odometry ? motion.noise : motion.unknown_motion).over(input.dt));
-    case MotionModel::random_walk:
-      return predict_random_walk(std::move(hypothesis), motion.walk.over(input.dt));
-    case MotionModel::constant_velocity:
-      return predict_constant_velocity(std::move(hypothesis), input.dt / motion.period_s,
-                                       motion.noise.over(input.dt),
-                                       motion.motion_noise.over(input.dt));
-  }
-  return hypothesis;
+void refuse_candidates(const FrameInput& input, const char* filter) {
+  if (input.candidates.empty()) return;
+  throw InvalidInput(
+      fmt::format("frame: {} candidates for {}, expected detections that name their object, or the "
+                  "multi-object filter",
+                  input.candidates.size(), filter));
 }
 
 FrameEstimate frame_estimate(const Hypothesis& joint,
                              const std::vector<std::optional<std::size_t>>& pose_indices,
-                             FrameReport report) {
+                             const ObjectIds& ids, FrameReport report) {
   FrameEstimate frame{.camera = marginal(joint, kCamera),
                       .objects = {},
                       .relative = {},
                       .pose_indices = pose_indices,
-                      .report = std::move(report)};
+                      .report = std::move(report),
+                      .ids = ids};
   for (const auto& index : pose_indices) {
     frame.objects.push_back(index ? std::optional(marginal(joint, *index)) : std::nullopt);
     frame.relative.push_back(index ? std::optional(relative_pose(joint, kCamera, *index))

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include "mode_smoother.hpp"
+#include "slam/mode_smoother.hpp"
 
 #include <utility>
-
-#include "posemix/filter/predict.hpp"
 
 namespace posemix::internal {
 namespace {
@@ -40,8 +38,6 @@ Matrix6d difference_covariance(const MatrixXd& covariance, std::size_t object) {
 
 }  // namespace
 
-// One stage after the other, and nothing of them stands alone.
-// NOLINTNEXTLINE(readability-function-size)
 ModeSmoother::Step ModeSmoother::predict(const PoseStackd& poses, const MatrixXd& covariance,
                                          const FrameInput& input, PoseStackd& moved) const {
   Step step;
@@ -49,35 +45,7 @@ ModeSmoother::Step ModeSmoother::predict(const PoseStackd& poses, const MatrixXd
   step.noise = MatrixXd::Zero(covariance.rows(), covariance.cols());
   moved = poses;
   if (!(input.dt > 0.0)) return step;
-  const MotionSettings& motion = model_.motion;
-  const auto add_noise = [&](std::size_t pose, const Matrix6d& q) {
-    square(step.noise, pose) = moved[pose].adjoint_congruence(q);
-  };
-  switch (motion.model) {
-    case MotionModel::odometry:
-      if (input.odometry) {
-        const Matrix6d q = motion.noise.over(input.dt) / model_.correlation_length;
-        moved[kCamera] = poses[kCamera] * *input.odometry;
-        add_noise(kCamera, model_.odometry_camera_fraction * q);
-        for (std::size_t i = model_.first_object(); i < poses.size(); ++i)
-          add_noise(i, (1.0 - model_.odometry_camera_fraction) * q);
-      } else {
-        add_noise(kCamera, motion.unknown_motion.over(input.dt));
-      }
-      break;
-    case MotionModel::random_walk:
-      add_noise(kCamera, motion.walk.over(input.dt));
-      break;
-    case MotionModel::constant_velocity: {
-      const double periods = input.dt / motion.period_s;
-      step.transfer = constant_velocity_transfer(poses[kCamera], poses[kMotion], periods);
-      move_camera_by(step.transfer, step.predicted);
-      moved[kCamera] = poses[kCamera] * SE3d::exp(periods * poses[kMotion].log());
-      add_noise(kCamera, motion.noise.over(input.dt));
-      add_noise(kMotion, motion.motion_noise.over(input.dt));
-      break;
-    }
-  }
+  move(camera_step(model_.motion, input), poses, step, moved);
   // As in the filter, what no detection can tell does not last from one to the next.
   for (std::size_t j = 0; j < model_.objects.size(); ++j) {
     const SymmetryGroup& symmetries = model_.sensors[j]->symmetries;
@@ -89,6 +57,30 @@ ModeSmoother::Step ModeSmoother::predict(const PoseStackd& poses, const MatrixXd
   step.predicted += step.noise;
   symmetrize(step.predicted);
   return step;
+}
+
+/// The camera's motion: mean, transition of the covariance, and noise of camera, motion and map.
+void ModeSmoother::move(const CameraStep& camera, const PoseStackd& poses, Step& step,
+                        PoseStackd& moved) const {
+  const auto add_noise = [&](std::size_t pose, const Matrix6d& q) {
+    square(step.noise, pose) = moved[pose].adjoint_congruence(q);
+  };
+  if (camera.velocity) {
+    const double periods = camera.velocity->periods;
+    step.transfer = constant_velocity_transfer(poses[kCamera], poses[kMotion], periods);
+    move_camera_by(step.transfer, step.predicted);
+    moved[kCamera] = poses[kCamera] * SE3d::exp(periods * poses[kMotion].log());
+    add_noise(kCamera, camera.q);
+    add_noise(kMotion, camera.velocity->q);
+  } else if (camera.odometry) {
+    const Matrix6d q = camera.q / model_.correlation_length;
+    moved[kCamera] = poses[kCamera] * *camera.odometry;
+    add_noise(kCamera, model_.odometry_camera_fraction * q);
+    for (std::size_t i = model_.first_object(); i < poses.size(); ++i)
+      add_noise(i, (1.0 - model_.odometry_camera_fraction) * q);
+  } else {
+    add_noise(kCamera, camera.q);
+  }
 }
 
 /// In information form, for a detection's information may be singular: with D = H P H^T,

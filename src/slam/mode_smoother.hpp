@@ -7,7 +7,9 @@
 #include <vector>
 
 #include "posemix/filter/mode_measurement.hpp"
-#include "posemix/slam/object_slam.hpp"
+#include "posemix/slam/frame_input.hpp"
+#include "posemix/slam/motion_settings.hpp"
+#include "slam/motion.hpp"
 
 /// Smoothing of one mode per object. In the room `slam` only.
 namespace posemix::internal {
@@ -54,6 +56,7 @@ class ModeSmoother {
   void run(const Hypothesis& start, const std::vector<Hypothesis>& reference);
   Step predict(const PoseStackd& poses, const Eigen::MatrixXd& covariance, const FrameInput& input,
                PoseStackd& moved) const;
+  void move(const CameraStep& camera, const PoseStackd& poses, Step& step, PoseStackd& moved) const;
   void update(Step& step, const FrameInput& input, const Eigen::MatrixXd& weighing) const;
   void backward();
 

@@ -1,28 +1,21 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include "particles.hpp"
+#include "slam/particles.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <utility>
 
 #include <Eigen/Eigenvalues>
 
-#include "frames.hpp"
 #include "posemix/density/pose_stack.hpp"
+#include "slam/elapsed.hpp"
 
 namespace posemix::internal {
 namespace {
 
-using ParticleClock = std::chrono::steady_clock;
-
-double seconds_from(ParticleClock::time_point start) {
-  return std::chrono::duration<double>(ParticleClock::now() - start).count();
-}
-
-/// A index drawn by plain weights that sum to `total`.
+/// An index drawn by plain weights that sum to `total`.
 std::size_t draw_index(const std::vector<double>& weights, double total, RandomStream& random) {
   double left = total * random.uniform();
   for (std::size_t i = 0; i + 1 < weights.size(); ++i) {
@@ -75,19 +68,21 @@ std::vector<std::size_t> systematic_resample(const std::vector<double>& weights,
 }
 
 ParticleCloud::ParticleCloud(const PoseDensity& camera, const std::vector<ObjectModel>& models,
-                             const ParticleFilterSettings& settings)
+                             const ParticleFilterSettings& settings, const MotionSettings& motion)
     : models_(models),
       settings_(settings),
+      motion_(motion),
       random_(settings.seed),
-      particles_(settings.particles, Particle{camera_hypothesis(camera, settings.motion),
-                                              {models.size(), std::nullopt}}),
+      particles_(settings.particles,
+                 Particle{camera_hypothesis(camera, motion), {models.size(), std::nullopt}}),
       log_weights_(settings.particles, -std::log(static_cast<double>(settings.particles))) {}
 
 void ParticleCloud::predict(const FrameInput& input) {
   const Matrix6d walk = root_of(settings_.object_walk.over(input.dt));
+  const CameraStep step = camera_step(motion_, input);
   Eigen::VectorXd white(6);
   for (Particle& particle : particles_) {
-    particle.camera = moved(std::move(particle.camera), settings_.motion, input);
+    particle.camera = internal::predict(std::move(particle.camera), step);
     for (auto& object : particle.objects) {
       if (!object) continue;
       random_.fill_normal(white);
@@ -148,7 +143,7 @@ void ParticleCloud::weigh(Particle& particle, double& log_weight, std::size_t ob
 
 DetectionStatus ParticleCloud::observe(std::size_t object, const SE3d& detected,
                                        UpdateReport& report) {
-  const auto begin = ParticleClock::now();
+  const Stopwatch stopwatch;
   const bool known = std::any_of(
       particles_.begin(), particles_.end(),
       [object](const Particle& particle) { return particle.objects[object].has_value(); });
@@ -170,7 +165,7 @@ DetectionStatus ParticleCloud::observe(std::size_t object, const SE3d& detected,
     log_weights_ = std::move(log_weights);
     if (known) report.log_evidence += log_evidence;
   }
-  report.update_seconds += seconds_from(begin);
+  report.update_seconds += stopwatch.seconds();
   if (!ok) return DetectionStatus::failed;
   return known || !started ? DetectionStatus::used : DetectionStatus::started;
 }
@@ -201,9 +196,9 @@ FrameReport ParticleCloud::observe(const std::vector<std::optional<SE3d>>& detec
     report.statuses[object] = observe(object, *detections[object], report.update);
     report.update.gated.push_back(false);
     report.update.failed.push_back(report.statuses[object] == DetectionStatus::failed);
-    const auto begin = ParticleClock::now();
+    const Stopwatch stopwatch;
     resample_if_degenerate();
-    report.update.reduce_seconds += seconds_from(begin);
+    report.update.reduce_seconds += stopwatch.seconds();
   }
   return report;
 }

@@ -5,9 +5,10 @@
 #include <optional>
 #include <vector>
 
-#include "posemix/slam/particle_filter.hpp"
+#include "posemix/slam/particle_slam.hpp"
+#include "slam/motion.hpp"
 
-/// The particles of `run_particle_filter`. In the room `slam` only.
+/// The particles of ParticleSlam.
 namespace posemix::internal {
 
 /// Poses of objects, and the Gaussian of the camera (with its motion where it has one) given these.
@@ -26,7 +27,7 @@ std::vector<std::size_t> systematic_resample(const std::vector<double>& weights,
 class ParticleCloud {
  public:
   ParticleCloud(const PoseDensity& camera, const std::vector<ObjectModel>& models,
-                const ParticleFilterSettings& settings);
+                const ParticleFilterSettings& settings, const MotionSettings& motion);
 
   /// Moves camera and objects by one frame.
   void predict(const FrameInput& input);
@@ -46,8 +47,9 @@ class ParticleCloud {
   DetectionStatus observe(std::size_t object, const SE3d& detected, UpdateReport& report);
   bool resample_if_degenerate();
 
-  const std::vector<ObjectModel>& models_;
-  const ParticleFilterSettings& settings_;
+  std::vector<ObjectModel> models_;
+  ParticleFilterSettings settings_;
+  MotionSettings motion_;
   RandomStream random_;
   std::vector<Particle> particles_;
   std::vector<double> log_weights_;

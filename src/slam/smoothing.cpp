@@ -2,11 +2,11 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "posemix/slam/smoothing.hpp"
 
-#include <chrono>
 #include <utility>
 
-#include "frames.hpp"
-#include "smoothing_window.hpp"
+#include "slam/elapsed.hpp"
+#include "slam/frames.hpp"
+#include "slam/smoothing_window.hpp"
 
 namespace posemix {
 namespace {
@@ -14,7 +14,6 @@ namespace {
 using internal::leading_modes;
 using internal::Modes;
 using internal::SmoothingWindow;
-using SmoothingClock = std::chrono::steady_clock;
 
 const MultiObjectFilter& smoothed_filter(const ObjectSlam& slam) {
   if (const MultiObjectFilter* filter = slam.multi_object()) return *filter;
@@ -22,8 +21,8 @@ const MultiObjectFilter& smoothed_filter(const ObjectSlam& slam) {
 }
 
 /// Which instance a detection is of would have to be smoothed too.
-void refuse_candidates(bool none) {
-  require(none,
+void require_no_candidates(bool has_none) {
+  require(has_none,
           "smoothing: detections that name a class are not smoothed, expected detections "
           "that name their object");
 }
@@ -44,14 +43,27 @@ FixedLagSmoother::FixedLagSmoother(const PoseDensity& camera, std::vector<Object
           "only considered, is not smoothed");
 }
 
-std::optional<FrameEstimate> FixedLagSmoother::start(
-    const std::vector<std::optional<SE3d>>& detections) {
-  return add({0.0, std::nullopt, detections}, slam_.start(detections));
-}
-
 std::optional<FrameEstimate> FixedLagSmoother::step(const FrameInput& input) {
-  refuse_candidates(input.candidates.empty());
-  return add(input, slam_.step(input));
+  require_no_candidates(input.candidates.empty());
+  FrameEstimate filtered = slam_.step(input);
+  ids_ = filtered.ids;
+  FrameInput kept = input;
+  if (is_first_) {  // nothing moves
+    kept.dt = 0.0;
+    kept.motion.reset();
+    is_first_ = false;
+  }
+  const MultiObjectFilter& filter = *slam_.multi_object();
+  std::vector<bool> known;
+  for (std::size_t j = 0; j < filter.objects(); ++j) known.push_back(filter.leading(j).has_value());
+  const std::size_t lag = smoothing_.lag_frames;
+  window_.push_back({std::move(kept), std::move(filtered.report), std::move(known),
+                     lag > 0 ? std::optional(filter) : std::nullopt});
+  if (lag == 0 || window_.size() <= lag) return std::nullopt;
+  FrameEstimate estimate = smooth(1).front();
+  before_ = std::move(*window_.front().after);
+  window_.pop_front();
+  return estimate;
 }
 
 std::vector<FrameEstimate> FixedLagSmoother::finish() {
@@ -61,23 +73,9 @@ std::vector<FrameEstimate> FixedLagSmoother::finish() {
   return frames;
 }
 
-std::optional<FrameEstimate> FixedLagSmoother::add(const FrameInput& input, FrameReport report) {
-  const MultiObjectFilter& filter = *slam_.multi_object();
-  std::vector<bool> known;
-  for (std::size_t j = 0; j < filter.objects(); ++j) known.push_back(filter.leading(j).has_value());
-  const std::size_t lag = smoothing_.lag_frames;
-  window_.push_back(
-      {input, std::move(report), std::move(known), lag > 0 ? std::optional(filter) : std::nullopt});
-  if (lag == 0 || window_.size() <= lag) return std::nullopt;
-  FrameEstimate estimate = smooth(1).front();
-  before_ = std::move(*window_.front().after);
-  window_.pop_front();
-  return estimate;
-}
-
 /// The first `count` frames of the window, smoothed.
 std::vector<FrameEstimate> FixedLagSmoother::smooth(std::size_t count) {
-  const auto begin = SmoothingClock::now();
+  const internal::Stopwatch stopwatch;
   const MultiObjectFilter& now = *slam_.multi_object();
   std::vector<const FrameInput*> inputs;
   for (const Frame& frame : window_) inputs.push_back(&frame.input);
@@ -94,12 +92,12 @@ std::vector<FrameEstimate> FixedLagSmoother::smooth(std::size_t count) {
       probabilities[j] = now.mode_probability(j);
     }
     joint_ = window.inflated(joint[k]);
-    estimates.push_back(internal::frame_estimate(*joint_, indices, window_[k].report));
+    estimates.push_back(internal::frame_estimate(*joint_, indices, ids_, window_[k].report));
     estimates.back().mode_probabilities = std::move(probabilities);
   }
   if (record_hypotheses_) add_alternatives(inputs, joint, estimates);
 
-  const double seconds = std::chrono::duration<double>(SmoothingClock::now() - begin).count();
+  const double seconds = stopwatch.seconds();
   for (FrameEstimate& estimate : estimates)
     estimate.report.seconds += seconds / static_cast<double>(count);
   return estimates;
@@ -133,14 +131,13 @@ SlamRun run_smoothed(const Sequence& sequence, const PoseDensity& camera_prior,
                      const std::vector<ObjectModel>& models, const ObjectSlamSettings& settings,
                      const SmoothingSettings& smoothing, const RunOptions& options) {
   internal::check_run(sequence, models);
-  refuse_candidates(sequence.candidates.empty());
+  require_no_candidates(sequence.candidates.empty());
   FixedLagSmoother smoother(camera_prior, models, settings, smoothing, options.record_hypotheses);
   const std::size_t count = sequence.stamps.size();
   std::vector<FrameEstimate> frames;
   frames.reserve(count);
   for (std::size_t k = 0; k < count; ++k) {
-    const FrameInput input = internal::frame_input(sequence, k);
-    auto estimate = k == 0 ? smoother.start(input.detections) : smoother.step(input);
+    auto estimate = smoother.step(internal::frame_input(sequence, k));
     if (estimate) frames.push_back(std::move(*estimate));
     if (options.progress && !options.progress(k + 1, count)) break;
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include "smoothing_window.hpp"
+#include "slam/smoothing_window.hpp"
 
 #include <algorithm>
 #include <utility>

@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "mode_smoother.hpp"
-#include "posemix/slam/object_slam.hpp"
+#include "posemix/filter/multi_object_filter.hpp"
+#include "slam/mode_smoother.hpp"
 
 /// Frames to be smoothed, between what the filter knew and what it knows. In the room `slam` only.
 namespace posemix::internal {

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include <gtest/gtest.h>
 
+#include "posemix/config/sequence_file.hpp"
 #include "posemix/results/results.hpp"
 #include "posemix/testing/data.hpp"
 

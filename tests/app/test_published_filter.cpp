@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "posemix/base/units.hpp"
+#include "posemix/config/sequence_file.hpp"
 #include "posemix/io/text.hpp"
 #include "posemix/io/tum.hpp"
 #include "posemix/results/results.hpp"

@@ -21,24 +21,47 @@ SlamJob read_small(const std::vector<std::string>& overrides) {
   return read_slam_job(document, {small.folder.path()});
 }
 
+GaussianSumSettings gaussian_sum(const SlamJob& job) {
+  return std::get<GaussianSumSettings>(job.settings.tracker);
+}
+
+TEST(FilterMethods, EveryMethodOfTheLibraryByName) {
+  for (const SlamMethod& method : slam_methods()) {
+    const SlamJob job = read_small({"filter={method='" + method.name + "'}"});
+    EXPECT_EQ(job.method, method.title());
+    EXPECT_EQ(job.settings.tracker.index(), method.tracker.index());
+    EXPECT_EQ(job.smoothing.has_value(), method.smoothing.has_value());
+  }
+  const GaussianSumSettings midway = gaussian_sum(read_small({"filter={method='midway'}"}));
+  EXPECT_EQ(midway.noise_use, NoiseUse::joint);
+  EXPECT_EQ(midway.reduction.max_components, 12U);
+  // A key changes a setting of the method, but for those that make it.
+  EXPECT_EQ(gaussian_sum(read_small({"filter={method='midway', max_components=5}"}))
+                .reduction.max_components,
+            5U);
+  EXPECT_EQ(gaussian_sum(read_small({"filter={method='riekf', max_components=5}"}))
+                .reduction.max_components,
+            1U);
+  EXPECT_INVALID_WITH(read_small({"filter.method=ekf"}), "key 'filter.method'");
+}
+
 TEST(FilterMethods, BaselinesByName) {
   const SlamJob cauchy = read_small({"filter.method=riekf_cauchy", "filter.cauchy_scale=2"});
   EXPECT_EQ(cauchy.method, "riekf (Cauchy, c = 2)");
-  EXPECT_EQ(cauchy.settings.filter.robust_loss, RobustLoss::cauchy);
-  EXPECT_EQ(cauchy.settings.filter.cauchy_scale, 2.0);
-  EXPECT_EQ(cauchy.settings.filter.reduction.max_components, 1U);
+  EXPECT_EQ(gaussian_sum(cauchy).robust_loss, RobustLoss::cauchy);
+  EXPECT_EQ(gaussian_sum(cauchy).cauchy_scale, 2.0);
+  EXPECT_EQ(gaussian_sum(cauchy).reduction.max_components, 1U);
   EXPECT_EQ(cauchy.models[0].noise.components().size(), 1U);
-  EXPECT_EQ(read_small({"filter.robust_loss=cauchy"}).settings.filter.robust_loss,
+  EXPECT_EQ(gaussian_sum(read_small({"filter.robust_loss=cauchy"})).robust_loss,
             RobustLoss::cauchy);
   const SlamJob max_mixture = read_small({"filter.method=max_mixture"});
   EXPECT_EQ(max_mixture.method, "max-mixture");
-  EXPECT_EQ(max_mixture.settings.filter.noise_use, NoiseUse::most_likely);
-  EXPECT_EQ(max_mixture.settings.filter.update, UpdateRule::linearized);
-  EXPECT_EQ(max_mixture.settings.filter.reduction.max_components, 1U);
+  EXPECT_EQ(gaussian_sum(max_mixture).noise_use, NoiseUse::most_likely);
+  EXPECT_EQ(gaussian_sum(max_mixture).update, UpdateRule::linearized);
+  EXPECT_EQ(gaussian_sum(max_mixture).reduction.max_components, 1U);
   const SlamJob plain = read_small({});
   EXPECT_EQ(max_mixture.models[2].noise.components().size(),
             plain.models[2].noise.components().size());
-  EXPECT_FALSE(plain.particles.has_value());
   EXPECT_INVALID_WITH(read_small({"filter.cauchy_scale=0"}), "key 'filter.cauchy_scale'");
 }
 
@@ -48,19 +71,18 @@ TEST(FilterMethods, ParticleFilter) {
                   "filter.resample_below=0.25", "filter.particle_walk_rotation_sd_deg=2",
                   "filter.particle_walk_translation_sd_m=[0.1, 0.2, 0.3]"});
   EXPECT_EQ(job.method, "rbpf (50 particles)");
-  ASSERT_TRUE(job.particles.has_value());
-  EXPECT_EQ(job.particles->particles, 50U);
-  EXPECT_EQ(job.particles->seed, 7U);
-  EXPECT_EQ(job.particles->resample_below, 0.25);
-  const Matrix6d walk = job.particles->object_walk.covariance;
+  const auto* particles = std::get_if<ParticleFilterSettings>(&job.settings.tracker);
+  ASSERT_NE(particles, nullptr);
+  EXPECT_EQ(particles->particles, 50U);
+  EXPECT_EQ(particles->seed, 7U);
+  EXPECT_EQ(particles->resample_below, 0.25);
+  const Matrix6d walk = particles->object_walk.covariance;
   EXPECT_NEAR(std::sqrt(walk(1, 1)), radians(2.0), 1e-15);
   EXPECT_NEAR(std::sqrt(walk(5, 5)), 0.3, 1e-15);
-  EXPECT_EQ(job.particles->motion.model, job.settings.motion.model);
-  EXPECT_EQ(job.particles->motion.noise.covariance, job.settings.motion.noise.covariance);
   // `run` of the job is the particle filter.
   const SlamRun by_job = run(job);
-  const SlamRun direct =
-      run_particle_filter(job.sequence, job.camera_prior, job.models, *job.particles);
+  const SlamRun direct = run(job.sequence, job.camera_prior, job.models,
+                             {.motion = job.settings.motion, .tracker = *particles});
   EXPECT_EQ(by_job.posterior.size(), 32U);
   EXPECT_EQ(by_job.frames.back().camera.mean().matrix(),
             direct.frames.back().camera.mean().matrix());

@@ -70,8 +70,9 @@ TEST_F(SequenceFile, SettingsArriveWithTheirUnits) {
   EXPECT_EQ(job.settings.motion.model, MotionModel::odometry);
   EXPECT_EQ(job.settings.motion.noise.per, NoisePer::second);
   EXPECT_NEAR(job.settings.motion.noise.covariance(0, 0), std::pow(radians(0.15), 2), 1e-18);
-  EXPECT_EQ(job.settings.filter.reduction.max_components, 4U);
-  EXPECT_EQ(job.settings.filter.gate_probability, 0.9999);
+  const auto& filter = std::get<GaussianSumSettings>(job.settings.tracker);
+  EXPECT_EQ(filter.reduction.max_components, 4U);
+  EXPECT_EQ(filter.gate_probability, 0.9999);
 }
 
 TEST_F(SequenceFile, DefaultsAreThoseOfTheSettings) {
@@ -79,13 +80,18 @@ TEST_F(SequenceFile, DefaultsAreThoseOfTheSettings) {
       "[filter]\nmethod = \"gm-iekf\"\nmax_components = 4\ngate_probability = 0.9999\nupdate = "
       "\"linearized\"\n";
   const std::string text = replaced(std::string(kSmallToml), filter, "");
+  const SlamJob sum = read(text + "[filter]\nmethod = \"gm-iekf\"\n");
+  const auto& read_filter = std::get<GaussianSumSettings>(sum.settings.tracker);
+  const GaussianSumSettings filter_defaults;
+  EXPECT_EQ(read_filter.reduction.max_components, filter_defaults.reduction.max_components);
+  EXPECT_EQ(read_filter.reduction.prune_below, filter_defaults.reduction.prune_below);
+  EXPECT_EQ(read_filter.gate_probability, filter_defaults.gate_probability);
+  EXPECT_EQ(read_filter.update, filter_defaults.update);
+  EXPECT_EQ(read_filter.summary, filter_defaults.summary);
   const SlamJob job = read(text);
   const ObjectSlamSettings defaults;
-  EXPECT_EQ(job.settings.filter.reduction.max_components, defaults.filter.reduction.max_components);
-  EXPECT_EQ(job.settings.filter.reduction.prune_below, defaults.filter.reduction.prune_below);
-  EXPECT_EQ(job.settings.filter.gate_probability, defaults.filter.gate_probability);
-  EXPECT_EQ(job.settings.filter.update, defaults.filter.update);
-  EXPECT_EQ(job.settings.filter.summary, defaults.filter.summary);
+  EXPECT_EQ(std::get<MultiObjectSlamSettings>(job.settings.tracker).filter.max_hypotheses,
+            MultiObjectSettings().max_hypotheses);
   EXPECT_EQ(job.settings.motion.period_s, defaults.motion.period_s);
   EXPECT_EQ(job.settings.motion.unknown_motion.covariance,
             defaults.motion.unknown_motion.covariance);
@@ -107,16 +113,17 @@ TEST_F(SequenceFile, EverySettingCanBeSet) {
   EXPECT_EQ(s.motion.noise.per, NoisePer::frame);
   EXPECT_EQ(s.motion.motion_noise.covariance(5, 5), 9.0);
   EXPECT_TRUE(s.motion.unknown_motion.covariance.isZero());
-  EXPECT_EQ(s.filter.noise_use, NoiseUse::joint);
-  EXPECT_EQ(s.filter.update, UpdateRule::iterated);
-  EXPECT_EQ(s.filter.summary, Summary::best);
-  EXPECT_EQ(s.filter.reduction.merge_from, 8U);
-  EXPECT_EQ(s.filter.reduction.keep_heaviest, 64U);
-  EXPECT_EQ(s.filter.reduction.prune_below, 0.0);
-  EXPECT_EQ(s.filter.reduction.merge.rule, MergeRule::moment_matched);
-  EXPECT_EQ(s.filter.reduction.pair, PairRule::runnalls);
-  EXPECT_EQ(s.filter.reduction.distance, DistanceMetric::mahalanobis);
-  EXPECT_EQ(s.filter.reduction.merge.jacobian, TransportJacobian::bernoulli);
+  const auto& filter = std::get<GaussianSumSettings>(s.tracker);
+  EXPECT_EQ(filter.noise_use, NoiseUse::joint);
+  EXPECT_EQ(filter.update, UpdateRule::iterated);
+  EXPECT_EQ(filter.summary, Summary::best);
+  EXPECT_EQ(filter.reduction.merge_from, 8U);
+  EXPECT_EQ(filter.reduction.keep_heaviest, 64U);
+  EXPECT_EQ(filter.reduction.prune_below, 0.0);
+  EXPECT_EQ(filter.reduction.merge.rule, MergeRule::moment_matched);
+  EXPECT_EQ(filter.reduction.pair, PairRule::runnalls);
+  EXPECT_EQ(filter.reduction.distance, DistanceMetric::mahalanobis);
+  EXPECT_EQ(filter.reduction.merge.jacobian, TransportJacobian::bernoulli);
   EXPECT_EQ(job.trace_hypotheses, 3U);
   EXPECT_EQ(job.method, "gm-iekf (moment matched, iterated)");
 }
@@ -124,7 +131,7 @@ TEST_F(SequenceFile, EverySettingCanBeSet) {
 TEST_F(SequenceFile, RiekfHasOneHypothesisAndOneNoiseComponent) {
   const SlamJob job = read_with({"filter.method=riekf"});
   EXPECT_EQ(job.method, "riekf");
-  EXPECT_EQ(job.settings.filter.reduction.max_components, 1U);
+  EXPECT_EQ(std::get<GaussianSumSettings>(job.settings.tracker).reduction.max_components, 1U);
   for (const ObjectModel& model : job.models) EXPECT_EQ(model.noise.components().size(), 1U);
 }
 

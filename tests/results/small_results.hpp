@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "config/small_recording.hpp"
+#include "posemix/config/sequence_file.hpp"
 #include "posemix/results/results.hpp"
 
 namespace posemix::testing {

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "config/small_recording.hpp"
+#include "posemix/config/sequence_file.hpp"
 #include "posemix/results/results.hpp"
 #include "posemix/testing/mutate.hpp"
 
@@ -28,9 +29,13 @@ std::string one_object() {
 /// Runs with few hypotheses and frames, because a damaged setting may have any number.
 void slam_to_text(const TomlDocument& document, const std::filesystem::path& folder) {
   SlamJob job = read_slam_job(document, {folder});
-  auto& reduction = job.settings.filter.reduction;
-  reduction.max_components = std::min<std::size_t>(reduction.max_components, 4);
-  reduction.merge_from = std::min<std::size_t>(reduction.merge_from, 8);
+  if (auto* filter = std::get_if<GaussianSumSettings>(&job.settings.tracker)) {
+    ReductionSettings& reduction = filter->reduction;
+    reduction.max_components = std::min<std::size_t>(reduction.max_components, 4);
+    reduction.merge_from = std::min<std::size_t>(reduction.merge_from, 8);
+  }
+  if (auto* particles = std::get_if<ParticleFilterSettings>(&job.settings.tracker))
+    particles->particles = std::min<std::size_t>(particles->particles, 8);
   const auto progress = [](std::size_t done, std::size_t) { return done < kMostFrames; };
   const SlamRun slam = run(job.sequence, job.camera_prior, job.models, job.settings,
                            {.record_hypotheses = true, .progress = progress});

@@ -140,9 +140,10 @@ TEST(SimulationFolder, SequenceFileTellsTheFilterWhatTheConfigurationSays) {
   EXPECT_EQ(job.settings.motion.noise.per, NoisePer::second);
   EXPECT_TRUE(job.settings.motion.noise.covariance.isApprox(
       motion_settings(file.config).noise.covariance, 1e-9));
-  EXPECT_EQ(job.settings.filter.gate_probability, 0.99);
-  EXPECT_EQ(job.settings.filter.reduction.max_components, 7U);
-  EXPECT_EQ(job.settings.filter.reduction.pair, PairRule::runnalls);
+  const auto& filter = std::get<GaussianSumSettings>(job.settings.tracker);
+  EXPECT_EQ(filter.gate_probability, 0.99);
+  EXPECT_EQ(filter.reduction.max_components, 7U);
+  EXPECT_EQ(filter.reduction.pair, PairRule::runnalls);
   for (std::size_t i = 0; i < 2; ++i) {
     const auto& actual = job.models[i].noise.components();
     const ObjectModel model = object_model(file.config.objects[i]);

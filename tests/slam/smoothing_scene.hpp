@@ -23,12 +23,13 @@ inline const Matrix6d kStartCovariance = isotropic(0.1, 0.002);
 
 /// The filter assumes the given noise, and errors that are independent of each other.
 inline ObjectSlamSettings plain_slam_settings(double odometry_camera_fraction = 1.0) {
-  ObjectSlamSettings settings;
-  settings.multi_object.odometry_camera_fraction = odometry_camera_fraction;
-  settings.multi_object.noise_scale_detections = std::numeric_limits<double>::infinity();
-  settings.multi_object.correlation_s = 0.0;
-  settings.multi_object.correlation_detections = std::numeric_limits<double>::infinity();
-  settings.multi_object.bias_variance_fraction = 0.0;
+  MultiObjectSlamSettings tracker;
+  tracker.filter.odometry_camera_fraction = odometry_camera_fraction;
+  tracker.filter.noise_scale_detections = std::numeric_limits<double>::infinity();
+  tracker.filter.correlation_s = 0.0;
+  tracker.filter.correlation_detections = std::numeric_limits<double>::infinity();
+  tracker.filter.bias_variance_fraction = 0.0;
+  ObjectSlamSettings settings{.motion = {}, .tracker = tracker};
   settings.motion.noise = {kQ, NoisePer::frame};
   settings.motion.unknown_motion = {isotropic(5.0, 0.1), NoisePer::frame};
   return settings;

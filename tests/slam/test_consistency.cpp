@@ -44,9 +44,10 @@ double squared_normalized_error(const DetectorNoise& noise, std::uint64_t run) {
                                      pose(-0.8, 0.3, 1.0, -0.4, 0.2, 1.2)};
 
   ObjectSlamSettings settings;
-  settings.kind = SlamFilter::gaussian_sum;
-  settings.filter.noise_use = NoiseUse::per_object;
-  settings.filter.reduction.max_components = noise.components().size() == 1 ? 1 : 8;
+  GaussianSumSettings filter;
+  filter.noise_use = NoiseUse::per_object;
+  filter.reduction.max_components = noise.components().size() == 1 ? 1 : 8;
+  settings.tracker = filter;
   settings.motion.noise = {q, NoisePer::frame};
   ObjectSlam slam(ConcentratedGaussian<SE3d>(start, camera_covariance),
                   {{"a", noise, std::nullopt}, {"b", noise, std::nullopt}}, settings);
@@ -59,7 +60,7 @@ double squared_normalized_error(const DetectorNoise& noise, std::uint64_t run) {
     }
     return detections;
   };
-  slam.start(detect());
+  slam.step({.detections = detect()});
   for (int frame = 1; frame < kFrames; ++frame) {
     const SE3d odometry = pose(0.01, -0.02, 0.015, 0.02 * std::cos(0.1 * frame), 0.01, 0.0);
     camera = camera * odometry * SE3d::exp(draw(q, stream));

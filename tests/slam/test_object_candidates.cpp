@@ -78,9 +78,10 @@ Followed follow(OrbitScene& scene, const SymmetryGroup& declared, int frames) {
   result.models.resize(scene.truth.size());
   std::vector<std::optional<SE3d>> before(scene.truth.size());
   for (int k = 0; k < frames; ++k) {
-    const FrameReport report =
-        k == 0 ? slam.start(none(kModels), detect(scene))
-               : slam.step({0.1, scene.advance(), none(kModels), detect(scene)});
+    FrameInput input{.dt = 0.1, .motion = {}, .detections = none(kModels)};
+    if (k > 0) input.motion = scene.advance();
+    input.candidates = detect(scene);
+    const FrameReport report = slam.step(input).report;
     for (const CandidateReport& candidate : report.candidates)
       result.recycled += candidate.recycled;
     for (std::size_t j = 0; j < scene.truth.size(); ++j) {
@@ -142,13 +143,18 @@ std::vector<Candidate> at(double x, double score = 1.0) {
   return {{"bolt", pose(0.3, 0.2, 0.1, x, 0.0, 0.8), score}};
 }
 
+/// The first frame, with candidates for one model.
+FrameInput first(const std::vector<Candidate>& candidates) {
+  return {.detections = none(1), .candidates = candidates};
+}
+
 TEST(ObjectCandidates, ATentativeInstanceGivesWay) {
   ObjectSlam slam = make(SE3d(), bolts(1, {}));
-  EXPECT_EQ(slam.start(none(1), at(0.0)).candidates[0].status, CandidateStatus::fresh);
-  EXPECT_EQ(slam.step({0.1, SE3d(), none(1), at(0.0)}).candidates[0].status,
+  EXPECT_EQ(slam.step(first(at(0.0))).report.candidates[0].status, CandidateStatus::fresh);
+  EXPECT_EQ(slam.step({0.1, SE3d(), none(1), at(0.0)}).report.candidates[0].status,
             CandidateStatus::assigned);
   EXPECT_EQ(slam.detections(0), 2U);
-  const CandidateReport taken = slam.step({0.1, SE3d(), none(1), at(0.4)}).candidates[0];
+  const CandidateReport taken = slam.step({0.1, SE3d(), none(1), at(0.4)}).report.candidates[0];
   EXPECT_EQ(taken.status, CandidateStatus::fresh);
   EXPECT_EQ(taken.object, std::optional<std::size_t>(0));
   EXPECT_TRUE(taken.recycled);
@@ -158,9 +164,9 @@ TEST(ObjectCandidates, ATentativeInstanceGivesWay) {
 
 TEST(ObjectCandidates, AConfirmedInstanceStays) {
   ObjectSlam slam = make(SE3d(), bolts(1, {}));
-  slam.start(none(1), at(0.0));
+  slam.step(first(at(0.0)));
   for (int k = 0; k < 2; ++k) slam.step({0.1, SE3d(), none(1), at(0.0)});
-  const CandidateReport other = slam.step({0.1, SE3d(), none(1), at(0.4)}).candidates[0];
+  const CandidateReport other = slam.step({0.1, SE3d(), none(1), at(0.4)}).report.candidates[0];
   EXPECT_EQ(other.status, CandidateStatus::dropped);
   EXPECT_FALSE(other.object.has_value());
   EXPECT_EQ(slam.detections(0), 3U);
@@ -171,7 +177,7 @@ TEST(ObjectCandidates, TheSurestTakesTheLastModel) {
   std::vector<Candidate> both = at(0.0, 0.5);
   both.push_back(at(0.4, 0.9).front());
   both.push_back({"nut", SE3d(), 1.0});
-  const FrameReport report = slam.start(none(1), both);
+  const FrameReport report = slam.step(first(both)).report;
   // One that was seen in this frame does not give way.
   EXPECT_EQ(report.candidates[0].status, CandidateStatus::dropped);
   EXPECT_EQ(report.candidates[1].status, CandidateStatus::fresh);
@@ -182,17 +188,17 @@ TEST(ObjectCandidates, TheSurestTakesTheLastModel) {
 TEST(ObjectCandidates, AnObjectIsAClassOfItsOwn) {
   ObjectModel bolt{.id = "bolt", .noise = ray_noise()};
   ObjectSlam slam = make(SE3d(), {bolt});
-  slam.start({at(0.0).front().camera_object});
-  const FrameReport report = slam.step({0.1, SE3d(), none(1), at(0.0)});
+  slam.step({.detections = {at(0.0).front().camera_object}});
+  const FrameReport report = slam.step({0.1, SE3d(), none(1), at(0.0)}).report;
   EXPECT_EQ(report.candidates[0].status, CandidateStatus::assigned);
   EXPECT_EQ(slam.detections(0), 2U);
 }
 
 TEST(ObjectCandidates, TheGaussianSumFilterRefusesThem) {
   ObjectSlamSettings settings;
-  settings.kind = SlamFilter::gaussian_sum;
+  settings.tracker = GaussianSumSettings{};
   ObjectSlam slam(ConcentratedGaussian<SE3d>(SE3d(), isotropic(0.1, 1e-3)), bolts(1, {}), settings);
-  EXPECT_NE(thrown_message([&] { slam.start(none(1), at(0.0)); }).find("Gaussian-sum"),
+  EXPECT_NE(thrown_message([&] { slam.step(first(at(0.0))); }).find("Gaussian-sum"),
             std::string::npos);
 }
 

@@ -4,6 +4,7 @@
 
 #include "filter/scenario.hpp"
 #include "posemix/slam/object_slam.hpp"
+#include "posemix/testing/expect.hpp"
 
 namespace posemix {
 namespace {
@@ -11,6 +12,7 @@ namespace {
 using testing::gaussian_noise;
 using testing::isotropic;
 using testing::pose;
+using testing::thrown_message;
 
 const ConcentratedGaussian<SE3d> kPrior(pose(0.1, 0.2, -0.1, 0.3, -0.2, 0.1),
                                         isotropic(0.5, 0.005));
@@ -21,15 +23,20 @@ ObjectModel model(const std::string& id) { return {id, gaussian_noise(), std::nu
 /// Uses the Gaussian-sum filter, whose results are known exactly; the code around it is the same
 /// for both filters.
 ObjectSlam make(ObjectSlamSettings settings = {}) {
-  settings.kind = SlamFilter::gaussian_sum;
+  settings.tracker = GaussianSumSettings{};
   return ObjectSlam(kPrior, {model("a"), model("b")}, settings);
+}
+
+/// A frame of which nothing but detections is given, as the first one may be.
+FrameInput detected(std::vector<std::optional<SE3d>> detections) {
+  return {.detections = std::move(detections)};
 }
 
 std::optional<SE3d> seen(const SE3d& camera = kPrior.mean()) { return camera.inverse() * kObject; }
 
 TEST(ObjectSlamTest, FramesWithNothingAreValid) {
   ObjectSlam slam = make();
-  const FrameReport first = slam.start({std::nullopt, std::nullopt});
+  const FrameReport first = slam.step(detected({std::nullopt, std::nullopt})).report;
   EXPECT_EQ(first.statuses, std::vector(2, DetectionStatus::none));
   EXPECT_EQ(slam.estimate().mean().size(), 1U);
   slam.step({0.1, std::nullopt, {std::nullopt, std::nullopt}});
@@ -39,10 +46,11 @@ TEST(ObjectSlamTest, FramesWithNothingAreValid) {
 
 TEST(ObjectSlamTest, ObjectsEnterInTheOrderSeenAndAtAnyFrame) {
   ObjectSlam slam = make();
-  slam.start({std::nullopt, std::nullopt});
-  EXPECT_EQ(slam.step({0.1, SE3d(), {std::nullopt, seen()}}).statuses[1], DetectionStatus::started);
+  slam.step(detected({std::nullopt, std::nullopt}));
+  EXPECT_EQ(slam.step({0.1, SE3d(), {std::nullopt, seen()}}).report.statuses[1],
+            DetectionStatus::started);
   EXPECT_EQ(slam.pose_index(1), std::optional<std::size_t>(1));
-  const FrameReport report = slam.step({0.1, SE3d(), {seen(), seen()}});
+  const FrameReport report = slam.step({0.1, SE3d(), {seen(), seen()}}).report;
   EXPECT_EQ(report.statuses[0], DetectionStatus::started);
   EXPECT_EQ(report.statuses[1], DetectionStatus::used);
   EXPECT_EQ(slam.pose_index(0), std::optional<std::size_t>(2));
@@ -54,7 +62,7 @@ TEST(ObjectSlamTest, MissingOdometryIsARandomWalkOfTheUnknownMotion) {
   settings.motion.unknown_motion = {isotropic(10.0, 0.1), NoisePer::second};
   ObjectSlam known = make(settings);
   ObjectSlam unknown = make(settings);
-  for (ObjectSlam* slam : {&known, &unknown}) slam->start({std::nullopt, std::nullopt});
+  for (ObjectSlam* slam : {&known, &unknown}) slam->step(detected({std::nullopt, std::nullopt}));
   known.step({0.5, SE3d(), {std::nullopt, std::nullopt}});
   unknown.step({0.5, std::nullopt, {std::nullopt, std::nullopt}});
   const Matrix6d added = unknown.estimate().covariance() - kPrior.covariance();
@@ -66,9 +74,9 @@ TEST(ObjectSlamTest, IndependentStartKeepsTheGivenCovarianceAndNoCrossTerms) {
   ObjectModel independent = model("a");
   independent.independent_start = isotropic(4.0, 0.1);
   ObjectSlamSettings settings;
-  settings.kind = SlamFilter::gaussian_sum;
+  settings.tracker = GaussianSumSettings{};
   ObjectSlam slam(kPrior, {independent}, settings);
-  slam.start({seen()});
+  slam.step(detected({seen()}));
   const Eigen::MatrixXd p = slam.estimate().covariance();
   EXPECT_TRUE(p.bottomRightCorner(6, 6).isApprox(isotropic(4.0, 0.1), 1e-14));
   EXPECT_EQ(p.topRightCorner(6, 6).cwiseAbs().maxCoeff(), 0.0);
@@ -78,7 +86,7 @@ TEST(ObjectSlamTest, ConstantVelocityKeepsTheMotionInTheState) {
   ObjectSlamSettings settings;
   settings.motion.model = MotionModel::constant_velocity;
   ObjectSlam slam = make(settings);
-  slam.start({seen(), std::nullopt});
+  slam.step(detected({seen(), std::nullopt}));
   EXPECT_EQ(slam.estimate().mean().size(), 3U);
   EXPECT_EQ(slam.pose_index(0), std::optional<std::size_t>(2));
   SE3d camera = kPrior.mean();
@@ -93,13 +101,15 @@ TEST(ObjectSlamTest, ConstantVelocityKeepsTheMotionInTheState) {
 TEST(ObjectSlamTest, TheDefaultIsTheMultiObjectFilterAndSaysWhatBecameOfDetections) {
   ObjectSlam slam(kPrior, {{.id = "a"}, {.id = "b"}}, {});
   ASSERT_NE(slam.multi_object(), nullptr);
-  EXPECT_EQ(slam.start({seen(), std::nullopt}).statuses,
+  EXPECT_EQ(slam.step(detected({seen(), std::nullopt})).report.statuses,
             (std::vector{DetectionStatus::started, DetectionStatus::none}));
-  EXPECT_EQ(slam.step({0.1, SE3d(), {seen(), std::nullopt}}).statuses[0], DetectionStatus::used);
+  EXPECT_EQ(slam.step({0.1, SE3d(), {seen(), std::nullopt}}).report.statuses[0],
+            DetectionStatus::used);
   const std::optional<SE3d> flipped = *seen() * pose(0, 3.0, 0, 0, 0, 0);
-  EXPECT_EQ(slam.step({0.1, SE3d(), {flipped, std::nullopt}}).statuses[0], DetectionStatus::birth);
+  EXPECT_EQ(slam.step({0.1, SE3d(), {flipped, std::nullopt}}).report.statuses[0],
+            DetectionStatus::birth);
   for (int i = 0; i < 5; ++i) slam.step({0.1, SE3d(), {seen(), std::nullopt}});
-  EXPECT_EQ(slam.step({0.1, SE3d(), {flipped, std::nullopt}}).statuses[0],
+  EXPECT_EQ(slam.step({0.1, SE3d(), {flipped, std::nullopt}}).report.statuses[0],
             DetectionStatus::doubted);
   EXPECT_EQ(slam.pose_index(0), std::optional<std::size_t>(1));
   EXPECT_FALSE(slam.pose_index(1).has_value());
@@ -118,10 +128,92 @@ TEST(ObjectSlamTest, AnIndependentStartIsRefusedByTheMultiObjectFilter) {
   EXPECT_THROW(ObjectSlam(kPrior, {independent}, {}), InvalidInput);
 }
 
+TEST(ObjectSlamTest, TimeAndMotionBeforeTheFirstFrameDoNotMatter) {
+  ObjectSlam bare = make();
+  ObjectSlam told = make();
+  bare.step(detected({seen(), std::nullopt}));
+  told.step({-1.0, pose(0.1, 0.2, 0.3, 1.0, 2.0, 3.0), {seen(), std::nullopt}});
+  EXPECT_EQ(bare.estimate().mean()[kCamera].matrix(), told.estimate().mean()[kCamera].matrix());
+  EXPECT_EQ(bare.estimate().covariance(), told.estimate().covariance());
+}
+
+TEST(ObjectSlamTest, AStepGivesObjectsByIndexAndById) {
+  ObjectSlam slam(kPrior, {model("mug"), model("box")}, {.record_hypotheses = true});
+  const FrameEstimate estimate = slam.step(detected({std::nullopt, seen()}));
+  EXPECT_EQ(estimate.index_of("box"), 1U);
+  const ObjectEstimate box = estimate.object("box");
+  ASSERT_TRUE(box.world.has_value());
+  EXPECT_TRUE(box.world->mean().is_approx(kObject, 1e-9));
+  EXPECT_EQ(box.world->covariance(), estimate.objects[1]->covariance());
+  EXPECT_TRUE(box.relative->mean().is_approx(*seen(), 1e-9));
+  EXPECT_EQ(box.mode_probability, slam.multi_object()->mode_probability(1));
+  EXPECT_EQ(box.status, DetectionStatus::started);
+  ASSERT_EQ(box.alternatives.size(), 1U);
+  EXPECT_TRUE(box.alternatives[0].pose.is_approx(kObject, 1e-9));
+  const ObjectEstimate mug = estimate.object("mug");
+  EXPECT_FALSE(mug.world || mug.relative || mug.mode_probability);
+  EXPECT_EQ(mug.status, DetectionStatus::none);
+  EXPECT_EQ(thrown_message([&] { return estimate.object("cup"); }),
+            "there is no object 'cup', expected one of: mug, box");
+}
+
+TEST(ObjectSlamTest, HypothesesAreRecordedWhereAskedFor) {
+  ObjectSlam bare(kPrior, {model("a")});
+  EXPECT_TRUE(bare.step(detected({seen()})).alternatives.empty());
+  const ObjectSlamSettings sum{.tracker = GaussianSumSettings{}, .record_hypotheses = true};
+  ObjectSlam recording(kPrior, {model("a")}, sum);
+  const FrameEstimate estimate = recording.step(detected({seen()}));
+  EXPECT_EQ(estimate.hypotheses.size(), recording.posterior().size());
+  EXPECT_TRUE(make().step(detected({seen(), seen()})).hypotheses.empty());
+}
+
+TEST(ObjectSlamTest, IsTheTrackerOfItsSettings) {
+  const std::vector<ObjectModel> models{model("a"), model("b")};
+  MultiObjectSlam multi_object(kPrior, models);
+  GaussianSumSlam gaussian_sum(kPrior, models);
+  ParticleSlam particles(kPrior, models);
+  const auto expect_same = [&](auto& tracker, const TrackerSettings& settings) {
+    ObjectSlam slam(kPrior, models, {.tracker = settings});
+    for (const auto& detections : {std::vector{seen(), seen()}, std::vector{seen(), {}}}) {
+      const FrameInput input{0.1, pose(0.01, 0.0, 0.0, 0.0, 0.01, 0.0), detections};
+      const FrameEstimate expected = tracker.step(input);
+      EXPECT_EQ(slam.step(input).camera.covariance(), expected.camera.covariance());
+    }
+    EXPECT_EQ(slam.posterior().size(), tracker.posterior().size());
+    EXPECT_EQ(slam.pose_index(1), tracker.pose_index(1));
+    EXPECT_EQ(slam.detections(0), 2U);
+    EXPECT_EQ(slam.objects()[1].id, "b");
+  };
+  expect_same(multi_object, MultiObjectSlamSettings{});
+  expect_same(gaussian_sum, GaussianSumSettings{});
+  expect_same(particles, ParticleFilterSettings{});
+}
+
+TEST(ObjectSlamTest, ACopyGoesItsOwnWay) {
+  for (const TrackerSettings& tracker :
+       {TrackerSettings(MultiObjectSlamSettings{}),
+        TrackerSettings(ParticleFilterSettings{.particles = 20})}) {
+    ObjectSlam slam(kPrior, {model("a")}, {.tracker = tracker});
+    slam.step(detected({seen()}));
+    ObjectSlam copy = slam;
+    const FrameInput input{0.1, SE3d(), {seen()}};
+    const Eigen::MatrixXd covariance = slam.step(input).camera.covariance();
+    EXPECT_NE(copy.estimate().covariance(), slam.estimate().covariance());
+    EXPECT_EQ(copy.step(input).camera.covariance(), covariance);
+  }
+}
+
+TEST(ObjectSlamTest, RefusesTwoModelsOfOneId) {
+  EXPECT_EQ(thrown_message([] {
+              return ObjectSlam(kPrior, {model("a"), model("a")});
+            }),
+            "two object models have the id 'a'");
+}
+
 TEST(ObjectSlamTest, RefusesInputOfTheWrongShape) {
   ObjectSlam slam = make();
-  EXPECT_THROW(slam.start({std::nullopt}), InvalidInput);
-  slam.start({std::nullopt, std::nullopt});
+  EXPECT_THROW(slam.step(detected({std::nullopt})), InvalidInput);
+  slam.step(detected({std::nullopt, std::nullopt}));
   EXPECT_THROW(slam.step({0.0, SE3d(), {std::nullopt, std::nullopt}}), InvalidInput);
   EXPECT_THROW(slam.step({-1.0, SE3d(), {std::nullopt, std::nullopt}}), InvalidInput);
   EXPECT_THROW(slam.step({0.1, SE3d(), {}}), InvalidInput);

@@ -6,6 +6,7 @@
 
 #include "filter/scenario.hpp"
 #include "posemix/slam/evaluation.hpp"
+#include "posemix/slam/method.hpp"
 
 namespace posemix {
 namespace {
@@ -38,7 +39,7 @@ Sequence perfect_sequence() {
 
 SlamRun run_default(const Sequence& sequence, const RunOptions& options = {}) {
   ObjectSlamSettings settings;
-  settings.kind = SlamFilter::gaussian_sum;
+  settings.tracker = GaussianSumSettings{};
   return run(sequence, kPrior, {{"mug", gaussian_noise(), std::nullopt}}, settings, options);
 }
 
@@ -84,11 +85,12 @@ TEST(Run, ProgressCountsFramesAndCanStop) {
 }
 
 TEST(Run, RiekfHasOneHypothesisAndTheSecondMomentOfTheNoise) {
-  const auto [models, settings] = as_riekf({{"mug", heavy_tailed_noise(), std::nullopt}}, {});
+  const SlamMethod& riekf = find_slam_method("riekf");
+  const auto models = riekf.models({{"mug", heavy_tailed_noise(), std::nullopt}});
   EXPECT_EQ(models[0].noise.components().size(), 1U);
   const double variance = models[0].noise.components()[0].covariance(2, 2);
   EXPECT_NEAR(variance, 0.7 * std::pow(radians(4), 2) + 0.3 * std::pow(radians(12), 2), 1e-12);
-  const SlamRun result = run(perfect_sequence(), kPrior, models, settings);
+  const SlamRun result = run(perfect_sequence(), kPrior, models, riekf.settings());
   EXPECT_EQ(result.posterior.size(), 1U);
 }
 

@@ -179,7 +179,7 @@ TEST(SimulationDisturbances, FilterToldTheTruthIsConsistent) {
   for (std::uint64_t seed = 0; seed < kRuns; ++seed) {
     const SimulatedSequence simulated = simulate(config, seed);
     ObjectSlamSettings settings;
-    settings.kind = SlamFilter::gaussian_sum;
+    settings.tracker = GaussianSumSettings{};
     settings.motion = motion_settings(config);
     const Sequence sequence = simulated.sequence();
     const SlamRun result = run(sequence, camera_prior(config, simulated),

@@ -153,8 +153,8 @@ TEST(FixedLag, ReportsEveryFrameOnceAndInTime) {
   for (std::size_t k = 0; k < kFrames; ++k) {
     const std::vector<std::optional<SE3d>> seen{sequence.objects[0].detections[k],
                                                 sequence.objects[1].detections[k]};
-    auto frame = k == 0 ? smoother.start(seen)
-                        : smoother.step({0.1, pose(0.02, 0.01, 0.0, 0.01, 0.0, 0.02), seen});
+    // The time and the motion before the first frame do not matter.
+    auto frame = smoother.step({0.1, pose(0.02, 0.01, 0.0, 0.01, 0.0, 0.02), seen});
     ASSERT_EQ(frame.has_value(), k >= 5);
     if (frame) frames.push_back(*frame);
   }
@@ -220,10 +220,11 @@ TEST(Smoothing, RefusesWhatItCannotSmooth) {
   const PoseDensity prior(kStart, kStartCovariance);
   const auto models = models_with(default_detector_noise(), 1);
   ObjectSlamSettings gaussian_sum;
-  gaussian_sum.kind = SlamFilter::gaussian_sum;
+  gaussian_sum.tracker = GaussianSumSettings{};
   EXPECT_THROW(run_smoothed(sequence, prior, models, gaussian_sum, {}), InvalidInput);
   ObjectSlamSettings considered;
-  considered.multi_object.camera_gain_noise = std::numeric_limits<double>::infinity();
+  std::get<MultiObjectSlamSettings>(considered.tracker).filter.camera_gain_noise =
+      std::numeric_limits<double>::infinity();
   EXPECT_THROW(run_smoothed(sequence, prior, models, considered, {}), InvalidInput);
   EXPECT_THROW(run_smoothed(sequence, prior, models, {}, {.passes = 0}), InvalidInput);
   EXPECT_THROW(run_smoothed(sequence, prior, {}, {}, {}), InvalidInput);
@@ -231,7 +232,7 @@ TEST(Smoothing, RefusesWhatItCannotSmooth) {
   candidates.candidates.resize(kFrames);
   EXPECT_THROW(run_smoothed(candidates, prior, models, {}, {}), InvalidInput);
   FixedLagSmoother smoother(prior, models, {}, {.lag_frames = 3});
-  smoother.start({std::nullopt});
+  smoother.step({.detections = {std::nullopt}});
   EXPECT_THROW(smoother.step({0.1, SE3d(), {std::nullopt}, {{"0", SE3d(), 1.0}}}), InvalidInput);
 }
 

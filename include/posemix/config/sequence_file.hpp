@@ -2,16 +2,13 @@
 // SPDX-FileCopyrightText: posemix contributors
 #pragma once
 
-#include <cstddef>
+#include <cstdint>
 #include <filesystem>
-#include <optional>
-#include <string>
 #include <vector>
 
 #include "posemix/config/data_folder.hpp"
 #include "posemix/config/toml_table.hpp"
-#include "posemix/slam/particle_filter.hpp"
-#include "posemix/slam/smoothing.hpp"
+#include "posemix/slam/job.hpp"
 
 /// Sequence files: a TOML document that names the files of a recording and how to filter it.
 /// docs/formats.md lists every key.
@@ -28,25 +25,6 @@ inline constexpr double kStartTranslationSdM = 2e-3;
 /// Time between two frames where no file has stamps (key `camera.frame_period_s`).
 inline constexpr double kFramePeriodS = 0.1;
 
-/// Hypotheses per frame in trace.json where the file does not say (key `output.trace_hypotheses`).
-inline constexpr std::size_t kTraceHypotheses = 12;
-
-/// Frames that smoothing looks ahead where the file does not say (key `filter.smooth_lag`).
-inline constexpr std::size_t kSmoothLag = 20;
-
-/// All that object SLAM needs for one run.
-struct SlamJob {
-  std::string name;    ///< of sequence file and recording, for people
-  std::string method;  ///< for people: "gm-iekf (midway)", "riekf", "rbpf (300 particles)"
-  Sequence sequence;
-  PoseDensity camera_prior;         ///< T_world_camera of the image frame, first frame
-  std::vector<ObjectModel> models;  ///< one per object of the sequence
-  ObjectSlamSettings settings;
-  std::optional<ParticleFilterSettings> particles = {};  ///< filtered by particles in place of that
-  std::optional<SmoothingSettings> smoothing = {};       ///< of the multi-object filter
-  std::size_t trace_hypotheses = kTraceHypotheses;
-};
-
 /// Reads a sequence document and every file that it names.
 ///
 /// A relative path is looked up as <folder>/<root>/<path> for every folder and every entry of the
@@ -57,9 +35,5 @@ struct SlamJob {
 /// other files
 SlamJob read_slam_job(const TomlDocument& document,
                       const std::vector<std::filesystem::path>& folders);
-
-/// Runs the job by the filter that it names: `run`, `run_smoothed` where it has smoothing, or
-/// `run_particle_filter` where it has particles.
-SlamRun run(const SlamJob& job, const RunOptions& options = {});
 
 }  // namespace posemix

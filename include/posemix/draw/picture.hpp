@@ -4,8 +4,8 @@
 
 #include <string>
 
-#include "posemix/config/sequence_file.hpp"
 #include "posemix/slam/evaluation.hpp"
+#include "posemix/slam/job.hpp"
 
 namespace posemix {
 

@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "posemix/config/sequence_file.hpp"
 #include "posemix/io/posterior_file.hpp"
 #include "posemix/slam/evaluation.hpp"
+#include "posemix/slam/job.hpp"
 
 /// The files that `posemix slam` writes. docs/formats.md describes them.
 namespace posemix {

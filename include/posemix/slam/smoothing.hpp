@@ -22,7 +22,7 @@ struct SmoothingSettings {
   /// the one before it ended, which also weighs the noise's components anew.
   std::size_t passes = 3;
   /// Hypotheses of an object with at least this probability are smoothed, where they are asked for
-  /// (RunOptions::record_hypotheses); the leading one always is.
+  /// (record_hypotheses); the leading one always is.
   double least_probability = 1e-3;
 };
 
@@ -38,9 +38,8 @@ class FixedLagSmoother {
                    const ObjectSlamSettings& settings, const SmoothingSettings& smoothing,
                    bool record_hypotheses = false);
 
-  /// As ObjectSlam; the estimate is that of the frame `lag_frames` earlier, if there is one. Its
-  /// `report` is of the filter, its time that of both.
-  std::optional<FrameEstimate> start(const std::vector<std::optional<SE3d>>& detections);
+  /// As ObjectSlam::step; the estimate is that of the frame `lag_frames` earlier, if there is one.
+  /// Its `report` is of the filter, its time that of both.
   std::optional<FrameEstimate> step(const FrameInput& input);
 
   /// The frames that are left, after the last one.
@@ -59,12 +58,13 @@ class FixedLagSmoother {
     std::optional<MultiObjectFilter> after;
   };
 
-  std::optional<FrameEstimate> add(const FrameInput& input, FrameReport report);
   std::vector<FrameEstimate> smooth(std::size_t count);
   void add_alternatives(std::span<const FrameInput* const> inputs,
                         const std::vector<Hypothesis>& leading,
                         std::vector<FrameEstimate>& estimates) const;
 
+  bool is_first_ = true;
+  ObjectIds ids_;
   MotionSettings motion_;
   SmoothingSettings smoothing_;
   bool record_hypotheses_;

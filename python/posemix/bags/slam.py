@@ -23,10 +23,10 @@ from posemix.slam import (
     Candidate,
     FrameInput,
     MotionModel,
+    MultiObjectSlamSettings,
     ObjectModel,
     ObjectSlam,
     ObjectSlamSettings,
-    SlamFilter,
 )
 
 __all__ = ["BagRun", "models_of", "run_slam", "track_objects"]
@@ -182,10 +182,7 @@ def track_objects(
     slam = ObjectSlam(prior, objects, settings)
     camera, rows = _Rows(), [_Rows() for _ in objects]
     for k, frame in enumerate(_inputs(recording, objects)):
-        if k == 0:
-            slam.start(frame.detections, frame.candidates)
-        else:
-            slam.step(frame)
+        slam.step(frame)
         stamp, joint, hypotheses = int(recording.stamps_ns[k]), slam.estimate, _Hypotheses(slam)
         camera.add(stamp, joint.marginal(0))
         for j in range(len(objects)):
@@ -209,7 +206,7 @@ def _require_candidates_allowed(
 ) -> None:
     shared = [m.class_id for m in models if m.class_id]
     twice = sorted(name for name, count in Counter(shared).items() if count > 1)
-    if twice and settings.kind != SlamFilter.multi_object:
+    if twice and not isinstance(settings.tracker, MultiObjectSlamSettings):
         raise ValueError(
             f"class '{twice[0]}' has several models, which only the multi-object filter tells apart"
         )

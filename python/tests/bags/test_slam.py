@@ -10,7 +10,16 @@ import numpy as np
 import pytest
 from .bag_maker import KINDS, T_BASE_CAMERA, T_ODOM_OBJECT, BagMaker, base_at
 
-from posemix import SE3, SO3, ObjectModel, ObjectSlamSettings, SlamFilter, SymmetryGroup, bags
+from posemix import (
+    SE3,
+    SO3,
+    GaussianSumSettings,
+    MultiObjectSlamSettings,
+    ObjectModel,
+    ObjectSlamSettings,
+    SymmetryGroup,
+    bags,
+)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -63,7 +72,7 @@ def test_two_of_a_class(maker: Callable[[str], BagMaker]) -> None:
     assert [track.name for track in found.objects] == ["7_1", "7_2"]
     ends = sorted(track.poses.translation[-1, 0] for track in found.objects)
     np.testing.assert_allclose(ends, [-0.2, 0.2], atol=0.02)
-    settings = ObjectSlamSettings(kind=SlamFilter.gaussian_sum)
+    settings = ObjectSlamSettings(tracker=GaussianSumSettings())
     with pytest.raises(ValueError, match="class '7' has several models"):
         bags.track_objects(found.recording, settings=settings)
 
@@ -71,13 +80,13 @@ def test_two_of_a_class(maker: Callable[[str], BagMaker]) -> None:
 def test_models_of_ones_own(drive: Callable[..., Path], tmp_path: Path) -> None:
     mug = ObjectModel(id="mug", class_id="7", symmetries=SymmetryGroup(SE3(SO3.exp([[0, 0, np.pi]]))))
     path, out = drive("sqlite3"), tmp_path / "out"
-    for kind in (SlamFilter.multi_object, SlamFilter.gaussian_sum):
+    for tracker in (MultiObjectSlamSettings(), GaussianSumSettings()):
         found = bags.run_slam(
             path,
             detections="/objects",
             odometry="/odom",
             models=[mug],
-            settings=ObjectSlamSettings(kind=kind),
+            settings=ObjectSlamSettings(tracker=tracker),
         )
         assert found.ignored == {"9": 20}
         assert [track.name for track in found.objects] == ["mug"]

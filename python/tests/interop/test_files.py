@@ -18,6 +18,7 @@ from posemix import (
     BopModel,
     BopRows,
     ConcentratedGaussian,
+    FrameInput,
     NoiseFrame,
     Clutter,
     ObjectModel,
@@ -215,7 +216,7 @@ def test_noise_modes_in_a_filter(models: dict[int, BopModel], covariance: np.nda
     camera = ConcentratedGaussian(SE3(), 1e-6 * np.eye(6))
     slam = ObjectSlam(camera, [ObjectModel(id="clamp", noise=noise)])
     seen = SE3(translation=[0.0, 0.0, 1.0])
-    slam.start({"clamp": seen})
+    slam.step(FrameInput(detections={"clamp": seen}))
     assert slam.multi_object is not None
     found = [hypothesis.pose for hypothesis in slam.multi_object.hypotheses(0)]
     for expected in (seen, seen * flip.elements[1].inverse()):

@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 
 #include "posemix/base/error.hpp"
+#include "posemix/slam/method.hpp"
 #include "trial.hpp"
 
 namespace posemix {
@@ -31,10 +32,12 @@ MonteCarloMethod monte_carlo_method(const std::string& name,
     throw InvalidInput(
         fmt::format("there is no method '{}'; expected one of {}", name, fmt::join(names, ", ")));
   }
-  MonteCarloMethod method{{}, name == "riekf" || name == "iterated_riekf"};
+  // The paper's filter for several objects, as it is for one: noise by object, other pairs, N_h.
+  MonteCarloMethod method{std::get<GaussianSumSettings>(find_slam_method("midway").tracker),
+                          name == "riekf" || name == "iterated_riekf"};
   GaussianSumSettings& filter = method.filter;
+  filter.noise_use = NoiseUse::per_object;
   filter.update = name.starts_with("iterated") ? UpdateRule::iterated : UpdateRule::linearized;
-  filter.summary = Summary::merge_two_largest;
   filter.reduction.prune_below = settings.prune_below;
   filter.reduction.max_components = settings.max_components;
   filter.reduction.pair = PairRule::most_distant;

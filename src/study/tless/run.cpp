@@ -137,7 +137,7 @@ std::vector<std::size_t> detections_of(const SlamRun& run, std::size_t models) {
 void count_instances(const TlessScene& scene, const std::vector<ObjectModel>& models,
                      const SlamRun& run, double match_m, Json& row) {
   const std::vector<std::size_t> detections = detections_of(run, models.size());
-  const std::size_t least = ObjectSlamSettings{}.confirming_detections;
+  const std::size_t least = MultiObjectSlamSettings{}.confirming_detections;
   const auto& objects = run.frames.back().objects;
   const auto is_confirmed = [&](std::size_t m) { return objects[m] && detections[m] >= least; };
   std::vector<bool> matched(models.size(), false);

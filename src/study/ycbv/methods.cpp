@@ -14,43 +14,31 @@
 namespace posemix {
 namespace {
 
-using Overrides = std::vector<std::string>;
-
-/// The midway paper's filter: Section VI and Algorithm 1, N_h = 12 for several objects.
-Overrides paper_filter(std::string_view merge_rule, std::string_view update) {
-  return {"filter.method=gm-iekf",
-          "filter.noise_use=joint",
-          fmt::format("filter.update={}", update),
-          "filter.gate_probability=1",
-          "filter.summary=merge_two_largest",
-          "filter.max_components=12",
-          "filter.merge_from=0",
-          "filter.prune_below=5e-6",
-          fmt::format("filter.merge_rule={}", merge_rule),
-          "filter.pair_rule=largest_with_smallest",
-          "filter.transport_jacobian=exact"};
-}
-
-/// A filter with one hypothesis.
-Overrides single(std::string_view method, double gate = 1.0) {
-  return {fmt::format("filter.method={}", method), fmt::format("filter.gate_probability={}", gate)};
+/// A method of the library in place of that of the profile.
+std::vector<std::string> method_override(std::string_view name) {
+  return {fmt::format("filter={{method='{}'}}", find_slam_method(name).name)};
 }
 
 std::vector<YcbvMethod> known_methods() {
-  const auto paper = [](const char* name, Overrides overrides) {
-    return YcbvMethod{.name = name, .paper_noise = true, .overrides = std::move(overrides)};
+  const auto own = [](const char* name) {
+    return YcbvMethod{.name = name, .overrides = method_override(name)};
+  };
+  const auto paper = [&own](const char* name) {
+    YcbvMethod method = own(name);
+    method.paper_noise = true;
+    return method;
   };
   return {{.name = "detector", .kind = YcbvKind::detector, .overrides = {}},
           {.name = "odometry", .kind = YcbvKind::odometry, .overrides = {}},
           {.name = "published_offline", .kind = YcbvKind::published_offline, .overrides = {}},
-          paper("riekf", single("riekf")),
-          paper("riekf_gated", single("riekf", 0.999)),
-          paper("riekf_cauchy", single("riekf_cauchy")),
-          {.name = "max_mixture", .overrides = single("max_mixture")},
-          {.name = "rbpf", .overrides = {"filter.method=rbpf"}},
-          paper("tangent_of_larger", paper_filter("tangent_of_larger", "linearized")),
-          paper("midway", paper_filter("midway", "linearized")),
-          paper("midway_iterated", paper_filter("midway", "iterated")),
+          paper("riekf"),
+          paper("riekf_gated"),
+          paper("riekf_cauchy"),
+          own("max_mixture"),
+          own("rbpf"),
+          paper("tangent_of_larger"),
+          paper("midway"),
+          paper("midway_iterated"),
           {.name = "published", .published = true, .overrides = {}},
           {.name = "default", .overrides = {}},
           {.name = "default_smoothed", .overrides = {"filter.smooth=full"}}};

@@ -4,14 +4,21 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <vector>
 
-#include "posemix/slam/run.hpp"
+#include "posemix/slam/motion_settings.hpp"
+#include "posemix/slam/tracker.hpp"
 
 /// A Rao-Blackwellised particle filter over the poses of the objects, a baseline for object SLAM.
 namespace posemix {
 
-/// Settings of `run_particle_filter`.
+namespace internal {
+class ParticleCloud;
+}  // namespace internal
+
+/// Settings of ParticleSlam.
 struct ParticleFilterSettings {
   std::size_t particles = 300;
   std::uint64_t seed = 1;
@@ -26,11 +33,10 @@ struct ParticleFilterSettings {
   Matrix6d kernel =
       pose_covariance(Eigen::Vector3d::Constant(radians(0.1)), Eigen::Vector3d::Constant(5e-4));
   std::size_t hypotheses = 32;  ///< the heaviest particles that are reported as hypotheses
-  MotionSettings motion = {};
-  MergeSettings merge = {};  ///< of the particles into one Gaussian
+  MergeSettings merge = {};     ///< of the particles into one Gaussian
 };
 
-/// Object SLAM over a recording by particles (Doucet et al. 2000, the camera's part Chen and Liu's
+/// Object SLAM by particles (Doucet et al. 2000, the camera's part Chen and Liu's
 /// mixture Kalman filter, 2000). A particle holds the poses of all objects and, given these, one
 /// Gaussian of the camera.
 ///
@@ -47,10 +53,41 @@ struct ParticleFilterSettings {
 /// that the heaviest of the particles with most objects holds. Hypotheses are the heaviest of these
 /// particles with `kernel` about the objects. The same seed gives the same run.
 ///
-/// `models`, `options` and what is thrown as for `run`.
-/// @throws InvalidInput also when a setting is out of range
-SlamRun run_particle_filter(const Sequence& sequence, const PoseDensity& camera_prior,
-                            const std::vector<ObjectModel>& models,
-                            const ParticleFilterSettings& settings, const RunOptions& options = {});
+/// Satisfies ObjectTracker.
+class ParticleSlam {
+ public:
+  /// `camera` is the prior of T_world_camera at the first frame.
+  /// @throws InvalidInput when a setting is out of range or two models share an id
+  ParticleSlam(const PoseDensity& camera, std::vector<ObjectModel> objects,
+               const ParticleFilterSettings& settings = {}, const MotionSettings& motion = {},
+               bool record_hypotheses = false);
+  ParticleSlam(const ParticleSlam& other);
+  ParticleSlam(ParticleSlam&& other) noexcept;
+  ParticleSlam& operator=(const ParticleSlam& other);
+  ParticleSlam& operator=(ParticleSlam&& other) noexcept;
+  ~ParticleSlam();
+
+  /// @throws InvalidInput also for candidates: a particle has no births
+  FrameEstimate step(const FrameInput& input);
+
+  /// The heaviest of the particles that hold the map.
+  Posterior posterior() const;
+  /// The merge of all particles that hold the map.
+  const Hypothesis& estimate() const { return estimate_; }
+  std::optional<std::size_t> pose_index(std::size_t object) const { return indices_[object]; }
+  const std::vector<ObjectModel>& objects() const { return objects_.models(); }
+  std::size_t detections(std::size_t object) const { return counts_[object]; }
+
+ private:
+  TrackedObjects objects_;
+  ParticleFilterSettings settings_;
+  bool record_hypotheses_;
+  std::unique_ptr<internal::ParticleCloud> cloud_;
+  std::vector<std::optional<std::size_t>> indices_;
+  std::vector<std::size_t> counts_;
+  Hypothesis estimate_;
+};
+
+static_assert(ObjectTracker<ParticleSlam>);
 
 }  // namespace posemix

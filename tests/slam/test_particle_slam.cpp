@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include "posemix/slam/particle_filter.hpp"
+#include "posemix/slam/method.hpp"
+#include "posemix/slam/run.hpp"
 
 #include <gtest/gtest.h>
 
@@ -46,8 +47,9 @@ ObjectModel model(DetectorNoise noise, const std::string& id = "mug") {
 }
 
 SlamRun run_particles(const Sequence& sequence, const DetectorNoise& noise,
-                      const ParticleFilterSettings& settings = {}) {
-  return run_particle_filter(sequence, kPrior, {model(noise)}, settings);
+                      const ParticleFilterSettings& settings = {},
+                      const MotionSettings& motion = {}) {
+  return run(sequence, kPrior, {model(noise)}, {.motion = motion, .tracker = settings});
 }
 
 double rotation_error(const SlamRun& run, std::size_t frame, const SE3d& truth) {
@@ -75,11 +77,11 @@ TEST(ParticleFilter, OneGaussianIsTheInvariantEkf) {
   settings.particles = 8000;
   settings.resample_below = 0.0;
   settings.object_walk.covariance.setZero();
-  settings.motion.noise = {isotropic(0.1, 0.002), NoisePer::frame};
-  const SlamRun particles = run_particles(sequence, noise, settings);
-  auto [models, slam] = as_riekf({model(noise)}, {});
-  slam.motion = settings.motion;
-  const SlamRun ekf = run(sequence, kPrior, models, slam);
+  MotionSettings motion;
+  motion.noise = {isotropic(0.1, 0.002), NoisePer::frame};
+  const SlamRun particles = run_particles(sequence, noise, settings, motion);
+  const SlamMethod& riekf = find_slam_method("riekf");
+  const SlamRun ekf = run(sequence, kPrior, riekf.models({model(noise)}), riekf.settings(motion));
   for (std::size_t k = 0; k < 3; ++k) {
     expect_close(particles.frames[k].camera, ekf.frames[k].camera, 0.12);
     expect_close(*particles.frames[k].objects[0], *ekf.frames[k].objects[0], 0.12);
@@ -147,7 +149,7 @@ TEST(ParticleFilter, SeveralObjectsEnterAsTheyAreSeen) {
   ParticleFilterSettings settings;
   settings.hypotheses = 5;
   const SlamRun result =
-      run_particle_filter(sequence, kPrior, {model(noise), model(noise, "box")}, settings, options);
+      run(sequence, kPrior, {model(noise), model(noise, "box")}, {.tracker = settings}, options);
   EXPECT_FALSE(result.frames[7].objects[1].has_value());
   EXPECT_EQ(result.frames[8].report.statuses[1], DetectionStatus::started);
   ASSERT_TRUE(result.frames[19].objects[1].has_value());
@@ -167,12 +169,12 @@ TEST(ParticleFilter, RunsWithoutDetectionsOdometryAndWithConstantVelocity) {
   EXPECT_TRUE(nothing.frames[3].camera.mean().is_approx(*empty.camera_truth[3], 1e-9));
   Sequence blind = sequence_of(30);
   blind.odometry.clear();
-  for (const MotionModel motion : {MotionModel::random_walk, MotionModel::constant_velocity}) {
-    ParticleFilterSettings settings;
-    settings.motion.model = motion;
-    settings.motion.noise.covariance = isotropic(10.0, 0.1);
-    const SlamRun result = run_particles(blind, noise, settings);
-    const std::size_t first = motion == MotionModel::constant_velocity ? 2 : 1;
+  for (const MotionModel model : {MotionModel::random_walk, MotionModel::constant_velocity}) {
+    MotionSettings motion;
+    motion.model = model;
+    motion.noise.covariance = isotropic(10.0, 0.1);
+    const SlamRun result = run_particles(blind, noise, {}, motion);
+    const std::size_t first = model == MotionModel::constant_velocity ? 2 : 1;
     EXPECT_EQ(result.pose_indices[0], first);
     EXPECT_EQ(result.posterior[0].density.mean().size(), first + 1);
     EXPECT_LT(*evaluate(blind, result).objects[0].relative.rotation_rmse_deg, 8.0);
@@ -183,7 +185,8 @@ TEST(ParticleFilter, AnIndependentStartIsDrawnFromItsOwnCovariance) {
   // Off by half a metre in the world, which the detector's noise alone would not explain.
   ObjectModel start = model(gaussian_noise());
   start.independent_start = isotropic(0.5, 0.2);
-  const SlamRun result = run_particle_filter(sequence_of(1), kPrior, {start}, {});
+  const SlamRun result =
+      run(sequence_of(1), kPrior, {start}, {.tracker = ParticleFilterSettings{}});
   const Vector6d sd = result.frames[0].objects[0]->covariance().diagonal().cwiseSqrt();
   // 300 draws: standard error of a standard deviation 4 %.
   for (int i = 3; i < 6; ++i) EXPECT_NEAR(sd[i], 0.2, 0.04);
@@ -195,15 +198,18 @@ TEST(ParticleFilter, ProgressStopsAndSettingsAreChecked) {
   RunOptions options;
   options.progress = [](std::size_t done, std::size_t) { return done < 3; };
   const std::vector<ObjectModel> models{model(gaussian_noise())};
-  EXPECT_EQ(run_particle_filter(sequence, kPrior, models, {}, options).frames.size(), 3U);
+  const ObjectSlamSettings particles{.tracker = ParticleFilterSettings{}};
+  EXPECT_EQ(run(sequence, kPrior, models, particles, options).frames.size(), 3U);
   const auto refused = [&](const ParticleFilterSettings& settings) {
-    EXPECT_THROW(run_particle_filter(sequence, kPrior, models, settings), InvalidInput);
+    EXPECT_THROW(run(sequence, kPrior, models, {.tracker = settings}), InvalidInput);
   };
   refused({.particles = 0});
   refused({.resample_below = 1.5});
   refused({.kernel = Matrix6d::Zero()});
   refused({.hypotheses = 0});
-  EXPECT_THROW(run_particle_filter(sequence, kPrior, {}, {}), InvalidInput);
+  EXPECT_THROW(run(sequence, kPrior, {}, particles), InvalidInput);
+  ParticleSlam slam(kPrior, models);
+  EXPECT_THROW(slam.step({.detections = {{}}, .candidates = {{"mug", SE3d(), 1.0}}}), InvalidInput);
 }
 
 }  // namespace

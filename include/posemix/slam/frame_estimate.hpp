@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "posemix/filter/gaussian_sum_filter.hpp"
+#include "posemix/slam/association.hpp"
+
+/// What is known after a frame.
+namespace posemix {
+
+using PoseDensity = ConcentratedGaussian<SE3d>;
+
+/// What happened to one object in one frame.
+enum class DetectionStatus {
+  none,
+  started,  ///< the object entered the map
+  used,
+  doubted,  ///< used, but more likely to be a gross error under the leading hypothesis
+  birth,    ///< explained by no hypothesis, it began one
+  gated,
+  failed
+};
+
+/// What became of a candidate.
+struct CandidateReport {
+  CandidateStatus status = CandidateStatus::rejected;
+  std::optional<std::size_t> object = {};  ///< the model that took it, where assigned or fresh
+  bool recycled = false;                   ///< another instance was forgotten for it
+};
+
+/// Report of one frame.
+struct FrameReport {
+  std::vector<DetectionStatus> statuses = {};    ///< one per object model
+  std::vector<CandidateReport> candidates = {};  ///< one per candidate
+  UpdateReport update = {};
+  std::size_t merges = 0;
+  double seconds = 0.0;  ///< predict, update, reduce and summarise
+};
+
+/// One hypothesis of one frame: the log-weight and the mean pose of camera and objects.
+struct HypothesisSnapshot {
+  double log_weight;
+  PoseStackd poses;
+};
+
+/// One alternative of one object at one frame.
+struct ObjectAlternative {
+  double probability;  ///< dependent detections counted once
+  SE3d pose;           ///< T_world_object
+  std::uint64_t id;    ///< the same from frame to frame
+};
+
+/// Ids of the object models in their order, shared by all estimates of one tracker.
+using ObjectIds = std::shared_ptr<const std::vector<std::string>>;
+
+/// The estimate of one object at one frame.
+struct ObjectEstimate {
+  std::optional<PoseDensity> world = {};        ///< T_world_object; empty until the object was seen
+  std::optional<PoseDensity> relative;          ///< T_camera_object, with the cross-covariance
+  std::optional<double> mode_probability = {};  ///< that the estimate is on the right mode
+  std::vector<ObjectAlternative> alternatives = {};  ///< where they are recorded
+  DetectionStatus status = DetectionStatus::none;
+};
+
+/// The estimates of one frame, by the index of the object model or by its id. Objects that were not
+/// seen so far are empty.
+struct FrameEstimate {
+  PoseDensity camera;                                ///< T_world_camera
+  std::vector<std::optional<PoseDensity>> objects;   ///< T_world_object
+  std::vector<std::optional<PoseDensity>> relative;  ///< T_camera_object, with the cross-covariance
+  std::vector<std::optional<std::size_t>> pose_indices;
+  std::vector<HypothesisSnapshot> hypotheses = {};  ///< over all poses; where they are recorded
+  /// Of every object, by the multi-object tracker; where they are recorded.
+  std::vector<std::vector<ObjectAlternative>> alternatives = {};
+  /// Probability that the estimate is on the right mode, by the multi-object tracker.
+  std::vector<std::optional<double>> mode_probabilities = {};
+  FrameReport report = {};
+  ObjectIds ids = {};
+
+  /// Index of the object model with this id.
+  /// @throws InvalidInput for another id, with those that there are
+  std::size_t index_of(std::string_view id) const;
+
+  /// The estimate of the object with this id.
+  /// @throws InvalidInput for another id, with those that there are
+  ObjectEstimate object(std::string_view id) const;
+};
+
+}  // namespace posemix

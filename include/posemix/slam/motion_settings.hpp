@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include "posemix/base/units.hpp"
+#include "posemix/detector/detector_noise.hpp"
+
+/// How the camera moves from frame to frame.
+namespace posemix {
+
+/// How the camera is predicted.
+enum class MotionModel {
+  odometry,     ///< where odometry is missing for a frame: a random walk with the `unknown_motion`
+                ///< noise
+  random_walk,  ///< the mean stays
+  constant_velocity  ///< the motion per period is part of the state
+};
+
+/// How a covariance grows with time.
+enum class NoisePer { frame, second };
+
+/// Noise of a motion: covariance (right perturbation, camera frame) per frame or per second.
+struct ProcessNoise {
+  Matrix6d covariance = Matrix6d::Identity();
+  NoisePer per = NoisePer::second;
+
+  /// Covariance of one step of `dt` seconds.
+  Matrix6d over(double dt) const {
+    return per == NoisePer::frame ? covariance : Matrix6d(dt * covariance);
+  }
+};
+
+/// Settings of the motion model. Standard deviations below are per square root of a second.
+struct MotionSettings {
+  MotionModel model = MotionModel::odometry;
+  /// Noise of the odometry, or of the pose under constant velocity: 0.15 deg, 2 mm.
+  ProcessNoise noise{
+      pose_covariance(Eigen::Vector3d::Constant(radians(0.15)), Eigen::Vector3d::Constant(2e-3))};
+  /// Noise of the random walk, a camera held by hand: 1.65 deg, 27 mm.
+  ProcessNoise walk{
+      pose_covariance(Eigen::Vector3d::Constant(radians(1.65)), Eigen::Vector3d::Constant(27e-3))};
+  /// Noise of the motion per period under constant velocity: 1 deg, 1 cm.
+  ProcessNoise motion_noise{
+      pose_covariance(Eigen::Vector3d::Constant(radians(1.0)), Eigen::Vector3d::Constant(1e-2))};
+  /// Noise of a frame without odometry: 30 deg, 0.3 m.
+  ProcessNoise unknown_motion{
+      pose_covariance(Eigen::Vector3d::Constant(radians(30.0)), Eigen::Vector3d::Constant(0.3))};
+  double period_s = 0.1;  ///< reference period of the constant-velocity motion
+};
+
+}  // namespace posemix

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "posemix/detector/detector_noise.hpp"
+#include "posemix/detector/symmetry.hpp"
+
+/// The objects that object SLAM may see.
+namespace posemix {
+
+/// The error of detectors of single images, where nothing better is known: rotation about the
+/// camera's axes 7.5 deg and about the viewing ray 2 deg, translation 0.7 % of the range across the
+/// ray and 4.5 % along it; a second component 2.7 times as wide; and clutter. Errors along the ray
+/// have most in common, so a frame corrects the range twelve times less. docs/many-objects.md says
+/// where the numbers are from.
+DetectorNoise default_detector_noise();
+
+/// One object as the tracker knows it.
+struct ObjectModel {
+  std::string id;
+  DetectorNoise noise = default_detector_noise();
+  /// Covariance (world frame) with which the object starts independently of everything else. Empty,
+  /// the default: it starts from its first detection with the detector's noise and its full
+  /// cross-covariance.
+  std::optional<Matrix6d> independent_start = {};
+  /// Motions of the object's frame that no detector can tell; for the multi-object filter.
+  SymmetryGroup symmetries = {};
+  /// Objects that no detector can tell apart share a class; FrameInput::candidates are of classes.
+  /// They are alike: noise and symmetries of a class are those of its first model. Empty: the
+  /// object is a class of its own, named as its id.
+  std::string class_id = {};
+};
+
+}  // namespace posemix

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <concepts>
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "posemix/slam/frame_estimate.hpp"
+#include "posemix/slam/frame_input.hpp"
+#include "posemix/slam/object_model.hpp"
+
+/// What the trackers of object SLAM have in common.
+namespace posemix {
+
+/// A filter that estimates camera and objects live. A frame is predict -> update -> reduce ->
+/// summarise; objects that are seen for the first time, at any frame, enter after the update.
+/// Frames without detections or without odometry are valid.
+///
+///  - `step` takes every frame in order; at the first one nothing moves. It throws InvalidInput,
+///  and
+///    changes nothing, when the number of detections is not that of the object models or dt is not
+///    positive.
+///  - `posterior` is the joint posterior, `estimate` one Gaussian in its place.
+///  - `pose_index` is the index of an object's pose in both, empty until it was seen.
+///  - `detections` counts the detections of an object.
+template <class T>
+concept ObjectTracker = std::copyable<T> &&
+    requires(T tracker, const T& given, const FrameInput& input, std::size_t object) {
+  { tracker.step(input) } -> std::same_as<FrameEstimate>;
+  { given.posterior() } -> std::same_as<Posterior>;
+  { given.estimate() } -> std::same_as<const Hypothesis&>;
+  { given.pose_index(object) } -> std::same_as<std::optional<std::size_t>>;
+  { given.objects() } -> std::same_as<const std::vector<ObjectModel>&>;
+  { given.detections(object) } -> std::same_as<std::size_t>;
+};
+
+/// The object models of a tracker, their ids, and the number of frames so far.
+class TrackedObjects {
+ public:
+  /// @throws InvalidInput when two models share an id
+  explicit TrackedObjects(std::vector<ObjectModel> models);
+
+  const std::vector<ObjectModel>& models() const { return models_; }
+  const ObjectModel& operator[](std::size_t object) const { return models_[object]; }
+  std::size_t size() const { return models_.size(); }
+  const ObjectIds& ids() const { return ids_; }
+
+  /// Frames that were begun.
+  std::size_t frames() const { return frames_; }
+  /// Begins a frame.
+  /// @throws InvalidInput, and counts nothing, when the number of detections is not that of the
+  /// models, or dt is not positive after the first frame
+  void begin(const FrameInput& input);
+
+ private:
+  std::vector<ObjectModel> models_;
+  ObjectIds ids_;
+  std::size_t frames_ = 0;
+};
+
+}  // namespace posemix
