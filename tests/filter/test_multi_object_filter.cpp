@@ -301,7 +301,7 @@ TEST(MultiObjectFilter, ConstantVelocityIsThatOfTheGaussianSumFilter) {
     const NoiseComponent* component = &noise.components().front();
     reference =
         frame == 0
-            ? with_detected_object(reference, detection, *component)
+            ? with_detected_object(reference, seen, *component)
             : update(reference, std::span(&detection, 1), std::span(&component, 1)).posterior;
   }
   const auto camera = marginal(reference, kCamera);
