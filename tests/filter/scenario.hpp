@@ -40,7 +40,7 @@ inline DetectorNoise gaussian_noise(double rotation_sd_deg = 4.0, double transla
   return DetectorNoise({{1.0, isotropic(rotation_sd_deg, translation_sd_m)}});
 }
 
-/// A filter that knows the camera alone.
+/// A filter whose state is the camera alone.
 inline GaussianSumFilter camera_filter(const SE3d& camera, const Matrix6d& covariance,
                                        const GaussianSumSettings& settings = {}) {
   return GaussianSumFilter(

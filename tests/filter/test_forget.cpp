@@ -26,7 +26,7 @@ void see_all(MultiObjectFilter& filter, OrbitScene& scene, int frames) {
   }
 }
 
-// To forget is to marginalise: an oracle is the filter that still knows the object.
+// To forget is to marginalise: the oracle is a filter that keeps the object.
 TEST(Forget, TheRestIsAsBefore) {
   OrbitScene scene(1, 3, 0.3, 5e-3);
   MultiObjectFilter kept = make(scene, plain_settings());
@@ -77,8 +77,9 @@ TEST(Forget, TheObjectBeginsAnew) {
   EXPECT_EQ(filter.pose_index(0), std::optional<std::size_t>(2));
 }
 
-// Detections depend on each other in time by the defaults: covariances of the filter are not those
-// of the true error. The camera's must not jump when nothing is left that depends.
+// By default detections are correlated in time, so that the filter's own covariances are not those
+// of the true error. The reported covariance of the camera must not jump when the last object with
+// detections is forgotten.
 TEST(Forget, TheLastOneLeavesTheCamera) {
   OrbitScene scene(3, 1, 0.3, 5e-3);
   MultiObjectFilter filter = make(scene, {});
@@ -106,7 +107,7 @@ TEST(Forget, TheCamerasMotionStays) {
       kept.update(j, scene.detect(j, 0.0, 0.0));
   }
   MultiObjectFilter filter = kept;
-  filter.forget(0);  // its pose lies before the motion's
+  filter.forget(0);  // its pose is before that of the motion
   step(kept);
   step(filter);
   EXPECT_TRUE(filter.camera().mean().is_approx(kept.camera().mean(), 1e-12));

@@ -207,7 +207,7 @@ TEST(SymmetryGroup, ClosestIsTheSameForEquivalentPoses) {
 }
 
 TEST(SymmetryGroup, AngleIsRefinedWhereTheAxisIsOffTheOrigin) {
-  // A line one metre away: the position says more of the angle than the rotation does.
+  // A line one metre away: the position determines the angle better than the rotation does.
   const SymmetryGroup group({}, {{kZ, Eigen::Vector3d(1, 0, 0)}});
   const Matrix6d information = isotropic(20.0, 0.001).inverse();
   const SE3d reference;

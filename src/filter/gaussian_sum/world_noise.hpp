@@ -7,7 +7,9 @@
 
 #include "posemix/filter/update.hpp"
 
-/// The noise of a detection, carried into the world frame.
+/// The noise of a detection, carried into the world frame by the camera's axes: an iterated update
+/// turns them with its iterates. The multi-object filter, which does not iterate, takes the axes at
+/// the pose itself (noise_at in detector_noise.hpp).
 namespace posemix::internal {
 
 /// The pose E of the axes in which the noise is stated: that of `object` times the offset for

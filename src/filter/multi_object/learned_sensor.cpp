@@ -43,6 +43,14 @@ void LearnedSensor::count_detection(double now_s) {
   last_s_ = now_s;
 }
 
+void LearnedSensor::learn(const PairUpdate& update, const MultiObjectSettings& settings) {
+  learn_scale(update, settings);
+  if (update.inlier_probability > 0.5) correlation_.add(update.white_residual());
+}
+
+/// One scale for the rotation, one for the translation across the ray and one along it. Each is the
+/// posterior mean of a variance whose prior, one, counts as settings.noise_scale_detections
+/// detections.
 void LearnedSensor::learn_scale(const PairUpdate& update, const MultiObjectSettings& settings) {
   if (!std::isfinite(settings.noise_scale_detections)) return;
   const Vector6d ratio = update.residual.cwiseAbs2().cwiseQuotient(update.residual_variance);

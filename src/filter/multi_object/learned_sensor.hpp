@@ -31,16 +31,14 @@ class LearnedSensor {
                            const SE3d& object) const;
 
   void count_detection(double now_s);
-  /// Learns the scale of the noise from an innovation: one scale for the rotation, one for the
-  /// translation across the ray and one along it. Each is the posterior mean of a variance whose
-  /// prior, one, counts as settings.noise_scale_detections detections.
-  void learn_scale(const PairUpdate& update, const MultiObjectSettings& settings);
-  /// Learns the correlation length from the white residual of an inlier.
-  void learn_correlation(const Vector6d& white_residual) { correlation_.add(white_residual); }
+  /// Learns the scale of the noise from an innovation, and from an inlier the correlation length.
+  void learn(const PairUpdate& update, const MultiObjectSettings& settings);
   /// The sensor as it was given: no detections, nothing learned.
   void reset();
 
  private:
+  void learn_scale(const PairUpdate& update, const MultiObjectSettings& settings);
+
   ObjectSensor sensor_;
   Vector6d given_noise_scale_;
   double inliers_ = 0.0;

@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "posemix/filter/update.hpp"
-#include "posemix/mixture/log_weights.hpp"
 
 namespace posemix::internal {
 namespace {
@@ -42,22 +41,33 @@ void check_settings(const MultiObjectSettings& s) {
   require(s.mode_correlation_factor > 0.0, "mode_correlation_factor must be positive");
 }
 
-/// A mode of a detector's noise: components with the same offset.
+/// A mode of a detector's noise: the components with the same offset.
 struct NoiseMode {
-  const NoiseComponent* first;      ///< the component that the births have the covariance of
-  std::vector<double> log_weights;  ///< of its components
+  const NoiseComponent* first;
+  double log_weight;  ///< log of the summed weights
 };
 
-std::vector<NoiseMode> modes_of(const DetectorNoise& noise) {
+/// The modes of the noise, every weight times exp(log_factor).
+std::vector<NoiseMode> modes_of(const DetectorNoise& noise, double log_factor) {
   std::vector<NoiseMode> modes;
   for (const NoiseComponent& component : noise.components()) {
-    auto mode = std::find_if(modes.begin(), modes.end(), [&](const NoiseMode& other) {
+    const auto mode = std::find_if(modes.begin(), modes.end(), [&](const NoiseMode& other) {
       return (other.first->offset.inverse() * component.offset).log().norm() < kSameMode;
     });
-    if (mode == modes.end()) mode = modes.insert(mode, {&component, {}});
-    mode->log_weights.push_back(std::log(component.weight));
+    if (mode == modes.end()) {
+      modes.push_back({&component, log_factor + std::log(component.weight)});
+    } else {
+      // log(exp(a) + w exp(d)) = a + log(1 + w / exp(a - d)).
+      mode->log_weight += std::log1p(component.weight / std::exp(mode->log_weight - log_factor));
+    }
   }
   return modes;
+}
+
+void describe(const PairUpdate& leader, ObjectUpdateReport& report) {
+  report.inlier_probability = leader.inlier_probability;
+  report.clutter_probability = leader.clutter_probability;
+  report.residual = leader.white_residual();
 }
 
 }  // namespace
@@ -124,22 +134,27 @@ void MultiObjectState::forget(std::size_t j) {
   if (detections() == 0) joint.covariance() *= factor / covariance_factor();
 }
 
-/// Hypotheses at the detection, one for each mode of the noise. Their weight is that of absence
-/// times the mode's weight and the density of clutter ("Births"); their covariance is the camera's
-/// plus a multiple of the noise's.
+/// Hypotheses at a detection that no hypothesis explains, one for each mode of the noise. Their
+/// weight is that of absence times the mode's weight and the density of clutter ("Births"); their
+/// covariance is the camera's plus a multiple of the noise's.
 std::vector<Alternative> MultiObjectState::births_of(const TrackedObject& object,
-                                                     const SE3d& detected) {
+                                                     const SE3d& detected,
+                                                     const std::vector<PairUpdate>& updates) {
   constexpr double kPi = std::numbers::pi;
+  const bool is_explained =
+      std::any_of(updates.begin(), updates.end(),
+                  [&](const PairUpdate& update) { return update.squared_distance < explained; });
+  if (is_explained || !std::isfinite(object.belief.log_absent())) return {};
   const ObjectSensor& sensor = object.detector.sensor();
   const SE3d& camera = joint.pose(kCamera);
   const Matrix6d camera_covariance = joint.covariance(kCamera, kCamera);
   const double log_density =
       object.belief.log_absent() - std::log(8.0 * kPi * kPi * sensor.noise.clutter().volume_m3);
   std::vector<Alternative> births;
-  for (const NoiseMode& mode : modes_of(sensor.noise)) {
+  for (const NoiseMode& mode : modes_of(sensor.noise, log_density)) {
     const Pair there{camera, camera * detected * mode.first->offset.inverse(), Matrix12d::Zero()};
     const Matrix6d noise = innovation(there, detected, *mode.first, sensor).noise;
-    births.push_back({{.log_weight = log_density + log_sum_exp(mode.log_weights),
+    births.push_back({{.log_weight = mode.log_weight,
                        .score = settings.birth_score,
                        .id = next_id++,
                        .detections = 1},
@@ -150,10 +165,19 @@ std::vector<Alternative> MultiObjectState::births_of(const TrackedObject& object
   return births;
 }
 
+/// Process noise of an object: the map's drift since its last detection. The angle about an axis of
+/// symmetry is not observed, so its variance is added as well.
+void MultiObjectState::add_process_noise(TrackedObject& object) {
+  const Matrix6d drifted = drift - object.drift;
+  object.belief.add_noise(joint,
+                          drifted + object.detector.sensor().symmetries.unobserved_covariance());
+  object.drift = drift;
+}
+
 /// The camera and the leading hypotheses move by eq. (5) to (8), and every other hypothesis follows
 /// the camera by eq. (9).
-void MultiObjectState::move_camera(TrackedObject& object, const std::vector<PairUpdate>& updates,
-                                   double log_evidence, std::vector<Alternative>& births) {
+void MultiObjectState::move_poses(TrackedObject& object, const std::vector<PairUpdate>& updates,
+                                  double log_evidence, std::vector<Alternative>& births) {
   ObjectBelief& belief = object.belief;
   const CameraMoments before{Vector6d::Zero(), joint.covariance(kCamera, kCamera)};
   const CameraAlternative alternative =
@@ -173,8 +197,6 @@ ObjectUpdateReport MultiObjectState::update(std::size_t j, const SE3d& detected)
   TrackedObject& object = objects[j];
   ObjectBelief& belief = object.belief;
   const ObjectSensor& sensor = object.detector.sensor();
-  const double log_clutter = sensor.noise.log_clutter_density();
-  ObjectUpdateReport report;
 
   // The detection is counted. With the first one of all the correlation length becomes larger than
   // one; the reported covariance stays.
@@ -182,43 +204,33 @@ ObjectUpdateReport MultiObjectState::update(std::size_t j, const SE3d& detected)
   object.detector.count_detection(now_s);
   if (detections() == 1) joint.covariance() *= factor / covariance_factor();
 
-  // Process noise of the object: the map's drift since its last detection. The angle about an axis
-  // of symmetry is not observed, so its variance is added as well.
-  const Matrix6d drifted = drift - object.drift;
-  belief.add_noise(joint, drifted + sensor.symmetries.unobserved_covariance());
-  object.drift = drift;
+  // Prediction of the object.
+  add_process_noise(object);
 
-  // Every hypothesis on its own pair, eq. (2) to (4).
+  // Every hypothesis is updated on its own pair, eq. (2) to (4).
   const std::vector<PairUpdate> updates =
       belief.observe(joint, detected, sensor, settings.camera_gain_noise,
                      settings.has_odometry ? GainCovariance::update : GainCovariance::likelihood);
-
-  // Births, where no hypothesis explains the detection.
-  const bool is_explained =
-      std::any_of(updates.begin(), updates.end(),
-                  [&](const PairUpdate& update) { return update.squared_distance < explained; });
-  std::vector<Alternative> births;
-  if (!is_explained && std::isfinite(belief.log_absent())) births = births_of(object, detected);
-  report.started = !births.empty();
+  // A detection that none of them explains begins new ones.
+  std::vector<Alternative> births = births_of(object, detected, updates);
 
   // Weights are multiplied by the evidence, sum_c exp e_c of eq. (3).
+  const double log_clutter = sensor.noise.log_clutter_density();
   belief.multiply_weights(updates, log_clutter);
   belief.update_scores(updates, log_clutter, settings.score_memory);
   belief.count_detection();
-  report.log_evidence = belief.log_total(births);
+  ObjectUpdateReport report{.started = !births.empty(), .log_evidence = belief.log_total(births)};
 
+  // The leading hypothesis corrects the detector's noise, and all poses move, eq. (5) to (9).
   std::optional<std::uint64_t> led;
   if (const auto leading = belief.leading()) {
     led = belief.standing(*leading).id;
-    const PairUpdate& leader = updates[*leading];
-    report.inlier_probability = leader.inlier_probability;
-    report.clutter_probability = leader.clutter_probability;
-    report.residual = leader.residual.cwiseQuotient(leader.residual_variance.cwiseSqrt());
-    object.detector.learn_scale(leader, settings);
-    if (leader.inlier_probability > 0.5) object.detector.learn_correlation(report.residual);
-    move_camera(object, updates, report.log_evidence, births);
+    describe(updates[*leading], report);
+    object.detector.learn(updates[*leading], settings);
+    move_poses(object, updates, report.log_evidence, births);
   }
 
+  // Births join the others, and the number of hypotheses is reduced.
   belief.add(joint, births);
   report.merges = reduce(object);
   const auto leading = belief.leading();

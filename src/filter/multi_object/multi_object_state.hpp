@@ -53,9 +53,11 @@ struct MultiObjectState {
 
  private:
   std::uint64_t detections() const;
-  std::vector<Alternative> births_of(const TrackedObject& object, const SE3d& detected);
-  void move_camera(TrackedObject& object, const std::vector<PairUpdate>& updates,
-                   double log_evidence, std::vector<Alternative>& births);
+  std::vector<Alternative> births_of(const TrackedObject& object, const SE3d& detected,
+                                     const std::vector<PairUpdate>& updates);
+  void add_process_noise(TrackedObject& object);
+  void move_poses(TrackedObject& object, const std::vector<PairUpdate>& updates,
+                  double log_evidence, std::vector<Alternative>& births);
   std::size_t reduce(TrackedObject& object);
 };
 

@@ -79,6 +79,8 @@ struct PairUpdate {
   Vector6d residual =
       Vector6d::Zero();  ///< innovation of the first component, along its noise axes
   Vector6d residual_variance = Vector6d::Ones();  ///< the variances expected of it
+
+  Vector6d white_residual() const { return residual.cwiseQuotient(residual_variance.cwiseSqrt()); }
 };
 
 /// Updates a pair by a detection with the noise, clutter and symmetries of `sensor`.
