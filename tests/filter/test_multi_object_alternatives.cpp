@@ -97,7 +97,7 @@ TEST(MultiObjectAlternatives, JointOfGivenHypothesesHasTheirMoments) {
   const std::size_t other = leads == 0 ? 1 : 0;
   const auto alone = filter.joint_of(std::vector<std::optional<std::size_t>>{other, std::nullopt});
   ASSERT_EQ(alone.mean().size(), 2U);
-  EXPECT_TRUE(alone.mean()[1].is_approx(hypotheses[other].pose, 0.0));
+  EXPECT_EQ(alone.mean()[1].matrix(), hypotheses[other].pose.matrix());
   const Eigen::MatrixXd& p = alone.covariance();
   EXPECT_TRUE(p.bottomRightCorner(6, 6).isApprox(hypotheses[other].covariance, 1e-12));
   EXPECT_TRUE(p.bottomLeftCorner(6, 6).isApprox(hypotheses[other].cross_covariance, 1e-12));

@@ -96,9 +96,9 @@ class ObjectBelief {
                                   GainCovariance gain_covariance) const;
   /// Multiplies the weight of every hypothesis by its evidence and that of absence by clutter's.
   void multiply_weights(const std::vector<PairUpdate>& updates, double log_clutter);
-  /// s <- memory s + log sum_c exp e_c - e_0, see "Reduction".
+  /// s <- memory s + log sum_c exp e_c - e_0 (docs/many-objects.md, "Reduction").
   void update_scores(const std::vector<PairUpdate>& updates, double log_clutter, double memory);
-  /// Every hypothesis has seen one more detection.
+  /// Counts one more detection for every hypothesis.
   void count_detection();
   /// Log of the summed weights of hypotheses, births and absence [nats].
   double log_total(const std::vector<Alternative>& births) const;
