@@ -30,8 +30,7 @@ struct Scene {
     for (std::size_t i = 1; i <= objects; ++i) {
       Vector6d xi;
       xi << 0.1, 0.2 * static_cast<double>(i), -0.3, 0.2, -0.1 * static_cast<double>(i), 1.0;
-      const posemix::Detection seen{i, SE3d::exp(xi), &noise};
-      prior = posemix::with_detected_object(prior, seen, noise.components().front());
+      prior = posemix::with_detected_object(prior, SE3d::exp(xi), noise.components().front());
       xi(1) += 0.02;
       detections.push_back({i, SE3d::exp(xi), &noise});
       components.push_back(&noise.components().front());

@@ -6,13 +6,10 @@
 #include <vector>
 
 #include "posemix/density/operations.hpp"
+#include "posemix/lie/pose_blocks.hpp"
 
 namespace posemix {
 namespace {
-
-constexpr Eigen::Index kPoseDof = 6;
-
-Eigen::Index offset(std::size_t index) { return kPoseDof * static_cast<Eigen::Index>(index); }
 
 void check_indices(std::span<const std::size_t> indices, std::size_t size) {
   for (auto it = indices.begin(); it != indices.end(); ++it) {
@@ -32,8 +29,7 @@ Eigen::MatrixXd blocks(const Eigen::MatrixXd& covariance, std::span<const std::s
   Eigen::MatrixXd result(offset(rows.size()), offset(columns.size()));
   for (std::size_t i = 0; i < rows.size(); ++i) {
     for (std::size_t j = 0; j < columns.size(); ++j) {
-      result.block<kPoseDof, kPoseDof>(offset(i), offset(j)) =
-          covariance.block<kPoseDof, kPoseDof>(offset(rows[i]), offset(columns[j]));
+      block(result, i, j) = block(covariance, rows[i], columns[j]);
     }
   }
   return result;
@@ -66,9 +62,8 @@ ConcentratedGaussian<PoseStackd> marginal(const ConcentratedGaussian<PoseStackd>
 ConcentratedGaussian<SE3d> marginal(const ConcentratedGaussian<PoseStackd>& joint,
                                     std::size_t index) {
   check_indices(std::span(&index, 1), joint.mean().size());
-  return ConcentratedGaussian<SE3d>::trusted(
-      joint.mean()[index],
-      joint.covariance().block<kPoseDof, kPoseDof>(offset(index), offset(index)));
+  return ConcentratedGaussian<SE3d>::trusted(joint.mean()[index],
+                                             block(joint.covariance(), index, index));
 }
 
 ConcentratedGaussian<PoseStackd> conditional(const ConcentratedGaussian<PoseStackd>& joint,
@@ -84,7 +79,7 @@ ConcentratedGaussian<PoseStackd> conditional(const ConcentratedGaussian<PoseStac
 
   Eigen::VectorXd deviation(offset(indices.size()));
   for (std::size_t i = 0; i < indices.size(); ++i) {
-    deviation.segment<kPoseDof>(offset(i)) = (values[i] * mean[indices[i]].inverse()).log();
+    segment(deviation, i) = (values[i] * mean[indices[i]].inverse()).log();
   }
   const Eigen::MatrixXd cross = blocks(joint.covariance(), rest, indices);
   const Eigen::LLT<Eigen::MatrixXd> given(blocks(joint.covariance(), indices, indices));
@@ -99,10 +94,9 @@ ConcentratedGaussian<SE3d> relative_pose(const ConcentratedGaussian<PoseStackd>&
                                          std::size_t from, std::size_t to) {
   const std::size_t pair[] = {from, to};
   check_indices(pair, joint.mean().size());
-  const auto block = [&](std::size_t row, std::size_t column) -> Matrix6d {
-    return joint.covariance().block<kPoseDof, kPoseDof>(offset(row), offset(column));
-  };
-  const Matrix6d difference = block(from, from) - block(from, to) - block(to, from) + block(to, to);
+  const Eigen::MatrixXd& p = joint.covariance();
+  const Matrix6d difference =
+      block(p, from, from) - block(p, from, to) - block(p, to, from) + block(p, to, to);
   const SE3d from_inverse = joint.mean()[from].inverse();
   Matrix6d covariance = from_inverse.adjoint_congruence(difference);
   symmetrize(covariance);

@@ -141,11 +141,4 @@ DetectorNoise DetectorNoise::single_gaussian() const {
   return DetectorNoise({single});
 }
 
-Matrix6d pose_covariance(const Eigen::Vector3d& rotation_sd_rad,
-                         const Eigen::Vector3d& translation_sd_m) {
-  Vector6d sd;
-  sd << rotation_sd_rad, translation_sd_m;
-  return sd.cwiseAbs2().asDiagonal();
-}
-
 }  // namespace posemix

@@ -4,36 +4,31 @@
 
 #include <utility>
 
+#include "posemix/lie/pose_blocks.hpp"
+
 namespace posemix::internal {
 namespace {
 
-using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr Index kPart = 6;
-
-Index at_pose(std::size_t pose) { return kPart * static_cast<Index>(pose); }
-
-auto square(MatrixXd& matrix, std::size_t pose) {
-  return matrix.block<kPart, kPart>(at_pose(pose), at_pose(pose));
-}
+/// Six rows of a covariance over all poses.
+using PoseRows = Eigen::Matrix<double, kPoseDof, Eigen::Dynamic>;
 
 /// P <- F P F^T where F adds `transfer` times the motion's rows to the camera's.
 void move_camera_by(const MatrixXd& transfer, MatrixXd& covariance) {
-  covariance.topRows<kPart>() += transfer * covariance.middleRows<kPart>(at_pose(kMotion));
-  covariance.leftCols<kPart>() +=
-      covariance.middleCols<kPart>(at_pose(kMotion)) * transfer.transpose();
+  rows(covariance, kCamera) += transfer * rows(covariance, kMotion);
+  columns(covariance, kCamera) += columns(covariance, kMotion) * transfer.transpose();
 }
 
-/// Rows of the object minus those of the camera: what a detection is about.
-auto difference_rows(const MatrixXd& covariance, std::size_t object) {
-  return covariance.middleRows<kPart>(at_pose(object)) - covariance.topRows<kPart>();
+/// H P: the rows of the object minus those of the camera.
+PoseRows difference_rows(const MatrixXd& covariance, std::size_t object) {
+  return rows(covariance, object) - rows(covariance, kCamera);
 }
 
 Matrix6d difference_covariance(const MatrixXd& covariance, std::size_t object) {
-  const Eigen::Matrix<double, kPart, Eigen::Dynamic> rows = difference_rows(covariance, object);
-  return rows.middleCols<kPart>(at_pose(object)) - rows.leftCols<kPart>();
+  const PoseRows h_p = difference_rows(covariance, object);
+  return columns(h_p, object) - columns(h_p, kCamera);
 }
 
 }  // namespace
@@ -51,7 +46,7 @@ ModeSmoother::Step ModeSmoother::predict(const PoseStackd& poses, const MatrixXd
     const SymmetryGroup& symmetries = model_.sensors[j]->symmetries;
     if (symmetries.is_trivial() || !input.detections[model_.objects[j]]) continue;
     const std::size_t object = model_.first_object() + j;
-    square(step.noise, object) +=
+    block(step.noise, object, object) +=
         moved[object].adjoint_congruence(symmetries.unobserved_covariance());
   }
   step.predicted += step.noise;
@@ -94,11 +89,10 @@ void ModeSmoother::update(Step& step, const FrameInput& input, const MatrixXd& w
     const std::size_t object = model_.first_object() + j;
     const ModeMeasurement seen = measure_mode(step.reference[kCamera], step.reference[object],
                                               difference_covariance(weighing, object), *detected,
-                                              *model_.sensors[j], model_.averages);
-    const Eigen::Matrix<double, kPart, Eigen::Dynamic> h_p =
-        difference_rows(step.covariance, object);
-    const Matrix6d d = h_p.middleCols<kPart>(at_pose(object)) - h_p.leftCols<kPart>();
-    const Vector6d h_m = step.mean.segment<kPart>(at_pose(object)) - step.mean.head<kPart>();
+                                              *model_.sensors[j], model_.gain_covariance);
+    const PoseRows h_p = difference_rows(step.covariance, object);
+    const Matrix6d d = columns(h_p, object) - columns(h_p, kCamera);
+    const Vector6d h_m = segment(step.mean, object) - segment(step.mean, kCamera);
     const Eigen::PartialPivLU<Matrix6d> m(Matrix6d::Identity() + seen.information * d);
     step.mean += h_p.transpose() * m.solve(seen.pull - seen.information * h_m);
     step.covariance -= h_p.transpose() * m.solve(seen.information * h_p);
@@ -141,12 +135,11 @@ void ModeSmoother::backward() {
     const Step& next = steps_[k + 1];
     MatrixXd f_p = now.covariance;
     if (next.transfer.size() > 0)
-      f_p.topRows<kPart>() += next.transfer * now.covariance.middleRows<kPart>(at_pose(kMotion));
+      rows(f_p, kCamera) += next.transfer * rows(now.covariance, kMotion);
     const MatrixXd a = next.predicted.llt().solve(f_p).transpose();
     mean = now.mean + a * (mean - next.predicted_mean);
     MatrixXd keep = MatrixXd::Identity(a.rows(), a.cols()) - a;
-    if (next.transfer.size() > 0)
-      keep.middleCols<kPart>(at_pose(kMotion)) -= a.leftCols<kPart>() * next.transfer;
+    if (next.transfer.size() > 0) columns(keep, kMotion) -= columns(a, kCamera) * next.transfer;
     covariance =
         keep * now.covariance * keep.transpose() + a * (covariance + next.noise) * a.transpose();
     symmetrize(covariance);

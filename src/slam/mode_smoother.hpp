@@ -19,7 +19,7 @@ struct ModeModel {
   MotionSettings motion;
   double odometry_camera_fraction = 1.0;  ///< as in MultiObjectSettings
   double correlation_length = 1.0;        ///< odometry's noise is divided by it
-  bool averages = true;                   ///< detections teach by their update covariance
+  GainCovariance gain_covariance = GainCovariance::update;
   std::vector<std::size_t> objects = {};  ///< of the pose at first_object() and on
   std::vector<const ObjectSensor*> sensors = {};
 

@@ -107,7 +107,7 @@ bool ParticleCloud::start(Particle& particle, double& log_weight, std::size_t ob
   const Hypothesis joint =
       independent ? with_independent_pose(particle.camera,
                                           particle.camera.mean()[kCamera] * detected, *independent)
-                  : with_detected_object(particle.camera, {last, detected, &noise}, component);
+                  : with_detected_object(particle.camera, detected, component);
   const SE3d drawn = marginal(joint, last).sample(random_);
   particle.camera = conditional(joint, {{last}}, {{drawn}});
   particle.objects[object] = drawn;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "posemix/filter/predict.hpp"
+#include "posemix/lie/pose_blocks.hpp"
 
 namespace posemix::internal {
 namespace {
@@ -14,8 +15,6 @@ namespace {
 Matrix6d vague_covariance() {
   return pose_covariance(Eigen::Vector3d::Constant(3.0), Eigen::Vector3d::Constant(10.0));
 }
-
-Eigen::Index row_of(std::size_t pose) { return 6 * static_cast<Eigen::Index>(pose); }
 
 }  // namespace
 
@@ -31,7 +30,8 @@ SmoothingWindow::SmoothingWindow(const MultiObjectFilter& before, const MultiObj
   model_.motion = motion;
   model_.odometry_camera_fraction = now.settings().odometry_camera_fraction;
   model_.correlation_length = now.correlation_length();
-  model_.averages = now.settings().has_odometry;
+  model_.gain_covariance =
+      now.settings().has_odometry ? GainCovariance::update : GainCovariance::likelihood;
   for (std::size_t j = 0; j < modes.size(); ++j) {
     if (!modes[j]) continue;
     indices_[j] = model_.first_object() + model_.objects.size();
@@ -57,7 +57,7 @@ Hypothesis SmoothingWindow::inflated(const Hypothesis& joint) const {
   Eigen::MatrixXd covariance = now_.covariance_factor() * joint.covariance();
   for (const std::size_t object : model_.objects) {
     const std::size_t pose = *indices_[object];
-    covariance.block<6, 6>(row_of(pose), row_of(pose)) +=
+    block(covariance, pose, pose) +=
         now_.bias_covariance(object, joint.mean()[kCamera], joint.mean()[pose]);
   }
   return Hypothesis::trusted(joint.mean(), std::move(covariance));
@@ -80,9 +80,6 @@ Modes SmoothingWindow::known_before() const {
 Hypothesis SmoothingWindow::start(const Modes& known, bool vague) const {
   PoseStackd poses(model_.first_object() + model_.objects.size());
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(poses.dof(), poses.dof());
-  const auto block = [&](std::size_t row, std::size_t column) {
-    return covariance.block<6, 6>(row_of(row), row_of(column));
-  };
 
   // Poses that are new, and where those that the filter had belong.
   const Hypothesis given = before_.joint_of(known);
@@ -91,14 +88,14 @@ Hypothesis SmoothingWindow::start(const Modes& known, bool vague) const {
   std::vector<std::size_t> to{kCamera};
   if (given.mean().size() - objects > 1) to.push_back(kMotion);
   if (model_.has_motion())
-    block(kMotion, kMotion) = model_.motion.motion_noise.over(model_.motion.period_s);
+    block(covariance, kMotion, kMotion) = model_.motion.motion_noise.over(model_.motion.period_s);
   for (std::size_t i = 0; i < model_.objects.size(); ++i) {
     const std::size_t pose = *indices_[model_.objects[i]];
     if (known[model_.objects[i]]) {
       to.push_back(pose);
     } else {
       poses[pose] = hypotheses_[i].pose;
-      block(pose, pose) = vague ? vague_covariance() : hypotheses_[i].covariance;
+      block(covariance, pose, pose) = vague ? vague_covariance() : hypotheses_[i].covariance;
     }
   }
   // The filter's covariances count dependent detections as it knew them; their true error stays.
@@ -106,7 +103,7 @@ Hypothesis SmoothingWindow::start(const Modes& known, bool vague) const {
   for (std::size_t i = 0; i < to.size(); ++i) {
     poses[to[i]] = given.mean()[i];
     for (std::size_t k = 0; k < to.size(); ++k)
-      block(to[i], to[k]) = factor * given.covariance().block<6, 6>(row_of(i), row_of(k));
+      block(covariance, to[i], to[k]) = factor * block(given.covariance(), i, k);
   }
   return Hypothesis::trusted(std::move(poses), std::move(covariance));
 }

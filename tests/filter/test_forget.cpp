@@ -107,7 +107,7 @@ TEST(Forget, TheCamerasMotionStays) {
       kept.update(j, scene.detect(j, 0.0, 0.0));
   }
   MultiObjectFilter filter = kept;
-  filter.forget(0);  // its pose lies before the motion's
+  filter.forget(0);  // its pose is before that of the motion
   step(kept);
   step(filter);
   EXPECT_TRUE(filter.camera().mean().is_approx(kept.camera().mean(), 1e-12));

@@ -244,8 +244,7 @@ TEST(GaussianSumFilterSlow, CovarianceStaysPositiveDefiniteOverAMillionSteps) {
   const Matrix6d r = noise.components().front().covariance;
   const Matrix6d q = isotropic(0.05, 2e-4);
   Hypothesis h(PoseStackd(std::vector<SE3d>{kCameraPose}), isotropic(0.1, 0.001));
-  h = with_detected_object(h, {1, kCameraPose.inverse() * kObject, &noise},
-                           noise.components().front());
+  h = with_detected_object(h, kCameraPose.inverse() * kObject, noise.components().front());
   SE3d camera = kCameraPose;
   const NoiseComponent* const component = &noise.components().front();
   for (int step = 1; step <= 1000000; ++step) {

@@ -79,5 +79,31 @@ TEST(MultiObjectAlternatives, NoneOfFifteenIsLostWithEightHypothesesPerObject) {
   EXPECT_GE(complete, 15);
 }
 
+// With plain settings the covariances of the filter are the reported ones.
+TEST(MultiObjectAlternatives, JointOfGivenHypothesesHasTheirMoments) {
+  OrbitScene scene(3, 2, 0.1, 1e-3);
+  MultiObjectFilter filter(ConcentratedGaussian<SE3d>(scene.camera, isotropic(0.1, 0.002)),
+                           std::vector<ObjectSensor>(2, {testing::ray_noise()}),
+                           testing::plain_settings());
+  for (int frame = 0; frame < 30; ++frame) {
+    if (frame > 0) filter.predict_with_odometry(scene.advance(), scene.q, 0.1);
+    for (const std::size_t j : {0U, 1U}) filter.update(j, scene.detect(j, 0.4, 0.0));
+  }
+  const std::size_t leads = *filter.leading(0);
+  const auto joint = filter.joint_of(std::vector{filter.leading(0), filter.leading(1)});
+  EXPECT_EQ(joint.covariance(), filter.joint().covariance());
+
+  const auto hypotheses = filter.hypotheses(0);
+  ASSERT_GT(hypotheses.size(), 1U);
+  const std::size_t other = leads == 0 ? 1 : 0;
+  const auto alone = filter.joint_of(std::vector<std::optional<std::size_t>>{other, std::nullopt});
+  ASSERT_EQ(alone.mean().size(), 2U);
+  EXPECT_EQ(alone.mean()[1].matrix(), hypotheses[other].pose.matrix());
+  const Eigen::MatrixXd& p = alone.covariance();
+  EXPECT_TRUE(p.bottomRightCorner(6, 6).isApprox(hypotheses[other].covariance, 1e-12));
+  EXPECT_TRUE(p.bottomLeftCorner(6, 6).isApprox(hypotheses[other].cross_covariance, 1e-12));
+  EXPECT_TRUE(p.topLeftCorner(6, 6).isApprox(filter.camera().covariance(), 1e-12));
+}
+
 }  // namespace
 }  // namespace posemix

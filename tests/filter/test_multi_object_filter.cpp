@@ -93,7 +93,7 @@ TEST(MultiObjectFilter, AKnownModeBeginsWithEveryObject) {
     filter.update(0, frame % 5 == 0 ? seen * turn : seen);
     if (frame == 0) {
       ASSERT_EQ(filter.hypotheses(0).size(), 2U);
-      // 0.77 of the components' weight are of the mode without an offset, 0.2 of the other.
+      // The components of the mode without an offset have the weight 0.77, those of the other 0.2.
       const auto list = filter.hypotheses(0);
       EXPECT_NEAR(list[0].log_weight - list[1].log_weight, std::log(0.77 / 0.2), 1e-9);
     }
@@ -301,7 +301,7 @@ TEST(MultiObjectFilter, ConstantVelocityIsThatOfTheGaussianSumFilter) {
     const NoiseComponent* component = &noise.components().front();
     reference =
         frame == 0
-            ? with_detected_object(reference, detection, *component)
+            ? with_detected_object(reference, seen, *component)
             : update(reference, std::span(&detection, 1), std::span(&component, 1)).posterior;
   }
   const auto camera = marginal(reference, kCamera);

@@ -232,10 +232,9 @@ TEST(NewObject, ErrorIsThatOfCameraAndDetectionTogether) {
   const SE3d camera = pose(0.3, -0.2, 0.5, 0.4, 0.1, -0.6);
   const NoiseComponent component{1.0, isotropic(1.5, 0.01), NoiseFrame::object,
                                  pose(0, 0, 2.0, 0.1, 0, 0)};
-  const DetectorNoise noise({component});
   const SE3d detected = pose(1.0, 0.4, -0.3, 0.2, 0.1, 1.0);
   const Hypothesis prior(PoseStackd(std::vector<SE3d>{camera}), camera_covariance);
-  const Hypothesis joint = with_detected_object(prior, {1, detected, &noise}, component);
+  const Hypothesis joint = with_detected_object(prior, detected, component);
 
   constexpr int kDraws = 40000;
   Eigen::Matrix<double, 12, 12> sum = Eigen::Matrix<double, 12, 12>::Zero();

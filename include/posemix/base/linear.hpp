@@ -32,6 +32,22 @@ void symmetrize(Eigen::MatrixBase<Derived>& matrix) {
   }
 }
 
+/// Replaces the strict lower triangle of the square matrix `m` by the mirrored upper one.
+template <typename Derived>
+void mirror_upper_in_place(Eigen::MatrixBase<Derived>& m) {
+  for (Eigen::Index column = 0; column < m.cols(); ++column) {
+    for (Eigen::Index row = column + 1; row < m.rows(); ++row) m(row, column) = m(column, row);
+  }
+}
+
+/// `m` with its strict lower triangle replaced by the mirrored upper one.
+template <typename Derived>
+typename Derived::PlainObject mirror_upper(const Eigen::MatrixBase<Derived>& m) {
+  typename Derived::PlainObject full = m;
+  mirror_upper_in_place(full);
+  return full;
+}
+
 /// log det of the matrix whose Cholesky factor is given.
 template <class Matrix>
 double log_det(const Eigen::LLT<Matrix>& factor) {

@@ -8,6 +8,7 @@
 
 #include "posemix/base/linear.hpp"
 #include "posemix/lie/lie.hpp"
+#include "posemix/lie/pose_covariance.hpp"
 
 namespace posemix {
 
@@ -106,9 +107,5 @@ class DetectorNoise {
   Clutter clutter_;
   NoiseDependence dependence_;
 };
-
-/// Diagonal covariance from standard deviations about and along x, y, z.
-Matrix6d pose_covariance(const Eigen::Vector3d& rotation_sd_rad,
-                         const Eigen::Vector3d& translation_sd_m);
 
 }  // namespace posemix

@@ -13,7 +13,7 @@
 
 namespace posemix {
 
-/// Joint posterior of the camera and all objects.
+/// The joint posterior of the camera and all objects.
 using Posterior = Mixture<Hypothesis>;
 
 /// How the components of a detector's noise are combined over the objects seen in one frame.
@@ -21,21 +21,23 @@ enum class NoiseUse {
   joint,  ///< one component is chosen for all visible objects together (the midway paper's filter)
   per_object,  ///< one component for every object, the objects processed one after another with a
                ///< reduction after each
-  most_likely  ///< the same, but every hypothesis keeps only the child of the largest weight, by
-               ///< one component or clutter: with one hypothesis the max-mixture of Olson and
-               ///< Agarwal (2013). A new object enters by its detector's heaviest component.
+  most_likely  ///< as per_object, but every hypothesis keeps only its child of the largest weight:
+               ///< with one hypothesis the max-mixture of Olson and Agarwal (2013). A new object
+               ///< enters by its detector's heaviest component.
 };
 
 /// How one hypothesis is updated.
 enum class UpdateRule {
-  linearized,  ///< once, at the prior mean, covariance in Joseph's form (the midway paper's)
-  iterated     ///< `iterated_update`: consistent when the odometry is bad against the detector
+  linearized,  ///< by `update`, linearized at the prior mean (the midway paper's filter)
+  iterated     ///< by `iterated_update`, consistent also when the odometry is worse than the
+               ///< detector
 };
 
 /// What is reported as the estimate.
 enum class Summary {
   best,               ///< the hypothesis of the largest weight
-  merge_two_largest,  ///< the merge of the two largest weights (the midway paper's)
+  merge_two_largest,  ///< the merge of the two hypotheses of the largest weights (the midway
+                      ///< paper's filter)
   whole_mixture       ///< the merge of all hypotheses
 };
 
@@ -44,7 +46,7 @@ struct GaussianSumSettings {
   NoiseUse noise_use = NoiseUse::per_object;
   UpdateRule update = UpdateRule::iterated;
   RobustLoss robust_loss = RobustLoss::none;
-  double cauchy_scale = kCauchyScale;  ///< of RobustLoss::cauchy, standard deviations
+  double cauchy_scale = kCauchyScale;  ///< scale of RobustLoss::cauchy, in standard deviations
   /// A detection is left out when its squared Mahalanobis distance exceeds this quantile of the
   /// chi-square distribution with six degrees of freedom for every hypothesis and noise component;
   /// 1 turns the gate off.
@@ -55,13 +57,13 @@ struct GaussianSumSettings {
       1;  ///< index of the first object's pose: 2 where the motion is part of the state
 };
 
-/// What an update did with every detection, in the order given.
+/// The status of every detection of an update, in the order given, and its diagnostics.
 struct UpdateReport {
-  std::vector<bool> gated;  ///< left out by the gate
-  std::vector<bool>
-      failed;  ///< left out because an innovation covariance was not positive definite
+  std::vector<bool> gated;  ///< whether the gate left the detection out
+  /// Whether the detection was left out because an innovation covariance was not positive definite.
+  std::vector<bool> failed;
   double log_evidence = 0.0;  ///< log of the summed likelihood of the detections used [nats]
-  std::vector<ReductionReport> reductions;  ///< one for joint use, one per used detection otherwise
+  std::vector<ReductionReport> reductions;  ///< one for joint use, otherwise one per used detection
   double update_seconds = 0.0;
   double reduce_seconds = 0.0;
 };

@@ -19,15 +19,15 @@ Hypothesis predict_with_odometry(Hypothesis hypothesis, const SE3d& motion, cons
 /// Random walk: the mean stays.
 Hypothesis predict_random_walk(Hypothesis hypothesis, const Matrix6d& q);
 
-/// Constant velocity: the pose at kMotion is the motion V of the camera in one reference period, a
-/// part of the state,
+/// Constant velocity: the pose at kMotion, a part of the state, is the motion V of the camera in
+/// one reference period,
 ///   T_R <- T_R Exp(s Log V) Exp(n),  V <- V Exp(n_v),
 /// with s the step in reference periods. xi_R <- xi_R + Ad(T_R) s J_l(s v) J_l^-1(v) xi_V with v =
 /// Log V, which for s = 1 is the exact Ad(T_R) xi_V.
 Hypothesis predict_constant_velocity(Hypothesis hypothesis, double periods, const Matrix6d& q,
                                      const Matrix6d& q_motion);
 
-/// Factor of xi_V in xi_R above.
+/// The factor of xi_V in xi_R in predict_constant_velocity, Ad(T_R) s J_l(s v) J_l^-1(v).
 Matrix6d constant_velocity_transfer(const SE3d& camera, const SE3d& motion, double periods);
 
 }  // namespace posemix

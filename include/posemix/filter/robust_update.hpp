@@ -11,7 +11,7 @@ namespace posemix {
 
 /// The loss by which a hypothesis is updated.
 enum class RobustLoss {
-  none,   ///< the squared Mahalanobis distance: a Gaussian
+  none,   ///< the squared Mahalanobis distance of a Gaussian
   cauchy  ///< c^2 log(1 + d^2 / c^2), see `cauchy_update`
 };
 
@@ -21,8 +21,8 @@ inline constexpr double kCauchyScale = 2.862;
 
 /// Settings of `cauchy_update`.
 struct CauchySettings {
-  double scale = kCauchyScale;  ///< c, standard deviations
-  int max_iterations = 10;      ///< the reweightings after the first
+  double scale = kCauchyScale;  ///< c, in standard deviations
+  int max_iterations = 10;      ///< number of reweightings after the first
   double tolerance = 1e-6;      ///< stop when no weight 1 / lambda changes by a larger share
 };
 
@@ -36,12 +36,12 @@ using NoiseUpdate = std::function<UpdateResult(std::span<const NoiseComponent* c
 /// posterior mean, until the weights stay. The fixed point is a stationary point of
 ///   xi^T P^-1 xi + sum_j c^2 log(1 + d_j^2 / c^2),
 /// and each step lowers that sum where the model is linear. The influence of a detection goes to
-/// zero as its error grows; c to infinity is the update without a loss. Starting from S lets a
-/// prior that is vague against the detector follow the detection. The same scaling of a covariance,
-/// with another loss, is dynamic covariance scaling (Agarwal et al. 2013); with this loss it is the
-/// Cauchy weight of robust pose graphs (Lee et al. 2013).
+/// zero as its error grows; as c goes to infinity the result becomes the update without a loss. The
+/// start from S lets a hypothesis that is vague compared with the detector follow the detection.
+/// The same scaling of a covariance, with another loss, is dynamic covariance scaling (Agarwal et
+/// al. 2013); with this loss it is the Cauchy weight of robust pose graphs (Lee et al. 2013).
 ///
-/// `update` does each step; its likelihood is that under the multiplied covariance.
+/// `update` computes each step. The likelihood is that under the multiplied covariance.
 /// @throws InvalidInput when the scale is not positive
 UpdateResult cauchy_update(const Hypothesis& prior, std::span<const Detection> detections,
                            std::span<const NoiseComponent* const> noise, const NoiseUpdate& update,

@@ -8,8 +8,8 @@
 #include "posemix/density/concentrated_gaussian.hpp"
 #include "posemix/detector/detector_noise.hpp"
 
-/// The invariant extended Kalman filter on one hypothesis: camera T_R and objects T_j, X = Exp(xi)
-/// X0 pose by pose.
+/// The invariant extended Kalman filter on one hypothesis over the camera T_R and the objects T_j,
+/// X = Exp(xi) X0 pose by pose.
 namespace posemix {
 
 /// A hypothesis over all poses: pose 0 is the camera.
@@ -17,22 +17,22 @@ using Hypothesis = ConcentratedGaussian<PoseStackd>;
 
 inline constexpr std::size_t kCamera = 0;
 
-/// One detection: the pose `camera_object` (T_camera_object, eq. 32's Y) of the object at index
-/// `object` of the stack.
+/// One detection of an object.
 struct Detection {
-  std::size_t object;
-  SE3d camera_object;
-  const DetectorNoise* noise;
+  std::size_t object;  ///< index of its pose in the stack
+  SE3d camera_object;  ///< the detected T_camera_object, Y in the midway-merge paper, eq. 32
+  const DetectorNoise* noise;  ///< not null
 };
 
 /// The innovation of one detection under one noise component, in the world frame. With
 ///   z = Log(T_R Y offset^-1 T_o^-1)
 /// the model is z = xi_o - xi_R + noise, so H = [-I I] whatever the poses are.
 struct Innovation {
-  Vector6d residual;
-  Matrix6d noise;  ///< covariance of the noise carried into the world frame
+  Vector6d residual;  ///< z
+  Matrix6d noise;     ///< covariance of the noise
 };
 
+/// The innovation at given poses.
 Innovation innovation(const PoseStackd& mean, const Detection& detection,
                       const NoiseComponent& noise);
 
@@ -51,17 +51,17 @@ struct UpdateResult {
 };
 
 /// Updates one hypothesis with several detections at once, each under the noise component given for
-/// it. Covariance in Joseph's form.
+/// it. The covariance is computed in Joseph's form.
 UpdateResult update(const Hypothesis& prior, std::span<const Detection> detections,
                     std::span<const NoiseComponent* const> noise);
 
-/// The hypothesis with one more pose, the object of `detection` (its index is not looked at): T_o =
-/// T_R Y offset^-1, P_oo = P_RR + R, P_o* = P_R*, so that the new object is as correlated with
-/// everything as the camera is.
-Hypothesis with_detected_object(const Hypothesis& prior, const Detection& detection,
+/// The hypothesis with one more pose at the end: an object detected at `camera_object`, Y, under
+/// one noise component. T_o = T_R Y offset^-1, P_oo = P_RR + R, P_o* = P_R*: the new object is as
+/// correlated with all poses as the camera is.
+Hypothesis with_detected_object(const Hypothesis& prior, const SE3d& camera_object,
                                 const NoiseComponent& noise);
 
-/// The hypothesis with one more pose whose error is independent of all others.
+/// The hypothesis with one more pose at the end, whose error is independent of all others.
 Hypothesis with_independent_pose(const Hypothesis& prior, const SE3d& mean,
                                  const Matrix6d& covariance);
 

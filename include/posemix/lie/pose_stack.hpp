@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 
 #include "posemix/base/error.hpp"
+#include "posemix/lie/pose_blocks.hpp"
 #include "posemix/lie/se3.hpp"
 
 namespace posemix {
@@ -91,16 +92,12 @@ class PoseStack {
     }
     return static_cast<std::size_t>(xi.size() / Pose::Dof);
   }
-  static Eigen::Index offset(std::size_t i) { return Pose::Dof * static_cast<Eigen::Index>(i); }
-  static typename Pose::Tangent part(const Tangent& xi, std::size_t i) {
-    return xi.template segment<Pose::Dof>(offset(i));
-  }
 
   template <typename Function>
   static TangentMatrix block_diagonal(const Tangent& xi, Function function) {
     TangentMatrix m = TangentMatrix::Zero(xi.size(), xi.size());
     for (std::size_t i = 0, n = poses_in(xi); i < n; ++i) {
-      m.template block<6, 6>(offset(i), offset(i)) = function(part(xi, i));
+      block(m, i, i) = function(segment(xi, i));
     }
     return m;
   }
@@ -108,7 +105,7 @@ class PoseStack {
   template <typename Function>
   static std::vector<Blocks> blocks_of(const Tangent& xi, Function function) {
     std::vector<Blocks> blocks(poses_in(xi));
-    for (std::size_t i = 0; i < blocks.size(); ++i) blocks[i] = function(part(xi, i));
+    for (std::size_t i = 0; i < blocks.size(); ++i) blocks[i] = function(segment(xi, i));
     return blocks;
   }
 
@@ -119,16 +116,15 @@ class PoseStack {
     }
   }
 
-  /// Calls use(row, column, block) for every 6x6 block of B P B^T on and above the diagonal, B the
-  /// block diagonal matrix.
+  /// Calls use(row, column, values) with the indices of two poses for every 6x6 block of B P B^T on
+  /// and above the diagonal, B the block diagonal matrix.
   template <typename Use>
   static void for_each_block(const std::vector<Blocks>& blocks, const TangentMatrix& p, Use use) {
     for (std::size_t j = 0; j < blocks.size(); ++j) {
       for (std::size_t i = 0; i < j; ++i) {
-        use(offset(i), offset(j),
-            blocks[i].sandwich(p.template block<6, 6>(offset(i), offset(j)), blocks[j]));
+        use(i, j, blocks[i].sandwich(block(p, i, j), blocks[j]));
       }
-      use(offset(j), offset(j), blocks[j].congruence(p.template block<6, 6>(offset(j), offset(j))));
+      use(j, j, blocks[j].congruence(block(p, j, j)));
     }
   }
 
@@ -140,7 +136,7 @@ class PoseStack {
 template <typename S>
 PoseStack<S> PoseStack<S>::exp(const Tangent& xi) {
   PoseStack stack(poses_in(xi));
-  for (std::size_t i = 0; i < stack.size(); ++i) stack[i] = Pose::exp(part(xi, i));
+  for (std::size_t i = 0; i < stack.size(); ++i) stack[i] = Pose::exp(segment(xi, i));
   return stack;
 }
 
@@ -148,7 +144,7 @@ template <typename S>
 typename PoseStack<S>::Tangent PoseStack<S>::log() const {
   Tangent xi(dof());
   for (std::size_t i = 0; i < size(); ++i) {
-    xi.template segment<Pose::Dof>(offset(i)) = poses_[i].log();
+    segment(xi, i) = poses_[i].log();
   }
   return xi;
 }
@@ -175,7 +171,7 @@ template <typename S>
 typename PoseStack<S>::TangentMatrix PoseStack<S>::adjoint() const {
   TangentMatrix m = TangentMatrix::Zero(dof(), dof());
   for (std::size_t i = 0; i < size(); ++i) {
-    m.template block<6, 6>(offset(i), offset(i)) = poses_[i].adjoint();
+    block(m, i, i) = poses_[i].adjoint();
   }
   return m;
 }
@@ -184,7 +180,7 @@ template <typename S>
 S PoseStack<S>::log_abs_det_left_jacobian(const Tangent& xi) {
   Scalar sum(0);
   for (std::size_t i = 0, n = poses_in(xi); i < n; ++i) {
-    sum += Pose::log_abs_det_left_jacobian(part(xi, i));
+    sum += Pose::log_abs_det_left_jacobian(segment(xi, i));
   }
   return sum;
 }
@@ -205,7 +201,7 @@ typename PoseStack<S>::Tangent PoseStack<S>::adjoint_times(const Tangent& xi) co
   }
   Tangent result(dof());
   for (std::size_t i = 0; i < size(); ++i) {
-    result.template segment<Pose::Dof>(offset(i)) = poses_[i].adjoint_blocks().times(part(xi, i));
+    segment(result, i) = poses_[i].adjoint_blocks().times(typename Pose::Tangent(segment(xi, i)));
   }
   return result;
 }
@@ -216,12 +212,11 @@ typename PoseStack<S>::TangentMatrix PoseStack<S>::congruence(const std::vector<
   const Eigen::Index n = offset(blocks.size());
   check_size(p, n);
   TangentMatrix m(n, n);
-  for_each_block(
-      blocks, p,
-      [&](const Eigen::Index row, const Eigen::Index column, const typename Blocks::Dense& block) {
-        m.template block<6, 6>(row, column) = block;
-        if (row != column) m.template block<6, 6>(column, row) = block.transpose();
-      });
+  for_each_block(blocks, p,
+                 [&](std::size_t row, std::size_t column, const typename Blocks::Dense& values) {
+                   block(m, row, column) = values;
+                   if (row != column) block(m, column, row) = values.transpose();
+                 });
   return m;
 }
 
@@ -258,12 +253,11 @@ void PoseStack<S>::add_left_jacobian_inverse_congruence(const Tangent& xi, const
   check_size(p, xi.size());
   check_size(sum, xi.size());
   const std::vector<Blocks> blocks = blocks_of(xi, &Pose::left_jacobian_inverse_blocks);
-  for_each_block(
-      blocks, p,
-      [&](const Eigen::Index row, const Eigen::Index column, const typename Blocks::Dense& block) {
-        sum.template block<6, 6>(row, column) += weight * block;
-        if (row != column) sum.template block<6, 6>(column, row) += weight * block.transpose();
-      });
+  for_each_block(blocks, p,
+                 [&](std::size_t row, std::size_t column, const typename Blocks::Dense& values) {
+                   block(sum, row, column) += weight * values;
+                   if (row != column) block(sum, column, row) += weight * values.transpose();
+                 });
 }
 
 template <typename S>

@@ -4,23 +4,9 @@
 
 #include <Eigen/Core>
 
+#include "posemix/base/linear.hpp"
+
 namespace posemix {
-
-/// Replaces the strict lower triangle of the square matrix `m` by the mirrored upper one.
-template <typename Derived>
-void mirror_upper_in_place(Eigen::MatrixBase<Derived>& m) {
-  for (Eigen::Index column = 0; column < m.cols(); ++column) {
-    for (Eigen::Index row = column + 1; row < m.rows(); ++row) m(row, column) = m(column, row);
-  }
-}
-
-/// `m` with its strict lower triangle replaced by the mirrored upper one.
-template <typename Derived>
-typename Derived::PlainObject mirror_upper(const Eigen::MatrixBase<Derived>& m) {
-  typename Derived::PlainObject full = m;
-  mirror_upper_in_place(full);
-  return full;
-}
 
 /// d I + w^ + p q^T + q p^T: the shape of every 3x3 block of a Jacobian. Written out, because the
 /// compiler keeps the entries in registers then.

@@ -4,18 +4,14 @@
 
 #include <utility>
 
-#include "pose_blocks.hpp"
+#include "posemix/lie/pose_blocks.hpp"
 
 namespace posemix {
 namespace {
 
-using internal::kPoseDof;
-
-constexpr Eigen::Index kMotionOffset = kPoseDof * static_cast<Eigen::Index>(kMotion);
-
-void add_noise(Eigen::MatrixXd& covariance, Eigen::Index offset, const SE3d& pose,
+void add_noise(Eigen::MatrixXd& covariance, std::size_t index, const SE3d& pose,
                const Matrix6d& q) {
-  covariance.block<kPoseDof, kPoseDof>(offset, offset) += pose.adjoint_congruence(q);
+  block(covariance, index, index) += pose.adjoint_congruence(q);
 }
 
 }  // namespace
@@ -23,7 +19,7 @@ void add_noise(Eigen::MatrixXd& covariance, Eigen::Index offset, const SE3d& pos
 Hypothesis predict_with_odometry(Hypothesis hypothesis, const SE3d& motion, const Matrix6d& q) {
   auto [mean, covariance] = std::move(hypothesis).release();
   mean[kCamera] = mean[kCamera] * motion;
-  add_noise(covariance, 0, mean[kCamera], q);
+  add_noise(covariance, kCamera, mean[kCamera], q);
   return Hypothesis::trusted(std::move(mean), std::move(covariance));
 }
 
@@ -43,12 +39,11 @@ Hypothesis predict_constant_velocity(Hypothesis hypothesis, double periods, cons
   const Vector6d velocity = mean[kMotion].log();
   const Matrix6d transfer = constant_velocity_transfer(mean[kCamera], mean[kMotion], periods);
   // Covariance of (xi_R + transfer xi_V, rest): first the rows, then the columns.
-  covariance.topRows<kPoseDof>() += transfer * covariance.middleRows<kPoseDof>(kMotionOffset);
-  covariance.leftCols<kPoseDof>() +=
-      covariance.middleCols<kPoseDof>(kMotionOffset) * transfer.transpose();
+  rows(covariance, kCamera) += transfer * rows(covariance, kMotion);
+  columns(covariance, kCamera) += columns(covariance, kMotion) * transfer.transpose();
   mean[kCamera] = mean[kCamera] * SE3d::exp(periods * velocity);
-  add_noise(covariance, 0, mean[kCamera], q);
-  add_noise(covariance, kMotionOffset, mean[kMotion], q_motion);
+  add_noise(covariance, kCamera, mean[kCamera], q);
+  add_noise(covariance, kMotion, mean[kMotion], q_motion);
   symmetrize(covariance);
   return Hypothesis::trusted(std::move(mean), std::move(covariance));
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include "dependence.hpp"
+#include "correlation_length.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,12 +8,12 @@
 namespace posemix::internal {
 namespace {
 
-/// A variance from fewer blocks is too uncertain.
+/// The variance of fewer blocks is too uncertain.
 constexpr std::uint64_t kFewestBlocks = 6;
 
 }  // namespace
 
-void DependentFrames::add(const Vector6d& residual) {
+void CorrelationLength::add(const Vector6d& residual) {
   Vector6d mean = residual;
   for (std::size_t level = 0;; ++level) {
     if (level == levels_.size()) levels_.emplace_back();
@@ -30,10 +30,11 @@ void DependentFrames::add(const Vector6d& residual) {
   }
 }
 
-double DependentFrames::estimate(double prior, double prior_frames) const {
-  if (std::isinf(prior_frames) || levels_.empty() || levels_.front().squares <= 0.0) return prior;
-  const auto frames = static_cast<double>(levels_.front().blocks);
-  const double single = levels_.front().squares / frames;
+double CorrelationLength::estimate(double prior, double prior_residuals) const {
+  if (std::isinf(prior_residuals) || levels_.empty() || levels_.front().squares <= 0.0)
+    return prior;
+  const auto residuals = static_cast<double>(levels_.front().blocks);
+  const double single = levels_.front().squares / residuals;
   double most = 1.0;
   double length = 1.0;
   for (const Level& level : levels_) {
@@ -41,7 +42,7 @@ double DependentFrames::estimate(double prior, double prior_frames) const {
     most = std::max(most, length * level.squares / static_cast<double>(level.blocks) / single);
     length *= 2.0;
   }
-  return (prior_frames * prior + frames * most) / (prior_frames + frames);
+  return (prior_residuals * prior + residuals * most) / (prior_residuals + residuals);
 }
 
 }  // namespace posemix::internal

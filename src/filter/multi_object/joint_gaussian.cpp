@@ -13,10 +13,15 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Below this weight alternatives cannot change the leading object's row beyond rounding.
+/// Alternatives of less weight do not change the rows of the leading hypothesis beyond rounding.
 constexpr double kNegligibleWeight = 1e-7;
 
 }  // namespace
+
+Matrix6d regression_on_camera(const Matrix6d& cross_covariance, const Matrix6d& camera) {
+  const Eigen::LLT<Matrix6d> factor(camera);
+  return factor.solve(cross_covariance.transpose()).transpose();
+}
 
 Pair JointGaussian::pair(std::size_t object) const {
   Pair result{poses_[kCamera], poses_[object], {}};
@@ -25,6 +30,13 @@ Pair JointGaussian::pair(std::size_t object) const {
   result.covariance.bottomLeftCorner<6, 6>() = block(covariance_, object, kCamera);
   result.covariance.topRightCorner<6, 6>() = block(covariance_, kCamera, object);
   return result;
+}
+
+MatrixXd JointGaussian::rows_of(std::size_t index) const { return rows(covariance_, index); }
+
+MatrixXd JointGaussian::regressed_rows(const Matrix6d& cross_covariance) const {
+  const Matrix6d by = regression_on_camera(cross_covariance, covariance(kCamera, kCamera));
+  return by * rows(covariance_, kCamera);
 }
 
 std::size_t JointGaussian::append(const SE3d& pose, const Matrix6d& covariance,
@@ -41,8 +53,7 @@ void JointGaussian::replace(std::size_t index, const SE3d& pose, const Matrix6d&
                             const Matrix6d& cross_covariance) {
   // B_j. = P_OC P_CC^-1 B_C.
   poses_[index] = pose;
-  const Eigen::LLT<Matrix6d> camera(covariance_.topLeftCorner<6, 6>());
-  const Matrix6d by = camera.solve(cross_covariance.transpose()).transpose();
+  const Matrix6d by = regression_on_camera(cross_covariance, this->covariance(kCamera, kCamera));
   for (std::size_t k = 0; k < poses_.size(); ++k) {
     if (k == index) continue;
     const Matrix6d row =
@@ -63,12 +74,10 @@ void JointGaussian::erase(std::size_t index) {
   covariance_ = MatrixXd(covariance_(kept, kept));
 }
 
-void JointGaussian::set_rows(std::size_t index, const SE3d& pose, const MatrixXd& values,
-                             const Matrix6d& covariance) {
+void JointGaussian::set_rows(std::size_t index, const SE3d& pose, const MatrixXd& values) {
   poses_[index] = pose;
-  rows(covariance_, index) = values;
   columns(covariance_, index) = values.transpose();
-  block(covariance_, index, index) = covariance;
+  rows(covariance_, index) = values;
 }
 
 void JointGaussian::regress(std::span<const std::size_t> indices, const VectorXd& mean,
@@ -94,22 +103,22 @@ Vector6d JointGaussian::update(std::size_t index, const PairMoments& leading,
   const Index n = covariance_.rows();
   VectorXd mean(n);
   MatrixXd b;
+  // Under the leading hypothesis, eq. (5).
   regress(std::array{kCamera, index}, leading.mean, leading.covariance, mean, b);
   if (alternative.weight < kNegligibleWeight) {
     covariance_ = std::move(b);
     symmetrize(covariance_);
     return move(mean);
   }
+  // Under all others, eq. (6).
   VectorXd other_mean(n);
   MatrixXd other;
   regress(std::array{kCamera}, alternative.mean, alternative.covariance, other_mean, other);
-
+  // Projection onto one Gaussian, eq. (7) and (8).
   project(index, alternative.weight, mean, b, other_mean - mean, other);
   return move(mean);
 }
 
-/// Everything but the object: exact moments of the two. The object: regression on the rest as the
-/// leading hypothesis has it.
 void JointGaussian::project(std::size_t index, double w_a, VectorXd& mean, const MatrixXd& b,
                             const VectorXd& apart, const MatrixXd& other) {
   const double w = 1.0 - w_a;
@@ -120,10 +129,12 @@ void JointGaussian::project(std::size_t index, double w_a, VectorXd& mean, const
   for (Index i = 0; i < n; ++i) {
     if (i < at || i >= at + kPoseDof) s.push_back(i);
   }
+  // Everything but the object takes the exact moments of the mixture, eq. (7).
   const VectorXd difference = apart(s);
   const VectorXd shift = w_a * difference;
   MatrixXd b_s = w * b(s, s) + w_a * other(s, s);
   b_s.noalias() += w * w_a * difference * difference.transpose();
+  // The object keeps the regression that it has under the leading hypothesis, eq. (8).
   const MatrixXd b_js = b.middleRows(at, kPoseDof)(Eigen::all, s);
   const MatrixXd before = b(s, s);
   const MatrixXd g = before.llt().solve(b_js.transpose()).transpose();
@@ -136,15 +147,6 @@ void JointGaussian::project(std::size_t index, double w_a, VectorXd& mean, const
   covariance_.block<kPoseDof, kPoseDof>(at, at) =
       b.block<kPoseDof, kPoseDof>(at, at) + g * (b_s - before) * g.transpose();
   symmetrize(covariance_);
-}
-
-Vector6d JointGaussian::update_camera(const CameraAlternative& camera) {
-  VectorXd mean(covariance_.rows());
-  MatrixXd b;
-  regress(std::array{kCamera}, camera.mean, camera.covariance, mean, b);
-  covariance_ = std::move(b);
-  symmetrize(covariance_);
-  return move(mean);
 }
 
 Vector6d JointGaussian::move(const VectorXd& mean) {

@@ -6,31 +6,19 @@
 #include <limits>
 #include <utility>
 
-#include "noise_axes.hpp"
-#include "pose_blocks.hpp"
+#include "symmetric_products.hpp"
+#include "world_noise.hpp"
 
 namespace posemix {
 namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
-using internal::block;
-using internal::columns;
-using internal::kPoseDof;
-using internal::offset;
-using internal::rows;
 using internal::Square;
 using internal::Tall;
 using internal::Vector;
 using internal::without_offset;
-
-/// The noise covariance carried into the world frame, Ad(E) R Ad(E)^T.
-Matrix6d world_noise(const NoiseComponent& noise, const SE3d& camera, const SE3d& object) {
-  if (noise.frame == NoiseFrame::ray)
-    return world_noise(along_camera(noise, camera.inverse() * object), camera, object);
-  return internal::noise_axes(noise, camera.rotation(), object)
-      .adjoint_congruence(noise.covariance);
-}
+using internal::world_noise;
 
 Hypothesis extended(const Hypothesis& prior, const SE3d& mean, const Matrix6d& covariance,
                     const MatrixXd& cross) {
@@ -46,7 +34,7 @@ Hypothesis extended(const Hypothesis& prior, const SE3d& mean, const Matrix6d& c
   return Hypothesis::trusted(std::move(poses), std::move(joint));
 }
 
-/// matrix H^T: the columns of each object less those of the camera.
+/// matrix H^T: the columns of each object minus those of the camera.
 template <int Dim>
 Tall<Dim> times_ht(const MatrixXd& matrix, std::span<const Detection> detections) {
   Tall<Dim> result(matrix.rows(), offset(detections.size()));
@@ -73,7 +61,7 @@ struct Observation {
     s.resize(size, size);
     for (std::size_t j = 0; j < detections.size(); ++j) {
       const Innovation one = innovation(prior.mean(), detections[j], *components[j]);
-      residual.template segment<kPoseDof>(offset(j)) = one.residual;
+      segment(residual, j) = one.residual;
       block(noise, j, j) = one.noise;
       rows(s, j) = rows(p_ht, detections[j].object) - rows(p_ht, kCamera);
     }
@@ -118,7 +106,7 @@ Innovation innovation(const PoseStackd& mean, const Detection& detection,
                       const NoiseComponent& noise) {
   const SE3d& camera = mean[kCamera];
   const SE3d& object = mean[detection.object];
-  const SE3d detected = camera * without_offset(detection, noise);
+  const SE3d detected = camera * without_offset(detection.camera_object, noise);
   return {(detected * object.inverse()).log(), world_noise(noise, camera, object)};
 }
 
@@ -141,10 +129,10 @@ UpdateResult update(const Hypothesis& prior, std::span<const Detection> detectio
   return update_with<Eigen::Dynamic>(prior, detections, at_mean.components());
 }
 
-Hypothesis with_detected_object(const Hypothesis& prior, const Detection& detection,
+Hypothesis with_detected_object(const Hypothesis& prior, const SE3d& camera_object,
                                 const NoiseComponent& noise) {
   const SE3d& camera = prior.mean()[kCamera];
-  const SE3d object = camera * without_offset(detection, noise);
+  const SE3d object = camera * without_offset(camera_object, noise);
   const MatrixXd& p = prior.covariance();
   return extended(prior, object, block(p, kCamera, kCamera) + world_noise(noise, camera, object),
                   columns(p, kCamera));

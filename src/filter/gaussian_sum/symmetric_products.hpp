@@ -8,46 +8,21 @@
 #include <Eigen/Core>
 
 #include "posemix/base/linear.hpp"
-#include "posemix/lie/twist_matrix.hpp"
+#include "posemix/lie/pose_blocks.hpp"
 
-/// Products with the covariance of a pose stack, 6x6 block by block. Dim is 6 where one detection
-/// is processed, so that every block has a size known at compile time, and Eigen::Dynamic for
-/// several at once. In the room `filter` only.
+/// Products with the covariance of a pose stack, 6x6 block by block. Dim is 6 for one detection, so
+/// that every block has a size known at compile time, and Eigen::Dynamic for several.
 namespace posemix::internal {
-
-inline constexpr Eigen::Index kPoseDof = 6;
-
-inline Eigen::Index offset(std::size_t pose) { return kPoseDof * static_cast<Eigen::Index>(pose); }
 
 template <int Dim>
 using Vector = Eigen::Matrix<double, Dim, 1>;
 template <int Dim>
 using Square = Eigen::Matrix<double, Dim, Dim>;
-/// Six rows per pose of the stack, one column per coordinate that is observed.
+/// Six rows per pose of the stack, and one column per observed coordinate.
 template <int Dim>
 using Tall = Eigen::Matrix<double, Eigen::Dynamic, Dim>;
 
-/// The six rows, six columns, or the square block of poses.
-template <class Matrix>
-auto rows(Matrix& matrix, std::size_t pose) {
-  return matrix.template middleRows<kPoseDof>(offset(pose));
-}
-template <class Matrix>
-auto columns(Matrix& matrix, std::size_t pose) {
-  return matrix.template middleCols<kPoseDof>(offset(pose));
-}
-template <class Matrix>
-auto block(Matrix& matrix, std::size_t row, std::size_t column) {
-  return matrix.template block<kPoseDof, kPoseDof>(offset(row), offset(column));
-}
-
-/// The coordinates of one pose.
-template <class Vector>
-auto segment(Vector& vector, std::size_t pose) {
-  return vector.template segment<kPoseDof>(offset(pose));
-}
-
-/// p -= a b^T for a p that is and stays symmetric: what is above the diagonal is computed, the rest
+/// p -= a b^T where p is symmetric and stays so: the entries above the diagonal are computed and
 /// mirrored.
 template <int Dim>
 void subtract_symmetric_product(Eigen::MatrixXd& p, const Tall<Dim>& a, const Tall<Dim>& b) {
@@ -70,7 +45,8 @@ void subtract_symmetric_product(Eigen::MatrixXd& p, const Tall<Dim>& a, const Ta
   }
 }
 
-/// c S^-1 for the Cholesky factor L of S: c L^-T column by column, then that times L^-1.
+/// c S^-1 from the Cholesky factor L of S: first c L^-T column by column, then its product with
+/// L^-1.
 template <int Dim>
 Tall<Dim> times_inverse(const Tall<Dim>& c, const Eigen::LLT<Square<Dim>>& s) {
   if constexpr (Dim == Eigen::Dynamic) {

@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "noise_axes.hpp"
+#include "world_noise.hpp"
 
 namespace posemix::internal {
 
@@ -33,7 +33,7 @@ RelativePrior<Dim>::RelativePrior(const Hypothesis& prior, std::span<const Detec
     const SE3d inverse = prior.mean()[detection.object].inverse();
     const Eigen::LLT<Matrix6d> noise_factor(noise[j]->covariance);
     poses.push_back({detection.object, inverse * prior.mean()[kCamera], inverse.adjoint_blocks(),
-                     without_offset(detection, *noise[j]), noise[j],
+                     without_offset(detection.camera_object, *noise[j]), noise[j],
                      inverse_of_factor(noise_factor)});
   }
   cross = times_dt(prior.covariance());
@@ -78,7 +78,7 @@ class RelativeEstimator {
     at_ = iterate(zero, zero);
     if (prior_.factor.info() != Eigen::Success || !linearize()) return failure();
     for (int iteration = 0; iteration < settings.max_iterations; ++iteration) {
-      // So close to the last linearization that a new one would say the same.
+      // A new linearization so close to the last one would not differ.
       if (step() < settings.tolerance) break;
       if (!linearize()) return failure();
     }
@@ -94,7 +94,7 @@ class RelativeEstimator {
     Vector<Dim> n;            ///< Log(Z_j detected_j)
   };
 
-  /// What the detection of one relative pose says around an iterate.
+  /// The detection of one relative pose, linearized at an iterate.
   struct Linearization {
     TwistMatrix<double> m;  ///< dn/dzeta
     Matrix6d noise;         ///< R
@@ -110,7 +110,7 @@ class RelativeEstimator {
     return next;
   }
 
-  /// zeta^T P^-1 zeta + n^T R^-1 n with R as it lies where the linearization is.
+  /// zeta^T P^-1 zeta + n^T R^-1 n with R at the last linearization.
   double cost(const Iterate& x) const {
     double sum = x.zeta.dot(x.information);
     for (std::size_t j = 0; j < parts_.size(); ++j) {
@@ -119,8 +119,8 @@ class RelativeEstimator {
     return sum;
   }
 
-  /// zeta <- -K (n - M zeta), the step halved while the cost rises with R held fixed. Returns the
-  /// length of the step.
+  /// zeta <- -K (n - M zeta). The step is halved while the cost rises with R held fixed. Returns
+  /// the length of the step.
   double step() {
     Vector<Dim> target = at_.n;
     for (std::size_t j = 0; j < parts_.size(); ++j) {
@@ -143,15 +143,16 @@ class RelativeEstimator {
     return change.norm();
   }
 
-  /// R of one detection for the pose of the axes in which its noise is stated.
+  /// Sets R of one detection from the pose of the axes in which its noise is stated.
   void set_noise(std::size_t j, const SE3d& axes) {
     const RelativePose& pose = prior_.poses[j];
     parts_[j].noise = axes.adjoint_congruence(pose.component->covariance);
     parts_[j].whitener.noalias() = pose.whitener * axes.inverse().adjoint();
   }
 
-  /// M, R, P M^T and the factor of S = M P M^T + R at the current iterate, M the derivative of n by
-  /// zeta, M_j = J_l^-1(n_j) J_l(zeta_j); false when S is not positive definite.
+  /// Computes M, R, P M^T and the factor of S = M P M^T + R at the current iterate, where M is the
+  /// derivative of n by zeta, M_j = J_l^-1(n_j) J_l(zeta_j). Returns false when S is not positive
+  /// definite.
   bool linearize() {
     Square<Dim> s(prior_.size(), prior_.size());
     for (std::size_t j = 0; j < parts_.size(); ++j) {

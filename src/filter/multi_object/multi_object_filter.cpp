@@ -11,9 +11,12 @@
 
 namespace posemix {
 
+using internal::ConditionalPose;
 using internal::JointGaussian;
-using internal::ObjectState;
+using internal::MultiObjectState;
 using internal::Pair;
+using internal::Standing;
+using internal::TrackedObject;
 
 namespace {
 
@@ -22,7 +25,7 @@ void require_finite(const SE3d& pose, const char* name) {
     throw InvalidInput(fmt::format("{} holds a value that is not finite", name));
 }
 
-/// A noise may have directions without any.
+/// A noise may be zero in some directions.
 void require_noise(const Matrix6d& covariance, const char* name) {
   if (!covariance.allFinite())
     throw InvalidInput(fmt::format("{} holds a value that is not finite", name));
@@ -40,13 +43,13 @@ void require_time(double dt) {
 MultiObjectFilter::MultiObjectFilter(const ConcentratedGaussian<SE3d>& camera,
                                      std::vector<ObjectSensor> objects,
                                      const MultiObjectSettings& settings)
-    : state_(std::make_unique<State>(camera, std::move(objects), settings)) {}
+    : state_(std::make_unique<MultiObjectState>(camera, std::move(objects), settings)) {}
 
 MultiObjectFilter::MultiObjectFilter(const MultiObjectFilter& other)
-    : state_(std::make_unique<State>(*other.state_)) {}
+    : state_(std::make_unique<MultiObjectState>(*other.state_)) {}
 MultiObjectFilter::MultiObjectFilter(MultiObjectFilter&&) noexcept = default;
 MultiObjectFilter& MultiObjectFilter::operator=(const MultiObjectFilter& other) {
-  if (this != &other) state_ = std::make_unique<State>(*other.state_);
+  if (this != &other) state_ = std::make_unique<MultiObjectState>(*other.state_);
   return *this;
 }
 MultiObjectFilter& MultiObjectFilter::operator=(MultiObjectFilter&&) noexcept = default;
@@ -59,21 +62,20 @@ void MultiObjectFilter::predict_with_odometry(const SE3d& motion, const Matrix6d
   JointGaussian& joint = state_->joint;
   const SE3d camera = joint.pose(kCamera) * motion;
   joint.set_pose(kCamera, camera);
-  const double factor = state_->factor();
+  const double factor = state_->covariance_factor();
   const double share = state_->settings.odometry_camera_fraction;
-  internal::block(joint.covariance(), kCamera, kCamera) +=
-      share / factor * camera.adjoint_congruence(q);
+  block(joint.covariance(), kCamera, kCamera) += share / factor * camera.adjoint_congruence(q);
   state_->drift += (1.0 - share) / factor * q;
-  state_->pass(dt);
+  state_->advance(dt);
 }
 
 void MultiObjectFilter::predict_random_walk(const Matrix6d& q, double dt) {
   require_noise(q, "noise of the random walk");
   require_time(dt);
   JointGaussian& joint = state_->joint;
-  internal::block(joint.covariance(), kCamera, kCamera) +=
-      joint.pose(kCamera).adjoint_congruence(q) / state_->factor();
-  state_->pass(dt);
+  block(joint.covariance(), kCamera, kCamera) +=
+      joint.pose(kCamera).adjoint_congruence(q) / state_->covariance_factor();
+  state_->advance(dt);
 }
 
 void MultiObjectFilter::predict_constant_velocity(double periods, const Matrix6d& q,
@@ -92,26 +94,21 @@ void MultiObjectFilter::predict_constant_velocity(double periods, const Matrix6d
   const SE3d velocity = joint.pose(motion);
   const Matrix6d transfer = constant_velocity_transfer(camera, velocity, periods);
 
-  // xi_C <- xi_C + F xi_V: the rows of others that depend on the camera alone, then the joint
-  // Gaussian.
+  // xi_C <- xi_C + F xi_V. First the alternatives, whose poses depend on the camera alone: P_OC
+  // grows by P_OC P_CC^-1 P_CV F^T. Then the joint Gaussian.
   const Eigen::LLT<Matrix6d> before(joint.covariance(kCamera, kCamera));
   const Matrix6d with_motion =
       before.solve(joint.covariance(kCamera, motion)) * transfer.transpose();
-  for (ObjectState& object : state_->objects) {
-    for (ObjectHypothesis& hypothesis : object.hypotheses) {
-      const Matrix6d change = hypothesis.cross_covariance * with_motion;
-      hypothesis.cross_covariance += change;
-    }
-  }
+  for (TrackedObject& object : state_->objects) object.belief.add_to_cross_covariances(with_motion);
   Eigen::MatrixXd& b = joint.covariance();
-  internal::rows(b, kCamera) += transfer * internal::rows(b, motion);
-  internal::columns(b, kCamera) += internal::columns(b, motion) * transfer.transpose();
+  rows(b, kCamera) += transfer * rows(b, motion);
+  columns(b, kCamera) += columns(b, motion) * transfer.transpose();
   const SE3d moved = camera * SE3d::exp(periods * velocity.log());
   joint.set_pose(kCamera, moved);
-  internal::block(b, kCamera, kCamera) += moved.adjoint_congruence(q);
-  internal::block(b, motion, motion) += velocity.adjoint_congruence(q_motion);
+  block(b, kCamera, kCamera) += moved.adjoint_congruence(q);
+  block(b, motion, motion) += velocity.adjoint_congruence(q_motion);
   symmetrize(b);
-  state_->pass(dt);
+  state_->advance(dt);
 }
 
 ObjectUpdateReport MultiObjectFilter::update(std::size_t object, const SE3d& camera_object) {
@@ -134,40 +131,45 @@ std::size_t MultiObjectFilter::objects() const { return state_->objects.size(); 
 double MultiObjectFilter::correlation_length() const { return state_->correlation_length(); }
 
 Vector6d MultiObjectFilter::noise_scale(std::size_t object) const {
-  return state_->objects[object].sensor.noise_scale;
+  return sensor(object).noise_scale;
 }
 
 ConcentratedGaussian<SE3d> MultiObjectFilter::camera() const {
   return ConcentratedGaussian<SE3d>::trusted(
-      state_->joint.pose(kCamera), state_->factor() * state_->joint.covariance(kCamera, kCamera));
+      state_->joint.pose(kCamera),
+      state_->covariance_factor() * state_->joint.covariance(kCamera, kCamera));
 }
 
 std::vector<ObjectHypothesis> MultiObjectFilter::hypotheses(std::size_t object) const {
-  const ObjectState& state = state_->objects[object];
-  std::vector<ObjectHypothesis> list = state.hypotheses;
-  const std::vector<double> probabilities = state_->probabilities(state);
-  for (std::size_t h = 0; h < list.size(); ++h) {
-    list[h].probability = probabilities[h];
-    const Pair pair = state_->inflated_pair(state, h);
-    list[h].pose = pair.object;
-    list[h].covariance = pair.covariance.bottomRightCorner<6, 6>();
-    list[h].cross_covariance = pair.covariance.bottomLeftCorner<6, 6>();
+  const TrackedObject& tracked = state_->objects[object];
+  const std::vector<double> probabilities = state_->probabilities(tracked);
+  std::vector<ObjectHypothesis> list;
+  for (std::size_t h = 0; h < tracked.belief.size(); ++h) {
+    const Standing& standing = tracked.belief.standing(h);
+    const Pair pair = state_->inflated_pair(tracked, h);
+    list.push_back({.pose = pair.object,
+                    .covariance = pair.covariance.bottomRightCorner<6, 6>(),
+                    .cross_covariance = pair.covariance.bottomLeftCorner<6, 6>(),
+                    .log_weight = standing.log_weight,
+                    .probability = probabilities[h],
+                    .score = standing.score,
+                    .id = standing.id,
+                    .detections = standing.detections});
   }
   return list;
 }
 
 std::optional<std::size_t> MultiObjectFilter::leading(std::size_t object) const {
-  const ObjectState& state = state_->objects[object];
-  return state.index ? std::optional(state.leading) : std::nullopt;
+  return state_->objects[object].belief.leading();
 }
 
 double MultiObjectFilter::mode_probability(std::size_t object) const {
-  const ObjectState& state = state_->objects[object];
-  return state.index ? state_->probabilities(state)[state.leading] : 0.0;
+  const auto leads = leading(object);
+  return leads ? state_->probabilities(state_->objects[object])[*leads] : 0.0;
 }
 
 double MultiObjectFilter::log_absent(std::size_t object) const {
-  return state_->objects[object].log_absent;
+  return state_->objects[object].belief.log_absent();
 }
 
 ConcentratedGaussian<SE3d> MultiObjectFilter::relative(std::size_t object,
@@ -181,57 +183,57 @@ ConcentratedGaussian<PoseStackd> MultiObjectFilter::joint() const {
   const JointGaussian& joint = state_->joint;
   std::vector<SE3d> poses;
   for (std::size_t i = 0; i < joint.size(); ++i) poses.push_back(joint.pose(i));
-  Eigen::MatrixXd covariance = state_->factor() * joint.covariance();
-  for (const ObjectState& object : state_->objects) {
-    if (object.index)
-      internal::block(covariance, *object.index, *object.index) +=
-          state_->bias_covariance(object, joint.pose(*object.index));
+  Eigen::MatrixXd covariance = state_->covariance_factor() * joint.covariance();
+  for (std::size_t j = 0; j < objects(); ++j) {
+    if (const auto i = pose_index(j))
+      block(covariance, *i, *i) += bias_covariance(j, joint.pose(kCamera), joint.pose(*i));
   }
   return ConcentratedGaussian<PoseStackd>::trusted(PoseStackd(std::move(poses)),
                                                    std::move(covariance));
 }
 
 std::optional<std::size_t> MultiObjectFilter::pose_index(std::size_t object) const {
-  return state_->objects[object].index;
+  return state_->objects[object].belief.pose_index();
 }
 
 const MultiObjectSettings& MultiObjectFilter::settings() const { return state_->settings; }
 
 const ObjectSensor& MultiObjectFilter::sensor(std::size_t object) const {
-  return state_->objects[object].sensor;
+  return state_->objects[object].detector.sensor();
 }
 
-double MultiObjectFilter::covariance_factor() const { return state_->factor(); }
+double MultiObjectFilter::covariance_factor() const { return state_->covariance_factor(); }
 
 Matrix6d MultiObjectFilter::bias_covariance(std::size_t object, const SE3d& camera,
                                             const SE3d& pose) const {
-  return state_->bias_covariance(state_->objects[object], camera, pose);
+  return state_->objects[object].detector.bias_covariance(state_->settings, camera, pose);
 }
 
 ConcentratedGaussian<PoseStackd> MultiObjectFilter::joint_of(
     std::span<const std::optional<std::size_t>> hypotheses) const {
-  // the joint Gaussian with further hypotheses appended, then the poses that were asked for.
+  // The joint Gaussian with the alternatives that were asked for appended, then the poses in order.
   JointGaussian all = state_->joint;
   std::vector<std::size_t> order{kCamera};
   if (state_->motion) order.push_back(*state_->motion);
-  for (std::size_t j = 0; j < state_->objects.size(); ++j) {
-    const ObjectState& object = state_->objects[j];
-    if (!hypotheses[j]) continue;
-    std::size_t at = object.index.value();
-    if (*hypotheses[j] != object.leading) {
-      const ObjectHypothesis& other = object.hypotheses.at(*hypotheses[j]);
+  for (std::size_t j = 0; j < objects(); ++j) {
+    const TrackedObject& object = state_->objects[j];
+    const auto h = hypotheses[j];
+    if (!h) continue;
+    std::size_t at = object.belief.pose_index().value();
+    if (h != object.belief.leading()) {
+      const ConditionalPose other = object.belief.pose(state_->joint, *h);
       at = all.append(other.pose, other.covariance, other.cross_covariance);
     }
-    internal::block(all.covariance(), at, at) +=
+    block(all.covariance(), at, at) +=
         all.pose(at).adjoint_congruence(Matrix6d(state_->drift - object.drift));
     order.push_back(at);
   }
   std::vector<SE3d> poses;
-  Eigen::MatrixXd covariance(internal::offset(order.size()), internal::offset(order.size()));
+  Eigen::MatrixXd covariance(offset(order.size()), offset(order.size()));
   for (std::size_t i = 0; i < order.size(); ++i) {
     poses.push_back(all.pose(order[i]));
     for (std::size_t k = 0; k < order.size(); ++k)
-      internal::block(covariance, i, k) = all.covariance(order[i], order[k]);
+      block(covariance, i, k) = all.covariance(order[i], order[k]);
   }
   return ConcentratedGaussian<PoseStackd>::trusted(PoseStackd(std::move(poses)),
                                                    std::move(covariance));

@@ -6,14 +6,14 @@
 #include <utility>
 #include <vector>
 
-#include "pose_blocks.hpp"
+#include "posemix/lie/pose_blocks.hpp"
 
 namespace posemix::internal {
 namespace {
 
 using Eigen::MatrixXd;
 
-/// A pose and its parent, itself where it has none.
+/// A pose and its parent, which is the pose itself where it has no parent.
 struct Link {
   std::size_t pose;
   std::size_t parent;
@@ -58,7 +58,8 @@ void move(const PoseStackd& mean, const Eigen::VectorXd& xi, Link& link, PoseSta
   link.reset = parent.adjoint_blocks() * SE3d::left_jacobian_blocks(zeta) * adjoint;
 }
 
-/// The rows of L P: children give up their parents' share, are reset, and get it back.
+/// The rows of L P: from every child its parent's rows are subtracted, then the child is reset, and
+/// the parent's new rows are added.
 void reset_rows(const std::vector<Link>& links, MatrixXd& p) {
   std::for_each(links.rbegin(), links.rend(), [&p](const Link& link) {
     if (link.has_parent()) rows(p, link.pose) -= rows(p, link.parent);
@@ -80,7 +81,7 @@ Hypothesis back_project_relative(const PoseStackd& mean, const Eigen::VectorXd& 
   std::vector<Link> chain = links(mean.size(), detections, first_object);
   PoseStackd moved = mean;
   for (Link& link : chain) move(mean, xi, link, moved);
-  // L P L^T: the rows, then (of the transpose) the columns.
+  // L P L^T: first the rows, then the columns as the rows of the transpose.
   reset_rows(chain, covariance);
   covariance.transposeInPlace();
   reset_rows(chain, covariance);

@@ -5,14 +5,15 @@
 #include <span>
 #include <vector>
 
-#include "pose_blocks.hpp"
 #include "posemix/filter/iterated_update.hpp"
+#include "symmetric_products.hpp"
 
-/// The relative poses that detections see, and their estimation by iteration. In the room `filter`
-/// only. Dim is six times the number of detections: 6, or dynamic.
+/// The relative poses that detections depend on, and their estimation by iteration. Dim is six
+/// times the number of detections: 6, or dynamic.
 namespace posemix::internal {
 
-/// One detection: of Z = T_o^-1 T_R = Exp(zeta) mean it says that Log(Z detected) is noise.
+/// One detection of the relative pose Z = T_o^-1 T_R = Exp(zeta) mean. In its model Log(Z detected)
+/// is noise.
 struct RelativePose {
   std::size_t object;
   SE3d mean;
@@ -42,14 +43,14 @@ struct RelativePrior {
 /// The solution of the iteration.
 template <int Dim>
 struct RelativePosterior {
-  Vector<Dim> zeta;        ///< of the solution, in the tangent space at the prior mean
-  Square<Dim> covariance;  ///< there
+  Vector<Dim> zeta;        ///< the solution, in the tangent space at the prior mean
+  Square<Dim> covariance;  ///< in the same tangent space
   double log_likelihood;
   bool ok;
 };
 
-/// Gauss-Newton on zeta^T P^-1 zeta + n^T R^-1 n, R as it lies at each iterate: the solution is
-/// where P^-1 zeta + M^T R^-1 n = 0.
+/// Gauss-Newton on zeta^T P^-1 zeta + n^T R^-1 n, with R turned to each iterate. At the solution
+/// P^-1 zeta + M^T R^-1 n = 0.
 template <int Dim>
 RelativePosterior<Dim> estimate(const RelativePrior<Dim>& prior,
                                 const IteratedUpdateSettings& settings);

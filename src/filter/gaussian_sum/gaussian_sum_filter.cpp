@@ -64,8 +64,8 @@ std::size_t common_components(std::span<const Detection> detections) {
   return first.size();
 }
 
-/// One child of one hypothesis without a robust loss. Where components have an update covariance
-/// the weight is by the other, and linearized.
+/// One child of one hypothesis without a robust loss. Where a component has an update covariance,
+/// that one moves the child, and the other gives its likelihood by a linearized update.
 UpdateResult gaussian_child_of(const Hypothesis& parent, std::span<const Detection> detections,
                                std::span<const NoiseComponent* const> noise,
                                const GaussianSumSettings& settings) {
@@ -103,7 +103,7 @@ UpdateResult child_of(const Hypothesis& parent, std::span<const Detection> detec
   return cauchy_update(parent, detections, noise, update, {.scale = settings.cauchy_scale});
 }
 
-/// Keeps the child of the largest weight among those from `first` on.
+/// Keeps only the child of the largest weight among those from index `first` on.
 void keep_most_likely(std::vector<Component<Hypothesis>>& children, std::size_t first) {
   const auto begin = children.begin() + static_cast<std::ptrdiff_t>(first);
   const auto best = std::max_element(begin, children.end(), [](const auto& a, const auto& b) {
@@ -113,7 +113,7 @@ void keep_most_likely(std::vector<Component<Hypothesis>>& children, std::size_t 
   children.erase(begin + 1, children.end());
 }
 
-/// True when no hypothesis can explain the detection under any of its noise components.
+/// True when the detection is beyond the threshold for every hypothesis and noise component.
 bool is_outlier(const Posterior& posterior, const Detection& detection, double threshold) {
   for (const auto& hypothesis : posterior.components()) {
     for (const NoiseComponent& noise : detection.noise->components()) {
@@ -213,13 +213,12 @@ void GaussianSumFilter::reduce(UpdateReport& report) {
 
 std::size_t GaussianSumFilter::add_object(const SE3d& camera_object, const DetectorNoise& noise) {
   const std::size_t index = posterior_[0].density.mean().size();
-  const Detection detection{index, camera_object, &noise};
   std::vector<Component<Hypothesis>> children;
   for (const auto& parent : posterior_.components()) {
     const std::size_t first_child = children.size();
     for (const NoiseComponent& component : noise.components()) {
       children.push_back({parent.log_weight + std::log(component.weight),
-                          with_detected_object(parent.density, detection, component)});
+                          with_detected_object(parent.density, camera_object, component)});
     }
     if (settings_.noise_use == NoiseUse::most_likely) keep_most_likely(children, first_child);
   }

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "back_projection.hpp"
-#include "noise_axes.hpp"
 #include "relative_poses.hpp"
+#include "world_noise.hpp"
 
 namespace posemix {
 namespace {
@@ -21,12 +21,12 @@ UpdateResult update_in_relative_poses(const Hypothesis& prior,
                                       std::span<const NoiseComponent* const> noise,
                                       std::size_t first_object,
                                       const IteratedUpdateSettings& settings) {
-  // The relative poses that are seen.
+  // The relative poses that the detections depend on.
   const RelativePrior<Dim> relative(prior, detections, noise);
   const RelativePosterior<Dim> solution = internal::estimate(relative, settings);
   if (!solution.ok) return {prior, solution.log_likelihood, false};
 
-  // Everything else by regression on them, G = P D^T P_zz^-1, xi = G zeta:
+  // All other coordinates by regression on them, G = P D^T P_zz^-1, xi = G zeta:
   // P' = (I - G D) P, then P <- P' - (P' D^T - G S) G^T.
   const Tall<Dim> g = internal::times_inverse<Dim>(relative.cross, relative.factor);
   Eigen::MatrixXd covariance = prior.covariance();

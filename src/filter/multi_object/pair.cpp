@@ -7,7 +7,6 @@
 #include <limits>
 #include <vector>
 
-#include "noise_axes.hpp"
 #include "posemix/mixture/log_weights.hpp"
 
 namespace posemix::internal {
@@ -15,10 +14,11 @@ namespace {
 
 using Matrix12x6d = Eigen::Matrix<double, 12, 6>;
 
-/// A component that explains the detection by less than this share of the best is left out.
-constexpr double kLeastLogShare = -9.0;
+/// Log of the probability, relative to that of the most probable component, below which a component
+/// is left out.
+constexpr double kLeastLogRatio = -9.0;
 
-/// Moments of a mixture of children in one tangent space, summed up child by child.
+/// Moments of a mixture of children in one tangent space, summed up child by child, eq. (4).
 class ChildMoments {
  public:
   explicit ChildMoments(const Matrix12d& prior) : prior_(prior) {}
@@ -51,7 +51,7 @@ Matrix6d scaled(const Matrix6d& covariance, const Vector6d& scale) {
 /// P H^T with H = [-I I].
 Matrix12x6d times_ht(const Matrix12d& p) { return p.rightCols<6>() - p.leftCols<6>(); }
 
-/// K = P H^T S^-1 with S = H P H^T + R; the camera's rows with R multiplied by a factor.
+/// K = P H^T S^-1 with S = H P H^T + R. In the camera's rows R is multiplied by a factor.
 Matrix12x6d gain(const Matrix12x6d& p_ht, const Matrix6d& difference, const Matrix6d& noise,
                  double camera_factor) {
   const Eigen::LLT<Matrix6d> s(difference + noise);
@@ -106,10 +106,10 @@ Explanation explain(const Pair& pair, const SE3d& detected, const ObjectSensor& 
   Explanation result;
   result.squared_distance = std::numeric_limits<double>::infinity();
   result.innovations.reserve(components.size());
-  std::vector<double>& shares = result.shares;
-  shares.reserve(components.size() + 1);
+  std::vector<double>& terms = result.probabilities;
+  terms.reserve(components.size() + 1);
 
-  // Evidence of every component, log w + log N(z; 0, H P H^T + R), and of clutter.
+  // Evidence of every component and of clutter, eq. (3): e_c = log w_c + log N(z_c; 0, S_c).
   for (const NoiseComponent& component : components) {
     result.innovations.push_back(innovation(pair, detected, component, sensor));
     const PairInnovation& seen = result.innovations.back();
@@ -117,27 +117,26 @@ Explanation explain(const Pair& pair, const SE3d& detected, const ObjectSensor& 
     const bool ok = s.info() == Eigen::Success;
     const double squared =
         ok ? s.matrixL().solve(seen.residual).squaredNorm() : result.squared_distance;
-    shares.push_back(ok ? std::log(component.weight) -
-                              0.5 * (squared + log_det(s) + 6.0 * kLogTwoPi)
-                        : -std::numeric_limits<double>::infinity());
+    terms.push_back(ok ? std::log(component.weight) - 0.5 * (squared + log_det(s) + 6.0 * kLogTwoPi)
+                       : -std::numeric_limits<double>::infinity());
     result.squared_distance = std::min(result.squared_distance, squared);
   }
-  shares.push_back(sensor.noise.log_clutter_density());
-  result.log_evidence = log_sum_exp(shares);
+  terms.push_back(sensor.noise.log_clutter_density());
+  result.log_evidence = log_sum_exp(terms);
 
-  // Shares, without those that hardly count.
-  const double most = *std::max_element(shares.begin(), shares.end());
+  // Probabilities, without components that hardly count.
+  const double most = *std::max_element(terms.begin(), terms.end());
   double kept = 0.0;
-  for (double& share : shares) {
-    share = share < most + kLeastLogShare ? 0.0 : std::exp(share - result.log_evidence);
-    kept += share;
+  for (double& term : terms) {
+    term = term < most + kLeastLogRatio ? 0.0 : std::exp(term - result.log_evidence);
+    kept += term;
   }
-  for (double& share : shares) share /= kept;
+  for (double& term : terms) term /= kept;
   return result;
 }
 
 PairUpdate observe(const Pair& pair, const SE3d& detected, const ObjectSensor& sensor,
-                   double camera_gain_noise, bool averages) {
+                   double camera_gain_noise, GainCovariance gain_covariance) {
   const Explanation seen_as = explain(pair, detected, sensor);
   PairUpdate result;
   result.squared_distance = seen_as.squared_distance;
@@ -147,26 +146,26 @@ PairUpdate observe(const Pair& pair, const SE3d& detected, const ObjectSensor& s
     return result;
   }
 
-  // One child per component, and their moments.
+  // One child per component and one for clutter, and their moments, eq. (4).
   ChildMoments children(pair.covariance);
   const Matrix12x6d p_ht = times_ht(pair.covariance);
   const Matrix6d difference = pair.difference();
   for (std::size_t i = 0; i < seen_as.innovations.size(); ++i) {
-    const double weight = seen_as.shares[i];
+    const double weight = seen_as.probabilities[i];
     if (weight == 0.0) continue;
     const PairInnovation& seen = seen_as.innovations[i];
-    const Matrix6d& noise = averages ? seen.update_noise : seen.noise;
+    const Matrix6d& noise = noise_in_gain(seen, gain_covariance);
     const Matrix12x6d k = gain(p_ht, difference, noise, camera_gain_noise);
-    // Joseph's form for whatever gain: P - K H P - P H^T K^T + K S K^T.
+    // Joseph's form, right for every gain: P - K H P - P H^T K^T + K S K^T.
     const Matrix12d kt = k * p_ht.transpose();
     const Matrix12d covariance =
         pair.covariance - kt - kt.transpose() + k * (difference + noise) * k.transpose();
     children.add(weight, k * seen.residual, covariance);
   }
-  if (seen_as.shares.back() > 0.0) children.add_unmoved(seen_as.shares.back());
+  if (seen_as.probabilities.back() > 0.0) children.add_unmoved(seen_as.probabilities.back());
   result.posterior = children.moments();
-  result.inlier_probability = seen_as.shares.front();
-  result.clutter_probability = seen_as.shares.back();
+  result.inlier_probability = seen_as.probabilities.front();
+  result.clutter_probability = seen_as.probabilities.back();
   const PairInnovation& inlier = seen_as.innovations.front();
   const SE3d to_axes = inlier.axes.inverse();
   result.residual = to_axes.adjoint_blocks().times(inlier.residual);

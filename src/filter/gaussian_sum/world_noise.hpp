@@ -7,17 +7,29 @@
 
 #include "posemix/filter/update.hpp"
 
-/// What a noise component says about a detection. In the room `filter` only.
+/// The noise of a detection, carried into the world frame by the camera's axes: an iterated update
+/// turns them with its iterates. The multi-object filter, which does not iterate, takes the axes at
+/// the pose itself (noise_at in detector_noise.hpp).
 namespace posemix::internal {
 
-/// The pose E of the axes in which the noise is stated: `object` offset for the object's, the same
-/// with the camera's rotation for the camera's. Both arguments are in one frame, E is in it too.
+/// The pose E of the axes in which the noise is stated: that of `object` times the offset for
+/// NoiseFrame::object, the same with the rotation of `camera` for NoiseFrame::camera. All poses are
+/// in one frame.
 inline SE3d noise_axes(const NoiseComponent& noise, const SO3d& camera, const SE3d& object) {
   const SE3d mode = object * noise.offset;
   return noise.frame == NoiseFrame::camera ? SE3d(camera, mode.translation()) : mode;
 }
 
-/// Components along the viewing ray as they are at a hypothesis' mean, the others as they are.
+/// The noise covariance in the world frame, Ad(E) R Ad(E)^T.
+inline Matrix6d world_noise(const NoiseComponent& noise, const SE3d& camera, const SE3d& object) {
+  if (noise.frame == NoiseFrame::ray)
+    return world_noise(along_camera(noise, camera.inverse() * object), camera, object);
+  return noise_axes(noise, camera.rotation(), object).adjoint_congruence(noise.covariance);
+}
+
+/// The noise components of several detections for one mean. A component along the viewing ray
+/// becomes one along the camera's axes; the others stay as they are. The iterations of an update
+/// then keep the ray of the prior mean.
 class NoiseAtMean {
  public:
   NoiseAtMean(const PoseStackd& mean, std::span<const Detection> detections,
@@ -43,9 +55,9 @@ class NoiseAtMean {
   std::vector<const NoiseComponent*> pointers_;
 };
 
-/// The detection freed of its mode: T_camera_object as the component believes it.
-inline SE3d without_offset(const Detection& detection, const NoiseComponent& noise) {
-  return detection.camera_object * noise.offset.inverse();
+/// T_camera_object as one component explains the detected pose: without the offset of its mode.
+inline SE3d without_offset(const SE3d& camera_object, const NoiseComponent& noise) {
+  return camera_object * noise.offset.inverse();
 }
 
 }  // namespace posemix::internal

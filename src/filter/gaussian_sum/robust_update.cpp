@@ -28,7 +28,7 @@ class MultipliedNoise {
   MultipliedNoise& operator=(MultipliedNoise&&) = delete;
   ~MultipliedNoise() = default;
 
-  /// Sets one lambda; returns the share by which it changes the weight 1 / lambda.
+  /// Sets one lambda. Returns the relative change of the weight 1 / lambda.
   double set(std::size_t j, double lambda) {
     const double change = std::abs(lambdas_[j] / lambda - 1.0);
     lambdas_[j] = lambda;
@@ -47,7 +47,7 @@ class MultipliedNoise {
   std::vector<const NoiseComponent*> pointers_;
 };
 
-/// r^T R^-1 r of a detection at a mean.
+/// r^T R^-1 r for the residual r of a detection at a mean.
 double squared_residual(const PoseStackd& mean, const Detection& detection,
                         const NoiseComponent& noise) {
   const Innovation one = innovation(mean, detection, noise);

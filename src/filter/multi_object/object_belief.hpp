@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "joint_gaussian.hpp"
+#include "posemix/filter/multi_object_filter.hpp"
+
+namespace posemix::internal {
+
+/// The weight of a hypothesis and its history.
+struct Standing {
+  double log_weight = 0.0;       ///< among the hypotheses of the object and its absence [nats]
+  double score = 0.0;            ///< recent log evidence over that of clutter [nats]
+  std::uint64_t id = 0;          ///< constant over time; a merge keeps that of the heavier
+  std::uint64_t detections = 0;  ///< number of detections since the birth, the first included
+};
+
+/// The pose of an object under one hypothesis, X = Exp(xi_O) X0, given the camera.
+struct ConditionalPose {
+  SE3d pose;                  ///< T_world_object
+  Matrix6d covariance;        ///< of xi_O, world frame
+  Matrix6d cross_covariance;  ///< Cov(xi_O, xi_C), rows of the object
+};
+
+/// A hypothesis that does not lead.
+struct Alternative {
+  Standing standing;
+  ConditionalPose pose;
+};
+
+/// Moments of the camera in the tangent space at its mean before a detection.
+struct CameraMoments {
+  Vector6d mean = Vector6d::Zero();
+  Matrix6d covariance = Matrix6d::Zero();
+};
+
+/// Eq. (9) of docs/many-objects.md: the pose follows the camera, whose moments change from `before`
+/// to `after`, by its regression on the camera.
+void follow_camera(ConditionalPose& pose, const CameraMoments& before, const CameraMoments& after);
+
+/// Two hypotheses are merged when their poses differ by less than these bounds.
+struct MergeBounds {
+  double rotation_rad;
+  double translation_m;
+  double squared_distance;  ///< squared Mahalanobis distance as seen from the camera
+};
+
+/// The hypotheses of one object: their weights, the one that leads, and the alternatives.
+///
+/// Hypotheses have indices 0, 1, ... in the order of their births. The pose of the leading one is
+/// in the joint Gaussian and nowhere else, so that functions that read or change it take the joint
+/// Gaussian as an argument.
+///
+/// Invariants:
+/// - there is a leading hypothesis as soon as there is any;
+/// - the weights of the hypotheses and of absence sum to one after normalise().
+class ObjectBelief {
+ public:
+  /// Number of hypotheses.
+  std::size_t size() const { return alternatives_.size() + (leader_ ? 1 : 0); }
+  /// Log weight of the case that no detection so far was the object [nats].
+  double log_absent() const { return log_absent_; }
+  /// Index of the leading hypothesis.
+  std::optional<std::size_t> leading() const;
+  /// Index of the leading hypothesis' pose in the joint Gaussian.
+  std::optional<std::size_t> pose_index() const;
+  /// Weight and history of hypothesis `h`.
+  const Standing& standing(std::size_t h) const;
+  /// The pose of hypothesis `h`.
+  ConditionalPose pose(const JointGaussian& joint, std::size_t h) const;
+  /// The camera and hypothesis `h`.
+  Pair pair(const JointGaussian& joint, std::size_t h) const;
+  /// Probability of every hypothesis when `length` detections count as one: w^(1 / length),
+  /// normalised with the weight of absence.
+  std::vector<double> probabilities(double length) const;
+
+  /// The pose at `erased` was erased from the joint Gaussian, and those behind it moved up.
+  void move_pose_index_up(std::size_t erased);
+
+  // --- prediction
+
+  /// Adds noise with a covariance `q` along the object's own axes to the pose of every hypothesis.
+  void add_noise(JointGaussian& joint, const Matrix6d& q);
+  /// Adds P_OC times `factor` to P_OC of every alternative.
+  void add_to_cross_covariances(const Matrix6d& factor);
+
+  // --- the stages of an update
+
+  /// Eq. (2) to (4): the update of every hypothesis on its own pair, by index.
+  std::vector<PairUpdate> observe(const JointGaussian& joint, const SE3d& detected,
+                                  const ObjectSensor& sensor, double camera_gain_noise,
+                                  GainCovariance gain_covariance) const;
+  /// Multiplies the weight of every hypothesis by its evidence and that of absence by clutter's.
+  void multiply_weights(const std::vector<PairUpdate>& updates, double log_clutter);
+  /// s <- memory s + log sum_c exp e_c - e_0 (docs/many-objects.md, "Reduction").
+  void update_scores(const std::vector<PairUpdate>& updates, double log_clutter, double memory);
+  /// Counts one more detection for every hypothesis.
+  void count_detection();
+  /// Log of the summed weights of hypotheses, births and absence [nats].
+  double log_total(const std::vector<Alternative>& births) const;
+  /// The camera's moments (m_a, P_a) and weight w_a under everything but the leading hypothesis,
+  /// see eq. (6). Births and absence leave the camera at `before`, its covariance.
+  CameraAlternative camera_alternative(const std::vector<PairUpdate>& updates,
+                                       const std::vector<Alternative>& births, double log_evidence,
+                                       const Matrix6d& before) const;
+  /// Eq. (9) for the object that was detected: every alternative takes its own posterior pair, then
+  /// follows the camera to `after`.
+  void follow_camera(const std::vector<PairUpdate>& updates, const CameraMoments& after);
+  /// Eq. (9) for an object that was not detected.
+  void follow_camera(const CameraMoments& before, const CameraMoments& after);
+
+  // --- the stages of the reduction
+
+  /// Appends hypotheses. The first one of an object leads and enters the joint Gaussian.
+  void add(JointGaussian& joint, const std::vector<Alternative>& births);
+  /// Merges hypotheses that agree up to a symmetry. Returns the number of merges.
+  std::size_t merge(JointGaussian& joint, const SymmetryGroup& symmetries,
+                    const MergeBounds& bounds);
+  /// Keeps at most `most` hypotheses: the heaviest, except for `best_scores` places, which go to
+  /// those of the best score among the others, the newest of equals. The leading one always stays.
+  void keep_best(std::size_t most, std::size_t best_scores);
+  /// Divides all weights by their sum.
+  void normalise();
+  /// The heaviest hypothesis takes the lead where it is ahead by more than `margin` [nats].
+  void choose_leader(JointGaussian& joint, double margin);
+
+ private:
+  struct Leader {
+    Standing standing;
+    std::size_t position;    ///< index among the hypotheses
+    std::size_t pose_index;  ///< index of its pose in the joint Gaussian
+  };
+
+  bool leads(std::size_t h) const { return leader_ && h == leader_->position; }
+  /// Index of hypothesis `h`, one that does not lead, in alternatives_.
+  std::size_t slot(std::size_t h) const { return leader_ && h > leader_->position ? h - 1 : h; }
+  /// Index of the hypothesis at `slot` of alternatives_.
+  std::size_t index_of(std::size_t slot) const {
+    return leader_ && slot >= leader_->position ? slot + 1 : slot;
+  }
+  Standing& mutable_standing(std::size_t h);
+  void erase_alternative(std::size_t h);
+  void merge_two(JointGaussian& joint, std::size_t a, std::size_t b, const ConditionalPose& at_a,
+                 const ConditionalPose& at_b);
+
+  std::optional<Leader> leader_;
+  std::vector<Alternative> alternatives_;  ///< in the order of their births
+  double log_absent_ = 0.0;
+};
+
+}  // namespace posemix::internal

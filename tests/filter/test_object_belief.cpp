@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "filter/multi_object/object_belief.hpp"
+#include "filter/scenario.hpp"
+#include "posemix/density/pose_stack.hpp"
+
+namespace posemix::internal {
+namespace {
+
+using posemix::testing::isotropic;
+using posemix::testing::pose;
+
+const Matrix6d kCameraCovariance = isotropic(1.0, 0.01);
+
+JointGaussian camera_alone() {
+  return JointGaussian(ConcentratedGaussian<SE3d>(pose(0.1, 0, 0, 0, 0, -1), kCameraCovariance));
+}
+
+/// A hypothesis at `at` with the covariance of a birth.
+Alternative hypothesis(std::uint64_t id, double log_weight, const SE3d& at) {
+  return {{.log_weight = log_weight, .id = id, .detections = 1},
+          {at, kCameraCovariance + isotropic(2.0, 0.02), kCameraCovariance}};
+}
+
+/// Multiplies the weights.
+void add_log_evidence(ObjectBelief& belief, const std::vector<double>& evidence) {
+  std::vector<PairUpdate> updates(evidence.size());
+  for (std::size_t h = 0; h < evidence.size(); ++h) updates[h].log_evidence = evidence[h];
+  belief.multiply_weights(updates, 0.0);
+}
+
+void expect_same(const ConditionalPose& a, const ConditionalPose& b) {
+  EXPECT_EQ(a.pose.matrix(), b.pose.matrix());
+  EXPECT_EQ(a.covariance, b.covariance);
+  EXPECT_EQ(a.cross_covariance, b.cross_covariance);
+}
+
+TEST(ObjectBelief, TheFirstBirthLeads) {
+  JointGaussian joint = camera_alone();
+  ObjectBelief belief;
+  EXPECT_EQ(belief.leading(), std::nullopt);
+  EXPECT_EQ(belief.pose_index(), std::nullopt);
+  belief.add(joint, {});
+  EXPECT_EQ(belief.size(), 0U);
+  const Alternative first = hypothesis(7, -1.0, pose(0, 0, 0, 0, 0, 0.1));
+  const Alternative second = hypothesis(8, -0.1, pose(0, 0, 2, 0, 0, 0.1));
+  belief.add(joint, {first, second});
+  EXPECT_EQ(belief.size(), 2U);
+  EXPECT_EQ(belief.leading(), std::optional<std::size_t>(0));
+  EXPECT_EQ(belief.pose_index(), std::optional<std::size_t>(1));
+  EXPECT_EQ(joint.size(), 2U);
+  expect_same(belief.pose(joint, 0), first.pose);
+  expect_same(belief.pose(joint, 1), second.pose);
+}
+
+TEST(ObjectBelief, AChangeOfTheLeaderKeepsOrderAndPoses) {
+  JointGaussian joint = camera_alone();
+  ObjectBelief belief;
+  std::vector<Alternative> births;
+  for (std::uint64_t id = 0; id < 4; ++id)
+    births.push_back(hypothesis(id, -1.0, pose(0, 0, static_cast<double>(id), 0, 0, 0)));
+  belief.add(joint, births);
+  // Each in turn, so that the leader moves up and down.
+  for (const std::size_t next : {2U, 1U, 3U, 0U}) {
+    std::vector<double> evidence(4, -5.0);
+    evidence[next] = 5.0;
+    add_log_evidence(belief, evidence);
+    add_log_evidence(belief, evidence);
+    belief.normalise();
+    belief.choose_leader(joint, 0.7);
+    EXPECT_EQ(belief.leading(), std::optional<std::size_t>(next));
+    EXPECT_EQ(belief.pose_index(), std::optional<std::size_t>(1));
+    EXPECT_EQ(joint.size(), 2U);
+    for (std::size_t h = 0; h < 4; ++h) {
+      EXPECT_EQ(belief.standing(h).id, births[h].standing.id);
+      expect_same(belief.pose(joint, h), births[h].pose);
+    }
+    std::vector<double> back(4, 10.0);
+    back[next] = -10.0;
+    add_log_evidence(belief, back);
+  }
+}
+
+TEST(ObjectBelief, TheLeaderStaysUntilAnotherIsAheadByTheMargin) {
+  JointGaussian joint = camera_alone();
+  ObjectBelief belief;
+  belief.add(joint, {hypothesis(0, -1.0, SE3d()), hypothesis(1, -0.5, pose(0, 0, 2, 0, 0, 0))});
+  belief.choose_leader(joint, 0.7);
+  EXPECT_EQ(belief.leading(), std::optional<std::size_t>(0));
+  belief.choose_leader(joint, 0.4);
+  EXPECT_EQ(belief.leading(), std::optional<std::size_t>(1));
+}
+
+TEST(ObjectBelief, KeepsTheHeaviestTheBestScoreAndTheLeader) {
+  JointGaussian joint = camera_alone();
+  ObjectBelief belief;
+  std::vector<Alternative> births;
+  for (std::uint64_t id = 0; id < 6; ++id)
+    births.push_back(hypothesis(id, id == 0 ? -50.0 : -1.0 - static_cast<double>(id),
+                                pose(0, 0, 0.5 * static_cast<double>(id), 0, 0, 0)));
+  births[4].standing.score = 9.0;
+  births[5].standing.score = 9.0;  // the newest of equal scores stays
+  ObjectBelief without_room;
+  JointGaussian other_joint = joint;
+  without_room.add(other_joint, births);
+  belief.add(joint, births);
+
+  belief.keep_best(4, 1);  // places: weights of 1, 2, 3; score of 5, which the leader takes
+  ASSERT_EQ(belief.size(), 4U);
+  EXPECT_EQ(belief.leading(), std::optional<std::size_t>(0));
+  for (std::size_t h = 0; h < 4; ++h) EXPECT_EQ(belief.standing(h).id, h);
+
+  add_log_evidence(without_room, {60.0, 0.0, 0.0, 0.0, 0.0, 0.0});
+  without_room.keep_best(3, 1);  // weights of 0 and 1, score of 5
+  ASSERT_EQ(without_room.size(), 3U);
+  EXPECT_EQ(without_room.standing(1).id, 1U);
+  EXPECT_EQ(without_room.standing(2).id, 5U);
+  expect_same(without_room.pose(other_joint, 2), births[5].pose);
+}
+
+// Two of three hypotheses agree, and the younger of the two leads.
+TEST(ObjectBelief, AMergeWithTheLeaderIsTheLeader) {
+  JointGaussian joint = camera_alone();
+  ObjectBelief belief;
+  const SE3d near = pose(0, 0, 0.02, 0, 0, 0);
+  const SE3d far = pose(0, 0, 3, 0, 0, 0);
+  belief.add(joint, {hypothesis(0, std::log(0.2), SE3d()), hypothesis(1, std::log(0.6), near),
+                     hypothesis(2, std::log(0.1), far)});
+  belief.choose_leader(joint, 0.0);
+  ASSERT_EQ(belief.leading(), std::optional<std::size_t>(1));
+
+  EXPECT_EQ(belief.merge(joint, SymmetryGroup(), {1.0, 0.5, 10.0}), 1U);
+  ASSERT_EQ(belief.size(), 2U);
+  EXPECT_EQ(belief.leading(), std::optional<std::size_t>(0));
+  EXPECT_EQ(joint.size(), 2U);
+  EXPECT_EQ(belief.standing(0).id, 1U);
+  EXPECT_NEAR(belief.standing(0).log_weight, std::log(0.8), 1e-14);
+  // Three quarters of the way to the heavier one (midway-merge paper, eq. 12).
+  EXPECT_TRUE(belief.pose(joint, 0).pose.is_approx(pose(0, 0, 0.015, 0, 0, 0), 1e-14));
+  EXPECT_EQ(joint.covariance(), joint.covariance().transpose());
+  EXPECT_EQ(belief.pose(joint, 1).pose.matrix(), far.matrix());
+}
+
+}  // namespace
+}  // namespace posemix::internal
