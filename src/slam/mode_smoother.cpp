@@ -58,7 +58,7 @@ ModeSmoother::Step ModeSmoother::predict(const PoseStackd& poses, const MatrixXd
 void ModeSmoother::move(const CameraStep& camera, const PoseStackd& poses, Step& step,
                         PoseStackd& moved) const {
   const auto add_noise = [&](std::size_t pose, const Matrix6d& q) {
-    square(step.noise, pose) = moved[pose].adjoint_congruence(q);
+    block(step.noise, pose, pose) = moved[pose].adjoint_congruence(q);
   };
   if (camera.velocity) {
     const double periods = camera.velocity->periods;
