@@ -9,19 +9,13 @@
 #include <vector>
 
 #include "posemix/base/units.hpp"
+#include "posemix/detector/default_noise.hpp"
 #include "posemix/filter/gaussian_sum_filter.hpp"
 #include "posemix/filter/multi_object_filter.hpp"
 #include "posemix/slam/association.hpp"
 
 /// Object SLAM, live: one call per frame.
 namespace posemix {
-
-/// The error of detectors of single images, where nothing better is known: rotation about the
-/// camera's axes 7.5 deg and about the viewing ray 2 deg, translation 0.7 % of the range across the
-/// ray and 4.5 % along it; a second component 2.7 times as wide; and clutter. Errors along the ray
-/// have most in common, so a frame teaches the range twelve times less. docs/many-objects.md says
-/// where the numbers are from.
-DetectorNoise default_detector_noise();
 
 /// How the camera is predicted.
 enum class MotionModel {
