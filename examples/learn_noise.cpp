@@ -78,7 +78,7 @@ int main() {
     }
   }
 
-  const posemix::NoiseFit fit = posemix::fit_noise(recordings, {.max_components = 2}, random);
+  const posemix::NoiseFit fit = posemix::fit_noise(recordings, {.max_components = 1}, random);
   std::cout << posemix::format_noise_toml("my_detector", fit.noise);
 
   // The simulated noise is found again: frame, R, p and c.

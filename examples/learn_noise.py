@@ -33,7 +33,7 @@ M = px.SE3(px.SO3.exp(np.where(is_turned[:, None], [0.0, 0.0, np.pi], 0.0)))  # 
 n = random.normal(size=(frames, 6)) * sd
 Y = T * M * px.SE3.exp(n)
 
-fit = px.fit_noise(T, Y, recording=recording, settings=px.NoiseFitSettings(max_components=2), seed=1)
+fit = px.fit_noise(T, Y, recording=recording, settings=px.NoiseFitSettings(max_components=1), seed=1)
 print(fit.to_toml("my_detector"))
 for mode in fit.modes:
     print(f"mode of weight {mode.weight:.3f}, in {mode.recordings:.1f} recordings")

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "posemix/base/random.hpp"
 #include "posemix/base/units.hpp"
 #include "posemix/config/detector_noise.hpp"
 #include "posemix/detector/default_noise.hpp"

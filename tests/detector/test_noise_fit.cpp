@@ -71,7 +71,7 @@ TEST(NoiseTrack, LeavesOutFramesWithoutATruth) {
 TEST(NoiseFit, FindsFrameComponentsClutterAndModes) {
   RandomStream stream(1);
   const NoiseFit fit =
-      fit_noise(recordings_with_modes(), {.max_components = 2, .restarts = 2}, stream);
+      fit_noise(recordings_with_modes(), {.max_components = 1, .restarts = 2}, stream);
   EXPECT_EQ(fit.frame, NoiseFrame::ray);
   const auto& components = fit.noise.components();
   ASSERT_EQ(components.size(), 2U);
