@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from posemix import _core
 from posemix._arrays import FloatArray, as_floats, flat_rows, require_finite
-from posemix._core import AxisSymmetry, ConsensusSettings, ErrorMixtureSettings, ToleranceRegion
+from posemix._core import ConsensusSettings, ErrorMixtureSettings, SymmetryGroup, ToleranceRegion
 from posemix.lie import SE3
 from posemix.mixture import log_of_weights
 from posemix.random import RandomStream, stream_of
@@ -267,7 +267,7 @@ class PoseConsensus:
         self,
         estimate: SE3,
         regions: ToleranceRegion | Sequence[ToleranceRegion],
-        symmetry: AxisSymmetry | None = None,
+        symmetry: SymmetryGroup | None = None,
     ) -> FloatArray:
         """Probabilities that grasps planned with the estimates succeed, shape of `estimate`.
 
@@ -277,7 +277,7 @@ class PoseConsensus:
             T_camera_object that a grasp is planned with.
         regions : ToleranceRegion or sequence of them
             The mean over several is taken.
-        symmetry : AxisSymmetry, optional
+        symmetry : SymmetryGroup, optional
             Of the object.
 
         Raises
@@ -287,7 +287,7 @@ class PoseConsensus:
         """
         all_regions = [regions] if isinstance(regions, ToleranceRegion) else list(regions)
         found: FloatArray = _core.consensus_success(
-            self.truths, self.weights, estimate, all_regions, symmetry
+            self.truths, self.weights, estimate, all_regions, symmetry or SymmetryGroup()
         )
         return found
 

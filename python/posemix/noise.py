@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,22 +13,38 @@ import numpy.typing as npt
 from posemix import _core
 from posemix._arrays import FloatArray, as_floats, flat_rows
 from posemix._core import (
+    Clutter,
+    DependentFrames,
     DetectorNoise,
     NoiseComponent,
+    NoiseCorrelation,
+    NoiseCriterion,
     NoiseDependence,
+    NoiseEmFit,
+    NoiseFit,
+    NoiseFitSettings,
     NoiseFrame,
-    Clutter,
+    NoiseMode,
+    NoiseModeSettings,
+    NoiseValidation,
     ObjectSensor,
+    OdometryNoise,
+    OdometryNoiseSettings,
+    OdometryWindow,
     SymmetryAxis,
     SymmetryGroup,
     SymmetryTolerance,
 )
 from posemix.lie import SE3
+from posemix.random import RandomStream, stream_of
+from posemix.recording import Sequence
 
 __all__ = [
-    "DetectorNoise", "NoiseComponent", "NoiseDependence", "NoiseFrame", "Clutter", "ObjectSensor",
-    "SymmetricPoseError", "SymmetryAxis", "SymmetryGroup", "SymmetryTolerance", "along_camera",
-    "default_detector_noise", "max_symmetric_surface_distance", "pose_covariance", "symmetric_pose_error",
+    "Clutter", "DependentFrames", "DetectorNoise", "NoiseComponent", "NoiseCorrelation", "NoiseCriterion",
+    "NoiseDependence", "NoiseEmFit", "NoiseFit", "NoiseFitSettings", "NoiseFrame", "NoiseMode", "NoiseModeSettings",
+    "NoiseValidation", "ObjectSensor", "OdometryNoise", "OdometryNoiseSettings", "OdometryWindow", "SymmetricPoseError",
+    "SymmetryAxis", "SymmetryGroup", "SymmetryTolerance", "along_camera", "default_detector_noise", "fit_noise",
+    "fit_odometry_noise", "max_symmetric_surface_distance", "pose_covariance", "symmetric_pose_error",
 ]  # fmt: skip
 
 
@@ -76,6 +93,92 @@ def along_camera(noise: NoiseComponent, camera_object: SE3) -> NoiseComponent:
         T_camera_object.
     """
     return _core.along_camera(noise, camera_object)
+
+
+def fit_noise(
+    truth: SE3,
+    detected: SE3,
+    *,
+    recording: npt.ArrayLike | None = None,
+    settings: NoiseFitSettings | None = None,
+    seed: int | RandomStream = 1,
+) -> NoiseFit:
+    """The noise of a detector, learned from detections of one class of objects with their truth.
+
+    Mixtures of 1, 2, ... components with clutter are fitted by EM, the criterion chooses one of them and the frame of
+    its covariances, poses that are wrong again and again become modes, and the correlation of the errors in time
+    becomes the model's dependence.
+
+    Parameters
+    ----------
+    truth, detected : SE3, shape (n,)
+        T_camera_object by ground truth and by the detector, one per frame in the order of time; NaN where it is not
+        known or not detected (`with_misses`).
+    recording : array_like, shape (n,), optional
+        Name or number of the recording of every frame; one recording where None.
+    settings : NoiseFitSettings, optional
+        Models that are tried, and what decides between them.
+    seed : int or RandomStream
+        Of the starts.
+
+    Returns
+    -------
+    NoiseFit
+        With the model in ``noise`` and its text in ``to_toml()``.
+
+    Raises
+    ------
+    ValueError
+        For other numbers of poses, fewer than two detections, and settings that contradict each other.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from posemix import SE3, NoiseFitSettings, NoiseFrame, fit_noise
+    >>> rng = np.random.default_rng(1)
+    >>> truth = SE3(translation=np.tile([0.0, 0.0, 1.0], (500, 1)))
+    >>> detected = truth * SE3.exp(rng.normal(size=(500, 6)) * [0.05, 0.05, 0.02, 0.01, 0.01, 0.03])
+    >>> fit = fit_noise(truth, detected, settings=NoiseFitSettings(max_components=2, frame=NoiseFrame.object))
+    >>> len(fit.noise.components)
+    1
+    >>> sd = np.sqrt(fit.noise.components[0].covariance.diagonal())
+    >>> bool(np.allclose(sd, [0.05, 0.05, 0.02, 0.01, 0.01, 0.03], rtol=0.1))
+    True
+    >>> fit.to_toml("cup").splitlines()[0]
+    '[noise.cup]'
+    """
+    index = np.zeros(len(truth), dtype=int)
+    if recording is not None:
+        _, index = np.unique(np.asarray(recording), return_inverse=True)
+    return _core.fit_noise(
+        truth, detected, index.ravel().tolist(), settings or NoiseFitSettings(), stream_of(seed)
+    )
+
+
+def fit_odometry_noise(
+    recordings: Sequence | Iterable[Sequence], settings: OdometryNoiseSettings | None = None
+) -> OdometryNoise:
+    """A random walk of the odometry and a jitter of the truth, from the growth of the error with time.
+
+    Parameters
+    ----------
+    recordings : Sequence or iterable of Sequence
+        With `odometry` and `camera_truth`.
+    settings : OdometryNoiseSettings, optional
+        Lengths of the windows, samples for the standard errors.
+
+    Raises
+    ------
+    ValueError
+        Where no recording has a window with odometry and truth at both ends.
+    """
+    all_of_them = [recordings] if isinstance(recordings, Sequence) else list(recordings)
+    rows = [
+        (np.asarray(r.stamps, dtype=np.float64), r.odometry._rows(), r.camera_truth._rows())
+        for r in all_of_them
+        if r.odometry is not None and r.camera_truth is not None
+    ]
+    return _core.fit_odometry_noise(rows, settings or OdometryNoiseSettings())
 
 
 @dataclass(frozen=True)

@@ -17,11 +17,11 @@ import numpy.typing as npt
 from posemix import _core
 from posemix._arrays import FloatArray, require_finite
 from posemix._core import (
-    AxisSymmetry,
     BestGraspSettings,
     RegionFitSettings,
     RegionPriors,
     SuccessSettings,
+    SymmetryGroup,
     ToleranceRegion,
 )
 from posemix.density import ConcentratedGaussian, ProjectedGaussian
@@ -30,7 +30,7 @@ from posemix.mixture import Mixture
 from posemix.random import RandomStream, stream_of
 
 __all__ = [
-    "AxisSymmetry", "BestGrasp", "BestGraspSettings", "GraspCandidate", "RegionFit", "RegionFitSettings",
+    "BestGrasp", "BestGraspSettings", "GraspCandidate", "RegionFit", "RegionFitSettings",
     "RegionPriors", "SuccessEstimate", "SuccessSettings", "ToleranceBox", "ToleranceRegion", "best_grasp",
     "bootstrap_regions", "fit_tolerance_region", "nearest_equivalent", "reduced_error", "success_probability",
 ]  # fmt: skip
@@ -217,27 +217,27 @@ def best_grasp(
     )
 
 
-def reduced_error(error: SE3, symmetry: AxisSymmetry) -> SE3:
+def reduced_error(error: SE3, symmetry: SymmetryGroup) -> SE3:
     """Errors T_truth^-1 T_estimate against the equivalent truths with the least rotation.
 
     Parameters
     ----------
     error : SE3, shape (...)
         Errors.
-    symmetry : AxisSymmetry
+    symmetry : SymmetryGroup
         Of the object.
     """
     return _core.reduced_error(error, symmetry)
 
 
-def nearest_equivalent(pose: SE3, reference: SE3, symmetry: AxisSymmetry) -> SE3:
+def nearest_equivalent(pose: SE3, reference: SE3, symmetry: SymmetryGroup) -> SE3:
     """The poses equivalent to `pose` whose rotations are nearest to those of `reference`.
 
     Parameters
     ----------
     pose, reference : SE3, shape (...) or ()
         Poses; a single one stands for all.
-    symmetry : AxisSymmetry
+    symmetry : SymmetryGroup
         Of the object.
     """
     return _core.nearest_equivalent(pose, reference, symmetry)

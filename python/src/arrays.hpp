@@ -134,6 +134,7 @@ void bind_tolerance(nb::module_& m);
 void bind_errors(nb::module_& m);
 void bind_symmetry(nb::module_& m);
 void bind_noise(nb::module_& m);
+void bind_noise_fit(nb::module_& m);
 void bind_multi_object_filter(nb::module_& m);
 void bind_gaussian_sum_filter(nb::module_& m);
 void bind_slam_settings(nb::module_& m);

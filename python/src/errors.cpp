@@ -2,8 +2,8 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "density.hpp"
 #include "dict.hpp"
+#include "posemix/detector/error_mixture.hpp"
 #include "posemix/grasp/calibration.hpp"
-#include "posemix/grasp/error_mixture.hpp"
 #include "posemix/grasp/scores.hpp"
 #include "poses.hpp"
 #include "settings.hpp"

@@ -2,8 +2,8 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "density.hpp"
 #include "dict.hpp"
+#include "posemix/detector/symmetry.hpp"
 #include "posemix/grasp/success_probability.hpp"
-#include "posemix/grasp/symmetry.hpp"
 #include "poses.hpp"
 #include "settings.hpp"
 
@@ -61,12 +61,6 @@ void bind_settings(nb::module_& m) {
       .field("final", &BestGraspSettings::final, "SuccessSettings",
              "For the probabilities reported.")
       .done();
-  Settings<AxisSymmetry>(m, "AxisSymmetry",
-                         "Rotations about an axis through the object's origin that change nothing.")
-      .field("axis", &AxisSymmetry::axis, "numpy.typing.ArrayLike",
-             "Shape (3,), of length one, object frame.")
-      .field("fold", &AxisSymmetry::fold, "int", "By multiples of a turn / fold; 0: by any angle.")
-      .done();
 }
 
 /// f(x_i, y_i) for two arrays of poses, of which one may be a single pose.
@@ -89,15 +83,15 @@ void bind_grasp(nb::module_& m) {
   bind_settings(m);
   bind_criterion<ConcentratedSE3>(m);
   bind_criterion<ProjectedSE3>(m);
-  m.def("reduced_error", [](const PoseArray& errors, const AxisSymmetry& symmetry) {
+  m.def("reduced_error", [](const PoseArray& errors, const SymmetryGroup& symmetries) {
     return each_pose(errors, errors, [&](const SE3d& error, const SE3d&) {
-      return reduced_error(error, symmetry);
+      return symmetries.reduced_error(error);
     });
   });
   m.def("nearest_equivalent",
-        [](const PoseArray& poses, const PoseArray& references, const AxisSymmetry& symmetry) {
+        [](const PoseArray& poses, const PoseArray& references, const SymmetryGroup& symmetries) {
           return each_pose(poses, references, [&](const SE3d& pose, const SE3d& reference) {
-            return nearest_equivalent(pose, reference, symmetry);
+            return symmetries.nearest_rotation(pose, reference);
           });
         });
 }

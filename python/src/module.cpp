@@ -22,6 +22,7 @@ NB_MODULE(_core, m) {
   bind_tolerance(m);
   bind_symmetry(m);
   bind_noise(m);
+  bind_noise_fit(m);
   bind_multi_object_filter(m);
   bind_gaussian_sum_filter(m);
   bind_slam_settings(m);

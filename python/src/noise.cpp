@@ -5,8 +5,9 @@
 #include <nanobind/stl/tuple.h>
 
 #include "dict.hpp"
+#include "posemix/config/noise_toml.hpp"
+#include "posemix/detector/default_noise.hpp"
 #include "posemix/detector/object_sensor.hpp"
-#include "posemix/slam/object_slam.hpp"
 #include "settings.hpp"
 
 namespace posemix::python {
@@ -34,8 +35,9 @@ void bind_parts(nb::module_& m) {
              "With which a detection moves the estimate, where it is not the one that weighs "
              "hypotheses.")
       .done();
-  Settings<Clutter>(m, "Clutter",
-                    "A detection that says nothing: uniform over rotations and a volume.")
+  Settings<Clutter>(
+      m, "Clutter",
+      "A detection that does not depend on the object: uniform over rotations and a volume.")
       .field("weight", &Clutter::weight, "float", "Its probability.")
       .field("volume_m3", &Clutter::volume_m3, "float", "The volume [m^3].")
       .done();
@@ -100,6 +102,10 @@ void bind_detector_noise(nb::module_& m) {
                     "Log of clutter's weight times its density [nats]; -inf for weight zero.");
   noise.def("single_gaussian", &D::single_gaussian,
             "The one Gaussian with the second moment of the components without an offset.");
+  noise.def(
+      "to_toml",
+      [](const D& self, const std::string& name) { return format_noise_toml(name, self); },
+      "name"_a = "detector", "The table `[noise.NAME]` of a sequence file with all digits.");
   noise.def("__eq__", &same_noise, nb::sig("def __eq__(self, other: object, /) -> bool"));
   noise.def("__getstate__", [](const D& self) {
     return nb::make_tuple(self.components(), self.clutter(), self.dependence());

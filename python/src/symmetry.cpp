@@ -121,6 +121,16 @@ void bind_group(nb::module_& m) {
         new (self) S(make_group(elements, axes, tolerance.value_or(SymmetryTolerance{})));
       },
       "elements"_a = nb::none(), "axes"_a = nb::tuple(), "tolerance"_a = nb::none());
+  group.def_static(
+      "turns",
+      [](nb::handle axis, int fold) {
+        return S::turns(SettingValue<Eigen::Vector3d>::set(axis, "axis"), fold);
+      },
+      "axis"_a, "fold"_a,
+      "Rotations about an axis through the object's origin.\n\n"
+      "Parameters\n----------\naxis : array_like, shape (3,)\n"
+      "    Direction, object frame.\n"
+      "fold : int\n    By multiples of a turn / fold; 0: by any angle.\n");
   group.def_static("from_bop", &group_of_entry, "entry"_a,
                    "The group of one entry of BOP's models_info.json, as json reads it.\n\n"
                    "Discrete times continuous; lengths in millimetres become metres.\n");

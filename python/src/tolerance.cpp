@@ -6,8 +6,8 @@
 
 #include "density.hpp"
 #include "dict.hpp"
+#include "posemix/detector/error_mixture.hpp"
 #include "posemix/grasp/consensus.hpp"
-#include "posemix/grasp/error_mixture.hpp"
 #include "posemix/grasp/tolerance_region.hpp"
 #include "poses.hpp"
 #include "settings.hpp"
@@ -144,16 +144,16 @@ void bind_consensus_uses(nb::module_& m) {
   m.def(
       "consensus_success",
       [](const PoseArray& truths, const Eigen::VectorXd& weights, const PoseArray& estimates,
-         const std::vector<ToleranceRegion>& regions, const std::optional<AxisSymmetry>& symmetry) {
+         const std::vector<ToleranceRegion>& regions, const SymmetryGroup& symmetries) {
         for (const ToleranceRegion& region : regions) validate(region);
         const PoseConsensus consensus{truths.poses(), weights};
         NewArray out(estimates.shape);
         const nb::gil_scoped_release unlocked;
         for (std::size_t i = 0; i < estimates.size(); ++i)
-          out.data[i] = success_probability(consensus, estimates[i], regions, symmetry);
+          out.data[i] = success_probability(consensus, estimates[i], regions, symmetries);
         return std::move(out.array);
       },
-      "truths"_a, "weights"_a, "estimates"_a, "regions"_a, "symmetry"_a.none());
+      "truths"_a, "weights"_a, "estimates"_a, "regions"_a, "symmetries"_a);
 }
 
 }  // namespace

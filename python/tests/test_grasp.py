@@ -210,7 +210,7 @@ def test_logistic_regression_is_at_the_mode() -> None:
 
 
 def test_symmetric_errors() -> None:
-    half_turn = pm.AxisSymmetry(axis=[0, 0, 1], fold=2)
+    half_turn = pm.SymmetryGroup.turns([0, 0, 1], 2)
     error = pm.SE3(pm.SO3.exp([[0, 0, 3.0], [0, 0, 0.2]]))
     angles = pm.reduced_error(error, half_turn).rotation.log()[:, 2]
     np.testing.assert_allclose(angles, [3.0 - np.pi, 0.2], atol=1e-12)

@@ -25,12 +25,12 @@ SE3d read_offset(const TomlTable& component) {
 
 /// Standard deviations under `rotation_sd_deg` and, along the viewing ray,
 /// `translation_sd_of_range`, else `translation_sd_m`; or all under `covariance`.
-Matrix6d read_covariance(const TomlTable& table, NoiseFrame frame) {
+Matrix6d read_covariance(const TomlTable& table, NoiseFrame frame, const NumberRange& range) {
   const char* const translation =
       frame == NoiseFrame::ray ? "translation_sd_of_range" : "translation_sd_m";
   if (!table.has("covariance")) {
-    return pose_covariance(read_sd(table, "rotation_sd_deg", kSd, kRadPerDeg),
-                           read_sd(table, translation, kSd, 1.0));
+    return pose_covariance(read_sd(table, "rotation_sd_deg", range, kRadPerDeg),
+                           read_sd(table, translation, range, 1.0));
   }
   for (const char* other : {"rotation_sd_deg", translation}) {
     if (table.has(other)) table.fail(other, "stands beside 'covariance', expected one");
@@ -46,10 +46,10 @@ NoiseComponent read_component(const TomlTable& table) {
   component.frame = table.get_enum_or<NoiseFrame>(
       "frame", component.frame,
       {{"object", NoiseFrame::object}, {"camera", NoiseFrame::camera}, {"ray", NoiseFrame::ray}});
-  component.covariance = read_covariance(table, component.frame);
+  component.covariance = read_covariance(table, component.frame, kSd);
   component.offset = read_offset(table);
   if (const auto update = table.find_table("update"))
-    component.update_covariance = read_covariance(*update, component.frame);
+    component.update_covariance = read_covariance(*update, component.frame, kSd);
   return component;
 }
 
@@ -66,12 +66,8 @@ NoiseDependence read_dependence(const TomlTable& model, NoiseFrame frame) {
   NoiseDependence dependence;
   if (model.has("dependent_frames"))
     dependence.dependent_frames = model.get_double("dependent_frames", {.lowest = 1});
-  if (const auto bias = model.find_table("bias")) {
-    const char* const translation =
-        frame == NoiseFrame::ray ? "translation_sd_of_range" : "translation_sd_m";
-    dependence.bias = pose_covariance(read_sd(*bias, "rotation_sd_deg", kSdOrZero, kRadPerDeg),
-                                      read_sd(*bias, translation, kSdOrZero, 1.0));
-  }
+  if (const auto bias = model.find_table("bias"))
+    dependence.bias = read_covariance(*bias, frame, kSdOrZero);
   return dependence;
 }
 

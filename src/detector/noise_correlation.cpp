@@ -26,8 +26,8 @@ TrackSums sums_of(const ResidualTrack& track) {
   return sums;
 }
 
-/// Mean number of successive ones; what is missing is skipped. Runs that a recording begins or ends
-/// in count as they are.
+/// Mean number of successive ones. Missing values are skipped, and runs that the beginning or the
+/// end of a recording cuts off count with the length that is left.
 double mean_run(std::span<const ResidualTrack> tracks) {
   double ones = 0.0;
   double runs = 0.0;
@@ -47,7 +47,7 @@ double mean_run(std::span<const ResidualTrack> tracks) {
 /// Residuals of inliers, raw and whitened, and the indicator of outliers.
 struct Tracks {
   std::array<std::vector<ResidualTrack>, 6> raw;
-  std::vector<ResidualTrack> white;  ///< those of all axes
+  std::vector<ResidualTrack> white;  ///< the whitened residuals of all axes
   std::array<std::vector<ResidualTrack>, 6> white_axes;
   std::vector<ResidualTrack> outlier;
   std::size_t inliers = 0;

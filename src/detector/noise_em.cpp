@@ -5,13 +5,19 @@
 #include <limits>
 #include <memory>
 
-#include "noise_rows.hpp"
+#include "detector/noise_rows.hpp"
 #include "posemix/base/error.hpp"
+#include "posemix/detector/noise_em.hpp"
 
 namespace posemix {
 namespace {
 
-/// Shares of observations below which a component is not estimated any more.
+using internal::log_sum_exp_of_rows;
+using internal::log_uniform;
+using internal::residual_turn;
+using internal::ResidualRows;
+
+/// Share of the observations below which a component is not estimated any more.
 constexpr double kLostNoiseShare = 1e-9;
 constexpr int kStepsPerOffsetStep = 5;
 
@@ -26,13 +32,13 @@ struct Term {
 class NoiseEm {
  public:
   NoiseEm(std::span<const NoiseObservation> observations, const DetectorNoise& start,
-          const NoiseFitSettings& settings)
+          const NoiseEmSettings& settings)
       : observations_(observations), settings_(settings), clutter_(start.clutter()) {
     for (const NoiseComponent& component : start.components()) add(component);
     if (clutter_.weight > 0.0) set_clutter(clutter_.weight);
   }
 
-  NoiseFit run() {
+  NoiseEmFit run() {
     double now = expect();
     history_.push_back(now);
     status_ = EmStatus::max_iterations;
@@ -104,7 +110,8 @@ class NoiseEm {
     if (clutter_.weight > 0.0) set_clutter(shares_.col(shares_.cols() - 1).mean());
   }
 
-  /// clutter's weight, or the least that it may have; then the others share what is left.
+  /// Sets the weight of clutter, or the least that it may have; then the components share what is
+  /// left.
   void set_clutter(double weight) {
     clutter_.weight =
         std::max({weight, settings_.least_clutter, std::numeric_limits<double>::min()});
@@ -112,8 +119,8 @@ class NoiseEm {
     for (Term& term : terms_) term.component.weight *= (1.0 - clutter_.weight) / (1.0 - weight);
   }
 
-  /// Moves the offsets where that raises the log-likelihood `now`; returns what it is then. Leaves
-  /// the shares of the end.
+  /// Moves the offsets where that raises the log-likelihood `now`, and returns the log-likelihood
+  /// reached. shares_ are those of the model that is kept.
   double move_offsets(double now) {
     std::vector<Vector6d> moves;
     for (std::size_t k = 0; k < terms_.size(); ++k) moves.push_back(offset_step(k));
@@ -133,7 +140,8 @@ class NoiseEm {
     return expect();
   }
 
-  /// The step d of offset Exp(d), which changes a residual by -S d in first order.
+  /// The Gauss-Newton step d of an offset, offset Exp(d), which changes a residual by -S d to first
+  /// order.
   Vector6d offset_step(std::size_t k) const {
     const NoiseComponent& component = terms_[k].component;
     if (!has_offset(component)) return Vector6d::Zero();
@@ -153,7 +161,7 @@ class NoiseEm {
     return step.allFinite() ? step : Vector6d::Zero();
   }
 
-  NoiseFit result(double log_likelihood) {
+  NoiseEmFit result(double log_likelihood) {
     std::vector<NoiseComponent> components;
     std::size_t parameters = terms_.size() - (clutter_.weight > 0.0 ? 0 : 1);
     for (const Term& term : terms_) {
@@ -176,7 +184,7 @@ class NoiseEm {
             bic};
   }
 
-  /// All variances at the lower bound.
+  /// Whether all variances are at the lower bound.
   bool is_collapsed(const NoiseComponent& component) const {
     const Eigen::VectorXd& unit = settings_.em.unit;
     Vector6d variance = component.covariance.diagonal();
@@ -185,7 +193,7 @@ class NoiseEm {
   }
 
   std::span<const NoiseObservation> observations_;
-  NoiseFitSettings settings_;
+  NoiseEmSettings settings_;
   std::vector<Term> terms_;
   Clutter clutter_;
   Eigen::ArrayXXd shares_;
@@ -211,8 +219,8 @@ Eigen::ArrayXd noise_log_density(const DetectorNoise& noise,
   return log_sum_exp_of_rows(terms);
 }
 
-NoiseFit refine_noise(std::span<const NoiseObservation> observations, const DetectorNoise& start,
-                      const NoiseFitSettings& settings) {
+NoiseEmFit refine_noise(std::span<const NoiseObservation> observations, const DetectorNoise& start,
+                        const NoiseEmSettings& settings) {
   require(!observations.empty(), "noise model: there are no observations");
   return NoiseEm(observations, start, settings).run();
 }

@@ -7,7 +7,7 @@
 #include <map>
 #include <optional>
 
-#include "noise_rows.hpp"
+#include "detector/noise_rows.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/base/statistics.hpp"
 #include "posemix/base/units.hpp"
@@ -17,10 +17,12 @@
 namespace posemix {
 namespace {
 
-/// At most so many detections, evenly spaced, are tried as centres of a ball.
+using internal::ResidualRows;
+
+/// Number of detections, evenly spaced, that are tried as centres of a ball.
 constexpr std::size_t kCentres = 1000;
 constexpr int kMeanShifts = 20;
-/// Of clutter where the modes' fit begins.
+/// Least weight of clutter where the fit with modes begins.
 constexpr double kLeastClutter = 1e-3;
 
 double angle_between(const SO3d& a, const SO3d& b) { return (a.inverse() * b).log().norm(); }
@@ -40,7 +42,7 @@ std::vector<NoiseObservation> outliers_of(std::span<const NoiseObservation> obse
   return outliers;
 }
 
-/// What a ball of rotations holds.
+/// Indices of the errors whose rotations lie in a ball.
 std::vector<std::size_t> members_of(const std::vector<SE3d>& errors, const SO3d& centre,
                                     double radius) {
   std::vector<std::size_t> members;
@@ -88,7 +90,7 @@ SE3d centre_of(const std::vector<SE3d>& errors, const std::vector<std::size_t>& 
 
 /// One component per cluster; weights are shares of all `count` observations.
 std::vector<NoiseComponent> clusters_of(std::vector<NoiseObservation> outliers, double count,
-                                        const NoiseFitSettings& settings,
+                                        const NoiseEmSettings& settings,
                                         const NoiseModeSettings& modes) {
   std::vector<NoiseComponent> clusters;
   while (clusters.size() < modes.most && !outliers.empty()) {
@@ -120,7 +122,7 @@ std::vector<NoiseComponent> clusters_of(std::vector<NoiseObservation> outliers, 
 
 bool is_mode(const NoiseComponent& component) { return component.offset.log().norm() > 0.0; }
 
-/// Of one component of a model, from its share in every observation.
+/// The mode of one component of a model, from the component's share in every observation.
 NoiseMode describe(std::span<const NoiseObservation> observations, const DetectorNoise& noise,
                    const NoiseComponent& component, const NoiseModeSettings& settings) {
   const ResidualRows rows(observations, component.frame, component.offset);
@@ -171,14 +173,14 @@ std::optional<DetectorNoise> without_worst(std::span<const NoiseObservation> obs
 
 }  // namespace
 
-NoiseModesFit add_noise_modes(std::span<const NoiseObservation> observations, const NoiseFit& fit,
-                              const NoiseFitSettings& settings, const NoiseModeSettings& modes) {
+NoiseModesFit add_noise_modes(std::span<const NoiseObservation> observations, const NoiseEmFit& fit,
+                              const NoiseEmSettings& settings, const NoiseModeSettings& modes) {
   require(settings.clutter, "noise model: modes need clutter");
   const auto clusters = clusters_of(outliers_of(observations, fit.noise, radians(modes.radius_deg)),
                                     static_cast<double>(observations.size()), settings, modes);
   NoiseModesFit result{fit, {}};
   if (clusters.empty()) return result;
-  // Most of the clusters' observations were clutter's.
+  // Most of the clusters' observations were explained by clutter so far.
   std::vector<NoiseComponent> components = fit.noise.components();
   Clutter clutter = fit.noise.clutter();
   const double least = std::max(0.1 * clutter.weight, kLeastClutter);

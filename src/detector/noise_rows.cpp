@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include "noise_rows.hpp"
+#include "detector/noise_rows.hpp"
 
 #include <cmath>
 #include <numbers>
 
-namespace posemix {
+namespace posemix::internal {
 
 double log_uniform(double volume_m3) {
   return -std::log(8.0 * std::numbers::pi * std::numbers::pi * volume_m3);
@@ -29,10 +29,6 @@ Matrix6d residual_turn(const SE3d& camera_mode, NoiseFrame frame) {
   turn.topLeftCorner<3, 3>() = rotation;
   turn.bottomRightCorner<3, 3>() = rotation / unit;
   return turn;
-}
-
-Vector6d detection_residual(const SE3d& truth, const SE3d& detected, NoiseFrame frame) {
-  return residual_turn(truth, frame) * (truth.inverse() * detected).log();
 }
 
 ResidualRows::ResidualRows(std::span<const NoiseObservation> observations, NoiseFrame frame,
@@ -63,4 +59,4 @@ Matrix6d ResidualRows::second_moment(const Eigen::Ref<const Eigen::ArrayXd>& sha
   return moment;
 }
 
-}  // namespace posemix
+}  // namespace posemix::internal

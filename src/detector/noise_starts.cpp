@@ -7,24 +7,27 @@
 
 #include <fmt/format.h>
 
-#include "noise_rows.hpp"
+#include "detector/noise_rows.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/base/statistics.hpp"
+#include "posemix/detector/noise_em.hpp"
 
 namespace posemix {
 namespace {
 
+using internal::ResidualRows;
+
 /// Weight of clutter at a start.
 constexpr double kStartClutter = 0.25;
 
-/// Spreads of the components of a start, by that of the residuals.
+/// Spreads of the narrowest and the widest component of a start, relative to that of the residuals.
 struct SpreadRange {
   double narrowest;
   double widest;
 };
 
-/// Root mean square of every coordinate, or 1.4826 times the median size, which gross errors leave
-/// alone.
+/// Root mean square of every coordinate, or, robust against gross errors, 1.4826 times the median
+/// size.
 Vector6d spread_of(const ResidualRows& rows, bool robust) {
   constexpr double kSdByMedianSize = 1.482602218505602;
   Vector6d spread;
@@ -37,9 +40,10 @@ Vector6d spread_of(const ResidualRows& rows, bool robust) {
   return spread;
 }
 
-/// Concentric components whose spreads are a geometric series; every second start is about the
-/// robust spread, and from the third on every coordinate's is multiplied at random.
-DetectorNoise concentric_start(const ResidualRows& rows, const NoiseFitSettings& settings,
+/// Concentric components whose spreads are a geometric series. Every second start takes the robust
+/// spread of the residuals, and from the third start on the spread of every coordinate is
+/// multiplied by a random factor.
+DetectorNoise concentric_start(const ResidualRows& rows, const NoiseEmSettings& settings,
                                int attempt, RandomStream& stream) {
   const bool robust = (attempt % 2 == 0) == settings.clutter;
   const SpreadRange range = robust ? SpreadRange{0.7, 4.0} : SpreadRange{0.25, 1.5};
@@ -67,8 +71,8 @@ DetectorNoise concentric_start(const ResidualRows& rows, const NoiseFitSettings&
 
 }  // namespace
 
-NoiseFit fit_noise(std::span<const NoiseObservation> observations, const NoiseFitSettings& settings,
-                   RandomStream& stream) {
+NoiseEmFit fit_noise_components(std::span<const NoiseObservation> observations,
+                                const NoiseEmSettings& settings, RandomStream& stream) {
   require(settings.components > 0, "noise model: there are 0 components, expected one or more");
   if (observations.size() < 2 * settings.components) {
     throw InvalidInput(
@@ -78,12 +82,12 @@ NoiseFit fit_noise(std::span<const NoiseObservation> observations, const NoiseFi
   const ResidualRows rows(observations, settings.frame, SE3d());
   const bool convex = settings.components == 1 && !settings.clutter;
   const int attempts = convex ? 1 : std::max(1, settings.em.restarts);
-  std::optional<NoiseFit> best;
-  const auto rank = [](const NoiseFit& fit) {
+  std::optional<NoiseEmFit> best;
+  const auto rank = [](const NoiseEmFit& fit) {
     return std::pair(fit.status != EmStatus::degenerate, fit.log_likelihood);
   };
   for (int attempt = 0; attempt < attempts; ++attempt) {
-    NoiseFit fit =
+    NoiseEmFit fit =
         refine_noise(observations, concentric_start(rows, settings, attempt, stream), settings);
     if (!best || rank(fit) > rank(*best)) best = std::move(fit);
   }

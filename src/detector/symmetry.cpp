@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <string>
 
@@ -16,16 +15,13 @@
 
 namespace posemix {
 
-/// An element and what messages call it.
+/// An element and its name in messages.
 struct SymmetryGroup::Named {
   SE3d motion;
   std::string name;
 };
 
 namespace {
-
-constexpr int kMostSteps = 4;
-constexpr double kSmallestGain = 1e-6;  ///< of the cost, below which no step is made
 
 std::string described(const SE3d& motion) {
   const Eigen::AngleAxisd turn(motion.rotation().quaternion());
@@ -70,47 +66,10 @@ Eigen::Vector3d crossing(const SymmetryAxis& a, const SymmetryAxis& b) {
   return a.point + along * a.direction;
 }
 
-SE3d about(const Eigen::Vector3d& point, const SO3d& rotation) {
-  return SE3d(rotation, point - rotation * point);
-}
-
 Vector6d generator(const SymmetryAxis& axis) {
   Vector6d twist;
   twist << axis.direction, axis.point.cross(axis.direction);
   return twist;
-}
-
-/// A motion g of the group, and what it leaves: rest = (X g)^-1 reference, z = Log(rest).
-struct Equivalent {
-  Equivalent(const SE3d& g, const SE3d& left, const Matrix6d& information)
-      : motion(g), rest(left), z(rest.log()), cost(z.dot(information.lazyProduct(z))) {}
-
-  SE3d motion;
-  SE3d rest;
-  Vector6d z;
-  double cost;
-};
-
-/// Gauss-Newton over the angles, Log(Exp(-A eps) rest) = z - J_l^-1(z) A eps + ..., while it
-/// promises a gain and a cost below `least`.
-template <int N>
-void refine(const Eigen::Matrix<double, 6, N>& generators, const Matrix6d& information,
-            double least, Equivalent& equivalent) {
-  for (int step = 0; step < kMostSteps; ++step) {
-    const auto jacobian = SE3d::left_jacobian_inverse_blocks(equivalent.z);
-    Eigen::Matrix<double, 6, N> slope;
-    for (int i = 0; i < N; ++i) slope.col(i) = jacobian.times(Vector6d(generators.col(i)));
-    const Eigen::Matrix<double, 6, N> weighted = information.lazyProduct(slope);
-    const Eigen::Matrix<double, N, N> normal = slope.transpose().lazyProduct(weighted);
-    const Eigen::Matrix<double, N, 1> pull = weighted.transpose().lazyProduct(equivalent.z);
-    const Eigen::Matrix<double, N, 1> eps = normal.inverse() * pull;
-    const double gain = pull.dot(eps);
-    if (!(gain > kSmallestGain * equivalent.cost && equivalent.cost - gain < least)) return;
-    const SE3d turn = SE3d::exp(generators * eps);
-    const Equivalent next(equivalent.motion * turn, turn.inverse() * equivalent.rest, information);
-    if (!(next.cost < equivalent.cost)) return;
-    equivalent = next;
-  }
 }
 
 [[noreturn]] void fail_axes(std::size_t i, std::size_t j) {
@@ -142,6 +101,22 @@ SymmetryGroup::SymmetryGroup(const std::vector<SE3d>& elements,
   }
   require_closed(all, tolerance);
   for (const SE3d& element : elements_) inverses_.push_back(element.inverse());
+}
+
+SymmetryGroup SymmetryGroup::turns(const Eigen::Vector3d& axis, int fold) {
+  if (fold < 0) {
+    throw InvalidInput(fmt::format(
+        "symmetries: {} turns about an axis, expected a number from 1, or 0 for any angle", fold));
+  }
+  if (fold == 0) return SymmetryGroup({}, {{axis, Eigen::Vector3d::Zero()}});
+  const Eigen::Vector3d direction = canonical({axis, Eigen::Vector3d::Zero()}, 0).direction;
+  const double step = 2.0 * std::numbers::pi / fold;
+  std::vector<SE3d> elements;
+  for (int i = 1; i < fold; ++i)
+    elements.emplace_back(SO3d::exp(i * step * direction), Eigen::Vector3d::Zero());
+  SymmetryGroup group(elements);
+  group.turns_ = Turns{direction, step};
+  return group;
 }
 
 void SymmetryGroup::take_axes(const std::vector<SymmetryAxis>& axes,
@@ -216,39 +191,6 @@ bool SymmetryGroup::are_same(const SE3d& a, const SE3d& b,
   const SE3d rest = turned_to(between).inverse() * between;
   return rest.rotation().angle() <= tolerance.rotation_rad &&
          rest.translation().norm() <= tolerance.translation_m;
-}
-
-SE3d SymmetryGroup::turned_to(const SE3d& error) const {
-  if (axes_.empty()) return SE3d();
-  const SymmetryAxis& axis = axes_.front();
-  if (axes_.size() > 1) return about(axis.point, error.rotation());
-  const Eigen::Quaterniond& q = error.rotation().quaternion();
-  const double angle = 2.0 * std::atan2(q.vec().dot(axis.direction), q.w());
-  return about(axis.point, SO3d::exp(angle * axis.direction));
-}
-
-SE3d SymmetryGroup::closest(const SE3d& pose, const SE3d& reference,
-                            const Matrix6d& information) const {
-  if (is_trivial()) return pose;
-  const SE3d error = pose.inverse() * reference;
-  double least = std::numeric_limits<double>::infinity();
-  SE3d best;
-  for (std::size_t i = 0; i < elements_.size(); ++i) {
-    const SE3d rest = inverses_[i] * error;
-    const SE3d turn = turned_to(rest);
-    Equivalent equivalent(elements_[i] * turn, turn.inverse() * rest, information);
-    if (axes_.size() == 1) refine<1>(generators_.leftCols<1>(), information, least, equivalent);
-    if (axes_.size() == 3) refine<3>(generators_, information, least, equivalent);
-    if (!(equivalent.cost < least)) continue;
-    least = equivalent.cost;
-    best = equivalent.motion;
-  }
-  return pose * best;
-}
-
-Matrix6d SymmetryGroup::unobserved_covariance() const {
-  const double variance = std::numbers::pi * std::numbers::pi / 3.0;
-  return variance * generators_ * generators_.transpose();
 }
 
 }  // namespace posemix

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include "box_probability.hpp"
+#include "grasp/box_probability.hpp"
 
 #include <algorithm>
 #include <cmath>

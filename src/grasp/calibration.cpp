@@ -8,11 +8,15 @@
 #include <fmt/format.h>
 #include <Eigen/Cholesky>
 
+#include "grasp/region_parameters.hpp"
 #include "posemix/base/error.hpp"
-#include "region_parts.hpp"
 
 namespace posemix {
 namespace {
+
+using internal::log_logistic;
+using internal::logistic;
+using internal::logit;
 
 constexpr double kLeastRaw = 1e-3;
 

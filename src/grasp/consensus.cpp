@@ -59,12 +59,11 @@ PoseConsensus PoseConsensus::resampled(std::size_t count) const {
 
 double success_probability(const PoseConsensus& consensus, const SE3d& estimate,
                            std::span<const ToleranceRegion> regions,
-                           const std::optional<AxisSymmetry>& symmetry) {
+                           const SymmetryGroup& symmetries) {
   require(!regions.empty(), "probability of success without a region");
   double sum = 0.0;
   for (std::size_t i = 0; i < consensus.truths.size(); ++i) {
-    SE3d error = consensus.truths[i].inverse() * estimate;
-    if (symmetry) error = reduced_error(error, *symmetry);
+    const SE3d error = symmetries.reduced_error(consensus.truths[i].inverse() * estimate);
     const Eigen::Vector3d rotation = error.rotation().log();
     double mean = 0.0;
     for (const ToleranceRegion& region : regions) {

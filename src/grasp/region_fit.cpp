@@ -6,12 +6,22 @@
 
 #include <nlopt.hpp>
 
+#include "detector/upper_median.hpp"
+#include "grasp/region_parameters.hpp"
 #include "posemix/base/error.hpp"
-#include "region_parts.hpp"
-#include "upper_median.hpp"
 
 namespace posemix {
 namespace {
+
+using internal::kCentre;
+using internal::kLever;
+using internal::kLogitInside;
+using internal::kLogitRatio;
+using internal::kLogSoftness;
+using internal::kLogWidth;
+using internal::kMillimetre;
+using internal::logistic;
+using internal::upper_median;
 
 /// An outcome in degrees and millimetres.
 struct Sample {

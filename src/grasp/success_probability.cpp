@@ -14,7 +14,7 @@
 #include <fmt/format.h>
 #include <nlopt.hpp>
 
-#include "box_probability.hpp"
+#include "grasp/box_probability.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/base/sobol.hpp"
 #include "posemix/density/projected_operations.hpp"

@@ -6,11 +6,25 @@
 
 #include <fmt/format.h>
 
+#include "grasp/region_parameters.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/base/units.hpp"
-#include "region_parts.hpp"
 
 namespace posemix {
+namespace {
+
+using internal::kCentre;
+using internal::kLever;
+using internal::kLogitInside;
+using internal::kLogitRatio;
+using internal::kLogSoftness;
+using internal::kLogWidth;
+using internal::kMillimetre;
+using internal::kUnits;
+using internal::logistic;
+using internal::logit;
+
+}  // namespace
 
 double ToleranceRegion::success_probability(const Eigen::Vector3d& rotation,
                                             const Eigen::Vector3d& translation) const {

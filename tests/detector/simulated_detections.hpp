@@ -8,7 +8,7 @@
 
 #include "posemix/base/random.hpp"
 #include "posemix/base/units.hpp"
-#include "posemix/detector/noise_fit.hpp"
+#include "posemix/detector/noise_observation.hpp"
 
 /// Detections with the errors of a noise model, drawn by its definition, not by the code under
 /// test.
@@ -61,6 +61,20 @@ inline Vector6d ray_deviations() {
   Vector6d sd;
   sd << radians(4.0), radians(3.5), radians(2.0), 0.008, 0.01, 0.05;
   return sd;
+}
+
+/// 70 % along the ray, 30 % clutter.
+inline std::vector<NoiseObservation> detections_with_clutter(std::size_t count,
+                                                             std::uint64_t seed) {
+  RandomStream stream(seed);
+  std::vector<NoiseObservation> observations;
+  for (std::size_t i = 0; i < count; ++i) {
+    const SE3d truth = pose_before_camera(stream);
+    const bool clutter = stream.uniform() < 0.3;
+    observations.push_back({truth, clutter ? detect_nothing(truth, stream)
+                                           : detect_along_ray(truth, ray_deviations(), stream)});
+  }
+  return observations;
 }
 
 }  // namespace posemix::testing

@@ -104,29 +104,5 @@ TEST(Consensus, RefusesBadInput) {
             "probability of success without a region");
 }
 
-TEST(Symmetry, TakesTheTurnOut) {
-  RandomStream stream(5);
-  const AxisSymmetry can{.axis = Eigen::Vector3d::UnitZ(), .fold = 0};
-  const AxisSymmetry box{.axis = Eigen::Vector3d::UnitZ(), .fold = 2};
-  for (int i = 0; i < 20; ++i) {
-    Eigen::VectorXd z(6);
-    stream.fill_normal(z);
-    const SE3d error = SE3d::exp(Vector6d(z));
-    const SE3d reduced = reduced_error(error, can);
-    EXPECT_NEAR(reduced.rotation().quaternion().z(), 0.0, 1e-12);
-    const SE3d undone = reduced * error.inverse();  // a turn about the true object's axis
-    EXPECT_NEAR(undone.rotation().log().head<2>().norm(), 0.0, 1e-12);
-    EXPECT_NEAR(undone.translation().norm(), 0.0, 1e-12);
-    const SE3d half = reduced_error(error, box);
-    EXPECT_LE(half.rotation().log().norm(), error.rotation().log().norm() + 1e-12);
-    EXPECT_LE(2.0 * std::abs(std::atan2(half.rotation().quaternion().z(),
-                                        std::abs(half.rotation().quaternion().w()))),
-              M_PI / 2.0 + 1e-12);
-    const SE3d nearest = nearest_equivalent(error, SE3d(), can);
-    EXPECT_NEAR(nearest.rotation().quaternion().z(), 0.0, 1e-12);
-    EXPECT_LT((nearest.translation() - error.translation()).norm(), 1e-12);
-  }
-}
-
 }  // namespace
 }  // namespace posemix

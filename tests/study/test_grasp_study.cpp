@@ -3,6 +3,7 @@
 #include "study/grasp/study.hpp"
 
 #include <cmath>
+#include <numbers>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -166,9 +167,12 @@ TEST(GraspStudy, ReadsItsSettings) {
   document.finish();
   EXPECT_EQ(settings.consensus.draws_per_member, 10U);
   ASSERT_EQ(settings.symmetric.size(), 2U);
-  EXPECT_EQ(settings.symmetric[0].symmetry->axis, Eigen::Vector3d::UnitY());
-  EXPECT_EQ(settings.symmetric[0].symmetry->fold, 2);
-  EXPECT_FALSE(settings.symmetric[1].symmetry.has_value());
+  const SymmetryGroup& half_turn = settings.symmetric[0].symmetry;
+  ASSERT_EQ(half_turn.elements().size(), 2U);
+  EXPECT_TRUE(half_turn.axes().empty());
+  const SO3d about_y = SO3d::exp(std::numbers::pi * Eigen::Vector3d::UnitY());
+  EXPECT_TRUE(half_turn.elements()[1].rotation().is_approx(about_y, 1e-12));
+  EXPECT_TRUE(settings.symmetric[1].symmetry.is_trivial());
   const TomlDocument bad = TomlDocument::parse("correlation = 2", "g.toml");
   EXPECT_NE(thrown_message([&] { read_grasp_settings(bad.root()); }).find("g.toml:1"),
             std::string::npos);

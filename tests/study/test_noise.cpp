@@ -81,7 +81,9 @@ DetectorNoise read_back(const std::string& toml, const std::string& name) {
 
 TEST(NoiseStudy, RecoversASimulatedMixture) {
   for (const NoiseFrame frame : {NoiseFrame::object, NoiseFrame::camera}) {
-    const NoiseStudySettings settings{.max_components = 3, .restarts = 2, .frame = frame};
+    const NoiseStudySettings settings{
+        .fit = {
+            .max_components = 3, .restarts = 2, .frame = frame, .clutter = false, .modes = false}};
     const Study study = make_noise_study({.residuals = {simulated(frame, 4000, 1)}}, settings);
     ASSERT_EQ(study.items, 1U);
     const StudyReport report = run_all(study);
@@ -110,10 +112,15 @@ TEST(NoiseStudy, RecoversASimulatedMixture) {
   }
 }
 
+NoiseStudySettings one_component() {
+  return {
+      .fit = {.max_components = 1, .frame = NoiseFrame::object, .clutter = false, .modes = false}};
+}
+
 TEST(NoiseStudy, HasOneItemPerObjectAndOneForAll) {
   const ResidualSet a = simulated(NoiseFrame::object, 60, 1);
   const ResidualSet b = simulated(NoiseFrame::object, 80, 2);
-  const Study study = make_noise_study({.residuals = {a, b, a}}, {.max_components = 1});
+  const Study study = make_noise_study({.residuals = {a, b, a}}, one_component());
   ASSERT_EQ(study.items, 3U);
   std::vector<std::string> objects;
   std::vector<int> counts;
@@ -124,56 +131,7 @@ TEST(NoiseStudy, HasOneItemPerObjectAndOneForAll) {
   }
   EXPECT_EQ(objects, (std::vector<std::string>{"cup 1", "cup 2", "all"}));
   EXPECT_EQ(counts, (std::vector<int>{108, 72, 180}));
-  EXPECT_NE(study.settings,
-            make_noise_study({.residuals = {a, b}}, {.max_components = 1}).settings);
-}
-
-TEST(NoiseStudy, ModelsReadBackAsTheyWere) {
-  RandomStream stream(4);
-  Eigen::VectorXd entries(36);
-  stream.fill_normal(entries);
-  const Matrix6d root = entries.reshaped(6, 6);
-  Matrix6d full = 1e-3 * (root * root.transpose() + Matrix6d::Identity());
-  symmetrize(full);
-  const DetectorNoise noise(
-      {{.weight = 0.7, .covariance = full, .offset = random_pose(stream)},
-       {.weight = 0.3, .covariance = pose_covariance({0.1, 0.2, 0.3}, {1e-3, 1.0, 0.3})}});
-  const DetectorNoise back = read_back(format_noise_toml("cup", noise), "cup");
-  ASSERT_EQ(back.components().size(), 2U);
-  for (std::size_t i = 0; i < 2; ++i) {
-    const NoiseComponent& a = noise.components()[i];
-    const NoiseComponent& b = back.components()[i];
-    EXPECT_NEAR(a.weight, b.weight, 1e-15);
-    EXPECT_LT(relative_difference(b.covariance, a.covariance), 1e-14);
-    EXPECT_TRUE(b.offset.is_approx(a.offset, 1e-14));
-  }
-}
-
-/// Text of a model with clutter, in frame ray, with an update and with correlations.
-TEST(NoiseStudy, ModelsAlongTheRayReadBackAsTheyWere) {
-  const Matrix6d covariance = pose_covariance({0.1, 0.2, 0.3}, {5e-3, 6e-3, 0.05});
-  const DetectorNoise noise({{.weight = 0.7,
-                              .covariance = covariance,
-                              .frame = NoiseFrame::ray,
-                              .update_covariance = Matrix6d(4.0 * covariance)}},
-                            {.weight = 0.3, .volume_m3 = 2.5});
-  NoiseCorrelation correlation;
-  correlation.inlier = {300.0, 61.25};
-  correlation.bias_sd << 0.1, 0.0, 0.3, 0.004, 0.005, 0.0312;
-  const std::string text = format_noise_toml("cup", noise, &correlation);
-  EXPECT_NE(text.find("\ndependent_frames = 61.2\n"), std::string::npos) << text;
-  EXPECT_NE(text.find("bias = {rotation_sd_deg = [5.73, 0, 17.2], translation_sd_of_range = "
-                      "[0.004, 0.005, 0.0312]}"),
-            std::string::npos)
-      << text;
-  const DetectorNoise back = read_back(text, "cup");
-  ASSERT_EQ(back.components().size(), 1U);
-  const NoiseComponent& component = back.components()[0];
-  EXPECT_EQ(component.frame, NoiseFrame::ray);
-  EXPECT_LT(relative_difference(component.covariance, covariance), 1e-14);
-  EXPECT_LT(relative_difference(*component.update_covariance, Matrix6d(4.0 * covariance)), 1e-14);
-  EXPECT_NEAR(back.clutter().weight, 0.3, 1e-15);
-  EXPECT_EQ(back.clutter().volume_m3, 2.5);
+  EXPECT_NE(study.settings, make_noise_study({.residuals = {a, b}}, one_component()).settings);
 }
 
 /// A recording on disk, studied from its TUM files and from its sequence file, and the model that
@@ -215,7 +173,11 @@ TEST(NoiseStudy, ReadsFilesAndGivesAModelThatSlamReads) {
   }
 
   const Study study =
-      make_noise_study({.residuals = by_sequence}, {.max_components = 2, .restarts = 1});
+      make_noise_study({.residuals = by_sequence}, {.fit = {.max_components = 2,
+                                                            .restarts = 1,
+                                                            .frame = NoiseFrame::object,
+                                                            .clutter = false,
+                                                            .modes = false}});
   const std::string toml = plain_model(file(run_all(study), "noise_detector_cup.toml"));
   TomlDocument document = TomlDocument::parse(sequence + toml, (folder / "fitted.toml").string());
   document.apply_override("objects.cup.noise=detector_cup");
@@ -237,9 +199,13 @@ TEST(NoiseStudy, FindsModesWithFreeMeans) {
     set.truth.push_back(truth);
     set.detected.push_back(truth * offset * SE3d::exp(Vector6d(0.02 * n)));
   }
-  const Study study = make_noise_study(
-      {.residuals = {set}},
-      {.max_components = 2, .restarts = 2, .free_means = true, .full_covariance = true});
+  const Study study = make_noise_study({.residuals = {set}}, {.fit = {.max_components = 2,
+                                                                      .restarts = 2,
+                                                                      .frame = NoiseFrame::object,
+                                                                      .full_covariance = true,
+                                                                      .free_means = true,
+                                                                      .clutter = false,
+                                                                      .modes = false}});
   const DetectorNoise noise = read_back(file(run_all(study), "noise_d_o.toml"), "d_o");
   ASSERT_EQ(noise.components().size(), 2U);
   EXPECT_NEAR(noise.components()[1].weight, 0.25, 1e-6);
@@ -254,13 +220,15 @@ TEST(NoiseStudy, RefusesBadInput) {
             "study noise: there are no detections with a truth");
   const ResidualSet set = simulated(NoiseFrame::camera, 30, 1);
   EXPECT_EQ(thrown_message([&] {
-              make_noise_study({.residuals = {set}},
-                               {.frame = NoiseFrame::camera, .free_means = true});
+              make_noise_study({.residuals = {set}}, {.fit = {.frame = NoiseFrame::camera,
+                                                              .free_means = true,
+                                                              .clutter = false,
+                                                              .modes = false}});
             }),
             "study noise: free means in the camera frame cannot be written as a noise model, "
             "expected means = \"zero\" or frame = \"object\"");
   EXPECT_NE(thrown_message([&] {
-              make_noise_study({.residuals = {set}}, {.modes = true});
+              make_noise_study({.residuals = {set}}, {.fit = {.clutter = false}});
             }).find("modes without clutter"),
             std::string::npos);
   ResidualSet few = set;
@@ -271,39 +239,6 @@ TEST(NoiseStudy, RefusesBadInput) {
   const TomlDocument document = TomlDocument::parse("means = \"some\"", "n.toml");
   EXPECT_NE(thrown_message([&] { read_noise_settings(document.root()); }).find("n.toml:1"),
             std::string::npos);
-}
-
-TEST(NoiseStatistics, AutocorrelationOfAFirstOrderProcess) {
-  constexpr double kA = 0.8;
-  RandomStream stream(6);
-  std::vector<ResidualTrack> tracks;
-  for (int recording = 0; recording < 20; ++recording) {
-    double x = stream.normal() / std::sqrt(1.0 - kA * kA);
-    ResidualTrack& track = tracks.emplace_back();
-    for (int i = 0; i < 2000; ++i) {
-      track.push_back(stream.uniform() < 0.2 ? std::nullopt : std::optional(x));
-      x = kA * x + stream.normal();
-    }
-  }
-  const Autocorrelation result = autocorrelation(tracks);
-  EXPECT_NEAR(result.lag1, kA, 0.015);
-  EXPECT_NEAR(result.at_lag[4], std::pow(kA, 4), 0.04);
-  EXPECT_NEAR(result.correlation_frames, (1.0 + kA) / (1.0 - kA), 1.2);
-}
-
-TEST(NoiseStatistics, OfFewNumbersByHand) {
-  const std::vector<ResidualTrack> tracks{{1.0, std::nullopt, 2.0}, {2.0, 7.0}};
-  const AxisStatistics s = axis_statistics(tracks);
-  EXPECT_EQ(s.count, 4U);
-  EXPECT_DOUBLE_EQ(s.mean, 3.0);
-  EXPECT_DOUBLE_EQ(s.sd, std::sqrt(5.5));
-  EXPECT_DOUBLE_EQ(s.median, 2.0);
-  EXPECT_DOUBLE_EQ(s.robust_sd, 1.482602218505602 * 0.5);
-  EXPECT_NEAR(s.skewness, 13.5 / std::pow(5.5, 1.5), 1e-12);
-  EXPECT_NEAR(s.kurtosis, 68.5 / (5.5 * 5.5), 1e-12);
-  EXPECT_NEAR(autocorrelation(tracks).lag1, -6.25 / 3.25, 1e-12);
-  EXPECT_NEAR(spread_of_means(tracks), 3.0 / std::sqrt(2.0), 1e-12);
-  EXPECT_TRUE(std::isnan(axis_statistics({}).mean));
 }
 
 /// Figures of the data folder's README for the mug of 0022, against the proxy.

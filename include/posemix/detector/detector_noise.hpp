@@ -35,44 +35,47 @@ struct NoiseComponent {
   SE3d offset = {};  ///< pose of the detected mode in the object's frame, the identity unless it is
                      ///< a near-symmetry
   /// The covariance with which a detection moves the estimate, where it is not the one that weighs
-  /// hypotheses: errors that all frames have in common (a biased range) do not average out, so that
-  /// a frame teaches less than its own error says.
+  /// hypotheses: an error that all frames have in common (a biased range) does not average out, so
+  /// that the mean over frames is less certain than their own errors suggest.
   std::optional<Matrix6d> update_covariance = {};
 };
 
-/// A detection that says nothing: with probability `weight` it is uniform over all rotations and a
-/// volume, whatever the object's pose.
+/// Detections that do not depend on the pose of the object: with probability `weight` a detection
+/// is uniform over all rotations and a volume.
 struct Clutter {
   double weight = 0.0;
   double volume_m3 = 1.0;
 };
 
-/// What NoiseFrame::ray refers to at a mode T_camera_mode.
+/// The viewing ray of a mode T_camera_mode, to which NoiseFrame::ray refers.
 struct ViewingRay {
-  SO3d axes;     ///< its axes in those of the camera, the third towards the mode
+  SO3d axes;  ///< rotation from its axes to those of the camera; the third axis points to the mode
   double range;  ///< from the camera to the mode [m], at least a millimetre
 };
 
+/// The axes are those of the camera after the shortest rotation that takes z to the mode.
 ViewingRay viewing_ray(const SE3d& camera_mode);
 
-/// A component where it is seen: covariances in metres along axes whose pose in the camera's frame
-/// is `axes` (the origin of the mode, turned as the component's frame says).
+/// A component for one pose of the object: covariances in metres along axes whose pose in the
+/// camera's frame is `axes`, at the origin of the mode and turned according to the component's
+/// frame.
 struct NoiseAtPose {
   SE3d axes;
   Matrix6d covariance;
   Matrix6d update_covariance;
 };
 
-/// Of an object at `camera_object`. Ranges below a millimetre count as one.
+/// The component for an object at the pose `camera_object`. A range below a millimetre counts as
+/// one millimetre.
 NoiseAtPose noise_at(const NoiseComponent& noise, const SE3d& camera_object);
 
-/// The component with its covariances along the camera's axes in metres, for an object at
-/// `camera_object`; components of other frames as they are.
+/// A component of NoiseFrame::ray with its covariances along the camera's axes in metres, for an
+/// object at `camera_object`; components of other frames are returned unchanged.
 NoiseComponent along_camera(const NoiseComponent& noise, const SE3d& camera_object);
 
-/// What successive detections have in common, where it is known; else a filter's settings say.
+/// Dependence of successive detections. Where it is empty, the settings of a filter decide.
 struct NoiseDependence {
-  /// Detections of an object that count as one.
+  /// Number of detections of an object that count as one.
   std::optional<double> dependent_frames = {};
   /// Covariance of the error that all detections of a recording share, in the frame and the units
   /// of the first component.

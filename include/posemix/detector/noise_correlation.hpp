@@ -4,53 +4,51 @@
 
 #include <array>
 #include <cstddef>
-#include <optional>
 #include <span>
 #include <vector>
 
-#include "posemix/detector/noise_fit.hpp"
+#include "posemix/detector/noise_observation.hpp"
 #include "posemix/detector/noise_statistics.hpp"
 
-/// How the errors of a detector hang together in time.
+/// Correlation in time of the errors of a detector.
 namespace posemix {
 
-/// One recording: an entry per frame that has a truth, empty where there is no detection.
-using NoiseTrack = std::vector<std::optional<NoiseObservation>>;
-
-/// How many frames say as much as one. Of n frames the mean has the variance of n / this many
-/// independent ones.
+/// Number m of frames that carry as much information as one independent frame: the mean over n
+/// frames has the variance of a mean over n / m independent ones.
 struct DependentFrames {
-  /// Over whole recordings and about zero, so that what a recording's errors have in common counts:
-  /// sum (sum x)^2 / sum x^2, sums over the recordings and the frames of each. At least 1.
+  /// For whole recordings and errors about zero, so that a common error of a recording counts:
+  /// sum (sum x)^2 / sum x^2, with sums over the recordings and over the frames of each. At
+  /// least 1.
   double about_zero;
-  /// About the mean of each recording: Autocorrelation::correlation_frames.
+  /// For errors about the mean of each recording: Autocorrelation::correlation_frames.
   double within;
 };
 
 DependentFrames dependent_frames(std::span<const ResidualTrack> tracks);
 
-/// Standard deviation of what a recording's values have in common, about zero: the mean square of
-/// the recordings' means less what their own scatter (its variance by the number of independent
-/// values, `within`) adds to it; zero where that is more. Recordings with fewer than ten values do
-/// not count; NaN where none is left.
+/// Standard deviation about zero of the error that all values of a recording have in common: the
+/// mean square of the means of recordings, less the part of it that is due to the scatter within a
+/// recording (with one independent value per `within` values); zero where that part is larger.
+/// Recordings with fewer than ten values are left out; NaN where no recording remains.
 double bias_sd(std::span<const ResidualTrack> tracks, double within);
 
+/// Correlations of the errors of a detector; see noise_correlation.
 struct NoiseCorrelation {
-  std::size_t inliers = 0;
-  DependentFrames inlier = {};  ///< of the whitened residuals, over all axes
-  std::array<DependentFrames, 6> axes = {};
-  Vector6d bias_sd = Vector6d::Zero();  ///< by axis, in the unit of the residual
+  std::size_t inliers = 0;      ///< number of detections within the gate
+  DependentFrames inlier = {};  ///< of the whitened residuals of inliers, over all axes
+  std::array<DependentFrames, 6> axes = {};  ///< the same by axis
+  Vector6d bias_sd = Vector6d::Zero();       ///< of inliers, by axis, in the unit of the residual
   double outlier_share = 0.0;
-  double outlier_run = 0.0;      ///< mean length of a run of outliers, detections
-  DependentFrames outlier = {};  ///< of the indicator, about its mean
+  double outlier_run = 0.0;      ///< mean length of a run of outliers [detections]
+  DependentFrames outlier = {};  ///< of the indicator of outliers, about its mean
 };
 
-/// Squared Mahalanobis distance from which on a detection is an outlier. (A residual of the
-/// component itself is beyond it once in 3000.)
+/// Squared Mahalanobis distance from which on a detection is an outlier. One residual in 3000 of
+/// the component itself is beyond it.
 inline constexpr double kInlierGate = 25.0;
 
-/// The correlations of inliers, those within the gate of the component `inlier` (which has no
-/// offset), and of being an outlier.
+/// The correlations of inliers, which are the detections within the gate of the component `inlier`
+/// (its offset is ignored), and of the indicator of outliers.
 NoiseCorrelation noise_correlation(std::span<const NoiseTrack> tracks,
                                    const NoiseComponent& inlier);
 

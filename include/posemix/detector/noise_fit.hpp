@@ -3,70 +3,101 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
-#include "posemix/base/linear.hpp"
 #include "posemix/base/random.hpp"
-#include "posemix/detector/detector_noise.hpp"
-#include "posemix/mixture/em.hpp"
+#include "posemix/detector/noise_correlation.hpp"
+#include "posemix/detector/noise_em.hpp"
+#include "posemix/detector/noise_modes.hpp"
 
-/// The noise model of a detector fitted to detections with their truth.
+/// The noise model of a detector, learned from detections with their truth.
 namespace posemix {
 
-/// A detection with its truth, T_camera_object both.
-struct NoiseObservation {
-  SE3d truth;
-  SE3d detected;
-  std::size_t recording = 0;  ///< observations of one recording belong together
+/// What decides between models.
+enum class NoiseCriterion {
+  bic,                     ///< the least BIC, with all detections taken for independent
+  bic_independent_frames,  ///< the least BIC, with correlated detections counted as fewer
+  cross_validation         ///< the greatest log density of recordings that were held out
 };
 
-/// The residual n of a detection Y [rad, m; for NoiseFrame::ray the translation as a fraction of
-/// the range]: Y = T Exp(n) along the object's axes (midway-merge paper, eq. 32), or the same along
-/// the camera's axes or the viewing ray, with the rotation about the object's origin in all. With
-/// T = T_camera_object offset it is the n of a NoiseComponent.
-Vector6d detection_residual(const SE3d& truth, const SE3d& detected, NoiseFrame frame);
+/// "bic", "bic_independent_frames" or "cross_validation".
+std::string_view name_of(NoiseCriterion criterion);
 
-/// Log density of every detection under the model [nats; per rad^3 m^3, Haar measure]: of a
-/// component log N(n; 0, P) - log |det J_l(n)|, less 3 log range along the viewing ray.
-Eigen::ArrayXd noise_log_density(const DetectorNoise& noise,
-                                 std::span<const NoiseObservation> observations);
-
-/// The model to be fitted.
+/// Settings of fit_noise. Bounds of rotations are in degrees, of translations in metres, or for
+/// NoiseFrame::ray in fractions of the range.
 struct NoiseFitSettings {
-  std::size_t components = 1;
-  NoiseFrame frame = NoiseFrame::object;
-  bool clutter = false;  ///< with clutter of the volume below, whose weight is estimated
+  std::size_t max_components = 4;  ///< without modes; models of 1, 2, ... components are fitted
+  int restarts = 6;                ///< starts of EM for every number of components
+  /// The axes of the covariances; where empty they are chosen, by the cross validation if that is
+  /// the criterion, else by the BIC of all detections.
+  std::optional<NoiseFrame> frame = {};
+  bool full_covariance = false;  ///< else diagonal
+  /// All components may have offsets, found by EM alone; for the object's frame without clutter.
+  bool free_means = false;
+  bool clutter = true;  ///< models have clutter, whose weight is estimated
   double clutter_volume_m3 = 1.0;
-  double least_clutter = 0.0;  ///< clutter's least weight: a detector that has not failed yet may
-  /// Covariances diagonal or full and their bounds, convergence, number of starts. Units: of the
-  /// residual. `components` and `fixed_means` are not looked at.
-  EmSettings em = {};
+  double least_clutter = 1e-3;  ///< least weight of clutter: a detector that has not failed yet may
+  bool modes = true;            ///< modes are looked for (add_noise_modes); needs clutter
+  NoiseModeSettings mode = {};
+  NoiseCriterion criterion = NoiseCriterion::bic;
+  std::size_t folds = 0;              ///< of the cross validation; none where below two
+  double max_rotation_sd_deg = 90.0;  ///< bound of a component
+  double max_translation_sd_m = 1.0;
 };
 
-/// A fitted model.
+/// How well a kind of model predicts detections that it was not fitted to.
+struct NoiseValidation {
+  NoiseFrame frame;
+  bool clutter;
+  std::size_t components;
+  double log_density;                ///< mean per detection [nats]
+  std::vector<double> by_fold = {};  ///< the same by fold
+  double below_best = 0.0;           ///< difference to the best of all kinds [nats]
+  double standard_error = 0.0;       ///< of that difference, from its values by fold
+};
+
+/// A noise model, and how it was found.
 struct NoiseFit {
-  DetectorNoise noise;          ///< the heaviest component first
-  double log_likelihood;        ///< sum over the observations [nats], as noise_log_density
-  std::vector<double> history;  ///< log-likelihood of the start and after every step
-  EmStatus status;
+  DetectorNoise noise;  ///< the chosen model, with its dependence
+  NoiseFrame frame;
+  double log_likelihood;   ///< sum over the detections [nats], as noise_log_density
   std::size_t parameters;  ///< free parameters
-  double bic;              ///< parameters log(observations) - 2 log_likelihood
+  double bic;              ///< parameters log(detections) - 2 log_likelihood
+  /// The models in the frame: entry k has k + 1 components; then, where a mode is accepted, the
+  /// best of them with modes.
+  std::vector<NoiseEmFit> fits;
+  std::size_t chosen;  ///< index of the chosen model in `fits`
+  /// Number of detections that count as one: median over the coordinates of the residual.
+  double dependent_frames;
+  std::vector<NoiseMode> modes;  ///< modes that were tried
+  NoiseCorrelation correlation;  ///< of the errors about the heaviest component without offset
+  std::vector<NoiseValidation> validation;  ///< empty without cross validation
 };
 
-/// EM from a start, whose components' frames stay. Offsets that are not the identity are estimated,
-/// the others stay zero, and so does clutter of weight zero; one that falls below 1e-9 becomes
-/// zero. Every step is an E-step with the M-step of weights and covariances, in turn with a
-/// Gauss-Newton step of the offsets, which is shortened until it does not lower the likelihood:
-/// `history` never falls by more than rounding.
-/// @throws InvalidInput when there are no observations
-NoiseFit refine_noise(std::span<const NoiseObservation> observations, const DetectorNoise& start,
-                      const NoiseFitSettings& settings);
-
-/// The most likely of refine_noise's ends from `em.restarts` concentric starts without offsets, for
-/// one component without clutter from a single one.
-/// @throws InvalidInput for fewer observations than two per component
-NoiseFit fit_noise(std::span<const NoiseObservation> observations, const NoiseFitSettings& settings,
+/// Learns the noise of a detector from the detections of one class of objects with their truth.
+///
+/// 1. Models of 1, 2, ... components are fitted by EM (fit_noise_components), and the criterion
+///    chooses one of them, and the frame where that is not given.
+/// 2. Modes are added (add_noise_modes) and kept where that lowers the BIC.
+/// 3. The correlation of inliers gives the dependence of the model: the number of frames that count
+///    as one, and the covariance of the error that a recording has in common (noise_correlation).
+/// @throws InvalidInput for fewer than two detections, and for settings that contradict each other
+NoiseFit fit_noise(std::span<const NoiseTrack> tracks, const NoiseFitSettings& settings,
                    RandomStream& stream);
+
+/// Models of 1 to max_components components, with and without clutter, in all frames, each fitted
+/// to all folds but one and tried on that. Folds are made of whole recordings, or where there are
+/// fewer recordings than folds, of blocks of time. Every fit begins with a copy of the stream.
+/// Empty for fewer than two folds.
+std::vector<NoiseValidation> cross_validate(std::span<const NoiseTrack> tracks,
+                                            const NoiseFitSettings& settings,
+                                            const RandomStream& stream);
+
+/// The BIC where `dependent_frames` of the `count` detections count as one, of the independent
+/// ones.
+double bic_of_independent_frames(const NoiseEmFit& fit, double count, double dependent_frames);
 
 }  // namespace posemix

@@ -7,10 +7,10 @@
 #include <span>
 #include <vector>
 
-/// Statistics of residuals that follow each other in time.
+/// Statistics of residuals in the order of time.
 namespace posemix {
 
-/// One value per frame of a recording; nothing where there was no detection.
+/// One value per frame of a recording; empty where there was no detection.
 using ResidualTrack = std::vector<std::optional<double>>;
 
 /// Moments and order statistics. Everything is NaN where there are too few values.
@@ -30,19 +30,19 @@ AxisStatistics axis_statistics(std::span<const ResidualTrack> tracks);
 /// Standard deviation of the tracks' means, over tracks with a value; NaN for fewer than two.
 double spread_of_means(std::span<const ResidualTrack> tracks);
 
-/// How residuals hang together in time.
+/// Correlation of residuals in time.
 struct Autocorrelation {
   std::vector<double> at_lag;  ///< entry k at a distance of k frames; entry 0 is 1
   double lag1;                 ///< NaN where there are no neighbours
-  /// Frames that count as one: 1 + 2 sum of the autocorrelation, at least 1. The sum ends where
-  /// that of an even lag and its successor is not positive (Geyer, Practical Markov chain Monte
-  /// Carlo, 1992: initial positive sequence).
+  /// Number of frames that count as one: 1 + 2 sum of the autocorrelation, at least 1. The sum ends
+  /// before the first even lag at which the sum of the autocorrelation there and at the next lag is
+  /// not positive (Geyer, Practical Markov chain Monte Carlo, 1992: initial positive sequence).
   double correlation_frames;
-  double effective_count;  ///< number of values by correlation_frames
+  double effective_count;  ///< number of values divided by correlation_frames
 };
 
-/// Pairs are formed within the tracks only, each about its own mean; what distinguishes whole
-/// tracks is spread_of_means. Lags up to half the longest track, and `max_lag`.
+/// Pairs are formed within a track, about the mean of the track; spread_of_means measures the
+/// difference between tracks. Lags go up to half of the longest track, at most `max_lag`.
 Autocorrelation autocorrelation(std::span<const ResidualTrack> tracks, std::size_t max_lag = 1000);
 
 }  // namespace posemix

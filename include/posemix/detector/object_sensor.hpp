@@ -7,11 +7,11 @@
 
 namespace posemix {
 
-/// How one object is seen: the error of its detections, and the poses that look the same.
+/// A model of the detections of one object: their error, and the poses that look the same.
 struct ObjectSensor {
   DetectorNoise noise;
   SymmetryGroup symmetries = {};
-  /// Factors of the noise's standard deviations along its own axes.
+  /// Factors on the standard deviations of the noise, along its own axes.
   Vector6d noise_scale = Vector6d::Ones();
 };
 

@@ -6,7 +6,6 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "posemix/base/linear.hpp"
@@ -15,7 +14,7 @@
 /// The noise of odometry, from recordings with the camera's ground truth.
 namespace posemix {
 
-/// One entry per frame.
+/// A recording with odometry and the truth of the camera; one entry per frame.
 struct OdometryRecording {
   std::string name;
   std::vector<double> stamps;                     ///< [s]
@@ -23,24 +22,25 @@ struct OdometryRecording {
   std::vector<std::optional<SE3d>> camera_truth;  ///< T_world_camera
 };
 
+/// Settings of fit_odometry_noise.
 struct OdometryNoiseSettings {
   std::vector<double> windows_s = {0.1, 0.2, 0.4, 0.8, 1.5, 3.0, 6.0, 12.0, 20.0, 30.0};
   int bootstrap = 200;  ///< samples of recordings for the standard errors
   std::uint64_t seed = 1;
 };
 
-/// The relative pose's error over windows of one length.
+/// The error of the relative pose over windows of one length.
 struct OdometryWindow {
   double seconds;
   double independent;  ///< number of windows that do not overlap
   Vector6d variance;   ///< rotation [rad^2], translation [m^2], axes of the camera at the end
-  Vector6d fitted;
+  Vector6d fitted;     ///< the variance by the fitted model
 };
 
-/// Rotation [rad], then translation [m], axes of the camera.
+/// The noise of odometry: rotation [rad], then translation [m], along the axes of the camera.
 struct OdometryNoise {
   Vector6d sd_per_sqrt_s;        ///< random walk, right perturbation: ProcessNoise per second
-  Vector6d jitter_sd;            ///< of a single pose: annotation jitter, white
+  Vector6d jitter_sd;            ///< of a single pose of the truth: white jitter of the annotation
   Vector6d sd_per_sqrt_s_error;  ///< standard error; NaN for fewer than two recordings
   Vector6d jitter_sd_error;
   std::vector<OdometryWindow> windows;
@@ -53,17 +53,14 @@ struct OdometryNoise {
 ///   e = Log((T_true_i^-1 T_true_j)^-1 D)
 /// is to first order sum_t Ad(D_t) n_t - w_j + Ad(D^-1) w_i, with n_t ~ N(0, Q dt) of the step that
 /// ends in frame t, D_t = T_odom_j^-1 T_odom_t, and jitters w ~ N(0, J). For diagonal Q and J the
-/// variance of every coordinate is linear in their twelve entries. What is seen of it in a
-/// recording is the median of the squares by that of a normal error, because annotations have
-/// spikes. The entries maximise the likelihood of the variances seen, as if those were of as many
-/// independent normal errors as there are windows that do not overlap, by multiplicative steps that
-/// keep them positive (Fevotte and Idier, Algorithms for nonnegative matrix factorization with the
-/// beta-divergence, 2011, beta = 0).
+/// variance of every coordinate is linear in their twelve entries. Its observed value in a
+/// recording is the median of the squares divided by that of a standard normal error, because
+/// annotations have spikes. The entries maximise the likelihood of the observed variances, as if
+/// those came from as many independent normal errors as there are windows that do not overlap, by
+/// multiplicative steps that keep them positive (Fevotte and Idier, Algorithms for nonnegative
+/// matrix factorization with the beta-divergence, 2011, beta = 0).
 /// @throws InvalidInput when no recording has a window with odometry and truth at both ends
 OdometryNoise fit_odometry_noise(std::span<const OdometryRecording> recordings,
                                  const OdometryNoiseSettings& settings);
-
-/// `[motion]` of a sequence file, with comments.
-std::string format_odometry_toml(const OdometryNoise& noise);
 
 }  // namespace posemix

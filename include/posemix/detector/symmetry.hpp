@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "posemix/base/linear.hpp"
@@ -11,14 +12,14 @@
 /// Objects that look the same after a motion of their own frame.
 namespace posemix {
 
-/// The object looks the same turned by any angle about this line.
+/// A line about which the object may be turned by any angle and looks the same.
 struct SymmetryAxis {
   Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();  ///< object frame, any length but zero
   Eigen::Vector3d point = Eigen::Vector3d::Zero();       ///< on the axis, object frame [m]
 };
 
-/// Within which two motions count as the same one when a group is built: rotation between them, and
-/// distance of their translations. Files round; a symmetry that is off by more is not exact.
+/// Tolerances within which two motions count as the same one when a group is built: the rotation
+/// between them, and the distance of their translations. They allow for rounded numbers in files.
 struct SymmetryTolerance {
   double rotation_rad = radians(0.5);
   double translation_m = 1e-3;
@@ -47,6 +48,11 @@ class SymmetryGroup {
                          const std::vector<SymmetryAxis>& axes = {},
                          const SymmetryTolerance& tolerance = {});
 
+  /// The rotations about an axis through the object's origin by multiples of a turn / fold; for
+  /// fold 0 by any angle.
+  /// @throws InvalidInput for a negative fold and an axis that is zero or not finite
+  static SymmetryGroup turns(const Eigen::Vector3d& axis, int fold);
+
   const std::vector<SE3d>& elements() const { return elements_; }
   const std::vector<SymmetryAxis>& axes() const { return axes_; }
   bool is_trivial() const { return elements_.size() == 1 && axes_.empty(); }
@@ -54,25 +60,41 @@ class SymmetryGroup {
   /// The equivalent pose X g with the least z^T information z, z = Log((X g)^-1 reference), along
   /// the object's own axes.
   ///
-  /// Over elements() it is exact. The angle about an axis starts from the one that leaves the least
-  /// rotation, phi = 2 atan2(q_v . d, q_w), and goes on by Gauss-Newton steps while they help: it
-  /// is the best angle near the reference, and may be another local one where no equivalent pose
-  /// is.
+  /// The search over elements() is exact. The angle about an axis starts from the one that leaves
+  /// the least rotation, phi = 2 atan2(q_v . d, q_w), and is improved by Gauss-Newton steps while
+  /// they lower the cost: it is the best angle where an equivalent pose is near the reference, and
+  /// may be a local optimum elsewhere.
   SE3d closest(const SE3d& pose, const SE3d& reference, const Matrix6d& information) const;
 
-  /// What a detection cannot tell, as a covariance along the object's own axes (of n in X Exp(n)):
-  /// (pi / sqrt 3)^2 a a^T for each axis, the variance of a uniform angle, with a = [d; p x d] for
-  /// the direction d through the point p. Zero without axes.
+  /// The equivalent pose X g whose rotation is nearest to that of the reference. Several rotations
+  /// are equally near where a group about one axis has the reference turned by half a step.
+  SE3d nearest_rotation(const SE3d& pose, const SE3d& reference) const;
+
+  /// The error T_truth^-1 T_estimate against the equivalent truth that leaves the least rotation:
+  /// g error with a motion g of the group.
+  SE3d reduced_error(const SE3d& error) const;
+
+  /// The covariance of the part of the pose that no detection observes, along the object's own axes
+  /// (of n in X Exp(n)): (pi / sqrt 3)^2 a a^T for each axis, the variance of a uniform angle, with
+  /// a = [d; p x d] for the direction d through the point p. Zero without axes.
   Matrix6d unobserved_covariance() const;
 
  private:
   /// Directions of the tangent space along which the pose is free: one column per axis.
   using Generators = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::ColMajor, 6, 3>;
   struct Named;
+  /// The group is that of the rotations by multiples of `step_rad` about an axis through the
+  /// origin.
+  struct Turns {
+    Eigen::Vector3d axis;
+    double step_rad;
+  };
 
   void take_axes(const std::vector<SymmetryAxis>& axes, const SymmetryTolerance& tolerance);
   void require_axes_kept(const std::vector<Named>& all, const SymmetryTolerance& tolerance) const;
   void require_closed(const std::vector<Named>& all, const SymmetryTolerance& tolerance) const;
+  /// The motion g of the group for which the angle of `rotation` g is least.
+  SE3d undoing(const SO3d& rotation) const;
   /// The rotation k about axes() that leaves the least rotation in k^-1 error.
   SE3d turned_to(const SE3d& error) const;
   bool are_same(const SE3d& a, const SE3d& b, const SymmetryTolerance& tolerance) const;
@@ -80,6 +102,7 @@ class SymmetryGroup {
   std::vector<SE3d> elements_;
   std::vector<SE3d> inverses_;
   std::vector<SymmetryAxis> axes_;
+  std::optional<Turns> turns_;  ///< where turns() made the group: the nearest turn without a search
   Generators generators_{6, 0};
 };
 

@@ -3,18 +3,17 @@
 #pragma once
 
 #include <cstddef>
-#include <optional>
 #include <span>
 #include <vector>
 
-#include "posemix/grasp/error_mixture.hpp"
-#include "posemix/grasp/symmetry.hpp"
+#include "posemix/detector/error_mixture.hpp"
+#include "posemix/detector/symmetry.hpp"
 #include "posemix/grasp/tolerance_region.hpp"
 
-/// What several estimates of one pose say together, and what that means for a grasp.
+/// Several estimates of one pose fused, and the probability of success of a grasp that follows.
 namespace posemix {
 
-/// An estimate and how its estimator errs.
+/// An estimate and the errors of its estimator.
 struct ConsensusMember {
   SE3d estimate;  ///< T_camera_object
   const ErrorMixture* errors;
@@ -48,10 +47,11 @@ PoseConsensus fuse_estimates(std::span<const ConsensusMember> members,
                              const ConsensusSettings& settings, RandomStream& stream);
 
 /// Probability that a grasp planned with `estimate` succeeds: the mean over the draws of the truth
-/// and over the regions (MPG paper, section V, there with one box).
+/// and over the regions (MPG paper, section V, there with one box). Errors are reduced by the
+/// symmetries of the object.
 /// @throws InvalidInput without a region
 double success_probability(const PoseConsensus& consensus, const SE3d& estimate,
                            std::span<const ToleranceRegion> regions,
-                           const std::optional<AxisSymmetry>& symmetry = std::nullopt);
+                           const SymmetryGroup& symmetries = {});
 
 }  // namespace posemix

@@ -5,20 +5,14 @@
 #include <optional>
 #include <string>
 
+#include "posemix/detector/default_noise.hpp"
 #include "posemix/detector/detector_noise.hpp"
 #include "posemix/detector/symmetry.hpp"
 
 /// The objects that object SLAM may see.
 namespace posemix {
 
-/// The error of detectors of single images, where nothing better is known: rotation about the
-/// camera's axes 7.5 deg and about the viewing ray 2 deg, translation 0.7 % of the range across the
-/// ray and 4.5 % along it; a second component 2.7 times as wide; and clutter. Errors along the ray
-/// have most in common, so a frame corrects the range twelve times less. docs/many-objects.md says
-/// where the numbers are from.
-DetectorNoise default_detector_noise();
-
-/// One object as the tracker knows it.
+/// The model of one object: how it is detected, and what is known of it.
 struct ObjectModel {
   std::string id;
   DetectorNoise noise = default_detector_noise();

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include "study/grasp/data.hpp"
+
 #include <algorithm>
+#include <map>
 #include <set>
+#include <tuple>
 
 #include <fmt/format.h>
 
-#include "parts.hpp"
 #include "posemix/base/error.hpp"
 
 namespace posemix {
@@ -42,10 +45,9 @@ void find_symmetries(GraspData& data, const std::vector<SymmetricObject>& symmet
           return s.dataset == trial.dataset && s.object == trial.object;
         });
     data.symmetric.push_back(known != symmetric.end());
-    data.symmetries.push_back(known != symmetric.end() ? known->symmetry : std::nullopt);
-    SE3d error = trial.truth.inverse() * trial.estimate;
-    if (data.symmetries.back()) error = reduced_error(error, *data.symmetries.back());
-    data.errors.push_back(error);
+    data.symmetries.push_back(known != symmetric.end() ? known->symmetry : SymmetryGroup());
+    data.errors.push_back(
+        data.symmetries.back().reduced_error(trial.truth.inverse() * trial.estimate));
   }
 }
 

@@ -1,10 +1,17 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include <algorithm>
-#include <cmath>
+#include "study/grasp/fold.hpp"
 
-#include "parts.hpp"
-#include "posemix/base/units.hpp"
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include "study/grasp/estimator_errors.hpp"
+#include "study/grasp/knowledge.hpp"
+#include "study/grasp/methods.hpp"
+#include "study/grasp/regression.hpp"
 
 namespace posemix {
 namespace {
@@ -60,10 +67,8 @@ class Predictor {
     const SE3d& first = data_.outcomes.trials[trials.front()].estimate;
     std::vector<ConsensusMember> members;
     for (const std::size_t trial : trials) {
-      SE3d estimate = data_.outcomes.trials[trial].estimate;
-      if (data_.symmetries[trial]) {
-        estimate = nearest_equivalent(estimate, first, *data_.symmetries[trial]);
-      }
+      const SE3d estimate =
+          data_.symmetries[trial].nearest_rotation(data_.outcomes.trials[trial].estimate, first);
       members.push_back({estimate, &errors_.models[errors_.model_of[trial]].methods[method]});
     }
     RandomStream stream(settings_.seed, (std::uint64_t{1} << 32) + detection);

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include "study/grasp/regression.hpp"
+
+#include <array>
 #include <cmath>
 
-#include "parts.hpp"
 #include "posemix/base/units.hpp"
 
 namespace posemix {
@@ -55,10 +57,8 @@ Eigen::VectorXd ScoreRegression::features(const GraspCase& grasp) const {
   double distance = 0.0;
   for (const std::size_t other : members) {
     if (other == grasp.trial) continue;
-    SE3d offset = data_.outcomes.trials[other].estimate.inverse() * trial.estimate;
-    if (const auto& symmetry = data_.symmetries[grasp.trial]) {
-      offset = reduced_error(offset, *symmetry);
-    }
+    const SE3d offset = data_.symmetries[grasp.trial].reduced_error(
+        data_.outcomes.trials[other].estimate.inverse() * trial.estimate);
     angle += offset.rotation().log().norm();
     distance += offset.translation().norm();
   }

@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include "study/grasp/report.hpp"
+
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 #include <set>
 
 #include <fmt/format.h>
 
-#include "parts.hpp"
 #include "posemix/base/units.hpp"
 #include "posemix/draw/chart.hpp"
 #include "study/engine/table.hpp"
+#include "study/grasp/methods.hpp"
 
 namespace posemix {
 namespace {

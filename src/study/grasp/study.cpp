@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include "study.hpp"
+#include "study/grasp/study.hpp"
 
 #include <bit>
 #include <memory>
 
 #include <fmt/format.h>
 
-#include "parts.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/base/units.hpp"
+#include "study/engine/settings_json.hpp"
+#include "study/grasp/data.hpp"
+#include "study/grasp/fold.hpp"
+#include "study/grasp/report.hpp"
 
 namespace posemix {
 namespace {
@@ -78,10 +81,9 @@ Json settings_json(const GraspOutcomes& data, const std::optional<GraspOutcomes>
                {"bins", s.bins}};
   for (const SymmetricObject& o : s.symmetric) {
     Json entry = {o.dataset, o.object};
-    if (o.symmetry) {
-      const Eigen::Vector3d& axis = o.symmetry->axis;
-      entry.push_back({axis.x(), axis.y(), axis.z(), o.symmetry->fold});
-    }
+    for (const SE3d& element : o.symmetry.elements())
+      entry.push_back(matrix_json(element.matrix()));
+    for (const SymmetryAxis& axis : o.symmetry.axes()) entry.push_back(matrix_json(axis.direction));
     json["symmetry"].push_back(std::move(entry));
   }
   json["data"] = fingerprint(data);
@@ -97,7 +99,7 @@ std::vector<SymmetricObject> read_symmetric(const TomlTable& table) {
       const Eigen::Vector3d axis = entry.get_vector("axis", 3);
       if (!(axis.norm() > 0.0)) entry.fail("axis", "is zero, expected a direction");
       const auto fold = entry.get_integer_or("fold", 0, {.lowest = 0, .highest = 360});
-      object.symmetry = AxisSymmetry{axis.normalized(), static_cast<int>(fold)};
+      object.symmetry = SymmetryGroup::turns(axis, static_cast<int>(fold));
     }
     objects.push_back(object);
   }
@@ -107,8 +109,8 @@ std::vector<SymmetricObject> read_symmetric(const TomlTable& table) {
 }  // namespace
 
 std::vector<SymmetricObject> GraspStudySettings::default_symmetric() {
-  const AxisSymmetry half_turn{.fold = 2};
-  const AxisSymmetry any_turn{.fold = 0};
+  const SymmetryGroup half_turn = SymmetryGroup::turns(Eigen::Vector3d::UnitZ(), 2);
+  const SymmetryGroup any_turn = SymmetryGroup::turns(Eigen::Vector3d::UnitZ(), 0);
   std::vector<SymmetricObject> objects{{"lmo", 10, half_turn},
                                        {"lmo", 11, half_turn},
                                        {"ycbv", 1, any_turn},

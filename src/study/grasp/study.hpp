@@ -13,19 +13,19 @@
 #include "posemix/grasp/outcome.hpp"
 #include "study/engine/study.hpp"
 
-/// Whether a grasp will succeed, predicted from pose estimates and checked against recorded grasps.
+/// The success of grasps predicted from pose estimates and compared with recorded grasps.
 namespace posemix {
 
-/// An object that is not told from itself turned, or not grasped otherwise then.
+/// An object that looks the same, or is grasped in the same way, after a rotation.
 struct SymmetricObject {
   std::string dataset;
   std::int64_t object = 0;
-  /// Taken out of its errors; nothing where only its existence is known, then no error of the
-  /// object tells how estimators err.
-  std::optional<AxisSymmetry> symmetry = {};
+  /// Its symmetries, by which errors are reduced; trivial where only their existence is known. The
+  /// errors of a symmetric object are not used to learn those of an estimator.
+  SymmetryGroup symmetry = {};
 };
 
-/// What `study grasp` does.
+/// Settings of `study grasp`.
 struct GraspStudySettings {
   std::uint64_t seed = 1;
   ErrorMixtureSettings errors = {};

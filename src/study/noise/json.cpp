@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include "study/noise/json.hpp"
+
 #include <cmath>
 #include <limits>
 
-#include "parts.hpp"
 #include "posemix/base/units.hpp"
-#include "study/engine/settings_json.hpp"
 
-/// Results of `study noise` as JSON and back.
 namespace posemix {
 namespace {
 
@@ -37,8 +36,6 @@ Matrix matrix_from(const Json& json) {
 nlohmann::ordered_json finite_json(double value) {
   return std::isfinite(value) ? Json(value) : Json(nullptr);
 }
-
-nlohmann::ordered_json noise_to_json(const DetectorNoise& noise) { return noise_json(noise); }
 
 DetectorNoise noise_from_json(const nlohmann::ordered_json& json) {
   std::vector<NoiseComponent> components;
@@ -74,6 +71,19 @@ nlohmann::ordered_json modes_json(const std::vector<NoiseMode>& modes) {
                     {"rotation_sd_deg", mode.rotation_sd_deg},
                     {"recordings", mode.recordings},
                     {"accepted", mode.accepted ? 1 : 0}});
+  }
+  return json;
+}
+
+nlohmann::ordered_json validation_json(const std::vector<NoiseValidation>& rows) {
+  Json json = Json::array();
+  for (const NoiseValidation& row : rows) {
+    json.push_back({{"frame", name_of(row.frame)},
+                    {"clutter", row.clutter ? 1 : 0},
+                    {"components", row.components},
+                    {"log_density", row.log_density},
+                    {"below_best", row.below_best},
+                    {"standard_error", row.standard_error}});
   }
   return json;
 }

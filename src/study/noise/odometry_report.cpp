@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include "study/noise/odometry_report.hpp"
+
 #include <array>
 #include <cmath>
 #include <limits>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
-#include "parts.hpp"
 #include "posemix/base/units.hpp"
+#include "posemix/config/noise_toml.hpp"
 #include "posemix/draw/chart.hpp"
 #include "study/engine/table.hpp"
+#include "study/noise/json.hpp"
+#include "study/noise/report.hpp"
 
 namespace posemix {
 namespace {
@@ -102,23 +105,6 @@ Chart variance_chart(const OdometryNoise& noise, std::size_t first) {
 }
 
 }  // namespace
-
-std::string format_odometry_toml(const OdometryNoise& noise) {
-  const auto list = [](const Vector6d& values, Eigen::Index from, double unit) {
-    const Eigen::Vector3d part = values.segment<3>(from) / unit;
-    return fmt::format("[{:.3g}]", fmt::join(part, ", "));
-  };
-  return fmt::format(
-      "# A random walk of the odometry fitted to its error against the camera's truth in {}\n"
-      "# recordings, over windows of {:.3g} to {:.3g} s. Standard errors {} deg and {} m;\n"
-      "# jitter of the truth {} deg and {} m.\n"
-      "[motion]\nmodel = \"odometry\"\n"
-      "noise = {{per = \"second\", rotation_sd_deg = {}, translation_sd_m = {}}}\n",
-      noise.recordings, noise.windows.front().seconds, noise.windows.back().seconds,
-      list(noise.sd_per_sqrt_s_error, 0, kRadPerDeg), list(noise.sd_per_sqrt_s_error, 3, 1.0),
-      list(noise.jitter_sd, 0, kRadPerDeg), list(noise.jitter_sd, 3, 1.0),
-      list(noise.sd_per_sqrt_s, 0, kRadPerDeg), list(noise.sd_per_sqrt_s, 3, 1.0));
-}
 
 nlohmann::ordered_json study_odometry(const std::vector<OdometryRecording>& recordings,
                                       const NoiseStudySettings& settings) {

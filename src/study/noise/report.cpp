@@ -1,16 +1,21 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include "study/noise/report.hpp"
+
 #include <cmath>
 #include <numbers>
 #include <optional>
 
 #include <fmt/format.h>
 
-#include "parts.hpp"
 #include "posemix/base/statistics.hpp"
 #include "posemix/base/units.hpp"
+#include "posemix/config/noise_toml.hpp"
 #include "posemix/draw/chart.hpp"
 #include "study/engine/table.hpp"
+#include "study/noise/groups.hpp"
+#include "study/noise/json.hpp"
+#include "study/noise/odometry_report.hpp"
 
 namespace posemix {
 namespace {
@@ -178,10 +183,10 @@ std::string toml_of(const Json& item, const std::string& name) {
         "# The truth was a proxy, the mean of the detections: what they share is not in here.\n";
   }
   const NoiseCorrelation correlation = correlation_from_json(item["correlation"]);
-  return text + format_noise_toml(name, noise_from_json(model["noise"]), &correlation);
+  return text + format_noise_toml(name, noise_from_json(model["noise"]), correlation);
 }
 
-/// The chosen models and how their errors hang together, one row per group.
+/// The chosen models and the correlation of their errors, one row per group.
 StudyTable summary_table(const std::vector<Json>& items) {
   StudyTable table({"detector", "object", "truth", "symm", "count", "gross", "K", "clutter",
                     "modes", "lag1", "dep frames", "within", "out run", "dep out"});

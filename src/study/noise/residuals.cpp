@@ -9,7 +9,7 @@
 #include "posemix/base/error.hpp"
 #include "posemix/io/tum.hpp"
 #include "posemix/slam/evaluation.hpp"
-#include "study.hpp"
+#include "study/noise/study.hpp"
 #include "study/recordings/recordings.hpp"
 
 namespace posemix {

@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include "study.hpp"
+#include "study/noise/study.hpp"
 
-#include <algorithm>
 #include <bit>
-#include <cctype>
 #include <memory>
 
 #include <fmt/format.h>
 
-#include "parts.hpp"
 #include "posemix/base/error.hpp"
+#include "study/noise/groups.hpp"
+#include "study/noise/item.hpp"
+#include "study/noise/odometry_report.hpp"
+#include "study/noise/report.hpp"
 
 namespace posemix {
 namespace {
@@ -43,25 +44,25 @@ class Fingerprint {
 };
 
 Json settings_json(const NoiseData& data, const NoiseStudySettings& s) {
-  Json json = {{"max_components", s.max_components},
-               {"restarts", s.restarts},
+  Json json = {{"max_components", s.fit.max_components},
+               {"restarts", s.fit.restarts},
                {"seed", s.seed},
-               {"frame", name_of(s.frame)},
-               {"means", s.free_means ? "free" : "zero"},
-               {"covariance", s.full_covariance ? "full" : "diagonal"},
-               {"clutter", s.clutter},
-               {"clutter_volume_m3", s.clutter_volume_m3},
-               {"clutter_least", s.least_clutter},
-               {"modes", s.modes},
-               {"mode_radius_deg", s.mode.radius_deg},
-               {"mode_share", s.mode.least_share},
-               {"mode_recordings", s.mode.least_recordings},
-               {"folds", s.folds},
+               {"frame", name_of(s.fit.frame.value_or(NoiseFrame::object))},
+               {"means", s.fit.free_means ? "free" : "zero"},
+               {"covariance", s.fit.full_covariance ? "full" : "diagonal"},
+               {"clutter", s.fit.clutter},
+               {"clutter_volume_m3", s.fit.clutter_volume_m3},
+               {"clutter_least", s.fit.least_clutter},
+               {"modes", s.fit.modes},
+               {"mode_radius_deg", s.fit.mode.radius_deg},
+               {"mode_share", s.fit.mode.least_share},
+               {"mode_recordings", s.fit.mode.least_recordings},
+               {"folds", s.fit.folds},
                {"windows_s", s.odometry.windows_s},
                {"bootstrap", s.odometry.bootstrap},
-               {"bic", s.count_frames ? "frames" : "effective"},
-               {"max_rotation_sd_deg", s.max_rotation_sd_deg},
-               {"max_translation_sd_m", s.max_translation_sd_m},
+               {"bic", s.fit.criterion == NoiseCriterion::bic ? "frames" : "effective"},
+               {"max_rotation_sd_deg", s.fit.max_rotation_sd_deg},
+               {"max_translation_sd_m", s.fit.max_translation_sd_m},
                {"gross_rotation_deg", s.gross_rotation_deg},
                {"gross_translation_m", s.gross_translation_m},
                {"bins", s.bins}};
@@ -81,20 +82,19 @@ Json settings_json(const NoiseData& data, const NoiseStudySettings& s) {
   return json;
 }
 
-void check(const std::vector<ResidualSet>& sets, const NoiseStudySettings& settings) {
+void check(const std::vector<ResidualSet>& sets, const NoiseFitSettings& fit) {
   require(!sets.empty(), "study noise: there are no detections with a truth");
-  if (settings.free_means && settings.frame != NoiseFrame::object) {
+  if (fit.free_means && fit.frame && *fit.frame != NoiseFrame::object) {
     throw InvalidInput(fmt::format(
         "study noise: free means in the {} frame cannot be written as a noise model, expected "
         "means = \"zero\" or frame = \"object\"",
-        name_of(settings.frame)));
+        name_of(*fit.frame)));
   }
   require(
-      !settings.free_means || !settings.clutter,
+      !fit.free_means || !fit.clutter,
       "study noise: free means beside clutter, expected means = \"zero\" (with modes = true for "
       "offset poses) or clutter = false");
-  require(!settings.modes || settings.clutter,
-          "study noise: modes without clutter, expected clutter = true");
+  require(!fit.modes || fit.clutter, "study noise: modes without clutter, expected clutter = true");
   for (const ResidualSet& set : sets) {
     if (set.truth.size() == set.detected.size()) continue;
     throw InvalidInput(
@@ -105,39 +105,8 @@ void check(const std::vector<ResidualSet>& sets, const NoiseStudySettings& setti
 
 }  // namespace
 
-std::vector<NoiseGroup> noise_groups(const std::vector<ResidualSet>& sets) {
-  std::vector<std::string> detectors;
-  for (const ResidualSet& set : sets) {
-    if (std::find(detectors.begin(), detectors.end(), set.detector) == detectors.end())
-      detectors.push_back(set.detector);
-  }
-  std::vector<NoiseGroup> groups;
-  for (const std::string& detector : detectors) {
-    const std::size_t first = groups.size();
-    NoiseGroup all{detector, "all", false, {}};
-    for (const ResidualSet& set : sets) {
-      if (set.detector != detector) continue;
-      auto group = std::find_if(groups.begin() + static_cast<std::ptrdiff_t>(first), groups.end(),
-                                [&](const NoiseGroup& g) { return g.object == set.object; });
-      if (group == groups.end()) group = groups.insert(group, {detector, set.object, true, {}});
-      group->sets.push_back(set);
-      if (!set.symmetric) all.sets.push_back(set);
-    }
-    if (groups.size() > first + 1 && !all.sets.empty()) groups.push_back(std::move(all));
-  }
-  return groups;
-}
-
-std::string noise_name(const std::string& detector, const std::string& object) {
-  std::string name = detector + "_" + object;
-  for (char& c : name) {
-    if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '_' && c != '-') c = '_';
-  }
-  return name;
-}
-
 Study make_noise_study(const NoiseData& data, const NoiseStudySettings& settings) {
-  check(data.residuals, settings);
+  check(data.residuals, settings.fit);
   const std::string text = settings_json(data, settings).dump();
   const auto groups = std::make_shared<const std::vector<NoiseGroup>>(noise_groups(data.residuals));
   const auto odometry = std::make_shared<const std::vector<OdometryRecording>>(data.odometry);

@@ -7,20 +7,17 @@
 #include <filesystem>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "posemix/base/linear.hpp"
 #include "posemix/config/sequence_file.hpp"
 #include "posemix/config/toml_table.hpp"
-#include "posemix/detector/detector_noise.hpp"
-#include "posemix/detector/noise_correlation.hpp"
-#include "posemix/detector/noise_modes.hpp"
+#include "posemix/detector/noise_fit.hpp"
 #include "posemix/detector/odometry_noise.hpp"
 #include "study/engine/study.hpp"
 
-/// How a detector errs (midway-merge paper, Fig. 5): statistics of its residuals against ground
-/// truth, and a noise model fitted to them.
+/// The errors of a detector (midway-merge paper, Fig. 5): statistics of its residuals against
+/// ground truth, and a noise model fitted to them.
 namespace posemix {
 
 /// The detections of one object in one recording, with the truth; one entry per frame, evenly
@@ -29,41 +26,26 @@ struct ResidualSet {
   std::string detector;
   std::string object;  ///< the object's class
   std::string recording;
-  /// The truth is the mean of the detections themselves: it hides what all of them have in common.
+  /// The truth is the mean of the detections themselves, which hides their common error.
   bool proxy = false;
-  /// The object looks the same in several poses, of which the detector gives any: its residuals say
-  /// little about the detector.
+  /// The object looks the same in several poses, of which the detector reports any, so that the
+  /// residuals are not those of the detector.
   bool symmetric = false;
   std::vector<std::optional<SE3d>> truth = {};     ///< T_camera_object
   std::vector<std::optional<SE3d>> detected = {};  ///< T_camera_object
 };
 
-/// What `study noise` is about.
+/// The data of `study noise`.
 struct NoiseData {
   std::vector<ResidualSet> residuals = {};
   std::vector<OdometryRecording> odometry = {};  ///< every sequence that has it with a truth, once
 };
 
-/// What `study noise` does. Rotations in degrees, translations in metres, for NoiseFrame::ray as
-/// fractions of the range.
+/// Settings of `study noise`.
 struct NoiseStudySettings {
-  std::size_t max_components = 4;
-  int restarts = 6;
+  /// The fit of every group; the frame is the object's unless it is given.
+  NoiseFitSettings fit = {.frame = NoiseFrame::object, .clutter = false, .modes = false};
   std::uint64_t seed = 1;
-  NoiseFrame frame = NoiseFrame::object;
-  bool free_means = false;       ///< components may have offsets; object frame without clutter only
-  bool full_covariance = false;  ///< else diagonal
-  bool clutter = false;          ///< models have clutter, whose weight is estimated
-  double clutter_volume_m3 = 1.0;
-  double least_clutter = 1e-3;  ///< its least weight: a detector that has not failed yet may
-  bool modes = false;           ///< and modes, where there are any (add_noise_modes)
-  NoiseModeSettings mode = {};
-  /// The BIC that chooses the number of components counts frames; else independent ones, of which
-  /// there are fewer where residuals are correlated in time.
-  bool count_frames = true;
-  std::size_t folds = 0;              ///< of the cross validation; none where below two
-  double max_rotation_sd_deg = 90.0;  ///< of a component
-  double max_translation_sd_m = 1.0;
   double gross_rotation_deg = 20.0;  ///< beyond one of these a detection is a gross error
   double gross_translation_m = 0.1;  ///< in metres for every frame
   std::size_t bins = 60;
@@ -98,12 +80,6 @@ NoiseData find_noise_data(const std::filesystem::path& data);
 /// @throws InvalidInput naming the file that is missing or not valid
 NoiseData read_noise_data(const NoiseStudySettings& settings,
                           const std::optional<std::filesystem::path>& data);
-
-/// The table `[noise.NAME]` of a sequence file, with every digit; diagonal covariances as standard
-/// deviations. `correlation`, whose biases are in the frame of the first component, adds the keys
-/// `dependent_frames` and `bias`.
-std::string format_noise_toml(std::string_view name, const DetectorNoise& noise,
-                              const NoiseCorrelation* correlation = nullptr);
 
 /// The study: one item per detector and class of objects (its recordings together), one per
 /// detector with several classes for all of them but symmetric ones (object `all`), and one for the

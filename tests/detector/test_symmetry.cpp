@@ -2,91 +2,32 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "posemix/detector/symmetry.hpp"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <limits>
-#include <numbers>
 
-#include "filter/scenario.hpp"
+#include <gtest/gtest.h>
+
 #include "posemix/testing/expect.hpp"
+#include "symmetric_objects.hpp"
 
 namespace posemix {
 namespace {
 
+using testing::Case;
+using testing::cases;
+using testing::cost;
 using testing::draw;
 using testing::isotropic;
+using testing::kOff;
+using testing::kPi;
+using testing::kX;
+using testing::kZ;
 using testing::pose;
+using testing::random_information;
+using testing::random_motion;
+using testing::sampled;
 using testing::thrown_message;
-
-constexpr double kPi = std::numbers::pi;
-
-SE3d turn(double degrees, const Eigen::Vector3d& axis,
-          const Eigen::Vector3d& point = Eigen::Vector3d::Zero()) {
-  const SO3d rotation = SO3d::exp(radians(degrees) * axis.normalized());
-  return SE3d(rotation, point - rotation * point);
-}
-
-const Eigen::Vector3d kX = Eigen::Vector3d::UnitX();
-const Eigen::Vector3d kZ = Eigen::Vector3d::UnitZ();
-const Eigen::Vector3d kOff(0.03, -0.02, 0.01);
-
-/// Different groups, with motions of the object as matrices.
-struct Case {
-  const char* name;
-  SymmetryGroup group;
-};
-
-std::vector<Case> cases() {
-  return {
-      {"trivial", SymmetryGroup()},
-      {"half turn about a line off the origin", SymmetryGroup({turn(180, kZ, kOff)})},
-      {"quarter turns", SymmetryGroup({turn(90, kZ), turn(180, kZ), turn(270, kZ)})},
-      {"box", SymmetryGroup({turn(180, kX), turn(180, kZ), turn(180, kX.cross(kZ))})},
-      {"axis", SymmetryGroup({}, {{kZ, kOff}})},
-      {"can", SymmetryGroup({turn(180, kX, kOff)}, {{kZ, kOff}})},
-      {"ball", SymmetryGroup({}, {{kX, kOff}, {kZ, kOff}})},
-  };
-}
-
-double cost(const SE3d& pose, const SE3d& reference, const Matrix6d& information) {
-  const Vector6d z = (pose.inverse() * reference).log();
-  return z.dot(information * z);
-}
-
-/// All motions of a group, angles about axes in steps.
-std::vector<SE3d> sampled(const SymmetryGroup& group, double step_deg) {
-  std::vector<SE3d> turns{SE3d()};
-  for (const SymmetryAxis& axis : group.axes()) {
-    std::vector<SE3d> more;
-    for (const SE3d& before : turns)
-      for (double angle = 0; angle < 360; angle += step_deg)
-        more.push_back(before * turn(angle, axis.direction, axis.point));
-    turns = more;
-  }
-  std::vector<SE3d> all;
-  for (const SE3d& element : group.elements())
-    for (const SE3d& k : turns) all.push_back(element * k);
-  return all;
-}
-
-Matrix6d random_information(RandomStream& stream) {
-  Matrix6d root;
-  for (double& entry : root.reshaped()) entry = stream.normal();
-  const Matrix6d scale = isotropic(4.0, 0.01).cwiseSqrt();
-  const Matrix6d covariance =
-      scale * (0.2 * root * root.transpose() + Matrix6d::Identity()) * scale;
-  return covariance.inverse();
-}
-
-SE3d random_motion(const SymmetryGroup& group, RandomStream& stream) {
-  const auto& elements = group.elements();
-  SE3d motion =
-      elements[static_cast<std::size_t>(stream.uniform() * static_cast<double>(elements.size()))];
-  for (const SymmetryAxis& axis : group.axes())
-    motion = motion * turn(360 * stream.uniform(), axis.direction, axis.point);
-  return motion;
-}
+using testing::turn;
 
 TEST(SymmetryGroup, PutsTheIdentityFirstAndDropsDuplicates) {
   const SymmetryGroup group({turn(180, kZ), turn(180.2, kZ), SE3d(), turn(-180, kZ)});

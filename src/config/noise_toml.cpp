@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include "posemix/config/noise_toml.hpp"
+
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "posemix/base/error.hpp"
 #include "posemix/base/units.hpp"
-#include "study.hpp"
 
-/// Noise models as text. The keys are those that read_detector_noise knows.
 namespace posemix {
 namespace {
 
@@ -72,10 +74,28 @@ std::string correlation_text(const NoiseCorrelation& correlation, NoiseFrame fra
   return text;
 }
 
-}  // namespace
+std::string dependence_text(const DetectorNoise& noise) {
+  const NoiseDependence& dependence = noise.dependence();
+  std::string text;
+  if (dependence.dependent_frames)
+    text += fmt::format("dependent_frames = {}\n", *dependence.dependent_frames);
+  if (dependence.bias) {
+    text += fmt::format("bias = {{{}}}\n",
+                        covariance_text(*dependence.bias, noise.components().front().frame));
+  }
+  return text;
+}
 
-std::string format_noise_toml(std::string_view name, const DetectorNoise& noise,
-                              const NoiseCorrelation* correlation) {
+bool is_bare_key(char c) {
+  return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-';
+}
+
+/// The components and clutter.
+std::string model_text(std::string_view name, const DetectorNoise& noise) {
+  if (name.empty() || !std::all_of(name.begin(), name.end(), is_bare_key)) {
+    throw InvalidInput(
+        fmt::format("noise model: the name is '{}', expected letters, digits, '_' and '-'", name));
+  }
   std::string text = fmt::format("[noise.{}]\ncomponents = [\n", name);
   for (const NoiseComponent& component : noise.components()) text += component_text(component);
   text += "]\n";
@@ -83,9 +103,35 @@ std::string format_noise_toml(std::string_view name, const DetectorNoise& noise,
     text += fmt::format("clutter = {{weight = {}, volume_m3 = {}}}\n", noise.clutter().weight,
                         noise.clutter().volume_m3);
   }
-  if (correlation != nullptr)
-    text += correlation_text(*correlation, noise.components().front().frame);
   return text;
+}
+
+}  // namespace
+
+std::string format_noise_toml(std::string_view name, const DetectorNoise& noise) {
+  return model_text(name, noise) + dependence_text(noise);
+}
+
+std::string format_noise_toml(std::string_view name, const DetectorNoise& noise,
+                              const NoiseCorrelation& correlation) {
+  return model_text(name, noise) + correlation_text(correlation, noise.components().front().frame);
+}
+
+std::string format_odometry_toml(const OdometryNoise& noise) {
+  const auto list = [](const Vector6d& values, Eigen::Index from, double unit) {
+    const Eigen::Vector3d part = values.segment<3>(from) / unit;
+    return fmt::format("[{:.3g}]", fmt::join(part, ", "));
+  };
+  return fmt::format(
+      "# A random walk of the odometry fitted to its error against the camera's truth in {}\n"
+      "# recordings, over windows of {:.3g} to {:.3g} s. Standard errors {} deg and {} m;\n"
+      "# jitter of the truth {} deg and {} m.\n"
+      "[motion]\nmodel = \"odometry\"\n"
+      "noise = {{per = \"second\", rotation_sd_deg = {}, translation_sd_m = {}}}\n",
+      noise.recordings, noise.windows.front().seconds, noise.windows.back().seconds,
+      list(noise.sd_per_sqrt_s_error, 0, kRadPerDeg), list(noise.sd_per_sqrt_s_error, 3, 1.0),
+      list(noise.jitter_sd, 0, kRadPerDeg), list(noise.jitter_sd, 3, 1.0),
+      list(noise.sd_per_sqrt_s, 0, kRadPerDeg), list(noise.sd_per_sqrt_s, 3, 1.0));
 }
 
 }  // namespace posemix

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include "posemix/slam/object_model.hpp"
+#include "posemix/detector/default_noise.hpp"
 
 #include "posemix/base/units.hpp"
 

@@ -4,8 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "parts.hpp"
+#include "detector/noise_sizes.hpp"
 #include "posemix/base/statistics.hpp"
+#include "posemix/detector/noise_fit.hpp"
 
 namespace posemix {
 namespace {
@@ -13,7 +14,7 @@ namespace {
 using Observations = std::vector<NoiseObservation>;
 
 /// The observations of each fold.
-std::vector<Observations> folds_of(const std::vector<NoiseTrack>& tracks, std::size_t count) {
+std::vector<Observations> folds_of(std::span<const NoiseTrack> tracks, std::size_t count) {
   std::size_t recordings = 0;
   for (const NoiseObservation& each : observations_of(tracks))
     recordings = std::max(recordings, each.recording + 1);
@@ -38,15 +39,16 @@ Observations all_but(const std::vector<Observations>& folds, std::size_t left_ou
   return rest;
 }
 
-/// Sizes of models by rows, folds by columns: the sum of the log densities in the fold.
-Eigen::ArrayXXd held_out(const std::vector<Observations>& folds, const NoiseStudySettings& settings,
-                         std::size_t item) {
+/// The sum of the log densities of each fold under models that were fitted to the others; one row
+/// per number of components, one column per fold.
+Eigen::ArrayXXd held_out(const std::vector<Observations>& folds, const NoiseFitSettings& settings,
+                         NoiseFrame frame, const RandomStream& start) {
   Eigen::ArrayXXd sums = Eigen::ArrayXXd::Constant(
       static_cast<Eigen::Index>(settings.max_components), static_cast<Eigen::Index>(folds.size()),
       std::numeric_limits<double>::quiet_NaN());
   for (std::size_t f = 0; f < folds.size(); ++f) {
-    RandomStream stream(settings.seed, item);
-    const auto fits = fit_noise_sizes(all_but(folds, f), settings, stream);
+    RandomStream stream = start;
+    const auto fits = internal::fit_noise_sizes(all_but(folds, f), settings, frame, stream);
     for (std::size_t k = 0; k < fits.size(); ++k) {
       sums(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(f)) =
           noise_log_density(fits[k].noise, folds[f]).sum();
@@ -71,8 +73,9 @@ void compare_with_best(std::vector<NoiseValidation>& rows) {
 
 }  // namespace
 
-std::vector<NoiseValidation> cross_validate(const std::vector<NoiseTrack>& tracks,
-                                            const NoiseStudySettings& settings, std::size_t item) {
+std::vector<NoiseValidation> cross_validate(std::span<const NoiseTrack> tracks,
+                                            const NoiseFitSettings& settings,
+                                            const RandomStream& stream) {
   const std::vector<Observations> folds = folds_of(tracks, settings.folds);
   std::vector<NoiseValidation> rows;
   if (folds.size() < 2) return rows;
@@ -80,11 +83,10 @@ std::vector<NoiseValidation> cross_validate(const std::vector<NoiseTrack>& track
   for (const Observations& fold : folds) count += static_cast<double>(fold.size());
   for (const NoiseFrame frame : {NoiseFrame::object, NoiseFrame::camera, NoiseFrame::ray}) {
     for (const bool clutter : {false, true}) {
-      NoiseStudySettings of_kind = settings;
-      of_kind.frame = frame;
+      NoiseFitSettings of_kind = settings;
       of_kind.clutter = clutter;
       of_kind.free_means = false;
-      const Eigen::ArrayXXd sums = held_out(folds, of_kind, item);
+      const Eigen::ArrayXXd sums = held_out(folds, of_kind, frame, stream);
       for (Eigen::Index k = 0; k < sums.rows(); ++k) {
         std::vector<double> means;
         for (std::size_t f = 0; f < folds.size(); ++f)
@@ -101,19 +103,6 @@ std::vector<NoiseValidation> cross_validate(const std::vector<NoiseTrack>& track
   std::erase_if(rows, [](const NoiseValidation& row) { return !std::isfinite(row.log_density); });
   compare_with_best(rows);
   return rows;
-}
-
-nlohmann::ordered_json validation_json(const std::vector<NoiseValidation>& rows) {
-  nlohmann::ordered_json json = nlohmann::ordered_json::array();
-  for (const NoiseValidation& row : rows) {
-    json.push_back({{"frame", name_of(row.frame)},
-                    {"clutter", row.clutter ? 1 : 0},
-                    {"components", row.components},
-                    {"log_density", row.log_density},
-                    {"below_best", row.below_best},
-                    {"standard_error", row.standard_error}});
-  }
-  return json;
 }
 
 }  // namespace posemix

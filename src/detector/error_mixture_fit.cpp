@@ -7,14 +7,15 @@
 
 #include <fmt/format.h>
 
+#include "detector/upper_median.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/base/units.hpp"
-#include "posemix/grasp/error_mixture.hpp"
-#include "upper_median.hpp"
+#include "posemix/detector/error_mixture.hpp"
 
 namespace posemix {
 namespace {
 
+using internal::upper_median;
 using Gaussian = ErrorMixture::Gaussian;
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, 6>;
 
@@ -42,7 +43,7 @@ Matrix6d covariance_of(const Rows& rows) {
   return centred.transpose() * centred / static_cast<double>(rows.rows());
 }
 
-/// One run of EM at a number of components.
+/// One run of EM with a given number of components.
 class Run {
  public:
   Run(const Rows& rows, const Matrix6d& prior, const ErrorMixtureSettings& settings)

@@ -1,20 +1,18 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include "posemix/detector/noise_fit.hpp"
+#include "posemix/detector/noise_em.hpp"
 
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 
-#include "detector/simulated_detections.hpp"
 #include "posemix/density/concentrated_gaussian.hpp"
 #include "posemix/testing/expect.hpp"
-#include "study/noise/study.hpp"
+#include "simulated_detections.hpp"
 
 namespace posemix {
 namespace {
 
 using testing::detect_along_ray;
-using testing::detect_nothing;
+using testing::detections_with_clutter;
 using testing::normal_vector;
 using testing::pose_before_camera;
 using testing::ray_deviations;
@@ -78,20 +76,7 @@ TEST(NoiseLogDensity, IsThatOfTheGaussianOnTheGroup) {
   }
 }
 
-/// 70 % along the ray, 30 % that say nothing.
-std::vector<NoiseObservation> detections_with_clutter(std::size_t count, std::uint64_t seed) {
-  RandomStream stream(seed);
-  std::vector<NoiseObservation> observations;
-  for (std::size_t i = 0; i < count; ++i) {
-    const SE3d truth = pose_before_camera(stream);
-    const bool clutter = stream.uniform() < 0.3;
-    observations.push_back({truth, clutter ? detect_nothing(truth, stream)
-                                           : detect_along_ray(truth, ray_deviations(), stream)});
-  }
-  return observations;
-}
-
-NoiseFitSettings bounded(std::size_t components) {
+NoiseEmSettings bounded(std::size_t components) {
   return {.components = components,
           .frame = NoiseFrame::ray,
           .clutter = true,
@@ -103,10 +88,10 @@ void expect_never_falls(const std::vector<double>& history) {
     EXPECT_GE(history[i], history[i - 1] - 1e-10 * std::abs(history[i])) << "step " << i;
 }
 
-TEST(NoiseFit, RecoversTheWeightOfClutter) {
+TEST(NoiseEm, RecoversTheWeightOfClutter) {
   const auto observations = detections_with_clutter(6000, 3);
   RandomStream stream(1);
-  const NoiseFit fit = fit_noise(observations, bounded(1), stream);
+  const NoiseEmFit fit = fit_noise_components(observations, bounded(1), stream);
   EXPECT_EQ(fit.status, EmStatus::converged);
   EXPECT_EQ(fit.parameters, 7U);
   // Three standard errors of a share of 0.3 among 6000.
@@ -124,23 +109,23 @@ TEST(NoiseFit, RecoversTheWeightOfClutter) {
   EXPECT_GT(fit.log_likelihood, noise_log_density(truth, observations).sum());
 }
 
-TEST(NoiseFit, ANullThatIsNotThereVanishes) {
+TEST(NoiseEm, ClutterThatIsNotThereVanishes) {
   std::vector<NoiseObservation> observations;
   RandomStream stream(4);
   for (int i = 0; i < 2000; ++i) {
     const SE3d truth = pose_before_camera(stream);
     observations.push_back({truth, detect_along_ray(truth, ray_deviations(), stream)});
   }
-  EXPECT_LT(fit_noise(observations, bounded(1), stream).noise.clutter().weight, 2e-3);
-  NoiseFitSettings settings = bounded(2);
+  EXPECT_LT(fit_noise_components(observations, bounded(1), stream).noise.clutter().weight, 2e-3);
+  NoiseEmSettings settings = bounded(2);
   settings.least_clutter = 0.05;
-  const NoiseFit held = fit_noise(observations, settings, stream);
+  const NoiseEmFit held = fit_noise_components(observations, settings, stream);
   EXPECT_NEAR(held.noise.clutter().weight, 0.05, 1e-12);
   EXPECT_NEAR(held.log_likelihood, noise_log_density(held.noise, observations).sum(), 1e-6);
   expect_never_falls(held.history);
 }
 
-TEST(NoiseFit, NeverLowersTheLikelihoodWithOffsetsToo) {
+TEST(NoiseEm, NeverLowersTheLikelihoodWithOffsetsToo) {
   RandomStream stream(5);
   auto observations = detections_with_clutter(1500, 6);
   const SE3d mode(SO3d::exp({0.0, 1.5, 0.2}), {0.02, 0.0, -0.03});
@@ -149,9 +134,9 @@ TEST(NoiseFit, NeverLowersTheLikelihoodWithOffsetsToo) {
     observations.push_back({truth, detect_along_ray(truth * mode, ray_deviations(), stream)});
   }
   for (const bool diagonal : {true, false}) {
-    NoiseFitSettings settings = bounded(2);
+    NoiseEmSettings settings = bounded(2);
     settings.em.diagonal = diagonal;
-    const NoiseFit fit = refine_noise(
+    const NoiseEmFit fit = refine_noise(
         observations,
         DetectorNoise({{.weight = 1.0, .covariance = Matrix6d(0.04 * Matrix6d::Identity())},
                        {.weight = 1.0,
@@ -172,76 +157,11 @@ TEST(NoiseFit, NeverLowersTheLikelihoodWithOffsetsToo) {
   }
 }
 
-TEST(NoiseFit, RefusesTooFew) {
+TEST(NoiseEm, RefusesTooFew) {
   RandomStream stream(1);
   EXPECT_EQ(testing::thrown_message(
-                [&] { fit_noise(detections_with_clutter(3, 1), bounded(2), stream); }),
+                [&] { fit_noise_components(detections_with_clutter(3, 1), bounded(2), stream); }),
             "noise model: 3 observations for 2 components, expected two per component");
-}
-
-/// Recordings of a detector that gives a pose 90 degrees off in every recording, and another one
-/// for a while in one of them.
-TEST(NoiseModes, AreWhatSeveralRecordingsHave) {
-  RandomStream stream(7);
-  const SE3d mode(SO3d::exp({0.0, radians(90.0), 0.0}), {0.01, 0.02, 0.0});
-  const SE3d run(SO3d::exp({radians(150.0), 0.0, 0.0}), {0.0, 0.0, 0.0});
-  std::vector<ResidualSet> sets;
-  for (int recording = 0; recording < 4; ++recording) {
-    ResidualSet set{.detector = "d", .object = "o", .recording = std::to_string(recording)};
-    for (int i = 0; i < 600; ++i) {
-      const SE3d truth = pose_before_camera(stream);
-      const double u = stream.uniform();
-      SE3d detected = detect_along_ray(truth, ray_deviations(), stream);
-      if (u < 0.15) detected = detect_along_ray(truth * mode, ray_deviations(), stream);
-      if (u > 0.85) detected = detect_nothing(truth, stream);
-      if (recording == 2 && i < 200)
-        detected = detect_along_ray(truth * run, ray_deviations(), stream);
-      set.truth.push_back(truth);
-      set.detected.push_back(detected);
-    }
-    sets.push_back(std::move(set));
-  }
-  const NoiseStudySettings settings{
-      .max_components = 1, .restarts = 2, .frame = NoiseFrame::ray, .clutter = true, .modes = true};
-  const Study study = make_noise_study({.residuals = sets}, settings);
-  const auto item = nlohmann::json::parse(study.run_item(0));
-  ASSERT_EQ(item["modes"].size(), 2U);
-  for (const auto& found : item["modes"]) {
-    const bool wanted = found["axis_y"].get<double>() > 0.9;
-    EXPECT_EQ(found["accepted"], wanted ? 1 : 0);
-    EXPECT_NEAR(found["angle_deg"], wanted ? 90.0 : 150.0, 1.0);
-    EXPECT_NEAR(found["recordings"], wanted ? 4.0 : 1.0, 0.3);
-  }
-  const auto& model = item["models"].back();
-  EXPECT_TRUE(model["chosen"]);
-  EXPECT_EQ(model["offsets"], 1);
-  const auto& components = model["noise"];
-  EXPECT_NEAR(components[1]["weight"], 0.15 * 2200.0 / 2400.0, 0.025);
-  EXPECT_NEAR(components[1]["offset"][0][3], 0.01, 0.01);
-  EXPECT_NEAR(components[1]["offset"][1][3], 0.02, 0.01);
-}
-
-/// Ranges between 0.4 and 1.6 m tell the frames apart, and gross errors ask for clutter.
-TEST(NoiseValidation, PrefersTheModelThatTheDataFollow) {
-  RandomStream stream(8);
-  std::vector<ResidualSet> sets;
-  for (int recording = 0; recording < 3; ++recording) {
-    ResidualSet set{.detector = "d", .object = "o", .recording = std::to_string(recording)};
-    for (const NoiseObservation& each : detections_with_clutter(500, 20 + recording)) {
-      set.truth.push_back(each.truth);
-      set.detected.push_back(each.detected);
-    }
-    sets.push_back(std::move(set));
-  }
-  const Study study = make_noise_study(
-      {.residuals = sets},
-      {.max_components = 2, .restarts = 1, .frame = NoiseFrame::ray, .clutter = true, .folds = 3});
-  const auto item = nlohmann::json::parse(study.run_item(0));
-  ASSERT_EQ(item["validation"].size(), 12U);
-  for (const auto& row : item["validation"]) {
-    const bool right = row["frame"] == "ray" && row["clutter"] == 1;
-    EXPECT_EQ(row["below_best"].get<double>() < 0.05, right) << row.dump();
-  }
 }
 
 }  // namespace

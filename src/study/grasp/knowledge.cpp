@@ -1,19 +1,13 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include "study/grasp/knowledge.hpp"
+
 #include <algorithm>
-#include <cmath>
-
-#include <fmt/format.h>
-
-#include "parts.hpp"
-#include "posemix/base/error.hpp"
-#include "posemix/base/units.hpp"
 
 namespace posemix {
 namespace {
 
 constexpr int kBootstrapStarts = 2;
-constexpr std::size_t kLeastErrors = 30;  ///< of a dataset's own model of an estimator
 
 /// Outcomes of one object and gripper, or of one gripper, with the detection of each.
 struct GroupedOutcomes {
@@ -37,41 +31,6 @@ GraspRegion learn_region(const GroupedOutcomes& known, const GraspStudySettings&
 double smoothed_rate(const GraspRegion& region) {
   return (static_cast<double>(region.successes) + 1.0) /
          (static_cast<double>(region.successes + region.failures) + 2.0);
-}
-
-/// Errors of one estimator that say how it errs: of objects without symmetry, all where there are
-/// too few. Empty dataset or estimator: of any.
-std::vector<Vector6d> estimator_errors(const GraspData& data, const std::vector<bool>& learn,
-                                       const std::string& dataset, const std::string& estimator) {
-  std::vector<Vector6d> plain;
-  std::vector<Vector6d> any;
-  for (std::size_t i = 0; i < data.outcomes.trials.size(); ++i) {
-    const GraspTrial& trial = data.outcomes.trials[i];
-    if (!learn[i] || (!dataset.empty() && trial.dataset != dataset) ||
-        (!estimator.empty() && trial.estimator != estimator)) {
-      continue;
-    }
-    any.push_back(sight_error(trial.estimate, trial.truth));
-    if (!data.symmetric[i]) plain.push_back(any.back());
-  }
-  return plain.size() >= kLeastErrors ? plain : any;
-}
-
-EstimatorErrors::Model learn_model(const GraspData& data, const std::vector<bool>& learn,
-                                   const std::string& dataset, const std::string& estimator,
-                                   const GraspStudySettings& settings, RandomStream& stream) {
-  std::vector<Vector6d> errors = estimator_errors(data, learn, dataset, estimator);
-  if (errors.size() < kLeastErrors) errors = estimator_errors(data, learn, "", estimator);
-  if (errors.size() < kLeastErrors) errors = estimator_errors(data, learn, "", "");
-  const ErrorMixtureFit fit = fit_error_mixture(errors, settings.errors, stream);
-  const auto& mixture = fit.errors.mixture();
-  return {dataset,
-          estimator,
-          errors.size(),
-          fit.components,
-          mixture.weight(mixture.size() - 1),
-          {fit_error_gaussian(errors),
-           fit_error_gaussian(trimmed_errors(errors, settings.errors.trim)), fit.errors}};
 }
 
 }  // namespace
@@ -110,23 +69,6 @@ GraspKnowledge learn_regions(const GraspData& data, const GraspFold& fold,
     knowledge.pooled.push_back(learn_region(known, settings, random));
   }
   return knowledge;
-}
-
-EstimatorErrors learn_errors(const GraspData& data, const GraspFold& fold,
-                             const GraspStudySettings& settings, std::uint64_t stream) {
-  RandomStream random(settings.seed, stream);
-  EstimatorErrors learnt;
-  std::map<std::pair<std::string, std::string>, std::size_t> known;
-  for (const GraspTrial& trial : data.outcomes.trials) {
-    const auto [place, fresh] =
-        known.try_emplace({trial.dataset, trial.estimator}, learnt.models.size());
-    if (fresh) {
-      learnt.models.push_back(
-          learn_model(data, fold.learn, trial.dataset, trial.estimator, settings, random));
-    }
-    learnt.model_of.push_back(place->second);
-  }
-  return learnt;
 }
 
 }  // namespace posemix

@@ -11,19 +11,22 @@
 #include "posemix/density/concentrated_gaussian.hpp"
 #include "posemix/mixture/mixture.hpp"
 
-/// How a pose estimator errs: a mixture fitted to its errors, with a component for outliers.
+/// The density of the true pose given an estimate, for the fusion of several estimators: a mixture
+/// fitted to their errors, with a component for outliers. A DetectorNoise states the opposite, the
+/// density of a detection given the truth, as a filter needs it; so its axes are those of the
+/// viewing ray of the truth, its components have no mean along that ray, and lengths are by the
+/// range.
 namespace posemix {
 
-/// Error of an estimate T_camera_object in the frame of its line of sight, [rotation vector;
-/// displacement] in rad and m: the rotation vector of R_estimate R_truth^-1 and the displacement
-/// t_estimate - t_truth, both in axes that are the camera's turned, by the least angle, so that z
-/// points to the estimate. Depth is then the last entry.
+/// Error of an estimate T_camera_object along the axes of its viewing ray (viewing_ray), [rotation
+/// vector; displacement] in rad and m: the rotation vector of R_estimate R_truth^-1 and the
+/// displacement t_estimate - t_truth. Depth is the last entry.
 Vector6d sight_error(const SE3d& estimate, const SE3d& truth);
 
-/// The truth of which `estimate` has this error. Inverse of sight_error for rotations below pi.
+/// The truth whose estimate has this error: the inverse of sight_error for rotations below pi.
 SE3d truth_with_error(const SE3d& estimate, const Vector6d& error);
 
-/// A mixture of Gaussians over errors as sight_error gives them.
+/// A mixture of Gaussians over errors in the coordinates of sight_error.
 class ErrorMixture {
  public:
   using Gaussian = ConcentratedGaussian<Rnd<6>>;
@@ -35,8 +38,8 @@ class ErrorMixture {
   /// Log of the density of an error in its six coordinates [nats].
   double log_density(const Vector6d& error) const;
 
-  /// Log of the density of the truth with that error, with respect to the Haar measure [rad^3 m^3]:
-  /// the same less log |det J_l| of the rotation vector.
+  /// Log of the density of the truth with that error, with respect to the Haar measure [per rad^3
+  /// m^3]: log_density less log |det J_l| of the rotation vector.
   double log_pose_density(const Vector6d& error) const;
 
   Vector6d sample(RandomStream& stream) const;
@@ -54,13 +57,14 @@ class ErrorMixture {
 
 /// Settings of fit_error_mixture.
 struct ErrorMixtureSettings {
-  std::size_t max_components = 7;  ///< full ones, besides that of the outliers
+  std::size_t max_components = 7;  ///< besides the component of the outliers
   double prior_count = 7.0;        ///< samples that the prior of a covariance counts as
-  double prior_scale = 0.5;        ///< its value, in diagonal covariances of the trimmed errors
-  double outlier_rotation_sd_deg = 60.0;   ///< fixed; about every axis
-  double outlier_translation_sd_m = 0.15;  ///< fixed; along every axis
+  /// Value of the prior covariance, in units of the diagonal covariance of the trimmed errors.
+  double prior_scale = 0.5;
+  double outlier_rotation_sd_deg = 60.0;   ///< of the outliers' component, about every axis; fixed
+  double outlier_translation_sd_m = 0.15;  ///< the same along every axis
   double trim = 5.0;  ///< robust standard deviations beyond which an error is an outlier
-  int restarts = 2;   ///< starts at every number of components
+  int restarts = 2;   ///< starts for every number of components
   int max_iterations = 300;
   double tolerance = 1e-5;  ///< gain per error and iteration that ends an EM run [nats]
 };
@@ -68,15 +72,15 @@ struct ErrorMixtureSettings {
 /// A fitted mixture.
 struct ErrorMixtureFit {
   ErrorMixture errors;     ///< the outliers' component is the last
-  std::size_t components;  ///< full ones
+  std::size_t components;  ///< besides the component of the outliers
   double log_likelihood;
-  double bic;  ///< smallest among the numbers of components that were tried
+  double bic;  ///< the least among the numbers of components that were tried
   /// Log posterior after every iteration of the run that was kept: never decreases.
   std::vector<double> history;
 };
 
 /// Fits mixtures of 1, 2, ... full components and a fixed wide one with a free weight, by maximum
-/// a posteriori expectation maximisation, and keeps that with the smallest BIC. A component's
+/// a posteriori expectation maximisation, and keeps the mixture with the least BIC. A component's
 /// covariance has the prior (|P|^-1/2 exp(-tr(P^-1 P0) / 2))^prior_count, so that it is never
 /// singular. A number of components that does not lower the BIC twice in a row ends the search.
 /// @throws InvalidInput when there are fewer than 8 errors

@@ -8,7 +8,7 @@
 #include "posemix/grasp/tolerance_region.hpp"
 
 /// Layout and units of a region's parameters.
-namespace posemix {
+namespace posemix::internal {
 
 inline constexpr int kCentre = 0;
 inline constexpr int kLogWidth = 6;
@@ -33,4 +33,4 @@ inline double log_logistic(double x) {
 
 inline double logit(double p) { return std::log(p) - std::log1p(-p); }
 
-}  // namespace posemix
+}  // namespace posemix::internal

@@ -1,26 +1,16 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include "posemix/grasp/error_mixture.hpp"
+#include "posemix/detector/error_mixture.hpp"
 
 #include <cmath>
 #include <limits>
 
-#include "posemix/base/error.hpp"
-#include "posemix/lie/lie.hpp"
+#include "posemix/detector/detector_noise.hpp"
 
 namespace posemix {
-namespace {
-
-/// Axes of the line of sight in the camera's frame: the least rotation that takes z to `point`.
-SO3d line_of_sight(const Eigen::Vector3d& point) {
-  if (!(point.norm() > 0.0)) return SO3d();
-  return SO3d::from_quaternion(Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), point));
-}
-
-}  // namespace
 
 Vector6d sight_error(const SE3d& estimate, const SE3d& truth) {
-  const SO3d to_sight = line_of_sight(estimate.translation()).inverse();
+  const SO3d to_sight = viewing_ray(estimate).axes.inverse();
   Vector6d error;
   error.head<3>() = to_sight * (estimate.rotation() * truth.rotation().inverse()).log();
   error.tail<3>() = to_sight * Eigen::Vector3d(estimate.translation() - truth.translation());
@@ -28,7 +18,7 @@ Vector6d sight_error(const SE3d& estimate, const SE3d& truth) {
 }
 
 SE3d truth_with_error(const SE3d& estimate, const Vector6d& error) {
-  const SO3d sight = line_of_sight(estimate.translation());
+  const SO3d sight = viewing_ray(estimate).axes;
   const SO3d rotation = SO3d::exp(sight * Eigen::Vector3d(error.head<3>()));
   return SE3d(rotation.inverse() * estimate.rotation(),
               estimate.translation() - sight * Eigen::Vector3d(error.tail<3>()));

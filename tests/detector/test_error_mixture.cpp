@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include "posemix/grasp/error_mixture.hpp"
+#include "posemix/detector/error_mixture.hpp"
 
 #include <cmath>
 

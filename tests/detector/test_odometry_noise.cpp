@@ -6,10 +6,9 @@
 
 #include <gtest/gtest.h>
 
-#include "detector/simulated_detections.hpp"
 #include "posemix/base/units.hpp"
-#include "posemix/config/toml_table.hpp"
 #include "posemix/testing/expect.hpp"
+#include "simulated_detections.hpp"
 
 namespace posemix {
 namespace {
@@ -86,22 +85,6 @@ TEST(OdometryNoise, SpikesOfTheAnnotationDoNotCount) {
   for (Eigen::Index i = 0; i < 6; ++i)
     EXPECT_NEAR(noise.sd_per_sqrt_s[i] / walk_deviations()[i], 1.0, 0.2) << i;
   EXPECT_TRUE(std::isnan(noise.jitter_sd_error[0]));
-}
-
-TEST(OdometryNoise, IsWrittenAsAMotionModel) {
-  const OdometryNoise noise = fit_odometry_noise(recordings(2, 0.0), {.bootstrap = 0});
-  const TomlDocument document = TomlDocument::parse(format_odometry_toml(noise), "odometry.toml");
-  const TomlTable motion = document.root().get_table("motion");
-  EXPECT_EQ(motion.get_string("model"), "odometry");
-  const TomlTable table = motion.get_table("noise");
-  EXPECT_EQ(table.get_string("per"), "second");
-  const Eigen::VectorXd rotation = table.get_vector("rotation_sd_deg", 3);
-  const Eigen::VectorXd translation = table.get_vector("translation_sd_m", 3);
-  for (Eigen::Index i = 0; i < 3; ++i) {
-    EXPECT_NEAR(rotation[i] / degrees(noise.sd_per_sqrt_s[i]), 1.0, 5e-3);
-    EXPECT_NEAR(translation[i] / noise.sd_per_sqrt_s[3 + i], 1.0, 5e-3);
-  }
-  document.finish();
 }
 
 TEST(OdometryNoise, FramesWithoutAPoseAreSkipped) {

@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: MIT
+# SPDX-FileCopyrightText: posemix contributors
+"""The noise of a detector and of odometry, learned from arrays of poses."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import posemix as pm
+
+SD = np.array([0.05, 0.05, 0.02, 0.01, 0.01, 0.03])
+
+
+def poses(rng: np.random.Generator, count: int) -> pm.SE3:
+    """An object half a metre to a metre and a half before the camera, turned at random."""
+    positions = np.column_stack([rng.uniform(-0.2, 0.2, (count, 2)), rng.uniform(0.5, 1.5, count)])
+    return pm.SE3(pm.SO3.exp(rng.normal(size=(count, 3))), positions)
+
+
+def test_noise_of_a_simulated_detector(rng: np.random.Generator) -> None:
+    truth = poses(rng, 900)
+    turned = rng.uniform(size=900) < 0.2
+    mode = pm.SE3(pm.SO3.exp(np.where(turned[:, None], [0.0, np.pi / 2, 0.0], 0.0)))
+    detected = truth * mode * pm.SE3.exp(rng.normal(size=(900, 6)) * SD)
+    recording = np.repeat(["a", "b", "c"], 300)
+    settings = pm.NoiseFitSettings(max_components=2, restarts=2)
+    fit = pm.fit_noise(truth, detected, recording=recording, settings=settings, seed=2)
+    assert fit.frame == pm.NoiseFrame.object
+    assert [mode.accepted for mode in fit.modes] == [True]
+    right, wrong, *rest = fit.noise.components
+    assert sum(component.weight for component in rest) < 0.02
+    # Four standard errors of a deviation from 720 and 180 values.
+    np.testing.assert_allclose(np.sqrt(right.covariance.diagonal()), SD, rtol=0.11)
+    np.testing.assert_allclose(np.sqrt(wrong.covariance.diagonal()), SD, rtol=0.22)
+    assert wrong.weight == pytest.approx(turned.mean(), abs=0.02)
+    np.testing.assert_allclose(wrong.offset.rotation.log(), [0, np.pi / 2, 0], atol=0.03)
+    assert fit.bic == min(each.bic for each in fit.fits)
+    assert fit.log_likelihood == fit.fits[fit.chosen].log_likelihood
+    assert fit.noise.dependence.dependent_frames == fit.correlation.inlier.within
+    np.testing.assert_allclose(fit.noise.dependence.bias, np.diag(fit.correlation.bias_sd**2))
+    assert fit.to_toml("cup") == fit.noise.to_toml("cup")
+    again = pm.fit_noise(truth, detected, recording=recording, settings=settings, seed=2)
+    assert again.noise == fit.noise
+
+
+def test_misses_and_frames_without_truth_do_not_count(rng: np.random.Generator) -> None:
+    truth = poses(rng, 200)
+    detected = truth * pm.SE3.exp(rng.normal(size=(200, 6)) * SD)
+    settings = pm.NoiseFitSettings(max_components=1, frame=pm.NoiseFrame.object)
+    frame = np.arange(200)
+    some_truth = pm.with_misses(truth, known=frame >= 20)
+    some_detected = pm.with_misses(detected, known=frame < 180)
+    some = pm.fit_noise(some_truth, some_detected, settings=settings)
+    both = pm.fit_noise(some_truth[20:180], some_detected[20:180], settings=settings)
+    assert some.log_likelihood == both.log_likelihood
+
+
+def test_text_is_read_back(rng: np.random.Generator) -> None:
+    noise = pm.default_detector_noise()
+    assert noise.to_toml().startswith("[noise.detector]\n")
+    with pytest.raises(ValueError, match="the name is 'a b'"):
+        noise.to_toml("a b")
+
+
+def test_bad_input_is_refused(rng: np.random.Generator) -> None:
+    truth = poses(rng, 10)
+    with pytest.raises(ValueError, match="expected as many"):
+        pm.fit_noise(truth, truth[:5])
+    with pytest.raises(ValueError, match="modes without clutter"):
+        pm.fit_noise(truth, truth, settings=pm.NoiseFitSettings(clutter=False))
+
+
+def test_odometry_noise_of_a_walk(rng: np.random.Generator) -> None:
+    """Steps of 0.1 s whose errors have 0.01 rad and 5 mm per square root of a second."""
+    sd = np.repeat([0.01, 0.005], 3)
+    recordings = []
+    for _ in range(10):
+        errors = pm.SE3.exp(rng.normal(size=(400, 6)) * sd * np.sqrt(0.1))
+        odometry = [pm.SE3()]
+        for error in errors:
+            odometry.append(odometry[-1] * error)
+        rows = np.stack([pose.to_tq() for pose in odometry])
+        still = np.tile(pm.SE3().to_tq(), (len(rows), 1))
+        recordings.append(
+            pm.Sequence(
+                stamps=0.1 * np.arange(len(rows)),
+                odometry=pm.with_misses(rows),
+                camera_truth=pm.with_misses(still),
+                objects=[],
+            )
+        )
+    noise = pm.fit_odometry_noise(recordings, pm.OdometryNoiseSettings(bootstrap=20))
+    np.testing.assert_allclose(noise.sd_per_sqrt_s, sd, rtol=0.15)
+    assert noise.recordings == 10
+    assert '[motion]\nmodel = "odometry"' in noise.to_toml()

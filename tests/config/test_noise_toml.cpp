@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "posemix/config/noise_toml.hpp"
+
+#include <gtest/gtest.h>
+
+#include "posemix/base/random.hpp"
+#include "posemix/base/units.hpp"
+#include "posemix/config/detector_noise.hpp"
+#include "posemix/detector/default_noise.hpp"
+#include "posemix/testing/expect.hpp"
+
+namespace posemix {
+namespace {
+
+using testing::relative_difference;
+using testing::thrown_message;
+
+DetectorNoise read_back(const std::string& toml) {
+  const TomlDocument document = TomlDocument::parse(toml, "noise.toml");
+  DetectorNoise noise = read_detector_noise(document.root().get_table("noise").get_table("cup"));
+  document.finish();
+  return noise;
+}
+
+Matrix6d full_covariance(std::uint64_t seed) {
+  RandomStream stream(seed);
+  Matrix6d root;
+  for (double& entry : root.reshaped()) entry = stream.normal();
+  Matrix6d full = 1e-3 * (root * root.transpose() + Matrix6d::Identity());
+  symmetrize(full);
+  return full;
+}
+
+/// Oracle: the model itself, entry by entry.
+void expect_same(const DetectorNoise& a, const DetectorNoise& b) {
+  ASSERT_EQ(a.components().size(), b.components().size());
+  for (std::size_t i = 0; i < a.components().size(); ++i) {
+    const NoiseComponent& x = a.components()[i];
+    const NoiseComponent& y = b.components()[i];
+    EXPECT_NEAR(x.weight, y.weight, 1e-15);
+    EXPECT_EQ(x.frame, y.frame);
+    EXPECT_LT(relative_difference(y.covariance, x.covariance), 1e-14);
+    EXPECT_TRUE(y.offset.is_approx(x.offset, 1e-14));
+    ASSERT_EQ(x.update_covariance.has_value(), y.update_covariance.has_value());
+    if (x.update_covariance)
+      EXPECT_LT(relative_difference(*y.update_covariance, *x.update_covariance), 1e-14);
+  }
+  EXPECT_NEAR(a.clutter().weight, b.clutter().weight, 1e-15);
+  if (a.clutter().weight > 0.0) EXPECT_EQ(a.clutter().volume_m3, b.clutter().volume_m3);
+  EXPECT_EQ(a.dependence().dependent_frames, b.dependence().dependent_frames);
+  ASSERT_EQ(a.dependence().bias.has_value(), b.dependence().bias.has_value());
+  if (a.dependence().bias)
+    EXPECT_LT(relative_difference(*b.dependence().bias, *a.dependence().bias), 1e-14);
+}
+
+TEST(NoiseToml, ModelsReadBackAsTheyWere) {
+  RandomStream stream(4);
+  Eigen::VectorXd xi(6);
+  stream.fill_normal(xi);
+  const Matrix6d ray = pose_covariance({0.1, 0.2, 0.3}, {5e-3, 6e-3, 0.05});
+  const Matrix6d bias = pose_covariance({0.01, 0.0, 0.02}, {1e-3, 2.0 / 3.0 * 1e-3, 0.0});
+  const std::vector<DetectorNoise> models{
+      DetectorNoise(
+          {{.weight = 0.7, .covariance = full_covariance(1), .offset = SE3d::exp(xi)},
+           {.weight = 0.3, .covariance = pose_covariance({0.1, 0.2, 0.3}, {1e-3, 1.0, 0.3})}}),
+      DetectorNoise({{.weight = 0.7,
+                      .covariance = ray,
+                      .frame = NoiseFrame::ray,
+                      .update_covariance = Matrix6d(4.0 * ray)}},
+                    {.weight = 0.3, .volume_m3 = 2.5},
+                    {.dependent_frames = 61.0 + 1.0 / 3.0, .bias = bias}),
+      DetectorNoise({{.covariance = full_covariance(2), .frame = NoiseFrame::camera}}, {},
+                    {.bias = full_covariance(3)}),
+      default_detector_noise()};
+  for (const DetectorNoise& noise : models)
+    expect_same(noise, read_back(format_noise_toml("cup", noise)));
+}
+
+TEST(NoiseToml, CorrelationsHaveThreeDigits) {
+  const DetectorNoise noise({{.covariance = pose_covariance({0.1, 0.2, 0.3}, {5e-3, 6e-3, 0.05}),
+                              .frame = NoiseFrame::ray}},
+                            {.weight = 0.3, .volume_m3 = 2.5}, {.dependent_frames = 5.0});
+  NoiseCorrelation correlation;
+  correlation.inlier = {300.0, 61.25};
+  correlation.bias_sd << 0.1, 0.0, 0.3, 0.004, 0.005, 0.0312;
+  const std::string text = format_noise_toml("cup", noise, correlation);
+  EXPECT_NE(text.find("\n# Whole recordings with their biases: 300.\ndependent_frames = 61.2\n"),
+            std::string::npos)
+      << text;
+  EXPECT_NE(text.find("bias = {rotation_sd_deg = [5.73, 0, 17.2], translation_sd_of_range = "
+                      "[0.004, 0.005, 0.0312]}"),
+            std::string::npos)
+      << text;
+  EXPECT_EQ(*read_back(text).dependence().dependent_frames, 61.2);
+}
+
+TEST(NoiseToml, RefusesANameThatIsNoKey) {
+  const DetectorNoise noise = default_detector_noise();
+  EXPECT_EQ(thrown_message([&] { format_noise_toml("my cup", noise); }),
+            "noise model: the name is 'my cup', expected letters, digits, '_' and '-'");
+  EXPECT_NE(thrown_message([&] { format_noise_toml("", noise); }), "");
+}
+
+TEST(NoiseToml, OdometryIsWrittenAsAMotionModel) {
+  OdometryNoise noise{.sd_per_sqrt_s = Vector6d::Zero(),
+                      .jitter_sd = Vector6d::Constant(1e-3),
+                      .sd_per_sqrt_s_error = Vector6d::Constant(1e-4),
+                      .jitter_sd_error = Vector6d::Constant(1e-4),
+                      .windows = {{.seconds = 0.1, .independent = 100.0}},
+                      .recordings = 2};
+  noise.sd_per_sqrt_s << radians(0.2), radians(0.1), radians(0.3), 1e-3, 2e-3, 1.5e-3;
+  const TomlDocument document = TomlDocument::parse(format_odometry_toml(noise), "odometry.toml");
+  const TomlTable motion = document.root().get_table("motion");
+  EXPECT_EQ(motion.get_string("model"), "odometry");
+  const TomlTable table = motion.get_table("noise");
+  EXPECT_EQ(table.get_string("per"), "second");
+  const Eigen::VectorXd rotation = table.get_vector("rotation_sd_deg", 3);
+  const Eigen::VectorXd translation = table.get_vector("translation_sd_m", 3);
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    EXPECT_NEAR(rotation[i] / degrees(noise.sd_per_sqrt_s[i]), 1.0, 5e-3);
+    EXPECT_NEAR(translation[i] / noise.sd_per_sqrt_s[3 + i], 1.0, 5e-3);
+  }
+  document.finish();
+}
+
+}  // namespace
+}  // namespace posemix

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "posemix/detector/noise_fit.hpp"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "posemix/testing/expect.hpp"
+#include "simulated_detections.hpp"
+
+namespace posemix {
+namespace {
+
+using testing::detect_along_ray;
+using testing::detect_nothing;
+using testing::detections_with_clutter;
+using testing::normal_vector;
+using testing::pose_before_camera;
+using testing::ray_deviations;
+using testing::thrown_message;
+
+/// Recordings of a detector that follows ray_deviations() and reports a pose 90 degrees off in one
+/// detection of seven, and clutter as often; and another wrong pose for a while in one recording.
+std::vector<NoiseTrack> recordings_with_modes() {
+  RandomStream stream(7);
+  const SE3d mode(SO3d::exp({0.0, radians(90.0), 0.0}), {0.01, 0.02, 0.0});
+  const SE3d run(SO3d::exp({radians(150.0), 0.0, 0.0}), {0.0, 0.0, 0.0});
+  std::vector<NoiseTrack> tracks;
+  for (std::size_t recording = 0; recording < 4; ++recording) {
+    NoiseTrack& track = tracks.emplace_back();
+    for (int i = 0; i < 600; ++i) {
+      const SE3d truth = pose_before_camera(stream);
+      const double u = stream.uniform();
+      SE3d detected = detect_along_ray(truth, ray_deviations(), stream);
+      if (u < 0.15) detected = detect_along_ray(truth * mode, ray_deviations(), stream);
+      if (u > 0.85) detected = detect_nothing(truth, stream);
+      if (recording == 2 && i < 200)
+        detected = detect_along_ray(truth * run, ray_deviations(), stream);
+      track.push_back(NoiseObservation{truth, detected, recording});
+    }
+  }
+  return tracks;
+}
+
+std::vector<NoiseTrack> recordings_with_clutter() {
+  std::vector<NoiseTrack> tracks;
+  for (std::size_t recording = 0; recording < 3; ++recording) {
+    NoiseTrack& track = tracks.emplace_back();
+    for (NoiseObservation each : detections_with_clutter(500, 20 + recording)) {
+      each.recording = recording;
+      track.emplace_back(each);
+    }
+  }
+  return tracks;
+}
+
+TEST(NoiseTrack, LeavesOutFramesWithoutATruth) {
+  const SE3d pose(SO3d(), {0.0, 0.0, 1.0});
+  const std::vector<std::optional<SE3d>> truth{pose, std::nullopt, pose};
+  const std::vector<std::optional<SE3d>> detected{std::nullopt, pose, pose};
+  const NoiseTrack track = noise_track(truth, detected, 5);
+  ASSERT_EQ(track.size(), 2U);
+  EXPECT_FALSE(track[0].has_value());
+  EXPECT_EQ(track[1]->recording, 5U);
+  EXPECT_EQ(observations_of(std::vector<NoiseTrack>{track, track}).size(), 2U);
+  EXPECT_EQ(thrown_message([&] { noise_track(truth, std::span(detected).first(2)); }),
+            "noise model: 3 true poses and 2 detections, expected as many");
+}
+
+TEST(NoiseFit, FindsFrameComponentsClutterAndModes) {
+  RandomStream stream(1);
+  const NoiseFit fit =
+      fit_noise(recordings_with_modes(), {.max_components = 1, .restarts = 2}, stream);
+  EXPECT_EQ(fit.frame, NoiseFrame::ray);
+  const auto& components = fit.noise.components();
+  ASSERT_EQ(components.size(), 2U);
+  EXPECT_NEAR(components[0].weight, 0.7 * 2200.0 / 2400.0, 0.03);
+  for (Eigen::Index i = 0; i < 6; ++i) {
+    // Four standard errors of a deviation from 1540 values.
+    EXPECT_NEAR(std::sqrt(components[0].covariance(i, i)) / ray_deviations()[i], 1.0, 0.072) << i;
+  }
+  EXPECT_NEAR(components[1].weight, 0.15 * 2200.0 / 2400.0, 0.025);
+  EXPECT_NEAR(degrees(components[1].offset.rotation().log().norm()), 90.0, 1.0);
+  ASSERT_EQ(fit.modes.size(), 2U);
+  for (const NoiseMode& mode : fit.modes)
+    EXPECT_EQ(mode.accepted, std::abs(degrees(mode.offset.rotation().angle()) - 90.0) < 2.0);
+  EXPECT_EQ(fit.chosen, fit.fits.size() - 1);
+  EXPECT_EQ(fit.bic, fit.fits[fit.chosen].bic);
+  EXPECT_NEAR(fit.log_likelihood,
+              noise_log_density(fit.noise, observations_of(recordings_with_modes())).sum(), 1e-6);
+}
+
+/// Whitened residuals w = b + x with a first-order process x, x' = 0.8 x + ..., and a bias b per
+/// recording with half the standard deviation of x.
+TEST(NoiseFit, FillsTheDependence) {
+  constexpr double kA = 0.8;
+  RandomStream stream(3);
+  std::vector<NoiseTrack> tracks;
+  for (std::size_t recording = 0; recording < 30; ++recording) {
+    const Vector6d bias = 0.5 * normal_vector(stream);
+    Vector6d x = normal_vector(stream);
+    NoiseTrack& track = tracks.emplace_back();
+    for (int i = 0; i < 300; ++i) {
+      x = kA * x + std::sqrt(1.0 - kA * kA) * normal_vector(stream);
+      const SE3d truth = pose_before_camera(stream);
+      const SE3d detected = truth * SE3d::exp(Vector6d(0.02 * (bias + x)));
+      track.push_back(NoiseObservation{truth, detected, recording});
+    }
+  }
+  const NoiseFitSettings settings{.max_components = 1,
+                                  .restarts = 1,
+                                  .frame = NoiseFrame::object,
+                                  .clutter = false,
+                                  .modes = false};
+  const NoiseFit fit = fit_noise(tracks, settings, stream);
+  const NoiseDependence& dependence = fit.noise.dependence();
+  ASSERT_TRUE(dependence.dependent_frames.has_value());
+  ASSERT_TRUE(dependence.bias.has_value());
+  EXPECT_EQ(*dependence.dependent_frames, fit.correlation.inlier.within);
+  // (1 + a) / (1 - a) = 9 frames count as one.
+  EXPECT_NEAR(*dependence.dependent_frames, 9.0, 1.5);
+  for (Eigen::Index i = 0; i < 6; ++i) {
+    // Standard error of a deviation from 30 values: 1 / sqrt(60).
+    EXPECT_NEAR(std::sqrt((*dependence.bias)(i, i)) / 0.01, 1.0, 0.4) << i;
+  }
+  EXPECT_TRUE(dependence.bias->isDiagonal(0.0));
+}
+
+TEST(NoiseFit, ChoosesByCrossValidation) {
+  RandomStream stream(1);
+  const std::vector<NoiseTrack> tracks = recordings_with_clutter();
+  const NoiseFit fit = fit_noise(tracks,
+                                 {.max_components = 2,
+                                  .restarts = 1,
+                                  .modes = false,
+                                  .criterion = NoiseCriterion::cross_validation,
+                                  .folds = 3},
+                                 stream);
+  EXPECT_EQ(fit.frame, NoiseFrame::ray);
+  ASSERT_EQ(fit.validation.size(), 12U);
+  double best = -1e300;
+  for (const NoiseValidation& row : fit.validation) {
+    const bool right = row.frame == NoiseFrame::ray && row.clutter;
+    EXPECT_EQ(row.below_best < 0.05, right);
+    if (right && row.components == fit.chosen + 1) best = row.log_density;
+  }
+  for (const NoiseValidation& row : fit.validation)
+    if (row.clutter) EXPECT_GE(best, row.log_density);
+}
+
+TEST(NoiseFit, IsTheSameForTheSameStream) {
+  const std::vector<NoiseTrack> tracks = recordings_with_clutter();
+  RandomStream first(3);
+  RandomStream second(3);
+  const NoiseFitSettings settings{.max_components = 2, .restarts = 3, .frame = NoiseFrame::ray};
+  EXPECT_EQ(fit_noise(tracks, settings, first).log_likelihood,
+            fit_noise(tracks, settings, second).log_likelihood);
+}
+
+TEST(NoiseFit, RefusesSettingsThatContradictEachOther) {
+  RandomStream stream(1);
+  const std::vector<NoiseTrack> tracks = recordings_with_clutter();
+  const auto message = [&](const NoiseFitSettings& settings) {
+    return thrown_message([&] { fit_noise(tracks, settings, stream); });
+  };
+  EXPECT_EQ(message({.max_components = 0}), "noise model: 0 components, expected one or more");
+  EXPECT_NE(message({.free_means = true}).find("that fits best"), std::string::npos);
+  EXPECT_NE(message({.frame = NoiseFrame::object, .free_means = true}).find("beside clutter"),
+            std::string::npos);
+  EXPECT_NE(message({.clutter = false}).find("modes without clutter"), std::string::npos);
+  EXPECT_EQ(message({.criterion = NoiseCriterion::cross_validation}),
+            "noise model: cross validation with 0 folds, expected two or more");
+  EXPECT_EQ(thrown_message([&] { fit_noise({}, {}, stream); }),
+            "noise model: 0 observations for 1 components, expected two per component");
+}
+
+}  // namespace
+}  // namespace posemix
