@@ -26,7 +26,10 @@ class TraceEntity {
 
   /// For the array under these keys within the entity; null where it is none that a report needs.
   /// @throws InvalidInput when the array has been opened before
-  TraceSeries* open(const TraceKeys& keys, const TraceScales& scales);
+  TraceSeries* open(TraceKeys keys, const TraceScales& scales);
+
+  /// Whether an array was there under the name that it had in the release before.
+  bool has_old_keys() const { return has_old_keys_; }
 
   /// Compresses all arrays, which have equal lengths, and a mask of what is there.
   /// @throws InvalidInput when one is missing that a report needs, or when poses lack deviations
@@ -43,6 +46,7 @@ class TraceEntity {
 
   std::string path_;
   std::string prefix_;
+  bool has_old_keys_ = false;
   std::map<std::string, TraceSeriesPtr> series_;  ///< by the keys within the entity
 };
 

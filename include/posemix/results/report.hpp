@@ -30,6 +30,8 @@ struct ReportOptions {
   /// Told now and then how many bytes of the trace have been read, of how many; what it throws ends
   /// the work.
   std::function<void(std::size_t done, std::size_t total)> progress = {};
+  /// Called with a warning for every key that a file has under the name of the release before.
+  std::function<void(const std::string& warning)> warn = {};
 };
 
 /// Whether this build of the library holds the page (CMake option POSEMIX_REPORT). Without it
