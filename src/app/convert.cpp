@@ -80,7 +80,6 @@ int convert_file(const ConvertOptions& options) {
 void add_old_distribution_option(CLI::App& command, ConvertOptions& options) {
   add_choice<std::optional<Distribution>, Distribution>(command, "--law", options.distribution,
                                                         distribution_words(), "")
-      ->excludes("--distribution")
       ->group("")
       ->each([](const std::string&) {
         print_warnings({internal::renamed_warning("convert", "option", "--law", "--distribution")});
@@ -155,7 +154,13 @@ void add_convert_command(CLI::App& program, std::function<int()>& action) {
   add_distribution_options(*command, *options);
   add_convention_options(*command, *options);
   add_report_options(*command, options->output);
-  command->callback([options, &action] { action = [options] { return convert_file(*options); }; });
+  command->callback([options, command, &action] {
+    if (command->count("--law") > 0 && command->count("--distribution") > 0) {
+      throw CLI::ValidationError("--law",
+                                 "is the old name of --distribution, expected one of them");
+    }
+    action = [options] { return convert_file(*options); };
+  });
 }
 
 }  // namespace posemix
