@@ -19,9 +19,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// A FutureWarning for each.
+void warn_of_old_names(const std::vector<std::string>& warnings) {
+  if (warnings.empty()) return;
+  const nb::gil_scoped_acquire locked;
+  for (const std::string& warning : warnings) {
+    if (PyErr_WarnEx(PyExc_FutureWarning, warning.c_str(), 2) != 0) throw nb::python_error();
+  }
+}
+
 TomlDocument document_of(const fs::path& path, const std::vector<std::string>& overrides) {
   TomlDocument document = TomlDocument::load(path);
   for (const std::string& assignment : overrides) document.apply_override(assignment);
+  warn_of_old_names(document.warnings());
   return document;
 }
 

@@ -67,7 +67,9 @@ void require_one_standard_input(std::span<const std::string> paths) {
 
 NamedMixture read_mixture_input(const std::string& path) {
   const std::string name = input_name(path);
-  return {name, parse_mixture(read_input(path), name)};
+  NamedMixture mixture{name, parse_mixture(read_input(path), name)};
+  print_warnings(mixture.file.warnings);
+  return mixture;
 }
 
 std::vector<NamedMixture> read_mixtures(std::span<const std::string> paths) {

@@ -4,8 +4,10 @@
 
 #include "command_files.hpp"
 #include "exit_codes.hpp"
+#include "io/renamed.hpp"
 #include "mixture_commands.hpp"
 #include "posemix/divergence/conversion.hpp"
+#include "summary.hpp"
 
 namespace posemix {
 namespace {
@@ -74,10 +76,21 @@ int convert_file(const ConvertOptions& options) {
   return kExitDone;
 }
 
+/// The option under the name of the release before; help does not show it.
+void add_old_distribution_option(CLI::App& command, ConvertOptions& options) {
+  add_choice<std::optional<Distribution>, Distribution>(command, "--law", options.distribution,
+                                                        distribution_words(), "")
+      ->group("")
+      ->each([](const std::string&) {
+        print_warnings({internal::renamed_warning("convert", "option", "--law", "--distribution")});
+      });
+}
+
 void add_distribution_options(CLI::App& command, ConvertOptions& options) {
   add_choice<std::optional<Distribution>, Distribution>(
       command, "--distribution", options.distribution, distribution_words(),
       "Distribution of the result; without it that of the file");
+  add_old_distribution_option(command, options);
   add_choice<ConversionRule, ConversionRule>(
       command, "--rule", options.conversion.rule,
       {{"maximum_likelihood", ConversionRule::maximum_likelihood},
@@ -141,7 +154,13 @@ void add_convert_command(CLI::App& program, std::function<int()>& action) {
   add_distribution_options(*command, *options);
   add_convention_options(*command, *options);
   add_report_options(*command, options->output);
-  command->callback([options, &action] { action = [options] { return convert_file(*options); }; });
+  command->callback([options, command, &action] {
+    if (command->count("--law") > 0 && command->count("--distribution") > 0) {
+      throw CLI::ValidationError("--law",
+                                 "is the old name of --distribution, expected one of them");
+    }
+    action = [options] { return convert_file(*options); };
+  });
 }
 
 }  // namespace posemix

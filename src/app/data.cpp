@@ -114,7 +114,7 @@ void add_data_list_command(CLI::App& data, std::function<int()>& action) {
 void add_data_command(CLI::App& program, std::function<int()>& action) {
   CLI::App* command = program.add_subcommand("data", "Fetch public data, check it, and use it");
   command->require_subcommand(1);
-  command->get_formatter()->label("SUBCOMMAND", "VERB");
+  command->get_formatter()->label("SUBCOMMAND", "COMMAND");
   command->get_formatter()->label("Subcommands", "Commands");
   command->footer(
       "Example: posemix data fetch slam-super-6d --yes\n"

@@ -65,7 +65,7 @@ int guarded(const std::function<int()>& action) {
 void describe(CLI::App& program) {
   program.name("posemix");
   program.require_subcommand(1);
-  program.get_formatter()->label("SUBCOMMAND", "VERB");
+  program.get_formatter()->label("SUBCOMMAND", "COMMAND");
   program.get_formatter()->label("Subcommands", "Commands");
   program.set_version_flag("--version", "posemix " POSEMIX_VERSION);
   program.footer(
@@ -78,7 +78,7 @@ void describe(CLI::App& program) {
       "         posemix report out/results --open\n"
       "         posemix compose a.json b.json | posemix reduce - --to 5 | posemix sample - -n 100\n"
       "\n"
-      "`posemix VERB --help` describes a command.");
+      "`posemix COMMAND --help` describes a command.");
 }
 
 /// Answers --help and --version, and reports mistakes in the command line.

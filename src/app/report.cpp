@@ -30,7 +30,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct ReportVerbOptions {
+struct ReportCommandOptions {
   std::string results;
   std::optional<std::string> out;
   std::optional<std::string> title;
@@ -40,7 +40,7 @@ struct ReportVerbOptions {
   bool quiet = false;
 };
 
-/// Of an option ID=FILE.ply.
+/// Adds the mesh that an option ID=FILE.ply names.
 void add_mesh(ReportOptions& options, const std::string& text, double unit_m) {
   const std::size_t at = text.find('=');
   if (at == 0 || at == std::string::npos || at + 1 == text.size()) {
@@ -79,7 +79,7 @@ void open_in_browser(const fs::path& path) {
   }
 }
 
-int report_command(const ReportVerbOptions& options) {
+int report_command(const ReportCommandOptions& options) {
   const InterruptGuard guard;
   ReportOptions report{.out = options.out, .title = options.title};
   const double unit_m = options.mesh_unit == "mm" ? 1e-3 : 1.0;
@@ -96,6 +96,7 @@ fs::path write_report_shown(const fs::path& results, ReportOptions options, bool
                             const InterruptGuard& guard) {
   constexpr std::size_t kMegabyte = 1000000;
   ProgressReport progress(shown, "MB");
+  options.warn = [](const std::string& warning) { print_warnings({warning}); };
   options.progress = [&](std::size_t done, std::size_t total) {
     progress.update(done / kMegabyte, total / kMegabyte);
     guard.check();
@@ -115,7 +116,7 @@ std::string file_url(const fs::path& path) {
 }
 
 void add_report_command(CLI::App& program, std::function<int()>& action) {
-  const auto options = std::make_shared<ReportVerbOptions>();
+  const auto options = std::make_shared<ReportCommandOptions>();
   CLI::App* command = program.add_subcommand("report", "Results as one HTML page for a browser");
   command->footer(
       "RESULTS is a folder that posemix slam or posemix study wrote, a folder of mixture files,\n"

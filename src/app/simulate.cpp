@@ -32,6 +32,7 @@ int simulate_to_folder(const SimulateOptions& options) {
   const InterruptGuard guard;
   TomlDocument document = TomlDocument::load(options.config);
   for (const std::string& assignment : options.overrides) document.apply_override(assignment);
+  print_warnings(document.warnings());
   const SimulationFile file = read_simulation(document);
   const SimulatedSequence simulated = simulate(file.config, options.seed);
   guard.check();

@@ -111,10 +111,12 @@ const std::array kStudies{
                    return make_tless_study(settings);
                  }}};
 
-Study read_study(const StudyCommand& command, const StudyOptions& options) {
+/// Of all ranks, the leading one prints the warnings.
+Study read_study(const StudyCommand& command, const StudyOptions& options, bool leads) {
   TomlDocument document = options.settings ? TomlDocument::load(*options.settings)
                                            : TomlDocument::parse("schema = 1\n", command.name);
   for (const std::string& assignment : options.overrides) document.apply_override(assignment);
+  if (leads) print_warnings(document.warnings());
   document.root().get_integer_or("schema", 1, {.lowest = 1, .highest = 1});
   Study study = command.make(document.root(), options);
   document.finish();
@@ -155,7 +157,7 @@ int run_command(const StudyCommand& command, const StudyOptions& options) {
   ProgressReport progress(leads && !options.quiet, "items", ranks.size() > 1);
   const auto make = [&] {
     if (leads) check_output(options.out, journal);
-    return read_study(command, options);
+    return read_study(command, options, leads);
   };
   const auto go_on = [&](std::size_t done, std::size_t items) {
     progress.update(done, items);

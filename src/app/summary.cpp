@@ -48,4 +48,10 @@ void print_text(std::string_view text) {
   throw OutputError("standard output: cannot be written");
 }
 
+void print_warnings(const std::vector<std::string>& warnings) {
+  for (const std::string& warning : warnings) {
+    std::fputs(fmt::format("posemix: warning: {}\n", warning).c_str(), stderr);
+  }
+}
+
 }  // namespace posemix

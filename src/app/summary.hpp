@@ -4,6 +4,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "posemix/config/sequence_file.hpp"
 #include "posemix/io/output_folder.hpp"
@@ -23,5 +24,8 @@ class BrokenPipe : public OutputError {
 /// Writes to the standard output.
 /// @throws BrokenPipe when its reader has gone, OutputError when it cannot be written
 void print_text(std::string_view text);
+
+/// Prints `posemix: warning: ...` on the standard error for each.
+void print_warnings(const std::vector<std::string>& warnings);
 
 }  // namespace posemix

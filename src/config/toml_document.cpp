@@ -8,6 +8,7 @@
 #include "posemix/config/toml_table.hpp"
 #include "posemix/io/text.hpp"
 #include "toml_node.hpp"
+#include "toml_renamed.hpp"
 
 namespace posemix {
 
@@ -107,6 +108,7 @@ TomlDocument TomlDocument::parse(std::string_view text, const std::string& name)
   auto state = std::make_shared<TomlState>();
   state->name = name;
   state->root = parse_toml_nodes(text, name);
+  internal::rename_old_keys(*state);
   return TomlDocument(std::move(state));
 }
 
@@ -115,7 +117,7 @@ TomlDocument TomlDocument::load(const std::filesystem::path& path) {
 }
 
 void TomlDocument::apply_override(std::string_view assignment) {
-  apply_toml_override(state_->root, assignment);
+  apply_toml_override(*state_, assignment);
 }
 
 void TomlDocument::set_variable(const std::string& name, const std::string& value) {
@@ -125,5 +127,7 @@ void TomlDocument::set_variable(const std::string& name, const std::string& valu
 TomlTable TomlDocument::root() const { return TomlTable(state_, &state_->root, ""); }
 
 const std::string& TomlDocument::name() const { return state_->name; }
+
+const std::vector<std::string>& TomlDocument::warnings() const { return state_->warnings; }
 
 }  // namespace posemix

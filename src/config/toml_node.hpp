@@ -40,6 +40,7 @@ struct TomlState {
   std::string name;
   TomlNode root;
   std::map<std::string, std::string, std::less<>> variables;
+  std::vector<std::string> warnings;  ///< about keys under their old names
 
   /// `file:line` of a value, or the override that it came from.
   std::string location(const TomlNode& node) const;
@@ -63,8 +64,9 @@ std::string_view toml_kind_name(TomlKind kind);
 /// "is the string \"abc\"", "is an array", ... for messages.
 std::string describe_toml_value(const TomlNode& node);
 
-/// Sets the value at the dotted path of `key=value` below `root`. Throws InvalidInput.
-void apply_toml_override(TomlNode& root, std::string_view assignment);
+/// Sets the value at the dotted path of `key=value`; old names of keys are renamed, with a
+/// warning. Throws InvalidInput.
+void apply_toml_override(TomlState& state, std::string_view assignment);
 
 /// `parent.key`, or `key` at the top.
 std::string join_toml_path(std::string_view parent, std::string_view key);

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include "io/renamed.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/io/text.hpp"
 #include "toml_node.hpp"
+#include "toml_renamed.hpp"
 
 namespace posemix {
 namespace {
@@ -97,15 +100,24 @@ TomlNode& entry(TomlNode& table, const std::string& part, const Override& source
   return table.children.back();
 }
 
+std::string dotted(const std::vector<std::string>& path) {
+  return fmt::format("{}", fmt::join(path, "."));
+}
+
 }  // namespace
 
 std::string join_toml_path(std::string_view parent, std::string_view key) {
   return parent.empty() ? std::string(key) : fmt::format("{}.{}", parent, key);
 }
 
-void apply_toml_override(TomlNode& root, std::string_view assignment) {
-  const Override source = parse_override(assignment);
-  TomlNode* node = &root;
+void apply_toml_override(TomlState& state, std::string_view assignment) {
+  Override source = parse_override(assignment);
+  const std::string given = dotted(source.path);
+  if (internal::rename_old_path(source.path)) {
+    state.warnings.push_back(
+        internal::renamed_warning(source.origin, "key", given, dotted(source.path)));
+  }
+  TomlNode* node = &state.root;
   std::string path;
   for (const std::string& part : source.path) {
     if (node->kind == TomlKind::array) {
@@ -121,6 +133,7 @@ void apply_toml_override(TomlNode& root, std::string_view assignment) {
   *node = parse_toml_value(source.value);
   node->line = line;
   mark(*node, source);
+  internal::rename_old_keys(state);
 }
 
 }  // namespace posemix

@@ -9,6 +9,7 @@
 #include "mixture_parts.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/io/text.hpp"
+#include "renamed.hpp"
 
 namespace posemix {
 namespace {
@@ -44,6 +45,18 @@ Value value_of(const Words<Value>& words, const JsonPlace& place) {
              fmt::format("{} or {}", in_quotes(words[0].first), in_quotes(words[1].first)));
 }
 
+/// The name of the key "distribution" in the release before.
+constexpr std::string_view kOldDistributionKey = "law";
+
+/// The key "distribution", or its old name where the file has that.
+std::string_view distribution_key(const JsonPlace& root) {
+  if (!root.has(kOldDistributionKey)) return "distribution";
+  if (root.has("distribution")) {
+    root.fail("both 'distribution' and 'law', its old name", "'distribution' alone");
+  }
+  return kOldDistributionKey;
+}
+
 void check_schema(const JsonPlace& root) {
   root.member("type").require_word(kMixtureType);
   const JsonPlace schema = root.member("schema");
@@ -53,8 +66,8 @@ void check_schema(const JsonPlace& root) {
         fmt::format("{}", number),
         fmt::format("{}: the file was written in another version of the format", kMixtureSchema));
   }
-  root.require_only({"schema", "type", "group", "distribution", "side", "order", "units", "frames",
-                     "components"});
+  root.require_only({"schema", "type", "group", distribution_key(root), "side", "order", "units",
+                     "frames", "components"});
   root.member("group").require_word(kMixtureGroup);
 }
 
@@ -181,14 +194,21 @@ MixtureFile parse_mixture(std::string_view text, const std::string& name) {
   const Json json = document(text, name);
   const JsonPlace root(json, name);
   check_schema(root);
-  const bool projected = is_projected(root.member("distribution"));
+  std::vector<std::string> warnings;
+  const std::string_view key = distribution_key(root);
+  if (key == kOldDistributionKey) {
+    warnings.push_back(internal::renamed_warning(name, "key", key, "distribution"));
+  }
+  const bool projected = is_projected(root.member(key));
   const MixtureConvention convention = read_convention(root, projected);
   FrameNames frames = read_frames(root.member("frames"));
   const JsonPlace components = root.member("components");
   if (projected) {
-    return {std::move(frames), read_components<ProjectedGaussian<SE3d>>(components, convention)};
+    return {std::move(frames), read_components<ProjectedGaussian<SE3d>>(components, convention),
+            std::move(warnings)};
   }
-  return {std::move(frames), read_components<ConcentratedGaussian<SE3d>>(components, convention)};
+  return {std::move(frames), read_components<ConcentratedGaussian<SE3d>>(components, convention),
+          std::move(warnings)};
 }
 
 MixtureFile read_mixture(const std::filesystem::path& path) {

@@ -30,14 +30,21 @@ const char* kind_name(ReportKind kind) {
   return kNames[static_cast<std::size_t>(kind)];
 }
 
+void warn(const std::vector<std::string>& warnings, const ReportOptions& options) {
+  if (!options.warn) return;
+  for (const std::string& warning : warnings) options.warn(warning);
+}
+
 Json read_trace(const fs::path& path, const ReportOptions& options) {
   std::ifstream text(path, std::ios::binary);
   std::error_code error;
   const auto size = static_cast<std::size_t>(fs::file_size(path, error));
   if (!text || error) throw InvalidInput(fmt::format("{}: cannot be read", path.string()));
-  return pack_trace(text, path.string(), [&](std::size_t done) {
+  PackedTrace packed = pack_trace(text, path.string(), [&](std::size_t done) {
     if (options.progress) options.progress(done, size);
   });
+  warn(packed.warnings, options);
+  return std::move(packed.columns);
 }
 
 /// Name of the last part of a path that has one.
@@ -118,6 +125,7 @@ void require_report_page() {
 
 std::string format_report(const fs::path& results, const ReportOptions& options) {
   ReportFolder folder = read_report_folder(results);
+  warn(folder.warnings, options);
   Json trace;
   if (folder.kind == ReportKind::slam) trace = read_trace(results / "trace.json", options);
   Json report = {{"schema", kReportSchema},

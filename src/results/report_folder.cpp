@@ -63,8 +63,10 @@ bool is_mixture(const Json& document) {
 }
 
 /// Refuses a mixture file that the library does not read.
-void check_mixture(const Json& document, const fs::path& path) {
-  if (is_mixture(document)) parse_mixture(document.dump(), path.string());
+void check_mixture(const Json& document, const fs::path& path, ReportFolder& folder) {
+  if (!is_mixture(document)) return;
+  const MixtureFile file = parse_mixture(document.dump(), path.string());
+  folder.warnings.insert(folder.warnings.end(), file.warnings.begin(), file.warnings.end());
 }
 
 /// Reads the files that a report shows from a folder that slam or study wrote.
@@ -73,7 +75,7 @@ void add_file(ReportFolder& folder, const fs::path& path) {
   const std::string extension = path.extension().string();
   if (extension == ".json" && name != kTraceFile) {
     Json document = read_document(path);
-    check_mixture(document, path);
+    check_mixture(document, path, folder);
     folder.documents[name] = std::move(document);
   } else if (extension == ".csv") {
     folder.tables[name] = read_file(path);
@@ -88,7 +90,7 @@ void add_file(ReportFolder& folder, const fs::path& path) {
 void add_mixture(ReportFolder& folder, const fs::path& path) {
   if (path.extension() != ".json") return;
   Json document = read_document(path);
-  check_mixture(document, path);
+  check_mixture(document, path, folder);
   if (is_mixture(document)) folder.documents[path.filename().string()] = std::move(document);
 }
 
@@ -128,7 +130,7 @@ ReportKind kind_of(const ReportFolder& folder, const fs::path& path) {
 ReportFolder one_mixture(const fs::path& path) {
   ReportFolder folder;
   folder.kind = ReportKind::mixture;
-  parse_mixture(read_file(path), path.string());
+  folder.warnings = parse_mixture(read_file(path), path.string()).warnings;
   folder.documents[path.filename().string()] = read_document(path);
   return folder;
 }

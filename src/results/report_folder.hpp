@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "io/json_numbers.hpp"
 
@@ -19,6 +20,7 @@ struct ReportFolder {
   Json tables = Json::object();
   Json pictures = Json::object();
   Json texts = Json::object();
+  std::vector<std::string> warnings;  ///< about keys under the names of the release before
 
   /// The entity that the mixtures describe: the second of their frames.
   std::set<std::string> mixture_frames() const;

@@ -11,6 +11,7 @@
 #include "posemix/base/error.hpp"
 #include "posemix/io/text.hpp"
 #include "trace_hypotheses.hpp"
+#include "trace_names.hpp"
 
 namespace posemix {
 namespace {
@@ -42,7 +43,11 @@ void write_columns(const std::vector<TraceColumn>& columns, Deflater& data, Json
   }
 }
 
-TraceSeries* TraceEntity::open(const TraceKeys& keys, const TraceScales& scales) {
+TraceSeries* TraceEntity::open(TraceKeys keys, const TraceScales& scales) {
+  if (!is_camera() && keys == TraceKeys{std::string(kOldStatusKey)}) {
+    keys = {"status"};
+    has_old_keys_ = true;
+  }
   const std::string key = fmt::format("{}", fmt::join(keys, ": "));
   const std::string path = path_ + ": " + key;
   TraceSeriesPtr made = make(keys, path, scales);

@@ -26,7 +26,10 @@ class TraceEntity {
 
   /// The series for the array under these keys of the entity; null if a report does not need it.
   /// @throws InvalidInput when the array has been opened before
-  TraceSeries* open(const TraceKeys& keys, const TraceScales& scales);
+  TraceSeries* open(TraceKeys keys, const TraceScales& scales);
+
+  /// Whether an array was there under the name that it had in the release before.
+  bool has_old_keys() const { return has_old_keys_; }
 
   /// Compresses all arrays, which have equal lengths, and a mask of the entries that exist.
   /// @throws InvalidInput when an array that a report needs is missing, or when poses lack
@@ -44,6 +47,7 @@ class TraceEntity {
 
   std::string path_;
   std::string prefix_;
+  bool has_old_keys_ = false;
   std::map<std::string, TraceSeriesPtr> series_;  ///< by the keys within the entity
 };
 

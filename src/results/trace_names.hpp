@@ -17,4 +17,8 @@ constexpr std::string_view status_name(DetectionStatus status) {
   return kStatusNames[static_cast<std::size_t>(status)];
 }
 
+/// The names of the release before, which traces are still read by.
+inline constexpr std::string_view kOldStatusKey = "fate";
+inline constexpr std::string_view kOldBirthName = "born";
+
 }  // namespace posemix

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "io/json_place.hpp"
+#include "io/renamed.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/io/text.hpp"
 #include "posemix/results/results.hpp"
@@ -39,6 +40,9 @@ class TracePacker {
     }
     return true;
   }
+
+  /// Whether the status of detections was there under the name of the release before.
+  bool has_old_keys() const { return has_old_keys_; }
 
   Json finish(const Json& document) {
     const JsonPlace root(document, name_);
@@ -99,6 +103,7 @@ class TracePacker {
 
   void close_entity() {
     entity_->write(data_, headers_);
+    has_old_keys_ = has_old_keys_ || entity_->has_old_keys();
     entity_.reset();
   }
 
@@ -169,6 +174,7 @@ class TracePacker {
   std::set<std::string> entities_;  ///< entities read so far
   JointHypotheses joint_;
   bool has_alternatives_ = false;
+  bool has_old_keys_ = false;
   std::optional<std::size_t> frames_;
   std::string first_path_;
   Deflater data_;
@@ -177,8 +183,8 @@ class TracePacker {
 
 using TraceProgress = std::function<void(std::size_t)>;
 
-Json pack_once(std::istream& text, const std::string& name, const TraceProgress& progress,
-               const TraceScales& scales) {
+PackedTrace pack_once(std::istream& text, const std::string& name, const TraceProgress& progress,
+                      const TraceScales& scales) {
   constexpr std::size_t kEventsBetween = 1U << 16U;
   TracePacker packer(name, scales);
   std::size_t events = 0;
@@ -187,7 +193,11 @@ Json pack_once(std::istream& text, const std::string& name, const TraceProgress&
     return packer.hear(static_cast<std::size_t>(depth), event, value);
   };
   try {
-    return packer.finish(Json::parse(text, hear));
+    PackedTrace packed{packer.finish(Json::parse(text, hear)), {}};
+    if (packer.has_old_keys()) {
+      packed.warnings.push_back(internal::renamed_warning(name, "key", kOldStatusKey, "status"));
+    }
+    return packed;
   } catch (const Json::exception& error) {
     throw InvalidInput(fmt::format("{}: got a text that is not JSON ({}), expected trace.json",
                                    name, error.what()));
@@ -196,7 +206,7 @@ Json pack_once(std::istream& text, const std::string& name, const TraceProgress&
 
 }  // namespace
 
-Json pack_trace(std::istream& text, const std::string& name, const TraceProgress& progress) {
+PackedTrace pack_trace(std::istream& text, const std::string& name, const TraceProgress& progress) {
   for (TraceScales scales;; scales.position_m *= 10.0) {
     try {
       return pack_once(text, name, progress, scales);

@@ -6,10 +6,16 @@
 #include <functional>
 #include <istream>
 #include <string>
+#include <vector>
 
 #include "io/json_numbers.hpp"
 
 namespace posemix {
+
+struct PackedTrace {
+  Json columns;
+  std::vector<std::string> warnings;  ///< about keys under the names of the release before
+};
 
 /// The key `trace` of a report: trace.json as compressed columns.
 ///
@@ -17,7 +23,7 @@ namespace posemix {
 /// object (for joint hypotheses, the columns of all objects). `name` is the file's name in error
 /// messages; `progress` is called now and then with the number of bytes read.
 /// @throws InvalidInput naming the file and the place in it
-Json pack_trace(std::istream& text, const std::string& name,
-                const std::function<void(std::size_t)>& progress);
+PackedTrace pack_trace(std::istream& text, const std::string& name,
+                       const std::function<void(std::size_t)>& progress);
 
 }  // namespace posemix

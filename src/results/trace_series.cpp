@@ -133,8 +133,9 @@ class StatusSeries final : public NumberSeries {
   using NumberSeries::NumberSeries;
   double number(const TracePlace& place) override {
     const std::string name = place.value().is_string() ? place.value().get<std::string>() : "";
+    if (name == kOldBirthName) return static_cast<double>(DetectionStatus::birth);
     const auto found = std::find(kStatusNames.begin(), kStatusNames.end(), name);
-    if (found == kStatusNames.end()) place.fail(in_quotes(name), "what became of a detection");
+    if (found == kStatusNames.end()) place.fail(in_quotes(name), "the status of a detection");
     return static_cast<double>(found - kStatusNames.begin());
   }
 };

@@ -214,6 +214,17 @@ TEST_F(MixtureCommands, ConvertBetweenConventionsAndLaws) {
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_GT(json::parse(result.err)["kl_lost_nats"], 0.0);
   EXPECT_TRUE(contains(result.out, "\"distribution\": \"concentrated\""));
+  const ProgramResult old = shell("posemix convert mug.json --law projected --quiet");
+  EXPECT_EQ(old.out, output_of("posemix convert mug.json --distribution projected --quiet"));
+  EXPECT_TRUE(
+      contains(old.err, "posemix: warning: convert: option '--law' is now '--distribution'"));
+  EXPECT_FALSE(contains(output_of("posemix convert --help"), "--law"));
+  expect_error("posemix convert mug.json --law projected --distribution projected", 2,
+               "--law: is the old name of --distribution, expected one of them");
+  const ProgramResult old_key =
+      shell("sed s/distribution/law/ mug.json > old.json && posemix convert old.json");
+  EXPECT_EQ(old_key.out, content_of(folder_ / "mug.json"));
+  EXPECT_TRUE(contains(old_key.err, "posemix: warning: old.json: key 'law' is now 'distribution'"));
   expect_error("posemix convert mug-pg.json --side left", 3,
                "expected \"concentrated\" with --side");
 }

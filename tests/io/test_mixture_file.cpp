@@ -175,6 +175,23 @@ TEST(MixtureFile, MissingAndUnknownKeysAreRefused) {
                  "m.json: got the key \"side\" twice in one object, expected once");
 }
 
+TEST(MixtureFile, TheOldNameOfTheDistributionIsReadWithAWarning) {
+  for (const std::string& text : {kConcentrated, kProjected}) {
+    Json json = without("", "distribution", text);
+    json["law"] = Json::parse(text)["distribution"];
+    const MixtureFile file = parse(json);
+    EXPECT_EQ(file.mixture.index(), parse_mixture(text, "m.json").mixture.index());
+    EXPECT_EQ(file.warnings,
+              std::vector<std::string>{"m.json: key 'law' is now 'distribution'; the old name will "
+                                       "be refused in 0.3"});
+    EXPECT_EQ(format_mixture(file).find("\"law\""), std::string::npos);
+  }
+  EXPECT_TRUE(parse_mixture(kConcentrated, "m.json").warnings.empty());
+  EXPECT_INVALID(parse(with("/law", "concentrated")),
+                 "m.json: got both 'distribution' and 'law', its old name, expected "
+                 "'distribution' alone");
+}
+
 TEST(MixtureFile, WrongWordsAreRefused) {
   EXPECT_INVALID(parse(with("/type", "posemix.posterior")),
                  "m.json: type: got \"posemix.posterior\", expected \"posemix.mixture\"");

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "io/expect_invalid.hpp"
 #include "trace_folder.hpp"
 
 /// Compares the trace of a report to trace.json.
@@ -189,6 +190,27 @@ TEST(ReportTrace, WithoutTruthAndWithoutCovariancesOfPositions) {
   EXPECT_FALSE(packed.has("camera/position_correlation"));
   EXPECT_TRUE(packed.has("camera/log_sd"));
   EXPECT_FALSE(packed.masked("camera/mask", 0, 1));
+}
+
+TEST(ReportTrace, TheNamesOfTheReleaseBeforeAreRead) {
+  json old = multi_object_trace();
+  for (json& object : old["objects"]) {
+    json statuses = std::move(object["status"]);
+    object.erase("status");
+    for (json& status : statuses) {
+      if (status == "birth") status = "born";
+    }
+    statuses[1] = "born";
+    object["fate"] = std::move(statuses);
+  }
+  json now = multi_object_trace();
+  for (json& object : now["objects"]) object["status"][1] = "birth";
+  std::vector<std::string> warnings;
+  EXPECT_EQ(TraceFolder(old).report(&warnings)["trace"], TraceFolder(now).report()["trace"]);
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_NE(warnings[0].find("trace.json: key 'fate' is now 'status'; "), std::string::npos);
+  old["objects"].front()["status"] = now["objects"].front()["status"];
+  EXPECT_INVALID_WITH(TraceFolder(old).report(), "status: got the key again, expected it once");
 }
 
 TEST(ReportTrace, TheOrderOfKeysDoesNotMatter) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -21,7 +22,13 @@ class TraceFolder {
   }
   explicit TraceFolder(const nlohmann::json& trace) : TraceFolder(trace.dump()) {}
 
-  nlohmann::json report() const { return nlohmann::json::parse(format_report(folder_.path())); }
+  nlohmann::json report(std::vector<std::string>* warnings = nullptr) const {
+    ReportOptions options;
+    options.warn = [warnings](const std::string& warning) {
+      if (warnings != nullptr) warnings->push_back(warning);
+    };
+    return nlohmann::json::parse(format_report(folder_.path(), options));
+  }
   ReportTrace trace() const { return ReportTrace(report()["trace"]); }
 
  private:

@@ -163,8 +163,9 @@ class TomlTable {
 /// without `}` and names that are neither are errors.
 class TomlDocument {
  public:
-  /// Parses a text; `name` stands for the file in messages. Throws InvalidInput `name:line:
-  /// reason`, also for an empty text and for one above 1 MiB.
+  /// Parses a text; `name` stands for the file in messages. Keys under old names are renamed, with
+  /// a warning each. Throws InvalidInput `name:line: reason`, also for an empty text, for one above
+  /// 1 MiB, and for a key that is there under its old and its new name.
   static TomlDocument parse(std::string_view text, const std::string& name);
   /// Parses a file.
   static TomlDocument load(const std::filesystem::path& path);
@@ -184,6 +185,9 @@ class TomlDocument {
   /// The table at the top.
   TomlTable root() const;
   const std::string& name() const;
+  /// One warning for every key that was given under the name that it had in the release before:
+  /// `file:line: key 'filter.camera_share' is now 'filter.odometry_camera_fraction'; ...`.
+  const std::vector<std::string>& warnings() const;
 
   /// As TomlTable::finish for the whole document.
   void finish() const { root().finish(); }

@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 #include "posemix/density/projected_gaussian.hpp"
 #include "posemix/mixture/operations.hpp"
@@ -36,6 +37,8 @@ struct FrameNames {
 struct MixtureFile {
   FrameNames frames;
   AnyMixture mixture;
+  /// About keys that were read under the names of the release before; not written.
+  std::vector<std::string> warnings = {};
 };
 
 /// Side of the perturbation of concentrated Gaussians.
@@ -69,7 +72,8 @@ std::string format_mixture(const MixtureFile& file, const MixtureConvention& con
 
 /// Reads the text of a mixture file in any convention; `name` stands for the file in messages.
 /// Quaternions are normalised, and weights too, where they are not already to the last bits.
-/// Covariances of right perturbations become Ad(X0) P Ad(X0)^T.
+/// Covariances of right perturbations become Ad(X0) P Ad(X0)^T. The key "distribution" may have its
+/// old name "law", with a warning.
 /// @throws InvalidInput naming the file and the place in it: no JSON, a key that is missing,
 /// unknown or there twice, another schema or group, a wrong size, a number that is not finite, a
 /// position beyond 1e8 m, a negative weight, a quaternion not of norm one within 1e-6, a covariance

@@ -30,6 +30,8 @@ struct ReportOptions {
   /// Called now and then with the number of bytes of the trace read so far and in all; an exception
   /// that it throws ends the work.
   std::function<void(std::size_t done, std::size_t total)> progress = {};
+  /// Called with a warning for every key that a file has under the name of the release before.
+  std::function<void(const std::string& warning)> warn = {};
 };
 
 /// Whether this build of the library includes the page (CMake option POSEMIX_REPORT). Without the

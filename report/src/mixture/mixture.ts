@@ -66,7 +66,8 @@ export function project(q0: Numbers, u: Numbers, out: Numbers): void {
 export function readMixture(name: string, document: Json): Mixture {
   const json = object(document, name);
   if (json["schema"] !== 1) throw new BadPayload(`${name} has schema ${String(json["schema"])}; this page reads schema 1.`);
-  const distribution = json["distribution"];
+  // "law" is the key's name in the release before.
+  const distribution = json["distribution"] ?? json["law"];
   if (distribution !== "concentrated" && distribution !== "projected") throw new BadPayload(`${name}: the distribution "${String(distribution)}" is not known.`);
   const units = object(json["units"], `${name}: units`);
   const frames = object(json["frames"], `${name}: frames`);

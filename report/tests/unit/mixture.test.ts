@@ -29,6 +29,13 @@ test("degrees, millimetres and translation first are converted", () => {
   }
 });
 
+test("the distribution is read under the key of the release before, too", () => {
+  const { distribution, ...rest } = mug;
+  assert.equal(distribution, "concentrated");
+  assert.equal(readMixture("old.json", { ...rest, law: distribution }).distribution, "concentrated");
+  assert.throws(() => readMixture("old.json", rest), /distribution "undefined" is not known/);
+});
+
 test("the position's covariance: body axes are turned, a left one gains the lever arm", () => {
   const right = readMixture("mug.json", mug);
   const p = positionCovariance(right, right.components[1]);

@@ -41,10 +41,11 @@ DetectorNoise noise_from_json(const nlohmann::ordered_json& json) {
   std::vector<NoiseComponent> components;
   Clutter clutter;
   for (const auto& entry : json) {
-    if (entry.contains("clutter")) {
-      clutter = {entry["clutter"].at("weight"), entry["clutter"].at("volume_m3")};
-      continue;
+    // "null" is the name of the release before.
+    for (const char* const key : {"clutter", "null"}) {
+      if (entry.contains(key)) clutter = {entry[key].at("weight"), entry[key].at("volume_m3")};
     }
+    if (entry.contains("clutter") || entry.contains("null")) continue;
     components.push_back(
         {.weight = entry.at("weight"),
          .covariance = matrix_from<Matrix6d>(entry.at("covariance")),

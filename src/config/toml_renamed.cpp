@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "toml_renamed.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "io/renamed.hpp"
+#include "posemix/base/error.hpp"
+
+namespace posemix::internal {
+namespace {
+
+/// One part of a path stands for any key.
+constexpr std::string_view kAnyKey = "*";
+
+struct RenamedKey {
+  std::string_view table;  ///< a path of at most two keys, empty for the top of the document
+  std::string_view old_name;
+  std::string_view new_name;
+};
+
+constexpr std::array kRenamedKeys{
+    RenamedKey{"filter", "camera_share", "odometry_camera_fraction"},
+    RenamedKey{"filter", "common_error_share", "bias_variance_fraction"},
+    RenamedKey{"filter", "dependent_answers", "mode_correlation_factor"},
+    RenamedKey{"noise.*", "null", "clutter"},
+    // The settings of `posemix study noise`.
+    RenamedKey{"", "null", "clutter"},
+    RenamedKey{"", "null_volume_m3", "clutter_volume_m3"},
+    RenamedKey{"", "null_least", "clutter_least"},
+};
+
+/// Whether the keys of a path are those of a pattern, of which `*` fits any key.
+bool fits(const std::vector<std::string>& path, std::string_view pattern) {
+  for (const std::string& key : path) {
+    const std::size_t end = std::min(pattern.find('.'), pattern.size());
+    const std::string_view part = pattern.substr(0, end);
+    if (part.empty() || (part != kAnyKey && part != key)) return false;
+    pattern.remove_prefix(std::min(end + 1, pattern.size()));
+  }
+  return pattern.empty();
+}
+
+std::string joined(const std::vector<std::string>& path, std::string_view key) {
+  return join_toml_path(fmt::format("{}", fmt::join(path, ".")), key);
+}
+
+void rename_in(TomlState& state, TomlNode& table, std::vector<std::string>& path) {
+  for (std::size_t i = 0; i < table.keys.size(); ++i) {
+    const std::string old_name = table.keys[i];
+    const std::string new_name(new_toml_name(path, old_name));
+    TomlNode& node = table.children[i];
+    if (!new_name.empty()) {
+      if (const TomlNode* other = table.find(new_name)) {
+        state.fail(node, fmt::format("key '{}' is the old name of '{}', which is at {} already, "
+                                     "expected one of them",
+                                     joined(path, old_name), joined(path, new_name),
+                                     state.location(*other)));
+      }
+      table.keys[i] = new_name;
+      state.warnings.push_back(renamed_warning(state.location(node), "key", joined(path, old_name),
+                                               joined(path, new_name)));
+    }
+    if (node.kind != TomlKind::table) continue;
+    path.push_back(table.keys[i]);
+    rename_in(state, node, path);
+    path.pop_back();
+  }
+}
+
+}  // namespace
+
+std::string_view new_toml_name(const std::vector<std::string>& path, std::string_view key) {
+  for (const RenamedKey& renamed : kRenamedKeys) {
+    if (renamed.old_name == key && fits(path, renamed.table)) return renamed.new_name;
+  }
+  return {};
+}
+
+void rename_old_keys(TomlState& state) {
+  std::vector<std::string> path;
+  rename_in(state, state.root, path);
+}
+
+bool rename_old_path(std::vector<std::string>& path) {
+  bool renamed = false;
+  std::vector<std::string> table;
+  for (std::string& key : path) {
+    if (const std::string_view name = new_toml_name(table, key); !name.empty()) {
+      key = name;
+      renamed = true;
+    }
+    table.push_back(key);
+  }
+  return renamed;
+}
+
+}  // namespace posemix::internal
