@@ -4,6 +4,7 @@
 
 #include <span>
 
+#include "posemix/base/words.hpp"
 #include "posemix/mixture/moments.hpp"
 #include "posemix/mixture/projected_mixture.hpp"
 
@@ -24,6 +25,14 @@ enum class MergeRule {
   /// cubature.
   moment_matched
 };
+
+/// The words of MergeRule in files and options.
+template <>
+inline constexpr WordTable<MergeRule, 3> words<MergeRule>{{
+    {"midway", MergeRule::midway},
+    {"tangent_of_larger", MergeRule::tangent_of_larger},
+    {"moment_matched", MergeRule::moment_matched},
+}};
 
 /// Settings of `merge`.
 struct MergeSettings {

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "posemix/base/range.hpp"
 #include "posemix/reduction/loss.hpp"
 #include "posemix/reduction/merge.hpp"
 #include "posemix/reduction/pair.hpp"
@@ -18,6 +19,7 @@ namespace posemix {
 
 /// Settings of `reduce`.
 struct ReductionSettings {
+  static constexpr NumberRange kPruneBelow{.lowest = 0, .highest = 1, .without_highest = true};
   double prune_below = 5e-6;        ///< components with a smaller weight are dropped first
   std::size_t drop_smallest = 0;    ///< after pruning so many of the lightest are dropped; the
                                     ///< heaviest always stays
@@ -164,8 +166,7 @@ void merge_pairs(std::vector<Component<D>>& components, const ReductionSettings&
 template <class D>
 Reduction<D> reduce(Mixture<D> mixture, const ReductionSettings& settings = {}) {
   require(settings.max_components > 0, "reduce: max_components is 0, expected at least 1");
-  require(settings.prune_below >= 0.0 && settings.prune_below < 1.0,
-          "reduce: prune_below must lie in [0, 1)");
+  ReductionSettings::kPruneBelow.check(settings.prune_below, "reduce: prune_below");
   std::vector<Component<D>> before;
   if (settings.bound_loss) before = mixture.components();
   ReductionReport report;
