@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <array>
-#include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 #include <utility>
 
+#include "posemix/base/statistics.hpp"
 #include "posemix/filter/multi_object_ranges.hpp"
 #include "posemix/mixture/log_weights.hpp"
 
@@ -22,10 +22,8 @@ using internal::PairUpdate;
 constexpr double kLeastS = 1e-3;
 
 double squared_distance_at(double probability, const char* name) {
-  if (!(probability > 0.0 && probability < 1.0)) {
-    throw InvalidInput(fmt::format("{} is {}, expected a number in (0, 1)", name, probability));
-  }
-  return boost::math::quantile(boost::math::chi_squared(6.0), probability);
+  kOpenUnitInterval.check(probability, name);
+  return chi_square_quantile(probability, 6);
 }
 
 void check_settings(const MultiObjectSettings& s) {

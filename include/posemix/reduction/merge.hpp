@@ -13,16 +13,15 @@ namespace posemix {
 /// How several components become one.
 enum class MergeRule {
   /// Every component is moved to the tangent space at the midway point, the weighted mean of the
-  /// means, where the
-  /// merged mean is zero, and moments are matched there (midway-merge paper, eq. 12-19).
+  /// means, where the merged mean is zero, and moments are matched there (midway-merge paper, eq.
+  /// 12-19).
   midway,
   /// Every component is moved to the tangent space of the one with the largest weight (the first of
-  /// equals), moments
-  /// are matched there, and the result is back-projected with J_l (Cesic et al. 2017).
+  /// equals), moments are matched there, and the result is back-projected with J_l (Cesic et al.
+  /// 2017).
   tangent_of_larger,
   /// Mean and covariance of the sum as a random element of the group: iterated mean, then second
-  /// moments, by
-  /// cubature.
+  /// moments, by cubature.
   moment_matched
 };
 
