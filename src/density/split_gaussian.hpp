@@ -25,9 +25,17 @@ struct GaussianPart {
 };
 
 /// A standard normal density is replaced by three narrower ones of standard deviation s: weights
-/// 1/6, 2/3, 1/6 at -a, 0, a keep the moments up to the fifth when a^2 = 3 (1 - s^2). The divergence
-/// is 0.0013.
+/// 1/6, 2/3, 1/6 at -a, 0, a keep the moments up to the fifth when a^2 = 3 (1 - s^2). The
+/// divergence is 0.0013.
 inline constexpr double kSplitDeviation = 0.7;
+
+/// The largest standard deviation of the first three coordinates, and its direction.
+template <class Matrix>
+std::pair<double, Eigen::Vector3d> widest(const Matrix& covariance) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(
+      Eigen::Matrix3d(covariance.template topLeftCorner<3, 3>()));
+  return {std::sqrt(axes.eigenvalues()[2]), axes.eigenvectors().col(2)};
+}
 
 /// A Gaussian as a sum of Gaussians whose standard deviations in the first three coordinates are at
 /// most `max_spread`: the widest direction is split in three, again and again. The weights sum to
@@ -45,23 +53,20 @@ std::vector<GaussianPart<Vector, Matrix>> split_gaussian(const Vector& mean,
   std::vector<Part> parts;
   while (!open.empty()) {
     if (open.size() + parts.size() > kMostParts) {
-      throw InvalidInput(fmt::format("split: more than {} pieces for a max_spread of {}",
-                                     kMostParts, max_spread));
+      throw InvalidInput(
+          fmt::format("split: more than {} pieces for a max_spread of {}", kMostParts, max_spread));
     }
     const Part part = std::move(open.back());
     open.pop_back();
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(
-        Eigen::Matrix3d(part.covariance.template topLeftCorner<3, 3>()));
-    const double spread = std::sqrt(axes.eigenvalues()[2]);
+    const auto [spread, axis] = widest(part.covariance);
     if (!(spread > max_spread)) {
       parts.push_back(part);
       continue;
     }
     // Every coordinate moves with the axis by regression.
-    const Eigen::Vector3d axis = axes.eigenvectors().col(2);
     const Vector along = part.covariance.template leftCols<3>() * axis / spread;
-    const Matrix narrower = part.covariance - (1.0 - kSplitDeviation * kSplitDeviation) * along *
-                                                  along.transpose();
+    const Matrix narrower =
+        part.covariance - (1.0 - kSplitDeviation * kSplitDeviation) * along * along.transpose();
     const double log_outer = part.log_weight + std::log(1.0 / 6.0);
     const double log_inner = part.log_weight + std::log(2.0 / 3.0);
     open.push_back({part.weight / 6.0, log_outer, part.mean - away * along, narrower});

@@ -148,7 +148,7 @@ class Converter {
   }
 
   ConvertedComponent<To> convert(const From& density, std::size_t index) {
-    double spread = widest(density.covariance()).first;
+    double spread = internal::widest(density.covariance()).first;
     ConvertedComponent<To> best = convert(density, pieces_of(density, spread));
     if (best.kl <= settings_.max_kl || settings_.on_large_loss == LargeLoss::accept) return best;
     if (settings_.on_large_loss == LargeLoss::refuse) {
