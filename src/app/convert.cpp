@@ -79,7 +79,6 @@ int convert_file(const ConvertOptions& options) {
 /// The option under the name of the release before; help does not show it.
 void add_old_distribution_option(CLI::App& command, ConvertOptions& options) {
   add_choice<Distribution>(command, "--law", options.distribution, "")
-      ->excludes("--distribution")
       ->group("")
       ->each([](const std::string&) {
         print_warnings({internal::renamed_warning("convert", "option", "--law", "--distribution")});
@@ -140,7 +139,13 @@ void add_convert_command(CLI::App& program, std::function<int()>& action) {
   add_distribution_options(*command, *options);
   add_convention_options(*command, *options);
   add_report_options(*command, options->output);
-  command->callback([options, &action] { action = [options] { return convert_file(*options); }; });
+  command->callback([options, command, &action] {
+    if (command->count("--law") > 0 && command->count("--distribution") > 0) {
+      throw CLI::ValidationError("--law",
+                                 "is the old name of --distribution, expected one of them");
+    }
+    action = [options] { return convert_file(*options); };
+  });
 }
 
 }  // namespace posemix

@@ -219,6 +219,8 @@ TEST_F(MixtureCommands, ConvertBetweenConventionsAndLaws) {
   EXPECT_TRUE(
       contains(old.err, "posemix: warning: convert: option '--law' is now '--distribution'"));
   EXPECT_FALSE(contains(output_of("posemix convert --help"), "--law"));
+  expect_error("posemix convert mug.json --law projected --distribution projected", 2,
+               "--law: is the old name of --distribution, expected one of them");
   const ProgramResult old_key =
       shell("sed s/distribution/law/ mug.json > old.json && posemix convert old.json");
   EXPECT_EQ(old_key.out, content_of(folder_ / "mug.json"));

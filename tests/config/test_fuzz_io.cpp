@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "npy_bytes.hpp"
+#include "io/npy_bytes.hpp"
 #include "posemix/config/toml_table.hpp"
 #include "posemix/io/bop.hpp"
 #include "posemix/io/npy.hpp"

@@ -53,7 +53,7 @@ TEST(ReportErrors, NameThePlace) {
   expect_message(damaged(trace, "/objects/mug/world/position_covariance/6/3", -1.0),
                  "objects: mug: world: position_covariance[6][3]: got -1, expected a variance");
   expect_message(damaged(trace, "/objects/mug/status/3", "gone"),
-                 "objects: mug: status[3]: got \"gone\", expected what became of a detection");
+                 "objects: mug: status[3]: got \"gone\", expected the status of a detection");
   expect_message(damaged(trace, "/objects/mug/alternatives/3/0/id", 0.5),
                  "objects: mug: alternatives[3][0]: id: got 0.5, expected an integer");
   expect_message(damaged(trace, "/objects/mug/alternatives/3/0/probability", 1.5),
