@@ -43,12 +43,6 @@ double median(std::span<const double> values) {
   return sorted.size() % 2 == 1 ? sorted[half] : 0.5 * (sorted[half - 1] + sorted[half]);
 }
 
-double upper_median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 double chi_square_quantile(double probability, std::size_t dof) {
   kOpenUnitInterval.check(probability, "probability");
   require(dof > 0, "chi_square_quantile: dof is 0, expected at least 1");

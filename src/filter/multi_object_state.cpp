@@ -4,11 +4,10 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 #include <utility>
 
-#include "posemix/base/statistics.hpp"
-#include "posemix/filter/multi_object_ranges.hpp"
 #include "posemix/mixture/log_weights.hpp"
 
 namespace posemix {
@@ -22,15 +21,28 @@ using internal::PairUpdate;
 constexpr double kLeastS = 1e-3;
 
 double squared_distance_at(double probability, const char* name) {
-  kOpenUnitInterval.check(probability, name);
-  return chi_square_quantile(probability, 6);
+  if (!(probability > 0.0 && probability < 1.0)) {
+    throw InvalidInput(fmt::format("{} is {}, expected a number in (0, 1)", name, probability));
+  }
+  return boost::math::quantile(boost::math::chi_squared(6.0), probability);
 }
 
 void check_settings(const MultiObjectSettings& s) {
   require(s.max_hypotheses > 0, "max_hypotheses is 0, expected at least 1");
-  for (const MultiObjectNumber& number : kMultiObjectNumbers) {
-    number.range.check(s.*number.field, std::string(number.name));
-  }
+  require(s.birth_covariance_factor > 0.0, "birth_covariance_factor must be positive");
+  require(s.score_memory >= 0.0 && s.score_memory <= 1.0, "score_memory must lie in [0, 1]");
+  require(s.leader_margin >= 0.0, "leader_margin must not be negative");
+  require(s.camera_gain_noise >= 1.0, "camera_gain_noise must be at least 1");
+  require(s.odometry_camera_fraction >= 0.0 && s.odometry_camera_fraction <= 1.0,
+          "odometry_camera_fraction must lie in [0, 1]");
+  require(s.noise_scale_detections > 0.0, "noise_scale_detections must be positive");
+  require(s.least_noise_scale > 0.0 && s.least_noise_scale <= 1.0,
+          "least_noise_scale must lie in (0, 1]");
+  require(s.correlation_s >= 0.0, "correlation_s must not be negative");
+  require(s.correlation_detections >= 0.0, "correlation_detections must not be negative");
+  require(s.bias_variance_fraction >= 0.0 && s.bias_variance_fraction < 1.0,
+          "bias_variance_fraction must lie in [0, 1)");
+  require(s.mode_correlation_factor > 0.0, "mode_correlation_factor must be positive");
 }
 
 }  // namespace

@@ -8,9 +8,9 @@
 #include <fmt/format.h>
 
 #include "posemix/base/error.hpp"
-#include "posemix/base/statistics.hpp"
 #include "posemix/base/units.hpp"
 #include "posemix/grasp/error_mixture.hpp"
+#include "upper_median.hpp"
 
 namespace posemix {
 namespace {

@@ -7,8 +7,8 @@
 #include <nlopt.hpp>
 
 #include "posemix/base/error.hpp"
-#include "posemix/base/statistics.hpp"
 #include "region_parts.hpp"
+#include "upper_median.hpp"
 
 namespace posemix {
 namespace {

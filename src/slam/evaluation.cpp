@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "posemix/base/statistics.hpp"
 #include "posemix/base/units.hpp"
 
 namespace posemix {
@@ -94,7 +93,10 @@ ObjectMetrics evaluate_object(const Sequence& sequence, const SlamRun& run, std:
 }
 
 double median(std::vector<double> values) {
-  return values.empty() ? 0.0 : upper_median(std::move(values));
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
 }
 
 Timing timing_of(const SlamRun& run) {

@@ -27,11 +27,6 @@ TEST(Statistics, Median) {
   EXPECT_DOUBLE_EQ(median(std::array{4.0, 1.0, 2.0, 3.0}), 2.5);
 }
 
-TEST(Statistics, UpperMedianIsAValueOfTheSample) {
-  EXPECT_EQ(upper_median({3.0, 1.0, 2.0}), 2.0);
-  EXPECT_EQ(upper_median({4.0, 1.0, 2.0, 3.0}), 3.0);
-}
-
 // With two degrees of freedom the distribution function is 1 - exp(-x / 2).
 TEST(Statistics, ChiSquareQuantilesOfTwoDegreesOfFreedom) {
   for (const double p : {0.05, 0.5, 0.997}) {

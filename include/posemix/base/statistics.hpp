@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <span>
 #include <utility>
-#include <vector>
 
 /// Statistics of studies.
 namespace posemix {
@@ -20,9 +19,6 @@ MeanWithError mean_with_error(std::span<const double> values);
 double mean(std::span<const double> values);
 
 double median(std::span<const double> values);
-
-/// The median of at least one value; of an even number the upper of the two in the middle.
-double upper_median(std::vector<double> values);
 
 /// The value below which a chi-square distributed number of `dof` degrees of freedom lies with the
 /// probability.

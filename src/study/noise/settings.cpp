@@ -16,7 +16,9 @@ NoiseStudySettings read_noise_settings(const TomlTable& table) {
   s.restarts = static_cast<int>(count("restarts", s.restarts, 1000));
   s.seed = static_cast<std::uint64_t>(table.get_integer_or("seed", 1, kAtLeastZero));
   s.bins = static_cast<std::size_t>(count("bins", 60, 10000));
-  s.frame = table.get_enum_or("frame", s.frame);
+  s.frame = table.get_enum_or<NoiseFrame>(
+      "frame", s.frame,
+      {{"object", NoiseFrame::object}, {"camera", NoiseFrame::camera}, {"ray", NoiseFrame::ray}});
   s.free_means = table.get_enum_or<bool>("means", false, {{"zero", false}, {"free", true}});
   s.full_covariance =
       table.get_enum_or<bool>("covariance", false, {{"diagonal", false}, {"full", true}});
