@@ -134,19 +134,13 @@ Distribution distribution_of(const AnyMixture& mixture) {
                                                             : Distribution::projected;
 }
 
-std::vector<std::pair<std::string, Distribution>> distribution_words() {
-  return {{"concentrated", Distribution::concentrated}, {"projected", Distribution::projected}};
-}
-
 std::string_view distribution_name(const AnyMixture& mixture) {
-  return distribution_of(mixture) == Distribution::concentrated ? "concentrated" : "projected";
+  return word_of(distribution_of(mixture));
 }
 
 void add_format_option(CLI::App& command, std::optional<PoseFormat>& format) {
-  add_choice<std::optional<PoseFormat>, PoseFormat>(
-      command, "--format", format,
-      {{"csv", PoseFormat::csv}, {"tum", PoseFormat::tum}, {"npy", PoseFormat::npy}},
-      "Format of the poses; without it what the end of the name says");
+  add_choice<PoseFormat>(command, "--format", format,
+                         "Format of the poses; without it what the end of the name says");
 }
 
 }  // namespace posemix

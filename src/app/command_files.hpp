@@ -15,6 +15,7 @@
 
 #include "command_options.hpp"
 #include "posemix/base/error.hpp"
+#include "posemix/base/words.hpp"
 #include "posemix/io/mixture_file.hpp"
 #include "posemix/io/pose_samples.hpp"
 
@@ -29,9 +30,14 @@ inline constexpr std::size_t kMostComponents = 1'000'000;
 /// Kinds of components.
 enum class Distribution { concentrated, projected };
 
+/// The words of Distribution in files and options.
+template <>
+inline constexpr WordTable<Distribution, 2> words<Distribution>{{
+    {"concentrated", Distribution::concentrated},
+    {"projected", Distribution::projected},
+}};
+
 Distribution distribution_of(const AnyMixture& mixture);
-/// The words for them on the command line.
-std::vector<std::pair<std::string, Distribution>> distribution_words();
 
 /// A mixture and the name of its file in messages.
 struct NamedMixture {

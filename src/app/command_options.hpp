@@ -11,6 +11,8 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include "posemix/base/words.hpp"
+
 /// Options that several commands share.
 namespace posemix {
 
@@ -49,6 +51,14 @@ CLI::Option* add_choice(CLI::App& command, const std::string& name, Target& targ
     throw CLI::ValidationError(name, fmt::format("got {}, expected {}", got, all));
   };
   return command.add_option_function<std::string>(name, choose, help)->type_name(all);
+}
+
+/// An option whose value is one of the words of an enum.
+template <Spelled Enum, class Target>
+CLI::Option* add_choice(CLI::App& command, const std::string& name, Target& target,
+                        const std::string& help) {
+  return add_choice<Target, Enum>(command, name, target, {words<Enum>.begin(), words<Enum>.end()},
+                                  help);
 }
 
 }  // namespace posemix

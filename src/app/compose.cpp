@@ -131,11 +131,8 @@ void add_compose_command(CLI::App& program, std::function<int()>& action) {
       ->type_name("MIXTURE.json");
   CLI::Option* inverse = command->add_flag("--inverse", options->inverse, "T_b_a of one T_a_b");
   command->add_flag("--between", options->between, "T_b_c of T_a_b and T_a_c")->excludes(inverse);
-  add_choice<std::optional<CompositionRule>, CompositionRule>(
+  add_choice<CompositionRule>(
       *command, "--rule", options->rule,
-      {{"cubature", CompositionRule::cubature},
-       {"third_degree_cubature", CompositionRule::third_degree_cubature},
-       {"jacobian", CompositionRule::jacobian}},
       "How projected components compose; without it by cubature of degree five");
   command
       ->add_option("--split-above-deg", options->split_above_deg,

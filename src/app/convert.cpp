@@ -78,8 +78,7 @@ int convert_file(const ConvertOptions& options) {
 
 /// The option under the name of the release before; help does not show it.
 void add_old_distribution_option(CLI::App& command, ConvertOptions& options) {
-  add_choice<std::optional<Distribution>, Distribution>(command, "--law", options.distribution,
-                                                        distribution_words(), "")
+  add_choice<Distribution>(command, "--law", options.distribution, "")
       ->group("")
       ->each([](const std::string&) {
         print_warnings({internal::renamed_warning("convert", "option", "--law", "--distribution")});
@@ -87,16 +86,11 @@ void add_old_distribution_option(CLI::App& command, ConvertOptions& options) {
 }
 
 void add_distribution_options(CLI::App& command, ConvertOptions& options) {
-  add_choice<std::optional<Distribution>, Distribution>(
-      command, "--distribution", options.distribution, distribution_words(),
-      "Distribution of the result; without it that of the file");
+  add_choice<Distribution>(command, "--distribution", options.distribution,
+                           "Distribution of the result; without it that of the file");
   add_old_distribution_option(command, options);
-  add_choice<ConversionRule, ConversionRule>(
-      command, "--rule", options.conversion.rule,
-      {{"maximum_likelihood", ConversionRule::maximum_likelihood},
-       {"cubature", ConversionRule::cubature},
-       {"linear", ConversionRule::linear}},
-      "How a component of one distribution stands for one of the other")
+  add_choice<ConversionRule>(command, "--rule", options.conversion.rule,
+                             "How a component of one distribution stands for one of the other")
       ->default_str("maximum_likelihood");
   command
       .add_option("--max-kl", options.conversion.max_kl,
@@ -104,30 +98,21 @@ void add_distribution_options(CLI::App& command, ConvertOptions& options) {
       ->check(CLI::PositiveNumber)
       ->type_name("KL")
       ->capture_default_str();
-  add_choice<LargeLoss, LargeLoss>(
-      command, "--on-large-loss", options.conversion.on_large_loss,
-      {{"split", LargeLoss::split}, {"refuse", LargeLoss::refuse}, {"accept", LargeLoss::accept}},
-      "What happens to a component that would lose more")
+  add_choice<LargeLoss>(command, "--on-large-loss", options.conversion.on_large_loss,
+                        "What happens to a component that would lose more")
       ->default_str("split");
   add_seed_option(command, options.seed);
 }
 
 void add_convention_options(CLI::App& command, ConvertOptions& options) {
-  add_choice<std::optional<Side>, Side>(command, "--side", options.side,
-                                        {{"left", Side::left}, {"right", Side::right}},
-                                        "Side of the perturbation of concentrated components");
-  add_choice<TangentOrder, TangentOrder>(
-      command, "--order", options.convention.order,
-      {{"rotation_translation", TangentOrder::rotation_translation},
-       {"translation_rotation", TangentOrder::translation_rotation}},
-      "Order of the covariance")
+  add_choice<Side>(command, "--side", options.side,
+                   "Side of the perturbation of concentrated components");
+  add_choice<TangentOrder>(command, "--order", options.convention.order, "Order of the covariance")
       ->default_str("rotation_translation");
-  add_choice<std::optional<AngleUnit>, AngleUnit>(
-      command, "--angle-unit", options.angle, {{"rad", AngleUnit::rad}, {"deg", AngleUnit::deg}},
-      "Unit of the rotation of concentrated components");
-  add_choice<LengthUnit, LengthUnit>(command, "--length-unit", options.convention.length,
-                                     {{"m", LengthUnit::m}, {"mm", LengthUnit::mm}},
-                                     "Unit of means and covariances")
+  add_choice<AngleUnit>(command, "--angle-unit", options.angle,
+                        "Unit of the rotation of concentrated components");
+  add_choice<LengthUnit>(command, "--length-unit", options.convention.length,
+                         "Unit of means and covariances")
       ->default_str("m");
 }
 

@@ -93,9 +93,8 @@ void add_sample_options(CLI::App& command, FitOptions& options) {
       .add_option("--weights", options.columns.weights,
                   "Column of the weights in CSV; without it `weight` where there is one")
       ->type_name("COLUMN");
-  add_choice<std::optional<Side>, Side>(
+  add_choice<Side>(
       command, "--residuals", options.columns.residuals,
-      {{"left", Side::left}, {"right", Side::right}},
       "Fit est gt^-1 (left) or gt^-1 est (right) of the columns est_tx ... and gt_tx ...");
   command.add_option("--from", options.frames.from, "Frame a of the poses T_a_b")
       ->required()
@@ -104,8 +103,8 @@ void add_sample_options(CLI::App& command, FitOptions& options) {
 }
 
 void add_em_options(CLI::App& command, FitOptions& options) {
-  add_choice<Distribution, Distribution>(command, "--distribution", options.distribution,
-                                         distribution_words(), "Kind of the components")
+  add_choice<Distribution>(command, "--distribution", options.distribution,
+                           "Kind of the components")
       ->default_str("concentrated");
   CLI::Option_group* number = command.add_option_group("Number of components");
   add_count_option(*number, "--components", options.components, "So many");

@@ -80,14 +80,10 @@ void add_fuse_command(CLI::App& program, std::function<int()>& action) {
   command->add_option("files", options->files, "Mixture files; - is the standard input")
       ->required()
       ->type_name("MIXTURE.json");
-  add_choice<std::optional<FusionRule>, FusionRule>(
-      *command, "--rule", options->rule,
-      {{"mode", FusionRule::mode}, {"jacobian", FusionRule::jacobian}},
-      "How projected components fuse; without it at the exact mode");
-  add_choice<std::optional<PairWeight>, PairWeight>(
-      *command, "--pair-weight", options->weight,
-      {{"overlap", PairWeight::overlap}, {"alpha_delta", PairWeight::alpha_delta}},
-      "Weight of a pair of projected components; without it their overlap");
+  add_choice<FusionRule>(*command, "--rule", options->rule,
+                         "How projected components fuse; without it at the exact mode");
+  add_choice<PairWeight>(*command, "--pair-weight", options->weight,
+                         "Weight of a pair of projected components; without it their overlap");
   add_report_options(*command, options->output);
   command->callback([options, &action] {
     if (options->files.size() < 2) {

@@ -76,26 +76,12 @@ int reduce_file(const ReduceOptions& options) {
 }
 
 void add_rule_options(CLI::App& command, ReduceOptions& options) {
-  add_choice<PairRule, PairRule>(command, "--pair", options.pair,
-                                 {{"weighted_symmetric_kl", PairRule::weighted_symmetric_kl},
-                                  {"symmetric_kl", PairRule::symmetric_kl},
-                                  {"runnalls", PairRule::runnalls},
-                                  {"largest_with_smallest", PairRule::largest_with_smallest},
-                                  {"most_distant", PairRule::most_distant}},
-                                 "Which two are merged next")
+  add_choice<PairRule>(command, "--pair", options.pair, "Which two are merged next")
       ->default_str("weighted_symmetric_kl");
-  add_choice<DistanceMetric, DistanceMetric>(command, "--distance", options.distance,
-                                             {{"tangent_norm", DistanceMetric::tangent_norm},
-                                              {"rotation", DistanceMetric::rotation},
-                                              {"translation", DistanceMetric::translation},
-                                              {"mahalanobis", DistanceMetric::mahalanobis}},
-                                             "What distant means, for --pair most_distant")
+  add_choice<DistanceMetric>(command, "--distance", options.distance,
+                             "What distant means, for --pair most_distant")
       ->default_str("tangent_norm");
-  add_choice<MergeRule, MergeRule>(command, "--merge", options.merge,
-                                   {{"moment_matched", MergeRule::moment_matched},
-                                    {"midway", MergeRule::midway},
-                                    {"tangent_of_larger", MergeRule::tangent_of_larger}},
-                                   "How two become one")
+  add_choice<MergeRule>(command, "--merge", options.merge, "How two become one")
       ->default_str("moment_matched");
 }
 

@@ -21,16 +21,7 @@ struct SampleOptions {
 
 /// A draw of a mixture with every component drawn by projection.
 SE3d projected_draw(const ProjectedPoses& mixture, RandomStream& stream) {
-  double left = stream.uniform();
-  std::size_t chosen = mixture.heaviest();
-  for (std::size_t i = 0; i < mixture.size(); ++i) {
-    left -= mixture.weight(i);
-    if (left < 0.0) {
-      chosen = i;
-      break;
-    }
-  }
-  return mixture[chosen].density.sample_by_projection(stream);
+  return mixture[mixture.draw_index(stream)].density.sample_by_projection(stream);
 }
 
 int sample_file(const SampleOptions& options) {

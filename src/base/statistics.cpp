@@ -12,6 +12,7 @@
 #include <boost/math/distributions/students_t.hpp>
 
 #include "posemix/base/error.hpp"
+#include "posemix/base/range.hpp"
 
 namespace posemix {
 namespace {
@@ -40,6 +41,12 @@ double median(std::span<const double> values) {
   std::sort(sorted.begin(), sorted.end());
   const std::size_t half = sorted.size() / 2;
   return sorted.size() % 2 == 1 ? sorted[half] : 0.5 * (sorted[half - 1] + sorted[half]);
+}
+
+double chi_square_quantile(double probability, std::size_t dof) {
+  kOpenUnitInterval.check(probability, "probability");
+  require(dof > 0, "chi_square_quantile: dof is 0, expected at least 1");
+  return boost::math::quantile(boost::math::chi_squared(static_cast<double>(dof)), probability);
 }
 
 std::pair<double, double> chi_square_band(std::size_t count, std::size_t dof) {

@@ -26,27 +26,12 @@ ReductionSettings read_reduction(const TomlTable& filter, ReductionSettings r) {
   r.keep_heaviest = integer("keep_heaviest", r.keep_heaviest, kKeepHeaviest);
   r.max_components = integer("max_components", r.max_components, kComponents);
   r.merge_from = integer("merge_from", r.merge_from, kMergeFrom);
-  r.prune_below = filter.get_double_or("prune_below", r.prune_below,
-                                       {.lowest = 0, .highest = 1, .without_highest = true});
-  r.pair =
-      filter.get_enum_or<PairRule>("pair_rule", r.pair,
-                                   {{"largest_with_smallest", PairRule::largest_with_smallest},
-                                    {"most_distant", PairRule::most_distant},
-                                    {"runnalls", PairRule::runnalls},
-                                    {"symmetric_kl", PairRule::symmetric_kl},
-                                    {"weighted_symmetric_kl", PairRule::weighted_symmetric_kl}});
-  r.distance = filter.get_enum_or<DistanceMetric>("distance", r.distance,
-                                                  {{"tangent_norm", DistanceMetric::tangent_norm},
-                                                   {"rotation", DistanceMetric::rotation},
-                                                   {"translation", DistanceMetric::translation},
-                                                   {"mahalanobis", DistanceMetric::mahalanobis}});
-  r.merge.rule = filter.get_enum_or<MergeRule>("merge_rule", r.merge.rule,
-                                               {{"midway", MergeRule::midway},
-                                                {"tangent_of_larger", MergeRule::tangent_of_larger},
-                                                {"moment_matched", MergeRule::moment_matched}});
-  r.merge.jacobian = filter.get_enum_or<TransportJacobian>(
-      "transport_jacobian", r.merge.jacobian,
-      {{"exact", TransportJacobian::exact}, {"bernoulli", TransportJacobian::bernoulli}});
+  r.prune_below =
+      filter.get_double_or("prune_below", r.prune_below, ReductionSettings::kPruneBelow);
+  r.pair = filter.get_enum_or("pair_rule", r.pair);
+  r.distance = filter.get_enum_or("distance", r.distance);
+  r.merge.rule = filter.get_enum_or("merge_rule", r.merge.rule);
+  r.merge.jacobian = filter.get_enum_or("transport_jacobian", r.merge.jacobian);
   return r;
 }
 
@@ -95,25 +80,15 @@ void refuse_smoothing(const TomlTable& filter) {
 }
 
 GaussianSumSettings read_gaussian_sum(const TomlTable& filter, GaussianSumSettings settings) {
-  settings.noise_use = filter.get_enum_or<NoiseUse>("noise_use", settings.noise_use,
-                                                    {{"per_object", NoiseUse::per_object},
-                                                     {"joint", NoiseUse::joint},
-                                                     {"most_likely", NoiseUse::most_likely}});
-  settings.update = filter.get_enum_or<UpdateRule>(
-      "update", settings.update,
-      {{"linearized", UpdateRule::linearized}, {"iterated", UpdateRule::iterated}});
-  settings.robust_loss =
-      filter.get_enum_or<RobustLoss>("robust_loss", settings.robust_loss,
-                                     {{"none", RobustLoss::none}, {"cauchy", RobustLoss::cauchy}});
+  settings.noise_use = filter.get_enum_or("noise_use", settings.noise_use);
+  settings.update = filter.get_enum_or("update", settings.update);
+  settings.robust_loss = filter.get_enum_or("robust_loss", settings.robust_loss);
   settings.cauchy_scale =
       filter.get_double_or("cauchy_scale", settings.cauchy_scale, {.lowest = 1e-3, .highest = 1e6});
   settings.gate_probability =
       filter.get_double_or("gate_probability", settings.gate_probability,
                            {.lowest = 0, .highest = 1, .without_lowest = true});
-  settings.summary = filter.get_enum_or<Summary>("summary", settings.summary,
-                                                 {{"best", Summary::best},
-                                                  {"merge_two_largest", Summary::merge_two_largest},
-                                                  {"whole_mixture", Summary::whole_mixture}});
+  settings.summary = filter.get_enum_or("summary", settings.summary);
   settings.reduction = read_reduction(filter, settings.reduction);
   return settings;
 }

@@ -31,30 +31,6 @@ std::string counted(Eigen::Index count, std::string_view what) {
 
 }  // namespace
 
-bool NumberRange::contains(double number) const {
-  const bool above = without_lowest ? number > lowest : number >= lowest;
-  const bool below = without_highest ? number < highest : number <= highest;
-  return above && below && std::isfinite(number);
-}
-
-std::string NumberRange::describe() const {
-  const bool no_highest = std::isinf(highest);
-  if (std::isinf(lowest) && no_highest) return "finite number";
-  if (lowest == 0 && no_highest)
-    return without_lowest ? "positive number" : "number that is not negative";
-  return fmt::format("number in {}{}, {}{}", without_lowest || std::isinf(lowest) ? '(' : '[',
-                     lowest, highest, without_highest || no_highest ? ')' : ']');
-}
-
-std::string IntegerRange::describe() const {
-  const bool no_lowest = lowest == std::numeric_limits<std::int64_t>::min();
-  const bool no_highest = highest == std::numeric_limits<std::int64_t>::max();
-  if (no_lowest && no_highest) return "integer";
-  if (no_highest) return fmt::format("integer of at least {}", lowest);
-  if (no_lowest) return fmt::format("integer of at most {}", highest);
-  return fmt::format("integer in [{}, {}]", lowest, highest);
-}
-
 TomlTable::TomlTable(std::shared_ptr<const TomlState> state, const TomlNode* node, std::string path)
     : state_(std::move(state)), node_(node), path_(std::move(path)) {}
 

@@ -6,12 +6,10 @@
 #include "posemix/base/error.hpp"
 #include "posemix/base/gaussian_cubature.hpp"
 #include "posemix/density/projected_operations.hpp"
-#include "rotation_of.hpp"
+#include "posemix/lie/rotation_of.hpp"
 
 namespace posemix {
 namespace {
-
-using internal::rotation_of;
 
 /// Weighted elements of a group.
 template <RotationOrPose G>

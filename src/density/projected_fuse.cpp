@@ -9,12 +9,10 @@
 #include "posemix/base/error.hpp"
 #include "posemix/base/units.hpp"
 #include "posemix/density/projected_operations.hpp"
-#include "rotation_of.hpp"
+#include "posemix/lie/rotation_of.hpp"
 
 namespace posemix {
 namespace {
-
-using internal::rotation_of;
 
 /// One factor of the product: its cost (y - mean)^T P^-1 (y - mean) / 2 as a function of the
 /// element, with derivatives in the chart at the element.

@@ -7,12 +7,10 @@
 #include <numbers>
 
 #include "posemix/density/projected_moments.hpp"
-#include "rotation_of.hpp"
+#include "posemix/lie/rotation_of.hpp"
 
 namespace posemix {
 namespace {
-
-using internal::rotation_of;
 
 /// y of PG_0 at an element.
 SO3d::Tangent zero_form(const SO3d&) { return SO3d::Tangent::Zero(); }
@@ -35,7 +33,7 @@ SO3d uniform_rotation(RandomStream& stream) {
 
 template <RotationOrPose G>
 ProjectedGaussian<G>::ProjectedGaussian(const SO3d& tangent_point, const Tangent& mean,
-                                        const Covariance& covariance, int /*unchecked*/)
+                                        const Covariance& covariance, internal::Unchecked /*tag*/)
     : tangent_point_(tangent_point),
       mean_(mean),
       covariance_(covariance),
@@ -46,7 +44,7 @@ template <RotationOrPose G>
 ProjectedGaussian<G>::ProjectedGaussian(const SO3d& tangent_point, const Tangent& mean,
                                         const Covariance& covariance)
     : ProjectedGaussian(tangent_point, mean, checked_covariance(covariance, G::Dof, "covariance"),
-                        0) {
+                        internal::Unchecked()) {
   if (!mean.allFinite()) throw InvalidInput("mean holds a value that is not finite");
 }
 
@@ -57,12 +55,12 @@ ProjectedGaussian<G>::ProjectedGaussian(const G& mean, const Covariance& covaria
 template <RotationOrPose G>
 ProjectedGaussian<G> ProjectedGaussian<G>::trusted(const SO3d& tangent_point, const Tangent& mean,
                                                    const Covariance& covariance) {
-  return ProjectedGaussian(tangent_point, mean, covariance, 0);
+  return ProjectedGaussian(tangent_point, mean, covariance, internal::Unchecked());
 }
 
 template <RotationOrPose G>
 ProjectedGaussian<G> ProjectedGaussian<G>::trusted(const G& mean, const Covariance& covariance) {
-  return ProjectedGaussian(rotation_of(mean), zero_form(mean), covariance, 0);
+  return ProjectedGaussian(rotation_of(mean), zero_form(mean), covariance, internal::Unchecked());
 }
 
 template <RotationOrPose G>

@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include <array>
 #include <cmath>
-
-#include <fmt/format.h>
-#include <Eigen/Eigenvalues>
 
 #include "posemix/base/error.hpp"
 #include "posemix/density/projected_operations.hpp"
+#include "split_gaussian.hpp"
 
 namespace posemix {
 namespace {
@@ -27,31 +24,6 @@ TranslationMoments given(const Vector6d& mean, const Matrix6d& covariance, Eigen
   symmetrize(left);
   return {mean.segment<3>(wanted) + gain * (value - mean.segment<3>(known)), left};
 }
-
-/// A standard normal density as three narrower ones: weights 1/6, 2/3, 1/6 at -a, 0, a keep mean,
-/// variance and fourth moment when a^2 = 3 (1 - s^2), s their standard deviation.
-constexpr double kNarrower = 0.7;
-const double kAway = std::sqrt(3.0 * (1.0 - kNarrower * kNarrower));
-
-struct TangentPiece {
-  double weight;
-  Eigen::VectorXd mean;
-  Eigen::MatrixXd covariance;
-};
-
-/// The piece split along the direction a of u in which its standard deviation is `spread`.
-std::array<TangentPiece, 3> split_along(const TangentPiece& piece, const Vector3d& a,
-                                        double spread) {
-  // Every coordinate moves with a^T u by regression.
-  const Eigen::VectorXd along = piece.covariance.leftCols(3) * a / spread;
-  const Eigen::MatrixXd narrower =
-      piece.covariance - (1.0 - kNarrower * kNarrower) * along * along.transpose();
-  return {TangentPiece{piece.weight / 6.0, piece.mean - kAway * along, narrower},
-          TangentPiece{piece.weight / 1.5, piece.mean, narrower},
-          TangentPiece{piece.weight / 6.0, piece.mean + kAway * along, narrower}};
-}
-
-constexpr std::size_t kMostPieces = 1000;
 
 }  // namespace
 
@@ -81,25 +53,9 @@ TranslationMoments translation_given_rotation(const ProjectedGaussian<SE3d>& den
 
 template <RotationOrPose G>
 std::vector<SplitPiece<G>> split(const ProjectedGaussian<G>& density, double max_spread) {
-  require(max_spread > 0.0, "split: max_spread must be positive");
-  std::vector<TangentPiece> open{{1.0, density.tangent_mean(), density.covariance()}};
   std::vector<SplitPiece<G>> pieces;
-  while (!open.empty()) {
-    if (open.size() + pieces.size() > kMostPieces) {
-      throw InvalidInput(fmt::format("split: more than {} pieces for a max_spread of {}",
-                                     kMostPieces, max_spread));
-    }
-    const TangentPiece piece = std::move(open.back());
-    open.pop_back();
-    const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(
-        Matrix3d(piece.covariance.topLeftCorner<3, 3>()));
-    const double spread = std::sqrt(eigen.eigenvalues()[2]);
-    if (spread > max_spread) {
-      for (auto& part : split_along(piece, eigen.eigenvectors().col(2), spread)) {
-        open.push_back(std::move(part));
-      }
-      continue;
-    }
+  for (const auto& piece : internal::split_gaussian<Eigen::VectorXd, Eigen::MatrixXd>(
+           density.tangent_mean(), density.covariance(), max_spread)) {
     const auto in_chart =
         ProjectedGaussian<G>::trusted(density.tangent_point(), typename G::Tangent(piece.mean),
                                       typename G::TangentMatrix(piece.covariance));

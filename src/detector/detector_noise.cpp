@@ -28,17 +28,7 @@ Matrix6d with_range(Matrix6d covariance, double range) {
 
 }  // namespace
 
-std::string_view name_of(NoiseFrame frame) {
-  switch (frame) {
-    case NoiseFrame::object:
-      return "object";
-    case NoiseFrame::camera:
-      return "camera";
-    case NoiseFrame::ray:
-      return "ray";
-  }
-  return "";
-}
+std::string_view name_of(NoiseFrame frame) { return word_of(frame); }
 
 ViewingRay viewing_ray(const SE3d& camera_mode) {
   const Eigen::Vector3d& ray = camera_mode.translation();

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <Eigen/Eigenvalues>
 
+#include "density/split_gaussian.hpp"
 #include "density_fit.hpp"
 #include "posemix/density/operations.hpp"
 
@@ -29,68 +30,13 @@ SE3d::TangentMatrix linear_map(const SE3d& element) {
   return a;
 }
 
-/// A standard normal density as three narrower ones: weights 1/6, 2/3, 1/6 at -a, 0, a keep the
-/// moments up to the fifth when a^2 = 3 (1 - s^2), s their standard deviation. The divergence is
-/// 0.0013.
-constexpr double kNarrower = 0.7;
-const std::array<double, 3> kPlaces{-std::sqrt(3.0 * (1.0 - kNarrower * kNarrower)), 0.0,
-                                    std::sqrt(3.0 * (1.0 - kNarrower * kNarrower))};
-constexpr std::array<double, 3> kShares{1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0};
-constexpr std::size_t kMostPieces = 1000;
-
-/// A part of a Gaussian in a vector space.
-template <class G>
-struct Part {
-  double log_weight;
-  typename G::Tangent mean;
-  typename G::TangentMatrix covariance;
-};
-
-/// Largest standard deviation of the first three coordinates, and its direction.
-template <class Matrix>
-std::pair<double, Eigen::Vector3d> widest(const Matrix& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(
-      Eigen::Matrix3d(covariance.template topLeftCorner<3, 3>()));
-  return {std::sqrt(axes.eigenvalues()[2]), axes.eigenvectors().col(2)};
-}
-
-/// The parts of a Gaussian, none wider than `max_spread` in the first three coordinates.
-template <class G>
-std::vector<Part<G>> parts_of(const typename G::Tangent& mean,
-                              const typename G::TangentMatrix& covariance, double max_spread) {
-  require(max_spread > 0.0, "split: max_spread must be positive");
-  std::vector<Part<G>> open{{0.0, mean, covariance}};
-  std::vector<Part<G>> parts;
-  while (!open.empty()) {
-    if (open.size() + parts.size() > kMostPieces) {
-      throw InvalidInput(fmt::format("split: more than {} pieces for a max_spread of {}",
-                                     kMostPieces, max_spread));
-    }
-    const Part<G> part = open.back();
-    open.pop_back();
-    const auto [spread, axis] = widest(part.covariance);
-    if (spread <= max_spread) {
-      parts.push_back(part);
-      continue;
-    }
-    // Every coordinate moves with the axis by regression.
-    const typename G::Tangent along = part.covariance.template leftCols<3>() * axis / spread;
-    const typename G::TangentMatrix narrower =
-        part.covariance - (1.0 - kNarrower * kNarrower) * along * along.transpose();
-    for (std::size_t i = 0; i < 3; ++i) {
-      open.push_back(
-          {part.log_weight + std::log(kShares[i]), part.mean + kPlaces[i] * along, narrower});
-    }
-  }
-  return parts;
-}
-
 /// The pieces of a density, still in its own tangent space.
 template <RotationOrPose G>
 std::vector<Component<TangentGaussian<G>>> pieces_of(const ConcentratedGaussian<G>& density,
                                                      double max_spread) {
   std::vector<Component<TangentGaussian<G>>> pieces;
-  for (const auto& part : parts_of<G>(G::Tangent::Zero(), density.covariance(), max_spread)) {
+  for (const auto& part : internal::split_gaussian<typename G::Tangent, typename G::TangentMatrix>(
+           G::Tangent::Zero(), density.covariance(), max_spread)) {
     pieces.push_back({part.log_weight, {density.mean(), part.mean, part.covariance}});
   }
   return pieces;
@@ -99,7 +45,8 @@ template <RotationOrPose G>
 std::vector<Component<ProjectedGaussian<G>>> pieces_of(const ProjectedGaussian<G>& density,
                                                        double max_spread) {
   std::vector<Component<ProjectedGaussian<G>>> pieces;
-  for (const auto& part : parts_of<G>(density.tangent_mean(), density.covariance(), max_spread)) {
+  for (const auto& part : internal::split_gaussian<typename G::Tangent, typename G::TangentMatrix>(
+           density.tangent_mean(), density.covariance(), max_spread)) {
     const auto piece =
         ProjectedGaussian<G>::trusted(density.tangent_point(), part.mean, part.covariance);
     // N / C is the sum of w_i C_i / C times N_i / C_i.
@@ -201,7 +148,7 @@ class Converter {
   }
 
   ConvertedComponent<To> convert(const From& density, std::size_t index) {
-    double spread = widest(density.covariance()).first;
+    double spread = internal::widest(density.covariance()).first;
     ConvertedComponent<To> best = convert(density, pieces_of(density, spread));
     if (best.kl <= settings_.max_kl || settings_.on_large_loss == LargeLoss::accept) return best;
     if (settings_.on_large_loss == LargeLoss::refuse) {

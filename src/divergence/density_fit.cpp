@@ -84,9 +84,6 @@ bool descend(View& view, Element& at, Look&& look, Move&& move) {
   return false;
 }
 
-const SO3d& rotation_of(const SO3d& element) { return element; }
-const SO3d& rotation_of(const SE3d& element) { return element.rotation(); }
-
 /// The points in the chart at a tangent point, and minus the mean log likelihood that is left once
 /// everything but the tangent point is the best.
 template <RotationOrPose G>

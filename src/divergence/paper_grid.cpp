@@ -29,7 +29,7 @@ struct GridPeak {
 struct GridPoint {
   Vector3d xi = Vector3d::Zero();
   double half_cot = 0.0;
-  double rest = 0.0;
+  double d = 0.0;
   double log_det = 0.0;  ///< log |J_l(xi)|
 };
 
@@ -37,7 +37,7 @@ struct GridPoint {
 Vector3d combined(const GridPoint& point, const Vector3d& d) {
   const Vector3d& x = point.xi;
   const Vector3d jacobian_part =
-      point.half_cot * d + (point.rest * x.dot(d)) * x - 0.5 * x.cross(d);
+      point.half_cot * d + (point.d * x.dot(d)) * x - 0.5 * x.cross(d);
   const Vector3d dx = d.cross(x);
   const Vector3d ddx = d.cross(dx);
   const Vector3d xdx = x.cross(dx);
@@ -82,7 +82,7 @@ std::vector<GridPoint> grid_shells(int reach, double step) {
   for (std::size_t n = 0; n < shells.size(); ++n) {
     const double length = step * std::sqrt(static_cast<double>(n));
     const auto c = small_angle::inverse_jacobian_coefficients(length * length);
-    shells[n] = {Vector3d::Zero(), c.half_cot, c.rest,
+    shells[n] = {Vector3d::Zero(), c.half_cot, c.d,
                  SO3d::log_abs_det_left_jacobian({length, 0.0, 0.0})};
   }
   return shells;

@@ -4,11 +4,10 @@
 
 #include <cmath>
 
+#include "posemix/lie/rotation_of.hpp"
+
 namespace posemix {
 namespace {
-
-const SO3d& rotation_of(const SO3d& element) { return element; }
-const SO3d& rotation_of(const SE3d& element) { return element.rotation(); }
 
 /// Two densities in the tangent space at the rotation that is `share` of the way between the modes.
 template <RotationOrPose G>

@@ -23,11 +23,12 @@ enum class PointRule {
   quadrature  ///< the product of three Gauss-Hermite rules of eleven nodes
 };
 
-/// Points of a density; for a pose every rotation with six translations, which have the mean and
-/// the covariance of the translation given the rotation. For a Gaussian in a tangent space those
-/// beyond `kReach` from its centre are left out, where a projected Gaussian's coordinates grow
-/// without limit.
+/// The angle from the centre of a Gaussian in a tangent space beyond which points are left out
+/// [rad]: there the coordinates of a projected Gaussian grow without limit.
 inline constexpr double kReach = 150.0 * std::numbers::pi / 180.0;
+
+/// The quadrature points of a density, within kReach. For a pose every rotation comes with six
+/// translations, which have the mean and the covariance of the translation given the rotation.
 template <RotationOrPose G>
 QuadraturePoints<G> quadrature_points(const TangentGaussian<G>& density, PointRule rule);
 template <RotationOrPose G>

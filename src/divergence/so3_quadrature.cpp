@@ -53,19 +53,26 @@ double largest_density(const RotationPair& pair) {
   return largest;
 }
 
-/// By the smooth form, or where that cancels by the non-negative one.
-DivergenceEstimate best_of(const RotationPair& pair, DensityFactor smooth, Centres centres,
-                           DensityFactor positive, double peak_density,
-                           const RotationQuadratureSettings& settings, bool& cancels) {
+/// An integral, and by which of its two forms it was computed.
+struct BestForm {
+  DivergenceEstimate estimate;
+  bool cancelled;  ///< the smooth form cancelled, so the non-negative one was used
+};
+
+/// An integral by its smooth form, or where that cancels by the non-negative one.
+BestForm best_of(const RotationPair& pair, DensityFactor smooth, Centres centres,
+                 DensityFactor positive, double peak_density,
+                 const RotationQuadratureSettings& settings) {
   const auto axis = common_axis(pair);
   BallIntegral direct(pair, smooth, centres, axis, settings.relative_tolerance);
   const RayIntegral first = direct.total();
-  cancels = std::abs(first.value) < kCancellation * first.absolute;
-  if (!cancels) return refined(direct, peak_density, settings);
+  if (!(std::abs(first.value) < kCancellation * first.absolute)) {
+    return {refined(direct, peak_density, settings), false};
+  }
   BallIntegral gap(pair, positive, Centres::mean, axis, settings.relative_tolerance);
   DivergenceEstimate estimate = refined(gap, peak_density, settings);
   estimate.evaluations += first.evaluations;
-  return estimate;
+  return {estimate, true};
 }
 
 }  // namespace
@@ -75,10 +82,8 @@ DivergenceEstimate kl(const RotationDensity& p, const RotationDensity& q,
                       const RotationQuadratureSettings& settings) {
   using namespace internal;
   const RotationPair pair = checked_pair(p, q, settings);
-  bool cancels = false;
-  DivergenceEstimate estimate =
-      best_of(pair, log_ratio, Centres::of_p, gap_factor, 1.0, settings, cancels);
-  if (!cancels) return estimate;
+  auto [estimate, cancelled] = best_of(pair, log_ratio, Centres::of_p, gap_factor, 1.0, settings);
+  if (!cancelled) return estimate;
   const double allowed = settings.relative_tolerance * std::abs(estimate.value);
   const RayIntegral masses = missing_mass_gap(pair, 0.1 * allowed);
   estimate.value += masses.value;
@@ -90,18 +95,18 @@ DivergenceEstimate kl(const RotationDensity& p, const RotationDensity& q,
 DivergenceEstimate symmetric_kl(const RotationDensity& p, const RotationDensity& q,
                                 const RotationQuadratureSettings& settings) {
   using namespace internal;
-  bool cancels = false;
   return best_of(checked_pair(p, q, settings), log_ratio, Centres::difference, symmetric_factor,
-                 1.0, settings, cancels);
+                 1.0, settings)
+      .estimate;
 }
 
 DivergenceEstimate isd(const RotationDensity& p, const RotationDensity& q,
                        const RotationQuadratureSettings& settings) {
   using namespace internal;
   const RotationPair pair = checked_pair(p, q, settings);
-  bool cancels = false;
   return best_of(pair, density_gap, Centres::difference, square_factor, largest_density(pair),
-                 settings, cancels);
+                 settings)
+      .estimate;
 }
 
 }  // namespace posemix

@@ -19,6 +19,7 @@
 #include "posemix/base/sobol.hpp"
 #include "posemix/density/projected_operations.hpp"
 #include "posemix/divergence/conversion.hpp"
+#include "posemix/mixture/log_weights.hpp"
 
 namespace posemix {
 namespace {
@@ -198,11 +199,8 @@ class Ascent {
 /// Indices of the heaviest components, heaviest first.
 template <class D>
 std::vector<std::size_t> heaviest(const Mixture<D>& mixture, std::size_t count) {
-  std::vector<std::size_t> order(mixture.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return mixture[a].log_weight > mixture[b].log_weight;
-  });
+  std::vector<std::size_t> order =
+      heaviest_first(mixture.size(), [&](std::size_t i) { return mixture[i].log_weight; });
   order.resize(std::min(count, order.size()));
   return order;
 }

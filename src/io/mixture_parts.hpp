@@ -2,10 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 #pragma once
 
-#include <array>
-#include <span>
 #include <string_view>
-#include <utility>
 
 #include "posemix/io/mixture_file.hpp"
 #include "posemix/io/rigid.hpp"
@@ -20,21 +17,6 @@ inline constexpr std::string_view kProjectedWord = "projected";
 /// Unit of u of projected Gaussians, tan(theta/2).
 inline constexpr std::string_view kProjectedUnit = "tan_half_angle";
 inline constexpr std::size_t kLongestFrameName = 100;
-
-template <class Value>
-using Words = std::array<std::pair<std::string_view, Value>, 2>;
-
-inline constexpr Words<Side> kSides{{{"left", Side::left}, {"right", Side::right}}};
-inline constexpr Words<TangentOrder> kOrders{
-    {{"rotation_translation", TangentOrder::rotation_translation},
-     {"translation_rotation", TangentOrder::translation_rotation}}};
-inline constexpr Words<AngleUnit> kAngleUnits{{{"rad", AngleUnit::rad}, {"deg", AngleUnit::deg}}};
-inline constexpr Words<LengthUnit> kLengthUnits{{{"m", LengthUnit::m}, {"mm", LengthUnit::mm}}};
-
-template <class Value>
-std::string_view word_of(const Words<Value>& words, Value value) {
-  return words[0].second == value ? words[0].first : words[1].first;
-}
 
 /// Metres per unit of length.
 double metres_per_unit(LengthUnit unit);

@@ -35,14 +35,15 @@ Json document(std::string_view text, const std::string& name) {
   }
 }
 
-template <class Value>
-Value value_of(const Words<Value>& words, const JsonPlace& place) {
+template <Spelled Value>
+Value value_of(const JsonPlace& place) {
   const std::string got = place.string();
-  for (const auto& [word, value] : words) {
+  for (const auto& [word, value] : words<Value>) {
     if (got == word) return value;
   }
-  place.fail(in_quotes(got),
-             fmt::format("{} or {}", in_quotes(words[0].first), in_quotes(words[1].first)));
+  static_assert(words<Value>.size() == 2);
+  place.fail(in_quotes(got), fmt::format("{} or {}", in_quotes(words<Value>[0].first),
+                                         in_quotes(words<Value>[1].first)));
 }
 
 /// The name of the key "distribution" in the release before.
@@ -84,14 +85,14 @@ MixtureConvention read_convention(const JsonPlace& root, bool projected) {
   MixtureConvention convention;
   const JsonPlace units = root.member("units");
   units.require_only({"rotation", "translation"});
-  convention.order = value_of(kOrders, root.member("order"));
-  convention.length = value_of(kLengthUnits, units.member("translation"));
-  convention.side = value_of(kSides, root.member("side"));
+  convention.order = value_of<TangentOrder>(root.member("order"));
+  convention.length = value_of<LengthUnit>(units.member("translation"));
+  convention.side = value_of<Side>(root.member("side"));
   if (projected) {
-    root.member("side").require_word(word_of(kSides, Side::right));
+    root.member("side").require_word(word_of(Side::right));
     units.member("rotation").require_word(kProjectedUnit);
   } else {
-    convention.angle = value_of(kAngleUnits, units.member("rotation"));
+    convention.angle = value_of<AngleUnit>(units.member("rotation"));
   }
   return convention;
 }

@@ -101,17 +101,16 @@ std::string format_mixture(const MixtureFile& file, const MixtureConvention& con
     stated.side = Side::right;
     stated.angle = AngleUnit::rad;
   }
-  const Json head = {
-      {"schema", kMixtureSchema},
-      {"type", kMixtureType},
-      {"group", kMixtureGroup},
-      {"distribution", projected ? kProjectedWord : kConcentratedWord},
-      {"side", word_of(kSides, stated.side)},
-      {"order", word_of(kOrders, stated.order)},
-      {"units",
-       {{"rotation", projected ? kProjectedUnit : word_of(kAngleUnits, stated.angle)},
-        {"translation", word_of(kLengthUnits, stated.length)}}},
-      {"frames", {{"from", file.frames.from}, {"to", file.frames.to}}}};
+  const Json head = {{"schema", kMixtureSchema},
+                     {"type", kMixtureType},
+                     {"group", kMixtureGroup},
+                     {"distribution", projected ? kProjectedWord : kConcentratedWord},
+                     {"side", word_of(stated.side)},
+                     {"order", word_of(stated.order)},
+                     {"units",
+                      {{"rotation", projected ? kProjectedUnit : word_of(stated.angle)},
+                       {"translation", word_of(stated.length)}}},
+                     {"frames", {{"from", file.frames.from}, {"to", file.frames.to}}}};
   std::string text = "{\n";
   for (const auto& [key, value] : head.items()) {
     text += fmt::format("  \"{}\": {},\n", key, value.dump());

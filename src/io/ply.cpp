@@ -167,10 +167,6 @@ std::vector<Eigen::Vector3d> parse_ply_vertices(std::string_view bytes, const st
   return take_vertices(body, header.elements.front(), name, unit_m);
 }
 
-std::vector<Eigen::Vector3d> read_ply_vertices(const std::filesystem::path& path, double unit_m) {
-  return parse_ply_vertices(read_file(path), path.string(), unit_m);
-}
-
 PlyMesh parse_ply_mesh(std::string_view bytes, const std::string& name, double unit_m) {
   const PlyHeader header = parse_ply_header(bytes, name);
   PlyBody body(header, name);

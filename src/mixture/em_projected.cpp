@@ -8,12 +8,10 @@
 #include <Eigen/Eigenvalues>
 
 #include "posemix/lie/mean.hpp"
+#include "posemix/lie/rotation_of.hpp"
 
 namespace posemix {
 namespace {
-
-const SO3d& rotation_of(const SO3d& element) { return element; }
-const SO3d& rotation_of(const SE3d& element) { return element.rotation(); }
 
 /// The part of y beyond u.
 void put_translation(const SO3d&, SO3d::Tangent&) {}

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include "posemix/lie/rotation_of.hpp"
 #include "posemix/reduction/merge.hpp"
 
 namespace posemix {
 namespace {
-
-const SO3d& rotation_of(const SO3d& element) { return element; }
-const SO3d& rotation_of(const SE3d& element) { return element.rotation(); }
 
 /// The density with u = 0 as its mean, which it is already up to rounding.
 template <RotationOrPose G>

@@ -7,9 +7,10 @@
 
 #include <fmt/format.h>
 #include <Eigen/Cholesky>
-#include <boost/math/distributions/chi_squared.hpp>
 
 #include "posemix/base/error.hpp"
+#include "posemix/base/range.hpp"
+#include "posemix/base/statistics.hpp"
 
 namespace posemix {
 namespace {
@@ -18,9 +19,8 @@ namespace {
 constexpr double kImpossible = 1e6;
 
 double chi_squared_of_three(double probability, const char* name) {
-  if (!(probability > 0.0 && probability < 1.0))
-    throw InvalidInput(fmt::format("{} is {}, expected a number in (0, 1)", name, probability));
-  return boost::math::quantile(boost::math::chi_squared(3.0), probability);
+  kOpenUnitInterval.check(probability, name);
+  return chi_square_quantile(probability, 3);
 }
 
 /// One instance and what a detection of it looks like.

@@ -103,7 +103,7 @@ TEST_F(MixtureCommands, ReduceReportsWhatItLoses) {
             1U);
   expect_error("posemix reduce mug.json --to 0", 2, "--to");
   expect_error("posemix reduce mug.json --pair nearest", 2,
-               "--pair: got nearest, expected weighted_symmetric_kl|");
+               "--pair: got nearest, expected largest_with_smallest|");
 }
 
 TEST_F(MixtureCommands, APipeOfThree) {

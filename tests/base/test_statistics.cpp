@@ -27,6 +27,15 @@ TEST(Statistics, Median) {
   EXPECT_DOUBLE_EQ(median(std::array{4.0, 1.0, 2.0, 3.0}), 2.5);
 }
 
+// With two degrees of freedom the distribution function is 1 - exp(-x / 2).
+TEST(Statistics, ChiSquareQuantilesOfTwoDegreesOfFreedom) {
+  for (const double p : {0.05, 0.5, 0.997}) {
+    EXPECT_NEAR(chi_square_quantile(p, 2), -2.0 * std::log1p(-p), 1e-12);
+  }
+  EXPECT_THROW(chi_square_quantile(1.0, 2), InvalidInput);
+  EXPECT_THROW(chi_square_quantile(0.5, 0), InvalidInput);
+}
+
 // Bands of 100 runs as in the notes on the Monte-Carlo study: 1200 and 600 degrees of freedom.
 TEST(Statistics, ChiSquareBands) {
   const auto state = chi_square_band(100, 12);

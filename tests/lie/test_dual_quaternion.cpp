@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include "posemix/lie/dual_quaternion.hpp"
+#include "dual_quaternion.hpp"
 
 #include <limits>
 #include <numbers>

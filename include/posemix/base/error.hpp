@@ -19,4 +19,11 @@ inline void require(bool condition, const char* message) {
   if (!condition) throw InvalidInput(message);
 }
 
+namespace internal {
+
+/// Tag of the constructors that take their arguments unchecked.
+struct Unchecked {};
+
+}  // namespace internal
+
 }  // namespace posemix

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <utility>
 
@@ -18,6 +19,11 @@ MeanWithError mean_with_error(std::span<const double> values);
 double mean(std::span<const double> values);
 
 double median(std::span<const double> values);
+
+/// The value below which a chi-square distributed number of `dof` degrees of freedom lies with the
+/// probability.
+/// @throws InvalidInput when the probability is not in (0, 1) or dof is zero
+double chi_square_quantile(double probability, std::size_t dof);
 
 /// The interval in which the mean of `count` normalised squared errors of `dof` degrees of freedom
 /// lies with probability 0.95 when the errors are independent and the covariances right: quantiles

@@ -2,10 +2,10 @@
 // SPDX-FileCopyrightText: posemix contributors
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <initializer_list>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -16,41 +16,14 @@
 
 #include <Eigen/Core>
 
+#include "posemix/base/range.hpp"
+#include "posemix/base/words.hpp"
+
 /// Checked reading of TOML: every error names file, line and key, and no key goes unread.
 namespace posemix {
 
 struct TomlNode;
 struct TomlState;
-
-/// The interval that a number of a document must lie in.
-struct NumberRange {
-  double lowest = -std::numeric_limits<double>::infinity();
-  double highest = std::numeric_limits<double>::infinity();
-  bool without_lowest = false;   ///< the lower end itself is not allowed
-  bool without_highest = false;  ///< the upper end itself is not allowed
-
-  bool contains(double number) const;
-  /// "number", "positive number", "number in [0, 1]", ...
-  std::string describe() const;
-};
-
-inline constexpr NumberRange kAnyNumber{};
-inline constexpr NumberRange kPositive{.lowest = 0, .without_lowest = true};
-inline constexpr NumberRange kNotNegative{.lowest = 0};
-inline constexpr NumberRange kUnitInterval{.lowest = 0, .highest = 1};
-
-/// The interval that an integer of a document must lie in.
-struct IntegerRange {
-  std::int64_t lowest = std::numeric_limits<std::int64_t>::min();
-  std::int64_t highest = std::numeric_limits<std::int64_t>::max();
-
-  /// "integer", "integer of at least 1", "integer in [0, 9]", ...
-  std::string describe() const;
-};
-
-inline constexpr IntegerRange kAnyInteger{};
-inline constexpr IntegerRange kAtLeastOne{.lowest = 1};
-inline constexpr IntegerRange kAtLeastZero{.lowest = 0};
 
 /// A table of a TomlDocument, by which its values are read. Cheap to copy; keeps the document's
 /// values alive, but is void after TomlDocument::apply_override.
@@ -103,6 +76,12 @@ class TomlTable {
   template <typename Value>
   Value get_enum_or(std::string_view key, Value otherwise,
                     std::initializer_list<std::pair<std::string_view, Value>> choices) const;
+
+  /// The value that belongs to a word of the enum's own (`words<Value>`).
+  template <Spelled Value>
+  Value get_enum(std::string_view key) const;
+  template <Spelled Value>
+  Value get_enum_or(std::string_view key, Value otherwise) const;
 
   /// An array of `size` finite numbers (of any size where not given), each within the range.
   Eigen::VectorXd get_vector(std::string_view key, std::optional<Eigen::Index> size = {},
@@ -203,6 +182,18 @@ Value TomlTable::get_enum(std::string_view key,
   std::vector<std::string_view> words;
   for (const auto& choice : choices) words.push_back(choice.first);
   return (choices.begin() + get_word(key, words))->second;
+}
+
+template <Spelled Value>
+Value TomlTable::get_enum(std::string_view key) const {
+  std::array<std::string_view, words<Value>.size()> allowed;
+  for (std::size_t i = 0; i < allowed.size(); ++i) allowed[i] = words<Value>[i].first;
+  return words<Value>[get_word(key, allowed)].second;
+}
+
+template <Spelled Value>
+Value TomlTable::get_enum_or(std::string_view key, Value otherwise) const {
+  return has(key) ? get_enum<Value>(key) : otherwise;
 }
 
 template <typename Value>

@@ -37,7 +37,7 @@ class ConcentratedGaussian {
 
   /// The same without the checks, for results of computations that preserve the invariants.
   static ConcentratedGaussian trusted(G mean, Covariance covariance) {
-    return ConcentratedGaussian(std::move(mean), std::move(covariance), 0);
+    return ConcentratedGaussian(std::move(mean), std::move(covariance), internal::Unchecked());
   }
 
   const G& mean() const { return mean_; }
@@ -69,7 +69,7 @@ class ConcentratedGaussian {
   };
 
  private:
-  ConcentratedGaussian(G mean, Covariance covariance, int /*unchecked*/)
+  ConcentratedGaussian(G mean, Covariance covariance, internal::Unchecked /*tag*/)
       : mean_(std::move(mean)), covariance_(std::move(covariance)) {}
 
   G mean_;

@@ -93,7 +93,7 @@ class ProjectedGaussian {
 
  private:
   ProjectedGaussian(const SO3d& tangent_point, const Tangent& mean, const Covariance& covariance,
-                    int unchecked);
+                    internal::Unchecked tag);
 
   SO3d tangent_point_;
   Tangent mean_;

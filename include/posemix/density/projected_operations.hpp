@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "posemix/base/words.hpp"
 #include "posemix/density/projected_gaussian.hpp"
 
 /// Operations on projected Gaussians: fuse, compose, invert, move, take parts.
@@ -17,6 +18,13 @@ enum class FusionRule {
   jacobian  ///< both moved to the chart at the rotation halfway (MPG paper, eq. 14-16); small
             ///< angles only
 };
+
+/// The words of FusionRule in files and options.
+template <>
+inline constexpr WordTable<FusionRule, 2> words<FusionRule>{{
+    {"mode", FusionRule::mode},
+    {"jacobian", FusionRule::jacobian},
+}};
 
 /// Settings of `fuse` for projected Gaussians.
 struct ProjectedFuseSettings {
@@ -81,6 +89,14 @@ enum class CompositionRule {
   third_degree_cubature,
   jacobian  ///< linearised at the modes (MPG paper, eq. 17)
 };
+
+/// The words of CompositionRule in files and options.
+template <>
+inline constexpr WordTable<CompositionRule, 3> words<CompositionRule>{{
+    {"cubature", CompositionRule::cubature},
+    {"third_degree_cubature", CompositionRule::third_degree_cubature},
+    {"jacobian", CompositionRule::jacobian},
+}};
 
 /// The density of X Y for independent X and Y (MPG paper, gamma, eq. 17, dq3 = dq2 dq1 with X = 2,
 /// Y = 1), PG_0.

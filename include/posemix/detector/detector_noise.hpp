@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "posemix/base/linear.hpp"
+#include "posemix/base/words.hpp"
 #include "posemix/lie/lie.hpp"
 #include "posemix/lie/pose_covariance.hpp"
 
@@ -21,6 +22,14 @@ enum class NoiseFrame {
   ray      ///< the same with n along the camera's axes after the shortest turn that takes z to the
            ///< viewing ray (from the camera to the mode), and its translation in units of the range
 };
+
+/// The words of NoiseFrame in files and options.
+template <>
+inline constexpr WordTable<NoiseFrame, 3> words<NoiseFrame>{{
+    {"object", NoiseFrame::object},
+    {"camera", NoiseFrame::camera},
+    {"ray", NoiseFrame::ray},
+}};
 
 /// "object", "camera" or "ray".
 std::string_view name_of(NoiseFrame frame);

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "posemix/base/words.hpp"
 #include "posemix/density/concentrated_gaussian.hpp"
 #include "posemix/density/projected_gaussian.hpp"
 #include "posemix/divergence/monte_carlo.hpp"
@@ -26,6 +27,14 @@ enum class ConversionRule {
   /// they are cut off at the quadrature's last node.
   maximum_likelihood
 };
+
+/// The words of ConversionRule in files and options.
+template <>
+inline constexpr WordTable<ConversionRule, 3> words<ConversionRule>{{
+    {"maximum_likelihood", ConversionRule::maximum_likelihood},
+    {"cubature", ConversionRule::cubature},
+    {"linear", ConversionRule::linear},
+}};
 
 /// One converted density.
 template <class D>
@@ -60,6 +69,14 @@ enum class LargeLoss {
   refuse,  ///< InvalidInput
   accept
 };
+
+/// The words of LargeLoss in files and options.
+template <>
+inline constexpr WordTable<LargeLoss, 3> words<LargeLoss>{{
+    {"split", LargeLoss::split},
+    {"refuse", LargeLoss::refuse},
+    {"accept", LargeLoss::accept},
+}};
 
 /// Settings of the conversion of mixtures.
 struct ConversionSettings {

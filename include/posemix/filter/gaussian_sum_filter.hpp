@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "posemix/base/words.hpp"
 #include "posemix/filter/iterated_update.hpp"
 #include "posemix/filter/predict.hpp"
 #include "posemix/filter/robust_update.hpp"
@@ -26,12 +27,27 @@ enum class NoiseUse {
                ///< enters by its detector's heaviest component.
 };
 
+/// The words of NoiseUse in files and options.
+template <>
+inline constexpr WordTable<NoiseUse, 3> words<NoiseUse>{{
+    {"per_object", NoiseUse::per_object},
+    {"joint", NoiseUse::joint},
+    {"most_likely", NoiseUse::most_likely},
+}};
+
 /// How one hypothesis is updated.
 enum class UpdateRule {
   linearized,  ///< by `update`, linearized at the prior mean (the midway paper's filter)
   iterated     ///< by `iterated_update`, consistent also when the odometry is worse than the
                ///< detector
 };
+
+/// The words of UpdateRule in files and options.
+template <>
+inline constexpr WordTable<UpdateRule, 2> words<UpdateRule>{{
+    {"linearized", UpdateRule::linearized},
+    {"iterated", UpdateRule::iterated},
+}};
 
 /// What is reported as the estimate.
 enum class Summary {
@@ -40,6 +56,14 @@ enum class Summary {
                       ///< paper's filter)
   whole_mixture       ///< the merge of all hypotheses
 };
+
+/// The words of Summary in files and options.
+template <>
+inline constexpr WordTable<Summary, 3> words<Summary>{{
+    {"best", Summary::best},
+    {"merge_two_largest", Summary::merge_two_largest},
+    {"whole_mixture", Summary::whole_mixture},
+}};
 
 /// Settings of the filter.
 struct GaussianSumSettings {

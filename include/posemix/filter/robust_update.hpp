@@ -5,6 +5,7 @@
 #include <functional>
 #include <span>
 
+#include "posemix/base/words.hpp"
 #include "posemix/filter/update.hpp"
 
 namespace posemix {
@@ -14,6 +15,13 @@ enum class RobustLoss {
   none,   ///< the squared Mahalanobis distance of a Gaussian
   cauchy  ///< c^2 log(1 + d^2 / c^2), see `cauchy_update`
 };
+
+/// The words of RobustLoss in files and options.
+template <>
+inline constexpr WordTable<RobustLoss, 2> words<RobustLoss>{{
+    {"none", RobustLoss::none},
+    {"cauchy", RobustLoss::cauchy},
+}};
 
 /// The scale c at which an estimate under the Cauchy loss has 95 % of the efficiency of the
 /// Gaussian one on Gaussian errors in six dimensions (for one dimension the known 2.385).

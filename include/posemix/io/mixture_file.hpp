@@ -9,6 +9,7 @@
 #include <variant>
 #include <vector>
 
+#include "posemix/base/words.hpp"
 #include "posemix/density/projected_gaussian.hpp"
 #include "posemix/mixture/operations.hpp"
 
@@ -47,11 +48,40 @@ enum class Side {
   right  ///< X = X0 Exp(delta)
 };
 
+/// The words of Side in files and options.
+template <>
+inline constexpr WordTable<Side, 2> words<Side>{{
+    {"left", Side::left},
+    {"right", Side::right},
+}};
+
 /// Order of a tangent vector's halves.
 enum class TangentOrder { rotation_translation, translation_rotation };
 
+/// The words of TangentOrder in files and options.
+template <>
+inline constexpr WordTable<TangentOrder, 2> words<TangentOrder>{{
+    {"rotation_translation", TangentOrder::rotation_translation},
+    {"translation_rotation", TangentOrder::translation_rotation},
+}};
+
 enum class AngleUnit { rad, deg };
+
+/// The words of AngleUnit in files and options.
+template <>
+inline constexpr WordTable<AngleUnit, 2> words<AngleUnit>{{
+    {"rad", AngleUnit::rad},
+    {"deg", AngleUnit::deg},
+}};
+
 enum class LengthUnit { m, mm };
+
+/// The words of LengthUnit in files and options.
+template <>
+inline constexpr WordTable<LengthUnit, 2> words<LengthUnit>{{
+    {"m", LengthUnit::m},
+    {"mm", LengthUnit::mm},
+}};
 
 /// How a file states what the library holds in the first value of each.
 struct MixtureConvention {

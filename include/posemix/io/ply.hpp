@@ -22,9 +22,6 @@ namespace posemix {
 std::vector<Eigen::Vector3d> parse_ply_vertices(std::string_view bytes, const std::string& name,
                                                 double unit_m);
 
-/// As parse_ply_vertices, for a file.
-std::vector<Eigen::Vector3d> read_ply_vertices(const std::filesystem::path& path, double unit_m);
-
 /// A triangle mesh.
 struct PlyMesh {
   std::vector<Eigen::Vector3d> vertices;

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "posemix/base/words.hpp"
 #include "posemix/io/mixture_file.hpp"
 #include "posemix/lie/lie.hpp"
 
@@ -20,6 +21,14 @@ enum class PoseFormat {
   csv,  ///< a header and columns tx, ty, tz, qx, qy, qz, qw
   npy   ///< shape (n, 7), rows as in csv, or (n, 4, 4)
 };
+
+/// The words of PoseFormat in files and options.
+template <>
+inline constexpr WordTable<PoseFormat, 3> words<PoseFormat>{{
+    {"csv", PoseFormat::csv},
+    {"tum", PoseFormat::tum},
+    {"npy", PoseFormat::npy},
+}};
 
 /// The format that the end of a file's name says: .csv, .npy, .tum or .txt.
 std::optional<PoseFormat> pose_format_of(std::string_view name);

@@ -137,24 +137,24 @@ SE3<S> SE3<S>::exp(const Tangent& xi) {
   const Vector3 rho = xi.template tail<3>();
   const Scalar u = phi.squaredNorm();
   const auto half = small_angle::cosine_and_sinc(Scalar(u / Scalar(4)));
-  // J_l rho = sinc rho + cosc phi x rho + rest phi phi^T rho by double-angle formulas. Cancellation
-  // in 1 - sinc leaves an error of the size of rounding in sinc rho, whatever the angle.
-  const Scalar sinc = half.sinc * half.cosine;
-  const Scalar cosc = half.sinc * half.sinc / Scalar(2);
-  const Scalar rest = u > Scalar(0) ? Scalar((Scalar(1) - sinc) / u) : Scalar(0);
-  const Vector3 translation = sinc * rho + cosc * phi.cross(rho) + (rest * phi.dot(rho)) * phi;
+  // J_l rho = A rho + B phi x rho + C phi phi^T rho by double-angle formulas. Cancellation
+  // in 1 - A leaves an error of the size of rounding in A rho, whatever the angle.
+  const Scalar a = half.sinc * half.cosine;
+  const Scalar b = half.sinc * half.sinc / Scalar(2);
+  const Scalar c = u > Scalar(0) ? Scalar((Scalar(1) - a) / u) : Scalar(0);
+  const Vector3 translation = a * rho + b * phi.cross(rho) + (c * phi.dot(rho)) * phi;
   return SE3(Rotation::of_half_angle(half, phi), translation);
 }
 
 template <typename S>
 typename SE3<S>::Tangent SE3<S>::log() const {
-  // J_l^-1 = h cot h I - ratio v^ + rest v v^T, from the half angle h of the quaternion.
+  // J_l^-1 = h cot h I - ratio v^ + outer v v^T, from the half angle h of the quaternion.
   const typename Rotation::HalfAngle half = rotation_.half_angle();
   const Vector3& t = translation_;
   Tangent xi;
   xi.template head<3>() = (Scalar(2) * half.ratio) * half.v;
   xi.template tail<3>() = (half.ratio * half.w) * t - half.ratio * half.v.cross(t) +
-                          (half.rest * half.v.dot(t)) * half.v;
+                          (half.outer * half.v.dot(t)) * half.v;
   return xi;
 }
 
@@ -190,9 +190,9 @@ TwistMatrix<S> SE3<S>::left_jacobian_blocks(const Tangent& xi) {
   const auto c = small_angle::jacobian_coefficients(u);
   const auto slope = small_angle::jacobian_coefficient_slopes(u, c);
   const Scalar du = Scalar(2) * phi.dot(rho);
-  return {hat_plus_symmetric<Scalar>(c.sinc, c.cosc * phi, phi, (c.rest / Scalar(2)) * phi),
-          hat_plus_symmetric<Scalar>(du * slope.sinc, c.cosc * rho + (du * slope.cosc) * phi, phi,
-                                     c.rest * rho + (du * slope.rest / Scalar(2)) * phi)};
+  return {hat_plus_symmetric<Scalar>(c.a, c.b * phi, phi, (c.c / Scalar(2)) * phi),
+          hat_plus_symmetric<Scalar>(du * slope.a, c.b * rho + (du * slope.b) * phi, phi,
+                                     c.c * rho + (du * slope.c / Scalar(2)) * phi)};
 }
 
 template <typename S>
@@ -203,9 +203,9 @@ TwistMatrix<S> SE3<S>::left_jacobian_inverse_blocks(const Tangent& xi) {
   const auto c = small_angle::inverse_jacobian_coefficients(u);
   const auto slope = small_angle::inverse_jacobian_coefficient_slopes(u, c);
   const Scalar du = Scalar(2) * phi.dot(rho);
-  return {hat_plus_symmetric<Scalar>(c.half_cot, phi / Scalar(-2), phi, (c.rest / Scalar(2)) * phi),
+  return {hat_plus_symmetric<Scalar>(c.half_cot, phi / Scalar(-2), phi, (c.d / Scalar(2)) * phi),
           hat_plus_symmetric<Scalar>(du * slope.half_cot, rho / Scalar(-2), phi,
-                                     c.rest * rho + (du * slope.rest / Scalar(2)) * phi)};
+                                     c.d * rho + (du * slope.d / Scalar(2)) * phi)};
 }
 
 template <typename S>

@@ -8,7 +8,13 @@
 #include <limits>
 #include <type_traits>
 
-/// The trigonometric coefficients of Exp, Log and their Jacobians, as functions of u = theta^2.
+/// The trigonometric coefficients of Exp, Log and their Jacobians, as functions of u = theta^2, with
+/// the letters of \cite eade2017lie. For a rotation vector phi of angle theta:
+///   Exp    = cos(theta) I + A phi^ + B phi phi^T,
+///   J_l    = A I + B phi^ + C phi phi^T,
+///   J_l^-1 = half_cot I - phi^/2 + D phi phi^T,
+///   A = sin(theta)/theta,      B = (1 - cos(theta))/theta^2,  C = (1 - A)/theta^2,
+///   half_cot = (theta/2) cot(theta/2),                        D = (1 - half_cot)/theta^2.
 ///
 /// Below kSeriesBelow, where the closed forms cancel, every function is its Taylor series in u,
 /// with as many terms as the scalar type has digits for; above it, the closed form. Relative error:
@@ -49,19 +55,18 @@ inline constexpr std::size_t kSineTerms = sine_terms(std::numeric_limits<Scalar>
 template <typename Scalar>
 inline constexpr std::size_t kCotangentTerms = cotangent_terms(std::numeric_limits<Scalar>::digits);
 
-/// Taylor coefficients in u of sin(t)/t, (1-cos t)/u, (1 - sin(t)/t)/u and of the u-derivatives of
-/// the last two.
+/// Taylor coefficients in u of A, B, C and of the u-derivatives of B and C.
 template <typename Scalar>
 struct SineSeries {
   using Row = std::array<Scalar, kSineTerms<Scalar>>;
-  Row sinc{}, cosc{}, rest{}, d_cosc{}, d_rest{};
+  Row a{}, b{}, c{}, d_b{}, d_c{};
 };
 
-/// Taylor coefficients in u of g = (1 - (t/2) cot(t/2))/u and of its u-derivative.
+/// Taylor coefficients in u of D and of its u-derivative.
 template <typename Scalar>
 struct CotangentSeries {
   using Row = std::array<Scalar, kCotangentTerms<Scalar>>;
-  Row rest{}, d_rest{};
+  Row d{}, slope{};
 };
 
 // Built-in types round their tables once, from long double.
@@ -75,22 +80,22 @@ constexpr SineSeries<Scalar> make_sine_series() {
   Work inverse_factorial(1);  // (-1)^k / (2k+1)!
   for (std::size_t k = 0; k < kSineTerms<Scalar>; ++k) {
     const int n = 2 * static_cast<int>(k);
-    const Work cosc = inverse_factorial / Work(n + 2);
-    const Work rest = cosc / Work(n + 3);
-    const Work d_cosc = -rest / Work(n + 4) * Work(n + 2) / Work(2);
-    const Work d_rest = d_cosc / Work(n + 5);
-    series.sinc[k] = static_cast<Scalar>(inverse_factorial);
-    series.cosc[k] = static_cast<Scalar>(cosc);
-    series.rest[k] = static_cast<Scalar>(rest);
-    series.d_cosc[k] = static_cast<Scalar>(d_cosc);
-    series.d_rest[k] = static_cast<Scalar>(d_rest);
-    inverse_factorial = -rest;
+    const Work b = inverse_factorial / Work(n + 2);
+    const Work c = b / Work(n + 3);
+    const Work d_b = -c / Work(n + 4) * Work(n + 2) / Work(2);
+    const Work d_c = d_b / Work(n + 5);
+    series.a[k] = static_cast<Scalar>(inverse_factorial);
+    series.b[k] = static_cast<Scalar>(b);
+    series.c[k] = static_cast<Scalar>(c);
+    series.d_b[k] = static_cast<Scalar>(d_b);
+    series.d_c[k] = static_cast<Scalar>(d_c);
+    inverse_factorial = -c;
   }
   return series;
 }
 
 /// x cot x = 1 - sum d_k x^(2k) solves x f' = f - f^2 - x^2, hence (2k+1) d_k = sum_(0<j<k) d_j
-/// d_(k-j) + [k=1]: all terms are positive. With x = t/2: g(u) = sum d_k u^(k-1) / 4^k.
+/// d_(k-j) + [k=1]: all terms are positive. With x = theta/2: D = sum d_k u^(k-1) / 4^k.
 template <typename Scalar>
 constexpr CotangentSeries<Scalar> make_cotangent_series() {
   using Work = TableScalar<Scalar>;
@@ -104,9 +109,9 @@ constexpr CotangentSeries<Scalar> make_cotangent_series() {
   CotangentSeries<Scalar> series;
   Work scale(0.25);
   for (std::size_t k = 0; k < kTerms; ++k) {
-    series.rest[k] = static_cast<Scalar>(d[k + 1] * scale);
+    series.d[k] = static_cast<Scalar>(d[k + 1] * scale);
     scale /= Work(4);
-    series.d_rest[k] = static_cast<Scalar>(Work(static_cast<int>(k) + 1) * d[k + 2] * scale);
+    series.slope[k] = static_cast<Scalar>(Work(static_cast<int>(k) + 1) * d[k + 2] * scale);
   }
   return series;
 }
@@ -156,7 +161,7 @@ template <typename Scalar>
 Scalar sinc(const Scalar& u) {
   using std::sin;
   using std::sqrt;
-  if (u < Scalar(kSeriesBelow)) return detail::polynomial(detail::sine_series<Scalar>().sinc, u);
+  if (u < Scalar(kSeriesBelow)) return detail::polynomial(detail::sine_series<Scalar>().a, u);
   const Scalar theta = sqrt(u);
   return sin(theta) / theta;
 }
@@ -175,25 +180,25 @@ CosineAndSinc<Scalar> cosine_and_sinc(const Scalar& u) {
   using std::sqrt;
   if (u < Scalar(kSeriesBelow)) {
     const auto& series = detail::sine_series<Scalar>();
-    return {Scalar(1) - u * detail::polynomial(series.cosc, u), detail::polynomial(series.sinc, u)};
+    return {Scalar(1) - u * detail::polynomial(series.b, u), detail::polynomial(series.a, u)};
   }
   const Scalar theta = sqrt(u);
   return {cos(theta), sin(theta) / theta};
 }
 
-/// (1 - sin(theta)/theta)/u.
+/// C = (1 - sin(theta)/theta)/u.
 template <typename Scalar>
-Scalar sinc_rest(const Scalar& u) {
-  if (u < Scalar(kSeriesBelow)) return detail::polynomial(detail::sine_series<Scalar>().rest, u);
+Scalar coefficient_c(const Scalar& u) {
+  if (u < Scalar(kSeriesBelow)) return detail::polynomial(detail::sine_series<Scalar>().c, u);
   return (Scalar(1) - sinc(u)) / u;
 }
 
-/// Coefficients of J_l = sinc I + cosc phi^ + rest phi phi^T, rotation vector phi, u = |phi|^2.
+/// Coefficients of J_l = A I + B phi^ + C phi phi^T, rotation vector phi, u = |phi|^2.
 template <typename Scalar>
 struct JacobianCoefficients {
-  Scalar sinc;  ///< sin(theta)/theta
-  Scalar cosc;  ///< (1 - cos(theta))/u
-  Scalar rest;  ///< (1 - sin(theta)/theta)/u = (theta - sin(theta))/theta^3
+  Scalar a;  ///< sin(theta)/theta
+  Scalar b;  ///< (1 - cos(theta))/u
+  Scalar c;  ///< (1 - sin(theta)/theta)/u = (theta - sin(theta))/theta^3
 };
 
 template <typename Scalar>
@@ -202,35 +207,35 @@ JacobianCoefficients<Scalar> jacobian_coefficients(const Scalar& u) {
   using std::sqrt;
   if (u < Scalar(kSeriesBelow)) {
     const auto& series = detail::sine_series<Scalar>();
-    const Scalar rest = detail::polynomial(series.rest, u);
-    return {Scalar(1) - u * rest, detail::polynomial(series.cosc, u), rest};
+    const Scalar c = detail::polynomial(series.c, u);
+    return {Scalar(1) - u * c, detail::polynomial(series.b, u), c};
   }
   const Scalar theta = sqrt(u);
   const Scalar half_sine = sin(theta / Scalar(2));
-  const Scalar sinc = sin(theta) / theta;
-  return {sinc, Scalar(2) * half_sine * half_sine / u, (Scalar(1) - sinc) / u};
+  const Scalar a = sin(theta) / theta;
+  return {a, Scalar(2) * half_sine * half_sine / u, (Scalar(1) - a) / u};
 }
 
 /// Derivatives of JacobianCoefficients with respect to u; `value` are the coefficients at u.
 template <typename Scalar>
 JacobianCoefficients<Scalar> jacobian_coefficient_slopes(
     const Scalar& u, const JacobianCoefficients<Scalar>& value) {
-  const Scalar d_sinc = (value.rest - value.cosc) / Scalar(2);
+  const Scalar d_a = (value.c - value.b) / Scalar(2);
   if (u < Scalar(kSeriesBelow)) {
     const auto& series = detail::sine_series<Scalar>();
-    return {d_sinc, detail::polynomial(series.d_cosc, u), detail::polynomial(series.d_rest, u)};
+    return {d_a, detail::polynomial(series.d_b, u), detail::polynomial(series.d_c, u)};
   }
   const Scalar twice_u = Scalar(2) * u;
-  return {d_sinc, (value.sinc - Scalar(2) * value.cosc) / twice_u,
-          (value.cosc - Scalar(3) * value.rest) / twice_u};
+  return {d_a, (value.a - Scalar(2) * value.b) / twice_u,
+          (value.b - Scalar(3) * value.c) / twice_u};
 }
 
-/// Coefficients of J_l^-1 = half_cot I - phi^/2 + rest phi phi^T; singular at theta = 2 pi, 4 pi,
+/// Coefficients of J_l^-1 = half_cot I - phi^/2 + D phi phi^T; singular at theta = 2 pi, 4 pi,
 /// ...
 template <typename Scalar>
 struct InverseJacobianCoefficients {
   Scalar half_cot;  ///< (theta/2) cot(theta/2)
-  Scalar rest;      ///< (1 - (theta/2) cot(theta/2))/u
+  Scalar d;         ///< (1 - (theta/2) cot(theta/2))/u
 };
 
 template <typename Scalar>
@@ -239,8 +244,8 @@ InverseJacobianCoefficients<Scalar> inverse_jacobian_coefficients(const Scalar& 
   using std::sin;
   using std::sqrt;
   if (u < Scalar(kSeriesBelow)) {
-    const Scalar rest = detail::polynomial(detail::cotangent_series<Scalar>().rest, u);
-    return {Scalar(1) - u * rest, rest};
+    const Scalar d = detail::polynomial(detail::cotangent_series<Scalar>().d, u);
+    return {Scalar(1) - u * d, d};
   }
   const Scalar half = sqrt(u) / Scalar(2);
   const Scalar half_cot = half * cos(half) / sin(half);
@@ -252,12 +257,12 @@ template <typename Scalar>
 InverseJacobianCoefficients<Scalar> inverse_jacobian_coefficient_slopes(
     const Scalar& u, const InverseJacobianCoefficients<Scalar>& value) {
   if (u < Scalar(kSeriesBelow)) {
-    const Scalar d_rest = detail::polynomial(detail::cotangent_series<Scalar>().d_rest, u);
-    return {-value.rest - u * d_rest, d_rest};
+    const Scalar slope = detail::polynomial(detail::cotangent_series<Scalar>().slope, u);
+    return {-value.d - u * slope, slope};
   }
   const Scalar& h = value.half_cot;
   const Scalar d_half_cot = (h - h * h - u / Scalar(4)) / (Scalar(2) * u);
-  return {d_half_cot, (-d_half_cot - value.rest) / u};
+  return {d_half_cot, (-d_half_cot - value.d) / u};
 }
 
 /// log |sin(theta)/theta|, without cancellation at small angles; -infinity at the zeros theta = pi,
@@ -267,7 +272,7 @@ Scalar log_abs_sinc(const Scalar& u) {
   using std::abs;
   using std::log;
   using std::log1p;
-  const Scalar defect = u * sinc_rest(u);
+  const Scalar defect = u * coefficient_c(u);
   if (defect < Scalar(0.5)) return log1p(Scalar(-defect));
   return log(Scalar(abs(sinc(u))));
 }

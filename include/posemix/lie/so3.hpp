@@ -125,7 +125,7 @@ class SO3 {
     Vector3 v;
     Scalar w;
     Scalar ratio;  ///< h / |v|: Log = 2 ratio v
-    Scalar rest;   ///< (1 - h cot h) / |v|^2, or zero where |v|^2 underflows
+    Scalar outer;  ///< (1 - h cot h) / |v|^2, or zero where |v|^2 underflows
   };
   HalfAngle half_angle() const;
   /// Exp(phi) from cos(h) and sin(h)/h.
@@ -226,7 +226,7 @@ typename SO3<S>::HalfAngle SO3<S>::half_angle() const {
   } else {
     const Scalar n = sqrt(n2);
     half.ratio = atan2(n, half.w) / n;
-    half.rest = (Scalar(1) - half.ratio * half.w) / n2;
+    half.outer = (Scalar(1) - half.ratio * half.w) / n2;
   }
   return half;
 }
@@ -255,13 +255,13 @@ typename SO3<S>::Tangent SO3<S>::vee(const Matrix& m) {
 template <typename S>
 typename SO3<S>::TangentMatrix SO3<S>::left_jacobian(const Tangent& phi) {
   const auto c = small_angle::jacobian_coefficients(Scalar(phi.squaredNorm()));
-  return hat_plus_symmetric<Scalar>(c.sinc, c.cosc * phi, phi, (c.rest / Scalar(2)) * phi);
+  return hat_plus_symmetric<Scalar>(c.a, c.b * phi, phi, (c.c / Scalar(2)) * phi);
 }
 
 template <typename S>
 typename SO3<S>::TangentMatrix SO3<S>::left_jacobian_inverse(const Tangent& phi) {
   const auto c = small_angle::inverse_jacobian_coefficients(Scalar(phi.squaredNorm()));
-  return hat_plus_symmetric<Scalar>(c.half_cot, phi / Scalar(-2), phi, (c.rest / Scalar(2)) * phi);
+  return hat_plus_symmetric<Scalar>(c.half_cot, phi / Scalar(-2), phi, (c.d / Scalar(2)) * phi);
 }
 
 template <typename S>

@@ -37,7 +37,7 @@ struct VolumeGradient<Rnd<N>> {
 template <>
 struct VolumeGradient<SO3d> {
   static Eigen::Vector3d at(const Eigen::Vector3d& phi) {
-    return -2.0 * small_angle::inverse_jacobian_coefficients(phi.squaredNorm()).rest * phi;
+    return -2.0 * small_angle::inverse_jacobian_coefficients(phi.squaredNorm()).d * phi;
   }
 };
 

@@ -2,7 +2,11 @@
 // SPDX-FileCopyrightText: posemix contributors
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
+#include <numeric>
 #include <span>
+#include <vector>
 
 /// Weights as logarithms.
 namespace posemix {
@@ -14,5 +18,15 @@ double log_sum_exp(std::span<const double> terms);
 /// The log of the sum of the weights.
 /// @throws InvalidInput when a log-weight is NaN or +inf, or all weights are zero
 double checked_log_total(std::span<const double> log_weights);
+
+/// The indices below `count` by `weight(i)`, heaviest first; of equals the earlier first.
+template <class Weight>
+std::vector<std::size_t> heaviest_first(std::size_t count, const Weight& weight) {
+  std::vector<std::size_t> order(count);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return weight(a) > weight(b); });
+  return order;
+}
 
 }  // namespace posemix

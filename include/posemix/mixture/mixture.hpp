@@ -12,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include "posemix/base/draw_index.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/base/random.hpp"
 #include "posemix/mixture/log_weights.hpp"
@@ -97,27 +98,35 @@ class Mixture {
 
   /// One draw: a component by its weight, then a draw from it.
   auto sample(RandomStream& stream) const {
-    double left = stream.uniform();
-    std::size_t chosen = heaviest();
+    return components_[draw_index(stream)].density.sample(stream);
+  }
+
+  /// The index of a component, drawn by the weights.
+  std::size_t draw_index(RandomStream& stream) const {
+    return index_at_sum(
+        stream.uniform(), size(), [this](std::size_t i) { return weight(i); }, heaviest());
+  }
+
+  /// The indices, in rising order, of the components that prune(threshold) leaves.
+  std::vector<std::size_t> indices_not_below(double threshold) const {
+    const std::size_t kept = heaviest();
+    std::vector<std::size_t> indices;
+    indices.reserve(size());
     for (std::size_t i = 0; i < size(); ++i) {
-      left -= weight(i);
-      if (left < 0.0) {
-        chosen = i;
-        break;
-      }
+      if (i == kept || weight(i) >= threshold) indices.push_back(i);
     }
-    return components_[chosen].density.sample(stream);
+    return indices;
   }
 
   /// Drops every component whose weight is below `threshold` (the heaviest always stays),
   /// normalises, and returns the weight dropped.
   double prune(double threshold) {
-    const std::size_t kept = heaviest();
+    const std::vector<std::size_t> kept = indices_not_below(threshold);
     double dropped = 0.0;
     std::vector<Component<D>> remaining;
-    remaining.reserve(size());
+    remaining.reserve(kept.size());
     for (std::size_t i = 0; i < size(); ++i) {
-      if (i == kept || weight(i) >= threshold) {
+      if (remaining.size() < kept.size() && kept[remaining.size()] == i) {
         remaining.push_back(std::move(components_[i]));
       } else {
         dropped += weight(i);

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <limits>
 
+#include "posemix/base/words.hpp"
 #include "posemix/density/projected_operations.hpp"
 #include "posemix/mixture/operations.hpp"
 
@@ -19,6 +20,13 @@ enum class PairWeight {
   /// the common tangent space. Not a probability: determinants and normalisers are missing.
   alpha_delta
 };
+
+/// The words of PairWeight in files and options.
+template <>
+inline constexpr WordTable<PairWeight, 2> words<PairWeight>{{
+    {"overlap", PairWeight::overlap},
+    {"alpha_delta", PairWeight::alpha_delta},
+}};
 
 /// Settings of `fuse` for mixtures of projected Gaussians.
 struct ProjectedMixtureFuseSettings {

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "posemix/base/words.hpp"
 #include "posemix/density/operations.hpp"
 #include "posemix/lie/bernoulli.hpp"
 #include "posemix/mixture/mixture.hpp"
@@ -17,6 +18,13 @@ enum class TransportJacobian {
   exact,     ///< closed form
   bernoulli  ///< Bernoulli series up to the fourth power of ad, as in the midway authors' program
 };
+
+/// The words of TransportJacobian in files and options.
+template <>
+inline constexpr WordTable<TransportJacobian, 2> words<TransportJacobian>{{
+    {"exact", TransportJacobian::exact},
+    {"bernoulli", TransportJacobian::bernoulli},
+}};
 
 /// The component as a Gaussian in the tangent space at `anchor`, with the named Jacobian.
 template <LieGroup G>

@@ -4,6 +4,7 @@
 
 #include <span>
 
+#include "posemix/base/words.hpp"
 #include "posemix/mixture/moments.hpp"
 #include "posemix/mixture/projected_mixture.hpp"
 
@@ -12,18 +13,25 @@ namespace posemix {
 /// How several components become one.
 enum class MergeRule {
   /// Every component is moved to the tangent space at the midway point, the weighted mean of the
-  /// means, where the
-  /// merged mean is zero, and moments are matched there (midway-merge paper, eq. 12-19).
+  /// means, where the merged mean is zero, and moments are matched there (midway-merge paper, eq.
+  /// 12-19).
   midway,
   /// Every component is moved to the tangent space of the one with the largest weight (the first of
-  /// equals), moments
-  /// are matched there, and the result is back-projected with J_l (Cesic et al. 2017).
+  /// equals), moments are matched there, and the result is back-projected with J_l (Cesic et al.
+  /// 2017).
   tangent_of_larger,
   /// Mean and covariance of the sum as a random element of the group: iterated mean, then second
-  /// moments, by
-  /// cubature.
+  /// moments, by cubature.
   moment_matched
 };
+
+/// The words of MergeRule in files and options.
+template <>
+inline constexpr WordTable<MergeRule, 3> words<MergeRule>{{
+    {"midway", MergeRule::midway},
+    {"tangent_of_larger", MergeRule::tangent_of_larger},
+    {"moment_matched", MergeRule::moment_matched},
+}};
 
 /// Settings of `merge`.
 struct MergeSettings {

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "posemix/base/words.hpp"
 #include "posemix/divergence/gaussian.hpp"
 #include "posemix/divergence/projected.hpp"
 #include "posemix/mixture/moments.hpp"
@@ -27,6 +28,16 @@ enum class PairRule {
   weighted_symmetric_kl
 };
 
+/// The words of PairRule in files and options.
+template <>
+inline constexpr WordTable<PairRule, 5> words<PairRule>{{
+    {"largest_with_smallest", PairRule::largest_with_smallest},
+    {"most_distant", PairRule::most_distant},
+    {"runnalls", PairRule::runnalls},
+    {"symmetric_kl", PairRule::symmetric_kl},
+    {"weighted_symmetric_kl", PairRule::weighted_symmetric_kl},
+}};
+
 /// What "distant" means, d = Log(X_b X_a^-1).
 enum class DistanceMetric {
   tangent_norm,  ///< |d| over all coordinates, radians and metres alike (the midway paper's |dx|,
@@ -35,6 +46,15 @@ enum class DistanceMetric {
   translation,   ///< norm of the translation coordinates [m]
   mahalanobis    ///< sqrt(d^T (P_a + P_b)^-1 d)
 };
+
+/// The words of DistanceMetric in files and options.
+template <>
+inline constexpr WordTable<DistanceMetric, 4> words<DistanceMetric>{{
+    {"tangent_norm", DistanceMetric::tangent_norm},
+    {"rotation", DistanceMetric::rotation},
+    {"translation", DistanceMetric::translation},
+    {"mahalanobis", DistanceMetric::mahalanobis},
+}};
 
 namespace internal {
 

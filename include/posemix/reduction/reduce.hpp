@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "posemix/base/range.hpp"
+#include "posemix/mixture/log_weights.hpp"
 #include "posemix/reduction/loss.hpp"
 #include "posemix/reduction/merge.hpp"
 #include "posemix/reduction/pair.hpp"
@@ -18,6 +20,7 @@ namespace posemix {
 
 /// Settings of `reduce`.
 struct ReductionSettings {
+  static constexpr NumberRange kPruneBelow{.lowest = 0, .highest = 1, .without_highest = true};
   double prune_below = 5e-6;        ///< components with a smaller weight are dropped first
   std::size_t drop_smallest = 0;    ///< after pruning so many of the lightest are dropped; the
                                     ///< heaviest always stays
@@ -65,11 +68,8 @@ namespace internal {
 /// The indices of the `count` heaviest components (of equals the earlier), in rising order.
 template <class D>
 std::vector<std::size_t> heaviest_of(std::span<const Component<D>> components, std::size_t count) {
-  std::vector<std::size_t> order(components.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return components[a].log_weight > components[b].log_weight;
-  });
+  std::vector<std::size_t> order =
+      heaviest_first(components.size(), [&](std::size_t i) { return components[i].log_weight; });
   order.resize(std::min(count, order.size()));
   std::sort(order.begin(), order.end());
   return order;
@@ -84,35 +84,25 @@ Mixture<D> selected(std::vector<Component<D>> components, std::span<const std::s
   return Mixture<D>(std::move(kept));
 }
 
-/// Drops components of little weight.
+/// Drops components of little weight: first those below prune_below, then the lightest.
 template <class D>
 Mixture<D> without_light(Mixture<D> mixture, const ReductionSettings& settings,
                          ReductionReport& report) {
-  std::vector<std::size_t> left(mixture.size());
-  std::iota(left.begin(), left.end(), std::size_t{0});
-  const std::size_t heaviest = mixture.heaviest();
-  std::vector<double> log_weights(mixture.size());
-  for (std::size_t i = 0; i < mixture.size(); ++i) log_weights[i] = mixture[i].log_weight;
+  // `left` holds, for every component that is left, its index before.
+  std::vector<std::size_t> left = mixture.indices_not_below(settings.prune_below);
   report.weight_pruned = mixture.prune(settings.prune_below);
-  if (mixture.size() < left.size()) {
-    std::erase_if(left, [&](std::size_t i) {
-      return i != heaviest && !(std::exp(log_weights[i]) >= settings.prune_below);
-    });
-  }
   std::size_t count = mixture.size() - std::min(settings.drop_smallest, mixture.size() - 1);
   if (settings.keep_heaviest > 0) count = std::min(count, settings.keep_heaviest);
   if (count < mixture.size()) {
     const std::vector<std::size_t> kept =
         heaviest_of<D>(std::span<const Component<D>>(mixture.components()), count);
     double dropped = 0.0;
-    for (std::size_t i = 0, next = 0; i < mixture.size(); ++i) {
-      if (next < kept.size() && kept[next] == i) {
-        left[next++] = left[i];
-      } else {
-        dropped += mixture.weight(i);
-      }
+    for (std::size_t i = 0; i < mixture.size(); ++i) {
+      if (!std::binary_search(kept.begin(), kept.end(), i)) dropped += mixture.weight(i);
     }
-    left.resize(kept.size());
+    std::vector<std::size_t> left_of_these;
+    for (const std::size_t i : kept) left_of_these.push_back(left[i]);
+    left = std::move(left_of_these);
     report.weight_pruned += (1.0 - report.weight_pruned) * dropped;
     mixture = selected<D>(std::move(mixture).release(), kept);
   }
@@ -164,8 +154,7 @@ void merge_pairs(std::vector<Component<D>>& components, const ReductionSettings&
 template <class D>
 Reduction<D> reduce(Mixture<D> mixture, const ReductionSettings& settings = {}) {
   require(settings.max_components > 0, "reduce: max_components is 0, expected at least 1");
-  require(settings.prune_below >= 0.0 && settings.prune_below < 1.0,
-          "reduce: prune_below must lie in [0, 1)");
+  ReductionSettings::kPruneBelow.check(settings.prune_below, "reduce: prune_below");
   std::vector<Component<D>> before;
   if (settings.bound_loss) before = mixture.components();
   ReductionReport report;

@@ -3,12 +3,13 @@
 #include "posemix/filter/gaussian_sum_filter.hpp"
 
 #include <algorithm>
-#include <boost/math/distributions/chi_squared.hpp>
 #include <chrono>
 #include <cmath>
 #include <limits>
 #include <numeric>
 #include <utility>
+
+#include "posemix/base/statistics.hpp"
 
 namespace posemix {
 namespace {
@@ -25,7 +26,7 @@ double gate_threshold(double probability) {
         fmt::format("gate probability is {}, expected a number in (0, 1]", probability));
   }
   if (probability == 1.0) return std::numeric_limits<double>::infinity();
-  return boost::math::quantile(boost::math::chi_squared(6.0), probability);
+  return chi_square_quantile(probability, 6);
 }
 
 void check_detections(std::span<const Detection> detections, std::size_t poses) {

@@ -62,8 +62,8 @@ MonteCarloStudySettings read_monte_carlo_settings(const TomlTable& table) {
   settings.seed = static_cast<std::uint64_t>(
       table.get_integer_or("seed", static_cast<std::int64_t>(settings.seed), kAtLeastZero));
   settings.max_components = read_count(table, "max_components", settings.max_components);
-  settings.prune_below = table.get_double_or("prune_below", settings.prune_below,
-                                             {.lowest = 0, .highest = 1, .without_highest = true});
+  settings.prune_below =
+      table.get_double_or("prune_below", settings.prune_below, ReductionSettings::kPruneBelow);
   if (const auto path = table.find_table("path")) settings.path = read_path(*path);
   settings.odometry = read_covariance_or(table, "odometry", settings.odometry);
   settings.camera_start = read_covariance_or(table, "camera_start", settings.camera_start);

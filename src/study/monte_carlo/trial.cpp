@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "posemix/base/draw_index.hpp"
+
 namespace posemix {
 namespace {
 
@@ -49,7 +51,9 @@ class Detector {
   }
 
   SE3d detect(const SE3d& camera_object, RandomStream& stream) const {
-    const std::size_t chosen = choose(stream.uniform());
+    const std::size_t chosen = index_at_sum(
+        stream.uniform(), factors_.size(),
+        [&](std::size_t i) { return noise_.components()[i].weight; }, factors_.size() - 1);
     const NoiseComponent& component = noise_.components()[chosen];
     const SE3d mode = camera_object * component.offset;
     const Vector6d n = draw(factors_[chosen], stream);
@@ -59,15 +63,6 @@ class Detector {
   }
 
  private:
-  std::size_t choose(double left) const {
-    std::size_t chosen = 0;
-    for (; chosen + 1 < factors_.size(); ++chosen) {
-      left -= noise_.components()[chosen].weight;
-      if (left < 0.0) break;
-    }
-    return chosen;
-  }
-
   const DetectorNoise& noise_;
   std::vector<Matrix6d> factors_;
 };

@@ -75,23 +75,10 @@ void read_features(const TomlTable& table, SaltBoxSettings& settings) {
 }
 
 void read_rules(const TomlTable& table, SaltBoxSettings& settings) {
-  settings.composition = table.get_enum_or<CompositionRule>(
-      "composition", settings.composition,
-      {{"jacobian", CompositionRule::jacobian},
-       {"cubature", CompositionRule::cubature},
-       {"third_degree_cubature", CompositionRule::third_degree_cubature}});
-  settings.fusion = table.get_enum_or<FusionRule>(
-      "fusion", settings.fusion, {{"mode", FusionRule::mode}, {"jacobian", FusionRule::jacobian}});
-  settings.pair =
-      table.get_enum_or<PairRule>("pair", settings.pair,
-                                  {{"symmetric_kl", PairRule::symmetric_kl},
-                                   {"weighted_symmetric_kl", PairRule::weighted_symmetric_kl},
-                                   {"runnalls", PairRule::runnalls}});
-  settings.merge =
-      table.get_enum_or<MergeRule>("merge", settings.merge,
-                                   {{"midway", MergeRule::midway},
-                                    {"moment_matched", MergeRule::moment_matched},
-                                    {"tangent_of_larger", MergeRule::tangent_of_larger}});
+  settings.composition = table.get_enum_or("composition", settings.composition);
+  settings.fusion = table.get_enum_or("fusion", settings.fusion);
+  settings.pair = table.get_enum_or("pair", settings.pair);
+  settings.merge = table.get_enum_or("merge", settings.merge);
 }
 
 }  // namespace

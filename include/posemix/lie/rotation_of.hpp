@@ -2,12 +2,13 @@
 // SPDX-FileCopyrightText: posemix contributors
 #pragma once
 
-#include "posemix/lie/lie.hpp"
+#include "posemix/lie/se3.hpp"
+#include "posemix/lie/so3.hpp"
 
-namespace posemix::internal {
+namespace posemix {
 
 /// The rotation of an element of either group.
 inline const SO3d& rotation_of(const SO3d& element) { return element; }
 inline const SO3d& rotation_of(const SE3d& element) { return element.rotation(); }
 
-}  // namespace posemix::internal
+}  // namespace posemix

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <string>
+
+namespace posemix {
+
+/// The interval that a number must lie in.
+struct NumberRange {
+  double lowest = -std::numeric_limits<double>::infinity();
+  double highest = std::numeric_limits<double>::infinity();
+  bool without_lowest = false;   ///< the lower end itself is not allowed
+  bool without_highest = false;  ///< the upper end itself is not allowed
+  bool with_infinity = false;    ///< plus infinity is allowed
+
+  bool contains(double number) const;
+  /// "number", "positive number", "number in [0, 1]", ...
+  std::string describe() const;
+  /// @throws InvalidInput `name is 2, expected a number in [0, 1]`
+  void check(double number, const std::string& name) const;
+};
+
+inline constexpr NumberRange kAnyNumber{};
+inline constexpr NumberRange kPositive{.lowest = 0, .without_lowest = true};
+inline constexpr NumberRange kNotNegative{.lowest = 0};
+inline constexpr NumberRange kUnitInterval{.lowest = 0, .highest = 1};
+inline constexpr NumberRange kOpenUnitInterval{
+    .lowest = 0, .highest = 1, .without_lowest = true, .without_highest = true};
+
+/// The interval that an integer must lie in.
+struct IntegerRange {
+  std::int64_t lowest = std::numeric_limits<std::int64_t>::min();
+  std::int64_t highest = std::numeric_limits<std::int64_t>::max();
+
+  bool contains(std::int64_t number) const { return number >= lowest && number <= highest; }
+  /// "integer", "integer of at least 1", "integer in [0, 9]", ...
+  std::string describe() const;
+};
+
+inline constexpr IntegerRange kAnyInteger{};
+inline constexpr IntegerRange kAtLeastOne{.lowest = 1};
+inline constexpr IntegerRange kAtLeastZero{.lowest = 0};
+
+}  // namespace posemix
