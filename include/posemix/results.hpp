@@ -1,0 +1,8 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+/// Everything of the room `results`.
+#include "posemix/results/report.hpp"
+#include "posemix/results/results.hpp"
+#include "posemix/results/simulation_folder.hpp"
