@@ -24,7 +24,7 @@ from posemix._core import (
     SmoothingSettings,
 )
 from posemix.density import ConcentratedGaussian, standard_deviations
-from posemix.filters import ObjectHypothesis, UpdateReport, update_report
+from posemix.filter import ObjectHypothesis, UpdateReport
 from posemix.lie import SE3
 from posemix.mixture import Mixture
 from posemix.recording import Sequence, is_known
@@ -84,11 +84,8 @@ class FrameReport:
 
 def frame_report(values: dict[str, Any]) -> FrameReport:
     """The report of compiled values."""
-    changed = {
-        "candidates": [CandidateReport(*c) for c in values["candidates"]],
-        "update": update_report(values["update"]),
-    }
-    return FrameReport(**{**values, **changed})
+    candidates = [CandidateReport(*c) for c in values["candidates"]]
+    return FrameReport(**{**values, "candidates": candidates})
 
 
 @dataclass(frozen=True)
@@ -285,10 +282,7 @@ class SlamRun:
     @property
     def alternatives(self) -> list[list[ObjectHypothesis]]:
         """Hypotheses of every object at the last frame, by the multi-object filter."""
-        return [
-            [ObjectHypothesis(**h) for h in of_object]
-            for of_object in self._handle.alternatives()
-        ]
+        return self._handle.alternatives()
 
     def __copy__(self) -> SlamRun:
         return self

@@ -16,7 +16,7 @@ nb::dict report_dict(const FrameReport& report) {
   dict["candidates"] = list_of(report.candidates, [](const CandidateReport& candidate) {
     return nb::make_tuple(candidate.status, candidate.object, candidate.recycled);
   });
-  dict["update"] = report_dict(report.update);
+  dict["update"] = report.update;
   dict["merges"] = report.merges;
   dict["seconds"] = report.seconds;
   return dict;

@@ -140,6 +140,8 @@ void use_method(const TomlTable& root, const MethodSettings& method, SlamJob& jo
   job.method = method.name;
   job.settings.filter = method.filter;
   job.settings.multi_object = method.multi_object;
+  job.settings.association = method.association;
+  job.settings.confirming_detections = method.confirming_detections;
   job.smoothing = method.smoothing;
   if (method.method != FilterMethod::multi_object) job.settings.kind = SlamFilter::gaussian_sum;
   switch (method.method) {

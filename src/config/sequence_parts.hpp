@@ -173,12 +173,16 @@ struct MethodSettings {
   std::string name;
   FilterMethod method = FilterMethod::multi_object;
   MultiObjectSettings multi_object;
+  AssociationSettings association;
+  std::size_t confirming_detections = ObjectSlamSettings().confirming_detections;
   std::optional<SmoothingSettings> smoothing;
   GaussianSumSettings filter;
   ParticleFilterSettings particles;  ///< of FilterMethod::rbpf; motion as by default
 };
 
 MultiObjectSettings read_multi_object(const TomlTable& filter);
+/// Reads the table `association` into the settings, where there is one.
+void read_association(const TomlTable& root, MethodSettings& settings);
 MethodSettings read_filter(const TomlTable& root);
 
 }  // namespace posemix

@@ -2,7 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include <gtest/gtest.h>
 
-#include "expect_invalid.hpp"
+#include "io/expect_invalid.hpp"
 #include "posemix/config/sequence_file.hpp"
 #include "posemix/io/dataset.hpp"
 #include "posemix/io/dataset_sequence.hpp"
