@@ -41,11 +41,8 @@ WITHOUT_CLASS = {
     "EmGaussianMoments": "an intermediate result of EM",
     "EmModel": "how a kind of density is fitted, a customisation point of C++",
     "LogisticModel": "python/posemix/scores.py has a class with arrays",
-    "NoiseModeSettings": "the modes of a detector's noise are fitted by the program",
-    "NoiseModesFit": "the modes of a detector's noise are fitted by the program",
-    "NoiseFitSettings": "a detector's noise is fitted by the program",
-    "NoiseFit": "a detector's noise is fitted by the program",
-    "OdometryNoiseSettings": "the noise of odometry is fitted by the program",
+    "NoiseEmSettings": "a step of fit_noise, which sets it from NoiseFitSettings",
+    "NoiseModesFit": "a step of fit_noise, whose NoiseFit has its parts",
     "FuzzReport": "a tool of the tests",
     "BopSelection": "rows of a result file are selected with numpy",
 }
@@ -53,6 +50,7 @@ WITHOUT_CLASS = {
 # Structs that a sequence file or a simulation file sets: the document of the file, and keys of another name.
 IN_FILES: dict[str, tuple[str, dict[str, str]]] = {
     "MultiObjectSettings": ("formats.md", {"merge_rotation_rad": "merge_rotation_deg"}),
+    "MultiObjectSlamSettings": ("formats.md", {}),
     "AssociationSettings": ("formats.md", {}),
     "SmoothingSettings": (
         "formats.md",
@@ -98,10 +96,11 @@ NOT_IN_FILES = {
     "ReductionSettings.bound_loss": "results of a run do not hold the bounds",
     "MergeSettings.max_iterations": "a limit of the arithmetic that no reduction reaches",
     "MergeSettings.tolerance": "a limit of the arithmetic",
-    "ParticleFilterSettings.motion": "that of the table [motion]",
     "ParticleFilterSettings.merge": "merge_rule and transport_jacobian of the same table",
-    "ObjectSlamSettings.kind": "filter.method chooses it",
-    "ObjectSlamSettings.multi_object": "its fields are keys of the table [filter]",
+    "MultiObjectSlamSettings.filter": "its fields are keys of the table [filter]",
+    "MultiObjectSlamSettings.association": "its fields are keys of the same table",
+    "ObjectSlamSettings.tracker": "filter.method chooses it",
+    "ObjectSlamSettings.record_hypotheses": "output.trace_hypotheses asks for them",
 }
 
 
@@ -198,7 +197,8 @@ FILED = [(name, field) for name in IN_FILES for field in STRUCTS[name] if f"{nam
 def test_files_and_their_document_have_every_setting(name: str, field: str) -> None:
     page, other_keys = IN_FILES[name]
     key = other_keys.get(field, field)
-    sources = "".join(path.read_text() for path in sorted((ROOT / "src" / "config").glob("*.cpp")))
+    readers = [*(ROOT / "src" / "config").glob("*.cpp"), ROOT / "include/posemix/filter/multi_object_ranges.hpp"]
+    sources = "".join(path.read_text() for path in readers)
     assert f'"{key}"' in sources, f"no file sets {name}::{field}: src/config does not read the key '{key}'"
     text = (ROOT / "docs" / page).read_text()
     assert re.search(rf"`[^`\n]*\b{key}\b[^`\n]*`", text), f"docs/{page} lacks the key '{key}' of {name}::{field}"
