@@ -101,10 +101,11 @@ def write_python_pages() -> None:
         block = ["```{eval-rst}", f".. automodule:: posemix.{name}", "   :members:", "```", ""]
         write(GENERATED / "python" / f"{name}.md", [title, "", *block])
         pages.append(f"python/{name}")
-    settings = ["# Settings and enumerations", "", "```{eval-rst}"]
+    settings = ["# Settings, results and enumerations", "", "```{eval-rst}"]
     for name, value in sorted(vars(posemix).items()):
         if inspect.isclass(value) and value.__module__ == "posemix._core":
-            settings += [f".. autoclass:: posemix.{name}", "   :no-index:", ""]
+            members = [] if "Attributes\n" in (value.__doc__ or "") else ["   :members:"]
+            settings += [f".. autoclass:: posemix.{name}", "   :no-index:", *members, ""]
     write(GENERATED / "python" / "settings.md", [*settings, "```"])
     write(GENERATED / "python.md", ["# Python reference", "", *toctree([*pages, "python/settings"])])
 

@@ -25,6 +25,7 @@ G = TypeVar("G", SO3, SE3)
 
 _CONCENTRATED: dict[type, Any] = {SO3: _core.ConcentratedSO3, SE3: _core.ConcentratedSE3}
 _PROJECTED: dict[type, Any] = {SO3: _core.ProjectedSO3, SE3: _core.ProjectedSE3}
+_ON_SO3 = (_core.ConcentratedSO3, _core.ProjectedSO3)
 
 
 def rows_of(points: SO3 | SE3) -> FloatArray:
@@ -32,13 +33,8 @@ def rows_of(points: SO3 | SE3) -> FloatArray:
     return flat_rows(np.ascontiguousarray(points._data), 1)
 
 
-def group_of_handle(handle: Any) -> type[SO3] | type[SE3]:
-    """The group of a compiled density or mixture."""
-    return SO3 if type(handle).__name__.endswith("SO3") else SE3
-
-
 def standard_deviations(covariance: FloatArray) -> str:
-    """Square roots of the diagonal, for people: degrees and millimetres."""
+    """Square roots of the diagonal as text: degrees and millimetres."""
     sds = np.sqrt(np.diagonal(covariance))
     text = "sd " + ", ".join(f"{math.degrees(v):.3g}" for v in sds[:3]) + " deg"
     if len(sds) == 6:
@@ -98,9 +94,11 @@ class ConcentratedGaussian(Generic[G]):
 
     @classmethod
     def _of(cls, handle: Any) -> ConcentratedGaussian[G]:
+        if isinstance(handle, cls):
+            return handle
         density = cls.__new__(cls)
         density._handle = handle
-        density._group = group_of_handle(handle)  # type: ignore[assignment]
+        density._group = SO3 if isinstance(handle, _ON_SO3) else SE3  # type: ignore[assignment]
         return density
 
     @property
@@ -158,15 +156,18 @@ class ConcentratedGaussian(Generic[G]):
 
     def marginal(self, index: int) -> ConcentratedGaussian[SE3]:
         """The density of one pose of a joint density."""
-        return ConcentratedGaussian._of(self._joint().marginal(index))
+        density: ConcentratedGaussian[SE3] = self._joint().marginal(index)
+        return density
 
     def conditional(self, indices: list[int], values: SE3) -> ConcentratedGaussian[SE3]:
         """The joint density of the others, given the poses at `indices` to first order."""
-        return ConcentratedGaussian._of(self._joint().conditional(indices, rows_of(values)))
+        density: ConcentratedGaussian[SE3] = self._joint().conditional(indices, rows_of(values))
+        return density
 
     def relative_pose(self, from_index: int, to_index: int) -> ConcentratedGaussian[SE3]:
         """The density of ``T_from^-1 T_to`` in a joint density, with its cross-covariance."""
-        return ConcentratedGaussian._of(self._joint().relative_pose(from_index, to_index))
+        density: ConcentratedGaussian[SE3] = self._joint().relative_pose(from_index, to_index)
+        return density
 
     def _joint(self) -> Any:
         if not self.mean.shape:
@@ -240,9 +241,11 @@ class ProjectedGaussian(Generic[G]):
 
     @classmethod
     def _of(cls, handle: Any) -> ProjectedGaussian[G]:
+        if isinstance(handle, cls):
+            return handle
         density = cls.__new__(cls)
         density._handle = handle
-        density._group = group_of_handle(handle)  # type: ignore[assignment]
+        density._group = SO3 if isinstance(handle, _ON_SO3) else SE3  # type: ignore[assignment]
         return density
 
     @property
@@ -283,7 +286,8 @@ class ProjectedGaussian(Generic[G]):
 
     def change_chart(self, tangent_point: SO3) -> ProjectedGaussian[G]:
         """The density in the tangent space at another rotation, first order in u (eq. 15-16)."""
-        return ProjectedGaussian._of(self._handle.change_chart(tangent_point._data))
+        density: ProjectedGaussian[G] = self._handle.change_chart(tangent_point._data)
+        return density
 
     def __reduce__(self) -> tuple[Any, tuple[Any, ...]]:
         return ProjectedGaussian, (self.tangent_point, self.tangent_mean, self.covariance)

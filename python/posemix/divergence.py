@@ -5,13 +5,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import Any, Generic, TypeVar
+from typing import Any, TypeVar
 
 from posemix import _core
-from posemix._core import ConversionSettings, DivergenceSamplingSettings
+from posemix._core import Conversion, ConversionSettings, DivergenceEstimate, DivergenceSamplingSettings
 from posemix.density import ConcentratedGaussian, ProjectedGaussian
-from posemix.mixture import Mixture
+from posemix.mixture import Mixture, overloaded
 from posemix.random import RandomStream, stream_of
 
 __all__ = [
@@ -20,39 +19,6 @@ __all__ = [
 ]  # fmt: skip
 
 D = TypeVar("D", bound="ConcentratedGaussian[Any] | ProjectedGaussian[Any]")
-
-
-@dataclass(frozen=True)
-class DivergenceEstimate:
-    """A sampled divergence.
-
-    Attributes
-    ----------
-    value : float
-        Nats; of the integral square distance rad^-3 m^-3.
-    error : float
-        One standard error.
-    evaluations : int
-        Points at which the densities were evaluated.
-    """
-
-    value: float
-    error: float
-    evaluations: int
-
-
-def _estimate(
-    name: str,
-    p: Mixture[Any],
-    q: Mixture[Any],
-    seed: int | RandomStream,
-    settings: DivergenceSamplingSettings | None,
-) -> DivergenceEstimate:
-    function = getattr(_core, name)
-    found = function(
-        p._handle, q._handle, stream_of(seed), settings or DivergenceSamplingSettings()
-    )
-    return DivergenceEstimate(*found)
 
 
 def kl_monte_carlo(
@@ -80,7 +46,7 @@ def kl_monte_carlo(
     >>> abs(kl_monte_carlo(p, p, seed=1).value) < 1e-12
     True
     """
-    return _estimate("kl_monte_carlo", p, q, seed, settings)
+    return _core.kl_monte_carlo(p, q, stream_of(seed), settings or DivergenceSamplingSettings())
 
 
 def symmetric_kl_monte_carlo(
@@ -90,7 +56,7 @@ def symmetric_kl_monte_carlo(
     settings: DivergenceSamplingSettings | None = None,
 ) -> DivergenceEstimate:
     """D(p || q) + D(q || p), as `kl_monte_carlo`."""
-    return _estimate("symmetric_kl_monte_carlo", p, q, seed, settings)
+    return _core.symmetric_kl_monte_carlo(p, q, stream_of(seed), settings or DivergenceSamplingSettings())
 
 
 def isd_monte_carlo(
@@ -100,26 +66,24 @@ def isd_monte_carlo(
     settings: DivergenceSamplingSettings | None = None,
 ) -> DivergenceEstimate:
     """The integral of (p - q)^2 over the group, as `kl_monte_carlo`."""
-    return _estimate("isd_monte_carlo", p, q, seed, settings)
+    return _core.isd_monte_carlo(p, q, stream_of(seed), settings or DivergenceSamplingSettings())
 
 
 def gaussian_kl(p: D, q: D) -> float:
     """D(p || q) of two densities as of the Gaussians in a common tangent space [nats]."""
-    return float(_core.gaussian_kl(p._handle, q._handle))
+    return float(overloaded.gaussian_kl(p, q))
 
 
 def exact_kl(p: ProjectedGaussian[Any], q: ProjectedGaussian[Any]) -> float:
     """D(p || q) of two projected Gaussians under their distributions, by cubature [nats]."""
-    return float(_core.exact_kl(p._handle, q._handle))
+    return float(_core.exact_kl(p, q))
 
 
 def runnalls_bound(a: D, weight_a: float, b: D, weight_b: float) -> float:
     """Runnalls' upper bound on the divergence that merging two components causes [nats]."""
     if not (weight_a > 0.0 and weight_b > 0.0):
         raise ValueError(f"weights are {weight_a} and {weight_b}; expected positive numbers")
-    return float(
-        _core.runnalls_bound(math.log(weight_a), a._handle, math.log(weight_b), b._handle)
-    )
+    return float(overloaded.runnalls_bound(math.log(weight_a), a, math.log(weight_b), b))
 
 
 def gaussian_wasserstein(
@@ -134,7 +98,7 @@ def gaussian_wasserstein(
     length_scale : float
         Metres that one radian counts as.
     """
-    return float(_core.gaussian_wasserstein(p._handle, q._handle, length_scale))
+    return float(_core.gaussian_wasserstein(p, q, length_scale))
 
 
 def mixture_wasserstein(
@@ -143,30 +107,7 @@ def mixture_wasserstein(
     length_scale: float = 1.0,
 ) -> float:
     """The MW2 distance: components moved onto each other at the least cost [m]."""
-    return float(_core.mixture_wasserstein(p._handle, q._handle, length_scale))
-
-
-@dataclass(frozen=True)
-class Conversion(Generic[D]):
-    """A mixture of the other kind.
-
-    Attributes
-    ----------
-    mixture : Mixture
-        The converted mixture.
-    kl_lost, kl_error : float
-        D(original || converted) and its standard error [nats].
-    components_split : int
-        Components that became several.
-    within_limit : bool
-        Whether every component's loss meets the limit.
-    """
-
-    mixture: Mixture[D]
-    kl_lost: float
-    kl_error: float
-    components_split: int
-    within_limit: bool
+    return float(_core.mixture_wasserstein(p, q, length_scale))
 
 
 def to_projected(
@@ -175,10 +116,10 @@ def to_projected(
     settings: ConversionSettings | None = None,
 ) -> Conversion[ProjectedGaussian[Any]]:
     """A mixture of concentrated Gaussians as one of projected Gaussians."""
-    handle, *rest = _core.to_projected(
-        mixture._handle, stream_of(seed), settings or ConversionSettings()
+    found: Conversion[ProjectedGaussian[Any]] = _core.to_projected(
+        mixture, stream_of(seed), settings or ConversionSettings()
     )
-    return Conversion(Mixture._of(handle), *rest)
+    return found
 
 
 def to_concentrated(
@@ -187,7 +128,7 @@ def to_concentrated(
     settings: ConversionSettings | None = None,
 ) -> Conversion[ConcentratedGaussian[Any]]:
     """A mixture of projected Gaussians as one of concentrated Gaussians."""
-    handle, *rest = _core.to_concentrated(
-        mixture._handle, stream_of(seed), settings or ConversionSettings()
+    found: Conversion[ConcentratedGaussian[Any]] = _core.to_concentrated(
+        mixture, stream_of(seed), settings or ConversionSettings()
     )
-    return Conversion(Mixture._of(handle), *rest)
+    return found

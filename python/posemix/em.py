@@ -4,84 +4,33 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any, Generic, Literal, TypeVar
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from posemix import _core
-from posemix._core import EmSettings, EmStatus
-from posemix.density import ConcentratedGaussian, ProjectedGaussian, rows_of
+from posemix._arrays import FloatArray
+from posemix._core import BicSelection, EmResult, EmSettings
+from posemix.density import rows_of
 from posemix.lie import SE3, SO3
 from posemix.mixture import Mixture
 from posemix.random import RandomStream, stream_of
 
 __all__ = ["BicSelection", "EmResult", "fit_mixture", "fit_mixture_by_bic"]
 
-D = TypeVar("D", bound="ConcentratedGaussian[Any] | ProjectedGaussian[Any]")
-
 Distribution = Literal["concentrated", "projected"]
 
 
-@dataclass(frozen=True)
-class EmResult(Generic[D]):
-    """A fitted mixture.
-
-    Attributes
-    ----------
-    mixture : Mixture
-        The most likely one that was found.
-    log_likelihood : float
-        Sum of weight times log density over the samples [nats].
-    history : list of float
-        Log-likelihood at the start and after every iteration.
-    status : EmStatus
-        How the run ended.
-    parameters : int
-        Free parameters.
-    bic : float
-        Bayesian information criterion; smaller is better.
-    starts : int
-        Starts that were tried.
-    """
-
-    mixture: Mixture[D]
-    log_likelihood: float
-    history: list[float]
-    status: EmStatus
-    parameters: int
-    bic: float
-    starts: int
-
-
-@dataclass(frozen=True)
-class BicSelection(Generic[D]):
-    """Fits of 1, 2, ... components, and the index of the one with the smallest BIC."""
-
-    fits: list[EmResult[D]]
-    best: int
-
-    @property
-    def fit(self) -> EmResult[D]:
-        """The best fit."""
-        return self.fits[self.best]
-
-
-def _result(found: Any) -> EmResult[Any]:
-    return EmResult(Mixture._of(found[0]), *found[1:])
-
-
 def _arguments(
-    samples: SO3 | SE3, weights: npt.ArrayLike | None, distribution: str, name: str
-) -> tuple[Any, list[float]]:
+    samples: SO3 | SE3, weights: npt.ArrayLike | None, distribution: str
+) -> tuple[FloatArray, bool, list[float]]:
     if distribution not in ("concentrated", "projected"):
         raise ValueError(f"distribution is '{distribution}'; expected 'concentrated' or 'projected'")
     if len(samples.shape) != 1:
         raise ValueError(f"samples have shape {samples.shape}; expected (n,)")
-    group = "so3" if isinstance(samples, SO3) else "se3"
     counts = [] if weights is None else np.asarray(weights, dtype=np.float64).tolist()
-    return getattr(_core, f"{name}_{distribution}_{group}"), counts
+    return rows_of(samples), distribution == "projected", counts
 
 
 def fit_mixture(
@@ -127,9 +76,8 @@ def fit_mixture(
     >>> fit.status
     EmStatus.converged
     """
-    function, counts = _arguments(samples, weights, distribution, "fit")
-    handle = None if start is None else start._handle
-    return _result(function(rows_of(samples), counts, settings, stream_of(seed), handle))
+    arguments = _arguments(samples, weights, distribution)
+    return _core.fit_mixture(*arguments, settings, stream_of(seed), start)
 
 
 def fit_mixture_by_bic(
@@ -140,6 +88,5 @@ def fit_mixture_by_bic(
     distribution: Distribution = "concentrated",
 ) -> BicSelection[Any]:
     """Fits of 1 to ``settings.components`` components, and which one the BIC prefers."""
-    function, counts = _arguments(samples, weights, distribution, "fit_by_bic")
-    fits, best = function(rows_of(samples), counts, settings, stream_of(seed))
-    return BicSelection([_result(fit) for fit in fits], best)
+    arguments = _arguments(samples, weights, distribution)
+    return _core.fit_mixture_by_bic(*arguments, settings, stream_of(seed))

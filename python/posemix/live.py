@@ -34,7 +34,7 @@ from posemix._core import (
     slam_methods,
 )
 from posemix.density import ConcentratedGaussian
-from posemix.filters import MultiObjectFilter
+from posemix.filter import MultiObjectFilter
 from posemix.lie import SE3
 from posemix.mixture import Mixture
 from posemix.recording import Candidate, candidate_rows, with_misses
@@ -181,8 +181,7 @@ class ObjectSlam:
     @property
     def multi_object(self) -> MultiObjectFilter | None:
         """A copy of the multi-object filter where it is the one behind this."""
-        handle = self._handle.multi_object()
-        return None if handle is None else MultiObjectFilter._of(handle)
+        return self._handle.multi_object()
 
     def __copy__(self) -> ObjectSlam:
         return ObjectSlam._of(self._handle.copy())

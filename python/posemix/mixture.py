@@ -16,7 +16,6 @@ from posemix._arrays import FloatArray
 from posemix.density import (
     ConcentratedGaussian,
     ProjectedGaussian,
-    group_of_handle,
     rows_of,
     standard_deviations,
 )
@@ -27,18 +26,16 @@ __all__ = ["Mixture"]
 
 D = TypeVar("D", bound="ConcentratedGaussian[Any] | ProjectedGaussian[Any]")
 
-_MIXTURES: dict[str, Any] = {
-    name: getattr(_core, "Mixture" + name)
-    for name in (
-        "ConcentratedSO3", "ConcentratedSE3", "ConcentratedStack", "ProjectedSO3", "ProjectedSE3",
-    )
-}  # fmt: skip
+# The compiled functions, whose overloads are of kinds of density: of a type variable mypy does not know which one.
+overloaded: Any = _core
 
-
-def density_of(handle: Any) -> Any:
-    """The density of a compiled one."""
-    kind = ConcentratedGaussian if type(handle).__name__.startswith("Conc") else ProjectedGaussian
-    return kind._of(handle)
+_MIXTURES: dict[type, Any] = {
+    _core.ConcentratedSO3: _core.MixtureConcentratedSO3,
+    _core.ConcentratedSE3: _core.MixtureConcentratedSE3,
+    _core.ConcentratedStack: _core.MixtureConcentratedStack,
+    _core.ProjectedSO3: _core.MixtureProjectedSO3,
+    _core.ProjectedSE3: _core.MixtureProjectedSE3,
+}
 
 
 def log_of_weights(weights: npt.ArrayLike) -> FloatArray:
@@ -95,18 +92,20 @@ class Mixture(Generic[D]):
             raise ValueError("a mixture needs at least one component")
         if weights is not None and log_weights is not None:
             raise ValueError("weights and log_weights are both given; expected one of them")
-        kinds = {type(density._handle).__name__ for density in densities}
+        kinds = {type(density._handle) for density in densities}
         if len(kinds) > 1:
-            raise ValueError(f"components of different kinds: {', '.join(sorted(kinds))}")
+            names = sorted(kind.__name__ for kind in kinds)
+            raise ValueError(f"components of different kinds: {', '.join(names)}")
         if log_weights is not None:
             logs = np.ascontiguousarray(log_weights, dtype=np.float64)
         else:
             logs = log_of_weights(np.ones(len(densities)) if weights is None else weights)
-        make = _MIXTURES[kinds.pop()]
-        self._handle: Any = make(list(logs), [density._handle for density in densities])
+        self._handle: Any = _MIXTURES[kinds.pop()](list(logs), list(densities))
 
     @classmethod
     def _of(cls, handle: Any) -> Mixture[D]:
+        if isinstance(handle, cls):
+            return handle
         mixture = cls.__new__(cls)
         mixture._handle = handle
         return mixture
@@ -116,8 +115,7 @@ class Mixture(Generic[D]):
 
     def __getitem__(self, index: int) -> D:
         """The density of one component."""
-        at = index + len(self) if index < 0 else index
-        density: D = density_of(self._handle.density(at))
+        density: D = self._handle.density(index + len(self) if index < 0 else index)
         return density
 
     def __iter__(self) -> Iterator[D]:
@@ -137,9 +135,8 @@ class Mixture(Generic[D]):
     @property
     def means(self) -> Any:
         """The components' means as one array of elements, shape (k,)."""
-        group = group_of_handle(self._handle)
         data = np.stack([density.mean._data for density in self])
-        return group._wrap(data, data.shape[:-1])
+        return self[0]._group._wrap(data, data.shape[:-1])
 
     @property
     def covariances(self) -> FloatArray:
@@ -161,26 +158,27 @@ class Mixture(Generic[D]):
 
     def sample(self, count: int, seed: int | RandomStream) -> Any:
         """Draws, shape (count,)."""
-        group = group_of_handle(self._handle)
-        return group._wrap(self._handle.sample(count, stream_of(seed)), (count,))
+        return self[0]._group._wrap(self._handle.sample(count, stream_of(seed)), (count,))
 
     def prune(self, threshold: float) -> tuple[Mixture[D], float]:
         """The mixture without components lighter than `threshold`, and the weight dropped.
 
         The heaviest component always stays.
         """
-        handle, dropped = self._handle.prune(threshold)
-        return Mixture._of(handle), dropped
+        pruned: tuple[Mixture[D], float] = self._handle.prune(threshold)
+        return pruned
 
     def marginal(self, index: int) -> Mixture[ConcentratedGaussian[SE3]]:
         """The mixture of one pose of a joint mixture."""
-        return Mixture._of(self._handle.marginal(index))
+        mixture: Mixture[ConcentratedGaussian[SE3]] = self._handle.marginal(index)
+        return mixture
 
     def relative_pose(
         self, from_index: int, to_index: int
     ) -> Mixture[ConcentratedGaussian[SE3]]:
         """The mixture of ``T_from^-1 T_to`` of a joint mixture, with cross-covariances."""
-        return Mixture._of(self._handle.relative_pose(from_index, to_index))
+        mixture: Mixture[ConcentratedGaussian[SE3]] = self._handle.relative_pose(from_index, to_index)
+        return mixture
 
     def __reduce__(self) -> tuple[Any, tuple[Any, ...]]:
         return _restored, (list(self), self.log_weights)

@@ -5,8 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any, Generic, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -14,21 +13,29 @@ import numpy.typing as npt
 from posemix import _core
 from posemix._arrays import FloatArray, as_floats, flat_rows, require_finite
 from posemix._core import (
+    BoundedLoss,
     CompositionRule,
+    FuseResult,
     FuseSettings,
+    MergeRecord,
+    MergeResult,
     MergeSettings,
+    Moments,
     MomentSettings,
+    ProductMode,
     ProjectedFuseSettings,
     ProjectedMixtureComposeSettings,
     ProjectedMixtureFuseSettings,
+    Reduction,
+    ReductionReport,
     ReductionSettings,
 )
 from posemix.density import ConcentratedGaussian, ProjectedGaussian
 from posemix.lie import SE3, SO3
-from posemix.mixture import Mixture, density_of, log_of_weights
+from posemix.mixture import Mixture, log_of_weights, overloaded
 
 __all__ = [
-    "BoundedLoss", "FuseResult", "MergeRecord", "MergeResult", "Moments", "Reduction", "ReductionReport",
+    "BoundedLoss", "FuseResult", "MergeRecord", "MergeResult", "Moments", "ProductMode", "Reduction", "ReductionReport",
     "back_project", "between", "between_arrays", "compose", "compose_arrays", "fuse", "fuse_arrays", "inverse",
     "inverse_arrays", "merge", "moments", "recenter", "reduce",
 ]  # fmt: skip
@@ -36,27 +43,6 @@ __all__ = [
 G = TypeVar("G", SO3, SE3)
 D = TypeVar("D", bound="ConcentratedGaussian[Any] | ProjectedGaussian[Any]")
 X = TypeVar("X", bound="ConcentratedGaussian[Any] | ProjectedGaussian[Any] | Mixture[Any]")
-
-
-def _wrapped(handle: Any) -> Any:
-    is_mixture = type(handle).__name__.startswith("Mixture")
-    return Mixture._of(handle) if is_mixture else density_of(handle)
-
-
-def _rule(x: Any, settings: CompositionRule | ProjectedMixtureComposeSettings | None) -> list[Any]:
-    """The argument that composition of this kind takes."""
-    name = type(x._handle).__name__
-    if "Projected" not in name:
-        if settings is not None:
-            raise ValueError("concentrated Gaussians are composed without settings")
-        return []
-    if name.startswith("Mixture"):
-        if isinstance(settings, CompositionRule):
-            return [ProjectedMixtureComposeSettings(rule=settings)]
-        return [settings or ProjectedMixtureComposeSettings()]
-    if isinstance(settings, ProjectedMixtureComposeSettings):
-        return [settings.rule]
-    return [settings or CompositionRule.cubature]
 
 
 def compose(
@@ -75,7 +61,7 @@ def compose(
     settings : CompositionRule or ProjectedMixtureComposeSettings, optional
         For projected Gaussians.
     """
-    result: X = _wrapped(_core.compose(x._handle, y._handle, *_rule(x, settings)))
+    result: X = overloaded.compose(x, y, settings)
     return result
 
 
@@ -83,7 +69,7 @@ def inverse(
     x: X, settings: CompositionRule | ProjectedMixtureComposeSettings | None = None
 ) -> X:
     """The density or mixture of X^-1; exact for concentrated Gaussians."""
-    result: X = _wrapped(_core.inverse(x._handle, *_rule(x, settings)))
+    result: X = overloaded.inverse(x, settings)
     return result
 
 
@@ -91,7 +77,7 @@ def between(
     x: X, y: X, settings: CompositionRule | ProjectedMixtureComposeSettings | None = None
 ) -> X:
     """The density or mixture of X^-1 Y for independent X and Y."""
-    result: X = _wrapped(_core.between(x._handle, y._handle, *_rule(x, settings)))
+    result: X = overloaded.between(x, y, settings)
     return result
 
 
@@ -168,42 +154,6 @@ def fuse_arrays(
     return mean, covariance, np.asarray(converged, dtype=bool).reshape(shape)
 
 
-@dataclass(frozen=True)
-class FuseResult(Generic[X]):
-    """Result of `fuse`.
-
-    Attributes
-    ----------
-    density : ConcentratedGaussian, ProjectedGaussian or Mixture
-        The normalised product.
-    log_overlap : float
-        Log of the integral of the product over the group [nats].
-    converged : bool
-        Whether the iteration did, of every pair.
-    iterations : int or None
-        Of a single pair.
-    """
-
-    density: X
-    log_overlap: float
-    converged: bool
-    iterations: int | None = None
-
-
-def _fuse_settings(p: Any, settings: Any) -> Any:
-    name = type(p._handle).__name__
-    kind: Any = FuseSettings
-    if "Projected" in name:
-        kind = ProjectedMixtureFuseSettings if name.startswith("Mixture") else ProjectedFuseSettings
-    if settings is None:
-        return kind()
-    if isinstance(settings, ProjectedFuseSettings) and kind is ProjectedMixtureFuseSettings:
-        return kind(pair=settings)
-    if not isinstance(settings, kind):
-        raise TypeError(f"settings are {type(settings).__name__}; expected {kind.__name__}")
-    return settings
-
-
 def fuse(
     p: X,
     q: X,
@@ -219,10 +169,8 @@ def fuse(
     ValueError
         When no pair overlaps, or for settings out of range.
     """
-    handle, log_overlap, converged, *rest = _core.fuse(
-        p._handle, q._handle, _fuse_settings(p, settings)
-    )
-    return FuseResult(_wrapped(handle), log_overlap, converged, rest[0] if rest else None)
+    result: FuseResult[X] = overloaded.fuse(p, q, settings)
+    return result
 
 
 def recenter(density: ConcentratedGaussian[G], anchor: G) -> tuple[FloatArray, FloatArray]:
@@ -230,7 +178,7 @@ def recenter(density: ConcentratedGaussian[G], anchor: G) -> tuple[FloatArray, F
 
     First order in xi: mean d = Log(X0 anchor^-1), covariance J_l(d)^-1 P J_l(d)^-T.
     """
-    mean, covariance = _core.recenter(density._handle, anchor._data)
+    mean, covariance = _core.recenter(density, anchor._data)
     return mean, covariance
 
 
@@ -239,49 +187,16 @@ def back_project(
 ) -> ConcentratedGaussian[G]:
     """The density at Exp(mean) anchor with covariance J_l P J_l^T; undoes `recenter`."""
     dof = anchor.DOF
-    handle = _core.back_project(
+    density: ConcentratedGaussian[G] = overloaded.back_project(
         anchor._data, as_floats(mean, (dof,), "mean"), as_floats(covariance, (dof, dof), "covariance")
     )
-    return ConcentratedGaussian._of(handle)
-
-
-@dataclass(frozen=True)
-class Moments(Generic[D]):
-    """Mean and covariance of a mixture on its group.
-
-    Attributes
-    ----------
-    density : ConcentratedGaussian or ProjectedGaussian
-        One density with these moments.
-    converged : bool
-        Whether the mean's iteration did.
-    iterations : int
-        Updates of the mean.
-    residual : float
-        Norm of the mean's tangent vector at the end [rad, m].
-    """
-
-    density: D
-    converged: bool
-    iterations: int
-    residual: float
+    return density
 
 
 def moments(mixture: Mixture[D], settings: MomentSettings | None = None) -> Moments[D]:
     """Mean and covariance of a whole mixture, by cubature."""
-    handle, converged, iterations, residual = _core.moments(
-        mixture._handle, settings or MomentSettings()
-    )
-    return Moments(density_of(handle), converged, iterations, residual)
-
-
-@dataclass(frozen=True)
-class MergeResult(Generic[D]):
-    """Result of `merge`: one density, its weight's logarithm, whether the mean converged."""
-
-    density: D
-    log_weight: float
-    converged: bool
+    result: Moments[D] = overloaded.moments(mixture, settings)
+    return result
 
 
 def merge(
@@ -304,93 +219,10 @@ def merge(
     ----------
     Midway-merge paper, eq. 12-19.
     """
-    log_weight, handle, converged = _core.merge(
-        list(log_of_weights(weights)), [d._handle for d in densities], settings or MergeSettings()
+    result: MergeResult[D] = overloaded.merge(
+        list(log_of_weights(weights)), list(densities), settings or MergeSettings()
     )
-    return MergeResult(density_of(handle), log_weight, converged)
-
-
-@dataclass(frozen=True)
-class MergeRecord:
-    """One merge: the two weights as fractions of the mixture, and the distance of the means."""
-
-    weight_a: float
-    weight_b: float
-    distance: float
-
-
-@dataclass(frozen=True)
-class BoundedLoss:
-    """What a reduction lost at most.
-
-    Attributes
-    ----------
-    dropped : float
-        Weight of what was dropped.
-    merged_kl, merged_symmetric_kl : float
-        Bounds on the divergence that merging caused [nats].
-    total_variation : float
-        Bound on the change of the probability of any set, of the whole reduction.
-    kl_from_reduced : float
-        Bound on the divergence from the reduced mixture to the full one [nats].
-    """
-
-    dropped: float
-    merged_kl: float
-    merged_symmetric_kl: float
-    total_variation: float
-    kl_from_reduced: float
-
-
-@dataclass(frozen=True)
-class ReductionReport:
-    """What `reduce` did.
-
-    Attributes
-    ----------
-    components_before, components_pruned, components_after : int
-        Numbers of components.
-    weight_pruned, weight_moved : float
-        Weight dropped; sum over the merges of the smaller of both weights.
-    merges : list of MergeRecord
-        One per merge.
-    destination : list of int or None
-        For every component before the one after that holds it.
-    bounded_loss : BoundedLoss or None
-        Where it was asked for.
-    converged : bool
-        Whether every merge did.
-    """
-
-    components_before: int
-    components_pruned: int
-    components_after: int
-    weight_pruned: float
-    weight_moved: float
-    merges: list[MergeRecord]
-    destination: list[int | None]
-    bounded_loss: BoundedLoss | None
-    converged: bool
-
-
-def reduction_report(values: dict[str, Any]) -> ReductionReport:
-    """The report of compiled values."""
-    loss = values["bounded_loss"]
-    return ReductionReport(
-        **{
-            **values,
-            "merges": [MergeRecord(*merge) for merge in values["merges"]],
-            "bounded_loss": None if loss is None else BoundedLoss(**loss),
-        }
-    )
-
-
-@dataclass(frozen=True)
-class Reduction(Generic[D]):
-    """Result of `reduce`: the smaller mixture and what was done."""
-
-    mixture: Mixture[D]
-    report: ReductionReport
+    return result
 
 
 def reduce(mixture: Mixture[D], settings: ReductionSettings | None = None) -> Reduction[D]:
@@ -401,5 +233,5 @@ def reduce(mixture: Mixture[D], settings: ReductionSettings | None = None) -> Re
     ValueError
         For settings out of range.
     """
-    handle, report = _core.reduce(mixture._handle, settings or ReductionSettings())
-    return Reduction(Mixture._of(handle), reduction_report(report))
+    result: Reduction[D] = overloaded.reduce(mixture, settings or ReductionSettings())
+    return result

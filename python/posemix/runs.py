@@ -29,7 +29,7 @@ from posemix._core import (
     SmoothingSettings,
 )
 from posemix.density import ConcentratedGaussian, standard_deviations
-from posemix.filters import ObjectHypothesis
+from posemix.filter import ObjectHypothesis
 from posemix.lie import SE3
 from posemix.mixture import Mixture
 from posemix.recording import Sequence, is_known
@@ -158,10 +158,7 @@ class SlamRun:
     @property
     def alternatives(self) -> list[list[ObjectHypothesis]]:
         """Hypotheses of every object at the last frame, by the multi-object filter."""
-        return [
-            [ObjectHypothesis(**h) for h in of_object]
-            for of_object in self._handle.alternatives()
-        ]
+        return self._handle.alternatives()
 
     def __copy__(self) -> SlamRun:
         return self

@@ -17,9 +17,13 @@ import numpy.typing as npt
 from posemix import _core
 from posemix._arrays import FloatArray, require_finite
 from posemix._core import (
+    BestGrasp,
     BestGraspSettings,
+    GraspCandidate,
+    RegionFit,
     RegionFitSettings,
     RegionPriors,
+    SuccessEstimate,
     SuccessSettings,
     SymmetryGroup,
     ToleranceRegion,
@@ -75,25 +79,6 @@ class ToleranceBox:
         return np.asarray(self.rotation), np.asarray(self.translation)
 
 
-@dataclass(frozen=True)
-class SuccessEstimate:
-    """A probability by randomised quasi-Monte Carlo.
-
-    Attributes
-    ----------
-    probability : float
-        The estimate.
-    error : float
-        One standard error, from the replicates.
-    evaluations : int
-        Points at which the density was evaluated.
-    """
-
-    probability: float
-    error: float
-    evaluations: int
-
-
 def success_probability(
     mixture: PoseMixture,
     box: ToleranceBox,
@@ -136,49 +121,9 @@ def success_probability(
     0.683
     """
     rotation, translation = box._sides()
-    found = _core.success_probability(
-        mixture._handle, rotation, translation, m, stream_of(seed), settings or SuccessSettings()
+    return _core.success_probability(
+        mixture, rotation, translation, m, stream_of(seed), settings or SuccessSettings()
     )
-    return SuccessEstimate(*found)
-
-
-@dataclass(frozen=True)
-class GraspCandidate:
-    """Where one start of `best_grasp` ended.
-
-    Attributes
-    ----------
-    start, pose : SE3
-        Frame of the grasp at the start and at the end.
-    success : SuccessEstimate
-        Probability at the end.
-    """
-
-    start: SE3
-    pose: SE3
-    success: SuccessEstimate
-
-
-@dataclass(frozen=True)
-class BestGrasp:
-    """The pose that maximises the probability.
-
-    Attributes
-    ----------
-    pose : SE3
-        Frame of the grasp.
-    success : SuccessEstimate
-        Its probability.
-    candidates : list of GraspCandidate
-        What every start found, best first.
-    evaluations : int
-        Of the probability while searching.
-    """
-
-    pose: SE3
-    success: SuccessEstimate
-    candidates: list[GraspCandidate]
-    evaluations: int
 
 
 def best_grasp(
@@ -206,14 +151,8 @@ def best_grasp(
         As `success_probability`, and for no starts.
     """
     rotation, translation = box._sides()
-    pose, success, candidates, evaluations = _core.best_grasp(
-        mixture._handle, rotation, translation, stream_of(seed), settings or BestGraspSettings()
-    )
-    return BestGrasp(
-        pose,
-        SuccessEstimate(*success),
-        [GraspCandidate(start, end, SuccessEstimate(*s)) for start, end, s in candidates],
-        evaluations,
+    return _core.best_grasp(
+        mixture, rotation, translation, stream_of(seed), settings or BestGraspSettings()
     )
 
 
@@ -241,32 +180,6 @@ def nearest_equivalent(pose: SE3, reference: SE3, symmetry: SymmetryGroup) -> SE
         Of the object.
     """
     return _core.nearest_equivalent(pose, reference, symmetry)
-
-
-@dataclass(frozen=True)
-class RegionFit:
-    """A fitted region.
-
-    Attributes
-    ----------
-    region : ToleranceRegion
-        The most probable one.
-    log_posterior : float
-        Up to a constant that depends on the settings only [nats].
-    converged : bool
-        Of the start that was kept.
-    successes, failures : int
-        Numbers of outcomes.
-    identified : list of bool
-        For every width, whether the outcomes say more about it than the prior does.
-    """
-
-    region: ToleranceRegion
-    log_posterior: float
-    converged: bool
-    successes: int
-    failures: int
-    identified: list[bool]
 
 
 def _outcomes(errors: SE3, successes: npt.ArrayLike) -> tuple[SE3, list[bool]]:
@@ -298,10 +211,9 @@ def fit_tolerance_region(
     ValueError
         For other numbers of errors and outcomes, and when there is no start.
     """
-    found = _core.fit_tolerance_region(
+    return _core.fit_tolerance_region(
         *_outcomes(errors, successes), settings or RegionFitSettings(), stream_of(seed)
     )
-    return RegionFit(*found)
 
 
 def bootstrap_regions(

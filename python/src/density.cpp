@@ -6,17 +6,17 @@
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/vector.h>
 
+#include "generic.hpp"
 #include "posemix/density/operations.hpp"
 #include "posemix/density/pose_stack.hpp"
 #include "posemix/density/projected_operations.hpp"
 #include "posemix/lie/pose_stack.hpp"
+#include "record.hpp"
+#include "rules.hpp"
 #include "settings.hpp"
 
 namespace posemix::python {
 namespace {
-
-template <class D>
-using FuseTuple = std::tuple<D, double, bool, int>;
 
 template <class G>
 void bind_concentrated(nb::module_& m, const char* name) {
@@ -25,8 +25,8 @@ void bind_concentrated(nb::module_& m, const char* name) {
   nb::class_<D>(m, name)
       .def(
           "__init__",
-          [](D* self, const Numbers& mean, const Covariance& covariance) {
-            new (self) D(element_of<G>(mean), covariance);
+          [](Unmade<D> self, const Numbers& mean, const Covariance& covariance) {
+            new (self.place) D(element_of<G>(mean), covariance);
           },
           "mean"_a, "covariance"_a)
       .def_prop_ro(
@@ -50,20 +50,15 @@ void bind_concentrated(nb::module_& m, const char* name) {
             });
           },
           "count"_a, "stream"_a);
-  m.def(
-      "compose", [](const D& x, const D& y) { return compose(x, y); }, "x"_a, "y"_a);
-  m.def(
-      "inverse", [](const D& x) { return inverse(x); }, "x"_a);
-  m.def(
-      "between", [](const D& x, const D& y) { return between(x, y); }, "x"_a, "y"_a);
+  bind_composition<D>(m);
   m.def(
       "fuse",
-      [](const D& p, const D& q, const FuseSettings& settings) {
-        auto result = fuse(p, q, settings);
-        return nb::make_tuple(std::move(result.density), result.log_overlap, result.converged,
-                              result.iterations);
+      [](const D& p, const D& q, const std::optional<FuseSettings>& settings) {
+        auto result = fuse(p, q, settings.value_or(FuseSettings{}));
+        return AnyFusion{nb::cast(std::move(result.density)), result.log_overlap, result.converged,
+                         result.iterations, std::nullopt};
       },
-      "p"_a, "q"_a, "settings"_a);
+      "p"_a, "q"_a, "settings"_a.none());
   m.def(
       "recenter",
       [](const D& x, const Numbers& anchor) {
@@ -84,8 +79,8 @@ void bind_stack(nb::module_& m) {
   nb::class_<D>(m, "ConcentratedStack")
       .def(
           "__init__",
-          [](D* self, const Rows& mean, const Eigen::MatrixXd& covariance) {
-            new (self) D(PoseStackd(elements_of<SE3d>(mean, "mean")), covariance);
+          [](Unmade<D> self, const Rows& mean, const Eigen::MatrixXd& covariance) {
+            new (self.place) D(PoseStackd(elements_of<SE3d>(mean, "mean")), covariance);
           },
           "mean"_a, "covariance"_a)
       .def_prop_ro(
@@ -155,9 +150,9 @@ void bind_projected(nb::module_& m, const char* name) {
   nb::class_<D>(m, name)
       .def(
           "__init__",
-          [](D* self, const Numbers& tangent_point, const typename G::Tangent& mean,
+          [](Unmade<D> self, const Numbers& tangent_point, const typename G::Tangent& mean,
              const Covariance& covariance) {
-            new (self) D(element_of<SO3d>(tangent_point), mean, covariance);
+            new (self.place) D(element_of<SO3d>(tangent_point), mean, covariance);
           },
           "tangent_point"_a, "tangent_mean"_a, "covariance"_a)
       .def_prop_ro(
@@ -185,34 +180,24 @@ void bind_projected(nb::module_& m, const char* name) {
             return drawn<G>(count, [&] { return self.sample_by_projection(stream); });
           },
           "count"_a, "stream"_a)
-      .def("moments_of",
-           [](const D& self) {
-             const DistributionMoments<G> moments = moments_of(self);
-             return nb::make_tuple(vector_array(moments.mean), matrix_array(moments.covariance));
-           })
       .def(
           "change_chart",
           [](const D& self, const Numbers& tangent_point) {
             return change_chart(self, element_of<SO3d>(tangent_point));
           },
           "tangent_point"_a);
-  m.def(
-      "compose", [](const D& x, const D& y, CompositionRule rule) { return compose(x, y, rule); },
-      "x"_a, "y"_a, "rule"_a);
-  m.def(
-      "inverse", [](const D& x, CompositionRule rule) { return inverse(x, rule); }, "x"_a,
-      "rule"_a);
-  m.def(
-      "between", [](const D& x, const D& y, CompositionRule rule) { return between(x, y, rule); },
-      "x"_a, "y"_a, "rule"_a);
+  bind_composition<D>(m);
   m.def(
       "fuse",
-      [](const D& p, const D& q, const ProjectedFuseSettings& settings) {
-        auto result = fuse(p, q, settings);
-        return nb::make_tuple(std::move(result.density), result.log_overlap, result.converged,
-                              result.iterations);
+      [](const D& p, const D& q, const std::optional<ProjectedFuseSettings>& settings) {
+        auto result = fuse(p, q, settings.value_or(ProjectedFuseSettings{}));
+        std::optional<AnyProductMode> second;
+        if (result.second)
+          second = {nb::cast(std::move(result.second->density)), result.second->log_overlap};
+        return AnyFusion{nb::cast(std::move(result.density)), result.log_overlap, result.converged,
+                         result.iterations, std::move(second)};
       },
-      "p"_a, "q"_a, "settings"_a);
+      "p"_a, "q"_a, "settings"_a.none());
 }
 
 /// Means as rows and covariances one after the other; one of either stands for all.
@@ -319,10 +304,32 @@ void bind_settings(nb::module_& m) {
       .done();
 }
 
+void bind_fusion(nb::module_& m) {
+  m.attr("X") = nb::type_var("X");
+  Record<AnyProductMode>(m, "ProductMode", "One mode of the product of two densities.")
+      .field("density", &AnyProductMode::density, "typing.Any", "The density at the mode.")
+      .field("log_overlap", &AnyProductMode::log_overlap, "float",
+             "Log of the integral of the product around the mode over the group [nats].")
+      .done();
+  Record<AnyFusion>(m, "FuseResult", "Result of `fuse`.", nb::is_generic(),
+                    nb::sig("class FuseResult(typing.Generic[X])"))
+      .field("density", &AnyFusion::density, "X", "The normalised product.")
+      .field("log_overlap", &AnyFusion::log_overlap, "float",
+             "Log of the integral of the product over the group [nats].")
+      .field("converged", &AnyFusion::converged, "bool",
+             "Whether the iteration converged, of every pair.")
+      .field("iterations", &AnyFusion::iterations, "int | None",
+             "Iterations of a single pair; None for mixtures.")
+      .field("second", &AnyFusion::second, "ProductMode | None",
+             "The product's second mode, of two projected Gaussians on opposite sides.")
+      .done();
+}
+
 }  // namespace
 
 void bind_density(nb::module_& m) {
   bind_settings(m);
+  bind_fusion(m);
   bind_concentrated<SO3d>(m, "ConcentratedSO3");
   bind_concentrated<SE3d>(m, "ConcentratedSE3");
   bind_stack(m);

@@ -11,6 +11,7 @@
 #include "posemix/base/random.hpp"
 #include "posemix/density/concentrated_gaussian.hpp"
 #include "posemix/density/projected_gaussian.hpp"
+#include "posemix/mixture/mixture.hpp"
 
 namespace posemix::python {
 
@@ -19,6 +20,108 @@ using ConcentratedSE3 = ConcentratedGaussian<SE3d>;
 using ConcentratedStack = ConcentratedGaussian<PoseStackd>;
 using ProjectedSO3 = ProjectedGaussian<SO3d>;
 using ProjectedSE3 = ProjectedGaussian<SE3d>;
+
+/// The package's class of densities and mixtures for one that is compiled.
+template <class T>
+struct PublicClass;
+
+template <class G>
+struct PublicClass<ConcentratedGaussian<G>> {
+  static constexpr const char* kModule = "posemix.density";
+  static constexpr const char* kName = "ConcentratedGaussian";
+  static constexpr auto kType =
+      nb::detail::const_name<std::is_same_v<G, SO3d>>("posemix.lie.SO3", "posemix.lie.SE3");
+  static constexpr auto kAnnotation =
+      nb::detail::const_name("posemix.density.ConcentratedGaussian[") + kType +
+      nb::detail::const_name("]");
+};
+
+template <class G>
+struct PublicClass<ProjectedGaussian<G>> {
+  static constexpr const char* kModule = "posemix.density";
+  static constexpr const char* kName = "ProjectedGaussian";
+  static constexpr auto kType =
+      nb::detail::const_name<std::is_same_v<G, SO3d>>("posemix.lie.SO3", "posemix.lie.SE3");
+  static constexpr auto kAnnotation = nb::detail::const_name("posemix.density.ProjectedGaussian[") +
+                                      kType + nb::detail::const_name("]");
+};
+
+template <class D>
+struct PublicClass<Mixture<D>> {
+  static constexpr const char* kModule = "posemix.mixture";
+  static constexpr const char* kName = "Mixture";
+  static constexpr auto kAnnotation = nb::detail::const_name("posemix.mixture.Mixture[") +
+                                      PublicClass<D>::kAnnotation + nb::detail::const_name("]");
+};
+
+/// Takes an object of the package's class or its compiled part, and makes one of the package's.
+template <class T>
+struct PublicCaster : nb::detail::type_caster_base<T> {
+  using Base = nb::detail::type_caster_base<T>;
+  static constexpr auto Name = PublicClass<T>::kAnnotation;
+
+  bool from_python(nb::handle source, std::uint32_t flags,
+                   nb::detail::cleanup_list* cleanup) noexcept {
+    if (nb::isinstance<T>(source)) return Base::from_python(source, flags, cleanup);
+    PyObject* const part = PyObject_GetAttrString(source.ptr(), "_handle");
+    if (part == nullptr) {
+      PyErr_Clear();
+      return false;
+    }
+    const bool taken =
+        nb::isinstance<T>(nb::handle(part)) && Base::from_python(part, flags, cleanup);
+    Py_DECREF(part);  // its object holds it
+    return taken;
+  }
+
+  template <class Value>
+  static nb::handle from_cpp(Value&& value, nb::rv_policy policy,
+                             nb::detail::cleanup_list* cleanup) noexcept try {
+    const nb::object part = nb::steal(Base::from_cpp(std::forward<Value>(value), policy, cleanup));
+    if (!part.is_valid()) return {};
+    const nb::object made = nb::module_::import_(PublicClass<T>::kModule);
+    return made.attr(PublicClass<T>::kName).attr("_of")(part).release();
+  } catch (nb::python_error& error) {
+    error.restore();
+    return {};
+  }
+};
+
+/// Where a constructor of a compiled part makes it: nanobind finds constructors by the annotation
+/// of their first argument, which for T itself would be that of the package's class.
+template <class T>
+struct Unmade {
+  T* place = nullptr;
+};
+
+}  // namespace posemix::python
+
+namespace nanobind::detail {
+
+template <class T>
+struct type_caster<posemix::python::Unmade<T>> {
+  NB_TYPE_CASTER(posemix::python::Unmade<T>, const_name<T>())
+
+  bool from_python(handle source, std::uint32_t flags, cleanup_list* cleanup) noexcept {
+    type_caster_base<T> base;
+    if (!base.from_python(source, flags, cleanup)) return false;
+    value.place = base.operator T*();
+    return true;
+  }
+};
+
+template <class G>
+struct type_caster<posemix::ConcentratedGaussian<G>>
+    : posemix::python::PublicCaster<posemix::ConcentratedGaussian<G>> {};
+template <class G>
+struct type_caster<posemix::ProjectedGaussian<G>>
+    : posemix::python::PublicCaster<posemix::ProjectedGaussian<G>> {};
+template <class D>
+struct type_caster<posemix::Mixture<D>> : posemix::python::PublicCaster<posemix::Mixture<D>> {};
+
+}  // namespace nanobind::detail
+
+namespace posemix::python {
 
 /// A covariance as rows, in numpy's own order.
 template <class Matrix>

@@ -4,19 +4,19 @@
 
 #include <optional>
 
+#include <nanobind/typing.h>
+
+#include "generic.hpp"
 #include "mixture.hpp"
 #include "posemix/divergence/conversion.hpp"
 #include "posemix/divergence/gaussian.hpp"
 #include "posemix/divergence/projected.hpp"
 #include "posemix/divergence/wasserstein.hpp"
+#include "record.hpp"
 #include "settings.hpp"
 
 namespace posemix::python {
 namespace {
-
-nb::tuple estimate_tuple(const DivergenceEstimate& estimate) {
-  return nb::make_tuple(estimate.value, estimate.error, estimate.evaluations);
-}
 
 /// The estimates between mixtures of two kinds.
 template <class P, class Q>
@@ -32,7 +32,7 @@ void bind_pair(nb::module_& m) {
             const nb::gil_scoped_release unlocked;
             estimate = function(p, q, stream, settings);
           }
-          return estimate_tuple(*estimate);
+          return *estimate;
         },
         "p"_a, "q"_a, "stream"_a, "settings"_a);
   };
@@ -69,17 +69,46 @@ void bind_group(nb::module_& m) {
   m.def("runnalls_bound", [](double log_a, const P& a, double log_b, const P& b) {
     return runnalls_bound(Component<P>{log_a, a}, Component<P>{log_b, b});
   });
-  const auto tuple = [](auto&& conversion) {
-    return nb::make_tuple(std::move(conversion.mixture), conversion.kl_lost, conversion.kl_error,
-                          conversion.components_split, conversion.within_limit);
+  using Settings = ConversionSettings;
+  const auto converted = [](auto&& conversion) {
+    return AnyConversion{nb::cast(std::move(conversion.mixture)),
+                         conversion.kl_lost,
+                         conversion.kl_error,
+                         conversion.largest_component_kl,
+                         conversion.components_split,
+                         conversion.converged,
+                         conversion.within_limit};
   };
-  m.def("to_projected", [tuple](const Mixture<C>& x, RandomStream& r, const ConversionSettings& s) {
-    return tuple(to_projected(x, r, s));
+  m.def("to_projected", [converted](const Mixture<C>& x, RandomStream& r, const Settings& s) {
+    return converted(to_projected(x, r, s));
   });
-  m.def("to_concentrated",
-        [tuple](const Mixture<P>& x, RandomStream& r, const ConversionSettings& s) {
-          return tuple(to_concentrated(x, r, s));
-        });
+  m.def("to_concentrated", [converted](const Mixture<P>& x, RandomStream& r, const Settings& s) {
+    return converted(to_concentrated(x, r, s));
+  });
+}
+
+void bind_results(nb::module_& m) {
+  using E = DivergenceEstimate;
+  Record<E>(m, "DivergenceEstimate", "A sampled divergence.")
+      .field("value", &E::value, "float", "Nats; of the integral square distance rad^-3 m^-3.")
+      .field("error", &E::error, "float", "One standard error.")
+      .field("evaluations", &E::evaluations, "int", "Points at which the densities were evaluated.")
+      .field("converged", &E::converged, "bool",
+             "Whether a tolerance was met; always true for sampling.")
+      .done();
+  using C = AnyConversion;
+  Record<C>(m, "Conversion", "A mixture of the other kind.", nb::is_generic(),
+            nb::sig("class Conversion(typing.Generic[D])"))
+      .field("mixture", &C::mixture, "posemix.mixture.Mixture[D]", "The converted mixture.")
+      .field("kl_lost", &C::kl_lost, "float", "D(original || converted) [nats].")
+      .field("kl_error", &C::kl_error, "float", "Standard error of `kl_lost` [nats].")
+      .field("largest_component_kl", &C::largest_component_kl, "float",
+             "The largest of the components' own divergences [nats].")
+      .field("components_split", &C::components_split, "int", "Components that became several.")
+      .field("converged", &C::converged, "bool", "Whether every iterated mean converged.")
+      .field("within_limit", &C::within_limit, "bool",
+             "Whether every component's loss meets the limit.")
+      .done();
 }
 
 void bind_settings(nb::module_& m) {
@@ -114,6 +143,7 @@ void bind_settings(nb::module_& m) {
 
 void bind_divergence(nb::module_& m) {
   bind_settings(m);
+  bind_results(m);
   bind_group<SO3d>(m);
   bind_group<SE3d>(m);
 }

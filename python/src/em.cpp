@@ -3,48 +3,95 @@
 #include "posemix/mixture/em.hpp"
 
 #include <optional>
+#include <type_traits>
 
+#include <nanobind/typing.h>
+
+#include "generic.hpp"
 #include "mixture.hpp"
+#include "record.hpp"
 #include "settings.hpp"
 
 namespace posemix::python {
 namespace {
 
 template <class D>
-nb::tuple result_tuple(const EmResult<D>& fit) {
-  return nb::make_tuple(fit.mixture, fit.log_likelihood, fit.history, fit.status, fit.parameters,
-                        fit.bic, fit.starts);
+AnyEmResult any_of(const EmResult<D>& fit) {
+  return {nb::cast(fit.mixture),
+          fit.log_likelihood,
+          fit.history,
+          fit.status,
+          fit.parameters,
+          fit.bic,
+          fit.starts};
 }
 
-template <class D>
-void bind_fit(nb::module_& m, const char* name) {
-  using G = typename D::Group;
-  m.def((std::string("fit_") + name).c_str(),
-        [](const Rows& samples, const std::vector<double>& weights, const EmSettings& settings,
-           RandomStream& stream, const std::optional<Mixture<D>>& start) {
-          const std::vector<G> elements = elements_of<G>(samples, "samples");
-          std::optional<EmResult<D>> fit;
-          {
-            const nb::gil_scoped_release unlocked;
-            fit = fit_mixture<D>(elements, weights, settings, stream, start);
-          }
-          return result_tuple(*fit);
-        },
-        "samples"_a, "weights"_a, "settings"_a, "stream"_a, "start"_a.none());
-  m.def((std::string("fit_by_bic_") + name).c_str(),
-        [](const Rows& samples, const std::vector<double>& weights, const EmSettings& settings,
-           RandomStream& stream) {
-          const std::vector<G> elements = elements_of<G>(samples, "samples");
-          std::optional<BicSelection<D>> selection;
-          {
-            const nb::gil_scoped_release unlocked;
-            selection = fit_mixture_by_bic<D>(elements, weights, settings, stream);
-          }
-          nb::list fits;
-          for (const auto& fit : selection->fits) fits.append(result_tuple(fit));
-          return nb::make_tuple(fits, selection->best);
-        },
-        "samples"_a, "weights"_a, "settings"_a, "stream"_a);
+/// Calls f with the samples as rotations or poses and the type of density to be fitted.
+template <class Function>
+auto with_kind(const Rows& samples, bool projected, Function f) {
+  if (samples.shape(1) == Wire<SO3d>::kSize) {
+    const std::vector<SO3d> all = elements_of<SO3d>(samples, "samples");
+    return projected ? f(all, std::type_identity<ProjectedSO3>())
+                     : f(all, std::type_identity<ConcentratedSO3>());
+  }
+  const std::vector<SE3d> all = elements_of<SE3d>(samples, "samples");
+  return projected ? f(all, std::type_identity<ProjectedSE3>())
+                   : f(all, std::type_identity<ConcentratedSE3>());
+}
+
+AnyEmResult fit(const Rows& samples, bool projected, const std::vector<double>& weights,
+                const EmSettings& settings, RandomStream& stream, const nb::object& start) {
+  return with_kind(samples, projected, [&](const auto& all, auto kind) {
+    using D = typename decltype(kind)::type;
+    const auto from = nb::cast<std::optional<Mixture<D>>>(start);
+    std::optional<EmResult<D>> found;
+    {
+      const nb::gil_scoped_release unlocked;
+      found = fit_mixture<D>(all, weights, settings, stream, from);
+    }
+    return any_of(*found);
+  });
+}
+
+AnyBicSelection fit_by_bic(const Rows& samples, bool projected, const std::vector<double>& weights,
+                           const EmSettings& settings, RandomStream& stream) {
+  return with_kind(samples, projected, [&](const auto& all, auto kind) {
+    using D = typename decltype(kind)::type;
+    std::optional<BicSelection<D>> found;
+    {
+      const nb::gil_scoped_release unlocked;
+      found = fit_mixture_by_bic<D>(all, weights, settings, stream);
+    }
+    AnyBicSelection selection{{}, found->best};
+    for (const EmResult<D>& one : found->fits) selection.fits.push_back(any_of(one));
+    return selection;
+  });
+}
+
+void bind_results(nb::module_& m) {
+  using R = AnyEmResult;
+  Record<R>(m, "EmResult", "A fitted mixture.", nb::is_generic(),
+            nb::sig("class EmResult(typing.Generic[D])"))
+      .field("mixture", &R::mixture, "posemix.mixture.Mixture[D]",
+             "The most likely one that was found.")
+      .field("log_likelihood", &R::log_likelihood, "float",
+             "Sum of weight times log density over the samples [nats].")
+      .field("history", &R::history, "list[float]",
+             "Log-likelihood at the start and after every iteration.")
+      .field("status", &R::status, "EmStatus", "How the run ended.")
+      .field("parameters", &R::parameters, "int", "Free parameters.")
+      .field("bic", &R::bic, "float", "Bayesian information criterion; smaller is better.")
+      .field("starts", &R::starts, "int", "Starts that were tried.")
+      .done();
+  using B = AnyBicSelection;
+  Record<B>(m, "BicSelection", "Fits of 1, 2, ... components.", nb::is_generic(),
+            nb::sig("class BicSelection(typing.Generic[D])"))
+      .field("fits", &B::fits, "list[EmResult[D]]", "Entry k has k + 1 components.")
+      .field("best", &B::best, "int", "Index of the fit with the smallest BIC.")
+      .done()
+      .def_prop_ro(
+          "fit", [](const B& self) { return self.fits.at(self.best); },
+          nb::sig("def fit(self, /) -> EmResult[D]"), "The best fit.");
 }
 
 }  // namespace
@@ -62,13 +109,17 @@ void bind_em(nb::module_& m) {
       .field("restarts", &EmSettings::restarts, "int", "Starts, of which the best end is kept.")
       .field("fixed_means", &EmSettings::fixed_means, "bool", "Whether means stay at the start.")
       .field("diagonal", &EmSettings::diagonal, "bool", "Whether covariances are diagonal.")
-      .field("min_sd", &EmSettings::min_sd, "float", "Least standard deviation [rad, m].")
-      .field("max_sd", &EmSettings::max_sd, "float", "Largest standard deviation [rad, m].")
+      .field("unit", &EmSettings::unit, "numpy.typing.ArrayLike",
+             "Shape (dof,): one unit per coordinate, in which the two bounds are stated; empty: "
+             "1 rad, 1 m.")
+      .field("min_sd", &EmSettings::min_sd, "float", "Least standard deviation, in these units.")
+      .field("max_sd", &EmSettings::max_sd, "float", "Largest standard deviation, in these units.")
       .done();
-  bind_fit<ConcentratedSO3>(m, "concentrated_so3");
-  bind_fit<ConcentratedSE3>(m, "concentrated_se3");
-  bind_fit<ProjectedSO3>(m, "projected_so3");
-  bind_fit<ProjectedSE3>(m, "projected_se3");
+  bind_results(m);
+  m.def("fit_mixture", &fit, "samples"_a, "projected"_a, "weights"_a, "settings"_a, "stream"_a,
+        "start"_a.none());
+  m.def("fit_mixture_by_bic", &fit_by_bic, "samples"_a, "projected"_a, "weights"_a, "settings"_a,
+        "stream"_a);
 }
 
 }  // namespace posemix::python

@@ -2,45 +2,123 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "posemix/slam/evaluation.hpp"
 
+#include <utility>
+
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 
+#include "record.hpp"
 #include "slam.hpp"
 
 namespace posemix::python {
 namespace {
 
-nb::tuple errors_tuple(const PoseErrors& errors) {
-  return nb::make_tuple(errors.position_rmse_m, errors.rotation_rmse_deg,
-                        errors.position_log_rmse_m);
+void bind_pose_errors(nb::module_& m) {
+  using P = PoseErrors;
+  Record<P>(m, "PoseErrors",
+            "Root mean square errors over the frames with estimate and truth; None without any.")
+      .field("position_rmse_m", &P::position_rmse_m, "float | None",
+             "Euclidean distance of the positions [m].")
+      .field("rotation_rmse_deg", &P::rotation_rmse_deg, "float | None",
+             "Angle of the rotation between estimate and truth [deg].")
+      .field("position_log_rmse_m", &P::position_log_rmse_m, "float | None",
+             "Translation part of Log(T_est T_true^-1), the midway paper's number [m].")
+      .done();
+  using F = ModeForecast;
+  Record<F>(m, "ModeForecast",
+            "The probability that an estimate is on the right mode, and whether it was.")
+      .field("probability", &F::probability, "float", "The probability.")
+      .field("right", &F::right, "bool", "Whether the estimate was on the right mode.")
+      .done();
 }
 
-nb::dict object_dict(const ObjectMetrics& object) {
-  nb::dict dict;
-  dict["id"] = object.id;
-  dict["world"] = errors_tuple(object.world);
-  dict["relative"] = errors_tuple(object.relative);
-  dict["detection_relative"] = errors_tuple(object.detection_relative);
-  dict["detections"] = object.detections;
-  dict["gated"] = object.gated;
-  dict["right_mode_frames"] = object.right_mode_frames;
-  dict["right_mode_share"] = object.right_mode_share;
-  dict["right_mode_anees"] = object.right_mode_anees;
-  dict["mode_probability"] = object.mode_probability;
-  dict["forecasts"] = list_of(object.forecasts, [](const ModeForecast& forecast) {
-    return nb::make_tuple(forecast.probability, forecast.right);
-  });
-  dict["relative_anees"] = object.relative_anees;
-  return dict;
+void bind_object_metrics(nb::module_& m) {
+  using O = ObjectMetrics;
+  Record<O>(m, "ObjectMetrics", "Metrics of one object.")
+      .field("id", &O::id, "str", "Name of the object.")
+      .field("world", &O::world, "PoseErrors", "Errors of T_world_object.")
+      .field("relative", &O::relative, "PoseErrors", "Errors of T_camera_object as filtered.")
+      .field("detection_relative", &O::detection_relative, "PoseErrors",
+             "Errors of T_camera_object as detected.")
+      .field("detections", &O::detections, "int", "Frames with a detection.")
+      .field("gated", &O::gated, "int", "Detections left out by the gate.")
+      .field("right_mode_frames", &O::right_mode_frames, "int",
+             "Frames within 20 deg and 10 cm of the truth.")
+      .field("right_mode_share", &O::right_mode_share, "float | None",
+             "Their share of the frames with estimate and truth.")
+      .field("right_mode_anees", &O::right_mode_anees, "float | None",
+             "As `relative_anees`, over these frames.")
+      .field("mode_probability", &O::mode_probability, "float | None",
+             "Probability of the mode at the last frame.")
+      .field("forecasts", &O::forecasts, "list[ModeForecast]", "One entry per frame.")
+      .field("relative_anees", &O::relative_anees, "float | None",
+             "Mean of e^T P^-1 e / 6 with e = Log(T_true T_est^-1) of T_camera_object; 1 when "
+             "consistent.")
+      .done();
 }
 
-nb::tuple metrics_tuple(const Metrics& metrics) {
-  const Timing& t = metrics.timing;
-  return nb::make_tuple(
-      metrics.frames, errors_tuple(metrics.camera), errors_tuple(metrics.odometry),
-      list_of(metrics.objects, [](const ObjectMetrics& object) { return object_dict(object); }),
-      nb::make_tuple(t.frame_median_us, t.update_median_us, t.reduce_median_us,
-                     t.merges_per_frame));
+using NamedErrors = std::vector<std::pair<std::string, PoseErrors>>;
+
+NamedErrors named_errors(const Metrics& metrics) {
+  NamedErrors named{{"camera", metrics.camera}, {"odometry", metrics.odometry}};
+  for (const ObjectMetrics& object : metrics.objects) {
+    named.emplace_back(object.id + " from the camera", object.relative);
+    named.emplace_back(object.id + " as detected", object.detection_relative);
+    named.emplace_back(object.id + " in the world", object.world);
+  }
+  return named;
+}
+
+std::string scaled(const std::optional<double>& value, double factor) {
+  return value ? fmt::format("{:.4g}", factor * *value) : "-";
+}
+
+std::string text_of(const Metrics& metrics) {
+  std::string text = fmt::format("Metrics of {} frames:", metrics.frames);
+  for (const auto& [name, errors] : named_errors(metrics)) {
+    text += errors.position_rmse_m
+                ? fmt::format("\n  {}: {} mm, {} deg", name, scaled(errors.position_rmse_m, 1e3),
+                              scaled(errors.rotation_rmse_deg, 1.0))
+                : fmt::format("\n  {}: not known", name);
+  }
+  return text;
+}
+
+/// Tables of errors, for notebooks.
+std::string html_of(const Metrics& metrics) {
+  const nb::object escape = nb::module_::import_("html").attr("escape");
+  std::string rows;
+  for (const auto& [name, errors] : named_errors(metrics)) {
+    rows += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td></tr>",
+                        nb::cast<std::string>(escape(name)), scaled(errors.position_rmse_m, 1e3),
+                        scaled(errors.rotation_rmse_deg, 1.0));
+  }
+  return fmt::format(
+      "<table><caption>{} frames, {:.0f} us each</caption><thead><tr><th>pose</th><th>position "
+      "RMSE "
+      "[mm]</th><th>rotation RMSE [deg]</th></tr></thead><tbody>{}</tbody></table>",
+      metrics.frames, metrics.timing.frame_median_us, rows);
+}
+
+void bind_metrics(nb::module_& m) {
+  using T = Timing;
+  Record<T>(m, "Timing", "Medians over the frames after the first, and means.")
+      .field("frame_median_us", &T::frame_median_us, "float", "A frame [microseconds].")
+      .field("update_median_us", &T::update_median_us, "float", "The update [microseconds].")
+      .field("reduce_median_us", &T::reduce_median_us, "float", "The reduction [microseconds].")
+      .field("merges_per_frame", &T::merges_per_frame, "float", "Mean number of merges.")
+      .done();
+  using M = Metrics;
+  Record<M>(m, "Metrics", "Errors, consistency and timing of a run.")
+      .field("frames", &M::frames, "int", "Frames of the run.")
+      .field("camera", &M::camera, "PoseErrors", "Errors of T_world_camera as filtered.")
+      .field("odometry", &M::odometry, "PoseErrors",
+             "Errors of T_world_camera by the odometry alone.")
+      .field("objects", &M::objects, "list[ObjectMetrics]", "One entry per object.")
+      .field("timing", &M::timing, "Timing", "Cost of a frame.")
+      .shown_as(&text_of)
+      .done()
+      .def("_repr_html_", &html_of, "Tables of errors, for notebooks.");
 }
 
 using TruthAt = std::optional<SE3d> (*)(const Sequence&, std::size_t, std::size_t);
@@ -59,7 +137,9 @@ Array truth_rows(const Sequence& sequence, std::size_t object, TruthAt truth_at)
 }  // namespace
 
 void bind_evaluation(nb::module_& m) {
-  nb::class_<Metrics>(m, "Metrics").def("values", &metrics_tuple);
+  bind_pose_errors(m);
+  bind_object_metrics(m);
+  bind_metrics(m);
   m.def("evaluate", [](const Sequence& sequence, const SlamRun& run) {
     const nb::gil_scoped_release unlocked;
     return evaluate(sequence, run);
@@ -73,8 +153,10 @@ void bind_evaluation(nb::module_& m) {
   m.def("squared_normalized_error", [](const ConcentratedSE3& estimate, const SE3d& truth) {
     return squared_normalized_error(estimate, truth);
   });
-  m.def("on_right_mode",
-        [](const SE3d& estimate, const SE3d& truth) { return on_right_mode(estimate, truth); });
+  m.def(
+      "on_right_mode",
+      [](const SE3d& estimate, const SE3d& truth) { return on_right_mode(estimate, truth); },
+      "estimate"_a, "truth"_a, "Whether a pose is within 20 deg and 10 cm of the truth.");
 }
 
 }  // namespace posemix::python

@@ -20,6 +20,7 @@
 #include "posemix/io/posterior_file.hpp"
 #include "posemix/io/text.hpp"
 #include "posemix/io/tum.hpp"
+#include "record.hpp"
 #include "settings.hpp"
 #include "slam.hpp"
 
@@ -64,19 +65,19 @@ void bind_mixtures(nb::module_& m) {
       .value("camera", PoseKind::camera, "T_world_camera.")
       .value("camera_motion", PoseKind::camera_motion, "T_camera_camera over one period.")
       .value("object", PoseKind::object, "T_world_object.");
+  Record<NamedPose>(m, "NamedPose", "A pose of a joint density by name.")
+      .field("name", &NamedPose::name, "str", "Name; of an object its id.")
+      .field("kind", &NamedPose::kind, "PoseKind", "What it is.")
+      .done()
+      .def(nb::init<std::string, PoseKind>(), "name"_a, "kind"_a);
   m.def("read_posterior", [](const fs::path& path) {
     PosteriorFile file = read_posterior(path);
-    const nb::list poses = list_of(
-        file.poses, [](const NamedPose& pose) { return nb::make_tuple(pose.name, pose.kind); });
-    return nb::make_tuple(file.method, file.stamp, poses, std::move(file.mixture));
+    return nb::make_tuple(file.method, file.stamp, file.poses, std::move(file.mixture));
   });
-  m.def("write_posterior",
-        [](const fs::path& path, const std::string& method, double stamp,
-           const std::vector<std::pair<std::string, PoseKind>>& names, const Posterior& mixture) {
-          PosteriorFile file{method, stamp, {}, mixture};
-          for (const auto& [name, kind] : names) file.poses.push_back({name, kind});
-          write_output_file(path, format_posterior(file));
-        });
+  m.def("write_posterior", [](const fs::path& path, const std::string& method, double stamp,
+                              const std::vector<NamedPose>& poses, const Posterior& mixture) {
+    write_output_file(path, format_posterior({method, stamp, poses, mixture}));
+  });
 }
 
 void bind_tum(nb::module_& m) {
@@ -106,11 +107,35 @@ void bind_tum(nb::module_& m) {
         });
 }
 
-nb::tuple model_tuple(const BopModel& model) {
-  const nb::object box = model.box ? nb::object(nb::make_tuple(vector_array(model.box->lowest_m),
-                                                               vector_array(model.box->size_m)))
-                                   : nb::object(nb::none());
-  return nb::make_tuple(model.diameter_m, model.symmetries, box);
+void bind_bop_models(nb::module_& m) {
+  using B = ObjectBox;
+  constexpr const char* kArray = "numpy.typing.NDArray[numpy.float64]";
+  Record<B>(m, "ObjectBox", "An axis-aligned box in the object's frame.")
+      .field("lowest_m", &B::lowest_m, kArray, "Shape (3,), the lowest corner [m].")
+      .field("size_m", &B::size_m, kArray, "Shape (3,), the edges [m].")
+      .done()
+      .def(
+          "corners",
+          [](const B& self) {
+            NewArray out({8, 3});
+            double* row = out.data;
+            for (const Eigen::Vector3d& corner : self.corners()) {
+              std::copy(corner.begin(), corner.end(), row);
+              row += 3;
+            }
+            return std::move(out.array);
+          },
+          "The corners, shape (8, 3) [m].");
+  using M = BopModel;
+  Record<M>(m, "BopModel", "One entry of models_info.json.")
+      .field("diameter_m", &M::diameter_m, "float", "The largest distance of two vertices [m].")
+      .field("symmetries", &M::symmetries, "SymmetryGroup", "Discrete times continuous.")
+      .field("box", &M::box, "ObjectBox | None", "The box, where the entry has one.")
+      .done();
+  m.def("read_bop_models", &read_bop_models, "path"_a,
+        "BOP's models_info.json by object id; ValueError names the file and the entry.");
+  m.def("read_bop_model", &read_bop_model, "path"_a, "object"_a,
+        "One entry of models_info.json; what is wrong with the others does not matter.");
 }
 
 void bind_bop(nb::module_& m) {
@@ -123,22 +148,22 @@ void bind_bop(nb::module_& m) {
     });
     return nb::make_tuple(keys, PoseArray::of(poses));
   });
-  m.def("read_bop_models", [](const fs::path& path) {
-    nb::dict models;
-    for (const auto& [id, model] : read_bop_models(path)) models[nb::int_(id)] = model_tuple(model);
-    return models;
-  });
-  m.def("read_bop_model", [](const fs::path& path, std::int64_t object) {
-    return model_tuple(read_bop_model(path, object));
-  });
-  m.def("read_symmetry_file", [](const fs::path& path) { return read_symmetry_file(path); });
+  bind_bop_models(m);
+  m.def("read_symmetry_file", &read_symmetry_file, "path"_a,
+        "Symmetries by object id: a TOML file with tables ``[symmetries.ID]``, or "
+        "models_info.json.");
 }
 
 void bind_pose_files(nb::module_& m) {
-  m.def("read_object_poses", [](const fs::path& path) { return read_object_poses(path); });
-  m.def("write_object_poses", [](const fs::path& path, const std::map<std::string, SE3d>& poses) {
-    write_output_file(path, format_object_poses(poses));
-  });
+  m.def(
+      "read_object_poses", [](const fs::path& path) { return read_object_poses(path); }, "path"_a,
+      "Static poses T_world_object by id: lines ``id tx ty tz qx qy qz qw``.");
+  m.def(
+      "write_object_poses",
+      [](const fs::path& path, const std::map<std::string, SE3d>& poses) {
+        write_output_file(path, format_object_poses(poses));
+      },
+      "path"_a, "poses"_a, "Static poses T_world_object by id, 12 significant digits.");
   m.def(
       "read_pose_samples",
       [](const fs::path& path, const std::optional<Side>& residuals,
@@ -151,16 +176,35 @@ void bind_pose_files(nb::module_& m) {
         return nb::make_tuple(PoseArray::of(samples.poses), samples.weights);
       },
       "path"_a, "residuals"_a.none(), "weights"_a.none());
-  m.def("write_poses", [](const fs::path& path, const PoseArray& poses) {
-    const std::optional<PoseFormat> format = pose_format_of(path.string());
-    if (!format)
-      throw InvalidInput(path.string() + ": expected a name in .csv, .npy, .tum or .txt");
-    const std::vector<SE3d> all = poses.poses();
-    write_output_file(path, format_poses(all, *format));
-  });
+  m.def(
+      "write_poses",
+      [](const fs::path& path, const PoseArray& poses) {
+        const std::optional<PoseFormat> format = pose_format_of(path.string());
+        if (!format)
+          throw InvalidInput(path.string() + ": expected a name in .csv, .npy, .tum or .txt");
+        const std::vector<SE3d> all = poses.poses();
+        write_output_file(path, format_poses(all, *format));
+      },
+      "path"_a, "poses"_a,
+      "Poses in the format that the file's name says: .csv, .npy, .tum or .txt.");
 }
 
 void bind_outcomes(nb::module_& m) {
+  using T = GraspTrial;
+  Record<T>(
+      m, "GraspTrial",
+      "One estimate of an object in one image, and what became of the grasps planned with it.")
+      .field("dataset", &T::dataset, "str", "Name of the data set.")
+      .field("estimator", &T::estimator, "str", "Name of the estimator.")
+      .field("scene", &T::scene, "int", "Id of the scene.")
+      .field("image", &T::image, "int", "Id of the image.")
+      .field("object", &T::object, "int", "Id of the object.")
+      .field("score", &T::score, "float", "The estimator's own confidence.")
+      .field("estimate", &T::estimate, "posemix.lie.SE3", "T_camera_object as estimated.")
+      .field("truth", &T::truth, "posemix.lie.SE3", "True T_camera_object.")
+      .field("outcomes", &T::outcomes, "list[bool | None]",
+             "Success of the grasp, one entry per gripper; None where it was not tried.")
+      .done();
   m.def("read_grasp_outcomes", [](const fs::path& folder) {
     const GraspOutcomes outcomes = read_grasp_outcomes(folder);
     std::vector<SE3d> estimates;
@@ -169,11 +213,7 @@ void bind_outcomes(nb::module_& m) {
       estimates.push_back(trial.estimate);
       truths.push_back(trial.truth);
     }
-    const nb::list trials = list_of(outcomes.trials, [](const GraspTrial& t) {
-      return nb::make_tuple(t.dataset, t.estimator, t.scene, t.image, t.object, t.score,
-                            t.outcomes);
-    });
-    return nb::make_tuple(outcomes.grippers, trials, PoseArray::of(estimates),
+    return nb::make_tuple(outcomes.grippers, outcomes.trials, PoseArray::of(estimates),
                           PoseArray::of(truths));
   });
 }

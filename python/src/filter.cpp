@@ -2,55 +2,77 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "filter.hpp"
 
-#include <functional>
+#include <fmt/ranges.h>
 
-#include <nanobind/stl/function.h>
-
-#include "posemix/filter/predict.hpp"
+#include "array_like.hpp"
+#include "record.hpp"
 #include "settings.hpp"
 
 namespace posemix::python {
 
-nb::dict report_dict(const UpdateReport& report) {
-  nb::dict dict;
-  dict["gated"] = report.gated;
-  dict["failed"] = report.failed;
-  dict["log_evidence"] = report.log_evidence;
-  dict["reductions"] =
-      list_of(report.reductions, [](const ReductionReport& r) { return report_dict(r); });
-  dict["update_seconds"] = report.update_seconds;
-  dict["reduce_seconds"] = report.reduce_seconds;
-  return dict;
-}
-
-nb::dict report_dict(const ObjectUpdateReport& report) {
-  nb::dict dict;
-  dict["started"] = report.started;
-  dict["changed_leader"] = report.changed_leader;
-  dict["log_evidence"] = report.log_evidence;
-  dict["merges"] = report.merges;
-  dict["inlier_probability"] = report.inlier_probability;
-  dict["clutter_probability"] = report.clutter_probability;
-  dict["residual"] = vector_array(report.residual);
-  return dict;
-}
-
-nb::list hypothesis_list(const std::vector<ObjectHypothesis>& hypotheses) {
-  return list_of(hypotheses, [](const ObjectHypothesis& h) {
-    nb::dict dict;
-    dict["pose"] = h.pose;
-    dict["covariance"] = matrix_array(h.covariance);
-    dict["cross_covariance"] = matrix_array(h.cross_covariance);
-    dict["log_weight"] = h.log_weight;
-    dict["probability"] = h.probability;
-    dict["score"] = h.score;
-    dict["id"] = h.id;
-    dict["detections"] = h.detections;
-    return dict;
-  });
-}
-
 namespace {
+
+constexpr const char* kFilterDoc =
+    R"(Object SLAM with many hypotheses for every object and none for their product.
+
+The hypotheses of different objects are independent given the camera. A detection that no hypothesis
+explains starts one. Cost: linear in hypotheses; in objects quadratic per detection, cubic while modes
+compete.
+
+Parameters
+----------
+camera : ConcentratedGaussian
+    Prior of T_world_camera.
+objects : sequence of ObjectSensor
+    How every object is seen.
+settings : MultiObjectSettings, optional
+    Hypotheses, merging, what is learned.
+
+Raises
+------
+ValueError
+    When a setting is out of range; predictions and updates also, and change nothing, when an argument
+    is not finite or a variance or a time step negative.
+
+Examples
+--------
+>>> from posemix import (SE3, ConcentratedGaussian, MultiObjectFilter, ObjectSensor,
+...                      default_detector_noise, pose_covariance)
+>>> camera = ConcentratedGaussian(SE3(), pose_covariance(0.001, 0.002))
+>>> tracker = MultiObjectFilter(camera, [ObjectSensor(noise=default_detector_noise())])
+>>> tracker.update(0, SE3(translation=[0, 0, 0.8])).started
+True
+>>> tracker.predict_with_odometry(SE3(translation=[0.01, 0, 0]), pose_covariance(0.001, 0.001), dt=0.1)
+>>> tracker.relative(0, tracker.leading(0)).mean.translation.round(2)
+array([-0.01,  0.  ,  0.8 ])
+)";
+
+constexpr const char* kOdometryDoc = R"(T_C <- T_C motion over `dt` seconds.
+
+Parameters
+----------
+motion : SE3
+    T_camera(k-1)_camera(k).
+q : array_like, shape (6, 6)
+    Noise of the step, right perturbation, camera frame.
+dt : float
+    Time step [s].
+)";
+
+constexpr const char* kVelocityDoc =
+    R"(Constant velocity: the camera's motion per period becomes part of the state.
+
+Parameters
+----------
+periods : float
+    The step in reference periods.
+q, q_motion : array_like, shape (6, 6)
+    Noise of the pose and of the motion per period, of the step.
+at_rest : array_like, shape (6, 6)
+    Covariance of the motion at the first call.
+dt : float
+    Time step [s].
+)";
 
 using MultiObjectFields = Settings<MultiObjectSettings>;
 
@@ -108,24 +130,79 @@ void bind_multi_object_settings(nb::module_& m) {
   settings.done();
 }
 
+void bind_results(nb::module_& m) {
+  using H = ObjectHypothesis;
+  constexpr const char* kArray = "numpy.typing.NDArray[numpy.float64]";
+  Record<H>(m, "ObjectHypothesis",
+            "One alternative for the pose of one object, X = Exp(xi) X0 in the world frame.")
+      .field("pose", &H::pose, "posemix.lie.SE3", "T_world_object.")
+      .field("covariance", &H::covariance, kArray, "Shape (6, 6), of xi of the object.")
+      .field("cross_covariance", &H::cross_covariance, kArray,
+             "Shape (6, 6), of xi of the object (rows) and of the camera.")
+      .field("log_weight", &H::log_weight, "float",
+             "Among the hypotheses of the object and its absence; counts every detection as "
+             "independent.")
+      .field("probability", &H::probability, "float",
+             "The weight with dependent detections counted once.")
+      .field("score", &H::score, "float", "Recent log evidence over that of clutter [nats].")
+      .field("id", &H::id, "int", "Kept over time; a merge keeps that of the heavier.")
+      .field("detections", &H::detections, "int", "Detections processed since it began.")
+      .done();
+  using R = ObjectUpdateReport;
+  Record<R>(m, "ObjectUpdateReport", "What became of a detection in `MultiObjectFilter.update`.")
+      .field("started", &R::started, "bool", "The detection began a hypothesis.")
+      .field("changed_leader", &R::changed_leader, "bool", "Another hypothesis leads than before.")
+      .field("log_evidence", &R::log_evidence, "float", "Of the detection given all before [nats].")
+      .field("merges", &R::merges, "int", "Hypotheses that became one with another.")
+      .field("inlier_probability", &R::inlier_probability, "float",
+             "Probability that the first noise component of the leading hypothesis explains the "
+             "detection.")
+      .field("clutter_probability", &R::clutter_probability, "float",
+             "Probability that nothing of the leading hypothesis explains it.")
+      .field("residual", &R::residual, kArray,
+             "Shape (6,), from the leading hypothesis, white under that component.")
+      .done();
+}
+
 /// Predictions and updates.
 void bind_steps(nb::class_<MultiObjectFilter>& filter) {
   using F = MultiObjectFilter;
   filter
-      .def("predict_with_odometry", [](F& self, const SE3d& motion, const Matrix6d& q,
-                                       double dt) { self.predict_with_odometry(motion, q, dt); })
-      .def("predict_random_walk",
-           [](F& self, const Matrix6d& q, double dt) { self.predict_random_walk(q, dt); })
-      .def("predict_constant_velocity",
-           [](F& self, double periods, const Matrix6d& q, const Matrix6d& q_motion,
-              const Matrix6d& at_rest,
-              double dt) { self.predict_constant_velocity(periods, q, q_motion, at_rest, dt); })
-      .def("update",
-           [](F& self, std::size_t object, const SE3d& camera_object) {
-             return report_dict(self.update(object, camera_object));
-           })
-      .def("forget", [](F& self, std::size_t object) { self.forget(object); })
-      .def("copy", [](const F& self) { return F(self); });
+      .def(
+          "predict_with_odometry",
+          [](F& self, const SE3d& motion, const ArrayLike& q, double dt) {
+            self.predict_with_odometry(motion, q.as<Matrix6d>("q"), dt);
+          },
+          "motion"_a, "q"_a, "dt"_a, kOdometryDoc)
+      .def(
+          "predict_random_walk",
+          [](F& self, const ArrayLike& q, double dt) {
+            self.predict_random_walk(q.as<Matrix6d>("q"), dt);
+          },
+          "q"_a, "dt"_a, "A frame that the odometry lacks: the mean stays, `q` counts in full.")
+      .def(
+          "predict_constant_velocity",
+          [](F& self, double periods, const ArrayLike& q, const ArrayLike& q_motion,
+             const ArrayLike& at_rest, double dt) {
+            self.predict_constant_velocity(periods, q.as<Matrix6d>("q"),
+                                           q_motion.as<Matrix6d>("q_motion"),
+                                           at_rest.as<Matrix6d>("at_rest"), dt);
+          },
+          "periods"_a, "q"_a, "q_motion"_a, "at_rest"_a, "dt"_a, kVelocityDoc)
+      .def(
+          "update",
+          [](F& self, std::size_t object, const SE3d& camera_object) {
+            return self.update(object, camera_object);
+          },
+          "object"_a, "camera_object"_a,
+          "One detection T_camera_object of the object at index `object`.")
+      .def(
+          "forget", [](F& self, std::size_t object) { self.forget(object); }, "object"_a,
+          "The object is as if never seen; what it said about the camera and others stays.")
+      .def("__copy__", [](const F& self) { return F(self); })
+      .def(
+          "__deepcopy__", [](const F& self, const nb::dict& /*memo*/) { return F(self); },
+          "memo"_a);
 }
 
 void require_hypothesis(const MultiObjectFilter& self, std::size_t object, std::size_t hypothesis) {
@@ -136,36 +213,72 @@ void require_hypothesis(const MultiObjectFilter& self, std::size_t object, std::
   }
 }
 
+/// What the filter holds of one object, by the object's index.
+void bind_objects(nb::class_<MultiObjectFilter>& filter) {
+  using F = MultiObjectFilter;
+  filter
+      .def(
+          "noise_scale",
+          [](const F& self, std::size_t object) { return vector_array(self.noise_scale(object)); },
+          "object"_a,
+          nb::sig("def noise_scale(self, object: int) -> numpy.typing.NDArray[numpy.float64]"),
+          "Factors of the standard deviations of an object's noise, learned; shape (6,).")
+      .def("hypotheses", &F::hypotheses, "object"_a,
+           "The hypotheses of an object; none until it was seen.")
+      .def("leading", &F::leading, "object"_a, "Index of the hypothesis that leads.")
+      .def("mode_probability", &F::mode_probability, "object"_a,
+           "Probability that the leading hypothesis is the right one.")
+      .def("log_absent", &F::log_absent, "object"_a,
+           "Log probability that nothing seen so far was the object.")
+      .def(
+          "relative",
+          [](const F& self, std::size_t object, std::size_t hypothesis) {
+            require_hypothesis(self, object, hypothesis);
+            return self.relative(object, hypothesis);
+          },
+          "object"_a, "hypothesis"_a,
+          "T_camera_object of one hypothesis, with the cross-covariance.")
+      .def("pose_index", &F::pose_index, "object"_a,
+           "Index of the object's pose in the joint Gaussian.");
+}
+
 void bind_multi_object(nb::module_& m) {
   using F = MultiObjectFilter;
-  nb::class_<F> filter(m, "MultiObjectFilter");
+  nb::class_<F> filter(m, "MultiObjectFilter", kFilterDoc);
   filter.def(
-      nb::init<const ConcentratedSE3&, std::vector<ObjectSensor>, const MultiObjectSettings&>());
+      "__init__",
+      [](F* self, const ConcentratedSE3& camera, std::vector<ObjectSensor> objects,
+         const std::optional<MultiObjectSettings>& settings) {
+        new (self) F(camera, std::move(objects), settings.value_or(MultiObjectSettings{}));
+      },
+      "camera"_a, "objects"_a, "settings"_a = nb::none());
   bind_steps(filter);
-  filter.def("objects", &F::objects)
-      .def("correlation_length", &F::correlation_length)
-      .def("noise_scale",
-           [](const F& self, std::size_t j) { return vector_array(self.noise_scale(j)); })
-      .def("camera", &F::camera)
-      .def("hypotheses",
-           [](const F& self, std::size_t j) { return hypothesis_list(self.hypotheses(j)); })
-      .def("leading", &F::leading)
-      .def("mode_probability", &F::mode_probability)
-      .def("log_absent", &F::log_absent)
-      .def("relative",
-           [](const F& self, std::size_t object, std::size_t hypothesis) {
-             require_hypothesis(self, object, hypothesis);
-             return self.relative(object, hypothesis);
-           })
-      .def("joint", &F::joint)
-      .def("pose_index", &F::pose_index)
-      .def("settings", [](const F& self) { return self.settings(); });
+  bind_objects(filter);
+  filter.def_prop_ro("objects", &F::objects, "Number of objects.")
+      .def_prop_ro("correlation_length", &F::correlation_length,
+                   "Detections of an object that count as one, over all objects.")
+      .def_prop_ro(
+          "camera", [](const F& self) { return self.camera(); },
+          "T_world_camera, with the covariance of the true error.")
+      .def_prop_ro(
+          "settings", [](const F& self) { return MultiObjectSettings(self.settings()); },
+          "A copy of the settings.")
+      .def("joint", &F::joint,
+           "Camera, then the leading hypotheses in the order in which they began, jointly.")
+      .def("__repr__", [](const F& self) {
+        std::vector<std::size_t> counts;
+        for (std::size_t j = 0; j < self.objects(); ++j)
+          counts.push_back(self.hypotheses(j).size());
+        return fmt::format("<MultiObjectFilter of {} objects, hypotheses {}>", self.objects(),
+                           counts);
+      });
 }
 
 }  // namespace
 
 void bind_multi_object_filter(nb::module_& m) {
   bind_multi_object_settings(m);
+  bind_results(m);
   bind_multi_object(m);
 }
 

@@ -10,20 +10,8 @@
 namespace posemix::python {
 namespace {
 
-/// A density as the package's own class.
-nb::object density_object(const PoseDensity& density) {
-  return nb::module_::import_("posemix.density")
-      .attr("ConcentratedGaussian")
-      .attr("_of")(nb::cast(density));
-}
-
-nb::object maybe_density(const std::optional<PoseDensity>& density) {
-  return density ? density_object(*density) : nb::object(nb::none());
-}
-
-nb::object update_object(const UpdateReport& report) {
-  return nb::module_::import_("posemix.filters").attr("update_report")(report_dict(report));
-}
+/// An attribute of Python for a value of C++.
+constexpr auto kCast = [](const auto& value) { return nb::cast(value); };
 
 /// Values of the objects by their ids; none where there are no values.
 template <class Value, class Convert>
@@ -54,10 +42,7 @@ void bind_reports(nb::module_& m) {
   nb::class_<R>(m, "FrameReport", "Report of one frame.")
       .def_ro("statuses", &R::statuses, "One per object model.")
       .def_ro("candidates", &R::candidates, "One per candidate.")
-      .def_prop_ro(
-          "update", [](const R& self) { return update_object(self.update); },
-          nb::for_getter(nb::sig("def update(self, /) -> posemix.filters.UpdateReport")),
-          "Of the Gaussian-sum filter.")
+      .def_ro("update", &R::update, "Of the Gaussian-sum filter.")
       .def_ro("merges", &R::merges, "Hypotheses that became one with another.")
       .def_ro("seconds", &R::seconds, "Predict, update, reduce and summarise [s].")
       .def("__repr__", [](const R& self) {
@@ -85,16 +70,13 @@ void bind_hypotheses(nb::module_& m) {
                            self.probability, text_of(self.pose), self.id);
       });
   using E = ObjectEstimate;
-  constexpr auto kDensity = "posemix.density.ConcentratedGaussian[posemix.lie.SE3] | None";
-  static const std::string world = fmt::format("def world(self, /) -> {}", kDensity);
-  static const std::string relative = fmt::format("def relative(self, /) -> {}", kDensity);
   nb::class_<E>(m, "ObjectEstimate", "The estimate of one object at one frame.")
       .def_prop_ro(
-          "world", [](const E& self) { return maybe_density(self.world); },
-          nb::for_getter(nb::sig(world.c_str())), "T_world_object; None until it was seen.")
+          "world", [](const E& self) { return self.world; },
+          "T_world_object; None until it was seen.")
       .def_prop_ro(
-          "relative", [](const E& self) { return maybe_density(self.relative); },
-          nb::for_getter(nb::sig(relative.c_str())), "T_camera_object, with the cross-covariance.")
+          "relative", [](const E& self) { return self.relative; },
+          "T_camera_object, with the cross-covariance.")
       .def_ro("mode_probability", &E::mode_probability,
               "That the estimate is on the right mode, by the multi-object filter.")
       .def_ro("alternatives", &E::alternatives, "Where hypotheses are recorded.")
@@ -114,36 +96,33 @@ std::string frame_text(const FrameEstimate& frame) {
 void bind_poses(FrameClass& frame) {
   using F = FrameEstimate;
   constexpr auto kDensity = "posemix.density.ConcentratedGaussian[posemix.lie.SE3]";
-  static const std::string camera = fmt::format("def camera(self, /) -> {}", kDensity);
   static const std::string objects =
       fmt::format("def objects(self, /) -> dict[str, {} | None]", kDensity);
   static const std::string relative =
       fmt::format("def relative(self, /) -> dict[str, {} | None]", kDensity);
   frame
       .def_prop_ro(
-          "camera", [](const F& self) { return density_object(self.camera); },
-          nb::for_getter(nb::sig(camera.c_str())), "T_world_camera.")
+          "camera", [](const F& self) { return self.camera; }, "T_world_camera.")
       .def_prop_ro(
-          "objects", [](const F& self) { return by_id(self, self.objects, maybe_density); },
+          "objects", [](const F& self) { return by_id(self, self.objects, kCast); },
           nb::for_getter(nb::sig(objects.c_str())),
           "T_world_object by id; None for an object that was not seen so far.")
       .def_prop_ro(
-          "relative", [](const F& self) { return by_id(self, self.relative, maybe_density); },
+          "relative", [](const F& self) { return by_id(self, self.relative, kCast); },
           nb::for_getter(nb::sig(relative.c_str())),
           "T_camera_object by id, with the cross-covariance.");
 }
 
 void bind_modes(FrameClass& frame) {
   using F = FrameEstimate;
-  const auto cast = [](const auto& value) { return nb::cast(value); };
   frame
       .def_prop_ro(
           "mode_probabilities",
-          [cast](const F& self) { return by_id(self, self.mode_probabilities, cast); },
+          [](const F& self) { return by_id(self, self.mode_probabilities, kCast); },
           nb::for_getter(nb::sig("def mode_probabilities(self, /) -> dict[str, float | None]")),
           "That the estimate is on the right mode, by id; by the multi-object filter.")
       .def_prop_ro(
-          "alternatives", [cast](const F& self) { return by_id(self, self.alternatives, cast); },
+          "alternatives", [](const F& self) { return by_id(self, self.alternatives, kCast); },
           nb::for_getter(
               nb::sig("def alternatives(self, /) -> dict[str, list[ObjectAlternative]]")),
           "Of every object by id, by the multi-object filter; where hypotheses are recorded.")

@@ -2,9 +2,18 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "filter.hpp"
 
-#include <nanobind/stl/function.h>
+#include <functional>
+#include <optional>
+#include <variant>
 
+#include <nanobind/stl/function.h>
+#include <nanobind/stl/variant.h>
+
+#include "array_like.hpp"
+#include "posemix/detector/default_noise.hpp"
 #include "posemix/filter/predict.hpp"
+#include "posemix/slam/object_slam.hpp"
+#include "record.hpp"
 #include "settings.hpp"
 
 namespace posemix::python {
@@ -47,62 +56,184 @@ void bind_filter_settings(nb::module_& m) {
       .done();
 }
 
-UpdateReport update(GaussianSumFilter& filter, const std::vector<std::size_t>& objects,
-                    const PoseArray& poses, const std::vector<DetectorNoise>& noise) {
-  if (objects.size() != poses.size() || objects.size() != noise.size()) {
-    throw InvalidInput(fmt::format("{} objects, {} poses and {} noises; expected as many of each",
-                                   objects.size(), poses.size(), noise.size()));
+/// `Detection` with a noise of its own.
+struct OwnedDetection {
+  std::size_t object = 0;
+  SE3d camera_object;
+  DetectorNoise noise = default_detector_noise();
+};
+
+void bind_results(nb::module_& m) {
+  using D = OwnedDetection;
+  Record<D>(m, "Detection", "One detection for `GaussianSumFilter.update`.")
+      .field("object", &D::object, "int", "Index of the object's pose in the posterior.")
+      .field("camera_object", &D::camera_object, "posemix.lie.SE3", "T_camera_object as detected.")
+      .field("noise", &D::noise, "DetectorNoise", "How the detector errs.")
+      .done()
+      .def(nb::init<std::size_t, SE3d, DetectorNoise>(), "object"_a, "camera_object"_a, "noise"_a);
+  using R = UpdateReport;
+  Record<R>(m, "UpdateReport", "What an update did with every detection, in the order given.")
+      .field("gated", &R::gated, "list[bool]", "Left out by the gate.")
+      .field("failed", &R::failed, "list[bool]",
+             "Left out because an innovation covariance was not positive definite.")
+      .field("log_evidence", &R::log_evidence, "float",
+             "Log of the summed likelihood of the detections used [nats].")
+      .field("reductions", &R::reductions, "list[ReductionReport]",
+             "One for joint use, one per used detection otherwise.")
+      .field("update_seconds", &R::update_seconds, "float", "Time that updating took [s].")
+      .field("reduce_seconds", &R::reduce_seconds, "float", "Time that reducing took [s].")
+      .done();
+}
+
+constexpr const char* kFilterDoc =
+    R"(The Gaussian-sum invariant EKF: predict, update (with a reduction), summarise.
+
+Every hypothesis holds the same poses in the same order; pose 0 is the camera.
+
+Parameters
+----------
+prior : Mixture or ConcentratedGaussian
+    Over T_world_camera alone, or over the camera and objects jointly.
+settings : GaussianSumSettings, optional
+    How detections are used, and how hypotheses are reduced.
+
+Raises
+------
+ValueError
+    When a setting is out of range.
+
+References
+----------
+Midway-merge paper, Algorithm 1.
+)";
+
+constexpr const char* kOdometryDoc = R"(T_R <- T_R motion (midway-merge paper, eq. 31).
+
+Parameters
+----------
+motion : SE3
+    T_camera(k-1)_camera(k).
+q : array_like, shape (6, 6)
+    Noise of the step, right perturbation, camera frame.
+)";
+
+constexpr const char* kUpdateDoc =
+    R"(Every hypothesis gets a child per noise component, is updated, and all are reduced.
+
+Raises
+------
+ValueError
+    For a detection of the camera, of a pose that does not exist or of one named twice, and when joint
+    use finds detectors whose components differ in number or weight.
+)";
+
+using Prior = std::variant<Posterior, ConcentratedStack, Mixture<ConcentratedSE3>, ConcentratedSE3>;
+
+Component<ConcentratedStack> stacked(double log_weight, const ConcentratedSE3& density) {
+  return {log_weight, ConcentratedStack(PoseStackd({density.mean()}), density.covariance())};
+}
+
+/// The joint mixture that a prior is, over the camera alone where it has one pose.
+struct AsPosterior {
+  Posterior operator()(const Posterior& prior) const { return prior; }
+  Posterior operator()(const ConcentratedStack& prior) const {
+    return Posterior::from_stored({{0.0, prior}});
   }
+  Posterior operator()(const ConcentratedSE3& prior) const {
+    return Posterior::from_stored({stacked(0.0, prior)});
+  }
+  Posterior operator()(const Mixture<ConcentratedSE3>& prior) const {
+    std::vector<Component<ConcentratedStack>> components;
+    for (const auto& component : prior.components())
+      components.push_back(stacked(component.log_weight, component.density));
+    return Posterior::from_stored(std::move(components));
+  }
+};
+
+UpdateReport update(GaussianSumFilter& filter, const std::vector<OwnedDetection>& owned) {
   std::vector<Detection> detections;
-  for (std::size_t i = 0; i < objects.size(); ++i)
-    detections.push_back({objects[i], poses[i], &noise[i]});
+  for (const OwnedDetection& d : owned) detections.push_back({d.object, d.camera_object, &d.noise});
   return filter.update(detections);
 }
 
 void bind_predictions(nb::class_<GaussianSumFilter>& filter) {
   using F = GaussianSumFilter;
   filter
-      .def("predict",
-           [](F& self, const std::function<Hypothesis(Hypothesis)>& motion) {
-             self.predict(motion);
-           })
-      .def("predict_with_odometry",
-           [](F& self, const SE3d& motion, const Matrix6d& q) {
-             self.predict(
-                 [&](Hypothesis h) { return predict_with_odometry(std::move(h), motion, q); });
-           })
-      .def("predict_random_walk",
-           [](F& self, const Matrix6d& q) {
-             self.predict([&](Hypothesis h) { return predict_random_walk(std::move(h), q); });
-           })
-      .def("predict_constant_velocity",
-           [](F& self, double periods, const Matrix6d& q, const Matrix6d& q_motion) {
-             self.predict([&](Hypothesis h) {
-               return predict_constant_velocity(std::move(h), periods, q, q_motion);
-             });
-           });
+      .def(
+          "predict",
+          [](F& self, const std::function<Hypothesis(Hypothesis)>& motion) {
+            self.predict(motion);
+          },
+          "motion"_a, "Moves every hypothesis by a function of its own.")
+      .def(
+          "predict_with_odometry",
+          [](F& self, const SE3d& motion, const ArrayLike& q) {
+            const auto noise = q.as<Matrix6d>("q");
+            self.predict(
+                [&](Hypothesis h) { return predict_with_odometry(std::move(h), motion, noise); });
+          },
+          "motion"_a, "q"_a, kOdometryDoc)
+      .def(
+          "predict_random_walk",
+          [](F& self, const ArrayLike& q) {
+            const auto noise = q.as<Matrix6d>("q");
+            self.predict([&](Hypothesis h) { return predict_random_walk(std::move(h), noise); });
+          },
+          "q"_a, "The mean stays.")
+      .def(
+          "predict_constant_velocity",
+          [](F& self, double periods, const ArrayLike& q, const ArrayLike& q_motion) {
+            const auto noise = q.as<Matrix6d>("q");
+            const auto motion_noise = q_motion.as<Matrix6d>("q_motion");
+            self.predict([&](Hypothesis h) {
+              return predict_constant_velocity(std::move(h), periods, noise, motion_noise);
+            });
+          },
+          "periods"_a, "q"_a, "q_motion"_a,
+          "Constant velocity; pose 1 is the camera's motion per reference period.");
 }
 
 void bind_filter(nb::module_& m) {
   using F = GaussianSumFilter;
-  nb::class_<F> filter(m, "GaussianSumFilter");
-  filter.def(nb::init<Posterior, GaussianSumSettings>());
+  nb::class_<F> filter(m, "GaussianSumFilter", kFilterDoc);
+  filter.def(
+      "__init__",
+      [](F* self, const Prior& prior, const std::optional<GaussianSumSettings>& settings) {
+        new (self) F(std::visit(AsPosterior{}, prior), settings.value_or(GaussianSumSettings{}));
+      },
+      "prior"_a, "settings"_a = nb::none());
   bind_predictions(filter);
-  filter
-      .def("update",
-           [](F& self, const std::vector<std::size_t>& objects, const PoseArray& poses,
-              const std::vector<DetectorNoise>& noise) {
-             return report_dict(update(self, objects, poses, noise));
+  filter.def("update", &update, "detections"_a, kUpdateDoc)
+      .def(
+          "add_object",
+          [](F& self, const SE3d& pose, const DetectorNoise& noise) {
+            return self.add_object(pose, noise);
+          },
+          "camera_object"_a, "noise"_a,
+          "A new object with its full cross-covariance; the index of its pose.")
+      .def(
+          "add_independent_object",
+          [](F& self, const SE3d& pose, const ArrayLike& covariance) {
+            return self.add_independent_object(pose, covariance.as<Matrix6d>("covariance"));
+          },
+          "camera_object"_a, "covariance"_a,
+          "A new object with an error independent of all others (world frame); its index.")
+      .def_prop_ro(
+          "posterior", [](const F& self) { return Posterior(self.posterior()); },
+          "The joint mixture over the camera and all objects.")
+      .def_prop_ro(
+          "settings", [](const F& self) { return GaussianSumSettings(self.settings()); },
+          "A copy of the settings.")
+      .def("summarise", &F::summarise, "One Gaussian in place of the posterior.")
+      .def("__reduce__",
+           [](const F& self) {
+             return nb::make_tuple(nb::type<F>(),
+                                   nb::make_tuple(Posterior(self.posterior()), self.settings()));
            })
-      .def("add_object", [](F& self, const SE3d& pose,
-                            const DetectorNoise& noise) { return self.add_object(pose, noise); })
-      .def("add_independent_object",
-           [](F& self, const SE3d& pose, const Matrix6d& covariance) {
-             return self.add_independent_object(pose, covariance);
-           })
-      .def("posterior", [](const F& self) { return self.posterior(); })
-      .def("settings", [](const F& self) { return self.settings(); })
-      .def("summarise", &F::summarise);
+      .def("__repr__", [](const F& self) {
+        return fmt::format("<GaussianSumFilter of {} hypotheses over {} poses>",
+                           self.posterior().size(), self.posterior()[0].density.mean().size());
+      });
 }
 
 }  // namespace
@@ -110,6 +241,7 @@ void bind_filter(nb::module_& m) {
 void bind_gaussian_sum_filter(nb::module_& m) {
   bind_enums(m);
   bind_filter_settings(m);
+  bind_results(m);
   bind_filter(m);
 }
 

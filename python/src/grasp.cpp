@@ -1,17 +1,36 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 #include "density.hpp"
-#include "dict.hpp"
 #include "posemix/detector/symmetry.hpp"
 #include "posemix/grasp/success_probability.hpp"
 #include "poses.hpp"
+#include "record.hpp"
 #include "settings.hpp"
 
 namespace posemix::python {
 namespace {
 
-nb::tuple estimate_tuple(const SuccessEstimate& estimate) {
-  return nb::make_tuple(estimate.probability, estimate.error, estimate.evaluations);
+void bind_results(nb::module_& m) {
+  using E = SuccessEstimate;
+  Record<E>(m, "SuccessEstimate", "A probability by randomised quasi-Monte Carlo.")
+      .field("probability", &E::probability, "float", "The estimate.")
+      .field("error", &E::error, "float", "One standard error, from the replicates.")
+      .field("evaluations", &E::evaluations, "int", "Points at which the density was evaluated.")
+      .done();
+  using C = GraspCandidate;
+  Record<C>(m, "GraspCandidate", "Where one start of `best_grasp` ended.")
+      .field("start", &C::start, "posemix.lie.SE3", "Frame of the grasp at the start.")
+      .field("pose", &C::pose, "posemix.lie.SE3", "Frame of the grasp at the end.")
+      .field("success", &C::success, "SuccessEstimate", "Probability at the end.")
+      .done();
+  using B = BestGrasp;
+  Record<B>(m, "BestGrasp", "The pose that maximises the probability.")
+      .field("pose", &B::pose, "posemix.lie.SE3", "Frame of the grasp.")
+      .field("success", &B::success, "SuccessEstimate", "Its probability.")
+      .field("candidates", &B::candidates, "list[GraspCandidate]",
+             "What every start found, best first.")
+      .field("evaluations", &B::evaluations, "int", "Of the probability while searching.")
+      .done();
 }
 
 template <class D>
@@ -24,7 +43,7 @@ void bind_criterion(nb::module_& m) {
       const nb::gil_scoped_release unlocked;
       estimate = success_probability(mixture, {rotation, translation}, at, stream, settings);
     }
-    return estimate_tuple(*estimate);
+    return *estimate;
   });
   m.def("best_grasp", [](const Mixture<D>& mixture, const Eigen::Vector3d& rotation,
                          const Eigen::Vector3d& translation, RandomStream& stream,
@@ -34,13 +53,7 @@ void bind_criterion(nb::module_& m) {
       const nb::gil_scoped_release unlocked;
       best = best_grasp(mixture, {rotation, translation}, stream, settings);
     }
-    return nb::make_tuple(best->pose, estimate_tuple(best->success),
-                          list_of(best->candidates,
-                                  [](const GraspCandidate& c) {
-                                    return nb::make_tuple(c.start, c.pose,
-                                                          estimate_tuple(c.success));
-                                  }),
-                          best->evaluations);
+    return *best;
   });
 }
 
@@ -81,6 +94,7 @@ PoseArray each_pose(const PoseArray& x, const PoseArray& y, Function f) {
 
 void bind_grasp(nb::module_& m) {
   bind_settings(m);
+  bind_results(m);
   bind_criterion<ConcentratedSE3>(m);
   bind_criterion<ProjectedSE3>(m);
   m.def("reduced_error", [](const PoseArray& errors, const SymmetryGroup& symmetries) {

@@ -35,6 +35,14 @@ TomlDocument document_of(const fs::path& path, const std::vector<std::string>& o
   return document;
 }
 
+/// Reads a document by `read`, without the interpreter's lock.
+template <class Read>
+auto read_document(const fs::path& path, const std::vector<std::string>& overrides, Read read) {
+  const TomlDocument document = document_of(path, overrides);
+  const nb::gil_scoped_release unlocked;
+  return read(document);
+}
+
 void bind_job(nb::module_& m) {
   using J = SlamJob;
   nb::class_<J> made(m, "SlamJob");
@@ -58,8 +66,9 @@ void bind_job(nb::module_& m) {
       "read_slam_job",
       [](const fs::path& path, const std::optional<fs::path>& data,
          const std::vector<std::string>& overrides) {
-        const nb::gil_scoped_release unlocked;
-        return read_slam_job(document_of(path, overrides), data_folders(path, data));
+        return read_document(path, overrides, [&](const TomlDocument& document) {
+          return read_slam_job(document, data_folders(path, data));
+        });
       },
       "path"_a, "data"_a.none(), "overrides"_a);
   m.def(
@@ -91,7 +100,8 @@ void bind_results(nb::module_& m) {
 void bind_simulation_files(nb::module_& m) {
   using File = SimulationFile;
   m.def("read_simulation", [](const fs::path& path, const std::vector<std::string>& overrides) {
-    const File file = read_simulation(document_of(path, overrides));
+    const File file = read_document(
+        path, overrides, [](const TomlDocument& document) { return read_simulation(document); });
     return nb::make_tuple(file.config, file.filter);
   });
   m.def("write_simulation", [](const fs::path& folder, const SimulationConfig& config,

@@ -4,8 +4,11 @@
 
 #include <nanobind/stl/vector.h>
 
+#include "generic.hpp"
 #include "posemix/mixture/moments.hpp"
 #include "posemix/mixture/projected_mixture.hpp"
+#include "record.hpp"
+#include "rules.hpp"
 #include "settings.hpp"
 
 namespace posemix::python {
@@ -17,8 +20,8 @@ nb::class_<Mixture<D>> bind_mixture_of(nb::module_& m, const char* name) {
   nb::class_<M> cls(m, name);
   cls.def(
       "__init__",
-      [](M* self, const std::vector<double>& log_weights, const std::vector<D>& densities) {
-        new (self) M(M::from_stored(components_of(log_weights, densities)));
+      [](Unmade<M> self, const std::vector<double>& log_weights, const std::vector<D>& densities) {
+        new (self.place) M(M::from_stored(components_of(log_weights, densities)));
       },
       "log_weights"_a, "densities"_a);
   cls.def("__len__", &M::size);
@@ -47,11 +50,12 @@ nb::class_<Mixture<D>> bind_mixture_of(nb::module_& m, const char* name) {
       "threshold"_a);
   m.def(
       "moments",
-      [](const M& mixture, const MomentSettings& settings) {
-        const auto result = moments(mixture, settings);
-        return nb::make_tuple(result.density, result.converged, result.iterations, result.residual);
+      [](const M& mixture, const std::optional<MomentSettings>& settings) {
+        const auto result = moments(mixture, settings.value_or(MomentSettings{}));
+        return AnyMoments{nb::cast(result.density), result.converged, result.iterations,
+                          result.residual};
       },
-      "mixture"_a, "settings"_a);
+      "mixture"_a, "settings"_a.none());
   return cls;
 }
 
@@ -89,46 +93,38 @@ nb::class_<Mixture<D>> bind_element_mixture(nb::module_& m, const char* name) {
           "points"_a);
 }
 
-template <class D>
-nb::tuple fusion_tuple(MixtureFusion<D>&& fusion) {
-  return nb::make_tuple(std::move(fusion.mixture), fusion.log_evidence, fusion.converged);
+/// `Given` are the settings that Python may pass; `settings_of` makes those of C++ from them.
+template <class D, class Given, class SettingsOf>
+void bind_mixture_operations(nb::module_& m, SettingsOf settings_of) {
+  using M = Mixture<D>;
+  bind_composition<M>(m);
+  m.def(
+      "fuse",
+      [settings_of](const M& p, const M& q, const std::optional<Given>& settings) {
+        auto fusion = fuse(p, q, settings_of(settings));
+        return AnyFusion{nb::cast(std::move(fusion.mixture)), fusion.log_evidence, fusion.converged,
+                         std::nullopt, std::nullopt};
+      },
+      "p"_a, "q"_a, "settings"_a.none());
 }
 
 template <class G>
 void bind_concentrated_operations(nb::module_& m) {
-  using M = Mixture<ConcentratedGaussian<G>>;
-  m.def(
-      "compose", [](const M& x, const M& y) { return compose(x, y); }, "x"_a, "y"_a);
-  m.def(
-      "inverse", [](const M& x) { return inverse(x); }, "x"_a);
-  m.def(
-      "between", [](const M& x, const M& y) { return between(x, y); }, "x"_a, "y"_a);
-  m.def(
-      "fuse",
-      [](const M& p, const M& q, const FuseSettings& settings) {
-        return fusion_tuple(fuse(p, q, settings));
-      },
-      "p"_a, "q"_a, "settings"_a);
+  bind_mixture_operations<ConcentratedGaussian<G>, FuseSettings>(
+      m, [](const auto& given) { return given.value_or(FuseSettings{}); });
 }
 
 template <class G>
 void bind_projected_mixture_operations(nb::module_& m) {
-  using M = Mixture<ProjectedGaussian<G>>;
-  using Compose = ProjectedMixtureComposeSettings;
-  m.def(
-      "compose", [](const M& x, const M& y, const Compose& s) { return compose(x, y, s); }, "x"_a,
-      "y"_a, "settings"_a);
-  m.def(
-      "inverse", [](const M& x, const Compose& s) { return inverse(x, s); }, "x"_a, "settings"_a);
-  m.def(
-      "between", [](const M& x, const M& y, const Compose& s) { return between(x, y, s); }, "x"_a,
-      "y"_a, "settings"_a);
-  m.def(
-      "fuse",
-      [](const M& p, const M& q, const ProjectedMixtureFuseSettings& settings) {
-        return fusion_tuple(fuse(p, q, settings));
-      },
-      "p"_a, "q"_a, "settings"_a);
+  using Whole = ProjectedMixtureFuseSettings;
+  using Given = std::variant<ProjectedFuseSettings, Whole>;
+  bind_mixture_operations<ProjectedGaussian<G>, Given>(m, [](const std::optional<Given>& given) {
+    if (!given) return Whole{};
+    if (const auto* whole = std::get_if<Whole>(&*given)) return *whole;
+    Whole settings;
+    settings.pair = std::get<ProjectedFuseSettings>(*given);
+    return settings;
+  });
 }
 
 void bind_settings(nb::module_& m) {
@@ -157,10 +153,23 @@ void bind_settings(nb::module_& m) {
       .done();
 }
 
+void bind_moments(nb::module_& m) {
+  m.attr("D") = nb::type_var("D");
+  Record<AnyMoments>(m, "Moments", "Mean and covariance of a mixture on its group.",
+                     nb::is_generic(), nb::sig("class Moments(typing.Generic[D])"))
+      .field("density", &AnyMoments::density, "D", "One density with these moments.")
+      .field("converged", &AnyMoments::converged, "bool", "Whether the mean's iteration converged.")
+      .field("iterations", &AnyMoments::iterations, "int", "Updates of the mean.")
+      .field("residual", &AnyMoments::residual, "float",
+             "Norm of the mean's tangent vector at the end [rad, m].")
+      .done();
+}
+
 }  // namespace
 
 void bind_mixture(nb::module_& m) {
   bind_settings(m);
+  bind_moments(m);
   bind_element_mixture<ConcentratedSO3>(m, "MixtureConcentratedSO3");
   bind_element_mixture<ConcentratedSE3>(m, "MixtureConcentratedSE3");
   bind_element_mixture<ProjectedSO3>(m, "MixtureProjectedSO3");

@@ -3,47 +3,14 @@
 #include "posemix/reduction/reduce.hpp"
 
 #include <nanobind/stl/vector.h>
+#include <nanobind/typing.h>
 
-#include "filter.hpp"
+#include "generic.hpp"
 #include "mixture.hpp"
+#include "record.hpp"
 #include "settings.hpp"
 
 namespace posemix::python {
-namespace {
-
-nb::object loss_dict(const std::optional<BoundedLoss>& loss) {
-  if (!loss) return nb::none();
-  nb::dict dict;
-  dict["dropped"] = loss->dropped;
-  dict["merged_kl"] = loss->merged_kl;
-  dict["merged_symmetric_kl"] = loss->merged_symmetric_kl;
-  dict["total_variation"] = loss->total_variation;
-  dict["kl_from_reduced"] = loss->kl_from_reduced;
-  return dict;
-}
-
-}  // namespace
-
-nb::dict report_dict(const ReductionReport& report) {
-  nb::list merges;
-  for (const MergeRecord& merge : report.merges)
-    merges.append(nb::make_tuple(merge.weight_a, merge.weight_b, merge.distance));
-  nb::list destination;
-  for (const std::size_t to : report.destination)
-    destination.append(to == kDropped ? nb::object(nb::none()) : nb::object(nb::int_(to)));
-  nb::dict dict;
-  dict["components_before"] = report.components_before;
-  dict["components_pruned"] = report.components_pruned;
-  dict["components_after"] = report.components_after;
-  dict["weight_pruned"] = report.weight_pruned;
-  dict["weight_moved"] = report.weight_moved;
-  dict["merges"] = merges;
-  dict["destination"] = destination;
-  dict["bounded_loss"] = loss_dict(report.bounded_loss);
-  dict["converged"] = report.converged;
-  return dict;
-}
-
 namespace {
 
 void bind_rules(nb::module_& m) {
@@ -98,6 +65,68 @@ void bind_settings(nb::module_& m) {
       .done();
 }
 
+nb::list destinations(const std::vector<std::size_t>& destination) {
+  nb::list all;
+  for (const std::size_t to : destination)
+    all.append(to == kDropped ? nb::object(nb::none()) : nb::object(nb::int_(to)));
+  return all;
+}
+
+void bind_report(nb::module_& m) {
+  using L = BoundedLoss;
+  Record<L>(m, "BoundedLoss", "What a reduction lost at most.")
+      .field("dropped", &L::dropped, "float", "Weight of the components that were dropped.")
+      .field("merged_kl", &L::merged_kl, "float",
+             "Bound on the divergence that merging caused [nats].")
+      .field("merged_symmetric_kl", &L::merged_symmetric_kl, "float",
+             "Bound on the symmetric divergence that merging caused [nats].")
+      .field("total_variation", &L::total_variation, "float",
+             "Bound on the change of the probability of any set, of the whole reduction.")
+      .field("kl_from_reduced", &L::kl_from_reduced, "float",
+             "Bound on the divergence from the reduced mixture to the full one [nats].")
+      .done();
+  using M = MergeRecord;
+  Record<M>(m, "MergeRecord", "One merge; weights are fractions of the mixture.")
+      .field("weight_a", &M::weight_a, "float", "Weight of the first component.")
+      .field("weight_b", &M::weight_b, "float", "Weight of the second component.")
+      .field("distance", &M::distance, "float", "Distance of the means before the merge [rad, m].")
+      .done();
+  using R = ReductionReport;
+  Record<R>(m, "ReductionReport", "What `reduce` did.")
+      .field("components_before", &R::components_before, "int", "Components before.")
+      .field("components_pruned", &R::components_pruned, "int", "Components that were dropped.")
+      .field("components_after", &R::components_after, "int", "Components after.")
+      .field("weight_pruned", &R::weight_pruned, "float", "Weight that was dropped.")
+      .field("weight_moved", &R::weight_moved, "float",
+             "Sum over the merges of the smaller of both weights.")
+      .field("merges", &R::merges, "list[MergeRecord]", "One entry per merge.")
+      .field("destination", &R::destination, "list[int | None]",
+             "For every component before the index of the one after that holds it; None where it "
+             "was dropped.",
+             &destinations)
+      .field("bounded_loss", &R::bounded_loss, "BoundedLoss | None",
+             "Bounds on the loss, where they were asked for.")
+      .field("converged", &R::converged, "bool", "Whether every merge converged.")
+      .done();
+}
+
+void bind_results(nb::module_& m) {
+  bind_report(m);
+  using Merge = AnyMerge;
+  Record<Merge>(m, "MergeResult", "Result of `merge`: one component in place of several.",
+                nb::is_generic(), nb::sig("class MergeResult(typing.Generic[D])"))
+      .field("density", &Merge::density, "D", "The density of the component.")
+      .field("log_weight", &Merge::log_weight, "float", "Logarithm of the summed weight.")
+      .field("converged", &Merge::converged, "bool", "Whether the mean's iteration converged.")
+      .done();
+  Record<AnyReduction>(m, "Reduction", "Result of `reduce`.", nb::is_generic(),
+                       nb::sig("class Reduction(typing.Generic[D])"))
+      .field("mixture", &AnyReduction::mixture, "posemix.mixture.Mixture[D]",
+             "The mixture with fewer components.")
+      .field("report", &AnyReduction::report, "ReductionReport", "What was done.")
+      .done();
+}
+
 template <class D>
 void bind_reduce(nb::module_& m) {
   m.def(
@@ -108,7 +137,7 @@ void bind_reduce(nb::module_& m) {
           const nb::gil_scoped_release unlocked;
           result = reduce(mixture, settings);
         }
-        return nb::make_tuple(std::move(result->mixture), report_dict(result->report));
+        return AnyReduction{nb::cast(std::move(result->mixture)), std::move(result->report)};
       },
       "mixture"_a, "settings"_a);
   m.def(
@@ -117,8 +146,8 @@ void bind_reduce(nb::module_& m) {
          const MergeSettings& settings) {
         const std::vector<Component<D>> components = components_of(log_weights, densities);
         auto merged = merge(std::span<const Component<D>>(components), settings);
-        return nb::make_tuple(merged.component.log_weight, std::move(merged.component.density),
-                              merged.converged);
+        return AnyMerge{nb::cast(std::move(merged.component.density)), merged.component.log_weight,
+                        merged.converged};
       },
       "log_weights"_a, "densities"_a, "settings"_a);
 }
@@ -128,6 +157,7 @@ void bind_reduce(nb::module_& m) {
 void bind_reduction(nb::module_& m) {
   bind_rules(m);
   bind_settings(m);
+  bind_results(m);
   bind_reduce<ConcentratedSO3>(m);
   bind_reduce<ConcentratedSE3>(m);
   bind_reduce<ConcentratedStack>(m);

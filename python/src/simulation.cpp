@@ -98,21 +98,63 @@ void bind_config(nb::module_& m) {
       .done();
 }
 
+void bind_sequence_of_simulation(nb::module_& m) {
+  using S = SimulatedSequence;
+  const auto sequence_of = [](const S& self) {
+    return nb::module_::import_("posemix.recording").attr("Sequence").attr("_of")(self.sequence());
+  };
+  nb::class_<S>(m, "SimulatedSequence", "A simulated recording; `simulate` makes it.")
+      .def_prop_ro("sequence", sequence_of,
+                   nb::for_getter(nb::sig("def sequence(self, /) -> posemix.recording.Sequence")),
+                   "The recording as object SLAM takes it, with its truth.")
+      .def_prop_ro(
+          "camera_start", [](const S& self) { return self.camera_start.pose(); },
+          "T_world_camera of the first frame as the filter is told.")
+      .def("__repr__", [sequence_of](const S& self) {
+        return fmt::format("<SimulatedSequence: {}>", nb::repr(sequence_of(self)).c_str());
+      });
+}
+
+constexpr const char* kSimulateDoc =
+    R"(A recording; the same configuration and seed give the same one on any machine.
+
+Parameters
+----------
+config : SimulationConfig
+    Path, objects, errors.
+seed : int
+    Of the errors.
+
+Raises
+------
+ValueError
+    Naming the setting that is out of range.
+
+Examples
+--------
+>>> from posemix import SimulationConfig, SimulationObject, SimulationPath, simulate
+>>> config = SimulationConfig(path=SimulationPath(frames=50), objects=[SimulationObject(id="mug")])
+>>> simulate(config, seed=1).sequence
+<Sequence of 50 frames over 4.9 s, objects mug>
+)";
+
 void bind_functions(nb::module_& m) {
-  nb::class_<SimulatedSequence>(m, "SimulatedSequence")
-      .def("sequence", &SimulatedSequence::sequence)
-      .def("camera_start", [](const SimulatedSequence& s) { return s.camera_start.pose(); });
-  m.def("simulate", [](const SimulationConfig& config, std::uint64_t seed) {
-    const nb::gil_scoped_release unlocked;
-    return simulate(config, seed);
-  });
-  m.def("claimed_noise", &claimed_noise);
-  m.def("claimed_clutter", &claimed_clutter);
-  m.def("object_model", &object_model);
-  m.def("motion_settings", &motion_settings);
-  m.def("camera_prior", [](const SimulationConfig& config, const SimulatedSequence& simulated) {
-    return camera_prior(config, simulated);
-  });
+  m.def(
+      "simulate",
+      [](const SimulationConfig& config, std::uint64_t seed) {
+        const nb::gil_scoped_release unlocked;
+        return simulate(config, seed);
+      },
+      "config"_a, "seed"_a, kSimulateDoc);
+  m.def("claimed_noise", &claimed_noise, "object"_a,
+        "The noise components that the filter is told for an object.");
+  m.def("claimed_clutter", &claimed_clutter, "object"_a,
+        "The clutter that the filter is told: the fraction of outliers.");
+  m.def("object_model", &object_model, "object"_a, "What the filter is told of an object.");
+  m.def("motion_settings", &motion_settings, "config"_a,
+        "Motion model with the claimed odometry error.");
+  m.def("camera_prior", &camera_prior, "config"_a, "simulated"_a,
+        "T_world_camera of the first frame as the filter is told.");
 }
 
 }  // namespace
@@ -123,6 +165,7 @@ void bind_simulation(nb::module_& m) {
   bind_disturbances(m);
   bind_object(m);
   bind_config(m);
+  bind_sequence_of_simulation(m);
   bind_functions(m);
 }
 

@@ -91,9 +91,7 @@ void bind_run_class(nb::module_& m) {
            })
       .def("posterior", [](const SlamRun& self) { return self.posterior; })
       .def("pose_indices", [](const SlamRun& self) { return self.pose_indices; })
-      .def("alternatives", [](const SlamRun& self) {
-        return list_of(self.alternatives, [](const auto& all) { return hypothesis_list(all); });
-      });
+      .def("alternatives", [](const SlamRun& self) { return self.alternatives; });
 }
 
 template <class Run>

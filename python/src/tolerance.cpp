@@ -10,6 +10,7 @@
 #include "posemix/grasp/consensus.hpp"
 #include "posemix/grasp/tolerance_region.hpp"
 #include "poses.hpp"
+#include "record.hpp"
 #include "settings.hpp"
 
 namespace posemix::python {
@@ -84,6 +85,17 @@ std::vector<ErrorOutcome> outcomes_of(const PoseArray& errors, const std::vector
 }
 
 void bind_region_fit(nb::module_& m) {
+  using R = RegionFit;
+  Record<R>(m, "RegionFit", "A fitted region.")
+      .field("region", &R::region, "ToleranceRegion", "The most probable one.")
+      .field("log_posterior", &R::log_posterior, "float",
+             "Up to a constant that depends on the settings only [nats].")
+      .field("converged", &R::converged, "bool", "Of the start that was kept.")
+      .field("successes", &R::successes, "int", "Number of successful outcomes.")
+      .field("failures", &R::failures, "int", "Number of failed outcomes.")
+      .field("identified", &R::identified, "list[bool]",
+             "For every width, whether the outcomes say more about it than the prior does.")
+      .done();
   m.def("fit_tolerance_region", [](const PoseArray& errors, const std::vector<bool>& successes,
                                    const RegionFitSettings& settings, RandomStream& stream) {
     const std::vector<ErrorOutcome> outcomes = outcomes_of(errors, successes);
@@ -92,8 +104,7 @@ void bind_region_fit(nb::module_& m) {
       const nb::gil_scoped_release unlocked;
       fit = fit_tolerance_region(outcomes, settings, stream);
     }
-    return nb::make_tuple(fit->region, fit->log_posterior, fit->converged, fit->successes,
-                          fit->failures, fit->identified);
+    return *fit;
   });
   m.def("bootstrap_regions", [](const PoseArray& errors, const std::vector<bool>& successes,
                                 const std::vector<std::size_t>& groups, std::size_t count,

@@ -10,15 +10,15 @@ import math
 import pickle
 
 import numpy as np
-import posemix as pm
+import posemix as px
 import pytest
 
-SD = pm.pose_covariance(0.02, 0.01)
+SD = px.pose_covariance(0.02, 0.01)
 
 
-def noise(*weights: float, clutter: float = 0.0) -> pm.DetectorNoise:
-    components = [pm.NoiseComponent(weight=w, covariance=SD * 4**k) for k, w in enumerate(weights)]
-    return pm.DetectorNoise(components, pm.Clutter(weight=clutter, volume_m3=2.0))
+def noise(*weights: float, clutter: float = 0.0) -> px.DetectorNoise:
+    components = [px.NoiseComponent(weight=w, covariance=SD * 4**k) for k, w in enumerate(weights)]
+    return px.DetectorNoise(components, px.Clutter(weight=clutter, volume_m3=2.0))
 
 
 def test_detector_noise_is_a_value() -> None:
@@ -35,8 +35,8 @@ def test_detector_noise_is_a_value() -> None:
 
 
 def test_components_hold_poses_and_optional_arrays() -> None:
-    offset = pm.SE3(pm.SO3.exp([0, 0, 1.0]), [0.1, 0, 0])
-    component = pm.NoiseComponent(offset=offset, frame=pm.NoiseFrame.ray)
+    offset = px.SE3(px.SO3.exp([0, 0, 1.0]), [0.1, 0, 0])
+    component = px.NoiseComponent(offset=offset, frame=px.NoiseFrame.ray)
     assert component.offset.is_approx(offset, 0.0)
     assert component.update_covariance is None
     component.update_covariance = 2 * SD
@@ -44,29 +44,29 @@ def test_components_hold_poses_and_optional_arrays() -> None:
     assert again == component
     np.testing.assert_array_equal(again.update_covariance, 2 * SD)
     with pytest.raises(TypeError, match="offset is 3; expected posemix.lie.SE3"):
-        pm.NoiseComponent(offset=3)
+        px.NoiseComponent(offset=3)
 
 
 def test_noise_of_the_ray_is_in_metres_along_the_camera() -> None:
-    ray = pm.NoiseComponent(covariance=pm.pose_covariance(0.1, [0.01, 0.01, 0.05]), frame=pm.NoiseFrame.ray)
-    ahead = pm.along_camera(ray, pm.SE3(translation=[0, 0, 2.0]))
-    expected = pm.pose_covariance(0.1, [0.02, 0.02, 0.1])
+    ray = px.NoiseComponent(covariance=px.pose_covariance(0.1, [0.01, 0.01, 0.05]), frame=px.NoiseFrame.ray)
+    ahead = px.along_camera(ray, px.SE3(translation=[0, 0, 2.0]))
+    expected = px.pose_covariance(0.1, [0.02, 0.02, 0.1])
     np.testing.assert_allclose(ahead.covariance, expected, atol=1e-15)
-    assert pm.default_detector_noise().components[0].frame == pm.NoiseFrame.ray
+    assert px.default_detector_noise().components[0].frame == px.NoiseFrame.ray
 
 
-def turn(degrees: float, axis: list[float]) -> pm.SE3:
-    return pm.SE3(pm.SO3.exp(math.radians(degrees) * np.array(axis)))
+def turn(degrees: float, axis: list[float]) -> px.SE3:
+    return px.SE3(px.SO3.exp(math.radians(degrees) * np.array(axis)))
 
 
 def test_closest_is_the_least_over_the_group() -> None:
     quarter = [turn(90 * k, [0, 0, 1.0]) for k in range(1, 4)]
-    elements = pm.SE3.from_tq([g.to_tq() for g in quarter])
-    group = pm.SymmetryGroup(elements)
+    elements = px.SE3.from_tq([g.to_tq() for g in quarter])
+    group = px.SymmetryGroup(elements)
     assert len(group.elements) == 4
     rng = np.random.default_rng(1)
-    poses = pm.SE3.exp(rng.normal(size=(30, 6)))
-    references = pm.SE3.exp(rng.normal(size=(30, 6)))
+    poses = px.SE3.exp(rng.normal(size=(30, 6)))
+    references = px.SE3.exp(rng.normal(size=(30, 6)))
     weight = np.diag([4.0, 4, 1, 9, 9, 9])
     found = group.closest(poses, references, weight)
     costs = []
@@ -79,15 +79,15 @@ def test_closest_is_the_least_over_the_group() -> None:
 
 
 def test_symmetry_groups_are_values_and_are_checked() -> None:
-    axis = pm.SymmetryAxis(direction=[0, 0, 2.0], point=[0.1, 0, 5.0])
-    group = pm.SymmetryGroup(axes=[axis])
+    axis = px.SymmetryAxis(direction=[0, 0, 2.0], point=[0.1, 0, 5.0])
+    group = px.SymmetryGroup(axes=[axis])
     np.testing.assert_allclose(group.axes[0].point, [0.1, 0, 0], atol=1e-12)
     variance = math.pi**2 / 3
     assert group.unobserved_covariance()[2, 2] == pytest.approx(variance)
     assert pickle.loads(pickle.dumps(group)) == group
-    assert pm.SymmetryGroup().is_trivial and group != pm.SymmetryGroup()
+    assert px.SymmetryGroup().is_trivial and group != px.SymmetryGroup()
     with pytest.raises(ValueError, match="product|missing|group"):
-        pm.SymmetryGroup(pm.SE3.from_tq([turn(90, [0, 0, 1.0]).to_tq()]))
+        px.SymmetryGroup(px.SE3.from_tq([turn(90, [0, 0, 1.0]).to_tq()]))
 
 
 def test_group_of_a_bop_entry() -> None:
@@ -95,32 +95,32 @@ def test_group_of_a_bop_entry() -> None:
         '{"diameter": 120.0, "symmetries_continuous": [{"axis": [0, 0, 1], "offset": [10, 0, 0]}],'
         ' "symmetries_discrete": [[1,0,0,0, 0,-1,0,0, 0,0,-1,0, 0,0,0,1]]}'
     )
-    group = pm.SymmetryGroup.from_bop(entry)
+    group = px.SymmetryGroup.from_bop(entry)
     assert len(group.elements) == 2
     np.testing.assert_allclose(group.axes[0].point, [0.01, 0, 0], atol=1e-12)
     with pytest.raises(ValueError, match="diameter"):
-        pm.SymmetryGroup.from_bop({})
+        px.SymmetryGroup.from_bop({})
 
 
 def test_symmetric_errors() -> None:
-    group = pm.SymmetryGroup(axes=[pm.SymmetryAxis()])
-    estimate = pm.SE3(pm.SO3.exp([0, 0, 1.0]), [0.003, 0.004, 0])
-    error = pm.symmetric_pose_error(estimate, pm.SE3(), group)
+    group = px.SymmetryGroup(axes=[px.SymmetryAxis()])
+    estimate = px.SE3(px.SO3.exp([0, 0, 1.0]), [0.003, 0.004, 0])
+    error = px.symmetric_pose_error(estimate, px.SE3(), group)
     assert error.rotation_rad == pytest.approx(0.0, abs=1e-6)
     assert error.translation_m == pytest.approx(0.005)
     ring = [[0.05 * math.cos(a), 0.05 * math.sin(a), 0] for a in np.arange(8)]
-    moved = pm.max_symmetric_surface_distance(pm.SE3(translation=[0, 0, 0.01]), pm.SE3(), ring, group)
+    moved = px.max_symmetric_surface_distance(px.SE3(translation=[0, 0, 0.01]), px.SE3(), ring, group)
     assert moved == pytest.approx(0.01, abs=1e-6)
 
 
-def prior(sd: float = 0.001) -> pm.ConcentratedGaussian[pm.SE3]:
-    return pm.ConcentratedGaussian(pm.SE3(), pm.pose_covariance(sd, sd))
+def prior(sd: float = 0.001) -> px.ConcentratedGaussian[px.SE3]:
+    return px.ConcentratedGaussian(px.SE3(), px.pose_covariance(sd, sd))
 
 
 def test_gaussian_sum_start_and_linear_update_by_numpy() -> None:
-    settings = pm.GaussianSumSettings(update=pm.UpdateRule.linearized, summary=pm.Summary.best)
-    tracker = pm.GaussianSumFilter(prior(0.05), settings)
-    seen = pm.SE3(pm.SO3.exp([0.3, -0.2, 0.1]), [0.1, 0.2, 0.9])
+    settings = px.GaussianSumSettings(update=px.UpdateRule.linearized, summary=px.Summary.best)
+    tracker = px.GaussianSumFilter(prior(0.05), settings)
+    seen = px.SE3(px.SO3.exp([0.3, -0.2, 0.1]), [0.1, 0.2, 0.9])
     detector = noise(1.0)
     assert tracker.add_object(seen, detector) == 1
     start = tracker.posterior[0]
@@ -129,15 +129,15 @@ def test_gaussian_sum_start_and_linear_update_by_numpy() -> None:
     np.testing.assert_allclose(start.covariance[:6, :6], p, atol=1e-15)
     np.testing.assert_allclose(start.covariance[6:, :6], p, atol=1e-15)
     np.testing.assert_allclose(start.covariance[6:, 6:], p + adjoint @ SD @ adjoint.T, atol=1e-12)
-    detection = seen * pm.SE3.exp([0.01, 0, 0.02, 0.002, 0, 0])
-    report = tracker.update([pm.Detection(1, detection, detector)])
+    detection = seen * px.SE3.exp([0.01, 0, 0.02, 0.002, 0, 0])
+    report = tracker.update([px.Detection(1, detection, detector)])
     h = np.hstack([-np.eye(6), np.eye(6)])
     at = detection.adjoint()
     residual = (detection * seen.inverse()).log()
     noise_world = seen.adjoint() @ SD @ seen.adjoint().T
     s = h @ start.covariance @ h.T + noise_world
     gain = start.covariance @ h.T @ np.linalg.inv(s)
-    joint = pm.SE3.exp((gain @ residual).reshape(2, 6)) * start.mean
+    joint = px.SE3.exp((gain @ residual).reshape(2, 6)) * start.mean
     assert tracker.posterior[0].mean.is_approx(joint, 2e-4)
     squared = residual @ np.linalg.solve(s, residual)
     log_likelihood = -0.5 * (squared + math.log(np.linalg.det(2 * math.pi * s)))
@@ -146,53 +146,53 @@ def test_gaussian_sum_start_and_linear_update_by_numpy() -> None:
 
 
 def test_gaussian_sum_predictions() -> None:
-    tracker = pm.GaussianSumFilter(prior())
-    motion = pm.SE3(pm.SO3.exp([0, 0, 0.1]), [0.1, 0, 0])
+    tracker = px.GaussianSumFilter(prior())
+    motion = px.SE3(px.SO3.exp([0, 0, 0.1]), [0.1, 0, 0])
     tracker.predict_with_odometry(motion, SD)
     moved = tracker.posterior[0]
     assert moved.mean[0].is_approx(motion, 1e-12)
     ad = motion.adjoint()
     np.testing.assert_allclose(moved.covariance, prior().covariance + ad @ SD @ ad.T, atol=1e-12)
     other = pickle.loads(pickle.dumps(tracker))
-    other.predict(lambda h: pm.ConcentratedGaussian(h.mean, 4 * h.covariance))
+    other.predict(lambda h: px.ConcentratedGaussian(h.mean, 4 * h.covariance))
     np.testing.assert_allclose(other.posterior[0].covariance, 4 * moved.covariance, rtol=1e-12)
     assert tracker.posterior[0] == moved
     other.predict_random_walk(SD)
     with pytest.raises(ValueError, match="camera|pose"):
-        tracker.update([pm.Detection(3, motion, noise(1.0))])
+        tracker.update([px.Detection(3, motion, noise(1.0))])
     with pytest.raises(ZeroDivisionError):
         tracker.predict(lambda h: 1 / 0)
 
 
 def test_gaussian_sum_branches_and_reduces() -> None:
-    tracker = pm.GaussianSumFilter(
-        prior(), pm.GaussianSumSettings(reduction=pm.ReductionSettings(max_components=3))
+    tracker = px.GaussianSumFilter(
+        prior(), px.GaussianSumSettings(reduction=px.ReductionSettings(max_components=3))
     )
-    tracker.add_object(pm.SE3(translation=[0, 0, 1.0]), noise(0.7, 0.3))
-    report = tracker.update([pm.Detection(1, pm.SE3(translation=[0, 0, 1.01]), noise(0.7, 0.3))])
+    tracker.add_object(px.SE3(translation=[0, 0, 1.0]), noise(0.7, 0.3))
+    report = tracker.update([px.Detection(1, px.SE3(translation=[0, 0, 1.01]), noise(0.7, 0.3))])
     assert len(tracker.posterior) == 3
     assert report.reductions[0].components_before == 4
     assert tracker.summarise().mean.shape == (2,)
     assert repr(tracker) == "<GaussianSumFilter of 3 hypotheses over 2 poses>"
 
 
-def plain() -> pm.MultiObjectSettings:
+def plain() -> px.MultiObjectSettings:
     """Nothing is learned: independent detections with known noise."""
-    return pm.MultiObjectSettings(
+    return px.MultiObjectSettings(
         odometry_camera_fraction=1.0, noise_scale_detections=math.inf, correlation_s=0.0,
         correlation_detections=math.inf, bias_variance_fraction=0.0,
     )  # fmt: skip
 
 
 def test_multi_object_filter_averages_like_information() -> None:
-    sensor = pm.ObjectSensor(noise=noise(0.999, clutter=0.001))
-    tracker = pm.MultiObjectFilter(prior(1e-6), [sensor], plain())
+    sensor = px.ObjectSensor(noise=noise(0.999, clutter=0.001))
+    tracker = px.MultiObjectFilter(prior(1e-6), [sensor], plain())
     rng = np.random.default_rng(2)
-    truth = pm.SE3(translation=[0.1, 0, 0.8])
-    detections = [truth * pm.SE3.exp(rng.normal(size=6) * np.sqrt(SD.diagonal())) for _ in range(40)]
+    truth = px.SE3(translation=[0.1, 0, 0.8])
+    detections = [truth * px.SE3.exp(rng.normal(size=6) * np.sqrt(SD.diagonal())) for _ in range(40)]
     for k, detection in enumerate(detections):
         if k:
-            tracker.predict_with_odometry(pm.SE3(), pm.pose_covariance(1e-6, 1e-6), dt=0.1)
+            tracker.predict_with_odometry(px.SE3(), px.pose_covariance(1e-6, 1e-6), dt=0.1)
         report = tracker.update(0, detection)
         assert report.started == (k == 0)
     found = tracker.relative(0, tracker.leading(0))
@@ -204,11 +204,11 @@ def test_multi_object_filter_averages_like_information() -> None:
 
 
 def test_multi_object_filter_keeps_two_answers_apart() -> None:
-    tracker = pm.MultiObjectFilter(prior(), [pm.ObjectSensor(noise=noise(0.9, clutter=0.1))] * 2, plain())
-    here = pm.SE3(translation=[0, 0, 0.8])
+    tracker = px.MultiObjectFilter(prior(), [px.ObjectSensor(noise=noise(0.9, clutter=0.1))] * 2, plain())
+    here = px.SE3(translation=[0, 0, 0.8])
     flipped = here * turn(180, [0, 0, 1.0])
     for k in range(12):
-        tracker.predict_random_walk(pm.pose_covariance(1e-4, 1e-4), dt=0.1)
+        tracker.predict_random_walk(px.pose_covariance(1e-4, 1e-4), dt=0.1)
         tracker.update(0, flipped if k % 3 == 0 else here)
     hypotheses = tracker.hypotheses(0)
     assert len(hypotheses) == 2
@@ -226,12 +226,12 @@ def test_multi_object_filter_keeps_two_answers_apart() -> None:
 
 
 def test_multi_object_filter_refuses() -> None:
-    tracker = pm.MultiObjectFilter(prior(), [pm.ObjectSensor()])
+    tracker = px.MultiObjectFilter(prior(), [px.ObjectSensor()])
     with pytest.raises(ValueError, match="object"):
-        tracker.update(3, pm.SE3())
+        tracker.update(3, px.SE3())
     with pytest.raises(ValueError, match="no.* hypothes|hypotheses; there is none"):
         tracker.relative(0, 0)
     with pytest.raises(ValueError, match=r"q has shape \(3, 3\)"):
         tracker.predict_random_walk(np.eye(3), 0.1)
     with pytest.raises(ValueError):
-        pm.MultiObjectFilter(prior(), [pm.ObjectSensor()], pm.MultiObjectSettings(max_hypotheses=0))
+        px.MultiObjectFilter(prior(), [px.ObjectSensor()], px.MultiObjectSettings(max_hypotheses=0))

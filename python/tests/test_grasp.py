@@ -9,7 +9,7 @@ import math
 import pickle
 
 import numpy as np
-import posemix as pm
+import posemix as px
 import pytest
 
 
@@ -21,21 +21,21 @@ SPREAD = np.array([0.01, 0.02, 0.015, 0.004, 0.006, 0.002])
 
 
 def test_success_is_a_product_for_independent_coordinates() -> None:
-    mixture = pm.Mixture([pm.ConcentratedGaussian(pm.SE3(), np.diag(SPREAD**2))])
-    box = pm.ToleranceBox(rotation=math.radians(2.0), translation=0.005)
+    mixture = px.Mixture([px.ConcentratedGaussian(px.SE3(), np.diag(SPREAD**2))])
+    box = px.ToleranceBox(rotation=math.radians(2.0), translation=0.005)
     limits = np.r_[box.rotation, box.translation]
     product = math.prod(math.erf(x / s / math.sqrt(2)) for x, s in zip(limits, SPREAD, strict=True))
-    found = pm.success_probability(mixture, box, pm.SE3(), seed=2)
+    found = px.success_probability(mixture, box, px.SE3(), seed=2)
     assert found.probability == pytest.approx(product, abs=2e-4)
     assert found.error < 1e-3
     assert found.evaluations == 8 * 512
 
 
 def test_success_agrees_with_counting_draws() -> None:
-    here = pm.SE3(pm.SO3.exp([0.2, -0.4, 1.0]), [0.1, 0.2, 0.6])
-    distribution = pm.ProjectedGaussian.at_mean(here, np.diag(SPREAD**2))
-    box = pm.ToleranceBox([0.03, 0.05, 0.02], [0.004, 0.004, 0.004])
-    found = pm.success_probability(pm.Mixture([distribution]), box, here, seed=1)
+    here = px.SE3(px.SO3.exp([0.2, -0.4, 1.0]), [0.1, 0.2, 0.6])
+    distribution = px.ProjectedGaussian.at_mean(here, np.diag(SPREAD**2))
+    box = px.ToleranceBox([0.03, 0.05, 0.02], [0.004, 0.004, 0.004])
+    found = px.success_probability(px.Mixture([distribution]), box, here, seed=1)
     inside = here.inverse() * distribution.sample(200_000, seed=2)
     quaternion = inside.rotation.quaternion
     chart = quaternion[:, :3] / quaternion[:, 3:]
@@ -45,11 +45,11 @@ def test_success_agrees_with_counting_draws() -> None:
 
 
 def test_best_grasp_finds_the_heavier_peak() -> None:
-    far = pm.SE3(pm.SO3.exp([0, 0, 1.0]), [0.1, 0, 0])
-    mixture = pm.Mixture(
-        [pm.ConcentratedGaussian(p, np.diag(SPREAD**2)) for p in (pm.SE3(), far)], [0.3, 0.7]
+    far = px.SE3(px.SO3.exp([0, 0, 1.0]), [0.1, 0, 0])
+    mixture = px.Mixture(
+        [px.ConcentratedGaussian(p, np.diag(SPREAD**2)) for p in (px.SE3(), far)], [0.3, 0.7]
     )
-    best = pm.best_grasp(mixture, pm.ToleranceBox(0.02, 0.004), seed=1)
+    best = px.best_grasp(mixture, px.ToleranceBox(0.02, 0.004), seed=1)
     assert np.linalg.norm((far.inverse() * best.pose).translation) < 1e-3
     assert len(best.candidates) == 2
     assert best.candidates[0].success.probability >= best.candidates[1].success.probability
@@ -57,16 +57,16 @@ def test_best_grasp_finds_the_heavier_peak() -> None:
 
 
 def test_a_bad_box_is_refused_as_in_cpp() -> None:
-    mixture = pm.Mixture([pm.ConcentratedGaussian(pm.SE3(), np.eye(6))])
+    mixture = px.Mixture([px.ConcentratedGaussian(px.SE3(), np.eye(6))])
     with pytest.raises(ValueError, match="pi"):
-        pm.success_probability(mixture, pm.ToleranceBox(3.2, 0.1), pm.SE3(), seed=1)
+        px.success_probability(mixture, px.ToleranceBox(3.2, 0.1), px.SE3(), seed=1)
     with pytest.raises(ValueError, match="replicates"):
-        settings = pm.SuccessSettings(replicates=1)
-        pm.success_probability(mixture, pm.ToleranceBox(1.0, 0.1), pm.SE3(), 1, settings)
+        settings = px.SuccessSettings(replicates=1)
+        px.success_probability(mixture, px.ToleranceBox(1.0, 0.1), px.SE3(), 1, settings)
 
 
-def region() -> pm.ToleranceRegion:
-    return pm.ToleranceRegion(
+def region() -> px.ToleranceRegion:
+    return px.ToleranceRegion(
         centre=[0.05, 0, 0, 0.001, 0, 0],
         half_width=[0.2, 0.3, 0.25, 0.01, 0.012, 0.02],
         softness=0.2,
@@ -78,7 +78,7 @@ def region() -> pm.ToleranceRegion:
 
 def test_region_is_the_product_of_walls() -> None:
     r = region()
-    errors = pm.SE3.exp(np.random.default_rng(1).normal(size=(50, 6)) * 0.2)
+    errors = px.SE3.exp(np.random.default_rng(1).normal(size=(50, 6)) * 0.2)
     phi, t = errors.rotation.log(), errors.translation
     x = np.hstack([phi, t + np.cross(phi, r.lever)])
     soft = r.softness * r.half_width
@@ -92,47 +92,47 @@ def test_region_is_the_product_of_walls() -> None:
 def test_regions_are_values() -> None:
     r = region()
     assert pickle.loads(pickle.dumps(r)) == copy.deepcopy(r) == r
-    assert r != pm.ToleranceRegion()
+    assert r != px.ToleranceRegion()
     with pytest.raises(ValueError, match=r"ToleranceRegion.centre has shape \(3,\); expected \(6,\)"):
-        pm.ToleranceRegion(centre=[1, 2, 3])
+        px.ToleranceRegion(centre=[1, 2, 3])
     r.centre = np.arange(6)
     assert r.centre.tolist() == [0, 1, 2, 3, 4, 5]
     assert "lever=[0, 0.03, 0.01]" in repr(r)
 
 
-def outcomes(count: int) -> tuple[pm.SE3, np.ndarray]:
+def outcomes(count: int) -> tuple[px.SE3, np.ndarray]:
     rng = np.random.default_rng(3)
-    errors = pm.SE3.exp(rng.normal(size=(count, 6)) * ([0.25] * 3 + [0.015] * 3))
+    errors = px.SE3.exp(rng.normal(size=(count, 6)) * ([0.25] * 3 + [0.015] * 3))
     return errors, rng.random(count) < region().success_probability(errors)
 
 
 def test_fitted_region_predicts_what_outcomes_came_from() -> None:
     errors, successes = outcomes(1500)
-    fit = pm.fit_tolerance_region(errors, successes, seed=1)
+    fit = px.fit_tolerance_region(errors, successes, seed=1)
     assert (fit.successes, fit.failures) == (successes.sum(), (~successes).sum())
     truth = region().success_probability(errors)
     assert np.abs(fit.region.success_probability(errors) - truth).mean() < 0.05
     assert len(fit.identified) == 6
-    again = pm.bootstrap_regions(errors[:200], successes[:200], np.arange(200) // 4, 2, seed=1)
+    again = px.bootstrap_regions(errors[:200], successes[:200], np.arange(200) // 4, 2, seed=1)
     assert len(again) == 2
     with pytest.raises(ValueError, match="1500 errors and 3 successes"):
-        pm.fit_tolerance_region(errors, [True] * 3, seed=1)
+        px.fit_tolerance_region(errors, [True] * 3, seed=1)
 
 
 def test_sight_errors_by_numpy() -> None:
     rng = np.random.default_rng(4)
-    truth = pm.SE3(pm.SO3.exp(rng.normal(size=(20, 3))), rng.normal(size=(20, 3)) + [0, 0, 4])
-    estimate = pm.SE3.exp(0.1 * rng.normal(size=(20, 6))) * truth
-    errors = pm.sight_error(estimate, truth)
+    truth = px.SE3(px.SO3.exp(rng.normal(size=(20, 3))), rng.normal(size=(20, 3)) + [0, 0, 4])
+    estimate = px.SE3.exp(0.1 * rng.normal(size=(20, 6))) * truth
+    errors = px.sight_error(estimate, truth)
     ray = estimate.translation / np.linalg.norm(estimate.translation, axis=1, keepdims=True)
     moved = estimate.translation - truth.translation
     np.testing.assert_allclose(errors[:, 5], (ray * moved).sum(axis=1), atol=1e-12)
-    assert pm.truth_with_error(estimate, errors).is_approx(truth, 1e-9)
+    assert px.truth_with_error(estimate, errors).is_approx(truth, 1e-9)
 
 
-def error_mixture() -> pm.ErrorMixture:
+def error_mixture() -> px.ErrorMixture:
     covariances = np.stack([np.diag(SPREAD**2), np.diag((5 * SPREAD) ** 2)])
-    return pm.ErrorMixture([0.8, 0.2], np.zeros((2, 6)), covariances)
+    return px.ErrorMixture([0.8, 0.2], np.zeros((2, 6)), covariances)
 
 
 def test_error_mixture_density_by_numpy() -> None:
@@ -144,27 +144,27 @@ def test_error_mixture_density_by_numpy() -> None:
         density += weight * np.exp(-squared / 2) / np.sqrt(np.linalg.det(2 * np.pi * covariance))
     np.testing.assert_allclose(mixture.log_density(draws), np.log(density), rtol=1e-10)
     assert pickle.loads(pickle.dumps(mixture)).weights.tolist() == mixture.weights.tolist()
-    fit = pm.fit_error_mixture(draws[:1000], seed=1)
+    fit = px.fit_error_mixture(draws[:1000], seed=1)
     assert fit.components >= 1
     assert (np.diff(fit.history) > -1e-6).all()
     assert np.abs(fit.errors.log_density(draws) - np.log(density)).mean() < 0.3
 
 
 def test_consensus_of_one_is_its_density() -> None:
-    estimate = pm.SE3(pm.SO3.exp([0.1, 0.2, 0.3]), [0, 0, 0.8])
-    consensus = pm.fuse_estimates(estimate, error_mixture(), seed=1)
+    estimate = px.SE3(px.SO3.exp([0.1, 0.2, 0.3]), [0, 0, 0.8])
+    consensus = px.fuse_estimates(estimate, error_mixture(), seed=1)
     assert consensus.weights.sum() == pytest.approx(1.0)
-    errors = pm.sight_error(estimate, consensus.truths)
+    errors = px.sight_error(estimate, consensus.truths)
     mean = (consensus.weights[:, None] * errors).sum(axis=0)
     assert np.abs(mean / SPREAD).max() < 0.5
     few = consensus.resampled(50)
     assert few.effective_draws == pytest.approx(50)
-    forgiving = pm.ToleranceRegion()
+    forgiving = px.ToleranceRegion()
     assert consensus.success_probability(estimate, forgiving) == pytest.approx(1.0)
-    both = consensus.success_probability(pm.SE3.identity((2,)), [region(), forgiving])
+    both = consensus.success_probability(px.SE3.identity((2,)), [region(), forgiving])
     assert both.shape == (2,)
     with pytest.raises(ValueError, match="correlation"):
-        pm.fuse_estimates(estimate, error_mixture(), 1, pm.ConsensusSettings(correlation=2.0))
+        px.fuse_estimates(estimate, error_mixture(), 1, px.ConsensusSettings(correlation=2.0))
 
 
 def test_scores_by_numpy() -> None:
@@ -172,26 +172,26 @@ def test_scores_by_numpy() -> None:
     p = rng.random(400)
     won = rng.random(400) < p
     groups = np.arange(400) // 40
-    assert pm.brier_score(p, won) == pytest.approx(((p - won) ** 2).mean())
-    assert pm.log_loss(p, won) == pytest.approx(-np.log(np.where(won, p, 1 - p)).mean())
-    assert pm.accuracy(p, won) == pytest.approx(((p >= 0.5) == won).mean())
+    assert px.brier_score(p, won) == pytest.approx(((p - won) ** 2).mean())
+    assert px.log_loss(p, won) == pytest.approx(-np.log(np.where(won, p, 1 - p)).mean())
+    assert px.accuracy(p, won) == pytest.approx(((p >= 0.5) == won).mean())
     pairs = (groups[:, None] == groups) & won[:, None] & ~won
     right = (p[:, None] > p)[pairs].mean()
-    assert pm.auc_within_groups(p, won, groups) == pytest.approx(right)
-    bins = pm.reliability(p, won, 5)
+    assert px.auc_within_groups(p, won, groups) == pytest.approx(right)
+    bins = px.reliability(p, won, 5)
     index = np.minimum((p * 5).astype(int), 4)
     assert [b.count for b in bins] == np.bincount(index, minlength=5).tolist()
     error = sum(b.count * abs(b.success_rate - b.mean_probability) for b in bins) / 400
-    assert pm.calibration_error(p, won, 5) == pytest.approx(error)
+    assert px.calibration_error(p, won, 5) == pytest.approx(error)
     with pytest.raises(ValueError, match="probability 1 is 1.5"):
-        pm.brier_score([0.5, 1.5], [True, False])
+        px.brier_score([0.5, 1.5], [True, False])
 
 
 def test_platt_calibration_undoes_overconfidence() -> None:
     rng = np.random.default_rng(6)
     truth = rng.normal(size=4000)
     won = rng.random(4000) < logistic(truth)
-    fit = pm.fit_platt(logistic(2.0 * truth), won)
+    fit = px.fit_platt(logistic(2.0 * truth), won)
     assert fit.slope == pytest.approx(0.5, abs=0.05)
     assert fit(np.array([[0.5]])).shape == (1, 1)
 
@@ -200,19 +200,19 @@ def test_logistic_regression_is_at_the_mode() -> None:
     rng = np.random.default_rng(7)
     x = rng.normal(size=(500, 2))
     won = rng.random(500) < logistic(x @ [1.5, -0.5] + 0.3)
-    settings = pm.LogisticSettings(weights_mean=[1.0, 0.0])
-    model = pm.fit_logistic(x, won, settings)
+    settings = px.LogisticSettings(weights_mean=[1.0, 0.0])
+    model = px.fit_logistic(x, won, settings)
     residual = won - model.probability(x)
     np.testing.assert_allclose(x.T @ residual, model.weights - [1.0, 0.0], atol=1e-6)
     assert residual.sum() == pytest.approx(model.bias / 9.0, abs=1e-6)
     with pytest.raises(ValueError):
-        pm.fit_logistic(x, won[:3])
+        px.fit_logistic(x, won[:3])
 
 
 def test_symmetric_errors() -> None:
-    half_turn = pm.SymmetryGroup.turns([0, 0, 1], 2)
-    error = pm.SE3(pm.SO3.exp([[0, 0, 3.0], [0, 0, 0.2]]))
-    angles = pm.reduced_error(error, half_turn).rotation.log()[:, 2]
+    half_turn = px.SymmetryGroup.turns([0, 0, 1], 2)
+    error = px.SE3(px.SO3.exp([[0, 0, 3.0], [0, 0, 0.2]]))
+    angles = px.reduced_error(error, half_turn).rotation.log()[:, 2]
     np.testing.assert_allclose(angles, [3.0 - np.pi, 0.2], atol=1e-12)
-    near = pm.nearest_equivalent(error, pm.SE3(), half_turn)
+    near = px.nearest_equivalent(error, px.SE3(), half_turn)
     np.testing.assert_allclose(near.rotation.log()[:, 2], [3.0 - np.pi, 0.2], atol=1e-12)

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import posemix as pm
+import posemix as px
 import pytest
 
 CONFIGS = Path(__file__).parents[2] / "configs"
@@ -37,8 +37,8 @@ def data() -> Path:
 def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A simulated recording as files."""
     folder = tmp_path_factory.mktemp("simulated") / "recording"
-    file = pm.read_simulation(CONFIGS / "demo.toml", ["camera.frames=210"])
-    pm.write_simulation(folder, file, pm.simulate(file.config, seed=1), seed=1)
+    file = px.read_simulation(CONFIGS / "demo.toml", ["camera.frames=210"])
+    px.write_simulation(folder, file, px.simulate(file.config, seed=1), seed=1)
     return folder
 
 
@@ -46,9 +46,9 @@ def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def plain_recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The same without settings of the filter."""
     folder = tmp_path_factory.mktemp("simulated") / "plain"
-    file = pm.read_simulation(CONFIGS / "demo.toml", ["camera.frames=210"])
+    file = px.read_simulation(CONFIGS / "demo.toml", ["camera.frames=210"])
     file = dataclasses.replace(file, filter=[])
-    pm.write_simulation(folder, file, pm.simulate(file.config, seed=2), seed=2)
+    px.write_simulation(folder, file, px.simulate(file.config, seed=2), seed=2)
     return folder
 
 
@@ -77,9 +77,9 @@ def assert_same_results(a: Path, b: Path) -> None:
 def test_a_job_gives_what_the_program_gives(
     plain_recording: Path, tmp_path: Path, overrides: list[str]
 ) -> None:
-    job = pm.read_slam_job(plain_recording / "sequence.toml", overrides=overrides)
-    run = pm.run(job)
-    pm.write_results(tmp_path / "python", job, run)
+    job = px.read_slam_job(plain_recording / "sequence.toml", overrides=overrides)
+    run = px.run(job)
+    px.write_results(tmp_path / "python", job, run)
     sets = [word for override in overrides for word in ("--set", override)]
     command = [program(), "slam", plain_recording / "sequence.toml", *sets, "--quiet", "--out", tmp_path / "cpp"]
     subprocess.run([str(word) for word in command], check=True)
@@ -97,37 +97,37 @@ def test_a_simulation_gives_what_the_program_gives(recording: Path, tmp_path: Pa
 def test_recorded_data_gives_what_the_program_gives(tmp_path: Path) -> None:
     folder = data()
     config = CONFIGS / "ycbv-0022.toml"
-    job = pm.read_slam_job(config, data=folder)
-    run = pm.run(job)
-    metrics = pm.evaluate(job, run)
+    job = px.read_slam_job(config, data=folder)
+    run = px.run(job)
+    metrics = px.evaluate(job, run)
     command = [program(), "slam", config, "--data", folder, "--quiet", "--json", "--out", tmp_path / "cpp"]
     subprocess.run([str(word) for word in command], check=True, stdout=subprocess.DEVNULL)
     theirs = json.loads((tmp_path / "cpp" / "metrics.json").read_text())
     assert metrics.frames == theirs["frames"] == len(run)
-    trajectory = pm.read_tum(tmp_path / "cpp" / "camera.tum")
+    trajectory = px.read_tum(tmp_path / "cpp" / "camera.tum")
     assert trajectory.poses.is_approx(run.camera.poses, 1e-9)
-    posterior = pm.read_posterior(tmp_path / "cpp" / "posterior.json")
+    posterior = px.read_posterior(tmp_path / "cpp" / "posterior.json")
     assert posterior.mixture == run.posterior
     assert [p.name for p in posterior.poses][0] == "camera"
 
 
 def test_a_job_is_open(recording: Path) -> None:
-    job = pm.read_slam_job(recording / "sequence.toml", overrides=["output.trace_hypotheses=0"])
+    job = px.read_slam_job(recording / "sequence.toml", overrides=["output.trace_hypotheses=0"])
     assert repr(job.sequence).startswith("<Sequence of 210 frames")
-    whole = pm.run(pickle.loads(pickle.dumps(job)))
-    parts = pm.run(job.sequence, job.camera_prior, job.models, job.settings)
+    whole = px.run(pickle.loads(pickle.dumps(job)))
+    parts = px.run(job.sequence, job.camera_prior, job.models, job.settings)
     assert whole.posterior == parts.posterior
     assert whole[-1].alternatives == {}
-    settings = pm.ObjectSlamSettings(motion=job.settings.motion, tracker=pm.GaussianSumSettings())
-    other = pm.run(dataclasses.replace(job, settings=settings))
+    settings = px.ObjectSlamSettings(motion=job.settings.motion, tracker=px.GaussianSumSettings())
+    other = px.run(dataclasses.replace(job, settings=settings))
     assert other.posterior != whole.posterior
-    assert len(pm.run(job, progress=lambda done, total: done < 5)) == 5
+    assert len(px.run(job, progress=lambda done, total: done < 5)) == 5
 
 
 def test_a_report_holds_the_run(recording: Path, tmp_path: Path) -> None:
-    job = pm.read_slam_job(recording / "sequence.toml")
-    pm.write_results(tmp_path / "out", job, pm.run(job))
-    page = pm.write_report(tmp_path / "out", title="A table & its <objects>")
+    job = px.read_slam_job(recording / "sequence.toml")
+    px.write_results(tmp_path / "out", job, px.run(job))
+    page = px.write_report(tmp_path / "out", title="A table & its <objects>")
     assert page == tmp_path / "out" / "report.html"
     text = page.read_text()
     start = text.index('id="posemix-report">') + len('id="posemix-report">')
@@ -137,122 +137,122 @@ def test_a_report_holds_the_run(recording: Path, tmp_path: Path) -> None:
     metrics = json.loads((tmp_path / "out" / "metrics.json").read_text())
     assert shown["documents"]["metrics.json"] == metrics
     with pytest.raises(ValueError, match="nobody"):
-        pm.write_report(tmp_path / "out", meshes={"nobody": (tmp_path / "mesh.ply", 1e-3)})
+        px.write_report(tmp_path / "out", meshes={"nobody": (tmp_path / "mesh.ply", 1e-3)})
     with pytest.raises(ValueError, match="empty"):
         (tmp_path / "empty").mkdir()
-        pm.write_report(tmp_path / "empty")
+        px.write_report(tmp_path / "empty")
 
 
 def test_errors_name_the_file(recording: Path, tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="missing.toml"):
-        pm.read_slam_job(tmp_path / "missing.toml")
+        px.read_slam_job(tmp_path / "missing.toml")
     with pytest.raises(ValueError, match="--set filter.methd=x"):
-        pm.read_slam_job(recording / "sequence.toml", overrides=["filter.methd=x"])
+        px.read_slam_job(recording / "sequence.toml", overrides=["filter.methd=x"])
     bad = tmp_path / "bad.tum"
     bad.write_text("0 1 2 3 0 0 0 1\n1 1 2 x 0 0 0 1\n")
     with pytest.raises(ValueError, match="bad.tum:2:"):
-        pm.read_tum(bad)
-    job = pm.read_slam_job(recording / "sequence.toml")
+        px.read_tum(bad)
+    job = px.read_slam_job(recording / "sequence.toml")
     with pytest.raises(OSError, match="bad.tum"):
-        pm.write_results(bad, job, pm.run(job))
+        px.write_results(bad, job, px.run(job))
 
 
 def test_trajectories(tmp_path: Path) -> None:
     rng = np.random.default_rng(1)
-    poses = pm.with_misses(pm.SE3.exp(rng.normal(size=(4, 6))), [True, False, True, True])
-    pm.write_tum(tmp_path / "a.tum", [0, 0.5, 1.0, 1.5], poses)
-    assert pm.read_tum(tmp_path / "a.tum").stamps.tolist() == [0, 1.0, 1.5]
-    pm.write_tum(tmp_path / "b.tum", [0, 0.5, 1.0, 1.5], poses, misses_as_zeros=True)
-    again = pm.read_tum(tmp_path / "b.tum", allow_misses=True)
-    assert len(again) == 4 and pm.is_known(again.poses).tolist() == [True, False, True, True]
+    poses = px.with_misses(px.SE3.exp(rng.normal(size=(4, 6))), [True, False, True, True])
+    px.write_tum(tmp_path / "a.tum", [0, 0.5, 1.0, 1.5], poses)
+    assert px.read_tum(tmp_path / "a.tum").stamps.tolist() == [0, 1.0, 1.5]
+    px.write_tum(tmp_path / "b.tum", [0, 0.5, 1.0, 1.5], poses, misses_as_zeros=True)
+    again = px.read_tum(tmp_path / "b.tum", allow_misses=True)
+    assert len(again) == 4 and px.is_known(again.poses).tolist() == [True, False, True, True]
     np.testing.assert_allclose(again.poses._data, poses._data, atol=1e-11)
     with pytest.raises(ValueError, match="2 stamps and 4 poses"):
-        pm.write_tum(tmp_path / "c.tum", [0, 1], poses)
+        px.write_tum(tmp_path / "c.tum", [0, 1], poses)
 
 
 @pytest.mark.parametrize("kind", ["concentrated", "projected"])
 def test_mixtures(tmp_path: Path, kind: str) -> None:
-    poses = pm.SE3.exp(np.random.default_rng(2).normal(size=(3, 6)))
+    poses = px.SE3.exp(np.random.default_rng(2).normal(size=(3, 6)))
     covariance = np.diag([0.01, 0.02, 0.03, 1e-4, 2e-4, 3e-4])
-    make: Any = pm.ConcentratedGaussian if kind == "concentrated" else pm.ProjectedGaussian.at_mean
-    mixture = pm.Mixture([make(pose, covariance) for pose in poses], [0.5, 0.3, 0.2])
-    pm.write_mixture(tmp_path / "m.json", mixture, "camera", "mug")
-    file = pm.read_mixture(tmp_path / "m.json")
+    make: Any = px.ConcentratedGaussian if kind == "concentrated" else px.ProjectedGaussian.at_mean
+    mixture = px.Mixture([make(pose, covariance) for pose in poses], [0.5, 0.3, 0.2])
+    px.write_mixture(tmp_path / "m.json", mixture, "camera", "mug")
+    file = px.read_mixture(tmp_path / "m.json")
     assert (file.from_frame, file.to_frame) == ("camera", "mug")
     assert file.mixture == mixture
-    other = pm.MixtureConvention(order=pm.TangentOrder.translation_rotation, length=pm.LengthUnit.mm)
-    pm.write_mixture(tmp_path / "n.json", mixture, "camera", "mug", other)
-    again = pm.read_mixture(tmp_path / "n.json").mixture
+    other = px.MixtureConvention(order=px.TangentOrder.translation_rotation, length=px.LengthUnit.mm)
+    px.write_mixture(tmp_path / "n.json", mixture, "camera", "mug", other)
+    again = px.read_mixture(tmp_path / "n.json").mixture
     np.testing.assert_allclose(again.covariances, mixture.covariances, rtol=1e-12)
     with pytest.raises(ValueError, match="frame|name"):
-        pm.write_mixture(tmp_path / "m.json", mixture, "two words", "mug")
+        px.write_mixture(tmp_path / "m.json", mixture, "two words", "mug")
 
 
 def test_a_right_side_covariance_is_carried_over(tmp_path: Path) -> None:
-    pose = pm.SE3(pm.SO3.exp([0.3, -0.2, 0.5]), [0.4, 0.1, 0.9])
+    pose = px.SE3(px.SO3.exp([0.3, -0.2, 0.5]), [0.4, 0.1, 0.9])
     body = np.diag([0.01, 0.02, 0.03, 1e-4, 2e-4, 3e-4])
     adjoint = pose.adjoint()
-    mixture = pm.Mixture([pm.ConcentratedGaussian(pose, adjoint @ body @ adjoint.T)])
-    pm.write_mixture(tmp_path / "m.json", mixture, "a", "b", pm.MixtureConvention(side=pm.Side.right))
+    mixture = px.Mixture([px.ConcentratedGaussian(pose, adjoint @ body @ adjoint.T)])
+    px.write_mixture(tmp_path / "m.json", mixture, "a", "b", px.MixtureConvention(side=px.Side.right))
     text = json.dumps(json.loads((tmp_path / "m.json").read_text()))
     assert '"right"' in text
-    again = pm.read_mixture(tmp_path / "m.json").mixture
+    again = px.read_mixture(tmp_path / "m.json").mixture
     np.testing.assert_allclose(again[0].body_covariance, body, atol=1e-12)
 
 
 def test_posteriors(tmp_path: Path) -> None:
-    joint = pm.ConcentratedGaussian(pm.SE3.identity((2,)), np.eye(12))
-    names = [pm.NamedPose("camera", pm.PoseKind.camera), pm.NamedPose("mug", pm.PoseKind.object)]
-    file = pm.PosteriorFile("by hand", 1.5, names, pm.Mixture([joint]))
-    pm.write_posterior(tmp_path / "posterior.json", file)
-    assert pm.read_posterior(tmp_path / "posterior.json") == file
+    joint = px.ConcentratedGaussian(px.SE3.identity((2,)), np.eye(12))
+    names = [px.NamedPose("camera", px.PoseKind.camera), px.NamedPose("mug", px.PoseKind.object)]
+    file = px.PosteriorFile("by hand", 1.5, names, px.Mixture([joint]))
+    px.write_posterior(tmp_path / "posterior.json", file)
+    assert px.read_posterior(tmp_path / "posterior.json") == file
     with pytest.raises(ValueError, match="names|poses"):
-        pm.write_posterior(tmp_path / "p.json", pm.PosteriorFile("", 0.0, names[:1], file.mixture))
+        px.write_posterior(tmp_path / "p.json", px.PosteriorFile("", 0.0, names[:1], file.mixture))
 
 
 @pytest.mark.parametrize("name", ["poses.csv", "poses.npy", "poses.tum"])
 def test_pose_samples(tmp_path: Path, name: str) -> None:
-    poses = pm.SE3.exp(np.random.default_rng(3).normal(size=(5, 6)))
-    pm.write_poses(tmp_path / name, poses)
-    samples = pm.read_pose_samples(tmp_path / name)
+    poses = px.SE3.exp(np.random.default_rng(3).normal(size=(5, 6)))
+    px.write_poses(tmp_path / name, poses)
+    samples = px.read_pose_samples(tmp_path / name)
     assert samples.poses.is_approx(poses, 1e-11) and samples.weights is None
     with pytest.raises(ValueError, match="expected a name in .csv"):
-        pm.write_poses(tmp_path / "poses.xml", poses)
+        px.write_poses(tmp_path / "poses.xml", poses)
 
 
 def test_weights_and_residuals_of_csv(tmp_path: Path) -> None:
     columns = [f"{p}_{c}" for p in ("est", "gt") for c in ("tx", "ty", "tz", "qx", "qy", "qz", "qw")]
     rng = np.random.default_rng(4)
-    estimate, truth = pm.SE3.exp(rng.normal(size=(3, 6))), pm.SE3.exp(rng.normal(size=(3, 6)))
+    estimate, truth = px.SE3.exp(rng.normal(size=(3, 6))), px.SE3.exp(rng.normal(size=(3, 6)))
     rows = np.hstack([estimate.to_tq(), truth.to_tq(), [[1.0], [2], [3]]])
     path = tmp_path / "pairs.csv"
     np.savetxt(path, rows, delimiter=",", header=",".join([*columns, "weight"]), comments="", fmt="%.17g")
-    right = pm.read_pose_samples(path, residuals=pm.Side.right)
+    right = px.read_pose_samples(path, residuals=px.Side.right)
     assert right.poses.is_approx(truth.inverse() * estimate, 1e-12)
     assert right.weights is not None and right.weights.tolist() == [1, 2, 3]
-    left = pm.read_pose_samples(path, residuals=pm.Side.left)
+    left = px.read_pose_samples(path, residuals=px.Side.left)
     assert left.poses.is_approx(estimate * truth.inverse(), 1e-12)
 
 
 def test_object_poses(tmp_path: Path) -> None:
-    poses = {"mug": pm.SE3(translation=[1.0, 0, 0]), "box": pm.SE3(pm.SO3.exp([0.1, 0, 0]))}
-    pm.write_object_poses(tmp_path / "objects.txt", poses)
-    again = pm.read_object_poses(tmp_path / "objects.txt")
+    poses = {"mug": px.SE3(translation=[1.0, 0, 0]), "box": px.SE3(px.SO3.exp([0.1, 0, 0]))}
+    px.write_object_poses(tmp_path / "objects.txt", poses)
+    again = px.read_object_poses(tmp_path / "objects.txt")
     assert set(again) == set(poses)
     assert all(again[id].is_approx(poses[id], 1e-11) for id in poses)
 
 
 def test_bop(tmp_path: Path) -> None:
-    turn = pm.SO3.exp([0.1, 0.2, 0.3])
+    turn = px.SO3.exp([0.1, 0.2, 0.3])
     numbers = " ".join(f"{v:.17g}" for v in turn.matrix().reshape(-1))
     (tmp_path / "results.csv").write_text(
         "scene_id,im_id,obj_id,score,R,t,time\n"
         f"1,7,5,0.9,{numbers},10 20 800,0.1\n"
         f"1,8,5,0.8,{numbers},11 20 800,0.1\n"
     )
-    rows = pm.read_bop_rows(tmp_path / "results.csv")
+    rows = px.read_bop_rows(tmp_path / "results.csv")
     assert len(rows) == 2 and rows.image.tolist() == [7, 8] and rows.score.tolist() == [0.9, 0.8]
-    assert rows.poses[0].is_approx(pm.SE3(turn, [0.01, 0.02, 0.8]), 1e-9)
+    assert rows.poses[0].is_approx(px.SE3(turn, [0.01, 0.02, 0.8]), 1e-9)
     models = {
         "3": {
             "diameter": 100.0, "min_x": -10, "min_y": -20, "min_z": -30, "size_x": 20, "size_y": 40, "size_z": 60,
@@ -260,17 +260,17 @@ def test_bop(tmp_path: Path) -> None:
         }
     }  # fmt: skip
     (tmp_path / "models_info.json").write_text(json.dumps(models))
-    model = pm.read_bop_models(tmp_path / "models_info.json")[3]
+    model = px.read_bop_models(tmp_path / "models_info.json")[3]
     assert model.diameter_m == pytest.approx(0.1)
-    assert model.symmetries == pm.SymmetryGroup.from_bop(models["3"])
+    assert model.symmetries == px.SymmetryGroup.from_bop(models["3"])
     assert model.box is not None
     np.testing.assert_allclose(model.box.corners().max(axis=0), [0.01, 0.02, 0.03])
-    assert pm.read_bop_model(tmp_path / "models_info.json", 3).symmetries == model.symmetries
-    assert pm.read_symmetry_file(tmp_path / "models_info.json")[3] == model.symmetries
+    assert px.read_bop_model(tmp_path / "models_info.json", 3).symmetries == model.symmetries
+    assert px.read_symmetry_file(tmp_path / "models_info.json")[3] == model.symmetries
     with pytest.raises(ValueError, match="results.csv:2"):
         text = (tmp_path / "results.csv").read_text().replace("0.9,", "high,")
         (tmp_path / "results.csv").write_text(text)
-        pm.read_bop_rows(tmp_path / "results.csv")
+        px.read_bop_rows(tmp_path / "results.csv")
 
 
 def test_grasp_outcomes(tmp_path: Path) -> None:
@@ -278,7 +278,7 @@ def test_grasp_outcomes(tmp_path: Path) -> None:
     header = ",".join(["scene_id", "im_id", "obj_id", "score", *poses, "grasp_wide"])
     row = "1,2,3,0.5,0,0,1,0,0,0,1,0,0,1.1,0,0,0,1,"
     (tmp_path / "set_net.csv").write_text(f"{header}\n{row}1\n{row.replace('1,2,', '1,3,', 1)}\n")
-    outcomes = pm.read_grasp_outcomes(tmp_path)
+    outcomes = px.read_grasp_outcomes(tmp_path)
     assert outcomes.grippers == ["wide"]
     assert [t.outcomes for t in outcomes.trials] == [[True], [None]]
     assert outcomes.trials[0].estimator == "net" and outcomes.trials[1].image == 3

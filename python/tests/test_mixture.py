@@ -142,11 +142,13 @@ def test_converting_there_and_back_loses_little() -> None:
 @pytest.mark.parametrize("distribution", ["concentrated", "projected"])
 def test_em_finds_two_modes(distribution: str) -> None:
     mixture = two_modes()
-    fit = fit_mixture(mixture.sample(4000, seed=1), EmSettings(components=2, restarts=3), seed=2, distribution=distribution)
+    settings = EmSettings(components=2, restarts=3)
+    fit = fit_mixture(mixture.sample(4000, seed=1), settings, seed=2, distribution=distribution)
     assert fit.status == EmStatus.converged
     assert sorted(fit.mixture.weights) == pytest.approx([0.3, 0.7], abs=0.03)
     assert np.all(np.diff(fit.history) > -1e-6)
-    chosen = fit_mixture_by_bic(mixture.sample(1500, seed=4), EmSettings(components=3), seed=5, distribution=distribution)
+    samples = mixture.sample(1500, seed=4)
+    chosen = fit_mixture_by_bic(samples, EmSettings(components=3), seed=5, distribution=distribution)
     assert len(chosen.fit.mixture) == 2
 
 

@@ -7,26 +7,26 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import posemix as pm
+import posemix as px
 
 SD = np.array([0.05, 0.05, 0.02, 0.01, 0.01, 0.03])
 
 
-def poses(rng: np.random.Generator, count: int) -> pm.SE3:
+def poses(rng: np.random.Generator, count: int) -> px.SE3:
     """An object half a metre to a metre and a half before the camera, turned at random."""
     positions = np.column_stack([rng.uniform(-0.2, 0.2, (count, 2)), rng.uniform(0.5, 1.5, count)])
-    return pm.SE3(pm.SO3.exp(rng.normal(size=(count, 3))), positions)
+    return px.SE3(px.SO3.exp(rng.normal(size=(count, 3))), positions)
 
 
 def test_noise_of_a_simulated_detector(rng: np.random.Generator) -> None:
     truth = poses(rng, 900)
     turned = rng.uniform(size=900) < 0.2
-    mode = pm.SE3(pm.SO3.exp(np.where(turned[:, None], [0.0, np.pi / 2, 0.0], 0.0)))
-    detected = truth * mode * pm.SE3.exp(rng.normal(size=(900, 6)) * SD)
+    mode = px.SE3(px.SO3.exp(np.where(turned[:, None], [0.0, np.pi / 2, 0.0], 0.0)))
+    detected = truth * mode * px.SE3.exp(rng.normal(size=(900, 6)) * SD)
     recording = np.repeat(["a", "b", "c"], 300)
-    settings = pm.NoiseFitSettings(max_components=2, restarts=2)
-    fit = pm.fit_noise(truth, detected, recording=recording, settings=settings, seed=2)
-    assert fit.frame == pm.NoiseFrame.object
+    settings = px.NoiseFitSettings(max_components=2, restarts=2)
+    fit = px.fit_noise(truth, detected, recording=recording, settings=settings, seed=2)
+    assert fit.frame == px.NoiseFrame.object
     assert [mode.accepted for mode in fit.modes] == [True]
     right, wrong, *rest = fit.noise.components
     assert sum(component.weight for component in rest) < 0.02
@@ -40,24 +40,24 @@ def test_noise_of_a_simulated_detector(rng: np.random.Generator) -> None:
     assert fit.noise.dependence.dependent_frames == fit.correlation.inlier.within
     np.testing.assert_allclose(fit.noise.dependence.bias, np.diag(fit.correlation.bias_sd**2))
     assert fit.to_toml("cup") == fit.noise.to_toml("cup")
-    again = pm.fit_noise(truth, detected, recording=recording, settings=settings, seed=2)
+    again = px.fit_noise(truth, detected, recording=recording, settings=settings, seed=2)
     assert again.noise == fit.noise
 
 
 def test_misses_and_frames_without_truth_do_not_count(rng: np.random.Generator) -> None:
     truth = poses(rng, 200)
-    detected = truth * pm.SE3.exp(rng.normal(size=(200, 6)) * SD)
-    settings = pm.NoiseFitSettings(max_components=1, frame=pm.NoiseFrame.object)
+    detected = truth * px.SE3.exp(rng.normal(size=(200, 6)) * SD)
+    settings = px.NoiseFitSettings(max_components=1, frame=px.NoiseFrame.object)
     frame = np.arange(200)
-    some_truth = pm.with_misses(truth, known=frame >= 20)
-    some_detected = pm.with_misses(detected, known=frame < 180)
-    some = pm.fit_noise(some_truth, some_detected, settings=settings)
-    both = pm.fit_noise(some_truth[20:180], some_detected[20:180], settings=settings)
+    some_truth = px.with_misses(truth, known=frame >= 20)
+    some_detected = px.with_misses(detected, known=frame < 180)
+    some = px.fit_noise(some_truth, some_detected, settings=settings)
+    both = px.fit_noise(some_truth[20:180], some_detected[20:180], settings=settings)
     assert some.log_likelihood == both.log_likelihood
 
 
 def test_text_is_read_back(rng: np.random.Generator) -> None:
-    noise = pm.default_detector_noise()
+    noise = px.default_detector_noise()
     assert noise.to_toml().startswith("[noise.detector]\n")
     with pytest.raises(ValueError, match="the name is 'a b'"):
         noise.to_toml("a b")
@@ -66,9 +66,9 @@ def test_text_is_read_back(rng: np.random.Generator) -> None:
 def test_bad_input_is_refused(rng: np.random.Generator) -> None:
     truth = poses(rng, 10)
     with pytest.raises(ValueError, match="expected as many"):
-        pm.fit_noise(truth, truth[:5])
+        px.fit_noise(truth, truth[:5])
     with pytest.raises(ValueError, match="modes without clutter"):
-        pm.fit_noise(truth, truth, settings=pm.NoiseFitSettings(clutter=False))
+        px.fit_noise(truth, truth, settings=px.NoiseFitSettings(clutter=False))
 
 
 def test_odometry_noise_of_a_walk(rng: np.random.Generator) -> None:
@@ -76,21 +76,21 @@ def test_odometry_noise_of_a_walk(rng: np.random.Generator) -> None:
     sd = np.repeat([0.01, 0.005], 3)
     recordings = []
     for _ in range(10):
-        errors = pm.SE3.exp(rng.normal(size=(400, 6)) * sd * np.sqrt(0.1))
-        odometry = [pm.SE3()]
+        errors = px.SE3.exp(rng.normal(size=(400, 6)) * sd * np.sqrt(0.1))
+        odometry = [px.SE3()]
         for error in errors:
             odometry.append(odometry[-1] * error)
         rows = np.stack([pose.to_tq() for pose in odometry])
-        still = np.tile(pm.SE3().to_tq(), (len(rows), 1))
+        still = np.tile(px.SE3().to_tq(), (len(rows), 1))
         recordings.append(
-            pm.Sequence(
+            px.Sequence(
                 stamps=0.1 * np.arange(len(rows)),
-                odometry=pm.with_misses(rows),
-                camera_truth=pm.with_misses(still),
+                odometry=px.with_misses(rows),
+                camera_truth=px.with_misses(still),
                 objects=[],
             )
         )
-    noise = pm.fit_odometry_noise(recordings, pm.OdometryNoiseSettings(bootstrap=20))
+    noise = px.fit_odometry_noise(recordings, px.OdometryNoiseSettings(bootstrap=20))
     np.testing.assert_allclose(noise.sd_per_sqrt_s, sd, rtol=0.15)
     assert noise.recordings == 10
     assert '[motion]\nmodel = "odometry"' in noise.to_toml()

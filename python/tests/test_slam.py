@@ -13,21 +13,21 @@ import time
 from itertools import permutations
 
 import numpy as np
-import posemix as pm
+import posemix as px
 import pytest
 
 
-def config(frames: int = 80) -> pm.SimulationConfig:
-    mug = pm.SimulationObject(id="mug", position_m=[0.1, 0, 0], noise=[noise(0.7), noise(0.3, 12.0)])
-    box = pm.SimulationObject(
-        id="box", position_m=[-0.2, 0.1, 0], misses=pm.SimulationRuns(fraction=0.3, mean_run_s=0.5)
+def config(frames: int = 80) -> px.SimulationConfig:
+    mug = px.SimulationObject(id="mug", position_m=[0.1, 0, 0], noise=[noise(0.7), noise(0.3, 12.0)])
+    box = px.SimulationObject(
+        id="box", position_m=[-0.2, 0.1, 0], misses=px.SimulationRuns(fraction=0.3, mean_run_s=0.5)
     )
-    return pm.SimulationConfig(path=pm.SimulationPath(frames=frames), objects=[mug, box])
+    return px.SimulationConfig(path=px.SimulationPath(frames=frames), objects=[mug, box])
 
 
-def noise(weight: float, degrees: float = 4.0) -> pm.SimulationNoise:
-    sd = pm.SimulationSd(rotation_rad=np.full(3, np.radians(degrees)), translation_m=[0.005] * 3)
-    return pm.SimulationNoise(weight=weight, sd=sd)
+def noise(weight: float, degrees: float = 4.0) -> px.SimulationNoise:
+    sd = px.SimulationSd(rotation_rad=np.full(3, np.radians(degrees)), translation_m=[0.005] * 3)
+    return px.SimulationNoise(weight=weight, sd=sd)
 
 
 class Scene:
@@ -35,35 +35,35 @@ class Scene:
 
     def __init__(self, frames: int = 80, **settings: object) -> None:
         c = config(frames)
-        self.simulated = pm.simulate(c, seed=3)
+        self.simulated = px.simulate(c, seed=3)
         self.sequence = self.simulated.sequence
-        self.models = [pm.object_model(o) for o in c.objects]
-        self.prior = pm.camera_prior(c, self.simulated)
-        self.settings = pm.ObjectSlamSettings(motion=pm.motion_settings(c), **settings)
+        self.models = [px.object_model(o) for o in c.objects]
+        self.prior = px.camera_prior(c, self.simulated)
+        self.settings = px.ObjectSlamSettings(motion=px.motion_settings(c), **settings)
 
-    def run(self, **options: object) -> pm.SlamRun:
-        return pm.run(self.sequence, self.prior, self.models, self.settings, **options)
+    def run(self, **options: object) -> px.SlamRun:
+        return px.run(self.sequence, self.prior, self.models, self.settings, **options)
 
 
-def frame_input(sequence: pm.Sequence, k: int, seen: object) -> pm.FrameInput:
+def frame_input(sequence: px.Sequence, k: int, seen: object) -> px.FrameInput:
     """The frame as a live caller gives it; nothing moves before the first one."""
     if k == 0:
-        return pm.FrameInput(detections=seen)
+        return px.FrameInput(detections=seen)
     motion = sequence.odometry[k - 1].inverse() * sequence.odometry[k]
-    return pm.FrameInput(sequence.stamps[k] - sequence.stamps[k - 1], motion, seen)
+    return px.FrameInput(sequence.stamps[k] - sequence.stamps[k - 1], motion, seen)
 
 
 def test_a_miss_is_a_row_of_nan() -> None:
-    poses = pm.with_misses([pm.SE3(), None, pm.SE3(translation=[1.0, 0, 0])])
-    assert pm.is_known(poses).tolist() == [True, False, True]
-    masked = pm.with_misses(pm.SE3.identity((3,)), known=[True, True, False])
-    assert pm.is_known(masked).tolist() == [True, True, False]
-    again = pm.with_misses(poses._data)
+    poses = px.with_misses([px.SE3(), None, px.SE3(translation=[1.0, 0, 0])])
+    assert px.is_known(poses).tolist() == [True, False, True]
+    masked = px.with_misses(px.SE3.identity((3,)), known=[True, True, False])
+    assert px.is_known(masked).tolist() == [True, True, False]
+    again = px.with_misses(poses._data)
     np.testing.assert_array_equal(again._data, poses._data)
     with pytest.raises(ValueError, match="not finite|holds nan"):
-        pm.with_misses([[np.nan, 0, 0, 0, 0, 0, 1.0]])
+        px.with_misses([[np.nan, 0, 0, 0, 0, 0, 1.0]])
     with pytest.raises(ValueError, match=r"known has shape \(2,\); expected \(3,\)"):
-        pm.with_misses(poses, known=[True, False])
+        px.with_misses(poses, known=[True, False])
 
 
 def test_a_sequence_is_checked_and_pickles() -> None:
@@ -71,53 +71,53 @@ def test_a_sequence_is_checked_and_pickles() -> None:
     again = pickle.loads(pickle.dumps(scene.sequence))
     assert repr(again) == "<Sequence of 20 frames over 1.9 s, objects mug, box>"
     np.testing.assert_array_equal(again.objects[1].detections._data, scene.sequence.objects[1].detections._data)
-    known = pm.is_known(scene.sequence.objects[1].detections)
+    known = px.is_known(scene.sequence.objects[1].detections)
     assert 0 < known.sum() < 20
     with pytest.raises(ValueError, match="larger than the one before"):
-        pm.Sequence(np.zeros(3))
+        px.Sequence(np.zeros(3))
     with pytest.raises(ValueError, match="stamps|frames|odometry"):
-        pm.Sequence(np.arange(3.0), odometry=pm.SE3.identity((2,)))
+        px.Sequence(np.arange(3.0), odometry=px.SE3.identity((2,)))
 
 
 def test_settings_nest_and_are_values() -> None:
-    settings = pm.ObjectSlamSettings()
-    settings.motion.noise.covariance = pm.pose_covariance(0.1, 0.2)
+    settings = px.ObjectSlamSettings()
+    settings.motion.noise.covariance = px.pose_covariance(0.1, 0.2)
     settings.motion.noise.covariance[0, 0] = 7.0
     assert settings.motion.noise.covariance[0, 0] == 7.0
-    filter = pm.MultiObjectSettings(max_hypotheses=5)
-    settings.tracker = pm.MultiObjectSlamSettings(filter=filter)
+    filter = px.MultiObjectSettings(max_hypotheses=5)
+    settings.tracker = px.MultiObjectSlamSettings(filter=filter)
     assert settings.tracker.filter.max_hypotheses == 5
     assert copy.deepcopy(settings) == settings == pickle.loads(pickle.dumps(settings))
-    assert settings != pm.ObjectSlamSettings()
+    assert settings != px.ObjectSlamSettings()
     assert "covariance=diag([7, 0.01, 0.01, 0.04, 0.04, 0.04])" in repr(settings.motion.noise)
-    model = pm.ObjectModel(id="mug", independent_start=np.eye(6))
+    model = px.ObjectModel(id="mug", independent_start=np.eye(6))
     assert pickle.loads(pickle.dumps(model)) == model
     with pytest.raises(TypeError):
-        settings.tracker = pm.MotionSettings()
+        settings.tracker = px.MotionSettings()
     with pytest.raises(TypeError, match="ObjectModel has no setting 'name'"):
-        pm.ObjectModel(name="mug")
+        px.ObjectModel(name="mug")
 
 
 def test_simulation_repeats_and_its_truth_is_consistent() -> None:
     one, two = Scene(30), Scene(30)
     a, b = (s.sequence.objects[0].detections._data for s in (one, two))
     np.testing.assert_array_equal(a, b)
-    truth = pm.true_relative_pose(one.sequence, 0)
+    truth = px.true_relative_pose(one.sequence, 0)
     camera = one.sequence.camera_truth
-    assert (camera * truth).is_approx(pm.true_world_pose(one.sequence, 0), 1e-7)
+    assert (camera * truth).is_approx(px.true_world_pose(one.sequence, 0), 1e-7)
     errors = (truth.inverse() * one.sequence.objects[0].detections).log()
     assert 0.02 < errors[:, :3].std() < 0.4
     with pytest.raises(ValueError, match="frames"):
-        pm.simulate(config(0), seed=1)
+        px.simulate(config(0), seed=1)
 
 
 def test_live_equals_batch() -> None:
     scene = Scene()
     run = scene.run()
-    slam = pm.ObjectSlam(scene.prior, scene.models, scene.settings)
+    slam = px.ObjectSlam(scene.prior, scene.models, scene.settings)
     sequence = scene.sequence
     for k in range(len(sequence)):
-        seen = {o.id: o.detections[k] for o in sequence.objects if pm.is_known(o.detections)[k]}
+        seen = {o.id: o.detections[k] for o in sequence.objects if px.is_known(o.detections)[k]}
         estimate = slam.step(frame_input(sequence, k, seen))
         assert estimate.report.statuses == run[k].report.statuses
         assert estimate.camera == run[k].camera
@@ -136,15 +136,15 @@ def test_live_equals_batch() -> None:
     assert slam.estimate.mean[0].is_approx(run.camera.poses[-1], 1e-12)
     assert slam.pose_index(1) == run.pose_indices[1]
     assert slam.multi_object is not None and slam.multi_object.objects == 2
-    assert slam.detections(0) == int(pm.is_known(sequence.objects[0].detections).sum())
+    assert slam.detections(0) == int(px.is_known(sequence.objects[0].detections).sum())
     assert repr(slam) == "<ObjectSlam of 2 objects, seen: mug, box>"
     other = copy.copy(slam)
-    other.step(pm.FrameInput(0.1))
+    other.step(px.FrameInput(0.1))
     assert slam.posterior == run.posterior != other.posterior
     with pytest.raises(ValueError, match="no object is called 'cup'; expected one of mug, box"):
-        slam.step(pm.FrameInput(0.1, None, {"cup": pm.SE3()}))
+        slam.step(px.FrameInput(0.1, None, {"cup": px.SE3()}))
     with pytest.raises(ValueError, match="detections"):
-        slam.step(pm.FrameInput(0.1, None, [None]))
+        slam.step(px.FrameInput(0.1, None, [None]))
 
 
 def test_run_is_arrays() -> None:
@@ -159,7 +159,7 @@ def test_run_is_arrays() -> None:
     assert run.mode_probabilities(0)[-1] == frame.mode_probabilities["mug"]
     assert run.alternatives[0][0].pose.is_approx(run.object(0).poses[-1], 1e-9)
     assert (run.seconds[1:] > 0).all()
-    first = np.argmax(pm.is_known(scene.sequence.objects[1].detections))
+    first = np.argmax(px.is_known(scene.sequence.objects[1].detections))
     assert run.object("box").known.tolist() == [k >= first for k in range(80)]
     assert "<table>" in run._repr_html_() and "mug" in run._repr_html_()
     with pytest.raises(ValueError, match="no object is called 'cup'"):
@@ -172,75 +172,75 @@ def test_run_is_arrays() -> None:
 def test_metrics_by_numpy() -> None:
     scene = Scene()
     run = scene.run()
-    metrics = pm.evaluate(scene.sequence, run)
+    metrics = px.evaluate(scene.sequence, run)
     camera, truth = run.camera.poses, scene.sequence.camera_truth
     position = np.linalg.norm(camera.translation - truth.translation, axis=1)
     assert metrics.camera.position_rmse_m == pytest.approx(np.sqrt((position**2).mean()))
     angles = (camera.rotation * truth.rotation.inverse()).angle()
     assert metrics.camera.rotation_rmse_deg == pytest.approx(np.degrees(np.sqrt((angles**2).mean())))
     mug = run.relative("mug")
-    true_mug = pm.true_relative_pose(scene.sequence, 0)
+    true_mug = px.true_relative_pose(scene.sequence, 0)
     e = (true_mug * mug.poses.inverse()).log()
     squared = np.einsum("ni,nij,nj->n", e, np.linalg.inv(mug.covariances), e)
     assert metrics.objects[0].relative_anees == pytest.approx(squared.mean() / 6)
-    last = pm.squared_normalized_error(run[-1].relative["mug"], true_mug[-1])
+    last = px.squared_normalized_error(run[-1].relative["mug"], true_mug[-1])
     assert last == pytest.approx(squared[-1])
     assert metrics.objects[0].relative.position_rmse_m < metrics.objects[0].detection_relative.position_rmse_m
     assert pickle.loads(pickle.dumps(metrics)) == metrics
     assert "mug from the camera" in repr(metrics) and "<table>" in metrics._repr_html_()
-    blind = pm.Sequence(scene.sequence.stamps, scene.sequence.odometry, None, [
-        pm.ObjectRecording(o.id, o.detections) for o in scene.sequence.objects
+    blind = px.Sequence(scene.sequence.stamps, scene.sequence.odometry, None, [
+        px.ObjectRecording(o.id, o.detections) for o in scene.sequence.objects
     ])  # fmt: skip
-    nothing = pm.evaluate(blind, pm.run(blind, scene.prior, scene.models, scene.settings))
+    nothing = px.evaluate(blind, px.run(blind, scene.prior, scene.models, scene.settings))
     assert nothing.camera.position_rmse_m is None
     assert "camera: not known" in repr(nothing)
 
 
 def test_gaussian_sum_smoothing_particles_and_baselines() -> None:
     scene = Scene(40)
-    joint = Scene(40, tracker=pm.GaussianSumSettings())
+    joint = Scene(40, tracker=px.GaussianSumSettings())
     run = joint.run(record_hypotheses=True)
     assert len(run[-1].hypotheses) == len(run.posterior)
     assert run[-1].mode_probabilities == {}
-    riekf = pm.find_slam_method("riekf")
+    riekf = px.find_slam_method("riekf")
     models = riekf.models(joint.models)
-    single = pm.run(joint.sequence, joint.prior, models, riekf.settings(joint.settings.motion))
+    single = px.run(joint.sequence, joint.prior, models, riekf.settings(joint.settings.motion))
     assert len(single.posterior) == 1 and len(models[0].noise.components) == 1
-    tracker = pm.ParticleFilterSettings(particles=50)
-    particles = pm.ObjectSlamSettings(motion=scene.settings.motion, tracker=tracker)
-    by_particles = pm.run(scene.sequence, scene.prior, scene.models, particles)
-    smoothed = pm.run_smoothed(scene.sequence, scene.prior, scene.models, settings=scene.settings)
+    tracker = px.ParticleFilterSettings(particles=50)
+    particles = px.ObjectSlamSettings(motion=scene.settings.motion, tracker=tracker)
+    by_particles = px.run(scene.sequence, scene.prior, scene.models, particles)
+    smoothed = px.run_smoothed(scene.sequence, scene.prior, scene.models, settings=scene.settings)
     for result in (single, by_particles, smoothed):
-        found = pm.evaluate(scene.sequence, result).objects[0]
+        found = px.evaluate(scene.sequence, result).objects[0]
         assert found.relative.position_rmse_m < 0.02
 
 
 def test_methods_by_name() -> None:
-    names = [method.name for method in pm.slam_methods()]
+    names = [method.name for method in px.slam_methods()]
     assert names[0] == "multi_object" and "midway" in names and "rbpf" in names
-    mixture = pm.find_slam_method("max_mixture")
-    assert mixture.tracker.noise_use == pm.NoiseUse.most_likely
+    mixture = px.find_slam_method("max_mixture")
+    assert mixture.tracker.noise_use == px.NoiseUse.most_likely
     assert mixture.title == "max-mixture" and mixture.smoothing is None and mixture.description
-    assert pm.find_slam_method("smoothed").smoothing == pm.SmoothingSettings()
+    assert px.find_slam_method("smoothed").smoothing == px.SmoothingSettings()
     with pytest.raises(ValueError, match="method 'ekf', expected one of: multi_object, "):
-        pm.find_slam_method("ekf")
+        px.find_slam_method("ekf")
     scene = Scene(5)
-    job = pm.SlamJob("five", "", scene.sequence, scene.prior, scene.models, scene.settings)
+    job = px.SlamJob("five", "", scene.sequence, scene.prior, scene.models, scene.settings)
     riekf = job.using("riekf")
     assert riekf.method == "riekf" and len(riekf.models[0].noise.components) == 1
-    assert len(pm.run(riekf).posterior) == 1
-    smoothed = job.using(pm.find_slam_method("smoothed"))
-    assert smoothed.smoothing == pm.SmoothingSettings() and len(pm.run(smoothed)) == 5
+    assert len(px.run(riekf).posterior) == 1
+    smoothed = job.using(px.find_slam_method("smoothed"))
+    assert smoothed.smoothing == px.SmoothingSettings() and len(px.run(smoothed)) == 5
 
 
 def test_fixed_lag_smoother_equals_run_smoothed() -> None:
     scene = Scene(30)
-    smoothing = pm.SmoothingSettings(lag_frames=5)
-    run = pm.run_smoothed(scene.sequence, scene.prior, scene.models, smoothing, scene.settings)
-    smoother = pm.FixedLagSmoother(scene.prior, scene.models, smoothing, scene.settings)
+    smoothing = px.SmoothingSettings(lag_frames=5)
+    run = px.run_smoothed(scene.sequence, scene.prior, scene.models, smoothing, scene.settings)
+    smoother = px.FixedLagSmoother(scene.prior, scene.models, smoothing, scene.settings)
     sequence, estimates = scene.sequence, []
     for k in range(len(sequence)):
-        seen = pm.with_misses(np.stack([o.detections._data[k] for o in sequence.objects]))
+        seen = px.with_misses(np.stack([o.detections._data[k] for o in sequence.objects]))
         estimate = smoother.step(frame_input(sequence, k, seen))
         assert (estimate is None) == (k < 5)
         estimates += [] if estimate is None else [estimate]
@@ -250,9 +250,9 @@ def test_fixed_lag_smoother_equals_run_smoothed() -> None:
     for a, b in zip(estimates, run, strict=True):
         assert a.camera.mean.is_approx(b.camera.mean, 1e-9)
     assert smoother.slam.detections(0) == 30 and smoother.joint is not None
-    candidate = pm.Candidate("mug", pm.SE3())
+    candidate = px.Candidate("mug", px.SE3())
     with pytest.raises(ValueError, match="name a class"):
-        smoother.step(pm.FrameInput(0.1, None, [None, None], [candidate]))
+        smoother.step(px.FrameInput(0.1, None, [None, None], [candidate]))
 
 
 def test_progress_sees_every_frame_and_can_stop() -> None:
@@ -301,21 +301,21 @@ def test_other_threads_go_on_during_a_run() -> None:
 
 
 def test_candidates_of_one_class_become_instances() -> None:
-    places = [pm.SE3(translation=[x, 0, 1.0]) for x in (-0.2, 0.2)]
-    models = [pm.ObjectModel(id=f"can_{k}", class_id="can") for k in range(3)]
-    prior = pm.ConcentratedGaussian(pm.SE3(), pm.pose_covariance(1e-3, 1e-3))
-    slam = pm.ObjectSlam(prior, models)
-    candidates = [pm.Candidate("can", place, 0.9) for place in places]
-    report = slam.step(pm.FrameInput(detections=[None] * 3, candidates=candidates)).report
-    assert [c.status for c in report.candidates] == [pm.CandidateStatus.fresh] * 2
-    report = slam.step(pm.FrameInput(0.1, pm.SE3(), [None] * 3, candidates[::-1])).report
+    places = [px.SE3(translation=[x, 0, 1.0]) for x in (-0.2, 0.2)]
+    models = [px.ObjectModel(id=f"can_{k}", class_id="can") for k in range(3)]
+    prior = px.ConcentratedGaussian(px.SE3(), px.pose_covariance(1e-3, 1e-3))
+    slam = px.ObjectSlam(prior, models)
+    candidates = [px.Candidate("can", place, 0.9) for place in places]
+    report = slam.step(px.FrameInput(detections=[None] * 3, candidates=candidates)).report
+    assert [c.status for c in report.candidates] == [px.CandidateStatus.fresh] * 2
+    report = slam.step(px.FrameInput(0.1, px.SE3(), [None] * 3, candidates[::-1])).report
     assert [c.object for c in report.candidates] == [1, 0]
-    recorded = pm.Sequence(
-        [0.0, 0.1], pm.SE3.identity((2,)),
-        objects=[pm.ObjectRecording(m.id, pm.with_misses([None, None])) for m in models],
+    recorded = px.Sequence(
+        [0.0, 0.1], px.SE3.identity((2,)),
+        objects=[px.ObjectRecording(m.id, px.with_misses([None, None])) for m in models],
         candidates=[candidates, candidates],
     )  # fmt: skip
-    run = pm.run(recorded, prior, models)
+    run = px.run(recorded, prior, models)
     assert run.object("can_2").known.tolist() == [False, False]
     assert run.relative("can_0").poses[0].is_approx(places[0], 1e-6)
 
@@ -323,12 +323,12 @@ def test_candidates_of_one_class_become_instances() -> None:
 def test_association_by_brute_force() -> None:
     rng = np.random.default_rng(1)
     cost = rng.random((5, 7))
-    columns = pm.least_cost_assignment(cost)
+    columns = px.least_cost_assignment(cost)
     best = min(sum(cost[i, c] for i, c in enumerate(p)) for p in permutations(range(7), 5))
     assert cost[range(5), columns].sum() == pytest.approx(best)
-    where = pm.ConcentratedGaussian(pm.SE3(translation=[0, 0, 1.0]), pm.pose_covariance(0.02, 0.01))
-    noise = pm.NoiseComponent(covariance=pm.pose_covariance(0.05, 0.01))
-    near = pm.Candidate("can", pm.SE3(translation=[0.005, 0, 1.0]), 0.5)
-    far = pm.Candidate("can", pm.SE3(translation=[0.5, 0, 1.0]), 0.5)
-    found = pm.associate([where], [far, near], noise)
-    assert [a.status for a in found] == [pm.CandidateStatus.fresh, pm.CandidateStatus.assigned]
+    where = px.ConcentratedGaussian(px.SE3(translation=[0, 0, 1.0]), px.pose_covariance(0.02, 0.01))
+    noise = px.NoiseComponent(covariance=px.pose_covariance(0.05, 0.01))
+    near = px.Candidate("can", px.SE3(translation=[0.005, 0, 1.0]), 0.5)
+    far = px.Candidate("can", px.SE3(translation=[0.5, 0, 1.0]), 0.5)
+    found = px.associate([where], [far, near], noise)
+    assert [a.status for a in found] == [px.CandidateStatus.fresh, px.CandidateStatus.assigned]

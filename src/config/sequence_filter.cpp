@@ -23,6 +23,7 @@ ReductionSettings read_reduction(const TomlTable& filter, ReductionSettings r) {
     return static_cast<std::size_t>(
         filter.get_integer_or(key, static_cast<std::int64_t>(otherwise), range));
   };
+  r.drop_smallest = integer("drop_smallest", r.drop_smallest, kKeepHeaviest);
   r.keep_heaviest = integer("keep_heaviest", r.keep_heaviest, kKeepHeaviest);
   r.max_components = integer("max_components", r.max_components, kComponents);
   r.merge_from = integer("merge_from", r.merge_from, kMergeFrom);
@@ -43,12 +44,22 @@ ParticleFilterSettings read_particles(const TomlTable& filter, ParticleFilterSet
   p.resample_below =
       filter.get_double_or("resample_below", p.resample_below, {.lowest = 0, .highest = 1});
   const Vector6d sd = p.object_walk.covariance.diagonal().cwiseSqrt();
-  const auto walk = [&](std::string_view key, const Eigen::Vector3d& otherwise, double unit) {
-    return filter.has(key) ? read_sd(filter, key, kSdOrZero, unit) : otherwise;
+  const auto deviation = [&](std::string_view key, const Eigen::Vector3d& otherwise,
+                             const NumberRange& range, double unit) {
+    return filter.has(key) ? read_sd(filter, key, range, unit) : otherwise;
   };
-  p.object_walk.covariance =
-      pose_covariance(walk("particle_walk_rotation_sd_deg", sd.head<3>(), kRadPerDeg),
-                      walk("particle_walk_translation_sd_m", sd.tail<3>(), 1.0));
+  p.object_walk.covariance = pose_covariance(
+      deviation("particle_walk_rotation_sd_deg", sd.head<3>(), kSdOrZero, kRadPerDeg),
+      deviation("particle_walk_translation_sd_m", sd.tail<3>(), kSdOrZero, 1.0));
+  const Vector6d kernel = p.kernel.diagonal().cwiseSqrt();
+  constexpr std::string_view kKernelRotation = "particle_kernel_rotation_sd_deg";
+  constexpr std::string_view kKernelTranslation = "particle_kernel_translation_sd_m";
+  if (filter.has(kKernelRotation) || filter.has(kKernelTranslation)) {
+    p.kernel = pose_covariance(deviation(kKernelRotation, kernel.head<3>(), kSd, kRadPerDeg),
+                               deviation(kKernelTranslation, kernel.tail<3>(), kSd, 1.0));
+  }
+  p.hypotheses = static_cast<std::size_t>(filter.get_integer_or(
+      "particle_hypotheses", static_cast<std::int64_t>(p.hypotheses), kParticles));
   return p;
 }
 
@@ -67,13 +78,16 @@ std::optional<SmoothingSettings> read_smoothing(const TomlTable& filter,
       filter.get_integer_or("smooth_lag", static_cast<std::int64_t>(kSmoothLag), kLag));
   settings.passes = static_cast<std::size_t>(
       filter.get_integer_or("smooth_passes", static_cast<std::int64_t>(settings.passes), kPasses));
+  settings.least_probability = filter.get_double_or(
+      "smooth_least_probability", settings.least_probability, {.lowest = 0, .highest = 1});
   if (kind == Smoothing::none) return std::nullopt;
   if (kind == Smoothing::fixed_lag) settings.lag_frames = lag;
   return settings;
 }
 
 void refuse_smoothing(const TomlTable& filter) {
-  for (const std::string_view key : {"smooth", "smooth_lag", "smooth_passes"}) {
+  for (const std::string_view key :
+       {"smooth", "smooth_lag", "smooth_passes", "smooth_least_probability"}) {
     if (filter.has(key))
       filter.fail(key, "is for filter.method = \"multi_object\"; no other filter is smoothed");
   }
@@ -119,9 +133,11 @@ void read_baseline(const TomlTable& filter, SlamMethod& method) {
 
 SlamMethod read_filter(const TomlTable& root) {
   const auto filter = root.find_table("filter");
-  if (!filter) return find_slam_method(kDefaultMethod);
-  SlamMethod method = read_method(*filter);
-  if (auto* tracker = std::get_if<MultiObjectSlamSettings>(&method.tracker)) {
+  SlamMethod method = filter ? read_method(*filter) : find_slam_method(kDefaultMethod);
+  auto* tracker = std::get_if<MultiObjectSlamSettings>(&method.tracker);
+  if (tracker != nullptr) read_association(root, *tracker);
+  if (!filter) return method;
+  if (tracker != nullptr) {
     tracker->filter = read_multi_object(*filter, tracker->filter);
     method.smoothing = read_smoothing(*filter, method.smoothing);
   } else {

@@ -27,4 +27,23 @@ MultiObjectSettings read_multi_object(const TomlTable& filter, MultiObjectSettin
   return s;
 }
 
+void read_association(const TomlTable& root, MultiObjectSlamSettings& settings) {
+  constexpr NumberRange kProbability{
+      .lowest = 0, .highest = 1, .without_lowest = true, .without_highest = true};
+  constexpr IntegerRange kDetections{.lowest = 0, .highest = 1000000};
+  const auto table = root.find_table("association");
+  if (!table) return;
+  AssociationSettings& a = settings.association;
+  const auto number = [&](std::string_view key, double& value, const NumberRange& range) {
+    value = table->get_double_or(key, value, range);
+  };
+  number("gate_probability", a.gate_probability, kProbability);
+  number("rotation_cap_probability", a.rotation_cap_probability, kProbability);
+  number("least_new_score", a.least_new_score, kAnyNumber);
+  number("least_separation_m", a.least_separation_m, {.lowest = 0});
+  settings.confirming_detections = static_cast<std::size_t>(table->get_integer_or(
+      "confirming_detections", static_cast<std::int64_t>(settings.confirming_detections),
+      kDetections));
+}
+
 }  // namespace posemix

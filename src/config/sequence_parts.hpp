@@ -169,6 +169,8 @@ SymmetryGroup read_object_symmetries(const TomlTable& object, const FileFinder& 
 
 /// The keys of the multi-object filter; those that are missing stay as they are in `settings`.
 MultiObjectSettings read_multi_object(const TomlTable& filter, MultiObjectSettings settings);
+/// Reads the table `association` into the settings, where there is one.
+void read_association(const TomlTable& root, MultiObjectSlamSettings& settings);
 /// The method of the table `filter` with the settings that it changes.
 SlamMethod read_filter(const TomlTable& root);
 

@@ -69,7 +69,8 @@ TEST(FilterMethods, ParticleFilter) {
   const SlamJob job =
       read_small({"filter.method=rbpf", "filter.particles=50", "filter.particle_seed=7",
                   "filter.resample_below=0.25", "filter.particle_walk_rotation_sd_deg=2",
-                  "filter.particle_walk_translation_sd_m=[0.1, 0.2, 0.3]"});
+                  "filter.particle_walk_translation_sd_m=[0.1, 0.2, 0.3]",
+                  "filter.particle_kernel_rotation_sd_deg=3", "filter.particle_hypotheses=32"});
   EXPECT_EQ(job.method, "rbpf (50 particles)");
   const auto* particles = std::get_if<ParticleFilterSettings>(&job.settings.tracker);
   ASSERT_NE(particles, nullptr);
@@ -79,6 +80,12 @@ TEST(FilterMethods, ParticleFilter) {
   const Matrix6d walk = particles->object_walk.covariance;
   EXPECT_NEAR(std::sqrt(walk(1, 1)), radians(2.0), 1e-15);
   EXPECT_NEAR(std::sqrt(walk(5, 5)), 0.3, 1e-15);
+  const ParticleFilterSettings defaults;
+  EXPECT_NEAR(std::sqrt(particles->kernel(2, 2)), radians(3.0), 1e-15);
+  EXPECT_NEAR(particles->kernel(4, 4), defaults.kernel(4, 4), 1e-20);
+  EXPECT_EQ(particles->hypotheses, 32U);
+  const SlamJob plain = read_small({"filter.method=rbpf"});
+  EXPECT_EQ(std::get<ParticleFilterSettings>(plain.settings.tracker).kernel, defaults.kernel);
   // `run` of the job is the particle filter.
   const SlamRun by_job = run(job);
   const SlamRun direct = run(job.sequence, job.camera_prior, job.models,
@@ -87,6 +94,9 @@ TEST(FilterMethods, ParticleFilter) {
   EXPECT_EQ(by_job.frames.back().camera.mean().matrix(),
             direct.frames.back().camera.mean().matrix());
   EXPECT_INVALID_WITH(read_small({"filter.particles=0"}), "key 'filter.particles'");
+  EXPECT_INVALID_WITH(
+      read_small({"filter.method=rbpf", "filter.particle_kernel_translation_sd_m=0"}),
+      "key 'filter.particle_kernel_translation_sd_m'");
 }
 
 /// Runs the multi-object filter on the small recording.
@@ -112,6 +122,9 @@ TEST(FilterMethods, Smoothing) {
   EXPECT_EQ(read_multi_object_job({"filter.smooth=fixed_lag", "filter.smooth_lag=7"})
                 .smoothing->lag_frames,
             7U);
+  const SlamJob likely =
+      read_multi_object_job({"filter.smooth=full", "filter.smooth_least_probability=0.25"});
+  EXPECT_EQ(likely.smoothing->least_probability, 0.25);
   // The job smooths.
   const SlamRun by_job = run(full);
   const SlamRun direct =
@@ -125,6 +138,30 @@ TEST(FilterMethods, Smoothing) {
   for (const std::string method : {"gm-iekf", "riekf", "rbpf"})
     EXPECT_INVALID_WITH(read_small({"filter.method=" + method, "filter.smooth=full"}),
                         "key 'filter.smooth' is for filter.method = \"multi_object\"");
+}
+
+TEST(FilterMethods, AssociationOfCandidates) {
+  const SlamJob job = read_multi_object_job(
+      {"association.gate_probability=0.9", "association.rotation_cap_probability=0.8",
+       "association.least_new_score=-0.5", "association.least_separation_m=0.1",
+       "association.confirming_detections=5"});
+  const auto settings = std::get<MultiObjectSlamSettings>(job.settings.tracker);
+  EXPECT_EQ(settings.association.gate_probability, 0.9);
+  EXPECT_EQ(settings.association.rotation_cap_probability, 0.8);
+  EXPECT_EQ(settings.association.least_new_score, -0.5);
+  EXPECT_EQ(settings.association.least_separation_m, 0.1);
+  EXPECT_EQ(settings.confirming_detections, 5U);
+  const MultiObjectSlamSettings defaults;
+  const SlamJob plain_job = read_multi_object_job({});
+  const auto plain = std::get<MultiObjectSlamSettings>(plain_job.settings.tracker);
+  EXPECT_EQ(plain.association.gate_probability, defaults.association.gate_probability);
+  EXPECT_EQ(plain.confirming_detections, defaults.confirming_detections);
+  EXPECT_INVALID_WITH(read_multi_object_job({"association.gate_probability=1"}),
+                      "key 'association.gate_probability'");
+  EXPECT_INVALID_WITH(read_multi_object_job({"association.confirming_detections=-1"}),
+                      "key 'association.confirming_detections'");
+  EXPECT_INVALID_WITH(read_small({"filter.method=gm-iekf", "association.least_new_score=1"}),
+                      "association");
 }
 
 }  // namespace

@@ -99,14 +99,15 @@ TEST_F(SequenceFile, DefaultsAreThoseOfTheSettings) {
 }
 
 TEST_F(SequenceFile, EverySettingCanBeSet) {
-  const SlamJob job = read_with(
-      {"motion.model=constant_velocity", "motion.period_s=0.2", "motion.noise.per=frame",
-       "motion.motion_noise={rotation_sd_deg=2, translation_sd_m=[1,2,3]}",
-       "motion.unknown_motion={rotation_sd_deg=0, translation_sd_m=0}", "filter.noise_use=joint",
-       "filter.update=iterated", "filter.summary=best", "filter.merge_from=8",
-       "filter.keep_heaviest=64", "filter.prune_below=0", "filter.merge_rule=moment_matched",
-       "filter.pair_rule=runnalls", "filter.distance=mahalanobis",
-       "filter.transport_jacobian=bernoulli", "output.trace_hypotheses=3"});
+  const SlamJob job =
+      read_with({"motion.model=constant_velocity", "motion.period_s=0.2", "motion.noise.per=frame",
+                 "motion.motion_noise={rotation_sd_deg=2, translation_sd_m=[1,2,3]}",
+                 "motion.unknown_motion={rotation_sd_deg=0, translation_sd_m=0}",
+                 "filter.noise_use=joint", "filter.update=iterated", "filter.summary=best",
+                 "filter.merge_from=8", "filter.drop_smallest=2", "filter.keep_heaviest=64",
+                 "filter.prune_below=0", "filter.merge_rule=moment_matched",
+                 "filter.pair_rule=runnalls", "filter.distance=mahalanobis",
+                 "filter.transport_jacobian=bernoulli", "output.trace_hypotheses=3"});
   const ObjectSlamSettings& s = job.settings;
   EXPECT_EQ(s.motion.model, MotionModel::constant_velocity);
   EXPECT_EQ(s.motion.period_s, 0.2);
@@ -118,6 +119,7 @@ TEST_F(SequenceFile, EverySettingCanBeSet) {
   EXPECT_EQ(filter.update, UpdateRule::iterated);
   EXPECT_EQ(filter.summary, Summary::best);
   EXPECT_EQ(filter.reduction.merge_from, 8U);
+  EXPECT_EQ(filter.reduction.drop_smallest, 2U);
   EXPECT_EQ(filter.reduction.keep_heaviest, 64U);
   EXPECT_EQ(filter.reduction.prune_below, 0.0);
   EXPECT_EQ(filter.reduction.merge.rule, MergeRule::moment_matched);

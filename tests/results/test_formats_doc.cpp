@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "posemix/base/units.hpp"
+#include "posemix/config/sequence_file.hpp"
 #include "posemix/io/text.hpp"
 #include "posemix/results/results.hpp"
 
@@ -26,11 +27,13 @@ TEST(FormatsDocument, DefaultsOfTheFilter) {
   EXPECT_EQ(documented("update", "### `[filter]`"),
             s.update == UpdateRule::iterated ? "iterated" : "linearized");
   EXPECT_EQ(documented("noise_use"), s.noise_use == NoiseUse::per_object ? "per_object" : "joint");
-  EXPECT_EQ(documented("gate_probability"), fmt::format("{:g}", s.gate_probability));
+  EXPECT_EQ(documented("gate_probability", "### `[filter]`"),
+            fmt::format("{:g}", s.gate_probability));
   EXPECT_EQ(documented("summary"), s.summary == Summary::whole_mixture ? "whole_mixture" : "other");
   EXPECT_EQ(documented("max_components"), fmt::format("{}", s.reduction.max_components));
   EXPECT_EQ(documented("merge_from"), fmt::format("{}", s.reduction.merge_from));
   EXPECT_EQ(parse_number(documented("prune_below")), s.reduction.prune_below);
+  EXPECT_EQ(documented("drop_smallest"), fmt::format("{}", s.reduction.drop_smallest));
   EXPECT_EQ(documented("keep_heaviest"), fmt::format("{}", s.reduction.keep_heaviest));
   EXPECT_EQ(documented("merge_rule"),
             s.reduction.merge.rule == MergeRule::midway ? "midway" : "other");
@@ -45,10 +48,25 @@ TEST(FormatsDocument, DefaultsOfTheFilter) {
   EXPECT_EQ(documented("cauchy_scale"), fmt::format("{:g}", s.cauchy_scale));
 }
 
+TEST(FormatsDocument, DefaultsOfTheAssociation) {
+  const MultiObjectSlamSettings s;
+  const std::string from = "table `[association]`";
+  EXPECT_EQ(documented("gate_probability", from),
+            fmt::format("{:g}", s.association.gate_probability));
+  EXPECT_EQ(documented("rotation_cap_probability"),
+            fmt::format("{:g}", s.association.rotation_cap_probability));
+  EXPECT_EQ(documented("least_new_score"), fmt::format("{:g}", s.association.least_new_score));
+  EXPECT_EQ(documented("least_separation_m"),
+            fmt::format("{:g}", s.association.least_separation_m));
+  EXPECT_EQ(documented("confirming_detections"), fmt::format("{}", s.confirming_detections));
+}
+
 TEST(FormatsDocument, DefaultsOfSmoothing) {
   EXPECT_EQ(documented("smooth"), "none");
   EXPECT_EQ(documented("smooth_lag"), fmt::format("{}", kSmoothLag));
   EXPECT_EQ(documented("smooth_passes"), fmt::format("{}", SmoothingSettings().passes));
+  EXPECT_EQ(documented("smooth_least_probability"),
+            fmt::format("{:g}", SmoothingSettings().least_probability));
 }
 
 TEST(FormatsDocument, DefaultsOfTheParticleFilter) {
@@ -59,6 +77,10 @@ TEST(FormatsDocument, DefaultsOfTheParticleFilter) {
   const Vector6d sd = s.object_walk.covariance.diagonal().cwiseSqrt();
   EXPECT_EQ(documented("particle_walk_rotation_sd_deg`, `particle_walk_translation_sd_m"),
             fmt::format("{:g}, {:g}", degrees(sd[0]), sd[3]));
+  const Vector6d kernel = s.kernel.diagonal().cwiseSqrt();
+  EXPECT_EQ(documented("particle_kernel_rotation_sd_deg`, `particle_kernel_translation_sd_m"),
+            fmt::format("{:g}, {:g}", degrees(kernel[0]), kernel[3]));
+  EXPECT_EQ(documented("particle_hypotheses"), fmt::format("{}", s.hypotheses));
 }
 
 std::string noise(const ProcessNoise& noise) {

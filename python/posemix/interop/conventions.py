@@ -19,8 +19,8 @@ from posemix.lie import SE3
 
 __all__ = [
     "Order", "Side", "additive_jacobian", "covariance_from", "covariance_to", "density_from",
-    "density_to", "inverted", "product_jacobian", "require_word", "transformed", "side_jacobian", "skew", "tangent_from",
-    "tangent_to",
+    "density_to", "inverted", "product_jacobian", "require_word", "side_jacobian", "skew", "tangent_from",
+    "tangent_to", "transformed",
 ]  # fmt: skip
 
 Side: TypeAlias = Literal["left", "right"]

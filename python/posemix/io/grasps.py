@@ -8,35 +8,11 @@ import os
 from dataclasses import dataclass
 
 from posemix import _core
+from posemix._core import GraspTrial
 from posemix.io.paths import Path
 from posemix.lie import SE3
 
 __all__ = ["GraspOutcomes", "GraspTrial", "read_grasp_outcomes"]
-
-@dataclass(frozen=True)
-class GraspTrial:
-    """One estimate of an object in one image, and what became of the grasps planned with it.
-
-    Attributes
-    ----------
-    dataset, estimator : str
-        Whose.
-    scene, image, object : int
-        Ids.
-    score : float
-        The estimator's own confidence.
-    outcomes : list of bool or None
-        Success of the grasp, one entry per gripper; None where it was not tried.
-    """
-
-    dataset: str
-    estimator: str
-    scene: int
-    image: int
-    object: int
-    score: float
-    outcomes: list[bool | None]
-
 
 @dataclass(frozen=True, eq=False)
 class GraspOutcomes:
@@ -60,5 +36,4 @@ class GraspOutcomes:
 
 def read_grasp_outcomes(folder: Path) -> GraspOutcomes:
     """Every table ``DATASET_ESTIMATOR.csv`` of a folder; ValueError names file and line."""
-    grippers, trials, estimates, truths = _core.read_grasp_outcomes(os.fspath(folder))
-    return GraspOutcomes(grippers, [GraspTrial(*t) for t in trials], estimates, truths)
+    return GraspOutcomes(*_core.read_grasp_outcomes(os.fspath(folder)))

@@ -110,4 +110,4 @@ def write_simulation(
     seed : int
         It was simulated with, for the record.
     """
-    _core.write_simulation(os.fspath(folder), file.config, file.filter, simulated._handle, seed)
+    _core.write_simulation(os.fspath(folder), file.config, file.filter, simulated, seed)

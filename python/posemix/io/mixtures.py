@@ -8,7 +8,7 @@ import os
 from dataclasses import dataclass
 
 from posemix import _core
-from posemix._core import AngleUnit, LengthUnit, MixtureConvention, PoseKind, Side, TangentOrder
+from posemix._core import AngleUnit, LengthUnit, MixtureConvention, NamedPose, PoseKind, Side, TangentOrder
 from posemix.density import ConcentratedGaussian, ProjectedGaussian
 from posemix.io.paths import Path
 from posemix.lie import SE3
@@ -50,8 +50,7 @@ def read_mixture(path: Path) -> MixtureFile:
     ValueError
         Naming the file and the place in it.
     """
-    source, target, handle = _core.read_mixture(os.fspath(path))
-    return MixtureFile(source, target, Mixture._of(handle))
+    return MixtureFile(*_core.read_mixture(os.fspath(path)))
 
 
 def write_mixture(
@@ -80,16 +79,8 @@ def write_mixture(
         For a mixture or names that a file cannot hold.
     """
     _core.write_mixture(
-        os.fspath(path), from_frame, to_frame, mixture._handle, convention or MixtureConvention()
+        os.fspath(path), from_frame, to_frame, mixture, convention or MixtureConvention()
     )
-
-
-@dataclass(frozen=True)
-class NamedPose:
-    """A pose of a joint density by name; an object's name is its id."""
-
-    name: str
-    kind: PoseKind
 
 
 @dataclass(frozen=True)
@@ -99,7 +90,7 @@ class PosteriorFile:
     Attributes
     ----------
     method : str
-        What made it, for people.
+        Name of what made it.
     stamp : float
         Its time [s].
     poses : list of NamedPose
@@ -116,11 +107,9 @@ class PosteriorFile:
 
 def read_posterior(path: Path) -> PosteriorFile:
     """A posterior.json; ValueError names the file and the place in it."""
-    method, stamp, poses, handle = _core.read_posterior(os.fspath(path))
-    return PosteriorFile(method, stamp, [NamedPose(*p) for p in poses], Mixture._of(handle))
+    return PosteriorFile(*_core.read_posterior(os.fspath(path)))
 
 
 def write_posterior(path: Path, file: PosteriorFile) -> None:
     """A posterior.json; numbers read back bit by bit."""
-    names = [(pose.name, pose.kind) for pose in file.poses]
-    _core.write_posterior(os.fspath(path), file.method, file.stamp, names, file.mixture._handle)
+    _core.write_posterior(os.fspath(path), file.method, file.stamp, file.poses, file.mixture)

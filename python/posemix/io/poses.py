@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import collections.abc
 import os
 from dataclasses import dataclass
 
@@ -13,7 +12,7 @@ import numpy.typing as npt
 
 from posemix import _core
 from posemix._arrays import FloatArray
-from posemix._core import Side
+from posemix._core import Side, read_object_poses, write_object_poses, write_poses
 from posemix.io.paths import Path
 from posemix.lie import SE3
 from posemix.recording import optional_rows
@@ -91,16 +90,6 @@ def write_tum(
     _core.write_tum(os.fspath(path), times, optional_rows(poses), misses_as_zeros)
 
 
-def read_object_poses(path: Path) -> dict[str, SE3]:
-    """Static poses T_world_object by id: lines ``id tx ty tz qx qy qz qw``."""
-    return _core.read_object_poses(os.fspath(path))
-
-
-def write_object_poses(path: Path, poses: collections.abc.Mapping[str, SE3]) -> None:
-    """Static poses T_world_object by id, 12 significant digits."""
-    _core.write_object_poses(os.fspath(path), dict(poses))
-
-
 @dataclass(frozen=True, eq=False)
 class PoseSamples:
     """Poses with weights.
@@ -138,8 +127,3 @@ def read_pose_samples(
     """
     poses, counts = _core.read_pose_samples(os.fspath(path), residuals, weights)
     return PoseSamples(poses, np.array(counts) if counts else None)
-
-
-def write_poses(path: Path, poses: SE3) -> None:
-    """Poses in the format that the file's name says: .csv, .npy, .tum or .txt."""
-    _core.write_poses(os.fspath(path), poses)

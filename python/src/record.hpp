@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include "fields.hpp"
+
+namespace posemix::python {
+
+/// A struct of results as a class like a frozen Python dataclass: attributes that cannot be
+/// assigned, repr, equality, copy and pickle. Only C++ makes one.
+template <class T>
+class Record {
+ public:
+  /// `extra` are attributes of nanobind's class, as nb::is_generic.
+  template <class... Extra>
+  Record(nb::module_& m, const char* name, std::string summary, const Extra&... extra)
+      : summary_(std::move(summary)),
+        fields_(std::make_shared<Fields<T>>(name)),
+        class_(m, name, extra...) {}
+
+  /// `type` is the Python annotation, `text` says what the field is and its unit.
+  template <class Value>
+  Record& field(const char* name, Value T::*member, const char* type, const char* text) {
+    return field(name, member, type, text, &SettingValue<Value>::get);
+  }
+
+  /// The same where Python sees `get(value)`.
+  template <class Value, class Get>
+  Record& field(const char* name, Value T::*member, const char* type, const char* text, Get get) {
+    fields_->add(name, member, type, text);
+    class_.def_prop_ro(
+        name, [member, get](const T& self) { return get(self.*member); },
+        nb::for_getter(nb::sig(kept(fmt::format("def {}(self, /) -> {}", name, type)))), text);
+    return *this;
+  }
+
+  /// The repr in place of that of all fields.
+  Record& shown_as(std::function<std::string(const T&)> text) {
+    fields_->show_as(std::move(text));
+    return *this;
+  }
+
+  nb::class_<T>& done() {
+    static_assert(std::default_initializable<T>);
+    Fields<T>::define(class_, fields_);
+    class_.def("__setstate__", [fields = fields_](T& self, const nb::dict& state) {
+      auto* made = new (&self) T{};
+      fields->assign(*made, state);
+    });
+    class_.attr("__doc__") = summary_ + fields_->document([](const Field<T>&) { return ""; });
+    return class_;
+  }
+
+ private:
+  std::string summary_;
+  std::shared_ptr<Fields<T>> fields_;
+  nb::class_<T> class_;
+};
+
+}  // namespace posemix::python

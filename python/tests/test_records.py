@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: MIT
+# SPDX-FileCopyrightText: posemix contributors
+"""Results are values of classes that C++ makes: documented, immutable, comparable, picklable."""
+
+from __future__ import annotations
+
+import copy
+import doctest
+import inspect
+import pickle
+from typing import Any
+
+import numpy as np
+import posemix as px
+import pytest
+from conftest import two_modes
+from posemix import _core
+
+
+def records() -> list[Any]:
+    """One result of each kind that is quick to make."""
+    mixture = two_modes()
+    camera = px.ConcentratedGaussian(px.SE3(), px.pose_covariance(0.01, 0.01))
+    tracker = px.MultiObjectFilter(camera, [px.ObjectSensor()])
+    report = tracker.update(0, px.SE3(translation=[0, 0, 0.8]))
+    joint = px.GaussianSumFilter(camera)
+    joint.add_object(px.SE3(translation=[0, 0, 0.8]), px.default_detector_noise())
+    seen = px.Detection(1, px.SE3(translation=[0, 0, 0.81]), px.default_detector_noise())
+    settings = px.ReductionSettings(max_components=1, bound_loss=True)
+    return [
+        px.reduce(mixture, settings),
+        px.reduce(mixture, settings).report,
+        px.merge(list(mixture), mixture.weights),
+        px.moments(mixture),
+        px.fuse(mixture, mixture),
+        px.fuse(mixture[0], mixture[1]),
+        px.kl_monte_carlo(mixture, mixture, seed=1),
+        px.to_projected(mixture, seed=1),
+        px.fit_mixture(mixture.sample(500, seed=1), px.EmSettings(), seed=1),
+        px.fit_mixture_by_bic(mixture.sample(500, seed=1), px.EmSettings(components=2), seed=1),
+        px.success_probability(mixture, px.ToleranceBox(0.1, 0.01), px.SE3(), seed=1),
+        px.best_grasp(mixture, px.ToleranceBox(0.1, 0.01), seed=1),
+        report,
+        tracker.hypotheses(0)[0],
+        seen,
+        joint.update([seen]),
+    ]
+
+
+def named(record: Any) -> str:
+    return type(record).__name__
+
+
+@pytest.mark.parametrize("record", records(), ids=named)
+def test_a_result_is_a_documented_value(record: Any) -> None:
+    cls = type(record)
+    fields = [name for name, value in vars(cls).items() if isinstance(value, property)]
+    assert fields and "Attributes\n----------" in cls.__doc__
+    for name in fields:
+        assert getattr(cls, name).__doc__, f"{named(record)}.{name} has no text"
+        with pytest.raises(AttributeError):
+            setattr(record, name, getattr(record, name))
+    for other in (copy.copy(record), copy.deepcopy(record), pickle.loads(pickle.dumps(record))):
+        assert other == record and repr(other) == repr(record)
+    assert record != 1 and named(record) in repr(record)
+
+
+def test_results_hold_the_package_s_densities() -> None:
+    fused = px.fuse(two_modes(), two_modes())
+    assert isinstance(fused, px.FuseResult) and isinstance(fused.density, px.Mixture)
+    assert fused.iterations is None and fused.second is None
+    assert isinstance(fused.density[0], px.ConcentratedGaussian)
+    assert isinstance(px.moments(two_modes()).density.mean, px.SE3)
+
+
+def test_two_opposite_densities_fuse_in_two_modes() -> None:
+    half_turn = px.SO3.exp([0, 0, np.pi])
+    wide = [px.ProjectedGaussian.at_mean(r, np.eye(3)) for r in (px.SO3(), half_turn)]
+    fused = px.fuse(*wide)
+    assert fused.second is not None and isinstance(fused.second.density, px.ProjectedGaussian)
+    assert fused.second.log_overlap == pytest.approx(fused.log_overlap, abs=1e-6)
+
+
+def test_bounds_of_em_are_in_its_units() -> None:
+    samples = two_modes().sample(200, seed=1)
+    unit = [0.1, 0.1, 0.1, 0.01, 0.01, 0.01]
+    fit = px.fit_mixture(samples, px.EmSettings(unit=unit, min_sd=10.0, max_sd=10.0), seed=1)
+    sds = np.sqrt(np.diagonal(fit.mixture[0].covariance))
+    np.testing.assert_allclose(sds, 10.0 * np.array(unit), rtol=1e-9)
+
+
+def documented() -> list[doctest.DocTest]:
+    finder = doctest.DocTestFinder(exclude_empty=True)
+    found = []
+    for name, value in vars(_core).items():
+        if inspect.isclass(value) or callable(value):
+            found += finder.find(value, name, module=False, globs={})
+    return [test for test in found if test.examples]
+
+
+@pytest.mark.parametrize("test", documented(), ids=lambda test: test.name)
+def test_examples_of_compiled_docstrings_run(test: doctest.DocTest) -> None:
+    assert doctest.DocTestRunner().run(test).failed == 0
