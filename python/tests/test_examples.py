@@ -13,7 +13,7 @@ import pytest
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
-@pytest.mark.parametrize("name", ["fuse_and_reduce", "grasp", "live_slam"])
+@pytest.mark.parametrize("name", ["fuse_and_reduce", "grasp", "learn_noise", "live_slam"])
 def test_an_example_finds_what_it_expects(name: str) -> None:
     done = subprocess.run(
         [sys.executable, str(EXAMPLES / f"{name}.py")], capture_output=True, text=True, timeout=60

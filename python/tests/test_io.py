@@ -124,6 +124,13 @@ def test_a_job_is_open(recording: Path) -> None:
     assert len(px.run(job, progress=lambda done, total: done < 5)) == 5
 
 
+def test_an_old_name_of_a_key_warns(recording: Path) -> None:
+    old, new = "camera_share", "odometry_camera_fraction"
+    with pytest.warns(FutureWarning, match=f"key 'filter.{old}' is now 'filter.{new}'"):
+        job = px.read_slam_job(recording / "sequence.toml", overrides=[f"filter.{old}=0.25"])
+    assert job.settings.tracker.filter.odometry_camera_fraction == 0.25
+
+
 def test_a_report_holds_the_run(recording: Path, tmp_path: Path) -> None:
     job = px.read_slam_job(recording / "sequence.toml")
     px.write_results(tmp_path / "out", job, px.run(job))
