@@ -43,15 +43,19 @@ void expect_same(const DetectorNoise& a, const DetectorNoise& b) {
     EXPECT_LT(relative_difference(y.covariance, x.covariance), 1e-14);
     EXPECT_TRUE(y.offset.is_approx(x.offset, 1e-14));
     ASSERT_EQ(x.update_covariance.has_value(), y.update_covariance.has_value());
-    if (x.update_covariance)
+    if (x.update_covariance) {
       EXPECT_LT(relative_difference(*y.update_covariance, *x.update_covariance), 1e-14);
+    }
   }
   EXPECT_NEAR(a.clutter().weight, b.clutter().weight, 1e-15);
-  if (a.clutter().weight > 0.0) EXPECT_EQ(a.clutter().volume_m3, b.clutter().volume_m3);
+  if (a.clutter().weight > 0.0) {
+    EXPECT_EQ(a.clutter().volume_m3, b.clutter().volume_m3);
+  }
   EXPECT_EQ(a.dependence().dependent_frames, b.dependence().dependent_frames);
   ASSERT_EQ(a.dependence().bias.has_value(), b.dependence().bias.has_value());
-  if (a.dependence().bias)
+  if (a.dependence().bias) {
     EXPECT_LT(relative_difference(*b.dependence().bias, *a.dependence().bias), 1e-14);
+  }
 }
 
 TEST(NoiseToml, ModelsReadBackAsTheyWere) {
@@ -107,7 +111,10 @@ TEST(NoiseToml, OdometryIsWrittenAsAMotionModel) {
                       .jitter_sd = Vector6d::Constant(1e-3),
                       .sd_per_sqrt_s_error = Vector6d::Constant(1e-4),
                       .jitter_sd_error = Vector6d::Constant(1e-4),
-                      .windows = {{.seconds = 0.1, .independent = 100.0}},
+                      .windows = {{.seconds = 0.1,
+                                   .independent = 100.0,
+                                   .variance = Vector6d::Zero(),
+                                   .fitted = Vector6d::Zero()}},
                       .recordings = 2};
   noise.sd_per_sqrt_s << radians(0.2), radians(0.1), radians(0.3), 1e-3, 2e-3, 1.5e-3;
   const TomlDocument document = TomlDocument::parse(format_odometry_toml(noise), "odometry.toml");

@@ -145,8 +145,11 @@ TEST(NoiseFit, ChoosesByCrossValidation) {
     EXPECT_EQ(row.below_best < 0.05, right);
     if (right && row.components == fit.chosen + 1) best = row.log_density;
   }
-  for (const NoiseValidation& row : fit.validation)
-    if (row.clutter) EXPECT_GE(best, row.log_density);
+  for (const NoiseValidation& row : fit.validation) {
+    if (row.clutter) {
+      EXPECT_GE(best, row.log_density);
+    }
+  }
 }
 
 TEST(NoiseFit, IsTheSameForTheSameStream) {

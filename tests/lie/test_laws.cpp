@@ -5,6 +5,7 @@
 
 namespace posemix::testing {
 
+/// The test of every group, those of test_stack_laws.cpp too.
 TEST_P(LieLaw, Holds) { EXPECT_TRUE(holds(GetParam())); }
 
 POSEMIX_TEST_LIE_LAWS(SO3d, 3, SO3d);

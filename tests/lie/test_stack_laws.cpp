@@ -5,8 +5,6 @@
 
 namespace posemix::testing {
 
-TEST_P(LieLaw, Holds) { EXPECT_TRUE(holds(GetParam())); }
-
 POSEMIX_TEST_LIE_LAWS(PoseStack1, 6, PoseStackd);
 POSEMIX_TEST_LIE_LAWS(PoseStack2, 12, PoseStackd);
 POSEMIX_TEST_LIE_LAWS(PoseStack3, 18, PoseStackd);
