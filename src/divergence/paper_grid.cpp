@@ -36,8 +36,7 @@ struct GridPoint {
 /// ln(exp(Delta x) exp(xi)) by eq. 28.
 Vector3d combined(const GridPoint& point, const Vector3d& d) {
   const Vector3d& x = point.xi;
-  const Vector3d jacobian_part =
-      point.half_cot * d + (point.d * x.dot(d)) * x - 0.5 * x.cross(d);
+  const Vector3d jacobian_part = point.half_cot * d + (point.d * x.dot(d)) * x - 0.5 * x.cross(d);
   const Vector3d dx = d.cross(x);
   const Vector3d ddx = d.cross(dx);
   const Vector3d xdx = x.cross(dx);

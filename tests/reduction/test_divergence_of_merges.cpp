@@ -37,9 +37,9 @@ Density merged(const std::array<Part, 2>& parts, MergeRule rule) {
   return merge<SO3d>(parts, {.rule = rule}).component.density;
 }
 
-class SectionFive : public ::testing::TestWithParam<Row> {};
+class SectionFiveDivergences : public ::testing::TestWithParam<Row> {};
 
-TEST_P(SectionFive, DivergencesAreThoseOfTheReference) {
+TEST_P(SectionFiveDivergences, DivergencesAreThoseOfTheReference) {
   const Row& row = GetParam();
   const Part narrow = part(5.0, 0.0);
   const Part wide = part(10.0, row.phi);
@@ -63,7 +63,7 @@ TEST_P(SectionFive, DivergencesAreThoseOfTheReference) {
 }
 
 INSTANTIATE_TEST_SUITE_P(
-    Angles, SectionFive,
+    Angles, SectionFiveDivergences,
     ::testing::Values(Row{5, 0.14636029, 1.64e-7, 1.63e-7, 2.8578, 1.81e-3, -1.81e-3},
                       Row{10, 0.24758524, 2.63e-6, 2.59e-6, 3.9783, 4.33e-3, -4.29e-3},
                       Row{15, 0.37745845, 1.344e-5, 1.307e-5, 4.9613, 6.03e-3, -5.87e-3},

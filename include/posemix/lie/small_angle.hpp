@@ -8,8 +8,8 @@
 #include <limits>
 #include <type_traits>
 
-/// The trigonometric coefficients of Exp, Log and their Jacobians, as functions of u = theta^2, with
-/// the letters of \cite eade2017lie. For a rotation vector phi of angle theta:
+/// The trigonometric coefficients of Exp, Log and their Jacobians, as functions of u = theta^2,
+/// with the letters of \cite eade2017lie. For a rotation vector phi of angle theta:
 ///   Exp    = cos(theta) I + A phi^ + B phi phi^T,
 ///   J_l    = A I + B phi^ + C phi phi^T,
 ///   J_l^-1 = half_cot I - phi^/2 + D phi phi^T,
