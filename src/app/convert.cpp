@@ -78,11 +78,16 @@ int convert_file(const ConvertOptions& options) {
 
 /// The option under the name of the release before; help does not show it.
 void add_old_distribution_option(CLI::App& command, ConvertOptions& options) {
-  add_choice<Distribution>(command, "--law", options.distribution, "")
-      ->group("")
-      ->each([](const std::string&) {
-        print_warnings({internal::renamed_warning("convert", "option", "--law", "--distribution")});
-      });
+  add_choice<Distribution>(command, "--law", options.distribution, "")->group("");
+}
+
+/// Warns of the old name once it is sure that it is the only one.
+void check_old_distribution_option(const CLI::App& command) {
+  if (command.count("--law") == 0) return;
+  if (command.count("--distribution") > 0) {
+    throw CLI::ValidationError("--law", "is the old name of --distribution, expected one of them");
+  }
+  print_warnings({internal::renamed_warning("convert", "option", "--law", "--distribution")});
 }
 
 void add_distribution_options(CLI::App& command, ConvertOptions& options) {
@@ -124,8 +129,7 @@ void add_convert_command(CLI::App& program, std::function<int()>& action) {
       program.add_subcommand("convert", "A mixture file in another distribution or convention");
   command->footer(
       "Between the distributions the divergence D(original || converted) is reported; a component "
-      "that "
-      "would\n"
+      "that would\n"
       "lose more than --max-kl is split. Side, order and units are exact up to rounding; all "
       "other\n"
       "commands read them and write left, rotation_translation, rad and m.\n"
@@ -140,10 +144,7 @@ void add_convert_command(CLI::App& program, std::function<int()>& action) {
   add_convention_options(*command, *options);
   add_report_options(*command, options->output);
   command->callback([options, command, &action] {
-    if (command->count("--law") > 0 && command->count("--distribution") > 0) {
-      throw CLI::ValidationError("--law",
-                                 "is the old name of --distribution, expected one of them");
-    }
+    check_old_distribution_option(*command);
     action = [options] { return convert_file(*options); };
   });
 }
