@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "posemix/base/error.hpp"
-#include "slam/elapsed.hpp"
+#include "posemix/base/stopwatch.hpp"
 #include "slam/frames.hpp"
 #include "slam/motion.hpp"
 
@@ -40,7 +40,7 @@ FrameEstimate GaussianSumSlam::step(const FrameInput& input) {
   internal::refuse_candidates(input, "the Gaussian-sum filter");
   const bool is_first = objects_.frames() == 0;
   objects_.begin(input);
-  const internal::Stopwatch frame;
+  const Stopwatch frame;
   if (!is_first) {
     const internal::CameraStep moved = internal::camera_step(motion_, input);
     filter_.predict([&moved](Hypothesis hypothesis) {

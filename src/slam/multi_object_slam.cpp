@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "posemix/base/error.hpp"
-#include "slam/elapsed.hpp"
+#include "posemix/base/stopwatch.hpp"
 #include "slam/frames.hpp"
 #include "slam/motion.hpp"
 
@@ -53,12 +53,12 @@ MultiObjectSlam::MultiObjectSlam(const PoseDensity& camera, std::vector<ObjectMo
 FrameEstimate MultiObjectSlam::step(const FrameInput& input) {
   const bool is_first = objects_.frames() == 0;
   objects_.begin(input);
-  const internal::Stopwatch frame;
+  const Stopwatch frame;
   if (!is_first) internal::predict(filter_, internal::camera_step(motion_, input));
 
   FrameReport report;
   report.statuses.assign(objects_.size(), DetectionStatus::none);
-  const internal::Stopwatch updates;
+  const Stopwatch updates;
   for (std::size_t object = 0; object < objects_.size(); ++object) {
     if (input.detections[object]) update(object, *input.detections[object], report);
   }

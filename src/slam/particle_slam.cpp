@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "posemix/base/error.hpp"
-#include "slam/elapsed.hpp"
+#include "posemix/base/stopwatch.hpp"
 #include "slam/frames.hpp"
 #include "slam/particles.hpp"
 
@@ -75,7 +75,7 @@ FrameEstimate ParticleSlam::step(const FrameInput& input) {
   internal::refuse_candidates(input, "the particle filter");
   const bool is_first = objects_.frames() == 0;
   objects_.begin(input);
-  const internal::Stopwatch frame;
+  const Stopwatch frame;
   if (!is_first) cloud_->predict(input);
   FrameReport report = cloud_->observe(input.detections);
   for (std::size_t object = 0; object < objects_.size(); ++object)

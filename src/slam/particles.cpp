@@ -9,8 +9,8 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "posemix/base/stopwatch.hpp"
 #include "posemix/density/pose_stack.hpp"
-#include "slam/elapsed.hpp"
 
 namespace posemix::internal {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <utility>
 
-#include "slam/elapsed.hpp"
+#include "posemix/base/stopwatch.hpp"
 #include "slam/frames.hpp"
 #include "slam/smoothing_window.hpp"
 
@@ -75,7 +75,7 @@ std::vector<FrameEstimate> FixedLagSmoother::finish() {
 
 /// The first `count` frames of the window, smoothed.
 std::vector<FrameEstimate> FixedLagSmoother::smooth(std::size_t count) {
-  const internal::Stopwatch stopwatch;
+  const Stopwatch stopwatch;
   const MultiObjectFilter& now = *slam_.multi_object();
   std::vector<const FrameInput*> inputs;
   for (const Frame& frame : window_) inputs.push_back(&frame.input);

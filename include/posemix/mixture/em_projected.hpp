@@ -33,7 +33,7 @@ namespace posemix {
 /// 1e3. A component counts as collapsed when a spread lies on the lower bound and is less than 1e-3
 /// of the largest: too few samples to span all directions. `diagonal` is along the axes that q0
 /// rotates, and so is not the same for another frame of the object. A start with another tangent
-/// point than its mode is restated there first.
+/// point than its mode is moved to the chart there first.
 template <RotationOrPose G>
 struct EmModel<ProjectedGaussian<G>> {
   using Density = ProjectedGaussian<G>;

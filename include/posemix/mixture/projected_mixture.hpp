@@ -18,8 +18,8 @@ MeanResult<SO3d> gnomonic_mean(std::span<const SO3d> rotations, std::span<const 
                                const MeanSettings& settings = {});
 
 /// Mean and covariance of y = [u; t] of a weighted sum of components in the tangent space at a
-/// rotation, as those of the Gaussians there, every component restated first (first order in its
-/// own u). The weights need not be normalised; components without weight are ignored.
+/// rotation, as those of the Gaussians there, every component moved to one chart first (first order
+/// in its own u). The weights need not be normalised; components without weight are ignored.
 /// @throws InvalidInput when there is no component, a log-weight is NaN or +inf, all weights are
 /// zero, or a mode lies by pi from `tangent_point`
 template <RotationOrPose G>

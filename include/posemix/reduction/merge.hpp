@@ -77,7 +77,7 @@ MergeResult<ConcentratedGaussian<G>> merge(
 ///    zero (`gnomonic_mean`), and the moments of the Gaussians are matched there;
 ///  - tangent_of_larger: they are moved to the chart at the mode of the heaviest, the moments of
 ///  the Gaussians
-///    are matched there, and the result is restated at its own mode;
+///    are matched there, and the result is moved to the chart at its own mode;
 ///  - moment_matched: the moments of the distribution (`moments`), which is the one to take where
 ///  spreads or
 ///    distances are large.
