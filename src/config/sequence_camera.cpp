@@ -8,7 +8,7 @@
 #include "posemix/base/units.hpp"
 #include "sequence_parts.hpp"
 
-namespace posemix {
+namespace posemix::internal {
 namespace {
 
 /// The first entry of `lever_arms` whose range of names holds the sequence's.
@@ -138,4 +138,4 @@ MotionSettings read_motion(const TomlTable& root, bool has_odometry) {
   return settings;
 }
 
-}  // namespace posemix
+}  // namespace posemix::internal

@@ -16,6 +16,8 @@
 namespace posemix {
 namespace {
 
+using namespace internal;
+
 constexpr std::size_t kLongestId = 100;
 
 /// The noise of objects that name none: default_detector_noise() unless the file has a table of

@@ -6,7 +6,7 @@
 #include "posemix/filter/multi_object_ranges.hpp"
 #include "sequence_parts.hpp"
 
-namespace posemix {
+namespace posemix::internal {
 
 MultiObjectSettings read_multi_object(const TomlTable& filter, MultiObjectSettings s) {
   constexpr IntegerRange kHypotheses{.lowest = 1, .highest = 100000};
@@ -46,4 +46,4 @@ void read_association(const TomlTable& root, MultiObjectSlamSettings& settings) 
       kDetections));
 }
 
-}  // namespace posemix
+}  // namespace posemix::internal

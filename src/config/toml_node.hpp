@@ -12,7 +12,7 @@
 #include <vector>
 
 /// The tree of a TOML document, apart from the parsing library.
-namespace posemix {
+namespace posemix::internal {
 
 enum class TomlKind { boolean, integer, number, string, date, array, table };
 
@@ -86,4 +86,4 @@ std::string_view nearest_name(std::string_view key, const std::vector<std::strin
 /// for.
 void require_all_known(const TomlState& state, const TomlNode& table, const std::string& path);
 
-}  // namespace posemix
+}  // namespace posemix::internal

@@ -11,7 +11,7 @@
 #include "picture_colours.hpp"
 #include "posemix/base/units.hpp"
 
-namespace posemix {
+namespace posemix::internal {
 namespace {
 
 constexpr std::size_t kMostCurvePoints = 2000;
@@ -163,4 +163,4 @@ void draw_strip(SvgDocument& svg, const SvgBox& box, const SlamJob& job, std::si
            {.fill = colour, .bold = true, .halo = true});
 }
 
-}  // namespace posemix
+}  // namespace posemix::internal

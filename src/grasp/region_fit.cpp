@@ -13,15 +13,7 @@
 namespace posemix {
 namespace {
 
-using internal::kCentre;
-using internal::kLever;
-using internal::kLogitInside;
-using internal::kLogitRatio;
-using internal::kLogSoftness;
-using internal::kLogWidth;
-using internal::kMillimetre;
-using internal::logistic;
-using internal::upper_median;
+using namespace internal;
 
 /// An outcome in degrees and millimetres.
 struct Sample {

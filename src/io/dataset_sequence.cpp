@@ -18,6 +18,8 @@
 namespace posemix {
 namespace {
 
+using namespace internal;
+
 namespace fs = std::filesystem;
 
 /// A string as TOML writes it, which is as JSON does.

@@ -10,7 +10,7 @@
 #include "posemix/lie/lie.hpp"
 
 /// How JSON files hold numbers and poses.
-namespace posemix {
+namespace posemix::internal {
 
 using Json = nlohmann::ordered_json;
 
@@ -30,4 +30,4 @@ Json json_vector(const Eigen::Ref<const Eigen::VectorXd>& vector, int digits);
 /// [tx, ty, tz, qx, qy, qz, qw] with so many significant digits; null where there is no pose.
 Json json_pose(const std::optional<SE3d>& pose, int digits);
 
-}  // namespace posemix
+}  // namespace posemix::internal

@@ -14,6 +14,8 @@
 namespace posemix {
 namespace {
 
+using namespace internal;
+
 /// The document; refuses a key that is twice in one object.
 Json document(std::string_view text, const std::string& name) {
   std::vector<std::set<std::string>> open;
@@ -198,7 +200,7 @@ MixtureFile parse_mixture(std::string_view text, const std::string& name) {
   std::vector<std::string> warnings;
   const std::string_view key = distribution_key(root);
   if (key == kOldDistributionKey) {
-    warnings.push_back(internal::renamed_warning(name, "key", key, "distribution"));
+    warnings.push_back(renamed_warning(name, "key", key, "distribution"));
   }
   const bool projected = is_projected(root.member(key));
   const MixtureConvention convention = read_convention(root, projected);

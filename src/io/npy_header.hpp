@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-namespace posemix {
+namespace posemix::internal {
 
 /// What the header of a .npy file says.
 struct NpyHeader {
@@ -25,4 +25,4 @@ NpyHeader parse_npy_header(std::string_view bytes, const std::string& name);
 /// The header of 64-bit floats in C order, padded as NumPy does.
 std::string format_npy_header(const std::vector<std::size_t>& shape);
 
-}  // namespace posemix
+}  // namespace posemix::internal

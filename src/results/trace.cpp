@@ -11,6 +11,8 @@
 namespace posemix {
 namespace {
 
+using namespace internal;
+
 constexpr int kPoseDigits = 9;
 constexpr int kCompactDigits = 7;
 

@@ -16,7 +16,7 @@
 #include "trace_hypotheses.hpp"
 #include "trace_names.hpp"
 
-namespace posemix {
+namespace posemix::internal {
 namespace {
 
 using Event = Json::parse_event_t;
@@ -195,7 +195,7 @@ PackedTrace pack_once(std::istream& text, const std::string& name, const TracePr
   try {
     PackedTrace packed{packer.finish(Json::parse(text, hear)), {}};
     if (packer.has_old_keys()) {
-      packed.warnings.push_back(internal::renamed_warning(name, "key", kOldStatusKey, "status"));
+      packed.warnings.push_back(renamed_warning(name, "key", kOldStatusKey, "status"));
     }
     return packed;
   } catch (const Json::exception& error) {
@@ -217,4 +217,4 @@ PackedTrace pack_trace(std::istream& text, const std::string& name, const TraceP
   }
 }
 
-}  // namespace posemix
+}  // namespace posemix::internal

@@ -11,7 +11,7 @@
 #include "posemix/io/text.hpp"
 #include "trace_names.hpp"
 
-namespace posemix {
+namespace posemix::internal {
 namespace {
 
 constexpr double kLogSdScale = 5e-3;
@@ -199,4 +199,4 @@ TraceSeriesPtr status_series(std::string path, const std::string& name) {
   return std::make_unique<StatusSeries>(std::move(path), name, ColumnFormat{});
 }
 
-}  // namespace posemix
+}  // namespace posemix::internal
