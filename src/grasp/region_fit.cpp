@@ -6,9 +6,9 @@
 
 #include <nlopt.hpp>
 
-#include "detector/upper_median.hpp"
 #include "grasp/region_parameters.hpp"
 #include "posemix/base/error.hpp"
+#include "posemix/base/statistics.hpp"
 
 namespace posemix {
 namespace {

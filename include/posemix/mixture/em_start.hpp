@@ -8,13 +8,11 @@
 #include <utility>
 #include <vector>
 
+#include "posemix/base/draw_index.hpp"
 #include "posemix/mixture/em.hpp"
 
 /// Where EM starts.
 namespace posemix::internal {
-
-/// Index drawn with probability proportional to the weights; `total` is their sum.
-std::size_t draw_index(std::span<const double> weights, double total, RandomStream& stream);
 
 /// At most this many samples, evenly spaced among all, take part in finding a start.
 inline constexpr std::size_t kStartSamples = 4096;

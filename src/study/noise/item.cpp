@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "posemix/base/error.hpp"
+#include "posemix/base/statistics.hpp"
 #include "posemix/base/units.hpp"
 #include "posemix/detector/noise_fit.hpp"
 #include "study/engine/settings_json.hpp"
@@ -59,9 +60,7 @@ Json histogram(std::span<const ResidualTrack> tracks, std::size_t bins) {
   }
   std::vector<double> sizes = values;
   for (double& size : sizes) size = std::abs(size);
-  const auto at = static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(sizes.size() - 1));
-  std::nth_element(sizes.begin(), sizes.begin() + at, sizes.end());
-  const double reach = std::max(1.1 * sizes[static_cast<std::size_t>(at)], 1e-9);
+  const double reach = std::max(1.1 * quantile(std::move(sizes), 0.99), 1e-9);
   const double width = 2.0 * reach / static_cast<double>(bins);
   std::vector<std::size_t> counts(bins, 0);
   for (const double value : values) {
