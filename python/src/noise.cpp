@@ -119,7 +119,7 @@ void bind_detector_noise(nb::module_& m) {
     std::string weights;
     for (const NoiseComponent& c : self.components())
       weights +=
-          fmt::format("{}{:.4g} {}", weights.empty() ? "" : ", ", c.weight, name_of(c.frame));
+          fmt::format("{}{:.4g} {}", weights.empty() ? "" : ", ", c.weight, word_of(c.frame));
     return fmt::format("<DetectorNoise of {}: {}; clutter {:.4g}>", self.components().size(),
                        weights, self.clutter().weight);
   });

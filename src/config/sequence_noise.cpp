@@ -45,9 +45,7 @@ constexpr NumberRange kShare{.lowest = 1e-12, .highest = 1e12};
 NoiseComponent read_component(const TomlTable& table) {
   NoiseComponent component;
   component.weight = table.get_double_or("weight", component.weight, kShare);
-  component.frame = table.get_enum_or<NoiseFrame>(
-      "frame", component.frame,
-      {{"object", NoiseFrame::object}, {"camera", NoiseFrame::camera}, {"ray", NoiseFrame::ray}});
+  component.frame = table.get_enum_or("frame", component.frame);
   component.covariance = read_covariance(table, component.frame, kSd);
   component.offset = read_offset(table);
   if (const auto update = table.find_table("update"))

@@ -52,6 +52,8 @@ class TracePacker {
     const JsonPlace stamps = root.member("stamps_s");
     Json times = Json::array();
     for (const JsonPlace& stamp : stamps.items(frames_)) times.push_back(stamp.number());
+    Json statuses = Json::array();
+    for (const auto& [word, status] : words<DetectionStatus>) statuses.push_back(word);
     const auto copy = [&](const char* key) { return Json(root.member(key).string()); };
     return {{"name", copy("name")},
             {"method", copy("method")},
@@ -59,7 +61,7 @@ class TracePacker {
             {"order", order},
             {"frames", *frames_},
             {"stamps_s", std::move(times)},
-            {"statuses", kStatusNames},
+            {"statuses", std::move(statuses)},
             {"columns", std::move(headers_)},
             {"data", base64(data_.finish())}};
   }

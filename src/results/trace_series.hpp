@@ -81,7 +81,7 @@ TraceSeriesPtr sd_series(std::string path, const std::string& prefix);
 TraceSeriesPtr position_series(std::string path, const std::string& prefix);
 /// Probabilities: column `name`.
 TraceSeriesPtr probability_series(std::string path, const std::string& name);
-/// Status of detections: column `name` of indices into kStatusNames.
+/// Status of detections: column `name` of values of DetectionStatus.
 TraceSeriesPtr status_series(std::string path, const std::string& name);
 
 }  // namespace posemix::internal

@@ -11,6 +11,8 @@
 #include <Eigen/Core>
 
 #include "posemix/base/random.hpp"
+#include "posemix/base/words.hpp"
+#include "posemix/mixture/em_rows.hpp"
 #include "posemix/mixture/mixture.hpp"
 
 /// Mixtures fitted to samples by expectation maximisation (MPG paper, section IV, there with an
@@ -23,6 +25,14 @@ enum class EmStatus {
   max_iterations,  ///< stopped before that
   degenerate       ///< a component lost its samples or collapsed to its lower bound
 };
+
+/// The words of EmStatus in reports.
+template <>
+inline constexpr WordTable<EmStatus, 3> words<EmStatus>{{
+    {"converged", EmStatus::converged},
+    {"max_iterations", EmStatus::max_iterations},
+    {"degenerate", EmStatus::degenerate},
+}};
 
 /// Settings of fit_mixture.
 struct EmSettings {

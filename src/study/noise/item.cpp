@@ -94,11 +94,6 @@ Json axis_json(const Residuals& residuals, std::size_t axis, const NoiseStudySet
           {"histogram", histogram(residuals.axes[axis], settings.bins)}};
 }
 
-const char* name_of(EmStatus status) {
-  if (status == EmStatus::converged) return "converged";
-  return status == EmStatus::degenerate ? "degenerate" : "max_iterations";
-}
-
 Json models_json(const NoiseFit& models, double count) {
   Json json = Json::array();
   for (std::size_t k = 0; k < models.fits.size(); ++k) {
@@ -115,7 +110,7 @@ Json models_json(const NoiseFit& models, double count) {
          {"bic", fit.bic},
          {"bic_effective", bic_of_independent_frames(fit, count, models.dependent_frames)},
          {"iterations", fit.history.size() - 1},
-         {"status", name_of(fit.status)},
+         {"status", word_of(fit.status)},
          {"chosen", k == models.chosen},
          {"noise", noise_json(fit.noise)}});
   }
@@ -144,7 +139,7 @@ nlohmann::ordered_json study_noise(const NoiseGroup& group, const NoiseStudySett
                  {"recordings", group.sets.size()},
                  {"proxy", any(&ResidualSet::proxy)},
                  {"symmetric", any(&ResidualSet::symmetric)},
-                 {"frame", name_of(frame_of(settings))},
+                 {"frame", word_of(frame_of(settings))},
                  {"gross_errors", static_cast<double>(residuals.gross) / count}};
   for (std::size_t axis = 0; axis < 6; ++axis)
     result["axes"].push_back(axis_json(residuals, axis, settings));
