@@ -2,10 +2,12 @@
 // SPDX-FileCopyrightText: posemix contributors
 #pragma once
 
+#include <concepts>
 #include <cstddef>
 #include <limits>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -62,25 +64,44 @@ struct EmResult {
   int starts;              ///< starts that were tried
 };
 
-/// What EM needs to know of a kind of density. A specialisation EmModel<D> has
-///  - `Samples`, made from a span of elements, with size(): the samples as the density wants them;
-///  - `Worker(const D&, const EmSettings&)`, one component in one iteration:
-///    `log_density(samples, begin, count, out)` writes the log density of a block of samples into
-///    an EmRow, `accumulate(shares)` then adds the sufficient statistics of that block with these
-///    weights, `weight()` is the sum of all shares, and `update(step)` the component that maximises
-///    the expected log-likelihood; for 0 <= step < 1 the mean goes only that part of the way, and
-///    for step = 0 the expected log-likelihood must not fall;
-///  - `start(elements, weights, settings, prior)`, a crude fit for a start, drawn to the density
-///    `prior` where it points to one;
-///  - `squared_distance(density, a, b)` of two elements in units of the density's spread;
-///  - `stretched(density, factors)` with the spread of every coordinate multiplied;
-///  - `parameters(dof, settings)`, the free parameters of one component;
-///  - `on_lower_bound(density, settings)`, whether the component has collapsed;
-///  - where not every density is of the form that is fitted, `prepared(density, settings)`, one
-///  that
-///    is.
+/// What EM knows of a kind of density; a specialisation meets EmDensity. Where not every density is
+/// of the form that is fitted, it also has `prepared(density, settings)`, a density that is.
 template <class D>
 struct EmModel;
+
+/// A kind of density that EM fits, by the members of EmModel<D>:
+///  - `Samples`: the samples as the density wants them;
+///  - `Worker`, one component in one iteration: `log_density` writes the log density of a block of
+///    samples into a row, `accumulate` then adds the sufficient statistics of that block with the
+///    shares in a row, `weight` is the sum of all shares, and `update(step)` the component that
+///    maximises the expected log-likelihood; for 0 <= step < 1 the mean goes only that part of the
+///    way, and for step = 0 the expected log-likelihood must not fall;
+///  - `start`, a crude fit for a start, drawn to the density `prior` where it points to one;
+///  - `squared_distance` of two elements in units of the density's spread;
+///  - `stretched`: the density with the spread of every coordinate multiplied by its factor;
+///  - `parameters`, the free parameters of one component;
+///  - `on_lower_bound`, whether the component has collapsed.
+template <class D>
+concept EmDensity =
+    std::constructible_from<typename EmModel<D>::Samples, std::span<const typename D::Group>> &&
+    std::constructible_from < typename EmModel<D>::Worker,
+const D&,
+    const EmSettings& >
+        &&requires(const D& density, const D* prior, const EmSettings& settings,
+                   std::span<const typename D::Group> elements, std::span<const double> weights,
+                   const typename EmModel<D>::Samples& samples, typename EmModel<D>::Worker& worker,
+                   std::size_t index, EmRow& row, double step, const Eigen::VectorXd& factors) {
+  { samples.size() } -> std::same_as<std::size_t>;
+  worker.log_density(samples, index, index, row);
+  worker.accumulate(std::as_const(row));
+  { std::as_const(worker).weight() } -> std::same_as<double>;
+  { std::as_const(worker).update(step) } -> std::same_as<D>;
+  { EmModel<D>::start(elements, weights, settings, prior) } -> std::same_as<D>;
+  { EmModel<D>::squared_distance(density, elements[0], elements[1]) } -> std::same_as<double>;
+  { EmModel<D>::stretched(density, factors) } -> std::same_as<D>;
+  { EmModel<D>::parameters(density.dof(), settings) } -> std::same_as<std::size_t>;
+  { EmModel<D>::on_lower_bound(density, settings) } -> std::same_as<bool>;
+};
 
 /// The maximum-likelihood mixture of `settings.components` components, as far as EM finds it.
 ///
@@ -93,7 +114,7 @@ struct EmModel;
 /// @throws InvalidInput for settings out of range, a sample that is not finite or a weight that is
 /// negative or not finite (naming its index), and too few samples of positive weight: dof + 1 for
 /// every component, 2 with diagonal covariances
-template <class D>
+template <EmDensity D>
 EmResult<D> fit_mixture(std::span<const typename D::Group> samples, std::span<const double> weights,
                         const EmSettings& settings, RandomStream& stream,
                         const std::optional<Mixture<D>>& start = std::nullopt);
@@ -107,7 +128,7 @@ struct BicSelection {
 
 /// Fits 1 to `settings.components` components (as many as there are samples for).
 /// @throws InvalidInput as fit_mixture
-template <class D>
+template <EmDensity D>
 BicSelection<D> fit_mixture_by_bic(std::span<const typename D::Group> samples,
                                    std::span<const double> weights, const EmSettings& settings,
                                    RandomStream& stream);

@@ -17,7 +17,7 @@ namespace posemix::internal {
 /// At most this many samples, evenly spaced among all, take part in finding a start.
 inline constexpr std::size_t kStartSamples = 4096;
 
-template <class D>
+template <EmDensity D>
 class EmStart {
  public:
   using Element = typename D::Group;
