@@ -96,16 +96,10 @@ SlamMethod rbpf() {
           .tracker = ParticleFilterSettings{}};
 }
 
-std::string_view words_of(MergeRule rule) {
-  switch (rule) {
-    case MergeRule::midway:
-      return "midway";
-    case MergeRule::tangent_of_larger:
-      return "tangent of larger";
-    case MergeRule::moment_matched:
-      return "moment matched";
-  }
-  return "";
+std::string title_of(MergeRule rule) {
+  std::string title(word_of(rule));
+  std::replace(title.begin(), title.end(), '_', ' ');
+  return title;
 }
 
 std::string title_of(const SlamMethod& method, const MultiObjectSlamSettings& /*tracker*/) {
@@ -119,7 +113,7 @@ std::string title_of(const SlamMethod& method, const GaussianSumSettings& tracke
   if (method.name == "riekf_cauchy")
     return fmt::format("riekf (Cauchy, c = {:g})", tracker.cauchy_scale);
   if (method.single_gaussian) return "riekf";
-  return fmt::format("gm-iekf ({}{}{})", words_of(tracker.reduction.merge.rule),
+  return fmt::format("gm-iekf ({}{}{})", title_of(tracker.reduction.merge.rule),
                      tracker.update == UpdateRule::iterated ? ", iterated" : "",
                      tracker.robust_loss == RobustLoss::cauchy ? ", Cauchy" : "");
 }
