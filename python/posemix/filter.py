@@ -7,19 +7,9 @@ See `posemix.slam` for whole recordings.
 
 from posemix import noise
 from posemix._core import (
-    Detection,
-    GaussianSumFilter,
-    GaussianSumSettings,
-    MultiObjectFilter,
-    MultiObjectSettings,
-    NoiseUse,
-    ObjectHypothesis,
-    ObjectUpdateReport,
-    RobustLoss,
-    Summary,
-    UpdateReport,
-    UpdateRule,
-)
+    Detection, GaussianSumFilter, GaussianSumSettings, MultiObjectFilter, MultiObjectSettings, NoiseUse,
+    ObjectHypothesis, ObjectUpdateReport, RobustLoss, Summary, UpdateReport, UpdateRule,
+)  # fmt: skip
 from posemix.noise import *
 
 __all__ = [

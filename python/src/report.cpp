@@ -18,6 +18,34 @@
 
 namespace posemix::python {
 
+constexpr const char* kReportDoc =
+    R"(One HTML file that shows results in a browser, as ``posemix report``; no network, no server.
+
+Parameters
+----------
+results : path
+    A folder of `write_results`, ``posemix slam`` or ``posemix study``, a folder of mixture files, or one
+    of these.
+out : path, optional
+    Where it is written; unless given report.html in the folder, or beside the mixture file.
+title : str, optional
+    Unless given, from the results.
+meshes : mapping, optional
+    By object id, a PLY file and the length of its unit [m]: 1e-3 for BOP's models.
+
+Returns
+-------
+pathlib.Path
+    The file written.
+
+Raises
+------
+ValueError
+    Naming file and place: no results, a damaged file, a mesh of no object.
+OSError
+    Where the system refuses, or the package was built without the page (npm was missing).
+)";
+
 void bind_report(nb::module_& m) {
   namespace fs = std::filesystem;
   m.def("has_report_page", &has_report_page);
@@ -25,9 +53,10 @@ void bind_report(nb::module_& m) {
       "write_report",
       [](const fs::path& results, const std::optional<fs::path>& out,
          const std::optional<std::string>& title,
-         const std::map<std::string, std::pair<fs::path, double>>& meshes) {
+         const std::optional<std::map<std::string, std::pair<fs::path, double>>>& meshes) {
         ReportOptions options{.out = out, .title = title};
-        for (const auto& [id, mesh] : meshes) options.meshes[id] = {mesh.first, mesh.second};
+        if (meshes)
+          for (const auto& [id, mesh] : *meshes) options.meshes[id] = {mesh.first, mesh.second};
         // What a signal's handler raises ends the work.
         options.progress = [](std::size_t, std::size_t) {
           const nb::gil_scoped_acquire locked;
@@ -36,7 +65,8 @@ void bind_report(nb::module_& m) {
         const nb::gil_scoped_release unlocked;
         return write_report(results, options);
       },
-      "results"_a, "out"_a.none(), "title"_a.none(), "meshes"_a);
+      "results"_a, "out"_a = nb::none(), "title"_a = nb::none(), "meshes"_a = nb::none(),
+      kReportDoc);
 }
 
 }  // namespace posemix::python
