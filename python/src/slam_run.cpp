@@ -136,6 +136,9 @@ void bind_run_class(nb::module_& m) {
   bind_tracks(run);
   run.def("__len__", [](const R& self) { return self.frames.size(); })
       .def("__getitem__", &frame_at, "frame"_a)
+      .def(
+          "__iter__", [](nb::handle self) { return nb::steal(PySeqIter_New(self.ptr())); },
+          nb::sig("def __iter__(self) -> collections.abc.Iterator[FrameEstimate]"))
       .def_prop_ro(
           "frames", [](const R& self) { return self.frames; },
           "The estimates of all frames; `camera`, `object` and `relative` are faster.")
