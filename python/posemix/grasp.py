@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: MIT
 # SPDX-FileCopyrightText: posemix contributors
-"""Grasps under pose uncertainty: how likely one succeeds, how estimators err, and how good predictions are.
+"""Grasps under pose uncertainty: probabilities of success, error mixtures of estimators, scores of predictions.
 
 Errors of estimates are poses, or rows ``[rotation vector (rad), displacement (m)]`` in the frame of the line of
-sight (`sight_error`). `probabilities` are predictions in [0, 1], shape (n,), `successes` what came of them.
+sight (`sight_error`). `probabilities` are predictions in [0, 1], shape (n,), and `successes` their outcomes, bool of
+the same shape.
 """
 
 from __future__ import annotations
@@ -51,8 +52,8 @@ def sight_error(estimate: SE3, truth: SE3) -> FloatArray:
     Returns
     -------
     ndarray, shape (..., 6)
-        The rotation vector of R_estimate R_truth^-1 [rad] and t_estimate - t_truth [m], both in the camera's axes
-        turned, by the least angle, so that z points to the estimate: depth is the last entry.
+        The rotation vector of R_estimate R_truth^-1 [rad] and t_estimate - t_truth [m], both along the axes of the
+        camera after the smallest rotation that makes z point to the estimate: depth is the last entry.
     """
     a, b = _broadcast(estimate, truth)
     rows: FloatArray = _core.sight_error(a, b)
@@ -60,14 +61,14 @@ def sight_error(estimate: SE3, truth: SE3) -> FloatArray:
 
 
 def truth_with_error(estimate: SE3, error: npt.ArrayLike) -> SE3:
-    """The truths of which the estimates have these errors, shape (...).
+    """The true poses with respect to which the estimates have these errors, shape (...).
 
     Parameters
     ----------
     estimate : SE3, shape (...) or ()
         T_camera_object.
     error : array_like, shape (..., 6)
-        As `sight_error` gives them.
+        Errors in the form of `sight_error`.
     """
     errors = as_floats(error, (6,), "error")
     shape = np.broadcast_shapes(estimate.shape, errors.shape[:-1])

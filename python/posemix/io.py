@@ -2,8 +2,8 @@
 # SPDX-FileCopyrightText: posemix contributors
 """Files: sequence files and results of object SLAM, mixtures, trajectories, BOP. docs/formats.md describes them.
 
-Readers raise ValueError ``file:line: got ..., expected ...``; writers put a file or a folder in place as a whole or not
-at all, and raise OSError where the system refuses.
+Readers raise ValueError ``file:line: got ..., expected ...``; writers write a file or a folder as a whole or not at
+all, and raise OSError if the system refuses.
 """
 
 from __future__ import annotations
@@ -42,9 +42,9 @@ class BopRows:
     Attributes
     ----------
     scene, image, object : ndarray of int, shape (n,)
-        Ids.
+        Ids of scene, image and object.
     score : ndarray, shape (n,)
-        The estimator's confidence, larger is surer.
+        Confidence of the estimator; larger is more certain.
     poses : SE3, shape (n,)
         T_camera_object [m].
     """
@@ -60,12 +60,12 @@ class BopRows:
 
 
 def read_bop_rows(path: str | os.PathLike[str]) -> BopRows:
-    """A BOP results file: CSV ``scene_id,im_id,obj_id,score,R,t,time``; millimetres become metres.
+    """Reads a BOP results file, CSV ``scene_id,im_id,obj_id,score,R,t,time``; lengths are converted to metres.
 
     Raises
     ------
     ValueError
-        Naming file and line.
+        With file and line.
     """
     ids, scores, poses = _core.read_bop_rows(path)
     scene, image, object = np.array(ids, dtype=np.int64)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 # SPDX-FileCopyrightText: posemix contributors
-"""How detectors err, and which poses of an object look the same."""
+"""Noise of detectors, and symmetries of objects."""
 
 from posemix._core import (
     Clutter, DependentFrames, DetectorNoise, NoiseComponent, NoiseCorrelation, NoiseCriterion, NoiseDependence,

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 # SPDX-FileCopyrightText: posemix contributors
-"""Recordings as arrays. A miss, a frame without a pose, is a row of NaN in an array of poses."""
+"""Recordings as arrays. In an array of poses, a frame without a pose is a row of NaN."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ __all__ = ["Candidate", "ObjectRecording", "Sequence", "is_known", "with_misses"
 
 
 def is_known(poses: SE3) -> npt.NDArray[np.bool_]:
-    """Where an array of poses holds one, shape (...): the other rows are NaN."""
+    """Whether each entry of an array of poses is known, shape (...); unknown poses are rows of NaN."""
     return np.asarray(~np.isnan(poses._data).all(axis=-1))
 
 
@@ -26,19 +26,19 @@ def with_misses(
     poses: SE3 | npt.ArrayLike | collections.abc.Sequence[SE3 | None],
     known: npt.ArrayLike | None = None,
 ) -> SE3:
-    """An array of poses in which frames without one are NaN.
+    """An array of poses in which frames without a pose are NaN.
 
     Parameters
     ----------
     poses : SE3, shape (n,), or array_like, shape (n, 7), or sequence of SE3 and None
-        Poses; rows are ``[tx, ty, tz, qx, qy, qz, qw]``, of NaN for a miss.
+        Poses; rows are ``[tx, ty, tz, qx, qy, qz, qw]``, or NaN for a frame without a pose.
     known : array_like of bool, shape (n,), optional
-        False where there is no pose, whatever `poses` holds there.
+        False for a frame without a pose; its row of `poses` is ignored.
 
     Raises
     ------
     ValueError
-        For another shape, a row that is in part finite, and a quaternion of zero.
+        For another shape, a row that is only partly finite, and a quaternion of zero.
 
     Examples
     --------

@@ -40,7 +40,7 @@ class PoseTrack:
     poses : SE3, shape (n,)
         Means; NaN in frames without an estimate.
     covariances : ndarray, shape (n, 6, 6)
-        Left perturbation; NaN in frames without an estimate.
+        Covariances of the left perturbation; NaN in frames without an estimate.
     """
 
     poses: SE3
@@ -48,7 +48,7 @@ class PoseTrack:
 
     @property
     def known(self) -> npt.NDArray[np.bool_]:
-        """Frames with an estimate, shape (n,)."""
+        """Whether each frame has an estimate, shape (n,)."""
         return is_known(self.poses)
 
     def __len__(self) -> int:
@@ -101,25 +101,25 @@ def run(
     record_hypotheses: bool | None = None,
     progress: Progress | None = None,
 ) -> SlamRun:
-    """Runs object SLAM over a recording, or a job by the filter that it names.
+    """Runs object SLAM over a recording, or runs a job with its method.
 
-    The interpreter's lock is released; Ctrl-C stops it.
+    The interpreter's lock is released; Ctrl-C stops the run.
 
     Parameters
     ----------
     sequence : Sequence or SlamJob
-        The recording; of a job nothing else is needed.
+        The recording, or a job, which needs no other arguments.
     camera_prior : ConcentratedGaussian
-        T_world_camera of the first frame.
+        Prior of T_world_camera at the first frame.
     models : sequence of ObjectModel
         One per object of the recording, in the same order.
     settings : ObjectSlamSettings, optional
         Filter and motion model.
     record_hypotheses : bool, optional
-        Whether frames hold hypotheses; unless given, only where a job traces them.
+        Whether frames have hypotheses; by default only if a job traces them.
     progress : callable, optional
-        Called with (frames done, frames in all) after every frame; where it returns False the run stops and the
-        frames done so far are returned.
+        Called with (frames done, frames in all) after every frame. If it returns False, the run stops and the frames
+        done so far are returned.
 
     Raises
     ------

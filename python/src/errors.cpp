@@ -103,22 +103,22 @@ Array each_error(const ArrayLike& errors, Function f) {
 }
 
 constexpr const char* kErrorMixtureDoc =
-    R"(A mixture of Gaussians over errors as `sight_error` gives them.
+    R"(A mixture of Gaussians over errors in the form of `sight_error`.
 
 Parameters
 ----------
 weights : array_like, shape (k,)
-    Not negative; normalised.
+    Weights, not negative; they are normalised.
 means : array_like, shape (k, 6)
-    Rotation vector [rad], displacement [m].
+    Means: rotation vector [rad], displacement [m].
 covariances : array_like, shape (k, 6, 6)
-    Symmetric positive definite.
+    Covariances, symmetric positive definite.
 
 Raises
 ------
 ValueError
-    For weights that are negative or all zero, other numbers of means, matrices that are not positive
-    definite.
+    For weights that are negative or all zero, numbers of weights, means and covariances that differ, and
+    matrices that are not positive definite.
 )";
 
 void bind_error_mixture(nb::module_& m) {
@@ -171,7 +171,8 @@ void bind_error_mixture(nb::module_& m) {
             return each_error(errors, [&](const Vector6d& e) { return self.log_pose_density(e); });
           },
           "errors"_a,
-          "Log of the density of the truth with those errors, by the Haar measure, shape (...).")
+          "Log of the density of the true pose, with respect to the Haar measure, shape (...) "
+          "[nats].")
       .def(
           "sample",
           [](const M& self, std::size_t count, const Seed& seed) {
@@ -221,21 +222,21 @@ void bind_error_mixture(nb::module_& m) {
 }
 
 constexpr const char* kFitErrorsDoc =
-    R"(Mixtures of 1, 2, ... components and a wide one for outliers; that with the least BIC.
+    R"(Fits mixtures of 1, 2, ... components and a wide one for outliers, and returns the one with the least BIC.
 
 Parameters
 ----------
 errors : array_like, shape (n, 6)
-    As `sight_error` gives them, at least 8.
+    Errors in the form of `sight_error`, at least 8.
 seed : int or RandomStream
-    Of the starts.
+    Seed of the starts.
 settings : ErrorMixtureSettings, optional
-    Priors, the outliers' width, when a run ends.
+    Priors, width of the outliers, stopping criteria.
 
 Raises
 ------
 ValueError
-    For fewer than 8 errors or such that are not finite.
+    For fewer than 8 errors, and errors that are not finite.
 )";
 
 constexpr const char* kTrimmedDoc =
@@ -251,7 +252,7 @@ trim : float
 Returns
 -------
 ndarray, shape (m, 6)
-    All where fewer than 8 are within.
+    All errors if fewer than 8 are within.
 )";
 
 void bind_error_fit(nb::module_& m) {
@@ -276,10 +277,12 @@ void bind_error_fit(nb::module_& m) {
       .made_from([] {
         return F{unit_mixture(), 0, 0.0, 0.0, {}};
       })
-      .field("errors", &F::errors, "ErrorMixture", "The outliers' component is the last.")
-      .field("components", &F::components, "int", "Full ones.")
-      .field("log_likelihood", &F::log_likelihood, "float", "Of the errors [nats].")
-      .field("bic", &F::bic, "float", "Smallest among the numbers of components that were tried.")
+      .field("errors", &F::errors, "ErrorMixture",
+             "The mixture; its last component is that of outliers.")
+      .field("components", &F::components, "int", "Number of components without that of outliers.")
+      .field("log_likelihood", &F::log_likelihood, "float", "Log-likelihood of the errors [nats].")
+      .field("bic", &F::bic, "float",
+             "The BIC, which is the smallest of all numbers of components that were tried.")
       .field("history", &F::history, "list[float]",
              "Log posterior after every iteration of the run that was kept.")
       .done();
@@ -337,12 +340,12 @@ Parameters
 probabilities, successes : array_like, shape (n,)
     Predictions and outcomes.
 groups : array_like of int, shape (n,), optional
-    Only predictions of one group are compared; all are one group unless given.
+    Groups of the predictions; only predictions of the same group are compared. A single group unless given.
 
 Returns
 -------
 float
-    Ties count half; NaN where no group holds both outcomes.
+    The probability, in which ties count half; NaN if no group has both outcomes.
 )";
 
 void bind_score_functions(nb::module_& m) {
@@ -364,13 +367,14 @@ void bind_score_functions(nb::module_& m) {
       "brier_score", [](const auto& all) { return brier_score(all); }, kBrierDoc);
   def(
       "log_loss", [](const auto& all) { return log_loss(all); },
-      "Mean of -log of the probability that the outcome was given, at least 1e-9 [nats].");
+      "Mean of -log of the probability given to the outcome, which is taken as at least 1e-9 "
+      "[nats].");
   def(
       "accuracy", [](const auto& all) { return accuracy(all); },
-      "Share of predictions on the right side of one half (one half predicts success).");
+      "Fraction of predictions on the right side of one half (one half predicts success).");
   def(
       "fit_platt", [](const auto& all) { return fit_platt(all); },
-      "The most probable calibration, with normal priors about slope 1 and bias 0.");
+      "The maximum a posteriori calibration, with normal priors about slope 1 and bias 0.");
   m.def(
       "auc_within_groups",
       [](const ArrayLike& p, const ArrayLike& s, const std::optional<ArrayLike>& groups) {
@@ -379,26 +383,27 @@ void bind_score_functions(nb::module_& m) {
       "probabilities"_a, "successes"_a, "groups"_a = nb::none(), kAucDoc);
   def_binned(
       "reliability", [](const auto& all, auto bins) { return reliability(all, bins); },
-      "Bins of equal width over [0, 1].");
+      "The bins of a reliability diagram, of equal width over [0, 1].");
   def_binned(
       "calibration_error", [](const auto& all, auto bins) { return calibration_error(all, bins); },
-      "Mean over the predictions of their bin's distance of success rate and mean probability.");
+      "Mean over the predictions of the difference of success rate and mean probability in their "
+      "bin.");
 }
 
 void bind_scores(nb::module_& m) {
   using B = ReliabilityBin;
   Record<B>(m, "ReliabilityBin",
-            "Predictions in one bin of a reliability diagram; means are NaN in an empty one.")
+            "Predictions in one bin of a reliability diagram; the means of an empty bin are NaN.")
       .field("count", &B::count, "int", "Number of predictions.")
-      .field("mean_probability", &B::mean_probability, "float", "What was predicted.")
-      .field("success_rate", &B::success_rate, "float", "What came of it.")
+      .field("mean_probability", &B::mean_probability, "float", "Mean of the predictions.")
+      .field("success_rate", &B::success_rate, "float", "Fraction of successes.")
       .done();
   using P = PlattCalibration;
   Record<P>(m, "PlattCalibration",
-            "Platt's calibration: logit of the calibrated probability = slope * logit of the raw + "
-            "bias.\n\nRaw probabilities are taken to lie within [0.001, 0.999].")
-      .field("slope", &P::slope, "float", "One: as it is.")
-      .field("bias", &P::bias, "float", "Zero: as it is.")
+            "Platt's calibration: logit of the calibrated probability = slope * logit of the raw "
+            "one + bias.\n\nRaw probabilities are clipped to [0.001, 0.999].")
+      .field("slope", &P::slope, "float", "1 leaves the logit as it is.")
+      .field("bias", &P::bias, "float", "0 leaves the logit as it is.")
       .constructible(0)
       .done()
       .def(
@@ -409,16 +414,16 @@ void bind_scores(nb::module_& m) {
             for (Eigen::Index i = 0; i < raw.size(); ++i) out.data[i] = self(raw[i]);
             return std::move(out.array);
           },
-          "probabilities"_a, "Calibrated probabilities, of the same shape.");
+          "probabilities"_a, "The calibrated probabilities, in the shape of `probabilities`.");
   bind_score_functions(m);
 }
 
-constexpr const char* kLogisticDoc = R"(The most probable logistic model of outcomes.
+constexpr const char* kLogisticDoc = R"(The maximum a posteriori logistic model of outcomes.
 
 Parameters
 ----------
 features : array_like, shape (n, features)
-    Row i belongs to outcome i.
+    Features; row i belongs to outcome i.
 successes : array_like of bool, shape (n,)
     Outcomes.
 settings : LogisticSettings, optional
@@ -441,9 +446,10 @@ void bind_logistic(nb::module_& m) {
       .field("max_iterations", &S::max_iterations, "int", "Newton steps at most.")
       .done();
   using M = LogisticModel;
-  Record<M>(m, "LogisticModel", "P(success) = s(bias + weights . x), s the logistic function.")
+  Record<M>(m, "LogisticModel",
+            "A logistic model, P(success) = s(bias + weights . x) with the logistic function s.")
       .field("weights", &M::weights, kFloatArray, "One per feature, shape (features,).")
-      .field("bias", &M::bias, "float", "Log odds at zero.")
+      .field("bias", &M::bias, "float", "Log odds if all features are zero.")
       .constructible(2)
       .done()
       .def(
@@ -457,7 +463,7 @@ void bind_logistic(nb::module_& m) {
                   given.rows.data() + i * n, self.weights.size()));
             return std::move(out.array);
           },
-          "features"_a, "Probabilities at features of shape (..., features), shape (...).");
+          "features"_a, "Probabilities for features of shape (..., features), shape (...).");
   m.def(
       "fit_logistic",
       [](const ArrayLike& features, const ArrayLike& successes, const std::optional<S>& settings) {

@@ -88,7 +88,7 @@ std::string text_of(const Metrics& metrics) {
   return text;
 }
 
-/// Tables of errors, for notebooks.
+/// Tables of errors as HTML, for notebooks.
 std::string html_of(const Metrics& metrics) {
   const nb::object escape = nb::module_::import_("html").attr("escape");
   std::string rows;
@@ -142,29 +142,29 @@ auto over_frames(TruthAt truth_at) {
 }
 
 constexpr const char* kEvaluateDoc =
-    R"(Errors of a run against the ground truth of its recording; None where there is none.
+    R"(Errors of a run against the ground truth of its recording; None without ground truth.
 
 Parameters
 ----------
 sequence : Sequence or SlamJob
-    What was run.
+    The recording, or the job with it.
 run : SlamRun
-    Its result.
+    The result of the run.
 )";
 
 constexpr const char* kSquaredErrorDoc =
-    R"(e^T P^-1 e with e = Log(X_true X_est^-1): chi-square with 6 degrees when consistent.
+    R"(The NEES e^T P^-1 e, e = Log(X_true X_est^-1); if consistent, chi-square with 6 degrees of freedom.
 
 Parameters
 ----------
 estimate : ConcentratedGaussian
-    Of one pose.
+    Estimate of one pose.
 truth : SE3
-    One pose.
+    The true pose.
 )";
 
 constexpr const char* kTruthDoc =
-    R"(True T_camera_object of one object, from whichever truth is known.
+    R"(True T_camera_object of one object, computed from the ground truth that is known.
 
 Parameters
 ----------
@@ -176,7 +176,7 @@ object : int
 Returns
 -------
 SE3, shape (n,)
-    NaN in frames where it is unknown.
+    NaN in frames without ground truth.
 )";
 
 }  // namespace
@@ -196,7 +196,7 @@ void bind_evaluation(nb::module_& m) {
   m.def("true_relative_pose", over_frames(&true_relative_pose), "sequence"_a, "object"_a,
         kTruthDoc);
   m.def("true_world_pose", over_frames(&true_world_pose), "sequence"_a, "object"_a,
-        "True T_world_object of one object, as `true_relative_pose`.");
+        "True T_world_object of one object; arguments and result as for `true_relative_pose`.");
   m.def(
       "squared_normalized_error",
       [](const ConcentratedSE3& estimate, const SE3d& truth) {

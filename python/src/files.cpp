@@ -65,31 +65,31 @@ struct NamedMixture {
   AnyMixture mixture;
 };
 
-constexpr const char* kWriteMixtureDoc = R"(A mixture file.
+constexpr const char* kWriteMixtureDoc = R"(Writes a mixture file.
 
 Parameters
 ----------
 path : path
     The file.
 mixture : Mixture
-    Over poses T_from_to.
+    Mixture over the pose T_from_to.
 from_frame, to_frame : str
     Names of the frames, 1 to 100 printable characters without blanks.
 convention : MixtureConvention, optional
-    How it is stated: as in the library unless given, which reads back bit by bit.
+    Convention of the file; by default that of the library, in which numbers are read back bit by bit.
 
 Raises
 ------
 ValueError
-    For a mixture or names that a file cannot hold.
+    For a mixture or names that a file cannot represent.
 )";
 
 void bind_mixtures(nb::module_& m) {
   bind_conventions(m);
   using F = NamedMixture;
   Record<F>(m, "MixtureFile",
-            "What a mixture file holds: a mixture over the pose T_from_to and the names of its "
-            "frames.")
+            "The content of a mixture file: a mixture over the pose T_from_to, and the names of "
+            "its frames.")
       .made_from([] {
         return F{{}, {}, ConcentratedPoses({{0.0, unit_density()}})};
       })
@@ -109,7 +109,7 @@ void bind_mixtures(nb::module_& m) {
         return F{file.frames.from, file.frames.to, std::move(file.mixture)};
       },
       "path"_a,
-      "A mixture file in any convention that it states.\n\nA key under an old name gives a "
+      "Reads a mixture file in any convention.\n\nA key under an old name gives a "
       "FutureWarning.\n\nRaises\n------\nValueError\n    Naming the file and the place in it.\n");
   m.def(
       "write_mixture",
@@ -124,7 +124,7 @@ void bind_mixtures(nb::module_& m) {
 
 void bind_posteriors(nb::module_& m) {
   nb::enum_<PoseKind>(m, "PoseKind", "What a pose of a joint density is.")
-      .value("camera", PoseKind::camera, "T_world_camera.")
+      .value("camera", PoseKind::camera, "T_world_camera over the frames.")
       .value("camera_motion", PoseKind::camera_motion, "T_camera_camera over one period.")
       .value("object", PoseKind::object, "T_world_object.");
   Record<NamedPose>(m, "NamedPose", "A pose of a joint density by name.")
@@ -137,20 +137,20 @@ void bind_posteriors(nb::module_& m) {
       .made_from([] {
         return P{{}, 0.0, {}, blank_posterior()};
       })
-      .field("method", &P::method, "str", "Name of what made it.")
-      .field("stamp", &P::stamp, "float", "Its time [s].")
+      .field("method", &P::method, "str", "Display name of the method.")
+      .field("stamp", &P::stamp, "float", "Time of the posterior [s].")
       .field("poses", &P::poses, "list[NamedPose]", "One per pose of every component.")
       .field("mixture", &P::mixture,
              "posemix.mixture.Mixture[posemix.density.ConcentratedGaussian[posemix.lie.SE3]]",
-             "Over all poses jointly.")
+             "Joint mixture over all poses.")
       .constructible(4)
       .done();
   m.def("read_posterior", &read_posterior, "path"_a,
-        "A posterior.json; ValueError names the file and the place in it.");
+        "Reads a posterior.json; raises ValueError with the file and the place in it.");
   m.def(
       "write_posterior",
       [](const fs::path& path, const P& file) { write_output_file(path, format_posterior(file)); },
-      "path"_a, "file"_a, "A posterior.json; numbers read back bit by bit.");
+      "path"_a, "file"_a, "Writes a posterior.json; numbers are read back bit by bit.");
 }
 
 /// A trajectory.
@@ -160,24 +160,25 @@ struct StampedPoses {
 };
 
 constexpr const char* kReadTumDoc =
-    R"(A trajectory in TUM's format: lines ``stamp tx ty tz qx qy qz qw``.
+    R"(Reads a trajectory in the TUM format: lines ``stamp tx ty tz qx qy qz qw``.
 
 Parameters
 ----------
 path : path
     The file.
 allow_misses : bool
-    A line of seven zeros is a frame without a pose; else an error.
+    Whether a line of seven zeros is a frame without a pose; otherwise it is an error.
 zero_translation_is_miss : bool
-    A pose with zero translation is one too.
+    Whether a pose with zero translation is a frame without a pose too.
 
 Raises
 ------
 ValueError
-    Naming file and line.
+    With file and line.
 )";
 
-constexpr const char* kWriteTumDoc = R"(A trajectory in TUM's format, 12 significant digits.
+constexpr const char* kWriteTumDoc =
+    R"(Writes a trajectory in the TUM format, with 12 significant digits.
 
 Parameters
 ----------
@@ -186,14 +187,14 @@ path : path
 stamps : array_like, shape (n,)
     Times [s].
 poses : SE3, shape (n,)
-    NaN for a miss.
+    Poses; NaN for a frame without a pose.
 misses_as_zeros : bool
-    Misses become lines of zeros; else they are left out.
+    Whether frames without a pose become lines of zeros; otherwise they are left out.
 )";
 
 void bind_tum(nb::module_& m) {
   using S = StampedPoses;
-  Record<S>(m, "StampedPoses", "Poses at times.")
+  Record<S>(m, "StampedPoses", "Poses with time stamps.")
       .field<NumbersAsArray>("stamps", &S::stamps, kFloatArray,
                              "Shape (n,), strictly increasing [s].")
       .field("poses", &S::poses, "posemix.lie.SE3",
@@ -289,21 +290,22 @@ PoseFormat format_of(const fs::path& path) {
   throw InvalidInput(path.string() + ": expected a name in .csv, .npy, .tum or .txt");
 }
 
-constexpr const char* kReadSamplesDoc = R"(Poses of a .csv, .npy, .tum or .txt file.
+constexpr const char* kReadSamplesDoc = R"(Reads the poses of a .csv, .npy, .tum or .txt file.
 
 Parameters
 ----------
 path : path
     The file.
 residuals : Side, optional
-    Residuals of estimates ``est_tx`` ... to truths ``gt_tx`` ... of a CSV file, in place of poses.
+    Side of residuals of estimates ``est_tx`` ... with respect to truths ``gt_tx`` ... of a CSV file, which are read
+instead of poses.
 weights : str, optional
-    Column of the weights of a CSV file; ``weight`` where there is such a column.
+    Column of the weights of a CSV file; by default ``weight``, if there is such a column.
 
 Raises
 ------
 ValueError
-    Naming file and line.
+    With file and line.
 )";
 
 void bind_pose_files(nb::module_& m) {
@@ -367,7 +369,7 @@ void bind_outcomes(nb::module_& m) {
       return PoseArray::of(poses);
     };
   };
-  Record<O>(m, "GraspOutcomes", "Trials of several estimators.")
+  Record<O>(m, "GraspOutcomes", "Grasp trials with the estimates of several estimators.")
       .field("grippers", &O::grippers, "list[str]", "Names.")
       .field("trials", &O::trials, "list[GraspTrial]", "Rows of the tables.")
       .done()
@@ -375,7 +377,8 @@ void bind_outcomes(nb::module_& m) {
                    "T_camera_object of every trial, shape (n,).")
       .def_prop_ro("truths", poses_of(&T::truth), "True T_camera_object of every trial.");
   m.def("read_grasp_outcomes", &read_grasp_outcomes, "folder"_a,
-        "Every table ``DATASET_ESTIMATOR.csv`` of a folder; ValueError names file and line.");
+        "Reads all tables ``DATASET_ESTIMATOR.csv`` of a folder; raises ValueError with file and "
+        "line.");
 }
 
 }  // namespace

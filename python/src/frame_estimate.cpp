@@ -60,7 +60,9 @@ void bind_hypotheses(nb::module_& m) {
   using E = ObjectEstimate;
   Record<E>(m, "ObjectEstimate", "The estimate of one object at one frame.")
       .field("world", &E::world, kMaybePose, "T_world_object; None until it was seen.")
-      .field("relative", &E::relative, kMaybePose, "T_camera_object, with the cross-covariance.")
+      .field(
+          "relative", &E::relative, kMaybePose,
+          "T_camera_object over the frames, including the cross-covariance of camera and object.")
       .field("mode_probability", &E::mode_probability, "float | None",
              "That the estimate is on the right mode, by the multi-object filter.")
       .field("alternatives", &E::alternatives, "list[ObjectAlternative]",

@@ -41,10 +41,10 @@ void bind_results(nb::module_& m) {
 }
 
 constexpr const char* kBoxDoc =
-    R"(The box of poses X = (R, t) in the frame of the grasp that a grasp tolerates.
+    R"(The box of poses X = (R, t), in the frame of the grasp, that the grasp tolerates.
 
-``|u_i|`` <= tan(rotation_i / 2) for R = R(u) in the gnomonic chart at the identity, ``|t_i|`` <=
-translation_i.)";
+It is ``|u_i|`` <= tan(rotation_i / 2), ``|t_i|`` <= translation_i, where R = R(u) in the gnomonic chart
+at the identity.)";
 
 void bind_box(nb::module_& m) {
   using B = ToleranceBox;
@@ -58,25 +58,25 @@ void bind_box(nb::module_& m) {
 }
 
 constexpr const char* kSuccessDoc =
-    R"(The probability that a pose lies in m(B) = {m X : X in B}; unbiased.
+    R"(An unbiased estimate of the probability that a pose lies in m(B) = {m X : X in B}.
 
 Parameters
 ----------
 mixture : Mixture
-    Over poses, concentrated or projected.
+    Mixture over poses, concentrated or projected.
 box : ToleranceBox
     The box B.
 m : SE3
     Frame of the grasp in the reference frame of the mixture.
 seed : int or RandomStream
-    Of the randomised points.
+    Seed of the randomised points.
 settings : SuccessSettings, optional
-    How many points.
+    Number of points.
 
 Raises
 ------
 ValueError
-    For a box with a side that is not positive or a rotation of pi or more, fewer than 2 replicates or
+    For a box with a side that is not positive or a rotation of pi or more, fewer than 2 replicates, or
     no points.
 
 References
@@ -94,23 +94,23 @@ Examples
 )";
 
 constexpr const char* kBestDoc =
-    R"(The m that maximises the probability that a pose lies in m(B), from the heaviest modes.
+    R"(The m that maximises the probability that a pose lies in m(B); the search starts at the heaviest modes.
 
 Parameters
 ----------
 mixture : Mixture
-    Over poses.
+    Mixture over poses.
 box : ToleranceBox
     The box B.
 seed : int or RandomStream
-    Of the randomised points.
+    Seed of the randomised points.
 settings : BestGraspSettings, optional
-    Starts, points, when the search stops.
+    Number of starts and of points, stopping criteria.
 
 Raises
 ------
 ValueError
-    As `success_probability`, and for no starts.
+    As for `success_probability`, and for no starts.
 )";
 
 using AnyPoseMixture = std::variant<Mixture<ConcentratedSE3>, Mixture<ProjectedSE3>>;

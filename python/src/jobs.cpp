@@ -38,22 +38,22 @@ auto read_document(const fs::path& path, const std::vector<std::string>& overrid
   return read(document);
 }
 
-constexpr const char* kReadJobDoc = R"(A sequence file and every file that it names.
+constexpr const char* kReadJobDoc = R"(Reads a sequence file and every file that it names.
 
 Parameters
 ----------
 path : path
     The sequence file (TOML).
 data : path, optional
-    Folder below which the recording's files lie; unless given the sequence file's own, then
-    POSEMIX_DATA or the cache of ``posemix data``.
+    Folder of the recording's files; by default the sequence file's own, then POSEMIX_DATA or the cache of
+    ``posemix data``.
 overrides : sequence of str
-    ``key=value``, as ``posemix slam --set``.
+    Settings ``key=value``, as for ``posemix slam --set``.
 
 Raises
 ------
 ValueError
-    Naming file, line and key.
+    With file, line and key.
 )";
 
 using MethodOrName = std::variant<std::string, SlamMethod>;
@@ -68,8 +68,7 @@ SlamJob using_method(const SlamJob& job, const MethodOrName& method) {
 void bind_job(nb::module_& m) {
   using J = SlamJob;
   Record<J>(m, "SlamJob",
-            "All that object SLAM needs for one run; `posemix.io.read_slam_job` reads it from a "
-            "file.")
+            "The input of one run of object SLAM; `posemix.io.read_slam_job` reads it from a file.")
       .made_from([] { return J{{}, {}, {}, unit_density(), {}, {}}; })
       .field("name", &J::name, "str", "Display name of the recording.")
       .field("method", &J::method, "str", "Display name of the method.")
@@ -79,8 +78,10 @@ void bind_job(nb::module_& m) {
              "T_world_camera of the first frame.")
       .field("models", &J::models, "list[ObjectModel]", "One per object of the sequence.")
       .field("settings", &J::settings, "ObjectSlamSettings", "Tracker and motion model.")
-      .field("smoothing", &J::smoothing, "SmoothingSettings | None", "Of the multi-object tracker.")
-      .field("trace_hypotheses", &J::trace_hypotheses, "int", "Hypotheses per frame in trace.json.")
+      .field("smoothing", &J::smoothing, "SmoothingSettings | None",
+             "Smoothing, for the multi-object filter only.")
+      .field("trace_hypotheses", &J::trace_hypotheses, "int",
+             "Number of hypotheses per frame in trace.json.")
       .shown_as([](const J& self) {
         return fmt::format("<SlamJob '{}' by {}: {}>", self.name, self.method,
                            nb::repr(nb::cast(self.sequence)).c_str());
@@ -88,8 +89,8 @@ void bind_job(nb::module_& m) {
       .constructible(6)
       .done()
       .def("using", &using_method, "method"_a,
-           "The job by another of `slam_methods`: its tracker, smoothing, and noise of the object "
-           "models.\n\nRaises\n------\nValueError\n    For a name that is not known.\n");
+           "The job with another method of `slam_methods`: its tracker, smoothing, and noise of "
+           "the object models.\n\nRaises\n------\nValueError\n    For a name that is not known.\n");
   m.def(
       "read_slam_job",
       [](const fs::path& path, const std::optional<fs::path>& data,
@@ -101,7 +102,7 @@ void bind_job(nb::module_& m) {
       "path"_a, "data"_a = nb::none(), "overrides"_a = nb::tuple(), kReadJobDoc);
 }
 
-/// Writes files of a folder that appears as a whole.
+/// Writes files to a folder that appears as a whole.
 template <class Files>
 void write_folder(const fs::path& target, const Files& files) {
   OutputFolder folder(target);
@@ -110,38 +111,38 @@ void write_folder(const fs::path& target, const Files& files) {
 }
 
 constexpr const char* kWriteResultsDoc =
-    R"(The files that ``posemix slam`` writes: trajectories, metrics, posterior, trace, picture.
+    R"(Writes the files of ``posemix slam``: trajectories, metrics, posterior, trace, picture.
 
 Parameters
 ----------
 folder : path
-    Appears, or its files are replaced, as a whole.
+    The folder; it appears, or its files are replaced, as a whole.
 job : SlamJob
-    What was run.
+    The job.
 run : SlamRun
-    Its result; with recorded hypotheses for the trace.
+    The result of the job; with recorded hypotheses for the trace.
 
 Raises
 ------
 ValueError
     When an estimate is not finite.
 OSError
-    Where the system refuses.
+    If the system refuses.
 )";
 
 constexpr const char* kWriteSimulationDoc =
-    R"(A simulated recording as files that ``posemix slam`` reads.
+    R"(Writes a simulated recording as files for ``posemix slam``.
 
 Parameters
 ----------
 folder : path
-    Appears as a whole.
+    The folder; it appears as a whole.
 file : SimulationFile
-    What was simulated.
+    The configuration of the simulation.
 simulated : SimulatedSequence
     The recording.
 seed : int
-    It was simulated with, for the record.
+    The seed of the simulation, which is recorded in the files.
 )";
 
 void bind_results(nb::module_& m) {
@@ -156,10 +157,10 @@ void bind_results(nb::module_& m) {
 
 void bind_simulation_files(nb::module_& m) {
   using F = SimulationFile;
-  Record<F>(m, "SimulationFile", "What a simulation file says.")
+  Record<F>(m, "SimulationFile", "The content of a simulation file.")
       .field("config", &F::config, "SimulationConfig", "What is simulated.")
       .field("filter", &F::filter, "list[tuple[str, str]]",
-             "The table [filter] for the sequence file: keys, and values as TOML writes them.")
+             "The table [filter] for the sequence file: keys, and values in the form of TOML.")
       .constructible(2)
       .done();
   m.def(
@@ -170,7 +171,7 @@ void bind_simulation_files(nb::module_& m) {
         });
       },
       "path"_a, "overrides"_a = nb::tuple(),
-      "The configuration of ``posemix simulate``; arguments as of `read_slam_job`.");
+      "Reads the configuration of ``posemix simulate``; arguments as for `read_slam_job`.");
   m.def(
       "write_simulation",
       [](const fs::path& folder, const F& file, const SimulatedSequence& simulated,

@@ -134,7 +134,7 @@ constexpr const char* kPoseCovarianceDoc =
 Parameters
 ----------
 rotation_sd_rad, translation_sd_m : array_like, shape (3,) or ()
-    Standard deviations [rad, m]; a single one stands for all axes.
+    Standard deviations [rad, m]; a single one is used for all axes.
 
 Returns
 -------
@@ -164,12 +164,13 @@ void bind_sensor(nb::module_& m) {
       },
       "rotation_sd_rad"_a, "translation_sd_m"_a, kPoseCovarianceDoc);
   m.def("default_detector_noise", &default_detector_noise,
-        "The error of detectors of single images, where nothing better is known.\n\n"
+        "The default noise of detectors that use single images.\n\n"
         "Rotation about the camera's axes 7.5 deg and about the viewing ray 2 deg, translation "
         "0.7 % of the range across\nthe ray and 4.5 % along it; a second component 2.7 times as "
         "wide; and clutter.\n");
   m.def("along_camera", &along_camera, "noise"_a, "camera_object"_a,
-        "The component with covariances along the camera's axes in metres, for an object there.\n\n"
+        "The component with covariances along the camera's axes [rad, m], for an object at "
+        "`camera_object`.\n\n"
         "Parameters\n----------\nnoise : NoiseComponent\n"
         "    Of NoiseFrame.ray or any other, which stays as it is.\n"
         "camera_object : SE3\n    T_camera_object.\n");

@@ -129,33 +129,32 @@ void bind_models(nb::module_& m) {
 }
 
 constexpr const char* kFitNoiseDoc =
-    R"(The noise of a detector, learned from detections of one class of objects with their truth.
+    R"(Learns the noise of a detector from detections of one class of objects with ground truth.
 
-Mixtures of 1, 2, ... components with clutter are fitted by EM, the criterion chooses one of them and the frame of
-its covariances, poses that are wrong again and again become modes, and the correlation of the errors in time
-becomes the model's dependence.
+Mixtures of 1, 2, ... components with clutter are fitted by EM; the criterion chooses one of them and the frame of
+its covariances. Wrong poses that recur become modes, and the correlation of the errors in time is estimated.
 
 Parameters
 ----------
 truth, detected : SE3, shape (n,)
-    T_camera_object by ground truth and by the detector, one per frame in the order of time; NaN where it is not
-    known or not detected (`with_misses`).
+    T_camera_object by ground truth and by the detector, one per frame in the order of time; NaN in frames
+    without ground truth or without a detection (`with_misses`).
 recording : array_like, shape (n,), optional
-    Name or number of the recording of every frame; one recording where None.
+    Name or number of the recording of every frame; a single recording if None.
 settings : NoiseFitSettings, optional
-    Models that are tried, and what decides between them.
+    Models that are tried, and the criterion that chooses one.
 seed : int or RandomStream
-    Of the starts.
+    Seed of the starts.
 
 Returns
 -------
 NoiseFit
-    With the model in ``noise`` and its text in ``to_toml()``.
+    The result, with the model in ``noise`` and its text in ``to_toml()``.
 
 Raises
 ------
 ValueError
-    For other numbers of poses, fewer than two detections, and settings that contradict each other.
+    For numbers of poses that differ, fewer than two detections, and settings that contradict each other.
 
 Examples
 --------
@@ -239,19 +238,19 @@ void bind_fit(nb::module_& m) {
 }
 
 constexpr const char* kOdometryDoc =
-    R"(A random walk of the odometry and a jitter of the truth, from the growth of the error with time.
+    R"(Learns the random walk of the odometry and the jitter of the ground truth from the growth of the error with time.
 
 Parameters
 ----------
 recordings : Sequence or iterable of Sequence
-    With `odometry` and `camera_truth`.
+    Recordings; those without `odometry` or `camera_truth` are left out.
 settings : OdometryNoiseSettings, optional
-    Lengths of the windows, samples for the standard errors.
+    Lengths of the windows, number of samples for the standard errors.
 
 Raises
 ------
 ValueError
-    Where no recording has a window with odometry and truth at both ends.
+    If no recording has a window with odometry and ground truth at both ends.
 )";
 
 void bind_odometry(nb::module_& m) {

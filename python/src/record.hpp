@@ -40,7 +40,7 @@ class Record {
     return add<SettingValue<Value>>(name, member, type, text, get);
   }
 
-  /// The repr in place of that of all fields.
+  /// Sets the repr, which by default has all fields.
   Record& shown_as(std::function<std::string(const T&)> text) {
     fields_->show_as(std::move(text));
     return *this;

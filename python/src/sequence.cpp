@@ -50,16 +50,15 @@ std::string names_of(const Sequence& sequence) {
 
 void bind_recordings(nb::module_& m) {
   using C = Candidate;
-  Record<C>(m, "Candidate",
-            "A detection that names the class of the object, not which one of several it is.")
+  Record<C>(m, "Candidate", "A detection that names the class of the object but not the instance.")
       .field("class_id", &C::class_id, "str", "The class.")
       .field("camera_object", &C::camera_object, "posemix.lie.SE3", "T_camera_object as detected.")
-      .field("score", &C::score, "float", "The detector's confidence, larger is surer.")
+      .field("score", &C::score, "float", "Confidence of the detector; larger is more certain.")
       .constructible(2)
       .done();
   using O = ObjectRecording;
   Record<O>(m, "ObjectRecording", "The recording of one object.")
-      .field("id", &O::id, "str", "Its name.")
+      .field("id", &O::id, "str", "Name of the object.")
       .field("detections", &O::detections, "posemix.lie.SE3",
              "Shape (n,): T_camera_object by the detector, NaN where it was not detected; see "
              "`with_misses`.")
@@ -95,15 +94,16 @@ Examples
 void bind_sequence(nb::module_& m) {
   bind_recordings(m);
   using S = Sequence;
-  Record<S>(m, "Sequence",
-            "A recording. Arrays over frames have one entry per stamp, NaN where there is none.")
+  Record<S>(
+      m, "Sequence",
+      "A recording. Arrays over frames have one entry per stamp, NaN in frames without a pose.")
       .field<NumbersAsArray>("stamps", &S::stamps, kFloatArray,
                              "Shape (n,), strictly increasing [s].")
       .field("odometry", &S::odometry, kMaybePoses, "Shape (n,): T_odom_camera.")
       .field("camera_truth", &S::camera_truth, kMaybePoses, "Shape (n,): true T_world_camera.")
-      .field("objects", &S::objects, "list[ObjectRecording]", "What was seen.")
+      .field("objects", &S::objects, "list[ObjectRecording]", "Recordings of the objects.")
       .field("candidates", &S::candidates, "list[list[Candidate]]",
-             "Detections that do not say which instance they are of, per frame; none unless given.")
+             "Detections that name only the class, per frame; none unless given.")
       .shown_as([](const S& self) {
         return fmt::format("<Sequence of {} frames over {:.6g} s, objects {}>", self.stamps.size(),
                            self.stamps.back() - self.stamps.front(), names_of(self));

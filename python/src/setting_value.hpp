@@ -22,7 +22,7 @@
 
 namespace posemix::python {
 
-/// How the value of a setting goes between C++ and Python, and how people read it.
+/// Conversion of a setting's value between C++ and Python, comparison, and its text in a repr.
 template <class Value>
 struct SettingValue {
   static constexpr bool kIsArray = false;
@@ -50,7 +50,7 @@ inline constexpr bool kIsVariant = false;
 template <class... Values>
 inline constexpr bool kIsVariant<std::variant<Values...>> = true;
 
-/// Vectors and matrices, from anything that numpy makes an array of.
+/// Vectors and matrices, from any value that numpy can convert to an array.
 template <int Rows, int Columns, int Options, int MaxRows, int MaxColumns>
 struct SettingValue<Eigen::Matrix<double, Rows, Columns, Options, MaxRows, MaxColumns>> {
   using Value = Eigen::Matrix<double, Rows, Columns, Options, MaxRows, MaxColumns>;

@@ -86,7 +86,7 @@ void bind_object(nb::module_& m) {
 
 void bind_config(nb::module_& m) {
   using C = SimulationConfig;
-  Settings<C>(m, "SimulationConfig", "What is simulated.")
+  Settings<C>(m, "SimulationConfig", "The configuration of the simulation.")
       .field("path", &C::path, "SimulationPath", "Of the camera.")
       .field("odometry", &C::odometry, "SimulationSd",
              "Its error per square root of a second, right perturbation, camera frame.")

@@ -67,8 +67,8 @@ struct NamedInput {
 void bind_frame_input(nb::module_& m) {
   using N = NamedInput;
   Record<N>(m, "FrameInput",
-            "Input of one frame. Of the first frame `dt` and `motion` are ignored.")
-      .field("dt", &N::dt, "float", "Since the last frame, positive [s].")
+            "Input of one frame. In the first frame `dt` and `motion` are ignored.")
+      .field("dt", &N::dt, "float", "Time since the last frame, positive [s].")
       .field("motion", &N::motion, "posemix.lie.SE3 | None",
              "T_camera(k-1)_camera(k), from odometry.")
       .field(
@@ -84,17 +84,17 @@ void bind_frame_input(nb::module_& m) {
 }
 
 constexpr const char* kSlamDoc =
-    R"(Camera and objects, estimated live.
+    R"(Live estimation of camera and objects.
 
-A frame is predict, update, reduce, summarise; objects seen for the first time enter after the update.
-Frames without detections or without odometry are valid.
+A step predicts, updates, reduces and summarises; objects seen for the first time are added after the
+update. Frames without detections or without odometry are valid.
 
 Parameters
 ----------
 camera : ConcentratedGaussian
     Prior of T_world_camera at the first frame.
 objects : sequence of ObjectModel
-    What may be seen.
+    Models of the objects that may be detected.
 settings : ObjectSlamSettings, optional
     Filter and motion model.
 
@@ -121,13 +121,13 @@ DetectionStatus.used
 0.8
 )";
 
-constexpr const char* kStepDoc = R"(The next frame; at the first one nothing moves.
+constexpr const char* kStepDoc = R"(Processes the next frame; the first one is not predicted.
 
 Raises
 ------
 ValueError
-    When the number of detections is not that of the object models, dt is not positive after the first
-    frame, or another filter than the multi-object one gets candidates.
+    When the numbers of detections and object models differ, dt is not positive after the first frame, or
+    there are candidates for a filter other than the multi-object filter.
 )";
 
 std::string slam_text(const ObjectSlam& slam) {
@@ -172,43 +172,44 @@ void bind_object_slam(nb::module_& m) {
           "Ids of the object models, in their order.")
       .def_prop_ro(
           "objects", [](const S& self) { return self.objects(); }, "Copies of the object models.")
-      .def_prop_ro("posterior", &S::posterior,
-                   "The joint posterior; of the multi-object filter camera and leading hypotheses.")
+      .def_prop_ro(
+          "posterior", &S::posterior,
+          "The joint posterior; for the multi-object filter that of camera and leading hypotheses.")
       .def_prop_ro(
           "estimate", [](const S& self) { return self.estimate(); },
-          "One Gaussian for all poses; pose 0 is the camera, see `pose_index`.")
+          "One Gaussian over all poses; pose 0 is the camera, see `pose_index`.")
       .def("pose_index", &S::pose_index, "object"_a,
-           "Index of the object's pose in the estimate; None until it was seen.")
+           "Index of the object's pose in the estimate; None before its first detection.")
       .def("detections", &S::detections, "object"_a,
-           "Detections that made the object what it is, candidates included.")
+           "Number of detections that have updated the object, candidates included.")
       .def_prop_ro(
           "multi_object",
           [](const S& self) -> std::optional<MultiObjectFilter> {
             if (self.multi_object() == nullptr) return std::nullopt;
             return *self.multi_object();
           },
-          "A copy of the multi-object filter where it is the one behind this.")
+          "A copy of the multi-object filter; None for another tracker.")
       .def("__repr__", &slam_text);
   with_copies(slam);
 }
 
 constexpr const char* kSmootherDoc =
-    R"(Object SLAM that reports each frame some frames later than it comes, smoothed.
+    R"(Object SLAM with smoothed estimates, each reported some frames later.
 
 Parameters
 ----------
 camera, objects, settings
-    As of `ObjectSlam`; the filter must be the multi-object one.
+    As for `ObjectSlam`; the filter must be the multi-object filter.
 smoothing : SmoothingSettings
-    How far it looks ahead.
+    Number of frames that the smoother looks ahead.
 record_hypotheses : bool
-    Whether estimates hold the alternatives of every object.
+    Whether estimates have the alternatives of every object.
 
 Raises
 ------
 ValueError
-    As `ObjectSlam`, when a setting is out of range, when the filter is not the multi-object one, and
-    when it only considers the camera.
+    As for `ObjectSlam`, when a setting is out of range, when the filter is not the multi-object filter,
+    and when it only considers the camera.
 )";
 
 void bind_smoother(nb::module_& m) {
@@ -230,16 +231,18 @@ void bind_smoother(nb::module_& m) {
             return self.step(input.of(self.slam().objects()));
           },
           "input"_a,
-          "As `ObjectSlam.step`, the estimate of the frame `lag_frames` earlier, if there is "
-          "one.\n\n"
-          "Raises\n------\nValueError\n    As `ObjectSlam.step`, and for candidates.\n")
-      .def("finish", &S::finish, "The frames that are left, after the last one.")
+          "Processes the next frame; returns the estimate of the frame `lag_frames` earlier, if "
+          "there is one.\n\n"
+          "Raises\n------\nValueError\n    As for `ObjectSlam.step`, and for candidates.\n")
+      .def("finish", &S::finish,
+           "The estimates of the frames that have not been reported, after the last step.")
       .def_prop_ro(
           "slam", [](const S& self) { return ObjectSlam(self.slam()); },
-          "A copy of the filter that runs ahead.")
+          "A copy of the filter, which is at the last frame processed.")
       .def_prop_ro(
           "joint", [](const S& self) { return self.joint(); },
-          "Camera, its motion under constant velocity, and objects, at the last frame reported.");
+          "Joint density at the last frame reported: camera, its motion under constant velocity, "
+          "objects.");
   with_copies(smoother);
 }
 
@@ -251,13 +254,13 @@ Parameters
 instances : sequence of ConcentratedGaussian
     Predicted T_camera_object of the instances.
 candidates : sequence of Candidate
-    Of one class in one frame.
+    Candidates of one class in one frame.
 noise : NoiseComponent
-    The detector's error on this class.
+    Noise of the detector for this class.
 symmetries : SymmetryGroup, optional
-    Of the class.
+    Symmetries of the class.
 settings : AssociationSettings, optional
-    Gate, and when a candidate is new.
+    Gate, and criterion for a new instance.
 
 Raises
 ------
@@ -266,12 +269,12 @@ ValueError
 )";
 
 constexpr const char* kAssignmentDoc =
-    R"(For each row of a cost matrix its own column so that the sum of the entries is least.
+    R"(A different column for each row of a cost matrix such that the sum of the entries is least.
 
 Parameters
 ----------
 cost : array_like, shape (rows, columns)
-    Finite, with at least as many columns as rows.
+    Costs, finite, with at least as many columns as rows.
 
 Examples
 --------
@@ -284,11 +287,12 @@ void bind_association_functions(nb::module_& m) {
   using A = Association;
   Record<A>(m, "Association", "What a candidate is.")
       .field("status", &A::status, "CandidateStatus",
-             "Assigned to an instance, fresh, or rejected.")
-      .field("instance", &A::instance, "int", "Where assigned: index among the instances.")
+             "Whether it is assigned to an instance, fresh, or rejected.")
+      .field("instance", &A::instance, "int", "If assigned: index among the instances.")
       .field("camera_object", &A::camera_object, "posemix.lie.SE3",
-             "Where assigned: the equivalent pose nearest to the instance; elsewhere as detected.")
-      .field("cost", &A::cost, "float", "Where assigned: its part of the total cost.")
+             "If assigned: the equivalent pose nearest to the instance; otherwise the pose as "
+             "detected.")
+      .field("cost", &A::cost, "float", "If assigned: its part of the total cost.")
       .done();
   m.def(
       "associate",

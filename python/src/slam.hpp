@@ -20,8 +20,8 @@ struct RecordedRun : SlamRun {
 
 inline ConcentratedSE3 unit_density() { return ConcentratedSE3(SE3d(), Matrix6d::Identity()); }
 
-/// What a run does after every frame, without the interpreter's lock held: signals are handed on,
-/// and `progress` (None or a function of frames done and in all) is called.
+/// The callback of a run after every frame, called without the interpreter's lock: it handles
+/// signals and calls `progress` (None, or a function of the number of frames done and in all).
 std::function<bool(std::size_t, std::size_t)> progress_of(const nb::object& progress);
 
 }  // namespace posemix::python

@@ -98,7 +98,7 @@ std::string ids_text(const RecordedRun& run) {
 }
 
 constexpr const char* kRunDoc =
-    R"(A processed recording; `run` makes it. ``run[i]`` is the `FrameEstimate` of frame i.
+    R"(The result of `run`. ``run[i]`` is the `FrameEstimate` of frame i.
 
 A run that a progress callback stopped is shorter than the recording.
 )";
@@ -118,7 +118,8 @@ void bind_tracks(nb::class_<RecordedRun>& run) {
       "camera",
       [](const R& self) { return track(self, [](const Frame& frame) { return &frame.camera; }); },
       nb::for_getter(nb::sig("def camera(self, /) -> posemix.runs.PoseTrack")), "T_world_camera.");
-  tracked("object", &Frame::objects, "T_world_object of an object by index or id.");
+  tracked("object", &Frame::objects,
+          "T_world_object over the frames, of an object by index or id.");
   tracked("relative", &Frame::relative, "T_camera_object, with the cross-covariance.");
   run.def("mode_probabilities", of_object([](const R& self, std::size_t j) {
             return over_frames(self, [&](const Frame& frame) {
@@ -127,7 +128,7 @@ void bind_tracks(nb::class_<RecordedRun>& run) {
             });
           }),
           "object"_a,
-          "Probabilities that the estimate is on the right mode, shape (n,); NaN where unknown.");
+          "Probability that the estimate is on the right mode, shape (n,); NaN if unknown.");
 }
 
 void bind_run_class(nb::module_& m) {
@@ -147,7 +148,7 @@ void bind_run_class(nb::module_& m) {
           nb::for_getter(nb::sig(kept(fmt::format("def stamps(self, /) -> {}", kFloatArray)))),
           "Times of the frames, shape (n,) [s].")
       .def_prop_ro(
-          "ids", [](const R& self) { return self.ids; }, "Names of the objects.")
+          "ids", [](const R& self) { return self.ids; }, "Ids of the objects.")
       .def_prop_ro(
           "seconds",
           [](const R& self) {
@@ -162,7 +163,7 @@ void bind_run_class(nb::module_& m) {
           "Index of every object's pose in the posterior.")
       .def_prop_ro(
           "alternatives", [](const R& self) { return self.alternatives; },
-          "Hypotheses of every object at the last frame, by the multi-object filter.")
+          "Hypotheses of every object at the last frame, with the multi-object filter.")
       .def("__copy__", [](const nb::object& self) { return self; })
       .def("__deepcopy__", [](const nb::object& self, const nb::dict& /*memo*/) { return self; })
       .def(
@@ -195,19 +196,20 @@ constexpr const char* kRunSmoothedSignature =
     "settings: ObjectSlamSettings | None = None, *, record_hypotheses: bool = False, "
     "progress: collections.abc.Callable[[int, int], bool | None] | None = None) -> SlamRun";
 
-constexpr const char* kRunSmoothedDoc = R"(`run` with estimates that also look ahead.
+constexpr const char* kRunSmoothedDoc =
+    R"(Runs object SLAM with smoothed estimates, which use later frames too.
 
 Parameters
 ----------
 sequence, camera_prior, models, settings, record_hypotheses, progress
-    As of `run`.
+    As for `run`.
 smoothing : SmoothingSettings, optional
-    How far it looks ahead: to the end unless given.
+    Number of frames that the smoother looks ahead; to the end unless given.
 
 Raises
 ------
 ValueError
-    As `run` and `FixedLagSmoother`.
+    As for `run` and `FixedLagSmoother`.
 )";
 
 void bind_run_functions(nb::module_& m) {

@@ -28,7 +28,7 @@ void bind_enums(nb::module_& m) {
       .value("birth", DetectionStatus::birth, "Explained by no hypothesis, it began one.")
       .value("gated", DetectionStatus::gated, "Left out by the gate.")
       .value("failed", DetectionStatus::failed, "Left out: not positive definite.");
-  nb::enum_<CandidateStatus>(m, "CandidateStatus", "What a candidate is.")
+  nb::enum_<CandidateStatus>(m, "CandidateStatus", "The association of a candidate.")
       .value("assigned", CandidateStatus::assigned, "Of a known instance.")
       .value("fresh", CandidateStatus::fresh, "Of an instance not known so far.")
       .value("rejected", CandidateStatus::rejected,

@@ -150,16 +150,17 @@ void bind_group(nb::module_& m) {
   group.attr("__hash__") = nb::none();
 }
 
-constexpr const char* kErrorDoc = R"(The error against the equivalent truth that is nearest.
+constexpr const char* kErrorDoc =
+    R"(The error of an estimate against the nearest of the equivalent true poses.
 
 Parameters
 ----------
 estimate, truth : SE3
     One pose each.
 symmetries : SymmetryGroup
-    Of the object.
+    Symmetries of the object.
 length_m : float
-    Nearest in terms of rotation^2 + (translation / length_m)^2.
+    Length in rotation^2 + (translation / length_m)^2, which the nearest pose minimises [m].
 )";
 
 constexpr const char* kSurfaceDoc =
@@ -170,9 +171,9 @@ Parameters
 estimate, truth : SE3
     One pose each.
 points : array_like, shape (n, 3)
-    Of the object's surface, object frame [m].
+    Points of the object's surface, in the object's frame [m].
 symmetries : SymmetryGroup
-    Of the object.
+    Symmetries of the object.
 
 Raises
 ------

@@ -89,23 +89,23 @@ std::vector<ErrorOutcome> outcomes_of(const PoseArray& errors, const ArrayLike& 
 }
 
 constexpr const char* kFitDoc =
-    R"(The most probable region of errors that a grasp forgives, given outcomes.
+    R"(The maximum a posteriori region of errors that a grasp tolerates, given outcomes.
 
 Parameters
 ----------
 errors : SE3, shape (n,)
     T_truth^-1 T_estimate of the estimates that the grasps were planned with.
 successes : array_like of bool, shape (n,)
-    What became of the grasps.
+    Outcomes of the grasps.
 seed : int or RandomStream
-    Of the starts.
+    Seed of the starts.
 settings : RegionFitSettings, optional
-    Priors, and how long is searched.
+    Priors, number of starts, limits of the search.
 
 Raises
 ------
 ValueError
-    For other numbers of errors and outcomes, and when there is no start.
+    For numbers of errors and outcomes that differ, and when there is no start.
 )";
 
 constexpr const char* kBootstrapDoc =
@@ -114,16 +114,16 @@ constexpr const char* kBootstrapDoc =
 Parameters
 ----------
 errors, successes, seed, settings
-    As of `fit_tolerance_region`.
+    As for `fit_tolerance_region`.
 groups : array_like of int, shape (n,)
-    Outcomes of one group, as of one image, are alike.
+    Groups of dependent outcomes, such as those of one image.
 count : int
     Number of regions.
 
 Raises
 ------
 ValueError
-    As `fit_tolerance_region`.
+    As for `fit_tolerance_region`.
 )";
 
 void bind_region_fit(nb::module_& m) {
@@ -163,23 +163,24 @@ void bind_region_fit(nb::module_& m) {
 }
 
 constexpr const char* kFuseDoc =
-    R"(The product of several estimators' densities of the truth, by importance sampling.
+    R"(The normalised product of several estimators' densities of the true pose, by importance sampling.
 
 Parameters
 ----------
 estimates : SE3, shape (n,) or ()
     T_camera_object by every estimator.
 errors : ErrorMixture or sequence of n
-    How each errs; a single one stands for all.
+    Error mixtures of the estimators; a single one is used for all.
 seed : int or RandomStream
-    Of the draws.
+    Seed of the draws.
 settings : ConsensusSettings, optional
-    Draws, and how far the estimators' errors depend on each other.
+    Number of draws, and correlation of the estimators' errors.
 
 Raises
 ------
 ValueError
-    Without estimates or draws, for other numbers of both, a correlation not within [0, 1].
+    Without estimates or draws, for numbers of estimates and error mixtures that differ, and for a correlation
+    outside [0, 1].
 )";
 
 constexpr const char* kConsensusSuccessDoc =
@@ -188,16 +189,16 @@ constexpr const char* kConsensusSuccessDoc =
 Parameters
 ----------
 estimate : SE3, shape (...)
-    T_camera_object that a grasp is planned with.
+    T_camera_object for which a grasp is planned.
 regions : ToleranceRegion or sequence of them
-    The mean over several is taken.
+    Tolerance of the grasp; for several regions the mean probability is taken.
 symmetry : SymmetryGroup, optional
-    Of the object.
+    Symmetries of the object.
 
 Raises
 ------
 ValueError
-    Without a region, and for one with widths or probabilities that are none.
+    Without a region, and for a region whose widths or probabilities are out of range.
 )";
 
 /// One value, or one for each.
@@ -249,7 +250,8 @@ void bind_consensus(nb::module_& m) {
       })
       .constructible(2)
       .done()
-      .def_prop_ro("effective_draws", &C::effective_draws, "1 / sum of the squared weights.")
+      .def_prop_ro("effective_draws", &C::effective_draws,
+                   "The effective number of draws, 1 / sum of the squared weights.")
       .def("resampled", &C::resampled, "count"_a,
            "`count` draws of equal weight, by systematic resampling.")
       .def("success_probability", &consensus_success, "estimate"_a, "regions"_a,
