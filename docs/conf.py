@@ -104,7 +104,9 @@ def write_python_pages() -> None:
     settings = ["# Settings, results and enumerations", "", "```{eval-rst}"]
     for name, value in sorted(vars(posemix).items()):
         if inspect.isclass(value) and value.__module__ == "posemix._core":
-            members = [] if "Attributes\n" in (value.__doc__ or "") else ["   :members:"]
+            text = value.__doc__ or ""
+            others = [n for n in vars(value) if not n.startswith("_") and f"\n{n} : " not in text]
+            members = [f"   :members: {', '.join(others)}"] if others else []
             settings += [f".. autoclass:: posemix.{name}", "   :no-index:", *members, ""]
     write(GENERATED / "python" / "settings.md", [*settings, "```"])
     write(GENERATED / "python.md", ["# Python reference", "", *toctree([*pages, "python/settings"])])

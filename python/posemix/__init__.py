@@ -7,28 +7,15 @@ Conventions: ``T_a_b`` maps points of frame b into frame a; tangent vectors are 
 """
 
 from posemix._core import (
-    CompositionRule as CompositionRule,
-    ConversionRule as ConversionRule,
-    ConversionSettings as ConversionSettings,
-    DistanceMetric as DistanceMetric,
-    DivergenceSamplingSettings as DivergenceSamplingSettings,
-    EmSettings as EmSettings,
-    EmStatus as EmStatus,
-    FuseSettings as FuseSettings,
-    FusionRule as FusionRule,
-    LargeLoss as LargeLoss,
-    MergeRule as MergeRule,
-    MergeSettings as MergeSettings,
-    MomentSettings as MomentSettings,
-    PairRule as PairRule,
-    PairWeight as PairWeight,
-    ProjectedFuseSettings as ProjectedFuseSettings,
+    CompositionRule as CompositionRule, ConversionRule as ConversionRule, ConversionSettings as ConversionSettings,
+    DistanceMetric as DistanceMetric, DivergenceSamplingSettings as DivergenceSamplingSettings,
+    EmSettings as EmSettings, EmStatus as EmStatus, FuseSettings as FuseSettings, FusionRule as FusionRule,
+    LargeLoss as LargeLoss, MergeRule as MergeRule, MergeSettings as MergeSettings, MomentSettings as MomentSettings,
+    PairRule as PairRule, PairWeight as PairWeight, ProjectedFuseSettings as ProjectedFuseSettings,
     ProjectedMixtureComposeSettings as ProjectedMixtureComposeSettings,
-    ProjectedMixtureFuseSettings as ProjectedMixtureFuseSettings,
-    ReductionSettings as ReductionSettings,
-    TransportJacobian as TransportJacobian,
-    version as version,
-)
+    ProjectedMixtureFuseSettings as ProjectedMixtureFuseSettings, ReductionSettings as ReductionSettings,
+    TransportJacobian as TransportJacobian, version as version,
+)  # fmt: skip
 from posemix.density import *
 from posemix.divergence import *
 from posemix.em import *

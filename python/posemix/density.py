@@ -42,7 +42,36 @@ def standard_deviations(covariance: FloatArray) -> str:
     return text if len(sds) <= 6 else f"covariance {covariance.shape[0]} x {covariance.shape[0]}"
 
 
-class ConcentratedGaussian(Generic[G]):
+class _Density(Generic[G]):
+    """What both kinds of density have in common: the compiled part and the group that it is on."""
+
+    __slots__ = ("_group", "_handle")
+    _group: type[G]
+    _handle: Any
+    __hash__ = None  # type: ignore[assignment]
+
+    @classmethod
+    def _of(cls, handle: Any) -> Any:
+        density = cls.__new__(cls)
+        density._handle = handle
+        density._group = SO3 if isinstance(handle, _ON_SO3) else SE3  # type: ignore[assignment]
+        return density
+
+    def _parts(self) -> tuple[Any, ...]:
+        """What the density is made from."""
+        raise NotImplementedError
+
+    def __reduce__(self) -> tuple[Any, tuple[Any, ...]]:
+        return type(self), self._parts()
+
+    def __eq__(self, other: object) -> bool:
+        if type(other) is not type(self):
+            return NotImplemented
+        pairs = zip(self._parts(), other._parts(), strict=True)
+        return all(np.array_equal(getattr(a, "_data", a), getattr(b, "_data", b)) for a, b in pairs)
+
+
+class ConcentratedGaussian(_Density[G]):
     """A Gaussian on a Lie group around one element: X = Exp(xi) mean, xi ~ N(0, covariance).
 
     The perturbation is on the left: for a pose T_a_b, xi is stated in frame a. With a mean of shape (n,) it is a
@@ -75,7 +104,7 @@ class ConcentratedGaussian(Generic[G]):
     15.21
     """
 
-    __slots__ = ("_group", "_handle")
+    __slots__ = ()
 
     def __init__(self, mean: G, covariance: npt.ArrayLike) -> None:
         matrix = np.ascontiguousarray(covariance, dtype=np.float64)
@@ -84,22 +113,13 @@ class ConcentratedGaussian(Generic[G]):
         dof = mean.DOF * math.prod(mean.shape)
         if matrix.shape != (dof, dof):
             raise ValueError(f"covariance has shape {matrix.shape}; expected ({dof}, {dof})")
-        self._group: type[G] = type(mean)
+        self._group = type(mean)
         if not mean.shape:
-            self._handle: Any = _CONCENTRATED[type(mean)](mean._data, matrix)
+            self._handle = _CONCENTRATED[type(mean)](mean._data, matrix)
         elif len(mean.shape) == 1 and isinstance(mean, SE3):
             self._handle = _core.ConcentratedStack(mean._data, matrix)
         else:
             raise ValueError(f"mean has shape {mean.shape}; expected one element, or (n,) poses")
-
-    @classmethod
-    def _of(cls, handle: Any) -> ConcentratedGaussian[G]:
-        if isinstance(handle, cls):
-            return handle
-        density = cls.__new__(cls)
-        density._handle = handle
-        density._group = SO3 if isinstance(handle, _ON_SO3) else SE3  # type: ignore[assignment]
-        return density
 
     @property
     def mean(self) -> G:
@@ -174,23 +194,14 @@ class ConcentratedGaussian(Generic[G]):
             raise ValueError("this is the density of one element; expected a joint density")
         return self._handle
 
-    def __reduce__(self) -> tuple[Any, tuple[Any, ...]]:
-        return ConcentratedGaussian, (self.mean, self.covariance)
-
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, ConcentratedGaussian):
-            return NotImplemented
-        return np.array_equal(self.mean._data, other.mean._data) and np.array_equal(
-            self.covariance, other.covariance
-        )
-
-    __hash__ = None  # type: ignore[assignment]
+    def _parts(self) -> tuple[Any, ...]:
+        return self.mean, self.covariance
 
     def __repr__(self) -> str:
         return f"ConcentratedGaussian({self.mean!r}, {standard_deviations(self.covariance)})"
 
 
-class ProjectedGaussian(Generic[G]):
+class ProjectedGaussian(_Density[G]):
     """A Gaussian in the tangent space of the unit quaternions, projected (MPG paper, III-B).
 
     y = [u, t] ~ N(tangent_mean, covariance), q = q0 (1, u) / sqrt(1 + u.u). u = axis tan(angle / 2), without unit,
@@ -211,7 +222,7 @@ class ProjectedGaussian(Generic[G]):
         For numbers that are not finite, and a covariance that is not symmetric positive definite.
     """
 
-    __slots__ = ("_group", "_handle")
+    __slots__ = ()
 
     def __init__(
         self, tangent_point: SO3, tangent_mean: npt.ArrayLike, covariance: npt.ArrayLike
@@ -221,8 +232,8 @@ class ProjectedGaussian(Generic[G]):
             raise ValueError(f"tangent_mean has shape {mean.shape}; expected (3,) or (6,)")
         matrix = as_floats(covariance, (len(mean), len(mean)), "covariance")
         group: Any = SO3 if len(mean) == 3 else SE3
-        self._group: type[G] = group
-        self._handle: Any = _PROJECTED[group](tangent_point._data, mean, matrix)
+        self._group = group
+        self._handle = _PROJECTED[group](tangent_point._data, mean, matrix)
 
     @classmethod
     def at_mean(cls, mean: G, covariance: npt.ArrayLike) -> ProjectedGaussian[G]:
@@ -238,15 +249,6 @@ class ProjectedGaussian(Generic[G]):
         if isinstance(mean, SE3):
             return cls(mean.rotation, np.r_[np.zeros(3), mean.translation], covariance)
         return cls(mean, np.zeros(3), covariance)
-
-    @classmethod
-    def _of(cls, handle: Any) -> ProjectedGaussian[G]:
-        if isinstance(handle, cls):
-            return handle
-        density = cls.__new__(cls)
-        density._handle = handle
-        density._group = SO3 if isinstance(handle, _ON_SO3) else SE3  # type: ignore[assignment]
-        return density
 
     @property
     def tangent_point(self) -> SO3:
@@ -289,22 +291,8 @@ class ProjectedGaussian(Generic[G]):
         density: ProjectedGaussian[G] = self._handle.change_chart(tangent_point._data)
         return density
 
-    def __reduce__(self) -> tuple[Any, tuple[Any, ...]]:
-        return ProjectedGaussian, (self.tangent_point, self.tangent_mean, self.covariance)
-
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, ProjectedGaussian):
-            return NotImplemented
-        return all(
-            np.array_equal(a, b)
-            for a, b in (
-                (self.tangent_point._data, other.tangent_point._data),
-                (self.tangent_mean, other.tangent_mean),
-                (self.covariance, other.covariance),
-            )
-        )
-
-    __hash__ = None  # type: ignore[assignment]
+    def _parts(self) -> tuple[Any, ...]:
+        return self.tangent_point, self.tangent_mean, self.covariance
 
     def __repr__(self) -> str:
         sds = np.sqrt(np.diagonal(self.covariance))

@@ -134,9 +134,7 @@ class _Elements:
         return rows.reshape((*self.shape, self.DOF, self.DOF))
 
     def _broadcast(self: Self, other: Self) -> tuple[FloatArray, FloatArray, tuple[int, ...]]:
-        if self.shape == other.shape:
-            return self._rows(), other._rows(), self.shape
-        if not other.shape:
+        if self.shape == other.shape or not other.shape:
             return self._rows(), other._rows(), self.shape
         if not self.shape:
             return self._rows(), other._rows(), other.shape

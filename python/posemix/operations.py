@@ -13,23 +13,10 @@ import numpy.typing as npt
 from posemix import _core
 from posemix._arrays import FloatArray, as_floats, flat_rows, require_finite
 from posemix._core import (
-    BoundedLoss,
-    CompositionRule,
-    FuseResult,
-    FuseSettings,
-    MergeRecord,
-    MergeResult,
-    MergeSettings,
-    Moments,
-    MomentSettings,
-    ProductMode,
-    ProjectedFuseSettings,
-    ProjectedMixtureComposeSettings,
-    ProjectedMixtureFuseSettings,
-    Reduction,
-    ReductionReport,
-    ReductionSettings,
-)
+    BoundedLoss, CompositionRule, FuseResult, FuseSettings, MergeRecord, MergeResult, MergeSettings, Moments,
+    MomentSettings, ProductMode, ProjectedFuseSettings, ProjectedMixtureComposeSettings, ProjectedMixtureFuseSettings,
+    Reduction, ReductionReport, ReductionSettings,
+)  # fmt: skip
 from posemix.density import ConcentratedGaussian, ProjectedGaussian
 from posemix.lie import SE3, SO3
 from posemix.mixture import Mixture, log_of_weights, overloaded

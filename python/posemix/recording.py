@@ -5,14 +5,13 @@
 from __future__ import annotations
 
 import collections.abc
-from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from posemix import _core
 from posemix._arrays import FloatArray, as_floats
+from posemix._core import Candidate, ObjectRecording, Sequence
 from posemix.lie import SE3
 
 __all__ = ["Candidate", "ObjectRecording", "Sequence", "is_known", "with_misses"]
@@ -48,7 +47,7 @@ def with_misses(
     >>> is_known(detections)
     array([ True, False,  True])
     """
-    rows = _rows(poses)
+    rows = pose_rows(poses)
     missing = np.isnan(rows).all(axis=1)
     if known is not None:
         mask = np.asarray(known, dtype=bool)
@@ -60,7 +59,8 @@ def with_misses(
     return SE3._wrap(result, (len(rows),))
 
 
-def _rows(poses: Any) -> FloatArray:
+def pose_rows(poses: Any) -> FloatArray:
+    """Poses as rows of seven numbers, of NaN for a miss."""
     if isinstance(poses, SE3):
         rows = poses._data
     elif isinstance(poses, collections.abc.Sequence) and any(
@@ -75,154 +75,3 @@ def _rows(poses: Any) -> FloatArray:
     if rows.ndim != 2:
         raise ValueError(f"poses have shape {rows.shape[:-1]}; expected (n,)")
     return rows
-
-
-def optional_rows(poses: SE3 | None) -> FloatArray:
-    """Rows for the compiled part; none for None."""
-    return np.empty((0, 7)) if poses is None else np.ascontiguousarray(_rows(poses))
-
-
-def optional_poses(rows: FloatArray) -> SE3 | None:
-    """The poses in rows of the compiled part, or None; the inverse of `optional_rows`."""
-    return SE3._wrap(rows, (len(rows),)) if len(rows) else None
-
-
-@dataclass(frozen=True)
-class Candidate:
-    """A detection that names the class of the object but not the instance.
-
-    Attributes
-    ----------
-    class_id : str
-        The class.
-    camera_object : SE3
-        T_camera_object as detected.
-    score : float
-        Confidence of the detector; larger is more certain.
-    """
-
-    class_id: str
-    camera_object: SE3
-    score: float = 0.0
-
-
-def candidate_rows(
-    candidates: collections.abc.Iterable[Candidate],
-) -> list[tuple[str, SE3, float]]:
-    """Candidates for the compiled part."""
-    return [(c.class_id, c.camera_object, c.score) for c in candidates]
-
-
-@dataclass(frozen=True, eq=False)
-class ObjectRecording:
-    """The recording of one object.
-
-    Attributes
-    ----------
-    id : str
-        Name of the object.
-    detections : SE3, shape (n,)
-        T_camera_object by the detector, NaN in frames without a detection; see `with_misses`.
-    relative_truth : SE3, shape (n,), optional
-        True T_camera_object.
-    world_truth : SE3, shape (n,), optional
-        True T_world_object.
-    """
-
-    id: str
-    detections: SE3
-    relative_truth: SE3 | None = None
-    world_truth: SE3 | None = None
-
-    def __repr__(self) -> str:
-        seen = int(is_known(self.detections).sum())
-        return f"<ObjectRecording '{self.id}', {seen} detections in {len(self.detections)} frames>"
-
-
-@dataclass(frozen=True, eq=False)
-class Sequence:
-    """A recording. Arrays over frames have one entry per stamp, NaN in frames without a pose.
-
-    Attributes
-    ----------
-    stamps : ndarray, shape (n,)
-        Times of the frames, strictly increasing [s].
-    odometry : SE3, shape (n,), optional
-        T_odom_camera.
-    camera_truth : SE3, shape (n,), optional
-        True T_world_camera.
-    objects : list of ObjectRecording
-        Recordings of the objects.
-    candidates : list of list of Candidate
-        Detections that name only the class, per frame; none unless given.
-
-    Raises
-    ------
-    ValueError
-        When there is no frame, stamps do not increase, an array has the wrong length, two objects share an id, or
-        a pose is not finite.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from posemix import SE3, ObjectRecording, Sequence
-    >>> still = SE3.identity((5,))
-    >>> Sequence(np.arange(5), still, objects=[ObjectRecording("mug", still)])
-    <Sequence of 5 frames over 4 s, objects mug>
-    """
-
-    stamps: FloatArray
-    odometry: SE3 | None = None
-    camera_truth: SE3 | None = None
-    objects: list[ObjectRecording] = field(default_factory=list)
-    candidates: list[list[Candidate]] = field(default_factory=list)
-
-    def __post_init__(self) -> None:
-        stamps = np.ascontiguousarray(self.stamps, dtype=np.float64)
-        object.__setattr__(self, "stamps", stamps)
-        self._compiled()
-
-    def __len__(self) -> int:
-        return len(self.stamps)
-
-    def _compiled(self) -> _core.Sequence:
-        objects = [
-            (
-                recording.id,
-                optional_rows(recording.detections),
-                optional_rows(recording.relative_truth),
-                optional_rows(recording.world_truth),
-            )
-            for recording in self.objects
-        ]
-        return _core.Sequence(
-            self.stamps,
-            optional_rows(self.odometry),
-            optional_rows(self.camera_truth),
-            objects,
-            [candidate_rows(frame) for frame in self.candidates],
-        )
-
-    @classmethod
-    def _of(cls, handle: _core.Sequence) -> Sequence:
-        stamps, odometry, camera_truth, objects, candidates = handle.parts()
-        return cls(
-            stamps,
-            optional_poses(odometry),
-            optional_poses(camera_truth),
-            [
-                ObjectRecording(
-                    id,
-                    SE3._wrap(detections, (len(detections),)),
-                    optional_poses(relative),
-                    optional_poses(world),
-                )
-                for id, detections, relative, world in objects
-            ],
-            [[Candidate(*c) for c in frame] for frame in candidates],
-        )
-
-    def __repr__(self) -> str:
-        names = ", ".join(recording.id for recording in self.objects) or "none"
-        time = self.stamps[-1] - self.stamps[0]
-        return f"<Sequence of {len(self)} frames over {time:.6g} s, objects {names}>"

@@ -19,22 +19,29 @@
 namespace posemix::python {
 namespace {
 
+/// The class of a density with what all kinds have.
+template <class D>
+nb::class_<D> bind_gaussian(nb::module_& m, const char* name) {
+  nb::class_<D> made(m, name);
+  made.def_prop_ro(
+      "mean", [](const D& self) { return array_of(self.mean()); }, nb::rv_policy::move);
+  made.def_prop_ro(
+      "covariance", [](const D& self) { return matrix_array(self.covariance()); },
+      nb::rv_policy::move);
+  return made;
+}
+
 template <class G>
 void bind_concentrated(nb::module_& m, const char* name) {
   using D = ConcentratedGaussian<G>;
   using Covariance = typename G::TangentMatrix;
-  nb::class_<D>(m, name)
+  bind_gaussian<D>(m, name)
       .def(
           "__init__",
           [](Unmade<D> self, const Numbers& mean, const Covariance& covariance) {
             new (self.place) D(element_of<G>(mean), covariance);
           },
           "mean"_a, "covariance"_a)
-      .def_prop_ro(
-          "mean", [](const D& self) { return array_of(self.mean()); }, nb::rv_policy::move)
-      .def_prop_ro(
-          "covariance", [](const D& self) { return matrix_array(self.covariance()); },
-          nb::rv_policy::move)
       .def_prop_ro(
           "body_covariance", [](const D& self) { return matrix_array(self.body_covariance()); },
           nb::rv_policy::move)
@@ -77,18 +84,13 @@ void bind_concentrated(nb::module_& m, const char* name) {
 
 void bind_stack(nb::module_& m) {
   using D = ConcentratedStack;
-  nb::class_<D>(m, "ConcentratedStack")
+  bind_gaussian<D>(m, "ConcentratedStack")
       .def(
           "__init__",
           [](Unmade<D> self, const Rows& mean, const Eigen::MatrixXd& covariance) {
             new (self.place) D(PoseStackd(elements_of<SE3d>(mean, "mean")), covariance);
           },
           "mean"_a, "covariance"_a)
-      .def_prop_ro(
-          "mean", [](const D& self) { return array_of(self.mean()); }, nb::rv_policy::move)
-      .def_prop_ro(
-          "covariance", [](const D& self) { return matrix_array(self.covariance()); },
-          nb::rv_policy::move)
       .def(
           "marginal", [](const D& self, std::size_t index) { return marginal(self, index); },
           "index"_a)
@@ -148,7 +150,7 @@ template <class G>
 void bind_projected(nb::module_& m, const char* name) {
   using D = ProjectedGaussian<G>;
   using Covariance = typename G::TangentMatrix;
-  nb::class_<D>(m, name)
+  bind_gaussian<D>(m, name)
       .def(
           "__init__",
           [](Unmade<D> self, const Numbers& tangent_point, const typename G::Tangent& mean,
@@ -162,11 +164,6 @@ void bind_projected(nb::module_& m, const char* name) {
       .def_prop_ro(
           "tangent_mean", [](const D& self) { return vector_array(self.tangent_mean()); },
           nb::rv_policy::move)
-      .def_prop_ro(
-          "covariance", [](const D& self) { return matrix_array(self.covariance()); },
-          nb::rv_policy::move)
-      .def_prop_ro(
-          "mean", [](const D& self) { return array_of(self.mean()); }, nb::rv_policy::move)
       .def_prop_ro("log_normalizer", &D::log_normalizer)
       .def("log_density", &log_densities<D>, "points"_a)
       .def(

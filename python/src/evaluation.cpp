@@ -3,9 +3,13 @@
 #include "posemix/slam/evaluation.hpp"
 
 #include <utility>
+#include <variant>
 
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/variant.h>
+
+#include "posemix/slam/job.hpp"
 
 #include "record.hpp"
 #include "slam.hpp"
@@ -123,16 +127,57 @@ void bind_metrics(nb::module_& m) {
 
 using TruthAt = std::optional<SE3d> (*)(const Sequence&, std::size_t, std::size_t);
 
-Array truth_rows(const Sequence& sequence, std::size_t object, TruthAt truth_at) {
-  if (object >= sequence.objects.size()) {
-    throw InvalidInput(fmt::format("there is no object {}; expected less than {}", object,
-                                   sequence.objects.size()));
-  }
-  MaybePoses poses;
-  for (std::size_t i = 0; i < sequence.stamps.size(); ++i)
-    poses.push_back(truth_at(sequence, object, i));
-  return rows_of(poses);
+/// A truth of one object over the frames of a recording.
+auto over_frames(TruthAt truth_at) {
+  return [truth_at](const Sequence& sequence, std::size_t object) {
+    if (object >= sequence.objects.size()) {
+      throw InvalidInput(fmt::format("there is no object {}; expected less than {}", object,
+                                     sequence.objects.size()));
+    }
+    MaybePoses poses;
+    for (std::size_t i = 0; i < sequence.stamps.size(); ++i)
+      poses.push_back(truth_at(sequence, object, i));
+    return PoseArray::of(rows_of(poses), {poses.size()});
+  };
 }
+
+constexpr const char* kEvaluateDoc =
+    R"(Errors of a run against the ground truth of its recording; None without ground truth.
+
+Parameters
+----------
+sequence : Sequence or SlamJob
+    The recording, or the job with it.
+run : SlamRun
+    The result of the run.
+)";
+
+constexpr const char* kSquaredErrorDoc =
+    R"(The NEES e^T P^-1 e, e = Log(X_true X_est^-1); if consistent, chi-square with 6 degrees of freedom.
+
+Parameters
+----------
+estimate : ConcentratedGaussian
+    Estimate of one pose.
+truth : SE3
+    The true pose.
+)";
+
+constexpr const char* kTruthDoc =
+    R"(True T_camera_object of one object, computed from the ground truth that is known.
+
+Parameters
+----------
+sequence : Sequence
+    The recording.
+object : int
+    Index of the object.
+
+Returns
+-------
+SE3, shape (n,)
+    NaN in frames without ground truth.
+)";
 
 }  // namespace
 
@@ -140,19 +185,24 @@ void bind_evaluation(nb::module_& m) {
   bind_pose_errors(m);
   bind_object_metrics(m);
   bind_metrics(m);
-  m.def("evaluate", [](const Sequence& sequence, const SlamRun& run) {
-    const nb::gil_scoped_release unlocked;
-    return evaluate(sequence, run);
-  });
-  m.def("true_relative_pose", [](const Sequence& sequence, std::size_t object) {
-    return truth_rows(sequence, object, &true_relative_pose);
-  });
-  m.def("true_world_pose", [](const Sequence& sequence, std::size_t object) {
-    return truth_rows(sequence, object, &true_world_pose);
-  });
-  m.def("squared_normalized_error", [](const ConcentratedSE3& estimate, const SE3d& truth) {
-    return squared_normalized_error(estimate, truth);
-  });
+  m.def(
+      "evaluate",
+      [](const std::variant<Sequence, SlamJob>& given, const RecordedRun& run) {
+        const nb::gil_scoped_release unlocked;
+        const auto* job = std::get_if<SlamJob>(&given);
+        return evaluate(job != nullptr ? job->sequence : std::get<Sequence>(given), run);
+      },
+      "sequence"_a, "run"_a, kEvaluateDoc);
+  m.def("true_relative_pose", over_frames(&true_relative_pose), "sequence"_a, "object"_a,
+        kTruthDoc);
+  m.def("true_world_pose", over_frames(&true_world_pose), "sequence"_a, "object"_a,
+        "True T_world_object of one object; arguments and result as for `true_relative_pose`.");
+  m.def(
+      "squared_normalized_error",
+      [](const ConcentratedSE3& estimate, const SE3d& truth) {
+        return squared_normalized_error(estimate, truth);
+      },
+      "estimate"_a, "truth"_a, kSquaredErrorDoc);
   m.def(
       "on_right_mode",
       [](const SE3d& estimate, const SE3d& truth) { return on_right_mode(estimate, truth); },

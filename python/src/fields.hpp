@@ -45,9 +45,8 @@ class Fields {
   auto begin() const { return fields_.begin(); }
   auto end() const { return fields_.end(); }
 
-  template <class Value>
+  template <class Convert, class Value>
   void add(const char* name, Value T::*member, const char* type, const char* text) {
-    using Convert = SettingValue<Value>;
     const auto set = [member, what = name_ + "." + name](T& t, nb::handle value) {
       t.*member = Convert::set(value, what);
     };
@@ -62,8 +61,26 @@ class Fields {
     for (auto [key, value] : values) assign(self, nb::cast<std::string>(key), value);
   }
 
-  /// The section `Attributes` of a numpydoc docstring; `after` gives the text that follows that of
-  /// a field.
+  /// Assigns values by position, then by name; each of the first `required` fields needs one.
+  void assign(T& self, const nb::args& values, const nb::kwargs& named,
+              std::size_t required) const {
+    nb::dict all;
+    const auto refuse = [this](const std::string& why) {
+      throw nb::type_error((name_ + " " + why).c_str());
+    };
+    if (values.size() > fields_.size())
+      refuse(fmt::format("takes {} values; got {}", fields_.size(), values.size()));
+    for (std::size_t i = 0; i < values.size(); ++i) all[fields_[i].name] = values[i];
+    for (auto [key, value] : named) {
+      if (all.contains(key)) refuse(fmt::format("got two values of {}", nb::repr(key).c_str()));
+      all[key] = value;
+    }
+    for (std::size_t i = 0; i < required; ++i)
+      if (!all.contains(fields_[i].name)) refuse(fmt::format("needs '{}'", fields_[i].name));
+    assign(self, all);
+  }
+
+  /// The section `Attributes` of a numpydoc docstring; `after` is what follows a field's text.
   std::string document(const std::function<std::string(const Field<T>&)>& after) const {
     std::string text = "\n\nAttributes\n----------\n";
     for (const Field<T>& field : fields_)

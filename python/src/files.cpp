@@ -9,6 +9,8 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/variant.h>
 
+#include "array_like.hpp"
+#include "files.hpp"
 #include "posemix/config/symmetries.hpp"
 #include "posemix/io/bop.hpp"
 #include "posemix/io/bop_models.hpp"
@@ -52,68 +54,193 @@ void bind_conventions(nb::module_& m) {
       .done();
 }
 
+Posterior blank_posterior() {
+  const std::vector<SE3d> camera(1);
+  return Posterior({{0.0, ConcentratedStack(PoseStackd(camera), Matrix6d::Identity())}});
+}
+
+/// A mixture file without its convention.
+struct NamedMixture {
+  std::string from_frame;
+  std::string to_frame;
+  AnyMixture mixture;
+};
+
+constexpr const char* kWriteMixtureDoc = R"(Writes a mixture file.
+
+Parameters
+----------
+path : path
+    The file.
+mixture : Mixture
+    Mixture over the pose T_from_to.
+from_frame, to_frame : str
+    Names of the frames, 1 to 100 printable characters without blanks.
+convention : MixtureConvention, optional
+    Convention of the file; by default that of the library, in which numbers are read back bit by bit.
+
+Raises
+------
+ValueError
+    For a mixture or names that a file cannot represent.
+)";
+
 void bind_mixtures(nb::module_& m) {
   bind_conventions(m);
-  m.def("read_mixture", [](const fs::path& path) {
-    MixtureFile file = read_mixture(path);
-    return nb::make_tuple(file.frames.from, file.frames.to, std::move(file.mixture));
-  });
-  m.def("write_mixture", [](const fs::path& path, const std::string& from, const std::string& to,
-                            const AnyMixture& mixture, const MixtureConvention& convention) {
-    write_output_file(path, format_mixture({{from, to}, mixture}, convention));
-  });
+  using F = NamedMixture;
+  Record<F>(m, "MixtureFile",
+            "The content of a mixture file: a mixture over the pose T_from_to, and the names of "
+            "its frames.")
+      .made_from([] {
+        return F{{}, {}, ConcentratedPoses({{0.0, unit_density()}})};
+      })
+      .field("from_frame", &F::from_frame, "str", "The frame that poses map into.")
+      .field("to_frame", &F::to_frame, "str", "The frame whose points they map.")
+      .field("mixture", &F::mixture,
+             "posemix.mixture.Mixture[posemix.density.ConcentratedGaussian[posemix.lie.SE3]] | "
+             "posemix.mixture.Mixture[posemix.density.ProjectedGaussian[posemix.lie.SE3]]",
+             "Over the pose.")
+      .constructible(3)
+      .done();
+  m.def(
+      "read_mixture",
+      [](const fs::path& path) {
+        MixtureFile file = read_mixture(path);
+        warn_of_old_names(file.warnings);
+        return F{file.frames.from, file.frames.to, std::move(file.mixture)};
+      },
+      "path"_a,
+      "Reads a mixture file in any convention.\n\nA key under an old name gives a "
+      "FutureWarning.\n\nRaises\n------\nValueError\n    Naming the file and the place in it.\n");
+  m.def(
+      "write_mixture",
+      [](const fs::path& path, const AnyMixture& mixture, const std::string& from,
+         const std::string& to, const std::optional<MixtureConvention>& convention) {
+        write_output_file(
+            path, format_mixture({{from, to}, mixture}, convention.value_or(MixtureConvention{})));
+      },
+      "path"_a, "mixture"_a, "from_frame"_a, "to_frame"_a, "convention"_a = nb::none(),
+      kWriteMixtureDoc);
+}
+
+void bind_posteriors(nb::module_& m) {
   nb::enum_<PoseKind>(m, "PoseKind", "What a pose of a joint density is.")
-      .value("camera", PoseKind::camera, "T_world_camera.")
+      .value("camera", PoseKind::camera, "T_world_camera over the frames.")
       .value("camera_motion", PoseKind::camera_motion, "T_camera_camera over one period.")
       .value("object", PoseKind::object, "T_world_object.");
   Record<NamedPose>(m, "NamedPose", "A pose of a joint density by name.")
       .field("name", &NamedPose::name, "str", "Name; of an object its id.")
       .field("kind", &NamedPose::kind, "PoseKind", "What it is.")
-      .done()
-      .def(nb::init<std::string, PoseKind>(), "name"_a, "kind"_a);
-  m.def("read_posterior", [](const fs::path& path) {
-    PosteriorFile file = read_posterior(path);
-    return nb::make_tuple(file.method, file.stamp, file.poses, std::move(file.mixture));
-  });
-  m.def("write_posterior", [](const fs::path& path, const std::string& method, double stamp,
-                              const std::vector<NamedPose>& poses, const Posterior& mixture) {
-    write_output_file(path, format_posterior({method, stamp, poses, mixture}));
-  });
+      .constructible(2)
+      .done();
+  using P = PosteriorFile;
+  Record<P>(m, "PosteriorFile", "posterior.json: a joint mixture over camera and objects.")
+      .made_from([] {
+        return P{{}, 0.0, {}, blank_posterior()};
+      })
+      .field("method", &P::method, "str", "Display name of the method.")
+      .field("stamp", &P::stamp, "float", "Time of the posterior [s].")
+      .field("poses", &P::poses, "list[NamedPose]", "One per pose of every component.")
+      .field("mixture", &P::mixture,
+             "posemix.mixture.Mixture[posemix.density.ConcentratedGaussian[posemix.lie.SE3]]",
+             "Joint mixture over all poses.")
+      .constructible(4)
+      .done();
+  m.def("read_posterior", &read_posterior, "path"_a,
+        "Reads a posterior.json; raises ValueError with the file and the place in it.");
+  m.def(
+      "write_posterior",
+      [](const fs::path& path, const P& file) { write_output_file(path, format_posterior(file)); },
+      "path"_a, "file"_a, "Writes a posterior.json; numbers are read back bit by bit.");
 }
 
+/// A trajectory.
+struct StampedPoses {
+  std::vector<double> stamps;
+  MaybePoses poses;
+};
+
+constexpr const char* kReadTumDoc =
+    R"(Reads a trajectory in the TUM format: lines ``stamp tx ty tz qx qy qz qw``.
+
+Parameters
+----------
+path : path
+    The file.
+allow_misses : bool
+    Whether a line of seven zeros is a frame without a pose; otherwise it is an error.
+zero_translation_is_miss : bool
+    Whether a pose with zero translation is a frame without a pose too.
+
+Raises
+------
+ValueError
+    With file and line.
+)";
+
+constexpr const char* kWriteTumDoc =
+    R"(Writes a trajectory in the TUM format, with 12 significant digits.
+
+Parameters
+----------
+path : path
+    The file.
+stamps : array_like, shape (n,)
+    Times [s].
+poses : SE3, shape (n,)
+    Poses; NaN for a frame without a pose.
+misses_as_zeros : bool
+    Whether frames without a pose become lines of zeros; otherwise they are left out.
+)";
+
 void bind_tum(nb::module_& m) {
-  m.def("read_tum", [](const fs::path& path, bool allow_misses, bool zero_translation_is_miss) {
-    const std::vector<StampedPose> frames =
-        read_tum(path, {allow_misses, zero_translation_is_miss});
-    NewArray stamps({frames.size()});
-    MaybePoses poses;
-    for (std::size_t i = 0; i < frames.size(); ++i) {
-      stamps.data[i] = frames[i].stamp;
-      poses.push_back(frames[i].pose);
-    }
-    return nb::make_tuple(std::move(stamps.array), rows_of(poses));
-  });
-  m.def("write_tum",
-        [](const fs::path& path, const Numbers& stamps, const Rows& rows, bool misses_as_zeros) {
-          const MaybePoses poses = maybe_poses(rows, "poses");
-          if (poses.size() != stamps.shape(0)) {
-            throw InvalidInput(fmt::format("{} stamps and {} poses; expected as many of both",
-                                           stamps.shape(0), poses.size()));
-          }
-          std::vector<StampedPose> frames;
-          for (std::size_t i = 0; i < poses.size(); ++i)
-            frames.push_back({stamps.data()[i], poses[i]});
-          const auto misses = misses_as_zeros ? TumMisses::write_zeros : TumMisses::leave_out;
-          write_output_file(path, format_tum(frames, misses));
-        });
+  using S = StampedPoses;
+  Record<S>(m, "StampedPoses", "Poses with time stamps.")
+      .field<NumbersAsArray>("stamps", &S::stamps, kFloatArray,
+                             "Shape (n,), strictly increasing [s].")
+      .field("poses", &S::poses, "posemix.lie.SE3",
+             "Shape (n,): T_a_b of the file's two frames; NaN for a miss, see `is_known`.",
+             [](const S& self) {
+               return PoseArray::of(rows_of(self.poses), {self.poses.size()}).made;
+             })
+      .constructible(2)
+      .done()
+      .def("__len__", [](const S& self) { return self.stamps.size(); });
+  m.def(
+      "read_tum",
+      [](const fs::path& path, bool allow_misses, bool zero_translation_is_miss) {
+        S read;
+        for (const StampedPose& frame : read_tum(path, {allow_misses, zero_translation_is_miss})) {
+          read.stamps.push_back(frame.stamp);
+          read.poses.push_back(frame.pose);
+        }
+        return read;
+      },
+      "path"_a, "allow_misses"_a = false, "zero_translation_is_miss"_a = false, kReadTumDoc);
+  m.def(
+      "write_tum",
+      [](const fs::path& path, const ArrayLike& stamps, const PoseArray& rows,
+         bool misses_as_zeros) {
+        const Eigen::VectorXd times = stamps.as<Eigen::VectorXd>("stamps");
+        const MaybePoses poses = maybe_poses(rows.rows, "poses");
+        if (times.size() != std::ssize(poses)) {
+          throw InvalidInput(fmt::format("{} stamps and {} poses; expected as many of both",
+                                         times.size(), poses.size()));
+        }
+        std::vector<StampedPose> frames;
+        for (std::size_t i = 0; i < poses.size(); ++i)
+          frames.push_back({times[static_cast<Eigen::Index>(i)], poses[i]});
+        const auto misses = misses_as_zeros ? TumMisses::write_zeros : TumMisses::leave_out;
+        write_output_file(path, format_tum(frames, misses));
+      },
+      "path"_a, "stamps"_a, "poses"_a, "misses_as_zeros"_a = false, kWriteTumDoc);
 }
 
 void bind_bop_models(nb::module_& m) {
   using B = ObjectBox;
-  constexpr const char* kArray = "numpy.typing.NDArray[numpy.float64]";
   Record<B>(m, "ObjectBox", "An axis-aligned box in the object's frame.")
-      .field("lowest_m", &B::lowest_m, kArray, "Shape (3,), the lowest corner [m].")
-      .field("size_m", &B::size_m, kArray, "Shape (3,), the edges [m].")
+      .field("lowest_m", &B::lowest_m, kFloatArray, "Shape (3,), the lowest corner [m].")
+      .field("size_m", &B::size_m, kFloatArray, "Shape (3,), the edges [m].")
       .done()
       .def(
           "corners",
@@ -141,13 +268,17 @@ void bind_bop_models(nb::module_& m) {
 
 void bind_bop(nb::module_& m) {
   m.def("read_bop_rows", [](const fs::path& path) {
-    const std::vector<BopRow> rows = read_bop_rows(path);
+    std::array<std::vector<std::int64_t>, 3> ids;
+    std::vector<double> scores;
     std::vector<SE3d> poses;
-    for (const BopRow& row : rows) poses.push_back(row.pose);
-    const nb::list keys = list_of(rows, [](const BopRow& row) {
-      return nb::make_tuple(row.scene, row.image, row.object, row.score);
-    });
-    return nb::make_tuple(keys, PoseArray::of(poses));
+    for (const BopRow& row : read_bop_rows(path)) {
+      ids[0].push_back(row.scene);
+      ids[1].push_back(row.image);
+      ids[2].push_back(row.object);
+      scores.push_back(row.score);
+      poses.push_back(row.pose);
+    }
+    return nb::make_tuple(ids, NumbersAsArray::get(scores), PoseArray::of(poses));
   });
   bind_bop_models(m);
   m.def("read_symmetry_file", &read_symmetry_file, "path"_a,
@@ -155,7 +286,40 @@ void bind_bop(nb::module_& m) {
         "models_info.json.");
 }
 
+PoseFormat format_of(const fs::path& path) {
+  if (const auto format = pose_format_of(path.string())) return *format;
+  throw InvalidInput(path.string() + ": expected a name in .csv, .npy, .tum or .txt");
+}
+
+constexpr const char* kReadSamplesDoc = R"(Reads the poses of a .csv, .npy, .tum or .txt file.
+
+Parameters
+----------
+path : path
+    The file.
+residuals : Side, optional
+    Side of residuals of estimates ``est_tx`` ... with respect to truths ``gt_tx`` ... of a CSV file, which are read
+instead of poses.
+weights : str, optional
+    Column of the weights of a CSV file; by default ``weight``, if there is such a column.
+
+Raises
+------
+ValueError
+    With file and line.
+)";
+
 void bind_pose_files(nb::module_& m) {
+  using P = PoseSamples;
+  Record<P>(m, "PoseSamples", "Poses with weights.")
+      .field("poses", &P::poses, "posemix.lie.SE3", "Samples, shape (n,).")
+      .field("weights", &P::weights, "numpy.typing.NDArray[numpy.float64] | None",
+             "Shape (n,); None: all count the same.",
+             [](const P& self) -> nb::object {
+               if (self.weights.empty()) return nb::none();
+               return NumbersAsArray::get(self.weights);
+             })
+      .done();
   m.def(
       "read_object_poses", [](const fs::path& path) { return read_object_poses(path); }, "path"_a,
       "Static poses T_world_object by id: lines ``id tx ty tz qx qy qz qw``.");
@@ -169,22 +333,14 @@ void bind_pose_files(nb::module_& m) {
       "read_pose_samples",
       [](const fs::path& path, const std::optional<Side>& residuals,
          const std::optional<std::string>& weights) {
-        const std::optional<PoseFormat> format = pose_format_of(path.string());
-        if (!format)
-          throw InvalidInput(path.string() + ": expected a name in .csv, .npy, .tum or .txt");
-        const PoseSamples samples =
-            parse_pose_samples(read_file(path), path.string(), *format, {residuals, weights});
-        return nb::make_tuple(PoseArray::of(samples.poses), samples.weights);
+        return parse_pose_samples(read_file(path), path.string(), format_of(path),
+                                  {residuals, weights});
       },
-      "path"_a, "residuals"_a.none(), "weights"_a.none());
+      "path"_a, "residuals"_a = nb::none(), "weights"_a = nb::none(), kReadSamplesDoc);
   m.def(
       "write_poses",
       [](const fs::path& path, const PoseArray& poses) {
-        const std::optional<PoseFormat> format = pose_format_of(path.string());
-        if (!format)
-          throw InvalidInput(path.string() + ": expected a name in .csv, .npy, .tum or .txt");
-        const std::vector<SE3d> all = poses.poses();
-        write_output_file(path, format_poses(all, *format));
+        write_output_file(path, format_poses(poses.poses(), format_of(path)));
       },
       "path"_a, "poses"_a,
       "Poses in the format that the file's name says: .csv, .npy, .tum or .txt.");
@@ -206,17 +362,24 @@ void bind_outcomes(nb::module_& m) {
       .field("outcomes", &T::outcomes, "list[bool | None]",
              "Success of the grasp, one entry per gripper; None where it was not tried.")
       .done();
-  m.def("read_grasp_outcomes", [](const fs::path& folder) {
-    const GraspOutcomes outcomes = read_grasp_outcomes(folder);
-    std::vector<SE3d> estimates;
-    std::vector<SE3d> truths;
-    for (const GraspTrial& trial : outcomes.trials) {
-      estimates.push_back(trial.estimate);
-      truths.push_back(trial.truth);
-    }
-    return nb::make_tuple(outcomes.grippers, outcomes.trials, PoseArray::of(estimates),
-                          PoseArray::of(truths));
-  });
+  using O = GraspOutcomes;
+  const auto poses_of = [](SE3d T::*member) {
+    return [member](const O& self) {
+      std::vector<SE3d> poses;
+      for (const T& trial : self.trials) poses.push_back(trial.*member);
+      return PoseArray::of(poses);
+    };
+  };
+  Record<O>(m, "GraspOutcomes", "Grasp trials with the estimates of several estimators.")
+      .field("grippers", &O::grippers, "list[str]", "Names.")
+      .field("trials", &O::trials, "list[GraspTrial]", "Rows of the tables.")
+      .done()
+      .def_prop_ro("estimates", poses_of(&T::estimate),
+                   "T_camera_object of every trial, shape (n,).")
+      .def_prop_ro("truths", poses_of(&T::truth), "True T_camera_object of every trial.");
+  m.def("read_grasp_outcomes", &read_grasp_outcomes, "folder"_a,
+        "Reads all tables ``DATASET_ESTIMATOR.csv`` of a folder; raises ValueError with file and "
+        "line.");
 }
 
 }  // namespace
@@ -230,6 +393,7 @@ void bind_files(nb::module_& m) {
     }
   });
   bind_mixtures(m);
+  bind_posteriors(m);
   bind_tum(m);
   bind_bop(m);
   bind_pose_files(m);

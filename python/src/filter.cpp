@@ -132,12 +132,11 @@ void bind_multi_object_settings(nb::module_& m) {
 
 void bind_results(nb::module_& m) {
   using H = ObjectHypothesis;
-  constexpr const char* kArray = "numpy.typing.NDArray[numpy.float64]";
   Record<H>(m, "ObjectHypothesis",
             "One alternative for the pose of one object, X = Exp(xi) X0 in the world frame.")
       .field("pose", &H::pose, "posemix.lie.SE3", "T_world_object.")
-      .field("covariance", &H::covariance, kArray, "Shape (6, 6), of xi of the object.")
-      .field("cross_covariance", &H::cross_covariance, kArray,
+      .field("covariance", &H::covariance, kFloatArray, "Shape (6, 6), of xi of the object.")
+      .field("cross_covariance", &H::cross_covariance, kFloatArray,
              "Shape (6, 6), of xi of the object (rows) and of the camera.")
       .field("log_weight", &H::log_weight, "float",
              "Among the hypotheses of the object and its absence; counts every detection as "
@@ -159,7 +158,7 @@ void bind_results(nb::module_& m) {
              "detection.")
       .field("clutter_probability", &R::clutter_probability, "float",
              "Probability that nothing of the leading hypothesis explains it.")
-      .field("residual", &R::residual, kArray,
+      .field("residual", &R::residual, kFloatArray,
              "Shape (6,), from the leading hypothesis, white under that component.")
       .done();
 }

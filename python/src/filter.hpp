@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "density.hpp"
-#include "dict.hpp"
 #include "posemix/filter/gaussian_sum_filter.hpp"
 #include "posemix/filter/multi_object_filter.hpp"
 #include "poses.hpp"

@@ -4,86 +4,72 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/string_view.h>
 
-#include "setting_value.hpp"
+#include "record.hpp"
 #include "slam.hpp"
 
 namespace posemix::python {
+
+template <>
+struct SettingValue<ObjectIds> {
+  using Names = std::vector<std::string>;
+  static nb::object get(const ObjectIds& ids) { return nb::cast(ids ? *ids : Names{}); }
+  static ObjectIds set(nb::handle value, const std::string& /*name*/) {
+    return std::make_shared<const Names>(nb::cast<Names>(value));
+  }
+  static bool same(const ObjectIds& a, const ObjectIds& b) { return get(a).equal(get(b)); }
+  static std::string text(const ObjectIds& ids) { return nb::repr(get(ids)).c_str(); }
+};
+
 namespace {
 
-/// Converts a value of C++ to an attribute in Python.
-constexpr auto kCast = [](const auto& value) { return nb::cast(value); };
-
-/// Values of the objects by their ids; empty if there are no values.
-template <class Value, class Convert>
-nb::dict by_id(const FrameEstimate& frame, const std::vector<Value>& values, Convert convert) {
-  nb::dict all;
-  for (std::size_t i = 0; i < values.size(); ++i)
-    all[nb::str(frame.ids->at(i).c_str())] = convert(values[i]);
-  return all;
-}
-
-/// The repr of a value's Python object, such as an enum's.
-template <class Value>
-std::string text_of(const Value& value) {
-  return nb::repr(nb::cast(value)).c_str();
-}
+constexpr const char* kMaybePose = "posemix.density.ConcentratedGaussian[posemix.lie.SE3] | None";
+constexpr const char* kPosesById =
+    "dict[str, posemix.density.ConcentratedGaussian[posemix.lie.SE3] | None]";
 
 void bind_reports(nb::module_& m) {
   using C = CandidateReport;
-  nb::class_<C>(m, "CandidateReport", "What became of a candidate.")
-      .def_ro("status", &C::status, "Whether it is of an instance.")
-      .def_ro("object", &C::object, "Index of the model that took it, where assigned or fresh.")
-      .def_ro("recycled", &C::recycled, "Another instance was forgotten for it.")
-      .def("__repr__", [](const C& self) {
-        return fmt::format("CandidateReport(status={}, object={}, recycled={})",
-                           text_of(self.status), text_of(self.object), text_of(self.recycled));
-      });
+  Record<C>(m, "CandidateReport", "What became of a candidate.")
+      .field("status", &C::status, "CandidateStatus", "Whether it is of an instance.")
+      .field("object", &C::object, "int | None",
+             "Index of the model that took it, where assigned or fresh.")
+      .field("recycled", &C::recycled, "bool", "Another instance was forgotten for it.")
+      .done();
   using R = FrameReport;
-  nb::class_<R>(m, "FrameReport", "Report of one frame.")
-      .def_ro("statuses", &R::statuses, "One per object model.")
-      .def_ro("candidates", &R::candidates, "One per candidate.")
-      .def_ro("update", &R::update, "Of the Gaussian-sum filter.")
-      .def_ro("merges", &R::merges, "Hypotheses that became one with another.")
-      .def_ro("seconds", &R::seconds, "Predict, update, reduce and summarise [s].")
-      .def("__repr__", [](const R& self) {
-        return fmt::format("FrameReport(statuses={}, candidates={}, merges={}, seconds={:.3g})",
-                           text_of(self.statuses), text_of(self.candidates), self.merges,
-                           self.seconds);
-      });
+  Record<R>(m, "FrameReport", "Report of one frame.")
+      .field("statuses", &R::statuses, "list[DetectionStatus]", "One per object model.")
+      .field("candidates", &R::candidates, "list[CandidateReport]", "One per candidate.")
+      .field("update", &R::update, "UpdateReport", "Of the Gaussian-sum filter.")
+      .field("merges", &R::merges, "int", "Hypotheses that became one with another.")
+      .field("seconds", &R::seconds, "float", "Predict, update, reduce and summarise [s].")
+      .done();
 }
 
 void bind_hypotheses(nb::module_& m) {
   using H = HypothesisSnapshot;
-  nb::class_<H>(m, "HypothesisSnapshot", "One hypothesis of one frame.")
-      .def_ro("log_weight", &H::log_weight, "Its weight, normalised.")
-      .def_prop_ro(
-          "poses", [](const H& self) { return PoseArray::of(self.poses.poses()); },
-          "Mean poses of camera and objects, an SE3 of shape (n,).");
+  Record<H>(m, "HypothesisSnapshot", "One hypothesis of one frame.")
+      .field("log_weight", &H::log_weight, "float", "Its weight, normalised.")
+      .field("poses", &H::poses, "posemix.lie.SE3",
+             "Mean poses of camera and objects, an SE3 of shape (n,).")
+      .done();
   using A = ObjectAlternative;
-  nb::class_<A>(m, "ObjectAlternative", "One alternative of one object at one frame.")
-      .def_ro("probability", &A::probability, "Dependent detections counted once.")
-      .def_prop_ro(
-          "pose", [](const A& self) { return self.pose; }, "T_world_object.")
-      .def_ro("id", &A::id, "The same from frame to frame.")
-      .def("__repr__", [](const A& self) {
-        return fmt::format("ObjectAlternative(probability={:.6g}, pose={}, id={})",
-                           self.probability, text_of(self.pose), self.id);
-      });
+  Record<A>(m, "ObjectAlternative", "One alternative of one object at one frame.")
+      .field("probability", &A::probability, "float", "Dependent detections counted once.")
+      .field("pose", &A::pose, "posemix.lie.SE3", "T_world_object.")
+      .field("id", &A::id, "int", "The same from frame to frame.")
+      .done();
   using E = ObjectEstimate;
-  nb::class_<E>(m, "ObjectEstimate", "The estimate of one object at one frame.")
-      .def_prop_ro(
-          "world", [](const E& self) { return self.world; },
-          "T_world_object; None until it was seen.")
-      .def_prop_ro(
-          "relative", [](const E& self) { return self.relative; },
-          "T_camera_object, with the cross-covariance.")
-      .def_ro("mode_probability", &E::mode_probability,
-              "That the estimate is on the right mode, by the multi-object filter.")
-      .def_ro("alternatives", &E::alternatives, "Where hypotheses are recorded.")
-      .def_ro("status", &E::status, "What became of the frame's detection.");
+  Record<E>(m, "ObjectEstimate", "The estimate of one object at one frame.")
+      .field("world", &E::world, kMaybePose, "T_world_object; None until it was seen.")
+      .field(
+          "relative", &E::relative, kMaybePose,
+          "T_camera_object over the frames, including the cross-covariance of camera and object.")
+      .field("mode_probability", &E::mode_probability, "float | None",
+             "That the estimate is on the right mode, by the multi-object filter.")
+      .field("alternatives", &E::alternatives, "list[ObjectAlternative]",
+             "Where hypotheses are recorded.")
+      .field("status", &E::status, "DetectionStatus", "What became of the frame's detection.")
+      .done();
 }
-
-using FrameClass = nb::class_<FrameEstimate>;
 
 std::string frame_text(const FrameEstimate& frame) {
   std::vector<std::string> seen;
@@ -93,58 +79,46 @@ std::string frame_text(const FrameEstimate& frame) {
                      seen.empty() ? "none" : fmt::format("{}", fmt::join(seen, ", ")));
 }
 
-void bind_poses(FrameClass& frame) {
-  using F = FrameEstimate;
-  constexpr auto kDensity = "posemix.density.ConcentratedGaussian[posemix.lie.SE3]";
-  static const std::string objects =
-      fmt::format("def objects(self, /) -> dict[str, {} | None]", kDensity);
-  static const std::string relative =
-      fmt::format("def relative(self, /) -> dict[str, {} | None]", kDensity);
-  frame
-      .def_prop_ro(
-          "camera", [](const F& self) { return self.camera; }, "T_world_camera.")
-      .def_prop_ro(
-          "objects", [](const F& self) { return by_id(self, self.objects, kCast); },
-          nb::for_getter(nb::sig(objects.c_str())),
-          "T_world_object by id; None for an object that was not seen so far.")
-      .def_prop_ro(
-          "relative", [](const F& self) { return by_id(self, self.relative, kCast); },
-          nb::for_getter(nb::sig(relative.c_str())),
-          "T_camera_object by id, with the cross-covariance.");
-}
-
-void bind_modes(FrameClass& frame) {
-  using F = FrameEstimate;
-  frame
-      .def_prop_ro(
-          "mode_probabilities",
-          [](const F& self) { return by_id(self, self.mode_probabilities, kCast); },
-          nb::for_getter(nb::sig("def mode_probabilities(self, /) -> dict[str, float | None]")),
-          "That the estimate is on the right mode, by id; by the multi-object filter.")
-      .def_prop_ro(
-          "alternatives", [](const F& self) { return by_id(self, self.alternatives, kCast); },
-          nb::for_getter(
-              nb::sig("def alternatives(self, /) -> dict[str, list[ObjectAlternative]]")),
-          "Of every object by id, by the multi-object filter; where hypotheses are recorded.")
-      .def_ro("hypotheses", &F::hypotheses,
-              "Over all poses, by the other filters; where hypotheses are recorded.")
-      .def_ro("pose_indices", &F::pose_indices,
-              "Of the objects, in their order, in every hypothesis over all poses.");
+/// Values of the objects by their ids; none where there are no values.
+template <class Value>
+auto by_id(std::vector<Value> FrameEstimate::*member) {
+  return [member](const FrameEstimate& frame) {
+    nb::dict all;
+    for (std::size_t i = 0; i < (frame.*member).size(); ++i)
+      all[nb::str(frame.ids->at(i).c_str())] = nb::cast((frame.*member)[i]);
+    return all;
+  };
 }
 
 void bind_frame(nb::module_& m) {
   using F = FrameEstimate;
-  FrameClass frame(m, "FrameEstimate", "The estimates of one frame, objects by their ids.");
-  bind_poses(frame);
-  bind_modes(frame);
-  frame.def_ro("report", &F::report, "What was done.")
-      .def_prop_ro(
-          "ids", [](const F& self) { return *self.ids; }, "Of the objects, in their order.")
+  Record<F>(m, "FrameEstimate", "The estimates of one frame, objects by their ids.")
+      .made_from([] {
+        return F{unit_density(), {}, {}, {}};
+      })
+      .field("camera", &F::camera, "posemix.density.ConcentratedGaussian[posemix.lie.SE3]",
+             "T_world_camera.")
+      .field("objects", &F::objects, kPosesById,
+             "T_world_object by id; None for an object that was not seen so far.",
+             by_id(&F::objects))
+      .field("relative", &F::relative, kPosesById,
+             "T_camera_object by id, with the cross-covariance.", by_id(&F::relative))
+      .field("mode_probabilities", &F::mode_probabilities, "dict[str, float | None]",
+             "That the estimate is on the right mode, by id; by the multi-object filter.",
+             by_id(&F::mode_probabilities))
+      .field("alternatives", &F::alternatives, "dict[str, list[ObjectAlternative]]",
+             "Of every object by id, by the multi-object filter; where hypotheses are recorded.",
+             by_id(&F::alternatives))
+      .field("hypotheses", &F::hypotheses, "list[HypothesisSnapshot]",
+             "Over all poses, by the other filters; where hypotheses are recorded.")
+      .field("pose_indices", &F::pose_indices, "list[int | None]",
+             "Of the objects, in their order, in every hypothesis over all poses.")
+      .field("report", &F::report, "FrameReport", "What was done.")
+      .field("ids", &F::ids, "list[str]", "Of the objects, in their order.")
+      .shown_as(&frame_text)
+      .done()
       .def("object", &F::object, "id"_a,
-           "All that is known of one object. ValueError for an id that there is not.")
-      .def("__copy__", [](const F& self) { return F(self); })
-      .def("__deepcopy__", [](const F& self, const nb::dict& /*memo*/) { return F(self); })
-      .def("__repr__", &frame_text);
+           "All that is known of one object. ValueError for an id that there is not.");
 }
 
 }  // namespace

@@ -70,8 +70,8 @@ void bind_results(nb::module_& m) {
       .field("object", &D::object, "int", "Index of the object's pose in the posterior.")
       .field("camera_object", &D::camera_object, "posemix.lie.SE3", "T_camera_object as detected.")
       .field("noise", &D::noise, "DetectorNoise", "How the detector errs.")
-      .done()
-      .def(nb::init<std::size_t, SE3d, DetectorNoise>(), "object"_a, "camera_object"_a, "noise"_a);
+      .constructible(3)
+      .done();
   using R = UpdateReport;
   Record<R>(m, "UpdateReport", "What an update did with every detection, in the order given.")
       .field("gated", &R::gated, "list[bool]", "Left out by the gate.")

@@ -4,11 +4,13 @@
 
 #include <nanobind/stl/tuple.h>
 
-#include "dict.hpp"
+#include "array_like.hpp"
+#include "density.hpp"
 #include "posemix/config/noise_toml.hpp"
 #include "posemix/detector/default_noise.hpp"
 #include "posemix/detector/object_sensor.hpp"
 #include "settings.hpp"
+#include "sides.hpp"
 #include "words.hpp"
 
 namespace posemix::python {
@@ -126,6 +128,25 @@ void bind_detector_noise(nb::module_& m) {
   noise.attr("__hash__") = nb::none();
 }
 
+constexpr const char* kPoseCovarianceDoc =
+    R"(Diagonal covariance from standard deviations about and along x, y, z.
+
+Parameters
+----------
+rotation_sd_rad, translation_sd_m : array_like, shape (3,) or ()
+    Standard deviations [rad, m]; a single one is used for all axes.
+
+Returns
+-------
+ndarray, shape (6, 6)
+
+Examples
+--------
+>>> from posemix import pose_covariance
+>>> pose_covariance(0.1, [0.02, 0.02, 0.5]).diagonal().round(4)
+array([0.01  , 0.01  , 0.01  , 0.0004, 0.0004, 0.25  ])
+)";
+
 void bind_sensor(nb::module_& m) {
   using S = ObjectSensor;
   Settings<S>(m, "ObjectSensor", "How one object is seen.",
@@ -135,9 +156,24 @@ void bind_sensor(nb::module_& m) {
       .field("noise_scale", &S::noise_scale, "numpy.typing.ArrayLike",
              "Shape (6,): factors of the noise's standard deviations along its own axes.")
       .done();
-  m.def("pose_covariance", &pose_covariance);
-  m.def("default_detector_noise", &default_detector_noise);
-  m.def("along_camera", &along_camera);
+  m.def(
+      "pose_covariance",
+      [](const ArrayLike& rotation, const ArrayLike& translation) {
+        return matrix_array(pose_covariance(Sides::set(rotation, "rotation_sd_rad"),
+                                            Sides::set(translation, "translation_sd_m")));
+      },
+      "rotation_sd_rad"_a, "translation_sd_m"_a, kPoseCovarianceDoc);
+  m.def("default_detector_noise", &default_detector_noise,
+        "The default noise of detectors that use single images.\n\n"
+        "Rotation about the camera's axes 7.5 deg and about the viewing ray 2 deg, translation "
+        "0.7 % of the range across\nthe ray and 4.5 % along it; a second component 2.7 times as "
+        "wide; and clutter.\n");
+  m.def("along_camera", &along_camera, "noise"_a, "camera_object"_a,
+        "The component with covariances along the camera's axes [rad, m], for an object at "
+        "`camera_object`.\n\n"
+        "Parameters\n----------\nnoise : NoiseComponent\n"
+        "    Of NoiseFrame.ray or any other, which stays as it is.\n"
+        "camera_object : SE3\n    T_camera_object.\n");
 }
 
 }  // namespace

@@ -5,9 +5,13 @@
 #include <map>
 
 #include <nanobind/stl/array.h>
-#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/variant.h>
+#include <nanobind/typing.h>
 
+#include "array_like.hpp"
 #include "posemix/config/noise_toml.hpp"
+#include "posemix/detector/default_noise.hpp"
+#include "record.hpp"
 #include "settings.hpp"
 #include "slam.hpp"
 #include "words.hpp"
@@ -56,99 +60,198 @@ void bind_noise_fit_settings(nb::module_& m) {
 
 void bind_correlation(nb::module_& m) {
   using D = DependentFrames;
-  nb::class_<D>(m, "DependentFrames", "Number of frames that count as one independent frame.")
-      .def_ro("about_zero", &D::about_zero,
-              "For whole recordings, whose common error counts; at least 1.")
-      .def_ro("within", &D::within, "For errors about the mean of each recording; at least 1.");
+  Record<D>(m, "DependentFrames", "Number of frames that count as one independent frame.")
+      .field("about_zero", &D::about_zero, "float",
+             "For whole recordings, whose common error counts; at least 1.")
+      .field("within", &D::within, "float",
+             "For errors about the mean of each recording; at least 1.")
+      .done();
   using C = NoiseCorrelation;
-  nb::class_<C>(m, "NoiseCorrelation", "Correlation in time of the errors of a detector.")
-      .def_ro("inliers", &C::inliers, "Number of detections within the gate.")
-      .def_ro("inlier", &C::inlier, "Of the whitened residuals of inliers, over all axes.")
-      .def_ro("axes", &C::axes, "The same by axis.")
-      .def_ro("bias_sd", &C::bias_sd,
-              "Shape (6,): standard deviation of the error that a recording has in common [rad, m "
-              "or fraction of the range].")
-      .def_ro("outlier_share", &C::outlier_share, "Share of detections beyond the gate.")
-      .def_ro("outlier_run", &C::outlier_run, "Mean length of a run of outliers [detections].")
-      .def_ro("outlier", &C::outlier, "Of the indicator of outliers, about its mean.");
+  Record<C>(m, "NoiseCorrelation", "Correlation in time of the errors of a detector.")
+      .field("inliers", &C::inliers, "int", "Number of detections within the gate.")
+      .field("inlier", &C::inlier, "DependentFrames",
+             "Of the whitened residuals of inliers, over all axes.")
+      .field("axes", &C::axes, "list[DependentFrames]", "The same by axis.")
+      .field("bias_sd", &C::bias_sd, kFloatArray,
+             "Shape (6,): standard deviation of the error that a recording has in common [rad, m "
+             "or fraction of the range].")
+      .field("outlier_share", &C::outlier_share, "float", "Share of detections beyond the gate.")
+      .field("outlier_run", &C::outlier_run, "float",
+             "Mean length of a run of outliers [detections].")
+      .field("outlier", &C::outlier, "DependentFrames",
+             "Of the indicator of outliers, about its mean.")
+      .done();
+}
+
+/// How well a noise model explains the detections.
+template <class Fit>
+Record<Fit>& with_likelihood(Record<Fit>& fit) {
+  return fit
+      .field("log_likelihood", &Fit::log_likelihood, "float", "Sum over the detections [nats].")
+      .field("parameters", &Fit::parameters, "int", "Number of free parameters.")
+      .field("bic", &Fit::bic, "float", "parameters log(detections) - 2 log_likelihood.");
+}
+
+NoiseEmFit blank_em_fit() {
+  return {default_detector_noise(), 0.0, {}, EmStatus::converged, 0, 0.0};
 }
 
 void bind_models(nb::module_& m) {
   using M = NoiseMode;
-  nb::class_<M>(m, "NoiseMode", "A cluster of wrong poses.")
-      .def_ro("offset", &M::offset, "T_object_mode.")
-      .def_ro("weight", &M::weight, "Share of the detections.")
-      .def_ro("recordings", &M::recordings, "Effective number of recordings that have it.")
-      .def_ro("rotation_sd_deg", &M::rotation_sd_deg, "About the axis about which it is widest.")
-      .def_ro("accepted", &M::accepted, "Whether it fulfils the settings.");
+  Record<M>(m, "NoiseMode", "A cluster of wrong poses.")
+      .field("offset", &M::offset, "posemix.lie.SE3", "T_object_mode.")
+      .field("weight", &M::weight, "float", "Share of the detections.")
+      .field("recordings", &M::recordings, "float", "Effective number of recordings that have it.")
+      .field("rotation_sd_deg", &M::rotation_sd_deg, "float",
+             "About the axis about which it is widest.")
+      .field("accepted", &M::accepted, "bool", "Whether it fulfils the settings.")
+      .done();
   using F = NoiseEmFit;
-  nb::class_<F>(m, "NoiseEmFit", "A noise model with a given number of components.")
-      .def_ro("noise", &F::noise, "The model, without its dependence.")
-      .def_ro("log_likelihood", &F::log_likelihood, "Sum over the detections [nats].")
-      .def_ro("history", &F::history, "Log-likelihood of the start and after every step.")
-      .def_ro("status", &F::status, "How EM ended.")
-      .def_ro("parameters", &F::parameters, "Number of free parameters.")
-      .def_ro("bic", &F::bic, "parameters log(detections) - 2 log_likelihood.");
+  Record<F> fit(m, "NoiseEmFit", "A noise model with a given number of components.");
+  fit.made_from(&blank_em_fit)
+      .field("noise", &F::noise, "DetectorNoise", "The model, without its dependence.");
+  with_likelihood(fit)
+      .field("history", &F::history, "list[float]",
+             "Log-likelihood of the start and after every step.")
+      .field("status", &F::status, "EmStatus", "How EM ended.")
+      .done();
   using V = NoiseValidation;
-  nb::class_<V>(m, "NoiseValidation",
-                "How well a kind of model predicts detections that it was not fitted to.")
-      .def_ro("frame", &V::frame, "Axes of the covariances.")
-      .def_ro("clutter", &V::clutter, "Whether the models have clutter.")
-      .def_ro("components", &V::components, "Number of components.")
-      .def_ro("log_density", &V::log_density, "Mean per detection [nats].")
-      .def_ro("by_fold", &V::by_fold, "The same by fold.")
-      .def_ro("below_best", &V::below_best, "Difference to the best of all kinds [nats].")
-      .def_ro("standard_error", &V::standard_error, "Of that difference.");
+  Record<V>(m, "NoiseValidation",
+            "How well a kind of model predicts detections that it was not fitted to.")
+      .field("frame", &V::frame, "NoiseFrame", "Axes of the covariances.")
+      .field("clutter", &V::clutter, "bool", "Whether the models have clutter.")
+      .field("components", &V::components, "int", "Number of components.")
+      .field("log_density", &V::log_density, "float", "Mean per detection [nats].")
+      .field("by_fold", &V::by_fold, "list[float]", "The same by fold.")
+      .field("below_best", &V::below_best, "float", "Difference to the best of all kinds [nats].")
+      .field("standard_error", &V::standard_error, "float", "Of that difference.")
+      .done();
 }
+
+constexpr const char* kFitNoiseDoc =
+    R"(Learns the noise of a detector from detections of one class of objects with ground truth.
+
+Mixtures of 1, 2, ... components with clutter are fitted by EM; the criterion chooses one of them and the frame of
+its covariances. Wrong poses that recur become modes, and the correlation of the errors in time is estimated.
+
+Parameters
+----------
+truth, detected : SE3, shape (n,)
+    T_camera_object by ground truth and by the detector, one per frame in the order of time; NaN in frames
+    without ground truth or without a detection (`with_misses`).
+recording : array_like, shape (n,), optional
+    Name or number of the recording of every frame; a single recording if None.
+settings : NoiseFitSettings, optional
+    Models that are tried, and the criterion that chooses one.
+seed : int or RandomStream
+    Seed of the starts.
+
+Returns
+-------
+NoiseFit
+    The result, with the model in ``noise`` and its text in ``to_toml()``.
+
+Raises
+------
+ValueError
+    For numbers of poses that differ, fewer than two detections, and settings that contradict each other.
+
+Examples
+--------
+>>> import numpy as np
+>>> from posemix import SE3, NoiseFitSettings, NoiseFrame, fit_noise
+>>> rng = np.random.default_rng(1)
+>>> truth = SE3(translation=np.tile([0.0, 0.0, 1.0], (500, 1)))
+>>> detected = truth * SE3.exp(rng.normal(size=(500, 6)) * [0.05, 0.05, 0.02, 0.01, 0.01, 0.03])
+>>> fit = fit_noise(truth, detected, settings=NoiseFitSettings(max_components=2, frame=NoiseFrame.object))
+>>> len(fit.noise.components)
+1
+>>> sd = np.sqrt(fit.noise.components[0].covariance.diagonal())
+>>> bool(np.allclose(sd, [0.05, 0.05, 0.02, 0.01, 0.01, 0.03], rtol=0.1))
+True
+>>> fit.to_toml("cup").splitlines()[0]
+'[noise.cup]'
+)";
 
 void bind_fit(nb::module_& m) {
   using F = NoiseFit;
-  nb::class_<F>(m, "NoiseFit", "A noise model, and how it was found; see `fit_noise`.")
-      .def_ro("noise", &F::noise, "The chosen model, with its dependence.")
-      .def_ro("frame", &F::frame, "Axes of its covariances.")
-      .def_ro("log_likelihood", &F::log_likelihood, "Sum over the detections [nats].")
-      .def_ro("parameters", &F::parameters, "Number of free parameters.")
-      .def_ro("bic", &F::bic, "parameters log(detections) - 2 log_likelihood.")
-      .def_ro("fits", &F::fits,
-              "The models in the frame with 1, 2, ... components, then the one with modes.")
-      .def_ro("chosen", &F::chosen, "Index of the chosen model in `fits`.")
-      .def_ro("dependent_frames", &F::dependent_frames,
-              "Number of detections that count as one: median over the coordinates.")
-      .def_ro("modes", &F::modes, "Modes that were tried.")
-      .def_ro("correlation", &F::correlation, "Correlation of the errors in time.")
-      .def_ro("validation", &F::validation, "Empty without cross validation.")
+  Record<F> fit(m, "NoiseFit", "A noise model, and how it was found; see `fit_noise`.");
+  fit.made_from([] {
+       return F{default_detector_noise(), NoiseFrame::object, 0.0, 0, 0.0, {}, 0, 1.0, {}, {}, {}};
+     })
+      .field("noise", &F::noise, "DetectorNoise", "The chosen model, with its dependence.")
+      .field("frame", &F::frame, "NoiseFrame", "Axes of its covariances.");
+  with_likelihood(fit)
+      .field("fits", &F::fits, "list[NoiseEmFit]",
+             "The models in the frame with 1, 2, ... components, then the one with modes.")
+      .field("chosen", &F::chosen, "int", "Index of the chosen model in `fits`.")
+      .field("dependent_frames", &F::dependent_frames, "float",
+             "Number of detections that count as one: median over the coordinates.")
+      .field("modes", &F::modes, "list[NoiseMode]", "Modes that were tried.")
+      .field("correlation", &F::correlation, "NoiseCorrelation",
+             "Correlation of the errors in time.")
+      .field("validation", &F::validation, "list[NoiseValidation]",
+             "Empty without cross validation.")
+      .shown_as([](const F& self) {
+        return fmt::format("<NoiseFit: {}, BIC {:.1f}>", nb::repr(nb::cast(self.noise)).c_str(),
+                           self.bic);
+      })
+      .done()
       .def(
           "to_toml",
           [](const F& self, const std::string& name) {
             return format_noise_toml(name, self.noise);
           },
-          "name"_a = "detector", "The table `[noise.NAME]` of a sequence file with all digits.")
-      .def("__repr__", [](const F& self) {
-        return fmt::format("<NoiseFit: {}, BIC {:.1f}>", nb::repr(nb::cast(self.noise)).c_str(),
-                           self.bic);
-      });
-  m.def("fit_noise", [](const PoseArray& truth, const PoseArray& detected,
-                        const std::vector<std::size_t>& recording, const NoiseFitSettings& settings,
-                        RandomStream& stream) {
-    const MaybePoses true_poses = maybe_poses(truth.rows, "truth");
-    const MaybePoses detections = maybe_poses(detected.rows, "detected");
-    if (true_poses.size() != recording.size() || detections.size() != recording.size()) {
-      throw InvalidInput(
-          fmt::format("{} true poses, {} detections and {} recordings; expected as many of each",
-                      true_poses.size(), detections.size(), recording.size()));
-    }
-    std::map<std::size_t, std::pair<MaybePoses, MaybePoses>> by_recording;
-    for (std::size_t i = 0; i < recording.size(); ++i) {
-      by_recording[recording[i]].first.push_back(true_poses[i]);
-      by_recording[recording[i]].second.push_back(detections[i]);
-    }
-    std::vector<NoiseTrack> tracks;
-    for (const auto& [index, poses] : by_recording)
-      tracks.push_back(noise_track(poses.first, poses.second, index));
-    const nb::gil_scoped_release unlocked;
-    return fit_noise(tracks, settings, stream);
-  });
+          "name"_a = "detector", "The table `[noise.NAME]` of a sequence file with all digits.");
+  m.def(
+      "fit_noise",
+      [](const PoseArray& truth, const PoseArray& detected,
+         const std::optional<ArrayLike>& recording, const std::optional<NoiseFitSettings>& settings,
+         const Seed& seed) {
+        std::vector<std::size_t> recordings(truth.size());
+        if (recording) {
+          const nb::object unique = nb::module_::import_("numpy").attr("unique");
+          recordings =
+              nb::borrow<ArrayLike>(nb::object(unique(*recording, "return_inverse"_a = true)[1]))
+                  .indices();
+        }
+        const MaybePoses true_poses = maybe_poses(truth.rows, "truth");
+        const MaybePoses detections = maybe_poses(detected.rows, "detected");
+        if (true_poses.size() != recordings.size() || detections.size() != recordings.size()) {
+          throw InvalidInput(fmt::format(
+              "{} true poses, {} detections and {} recordings; expected as many of each",
+              true_poses.size(), detections.size(), recordings.size()));
+        }
+        std::map<std::size_t, std::pair<MaybePoses, MaybePoses>> by_recording;
+        for (std::size_t i = 0; i < recordings.size(); ++i) {
+          by_recording[recordings[i]].first.push_back(true_poses[i]);
+          by_recording[recordings[i]].second.push_back(detections[i]);
+        }
+        std::vector<NoiseTrack> tracks;
+        for (const auto& [index, poses] : by_recording)
+          tracks.push_back(noise_track(poses.first, poses.second, index));
+        const nb::gil_scoped_release unlocked;
+        return fit_noise(tracks, settings.value_or(NoiseFitSettings{}), seed.stream());
+      },
+      "truth"_a, "detected"_a, nb::kw_only(), "recording"_a = nb::none(), "settings"_a = nb::none(),
+      "seed"_a = 1, kFitNoiseDoc);
 }
+
+constexpr const char* kOdometryDoc =
+    R"(Learns the random walk of the odometry and the jitter of the ground truth from the growth of the error with time.
+
+Parameters
+----------
+recordings : Sequence or iterable of Sequence
+    Recordings; those without `odometry` or `camera_truth` are left out.
+settings : OdometryNoiseSettings, optional
+    Lengths of the windows, number of samples for the standard errors.
+
+Raises
+------
+ValueError
+    If no recording has a window with odometry and ground truth at both ends.
+)";
 
 void bind_odometry(nb::module_& m) {
   using S = OdometryNoiseSettings;
@@ -158,36 +261,46 @@ void bind_odometry(nb::module_& m) {
       .field("seed", &S::seed, "int", "Of these samples.")
       .done();
   using W = OdometryWindow;
-  nb::class_<W>(m, "OdometryWindow", "The error of the relative pose over windows of one length.")
-      .def_ro("seconds", &W::seconds, "Length.")
-      .def_ro("independent", &W::independent, "Number of windows that do not overlap.")
-      .def_ro("variance", &W::variance, "Shape (6,) [rad^2, m^2], axes of the camera at the end.")
-      .def_ro("fitted", &W::fitted, "Shape (6,): the variance by the fitted model.");
+  Record<W>(m, "OdometryWindow", "The error of the relative pose over windows of one length.")
+      .field("seconds", &W::seconds, "float", "Length.")
+      .field("independent", &W::independent, "float", "Number of windows that do not overlap.")
+      .field("variance", &W::variance, kFloatArray,
+             "Shape (6,) [rad^2, m^2], axes of the camera at the end.")
+      .field("fitted", &W::fitted, kFloatArray, "Shape (6,): the variance by the fitted model.")
+      .done();
   using O = OdometryNoise;
-  nb::class_<O>(m, "OdometryNoise", "The noise of odometry, along the axes of the camera.")
-      .def_ro("sd_per_sqrt_s", &O::sd_per_sqrt_s,
-              "Shape (6,): random walk, per square root of a second [rad, m].")
-      .def_ro("jitter_sd", &O::jitter_sd, "Shape (6,): white jitter of the truth [rad, m].")
-      .def_ro("sd_per_sqrt_s_error", &O::sd_per_sqrt_s_error,
-              "Shape (6,): standard error; NaN for fewer than two recordings.")
-      .def_ro("jitter_sd_error", &O::jitter_sd_error, "Shape (6,): standard error.")
-      .def_ro("windows", &O::windows, "Windows of all lengths.")
-      .def_ro("recordings", &O::recordings, "Number of recordings.")
+  Record<O>(m, "OdometryNoise", "The noise of odometry, along the axes of the camera.")
+      .field("sd_per_sqrt_s", &O::sd_per_sqrt_s, kFloatArray,
+             "Shape (6,): random walk, per square root of a second [rad, m].")
+      .field("jitter_sd", &O::jitter_sd, kFloatArray,
+             "Shape (6,): white jitter of the truth [rad, m].")
+      .field("sd_per_sqrt_s_error", &O::sd_per_sqrt_s_error, kFloatArray,
+             "Shape (6,): standard error; NaN for fewer than two recordings.")
+      .field("jitter_sd_error", &O::jitter_sd_error, kFloatArray, "Shape (6,): standard error.")
+      .field("windows", &O::windows, "list[OdometryWindow]", "Windows of all lengths.")
+      .field("recordings", &O::recordings, "int", "Number of recordings.")
+      .done()
       .def(
           "to_toml", [](const O& self) { return format_odometry_toml(self); },
           "The table `[motion]` of a sequence file, with comments.");
-  m.def("fit_odometry_noise", [](const std::vector<std::tuple<Numbers, Rows, Rows>>& recordings,
-                                 const OdometryNoiseSettings& settings) {
-    std::vector<OdometryRecording> all;
-    for (const auto& [stamps, odometry, truth] : recordings) {
-      all.push_back({std::to_string(all.size()),
-                     {stamps.data(), stamps.data() + stamps.shape(0)},
-                     maybe_poses(odometry, "odometry"),
-                     maybe_poses(truth, "camera_truth")});
-    }
-    const nb::gil_scoped_release unlocked;
-    return fit_odometry_noise(all, settings);
-  });
+  using Recordings = std::variant<Sequence, nb::typed<nb::iterable, Sequence>>;
+  m.def(
+      "fit_odometry_noise",
+      [](const Recordings& recordings, const std::optional<S>& settings) {
+        std::vector<OdometryRecording> all;
+        const auto add = [&](const Sequence& s) {
+          if (s.odometry.empty() || s.camera_truth.empty()) return;
+          all.push_back({std::to_string(all.size()), s.stamps, s.odometry, s.camera_truth});
+        };
+        if (const auto* one = std::get_if<Sequence>(&recordings)) {
+          add(*one);
+        } else {
+          for (const nb::handle each : std::get<1>(recordings)) add(nb::cast<Sequence>(each));
+        }
+        const nb::gil_scoped_release unlocked;
+        return fit_odometry_noise(all, settings.value_or(S{}));
+      },
+      "recordings"_a, "settings"_a = nb::none(), kOdometryDoc);
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: posemix contributors
 #pragma once
 
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "arrays.hpp"
@@ -37,6 +39,12 @@ struct PoseArray {
     return result;
   }
 };
+
+using MaybePoses = std::vector<std::optional<SE3d>>;
+
+/// Rows of seven numbers; of NaN for a miss.
+MaybePoses maybe_poses(const Rows& rows, const std::string& name);
+Array rows_of(const MaybePoses& poses);
 
 }  // namespace posemix::python
 

@@ -2,36 +2,42 @@
 // SPDX-FileCopyrightText: posemix contributors
 #pragma once
 
+#include <type_traits>
+
 #include "fields.hpp"
 
 namespace posemix::python {
 
-/// Binds a struct of results as a class like a frozen Python dataclass: attributes that cannot be
-/// assigned, repr, equality, copy and pickle. Python code cannot construct an object.
+/// The annotation of an array among the fields of a record.
+inline constexpr const char* kFloatArray = "numpy.typing.NDArray[numpy.float64]";
+
+/// A struct as a class like a frozen Python dataclass: attributes that cannot be assigned, repr,
+/// equality, copy and pickle. Only C++ makes one, unless it is `constructible`.
 template <class T>
 class Record {
  public:
-  /// @param extra attributes of nanobind's class, such as nb::is_generic
+  using Check = void (*)(const T&);
+
+  /// `extra` are attributes of nanobind's class, as nb::is_generic.
   template <class... Extra>
   Record(nb::module_& m, const char* name, std::string summary, const Extra&... extra)
       : summary_(std::move(summary)),
         fields_(std::make_shared<Fields<T>>(name)),
-        class_(m, name, extra...) {}
-
-  /// Adds a field; `type` is the Python annotation, `text` the description with its unit.
-  template <class Value>
-  Record& field(const char* name, Value T::*member, const char* type, const char* text) {
-    return field(name, member, type, text, &SettingValue<Value>::get);
+        class_(m, name, extra...) {
+    if constexpr (std::default_initializable<T>) blank_ = [] { return T{}; };
   }
 
-  /// Adds a field whose value in Python is `get(value)`.
+  /// `type` is the Python annotation, `text` says what the field is and its unit.
+  template <class Convert = void, class Value>
+  Record& field(const char* name, Value T::*member, const char* type, const char* text) {
+    using Used = std::conditional_t<std::is_void_v<Convert>, SettingValue<Value>, Convert>;
+    return add<Used>(name, member, type, text, &Used::get);
+  }
+
+  /// The same where Python sees `get(value)` or `get(object)`.
   template <class Value, class Get>
   Record& field(const char* name, Value T::*member, const char* type, const char* text, Get get) {
-    fields_->add(name, member, type, text);
-    class_.def_prop_ro(
-        name, [member, get](const T& self) { return get(self.*member); },
-        nb::for_getter(nb::sig(kept(fmt::format("def {}(self, /) -> {}", name, type)))), text);
-    return *this;
+    return add<SettingValue<Value>>(name, member, type, text, get);
   }
 
   /// Sets the repr, which by default has all fields.
@@ -40,20 +46,83 @@ class Record {
     return *this;
   }
 
-  nb::class_<T>& done() {
-    static_assert(std::default_initializable<T>);
+  /// What the fields of a new object are assigned to, where T has no default of its own.
+  Record& made_from(std::function<T()> blank) {
+    blank_ = std::move(blank);
+    return *this;
+  }
+
+  /// Python makes one too, from values by position or name, of which the first `required` have no
+  /// default, as of a dataclass; `check` refuses what does not fit together.
+  Record& constructible(
+      std::size_t required, Check check = [](const T&) {}) {
+    const auto make = [fields = fields_, blank = blank_, required, check](
+                          T* self, const nb::args& values, const nb::kwargs& named) {
+      T made = blank();
+      fields->assign(made, values, named, required);
+      check(made);
+      new (self) T(std::move(made));
+    };
+    const auto replace = [fields = fields_, check](const T& self, const nb::kwargs& changes) {
+      T other = self;
+      fields->assign(other, changes);
+      check(other);
+      return other;
+    };
+    std::string needed;
+    std::string optional;
+    nb::list names;
+    for (const Field<T>& field : *fields_) {
+      const std::string argument = fmt::format(", {}: {}", field.name, field.type);
+      needed += argument + (nb::len(names) < required ? "" : " = ...");
+      optional += argument + " = ...";
+      names.append(field.name);
+    }
+    class_.def("__init__", make,
+               nb::sig(kept(fmt::format("def __init__(self{}) -> None", needed))));
+    class_.def(
+        "replace", replace,
+        nb::sig(kept(fmt::format("def replace(self, /, *{}) -> {}", optional, fields_->name()))),
+        "The same with other values of some fields.");
+    // The functions of the module dataclasses take it too.
+    const nb::module_ dataclasses = nb::module_::import_("dataclasses");
+    const nb::object like = dataclasses.attr("make_dataclass")(fields_->name(), names);
+    class_.attr("__dataclass_fields__") = like.attr("__dataclass_fields__");
+    return *this;
+  }
+
+  /// `more` are further sections of the docstring.
+  nb::class_<T>& done(const char* more = "") {
     Fields<T>::define(class_, fields_);
-    class_.def("__setstate__", [fields = fields_](T& self, const nb::dict& state) {
-      auto* made = new (&self) T{};
-      fields->assign(*made, state);
+    class_.def("__setstate__", [fields = fields_, blank = blank_](T& self, const nb::dict& state) {
+      T made = blank();
+      fields->assign(made, state);
+      new (&self) T(std::move(made));
     });
-    class_.attr("__doc__") = summary_ + fields_->document([](const Field<T>&) { return ""; });
+    class_.attr("__doc__") =
+        summary_ + fields_->document([](const Field<T>&) { return ""; }) + more;
     return class_;
   }
 
  private:
+  template <class Convert, class Value, class Get>
+  Record& add(const char* name, Value T::*member, const char* type, const char* text, Get get) {
+    fields_->template add<Convert>(name, member, type, text);
+    class_.def_prop_ro(
+        name,
+        [member, get](const T& self) {
+          if constexpr (std::is_invocable_v<Get, const T&>)
+            return get(self);
+          else
+            return get(self.*member);
+        },
+        nb::for_getter(nb::sig(kept(fmt::format("def {}(self, /) -> {}", name, type)))), text);
+    return *this;
+  }
+
   std::string summary_;
   std::shared_ptr<Fields<T>> fields_;
+  std::function<T()> blank_;
   nb::class_<T> class_;
 };
 

@@ -18,6 +18,34 @@
 
 namespace posemix::python {
 
+constexpr const char* kReportDoc =
+    R"(Writes one HTML file that shows results in a browser without network or server, like ``posemix report``.
+
+Parameters
+----------
+results : path
+    A folder of `write_results`, ``posemix slam`` or ``posemix study``, a folder of mixture files, or one
+    of these.
+out : path, optional
+    The file to write; by default report.html in the folder, or beside the mixture file.
+title : str, optional
+    Title of the page; by default it is taken from the results.
+meshes : mapping, optional
+    For an object id, a PLY file and the length of its unit [m]: 1e-3 for BOP's models.
+
+Returns
+-------
+pathlib.Path
+    The file written.
+
+Raises
+------
+ValueError
+    With file and place: no results, a damaged file, a mesh for an unknown object.
+OSError
+    If the system refuses, or the package was built without the page (npm was missing).
+)";
+
 void bind_report(nb::module_& m) {
   namespace fs = std::filesystem;
   m.def("has_report_page", &has_report_page);
@@ -25,10 +53,11 @@ void bind_report(nb::module_& m) {
       "write_report",
       [](const fs::path& results, const std::optional<fs::path>& out,
          const std::optional<std::string>& title,
-         const std::map<std::string, std::pair<fs::path, double>>& meshes) {
+         const std::optional<std::map<std::string, std::pair<fs::path, double>>>& meshes) {
         ReportOptions options{.out = out, .title = title};
-        for (const auto& [id, mesh] : meshes) options.meshes[id] = {mesh.first, mesh.second};
-        // An exception that a signal handler raises stops the work.
+        if (meshes)
+          for (const auto& [id, mesh] : *meshes) options.meshes[id] = {mesh.first, mesh.second};
+        // What a signal's handler raises ends the work.
         options.progress = [](std::size_t, std::size_t) {
           const nb::gil_scoped_acquire locked;
           if (PyErr_CheckSignals() != 0) throw nb::python_error();
@@ -36,7 +65,8 @@ void bind_report(nb::module_& m) {
         const nb::gil_scoped_release unlocked;
         return write_report(results, options);
       },
-      "results"_a, "out"_a.none(), "title"_a.none(), "meshes"_a);
+      "results"_a, "out"_a = nb::none(), "title"_a = nb::none(), "meshes"_a = nb::none(),
+      kReportDoc);
 }
 
 }  // namespace posemix::python

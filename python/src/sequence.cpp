@@ -2,14 +2,13 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "posemix/slam/sequence.hpp"
 
-#include <cmath>
 #include <limits>
-#include <tuple>
 
+#include <fmt/ranges.h>
 #include <nanobind/stl/string.h>
-#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include "record.hpp"
 #include "slam.hpp"
 
 namespace posemix::python {
@@ -41,56 +40,77 @@ Array rows_of(const MaybePoses& poses) {
 
 namespace {
 
-using ObjectRows = std::tuple<std::string, Rows, Rows, Rows>;
-using CandidateRow = std::tuple<std::string, SE3d, double>;
+constexpr const char* kMaybePoses = "posemix.lie.SE3 | None";
 
-Sequence sequence_of(const Numbers& stamps, const Rows& odometry, const Rows& camera_truth,
-                     const std::vector<ObjectRows>& objects,
-                     const std::vector<std::vector<CandidateRow>>& candidates) {
-  Sequence sequence;
-  sequence.stamps.assign(stamps.data(), stamps.data() + stamps.shape(0));
-  sequence.odometry = maybe_poses(odometry, "odometry");
-  sequence.camera_truth = maybe_poses(camera_truth, "camera_truth");
-  for (const auto& [id, detections, relative, world] : objects) {
-    sequence.objects.push_back({id, maybe_poses(detections, "detections of '" + id + "'"),
-                                maybe_poses(relative, "relative_truth of '" + id + "'"),
-                                maybe_poses(world, "world_truth of '" + id + "'")});
-  }
-  for (const auto& frame : candidates) {
-    std::vector<Candidate>& all = sequence.candidates.emplace_back();
-    for (const auto& [class_id, pose, score] : frame) all.push_back({class_id, pose, score});
-  }
-  validate(sequence);
-  return sequence;
+std::string names_of(const Sequence& sequence) {
+  std::vector<std::string> names;
+  for (const ObjectRecording& object : sequence.objects) names.push_back(object.id);
+  return names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "));
 }
 
-nb::tuple parts_of(const Sequence& sequence) {
-  NewArray stamps({sequence.stamps.size()});
-  std::ranges::copy(sequence.stamps, stamps.data);
-  const nb::list objects = list_of(sequence.objects, [](const ObjectRecording& object) {
-    return nb::make_tuple(object.id, rows_of(object.detections), rows_of(object.relative_truth),
-                          rows_of(object.world_truth));
-  });
-  const nb::list candidates = list_of(sequence.candidates, [](const std::vector<Candidate>& frame) {
-    return list_of(frame, [](const Candidate& c) {
-      return nb::make_tuple(c.class_id, c.camera_object, c.score);
-    });
-  });
-  return nb::make_tuple(std::move(stamps.array), rows_of(sequence.odometry),
-                        rows_of(sequence.camera_truth), objects, candidates);
+void bind_recordings(nb::module_& m) {
+  using C = Candidate;
+  Record<C>(m, "Candidate", "A detection that names the class of the object but not the instance.")
+      .field("class_id", &C::class_id, "str", "The class.")
+      .field("camera_object", &C::camera_object, "posemix.lie.SE3", "T_camera_object as detected.")
+      .field("score", &C::score, "float", "Confidence of the detector; larger is more certain.")
+      .constructible(2)
+      .done();
+  using O = ObjectRecording;
+  Record<O>(m, "ObjectRecording", "The recording of one object.")
+      .field("id", &O::id, "str", "Name of the object.")
+      .field("detections", &O::detections, "posemix.lie.SE3",
+             "Shape (n,): T_camera_object by the detector, NaN where it was not detected; see "
+             "`with_misses`.")
+      .field("relative_truth", &O::relative_truth, kMaybePoses, "Shape (n,): true T_camera_object.")
+      .field("world_truth", &O::world_truth, kMaybePoses, "Shape (n,): true T_world_object.")
+      .shown_as([](const O& self) {
+        const auto known = [](const std::optional<SE3d>& pose) { return pose.has_value(); };
+        return fmt::format("<ObjectRecording '{}', {} detections in {} frames>", self.id,
+                           std::ranges::count_if(self.detections, known), self.detections.size());
+      })
+      .constructible(2)
+      .done();
 }
+
+constexpr const char* kSequenceMore = R"(
+Raises
+------
+ValueError
+    When there is no frame, stamps do not increase, an array has the wrong length, two objects share
+    an id, or a pose is not finite.
+
+Examples
+--------
+>>> import numpy as np
+>>> from posemix import SE3, ObjectRecording, Sequence
+>>> still = SE3.identity((5,))
+>>> Sequence(np.arange(5), still, objects=[ObjectRecording("mug", still)])
+<Sequence of 5 frames over 4 s, objects mug>
+)";
 
 }  // namespace
 
 void bind_sequence(nb::module_& m) {
-  nb::class_<Sequence>(m, "Sequence")
-      .def("__init__",
-           [](Sequence* self, const Numbers& stamps, const Rows& odometry, const Rows& camera_truth,
-              const std::vector<ObjectRows>& objects,
-              const std::vector<std::vector<CandidateRow>>& candidates) {
-             new (self) Sequence(sequence_of(stamps, odometry, camera_truth, objects, candidates));
-           })
-      .def("parts", &parts_of);
+  bind_recordings(m);
+  using S = Sequence;
+  Record<S>(
+      m, "Sequence",
+      "A recording. Arrays over frames have one entry per stamp, NaN in frames without a pose.")
+      .field<NumbersAsArray>("stamps", &S::stamps, kFloatArray,
+                             "Shape (n,), strictly increasing [s].")
+      .field("odometry", &S::odometry, kMaybePoses, "Shape (n,): T_odom_camera.")
+      .field("camera_truth", &S::camera_truth, kMaybePoses, "Shape (n,): true T_world_camera.")
+      .field("objects", &S::objects, "list[ObjectRecording]", "Recordings of the objects.")
+      .field("candidates", &S::candidates, "list[list[Candidate]]",
+             "Detections that name only the class, per frame; none unless given.")
+      .shown_as([](const S& self) {
+        return fmt::format("<Sequence of {} frames over {:.6g} s, objects {}>", self.stamps.size(),
+                           self.stamps.back() - self.stamps.front(), names_of(self));
+      })
+      .constructible(1, &validate)
+      .done(kSequenceMore)
+      .def("__len__", [](const S& self) { return self.stamps.size(); });
 }
 
 }  // namespace posemix::python

@@ -2,9 +2,12 @@
 // SPDX-FileCopyrightText: posemix contributors
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -29,7 +32,19 @@ struct SettingValue {
   static std::string text(const Value& value) { return nb::repr(get(value)).c_str(); }
 };
 
-/// Whether a value can change its type; Python gets no reference to such a value.
+/// Numbers that are no numbers are the same: a copy equals what it is a copy of.
+template <>
+struct SettingValue<double> {
+  static constexpr bool kIsArray = false;
+  static nb::object get(double value) { return nb::float_(value); }
+  static double set(nb::handle value, const std::string& /*name*/) {
+    return nb::cast<double>(value);
+  }
+  static bool same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
+  static std::string text(double value) { return nb::repr(get(value)).c_str(); }
+};
+
+/// Of a value that may change its type no reference is given out.
 template <class Value>
 inline constexpr bool kIsVariant = false;
 template <class... Values>
@@ -53,7 +68,8 @@ struct SettingValue<Eigen::Matrix<double, Rows, Columns, Options, MaxRows, MaxCo
     }
   }
   static bool same(const Value& a, const Value& b) {
-    return a.size() == b.size() && (a.array() == b.array()).all();
+    return std::equal(a.reshaped().begin(), a.reshaped().end(), b.reshaped().begin(),
+                      b.reshaped().end(), SettingValue<double>::same);
   }
   static std::string text(const Value& value) {
     if constexpr (Columns == 1) {
@@ -70,7 +86,7 @@ struct SettingValue<Eigen::Matrix<double, Rows, Columns, Options, MaxRows, MaxCo
  private:
   static std::string shape() {
     if constexpr (Columns == 1) return Rows < 0 ? "(n,)" : fmt::format("({},)", Rows);
-    return fmt::format("({}, {})", Rows, Columns);
+    return Rows < 0 ? "(n, m)" : fmt::format("({}, {})", Rows, Columns);
   }
   static std::string numbers(const Eigen::VectorXd& values) {
     return fmt::format("[{:.6g}]", fmt::join(values, ", "));
@@ -93,6 +109,53 @@ struct SettingValue<SE3d> {
   }
 };
 
+/// An SE3 of shape (n,).
+template <>
+struct SettingValue<std::vector<SE3d>> {
+  using Value = std::vector<SE3d>;
+  static constexpr bool kIsArray = false;
+  static nb::object get(const Value& value) { return PoseArray::of(value).made; }
+  static Value set(nb::handle value, const std::string& /*name*/) {
+    return nb::cast<PoseArray>(value).poses();
+  }
+  static bool same(const Value& a, const Value& b) {
+    return std::ranges::equal(a, b, SettingValue<SE3d>::same);
+  }
+  static std::string text(const Value& value) { return nb::repr(get(value)).c_str(); }
+};
+
+template <>
+struct SettingValue<PoseStackd> {
+  using Poses = SettingValue<std::vector<SE3d>>;
+  static constexpr bool kIsArray = false;
+  static nb::object get(const PoseStackd& value) { return Poses::get(value.poses()); }
+  static PoseStackd set(nb::handle value, const std::string& name) {
+    return PoseStackd(Poses::set(value, name));
+  }
+  static bool same(const PoseStackd& a, const PoseStackd& b) {
+    return Poses::same(a.poses(), b.poses());
+  }
+  static std::string text(const PoseStackd& value) { return Poses::text(value.poses()); }
+};
+
+/// Numbers as an array in place of a list.
+struct NumbersAsArray {
+  using Value = std::vector<double>;
+  using Vector = SettingValue<Eigen::VectorXd>;
+  static nb::object get(const Value& value) { return Vector::get(vector_of(value)); }
+  static Value set(nb::handle value, const std::string& name) {
+    const Eigen::VectorXd numbers = Vector::set(value, name);
+    return {numbers.begin(), numbers.end()};
+  }
+  static bool same(const Value& a, const Value& b) { return a == b; }
+  static std::string text(const Value& value) { return Vector::text(vector_of(value)); }
+
+ private:
+  static Eigen::VectorXd vector_of(const Value& value) {
+    return Eigen::Map<const Eigen::VectorXd>(value.data(), std::ssize(value));
+  }
+};
+
 template <class Value>
 struct SettingValue<std::optional<Value>> {
   using Inner = SettingValue<Value>;
@@ -110,6 +173,25 @@ struct SettingValue<std::optional<Value>> {
   static std::string text(const std::optional<Value>& value) {
     return value ? Inner::text(*value) : "None";
   }
+};
+
+/// An SE3 of shape (n,), NaN for a miss; None where there is no entry.
+template <>
+struct SettingValue<MaybePoses> {
+  static constexpr bool kIsArray = false;
+  static nb::object get(const MaybePoses& value) {
+    if (value.empty()) return nb::none();
+    return PoseArray::of(rows_of(value), {value.size()}).made;
+  }
+  static MaybePoses set(nb::handle value, const std::string& name) {
+    if (value.is_none()) return {};
+    const nb::object rows = nb::module_::import_("posemix.recording").attr("pose_rows")(value);
+    return maybe_poses(nb::cast<Rows>(rows), name);
+  }
+  static bool same(const MaybePoses& a, const MaybePoses& b) {
+    return std::ranges::equal(a, b, SettingValue<std::optional<SE3d>>::same);
+  }
+  static std::string text(const MaybePoses& value) { return nb::repr(get(value)).c_str(); }
 };
 
 }  // namespace posemix::python

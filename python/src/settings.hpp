@@ -25,7 +25,7 @@ class Settings {
   template <class Value>
   Settings& field(const char* name, Value T::*member, const char* type, const char* text) {
     using Convert = SettingValue<Value>;
-    fields_->add(name, member, type, text);
+    fields_->template add<Convert>(name, member, type, text);
     if constexpr (Convert::kIsArray) {
       const auto set = [member, what = fields_->name() + "." + name](T& t, nb::handle value) {
         t.*member = Convert::set(value, what);

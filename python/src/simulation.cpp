@@ -86,7 +86,7 @@ void bind_object(nb::module_& m) {
 
 void bind_config(nb::module_& m) {
   using C = SimulationConfig;
-  Settings<C>(m, "SimulationConfig", "What is simulated.")
+  Settings<C>(m, "SimulationConfig", "The configuration of the simulation.")
       .field("path", &C::path, "SimulationPath", "Of the camera.")
       .field("odometry", &C::odometry, "SimulationSd",
              "Its error per square root of a second, right perturbation, camera frame.")
@@ -100,18 +100,14 @@ void bind_config(nb::module_& m) {
 
 void bind_sequence_of_simulation(nb::module_& m) {
   using S = SimulatedSequence;
-  const auto sequence_of = [](const S& self) {
-    return nb::module_::import_("posemix.recording").attr("Sequence").attr("_of")(self.sequence());
-  };
   nb::class_<S>(m, "SimulatedSequence", "A simulated recording; `simulate` makes it.")
-      .def_prop_ro("sequence", sequence_of,
-                   nb::for_getter(nb::sig("def sequence(self, /) -> posemix.recording.Sequence")),
+      .def_prop_ro("sequence", &S::sequence,
                    "The recording as object SLAM takes it, with its truth.")
       .def_prop_ro(
           "camera_start", [](const S& self) { return self.camera_start.pose(); },
           "T_world_camera of the first frame as the filter is told.")
-      .def("__repr__", [sequence_of](const S& self) {
-        return fmt::format("<SimulatedSequence: {}>", nb::repr(sequence_of(self)).c_str());
+      .def("__repr__", [](const S& self) {
+        return fmt::format("<SimulatedSequence: {}>", nb::repr(nb::cast(self.sequence())).c_str());
       });
 }
 

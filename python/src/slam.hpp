@@ -8,14 +8,17 @@
 
 #include "filter.hpp"
 #include "posemix/slam/run.hpp"
+#include "seed.hpp"
 
 namespace posemix::python {
 
-using MaybePoses = std::vector<std::optional<SE3d>>;
+/// A run with the times of its frames and the names of its objects.
+struct RecordedRun : SlamRun {
+  std::vector<double> stamps = {};
+  std::vector<std::string> ids = {};
+};
 
-/// Poses from rows of seven numbers; a row of NaN is a frame without a pose.
-MaybePoses maybe_poses(const Rows& rows, const std::string& name);
-Array rows_of(const MaybePoses& poses);
+inline ConcentratedSE3 unit_density() { return ConcentratedSE3(SE3d(), Matrix6d::Identity()); }
 
 /// The callback of a run after every frame, called without the interpreter's lock: it handles
 /// signals and calls `progress` (None, or a function of the number of frames done and in all).

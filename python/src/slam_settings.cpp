@@ -2,8 +2,8 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include <nanobind/stl/string.h>
 
-#include "dict.hpp"
 #include "posemix/slam/method.hpp"
+#include "record.hpp"
 #include "settings.hpp"
 #include "words.hpp"
 
@@ -28,7 +28,7 @@ void bind_enums(nb::module_& m) {
       .value(DetectionStatus::birth, "Explained by no hypothesis, it began one.")
       .value(DetectionStatus::gated, "Left out by the gate.")
       .value(DetectionStatus::failed, "Left out: not positive definite.");
-  nb::enum_<CandidateStatus>(m, "CandidateStatus", "What a candidate is.")
+  nb::enum_<CandidateStatus>(m, "CandidateStatus", "The association of a candidate.")
       .value("assigned", CandidateStatus::assigned, "Of a known instance.")
       .value("fresh", CandidateStatus::fresh, "Of an instance not known so far.")
       .value("rejected", CandidateStatus::rejected,
@@ -130,14 +130,20 @@ void bind_other_methods(nb::module_& m) {
 
 void bind_methods(nb::module_& m) {
   using M = SlamMethod;
-  nb::class_<M>(m, "SlamMethod", "A tracker with its settings, and what belongs to it.")
-      .def_ro("name", &M::name, "As in sequence files.")
-      .def_ro("description", &M::description, "One line.")
-      .def_prop_ro(
-          "tracker", [](const M& self) { return self.tracker; }, "Settings of its tracker.")
-      .def_ro("smoothing", &M::smoothing, "Of estimates that also look ahead, else None.")
-      .def_ro("single_gaussian", &M::single_gaussian,
-              "Whether the detector's noise is used as one Gaussian.")
+  Record<M>(m, "SlamMethod", "A tracker with its settings, and what belongs to it.")
+      .field("name", &M::name, "str", "As in sequence files.")
+      .field("description", &M::description, "str", "One line.")
+      .field("tracker", &M::tracker,
+             "MultiObjectSlamSettings | GaussianSumSettings | ParticleFilterSettings",
+             "Settings of its tracker.")
+      .field("smoothing", &M::smoothing, "SmoothingSettings | None",
+             "Of estimates that also look ahead.")
+      .field("single_gaussian", &M::single_gaussian, "bool",
+             "Whether the detector's noise is used as one Gaussian.")
+      .shown_as([](const M& self) {
+        return fmt::format("<SlamMethod '{}': {}>", self.name, self.description);
+      })
+      .done()
       .def_prop_ro("title", &M::title, "For display, with the settings.")
       .def(
           "settings",
@@ -145,10 +151,7 @@ void bind_methods(nb::module_& m) {
             return self.settings(motion.value_or(MotionSettings{}));
           },
           "motion"_a = nb::none(), "Settings of `ObjectSlam` for a camera that moves in this way.")
-      .def("models", &M::models, "models"_a, "The object models as the method takes them.")
-      .def("__repr__", [](const M& self) {
-        return fmt::format("<SlamMethod '{}': {}>", self.name, self.description);
-      });
+      .def("models", &M::models, "models"_a, "The object models as the method takes them.");
   m.def("slam_methods", &slam_methods,
         "All methods of object SLAM, the same as in sequence files and studies.");
   m.def(

@@ -4,10 +4,12 @@
 
 #include <nanobind/stl/pair.h>
 
+#include "array_like.hpp"
 #include "density.hpp"
-#include "dict.hpp"
+#include "each_pose.hpp"
 #include "posemix/io/bop_models.hpp"
 #include "posemix/slam/symmetric_error.hpp"
+#include "record.hpp"
 #include "settings.hpp"
 
 namespace posemix::python {
@@ -47,19 +49,9 @@ Examples
 
 PoseArray closest(const SymmetryGroup& group, const PoseArray& poses, const PoseArray& references,
                   const Matrix6d& information) {
-  if (!references.shape.empty() && references.shape != poses.shape) {
-    throw InvalidInput(fmt::format("{} poses and {} references; expected as many, or one reference",
-                                   poses.size(), references.size()));
-  }
-  NewArray out({poses.size(), 7});
-  {
-    const nb::gil_scoped_release unlocked;
-    for (std::size_t i = 0; i < poses.size(); ++i) {
-      const SE3d reference = references[references.shape.empty() ? 0 : i];
-      Wire<SE3d>::write(group.closest(poses[i], reference, information), out.data + 7 * i);
-    }
-  }
-  return PoseArray::of(std::move(out.array), poses.shape);
+  return each_pose(poses, references, [&](const SE3d& pose, const SE3d& reference) {
+    return group.closest(pose, reference, information);
+  });
 }
 
 SymmetryGroup group_of_entry(const nb::dict& entry) {
@@ -158,21 +150,61 @@ void bind_group(nb::module_& m) {
   group.attr("__hash__") = nb::none();
 }
 
-void bind_errors_of_symmetric(nb::module_& m) {
-  m.def("max_symmetric_surface_distance", [](const SE3d& estimate, const SE3d& truth,
-                                             const Rows& points, const SymmetryGroup& group) {
-    require_columns(points, 3, "points");
-    std::vector<Eigen::Vector3d> all;
-    for (std::size_t i = 0; i < points.shape(0); ++i)
-      all.emplace_back(Eigen::Map<const Eigen::Vector3d>(points.data() + 3 * i));
-    const nb::gil_scoped_release unlocked;
-    return max_symmetric_surface_distance(estimate, truth, all, group);
-  });
-  m.def("symmetric_pose_error",
-        [](const SE3d& estimate, const SE3d& truth, const SymmetryGroup& group, double length_m) {
-          const SymmetricPoseError error = symmetric_pose_error(estimate, truth, group, length_m);
-          return nb::make_tuple(error.rotation_rad, error.translation_m);
-        });
+constexpr const char* kErrorDoc =
+    R"(The error of an estimate against the nearest of the equivalent true poses.
+
+Parameters
+----------
+estimate, truth : SE3
+    One pose each.
+symmetries : SymmetryGroup
+    Symmetries of the object.
+length_m : float
+    Length in rotation^2 + (translation / length_m)^2, which the nearest pose minimises [m].
+)";
+
+constexpr const char* kSurfaceDoc =
+    R"(The maximum symmetry-aware surface distance of the BOP benchmark [m].
+
+Parameters
+----------
+estimate, truth : SE3
+    One pose each.
+points : array_like, shape (n, 3)
+    Points of the object's surface, in the object's frame [m].
+symmetries : SymmetryGroup
+    Symmetries of the object.
+
+Raises
+------
+ValueError
+    Without points.
+
+References
+----------
+Hodan et al., BOP Challenge 2020, eq. 2.
+)";
+
+void bind_symmetric_errors(nb::module_& m) {
+  using E = SymmetricPoseError;
+  Record<E>(m, "SymmetricPoseError", "Difference of two poses of an object with symmetries.")
+      .field("rotation_rad", &E::rotation_rad, "float", "Angle between the rotations [rad].")
+      .field("translation_m", &E::translation_m, "float", "Distance of the positions [m].")
+      .done();
+  m.def("symmetric_pose_error", &symmetric_pose_error, "estimate"_a, "truth"_a, "symmetries"_a,
+        "length_m"_a = 0.1, kErrorDoc);
+  m.def(
+      "max_symmetric_surface_distance",
+      [](const SE3d& estimate, const SE3d& truth, const ArrayLike& points,
+         const SymmetryGroup& group) {
+        const ShapedRows given(points, 3, "points");
+        std::vector<Eigen::Vector3d> all;
+        for (std::size_t i = 0; i < given.rows.shape(0); ++i)
+          all.emplace_back(Eigen::Map<const Eigen::Vector3d>(given.rows.data() + 3 * i));
+        const nb::gil_scoped_release unlocked;
+        return max_symmetric_surface_distance(estimate, truth, all, group);
+      },
+      "estimate"_a, "truth"_a, "points"_a, "symmetries"_a, kSurfaceDoc);
 }
 
 }  // namespace
@@ -180,7 +212,7 @@ void bind_errors_of_symmetric(nb::module_& m) {
 void bind_symmetry(nb::module_& m) {
   bind_axis(m);
   bind_group(m);
-  bind_errors_of_symmetric(m);
+  bind_symmetric_errors(m);
 }
 
 }  // namespace posemix::python

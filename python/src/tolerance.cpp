@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 #include <array>
+#include <variant>
 
 #include <nanobind/stl/array.h>
+#include <nanobind/stl/variant.h>
 
+#include "array_like.hpp"
 #include "density.hpp"
-#include "dict.hpp"
 #include "posemix/detector/error_mixture.hpp"
 #include "posemix/grasp/consensus.hpp"
 #include "posemix/grasp/tolerance_region.hpp"
 #include "poses.hpp"
 #include "record.hpp"
+#include "seed.hpp"
 #include "settings.hpp"
 
 namespace posemix::python {
@@ -74,7 +77,8 @@ void bind_region(nb::module_& m) {
           "Returns\n-------\nndarray, shape (...)\n");
 }
 
-std::vector<ErrorOutcome> outcomes_of(const PoseArray& errors, const std::vector<bool>& successes) {
+std::vector<ErrorOutcome> outcomes_of(const PoseArray& errors, const ArrayLike& results) {
+  const std::vector<bool> successes = results.flags();
   if (errors.size() != successes.size()) {
     throw InvalidInput(fmt::format("{} errors and {} successes; expected as many of both",
                                    errors.size(), successes.size()));
@@ -83,6 +87,44 @@ std::vector<ErrorOutcome> outcomes_of(const PoseArray& errors, const std::vector
   for (std::size_t i = 0; i < errors.size(); ++i) outcomes.push_back({errors[i], successes[i]});
   return outcomes;
 }
+
+constexpr const char* kFitDoc =
+    R"(The maximum a posteriori region of errors that a grasp tolerates, given outcomes.
+
+Parameters
+----------
+errors : SE3, shape (n,)
+    T_truth^-1 T_estimate of the estimates that the grasps were planned with.
+successes : array_like of bool, shape (n,)
+    Outcomes of the grasps.
+seed : int or RandomStream
+    Seed of the starts.
+settings : RegionFitSettings, optional
+    Priors, number of starts, limits of the search.
+
+Raises
+------
+ValueError
+    For numbers of errors and outcomes that differ, and when there is no start.
+)";
+
+constexpr const char* kBootstrapDoc =
+    R"(Regions fitted to bootstrap samples of the outcomes, drawn by whole groups.
+
+Parameters
+----------
+errors, successes, seed, settings
+    As for `fit_tolerance_region`.
+groups : array_like of int, shape (n,)
+    Groups of dependent outcomes, such as those of one image.
+count : int
+    Number of regions.
+
+Raises
+------
+ValueError
+    As for `fit_tolerance_region`.
+)";
 
 void bind_region_fit(nb::module_& m) {
   using R = RegionFit;
@@ -96,29 +138,101 @@ void bind_region_fit(nb::module_& m) {
       .field("identified", &R::identified, "list[bool]",
              "For every width, whether the outcomes say more about it than the prior does.")
       .done();
-  m.def("fit_tolerance_region", [](const PoseArray& errors, const std::vector<bool>& successes,
-                                   const RegionFitSettings& settings, RandomStream& stream) {
-    const std::vector<ErrorOutcome> outcomes = outcomes_of(errors, successes);
-    std::optional<RegionFit> fit;
-    {
-      const nb::gil_scoped_release unlocked;
-      fit = fit_tolerance_region(outcomes, settings, stream);
-    }
-    return *fit;
-  });
-  m.def("bootstrap_regions", [](const PoseArray& errors, const std::vector<bool>& successes,
-                                const std::vector<std::size_t>& groups, std::size_t count,
-                                const RegionFitSettings& settings, RandomStream& stream) {
-    const std::vector<ErrorOutcome> outcomes = outcomes_of(errors, successes);
-    const nb::gil_scoped_release unlocked;
-    return bootstrap_regions(outcomes, groups, count, settings, stream);
-  });
+  using S = std::optional<RegionFitSettings>;
+  m.def(
+      "fit_tolerance_region",
+      [](const PoseArray& errors, const ArrayLike& successes, const Seed& seed, const S& settings) {
+        const std::vector<ErrorOutcome> outcomes = outcomes_of(errors, successes);
+        const nb::gil_scoped_release unlocked;
+        return fit_tolerance_region(outcomes, settings.value_or(RegionFitSettings{}),
+                                    seed.stream());
+      },
+      "errors"_a, "successes"_a, "seed"_a, "settings"_a = nb::none(), kFitDoc);
+  m.def(
+      "bootstrap_regions",
+      [](const PoseArray& errors, const ArrayLike& successes, const ArrayLike& groups,
+         std::size_t count, const Seed& seed, const S& settings) {
+        const std::vector<ErrorOutcome> outcomes = outcomes_of(errors, successes);
+        const std::vector<std::size_t> members = groups.indices();
+        const nb::gil_scoped_release unlocked;
+        return bootstrap_regions(outcomes, members, count, settings.value_or(RegionFitSettings{}),
+                                 seed.stream());
+      },
+      "errors"_a, "successes"_a, "groups"_a, "count"_a, "seed"_a, "settings"_a = nb::none(),
+      kBootstrapDoc);
 }
 
-std::vector<const ErrorMixture*> pointers(const nb::sequence& mixtures) {
-  std::vector<const ErrorMixture*> all;
-  for (const nb::handle mixture : mixtures) all.push_back(nb::cast<const ErrorMixture*>(mixture));
-  return all;
+constexpr const char* kFuseDoc =
+    R"(The normalised product of several estimators' densities of the true pose, by importance sampling.
+
+Parameters
+----------
+estimates : SE3, shape (n,) or ()
+    T_camera_object by every estimator.
+errors : ErrorMixture or sequence of n
+    Error mixtures of the estimators; a single one is used for all.
+seed : int or RandomStream
+    Seed of the draws.
+settings : ConsensusSettings, optional
+    Number of draws, and correlation of the estimators' errors.
+
+Raises
+------
+ValueError
+    Without estimates or draws, for numbers of estimates and error mixtures that differ, and for a correlation
+    outside [0, 1].
+)";
+
+constexpr const char* kConsensusSuccessDoc =
+    R"(Probabilities that grasps planned with the estimates succeed, shape of `estimate`.
+
+Parameters
+----------
+estimate : SE3, shape (...)
+    T_camera_object for which a grasp is planned.
+regions : ToleranceRegion or sequence of them
+    Tolerance of the grasp; for several regions the mean probability is taken.
+symmetry : SymmetryGroup, optional
+    Symmetries of the object.
+
+Raises
+------
+ValueError
+    Without a region, and for a region whose widths or probabilities are out of range.
+)";
+
+/// One value, or one for each.
+template <class Value>
+using OneOrMany = std::variant<Value, std::vector<Value>>;
+
+PoseConsensus fused(const PoseArray& estimates, const OneOrMany<ErrorMixture>& errors,
+                    const Seed& seed, const std::optional<ConsensusSettings>& settings) {
+  const auto* one = std::get_if<ErrorMixture>(&errors);
+  const auto* many = std::get_if<std::vector<ErrorMixture>>(&errors);
+  if (many != nullptr && many->size() != estimates.size()) {
+    throw InvalidInput(fmt::format("{} estimates and {} error mixtures; expected as many of both",
+                                   estimates.size(), many->size()));
+  }
+  std::vector<ConsensusMember> members;
+  for (std::size_t i = 0; i < estimates.size(); ++i)
+    members.push_back({estimates[i], one != nullptr ? one : &(*many)[i]});
+  const nb::gil_scoped_release unlocked;
+  return fuse_estimates(members, settings.value_or(ConsensusSettings{}), seed.stream());
+}
+
+Array consensus_success(const PoseConsensus& consensus, const PoseArray& estimates,
+                        const OneOrMany<ToleranceRegion>& given,
+                        const std::optional<SymmetryGroup>& symmetry) {
+  const auto* one = std::get_if<ToleranceRegion>(&given);
+  const std::vector<ToleranceRegion> regions =
+      one != nullptr ? std::vector{*one} : std::get<std::vector<ToleranceRegion>>(given);
+  for (const ToleranceRegion& region : regions) validate(region);
+  NewArray out(estimates.shape);
+  const nb::gil_scoped_release unlocked;
+  for (std::size_t i = 0; i < estimates.size(); ++i)
+    out.data[i] =
+        success_probability(consensus, estimates[i], regions, symmetry.value_or(SymmetryGroup{}));
+  return std::move(out.array);
 }
 
 void bind_consensus(nb::module_& m) {
@@ -127,44 +241,23 @@ void bind_consensus(nb::module_& m) {
       .field("correlation", &ConsensusSettings::correlation, "float",
              "Of the members' errors, in [0, 1].")
       .done();
-  m.def("fuse_estimates", [](const PoseArray& estimates, const nb::sequence& errors,
-                             const ConsensusSettings& settings, RandomStream& stream) {
-    const std::vector<const ErrorMixture*> mixtures = pointers(errors);
-    if (mixtures.size() != estimates.size()) {
-      throw InvalidInput(fmt::format("{} estimates and {} error mixtures; expected as many of both",
-                                     estimates.size(), mixtures.size()));
-    }
-    std::vector<ConsensusMember> members;
-    for (std::size_t i = 0; i < mixtures.size(); ++i)
-      members.push_back({estimates[i], mixtures[i]});
-    std::optional<PoseConsensus> consensus;
-    {
-      const nb::gil_scoped_release unlocked;
-      consensus = fuse_estimates(members, settings, stream);
-    }
-    return nb::make_tuple(PoseArray::of(consensus->truths), vector_array(consensus->weights));
-  });
-}
-
-void bind_consensus_uses(nb::module_& m) {
-  m.def("resample_consensus",
-        [](const PoseArray& truths, const Eigen::VectorXd& weights, std::size_t count) {
-          const PoseConsensus drawn = PoseConsensus{truths.poses(), weights}.resampled(count);
-          return nb::make_tuple(PoseArray::of(drawn.truths), vector_array(drawn.weights));
-        });
-  m.def(
-      "consensus_success",
-      [](const PoseArray& truths, const Eigen::VectorXd& weights, const PoseArray& estimates,
-         const std::vector<ToleranceRegion>& regions, const SymmetryGroup& symmetries) {
-        for (const ToleranceRegion& region : regions) validate(region);
-        const PoseConsensus consensus{truths.poses(), weights};
-        NewArray out(estimates.shape);
-        const nb::gil_scoped_release unlocked;
-        for (std::size_t i = 0; i < estimates.size(); ++i)
-          out.data[i] = success_probability(consensus, estimates[i], regions, symmetries);
-        return std::move(out.array);
-      },
-      "truths"_a, "weights"_a, "estimates"_a, "regions"_a, "symmetries"_a);
+  using C = PoseConsensus;
+  Record<C>(m, "PoseConsensus", "Weighted draws of the true pose.")
+      .field("truths", &C::truths, "posemix.lie.SE3", "Draws of T_camera_object, shape (n,).")
+      .field("weights", &C::weights, kFloatArray, "They sum to one, shape (n,).")
+      .shown_as([](const C& self) {
+        return fmt::format("<PoseConsensus of {} draws>", self.truths.size());
+      })
+      .constructible(2)
+      .done()
+      .def_prop_ro("effective_draws", &C::effective_draws,
+                   "The effective number of draws, 1 / sum of the squared weights.")
+      .def("resampled", &C::resampled, "count"_a,
+           "`count` draws of equal weight, by systematic resampling.")
+      .def("success_probability", &consensus_success, "estimate"_a, "regions"_a,
+           "symmetry"_a = nb::none(), kConsensusSuccessDoc);
+  m.def("fuse_estimates", &fused, "estimates"_a, "errors"_a, "seed"_a, "settings"_a = nb::none(),
+        kFuseDoc);
 }
 
 }  // namespace
@@ -174,7 +267,6 @@ void bind_tolerance(nb::module_& m) {
   bind_region(m);
   bind_region_fit(m);
   bind_consensus(m);
-  bind_consensus_uses(m);
 }
 
 }  // namespace posemix::python

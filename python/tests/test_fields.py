@@ -17,13 +17,20 @@ ROOT = Path(__file__).resolve().parents[2]
 KINDS = (
     "Settings", "Report", "Result", "Estimate", "Fit", "Metrics", "Errors", "Selection", "Record", "Loss", "Reduction",
     "Moments", "Fusion", "Conversion", "Hypothesis", "Alternative", "Snapshot", "Candidate", "Association", "Forecast",
-    "Timing", "Grasp", "Model", "Job",
+    "Timing", "Grasp", "Model", "Job", "Sequence", "Recording", "Input", "Samples", "File", "Outcomes", "Trial", "Box",
+    "Pose", "Bin", "Calibration", "Consensus", "Error", "Method", "Run", "Mode", "Correlation", "Validation", "Noise",
+    "Frames", "Window", "Region",
 )  # fmt: skip
 
 # Classes of another name, with the names of fields that differ.
 OTHER_NAMES: dict[str, tuple[str, dict[str, tuple[str, ...]]]] = {
     "ProjectedFusion": ("FuseResult", {}),
     "MixtureFusion": ("FuseResult", {"mixture": ("density",), "log_evidence": ("log_overlap",)}),
+    "MixtureFile": ("MixtureFile", {"frames": ("from_frame", "to_frame"), "warnings": ()}),  # they become warnings
+    "SimulatedSequence": (
+        "SimulatedSequence", dict.fromkeys(("stamps_ns", "odometry", "camera_truth", "objects"), ("sequence",)),
+    ),
+    "SlamMethod": ("SlamMethod", {"restore": ()}),  # a function that files need
     "MergeResult": ("MergeResult", {"component": ("density", "log_weight")}),
 }
 
@@ -40,10 +47,17 @@ WITHOUT_CLASS = {
     "TranslationMoments": "an intermediate result of the composition",
     "EmGaussianMoments": "an intermediate result of EM",
     "EmModel": "how a kind of density is fitted, a customisation point of C++",
-    "LogisticModel": "python/posemix/scores.py has a class with arrays",
     "NoiseEmSettings": "a step of fit_noise, which sets it from NoiseFitSettings",
     "NoiseModesFit": "a step of fit_noise, whose NoiseFit has its parts",
     "FuzzReport": "a tool of the tests",
+    "MeanWithError": "a step of the studies",
+    "NoiseAtPose": "a step of the filters",
+    "OutlinedBox": "a part of pictures",
+    "DatasetSequence": "recordings of other packages are read by the program",
+    "SimulatedPose": "SimulatedSequence has arrays of poses",
+    "StampedPose": "StampedPoses has arrays",
+    "ScoredPose": "BopRows has arrays",
+    "OdometryRecording": "fit_odometry_noise takes a Sequence",
     "BopSelection": "rows of a result file are selected with numpy",
 }
 

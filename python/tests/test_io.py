@@ -131,6 +131,15 @@ def test_an_old_name_of_a_key_warns(recording: Path) -> None:
     assert job.settings.tracker.filter.odometry_camera_fraction == 0.25
 
 
+def test_an_old_name_in_a_mixture_file_warns(tmp_path: Path) -> None:
+    mixture = px.Mixture([px.ConcentratedGaussian(px.SE3(), np.eye(6))])
+    px.write_mixture(tmp_path / "m.json", mixture, "a", "b")
+    text = (tmp_path / "m.json").read_text().replace('"distribution"', '"law"')
+    (tmp_path / "m.json").write_text(text)
+    with pytest.warns(FutureWarning, match="m.json: key 'law' is now 'distribution'"):
+        assert px.read_mixture(tmp_path / "m.json").mixture == mixture
+
+
 def test_a_report_holds_the_run(recording: Path, tmp_path: Path) -> None:
     job = px.read_slam_job(recording / "sequence.toml")
     px.write_results(tmp_path / "out", job, px.run(job))

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import copy
+import dataclasses
 import doctest
 import inspect
 import pickle
@@ -44,7 +45,50 @@ def records() -> list[Any]:
         tracker.hypotheses(0)[0],
         seen,
         joint.update([seen]),
+        *recordings(),
+        *learned(),
+        px.find_slam_method("smoothed"),
+        px.symmetric_pose_error(px.SE3(), px.SE3(translation=[0, 0, 1.0]), px.SymmetryGroup()),
+        px.PlattCalibration(2.0),
+        px.LogisticModel([1.0, 2.0], bias=0.5),
+        px.reliability([0.2, 0.3], [True, False], bins=1)[0],
+        px.ToleranceBox(0.1, [1.0, 2.0, 3.0]),
+        px.NamedPose("camera", px.PoseKind.camera),
+        px.MixtureFile("a", "b", mixture),
+        px.StampedPoses([0.0, 1.0], px.with_misses([px.SE3(), None])),
     ]
+
+
+def recordings() -> list[Any]:
+    """A recording of one object, a job with it, and an estimate from it."""
+    camera = px.ConcentratedGaussian(px.SE3(), px.pose_covariance(0.01, 0.01))
+    candidate = px.Candidate("mug", px.SE3(), score=0.5)
+    detections = px.with_misses([px.SE3(translation=[0, 0, 0.8]), None])
+    mug = px.ObjectRecording("mug", detections, world_truth=px.SE3.identity((2,)))
+    sequence = px.Sequence([0.0, 0.1], px.SE3.identity((2,)), objects=[mug], candidates=[[candidate], []])
+    job = px.SlamJob("one", "", sequence, camera, [px.ObjectModel(id="mug")], px.ObjectSlamSettings())
+    seen = px.FrameInput(detections={"mug": detections[0]})
+    estimate = px.ObjectSlam(camera, job.models, px.ObjectSlamSettings(record_hypotheses=True)).step(seen)
+    single = px.find_slam_method("riekf").settings()
+    single.record_hypotheses = True
+    joint = px.ObjectSlam(camera, job.models, single).step(seen)
+    one = estimate.object("mug")
+    placed = px.ConcentratedGaussian(detections[0], px.pose_covariance(0.01, 0.01))
+    association = px.associate([placed], [px.Candidate("mug", detections[0])], px.NoiseComponent())[0]
+    return [candidate, mug, sequence, job, seen, estimate, estimate.report, one, one.alternatives[0],
+            joint, joint.hypotheses[0], association]  # fmt: skip
+
+
+def learned() -> list[Any]:
+    """The noise of a detector and of grasps."""
+    rng = np.random.default_rng(1)
+    truth = px.SE3(translation=np.tile([0.0, 0.0, 1.0], (60, 1)))
+    errors = rng.normal(size=(60, 6)) * 0.01
+    settings = px.NoiseFitSettings(max_components=1, frame=px.NoiseFrame.object)
+    noise = px.fit_noise(truth, truth * px.SE3.exp(errors), settings=settings)
+    mixture = px.fit_error_mixture(errors, seed=1)
+    consensus = px.fuse_estimates(px.SE3(translation=[0, 0, 1.0]), mixture.errors, seed=1)
+    return [noise, noise.fits[0], noise.correlation, noise.correlation.inlier, mixture, consensus]
 
 
 def named(record: Any) -> str:
@@ -63,6 +107,23 @@ def test_a_result_is_a_documented_value(record: Any) -> None:
     for other in (copy.copy(record), copy.deepcopy(record), pickle.loads(pickle.dumps(record))):
         assert other == record and repr(other) == repr(record)
     assert record != 1 and named(record) in repr(record)
+
+
+def test_what_python_may_make_is_as_a_dataclass() -> None:
+    candidate = px.Candidate("mug", camera_object=px.SE3())
+    assert candidate.score == 0.0 and "Attributes" in px.Candidate.__doc__
+    better = dataclasses.replace(candidate, score=2.0)
+    assert better.score == 2.0 and better.class_id == "mug" and better != candidate
+    assert better == candidate.replace(score=2.0)
+    assert [field.name for field in dataclasses.fields(px.Candidate)] == ["class_id", "camera_object", "score"]
+    with pytest.raises(TypeError, match="Candidate needs 'camera_object'"):
+        px.Candidate("mug")
+    with pytest.raises(TypeError, match="got two values of 'class_id'"):
+        px.Candidate("mug", px.SE3(), class_id="box")
+    with pytest.raises(TypeError, match="takes 3 values; got 4"):
+        px.Candidate("mug", px.SE3(), 1.0, 2.0)
+    with pytest.raises(TypeError, match="score is 'high'; expected float"):
+        px.Candidate("mug", px.SE3(), "high")
 
 
 def test_results_hold_the_package_s_densities() -> None:

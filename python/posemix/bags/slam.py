@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import os
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -19,6 +19,7 @@ from posemix.density import ConcentratedGaussian
 from posemix.lie import SE3
 from posemix.mixture import Mixture
 from posemix.noise import pose_covariance
+from posemix.runs import Progress
 from posemix.slam import (
     Candidate,
     FrameInput,
@@ -30,8 +31,6 @@ from posemix.slam import (
 )
 
 __all__ = ["BagRun", "models_of", "run_slam", "track_objects"]
-
-Progress = Callable[[int, int], bool | None]
 
 
 @dataclass(frozen=True)

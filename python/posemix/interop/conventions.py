@@ -19,8 +19,8 @@ from posemix.lie import SE3
 
 __all__ = [
     "Order", "Side", "additive_jacobian", "covariance_from", "covariance_to", "density_from",
-    "density_to", "inverted", "product_jacobian", "require_word", "side_jacobian", "skew", "tangent_from",
-    "tangent_to", "transformed",
+    "density_to", "from_tangent", "inverted", "product_jacobian", "require_word", "side_jacobian", "skew",
+    "tangent_from", "tangent_to", "to_tangent", "transformed",
 ]  # fmt: skip
 
 Side: TypeAlias = Literal["left", "right"]
@@ -63,6 +63,16 @@ def tangent_from(vector: npt.ArrayLike, *, order: Order) -> FloatArray:
 def tangent_to(vector: npt.ArrayLike, *, order: Order) -> FloatArray:
     """Tangent vectors in another order, the inverse of `tangent_from`."""
     return _swapped(as_floats(vector, (6,), "vector"), (-1,), order)
+
+
+def from_tangent(vector: npt.ArrayLike) -> FloatArray:
+    """Tangent vectors, rotation first, of a package's with the translation first, shape (..., 6); exact."""
+    return tangent_from(vector, order="translation_first")
+
+
+def to_tangent(vector: npt.ArrayLike) -> FloatArray:
+    """A package's tangent vectors, translation first, of those with the rotation first, shape (..., 6); exact."""
+    return tangent_to(vector, order="translation_first")
 
 
 def side_jacobian(mean: SE3, side: Side) -> FloatArray:

@@ -16,7 +16,7 @@ import numpy.typing as npt
 from posemix._arrays import FloatArray
 from posemix._peers import peer
 from posemix.density import ConcentratedGaussian
-from posemix.interop.conventions import Side, density_from, density_to, tangent_from, tangent_to
+from posemix.interop.conventions import Side, density_from, density_to, from_tangent, to_tangent
 from posemix.lie import SE3, SO3
 
 __all__ = ["from_gaussian", "from_se3", "from_tangent", "to_gaussian", "to_se3", "to_tangent"]
@@ -33,16 +33,6 @@ def to_se3(pose: SE3) -> Any:
     tq = pose.to_tq()
     jaxlie = peer("jaxlie", "posemix.interop.jaxlie", "jaxlie")
     return jaxlie.SE3(np.concatenate([tq[..., [6, 3, 4, 5]], tq[..., :3]], axis=-1))
-
-
-def from_tangent(vector: npt.ArrayLike) -> FloatArray:
-    """Tangent vectors, rotation first, from jaxlie's [v, omega], shape (..., 6); exact."""
-    return tangent_from(vector, order="translation_first")
-
-
-def to_tangent(vector: npt.ArrayLike) -> FloatArray:
-    """jaxlie's [v, omega] from tangent vectors, rotation first, shape (..., 6); exact."""
-    return tangent_to(vector, order="translation_first")
 
 
 def from_gaussian(

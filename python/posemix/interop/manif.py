@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from posemix._arrays import FloatArray
 from posemix.density import ConcentratedGaussian
-from posemix.interop.conventions import Side, density_from, density_to, tangent_from, tangent_to
+from posemix.interop.conventions import Side, density_from, density_to, from_tangent, to_tangent
 from posemix.lie import SE3
 
 __all__ = ["from_coeffs", "from_gaussian", "from_tangent", "to_coeffs", "to_gaussian", "to_tangent"]
@@ -25,16 +25,6 @@ def from_coeffs(coeffs: npt.ArrayLike) -> SE3:
 def to_coeffs(pose: SE3) -> FloatArray:
     """SE3d.coeffs() of poses, shape (..., 7); exact."""
     return pose.to_tq()
-
-
-def from_tangent(vector: npt.ArrayLike) -> FloatArray:
-    """Tangent vectors, rotation first, from SE3Tangentd.coeffs(), shape (..., 6); exact."""
-    return tangent_from(vector, order="translation_first")
-
-
-def to_tangent(vector: npt.ArrayLike) -> FloatArray:
-    """SE3Tangentd.coeffs() from tangent vectors, rotation first, shape (..., 6); exact."""
-    return tangent_to(vector, order="translation_first")
 
 
 def from_gaussian(

@@ -14,7 +14,7 @@ import numpy.typing as npt
 from posemix._arrays import FloatArray
 from posemix._peers import peer
 from posemix.density import ConcentratedGaussian
-from posemix.interop.conventions import Side, density_from, density_to, tangent_from, tangent_to
+from posemix.interop.conventions import Side, density_from, density_to, from_tangent, to_tangent
 from posemix.lie import SE3
 
 __all__ = ["from_gaussian", "from_se3", "from_tangent", "to_gaussian", "to_se3", "to_tangent"]
@@ -28,16 +28,6 @@ def from_se3(pose: Any) -> SE3:
 def to_se3(pose: SE3) -> Any:
     """A sophuspy.SE3 from one pose; exact."""
     return peer("sophuspy", "posemix.interop.sophus", "sophuspy").SE3(pose.matrix())
-
-
-def from_tangent(vector: npt.ArrayLike) -> FloatArray:
-    """Tangent vectors, rotation first, from Sophus' [upsilon, omega], shape (..., 6); exact."""
-    return tangent_from(vector, order="translation_first")
-
-
-def to_tangent(vector: npt.ArrayLike) -> FloatArray:
-    """Sophus' [upsilon, omega] from tangent vectors, rotation first, shape (..., 6); exact."""
-    return tangent_to(vector, order="translation_first")
 
 
 def from_gaussian(

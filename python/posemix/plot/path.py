@@ -12,16 +12,7 @@ import numpy.typing as npt
 from posemix._arrays import FloatArray, as_floats
 from posemix.lie import SE3
 from posemix.plot.space import position_covariance, root_of
-from posemix.plot.style import (
-    Axes,
-    Plane,
-    art3d,
-    colour_of,
-    is_3d,
-    label_space,
-    matplotlib,
-    plane_indices,
-)
+from posemix.plot.style import Axes, Plane, colour_of, filled, is_3d, label_space, plane_indices, quads
 
 __all__ = ["trajectory"]
 
@@ -70,19 +61,12 @@ def trajectory(
             raise ValueError(f"covariances are {len(matrices)}; expected {len(poses)}")
         spread = position_covariance(poses, matrices)
         spread = spread[:, flat][:, :, flat]
-        style = {"alpha": 0.2, "linewidth": 0.0}
         if is_3d(ax):
-            rings = _rings(path, spread, sigmas)
-            faces = np.stack([rings[:-1, :-1], rings[1:, :-1], rings[1:, 1:], rings[:-1, 1:]], axis=2)
-            tube = art3d().Poly3DCollection(faces.reshape((-1, 4, 3)), facecolors=shade, **style)
-            ax.add_collection3d(tube, autolim=False)
-            ax.auto_scale_xyz(*rings.reshape((-1, 3)).T)
+            shape = quads(_rings(path, spread, sigmas))
         else:
             left, right = _banks(path[:, flat], spread, sigmas)
-            outline = np.vstack([left, right[::-1]])
-            tube = matplotlib("patches").Polygon(outline, facecolor=shade, **style)
-            ax.add_patch(tube)
-            ax.autoscale_view()
+            shape = np.vstack([left, right[::-1]])
+        tube = filled(ax, shape, shade, alpha=0.2, linewidth=0.0)
     label_space(ax, plane)
     return line, tube
 

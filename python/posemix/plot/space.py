@@ -20,10 +20,12 @@ from posemix.plot.style import (
     Plane,
     art3d,
     colour_of,
+    filled,
     is_3d,
     label_space,
     matplotlib,
     plane_indices,
+    quads,
 )
 
 __all__ = ["ellipsoid", "flags", "position_contours", "position_covariance"]
@@ -157,20 +159,14 @@ def ellipsoid(
     shade = colour or colour_of(0)
     if is_3d(ax):
         surface = _sphere() @ (sigmas * root_of(covariance)).T + centre
-        artist = art3d().Poly3DCollection(surface, facecolors=shade, alpha=alpha, label=label)
-        ax.add_collection3d(artist, autolim=False)
-        ax.auto_scale_xyz(*surface.reshape((-1, 3)).T)
+        artist = filled(ax, surface, shade, alpha=alpha, label=label)
     else:
         flat = plane_indices(plane)
         root = root_of(covariance[np.ix_(flat, flat)])
         angles = np.linspace(0.0, 2.0 * np.pi, 73)
         circle = np.stack([np.cos(angles), np.sin(angles)], axis=1)
         outline = sigmas * circle @ root.T + centre[flat]
-        artist = matplotlib("patches").Polygon(
-            outline, facecolor=shade, edgecolor=shade, alpha=alpha, label=label
-        )
-        ax.add_patch(artist)
-        ax.autoscale_view()
+        artist = filled(ax, outline, shade, edgecolor=shade, alpha=alpha, label=label)
     label_space(ax, plane)
     return artist
 
@@ -187,8 +183,7 @@ def _sphere(rings: int = 12, sectors: int = 24) -> FloatArray:
         ],
         axis=-1,
     )
-    faces = np.stack([grid[:-1, :-1], grid[1:, :-1], grid[1:, 1:], grid[:-1, 1:]], axis=2)
-    return faces.reshape((-1, 4, 3))
+    return quads(grid)
 
 
 def position_contours(

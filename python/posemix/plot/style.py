@@ -6,6 +6,9 @@ from __future__ import annotations
 
 from typing import Any, Literal, TypeAlias
 
+import numpy as np
+
+from posemix._arrays import FloatArray
 from posemix._peers import peer
 
 __all__ = ["PALETTE", "Axes", "Plane"]
@@ -42,6 +45,25 @@ def plane_indices(plane: str) -> list[int]:
     if len(plane) != 2 or plane[0] == plane[1] or not set(plane) <= set("xyz"):
         raise ValueError(f"plane is {plane!r}; expected two of x, y and z, as 'xy'")
     return ["xyz".index(letter) for letter in plane]
+
+
+def quads(grid: FloatArray) -> FloatArray:
+    """The faces between the points of a grid, shape (n, 4, 3)."""
+    corners = [grid[:-1, :-1], grid[1:, :-1], grid[1:, 1:], grid[:-1, 1:]]
+    return np.stack(corners, axis=2).reshape((-1, 4, 3))
+
+
+def filled(ax: Axes, shape: FloatArray, shade: str, **style: Any) -> Any:
+    """A region that is drawn: faces in space, the outline in a plane."""
+    if is_3d(ax):
+        artist = art3d().Poly3DCollection(shape, facecolors=shade, **style)
+        ax.add_collection3d(artist, autolim=False)
+        ax.auto_scale_xyz(*shape.reshape((-1, 3)).T)
+    else:
+        artist = matplotlib("patches").Polygon(shape, facecolor=shade, **style)
+        ax.add_patch(artist)
+        ax.autoscale_view()
+    return artist
 
 
 def label_space(ax: Axes, plane: str) -> None:
