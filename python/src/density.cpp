@@ -285,7 +285,7 @@ void bind_settings(nb::module_& m) {
   nb::enum_<FusionRule>(m, "FusionRule", "How the product of two projected Gaussians is found.")
       .value("mode", FusionRule::mode, "At the exact mode of the product, with its Hessian.")
       .value("jacobian", FusionRule::jacobian,
-             "Both restated halfway (MPG paper, eq. 14-16); small angles only.");
+             "Both in the chart halfway (MPG paper, eq. 14-16); small angles only.");
   nb::enum_<CompositionRule>(m, "CompositionRule", "How projected Gaussians are composed.")
       .value("cubature", CompositionRule::cubature, "Moments under the distributions, degree five.")
       .value("third_degree_cubature", CompositionRule::third_degree_cubature,

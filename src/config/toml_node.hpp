@@ -41,6 +41,8 @@ struct TomlState {
   TomlNode root;
   std::map<std::string, std::string, std::less<>> variables;
   std::vector<std::string> warnings;  ///< about keys under their old names
+  /// Old and new names of keys at the top of this document alone.
+  std::map<std::string, std::string, std::less<>> renamed = {};
 
   /// `file:line` of a value, or the override that it came from.
   std::string location(const TomlNode& node) const;

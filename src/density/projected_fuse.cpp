@@ -43,7 +43,7 @@ class Factor {
 
   void add_derivatives(const G& at, Tangent& gradient, Matrix& gauss_newton,
                        Matrix& second_order) const {
-    const gnomonic::Restatement f(rotation_of(at), density_->tangent_point());
+    const gnomonic::ChartChange f(rotation_of(at), density_->tangent_point());
     Matrix j = Matrix::Identity();
     j.template topLeftCorner<3, 3>() = f.jacobian(Eigen::Vector3d::Zero());
     const Tangent pull = factor_.solve(residual(at));
@@ -210,7 +210,7 @@ ProjectedFusion<G> fuse_at_mode(const ProjectedGaussian<G>& p, const ProjectedGa
   return fusion;
 }
 
-/// Eq. 14-16: both moved to the chart at q3 = (q1 + q2) / |q1 + q2|, fused there, restated at the
+/// Eq. 14-16: both moved to the chart at q3 = (q1 + q2) / |q1 + q2|, fused there, then moved to the
 /// mode.
 template <RotationOrPose G>
 ProjectedFusion<G> fuse_by_jacobian(const ProjectedGaussian<G>& p, const ProjectedGaussian<G>& q,
@@ -235,7 +235,7 @@ ProjectedFusion<G> fuse_by_jacobian(const ProjectedGaussian<G>& p, const Project
       q3, typename G::Tangent(p3.tangent_mean() + gain * apart), covariance);
 
   const auto log_jacobian = [&](const ProjectedGaussian<G>& density) {
-    const gnomonic::Restatement f(density.tangent_point(), q3);
+    const gnomonic::ChartChange f(density.tangent_point(), q3);
     return f.log_det_jacobian(density.tangent_mean().template head<3>());
   };
   const double log_overlap = log_normal(sum, apart) + log_jacobian(p) + log_jacobian(q) +

@@ -17,8 +17,7 @@ namespace posemix {
 /// Version of the sequence file that this library reads (key `schema`).
 inline constexpr std::int64_t kSequenceSchema = 1;
 
-/// Error of the camera's start pose where the file does not say (key `camera.start`): 0.05 deg, 2
-/// mm.
+/// Default error of the camera's start pose (key `camera.start`): 0.05 deg, 2 mm.
 inline constexpr double kStartRotationSdDeg = 0.05;
 inline constexpr double kStartTranslationSdM = 2e-3;
 

@@ -12,7 +12,7 @@
 /// Reading the configuration of `posemix simulate`.
 namespace posemix {
 
-/// What a simulation file says.
+/// The content of a simulation file.
 struct SimulationFile {
   SimulationConfig config;
   /// The table [filter] for the sequence file: keys, and values as TOML writes them.

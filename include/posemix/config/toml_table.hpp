@@ -142,8 +142,8 @@ class TomlTable {
 /// without `}` and names that are neither are errors.
 class TomlDocument {
  public:
-  /// Parses a text; `name` stands for the file in messages. Keys under old names are renamed, with
-  /// a warning each. Throws InvalidInput `name:line: reason`, also for an empty text, for one above
+  /// Parses a text; `name` stands for the file in messages. Keys of sequence files under old names
+  /// are renamed, with a warning each. Throws InvalidInput `name:line: reason`, also for an empty text, for one above
   /// 1 MiB, and for a key that is there under its old and its new name.
   static TomlDocument parse(std::string_view text, const std::string& name);
   /// Parses a file.
@@ -157,6 +157,10 @@ class TomlDocument {
   /// TOML value, and where it is not (a bare word, 0001) a string. Throws InvalidInput `--set
   /// key=value: reason`.
   void apply_override(std::string_view assignment);
+
+  /// From now on reads the key `old_name` at the top of this document as `new_name`, with a
+  /// warning. Throws InvalidInput where the document has both.
+  void rename_key(const std::string& old_name, const std::string& new_name);
 
   /// Gives the variable `name` a value that goes before the document's own.
   void set_variable(const std::string& name, const std::string& value);

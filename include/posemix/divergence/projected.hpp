@@ -10,8 +10,8 @@
 /// with one tangent point stay as they are.
 ///
 /// Two distributions with different equators have an infinite Kullback-Leibler divergence in
-/// theory: one vanishes where the other does not. Restated they share the equator, and what is left
-/// out is the mass near it.
+/// theory: one vanishes where the other does not. In one chart they share the equator, and what is
+/// left out is the mass near it.
 ///
 /// Compiled for SO3d and SE3d.
 namespace posemix {

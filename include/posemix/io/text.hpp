@@ -38,7 +38,7 @@ std::vector<std::string_view> split_fields(std::string_view line, char separator
 /// `text` without blanks and tabs at both ends.
 std::string_view trimmed(std::string_view text);
 
-/// Walks over the lines of a text and knows where it is.
+/// Reads a text line by line and counts the lines.
 ///
 /// Lines end in LF or CRLF; a last line without an end counts. A UTF-8 byte order mark at the start
 /// is skipped.

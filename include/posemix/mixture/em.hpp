@@ -52,7 +52,7 @@ struct EmResult {
   int starts;              ///< starts that were tried
 };
 
-/// What EM needs to know of a kind of density. A specialisation EmModel<D> has
+/// The interface of a density to EM. A specialisation EmModel<D> has
 ///  - `Samples`, made from a span of elements, with size(): the samples as the density wants them;
 ///  - `Worker(const D&, const EmSettings&)`, one component in one iteration:
 ///    `log_density(samples, begin, count, out)` writes the log density of a block of samples into

@@ -43,9 +43,9 @@ struct PoseKernel {
   double log_constant;
 };
 
-/// Rows of pose_log_density: xi, (t/2) / sin(t/2) for the angle t, the coefficient `rest` of the
-/// inverse Jacobians and xi^T P^-1 xi.
-enum PoseRow : std::size_t { kXi = 0, kRatio = 6, kRestRow = 7, kSquared = 8, kPoseRows = 9 };
+/// Rows of pose_log_density: xi, (t/2) / sin(t/2) for the angle t, the coefficient of second order
+/// of the inverse Jacobians and xi^T P^-1 xi.
+enum PoseRow : std::size_t { kXi = 0, kRatio = 6, kSecondOrder = 7, kSquared = 8, kPoseRows = 9 };
 
 /// xi = Log(X X0^-1) and more in rows, and the log density of every sample.
 void pose_log_density(const EmRow* samples, std::size_t count, const PoseKernel& density,
