@@ -143,8 +143,8 @@ class TomlTable {
 class TomlDocument {
  public:
   /// Parses a text; `name` stands for the file in messages. Keys of sequence files under old names
-  /// are renamed, with a warning each. Throws InvalidInput `name:line: reason`, also for an empty text, for one above
-  /// 1 MiB, and for a key that is there under its old and its new name.
+  /// are renamed, with a warning each. Throws InvalidInput `name:line: reason`, also for an empty
+  /// text, for one above 1 MiB, and for a key that is there under its old and its new name.
   static TomlDocument parse(std::string_view text, const std::string& name);
   /// Parses a file.
   static TomlDocument load(const std::filesystem::path& path);
