@@ -5,9 +5,9 @@ find_package(Boost 1.74 REQUIRED CONFIG)
 find_package(fmt 9 REQUIRED)
 find_package(tomlplusplus 3.3 REQUIRED)
 find_package(nlohmann_json 3.11 REQUIRED)
-# NLopt::nlopt; its C++ interface is header-only.
+# NLopt::nlopt, whose C++ interface is header-only.
 find_package(NLopt 2.7 REQUIRED CONFIG)
-# Highway: vector instructions chosen where the program runs.
+# Highway, for vector instructions that are chosen at run time.
 find_package(hwy 1.0.3 REQUIRED CONFIG)
 
 find_package(ZLIB 1.2 REQUIRED)
@@ -18,7 +18,7 @@ if(POSEMIX_MPI)
   set(POSEMIX_WITH_MPI ${MPI_CXX_FOUND})
 endif()
 
-# MatIO::MatIO, for YCB-Video folders.
+# MatIO::MatIO, for the MATLAB files of YCB-Video.
 set(POSEMIX_WITH_MATIO OFF)
 if(POSEMIX_MATIO)
   find_package(MatIO 1.5)
@@ -33,7 +33,7 @@ add_library(Random123::Random123 ALIAS posemix_random123)
 
 if(POSEMIX_BUILD_PROGRAM)
   find_package(CLI11 2.1 REQUIRED)
-  # `posemix data` fetches, checks and unpacks.
+  # `posemix data` downloads, checks and unpacks files.
   find_package(CURL 7.85 REQUIRED)
   find_package(OpenSSL 3.0 REQUIRED COMPONENTS Crypto)
   find_package(LibArchive 3.6 REQUIRED)

@@ -5,7 +5,7 @@
 if(PROJECT_IS_TOP_LEVEL AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   find_program(POSEMIX_CCACHE ccache)
   if(POSEMIX_CCACHE)
-    # Precompiled headers are cached only with these.
+    # ccache caches compilations with precompiled headers only with these settings.
     set(CMAKE_CXX_COMPILER_LAUNCHER "${CMAKE_COMMAND}" -E env
       CCACHE_SLOPPINESS=pch_defines,time_macros "${POSEMIX_CCACHE}")
   endif()
@@ -28,7 +28,7 @@ function(posemix_sanitize target sanitizers)
   target_link_options(${target} PRIVATE -fsanitize=${sanitizers})
 endfunction()
 
-# posemix_apply_policy(<target>): warnings, sanitizers and coverage, all PRIVATE.
+# posemix_apply_policy(<target>): sets warnings, sanitizers and coverage, all PRIVATE.
 function(posemix_apply_policy target)
   target_compile_features(${target} PUBLIC cxx_std_20)
   set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF POSITION_INDEPENDENT_CODE ON)
@@ -43,8 +43,8 @@ function(posemix_apply_policy target)
   endif()
 endfunction()
 
-# posemix_apply_test_policy(<target>): little optimisation, because tests take longer to compile than to run; the code
-# under test is optimised in full.
+# posemix_apply_test_policy(<target>): as posemix_apply_policy, with little optimisation, because tests take longer to
+# compile than to run; the code under test is optimised in full.
 function(posemix_apply_test_policy target)
   posemix_apply_policy(${target})
   target_compile_options(${target} PRIVATE "$<$<CONFIG:Release>:-O1>")
@@ -74,7 +74,7 @@ endfunction()
 function(posemix_unite target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ${POSEMIX_UNITY} UNITY_BUILD_BATCH_SIZE 9)
   if(POSEMIX_UNITY AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-    # g++ takes an included source for a header, whose types must not depend on unnamed namespaces.
+    # In a unity build g++ treats every source as an included header and warns about types with unnamed namespaces.
     target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
   endif()
 endfunction()

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: MIT
 # SPDX-FileCopyrightText: posemix contributors
 #
-# The page of reports: report/ is bundled with npm into one HTML file, and that is compiled into the library.
+# The page of reports: npm bundles report/ into one HTML file, which is compiled into the library.
 find_program(POSEMIX_NODE node DOC "Node.js, 18 or later")
 find_program(POSEMIX_NPM npm DOC "npm, which comes with Node.js")
 mark_as_advanced(POSEMIX_NODE POSEMIX_NPM)
 
-# posemix_find_node(<variable>): whether npm and a recent enough Node.js are installed.
+# posemix_find_node(<variable>): sets the variable to whether npm and a recent enough Node.js are installed.
 function(posemix_find_node variable)
   set(${variable} OFF PARENT_SCOPE)
   if(POSEMIX_NODE AND POSEMIX_NPM)
@@ -23,7 +23,8 @@ if(POSEMIX_REPORT AND NOT POSEMIX_NODE_FOUND)
   message(FATAL_ERROR "POSEMIX_REPORT needs Node.js 18 or later and npm on the PATH; without the page: -DPOSEMIX_REPORT=OFF")
 endif()
 
-# posemix_add_report_page(<variable>): the source with the page, or with the error of a build without it.
+# posemix_add_report_page(<variable>): sets the variable to the source with the page, or in a build without the page to
+# the source with the error about that.
 function(posemix_add_report_page variable)
   if(NOT POSEMIX_REPORT)
     set(${variable} report_no_page.cpp PARENT_SCOPE)
@@ -54,7 +55,7 @@ function(posemix_add_report_page variable)
   set(${variable} "${out}/report_page_data.cpp" PARENT_SCOPE)
 endfunction()
 
-# posemix_use_report_page(<target>): for the library that compiles this source.
+# posemix_use_report_page(<target>): include directory and dependency of the library that compiles this source.
 function(posemix_use_report_page target)
   target_include_directories(${target} PRIVATE "${CMAKE_CURRENT_SOURCE_DIR}")
   if(TARGET posemix_report_page)

@@ -4,9 +4,9 @@ include(GoogleTest)
 
 # posemix_add_room(<room>
 #   [SOURCES <file>...]      none: the room is header-only, an INTERFACE library
-#   [DEPENDS <target>...]    public: appear in the room's headers (posemix::<room>, Eigen3::Eigen, ...)
+#   [DEPENDS <target>...]    libraries that the room's headers use (posemix::<room>, Eigen3::Eigen, ...)
 #   [PRIVATE <target>...]    compiled libraries that only the sources use (fmt::fmt, ...); users still link them
-#   [BUILD_ONLY <target>...] header-only libraries that only the sources use; users never see them
+#   [BUILD_ONLY <target>...] header-only libraries that only the sources use; users do not need them
 #   [INTERNAL])              neither installed nor part of posemix::posemix
 #
 # Defines the library posemix_<room> with the alias posemix::<room>.
@@ -20,7 +20,7 @@ function(posemix_add_room room)
     add_library(${target} STATIC ${arg_SOURCES})
     posemix_apply_policy(${target})
     posemix_precompile(${target} FROM posemix_room_headers)
-    # Sources are small next to the templates that they instantiate.
+    # Compiled together, because sources are small compared with the templates that they instantiate.
     posemix_unite(${target})
     set(scope PUBLIC)
   else()
@@ -35,7 +35,7 @@ function(posemix_add_room room)
     "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>")
   target_link_libraries(${target} ${scope} ${arg_DEPENDS})
   if(arg_SOURCES)
-    # Private headers that rooms share are included by their path from src/.
+    # Private headers that rooms share are included by their path relative to src/.
     target_include_directories(${target} PRIVATE "${PROJECT_SOURCE_DIR}/src")
     target_link_libraries(${target} PRIVATE ${arg_PRIVATE})
     foreach(library IN LISTS arg_BUILD_ONLY)
@@ -49,7 +49,7 @@ endfunction()
 
 # posemix_add_program(SOURCES <file>... [DEPENDS <target>...])
 #
-# Defines the program posemix, left at the top of the build folder.
+# Defines the program posemix, at the top of the build folder.
 function(posemix_add_program)
   cmake_parse_arguments(PARSE_ARGV 0 arg "" "" "SOURCES;DEPENDS")
   add_executable(posemix ${arg_SOURCES})
@@ -69,7 +69,7 @@ endfunction()
 #
 # Defines the program tests_<room>, or tests_<room>_<label>, linked with gtest_main, rapidcheck and posemix::testing, and
 # one ctest test <room>.<suite>.<case> per case.
-# Helpers that rooms share are included by their path from tests/ ("filter/scenario.hpp").
+# Helpers that rooms share are included by their path relative to tests/ ("filter/scenario.hpp").
 # Property tests use a fixed RapidCheck seed; RC_PARAMS="seed=7" in the environment of ctest overrides it.
 function(posemix_add_tests room)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "TIMEOUT;LABEL" "SOURCES;DEPENDS")

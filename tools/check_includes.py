@@ -3,8 +3,8 @@
 # SPDX-FileCopyrightText: posemix contributors
 """Check the include directions between rooms, the head of every source file, and paths that only some machines have.
 
-A room includes only itself and the rooms before it in ROOMS. Prints one line per violation, as
-file:line: message, and exits with 1 where there is one.
+A room includes only itself and the rooms before it in ROOMS. Prints every violation as a line
+file:line: message, and exits with 1 if there is one.
 """
 
 import argparse
@@ -24,7 +24,7 @@ SPDX_LINES = ("SPDX-License-Identifier: MIT", "SPDX-FileCopyrightText: posemix c
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
 MACHINE_PATH = re.compile(r"(?<![A-Za-z0-9_.~-])/(work|root|home|Users)/")
-# The data folder is named by --data, $POSEMIX_DATA or the cache of `posemix data`, never by a place beside the checkout.
+# The data folder is given by --data, $POSEMIX_DATA or the cache of `posemix data`, never by a path beside the checkout.
 SHARED_DATA = re.compile(r"\bshared[/]data\b")
 SHARED_DATA_ALLOWED = (".ci/run", "Makefile")
 
@@ -42,12 +42,12 @@ def room_of(path):
 
 
 def included_room(target):
-    """The room of an included header, named by its path from include/ or from tests/."""
+    """The room of an included header, whose path is relative to include/ or to tests/."""
     return room_of(("include/" if target.startswith("posemix/") else "tests/") + target)
 
 
 def include_error(path, quote, target):
-    """What is wrong with `#include target` in `path`, or None."""
+    """The error message for `#include target` in `path`, or None."""
     if ".." in Path(target).parts:
         return f"include '{target}' by its path from include/ or tests/, not relative to this file"
     room = room_of(path)
@@ -75,7 +75,7 @@ def check_cpp(path, lines):
         message = match and include_error(path, match[1], match[2])
         if message:
             yield number, message
-    # NAME-inl.hpp is compiled once for every set of vector instructions, by Highway's guard.
+    # NAME-inl.hpp has Highway's guard, because it is compiled once for every set of vector instructions.
     guard = "HWY_TARGET_TOGGLE" if path.endswith("-inl.hpp") else "#pragma once"
     if Path(path).suffix == ".hpp" and not any(guard in line for line in lines):
         yield 1, f"header without {guard}"
@@ -103,7 +103,7 @@ def check_file(path, text):
 
 
 def project_files(root):
-    """Tracked and new files of the checkout at `root`; every file where it is no git checkout."""
+    """Tracked and new files of the checkout at `root`; all files if it is not a git checkout."""
     command = ["git", "-C", str(root), "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
     if (root / ".git").exists():
         names = subprocess.run(command, check=True, capture_output=True, text=True).stdout.split("\0")

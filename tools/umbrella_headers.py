@@ -3,7 +3,7 @@
 # SPDX-FileCopyrightText: posemix contributors
 """Write include/posemix/<room>.hpp, the header that includes all public headers of a room.
 
-usage: tools/umbrella_headers.py [--check]     with --check nothing is written, and stale ones are an error
+usage: tools/umbrella_headers.py [--check]     with --check nothing is written, and stale headers are an error
 """
 
 import argparse
@@ -11,7 +11,7 @@ import sys
 from pathlib import Path
 
 PUBLIC = Path(__file__).resolve().parent.parent / "include" / "posemix"
-ELSEWHERE = ("testing",)  # needs GoogleTest and RapidCheck: included header by header
+ELSEWHERE = ("testing",)  # has no umbrella header: it needs GoogleTest and RapidCheck, and is included header by header
 
 
 def text_of(room):

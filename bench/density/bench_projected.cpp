@@ -9,7 +9,7 @@
 #include "posemix/density/projected_operations.hpp"
 
 /// Projected Gaussians on SE(3): the normaliser against Monte Carlo integration with few samples,
-/// the operations against those of concentrated Gaussians.
+/// and the operations against those of concentrated Gaussians.
 namespace posemix {
 namespace {
 
@@ -40,7 +40,7 @@ void BM_Normalizer(benchmark::State& state) {
 }
 BENCHMARK(BM_Normalizer)->Arg(0)->Arg(1);
 
-/// The paper's method: 1000 samples, accurate to two digits.
+/// The method of the MPG paper: 1000 samples, accurate to two digits.
 void BM_NormalizerByMonteCarlo(benchmark::State& state) {
   const Eigen::Matrix3d l = covariance(0.2, 0.01).topLeftCorner<3, 3>().llt().matrixL();
   RandomStream stream(1);

@@ -12,8 +12,8 @@
 #include "posemix/divergence/so3_quadrature.hpp"
 #include "posemix/divergence/wasserstein.hpp"
 
-/// One divergence by the adaptive quadrature, each beside the plain sum over a grid of 3 degrees in
-/// the ball, whose relative difference is a counter. Compare the lines of one run.
+/// A divergence by the adaptive quadrature, and by the plain sum over a grid of 3 degrees in the
+/// ball; a counter has their relative difference. Compare the lines of one run.
 namespace posemix {
 namespace {
 
@@ -25,7 +25,8 @@ struct Pair {
   Peak q;
 };
 
-/// Section V of the midway-merge paper at 30 deg per axis: symmetric about one axis.
+/// The example of section V of the midway-merge paper at 30 deg per axis, which has an axis of
+/// symmetry.
 Pair axisymmetric() {
   const auto covariance = [](double degrees) -> Eigen::Matrix3d {
     return radians(degrees) * radians(degrees) * Eigen::Matrix3d::Identity();
@@ -37,7 +38,7 @@ Pair axisymmetric() {
   return {p, back_project(tangent_moments<SO3d>(p.components(), centre))};
 }
 
-/// The same means with correlated covariances.
+/// The example with the same means and correlated covariances.
 Pair anisotropic() {
   Pair pair = axisymmetric();
   Eigen::Matrix3d shape;

@@ -43,8 +43,8 @@ SE3d camera_at(double turn) {
 
 /// The input of the filter.
 struct Recording {
-  static constexpr double kDrift =
-      30.0;  ///< of the odometry, times the drift of the study's level 0
+  /// Drift of the odometry as a multiple of the drift of the study's level 0.
+  static constexpr double kDrift = 30.0;
 
   Matrix6d step_noise = kDrift * kDrift * 0.15 * covariance(0.026, 0.002);
   DetectorNoise noise{{{0.7, covariance(4.0, 0.01)},

@@ -10,9 +10,9 @@
 
 #include "posemix/mixture/em.hpp"
 
-/// EM of seven components on SE(3): one iteration (a pass over all samples and the M-step) against
-/// the same with functions of one sample at a time. The counter `ratio` is the naive time over the
-/// time of EM in this run.
+/// EM of seven components on SE(3): one iteration (a pass over all samples and the M-step), against
+/// a naive pass with functions of one sample at a time. The counter `ratio` is the naive time over
+/// the time of EM in this run.
 namespace posemix {
 namespace {
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 # SPDX-FileCopyrightText: posemix contributors
-"""Exp and Log of a million elements: the Python package beside C++ in the same run.
+"""Exp and Log of a million elements: the Python package compared with C++ in the same run.
 
 usage: bench/python/batch.py build/release/bench/bench_batch     with the package installed
 """

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 
-// Cost of leading a study per work item, with and without a journal. The items only return a text
-// as long as that of a Monte-Carlo item. The inverse is the rate of items at which rank 0
-// saturates.
+// The cost of leading a study per work item, with and without a journal. The items only return a
+// text as long as that of a Monte-Carlo item. The inverse of the cost is the rate of items at which
+// rank 0 saturates.
 #include <benchmark/benchmark.h>
 
 #include <filesystem>

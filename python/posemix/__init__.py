@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 # SPDX-FileCopyrightText: posemix contributors
-"""6-DoF pose uncertainty with more than one peak.
+"""Uncertain 6-DoF poses as mixtures of Gaussians.
 
 Conventions: ``T_a_b`` maps points of frame b into frame a; tangent vectors are rotation (rad) before translation
 (m); the perturbation of a concentrated Gaussian is on the left, ``X = Exp(xi) X0``; quaternions are ``x y z w``.

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 # SPDX-FileCopyrightText: posemix contributors
-"""Checks of array arguments, in one place."""
+"""Checks of array arguments."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ FloatArray: TypeAlias = npt.NDArray[np.float64]
 def as_floats(values: npt.ArrayLike, trailing: tuple[int, ...], name: str) -> FloatArray:
     """Values as a C-contiguous array of doubles whose last axes are `trailing`.
 
-    Nothing is copied where the memory is that of such an array already.
+    An array that already has this form is not copied.
     """
     array = np.ascontiguousarray(values, dtype=np.float64)
     if array.shape[array.ndim - len(trailing) :] != trailing or array.ndim < len(trailing):
@@ -25,12 +25,12 @@ def as_floats(values: npt.ArrayLike, trailing: tuple[int, ...], name: str) -> Fl
 
 
 def flat_rows(array: FloatArray, trailing: int) -> FloatArray:
-    """The array with all axes but the last `trailing` made one."""
+    """The array with all axes but the last `trailing` joined to one."""
     return array.reshape((-1, *array.shape[array.ndim - trailing :]))
 
 
 def require_finite(array: FloatArray, name: str) -> FloatArray:
-    """The array itself; ValueError names the first entry that is not finite."""
+    """The array itself; raises ValueError naming the first entry that is not finite."""
     if not np.isfinite(array).all():
         index = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
         raise ValueError(f"{name} holds {array[index]} at index {index}; expected finite numbers")

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 # SPDX-FileCopyrightText: posemix contributors
-"""Text files, read with their names in errors and written all or not at all."""
+"""Text files: errors name the file, and a file is written as a whole or not at all."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pathlib import Path
 
 
 def read_text(path: str | os.PathLike[str]) -> str:
-    """The file's text; ValueError where it is not UTF-8."""
+    """The text of a file; raises ValueError if it is not UTF-8."""
     try:
         return Path(path).read_text(encoding="utf-8")
     except UnicodeDecodeError as error:
@@ -19,7 +19,7 @@ def read_text(path: str | os.PathLike[str]) -> str:
 
 
 def numbered_lines(text: str) -> Iterator[tuple[int, str]]:
-    """Lines with their numbers from one, without blank ones and those that start with #."""
+    """Numbers (from one) and contents of the lines that are not blank and do not start with #."""
     for number, line in enumerate(text.splitlines(), start=1):
         stripped = line.strip()
         if stripped and not stripped.startswith("#"):
@@ -27,7 +27,7 @@ def numbered_lines(text: str) -> Iterator[tuple[int, str]]:
 
 
 def numbers(fields: list[str], count: int, where: str) -> list[float]:
-    """The fields as `count` finite numbers; ValueError names the place."""
+    """The fields as `count` finite numbers; raises ValueError naming the place."""
     if len(fields) != count:
         raise ValueError(f"{where}: got {len(fields)} numbers, expected {count}")
     values = []
@@ -43,7 +43,7 @@ def numbers(fields: list[str], count: int, where: str) -> list[float]:
 
 
 def write_text(path: str | os.PathLike[str], text: str) -> None:
-    """Writes a file beside its place and renames it: there is never a part of one."""
+    """Writes a file as a whole: beside its target first, then renamed."""
     target = Path(path)
     handle, name = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
     try:

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 # SPDX-FileCopyrightText: posemix contributors
-"""Packages that posemix works with but does not need."""
+"""Optional packages."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 
 
 def peer(module: str, user: str, install: str) -> Any:
-    """The imported `module`; the error says who wants it and how to `install` it."""
+    """The imported `module`; the error says which `user` needs it and how to `install` it."""
     try:
         return importlib.import_module(module)
     except ImportError as error:

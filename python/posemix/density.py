@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 # SPDX-FileCopyrightText: posemix contributors
-"""Densities with one peak: `ConcentratedGaussian` and `ProjectedGaussian`.
+"""Densities of one component: `ConcentratedGaussian` and `ProjectedGaussian`.
 
 Densities are with respect to the Haar measure, in nats. Covariances are rotation (rad) before translation
 (m).
@@ -29,12 +29,12 @@ _ON_SO3 = (_core.ConcentratedSO3, _core.ProjectedSO3)
 
 
 def rows_of(points: SO3 | SE3) -> FloatArray:
-    """Elements as rows."""
+    """The elements as rows of numbers, shape (n, 4) or (n, 7)."""
     return flat_rows(np.ascontiguousarray(points._data), 1)
 
 
 def standard_deviations(covariance: FloatArray) -> str:
-    """Square roots of the diagonal as text: degrees and millimetres."""
+    """The standard deviations of a covariance as text, in degrees and millimetres."""
     sds = np.sqrt(np.diagonal(covariance))
     text = "sd " + ", ".join(f"{math.degrees(v):.3g}" for v in sds[:3]) + " deg"
     if len(sds) == 6:
@@ -45,8 +45,8 @@ def standard_deviations(covariance: FloatArray) -> str:
 class ConcentratedGaussian(Generic[G]):
     """A Gaussian on a Lie group around one element: X = Exp(xi) mean, xi ~ N(0, covariance).
 
-    The perturbation is on the left: for a pose T_a_b, xi lives in frame a. A mean of shape (n,) makes it a joint
-    density on SE(3)^n, pose by pose.
+    The perturbation is on the left: for a pose T_a_b, xi is stated in frame a. With a mean of shape (n,) it is a
+    joint density on SE(3)^n, in which every pose has its own perturbation.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ class ConcentratedGaussian(Generic[G]):
 
     @property
     def mean(self) -> G:
-        """The element in the middle, X0."""
+        """The mean X0."""
         data = self._handle.mean
         return self._group._wrap(data, data.shape[:-1])
 
@@ -125,7 +125,7 @@ class ConcentratedGaussian(Generic[G]):
         Parameters
         ----------
         points : SO3 or SE3, shape (...)
-            Elements; of a joint density shape (..., n).
+            Elements; shape (..., n) for a joint density.
 
         Returns
         -------
@@ -149,23 +149,23 @@ class ConcentratedGaussian(Generic[G]):
         count : int
             Number of draws.
         seed : int or RandomStream
-            A seed, or a stream that goes on.
+            A seed, or a stream, which is advanced.
         """
         data = self._handle.sample(count, stream_of(seed))
         return self._group._wrap(data, data.shape[:-1])
 
     def marginal(self, index: int) -> ConcentratedGaussian[SE3]:
-        """The density of one pose of a joint density."""
+        """The marginal density of one pose of a joint density."""
         density: ConcentratedGaussian[SE3] = self._joint().marginal(index)
         return density
 
     def conditional(self, indices: list[int], values: SE3) -> ConcentratedGaussian[SE3]:
-        """The joint density of the others, given the poses at `indices` to first order."""
+        """The joint density of the other poses given the poses at `indices`, to first order."""
         density: ConcentratedGaussian[SE3] = self._joint().conditional(indices, rows_of(values))
         return density
 
     def relative_pose(self, from_index: int, to_index: int) -> ConcentratedGaussian[SE3]:
-        """The density of ``T_from^-1 T_to`` in a joint density, with its cross-covariance."""
+        """The density of ``T_from^-1 T_to``, including the cross-covariance of the two poses."""
         density: ConcentratedGaussian[SE3] = self._joint().relative_pose(from_index, to_index)
         return density
 
@@ -194,14 +194,14 @@ class ProjectedGaussian(Generic[G]):
     """A Gaussian in the tangent space of the unit quaternions, projected (MPG paper, III-B).
 
     y = [u, t] ~ N(tangent_mean, covariance), q = q0 (1, u) / sqrt(1 + u.u). u = axis tan(angle / 2), without unit,
-    turns the body (a perturbation on the right); t is the translation itself [m], in the reference frame.
+    is a perturbation on the right, in the body frame; t is the translation itself [m], in the reference frame.
 
     Parameters
     ----------
     tangent_point : SO3
         The rotation q0.
     tangent_mean : array_like, shape (3,) or (6,)
-        Mean of y: ``[u]`` of a rotation, ``[u, t]`` of a pose.
+        Mean of y: ``[u]`` for a rotation, ``[u, t]`` for a pose.
     covariance : array_like, shape (3, 3) or (6, 6)
         Covariance of y, symmetric positive definite.
 
@@ -280,12 +280,12 @@ class ProjectedGaussian(Generic[G]):
         return self._group._wrap(self._handle.sample(count, stream_of(seed)), (count,))
 
     def sample_by_projection(self, count: int, seed: int | RandomStream) -> G:
-        """Draws of y projected (MPG paper, IV): not the density's distribution where it is wide."""
+        """Draws of y, projected (MPG paper, IV); for a wide density their distribution differs from it."""
         data = self._handle.sample_by_projection(count, stream_of(seed))
         return self._group._wrap(data, (count,))
 
     def change_chart(self, tangent_point: SO3) -> ProjectedGaussian[G]:
-        """The density in the tangent space at another rotation, first order in u (eq. 15-16)."""
+        """The density in the chart at another tangent point, first order in u (eq. 15-16)."""
         density: ProjectedGaussian[G] = self._handle.change_chart(tangent_point._data)
         return density
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 # SPDX-FileCopyrightText: posemix contributors
-"""How far apart two densities or mixtures are, and how to turn one kind into the other."""
+"""Divergences between densities or mixtures, and conversions from one kind to the other."""
 
 from __future__ import annotations
 
@@ -27,16 +27,16 @@ def kl_monte_carlo(
     seed: int | RandomStream,
     settings: DivergenceSamplingSettings | None = None,
 ) -> DivergenceEstimate:
-    """The Kullback-Leibler divergence D(p || q) of two mixtures, of any kinds, by sampling.
+    """The Kullback-Leibler divergence D(p || q) of two mixtures of any kinds [nats], by sampling.
 
     Parameters
     ----------
     p, q : Mixture
-        On one group.
+        Mixtures on one group.
     seed : int or RandomStream
-        Of the randomised points.
+        Seed of the randomised points.
     settings : DivergenceSamplingSettings, optional
-        How many points.
+        Number of points.
 
     Examples
     --------
@@ -55,7 +55,7 @@ def symmetric_kl_monte_carlo(
     seed: int | RandomStream,
     settings: DivergenceSamplingSettings | None = None,
 ) -> DivergenceEstimate:
-    """D(p || q) + D(q || p), as `kl_monte_carlo`."""
+    """D(p || q) + D(q || p) [nats]; arguments as for `kl_monte_carlo`."""
     return _core.symmetric_kl_monte_carlo(p, q, stream_of(seed), settings or DivergenceSamplingSettings())
 
 
@@ -65,17 +65,17 @@ def isd_monte_carlo(
     seed: int | RandomStream,
     settings: DivergenceSamplingSettings | None = None,
 ) -> DivergenceEstimate:
-    """The integral of (p - q)^2 over the group, as `kl_monte_carlo`."""
+    """The integral of (p - q)^2 over the group; arguments as for `kl_monte_carlo`."""
     return _core.isd_monte_carlo(p, q, stream_of(seed), settings or DivergenceSamplingSettings())
 
 
 def gaussian_kl(p: D, q: D) -> float:
-    """D(p || q) of two densities as of the Gaussians in a common tangent space [nats]."""
+    """D(p || q) of the Gaussians of two densities in a common tangent space [nats]."""
     return float(overloaded.gaussian_kl(p, q))
 
 
 def exact_kl(p: ProjectedGaussian[Any], q: ProjectedGaussian[Any]) -> float:
-    """D(p || q) of two projected Gaussians under their distributions, by cubature [nats]."""
+    """D(p || q) of the distributions of two projected Gaussians in a common chart [nats]."""
     return float(_core.exact_kl(p, q))
 
 
@@ -89,14 +89,14 @@ def runnalls_bound(a: D, weight_a: float, b: D, weight_b: float) -> float:
 def gaussian_wasserstein(
     p: ConcentratedGaussian[Any], q: ConcentratedGaussian[Any], length_scale: float = 1.0
 ) -> float:
-    """The 2-Wasserstein distance of two Gaussians in a common tangent space.
+    """The 2-Wasserstein distance of two Gaussians in a common tangent space [m].
 
     Parameters
     ----------
     p, q : ConcentratedGaussian
         Densities on one group.
     length_scale : float
-        Metres that one radian counts as.
+        Metres that one radian is weighed as.
     """
     return float(_core.gaussian_wasserstein(p, q, length_scale))
 
@@ -106,7 +106,7 @@ def mixture_wasserstein(
     q: Mixture[ConcentratedGaussian[Any]],
     length_scale: float = 1.0,
 ) -> float:
-    """The MW2 distance: components moved onto each other at the least cost [m]."""
+    """The MW2 distance: the root of the least cost of moving the components of p to those of q [m]."""
     return float(_core.mixture_wasserstein(p, q, length_scale))
 
 
@@ -115,7 +115,7 @@ def to_projected(
     seed: int | RandomStream,
     settings: ConversionSettings | None = None,
 ) -> Conversion[ProjectedGaussian[Any]]:
-    """A mixture of concentrated Gaussians as one of projected Gaussians."""
+    """Converts a mixture of concentrated Gaussians to one of projected Gaussians."""
     found: Conversion[ProjectedGaussian[Any]] = _core.to_projected(
         mixture, stream_of(seed), settings or ConversionSettings()
     )
@@ -127,7 +127,7 @@ def to_concentrated(
     seed: int | RandomStream,
     settings: ConversionSettings | None = None,
 ) -> Conversion[ConcentratedGaussian[Any]]:
-    """A mixture of projected Gaussians as one of concentrated Gaussians."""
+    """Converts a mixture of projected Gaussians to one of concentrated Gaussians."""
     found: Conversion[ConcentratedGaussian[Any]] = _core.to_concentrated(
         mixture, stream_of(seed), settings or ConversionSettings()
     )

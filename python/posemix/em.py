@@ -41,7 +41,7 @@ def fit_mixture(
     distribution: Distribution = "concentrated",
     start: Mixture[Any] | None = None,
 ) -> EmResult[Any]:
-    """The most likely mixture that EM finds.
+    """The mixture of largest likelihood that EM finds.
 
     Parameters
     ----------
@@ -50,13 +50,13 @@ def fit_mixture(
     settings : EmSettings
         Number of components, bounds, restarts.
     seed : int or RandomStream
-        Of the starts.
+        Seed of the starts.
     weights : array_like, shape (n,), optional
-        How often every sample counts.
+        Weight of every sample; all one unless given.
     distribution : {"concentrated", "projected"}
         Kind of the components.
     start : Mixture, optional
-        EM starts there and nowhere else.
+        The only start of EM; found from the samples unless given.
 
     Raises
     ------
@@ -65,7 +65,7 @@ def fit_mixture(
 
     References
     ----------
-    MPG paper, section IV, there with an M-step that does not maximise the likelihood.
+    MPG paper, section IV, whose M-step does not maximise the likelihood.
 
     Examples
     --------
@@ -87,6 +87,6 @@ def fit_mixture_by_bic(
     weights: npt.ArrayLike | None = None,
     distribution: Distribution = "concentrated",
 ) -> BicSelection[Any]:
-    """Fits of 1 to ``settings.components`` components, and which one the BIC prefers."""
+    """Fits of 1 to ``settings.components`` components, and the one with the smallest BIC."""
     arguments = _arguments(samples, weights, distribution)
     return _core.fit_mixture_by_bic(*arguments, settings, stream_of(seed))

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 # SPDX-FileCopyrightText: posemix contributors
-"""How pose estimators err, and what several estimates say together."""
+"""Error mixtures of pose estimators, and the fusion of several estimates."""
 
 from __future__ import annotations
 
@@ -41,8 +41,8 @@ def sight_error(estimate: SE3, truth: SE3) -> FloatArray:
     Returns
     -------
     ndarray, shape (..., 6)
-        The rotation vector of R_estimate R_truth^-1 [rad] and t_estimate - t_truth [m], both in the camera's axes
-        turned, by the least angle, so that z points to the estimate: depth is the last entry.
+        The rotation vector of R_estimate R_truth^-1 [rad] and t_estimate - t_truth [m], both along the axes of the
+        camera after the smallest rotation that makes z point to the estimate: depth is the last entry.
     """
     a, b = _broadcast(estimate, truth)
     rows: FloatArray = _core.sight_error(a, b)
@@ -50,14 +50,14 @@ def sight_error(estimate: SE3, truth: SE3) -> FloatArray:
 
 
 def truth_with_error(estimate: SE3, error: npt.ArrayLike) -> SE3:
-    """The truths of which the estimates have these errors, shape (...).
+    """The true poses with respect to which the estimates have these errors, shape (...).
 
     Parameters
     ----------
     estimate : SE3, shape (...) or ()
         T_camera_object.
     error : array_like, shape (..., 6)
-        As `sight_error` gives them.
+        Errors in the form of `sight_error`.
     """
     errors = as_floats(error, (6,), "error")
     shape = np.broadcast_shapes(estimate.shape, errors.shape[:-1])
@@ -67,21 +67,22 @@ def truth_with_error(estimate: SE3, error: npt.ArrayLike) -> SE3:
 
 
 class ErrorMixture:
-    """A mixture of Gaussians over errors as `sight_error` gives them.
+    """A mixture of Gaussians over errors in the form of `sight_error`.
 
     Parameters
     ----------
     weights : array_like, shape (k,)
-        Not negative; normalised.
+        Weights, not negative; they are normalised.
     means : array_like, shape (k, 6)
-        Rotation vector [rad], displacement [m].
+        Means: rotation vector [rad], displacement [m].
     covariances : array_like, shape (k, 6, 6)
-        Symmetric positive definite.
+        Covariances, symmetric positive definite.
 
     Raises
     ------
     ValueError
-        For weights that are negative or all zero, other numbers of means, matrices that are not positive definite.
+        For weights that are negative or all zero, numbers of weights, means and covariances that differ, and matrices
+        that are not positive definite.
     """
 
     __slots__ = ("_handle",)
@@ -141,7 +142,7 @@ class ErrorMixture:
         return self._handle.log_density(flat_rows(rows, 1)).reshape(rows.shape[:-1])
 
     def log_pose_density(self, errors: npt.ArrayLike) -> FloatArray:
-        """Log of the density of the truth with those errors, by the Haar measure, shape (...)."""
+        """Log of the density of the true pose, with respect to the Haar measure, shape (...) [nats]."""
         rows = as_floats(errors, (6,), "errors")
         return self._handle.log_pose_density(flat_rows(rows, 1)).reshape(rows.shape[:-1])
 
@@ -166,13 +167,13 @@ class ErrorMixtureFit:
     Attributes
     ----------
     errors : ErrorMixture
-        The outliers' component is the last.
+        The mixture; its last component is that of outliers.
     components : int
-        Full ones.
+        Number of components without that of outliers.
     log_likelihood : float
-        Of the errors [nats].
+        Log-likelihood of the errors [nats].
     bic : float
-        Smallest among the numbers of components that were tried.
+        The BIC, which is the smallest of all numbers of components that were tried.
     history : list of float
         Log posterior after every iteration of the run that was kept.
     """
@@ -193,21 +194,21 @@ def fit_error_mixture(
     seed: int | RandomStream,
     settings: ErrorMixtureSettings | None = None,
 ) -> ErrorMixtureFit:
-    """Mixtures of 1, 2, ... components and a wide one for outliers; that with the least BIC.
+    """Fits mixtures of 1, 2, ... components and a wide one for outliers, and returns the one with the least BIC.
 
     Parameters
     ----------
     errors : array_like, shape (n, 6)
-        As `sight_error` gives them, at least 8.
+        Errors in the form of `sight_error`, at least 8.
     seed : int or RandomStream
-        Of the starts.
+        Seed of the starts.
     settings : ErrorMixtureSettings, optional
-        Priors, the outliers' width, when a run ends.
+        Priors, width of the outliers, stopping criteria.
 
     Raises
     ------
     ValueError
-        For fewer than 8 errors or such that are not finite.
+        For fewer than 8 errors, and errors that are not finite.
     """
     handle, *rest = _core.fit_error_mixture(
         _error_rows(errors), settings or ErrorMixtureSettings(), stream_of(seed)
@@ -233,7 +234,7 @@ def trimmed_errors(errors: npt.ArrayLike, trim: float = 5.0) -> FloatArray:
     Returns
     -------
     ndarray, shape (m, 6)
-        All where fewer than 8 are within.
+        All errors if fewer than 8 are within.
     """
     rows: FloatArray = _core.trimmed_errors(_error_rows(errors), trim)
     return rows
@@ -248,7 +249,7 @@ class PoseConsensus:
     truths : SE3, shape (n,)
         Draws of T_camera_object.
     weights : ndarray, shape (n,)
-        They sum to one.
+        Weights of the draws; they sum to one.
     """
 
     truths: SE3
@@ -256,7 +257,7 @@ class PoseConsensus:
 
     @property
     def effective_draws(self) -> float:
-        """1 / sum of the squared weights."""
+        """The effective number of draws, 1 / sum of the squared weights."""
         return float(1.0 / np.square(self.weights).sum())
 
     def resampled(self, count: int) -> PoseConsensus:
@@ -274,16 +275,16 @@ class PoseConsensus:
         Parameters
         ----------
         estimate : SE3, shape (...)
-            T_camera_object that a grasp is planned with.
+            T_camera_object for which a grasp is planned.
         regions : ToleranceRegion or sequence of them
-            The mean over several is taken.
+            Tolerance of the grasp; for several regions the mean probability is taken.
         symmetry : SymmetryGroup, optional
-            Of the object.
+            Symmetries of the object.
 
         Raises
         ------
         ValueError
-            Without a region, and for one with widths or probabilities that are none.
+            Without a region, and for a region whose widths or probabilities are out of range.
         """
         all_regions = [regions] if isinstance(regions, ToleranceRegion) else list(regions)
         found: FloatArray = _core.consensus_success(
@@ -298,23 +299,24 @@ def fuse_estimates(
     seed: int | RandomStream,
     settings: ConsensusSettings | None = None,
 ) -> PoseConsensus:
-    """The product of several estimators' densities of the truth, by importance sampling.
+    """The normalised product of several estimators' densities of the true pose, by importance sampling.
 
     Parameters
     ----------
     estimates : SE3, shape (n,)
         T_camera_object by every estimator.
     errors : ErrorMixture or sequence of n
-        How each errs; a single one stands for all.
+        Error mixtures of the estimators; a single one is used for all.
     seed : int or RandomStream
-        Of the draws.
+        Seed of the draws.
     settings : ConsensusSettings, optional
-        Draws, and how far the estimators' errors depend on each other.
+        Number of draws, and correlation of the estimators' errors.
 
     Raises
     ------
     ValueError
-        Without estimates or draws, for other numbers of both, a correlation not within [0, 1].
+        Without estimates or draws, for numbers of estimates and error mixtures that differ, and for a correlation
+        outside [0, 1].
     """
     members = estimates if estimates.shape else SE3._wrap(estimates._data, (1,))
     mixtures = [errors] * len(members) if isinstance(errors, ErrorMixture) else list(errors)

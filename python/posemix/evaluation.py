@@ -18,34 +18,34 @@ __all__ = [
 
 
 def evaluate(sequence: Sequence | SlamJob, run: SlamRun) -> Metrics:
-    """Errors of a run against the ground truth of its recording; None where there is none.
+    """Errors of a run against the ground truth of its recording; None without ground truth.
 
     Parameters
     ----------
     sequence : Sequence or SlamJob
-        What was run.
+        The recording, or the job with it.
     run : SlamRun
-        Its result.
+        The result of the run.
     """
     recording = sequence.sequence if isinstance(sequence, SlamJob) else sequence
     return _core.evaluate(recording._compiled(), run._handle)
 
 
 def squared_normalized_error(estimate: ConcentratedGaussian[SE3], truth: SE3) -> float:
-    """e^T P^-1 e with e = Log(X_true X_est^-1): chi-square with 6 degrees when consistent.
+    """The NEES e^T P^-1 e, e = Log(X_true X_est^-1); if consistent, chi-square with 6 degrees of freedom.
 
     Parameters
     ----------
     estimate : ConcentratedGaussian
-        Of one pose.
+        Estimate of one pose.
     truth : SE3
-        One pose.
+        The true pose.
     """
     return float(_core.squared_normalized_error(estimate, truth))
 
 
 def true_relative_pose(sequence: Sequence, object: int) -> SE3:
-    """True T_camera_object of one object, from whichever truth is known.
+    """True T_camera_object of one object, computed from the ground truth that is known.
 
     Parameters
     ----------
@@ -57,13 +57,13 @@ def true_relative_pose(sequence: Sequence, object: int) -> SE3:
     Returns
     -------
     SE3, shape (n,)
-        NaN in frames where it is unknown.
+        NaN in frames without ground truth.
     """
     rows = _core.true_relative_pose(sequence._compiled(), object)
     return SE3._wrap(rows, (len(rows),))
 
 
 def true_world_pose(sequence: Sequence, object: int) -> SE3:
-    """True T_world_object of one object, as `true_relative_pose`."""
+    """True T_world_object of one object; arguments and result as for `true_relative_pose`."""
     rows = _core.true_world_pose(sequence._compiled(), object)
     return SE3._wrap(rows, (len(rows),))

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 # SPDX-FileCopyrightText: posemix contributors
-"""Grasps under pose uncertainty: how likely one succeeds, how estimators err, and how good predictions are."""
+"""Grasps under pose uncertainty: probabilities of success, error mixtures of estimators, scores of predictions."""
 
 from posemix.error_mixture import *
 from posemix.scores import *

@@ -24,7 +24,7 @@ Self = TypeVar("Self", bound="_Elements")
 
 
 class _Elements:
-    """What rotations and poses have in common."""
+    """Base class of rotations and poses."""
 
     DOF: ClassVar[int]
     _SIZE: ClassVar[int]
@@ -75,19 +75,19 @@ class _Elements:
 
     @classmethod
     def from_matrix(cls: type[Self], matrix: npt.ArrayLike, tolerance: float = 1e-6) -> Self:
-        """From rotation matrices, shape (..., 3, 3), or homogeneous ones, shape (..., 4, 4).
+        """Elements from rotation matrices, shape (..., 3, 3), or homogeneous matrices, shape (..., 4, 4).
 
         Parameters
         ----------
         matrix : array_like
-            Matrices; the nearest rotation is taken.
+            Matrices; the rotation is the nearest one.
         tolerance : float
             Largest deviation from a rotation.
 
         Raises
         ------
         ValueError
-            Where a matrix deviates by more, is a reflection, or is not finite.
+            If a matrix deviates by more, is a reflection, or is not finite.
         """
         values = as_floats(matrix, (cls._SIDE, cls._SIDE), "matrix")
         data = cls._call("from_matrix", flat_rows(values, 2), tolerance)
@@ -114,7 +114,7 @@ class _Elements:
         return (self[i] for i in range(len(self)))
 
     def log(self) -> FloatArray:
-        """Tangent vectors, shape (..., dof); the rotation's norm is at most pi."""
+        """Tangent vectors [rad, m], shape (..., dof); the norm of the rotation vector is at most pi."""
         return self._call("log", self._rows()).reshape((*self.shape, self.DOF))
 
     def inverse(self: Self) -> Self:
@@ -122,7 +122,7 @@ class _Elements:
         return self._wrap(self._call("inverse", self._rows()), self.shape)
 
     def matrix(self) -> FloatArray:
-        """Matrices, shape (..., 3, 3) of rotations, (..., 4, 4) of poses."""
+        """Matrices, shape (..., 3, 3) for rotations, (..., 4, 4) for poses."""
         side = self._SIDE
         return self._call("matrix", self._rows()).reshape((*self.shape, side, side))
 
@@ -156,7 +156,7 @@ class _Elements:
     __matmul__ = __mul__
 
     def act(self, points: npt.ArrayLike) -> FloatArray:
-        """Points moved, ``p_a = T_a_b p_b``.
+        """Transformed points, ``p_a = T_a_b p_b``.
 
         Parameters
         ----------
@@ -189,7 +189,7 @@ class _Elements:
 
     @classmethod
     def left_jacobian_inverse(cls, xi: npt.ArrayLike) -> FloatArray:
-        """J_l(xi)^-1, shape (..., dof, dof); singular where the angle is a multiple of 2 pi."""
+        """J_l(xi)^-1, shape (..., dof, dof); singular at angles 2 pi, 4 pi, ..."""
         return cls._jacobian("left_jacobian_inverse", xi)
 
     @classmethod
@@ -233,7 +233,7 @@ class SO3(_Elements):
     Parameters
     ----------
     quaternion : array_like, shape (..., 4), optional
-        Quaternions ``[x, y, z, w]`` of any length but zero; q and -q are one rotation. The identity
+        Quaternions ``[x, y, z, w]`` of any length but zero; q and -q are the same rotation. The identity
         unless given.
 
     Raises
@@ -312,7 +312,7 @@ class SE3(_Elements):
 
     @classmethod
     def from_tq(cls, values: npt.ArrayLike) -> SE3:
-        """From rows ``[tx, ty, tz, qx, qy, qz, qw]``, shape (..., 7), as in TUM files."""
+        """Poses from rows ``[tx, ty, tz, qx, qy, qz, qw]``, shape (..., 7), as in TUM files."""
         rows = as_floats(values, (7,), "values")
         return cls(SO3(rows[..., 3:]), rows[..., :3])
 
@@ -357,12 +357,12 @@ def weighted_mean(x: G, weights: npt.ArrayLike | None = None) -> G:
     x : SO3 or SE3, shape (n,)
         Elements.
     weights : array_like, shape (n,), optional
-        Not negative; all one unless given.
+        Weights, not negative; all one unless given.
 
     Raises
     ------
     ValueError
-        For no element, bad weights, or where the iteration does not converge.
+        For no element, invalid weights, or if the iteration does not converge.
 
     References
     ----------

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 # SPDX-FileCopyrightText: posemix contributors
-"""Object SLAM, live: one call per frame."""
+"""Live object SLAM: one call per frame."""
 
 from __future__ import annotations
 
@@ -51,16 +51,16 @@ Detections = collections.abc.Sequence[SE3 | None] | Mapping[str, SE3] | SE3
 
 @dataclass(frozen=True)
 class FrameInput:
-    """Input of one frame. Of the first frame `dt` and `motion` are ignored.
+    """Input of one frame. In the first frame `dt` and `motion` are ignored.
 
     Attributes
     ----------
     dt : float
-        Since the last frame, positive [s].
+        Time since the last frame, positive [s].
     motion : SE3, optional
         T_camera(k-1)_camera(k), from odometry.
     detections : sequence of SE3 and None, mapping from ids, or SE3 of shape (objects,)
-        T_camera_object, one entry per object model; a mapping holds those that were detected.
+        T_camera_object, one entry per object model; a mapping has only those that were detected.
     candidates : sequence of Candidate
         Detections that name a class, for the multi-object filter.
     """
@@ -81,17 +81,17 @@ def _detection_rows(detections: Detections, ids: list[str]) -> FloatArray:
 
 
 class ObjectSlam:
-    """Camera and objects, estimated live.
+    """Live estimation of camera and objects.
 
-    A frame is predict, update, reduce, summarise; objects seen for the first time enter after the update. Frames
-    without detections or without odometry are valid.
+    A step predicts, updates, reduces and summarises; objects seen for the first time are added after the update.
+    Frames without detections or without odometry are valid.
 
     Parameters
     ----------
     camera : ConcentratedGaussian
         Prior of T_world_camera at the first frame.
     objects : sequence of ObjectModel
-        What may be seen.
+        Models of the objects that may be detected.
     settings : ObjectSlamSettings, optional
         Filter and motion model.
 
@@ -139,13 +139,13 @@ class ObjectSlam:
         return slam
 
     def step(self, input: FrameInput) -> FrameEstimate:
-        """The next frame; at the first one nothing moves.
+        """Processes the next frame; the first one is not predicted.
 
         Raises
         ------
         ValueError
-            When the number of detections is not that of the object models, dt is not positive after the first frame,
-            or another filter than the multi-object one gets candidates.
+            When the numbers of detections and object models differ, dt is not positive after the first frame, or
+            there are candidates for a filter other than the multi-object filter.
         """
         rows = _detection_rows(input.detections, self._ids)
         return self._handle.step(input.dt, input.motion, rows, candidate_rows(input.candidates))
@@ -162,25 +162,25 @@ class ObjectSlam:
 
     @property
     def posterior(self) -> Mixture[ConcentratedGaussian[SE3]]:
-        """The joint posterior; of the multi-object filter camera and leading hypotheses."""
+        """The joint posterior; for the multi-object filter that of camera and leading hypotheses."""
         return Mixture._of(self._handle.posterior())
 
     @property
     def estimate(self) -> ConcentratedGaussian[SE3]:
-        """One Gaussian for all poses; pose 0 is the camera, see `pose_index`."""
+        """One Gaussian over all poses; pose 0 is the camera, see `pose_index`."""
         return ConcentratedGaussian._of(self._handle.estimate())
 
     def pose_index(self, object: int) -> int | None:
-        """Index of the object's pose in the estimate; None until it was seen."""
+        """Index of the object's pose in the estimate; None before its first detection."""
         return self._handle.pose_index(object)
 
     def detections(self, object: int) -> int:
-        """Detections that made the object what it is, candidates included."""
+        """Number of detections that have updated the object, candidates included."""
         return self._handle.detections(object)
 
     @property
     def multi_object(self) -> MultiObjectFilter | None:
-        """A copy of the multi-object filter where it is the one behind this."""
+        """A copy of the multi-object filter; None for another tracker."""
         return self._handle.multi_object()
 
     def __copy__(self) -> ObjectSlam:
@@ -195,22 +195,22 @@ class ObjectSlam:
 
 
 class FixedLagSmoother:
-    """Object SLAM that reports each frame some frames later than it comes, smoothed.
+    """Object SLAM with smoothed estimates, each reported some frames later.
 
     Parameters
     ----------
     camera, objects, settings
-        As of `ObjectSlam`; the filter must be the multi-object one.
+        As for `ObjectSlam`; the filter must be the multi-object filter.
     smoothing : SmoothingSettings
-        How far it looks ahead.
+        Number of frames that the smoother looks ahead.
     record_hypotheses : bool
-        Whether estimates hold the alternatives of every object.
+        Whether estimates have the alternatives of every object.
 
     Raises
     ------
     ValueError
-        As `ObjectSlam`, when a setting is out of range, when the filter is not the multi-object one, and when it
-        only considers the camera.
+        As for `ObjectSlam`, when a setting is out of range, when the filter is not the multi-object filter, and when
+        it only considers the camera.
     """
 
     __slots__ = ("_handle", "_ids")
@@ -233,23 +233,23 @@ class FixedLagSmoother:
         self._ids = [model.id for model in objects]
 
     def step(self, input: FrameInput) -> FrameEstimate | None:
-        """As `ObjectSlam.step`, the estimate of the frame `lag_frames` earlier, if there is one.
+        """Processes the next frame; returns the estimate of the frame `lag_frames` earlier, if there is one.
 
         Raises
         ------
         ValueError
-            As `ObjectSlam.step`, and for candidates.
+            As for `ObjectSlam.step`, and for candidates.
         """
         rows = _detection_rows(input.detections, self._ids)
         return self._handle.step(input.dt, input.motion, rows, candidate_rows(input.candidates))
 
     def finish(self) -> list[FrameEstimate]:
-        """The frames that are left, after the last one."""
+        """The estimates of the frames that have not been reported, after the last step."""
         return self._handle.finish()
 
     @property
     def slam(self) -> ObjectSlam:
-        """A copy of the filter that runs ahead."""
+        """A copy of the filter, which is at the last frame processed."""
         return ObjectSlam._of(self._handle.slam())
 
     def __copy__(self) -> FixedLagSmoother:
@@ -263,25 +263,25 @@ class FixedLagSmoother:
 
     @property
     def joint(self) -> ConcentratedGaussian[SE3] | None:
-        """Camera, its motion under constant velocity, and objects, at the last frame reported."""
+        """Joint density at the last frame reported: camera, its motion under constant velocity, objects."""
         handle = self._handle.joint()
         return None if handle is None else ConcentratedGaussian._of(handle)
 
 
 @dataclass(frozen=True)
 class Association:
-    """What a candidate is.
+    """The association of a candidate.
 
     Attributes
     ----------
     status : CandidateStatus
-        Assigned to an instance, fresh, or rejected.
+        Whether it is assigned to an instance, fresh, or rejected.
     instance : int
-        Where assigned: index among the instances.
+        If assigned: index among the instances.
     camera_object : SE3
-        Where assigned: the equivalent pose nearest to the instance; elsewhere as detected.
+        If assigned: the equivalent pose nearest to the instance; otherwise the pose as detected.
     cost : float
-        Where assigned: its part of the total cost.
+        If assigned: its part of the total cost.
     """
 
     status: CandidateStatus
@@ -304,13 +304,13 @@ def associate(
     instances : sequence of ConcentratedGaussian
         Predicted T_camera_object of the instances.
     candidates : sequence of Candidate
-        Of one class in one frame.
+        Candidates of one class in one frame.
     noise : NoiseComponent
-        The detector's error on this class.
+        Noise of the detector for this class.
     symmetries : SymmetryGroup, optional
-        Of the class.
+        Symmetries of the class.
     settings : AssociationSettings, optional
-        Gate, and when a candidate is new.
+        Gate, and criterion for a new instance.
 
     Raises
     ------
@@ -328,12 +328,12 @@ def associate(
 
 
 def least_cost_assignment(cost: npt.ArrayLike) -> list[int]:
-    """For each row of a cost matrix its own column so that the sum of the entries is least.
+    """A different column for each row of a cost matrix such that the sum of the entries is least.
 
     Parameters
     ----------
     cost : array_like, shape (rows, columns)
-        Finite, with at least as many columns as rows.
+        Costs, finite, with at least as many columns as rows.
 
     Examples
     --------

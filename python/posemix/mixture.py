@@ -26,7 +26,7 @@ __all__ = ["Mixture"]
 
 D = TypeVar("D", bound="ConcentratedGaussian[Any] | ProjectedGaussian[Any]")
 
-# The compiled functions, whose overloads are of kinds of density: of a type variable mypy does not know which one.
+# The compiled functions, whose overloads depend on the kind of density, which mypy cannot tell from a type variable.
 overloaded: Any = _core
 
 _MIXTURES: dict[type, Any] = {
@@ -56,14 +56,15 @@ class Mixture(Generic[D]):
     densities : sequence of ConcentratedGaussian or of ProjectedGaussian
         The components' densities, all on one group.
     weights : array_like, shape (k,), optional
-        Not negative; normalised. Equal unless given.
+        Weights, not negative; they are normalised. Equal unless given.
     log_weights : array_like, shape (k,), optional
-        Natural logarithms instead.
+        Natural logarithms of the weights, instead of `weights`.
 
     Raises
     ------
     ValueError
-        For no component, other numbers of weights, weights that are negative, not finite or all zero.
+        For no component, numbers of densities and weights that differ, and weights that are negative, not finite or
+        all zero.
 
     Examples
     --------
@@ -149,7 +150,7 @@ class Mixture(Generic[D]):
         return result.reshape(points.shape)
 
     def responsibilities(self, points: SO3 | SE3) -> FloatArray:
-        """Probabilities of the components given a point, shape (..., k)."""
+        """Probabilities of the components given each point, shape (..., k)."""
         logs = self._handle.component_log_densities(rows_of(points)) + self.log_weights
         logs -= logs.max(axis=1, keepdims=True)
         shares = np.exp(logs)
@@ -169,14 +170,14 @@ class Mixture(Generic[D]):
         return pruned
 
     def marginal(self, index: int) -> Mixture[ConcentratedGaussian[SE3]]:
-        """The mixture of one pose of a joint mixture."""
+        """The marginal mixture of one pose of a joint mixture."""
         mixture: Mixture[ConcentratedGaussian[SE3]] = self._handle.marginal(index)
         return mixture
 
     def relative_pose(
         self, from_index: int, to_index: int
     ) -> Mixture[ConcentratedGaussian[SE3]]:
-        """The mixture of ``T_from^-1 T_to`` of a joint mixture, with cross-covariances."""
+        """The mixture of ``T_from^-1 T_to``, including the cross-covariances of a joint mixture."""
         mixture: Mixture[ConcentratedGaussian[SE3]] = self._handle.relative_pose(from_index, to_index)
         return mixture
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 # SPDX-FileCopyrightText: posemix contributors
-"""How detectors err, and which poses of an object look the same."""
+"""Noise of detectors, and symmetries of objects."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def pose_covariance(rotation_sd_rad: npt.ArrayLike, translation_sd_m: npt.ArrayL
     Parameters
     ----------
     rotation_sd_rad, translation_sd_m : array_like, shape (3,) or ()
-        Standard deviations [rad, m]; a single one stands for all axes.
+        Standard deviations [rad, m]; a single one is used for all axes.
 
     Returns
     -------
@@ -74,7 +74,7 @@ def pose_covariance(rotation_sd_rad: npt.ArrayLike, translation_sd_m: npt.ArrayL
 
 
 def default_detector_noise() -> DetectorNoise:
-    """The error of detectors of single images, where nothing better is known.
+    """The default noise of detectors that use single images.
 
     Rotation about the camera's axes 7.5 deg and about the viewing ray 2 deg, translation 0.7 % of the range across
     the ray and 4.5 % along it; a second component 2.7 times as wide; and clutter.
@@ -83,12 +83,12 @@ def default_detector_noise() -> DetectorNoise:
 
 
 def along_camera(noise: NoiseComponent, camera_object: SE3) -> NoiseComponent:
-    """The component with covariances along the camera's axes in metres, for an object there.
+    """The component with covariances along the camera's axes [rad, m], for an object at `camera_object`.
 
     Parameters
     ----------
     noise : NoiseComponent
-        Of NoiseFrame.ray or any other, which stays as it is.
+        Component of any frame; only one of NoiseFrame.ray is changed.
     camera_object : SE3
         T_camera_object.
     """
@@ -103,33 +103,32 @@ def fit_noise(
     settings: NoiseFitSettings | None = None,
     seed: int | RandomStream = 1,
 ) -> NoiseFit:
-    """The noise of a detector, learned from detections of one class of objects with their truth.
+    """Learns the noise of a detector from detections of one class of objects with ground truth.
 
-    Mixtures of 1, 2, ... components with clutter are fitted by EM, the criterion chooses one of them and the frame of
-    its covariances, poses that are wrong again and again become modes, and the correlation of the errors in time
-    becomes the model's dependence.
+    Mixtures of 1, 2, ... components with clutter are fitted by EM; the criterion chooses one of them and the frame of
+    its covariances. Wrong poses that recur become modes, and the correlation of the errors in time is estimated.
 
     Parameters
     ----------
     truth, detected : SE3, shape (n,)
-        T_camera_object by ground truth and by the detector, one per frame in the order of time; NaN where it is not
-        known or not detected (`with_misses`).
+        T_camera_object by ground truth and by the detector, one per frame in the order of time; NaN in frames
+        without ground truth or without a detection (`with_misses`).
     recording : array_like, shape (n,), optional
-        Name or number of the recording of every frame; one recording where None.
+        Name or number of the recording of every frame; a single recording if None.
     settings : NoiseFitSettings, optional
-        Models that are tried, and what decides between them.
+        Models that are tried, and the criterion that chooses one.
     seed : int or RandomStream
-        Of the starts.
+        Seed of the starts.
 
     Returns
     -------
     NoiseFit
-        With the model in ``noise`` and its text in ``to_toml()``.
+        The result, with the model in ``noise`` and its text in ``to_toml()``.
 
     Raises
     ------
     ValueError
-        For other numbers of poses, fewer than two detections, and settings that contradict each other.
+        For numbers of poses that differ, fewer than two detections, and settings that contradict each other.
 
     Examples
     --------
@@ -158,19 +157,19 @@ def fit_noise(
 def fit_odometry_noise(
     recordings: Sequence | Iterable[Sequence], settings: OdometryNoiseSettings | None = None
 ) -> OdometryNoise:
-    """A random walk of the odometry and a jitter of the truth, from the growth of the error with time.
+    """Learns the random walk of the odometry and the jitter of the ground truth from the growth of the error with time.
 
     Parameters
     ----------
     recordings : Sequence or iterable of Sequence
-        With `odometry` and `camera_truth`.
+        Recordings; those without `odometry` or `camera_truth` are left out.
     settings : OdometryNoiseSettings, optional
-        Lengths of the windows, samples for the standard errors.
+        Lengths of the windows, number of samples for the standard errors.
 
     Raises
     ------
     ValueError
-        Where no recording has a window with odometry and truth at both ends.
+        If no recording has a window with odometry and ground truth at both ends.
     """
     all_of_them = [recordings] if isinstance(recordings, Sequence) else list(recordings)
     rows = [
@@ -200,16 +199,16 @@ class SymmetricPoseError:
 def symmetric_pose_error(
     estimate: SE3, truth: SE3, symmetries: SymmetryGroup, length_m: float = 0.1
 ) -> SymmetricPoseError:
-    """The error against the equivalent truth that is nearest.
+    """The error of an estimate against the nearest of the equivalent true poses.
 
     Parameters
     ----------
     estimate, truth : SE3
         One pose each.
     symmetries : SymmetryGroup
-        Of the object.
+        Symmetries of the object.
     length_m : float
-        Nearest in terms of rotation^2 + (translation / length_m)^2.
+        Length in rotation^2 + (translation / length_m)^2, which the nearest pose minimises [m].
     """
     return SymmetricPoseError(*_core.symmetric_pose_error(estimate, truth, symmetries, length_m))
 
@@ -224,9 +223,9 @@ def max_symmetric_surface_distance(
     estimate, truth : SE3
         One pose each.
     points : array_like, shape (n, 3)
-        Of the object's surface, object frame [m].
+        Points of the object's surface, in the object's frame [m].
     symmetries : SymmetryGroup
-        Of the object.
+        Symmetries of the object.
 
     Raises
     ------

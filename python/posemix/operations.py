@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 # SPDX-FileCopyrightText: posemix contributors
-"""Operations on densities and mixtures: compose, invert, fuse, move, merge, reduce."""
+"""Operations on densities and mixtures: compose, invert, fuse, recenter, merge, reduce."""
 
 from __future__ import annotations
 
@@ -50,16 +50,16 @@ def compose(
 ) -> X:
     """The density or mixture of X Y for independent X and Y.
 
-    Concentrated: to first order, mean X0 Y0, covariance P_X + Ad(X0) P_Y Ad(X0)^T (Barfoot and Furgale
-    2014). Projected: by `settings`, cubature of degree five unless given (MPG paper, eq. 17 and 21-22).
-    Mixtures: all pairs of components.
+    For concentrated Gaussians to first order: mean X0 Y0, covariance P_X + Ad(X0) P_Y Ad(X0)^T (Barfoot and
+    Furgale 2014). For projected Gaussians by the rule in `settings`, cubature of degree five unless given (MPG
+    paper, eq. 17 and 21-22). A mixture has one component for every pair of components.
 
     Parameters
     ----------
     x, y : ConcentratedGaussian, ProjectedGaussian or Mixture
-        Of one kind.
+        Densities or mixtures of one kind.
     settings : CompositionRule or ProjectedMixtureComposeSettings, optional
-        For projected Gaussians.
+        Rule for projected Gaussians.
     """
     result: X = overloaded.compose(x, y, settings)
     return result
@@ -94,14 +94,14 @@ def _pose_arrays(rows: Any, shape: tuple[int, ...]) -> tuple[SE3, FloatArray]:
 def compose_arrays(
     x: SE3, covariance_x: npt.ArrayLike, y: SE3, covariance_y: npt.ArrayLike
 ) -> tuple[SE3, FloatArray]:
-    """Means and covariances of X_i Y_i, all at once; see `compose`.
+    """Means and covariances of many products X_i Y_i; see `compose`.
 
     Parameters
     ----------
     x, y : SE3, shape (n,) or ()
-        Means; a single one stands for all.
+        Means; a single one is used for all.
     covariance_x, covariance_y : array_like, shape (n, 6, 6) or (6, 6)
-        Covariances of the left perturbations, as many as means. That they are positive definite is not checked.
+        Covariances of the left perturbations, as many as means. They must be positive definite, which is not checked.
 
     Returns
     -------
@@ -111,7 +111,7 @@ def compose_arrays(
     Raises
     ------
     ValueError
-        For covariances that are not finite, and numbers of densities that do not fit.
+        For covariances that are not finite, and numbers of densities that differ.
     """
     rows = _core.compose_rows(*_pose_rows(x, covariance_x), *_pose_rows(y, covariance_y))
     return _pose_arrays(rows, x.shape or y.shape)
@@ -120,13 +120,13 @@ def compose_arrays(
 def between_arrays(
     x: SE3, covariance_x: npt.ArrayLike, y: SE3, covariance_y: npt.ArrayLike
 ) -> tuple[SE3, FloatArray]:
-    """Means and covariances of X_i^-1 Y_i, as `compose_arrays`."""
+    """Means and covariances of X_i^-1 Y_i; arguments as for `compose_arrays`."""
     rows = _core.between_rows(*_pose_rows(x, covariance_x), *_pose_rows(y, covariance_y))
     return _pose_arrays(rows, x.shape or y.shape)
 
 
 def inverse_arrays(x: SE3, covariance: npt.ArrayLike) -> tuple[SE3, FloatArray]:
-    """Means and covariances of X_i^-1, as `compose_arrays`."""
+    """Means and covariances of X_i^-1; arguments as for `compose_arrays`."""
     return _pose_arrays(_core.inverse_rows(*_pose_rows(x, covariance)), x.shape)
 
 
@@ -137,14 +137,14 @@ def fuse_arrays(
     covariance_y: npt.ArrayLike,
     settings: FuseSettings | None = None,
 ) -> tuple[SE3, FloatArray, npt.NDArray[np.bool_]]:
-    """Means and covariances of the products of two densities each; arguments as of `compose_arrays`.
+    """Means and covariances of the fused densities of X_i and Y_i; arguments as for `compose_arrays`.
 
     Returns
     -------
     mean : SE3, shape (n,)
     covariance : ndarray, shape (n, 6, 6)
     converged : ndarray of bool, shape (n,)
-        Where it is False mean and covariance are those of the last iteration.
+        If False, mean and covariance are those of the last iteration.
     """
     means, covariances, converged = _core.fuse_rows(
         *_pose_rows(x, covariance_x), *_pose_rows(y, covariance_y), settings or FuseSettings()
@@ -161,8 +161,9 @@ def fuse(
 ) -> FuseResult[X]:
     """The normalised product of two densities or mixtures and the log of its integral.
 
-    Concentrated: Gauss-Newton to the mode, Laplace's approximation there. Projected: MPG paper, III-C and
-    eq. 19-20, with the overlap itself as weight. Mixtures: all pairs, weighted by their overlaps.
+    For concentrated Gaussians, Gauss-Newton finds the mode, with Laplace's approximation there. For projected
+    Gaussians see the MPG paper, III-C and eq. 19-20, with the overlap itself as weight. A mixture has one component
+    for every pair of components, weighted by the overlap of the pair.
 
     Raises
     ------
@@ -185,7 +186,7 @@ def recenter(density: ConcentratedGaussian[G], anchor: G) -> tuple[FloatArray, F
 def back_project(
     anchor: G, mean: npt.ArrayLike, covariance: npt.ArrayLike
 ) -> ConcentratedGaussian[G]:
-    """The density at Exp(mean) anchor with covariance J_l P J_l^T; undoes `recenter`."""
+    """The density at Exp(mean) anchor with covariance J_l P J_l^T, the inverse of `recenter`."""
     dof = anchor.DOF
     density: ConcentratedGaussian[G] = overloaded.back_project(
         anchor._data, as_floats(mean, (dof,), "mean"), as_floats(covariance, (dof, dof), "covariance")
@@ -204,16 +205,16 @@ def merge(
     weights: npt.ArrayLike,
     settings: MergeSettings | None = None,
 ) -> MergeResult[D]:
-    """Several components as one, by the midway merge unless `settings` say otherwise.
+    """Merges several components into one, by the midway rule unless `settings` has another.
 
     Parameters
     ----------
     densities : sequence
         Densities of one kind.
     weights : array_like, shape (k,)
-        Their weights, not normalised.
+        Weights of the densities; they need not sum to one.
     settings : MergeSettings, optional
-        The rule, and when the mean's iteration stops.
+        The rule, and stopping criteria for the iteration of the mean.
 
     References
     ----------
@@ -226,7 +227,7 @@ def merge(
 
 
 def reduce(mixture: Mixture[D], settings: ReductionSettings | None = None) -> Reduction[D]:
-    """A mixture with fewer components: prune, then merge pair after pair.
+    """A mixture with fewer components: light ones are pruned, then pairs are merged one after another.
 
     Raises
     ------

@@ -8,5 +8,5 @@ __all__ = ["RandomStream"]
 
 
 def stream_of(seed: int | RandomStream) -> RandomStream:
-    """The stream itself, or the first one of a seed."""
+    """The stream itself, or the stream with index 0 of a seed."""
     return seed if isinstance(seed, RandomStream) else RandomStream(seed, 0)

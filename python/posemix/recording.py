@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 # SPDX-FileCopyrightText: posemix contributors
-"""Recordings as arrays. A miss, a frame without a pose, is a row of NaN in an array of poses."""
+"""Recordings as arrays. In an array of poses, a frame without a pose is a row of NaN."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ __all__ = ["Candidate", "ObjectRecording", "Sequence", "is_known", "with_misses"
 
 
 def is_known(poses: SE3) -> npt.NDArray[np.bool_]:
-    """Where an array of poses holds one, shape (...): the other rows are NaN."""
+    """Whether each entry of an array of poses is known, shape (...); unknown poses are rows of NaN."""
     return np.asarray(~np.isnan(poses._data).all(axis=-1))
 
 
@@ -27,19 +27,19 @@ def with_misses(
     poses: SE3 | npt.ArrayLike | collections.abc.Sequence[SE3 | None],
     known: npt.ArrayLike | None = None,
 ) -> SE3:
-    """An array of poses in which frames without one are NaN.
+    """An array of poses in which frames without a pose are NaN.
 
     Parameters
     ----------
     poses : SE3, shape (n,), or array_like, shape (n, 7), or sequence of SE3 and None
-        Poses; rows are ``[tx, ty, tz, qx, qy, qz, qw]``, of NaN for a miss.
+        Poses; rows are ``[tx, ty, tz, qx, qy, qz, qw]``, or NaN for a frame without a pose.
     known : array_like of bool, shape (n,), optional
-        False where there is no pose, whatever `poses` holds there.
+        False for a frame without a pose; its row of `poses` is ignored.
 
     Raises
     ------
     ValueError
-        For another shape, a row that is in part finite, and a quaternion of zero.
+        For another shape, a row that is only partly finite, and a quaternion of zero.
 
     Examples
     --------
@@ -78,18 +78,18 @@ def _rows(poses: Any) -> FloatArray:
 
 
 def optional_rows(poses: SE3 | None) -> FloatArray:
-    """Rows for the compiled part: none where nothing is known."""
+    """Rows for the compiled part; none for None."""
     return np.empty((0, 7)) if poses is None else np.ascontiguousarray(_rows(poses))
 
 
 def optional_poses(rows: FloatArray) -> SE3 | None:
-    """The reverse of `optional_rows`."""
+    """The poses in rows of the compiled part, or None; the inverse of `optional_rows`."""
     return SE3._wrap(rows, (len(rows),)) if len(rows) else None
 
 
 @dataclass(frozen=True)
 class Candidate:
-    """A detection that names the class of the object, not which one of several it is.
+    """A detection that names the class of the object but not the instance.
 
     Attributes
     ----------
@@ -98,7 +98,7 @@ class Candidate:
     camera_object : SE3
         T_camera_object as detected.
     score : float
-        The detector's confidence, larger is surer.
+        Confidence of the detector; larger is more certain.
     """
 
     class_id: str
@@ -120,9 +120,9 @@ class ObjectRecording:
     Attributes
     ----------
     id : str
-        Its name.
+        Name of the object.
     detections : SE3, shape (n,)
-        T_camera_object by the detector, NaN where it was not detected; see `with_misses`.
+        T_camera_object by the detector, NaN in frames without a detection; see `with_misses`.
     relative_truth : SE3, shape (n,), optional
         True T_camera_object.
     world_truth : SE3, shape (n,), optional
@@ -141,20 +141,20 @@ class ObjectRecording:
 
 @dataclass(frozen=True, eq=False)
 class Sequence:
-    """A recording. Arrays over frames have one entry per stamp, NaN where there is none.
+    """A recording. Arrays over frames have one entry per stamp, NaN in frames without a pose.
 
     Attributes
     ----------
     stamps : ndarray, shape (n,)
-        Strictly increasing [s].
+        Times of the frames, strictly increasing [s].
     odometry : SE3, shape (n,), optional
         T_odom_camera.
     camera_truth : SE3, shape (n,), optional
         True T_world_camera.
     objects : list of ObjectRecording
-        What was seen.
+        Recordings of the objects.
     candidates : list of list of Candidate
-        Detections that do not say which instance they are of, per frame; none unless given.
+        Detections that name only the class, per frame; none unless given.
 
     Raises
     ------

@@ -2,9 +2,9 @@
 # SPDX-FileCopyrightText: posemix contributors
 """Logs poses, densities and mixtures to Rerun: `pip install posemix[rerun]`.
 
-Every function takes an entity path and logs at the current time; `set_time` sets it. Without `recording` the one that
-rerun.init made current is meant. What is drawn of a T_world_x stands in the world's coordinates, so paths belong below
-the world's entity, not below x. Lengths are metres.
+Every function takes an entity path and logs at the current time, which `set_time` sets. The default of `recording` is
+the current one of rerun.init. A pose T_world_x is logged in the coordinates of the world, so its path must be below the
+entity of the world, not below that of x. Lengths are in metres.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ __all__ = [
 
 TIMELINE = "time"
 
-# Of x, y and z: as near to red, green and blue as colours go that everybody tells apart.
+# Colours of x, y and z: red, green and blue, as far as colour-blind readers can distinguish them.
 _AXES = ("#D55E00", "#009E73", "#0072B2")
 
 
@@ -43,23 +43,23 @@ def _rgba(colour: str, alpha: float) -> list[int]:
 
 
 def set_time(seconds: float, *, recording: Any = None) -> None:
-    """Sets the time of what is logged next, on the timeline "time" [s]."""
+    """Sets the time at which the next calls log, on the timeline "time" [s]."""
     _rerun().set_time(TIMELINE, duration=float(seconds), recording=recording)
 
 
 def log_pose(path: str, pose: SE3, *, axis_length: float = 0.1, recording: Any = None) -> None:
-    """One pose as the transform of an entity, with its axes drawn.
+    """Logs a pose as the transform of an entity, with its axes.
 
     Parameters
     ----------
     path : str
-        Entity whose children stand in the frame of the pose.
+        Entity; its children are in the frame of the pose.
     pose : SE3
         T_parent_entity.
     axis_length : float
-        Of the axes drawn [m].
+        Length of the axes [m].
     recording : RecordingStream, optional
-        Where to.
+        Rerun's recording stream; by default the current one.
     """
     rr = _rerun()
     tq = pose.to_tq()
@@ -70,7 +70,7 @@ def log_pose(path: str, pose: SE3, *, axis_length: float = 0.1, recording: Any =
 def _ellipsoids(
     means: SE3, covariances: FloatArray, sigmas: float
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Centres, half sizes and quaternions of the positions' ellipsoids."""
+    """Centres, half sizes and quaternions of the ellipsoids of the positions."""
     values, vectors = np.linalg.eigh(position_covariance(means, covariances))
     turned = vectors * np.where(np.linalg.det(vectors) < 0.0, -1.0, 1.0)[..., None, None]
     homogeneous = np.zeros((*means.shape, 4, 4))
@@ -88,20 +88,20 @@ def log_ellipsoid(
     colour: str = PALETTE[0],
     recording: Any = None,
 ) -> None:
-    """The ellipsoid of a position, to first order in the pose's error.
+    """Logs the ellipsoid of a position, to first order in the error of the pose.
 
     Parameters
     ----------
     path : str
-        Entity below the frame that the density's poses are seen from.
+        Entity below that of the density's reference frame.
     density : ConcentratedGaussian
-        Of one pose T_world_x.
+        Density of one pose T_world_x.
     sigmas : float
         Half axes in standard deviations.
     colour : str
-        As "#0072B2".
+        Colour, such as "#0072B2".
     recording : RecordingStream, optional
-        Where to.
+        Rerun's recording stream; by default the current one.
     """
     rr = _rerun()
     centre, sizes, quaternion = _ellipsoids(density.mean, density.covariance, sigmas)
@@ -119,23 +119,23 @@ def log_hypotheses(
     sigmas: float = 3.0,
     recording: Any = None,
 ) -> None:
-    """The components of a mixture as ghosts: axes and ellipsoids as solid as they are likely.
+    """Logs the components of a mixture as axes and ellipsoids, whose opacity grows with the weight.
 
-    Axes are logged to PATH/axes, three arrows x, y, z per component, the heaviest component first and labelled
-    with its weight; ellipsoids to PATH/ellipsoids.
+    Axes are logged to PATH/axes: three arrows x, y, z per component, the first one labelled with the weight, in order
+    of falling weights. Ellipsoids are logged to PATH/ellipsoids.
 
     Parameters
     ----------
     path : str
-        Entity below the frame that the poses are seen from.
+        Entity below that of the poses' reference frame.
     mixture : Mixture
-        Of one pose T_world_x.
+        Mixture of one pose T_world_x.
     axis_length : float
-        Of the arrows [m].
+        Length of the arrows [m].
     sigmas : float
         Half axes of the ellipsoids in standard deviations.
     recording : RecordingStream, optional
-        Where to.
+        Rerun's recording stream; by default the current one.
     """
     rr = _rerun()
     order = np.argsort(-mixture.log_weights, kind="stable")
@@ -168,20 +168,20 @@ def log_trajectory(
     static: bool = False,
     recording: Any = None,
 ) -> None:
-    """A path of positions as a line.
+    """Logs a path of positions as a line.
 
     Parameters
     ----------
     path : str
-        Entity below the frame that the poses are seen from.
+        Entity below that of the poses' reference frame.
     poses : SE3, shape (n,)
         T_world_x.
     colour : str
-        As "#0072B2".
+        Colour, such as "#0072B2".
     static : bool
-        Whether the line is there at all times.
+        Whether the line is visible at all times.
     recording : RecordingStream, optional
-        Where to.
+        Rerun's recording stream; by default the current one.
     """
     rr = _rerun()
     strip = rr.LineStrips3D([poses.translation], colors=[_rgba(colour, 1.0)])
@@ -189,16 +189,16 @@ def log_trajectory(
 
 
 def log_scalars(path: str, values: Mapping[str, float], *, recording: Any = None) -> None:
-    """Numbers over time, each to PATH/NAME.
+    """Logs numbers over time, each to PATH/NAME.
 
     Parameters
     ----------
     path : str
-        Entity.
+        Parent entity of the numbers.
     values : mapping of str to float
-        By name; say units in the names, as "rotation_error_deg". NaN is left out.
+        Numbers by name; names should have units, such as "rotation_error_deg". NaN is left out.
     recording : RecordingStream, optional
-        Where to.
+        Rerun's recording stream; by default the current one.
     """
     rr = _rerun()
     for name, value in values.items():
@@ -216,24 +216,24 @@ def log_tracking(
     sigmas: float = 3.0,
     recording: Any = None,
 ) -> None:
-    """A whole estimate over time: PATH/pose moves, with PATH/ellipsoid; the whole way stands in PATH/way.
+    """Logs an estimate over time: PATH/pose and PATH/ellipsoid at every time, and the path as PATH/way.
 
     Parameters
     ----------
     path : str
-        Entity below the world's.
+        Entity below that of the world.
     stamps : array_like, shape (n,)
-        Seconds.
+        Times [s].
     poses : SE3, shape (n,)
         T_world_x.
     covariances : array_like, shape (n, 6, 6)
-        Of the left perturbation, rotation (rad) before translation (m).
+        Covariances of the left perturbation, rotation (rad) before translation (m).
     colour : str
-        As "#0072B2".
+        Colour, such as "#0072B2".
     sigmas : float
         Half axes of the ellipsoids in standard deviations.
     recording : RecordingStream, optional
-        Where to.
+        Rerun's recording stream; by default the current one.
     """
     times = as_floats(stamps, (len(poses),), "stamps")
     matrices = as_floats(covariances, (len(poses), 6, 6), "covariances")

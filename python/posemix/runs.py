@@ -51,7 +51,7 @@ class PoseTrack:
     poses : SE3, shape (n,)
         Means; NaN in frames without an estimate.
     covariances : ndarray, shape (n, 6, 6)
-        Left perturbation; NaN in frames without an estimate.
+        Covariances of the left perturbation; NaN in frames without an estimate.
     """
 
     poses: SE3
@@ -59,7 +59,7 @@ class PoseTrack:
 
     @property
     def known(self) -> npt.NDArray[np.bool_]:
-        """Frames with an estimate, shape (n,)."""
+        """Whether each frame has an estimate, shape (n,)."""
         return is_known(self.poses)
 
     def __len__(self) -> int:
@@ -70,7 +70,7 @@ class PoseTrack:
 
 
 class SlamRun:
-    """A processed recording; `run` makes it. ``run[i]`` is the `FrameEstimate` of frame i.
+    """The result of `run`. ``run[i]`` is the `FrameEstimate` of frame i.
 
     A run that a progress callback stopped is shorter than the recording.
     """
@@ -106,7 +106,7 @@ class SlamRun:
 
     @property
     def ids(self) -> list[str]:
-        """Names of the objects."""
+        """Ids of the objects."""
         return list(self._ids)
 
     def _index(self, object: int | str) -> int:
@@ -125,19 +125,19 @@ class SlamRun:
 
     @property
     def camera(self) -> PoseTrack:
-        """T_world_camera."""
+        """T_world_camera over the frames."""
         return self._track(self._handle.camera())
 
     def object(self, object: int | str) -> PoseTrack:
-        """T_world_object of an object by index or id."""
+        """T_world_object over the frames, of an object by index or id."""
         return self._track(self._handle.object(self._index(object)))
 
     def relative(self, object: int | str) -> PoseTrack:
-        """T_camera_object, with the cross-covariance."""
+        """T_camera_object over the frames, including the cross-covariance of camera and object."""
         return self._track(self._handle.relative(self._index(object)))
 
     def mode_probabilities(self, object: int | str) -> FloatArray:
-        """Probabilities that the estimate is on the right mode, shape (n,); NaN where unknown."""
+        """Probability that the estimate is on the right mode, shape (n,); NaN if unknown."""
         return self._handle.mode_probabilities(self._index(object))
 
     @property
@@ -157,7 +157,7 @@ class SlamRun:
 
     @property
     def alternatives(self) -> list[list[ObjectHypothesis]]:
-        """Hypotheses of every object at the last frame, by the multi-object filter."""
+        """Hypotheses of every object at the last frame, with the multi-object filter."""
         return self._handle.alternatives()
 
     def __copy__(self) -> SlamRun:
@@ -191,7 +191,7 @@ def _row(name: str, density: ConcentratedGaussian[SE3] | None, probability: floa
 
 @dataclass(frozen=True, eq=False)
 class SlamJob:
-    """All that object SLAM needs for one run; `posemix.io.read_slam_job` reads it from a file.
+    """The input of one run of object SLAM; `posemix.io.read_slam_job` reads it from a file.
 
     Attributes
     ----------
@@ -200,15 +200,15 @@ class SlamJob:
     sequence : Sequence
         The recording.
     camera_prior : ConcentratedGaussian
-        T_world_camera of the first frame.
+        Prior of T_world_camera at the first frame.
     models : list of ObjectModel
         One per object of the sequence.
     settings : ObjectSlamSettings
         Tracker and motion model.
     smoothing : SmoothingSettings, optional
-        Of the multi-object tracker.
+        Smoothing, for the multi-object filter only.
     trace_hypotheses : int
-        Hypotheses per frame in trace.json.
+        Number of hypotheses per frame in trace.json.
     """
 
     name: str
@@ -232,12 +232,12 @@ class SlamJob:
         return cls(name, method, Sequence._of(sequence), ConcentratedGaussian._of(prior), *rest)
 
     def using(self, method: str | SlamMethod) -> SlamJob:
-        """The job by another of `slam_methods`: its tracker, smoothing, and noise of the object models.
+        """The job with another method of `slam_methods`: its tracker, smoothing, and noise of the object models.
 
         Raises
         ------
         ValueError
-            For a name that is not known.
+            For an unknown name.
         """
         handle = self._compiled()
         handle.use(method if isinstance(method, str) else method.name)
@@ -274,25 +274,25 @@ def run(
     record_hypotheses: bool | None = None,
     progress: Progress | None = None,
 ) -> SlamRun:
-    """Runs object SLAM over a recording, or a job by the filter that it names.
+    """Runs object SLAM over a recording, or runs a job with its method.
 
-    The interpreter's lock is released; Ctrl-C stops it.
+    The interpreter's lock is released; Ctrl-C stops the run.
 
     Parameters
     ----------
     sequence : Sequence or SlamJob
-        The recording; of a job nothing else is needed.
+        The recording, or a job, which needs no other arguments.
     camera_prior : ConcentratedGaussian
-        T_world_camera of the first frame.
+        Prior of T_world_camera at the first frame.
     models : sequence of ObjectModel
         One per object of the recording, in the same order.
     settings : ObjectSlamSettings, optional
         Filter and motion model.
     record_hypotheses : bool, optional
-        Whether frames hold hypotheses; unless given, only where a job traces them.
+        Whether frames have hypotheses; by default only if a job traces them.
     progress : callable, optional
-        Called with (frames done, frames in all) after every frame; where it returns False the run stops and the
-        frames done so far are returned.
+        Called with (frames done, frames in all) after every frame. If it returns False, the run stops and the frames
+        done so far are returned.
 
     Raises
     ------
@@ -321,19 +321,19 @@ def run_smoothed(
     record_hypotheses: bool = False,
     progress: Progress | None = None,
 ) -> SlamRun:
-    """`run` with estimates that also look ahead.
+    """Runs object SLAM with smoothed estimates, which use later frames too.
 
     Parameters
     ----------
     sequence, camera_prior, models, settings, record_hypotheses, progress
-        As of `run`.
+        As for `run`.
     smoothing : SmoothingSettings, optional
-        How far it looks ahead: to the end unless given.
+        Number of frames that the smoother looks ahead; to the end unless given.
 
     Raises
     ------
     ValueError
-        As `run` and `FixedLagSmoother`.
+        As for `run` and `FixedLagSmoother`.
     """
     handle = _core.run_smoothed(
         sequence._compiled(), camera_prior._handle, list(models), settings or ObjectSlamSettings(),

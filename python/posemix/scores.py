@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 # SPDX-FileCopyrightText: posemix contributors
-"""How good predicted probabilities of success are, and their calibration.
+"""Scores of predicted probabilities of success, and their calibration.
 
-`probabilities` are predictions in [0, 1], shape (n,), `successes` what came of them.
+`probabilities` are predictions in [0, 1], shape (n,), and `successes` their outcomes, bool of the same shape.
 """
 
 from __future__ import annotations
@@ -51,12 +51,12 @@ def brier_score(probabilities: npt.ArrayLike, successes: npt.ArrayLike) -> float
 
 
 def log_loss(probabilities: npt.ArrayLike, successes: npt.ArrayLike) -> float:
-    """Mean of -log of the probability that the outcome was given, at least 1e-9 [nats]."""
+    """Mean of -log of the probability given to the outcome, which is taken as at least 1e-9 [nats]."""
     return float(_core.log_loss(*_arguments(probabilities, successes), []))
 
 
 def accuracy(probabilities: npt.ArrayLike, successes: npt.ArrayLike) -> float:
-    """Share of predictions on the right side of one half (one half predicts success)."""
+    """Fraction of predictions on the right side of one half (one half predicts success)."""
     return float(_core.accuracy(*_arguments(probabilities, successes), []))
 
 
@@ -70,12 +70,12 @@ def auc_within_groups(
     probabilities, successes : array_like, shape (n,)
         Predictions and outcomes.
     groups : array_like of int, shape (n,), optional
-        Only predictions of one group are compared; all are one group unless given.
+        Groups of the predictions; only predictions of the same group are compared. A single group unless given.
 
     Returns
     -------
     float
-        Ties count half; NaN where no group holds both outcomes.
+        The probability, in which ties count half; NaN if no group has both outcomes.
     """
     members: list[Any] = [] if groups is None else np.asarray(groups, dtype=np.intp).tolist()
     return float(_core.auc_within_groups(*_arguments(probabilities, successes), members))
@@ -83,14 +83,14 @@ def auc_within_groups(
 
 @dataclass(frozen=True)
 class ReliabilityBin:
-    """Predictions in one bin of a reliability diagram; means are NaN in an empty one.
+    """Predictions in one bin of a reliability diagram; the means of an empty bin are NaN.
 
     Attributes
     ----------
     count : int
         Number of predictions.
     mean_probability, success_rate : float
-        What was predicted, and what came of it.
+        Mean of the predictions, and fraction of successes.
     """
 
     count: int
@@ -101,7 +101,7 @@ class ReliabilityBin:
 def reliability(
     probabilities: npt.ArrayLike, successes: npt.ArrayLike, bins: int = 10
 ) -> list[ReliabilityBin]:
-    """Bins of equal width over [0, 1]."""
+    """The bins of a reliability diagram, of equal width over [0, 1]."""
     found = _core.reliability(*_arguments(probabilities, successes), bins)
     return [ReliabilityBin(*values) for values in found]
 
@@ -109,54 +109,54 @@ def reliability(
 def calibration_error(
     probabilities: npt.ArrayLike, successes: npt.ArrayLike, bins: int = 10
 ) -> float:
-    """Mean over the predictions of their bin's distance of success rate and mean probability."""
+    """Mean over the predictions of the difference of success rate and mean probability in their bin."""
     return float(_core.calibration_error(*_arguments(probabilities, successes), bins))
 
 
 @dataclass(frozen=True)
 class PlattCalibration:
-    """Platt's calibration: logit of the calibrated probability = slope * logit of the raw + bias.
+    """Platt's calibration: logit of the calibrated probability = slope * logit of the raw one + bias.
 
-    Raw probabilities are taken to lie within [0.001, 0.999].
+    Raw probabilities are clipped to [0.001, 0.999].
 
     Attributes
     ----------
     slope, bias : float
-        One and zero: as it is.
+        With slope one and bias zero, probabilities are not changed.
     """
 
     slope: float = 1.0
     bias: float = 0.0
 
     def __call__(self, probabilities: npt.ArrayLike) -> FloatArray:
-        """Calibrated probabilities, of the same shape."""
+        """The calibrated probabilities, in the shape of `probabilities`."""
         shape = np.shape(probabilities)
         values: FloatArray = _core.platt(self.slope, self.bias, _probabilities(probabilities))
         return values.reshape(shape)
 
 
 def fit_platt(probabilities: npt.ArrayLike, successes: npt.ArrayLike) -> PlattCalibration:
-    """The most probable calibration, with normal priors about slope 1 and bias 0."""
+    """The maximum a posteriori calibration, with normal priors about slope 1 and bias 0."""
     return PlattCalibration(*_core.fit_platt(*_arguments(probabilities, successes), []))
 
 
 @dataclass(frozen=True, eq=False)
 class LogisticModel:
-    """P(success) = s(bias + weights . x), s the logistic function.
+    """A logistic model, P(success) = s(bias + weights . x) with the logistic function s.
 
     Attributes
     ----------
     weights : ndarray, shape (features,)
-        One per feature.
+        One weight per feature.
     bias : float
-        Log odds at zero.
+        Log odds if all features are zero.
     """
 
     weights: FloatArray
     bias: float
 
     def probability(self, features: npt.ArrayLike) -> FloatArray:
-        """Probabilities at features of shape (..., features), shape (...)."""
+        """Probabilities for features of shape (..., features), shape (...)."""
         rows = as_floats(features, (len(self.weights),), "features")
         values: FloatArray = _core.logistic_probability(self.weights, self.bias, flat_rows(rows, 1))
         return values.reshape(rows.shape[:-1])
@@ -165,12 +165,12 @@ class LogisticModel:
 def fit_logistic(
     features: npt.ArrayLike, successes: npt.ArrayLike, settings: LogisticSettings | None = None
 ) -> LogisticModel:
-    """The most probable logistic model of outcomes.
+    """The maximum a posteriori logistic model of outcomes.
 
     Parameters
     ----------
     features : array_like, shape (n, features)
-        Row i belongs to outcome i.
+        Features; row i belongs to outcome i.
     successes : array_like of bool, shape (n,)
         Outcomes.
     settings : LogisticSettings, optional

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 # SPDX-FileCopyrightText: posemix contributors
-"""Simulated recordings: a camera around a table of objects, odometry that drifts, a detector that errs."""
+"""Simulated recordings: a camera around a table of objects, odometry with drift, a detector with errors."""
 
 from __future__ import annotations
 

@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: MIT
 # SPDX-FileCopyrightText: posemix contributors
-"""Grasps under pose uncertainty: how likely one succeeds, and where it should be.
+"""Grasps under pose uncertainty: the probability of success and the best grasp.
 
-Errors of estimates are poses, or rows ``[rotation vector (rad), displacement (m)]`` in the frame of the line of
-sight (`sight_error`).
+Errors of estimates are poses T_truth^-1 T_estimate.
 """
 
 from __future__ import annotations
@@ -44,9 +43,10 @@ PoseMixture = Mixture[ConcentratedGaussian[SE3]] | Mixture[ProjectedGaussian[SE3
 
 @dataclass(frozen=True, eq=False)
 class ToleranceBox:
-    """The box of poses X = (R, t) in the frame of the grasp that a grasp tolerates.
+    """The box of poses X = (R, t), in the frame of the grasp, that the grasp tolerates.
 
-    ``|u_i|`` <= tan(rotation_i / 2) for R = R(u) in the gnomonic chart at the identity, ``|t_i|`` <= translation_i.
+    It is ``|u_i|`` <= tan(rotation_i / 2), ``|t_i|`` <= translation_i, where R = R(u) in the gnomonic chart at the
+    identity.
 
     Attributes
     ----------
@@ -86,26 +86,25 @@ def success_probability(
     seed: int | RandomStream,
     settings: SuccessSettings | None = None,
 ) -> SuccessEstimate:
-    """The probability that a pose lies in m(B) = {m X : X in B}; unbiased.
+    """An unbiased estimate of the probability that a pose lies in m(B) = {m X : X in B}.
 
     Parameters
     ----------
     mixture : Mixture
-        Over poses, concentrated or projected.
+        Mixture over poses, concentrated or projected.
     box : ToleranceBox
         The box B.
     m : SE3
         Frame of the grasp in the reference frame of the mixture.
     seed : int or RandomStream
-        Of the randomised points.
+        Seed of the randomised points.
     settings : SuccessSettings, optional
-        How many points.
+        Number of points.
 
     Raises
     ------
     ValueError
-        For a box with a side that is not positive or a rotation of pi or more, fewer than 2 replicates or no
-        points.
+        For a box with a side that is not positive or a rotation of pi or more, fewer than 2 replicates, or no points.
 
     References
     ----------
@@ -132,23 +131,23 @@ def best_grasp(
     seed: int | RandomStream,
     settings: BestGraspSettings | None = None,
 ) -> BestGrasp:
-    """The m that maximises the probability that a pose lies in m(B), from the heaviest modes.
+    """The m that maximises the probability that a pose lies in m(B); the search starts at the heaviest modes.
 
     Parameters
     ----------
     mixture : Mixture
-        Over poses.
+        Mixture over poses.
     box : ToleranceBox
         The box B.
     seed : int or RandomStream
-        Of the randomised points.
+        Seed of the randomised points.
     settings : BestGraspSettings, optional
-        Starts, points, when the search stops.
+        Number of starts and of points, stopping criteria.
 
     Raises
     ------
     ValueError
-        As `success_probability`, and for no starts.
+        As for `success_probability`, and for no starts.
     """
     rotation, translation = box._sides()
     return _core.best_grasp(
@@ -157,14 +156,14 @@ def best_grasp(
 
 
 def reduced_error(error: SE3, symmetry: SymmetryGroup) -> SE3:
-    """Errors T_truth^-1 T_estimate against the equivalent truths with the least rotation.
+    """Errors T_truth^-1 T_estimate with respect to the equivalent truth that makes the rotation least.
 
     Parameters
     ----------
     error : SE3, shape (...)
         Errors.
     symmetry : SymmetryGroup
-        Of the object.
+        Symmetries of the object.
     """
     return _core.reduced_error(error, symmetry)
 
@@ -175,9 +174,9 @@ def nearest_equivalent(pose: SE3, reference: SE3, symmetry: SymmetryGroup) -> SE
     Parameters
     ----------
     pose, reference : SE3, shape (...) or ()
-        Poses; a single one stands for all.
+        Poses; a single one is used for all.
     symmetry : SymmetryGroup
-        Of the object.
+        Symmetries of the object.
     """
     return _core.nearest_equivalent(pose, reference, symmetry)
 
@@ -193,23 +192,23 @@ def fit_tolerance_region(
     seed: int | RandomStream,
     settings: RegionFitSettings | None = None,
 ) -> RegionFit:
-    """The most probable region of errors that a grasp forgives, given outcomes.
+    """The maximum a posteriori region of errors that a grasp tolerates, given outcomes.
 
     Parameters
     ----------
     errors : SE3, shape (n,)
         T_truth^-1 T_estimate of the estimates that the grasps were planned with.
     successes : array_like of bool, shape (n,)
-        What became of the grasps.
+        Outcomes of the grasps.
     seed : int or RandomStream
-        Of the starts.
+        Seed of the starts.
     settings : RegionFitSettings, optional
-        Priors, and how long is searched.
+        Priors, number of starts, limits of the search.
 
     Raises
     ------
     ValueError
-        For other numbers of errors and outcomes, and when there is no start.
+        For numbers of errors and outcomes that differ, and when there is no start.
     """
     return _core.fit_tolerance_region(
         *_outcomes(errors, successes), settings or RegionFitSettings(), stream_of(seed)
@@ -229,16 +228,16 @@ def bootstrap_regions(
     Parameters
     ----------
     errors, successes, seed, settings
-        As of `fit_tolerance_region`.
+        As for `fit_tolerance_region`.
     groups : array_like of int, shape (n,)
-        Outcomes of one group, as of one image, are alike.
+        Groups of dependent outcomes, such as those of one image.
     count : int
         Number of regions.
 
     Raises
     ------
     ValueError
-        As `fit_tolerance_region`.
+        As for `fit_tolerance_region`.
     """
     members: list[Any] = np.asarray(groups, dtype=np.intp).reshape(-1).tolist()
     chosen = settings or RegionFitSettings()

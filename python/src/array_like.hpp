@@ -6,11 +6,11 @@
 
 namespace posemix::python {
 
-/// An argument of which numpy makes an array.
+/// An argument that numpy can convert to an array.
 class ArrayLike : public nb::object {
   NB_OBJECT_DEFAULT(ArrayLike, object, "numpy.typing.ArrayLike", is_any)
 
-  /// The argument called `name` as a matrix or vector.
+  /// The argument with the name `name` as a matrix or vector.
   /// @throws InvalidInput for another shape
   template <class Value>
   Value as(const std::string& name) const {

@@ -14,21 +14,22 @@
 #include "posemix/base/error.hpp"
 #include "posemix/lie/lie.hpp"
 
-/// numpy arrays in and out. Poses are rows [tx, ty, tz, qx, qy, qz, qw], rotations [qx, qy, qz,
-/// qw].
+/// Conversions between numpy arrays and elements of groups. Poses are rows [tx, ty, tz, qx, qy, qz,
+/// qw], rotations rows [qx, qy, qz, qw].
 namespace posemix::python {
 
 namespace nb = nanobind;
 using namespace nb::literals;  // NOLINT(google-build-using-namespace)
 
-/// Rows of numbers: converted where the memory is not that of a C-contiguous array of doubles.
+/// Rows of numbers; an array that is not C-contiguous or not of doubles is copied.
 using Rows = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
-/// Square matrices.
+/// Square matrices, one after the other.
 using Matrices = nb::ndarray<const double, nb::ndim<3>, nb::c_contig, nb::device::cpu>;
 using Numbers = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using Array = nb::ndarray<nb::numpy, double>;
 
-/// A new array and the memory that it owns. Made with the interpreter's lock held, filled without.
+/// A new array, which owns its memory. It is made with the interpreter's lock held and filled
+/// without.
 struct NewArray {
   double* data;
   Array array;
@@ -44,7 +45,7 @@ struct NewArray {
               nb::capsule(memory, [](void* p) noexcept { delete[] static_cast<double*>(p); })) {}
 };
 
-/// How an element of a group stands in an array.
+/// The layout of an element of a group in an array.
 template <class G>
 struct Wire;
 
@@ -52,7 +53,7 @@ template <>
 struct Wire<SO3d> {
   static constexpr std::size_t kSize = 4;
   static constexpr std::size_t kDof = 3;
-  static constexpr std::size_t kSide = 3;  ///< of its matrix
+  static constexpr std::size_t kSide = 3;  ///< side of the rotation matrix
   static SO3d read(const double* p) {
     return SO3d::from_stored_quaternion(Eigen::Quaterniond(p[3], p[0], p[1], p[2]));
   }

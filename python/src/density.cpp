@@ -200,7 +200,7 @@ void bind_projected(nb::module_& m, const char* name) {
       "p"_a, "q"_a, "settings"_a.none());
 }
 
-/// Means as rows and covariances one after the other; one of either stands for all.
+/// Densities from rows of means and as many covariances; a single density is used for all.
 struct PoseRows {
   Rows means;
   Matrices covariances;
@@ -223,7 +223,7 @@ struct PoseRows {
   }
 };
 
-/// Densities written back as arrays.
+/// Densities as arrays of means and covariances.
 struct PoseRowsOut {
   NewArray means;
   NewArray covariances;
@@ -251,7 +251,7 @@ nb::tuple each_density(const PoseRows& x, const PoseRows& y, Operation operation
   return out.tuple();
 }
 
-/// Operations on many densities on SE(3) at once.
+/// Binds operations on many densities on SE(3) at once.
 void bind_batches(nb::module_& m) {
   m.def("compose_rows", [](const Rows& mx, const Matrices& cx, const Rows& my, const Matrices& cy) {
     return each_density({mx, cx}, {my, cy},

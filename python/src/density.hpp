@@ -21,7 +21,7 @@ using ConcentratedStack = ConcentratedGaussian<PoseStackd>;
 using ProjectedSO3 = ProjectedGaussian<SO3d>;
 using ProjectedSE3 = ProjectedGaussian<SE3d>;
 
-/// The package's class of densities and mixtures for one that is compiled.
+/// The class of the Python package for a compiled type of density or mixture.
 template <class T>
 struct PublicClass;
 
@@ -54,7 +54,8 @@ struct PublicClass<Mixture<D>> {
                                       PublicClass<D>::kAnnotation + nb::detail::const_name("]");
 };
 
-/// Takes an object of the package's class or its compiled part, and makes one of the package's.
+/// Converts from objects of the package's class or of its compiled part, and to objects of the
+/// package's class.
 template <class T>
 struct PublicCaster : nb::detail::type_caster_base<T> {
   using Base = nb::detail::type_caster_base<T>;
@@ -70,7 +71,7 @@ struct PublicCaster : nb::detail::type_caster_base<T> {
     }
     const bool taken =
         nb::isinstance<T>(nb::handle(part)) && Base::from_python(part, flags, cleanup);
-    Py_DECREF(part);  // its object holds it
+    Py_DECREF(part);  // the object that it is an attribute of holds a reference
     return taken;
   }
 
@@ -87,8 +88,9 @@ struct PublicCaster : nb::detail::type_caster_base<T> {
   }
 };
 
-/// Where a constructor of a compiled part makes it: nanobind finds constructors by the annotation
-/// of their first argument, which for T itself would be that of the package's class.
+/// The memory in which a constructor of a compiled part makes its object. nanobind finds
+/// constructors by the annotation of their first argument, and the annotation of T itself is that
+/// of the package's class.
 template <class T>
 struct Unmade {
   T* place = nullptr;
@@ -123,7 +125,7 @@ struct type_caster<posemix::Mixture<D>> : posemix::python::PublicCaster<posemix:
 
 namespace posemix::python {
 
-/// A covariance as rows, in numpy's own order.
+/// A covariance as an array in C order.
 template <class Matrix>
 Array matrix_array(const Matrix& m) {
   NewArray out({static_cast<std::size_t>(m.rows()), static_cast<std::size_t>(m.cols())});
@@ -144,7 +146,7 @@ G mean_of(const Numbers& row) {
   return element_of<G>(row);
 }
 
-/// Log densities of D::Evaluator at the rows of `points`.
+/// Log densities by D::Evaluator at the rows of `points`.
 template <class D>
 Array log_densities(const D& density, const Rows& points) {
   using G = typename D::Group;

@@ -7,10 +7,10 @@
 
 #include "arrays.hpp"
 
-/// Results as dicts and lists, of which the package makes its dataclasses.
+/// Results as Python lists and optional values.
 namespace posemix::python {
 
-/// A list of `f(element)`.
+/// A list of `f(element)` for all elements.
 template <class Range, class Function>
 nb::list list_of(const Range& range, Function f) {
   nb::list list;
@@ -18,7 +18,7 @@ nb::list list_of(const Range& range, Function f) {
   return list;
 }
 
-/// `f(value)` or None.
+/// `f(value)`, or None without a value.
 template <class Value, class Function>
 nb::object or_none(const std::optional<Value>& value, Function f) {
   return value ? nb::object(nb::cast(f(*value))) : nb::object(nb::none());

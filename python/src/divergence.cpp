@@ -18,7 +18,7 @@
 namespace posemix::python {
 namespace {
 
-/// The estimates between mixtures of two kinds.
+/// Binds the estimates between mixtures of two kinds.
 template <class P, class Q>
 void bind_pair(nb::module_& m) {
   using Sampling = DivergenceSamplingSettings;

@@ -26,7 +26,7 @@ AnyEmResult any_of(const EmResult<D>& fit) {
           fit.starts};
 }
 
-/// Calls f with the samples as rotations or poses and the type of density to be fitted.
+/// Calls f with the samples as rotations or poses, and with the type of density to be fitted.
 template <class Function>
 auto with_kind(const Rows& samples, bool projected, Function f) {
   if (samples.shape(1) == Wire<SO3d>::kSize) {

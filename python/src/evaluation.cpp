@@ -84,7 +84,7 @@ std::string text_of(const Metrics& metrics) {
   return text;
 }
 
-/// Tables of errors, for notebooks.
+/// Tables of errors as HTML, for notebooks.
 std::string html_of(const Metrics& metrics) {
   const nb::object escape = nb::module_::import_("html").attr("escape");
   std::string rows;

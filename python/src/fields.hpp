@@ -16,25 +16,26 @@
 
 namespace posemix::python {
 
-/// Text that lives as long as the module.
+/// A text that lives as long as the module.
 inline const char* kept(std::string text) {
   static std::deque<std::string> texts;
   return texts.emplace_back(std::move(text)).c_str();
 }
 
-/// One field of a bound struct T.
+/// A field of a bound struct T.
 template <class T>
 struct Field {
   const char* name;
   const char* type;  ///< the Python annotation
-  const char* text;  ///< what the field is and its unit
+  const char* text;  ///< description of the field with its unit
   std::function<nb::object(const T&)> get;
   std::function<void(T&, nb::handle)> set;
   std::function<std::string(const T&)> shown;
   std::function<bool(const T&, const T&)> same;
 };
 
-/// The fields of a bound struct T, from which its class gets repr, equality, pickling and doc.
+/// The fields of a bound struct T, from which its class gets repr, equality, pickling and
+/// docstring.
 template <class T>
 class Fields {
  public:
@@ -61,7 +62,8 @@ class Fields {
     for (auto [key, value] : values) assign(self, nb::cast<std::string>(key), value);
   }
 
-  /// The section `Attributes` of a numpydoc docstring; `after` is what follows a field's text.
+  /// The section `Attributes` of a numpydoc docstring; `after` gives the text that follows that of
+  /// a field.
   std::string document(const std::function<std::string(const Field<T>&)>& after) const {
     std::string text = "\n\nAttributes\n----------\n";
     for (const Field<T>& field : fields_)
@@ -69,10 +71,10 @@ class Fields {
     return text;
   }
 
-  /// What stands for an object in place of the names and values of its fields.
+  /// Sets the text of an object in place of the names and values of its fields.
   void show_as(std::function<std::string(const T&)> text) { text_ = std::move(text); }
 
-  /// Gives the class repr, equality and the state that is pickled.
+  /// Gives the class repr, equality and pickling.
   static void define(nb::class_<T>& made, const std::shared_ptr<Fields>& fields) {
     made.def("__repr__", [fields](const T& self) {
       if (fields->text_) return fields->text_(self);

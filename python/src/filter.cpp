@@ -164,7 +164,7 @@ void bind_results(nb::module_& m) {
       .done();
 }
 
-/// Predictions and updates.
+/// Binds predictions and updates.
 void bind_steps(nb::class_<MultiObjectFilter>& filter) {
   using F = MultiObjectFilter;
   filter
@@ -213,7 +213,7 @@ void require_hypothesis(const MultiObjectFilter& self, std::size_t object, std::
   }
 }
 
-/// What the filter holds of one object, by the object's index.
+/// Binds what the filter has estimated for one object, by the object's index.
 void bind_objects(nb::class_<MultiObjectFilter>& filter) {
   using F = MultiObjectFilter;
   filter

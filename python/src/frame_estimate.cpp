@@ -10,10 +10,10 @@
 namespace posemix::python {
 namespace {
 
-/// An attribute of Python for a value of C++.
+/// Converts a value of C++ to an attribute in Python.
 constexpr auto kCast = [](const auto& value) { return nb::cast(value); };
 
-/// Values of the objects by their ids; none where there are no values.
+/// Values of the objects by their ids; empty if there are no values.
 template <class Value, class Convert>
 nb::dict by_id(const FrameEstimate& frame, const std::vector<Value>& values, Convert convert) {
   nb::dict all;
@@ -22,7 +22,7 @@ nb::dict by_id(const FrameEstimate& frame, const std::vector<Value>& values, Con
   return all;
 }
 
-/// The repr of an enum's value and the like.
+/// The repr of a value's Python object, such as an enum's.
 template <class Value>
 std::string text_of(const Value& value) {
   return nb::repr(nb::cast(value)).c_str();

@@ -56,7 +56,7 @@ void bind_filter_settings(nb::module_& m) {
       .done();
 }
 
-/// `Detection` with a noise of its own.
+/// A `Detection` that owns its noise.
 struct OwnedDetection {
   std::size_t object = 0;
   SE3d camera_object;
@@ -133,7 +133,8 @@ Component<ConcentratedStack> stacked(double log_weight, const ConcentratedSE3& d
   return {log_weight, ConcentratedStack(PoseStackd({density.mean()}), density.covariance())};
 }
 
-/// The joint mixture that a prior is, over the camera alone where it has one pose.
+/// Converts a prior to a joint mixture; a prior of one pose becomes a mixture over the camera
+/// alone.
 struct AsPosterior {
   Posterior operator()(const Posterior& prior) const { return prior; }
   Posterior operator()(const ConcentratedStack& prior) const {

@@ -9,8 +9,8 @@
 #include "posemix/mixture/em.hpp"
 #include "posemix/reduction/reduce.hpp"
 
-/// Results that are templates in C++ and generic classes in Python: the density or mixture is an
-/// object of the package.
+/// Results that are templates in C++ and generic classes in Python: their densities and mixtures
+/// are objects of the package's classes.
 namespace posemix::python {
 
 struct AnyProductMode {

@@ -76,7 +76,7 @@ void bind_settings(nb::module_& m) {
       .done();
 }
 
-/// f(x_i, y_i) for two arrays of poses, of which one may be a single pose.
+/// f(x_i, y_i) for two arrays of poses; one of them may be a single pose.
 template <class Function>
 PoseArray each_pose(const PoseArray& x, const PoseArray& y, Function f) {
   if (x.shape != y.shape && !x.shape.empty() && !y.shape.empty())

@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A FutureWarning for each.
+/// Issues a FutureWarning for each warning.
 void warn_of_old_names(const std::vector<std::string>& warnings) {
   if (warnings.empty()) return;
   const nb::gil_scoped_acquire locked;
@@ -35,7 +35,7 @@ TomlDocument document_of(const fs::path& path, const std::vector<std::string>& o
   return document;
 }
 
-/// Reads a document by `read`, without the interpreter's lock.
+/// Reads a document by `read`, without holding the interpreter's lock.
 template <class Read>
 auto read_document(const fs::path& path, const std::vector<std::string>& overrides, Read read) {
   const TomlDocument document = document_of(path, overrides);
@@ -81,7 +81,7 @@ void bind_job(nb::module_& m) {
       "job"_a, "record"_a, "progress"_a.none());
 }
 
-/// Writes files of a folder that appears as a whole.
+/// Writes files to a folder that appears as a whole.
 template <class Files>
 void write_folder(const fs::path& target, const Files& files) {
   OutputFolder folder(target);

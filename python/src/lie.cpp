@@ -11,7 +11,7 @@
 namespace posemix::python {
 namespace {
 
-/// Rows of two operands, one of which may be a single row that stands for all.
+/// The number of rows of two operands; one of them may be a single row, which is used for all.
 std::size_t common_rows(const Rows& a, const Rows& b) {
   if (a.shape(0) == b.shape(0) || b.shape(0) == 1) return a.shape(0);
   if (a.shape(0) == 1) return b.shape(0);
@@ -23,7 +23,7 @@ const double* row(const Rows& rows, std::size_t i) {
   return rows.data() + (rows.shape(0) == 1 ? 0 : i) * rows.shape(1);
 }
 
-/// Calls f(input row, output row) for all rows, without the interpreter's lock.
+/// Calls f(input row, output row) for all rows, without holding the interpreter's lock.
 template <class Function>
 Array each_row(const Rows& in, const std::vector<std::size_t>& row_shape, Function f) {
   std::vector<std::size_t> shape{in.shape(0)};
@@ -61,7 +61,7 @@ typename G::Tangent tangent(const double* p) {
   return Eigen::Map<const typename G::Tangent>(p);
 }
 
-/// The functions of one group under names that begin with `prefix`.
+/// Binds the functions of one group under names that begin with `prefix`.
 template <class G>
 void bind_group(nb::module_& m, const std::string& prefix) {
   const auto def = [&](const char* name, auto function, auto... extra) {

@@ -59,7 +59,7 @@ nb::class_<Mixture<D>> bind_mixture_of(nb::module_& m, const char* name) {
   return cls;
 }
 
-/// What a mixture over one element has and one over a stack has not.
+/// Binds a mixture over one element, with the methods that a mixture over a stack does not have.
 template <class D>
 nb::class_<Mixture<D>> bind_element_mixture(nb::module_& m, const char* name) {
   using M = Mixture<D>;
@@ -93,7 +93,7 @@ nb::class_<Mixture<D>> bind_element_mixture(nb::module_& m, const char* name) {
           "points"_a);
 }
 
-/// `Given` are the settings that Python may pass; `settings_of` makes those of C++ from them.
+/// `Given` is the type of the settings in Python; `settings_of` converts them to those of C++.
 template <class D, class Given, class SettingsOf>
 void bind_mixture_operations(nb::module_& m, SettingsOf settings_of) {
   using M = Mixture<D>;

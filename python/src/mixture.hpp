@@ -11,7 +11,7 @@
 
 namespace posemix::python {
 
-/// Components from log-weights and densities, which must be as many.
+/// Components from equally many log-weights and densities.
 template <class D>
 std::vector<Component<D>> components_of(const std::vector<double>& log_weights,
                                         const std::vector<D>& densities) {

@@ -4,8 +4,8 @@
 
 NB_MODULE(_core, m) {
   using namespace posemix::python;  // NOLINT(google-build-using-namespace)
-  // Settings are default arguments of what they are settings of: the interpreter ends before such
-  // circles are found.
+  // Settings objects are default arguments of functions that take settings. These references are
+  // still there when the interpreter ends, so nanobind would report leaks.
   nanobind::set_leak_warnings(false);
   m.doc() = "The compiled part of posemix. Its users are the modules of the package.";
   m.attr("version") = POSEMIX_VERSION;

@@ -6,17 +6,18 @@
 
 #include "arrays.hpp"
 
-/// Poses as the package's own SE3, one or an array of them.
+/// Conversions of poses from and to the package's class SE3, which has one pose or an array of
+/// them.
 namespace posemix::python {
 
 /// The class posemix.lie.SE3.
 inline nb::object pose_class() { return nb::module_::import_("posemix.lie").attr("SE3"); }
 
-/// An SE3 of any shape; the poses stand one after the other.
+/// An SE3 of any shape; `rows` are its poses in C order.
 struct PoseArray {
   Rows rows;
   std::vector<std::size_t> shape;
-  nb::object made;  ///< the Python object, of an array that was made here
+  nb::object made;  ///< the Python object of an array that was made in C++
 
   std::size_t size() const { return rows.shape(0); }
   SE3d operator[](std::size_t i) const { return Wire<SE3d>::read(rows.data() + 7 * i); }

@@ -6,25 +6,25 @@
 
 namespace posemix::python {
 
-/// A struct of results as a class like a frozen Python dataclass: attributes that cannot be
-/// assigned, repr, equality, copy and pickle. Only C++ makes one.
+/// Binds a struct of results as a class like a frozen Python dataclass: attributes that cannot be
+/// assigned, repr, equality, copy and pickle. Python code cannot construct an object.
 template <class T>
 class Record {
  public:
-  /// `extra` are attributes of nanobind's class, as nb::is_generic.
+  /// @param extra attributes of nanobind's class, such as nb::is_generic
   template <class... Extra>
   Record(nb::module_& m, const char* name, std::string summary, const Extra&... extra)
       : summary_(std::move(summary)),
         fields_(std::make_shared<Fields<T>>(name)),
         class_(m, name, extra...) {}
 
-  /// `type` is the Python annotation, `text` says what the field is and its unit.
+  /// Adds a field; `type` is the Python annotation, `text` the description with its unit.
   template <class Value>
   Record& field(const char* name, Value T::*member, const char* type, const char* text) {
     return field(name, member, type, text, &SettingValue<Value>::get);
   }
 
-  /// The same where Python sees `get(value)`.
+  /// Adds a field whose value in Python is `get(value)`.
   template <class Value, class Get>
   Record& field(const char* name, Value T::*member, const char* type, const char* text, Get get) {
     fields_->add(name, member, type, text);
@@ -34,7 +34,7 @@ class Record {
     return *this;
   }
 
-  /// The repr in place of that of all fields.
+  /// Sets the repr, which by default has all fields.
   Record& shown_as(std::function<std::string(const T&)> text) {
     fields_->show_as(std::move(text));
     return *this;

@@ -28,7 +28,7 @@ void bind_report(nb::module_& m) {
          const std::map<std::string, std::pair<fs::path, double>>& meshes) {
         ReportOptions options{.out = out, .title = title};
         for (const auto& [id, mesh] : meshes) options.meshes[id] = {mesh.first, mesh.second};
-        // What a signal's handler raises ends the work.
+        // An exception that a signal handler raises stops the work.
         options.progress = [](std::size_t, std::size_t) {
           const nb::gil_scoped_acquire locked;
           if (PyErr_CheckSignals() != 0) throw nb::python_error();

@@ -21,7 +21,7 @@ constexpr bool kIsProjected = false;
 template <class G>
 constexpr bool kIsProjected<ProjectedGaussian<G>> = true;
 
-/// The rule or settings by which densities or mixtures of type X are composed.
+/// The rule or the settings for the composition of densities or mixtures of type X.
 template <class X>
 auto composition_of(const AnyCompositionRule& given) {
   const auto* settings = given ? std::get_if<ProjectedMixtureComposeSettings>(&*given) : nullptr;
@@ -46,7 +46,7 @@ inline void refuse_rule(const AnyCompositionRule& given) {
   if (given) throw InvalidInput("concentrated Gaussians are composed without settings");
 }
 
-/// `compose`, `inverse` and `between` of one type of density or mixture.
+/// Binds `compose`, `inverse` and `between` of one type of density or mixture.
 template <class X>
 void bind_composition(nb::module_& m) {
   const auto def = [&](const char* name, auto operation) {
@@ -57,7 +57,7 @@ void bind_composition(nb::module_& m) {
         },
         "x"_a, "y"_a, "settings"_a.none());
   };
-  // Calls f with the arguments and, where X takes one, the rule.
+  // Calls f with the arguments and, if X takes a rule, with that.
   const auto with_rule = [](auto f) {
     return [f](const AnyCompositionRule& settings, const auto&... xs) {
       if constexpr (TakesRule<X>::value) {

@@ -19,7 +19,7 @@
 
 namespace posemix::python {
 
-/// How the value of a setting goes between C++ and Python, and how people read it.
+/// Conversion of a setting's value between C++ and Python, comparison, and its text in a repr.
 template <class Value>
 struct SettingValue {
   static constexpr bool kIsArray = false;
@@ -29,13 +29,13 @@ struct SettingValue {
   static std::string text(const Value& value) { return nb::repr(get(value)).c_str(); }
 };
 
-/// Of a value that may change its type no reference is given out.
+/// Whether a value can change its type; Python gets no reference to such a value.
 template <class Value>
 inline constexpr bool kIsVariant = false;
 template <class... Values>
 inline constexpr bool kIsVariant<std::variant<Values...>> = true;
 
-/// Vectors and matrices, from anything that numpy makes an array of.
+/// Vectors and matrices, from any value that numpy can convert to an array.
 template <int Rows, int Columns, int Options, int MaxRows, int MaxColumns>
 struct SettingValue<Eigen::Matrix<double, Rows, Columns, Options, MaxRows, MaxColumns>> {
   using Value = Eigen::Matrix<double, Rows, Columns, Options, MaxRows, MaxColumns>;

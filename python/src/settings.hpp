@@ -6,12 +6,13 @@
 
 namespace posemix::python {
 
-/// A struct of settings as a class like a Python dataclass: keyword arguments with the defaults of
-/// C++, attributes, repr, equality, copy and pickle.
+/// Binds a struct of settings as a class like a Python dataclass: keyword arguments with the
+/// defaults of C++, attributes, repr, equality, copy and pickle.
 template <class T>
 class Settings {
  public:
-  /// `defaults` is what the keyword arguments change, where T has no default of its own.
+  /// @param defaults makes the object that the keyword arguments change, if T has no default of its
+  /// own
   Settings(nb::module_& m, const char* name, std::string summary,
            std::function<T()> defaults = default_of())
       : summary_(std::move(summary)),
@@ -19,8 +20,8 @@ class Settings {
         fields_(std::make_shared<Fields<T>>(name)),
         class_(m, name) {}
 
-  /// `type` is the Python annotation, `text` says what the field is and its unit. Arrays take
-  /// anything that numpy makes an array of.
+  /// Adds a field; `type` is the Python annotation, `text` the description with its unit. An array
+  /// can be set from any value that numpy can convert to one.
   template <class Value>
   Settings& field(const char* name, Value T::*member, const char* type, const char* text) {
     using Convert = SettingValue<Value>;

@@ -13,12 +13,12 @@ namespace posemix::python {
 
 using MaybePoses = std::vector<std::optional<SE3d>>;
 
-/// Rows of seven numbers; of NaN for a miss.
+/// Poses from rows of seven numbers; a row of NaN is a frame without a pose.
 MaybePoses maybe_poses(const Rows& rows, const std::string& name);
 Array rows_of(const MaybePoses& poses);
 
-/// What a run does after every frame, without the interpreter's lock held: signals are handed on,
-/// and `progress` (None or a function of frames done and in all) is called.
+/// The callback of a run after every frame, called without the interpreter's lock: it handles
+/// signals and calls `progress` (None, or a function of the number of frames done and in all).
 std::function<bool(std::size_t, std::size_t)> progress_of(const nb::object& progress);
 
 }  // namespace posemix::python

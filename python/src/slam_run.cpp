@@ -30,7 +30,7 @@ namespace {
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
-/// Means and covariances of one pose over the frames, NaN where it is not known.
+/// Means and covariances of one pose over the frames; NaN for frames in which it is not known.
 template <class Pick>
 nb::tuple track(const SlamRun& run, Pick pick) {
   const std::size_t n = run.frames.size();

@@ -19,15 +19,15 @@
 #include "posemix/io/mixture_file.hpp"
 #include "posemix/io/pose_samples.hpp"
 
-/// What the commands on mixture files read and write. `-` stands for the standard streams.
+/// Input and output of the commands on mixture files. The path `-` is the standard input or output.
 namespace posemix {
 
 using Json = nlohmann::ordered_json;
 
-/// Components above which a command refuses to multiply mixtures.
+/// Number of components of a result above which a command refuses to multiply mixtures.
 inline constexpr std::size_t kMostComponents = 1'000'000;
 
-/// Kinds of components.
+/// The kind of a mixture's components.
 enum class Distribution { concentrated, projected };
 
 /// The words of Distribution in files and options.
@@ -45,32 +45,33 @@ struct NamedMixture {
   MixtureFile file;
 };
 
-/// What messages call an input.
+/// The name of an input in messages.
 std::string input_name(const std::string& path);
 
-/// @throws InvalidInput when `-` is there more than once, and as parse_mixture
+/// Reads the mixtures of several inputs.
+/// @throws InvalidInput when `-` occurs more than once, and as parse_mixture
 std::vector<NamedMixture> read_mixtures(std::span<const std::string> paths);
 NamedMixture read_mixture_input(const std::string& path);
 
-/// The format is that of the name unless it is given.
-/// @throws InvalidInput when neither says the format, and as parse_pose_samples
+/// Reads poses. Unless `format` is given, it is that of the file's name.
+/// @throws InvalidInput when neither gives a format, and as parse_pose_samples
 PoseSamples read_pose_input(const std::string& path, const std::optional<PoseFormat>& format,
                             const PoseSampleOptions& options = {});
 
-/// Refuses two inputs from the standard input.
+/// @throws InvalidInput when `-` occurs more than once
 void require_one_standard_input(std::span<const std::string> paths);
 
-/// To a file, which appears as a whole, or to the standard output.
+/// Writes to a file, which appears as a whole, or to the standard output.
 void write_output(const std::string& path, std::string_view content);
 void write_mixture(const MixtureFile& file, const OutputOptions& output);
 
-/// Tells on the standard error what a command found, as a table or as JSON.
+/// Prints the findings of a command on the standard error, as a table or as JSON.
 void report(std::string_view command, const Json& found, const OutputOptions& output);
 
 /// Lines `key: value`; values of objects are indented.
 std::string format_table(const Json& found);
 
-/// T_from_to.
+/// The name of the pose, T_from_to.
 std::string transform_name(const FrameNames& frames);
 
 /// @throws InvalidInput when the frames of two mixtures differ
@@ -78,10 +79,11 @@ void require_same_frames(const NamedMixture& a, const NamedMixture& b);
 
 std::string_view distribution_name(const AnyMixture& mixture);
 
-/// Option --format for poses.
+/// Adds the option --format for poses.
 void add_format_option(CLI::App& command, std::optional<PoseFormat>& format);
 
-/// `work` with both mixtures. @throws InvalidInput when they are of different distributions
+/// Calls `work` with both mixtures.
+/// @throws InvalidInput when they are of different distributions
 template <class Work>
 AnyMixture with_one_distribution(const NamedMixture& a, const NamedMixture& b, const Work& work) {
   return std::visit(
@@ -105,7 +107,7 @@ AnyMixture with_one_distribution(const NamedMixture& a, const NamedMixture& b, c
       a.file.mixture, b.file.mixture);
 }
 
-/// Refuses an option that only projected mixtures have.
+/// Throws InvalidInput if an option of projected mixtures is given for another one.
 inline void require_projected(const NamedMixture& mixture, const char* option, bool given) {
   if (given && std::holds_alternative<ConcentratedPoses>(mixture.file.mixture)) {
     throw InvalidInput(

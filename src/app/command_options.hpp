@@ -16,25 +16,25 @@
 /// Options that several commands share.
 namespace posemix {
 
-/// Where a command writes, and what it says about it on the standard error.
+/// The output of a command, and its report on the standard error.
 struct OutputOptions {
   std::string out = "-";
   bool json = false;
   bool quiet = false;
 };
 
-/// --out alone.
+/// Adds --out.
 void add_out_option(CLI::App& command, OutputOptions& output);
-/// --out, --json and --quiet, for commands that report on the standard error.
+/// Adds --out, --json and --quiet, for commands that report on the standard error.
 void add_report_options(CLI::App& command, OutputOptions& output);
 
 void add_seed_option(CLI::App& command, std::uint64_t& seed);
 
-/// A number of at least one.
+/// Adds an option whose value is an integer of at least one.
 CLI::Option* add_count_option(CLI::App& command, const std::string& name, std::size_t& count,
                               const std::string& help);
 
-/// An option whose value is one of some words. `target` is an Enum or an optional of one.
+/// Adds an option whose value is one of some words. `target` is an Enum or an optional of one.
 template <class Target, class Enum>
 CLI::Option* add_choice(CLI::App& command, const std::string& name, Target& target,
                         const std::vector<std::pair<std::string, Enum>>& words,
@@ -53,7 +53,7 @@ CLI::Option* add_choice(CLI::App& command, const std::string& name, Target& targ
   return command.add_option_function<std::string>(name, choose, help)->type_name(all);
 }
 
-/// An option whose value is one of the words of an enum.
+/// Adds an option whose value is one of the words of an enum.
 template <Spelled Enum, class Target>
 CLI::Option* add_choice(CLI::App& command, const std::string& name, Target& target,
                         const std::string& help) {

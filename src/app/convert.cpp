@@ -34,7 +34,7 @@ Json conversion_json(const Conversion<D>& conversion) {
           {"within_limit", conversion.within_limit}};
 }
 
-/// The mixture in the other distribution, and what that cost.
+/// The mixture in the other distribution, and the loss by the conversion.
 std::pair<AnyMixture, Json> in_other_distribution(const AnyMixture& mixture,
                                                   const ConvertOptions& options) {
   RandomStream stream(options.seed);
@@ -76,12 +76,12 @@ int convert_file(const ConvertOptions& options) {
   return kExitDone;
 }
 
-/// The option under the name of the release before; help does not show it.
+/// Adds the option under its name of the previous release; the help does not show it.
 void add_old_distribution_option(CLI::App& command, ConvertOptions& options) {
   add_choice<Distribution>(command, "--law", options.distribution, "")->group("");
 }
 
-/// Warns of the old name once it is sure that it is the only one.
+/// Warns of the old name, after checking that the new one is not given too.
 void check_old_distribution_option(const CLI::App& command) {
   if (command.count("--law") == 0) return;
   if (command.count("--distribution") > 0) {

@@ -10,11 +10,11 @@ class App;
 
 namespace posemix {
 
-/// Adds the command `data` and its own commands to the program. When one is on the command line,
-/// parsing sets `action` to what it does; the result of `action` is the exit code.
+/// Adds the command `data` and its subcommands to the program. If one of them is on the command
+/// line, parsing sets `action` to a function that runs it and returns the exit code.
 void add_data_command(CLI::App& program, std::function<int()>& action);
 
-/// Parts of `data`, one source file each.
+/// Add the subcommands of `data`, one source file each.
 void add_data_list_command(CLI::App& data, std::function<int()>& action);
 void add_data_fetch_command(CLI::App& data, std::function<int()>& action);
 void add_data_verify_command(CLI::App& data, std::function<int()>& action);

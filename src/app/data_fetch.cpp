@@ -49,7 +49,7 @@ std::string licence_notice(const DataSource& source, const std::vector<SourceFil
   return text + fmt::format("  {} into {}\n", format_amount(files), folder.string());
 }
 
-/// Shows the licence; asks whether to go on where a person can answer.
+/// Shows the licence and, if a person can answer, asks whether to continue.
 void agree(const DataFetchOptions& options, const std::string& notice) {
   std::fputs(notice.c_str(), stderr);
   if (options.yes) return;
@@ -99,7 +99,7 @@ std::string what_was_checked(const FetchReport& report) {
   throw Interrupted(guard.signal(), text + "; the next run resumes");
 }
 
-/// The number of files, over all archives.
+/// Unpacks all archives and returns the number of files.
 std::size_t unpack_all(const std::vector<SourceFile>& files, const std::filesystem::path& folder,
                        const DataFetchOptions& options, const InterruptGuard& guard) {
   std::size_t count = 0;

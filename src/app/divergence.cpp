@@ -25,7 +25,7 @@ Json estimate_json(const DivergenceEstimate& estimate, const char* unit) {
   return {{"value", estimate.value}, {"standard_error", estimate.error}, {"unit", unit}};
 }
 
-/// Null where a distribution is projected.
+/// The mixture-Wasserstein distance; null if one of the mixtures is projected.
 template <class P, class Q>
 Json wasserstein_json(const Mixture<P>& p, const Mixture<Q>& q, double length_scale) {
   using Concentrated = ConcentratedGaussian<SE3d>;

@@ -29,7 +29,7 @@ struct GraspOptions {
   OutputOptions output;
 };
 
-/// One number for all three axes, or three.
+/// A vector from three numbers, or from one number for all axes.
 Eigen::Vector3d three(const std::vector<double>& numbers) {
   if (numbers.size() == 1) return Eigen::Vector3d::Constant(numbers[0]);
   return {numbers[0], numbers[1], numbers[2]};

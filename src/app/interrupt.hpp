@@ -8,7 +8,7 @@
 
 namespace posemix {
 
-/// The user or the system asked the program to stop.
+/// Thrown when the user or the system asked the program to stop.
 class Interrupted : public std::runtime_error {
  public:
   explicit Interrupted(int signal, const std::string& message = "interrupted")
@@ -19,8 +19,8 @@ class Interrupted : public std::runtime_error {
   int signal_;
 };
 
-/// While it lives, SIGINT and SIGTERM are noted instead of ending the program; a second one ends
-/// it.
+/// During the lifetime of the guard, SIGINT and SIGTERM are recorded instead of ending the program;
+/// a second signal ends it.
 class InterruptGuard {
  public:
   InterruptGuard();
@@ -29,9 +29,9 @@ class InterruptGuard {
   InterruptGuard& operator=(const InterruptGuard&) = delete;
 
   bool interrupted() const;
-  /// The signal; zero where none came.
+  /// The number of the signal; zero if there was none.
   int signal() const;
-  /// Throws Interrupted after a signal.
+  /// @throws Interrupted after a signal
   void check() const;
 
  private:

@@ -8,8 +8,8 @@ namespace CLI {  // NOLINT(readability-identifier-naming)
 class App;
 }
 
-/// The commands on mixture files. Each adds itself to the program; when it is on the command line,
-/// parsing sets `action` to what it does, whose result is the exit code.
+/// The commands on mixture files. Each function adds one to the program; if it is on the command
+/// line, parsing sets `action` to a function that runs it and returns the exit code.
 namespace posemix {
 
 void add_compose_command(CLI::App& program, std::function<int()>& action);

@@ -41,7 +41,7 @@ int fail(std::string_view message, int exit_code) {
   return exit_code;
 }
 
-/// Runs a command.
+/// Runs a command and turns its errors into messages and exit codes.
 int guarded(const std::function<int()>& action) {
   try {
     return action();
@@ -81,7 +81,7 @@ void describe(CLI::App& program) {
       "`posemix COMMAND --help` describes a command.");
 }
 
-/// Answers --help and --version, and reports mistakes in the command line.
+/// Prints the text of --help or --version, or reports an error in the command line.
 int answer(const CLI::App& program, const CLI::ParseError& reason) {
   if (reason.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) {
     return guarded([&] {

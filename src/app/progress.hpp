@@ -9,20 +9,19 @@
 
 namespace posemix {
 
-/// True where the standard error is a terminal.
+/// Whether the standard error is a terminal.
 bool on_terminal();
 
 /// The text of a progress bar: `[#####.....]  50 %  576/1152 frames  3.2 s`.
 std::string progress_text(std::size_t done, std::size_t total, double seconds,
                           std::string_view unit);
 
-/// Tells on the standard error how far the program is: by a bar that is drawn over itself and
-/// erased at the end of its scope where that is a terminal; elsewhere by nothing or by a line now
-/// and then.
+/// Shows progress on the standard error: on a terminal by a bar that is redrawn in place and erased
+/// at the end of the scope, elsewhere not at all or by a line now and then.
 class ProgressReport {
  public:
-  /// Says nothing unless `shown`, and off terminals nothing unless `lines` is set: the ranks of
-  /// an MPI job write to a pipe even when a person is waiting at the end of it.
+  /// Shows nothing unless `shown`, and off terminals only with `lines`: the ranks of an MPI job
+  /// write to a pipe even when a person is waiting at the end of it.
   ProgressReport(bool shown, std::string_view unit, bool lines = false);
   ~ProgressReport();
   ProgressReport(const ProgressReport&) = delete;

@@ -40,7 +40,7 @@ struct ReportCommandOptions {
   bool quiet = false;
 };
 
-/// Adds the mesh that an option ID=FILE.ply names.
+/// Adds a mesh from an option of the form ID=FILE.ply.
 void add_mesh(ReportOptions& options, const std::string& text, double unit_m) {
   const std::size_t at = text.find('=');
   if (at == 0 || at == std::string::npos || at + 1 == text.size()) {
@@ -52,7 +52,7 @@ void add_mesh(ReportOptions& options, const std::string& text, double unit_m) {
   }
 }
 
-/// Opens the page in the desktop's browser, and does not wait for it.
+/// Opens the page in the browser of the desktop and returns at once.
 void open_in_browser(const fs::path& path) {
   std::string program = "xdg-open";
   std::string file = path.string();

@@ -16,16 +16,16 @@ namespace posemix {
 
 class InterruptGuard;
 
-/// Adds the command `report` to the program. When it is on the command line, parsing sets `action`
-/// to what it does; the result of `action` is the exit code.
+/// Adds the command `report` to the program. If it is on the command line, parsing sets `action` to
+/// a function that runs it and returns the exit code.
 void add_report_command(CLI::App& program, std::function<int()>& action);
 
-/// write_report with a progress bar where `shown`, until a signal.
+/// Calls write_report, with a progress bar if `shown`; a signal stops it.
 std::filesystem::path write_report_shown(const std::filesystem::path& results,
                                          ReportOptions options, bool shown,
                                          const InterruptGuard& guard);
 
-/// file:///... of a path, for a browser.
+/// The URL file:///... of a path, for a browser.
 std::string file_url(const std::filesystem::path& path);
 
 }  // namespace posemix

@@ -19,7 +19,7 @@ struct SampleOptions {
   OutputOptions output;
 };
 
-/// A draw of a mixture with every component drawn by projection.
+/// A draw from a mixture by sampling in the tangent space and projecting, instead of an exact draw.
 SE3d projected_draw(const ProjectedPoses& mixture, RandomStream& stream) {
   return mixture[mixture.draw_index(stream)].density.sample_by_projection(stream);
 }

@@ -10,8 +10,8 @@ class App;
 
 namespace posemix {
 
-/// Adds the command `simulate` to the program. When it is on the command line, parsing sets
-/// `action` to what it does; the result of `action` is the exit code.
+/// Adds the command `simulate` to the program. If it is on the command line, parsing sets `action`
+/// to a function that runs it and returns the exit code.
 void add_simulate_command(CLI::App& program, std::function<int()>& action);
 
 }  // namespace posemix

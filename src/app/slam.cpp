@@ -64,7 +64,7 @@ SlamRun filter(const SlamJob& job, const SlamOptions& options, const InterruptGu
   }
 }
 
-/// Writes the report of the results, and says where.
+/// Writes the report of the results and returns a line with its URL.
 std::string report_of(const SlamOptions& options, const InterruptGuard& guard) {
   const fs::path path = write_report_shown(options.out, {}, !options.quiet, guard);
   return fmt::format("Report:  {}\n", file_url(path));

@@ -48,13 +48,13 @@ struct StudyOptions {
   bool json = false;
 };
 
-/// A study that the program knows.
+/// A study of the program.
 struct StudyCommand {
   const char* name;
   const char* description;
   const char* example;
   bool reads_data;
-  bool learns;  ///< may learn from another folder
+  bool learns;  ///< whether it can learn from another folder
   Study (*make)(const TomlTable& settings, const StudyOptions& options);
   void (*rename_keys)(TomlDocument& settings) = nullptr;  ///< where settings have old names
 };
@@ -116,7 +116,7 @@ const std::array kStudies{
                    return make_tless_study(settings);
                  }}};
 
-/// Of all ranks, the leading one prints the warnings.
+/// Reads the settings and makes the study; only the leading rank prints warnings.
 Study read_study(const StudyCommand& command, const StudyOptions& options, bool leads) {
   TomlDocument document = options.settings ? TomlDocument::load(*options.settings)
                                            : TomlDocument::parse("schema = 1\n", command.name);
@@ -129,7 +129,7 @@ Study read_study(const StudyCommand& command, const StudyOptions& options, bool 
   return study;
 }
 
-/// DIR.journal beside DIR.
+/// The path DIR.journal beside the output folder DIR.
 fs::path journal_beside(const std::string& out) {
   fs::path path = fs::path(out).lexically_normal();
   if (!path.has_filename()) path = path.parent_path();
@@ -137,7 +137,7 @@ fs::path journal_beside(const std::string& out) {
   return path;
 }
 
-/// Fails now rather than at the end where the results cannot be written.
+/// Fails before the study begins if the results cannot be written.
 void check_output(const std::string& out, const fs::path& journal) {
   { const OutputFolder writable(out); }
   std::error_code error;

@@ -10,9 +10,8 @@ class App;
 
 namespace posemix {
 
-/// Adds the command `study`, with one command of its own per study, to the program. When one is on
-/// the command line, parsing sets `action` to what it does; the result of `action` is the exit
-/// code.
+/// Adds the command `study`, with one subcommand per study, to the program. If one of them is on
+/// the command line, parsing sets `action` to a function that runs it and returns the exit code.
 void add_study_command(CLI::App& program, std::function<int()>& action);
 
 }  // namespace posemix

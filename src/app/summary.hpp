@@ -12,20 +12,20 @@
 
 namespace posemix {
 
-/// A short table of errors and consistency for people.
+/// A short table of errors and consistency, to be read by people.
 std::string format_summary(const SlamJob& job, const Metrics& metrics);
 
-/// Nobody reads the standard output any more.
+/// Thrown when the reader of the standard output has closed it.
 class BrokenPipe : public OutputError {
  public:
   BrokenPipe() : OutputError("standard output: nobody reads it any more") {}
 };
 
 /// Writes to the standard output.
-/// @throws BrokenPipe when its reader has gone, OutputError when it cannot be written
+/// @throws BrokenPipe when the reader has closed it, OutputError when it cannot be written
 void print_text(std::string_view text);
 
-/// Prints `posemix: warning: ...` on the standard error for each.
+/// Prints each warning on the standard error as `posemix: warning: ...`.
 void print_warnings(const std::vector<std::string>& warnings);
 
 }  // namespace posemix

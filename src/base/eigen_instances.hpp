@@ -8,11 +8,11 @@
 
 #include "posemix/base/linear.hpp"
 
-/// Decompositions of Eigen that are compiled once, in eigen_instances.cpp. This header is part of
-/// the precompiled ones of rooms and tests: the compiler would otherwise instantiate the same
-/// factorisations in nearly every source, which is up to two fifths of its time.
+/// Decompositions of Eigen that are compiled once, in eigen_instances.cpp. The precompiled headers
+/// of rooms and tests include this file: without it the compiler instantiates the same
+/// factorisations in nearly every source, which takes up to two fifths of its time.
 
-/// A sum of two matrices, as `(A + B).llt()` hands it on.
+/// The type of a sum of two matrices, the argument of compute() in `(A + B).llt()`.
 #define POSEMIX_EIGEN_SUM(M) \
   Eigen::CwiseBinaryOp<Eigen::internal::scalar_sum_op<double, double>, const M, const M>
 
@@ -28,7 +28,7 @@ POSEMIX_EIGEN_DECOMPOSITIONS(extern, Eigen::Matrix3d);
 POSEMIX_EIGEN_DECOMPOSITIONS(extern, posemix::Matrix6d);
 POSEMIX_EIGEN_DECOMPOSITIONS(extern, Eigen::MatrixXd);
 
-/// The kernel of products of dynamic matrices.
+/// The kernel of matrix products of dynamic size.
 #define POSEMIX_EIGEN_PRODUCT_KERNEL(prefix)                                                     \
   prefix template struct Eigen::internal::gebp_kernel<                                           \
       double, double, Eigen::Index,                                                              \

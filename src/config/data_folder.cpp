@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The folder that an environment variable names; nothing where it is not set or empty.
+/// The folder in an environment variable; empty if that is not set or empty.
 std::optional<fs::path> folder_of(const char* variable) {
   const char* named = std::getenv(variable);
   if (named == nullptr || *named == '\0') return std::nullopt;

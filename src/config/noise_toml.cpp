@@ -90,7 +90,7 @@ bool is_bare_key(char c) {
   return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-';
 }
 
-/// The components and clutter.
+/// The lines of the components and of clutter.
 std::string model_text(std::string_view name, const DetectorNoise& noise) {
   if (name.empty() || !std::all_of(name.begin(), name.end(), is_bare_key)) {
     throw InvalidInput(

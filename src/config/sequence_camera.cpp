@@ -11,7 +11,7 @@
 namespace posemix {
 namespace {
 
-/// The first entry of `lever_arms` whose range of names holds the sequence's.
+/// The first entry of `lever_arms` whose range of names includes the sequence.
 Eigen::Vector3d lever_arm_of_sequence(const TomlTable& root, const TomlTable& camera) {
   const std::string sequence = root.get_string("sequence");
   std::optional<Eigen::Vector3d> chosen;
@@ -63,7 +63,7 @@ SE3d read_start_pose(const TomlTable& start, const Poses& camera_truth) {
   return *camera_truth.front();
 }
 
-/// The camera poses of a dataset's scene; the scene's frames are those of all its images.
+/// The camera poses of a dataset's scene; its frames are all its images.
 NumberedScene read_scene_truth(const TomlTable& truth, const FileFinder& files,
                                const SE3d& lever_arm) {
   const DatasetScene& scene = files.scene(truth);

@@ -18,8 +18,8 @@ namespace {
 
 constexpr std::size_t kLongestId = 100;
 
-/// The noise of objects that name none: default_detector_noise() unless the file has a table of
-/// that name.
+/// The name of the noise model for objects that name none: default_detector_noise(), unless the
+/// file has a table of this name.
 constexpr std::string_view kDefaultNoise = "default";
 
 void check_schema(const TomlTable& root) {
@@ -30,7 +30,7 @@ void check_schema(const TomlTable& root) {
                         kSequenceSchema));
 }
 
-/// Name of the file, or of its folder where that is "sequence", and of the recording.
+/// The name of the file, or of its folder if the file is named "sequence", and of the recording.
 std::string read_name(const TomlDocument& document, const TomlTable& root) {
   std::filesystem::path path = std::filesystem::path(document.name()).replace_extension();
   while (path.filename() == "sequence" && path.parent_path().has_filename())
@@ -79,7 +79,7 @@ std::vector<std::string> ids_of(const std::vector<ObjectModel>& models) {
   return ids;
 }
 
-/// Candidates are of the classes of objects, and the other way round.
+/// Every class of candidates must have objects, and every class of objects candidates.
 void check_classes(const TomlTable& root, const SlamJob& job, bool multi_object) {
   std::set<std::string> named;
   for (const TomlTable& table : root.find_tables("candidates")) {
@@ -105,7 +105,8 @@ void check_classes(const TomlTable& root, const SlamJob& job, bool multi_object)
   }
 }
 
-/// Joint use needs detectors with the same number of noise components and the same weights.
+/// The joint use of noise needs detectors with the same number of noise components and the same
+/// weights.
 void check_joint_noise(const TomlTable& root, const SlamJob& job) {
   const auto* filter = std::get_if<GaussianSumSettings>(&job.settings.tracker);
   if (filter == nullptr || filter->noise_use != NoiseUse::joint) return;
@@ -127,7 +128,7 @@ void check_joint_noise(const TomlTable& root, const SlamJob& job) {
   }
 }
 
-/// The multi-object filter starts objects from their detections.
+/// Every object needs detections, because the multi-object filter starts objects from them.
 void check_starts(const TomlTable& root, const SlamJob& job) {
   const std::vector<TomlTable> objects = root.get_tables("objects");
   for (std::size_t i = 0; i < objects.size(); ++i) {

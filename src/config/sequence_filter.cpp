@@ -107,7 +107,7 @@ GaussianSumSettings read_gaussian_sum(const TomlTable& filter, GaussianSumSettin
   return settings;
 }
 
-/// The method of the key `method`, as it is in the table of methods.
+/// The method under the key `method`, with its settings from the table of methods.
 const SlamMethod& read_method(const TomlTable& filter) {
   if (!filter.has("method")) return find_slam_method(kDefaultMethod);
   std::vector<std::string_view> names;
@@ -115,8 +115,8 @@ const SlamMethod& read_method(const TomlTable& filter) {
   return slam_methods()[filter.get_word("method", names)];
 }
 
-/// The keys of the Gaussian-sum filter are those of the particle filter, too: one file fits all
-/// baselines.
+/// The keys of the Gaussian-sum filter and of the particle filter are read for both, so that one
+/// file fits all baselines.
 void read_baseline(const TomlTable& filter, SlamMethod& method) {
   if (auto* particles = std::get_if<ParticleFilterSettings>(&method.tracker)) {
     particles->merge = read_gaussian_sum(filter, {}).reduction.merge;

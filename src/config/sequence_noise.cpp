@@ -23,8 +23,8 @@ SE3d read_offset(const TomlTable& component) {
   return SE3d(SO3d::exp(kRadPerDeg * rotation), translation);
 }
 
-/// Standard deviations under `rotation_sd_deg` and, along the viewing ray,
-/// `translation_sd_of_range`, else `translation_sd_m`; or all under `covariance`.
+/// Reads a covariance: standard deviations under `rotation_sd_deg` and `translation_sd_m` (for a
+/// noise along the viewing ray `translation_sd_of_range`), or the whole matrix under `covariance`.
 Matrix6d read_covariance(const TomlTable& table, NoiseFrame frame, const NumberRange& range) {
   const char* const translation =
       frame == NoiseFrame::ray ? "translation_sd_of_range" : "translation_sd_m";

@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::int64_t kHighest = std::numeric_limits<std::int64_t>::max();
 
-/// The one of the keys that the table has; throws where it has none or several.
+/// The one of the keys that the table has; throws unless there is exactly one.
 std::string_view the_one_of(const TomlTable& object, std::string_view key,
                             std::initializer_list<std::string_view> choices) {
   const TomlTable table = object.get_table(key);
@@ -36,7 +36,7 @@ std::string_view the_one_of(const TomlTable& object, std::string_view key,
                                count == 0 ? "none" : "several", fmt::join(choices, ", ")));
 }
 
-/// Frame numbers counted from zero.
+/// Poses with frame numbers that are counted from zero.
 std::map<std::int64_t, SE3d> from_first_frame(const TomlTable& table, const std::string& name,
                                               const std::map<std::int64_t, SE3d>& poses) {
   const std::int64_t least = poses.empty() ? kHighest : poses.begin()->first;
@@ -82,7 +82,7 @@ DetectionFile read_bop_detections(const TomlTable& table, const FileFinder& file
   return {path.string(), std::nullopt, from_first_frame(table, path.string(), poses)};
 }
 
-/// Columns of a table: estimates with the prefix est_, the truth with gt_.
+/// The poses in columns of a table: estimates with the prefix est_, or the truth with gt_.
 DetectionFile read_table_poses(const TomlTable& table, const FileFinder& files,
                                const std::string& prefix) {
   const std::filesystem::path path = files.find(table, "pose_csv");
@@ -92,7 +92,7 @@ DetectionFile read_table_poses(const TomlTable& table, const FileFinder& files,
   return {path.string(), std::nullopt, from_first_frame(table, path.string(), poses)};
 }
 
-/// Truth of the images in the table; those after the last frame are left out.
+/// The truth at the images in the table; images after the last frame are left out.
 Poses read_table_truth(const TomlTable& truth, const FileFinder& files, const Timeline& timeline) {
   Poses poses(timeline.size());
   for (const auto& [number, pose] : read_table_poses(truth, files, "gt_").numbered) {
@@ -101,7 +101,7 @@ Poses read_table_truth(const TomlTable& truth, const FileFinder& files, const Ti
   return poses;
 }
 
-/// Truth of the images of a dataset's scene; those that are no frames are left out.
+/// The truth at the images of a dataset's scene; images that are not frames are left out.
 Poses read_scene_objects(const TomlTable& truth, std::string_view kind, const FileFinder& files,
                          const Timeline& timeline) {
   const DatasetScene& scene = files.scene(truth);

@@ -23,7 +23,7 @@ namespace posemix {
 
 using Poses = std::vector<std::optional<SE3d>>;
 
-/// Ranges that keep every later computation finite; what lies beyond is in a wrong unit.
+/// Ranges that keep all later computations finite; a value outside must be in a wrong unit.
 inline constexpr NumberRange kSd{.lowest = 1e-9, .highest = 1e6};
 inline constexpr NumberRange kSdOrZero{.lowest = 0, .highest = 1e6};
 inline constexpr NumberRange kPosition{.lowest = -kFarthestPosition, .highest = kFarthestPosition};
@@ -36,11 +36,12 @@ class FileFinder {
   FileFinder(std::vector<std::filesystem::path> folders, std::vector<std::string> roots)
       : folders_(std::move(folders)), roots_(std::move(roots)) {}
 
-  /// The file or folder named under a key. Throws InvalidInput with the places looked at.
+  /// The file or folder named under a key.
+  /// @throws InvalidInput with the places that were searched
   std::filesystem::path find(const TomlTable& table, std::string_view key) const;
 
   /// The scene that a table names by `bop_dataset`, `split` and `scene`, or by `ycb_video` and
-  /// `sequence`; read once.
+  /// `sequence`. Every scene is read only once.
   const DatasetScene& scene(const TomlTable& table) const;
 
  private:
@@ -50,7 +51,7 @@ class FileFinder {
       std::make_shared<std::map<std::string, DatasetScene>>();
 };
 
-/// Runs `action`; an InvalidInput that it throws gets the place of the key before its message.
+/// Runs `action`; an InvalidInput that it throws gets the location of the key before its message.
 template <typename Action>
 auto located(const TomlTable& table, std::string_view key, Action&& action) {
   try {
@@ -60,7 +61,7 @@ auto located(const TomlTable& table, std::string_view key, Action&& action) {
   }
 }
 
-/// Poses of a file, in the order of its stamps.
+/// The poses of a file, in the order of their stamps.
 struct StampedFile {
   std::string name;
   std::vector<StampedPose> poses;
@@ -73,22 +74,23 @@ StampedFile read_stamped(const TomlTable& table, std::string_view key, const Fil
 /// The frames of a sequence.
 class Timeline {
  public:
-  /// Stamps in seconds, increasing; `source` names the file that they are from.
+  /// Frames with stamps in seconds, increasing; `source` is the name of the file that has them.
   Timeline(std::vector<double> stamps, std::string source);
-  /// Frames that are known by number only, counted from zero, with `period_s` between two numbers.
+  /// Frames known only by their numbers, counted from zero; `period_s` is the time from one number
+  /// to the next.
   Timeline(std::vector<std::int64_t> numbers, double period_s, std::string source);
 
   const std::vector<double>& stamps() const { return stamps_; }
   std::size_t size() const { return stamps_.size(); }
   const std::string& source() const { return source_; }
-  /// The frame whose stamp is nearest, where it is within half the least distance of stamps and 1
-  /// ms.
+  /// The frame with the nearest stamp, if that is within 1 ms and half of the least distance
+  /// between stamps.
   std::optional<std::size_t> at_stamp(double stamp) const;
-  /// The frame of a number counted from zero.
+  /// The frame with a number, counted from zero.
   std::optional<std::size_t> at_number(std::int64_t number) const;
 
-  /// The poses of a file at the frames; records at other times are left out. Throws InvalidInput
-  /// when none is left.
+  /// The poses of a file at the frames; poses at other times are left out.
+  /// @throws InvalidInput when none is left
   Poses select(const StampedFile& file) const;
 
  private:
@@ -100,11 +102,11 @@ class Timeline {
 
 // --- [camera] and [motion]
 
-/// The table's key `first_frame`, the number of the first frame. Throws where `least`, the least
-/// number in the file `name`, is below it.
+/// The key `first_frame` of a table, the number of the first frame.
+/// @throws InvalidInput when it is above `least`, the least number in the file `name`
 std::int64_t read_first_frame(const TomlTable& table, const std::string& name, std::int64_t least);
 
-/// Camera poses of a dataset's scene, by number counted from zero; empty: not known.
+/// Camera poses of a dataset's scene by number, counted from zero; empty if not known.
 struct NumberedScene {
   std::string name;
   std::map<std::int64_t, std::optional<SE3d>> poses;
@@ -112,8 +114,8 @@ struct NumberedScene {
 
 struct CameraFiles {
   std::optional<StampedFile> odometry;
-  std::optional<StampedFile> truth;          ///< lever arm applied
-  std::optional<NumberedScene> scene_truth;  ///< in place of that
+  std::optional<StampedFile> truth;          ///< with the lever arm applied
+  std::optional<NumberedScene> scene_truth;  ///< used instead of `truth` for a dataset
   double frame_period_s = kFramePeriodS;
 };
 
@@ -123,17 +125,17 @@ MotionSettings read_motion(const TomlTable& root, bool has_odometry);
 
 // --- [noise] and standard deviations
 
-/// A number or an array of three under the key, with its unit's factor applied.
+/// A number or an array of three numbers under the key, multiplied by `unit`.
 Eigen::Vector3d read_sd(const TomlTable& table, std::string_view key, const NumberRange& range,
                         double unit);
-/// Seven numbers tx ty tz qx qy qz qw.
+/// A pose from seven numbers tx ty tz qx qy qz qw.
 SE3d read_pose(const TomlTable& table, std::string_view key);
 
 std::map<std::string, DetectorNoise> read_noise_models(const TomlTable& root);
 
 // --- [[objects]]
 
-/// The detections of one object before they are put on the frames: by stamp, or by number counted
+/// The detections of one object before they are assigned to frames: by stamp, or by number counted
 /// from zero.
 struct DetectionFile {
   std::string name;
@@ -143,35 +145,36 @@ struct DetectionFile {
   Poses on(const Timeline& timeline) const;
 };
 
-/// The key `detections`; empty for an object with the key `class`, which has candidates instead.
+/// Reads the key `detections`; empty for an object with the key `class`, which has candidates
+/// instead.
 std::optional<DetectionFile> read_detections(const TomlTable& object, const FileFinder& files);
 
-/// Detections of one class, by number counted from zero.
+/// The detections of one class by number, counted from zero.
 struct CandidateFile {
   std::string name;
   std::string class_id;
   std::map<std::int64_t, std::vector<ScoredPose>> numbered;
 };
-/// The key `candidates`: detections that name a class; none where it is missing.
+/// Reads the key `candidates`, detections that name a class; empty if it is missing.
 std::vector<CandidateFile> read_candidates(const TomlTable& root, const FileFinder& files);
 /// Fills relative_truth and world_truth from the key `ground_truth`.
 void read_object_truth(const TomlTable& object, const FileFinder& files, const Timeline& timeline,
                        ObjectRecording& recording);
 
-/// Frames, camera and objects, which have those ids.
+/// Reads the frames and the recordings of the camera and of the objects with these ids.
 Sequence read_recordings(const TomlTable& root, const FileFinder& files, const CameraFiles& camera,
                          const std::vector<std::string>& ids);
 
-/// The key `symmetries`; the trivial group without it.
+/// Reads the key `symmetries`; without it the trivial group.
 SymmetryGroup read_object_symmetries(const TomlTable& object, const FileFinder& files);
 
 // --- [filter]
 
-/// The keys of the multi-object filter; those that are missing stay as they are in `settings`.
+/// Reads the keys of the multi-object filter; without a key its value in `settings` is kept.
 MultiObjectSettings read_multi_object(const TomlTable& filter, MultiObjectSettings settings);
-/// Reads the table `association` into the settings, where there is one.
+/// Reads the table `association` into the settings, if there is one.
 void read_association(const TomlTable& root, MultiObjectSlamSettings& settings);
-/// The method of the table `filter` with the settings that it changes.
+/// The method in the table `filter`, with the settings that the table changes.
 SlamMethod read_filter(const TomlTable& root);
 
 }  // namespace posemix

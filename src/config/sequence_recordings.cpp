@@ -35,8 +35,8 @@ struct DetectionFiles {
   }
 };
 
-/// Stamps of the odometry, else of the camera's truth (by number in a dataset), else of all stamped
-/// detections, else frame numbers.
+/// The frames of the sequence: stamps of the odometry, otherwise of the camera's truth (numbers in
+/// a dataset), otherwise of all stamped detections, otherwise frame numbers.
 Timeline make_timeline(const CameraFiles& camera, const DetectionFiles& detections) {
   const auto& stamped = camera.odometry ? camera.odometry : camera.truth;
   if (stamped) {

@@ -27,7 +27,7 @@ constexpr NumberRange kLength{.lowest = -1e3, .highest = 1e3};
 constexpr NumberRange kBox{.lowest = 0, .highest = 1e3};
 constexpr NumberRange kAngleDeg{.lowest = -360, .highest = 360};
 constexpr NumberRange kWeight{.lowest = 1e-12, .highest = 1e12};
-/// Sequence files show nine decimals of a standard deviation.
+/// The range of standard deviations that nine decimals in a sequence file can show.
 constexpr NumberRange kSdShown{.lowest = 1e-6, .highest = 1e3};
 
 using NoiseModels = std::map<std::string, std::vector<SimulationNoise>>;
@@ -42,7 +42,7 @@ Vector3d get_vector3(const TomlTable& table, std::string_view key, const Vector3
   return table.get_vector_or(key, otherwise, kLength);
 }
 
-/// A rotation vector in degrees.
+/// A rotation vector, in degrees in the file and in radians in the result.
 Vector3d get_rotation(const TomlTable& table, std::string_view key) {
   return kRadPerDeg * table.get_vector_or(key, Vector3d::Zero(), kAngleDeg);
 }
@@ -103,7 +103,7 @@ NoiseModels get_noise_models(const TomlTable& root) {
   return models;
 }
 
-/// The noise model that `key` of an object names.
+/// The noise model whose name is under `key` of an object.
 const std::vector<SimulationNoise>& named_noise(const NoiseModels& models, const TomlTable& object,
                                                 std::string_view key) {
   const auto found = models.find(object.get_string(key));
@@ -169,7 +169,7 @@ std::vector<SimulationObject> get_objects(const TomlTable& root, std::size_t fra
   return objects;
 }
 
-/// A number or a string as TOML writes it.
+/// A number or a string in the form of TOML.
 std::string value_text(const TomlTable& table, const std::string& key) {
   try {
     return fmt::format("{}", table.get_double(key));

@@ -46,7 +46,7 @@ std::string_view base_of(std::string_view key) {
   return key.substr(0, key.size() - unit_of(key).suffix.size());
 }
 
-/// Least number of insertions, deletions and replacements that turn a into b (Levenshtein).
+/// The least number of insertions, deletions and replacements that turn a into b (Levenshtein).
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 
-// toml++ is compiled here and nowhere else. Version 3.3 asserts conditions that damaged text breaks
-// (such as "[="), and marks a reachable end of its table of white space as unreachable (a letter
-// such as e-acute outside a string); both places handle the text as an error when they are let run
-// on.
+// toml++ is compiled only here. Version 3.3 asserts conditions that damaged text violates (such as
+// "[="), and marks a reachable end of its table of white space as unreachable (a letter such as
+// e-acute outside a string). Once the assertions and the mark are removed, both places report such
+// text as an error.
 #undef TOML_SHARED_LIB
 #undef TOML_HEADER_ONLY
 #define TOML_HEADER_ONLY 1
@@ -45,7 +45,8 @@ constexpr int kDeepest = 32;
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-/// True for the point of a number such as 12.5, false for a dot of a dotted key such as 1.2.3.
+/// Whether a dot is the decimal point of a number such as 12.5, not part of a dotted key such as
+/// 1.2.3.
 bool is_decimal_point(std::string_view text, std::size_t dot) {
   std::size_t begin = dot;
   while (begin > 0 && is_digit(text[begin - 1])) --begin;
@@ -56,7 +57,8 @@ bool is_decimal_point(std::string_view text, std::size_t dot) {
          (end == text.size() || text[end] != '.');
 }
 
-/// The parser recurses once for every part of a dotted key; this bounds the depth before it runs.
+/// The parser recurses once for every part of a dotted key; this check bounds the depth before it
+/// runs.
 void require_shallow(std::string_view text, const std::string& name) {
   std::size_t dots = 0;
   for (std::size_t i = text.find('.'); i < text.size(); i = text.find('.', i + 1)) {

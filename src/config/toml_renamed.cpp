@@ -14,7 +14,7 @@
 namespace posemix::internal {
 namespace {
 
-/// One part of a path stands for any key.
+/// A part of a path that fits any key.
 constexpr std::string_view kAnyKey = "*";
 
 struct RenamedKey {
@@ -30,7 +30,7 @@ constexpr std::array kRenamedKeys{
     RenamedKey{"noise.*", "null", "clutter"},
 };
 
-/// Whether the keys of a path are those of a pattern, of which `*` fits any key.
+/// Whether the keys of a path fit a pattern, in which `*` fits any key.
 bool fits(const std::vector<std::string>& path, std::string_view pattern) {
   for (const std::string& key : path) {
     const std::size_t end = std::min(pattern.find('.'), pattern.size());

@@ -18,8 +18,9 @@ struct WeightedElements {
   const Eigen::VectorXd* weights;
 };
 
-/// The elements at the points z of a standard Gaussian, for the third-degree rule under the
-/// Gaussian in the tangent space, else under the Gaussian with the moments of the distribution.
+/// Maps points z of a standard Gaussian to elements: with the third-degree rule through the
+/// Gaussian in the tangent space, otherwise through the Gaussian with the moments of the
+/// distribution.
 template <RotationOrPose G>
 class PointMap {
  public:
@@ -49,7 +50,7 @@ const GaussianCubature<N>& cubature(CompositionRule rule) {
   return rule == CompositionRule::third_degree_cubature ? third : fifth;
 }
 
-/// f at the cubature points of one density.
+/// The values of f at the cubature points of one density.
 template <RotationOrPose G, class F>
 WeightedElements<G> evaluate(const ProjectedGaussian<G>& x, CompositionRule rule, const F& f) {
   const auto& points = cubature<G::Dof>(rule);
@@ -59,7 +60,7 @@ WeightedElements<G> evaluate(const ProjectedGaussian<G>& x, CompositionRule rule
   return values;
 }
 
-/// f at the cubature points of two independent densities.
+/// The values of f at the cubature points of two independent densities.
 template <RotationOrPose G, class F>
 WeightedElements<G> evaluate(const ProjectedGaussian<G>& x, const ProjectedGaussian<G>& y,
                              CompositionRule rule, const F& f) {
@@ -97,7 +98,7 @@ ChartMoments<G> moments_in_chart(const WeightedElements<G>& values, const SO3d& 
   return moments;
 }
 
-/// The moments in the chart where the mean of u is zero, begun from the chart at `start`.
+/// The moments in the chart in which the mean of u is zero, by iteration from the chart at `start`.
 template <RotationOrPose G>
 ChartMoments<G> centred_moments(const WeightedElements<G>& values, const SO3d& start) {
   ChartMoments<G> moments = moments_in_chart(values, start);
@@ -109,8 +110,8 @@ ChartMoments<G> centred_moments(const WeightedElements<G>& values, const SO3d& s
   return moments;
 }
 
-/// PG_0 with the moments of the values. Negative weights can leave a covariance indefinite; then
-/// there is none.
+/// The density PG_0 with these moments; empty if negative cubature weights have made the covariance
+/// indefinite.
 template <RotationOrPose G>
 std::optional<ProjectedGaussian<G>> density_of(const ChartMoments<G>& moments,
                                                CompositionRule rule) {
@@ -125,8 +126,8 @@ std::optional<ProjectedGaussian<G>> density_of(const ChartMoments<G>& moments,
   return with_moments<G>(moments.tangent_point, moments.mean, moments.covariance);
 }
 
-/// The density of a function: by the rule asked for, or where that fails by the one of degree
-/// three, whose weights are positive.
+/// The density of a function by the given rule, or if that gives an indefinite covariance, by the
+/// rule of degree three, whose weights are positive.
 template <RotationOrPose G, class Evaluate>
 ProjectedGaussian<G> by_cubature(const SO3d& start, CompositionRule rule,
                                  const Evaluate& evaluate_at) {
@@ -139,8 +140,8 @@ ProjectedGaussian<G> by_cubature(const SO3d& start, CompositionRule rule,
       "them first");
 }
 
-/// Eq. 17 at the modes: u3 = R1^T u2 + u1 and t3 = R2 t1 + t2 with R2 turned by 2 u2, where X = 2
-/// and Y = 1.
+/// Eq. 17 at the modes, with X = 2 and Y = 1: u3 = R1^T u2 + u1 and t3 = R2 t1 + t2, where R2 turns
+/// by 2 u2.
 ProjectedGaussian<SO3d> compose_by_jacobian(const ProjectedGaussian<SO3d>& x,
                                             const ProjectedGaussian<SO3d>& y) {
   const Eigen::Matrix3d r1 = y.tangent_point().matrix();
@@ -161,7 +162,7 @@ ProjectedGaussian<SE3d> compose_by_jacobian(const ProjectedGaussian<SE3d>& x,
   return ProjectedGaussian<SE3d>::trusted(x.mean() * y.mean(), covariance);
 }
 
-/// q0 (1, u) inverted is q0^-1 (1, -R0 u); t' = -R^-1 t with R turned by 2 u.
+/// The inverse of q0 (1, u) is q0^-1 (1, -R0 u), and t' = -R^-1 t, where R turns by 2 u.
 ProjectedGaussian<SO3d> inverse_by_jacobian(const ProjectedGaussian<SO3d>& x) {
   const Eigen::Matrix3d r = x.tangent_point().matrix();
   Eigen::Matrix3d covariance = r * x.covariance() * r.transpose();
@@ -181,7 +182,7 @@ ProjectedGaussian<SE3d> inverse_by_jacobian(const ProjectedGaussian<SE3d>& x) {
   return ProjectedGaussian<SE3d>::trusted(inverse, covariance);
 }
 
-/// u' = Rb^T u, t' = R tb + t with R turned by 2 u.
+/// u' = Rb^T u and t' = R tb + t, where R turns by 2 u.
 ProjectedGaussian<SE3d> moved_by_jacobian(const ProjectedGaussian<SE3d>& x, const SE3d& b) {
   Matrix6d j = Matrix6d::Identity();
   j.topLeftCorner<3, 3>() = b.rotation().inverse().matrix();

@@ -36,7 +36,7 @@ class Factor {
   double cost(const G& at) const {
     return 0.5 * factor_.matrixL().solve(residual(at)).squaredNorm();
   }
-  /// On which side of the equator of the tangent point a quaternion lies.
+  /// Whether a quaternion is on the tangent point's side of the equator.
   bool side(const Eigen::Quaterniond& q) const {
     return density_->tangent_point().quaternion().dot(q) >= 0.0;
   }
@@ -58,7 +58,7 @@ class Factor {
   Eigen::LLT<Matrix> factor_;
 };
 
-/// Newton's method for one mode of the product, on one side of every equator.
+/// Newton's method for one mode of the product; no step crosses an equator.
 template <RotationOrPose G>
 class ModeSearch {
  public:
@@ -81,7 +81,7 @@ class ModeSearch {
         break;
       }
     }
-    newton_step();  // leaves the information at the mode
+    newton_step();  // computes the information at the mode
   }
 
   /// The mode as a density, and the log of the product's integral there over the group.
@@ -107,8 +107,7 @@ class ModeSearch {
   static double translation_norm(const SO3d&) { return 0.0; }
   static double translation_norm(const SE3d& pose) { return pose.translation().norm(); }
 
-  /// The step to the minimum of the quadratic model; of Gauss and Newton's where the Hessian is not
-  /// positive definite.
+  /// The Newton step, or the Gauss-Newton step if the Hessian is not positive definite.
   Tangent newton_step() {
     Tangent gradient = Tangent::Zero();
     Matrix gauss_newton = Matrix::Zero();
@@ -123,7 +122,8 @@ class ModeSearch {
     return -information_.solve(gradient);
   }
 
-  /// Goes along the step as far as the cost falls without crossing an equator.
+  /// Takes the largest of the steps 1, 1/2, 1/4, ... that does not raise the cost and crosses no
+  /// equator.
   bool advance(const Tangent& step, double& cost) {
     const double rounding = 16.0 * std::numeric_limits<double>::epsilon() * (1.0 + cost);
     for (double part = 1.0; part > 1e-9; part *= 0.5) {
@@ -154,7 +154,8 @@ class ModeSearch {
   Eigen::LLT<Matrix> information_;
 };
 
-/// The element halfway between two, or, the other way round, by the quaternions' difference.
+/// The element halfway between two. With `other_way`, halfway along the other arc between their
+/// quaternions, by the difference of these instead of the sum.
 SO3d halfway(const SO3d& a, const SO3d& b, bool other_way) {
   if (!other_way) return gnomonic::halfway(a, b);
   const double sign = a.quaternion().dot(b.quaternion()) < 0.0 ? -1.0 : 1.0;
@@ -166,8 +167,8 @@ SE3d halfway(const SE3d& a, const SE3d& b, bool other_way) {
               0.5 * (a.translation() + b.translation()));
 }
 
-/// A lower bound on the cost of every element from which p and q are seen on different sides: one
-/// of the two is seen at (pi - angle) / 2 or more.
+/// A lower bound on the cost of the second mode. It is on the tangent point's side of one equator
+/// but not of the other, so its quaternion is at least (pi - angle) / 2 from one tangent point.
 template <RotationOrPose G>
 double other_way_cost(const ProjectedGaussian<G>& p, const ProjectedGaussian<G>& q) {
   const double away = std::tan(0.5 * (std::numbers::pi - tangent_angle(p, q)));
@@ -188,7 +189,7 @@ ProjectedFusion<G> fuse_at_mode(const ProjectedGaussian<G>& p, const ProjectedGa
   const ProductMode<G> mode = first.mode();
   ProjectedFusion<G> fusion{mode.density, mode.log_overlap, first.converged, first.iterations, {}};
 
-  // exp(-cost) over the largest volume there is, pi^2 of the half sphere, bounds the second mode.
+  // An upper bound of the second mode: exp(-cost) times pi^2, the volume of the half sphere.
   const double most = from_p.log_peak() + from_q.log_peak() - other_way_cost(p, q) +
                       2.0 * std::log(std::numbers::pi) - gnomonic::kLogHaarPerHalfSphere;
   double translation_volume = 0.0;
@@ -210,8 +211,8 @@ ProjectedFusion<G> fuse_at_mode(const ProjectedGaussian<G>& p, const ProjectedGa
   return fusion;
 }
 
-/// Eq. 14-16: both moved to the chart at q3 = (q1 + q2) / |q1 + q2|, fused there, then moved to the
-/// mode.
+/// Eq. 14-16: both densities are moved to the chart at q3 = (q1 + q2) / |q1 + q2| and fused there,
+/// and the product is moved to the chart at its mode.
 template <RotationOrPose G>
 ProjectedFusion<G> fuse_by_jacobian(const ProjectedGaussian<G>& p, const ProjectedGaussian<G>& q,
                                     const ProjectedFuseSettings& settings) {

@@ -12,7 +12,7 @@
 namespace posemix {
 namespace {
 
-/// y of PG_0 at an element.
+/// The mean of y of the density PG_0 with its mode at an element.
 SO3d::Tangent zero_form(const SO3d&) { return SO3d::Tangent::Zero(); }
 SE3d::Tangent zero_form(const SE3d& element) {
   SE3d::Tangent y;
@@ -93,8 +93,8 @@ G ProjectedGaussian<G>::sample(RandomStream& stream) const {
   const auto l = factor.matrixL();
   const Eigen::Matrix3d l_u =
       factor.matrixLLT().template topLeftCorner<3, 3>().template triangularView<Eigen::Lower>();
-  // Acceptance is C from the Gaussian and C (2 pi)^(3/2) |P_uu|^(1/2) / pi^2 from uniform
-  // rotations.
+  // The acceptance rate is C for proposals from the Gaussian, and C (2 pi)^(3/2) |P_uu|^(1/2) /
+  // pi^2 for uniform rotations.
   constexpr double pi = std::numbers::pi;
   const bool from_gaussian = std::pow(2.0 * pi, 1.5) * l_u.diagonal().prod() <= pi * pi;
   Tangent white;
@@ -169,7 +169,8 @@ ProjectedGaussian<G> with_moments(const SO3d& tangent_point, const typename G::T
   const Eigen::Matrix3d moment = covariance.template topLeftCorner<3, 3>();
   const Eigen::Matrix3d s_uu = projected_covariance_of_moment(moment).covariance;
   p.template topLeftCorner<3, 3>() = s_uu;
-  if constexpr (std::same_as<G, SE3d>) {  // t given u keeps its regression on u and its spread
+  // The regression of t on u and its residual covariance stay the same.
+  if constexpr (std::same_as<G, SE3d>) {
     const Eigen::Matrix3d b =
         moment.llt().solve(covariance.template topRightCorner<3, 3>()).transpose();
     p.template bottomLeftCorner<3, 3>() = b * s_uu;

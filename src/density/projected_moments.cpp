@@ -49,7 +49,7 @@ Eigen::Matrix3d adjugate(const Eigen::Matrix3d& s) {
   return a;
 }
 
-/// What the integrand is made of, with a = 2 s:
+/// Parts of the integrand, with a = 2 s:
 ///   |I + a S| = 1 + a tr S + a^2 tr adj S + a^3 det S,
 ///   |I + a S| (I + a S)^-1 = I + a D + a^2 adj S, D = tr S I - S.
 struct Integrand {
@@ -58,7 +58,7 @@ struct Integrand {
   double determinant;
   Nodes a;
   Nodes inverse_det;  ///< 1 / |I + a S|
-  Nodes value;        ///< weight times what multiplies s exp(-s) under the integral for C
+  Nodes value;        ///< weight times the factor of s exp(-s) in the integral for C
 
   Integrand(const Eigen::Vector3d& m, const Eigen::Matrix3d& s)
       : adjugate_s(adjugate(s)),
@@ -129,12 +129,13 @@ ProjectedMoments projected_moments(const Eigen::Vector3d& mean, const Eigen::Mat
 
 namespace {
 
-/// The family with diagonal covariance as an exponential family in lambda = 1 / l: the function
-/// ln C(l) + sum (ln l + T lambda) / 2, convex in lambda, is least where E[u_i^2] = T_i.
+/// The distributions with diagonal covariance as an exponential family in lambda = 1 / l: the
+/// function ln C(l) + sum (ln l + T lambda) / 2 is convex in lambda, with its minimum where
+/// E[u_i^2] = T_i.
 struct DiagonalFamily {
   double log_partition;     ///< ln C + sum ln l / 2
   Eigen::Vector3d moments;  ///< E[u_i^2]
-  Eigen::Matrix3d hessian;  ///< of the log partition: Cov(u_i^2, u_j^2) / 4
+  Eigen::Matrix3d hessian;  ///< Hessian of the log partition: Cov(u_i^2, u_j^2) / 4
 
   explicit DiagonalFamily(const Eigen::Vector3d& l) {
     const Nodes a = 2.0 * rule().s;
@@ -161,14 +162,14 @@ ProjectedVariances projected_variances_of_moments(const Eigen::Vector3d& moments
                                                   const Eigen::Vector3d& upper) {
   const Eigen::Vector3d target = moments.cwiseMax(std::numeric_limits<double>::min());
   const Eigen::Vector3d least = upper.cwiseInverse();
-  const Eigen::Vector3d most = lower.cwiseInverse();  // infinite where there is no bound
+  const Eigen::Vector3d most = lower.cwiseInverse();  // infinite for no bound
   const auto cost = [&](const DiagonalFamily& at, const Eigen::Vector3d& lambda) {
     return at.log_partition + 0.5 * target.dot(lambda);
   };
   Eigen::Vector3d lambda = target.cwiseInverse().cwiseMax(least).cwiseMin(most);
   DiagonalFamily at(lambda.cwiseInverse());
   for (int iteration = 0; iteration < 100; ++iteration) {
-    // Coordinates that the gradient holds at a bound stay; Newton's method in the others.
+    // Newton's method in all coordinates but those that the gradient pushes against a bound.
     Eigen::Vector3d slope = 0.5 * (target - at.moments);
     Eigen::Matrix3d hessian = at.hessian;
     for (Eigen::Index i = 0; i < 3; ++i) {

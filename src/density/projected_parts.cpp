@@ -12,8 +12,8 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// Mean and covariance of the first three of six Gaussian coordinates given the last three, or the
-/// other way round.
+/// Mean and covariance of the first three of six Gaussian coordinates given the last three, or of
+/// the last three given the first.
 TranslationMoments given(const Vector6d& mean, const Matrix6d& covariance, Eigen::Index wanted,
                          const Vector3d& value) {
   const Eigen::Index known = 3 - wanted;
@@ -59,7 +59,7 @@ std::vector<SplitPiece<G>> split(const ProjectedGaussian<G>& density, double max
     const auto in_chart =
         ProjectedGaussian<G>::trusted(density.tangent_point(), typename G::Tangent(piece.mean),
                                       typename G::TangentMatrix(piece.covariance));
-    // N / C is the sum of w_i C_i / C times N_i / C_i.
+    // The density N / C is the sum of the parts' N_i / C_i with the weights w_i C_i / C.
     const double weight =
         piece.weight * std::exp(in_chart.log_normalizer() - density.log_normalizer());
     pieces.push_back({weight, change_chart_to_mode(in_chart)});

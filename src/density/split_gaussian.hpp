@@ -19,14 +19,14 @@ namespace posemix::internal {
 template <class Vector, class Matrix>
 struct GaussianPart {
   double weight;
-  double log_weight;  ///< the logarithm of the weight, summed up over the splits
+  double log_weight;  ///< logarithm of the weight, accumulated over the splits
   Vector mean;
   Matrix covariance;
 };
 
-/// A standard normal density is replaced by three narrower ones of standard deviation s: weights
-/// 1/6, 2/3, 1/6 at -a, 0, a keep the moments up to the fifth when a^2 = 3 (1 - s^2). The
-/// divergence is 0.0013.
+/// The standard deviation s of the three narrower Gaussians that replace a standard normal density:
+/// with weights 1/6, 2/3, 1/6 at -a, 0, a and a^2 = 3 (1 - s^2) they keep the moments up to the
+/// fifth. The Kullback-Leibler divergence is 0.0013.
 inline constexpr double kSplitDeviation = 0.7;
 
 /// The largest standard deviation of the first three coordinates, and its direction.
@@ -38,9 +38,9 @@ std::pair<double, Eigen::Vector3d> widest(const Matrix& covariance) {
 }
 
 /// A Gaussian as a sum of Gaussians whose standard deviations in the first three coordinates are at
-/// most `max_spread`: the widest direction is split in three, again and again. The weights sum to
-/// one.
-/// @throws InvalidInput when max_spread is not positive, or needs more than 1000 parts
+/// most `max_spread`: the widest direction is split in three until all are narrow enough. The
+/// weights sum to one.
+/// @throws InvalidInput when max_spread is not positive, or more than 1000 parts would be needed
 template <class Vector, class Matrix>
 std::vector<GaussianPart<Vector, Matrix>> split_gaussian(const Vector& mean,
                                                          const Matrix& covariance,
@@ -63,7 +63,7 @@ std::vector<GaussianPart<Vector, Matrix>> split_gaussian(const Vector& mean,
       parts.push_back(part);
       continue;
     }
-    // Every coordinate moves with the axis by regression.
+    // The other coordinates of the parts' means follow by linear regression on the split axis.
     const Vector along = part.covariance.template leftCols<3>() * axis / spread;
     const Matrix narrower =
         part.covariance - (1.0 - kSplitDeviation * kSplitDeviation) * along * along.transpose();

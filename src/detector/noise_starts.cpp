@@ -75,9 +75,11 @@ NoiseEmFit fit_noise_components(std::span<const NoiseObservation> observations,
                                 const NoiseEmSettings& settings, RandomStream& stream) {
   require(settings.components > 0, "noise model: there are 0 components, expected one or more");
   if (observations.size() < 2 * settings.components) {
+    const auto plural = [](std::size_t count) { return count == 1 ? "" : "s"; };
     throw InvalidInput(
-        fmt::format("noise model: {} observations for {} components, expected two per component",
-                    observations.size(), settings.components));
+        fmt::format("noise model: {} observation{} for {} component{}, expected two per component",
+                    observations.size(), plural(observations.size()), settings.components,
+                    plural(settings.components)));
   }
   const ResidualRows rows(observations, settings.frame, SE3d());
   const bool convex = settings.components == 1 && !settings.clutter;

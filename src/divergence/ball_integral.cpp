@@ -13,7 +13,7 @@
 namespace posemix::internal {
 namespace {
 
-/// Share of the tolerance that the integrals along the rays may use.
+/// The share of the tolerance for the integrals along the rays.
 constexpr double kInnerShare = 0.01;
 constexpr std::size_t kMaxPieces = 400;
 
@@ -37,7 +37,7 @@ BallIntegral::BallIntegral(const RotationPair& pair, DensityFactor factor, Centr
   ray_tolerance_ = inner_tolerance_ * cubature_.total().absolute / solid_weight();
 }
 
-/// The square root whose third axis is the axis of symmetry.
+/// The square root of a peak's covariance whose third axis is the axis of symmetry.
 Eigen::Matrix3d BallIntegral::symmetric_root(const RotationPeak& peak,
                                              const Eigen::Vector3d& axis) {
   const Eigen::Matrix3d covariance = peak.root * peak.root.transpose();
@@ -55,7 +55,7 @@ double BallIntegral::solid_weight() const {
   return sum * 4.0 * std::numbers::pi * std::exp(-1.5 * kLogTwoPi);
 }
 
-/// Directions of the other peaks, where they are narrow as seen from this one.
+/// The directions of those other peaks that are narrow as seen from peak k.
 std::vector<SphereFeature> BallIntegral::features(std::size_t k) const {
   constexpr double kWidth = 4.0;    // standard deviations
   constexpr double kNarrow = 0.5;   // rad

@@ -11,20 +11,20 @@
 
 namespace posemix::internal {
 
-/// Standard deviations out to which a peak is followed: 5e-18 of its mass lies beyond.
+/// The radius of integration about a peak in standard deviations; 5e-18 of its mass lies beyond.
 inline constexpr double kRadius = 9.0;
 
-/// The peaks about which to integrate, and their share of the sum.
+/// The peaks about which to integrate, and their weights in the sum.
 enum class Centres {
-  of_p,        ///< those of p
-  difference,  ///< those of p less those of q
-  mean         ///< those of both, with half their weights
+  of_p,        ///< the peaks of p
+  difference,  ///< the peaks of p, and those of q with negative weights
+  mean         ///< the peaks of p and q, with half their weights
 };
 
 /// One divergence of one pair of mixtures as a sum of integrals over tangent balls.
 class BallIntegral {
  public:
-  /// `axis`: of symmetry, if there is one.
+  /// @param axis common axis of symmetry, if there is one
   BallIntegral(const RotationPair& pair, DensityFactor factor, Centres centres,
                const std::optional<Eigen::Vector3d>& axis, double tolerance);
   BallIntegral(const BallIntegral&) = delete;
@@ -66,7 +66,7 @@ class BallIntegral {
   SphereCubature cubature_;
 };
 
-/// The Gaussian mass beyond |xi| = pi of every peak of q, less that of p, both weighted.
+/// The weighted sum of the Gaussian masses beyond |xi| = pi of the peaks of q, less that of p.
 RayIntegral missing_mass_gap(const RotationPair& pair, double tolerance);
 
 }  // namespace posemix::internal

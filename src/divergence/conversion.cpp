@@ -19,7 +19,7 @@ namespace {
 
 using internal::PointRule;
 
-/// The matrix A of y = A xi to first order, for a perturbation xi on the right at a rotation.
+/// The matrix A of y = A xi to first order, for a perturbation xi on the right of the element.
 SO3d::TangentMatrix linear_map(const SO3d& /*element*/) {
   return 0.5 * Eigen::Matrix3d::Identity();
 }
@@ -30,7 +30,7 @@ SE3d::TangentMatrix linear_map(const SE3d& element) {
   return a;
 }
 
-/// The pieces of a density, still in its own tangent space.
+/// The parts of a density, still in its own tangent space.
 template <RotationOrPose G>
 std::vector<Component<TangentGaussian<G>>> pieces_of(const ConcentratedGaussian<G>& density,
                                                      double max_spread) {
@@ -49,7 +49,7 @@ std::vector<Component<ProjectedGaussian<G>>> pieces_of(const ProjectedGaussian<G
            density.tangent_mean(), density.covariance(), max_spread)) {
     const auto piece =
         ProjectedGaussian<G>::trusted(density.tangent_point(), part.mean, part.covariance);
-    // N / C is the sum of w_i C_i / C times N_i / C_i.
+    // The density N / C is the sum of the parts' N_i / C_i with the weights w_i C_i / C.
     pieces.push_back({part.log_weight + piece.log_normalizer(), piece});
   }
   return pieces;
@@ -89,7 +89,7 @@ ConvertedDensity<ConcentratedGaussian<G>> converted(const ProjectedGaussian<G>& 
                                     rule == ConversionRule::maximum_likelihood);
 }
 
-/// One component of a mixture as one or several of the other kind.
+/// The components of the other kind that one component of a mixture is converted to.
 template <class To>
 struct ConvertedComponent {
   std::vector<Component<To>> pieces;
@@ -129,7 +129,7 @@ class Converter {
   }
 
  private:
-  /// The pieces of a density, each converted, and the loss of all.
+  /// Converts the parts of a density and measures the loss of them together.
   template <class Piece>
   ConvertedComponent<To> convert(const From& density, const std::vector<Component<Piece>>& pieces) {
     ConvertedComponent<To> result;

@@ -14,20 +14,21 @@ using Eigen::Vector3d;
 constexpr int kIterations = 50;
 constexpr double kTolerance = 1e-10;
 
-/// Gradient of log |det J_l| with respect to the rotation vector, over its length: for an angle a,
-/// (cot(a/2) - 2/a) / a per log(2 sin(a/2) / a)^2.
+/// The gradient of log |det J_l| with respect to the rotation vector is this factor times the
+/// rotation vector: (cot(a/2) - 2/a) / a for the angle a, from log |det J_l| = log(2 sin(a/2) /
+/// a)^2.
 double log_volume_slope(double angle) {
   if (angle < 0.02) return -1.0 / 6.0 - angle * angle / 360.0;
   return (1.0 / std::tan(0.5 * angle) - 2.0 / angle) / angle;
 }
 
-/// The points seen from the mean of a concentrated Gaussian, X = M Exp(xi), and minus the mean log
-/// likelihood that is left once the covariance is the best one.
+/// The points relative to the mean M of a concentrated Gaussian, X = M Exp(xi), and the negative
+/// mean log-likelihood under the best covariance for this mean, up to a constant.
 template <RotationOrPose G>
 struct BodyView {
   using Tangent = typename G::Tangent;
   using Covariance = typename G::TangentMatrix;
-  static constexpr int kVolumes = G::Dof / 3;  ///< |det J_l| is that of SO(3) to this power
+  static constexpr int kVolumes = G::Dof / 3;  ///< |det J_l| is this power of its value on SO(3)
 
   Tangent mean = Tangent::Zero();
   Covariance moment = Covariance::Zero();
@@ -44,7 +45,8 @@ struct BodyView {
     cost += 0.5 * log_det(Eigen::LLT<Covariance>(moment));
   }
 
-  /// Moving M to M Exp(d) moves xi to xi - J_l^-1(xi) d; Gauss-Newton with J_l = I in the Hessian.
+  /// The Gauss-Newton step of the mean: moving M to M Exp(d) moves xi to xi - J_l^-1(xi) d; in the
+  /// Hessian, J_l = I.
   Tangent newton_step() const {
     const Eigen::LLT<Covariance> factor(moment);
     Tangent gradient = Tangent::Zero();
@@ -63,8 +65,8 @@ struct BodyView {
   G back_;
 };
 
-/// Damped iteration: `step_of(view)` is taken whole or halved until the cost falls. True where it
-/// has come to rest.
+/// Damped iteration: `view.newton_step()` is taken whole or halved until the cost falls. True if it
+/// converged.
 template <class View, class Element, class Look, class Move>
 bool descend(View& view, Element& at, Look&& look, Move&& move) {
   for (int iteration = 0; iteration < kIterations; ++iteration) {
@@ -79,13 +81,14 @@ bool descend(View& view, Element& at, Look&& look, Move&& move) {
       at = next;
       view = there;
     }
-    if (!fell) return step.norm() < 1e3 * std::sqrt(kTolerance);  // rounding of the cost
+    // The cost no longer falls because of rounding.
+    if (!fell) return step.norm() < 1e3 * std::sqrt(kTolerance);
   }
   return false;
 }
 
-/// The points in the chart at a tangent point, and minus the mean log likelihood that is left once
-/// everything but the tangent point is the best.
+/// The points in the chart at a tangent point, and the negative mean log-likelihood of the best
+/// density with this tangent point, up to a constant.
 template <RotationOrPose G>
 struct ChartView {
   ProjectedGaussian<G> density;
@@ -94,7 +97,7 @@ struct ChartView {
   ChartView(const QuadraturePoints<G>& points, const SO3d& tangent_point)
       : ChartView(points, tangent_point, moments_at(points, tangent_point)) {}
 
-  /// Moving the tangent point by d moves u by -(I + u u^T) d + u x d.
+  /// The Gauss-Newton step of the tangent point: moving it by d moves u by -(I + u u^T) d + u x d.
   Vector3d newton_step() const {
     using Tangent = typename G::Tangent;
     const Eigen::LLT<typename G::TangentMatrix> factor(density.covariance());
@@ -131,7 +134,7 @@ struct ChartView {
     }
     ChartMoments result;
     if constexpr (std::same_as<G, SE3d>) {
-      // The regression t = t0 + B u has its mean at u = 0, wherever that of u lies.
+      // The mean of the regression t = t0 + B u is taken at u = 0, which need not be the mean of u.
       const typename G::TangentMatrix about_mean = second - mean * mean.transpose();
       const Eigen::Matrix3d of_u = about_mean.template topLeftCorner<3, 3>();
       const Eigen::Matrix3d cross = about_mean.template bottomLeftCorner<3, 3>();

@@ -7,14 +7,14 @@
 
 namespace posemix::internal {
 
-/// The concentrated Gaussian with the mean and the covariance of the points, or the most likely
-/// one.
+/// The concentrated Gaussian with the mean and the covariance of the points or, with `most_likely`,
+/// the one of largest likelihood.
 template <RotationOrPose G>
 ConvertedDensity<ConcentratedGaussian<G>> fit_concentrated(const QuadraturePoints<G>& points,
                                                            bool most_likely);
 
-/// The projected Gaussian, PG_0, whose distribution has the moments of the points where the mean of
-/// u is zero, or the most likely one.
+/// The projected Gaussian PG_0 whose distribution has the moments of the points in the chart in
+/// which the mean of u is zero or, with `most_likely`, the one of largest likelihood.
 template <RotationOrPose G>
 ConvertedDensity<ProjectedGaussian<G>> fit_projected(const QuadraturePoints<G>& points,
                                                      bool most_likely);

@@ -17,7 +17,7 @@
 namespace posemix {
 namespace {
 
-/// Points of a component in a replicate, while there are enough for all.
+/// The number of points that every component gets in a replicate if there are enough for all.
 constexpr std::size_t kFewPoints = 16;
 
 /// Standard normal vectors from a Sobol sequence under a random digital shift.
@@ -35,7 +35,7 @@ class NormalPoints {
   ShiftedSobol points_;
 };
 
-/// Whether no rotation of the tangent vector exceeds pi.
+/// Whether every rotation vector in the tangent vector has norm pi or less.
 template <LieGroup G>
 bool in_ball(const typename G::Tangent& xi) {
   constexpr double kLimit = std::numbers::pi * std::numbers::pi;
@@ -51,8 +51,8 @@ bool in_ball(const typename G::Tangent& xi) {
   }
 }
 
-/// One component from which to sample; `value` is what the point of a standard normal vector adds
-/// to the mean of a function over the component.
+/// One component to sample from. `value` maps a standard normal vector to a term of the mean of a
+/// function over the component.
 template <class D>
 struct Stratum;
 
@@ -81,7 +81,7 @@ struct Stratum<ProjectedGaussian<G>> {
   Stratum(double share, const ProjectedGaussian<G>& of)
       : weight(share), density(of), root(of.covariance().llt().matrixL()) {}
 
-  /// The distribution over the Gaussian is (1 + u.u)^-2 / C.
+  /// The ratio of the distribution to the Gaussian in the tangent space is (1 + u.u)^-2 / C.
   template <class Function>
   double value(const Eigen::VectorXd& white, Function&& function) const {
     const typename G::Tangent y = density.tangent_mean() + root * white;
@@ -91,7 +91,8 @@ struct Stratum<ProjectedGaussian<G>> {
   }
 };
 
-/// Whether the density has all its mass on the group; concentrated Gaussians lack that beyond pi.
+/// Whether the density integrates to one over the group; concentrated Gaussians lack the mass
+/// beyond pi.
 template <class D>
 inline constexpr bool kIntegratesToOne = false;
 template <RotationOrPose G>
@@ -173,7 +174,8 @@ template <class P, class Q>
 DivergenceEstimate kl_monte_carlo(const Mixture<P>& p, const Mixture<Q>& q, RandomStream& stream,
                                   const DivergenceSamplingSettings& settings) {
   if constexpr (kIntegratesToOne<P> && kIntegratesToOne<Q>) {
-    // int (p log(p/q) - p + q): never negative, and of little scatter where p and q are close.
+    // The integrand of int (p log(p/q) - p + q) is never negative and has little variance if p and
+    // q are close.
     return sampled(p, q, true, internal::gap_factor, stream, settings);
   } else {
     return sampled(p, q, false, internal::log_ratio, stream, settings);

@@ -15,17 +15,17 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Log of a density that adds nothing to the digits of a sum.
+/// The log of a density that is too small to change the digits of a sum.
 constexpr double kNegligible = -100.0;
 
-/// One peak as seen from the first mean of p.
+/// One peak relative to the first mean of p.
 struct GridPeak {
   Vector3d step;  ///< Delta x = ln(X_j X_1^-1)
   Eigen::Matrix3d whiten;
   double log_scale;
 };
 
-/// A point of the grid and what all peaks share there.
+/// A point of the grid and the quantities there that all peaks share.
 struct GridPoint {
   Vector3d xi = Vector3d::Zero();
   double half_cot = 0.0;
@@ -46,8 +46,8 @@ Vector3d combined(const GridPoint& point, const Vector3d& d) {
   return jacobian_part + x + ddx / 12.0 - x.cross(ddx) / 24.0 + (dxdxd + xdxdx) / 120.0;
 }
 
-/// log of the sum of the peaks with respect to dxi at the point, eq. 26 and 27; minus infinity
-/// where every peak is below exp(floor).
+/// Log of the sum of the peaks at the point with respect to dxi, eq. 26 and 27; minus infinity if
+/// every peak is below exp(floor).
 double log_density(const std::vector<GridPeak>& peaks, const GridPoint& point, double floor) {
   double largest = -std::numeric_limits<double>::infinity();
   double sum = 0.0;
@@ -75,7 +75,7 @@ std::vector<GridPeak> grid_peaks(const RotationDensity& density, const Eigen::Qu
   return peaks;
 }
 
-/// What depends on |xi| alone, for |xi|^2 = n step^2.
+/// The quantities that depend on |xi| alone, for |xi|^2 = n step^2.
 std::vector<GridPoint> grid_shells(int reach, double step) {
   std::vector<GridPoint> shells(static_cast<std::size_t>(3 * reach * reach + 1));
   for (std::size_t n = 0; n < shells.size(); ++n) {

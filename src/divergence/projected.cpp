@@ -9,7 +9,8 @@
 namespace posemix {
 namespace {
 
-/// Two densities in the tangent space at the rotation that is `share` of the way between the modes.
+/// Two densities in the chart at the rotation that is `share` of the way from the mode of a to that
+/// of b.
 template <RotationOrPose G>
 struct CommonTangent {
   ProjectedGaussian<G> p;
@@ -28,7 +29,8 @@ struct CommonTangent {
   typename G::Tangent difference() const { return q.tangent_mean() - p.tangent_mean(); }
 };
 
-/// D(p || q) of Gaussians of which p has the given moments, without the trace of p's own.
+/// Twice the part of D(p || q) that depends on the moments of p, for Gaussians in one tangent
+/// space.
 template <class Tangent, class Matrix>
 double quadratic_form(const Tangent& mean, const Matrix& covariance, const Tangent& q_mean,
                       const Eigen::LLT<Matrix>& q_factor) {

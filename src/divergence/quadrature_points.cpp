@@ -61,10 +61,10 @@ const NormalRule& normal_rule(PointRule rule) {
   return rule == PointRule::cubature ? few : many;
 }
 
-/// The last three of six Gaussian coordinates given the first three.
+/// The regression of the last three of six Gaussian coordinates on the first three.
 struct Regression {
   Matrix3d gain;
-  Matrix3d spread;  ///< square root of the covariance that is left
+  Matrix3d spread;  ///< square root of the residual covariance
 
   explicit Regression(const Matrix6d& covariance) {
     const Matrix3d cross = covariance.bottomLeftCorner<3, 3>();
@@ -75,7 +75,7 @@ struct Regression {
   }
 };
 
-/// Calls visit(offset, weight) at the six points of degree three.
+/// Calls visit(offset, weight) at the six points of the third-degree rule.
 template <class Visit>
 void for_each_offset(const Matrix3d& spread, Visit&& visit) {
   for (int axis = 0; axis < 3; ++axis) {
@@ -145,7 +145,8 @@ QuadraturePoints<G> quadrature_points(const ProjectedGaussian<G>& density, Point
   for (std::size_t i = 0; i < normal.points.size(); ++i) {
     const Vector3d offset_u = root * normal.points[i];
     const Vector3d u = mean.template head<3>() + offset_u;
-    // The distribution over the Gaussian is proportional to (1 + u.u)^-2.
+    // The ratio of the distribution to the Gaussian in the tangent space is proportional to (1 +
+    // u.u)^-2.
     const double weight =
         normal.weights[i] * (by_moments ? 1.0 : std::pow(1.0 + u.squaredNorm(), -2));
     if constexpr (std::same_as<G, SE3d>) {

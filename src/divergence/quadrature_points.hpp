@@ -10,25 +10,25 @@
 
 namespace posemix::internal {
 
-/// Weighted elements that stand for a density; the weights sum to one.
+/// Weighted elements that approximate a density; the weights sum to one.
 template <RotationOrPose G>
 struct QuadraturePoints {
   std::vector<G> elements;
   std::vector<double> weights;
 };
 
-/// How many points.
+/// The rule for the points of a density.
 enum class PointRule {
   cubature,   ///< 13 rotations, exact for polynomials of degree five
   quadrature  ///< the product of three Gauss-Hermite rules of eleven nodes
 };
 
 /// The angle from the centre of a Gaussian in a tangent space beyond which points are left out
-/// [rad]: there the coordinates of a projected Gaussian grow without limit.
+/// [rad], because there the coordinates of a projected Gaussian grow without limit.
 inline constexpr double kReach = 150.0 * std::numbers::pi / 180.0;
 
-/// The quadrature points of a density, within kReach. For a pose every rotation comes with six
-/// translations, which have the mean and the covariance of the translation given the rotation.
+/// The quadrature points of a density within kReach. For a pose, every rotation is combined with
+/// six translations that have the mean and the covariance of the translation given the rotation.
 template <RotationOrPose G>
 QuadraturePoints<G> quadrature_points(const TangentGaussian<G>& density, PointRule rule);
 template <RotationOrPose G>

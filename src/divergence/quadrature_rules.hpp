@@ -12,7 +12,8 @@ struct KronrodRule {
   struct Node {
     double at;
     double weight;
-    double difference;  ///< weight less the weight in the rule with 7 points
+    /// Weight less the weight in the rule with 7 points, for the error estimate.
+    double difference;
   };
   std::array<Node, 15> nodes;
 

@@ -21,7 +21,7 @@ Eigen::Matrix3d covariance_of(const RotationPeak& peak) {
   return peak.root * peak.root.transpose();
 }
 
-/// The axis that the means name, else the one of the first covariance with a distinguished axis.
+/// The axis given by the means, otherwise by the first covariance that has a distinguished axis.
 Eigen::Vector3d candidate(const Peaks& peaks) {
   Eigen::Vector3d farthest = Eigen::Vector3d::Zero();
   for (const RotationPeak& peak : peaks) {
@@ -30,7 +30,7 @@ Eigen::Vector3d candidate(const Peaks& peaks) {
   }
   if (farthest.norm() > 1e4 * kQuaternionRounding) return farthest.normalized();
   for (const RotationPeak& peak : peaks) {
-    // Eigenvalues are in rising order: the axis belongs to the one that is far from the middle.
+    // Eigenvalues are in rising order: the axis belongs to the one that is farther from the middle.
     const Eigen::Vector3d variances = peak.root.colwise().squaredNorm();
     const double low = variances[1] - variances[0];
     const double high = variances[2] - variances[1];

@@ -10,9 +10,9 @@
 namespace posemix::internal {
 namespace {
 
-/// A feature is narrow when its standard deviation is below this share of the ray's.
+/// A feature is narrow if its standard deviation is below this share of the ray's.
 constexpr double kNarrow = 0.5;
-/// Standard deviations from a ray beyond which a narrow feature does not show on it.
+/// The distance from a ray in standard deviations beyond which a narrow feature does not matter.
 constexpr double kReach = 12.0;
 constexpr double kFeatureHalfWidth = 4.0;
 
@@ -88,7 +88,8 @@ void RotationRay::append_breaks(double end, double scale, std::vector<double>& b
     if (r > 0.0 && r < end) breaks.push_back(r);
   };
   for (const Peak& peak : peaks_) {
-    // The scalar part is a sinusoid in r/2: zero on the cut locus, extreme at the closest approach.
+    // The scalar part of the quaternion is a sinusoid in r/2: zero on the cut locus, extreme at the
+    // closest approach.
     const double sign = peak.a_scalar < 0.0 ? -1.0 : 1.0;
     append(2.0 * std::atan2(sign * peak.a_scalar, -sign * peak.b_scalar));
     const double closest = 2.0 * std::atan2(sign * peak.b_scalar, sign * peak.a_scalar);

@@ -8,7 +8,7 @@
 
 namespace posemix::internal {
 
-/// One weighted peak, prepared for many evaluations.
+/// One weighted component, prepared for many evaluations.
 struct RotationPeak {
   double weight;
   Eigen::Quaterniond mean;
@@ -19,10 +19,10 @@ struct RotationPeak {
   explicit RotationPeak(const Component<ConcentratedGaussian<SO3d>>& component);
 };
 
-/// The peaks with a weight above zero.
+/// The components with a weight above zero.
 std::vector<RotationPeak> rotation_peaks(const RotationDensity& density);
 
-/// Two mixtures, as their peaks.
+/// The components of two mixtures.
 struct RotationPair {
   std::vector<RotationPeak> p;
   std::vector<RotationPeak> q;
@@ -30,8 +30,8 @@ struct RotationPair {
 
 /// Log densities of two mixtures along the geodesic X(r) = Exp(r n) C.
 ///
-/// With C = mean the quaternion of X(r) mean_j^-1 is cos(r/2) A_j + sin(r/2) B_j for two fixed
-/// quaternions, so that every log costs one arc tangent.
+/// With C the mean of a component, the quaternion of X(r) mean_j^-1 is cos(r/2) A_j + sin(r/2) B_j
+/// for two fixed quaternions, so that every log costs one arc tangent.
 class RotationRay {
  public:
   struct LogDensities {
@@ -44,21 +44,21 @@ class RotationRay {
 
   LogDensities at(double r) const;
 
-  /// Appends the radii inside (0, end) at which the integrand is not smooth or changes quickly for
-  /// features that are narrow compared with `scale`.
+  /// Appends the radii inside (0, end) at which the integrand is not smooth, or changes quickly
+  /// because of features that are narrow compared with `scale`.
   void append_breaks(double end, double scale, std::vector<double>& breaks) const;
 
  private:
   struct Peak {
     double a_scalar, b_scalar;
-    Eigen::Vector3d a, b;              ///< vector parts
-    Eigen::Vector3d white_a, white_b;  ///< whitened
+    Eigen::Vector3d a, b;              ///< vector parts of A and B
+    Eigen::Vector3d white_a, white_b;  ///< the same, whitened
     double log_scale;
   };
 
   static double log_density(const Peak* first, const Peak* last, double cosine, double sine);
 
-  std::vector<Peak> peaks_;  ///< of p, then of q
+  std::vector<Peak> peaks_;  ///< the components of p, then those of q
   std::size_t of_p_;
 };
 

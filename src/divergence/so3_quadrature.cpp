@@ -14,9 +14,9 @@ namespace posemix {
 namespace internal {
 namespace {
 
-/// Rounding of a log density.
+/// The rounding error of a log density.
 constexpr double kLogRounding = 4e-15;
-/// Where a smooth integrand cancels to less than this share, the non-negative form is used.
+/// If a smooth integrand cancels to less than this share, the non-negative form is used.
 constexpr double kCancellation = 0.05;
 
 RotationPair checked_pair(const RotationDensity& p, const RotationDensity& q,
@@ -28,7 +28,7 @@ RotationPair checked_pair(const RotationDensity& p, const RotationDensity& q,
   return {rotation_peaks(p), rotation_peaks(q)};
 }
 
-/// Refines until the error falls below the tolerance or below what rounding allows.
+/// Refines until the error is below the tolerance or below the rounding error.
 DivergenceEstimate refined(BallIntegral& integral, double peak_density,
                            const RotationQuadratureSettings& settings) {
   const auto rounding = [&](double value) {
@@ -53,13 +53,13 @@ double largest_density(const RotationPair& pair) {
   return largest;
 }
 
-/// An integral, and by which of its two forms it was computed.
+/// An integral, and which of its two forms was used.
 struct BestForm {
   DivergenceEstimate estimate;
   bool cancelled;  ///< the smooth form cancelled, so the non-negative one was used
 };
 
-/// An integral by its smooth form, or where that cancels by the non-negative one.
+/// Computes an integral by its smooth form, or if that cancels by the non-negative one.
 BestForm best_of(const RotationPair& pair, DensityFactor smooth, Centres centres,
                  DensityFactor positive, double peak_density,
                  const RotationQuadratureSettings& settings) {

@@ -14,10 +14,10 @@ namespace {
 
 constexpr double kQuarter = 0.25 * std::numbers::pi;
 constexpr int kMaxSeedDepth = 12;
-/// Ridges and kinks can make two rules agree by accident.
+/// Factor on the errors, because ridges and kinks can make two rules agree by accident.
 constexpr double kSafety = 4.0;
 
-/// The six faces: coordinate that is +-1, then the axes of the two others.
+/// A face of the cube: the coordinate that is +-1, and the axes of the other two.
 struct Face {
   int normal;
   double sign;
@@ -34,7 +34,7 @@ Eigen::Vector3d direction_at(int face, double a, double b) {
   return direction.normalized();
 }
 
-/// Solid angle per da db.
+/// The solid angle per da db.
 double solid_angle(double a, double b) {
   const double x = std::tan(a);
   const double y = std::tan(b);
@@ -124,8 +124,8 @@ void SphereCubature::refine() {
     surprise -= part.integral.value;
     error += part.integral.error;
   }
-  // Halves that disagree with the whole by more than their errors raise them (Cuhre,
-  // \cite berntsen1991adaptive and its implementation in Cuba).
+  // If the halves disagree with the whole by more than their errors, their errors are raised
+  // (Cuhre, \cite berntsen1991adaptive and its implementation in Cuba).
   surprise = 0.5 * std::abs(surprise);
   for (Cell& part : parts) {
     if (error > 0.0) part.integral.error *= 1.0 + 2.0 * surprise / error;

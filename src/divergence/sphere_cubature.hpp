@@ -11,7 +11,7 @@
 
 namespace posemix::internal {
 
-/// The integral along one ray, or over a part of a sphere.
+/// An integral along one ray, or over a part of a sphere.
 struct RayIntegral {
   double value = 0.0;
   double error = 0.0;
@@ -27,7 +27,7 @@ struct RayIntegral {
   }
 };
 
-/// A direction near which the function changes over the given angle (rad).
+/// A direction near which the function changes within the given angle [rad].
 struct SphereFeature {
   Eigen::Vector3d direction;
   double angle;
@@ -43,13 +43,13 @@ class SphereCubature {
   SphereCubature(Function function, bool axisymmetric)
       : function_(std::move(function)), axisymmetric_(axisymmetric) {}
 
-  /// Adds the integral over one more sphere: first cells, small near the features.
+  /// Adds the integral over one more sphere, with first cells that are small near the features.
   void add_sphere(std::size_t sphere, std::span<const SphereFeature> features);
 
-  /// The sum over all spheres, weighted by solid angle.
+  /// The sum of the integrals over all spheres, weighted by solid angle.
   const RayIntegral& total() const { return total_; }
 
-  /// Splits the worst cell of all.
+  /// Splits the cell with the largest error.
   void refine();
 
  private:
@@ -72,7 +72,7 @@ class SphereCubature {
 
   Function function_;
   bool axisymmetric_;
-  std::vector<Cell> cells_;  ///< a heap by error
+  std::vector<Cell> cells_;  ///< a heap, largest error first
   RayIntegral total_;
 };
 

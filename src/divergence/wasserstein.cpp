@@ -11,7 +11,7 @@
 namespace posemix::internal {
 namespace {
 
-/// Integers keep the reduced costs of the shortest-path algorithm from turning negative by
+/// With integers the reduced costs of the shortest-path algorithm cannot become negative by
 /// rounding.
 using Whole = std::int64_t;
 constexpr double kUnit = 0x1p40;
@@ -38,7 +38,7 @@ Traits::edge_descriptor add_pipe(Network& network, std::size_t from, std::size_t
   return pipe;
 }
 
-/// The weights in units of 2^-40 of their sum; the largest takes up the rounding.
+/// The weights in units of 2^-40 of their sum; the largest absorbs the rounding errors.
 std::vector<Whole> whole_weights(const Eigen::VectorXd& weights) {
   std::vector<Whole> whole(static_cast<std::size_t>(weights.size()));
   const double total = weights.sum();
@@ -55,8 +55,8 @@ std::vector<Whole> whole_weights(const Eigen::VectorXd& weights) {
 
 double squared_wasserstein(const Eigen::VectorXd& d, const Eigen::MatrixXd& p,
                            const Eigen::MatrixXd& q) {
-  // The trace is the least |A - B U|^2 over orthogonal U, for P = A A^T and Q = B B^T: no digits
-  // cancel when P and Q are close.
+  // The trace is the least |A - B U|^2 over orthogonal U, with P = A A^T and Q = B B^T; in this
+  // form no digits cancel if P and Q are close.
   const Eigen::MatrixXd a = Eigen::LLT<Eigen::MatrixXd>(p).matrixL();
   const Eigen::MatrixXd b = Eigen::LLT<Eigen::MatrixXd>(q).matrixL();
   const Eigen::BDCSVD<Eigen::MatrixXd> svd(b.transpose() * a,

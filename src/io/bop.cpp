@@ -55,7 +55,7 @@ RawRow parse_row(const LineReader& reader) {
   return row;
 }
 
-/// Calls `take` for every row but the header.
+/// Calls `take` for every row except the header.
 template <typename Take>
 void for_each_row(std::string_view text, const std::string& name, Take&& take) {
   LineReader reader(text, name);

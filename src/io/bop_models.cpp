@@ -23,7 +23,7 @@ Json parse_models_document(std::string_view text, const std::string& name) {
   }
 }
 
-/// Where the keys of an entry stand, for messages.
+/// The place of a key for messages.
 std::string place_of(const std::string& name, const std::string& id, std::string_view key) {
   return fmt::format("{}: {}: {}", name, id, key);
 }

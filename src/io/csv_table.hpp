@@ -23,12 +23,13 @@ class CsvTable {
   bool next();
 
   bool has(const std::string& column) const { return columns_.count(column) != 0; }
-  /// Refuses a table without the column.
+  /// Throws unless the table has the column.
   void require_column(const std::string& column) const;
-  /// Refuses a table that lacks a column of a pose: `prefix` and tx, ty, tz, qx, qy, qz, qw.
+  /// Throws unless the table has all columns of a pose: `prefix` followed by tx, ty, tz, qx, qy,
+  /// qz, qw.
   void require_pose(const std::string& prefix) const;
 
-  /// The names of the columns, sorted, and where they are.
+  /// The indices of the columns by name, sorted by name.
   const std::map<std::string, std::size_t>& columns() const { return columns_; }
   std::string_view field(const std::string& column) const;
   double number(const std::string& column) const;

@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A string as TOML writes it, which is as JSON does.
+/// A string in TOML, which has the same form in JSON.
 std::string toml_string(const std::string& text) {
   if (text.find("${") != std::string::npos)
     throw InvalidInput(
@@ -94,7 +94,8 @@ class SequenceWriter {
     return wanted.empty() || std::find(wanted.begin(), wanted.end(), object) != wanted.end();
   }
 
-  /// What the annotations do not know is not in the scene, and what has no estimate is not tracked.
+  /// Leaves out estimated objects that are not annotated, because they are not in the scene, and
+  /// notes annotated objects without estimates, because they cannot be tracked.
   void drop_unannotated() {
     for (const auto& [object, count] : instances_) {
       if (is_wanted(object) && !estimates_.contains(object))
@@ -202,10 +203,11 @@ class SequenceWriter {
   const DatasetSequence& request_;
   bool is_ycb_video_ = false;
   DatasetScene scene_;
-  std::string place_;  // keys that name the scene
+  std::string place_;  // the keys that name the scene
   std::vector<std::string> names_;
   std::map<std::int64_t, std::size_t> instances_;
-  std::map<std::int64_t, std::size_t> estimates_;  // of an object in one image at most
+  // Largest number of estimates of an object in one image.
+  std::map<std::int64_t, std::size_t> estimates_;
   std::set<std::int64_t> models_;
   fs::path models_path_;
   std::int64_t first_frame_ = 1;

@@ -7,16 +7,17 @@
 
 namespace posemix {
 
-/// Throws OutputError `path: what: reason`.
+/// @throws OutputError `path: what: reason`
 [[noreturn]] void fail_output(const std::filesystem::path& path, std::string_view what,
                               std::string_view reason);
-/// The same with the reason in errno.
+/// As fail_output, with the reason from errno.
+/// @throws OutputError `path: what: reason`
 [[noreturn]] void fail_with_errno(const std::filesystem::path& path, std::string_view what);
 
 /// A file descriptor that closes itself. Every member throws OutputError.
 class Descriptor {
  public:
-  /// Messages name `shown`.
+  /// `shown` is the path in messages.
   Descriptor(const std::filesystem::path& path, int flags, const std::filesystem::path& shown);
   Descriptor(const std::filesystem::path& path, int flags) : Descriptor(path, flags, path) {}
   ~Descriptor();
@@ -24,8 +25,7 @@ class Descriptor {
   Descriptor& operator=(const Descriptor&) = delete;
 
   void write_all(std::string_view content);
-  /// Waits until the content is on the disk; file systems that cannot say so are taken at their
-  /// word.
+  /// Waits until the content is on the disk. A file system that does not support this is accepted.
   void sync();
 
  private:
@@ -33,7 +33,7 @@ class Descriptor {
   int number_;
 };
 
-/// Waits until the names in a folder are on the disk.
+/// Waits until the entries of a folder are on the disk.
 void sync_folder(const std::filesystem::path& folder);
 
 }  // namespace posemix

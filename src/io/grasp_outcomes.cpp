@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 constexpr std::string_view kSource = "consensus-driven-uncertainty";
 constexpr std::string_view kGrasp = "grasp_";
 
-/// The grippers of a table, from its columns grasp_GRIPPER.
+/// The names of the grippers of a table, from its columns grasp_GRIPPER.
 std::vector<std::string> grippers_of(const CsvTable& table) {
   std::vector<std::string> names;
   for (const auto& [column, index] : table.columns()) {
@@ -40,7 +40,7 @@ std::optional<bool> outcome(const CsvTable& table, const std::string& gripper) {
   table.reader().fail(fmt::format("{} = {}", column, in_quotes(word)), "0, 1 or nothing");
 }
 
-/// Places of the table's grippers among all; new ones come last.
+/// The indices of the table's grippers among all grippers; new ones are appended.
 std::vector<std::size_t> gripper_places(const std::vector<std::string>& names,
                                         GraspOutcomes& outcomes) {
   std::vector<std::string>& all = outcomes.grippers;

@@ -12,7 +12,7 @@
 
 namespace posemix {
 
-/// Deviation of a quaternion's norm from one that JSON files are allowed.
+/// Largest accepted deviation of a quaternion's norm from one in JSON files.
 inline constexpr double kJsonNormTolerance = 1e-6;
 
 /// A value of a document and the path to it, for messages `file: key: key[0]: got ..., expected
@@ -23,24 +23,24 @@ class JsonPlace {
 
   [[noreturn]] void fail(std::string_view got, std::string_view expected) const;
 
-  /// The value of a key that must be there.
+  /// The value of a key, which must exist.
   JsonPlace member(std::string_view key) const;
   bool has(std::string_view key) const;
   /// The keys of an object, in the order of the text.
   std::vector<std::string> keys() const;
-  /// Refuses an object that has other keys.
+  /// Throws InvalidInput if the object has other keys.
   void require_only(std::initializer_list<std::string_view> keys) const;
   std::vector<JsonPlace> items(std::optional<std::size_t> size = {}) const;
 
-  double number() const;  ///< finite
+  double number() const;  ///< must be finite
   std::string string() const;
   void require_word(std::string_view expected) const;
-  /// An array of so many finite numbers.
+  /// An array of `size` finite numbers.
   Eigen::VectorXd vector(std::size_t size) const;
-  /// A square array of rows.
+  /// A square matrix as an array of rows.
   Eigen::MatrixXd square_matrix(std::size_t size) const;
-  /// An array x y z w of norm one within kJsonNormTolerance; kept bit by bit where a rotation
-  /// stored it.
+  /// A rotation from an array x y z w of norm one within kJsonNormTolerance. An array written from
+  /// a rotation is kept bit by bit.
   SO3d rotation() const;
 
  private:

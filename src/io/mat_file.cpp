@@ -29,7 +29,8 @@ struct FreeVariable {
 };
 using Variable = std::unique_ptr<matvar_t, FreeVariable>;
 
-/// matio also takes other formats, even HDF5, and what is no MATLAB file at all.
+/// Checked here because matio also accepts other formats, even HDF5, and files that are not MATLAB
+/// files.
 void check_mat_header(const std::filesystem::path& path) {
   std::array<char, kMatHeader> header{};
   std::ifstream file(path, std::ios::binary);
@@ -54,7 +55,7 @@ std::vector<double> numbers_of(const matvar_t& variable, std::size_t count) {
   return numbers;
 }
 
-/// Nothing for what is no array of numbers.
+/// The numbers of a variable; empty if it is not an array of numbers.
 std::optional<std::vector<double>> numbers_of_class(const matvar_t& variable, std::size_t count) {
   switch (variable.class_type) {
     case MAT_C_DOUBLE:

@@ -10,7 +10,7 @@
 
 namespace posemix {
 
-/// An array of numbers of a MATLAB file.
+/// An array of numbers in a MATLAB file.
 struct MatArray {
   std::vector<std::size_t> dims;
   std::vector<double> values;  ///< column by column
@@ -26,7 +26,7 @@ class MatFile {
   MatFile& operator=(const MatFile&) = delete;
 
   bool has(const std::string& name) const;
-  /// The real, finite numbers of a variable; `most`: of so many at most.
+  /// The numbers of a variable, which must be real and finite, and not more than `most`.
   MatArray array(const std::string& name, std::size_t most) const;
   [[noreturn]] void fail(const std::string& name, const std::string& got,
                          const std::string& expected) const;
@@ -37,7 +37,7 @@ class MatFile {
   std::unique_ptr<Handle> handle_;
 };
 
-/// "3x4x2".
+/// Dimensions as text, such as "3x4x2".
 std::string describe_dims(const std::vector<std::size_t>& dims);
 
 }  // namespace posemix

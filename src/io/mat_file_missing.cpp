@@ -5,7 +5,7 @@
 #include "mat_file.hpp"
 #include "posemix/base/error.hpp"
 
-/// In a build without matio.
+/// MatFile in a build without matio: the constructor throws.
 namespace posemix {
 
 struct MatFile::Handle {};

@@ -14,7 +14,7 @@
 namespace posemix {
 namespace {
 
-/// The document; refuses a key that is twice in one object.
+/// Parses the document; throws for a key that occurs twice in one object.
 Json document(std::string_view text, const std::string& name) {
   std::vector<std::set<std::string>> open;
   const auto check = [&](int, Json::parse_event_t event, const Json& parsed) {
@@ -46,10 +46,10 @@ Value value_of(const JsonPlace& place) {
                                          in_quotes(words<Value>[1].first)));
 }
 
-/// The name of the key "distribution" in the release before.
+/// The name of the key "distribution" in the previous release.
 constexpr std::string_view kOldDistributionKey = "law";
 
-/// The key "distribution", or its old name where the file has that.
+/// The key "distribution", or its old name if the file has that.
 std::string_view distribution_key(const JsonPlace& root) {
   if (!root.has(kOldDistributionKey)) return "distribution";
   if (root.has("distribution")) {
@@ -131,7 +131,8 @@ Eigen::Vector3d read_translation(const JsonPlace& place, LengthUnit unit) {
   return translation;
 }
 
-/// What `make` gives; its complaints are those about the covariance at `place`.
+/// Calls `make` with the covariance at `place`; an InvalidInput that it throws is reported as an
+/// error of that covariance.
 template <class Make>
 auto with_covariance(const JsonPlace& place, const MixtureConvention& convention,
                      const Make& make) {

@@ -66,7 +66,7 @@ Json component_json(const Component<D>& component, const MixtureConvention& conv
   return json;
 }
 
-/// One line per component.
+/// The text of the components, one line for each.
 template <class D>
 std::string components_text(const Mixture<D>& mixture, const MixtureConvention& convention) {
   const auto normalised = Mixture<D>::from_stored(mixture.components());

@@ -31,7 +31,7 @@ double entry_at(std::string_view data, std::size_t index) {
   return static_cast<double>(std::bit_cast<Real>(bits));
 }
 
-/// Where the entry that Fortran order puts at `index` stands in C order.
+/// The index in C order of the entry that has `index` in Fortran order.
 std::size_t place_in_c_order(std::size_t index, const std::vector<std::size_t>& shape) {
   std::size_t place = 0;
   std::size_t stride = 1;

@@ -89,7 +89,7 @@ class DictionaryReader {
   std::size_t position_ = 0;
 };
 
-/// The lengths in "(4, 4" or "(4,".
+/// The lengths in a text such as "(4, 4" or "(4,".
 std::vector<std::size_t> parse_shape(std::string_view text, const std::string& name) {
   std::vector<std::size_t> shape;
   std::vector<std::string_view> words = split_fields(text.substr(text.empty() ? 0 : 1), ',');
@@ -105,7 +105,7 @@ std::vector<std::size_t> parse_shape(std::string_view text, const std::string& n
   return shape;
 }
 
-/// Bytes before the dictionary and bytes of the dictionary.
+/// The number of bytes before the dictionary, and in it.
 struct Extent {
   std::size_t begin, size;
 };

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A file that is removed at the end of its scope unless it was put in place.
+/// A file that is removed at the end of its scope unless it has been moved to its target.
 class PartialFile {
  public:
   explicit PartialFile(const fs::path& target)

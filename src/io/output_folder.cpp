@@ -35,7 +35,7 @@ fs::path resolved(const fs::path& target) {
   return path;
 }
 
-/// True too where the target is missing.
+/// Whether target and parent are on the same device; true also for a missing target.
 bool on_one_device(const fs::path& target, const fs::path& parent) {
   struct stat of_target {};
   struct stat of_parent {};

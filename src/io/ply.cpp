@@ -54,13 +54,13 @@ double binary_number(PlyNumber type, const char* bytes) {
   return 0.0;
 }
 
-/// Takes the numbers of one element after the other from the body of a file.
+/// Takes the numbers of one element after another from the body of a file.
 class PlyBody {
  public:
   PlyBody(const PlyHeader& header, const std::string& name)
       : body_(header.body), is_binary_(header.is_binary), name_(name) {}
 
-  /// The numbers of every property, a list's as many as it has.
+  /// The numbers of every property; a list has as many as it states.
   const std::vector<std::vector<double>>& take(const PlyElement& element, std::size_t index) {
     element_ = &element;
     index_ = index;
@@ -110,7 +110,7 @@ class PlyBody {
   const std::string& name_;
   const PlyElement* element_ = nullptr;
   std::size_t index_ = 0;
-  std::vector<std::string_view> words_;  ///< of the line
+  std::vector<std::string_view> words_;  ///< the words of the current line
   std::size_t word_ = 0;
   std::vector<std::vector<double>> values_;
 };

@@ -37,7 +37,7 @@ PlyNumber ply_type(std::string_view word, const std::string& name) {
   fail_ply(name, fmt::format("a property of type {}", in_quotes(word)), "a number");
 }
 
-/// Of the lines `property TYPE NAME` and `property list TYPE TYPE NAME`.
+/// Reads a line `property TYPE NAME` or `property list TYPE TYPE NAME`.
 PlyProperty ply_property(const std::vector<std::string_view>& words, const std::string& name) {
   if (words.size() == 3) return {words[2], ply_type(words[1], name), {}};
   if (words.size() != 5 || words[1] != "list") {
@@ -60,7 +60,7 @@ PlyElement ply_element(const std::vector<std::string_view>& words, std::string_v
   return {words[1], static_cast<std::size_t>(*count), {}};
 }
 
-/// Whether the line of the format names one that is read.
+/// Sets the format of the header; false if the format is not supported.
 bool set_format(std::string_view format, PlyHeader& header) {
   header.is_binary = format == "binary_little_endian";
   return header.is_binary || format == "ascii";

@@ -7,7 +7,7 @@
 
 #include "posemix/io/posterior_file.hpp"
 
-/// Words of posterior.json that writer and reader share.
+/// The words of posterior.json, for writer and reader.
 namespace posemix {
 
 inline constexpr std::string_view kPosteriorType = "posemix.posterior";
@@ -22,7 +22,7 @@ struct PoseKindWords {
   PoseKind kind;
   std::string_view word;
   std::string_view transform;
-  std::string_view frame;  ///< that the covariance is stated in
+  std::string_view frame;  ///< frame of the covariance
 };
 
 inline constexpr std::array<PoseKindWords, 3> kPoseKinds{

@@ -8,8 +8,8 @@
 namespace posemix::internal {
 
 /// The warning about a key, word or option that is read under its old name:
-/// `PLACE: key 'OLD' is now 'NEW'; the old name will be refused in VERSION`.
-/// `kind` is what the names are of, such as "key".
+///   `PLACE: key 'OLD' is now 'NEW'; the old name will be refused in VERSION`.
+/// `kind` is the kind of the names, such as "key".
 std::string renamed_warning(std::string_view place, std::string_view kind,
                             std::string_view old_name, std::string_view new_name);
 

@@ -31,7 +31,7 @@ struct CloseFile {
   throw InvalidInput(fmt::format("{}: cannot be read: {}", path.string(), std::strerror(reason)));
 }
 
-/// `word` without a leading '+' that stands before a digit or a point.
+/// `word` without a leading '+', unless another sign follows.
 std::string_view without_plus(std::string_view word) {
   const bool plus = word.size() > 1 && word[0] == '+' && word[1] != '-' && word[1] != '+';
   return plus ? word.substr(1) : word;

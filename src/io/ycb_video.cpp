@@ -17,7 +17,7 @@ constexpr std::string_view kMetaEnd = "-meta.mat";
 constexpr std::size_t kMostClasses = 10'000;
 constexpr std::size_t kPoseEntries = 12;
 
-/// The pose of twelve numbers, a 3x4 matrix column by column, metres.
+/// The pose of twelve numbers, a 3x4 matrix column by column, in metres.
 SE3d pose_from_columns(const double* numbers, const std::string& where) {
   Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
   matrix.topRows<3>() = Eigen::Map<const Eigen::Matrix<double, 3, 4>>(numbers);

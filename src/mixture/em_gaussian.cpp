@@ -62,8 +62,8 @@ EmGaussianMoments<SE3d> EmGaussianWorker<SE3d>::moments() const {
   return moments;
 }
 
-/// sum r (J_r^-T y + grad log |det J_l|), y = P^-1 xi: that of y less half of
-/// (phi x y1 + rho x y2, phi x y2) follows from the moments, the rest from add_pose_gradient.
+/// sum r (J_r^-T y + grad log |det J_l|) with y = P^-1 xi = [y1; y2]. The terms y and -(phi x y1 +
+/// rho x y2, phi x y2) / 2 follow from the moments, the others from add_pose_gradient.
 Vector6d EmGaussianWorker<SE3d>::gradient(const EmGaussianMoments<SE3d>& moments) const {
   Matrix6d precision;
   Vector6d sums, with_y, with_y2;

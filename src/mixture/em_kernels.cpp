@@ -4,7 +4,8 @@
 
 #include "em_polynomials.hpp"
 
-// Two widths besides what every machine has, and none whose vectors cannot be members.
+// Compiled for two vector widths besides the baseline, and for no target whose vectors cannot be
+// members of a class.
 #define HWY_DISABLED_TARGETS \
   (HWY_SSSE3 | HWY_SSE4 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #undef HWY_TARGET_INCLUDE
@@ -159,7 +160,8 @@ void add_projected_gradient(std::size_t n, const EmRow* y, const EmRow& shares, 
 /// exp(x) for x in [-700, 0]: 2^n exp(r), |r| <= ln 2 / 2, and the Taylor series to r^13.
 HWY_INLINE V exp_of_negative(V x) {
   const hn::RebindToUnsigned<D> bits;
-  const V shift = set(0x1.8p52);  // whose sum with a small number ends in its nearest integer
+  // The sum of a small number and `shift` ends in the nearest integer of that number.
+  const V shift = set(0x1.8p52);
   const V shifted = hn::MulAdd(x, set(1.4426950408889634), shift);
   const V n = hn::Sub(shifted, shift);
   const V r =
@@ -183,7 +185,7 @@ HWY_INLINE V exp_of_negative(V x) {
 
 double shares_of_log_terms(const EmRow& weights, std::size_t count, EmRow* terms,
                            std::size_t components) {
-  constexpr double kLeastLog = -69.0;  // a share of 1e-30
+  constexpr double kLeastLog = -69.0;  // log of a share of 1e-30
   const V zero = hn::Zero(D());
   V log_likelihood = zero;
   for (std::size_t i = 0; i < count; i += hn::Lanes(D())) {

@@ -5,8 +5,8 @@
 /// Functions of the angle t of a rotation as polynomials in z = 2 c - 1, c = cos(t/2) in [0, 1].
 ///
 /// Both are analytic for c > -1, so their Chebyshev series on [0, 1] converge like 5.83^-n: degree
-/// 20 is exact to 2e-16 (computed to 60 digits and written in powers of z). With c in hand, which
-/// is a component of the quaternion, no angle, root or division is needed.
+/// 20 is exact to 2e-16 (computed to 60 digits and written in powers of z). c is a component of the
+/// quaternion, so no angle, root or division is needed.
 namespace posemix::internal {
 
 inline constexpr int kAngleDegree = 20;

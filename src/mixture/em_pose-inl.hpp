@@ -34,8 +34,9 @@ HWY_INLINE V series(V u, const double (&c)[5]) {
   return hn::MulAdd(hn::MulAdd(u2, set(c[4]), high), u2, low);
 }
 
-/// (1 - (t/2) cot(t/2)) / u, u = t^2, of (t/2) / sin(t/2), cos(t/2) and four times the square of
-/// the former. What it loses for small u is lost again where it is multiplied by u.
+/// D = (1 - (t/2) cot(t/2)) / u with u = t^2, from (t/2) / sin(t/2), cos(t/2) and four times the
+/// square of the former. The digits that D loses for small u do not matter, because it is
+/// multiplied by u.
 HWY_INLINE V second_order_of(V ratio, V cosine, V four_ratio_squared) {
   const V u = hn::Mul(four_ratio_squared, hn::NegMulAdd(cosine, cosine, set(1.0)));
   const V closed = hn::Div(hn::NegMulAdd(ratio, cosine, set(1.0)), u);
@@ -43,7 +44,7 @@ HWY_INLINE V second_order_of(V ratio, V cosine, V four_ratio_squared) {
   return hn::IfThenElse(hn::Lt(u, set(kSeriesBelow)), small, closed);
 }
 
-/// Twice the derivative of that in u: ((t/2)^2 / sin^2(t/2) + (t/2) cot(t/2) - 2) / u^2.
+/// Twice dD/du: ((t/2)^2 / sin^2(t/2) + (t/2) cot(t/2) - 2) / u^2.
 HWY_INLINE V twice_slope_of(V ratio, V second_order, V u) {
   const V rational = hn::NegMulAdd(second_order, u, hn::MulSub(ratio, ratio, set(1.0)));
   const V closed = hn::Div(rational, hn::Mul(u, u));
@@ -52,8 +53,9 @@ HWY_INLINE V twice_slope_of(V ratio, V second_order, V u) {
   return hn::IfThenElse(hn::Lt(u, set(kSeriesBelow)), small, closed);
 }
 
-/// With V(phi)^-1 = I - phi^ / 2 + second_order phi^ phi^ and V(phi)^-1 R(phi) = V(-phi)^-1,
-///   rho = V(phi)^-1 (t - R t0) = t - t0 + phi x (second_order phi x (t - t0) - (t + t0) / 2).
+/// With J_l^-1(phi) = I - phi^ / 2 + D phi^ phi^, D = `second_order`, and J_l^-1(phi) R(phi) =
+/// J_l^-1(-phi),
+///   rho = J_l^-1(phi) (t - R t0) = t - t0 + phi x (D phi x (t - t0) - (t + t0) / 2).
 void pose_log_density(const EmRow* samples, std::size_t count, const PoseKernel& density,
                       EmRow* rows, EmRow& out) {
   const Quaternion inverse{
@@ -86,11 +88,13 @@ void pose_log_density(const EmRow* samples, std::size_t count, const PoseKernel&
   }
 }
 
-/// The sums of the part of J_r^-T y that is not linear in second moments. With phi^ phi^ y =
-/// phi (phi.y) - phi.phi y and the like, a = share second_order, b = 2 share slope phi.rho:
-///   first:  phi (a (xi.y - 4) + b phi.y2) + rho (a phi.y2) - a phi.phi y1 - (2 a phi.rho + b
-///   phi.phi) y2 last:   phi (a phi.y2) - a phi.phi y2
-/// where -4 a phi comes from the volume, and y = P^-1 xi is applied to the sums.
+/// The sums of the part of J_r^-T y that is not linear in second moments. With phi^ phi^ y = phi
+/// (phi.y) - phi.phi y, y = [y1; y2], a = share D and b = 2 share phi.rho dD/du, they are
+///   phi (a (xi.y - 4) + b phi.y2) + rho (a phi.y2) - a phi.phi y1 - (2 a phi.rho + b phi.phi) y2
+/// for the first three coordinates and
+///   phi (a phi.y2) - a phi.phi y2
+/// for the last three. -4 a phi comes from the volume; y = P^-1 xi is linear, so that P^-1 can be
+/// applied to the sums.
 void add_pose_gradient(const EmRow* rows, const EmRow& shares, std::size_t count,
                        const PoseKernel& density, double* sums) {
   V total[kPoseGradientSums];

@@ -13,11 +13,11 @@
 namespace posemix {
 namespace {
 
-/// The part of y beyond u.
+/// Writes the translation of an element, if it has one, to the entries of y after u.
 void put_translation(const SO3d&, SO3d::Tangent&) {}
 void put_translation(const SE3d& element, SE3d::Tangent& y) { y.tail<3>() = element.translation(); }
 
-/// t = a + B u + e: what the regression finds.
+/// The result of the regression t = a + B u + e.
 struct Regression {
   Eigen::Vector3d intercept;
   Eigen::Matrix3d slope;
@@ -44,7 +44,7 @@ Regression regress(const Vector6d& first, const Matrix6d& second, const EmSettin
   return fit;
 }
 
-/// What is left of the covariance of t once u is known.
+/// The covariance of t given u.
 Eigen::Matrix3d covariance_given_u(const Matrix6d& p) {
   const Eigen::Matrix3d uu = p.topLeftCorner<3, 3>();
   return p.bottomRightCorner<3, 3>() -
@@ -76,7 +76,7 @@ ProjectedGaussian<SE3d> fit_at(const SO3d& tangent_point, const Vector6d& centre
   return ProjectedGaussian<SE3d>::trusted(tangent_point, mean, covariance);
 }
 
-/// B^T R^-1 B, the information on u that t carries.
+/// B^T R^-1 B, the information about u in t.
 Eigen::Matrix3d information_from_t(const Eigen::Matrix3d&) { return Eigen::Matrix3d::Zero(); }
 Eigen::Matrix3d information_from_t(const Matrix6d& p) {
   const Eigen::Matrix3d uu = p.topLeftCorner<3, 3>();
@@ -84,10 +84,10 @@ Eigen::Matrix3d information_from_t(const Matrix6d& p) {
   return slope.transpose() * covariance_given_u(p).ldlt().solve(slope);
 }
 
-/// The expected negative second derivative in d, per sample, for E[u u^T] = m and E[u.u (u.s)] =
-/// `fourth`, by whose ratio to that of a Gaussian its fourth moments are multiplied. In the axes of
-/// P_uu the part from u is diagonal; t, of which a linear part in u explains all it can, adds that
-/// of u (u.d) less its linear part.
+/// The expected negative second derivative with respect to d, per sample, for E[u u^T] = m and
+/// E[u.u (u.s)] = `fourth`. Fourth moments are those of a Gaussian, multiplied by the ratio of
+/// `fourth` to its value for a Gaussian. In the axes of P_uu the part from u is diagonal; t adds
+/// the part from u (u.d) less its linear regression on u.
 Eigen::Matrix3d curvature(const Eigen::Matrix3d& uu, const Eigen::Matrix3d& m,
                           const Eigen::Matrix3d& from_t, double fourth) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(uu);
@@ -145,8 +145,8 @@ void EmModel<ProjectedGaussian<G>>::Worker::accumulate(const EmRow& shares) {
   }
 }
 
-/// The step d of the tangent point, for the P_uu, a, B and R that fit the shares best where it is:
-/// then sum r s = W P_uu^-1 E[u], and t adds nothing but to the third moments.
+/// The step d of the tangent point, at the P_uu, a, B and R that fit the shares best at the present
+/// tangent point: with these, sum r s = W P_uu^-1 E[u], and t contributes only to third moments.
 template <RotationOrPose G>
 Eigen::Vector3d EmModel<ProjectedGaussian<G>>::Worker::move(const Tangent& first,
                                                             const Covariance& second) const {
@@ -205,7 +205,8 @@ ProjectedGaussian<G> EmModel<ProjectedGaussian<G>>::start(std::span<const G> ele
                                                           std::span<const double> weights,
                                                           const EmSettings& settings,
                                                           const Density* prior) {
-  constexpr double kFarthest = 3.0;  // |u| at 143 degrees: a start is not to hang on the equator
+  // |u| at 143 degrees: samples near the equator must not dominate a start.
+  constexpr double kFarthest = 3.0;
   SO3d tangent_point;
   if (!settings.fixed_means) {
     std::vector<SO3d> rotations;
@@ -234,7 +235,7 @@ ProjectedGaussian<G> EmModel<ProjectedGaussian<G>>::start(std::span<const G> ele
   second +=
       total * centre * centre.transpose() - first * centre.transpose() - centre * first.transpose();
   first -= total * centre;
-  if (prior != nullptr) {  // counts as many samples as it takes to span the tangent space
+  if (prior != nullptr) {  // the prior counts as enough samples to span the tangent space
     const double count = G::Dof * largest;
     second += count * prior->covariance();
     total += count;
@@ -244,7 +245,8 @@ ProjectedGaussian<G> EmModel<ProjectedGaussian<G>>::start(std::span<const G> ele
   return fit_at(tangent_point, centre, Tangent(first / total), second, settings);
 }
 
-/// Half the angle between the rotations, in units of the mean spread of u, and the translations.
+/// The squared distance of half the rotation vector, in units of the mean spread of u, and of the
+/// translations.
 template <RotationOrPose G>
 double EmModel<ProjectedGaussian<G>>::squared_distance(const Density& density, const G& a,
                                                        const G& b) {

@@ -8,7 +8,7 @@
 namespace posemix::internal {
 namespace {
 
-/// No variance of u is larger: the distribution is uniform but for little.
+/// The largest variance of u; the distribution is then nearly uniform.
 constexpr double kWidest = 1e4;
 
 /// Bounds of the variances of u along three axes.

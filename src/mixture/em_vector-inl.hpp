@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 
-// Vectors of three, quaternions and small sums, eight samples at a time. Included once for every
-// set of vector instructions.
+// Vectors of three, quaternions and small sums, for at most eight samples at a time. Included once
+// for every set of vector instructions.
 #if defined(POSEMIX_EM_VECTOR_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef POSEMIX_EM_VECTOR_INL
 #undef POSEMIX_EM_VECTOR_INL
@@ -72,7 +72,7 @@ HWY_INLINE Quaternion product(const Quaternion& a, const Quaternion& b) {
           hn::MulSub(a.w, b.w, dot(a.v, b.v))};
 }
 
-/// Powers of z = 2 c - 1 for the polynomials in it.
+/// Powers of z = 2 c - 1, the variable of the polynomials.
 struct Powers {
   V z, z2, z4;
 

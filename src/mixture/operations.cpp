@@ -5,7 +5,7 @@
 namespace posemix {
 namespace {
 
-/// Applies `part` to every component of a joint mixture.
+/// Applies `part`, which takes a joint density to one of a pose, to every component.
 template <class Part>
 Mixture<ConcentratedGaussian<SE3d>> of_every_component(
     const Mixture<ConcentratedGaussian<PoseStackd>>& joint, const Part& part) {

@@ -13,14 +13,14 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// Points of a standard normal vector in three dimensions.
+/// Cubature points of a standard normal vector in three dimensions.
 const GaussianCubature<3>& cubature() {
   static const auto rule = GaussianCubature<3>::icosahedron();
   return rule;
 }
 
-/// Cubature points of one distribution: rotations, and the mean of t at each; t varies about it by
-/// `residual`.
+/// Cubature points of one distribution: rotations, the mean of t at each of them, and the
+/// covariance `residual` of t about that mean.
 template <RotationOrPose G>
 struct QuadraturePoints {
   std::vector<SO3d> rotations;
@@ -46,7 +46,7 @@ struct QuadraturePoints {
   }
 };
 
-/// Weights that sum to one, and the densities that carry them.
+/// Weights that sum to one, and the densities that they belong to.
 template <RotationOrPose G>
 struct Weighted {
   std::vector<double> weights;
@@ -63,7 +63,7 @@ struct Weighted {
   }
 };
 
-/// The normalised sum of the quaternions, each with the sign that brings it next to the heaviest.
+/// The normalised sum of the quaternions, each with the sign that is nearer to the heaviest one.
 SO3d chordal_start(std::span<const SO3d> rotations, std::span<const double> weights) {
   const auto heaviest = std::max_element(weights.begin(), weights.end()) - weights.begin();
   const Eigen::Vector4d first = rotations[static_cast<std::size_t>(heaviest)].quaternion().coeffs();

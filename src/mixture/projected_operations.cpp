@@ -11,7 +11,8 @@
 namespace posemix {
 namespace {
 
-/// log delta of the MPG paper: the means' Mahalanobis distance in the tangent space halfway.
+/// log delta of the MPG paper, eq. 19: minus half of the squared Mahalanobis distance of the means
+/// in the tangent space halfway.
 template <RotationOrPose G>
 double log_delta(const ProjectedGaussian<G>& p, const ProjectedGaussian<G>& q) {
   const SO3d halfway = gnomonic::halfway(p.tangent_point(), q.tangent_point());
@@ -21,7 +22,7 @@ double log_delta(const ProjectedGaussian<G>& p, const ProjectedGaussian<G>& q) {
   return -0.5 * sum.matrixL().solve(apart).squaredNorm();
 }
 
-/// The components that a pair of components becomes.
+/// The components that result from a pair of components.
 template <RotationOrPose G>
 class PairFusion {
  public:
@@ -52,8 +53,8 @@ class PairFusion {
   const ProjectedMixtureFuseSettings& settings_;
 };
 
-/// Every component, or its pieces where its rotation is too wide. A spread of u is half of that of
-/// the rotation.
+/// All components, those with a too wide rotation replaced by their parts. The spread of u is half
+/// of the spread of the rotation.
 template <RotationOrPose G>
 std::vector<Component<ProjectedGaussian<G>>> split_wide(const Mixture<ProjectedGaussian<G>>& x,
                                                         double split_above) {
@@ -68,7 +69,7 @@ std::vector<Component<ProjectedGaussian<G>>> split_wide(const Mixture<ProjectedG
   return pieces;
 }
 
-/// The operation on all pairs.
+/// Applies the operation to all pairs of components.
 template <RotationOrPose G, class Operation>
 Mixture<ProjectedGaussian<G>> on_pairs(const Mixture<ProjectedGaussian<G>>& x,
                                        const Mixture<ProjectedGaussian<G>>& y, double split_above,

@@ -175,7 +175,7 @@ TEST(NoiseFit, RefusesSettingsThatContradictEachOther) {
   EXPECT_EQ(message({.criterion = NoiseCriterion::cross_validation}),
             "noise model: cross validation with 0 folds, expected two or more");
   EXPECT_EQ(thrown_message([&] { fit_noise({}, {}, stream); }),
-            "noise model: 0 observations for 1 components, expected two per component");
+            "noise model: 0 observations for 1 component, expected two per component");
 }
 
 }  // namespace

@@ -6,9 +6,9 @@
 
 namespace posemix {
 
-/// The first index i < count at which the sum weight(0) + ... + weight(i) exceeds `target`; for a
-/// target drawn uniformly below the sum of all weights, an index drawn by them. `otherwise` is the
-/// result where rounding leaves no such index.
+/// The first index i < count at which the sum weight(0) + ... + weight(i) exceeds `target`, or
+/// `otherwise` if rounding leaves no such index. With a target drawn uniformly between zero and the
+/// sum of all weights, the index is drawn with probability proportional to its weight.
 template <class Weight>
 std::size_t index_at_sum(double target, std::size_t count, const Weight& weight,
                          std::size_t otherwise) {

@@ -7,8 +7,8 @@
 
 namespace posemix {
 
-/// Invalid input: the message names the value (file, line or key where there is one) and what was
-/// expected.
+/// The exception for invalid input: its message names the value (with file, line or key if there is
+/// one) and what was expected.
 class InvalidInput : public std::invalid_argument {
  public:
   using std::invalid_argument::invalid_argument;
@@ -21,7 +21,7 @@ inline void require(bool condition, const char* message) {
 
 namespace internal {
 
-/// Tag of the constructors that take their arguments unchecked.
+/// Tag of constructors that do not check their arguments.
 struct Unchecked {};
 
 }  // namespace internal

@@ -9,21 +9,23 @@
 
 namespace posemix {
 
-/// Points z (in columns) and weights for integrals over N(z; 0, I) in N dimensions.
+/// A cubature rule: points z (in columns) and weights for integrals over N(z; 0, I) in N
+/// dimensions.
 template <int N>
 struct GaussianCubature {
   Eigen::Matrix<double, N, Eigen::Dynamic> points;
   Eigen::VectorXd weights;
 
-  /// The 2N points +-sqrt(N) e_i: exact for polynomials of degree three.
+  /// The 2N points +-sqrt(N) e_i: exact for polynomials up to degree three.
   static GaussianCubature third_degree() {
     GaussianCubature rule(2 * N);
     for (int i = 0; i < N; ++i) rule.add_axis(i, std::sqrt(N), 1.0 / (2 * N));
     return rule;
   }
 
-  /// The origin, +-sqrt(N + 2) e_i and sqrt((N + 2) / 2) (+-e_i +- e_j): exact for polynomials of
-  /// degree five \cite stroud1971. For N > 4 the weights of the second kind are negative.
+  /// The origin, +-sqrt(N + 2) e_i and sqrt((N + 2) / 2) (+-e_i +- e_j): exact for polynomials up
+  /// to degree five \cite stroud1971. For N > 4 the weights of the points +-sqrt(N + 2) e_i are
+  /// negative.
   static GaussianCubature fifth_degree() {
     GaussianCubature rule(1 + 2 * N * N);
     constexpr double m = N + 2.0;
@@ -36,7 +38,7 @@ struct GaussianCubature {
   }
 
   /// The origin and the twelve corners of an icosahedron of radius sqrt(5): exact for polynomials
-  /// of degree five in three dimensions \cite stroud1971.
+  /// up to degree five in three dimensions \cite stroud1971.
   static GaussianCubature icosahedron() requires(N == 3) {
     GaussianCubature rule(13);
     rule.add(Point::Zero(), 0.4);

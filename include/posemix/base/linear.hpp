@@ -48,20 +48,20 @@ typename Derived::PlainObject mirror_upper(const Eigen::MatrixBase<Derived>& m) 
   return full;
 }
 
-/// log det of the matrix whose Cholesky factor is given.
+/// log det of the matrix with this Cholesky factor.
 template <class Matrix>
 double log_det(const Eigen::LLT<Matrix>& factor) {
   return 2.0 * factor.matrixLLT().diagonal().array().log().sum();
 }
 
-/// log N(residual; 0, S) for the Cholesky factor of S.
+/// log N(residual; 0, S) for the Cholesky factor of the covariance S.
 template <class Matrix, class Vector>
 double log_normal(const Eigen::LLT<Matrix>& factor, const Eigen::MatrixBase<Vector>& residual) {
   const double squared = factor.matrixL().solve(residual).squaredNorm();
   return -0.5 * (squared + log_det(factor) + static_cast<double>(residual.size()) * kLogTwoPi);
 }
 
-/// The symmetric part of a covariance after checking it: square of the given size, finite,
+/// Checks a covariance and returns its symmetric part. It must be square of the given size, finite,
 /// symmetric up to rounding (1e-9 of its largest entry) and positive definite. `name` begins the
 /// error message.
 /// @throws InvalidInput naming the property that fails
@@ -84,7 +84,8 @@ Matrix checked_covariance(const Matrix& covariance, Eigen::Index size, const std
   return symmetric;
 }
 
-/// What every file would otherwise instantiate for itself, for matrices of one size.
+/// Instantiates the functions above once for N x N matrices, so that the files that use them do
+/// not.
 // NOLINTBEGIN(bugprone-macro-parentheses): types and keywords take none
 #define POSEMIX_LINEAR(prefix, N)                                                           \
   prefix template double log_normal(const Eigen::LLT<Eigen::Matrix<double, N, N>>&,         \

@@ -12,12 +12,12 @@ namespace posemix {
 
 /// A counter-based random stream (Philox4x32-10 \cite salmon2011random).
 ///
-/// Two numbers name a stream, the seed and the stream index; streams with different names are
-/// independent. The output depends on nothing but the name and the position, so work items that own
-/// their stream give the same result on any number of threads or ranks. The integers are the same
-/// on every machine; normal deviates use the ziggurat method and differ between machines at most in
-/// the rare tail draws, by one unit in the last place. Meets the requirements of a uniform random
-/// bit generator.
+/// A stream is identified by two numbers, the seed and the stream index; streams that differ in one
+/// of them are independent. The output depends only on these two and the position in the stream, so
+/// work items with streams of their own give the same result on any number of threads or ranks. The
+/// integers are the same on every machine; normal deviates use the ziggurat method and differ
+/// between machines at most in the rare tail draws, by one unit in the last place. Meets the
+/// requirements of a uniform random bit generator.
 class RandomStream {
  public:
   using result_type = std::uint32_t;
@@ -28,9 +28,9 @@ class RandomStream {
   static constexpr result_type max() { return std::numeric_limits<result_type>::max(); }
   result_type operator()();
 
-  /// Uniform deviate in [0, 1) with 53 random bits.
+  /// A uniform deviate in [0, 1) with 53 random bits.
   double uniform();
-  /// Standard normal deviate.
+  /// A standard normal deviate.
   double normal();
   /// Fills `values` with independent standard normal deviates.
   void fill_normal(Eigen::Ref<Eigen::VectorXd> values);

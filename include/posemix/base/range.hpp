@@ -17,9 +17,10 @@ struct NumberRange {
   bool with_infinity = false;    ///< plus infinity is allowed
 
   bool contains(double number) const;
-  /// "number", "positive number", "number in [0, 1]", ...
+  /// The kind of number for a message: "number", "positive number", "number in [0, 1]", ...
   std::string describe() const;
-  /// @throws InvalidInput `name is 2, expected a number in [0, 1]`
+  /// @throws InvalidInput when the number lies outside, such as "name is 2, expected a number in
+  /// [0, 1]"
   void check(double number, const std::string& name) const;
 };
 
@@ -36,7 +37,7 @@ struct IntegerRange {
   std::int64_t highest = std::numeric_limits<std::int64_t>::max();
 
   bool contains(std::int64_t number) const { return number >= lowest && number <= highest; }
-  /// "integer", "integer of at least 1", "integer in [0, 9]", ...
+  /// The kind of number for a message: "integer", "integer of at least 1", "integer in [0, 9]", ...
   std::string describe() const;
 };
 

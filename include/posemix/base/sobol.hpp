@@ -11,8 +11,9 @@
 
 namespace posemix {
 
-/// Points of a Sobol sequence in the open unit cube under a random digital shift
-/// \cite lecuyer2002randomized: each is uniform, together they are spread evenly.
+/// Points of a Sobol sequence in the open unit cube under a random digital shift \cite
+/// lecuyer2002randomized: each point is uniformly distributed, and together they cover the cube
+/// evenly.
 class ShiftedSobol {
  public:
   /// @throws std::invalid_argument for more dimensions than there are direction numbers (3667)

@@ -6,38 +6,42 @@
 #include <span>
 #include <utility>
 
-/// Statistics of studies.
+/// Means, quantiles and tests for evaluations.
 namespace posemix {
 
+/// The mean of some values and its accuracy.
 struct MeanWithError {
   double mean;
-  double standard_error;  ///< of the mean; NaN for fewer than two values
+  double standard_error;  ///< standard error of the mean; NaN for fewer than two values
 };
 
 MeanWithError mean_with_error(std::span<const double> values);
 
+/// The arithmetic mean; NaN for no values.
 double mean(std::span<const double> values);
 
+/// The median, for an even number the mean of the two in the middle; NaN for no values.
 double median(std::span<const double> values);
 
-/// The value below which a chi-square distributed number of `dof` degrees of freedom lies with the
-/// probability.
+/// The quantile of the chi-square distribution with `dof` degrees of freedom: the value that a draw
+/// does not exceed with the given probability.
 /// @throws InvalidInput when the probability is not in (0, 1) or dof is zero
 double chi_square_quantile(double probability, std::size_t dof);
 
-/// The interval in which the mean of `count` normalised squared errors of `dof` degrees of freedom
-/// lies with probability 0.95 when the errors are independent and the covariances right: quantiles
-/// of the chi-square distribution over count dof.
+/// The interval in which the ANEES of `count` errors of `dof` degrees of freedom lies with
+/// probability 0.95 if the errors are independent and the covariances right: quantiles of the
+/// chi-square distribution with count * dof degrees of freedom, divided by count * dof.
 std::pair<double, double> chi_square_band(std::size_t count, std::size_t dof);
 
-/// A comparison of paired values a_i - b_i.
+/// Result of a paired t-test on the differences a_i - b_i.
 struct PairedTest {
   double mean_difference;
-  double standard_error;
-  double p_value;  ///< two-sided, Student's t; 1 where all differences are zero; NaN below two
+  double standard_error;  ///< standard error of the mean difference
+  double p_value;  ///< two-sided; 1 if all differences are zero; NaN for fewer than two pairs
 };
 
-/// @throws InvalidInput when the two have different sizes
+/// Student's t-test of paired values.
+/// @throws InvalidInput when the two samples have different sizes
 PairedTest paired_test(std::span<const double> a, std::span<const double> b);
 
 }  // namespace posemix

@@ -9,7 +9,7 @@ namespace posemix {
 /// Measures durations by the steady clock.
 class Stopwatch {
  public:
-  /// The time since it was made [s].
+  /// The time since construction [s].
   double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
 
  private:

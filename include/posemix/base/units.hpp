@@ -9,10 +9,10 @@ namespace posemix {
 
 inline constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 
-/// Angle in radians of an angle in degrees.
+/// Converts degrees to radians.
 constexpr double radians(double degrees) { return degrees * kRadPerDeg; }
 
-/// Angle in degrees of an angle in radians.
+/// Converts radians to degrees.
 constexpr double degrees(double radians) { return radians / kRadPerDeg; }
 
 }  // namespace posemix

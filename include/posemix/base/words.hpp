@@ -10,12 +10,12 @@
 
 namespace posemix {
 
-/// Words for the values of an enum, in the order in which messages list them.
+/// The words for the values of an enum, in the order in which messages list them.
 template <class Enum, std::size_t Size>
 using WordTable = std::array<std::pair<std::string_view, Enum>, Size>;
 
-/// The words that stand for the values of an enum in files and on the command line. An enum whose
-/// values users write down specialises it beside its definition; every value has one word.
+/// The words for the values of an enum in files and on the command line. An enum that users write
+/// down specialises this table beside its definition, with one word for every value.
 template <class Enum>
 inline constexpr WordTable<Enum, 0> words{};
 
@@ -23,7 +23,7 @@ inline constexpr WordTable<Enum, 0> words{};
 template <class Enum>
 concept Spelled = std::is_enum_v<Enum> && !words<Enum>.empty();
 
-/// The word for a value.
+/// The word for a value; empty if the table has none.
 template <Spelled Enum>
 constexpr std::string_view word_of(Enum value) {
   for (const auto& [word, other] : words<Enum>) {

@@ -7,12 +7,13 @@
 
 namespace posemix {
 
-/// Reads the error of a detector from a table with the key `components`, as `[noise.NAME]` of a
-/// sequence file (docs/formats.md).
+/// Reads the noise of a detector from a table with the key `components`, such as `[noise.NAME]` of
+/// a sequence file (docs/formats.md).
 /// @throws InvalidInput naming file, line and key
 DetectorNoise read_detector_noise(const TomlTable& model);
 
-/// Diagonal covariance of the keys rotation_sd_deg and translation_sd_m, both needed and positive.
+/// Reads a diagonal covariance from the keys rotation_sd_deg and translation_sd_m, which must both
+/// exist and be positive.
 /// @throws InvalidInput naming file, line and key
 Matrix6d read_pose_covariance(const TomlTable& table);
 

@@ -13,13 +13,13 @@
 namespace posemix {
 
 /// The table `[noise.NAME]` of a sequence file with all digits, so that it is read back as the same
-/// model: components, clutter, and the keys `dependent_frames` and `bias` of the dependence.
-/// Diagonal covariances are written as standard deviations.
+/// model: components, clutter, and the keys `dependent_frames` and `bias` for the correlation of
+/// detections. Diagonal covariances are written as standard deviations.
 /// @throws InvalidInput for a name other than letters, digits, '_' and '-'
 std::string format_noise_toml(std::string_view name, const DetectorNoise& noise);
 
-/// The same with the dependence of `correlation` in place of that of the model, to the three digits
-/// to which it is known, and a comment with the dependence of whole recordings.
+/// The table with `correlation` in place of the model's own correlation of detections, rounded to
+/// the three digits to which it is known, and a comment with the values of whole recordings.
 std::string format_noise_toml(std::string_view name, const DetectorNoise& noise,
                               const NoiseCorrelation& correlation);
 

@@ -19,37 +19,37 @@
 #include "posemix/base/range.hpp"
 #include "posemix/base/words.hpp"
 
-/// Checked reading of TOML: every error names file, line and key, and no key goes unread.
+/// Checked reading of TOML: every error names file, line and key, and every key must be read.
 namespace posemix {
 
 struct TomlNode;
 struct TomlState;
 
-/// A table of a TomlDocument, by which its values are read. Cheap to copy; keeps the document's
-/// values alive, but is void after TomlDocument::apply_override.
+/// A table of a TomlDocument, for reading its values. Cheap to copy; keeps the document's values
+/// alive, but is invalid after TomlDocument::apply_override.
 ///
 /// Every getter throws InvalidInput `file:line: key 'noise.mug.weight' is a string, expected a
-/// number in [0, 1]` when the value is of another type or out of range, and when it is missing
-/// where the getter has no default. A value that came from an override is located as `--set
-/// key=value` in place of `file:line`. A missing key whose name is there with another unit suffix
-/// is reported as such (`key 'sd_rad': expected 'sd_deg' (degrees)`).
+/// number in [0, 1]` when the value is of a wrong type or out of range, or is missing and the
+/// getter has no default. For a value from an override the message has `--set key=value` in place
+/// of `file:line`. If a key is missing but exists with another unit suffix, the message says so
+/// (`key 'sd_rad': expected 'sd_deg' (degrees)`).
 ///
-/// A key that a getter (or has()) asked for counts as known. Call finish() when all are read.
+/// A key that a getter (or has()) was called for counts as known. Call finish() when all are read.
 class TomlTable {
  public:
-  /// The dotted path of this table, as `noise.mug` or `objects[0]`; empty at the top of the
+  /// The dotted path of this table, such as `noise.mug` or `objects[0]`; empty for the top of the
   /// document.
   const std::string& path() const { return path_; }
-  /// The table's keys in the order of the text. They do not count as known thereby.
+  /// The keys of the table in the order of the text. This call does not make them known.
   std::vector<std::string> keys() const;
-  /// True where the key is present.
+  /// Whether the key exists.
   bool has(std::string_view key) const;
-  /// True where the key is present and holds an array.
+  /// Whether the key exists and its value is an array.
   bool is_array(std::string_view key) const;
-  /// True where the key is present and holds a table.
+  /// Whether the key exists and its value is a table.
   bool is_table(std::string_view key) const;
 
-  /// A finite number; integers are taken too.
+  /// A finite number; integers are accepted too.
   double get_double(std::string_view key, const NumberRange& range = kAnyNumber) const;
   double get_double_or(std::string_view key, double otherwise,
                        const NumberRange& range = kAnyNumber) const;
@@ -61,15 +61,15 @@ class TomlTable {
   bool get_bool(std::string_view key) const;
   bool get_bool_or(std::string_view key, bool otherwise) const;
 
-  /// A string in which `${name}` is replaced (see TomlDocument). A number or boolean that came from
-  /// an override is taken as it was written there.
+  /// A string in which `${name}` is replaced (see TomlDocument). A number or boolean from an
+  /// override is taken as the text that was written there.
   std::string get_string(std::string_view key) const;
   std::string get_string_or(std::string_view key, std::string_view otherwise) const;
 
-  /// One of the allowed words; the result is its position among them.
+  /// One of the allowed words; the result is its index among them.
   std::size_t get_word(std::string_view key, std::span<const std::string_view> words) const;
 
-  /// The value that belongs to a word: `get_enum<Rule>("rule", {{"midway", Rule::midway}, ...})`.
+  /// The value for a word: `get_enum<Rule>("rule", {{"midway", Rule::midway}, ...})`.
   template <typename Value>
   Value get_enum(std::string_view key,
                  std::initializer_list<std::pair<std::string_view, Value>> choices) const;
@@ -77,13 +77,13 @@ class TomlTable {
   Value get_enum_or(std::string_view key, Value otherwise,
                     std::initializer_list<std::pair<std::string_view, Value>> choices) const;
 
-  /// The value that belongs to a word of the enum's own (`words<Value>`).
+  /// The value for a word of the table `words<Value>` of an enum.
   template <Spelled Value>
   Value get_enum(std::string_view key) const;
   template <Spelled Value>
   Value get_enum_or(std::string_view key, Value otherwise) const;
 
-  /// An array of `size` finite numbers (of any size where not given), each within the range.
+  /// An array of `size` finite numbers (of any size if not given), each within the range.
   Eigen::VectorXd get_vector(std::string_view key, std::optional<Eigen::Index> size = {},
                              const NumberRange& range = kAnyNumber) const;
   Eigen::VectorXd get_vector_or(std::string_view key, const Eigen::VectorXd& otherwise,
@@ -102,17 +102,17 @@ class TomlTable {
 
   /// An array of tables, `[[key]]`; at least one.
   std::vector<TomlTable> get_tables(std::string_view key) const;
-  /// An array of tables; none where the key is missing.
+  /// An array of tables; empty if the key is missing.
   std::vector<TomlTable> find_tables(std::string_view key) const;
 
-  /// Where the key's value (or, without one, this table) was written: `file:line` or `--set
-  /// key=value`.
+  /// The place where the key's value (or, without one, this table) was written: `file:line` or
+  /// `--set key=value`.
   std::string location(std::string_view key) const;
-  /// Throws InvalidInput `location: key 'path.key' message`.
+  /// @throws InvalidInput `location: key 'path.key' message`
   [[noreturn]] void fail(std::string_view key, std::string_view message) const;
 
-  /// Throws InvalidInput for a key of this table or of any table below it that nobody asked for,
-  /// with its place and the known key that it resembles.
+  /// Throws InvalidInput for a key of this table, or of any table below it, that no getter was
+  /// called for. The message has its place and a similar known key.
   void finish() const;
 
  private:
@@ -137,14 +137,15 @@ class TomlTable {
 
 /// A TOML document with overrides and variables.
 ///
-/// `${name}` in a string stands for the variable `name`: one set by set_variable, else the string
-/// or integer under the key `name` at the top of the document (which thereby counts as known). `${`
-/// without `}` and names that are neither are errors.
+/// `${name}` in a string is replaced by the variable `name`: the one of set_variable, otherwise the
+/// string or integer under the key `name` at the top of the document (which then counts as known).
+/// `${` without `}` and names that are neither are errors.
 class TomlDocument {
  public:
-  /// Parses a text; `name` stands for the file in messages. Keys of sequence files under old names
-  /// are renamed, with a warning each. Throws InvalidInput `name:line: reason`, also for an empty
-  /// text, for one above 1 MiB, and for a key that is there under its old and its new name.
+  /// Parses a text; `name` is the name of the file in messages. Keys of sequence files under old
+  /// names are renamed, with a warning for each.
+  /// @throws InvalidInput `name:line: reason`, also for an empty text, a text above 1 MiB, and a
+  /// key that occurs under its old and its new name
   static TomlDocument parse(std::string_view text, const std::string& name);
   /// Parses a file.
   static TomlDocument load(const std::filesystem::path& path);
@@ -152,27 +153,28 @@ class TomlDocument {
   /// Sets a value by its path: `filter.gate=0.99`, `objects.0.detections=mug.txt`,
   /// `objects.mug.detections=...`.
   ///
-  /// A part of the path that meets an array is an index from zero or else the `id` of one of its
-  /// tables. A part may be quoted ("a.b"). Tables on the way are created. The text after '=' is a
-  /// TOML value, and where it is not (a bare word, 0001) a string. Throws InvalidInput `--set
-  /// key=value: reason`.
+  /// If a part of the path refers to an array, it is an index from zero or the `id` of one of its
+  /// tables. A part may be quoted ("a.b"). Tables on the path are created. The text after '=' is a
+  /// TOML value, or if it is not (a bare word, 0001) a string.
+  /// @throws InvalidInput `--set key=value: reason`
   void apply_override(std::string_view assignment);
 
   /// From now on reads the key `old_name` at the top of this document as `new_name`, with a
-  /// warning. Throws InvalidInput where the document has both.
+  /// warning.
+  /// @throws InvalidInput when the document has both
   void rename_key(const std::string& old_name, const std::string& new_name);
 
-  /// Gives the variable `name` a value that goes before the document's own.
+  /// Sets the variable `name`, which takes precedence over the document's own.
   void set_variable(const std::string& name, const std::string& value);
 
   /// The table at the top.
   TomlTable root() const;
   const std::string& name() const;
-  /// One warning for every key that was given under the name that it had in the release before:
-  /// `file:line: key 'filter.camera_share' is now 'filter.odometry_camera_fraction'; ...`.
+  /// One warning for every key that was given under its name of the previous release:
+  ///  `file:line: key 'filter.camera_share' is now 'filter.odometry_camera_fraction'; ...`.
   const std::vector<std::string>& warnings() const;
 
-  /// As TomlTable::finish for the whole document.
+  /// Calls TomlTable::finish for the whole document.
   void finish() const { root().finish(); }
 
  private:

@@ -14,10 +14,10 @@ namespace posemix {
 /// A Gaussian on a Lie group, concentrated around one mean element:
 ///   X = Exp(xi) X0,  xi ~ N(0, P).
 ///
-/// The perturbation is on the left, so xi and P live in the reference frame (for a pose T_a_b, in
-/// frame a), rotation first, in radians and metres. The density is with respect to the bi-invariant
-/// (Haar) measure dX = |det J_l(xi)| dxi (midway-merge paper, eq. 4-5; that paper writes Exp(-xi),
-/// which a zero-mean xi does not see).
+/// The perturbation is on the left, so xi and P are stated in the reference frame (for a pose
+/// T_a_b, in frame a), rotation first, in radians and metres. The density is with respect to the
+/// bi-invariant (Haar) measure dX = |det J_l(xi)| dxi (midway-merge paper, eq. 4-5; that paper
+/// writes Exp(-xi), which for a zero-mean xi is the same distribution).
 ///
 /// Invariants, tested as a list:
 ///  - the covariance is symmetric positive definite and has the size of the group;
@@ -35,28 +35,29 @@ class ConcentratedGaussian {
   /// positive definite
   ConcentratedGaussian(G mean, const Covariance& covariance);
 
-  /// The same without the checks, for results of computations that preserve the invariants.
+  /// A density whose arguments are not checked, for results of computations that preserve the
+  /// invariants.
   static ConcentratedGaussian trusted(G mean, Covariance covariance) {
     return ConcentratedGaussian(std::move(mean), std::move(covariance), internal::Unchecked());
   }
 
   const G& mean() const { return mean_; }
-  /// Covariance of xi in X = Exp(xi) X0: reference frame.
+  /// The covariance of xi in X = Exp(xi) X0, in the reference frame.
   const Covariance& covariance() const { return covariance_; }
-  /// Covariance of the right perturbation, X = X0 Exp(delta): body frame.
+  /// The covariance of the right perturbation delta in X = X0 Exp(delta), in the body frame.
   Covariance body_covariance() const;
   Eigen::Index dof() const { return mean_.dof(); }
-  /// Gives mean and covariance away; the density must not be used afterwards.
+  /// Moves mean and covariance out; the density must not be used afterwards.
   std::pair<G, Covariance> release() && { return {std::move(mean_), std::move(covariance_)}; }
 
-  /// Log of the density with respect to the Haar measure, in nats. Factorises the covariance at
-  /// every call; for many points build an Evaluator once.
+  /// Log of the density with respect to the Haar measure, in nats. Every call factorises the
+  /// covariance; for many points, build an Evaluator once.
   double log_density(const G& element) const;
 
-  /// One draw, Exp(L z) X0 with P = L L^T.
+  /// One draw, Exp(L z) X0 with P = L L^T and z standard normal.
   G sample(RandomStream& stream) const;
 
-  /// Log density at many points: the covariance is factorised once.
+  /// Evaluates the log density at many points; the covariance is factorised once.
   class Evaluator {
    public:
     explicit Evaluator(const ConcentratedGaussian& density);
@@ -109,8 +110,8 @@ double ConcentratedGaussian<G>::Evaluator::log_density(const G& element) const {
   return log_normal(factor_, xi) - G::log_abs_det_left_jacobian(xi);
 }
 
-/// A Gaussian in the tangent space at `anchor` whose mean need not be zero: X = Exp(xi) anchor, xi
-/// ~ N(mean, P).
+/// A Gaussian in the tangent space at `anchor` whose mean need not be zero:
+///   X = Exp(xi) anchor,  xi ~ N(mean, P).
 template <LieGroup G>
 struct TangentGaussian {
   G anchor;

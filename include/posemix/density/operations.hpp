@@ -8,20 +8,21 @@
 
 #include "posemix/density/concentrated_gaussian.hpp"
 
-/// Operations on one peak: move it to another tangent space, compose, invert, fuse.
+/// Operations on one density: move it to another tangent space, compose, invert, fuse.
 namespace posemix {
 
 /// The density as a Gaussian in the tangent space at `anchor` (midway-merge paper, eq. 9-10; Cesic
 /// et al. 2017): mean d = Log(X0 anchor^-1), covariance J_l^-1(d) P J_l^-T(d). First order in xi,
-/// exact in d along one-parameter subgroups. (The paper's sign convention gives mean -d.)
+/// exact in d along one-parameter subgroups. (With the sign convention of the paper the mean is
+/// -d.)
 template <LieGroup G>
 TangentGaussian<G> recenter(const ConcentratedGaussian<G>& density, const G& anchor) {
   const typename G::Tangent d = (density.mean() * anchor.inverse()).log();
   return {anchor, d, G::left_jacobian_inverse_congruence(d, density.covariance())};
 }
 
-/// The back-projection: the zero-mean density at Exp(mean) anchor with covariance J_l(mean) P
-/// J_l(mean)^T (Cesic et al. 2017). Undoes `recenter`.
+/// The back-projection, the inverse of `recenter`: the zero-mean density at Exp(mean) anchor with
+/// covariance J_l(mean) P J_l(mean)^T (Cesic et al. 2017).
 template <LieGroup G>
 ConcentratedGaussian<G> back_project(const TangentGaussian<G>& gaussian) {
   return ConcentratedGaussian<G>::trusted(
@@ -29,8 +30,8 @@ ConcentratedGaussian<G> back_project(const TangentGaussian<G>& gaussian) {
       G::left_jacobian_congruence(gaussian.mean, gaussian.covariance));
 }
 
-/// The density of X Y for independent X and Y, to first order: mean X0 Y0, covariance P_X + Ad(X0)
-/// P_Y Ad(X0)^T (Barfoot and Furgale 2014).
+/// The density of X Y for independent X and Y, to first order (Barfoot and Furgale 2014): mean X0
+/// Y0, covariance P_X + Ad(X0) P_Y Ad(X0)^T.
 template <LieGroup G>
 ConcentratedGaussian<G> compose(const ConcentratedGaussian<G>& x,
                                 const ConcentratedGaussian<G>& y) {
@@ -46,7 +47,7 @@ ConcentratedGaussian<G> inverse(const ConcentratedGaussian<G>& x) {
 }
 
 /// The density of X^-1 Y for independent X and Y, to first order. For two poses of one joint
-/// density use `relative_pose`, which knows their cross-covariance.
+/// density use `relative_pose`, which includes their cross-covariance.
 template <LieGroup G>
 ConcentratedGaussian<G> between(const ConcentratedGaussian<G>& x,
                                 const ConcentratedGaussian<G>& y) {
@@ -56,28 +57,29 @@ ConcentratedGaussian<G> between(const ConcentratedGaussian<G>& x,
 /// Settings of `fuse`.
 struct FuseSettings {
   int max_iterations = 50;
-  double tolerance = 1e-12;  ///< stop when the step's norm falls below this, or rounding [rad, m]
+  /// Stop when the norm of the step is below this, or below its rounding error [rad, m].
+  double tolerance = 1e-12;
 };
 
 /// Result of `fuse`.
 template <class D>
 struct FuseResult {
   D density;  ///< the normalised product
-  double
-      log_overlap;  ///< log of the integral of p q over the group, Laplace's approximation [nats]
+  /// Log of the integral of p q over the group by Laplace's approximation [nats].
+  double log_overlap;
   bool converged;
   int iterations;
 };
 
 namespace internal {
 
-/// The length of a step near `element` that is nothing but rounding [rad, m].
+/// The length of a step at `element` below which the step is only rounding error [rad, m].
 template <LieGroup G>
 double rounding_step(const G& element) {
   return 16.0 * std::numeric_limits<double>::epsilon() * (1.0 + element.log().norm());
 }
 
-/// Information form of one factor of a product, linearised at a common element.
+/// The information form of one factor of a product, linearised at a common element.
 template <LieGroup G>
 struct Factor {
   typename G::TangentMatrix information;
@@ -98,8 +100,9 @@ struct Factor {
 /// The normalised product of two densities on the same group and the log of its integral.
 ///
 /// Gauss-Newton on the sum of both negative logs finds the mode X*; the covariance is the inverse
-/// of the information there, and the overlap is Laplace's: p(X*) q(X*) (2 pi)^(n/2) |P|^(1/2), with
-/// both volume factors. Exact on R^n. Not converging is reported, not thrown.
+/// of the information there. The overlap is Laplace's approximation p(X*) q(X*) (2 pi)^(n/2)
+/// |P|^(1/2), in which p and q include their volume factors. Exact on R^n. If the iteration does
+/// not converge, `converged` is false; nothing is thrown.
 /// @throws InvalidInput when sizes differ or max_iterations is not positive
 template <LieGroup G>
 FuseResult<ConcentratedGaussian<G>> fuse(const ConcentratedGaussian<G>& p,

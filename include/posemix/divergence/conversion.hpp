@@ -10,21 +10,20 @@
 #include "posemix/density/projected_gaussian.hpp"
 #include "posemix/divergence/monte_carlo.hpp"
 
-/// Projected Gaussians from concentrated ones and back, with the divergence that it costs. Compiled
-/// for SO3d and SE3d.
+/// Conversions between concentrated and projected Gaussians, with the divergence that they cost.
+/// Compiled for SO3d and SE3d.
 namespace posemix {
 
-/// How one density of one kind stands for one of the other.
+/// The rule by which a density of one kind is approximated by one of the other.
 enum class ConversionRule {
-  /// To first order in the perturbation on the right, u = phi / 2 and t = t0 + R0 rho.
+  /// To first order in the perturbation on the right: u = phi / 2 and t = t0 + R0 rho.
   linear,
-  /// The moments of the distribution in the other kind's coordinates by cubature of degree five,
-  /// about the
-  /// element where their mean is zero.
+  /// Moments of the distribution in the coordinates of the other kind, by cubature of degree five,
+  /// about the element at which their mean is zero.
   cubature,
-  /// The least divergence D(original || converted): the expectations by Gauss-Hermite quadrature,
-  /// the mean by a Newton iteration on the likelihood. Where the tails matter (beyond 60 degrees)
-  /// they are cut off at the quadrature's last node.
+  /// The least divergence D(original || converted). The expectations are by Gauss-Hermite
+  /// quadrature, the mean by a Newton iteration on the likelihood. Tails that matter (beyond 60
+  /// degrees) are cut off at the last node of the quadrature.
   maximum_likelihood
 };
 
@@ -40,34 +39,35 @@ inline constexpr WordTable<ConversionRule, 3> words<ConversionRule>{{
 template <class D>
 struct ConvertedDensity {
   D density;
-  bool converged;  ///< of the iterated mean
+  bool converged;  ///< whether the iteration of the mean converged
 };
 
-/// A projected Gaussian, PG_0, for a concentrated one.
+/// The projected Gaussian PG_0 that approximates a concentrated one.
 template <RotationOrPose G>
 ConvertedDensity<ProjectedGaussian<G>> to_projected(
     const ConcentratedGaussian<G>& density,
     ConversionRule rule = ConversionRule::maximum_likelihood);
 
-/// A concentrated Gaussian for a projected one.
+/// The concentrated Gaussian that approximates a projected one.
 template <RotationOrPose G>
 ConvertedDensity<ConcentratedGaussian<G>> to_concentrated(
     const ProjectedGaussian<G>& density, ConversionRule rule = ConversionRule::maximum_likelihood);
 
-/// The density as a sum of narrower ones, as `split` for projected Gaussians: three in place of one
-/// along the principal axis of the rotation, again and again until no standard deviation of the
-/// rotation vector exceeds `max_spread` [rad]; in the tangent space moments up to the fifth are
-/// kept, every piece is then back-projected, which is first order.
-/// @throws InvalidInput when max_spread is not positive, or needs more than 1000 pieces
+/// The density as a sum of narrower ones, like `split` for projected Gaussians: it is replaced by
+/// three along the principal axis of the rotation, until no standard deviation of the rotation
+/// vector exceeds `max_spread` [rad]. In the tangent space moments up to the fifth are kept; every
+/// part is then back-projected, which is first order.
+/// @throws InvalidInput when max_spread is not positive, or more than 1000 parts would be needed
 template <RotationOrPose G>
 std::vector<Component<ConcentratedGaussian<G>>> split(const ConcentratedGaussian<G>& density,
                                                       double max_spread);
 
-/// What happens to a component that would lose more than the limit.
+/// The treatment of a component whose conversion would lose more than the limit.
 enum class LargeLoss {
-  split,   ///< it is split, more and more finely, until its loss meets the limit
-  refuse,  ///< InvalidInput
-  accept
+  /// Split it more and more finely until the loss meets the limit or `max_pieces` is reached.
+  split,
+  refuse,  ///< throw InvalidInput
+  accept   ///< convert it nevertheless
 };
 
 /// The words of LargeLoss in files and options.
@@ -78,12 +78,13 @@ inline constexpr WordTable<LargeLoss, 3> words<LargeLoss>{{
     {"accept", LargeLoss::accept},
 }};
 
-/// Settings of the conversion of mixtures.
+/// Settings for the conversion of mixtures.
 struct ConversionSettings {
   ConversionRule rule = ConversionRule::maximum_likelihood;
-  double max_kl = 0.05;  ///< of a component [nats]; so that of the mixture loses no more
+  /// Limit on the loss of every component [nats]; the mixture then loses no more than that either.
+  double max_kl = 0.05;
   LargeLoss on_large_loss = LargeLoss::split;
-  std::size_t max_pieces = 81;  ///< of a component
+  std::size_t max_pieces = 81;  ///< largest number of parts of one component
   DivergenceSamplingSettings sampling{.samples = 1 << 13, .replicates = 16};
 };
 
@@ -92,15 +93,15 @@ template <class D>
 struct Conversion {
   Mixture<D> mixture;
   double kl_lost;               ///< D(original || converted) of the mixtures [nats]
-  double kl_error;              ///< its standard error
-  double largest_component_kl;  ///< the largest of the components' own [nats]
+  double kl_error;              ///< standard error of `kl_lost` [nats]
+  double largest_component_kl;  ///< largest loss of a single component [nats]
   std::size_t components_split;
-  bool converged;     ///< of every iterated mean
+  bool converged;     ///< whether every iteration of a mean converged
   bool within_limit;  ///< whether every component's loss meets the limit
 };
 
-/// A mixture of projected Gaussians for one of concentrated ones, component by component; losses
-/// are measured by `kl_monte_carlo`.
+/// The mixture of projected Gaussians that approximates one of concentrated ones, component by
+/// component; the losses are measured by `kl_monte_carlo`.
 /// @throws InvalidInput when max_kl is not positive, max_pieces is zero, and with LargeLoss::refuse
 /// when a component loses more than max_kl
 template <RotationOrPose G>
@@ -108,7 +109,9 @@ Conversion<ProjectedGaussian<G>> to_projected(const Mixture<ConcentratedGaussian
                                               RandomStream& stream,
                                               const ConversionSettings& settings = {});
 
-/// A mixture of concentrated Gaussians for one of projected ones. As to_projected.
+/// The mixture of concentrated Gaussians that approximates one of projected ones, by the same
+/// method.
+/// @throws InvalidInput as to_projected
 template <RotationOrPose G>
 Conversion<ConcentratedGaussian<G>> to_concentrated(const Mixture<ProjectedGaussian<G>>& mixture,
                                                     RandomStream& stream,

@@ -7,7 +7,7 @@
 #include "posemix/lie/mean.hpp"
 #include "posemix/mixture/tangent_moments.hpp"
 
-/// Divergences between two peaks in closed form: both are moved to the tangent space at the
+/// Divergences between two densities in closed form: both are moved to the tangent space at the
 /// midpoint of their means (first order, as in `recenter`) and compared there as Gaussians in a
 /// vector space.
 namespace posemix {
@@ -26,7 +26,8 @@ struct CommonTangent {
 
 }  // namespace internal
 
-/// Kullback-Leibler divergence D(p || q) [nats], closed form at the midpoint.
+/// Kullback-Leibler divergence D(p || q) [nats], in closed form in the tangent space at the
+/// midpoint.
 template <LieGroup G>
 double gaussian_kl(const ConcentratedGaussian<G>& p, const ConcentratedGaussian<G>& q) {
   const internal::CommonTangent<G> at(p, q, interpolate(p.mean(), q.mean(), 0.5));
@@ -39,15 +40,16 @@ double gaussian_kl(const ConcentratedGaussian<G>& p, const ConcentratedGaussian<
          (trace + squared - static_cast<double>(p.dof()) + log_det(q_factor) - log_det(p_factor));
 }
 
-/// D(p || q) + D(q || p) [nats], closed form at the midpoint.
+/// D(p || q) + D(q || p) [nats], in closed form in the tangent space at the midpoint.
 template <LieGroup G>
 double gaussian_symmetric_kl(const ConcentratedGaussian<G>& p, const ConcentratedGaussian<G>& q) {
   return gaussian_kl(p, q) + gaussian_kl(q, p);
 }
 
-/// Runnalls' upper bound on the divergence of a mixture from itself after merging two components,
-/// with w_i = exp(log_weight_i):  [(w_a + w_b) log|P_ab| - w_a log|P_a| - w_b log|P_b|] / 2
-/// (Runnalls 2007), the covariances taken at the midway point of the two.
+/// Runnalls' upper bound on the divergence between a mixture and itself after merging two
+/// components, with w_i = exp(log_weight_i) and covariances in the tangent space at the midway
+/// point of the two (Runnalls 2007):
+///   [(w_a + w_b) log|P_ab| - w_a log|P_a| - w_b log|P_b|] / 2.
 template <LieGroup G>
 double runnalls_bound(const Component<ConcentratedGaussian<G>>& a,
                       const Component<ConcentratedGaussian<G>>& b) {

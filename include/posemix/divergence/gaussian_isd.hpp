@@ -7,9 +7,9 @@
 
 namespace posemix {
 
-/// Integral square distance int (p - q)^2 dx of two Gaussian mixtures on R^n, exact:
-/// sum_ij c_i c_j N(m_i - m_j; 0, P_i + P_j) over all components, with c = w for those of p and -w
-/// for those of q. The absolute error is that of the largest term times 1e-15.
+/// Integral square distance int (p - q)^2 dx of two Gaussian mixtures on R^n, exact: sum_ij c_i c_j
+/// N(m_i - m_j; 0, P_i + P_j) over all components, with c = w for the components of p and c = -w
+/// for those of q. The absolute error is 1e-15 times the largest term.
 /// @throws InvalidInput when sizes differ
 template <int N>
 double gaussian_isd(const Mixture<ConcentratedGaussian<Rnd<N>>>& p,

@@ -9,25 +9,24 @@
 #include "posemix/mixture/operations.hpp"
 
 /// Divergences between densities on SO(3) by deterministic quadrature (midway-merge paper, eq. 25):
-/// over the ball |xi| <= pi, which covers every rotation once (a cube counts some twice), with the
+/// over the ball |xi| <= pi, which covers every rotation once (a cube covers some twice), with the
 /// exact logarithm and the Haar measure dX = |det J_l(xi)| dxi [rad^3], total volume 8 pi^2.
 ///
-/// Densities are taken as ConcentratedGaussian defines them: they are not renormalised for the
-/// Gaussian mass beyond |xi| = pi. Where that mass matters, a Kullback-Leibler divergence can be
-/// negative.
+/// Densities are those of ConcentratedGaussian: they are not renormalised for the Gaussian mass
+/// beyond |xi| = pi. If that mass matters, a Kullback-Leibler divergence can be negative.
 ///
-/// Method: the integrand is written as sum_k v_k N_k G over components k (G = log(p/q) or p - q,
-/// or where that cancels a form that is never negative), and every part is integrated over the
-/// tangent ball of its own component in coordinates that whiten N_k: adaptive cubature over the
-/// directions, adaptive Gauss-Kronrod along each ray out to 9 standard deviations. A ray is cut
-/// where it crosses the cut locus (angle pi) of any component, which is the zero of one sinusoid,
-/// and where it passes a narrow one. Densities that share an axis of symmetry are found
-/// automatically and need no integral over the azimuth. Errors are estimated from pairs of rules
-/// and raised where halves of a cell disagree with the whole \cite berntsen1991adaptive; they are
+/// Method: the integrand is written as sum_k v_k N_k G over components k (G = log(p/q) or p - q, or
+/// if that cancels a form that is never negative), and every part is integrated over the tangent
+/// ball of its own component in coordinates that whiten N_k: adaptive cubature over the directions,
+/// adaptive Gauss-Kronrod along each ray out to 9 standard deviations. A ray is cut where it
+/// crosses the cut locus (angle pi) of any component, which is the zero of one sinusoid, and where
+/// it passes a narrow component. A common axis of symmetry of the densities is found automatically;
+/// then no integral over the azimuth is needed. Errors are estimated from pairs of rules, and
+/// raised if the halves of a cell disagree with the whole \cite berntsen1991adaptive; they are
 /// estimates, not bounds.
 namespace posemix {
 
-/// A peak or a mixture of peaks on SO(3); both convert.
+/// A density or a mixture on SO(3); both convert implicitly.
 class RotationDensity {
  public:
   using Peak = ConcentratedGaussian<SO3d>;
@@ -43,17 +42,17 @@ class RotationDensity {
   std::vector<Component<Peak>> components_;
 };
 
-/// When to stop.
+/// Stopping criteria of the quadrature.
 struct RotationQuadratureSettings {
-  double relative_tolerance = 1e-6;          ///< of the estimated error to the value
-  std::size_t max_evaluations = 20'000'000;  ///< not begun any more beyond this many
+  double relative_tolerance = 1e-6;          ///< largest ratio of the estimated error to the value
+  std::size_t max_evaluations = 20'000'000;  ///< the refinement stops at this many evaluations
 };
 
 /// Kullback-Leibler divergence D(p || q) = int p log(p/q) dX [nats].
 ///
-/// Where the densities are so close that int p log(p/q) cancels, the non-negative form
-/// int (p log(p/q) - p + q) dX is integrated instead and the difference of the masses added. Log
-/// densities are good to about 4e-15, so the error never falls below 4e-15 sqrt(2 D).
+/// If the densities are so close that int p log(p/q) cancels, the non-negative form int (p log(p/q)
+/// - p + q) dX is integrated instead, and the difference of the masses is added. Log densities are
+/// exact to about 4e-15, so the error is never below 4e-15 sqrt(2 D).
 /// @throws InvalidInput when the tolerance is not positive
 DivergenceEstimate kl(const RotationDensity& p, const RotationDensity& q,
                       const RotationQuadratureSettings& settings = {});

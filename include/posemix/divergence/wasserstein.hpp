@@ -7,13 +7,13 @@
 #include "posemix/divergence/gaussian.hpp"
 #include "posemix/mixture/operations.hpp"
 
-/// Wasserstein distances between peaks and between mixtures. Like gaussian_kl, two peaks are
-/// compared in the common tangent space at the midpoint of their means: first order on a curved
-/// group, exact on R^n.
+/// Wasserstein distances between densities and between mixtures. As for gaussian_kl, two densities
+/// are compared in the tangent space at the midpoint of their means: first order on a curved group,
+/// exact on R^n.
 ///
-/// Radians are weighed against metres by a length scale s [m/rad]: the squared length of a tangent
-/// vector is s^2 |phi|^2 + |rho|^2, and distances are in metres. On SO(3) a scale of 1 gives
-/// radians; on R^n the scale has no effect.
+/// A length scale s [m/rad] weighs radians against metres: the squared length of a tangent vector
+/// is s^2 |phi|^2 + |rho|^2, and distances are in metres. On SO(3) a scale of 1 gives radians; on
+/// R^n the scale has no effect.
 namespace posemix {
 
 namespace internal {
@@ -60,7 +60,7 @@ double squared_wasserstein(const ConcentratedGaussian<G>& p, const ConcentratedG
 
 }  // namespace internal
 
-/// The 2-Wasserstein distance W2 of two peaks, sqrt(|d|^2 + tr(P + Q - 2 (P^1/2 Q P^1/2)^1/2)).
+/// The 2-Wasserstein distance W2 of two densities, sqrt(|d|^2 + tr(P + Q - 2 (P^1/2 Q P^1/2)^1/2)).
 /// @throws InvalidInput when sizes differ or the length scale [m/rad] is not positive
 template <LieGroup G>
 double gaussian_wasserstein(const ConcentratedGaussian<G>& p, const ConcentratedGaussian<G>& q,
@@ -69,9 +69,10 @@ double gaussian_wasserstein(const ConcentratedGaussian<G>& p, const Concentrated
 }
 
 /// The mixture-Wasserstein distance MW2 (\cite delon2020wasserstein): the square root of the least
-/// cost of moving the weights of the components of p onto those of q, a move costing the W2^2 of
-/// the two peaks. An upper bound of W2 on R^n. The transport problem is solved exactly, with
-/// weights rounded to 2^-40 and costs to 2^-40 of the largest.
+/// cost of moving the weights of the components of p onto those of q, where the cost of moving a
+/// unit of weight is the W2^2 of the two components. An upper bound of W2 on R^n. The transport
+/// problem is solved exactly for weights rounded to 2^-40 and costs rounded to 2^-40 of the
+/// largest.
 /// @throws InvalidInput when sizes differ or the length scale [m/rad] is not positive
 template <LieGroup G>
 double mixture_wasserstein(const Mixture<ConcentratedGaussian<G>>& p,

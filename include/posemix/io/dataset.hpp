@@ -14,8 +14,8 @@
 
 #include "posemix/lie/lie.hpp"
 
-/// Annotated scenes of dataset folders: of the BOP benchmark (millimetres in its files) and of
-/// YCB-Video (metres).
+/// Annotated scenes in the folders of a dataset: BOP (millimetres in its files) or YCB-Video
+/// (metres).
 namespace posemix {
 
 /// An annotated object in an image.
@@ -24,37 +24,39 @@ struct DatasetInstance {
   SE3d camera_object;  ///< T_camera_object, metres
 };
 
-/// Annotated objects by image id, those of one image in the file's order.
+/// Annotated objects by image id; those of one image are in the order of the file.
 using DatasetImages = std::map<std::int64_t, std::vector<DatasetInstance>>;
-/// T_world_camera by image id, where it is known.
+/// T_world_camera by image id; empty if it is not known.
 using DatasetCameras = std::map<std::int64_t, std::optional<SE3d>>;
 
 /// One scene.
 struct DatasetScene {
-  std::string name;  ///< its folder, for messages
+  std::string name;  ///< name of the scene's folder, for messages
   DatasetCameras cameras;
   DatasetImages images;
 
   /// The ids of all images.
   std::set<std::int64_t> image_ids() const;
-  /// How often an object is annotated in one image at most, by object id.
+  /// The largest number of annotations of an object in one image, by object id.
   std::map<std::int64_t, std::size_t> instance_counts() const;
-  /// T_camera_object by image id. `instance` counts from zero in the file's order.
-  /// @throws InvalidInput where the object is in no image; without `instance` where an image has
-  /// several; with it where there is no such one, or images have different numbers of them
+  /// T_camera_object by image id. `instance` counts from zero in the order of the file.
+  /// @throws InvalidInput when the object is in no image; without `instance` when an image has
+  /// several instances; with `instance` when there is no such instance, or images have different
+  /// numbers of them
   std::map<std::int64_t, SE3d> poses_of(std::int64_t object,
                                         std::optional<std::size_t> instance = {}) const;
-  /// T_world_camera by image id. @throws InvalidInput where no image has one
+  /// T_world_camera by image id.
+  /// @throws InvalidInput when no image has one
   std::map<std::int64_t, SE3d> camera_poses() const;
 };
 
-/// `scene_gt.json`: per image id an array of `{obj_id, cam_R_m2c, cam_t_m2c}`, R row by row, t in
-/// millimetres. Other keys are not looked at.
+/// Reads `scene_gt.json`: per image id an array of `{obj_id, cam_R_m2c, cam_t_m2c}`, R row by row,
+/// t in millimetres. Other keys are ignored.
 /// @throws InvalidInput naming file, image and key
 DatasetImages parse_bop_scene_gt(std::string_view text, const std::string& name);
 
-/// `scene_camera.json`: per image id an object, in which `cam_R_w2c` and `cam_t_w2c` (millimetres)
-/// may be missing, both or none: T_camera_world.
+/// Reads `scene_camera.json`: per image id an object with `cam_R_w2c` and `cam_t_w2c`
+/// (millimetres), T_camera_world, or with neither of them.
 /// @throws InvalidInput naming file, image and key
 DatasetCameras parse_bop_scene_camera(std::string_view text, const std::string& name);
 
@@ -62,20 +64,21 @@ DatasetCameras parse_bop_scene_camera(std::string_view text, const std::string& 
 std::filesystem::path bop_scene_folder(const std::filesystem::path& dataset,
                                        const std::string& split, std::int64_t scene);
 
-/// A scene of a BOP dataset; `scene_gt.json` or `scene_camera.json` may be missing, not both.
+/// Reads a scene of a BOP dataset; `scene_gt.json` or `scene_camera.json` may be missing, but not
+/// both.
 /// @throws InvalidInput naming the folder or file
 DatasetScene read_bop_scene(const std::filesystem::path& dataset, const std::string& split,
                             std::int64_t scene);
 
-/// The scene of a YCB-Video sequence, `<dataset>/data/<sequence>/NNNNNN-meta.mat`: `cls_indexes`,
-/// `poses` (3x4xn, T_camera_object), and where it is there `rotation_translation_matrix` (3x4,
-/// T_camera_world).
+/// Reads the scene of a YCB-Video sequence, `<dataset>/data/<sequence>/NNNNNN-meta.mat`:
+/// `cls_indexes`, `poses` (3x4xn, T_camera_object) and, if present, `rotation_translation_matrix`
+/// (3x4, T_camera_world).
 /// @throws InvalidInput naming file, variable and what was expected
 DatasetScene read_ycb_video_scene(const std::filesystem::path& dataset,
                                   const std::string& sequence);
 
-/// The names of a YCB-Video dataset's objects, from `image_sets/classes.txt`: object 1 is the
-/// first. Empty where there is no such file.
+/// The names of the objects of a YCB-Video dataset, from `image_sets/classes.txt`; the first is
+/// that of object 1. Empty if there is no such file.
 std::vector<std::string> read_ycb_video_names(const std::filesystem::path& dataset);
 
 }  // namespace posemix

@@ -10,30 +10,31 @@
 
 #include <Eigen/Core>
 
-/// Sequence files for scenes of dataset folders.
+/// Writes sequence files for scenes of datasets.
 namespace posemix {
 
-/// What the sequence file of a scene is made from.
+/// The request for the sequence file of a scene.
 struct DatasetSequence {
   std::filesystem::path dataset;  ///< folder of a BOP dataset or of YCB-Video
-  std::string split = "test";     ///< of a BOP dataset
+  std::string split = "test";     ///< split of a BOP dataset
   std::int64_t scene = 0;
   std::filesystem::path results;      ///< BOP result file of a detector
-  std::vector<std::int64_t> objects;  ///< ids; empty: all that have estimates
+  std::vector<std::int64_t> objects;  ///< ids of objects; empty: all with estimates
   std::optional<double> min_score;
   std::optional<std::filesystem::path> odometry;  ///< TUM file
   std::optional<Eigen::Vector3d> lever_arm_m;
   std::optional<double> frame_period_s;
 };
 
+/// A sequence file and remarks about it.
 struct DatasetSequenceText {
   std::string toml;                ///< for `posemix slam`; paths are absolute
-  std::vector<std::string> notes;  ///< what the file leaves out or assumes, a sentence each
+  std::vector<std::string> notes;  ///< one sentence each on what the file leaves out or assumes
 };
 
-/// The sequence file: the camera's and objects' ground truth where the dataset has it, detections
-/// from the result file, symmetries where the dataset has models. Of a class with several instances
-/// in one image it has as many objects, which share its detections as candidates.
+/// Writes the sequence file: ground truth of camera and objects if the dataset has it, detections
+/// from the result file, symmetries if the dataset has models. A class with several instances in
+/// one image becomes as many objects, which share its detections as candidates.
 /// @throws InvalidInput naming folder, file or object
 DatasetSequenceText format_dataset_sequence(const DatasetSequence& request);
 

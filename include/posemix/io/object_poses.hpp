@@ -13,18 +13,18 @@
 /// quaternion.
 namespace posemix {
 
-/// The poses T_world_object of a text by object id (any word); at least one.
+/// Reads the poses T_world_object of a text by object id (any word); at least one.
 ///
-/// Blank lines and lines that start with '#' are skipped; numbers after qw are ignored. Throws
-/// InvalidInput `name:line: got ..., expected ...` for anything else than an id and at least seven
-/// finite numbers, for a quaternion that is not of norm one within 1e-2, and for an id that stands
-/// twice.
+/// Blank lines and lines that start with '#' are skipped; numbers after qw are ignored.
+/// @throws InvalidInput `name:line: got ..., expected ...` for a line that is not an id and at
+/// least seven finite numbers, a quaternion whose norm differs from one by more than 1e-2, and an
+/// id that occurs twice
 std::map<std::string, SE3d> parse_object_poses(std::string_view text, const std::string& name);
 
-/// As parse_object_poses, for a file.
+/// Reads a file as parse_object_poses reads a text.
 std::map<std::string, SE3d> read_object_poses(const std::filesystem::path& path);
 
-/// The text of object poses, 12 significant digits.
+/// The text of object poses, with 12 significant digits.
 std::string format_object_poses(const std::map<std::string, SE3d>& poses);
 
 }  // namespace posemix

@@ -9,10 +9,11 @@
 
 namespace posemix {
 
-/// Writes a file that appears, or replaces the one that is there, as a whole or not at all: into
-/// `.<name>.partial-<process>` beside it first, then by a rename when that is on the disk. A
-/// symbolic link stays and what it points to is replaced; what is no regular file, as a pipe or
-/// /dev/null, is written to as it is. Throws OutputError.
+/// Writes a file that appears, or replaces an existing one, as a whole or not at all: the content
+/// is written to `.<name>.partial-<process>` beside it, and when that is on the disk it is renamed.
+/// A symbolic link stays, and its target is replaced. If the path is not a regular file, such as a
+/// pipe or /dev/null, the content is written to it directly.
+/// @throws OutputError naming the path and the reason
 void write_output_file(const std::filesystem::path& path, std::string_view content);
 
 }  // namespace posemix

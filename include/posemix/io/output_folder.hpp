@@ -9,7 +9,7 @@
 
 namespace posemix {
 
-/// Output that the system refused: the message names the path and the reason.
+/// An error of the system when writing output: the message names the path and the reason.
 class OutputError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -18,29 +18,29 @@ class OutputError : public std::runtime_error {
 /// A folder of results that appears as a whole or not at all.
 ///
 /// Files are written into a hidden folder `.<name>.partial-<process>` beside the target, and
-/// commit() puts them in their place: a target that is missing or empty is replaced by one rename;
-/// in a target that holds files, each file is replaced by a rename of its own and other files stay.
-/// (A target that is a mount point, or whose parent cannot be written, has the hidden folder
-/// inside.) Files are on the disk before they are renamed. Without commit() the destructor removes
-/// the hidden folder and every parent folder that the constructor created. Every member throws
+/// commit() moves them to the target. A target that is missing or empty is replaced by one rename;
+/// in a target with files, each file is replaced by a rename of its own, and other files stay. (If
+/// the target is a mount point, or its parent cannot be written, the hidden folder is inside it.)
+/// Files are on the disk before they are renamed. Without commit() the destructor removes the
+/// hidden folder and every parent folder that the constructor created. Every member throws
 /// OutputError.
 class OutputFolder {
  public:
-  /// Creates the hidden folder (and the target's missing parents). Throws too when the target is
-  /// there and is no folder.
+  /// Creates the hidden folder and missing parents of the target.
+  /// @throws OutputError, also when the target exists and is not a folder
   explicit OutputFolder(const std::filesystem::path& target);
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;
 
-  /// Writes one file. `name` is relative to the folder, may lie in sub-folders (which are created)
-  /// and may not be written twice.
+  /// Writes one file. `name` is relative to the folder, may contain sub-folders (which are created)
+  /// and can be written only once.
   void write(const std::filesystem::path& name, std::string_view content);
 
-  /// Puts the folder in its place. Nothing can be written afterwards.
+  /// Moves the files to the target. Nothing can be written afterwards.
   void commit();
 
-  /// The folder that commit() puts in place, absolute.
+  /// The absolute path of the target.
   const std::filesystem::path& target() const { return target_; }
 
  private:

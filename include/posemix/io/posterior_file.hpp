@@ -16,7 +16,7 @@ namespace posemix {
 /// Version of posterior.json that this library writes and reads.
 inline constexpr std::int64_t kPosteriorSchema = 1;
 
-/// What a pose of the joint density is.
+/// The kind of a pose in the joint density.
 enum class PoseKind {
   camera,         ///< T_world_camera
   camera_motion,  ///< T_camera_camera over one reference period (constant velocity)
@@ -29,26 +29,26 @@ struct NamedPose {
   PoseKind kind;
 };
 
-/// A posterior and what a reader needs to know about it.
+/// A posterior with its method, time and the names of its poses.
 struct PosteriorFile {
-  std::string method;            ///< what made it, for people
+  std::string method;            ///< display name of the method
   double stamp = 0.0;            ///< seconds
-  std::vector<NamedPose> poses;  ///< one per pose of every component, in their order
+  std::vector<NamedPose> poses;  ///< one per pose of every component, in the same order
   Posterior mixture;
 };
 
-/// The text of posterior.json; numbers read back bit by bit.
+/// The text of posterior.json; numbers are read back bit by bit.
 /// @throws InvalidInput when the names do not fit the mixture or a number is not finite
 std::string format_posterior(const PosteriorFile& file);
 
-/// Reads a text of posterior.json; `name` stands for the file in messages. Weights are normalised,
-/// quaternions too; keys that are not known are ignored.
-/// @throws InvalidInput naming the file and the place in it: no JSON, another schema, another side,
-/// order or unit, a wrong size, a number that is not finite, a quaternion not of norm one within
-/// 1e-6, a covariance that is not symmetric positive definite
+/// Reads a text of posterior.json; `name` is the name of the file in messages. Weights and
+/// quaternions are normalised; unknown keys are ignored.
+/// @throws InvalidInput naming the file and the place in it: text that is not JSON, another schema,
+/// another side, order or unit, a wrong size, a number that is not finite, a quaternion whose norm
+/// differs from one by more than 1e-6, a covariance that is not symmetric positive definite
 PosteriorFile parse_posterior(std::string_view text, const std::string& name);
 
-/// As parse_posterior, for a file.
+/// Reads a file as parse_posterior reads a text.
 PosteriorFile read_posterior(const std::filesystem::path& path);
 
 }  // namespace posemix

@@ -12,8 +12,8 @@ namespace posemix {
 /// A matrix Lie group (or R^n) with the charts and Jacobians that densities need.
 ///
 /// Conventions: perturbations act on the left, X = Exp(xi) X0; Exp(xi + d) = Exp(J_l(xi) d) Exp(xi)
-/// to first order in d. `Dof` is the dimension of the tangent space, or Eigen::Dynamic where it is
-/// known at run time only (`x.dof()`). The congruences take a symmetric matrix and return an
+/// to first order in d. `Dof` is the dimension of the tangent space, or Eigen::Dynamic if it is
+/// known only at run time (`x.dof()`). The congruences take a symmetric matrix and return an
 /// exactly symmetric one.
 template <typename G>
 concept LieGroup = std::copyable<G> &&

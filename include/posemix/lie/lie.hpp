@@ -12,7 +12,7 @@
 #include "posemix/lie/se3.hpp"
 #include "posemix/lie/so3.hpp"
 
-/// All of the room `lie`, with the double-precision names.
+/// All groups of the room `lie`, with names for double precision.
 namespace posemix {
 
 using SO3d = SO3<double>;

@@ -17,25 +17,26 @@
 
 namespace posemix {
 
-/// When the iteration of weighted_mean stops.
+/// Stopping criteria of weighted_mean.
 struct MeanSettings {
   int max_iterations = 100;
-  /// Largest accepted norm of the mean tangent vector (rad, m); never less than rounding error
-  /// allows.
+  /// Largest norm of the mean tangent vector at which the iteration has converged [rad, m]; if
+  /// rounding errors are larger, their size is used instead.
   double tolerance = 1e-12;
 };
 
-/// Outcome of weighted_mean. `converged` false is a status: `mean` is then the last iterate.
+/// Result of weighted_mean. If it has not converged, `mean` is the last iterate.
 template <LieGroup G>
 struct MeanResult {
   G mean;
   bool converged = false;
   int iterations = 0;               ///< updates of the mean
-  typename G::Scalar residual = 0;  ///< |sum w_i log(mean^-1 X_i)| (rad, m)
+  typename G::Scalar residual = 0;  ///< |sum w_i log(mean^-1 X_i)| [rad, m]
 };
 
-/// Throws InvalidInput unless there is one weight for each of `count` > 0 elements, all weights are
-/// finite and not negative, and their sum is positive and finite; returns the sum.
+/// Checks the weights of a mean and returns their sum.
+/// @throws InvalidInput unless there is one weight for each of `count` > 0 elements, all weights
+/// are finite and not negative, and their sum is positive and finite
 template <typename Scalar>
 Scalar checked_weight_sum(std::size_t count, std::span<const Scalar> weights) {
   if (count == 0) throw InvalidInput("weighted mean of no elements");
@@ -64,10 +65,10 @@ Scalar checked_weight_sum(std::size_t count, std::span<const Scalar> weights) {
 ///
 /// Iterates mean <- exp(sum w_i log(X_i mean^-1)) mean from the element of largest weight (the
 /// first of equals), in the equivalent form mean exp(sum w_i log(mean^-1 X_i)). On SO(3) this is
-/// the Karcher mean, on SE(3) the bi-invariant exponential barycentre; mean(A X_i B) = A mean(X_i)
-/// B. Unique where the rotations lie within less than pi/2 of it. Throws InvalidInput for no
-/// elements or bad weights. Source: Pennec and Arsigny, Exponential Barycenters of the Canonical
-/// Cartan Connection (2012), Algorithm 1.
+/// the Karcher mean, on SE(3) the bi-invariant exponential barycentre: the mean of A X_i B is A
+/// mean(X_i) B. It is unique if all rotations lie within less than pi/2 of it. Source: Pennec and
+/// Arsigny, Exponential Barycenters of the Canonical Cartan Connection (2012), Algorithm 1.
+/// @throws InvalidInput for no elements, and for weights as checked_weight_sum
 template <LieGroup G>
 MeanResult<G> weighted_mean(std::span<const G> elements,
                             std::span<const typename G::Scalar> weights,
@@ -96,7 +97,7 @@ MeanResult<G> weighted_mean(std::span<const G> elements,
   }
 }
 
-/// The same for elements and weights in vectors.
+/// weighted_mean of elements and weights in vectors.
 template <LieGroup G>
 MeanResult<G> weighted_mean(const std::vector<G>& elements,
                             const std::vector<typename G::Scalar>& weights,

@@ -7,7 +7,8 @@
 #include <Eigen/Core>
 
 /// The parts of vectors and matrices over the tangent space of several poses, six coordinates each.
-/// All but offset() return views, which can be assigned to where the argument is not const.
+/// All functions but offset() return views; a view of an argument that is not const can be assigned
+/// to.
 namespace posemix {
 
 inline constexpr Eigen::Index kPoseDof = 6;
@@ -29,7 +30,7 @@ auto columns(Matrix& matrix, std::size_t pose) {
   return matrix.template middleCols<kPoseDof>(offset(pose));
 }
 
-/// The 6x6 block of two poses.
+/// The 6x6 block in the rows of one pose and the columns of another.
 template <class Matrix>
 auto block(Matrix& matrix, std::size_t row, std::size_t column) {
   return matrix.template block<kPoseDof, kPoseDof>(offset(row), offset(column));

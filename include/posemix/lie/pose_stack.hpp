@@ -15,12 +15,13 @@
 
 namespace posemix {
 
-/// SE(3)^n, the poses of n bodies, n known at run time. Tangent: [phi_1; rho_1; phi_2; rho_2; ...]
-/// in rad and metres.
+/// SE(3)^n, the poses of n bodies, with n known at run time. Tangent: [phi_1; rho_1; phi_2; rho_2;
+/// ...] in rad and metres.
 ///
-/// Adjoint and Jacobians are block-diagonal; the dense ones are for reading and testing, the
+/// Adjoint and Jacobians are block-diagonal. The dense matrices are for inspection and tests; the
 /// congruences work block by block in O(n^2). Functions of two stacks, or of a tangent vector,
-/// throw InvalidInput where the sizes do not fit. Assigning a stack of the same size allocates
+/// throw InvalidInput if the sizes do not fit. Assigning a stack of the same size allocates
+/// nothing.
 /// nothing.
 template <typename S>
 class PoseStack {
@@ -33,7 +34,7 @@ class PoseStack {
 
   /// The empty stack.
   PoseStack() = default;
-  /// `size` identities.
+  /// A stack of `size` identities.
   explicit PoseStack(std::size_t size) : poses_(size) {}
   explicit PoseStack(std::vector<Pose> poses) : poses_(std::move(poses)) {}
 
@@ -61,25 +62,27 @@ class PoseStack {
     return left_jacobian_inverse(-xi);
   }
 
-  /// log |det J_l|: the sum over the poses.
+  /// log |det J_l|, the sum over the poses.
   static Scalar log_abs_det_left_jacobian(const Tangent& xi);
 
-  /// Ad P Ad^T for a symmetric P, of which the 6x6 blocks on and above the diagonal are read.
+  /// Ad P Ad^T for a symmetric P; only the 6x6 blocks of P on and above the diagonal are read.
   TangentMatrix adjoint_congruence(const TangentMatrix& p) const;
-  /// J_l P J_l^T for a symmetric P, of which the 6x6 blocks on and above the diagonal are read.
+  /// J_l P J_l^T for a symmetric P; only the 6x6 blocks of P on and above the diagonal are read.
   static TangentMatrix left_jacobian_congruence(const Tangent& xi, const TangentMatrix& p);
-  /// J_l^-1 P J_l^-T for a symmetric P, of which the 6x6 blocks on and above the diagonal are read.
+  /// J_l^-1 P J_l^-T for a symmetric P; only the 6x6 blocks of P on and above the diagonal are
+  /// read.
   static TangentMatrix left_jacobian_inverse_congruence(const Tangent& xi, const TangentMatrix& p);
 
-  /// sum += weight J_l^-1 P J_l^-T for a symmetric P, of which the 6x6 blocks on and above the
-  /// diagonal are read. Needs no memory of the size of P.
+  /// sum += weight J_l^-1 P J_l^-T for a symmetric P; only the 6x6 blocks of P on and above the
+  /// diagonal are read. Allocates no memory of the size of P.
   static void add_left_jacobian_inverse_congruence(const Tangent& xi, const TangentMatrix& p,
                                                    const Scalar& weight, TangentMatrix& sum);
 
-  /// Ad xi.
+  /// Ad xi, the adjoint applied to a tangent vector.
   Tangent adjoint_times(const Tangent& xi) const;
 
-  /// Whether each pose is (see SE3::is_approx); false where the sizes differ.
+  /// Whether every pose is approximately equal to its counterpart (see SE3::is_approx); false if
+  /// the sizes differ.
   bool is_approx(const PoseStack& other, const Scalar& tol) const;
 
  private:
@@ -116,8 +119,8 @@ class PoseStack {
     }
   }
 
-  /// Calls use(row, column, values) with the indices of two poses for every 6x6 block of B P B^T on
-  /// and above the diagonal, B the block diagonal matrix.
+  /// Calls use(row, column, values) for every 6x6 block of B P B^T on and above the diagonal, where
+  /// B is the block-diagonal matrix of `blocks`, and row and column are indices of poses.
   template <typename Use>
   static void for_each_block(const std::vector<Blocks>& blocks, const TangentMatrix& p, Use use) {
     for (std::size_t j = 0; j < blocks.size(); ++j) {

@@ -19,7 +19,7 @@ class Rn {
   using Tangent = Eigen::Matrix<Scalar, N, 1>;
   using TangentMatrix = Eigen::Matrix<Scalar, N, N>;
 
-  /// Zero; of dimension zero where N is Dynamic.
+  /// The zero vector; of dimension zero if N is Dynamic.
   Rn() : value_(Tangent::Zero(N == Eigen::Dynamic ? 0 : N)) {}
   explicit Rn(const Tangent& value) : value_(value) {}
 
@@ -27,7 +27,8 @@ class Rn {
   Tangent log() const { return value_; }
   const Tangent& value() const { return value_; }
 
-  /// The sum; throws InvalidInput where the dimensions differ.
+  /// The sum of the vectors.
+  /// @throws InvalidInput when the dimensions differ
   Rn operator*(const Rn& other) const {
     if (dof() != other.dof()) {
       throw InvalidInput(
@@ -55,7 +56,7 @@ class Rn {
     return p;
   }
 
-  /// Whether the distance is at most `tol`; false where the dimensions differ.
+  /// Whether the distance is at most `tol`; false if the dimensions differ.
   bool is_approx(const Rn& other, const Scalar& tol) const {
     return dof() == other.dof() && (value_ - other.value_).norm() <= tol;
   }

@@ -7,7 +7,7 @@
 
 namespace posemix {
 
-/// The rotation of an element of either group.
+/// The rotation of an element of SO(3) or SE(3).
 inline const SO3d& rotation_of(const SO3d& element) { return element; }
 inline const SO3d& rotation_of(const SE3d& element) { return element.rotation(); }
 

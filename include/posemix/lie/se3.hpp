@@ -11,14 +11,14 @@
 
 namespace posemix {
 
-/// Rigid motions of three-space, T = (R, t). Tangent: [phi; rho], rotation vector (rad) first, then
-/// metres.
+/// Rigid motions of three-space, T = (R, t). Tangent: [phi; rho], the rotation vector [rad] first,
+/// then metres.
 ///
 /// Invariants: those of SO3 for the rotation; the last row of matrix() is exactly 0 0 0 1.
 ///
-/// Every Adjoint and Jacobian is a block matrix [a 0; b a]. In a Jacobian, a is that of SO3 at phi
-/// and b its directional derivative along rho, which follows from J(phi + eps rho) with rho as a
-/// dual number; no separate "Q block" is needed.
+/// Every Adjoint and Jacobian is a block matrix [a 0; b a]. In a Jacobian, a is the Jacobian of SO3
+/// at phi, and b is its directional derivative along rho. That derivative follows from J(phi + eps
+/// rho) with rho as a dual number, so no separate "Q block" is needed.
 template <typename S>
 class SE3 {
  public:
@@ -33,17 +33,18 @@ class SE3 {
 
   /// The identity.
   SE3() : translation_(Vector3::Zero()) {}
-  /// p -> rotation * p + translation (metres).
+  /// The motion p -> rotation * p + translation [m].
   SE3(const Rotation& rotation, const Vector3& translation)
       : rotation_(rotation), translation_(translation) {}
 
-  /// From a homogeneous 4x4 matrix; throws InvalidInput where the rotation is not one to `tol` (see
+  /// The motion of a homogeneous 4x4 matrix.
+  /// @throws InvalidInput when the upper left block is not a rotation to `tol` (see
   /// SO3::from_matrix), an entry is not finite, or the last row differs from 0 0 0 1 by more than
-  /// `tol`.
+  /// `tol`
   static SE3 from_matrix(const Matrix& m, const Scalar& tol = Scalar(1e-6));
 
   static SE3 exp(const Tangent& xi);
-  /// [phi; rho] with |phi| at most pi.
+  /// The tangent vector [phi; rho] [rad, m], with |phi| at most pi.
   Tangent log() const;
 
   const Rotation& rotation() const { return rotation_; }
@@ -53,7 +54,7 @@ class SE3 {
   SE3 operator*(const SE3& other) const {
     return SE3(rotation_ * other.rotation_, rotation_ * other.translation_ + translation_);
   }
-  /// The point `p` (metres) transformed.
+  /// The transformed point `p` [m].
   Vector3 operator*(const Vector3& p) const { return rotation_ * p + translation_; }
 
   SE3 inverse() const {
@@ -63,7 +64,7 @@ class SE3 {
   static SE3 identity() { return SE3(); }
   static Eigen::Index dof() { return Dof; }
 
-  /// [R 0; t^R R].
+  /// The blocks of Ad = [R 0; t^ R R].
   Blocks adjoint_blocks() const {
     Blocks m{rotation_.matrix(), {}};
     const Vector3& t = translation_;
@@ -80,13 +81,14 @@ class SE3 {
 
   /// The 4x4 matrix [phi^ rho; 0 0].
   static Matrix hat(const Tangent& xi);
-  /// The inverse of hat; rotation part from the skew-symmetric part of the upper left block.
+  /// The inverse of hat; phi is read from the skew-symmetric part of the upper left block.
   static Tangent vee(const Matrix& m);
   /// [phi^ 0; rho^ phi^].
   static TangentMatrix ad(const Tangent& xi);
 
+  /// The blocks of J_l(xi).
   static Blocks left_jacobian_blocks(const Tangent& xi);
-  /// Singular at |phi| = 2 pi, 4 pi, ...
+  /// The blocks of J_l^-1(xi), which is singular at |phi| = 2 pi, 4 pi, ...
   static Blocks left_jacobian_inverse_blocks(const Tangent& xi);
 
   static TangentMatrix left_jacobian(const Tangent& xi);
@@ -96,7 +98,7 @@ class SE3 {
     return left_jacobian_inverse(-xi);
   }
 
-  /// log |det J_l|: twice that of SO3 at phi.
+  /// log |det J_l|, twice the value of SO3 at phi.
   static Scalar log_abs_det_left_jacobian(const Tangent& xi) {
     return Scalar(2) * Rotation::log_abs_det_left_jacobian(xi.template head<3>());
   }

@@ -26,7 +26,7 @@ inline constexpr int kSeriesBelow = 4;
 
 namespace detail {
 
-/// Terms after which 4^k / (2k+1)! is below half a unit in the last place.
+/// The number of terms after which 4^k / (2k+1)! is below half a unit in the last place.
 constexpr std::size_t sine_terms(int digits) {
   long double term = 1.0L;
   long double unit = 0.5L;
@@ -39,7 +39,7 @@ constexpr std::size_t sine_terms(int digits) {
   return k + 1;
 }
 
-/// Terms after which k (4 / (2 pi)^2)^k is below half a unit in the last place.
+/// The number of terms after which k (4 / (2 pi)^2)^k is below half a unit in the last place.
 constexpr std::size_t cotangent_terms(int digits) {
   constexpr long double kRatio = static_cast<long double>(kSeriesBelow) / 39.0L;
   long double power = 1.0L;
@@ -69,7 +69,7 @@ struct CotangentSeries {
   Row d{}, slope{};
 };
 
-// Built-in types round their tables once, from long double.
+// Tables of built-in types are computed in long double and rounded once.
 template <typename Scalar>
 using TableScalar = std::conditional_t<std::is_floating_point_v<Scalar>, long double, Scalar>;
 
@@ -230,8 +230,7 @@ JacobianCoefficients<Scalar> jacobian_coefficient_slopes(
           (value.b - Scalar(3) * value.c) / twice_u};
 }
 
-/// Coefficients of J_l^-1 = half_cot I - phi^/2 + D phi phi^T; singular at theta = 2 pi, 4 pi,
-/// ...
+/// Coefficients of J_l^-1 = half_cot I - phi^/2 + D phi phi^T, singular at theta = 2 pi, 4 pi, ...
 template <typename Scalar>
 struct InverseJacobianCoefficients {
   Scalar half_cot;  ///< (theta/2) cot(theta/2)
@@ -265,8 +264,7 @@ InverseJacobianCoefficients<Scalar> inverse_jacobian_coefficient_slopes(
   return {d_half_cot, (-d_half_cot - value.d) / u};
 }
 
-/// log |sin(theta)/theta|, without cancellation at small angles; -infinity at the zeros theta = pi,
-/// 2 pi, ...
+/// log |sin(theta)/theta|, without cancellation at small angles; -infinity at theta = pi, 2 pi, ...
 template <typename Scalar>
 Scalar log_abs_sinc(const Scalar& u) {
   using std::abs;

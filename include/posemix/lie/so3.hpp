@@ -22,12 +22,12 @@ class SE3;
 /// Rotations of three-space. Tangent: rotation vector phi in radians.
 ///
 /// Invariants:
-/// - the stored quaternion has unit norm to a few units in the last place (every product
-/// renormalises);
+/// - the stored quaternion has unit norm to a few units in the last place, because every product
+///   renormalises;
 /// - q and -q are the same rotation: every function gives the same result for both;
 /// - log() has norm at most pi; at exactly pi its first non-zero component is positive.
 ///
-/// Closed forms: Barfoot, State Estimation for Robotics, section 7.1.
+/// The closed forms are those of Barfoot, State Estimation for Robotics, section 7.1.
 template <typename S>
 class SO3 {
  public:
@@ -42,32 +42,35 @@ class SO3 {
   /// The identity.
   SO3() : q_(Scalar(1), Scalar(0), Scalar(0), Scalar(0)) {}
 
-  /// The rotation of `q` / |q|; throws InvalidInput where |q| is zero or not finite.
+  /// The rotation of `q` / |q|.
+  /// @throws InvalidInput when |q| is zero or not finite
   static SO3 from_quaternion(const Quaternion& q);
 
-  /// The rotation of a quaternion that another rotation stored, as it was: where |q|^2 is one
-  /// within 16 units in the last place `q` is kept bit by bit, elsewhere as from_quaternion.
+  /// The rotation of a quaternion that was written from another rotation: if |q|^2 is one within 16
+  /// units in the last place, `q` is kept bit by bit, otherwise it is normalised as by
+  /// from_quaternion.
   static SO3 from_stored_quaternion(const Quaternion& q);
 
-  /// The rotation nearest to the 3x3 matrix `r`; throws InvalidInput where an entry of r^T r - I
-  /// exceeds `tol` in absolute value, where det r < 0, or where an entry is not finite.
+  /// The rotation nearest to the 3x3 matrix `r`.
+  /// @throws InvalidInput when an entry of r^T r - I exceeds `tol` in absolute value, det r < 0, or
+  /// an entry is not finite
   static SO3 from_matrix(const Matrix& r, const Scalar& tol = Scalar(1e-6));
 
-  /// Rotation by the angle |phi| (rad) about phi.
+  /// The rotation by the angle |phi| [rad] about phi.
   static SO3 exp(const Tangent& phi);
 
-  /// Rotation vector (rad) of norm at most pi.
+  /// The rotation vector [rad], of norm at most pi.
   Tangent log() const;
 
   const Quaternion& quaternion() const { return q_; }
   Matrix matrix() const { return q_.toRotationMatrix(); }
 
-  /// Angle of rotation in [0, pi] (rad).
+  /// The angle of rotation in [0, pi] [rad].
   Scalar angle() const;
 
   SO3 operator*(const SO3& other) const { return SO3(renormalised(q_ * other.q_)); }
 
-  /// The point `p` rotated.
+  /// The rotated point `p`.
   Vector3 operator*(const Vector3& p) const { return q_ * p; }
 
   SO3 inverse() const { return SO3(q_.conjugate()); }
@@ -89,7 +92,7 @@ class SO3 {
 
   static TangentMatrix left_jacobian(const Tangent& phi);
 
-  /// Singular at |phi| = 2 pi, 4 pi, ...
+  /// J_l^-1(phi), singular at |phi| = 2 pi, 4 pi, ...
   static TangentMatrix left_jacobian_inverse(const Tangent& phi);
 
   static TangentMatrix right_jacobian(const Tangent& phi) { return left_jacobian(-phi); }
@@ -108,7 +111,7 @@ class SO3 {
   /// J_l^-1 P J_l^-T for a symmetric P.
   static TangentMatrix left_jacobian_inverse_congruence(const Tangent& phi, const TangentMatrix& p);
 
-  /// Whether the angle between the two rotations is at most `tol` (rad).
+  /// Whether the angle between the two rotations is at most `tol` [rad].
   bool is_approx(const SO3& other, const Scalar& tol) const;
 
   template <typename Other>
@@ -120,12 +123,12 @@ class SO3 {
   template <typename>
   friend class SE3;
 
-  /// The quaternion with w >= 0 and what Log needs of it, h = theta/2 being half of the angle.
+  /// The quaternion with w >= 0 and the coefficients of Log; h = theta/2 is half of the angle.
   struct HalfAngle {
     Vector3 v;
     Scalar w;
     Scalar ratio;  ///< h / |v|: Log = 2 ratio v
-    Scalar outer;  ///< (1 - h cot h) / |v|^2, or zero where |v|^2 underflows
+    Scalar outer;  ///< (1 - h cot h) / |v|^2, or zero if |v|^2 underflows
   };
   HalfAngle half_angle() const;
   /// Exp(phi) from cos(h) and sin(h)/h.

@@ -8,8 +8,8 @@
 
 namespace posemix {
 
-/// d I + w^ + p q^T + q p^T: the shape of every 3x3 block of a Jacobian. Written out, because the
-/// compiler keeps the entries in registers then.
+/// d I + w^ + p q^T + q p^T, the form of every 3x3 block of a Jacobian. The entries are written out
+/// so that the compiler keeps them in registers.
 template <typename Scalar>
 Eigen::Matrix<Scalar, 3, 3> hat_plus_symmetric(const Scalar& d,
                                                const Eigen::Matrix<Scalar, 3, 1>& w,
@@ -25,8 +25,8 @@ Eigen::Matrix<Scalar, 3, 3> hat_plus_symmetric(const Scalar& d,
   return m;
 }
 
-/// The 6x6 matrix [a 0; b a] in tangent order [phi; rho]: the shape of every Adjoint and Jacobian
-/// of SE(3).
+/// The 6x6 matrix [a 0; b a] in tangent order [phi; rho], the form of every Adjoint and Jacobian of
+/// SE(3).
 template <typename Scalar>
 struct TwistMatrix {
   using Block = Eigen::Matrix<Scalar, 3, 3>;
@@ -45,12 +45,12 @@ struct TwistMatrix {
     return m;
   }
 
-  /// The product, in three 3x3 products.
+  /// The product of two such matrices, computed by three 3x3 products.
   TwistMatrix operator*(const TwistMatrix& right) const {
     return {a * right.a, b * right.a + a * right.b};
   }
 
-  /// this * p * right^T for a 6x6 block p, in twelve 3x3 products.
+  /// this * p * right^T for a 6x6 block p, computed by twelve 3x3 products.
   Dense sandwich(const Dense& p, const TwistMatrix& right) const {
     const Block p11 = p.template topLeftCorner<3, 3>();
     const Block p12 = p.template topRightCorner<3, 3>();
@@ -66,7 +66,7 @@ struct TwistMatrix {
     return m;
   }
 
-  /// this * p * this^T for a symmetric p, in eight 3x3 products; the result is exactly symmetric.
+  /// this * p * this^T for a symmetric p, by eight 3x3 products; the result is exactly symmetric.
   Dense congruence(const Dense& p) const {
     const Block left = p.template topLeftCorner<3, 3>() * a.transpose();
     const Columns right = times_b_a_transpose(p);

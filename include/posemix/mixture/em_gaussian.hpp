@@ -18,13 +18,14 @@ namespace posemix {
 
 namespace internal {
 
-/// What one component collects from the samples.
+/// The weighted moments of all samples for one component; r is the weight of a sample.
 template <LieGroup G>
 struct EmGaussianMoments {
   double weight = 0.0;
   typename G::Tangent first;         ///< sum r xi
   typename G::TangentMatrix second;  ///< sum r xi xi^T
-  typename G::Tangent gradient;      ///< of the expected log-likelihood in the mean
+  /// Gradient of the expected log-likelihood with respect to the mean.
+  typename G::Tangent gradient;
 
   explicit EmGaussianMoments(Eigen::Index dof)
       : first(G::Tangent::Zero(dof)),
@@ -47,7 +48,7 @@ struct EmGaussianMoments {
   }
 };
 
-/// One component in one iteration, with the functions of any group.
+/// One component in one iteration, on any group.
 template <LieGroup G>
 class EmGaussianWorker {
  public:
@@ -119,7 +120,7 @@ class EmGaussianWorker {
   EmGaussianMoments<G> moments_;
 };
 
-/// The same for poses, with vector instructions.
+/// One component in one iteration, for poses, with vector instructions.
 template <>
 class EmGaussianWorker<SE3d> {
  public:
@@ -133,7 +134,7 @@ class EmGaussianWorker<SE3d> {
   double weight() const { return sums_.total(0); }
   Density update(double step) const;
 
-  /// What has been collected.
+  /// The moments accumulated so far.
   EmGaussianMoments<SE3d> moments() const;
   /// The tangent vectors of the block, in rows.
   const std::vector<EmRow>& rows() const { return rows_; }
@@ -155,10 +156,11 @@ class EmGaussianWorker<SE3d> {
 /// Concentrated Gaussians under EM. With xi = Log(X X0^-1), weights r and their sum W, the expected
 /// log-likelihood of a component is
 ///   sum r (-log |det J_l(xi)| - (xi^T P^-1 xi + log det P) / 2) + const.
-/// Given X0 its maximum is P = sum r xi xi^T / W. Moving the mean to Exp(d) X0 changes it by d^T g,
+/// For a given X0 its maximum is at P = sum r xi xi^T / W. Moving the mean to Exp(d) X0 changes it
+/// by d^T g,
 ///   g = sum r J_r(xi)^-T (P^-1 xi + grad log |det J_l(xi)|),
-/// and by -W d^T P^-1 d / 2 in second order (Gauss-Newton, J_r = I), so d = P g / W; the second
-/// moment about the new mean is taken as that of xi - d. All are exact on R^n.
+/// and by -W d^T P^-1 d / 2 in second order (Gauss-Newton, J_r = I), so d = P g / W. The second
+/// moment about the new mean is approximated by that of xi - d. All of this is exact on R^n.
 template <LieGroup G>
 struct EmModel<ConcentratedGaussian<G>> {
   using Density = ConcentratedGaussian<G>;
@@ -183,7 +185,8 @@ struct EmModel<ConcentratedGaussian<G>> {
       total += weights[i];
       largest = std::max(largest, weights[i]);
     }
-    if (prior != nullptr) {  // counts as many samples as it takes to span the tangent space
+    // The prior counts as enough samples to span the tangent space.
+    if (prior != nullptr) {
       const double count = static_cast<double>(n) * largest;
       moment += count * prior->covariance();
       total += count;

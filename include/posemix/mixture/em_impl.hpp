@@ -19,7 +19,7 @@ void check_em_settings(const EmSettings& settings, Eigen::Index dof);
 /// Checks the weights and that enough of them are positive for the components; returns their sum.
 /// @throws InvalidInput
 double checked_em_weights(std::span<const double> weights, std::size_t samples, std::size_t needed);
-/// Positive weights that a fit of `components` components needs.
+/// The number of positive weights that a fit of `components` components needs.
 std::size_t needed_samples(std::size_t components, Eigen::Index dof, const EmSettings& settings);
 
 /// Whether an element's coordinates are all finite.
@@ -102,7 +102,7 @@ class EmRun {
     return pass;
   }
 
-  /// One step that does not lower the log-likelihood; false when there is none.
+  /// Takes one step that does not lower the log-likelihood; false if there is none.
   bool advance(Mixture<D>& mixture, Pass& pass) const {
     const double slack = 1e-13 * (std::abs(pass.log_likelihood) + total_);
     for (const double step : {1.0, 0.5, 0.25, 0.0}) {
@@ -138,7 +138,7 @@ class EmRun {
     return false;
   }
 
-  /// A component with a smaller share of the samples is not estimated any more.
+  /// A component with a smaller share of the samples is no longer estimated.
   static constexpr double kLostShare = 1e-12;
 
   const Samples& samples_;

@@ -11,7 +11,7 @@
 
 namespace posemix {
 
-/// At most this many samples in a block: what is computed of them stays in the cache.
+/// The largest number of samples in a block, so small that intermediate results stay in the cache.
 inline constexpr std::size_t kEmBlock = 256;
 
 /// One value for every sample of a block, aligned for vector instructions.
@@ -43,7 +43,7 @@ class EmCoordinates {
 
 namespace internal {
 
-/// Sums over samples, each kept in as many parts as vectors have lanes.
+/// Sums over samples, each kept as one partial sum per vector lane.
 template <std::size_t kCount>
 class EmSums {
  public:
@@ -59,14 +59,15 @@ class EmSums {
   alignas(64) std::array<double, kCount * kLanes> lanes_{};
 };
 
-/// Where E[y_i y_j], i >= j, lies among the sums over y of n coordinates: their weight, the n first
-/// moments, the lower triangle of the second moments row by row, and then further sums.
+/// The position of E[y_i y_j], i >= j, among the sums over y of n coordinates, which are in order:
+/// the weight, the n first moments, the lower triangle of the second moments row by row, further
+/// sums.
 constexpr std::size_t em_second_moment(std::size_t n, std::size_t i, std::size_t j) {
   return 1 + n + i * (i + 1) / 2 + j;
 }
 
-/// A block of log densities in rows, one per component, becomes shares in place, those below 1e-30
-/// zero; returns the sum of weight times log density of the mixture.
+/// Turns a block of log densities in rows, one per component, into shares in place; shares below
+/// 1e-30 become zero. Returns the sum of weight times log density of the mixture.
 double shares_from_log_terms(const EmRow& weights, std::size_t count, std::span<EmRow> terms);
 
 }  // namespace internal

@@ -21,8 +21,7 @@ using TangentRows =
 
 namespace internal {
 
-/// grad log |det J_l| at xi. It has no part across the rotation vector, so J_r^-T leaves it as it
-/// is.
+/// grad log |det J_l| at xi. It is parallel to the rotation vector, so J_r^-T does not change it.
 template <LieGroup G>
 struct VolumeGradient;
 
@@ -63,7 +62,7 @@ struct VolumeGradient<PoseStackd> {
 
 }  // namespace internal
 
-/// Samples of a group for EmModel: their logarithms about an element, block by block.
+/// Samples of a group for EmModel, with their logarithms about an element, block by block.
 template <LieGroup G>
 class EmSamples {
  public:

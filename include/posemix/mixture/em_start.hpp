@@ -10,13 +10,13 @@
 
 #include "posemix/mixture/em.hpp"
 
-/// Where EM starts.
+/// The starts of EM.
 namespace posemix::internal {
 
-/// Index drawn with probability proportional to the weights; `total` is their sum.
+/// An index drawn with probability proportional to the weights; `total` is their sum.
 std::size_t draw_index(std::span<const double> weights, double total, RandomStream& stream);
 
-/// At most this many samples, evenly spaced among all, take part in finding a start.
+/// The largest number of samples, evenly spaced among all, that are used to find a start.
 inline constexpr std::size_t kStartSamples = 4096;
 
 template <class D>
@@ -48,8 +48,8 @@ class EmStart {
   }
 
  private:
-  /// Spreads from a quarter to one and a half times that of all samples; `scattered` multiplies
-  /// those of every coordinate at random.
+  /// Components with spreads from a quarter to one and a half times the spread of all samples. With
+  /// `scattered`, the spread of every coordinate is multiplied by a random factor.
   Mixture<D> concentric_components(bool scattered, RandomStream& stream) const {
     constexpr double kNarrowest = 0.25;
     constexpr double kWidest = 1.5;
@@ -67,9 +67,9 @@ class EmStart {
     return Mixture<D>(std::move(components));
   }
 
-  /// k-means++: every further centre is drawn with probability proportional to the squared distance
-  /// to the nearest one so far; then one component per nearest centre. (Arthur and Vassilvitskii,
-  /// k-means++: the advantages of careful seeding, 2007.)
+  /// k-means++ (Arthur and Vassilvitskii, k-means++: the advantages of careful seeding, 2007):
+  /// every further centre is drawn with probability proportional to the squared distance to the
+  /// nearest centre so far. Then every centre makes one component of the samples nearest to it.
   Mixture<D> clusters(RandomStream& stream) const {
     const std::size_t n = elements_.size();
     std::vector<double> distance(n, std::numeric_limits<double>::infinity());
@@ -103,7 +103,7 @@ class EmStart {
         weights.push_back(weights_[i]);
         total += weights_[i];
       }
-      if (members.empty()) {  // fewer different samples than components
+      if (members.empty()) {  // there are fewer different samples than components
         components.push_back({std::log(weights_.front()), whole_.front()});
       } else {
         components.push_back(

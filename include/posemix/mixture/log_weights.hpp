@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-/// Weights as logarithms.
+/// Sums and orders of weights that are kept as logarithms.
 namespace posemix {
 
 /// log(exp(a_0) + exp(a_1) + ...) without overflow or underflow; -inf for no terms or when all are
@@ -19,7 +19,7 @@ double log_sum_exp(std::span<const double> terms);
 /// @throws InvalidInput when a log-weight is NaN or +inf, or all weights are zero
 double checked_log_total(std::span<const double> log_weights);
 
-/// The indices below `count` by `weight(i)`, heaviest first; of equals the earlier first.
+/// The indices below `count` in order of falling `weight(i)`; equal weights keep their order.
 template <class Weight>
 std::vector<std::size_t> heaviest_first(std::size_t count, const Weight& weight) {
   std::vector<std::size_t> order(count);

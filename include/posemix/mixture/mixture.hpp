@@ -26,7 +26,7 @@ struct Component {
   D density;
 };
 
-/// The log of the summed weight of some components.
+/// The log of the sum of the components' weights.
 /// @throws InvalidInput when a log-weight is NaN or +inf, or all weights are zero
 template <class D>
 double checked_log_total(std::span<const Component<D>> components) {
@@ -48,18 +48,20 @@ class Mixture {
   using Density = D;
   using Group = typename D::Group;
 
-  /// Normalises the weights. @throws InvalidInput when there is no component, a log-weight is NaN
-  /// or +inf, all weights are zero, or sizes differ
+  /// Normalises the weights.
+  /// @throws InvalidInput when there is no component, a log-weight is NaN or +inf, all weights are
+  /// zero, or sizes differ
   explicit Mixture(std::vector<Component<D>> components) : Mixture(std::move(components), 0.0) {}
 
-  /// The same for components that a mixture held: log-weights whose weights sum to one within 1e-12
-  /// are kept bit by bit. @throws InvalidInput as above
+  /// A mixture of components that came from a mixture: if the weights sum to one within 1e-12, the
+  /// log-weights are kept bit by bit, otherwise they are normalised.
+  /// @throws InvalidInput as the constructor
   static Mixture from_stored(std::vector<Component<D>> components) {
     return Mixture(std::move(components), 1e-12);
   }
 
-  /// A mixture from plain weights, normalised. @throws InvalidInput when sizes differ, a weight is
-  /// negative or not finite, or all are zero
+  /// A mixture from plain weights, which are normalised.
+  /// @throws InvalidInput when sizes differ, a weight is negative or not finite, or all are zero
   static Mixture from_weights(std::span<const double> weights, std::vector<D> densities) {
     if (weights.size() != densities.size()) {
       throw InvalidInput(
@@ -90,7 +92,7 @@ class Mixture {
     return static_cast<std::size_t>(it - components_.begin());
   }
 
-  /// Log density at one element. For many elements build an Evaluator once.
+  /// Log density at one element. For many elements, build an Evaluator once.
   template <class Element>
   double log_density(const Element& element) const {
     return Evaluator(*this).log_density(element);
@@ -107,7 +109,7 @@ class Mixture {
         stream.uniform(), size(), [this](std::size_t i) { return weight(i); }, heaviest());
   }
 
-  /// The indices, in rising order, of the components that prune(threshold) leaves.
+  /// The indices, in rising order, of the components that prune(threshold) keeps.
   std::vector<std::size_t> indices_not_below(double threshold) const {
     const std::size_t kept = heaviest();
     std::vector<std::size_t> indices;
@@ -137,10 +139,10 @@ class Mixture {
     return dropped;
   }
 
-  /// Gives the components away; the mixture must not be used afterwards.
+  /// Moves the components out; the mixture must not be used afterwards.
   std::vector<Component<D>> release() && { return std::move(components_); }
 
-  /// Log density at many elements: every component is factorised once.
+  /// Evaluates the log density at many elements; every component is factorised once.
   class Evaluator {
    public:
     explicit Evaluator(const Mixture& mixture) {
@@ -178,7 +180,7 @@ class Mixture {
     normalize(tolerance);
   }
 
-  /// Leaves weights alone whose sum has a logarithm within `tolerance` of zero.
+  /// Normalises the weights unless the log of their sum is within `tolerance` of zero.
   void normalize(double tolerance = 0.0) {
     const double total = checked_log_total(std::span<const Component<D>>(components_));
     if (std::abs(total) <= tolerance) return;

@@ -15,13 +15,14 @@ namespace posemix {
 /// Settings of `moments`.
 struct MomentSettings {
   int max_iterations = 100;
-  double tolerance = 1e-10;  ///< stop when the mean moves by less than this, or rounding [rad, m]
+  /// Stop when the mean moves by less than this, or than rounding [rad, m].
+  double tolerance = 1e-10;
 };
 
-/// Mean and covariance of a mixture on a group.
+/// The mean and covariance of a mixture on a group.
 template <class D>
 struct Moments {
-  D density;  ///< at the mean, with the covariance of Log(X mean^-1)
+  D density;  ///< a density at the mean, with the covariance of Log(X mean^-1)
   bool converged;
   int iterations;   ///< updates of the mean
   double residual;  ///< |E[Log(X mean^-1)]| [rad, m]
@@ -29,21 +30,22 @@ struct Moments {
 
 namespace internal {
 
-/// A stack is its poses, every other element one part.
+/// The parts of an element: the poses of a stack, otherwise the element itself.
 template <LieGroup G>
 std::span<const G> parts_of(const G& element) {
   return {&element, 1};
 }
 inline std::span<const SE3d> parts_of(const PoseStackd& stack) { return stack.poses(); }
 
-/// The 2n points Exp(+-sqrt(n) L e_c) X0 of the spherical cubature rule of degree three, P = L L^T,
-/// which is exact for polynomials up to degree three in xi. L is lower triangular: a part of X is
-/// moved by the columns up to its own and stays where it is for all others.
+/// The 2n points Exp(+-sqrt(n) L e_c) X0 with P = L L^T of the spherical cubature rule of degree
+/// three, which is exact for polynomials up to degree three in xi. L is lower triangular, so column
+/// c moves only the part of X that c belongs to and the parts after it; points of a part that does
+/// not move are not stored.
 template <LieGroup G>
 class CubaturePoints {
  public:
   using Part = typename decltype(parts_of(std::declval<const G&>()))::value_type;
-  /// One column per point.
+  /// Tangent vectors in columns, one per point.
   using Tangents = Eigen::Matrix<double, G::Dof, Eigen::Dynamic>;
 
   explicit CubaturePoints(const ConcentratedGaussian<G>& density)
@@ -89,10 +91,10 @@ class CubaturePoints {
  private:
   Eigen::Index size_;
   const G* mean_;
-  std::vector<std::vector<Part>> points_;  ///< of every part
+  std::vector<std::vector<Part>> points_;  ///< the moved points of every part
 };
 
-/// `moments` of densities with weights that sum to one.
+/// The moments of a sum of densities with weights that sum to one.
 template <LieGroup G>
 Moments<ConcentratedGaussian<G>> moments_of(
     std::span<const double> weights, std::span<const ConcentratedGaussian<G>* const> densities,
@@ -130,12 +132,12 @@ Moments<ConcentratedGaussian<G>> moments_of(
 
 }  // namespace internal
 
-/// Mean and covariance of a weighted sum of components as a random element of the group: the mean M
-/// solves E[Log(X M^-1)] = 0 (the Frechet mean of the bi-invariant metric where there is one), the
+/// Mean and covariance of a weighted sum of components as a random element of the group. The mean M
+/// solves E[Log(X M^-1)] = 0 (the Frechet mean of the bi-invariant metric if there is one); the
 /// covariance is E[Log(X M^-1) Log(X M^-1)^T]. The expectations are by cubature, the mean by
 /// iteration from the heaviest component. Exact on R^n; commutes with right translations, and with
-/// left ones up to the cubature's terms of fourth order. Weights need not be normalised. Not
-/// converging is reported, not thrown.
+/// left translations up to the cubature's error of fourth order. Weights need not be normalised. If
+/// the iteration does not converge, `converged` is false; nothing is thrown.
 /// @throws InvalidInput when there is no component, a log-weight is NaN or +inf, or all weights are
 /// zero
 template <LieGroup G>

@@ -6,11 +6,11 @@
 #include "posemix/density/pose_stack.hpp"
 #include "posemix/mixture/mixture.hpp"
 
-/// Operations on mixtures, written once for every density: each is the operation on all pairs of
-/// components.
+/// Operations on mixtures, written once for every kind of density: each applies the operation on
+/// densities to all pairs of components.
 namespace posemix {
 
-/// The mixture of X Y for independent X and Y.
+/// The mixture of X Y for independent X and Y, one component per pair.
 template <class D>
 Mixture<D> compose(const Mixture<D>& x, const Mixture<D>& y) {
   std::vector<Component<D>> pairs;
@@ -43,7 +43,7 @@ template <class D>
 struct MixtureFusion {
   Mixture<D> mixture;   ///< the normalised product
   double log_evidence;  ///< log of the integral of the product [nats]
-  bool converged;       ///< of every pair
+  bool converged;       ///< whether the fusion of every pair has converged
 };
 
 /// The normalised product of two mixtures: all pairs, each weighted by the product of the two
@@ -65,11 +65,13 @@ MixtureFusion<D> fuse(const Mixture<D>& p, const Mixture<D>& q, const FuseSettin
   return {Mixture<D>(std::move(pairs)), log_sum_exp(log_weights), converged};
 }
 
-/// The mixture of one pose of a joint density.
+/// The marginal mixture of one pose of a joint density.
+/// @throws InvalidInput when the index is out of range
 Mixture<ConcentratedGaussian<SE3d>> marginal(const Mixture<ConcentratedGaussian<PoseStackd>>& joint,
                                              std::size_t index);
 
-/// The mixture of T_from^-1 T_to, with the cross-covariance of every component.
+/// The mixture of T_from^-1 T_to, including the cross-covariance of every component.
+/// @throws InvalidInput when an index is out of range or the two are the same
 Mixture<ConcentratedGaussian<SE3d>> relative_pose(
     const Mixture<ConcentratedGaussian<PoseStackd>>& joint, std::size_t from, std::size_t to);
 

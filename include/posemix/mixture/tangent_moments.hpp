@@ -13,10 +13,11 @@
 
 namespace posemix {
 
-/// How J_l^-1 P J_l^-T is computed when a component is moved to another tangent space.
+/// The Jacobian J_l^-1 by which a component's covariance is moved to another tangent space.
 enum class TransportJacobian {
   exact,     ///< closed form
-  bernoulli  ///< Bernoulli series up to the fourth power of ad, as in the midway authors' program
+  bernoulli  ///< Bernoulli series up to the fourth power of ad, as in the program of the midway
+             ///< paper
 };
 
 /// The words of TransportJacobian in files and options.
@@ -37,7 +38,7 @@ TangentGaussian<G> recenter(const ConcentratedGaussian<G>& density, const G& anc
 
 namespace internal {
 
-/// A density that counts with `weight`; its mean is Exp(d) anchor.
+/// A weighted density and its position relative to an anchor: its mean is Exp(d) anchor.
 template <LieGroup G>
 struct SeenFrom {
   double weight;
@@ -63,8 +64,8 @@ void add_transported(const SeenFrom<G>& seen, TransportJacobian jacobian,
   }
 }
 
-/// The moments in the tangent space at `anchor` of densities seen from there. The weights sum to
-/// one.
+/// The moments of weighted densities in the tangent space at `anchor`; their d are relative to this
+/// anchor. The weights sum to one.
 template <LieGroup G>
 TangentGaussian<G> moments_at(const G& anchor, std::span<const SeenFrom<G>> parts,
                               TransportJacobian jacobian) {
@@ -82,9 +83,9 @@ TangentGaussian<G> moments_at(const G& anchor, std::span<const SeenFrom<G>> part
 
 }  // namespace internal
 
-/// Mean and covariance of a weighted sum of components in the tangent space at `anchor`, every
-/// component moved there first (midway-merge paper, eq. 8, 13-15, 18; for two or more components).
-/// The weights need not be normalised.
+/// Mean and covariance of a weighted sum of components in the tangent space at `anchor`, to which
+/// every component is moved first (midway-merge paper, eq. 8, 13-15, 18; for two or more
+/// components). The weights need not be normalised.
 /// @throws InvalidInput when there is no component, a log-weight is NaN or +inf, or all weights are
 /// zero
 template <LieGroup G>

@@ -13,30 +13,32 @@
 #include "posemix/divergence/monte_carlo.hpp"
 #include "posemix/divergence/projected.hpp"
 
-/// What a reduction costs: bounds from the components alone, and the measured loss.
+/// The loss of a reduction: bounds from the components alone, and measured divergence.
 namespace posemix {
 
 /// Destination of a component that was dropped.
 inline constexpr std::size_t kDropped = std::numeric_limits<std::size_t>::max();
 
-/// Bounds on what a reduction from M to M' costs. M is first rid of the dropped components, which
-/// weigh lambda, and renormalised to D; then every component p_i of D, weight l_i, becomes a part
-/// of one component p'_j(i) of M'. Kullback-Leibler divergences being jointly convex,
+/// Bounds on the loss of a reduction from M to M'. First the dropped components, of total weight
+/// lambda, are removed from M, and the rest is renormalised to D; then every component p_i of D,
+/// with weight l_i, becomes a part of one component p'_j(i) of M'. Because Kullback-Leibler
+/// divergences are jointly convex,
 ///   D(D || M') <= sum_i l_i D(p_i || p'_j(i)),
-/// and the same the other way round and for the sum of both: eq. 24 of the MPG paper without its
-/// factor 1 / (l_1 + l_2), for any number of merges in a row. On R^n these are bounds; elsewhere
-/// the divergences of the components are those of Gaussians (for projected Gaussians of the
-/// distributions) in a common tangent space, which is first order.
+/// and the same holds for D(M' || D) and for the sum of both. This is eq. 24 of the MPG paper
+/// without its factor 1 / (l_1 + l_2), for any number of merges in a row. On R^n these are bounds;
+/// on other groups the divergences of the components are those of Gaussians (or of the
+/// distributions, for projected Gaussians) in a common tangent space, which is first order.
 struct BoundedLoss {
-  /// |P(B) - P'(B)| of the dropping for every set B: lambda. (The MPG paper has 2 lambda.)
+  /// Bound on |P(B) - P'(B)| over all sets B caused by the dropping: lambda. (The MPG paper has 2
+  /// lambda.)
   double dropped = 0.0;
   double merged_kl = 0.0;            ///< D(D || M') <= sum_i l_i D(p_i || p'_j(i)) [nats]
   double merged_symmetric_kl = 0.0;  ///< D(D || M') + D(M' || D) [nats]
-  /// |P(B) - P'(B)| of the whole reduction: lambda + sqrt(merged_kl / 2) by Pinsker's inequality,
-  /// at most one.
+  /// Bound on |P(B) - P'(B)| over all sets B for the whole reduction: lambda + sqrt(merged_kl / 2)
+  /// by Pinsker's inequality, at most one.
   double total_variation = 0.0;
-  /// D(M' || M) of the whole reduction [nats]: M holds at least 1 - lambda of D, which costs
-  /// -log(1 - lambda). (D(M || M') has no bound that knows lambda alone.)
+  /// Bound on D(M' || M) of the whole reduction [nats]: M contains D with the weight 1 - lambda,
+  /// which adds -log(1 - lambda). (No function of lambda alone bounds D(M || M').)
   double kl_from_reduced = 0.0;
 };
 
@@ -54,9 +56,9 @@ double component_kl(const ProjectedGaussian<G>& p, const ProjectedGaussian<G>& q
 }  // namespace internal
 
 /// The bounds on a reduction from `before` to `after` in which component i became a part of
-/// component destination[i], or was dropped.
-/// @throws InvalidInput when there is not one destination for every component, or one does not
-/// exist
+/// component destination[i], or was dropped (kDropped).
+/// @throws InvalidInput when there is not one destination for every component, or a destination
+/// does not exist
 template <class D>
 BoundedLoss bounded_loss(std::span<const Component<D>> before, const Mixture<D>& after,
                          std::span<const std::size_t> destination) {

@@ -10,18 +10,18 @@
 
 namespace posemix {
 
-/// How several components become one.
+/// The rule by which several components become one.
 enum class MergeRule {
   /// Every component is moved to the tangent space at the midway point, the weighted mean of the
-  /// means, where the merged mean is zero, and moments are matched there (midway-merge paper, eq.
+  /// means, where the merged mean is zero; moments are matched there (midway-merge paper, eq.
   /// 12-19).
   midway,
-  /// Every component is moved to the tangent space of the one with the largest weight (the first of
-  /// equals), moments are matched there, and the result is back-projected with J_l (Cesic et al.
-  /// 2017).
+  /// Every component is moved to the tangent space of the component with the largest weight (the
+  /// first of equals); moments are matched there, and the result is back-projected with J_l (Cesic
+  /// et al. 2017).
   tangent_of_larger,
-  /// Mean and covariance of the sum as a random element of the group: iterated mean, then second
-  /// moments, by cubature.
+  /// Mean and covariance of the weighted sum as a random element of the group: the mean by
+  /// iteration, then second moments, both by cubature.
   moment_matched
 };
 
@@ -37,8 +37,8 @@ inline constexpr WordTable<MergeRule, 3> words<MergeRule>{{
 struct MergeSettings {
   MergeRule rule = MergeRule::midway;
   TransportJacobian jacobian = TransportJacobian::exact;  ///< for midway and tangent_of_larger
-  int max_iterations = 100;  ///< of the mean: of three or more components, or moment_matched
-  double tolerance = 1e-12;  ///< norm of its last step [rad, m]
+  int max_iterations = 100;  ///< for the mean of three or more components, and for moment_matched
+  double tolerance = 1e-12;  ///< norm of the last step of the mean [rad, m]
 };
 
 /// Result of `merge`: the component with the summed weight, and whether its mean converged.
@@ -48,41 +48,39 @@ struct MergeResult {
   bool converged;
 };
 
-/// The midway point of the components: eq. 12 for two, for more the element M at which the merged
-/// mean is zero, sum_i w_i Log(X_i M^-1) = 0 (eq. 15 and 17), by iteration. Components without
-/// weight as in `merge`.
+/// The midway point of the components: for two by eq. 12, for more the element M at which the
+/// merged mean is zero, sum_i w_i Log(X_i M^-1) = 0 (eq. 15 and 17), by iteration. Components of
+/// weight zero are treated as in `merge`.
 /// @throws InvalidInput when there is no component
 template <LieGroup G>
 MeanResult<G> midway_point(std::span<const Component<ConcentratedGaussian<G>>> components,
                            const MergeSettings& settings = {});
 
-/// One component in place of several. Weights add up (eq. 19); components of weight zero are
-/// ignored (if all are zero, they count equally). Not converging is reported, not thrown.
+/// Merges several components into one. Weights add up (eq. 19); components of weight zero are
+/// ignored (if all are zero, they count equally). If the iteration does not converge, `converged`
+/// is false; nothing is thrown.
 /// @throws InvalidInput when there is no component
 template <LieGroup G>
 MergeResult<ConcentratedGaussian<G>> merge(
     std::span<const Component<ConcentratedGaussian<G>>> components,
     const MergeSettings& settings = {});
 
-/// The same for components that do not lie next to each other.
+/// Merges components that do not lie next to each other in memory.
 template <LieGroup G>
 MergeResult<ConcentratedGaussian<G>> merge(
     std::span<const Component<ConcentratedGaussian<G>>* const> components,
     const MergeSettings& settings = {});
 
-/// The same rules for projected Gaussians; the result is PG_0, the Jacobian is that of
-/// `change_chart`.
+/// Merges projected Gaussians by the same rules. The result is PG_0; covariances are moved by the
+/// Jacobian of `change_chart`.
 ///  - midway: the components are moved to the chart at the rotation where the weighted mean of
-///  their modes is
-///    zero (`gnomonic_mean`), and the moments of the Gaussians are matched there;
-///  - tangent_of_larger: they are moved to the chart at the mode of the heaviest, the moments of
-///  the Gaussians
-///    are matched there, and the result is moved to the chart at its own mode;
-///  - moment_matched: the moments of the distribution (`moments`), which is the one to take where
-///  spreads or
-///    distances are large.
-/// @throws InvalidInput when there is no component, or with tangent_of_larger when a mode lies by
-/// pi from that of the heaviest
+///    their modes is zero (`gnomonic_mean`), and the moments of the Gaussians are matched there;
+///  - tangent_of_larger: the components are moved to the chart at the mode of the heaviest, the
+///    moments of the Gaussians are matched there, and the result is moved to the chart at its mode;
+///  - moment_matched: the moments of the distributions are matched (`moments`), which is best for
+///    large spreads or distances.
+/// @throws InvalidInput when there is no component, or with tangent_of_larger when the rotation
+/// between a mode and that of the heaviest is by pi
 template <RotationOrPose G>
 MergeResult<ProjectedGaussian<G>> merge(std::span<const Component<ProjectedGaussian<G>>> components,
                                         const MergeSettings& settings = {});

@@ -12,8 +12,8 @@
 namespace posemix {
 namespace internal {
 
-/// The components that carry weight (all of them, equally, when none does), their weights
-/// normalised, and the log of their summed weight.
+/// The components of positive weight (or all, with equal weights, if no weight is positive), with
+/// their normalised weights and the log of the sum of their weights.
 template <class Density>
 struct Carrying {
   using G = typename Density::Group;
@@ -47,7 +47,7 @@ struct Carrying {
     return static_cast<std::size_t>(largest - weights.begin());
   }
 
-  /// The components seen from `anchor`.
+  /// The components with their positions relative to `anchor`.
   std::vector<SeenFrom<G>> seen_from(const G& anchor) const {
     const G inverse = anchor.inverse();
     std::vector<SeenFrom<G>> parts;
@@ -59,7 +59,7 @@ struct Carrying {
   }
 };
 
-/// Ad(x) xi.
+/// Ad(x) xi, the adjoint applied to a tangent vector.
 template <LieGroup G>
 typename G::Tangent adjoint_times(const G& x, const typename G::Tangent& xi) {
   if constexpr (requires { x.adjoint_times(xi); }) {
@@ -69,16 +69,16 @@ typename G::Tangent adjoint_times(const G& x, const typename G::Tangent& xi) {
   }
 }
 
-/// The midway point of components that all carry weight, and the components seen from there.
+/// The midway point of components of positive weight, and their positions relative to it.
 template <LieGroup G>
 struct Midway {
   MeanResult<G> point;
   std::vector<SeenFrom<G>> parts;
 };
 
-/// Eq. 12: with dx = Log(X_2 X_1^-1) the point is Exp(w_2 dx) X_1, and from there X_1 is seen at
-/// -w_2 dx, X_2 at w_1 dx. Taken from Log(X_1^-1 X_2) = Ad(X_1^-1) dx, which does not lose digits
-/// far from the origin.
+/// Eq. 12: with dx = Log(X_2 X_1^-1) the point is Exp(w_2 dx) X_1; relative to it X_1 is at -w_2 dx
+/// and X_2 at w_1 dx. Computed from Log(X_1^-1 X_2) = Ad(X_1^-1) dx, which does not lose digits far
+/// from the origin.
 template <LieGroup G>
 Midway<G> midway_of_two(const Carrying<ConcentratedGaussian<G>>& two) {
   const double w_1 = two.weights[0];
@@ -102,7 +102,7 @@ Midway<G> midway_of(const Carrying<ConcentratedGaussian<G>>& carrying,
   return {point, carrying.seen_from(point.mean)};
 }
 
-/// Pointers to components that lie next to each other.
+/// Pointers to components that lie next to each other in memory.
 template <class D>
 std::vector<const Component<D>*> pointers_to(std::span<const Component<D>> components) {
   std::vector<const Component<D>*> pointers;

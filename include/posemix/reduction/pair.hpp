@@ -17,14 +17,16 @@
 
 namespace posemix {
 
-/// Which two components are merged next.
+/// The rule by which the next two components to be merged are chosen.
 enum class PairRule {
-  largest_with_smallest,  ///< by weight, the midway paper's rule
-  most_distant,           ///< the largest distance between means, the midway paper's simulation
-  runnalls,               ///< the smallest of Runnalls' bounds on the divergence caused
-  symmetric_kl,           ///< the smallest symmetric Kullback-Leibler divergence
-  /// The smallest symmetric Kullback-Leibler divergence times w_a w_b / (w_a + w_b), to second
-  /// order the one that the merge causes (MPG paper, eq. 23 and 24).
+  largest_with_smallest,  ///< by weight, the rule of the midway paper
+  /// The largest distance between means, as in the simulation of the midway paper.
+  most_distant,
+  /// The smallest of Runnalls' bounds on the divergence that the merge causes.
+  runnalls,
+  symmetric_kl,  ///< the smallest symmetric Kullback-Leibler divergence
+  /// The smallest symmetric Kullback-Leibler divergence times w_a w_b / (w_a + w_b), which is to
+  /// second order the divergence that the merge causes (MPG paper, eq. 23 and 24).
   weighted_symmetric_kl
 };
 
@@ -38,13 +40,13 @@ inline constexpr WordTable<PairRule, 5> words<PairRule>{{
     {"weighted_symmetric_kl", PairRule::weighted_symmetric_kl},
 }};
 
-/// What "distant" means, d = Log(X_b X_a^-1).
+/// The distance between two means, with d = Log(X_b X_a^-1).
 enum class DistanceMetric {
-  tangent_norm,  ///< |d| over all coordinates, radians and metres alike (the midway paper's |dx|,
-                 ///< eq. 16)
-  rotation,      ///< norm of the rotation coordinates [rad]
-  translation,   ///< norm of the translation coordinates [m]
-  mahalanobis    ///< sqrt(d^T (P_a + P_b)^-1 d)
+  /// |d| over all coordinates, radians and metres alike (|dx| in the midway paper, eq. 16).
+  tangent_norm,
+  rotation,     ///< norm of the rotation coordinates [rad]
+  translation,  ///< norm of the translation coordinates [m]
+  mahalanobis   ///< sqrt(d^T (P_a + P_b)^-1 d)
 };
 
 /// The words of DistanceMetric in files and options.
@@ -64,8 +66,9 @@ struct SquaredNorms {
   double translation = 0.0;
 };
 
-/// Those of Log T, without the logarithm. J_l^-1(phi) keeps what lies along the axis of the
-/// rotation by theta and stretches what lies across it by h = (theta/2) / sin(theta/2), so that
+/// The squared norms of Log T, without computing the logarithm. J_l^-1(phi) keeps the component
+/// along the axis of the rotation by theta and stretches the others by h = (theta/2) /
+/// sin(theta/2), so that
 ///   |J_l^-1(phi) t|^2 = h^2 |t|^2 - (h^2 - 1) (axis . t)^2.
 inline SquaredNorms squared_norms_of_log(const SE3d& pose) {
   const Eigen::Vector3d sine = pose.rotation().quaternion().vec();  // sin(theta/2) axis
@@ -80,7 +83,7 @@ inline SquaredNorms squared_norms_of_log(const SE3d& pose) {
           stretch * t.squaredNorm() - (stretch - 1.0) * along * along / sine_squared};
 }
 
-/// Distance of two elements: the norm of Log(b a^-1) over the coordinates the metric names.
+/// The distance of two elements: the norm of Log(b a^-1) over the coordinates of the metric.
 template <LieGroup G>
 double log_distance(const G& a, const G& b, DistanceMetric metric) {
   if constexpr (std::same_as<G, SE3d> || std::same_as<G, PoseStackd>) {
@@ -102,8 +105,8 @@ double log_distance(const G& a, const G& b, DistanceMetric metric) {
 
 }  // namespace internal
 
-/// Distance between the means of two densities in the named metric. On a group without poses
-/// (SO(3), R^n) rotation and translation are the tangent norm.
+/// The distance between the means of two densities. On a group without poses (SO(3), R^n), the
+/// metrics rotation and translation are the tangent norm.
 template <LieGroup G>
 double distance(const ConcentratedGaussian<G>& a, const ConcentratedGaussian<G>& b,
                 DistanceMetric metric) {
@@ -121,8 +124,8 @@ double distance(const ConcentratedGaussian<G>& a, const ConcentratedGaussian<G>&
   throw InvalidInput("distance: unknown metric");
 }
 
-/// The same for projected Gaussians, between their modes; Mahalanobis' distance in the tangent
-/// space halfway.
+/// The distance between the modes of two projected Gaussians; the Mahalanobis distance is in the
+/// tangent space halfway.
 template <RotationOrPose G>
 double distance(const ProjectedGaussian<G>& a, const ProjectedGaussian<G>& b,
                 DistanceMetric metric) {
@@ -130,8 +133,8 @@ double distance(const ProjectedGaussian<G>& a, const ProjectedGaussian<G>& b,
   return internal::log_distance(a.mean(), b.mean(), metric);
 }
 
-/// w_a w_b / (w_a + w_b) times the symmetric Kullback-Leibler divergence of the densities, with
-/// w = exp(log_weight); zero where a weight is.
+/// w_a w_b / (w_a + w_b) times the symmetric Kullback-Leibler divergence of the densities, with w =
+/// exp(log_weight); zero if one of the weights is zero.
 template <class D>
 double weighted_symmetric_kl(const Component<D>& a, const Component<D>& b) {
   const double w_a = std::exp(a.log_weight);
@@ -140,8 +143,8 @@ double weighted_symmetric_kl(const Component<D>& a, const Component<D>& b) {
   return w_a / (w_a + w_b) * w_b * gaussian_symmetric_kl(a.density, b.density);
 }
 
-/// Chooses pairs while a list of components shrinks. Costs of pairs that a merge leaves alone are
-/// kept.
+/// Chooses pairs while a list of components shrinks. The costs of pairs that a merge does not touch
+/// are kept.
 template <class D>
 class PairSelector {
  public:
@@ -149,12 +152,12 @@ class PairSelector {
 
   PairSelector(const Components& components, PairRule rule, DistanceMetric metric);
 
-  /// The next pair (a, b), a < b. Ties go to the pair found first in order of a, then b; for
-  /// weights, to the first largest and the last smallest, so that equal weights never pair a
-  /// component with itself.
+  /// The next pair (a, b), a < b. Among equal costs, the pair that is first in order of a, then b.
+  /// By weight, the first of the largest and the last of the smallest, so that with equal weights a
+  /// component is never paired with itself.
   std::pair<std::size_t, std::size_t> next(const Components& components) const;
 
-  /// Tells that component a now holds the merge of a and b, and that b was erased.
+  /// Updates the costs after a merge: component a is the merge of a and b, and b was erased.
   void merged(const Components& components, std::size_t a, std::size_t b);
 
  private:

@@ -21,28 +21,28 @@ namespace posemix {
 /// Settings of `reduce`.
 struct ReductionSettings {
   static constexpr NumberRange kPruneBelow{.lowest = 0, .highest = 1, .without_highest = true};
-  double prune_below = 5e-6;        ///< components with a smaller weight are dropped first
-  std::size_t drop_smallest = 0;    ///< after pruning so many of the lightest are dropped; the
-                                    ///< heaviest always stays
-  std::size_t keep_heaviest = 0;    ///< after pruning only so many of the heaviest components are
-                                    ///< kept, without merging; 0: all
-  std::size_t max_components = 12;  ///< merging goes on until no more than this many are left
-  std::size_t merge_from =
-      0;  ///< merging starts at this many; 0: as soon as there are more than max_components
+  double prune_below = 5e-6;  ///< components with a smaller weight are dropped first
+  /// This many of the lightest components are dropped after pruning; the heaviest always stays.
+  std::size_t drop_smallest = 0;
+  /// Only this many of the heaviest components are kept after pruning, without merging; 0: all.
+  std::size_t keep_heaviest = 0;
+  std::size_t max_components = 12;  ///< pairs are merged until no more than this many are left
+  /// Pairs are merged only from this many components on; 0: from max_components + 1 on.
+  std::size_t merge_from = 0;
   PairRule pair = PairRule::largest_with_smallest;
   DistanceMetric distance = DistanceMetric::tangent_norm;  ///< for PairRule::most_distant
   MergeSettings merge{};
-  bool bound_loss = false;  ///< whether the report holds bounds on the loss
+  bool bound_loss = false;  ///< whether the report has bounds on the loss
 };
 
-/// One merge, weights as fractions of the whole mixture.
+/// One merge; the weights are fractions of the whole mixture.
 struct MergeRecord {
   double weight_a;
   double weight_b;
   double distance;  ///< norm of Log(X_b X_a^-1) before the merge
 };
 
-/// What `reduce` did.
+/// The steps and the loss of one reduction.
 struct ReductionReport {
   std::size_t components_before = 0;
   std::size_t components_pruned = 0;
@@ -50,9 +50,10 @@ struct ReductionReport {
   double weight_pruned = 0.0;
   double weight_moved = 0.0;  ///< sum over the merges of the smaller of the two weights
   std::vector<MergeRecord> merges;
-  /// For every component before the one after that holds it, or kDropped.
+  /// For every component before, the index of the component after that it is a part of, or
+  /// kDropped.
   std::vector<std::size_t> destination;
-  std::optional<BoundedLoss> bounded_loss;  ///< where it was asked for
+  std::optional<BoundedLoss> bounded_loss;  ///< with ReductionSettings::bound_loss
   bool converged = true;
 };
 
@@ -65,7 +66,7 @@ struct Reduction {
 
 namespace internal {
 
-/// The indices of the `count` heaviest components (of equals the earlier), in rising order.
+/// The indices of the `count` heaviest components in rising order; of equal weights the earlier.
 template <class D>
 std::vector<std::size_t> heaviest_of(std::span<const Component<D>> components, std::size_t count) {
   std::vector<std::size_t> order =
@@ -75,7 +76,7 @@ std::vector<std::size_t> heaviest_of(std::span<const Component<D>> components, s
   return order;
 }
 
-/// The components at the given indices, in rising order, as a mixture.
+/// A mixture of the components at the given indices, which are in rising order.
 template <class D>
 Mixture<D> selected(std::vector<Component<D>> components, std::span<const std::size_t> indices) {
   std::vector<Component<D>> kept;
@@ -88,7 +89,7 @@ Mixture<D> selected(std::vector<Component<D>> components, std::span<const std::s
 template <class D>
 Mixture<D> without_light(Mixture<D> mixture, const ReductionSettings& settings,
                          ReductionReport& report) {
-  // `left` holds, for every component that is left, its index before.
+  // `left` has the index before of every component that is left.
   std::vector<std::size_t> left = mixture.indices_not_below(settings.prune_below);
   report.weight_pruned = mixture.prune(settings.prune_below);
   std::size_t count = mixture.size() - std::min(settings.drop_smallest, mixture.size() - 1);
@@ -112,7 +113,7 @@ Mixture<D> without_light(Mixture<D> mixture, const ReductionSettings& settings,
   return mixture;
 }
 
-/// Component b has become a part of component a < b.
+/// Updates the destinations after component b became a part of component a < b.
 inline void redirect(std::vector<std::size_t>& destination, std::size_t a, std::size_t b) {
   for (std::size_t& to : destination) {
     if (to == b) {
@@ -123,7 +124,7 @@ inline void redirect(std::vector<std::size_t>& destination, std::size_t a, std::
   }
 }
 
-/// Merges pair after pair.
+/// Merges pairs until max_components are left.
 template <class D>
 void merge_pairs(std::vector<Component<D>>& components, const ReductionSettings& settings,
                  ReductionReport& report) {
@@ -147,9 +148,9 @@ void merge_pairs(std::vector<Component<D>>& components, const ReductionSettings&
 
 }  // namespace internal
 
-/// A mixture with fewer components: prune, drop the lightest, keep the heaviest, then merge pair
-/// after pair. Total weight is preserved (dropped weight is spread over the rest in proportion).
-/// For concentrated Gaussians on any group, and for projected Gaussians.
+/// Reduces the number of components: prunes, drops the lightest, keeps the heaviest, then merges
+/// pair after pair. The total weight is preserved (dropped weight is spread over the rest in
+/// proportion). For concentrated Gaussians on any group, and for projected Gaussians.
 /// @throws InvalidInput when max_components is zero or prune_below is not in [0, 1)
 template <class D>
 Reduction<D> reduce(Mixture<D> mixture, const ReductionSettings& settings = {}) {

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 # SPDX-FileCopyrightText: posemix contributors
-"""ROS bags without ROS: detections and odometry in, estimates and mixtures out.
+"""Reads detections and odometry from ROS bags and writes estimates and mixtures, without ROS.
 
-Reads ROS 2 bags (sqlite3 and MCAP) and ROS 1 bags through the package rosbags: `pip install posemix[bags]`.
+Supports ROS 2 bags (sqlite3 and MCAP) and ROS 1 bags through the package rosbags: `pip install posemix[bags]`.
 """
 
 from posemix.bags.read import Detections, Recording, read

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 # SPDX-FileCopyrightText: posemix contributors
-"""Message types that rosbags does not bring along, and fields in common."""
+"""Message types that rosbags does not have, and helpers for headers and topics."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from typing import Any
 
 from posemix._peers import peer
 
-# Fields of vision_msgs 4 (ROS 2) and 0.0 (ROS 1), and of tf2_msgs, which rosbags lacks for ROS 1.
+# Fields of vision_msgs 4 (ROS 2) and 0.0 (ROS 1), and of tf2_msgs, which rosbags does not have for ROS 1.
 _ROS2 = {
     "ObjectHypothesis": "string class_id\nfloat64 score\n",
     "ObjectHypothesisWithPose": (
@@ -58,7 +58,7 @@ def typestore(ros: int) -> Any:
 
 @contextmanager
 def opened(path: str | os.PathLike[str]) -> Iterator[Any]:
-    """A reader of a bag of any kind; ValueError names the bag where it cannot be opened."""
+    """A reader of a bag of any kind; raises ValueError naming the bag if it cannot be opened."""
     highlevel = peer("rosbags.highlevel", USER, INSTALL)
     place = Path(path)
     if not place.exists():
@@ -75,7 +75,7 @@ def opened(path: str | os.PathLike[str]) -> Iterator[Any]:
 
 
 def connections_of(reader: Any, path: Any, topic: str, kinds: tuple[str, ...]) -> list[Any]:
-    """Connections of a topic; ValueError lists the topics there are, or names the topic's type."""
+    """The connections of a topic; raises ValueError with the existing topics, or the topic's wrong type."""
     found = [c for c in reader.connections if c.topic == topic]
     if not found:
         there = sorted({f"{c.topic} ({c.msgtype})" for c in reader.connections})
@@ -88,7 +88,7 @@ def connections_of(reader: Any, path: Any, topic: str, kinds: tuple[str, ...]) -
 
 
 def messages(reader: Any, path: Any, connections: list[Any]) -> Iterator[tuple[str, int, Any]]:
-    """Topics, times of arrival [ns] and messages in that order; ValueError where the bag breaks off."""
+    """Topics, arrival times [ns] and messages in order of time; raises ValueError if the bag is truncated."""
     stream = iter(reader.messages(connections))
     last = "the first message"
     while True:
@@ -104,11 +104,11 @@ def messages(reader: Any, path: Any, connections: list[Any]) -> Iterator[tuple[s
 
 
 def stamp_of(header: Any, otherwise: int) -> int:
-    """Time of a header [ns], or where it is not set the other one."""
+    """The time of a header [ns], or `otherwise` if it is not set."""
     nanoseconds = int(header.stamp.sec) * 1_000_000_000 + int(header.stamp.nanosec)
     return nanoseconds or otherwise
 
 
 def frame_of(header: Any) -> str:
-    """Frame of a header, without the leading slash of old bags."""
+    """The frame of a header, without the leading slash of old bags."""
     return str(header.frame_id).lstrip("/")

@@ -29,16 +29,16 @@ class Detections:
     Attributes
     ----------
     frame : ndarray of int, shape (n,)
-        Index of the recording's frame.
+        Index of the frame in the recording.
     class_id, instance_id : tuple of str, length n
-        What was seen; which one, "" where the detector does not say.
+        Class of the object, and its instance; "" if the detector names none.
     score : ndarray, shape (n,)
         Confidence of the detector.
     poses : SE3, shape (n,)
         T_camera_object.
     covariance : ndarray, shape (n, 36)
-        As in the message (see `posemix.interop.ros`), in the frame of the message; zeros where the detector gives
-        none.
+        Covariance of the message (see `posemix.interop.ros`), in the frame of the message; zeros if the detector
+        gives none.
     """
 
     frame: npt.NDArray[np.int64]
@@ -51,7 +51,7 @@ class Detections:
 
 @dataclass(frozen=True)
 class Recording:
-    """What object SLAM takes from a bag. A frame is a message of the detector.
+    """The detections and odometry in a bag. A frame is a message of the detector.
 
     Attributes
     ----------
@@ -60,7 +60,7 @@ class Recording:
     odometry : SE3, shape (f,)
         T_odom_camera.
     has_odometry : ndarray of bool, shape (f,)
-        Where it is known.
+        Whether the odometry is known.
     camera_frame, odometry_frame : str
         Names of the frames; the latter is "" without odometry.
     detections : Detections
@@ -82,7 +82,7 @@ class Recording:
 
 @dataclass
 class _Rows:
-    """Detections as they are read."""
+    """Rows of detections while a bag is read."""
 
     stamps: list[int] = field(default_factory=list)
     cameras: list[str] = field(default_factory=list)
@@ -131,7 +131,7 @@ def _instance_of(detection: Any) -> str:
 
 @dataclass
 class _Content:
-    """What one pass over a bag yields."""
+    """The content of a bag after one pass over it."""
 
     rows: _Rows
     buffer: TransformBuffer
@@ -193,9 +193,9 @@ def read(
 ) -> Recording:
     """Reads detections and odometry of a ROS 2 bag (sqlite3 or MCAP) or a ROS 1 bag.
 
-    Odometry is taken at the stamps of the detections, on the geodesic between the two messages around each, and
-    carried from the robot's base to the camera through /tf and /tf_static. Of every detection the result with
-    the highest score counts.
+    Odometry is interpolated at the stamps of the detections, along the geodesic between the messages before and after,
+    and transformed from the robot's base to the camera by /tf and /tf_static. The result with the highest score is
+    taken of every detection.
 
     Parameters
     ----------
@@ -206,22 +206,22 @@ def read(
     odometry : str, optional
         Topic of nav_msgs/Odometry, T_odom_base.
     odometry_frame : str, optional
-        Instead: the frame in /tf that the camera's motion is seen from, as "odom".
+        Used instead of `odometry`: the frame in /tf relative to which the camera moves, such as "odom".
     camera_frame : str, optional
-        Frame of the resulting detections; that of the first message unless given. Detections in other frames are
-        carried there.
+        Frame of the resulting detections, by default that of the first message. Detections in other frames are
+        transformed to it.
     pose : {"result", "bbox"}
-        Where a detection's pose stands: in its best result, or as the centre of its box.
+        The pose of a detection: that of its best result, or the centre of its box.
     max_gap_s : float
         Longest gap between two odometry messages or transforms that is interpolated [s].
 
     Raises
     ------
     FileNotFoundError
-        Where there is no such bag.
+        If there is no such bag.
     ValueError
-        For a missing topic (the topics there are, are listed), one of another type, a damaged bag, and frames that
-        no transform joins.
+        For a missing topic (with a list of the existing topics), a topic of another type, a damaged bag, and frames
+        that no transform connects.
     """
     if odometry is not None and odometry_frame is not None:
         raise ValueError("odometry and odometry_frame are both given; expected one of them")

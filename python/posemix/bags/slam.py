@@ -41,15 +41,15 @@ class BagRun:
     Attributes
     ----------
     recording : Recording
-        What was read.
+        The detections and odometry of the bag.
     models : list of ObjectModel
-        The objects that were looked for.
+        Models of the objects.
     camera : Track
         T_world_camera.
     objects : list of Track
-        T_world_object of every object that was seen, from when it was, with its hypotheses.
+        T_world_object of every detected object from its first detection on, with its hypotheses.
     ignored : dict of str to int
-        Detections of classes without a model.
+        Numbers of detections of classes without a model.
     """
 
     recording: Recording
@@ -62,8 +62,8 @@ class BagRun:
 def models_of(recording: Recording) -> list[ObjectModel]:
     """A model for every object of a recording, with the default noise.
 
-    A class that is seen at most once per frame is one object with the class's name. Of others there are as many
-    as were seen in one frame, NAME_1, NAME_2, ..., told apart by where they are.
+    A class with at most one detection per frame becomes one object with the name of the class. Another class becomes as
+    many objects as it has detections in one frame, NAME_1, NAME_2, ..., which are distinguished by their poses.
     """
     seen = recording.detections
     most: Counter[str] = Counter()
@@ -81,7 +81,7 @@ def models_of(recording: Recording) -> list[ObjectModel]:
 
 @dataclass
 class _Rows:
-    """A track as it grows."""
+    """Rows of a track during a run."""
 
     stamps: list[int] = field(default_factory=list)
     poses: list[FloatArray] = field(default_factory=list)
@@ -105,7 +105,7 @@ class _Rows:
 
 
 def _inputs(recording: Recording, models: Sequence[ObjectModel]) -> Iterator[FrameInput]:
-    """The frames as the filter takes them: candidates of classes with several models, else the surest one."""
+    """The input frames: candidates for a class with several models, otherwise the detection of highest score."""
     classes = Counter(model.class_id or model.id for model in models)
     single = {m.class_id or m.id: m.id for m in models if classes[m.class_id or m.id] == 1}
     seen, stamps = recording.detections, recording.stamps
@@ -129,7 +129,7 @@ def _inputs(recording: Recording, models: Sequence[ObjectModel]) -> Iterator[Fra
 
 
 class _Hypotheses:
-    """Of every object at one frame."""
+    """The hypotheses of every object at one frame."""
 
     def __init__(self, slam: ObjectSlam) -> None:
         self._many = slam.multi_object
@@ -152,21 +152,22 @@ def track_objects(
     camera_prior: ConcentratedGaussian[SE3] | None = None,
     progress: Progress | None = None,
 ) -> BagRun:
-    """Object SLAM over what `read` read.
+    """Runs object SLAM over the result of `read`.
 
     Parameters
     ----------
     recording : Recording
         Detections and odometry.
     models : sequence of ObjectModel, optional
-        Detections belong to models by their class: `class_id`, or `id` where that is empty. `models_of` the
-        recording unless given.
+        Detections are assigned to models by their class: `class_id`, or `id` if that is empty. The result of
+        `models_of` unless given.
     settings : ObjectSlamSettings, optional
-        Filter and motion model; constant velocity where the recording has no odometry, unless given.
+        Filter and motion model. Without settings and without odometry, the motion model is constant velocity.
     camera_prior : ConcentratedGaussian, optional
-        T_world_camera at the first frame; the odometry's pose there with 0.05 deg and 2 mm unless given.
+        Prior of T_world_camera at the first frame. By default its mean is the odometry's pose at that frame, with
+        standard deviations of 0.05 deg and 2 mm.
     progress : callable, optional
-        Called with (frames done, frames in all); where it returns False the run stops and what is done so far is
+        Called with (frames done, frames in all). If it returns False, the run stops and the frames done so far are
         returned.
     """
     objects = models_of(recording) if models is None else list(models)
@@ -233,18 +234,18 @@ def run_slam(
     Parameters
     ----------
     path, detections, odometry, odometry_frame, camera_frame, max_gap_s
-        As of `read`.
+        As for `read`.
     out, storage
-        As of `write`; nothing is written without `out`.
+        As for `write`; nothing is written without `out`.
     models, settings, camera_prior, progress
-        As of `track_objects`.
+        As for `track_objects`.
     world_frame : str, optional
-        Name of the world in what is written; that of the odometry unless given, or "world".
+        Name of the world frame in the written bag; by default the odometry's frame, or "world" without odometry.
 
     Raises
     ------
     ValueError, FileNotFoundError, FileExistsError
-        As `read` and `write`.
+        As for `read` and `write`.
     """
     if out is not None and os.path.exists(out):
         raise FileExistsError(f"{os.fspath(out)}: there is something already")

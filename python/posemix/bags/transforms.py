@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 # SPDX-FileCopyrightText: posemix contributors
-"""Transforms between frames over time, as of /tf and /tf_static."""
+"""Transforms between frames over time, from /tf and /tf_static."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ Nanoseconds = npt.NDArray[np.int64]
 
 
 class Timeline:
-    """Poses over time, or one for all times.
+    """Poses over time, or one pose for all times.
 
     Parameters
     ----------
     stamps_ns : ndarray of int, shape (n,)
-        Times in any order [ns]; of equal ones the last counts. Empty: one pose for all times.
+        Times in any order [ns]; of equal times the last is used. Empty: one pose for all times.
     poses : SE3, shape (n,), or (1,)
-        At these times.
+        Poses at these times.
     """
 
     def __init__(self, stamps_ns: Nanoseconds, poses: SE3) -> None:
@@ -38,10 +38,10 @@ class Timeline:
         self._poses = poses[len(stamps_ns) - 1 - index]
 
     def at(self, stamps_ns: Nanoseconds, max_gap_s: float) -> tuple[SE3, npt.NDArray[np.bool_]]:
-        """Poses at times, along the geodesic between the two around each, and where there are two.
+        """Poses at the given times, interpolated along geodesics, and whether they are known.
 
-        Nothing is carried on beyond the ends, nor over gaps longer than `max_gap_s` seconds; there the pose is
-        that of the nearest time and counts as missing.
+        Poses are not known before the first and after the last stamp, nor in gaps longer than `max_gap_s` seconds; the
+        values returned for them have no meaning.
         """
         n = len(stamps_ns)
         if self.is_static:
@@ -82,12 +82,12 @@ class TransformBuffer:
         self._lines: dict[str, Timeline] = {}
 
     def add(self, parent: str, child: str, pose: SE3, stamp_ns: int | None = None) -> None:
-        """Takes T_parent_child at a time, or for all times without a stamp.
+        """Adds T_parent_child at a time, or without a stamp for all times.
 
         Raises
         ------
         ValueError
-            Where the child has another parent already.
+            If the child already has another parent.
         """
         known = self._parents.setdefault(child, parent)
         if known != parent:
@@ -122,7 +122,7 @@ class TransformBuffer:
     def lookup(
         self, target: str, source: str, stamps_ns: Nanoseconds, *, max_gap_s: float
     ) -> tuple[SE3, npt.NDArray[np.bool_]]:
-        """T_target_source at times.
+        """T_target_source at the given times.
 
         Parameters
         ----------
@@ -137,12 +137,12 @@ class TransformBuffer:
         -------
         poses : SE3, shape (n,)
         found : ndarray of bool, shape (n,)
-            Where all transforms on the way are known.
+            Whether all transforms between the two frames are known.
 
         Raises
         ------
         ValueError
-            Naming the frames, where no way joins them.
+            If no transforms connect the frames; the message names them.
         """
         identity, always = SE3.identity(len(stamps_ns)), np.ones(len(stamps_ns), dtype=bool)
         if target == source:

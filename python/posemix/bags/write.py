@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 # SPDX-FileCopyrightText: posemix contributors
-"""Estimates and mixtures over time as a bag, and back."""
+"""Writes estimates and mixtures over time to a bag, and reads them back."""
 
 from __future__ import annotations
 
@@ -54,15 +54,15 @@ class Track:
     Attributes
     ----------
     name : str
-        Of the object, or "camera".
+        Name of the object, or "camera".
     class_id : str
-        Its class, "" for the camera.
+        Class of the object, "" for the camera.
     stamps_ns : ndarray of int, shape (n,)
         Times [ns].
     poses : SE3, shape (n,)
         Estimates.
     covariances : ndarray, shape (n, 6, 6)
-        Of the left perturbation (world frame), rotation (rad) before translation (m).
+        Covariances of the left perturbation (world frame), rotation (rad) before translation (m).
     mixtures : tuple of Mixture, length n, or empty
         The hypotheses at each time.
     """
@@ -86,13 +86,13 @@ class Track:
 
     @property
     def topic(self) -> str:
-        """Where the track stands in a bag: /posemix/NAME, letters, digits and _ only."""
+        """The topic prefix of the track in a bag: /posemix/NAME with letters, digits and _ only."""
         name = re.sub(r"\W", "_", self.name, flags=re.ASCII)
         return "/posemix/" + (f"_{name}" if name[:1].isdigit() else name)
 
 
 class _Messages:
-    """Makes the messages of one kind of bag."""
+    """Makes the messages for one kind of bag."""
 
     def __init__(self, ros: int, frame: str) -> None:
         self.ros, self.frame = ros, frame
@@ -188,18 +188,19 @@ def write(
     frame: str,
     storage: Literal["mcap", "sqlite3", "ros1"] = "mcap",
 ) -> None:
-    """Writes tracks as a bag, all or nothing.
+    """Writes tracks to a bag, as a whole or not at all.
 
-    Per track a topic /posemix/NAME/pose of geometry_msgs/PoseWithCovarianceStamped, and where it has mixtures
-    /posemix/NAME/mixture of vision_msgs/Detection3D, whose results are the components: score = weight, pose with
-    covariance, the heaviest first. Covariances are as tf2 reads them, rotation vectors about the axes of `frame`.
+    A track has the topic /posemix/NAME/pose of geometry_msgs/PoseWithCovarianceStamped. A track with mixtures also has
+    /posemix/NAME/mixture of vision_msgs/Detection3D, whose results are the components, heaviest first: score is the
+    weight, and the pose has a covariance. Covariances are in the form of tf2, of rotation vectors along the axes of
+    `frame`.
 
     Parameters
     ----------
     path : path
-        The bag to make: a folder of ROS 2, or a file of ROS 1. It must not exist.
+        The bag to write: a folder for ROS 2, or a file for ROS 1. It must not exist.
     tracks : sequence of Track
-        What to write.
+        The tracks to write.
     frame : str
         Name of the world frame, the messages' frame_id.
     storage : {"mcap", "sqlite3", "ros1"}
@@ -208,9 +209,9 @@ def write(
     Raises
     ------
     FileExistsError
-        Where there is something at `path`.
+        If `path` exists.
     ValueError
-        For two tracks with one topic, and classes that are no integers in ROS 1.
+        For two tracks with the same topic, and in ROS 1 for classes that are not integers.
     """
     if storage not in ("mcap", "sqlite3", "ros1"):
         raise ValueError(f"storage is '{storage}'; expected 'mcap', 'sqlite3' or 'ros1'")
@@ -239,12 +240,12 @@ def read_track(path: str | os.PathLike[str], name: str) -> Track:
     path : path
         The bag.
     name : str
-        Of the track, as it was given.
+        Name of the track.
 
     Raises
     ------
     ValueError
-        Where the bag has no such track; the topics there are, are listed.
+        If the bag has no such track; the message lists the existing topics.
     """
     empty = Track(name, "", np.zeros(0, dtype=np.int64), SE3.identity(0), np.zeros((0, 6, 6)))
     with opened(path) as reader:

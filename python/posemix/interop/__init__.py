@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
 # SPDX-FileCopyrightText: posemix contributors
-"""Conventions of other packages and files, converted by name.
+"""Conversions from and to the conventions of other packages and files, by name.
 
-One module per ecosystem; none of the packages is needed to import them. What a convention leaves open (side,
-order, reading, frame) is an argument without a default. Conversions of covariances are to first order in the
-error, exact in the mean; the rest is exact. docs/interop.md is the table of all.
+There is one module per package; importing it does not need the package. If a convention does not determine something
+(side, order, reading, frame), that is an argument without a default. Conversions of covariances are to first order in
+the error and exact in the mean; all others are exact. docs/interop.md has a table of all.
 """
 
 from posemix.interop import (

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
 # SPDX-FileCopyrightText: posemix contributors
-"""BOP: result files and models_info.json, which are in millimetres, and what symmetries do to a detector.
+"""BOP: result files and models_info.json, which are in millimetres, and detector noise for symmetric objects.
 
-`posemix.read_bop_rows` and `posemix.read_bop_models` read the files; this writes them. Poses are T_camera_object. A
-symmetry g is a motion of the object's frame after which the object looks the same: X and X g are one pose to a
-detector.
+`posemix.read_bop_rows` and `posemix.read_bop_models` read the files; this module writes them. Poses are
+T_camera_object. A symmetry g is a motion of the object's frame after which the object looks the same: a detector cannot
+distinguish X and X g.
 """
 
 from __future__ import annotations
@@ -37,14 +37,14 @@ _MILLIMETRE = 1e-3
 
 
 def format_results(rows: BopRows, *, time_s: npt.ArrayLike = -1.0) -> str:
-    """The text of a result file, with header; reads back up to rounding of the millimetres.
+    """The text of a result file, with header; numbers are read back up to the rounding of millimetres.
 
     Parameters
     ----------
     rows : BopRows
         Estimates; T_camera_object [m].
     time_s : array_like, shape (n,) or ()
-        Time that the row's image took [s], -1 where unknown.
+        Processing time of the row's image [s], -1 if unknown.
     """
     times = np.broadcast_to(np.asarray(time_s, dtype=np.float64), (len(rows),))
     lines = ["scene_id,im_id,obj_id,score,R,t,time"]
@@ -57,7 +57,7 @@ def format_results(rows: BopRows, *, time_s: npt.ArrayLike = -1.0) -> str:
 
 
 def write_results(path: str | os.PathLike[str], rows: BopRows, *, time_s: npt.ArrayLike = -1.0) -> None:
-    """As `format_results`, to a file, all or nothing."""
+    """Writes the text of `format_results` to a file, as a whole or not at all."""
     write_text(path, format_results(rows, time_s=time_s))
 
 
@@ -79,12 +79,12 @@ def _entry(model: BopModel) -> dict[str, Any]:
 
 
 def format_models(models: Mapping[int, BopModel]) -> str:
-    """The text of a models_info.json: diameters, boxes and symmetries, the identity left out."""
+    """The text of a models_info.json: diameters, boxes and symmetries without the identity."""
     return json.dumps({str(key): _entry(model) for key, model in models.items()}, indent=1) + "\n"
 
 
 def write_models(path: str | os.PathLike[str], models: Mapping[int, BopModel]) -> None:
-    """As `format_models`, to a file, all or nothing."""
+    """Writes the text of `format_models` to a file, as a whole or not at all."""
     write_text(path, format_models(models))
 
 
@@ -94,14 +94,14 @@ def _twist(axis: SymmetryAxis) -> FloatArray:
 
 
 def discretized(symmetries: SymmetryGroup, max_step: float) -> SE3:
-    """All symmetries as one array, turns about axes in steps, as the BOP toolkit does; the identity first.
+    """All symmetries as one array, rotations about an axis in steps, as in the BOP toolkit; the identity first.
 
     Parameters
     ----------
     symmetries : SymmetryGroup
-        Without axes or with one; of a sphere there is no such list.
+        Symmetries with at most one axis.
     max_step : float
-        Largest way of a vertex between two steps, as a fraction of the diameter; the BOP toolkit's
+        Largest displacement of a vertex between two steps, as a fraction of the diameter; the BOP toolkit's
         max_sym_disc_step is 0.01.
 
     Returns
@@ -129,21 +129,21 @@ def discretized(symmetries: SymmetryGroup, max_step: float) -> SE3:
 def noise_modes(
     symmetries: SymmetryGroup, covariance: npt.ArrayLike, *, clutter: Clutter | None = None
 ) -> DetectorNoise:
-    """The noise of a detector that cannot tell the symmetries of an object.
+    """The noise of a detector that cannot distinguish the symmetric poses of an object.
 
-    One mode per discrete symmetry, equally likely. About each axis the angle is unknown: its variance of
-    pi^2 / 3, that of a uniform angle, is added along the twist of the axis, to first order. For filters without
-    `ObjectModel.symmetries`, such as the Gaussian-sum filter; where the filter knows the group, the noise is
-    that of the detector alone.
+    It has one mode per discrete symmetry, all equally likely. The angle about an axis is unknown: the variance of a
+    uniform angle, pi^2 / 3, is added along the twist of the axis, to first order. This is for filters that do not use
+    `ObjectModel.symmetries`, such as the Gaussian-sum filter; a filter that uses them needs only the noise of the
+    detector.
 
     Parameters
     ----------
     symmetries : SymmetryGroup
-        Of one object.
+        Symmetries of one object.
     covariance : array_like, shape (6, 6)
-        Of the detector's own error along the object's axes, rotation (rad) before translation (m).
+        Covariance of the detector's own error along the object's axes, rotation (rad) before translation (m).
     clutter : Clutter, optional
-        Detections of nothing; its weight is a probability, below one.
+        Clutter; its weight is a probability below one.
     """
     total = as_floats(covariance, (6, 6), "covariance") + symmetries.unobserved_covariance()
     elements = symmetries.elements

@@ -2,8 +2,8 @@
 # SPDX-FileCopyrightText: posemix contributors
 """Sides, orders and charts of a pose's error, and the Jacobians between them.
 
-All Jacobians J map the error of the other convention to posemix's: the left perturbation, rotation (rad)
-before translation (m), in X = Exp(xi) X0. Covariances follow to first order, P = J P_other J^T.
+All Jacobians J map the error in the other convention to the left perturbation of posemix, rotation (rad) before
+translation (m), in X = Exp(xi) X0. Covariances follow to first order, P = J P_other J^T.
 """
 
 from __future__ import annotations
@@ -28,14 +28,14 @@ Order: TypeAlias = Literal["rotation_first", "translation_first"]
 
 
 def require_word(value: str, allowed: tuple[str, ...], name: str) -> None:
-    """ValueError unless the value of the argument `name` is allowed."""
+    """Raises ValueError unless the value of the argument `name` is allowed."""
     if value not in allowed:
         expected = " or ".join(repr(word) for word in allowed)
         raise ValueError(f"{name} is {value!r}; expected {expected}")
 
 
 def skew(v: npt.ArrayLike) -> FloatArray:
-    """[v]x, shape (..., 3, 3): [v]x w is the cross product of v and w."""
+    """The matrix [v]x, shape (..., 3, 3), for which [v]x w is the cross product of v and w."""
     x, y, z = np.moveaxis(as_floats(v, (3,), "v"), -1, 0)
     zero = np.zeros_like(x)
     rows = [[zero, -z, y], [z, zero, -x], [-y, x, zero]]
@@ -48,25 +48,25 @@ def _swapped(values: FloatArray, axes: tuple[int, ...], order: Order) -> FloatAr
 
 
 def tangent_from(vector: npt.ArrayLike, *, order: Order) -> FloatArray:
-    """Tangent vectors, shape (..., 6), rotation first.
+    """Tangent vectors with the rotation first, shape (..., 6).
 
     Parameters
     ----------
     vector : array_like, shape (..., 6)
         Tangent vectors [rad, m].
     order : {"rotation_first", "translation_first"}
-        Which half of `vector` comes first.
+        Order of the halves of `vector`.
     """
     return _swapped(as_floats(vector, (6,), "vector"), (-1,), order)
 
 
 def tangent_to(vector: npt.ArrayLike, *, order: Order) -> FloatArray:
-    """Tangent vectors in another order; undoes `tangent_from`."""
+    """Tangent vectors in another order, the inverse of `tangent_from`."""
     return _swapped(as_floats(vector, (6,), "vector"), (-1,), order)
 
 
 def side_jacobian(mean: SE3, side: Side) -> FloatArray:
-    """From errors on a side to those on the left: the identity or Ad(mean); exact.
+    """The exact Jacobian from errors on a side to errors on the left: the identity or Ad(mean).
 
     Parameters
     ----------
@@ -86,9 +86,9 @@ def side_jacobian(mean: SE3, side: Side) -> FloatArray:
 
 
 def additive_jacobian(mean: SE3) -> FloatArray:
-    """From [theta, dt], R = Exp(theta) R0 and t = t0 + dt, both along the reference frame's axes.
+    """The Jacobian from [theta, dt], R = Exp(theta) R0 and t = t0 + dt, both along the axes of the reference frame.
 
-    rho = dt + [t0]x theta to first order.
+    To first order, rho = dt + [t0]x theta.
     """
     jacobian = np.zeros((*mean.shape, 6, 6))
     jacobian[...] = np.eye(6)
@@ -97,7 +97,7 @@ def additive_jacobian(mean: SE3) -> FloatArray:
 
 
 def product_jacobian(mean: SE3) -> FloatArray:
-    """From [theta, dt], R = R0 Exp(theta) along the body's axes and t = t0 + dt along the reference's."""
+    """The Jacobian from [theta, dt], R = R0 Exp(theta) in the body frame and t = t0 + dt in the reference frame."""
     jacobian = additive_jacobian(mean)
     turned = mean.rotation.matrix()
     jacobian[..., :3, :3] = turned
@@ -111,7 +111,7 @@ def inverted(jacobian: FloatArray) -> FloatArray:
 
 
 def transformed(covariance: npt.ArrayLike, jacobian: FloatArray) -> FloatArray:
-    """J P J^T, symmetric to the last bit, shape (..., 6, 6)."""
+    """J P J^T, exactly symmetric, shape (..., 6, 6)."""
     product = jacobian @ as_floats(covariance, (6, 6), "covariance") @ np.swapaxes(jacobian, -1, -2)
     return np.asarray(0.5 * (product + np.swapaxes(product, -1, -2)))
 
@@ -119,18 +119,18 @@ def transformed(covariance: npt.ArrayLike, jacobian: FloatArray) -> FloatArray:
 def covariance_from(
     mean: SE3, covariance: npt.ArrayLike, *, side: Side, order: Order
 ) -> FloatArray:
-    """Covariances of the left perturbation, rotation first.
+    """Covariances of the left perturbation, rotation first, from another side and order.
 
     Parameters
     ----------
     mean : SE3, shape (...)
         Poses T_a_b.
     covariance : array_like, shape (..., 6, 6)
-        Covariances at them [rad, m].
+        Covariances of these poses [rad, m].
     side : {"left", "right"}
-        Of the perturbation: in the frame a (X = Exp(xi) X0) or in b (X = X0 Exp(xi)).
+        Side of the perturbation: left in frame a (X = Exp(xi) X0), or right in frame b (X = X0 Exp(xi)).
     order : {"rotation_first", "translation_first"}
-        Of the halves.
+        Order of the halves.
 
     Returns
     -------
@@ -143,7 +143,7 @@ def covariance_from(
 def covariance_to(
     mean: SE3, covariance: npt.ArrayLike, *, side: Side, order: Order
 ) -> FloatArray:
-    """Covariances in another side and order, of left ones, rotation first; undoes `covariance_from`."""
+    """Covariances on another side and in another order, the inverse of `covariance_from`."""
     require_word(side, ("left", "right"), "side")
     back = side_jacobian(mean.inverse(), side)
     return _swapped(transformed(covariance, back), (-2, -1), order)
@@ -152,13 +152,13 @@ def covariance_to(
 def density_from(
     mean: SE3, covariance: npt.ArrayLike, *, side: Side, order: Order
 ) -> ConcentratedGaussian[SE3]:
-    """One density of a pose and a covariance in any side and order; see `covariance_from`."""
+    """The density with a pose as mean and a covariance of any side and order; see `covariance_from`."""
     return ConcentratedGaussian(mean, covariance_from(mean, covariance, side=side, order=order))
 
 
 def density_to(
     density: ConcentratedGaussian[SE3], *, side: Side, order: Order
 ) -> tuple[SE3, FloatArray]:
-    """Mean and covariance of a density in any side and order; undoes `density_from`."""
+    """Mean and covariance of a density, on any side and in any order; the inverse of `density_from`."""
     mean = density.mean
     return mean, covariance_to(mean, density.covariance, side=side, order=order)

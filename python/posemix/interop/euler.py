@@ -13,7 +13,7 @@ from posemix.lie import SE3, SO3
 
 __all__ = ["from_rpy", "inverse_rpy_jacobian", "rpy_jacobian", "to_rpy"]
 
-# Least cosine of the pitch at which the three angles are told apart.
+# Least cosine of the pitch at which the three angles can be distinguished.
 _LEAST_COSINE = 1e-6
 
 
@@ -28,7 +28,7 @@ def from_rpy(angles: npt.ArrayLike) -> SO3:
 def to_rpy(rotation: SO3) -> FloatArray:
     """[roll, pitch, yaw] of rotations, shape (..., 3) [rad]; pitch in [-pi/2, pi/2].
 
-    At a pitch of a quarter turn roll is zero.
+    At a pitch of a quarter turn, roll is set to zero.
     """
     m = rotation.matrix()
     cosine = np.hypot(m[..., 0, 0], m[..., 1, 0])
@@ -43,7 +43,7 @@ def to_rpy(rotation: SO3) -> FloatArray:
 
 
 def rpy_jacobian(mean: SE3) -> FloatArray:
-    """From errors of [roll, pitch, yaw, x, y, z] to [phi, rho] on the left, shape (..., 6, 6)."""
+    """The Jacobian from errors of [roll, pitch, yaw, x, y, z] to [phi, rho] on the left, shape (..., 6, 6)."""
     _, pitch, yaw = np.moveaxis(to_rpy(mean.rotation), -1, 0)
     zero, one = np.zeros_like(yaw), np.ones_like(yaw)
     rows = [
@@ -64,7 +64,7 @@ def inverse_rpy_jacobian(mean: SE3) -> FloatArray:
     Raises
     ------
     ValueError
-        At a pitch of a quarter turn, where roll and yaw are not told apart.
+        At a pitch of a quarter turn, where roll and yaw cannot be distinguished.
     """
     pitch = to_rpy(mean.rotation)[..., 1]
     if np.any(np.cos(pitch) < 10.0 * _LEAST_COSINE):

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 # SPDX-FileCopyrightText: posemix contributors
-"""evo: PoseTrajectory3D and PosePath3D. Exact; evo holds no covariances."""
+"""evo: PoseTrajectory3D and PosePath3D. Conversions are exact; evo has no covariances."""
 
 from __future__ import annotations
 

@@ -2,12 +2,12 @@
 # SPDX-FileCopyrightText: posemix contributors
 """g2o files: VERTEX_SE3:QUAT and EDGE_SE3:QUAT, x y z qx qy qz qw, information as its upper triangle.
 
-The information is of an error on the right, translation first. g2o's own EdgeSE3 takes the error's rotation as the
-vector part of a quaternion, half of the rotation vector for small angles; GTSAM and most writers of such
-files take it as the rotation vector itself. So the caller says:
+The information is that of an error on the right, translation first. In g2o's own EdgeSE3 the rotation part of the error
+is the vector part of a quaternion, half of the rotation vector for small angles; in GTSAM and most other programs that
+write such files it is the rotation vector itself. So the caller has to state it:
 
 rotation : {"quaternion_vector", "rotation_vector"}
-    The first for g2o itself, the second for GTSAM.
+    "quaternion_vector" for g2o itself, "rotation_vector" for GTSAM.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ _UPPER = np.triu_indices(6)
 
 
 def _error_scale(rotation: Rotation) -> FloatArray:
-    """The file's error as a multiple of [rho, phi]."""
+    """Factors between the error in the file and [rho, phi]."""
     require_word(rotation, ("quaternion_vector", "rotation_vector"), "rotation")
     half = 0.5 if rotation == "quaternion_vector" else 1.0
     return np.array([1.0, 1.0, 1.0, half, half, half])
@@ -44,7 +44,7 @@ def _error_scale(rotation: Rotation) -> FloatArray:
 def from_information(
     measurement: SE3, information: npt.ArrayLike, *, rotation: Rotation
 ) -> ConcentratedGaussian[SE3]:
-    """The density of an edge's measurement, first order in the error.
+    """The density of an edge's measurement, to first order in the error.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def from_information(
     information : array_like, shape (21,) or (6, 6)
         Upper triangle row by row, or the matrix; translation before rotation.
     rotation : {"quaternion_vector", "rotation_vector"}
-        See the module.
+        The meaning of the error; see the module.
     """
     values = np.asarray(information, dtype=np.float64)
     matrix = _full(values) if values.shape == (21,) else as_floats(values, (6, 6), "information")
@@ -67,7 +67,7 @@ def from_information(
 def to_information(
     density: ConcentratedGaussian[SE3], *, rotation: Rotation
 ) -> tuple[SE3, FloatArray]:
-    """Measurement and upper triangle of its information, shape (21,); undoes `from_information`."""
+    """Measurement and upper triangle of its information, shape (21,), the inverse of `from_information`."""
     mean, covariance = density_to(density, side="right", order="translation_first")
     scale = _error_scale(rotation)
     information = np.linalg.inv(scale[:, None] * covariance * scale)
@@ -87,17 +87,17 @@ class Graph:
     Attributes
     ----------
     ids : ndarray of int, shape (n,)
-        Of the vertices.
+        Ids of the vertices.
     poses : SE3, shape (n,)
         T_world_vertex.
     edges : ndarray of int, shape (m, 2)
-        Ids from, to.
+        Ids of the vertices from, to.
     measurements : SE3, shape (m,)
         T_from_to.
     information : ndarray, shape (m, 21)
-        Upper triangles as in the file.
+        Upper triangles of the information, as in the file.
     fixed : tuple of int
-        Ids of vertices that are held.
+        Ids of vertices that are fixed.
     """
 
     ids: npt.NDArray[np.int64]
@@ -119,12 +119,12 @@ def _ids(fields: list[str], count: int, where: str) -> list[int]:
 
 
 def parse(text: str, name: str = "text") -> Graph:
-    """The graph of a text; other tags than VERTEX_SE3:QUAT, EDGE_SE3:QUAT and FIX are errors.
+    """Reads the graph of a text; tags other than VERTEX_SE3:QUAT, EDGE_SE3:QUAT and FIX are errors.
 
     Raises
     ------
     ValueError
-        Naming the line.
+        With the number of the line.
     """
     vertices: dict[int, list[float]] = {}
     edges: list[list[int]] = []
@@ -164,7 +164,7 @@ def _pose_numbers(fields: list[str], count: int, where: str) -> list[float]:
 
 
 def format(graph: Graph) -> str:
-    """The text of a graph; reads back to the last bit."""
+    """The text of a graph; numbers are read back bit by bit."""
 
     def line(tag: str, ids: list[int], values: FloatArray) -> str:
         return " ".join([tag, *map(str, ids), *(repr(float(v)) for v in values)]) + "\n"
@@ -182,10 +182,10 @@ def format(graph: Graph) -> str:
 
 
 def read(path: str | os.PathLike[str]) -> Graph:
-    """As `parse`, of a file."""
+    """Reads a file as `parse` reads a text."""
     return parse(read_text(path), os.fspath(path))
 
 
 def write(path: str | os.PathLike[str], graph: Graph) -> None:
-    """As `format`, to a file, all or nothing."""
+    """Writes the text of `format` to a file, as a whole or not at all."""
     write_text(path, format(graph))

@@ -20,7 +20,8 @@ def parse(text: str, name: str = "text") -> SE3:
     Raises
     ------
     ValueError
-        Naming the line, for other than twelve finite numbers or a matrix that is no rotation to 1e-3.
+        With the number of the line, for a line that is not twelve finite numbers or whose matrix deviates from a
+        rotation by more than 1e-3.
     """
     rows = []
     for number, line in numbered_lines(text):
@@ -41,10 +42,10 @@ def format(poses: SE3) -> str:
 
 
 def read(path: str | os.PathLike[str]) -> SE3:
-    """As `parse`, of a file."""
+    """Reads a file as `parse` reads a text."""
     return parse(read_text(path), os.fspath(path))
 
 
 def write(path: str | os.PathLike[str], poses: SE3) -> None:
-    """As `format`, to a file, all or nothing."""
+    """Writes the text of `format` to a file, as a whole or not at all."""
     write_text(path, format(poses))

@@ -2,7 +2,7 @@
 # SPDX-FileCopyrightText: posemix contributors
 """manif: coefficients x y z qx qy qz qw, tangent vectors with the translation first.
 
-manif's operators plus and minus are on the right; lplus and lminus are on the left. So `side` says which.
+manif's operators plus and minus are on the right, lplus and lminus on the left; the argument `side` selects one.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ __all__ = ["from_coeffs", "from_gaussian", "from_tangent", "to_coeffs", "to_gaus
 
 
 def from_coeffs(coeffs: npt.ArrayLike) -> SE3:
-    """Poses of SE3d.coeffs(), shape (..., 7); exact."""
+    """Poses from SE3d.coeffs(), shape (..., 7); exact."""
     return SE3.from_tq(coeffs)
 
 
@@ -28,26 +28,26 @@ def to_coeffs(pose: SE3) -> FloatArray:
 
 
 def from_tangent(vector: npt.ArrayLike) -> FloatArray:
-    """Tangent vectors, rotation first, of SE3Tangentd.coeffs(), shape (..., 6); exact."""
+    """Tangent vectors, rotation first, from SE3Tangentd.coeffs(), shape (..., 6); exact."""
     return tangent_from(vector, order="translation_first")
 
 
 def to_tangent(vector: npt.ArrayLike) -> FloatArray:
-    """SE3Tangentd.coeffs() of tangent vectors, rotation first, shape (..., 6); exact."""
+    """SE3Tangentd.coeffs() from tangent vectors, rotation first, shape (..., 6); exact."""
     return tangent_to(vector, order="translation_first")
 
 
 def from_gaussian(
     coeffs: npt.ArrayLike, covariance: npt.ArrayLike, *, side: Side
 ) -> ConcentratedGaussian[SE3]:
-    """A density of coefficients, shape (7,), and a covariance, translation (m) before rotation (rad).
+    """The density with the pose of coefficients as mean and a covariance.
 
     Parameters
     ----------
     coeffs : array_like, shape (7,)
-        T_a_b.
+        Coefficients of T_a_b.
     covariance : array_like, shape (6, 6)
-        Translation before rotation.
+        Covariance, translation (m) before rotation (rad).
     side : {"left", "right"}
         "right" for plus and minus, "left" for lplus and lminus.
     """
@@ -55,6 +55,6 @@ def from_gaussian(
 
 
 def to_gaussian(density: ConcentratedGaussian[SE3], *, side: Side) -> tuple[FloatArray, FloatArray]:
-    """Coefficients and covariance; undoes `from_gaussian`."""
+    """Coefficients and covariance of a density, the inverse of `from_gaussian`."""
     mean, covariance = density_to(density, side=side, order="translation_first")
     return to_coeffs(mean), covariance

@@ -2,8 +2,8 @@
 # SPDX-FileCopyrightText: posemix contributors
 """MRPT: CPose3DPDFGaussian, mean and covariance of x, y, z, yaw, pitch, roll.
 
-The covariance is of the six numbers, not of a tangent vector, so it is converted through the Jacobian of the
-angles, to first order in the error. R = Rz(yaw) Ry(pitch) Rx(roll).
+The covariance is that of the six numbers, not of a tangent vector, so it is converted by the Jacobian of the angles, to
+first order in the error. R = Rz(yaw) Ry(pitch) Rx(roll).
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ from posemix.lie import SE3
 
 __all__ = ["from_gaussian", "from_pose3d", "jacobian", "to_gaussian", "to_pose3d"]
 
-# Places of roll, pitch, yaw, x, y, z among x, y, z, yaw, pitch, roll.
+# Indices of roll, pitch, yaw, x, y, z among x, y, z, yaw, pitch, roll.
 _PLACES = [5, 4, 3, 0, 1, 2]
 
 
 def from_pose3d(values: npt.ArrayLike) -> SE3:
-    """Poses of [x, y, z, yaw, pitch, roll], shape (..., 6) [m, rad]; exact."""
+    """Poses from [x, y, z, yaw, pitch, roll], shape (..., 6) [m, rad]; exact."""
     numbers = as_floats(values, (6,), "values")
     return SE3(from_rpy(numbers[..., [5, 4, 3]]), numbers[..., :3])
 
@@ -35,7 +35,7 @@ def to_pose3d(pose: SE3) -> FloatArray:
 
 
 def jacobian(mean: SE3) -> FloatArray:
-    """From errors of [x, y, z, yaw, pitch, roll] to [phi, rho] on the left, shape (..., 6, 6)."""
+    """The Jacobian from errors of [x, y, z, yaw, pitch, roll] to [phi, rho] on the left, shape (..., 6, 6)."""
     result = np.empty((*mean.shape, 6, 6))
     result[..., _PLACES] = rpy_jacobian(mean)
     return result
@@ -44,21 +44,21 @@ def jacobian(mean: SE3) -> FloatArray:
 def from_gaussian(
     values: npt.ArrayLike, covariance: npt.ArrayLike
 ) -> ConcentratedGaussian[SE3]:
-    """A density of mean and covariance of a CPose3DPDFGaussian.
+    """The density with the mean and the covariance of a CPose3DPDFGaussian.
 
     Parameters
     ----------
     values : array_like, shape (6,)
-        x, y, z [m], yaw, pitch, roll [rad].
+        Mean of x, y, z [m], yaw, pitch, roll [rad].
     covariance : array_like, shape (6, 6)
-        Of these numbers.
+        Covariance of these numbers.
     """
     mean = from_pose3d(values)
     return ConcentratedGaussian(mean, transformed(covariance, jacobian(mean)))
 
 
 def to_gaussian(density: ConcentratedGaussian[SE3]) -> tuple[FloatArray, FloatArray]:
-    """Mean and covariance of x, y, z, yaw, pitch, roll; undoes `from_gaussian`.
+    """Mean and covariance of x, y, z, yaw, pitch, roll, the inverse of `from_gaussian`.
 
     Raises
     ------

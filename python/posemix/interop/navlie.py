@@ -17,9 +17,9 @@ __all__ = ["from_state", "to_state"]
 
 
 def from_state(state: Any) -> ConcentratedGaussian[SE3]:
-    """A density of a navlie StateWithCovariance around an SE3State.
+    """The density of a navlie StateWithCovariance with an SE3State; exact.
 
-    The side is the state's own `direction`. Exact.
+    The side of the perturbation is the `direction` of the state.
     """
     pose = SE3.from_matrix(np.asarray(state.state.value, dtype=np.float64))
     return density_from(
@@ -30,16 +30,16 @@ def from_state(state: Any) -> ConcentratedGaussian[SE3]:
 def to_state(
     density: ConcentratedGaussian[SE3], *, direction: Side, stamp: float | None = None
 ) -> Any:
-    """A navlie StateWithCovariance; undoes `from_state`.
+    """A navlie StateWithCovariance, the inverse of `from_state`.
 
     Parameters
     ----------
     density : ConcentratedGaussian
         The density of one pose.
     direction : {"left", "right"}
-        The state's direction of perturbation (navlie's own default is "right").
+        Direction of perturbation of the state (navlie's own default is "right").
     stamp : float, optional
-        The state's time [s].
+        Time of the state [s].
     """
     mean, covariance = density_to(density, side=direction, order="rotation_first")
     lib = peer("navlie.lib", "posemix.interop.navlie", "navlie")

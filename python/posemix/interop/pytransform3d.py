@@ -2,8 +2,8 @@
 # SPDX-FileCopyrightText: posemix contributors
 """pytransform3d: 4x4 matrices A2B, exponential coordinates with the rotation first.
 
-A2B maps points of frame A into frame B: it is T_b_a. Globally uncertain transforms are perturbed on the
-left, locally uncertain ones on the right; pytransform3d has functions for both, so `side` says which.
+A2B maps points of frame A into frame B: it is T_b_a. Globally uncertain transforms are perturbed on the left, locally
+uncertain ones on the right; pytransform3d has functions for both, and the argument `side` selects one.
 """
 
 from __future__ import annotations
@@ -19,26 +19,26 @@ __all__ = ["from_gaussian", "from_transform", "to_gaussian", "to_transform"]
 
 
 def from_transform(A2B: npt.ArrayLike) -> SE3:  # noqa: N803
-    """T_b_a of matrices A2B, shape (..., 4, 4); the nearest rotation."""
+    """T_b_a from matrices A2B, shape (..., 4, 4), with the nearest rotations."""
     return SE3.from_matrix(A2B)
 
 
 def to_transform(T_b_a: SE3) -> FloatArray:  # noqa: N803
-    """Matrices A2B of T_b_a, shape (..., 4, 4); exact."""
+    """Matrices A2B from T_b_a, shape (..., 4, 4); exact."""
     return T_b_a.matrix()
 
 
 def from_gaussian(
     A2B: npt.ArrayLike, covariance: npt.ArrayLike, *, side: Side  # noqa: N803
 ) -> ConcentratedGaussian[SE3]:
-    """A density of T_b_a.
+    """The density of T_b_a.
 
     Parameters
     ----------
     A2B : array_like, shape (4, 4)
-        Mean.
+        Mean of the transform.
     covariance : array_like, shape (6, 6)
-        Rotation (rad) before translation (m).
+        Covariance, rotation (rad) before translation (m).
     side : {"left", "right"}
         "left" for globally uncertain transforms (frame B), "right" for locally uncertain ones.
     """
@@ -46,6 +46,6 @@ def from_gaussian(
 
 
 def to_gaussian(density: ConcentratedGaussian[SE3], *, side: Side) -> tuple[FloatArray, FloatArray]:
-    """Mean A2B and covariance; undoes `from_gaussian`."""
+    """Mean A2B and covariance of a density, the inverse of `from_gaussian`."""
     mean, covariance = density_to(density, side=side, order="rotation_first")
     return to_transform(mean), covariance

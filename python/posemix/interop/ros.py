@@ -2,18 +2,17 @@
 # SPDX-FileCopyrightText: posemix contributors
 """ROS: geometry_msgs/PoseWithCovariance, 36 numbers row by row, translation first.
 
-The message says that the covariance is about fixed axes, x, y, z of the parent frame (header.frame_id), and
-leaves open what the orientation's numbers are. So the caller says:
+By definition of the message the covariance is about fixed axes, x, y, z of the parent frame (header.frame_id). The
+definition does not determine the numbers of the orientation, so the caller has to state them:
 
 reading : {"rotation_vector", "rpy"}
-    "rotation_vector": R = Exp(theta) R0, as tf2 turns covariances. "rpy": errors of the pose's own roll, pitch and
-    yaw, R = Rz(yaw) Ry(pitch) Rx(roll), as the bridge to MRPT. Both agree to first order where the pose is not
-    turned.
+    "rotation_vector": R = Exp(theta) R0, as in tf2. "rpy": errors of the pose's own roll, pitch and yaw,
+    R = Rz(yaw) Ry(pitch) Rx(roll), as in the bridge to MRPT. Both agree to first order for a pose without rotation.
 frame : {"parent", "child"}
-    "parent" is what the message's definition says. "child": along the axes of the pose itself, as many nodes
-    publish (the marginal of a factor graph, say); with the reading "rotation_vector" only.
+    "parent": along the axes of the parent frame, as the message defines it. "child": along the axes of the pose itself,
+    as published by many nodes (such as the marginal of a factor graph); only with the reading "rotation_vector".
 
-In both the translation's error is added, t = t0 + dt: neither the left nor the right perturbation.
+With "parent" the error of the translation is added, t = t0 + dt, so it is neither the left nor the right perturbation.
 """
 
 from __future__ import annotations
@@ -60,16 +59,16 @@ def _jacobian(mean: SE3, reading: Reading, frame: Frame, inverse: bool) -> Float
 def covariance_from_ros(
     mean: SE3, values: npt.ArrayLike, *, reading: Reading, frame: Frame
 ) -> FloatArray:
-    """Covariances of the left perturbation, rotation first, to first order.
+    """Covariances of the left perturbation, rotation first, from those of messages; to first order.
 
     Parameters
     ----------
     mean : SE3, shape (...)
         Poses.
     values : array_like, shape (..., 36)
-        The fields `covariance`.
+        Fields `covariance` of the messages.
     reading, frame
-        See the module.
+        Conventions of the fields; see the module.
 
     Returns
     -------
@@ -83,7 +82,7 @@ def covariance_from_ros(
 def covariance_to_ros(
     mean: SE3, covariance: npt.ArrayLike, *, reading: Reading, frame: Frame
 ) -> FloatArray:
-    """Fields `covariance`, shape (..., 36); undoes `covariance_from_ros`.
+    """Fields `covariance` of messages, shape (..., 36), the inverse of `covariance_from_ros`.
 
     Raises
     ------
@@ -95,21 +94,21 @@ def covariance_to_ros(
 
 
 def from_pose(message: Any) -> SE3:
-    """One pose of a geometry_msgs/Pose or Transform; exact."""
+    """The pose of a geometry_msgs/Pose or Transform; exact."""
     position = message.position if hasattr(message, "position") else message.translation
     q = message.orientation if hasattr(message, "orientation") else message.rotation
     return SE3.from_tq([position.x, position.y, position.z, q.x, q.y, q.z, q.w])
 
 
 def to_pose(pose: SE3, *, types: Mapping[str, Any]) -> Any:
-    """A geometry_msgs/Pose of one pose; exact.
+    """A geometry_msgs/Pose from one pose; exact.
 
     Parameters
     ----------
     pose : SE3
         The pose in its parent frame.
     types : mapping of str to type
-        Message classes by names as "geometry_msgs/msg/Pose": the `types` of a typestore of rosbags, or a dict of
+        Message classes by name, such as "geometry_msgs/msg/Pose": the `types` of a typestore of rosbags, or a dict of
         ROS's own classes.
     """
     x, y, z, *q = (float(v) for v in pose.to_tq())
@@ -122,12 +121,12 @@ def to_pose(pose: SE3, *, types: Mapping[str, Any]) -> Any:
 def from_pose_with_covariance(
     message: Any, *, reading: Reading, frame: Frame
 ) -> ConcentratedGaussian[SE3]:
-    """A density of a geometry_msgs/PoseWithCovariance.
+    """The density of a geometry_msgs/PoseWithCovariance.
 
     Raises
     ------
     ValueError
-        Where the covariance is not positive definite, as the zeros of a node that knows none.
+        If the covariance is not positive definite, such as the zeros that mean an unknown covariance.
     """
     mean = from_pose(message.pose)
     covariance = covariance_from_ros(mean, message.covariance, reading=reading, frame=frame)
@@ -141,7 +140,7 @@ def to_pose_with_covariance(
     frame: Frame,
     types: Mapping[str, Any],
 ) -> Any:
-    """A geometry_msgs/PoseWithCovariance; undoes `from_pose_with_covariance`. `types` as of `to_pose`."""
+    """A geometry_msgs/PoseWithCovariance, the inverse of `from_pose_with_covariance`; `types` as for `to_pose`."""
     values = covariance_to_ros(density.mean, density.covariance, reading=reading, frame=frame)
     return types["geometry_msgs/msg/PoseWithCovariance"](
         pose=to_pose(density.mean, types=types), covariance=values

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 # SPDX-FileCopyrightText: posemix contributors
-"""scipy.spatial.transform: Rotation, and RigidTransform from SciPy 1.16 on. Exact."""
+"""scipy.spatial.transform: Rotation, and RigidTransform from SciPy 1.16 on. Conversions are exact."""
 
 from __future__ import annotations
 

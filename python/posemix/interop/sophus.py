@@ -2,7 +2,7 @@
 # SPDX-FileCopyrightText: posemix contributors
 """Sophus (and its Python package sophuspy): tangent vectors with the translation first.
 
-Sophus itself perturbs on neither side; `side` says on which side the covariance is.
+Sophus itself has no convention for the side of a perturbation; the argument `side` is that of the covariance.
 """
 
 from __future__ import annotations
@@ -21,43 +21,43 @@ __all__ = ["from_gaussian", "from_se3", "from_tangent", "to_gaussian", "to_se3",
 
 
 def from_se3(pose: Any) -> SE3:
-    """One pose of a sophuspy.SE3; exact."""
+    """The pose of a sophuspy.SE3; exact."""
     return SE3.from_matrix(pose.matrix())
 
 
 def to_se3(pose: SE3) -> Any:
-    """A sophuspy.SE3 of one pose; exact."""
+    """A sophuspy.SE3 from one pose; exact."""
     return peer("sophuspy", "posemix.interop.sophus", "sophuspy").SE3(pose.matrix())
 
 
 def from_tangent(vector: npt.ArrayLike) -> FloatArray:
-    """Tangent vectors, rotation first, of Sophus' [upsilon, omega], shape (..., 6); exact."""
+    """Tangent vectors, rotation first, from Sophus' [upsilon, omega], shape (..., 6); exact."""
     return tangent_from(vector, order="translation_first")
 
 
 def to_tangent(vector: npt.ArrayLike) -> FloatArray:
-    """Sophus' [upsilon, omega] of tangent vectors, rotation first, shape (..., 6); exact."""
+    """Sophus' [upsilon, omega] from tangent vectors, rotation first, shape (..., 6); exact."""
     return tangent_to(vector, order="translation_first")
 
 
 def from_gaussian(
     pose: Any, covariance: npt.ArrayLike, *, side: Side
 ) -> ConcentratedGaussian[SE3]:
-    """A density of a pose and its covariance.
+    """The density with a pose as mean and a covariance.
 
     Parameters
     ----------
     pose : sophuspy.SE3
         T_a_b.
     covariance : array_like, shape (6, 6)
-        Translation (m) before rotation (rad).
+        Covariance, translation (m) before rotation (rad).
     side : {"left", "right"}
-        X = Exp(xi) X0, or X = X0 Exp(xi).
+        Side of the perturbation: X = Exp(xi) X0, or X = X0 Exp(xi).
     """
     return density_from(from_se3(pose), covariance, side=side, order="translation_first")
 
 
 def to_gaussian(density: ConcentratedGaussian[SE3], *, side: Side) -> tuple[Any, FloatArray]:
-    """A sophuspy.SE3 and its covariance; undoes `from_gaussian`."""
+    """A sophuspy.SE3 and its covariance, the inverse of `from_gaussian`."""
     mean, covariance = density_to(density, side=side, order="translation_first")
     return to_se3(mean), covariance

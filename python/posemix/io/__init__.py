@@ -2,8 +2,8 @@
 # SPDX-FileCopyrightText: posemix contributors
 """Files: sequence files and results of object SLAM, mixtures, trajectories, BOP. docs/formats.md describes them.
 
-Readers raise ValueError ``file:line: got ..., expected ...``; writers put a file or a folder in place as a whole or not
-at all, and raise OSError where the system refuses.
+Readers raise ValueError ``file:line: got ..., expected ...``; writers write a file or a folder as a whole or not at
+all, and raise OSError if the system refuses.
 """
 
 from posemix.io import bop, grasps, jobs, mixtures, poses, reports

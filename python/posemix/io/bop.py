@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 # SPDX-FileCopyrightText: posemix contributors
-"""Files of the BOP benchmark, and symmetries."""
+"""Files of the BOP benchmark, and files of symmetries."""
 
 from __future__ import annotations
 
@@ -33,9 +33,9 @@ class BopRows:
     Attributes
     ----------
     scene, image, object : ndarray of int, shape (n,)
-        Ids.
+        Ids of scene, image and object.
     score : ndarray, shape (n,)
-        The estimator's confidence, larger is surer.
+        Confidence of the estimator; larger is more certain.
     poses : SE3, shape (n,)
         T_camera_object [m].
     """
@@ -51,12 +51,12 @@ class BopRows:
 
 
 def read_bop_rows(path: Path) -> BopRows:
-    """A BOP results file: CSV ``scene_id,im_id,obj_id,score,R,t,time``; millimetres become metres.
+    """Reads a BOP results file, CSV ``scene_id,im_id,obj_id,score,R,t,time``; lengths are converted to metres.
 
     Raises
     ------
     ValueError
-        Naming file and line.
+        With file and line.
     """
     keys, poses = _core.read_bop_rows(os.fspath(path))
     scene, image, object, score = zip(*keys, strict=True)

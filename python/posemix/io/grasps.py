@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 # SPDX-FileCopyrightText: posemix contributors
-"""Recorded grasps."""
+"""Tables of recorded grasps."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ __all__ = ["GraspOutcomes", "GraspTrial", "read_grasp_outcomes"]
 
 @dataclass(frozen=True, eq=False)
 class GraspOutcomes:
-    """Trials of several estimators.
+    """Grasp trials with the estimates of several estimators.
 
     Attributes
     ----------
     grippers : list of str
-        Names.
+        Names of the grippers.
     trials : list of GraspTrial
         Rows of the tables.
     estimates, truths : SE3, shape (n,)
@@ -35,5 +35,5 @@ class GraspOutcomes:
 
 
 def read_grasp_outcomes(folder: Path) -> GraspOutcomes:
-    """Every table ``DATASET_ESTIMATOR.csv`` of a folder; ValueError names file and line."""
+    """Reads all tables ``DATASET_ESTIMATOR.csv`` of a folder; raises ValueError with file and line."""
     return GraspOutcomes(*_core.read_grasp_outcomes(os.fspath(folder)))

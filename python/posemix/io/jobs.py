@@ -25,45 +25,45 @@ __all__ = [
 def read_slam_job(
     path: Path, data: Path | None = None, overrides: collections.abc.Sequence[str] = ()
 ) -> SlamJob:
-    """A sequence file and every file that it names.
+    """Reads a sequence file and every file that it names.
 
     Parameters
     ----------
     path : path
         The sequence file (TOML).
     data : path, optional
-        Folder below which the recording's files lie; unless given the sequence file's own, then
-        POSEMIX_DATA or the cache of ``posemix data``.
+        Folder of the recording's files; by default the sequence file's own, then POSEMIX_DATA or the cache of
+        ``posemix data``.
     overrides : sequence of str
-        ``key=value``, as ``posemix slam --set``.
+        Settings ``key=value``, as for ``posemix slam --set``.
 
     Raises
     ------
     ValueError
-        Naming file, line and key.
+        With file, line and key.
     """
     folder = None if data is None else os.fspath(data)
     return SlamJob._of(_core.read_slam_job(os.fspath(path), folder, list(overrides)))
 
 
 def write_results(folder: Path, job: SlamJob, run: SlamRun) -> None:
-    """The files that ``posemix slam`` writes: trajectories, metrics, posterior, trace, picture.
+    """Writes the files of ``posemix slam``: trajectories, metrics, posterior, trace, picture.
 
     Parameters
     ----------
     folder : path
-        Appears, or its files are replaced, as a whole.
+        The folder; it appears, or its files are replaced, as a whole.
     job : SlamJob
-        What was run.
+        The job.
     run : SlamRun
-        Its result; with recorded hypotheses for the trace.
+        The result of the job; with recorded hypotheses for the trace.
 
     Raises
     ------
     ValueError
         When an estimate is not finite.
     OSError
-        Where the system refuses.
+        If the system refuses.
     """
     handle = job._compiled()
     metrics = _core.evaluate(job.sequence._compiled(), run._handle)
@@ -72,14 +72,14 @@ def write_results(folder: Path, job: SlamJob, run: SlamRun) -> None:
 
 @dataclass(frozen=True)
 class SimulationFile:
-    """What a simulation file says.
+    """The content of a simulation file.
 
     Attributes
     ----------
     config : SimulationConfig
-        What is simulated.
+        The configuration of the simulation.
     filter : list of (str, str)
-        The table [filter] for the sequence file: keys, and values as TOML writes them.
+        The table [filter] for the sequence file: keys, and values in the form of TOML.
     """
 
     config: SimulationConfig
@@ -89,7 +89,7 @@ class SimulationFile:
 def read_simulation(
     path: Path, overrides: collections.abc.Sequence[str] = ()
 ) -> SimulationFile:
-    """The configuration of ``posemix simulate``; arguments as of `read_slam_job`."""
+    """Reads the configuration of ``posemix simulate``; arguments as for `read_slam_job`."""
     config, table = _core.read_simulation(os.fspath(path), list(overrides))
     return SimulationFile(config, [(key, value) for key, value in table])
 
@@ -97,17 +97,17 @@ def read_simulation(
 def write_simulation(
     folder: Path, file: SimulationFile, simulated: SimulatedSequence, seed: int
 ) -> None:
-    """A simulated recording as files that ``posemix slam`` reads.
+    """Writes a simulated recording as files for ``posemix slam``.
 
     Parameters
     ----------
     folder : path
-        Appears as a whole.
+        The folder; it appears as a whole.
     file : SimulationFile
-        What was simulated.
+        The configuration of the simulation.
     simulated : SimulatedSequence
         The recording.
     seed : int
-        It was simulated with, for the record.
+        The seed of the simulation, which is recorded in the files.
     """
     _core.write_simulation(os.fspath(folder), file.config, file.filter, simulated, seed)

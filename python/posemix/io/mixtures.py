@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 # SPDX-FileCopyrightText: posemix contributors
-"""Mixture files and posteriors."""
+"""Mixture files and posterior files."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ PoseMixture = Mixture[ConcentratedGaussian[SE3]] | Mixture[ProjectedGaussian[SE3
 
 @dataclass(frozen=True)
 class MixtureFile:
-    """What a mixture file holds: a mixture over the pose T_from_to and the names of its frames."""
+    """The content of a mixture file: a mixture over the pose T_from_to, and the names of its frames."""
 
     from_frame: str
     to_frame: str
@@ -43,12 +43,12 @@ class MixtureFile:
 
 
 def read_mixture(path: Path) -> MixtureFile:
-    """A mixture file in any convention that it states.
+    """Reads a mixture file in any convention.
 
     Raises
     ------
     ValueError
-        Naming the file and the place in it.
+        With the file and the place in it.
     """
     return MixtureFile(*_core.read_mixture(os.fspath(path)))
 
@@ -60,23 +60,23 @@ def write_mixture(
     to_frame: str,
     convention: MixtureConvention | None = None,
 ) -> None:
-    """A mixture file.
+    """Writes a mixture file.
 
     Parameters
     ----------
     path : path
         The file.
     mixture : Mixture
-        Over poses T_from_to.
+        Mixture over the pose T_from_to.
     from_frame, to_frame : str
         Names of the frames, 1 to 100 printable characters without blanks.
     convention : MixtureConvention, optional
-        How it is stated: as in the library unless given, which reads back bit by bit.
+        Convention of the file; by default that of the library, in which numbers are read back bit by bit.
 
     Raises
     ------
     ValueError
-        For a mixture or names that a file cannot hold.
+        For a mixture or names that a file cannot represent.
     """
     _core.write_mixture(
         os.fspath(path), from_frame, to_frame, mixture, convention or MixtureConvention()
@@ -90,13 +90,13 @@ class PosteriorFile:
     Attributes
     ----------
     method : str
-        Name of what made it.
+        Display name of the method.
     stamp : float
-        Its time [s].
+        Time of the posterior [s].
     poses : list of NamedPose
         One per pose of every component.
     mixture : Mixture
-        Over all poses jointly.
+        Joint mixture over all poses.
     """
 
     method: str
@@ -106,10 +106,10 @@ class PosteriorFile:
 
 
 def read_posterior(path: Path) -> PosteriorFile:
-    """A posterior.json; ValueError names the file and the place in it."""
+    """Reads a posterior.json; raises ValueError with the file and the place in it."""
     return PosteriorFile(*_core.read_posterior(os.fspath(path)))
 
 
 def write_posterior(path: Path, file: PosteriorFile) -> None:
-    """A posterior.json; numbers read back bit by bit."""
+    """Writes a posterior.json; numbers are read back bit by bit."""
     _core.write_posterior(os.fspath(path), file.method, file.stamp, file.poses, file.mixture)

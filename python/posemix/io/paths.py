@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 # SPDX-FileCopyrightText: posemix contributors
-"""What is taken for a path."""
+"""The type of path arguments."""
 
 from __future__ import annotations
 

@@ -30,14 +30,14 @@ __all__ = [
 
 @dataclass(frozen=True, eq=False)
 class StampedPoses:
-    """Poses at times.
+    """Poses with time stamps.
 
     Attributes
     ----------
     stamps : ndarray, shape (n,)
-        Strictly increasing [s].
+        Times, strictly increasing [s].
     poses : SE3, shape (n,)
-        T_a_b of the file's two frames; NaN for a miss, see `is_known`.
+        T_a_b for the two frames of the file; NaN for a frame without a pose, see `is_known`.
     """
 
     stamps: FloatArray
@@ -50,21 +50,21 @@ class StampedPoses:
 def read_tum(
     path: Path, allow_misses: bool = False, zero_translation_is_miss: bool = False
 ) -> StampedPoses:
-    """A trajectory in TUM's format: lines ``stamp tx ty tz qx qy qz qw``.
+    """Reads a trajectory in the TUM format: lines ``stamp tx ty tz qx qy qz qw``.
 
     Parameters
     ----------
     path : path
         The file.
     allow_misses : bool
-        A line of seven zeros is a frame without a pose; else an error.
+        Whether a line of seven zeros is a frame without a pose; otherwise it is an error.
     zero_translation_is_miss : bool
-        A pose with zero translation is one too.
+        Whether a pose with zero translation is a frame without a pose too.
 
     Raises
     ------
     ValueError
-        Naming file and line.
+        With file and line.
     """
     stamps, rows = _core.read_tum(os.fspath(path), allow_misses, zero_translation_is_miss)
     return StampedPoses(stamps, SE3._wrap(rows, (len(rows),)))
@@ -73,7 +73,7 @@ def read_tum(
 def write_tum(
     path: Path, stamps: npt.ArrayLike, poses: SE3, misses_as_zeros: bool = False
 ) -> None:
-    """A trajectory in TUM's format, 12 significant digits.
+    """Writes a trajectory in the TUM format, with 12 significant digits.
 
     Parameters
     ----------
@@ -82,9 +82,9 @@ def write_tum(
     stamps : array_like, shape (n,)
         Times [s].
     poses : SE3, shape (n,)
-        NaN for a miss.
+        Poses; NaN for a frame without a pose.
     misses_as_zeros : bool
-        Misses become lines of zeros; else they are left out.
+        Whether frames without a pose become lines of zeros; otherwise they are left out.
     """
     times = np.ascontiguousarray(stamps, dtype=np.float64)
     _core.write_tum(os.fspath(path), times, optional_rows(poses), misses_as_zeros)
@@ -97,9 +97,9 @@ class PoseSamples:
     Attributes
     ----------
     poses : SE3, shape (n,)
-        Samples.
+        The poses.
     weights : ndarray, shape (n,), or None
-        None: all count the same.
+        Weights; None if all are equal.
     """
 
     poses: SE3
@@ -109,21 +109,22 @@ class PoseSamples:
 def read_pose_samples(
     path: Path, residuals: Side | None = None, weights: str | None = None
 ) -> PoseSamples:
-    """Poses of a .csv, .npy, .tum or .txt file.
+    """Reads the poses of a .csv, .npy, .tum or .txt file.
 
     Parameters
     ----------
     path : path
         The file.
     residuals : Side, optional
-        Residuals of estimates ``est_tx`` ... to truths ``gt_tx`` ... of a CSV file, in place of poses.
+        Side of residuals of estimates ``est_tx`` ... with respect to truths ``gt_tx`` ... of a CSV file, which are read
+        instead of poses.
     weights : str, optional
-        Column of the weights of a CSV file; ``weight`` where there is such a column.
+        Column of the weights of a CSV file; by default ``weight``, if there is such a column.
 
     Raises
     ------
     ValueError
-        Naming file and line.
+        With file and line.
     """
     poses, counts = _core.read_pose_samples(os.fspath(path), residuals, weights)
     return PoseSamples(poses, np.array(counts) if counts else None)

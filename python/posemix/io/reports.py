@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 # SPDX-FileCopyrightText: posemix contributors
-"""Results as one HTML page."""
+"""Reports: results as one HTML page."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ def write_report(
     title: str | None = None,
     meshes: collections.abc.Mapping[str, tuple[Path, float]] | None = None,
 ) -> pathlib.Path:
-    """One HTML file that shows results in a browser, as ``posemix report``; no network, no server.
+    """Writes one HTML file that shows results in a browser without network or server, like ``posemix report``.
 
     Parameters
     ----------
     results : path
         A folder of `write_results`, ``posemix slam`` or ``posemix study``, a folder of mixture files, or one of these.
     out : path, optional
-        Where it is written; unless given report.html in the folder, or beside the mixture file.
+        The file to write; by default report.html in the folder, or beside the mixture file.
     title : str, optional
-        Unless given, from the results.
+        Title of the page; by default it is taken from the results.
     meshes : mapping, optional
-        By object id, a PLY file and the length of its unit [m]: 1e-3 for BOP's models.
+        For an object id, a PLY file and the length of its unit [m]: 1e-3 for BOP's models.
 
     Returns
     -------
@@ -40,9 +40,9 @@ def write_report(
     Raises
     ------
     ValueError
-        Naming file and place: no results, a damaged file, a mesh of no object.
+        With file and place: no results, a damaged file, a mesh for an unknown object.
     OSError
-        Where the system refuses, or the package was built without the page (npm was missing).
+        If the system refuses, or the package was built without the page (npm was missing).
     """
     paths = {id: (os.fspath(ply), unit) for id, (ply, unit) in (meshes or {}).items()}
     target = None if out is None else os.fspath(out)

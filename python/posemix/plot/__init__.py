@@ -2,9 +2,9 @@
 # SPDX-FileCopyrightText: posemix contributors
 """Pictures of poses, densities and mixtures with matplotlib: `pip install posemix[plot]`.
 
-Every function draws on axes that it is given, labels them with units, and returns the artists. Functions of space take
-flat axes, with the plane to look at, or axes with the projection "3d". Colours are those of Okabe and Ito, which people
-with any colour vision tell apart.
+Every function draws on the given axes, labels them with units, and returns the artists. Functions for space take
+two-dimensional axes and a plane, or axes with the projection "3d". The colours are those of Okabe and Ito, which
+colour-blind readers can distinguish.
 """
 
 from posemix.plot.path import trajectory

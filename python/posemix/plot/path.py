@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 # SPDX-FileCopyrightText: posemix contributors
-"""Paths and the tubes around them."""
+"""Paths, and tubes of uncertainty around them."""
 
 from __future__ import annotations
 
@@ -36,28 +36,28 @@ def trajectory(
     colour: str | None = None,
     label: str | None = None,
 ) -> tuple[Any, Any]:
-    """A path of positions, and around it a tube as wide as they are uncertain across it.
+    """A path of positions and a tube around it, whose width is the uncertainty across the path.
 
     Parameters
     ----------
     ax : Axes
-        Flat, or with the projection "3d".
+        Two-dimensional axes, or axes with the projection "3d".
     poses : SE3, shape (n,)
         T_world_x over time.
     covariances : array_like, shape (n, 6, 6), optional
-        Of the left perturbation, rotation (rad) before translation (m).
+        Covariances of the left perturbation, rotation (rad) before translation (m).
     sigmas : float
         Half width of the tube in standard deviations.
     plane : str
-        Of flat axes.
+        Plane of two-dimensional axes.
     colour, label : str, optional
-        Of path and tube.
+        Colour and label of path and tube.
 
     Returns
     -------
     line : Line2D or Line3D
     tube : Polygon or Poly3DCollection or None
-        None without covariances, or for less than two poses.
+        None without covariances, or for fewer than two poses.
     """
     path = poses.translation
     flat = [0, 1, 2] if is_3d(ax) else plane_indices(plane)
@@ -88,7 +88,7 @@ def trajectory(
 
 
 def _directions(path: FloatArray) -> FloatArray:
-    """Unit tangents of a path; where it stands still, those before."""
+    """Unit tangents of a path; the previous one where the path does not move."""
     steps = np.gradient(path, axis=0)
     lengths = np.linalg.norm(steps, axis=1)
     moving = np.flatnonzero(lengths > 1e-12)
@@ -107,7 +107,7 @@ def _banks(path: FloatArray, spread: FloatArray, sigmas: float) -> tuple[FloatAr
 
 
 def _carried(along: FloatArray) -> FloatArray:
-    """Unit vectors across the path that turn no more than it does, shape (n, 3)."""
+    """Unit vectors across the path without rotation about it, shape (n, 3)."""
     across = np.empty_like(along)
     last = np.eye(3)[np.argmin(np.abs(along[0]))]
     for i, direction in enumerate(along):

@@ -33,30 +33,29 @@ def axis_marginal(
     bins: int = 180,
     seed: int = 0,
 ) -> tuple[list[Any], Any]:
-    """The distribution of the turn about an axis of the body, component by component; by sampling.
+    """The distribution of the rotation angle about an axis of the body, component by component, by sampling.
 
-    The turn is that of q_ref^-1 q about the axis (swing and twist): 2 atan2(q_v . axis, q_w), in
-    (-180, 180] degrees.
+    The angle is that of q_ref^-1 q about the axis (swing and twist): 2 atan2(q_v . axis, q_w), in (-180, 180] degrees.
 
     Parameters
     ----------
     ax : Axes
-        Flat.
+        Two-dimensional axes.
     mixture : Mixture
-        Of rotations or poses.
+        Mixture over rotations or poses.
     axis : array_like, shape (3,)
-        In the body's frame, any length but zero.
+        The axis in the body frame, of any length but zero.
     reference : SO3, optional
-        Where the turn is zero; the rotation of the heaviest component's mean unless given.
+        The rotation at angle zero; by default that of the heaviest component's mean.
     samples, bins, seed : int
-        Draws of every component; cells; the draws' seed.
+        Draws from every component, cells of the histogram, seed of the draws.
 
     Returns
     -------
     components : list of StepPatch
         Densities of the components times their weights, the heaviest first.
     total : StepPatch
-        Their sum [1/deg].
+        Sum of the components [1/deg].
     """
     direction = as_floats(axis, (3,), "axis")
     length = float(np.linalg.norm(direction))
@@ -111,7 +110,7 @@ def _gamma_p(a: float, x: float) -> float:
 
 
 def chi_square_quantile(probability: float, dof: float) -> float:
-    """The value below which a chi-square variable of `dof` degrees of freedom is with a probability."""
+    """The quantile of the chi-square distribution with `dof` degrees of freedom."""
     if not (0.0 < probability < 1.0 and dof > 0.0):
         raise ValueError(
             f"probability is {probability} and dof {dof}; expected one between 0 and 1, and a positive number"
@@ -139,25 +138,25 @@ def nees(
     colour: str | None = None,
     label: str | None = None,
 ) -> tuple[Any, Any]:
-    """Normalised error squared over time, and the band in which it lies when the filter is consistent.
+    """The NEES over time, and the band in which it lies with a probability if the filter is consistent.
 
     Parameters
     ----------
     ax : Axes
-        Flat.
+        Two-dimensional axes.
     times : array_like, shape (n,)
-        Seconds.
+        Times [s].
     values : array_like, shape (n,)
-        e^T P^-1 e, the mean over `runs` runs; NaN where there is none. Drawn divided by `dof`, so that 1 is
-        consistent and larger is overconfident.
+        e^T P^-1 e, the mean over `runs` runs, or NaN. It is drawn divided by `dof`, so that 1 is consistent and more is
+        overconfident.
     dof : int
         Dimensions of e, 6 for a pose.
     runs : int
-        Independent runs that each value is the mean of.
+        Number of independent runs that each value is the mean of.
     probability : float
-        Of the band, chi-square with runs * dof degrees of freedom.
+        Probability of the band, chi-square with runs * dof degrees of freedom.
     colour, label : str, optional
-        Of the curve.
+        Colour and label of the curve.
 
     Returns
     -------
@@ -191,18 +190,18 @@ def mode_probabilities(
     *,
     labels: Sequence[str] | None = None,
 ) -> list[Any]:
-    """Probabilities of modes or hypotheses over time, one on the other.
+    """Probabilities of modes or hypotheses over time, stacked.
 
     Parameters
     ----------
     ax : Axes
-        Flat.
+        Two-dimensional axes.
     times : array_like, shape (n,)
-        Seconds.
+        Times [s].
     probabilities : array_like, shape (n, k)
-        NaN counts as none.
+        Probabilities; NaN is drawn as zero.
     labels : sequence of str, optional
-        Of the k modes.
+        Labels of the k modes.
 
     Returns
     -------

@@ -34,16 +34,16 @@ PoseDistribution: TypeAlias = ConcentratedGaussian[SE3] | ProjectedGaussian[SE3]
 def position_covariance(
     mean: SE3, covariance: npt.ArrayLike, point: npt.ArrayLike = (0.0, 0.0, 0.0)
 ) -> FloatArray:
-    """Covariances of the position of a point of the body, first order, shape (..., 3, 3) [m^2].
+    """Covariances of the position of a point of the body, to first order, shape (..., 3, 3) [m^2].
 
     Parameters
     ----------
     mean : SE3, shape (...)
         Poses T_a_b.
     covariance : array_like, shape (..., 6, 6)
-        Of the left perturbation, rotation (rad) before translation (m).
+        Covariances of the left perturbation, rotation (rad) before translation (m).
     point : array_like, shape (3,)
-        In frame b [m].
+        The point in frame b [m].
     """
     at = mean.act(as_floats(point, (3,), "point"))
     jacobian = np.concatenate([-skew(at), np.broadcast_to(np.eye(3), (*at.shape, 3))], axis=-1)
@@ -52,7 +52,7 @@ def position_covariance(
 
 
 def root_of(covariance: FloatArray) -> FloatArray:
-    """The symmetric A with A A = covariance, also of a singular one."""
+    """The symmetric A with A A = covariance, which may be singular."""
     values, vectors = np.linalg.eigh(covariance)
     scaled = vectors * np.sqrt(np.maximum(values, 0.0))[..., None, :]
     return np.asarray(scaled @ np.swapaxes(vectors, -1, -2))
@@ -76,15 +76,15 @@ def flags(
     Parameters
     ----------
     ax : Axes
-        Flat, or with the projection "3d".
+        Two-dimensional axes, or axes with the projection "3d".
     poses : SE3, shape (n,) or ()
-        What to draw.
+        Poses to draw.
     length : float
-        Of a pole [m].
+        Length of a pole [m].
     plane : str
-        Of flat axes.
+        Plane of two-dimensional axes.
     colour, label : str, optional
-        Of all flags.
+        Colour and label of all flags.
 
     Returns
     -------
@@ -133,20 +133,20 @@ def ellipsoid(
     label: str | None = None,
     alpha: float = 0.25,
 ) -> Any:
-    """The ellipsoid of a position, to first order in the pose's error.
+    """The ellipsoid of a position, to first order in the error of the pose.
 
     Parameters
     ----------
     ax : Axes
-        Flat, or with the projection "3d".
+        Two-dimensional axes, or axes with the projection "3d".
     density : ConcentratedGaussian
-        Of one pose.
+        Density of one pose.
     sigmas : float
         Half axes in standard deviations.
     plane : str
-        Of flat axes: the ellipsoid's shadow is drawn.
+        Plane of two-dimensional axes, in which the projection of the ellipsoid is drawn.
     colour, label, alpha
-        Of the artist.
+        Properties of the artist.
 
     Returns
     -------
@@ -203,32 +203,31 @@ def position_contours(
     seed: int = 0,
     colour: str | None = None,
 ) -> Any:
-    """Contours of a position's true density, banana-shaped where the rotation is uncertain; by sampling.
+    """Contours of the density of a position, banana-shaped for an uncertain rotation, by sampling.
 
-    Regions where a histogram, smoothed over one and a half cells, is highest, and that hold the probabilities
-    `levels`.
+    The contours enclose the regions of highest density of a smoothed histogram that contain the probabilities `levels`.
 
     Parameters
     ----------
     ax : Axes
-        Flat.
+        Two-dimensional axes.
     distribution : ConcentratedGaussian, ProjectedGaussian or Mixture
-        Of one pose.
+        Distribution of one pose.
     point : array_like, shape (3,)
-        The point of the body whose position it is [m].
+        The point of the body, in its frame [m].
     plane : str
-        Which coordinates.
+        The two coordinates.
     levels : sequence of float
         Probabilities between 0 and 1.
     samples, bins, seed : int
-        Draws; cells along a side; the draws' seed.
+        Number of draws, cells along a side, seed of the draws.
     colour : str, optional
-        Of the lines.
+        Colour of the lines.
 
     Returns
     -------
     QuadContourSet
-        Its levels are densities [1/m^2], falling probabilities first.
+        The contours; their levels are densities [1/m^2], in order of falling probabilities.
     """
     wanted = sorted(levels, reverse=True)
     if not wanted or not all(0.0 < level < 1.0 for level in wanted):
@@ -242,7 +241,7 @@ def position_contours(
     density = _smoothed(counts)
     cell = (sides[0][1] - sides[0][0]) * (sides[1][1] - sides[1][0])
     density /= density.sum() * cell
-    # Heights from the draws themselves: the regions hold their probabilities however wide the cells are.
+    # Heights from the draws themselves, so that the regions have their probabilities for any width of the cells.
     cells = [np.searchsorted(sides[i], positions[:, i]) - 1 for i in range(2)]
     heights = np.quantile(density[cells[0], cells[1]], [1.0 - level for level in wanted])
     x, y = (0.5 * (side[1:] + side[:-1]) for side in sides)
@@ -253,7 +252,7 @@ def position_contours(
 
 
 def _smoothed(counts: FloatArray) -> FloatArray:
-    """Counts under a Gaussian of one and a half cells."""
+    """Counts smoothed by a Gaussian with a standard deviation of one and a half cells."""
     steps = np.arange(-5, 6)
     kernel = np.exp(-0.5 * (steps / 1.5) ** 2)
     kernel /= kernel.sum()

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 # SPDX-FileCopyrightText: posemix contributors
-"""Colours, planes and labels in common."""
+"""Colours, planes and labels that the functions of this package share."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
 
 
 def colour_of(index: int) -> str:
-    """Colours in turn."""
+    """The colour with this index; colours repeat."""
     return PALETTE[index % len(PALETTE)]
 
 
@@ -28,7 +28,7 @@ def matplotlib(module: str) -> Any:
 
 
 def art3d() -> Any:
-    """matplotlib's artists in space."""
+    """The module of matplotlib with three-dimensional artists."""
     return peer("mpl_toolkits.mplot3d.art3d", "posemix.plot", "posemix[plot]")
 
 
@@ -38,14 +38,14 @@ def is_3d(ax: Axes) -> bool:
 
 
 def plane_indices(plane: str) -> list[int]:
-    """The two coordinates of a plane; ValueError for other words."""
+    """The indices of the two coordinates of a plane; raises ValueError for other words."""
     if len(plane) != 2 or plane[0] == plane[1] or not set(plane) <= set("xyz"):
         raise ValueError(f"plane is {plane!r}; expected two of x, y and z, as 'xy'")
     return ["xyz".index(letter) for letter in plane]
 
 
 def label_space(ax: Axes, plane: str) -> None:
-    """Names the axes and makes a metre as long on all of them."""
+    """Labels the axes and gives all of them the same scale."""
     if is_3d(ax):
         ax.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]")
         ax.set_aspect("equal", adjustable="datalim")
