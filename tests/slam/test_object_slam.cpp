@@ -287,7 +287,7 @@ TEST(ObjectSlamTest, DetectionsMayBeGivenById) {
   const auto detections = detections_by_id(slam.objects(), {{"b", *seen()}});
   ASSERT_EQ(detections.size(), 2U);
   EXPECT_FALSE(detections[0].has_value());
-  EXPECT_TRUE(detections[1]->is_approx(*seen(), 0.0));
+  EXPECT_TRUE(detections[1]->is_approx(*seen(), 1e-12));
   EXPECT_EQ(thrown_message([&] {
               return detections_by_id(slam.objects(), {{"cup", SE3d()}});
             }),
