@@ -24,7 +24,7 @@ void check_noise(const ProcessNoise& noise, const char* name) {
   const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(covariance, Eigen::EigenvaluesOnly);
   if (const double least = eigen.eigenvalues().minCoeff(); least < -rounding) {
     throw InvalidInput(fmt::format(
-        "motion: {} has a variance of {}, expected none that is negative", name, least));
+        "motion: {} has a variance of {:.3g}, expected none that is negative", name, least));
   }
 }
 
