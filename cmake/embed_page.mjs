@@ -22,7 +22,7 @@ writeFileSync(
   sourcePath,
   `#include "report_page.hpp"
 
-namespace posemix {
+namespace posemix::internal {
 namespace {
 
 constexpr char kReportStream[] =
@@ -32,6 +32,6 @@ ${lines.join("\n")};
 
 ReportPage report_page() { return {{kReportStream, sizeof kReportStream - 1}, ${page.length}}; }
 
-}  // namespace posemix
+}  // namespace posemix::internal
 `,
 );

@@ -14,6 +14,7 @@
 #include "record.hpp"
 #include "rules.hpp"
 #include "settings.hpp"
+#include "words.hpp"
 
 namespace posemix::python {
 namespace {
@@ -282,15 +283,15 @@ void bind_settings(nb::module_& m) {
       .field("max_iterations", &FuseSettings::max_iterations, "int", "Gauss-Newton steps at most.")
       .field("tolerance", &FuseSettings::tolerance, "float", "Norm of the last step [rad, m].")
       .done();
-  nb::enum_<FusionRule>(m, "FusionRule", "How the product of two projected Gaussians is found.")
-      .value("mode", FusionRule::mode, "At the exact mode of the product, with its Hessian.")
-      .value("jacobian", FusionRule::jacobian,
+  Words<FusionRule>(m, "FusionRule", "How the product of two projected Gaussians is found.")
+      .value(FusionRule::mode, "At the exact mode of the product, with its Hessian.")
+      .value(FusionRule::jacobian,
              "Both in the chart halfway (MPG paper, eq. 14-16); small angles only.");
-  nb::enum_<CompositionRule>(m, "CompositionRule", "How projected Gaussians are composed.")
-      .value("cubature", CompositionRule::cubature, "Moments under the distributions, degree five.")
-      .value("third_degree_cubature", CompositionRule::third_degree_cubature,
+  Words<CompositionRule>(m, "CompositionRule", "How projected Gaussians are composed.")
+      .value(CompositionRule::cubature, "Moments under the distributions, degree five.")
+      .value(CompositionRule::third_degree_cubature,
              "2n points over the Gaussians in the tangent spaces.")
-      .value("jacobian", CompositionRule::jacobian, "Linearised (MPG paper, eq. 17).");
+      .value(CompositionRule::jacobian, "Linearised (MPG paper, eq. 17).");
   Settings<ProjectedFuseSettings>(m, "ProjectedFuseSettings",
                                   "Settings of `fuse` for projected Gaussians.")
       .field("rule", &ProjectedFuseSettings::rule, "FusionRule", "How the product is found.")

@@ -14,6 +14,7 @@
 #include "posemix/divergence/wasserstein.hpp"
 #include "record.hpp"
 #include "settings.hpp"
+#include "words.hpp"
 
 namespace posemix::python {
 namespace {
@@ -118,14 +119,14 @@ void bind_settings(nb::module_& m) {
       .field("replicates", &Sampling::replicates, "int",
              "Independent randomisations, for the standard error.")
       .done();
-  nb::enum_<ConversionRule>(m, "ConversionRule", "How one kind of density becomes the other.")
-      .value("linear", ConversionRule::linear, "To first order.")
-      .value("cubature", ConversionRule::cubature, "Moments in the other chart, degree five.")
-      .value("maximum_likelihood", ConversionRule::maximum_likelihood, "The least divergence.");
-  nb::enum_<LargeLoss>(m, "LargeLoss", "What happens to a component that converts badly.")
-      .value("split", LargeLoss::split, "It is split until its loss meets the limit.")
-      .value("refuse", LargeLoss::refuse, "An error.")
-      .value("accept", LargeLoss::accept, "It is converted all the same.");
+  Words<ConversionRule>(m, "ConversionRule", "How one kind of density becomes the other.")
+      .value(ConversionRule::linear, "To first order.")
+      .value(ConversionRule::cubature, "Moments in the other chart, degree five.")
+      .value(ConversionRule::maximum_likelihood, "The least divergence.");
+  Words<LargeLoss>(m, "LargeLoss", "What happens to a component that converts badly.")
+      .value(LargeLoss::split, "It is split until its loss meets the limit.")
+      .value(LargeLoss::refuse, "An error.")
+      .value(LargeLoss::accept, "It is converted all the same.");
   Settings<ConversionSettings>(m, "ConversionSettings",
                                "Settings of `to_projected` and `to_concentrated`.")
       .field("rule", &ConversionSettings::rule, "ConversionRule", "How a component is converted.")

@@ -11,6 +11,7 @@
 #include "mixture.hpp"
 #include "record.hpp"
 #include "settings.hpp"
+#include "words.hpp"
 
 namespace posemix::python {
 namespace {
@@ -97,10 +98,10 @@ void bind_results(nb::module_& m) {
 }  // namespace
 
 void bind_em(nb::module_& m) {
-  nb::enum_<EmStatus>(m, "EmStatus", "How an EM run ended.")
-      .value("converged", EmStatus::converged, "An iteration gained less than the tolerance.")
-      .value("max_iterations", EmStatus::max_iterations, "Stopped before that.")
-      .value("degenerate", EmStatus::degenerate, "A component lost its samples or collapsed.");
+  Words<EmStatus>(m, "EmStatus", "How an EM run ended.")
+      .value(EmStatus::converged, "An iteration gained less than the tolerance.")
+      .value(EmStatus::max_iterations, "Stopped before that.")
+      .value(EmStatus::degenerate, "A component lost its samples or collapsed.");
   Settings<EmSettings>(m, "EmSettings", "Settings of `fit_mixture`.")
       .field("components", &EmSettings::components, "int", "Number of components.")
       .field("max_iterations", &EmSettings::max_iterations, "int", "Iterations at most.")

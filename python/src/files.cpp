@@ -23,6 +23,7 @@
 #include "record.hpp"
 #include "settings.hpp"
 #include "slam.hpp"
+#include "words.hpp"
 
 namespace posemix::python {
 namespace {
@@ -30,18 +31,18 @@ namespace {
 namespace fs = std::filesystem;
 
 void bind_conventions(nb::module_& m) {
-  nb::enum_<Side>(m, "Side", "Side of the perturbation of concentrated Gaussians.")
-      .value("left", Side::left, "X = Exp(xi) X0, the library's.")
-      .value("right", Side::right, "X = X0 Exp(delta).");
-  nb::enum_<TangentOrder>(m, "TangentOrder", "Order of a tangent vector's halves.")
-      .value("rotation_translation", TangentOrder::rotation_translation, "The library's.")
-      .value("translation_rotation", TangentOrder::translation_rotation, "The other.");
-  nb::enum_<AngleUnit>(m, "AngleUnit", "Unit of rotations.")
-      .value("rad", AngleUnit::rad, "The library's.")
-      .value("deg", AngleUnit::deg, "Degrees.");
-  nb::enum_<LengthUnit>(m, "LengthUnit", "Unit of translations.")
-      .value("m", LengthUnit::m, "The library's.")
-      .value("mm", LengthUnit::mm, "Millimetres.");
+  Words<Side>(m, "Side", "Side of the perturbation of concentrated Gaussians.")
+      .value(Side::left, "X = Exp(xi) X0, the library's.")
+      .value(Side::right, "X = X0 Exp(delta).");
+  Words<TangentOrder>(m, "TangentOrder", "Order of a tangent vector's halves.")
+      .value(TangentOrder::rotation_translation, "The library's.")
+      .value(TangentOrder::translation_rotation, "The other.");
+  Words<AngleUnit>(m, "AngleUnit", "Unit of rotations.")
+      .value(AngleUnit::rad, "The library's.")
+      .value(AngleUnit::deg, "Degrees.");
+  Words<LengthUnit>(m, "LengthUnit", "Unit of translations.")
+      .value(LengthUnit::m, "The library's.")
+      .value(LengthUnit::mm, "Millimetres.");
   using C = MixtureConvention;
   Settings<C>(m, "MixtureConvention", "How a mixture file states what the library holds.")
       .field("side", &C::side, "Side", "Of concentrated Gaussians only.")

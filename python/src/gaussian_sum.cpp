@@ -15,28 +15,29 @@
 #include "posemix/slam/object_slam.hpp"
 #include "record.hpp"
 #include "settings.hpp"
+#include "words.hpp"
 
 namespace posemix::python {
 namespace {
 
 void bind_enums(nb::module_& m) {
-  nb::enum_<NoiseUse>(m, "NoiseUse", "How noise components are combined over the objects seen.")
-      .value("joint", NoiseUse::joint, "One for all visible objects (the midway paper's filter).")
-      .value("per_object", NoiseUse::per_object, "One for every object, one after another.")
-      .value("most_likely", NoiseUse::most_likely,
+  Words<NoiseUse>(m, "NoiseUse", "How noise components are combined over the objects seen.")
+      .value(NoiseUse::joint, "One for all visible objects (the midway paper's filter).")
+      .value(NoiseUse::per_object, "One for every object, one after another.")
+      .value(NoiseUse::most_likely,
              "The same, but a hypothesis keeps only the likeliest child (max-mixture).");
-  nb::enum_<UpdateRule>(m, "UpdateRule", "How one hypothesis is updated.")
-      .value("linearized", UpdateRule::linearized, "Once, at the prior mean.")
-      .value("iterated", UpdateRule::iterated,
+  Words<UpdateRule>(m, "UpdateRule", "How one hypothesis is updated.")
+      .value(UpdateRule::linearized, "Once, at the prior mean.")
+      .value(UpdateRule::iterated,
              "By iteration; consistent when the odometry is bad against the detector.");
-  nb::enum_<RobustLoss>(m, "RobustLoss", "The loss by which a hypothesis is updated.")
-      .value("none", RobustLoss::none, "The squared Mahalanobis distance.")
-      .value("cauchy", RobustLoss::cauchy, "c^2 log(1 + d^2 / c^2).");
-  nb::enum_<Summary>(m, "Summary", "What is reported as the estimate.")
-      .value("best", Summary::best, "The hypothesis of the largest weight.")
-      .value("merge_two_largest", Summary::merge_two_largest,
+  Words<RobustLoss>(m, "RobustLoss", "The loss by which a hypothesis is updated.")
+      .value(RobustLoss::none, "The squared Mahalanobis distance.")
+      .value(RobustLoss::cauchy, "c^2 log(1 + d^2 / c^2).");
+  Words<Summary>(m, "Summary", "What is reported as the estimate.")
+      .value(Summary::best, "The hypothesis of the largest weight.")
+      .value(Summary::merge_two_largest,
              "The merge of the two largest weights (the midway paper's).")
-      .value("whole_mixture", Summary::whole_mixture, "The merge of all hypotheses.");
+      .value(Summary::whole_mixture, "The merge of all hypotheses.");
 }
 
 void bind_filter_settings(nb::module_& m) {

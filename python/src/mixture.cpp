@@ -10,6 +10,7 @@
 #include "record.hpp"
 #include "rules.hpp"
 #include "settings.hpp"
+#include "words.hpp"
 
 namespace posemix::python {
 namespace {
@@ -133,10 +134,9 @@ void bind_settings(nb::module_& m) {
       .field("tolerance", &MomentSettings::tolerance, "float",
              "The mean's last step, or rounding [rad, m].")
       .done();
-  nb::enum_<PairWeight>(m, "PairWeight", "Weight of a pair in the fusion of projected mixtures.")
-      .value("overlap", PairWeight::overlap, "The integral of the product of the two densities.")
-      .value("alpha_delta", PairWeight::alpha_delta,
-             "alpha delta of the MPG paper, eq. 19; not a probability.");
+  Words<PairWeight>(m, "PairWeight", "Weight of a pair in the fusion of projected mixtures.")
+      .value(PairWeight::overlap, "The integral of the product of the two densities.")
+      .value(PairWeight::alpha_delta, "alpha delta of the MPG paper, eq. 19; not a probability.");
   Settings<ProjectedMixtureFuseSettings>(m, "ProjectedMixtureFuseSettings",
                                          "Settings of `fuse` for mixtures of projected Gaussians.")
       .field("pair", &ProjectedMixtureFuseSettings::pair, "ProjectedFuseSettings",

@@ -9,18 +9,18 @@
 #include "posemix/detector/default_noise.hpp"
 #include "posemix/detector/object_sensor.hpp"
 #include "settings.hpp"
+#include "words.hpp"
 
 namespace posemix::python {
 namespace {
 
 void bind_parts(nb::module_& m) {
-  nb::enum_<NoiseFrame>(m, "NoiseFrame",
-                        "Axes of a noise covariance; rotations are about the detected mode's "
-                        "origin.")
-      .value("object", NoiseFrame::object,
-             "Y = T_camera_object offset Exp(n), n along the mode's own axes.")
-      .value("camera", NoiseFrame::camera, "The same with n along the camera's axes.")
-      .value("ray", NoiseFrame::ray,
+  Words<NoiseFrame>(m, "NoiseFrame",
+                    "Axes of a noise covariance; rotations are about the detected mode's "
+                    "origin.")
+      .value(NoiseFrame::object, "Y = T_camera_object offset Exp(n), n along the mode's own axes.")
+      .value(NoiseFrame::camera, "The same with n along the camera's axes.")
+      .value(NoiseFrame::ray,
              "The same with z along the viewing ray and translations in units of the range.");
   using C = NoiseComponent;
   Settings<C>(m, "NoiseComponent",
@@ -119,7 +119,7 @@ void bind_detector_noise(nb::module_& m) {
     std::string weights;
     for (const NoiseComponent& c : self.components())
       weights +=
-          fmt::format("{}{:.4g} {}", weights.empty() ? "" : ", ", c.weight, name_of(c.frame));
+          fmt::format("{}{:.4g} {}", weights.empty() ? "" : ", ", c.weight, word_of(c.frame));
     return fmt::format("<DetectorNoise of {}: {}; clutter {:.4g}>", self.components().size(),
                        weights, self.clutter().weight);
   });

@@ -10,17 +10,17 @@
 #include "posemix/config/noise_toml.hpp"
 #include "settings.hpp"
 #include "slam.hpp"
+#include "words.hpp"
 
 namespace posemix::python {
 namespace {
 
 void bind_noise_fit_settings(nb::module_& m) {
-  nb::enum_<NoiseCriterion>(m, "NoiseCriterion", "What decides between noise models.")
-      .value("bic", NoiseCriterion::bic,
-             "The least BIC, with all detections taken for independent.")
-      .value("bic_independent_frames", NoiseCriterion::bic_independent_frames,
+  Words<NoiseCriterion>(m, "NoiseCriterion", "What decides between noise models.")
+      .value(NoiseCriterion::bic, "The least BIC, with all detections taken for independent.")
+      .value(NoiseCriterion::bic_independent_frames,
              "The least BIC, with correlated detections counted as fewer.")
-      .value("cross_validation", NoiseCriterion::cross_validation,
+      .value(NoiseCriterion::cross_validation,
              "The greatest log density of recordings that were held out.");
   using M = NoiseModeSettings;
   Settings<M>(m, "NoiseModeSettings",

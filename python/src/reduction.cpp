@@ -9,32 +9,33 @@
 #include "mixture.hpp"
 #include "record.hpp"
 #include "settings.hpp"
+#include "words.hpp"
 
 namespace posemix::python {
 namespace {
 
 void bind_rules(nb::module_& m) {
-  nb::enum_<MergeRule>(m, "MergeRule", "How components become one.")
-      .value("midway", MergeRule::midway,
+  Words<MergeRule>(m, "MergeRule", "How components become one.")
+      .value(MergeRule::midway,
              "Moments in the tangent space at the midway point (midway-merge paper, eq. 12-19).")
-      .value("tangent_of_larger", MergeRule::tangent_of_larger,
+      .value(MergeRule::tangent_of_larger,
              "Moments in the tangent space of the heaviest (Cesic et al. 2017).")
-      .value("moment_matched", MergeRule::moment_matched, "Moments on the group, by cubature.");
-  nb::enum_<TransportJacobian>(m, "TransportJacobian", "How a component is moved.")
-      .value("exact", TransportJacobian::exact, "Closed form.")
-      .value("bernoulli", TransportJacobian::bernoulli, "Truncated series of the midway authors.");
-  nb::enum_<PairRule>(m, "PairRule", "Which two components are merged next.")
-      .value("largest_with_smallest", PairRule::largest_with_smallest, "By weight.")
-      .value("most_distant", PairRule::most_distant, "The largest distance between means.")
-      .value("runnalls", PairRule::runnalls, "The smallest of Runnalls' bounds.")
-      .value("symmetric_kl", PairRule::symmetric_kl, "The smallest symmetric divergence.")
-      .value("weighted_symmetric_kl", PairRule::weighted_symmetric_kl,
+      .value(MergeRule::moment_matched, "Moments on the group, by cubature.");
+  Words<TransportJacobian>(m, "TransportJacobian", "How a component is moved.")
+      .value(TransportJacobian::exact, "Closed form.")
+      .value(TransportJacobian::bernoulli, "Truncated series of the midway authors.");
+  Words<PairRule>(m, "PairRule", "Which two components are merged next.")
+      .value(PairRule::largest_with_smallest, "By weight.")
+      .value(PairRule::most_distant, "The largest distance between means.")
+      .value(PairRule::runnalls, "The smallest of Runnalls' bounds.")
+      .value(PairRule::symmetric_kl, "The smallest symmetric divergence.")
+      .value(PairRule::weighted_symmetric_kl,
              "The same times w_a w_b / (w_a + w_b) (MPG paper, eq. 23-24).");
-  nb::enum_<DistanceMetric>(m, "DistanceMetric", "Distance of two means.")
-      .value("tangent_norm", DistanceMetric::tangent_norm, "Norm of the logarithm.")
-      .value("rotation", DistanceMetric::rotation, "Angle [rad].")
-      .value("translation", DistanceMetric::translation, "Translation part [m].")
-      .value("mahalanobis", DistanceMetric::mahalanobis, "In standard deviations of both.");
+  Words<DistanceMetric>(m, "DistanceMetric", "Distance of two means.")
+      .value(DistanceMetric::tangent_norm, "Norm of the logarithm.")
+      .value(DistanceMetric::rotation, "Angle [rad].")
+      .value(DistanceMetric::translation, "Translation part [m].")
+      .value(DistanceMetric::mahalanobis, "In standard deviations of both.");
 }
 
 void bind_settings(nb::module_& m) {

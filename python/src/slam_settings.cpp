@@ -5,29 +5,29 @@
 #include "dict.hpp"
 #include "posemix/slam/method.hpp"
 #include "settings.hpp"
+#include "words.hpp"
 
 namespace posemix::python {
 namespace {
 
 void bind_enums(nb::module_& m) {
-  nb::enum_<MotionModel>(m, "MotionModel", "How the camera is predicted.")
-      .value("odometry", MotionModel::odometry,
+  Words<MotionModel>(m, "MotionModel", "How the camera is predicted.")
+      .value(MotionModel::odometry,
              "Where it is missing for a frame, a random walk with the noise of unknown motion.")
-      .value("random_walk", MotionModel::random_walk, "The mean stays.")
-      .value("constant_velocity", MotionModel::constant_velocity,
-             "The motion per period is part of the state.");
-  nb::enum_<NoisePer>(m, "NoisePer", "How a covariance grows with time.")
-      .value("frame", NoisePer::frame, "Per frame.")
-      .value("second", NoisePer::second, "Per second.");
-  nb::enum_<DetectionStatus>(m, "DetectionStatus", "What happened to one object in one frame.")
-      .value("none", DetectionStatus::none, "It was not detected.")
-      .value("started", DetectionStatus::started, "It entered the map.")
-      .value("used", DetectionStatus::used, "The detection was used.")
-      .value("doubted", DetectionStatus::doubted,
+      .value(MotionModel::random_walk, "The mean stays.")
+      .value(MotionModel::constant_velocity, "The motion per period is part of the state.");
+  Words<NoisePer>(m, "NoisePer", "How a covariance grows with time.")
+      .value(NoisePer::frame, "Per frame.")
+      .value(NoisePer::second, "Per second.");
+  Words<DetectionStatus>(m, "DetectionStatus", "What happened to one object in one frame.")
+      .value(DetectionStatus::none, "It was not detected.")
+      .value(DetectionStatus::started, "It entered the map.")
+      .value(DetectionStatus::used, "The detection was used.")
+      .value(DetectionStatus::doubted,
              "Used, but more likely a gross error under the leading hypothesis.")
-      .value("birth", DetectionStatus::birth, "Explained by no hypothesis, it began one.")
-      .value("gated", DetectionStatus::gated, "Left out by the gate.")
-      .value("failed", DetectionStatus::failed, "Left out: not positive definite.");
+      .value(DetectionStatus::birth, "Explained by no hypothesis, it began one.")
+      .value(DetectionStatus::gated, "Left out by the gate.")
+      .value(DetectionStatus::failed, "Left out: not positive definite.");
   nb::enum_<CandidateStatus>(m, "CandidateStatus", "What a candidate is.")
       .value("assigned", CandidateStatus::assigned, "Of a known instance.")
       .value("fresh", CandidateStatus::fresh, "Of an instance not known so far.")

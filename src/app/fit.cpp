@@ -23,18 +23,6 @@ struct FitOptions {
   OutputOptions output;
 };
 
-const char* status_name(EmStatus status) {
-  switch (status) {
-    case EmStatus::converged:
-      return "converged";
-    case EmStatus::max_iterations:
-      return "max_iterations";
-    case EmStatus::degenerate:
-      return "degenerate";
-  }
-  return "unknown";
-}
-
 template <class D>
 Json fit_json(const EmResult<D>& fit, const PoseSamples& samples) {
   return {{"samples", samples.poses.size()},
@@ -44,7 +32,7 @@ Json fit_json(const EmResult<D>& fit, const PoseSamples& samples) {
           {"bic", fit.bic},
           {"iterations", fit.history.size() - 1},
           {"starts", fit.starts},
-          {"status", status_name(fit.status)}};
+          {"status", word_of(fit.status)}};
 }
 
 template <class D>

@@ -19,6 +19,13 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
+double value_of_rank(std::vector<double>& values, std::size_t rank) {
+  if (values.empty()) return kNaN;
+  const auto place = values.begin() + static_cast<std::ptrdiff_t>(rank);
+  std::nth_element(values.begin(), place, values.end());
+  return *place;
+}
+
 }  // namespace
 
 double mean(std::span<const double> values) {
@@ -43,8 +50,15 @@ double median(std::span<const double> values) {
   return sorted.size() % 2 == 1 ? sorted[half] : 0.5 * (sorted[half - 1] + sorted[half]);
 }
 
-double chi_square_quantile(double probability, std::size_t dof) {
-  kOpenUnitInterval.check(probability, "probability");
+double upper_median(std::vector<double> values) { return value_of_rank(values, values.size() / 2); }
+
+double quantile(std::vector<double> values, double p) {
+  const double last = static_cast<double>(values.size()) - 1.0;
+  return value_of_rank(values, static_cast<std::size_t>(p * std::max(last, 0.0)));
+}
+
+double chi_square_quantile(double probability, std::size_t dof, const char* name) {
+  kOpenUnitInterval.check(probability, name);
   require(dof > 0, "chi_square_quantile: dof is 0, expected at least 1");
   return boost::math::quantile(boost::math::chi_squared(static_cast<double>(dof)), probability);
 }

@@ -41,7 +41,7 @@ std::string covariance_text(const Matrix6d& covariance, NoiseFrame frame) {
 
 std::string component_text(const NoiseComponent& component) {
   std::string text =
-      fmt::format("  {{weight = {}, frame = \"{}\", {}", component.weight, name_of(component.frame),
+      fmt::format("  {{weight = {}, frame = \"{}\", {}", component.weight, word_of(component.frame),
                   covariance_text(component.covariance, component.frame));
   if (component.update_covariance) {
     text += fmt::format(", update = {{{}}}",

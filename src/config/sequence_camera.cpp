@@ -8,7 +8,7 @@
 #include "posemix/base/units.hpp"
 #include "sequence_parts.hpp"
 
-namespace posemix {
+namespace posemix::internal {
 namespace {
 
 /// The first entry of `lever_arms` whose range of names includes the sequence.
@@ -41,9 +41,7 @@ ProcessNoise read_process_noise(const TomlTable& motion, std::string_view key,
   if (!table) return otherwise;
   const Eigen::Vector3d rotation = read_sd(*table, "rotation_sd_deg", kSdOrZero, kRadPerDeg);
   const Eigen::Vector3d translation = read_sd(*table, "translation_sd_m", kSdOrZero, 1.0);
-  return {pose_covariance(rotation, translation),
-          table->get_enum_or<NoisePer>("per", otherwise.per,
-                                       {{"frame", NoisePer::frame}, {"second", NoisePer::second}})};
+  return {pose_covariance(rotation, translation), table->get_enum_or("per", otherwise.per)};
 }
 
 SE3d read_start_pose(const TomlTable& start, const Poses& camera_truth) {
@@ -122,11 +120,7 @@ MotionSettings read_motion(const TomlTable& root, bool has_odometry) {
   settings.model = has_odometry ? MotionModel::odometry : MotionModel::constant_velocity;
   const auto motion = root.find_table("motion");
   if (!motion) return settings;
-  settings.model =
-      motion->get_enum_or<MotionModel>("model", settings.model,
-                                       {{"odometry", MotionModel::odometry},
-                                        {"random_walk", MotionModel::random_walk},
-                                        {"constant_velocity", MotionModel::constant_velocity}});
+  settings.model = motion->get_enum_or("model", settings.model);
   if (settings.model == MotionModel::odometry && !has_odometry) {
     motion->fail("model", "is \"odometry\", but there is no file under camera.odometry");
   }
@@ -138,4 +132,4 @@ MotionSettings read_motion(const TomlTable& root, bool has_odometry) {
   return settings;
 }
 
-}  // namespace posemix
+}  // namespace posemix::internal

@@ -16,6 +16,8 @@
 namespace posemix {
 namespace {
 
+using namespace internal;
+
 constexpr std::size_t kLongestId = 100;
 
 /// The name of the noise model for objects that name none: default_detector_noise(), unless the

@@ -12,7 +12,7 @@
 #include "posemix/io/text.hpp"
 #include "sequence_parts.hpp"
 
-namespace posemix {
+namespace posemix::internal {
 namespace {
 
 namespace fs = std::filesystem;
@@ -148,4 +148,4 @@ Poses Timeline::select(const StampedFile& file) const {
   return poses;
 }
 
-}  // namespace posemix
+}  // namespace posemix::internal

@@ -5,7 +5,7 @@
 #include "posemix/base/units.hpp"
 #include "sequence_parts.hpp"
 
-namespace posemix {
+namespace posemix::internal {
 namespace {
 
 constexpr std::string_view kDefaultMethod = "multi_object";
@@ -147,4 +147,4 @@ SlamMethod read_filter(const TomlTable& root) {
   return method;
 }
 
-}  // namespace posemix
+}  // namespace posemix::internal

@@ -6,7 +6,7 @@
 #include "posemix/filter/multi_object_ranges.hpp"
 #include "sequence_parts.hpp"
 
-namespace posemix {
+namespace posemix::internal {
 
 MultiObjectSettings read_multi_object(const TomlTable& filter, MultiObjectSettings s) {
   constexpr IntegerRange kHypotheses{.lowest = 1, .highest = 100000};
@@ -28,8 +28,6 @@ MultiObjectSettings read_multi_object(const TomlTable& filter, MultiObjectSettin
 }
 
 void read_association(const TomlTable& root, MultiObjectSlamSettings& settings) {
-  constexpr NumberRange kProbability{
-      .lowest = 0, .highest = 1, .without_lowest = true, .without_highest = true};
   constexpr IntegerRange kDetections{.lowest = 0, .highest = 1000000};
   const auto table = root.find_table("association");
   if (!table) return;
@@ -37,13 +35,13 @@ void read_association(const TomlTable& root, MultiObjectSlamSettings& settings) 
   const auto number = [&](std::string_view key, double& value, const NumberRange& range) {
     value = table->get_double_or(key, value, range);
   };
-  number("gate_probability", a.gate_probability, kProbability);
-  number("rotation_cap_probability", a.rotation_cap_probability, kProbability);
+  number("gate_probability", a.gate_probability, kOpenUnitInterval);
+  number("rotation_cap_probability", a.rotation_cap_probability, kOpenUnitInterval);
   number("least_new_score", a.least_new_score, kAnyNumber);
-  number("least_separation_m", a.least_separation_m, {.lowest = 0});
+  number("least_separation_m", a.least_separation_m, kNotNegative);
   settings.confirming_detections = static_cast<std::size_t>(table->get_integer_or(
       "confirming_detections", static_cast<std::int64_t>(settings.confirming_detections),
       kDetections));
 }
 
-}  // namespace posemix
+}  // namespace posemix::internal

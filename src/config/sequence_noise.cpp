@@ -13,6 +13,8 @@
 namespace posemix {
 namespace {
 
+using namespace internal;
+
 SE3d read_offset(const TomlTable& component) {
   const auto offset = component.find_table("offset");
   if (!offset) return NoiseComponent{}.offset;
@@ -43,9 +45,7 @@ constexpr NumberRange kShare{.lowest = 1e-12, .highest = 1e12};
 NoiseComponent read_component(const TomlTable& table) {
   NoiseComponent component;
   component.weight = table.get_double_or("weight", component.weight, kShare);
-  component.frame = table.get_enum_or<NoiseFrame>(
-      "frame", component.frame,
-      {{"object", NoiseFrame::object}, {"camera", NoiseFrame::camera}, {"ray", NoiseFrame::ray}});
+  component.frame = table.get_enum_or("frame", component.frame);
   component.covariance = read_covariance(table, component.frame, kSd);
   component.offset = read_offset(table);
   if (const auto update = table.find_table("update"))
@@ -73,8 +73,8 @@ NoiseDependence read_dependence(const TomlTable& model, NoiseFrame frame) {
 
 }  // namespace
 
-Eigen::Vector3d read_sd(const TomlTable& table, std::string_view key, const NumberRange& range,
-                        double unit) {
+Eigen::Vector3d internal::read_sd(const TomlTable& table, std::string_view key,
+                                  const NumberRange& range, double unit) {
   if (table.is_array(key)) return unit * table.get_vector(key, 3, range);
   return Eigen::Vector3d::Constant(unit * table.get_double(key, range));
 }
@@ -85,7 +85,7 @@ Matrix6d read_pose_covariance(const TomlTable& table) {
   return pose_covariance(rotation, translation);
 }
 
-SE3d read_pose(const TomlTable& table, std::string_view key) {
+SE3d internal::read_pose(const TomlTable& table, std::string_view key) {
   const Eigen::VectorXd numbers = table.get_vector(key, 7, kPosition);
   const Eigen::Quaterniond quaternion(numbers[6], numbers[3], numbers[4], numbers[5]);
   const double norm = quaternion.coeffs().stableNorm();
@@ -111,7 +111,7 @@ DetectorNoise read_detector_noise(const TomlTable& model) {
                  [&] { return DetectorNoise(components, clutter, dependence); });
 }
 
-std::map<std::string, DetectorNoise> read_noise_models(const TomlTable& root) {
+std::map<std::string, DetectorNoise> internal::read_noise_models(const TomlTable& root) {
   std::map<std::string, DetectorNoise> models;
   const auto noise = root.find_table("noise");
   if (!noise) return models;

@@ -15,7 +15,7 @@
 #include "posemix/io/text.hpp"
 #include "sequence_parts.hpp"
 
-namespace posemix {
+namespace posemix::internal {
 namespace {
 
 constexpr std::int64_t kHighest = std::numeric_limits<std::int64_t>::max();
@@ -217,4 +217,4 @@ void read_object_truth(const TomlTable& object, const FileFinder& files, const T
   }
 }
 
-}  // namespace posemix
+}  // namespace posemix::internal

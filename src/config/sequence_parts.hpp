@@ -19,7 +19,7 @@
 #include "posemix/io/tum.hpp"
 
 /// The parts of a sequence file, one source file each.
-namespace posemix {
+namespace posemix::internal {
 
 using Poses = std::vector<std::optional<SE3d>>;
 
@@ -177,4 +177,4 @@ void read_association(const TomlTable& root, MultiObjectSlamSettings& settings);
 /// The method in the table `filter`, with the settings that the table changes.
 SlamMethod read_filter(const TomlTable& root);
 
-}  // namespace posemix
+}  // namespace posemix::internal

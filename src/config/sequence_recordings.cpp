@@ -7,7 +7,7 @@
 #include "posemix/base/error.hpp"
 #include "sequence_parts.hpp"
 
-namespace posemix {
+namespace posemix::internal {
 namespace {
 
 /// All files with detections.
@@ -112,4 +112,4 @@ Sequence read_recordings(const TomlTable& root, const FileFinder& files, const C
   return sequence;
 }
 
-}  // namespace posemix
+}  // namespace posemix::internal

@@ -15,6 +15,7 @@
 namespace posemix {
 namespace {
 
+using namespace internal;
 using Eigen::Vector3d;
 
 constexpr std::int64_t kSchema = 1;

@@ -13,6 +13,8 @@
 namespace posemix {
 namespace {
 
+using namespace internal;
+
 constexpr std::int64_t kSymmetrySchema = 1;
 
 SymmetryGroups read_groups(const TomlDocument& document) {
@@ -52,7 +54,7 @@ SymmetryGroup read_symmetry_group(const TomlTable& table) {
                  [&] { return SymmetryGroup(elements, axes); });
 }
 
-SymmetryGroup read_object_symmetries(const TomlTable& object, const FileFinder& files) {
+SymmetryGroup internal::read_object_symmetries(const TomlTable& object, const FileFinder& files) {
   const auto table = object.find_table("symmetries");
   if (!table) return {};
   if (!table->has("bop_models_info")) return read_symmetry_group(*table);

@@ -10,7 +10,7 @@
 #include "toml_node.hpp"
 #include "toml_renamed.hpp"
 
-namespace posemix {
+namespace posemix::internal {
 
 const TomlNode* TomlNode::find(std::string_view key) const {
   const auto found = std::find(keys.begin(), keys.end(), key);
@@ -99,6 +99,12 @@ std::string describe_toml_value(const TomlNode& node) {
   }
 }
 
+}  // namespace posemix::internal
+
+namespace posemix {
+
+using namespace internal;
+
 TomlDocument::TomlDocument(std::shared_ptr<TomlState> state) : state_(std::move(state)) {}
 
 TomlDocument TomlDocument::parse(std::string_view text, const std::string& name) {
@@ -108,7 +114,7 @@ TomlDocument TomlDocument::parse(std::string_view text, const std::string& name)
   auto state = std::make_shared<TomlState>();
   state->name = name;
   state->root = parse_toml_nodes(text, name);
-  internal::rename_old_keys(*state);
+  rename_old_keys(*state);
   return TomlDocument(std::move(state));
 }
 

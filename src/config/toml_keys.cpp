@@ -8,7 +8,7 @@
 
 #include "toml_node.hpp"
 
-namespace posemix {
+namespace posemix::internal {
 namespace {
 
 struct Unit {
@@ -129,4 +129,4 @@ void require_all_known(const TomlState& state, const TomlNode& table, const std:
   }
 }
 
-}  // namespace posemix
+}  // namespace posemix::internal

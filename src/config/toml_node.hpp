@@ -12,7 +12,7 @@
 #include <vector>
 
 /// The tree of a TOML document, independent of the parsing library.
-namespace posemix {
+namespace posemix::internal {
 
 enum class TomlKind { boolean, integer, number, string, date, array, table };
 
@@ -91,4 +91,4 @@ std::string_view nearest_name(std::string_view key, const std::vector<std::strin
 /// was called for
 void require_all_known(const TomlState& state, const TomlNode& table, const std::string& path);
 
-}  // namespace posemix
+}  // namespace posemix::internal

@@ -9,7 +9,7 @@
 #include "toml_node.hpp"
 #include "toml_renamed.hpp"
 
-namespace posemix {
+namespace posemix::internal {
 namespace {
 
 constexpr std::size_t kMostParts = 16;
@@ -113,9 +113,8 @@ std::string join_toml_path(std::string_view parent, std::string_view key) {
 void apply_toml_override(TomlState& state, std::string_view assignment) {
   Override source = parse_override(assignment);
   const std::string given = dotted(source.path);
-  if (internal::rename_old_path(state, source.path)) {
-    state.warnings.push_back(
-        internal::renamed_warning(source.origin, "key", given, dotted(source.path)));
+  if (rename_old_path(state, source.path)) {
+    state.warnings.push_back(renamed_warning(source.origin, "key", given, dotted(source.path)));
   }
   TomlNode* node = &state.root;
   std::string path;
@@ -133,7 +132,7 @@ void apply_toml_override(TomlState& state, std::string_view assignment) {
   *node = parse_toml_value(source.value);
   node->line = line;
   mark(*node, source);
-  internal::rename_old_keys(state);
+  rename_old_keys(state);
 }
 
-}  // namespace posemix
+}  // namespace posemix::internal

@@ -36,7 +36,7 @@
 #include "posemix/base/error.hpp"
 #include "toml_node.hpp"
 
-namespace posemix {
+namespace posemix::internal {
 namespace {
 
 constexpr std::size_t kLargestDocument = std::size_t{1} << 20;
@@ -151,4 +151,4 @@ TomlNode parse_toml_value(const std::string& text) {
   return node;
 }
 
-}  // namespace posemix
+}  // namespace posemix::internal

@@ -15,6 +15,8 @@
 namespace posemix {
 namespace {
 
+using namespace internal;
+
 bool is_array_of_tables(const TomlNode& node) {
   return node.kind == TomlKind::array && !node.children.empty() &&
          std::all_of(node.children.begin(), node.children.end(),

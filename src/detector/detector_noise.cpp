@@ -28,8 +28,6 @@ Matrix6d with_range(Matrix6d covariance, double range) {
 
 }  // namespace
 
-std::string_view name_of(NoiseFrame frame) { return word_of(frame); }
-
 ViewingRay viewing_ray(const SE3d& camera_mode) {
   const Eigen::Vector3d& ray = camera_mode.translation();
   const auto turn = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), ray);

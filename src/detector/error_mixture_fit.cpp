@@ -4,18 +4,19 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <span>
 
 #include <fmt/format.h>
 
-#include "detector/upper_median.hpp"
+#include "posemix/base/draw_index.hpp"
 #include "posemix/base/error.hpp"
+#include "posemix/base/statistics.hpp"
 #include "posemix/base/units.hpp"
 #include "posemix/detector/error_mixture.hpp"
 
 namespace posemix {
 namespace {
 
-using internal::upper_median;
 using Gaussian = ErrorMixture::Gaussian;
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, 6>;
 
@@ -58,12 +59,12 @@ class Run {
     const Vector6d inverse_sd =
         (prior_.diagonal() / settings_.prior_scale).cwiseSqrt().cwiseInverse();
     const Rows scaled = rows_ * inverse_sd.asDiagonal();
+    const auto rows = static_cast<std::size_t>(rows_.rows());
     Eigen::VectorXd nearest = Eigen::VectorXd::Constant(rows_.rows(), kFarthest);
     const double share = (1.0 - kFirstOutlierWeight) / static_cast<double>(components);
     for (std::size_t k = 0; k < components; ++k) {
-      double left = stream.uniform() * nearest.sum();
-      Eigen::Index chosen = 0;
-      while (chosen + 1 < nearest.size() && (left -= nearest[chosen]) >= 0.0) ++chosen;
+      const auto chosen = static_cast<Eigen::Index>(
+          draw_index(std::span(nearest.data(), rows), nearest.sum(), stream));
       nearest = nearest.cwiseMin((scaled.rowwise() - scaled.row(chosen)).rowwise().squaredNorm());
       means_.emplace_back(rows_.row(chosen).transpose());
       covariances_.emplace_back(prior_ / settings_.prior_scale);

@@ -12,10 +12,7 @@
 namespace posemix {
 namespace {
 
-using internal::log_sum_exp_of_rows;
-using internal::log_uniform;
-using internal::residual_turn;
-using internal::ResidualRows;
+using namespace internal;
 
 /// Share of the observations below which a component is not estimated any more.
 constexpr double kLostNoiseShare = 1e-9;

@@ -33,7 +33,7 @@ void check(const NoiseFitSettings& settings) {
   if (settings.free_means && settings.frame != NoiseFrame::object) {
     throw InvalidInput(fmt::format(
         "noise model: free means in the frame {}, expected free_means = false or the frame object",
-        settings.frame ? name_of(*settings.frame) : "that fits best"));
+        settings.frame ? word_of(*settings.frame) : "that fits best"));
   }
   require(!settings.free_means || !settings.clutter,
           "noise model: free means beside clutter, expected free_means = false (with modes = true "
@@ -149,18 +149,6 @@ NoiseFit result_of(FrameModels models, std::span<const NoiseTrack> tracks,
 }
 
 }  // namespace
-
-std::string_view name_of(NoiseCriterion criterion) {
-  switch (criterion) {
-    case NoiseCriterion::bic:
-      return "bic";
-    case NoiseCriterion::bic_independent_frames:
-      return "bic_independent_frames";
-    case NoiseCriterion::cross_validation:
-      return "cross_validation";
-  }
-  return "";
-}
 
 double bic_of_independent_frames(const NoiseEmFit& fit, double count, double dependent_frames) {
   return static_cast<double>(fit.parameters) * std::log(count / dependent_frames) -

@@ -17,6 +17,8 @@
 namespace posemix {
 namespace {
 
+using namespace internal;
+
 constexpr double kWidth = 720.0;
 constexpr double kHeight = 440.0;
 constexpr double kLeastPanelWidth = 300.0;

@@ -11,7 +11,7 @@
 
 #include "svg.hpp"
 
-namespace posemix {
+namespace posemix::internal {
 namespace {
 
 constexpr double kRoom = 0.04;
@@ -128,4 +128,4 @@ std::vector<ChartTick> ChartAxis::ticks(int count) const {
   return labelled(ticks) >= kFewestTicks ? ticks : linear_ticks(count);
 }
 
-}  // namespace posemix
+}  // namespace posemix::internal

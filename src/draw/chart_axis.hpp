@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-namespace posemix {
+namespace posemix::internal {
 
 using ChartRange = std::pair<double, double>;
 
@@ -48,4 +48,4 @@ class ChartAxis {
   double to_;
 };
 
-}  // namespace posemix
+}  // namespace posemix::internal

@@ -6,7 +6,7 @@
 #include <array>
 #include <string_view>
 
-namespace posemix {
+namespace posemix::internal {
 namespace {
 
 constexpr double kFontSize = 12.5;
@@ -90,4 +90,4 @@ void ChartLegend::draw(SvgDocument& svg, const SvgBox& box) const {
   }
 }
 
-}  // namespace posemix
+}  // namespace posemix::internal

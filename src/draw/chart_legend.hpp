@@ -9,7 +9,7 @@
 #include "posemix/draw/chart.hpp"
 #include "svg.hpp"
 
-namespace posemix {
+namespace posemix::internal {
 
 /// Mean width of a character in shares of the font's size.
 inline constexpr double kCharacterWidth = 0.55;
@@ -38,4 +38,4 @@ class ChartLegend {
   std::vector<Entry> entries_;
 };
 
-}  // namespace posemix
+}  // namespace posemix::internal

@@ -9,7 +9,7 @@
 #include "chart_axis.hpp"
 #include "chart_series.hpp"
 
-namespace posemix {
+namespace posemix::internal {
 namespace {
 
 constexpr std::string_view kChartGrid = "#E4E4E4";
@@ -119,4 +119,4 @@ void draw_panel(SvgDocument& svg, const SvgBox& box, const Chart& chart,
   draw_labels(svg, box, plot, chart);
 }
 
-}  // namespace posemix
+}  // namespace posemix::internal

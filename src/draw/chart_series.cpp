@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <utility>
 
-namespace posemix {
+namespace posemix::internal {
 namespace {
 
 constexpr double kLineWidth = 1.8;
@@ -115,4 +115,4 @@ void draw_series(SvgDocument& svg, const ChartAxis& x, const ChartAxis& y,
   if (!series.step) svg.dots(dots_of(x, y, series), {.stroke = style.colour, .width = kDotWidth});
 }
 
-}  // namespace posemix
+}  // namespace posemix::internal

@@ -7,10 +7,10 @@
 #include "posemix/draw/chart.hpp"
 #include "svg.hpp"
 
-namespace posemix {
+namespace posemix::internal {
 
 /// Draws the lines, bands and dots of a series.
 void draw_series(SvgDocument& svg, const ChartAxis& x, const ChartAxis& y,
                  const ChartSeries& series, const SeriesStyle& style);
 
-}  // namespace posemix
+}  // namespace posemix::internal

@@ -14,6 +14,7 @@
 namespace posemix {
 namespace {
 
+using namespace internal;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 

@@ -14,6 +14,8 @@
 namespace posemix {
 namespace {
 
+using namespace internal;
+
 constexpr double kPictureWidth = 1000.0;
 constexpr double kPictureLeft = 64.0;
 constexpr SvgBox kMap{kPictureLeft, 100.0, 600.0, 460.0};

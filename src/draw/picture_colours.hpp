@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-namespace posemix {
+namespace posemix::internal {
 
 /// Colours that colour-blind readers can distinguish (Okabe and Ito 2008).
 inline constexpr std::array<std::string_view, 6> kObjectColours{"#D55E00", "#0072B2", "#009E73",
@@ -21,4 +21,4 @@ inline std::string object_colour(std::size_t object) {
   return std::string(kObjectColours[object % kObjectColours.size()]);
 }
 
-}  // namespace posemix
+}  // namespace posemix::internal

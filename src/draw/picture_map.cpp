@@ -13,7 +13,7 @@
 #include "posemix/base/units.hpp"
 #include "position_covariance.hpp"
 
-namespace posemix {
+namespace posemix::internal {
 namespace {
 
 constexpr std::string_view kAxisNames = "xyz";
@@ -252,4 +252,4 @@ void draw_map(SvgDocument& svg, const SvgBox& box, const SlamJob& job, const Sla
   svg.text({box.left + 76, box.top - 7}, fmt::format("world {} [m]", view.axis_name(1)), font);
 }
 
-}  // namespace posemix
+}  // namespace posemix::internal

@@ -7,7 +7,7 @@
 #include "posemix/draw/picture.hpp"
 #include "svg.hpp"
 
-namespace posemix {
+namespace posemix::internal {
 
 /// Draws the map of camera path and objects.
 void draw_map(SvgDocument& svg, const SvgBox& box, const SlamJob& job, const SlamRun& run);
@@ -15,4 +15,4 @@ void draw_map(SvgDocument& svg, const SvgBox& box, const SlamJob& job, const Sla
 /// Draws the mark of a true object position.
 void draw_cross(SvgDocument& svg, const Eigen::Vector2d& at);
 
-}  // namespace posemix
+}  // namespace posemix::internal

@@ -9,9 +9,10 @@
 #include <Eigen/Eigenvalues>
 
 #include "picture_colours.hpp"
+#include "posemix/base/statistics.hpp"
 #include "posemix/base/units.hpp"
 
-namespace posemix {
+namespace posemix::internal {
 namespace {
 
 constexpr std::size_t kMostCurvePoints = 2000;
@@ -28,22 +29,20 @@ double width_deg(const PoseDensity& density) {
   return degrees(3.0 * std::sqrt(std::max(0.0, eigen.eigenvalues().maxCoeff())));
 }
 
-double quantile(const Curve& curve, double probability) {
+double quantile_of(const Curve& curve, double probability) {
   std::vector<double> values;
   for (const auto& value : curve) {
     if (value) values.push_back(*value);
   }
-  if (values.empty()) return 0.0;
-  std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(probability * static_cast<double>(values.size() - 1))];
+  return values.empty() ? 0.0 : quantile(std::move(values), probability);
 }
 
 /// Upper end of the error axis: it includes nearly all errors of the estimate, and those of the
 /// detections only as far as the estimate stays readable.
 double highest_of(const StripCurves& curves) {
-  const double estimate = quantile(curves.estimate, 0.97);
-  const double width = quantile(curves.width, 0.9);
-  const double detector = quantile(curves.detector, 0.9);
+  const double estimate = quantile_of(curves.estimate, 0.97);
+  const double width = quantile_of(curves.width, 0.9);
+  const double detector = quantile_of(curves.detector, 0.9);
   double highest = estimate > 0.0
                        ? std::max(estimate, std::min(std::max(width, detector), 2.5 * estimate))
                        : width;
@@ -163,4 +162,4 @@ void draw_strip(SvgDocument& svg, const SvgBox& box, const SlamJob& job, std::si
            {.fill = colour, .bold = true, .halo = true});
 }
 
-}  // namespace posemix
+}  // namespace posemix::internal

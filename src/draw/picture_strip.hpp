@@ -9,7 +9,7 @@
 #include "posemix/draw/picture.hpp"
 #include "svg.hpp"
 
-namespace posemix {
+namespace posemix::internal {
 
 /// One number per frame of one object; empty for a frame without a value.
 using Curve = std::vector<std::optional<double>>;
@@ -27,4 +27,4 @@ StripCurves strip_curves(const SlamJob& job, const SlamRun& run, std::size_t obj
 void draw_strip(SvgDocument& svg, const SvgBox& box, const SlamJob& job, std::size_t object,
                 const StripCurves& curves, bool last);
 
-}  // namespace posemix
+}  // namespace posemix::internal

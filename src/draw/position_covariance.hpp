@@ -4,7 +4,7 @@
 
 #include "posemix/density/concentrated_gaussian.hpp"
 
-namespace posemix {
+namespace posemix::internal {
 
 /// Covariance [m^2] of the position of a pose in its reference frame, to first order: the error of
 /// the position t of Exp(xi) X0 is rho + phi x t.
@@ -14,4 +14,4 @@ inline Eigen::Matrix3d position_covariance(const ConcentratedGaussian<SE3d>& den
   return jacobian * density.covariance() * jacobian.transpose();
 }
 
-}  // namespace posemix
+}  // namespace posemix::internal

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-namespace posemix {
+namespace posemix::internal {
 namespace {
 
 std::string attributes(const SvgStyle& style) {
@@ -156,4 +156,4 @@ double round_step(double extent, int count) {
   return 10.0 * power;
 }
 
-}  // namespace posemix
+}  // namespace posemix::internal

@@ -10,7 +10,7 @@
 #include <Eigen/Core>
 
 /// Writes SVG pictures as text. Coordinates are pixels, x to the right and y down.
-namespace posemix {
+namespace posemix::internal {
 
 struct SvgStyle {
   std::string stroke = "none";
@@ -71,4 +71,4 @@ class SvgDocument {
 /// A round step, 1, 2 or 5 times a power of ten, of which about `count` fit into `extent`.
 double round_step(double extent, int count);
 
-}  // namespace posemix
+}  // namespace posemix::internal

@@ -14,9 +14,7 @@
 namespace posemix {
 namespace {
 
-using internal::log_logistic;
-using internal::logistic;
-using internal::logit;
+using namespace internal;
 
 constexpr double kLeastRaw = 1e-3;
 

@@ -6,22 +6,14 @@
 
 #include <nlopt.hpp>
 
-#include "detector/upper_median.hpp"
 #include "grasp/region_parameters.hpp"
 #include "posemix/base/error.hpp"
+#include "posemix/base/statistics.hpp"
 
 namespace posemix {
 namespace {
 
-using internal::kCentre;
-using internal::kLever;
-using internal::kLogitInside;
-using internal::kLogitRatio;
-using internal::kLogSoftness;
-using internal::kLogWidth;
-using internal::kMillimetre;
-using internal::logistic;
-using internal::upper_median;
+using namespace internal;
 
 /// An outcome in degrees and millimetres.
 struct Sample {

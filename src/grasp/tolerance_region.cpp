@@ -13,16 +13,7 @@
 namespace posemix {
 namespace {
 
-using internal::kCentre;
-using internal::kLever;
-using internal::kLogitInside;
-using internal::kLogitRatio;
-using internal::kLogSoftness;
-using internal::kLogWidth;
-using internal::kMillimetre;
-using internal::kUnits;
-using internal::logistic;
-using internal::logit;
+using namespace internal;
 
 }  // namespace
 

@@ -13,6 +13,8 @@
 namespace posemix {
 namespace {
 
+using namespace internal;
+
 constexpr double kDatasetMillimetre = 1e-3;
 
 Json parse_scene_document(std::string_view text, const std::string& name) {

@@ -12,6 +12,8 @@
 namespace posemix {
 namespace {
 
+using namespace internal;
+
 constexpr double kModelMillimetre = 1e-3;
 
 Json parse_models_document(std::string_view text, const std::string& name) {

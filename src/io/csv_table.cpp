@@ -9,7 +9,7 @@
 
 #include "posemix/base/error.hpp"
 
-namespace posemix {
+namespace posemix::internal {
 namespace {
 
 constexpr std::array<const char*, 7> kPoseColumns{"tx", "ty", "tz", "qx", "qy", "qz", "qw"};
@@ -67,4 +67,4 @@ SE3d CsvTable::pose(const std::string& prefix) const {
   return pose_from_numbers(numbers, reader_);
 }
 
-}  // namespace posemix
+}  // namespace posemix::internal

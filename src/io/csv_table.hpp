@@ -11,7 +11,7 @@
 #include "posemix/io/rigid.hpp"
 #include "posemix/io/text.hpp"
 
-namespace posemix {
+namespace posemix::internal {
 
 /// The rows of a table whose first line names the columns; blank lines and lines that start with
 /// '#' are skipped. Every member throws InvalidInput `name:line: got ..., expected ...`.
@@ -44,4 +44,4 @@ class CsvTable {
   std::vector<std::string_view> fields_;
 };
 
-}  // namespace posemix
+}  // namespace posemix::internal

@@ -18,6 +18,8 @@
 namespace posemix {
 namespace {
 
+using namespace internal;
+
 namespace fs = std::filesystem;
 
 /// A string in TOML, which has the same form in JSON.

@@ -12,7 +12,7 @@
 
 #include "posemix/io/output_folder.hpp"
 
-namespace posemix {
+namespace posemix::internal {
 
 void fail_output(const std::filesystem::path& path, std::string_view what,
                  std::string_view reason) {
@@ -49,4 +49,4 @@ void sync_folder(const std::filesystem::path& folder) {
   Descriptor(folder, O_RDONLY | O_DIRECTORY).sync();
 }
 
-}  // namespace posemix
+}  // namespace posemix::internal

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string_view>
 
-namespace posemix {
+namespace posemix::internal {
 
 /// @throws OutputError `path: what: reason`
 [[noreturn]] void fail_output(const std::filesystem::path& path, std::string_view what,
@@ -36,4 +36,4 @@ class Descriptor {
 /// Waits until the entries of a folder are on the disk.
 void sync_folder(const std::filesystem::path& folder);
 
-}  // namespace posemix
+}  // namespace posemix::internal

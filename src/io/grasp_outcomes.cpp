@@ -15,6 +15,8 @@
 namespace posemix {
 namespace {
 
+using namespace internal;
+
 namespace fs = std::filesystem;
 
 constexpr std::string_view kSource = "consensus-driven-uncertainty";

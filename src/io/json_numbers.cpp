@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-namespace posemix {
+namespace posemix::internal {
 
 std::string json_text(const Json& json, int indent) {
   return json.dump(indent, ' ', false, Json::error_handler_t::replace) + "\n";
@@ -39,4 +39,4 @@ Json json_pose(const std::optional<SE3d>& pose, int digits) {
   return json_vector(numbers, digits);
 }
 
-}  // namespace posemix
+}  // namespace posemix::internal

@@ -10,7 +10,7 @@
 #include "posemix/lie/lie.hpp"
 
 /// Numbers and poses in JSON files.
-namespace posemix {
+namespace posemix::internal {
 
 using Json = nlohmann::ordered_json;
 
@@ -30,4 +30,4 @@ Json json_vector(const Eigen::Ref<const Eigen::VectorXd>& vector, int digits);
 /// [tx, ty, tz, qx, qy, qz, qw] with this many significant digits; null without a pose.
 Json json_pose(const std::optional<SE3d>& pose, int digits);
 
-}  // namespace posemix
+}  // namespace posemix::internal

@@ -13,7 +13,7 @@
 #include "posemix/base/error.hpp"
 #include "posemix/io/text.hpp"
 
-namespace posemix {
+namespace posemix::internal {
 
 void JsonPlace::fail(std::string_view got, std::string_view expected) const {
   throw InvalidInput(fmt::format("{}: got {}, expected {}", path_, got, expected));
@@ -100,4 +100,4 @@ SO3d JsonPlace::rotation() const {
   return SO3d::from_stored_quaternion(Eigen::Quaterniond(xyzw));
 }
 
-}  // namespace posemix
+}  // namespace posemix::internal

@@ -10,7 +10,7 @@
 
 #include "json_numbers.hpp"
 
-namespace posemix {
+namespace posemix::internal {
 
 /// Largest accepted deviation of a quaternion's norm from one in JSON files.
 inline constexpr double kJsonNormTolerance = 1e-6;
@@ -48,4 +48,4 @@ class JsonPlace {
   std::string path_;
 };
 
-}  // namespace posemix
+}  // namespace posemix::internal

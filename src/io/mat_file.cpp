@@ -16,7 +16,7 @@
 
 #include "posemix/base/error.hpp"
 
-namespace posemix {
+namespace posemix::internal {
 namespace {
 
 constexpr std::size_t kMatHeader = 128;
@@ -133,4 +133,4 @@ std::string describe_dims(const std::vector<std::size_t>& dims) {
   return fmt::format("{}", fmt::join(dims, "x"));
 }
 
-}  // namespace posemix
+}  // namespace posemix::internal

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace posemix {
+namespace posemix::internal {
 
 /// An array of numbers in a MATLAB file.
 struct MatArray {
@@ -40,4 +40,4 @@ class MatFile {
 /// Dimensions as text, such as "3x4x2".
 std::string describe_dims(const std::vector<std::size_t>& dims);
 
-}  // namespace posemix
+}  // namespace posemix::internal

@@ -6,7 +6,7 @@
 #include "posemix/base/error.hpp"
 
 /// MatFile in a build without matio: the constructor throws.
-namespace posemix {
+namespace posemix::internal {
 
 struct MatFile::Handle {};
 
@@ -31,4 +31,4 @@ void MatFile::fail(const std::string& name, const std::string& got,
 
 std::string describe_dims(const std::vector<std::size_t>&) { return {}; }
 
-}  // namespace posemix
+}  // namespace posemix::internal

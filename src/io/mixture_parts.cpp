@@ -6,7 +6,7 @@
 
 #include "posemix/base/units.hpp"
 
-namespace posemix {
+namespace posemix::internal {
 namespace {
 
 Matrix6d scaled(const Matrix6d& covariance, double rotation, double translation) {
@@ -51,4 +51,4 @@ bool is_frame_name(std::string_view name) {
          std::all_of(name.begin(), name.end(), printable);
 }
 
-}  // namespace posemix
+}  // namespace posemix::internal

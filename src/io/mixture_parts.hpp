@@ -8,7 +8,7 @@
 #include "posemix/io/rigid.hpp"
 
 /// The words of mixture files and the conversions of convention, for writer and reader.
-namespace posemix {
+namespace posemix::internal {
 
 inline constexpr std::string_view kMixtureType = "posemix.mixture";
 inline constexpr std::string_view kMixtureGroup = "SE3";
@@ -31,4 +31,4 @@ bool is_position(const Eigen::Vector3d& translation);
 
 bool is_frame_name(std::string_view name);
 
-}  // namespace posemix
+}  // namespace posemix::internal

@@ -15,6 +15,8 @@ namespace posemix {
 namespace {
 
 /// Parses the document; throws for a key that occurs twice in one object.
+using namespace internal;
+
 Json document(std::string_view text, const std::string& name) {
   std::vector<std::set<std::string>> open;
   const auto check = [&](int, Json::parse_event_t event, const Json& parsed) {
@@ -199,7 +201,7 @@ MixtureFile parse_mixture(std::string_view text, const std::string& name) {
   std::vector<std::string> warnings;
   const std::string_view key = distribution_key(root);
   if (key == kOldDistributionKey) {
-    warnings.push_back(internal::renamed_warning(name, "key", key, "distribution"));
+    warnings.push_back(renamed_warning(name, "key", key, "distribution"));
   }
   const bool projected = is_projected(root.member(key));
   const MixtureConvention convention = read_convention(root, projected);

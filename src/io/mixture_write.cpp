@@ -14,6 +14,8 @@
 namespace posemix {
 namespace {
 
+using namespace internal;
+
 Json array_of(const Eigen::Ref<const Eigen::VectorXd>& vector) {
   return std::vector<double>(vector.begin(), vector.end());
 }

@@ -19,6 +19,8 @@
 namespace posemix {
 namespace {
 
+using namespace internal;
+
 constexpr std::string_view kExtension = ".npy";
 
 template <std::floating_point Real, std::unsigned_integral Bits>

@@ -10,7 +10,7 @@
 #include "posemix/base/error.hpp"
 #include "posemix/io/text.hpp"
 
-namespace posemix {
+namespace posemix::internal {
 namespace {
 
 constexpr std::string_view kMagic = "\x93NUMPY";
@@ -169,4 +169,4 @@ std::string format_npy_header(const std::vector<std::size_t>& shape) {
   return std::string(kMagic) + '\x01' + '\0' + low + high + text;
 }
 
-}  // namespace posemix
+}  // namespace posemix::internal

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-namespace posemix {
+namespace posemix::internal {
 
 /// The content of the header of a .npy file.
 struct NpyHeader {
@@ -26,4 +26,4 @@ NpyHeader parse_npy_header(std::string_view bytes, const std::string& name);
 /// A header for 64-bit floats in C order, padded as NumPy pads it.
 std::string format_npy_header(const std::vector<std::size_t>& shape);
 
-}  // namespace posemix
+}  // namespace posemix::internal

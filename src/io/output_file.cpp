@@ -15,6 +15,8 @@
 namespace posemix {
 namespace {
 
+using namespace internal;
+
 namespace fs = std::filesystem;
 
 /// A file that is removed at the end of its scope unless it has been moved to its target.

@@ -17,6 +17,8 @@
 namespace posemix {
 namespace {
 
+using namespace internal;
+
 namespace fs = std::filesystem;
 
 constexpr int kMostAttempts = 1000;

@@ -17,6 +17,8 @@
 namespace posemix {
 namespace {
 
+using namespace internal;
+
 static_assert(std::endian::native == std::endian::little,
               "binary PLY is read as it lies in memory");
 

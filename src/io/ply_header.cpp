@@ -11,7 +11,7 @@
 #include "posemix/base/error.hpp"
 #include "posemix/io/text.hpp"
 
-namespace posemix {
+namespace posemix::internal {
 namespace {
 
 PlyNumber ply_type(std::string_view word, const std::string& name) {
@@ -125,4 +125,4 @@ PlyHeader parse_ply_header(std::string_view bytes, const std::string& name) {
   return header;
 }
 
-}  // namespace posemix
+}  // namespace posemix::internal

@@ -9,7 +9,7 @@
 #include <vector>
 
 /// The header of PLY files, before the numbers.
-namespace posemix {
+namespace posemix::internal {
 
 enum class PlyNumber { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
 
@@ -45,4 +45,4 @@ std::string_view take_line(std::string_view& bytes);
 /// result refers to `bytes`.
 PlyHeader parse_ply_header(std::string_view bytes, const std::string& name);
 
-}  // namespace posemix
+}  // namespace posemix::internal

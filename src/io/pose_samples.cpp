@@ -17,6 +17,8 @@
 namespace posemix {
 namespace {
 
+using namespace internal;
+
 constexpr std::size_t kNumbers = 7;
 
 std::array<double, kNumbers> numbers_of(const SE3d& pose) {

@@ -9,6 +9,8 @@
 
 namespace posemix {
 
+using namespace internal;
+
 std::map<std::int64_t, SE3d> parse_pose_table(std::string_view text, const std::string& name,
                                               BopSelection selection, const std::string& prefix) {
   CsvTable table(text, name);

@@ -13,6 +13,8 @@
 namespace posemix {
 namespace {
 
+using namespace internal;
+
 constexpr std::size_t kMostPoses = 10000;
 
 void check_head(const JsonPlace& root) {

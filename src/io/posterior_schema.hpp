@@ -8,7 +8,7 @@
 #include "posemix/io/posterior_file.hpp"
 
 /// The words of posterior.json, for writer and reader.
-namespace posemix {
+namespace posemix::internal {
 
 inline constexpr std::string_view kPosteriorType = "posemix.posterior";
 inline constexpr std::string_view kSide = "left";
@@ -30,4 +30,4 @@ inline constexpr std::array<PoseKindWords, 3> kPoseKinds{
      {PoseKind::camera_motion, "camera_motion", "T_camera_camera_after_one_period", "camera"},
      {PoseKind::object, "object", "T_world_object", "world"}}};
 
-}  // namespace posemix
+}  // namespace posemix::internal

@@ -13,6 +13,8 @@
 namespace posemix {
 namespace {
 
+using namespace internal;
+
 Json posterior_numbers(const Eigen::Ref<const Eigen::VectorXd>& vector) {
   return std::vector<double>(vector.begin(), vector.end());
 }

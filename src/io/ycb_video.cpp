@@ -13,6 +13,8 @@
 namespace posemix {
 namespace {
 
+using namespace internal;
+
 constexpr std::string_view kMetaEnd = "-meta.mat";
 constexpr std::size_t kMostClasses = 10'000;
 constexpr std::size_t kPoseEntries = 12;

@@ -4,20 +4,8 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "posemix/base/draw_index.hpp"
-
 namespace posemix {
 namespace internal {
-
-std::size_t draw_index(std::span<const double> weights, double total, RandomStream& stream) {
-  const double target = stream.uniform() * total;
-  std::size_t last = 0;
-  for (std::size_t i = 0; i < weights.size(); ++i) {
-    if (weights[i] > 0.0) last = i;
-  }
-  return index_at_sum(
-      target, weights.size(), [&](std::size_t i) { return weights[i]; }, last);
-}
 
 void check_em_settings(const EmSettings& settings, Eigen::Index dof) {
   const auto check = [](bool good, const char* name, auto value, const char* expected) {

@@ -10,7 +10,7 @@
 
 #include <zlib.h>
 
-namespace posemix {
+namespace posemix::internal {
 namespace {
 
 const Bytef* zlib_bytes(std::string_view bytes) {
@@ -85,4 +85,4 @@ std::string base64(std::string_view bytes) {
   return text;
 }
 
-}  // namespace posemix
+}  // namespace posemix::internal

@@ -7,7 +7,7 @@
 #include <string_view>
 
 /// zlib streams (RFC 1950) and base64 (RFC 4648).
-namespace posemix {
+namespace posemix::internal {
 
 /// Compresses bytes that come in pieces.
 class Deflater {
@@ -35,4 +35,4 @@ std::string inflated(std::string_view stream, std::size_t size);
 
 std::string base64(std::string_view bytes);
 
-}  // namespace posemix
+}  // namespace posemix::internal

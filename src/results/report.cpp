@@ -21,6 +21,8 @@
 namespace posemix {
 namespace {
 
+using namespace internal;
+
 namespace fs = std::filesystem;
 
 constexpr int kReportSchema = 1;

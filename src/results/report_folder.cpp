@@ -13,7 +13,7 @@
 #include "posemix/io/mixture_file.hpp"
 #include "posemix/io/text.hpp"
 
-namespace posemix {
+namespace posemix::internal {
 namespace {
 
 namespace fs = std::filesystem;
@@ -156,4 +156,4 @@ ReportFolder read_report_folder(const fs::path& results) {
   return folder;
 }
 
-}  // namespace posemix
+}  // namespace posemix::internal

@@ -9,7 +9,7 @@
 
 #include "io/json_numbers.hpp"
 
-namespace posemix {
+namespace posemix::internal {
 
 enum class ReportKind { slam, mixture, salt_box, study };
 
@@ -30,4 +30,4 @@ struct ReportFolder {
 /// @throws InvalidInput as format_report
 ReportFolder read_report_folder(const std::filesystem::path& results);
 
-}  // namespace posemix
+}  // namespace posemix::internal

@@ -2,8 +2,8 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "report_page.hpp"
 
-namespace posemix {
+namespace posemix::internal {
 
 ReportPage report_page() { return {}; }
 
-}  // namespace posemix
+}  // namespace posemix::internal

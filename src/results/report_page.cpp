@@ -4,7 +4,7 @@
 
 #include <stdexcept>
 
-namespace posemix {
+namespace posemix::internal {
 
 std::string filled_page(std::string page, std::string_view json) {
   constexpr std::string_view kMark = "@POSEMIX_REPORT@";
@@ -24,4 +24,4 @@ std::string filled_page(std::string page, std::string_view json) {
   return filled.append(page, at + kMark.size());
 }
 
-}  // namespace posemix
+}  // namespace posemix::internal

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-namespace posemix {
+namespace posemix::internal {
 
 /// The page without data as a zlib stream; empty where the library was built without it.
 struct ReportPage {
@@ -22,4 +22,4 @@ ReportPage report_page();
 /// @throws std::runtime_error unless the page has exactly one mark
 std::string filled_page(std::string page, std::string_view json);
 
-}  // namespace posemix
+}  // namespace posemix::internal

@@ -15,6 +15,7 @@
 namespace posemix {
 namespace {
 
+using namespace internal;
 using Densities = std::vector<std::optional<PoseDensity>> FrameEstimate::*;
 
 bool is_finite(const SE3d& pose) { return pose.log().allFinite(); }

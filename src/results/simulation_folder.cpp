@@ -73,7 +73,7 @@ std::string sd_text(const SimulationSd& sd, std::string_view separator) {
 
 std::string component_text(const SimulationNoise& noise) {
   std::string text = fmt::format("  {{weight = {:.12g}, frame = \"{}\", {}", noise.weight,
-                                 name_of(noise.frame), sd_text(noise.sd, ", "));
+                                 word_of(noise.frame), sd_text(noise.sd, ", "));
   if (!noise.offset_rotation_rad.isZero(0.0) || !noise.offset_translation_m.isZero(0.0)) {
     text += fmt::format(", offset = {{rotation_deg = {}, translation_m = {}}}",
                         array(noise.offset_rotation_rad / kRadPerDeg),

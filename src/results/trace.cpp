@@ -11,6 +11,8 @@
 namespace posemix {
 namespace {
 
+using namespace internal;
+
 constexpr int kPoseDigits = 9;
 constexpr int kCompactDigits = 7;
 
@@ -89,7 +91,7 @@ Json object_of(const SlamJob& job, const SlamRun& run, std::size_t object) {
   for (std::size_t k = 0; k < run.frames.size(); ++k) {
     world.add(run.frames[k].objects[object]);
     relative.add(run.frames[k].relative[object]);
-    statuses.push_back(status_name(run.frames[k].report.statuses[object]));
+    statuses.push_back(word_of(run.frames[k].report.statuses[object]));
     world_truth.push_back(true_world_pose(job.sequence, object, k));
     relative_truth.push_back(true_relative_pose(job.sequence, object, k));
   }

@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-namespace posemix {
+namespace posemix::internal {
 namespace {
 
 struct TypeFacts {
@@ -87,4 +87,4 @@ void TraceColumn::write(Deflater& out) const {
   for (const std::string& plane : planes_) out.add(plane);
 }
 
-}  // namespace posemix
+}  // namespace posemix::internal

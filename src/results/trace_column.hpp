@@ -10,7 +10,7 @@
 #include "compression.hpp"
 #include "io/json_numbers.hpp"
 
-namespace posemix {
+namespace posemix::internal {
 
 enum class ColumnType { uint8, uint16, int16, int32 };
 enum class ColumnMap { linear, exponential };
@@ -54,4 +54,4 @@ class TraceColumn {
   std::vector<std::string> planes_;  ///< by value, then by byte, the lowest byte first
 };
 
-}  // namespace posemix
+}  // namespace posemix::internal

@@ -13,7 +13,7 @@
 #include "trace_hypotheses.hpp"
 #include "trace_names.hpp"
 
-namespace posemix {
+namespace posemix::internal {
 namespace {
 
 /// Bits of the column `mask` of the camera and of an object: which arrays have an entry.
@@ -120,4 +120,4 @@ TraceColumn TraceEntity::mask() const {
   return column;
 }
 
-}  // namespace posemix
+}  // namespace posemix::internal

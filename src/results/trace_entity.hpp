@@ -8,7 +8,7 @@
 
 #include "trace_series.hpp"
 
-namespace posemix {
+namespace posemix::internal {
 
 /// Keys that lead to a value, from the outside in.
 using TraceKeys = std::vector<std::string>;
@@ -51,4 +51,4 @@ class TraceEntity {
   std::map<std::string, TraceSeriesPtr> series_;  ///< by the keys within the entity
 };
 
-}  // namespace posemix
+}  // namespace posemix::internal

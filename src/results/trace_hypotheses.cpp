@@ -10,7 +10,7 @@
 
 #include "posemix/base/error.hpp"
 
-namespace posemix {
+namespace posemix::internal {
 namespace {
 
 constexpr ColumnFormat kIdFormat{1, ColumnType::int32};
@@ -167,4 +167,4 @@ TraceSeriesPtr alternatives_series(std::string path, const std::string& prefix,
   return std::make_unique<AlternativesSeries>(std::move(path), prefix, scales);
 }
 
-}  // namespace posemix
+}  // namespace posemix::internal

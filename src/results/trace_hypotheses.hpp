@@ -9,7 +9,7 @@
 
 #include "trace_series.hpp"
 
-namespace posemix {
+namespace posemix::internal {
 
 /// A hypothesis of one frame.
 struct TraceHypothesis {
@@ -73,4 +73,4 @@ class JointHypotheses final : public TraceSeries {
   std::vector<HypothesisSlots> slots_;  ///< one per pose; empty until the first hypothesis
 };
 
-}  // namespace posemix
+}  // namespace posemix::internal

@@ -16,7 +16,7 @@
 #include "trace_hypotheses.hpp"
 #include "trace_names.hpp"
 
-namespace posemix {
+namespace posemix::internal {
 namespace {
 
 using Event = Json::parse_event_t;
@@ -52,6 +52,8 @@ class TracePacker {
     const JsonPlace stamps = root.member("stamps_s");
     Json times = Json::array();
     for (const JsonPlace& stamp : stamps.items(frames_)) times.push_back(stamp.number());
+    Json statuses = Json::array();
+    for (const auto& [word, status] : words<DetectionStatus>) statuses.push_back(word);
     const auto copy = [&](const char* key) { return Json(root.member(key).string()); };
     return {{"name", copy("name")},
             {"method", copy("method")},
@@ -59,7 +61,7 @@ class TracePacker {
             {"order", order},
             {"frames", *frames_},
             {"stamps_s", std::move(times)},
-            {"statuses", kStatusNames},
+            {"statuses", std::move(statuses)},
             {"columns", std::move(headers_)},
             {"data", base64(data_.finish())}};
   }
@@ -195,7 +197,7 @@ PackedTrace pack_once(std::istream& text, const std::string& name, const TracePr
   try {
     PackedTrace packed{packer.finish(Json::parse(text, take)), {}};
     if (packer.has_old_keys()) {
-      packed.warnings.push_back(internal::renamed_warning(name, "key", kOldStatusKey, "status"));
+      packed.warnings.push_back(renamed_warning(name, "key", kOldStatusKey, "status"));
     }
     return packed;
   } catch (const Json::exception& error) {
@@ -217,4 +219,4 @@ PackedTrace pack_trace(std::istream& text, const std::string& name, const TraceP
   }
 }
 
-}  // namespace posemix
+}  // namespace posemix::internal

@@ -10,7 +10,7 @@
 
 #include "io/json_numbers.hpp"
 
-namespace posemix {
+namespace posemix::internal {
 
 struct PackedTrace {
   Json columns;
@@ -26,4 +26,4 @@ struct PackedTrace {
 PackedTrace pack_trace(std::istream& text, const std::string& name,
                        const std::function<void(std::size_t)>& progress);
 
-}  // namespace posemix
+}  // namespace posemix::internal

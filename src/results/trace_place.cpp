@@ -6,7 +6,7 @@
 
 #include "posemix/base/error.hpp"
 
-namespace posemix {
+namespace posemix::internal {
 
 std::string TracePlace::text() const {
   if (parent_ == nullptr) return fmt::format("{}[{}]", path_, index_);
@@ -57,4 +57,4 @@ void TracePlace::numbers(std::span<double> values) const {
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = item(i).number();
 }
 
-}  // namespace posemix
+}  // namespace posemix::internal

@@ -8,7 +8,7 @@
 
 #include "io/json_numbers.hpp"
 
-namespace posemix {
+namespace posemix::internal {
 
 /// A value inside one entry of an array over frames, with its path. The path becomes text only for
 /// an error message, because a trace has millions of values. Must not outlive its parent.
@@ -45,4 +45,4 @@ class TracePlace {
   const TracePlace* parent_ = nullptr;
 };
 
-}  // namespace posemix
+}  // namespace posemix::internal

@@ -9,9 +9,10 @@
 
 #include "posemix/io/rigid.hpp"
 #include "posemix/io/text.hpp"
+#include "posemix/slam/frame_estimate.hpp"
 #include "trace_names.hpp"
 
-namespace posemix {
+namespace posemix::internal {
 namespace {
 
 constexpr double kLogSdScale = 5e-3;
@@ -134,9 +135,10 @@ class StatusSeries final : public NumberSeries {
   double number(const TracePlace& place) override {
     const std::string name = place.value().is_string() ? place.value().get<std::string>() : "";
     if (name == kOldBirthName) return static_cast<double>(DetectionStatus::birth);
-    const auto found = std::find(kStatusNames.begin(), kStatusNames.end(), name);
-    if (found == kStatusNames.end()) place.fail(in_quotes(name), "the status of a detection");
-    return static_cast<double>(found - kStatusNames.begin());
+    for (const auto& [word, status] : words<DetectionStatus>) {
+      if (word == name) return static_cast<double>(status);
+    }
+    place.fail(in_quotes(name), "the status of a detection");
   }
 };
 
@@ -199,4 +201,4 @@ TraceSeriesPtr status_series(std::string path, const std::string& name) {
   return std::make_unique<StatusSeries>(std::move(path), name, ColumnFormat{});
 }
 
-}  // namespace posemix
+}  // namespace posemix::internal

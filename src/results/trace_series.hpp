@@ -11,7 +11,7 @@
 #include "trace_place.hpp"
 
 /// Converts the arrays over frames of trace.json to columns of a report.
-namespace posemix {
+namespace posemix::internal {
 
 /// A position that does not fit into its column: another attempt with a coarser scale will do.
 struct PositionOutOfReach {};
@@ -81,7 +81,7 @@ TraceSeriesPtr sd_series(std::string path, const std::string& prefix);
 TraceSeriesPtr position_series(std::string path, const std::string& prefix);
 /// Probabilities: column `name`.
 TraceSeriesPtr probability_series(std::string path, const std::string& name);
-/// Status of detections: column `name` of indices into kStatusNames.
+/// Status of detections: column `name` of values of DetectionStatus.
 TraceSeriesPtr status_series(std::string path, const std::string& name);
 
-}  // namespace posemix
+}  // namespace posemix::internal

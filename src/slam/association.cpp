@@ -18,11 +18,6 @@ namespace {
 /// Above every sum of possible costs: pairs beyond the gate are never taken.
 constexpr double kImpossible = 1e6;
 
-double chi_squared_of_three(double probability, const char* name) {
-  kOpenUnitInterval.check(probability, name);
-  return chi_square_quantile(probability, 3);
-}
-
 /// One instance and what a detection of it looks like.
 class Predicted {
  public:
@@ -127,8 +122,8 @@ std::vector<Association> associate(std::span<const ConcentratedGaussian<SE3d>> i
                                    const NoiseComponent& noise, const SymmetryGroup& symmetries,
                                    const AssociationSettings& settings) {
   const Gates gates{
-      chi_squared_of_three(settings.gate_probability, "gate_probability"),
-      chi_squared_of_three(settings.rotation_cap_probability, "rotation_cap_probability")};
+      chi_square_quantile(settings.gate_probability, 3, "gate_probability"),
+      chi_square_quantile(settings.rotation_cap_probability, 3, "rotation_cap_probability")};
   std::vector<Predicted> predicted;
   predicted.reserve(instances.size());
   for (const auto& instance : instances) predicted.emplace_back(instance, noise);

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "posemix/base/error.hpp"
+#include "posemix/base/statistics.hpp"
 #include "posemix/base/units.hpp"
 
 namespace posemix {
@@ -95,11 +96,8 @@ ObjectMetrics evaluate_object(const Sequence& sequence, const SlamRun& run, std:
   return metrics;
 }
 
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+double median_or_zero(std::vector<double> values) {
+  return values.empty() ? 0.0 : upper_median(std::move(values));
 }
 
 Timing timing_of(const SlamRun& run) {
@@ -116,7 +114,8 @@ Timing timing_of(const SlamRun& run) {
     merges += static_cast<double>(report.merges);
   }
   const double count = std::max<double>(1.0, static_cast<double>(frame_us.size()));
-  return {median(frame_us), median(update_us), median(reduce_us), merges / count};
+  return {median_or_zero(std::move(frame_us)), median_or_zero(std::move(update_us)),
+          median_or_zero(std::move(reduce_us)), merges / count};
 }
 
 void check_fit(const Sequence& sequence, const SlamRun& run) {

@@ -109,16 +109,10 @@ SlamMethod rbpf() {
           .tracker = ParticleFilterSettings{}};
 }
 
-std::string_view words_of(MergeRule rule) {
-  switch (rule) {
-    case MergeRule::midway:
-      return "midway";
-    case MergeRule::tangent_of_larger:
-      return "tangent of larger";
-    case MergeRule::moment_matched:
-      return "moment matched";
-  }
-  return "";
+std::string title_of(MergeRule rule) {
+  std::string title(word_of(rule));
+  std::replace(title.begin(), title.end(), '_', ' ');
+  return title;
 }
 
 std::string title_of(const SlamMethod& method, const MultiObjectSlamSettings& /*tracker*/) {
@@ -137,8 +131,8 @@ std::string riekf_title(const GaussianSumSettings& tracker) {
   return words.empty() ? "riekf" : fmt::format("riekf ({})", fmt::join(words, ", "));
 }
 
-std::string words_of(const GaussianSumSettings& tracker) {
-  return fmt::format("{}{}{}", words_of(tracker.reduction.merge.rule),
+std::string settings_title(const GaussianSumSettings& tracker) {
+  return fmt::format("{}{}{}", title_of(tracker.reduction.merge.rule),
                      tracker.update == UpdateRule::iterated ? ", iterated" : "",
                      tracker.robust_loss == RobustLoss::cauchy ? ", Cauchy" : "");
 }
@@ -146,13 +140,16 @@ std::string words_of(const GaussianSumSettings& tracker) {
 std::string title_of(const SlamMethod& method, const GaussianSumSettings& tracker) {
   if (method.name == "max_mixture") return "max-mixture";
   if (method.single_gaussian) return riekf_title(tracker);
-  const std::string settings = words_of(tracker);
+  const std::string settings = settings_title(tracker);
   // A filter of the paper goes by its name alone where its settings are those of the table.
-  if (method.name != kOwnGaussianSum) {
-    const SlamMethod& known = find_slam_method(method.name);
-    if (settings == words_of(std::get<GaussianSumSettings>(known.tracker))) return method.name;
-  }
-  return fmt::format("{} ({})", method.name, settings);
+  const auto is_preset = [&](const SlamMethod& known) {
+    const auto* preset = std::get_if<GaussianSumSettings>(&known.tracker);
+    return preset != nullptr && known.name == method.name && settings == settings_title(*preset);
+  };
+  const std::vector<SlamMethod>& methods = slam_methods();
+  const bool by_name =
+      method.name != kOwnGaussianSum && std::any_of(methods.begin(), methods.end(), is_preset);
+  return by_name ? method.name : fmt::format("{} ({})", method.name, settings);
 }
 
 std::string title_of(const SlamMethod& /*method*/, const ParticleFilterSettings& tracker) {

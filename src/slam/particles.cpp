@@ -9,21 +9,12 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "posemix/base/draw_index.hpp"
 #include "posemix/base/stopwatch.hpp"
 #include "posemix/density/pose_stack.hpp"
 
 namespace posemix::internal {
 namespace {
-
-/// An index drawn by plain weights that sum to `total`.
-std::size_t draw_index(const std::vector<double>& weights, double total, RandomStream& random) {
-  double left = total * random.uniform();
-  for (std::size_t i = 0; i + 1 < weights.size(); ++i) {
-    left -= weights[i];
-    if (left < 0.0) return i;
-  }
-  return weights.size() - 1;
-}
 
 /// A with A A^T = covariance, which may be singular.
 Matrix6d root_of(const Matrix6d& covariance) {

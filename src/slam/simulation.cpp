@@ -10,6 +10,7 @@
 namespace posemix {
 namespace {
 
+using namespace internal;
 using simulation::Pose;
 using simulation::Real;
 using simulation::Vector3;

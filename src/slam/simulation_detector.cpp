@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace posemix::simulation {
+namespace posemix::internal::simulation {
 namespace {
 
 Pose pose_of(const Eigen::Vector3d& rotation_rad, const Eigen::Vector3d& translation_m) {
@@ -80,4 +80,4 @@ std::optional<Pose> Detector::next(const Pose& truth) {
   return mode_pose * Pose::exp(turned);
 }
 
-}  // namespace posemix::simulation
+}  // namespace posemix::internal::simulation

@@ -8,7 +8,7 @@
 #include "posemix/slam/simulation.hpp"
 #include "simulation_random.hpp"
 
-namespace posemix::simulation {
+namespace posemix::internal::simulation {
 
 /// The detector of one object, frame by frame.
 class Detector {
@@ -39,4 +39,4 @@ class Detector {
   std::optional<Pose> wrong_;  ///< in a run of outliers
 };
 
-}  // namespace posemix::simulation
+}  // namespace posemix::internal::simulation

@@ -12,7 +12,7 @@
 #include "posemix/lie/se3.hpp"
 
 /// Random processes of the simulation. Every process draws the same count of numbers per frame.
-namespace posemix::simulation {
+namespace posemix::internal::simulation {
 
 using Real = long double;
 using Pose = SE3<Real>;
@@ -106,4 +106,4 @@ class CorrelatedNormal {
   bool started_ = false;
 };
 
-}  // namespace posemix::simulation
+}  // namespace posemix::internal::simulation

@@ -11,9 +11,7 @@
 namespace posemix {
 namespace {
 
-using internal::leading_modes;
-using internal::Modes;
-using internal::SmoothingWindow;
+using namespace internal;
 
 const MultiObjectFilter& smoothed_filter(const ObjectSlam& slam) {
   if (const MultiObjectFilter* filter = slam.multi_object()) return *filter;

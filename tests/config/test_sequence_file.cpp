@@ -1,13 +1,8 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include <cstdlib>
-
-#include <gtest/gtest.h>
-
 #include "io/expect_invalid.hpp"
 #include "posemix/base/units.hpp"
-#include "posemix/config/sequence_file.hpp"
-#include "small_recording.hpp"
+#include "small_sequence.hpp"
 
 namespace posemix {
 namespace {
@@ -15,24 +10,8 @@ namespace {
 using testing::kSmallFrames;
 using testing::kSmallToml;
 using testing::replaced;
-using testing::SmallFolder;
 
-class SequenceFile : public ::testing::Test {
- protected:
-  SlamJob read(const std::string& text, const std::vector<std::string>& overrides = {}) {
-    TomlDocument document = TomlDocument::parse(text, "s.toml");
-    for (const std::string& each : overrides) document.apply_override(each);
-    return read_slam_job(document, {small_.folder.path()});
-  }
-  SlamJob read_with(const std::vector<std::string>& overrides) {
-    return read(std::string(kSmallToml), overrides);
-  }
-  SlamJob read_changed(std::string_view old, std::string_view by) {
-    return read(replaced(std::string(kSmallToml), old, by));
-  }
-
-  SmallFolder small_;
-};
+class SequenceFile : public testing::SmallSequence {};
 
 TEST_F(SequenceFile, ReadsEverySource) {
   const SlamJob job = read_with({});
@@ -148,107 +127,6 @@ TEST_F(SequenceFile, NoiseOffsetsAndFrames) {
       component.offset.is_approx(SE3d(SO3d::exp({0, 0, radians(180)}), {0, 0, 0.1}), 1e-12));
 }
 
-TEST_F(SequenceFile, LeverArmMovesTheCameraTruthOnly) {
-  const Eigen::Vector3d arm(0.02, 0.0, 0.001);
-  const SlamJob plain = read_with({});
-  const SlamJob moved = read_with({"camera.lever_arm_m=[0.02, 0.0, 0.001]"});
-  const SE3d expected = *plain.sequence.camera_truth[5] * SE3d(SO3d(), arm);
-  EXPECT_TRUE(moved.sequence.camera_truth[5]->is_approx(expected, 1e-14));
-  EXPECT_TRUE(moved.camera_prior.mean().is_approx(*moved.sequence.camera_truth[0], 1e-14));
-  EXPECT_TRUE(moved.sequence.odometry[5]->is_approx(*plain.sequence.odometry[5], 0.0));
-  EXPECT_TRUE(moved.sequence.objects[1].world_truth[5]->is_approx(
-      *plain.sequence.objects[1].world_truth[5], 0.0));
-}
-
-TEST_F(SequenceFile, LeverArmBySequence) {
-  const std::string ranges =
-      "camera.lever_arms=[{from='0000', to='0059', lever_arm_m=[1,0,0]}, {from='0060', to='0091', "
-      "lever_arm_m=[0,1,0]}]";
-  const SlamJob plain = read_with({});
-  const SlamJob first = read_with({ranges});
-  EXPECT_TRUE(first.sequence.camera_truth[0]->is_approx(
-      *plain.sequence.camera_truth[0] * SE3d(SO3d(), {1, 0, 0}), 1e-14));
-  EXPECT_INVALID_WITH(read_with({ranges, "sequence=0099", "camera.ground_truth=truth/0001.txt"}),
-                      "key 'camera.lever_arms' has no range that holds sequence '0099'");
-  EXPECT_INVALID_WITH(read_with({ranges, "camera.lever_arm_m=[0,0,0]"}), "expected one of the two");
-}
-
-TEST_F(SequenceFile, CameraStart) {
-  const SlamJob identity = read_with({"camera.start.pose=identity"});
-  EXPECT_TRUE(identity.camera_prior.mean().is_approx(SE3d(), 0.0));
-  const SlamJob given = read_with({"camera.start.pose=[1, 2, 3, 0, 0, 1, 0]"});
-  EXPECT_TRUE(
-      given.camera_prior.mean().is_approx(SE3d(SO3d::exp({0, 0, radians(180)}), {1, 2, 3}), 1e-12));
-  EXPECT_INVALID_WITH(read_with({"camera.start.pose=[1, 2, 3, 0, 0, 1, 1]"}),
-                      "a quaternion of norm 1.41421");
-  EXPECT_INVALID_WITH(
-      read_changed("ground_truth = \"truth/${sequence}.txt\"", ""),
-      "s.toml:9: key 'camera.start.pose' is \"ground_truth\", but camera.ground_truth has no pose");
-}
-
-TEST_F(SequenceFile, StampsWithoutOdometry) {
-  const std::string no_odometry =
-      replaced(std::string(kSmallToml), "odometry = \"odometry.txt\"\n", "");
-  const SlamJob truth = read(no_odometry);
-  EXPECT_TRUE(truth.sequence.odometry.empty());
-  EXPECT_EQ(truth.sequence.stamps.size(), kSmallFrames);
-  EXPECT_EQ(truth.settings.motion.model, MotionModel::constant_velocity);
-  EXPECT_INVALID_WITH(read(no_odometry, {"motion.model=odometry"}),
-                      "there is no file under camera.odometry");
-
-  const std::string no_camera = R"(schema = 1
-[camera]
-frame_period_s = 0.5
-[noise.detector]
-components = [{rotation_sd_deg = 3, translation_sd_m = 0.005}]
-[[objects]]
-id = "can"
-noise = "detector"
-detections = {bop = "can.csv", scene = 2, object = 5, min_score = 0.5}
-)";
-  const SlamJob numbers = read(no_camera);
-  ASSERT_EQ(numbers.sequence.stamps.size(), kSmallFrames / 2);
-  EXPECT_EQ(numbers.sequence.stamps[3], 3.0);
-  EXPECT_TRUE(numbers.sequence.objects[0].detections[3].has_value());
-  EXPECT_TRUE(numbers.sequence.camera_truth.empty());
-  EXPECT_INVALID_WITH(read(no_camera, {"objects.can.detections.min_score=0.99"}),
-                      "has no estimate of so high a score");
-  EXPECT_INVALID_WITH(read(no_camera, {"objects.can.detections.first_frame=2"}), "has frame 1");
-
-  const SlamJob stamped = read(no_camera, {"objects.0.detections={tum='mug.txt'}"});
-  EXPECT_EQ(stamped.sequence.stamps.size(), kSmallFrames);
-}
-
-TEST_F(SequenceFile, FilesThatDoNotFitEachOther) {
-  small_.folder.put("late.txt", "100 0 0 1 0 0 0 1\n");
-  const std::string late = (small_.folder / "late.txt").string();
-  EXPECT_INVALID_WITH(read_with({"objects.mug.detections.tum=late.txt"}),
-                      late + ": got a detection at stamp 100 s, where " +
-                          (small_.folder / "odometry.txt").string() + " has no frame");
-  EXPECT_INVALID_WITH(read_with({"camera.ground_truth=late.txt"}),
-                      late + ": no stamp fits a frame");
-  EXPECT_INVALID_WITH(read_with({"objects.mug.ground_truth.relative_tum=late.txt"}), late);
-  small_.folder.put("box/obj_000006_000021.npy",
-                    testing::npy_bytes(Eigen::Matrix4d::Identity(), {}));
-  EXPECT_INVALID_WITH(read_with({}), "box: got a detection 20 frames after the first, where ");
-}
-
-TEST_F(SequenceFile, ObjectTruth) {
-  EXPECT_INVALID_WITH(read_with({"objects.box.ground_truth.entry=mug"}),
-                      "is \"mug\", which is not in");
-  EXPECT_INVALID_WITH(read_with({"objects.box.ground_truth.world_pose=[0,0,0,0,0,0,1]"}),
-                      "has several of the keys relative_tum, pose_csv, world_tum, world_poses, "
-                      "world_pose, bop_dataset, ycb_video, expected "
-                      "one");
-  EXPECT_INVALID_WITH(read_with({"objects.box.ground_truth={}"}), "has none of the keys");
-  const SlamJob moving = read_with({"objects.mug.ground_truth={world_tum='truth/0001.txt'}"});
-  EXPECT_TRUE(
-      moving.sequence.objects[0].world_truth[4]->is_approx(small_.recording.camera[4], 1e-10));
-  const SlamJob start = read_with({"objects.mug.start={rotation_sd_deg=4, translation_sd_m=0.1}"});
-  EXPECT_NEAR((*start.models[0].independent_start)(4, 4), 0.01, 1e-15);
-  EXPECT_FALSE(start.models[1].independent_start.has_value());
-}
-
 TEST_F(SequenceFile, WrongKeysAndUnits) {
   EXPECT_INVALID(read_changed("max_components", "max_component"),
                  "s.toml:42: unknown key 'filter.max_component', did you mean 'max_components'?");
@@ -289,72 +167,6 @@ TEST_F(SequenceFile, JointNoiseNeedsEqualWeights) {
   const SlamJob riekf = read_with(
       {other, "objects.can.noise=other", "filter.noise_use=joint", "filter.method=riekf"});
   EXPECT_EQ(riekf.method, "riekf (gate 0.9999)");
-}
-
-TEST_F(SequenceFile, ValuesThatAreTooExtreme) {
-  small_.folder.put("far.txt", "0 1e200 0 0 0 0 0 1\n0.1 0 0 0 0 0 0 1\n");
-  EXPECT_INVALID_WITH(read_with({"camera.odometry=far.txt"}),
-                      "far.txt: stamp 0: got a position of 1e+200 m");
-  small_.folder.put("ns.txt", "1700000000000000000 0 0 0 0 0 0 1\n");
-  EXPECT_INVALID_WITH(read_with({"camera.odometry=ns.txt"}),
-                      "ns.txt: got stamp 1.7e+18, expected seconds");
-}
-
-TEST_F(SequenceFile, MissingFilesNameThePlacesLookedAt) {
-  const std::string folder = small_.folder.path().string();
-  EXPECT_INVALID(read_with({"camera.odometry=none.txt"}),
-                 "--set camera.odometry=none.txt: key 'camera.odometry' names \"none.txt\", which "
-                 "is not there; "
-                 "looked for \"" +
-                     folder + "/none.txt\"");
-  EXPECT_INVALID_WITH(read_with({"camera.odometry=''"}), "is empty, expected the path of a file");
-  const SlamJob absolute = read_with({"camera.odometry=" + folder + "/odometry.txt"});
-  EXPECT_EQ(absolute.sequence.odometry.size(), kSmallFrames);
-}
-
-TEST_F(SequenceFile, RootsAreLookedThroughInOrder) {
-  std::filesystem::create_directories(small_.folder / "deep/er");
-  std::filesystem::rename(small_.folder / "odometry.txt", small_.folder / "deep/er/odometry.txt");
-  const SlamJob job = read_with({"roots=['.', 'deep/er']"});
-  EXPECT_EQ(job.sequence.odometry.size(), kSmallFrames);
-  EXPECT_INVALID_WITH(read_with({"roots=['.', 'deep']"}), "deep/odometry.txt\"");
-}
-
-/// Sets an environment variable until the end of the scope.
-class EnvironmentVariable {
- public:
-  EnvironmentVariable(const char* name, const char* value) : name_(name) {
-    if (const char* before = std::getenv(name)) before_ = before;
-    setenv(name, value, 1);
-  }
-  EnvironmentVariable(const EnvironmentVariable&) = delete;
-  EnvironmentVariable& operator=(const EnvironmentVariable&) = delete;
-  ~EnvironmentVariable() {
-    if (before_) {
-      setenv(name_, before_->c_str(), 1);
-    } else {
-      unsetenv(name_);
-    }
-  }
-
- private:
-  const char* name_;
-  std::optional<std::string> before_;
-};
-
-TEST(DataFolders, OrderOfPlaces) {
-  const testing::TemporaryFolder folder;
-  EXPECT_EQ(data_folders("a/b.toml", folder.path()),
-            std::vector<std::filesystem::path>{folder.path()});
-  EXPECT_INVALID_WITH(data_folders("a/b.toml", "/nowhere"), "/nowhere: is not a folder");
-  EXPECT_EQ(data_folders("b.toml")[0], ".");
-  {
-    const EnvironmentVariable data("POSEMIX_DATA", "/data");
-    EXPECT_EQ(data_folders("a/b.toml"), (std::vector<std::filesystem::path>{"a", "/data"}));
-  }
-  const EnvironmentVariable data("POSEMIX_DATA", "");
-  const EnvironmentVariable cache("XDG_CACHE_HOME", "/cache");
-  EXPECT_EQ(data_folders("a/b.toml"), (std::vector<std::filesystem::path>{"a", "/cache/posemix"}));
 }
 
 }  // namespace

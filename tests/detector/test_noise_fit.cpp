@@ -12,36 +12,12 @@
 namespace posemix {
 namespace {
 
-using testing::detect_along_ray;
-using testing::detect_nothing;
 using testing::detections_with_clutter;
 using testing::normal_vector;
 using testing::pose_before_camera;
 using testing::ray_deviations;
+using testing::recordings_with_modes;
 using testing::thrown_message;
-
-/// Recordings of a detector that follows ray_deviations() and reports a pose 90 degrees off in one
-/// detection of seven, and clutter as often; and another wrong pose for a while in one recording.
-std::vector<NoiseTrack> recordings_with_modes() {
-  RandomStream stream(7);
-  const SE3d mode(SO3d::exp({0.0, radians(90.0), 0.0}), {0.01, 0.02, 0.0});
-  const SE3d run(SO3d::exp({radians(150.0), 0.0, 0.0}), {0.0, 0.0, 0.0});
-  std::vector<NoiseTrack> tracks;
-  for (std::size_t recording = 0; recording < 4; ++recording) {
-    NoiseTrack& track = tracks.emplace_back();
-    for (int i = 0; i < 600; ++i) {
-      const SE3d truth = pose_before_camera(stream);
-      const double u = stream.uniform();
-      SE3d detected = detect_along_ray(truth, ray_deviations(), stream);
-      if (u < 0.15) detected = detect_along_ray(truth * mode, ray_deviations(), stream);
-      if (u > 0.85) detected = detect_nothing(truth, stream);
-      if (recording == 2 && i < 200)
-        detected = detect_along_ray(truth * run, ray_deviations(), stream);
-      track.push_back(NoiseObservation{truth, detected, recording});
-    }
-  }
-  return tracks;
-}
 
 std::vector<NoiseTrack> recordings_with_clutter() {
   std::vector<NoiseTrack> tracks;

@@ -11,10 +11,12 @@
 
 #include "posemix/density/projected_operations.hpp"
 #include "posemix/testing/expect.hpp"
+#include "small_mixtures.hpp"
 
 namespace posemix {
 namespace {
 
+using testing::single;
 using Lie = ConcentratedGaussian<SE3d>;
 using Projected = ProjectedGaussian<SE3d>;
 
@@ -46,11 +48,6 @@ Lie lie(int seed, double degrees) {
 }
 Projected projected(int seed, double degrees) {
   return {kMean, covariance(seed, 0.5 * degrees * kDegree, 0.03)};
-}
-
-template <class D>
-Mixture<D> single(const D& density) {
-  return Mixture<D>({{0.0, density}});
 }
 
 /// Every rule uses the same points, so that differences are not noise.

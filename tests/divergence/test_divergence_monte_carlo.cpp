@@ -10,22 +10,14 @@
 #include "posemix/divergence/monte_carlo.hpp"
 #include "posemix/divergence/so3_quadrature.hpp"
 #include "posemix/testing/statistics.hpp"
+#include "small_mixtures.hpp"
 
 namespace posemix {
 namespace {
 
+using testing::correlated;
+using testing::single;
 using Vectors = Rnd<Eigen::Dynamic>;
-
-Eigen::MatrixXd correlated(RandomStream& stream, Eigen::Index n, double deviation) {
-  Eigen::VectorXd entries(n * n);
-  stream.fill_normal(entries);
-  const Eigen::MatrixXd root = entries.reshaped(n, n);
-  Eigen::MatrixXd covariance =
-      deviation * deviation *
-      (root * root.transpose() / static_cast<double>(n) + 0.3 * Eigen::MatrixXd::Identity(n, n));
-  symmetrize(covariance);
-  return covariance;
-}
 
 template <LieGroup G>
 ConcentratedGaussian<G> peak(RandomStream& stream, Eigen::Index n, double away, double deviation) {
@@ -38,11 +30,6 @@ template <LieGroup G>
 Mixture<ConcentratedGaussian<G>> pair_of_peaks(RandomStream& stream, Eigen::Index n) {
   return Mixture<ConcentratedGaussian<G>>({{std::log(0.3), peak<G>(stream, n, 0.1, 0.3)},
                                            {std::log(0.7), peak<G>(stream, n, 0.1, 0.25)}});
-}
-
-template <LieGroup G>
-Mixture<ConcentratedGaussian<G>> single(const ConcentratedGaussian<G>& density) {
-  return Mixture<ConcentratedGaussian<G>>({{0.0, density}});
 }
 
 /// Over many seeds the squared errors in units of the standard error must have the mean of the

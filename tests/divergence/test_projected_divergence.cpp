@@ -9,26 +9,18 @@
 
 #include "posemix/divergence/gaussian.hpp"
 #include "posemix/divergence/monte_carlo.hpp"
+#include "small_mixtures.hpp"
 
 namespace posemix {
 namespace {
 
+using testing::correlated;
+using testing::single;
 using Pose = ProjectedGaussian<SE3d>;
 using Rotation = ProjectedGaussian<SO3d>;
 using Vectors = ConcentratedGaussian<Rnd<6>>;
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-
-Eigen::MatrixXd correlated(RandomStream& stream, Eigen::Index n, double deviation) {
-  Eigen::VectorXd entries(n * n);
-  stream.fill_normal(entries);
-  const Eigen::MatrixXd root = entries.reshaped(n, n);
-  Eigen::MatrixXd covariance =
-      deviation * deviation *
-      (root * root.transpose() / static_cast<double>(n) + 0.3 * Eigen::MatrixXd::Identity(n, n));
-  symmetrize(covariance);
-  return covariance;
-}
 
 Pose pose(RandomStream& stream, const SO3d& tangent_point, double deviation) {
   Vector6d mean;
@@ -39,11 +31,6 @@ Pose pose(RandomStream& stream, const SO3d& tangent_point, double deviation) {
 Rotation rotation(const SO3d& tangent_point, const Eigen::Vector3d& mean,
                   const Eigen::Vector3d& deviations) {
   return {tangent_point, mean, Eigen::Matrix3d(deviations.cwiseAbs2().asDiagonal())};
-}
-
-template <class D>
-Mixture<D> single(const D& density) {
-  return Mixture<D>({{0.0, density}});
 }
 
 /// The Gaussian in the tangent space as a density on R^6.

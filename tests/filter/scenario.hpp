@@ -2,6 +2,9 @@
 // SPDX-FileCopyrightText: posemix contributors
 #pragma once
 
+#include <array>
+#include <numbers>
+#include <utility>
 #include <vector>
 
 #include "posemix/base/units.hpp"
@@ -45,6 +48,34 @@ inline GaussianSumFilter camera_filter(const SE3d& camera, const Matrix6d& covar
                                        const GaussianSumSettings& settings = {}) {
   return GaussianSumFilter(
       Posterior({{0.0, Hypothesis(PoseStackd(std::vector<SE3d>{camera}), covariance)}}), settings);
+}
+
+/// A camera and an object in the world.
+inline const SE3d kCameraPose = pose(0.3, -0.2, 0.5, 0.4, 0.1, -0.6);
+inline const SE3d kObject = pose(1.0, 0.4, -0.3, 0.2, 0.8, 0.9);
+
+/// A camera and two objects.
+inline PoseStackd three_poses() {
+  return PoseStackd(std::vector<SE3d>{kCameraPose, pose(1.0, 0.4, -0.3, 0.2, 0.8, 0.5),
+                                      pose(-0.7, 0.2, 1.4, -0.3, 0.5, 0.9)});
+}
+
+/// The update by a detection, and that by the same detection turned by half a circle where the
+/// noise has this offset.
+template <class Update>
+std::pair<UpdateResult, UpdateResult> updates_of_both_modes(const SE3d& detected,
+                                                            const NoiseComponent& plain,
+                                                            const Update& update) {
+  const DetectorNoise noise({plain});
+  const auto updated = [&](const SE3d& offset) {
+    NoiseComponent component = plain;
+    component.offset = offset;
+    const std::array<const NoiseComponent*, 1> components{&component};
+    const Detection detection{1, detected * offset, &noise};
+    return update(std::span<const Detection>(&detection, 1),
+                  std::span<const NoiseComponent* const>(components));
+  };
+  return {updated(SE3d()), updated(pose(0.0, 0.0, std::numbers::pi, 0.0, 0.0, 0.0))};
 }
 
 /// A correlated positive definite covariance over `poses` poses, about 0.05 rad and 5 cm.

@@ -16,10 +16,9 @@ using testing::draw;
 using testing::gaussian_noise;
 using testing::heavy_tailed_noise;
 using testing::isotropic;
+using testing::kCameraPose;
+using testing::kObject;
 using testing::pose;
-
-const SE3d kCameraPose = pose(0.3, -0.2, 0.5, 0.4, 0.1, -0.6);
-const SE3d kObject = pose(1.0, 0.4, -0.3, 0.2, 0.8, 0.9);
 
 double log_weight_sum(const Posterior& posterior) {
   std::vector<double> terms;

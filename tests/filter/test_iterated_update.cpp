@@ -16,12 +16,8 @@ using testing::draw;
 using testing::gaussian_noise;
 using testing::isotropic;
 using testing::pose;
-
-PoseStackd three_poses() {
-  return PoseStackd(std::vector<SE3d>{pose(0.3, -0.2, 0.5, 0.4, 0.1, -0.6),
-                                      pose(1.0, 0.4, -0.3, 0.2, 0.8, 0.5),
-                                      pose(-0.7, 0.2, 1.4, -0.3, 0.5, 0.9)});
-}
+using testing::three_poses;
+using testing::updates_of_both_modes;
 
 /// Detections of objects 1 and 2, off by a given motion.
 struct TwoDetections {
@@ -173,20 +169,13 @@ TEST(IteratedUpdate, CommonMotionGainsNoInformationInTenThousandUpdates) {
 TEST(IteratedUpdate, OffsetExplainsADetectionOfTheOtherMode) {
   RandomStream stream(6);
   const Hypothesis prior(three_poses(), correlated_covariance(3, stream));
-  const SE3d flip = pose(0.0, 0.0, std::numbers::pi, 0.0, 0.0, 0.0);
   for (const NoiseFrame frame : {NoiseFrame::object, NoiseFrame::camera}) {
     const NoiseComponent plain{1.0, isotropic(3.0, 0.01), frame};
-    NoiseComponent flipped = plain;
-    flipped.offset = flip;
-    const DetectorNoise noise({plain});
     const SE3d detected =
         prior.mean()[0].inverse() * prior.mean()[1] * pose(0.05, 0.1, -0.05, 0.02, 0, 0);
-    const Detection direct{1, detected, &noise};
-    const Detection turned{1, detected * flip, &noise};
-    const std::array<const NoiseComponent*, 1> with_plain{&plain};
-    const std::array<const NoiseComponent*, 1> with_flip{&flipped};
-    const UpdateResult a = iterated_update(prior, std::span(&direct, 1), with_plain);
-    const UpdateResult b = iterated_update(prior, std::span(&turned, 1), with_flip);
+    const auto [a, b] = updates_of_both_modes(detected, plain, [&](auto detections, auto noise) {
+      return iterated_update(prior, detections, noise);
+    });
     EXPECT_TRUE(a.posterior.mean().is_approx(b.posterior.mean(), 1e-10));
     EXPECT_NEAR(a.log_likelihood, b.log_likelihood, 1e-8);
   }

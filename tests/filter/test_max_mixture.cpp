@@ -17,10 +17,9 @@ using testing::camera_filter;
 using testing::draw;
 using testing::gaussian_noise;
 using testing::isotropic;
+using testing::kCameraPose;
+using testing::kObject;
 using testing::pose;
-
-const SE3d kCameraPose = pose(0.3, -0.2, 0.5, 0.4, 0.1, -0.6);
-const SE3d kObject = pose(1.0, 0.4, -0.3, 0.2, 0.8, 0.9);
 
 GaussianSumSettings max_mixture() {
   GaussianSumSettings settings;

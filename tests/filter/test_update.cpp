@@ -15,12 +15,12 @@ using testing::draw;
 using testing::gaussian_noise;
 using testing::isotropic;
 using testing::pose;
+using testing::three_poses;
+using testing::updates_of_both_modes;
 
 /// A scene with two objects and a correlated prior.
 struct Scene {
-  PoseStackd truth{std::vector<SE3d>{pose(0.3, -0.2, 0.5, 0.4, 0.1, -0.6),
-                                     pose(1.0, 0.4, -0.3, 0.2, 0.8, 0.5),
-                                     pose(-0.7, 0.2, 1.4, -0.3, 0.5, 0.9)}};
+  PoseStackd truth = three_poses();
   RandomStream stream{42};
   Eigen::MatrixXd covariance = correlated_covariance(3, stream);
 
@@ -178,18 +178,10 @@ TEST(Update, NoiseAlongTheRayNeedsARange) {
 TEST(Update, OffsetExplainsADetectionOfTheOtherMode) {
   Scene scene;
   const Hypothesis prior = scene.prior();
-  const SE3d flip = pose(0.0, 0.0, std::numbers::pi, 0.0, 0.0, 0.0);
   const NoiseComponent plain{1.0, isotropic(3.0, 0.01)};
-  NoiseComponent flipped = plain;
-  flipped.offset = flip;
-  const DetectorNoise noise({plain});
-  const SE3d detected = scene.detect(1, plain.covariance);
-  const Detection direct{1, detected, &noise};
-  const Detection turned{1, detected * flip, &noise};
-  const std::array<const NoiseComponent*, 1> with_plain{&plain};
-  const std::array<const NoiseComponent*, 1> with_flip{&flipped};
-  const UpdateResult a = update(prior, std::span(&direct, 1), with_plain);
-  const UpdateResult b = update(prior, std::span(&turned, 1), with_flip);
+  const auto [a, b] = updates_of_both_modes(
+      scene.detect(1, plain.covariance), plain,
+      [&](auto detections, auto noise) { return update(prior, detections, noise); });
   EXPECT_TRUE(a.posterior.mean().is_approx(b.posterior.mean(), 1e-12));
   EXPECT_NEAR(a.log_likelihood, b.log_likelihood, 1e-9);
 }

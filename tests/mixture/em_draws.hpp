@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -77,6 +78,39 @@ Mixture<Projected<G>> random_projected(std::size_t count, double reach, double s
          Projected<G>(random_element<G>(reach, stream), random_covariance<G>(spread, stream))});
   }
   return Mixture<Projected<G>>(std::move(components));
+}
+
+/// A random mixture of densities of the kind D.
+template <class D>
+Mixture<D> random_mixture_of(std::size_t count, double reach, double spread, RandomStream& stream) {
+  using G = typename D::Group;
+  if constexpr (std::is_same_v<D, Gaussian<G>>) {
+    return random_mixture<G>(count, reach, spread, stream);
+  } else {
+    return random_projected<G>(count, reach, spread, stream);
+  }
+}
+
+/// Three components well apart. Those of projected Gaussians have smaller deviations of rotation,
+/// for |u| is half the angle.
+template <class D>
+Mixture<D> three_poses() {
+  const auto component = [](double weight, const Vector6d& mean, const Vector6d& sd) {
+    return Component<D>{std::log(weight),
+                        D(SE3d::exp(mean), Matrix6d(sd.cwiseAbs2().asDiagonal()))};
+  };
+  Vector6d a, b, c, narrow, wide;
+  a << 0.1, 0.2, -0.1, 0.5, 0, 1;
+  b << -0.9, 0.4, 1.6, 0.1, 0.6, 1;
+  c << 1.2, -1.4, 0.3, -0.4, 0.2, 0.7;
+  narrow << 0.1, 0.05, 0.2, 0.02, 0.03, 0.05;
+  wide << 0.4, 0.3, 0.5, 0.2, 0.1, 0.2;
+  if (std::is_same_v<D, Projected<SE3d>>) {
+    narrow.head<3>() << 0.05, 0.03, 0.1;
+    wide.head<3>() << 0.25, 0.15, 0.3;
+  }
+  return Mixture<D>(
+      {component(0.5, a, narrow), component(0.3, b, wide), component(0.2, c, narrow)});
 }
 
 template <class D>

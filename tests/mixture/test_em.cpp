@@ -15,8 +15,10 @@ namespace {
 
 using testing::draws;
 using testing::Gaussian;
+using testing::Projected;
 using testing::random_mixture;
 using testing::relative_difference;
+using testing::three_poses;
 using testing::thrown_message;
 
 TEST(Em, OfOneComponentOnVectorsIsMeanAndCovariance) {
@@ -36,24 +38,9 @@ TEST(Em, OfOneComponentOnVectorsIsMeanAndCovariance) {
   EXPECT_NEAR(fit.bic, 9.0 * std::log(200.0) - 2.0 * fit.log_likelihood, 1e-9);
 }
 
-Mixture<Gaussian<SE3d>> three_poses() {
-  const auto component = [](double weight, const Vector6d& mean, const Vector6d& sd) {
-    return Component<Gaussian<SE3d>>{
-        std::log(weight), Gaussian<SE3d>(SE3d::exp(mean), Matrix6d(sd.cwiseAbs2().asDiagonal()))};
-  };
-  Vector6d a, b, c, narrow, wide;
-  a << 0.1, 0.2, -0.1, 0.5, 0, 1;
-  b << -0.9, 0.4, 1.6, 0.1, 0.6, 1;
-  c << 1.2, -1.4, 0.3, -0.4, 0.2, 0.7;
-  narrow << 0.1, 0.05, 0.2, 0.02, 0.03, 0.05;
-  wide << 0.4, 0.3, 0.5, 0.2, 0.1, 0.2;
-  return Mixture<Gaussian<SE3d>>(
-      {component(0.5, a, narrow), component(0.3, b, wide), component(0.2, c, narrow)});
-}
-
 TEST(Em, RecoversAMixtureOfPoses) {
   RandomStream stream(5);
-  const Mixture<Gaussian<SE3d>> truth = three_poses();
+  const Mixture<Gaussian<SE3d>> truth = three_poses<Gaussian<SE3d>>();
   constexpr double kCount = 8000;
   const auto samples = draws(truth, static_cast<std::size_t>(kCount), stream);
   const EmSettings settings{.components = 3, .restarts = 4};
@@ -82,16 +69,22 @@ TEST(Em, RecoversAMixtureOfPoses) {
 
 TEST(Em, PicksTheNumberOfComponentsByBic) {
   RandomStream stream(6);
-  const auto samples = draws(three_poses(), 1500, stream);
+  const auto samples = draws(three_poses<Gaussian<SE3d>>(), 1500, stream);
   const EmSettings settings{.components = 4, .restarts = 2};
   const auto selection = fit_mixture_by_bic<Gaussian<SE3d>>(samples, {}, settings, stream);
   ASSERT_EQ(selection.fits.size(), 4U);
   EXPECT_EQ(selection.best, 2U);
 }
 
-TEST(Em, AWeightCountsSamples) {
+template <class D>
+class EmOfPoses : public ::testing::Test {};
+using Poses = ::testing::Types<Gaussian<SE3d>, Projected<SE3d>>;
+TYPED_TEST_SUITE(EmOfPoses, Poses);
+
+TYPED_TEST(EmOfPoses, AWeightCountsSamples) {
   RandomStream stream(8);
-  const auto samples = draws(three_poses(), 300, stream);
+  const auto start = std::optional(three_poses<TypeParam>());
+  const auto samples = draws(*start, 300, stream);
   std::vector<double> weights(samples.size());
   std::vector<SE3d> repeated;
   for (std::size_t i = 0; i < samples.size(); ++i) {
@@ -99,15 +92,25 @@ TEST(Em, AWeightCountsSamples) {
     repeated.insert(repeated.end(), i % 3, samples[i]);
   }
   const EmSettings settings{.components = 3, .max_iterations = 20, .tolerance = 0.0};
-  const auto a =
-      fit_mixture<Gaussian<SE3d>>(samples, weights, settings, stream, std::optional(three_poses()));
-  const auto b =
-      fit_mixture<Gaussian<SE3d>>(repeated, {}, settings, stream, std::optional(three_poses()));
+  const auto a = fit_mixture<TypeParam>(samples, weights, settings, stream, start);
+  const auto b = fit_mixture<TypeParam>(repeated, {}, settings, stream, start);
   EXPECT_NEAR(a.log_likelihood, b.log_likelihood, 1e-8);
   EXPECT_NEAR(a.bic, b.bic, 1e-8);
   for (std::size_t k = 0; k < 3; ++k) {
     EXPECT_TRUE(a.mixture[k].density.mean().is_approx(b.mixture[k].density.mean(), 1e-9));
   }
+}
+
+TYPED_TEST(EmOfPoses, SaysThatAComponentCollapsed) {
+  RandomStream stream(12);
+  std::vector<Component<TypeParam>> start = three_poses<TypeParam>().components();
+  auto samples = draws(Mixture<TypeParam>(start), 200, stream);
+  const std::vector<SE3d> same(20, SE3d::exp(Vector6d::Constant(-1.5)));
+  samples.insert(samples.end(), same.begin(), same.end());
+  start.push_back({0.0, TypeParam(same.front(), Matrix6d(1e-4 * Matrix6d::Identity()))});
+  const auto fit = fit_mixture<TypeParam>(samples, {}, {.components = 4, .min_sd = 1e-4}, stream,
+                                          std::optional(Mixture<TypeParam>(std::move(start))));
+  EXPECT_EQ(fit.status, EmStatus::degenerate);
 }
 
 TEST(Em, TellsConcentricComponentsApart) {
@@ -133,7 +136,7 @@ TEST(Em, TellsConcentricComponentsApart) {
 
 TEST(Em, KeepsCovariancesWithinTheirBounds) {
   RandomStream stream(10);
-  const auto samples = draws(three_poses(), 500, stream);
+  const auto samples = draws(three_poses<Gaussian<SE3d>>(), 500, stream);
   Eigen::VectorXd unit(6);
   unit << 1, 1, 1, 0.1, 0.1, 0.1;
   for (const bool diagonal : {false, true}) {
@@ -155,22 +158,9 @@ TEST(Em, KeepsCovariancesWithinTheirBounds) {
   }
 }
 
-TEST(Em, SaysThatAComponentCollapsed) {
-  RandomStream stream(12);
-  auto samples = draws(three_poses(), 200, stream);
-  const std::vector<SE3d> same(20, SE3d::exp(Vector6d::Constant(-1.5)));
-  samples.insert(samples.end(), same.begin(), same.end());
-  std::vector<Component<Gaussian<SE3d>>> start = three_poses().components();
-  start.push_back({0.0, Gaussian<SE3d>(same.front(), Matrix6d(1e-4 * Matrix6d::Identity()))});
-  const auto fit =
-      fit_mixture<Gaussian<SE3d>>(samples, {}, {.components = 4, .min_sd = 1e-4}, stream,
-                                  std::optional(Mixture<Gaussian<SE3d>>(std::move(start))));
-  EXPECT_EQ(fit.status, EmStatus::degenerate);
-}
-
 TEST(Em, RefusesBadInput) {
   RandomStream stream(13);
-  auto samples = draws(three_poses(), 30, stream);
+  auto samples = draws(three_poses<Gaussian<SE3d>>(), 30, stream);
   const auto message = [&](const std::vector<SE3d>& s, const std::vector<double>& w,
                            const EmSettings& settings) {
     return thrown_message([&] { fit_mixture<Gaussian<SE3d>>(s, w, settings, stream); });

@@ -15,12 +15,10 @@ namespace posemix {
 namespace {
 
 using testing::check_property;
+using testing::Components;
 using testing::draw_components;
 using testing::relative_difference;
 using testing::thrown_message;
-
-template <class G>
-using Components = std::vector<Component<ConcentratedGaussian<G>>>;
 
 template <class G>
 std::span<const Component<ConcentratedGaussian<G>>> view(const Components<G>& components) {

@@ -17,6 +17,7 @@ namespace posemix {
 namespace {
 
 using testing::check_property;
+using testing::Components;
 using testing::draw_components;
 using testing::draw_near_identity;
 using testing::relative_difference;
@@ -24,9 +25,6 @@ using testing::relative_difference;
 constexpr double kMinusInfinity = -std::numeric_limits<double>::infinity();
 constexpr std::array kRules{MergeRule::midway, MergeRule::tangent_of_larger,
                             MergeRule::moment_matched};
-
-template <class G>
-using Components = std::vector<Component<ConcentratedGaussian<G>>>;
 
 template <class G>
 MergeResult<ConcentratedGaussian<G>> merged_by(MergeRule rule, const Components<G>& components) {

@@ -14,11 +14,9 @@ namespace posemix {
 namespace {
 
 using testing::check_property;
+using testing::Components;
 using testing::draw_components;
 using testing::relative_difference;
-
-template <class G>
-using Components = std::vector<Component<ConcentratedGaussian<G>>>;
 
 template <class G>
 class MidwayOn : public ::testing::Test {
@@ -48,19 +46,30 @@ TYPED_TEST(MidwayOn, MergedMeanIsZeroThere) {
   });
 }
 
+/// Weights, first mean and difference of the means of two components.
+template <class G>
+struct Two {
+  explicit Two(const Components<G>& components)
+      : w_1(std::exp(components[0].log_weight)),
+        w_2(std::exp(components[1].log_weight)),
+        x_1(components[0].density.mean()),
+        dx((components[1].density.mean() * x_1.inverse()).log()) {}
+
+  double w_1;
+  double w_2;
+  G x_1;
+  typename G::Tangent dx;
+};
+
 TYPED_TEST(MidwayOn, DistancesObeyTheTheorem) {
   // Eq. 20-22: dx_1 = -w_2 dx, dx_2 = w_1 dx, so |dx_1|^2 + |dx_2|^2 = (w_1^2 + w_2^2) |dx|^2.
   check_property([] {
     using G = TypeParam;
     const auto components = draw_components<G>(2, 0.8, 0.2);
-    const double w_1 = std::exp(components[0].log_weight);
-    const double w_2 = std::exp(components[1].log_weight);
-    const G& x_1 = components[0].density.mean();
-    const G& x_2 = components[1].density.mean();
+    const auto [w_1, w_2, x_1, dx] = Two<G>(components);
     const auto midway = midway_point(MidwayOn<G>::view(components));
-    const typename G::Tangent dx = (x_2 * x_1.inverse()).log();
     const typename G::Tangent dx_1 = (x_1 * midway.mean.inverse()).log();
-    const typename G::Tangent dx_2 = (x_2 * midway.mean.inverse()).log();
+    const typename G::Tangent dx_2 = (components[1].density.mean() * midway.mean.inverse()).log();
     const double scale = 1.0 + dx.norm();
     RC_ASSERT((dx_1 + w_2 / (w_1 + w_2) * dx).norm() < 1e-11 * scale);
     RC_ASSERT((dx_2 - w_1 / (w_1 + w_2) * dx).norm() < 1e-11 * scale);
@@ -74,10 +83,7 @@ TYPED_TEST(MidwayOn, PointOfTwoIsTheInterpolation) {
   check_property([] {
     using G = TypeParam;
     const auto components = draw_components<G>(2, 0.8, 0.2);
-    const double w_1 = std::exp(components[0].log_weight);
-    const double w_2 = std::exp(components[1].log_weight);
-    const G& x_1 = components[0].density.mean();
-    const typename G::Tangent dx = (components[1].density.mean() * x_1.inverse()).log();
+    const auto [w_1, w_2, x_1, dx] = Two<G>(components);
     const G expected = G::exp(w_2 / (w_1 + w_2) * dx) * x_1;
     const auto midway = midway_point(MidwayOn<G>::view(components));
     RC_ASSERT(midway.mean.is_approx(expected, 1e-12 * (1.0 + dx.norm())));
@@ -97,12 +103,9 @@ TYPED_TEST(MidwayOn, MergeIsThatOfThePaper) {
   check_property([] {
     using G = TypeParam;
     const auto components = draw_components<G>(2, 0.5, 0.2);
-    const double w_1 = std::exp(components[0].log_weight);
-    const double w_2 = std::exp(components[1].log_weight);
+    const auto [w_1, w_2, x_1, dx] = Two<G>(components);
     const double share_1 = w_1 / (w_1 + w_2);
     const double share_2 = w_2 / (w_1 + w_2);
-    const G& x_1 = components[0].density.mean();
-    const typename G::Tangent dx = (components[1].density.mean() * x_1.inverse()).log();
     const Eigen::MatrixXd expected =
         moved_back(G::left_jacobian(-share_2 * dx), share_1, components[0].density.covariance()) +
         moved_back(G::left_jacobian(share_1 * dx), share_2, components[1].density.covariance()) +

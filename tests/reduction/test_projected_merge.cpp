@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "divergence/small_mixtures.hpp"
 #include "posemix/divergence/monte_carlo.hpp"
 #include "posemix/reduction/reduce.hpp"
 #include "posemix/testing/expect.hpp"
@@ -14,6 +15,7 @@
 namespace posemix {
 namespace {
 
+using testing::correlated;
 using Rotation = ProjectedGaussian<SO3d>;
 using Pose = ProjectedGaussian<SE3d>;
 
@@ -23,17 +25,6 @@ constexpr std::array kMergeRules{MergeRule::midway, MergeRule::tangent_of_larger
 constexpr std::array kPairRules{PairRule::largest_with_smallest, PairRule::most_distant,
                                 PairRule::runnalls, PairRule::symmetric_kl,
                                 PairRule::weighted_symmetric_kl};
-
-Eigen::MatrixXd correlated(RandomStream& stream, Eigen::Index n, double deviation) {
-  Eigen::VectorXd entries(n * n);
-  stream.fill_normal(entries);
-  const Eigen::MatrixXd root = entries.reshaped(n, n);
-  Eigen::MatrixXd covariance =
-      deviation * deviation *
-      (root * root.transpose() / static_cast<double>(n) + 0.3 * Eigen::MatrixXd::Identity(n, n));
-  symmetrize(covariance);
-  return covariance;
-}
 
 template <class G>
 Mixture<ProjectedGaussian<G>> random_mixture(RandomStream& stream, std::size_t size, double away,

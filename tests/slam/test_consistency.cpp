@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "filter/scenario.hpp"
+#include "posemix/base/draw_index.hpp"
 #include "posemix/slam/object_slam.hpp"
 
 namespace posemix {
@@ -23,14 +24,11 @@ constexpr std::size_t kObjects = 2;
 
 /// A draw from a detector's own noise model.
 SE3d draw_detection(const SE3d& relative, const DetectorNoise& noise, RandomStream& stream) {
-  double left = stream.uniform();
-  for (const NoiseComponent& component : noise.components()) {
-    left -= component.weight;
-    if (left < 0.0 || &component == &noise.components().back()) {
-      return relative * component.offset * SE3d::exp(draw(component.covariance, stream));
-    }
-  }
-  return relative;
+  const std::vector<NoiseComponent>& components = noise.components();
+  const NoiseComponent& component = components[index_at_sum(
+      stream.uniform(), components.size(), [&](std::size_t i) { return components[i].weight; },
+      components.size() - 1)];
+  return relative * component.offset * SE3d::exp(draw(component.covariance, stream));
 }
 
 /// e^T P^-1 e of the full state (camera and objects) at the last frame of one simulated run. Prior,

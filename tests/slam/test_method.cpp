@@ -53,6 +53,8 @@ TEST(SlamMethods, TitlesNameTheChosenSettings) {
   SlamMethod changed = find_slam_method("midway");
   std::get<GaussianSumSettings>(changed.tracker).reduction.merge.rule = MergeRule::moment_matched;
   EXPECT_EQ(changed.title(), "midway (moment matched)");
+  const SlamMethod own{.name = "own", .description = "", .tracker = GaussianSumSettings{}};
+  EXPECT_EQ(own.title(), "own (midway, iterated)");
   std::set<std::string> titles;
   for (const SlamMethod& method : slam_methods())
     EXPECT_TRUE(titles.insert(method.title()).second) << method.title();

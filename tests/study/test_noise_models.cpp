@@ -9,34 +9,24 @@
 namespace posemix {
 namespace {
 
-using testing::detect_along_ray;
-using testing::detect_nothing;
 using testing::detections_with_clutter;
-using testing::pose_before_camera;
-using testing::ray_deviations;
+using testing::recordings_with_modes;
+
+ResidualSet residual_set(const std::vector<NoiseObservation>& observations, std::size_t recording) {
+  ResidualSet set{.detector = "d", .object = "o", .recording = std::to_string(recording)};
+  for (const NoiseObservation& each : observations) {
+    set.truth.push_back(each.truth);
+    set.detected.push_back(each.detected);
+  }
+  return set;
+}
 
 /// Recordings of a detector that gives a pose 90 degrees off in every recording, and another one
 /// for a while in one of them.
 TEST(NoiseStudy, ReportsModesThatSeveralRecordingsHave) {
-  RandomStream stream(7);
-  const SE3d mode(SO3d::exp({0.0, radians(90.0), 0.0}), {0.01, 0.02, 0.0});
-  const SE3d run(SO3d::exp({radians(150.0), 0.0, 0.0}), {0.0, 0.0, 0.0});
   std::vector<ResidualSet> sets;
-  for (int recording = 0; recording < 4; ++recording) {
-    ResidualSet set{.detector = "d", .object = "o", .recording = std::to_string(recording)};
-    for (int i = 0; i < 600; ++i) {
-      const SE3d truth = pose_before_camera(stream);
-      const double u = stream.uniform();
-      SE3d detected = detect_along_ray(truth, ray_deviations(), stream);
-      if (u < 0.15) detected = detect_along_ray(truth * mode, ray_deviations(), stream);
-      if (u > 0.85) detected = detect_nothing(truth, stream);
-      if (recording == 2 && i < 200)
-        detected = detect_along_ray(truth * run, ray_deviations(), stream);
-      set.truth.push_back(truth);
-      set.detected.push_back(detected);
-    }
-    sets.push_back(std::move(set));
-  }
+  for (const NoiseTrack& track : recordings_with_modes())
+    sets.push_back(residual_set(observations_of({&track, 1}), sets.size()));
   const NoiseStudySettings settings{
       .fit = {.max_components = 1, .restarts = 2, .frame = NoiseFrame::ray}};
   const Study study = make_noise_study({.residuals = sets}, settings);
@@ -59,16 +49,9 @@ TEST(NoiseStudy, ReportsModesThatSeveralRecordingsHave) {
 
 /// Ranges between 0.4 and 1.6 m tell the frames apart, and gross errors ask for clutter.
 TEST(NoiseStudy, ReportsTheCrossValidation) {
-  RandomStream stream(8);
   std::vector<ResidualSet> sets;
-  for (int recording = 0; recording < 3; ++recording) {
-    ResidualSet set{.detector = "d", .object = "o", .recording = std::to_string(recording)};
-    for (const NoiseObservation& each : detections_with_clutter(500, 20 + recording)) {
-      set.truth.push_back(each.truth);
-      set.detected.push_back(each.detected);
-    }
-    sets.push_back(std::move(set));
-  }
+  for (std::size_t recording = 0; recording < 3; ++recording)
+    sets.push_back(residual_set(detections_with_clutter(500, 20 + recording), recording));
   const Study study = make_noise_study({.residuals = sets}, {.fit = {.max_components = 2,
                                                                      .restarts = 1,
                                                                      .frame = NoiseFrame::ray,

@@ -3,6 +3,9 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
+
+#include "posemix/base/random.hpp"
 
 namespace posemix {
 
@@ -17,6 +20,17 @@ std::size_t index_at_sum(double target, std::size_t count, const Weight& weight,
     if (target < 0.0) return i;
   }
   return otherwise;
+}
+
+/// An index drawn by weights that sum to `total`; where rounding leaves none, the last one of a
+/// positive weight.
+inline std::size_t draw_index(std::span<const double> weights, double total, RandomStream& stream) {
+  std::size_t last = 0;
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    if (weights[i] > 0.0) last = i;
+  }
+  return index_at_sum(
+      stream.uniform() * total, weights.size(), [&](std::size_t i) { return weights[i]; }, last);
 }
 
 }  // namespace posemix

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <span>
 #include <utility>
+#include <vector>
 
 /// Means, quantiles and tests for evaluations.
 namespace posemix {
@@ -20,13 +21,19 @@ MeanWithError mean_with_error(std::span<const double> values);
 /// The arithmetic mean; NaN for no values.
 double mean(std::span<const double> values);
 
-/// The median, for an even number the mean of the two in the middle; NaN for no values.
+/// The median, for an even number of values the mean of the two in the middle; NaN for no values.
 double median(std::span<const double> values);
+
+/// The median, for an even number of values the upper of the two in the middle; NaN for no values.
+double upper_median(std::vector<double> values);
+
+/// The value of rank floor(p (n - 1)), counted from zero, among n values; NaN without values.
+double quantile(std::vector<double> values, double p);
 
 /// The quantile of the chi-square distribution with `dof` degrees of freedom: the value that a draw
 /// does not exceed with the given probability.
-/// @throws InvalidInput when the probability is not in (0, 1) or dof is zero
-double chi_square_quantile(double probability, std::size_t dof);
+/// @throws InvalidInput when the probability, called `name`, is not in (0, 1) or dof is zero
+double chi_square_quantile(double probability, std::size_t dof, const char* name = "probability");
 
 /// The interval in which the ANEES of `count` errors of `dof` degrees of freedom lies with
 /// probability 0.95 if the errors are independent and the covariances right: quantiles of the

@@ -22,8 +22,10 @@
 /// Checked reading of TOML: every error names file, line and key, and every key must be read.
 namespace posemix {
 
+namespace internal {
 struct TomlNode;
 struct TomlState;
+}  // namespace internal
 
 /// A table of a TomlDocument, for reading its values. Cheap to copy; keeps the document's values
 /// alive, but is invalid after TomlDocument::apply_override.
@@ -117,21 +119,22 @@ class TomlTable {
 
  private:
   friend class TomlDocument;
-  TomlTable(std::shared_ptr<const TomlState> state, const TomlNode* node, std::string path);
+  TomlTable(std::shared_ptr<const internal::TomlState> state, const internal::TomlNode* node,
+            std::string path);
 
-  const TomlNode* find(std::string_view key) const;
-  const TomlNode& require(std::string_view key, std::string_view expected) const;
-  [[noreturn]] void fail_value(std::string_view key, const TomlNode& node,
+  const internal::TomlNode* find(std::string_view key) const;
+  const internal::TomlNode& require(std::string_view key, std::string_view expected) const;
+  [[noreturn]] void fail_value(std::string_view key, const internal::TomlNode& node,
                                std::string_view expected) const;
   [[noreturn]] void fail_missing(std::string_view key, std::string_view expected) const;
-  double number_of(std::string_view key, const TomlNode& node, const NumberRange& range,
+  double number_of(std::string_view key, const internal::TomlNode& node, const NumberRange& range,
                    std::string_view expected) const;
-  std::string string_of(std::string_view key, const TomlNode& node,
+  std::string string_of(std::string_view key, const internal::TomlNode& node,
                         std::string_view expected) const;
-  std::vector<TomlTable> tables_of(std::string_view key, const TomlNode& node) const;
+  std::vector<TomlTable> tables_of(std::string_view key, const internal::TomlNode& node) const;
 
-  std::shared_ptr<const TomlState> state_;
-  const TomlNode* node_;
+  std::shared_ptr<const internal::TomlState> state_;
+  const internal::TomlNode* node_;
   std::string path_;
 };
 
@@ -178,8 +181,8 @@ class TomlDocument {
   void finish() const { root().finish(); }
 
  private:
-  explicit TomlDocument(std::shared_ptr<TomlState> state);
-  std::shared_ptr<TomlState> state_;
+  explicit TomlDocument(std::shared_ptr<internal::TomlState> state);
+  std::shared_ptr<internal::TomlState> state_;
 };
 
 template <typename Value>

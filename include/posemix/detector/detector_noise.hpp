@@ -31,9 +31,6 @@ inline constexpr WordTable<NoiseFrame, 3> words<NoiseFrame>{{
     {"ray", NoiseFrame::ray},
 }};
 
-/// "object", "camera" or "ray".
-std::string_view name_of(NoiseFrame frame);
-
 /// One component of a detector's error: with probability `weight` the detection is
 ///   Y = T_camera_object offset Exp(n),  n ~ N(0, covariance).
 struct NoiseComponent {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "posemix/base/random.hpp"
+#include "posemix/base/words.hpp"
 #include "posemix/detector/noise_correlation.hpp"
 #include "posemix/detector/noise_em.hpp"
 #include "posemix/detector/noise_modes.hpp"
@@ -23,8 +24,13 @@ enum class NoiseCriterion {
   cross_validation         ///< the greatest log density of recordings that were held out
 };
 
-/// "bic", "bic_independent_frames" or "cross_validation".
-std::string_view name_of(NoiseCriterion criterion);
+/// The words of NoiseCriterion in messages and in Python.
+template <>
+inline constexpr WordTable<NoiseCriterion, 3> words<NoiseCriterion>{{
+    {"bic", NoiseCriterion::bic},
+    {"bic_independent_frames", NoiseCriterion::bic_independent_frames},
+    {"cross_validation", NoiseCriterion::cross_validation},
+}};
 
 /// Settings of fit_noise. Bounds of rotations are in degrees, of translations in metres, or for
 /// NoiseFrame::ray in fractions of the range.

@@ -2,15 +2,19 @@
 // SPDX-FileCopyrightText: posemix contributors
 #pragma once
 
+#include <concepts>
 #include <cstddef>
 #include <limits>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "posemix/base/random.hpp"
+#include "posemix/base/words.hpp"
+#include "posemix/mixture/em_rows.hpp"
 #include "posemix/mixture/mixture.hpp"
 
 /// Mixtures fitted to samples by expectation maximisation (MPG paper, section IV, whose M-step does
@@ -23,6 +27,14 @@ enum class EmStatus {
   max_iterations,  ///< the largest number of iterations was reached
   degenerate       ///< a component lost its samples or collapsed to its lower bound
 };
+
+/// The words of EmStatus in reports.
+template <>
+inline constexpr WordTable<EmStatus, 3> words<EmStatus>{{
+    {"converged", EmStatus::converged},
+    {"max_iterations", EmStatus::max_iterations},
+    {"degenerate", EmStatus::degenerate},
+}};
 
 /// Settings of fit_mixture.
 struct EmSettings {
@@ -53,26 +65,45 @@ struct EmResult {
   int starts;              ///< starts that were tried
 };
 
-/// The requirements of EM on a density D. A specialisation EmModel<D> has
-///  - `Samples`, made from a span of elements, with size(): the samples in the layout that the
-///    density reads;
-///  - `Worker(const D&, const EmSettings&)`, one component in one iteration:
-///    `log_density(samples, begin, count, out)` writes the log density of a block of samples into
-///    an EmRow, `accumulate(shares)` then adds the sufficient statistics of that block with these
-///    weights, `weight()` is the sum of all shares, and `update(step)` is the component that
-///    maximises the expected log-likelihood; for 0 <= step < 1 the mean moves only by that fraction
-///    of its step, and for step = 0 the expected log-likelihood must not fall;
-///  - `start(elements, weights, settings, prior)`, a rough fit to start from, regularised by the
-///    density `prior` unless that is null;
-///  - `squared_distance(density, a, b)`, the squared distance of two elements in units of the
-///    density's spread;
-///  - `stretched(density, factors)`, the density with the spread of every coordinate multiplied;
-///  - `parameters(dof, settings)`, the number of free parameters of one component;
-///  - `on_lower_bound(density, settings)`, whether the component has collapsed;
-///  - `prepared(density, settings)`, the density in the form that is fitted; only needed if D has
-///    other forms too.
+/// The requirements of EM on a density D, whose specialisation EmModel<D> meets EmDensity. If D has
+/// other forms than the one that is fitted, it also has `prepared(density, settings)`, the density
+/// in that form.
 template <class D>
 struct EmModel;
+
+/// A kind of density that EM fits, by the members of EmModel<D>:
+///  - `Samples`, made from a span of elements: the samples in the layout that the density reads;
+///  - `Worker`, one component in one iteration: `log_density` writes the log density of a block of
+///    samples into a row, `accumulate` then adds the sufficient statistics of that block with the
+///    shares in a row, `weight` is the sum of all shares, and `update(step)` the component that
+///    maximises the expected log-likelihood; for 0 <= step < 1 the mean goes only that part of the
+///    way, and for step = 0 the expected log-likelihood must not fall;
+///  - `start`, a crude fit for a start, drawn to the density `prior` where it points to one;
+///  - `squared_distance` of two elements in units of the density's spread;
+///  - `stretched`: the density with the spread of every coordinate multiplied by its factor;
+///  - `parameters`, the free parameters of one component;
+///  - `on_lower_bound`, whether the component has collapsed.
+template <class D>
+concept EmDensity =
+    std::constructible_from<typename EmModel<D>::Samples, std::span<const typename D::Group>> &&
+    std::constructible_from < typename EmModel<D>::Worker,
+const D&,
+    const EmSettings& >
+        &&requires(const D& density, const D* prior, const EmSettings& settings,
+                   std::span<const typename D::Group> elements, std::span<const double> weights,
+                   const typename EmModel<D>::Samples& samples, typename EmModel<D>::Worker& worker,
+                   std::size_t index, EmRow& row, double step, const Eigen::VectorXd& factors) {
+  { samples.size() } -> std::same_as<std::size_t>;
+  worker.log_density(samples, index, index, row);
+  worker.accumulate(std::as_const(row));
+  { std::as_const(worker).weight() } -> std::same_as<double>;
+  { std::as_const(worker).update(step) } -> std::same_as<D>;
+  { EmModel<D>::start(elements, weights, settings, prior) } -> std::same_as<D>;
+  { EmModel<D>::squared_distance(density, elements[0], elements[1]) } -> std::same_as<double>;
+  { EmModel<D>::stretched(density, factors) } -> std::same_as<D>;
+  { EmModel<D>::parameters(density.dof(), settings) } -> std::same_as<std::size_t>;
+  { EmModel<D>::on_lower_bound(density, settings) } -> std::same_as<bool>;
+};
 
 /// The mixture of `settings.components` components with the largest likelihood that EM finds.
 ///
@@ -85,7 +116,7 @@ struct EmModel;
 /// @throws InvalidInput for settings out of range, a sample that is not finite or a weight that is
 /// negative or not finite (naming its index), and too few samples of positive weight: dof + 1 for
 /// every component, 2 with diagonal covariances
-template <class D>
+template <EmDensity D>
 EmResult<D> fit_mixture(std::span<const typename D::Group> samples, std::span<const double> weights,
                         const EmSettings& settings, RandomStream& stream,
                         const std::optional<Mixture<D>>& start = std::nullopt);
@@ -99,7 +130,7 @@ struct BicSelection {
 
 /// Fits 1 to `settings.components` components, or as many as there are enough samples for.
 /// @throws InvalidInput as fit_mixture
-template <class D>
+template <EmDensity D>
 BicSelection<D> fit_mixture_by_bic(std::span<const typename D::Group> samples,
                                    std::span<const double> weights, const EmSettings& settings,
                                    RandomStream& stream);

@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "posemix/mixture/em_rows.hpp"
 #include "posemix/mixture/em_start.hpp"
 
 namespace posemix {
@@ -35,7 +34,7 @@ inline bool is_finite_element(const SE3d& element) {
 }
 
 /// EM from one start.
-template <class D>
+template <EmDensity D>
 class EmRun {
  public:
   using Samples = typename EmModel<D>::Samples;
@@ -147,7 +146,7 @@ class EmRun {
   EmSettings settings_;
 };
 
-template <class D>
+template <EmDensity D>
 Mixture<D> prepared_start(const Mixture<D>& start, const EmSettings& settings) {
   if constexpr (requires { EmModel<D>::prepared(start[0].density, settings); }) {
     std::vector<Component<D>> components;
@@ -161,7 +160,7 @@ Mixture<D> prepared_start(const Mixture<D>& start, const EmSettings& settings) {
 }
 
 /// Checks settings and samples; returns the degrees of freedom. @throws InvalidInput
-template <class D>
+template <EmDensity D>
 Eigen::Index checked_em_samples(std::span<const typename D::Group> samples,
                                 const EmSettings& settings) {
   require(!samples.empty(), "EM: there are no samples");
@@ -178,7 +177,7 @@ Eigen::Index checked_em_samples(std::span<const typename D::Group> samples,
 
 }  // namespace internal
 
-template <class D>
+template <EmDensity D>
 EmResult<D> fit_mixture(std::span<const typename D::Group> samples, std::span<const double> weights,
                         const EmSettings& settings, RandomStream& stream,
                         const std::optional<Mixture<D>>& start) {
@@ -211,7 +210,7 @@ EmResult<D> fit_mixture(std::span<const typename D::Group> samples, std::span<co
   return *std::move(best);
 }
 
-template <class D>
+template <EmDensity D>
 BicSelection<D> fit_mixture_by_bic(std::span<const typename D::Group> samples,
                                    std::span<const double> weights, const EmSettings& settings,
                                    RandomStream& stream) {

@@ -8,18 +8,16 @@
 #include <utility>
 #include <vector>
 
+#include "posemix/base/draw_index.hpp"
 #include "posemix/mixture/em.hpp"
 
 /// The starts of EM.
 namespace posemix::internal {
 
-/// An index drawn with probability proportional to the weights; `total` is their sum.
-std::size_t draw_index(std::span<const double> weights, double total, RandomStream& stream);
-
 /// The largest number of samples, evenly spaced among all, that are used to find a start.
 inline constexpr std::size_t kStartSamples = 4096;
 
-template <class D>
+template <EmDensity D>
 class EmStart {
  public:
   using Element = typename D::Group;

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "posemix/base/words.hpp"
 #include "posemix/filter/gaussian_sum_filter.hpp"
 #include "posemix/slam/association.hpp"
 
@@ -28,6 +29,18 @@ enum class DetectionStatus {
   gated,
   failed
 };
+
+/// The words of DetectionStatus in traces, in the order of the values.
+template <>
+inline constexpr WordTable<DetectionStatus, 7> words<DetectionStatus>{{
+    {"none", DetectionStatus::none},
+    {"started", DetectionStatus::started},
+    {"used", DetectionStatus::used},
+    {"doubted", DetectionStatus::doubted},
+    {"birth", DetectionStatus::birth},
+    {"gated", DetectionStatus::gated},
+    {"failed", DetectionStatus::failed},
+}};
 
 /// What became of a candidate.
 struct CandidateReport {

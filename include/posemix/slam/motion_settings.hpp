@@ -3,6 +3,7 @@
 #pragma once
 
 #include "posemix/base/units.hpp"
+#include "posemix/base/words.hpp"
 #include "posemix/detector/detector_noise.hpp"
 
 /// How the camera moves from frame to frame.
@@ -16,8 +17,23 @@ enum class MotionModel {
   constant_velocity  ///< the motion per period is part of the state
 };
 
+/// The words of MotionModel in files.
+template <>
+inline constexpr WordTable<MotionModel, 3> words<MotionModel>{{
+    {"odometry", MotionModel::odometry},
+    {"random_walk", MotionModel::random_walk},
+    {"constant_velocity", MotionModel::constant_velocity},
+}};
+
 /// How a covariance grows with time.
 enum class NoisePer { frame, second };
+
+/// The words of NoisePer in files.
+template <>
+inline constexpr WordTable<NoisePer, 2> words<NoisePer>{{
+    {"frame", NoisePer::frame},
+    {"second", NoisePer::second},
+}};
 
 /// Noise of a motion: covariance (right perturbation, camera frame) per frame or per second.
 struct ProcessNoise {

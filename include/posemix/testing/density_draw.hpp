@@ -66,13 +66,15 @@ ConcentratedGaussian<G> draw_gaussian(double reach, double deviation) {
   return ConcentratedGaussian<G>(draw_near_identity<G>(reach), draw_spread<G>(deviation));
 }
 
+template <LieGroup G>
+using Components = std::vector<Component<ConcentratedGaussian<G>>>;
+
 /// `count` components around an element within 1 of the identity, their means within `reach` of it,
 /// with weights between 0.001 and 1, not normalised.
 template <LieGroup G>
-std::vector<Component<ConcentratedGaussian<G>>> draw_components(std::size_t count, double reach,
-                                                                double deviation) {
+Components<G> draw_components(std::size_t count, double reach, double deviation) {
   const G centre = draw_near_identity<G>(1.0);
-  std::vector<Component<ConcentratedGaussian<G>>> components;
+  Components<G> components;
   for (std::size_t i = 0; i < count; ++i) {
     const double weight = 1e-3 * draw_integer(1, 1001);
     const G mean = draw_near_identity<G>(reach) * centre;
@@ -84,12 +86,11 @@ std::vector<Component<ConcentratedGaussian<G>>> draw_components(std::size_t coun
 
 #ifdef POSEMIX_TESTING_COMPILED
 // NOLINTBEGIN(bugprone-macro-parentheses): types and keywords take none
-#define POSEMIX_DENSITY_DRAW(prefix, G)                                               \
-  prefix template G draw_near_identity<G>(double);                                    \
-  prefix template typename G::TangentMatrix draw_spread<G>(double);                   \
-  prefix template ConcentratedGaussian<G> draw_gaussian<G>(double, double);           \
-  prefix template std::vector<Component<ConcentratedGaussian<G>>> draw_components<G>( \
-      std::size_t, double, double)
+#define POSEMIX_DENSITY_DRAW(prefix, G)                                     \
+  prefix template G draw_near_identity<G>(double);                          \
+  prefix template typename G::TangentMatrix draw_spread<G>(double);         \
+  prefix template ConcentratedGaussian<G> draw_gaussian<G>(double, double); \
+  prefix template Components<G> draw_components<G>(std::size_t, double, double)
 // NOLINTEND(bugprone-macro-parentheses)
 POSEMIX_DENSITY_DRAW(extern, SO3d);
 POSEMIX_DENSITY_DRAW(extern, SE3d);

@@ -11,9 +11,7 @@
 namespace posemix {
 namespace {
 
-using internal::RelativePosterior;
-using internal::RelativePrior;
-using internal::Tall;
+using namespace internal;
 
 template <int Dim>
 UpdateResult update_in_relative_poses(const Hypothesis& prior,

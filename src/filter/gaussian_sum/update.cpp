@@ -14,11 +14,7 @@ namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
-using internal::Square;
-using internal::Tall;
-using internal::Vector;
-using internal::without_offset;
-using internal::world_noise;
+using namespace internal;
 
 Hypothesis extended(const Hypothesis& prior, const SE3d& mean, const Matrix6d& covariance,
                     const MatrixXd& cross) {

@@ -11,12 +11,7 @@
 
 namespace posemix {
 
-using internal::ConditionalPose;
-using internal::JointGaussian;
-using internal::MultiObjectState;
-using internal::Pair;
-using internal::Standing;
-using internal::TrackedObject;
+using namespace internal;
 
 namespace {
 

@@ -3,11 +3,12 @@
 #include "multi_object_state.hpp"
 
 #include <algorithm>
-#include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 #include <numbers>
 #include <utility>
 
+#include "posemix/base/statistics.hpp"
+#include "posemix/filter/multi_object_ranges.hpp"
 #include "posemix/filter/update.hpp"
 
 namespace posemix::internal {
@@ -16,29 +17,10 @@ namespace {
 /// Offsets nearer to each other than this are one mode.
 constexpr double kSameMode = 1e-9;
 
-double squared_distance_at(double probability, const char* name) {
-  if (!(probability > 0.0 && probability < 1.0)) {
-    throw InvalidInput(fmt::format("{} is {}, expected a number in (0, 1)", name, probability));
-  }
-  return boost::math::quantile(boost::math::chi_squared(6.0), probability);
-}
-
 void check_settings(const MultiObjectSettings& s) {
   require(s.max_hypotheses > 0, "max_hypotheses is 0, expected at least 1");
-  require(s.birth_covariance_factor > 0.0, "birth_covariance_factor must be positive");
-  require(s.score_memory >= 0.0 && s.score_memory <= 1.0, "score_memory must lie in [0, 1]");
-  require(s.leader_margin >= 0.0, "leader_margin must not be negative");
-  require(s.camera_gain_noise >= 1.0, "camera_gain_noise must be at least 1");
-  require(s.odometry_camera_fraction >= 0.0 && s.odometry_camera_fraction <= 1.0,
-          "odometry_camera_fraction must lie in [0, 1]");
-  require(s.noise_scale_detections > 0.0, "noise_scale_detections must be positive");
-  require(s.least_noise_scale > 0.0 && s.least_noise_scale <= 1.0,
-          "least_noise_scale must lie in (0, 1]");
-  require(s.correlation_s >= 0.0, "correlation_s must not be negative");
-  require(s.correlation_detections >= 0.0, "correlation_detections must not be negative");
-  require(s.bias_variance_fraction >= 0.0 && s.bias_variance_fraction < 1.0,
-          "bias_variance_fraction must lie in [0, 1)");
-  require(s.mode_correlation_factor > 0.0, "mode_correlation_factor must be positive");
+  for (const auto& [name, field, range] : kMultiObjectNumbers)
+    range.check(s.*field, std::string(name));
 }
 
 /// A mode of a detector's noise: the components with the same offset.
@@ -76,9 +58,9 @@ MultiObjectState::MultiObjectState(const ConcentratedGaussian<SE3d>& camera,
                                    std::vector<ObjectSensor> sensors,
                                    const MultiObjectSettings& given)
     : settings(given),
-      explained(squared_distance_at(given.explained_probability, "explained_probability")),
+      explained(chi_square_quantile(given.explained_probability, 6, "explained_probability")),
       merge_bounds{given.merge_rotation_rad, given.merge_translation_m,
-                   squared_distance_at(given.merge_probability, "merge_probability")},
+                   chi_square_quantile(given.merge_probability, 6, "merge_probability")},
       joint(camera) {
   check_settings(settings);
   for (ObjectSensor& sensor : sensors) objects.push_back({LearnedSensor(std::move(sensor))});
@@ -193,32 +175,39 @@ void MultiObjectState::move_poses(TrackedObject& object, const std::vector<PairU
   for (Alternative& birth : births) follow_camera(birth.pose, before, after);
 }
 
-ObjectUpdateReport MultiObjectState::update(std::size_t j, const SE3d& detected) {
-  TrackedObject& object = objects[j];
-  ObjectBelief& belief = object.belief;
-  const ObjectSensor& sensor = object.detector.sensor();
-
-  // The detection is counted. With the first one of all the correlation length becomes larger than
-  // one; the reported covariance stays.
+/// Counts the detection. With the first one of all the correlation length becomes larger than one;
+/// the reported covariance stays.
+void MultiObjectState::count_detection(TrackedObject& object) {
   const double factor = covariance_factor();
   object.detector.count_detection(now_s);
   if (detections() == 1) joint.covariance() *= factor / covariance_factor();
+}
 
-  // Prediction of the object.
+/// Eq. (2) to (4): every hypothesis is updated on its own pair with the camera.
+std::vector<PairUpdate> MultiObjectState::update_pairs(const TrackedObject& object,
+                                                       const SE3d& detected) const {
+  return object.belief.observe(
+      joint, detected, object.detector.sensor(), settings.camera_gain_noise,
+      settings.has_odometry ? GainCovariance::update : GainCovariance::likelihood);
+}
+
+/// The weights are multiplied by the evidence, sum_c exp e_c of eq. (3).
+void MultiObjectState::update_weights(TrackedObject& object,
+                                      const std::vector<PairUpdate>& updates) const {
+  const double log_clutter = object.detector.sensor().noise.log_clutter_density();
+  object.belief.multiply_weights(updates, log_clutter);
+  object.belief.update_scores(updates, log_clutter, settings.score_memory);
+  object.belief.count_detection();
+}
+
+ObjectUpdateReport MultiObjectState::update(std::size_t j, const SE3d& detected) {
+  TrackedObject& object = objects[j];
+  ObjectBelief& belief = object.belief;
+  count_detection(object);
   add_process_noise(object);
-
-  // Every hypothesis is updated on its own pair, eq. (2) to (4).
-  const std::vector<PairUpdate> updates =
-      belief.observe(joint, detected, sensor, settings.camera_gain_noise,
-                     settings.has_odometry ? GainCovariance::update : GainCovariance::likelihood);
-  // A detection that none of them explains begins new ones.
+  const std::vector<PairUpdate> updates = update_pairs(object, detected);  // eq. (2) to (4)
   std::vector<Alternative> births = births_of(object, detected, updates);
-
-  // Weights are multiplied by the evidence, sum_c exp e_c of eq. (3).
-  const double log_clutter = sensor.noise.log_clutter_density();
-  belief.multiply_weights(updates, log_clutter);
-  belief.update_scores(updates, log_clutter, settings.score_memory);
-  belief.count_detection();
+  update_weights(object, updates);  // eq. (3)
   ObjectUpdateReport report{.started = !births.empty(), .log_evidence = belief.log_total(births)};
 
   // The leading hypothesis corrects the detector's noise, and all poses move, eq. (5) to (9).
@@ -230,7 +219,6 @@ ObjectUpdateReport MultiObjectState::update(std::size_t j, const SE3d& detected)
     move_poses(object, updates, report.log_evidence, births);
   }
 
-  // Births join the others, and the number of hypotheses is reduced.
   belief.add(joint, births);
   report.merges = reduce(object);
   const auto leading = belief.leading();

@@ -53,6 +53,9 @@ struct MultiObjectState {
 
  private:
   std::uint64_t detections() const;
+  void count_detection(TrackedObject& object);
+  std::vector<PairUpdate> update_pairs(const TrackedObject& object, const SE3d& detected) const;
+  void update_weights(TrackedObject& object, const std::vector<PairUpdate>& updates) const;
   std::vector<Alternative> births_of(const TrackedObject& object, const SE3d& detected,
                                      const std::vector<PairUpdate>& updates);
   void add_process_noise(TrackedObject& object);

@@ -23,7 +23,7 @@ inline nlohmann::ordered_json noise_json(const DetectorNoise& noise) {
   for (const NoiseComponent& component : noise.components()) {
     nlohmann::ordered_json& entry = components.emplace_back(
         nlohmann::ordered_json{{"weight", component.weight},
-                               {"frame", name_of(component.frame)},
+                               {"frame", word_of(component.frame)},
                                {"covariance", matrix_json(component.covariance)},
                                {"offset", matrix_json(component.offset.matrix())}});
     if (component.update_covariance)

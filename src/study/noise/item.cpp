@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "posemix/base/error.hpp"
+#include "posemix/base/statistics.hpp"
 #include "posemix/base/units.hpp"
 #include "posemix/detector/noise_fit.hpp"
 #include "study/engine/settings_json.hpp"
@@ -59,9 +60,7 @@ Json histogram(std::span<const ResidualTrack> tracks, std::size_t bins) {
   }
   std::vector<double> sizes = values;
   for (double& size : sizes) size = std::abs(size);
-  const auto at = static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(sizes.size() - 1));
-  std::nth_element(sizes.begin(), sizes.begin() + at, sizes.end());
-  const double reach = std::max(1.1 * sizes[static_cast<std::size_t>(at)], 1e-9);
+  const double reach = std::max(1.1 * quantile(std::move(sizes), 0.99), 1e-9);
   const double width = 2.0 * reach / static_cast<double>(bins);
   std::vector<std::size_t> counts(bins, 0);
   for (const double value : values) {
@@ -95,11 +94,6 @@ Json axis_json(const Residuals& residuals, std::size_t axis, const NoiseStudySet
           {"histogram", histogram(residuals.axes[axis], settings.bins)}};
 }
 
-const char* name_of(EmStatus status) {
-  if (status == EmStatus::converged) return "converged";
-  return status == EmStatus::degenerate ? "degenerate" : "max_iterations";
-}
-
 Json models_json(const NoiseFit& models, double count) {
   Json json = Json::array();
   for (std::size_t k = 0; k < models.fits.size(); ++k) {
@@ -116,7 +110,7 @@ Json models_json(const NoiseFit& models, double count) {
          {"bic", fit.bic},
          {"bic_effective", bic_of_independent_frames(fit, count, models.dependent_frames)},
          {"iterations", fit.history.size() - 1},
-         {"status", name_of(fit.status)},
+         {"status", word_of(fit.status)},
          {"chosen", k == models.chosen},
          {"noise", noise_json(fit.noise)}});
   }
@@ -145,7 +139,7 @@ nlohmann::ordered_json study_noise(const NoiseGroup& group, const NoiseStudySett
                  {"recordings", group.sets.size()},
                  {"proxy", any(&ResidualSet::proxy)},
                  {"symmetric", any(&ResidualSet::symmetric)},
-                 {"frame", name_of(frame_of(settings))},
+                 {"frame", word_of(frame_of(settings))},
                  {"gross_errors", static_cast<double>(residuals.gross) / count}};
   for (std::size_t axis = 0; axis < 6; ++axis)
     result["axes"].push_back(axis_json(residuals, axis, settings));

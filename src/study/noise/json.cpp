@@ -17,8 +17,10 @@ double from_finite(const Json& json) {
 }
 
 NoiseFrame frame_from(const Json& json) {
-  if (json == "ray") return NoiseFrame::ray;
-  return json == "camera" ? NoiseFrame::camera : NoiseFrame::object;
+  for (const auto& [word, frame] : words<NoiseFrame>) {
+    if (json == Json(word)) return frame;
+  }
+  return NoiseFrame::object;
 }
 
 template <class Matrix>
@@ -79,7 +81,7 @@ nlohmann::ordered_json modes_json(const std::vector<NoiseMode>& modes) {
 nlohmann::ordered_json validation_json(const std::vector<NoiseValidation>& rows) {
   Json json = Json::array();
   for (const NoiseValidation& row : rows) {
-    json.push_back({{"frame", name_of(row.frame)},
+    json.push_back({{"frame", word_of(row.frame)},
                     {"clutter", row.clutter ? 1 : 0},
                     {"components", row.components},
                     {"log_density", row.log_density},

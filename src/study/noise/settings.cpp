@@ -16,9 +16,7 @@ NoiseStudySettings read_noise_settings(const TomlTable& table) {
   s.fit.restarts = static_cast<int>(count("restarts", s.fit.restarts, 1000));
   s.seed = static_cast<std::uint64_t>(table.get_integer_or("seed", 1, kAtLeastZero));
   s.bins = static_cast<std::size_t>(count("bins", 60, 10000));
-  s.fit.frame = table.get_enum_or<NoiseFrame>(
-      "frame", NoiseFrame::object,
-      {{"object", NoiseFrame::object}, {"camera", NoiseFrame::camera}, {"ray", NoiseFrame::ray}});
+  s.fit.frame = table.get_enum_or("frame", NoiseFrame::object);
   s.fit.free_means = table.get_enum_or<bool>("means", false, {{"zero", false}, {"free", true}});
   s.fit.full_covariance =
       table.get_enum_or<bool>("covariance", false, {{"diagonal", false}, {"full", true}});

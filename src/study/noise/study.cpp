@@ -47,7 +47,7 @@ Json settings_json(const NoiseData& data, const NoiseStudySettings& s) {
   Json json = {{"max_components", s.fit.max_components},
                {"restarts", s.fit.restarts},
                {"seed", s.seed},
-               {"frame", name_of(s.fit.frame.value_or(NoiseFrame::object))},
+               {"frame", word_of(s.fit.frame.value_or(NoiseFrame::object))},
                {"means", s.fit.free_means ? "free" : "zero"},
                {"covariance", s.fit.full_covariance ? "full" : "diagonal"},
                {"clutter", s.fit.clutter},
@@ -88,7 +88,7 @@ void check(const std::vector<ResidualSet>& sets, const NoiseFitSettings& fit) {
     throw InvalidInput(fmt::format(
         "study noise: free means in the {} frame cannot be written as a noise model, expected "
         "means = \"zero\" or frame = \"object\"",
-        name_of(*fit.frame)));
+        word_of(*fit.frame)));
   }
   require(
       !fit.free_means || !fit.clutter,
