@@ -34,7 +34,7 @@ int main() {
   const auto p_1 = look(a_1, SE3d(SO3d(), {0.0, 0.0, 0.80}));
   const auto p_2 = look(a_2, SE3d(SO3d(), {0.0, 0.0, 0.82}));
 
-  const auto q = fuse(p_1, p_2).mixture;
+  const auto q = fuse(p_1, p_2).density;
   ReductionSettings settings;
   settings.max_components = 2;
   const auto r = reduce(q, settings).mixture;

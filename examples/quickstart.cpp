@@ -17,7 +17,7 @@ int main() {
   const double weights[] = {0.7, 0.3};
   const auto mug = posemix::Mixture<Pose>::from_weights(
       weights, {Pose(seen, covariance), Pose(flipped, covariance)});
-  const auto twice = posemix::fuse(mug, mug).mixture;  // two independent looks: four peaks
+  const auto twice = posemix::fuse(mug, mug).density;  // two independent looks: four peaks
   posemix::ReductionSettings settings;
   settings.max_components = 2;
   settings.pair = posemix::PairRule::symmetric_kl;

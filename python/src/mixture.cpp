@@ -103,7 +103,7 @@ void bind_mixture_operations(nb::module_& m, SettingsOf settings_of) {
       "fuse",
       [settings_of](const M& p, const M& q, const std::optional<Given>& settings) {
         auto fusion = fuse(p, q, settings_of(settings));
-        return AnyFusion{nb::cast(std::move(fusion.mixture)), fusion.log_evidence, fusion.converged,
+        return AnyFusion{nb::cast(std::move(fusion.density)), fusion.log_overlap, fusion.converged,
                          std::nullopt, std::nullopt};
       },
       "p"_a, "q"_a, "settings"_a.none());

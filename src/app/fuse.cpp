@@ -48,9 +48,9 @@ int fuse_files(const FuseOptions& options) {
     AnyMixture product =
         with_one_distribution(result, inputs[i], [&](const auto& p, const auto& q) {
           auto fusion = fused(p, q, settings);
-          log_evidence += fusion.log_evidence;
+          log_evidence += fusion.log_overlap;
           converged = converged && fusion.converged;
-          return std::move(fusion.mixture);
+          return std::move(fusion.density);
         });
     result.file.mixture = std::move(product);
   }

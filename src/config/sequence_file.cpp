@@ -99,6 +99,11 @@ void check_classes(const TomlTable& root, const SlamJob& job, bool multi_object)
     if (objects[i].has("class") && !named.contains(name))
       objects[i].fail("class", fmt::format("is {}, but no table [[candidates]] has that class",
                                            in_quotes(name)));
+    if (multi_object) {
+      located(objects[i], "id", [&] {
+        require_alike_in_class(std::span<const ObjectModel>(job.models).first(i + 1));
+      });
+    }
   }
   for (const TomlTable& table : root.find_tables("candidates")) {
     const std::string name = table.get_string("class");

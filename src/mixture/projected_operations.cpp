@@ -108,9 +108,9 @@ MixtureFusion<ProjectedGaussian<G>> fuse(const Mixture<ProjectedGaussian<G>>& p,
   }
   require(!fusion.components.empty(),
           "fuse: the tangent points of every pair are further apart than the Jacobian rule allows");
-  const double log_evidence =
+  const double log_overlap =
       checked_log_total(std::span<const Component<ProjectedGaussian<G>>>(fusion.components));
-  return {Mixture<ProjectedGaussian<G>>(std::move(fusion.components)), log_evidence,
+  return {Mixture<ProjectedGaussian<G>>(std::move(fusion.components)), log_overlap,
           fusion.converged};
 }
 

@@ -16,12 +16,9 @@
 namespace posemix {
 namespace {
 
-const std::string& class_of(const ObjectModel& model) {
-  return model.class_id.empty() ? model.id : model.class_id;
-}
-
 MultiObjectFilter make_filter(const PoseDensity& camera, const std::vector<ObjectModel>& objects,
                               MultiObjectSettings settings, const MotionSettings& motion) {
+  require_alike_in_class(objects);
   std::vector<ObjectSensor> sensors;
   for (const ObjectModel& object : objects) {
     if (object.independent_start) {

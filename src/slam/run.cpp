@@ -26,7 +26,7 @@ SlamRun run(const Sequence& sequence, const PoseDensity& camera_prior,
   SlamRun result{std::move(frames), slam.posterior(), std::move(pose_indices), {}};
   if (const MultiObjectFilter* filter = slam.multi_object()) {
     for (std::size_t object = 0; object < models.size(); ++object)
-      result.alternatives.push_back(filter->hypotheses(object));
+      result.hypotheses.push_back(filter->hypotheses(object));
   }
   return result;
 }

@@ -53,7 +53,8 @@ std::optional<FrameEstimate> FixedLagSmoother::step(const FrameInput& input) {
   }
   const MultiObjectFilter& filter = *slam_.multi_object();
   std::vector<bool> known;
-  for (std::size_t j = 0; j < filter.objects(); ++j) known.push_back(filter.leading(j).has_value());
+  for (std::size_t j = 0; j < filter.object_count(); ++j)
+    known.push_back(filter.leading(j).has_value());
   const std::size_t lag = smoothing_.lag_frames;
   window_.push_back({std::move(kept), std::move(filtered.report), std::move(known),
                      lag > 0 ? std::optional(filter) : std::nullopt});
@@ -82,9 +83,9 @@ std::vector<FrameEstimate> FixedLagSmoother::smooth(std::size_t count) {
 
   std::vector<FrameEstimate> estimates;
   for (std::size_t k = 0; k < count; ++k) {
-    std::vector<std::optional<std::size_t>> indices(now.objects());
-    std::vector<std::optional<double>> probabilities(now.objects());
-    for (std::size_t j = 0; j < now.objects(); ++j) {
+    std::vector<std::optional<std::size_t>> indices(now.object_count());
+    std::vector<std::optional<double>> probabilities(now.object_count());
+    for (std::size_t j = 0; j < now.object_count(); ++j) {
       if (!window_[k].known[j]) continue;
       indices[j] = window.pose_index(j);
       probabilities[j] = now.mode_probability(j);
@@ -106,8 +107,8 @@ void FixedLagSmoother::add_alternatives(std::span<const FrameInput* const> input
                                         const std::vector<Hypothesis>& leading,
                                         std::vector<FrameEstimate>& estimates) const {
   const MultiObjectFilter& now = *slam_.multi_object();
-  for (FrameEstimate& estimate : estimates) estimate.alternatives.resize(now.objects());
-  for (std::size_t j = 0; j < now.objects(); ++j) {
+  for (FrameEstimate& estimate : estimates) estimate.alternatives.resize(now.object_count());
+  for (std::size_t j = 0; j < now.object_count(); ++j) {
     const auto list = now.hypotheses(j);
     for (std::size_t h = 0; h < list.size(); ++h) {
       Modes modes = leading_modes(now);
@@ -144,7 +145,7 @@ SlamRun run_smoothed(const Sequence& sequence, const PoseDensity& camera_prior,
   SlamRun result{
       std::move(frames), Posterior({{0.0, *smoother.joint()}}), std::move(pose_indices), {}};
   for (std::size_t j = 0; j < models.size(); ++j)
-    result.alternatives.push_back(smoother.slam().multi_object()->hypotheses(j));
+    result.hypotheses.push_back(smoother.slam().multi_object()->hypotheses(j));
   return result;
 }
 

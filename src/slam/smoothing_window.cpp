@@ -20,7 +20,7 @@ Matrix6d vague_covariance() {
 
 Modes leading_modes(const MultiObjectFilter& filter) {
   Modes modes;
-  for (std::size_t j = 0; j < filter.objects(); ++j) modes.push_back(filter.leading(j));
+  for (std::size_t j = 0; j < filter.object_count(); ++j) modes.push_back(filter.leading(j));
   return modes;
 }
 
@@ -65,7 +65,7 @@ Hypothesis SmoothingWindow::inflated(const Hypothesis& joint) const {
 
 /// The same hypotheses as they were before the window, where they were.
 Modes SmoothingWindow::known_before() const {
-  Modes known(now_.objects());
+  Modes known(now_.object_count());
   for (std::size_t i = 0; i < hypotheses_.size(); ++i) {
     const auto list = before_.hypotheses(model_.objects[i]);
     const auto found = std::find_if(list.begin(), list.end(), [&](const ObjectHypothesis& other) {

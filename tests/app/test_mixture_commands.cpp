@@ -62,9 +62,9 @@ TEST_F(MixtureCommands, FuseReportsTheEvidence) {
   const auto fused = fuse(two_peaks(), two_peaks(), FuseSettings{});
   const ProgramResult result = shell("posemix fuse mug.json mug.json --json");
   EXPECT_EQ(result.exit_code, 0);
-  EXPECT_EQ(json::parse(result.err)["log_evidence"], fused.log_evidence);
+  EXPECT_EQ(json::parse(result.err)["log_evidence"], fused.log_overlap);
   EXPECT_EQ(bits_of(std::get<ConcentratedPoses>(parse_mixture(result.out, "out").mixture)),
-            bits_of(fused.mixture));
+            bits_of(fused.density));
   EXPECT_TRUE(contains(shell("posemix fuse mug.json mug.json").err, "  log_evidence:  "));
   EXPECT_EQ(mixture_of("posemix fuse mug-pg.json mug-pg.json --quiet").frames.to, "mug");
   expect_error("posemix fuse mug.json camera.json", 3,

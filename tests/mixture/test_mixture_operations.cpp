@@ -112,22 +112,22 @@ TEST(MixtureOperations, FuseOnTheLineIsTheClosedForm) {
       evidence += w[i] * v[j] * normal(a[i] - b[j], var_a[i] + var_b[j]);
   }
   EXPECT_TRUE(fused.converged);
-  EXPECT_NEAR(fused.log_evidence, std::log(evidence), 1e-12);
+  EXPECT_NEAR(fused.log_overlap, std::log(evidence), 1e-12);
   for (std::size_t i = 0; i < 2; ++i) {
     for (std::size_t j = 0; j < 2; ++j) {
       const std::size_t k = 2 * i + j;
       const double weight = w[i] * v[j] * normal(a[i] - b[j], var_a[i] + var_b[j]) / evidence;
       const double variance = 1.0 / (1.0 / var_a[i] + 1.0 / var_b[j]);
-      EXPECT_NEAR(fused.mixture.weight(k), weight, 1e-13) << k;
-      EXPECT_NEAR(fused.mixture[k].density.covariance()(0, 0), variance, 1e-13) << k;
-      EXPECT_NEAR(fused.mixture[k].density.mean().value()[0],
+      EXPECT_NEAR(fused.density.weight(k), weight, 1e-13) << k;
+      EXPECT_NEAR(fused.density[k].density.covariance()(0, 0), variance, 1e-13) << k;
+      EXPECT_NEAR(fused.density[k].density.mean().value()[0],
                   variance * (a[i] / var_a[i] + b[j] / var_b[j]), 1e-13)
           << k;
     }
   }
   // The product itself, at a point.
   const double product = p.log_density(at(0.7)) + q.log_density(at(0.7));
-  EXPECT_NEAR(fused.mixture.log_density(at(0.7)) + fused.log_evidence, product, 1e-12);
+  EXPECT_NEAR(fused.density.log_density(at(0.7)) + fused.log_overlap, product, 1e-12);
 }
 
 TEST(MixtureOperations, FuseOfDistantMixturesDoesNotUnderflow) {
@@ -135,9 +135,9 @@ TEST(MixtureOperations, FuseOfDistantMixturesDoesNotUnderflow) {
   const auto p = Mixture<Line>::from_weights(std::vector{1.0}, {on_line(0.0, 1.0)});
   const auto q = Mixture<Line>::from_weights(std::vector{1.0}, {on_line(100.0, 1.0)});
   const auto fused = fuse(p, q);
-  EXPECT_NEAR(fused.log_evidence, -2500.0 - 0.5 * std::log(4.0 * std::numbers::pi), 1e-9);
-  EXPECT_NEAR(fused.mixture.weight(0), 1.0, 1e-15);
-  EXPECT_NEAR(fused.mixture[0].density.mean().value()[0], 50.0, 1e-12);
+  EXPECT_NEAR(fused.log_overlap, -2500.0 - 0.5 * std::log(4.0 * std::numbers::pi), 1e-9);
+  EXPECT_NEAR(fused.density.weight(0), 1.0, 1e-15);
+  EXPECT_NEAR(fused.density[0].density.mean().value()[0], 50.0, 1e-12);
 }
 
 TEST(MixtureOperations, EvidenceOnRotationsAgreesWithQuadrature) {
@@ -157,7 +157,7 @@ TEST(MixtureOperations, EvidenceOnRotationsAgreesWithQuadrature) {
   const double exact = rule.integrate(
       centre, [&](const SO3d& x) { return std::exp(log_p.log_density(x) + log_q.log_density(x)); });
   // Laplace's approximation per pair is off by about the variances, 0.01.
-  EXPECT_NEAR(std::exp(fuse(p, q).log_evidence) / exact, 1.0, 0.01);
+  EXPECT_NEAR(std::exp(fuse(p, q).log_overlap) / exact, 1.0, 0.01);
 }
 
 TEST(MixtureOperations, FuseReportsAnyPairThatHasNotConverged) {

@@ -33,17 +33,17 @@ TEST(ProjectedMixtureFuse, WeightsOfCaseA) {
   const auto p = narrow_and_wide(0.0), q = narrow_and_wide(8.0);
   const double exact[] = {0.84848, 0.06213, 0.06213, 0.02725};
   const auto fused = fuse(p, q);
-  ASSERT_EQ(fused.mixture.size(), 4u);
-  for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(fused.mixture.weight(i), exact[i], 1e-4);
-  EXPECT_NEAR(fused.log_evidence + gnomonic::kLogHaarPerHalfSphere, 3.406191996, 1e-3);
+  ASSERT_EQ(fused.density.size(), 4u);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(fused.density.weight(i), exact[i], 1e-4);
+  EXPECT_NEAR(fused.log_overlap + gnomonic::kLogHaarPerHalfSphere, 3.406191996, 1e-3);
 
   const auto jacobian = fuse(p, q, {.pair = {.rule = FusionRule::jacobian}});
-  for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(jacobian.mixture.weight(i), exact[i], 1e-3);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(jacobian.density.weight(i), exact[i], 1e-3);
 
   const double paper[] = {0.18267, 0.27021, 0.27021, 0.27691};
   const auto alpha_delta =
       fuse(p, q, {.pair = {.rule = FusionRule::jacobian}, .weight = PairWeight::alpha_delta});
-  for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(alpha_delta.mixture.weight(i), paper[i], 5e-5);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(alpha_delta.density.weight(i), paper[i], 5e-5);
 }
 
 TEST(ProjectedMixtureFuse, JacobianDropsPairsBeyondItsAngle) {
@@ -51,7 +51,7 @@ TEST(ProjectedMixtureFuse, JacobianDropsPairsBeyondItsAngle) {
   const auto far = narrow_and_wide(40.0);
   EXPECT_THROW(fuse(p, far, {.pair = {.rule = FusionRule::jacobian}}), InvalidInput);
   EXPECT_THROW(fuse(p, far, {.weight = PairWeight::alpha_delta}), InvalidInput);
-  EXPECT_EQ(fuse(p, far).mixture.size(), 4u);
+  EXPECT_EQ(fuse(p, far).density.size(), 4u);
 }
 
 TEST(ProjectedMixtureFuse, IsTheProductPointByPoint) {
@@ -59,7 +59,7 @@ TEST(ProjectedMixtureFuse, IsTheProductPointByPoint) {
   const auto fused = fuse(p, q);
   for (const double at : {-10.0, 0.0, 4.0, 12.0}) {
     const SO3d rotation = SO3d::exp({radians(at), 0.05, -0.08});
-    EXPECT_NEAR(fused.mixture.log_density(rotation) + fused.log_evidence,
+    EXPECT_NEAR(fused.density.log_density(rotation) + fused.log_overlap,
                 p.log_density(rotation) + q.log_density(rotation), 0.01);
   }
 }
@@ -72,9 +72,9 @@ TEST(ProjectedMixtureFuse, KeepsBothWaysRound) {
         weights, {Rotation(SO3d::exp({radians(degrees_of_rotation), 0.0, 0.0}), wide)});
   };
   const auto fused = fuse(at(0.0), at(178.0));
-  ASSERT_EQ(fused.mixture.size(), 2u);
-  EXPECT_GT(fused.mixture.weight(0), fused.mixture.weight(1));
-  EXPECT_GT(fused.mixture.weight(1), 0.2);
+  ASSERT_EQ(fused.density.size(), 2u);
+  EXPECT_GT(fused.density.weight(0), fused.density.weight(1));
+  EXPECT_GT(fused.density.weight(1), 0.2);
 }
 
 Pose lever(double degrees_per_axis, const Vector3d& translation) {

@@ -194,6 +194,24 @@ TEST(ObjectCandidates, AnObjectIsAClassOfItsOwn) {
   EXPECT_EQ(slam.detections(0), 2U);
 }
 
+TEST(ObjectCandidates, ModelsOfOneClassAreAlike) {
+  std::vector<ObjectModel> models = bolts(3, half_turn());
+  EXPECT_NO_THROW(make(SE3d(), models));
+  models[2].symmetries = {};
+  EXPECT_EQ(thrown_message([&] { make(SE3d(), models); }),
+            "objects 'bolt.0' and 'bolt.2' are of class 'bolt', but their symmetries differ; "
+            "expected the same");
+  models[2] = bolts(3, half_turn())[2];
+  NoiseComponent component = models[1].noise.components().front();
+  component.covariance *= 1.5;
+  models[1].noise = DetectorNoise({component}, models[1].noise.clutter());
+  EXPECT_EQ(thrown_message([&] { make(SE3d(), models); }),
+            "objects 'bolt.0' and 'bolt.1' are of class 'bolt', but their noise models differ; "
+            "expected the same");
+  models[1].class_id = "nut";
+  EXPECT_NO_THROW(make(SE3d(), models)) << "classes may differ";
+}
+
 TEST(ObjectCandidates, TheGaussianSumFilterRefusesThem) {
   ObjectSlamSettings settings;
   settings.tracker = GaussianSumSettings{};

@@ -97,7 +97,7 @@ TEST(Smoothing, TheModeOfTheEndHoldsFromTheBeginning) {
     EXPECT_EQ(frame.mode_probabilities, causal.frames.back().mode_probabilities);
   }
   // The wrong one is among the alternatives, with its last weight.
-  ASSERT_EQ(smoothed.alternatives[0].size(), causal.alternatives[0].size());
+  ASSERT_EQ(smoothed.hypotheses[0].size(), causal.hypotheses[0].size());
   const auto& first = smoothed.frames.front().alternatives[0];
   ASSERT_FALSE(first.empty());
   for (const ObjectAlternative& each : first) {

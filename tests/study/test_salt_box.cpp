@@ -33,10 +33,10 @@ const std::vector<SaltBoxStage>& example() {
 TEST(SaltBox, AgreesWithTheOracle) {
   const auto& stages = example();
   const SaltBoxStage& two = stage(stages, "fused_l");
-  EXPECT_EQ(two.mixture.size(), 49u);
+  EXPECT_EQ(two.density.size(), 49u);
   EXPECT_NEAR(*two.log_evidence, 17.0370, 1e-3);
   std::vector<double> weights;
-  for (std::size_t i = 0; i < 49; ++i) weights.push_back(two.mixture.weight(i));
+  for (std::size_t i = 0; i < 49; ++i) weights.push_back(two.density.weight(i));
   std::sort(weights.rbegin(), weights.rend());
   const double top[] = {0.203325, 0.116529, 0.098636, 0.092663, 0.086103};
   for (std::size_t i = 0; i < 5; ++i) EXPECT_NEAR(weights[i], top[i], 3e-5);
@@ -83,11 +83,11 @@ TEST(SaltBox, WithoutReductionTheEvidenceIsTheOracles) {
   const SaltBoxSettings settings = default_salt_box();
   const auto two = fuse(object_mixture(settings, settings.features[0]),
                         object_mixture(settings, settings.features[1]));
-  const auto three = fuse(two.mixture, object_mixture(settings, settings.features[2]));
-  EXPECT_EQ(three.mixture.size(), 343u);
-  EXPECT_NEAR(three.log_evidence + gnomonic::kLogHaarPerHalfSphere, 19.350870173, 1e-3);
-  expect_spread(three.mixture, {2.02, 3.45, 0.88}, {1.8, 1.3, 1.7});
-  expect_error(three.mixture, 4.4, 2.7);
+  const auto three = fuse(two.density, object_mixture(settings, settings.features[2]));
+  EXPECT_EQ(three.density.size(), 343u);
+  EXPECT_NEAR(three.log_overlap + gnomonic::kLogHaarPerHalfSphere, 19.350870173, 1e-3);
+  expect_spread(three.density, {2.02, 3.45, 0.88}, {1.8, 1.3, 1.7});
+  expect_error(three.density, 4.4, 2.7);
 }
 
 TEST(SaltBox, ChangesLittleWithTheRounding) {
@@ -105,7 +105,7 @@ TEST(SaltBox, ChangesLittleWithTheRounding) {
     }
     const auto two = fuse(object_mixture(settings, settings.features[0]),
                           object_mixture(settings, settings.features[1]));
-    largest = std::max(largest, std::abs(two.log_evidence + gnomonic::kLogHaarPerHalfSphere -
+    largest = std::max(largest, std::abs(two.log_overlap + gnomonic::kLogHaarPerHalfSphere -
                                          *stage(example(), "fused_l").log_evidence));
   }
   EXPECT_GT(largest, 2e-4);

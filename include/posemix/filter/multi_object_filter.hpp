@@ -145,7 +145,7 @@ class MultiObjectFilter {
   void forget(std::size_t object);
 
   /// Number of objects.
-  std::size_t objects() const;
+  std::size_t object_count() const;
   /// Number of detections of an object that count as one, a mean over all objects.
   double correlation_length() const;
   /// Learned factors on the standard deviations of an object's noise, along its axes.

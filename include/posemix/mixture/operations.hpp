@@ -41,9 +41,9 @@ Mixture<D> between(const Mixture<D>& x, const Mixture<D>& y) {
 /// Result of fusing two mixtures.
 template <class D>
 struct MixtureFusion {
-  Mixture<D> mixture;   ///< the normalised product
-  double log_evidence;  ///< log of the integral of the product [nats]
-  bool converged;       ///< whether the fusion of every pair has converged
+  Mixture<D> density;  ///< the normalised product
+  double log_overlap;  ///< log of the integral of the product [nats]
+  bool converged;      ///< whether the fusion of every pair has converged
 };
 
 /// The normalised product of two mixtures: all pairs, each weighted by the product of the two

@@ -30,8 +30,8 @@ class MultiObjectSlam {
  public:
   /// `camera` is the prior of T_world_camera at the first frame. Where hypotheses are recorded, an
   /// estimate holds the alternatives of every object.
-  /// @throws InvalidInput when a setting is out of range, two models share an id or a model has an
-  /// independent start
+  /// @throws InvalidInput when a setting is out of range, two models share an id, two models of one
+  /// class differ in noise or symmetries, or a model has an independent start
   MultiObjectSlam(const PoseDensity& camera, std::vector<ObjectModel> objects,
                   const MultiObjectSlamSettings& settings = {}, const MotionSettings& motion = {},
                   bool record_hypotheses = false);

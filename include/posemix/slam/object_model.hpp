@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 
 #include "posemix/detector/default_noise.hpp"
@@ -23,9 +24,15 @@ struct ObjectModel {
   /// Motions of the object's frame that leave its appearance as it is; for the multi-object filter.
   SymmetryGroup symmetries = {};
   /// Objects that no detector can tell apart share a class; FrameInput::candidates are of classes.
-  /// They are alike: noise and symmetries of a class are those of its first model. Empty: the
-  /// object is a class of its own, named as its id.
+  /// Their noise and symmetries are the same. Empty: the object is a class of its own, named as its
+  /// id.
   std::string class_id = {};
 };
+
+/// The class of a model, which is its id where no class is given.
+const std::string& class_of(const ObjectModel& model);
+
+/// @throws InvalidInput naming two models of one class whose noise or symmetries differ
+void require_alike_in_class(std::span<const ObjectModel> models);
 
 }  // namespace posemix

@@ -19,7 +19,7 @@ struct SlamRun {
   std::vector<std::optional<std::size_t>> pose_indices;  ///< of the objects in the posterior
   /// Hypotheses of every object at the last frame, by the multi-object filter; the posterior holds
   /// those that lead.
-  std::vector<std::vector<ObjectHypothesis>> alternatives = {};
+  std::vector<std::vector<ObjectHypothesis>> hypotheses = {};
 };
 
 /// Options of `run`.

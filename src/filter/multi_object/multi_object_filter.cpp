@@ -119,17 +119,17 @@ void MultiObjectFilter::predict_constant_velocity(double periods, const Matrix6d
 }
 
 ObjectUpdateReport MultiObjectFilter::update(std::size_t object, const SE3d& camera_object) {
-  require_object(object, objects());
+  require_object(object, object_count());
   require_finite(camera_object, "detection");
   return state_->update(object, camera_object);
 }
 
 void MultiObjectFilter::forget(std::size_t object) {
-  require_object(object, objects());
+  require_object(object, object_count());
   state_->forget(object);
 }
 
-std::size_t MultiObjectFilter::objects() const { return state_->objects.size(); }
+std::size_t MultiObjectFilter::object_count() const { return state_->objects.size(); }
 
 double MultiObjectFilter::correlation_length() const { return state_->correlation_length(); }
 
@@ -144,7 +144,7 @@ ConcentratedGaussian<SE3d> MultiObjectFilter::camera() const {
 }
 
 std::vector<ObjectHypothesis> MultiObjectFilter::hypotheses(std::size_t object) const {
-  require_object(object, objects());
+  require_object(object, object_count());
   const TrackedObject& tracked = state_->objects[object];
   const std::vector<double> probabilities = state_->probabilities(tracked);
   std::vector<ObjectHypothesis> list;
@@ -164,7 +164,7 @@ std::vector<ObjectHypothesis> MultiObjectFilter::hypotheses(std::size_t object) 
 }
 
 std::optional<std::size_t> MultiObjectFilter::leading(std::size_t object) const {
-  require_object(object, objects());
+  require_object(object, object_count());
   return state_->objects[object].belief.leading();
 }
 
@@ -174,13 +174,13 @@ double MultiObjectFilter::mode_probability(std::size_t object) const {
 }
 
 double MultiObjectFilter::log_absent(std::size_t object) const {
-  require_object(object, objects());
+  require_object(object, object_count());
   return state_->objects[object].belief.log_absent();
 }
 
 ConcentratedGaussian<SE3d> MultiObjectFilter::relative(std::size_t object,
                                                        std::size_t hypothesis) const {
-  require_object(object, objects());
+  require_object(object, object_count());
   require_hypothesis(hypothesis, object, state_->objects[object].belief.size());
   const Pair pair = state_->inflated_pair(state_->objects[object], hypothesis);
   return ConcentratedGaussian<SE3d>::trusted(
@@ -192,7 +192,7 @@ ConcentratedGaussian<PoseStackd> MultiObjectFilter::joint() const {
   std::vector<SE3d> poses;
   for (std::size_t i = 0; i < joint.size(); ++i) poses.push_back(joint.pose(i));
   Eigen::MatrixXd covariance = state_->covariance_factor() * joint.covariance();
-  for (std::size_t j = 0; j < objects(); ++j) {
+  for (std::size_t j = 0; j < object_count(); ++j) {
     if (const auto i = pose_index(j))
       block(covariance, *i, *i) += bias_covariance(j, joint.pose(kCamera), joint.pose(*i));
   }
@@ -201,14 +201,14 @@ ConcentratedGaussian<PoseStackd> MultiObjectFilter::joint() const {
 }
 
 std::optional<std::size_t> MultiObjectFilter::pose_index(std::size_t object) const {
-  require_object(object, objects());
+  require_object(object, object_count());
   return state_->objects[object].belief.pose_index();
 }
 
 const MultiObjectSettings& MultiObjectFilter::settings() const { return state_->settings; }
 
 const ObjectSensor& MultiObjectFilter::sensor(std::size_t object) const {
-  require_object(object, objects());
+  require_object(object, object_count());
   return state_->objects[object].detector.sensor();
 }
 
@@ -216,21 +216,21 @@ double MultiObjectFilter::covariance_factor() const { return state_->covariance_
 
 Matrix6d MultiObjectFilter::bias_covariance(std::size_t object, const SE3d& camera,
                                             const SE3d& pose) const {
-  require_object(object, objects());
+  require_object(object, object_count());
   return state_->objects[object].detector.bias_covariance(state_->settings, camera, pose);
 }
 
 ConcentratedGaussian<PoseStackd> MultiObjectFilter::joint_of(
     std::span<const std::optional<std::size_t>> hypotheses) const {
-  if (hypotheses.size() != objects()) {
-    throw InvalidInput(
-        fmt::format("hypotheses of {} objects, but there are {}", hypotheses.size(), objects()));
+  if (hypotheses.size() != object_count()) {
+    throw InvalidInput(fmt::format("hypotheses of {} objects, but there are {}", hypotheses.size(),
+                                   object_count()));
   }
   // The joint Gaussian with the alternatives that were asked for appended, then the poses in order.
   JointGaussian all = state_->joint;
   std::vector<std::size_t> order{kCamera};
   if (state_->motion) order.push_back(*state_->motion);
-  for (std::size_t j = 0; j < objects(); ++j) {
+  for (std::size_t j = 0; j < object_count(); ++j) {
     const TrackedObject& object = state_->objects[j];
     const auto h = hypotheses[j];
     if (!h) continue;

@@ -122,12 +122,12 @@ std::vector<SaltBoxStage> run_salt_box(const SaltBoxSettings& settings) {
       continue;
     }
     const auto fused = fuse(*estimate, object, {.pair = {.rule = settings.fusion}});
-    stages.push_back({"fused_" + feature.name, fused.mixture,
-                      fused.log_evidence + gnomonic::kLogHaarPerHalfSphere});
+    stages.push_back({"fused_" + feature.name, fused.density,
+                      fused.log_overlap + gnomonic::kLogHaarPerHalfSphere});
     ReductionSettings reduction = salt_box_reduction(settings);
     const std::size_t keep = reduction.max_components;
-    reduction.max_components = fused.mixture.size();
-    PoseMpg dropped = reduce(fused.mixture, reduction).mixture;
+    reduction.max_components = fused.density.size();
+    PoseMpg dropped = reduce(fused.density, reduction).mixture;
     stages.push_back({"dropped_" + feature.name, dropped, {}});
     reduction.drop_smallest = 0;
     reduction.max_components = keep;

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "posemix/slam/object_model.hpp"
+
+#include <algorithm>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "posemix/base/error.hpp"
+
+namespace posemix {
+namespace {
+
+bool same(const SE3d& a, const SE3d& b) {
+  return a.translation() == b.translation() &&
+         a.rotation().quaternion().coeffs() == b.rotation().quaternion().coeffs();
+}
+
+bool same(const NoiseComponent& a, const NoiseComponent& b) {
+  return a.weight == b.weight && a.covariance == b.covariance && a.frame == b.frame &&
+         same(a.offset, b.offset) && a.update_covariance == b.update_covariance;
+}
+
+bool same(const SymmetryAxis& a, const SymmetryAxis& b) {
+  return a.direction == b.direction && a.point == b.point;
+}
+
+template <class Value>
+bool same(const std::vector<Value>& a, const std::vector<Value>& b) {
+  return std::ranges::equal(a, b, [](const Value& x, const Value& y) { return same(x, y); });
+}
+
+bool same(const DetectorNoise& a, const DetectorNoise& b) {
+  return same(a.components(), b.components()) && a.clutter().weight == b.clutter().weight &&
+         a.clutter().volume_m3 == b.clutter().volume_m3 &&
+         a.dependence().dependent_frames == b.dependence().dependent_frames &&
+         a.dependence().bias == b.dependence().bias;
+}
+
+bool same(const SymmetryGroup& a, const SymmetryGroup& b) {
+  return same(a.elements(), b.elements()) && same(a.axes(), b.axes());
+}
+
+}  // namespace
+
+const std::string& class_of(const ObjectModel& model) {
+  return model.class_id.empty() ? model.id : model.class_id;
+}
+
+void require_alike_in_class(std::span<const ObjectModel> models) {
+  std::map<std::string, const ObjectModel*> first_of;
+  for (const ObjectModel& model : models) {
+    const ObjectModel& first = *first_of.try_emplace(class_of(model), &model).first->second;
+    const bool noise_differs = !same(first.noise, model.noise);
+    if (!noise_differs && same(first.symmetries, model.symmetries)) continue;
+    throw InvalidInput(fmt::format(
+        "objects '{}' and '{}' are of class '{}', but their {} differ; expected the same", first.id,
+        model.id, class_of(model), noise_differs ? "noise models" : "symmetries"));
+  }
+}
+
+}  // namespace posemix
