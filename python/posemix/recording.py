@@ -5,13 +5,11 @@
 from __future__ import annotations
 
 import collections.abc
-from typing import Any
-
 import numpy as np
 import numpy.typing as npt
 
-from posemix._arrays import FloatArray, as_floats
 from posemix._core import Candidate, ObjectRecording, Sequence
+from posemix._poses import pose_rows
 from posemix.lie import SE3
 
 __all__ = ["Candidate", "ObjectRecording", "Sequence", "is_known", "with_misses"]
@@ -30,8 +28,8 @@ def with_misses(
 
     Parameters
     ----------
-    poses : SE3, shape (n,), or array_like, shape (n, 7), or sequence of SE3 and None
-        Poses; rows are ``[tx, ty, tz, qx, qy, qz, qw]``, or NaN for a frame without a pose.
+    poses : SE3, shape (n,), or array_like, shape (n, 7) or (n, 4, 4), or sequence of SE3 and None
+        Poses or matrices; rows are ``[tx, ty, tz, qx, qy, qz, qw]``, or NaN for a frame without a pose.
     known : array_like of bool, shape (n,), optional
         False for a frame without a pose; its row of `poses` is ignored.
 
@@ -57,21 +55,3 @@ def with_misses(
     result = np.full((len(rows), 7), np.nan)
     result[~missing] = SE3.from_tq(rows[~missing]).to_tq()
     return SE3._wrap(result, (len(rows),))
-
-
-def pose_rows(poses: Any) -> FloatArray:
-    """Poses as rows of seven numbers, of NaN for a miss."""
-    if isinstance(poses, SE3):
-        rows = poses._data
-    elif isinstance(poses, collections.abc.Sequence) and any(
-        pose is None or isinstance(pose, SE3) for pose in poses
-    ):
-        rows = np.full((len(poses), 7), np.nan)
-        for i, pose in enumerate(poses):
-            if pose is not None:
-                rows[i] = pose._data
-    else:
-        rows = as_floats(poses, (7,), "poses") if np.size(poses) else np.empty((0, 7))
-    if rows.ndim != 2:
-        raise ValueError(f"poses have shape {rows.shape[:-1]}; expected (n,)")
-    return rows

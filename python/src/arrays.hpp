@@ -125,6 +125,7 @@ inline Array array_of(const PoseStackd& stack) {
 void bind_random(nb::module_& m);
 void bind_lie(nb::module_& m);
 void bind_density(nb::module_& m);
+void bind_density_batches(nb::module_& m);
 void bind_mixture(nb::module_& m);
 void bind_reduction(nb::module_& m);
 void bind_divergence(nb::module_& m);
@@ -133,19 +134,27 @@ void bind_report(nb::module_& m);
 void bind_grasp(nb::module_& m);
 void bind_tolerance(nb::module_& m);
 void bind_errors(nb::module_& m);
+void bind_error_fit(nb::module_& m);
+void bind_scores(nb::module_& m);
 void bind_symmetry(nb::module_& m);
 void bind_noise(nb::module_& m);
 void bind_noise_fit(nb::module_& m);
+void bind_odometry_noise(nb::module_& m);
+void bind_multi_object_settings(nb::module_& m);
 void bind_multi_object_filter(nb::module_& m);
 void bind_gaussian_sum_filter(nb::module_& m);
 void bind_slam_settings(nb::module_& m);
 void bind_sequence(nb::module_& m);
 void bind_frame_estimate(nb::module_& m);
+void bind_frame_input(nb::module_& m);
 void bind_slam(nb::module_& m);
+void bind_smoother(nb::module_& m);
+void bind_association(nb::module_& m);
 void bind_slam_run(nb::module_& m);
 void bind_evaluation(nb::module_& m);
 void bind_simulation(nb::module_& m);
 void bind_jobs(nb::module_& m);
 void bind_files(nb::module_& m);
+void bind_mixture_files(nb::module_& m);
 
 }  // namespace posemix::python

@@ -198,104 +198,29 @@ void bind_projected(nb::module_& m, const char* name) {
       "p"_a, "q"_a, "settings"_a.none());
 }
 
-/// Densities from rows of means and as many covariances; a single density is used for all.
-struct PoseRows {
-  Rows means;
-  Matrices covariances;
-
-  PoseRows(const Rows& m, const Matrices& c) : means(m), covariances(c) {
-    require_columns(means, 7, "means");
-    if (covariances.shape(1) != 6 || covariances.shape(2) != 6)
-      throw InvalidInput("covariances do not have the shape (n, 6, 6)");
-    if (covariances.shape(0) != means.shape(0)) {
-      throw InvalidInput(fmt::format("{} means and {} covariances; expected as many of both",
-                                     means.shape(0), covariances.shape(0)));
-    }
-  }
-
-  std::size_t size() const { return means.shape(0); }
-  ConcentratedSE3 at(std::size_t i) const {
-    const std::size_t k = size() == 1 ? 0 : i;
-    const Eigen::Map<const Matrix6d> covariance(covariances.data() + 36 * k);
-    return ConcentratedSE3::trusted(Wire<SE3d>::read(means.data() + 7 * k), covariance);
-  }
-};
-
-/// Densities as arrays of means and covariances.
-struct PoseRowsOut {
-  NewArray means;
-  NewArray covariances;
-
-  explicit PoseRowsOut(std::size_t n) : means({n, 7}), covariances({n, 6, 6}) {}
-  void set(std::size_t i, const ConcentratedSE3& density) {
-    Wire<SE3d>::write(density.mean(), means.data + 7 * i);
-    Eigen::Map<Matrix6d>(covariances.data + 36 * i) = density.covariance();
-  }
-  nb::tuple tuple() { return nb::make_tuple(std::move(means.array), std::move(covariances.array)); }
-};
-
-template <class Operation>
-nb::tuple each_density(const PoseRows& x, const PoseRows& y, Operation operation) {
-  if (x.size() != y.size() && x.size() != 1 && y.size() != 1) {
-    throw InvalidInput(fmt::format(
-        "{} densities and {}; expected as many of both, or one of either", x.size(), y.size()));
-  }
-  const std::size_t n = x.size() == 1 ? y.size() : x.size();
-  PoseRowsOut out(n);
-  {
-    const nb::gil_scoped_release unlocked;
-    for (std::size_t i = 0; i < n; ++i) out.set(i, operation(x.at(i), y.at(i)));
-  }
-  return out.tuple();
-}
-
-/// Binds operations on many densities on SE(3) at once.
-void bind_batches(nb::module_& m) {
-  m.def("compose_rows", [](const Rows& mx, const Matrices& cx, const Rows& my, const Matrices& cy) {
-    return each_density({mx, cx}, {my, cy},
-                        [](const auto& x, const auto& y) { return compose(x, y); });
-  });
-  m.def("between_rows", [](const Rows& mx, const Matrices& cx, const Rows& my, const Matrices& cy) {
-    return each_density({mx, cx}, {my, cy},
-                        [](const auto& x, const auto& y) { return between(x, y); });
-  });
-  m.def("inverse_rows", [](const Rows& mx, const Matrices& cx) {
-    const PoseRows x(mx, cx);
-    return each_density(x, x, [](const auto& a, const auto&) { return inverse(a); });
-  });
-  m.def("fuse_rows", [](const Rows& mx, const Matrices& cx, const Rows& my, const Matrices& cy,
-                        const FuseSettings& settings) {
-    std::vector<bool> converged;
-    const nb::tuple fused = each_density({mx, cx}, {my, cy}, [&](const auto& x, const auto& y) {
-      auto result = fuse(x, y, settings);
-      converged.push_back(result.converged);
-      return std::move(result.density);
-    });
-    return nb::make_tuple(fused[0], fused[1], converged);
-  });
-}
-
 void bind_settings(nb::module_& m) {
   Settings<FuseSettings>(m, "FuseSettings", "Settings of `fuse` for concentrated Gaussians.")
       .field("max_iterations", &FuseSettings::max_iterations, "int", "Gauss-Newton steps at most.")
       .field("tolerance", &FuseSettings::tolerance, "float", "Norm of the last step [rad, m].")
       .done();
-  Words<FusionRule>(m, "FusionRule", "How the product of two projected Gaussians is found.")
-      .value(FusionRule::mode, "At the exact mode of the product, with its Hessian.")
+  Words<FusionRule>(m, "FusionRule",
+                    "Rule by which the product of two projected Gaussians is found.")
+      .value(FusionRule::mode, "The exact mode of the product, with the Hessian there.")
       .value(FusionRule::jacobian,
              "Both in the chart halfway (MPG paper, eq. 14-16); small angles only.");
-  Words<CompositionRule>(m, "CompositionRule", "How projected Gaussians are composed.")
+  Words<CompositionRule>(m, "CompositionRule", "Rule by which projected Gaussians are composed.")
       .value(CompositionRule::cubature, "Moments under the distributions, degree five.")
       .value(CompositionRule::third_degree_cubature,
              "2n points over the Gaussians in the tangent spaces.")
       .value(CompositionRule::jacobian, "Linearised (MPG paper, eq. 17).");
   Settings<ProjectedFuseSettings>(m, "ProjectedFuseSettings",
                                   "Settings of `fuse` for projected Gaussians.")
-      .field("rule", &ProjectedFuseSettings::rule, "FusionRule", "How the product is found.")
+      .field("rule", &ProjectedFuseSettings::rule, "FusionRule",
+             "Rule by which the product is found.")
       .field("max_iterations", &ProjectedFuseSettings::max_iterations, "int", "Steps at most.")
       .field("tolerance", &ProjectedFuseSettings::tolerance, "float", "Norm of the last step.")
       .field("max_angle", &ProjectedFuseSettings::max_angle, "float",
-             "For the Jacobian rule: largest angle between the quaternions of the tangent points, "
+             "Largest angle between the quaternions of the tangent points for the Jacobian rule, "
              "half of that between the rotations [rad].")
       .field("second_mode_from", &ProjectedFuseSettings::second_mode_from, "float",
              "The product's second mode is kept where its relative weight is at least this.")
@@ -333,7 +258,6 @@ void bind_density(nb::module_& m) {
   bind_stack(m);
   bind_projected<SO3d>(m, "ProjectedSO3");
   bind_projected<SE3d>(m, "ProjectedSE3");
-  bind_batches(m);
 }
 
 }  // namespace posemix::python

@@ -91,7 +91,8 @@ void bind_group(nb::module_& m) {
 void bind_results(nb::module_& m) {
   using E = DivergenceEstimate;
   Record<E>(m, "DivergenceEstimate", "A sampled divergence.")
-      .field("value", &E::value, "float", "Nats; of the integral square distance rad^-3 m^-3.")
+      .field("value", &E::value, "float",
+             "The divergence [nats], or the integral square distance [rad^-3 m^-3].")
       .field("error", &E::error, "float", "One standard error.")
       .field("evaluations", &E::evaluations, "int", "Points at which the densities were evaluated.")
       .field("converged", &E::converged, "bool",
@@ -119,24 +120,26 @@ void bind_settings(nb::module_& m) {
       .field("replicates", &Sampling::replicates, "int",
              "Independent randomisations, for the standard error.")
       .done();
-  Words<ConversionRule>(m, "ConversionRule", "How one kind of density becomes the other.")
-      .value(ConversionRule::linear, "To first order.")
+  Words<ConversionRule>(m, "ConversionRule", "Rule by which one kind of density becomes the other.")
+      .value(ConversionRule::linear, "The linearisation at the mean.")
       .value(ConversionRule::cubature, "Moments in the other chart, degree five.")
       .value(ConversionRule::maximum_likelihood, "The least divergence.");
-  Words<LargeLoss>(m, "LargeLoss", "What happens to a component that converts badly.")
-      .value(LargeLoss::split, "It is split until its loss meets the limit.")
+  Words<LargeLoss>(m, "LargeLoss", "Treatment of a component that converts badly.")
+      .value(LargeLoss::split, "The component is split until its loss meets the limit.")
       .value(LargeLoss::refuse, "An error.")
-      .value(LargeLoss::accept, "It is converted all the same.");
+      .value(LargeLoss::accept, "The component is converted all the same.");
   Settings<ConversionSettings>(m, "ConversionSettings",
                                "Settings of `to_projected` and `to_concentrated`.")
-      .field("rule", &ConversionSettings::rule, "ConversionRule", "How a component is converted.")
+      .field("rule", &ConversionSettings::rule, "ConversionRule",
+             "Rule by which a component is converted.")
       .field("max_kl", &ConversionSettings::max_kl, "float",
              "Divergence that a component may lose [nats].")
       .field("on_large_loss", &ConversionSettings::on_large_loss, "LargeLoss",
-             "What happens beyond it.")
-      .field("max_pieces", &ConversionSettings::max_pieces, "int", "Of one component.")
+             "Treatment of a component that loses more.")
+      .field("max_pieces", &ConversionSettings::max_pieces, "int",
+             "Largest number of pieces of one component.")
       .field("sampling", &ConversionSettings::sampling, "DivergenceSamplingSettings",
-             "How the loss is measured.")
+             "Sampling by which the loss is measured.")
       .done();
 }
 

@@ -74,12 +74,12 @@ void bind_results(nb::module_& m) {
   Record<R>(m, "EmResult", "A fitted mixture.", nb::is_generic(),
             nb::sig("class EmResult(typing.Generic[D])"))
       .field("mixture", &R::mixture, "posemix.mixture.Mixture[D]",
-             "The most likely one that was found.")
+             "The most likely mixture that was found.")
       .field("log_likelihood", &R::log_likelihood, "float",
              "Sum of weight times log density over the samples [nats].")
       .field("history", &R::history, "list[float]",
              "Log-likelihood at the start and after every iteration.")
-      .field("status", &R::status, "EmStatus", "How the run ended.")
+      .field("status", &R::status, "EmStatus", "Reason for which the run ended.")
       .field("parameters", &R::parameters, "int", "Free parameters.")
       .field("bic", &R::bic, "float", "Bayesian information criterion; smaller is better.")
       .field("starts", &R::starts, "int", "Starts that were tried.")
@@ -87,7 +87,7 @@ void bind_results(nb::module_& m) {
   using B = AnyBicSelection;
   Record<B>(m, "BicSelection", "Fits of 1, 2, ... components.", nb::is_generic(),
             nb::sig("class BicSelection(typing.Generic[D])"))
-      .field("fits", &B::fits, "list[EmResult[D]]", "Entry k has k + 1 components.")
+      .field("fits", &B::fits, "list[EmResult[D]]", "Fits; entry k has k + 1 components.")
       .field("best", &B::best, "int", "Index of the fit with the smallest BIC.")
       .done()
       .def_prop_ro(
@@ -98,15 +98,15 @@ void bind_results(nb::module_& m) {
 }  // namespace
 
 void bind_em(nb::module_& m) {
-  Words<EmStatus>(m, "EmStatus", "How an EM run ended.")
+  Words<EmStatus>(m, "EmStatus", "Reason for which an EM run ended.")
       .value(EmStatus::converged, "An iteration gained less than the tolerance.")
-      .value(EmStatus::max_iterations, "Stopped before that.")
+      .value(EmStatus::max_iterations, "The limit of iterations was reached before that.")
       .value(EmStatus::degenerate, "A component lost its samples or collapsed.");
   Settings<EmSettings>(m, "EmSettings", "Settings of `fit_mixture`.")
       .field("components", &EmSettings::components, "int", "Number of components.")
       .field("max_iterations", &EmSettings::max_iterations, "int", "Iterations at most.")
       .field("tolerance", &EmSettings::tolerance, "float",
-             "Of the log-likelihood's gain per unit of weight [nats].")
+             "Gain of the log-likelihood per unit of weight that ends a run [nats].")
       .field("restarts", &EmSettings::restarts, "int", "Starts, of which the best end is kept.")
       .field("fixed_means", &EmSettings::fixed_means, "bool", "Whether means stay at the start.")
       .field("diagonal", &EmSettings::diagonal, "bool", "Whether covariances are diagonal.")

@@ -49,12 +49,12 @@ void bind_object_metrics(nb::module_& m) {
       .field("right_mode_frames", &O::right_mode_frames, "int",
              "Frames within 20 deg and 10 cm of the truth.")
       .field("right_mode_share", &O::right_mode_share, "float | None",
-             "Their share of the frames with estimate and truth.")
+             "Share of these frames among those with estimate and truth.")
       .field("right_mode_anees", &O::right_mode_anees, "float | None",
-             "As `relative_anees`, over these frames.")
+             "The measure `relative_anees` over these frames only.")
       .field("mode_probability", &O::mode_probability, "float | None",
              "Probability of the mode at the last frame.")
-      .field("forecasts", &O::forecasts, "list[ModeForecast]", "One entry per frame.")
+      .field("forecasts", &O::forecasts, "list[ModeForecast]", "Forecasts, one per frame.")
       .field("relative_anees", &O::relative_anees, "float | None",
              "Mean of e^T P^-1 e / 6 with e = Log(T_true T_est^-1) of T_camera_object; 1 when "
              "consistent.")
@@ -118,7 +118,8 @@ void bind_metrics(nb::module_& m) {
       .field("camera", &M::camera, "PoseErrors", "Errors of T_world_camera as filtered.")
       .field("odometry", &M::odometry, "PoseErrors",
              "Errors of T_world_camera by the odometry alone.")
-      .field("objects", &M::objects, "list[ObjectMetrics]", "One entry per object.")
+      .field("objects", &M::objects, "list[ObjectMetrics]",
+             "Metrics of the objects, one entry each.")
       .field("timing", &M::timing, "Timing", "Cost of a frame.")
       .shown_as(&text_of)
       .done()
@@ -199,13 +200,16 @@ void bind_evaluation(nb::module_& m) {
         "True T_world_object of one object; arguments and result as for `true_relative_pose`.");
   m.def(
       "squared_normalized_error",
-      [](const ConcentratedSE3& estimate, const SE3d& truth) {
+      [](const ConcentratedSE3& estimate, const Argument<SE3d>& given) {
+        const SE3d truth = given.as("truth");
         return squared_normalized_error(estimate, truth);
       },
       "estimate"_a, "truth"_a, kSquaredErrorDoc);
   m.def(
       "on_right_mode",
-      [](const SE3d& estimate, const SE3d& truth) { return on_right_mode(estimate, truth); },
+      [](const Argument<SE3d>& estimate, const Argument<SE3d>& truth) {
+        return on_right_mode(estimate.as("estimate"), truth.as("truth"));
+      },
       "estimate"_a, "truth"_a, "Whether a pose is within 20 deg and 10 cm of the truth.");
 }
 

@@ -16,6 +16,9 @@
 
 namespace posemix::python {
 
+/// The annotation of an array among the attributes of a class.
+inline constexpr const char* kFloatArray = "numpy.typing.NDArray[numpy.float64]";
+
 /// A text that lives as long as the module.
 inline const char* kept(std::string text) {
   static std::deque<std::string> texts;
@@ -33,6 +36,12 @@ struct Field {
   std::function<std::string(const T&)> shown;
   std::function<bool(const T&, const T&)> same;
 };
+
+/// The type of an argument that becomes a field of this type.
+std::string argument_type(const std::string& type);
+
+/// The type of an attribute to which a value of this type can be assigned.
+std::string attribute_type(const std::string& type);
 
 /// The fields of a bound struct T, from which its class gets repr, equality, pickling and
 /// docstring.
@@ -59,6 +68,22 @@ class Fields {
   /// Assigns the values of a dict, whose keys are names of fields.
   void assign(T& self, const nb::dict& values) const {
     for (auto [key, value] : values) assign(self, nb::cast<std::string>(key), value);
+  }
+
+  /// @throws TypeError or ValueError naming the field, where the value does not fit it
+  void assign(T& self, const std::string& key, nb::handle value) const {
+    for (const Field<T>& field : fields_) {
+      if (key != field.name) continue;
+      try {
+        field.set(self, value);
+      } catch (const nb::cast_error&) {
+        throw nb::type_error(fmt::format("{}: {} is {}; expected {}", name_, key,
+                                         nb::repr(value).c_str(), field.type)
+                                 .c_str());
+      }
+      return;
+    }
+    throw nb::type_error(fmt::format("{} has no setting '{}'", name_, key).c_str());
   }
 
   /// Assigns values by position, then by name; each of the first `required` fields needs one.
@@ -119,21 +144,6 @@ class Fields {
   }
 
  private:
-  void assign(T& self, const std::string& key, nb::handle value) const {
-    for (const Field<T>& field : fields_) {
-      if (key != field.name) continue;
-      try {
-        field.set(self, value);
-      } catch (const nb::cast_error&) {
-        throw nb::type_error(fmt::format("{}: {} is {}; expected {}", name_, key,
-                                         nb::repr(value).c_str(), field.type)
-                                 .c_str());
-      }
-      return;
-    }
-    throw nb::type_error(fmt::format("{} has no setting '{}'", name_, key).c_str());
-  }
-
   std::string name_;
   std::vector<Field<T>> fields_;
   std::function<std::string(const T&)> text_;

@@ -4,9 +4,9 @@
 
 #include <fmt/ranges.h>
 
+#include "argument.hpp"
 #include "array_like.hpp"
 #include "record.hpp"
-#include "settings.hpp"
 
 namespace posemix::python {
 
@@ -74,92 +74,41 @@ dt : float
     Time step [s].
 )";
 
-using MultiObjectFields = Settings<MultiObjectSettings>;
-
-void add_hypothesis_fields(MultiObjectFields& settings) {
-  using S = MultiObjectSettings;
-  settings.field("max_hypotheses", &S::max_hypotheses, "int", "Of one object.")
-      .field("protected_hypotheses", &S::protected_hypotheses, "int",
-             "Of these, those of the best recent score.")
-      .field("explained_probability", &S::explained_probability, "float",
-             "Quantile within which a hypothesis explains a detection; one that none explains "
-             "starts one.")
-      .field("birth_covariance_factor", &S::birth_covariance_factor, "float",
-             "Of the detector's noise, for a new hypothesis.")
-      .field("birth_score", &S::birth_score, "float", "Of a new hypothesis [nats].")
-      .field("score_memory", &S::score_memory, "float",
-             "Share of the score that is left after a detection.")
-      .field("merge_rotation_rad", &S::merge_rotation_rad, "float",
-             "Hypotheses merge when they differ by less [rad].")
-      .field("merge_translation_m", &S::merge_translation_m, "float",
-             "Hypotheses merge when they differ by less [m].")
-      .field("merge_probability", &S::merge_probability, "float",
-             "And lie within this quantile of each other as seen from the camera.");
-}
-
-void add_noise_fields(MultiObjectFields& settings) {
-  using S = MultiObjectSettings;
-  settings
-      .field("leader_margin", &S::leader_margin, "float",
-             "A hypothesis takes the lead when it is ahead by more [nats].")
-      .field("has_odometry", &S::has_odometry, "bool", "Whether the camera has odometry.")
-      .field("odometry_camera_fraction", &S::odometry_camera_fraction, "float",
-             "Share of the odometry's noise that is the camera's; the rest is the map's drift.")
-      .field("noise_scale_detections", &S::noise_scale_detections, "float",
-             "Detections that the noise as given counts as; infinity: it is not learned.")
-      .field("least_noise_scale", &S::least_noise_scale, "float", "Of the learned scale.")
-      .field("correlation_s", &S::correlation_s, "float",
-             "Detections within this time count as one [s].")
-      .field("correlation_detections", &S::correlation_detections, "float",
-             "Detections that this value counts as.")
-      .field("bias_variance_fraction", &S::bias_variance_fraction, "float",
-             "Share of the noise's variance that all frames have in common.")
-      .field("mode_correlation_factor", &S::mode_correlation_factor, "float",
-             "So many times as many detections count as one in the mode's probability.")
-      .field("camera_gain_noise", &S::camera_gain_noise, "float",
-             "Noise with which the camera's gain is computed, in units of a detection's.");
-}
-
-void bind_multi_object_settings(nb::module_& m) {
-  MultiObjectFields settings(
-      m, "MultiObjectSettings",
-      "Settings of `MultiObjectFilter`. Distances that are probabilities are quantiles of "
-      "the\nchi-square distribution with six degrees of freedom.");
-  add_hypothesis_fields(settings);
-  add_noise_fields(settings);
-  settings.done();
-}
-
 void bind_results(nb::module_& m) {
   using H = ObjectHypothesis;
   Record<H>(m, "ObjectHypothesis",
             "One alternative for the pose of one object, X = Exp(xi) X0 in the world frame.")
       .field("pose", &H::pose, "posemix.lie.SE3", "T_world_object.")
-      .field("covariance", &H::covariance, kFloatArray, "Shape (6, 6), of xi of the object.")
+      .field("covariance", &H::covariance, kFloatArray,
+             "Covariance of xi of the object, shape (6, 6).")
       .field("cross_covariance", &H::cross_covariance, kFloatArray,
-             "Shape (6, 6), of xi of the object (rows) and of the camera.")
+             "Covariance of xi of the object (rows) and of the camera, shape (6, 6).")
       .field("log_weight", &H::log_weight, "float",
-             "Among the hypotheses of the object and its absence; counts every detection as "
+             "Logarithm of the weight among the hypotheses of the object and its absence, which "
+             "counts every detection as "
              "independent.")
       .field("probability", &H::probability, "float",
-             "The weight with dependent detections counted once.")
+             "The weight in which dependent detections count once.")
       .field("score", &H::score, "float", "Recent log evidence over that of clutter [nats].")
-      .field("id", &H::id, "int", "Kept over time; a merge keeps that of the heavier.")
+      .field("id", &H::id, "int",
+             "Number that stays the same over time; a merge keeps that of the heavier hypothesis.")
       .field("detections", &H::detections, "int", "Detections processed since it began.")
       .done();
   using R = ObjectUpdateReport;
-  Record<R>(m, "ObjectUpdateReport", "What became of a detection in `MultiObjectFilter.update`.")
-      .field("started", &R::started, "bool", "The detection began a hypothesis.")
-      .field("changed_leader", &R::changed_leader, "bool", "Another hypothesis leads than before.")
-      .field("log_evidence", &R::log_evidence, "float", "Of the detection given all before [nats].")
-      .field("merges", &R::merges, "int", "Hypotheses that became one with another.")
+  Record<R>(m, "ObjectUpdateReport", "Report on one detection by `MultiObjectFilter.update`.")
+      .field("started", &R::started, "bool", "Whether the detection began a hypothesis.")
+      .field("changed_leader", &R::changed_leader, "bool",
+             "Whether another hypothesis leads than before.")
+      .field("log_evidence", &R::log_evidence, "float",
+             "Log density of the detection given all before [nats].")
+      .field("merges", &R::merges, "int", "Number of hypotheses that became one with another.")
       .field("inlier_probability", &R::inlier_probability, "float",
              "Probability that the first noise component of the leading hypothesis explains the "
              "detection.")
       .field("clutter_probability", &R::clutter_probability, "float",
              "Probability that nothing of the leading hypothesis explains it.")
       .field("residual", &R::residual, kFloatArray,
-             "Shape (6,), from the leading hypothesis, white under that component.")
+             "Residual from the leading hypothesis, white under that component; shape (6,).")
       .done();
 }
 
@@ -169,8 +118,8 @@ void bind_steps(nb::class_<MultiObjectFilter>& filter) {
   filter
       .def(
           "predict_with_odometry",
-          [](F& self, const SE3d& motion, const ArrayLike& q, double dt) {
-            self.predict_with_odometry(motion, q.as<Matrix6d>("q"), dt);
+          [](F& self, const Argument<SE3d>& motion, const ArrayLike& q, double dt) {
+            self.predict_with_odometry(motion.as("motion"), q.as<Matrix6d>("q"), dt);
           },
           "motion"_a, "q"_a, "dt"_a, kOdometryDoc)
       .def(
@@ -178,7 +127,8 @@ void bind_steps(nb::class_<MultiObjectFilter>& filter) {
           [](F& self, const ArrayLike& q, double dt) {
             self.predict_random_walk(q.as<Matrix6d>("q"), dt);
           },
-          "q"_a, "dt"_a, "A frame that the odometry lacks: the mean stays, `q` counts in full.")
+          "q"_a, "dt"_a,
+          "Predicts a frame without odometry: the mean stays, and `q` counts in full.")
       .def(
           "predict_constant_velocity",
           [](F& self, double periods, const ArrayLike& q, const ArrayLike& q_motion,
@@ -190,14 +140,15 @@ void bind_steps(nb::class_<MultiObjectFilter>& filter) {
           "periods"_a, "q"_a, "q_motion"_a, "at_rest"_a, "dt"_a, kVelocityDoc)
       .def(
           "update",
-          [](F& self, std::size_t object, const SE3d& camera_object) {
-            return self.update(object, camera_object);
+          [](F& self, std::size_t object, const Argument<SE3d>& camera_object) {
+            return self.update(object, camera_object.as("camera_object"));
           },
           "object"_a, "camera_object"_a,
-          "One detection T_camera_object of the object at index `object`.")
+          "Processes one detection T_camera_object of the object at index `object`.")
       .def(
           "forget", [](F& self, std::size_t object) { self.forget(object); }, "object"_a,
-          "The object is as if never seen; what it said about the camera and others stays.")
+          "Forgets an object, as if it had never been seen; what it said about the camera and "
+          "others stays.")
       .def("__copy__", [](const F& self) { return F(self); })
       .def(
           "__deepcopy__", [](const F& self, const nb::dict& /*memo*/) { return F(self); },
@@ -246,29 +197,33 @@ void bind_multi_object(nb::module_& m) {
   nb::class_<F> filter(m, "MultiObjectFilter", kFilterDoc);
   filter.def(
       "__init__",
-      [](F* self, const ConcentratedSE3& camera, std::vector<ObjectSensor> objects,
+      [](F* self, const Argument<ConcentratedSE3>& camera,
+         const Argument<std::vector<ObjectSensor>>& objects,
          const std::optional<MultiObjectSettings>& settings) {
-        new (self) F(camera, std::move(objects), settings.value_or(MultiObjectSettings{}));
+        new (self)
+            F(camera.as("camera", kOneDensity), entries_of(objects, "objects", "an ObjectSensor"),
+              settings.value_or(MultiObjectSettings{}));
       },
       "camera"_a, "objects"_a, "settings"_a = nb::none());
   bind_steps(filter);
   bind_objects(filter);
-  filter.def_prop_ro("objects", &F::objects, "Number of objects.")
+  filter.def_prop_ro("object_count", &F::object_count, "Number of objects.")
       .def_prop_ro("correlation_length", &F::correlation_length,
                    "Detections of an object that count as one, over all objects.")
       .def_prop_ro(
           "camera", [](const F& self) { return self.camera(); },
           "T_world_camera, with the covariance of the true error.")
       .def_prop_ro(
-          "settings", [](const F& self) { return MultiObjectSettings(self.settings()); },
-          "A copy of the settings.")
+          "settings", [](const F& self) { return frozen(self.settings()); },
+          nb::for_getter(nb::sig("def settings(self, /) -> MultiObjectSettings")),
+          "A copy of the settings, which cannot be changed.")
       .def("joint", &F::joint,
            "Camera, then the leading hypotheses in the order in which they began, jointly.")
       .def("__repr__", [](const F& self) {
         std::vector<std::size_t> counts;
-        for (std::size_t j = 0; j < self.objects(); ++j)
+        for (std::size_t j = 0; j < self.object_count(); ++j)
           counts.push_back(self.hypotheses(j).size());
-        return fmt::format("<MultiObjectFilter of {} objects, hypotheses {}>", self.objects(),
+        return fmt::format("<MultiObjectFilter of {} objects, hypotheses {}>", self.object_count(),
                            counts);
       });
 }
@@ -276,7 +231,6 @@ void bind_multi_object(nb::module_& m) {
 }  // namespace
 
 void bind_multi_object_filter(nb::module_& m) {
-  bind_multi_object_settings(m);
   bind_results(m);
   bind_multi_object(m);
 }

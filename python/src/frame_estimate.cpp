@@ -28,34 +28,37 @@ constexpr const char* kPosesById =
 
 void bind_reports(nb::module_& m) {
   using C = CandidateReport;
-  Record<C>(m, "CandidateReport", "What became of a candidate.")
-      .field("status", &C::status, "CandidateStatus", "Whether it is of an instance.")
+  Record<C>(m, "CandidateReport", "Report on one candidate.")
+      .field("status", &C::status, "CandidateStatus", "Result of the association.")
       .field("object", &C::object, "int | None",
              "Index of the model that took it, where assigned or fresh.")
-      .field("recycled", &C::recycled, "bool", "Another instance was forgotten for it.")
+      .field("recycled", &C::recycled, "bool", "Whether another instance was forgotten for it.")
       .done();
   using R = FrameReport;
   Record<R>(m, "FrameReport", "Report of one frame.")
-      .field("statuses", &R::statuses, "list[DetectionStatus]", "One per object model.")
-      .field("candidates", &R::candidates, "list[CandidateReport]", "One per candidate.")
-      .field("update", &R::update, "UpdateReport", "Of the Gaussian-sum filter.")
-      .field("merges", &R::merges, "int", "Hypotheses that became one with another.")
-      .field("seconds", &R::seconds, "float", "Predict, update, reduce and summarise [s].")
+      .field("statuses", &R::statuses, "list[DetectionStatus]",
+             "Results of the detections, one per object model.")
+      .field("candidates", &R::candidates, "list[CandidateReport]", "Reports, one per candidate.")
+      .field("update", &R::update, "UpdateReport", "Report of the Gaussian-sum filter.")
+      .field("merges", &R::merges, "int", "Number of hypotheses that became one with another.")
+      .field("seconds", &R::seconds, "float",
+             "Time for prediction, update, reduction and summary [s].")
       .done();
 }
 
 void bind_hypotheses(nb::module_& m) {
   using H = HypothesisSnapshot;
   Record<H>(m, "HypothesisSnapshot", "One hypothesis of one frame.")
-      .field("log_weight", &H::log_weight, "float", "Its weight, normalised.")
+      .field("log_weight", &H::log_weight, "float", "Logarithm of the normalised weight.")
       .field("poses", &H::poses, "posemix.lie.SE3",
              "Mean poses of camera and objects, an SE3 of shape (n,).")
       .done();
   using A = ObjectAlternative;
   Record<A>(m, "ObjectAlternative", "One alternative of one object at one frame.")
-      .field("probability", &A::probability, "float", "Dependent detections counted once.")
+      .field("probability", &A::probability, "float",
+             "Weight in which dependent detections count once.")
       .field("pose", &A::pose, "posemix.lie.SE3", "T_world_object.")
-      .field("id", &A::id, "int", "The same from frame to frame.")
+      .field("id", &A::id, "int", "Number that is the same from frame to frame.")
       .done();
   using E = ObjectEstimate;
   Record<E>(m, "ObjectEstimate", "The estimate of one object at one frame.")
@@ -64,10 +67,10 @@ void bind_hypotheses(nb::module_& m) {
           "relative", &E::relative, kMaybePose,
           "T_camera_object over the frames, including the cross-covariance of camera and object.")
       .field("mode_probability", &E::mode_probability, "float | None",
-             "That the estimate is on the right mode, by the multi-object filter.")
+             "Probability that the estimate is on the right mode, by the multi-object filter.")
       .field("alternatives", &E::alternatives, "list[ObjectAlternative]",
-             "Where hypotheses are recorded.")
-      .field("status", &E::status, "DetectionStatus", "What became of the frame's detection.")
+             "Alternatives, where hypotheses are recorded.")
+      .field("status", &E::status, "DetectionStatus", "Result of the frame's detection.")
       .done();
 }
 
@@ -79,7 +82,7 @@ std::string frame_text(const FrameEstimate& frame) {
                      seen.empty() ? "none" : fmt::format("{}", fmt::join(seen, ", ")));
 }
 
-/// Values of the objects by their ids; none where there are no values.
+/// Values of the objects by their ids; the dict is empty where there are no values.
 template <class Value>
 auto by_id(std::vector<Value> FrameEstimate::*member) {
   return [member](const FrameEstimate& frame) {
@@ -88,6 +91,13 @@ auto by_id(std::vector<Value> FrameEstimate::*member) {
       all[nb::str(frame.ids->at(i).c_str())] = nb::cast((frame.*member)[i]);
     return all;
   };
+}
+
+nb::dict mode_probabilities(const FrameEstimate& frame) {
+  nb::dict all = by_id(&FrameEstimate::mode_probabilities)(frame);
+  if (nb::len(all) == 0 && frame.ids)
+    for (const std::string& id : *frame.ids) all[nb::str(id.c_str())] = nb::none();
+  return all;
 }
 
 void bind_frame(nb::module_& m) {
@@ -103,22 +113,24 @@ void bind_frame(nb::module_& m) {
              by_id(&F::objects))
       .field("relative", &F::relative, kPosesById,
              "T_camera_object by id, with the cross-covariance.", by_id(&F::relative))
-      .field("mode_probabilities", &F::mode_probabilities, "dict[str, float | None]",
-             "That the estimate is on the right mode, by id; by the multi-object filter.",
-             by_id(&F::mode_probabilities))
+      .field(
+          "mode_probabilities", &F::mode_probabilities, "dict[str, float | None]",
+          "Probability that the estimate is on the right mode, by id; None for an object that was "
+          "not seen so far, and with another filter than the multi-object filter.",
+          &mode_probabilities)
       .field("alternatives", &F::alternatives, "dict[str, list[ObjectAlternative]]",
-             "Of every object by id, by the multi-object filter; where hypotheses are recorded.",
+             "Alternatives by id, by the multi-object filter where hypotheses are recorded.",
              by_id(&F::alternatives))
       .field("hypotheses", &F::hypotheses, "list[HypothesisSnapshot]",
-             "Over all poses, by the other filters; where hypotheses are recorded.")
+             "Hypotheses over all poses, by the other filters where hypotheses are recorded.")
       .field("pose_indices", &F::pose_indices, "list[int | None]",
-             "Of the objects, in their order, in every hypothesis over all poses.")
-      .field("report", &F::report, "FrameReport", "What was done.")
-      .field("ids", &F::ids, "list[str]", "Of the objects, in their order.")
+             "Indices of the objects, in their order, in every hypothesis over all poses.")
+      .field("report", &F::report, "FrameReport", "Report of the frame.")
+      .field("ids", &F::ids, "list[str]", "Ids of the objects, in their order.")
       .shown_as(&frame_text)
       .done()
       .def("object", &F::object, "id"_a,
-           "All that is known of one object. ValueError for an id that there is not.");
+           "All that is known of one object; raises ValueError for another id.");
 }
 
 }  // namespace

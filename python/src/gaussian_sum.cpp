@@ -9,6 +9,7 @@
 #include <nanobind/stl/function.h>
 #include <nanobind/stl/variant.h>
 
+#include "argument.hpp"
 #include "array_like.hpp"
 #include "posemix/detector/default_noise.hpp"
 #include "posemix/filter/predict.hpp"
@@ -21,19 +22,21 @@ namespace posemix::python {
 namespace {
 
 void bind_enums(nb::module_& m) {
-  Words<NoiseUse>(m, "NoiseUse", "How noise components are combined over the objects seen.")
-      .value(NoiseUse::joint, "One for all visible objects (the midway paper's filter).")
-      .value(NoiseUse::per_object, "One for every object, one after another.")
+  Words<NoiseUse>(m, "NoiseUse",
+                  "Rule by which noise components are combined over the objects seen.")
+      .value(NoiseUse::joint, "One component for all visible objects (the midway paper's filter).")
+      .value(NoiseUse::per_object, "One component for every object, one object after another.")
       .value(NoiseUse::most_likely,
-             "The same, but a hypothesis keeps only the likeliest child (max-mixture).");
-  Words<UpdateRule>(m, "UpdateRule", "How one hypothesis is updated.")
-      .value(UpdateRule::linearized, "Once, at the prior mean.")
+             "One component per object, but every hypothesis keeps only its likeliest child "
+             "(max-mixture).");
+  Words<UpdateRule>(m, "UpdateRule", "Rule by which one hypothesis is updated.")
+      .value(UpdateRule::linearized, "One linearisation, at the prior mean.")
       .value(UpdateRule::iterated,
-             "By iteration; consistent when the odometry is bad against the detector.");
+             "Several linearisations; consistent when the odometry is bad against the detector.");
   Words<RobustLoss>(m, "RobustLoss", "The loss by which a hypothesis is updated.")
       .value(RobustLoss::none, "The squared Mahalanobis distance.")
       .value(RobustLoss::cauchy, "c^2 log(1 + d^2 / c^2).");
-  Words<Summary>(m, "Summary", "What is reported as the estimate.")
+  Words<Summary>(m, "Summary", "Rule by which one estimate is made of the hypotheses.")
       .value(Summary::best, "The hypothesis of the largest weight.")
       .value(Summary::merge_two_largest,
              "The merge of the two largest weights (the midway paper's).")
@@ -43,15 +46,16 @@ void bind_enums(nb::module_& m) {
 void bind_filter_settings(nb::module_& m) {
   using S = GaussianSumSettings;
   Settings<S>(m, "GaussianSumSettings", "Settings of `GaussianSumFilter`.")
-      .field("noise_use", &S::noise_use, "NoiseUse", "How noise components are combined.")
-      .field("update", &S::update, "UpdateRule", "How one hypothesis is updated.")
-      .field("robust_loss", &S::robust_loss, "RobustLoss", "By which it is updated.")
+      .field("noise_use", &S::noise_use, "NoiseUse", "Rule by which noise components are combined.")
+      .field("update", &S::update, "UpdateRule", "Rule by which one hypothesis is updated.")
+      .field("robust_loss", &S::robust_loss, "RobustLoss", "Loss by which a hypothesis is updated.")
       .field("cauchy_scale", &S::cauchy_scale, "float",
-             "Of RobustLoss.cauchy, standard deviations.")
+             "Scale of RobustLoss.cauchy in standard deviations.")
       .field("gate_probability", &S::gate_probability, "float",
              "Quantile beyond which a detection is left out (chi-square, 6); 1: no gate.")
-      .field("summary", &S::summary, "Summary", "What is reported.")
-      .field("reduction", &S::reduction, "ReductionSettings", "Of the hypotheses.")
+      .field("summary", &S::summary, "Summary",
+             "Rule by which one estimate is made of the hypotheses.")
+      .field("reduction", &S::reduction, "ReductionSettings", "Reduction of the hypotheses.")
       .field("first_object", &S::first_object, "int",
              "Index of the first object's pose: 2 where the motion is part of the state.")
       .done();
@@ -66,21 +70,21 @@ struct OwnedDetection {
 
 void bind_results(nb::module_& m) {
   using D = OwnedDetection;
-  Record<D>(m, "Detection", "One detection for `GaussianSumFilter.update`.")
+  Record<D>(m, "Detection", "A detection for `GaussianSumFilter.update`.")
       .field("object", &D::object, "int", "Index of the object's pose in the posterior.")
       .field("camera_object", &D::camera_object, "posemix.lie.SE3", "T_camera_object as detected.")
-      .field("noise", &D::noise, "DetectorNoise", "How the detector errs.")
+      .field("noise", &D::noise, "DetectorNoise", "Noise of the detector.")
       .constructible(3)
       .done();
   using R = UpdateReport;
-  Record<R>(m, "UpdateReport", "What an update did with every detection, in the order given.")
-      .field("gated", &R::gated, "list[bool]", "Left out by the gate.")
+  Record<R>(m, "UpdateReport", "Report of an update on every detection, in the order given.")
+      .field("gated", &R::gated, "list[bool]", "Whether each detection was left out by the gate.")
       .field("failed", &R::failed, "list[bool]",
              "Left out because an innovation covariance was not positive definite.")
       .field("log_evidence", &R::log_evidence, "float",
              "Log of the summed likelihood of the detections used [nats].")
       .field("reductions", &R::reductions, "list[ReductionReport]",
-             "One for joint use, one per used detection otherwise.")
+             "Reductions: a single one for joint use, otherwise one per used detection.")
       .field("update_seconds", &R::update_seconds, "float", "Time that updating took [s].")
       .field("reduce_seconds", &R::reduce_seconds, "float", "Time that reducing took [s].")
       .done();
@@ -169,7 +173,8 @@ void bind_predictions(nb::class_<GaussianSumFilter>& filter) {
           "motion"_a, "Moves every hypothesis by a function of its own.")
       .def(
           "predict_with_odometry",
-          [](F& self, const SE3d& motion, const ArrayLike& q) {
+          [](F& self, const Argument<SE3d>& given, const ArrayLike& q) {
+            const SE3d motion = given.as("motion");
             const auto noise = q.as<Matrix6d>("q");
             self.predict(
                 [&](Hypothesis h) { return predict_with_odometry(std::move(h), motion, noise); });
@@ -181,7 +186,7 @@ void bind_predictions(nb::class_<GaussianSumFilter>& filter) {
             const auto noise = q.as<Matrix6d>("q");
             self.predict([&](Hypothesis h) { return predict_random_walk(std::move(h), noise); });
           },
-          "q"_a, "The mean stays.")
+          "q"_a, "Predicts without odometry: the mean stays.")
       .def(
           "predict_constant_velocity",
           [](F& self, double periods, const ArrayLike& q, const ArrayLike& q_motion) {
@@ -200,7 +205,9 @@ void bind_filter(nb::module_& m) {
   nb::class_<F> filter(m, "GaussianSumFilter", kFilterDoc);
   filter.def(
       "__init__",
-      [](F* self, const Prior& prior, const std::optional<GaussianSumSettings>& settings) {
+      [](F* self, const Argument<Prior>& given,
+         const std::optional<GaussianSumSettings>& settings) {
+        const Prior prior = given.as("prior", "a ConcentratedGaussian over poses, or a Mixture");
         new (self) F(std::visit(AsPosterior{}, prior), settings.value_or(GaussianSumSettings{}));
       },
       "prior"_a, "settings"_a = nb::none());
@@ -208,15 +215,16 @@ void bind_filter(nb::module_& m) {
   filter.def("update", &update, "detections"_a, kUpdateDoc)
       .def(
           "add_object",
-          [](F& self, const SE3d& pose, const DetectorNoise& noise) {
-            return self.add_object(pose, noise);
+          [](F& self, const Argument<SE3d>& pose, const DetectorNoise& noise) {
+            return self.add_object(pose.as("camera_object"), noise);
           },
           "camera_object"_a, "noise"_a,
           "A new object with its full cross-covariance; the index of its pose.")
       .def(
           "add_independent_object",
-          [](F& self, const SE3d& pose, const ArrayLike& covariance) {
-            return self.add_independent_object(pose, covariance.as<Matrix6d>("covariance"));
+          [](F& self, const Argument<SE3d>& pose, const ArrayLike& covariance) {
+            return self.add_independent_object(pose.as("camera_object"),
+                                               covariance.as<Matrix6d>("covariance"));
           },
           "camera_object"_a, "covariance"_a,
           "A new object with an error independent of all others (world frame); its index.")
@@ -224,9 +232,10 @@ void bind_filter(nb::module_& m) {
           "posterior", [](const F& self) { return Posterior(self.posterior()); },
           "The joint mixture over the camera and all objects.")
       .def_prop_ro(
-          "settings", [](const F& self) { return GaussianSumSettings(self.settings()); },
-          "A copy of the settings.")
-      .def("summarise", &F::summarise, "One Gaussian in place of the posterior.")
+          "settings", [](const F& self) { return frozen(self.settings()); },
+          nb::for_getter(nb::sig("def settings(self, /) -> GaussianSumSettings")),
+          "A copy of the settings, which cannot be changed.")
+      .def("summarise", &F::summarise, "The Gaussian that stands for the posterior.")
       .def("__reduce__",
            [](const F& self) {
              return nb::make_tuple(nb::type<F>(),

@@ -25,7 +25,7 @@ void bind_results(nb::module_& m) {
       .field("evaluations", &E::evaluations, "int", "Points at which the density was evaluated.")
       .done();
   using C = GraspCandidate;
-  Record<C>(m, "GraspCandidate", "Where one start of `best_grasp` ended.")
+  Record<C>(m, "GraspCandidate", "The end that one start of `best_grasp` reached.")
       .field("start", &C::start, "posemix.lie.SE3", "Frame of the grasp at the start.")
       .field("pose", &C::pose, "posemix.lie.SE3", "Frame of the grasp at the end.")
       .field("success", &C::success, "SuccessEstimate", "Probability at the end.")
@@ -35,8 +35,9 @@ void bind_results(nb::module_& m) {
       .field("pose", &B::pose, "posemix.lie.SE3", "Frame of the grasp.")
       .field("success", &B::success, "SuccessEstimate", "Its probability.")
       .field("candidates", &B::candidates, "list[GraspCandidate]",
-             "What every start found, best first.")
-      .field("evaluations", &B::evaluations, "int", "Of the probability while searching.")
+             "Ends of all starts, best first.")
+      .field("evaluations", &B::evaluations, "int",
+             "Number of evaluations of the probability during the search.")
       .done();
 }
 
@@ -146,20 +147,22 @@ void bind_criterion(nb::module_& m) {
 
 void bind_settings(nb::module_& m) {
   Settings<SuccessSettings>(m, "SuccessSettings", "Settings of `success_probability`.")
-      .field("points", &SuccessSettings::points, "int", "For every component in every replicate.")
+      .field("points", &SuccessSettings::points, "int",
+             "Number of points for every component in every replicate.")
       .field("replicates", &SuccessSettings::replicates, "int",
              "Independent randomisations, at least 2.")
       .done();
   Settings<BestGraspSettings>(m, "BestGraspSettings", "Settings of `best_grasp`.")
       .field("starts", &BestGraspSettings::starts, "int",
-             "The modes of so many of the heaviest components.")
-      .field("points", &BestGraspSettings::points, "int", "Per component while searching.")
+             "Number of the heaviest components from whose modes the search starts.")
+      .field("points", &BestGraspSettings::points, "int",
+             "Number of points per component during the search.")
       .field("max_evaluations", &BestGraspSettings::max_evaluations, "int",
-             "Of the gradient, for every start.")
+             "Largest number of evaluations of the gradient from every start.")
       .field("tolerance", &BestGraspSettings::tolerance, "float",
-             "Stop when an iteration gains less, relative.")
+             "Relative gain of an iteration that ends the search.")
       .field("final", &BestGraspSettings::final, "SuccessSettings",
-             "For the probabilities reported.")
+             "Sampling of the probabilities that are reported.")
       .done();
 }
 

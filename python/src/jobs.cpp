@@ -76,7 +76,8 @@ void bind_job(nb::module_& m) {
       .field("camera_prior", &J::camera_prior,
              "posemix.density.ConcentratedGaussian[posemix.lie.SE3]",
              "T_world_camera of the first frame.")
-      .field("models", &J::models, "list[ObjectModel]", "One per object of the sequence.")
+      .field("models", &J::models, "collections.abc.Sequence[ObjectModel]",
+             "Models, one per object of the sequence.")
       .field("settings", &J::settings, "ObjectSlamSettings", "Tracker and motion model.")
       .field("smoothing", &J::smoothing, "SmoothingSettings | None",
              "Smoothing, for the multi-object filter only.")
@@ -158,7 +159,7 @@ void bind_results(nb::module_& m) {
 void bind_simulation_files(nb::module_& m) {
   using F = SimulationFile;
   Record<F>(m, "SimulationFile", "The content of a simulation file.")
-      .field("config", &F::config, "SimulationConfig", "What is simulated.")
+      .field("config", &F::config, "SimulationConfig", "Configuration of the simulation.")
       .field("filter", &F::filter, "list[tuple[str, str]]",
              "The table [filter] for the sequence file: keys, and values in the form of TOML.")
       .constructible(2)

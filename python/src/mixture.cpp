@@ -140,14 +140,14 @@ void bind_settings(nb::module_& m) {
   Settings<ProjectedMixtureFuseSettings>(m, "ProjectedMixtureFuseSettings",
                                          "Settings of `fuse` for mixtures of projected Gaussians.")
       .field("pair", &ProjectedMixtureFuseSettings::pair, "ProjectedFuseSettings",
-             "How two components are fused.")
+             "Settings for the fusion of two components.")
       .field("weight", &ProjectedMixtureFuseSettings::weight, "PairWeight", "Weight of a pair.")
       .done();
   Settings<ProjectedMixtureComposeSettings>(
       m, "ProjectedMixtureComposeSettings",
       "Settings of `compose`, `between` and `inverse` for mixtures of projected Gaussians.")
       .field("rule", &ProjectedMixtureComposeSettings::rule, "CompositionRule",
-             "How two components are composed.")
+             "Rule by which two components are composed.")
       .field("split_above", &ProjectedMixtureComposeSettings::split_above, "float",
              "A left factor wider in rotation than this standard deviation is split first [rad].")
       .done();
@@ -157,7 +157,7 @@ void bind_moments(nb::module_& m) {
   m.attr("D") = nb::type_var("D");
   Record<AnyMoments>(m, "Moments", "Mean and covariance of a mixture on its group.",
                      nb::is_generic(), nb::sig("class Moments(typing.Generic[D])"))
-      .field("density", &AnyMoments::density, "D", "One density with these moments.")
+      .field("density", &AnyMoments::density, "D", "The density with these moments.")
       .field("converged", &AnyMoments::converged, "bool", "Whether the mean's iteration converged.")
       .field("iterations", &AnyMoments::iterations, "int", "Updates of the mean.")
       .field("residual", &AnyMoments::residual, "float",

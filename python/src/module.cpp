@@ -12,6 +12,7 @@ NB_MODULE(_core, m) {
   bind_random(m);
   bind_lie(m);
   bind_density(m);
+  bind_density_batches(m);
   bind_mixture(m);
   bind_reduction(m);
   bind_divergence(m);
@@ -19,19 +20,27 @@ NB_MODULE(_core, m) {
   bind_report(m);
   bind_grasp(m);
   bind_errors(m);
+  bind_error_fit(m);
+  bind_scores(m);
   bind_tolerance(m);
   bind_symmetry(m);
   bind_noise(m);
   bind_noise_fit(m);
+  bind_multi_object_settings(m);
   bind_multi_object_filter(m);
   bind_gaussian_sum_filter(m);
   bind_slam_settings(m);
   bind_frame_estimate(m);
   bind_sequence(m);
+  bind_odometry_noise(m);
+  bind_frame_input(m);
   bind_slam(m);
+  bind_smoother(m);
+  bind_association(m);
   bind_slam_run(m);
   bind_evaluation(m);
   bind_simulation(m);
   bind_files(m);
+  bind_mixture_files(m);
   bind_jobs(m);
 }

@@ -21,32 +21,33 @@ void bind_parts(nb::module_& m) {
                     "Axes of a noise covariance; rotations are about the detected mode's "
                     "origin.")
       .value(NoiseFrame::object, "Y = T_camera_object offset Exp(n), n along the mode's own axes.")
-      .value(NoiseFrame::camera, "The same with n along the camera's axes.")
+      .value(NoiseFrame::camera, "Axes of the camera.")
       .value(NoiseFrame::ray,
-             "The same with z along the viewing ray and translations in units of the range.");
+             "Axes with z along the viewing ray, and translations in units of the range.");
   using C = NoiseComponent;
   Settings<C>(m, "NoiseComponent",
               "One component of a detector's error: Y = T_camera_object offset Exp(n).")
-      .field("weight", &C::weight, "float", "Its probability.")
+      .field("weight", &C::weight, "float", "Probability of the component.")
       .field("covariance", &C::covariance, "numpy.typing.ArrayLike",
              "Shape (6, 6) [rad, m; in the frame of the ray as a fraction of the range].")
       .field("frame", &C::frame, "NoiseFrame", "Axes of the covariance.")
       .field("offset", &C::offset, "posemix.lie.SE3",
              "Pose of the detected mode in the object's frame.")
       .field("update_covariance", &C::update_covariance, "numpy.typing.ArrayLike | None",
-             "With which a detection moves the estimate, where it is not the one that weighs "
+             "Covariance with which a detection moves the estimate, where it is not the one that "
+             "weighs "
              "hypotheses.")
       .done();
   Settings<Clutter>(
       m, "Clutter",
       "A detection that does not depend on the object: uniform over rotations and a volume.")
-      .field("weight", &Clutter::weight, "float", "Its probability.")
+      .field("weight", &Clutter::weight, "float", "Probability of clutter.")
       .field("volume_m3", &Clutter::volume_m3, "float", "The volume [m^3].")
       .done();
   using D = NoiseDependence;
-  Settings<D>(m, "NoiseDependence", "What successive detections have in common, where known.")
+  Settings<D>(m, "NoiseDependence", "Dependence of successive detections, where it is known.")
       .field("dependent_frames", &D::dependent_frames, "float | None",
-             "Detections of an object that count as one.")
+             "Number of detections of an object that count as one.")
       .field("bias", &D::bias, "numpy.typing.ArrayLike | None",
              "Shape (6, 6): covariance of the error that a whole recording shares, in frame and "
              "units of the first component.")
@@ -95,11 +96,18 @@ void bind_detector_noise(nb::module_& m) {
       },
       "components"_a, "clutter"_a = nb::none(), "dependence"_a = nb::none());
   noise.def_prop_ro(
-      "components", [](const D& self) { return self.components(); }, "Copies of the components.");
+      "components", [](const D& self) { return frozen(self.components()); },
+      nb::for_getter(
+          nb::sig("def components(self, /) -> collections.abc.Sequence[NoiseComponent]")),
+      "Copies of the components, which cannot be changed.");
   noise.def_prop_ro(
-      "clutter", [](const D& self) { return self.clutter(); }, "Copy of clutter.");
+      "clutter", [](const D& self) { return frozen(self.clutter()); },
+      nb::for_getter(nb::sig("def clutter(self, /) -> Clutter")),
+      "A copy of clutter, which cannot be changed.");
   noise.def_prop_ro(
-      "dependence", [](const D& self) { return self.dependence(); }, "Copy of the dependence.");
+      "dependence", [](const D& self) { return frozen(self.dependence()); },
+      nb::for_getter(nb::sig("def dependence(self, /) -> NoiseDependence")),
+      "A copy of the dependence, which cannot be changed.");
   noise.def_prop_ro("log_clutter_density", &D::log_clutter_density,
                     "Log of clutter's weight times its density [nats]; -inf for weight zero.");
   noise.def("single_gaussian", &D::single_gaussian,
@@ -149,7 +157,7 @@ array([0.01  , 0.01  , 0.01  , 0.0004, 0.0004, 0.25  ])
 
 void bind_sensor(nb::module_& m) {
   using S = ObjectSensor;
-  Settings<S>(m, "ObjectSensor", "How one object is seen.",
+  Settings<S>(m, "ObjectSensor", "The detector's view of one object: noise and symmetries.",
               [] { return ObjectSensor{.noise = default_detector_noise()}; })
       .field("noise", &S::noise, "DetectorNoise", "The error of its detections.")
       .field("symmetries", &S::symmetries, "SymmetryGroup", "The poses that look the same.")

@@ -5,8 +5,6 @@
 #include <map>
 
 #include <nanobind/stl/array.h>
-#include <nanobind/stl/variant.h>
-#include <nanobind/typing.h>
 
 #include "array_like.hpp"
 #include "posemix/config/noise_toml.hpp"
@@ -20,7 +18,7 @@ namespace posemix::python {
 namespace {
 
 void bind_noise_fit_settings(nb::module_& m) {
-  Words<NoiseCriterion>(m, "NoiseCriterion", "What decides between noise models.")
+  Words<NoiseCriterion>(m, "NoiseCriterion", "Criterion that decides between noise models.")
       .value(NoiseCriterion::bic, "The least BIC, with all detections taken for independent.")
       .value(NoiseCriterion::bic_independent_frames,
              "The least BIC, with correlated detections counted as fewer.")
@@ -28,7 +26,7 @@ void bind_noise_fit_settings(nb::module_& m) {
              "The greatest log density of recordings that were held out.");
   using M = NoiseModeSettings;
   Settings<M>(m, "NoiseModeSettings",
-              "Which clusters of wrong poses become modes of a noise model.")
+              "Conditions under which clusters of wrong poses become modes of a noise model.")
       .field("radius_deg", &M::radius_deg, "float",
              "Radius of a cluster of rotations; a wider component is no mode.")
       .field("least_share", &M::least_share, "float", "Least weight of a mode.")
@@ -39,19 +37,22 @@ void bind_noise_fit_settings(nb::module_& m) {
   using S = NoiseFitSettings;
   Settings<S>(m, "NoiseFitSettings", "Settings of `fit_noise`.")
       .field("max_components", &S::max_components, "int",
-             "Without modes; models of 1, 2, ... components are fitted.")
+             "Largest number of components without modes; models of 1, 2, ... are fitted.")
       .field("restarts", &S::restarts, "int", "Starts of EM for every number of components.")
       .field("frame", &S::frame, "NoiseFrame | None", "Axes of the covariances; chosen where None.")
-      .field("full_covariance", &S::full_covariance, "bool", "Else covariances are diagonal.")
+      .field("full_covariance", &S::full_covariance, "bool",
+             "Whether covariances are full; otherwise they are diagonal.")
       .field("free_means", &S::free_means, "bool",
-             "All components may have offsets; for the object's frame without clutter.")
-      .field("clutter", &S::clutter, "bool", "Models have clutter, whose weight is estimated.")
-      .field("clutter_volume_m3", &S::clutter_volume_m3, "float", "Its volume [m^3].")
-      .field("least_clutter", &S::least_clutter, "float", "Its least weight.")
-      .field("modes", &S::modes, "bool", "Modes are looked for; needs clutter.")
-      .field("mode", &S::mode, "NoiseModeSettings", "Which clusters become modes.")
-      .field("criterion", &S::criterion, "NoiseCriterion", "What decides between models.")
-      .field("folds", &S::folds, "int", "Of the cross validation; none where below two.")
+             "Whether all components may have offsets; for the object's frame without clutter.")
+      .field("clutter", &S::clutter, "bool",
+             "Whether models have clutter, whose weight is estimated.")
+      .field("clutter_volume_m3", &S::clutter_volume_m3, "float", "Volume of clutter [m^3].")
+      .field("least_clutter", &S::least_clutter, "float", "Least weight of clutter.")
+      .field("modes", &S::modes, "bool", "Whether modes are looked for; needs clutter.")
+      .field("mode", &S::mode, "NoiseModeSettings", "Conditions under which clusters become modes.")
+      .field("criterion", &S::criterion, "NoiseCriterion", "Criterion that decides between models.")
+      .field("folds", &S::folds, "int",
+             "Number of folds of the cross validation; below two there is none.")
       .field("max_rotation_sd_deg", &S::max_rotation_sd_deg, "float", "Bound of a component [deg].")
       .field("max_translation_sd_m", &S::max_translation_sd_m, "float",
              "Bound of a component [m, or fraction of the range].")
@@ -62,16 +63,17 @@ void bind_correlation(nb::module_& m) {
   using D = DependentFrames;
   Record<D>(m, "DependentFrames", "Number of frames that count as one independent frame.")
       .field("about_zero", &D::about_zero, "float",
-             "For whole recordings, whose common error counts; at least 1.")
+             "Number for whole recordings, whose common error counts; at least 1.")
       .field("within", &D::within, "float",
-             "For errors about the mean of each recording; at least 1.")
+             "Number for errors about the mean of each recording; at least 1.")
       .done();
   using C = NoiseCorrelation;
   Record<C>(m, "NoiseCorrelation", "Correlation in time of the errors of a detector.")
       .field("inliers", &C::inliers, "int", "Number of detections within the gate.")
       .field("inlier", &C::inlier, "DependentFrames",
-             "Of the whitened residuals of inliers, over all axes.")
-      .field("axes", &C::axes, "list[DependentFrames]", "The same by axis.")
+             "Dependence of the whitened residuals of inliers, over all axes.")
+      .field("axes", &C::axes, "list[DependentFrames]",
+             "Dependence of the residuals of inliers by axis.")
       .field("bias_sd", &C::bias_sd, kFloatArray,
              "Shape (6,): standard deviation of the error that a recording has in common [rad, m "
              "or fraction of the range].")
@@ -79,7 +81,7 @@ void bind_correlation(nb::module_& m) {
       .field("outlier_run", &C::outlier_run, "float",
              "Mean length of a run of outliers [detections].")
       .field("outlier", &C::outlier, "DependentFrames",
-             "Of the indicator of outliers, about its mean.")
+             "Dependence of the indicator of outliers, about its mean.")
       .done();
 }
 
@@ -87,9 +89,11 @@ void bind_correlation(nb::module_& m) {
 template <class Fit>
 Record<Fit>& with_likelihood(Record<Fit>& fit) {
   return fit
-      .field("log_likelihood", &Fit::log_likelihood, "float", "Sum over the detections [nats].")
+      .field("log_likelihood", &Fit::log_likelihood, "float",
+             "Log-likelihood, summed over the detections [nats].")
       .field("parameters", &Fit::parameters, "int", "Number of free parameters.")
-      .field("bic", &Fit::bic, "float", "parameters log(detections) - 2 log_likelihood.");
+      .field("bic", &Fit::bic, "float",
+             "The criterion, parameters log(detections) - 2 log_likelihood.");
 }
 
 NoiseEmFit blank_em_fit() {
@@ -103,8 +107,8 @@ void bind_models(nb::module_& m) {
       .field("weight", &M::weight, "float", "Share of the detections.")
       .field("recordings", &M::recordings, "float", "Effective number of recordings that have it.")
       .field("rotation_sd_deg", &M::rotation_sd_deg, "float",
-             "About the axis about which it is widest.")
-      .field("accepted", &M::accepted, "bool", "Whether it fulfils the settings.")
+             "Standard deviation about the widest axis [deg].")
+      .field("accepted", &M::accepted, "bool", "Whether the cluster fulfils the settings.")
       .done();
   using F = NoiseEmFit;
   Record<F> fit(m, "NoiseEmFit", "A noise model with a given number of components.");
@@ -113,18 +117,18 @@ void bind_models(nb::module_& m) {
   with_likelihood(fit)
       .field("history", &F::history, "list[float]",
              "Log-likelihood of the start and after every step.")
-      .field("status", &F::status, "EmStatus", "How EM ended.")
+      .field("status", &F::status, "EmStatus", "Reason for which EM ended.")
       .done();
   using V = NoiseValidation;
   Record<V>(m, "NoiseValidation",
-            "How well a kind of model predicts detections that it was not fitted to.")
+            "Quality of a kind of model at predicting detections to which it was not fitted.")
       .field("frame", &V::frame, "NoiseFrame", "Axes of the covariances.")
       .field("clutter", &V::clutter, "bool", "Whether the models have clutter.")
       .field("components", &V::components, "int", "Number of components.")
-      .field("log_density", &V::log_density, "float", "Mean per detection [nats].")
-      .field("by_fold", &V::by_fold, "list[float]", "The same by fold.")
+      .field("log_density", &V::log_density, "float", "Mean log density per detection [nats].")
+      .field("by_fold", &V::by_fold, "list[float]", "Mean per detection by fold [nats].")
       .field("below_best", &V::below_best, "float", "Difference to the best of all kinds [nats].")
-      .field("standard_error", &V::standard_error, "float", "Of that difference.")
+      .field("standard_error", &V::standard_error, "float", "Standard error of the difference.")
       .done();
 }
 
@@ -191,7 +195,7 @@ void bind_fit(nb::module_& m) {
       .field("correlation", &F::correlation, "NoiseCorrelation",
              "Correlation of the errors in time.")
       .field("validation", &F::validation, "list[NoiseValidation]",
-             "Empty without cross validation.")
+             "Results of the cross validation; empty without it.")
       .shown_as([](const F& self) {
         return fmt::format("<NoiseFit: {}, BIC {:.1f}>", nb::repr(nb::cast(self.noise)).c_str(),
                            self.bic);
@@ -237,72 +241,6 @@ void bind_fit(nb::module_& m) {
       "seed"_a = 1, kFitNoiseDoc);
 }
 
-constexpr const char* kOdometryDoc =
-    R"(Learns the random walk of the odometry and the jitter of the ground truth from the growth of the error with time.
-
-Parameters
-----------
-recordings : Sequence or iterable of Sequence
-    Recordings; those without `odometry` or `camera_truth` are left out.
-settings : OdometryNoiseSettings, optional
-    Lengths of the windows, number of samples for the standard errors.
-
-Raises
-------
-ValueError
-    If no recording has a window with odometry and ground truth at both ends.
-)";
-
-void bind_odometry(nb::module_& m) {
-  using S = OdometryNoiseSettings;
-  Settings<S>(m, "OdometryNoiseSettings", "Settings of `fit_odometry_noise`.")
-      .field("windows_s", &S::windows_s, "list[float]", "Lengths of the windows [s].")
-      .field("bootstrap", &S::bootstrap, "int", "Samples of recordings for the standard errors.")
-      .field("seed", &S::seed, "int", "Of these samples.")
-      .done();
-  using W = OdometryWindow;
-  Record<W>(m, "OdometryWindow", "The error of the relative pose over windows of one length.")
-      .field("seconds", &W::seconds, "float", "Length.")
-      .field("independent", &W::independent, "float", "Number of windows that do not overlap.")
-      .field("variance", &W::variance, kFloatArray,
-             "Shape (6,) [rad^2, m^2], axes of the camera at the end.")
-      .field("fitted", &W::fitted, kFloatArray, "Shape (6,): the variance by the fitted model.")
-      .done();
-  using O = OdometryNoise;
-  Record<O>(m, "OdometryNoise", "The noise of odometry, along the axes of the camera.")
-      .field("sd_per_sqrt_s", &O::sd_per_sqrt_s, kFloatArray,
-             "Shape (6,): random walk, per square root of a second [rad, m].")
-      .field("jitter_sd", &O::jitter_sd, kFloatArray,
-             "Shape (6,): white jitter of the truth [rad, m].")
-      .field("sd_per_sqrt_s_error", &O::sd_per_sqrt_s_error, kFloatArray,
-             "Shape (6,): standard error; NaN for fewer than two recordings.")
-      .field("jitter_sd_error", &O::jitter_sd_error, kFloatArray, "Shape (6,): standard error.")
-      .field("windows", &O::windows, "list[OdometryWindow]", "Windows of all lengths.")
-      .field("recordings", &O::recordings, "int", "Number of recordings.")
-      .done()
-      .def(
-          "to_toml", [](const O& self) { return format_odometry_toml(self); },
-          "The table `[motion]` of a sequence file, with comments.");
-  using Recordings = std::variant<Sequence, nb::typed<nb::iterable, Sequence>>;
-  m.def(
-      "fit_odometry_noise",
-      [](const Recordings& recordings, const std::optional<S>& settings) {
-        std::vector<OdometryRecording> all;
-        const auto add = [&](const Sequence& s) {
-          if (s.odometry.empty() || s.camera_truth.empty()) return;
-          all.push_back({std::to_string(all.size()), s.stamps, s.odometry, s.camera_truth});
-        };
-        if (const auto* one = std::get_if<Sequence>(&recordings)) {
-          add(*one);
-        } else {
-          for (const nb::handle each : std::get<1>(recordings)) add(nb::cast<Sequence>(each));
-        }
-        const nb::gil_scoped_release unlocked;
-        return fit_odometry_noise(all, settings.value_or(S{}));
-      },
-      "recordings"_a, "settings"_a = nb::none(), kOdometryDoc);
-}
-
 }  // namespace
 
 void bind_noise_fit(nb::module_& m) {
@@ -310,7 +248,6 @@ void bind_noise_fit(nb::module_& m) {
   bind_correlation(m);
   bind_models(m);
   bind_fit(m);
-  bind_odometry(m);
 }
 
 }  // namespace posemix::python

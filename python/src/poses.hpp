@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include <nanobind/stl/string.h>
+
 #include "arrays.hpp"
 
 /// Conversions of poses from and to the package's class SE3, which has one pose or an array of
@@ -39,6 +41,18 @@ struct PoseArray {
     return result;
   }
 };
+
+/// One pose, of an SE3 or a homogeneous matrix.
+/// @throws ValueError or TypeError of Python, naming the argument `name`
+inline SE3d pose_of(nb::handle value, const std::string& name) {
+  const nb::object pose = nb::module_::import_("posemix._poses").attr("one_pose")(value, name);
+  return Wire<SE3d>::read(nb::cast<Rows>(pose.attr("_rows")()).data());
+}
+
+/// Poses as rows of seven numbers, of NaN for a miss.
+inline Rows pose_rows(nb::handle value, const std::string& name) {
+  return nb::cast<Rows>(nb::module_::import_("posemix._poses").attr("pose_rows")(value, name));
+}
 
 using MaybePoses = std::vector<std::optional<SE3d>>;
 

@@ -5,11 +5,9 @@
 #include <type_traits>
 
 #include "fields.hpp"
+#include "parts.hpp"
 
 namespace posemix::python {
-
-/// The annotation of an array among the fields of a record.
-inline constexpr const char* kFloatArray = "numpy.typing.NDArray[numpy.float64]";
 
 /// A struct as a class like a frozen Python dataclass: attributes that cannot be assigned, repr,
 /// equality, copy and pickle. Only C++ makes one, unless it is `constructible`.
@@ -31,7 +29,12 @@ class Record {
   template <class Convert = void, class Value>
   Record& field(const char* name, Value T::*member, const char* type, const char* text) {
     using Used = std::conditional_t<std::is_void_v<Convert>, SettingValue<Value>, Convert>;
-    return add<Used>(name, member, type, text, &Used::get);
+    return add<Used>(name, member, type, text, [](const Value& value) {
+      if constexpr (std::is_void_v<Convert>)
+        return frozen(value);
+      else
+        return Used::get(value);
+    });
   }
 
   /// The same where Python sees `get(value)` or `get(object)`.
@@ -73,7 +76,7 @@ class Record {
     std::string optional;
     nb::list names;
     for (const Field<T>& field : *fields_) {
-      const std::string argument = fmt::format(", {}: {}", field.name, field.type);
+      const std::string argument = fmt::format(", {}: {}", field.name, argument_type(field.type));
       needed += argument + (nb::len(names) < required ? "" : " = ...");
       optional += argument + " = ...";
       names.append(field.name);

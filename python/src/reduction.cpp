@@ -15,52 +15,58 @@ namespace posemix::python {
 namespace {
 
 void bind_rules(nb::module_& m) {
-  Words<MergeRule>(m, "MergeRule", "How components become one.")
+  Words<MergeRule>(m, "MergeRule", "Rule by which components become one.")
       .value(MergeRule::midway,
              "Moments in the tangent space at the midway point (midway-merge paper, eq. 12-19).")
       .value(MergeRule::tangent_of_larger,
              "Moments in the tangent space of the heaviest (Cesic et al. 2017).")
       .value(MergeRule::moment_matched, "Moments on the group, by cubature.");
-  Words<TransportJacobian>(m, "TransportJacobian", "How a component is moved.")
-      .value(TransportJacobian::exact, "Closed form.")
-      .value(TransportJacobian::bernoulli, "Truncated series of the midway authors.");
-  Words<PairRule>(m, "PairRule", "Which two components are merged next.")
-      .value(PairRule::largest_with_smallest, "By weight.")
+  Words<TransportJacobian>(m, "TransportJacobian", "Jacobian with which a component is moved.")
+      .value(TransportJacobian::exact, "The closed form.")
+      .value(TransportJacobian::bernoulli, "The truncated series of the midway authors.");
+  Words<PairRule>(m, "PairRule", "Rule that chooses the two components that are merged next.")
+      .value(PairRule::largest_with_smallest, "The heaviest with the lightest.")
       .value(PairRule::most_distant, "The largest distance between means.")
       .value(PairRule::runnalls, "The smallest of Runnalls' bounds.")
       .value(PairRule::symmetric_kl, "The smallest symmetric divergence.")
-      .value(PairRule::weighted_symmetric_kl,
-             "The same times w_a w_b / (w_a + w_b) (MPG paper, eq. 23-24).");
+      .value(
+          PairRule::weighted_symmetric_kl,
+          "The smallest symmetric divergence times w_a w_b / (w_a + w_b) (MPG paper, eq. 23-24).");
   Words<DistanceMetric>(m, "DistanceMetric", "Distance of two means.")
       .value(DistanceMetric::tangent_norm, "Norm of the logarithm.")
       .value(DistanceMetric::rotation, "Angle [rad].")
       .value(DistanceMetric::translation, "Translation part [m].")
-      .value(DistanceMetric::mahalanobis, "In standard deviations of both.");
+      .value(DistanceMetric::mahalanobis, "Distance in standard deviations of both.");
 }
 
 void bind_settings(nb::module_& m) {
   Settings<MergeSettings>(m, "MergeSettings", "Settings of `merge`.")
-      .field("rule", &MergeSettings::rule, "MergeRule", "How components become one.")
+      .field("rule", &MergeSettings::rule, "MergeRule", "Rule by which components become one.")
       .field("jacobian", &MergeSettings::jacobian, "TransportJacobian",
-             "How a component is moved to the common tangent space.")
-      .field("max_iterations", &MergeSettings::max_iterations, "int", "Updates of the mean.")
-      .field("tolerance", &MergeSettings::tolerance, "float", "Norm of its last step [rad, m].")
+             "Jacobian with which a component is moved to the common tangent space.")
+      .field("max_iterations", &MergeSettings::max_iterations, "int",
+             "Largest number of updates of the mean.")
+      .field("tolerance", &MergeSettings::tolerance, "float",
+             "Norm of the last step of the mean [rad, m].")
       .done();
   Settings<ReductionSettings>(m, "ReductionSettings", "Settings of `reduce`.")
       .field("prune_below", &ReductionSettings::prune_below, "float",
-             "Components with a smaller weight are dropped first.")
+             "Weight below which components are dropped first.")
       .field("drop_smallest", &ReductionSettings::drop_smallest, "int",
-             "So many of the lightest are dropped after pruning.")
+             "Number of the lightest components that are dropped after pruning.")
       .field("keep_heaviest", &ReductionSettings::keep_heaviest, "int",
-             "Only so many are kept, without merging; 0: all.")
+             "Number of components that are kept, without merging; 0: all.")
       .field("max_components", &ReductionSettings::max_components, "int",
-             "Merging goes on until no more are left.")
+             "Number of components at which merging ends.")
       .field("merge_from", &ReductionSettings::merge_from, "int",
-             "Merging starts at this many; 0: as soon as there are more than max_components.")
-      .field("pair", &ReductionSettings::pair, "PairRule", "Which two are merged next.")
+             "Number of components at which merging starts; 0: as soon as there are more than "
+             "max_components.")
+      .field("pair", &ReductionSettings::pair, "PairRule",
+             "Rule that chooses the two components that are merged next.")
       .field("distance", &ReductionSettings::distance, "DistanceMetric",
-             "For PairRule.most_distant.")
-      .field("merge", &ReductionSettings::merge, "MergeSettings", "How two become one.")
+             "Distance of two means for PairRule.most_distant.")
+      .field("merge", &ReductionSettings::merge, "MergeSettings",
+             "Settings for the merge of two components.")
       .field("bound_loss", &ReductionSettings::bound_loss, "bool",
              "Whether the report holds bounds on the loss.")
       .done();
@@ -75,7 +81,7 @@ nb::list destinations(const std::vector<std::size_t>& destination) {
 
 void bind_report(nb::module_& m) {
   using L = BoundedLoss;
-  Record<L>(m, "BoundedLoss", "What a reduction lost at most.")
+  Record<L>(m, "BoundedLoss", "Bounds on the loss of a reduction.")
       .field("dropped", &L::dropped, "float", "Weight of the components that were dropped.")
       .field("merged_kl", &L::merged_kl, "float",
              "Bound on the divergence that merging caused [nats].")
@@ -93,18 +99,20 @@ void bind_report(nb::module_& m) {
       .field("distance", &M::distance, "float", "Distance of the means before the merge [rad, m].")
       .done();
   using R = ReductionReport;
-  Record<R>(m, "ReductionReport", "What `reduce` did.")
-      .field("components_before", &R::components_before, "int", "Components before.")
-      .field("components_pruned", &R::components_pruned, "int", "Components that were dropped.")
-      .field("components_after", &R::components_after, "int", "Components after.")
+  Record<R>(m, "ReductionReport", "Report of `reduce`.")
+      .field("components_before", &R::components_before, "int", "Number of components before.")
+      .field("components_pruned", &R::components_pruned, "int",
+             "Number of components that were dropped.")
+      .field("components_after", &R::components_after, "int", "Number of components after.")
       .field("weight_pruned", &R::weight_pruned, "float", "Weight that was dropped.")
       .field("weight_moved", &R::weight_moved, "float",
              "Sum over the merges of the smaller of both weights.")
-      .field("merges", &R::merges, "list[MergeRecord]", "One entry per merge.")
-      .field("destination", &R::destination, "list[int | None]",
-             "For every component before the index of the one after that holds it; None where it "
-             "was dropped.",
-             &destinations)
+      .field("merges", &R::merges, "list[MergeRecord]", "Merges in their order.")
+      .field(
+          "destination", &R::destination, "list[int | None]",
+          "Index, for every component before, of the component after that holds it; None where it "
+          "was dropped.",
+          &destinations)
       .field("bounded_loss", &R::bounded_loss, "BoundedLoss | None",
              "Bounds on the loss, where they were asked for.")
       .field("converged", &R::converged, "bool", "Whether every merge converged.")
@@ -124,7 +132,7 @@ void bind_results(nb::module_& m) {
                        nb::sig("class Reduction(typing.Generic[D])"))
       .field("mixture", &AnyReduction::mixture, "posemix.mixture.Mixture[D]",
              "The mixture with fewer components.")
-      .field("report", &AnyReduction::report, "ReductionReport", "What was done.")
+      .field("report", &AnyReduction::report, "ReductionReport", "Report of the reduction.")
       .done();
 }
 

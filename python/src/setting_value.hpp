@@ -25,7 +25,6 @@ namespace posemix::python {
 /// Conversion of a setting's value between C++ and Python, comparison, and its text in a repr.
 template <class Value>
 struct SettingValue {
-  static constexpr bool kIsArray = false;
   static nb::object get(const Value& value) { return nb::cast(value, nb::rv_policy::copy); }
   static Value set(nb::handle value, const std::string& /*name*/) { return nb::cast<Value>(value); }
   static bool same(const Value& a, const Value& b) { return get(a).equal(get(b)); }
@@ -35,7 +34,6 @@ struct SettingValue {
 /// Numbers that are no numbers are the same: a copy equals what it is a copy of.
 template <>
 struct SettingValue<double> {
-  static constexpr bool kIsArray = false;
   static nb::object get(double value) { return nb::float_(value); }
   static double set(nb::handle value, const std::string& /*name*/) {
     return nb::cast<double>(value);
@@ -44,17 +42,10 @@ struct SettingValue<double> {
   static std::string text(double value) { return nb::repr(get(value)).c_str(); }
 };
 
-/// Of a value that may change its type no reference is given out.
-template <class Value>
-inline constexpr bool kIsVariant = false;
-template <class... Values>
-inline constexpr bool kIsVariant<std::variant<Values...>> = true;
-
 /// Vectors and matrices, from any value that numpy can convert to an array.
 template <int Rows, int Columns, int Options, int MaxRows, int MaxColumns>
 struct SettingValue<Eigen::Matrix<double, Rows, Columns, Options, MaxRows, MaxColumns>> {
   using Value = Eigen::Matrix<double, Rows, Columns, Options, MaxRows, MaxColumns>;
-  static constexpr bool kIsArray = true;
   static nb::object get(const Value& value) { return nb::cast(value, nb::rv_policy::copy); }
 
   static Value set(nb::handle value, const std::string& name) {
@@ -95,9 +86,8 @@ struct SettingValue<Eigen::Matrix<double, Rows, Columns, Options, MaxRows, MaxCo
 
 template <>
 struct SettingValue<SE3d> {
-  static constexpr bool kIsArray = false;
   static nb::object get(const SE3d& value) { return nb::cast(value); }
-  static SE3d set(nb::handle value, const std::string& /*name*/) { return nb::cast<SE3d>(value); }
+  static SE3d set(nb::handle value, const std::string& name) { return pose_of(value, name); }
   static bool same(const SE3d& a, const SE3d& b) {
     return a.translation() == b.translation() &&
            a.rotation().quaternion().coeffs() == b.rotation().quaternion().coeffs();
@@ -113,10 +103,9 @@ struct SettingValue<SE3d> {
 template <>
 struct SettingValue<std::vector<SE3d>> {
   using Value = std::vector<SE3d>;
-  static constexpr bool kIsArray = false;
   static nb::object get(const Value& value) { return PoseArray::of(value).made; }
-  static Value set(nb::handle value, const std::string& /*name*/) {
-    return nb::cast<PoseArray>(value).poses();
+  static Value set(nb::handle value, const std::string& name) {
+    return elements_of<SE3d>(pose_rows(value, name), name.c_str());
   }
   static bool same(const Value& a, const Value& b) {
     return std::ranges::equal(a, b, SettingValue<SE3d>::same);
@@ -127,7 +116,6 @@ struct SettingValue<std::vector<SE3d>> {
 template <>
 struct SettingValue<PoseStackd> {
   using Poses = SettingValue<std::vector<SE3d>>;
-  static constexpr bool kIsArray = false;
   static nb::object get(const PoseStackd& value) { return Poses::get(value.poses()); }
   static PoseStackd set(nb::handle value, const std::string& name) {
     return PoseStackd(Poses::set(value, name));
@@ -159,7 +147,6 @@ struct NumbersAsArray {
 template <class Value>
 struct SettingValue<std::optional<Value>> {
   using Inner = SettingValue<Value>;
-  static constexpr bool kIsArray = false;
   static nb::object get(const std::optional<Value>& value) {
     return value ? Inner::get(*value) : nb::object(nb::none());
   }
@@ -178,15 +165,13 @@ struct SettingValue<std::optional<Value>> {
 /// An SE3 of shape (n,), NaN for a miss; None where there is no entry.
 template <>
 struct SettingValue<MaybePoses> {
-  static constexpr bool kIsArray = false;
   static nb::object get(const MaybePoses& value) {
     if (value.empty()) return nb::none();
     return PoseArray::of(rows_of(value), {value.size()}).made;
   }
   static MaybePoses set(nb::handle value, const std::string& name) {
     if (value.is_none()) return {};
-    const nb::object rows = nb::module_::import_("posemix.recording").attr("pose_rows")(value);
-    return maybe_poses(nb::cast<Rows>(rows), name);
+    return maybe_poses(pose_rows(value, name), name);
   }
   static bool same(const MaybePoses& a, const MaybePoses& b) {
     return std::ranges::equal(a, b, SettingValue<std::optional<SE3d>>::same);

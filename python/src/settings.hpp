@@ -3,6 +3,7 @@
 #pragma once
 
 #include "fields.hpp"
+#include "parts.hpp"
 
 namespace posemix::python {
 
@@ -24,22 +25,18 @@ class Settings {
   /// can be set from any value that numpy can convert to one.
   template <class Value>
   Settings& field(const char* name, Value T::*member, const char* type, const char* text) {
-    using Convert = SettingValue<Value>;
-    fields_->template add<Convert>(name, member, type, text);
-    if constexpr (Convert::kIsArray) {
-      const auto set = [member, what = fields_->name() + "." + name](T& t, nb::handle value) {
-        t.*member = Convert::set(value, what);
-      };
-      class_.def_prop_rw(
-          name, [member](T& t) -> Value& { return t.*member; }, set,
-          nb::for_getter(nb::rv_policy::reference_internal), text);
-    } else if constexpr (kIsVariant<Value>) {
-      class_.def_prop_rw(
-          name, [member](const T& t) { return t.*member; },
-          [member](T& t, Value value) { t.*member = std::move(value); }, text);
-    } else {
-      class_.def_rw(name, member, text);
-    }
+    fields_->template add<SettingValue<Value>>(name, member, type, text);
+    class_.def_prop_rw(
+        name,
+        [member](nb::handle_t<T> self) { return part_of(self, nb::inst_ptr<T>(self)->*member); },
+        [fields = fields_, name](nb::handle_t<T> self, nb::handle value) {
+          fields->assign(*nb::inst_ptr<T>(self), name, value);
+        },
+        nb::for_getter(
+            nb::sig(kept(fmt::format("def {}(self, /) -> {}", name, attribute_type(type))))),
+        nb::for_setter(nb::sig(
+            kept(fmt::format("def {}(self, value: {}, /) -> None", name, argument_type(type))))),
+        text);
     return *this;
   }
 
@@ -74,7 +71,7 @@ class Settings {
     std::string text = "def __init__(self";
     if (fields_->begin() != fields_->end()) text += ", *";
     for (const Field<T>& field : *fields_)
-      text += fmt::format(", {}: {} = ...", field.name, field.type);
+      text += fmt::format(", {}: {} = ...", field.name, argument_type(field.type));
     return text + ") -> None";
   }
 

@@ -13,88 +13,98 @@ constexpr const char* kArray = "numpy.typing.ArrayLike";
 void bind_path(nb::module_& m) {
   using W = SimulationSwing;
   Settings<W>(m, "SimulationSwing", "A length that swings: mean + swing sin(2 pi waves t).")
-      .field("mean_m", &W::mean_m, "float", "Its mean [m].")
-      .field("swing_m", &W::swing_m, "float", "Its amplitude [m].")
-      .field("waves", &W::waves, "int", "Whole waves over the recording.")
+      .field("mean_m", &W::mean_m, "float", "Mean [m].")
+      .field("swing_m", &W::swing_m, "float", "Amplitude [m].")
+      .field("waves", &W::waves, "int", "Number of whole waves over the recording.")
       .done();
   using P = SimulationPath;
   Settings<P>(m, "SimulationPath", "The camera's path: an orbit that looks at the target.")
       .field("frames", &P::frames, "int", "Number of frames.")
-      .field("period_s", &P::period_s, "float", "Between two frames; whole nanoseconds [s].")
-      .field("turns", &P::turns, "int", "Around the target over the recording.")
-      .field("target_m", &P::target_m, kArray, "Shape (3,), world frame [m].")
+      .field("period_s", &P::period_s, "float", "Time between two frames, whole nanoseconds [s].")
+      .field("turns", &P::turns, "int", "Number of turns around the target over the recording.")
+      .field("target_m", &P::target_m, kArray,
+             "Point that the camera looks at, world frame, shape (3,) [m].")
       .field("range", &P::range, "SimulationSwing", "Distance of the camera from the target.")
-      .field("height", &P::height, "SimulationSwing", "Of the camera above the target.")
+      .field("height", &P::height, "SimulationSwing", "Height of the camera above the target.")
       .done();
 }
 
 void bind_errors_of_simulation(nb::module_& m) {
   using S = SimulationSd;
   Settings<S>(m, "SimulationSd", "Standard deviations of a pose error about and along x, y, z.")
-      .field("rotation_rad", &S::rotation_rad, kArray, "Shape (3,) [rad].")
-      .field("translation_m", &S::translation_m, kArray, "Shape (3,) [m].")
+      .field("rotation_rad", &S::rotation_rad, kArray,
+             "Standard deviations about the axes, shape (3,) [rad].")
+      .field("translation_m", &S::translation_m, kArray,
+             "Standard deviations along the axes, shape (3,) [m].")
       .done();
   using N = SimulationNoise;
   Settings<N>(m, "SimulationNoise", "One component of the detector's error.")
-      .field("weight", &N::weight, "float", "Its probability.")
+      .field("weight", &N::weight, "float", "Probability of the component.")
       .field("sd", &N::sd, "SimulationSd", "Standard deviations.")
-      .field("frame", &N::frame, "NoiseFrame", "Their axes.")
+      .field("frame", &N::frame, "NoiseFrame", "Axes of the standard deviations.")
       .field("offset_rotation_rad", &N::offset_rotation_rad, kArray,
-             "Shape (3,), rotation vector of the mode [rad].")
+             "Rotation vector of the mode, shape (3,) [rad].")
       .field("offset_translation_m", &N::offset_translation_m, kArray,
-             "Shape (3,), translation of the mode [m].")
+             "Translation of the mode, shape (3,) [m].")
       .done();
 }
 
 void bind_disturbances(nb::module_& m) {
   using R = SimulationRuns;
   Settings<R>(m, "SimulationRuns", "A disturbance that comes in runs of frames.")
-      .field("fraction", &R::fraction, "float", "Of the frames that are disturbed, in [0, 1].")
+      .field("fraction", &R::fraction, "float",
+             "Fraction of the frames that are disturbed, in [0, 1].")
       .field("mean_run_s", &R::mean_run_s, "float",
-             "Runs are at least as long as independent frames make them [s].")
+             "Mean length of a run, which is at least that of independent frames [s].")
       .done();
   using F = SimulationFlips;
   Settings<F>(m, "SimulationFlips", "Detections of a wrong mode of a near-symmetry.")
-      .field("runs", &F::runs, "SimulationRuns", "How many, and for how long.")
-      .field("rotation_rad", &F::rotation_rad, kArray, "Shape (3,), rotation vector [rad].")
-      .field("translation_m", &F::translation_m, kArray, "Shape (3,) [m].")
+      .field("runs", &F::runs, "SimulationRuns", "Number and length of the runs.")
+      .field("rotation_rad", &F::rotation_rad, kArray,
+             "Rotation vector of the wrong mode, shape (3,) [rad].")
+      .field("translation_m", &F::translation_m, kArray,
+             "Translation of the wrong mode, shape (3,) [m].")
       .done();
   using O = SimulationOutliers;
   Settings<O>(m, "SimulationOutliers", "Gross errors.")
-      .field("runs", &O::runs, "SimulationRuns", "How many, and for how long.")
-      .field("box_m", &O::box_m, kArray, "Shape (3,), half the edges of the box [m].")
+      .field("runs", &O::runs, "SimulationRuns", "Number and length of the runs.")
+      .field("box_m", &O::box_m, kArray,
+             "Half the edges of the box of gross errors, shape (3,) [m].")
       .done();
 }
 
 void bind_object(nb::module_& m) {
   using O = SimulationObject;
   Settings<O>(m, "SimulationObject", "An object that stands on the table, and its detector.")
-      .field("id", &O::id, "str", "Its name.")
-      .field("position_m", &O::position_m, kArray, "Shape (3,), of T_world_object [m].")
-      .field("rotation_rad", &O::rotation_rad, kArray, "Shape (3,), rotation vector [rad].")
-      .field("noise", &O::noise, "list[SimulationNoise]", "The detector's error; a whole list.")
+      .field("id", &O::id, "str", "Name of the object.")
+      .field("position_m", &O::position_m, kArray, "Translation of T_world_object, shape (3,) [m].")
+      .field("rotation_rad", &O::rotation_rad, kArray,
+             "Rotation vector of T_world_object, shape (3,) [rad].")
+      .field("noise", &O::noise, "collections.abc.Sequence[SimulationNoise]",
+             "Components of the detector's error; assigned as a whole.")
       .field("correlation_s", &O::correlation_s, "float",
              "Correlation time of the error; 0: frames are independent [s].")
-      .field("flips", &O::flips, "SimulationFlips", "Wrong modes.")
+      .field("flips", &O::flips, "SimulationFlips", "Detections of a wrong mode.")
       .field("outliers", &O::outliers, "SimulationOutliers", "Gross errors.")
       .field("misses", &O::misses, "SimulationRuns", "Frames without a detection.")
-      .field("hidden_frames", &O::hidden_frames, "int", "It appears after so many.")
-      .field("claimed", &O::claimed, "list[SimulationNoise]",
-             "The noise that the filter is told; empty: derived from the true one.")
+      .field("hidden_frames", &O::hidden_frames, "int", "Number of frames before it appears.")
+      .field("claimed", &O::claimed, "collections.abc.Sequence[SimulationNoise]",
+             "Noise that the filter is told; empty: derived from the true one.")
       .done();
 }
 
 void bind_config(nb::module_& m) {
   using C = SimulationConfig;
   Settings<C>(m, "SimulationConfig", "The configuration of the simulation.")
-      .field("path", &C::path, "SimulationPath", "Of the camera.")
+      .field("path", &C::path, "SimulationPath", "Path of the camera.")
       .field("odometry", &C::odometry, "SimulationSd",
-             "Its error per square root of a second, right perturbation, camera frame.")
+             "Error of the odometry per square root of a second, right perturbation, camera frame.")
       .field("claimed_odometry", &C::claimed_odometry, "SimulationSd | None",
-             "That the filter is told; None: the true one.")
+             "Error of the odometry that the filter is told; None: the true one.")
       .field("start", &C::start, "SimulationSd",
              "Error of the start pose that the filter is told, left perturbation.")
-      .field("objects", &C::objects, "list[SimulationObject]", "On the table; a whole list.")
+      .field("objects", &C::objects, "collections.abc.Sequence[SimulationObject]",
+             "Objects on the table; assigned as a whole.")
       .done();
 }
 
@@ -146,7 +156,8 @@ void bind_functions(nb::module_& m) {
         "The noise components that the filter is told for an object.");
   m.def("claimed_clutter", &claimed_clutter, "object"_a,
         "The clutter that the filter is told: the fraction of outliers.");
-  m.def("object_model", &object_model, "object"_a, "What the filter is told of an object.");
+  m.def("object_model", &object_model, "object"_a,
+        "The model of an object that the filter is told.");
   m.def("motion_settings", &motion_settings, "config"_a,
         "Motion model with the claimed odometry error.");
   m.def("camera_prior", &camera_prior, "config"_a, "simulated"_a,

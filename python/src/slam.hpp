@@ -6,9 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "argument.hpp"
 #include "filter.hpp"
 #include "posemix/slam/run.hpp"
 #include "seed.hpp"
+#include "slam_settings.hpp"
 
 namespace posemix::python {
 
@@ -17,6 +19,12 @@ struct RecordedRun : SlamRun {
   std::vector<double> stamps = {};
   std::vector<std::string> ids = {};
 };
+
+using Models = std::vector<ObjectModel>;
+
+inline Models models_of(const Argument<Models>& given, const std::string& name) {
+  return entries_of(given, name, "an ObjectModel");
+}
 
 inline ConcentratedSE3 unit_density() { return ConcentratedSE3(SE3d(), Matrix6d::Identity()); }
 

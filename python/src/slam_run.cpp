@@ -161,9 +161,22 @@ void bind_run_class(nb::module_& m) {
       .def_prop_ro(
           "pose_indices", [](const R& self) { return self.pose_indices; },
           "Index of every object's pose in the posterior.")
+      .def("hypotheses", of_object([](const R& self, std::size_t j) {
+             return j < self.hypotheses.size() ? self.hypotheses[j]
+                                               : std::vector<ObjectHypothesis>();
+           }),
+           "object"_a,
+           "Hypotheses of an object, by index or id, at the last frame, with the multi-object "
+           "filter; none with another.")
       .def_prop_ro(
-          "alternatives", [](const R& self) { return self.alternatives; },
-          "Hypotheses of every object at the last frame, with the multi-object filter.")
+          "alternatives",
+          [](const R& self) {
+            if (PyErr_WarnEx(PyExc_DeprecationWarning,
+                             "SlamRun.alternatives is now SlamRun.hypotheses(object)", 1) != 0)
+              throw nb::python_error();
+            return self.hypotheses;
+          },
+          "The old name of `hypotheses`, a list of the hypotheses of every object.")
       .def("__copy__", [](const nb::object& self) { return self; })
       .def("__deepcopy__", [](const nb::object& self, const nb::dict& /*memo*/) { return self; })
       .def(
@@ -178,6 +191,19 @@ void bind_run_class(nb::module_& m) {
                            ids_text(self));
       });
 }
+
+/// What a run starts from, taken from its arguments.
+struct Recorded {
+  Sequence sequence;
+  PoseDensity prior;
+  Models models;
+
+  Recorded(const Argument<Sequence>& recording, const Argument<PoseDensity>& camera,
+           const Argument<Models>& objects)
+      : sequence(recording.as("sequence", "a Sequence or a SlamJob")),
+        prior(camera.as("camera_prior", kOneDensity)),
+        models(models_of(objects, "models")) {}
+};
 
 template <class Run>
 RecordedRun recorded(const Sequence& sequence, bool record, const nb::object& progress, Run run) {
@@ -213,7 +239,6 @@ ValueError
 )";
 
 void bind_run_functions(nb::module_& m) {
-  using Models = std::vector<ObjectModel>;
   m.def(
       "run_job",
       [](const SlamJob& job, bool record, const nb::object& progress) {
@@ -223,22 +248,26 @@ void bind_run_functions(nb::module_& m) {
       "job"_a, "record"_a, "progress"_a.none());
   m.def(
       "run",
-      [](const Sequence& sequence, const PoseDensity& prior, const Models& models,
-         const std::optional<ObjectSlamSettings>& settings, bool record,
-         const nb::object& progress) {
-        return recorded(sequence, record, progress, [&](const RunOptions& options) {
-          return run(sequence, prior, models, settings.value_or(ObjectSlamSettings{}), options);
+      [](const Argument<Sequence>& sequence, const Argument<PoseDensity>& prior,
+         const Argument<Models>& models, const std::optional<ObjectSlamSettings>& settings,
+         bool record, const nb::object& progress) {
+        const Recorded given(sequence, prior, models);
+        return recorded(given.sequence, record, progress, [&](const RunOptions& options) {
+          return run(given.sequence, given.prior, given.models,
+                     settings.value_or(ObjectSlamSettings{}), options);
         });
       },
       "sequence"_a, "prior"_a, "models"_a, "settings"_a.none(), "record"_a, "progress"_a.none());
   m.def(
       "run_smoothed",
-      [](const Sequence& sequence, const PoseDensity& prior, const Models& models,
-         const std::optional<SmoothingSettings>& smoothing,
+      [](const Argument<Sequence>& sequence, const Argument<PoseDensity>& prior,
+         const Argument<Models>& models, const std::optional<SmoothingSettings>& smoothing,
          const std::optional<ObjectSlamSettings>& settings, bool record,
          const nb::object& progress) {
-        return recorded(sequence, record, progress, [&](const RunOptions& options) {
-          return run_smoothed(sequence, prior, models, settings.value_or(ObjectSlamSettings{}),
+        const Recorded given(sequence, prior, models);
+        return recorded(given.sequence, record, progress, [&](const RunOptions& options) {
+          return run_smoothed(given.sequence, given.prior, given.models,
+                              settings.value_or(ObjectSlamSettings{}),
                               smoothing.value_or(SmoothingSettings{}), options);
         });
       },

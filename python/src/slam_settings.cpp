@@ -5,68 +5,80 @@
 #include "posemix/slam/method.hpp"
 #include "record.hpp"
 #include "settings.hpp"
+#include "slam_settings.hpp"
 #include "words.hpp"
 
 namespace posemix::python {
 namespace {
 
 void bind_enums(nb::module_& m) {
-  Words<MotionModel>(m, "MotionModel", "How the camera is predicted.")
-      .value(MotionModel::odometry,
-             "Where it is missing for a frame, a random walk with the noise of unknown motion.")
-      .value(MotionModel::random_walk, "The mean stays.")
-      .value(MotionModel::constant_velocity, "The motion per period is part of the state.");
-  Words<NoisePer>(m, "NoisePer", "How a covariance grows with time.")
-      .value(NoisePer::frame, "Per frame.")
-      .value(NoisePer::second, "Per second.");
-  Words<DetectionStatus>(m, "DetectionStatus", "What happened to one object in one frame.")
-      .value(DetectionStatus::none, "It was not detected.")
-      .value(DetectionStatus::started, "It entered the map.")
+  Words<MotionModel>(m, "MotionModel", "Model by which the camera is predicted.")
+      .value(
+          MotionModel::odometry,
+          "The odometry; where a frame has none, a random walk with the noise of unknown motion.")
+      .value(MotionModel::random_walk, "A random walk: the mean stays.")
+      .value(MotionModel::constant_velocity,
+             "Constant velocity: the motion per period is part of the state.");
+  Words<NoisePer>(m, "NoisePer", "Unit of time in which a covariance is stated.")
+      .value(NoisePer::frame, "One frame.")
+      .value(NoisePer::second, "One second.");
+  Words<DetectionStatus>(m, "DetectionStatus", "Result of one object's detection in one frame.")
+      .value(DetectionStatus::none, "The object was not detected.")
+      .value(DetectionStatus::started, "The object entered the map.")
       .value(DetectionStatus::used, "The detection was used.")
-      .value(DetectionStatus::doubted,
-             "Used, but more likely a gross error under the leading hypothesis.")
-      .value(DetectionStatus::birth, "Explained by no hypothesis, it began one.")
-      .value(DetectionStatus::gated, "Left out by the gate.")
-      .value(DetectionStatus::failed, "Left out: not positive definite.");
-  nb::enum_<CandidateStatus>(m, "CandidateStatus", "The association of a candidate.")
-      .value("assigned", CandidateStatus::assigned, "Of a known instance.")
-      .value("fresh", CandidateStatus::fresh, "Of an instance not known so far.")
+      .value(
+          DetectionStatus::doubted,
+          "The detection was used, but is more likely a gross error under the leading hypothesis.")
+      .value(DetectionStatus::birth, "The detection, which no hypothesis explains, began one.")
+      .value(DetectionStatus::gated, "The gate left the detection out.")
+      .value(DetectionStatus::failed,
+             "The detection was left out, because a covariance was not positive definite.");
+  nb::enum_<CandidateStatus>(m, "CandidateStatus", "Result of the association of a candidate.")
+      .value("assigned", CandidateStatus::assigned, "The candidate is of a known instance.")
+      .value("fresh", CandidateStatus::fresh,
+             "The candidate is of an instance that was not known so far.")
       .value("rejected", CandidateStatus::rejected,
-             "Of none: a second detection of one object, or below the score of a new one.")
-      .value("dropped", CandidateStatus::dropped, "Fresh, but no model of its class is free.");
+             "The candidate is of no instance: a second detection of one, or below the score of a "
+             "new one.")
+      .value("dropped", CandidateStatus::dropped,
+             "The candidate is of a new instance, but no model of its class is free.");
 }
 
 void bind_motion(nb::module_& m) {
   using P = ProcessNoise;
   Settings<P>(m, "ProcessNoise", "Noise of a motion, right perturbation, camera frame.")
       .field("covariance", &P::covariance, "numpy.typing.ArrayLike",
-             "Shape (6, 6), per frame or per second [rad, m].")
-      .field("per", &P::per, "NoisePer", "Of what.")
+             "Covariance per frame or per second, shape (6, 6) [rad, m].")
+      .field("per", &P::per, "NoisePer", "Unit of time in which the covariance is stated.")
       .done();
   using S = MotionSettings;
   Settings<S>(m, "MotionSettings", "Settings of the motion model.")
-      .field("model", &S::model, "MotionModel", "How the camera is predicted.")
+      .field("model", &S::model, "MotionModel", "Model by which the camera is predicted.")
       .field("noise", &S::noise, "ProcessNoise",
-             "Of the odometry, or of the pose under constant velocity.")
-      .field("walk", &S::walk, "ProcessNoise", "Of the random walk.")
+             "Noise of the odometry, or of the pose under constant velocity.")
+      .field("walk", &S::walk, "ProcessNoise", "Noise of the random walk.")
       .field("motion_noise", &S::motion_noise, "ProcessNoise",
-             "Of the motion per period under constant velocity.")
-      .field("unknown_motion", &S::unknown_motion, "ProcessNoise", "Of a frame without odometry.")
-      .field("period_s", &S::period_s, "float", "Of the constant-velocity motion [s].")
+             "Noise of the motion per period under constant velocity.")
+      .field("unknown_motion", &S::unknown_motion, "ProcessNoise",
+             "Noise of a frame without odometry.")
+      .field("period_s", &S::period_s, "float",
+             "Reference period of the constant-velocity model [s].")
       .done();
 }
 
-void bind_association(nb::module_& m) {
+void bind_association_settings(nb::module_& m) {
   using S = AssociationSettings;
-  Settings<S>(m, "AssociationSettings", "Which instance a candidate is of.")
+  Settings<S>(m, "AssociationSettings", "Settings of the association of candidates to instances.")
       .field("gate_probability", &S::gate_probability, "float",
-             "Part of the position's error within which a detection can be of an instance.")
-      .field("rotation_cap_probability", &S::rotation_cap_probability, "float",
-             "The rotation costs at most an error at this part of its distribution.")
+             "Part of the distribution of the position's error within which a candidate can be of "
+             "an instance.")
+      .field(
+          "rotation_cap_probability", &S::rotation_cap_probability, "float",
+          "Part of the distribution of the rotation's error that bounds the cost of the rotation.")
       .field("least_new_score", &S::least_new_score, "float",
-             "From which candidates begin a new instance.")
+             "Least score of a candidate that begins a new instance.")
       .field("least_separation_m", &S::least_separation_m, "float",
-             "Of a new instance from any other [m].")
+             "Least distance of a new instance from any other [m].")
       .done();
 }
 
@@ -75,31 +87,34 @@ void bind_slam_settings_struct(nb::module_& m) {
   Settings<M>(m, "MultiObjectSlamSettings",
               "Object SLAM by the MultiObjectFilter: hypotheses of every object for itself.")
       .field("filter", &M::filter, "MultiObjectSettings",
-             "Of the filter; has_odometry follows from the motion model.")
-      .field("association", &M::association, "AssociationSettings", "Of candidates.")
+             "Settings of the filter; has_odometry follows from the motion model.")
+      .field("association", &M::association, "AssociationSettings",
+             "Settings of the association of candidates.")
       .field("confirming_detections", &M::confirming_detections, "int",
-             "An instance with fewer is tentative.")
+             "Number of detections below which an instance is tentative.")
       .done();
-  using S = ObjectSlamSettings;
+  using S = NamedSlamSettings;
   Settings<S>(m, "ObjectSlamSettings", "Settings of object SLAM.")
-      .field("motion", &S::motion, "MotionSettings", "How the camera moves.")
+      .field("motion", &S::motion, "MotionSettings", "Motion model of the camera.")
       .field("tracker", &S::tracker,
              "MultiObjectSlamSettings | GaussianSumSettings | ParticleFilterSettings",
-             "The filter is chosen by its settings; a copy, which changes nothing until assigned.")
+             "The filter, which is chosen by its settings.")
       .field("record_hypotheses", &S::record_hypotheses, "bool",
              "Whether every estimate holds the hypotheses.")
       .done();
   using O = ObjectModel;
-  Settings<O>(m, "ObjectModel", "One object as the tracker knows it.")
-      .field("id", &O::id, "str", "Its name.")
-      .field("noise", &O::noise, "DetectorNoise", "How its detector errs.")
+  Settings<O>(m, "ObjectModel", "Model of one object, as the tracker knows it.")
+      .field("id", &O::id, "str", "Name of the object.")
+      .field("noise", &O::noise, "DetectorNoise", "Noise of the object's detector.")
       .field("independent_start", &O::independent_start, "numpy.typing.ArrayLike | None",
-             "Shape (6, 6), world frame: it starts independently of everything else with this; "
-             "else from its first detection.")
+             "Covariance (world frame, shape (6, 6)) with which the object starts independently of "
+             "everything else; "
+             "None: it starts from its first detection.")
       .field("symmetries", &O::symmetries, "SymmetryGroup",
-             "Motions that no detector can tell; for the multi-object filter.")
+             "Motions that leave the object's appearance as it is; for the multi-object filter.")
       .field("class_id", &O::class_id, "str",
-             "Objects that no detector can tell apart share one; empty: its id.")
+             "Class, which objects share that no detector can tell apart and whose noise and "
+             "symmetries are the same; empty: the id.")
       .done();
 }
 
@@ -107,44 +122,46 @@ void bind_other_methods(nb::module_& m) {
   using S = SmoothingSettings;
   Settings<S>(m, "SmoothingSettings", "Settings of smoothing.")
       .field("lag_frames", &S::lag_frames, "int",
-             "Frames that an estimate looks ahead; 0: to the end of the recording.")
-      .field("passes", &S::passes, "int", "Forward and backward passes.")
+             "Number of frames that an estimate looks ahead; 0: to the end of the recording.")
+      .field("passes", &S::passes, "int", "Number of forward and backward passes.")
       .field("least_probability", &S::least_probability, "float",
-             "Of a hypothesis that is smoothed, where hypotheses are recorded.")
+             "Least probability of a hypothesis that is smoothed, where hypotheses are recorded.")
       .done();
   using P = ParticleFilterSettings;
   Settings<P>(m, "ParticleFilterSettings",
               "Object SLAM by a Rao-Blackwellised particle filter, a baseline.")
-      .field("particles", &P::particles, "int", "How many.")
-      .field("seed", &P::seed, "int", "Of the draws.")
+      .field("particles", &P::particles, "int", "Number of particles.")
+      .field("seed", &P::seed, "int", "Seed of the draws.")
       .field("resample_below", &P::resample_below, "float",
              "Effective share of the particles below which they are resampled.")
       .field("object_walk", &P::object_walk, "ProcessNoise",
-             "Walk of every object, right perturbation, the object's frame.")
+             "Random walk of every object, right perturbation, the object's frame.")
       .field("kernel", &P::kernel, "numpy.typing.ArrayLike",
-             "Shape (6, 6): covariance of an object in a particle's Gaussian.")
-      .field("hypotheses", &P::hypotheses, "int", "Particles that are reported.")
-      .field("merge", &P::merge, "MergeSettings", "Of the particles into one Gaussian.")
+             "Covariance of an object in a particle's Gaussian, shape (6, 6).")
+      .field("hypotheses", &P::hypotheses, "int",
+             "Number of particles that are reported as hypotheses.")
+      .field("merge", &P::merge, "MergeSettings",
+             "Settings for the merge of the particles into one Gaussian.")
       .done();
 }
 
 void bind_methods(nb::module_& m) {
   using M = SlamMethod;
   Record<M>(m, "SlamMethod", "A tracker with its settings, and what belongs to it.")
-      .field("name", &M::name, "str", "As in sequence files.")
-      .field("description", &M::description, "str", "One line.")
+      .field("name", &M::name, "str", "Name in sequence files.")
+      .field("description", &M::description, "str", "Description in one line.")
       .field("tracker", &M::tracker,
              "MultiObjectSlamSettings | GaussianSumSettings | ParticleFilterSettings",
              "Settings of its tracker.")
       .field("smoothing", &M::smoothing, "SmoothingSettings | None",
-             "Of estimates that also look ahead.")
+             "Settings of smoothing, for estimates that also look ahead.")
       .field("single_gaussian", &M::single_gaussian, "bool",
              "Whether the detector's noise is used as one Gaussian.")
       .shown_as([](const M& self) {
         return fmt::format("<SlamMethod '{}': {}>", self.name, self.description);
       })
       .done()
-      .def_prop_ro("title", &M::title, "For display, with the settings.")
+      .def_prop_ro("title", &M::title, "Title for display, with the settings.")
       .def(
           "settings",
           [](const M& self, const std::optional<MotionSettings>& motion) {
@@ -156,7 +173,7 @@ void bind_methods(nb::module_& m) {
         "All methods of object SLAM, the same as in sequence files and studies.");
   m.def(
       "find_slam_method", [](const std::string& name) { return find_slam_method(name); }, "name"_a,
-      "The method of a name. ValueError with the names for another.");
+      "The method of a name; raises ValueError with all names for another.");
 }
 
 }  // namespace
@@ -164,7 +181,7 @@ void bind_methods(nb::module_& m) {
 void bind_slam_settings(nb::module_& m) {
   bind_enums(m);
   bind_motion(m);
-  bind_association(m);
+  bind_association_settings(m);
   bind_other_methods(m);
   bind_slam_settings_struct(m);
   bind_methods(m);

@@ -89,8 +89,10 @@ void bind_queries(nb::class_<SymmetryGroup>& group) {
       "elements", [](const S& self) { return PoseArray::of(self.elements()); }, nb::rv_policy::move,
       "The discrete motions, shape (k,); the first is the identity.");
   group.def_prop_ro(
-      "axes", [](const S& self) { return self.axes(); }, "Copies of the axes.");
-  group.def_prop_ro("is_trivial", &S::is_trivial, "Whether the identity is all there is.");
+      "axes", [](const S& self) { return frozen(self.axes()); },
+      nb::for_getter(nb::sig("def axes(self, /) -> collections.abc.Sequence[SymmetryAxis]")),
+      "Copies of the axes, which cannot be changed.");
+  group.def_prop_ro("is_trivial", &S::is_trivial, "Whether the identity is the only motion.");
   group.def("closest", &closest, "pose"_a, "reference"_a, "information"_a,
             "The equivalent poses X g nearest to a reference.\n\n"
             "Parameters\n----------\npose : SE3, shape (...)\n    Poses X.\n"
@@ -100,7 +102,8 @@ void bind_queries(nb::class_<SymmetryGroup>& group) {
   group.def(
       "unobserved_covariance",
       [](const S& self) { return matrix_array(self.unobserved_covariance()); },
-      "What a detection cannot tell, shape (6, 6), along the object's own axes.");
+      "Covariance of the part of a pose that no detection observes, shape (6, 6), along the "
+      "object's own axes.");
 }
 
 void bind_group(nb::module_& m) {

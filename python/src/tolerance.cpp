@@ -22,27 +22,36 @@ namespace {
 void bind_region_settings(nb::module_& m) {
   using P = RegionPriors;
   Settings<P>(m, "RegionPriors", "Priors of `fit_tolerance_region`: independent normals.")
-      .field("centre_rotation_sd_deg", &P::centre_rotation_sd_deg, "float", "About each axis.")
-      .field("centre_translation_sd_m", &P::centre_translation_sd_m, "float", "Along each axis.")
-      .field("half_width_deg", &P::half_width_deg, "float", "Median.")
-      .field("half_width_m", &P::half_width_m, "float", "Median.")
-      .field("log_half_width_sd", &P::log_half_width_sd, "float", "Of ln w.")
-      .field("softness", &P::softness, "float", "Median.")
-      .field("log_softness_sd", &P::log_softness_sd, "float", "Of its logarithm.")
+      .field("centre_rotation_sd_deg", &P::centre_rotation_sd_deg, "float",
+             "Standard deviation of the centre about each axis [deg].")
+      .field("centre_translation_sd_m", &P::centre_translation_sd_m, "float",
+             "Standard deviation of the centre along each axis [m].")
+      .field("half_width_deg", &P::half_width_deg, "float",
+             "Median of the half widths about the axes [deg].")
+      .field("half_width_m", &P::half_width_m, "float",
+             "Median of the half widths along the axes [m].")
+      .field("log_half_width_sd", &P::log_half_width_sd, "float", "Standard deviation of ln w.")
+      .field("softness", &P::softness, "float", "Median of the softness.")
+      .field("log_softness_sd", &P::log_softness_sd, "float",
+             "Standard deviation of the softness's logarithm.")
       .field("logit_inside", &P::logit_inside, "float", "Mean of logit c1.")
-      .field("logit_inside_sd", &P::logit_inside_sd, "float", "Its standard deviation.")
+      .field("logit_inside_sd", &P::logit_inside_sd, "float", "Standard deviation of logit c1.")
       .field("logit_outside_ratio", &P::logit_outside_ratio, "float", "Mean of logit(c0 / c1).")
       .field("logit_outside_ratio_sd", &P::logit_outside_ratio_sd, "float",
-             "Its standard deviation.")
-      .field("lever_sd_m", &P::lever_sd_m, "float", "Along each axis.")
+             "Standard deviation of logit(c0 / c1).")
+      .field("lever_sd_m", &P::lever_sd_m, "float",
+             "Standard deviation of the lever along each axis [m].")
       .done();
   using F = RegionFitSettings;
   Settings<F>(m, "RegionFitSettings", "Settings of `fit_tolerance_region`.")
-      .field("priors", &F::priors, "RegionPriors", "What is known without outcomes.")
+      .field("priors", &F::priors, "RegionPriors", "Priors, which hold without outcomes.")
       .field("starts", &F::starts, "int",
-             "The first at the prior's modes, the second at the successes' median.")
-      .field("max_evaluations", &F::max_evaluations, "int", "For every start.")
-      .field("tolerance", &F::tolerance, "float", "Relative, of the log posterior.")
+             "Number of starts; the first is at the prior's modes, the second at the successes' "
+             "median.")
+      .field("max_evaluations", &F::max_evaluations, "int",
+             "Largest number of evaluations from every start.")
+      .field("tolerance", &F::tolerance, "float",
+             "Relative gain of the log posterior that ends the search.")
       .done();
 }
 
@@ -56,7 +65,8 @@ void bind_region(nb::module_& m) {
       .field("centre", &R::centre, "numpy.typing.ArrayLike", "Shape (6,) [rad, m].")
       .field("half_width", &R::half_width, "numpy.typing.ArrayLike",
              "Shape (6,), positive [rad, m]; infinite where everything is forgiven.")
-      .field("softness", &R::softness, "float", "Of the walls, not negative; 0: hard walls.")
+      .field("softness", &R::softness, "float",
+             "Softness of the walls, not negative; 0: hard walls.")
       .field("lever", &R::lever, "numpy.typing.ArrayLike",
              "Shape (3,): the point where the fingers meet, true object frame [m].")
       .field("success_inside", &R::success_inside, "float", "Probability well inside.")
@@ -129,14 +139,14 @@ ValueError
 void bind_region_fit(nb::module_& m) {
   using R = RegionFit;
   Record<R>(m, "RegionFit", "A fitted region.")
-      .field("region", &R::region, "ToleranceRegion", "The most probable one.")
+      .field("region", &R::region, "ToleranceRegion", "The most probable region.")
       .field("log_posterior", &R::log_posterior, "float",
-             "Up to a constant that depends on the settings only [nats].")
-      .field("converged", &R::converged, "bool", "Of the start that was kept.")
+             "Log posterior, up to a constant that depends on the settings only [nats].")
+      .field("converged", &R::converged, "bool", "Whether the start that was kept converged.")
       .field("successes", &R::successes, "int", "Number of successful outcomes.")
       .field("failures", &R::failures, "int", "Number of failed outcomes.")
       .field("identified", &R::identified, "list[bool]",
-             "For every width, whether the outcomes say more about it than the prior does.")
+             "Whether the outcomes say more about each width than the prior does.")
       .done();
   using S = std::optional<RegionFitSettings>;
   m.def(
@@ -237,14 +247,15 @@ Array consensus_success(const PoseConsensus& consensus, const PoseArray& estimat
 
 void bind_consensus(nb::module_& m) {
   Settings<ConsensusSettings>(m, "ConsensusSettings", "Settings of `fuse_estimates`.")
-      .field("draws_per_member", &ConsensusSettings::draws_per_member, "int", "Of the truth.")
+      .field("draws_per_member", &ConsensusSettings::draws_per_member, "int",
+             "Number of draws of the truth per member.")
       .field("correlation", &ConsensusSettings::correlation, "float",
-             "Of the members' errors, in [0, 1].")
+             "Correlation of the members' errors, in [0, 1].")
       .done();
   using C = PoseConsensus;
   Record<C>(m, "PoseConsensus", "Weighted draws of the true pose.")
       .field("truths", &C::truths, "posemix.lie.SE3", "Draws of T_camera_object, shape (n,).")
-      .field("weights", &C::weights, kFloatArray, "They sum to one, shape (n,).")
+      .field("weights", &C::weights, kFloatArray, "Weights, which sum to one; shape (n,).")
       .shown_as([](const C& self) {
         return fmt::format("<PoseConsensus of {} draws>", self.truths.size());
       })

@@ -43,7 +43,7 @@ def test_components_hold_poses_and_optional_arrays() -> None:
     again = pickle.loads(pickle.dumps(component))
     assert again == component
     np.testing.assert_array_equal(again.update_covariance, 2 * SD)
-    with pytest.raises(TypeError, match="offset is 3; expected posemix.lie.SE3"):
+    with pytest.raises(TypeError, match="offset is of type int; expected an SE3 or a matrix"):
         px.NoiseComponent(offset=3)
 
 

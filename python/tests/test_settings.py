@@ -1,21 +1,21 @@
 # SPDX-License-Identifier: MIT
 # SPDX-FileCopyrightText: posemix contributors
-"""Settings behave like dataclasses."""
+"""Settings behave like dataclasses, and no assignment is lost."""
 
 from __future__ import annotations
 
 import copy
+import gc
 import inspect
 import pickle
 
+import numpy as np
+import posemix as px
 import pytest
-
-import posemix
-from posemix import MergeRule, MergeSettings, PairRule, ReductionSettings
 
 
 def settings_classes() -> list[type]:
-    named = vars(posemix).items()
+    named = vars(px).items()
     return [c for name, c in named if name.endswith("Settings") and inspect.isclass(c)]
 
 
@@ -30,10 +30,149 @@ def test_defaults_are_documented_and_copies_equal(cls: type) -> None:
 
 
 def test_values_are_taken_and_checked() -> None:
-    merge = MergeSettings(rule=MergeRule.moment_matched)
-    settings = ReductionSettings(max_components=3, pair=PairRule.runnalls, merge=merge)
-    assert settings.merge.rule == MergeRule.moment_matched
+    merge = px.MergeSettings(rule=px.MergeRule.moment_matched)
+    settings = px.ReductionSettings(max_components=3, pair=px.PairRule.runnalls, merge=merge)
+    assert settings.merge.rule == px.MergeRule.moment_matched
     settings.max_components = 4
-    assert settings != ReductionSettings() and settings.max_components == 4
+    assert settings != px.ReductionSettings() and settings.max_components == 4
     with pytest.raises(TypeError, match="max_components is 'many'; expected int"):
-        ReductionSettings(max_components="many")
+        px.ReductionSettings(max_components="many")
+    with pytest.raises(TypeError, match="max_components is 'many'; expected int"):
+        settings.max_components = "many"
+
+
+def assignable(value: object) -> list[str]:
+    """Names of the properties that have a setter."""
+    members = inspect.getmembers(type(value), lambda member: isinstance(member, property) and member.fset)
+    return [name for name, _ in members]
+
+
+def lose_nothing(owner: object, name: str) -> int:
+    """Assigns to every part of an attribute; the owner must change, or the assignment raise. The number of parts."""
+    value = getattr(owner, name)
+    if isinstance(value, list):
+        raise AssertionError(f"{type(owner).__name__}.{name} is a list, whose append is lost")
+    if isinstance(value, np.ndarray):
+        try:
+            value[...] = 0.5
+        except ValueError:  # read-only
+            return 1
+        assert (getattr(owner, name) == 0.5).all()
+        return 1
+    if isinstance(value, tuple):
+        return sum(lose_nothing_of(each) for each in value)
+    for part in assignable(value):
+        try:
+            setattr(getattr(owner, name), part, getattr(value, part))
+        except AttributeError as error:
+            assert "cannot be assigned here" in str(error), f"{type(owner).__name__}.{name}.{part}"
+            continue
+        part_value = getattr(value, part)
+        if isinstance(part_value, (int, float)) and not isinstance(part_value, bool):
+            setattr(getattr(owner, name), part, part_value + 1)
+            assert getattr(getattr(owner, name), part) == part_value + 1, f"{type(owner).__name__}.{name}.{part}"
+            setattr(getattr(owner, name), part, part_value)
+    return lose_nothing_of(value)
+
+
+def lose_nothing_of(owner: object) -> int:
+    return 1 + sum(lose_nothing(owner, name) for name in assignable(owner))
+
+
+def with_all_parts() -> list[object]:
+    noise = px.SimulationNoise()
+    thing = px.SimulationObject(id="mug", noise=[noise], claimed=[noise])
+    config = px.SimulationConfig(objects=[thing], claimed_odometry=px.SimulationSd())
+    component = px.NoiseComponent(update_covariance=np.eye(6))
+    model = px.ObjectModel(id="mug", independent_start=np.eye(6))
+    dependence = px.NoiseDependence(dependent_frames=2.0, bias=np.eye(6))
+    trackers = [px.MultiObjectSlamSettings(), px.GaussianSumSettings(), px.ParticleFilterSettings()]
+    return [config, component, model, dependence, *(px.ObjectSlamSettings(tracker=tracker) for tracker in trackers)]
+
+
+@pytest.mark.parametrize("owner", [*(c() for c in settings_classes()), *with_all_parts()], ids=lambda o: type(o).__name__)
+def test_no_assignment_is_lost(owner: object) -> None:
+    assert lose_nothing_of(owner) > 1
+
+
+def test_a_tracker_is_assigned_in_place() -> None:
+    settings = px.ObjectSlamSettings()
+    settings.tracker.filter.max_hypotheses = 2
+    assert settings.tracker.filter.max_hypotheses == 2
+    assert "max_hypotheses=2" in repr(settings)
+    first = settings.tracker
+    settings.tracker = px.GaussianSumSettings()
+    settings.tracker.reduction.max_components = 5
+    assert settings.tracker.reduction.max_components == 5
+    first.filter.max_hypotheses = 3  # no longer a part of the settings, but still itself
+    assert first.filter.max_hypotheses == 3 and isinstance(settings.tracker, px.GaussianSumSettings)
+    settings.tracker = first
+    assert settings.tracker.filter.max_hypotheses == 3
+    other = copy.copy(settings)
+    other.tracker.filter.max_hypotheses = 4
+    assert settings.tracker.filter.max_hypotheses == 3 and other != settings
+
+
+def test_a_method_s_settings_are_assigned_in_place() -> None:
+    method = px.find_slam_method("multi_object")
+    settings = method.settings()
+    settings.tracker.filter.max_hypotheses = 2
+    assert settings.tracker.filter.max_hypotheses == 2
+    with pytest.raises(AttributeError, match="max_hypotheses cannot be assigned here.*copy.copy"):
+        method.tracker.filter.max_hypotheses = 2
+
+
+def test_settings_within_a_result_cannot_be_assigned() -> None:
+    prior = px.ConcentratedGaussian(px.SE3(), np.eye(6))
+    job = px.SlamJob("name", "", px.Sequence([0.0]), prior, [px.ObjectModel(id="mug")], px.ObjectSlamSettings())
+    with pytest.raises(AttributeError, match="ObjectSlamSettings.tracker cannot be assigned here"):
+        job.settings.tracker = px.GaussianSumSettings()
+    with pytest.raises(AttributeError, match="MotionSettings.period_s"):
+        job.settings.motion.period_s = 1.0
+    with pytest.raises(AttributeError, match="MultiObjectSettings.max_hypotheses"):
+        job.settings.tracker.filter.max_hypotheses = 2
+    with pytest.raises(ValueError, match="read-only"):
+        job.settings.motion.noise.covariance[0, 0] = 2.0
+    with pytest.raises(AttributeError):
+        job.models.append(px.ObjectModel(id="box"))
+    with pytest.raises(AttributeError, match="ObjectModel.id"):
+        job.models[0].id = "box"
+    settings = copy.copy(job.settings)
+    settings.tracker.filter.max_hypotheses = 2
+    assert job.replace(settings=settings).settings.tracker.filter.max_hypotheses == 2
+    assert pickle.loads(pickle.dumps(job.settings)) == job.settings
+
+
+def test_a_list_of_settings_is_assigned_as_a_whole() -> None:
+    config = px.SimulationConfig(objects=[px.SimulationObject(id="mug")])
+    with pytest.raises(AttributeError, match="append"):
+        config.objects.append(px.SimulationObject(id="box"))
+    with pytest.raises(AttributeError, match="SimulationObject.id cannot be assigned here"):
+        config.objects[0].id = "cup"
+    with pytest.raises(AttributeError, match="SimulationRuns.fraction"):
+        config.objects[0].misses.fraction = 0.5
+    config.objects = [*config.objects, px.SimulationObject(id="box")]
+    assert [each.id for each in config.objects] == ["mug", "box"]
+
+
+def test_parts_live_as_long_as_they_are_held() -> None:
+    config = px.SimulationConfig(objects=[px.SimulationObject(id="a long name " * 10)])
+    held, path = config.objects[0], config.path
+    config.objects = []
+    del config
+    gc.collect()
+    assert held.id == "a long name " * 10 and path.frames == px.SimulationPath().frames
+
+
+def test_copies_of_a_noise_model_cannot_be_assigned() -> None:
+    noise = px.DetectorNoise([px.NoiseComponent()], px.Clutter(weight=0.1))
+    with pytest.raises(AttributeError, match="NoiseComponent.weight cannot be assigned here"):
+        noise.components[0].weight = 2.0
+    with pytest.raises(AttributeError, match="Clutter.weight"):
+        noise.clutter.weight = 0.5
+    component = copy.copy(noise.components[0])
+    component.weight = 2.0
+    assert component.weight == 2.0 and type(component) is px.NoiseComponent
+    tracker = px.MultiObjectFilter(px.ConcentratedGaussian(px.SE3(), np.eye(6)), [px.ObjectSensor()])
+    with pytest.raises(AttributeError, match="MultiObjectSettings.birth_score"):
+        tracker.settings.birth_score = 1.0

@@ -1,0 +1,34 @@
+# SPDX-License-Identifier: MIT
+# SPDX-FileCopyrightText: posemix contributors
+"""Copies of settings that cannot be assigned to, where an assignment would change nothing but the copy."""
+
+from __future__ import annotations
+
+import functools
+from typing import Any, NoReturn
+
+
+def _blank(cls: type) -> Any:
+    return cls.__new__(cls)
+
+
+@functools.cache
+def frozen_class(cls: type) -> type:
+    """The class of frozen copies of objects of `cls`; `cls` itself if its attributes cannot be assigned at all."""
+    if not any(isinstance(value, property) and value.fset for value in vars(cls).values()):
+        return cls
+
+    def refuse(self: Any, name: str, value: Any = None) -> NoReturn:
+        raise AttributeError(
+            f"{cls.__name__}.{name} cannot be assigned here: this {cls.__name__} is a copy, and nothing else would"
+            f" change. copy.copy() gives one that can be changed and assigned as a whole."
+        )
+
+    def reduced(self: Any, protocol: int) -> tuple[Any, ...]:
+        return _blank, (cls,), self.__getstate__()
+
+    members = {
+        "__slots__": (), "__module__": cls.__module__, "__qualname__": cls.__qualname__, "__doc__": cls.__doc__,
+        "__hash__": None, "__setattr__": refuse, "__delattr__": refuse, "__reduce_ex__": reduced, "_is_frozen": True,
+    }  # fmt: skip
+    return type(cls.__name__, (cls,), members)
