@@ -23,7 +23,7 @@ P = 1e-3 * np.eye(6)
 F = px.SE3.exp([0.0, 0.0, math.pi, 0.0, 0.0, 0.0])
 
 
-def look(a: float, M: px.SE3) -> px.Mixture:
+def look(a: float, M: px.SE3) -> px.Mixture[px.ConcentratedGaussian[px.SE3]]:
     """One look: upright with probability a, else turned."""
     peaks = [px.ConcentratedGaussian(M, P), px.ConcentratedGaussian(M * F, P)]
     return px.Mixture(peaks, weights=[a, 1.0 - a])

@@ -81,14 +81,15 @@ int main() {
   const posemix::NoiseFit fit = posemix::fit_noise(recordings, {.max_components = 1}, random);
   std::cout << posemix::format_noise_toml("my_detector", fit.noise);
 
-  // The simulated noise is found again: frame, R, p and c.
+  // The simulated noise is found again: frame, R, p, c and D.
   const auto& components = fit.noise.components();
   const Matrix6d& learned = components.front().covariance;
   const bool found =
       fit.frame == posemix::NoiseFrame::ray && components.size() == 2 &&
       (learned.diagonal().array() / R.diagonal().array() - 1.0).abs().maxCoeff() < 0.25 &&
       std::abs(components.back().weight - p) < 0.04 &&
-      std::abs(fit.noise.clutter().weight - c) < 0.03;
-  if (!found) std::cerr << "the learned noise is not the simulated one\n";
+      std::abs(fit.noise.clutter().weight - c) < 0.03 &&
+      components.back().offset.is_approx(D, 0.05);
+  std::cout << (found ? "good\n" : "not good: the learned noise is not the simulated one\n");
   return found ? 0 : 1;
 }

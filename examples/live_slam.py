@@ -54,6 +54,7 @@ for _ in range(1, 100):
     estimate = slam.step(px.FrameInput(dt=dt, motion=u, detections={"mug": z}))
 
 found = estimate.object("mug")
+assert found.world is not None and found.mode_probability is not None  # as it was seen
 error_deg = math.degrees(np.linalg.norm((found.world.mean * X.inverse()).log()[:3]))
 print(f"mug: error {error_deg:.2f} deg, on the right mode with probability {found.mode_probability:.3f}")
 for other in found.alternatives:
