@@ -8,7 +8,7 @@ import functools
 from typing import Any, NoReturn
 
 
-def _blank(cls: type) -> Any:
+def _blank(cls: Any) -> Any:
     return cls.__new__(cls)
 
 

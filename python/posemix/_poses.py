@@ -28,7 +28,7 @@ def one_pose(value: Any, name: str) -> SE3:
         if value.shape:
             raise ValueError(f"{name} is an array of poses of shape {value.shape}; expected one pose")
         if not np.isfinite(value._data).all():
-            raise ValueError(f"{name} is not finite, as for a frame without a pose; expected a pose, or None where allowed")
+            raise ValueError(f"{name} is not finite, as a frame without a pose; expected a pose, or None where allowed")
         return value
     if isinstance(value, (np.ndarray, list, tuple)):
         if np.shape(value) != (4, 4):

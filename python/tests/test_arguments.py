@@ -29,7 +29,9 @@ Take = Callable[[Any], Any]
 PLACES: dict[str, tuple[str, Take]] = {
     "motion": ("FrameInput.motion", lambda pose: px.FrameInput(0.1, pose).motion),
     "candidate": ("Candidate.camera_object", lambda pose: px.Candidate("mug", pose).camera_object),
-    "by id": (r"FrameInput.detections\['mug'\]", lambda pose: px.FrameInput(0.1, None, {"mug": pose}).detections["mug"]),
+    "by id": (
+        r"FrameInput.detections\['mug'\]", lambda pose: px.FrameInput(0.1, None, {"mug": pose}).detections["mug"]
+    ),
     "offset": ("NoiseComponent.offset", lambda pose: px.NoiseComponent(offset=pose).offset),
     "update": ("camera_object", lambda pose: tracker().update(0, pose) and POSE),
     "odometry": ("motion", lambda pose: tracker().predict_with_odometry(pose, np.eye(6), 0.1) or POSE),
@@ -102,8 +104,8 @@ def test_indices_that_do_not_exist_are_refused() -> None:
                 by_index(index)
     of_filter = tracker()
     getters: list[Callable[[int], Any]] = [
-        of_filter.noise_scale, of_filter.hypotheses, of_filter.leading, of_filter.mode_probability, of_filter.log_absent,
-        of_filter.pose_index, of_filter.forget, lambda index: of_filter.update(index, px.SE3()),
+        of_filter.noise_scale, of_filter.hypotheses, of_filter.leading, of_filter.mode_probability,
+        of_filter.log_absent, of_filter.pose_index, of_filter.forget, lambda index: of_filter.update(index, px.SE3()),
         lambda index: of_filter.relative(index, 0),
     ]  # fmt: skip
     for getter in getters:

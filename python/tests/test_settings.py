@@ -90,7 +90,10 @@ def with_all_parts() -> list[object]:
     return [config, component, model, dependence, *(px.ObjectSlamSettings(tracker=tracker) for tracker in trackers)]
 
 
-@pytest.mark.parametrize("owner", [*(c() for c in settings_classes()), *with_all_parts()], ids=lambda o: type(o).__name__)
+OWNERS = [*(cls() for cls in settings_classes()), *with_all_parts()]
+
+
+@pytest.mark.parametrize("owner", OWNERS, ids=lambda owner: type(owner).__name__)
 def test_no_assignment_is_lost(owner: object) -> None:
     assert lose_nothing_of(owner) > 1
 
