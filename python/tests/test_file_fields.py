@@ -1,0 +1,278 @@
+# SPDX-License-Identifier: MIT
+# SPDX-FileCopyrightText: posemix contributors
+"""Every field of settings that a file can set is read by the function for its table, and stands in its documents."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import pytest
+from test_fields import ROOT, STRUCTS, closing, without_comments
+
+CONFIG = ROOT / "src" / "config"
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where keys are read and documented.
+
+    `reader` is a source file in src/config and its functions that read them, `section` the heading in the document. Keys
+    are in the first column of a table of the section; with a `row`, anywhere in the row of that key; with `prose`,
+    outside tables.
+    """
+
+    reader: str
+    section: str
+    page: str = "formats.md"
+    row: str = ""
+    prose: bool = False
+
+    def by(self, reader: str) -> Place:
+        return replace(self, reader=reader)
+
+    def in_row(self, row: str) -> Place:
+        return replace(self, row=row)
+
+
+Keys = dict[str, "str | tuple[str | tuple[str, ...], Place]"]
+
+FILTER = "`[filter]`"
+RANGES = Place("../../include/posemix/filter/multi_object_ranges.hpp", FILTER)
+MULTI = Place("sequence_multi_object.cpp read_multi_object", FILTER)
+ASSOCIATION = Place("sequence_multi_object.cpp read_association", "Classes")
+SMOOTHING = Place("sequence_filter.cpp read_smoothing", FILTER)
+SUM = Place("sequence_filter.cpp read_gaussian_sum", FILTER)
+REDUCTION = Place("sequence_filter.cpp read_reduction", FILTER)
+PARTICLES = Place("sequence_filter.cpp read_particles", FILTER)
+MOTION = Place("sequence_camera.cpp read_motion", "`[motion]`")
+PROCESS = Place("sequence_camera.cpp read_process_noise", "`[motion]`", prose=True)
+MODEL = Place("sequence_file.cpp read_model", "`[[objects]]`")
+NOISE = Place("sequence_noise.cpp read_component", "`[noise.NAME]`")
+CLUTTER = Place("sequence_noise.cpp read_clutter", "`[noise.NAME]`", prose=True)
+DEPENDENCE = Place("sequence_noise.cpp read_dependence", "`[noise.NAME]`", prose=True)
+SIMULATED = Place("simulation_config.cpp get_object", "The configuration", "simulation.md")
+COMPONENT = SIMULATED.by("simulation_config.cpp get_component").in_row("noise.<name>.components")
+SD = SIMULATED.by("simulation_config.cpp get_sd")
+RUNS = SIMULATED.by("simulation_config.cpp get_runs")
+PATH = SIMULATED.by("simulation_config.cpp get_path")
+WHOLE = SIMULATED.by("simulation_config.cpp read_simulation")
+
+# Structs that a file sets: where, and fields whose key has another name or another place.
+IN_FILES: dict[str, tuple[Place, Keys]] = {
+    "MultiObjectSettings": (
+        RANGES,
+        {
+            "merge_rotation_rad": ("merge_rotation_deg", MULTI),
+            "max_hypotheses": ("max_hypotheses", MULTI),
+            "protected_hypotheses": ("protected_hypotheses", MULTI),
+        },
+    ),
+    "MultiObjectSlamSettings": (ASSOCIATION, {}),
+    "AssociationSettings": (ASSOCIATION, {}),
+    "SmoothingSettings": (
+        SMOOTHING,
+        {"lag_frames": "smooth_lag", "passes": "smooth_passes", "least_probability": "smooth_least_probability"},
+    ),
+    "GaussianSumSettings": (SUM, {}),
+    "ReductionSettings": (REDUCTION, {"pair": "pair_rule"}),
+    "MergeSettings": (REDUCTION, {"rule": "merge_rule", "jacobian": "transport_jacobian"}),
+    "ParticleFilterSettings": (
+        PARTICLES,
+        {
+            "seed": "particle_seed",
+            "object_walk": (("particle_walk_rotation_sd_deg", "particle_walk_translation_sd_m"), PARTICLES),
+            "kernel": (("particle_kernel_rotation_sd_deg", "particle_kernel_translation_sd_m"), PARTICLES),
+            "hypotheses": "particle_hypotheses",
+        },
+    ),
+    "MotionSettings": (MOTION, {"walk": "noise"}),
+    "ProcessNoise": (PROCESS, {"covariance": (("rotation_sd_deg", "translation_sd_m"), PROCESS)}),
+    "ObjectModel": (
+        MODEL,
+        {
+            "id": ("id", MODEL.by("sequence_file.cpp read_id")),
+            "independent_start": "start",
+            "class_id": "class",
+            "symmetries": ("symmetries", MODEL.by("symmetries.cpp read_object_symmetries")),
+        },
+    ),
+    "NoiseComponent": (
+        NOISE,
+        {
+            "covariance": (
+                ("rotation_sd_deg", "translation_sd_m", "translation_sd_of_range", "covariance"),
+                NOISE.by("sequence_noise.cpp read_covariance"),
+            ),
+            "offset": (
+                ("offset", "rotation_deg", "translation_m"), NOISE.by("sequence_noise.cpp read_offset").in_row("offset"),
+            ),
+            "update_covariance": "update",
+        },
+    ),
+    "NoiseDependence": (DEPENDENCE, {}),
+    "Clutter": (CLUTTER, {}),
+    "SimulationSwing": (SIMULATED.by("simulation_config.cpp get_swing").in_row("camera.range"), {}),
+    "SimulationPath": (PATH, {}),
+    "SimulationSd": (SD.in_row("odometry"), {"rotation_rad": "rotation_sd_deg", "translation_m": "translation_sd_m"}),
+    "SimulationNoise": (
+        COMPONENT,
+        {
+            "sd": (("rotation_sd_deg", "translation_sd_m"), SD.in_row("noise.<name>.components")),
+            "offset_rotation_rad": (("offset", "rotation_deg"), COMPONENT),
+            "offset_translation_m": (("offset", "translation_m"), COMPONENT),
+        },
+    ),
+    "SimulationRuns": (RUNS.in_row("misses"), {}),
+    "SimulationFlips": (
+        SIMULATED.in_row("flips"),
+        {"runs": (("fraction", "mean_run_s"), RUNS.in_row("flips")), "rotation_rad": "rotation_deg"},
+    ),
+    "SimulationOutliers": (
+        SIMULATED.in_row("outliers"), {"runs": (("fraction", "mean_run_s"), RUNS.in_row("outliers"))},
+    ),
+    "SimulationObject": (
+        SIMULATED,
+        {
+            "id": ("id", SIMULATED.by("simulation_config.cpp get_id")),
+            "rotation_rad": "rotation_deg",
+            "claimed": "claimed_noise",
+        },
+    ),
+    "SimulationConfig": (
+        WHOLE,
+        {
+            "path": "camera",
+            "claimed_odometry": "motion",
+            "objects": ("objects", SIMULATED.by("simulation_config.cpp get_objects")),
+        },
+    ),
+}  # fmt: skip
+
+# Fields of these structs that no file sets, and why.
+NOT_IN_FILES = {
+    "MultiObjectSettings.has_odometry": "follows from the motion model",
+    "GaussianSumSettings.first_object": "follows from the motion model",
+    "GaussianSumSettings.reduction": "its fields are keys of the same table",
+    "ReductionSettings.merge": "its fields are keys of the same table",
+    "ReductionSettings.bound_loss": "results of a run do not hold the bounds",
+    "MergeSettings.max_iterations": "a limit of the arithmetic that no reduction reaches",
+    "MergeSettings.tolerance": "a limit of the arithmetic",
+    "ParticleFilterSettings.merge": "merge_rule and transport_jacobian of the same table",
+    "MultiObjectSlamSettings.filter": "its fields are keys of the table [filter]",
+    "MultiObjectSlamSettings.association": "its fields are keys of the same table",
+}
+
+# Settings that no sequence or simulation file sets, and who does.
+WITHOUT_FILE = {
+    "ObjectSlamSettings": "its parts have tables of their own",
+    "EmSettings": "options of posemix fit", "FuseSettings": "limits of the arithmetic",
+    "ProjectedFuseSettings": "options of posemix fuse", "ProjectedMixtureFuseSettings": "options of posemix fuse",
+    "ProjectedMixtureComposeSettings": "options of posemix compose", "ConversionSettings": "options of posemix convert",
+    "DivergenceSamplingSettings": "options of posemix divergence", "SuccessSettings": "options of posemix grasp",
+    "BestGraspSettings": "options of posemix grasp", "NoiseFitSettings": "settings of posemix study noise",
+    "NoiseModeSettings": "settings of posemix study noise", "NoiseEmSettings": "a step of fit_noise",
+    "OdometryNoiseSettings": "settings of posemix study noise", "ErrorMixtureSettings": "a part of the grasp study",
+    "LogisticSettings": "a part of the grasp study", "ConsensusSettings": "a part of the grasp study",
+    "RegionFitSettings": "a part of the grasp study", "MeanSettings": "limits of the arithmetic",
+    "MomentSettings": "limits of the arithmetic", "IteratedUpdateSettings": "limits of the arithmetic",
+    "CauchySettings": "GaussianSumSettings.cauchy_scale sets it", "RotationQuadratureSettings": "limits of the arithmetic",
+}  # fmt: skip
+
+
+def functions(reader: str) -> str:
+    """The text of the functions that a `Place` names, without comments and without errors on keys."""
+    name, *wanted = reader.split()
+    text = without_comments((CONFIG / name).read_text())
+    bodies = [] if wanted else [text]
+    for function in wanted:
+        found = re.search(rf"^\S[^;{{}}]*\b{function}\([^;{{]*\) \{{", text, re.MULTILINE)
+        assert found, f"src/config/{name} has no function {function}"
+        bodies.append(text[found.start() : closing(text, found.end() - 1)])
+    return re.sub(r"\bfail\(\s*\"\w+\"", "", "".join(bodies))
+
+
+def reads(text: str, key: str) -> bool:
+    return f'"{key}"' in text
+
+
+def section_of(page: str, heading: str) -> list[str]:
+    """The lines of a section of a document, without its subsections."""
+    parts = re.split(r"^#+ (.*)$", page, flags=re.MULTILINE)
+    assert heading in parts[1::2], f"there is no section {heading}"
+    return parts[2 * parts[1::2].index(heading) + 2].splitlines()
+
+
+def cells_with(lines: list[str], key: str) -> list[str]:
+    """Rows of tables whose first column has the key, alone or as a part of a dotted one."""
+    rows = [line for line in lines if line.startswith("|")]
+    names = [re.findall(r"`([^`]+)`", row.split("|")[1]) for row in rows]
+    fits = re.compile(rf"(?:.+\.)?{re.escape(key)}(?:\..+)?")
+    return [row for row, words in zip(rows, names, strict=True) if any(fits.fullmatch(word) for word in words)]
+
+
+def documents(lines: list[str], place: Place, key: str) -> bool:
+    if not place.row and not place.prose:
+        return bool(cells_with(lines, key))
+    within = cells_with(lines, place.row) if place.row else ["\n".join(x for x in lines if not x.startswith("|"))]
+    return any(re.search(rf"`[^`]*\b{key}\b[^`]*`", text) for text in within)
+
+
+def places() -> list[tuple[str, str, Place]]:
+    """Field, key and place of every field that a file sets."""
+    found = []
+    for name, (usual, others) in IN_FILES.items():
+        for field in STRUCTS[name]:
+            if f"{name}.{field}" in NOT_IN_FILES:
+                continue
+            other = others.get(field, field)
+            keys, place = other if isinstance(other, tuple) else (other, usual)
+            found += [(f"{name}.{field}", key, place) for key in ([keys] if isinstance(keys, str) else keys)]
+    return found
+
+
+@pytest.mark.parametrize(("field", "key", "place"), places(), ids=lambda part: part if isinstance(part, str) else "")
+def test_a_setting_is_read_and_documented(field: str, key: str, place: Place) -> None:
+    assert reads(functions(place.reader), key), f"no file sets {field}: {place.reader} does not read '{key}'"
+    lines = section_of((ROOT / "docs" / place.page).read_text(), place.section)
+    assert documents(lines, place, key), f"docs/{place.page}, {place.section} lacks the key '{key}' of {field}"
+
+
+@pytest.mark.parametrize(
+    ("reader", "key"),
+    [
+        ("sequence_multi_object.cpp read_association", "gate_probability"),
+        ("sequence_camera.cpp read_motion", "period_s"),
+        ("simulation_config.cpp get_component", "offset"),
+    ],
+)
+def test_a_key_of_another_table_does_not_count(reader: str, key: str) -> None:
+    """These keys have a namesake in another table, which has its own reader."""
+    assert reads(functions(reader).replace(f'"{key}"', ""), key) is False
+    others = [p.name for p in CONFIG.glob("*.cpp") if reads(p.read_text(), key)]
+    assert others and reads(functions(reader), key)
+
+
+@pytest.mark.parametrize(("place", "key"), [(NOISE, "offset"), (MODEL, "class"), (ASSOCIATION, "gate_probability")])
+def test_a_row_that_is_gone_is_noticed(place: Place, key: str) -> None:
+    lines = section_of((ROOT / "docs" / place.page).read_text(), place.section)
+    kept = [line for line in lines if line not in cells_with(lines, key)]
+    assert documents(lines, place, key) and not documents(kept, place, key)
+
+
+def test_exceptions_of_files_are_of_fields_that_exist() -> None:
+    fields = {f"{name}.{field}" for name in IN_FILES for field in STRUCTS[name]}
+    assert set(NOT_IN_FILES) <= fields
+    assert {f"{name}.{field}" for name, (_, keys) in IN_FILES.items() for field in keys} <= fields
+
+
+def test_all_settings_have_a_file_or_a_reason() -> None:
+    settings = {name for name in STRUCTS if name.endswith(("Settings", "Config")) or name.startswith("Simulation")}
+    of_simulation = {"SimulationFile"}  # the content of the file itself
+    assert settings - of_simulation - IN_FILES.keys() - WITHOUT_FILE.keys() == set()
+    assert WITHOUT_FILE.keys() <= STRUCTS.keys() and not WITHOUT_FILE.keys() & IN_FILES.keys()
+
+
+def test_sources_of_settings_are_where_the_places_say() -> None:
+    assert all(Path(CONFIG / place.reader.split()[0]).is_file() for _, _, place in places())
