@@ -24,7 +24,7 @@ Parameters
 camera : ConcentratedGaussian
     Prior of T_world_camera.
 objects : sequence of ObjectSensor
-    How every object is seen.
+    The detector's view of every object.
 settings : MultiObjectSettings, optional
     Hypotheses, merging, what is learned.
 

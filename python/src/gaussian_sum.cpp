@@ -98,9 +98,9 @@ Every hypothesis holds the same poses in the same order; pose 0 is the camera.
 Parameters
 ----------
 prior : Mixture or ConcentratedGaussian
-    Over T_world_camera alone, or over the camera and objects jointly.
+    Density over T_world_camera alone, or over the camera and objects jointly.
 settings : GaussianSumSettings, optional
-    How detections are used, and how hypotheses are reduced.
+    Use of detections, and reduction of hypotheses.
 
 Raises
 ------

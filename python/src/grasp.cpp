@@ -33,7 +33,7 @@ void bind_results(nb::module_& m) {
   using B = BestGrasp;
   Record<B>(m, "BestGrasp", "The pose that maximises the probability.")
       .field("pose", &B::pose, "posemix.lie.SE3", "Frame of the grasp.")
-      .field("success", &B::success, "SuccessEstimate", "Its probability.")
+      .field("success", &B::success, "SuccessEstimate", "Probability of success at that pose.")
       .field("candidates", &B::candidates, "list[GraspCandidate]",
              "Ends of all starts, best first.")
       .field("evaluations", &B::evaluations, "int",

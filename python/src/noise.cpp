@@ -72,7 +72,7 @@ components : list of NoiseComponent
 clutter : Clutter, optional
     Detections of nothing; weight zero unless given.
 dependence : NoiseDependence, optional
-    What successive detections have in common.
+    Dependence of successive detections.
 
 Raises
 ------

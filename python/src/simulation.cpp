@@ -129,7 +129,7 @@ Parameters
 config : SimulationConfig
     Path, objects, errors.
 seed : int
-    Of the errors.
+    Seed of the errors.
 
 Raises
 ------

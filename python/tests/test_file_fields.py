@@ -18,9 +18,9 @@ CONFIG = ROOT / "src" / "config"
 class Place:
     """Where keys are read and documented.
 
-    `reader` is a source file in src/config and its functions that read them, `section` the heading in the document. Keys
-    are in the first column of a table of the section; with a `row`, anywhere in the row of that key; with `prose`,
-    outside tables.
+    `reader` is a source file in src/config and its functions that read them, `section` the heading in the document.
+    Keys are in the first column of a table of the section; with a `row`, anywhere in the row of that key; with
+    `prose`, outside tables.
     """
 
     reader: str
@@ -106,7 +106,8 @@ IN_FILES: dict[str, tuple[Place, Keys]] = {
                 NOISE.by("sequence_noise.cpp read_covariance"),
             ),
             "offset": (
-                ("offset", "rotation_deg", "translation_m"), NOISE.by("sequence_noise.cpp read_offset").in_row("offset"),
+                ("offset", "rotation_deg", "translation_m"),
+                NOISE.by("sequence_noise.cpp read_offset").in_row("offset"),
             ),
             "update_covariance": "update",
         },
@@ -177,7 +178,8 @@ WITHOUT_FILE = {
     "LogisticSettings": "a part of the grasp study", "ConsensusSettings": "a part of the grasp study",
     "RegionFitSettings": "a part of the grasp study", "MeanSettings": "limits of the arithmetic",
     "MomentSettings": "limits of the arithmetic", "IteratedUpdateSettings": "limits of the arithmetic",
-    "CauchySettings": "GaussianSumSettings.cauchy_scale sets it", "RotationQuadratureSettings": "limits of the arithmetic",
+    "CauchySettings": "GaussianSumSettings.cauchy_scale sets it",
+    "RotationQuadratureSettings": "limits of the arithmetic",
 }  # fmt: skip
 
 

@@ -260,7 +260,7 @@ TEST_F(DatasetSequenceFile, SeveralInstancesShareTheirDetectionsAsCandidates) {
   EXPECT_INVALID_WITH(job(gaussian_sum), "no other filter tells the instances of a class apart");
   EXPECT_INVALID_WITH(
       job(replaced(text.toml, "id = \"5_1\"\n",
-                   "id = \"5_1\"\nsymmetries = {discrete = [[0, 0, 0, 0, 0, 1, 0]]}\n")),
+                   "id = \"5_1\"\nsymmetries = {discrete = [{rotation_deg = [0, 0, 180]}]}\n")),
       "objects '5_1' and '5_2' are of class '5', but their symmetries differ");
   EXPECT_INVALID_WITH(
       job(replaced(text.toml, "id = \"5_1\"\n",

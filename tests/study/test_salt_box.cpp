@@ -33,10 +33,10 @@ const std::vector<SaltBoxStage>& example() {
 TEST(SaltBox, AgreesWithTheOracle) {
   const auto& stages = example();
   const SaltBoxStage& two = stage(stages, "fused_l");
-  EXPECT_EQ(two.density.size(), 49u);
+  EXPECT_EQ(two.mixture.size(), 49u);
   EXPECT_NEAR(*two.log_evidence, 17.0370, 1e-3);
   std::vector<double> weights;
-  for (std::size_t i = 0; i < 49; ++i) weights.push_back(two.density.weight(i));
+  for (std::size_t i = 0; i < 49; ++i) weights.push_back(two.mixture.weight(i));
   std::sort(weights.rbegin(), weights.rend());
   const double top[] = {0.203325, 0.116529, 0.098636, 0.092663, 0.086103};
   for (std::size_t i = 0; i < 5; ++i) EXPECT_NEAR(weights[i], top[i], 3e-5);
