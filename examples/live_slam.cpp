@@ -15,7 +15,9 @@
 // X with covariances, the alternatives for X, and the probability that its estimate of X is on the
 // right mode.
 #include <cstdio>
+#include <map>
 #include <numbers>
+#include <string>
 
 #include <posemix/base/random.hpp>
 #include <posemix/base/units.hpp>
@@ -54,15 +56,20 @@ int main() {
       .id = "mug", .noise = DetectorNoise({{.weight = 0.75, .covariance = R}}, {.weight = 0.25})};
   ObjectSlam slam(PoseDensity(C0, P0), {mug}, settings);
 
+  const auto by_id = [&slam](const std::map<std::string, SE3d>& detections) {
+    return detections_by_id(slam.objects(), detections);
+  };
+
   RandomStream random(1);
   SE3d C = C0 * noise(P0, random);
-  FrameEstimate estimate = slam.step({.detections = {C.inverse() * X * noise(R, random)}});
+  FrameEstimate estimate =
+      slam.step({.detections = by_id({{"mug", C.inverse() * X * noise(R, random)}})});
   for (int k = 1; k < 100; ++k) {
     const SE3d u(SO3d::exp({0.0, 0.005, 0.0}), {-0.005, 0.0, 0.0});
     C = C * u * noise(dt * Q, random);
     const SE3d seen = random.uniform() < 0.25 ? X * F : X;
     const SE3d z = C.inverse() * seen * noise(R, random);
-    estimate = slam.step({.dt = dt, .motion = u, .detections = {z}});
+    estimate = slam.step({.dt = dt, .motion = u, .detections = by_id({{"mug", z}})});
   }
 
   const ObjectEstimate found = estimate.object("mug");

@@ -283,7 +283,7 @@ void bind_settings(nb::module_& m) {
   Words<FusionRule>(m, "FusionRule", "How the product of two projected Gaussians is found.")
       .value(FusionRule::mode, "At the exact mode of the product, with its Hessian.")
       .value(FusionRule::jacobian,
-             "Both restated halfway (MPG paper, eq. 14-16); small angles only.");
+             "Both in the chart halfway (MPG paper, eq. 14-16); small angles only.");
   Words<CompositionRule>(m, "CompositionRule", "How projected Gaussians are composed.")
       .value(CompositionRule::cubature, "Moments under the distributions, degree five.")
       .value(CompositionRule::third_degree_cubature,

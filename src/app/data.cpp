@@ -118,7 +118,7 @@ void add_data_command(CLI::App& program, std::function<int()>& action) {
   command->get_formatter()->label("Subcommands", "Commands");
   command->footer(
       "Example: posemix data fetch slam-super-6d --yes\n"
-      "         posemix slam configs/ycbv-dope.toml --data data --out out/0001");
+      "         posemix slam configs/ycbv-dope.toml --out out/0001");
   add_data_list_command(*command, action);
   add_data_fetch_command(*command, action);
   add_data_verify_command(*command, action);

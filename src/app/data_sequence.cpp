@@ -67,7 +67,8 @@ void add_data_sequence_command(CLI::App& data, std::function<int()>& action) {
   CLI::App* command =
       data.add_subcommand("sequence", "Write the sequence file of a dataset's scene");
   command->footer(
-      "Example: posemix data sequence data/ycbv --scene 48 --results RESULTS.csv --out scene.toml\n"
+      "Example: posemix data fetch ycbv --out data --unpack --yes\n"
+      "         posemix data sequence data/ycbv --scene 48 --results RESULTS.csv --out scene.toml\n"
       "         posemix slam scene.toml --out out/48");
   add_sequence_inputs(*command, *options);
   command->add_option("--odometry", options->request.odometry, "Odometry of the camera (TUM)")

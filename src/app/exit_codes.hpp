@@ -11,6 +11,8 @@ inline constexpr int kExitUsage = 2;     ///< an error in the command line
 inline constexpr int kExitInput = 3;     ///< an error in an input file
 inline constexpr int kExitOutput = 4;    ///< a file or the standard output that cannot be written
 inline constexpr int kExitNetwork = 5;   ///< an error of a server or of the connection to it
-inline constexpr int kExitSignal = 128;  ///< plus the number of the signal: 130 for an interrupt
+/// Plus the number of the signal: 130 and 143 for an interrupt by SIGINT and SIGTERM, 141 (SIGPIPE)
+/// if nobody reads the standard output any more.
+inline constexpr int kExitSignal = 128;
 
 }  // namespace posemix

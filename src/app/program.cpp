@@ -70,8 +70,8 @@ void describe(CLI::App& program) {
   program.set_version_flag("--version", "posemix " POSEMIX_VERSION);
   program.footer(
       "Exit codes: 0 done, 1 internal error, 2 wrong usage, 3 bad input file or value,\n"
-      "4 output cannot be written, 5 network, 130 interrupted, 141 nobody reads the output any "
-      "more.\n"
+      "4 output cannot be written, 5 network, 130 interrupted (143 by SIGTERM), 141 nobody reads\n"
+      "the standard output any more.\n"
       "\n"
       "Example: posemix simulate configs/demo.toml --seed 1 --out out/sequence\n"
       "         posemix slam out/sequence/sequence.toml --out out/results\n"

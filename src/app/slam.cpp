@@ -100,13 +100,14 @@ void add_slam_command(CLI::App& program, std::function<int()>& action) {
   CLI::App* command = program.add_subcommand("slam", "Camera and objects from recorded detections");
   command->footer(
       "Writes into DIR: camera.tum, object_<id>.tum, relative_<id>.tum, metrics.json,\n"
-      "posterior.json, trace.json and picture.svg. The folder appears when all is done.\n"
+      "posterior.json, trace.json and picture.svg; by the multi-object filter mixture_<id>.json\n"
+      "too. The folder appears when all is done.\n"
       "\n"
       "Relative paths in SEQUENCE.toml are looked up below --data; without it, beside the\n"
       "sequence file, then below $POSEMIX_DATA, or in the cache of `posemix data`.\n"
       "\n"
       "Example: posemix slam configs/ycbv-dope.toml --set object=004_sugar_box_16k \\\n"
-      "           --set sequence=0036 --set filter.max_components=6 --out out/0036");
+      "           --set sequence=0036 --set filter.max_hypotheses=6 --out out/0036");
   command
       ->add_option("sequence", options->sequence,
                    "The recording and the settings (TOML; see docs/formats.md)")

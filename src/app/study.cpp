@@ -25,6 +25,7 @@
 #include "study/grasp/study.hpp"
 #include "study/monte_carlo/study.hpp"
 #include "study/noise/study.hpp"
+#include "study/recordings/recordings.hpp"
 #include "study/salt_box/study.hpp"
 #include "study/tless/study.hpp"
 #include "study/ycbv/study.hpp"
@@ -55,10 +56,13 @@ struct StudyCommand {
   bool reads_data;
   bool learns;  ///< whether it can learn from another folder
   Study (*make)(const TomlTable& settings, const StudyOptions& options);
+  void (*rename_keys)(TomlDocument& settings) = nullptr;  ///< where settings have old names
 };
 
 fs::path data_folder(const StudyOptions& options) {
-  return options.data ? fs::path(*options.data) : default_data_folder();
+  fs::path folder = options.data ? fs::path(*options.data) : default_data_folder();
+  require_data_folder(folder);
+  return folder;
 }
 
 const std::array kStudies{
@@ -87,7 +91,8 @@ const std::array kStudies{
                  [](const TomlTable& table, const StudyOptions& options) {
                    const NoiseStudySettings settings = read_noise_settings(table);
                    return make_noise_study(read_noise_data(settings, options.data), settings);
-                 }},
+                 },
+                 rename_noise_keys},
     StudyCommand{"grasp", "Success of grasps, predicted from what several pose estimators say",
                  "posemix study grasp --data scenes --train other-scenes --out out/grasp", true,
                  true,
@@ -115,6 +120,7 @@ const std::array kStudies{
 Study read_study(const StudyCommand& command, const StudyOptions& options, bool leads) {
   TomlDocument document = options.settings ? TomlDocument::load(*options.settings)
                                            : TomlDocument::parse("schema = 1\n", command.name);
+  if (command.rename_keys != nullptr) command.rename_keys(document);
   for (const std::string& assignment : options.overrides) document.apply_override(assignment);
   if (leads) print_warnings(document.warnings());
   document.root().get_integer_or("schema", 1, {.lowest = 1, .highest = 1});

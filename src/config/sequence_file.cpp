@@ -120,12 +120,13 @@ void check_joint_noise(const TomlTable& root, const SlamJob& job) {
                                    return std::abs(a.weight - b.weight) < 1e-12;
                                  });
     if (same) continue;
-    root.get_table("filter").fail(
-        "noise_use",
-        fmt::format(
-            "is \"joint\", which needs noise models with equal weights, but those of objects "
-            "'{}' and '{}' differ",
-            job.models.front().id, model.id));
+    const TomlTable table = root.get_table("filter");
+    const bool by_key = table.has("noise_use");
+    table.fail(by_key ? "noise_use" : "method",
+               fmt::format("{}, which needs noise models with equal weights, but those of objects "
+                           "'{}' and '{}' differ",
+                           by_key ? "is \"joint\"" : "has noise_use = \"joint\"",
+                           job.models.front().id, model.id));
   }
 }
 

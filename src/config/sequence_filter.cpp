@@ -85,10 +85,10 @@ std::optional<SmoothingSettings> read_smoothing(const TomlTable& filter,
   return settings;
 }
 
+/// The keys of smoothing do not count as known thereby: other methods do not have them.
 void refuse_smoothing(const TomlTable& filter) {
-  for (const std::string_view key :
-       {"smooth", "smooth_lag", "smooth_passes", "smooth_least_probability"}) {
-    if (filter.has(key))
+  for (const std::string& key : filter.keys()) {
+    if (key == "smooth" || key.starts_with("smooth_"))
       filter.fail(key, "is for filter.method = \"multi_object\"; no other filter is smoothed");
   }
 }

@@ -126,6 +126,11 @@ void TomlDocument::apply_override(std::string_view assignment) {
   apply_toml_override(*state_, assignment);
 }
 
+void TomlDocument::rename_key(const std::string& old_name, const std::string& new_name) {
+  state_->renamed[old_name] = new_name;
+  internal::rename_old_keys(*state_);
+}
+
 void TomlDocument::set_variable(const std::string& name, const std::string& value) {
   state_->variables[name] = value;
 }

@@ -43,6 +43,8 @@ struct TomlState {
   TomlNode root;
   std::map<std::string, std::string, std::less<>> variables;
   std::vector<std::string> warnings;  ///< warnings about keys under their old names
+  /// Old and new names of keys at the top of this document alone.
+  std::map<std::string, std::string, std::less<>> renamed = {};
 
   /// The place of a value: `file:line`, or the override that set it.
   std::string location(const TomlNode& node) const;

@@ -113,7 +113,7 @@ std::string join_toml_path(std::string_view parent, std::string_view key) {
 void apply_toml_override(TomlState& state, std::string_view assignment) {
   Override source = parse_override(assignment);
   const std::string given = dotted(source.path);
-  if (rename_old_path(source.path)) {
+  if (rename_old_path(state, source.path)) {
     state.warnings.push_back(renamed_warning(source.origin, "key", given, dotted(source.path)));
   }
   TomlNode* node = &state.root;

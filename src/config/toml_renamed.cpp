@@ -18,7 +18,7 @@ namespace {
 constexpr std::string_view kAnyKey = "*";
 
 struct RenamedKey {
-  std::string_view table;  ///< a path of at most two keys, empty for the top of the document
+  std::string_view table;  ///< a path of at most two keys
   std::string_view old_name;
   std::string_view new_name;
 };
@@ -28,10 +28,6 @@ constexpr std::array kRenamedKeys{
     RenamedKey{"filter", "common_error_share", "bias_variance_fraction"},
     RenamedKey{"filter", "dependent_answers", "mode_correlation_factor"},
     RenamedKey{"noise.*", "null", "clutter"},
-    // The settings of `posemix study noise`.
-    RenamedKey{"", "null", "clutter"},
-    RenamedKey{"", "null_volume_m3", "clutter_volume_m3"},
-    RenamedKey{"", "null_least", "clutter_least"},
 };
 
 /// Whether the keys of a path fit a pattern, in which `*` fits any key.
@@ -52,7 +48,7 @@ std::string joined(const std::vector<std::string>& path, std::string_view key) {
 void rename_in(TomlState& state, TomlNode& table, std::vector<std::string>& path) {
   for (std::size_t i = 0; i < table.keys.size(); ++i) {
     const std::string old_name = table.keys[i];
-    const std::string new_name(new_toml_name(path, old_name));
+    const std::string new_name(new_toml_name(state, path, old_name));
     TomlNode& node = table.children[i];
     if (!new_name.empty()) {
       if (const TomlNode* other = table.find(new_name)) {
@@ -74,7 +70,12 @@ void rename_in(TomlState& state, TomlNode& table, std::vector<std::string>& path
 
 }  // namespace
 
-std::string_view new_toml_name(const std::vector<std::string>& path, std::string_view key) {
+std::string_view new_toml_name(const TomlState& state, const std::vector<std::string>& path,
+                               std::string_view key) {
+  if (path.empty()) {
+    const auto found = state.renamed.find(key);
+    return found == state.renamed.end() ? std::string_view() : found->second;
+  }
   for (const RenamedKey& renamed : kRenamedKeys) {
     if (renamed.old_name == key && fits(path, renamed.table)) return renamed.new_name;
   }
@@ -86,11 +87,11 @@ void rename_old_keys(TomlState& state) {
   rename_in(state, state.root, path);
 }
 
-bool rename_old_path(std::vector<std::string>& path) {
+bool rename_old_path(const TomlState& state, std::vector<std::string>& path) {
   bool renamed = false;
   std::vector<std::string> table;
   for (std::string& key : path) {
-    if (const std::string_view name = new_toml_name(table, key); !name.empty()) {
+    if (const std::string_view name = new_toml_name(state, table, key); !name.empty()) {
       key = name;
       renamed = true;
     }

@@ -43,7 +43,7 @@ class Factor {
 
   void add_derivatives(const G& at, Tangent& gradient, Matrix& gauss_newton,
                        Matrix& second_order) const {
-    const gnomonic::Restatement f(rotation_of(at), density_->tangent_point());
+    const gnomonic::ChartChange f(rotation_of(at), density_->tangent_point());
     Matrix j = Matrix::Identity();
     j.template topLeftCorner<3, 3>() = f.jacobian(Eigen::Vector3d::Zero());
     const Tangent pull = factor_.solve(residual(at));
@@ -236,7 +236,7 @@ ProjectedFusion<G> fuse_by_jacobian(const ProjectedGaussian<G>& p, const Project
       q3, typename G::Tangent(p3.tangent_mean() + gain * apart), covariance);
 
   const auto log_jacobian = [&](const ProjectedGaussian<G>& density) {
-    const gnomonic::Restatement f(density.tangent_point(), q3);
+    const gnomonic::ChartChange f(density.tangent_point(), q3);
     return f.log_det_jacobian(density.tangent_mean().template head<3>());
   };
   const double log_overlap = log_normal(sum, apart) + log_jacobian(p) + log_jacobian(q) +

@@ -185,7 +185,7 @@ template <RotationOrPose G>
 ProjectedGaussian<G> change_chart(const ProjectedGaussian<G>& density, const SO3d& tangent_point) {
   using Tangent = typename G::Tangent;
   using Covariance = typename G::TangentMatrix;
-  const gnomonic::Restatement f(density.tangent_point(), tangent_point);
+  const gnomonic::ChartChange f(density.tangent_point(), tangent_point);
   const Eigen::Vector3d u = density.tangent_mean().template head<3>();
   Tangent mean = density.tangent_mean();
   mean.template head<3>() = f(u);

@@ -28,7 +28,8 @@ void check_head(const JsonPlace& root) {
   }
   const JsonPlace perturbation = root.member("perturbation");
   perturbation.member("side").require_word(kSide);
-  perturbation.member("order").require_word(kOrder);
+  const JsonPlace order = perturbation.member("order");
+  if (order.string() != kOldOrder) order.require_word(kOrder);
   const JsonPlace units = root.member("units");
   units.member("rotation").require_word(kRotationUnit);
   units.member("translation").require_word(kTranslationUnit);

@@ -12,7 +12,9 @@ namespace posemix::internal {
 
 inline constexpr std::string_view kPosteriorType = "posemix.posterior";
 inline constexpr std::string_view kSide = "left";
-inline constexpr std::string_view kOrder = "rot_trans";
+inline constexpr std::string_view kOrder = "rotation_translation";
+/// kOrder in files of the release before.
+inline constexpr std::string_view kOldOrder = "rot_trans";
 inline constexpr std::string_view kRotationUnit = "rad";
 inline constexpr std::string_view kTranslationUnit = "m";
 

@@ -37,7 +37,7 @@ HWY_INLINE V series(V u, const double (&c)[5]) {
 /// D = (1 - (t/2) cot(t/2)) / u with u = t^2, from (t/2) / sin(t/2), cos(t/2) and four times the
 /// square of the former. The digits that D loses for small u do not matter, because it is
 /// multiplied by u.
-HWY_INLINE V rest_of(V ratio, V cosine, V four_ratio_squared) {
+HWY_INLINE V second_order_of(V ratio, V cosine, V four_ratio_squared) {
   const V u = hn::Mul(four_ratio_squared, hn::NegMulAdd(cosine, cosine, set(1.0)));
   const V closed = hn::Div(hn::NegMulAdd(ratio, cosine, set(1.0)), u);
   const V small = series(u, {1.0 / 12, 1.0 / 720, 1.0 / 30240, 1.0 / 1209600, 1.0 / 47900160});
@@ -45,15 +45,15 @@ HWY_INLINE V rest_of(V ratio, V cosine, V four_ratio_squared) {
 }
 
 /// Twice dD/du: ((t/2)^2 / sin^2(t/2) + (t/2) cot(t/2) - 2) / u^2.
-HWY_INLINE V twice_slope_of(V ratio, V rest, V u) {
-  const V rational = hn::NegMulAdd(rest, u, hn::MulSub(ratio, ratio, set(1.0)));
+HWY_INLINE V twice_slope_of(V ratio, V second_order, V u) {
+  const V rational = hn::NegMulAdd(second_order, u, hn::MulSub(ratio, ratio, set(1.0)));
   const V closed = hn::Div(rational, hn::Mul(u, u));
   const V small = series(
       u, {2.0 / 720, 4.0 / 30240, 6.0 / 1209600, 8.0 / 47900160, 10.0 * 691.0 / 1307674368000.0});
   return hn::IfThenElse(hn::Lt(u, set(kSeriesBelow)), small, closed);
 }
 
-/// With J_l^-1(phi) = I - phi^ / 2 + D phi^ phi^, D = `rest`, and J_l^-1(phi) R(phi) =
+/// With J_l^-1(phi) = I - phi^ / 2 + D phi^ phi^, D = `second_order`, and J_l^-1(phi) R(phi) =
 /// J_l^-1(-phi),
 ///   rho = J_l^-1(phi) (t - R t0) = t - t0 + phi x (D phi x (t - t0) - (t + t0) / 2).
 void pose_log_density(const EmRow* samples, std::size_t count, const PoseKernel& density,
@@ -71,18 +71,18 @@ void pose_log_density(const EmRow* samples, std::size_t count, const PoseKernel&
     const V log_volume = powers.polynomial(kLogVolume);
     const V twice = hn::Add(ratio, ratio);
     const V3 phi = scaled(hn::Xor(twice, hn::And(r.w, hn::SignBit(D()))), r.v);
-    const V rest = rest_of(ratio, cosine, hn::Mul(twice, twice));
+    const V second_order = second_order_of(ratio, cosine, hn::Mul(twice, twice));
     const V3 t = load3(samples + 4, i);
     const V3 d = {hn::Sub(t.x, centre.x), hn::Sub(t.y, centre.y), hn::Sub(t.z, centre.z)};
     const V3 turned = cross(phi, d);
-    const V3 g = scaled_difference(rest, turned, scaled_sum(set(0.5), t, half_centre));
+    const V3 g = scaled_difference(second_order, turned, scaled_sum(set(0.5), t, half_centre));
     const V3 rho = cross_sum(phi, g, d);
     const V xi[6] = {phi.x, phi.y, phi.z, rho.x, rho.y, rho.z};
     const V squared = squared_norm<6>(density.factor, xi);
     store3(phi, rows, i);
     store3(rho, rows + 3, i);
     store(ratio, rows[kRatio], i);
-    store(rest, rows[kRestRow], i);
+    store(second_order, rows[kSecondOrder], i);
     store(squared, rows[kSquared], i);
     store(hn::NegMulAdd(set(0.5), squared, hn::Sub(set(density.log_constant), log_volume)), out, i);
   }
@@ -107,11 +107,11 @@ void add_pose_gradient(const EmRow* rows, const EmRow& shares, std::size_t count
     const V3 rho = load3(rows + kXi + 3, i);
     const V xi[6] = {phi.x, phi.y, phi.z, rho.x, rho.y, rho.z};
     const V3 y2 = {row_times(p[3], xi, 6), row_times(p[4], xi, 6), row_times(p[5], xi, 6)};
-    const V a = hn::Mul(share, load(rows[kRestRow], i));
+    const V a = hn::Mul(share, load(rows[kSecondOrder], i));
     const V phi_rho = dot(phi, rho);
     const V phi_phi = dot(phi, phi);
     const V slope =
-        hn::Mul(share, twice_slope_of(load(rows[kRatio], i), load(rows[kRestRow], i), phi_phi));
+        hn::Mul(share, twice_slope_of(load(rows[kRatio], i), load(rows[kSecondOrder], i), phi_phi));
     const V phi_y2 = dot(phi, y2);
     const V b = hn::Mul(slope, phi_rho);
     const V with_y = hn::Mul(a, phi_phi);

@@ -28,8 +28,8 @@ class TracePacker {
       : name_(name), scales_(scales), joint_(name + ": hypotheses", scales.coarse()) {}
 
   /// Callback of the parser: returns whether to keep the value.
-  bool hear(std::size_t depth, Event event, Json& value) {
-    if (series_ != nullptr) return hear_inside(depth, event, value);
+  bool take(std::size_t depth, Event event, Json& value) {
+    if (series_ != nullptr) return take_inside(depth, event, value);
     if (event == Event::key) {
       keys_.resize(depth);
       keys_[depth - 1] = value.get<std::string>();
@@ -67,7 +67,7 @@ class TracePacker {
   }
 
  private:
-  bool hear_inside(std::size_t depth, Event event, const Json& value) {
+  bool take_inside(std::size_t depth, Event event, const Json& value) {
     const bool ends =
         event == Event::value || event == Event::array_end || event == Event::object_end;
     if (depth == series_depth_ + 1 && ends) {
@@ -190,12 +190,12 @@ PackedTrace pack_once(std::istream& text, const std::string& name, const TracePr
   constexpr std::size_t kEventsBetween = 1U << 16U;
   TracePacker packer(name, scales);
   std::size_t events = 0;
-  const auto hear = [&](int depth, Event event, Json& value) {
+  const auto take = [&](int depth, Event event, Json& value) {
     if (++events % kEventsBetween == 0) progress(static_cast<std::size_t>(text.tellg()));
-    return packer.hear(static_cast<std::size_t>(depth), event, value);
+    return packer.take(static_cast<std::size_t>(depth), event, value);
   };
   try {
-    PackedTrace packed{packer.finish(Json::parse(text, hear)), {}};
+    PackedTrace packed{packer.finish(Json::parse(text, take)), {}};
     if (packer.has_old_keys()) {
       packed.warnings.push_back(renamed_warning(name, "key", kOldStatusKey, "status"));
     }

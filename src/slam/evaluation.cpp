@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
+#include "posemix/base/error.hpp"
 #include "posemix/base/statistics.hpp"
 #include "posemix/base/units.hpp"
 
@@ -115,6 +118,19 @@ Timing timing_of(const SlamRun& run) {
           median_or_zero(std::move(reduce_us)), merges / count};
 }
 
+void check_fit(const Sequence& sequence, const SlamRun& run) {
+  require(!run.frames.empty(), "evaluation: the run has no frame");
+  if (run.frames.size() > sequence.stamps.size()) {
+    throw InvalidInput(fmt::format("evaluation: the run has {} frames, the sequence {}",
+                                   run.frames.size(), sequence.stamps.size()));
+  }
+  for (const FrameEstimate& frame : run.frames) {
+    if (frame.objects.size() == sequence.objects.size()) continue;
+    throw InvalidInput(fmt::format("evaluation: the run has {} objects, the sequence {}",
+                                   frame.objects.size(), sequence.objects.size()));
+  }
+}
+
 PoseErrors odometry_errors(const Sequence& sequence) {
   PoseErrorSum sum;
   std::optional<SE3d> world_odom;
@@ -174,6 +190,7 @@ std::optional<SE3d> true_world_pose(const Sequence& sequence, std::size_t object
 }
 
 Metrics evaluate(const Sequence& sequence, const SlamRun& run) {
+  check_fit(sequence, run);
   Metrics metrics;
   metrics.frames = run.frames.size();
   PoseErrorSum camera;

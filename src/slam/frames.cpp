@@ -14,6 +14,12 @@ void check_run(const Sequence& sequence, const std::vector<ObjectModel>& models)
     throw InvalidInput(fmt::format("{} object models for {} recorded objects", models.size(),
                                    sequence.objects.size()));
   }
+  for (std::size_t object = 0; object < models.size(); ++object) {
+    const std::string& recorded = sequence.objects[object].id;
+    if (models[object].id == recorded) continue;
+    throw InvalidInput(fmt::format("object model {} is '{}', but recorded object {} is '{}'",
+                                   object, models[object].id, object, recorded));
+  }
 }
 
 FrameInput frame_input(const Sequence& sequence, std::size_t frame) {

@@ -11,7 +11,8 @@
 /// What the trackers have in common: frames in and out.
 namespace posemix::internal {
 
-/// @throws InvalidInput when the sequence is not valid or the models are not one for each object
+/// @throws InvalidInput when the sequence is not valid or the models are not one for each object,
+/// with its id and in the same order
 void check_run(const Sequence& sequence, const std::vector<ObjectModel>& models);
 
 /// The input of one frame; at the first one there is no time and no motion.

@@ -27,14 +27,12 @@ GaussianSumSlam::GaussianSumSlam(const PoseDensity& camera, std::vector<ObjectMo
                                  const GaussianSumSettings& settings, const MotionSettings& motion,
                                  bool record_hypotheses)
     : objects_(std::move(objects)),
-      motion_(motion),
+      motion_(internal::checked(motion)),
       record_hypotheses_(record_hypotheses),
-      filter_(make_filter(camera, settings, motion)),
+      filter_(make_filter(camera, settings, motion_)),
       indices_(objects_.size()),
       counts_(objects_.size()),
-      estimate_(filter_.summarise()) {
-  require(motion_.period_s > 0.0, "motion: period_s must be positive");
-}
+      estimate_(filter_.summarise()) {}
 
 FrameEstimate GaussianSumSlam::step(const FrameInput& input) {
   internal::refuse_candidates(input, "the Gaussian-sum filter");

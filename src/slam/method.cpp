@@ -13,6 +13,9 @@
 namespace posemix {
 namespace {
 
+/// The Gaussian-sum filter with the library's own settings.
+constexpr std::string_view kOwnGaussianSum = "gm-iekf";
+
 void use_one_hypothesis(GaussianSumSettings& settings) {
   settings.update = UpdateRule::linearized;
   settings.reduction.max_components = 1;
@@ -39,7 +42,7 @@ SlamMethod smoothed(const char* name, const char* description, std::size_t lag_f
 }
 
 SlamMethod gm_iekf() {
-  return {.name = "gm-iekf",
+  return {.name = std::string(kOwnGaussianSum),
           .description = "Gaussian-sum filter over all poses, iterated updates",
           .tracker = GaussianSumSettings{}};
 }
@@ -57,6 +60,16 @@ SlamMethod paper(const char* name, const char* description, MergeRule rule, Upda
   settings.reduction.pair = PairRule::largest_with_smallest;
   settings.reduction.merge = {.rule = rule, .jacobian = TransportJacobian::exact};
   return {.name = name, .description = description, .tracker = settings};
+}
+
+/// As the program that the paper's authors published.
+SlamMethod published() {
+  SlamMethod method = paper("published", "midway as in the paper's published program",
+                            MergeRule::midway, UpdateRule::linearized);
+  ReductionSettings& reduction = std::get<GaussianSumSettings>(method.tracker).reduction;
+  reduction.merge_from = 16;
+  reduction.merge.jacobian = TransportJacobian::bernoulli;
+  return method;
 }
 
 SlamMethod riekf(const char* name, const char* description) {
@@ -108,14 +121,35 @@ std::string title_of(const SlamMethod& method, const MultiObjectSlamSettings& /*
   return fmt::format("multi-object, smoothed by {} frames", method.smoothing->lag_frames);
 }
 
-std::string title_of(const SlamMethod& method, const GaussianSumSettings& tracker) {
-  if (method.name == "max_mixture") return "max-mixture";
-  if (method.name == "riekf_cauchy")
-    return fmt::format("riekf (Cauchy, c = {:g})", tracker.cauchy_scale);
-  if (method.single_gaussian) return "riekf";
-  return fmt::format("gm-iekf ({}{}{})", title_of(tracker.reduction.merge.rule),
+/// What a baseline of one hypothesis does with detections that are far off.
+std::string riekf_title(const GaussianSumSettings& tracker) {
+  std::vector<std::string> words;
+  if (tracker.robust_loss == RobustLoss::cauchy)
+    words.push_back(fmt::format("Cauchy, c = {:g}", tracker.cauchy_scale));
+  if (tracker.gate_probability < 1.0)
+    words.push_back(fmt::format("gate {:g}", tracker.gate_probability));
+  return words.empty() ? "riekf" : fmt::format("riekf ({})", fmt::join(words, ", "));
+}
+
+std::string settings_title(const GaussianSumSettings& tracker) {
+  return fmt::format("{}{}{}", title_of(tracker.reduction.merge.rule),
                      tracker.update == UpdateRule::iterated ? ", iterated" : "",
                      tracker.robust_loss == RobustLoss::cauchy ? ", Cauchy" : "");
+}
+
+std::string title_of(const SlamMethod& method, const GaussianSumSettings& tracker) {
+  if (method.name == "max_mixture") return "max-mixture";
+  if (method.single_gaussian) return riekf_title(tracker);
+  const std::string settings = settings_title(tracker);
+  // A filter of the paper goes by its name alone where its settings are those of the table.
+  const auto is_preset = [&](const SlamMethod& known) {
+    const auto* preset = std::get_if<GaussianSumSettings>(&known.tracker);
+    return preset != nullptr && known.name == method.name && settings == settings_title(*preset);
+  };
+  const std::vector<SlamMethod>& methods = slam_methods();
+  const bool by_name =
+      method.name != kOwnGaussianSum && std::any_of(methods.begin(), methods.end(), is_preset);
+  return by_name ? method.name : fmt::format("{} ({})", method.name, settings);
 }
 
 std::string title_of(const SlamMethod& /*method*/, const ParticleFilterSettings& tracker) {
@@ -123,6 +157,25 @@ std::string title_of(const SlamMethod& /*method*/, const ParticleFilterSettings&
 }
 
 }  // namespace
+
+ObjectSlam SlamMethod::live(const PoseDensity& camera, std::vector<ObjectModel> objects,
+                            const MotionSettings& motion) const {
+  if (smoothing) {
+    throw InvalidInput(fmt::format(
+        "method '{}' looks ahead, which ObjectSlam does not; expected a FixedLagSmoother", name));
+  }
+  return {camera, models(std::move(objects)), settings(motion)};
+}
+
+FixedLagSmoother SlamMethod::smoother(const PoseDensity& camera, std::vector<ObjectModel> objects,
+                                      const MotionSettings& motion) const {
+  if (!smoothing) {
+    throw InvalidInput(fmt::format(
+        "method '{}' does not look ahead, as a FixedLagSmoother does; expected an ObjectSlam",
+        name));
+  }
+  return {camera, models(std::move(objects)), settings(motion), *smoothing};
+}
 
 ObjectSlamSettings SlamMethod::settings(const MotionSettings& motion) const {
   return {.motion = motion, .tracker = tracker};
@@ -150,6 +203,7 @@ const std::vector<SlamMethod>& slam_methods() {
             tangent_of_larger, UpdateRule::linearized),
       paper("midway", "midway-merge paper: midway merges", midway, UpdateRule::linearized),
       paper("midway_iterated", "midway with iterated updates", midway, UpdateRule::iterated),
+      published(),
       riekf("riekf", "right-invariant extended Kalman filter, one Gaussian of noise"),
       riekf_gated(),
       riekf_cauchy(),

@@ -4,7 +4,40 @@
 
 #include <utility>
 
+#include <fmt/format.h>
+#include <Eigen/Eigenvalues>
+
+#include "posemix/base/error.hpp"
+#include "posemix/base/range.hpp"
+
 namespace posemix::internal {
+namespace {
+
+void check_noise(const ProcessNoise& noise, const char* name) {
+  constexpr double kRounding = 1e-9;
+  const Matrix6d& covariance = noise.covariance;
+  if (!covariance.allFinite())
+    throw InvalidInput(fmt::format("motion: {} holds a value that is not finite", name));
+  const double rounding = kRounding * covariance.cwiseAbs().maxCoeff();
+  if ((covariance - covariance.transpose()).cwiseAbs().maxCoeff() > rounding)
+    throw InvalidInput(fmt::format("motion: {} is not symmetric", name));
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(covariance, Eigen::EigenvaluesOnly);
+  if (const double least = eigen.eigenvalues().minCoeff(); least < -rounding) {
+    throw InvalidInput(fmt::format(
+        "motion: {} has a variance of {:.3g}, expected none that is negative", name, least));
+  }
+}
+
+}  // namespace
+
+const MotionSettings& checked(const MotionSettings& motion) {
+  kPositive.check(motion.period_s, "motion: period_s");
+  check_noise(motion.noise, "noise");
+  check_noise(motion.walk, "walk");
+  check_noise(motion.motion_noise, "motion_noise");
+  check_noise(motion.unknown_motion, "unknown_motion");
+  return motion;
+}
 
 CameraStep camera_step(const MotionSettings& motion, const FrameInput& input) {
   CameraStep step{.dt = input.dt, .odometry = {}, .q = motion.noise.over(input.dt), .velocity = {}};

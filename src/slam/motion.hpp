@@ -30,6 +30,11 @@ struct CameraStep {
   std::optional<Velocity> velocity;
 };
 
+/// The settings as they are given.
+/// @throws InvalidInput when the period is not positive and finite, or a noise is not symmetric,
+/// not finite or has a negative variance in some direction; none at all is allowed
+const MotionSettings& checked(const MotionSettings& motion);
+
 /// The step of one frame by its motion model; a frame without odometry is one of unknown motion.
 CameraStep camera_step(const MotionSettings& motion, const FrameInput& input);
 

@@ -42,13 +42,11 @@ MultiObjectSlam::MultiObjectSlam(const PoseDensity& camera, std::vector<ObjectMo
                                  const MotionSettings& motion, bool record_hypotheses)
     : objects_(std::move(objects)),
       settings_(settings),
-      motion_(motion),
+      motion_(internal::checked(motion)),
       record_hypotheses_(record_hypotheses),
-      filter_(make_filter(camera, objects_.models(), settings.filter, motion)),
+      filter_(make_filter(camera, objects_.models(), settings.filter, motion_)),
       sightings_(objects_.size()),
-      estimate_(filter_.joint()) {
-  require(motion_.period_s > 0.0, "motion: period_s must be positive");
-}
+      estimate_(filter_.joint()) {}
 
 FrameEstimate MultiObjectSlam::step(const FrameInput& input) {
   const bool is_first = objects_.frames() == 0;

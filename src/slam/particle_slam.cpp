@@ -46,13 +46,11 @@ ParticleSlam::ParticleSlam(const PoseDensity& camera, std::vector<ObjectModel> o
     : objects_(std::move(objects)),
       settings_(checked(settings)),
       record_hypotheses_(record_hypotheses),
-      cloud_(
-          std::make_unique<internal::ParticleCloud>(camera, objects_.models(), settings, motion)),
+      cloud_(std::make_unique<internal::ParticleCloud>(camera, objects_.models(), settings,
+                                                       internal::checked(motion))),
       indices_(objects_.size()),
       counts_(objects_.size()),
-      estimate_(internal::camera_hypothesis(camera, motion)) {
-  require(motion.period_s > 0.0, "motion: period_s must be positive");
-}
+      estimate_(internal::camera_hypothesis(camera, motion)) {}
 
 ParticleSlam::ParticleSlam(const ParticleSlam& other)
     : objects_(other.objects_),

@@ -33,6 +33,27 @@ TEST_F(Data, ListNamesSourcesLicencesAndWhereHashesAreFrom) {
   EXPECT_TRUE(has(none.err, "expected one of midway, slam-super-6d, ycbv, tless")) << none.err;
 }
 
+/// Without --out the files go to $POSEMIX_DATA or the cache, where every command looks for them.
+TEST_F(Data, ExamplesUseTheFolderThatTheyFetchInto) {
+  const std::string guide = content_of(POSEMIX_SOURCE_DIR "/docs/data.md");
+  std::vector<std::string> snippets{run_posemix({"data", "--help"}).out,
+                                    run_posemix({"data", "sequence", "--help"}).out};
+  for (std::size_t at = guide.find("```sh"); at != std::string::npos;) {
+    const std::size_t end = guide.find("```", at + 5);
+    snippets.push_back(guide.substr(at, end - at));
+    at = guide.find("```sh", end + 3);
+  }
+  EXPECT_EQ(snippets.size(), 5U);
+  for (const std::string& text : snippets) {
+    EXPECT_TRUE(has(text, "data fetch")) << text;
+    const bool uses_folder = has(text, "--data data") || has(text, " data/ycbv ");
+    EXPECT_EQ(uses_folder, has(text, "--out data ")) << text;
+  }
+  // The configuration of 0022 has files of two sources.
+  EXPECT_TRUE(has(snippets.back(), "fetch midway ")) << snippets.back();
+  EXPECT_TRUE(has(snippets.back(), "fetch slam-super-6d ")) << snippets.back();
+}
+
 TEST_F(Data, FetchesShowsTheLicenceAndNotesWhatCame) {
   use("plain", pin());
   const ProgramResult result = fetch();

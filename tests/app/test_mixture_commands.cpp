@@ -200,7 +200,7 @@ TEST_F(MixtureCommands, DivergenceOfAFileFromItself) {
   expect_error("posemix divergence mug.json", 2, "files");
 }
 
-TEST_F(MixtureCommands, ConvertBetweenConventionsAndLaws) {
+TEST_F(MixtureCommands, ConvertBetweenConventionsAndDistributions) {
   const MixtureFile original{{"camera", "mug"}, two_peaks()};
   const MixtureConvention convention{Side::right, TangentOrder::translation_rotation,
                                      AngleUnit::deg, LengthUnit::mm};

@@ -143,7 +143,7 @@ TEST_F(Slam, OverridesAndDataFolder) {
       {"slam", elsewhere, "--data", small_.folder.path().string(), "--set", "filter.method=riekf",
        "--set", "filter.gate_probability=0.5", "--json", "--out", out().string()});
   EXPECT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_EQ(json::parse(result.out)["method"], "riekf");
+  EXPECT_EQ(json::parse(result.out)["method"], "riekf (gate 0.5)");
   expect_error(
       run_posemix({"slam", elsewhere, "--out", (results_ / "b").string(), "--data", "/nowhere"}), 3,
       "/nowhere: is not a folder");

@@ -110,6 +110,30 @@ TEST_F(StudyCommand, NamesWhatIsWrong) {
   refused({"noise", "--data", out("nowhere").string()}, "nowhere");
 }
 
+TEST_F(StudyCommand, WithoutADataFolderTheErrorTellsHowToGetOne) {
+  const std::string cache = out("cache").string();
+  for (const char* study : {"ycbv", "noise", "tless", "grasp"}) {
+    testing::RunningProgram program({"/usr/bin/env", "-u", "POSEMIX_DATA",
+                                     "XDG_CACHE_HOME=" + cache, POSEMIX_PROGRAM, "study", study,
+                                     "--out", out().string()});
+    const ProgramResult result = program.wait();
+    EXPECT_EQ(result.exit_code, 3) << result.err;
+    for (const std::string& part :
+         {cache + "/posemix: is not a folder", std::string("--data"), std::string("POSEMIX_DATA"),
+          std::string("`posemix data fetch`")})
+      EXPECT_TRUE(contains(result.err, part)) << result.err;
+  }
+}
+
+TEST_F(StudyCommand, TheNoiseStudyReadsItsOldKeys) {
+  const ProgramResult result = run_posemix({"study", "noise", "--set", "null=true", "--data",
+                                            out("nowhere").string(), "--out", out().string()});
+  EXPECT_TRUE(contains(result.err, "key 'null' is now 'clutter'")) << result.err;
+  const ProgramResult other =
+      run_posemix({"study", "divergence", "--set", "null=true", "--out", out().string()});
+  EXPECT_TRUE(contains(other.err, "unknown key 'null'")) << other.err;
+}
+
 TEST_F(StudyCommand, NoiseOfASequenceWhoseFilesLieBesideIt) {
   const fs::path config = fs::path(POSEMIX_SOURCE_DIR) / "configs" / "demo.toml";
   ASSERT_EQ(run_posemix({"simulate", config.string(), "--set", "camera.frames=250", "--out",

@@ -9,10 +9,14 @@
 #include "io/expect_invalid.hpp"
 #include "posemix/base/units.hpp"
 #include "posemix/config/sequence_file.hpp"
+#include "posemix/io/text.hpp"
+#include "posemix/testing/expect.hpp"
 #include "small_recording.hpp"
 
 namespace posemix {
 namespace {
+
+using testing::thrown_message;
 
 SlamJob read_small(const std::vector<std::string>& overrides) {
   const testing::SmallFolder small;
@@ -47,7 +51,7 @@ TEST(FilterMethods, EveryMethodOfTheLibraryByName) {
 
 TEST(FilterMethods, BaselinesByName) {
   const SlamJob cauchy = read_small({"filter.method=riekf_cauchy", "filter.cauchy_scale=2"});
-  EXPECT_EQ(cauchy.method, "riekf (Cauchy, c = 2)");
+  EXPECT_EQ(cauchy.method, "riekf (Cauchy, c = 2, gate 0.9999)");
   EXPECT_EQ(gaussian_sum(cauchy).robust_loss, RobustLoss::cauchy);
   EXPECT_EQ(gaussian_sum(cauchy).cauchy_scale, 2.0);
   EXPECT_EQ(gaussian_sum(cauchy).reduction.max_components, 1U);
@@ -138,6 +142,24 @@ TEST(FilterMethods, Smoothing) {
   for (const std::string method : {"gm-iekf", "riekf", "rbpf"})
     EXPECT_INVALID_WITH(read_small({"filter.method=" + method, "filter.smooth=full"}),
                         "key 'filter.smooth' is for filter.method = \"multi_object\"");
+}
+
+TEST(FilterMethods, AnUnknownKeyListsNoneThatTheMethodRefuses) {
+  for (const SlamMethod& method : slam_methods()) {
+    const std::string of_method = "filter={method='" + method.name + "'";
+    const std::string message =
+        thrown_message([&] { read_small({of_method + ", unheard_of_altogether=1}"}); });
+    const std::size_t list = message.find(", known here: ");
+    ASSERT_NE(list, std::string::npos) << message;
+    const std::string known = message.substr(list + 14);
+    for (const std::string_view key : split_fields(known, ',')) {
+      // An array is a wrong value of every key but not an unknown one.
+      const std::string refusal = thrown_message(
+          [&] { read_small({of_method + ", " + std::string(trimmed(key)) + "=[[]]}"}); });
+      EXPECT_EQ(refusal.find("is for"), std::string::npos) << method.name << ": " << refusal;
+      EXPECT_EQ(refusal.find("unknown key"), std::string::npos) << method.name << ": " << refusal;
+    }
+  }
 }
 
 TEST(FilterMethods, AssociationOfCandidates) {

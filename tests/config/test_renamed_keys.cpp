@@ -33,12 +33,29 @@ TEST(RenamedKeys, AreReadWithAWarningThatNamesThePlaceAndTheNewName) {
             "refused in 0.3");
 }
 
-TEST(RenamedKeys, TheSettingsOfTheNoiseStudyToo) {
-  const TomlDocument document = document_of("null = true\nnull_volume_m3 = 2\nnull_least = 0.25\n");
+TEST(RenamedKeys, AtTheTopOfADocumentOnlyThoseOfItsReader) {
+  TomlDocument document = document_of("null = true\nnull_least = 0.25\n");
+  EXPECT_EQ(document.warnings(), Warnings());
+  EXPECT_TRUE(document.root().has("null"));
+  document.rename_key("null", "clutter");
   EXPECT_TRUE(document.root().get_bool("clutter"));
-  EXPECT_EQ(document.root().get_double("clutter_volume_m3"), 2.0);
-  EXPECT_EQ(document.root().get_double("clutter_least"), 0.25);
-  EXPECT_EQ(document.warnings().size(), 3U);
+  EXPECT_EQ(document.root().get_double("null_least"), 0.25);
+  EXPECT_EQ(document.warnings(), Warnings{"s.toml:1: key 'null' is now 'clutter'; the old name "
+                                          "will be refused in 0.3"});
+  document.apply_override("null=false");
+  EXPECT_FALSE(document.root().get_bool("clutter"));
+  EXPECT_EQ(document.warnings().size(), 2U);
+  EXPECT_INVALID(document_of("null = 1\nclutter = 2\n").rename_key("null", "clutter"),
+                 "s.toml:1: key 'null' is the old name of 'clutter', which is at s.toml:2 already, "
+                 "expected one of them");
+}
+
+TEST(RenamedKeys, AVariableOfASequenceFileMayHaveAnyName) {
+  TomlDocument document = document_of("null = \"0001\"\npath = \"${null}.txt\"\n");
+  EXPECT_EQ(document.root().get_string("path"), "0001.txt");
+  document.apply_override("null=0002");
+  EXPECT_EQ(document.root().get_string("path"), "0002.txt");
+  EXPECT_EQ(document.warnings(), Warnings());
 }
 
 TEST(RenamedKeys, NewNamesAndNamesOfUsersHaveNoWarning) {

@@ -111,7 +111,7 @@ TEST_F(SequenceFile, EverySettingCanBeSet) {
 
 TEST_F(SequenceFile, RiekfHasOneHypothesisAndOneNoiseComponent) {
   const SlamJob job = read_with({"filter.method=riekf"});
-  EXPECT_EQ(job.method, "riekf");
+  EXPECT_EQ(job.method, "riekf (gate 0.9999)");
   EXPECT_EQ(std::get<GaussianSumSettings>(job.settings.tracker).reduction.max_components, 1U);
   for (const ObjectModel& model : job.models) EXPECT_EQ(model.noise.components().size(), 1U);
 }
@@ -159,10 +159,14 @@ TEST_F(SequenceFile, ObjectIds) {
 TEST_F(SequenceFile, JointNoiseNeedsEqualWeights) {
   const std::string other = "noise.other={components=[{rotation_sd_deg=3, translation_sd_m=0.01}]}";
   EXPECT_INVALID_WITH(read_with({other, "objects.can.noise=other", "filter.noise_use=joint"}),
-                      "those of objects 'mug' and 'can' differ");
+                      "key 'filter.noise_use' is \"joint\", which needs noise models with equal "
+                      "weights, but those of objects 'mug' and 'can' differ");
+  // A key that the file does not have is not named.
+  EXPECT_INVALID_WITH(read_with({other, "objects.can.noise=other", "filter={method='midway'}"}),
+                      "key 'filter.method' has noise_use = \"joint\", which needs");
   const SlamJob riekf = read_with(
       {other, "objects.can.noise=other", "filter.noise_use=joint", "filter.method=riekf"});
-  EXPECT_EQ(riekf.method, "riekf");
+  EXPECT_EQ(riekf.method, "riekf (gate 0.9999)");
 }
 
 }  // namespace

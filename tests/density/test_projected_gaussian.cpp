@@ -28,8 +28,8 @@ Pose example() {
 }
 
 // Oracle: numpy prototype.
-TEST(Restatement, AgreesWithTheOracle) {
-  const gnomonic::Restatement f(SO3d::exp({0.3, -0.2, 0.5}), SO3d::exp({0.1, 0.1, 0.2}));
+TEST(ChartChange, AgreesWithTheOracle) {
+  const gnomonic::ChartChange f(SO3d::exp({0.3, -0.2, 0.5}), SO3d::exp({0.1, 0.1, 0.2}));
   const Vector3d u(0.1, -0.05, 0.2);
   const Vector3d expected(0.16504466870135037, -0.21131145983037594, 0.39649747373095745);
   EXPECT_LT((f(u) - expected).norm(), 1e-15);
@@ -37,8 +37,8 @@ TEST(Restatement, AgreesWithTheOracle) {
   EXPECT_NEAR(std::exp(f.log_det_jacobian(u)), 1.3637413560642841, 1e-14);
 }
 
-TEST(Restatement, HasTheDerivativesOfItsValues) {
-  const gnomonic::Restatement f(SO3d::exp({0.3, -0.2, 0.5}), SO3d::exp({-1.0, 0.4, 0.9}));
+TEST(ChartChange, HasTheDerivativesOfItsValues) {
+  const gnomonic::ChartChange f(SO3d::exp({0.3, -0.2, 0.5}), SO3d::exp({-1.0, 0.4, 0.9}));
   const Vector3d u(0.1, -0.4, 0.2), g(0.7, -0.3, 1.1);
   const double h = 1e-5;
   for (int i = 0; i < 3; ++i) {
@@ -117,7 +117,7 @@ TEST(ProjectedGaussian, IntegratesToOne) {
   EXPECT_NEAR(integral(Rotation(SO3d(), 30.0 * Matrix3d::Identity())), 1.0, 1e-4);
 }
 
-TEST(ProjectedGaussian, SamplesHaveTheMomentsOfTheLaw) {
+TEST(ProjectedGaussian, SamplesHaveTheMomentsOfTheDistribution) {
   const Rotation wide(SO3d::exp({0.4, 2.0, -1.0}), Vector3d(0.1, -0.2, 0.05), 6.0 * tilted());
   for (const Rotation& density : {Rotation(SO3d(), tilted()), wide}) {
     RandomStream stream(2);
@@ -140,7 +140,7 @@ TEST(ProjectedGaussian, SamplesHaveTheMomentsOfTheLaw) {
 
 // Oracle: numpy prototype. Rotation standard deviation in degrees, then KL of projected Gaussian
 // samples from the density of eq. 11.
-TEST(ProjectedGaussian, ProjectedSamplesHaveAnotherLaw) {
+TEST(ProjectedGaussian, ProjectedSamplesHaveAnotherDistribution) {
   const double table[][2] = {{15.0, 2.9e-3}, {22.9, 1.3e-2}, {57.3, 0.167}};
   for (const auto& [degrees_of_rotation, expected] : table) {
     const double u = 0.5 * radians(degrees_of_rotation);
@@ -157,7 +157,7 @@ TEST(ProjectedGaussian, ProjectedSamplesHaveAnotherLaw) {
   }
 }
 
-TEST(ProjectedGaussian, LawMomentsAndBack) {
+TEST(ProjectedGaussian, DistributionMomentsAndBack) {
   const Pose density = example();
   const DistributionMoments<SE3d> distribution = moments_of(density);
   const Pose again =
@@ -166,7 +166,7 @@ TEST(ProjectedGaussian, LawMomentsAndBack) {
   EXPECT_LT((again.tangent_mean() - density.tangent_mean()).norm(), 1e-12);
 }
 
-TEST(ProjectedGaussian, RestatesWithItsJacobian) {
+TEST(ProjectedGaussian, ChangesTheChartWithItsJacobian) {
   const Pose density = example();
   const SO3d near = density.tangent_point() * SO3d::exp({0.1, 0.2, -0.1});
   const Pose moved = change_chart(density, near);

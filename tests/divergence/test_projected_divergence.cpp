@@ -66,7 +66,7 @@ TEST(ProjectedDivergence, WithOneTangentPointTheGaussiansAreThoseOnVectors) {
               std::sqrt(d.dot((a.covariance() + b.covariance()).inverse() * d)), 1e-12);
 }
 
-TEST(ProjectedDivergence, OfLawsIsWhatSamplingFinds) {
+TEST(ProjectedDivergence, OfDistributionsIsWhatSamplingFinds) {
   RandomStream stream(2);
   for (const double deviation : {0.05, 0.3}) {
     const SO3d q = SO3d::exp({0.4, -0.2, 0.9});

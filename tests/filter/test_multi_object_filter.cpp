@@ -6,6 +6,7 @@
 
 #include "multi_object_scene.hpp"
 #include "posemix/density/pose_stack.hpp"
+#include "posemix/testing/expect.hpp"
 
 namespace posemix {
 namespace {
@@ -15,6 +16,7 @@ using testing::OrbitScene;
 using testing::plain_settings;
 using testing::pose;
 using testing::ray_noise;
+using testing::thrown_message;
 
 MultiObjectFilter make(const OrbitScene& scene, const MultiObjectSettings& settings,
                        const SymmetryGroup& symmetries = {}, double clutter = 0.23) {
@@ -272,6 +274,38 @@ TEST(MultiObjectFilter, RefusesWhatIsNotFiniteAndStaysAsItWas) {
   EXPECT_THROW(filter.predict_random_walk(q, -0.1), InvalidInput);
   EXPECT_THROW(filter.predict_constant_velocity(1.0, q, q, nan * q, 0.1), InvalidInput);
   EXPECT_EQ(filter.joint().covariance(), before);
+}
+
+TEST(MultiObjectFilter, RefusesIndicesAtWhichThereIsNothing) {
+  OrbitScene scene(6, 2, 0.01, 1e-4);
+  MultiObjectFilter filter = make(scene, plain_settings());
+  filter.update(0, scene.detect(0, 0.0, 0.0));
+  const auto expect_refused = [](const char* message, const auto& action) {
+    EXPECT_EQ(thrown_message(action), message);
+  };
+  const char* no_object = "there is no object 2; there are 2";
+  expect_refused(no_object, [&] { return filter.hypotheses(2); });
+  expect_refused(no_object, [&] { return filter.leading(2); });
+  expect_refused(no_object, [&] { return filter.mode_probability(2); });
+  expect_refused(no_object, [&] { return filter.log_absent(2); });
+  expect_refused(no_object, [&] { return filter.noise_scale(2); });
+  expect_refused(no_object, [&] { return filter.sensor(2); });
+  expect_refused(no_object, [&] { return filter.pose_index(2); });
+  expect_refused(no_object, [&] { return filter.relative(2, 0); });
+  expect_refused(no_object, [&] { return filter.bias_covariance(2, SE3d(), SE3d()); });
+  expect_refused(no_object, [&] { return filter.update(2, SE3d()); });
+  expect_refused(no_object, [&] { filter.forget(2); });
+  expect_refused("object 0 has 1 hypotheses; there is none at index 1",
+                 [&] { return filter.relative(0, 1); });
+  expect_refused("object 1 has 0 hypotheses; there is none at index 0",
+                 [&] { return filter.relative(1, 0); });
+  using Modes = std::vector<std::optional<std::size_t>>;
+  expect_refused("hypotheses of 1 objects, but there are 2",
+                 [&] { return filter.joint_of(Modes{0}); });
+  expect_refused("object 1 has 0 hypotheses; there is none at index 0", [&] {
+    return filter.joint_of(Modes{0, 0});
+  });
+  EXPECT_EQ(filter.joint_of(Modes{0, std::nullopt}).mean().size(), 2U);
 }
 
 TEST(MultiObjectFilter, ConstantVelocityIsThatOfTheGaussianSumFilter) {

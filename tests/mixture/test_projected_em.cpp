@@ -181,7 +181,7 @@ TEST(ProjectedEm, FixedMeansStay) {
   EXPECT_EQ(fit.parameters, 13U);
 }
 
-TEST(ProjectedEm, RestatesAStartAtItsMode) {
+TEST(ProjectedEm, MovesAStartToTheChartAtItsMode) {
   RandomStream stream(12);
   const auto samples = draws(three_poses<Projected<SE3d>>(), 100, stream);
   Vector6d mean = Vector6d::Zero();
@@ -190,8 +190,8 @@ TEST(ProjectedEm, RestatesAStartAtItsMode) {
   const auto fit =
       fit_mixture<Projected<SE3d>>(samples, {}, {.max_iterations = 1}, stream,
                                    std::optional(Mixture<Projected<SE3d>>({{0.0, aside}})));
-  const Mixture<Projected<SE3d>> restated({{0.0, change_chart_to_mode(aside)}});
-  EXPECT_NEAR(fit.history.front(), log_likelihood(restated, samples), 1e-9);
+  const Mixture<Projected<SE3d>> at_mode({{0.0, change_chart_to_mode(aside)}});
+  EXPECT_NEAR(fit.history.front(), log_likelihood(at_mode, samples), 1e-9);
   EXPECT_TRUE(fit.mixture[0].density.tangent_mean().head<3>().isZero(0.0));
 }
 

@@ -294,6 +294,13 @@ TEST(PosteriorFile, RejectsWhatItDoesNotKnow) {
                       "got 0 entries, expected 4");
 }
 
+TEST(PosteriorFile, HasTheWordForTheOrderThatMixtureFilesHave) {
+  json file = json::parse(results().files.at("posterior.json"));
+  EXPECT_EQ(file["perturbation"]["order"], word_of(TangentOrder::rotation_translation));
+  file["perturbation"]["order"] = "rot_trans";  // of the release before
+  EXPECT_EQ(reread(file.dump()).poses.size(), 4U);
+}
+
 TEST(PosteriorFile, RejectsDamagedFiles) {
   const std::string& good = results().files.at("posterior.json");
   EXPECT_INVALID_WITH(reread(""), "p.json: got a text that is not JSON");

@@ -204,7 +204,7 @@ TEST(ObjectCandidates, TheGaussianSumFilterRefusesThem) {
 
 TEST(ObjectCandidates, RunPassesThoseOfARecording) {
   Sequence sequence;
-  sequence.objects = {{"a", none(2), {}, {}}, {"b", none(2), {}, {}}};
+  sequence.objects = {{"bolt.0", none(2), {}, {}}, {"bolt.1", none(2), {}, {}}};
   sequence.stamps = {0.0, 0.1};
   sequence.odometry = {SE3d(), SE3d()};
   sequence.candidates = {at(0.0), at(0.4)};

@@ -2,6 +2,9 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
+
 #include "filter/scenario.hpp"
 #include "posemix/slam/object_slam.hpp"
 #include "posemix/testing/expect.hpp"
@@ -220,6 +223,75 @@ TEST(ObjectSlamTest, RefusesInputOfTheWrongShape) {
   ObjectSlamSettings settings;
   settings.motion.period_s = 0.0;
   EXPECT_THROW(make(settings), InvalidInput);
+}
+
+const std::vector<TrackerSettings> kTrackers{MultiObjectSlamSettings{}, GaussianSumSettings{},
+                                             ParticleFilterSettings{.particles = 5}};
+
+TEST(ObjectSlamTest, EveryTrackerRefusesAnObjectThatThereIsNot) {
+  for (const TrackerSettings& tracker : kTrackers) {
+    const ObjectSlam slam(kPrior, {model("a"), model("b")}, {.tracker = tracker});
+    EXPECT_EQ(thrown_message([&] { return slam.pose_index(2); }),
+              "there is no object 2; there are 2");
+    EXPECT_EQ(thrown_message([&] { return slam.detections(7); }),
+              "there is no object 7; there are 2");
+  }
+}
+
+TEST(ObjectSlamTest, EveryTrackerRefusesATimeThatIsNotFiniteAndStaysAsItWas) {
+  for (const TrackerSettings& tracker : kTrackers) {
+    ObjectSlam slam(kPrior, {model("a")}, {.tracker = tracker});
+    slam.step(detected({seen()}));
+    const Eigen::MatrixXd before = slam.estimate().covariance();
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    EXPECT_EQ(thrown_message([&] {
+                slam.step({kInfinity, SE3d(), {seen()}});
+              }),
+              "frame: dt is inf s, expected a positive and finite time");
+    EXPECT_THROW(slam.step({std::nan(""), SE3d(), {seen()}}), InvalidInput);
+    EXPECT_EQ(slam.estimate().covariance(), before);
+  }
+}
+
+TEST(ObjectSlamTest, EveryTrackerRefusesANoiseOfTheMotionThatIsNone) {
+  const auto expect_refused = [](const char* name, ProcessNoise MotionSettings::*noise) {
+    Matrix6d indefinite = Matrix6d::Identity();
+    indefinite(0, 1) = indefinite(1, 0) = 2.0;
+    Matrix6d skew = Matrix6d::Identity();
+    skew(0, 1) = 0.5;
+    for (const TrackerSettings& tracker : kTrackers) {
+      const auto message = [&](const Matrix6d& covariance) {
+        MotionSettings motion;
+        (motion.*noise).covariance = covariance;
+        return thrown_message([&] {
+          return ObjectSlam(kPrior, {model("a")}, {.motion = motion, .tracker = tracker});
+        });
+      };
+      const std::string begin = std::string("motion: ") + name;
+      EXPECT_EQ(message(-Matrix6d::Identity()),
+                begin + " has a variance of -1, expected none that is negative");
+      EXPECT_EQ(message(indefinite).find(begin + " has a variance of -1"), 0U);
+      EXPECT_EQ(message(skew), begin + " is not symmetric");
+      EXPECT_EQ(message(std::nan("") * skew), begin + " holds a value that is not finite");
+      EXPECT_EQ(message(Matrix6d::Zero()), "");
+    }
+  };
+  expect_refused("noise", &MotionSettings::noise);
+  expect_refused("walk", &MotionSettings::walk);
+  expect_refused("motion_noise", &MotionSettings::motion_noise);
+  expect_refused("unknown_motion", &MotionSettings::unknown_motion);
+}
+
+TEST(ObjectSlamTest, DetectionsMayBeGivenById) {
+  const ObjectSlam slam = make();
+  const auto detections = detections_by_id(slam.objects(), {{"b", *seen()}});
+  ASSERT_EQ(detections.size(), 2U);
+  EXPECT_FALSE(detections[0].has_value());
+  EXPECT_TRUE(detections[1]->is_approx(*seen(), 1e-12));
+  EXPECT_EQ(thrown_message([&] {
+              return detections_by_id(slam.objects(), {{"cup", SE3d()}});
+            }),
+            "there is no object 'cup', expected one of: a, b");
 }
 
 }  // namespace

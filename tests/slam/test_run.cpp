@@ -7,6 +7,7 @@
 #include "filter/scenario.hpp"
 #include "posemix/slam/evaluation.hpp"
 #include "posemix/slam/method.hpp"
+#include "posemix/testing/expect.hpp"
 
 namespace posemix {
 namespace {
@@ -15,6 +16,7 @@ using testing::gaussian_noise;
 using testing::heavy_tailed_noise;
 using testing::isotropic;
 using testing::pose;
+using testing::thrown_message;
 
 const SE3d kObject = pose(0.4, -0.3, 0.2, 0.1, 0.2, 1.1);
 const SE3d kStart = pose(0.1, 0.2, -0.1, 0.3, -0.2, 0.1);
@@ -110,6 +112,33 @@ TEST(Run, RefusesASequenceThatIsNotOne) {
   expect_refused([](Sequence& s) { s.objects[0].relative_truth.resize(2); });
   expect_refused([](Sequence& s) { s.objects.push_back(s.objects[0]); });
   EXPECT_THROW(run(perfect_sequence(), kPrior, {}, {}), InvalidInput);
+}
+
+TEST(Run, RefusesModelsOfOtherObjects) {
+  Sequence sequence = perfect_sequence();
+  sequence.objects.push_back(sequence.objects[0]);
+  sequence.objects[1].id = "box";
+  const std::vector<ObjectModel> swapped{{"mug", gaussian_noise()}, {"cup", gaussian_noise()}};
+  const char* message = "object model 1 is 'cup', but recorded object 1 is 'box'";
+  EXPECT_EQ(thrown_message([&] { return run(sequence, kPrior, swapped, {}); }), message);
+  EXPECT_EQ(thrown_message([&] { return run_smoothed(sequence, kPrior, swapped, {}, {}); }),
+            message);
+}
+
+TEST(Evaluate, RefusesARunThatIsNotOfTheSequence) {
+  const Sequence sequence = perfect_sequence();
+  SlamRun result = run_default(sequence);
+  Sequence shorter = sequence;
+  shorter.stamps.resize(3);
+  EXPECT_EQ(thrown_message([&] { return evaluate(shorter, result); }),
+            "evaluation: the run has 5 frames, the sequence 3");
+  Sequence more = sequence;
+  more.objects.push_back(more.objects[0]);
+  EXPECT_EQ(thrown_message([&] { return evaluate(more, result); }),
+            "evaluation: the run has 1 objects, the sequence 2");
+  result.frames.clear();
+  EXPECT_EQ(thrown_message([&] { return evaluate(sequence, result); }),
+            "evaluation: the run has no frame");
 }
 
 TEST(Evaluate, ErrorsAreThoseOfAKnownDisplacement) {

@@ -145,8 +145,8 @@ class TomlTable {
 /// `${` without `}` and names that are neither are errors.
 class TomlDocument {
  public:
-  /// Parses a text; `name` is the name of the file in messages. Keys under old names are renamed,
-  /// with a warning for each.
+  /// Parses a text; `name` is the name of the file in messages. Keys of sequence files under old
+  /// names are renamed, with a warning for each.
   /// @throws InvalidInput `name:line: reason`, also for an empty text, a text above 1 MiB, and a
   /// key that occurs under its old and its new name
   static TomlDocument parse(std::string_view text, const std::string& name);
@@ -161,6 +161,11 @@ class TomlDocument {
   /// TOML value, or if it is not (a bare word, 0001) a string.
   /// @throws InvalidInput `--set key=value: reason`
   void apply_override(std::string_view assignment);
+
+  /// From now on reads the key `old_name` at the top of this document as `new_name`, with a
+  /// warning.
+  /// @throws InvalidInput when the document has both
+  void rename_key(const std::string& old_name, const std::string& new_name);
 
   /// Sets the variable `name`, which takes precedence over the document's own.
   void set_variable(const std::string& name, const std::string& value);

@@ -40,9 +40,9 @@ inline SO3d halfway(const SO3d& a, const SO3d& b) {
 /// The change of coordinates from the chart at `from` to the chart at `to`, u -> f(u), with its
 /// derivatives (MPG paper, eq. 15). With r = to^-1 from = (r0, rv):
 ///   f = (rv + r0 u + rv x u) / (r0 - rv.u).
-class Restatement {
+class ChartChange {
  public:
-  Restatement(const SO3d& from, const SO3d& to)
+  ChartChange(const SO3d& from, const SO3d& to)
       : r_(to.quaternion().conjugate() * from.quaternion()) {}
 
   Eigen::Vector3d operator()(const Eigen::Vector3d& u) const {

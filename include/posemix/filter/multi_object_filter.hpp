@@ -109,7 +109,8 @@ struct ObjectUpdateReport {
 /// and of its absence sum to one; every object with hypotheses has one that leads.
 ///
 /// Predictions and updates throw InvalidInput, and change nothing, when an argument is not finite,
-/// a variance or a time step negative.
+/// a variance or a time step negative. All that takes the index of an object or of a hypothesis
+/// throws InvalidInput when there is none at it.
 class MultiObjectFilter {
  public:
   /// @throws InvalidInput when a setting is out of range
@@ -135,13 +136,12 @@ class MultiObjectFilter {
                                  const Matrix6d& at_rest, double dt);
 
   /// One detection T_camera_object of the object at `object`.
-  /// @throws InvalidInput when there is no such object or the pose is not finite
+  /// @throws InvalidInput also when the pose is not finite
   ObjectUpdateReport update(std::size_t object, const SE3d& camera_object);
 
   /// The object becomes one that was never detected: it has no hypotheses, its absence is certain,
   /// and its noise is as given. The camera and the other objects stay as they are. In the joint
   /// Gaussian the poses behind that of the object move up by one.
-  /// @throws InvalidInput when there is no such object
   void forget(std::size_t object);
 
   /// Number of objects.
@@ -173,6 +173,7 @@ class MultiObjectFilter {
   /// The joint Gaussian of the camera, its motion where that is part of the state, and the given
   /// hypothesis of every object (an index of hypotheses(); objects without one are left out), with
   /// the filter's own covariances: neither covariance_factor() nor bias_covariance() is applied.
+  /// @throws InvalidInput also when the number of hypotheses is not that of the objects
   ConcentratedGaussian<PoseStackd> joint_of(
       std::span<const std::optional<std::size_t>> hypotheses) const;
   /// Index of an object's pose in joint().

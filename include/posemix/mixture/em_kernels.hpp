@@ -44,8 +44,8 @@ struct PoseKernel {
 };
 
 /// The rows that pose_log_density writes: xi, (t/2) / sin(t/2) for the angle t, the coefficient D
-/// of the inverse Jacobian (small_angle.hpp), and xi^T P^-1 xi.
-enum PoseRow : std::size_t { kXi = 0, kRatio = 6, kRestRow = 7, kSquared = 8, kPoseRows = 9 };
+/// of second order of the inverse Jacobian (small_angle.hpp), and xi^T P^-1 xi.
+enum PoseRow : std::size_t { kXi = 0, kRatio = 6, kSecondOrder = 7, kSquared = 8, kPoseRows = 9 };
 
 /// Computes xi = Log(X X0^-1) and the other rows, and the log density of every sample.
 void pose_log_density(const EmRow* samples, std::size_t count, const PoseKernel& density,

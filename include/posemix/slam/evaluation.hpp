@@ -87,6 +87,8 @@ struct Metrics {
   Timing timing;
 };
 
+/// @throws InvalidInput when the run has no frame, more of them than the sequence, or another
+/// number of objects
 Metrics evaluate(const Sequence& sequence, const SlamRun& run);
 
 /// True T_camera_object and T_world_object of one object at one frame, from whichever of relative,

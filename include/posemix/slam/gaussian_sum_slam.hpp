@@ -26,11 +26,17 @@ class GaussianSumSlam {
   FrameEstimate step(const FrameInput& input);
 
   Posterior posterior() const { return filter_.posterior(); }
-  /// By the summary of the settings.
+  /// One Gaussian in place of the posterior, by the `summary` of the settings.
   const Hypothesis& estimate() const { return estimate_; }
-  std::optional<std::size_t> pose_index(std::size_t object) const { return indices_[object]; }
+  std::optional<std::size_t> pose_index(std::size_t object) const {
+    objects_.require(object);
+    return indices_[object];
+  }
   const std::vector<ObjectModel>& objects() const { return objects_.models(); }
-  std::size_t detections(std::size_t object) const { return counts_[object]; }
+  std::size_t detections(std::size_t object) const {
+    objects_.require(object);
+    return counts_[object];
+  }
   const GaussianSumFilter& filter() const { return filter_; }
 
  private:

@@ -28,12 +28,22 @@ struct SlamMethod {
   /// changed.
   void (*restore)(GaussianSumSettings&) = nullptr;
 
-  /// Settings of ObjectSlam for a camera that moves in this way.
+  /// Object SLAM by this method, live, for a camera that moves in this way.
+  /// @throws InvalidInput as ObjectSlam and `models`, and for a method that smooths: `smoother` is
+  /// its live form
+  ObjectSlam live(const PoseDensity& camera, std::vector<ObjectModel> objects,
+                  const MotionSettings& motion = {}) const;
+  /// The same for a method that smooths.
+  /// @throws InvalidInput as FixedLagSmoother and `models`, and for a method that does not smooth
+  FixedLagSmoother smoother(const PoseDensity& camera, std::vector<ObjectModel> objects,
+                            const MotionSettings& motion = {}) const;
+  /// Settings of ObjectSlam for a camera that moves in this way, without the smoothing.
   ObjectSlamSettings settings(const MotionSettings& motion = {}) const;
   /// The object models as the method takes them.
   /// @throws InvalidInput when single_gaussian is set and a noise has no single Gaussian
   std::vector<ObjectModel> models(std::vector<ObjectModel> models) const;
   /// For display, with the settings that were chosen: "gm-iekf (midway)", "rbpf (300 particles)".
+  /// Every method has another title.
   std::string title() const;
 };
 
@@ -43,6 +53,8 @@ struct SlamMethod {
 ///  - gm-iekf: GaussianSumSlam with the library's own settings;
 ///  - tangent_of_larger, midway, midway_iterated: the filters of the midway-merge paper (section VI
 ///    and Algorithm 1, N_h = 12 for several objects);
+///  - published: midway as in the program that its authors published, which merges from 16
+///    components on and transports covariances by a truncated series;
 ///  - riekf, riekf_gated, riekf_cauchy: the right-invariant extended Kalman filter, one linearised
 ///    hypothesis and one Gaussian of noise; with a gate of 0.999; with a Cauchy loss;
 ///  - max_mixture: one linearised hypothesis that uses for each detection the one noise component

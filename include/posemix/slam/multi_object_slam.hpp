@@ -47,7 +47,10 @@ class MultiObjectSlam {
   const std::vector<ObjectModel>& objects() const { return objects_.models(); }
   /// Detections that made the object what it is, candidates included; zero again when another
   /// instance takes its model.
-  std::size_t detections(std::size_t object) const { return sightings_[object].count; }
+  std::size_t detections(std::size_t object) const {
+    objects_.require(object);
+    return sightings_[object].count;
+  }
   const MultiObjectFilter& filter() const { return filter_; }
 
  private:

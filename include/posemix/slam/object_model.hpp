@@ -20,7 +20,7 @@ struct ObjectModel {
   /// the default: it starts from its first detection with the detector's noise and its full
   /// cross-covariance.
   std::optional<Matrix6d> independent_start = {};
-  /// Motions of the object's frame that no detector can tell; for the multi-object filter.
+  /// Motions of the object's frame that leave its appearance as it is; for the multi-object filter.
   SymmetryGroup symmetries = {};
   /// Objects that no detector can tell apart share a class; FrameInput::candidates are of classes.
   /// They are alike: noise and symmetries of a class are those of its first model. Empty: the

@@ -43,12 +43,13 @@ class ObjectSlam {
 
   /// The next frame; at the first one nothing moves.
   /// @throws InvalidInput, and changes nothing, when the number of detections is not that of the
-  /// object models, dt is not positive after the first frame, or a tracker without births gets
-  /// candidates
+  /// object models, dt is not positive and finite after the first frame, or a tracker without
+  /// births gets candidates
   FrameEstimate step(const FrameInput& input);
 
   Posterior posterior() const;
   const Hypothesis& estimate() const;
+  /// @throws InvalidInput when there is no object at the index; `detections` too
   std::optional<std::size_t> pose_index(std::size_t object) const;
   const std::vector<ObjectModel>& objects() const;
   std::size_t detections(std::size_t object) const;

@@ -42,8 +42,8 @@ struct ParticleFilterSettings {
 ///
 ///  - *Start*: an object enters a particle by its first detection. A noise component is drawn by
 ///    weight, the object's pose from its distribution given the particle's camera, and the camera
-///    is conditioned on that pose. With clutter's weight the detection says nothing and the object
-///    enters by a later one; it is then uniform over clutter's volume.
+///    is conditioned on that pose. With the weight of clutter the object does not enter: the
+///    detection is then uniform over the clutter's volume, and the object enters by a later one.
 ///  - *Update*: a particle's weight is multiplied by sum_c w_c N(z; 0, P_RR + R_c) + w_clutter / (8
 ///    pi^2 V). One of the terms is drawn by its share, and the camera is updated by it (by the
 ///    component's update covariance where it has one), linearized at the prior mean.
@@ -74,9 +74,15 @@ class ParticleSlam {
   Posterior posterior() const;
   /// The merge of all particles that hold the map.
   const Hypothesis& estimate() const { return estimate_; }
-  std::optional<std::size_t> pose_index(std::size_t object) const { return indices_[object]; }
+  std::optional<std::size_t> pose_index(std::size_t object) const {
+    objects_.require(object);
+    return indices_[object];
+  }
   const std::vector<ObjectModel>& objects() const { return objects_.models(); }
-  std::size_t detections(std::size_t object) const { return counts_[object]; }
+  std::size_t detections(std::size_t object) const {
+    objects_.require(object);
+    return counts_[object];
+  }
 
  private:
   TrackedObjects objects_;

@@ -29,9 +29,9 @@ struct RunOptions {
   std::function<bool(std::size_t, std::size_t)> progress;
 };
 
-/// Runs object SLAM over a recording, one object model per object of the recording, in the same
-/// order. Frames at which odometry is missing on either side count as frames without odometry. When
-/// `progress` stops it, the frames done so far are returned.
+/// Runs object SLAM over a recording, one object model per object of the recording, with the same
+/// ids in the same order. Frames at which odometry is missing on either side count as frames
+/// without odometry. When `progress` stops it, the frames done so far are returned.
 /// @throws InvalidInput when the sequence is not valid or the models do not fit it
 SlamRun run(const Sequence& sequence, const PoseDensity& camera_prior,
             const std::vector<ObjectModel>& models, const ObjectSlamSettings& settings,

@@ -27,9 +27,10 @@ struct SmoothingSettings {
 };
 
 /// Object SLAM that reports each frame `lag_frames` later than it comes. The multi-object filter
-/// runs ahead; what leads there decides on which mode every object is in the whole window, and the
-/// window is smoothed on these modes: forward filter and Rauch-Tung-Striebel pass, starting from
-/// what the filter knew before the window. Cost: linear in the lag, per frame.
+/// runs up to the newest frame. Its leading hypotheses set the mode of every object for the whole
+/// window, and the window is smoothed on these modes, by a forward filter and a Rauch-Tung-Striebel
+/// pass that start from the filter's posterior before the window. Cost: linear in the lag, per
+/// frame.
 class FixedLagSmoother {
  public:
   /// @throws InvalidInput as ObjectSlam, when a setting is out of range, when the filter is not the

@@ -4,7 +4,9 @@
 
 #include <concepts>
 #include <cstddef>
+#include <map>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "posemix/slam/frame_estimate.hpp"
@@ -19,12 +21,12 @@ namespace posemix {
 /// Frames without detections or without odometry are valid.
 ///
 ///  - `step` takes every frame in order; at the first one nothing moves. It throws InvalidInput,
-///  and
-///    changes nothing, when the number of detections is not that of the object models or dt is not
-///    positive.
+///    and changes nothing, when the number of detections is not that of the object models or dt is
+///    not positive and finite.
 ///  - `posterior` is the joint posterior, `estimate` one Gaussian in its place.
 ///  - `pose_index` is the index of an object's pose in both, empty until it was seen.
 ///  - `detections` counts the detections of an object.
+///  - Where there is no object at an index, `pose_index` and `detections` throw InvalidInput.
 template <class T>
 concept ObjectTracker = std::copyable<T> &&
     requires(T tracker, const T& given, const FrameInput& input, std::size_t object) {
@@ -36,6 +38,15 @@ concept ObjectTracker = std::copyable<T> &&
   { given.detections(object) } -> std::same_as<std::size_t>;
 };
 
+/// The detections of one frame for FrameInput, each given by the id of its object model:
+///
+///     slam.step({.dt = 0.1, .detections = detections_by_id(slam.objects(), {{"mug", pose}})});
+///
+/// Models that are not named have none.
+/// @throws InvalidInput for an id that no model has, with those that there are
+std::vector<std::optional<SE3d>> detections_by_id(const std::vector<ObjectModel>& models,
+                                                  const std::map<std::string, SE3d>& detections);
+
 /// The object models of a tracker, their ids, and the number of frames so far.
 class TrackedObjects {
  public:
@@ -45,13 +56,16 @@ class TrackedObjects {
   const std::vector<ObjectModel>& models() const { return models_; }
   const ObjectModel& operator[](std::size_t object) const { return models_[object]; }
   std::size_t size() const { return models_.size(); }
+  /// @throws InvalidInput, which names the index and the number of models, unless `object` is the
+  /// index of one
+  void require(std::size_t object) const;
   const ObjectIds& ids() const { return ids_; }
 
   /// Frames that were begun.
   std::size_t frames() const { return frames_; }
   /// Begins a frame.
   /// @throws InvalidInput, and counts nothing, when the number of detections is not that of the
-  /// models, or dt is not positive after the first frame
+  /// models, or dt is not positive and finite after the first frame
   void begin(const FrameInput& input);
 
  private:

@@ -33,6 +33,18 @@ void require_time(double dt) {
     throw InvalidInput(fmt::format("time step is {}; expected seconds, zero or more", dt));
 }
 
+void require_object(std::size_t object, std::size_t objects) {
+  if (object >= objects)
+    throw InvalidInput(fmt::format("there is no object {}; there are {}", object, objects));
+}
+
+void require_hypothesis(std::size_t hypothesis, std::size_t object, std::size_t hypotheses) {
+  if (hypothesis >= hypotheses) {
+    throw InvalidInput(fmt::format("object {} has {} hypotheses; there is none at index {}", object,
+                                   hypotheses, hypothesis));
+  }
+}
+
 }  // namespace
 
 MultiObjectFilter::MultiObjectFilter(const ConcentratedGaussian<SE3d>& camera,
@@ -107,17 +119,13 @@ void MultiObjectFilter::predict_constant_velocity(double periods, const Matrix6d
 }
 
 ObjectUpdateReport MultiObjectFilter::update(std::size_t object, const SE3d& camera_object) {
-  if (object >= objects()) {
-    throw InvalidInput(fmt::format("detection of object {}, but there are {}", object, objects()));
-  }
+  require_object(object, objects());
   require_finite(camera_object, "detection");
   return state_->update(object, camera_object);
 }
 
 void MultiObjectFilter::forget(std::size_t object) {
-  if (object >= objects()) {
-    throw InvalidInput(fmt::format("object {} to forget, but there are {}", object, objects()));
-  }
+  require_object(object, objects());
   state_->forget(object);
 }
 
@@ -136,6 +144,7 @@ ConcentratedGaussian<SE3d> MultiObjectFilter::camera() const {
 }
 
 std::vector<ObjectHypothesis> MultiObjectFilter::hypotheses(std::size_t object) const {
+  require_object(object, objects());
   const TrackedObject& tracked = state_->objects[object];
   const std::vector<double> probabilities = state_->probabilities(tracked);
   std::vector<ObjectHypothesis> list;
@@ -155,6 +164,7 @@ std::vector<ObjectHypothesis> MultiObjectFilter::hypotheses(std::size_t object) 
 }
 
 std::optional<std::size_t> MultiObjectFilter::leading(std::size_t object) const {
+  require_object(object, objects());
   return state_->objects[object].belief.leading();
 }
 
@@ -164,11 +174,14 @@ double MultiObjectFilter::mode_probability(std::size_t object) const {
 }
 
 double MultiObjectFilter::log_absent(std::size_t object) const {
+  require_object(object, objects());
   return state_->objects[object].belief.log_absent();
 }
 
 ConcentratedGaussian<SE3d> MultiObjectFilter::relative(std::size_t object,
                                                        std::size_t hypothesis) const {
+  require_object(object, objects());
+  require_hypothesis(hypothesis, object, state_->objects[object].belief.size());
   const Pair pair = state_->inflated_pair(state_->objects[object], hypothesis);
   return ConcentratedGaussian<SE3d>::trusted(
       pair.camera_object(), pair.camera.inverse().adjoint_congruence(pair.difference()));
@@ -188,12 +201,14 @@ ConcentratedGaussian<PoseStackd> MultiObjectFilter::joint() const {
 }
 
 std::optional<std::size_t> MultiObjectFilter::pose_index(std::size_t object) const {
+  require_object(object, objects());
   return state_->objects[object].belief.pose_index();
 }
 
 const MultiObjectSettings& MultiObjectFilter::settings() const { return state_->settings; }
 
 const ObjectSensor& MultiObjectFilter::sensor(std::size_t object) const {
+  require_object(object, objects());
   return state_->objects[object].detector.sensor();
 }
 
@@ -201,11 +216,16 @@ double MultiObjectFilter::covariance_factor() const { return state_->covariance_
 
 Matrix6d MultiObjectFilter::bias_covariance(std::size_t object, const SE3d& camera,
                                             const SE3d& pose) const {
+  require_object(object, objects());
   return state_->objects[object].detector.bias_covariance(state_->settings, camera, pose);
 }
 
 ConcentratedGaussian<PoseStackd> MultiObjectFilter::joint_of(
     std::span<const std::optional<std::size_t>> hypotheses) const {
+  if (hypotheses.size() != objects()) {
+    throw InvalidInput(
+        fmt::format("hypotheses of {} objects, but there are {}", hypotheses.size(), objects()));
+  }
   // The joint Gaussian with the alternatives that were asked for appended, then the poses in order.
   JointGaussian all = state_->joint;
   std::vector<std::size_t> order{kCamera};
@@ -214,6 +234,7 @@ ConcentratedGaussian<PoseStackd> MultiObjectFilter::joint_of(
     const TrackedObject& object = state_->objects[j];
     const auto h = hypotheses[j];
     if (!h) continue;
+    require_hypothesis(*h, j, object.belief.size());
     std::size_t at = object.belief.pose_index().value();
     if (h != object.belief.leading()) {
       const ConditionalPose other = object.belief.pose(state_->joint, *h);

@@ -62,7 +62,7 @@ class Leader {
         if (result.error) std::rethrow_exception(result.error);
         accept(result.item, std::move(result.text));
       }
-      while (auto message = ranks_.receive()) hear(std::move(*message));
+      while (auto message = ranks_.receive()) handle(std::move(*message));
       if (!go_on()) return run;
     }
     run.results = std::move(results_);
@@ -113,7 +113,7 @@ class Leader {
     ++done_;
   }
 
-  void hear(RankMessage message) {
+  void handle(RankMessage message) {
     Follower& follower = followers_[static_cast<std::size_t>(message.from)];
     switch (message.kind) {
       case Kind::hello:

@@ -55,4 +55,10 @@ NoiseStudySettings read_noise_settings(const TomlTable& table) {
   return s;
 }
 
+void rename_noise_keys(TomlDocument& document) {
+  document.rename_key("null", "clutter");
+  document.rename_key("null_volume_m3", "clutter_volume_m3");
+  document.rename_key("null_least", "clutter_least");
+}
+
 }  // namespace posemix

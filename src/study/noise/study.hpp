@@ -66,6 +66,10 @@ struct NoiseStudySettings {
 /// @throws InvalidInput naming file, line and key
 NoiseStudySettings read_noise_settings(const TomlTable& table);
 
+/// Has the settings that had another name in the release before read by it, with a warning.
+/// @throws InvalidInput where the document has both
+void rename_noise_keys(TomlDocument& document);
+
 /// The detections of a sequence that have a truth, one set per object that has any.
 std::vector<ResidualSet> residuals_of(const SlamJob& job, const std::string& detector,
                                       const std::string& recording);

@@ -110,10 +110,16 @@ std::optional<fs::path> find_experiments(const fs::path& data) {
   return std::nullopt;
 }
 
+void require_data_folder(const fs::path& data) {
+  if (is_folder(data)) return;
+  throw InvalidInput(fmt::format(
+      "{}: is not a folder, expected the data folder: name it by --data or POSEMIX_DATA, or fetch "
+      "public data by `posemix data fetch`",
+      data.string()));
+}
+
 std::vector<Recording> find_recordings(const fs::path& data) {
-  if (!is_folder(data)) {
-    throw InvalidInput(fmt::format("{}: is not a folder, expected the data folder", data.string()));
-  }
+  require_data_folder(data);
   std::vector<Recording> recordings;
   find_cosypose(data, recordings);
   find_dope(data, recordings);

@@ -25,6 +25,9 @@ struct Recording {
   bool operator==(const Recording&) const = default;
 };
 
+/// @throws InvalidInput, which tells how to name or to fetch one, when there is no such folder
+void require_data_folder(const std::filesystem::path& data);
+
 /// Every recording of a data folder, sorted by detector, object and sequence:
 /// - DOPE (TUM, one object): experiments/ycbv/inference/OBJECT/Initial/SEQUENCE.txt in the folder
 ///   itself or in slam-super-6d/;
@@ -33,7 +36,7 @@ struct Recording {
 ///   stray.
 /// - estimators (CSV tables, all objects of a scene that are in the table):
 ///   consensus-driven-uncertainty/ycbv_ESTIMATOR.csv, a recording per estimator and scene.
-/// @throws InvalidInput when the folder cannot be read or holds no recording
+/// @throws InvalidInput when the folder is not there, cannot be read or holds no recording
 std::vector<Recording> find_recordings(const std::filesystem::path& data);
 
 /// The folder experiments/ycbv of a data folder, if it exists.
