@@ -118,7 +118,7 @@ TEST_F(StudyCommand, WithoutADataFolderTheErrorTellsHowToGetOne) {
                                      "--out", out().string()});
     const ProgramResult result = program.wait();
     EXPECT_EQ(result.exit_code, 3) << result.err;
-    for (const std::string part :
+    for (const std::string& part :
          {cache + "/posemix: is not a folder", std::string("--data"), std::string("POSEMIX_DATA"),
           std::string("`posemix data fetch`")})
       EXPECT_TRUE(contains(result.err, part)) << result.err;
