@@ -84,7 +84,7 @@ build/.numpy1: build/.python
 	@touch $@
 
 test-python: build/.python build/.numpy1
-	$(VENV)/bin/ruff check --quiet python
+	$(VENV)/bin/ruff check --quiet python examples
 	cd python && ../$(VENV)/bin/mypy --strict posemix
 	POSEMIX_PROGRAM='$(CURDIR)/$(PROGRAM)' $(VENV)/bin/pytest -q
 	PYTHONPATH=build/numpy1 $(VENV)-numpy1/bin/pytest -q python/tests/interop/test_old_numpy.py

@@ -143,9 +143,9 @@ std::vector<NamedText> format_results(const SlamJob& job, const SlamRun& run,
   }
   for (std::size_t object = 0; object < run.hypotheses.size(); ++object) {
     if (run.hypotheses[object].empty()) continue;
-    files.emplace_back(fmt::format("mixture_{}.json", job.models[object].id),
-                       format_mixture({{"world", job.models[object].id},
-                                       world_mixture(run.hypotheses[object])}));
+    files.emplace_back(
+        fmt::format("mixture_{}.json", job.models[object].id),
+        format_mixture({{"world", job.models[object].id}, world_mixture(run.hypotheses[object])}));
   }
   files.emplace_back("metrics.json", format_metrics(metrics, job.method));
   files.emplace_back("posterior.json", format_posterior(last_posterior(job, run)));
