@@ -111,7 +111,7 @@ format: build/.bootstrap-style
 style: build/.bootstrap-style
 	tools/check_includes.py
 	tools/umbrella_headers.py --check
-	clang-format --dry-run -Werror $(FORMATTED)
+	@clang-format --dry-run -Werror $(FORMATTED)
 	shellcheck $(SCRIPTS)
 
 lint: style tidy
