@@ -3,7 +3,7 @@
 """Settings of the documentation's pages: run by `make docs`, after Doxygen and with the package installed."""
 
 import inspect
-from importlib import util
+from importlib import import_module, util
 from importlib.metadata import version as version_of
 from pathlib import Path
 from xml.etree import ElementTree
@@ -90,6 +90,7 @@ def write_cpp_pages() -> None:
 def write_python_pages() -> None:
     """One page of the Python reference per module."""
     pages = []
+    bound: set[str] = set()  # classes of the extension that a page has: several modules may export one
     folder = Path(posemix.__file__).parent
     for path in sorted([*folder.glob("*.py"), *folder.glob("*/__init__.py"), *folder.glob("interop/[a-z]*.py")]):
         name = path.parent.name if path.name == "__init__.py" else path.stem
@@ -98,7 +99,11 @@ def write_python_pages() -> None:
         if name.startswith("_") or path == folder / "__init__.py":
             continue
         title = f"# posemix.{name}"
-        block = ["```{eval-rst}", f".. automodule:: posemix.{name}", "   :members:", "```", ""]
+        exported = vars(import_module(f"posemix.{name}"))
+        here = {n for n, value in exported.items() if getattr(value, "__module__", "") == "posemix._core"}
+        again = [f"   :exclude-members: {', '.join(sorted(here & bound))}"] if here & bound else []
+        bound |= here
+        block = ["```{eval-rst}", f".. automodule:: posemix.{name}", "   :members:", *again, "```", ""]
         write(GENERATED / "python" / f"{name}.md", [title, "", *block])
         pages.append(f"python/{name}")
     settings = ["# Settings, results and enumerations", "", "```{eval-rst}"]
