@@ -15,7 +15,7 @@ namespace {
 using namespace internal;
 
 /// Share of the observations below which a component is not estimated any more.
-constexpr double kLostNoiseShare = 1e-9;
+constexpr double kLostShare = 1e-9;
 constexpr int kStepsPerOffsetStep = 5;
 
 bool has_offset(const NoiseComponent& component) { return component.offset.log().norm() > 0.0; }
@@ -100,7 +100,7 @@ class NoiseEm {
       NoiseComponent& component = terms_[k].component;
       const double weight = share.sum();
       component.weight = std::max(weight / count(), std::numeric_limits<double>::min());
-      if (weight <= kLostNoiseShare * count()) continue;
+      if (weight <= kLostShare * count()) continue;
       const Matrix6d second = terms_[k].rows->second_moment(share) / weight;
       component.covariance = bounded_covariance(second, settings_.em);
     }
@@ -165,13 +165,12 @@ class NoiseEm {
       const NoiseComponent& component = term.component;
       components.push_back(component);
       parameters += (settings_.em.diagonal ? 6 : 21) + (has_offset(component) ? 6 : 0);
-      if (component.weight <= kLostNoiseShare || is_collapsed(component))
-        status_ = EmStatus::degenerate;
+      if (component.weight <= kLostShare || is_collapsed(component)) status_ = EmStatus::degenerate;
     }
     std::stable_sort(components.begin(), components.end(),
                      [](const auto& a, const auto& b) { return a.weight > b.weight; });
     if (!std::isfinite(log_likelihood)) status_ = EmStatus::degenerate;
-    if (clutter_.weight <= kLostNoiseShare) clutter_.weight = 0.0;
+    if (clutter_.weight <= kLostShare) clutter_.weight = 0.0;
     const double bic = static_cast<double>(parameters) * std::log(count()) - 2.0 * log_likelihood;
     return {DetectorNoise(std::move(components), clutter_),
             log_likelihood,

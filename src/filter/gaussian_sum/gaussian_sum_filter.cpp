@@ -3,22 +3,16 @@
 #include "posemix/filter/gaussian_sum_filter.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <numeric>
 #include <utility>
 
 #include "posemix/base/statistics.hpp"
+#include "posemix/base/stopwatch.hpp"
 
 namespace posemix {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 double gate_threshold(double probability) {
   if (!(probability > 0.0 && probability <= 1.0)) {
@@ -172,7 +166,7 @@ UpdateReport GaussianSumFilter::update(std::span<const Detection> detections) {
 }
 
 bool GaussianSumFilter::branch(std::span<const Detection> detections, UpdateReport& report) {
-  const auto start = Clock::now();
+  const Stopwatch stopwatch;
   const std::size_t noise_components = common_components(detections);
   std::vector<Component<Hypothesis>> children;
   std::vector<double> log_weights;
@@ -200,16 +194,16 @@ bool GaussianSumFilter::branch(std::span<const Detection> detections, UpdateRepo
     report.log_evidence += log_evidence;
     posterior_ = Posterior(std::move(children));
   }
-  report.update_seconds += seconds_since(start);
+  report.update_seconds += stopwatch.seconds();
   return ok;
 }
 
 void GaussianSumFilter::reduce(UpdateReport& report) {
-  const auto start = Clock::now();
+  const Stopwatch stopwatch;
   auto reduction = posemix::reduce(std::move(posterior_), settings_.reduction);
   posterior_ = std::move(reduction.mixture);
   report.reductions.push_back(std::move(reduction.report));
-  report.reduce_seconds += seconds_since(start);
+  report.reduce_seconds += stopwatch.seconds();
 }
 
 std::size_t GaussianSumFilter::add_object(const SE3d& camera_object, const DetectorNoise& noise) {

@@ -2,13 +2,13 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "study/grasp/study.hpp"
 
-#include <bit>
 #include <memory>
 
 #include <fmt/format.h>
 
 #include "posemix/base/error.hpp"
 #include "posemix/base/units.hpp"
+#include "study/engine/fingerprint.hpp"
 #include "study/engine/settings_json.hpp"
 #include "study/grasp/data.hpp"
 #include "study/grasp/fold.hpp"
@@ -19,48 +19,21 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// FNV-1a over everything that trials hold: names the data in the settings of the study.
-class Fingerprint {
- public:
-  void add(const GraspOutcomes& outcomes) {
-    for (const std::string& gripper : outcomes.grippers) add(gripper);
-    for (const GraspTrial& trial : outcomes.trials) {
-      add(trial.dataset);
-      add(trial.estimator);
-      for (const std::int64_t id : {trial.scene, trial.image, trial.object}) {
-        add(static_cast<std::uint64_t>(id));
-      }
-      add(std::bit_cast<std::uint64_t>(trial.score));
-      for (const SE3d& pose : {trial.estimate, trial.truth}) {
-        for (const double x : pose.rotation().quaternion().coeffs()) {
-          add(std::bit_cast<std::uint64_t>(x));
-        }
-        for (const double x : pose.translation()) add(std::bit_cast<std::uint64_t>(x));
-      }
-      for (const auto& outcome : trial.outcomes) {
-        add(std::uint64_t{outcome ? (*outcome ? 2U : 1U) : 0U});
-      }
-    }
-  }
-
-  std::string text() const { return fmt::format("{:016x}", hash_); }
-
- private:
-  void byte(std::uint64_t b) { hash_ = (hash_ ^ (b & 0xffU)) * 0x100000001b3ULL; }
-  void add(std::uint64_t bits) {
-    for (int shift = 0; shift < 64; shift += 8) byte(bits >> shift);
-  }
-  void add(const std::string& text) {
-    add(std::uint64_t{text.size()});
-    for (const char c : text) byte(static_cast<unsigned char>(c));
-  }
-
-  std::uint64_t hash_ = 0xcbf29ce484222325ULL;
-};
-
-std::string fingerprint(const GraspOutcomes& outcomes) {
+/// A name for everything that the trials hold.
+std::string fingerprint_of(const GraspOutcomes& outcomes) {
   Fingerprint print;
-  print.add(outcomes);
+  for (const std::string& gripper : outcomes.grippers) print.add(gripper);
+  for (const GraspTrial& trial : outcomes.trials) {
+    print.add(trial.dataset);
+    print.add(trial.estimator);
+    for (const std::int64_t id : {trial.scene, trial.image, trial.object})
+      print.add(static_cast<std::uint64_t>(id));
+    print.add(trial.score);
+    print.add(trial.estimate);
+    print.add(trial.truth);
+    for (const auto& outcome : trial.outcomes)
+      print.add(std::uint64_t{outcome ? (*outcome ? 2U : 1U) : 0U});
+  }
   return print.text();
 }
 
@@ -86,8 +59,8 @@ Json settings_json(const GraspOutcomes& data, const std::optional<GraspOutcomes>
     for (const SymmetryAxis& axis : o.symmetry.axes()) entry.push_back(matrix_json(axis.direction));
     json["symmetry"].push_back(std::move(entry));
   }
-  json["data"] = fingerprint(data);
-  if (train) json["train"] = fingerprint(*train);
+  json["data"] = fingerprint_of(data);
+  if (train) json["train"] = fingerprint_of(*train);
   return json;
 }
 

@@ -2,12 +2,12 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "study/noise/study.hpp"
 
-#include <bit>
 #include <memory>
 
 #include <fmt/format.h>
 
 #include "posemix/base/error.hpp"
+#include "study/engine/fingerprint.hpp"
 #include "study/noise/groups.hpp"
 #include "study/noise/item.hpp"
 #include "study/noise/odometry_report.hpp"
@@ -18,30 +18,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// FNV-1a over the bits of every pose: names the data in the settings of the study.
-class Fingerprint {
- public:
-  void add(const std::vector<std::optional<SE3d>>& poses) {
-    for (const auto& pose : poses) {
-      add(pose ? 1.0 : 0.0);
-      if (!pose) continue;
-      for (const double q : pose->rotation().quaternion().coeffs()) add(q);
-      for (const double t : pose->translation()) add(t);
-    }
+void add_poses(const std::vector<std::optional<SE3d>>& poses, Fingerprint& fingerprint) {
+  for (const auto& pose : poses) {
+    fingerprint.add(pose ? 1.0 : 0.0);
+    if (pose) fingerprint.add(*pose);
   }
-
-  std::string text() const { return fmt::format("{:016x}", hash_); }
-
- private:
-  void add(double number) {
-    const auto bits = std::bit_cast<std::uint64_t>(number);
-    for (int shift = 0; shift < 64; shift += 8) {
-      hash_ = (hash_ ^ ((bits >> shift) & 0xffU)) * 0x100000001b3ULL;
-    }
-  }
-
-  std::uint64_t hash_ = 0xcbf29ce484222325ULL;
-};
+}
 
 Json settings_json(const NoiseData& data, const NoiseStudySettings& s) {
   Json json = {{"max_components", s.fit.max_components},
@@ -68,15 +50,15 @@ Json settings_json(const NoiseData& data, const NoiseStudySettings& s) {
                {"bins", s.bins}};
   for (const ResidualSet& set : data.residuals) {
     Fingerprint poses;
-    poses.add(set.truth);
-    poses.add(set.detected);
+    add_poses(set.truth, poses);
+    add_poses(set.detected, poses);
     json["data"].push_back(
         {set.detector, set.object, set.recording, set.symmetric, set.truth.size(), poses.text()});
   }
   for (const OdometryRecording& recording : data.odometry) {
     Fingerprint poses;
-    poses.add(recording.odometry);
-    poses.add(recording.camera_truth);
+    add_poses(recording.odometry, poses);
+    add_poses(recording.camera_truth, poses);
     json["odometry"].push_back({recording.name, recording.stamps.size(), poses.text()});
   }
   return json;

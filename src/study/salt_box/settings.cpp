@@ -9,8 +9,6 @@
 namespace posemix {
 namespace {
 
-constexpr IntegerRange kSaltBoxCount{.lowest = 0, .highest = 100000};
-
 /// A quaternion w x y z, normalised.
 SO3d read_rotation(const TomlTable& table, std::string_view key) {
   const Eigen::VectorXd q = table.get_vector(key, 4, {.lowest = -1.001, .highest = 1.001});
@@ -48,9 +46,8 @@ void check_names(const TomlTable& table, const std::vector<SaltBoxFeature>& feat
 
 std::size_t read_count(const TomlTable& table, std::string_view key, std::size_t otherwise,
                        std::int64_t lowest) {
-  return static_cast<std::size_t>(
-      table.get_integer_or(key, static_cast<std::int64_t>(otherwise),
-                           {.lowest = lowest, .highest = kSaltBoxCount.highest}));
+  return static_cast<std::size_t>(table.get_integer_or(key, static_cast<std::int64_t>(otherwise),
+                                                       {.lowest = lowest, .highest = 100000}));
 }
 
 void read_features(const TomlTable& table, SaltBoxSettings& settings) {

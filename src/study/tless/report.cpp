@@ -61,7 +61,7 @@ std::vector<double> known(const std::vector<Json>& rows, const std::string& key)
   return values;
 }
 
-Cell tless_median(const std::vector<Json>& rows, const std::string& key) {
+Cell median_of(const std::vector<Json>& rows, const std::string& key) {
   const std::vector<double> values = known(rows, key);
   return values.empty() ? Cell() : Cell(median(values));
 }
@@ -89,7 +89,7 @@ Figures figures_of(const std::vector<Json>& instances, const std::vector<Json>& 
     figures.emplace_back(prefix + "within_share",
                          ratio(sum_of(instances, prefix + "within"), whole));
     for (const char* name : {"rotation_deg", "translation_m", "mssd_m"})
-      figures.emplace_back(prefix + name, tless_median(instances, prefix + name));
+      figures.emplace_back(prefix + name, median_of(instances, prefix + name));
   };
   add("", frames);
   add("detection_", frames);
