@@ -5,118 +5,32 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <numeric>
 #include <span>
 #include <stdexcept>
 #include <utility>
 
-#include <fmt/format.h>
 #include <nlopt.hpp>
 
-#include "grasp/box_probability.hpp"
+#include "grasp/box_integral.hpp"
 #include "posemix/base/error.hpp"
-#include "posemix/base/sobol.hpp"
-#include "posemix/density/projected_operations.hpp"
-#include "posemix/divergence/conversion.hpp"
 #include "posemix/mixture/log_weights.hpp"
 
 namespace posemix {
 namespace {
 
-using Projected = ProjectedGaussian<SE3d>;
-
-Projected as_projected(const Projected& density) { return density; }
-Projected as_projected(const ConcentratedGaussian<SE3d>& density) {
-  return to_projected(density, ConversionRule::linear).density;
-}
-
-/// A Gaussian in the coordinates [u; t] of the box at m, like the density.
-internal::BoxedGaussian proposal(const Projected& density, const SE3d& m, const Vector6d& limit) {
-  const Projected seen = transform(m.inverse(), density);
-  const Eigen::Vector3d mode = gnomonic::lift(SO3d(), seen.mean().rotation());
-  constexpr double kFar = 1e3;
-  if (!mode.allFinite() || mode.norm() > kFar) {  // the box is by pi from the mode
-    Vector6d mean = Vector6d::Zero();
-    mean.tail<3>() = seen.tangent_mean().tail<3>();
-    return {mean, seen.covariance(), limit};
-  }
-  const Projected moved = change_chart(seen, SO3d());
-  return {moved.tangent_mean(), moved.covariance(), limit};
-}
-
-Vector6d checked_limits(const ToleranceBox& box) {
-  Vector6d limit;
-  for (Eigen::Index i = 0; i < 3; ++i) {
-    const double turn = box.rotation[i];
-    if (!(turn > 0.0 && turn < std::numbers::pi)) {
-      throw InvalidInput(fmt::format(
-          "tolerance box: rotation {} is {} rad, expected more than 0 and less than pi", i, turn));
-    }
-    if (!(box.translation[i] > 0.0 && std::isfinite(box.translation[i]))) {
-      throw InvalidInput(fmt::format("tolerance box: translation {} is {} m, expected more than 0",
-                                     i, box.translation[i]));
-    }
-    limit[i] = std::tan(0.5 * turn);
-    limit[i + 3] = box.translation[i];
-  }
-  return limit;
-}
-
-/// The probability of boxes of one shape under a mixture.
-template <class D>
-class BoxIntegral {
- public:
-  BoxIntegral(const Mixture<D>& mixture, const ToleranceBox& box)
-      : mixture_(&mixture), limit_(checked_limits(box)) {
-    for (const auto& component : mixture.components()) {
-      projected_.push_back(as_projected(component.density));
-      evaluators_.emplace_back(component.density);
-    }
-  }
-
-  /// With one randomisation of the points.
-  double operator()(const SE3d& m, std::size_t points, RandomStream& stream) const {
-    double sum = 0.0;
-    for (std::size_t k = 0; k < projected_.size(); ++k) {
-      if (std::isinf((*mixture_)[k].log_weight)) continue;
-      const internal::BoxedGaussian gaussian = proposal(projected_[k], m, limit_);
-      ShiftedSobol sobol(6, stream);
-      Vector6d uniform;
-      double mean = 0.0;
-      for (std::size_t i = 0; i < points; ++i) {
-        sobol.next(uniform);
-        const internal::BoxedGaussian::Point point = gaussian.at(uniform);
-        mean += std::exp(point.log_weight + log_density(k, m, point.y) - point.log_density);
-      }
-      sum += mixture_->weight(k) * mean / static_cast<double>(points);
-    }
-    return sum;
-  }
-
- private:
-  /// Log density of a component in the coordinates of the box: Haar measure 8 (1 + u.u)^-2 du dt.
-  double log_density(std::size_t k, const SE3d& m, const Vector6d& y) const {
-    const Eigen::Vector3d u = y.head<3>();
-    const SE3d pose = m * SE3d(gnomonic::project(SO3d(), u), y.tail<3>());
-    return evaluators_[k].log_density(pose) + gnomonic::kLogHaarPerHalfSphere -
-           2.0 * std::log1p(u.squaredNorm());
-  }
-
-  const Mixture<D>* mixture_;
-  Vector6d limit_;
-  std::vector<Projected> projected_;
-  std::vector<typename D::Evaluator> evaluators_;
-};
+using internal::BoxIntegral;
+using internal::Cover;
 
 template <class D>
 SuccessEstimate estimate(const BoxIntegral<D>& integral, std::size_t components, const SE3d& m,
                          RandomStream& stream, const SuccessSettings& settings) {
   Eigen::ArrayXd values(static_cast<Eigen::Index>(settings.replicates));
-  for (double& value : values) value = integral(m, settings.points, stream);
+  for (double& value : values) value = integral(m, settings.points, stream, Cover::whole);
   const double n = static_cast<double>(settings.replicates);
   const double variance = (values - values.mean()).square().sum() / (n - 1.0);
-  return {values.mean(), std::sqrt(variance / n),
+  const double unseen = integral.one_draw(m, settings.points) / n;
+  return {std::clamp(values.mean(), 0.0, 1.0), std::hypot(std::sqrt(variance / n), unseen),
           settings.points * settings.replicates * components};
 }
 
@@ -166,7 +80,8 @@ class Ascent {
     ++evaluations;
     RandomStream same = stream_;
     constexpr double kLeast = 1e-300;
-    return std::log(std::max(integral_(moved(start_, box_, x), settings_.points, same), kLeast));
+    return std::log(
+        std::max(integral_(moved(start_, box_, x), settings_.points, same, Cover::smooth), kLeast));
   }
 
   double value(const std::vector<double>& x, std::vector<double>& gradient) {

@@ -160,7 +160,7 @@ TEST(SuccessProbability, RefusesWhatIsNoBox) {
   const auto mixture = two_peaks();
   RandomStream stream(12);
   EXPECT_THROW(success_probability(mixture, box(0.0, 0.1), SE3d(), stream), InvalidInput);
-  EXPECT_THROW(success_probability(mixture, box(180.0, 0.1), SE3d(), stream), InvalidInput);
+  EXPECT_THROW(success_probability(mixture, box(180.1, 0.1), SE3d(), stream), InvalidInput);
   EXPECT_THROW(success_probability(mixture, box(5.0, -1.0), SE3d(), stream), InvalidInput);
   EXPECT_THROW(success_probability(mixture, box(5.0, NAN), SE3d(), stream), InvalidInput);
   EXPECT_THROW(success_probability(mixture, box(5.0, 0.1), SE3d(), stream, {.replicates = 1}),

@@ -14,9 +14,11 @@
 namespace posemix {
 
 /// The box B of poses X in the frame of the grasp, X = (R, t): |u_i| <= tan(rotation_i / 2) for R =
-/// R(u) in the gnomonic chart at the identity, |t_i| <= translation_i.
+/// R(u) in the gnomonic chart at the identity, |t_i| <= translation_i. With a rotation of pi any
+/// turn about that axis is in the box, as far as the other two allow: after a turn by theta, they
+/// allow tilts of about cos(theta / 2) of theirs.
 struct ToleranceBox {
-  Eigen::Vector3d rotation;     ///< largest rotation about each axis, below pi [rad]
+  Eigen::Vector3d rotation;     ///< largest rotation about each axis, at most pi [rad]
   Eigen::Vector3d translation;  ///< largest translation along each axis [m]
 };
 
@@ -28,8 +30,10 @@ struct SuccessSettings {
 
 /// A probability by randomised quasi-Monte Carlo.
 struct SuccessEstimate {
-  double probability;
-  double error;  ///< one standard error, from the replicates
+  double probability;  ///< in [0, 1]
+  /// One standard error, from the replicates; for components that were drawn from, also for the
+  /// probability of one draw.
+  double error;
   std::size_t evaluations;
 };
 
@@ -38,9 +42,16 @@ struct SuccessEstimate {
 /// Every component becomes a Gaussian in the coordinates of the box; Genz's separation of
 /// variables \cite genz1992 draws points from that Gaussian within the box, and each counts with
 /// the exact ratio of the density to the Gaussian, so the estimate is unbiased.
+///
+/// Where box and component meet beyond an angle of 90 degrees from the centre of the box, the
+/// coordinates are those about the half turn from there that is nearest to the component. A
+/// component that is too wide for these too (four standard deviations beyond 90 degrees) has half
+/// of its points drawn from itself, wherever they lie and also where they wrap around at pi; all
+/// count with the ratio of the density to that of both kinds of points, and the known integral of
+/// the one is the control variate \cite owen2000safe.
 /// @param m frame of the grasp in the reference frame of the mixture
-/// @throws InvalidInput for a box with a side that is not positive or a rotation of pi or more, and
-/// for fewer than 2 replicates or no points
+/// @throws InvalidInput for a box with a side that is not positive or a rotation of more than pi,
+/// and for fewer than 2 replicates or no points
 template <class D>
 SuccessEstimate success_probability(const Mixture<D>& mixture, const ToleranceBox& box,
                                     const SE3d& m, RandomStream& stream,
