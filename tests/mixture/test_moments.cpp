@@ -160,6 +160,83 @@ TEST(Moments, OnPosesAgreeWithMonteCarlo) {
   EXPECT_LT(sample.worst_score(Vector6d::Zero(), result.density.covariance(), 1e-3), 4.5);
 }
 
+using Stack = ConcentratedGaussian<PoseStackd>;
+
+/// Three correlated poses, twice, the second time moved.
+Mixture<Stack> correlated_stacks() {
+  Eigen::MatrixXd root = 0.12 * Eigen::MatrixXd::Identity(18, 18);
+  for (Eigen::Index i = 1; i < 18; ++i) root(i, i - 1) = 0.05;
+  for (Eigen::Index i = 6; i < 18; ++i) root(i, i - 6) = 0.1;
+  const Eigen::MatrixXd p = root * root.transpose();
+  const Vector6d step = (Vector6d() << 0.5, -0.3, 0.4, 0.2, 0.6, -0.3).finished();
+  std::vector<SE3d> here, there;
+  for (int i = 0; i < 3; ++i) {
+    here.push_back(SE3d::exp((Vector6d() << 0.3 * i, 0.3, -0.7, 0.5, -1.0, 0.5).finished()));
+    there.push_back(SE3d::exp((1.0 - 0.5 * i) * step) * here.back());
+  }
+  return Mixture<Stack>::from_weights(
+      std::vector{0.7, 0.3}, {Stack(PoseStackd(here), p), Stack(PoseStackd(there), 1.5 * p)});
+}
+
+TEST(Moments, OfStacksAgreeWithMonteCarlo) {
+  const auto mixture = correlated_stacks();
+  const auto result = moments(mixture);
+  EXPECT_TRUE(result.converged);
+  testing::SampleMoments sample(18);
+  const PoseStackd inverse_mean = result.density.mean().inverse();
+  RandomStream stream(52);
+  for (int i = 0; i < 100'000; ++i) sample.add((mixture.sample(stream) * inverse_mean).log());
+  // The tolerance is for the rule's error of fourth order.
+  EXPECT_LT(sample.worst_score(Eigen::VectorXd::Zero(18), result.density.covariance(), 1e-3), 4.5);
+}
+
+TEST(Moments, OfEveryPoseOfAStackAreThoseOfThePose) {
+  const auto mixture = correlated_stacks();
+  const auto result = moments(mixture);
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    std::vector<Component<ConcentratedGaussian<SE3d>>> poses;
+    for (const auto& [log_weight, density] : mixture.components()) {
+      const Matrix6d p = density.covariance().block<6, 6>(6 * i, 6 * i);
+      poses.push_back({log_weight, {density.mean()[k], p}});
+    }
+    const auto alone = moments(Mixture(poses));
+    EXPECT_TRUE(result.density.mean()[k].is_approx(alone.density.mean(), 1e-8));
+    EXPECT_LT(relative_difference(Matrix6d(result.density.covariance().block<6, 6>(6 * i, 6 * i)),
+                                  alone.density.covariance()),
+              1e-7);
+  }
+}
+
+TEST(Moments, DoNotDependOnTheNumberOfPoses) {
+  // 18 degrees in every direction: with points at sqrt(6 * 20) standard deviations these would lie
+  // beyond pi.
+  for (const std::size_t poses : {1U, 2U, 20U}) {
+    const auto n = static_cast<Eigen::Index>(6 * poses);
+    const Stack density(PoseStackd(poses), 0.1 * Eigen::MatrixXd::Identity(n, n));
+    const auto result = moments(Mixture<Stack>({{0.0, density}}));
+    EXPECT_TRUE(result.converged);
+    EXPECT_LT(relative_difference(result.density.covariance(), density.covariance()), 1e-12);
+  }
+}
+
+TEST(Moments, HaveNotConvergedWhereAComponentIsTooWide) {
+  const auto converged = [](const auto& mean, double degrees) {
+    using G = std::decay_t<decltype(mean)>;
+    using D = ConcentratedGaussian<G>;
+    const double sd = degrees * std::numbers::pi / 180.0;
+    const typename G::TangentMatrix one = G::TangentMatrix::Identity(mean.dof(), mean.dof());
+    return moments(Mixture<D>({{0.0, D(mean, typename G::TangentMatrix(sd * sd * one))}}))
+        .converged;
+  };
+  EXPECT_TRUE(converged(SO3d(), 103.0));
+  EXPECT_FALSE(converged(SO3d(), 104.5));
+  EXPECT_TRUE(converged(SE3d(), 73.0));
+  EXPECT_FALSE(converged(SE3d(), 74.0));
+  EXPECT_TRUE(converged(PoseStackd(3), 73.0));
+  EXPECT_FALSE(converged(PoseStackd(3), 74.0));
+}
+
 TEST(Moments, ReportWhenTheyHaveNotConverged) {
   const auto stopped = moments(rotations(0.2), {.max_iterations = 1});
   EXPECT_FALSE(stopped.converged);
