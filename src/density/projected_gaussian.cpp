@@ -45,7 +45,8 @@ ProjectedGaussian<G>::ProjectedGaussian(const SO3d& tangent_point, const Tangent
                                         const Covariance& covariance)
     : ProjectedGaussian(tangent_point, mean, checked_covariance(covariance, G::Dof, "covariance"),
                         internal::Unchecked()) {
-  if (!mean.allFinite()) throw InvalidInput("mean holds a value that is not finite");
+  if (!mean.allFinite() || !tangent_point.quaternion().coeffs().allFinite())
+    throw InvalidInput("mean holds a value that is not finite");
 }
 
 template <RotationOrPose G>

@@ -22,13 +22,17 @@ double log_sum_exp(std::span<const double> terms) {
   return largest + std::log(sum);
 }
 
-double checked_log_total(std::span<const double> log_weights) {
+void check_log_weights(std::span<const double> log_weights) {
   for (std::size_t i = 0; i < log_weights.size(); ++i) {
     if (std::isnan(log_weights[i]) || log_weights[i] == std::numeric_limits<double>::infinity()) {
       throw InvalidInput(
           fmt::format("log-weight {} is {}, expected a number or -inf", i, log_weights[i]));
     }
   }
+}
+
+double checked_log_total(std::span<const double> log_weights) {
+  check_log_weights(log_weights);
   const double total = log_sum_exp(log_weights);
   require(std::isfinite(total), "all weights are zero");
   return total;

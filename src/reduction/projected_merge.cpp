@@ -22,8 +22,8 @@ MergeResult<ProjectedGaussian<G>> merge(
     const MergeSettings& settings) {
   using Density = ProjectedGaussian<G>;
   require(!components.empty(), "merge: there is no component");
-  if (components.size() == 1) return {*components.front(), true};
   const internal::Carrying<Density> carrying(components);
+  if (components.size() == 1) return {*components.front(), true};
   const double log_weight = carrying.log_total;
   if (carrying.size() == 1) return {{log_weight, *carrying.densities.front()}, true};
 

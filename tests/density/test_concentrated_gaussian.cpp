@@ -39,6 +39,26 @@ TEST(ConcentratedGaussian, RejectsCovarianceOfOtherSize) {
   EXPECT_EQ(make(12, 12), "");
 }
 
+TEST(ConcentratedGaussian, RejectsAMeanThatIsNotFinite) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const auto message = [](const auto& mean) {
+    using G = std::decay_t<decltype(mean)>;
+    const Eigen::Index n = mean.dof();
+    return thrown_message([&] {
+      ConcentratedGaussian<G>(mean, typename G::TangentMatrix(G::TangentMatrix::Identity(n, n)));
+    });
+  };
+  const std::string refused = "mean holds a value that is not finite";
+  EXPECT_EQ(message(SE3d(SO3d(), {kNan, 0.0, 0.0})), refused);
+  EXPECT_EQ(message(SE3d(SO3d(), {0.0, 0.0, kInfinity})), refused);
+  EXPECT_EQ(message(SE3d(SO3d::exp({0.0, kNan, 0.0}), Eigen::Vector3d::Zero())), refused);
+  EXPECT_EQ(message(SO3d::exp({kNan, 0.0, 0.0})), refused);
+  EXPECT_EQ(message(PoseStackd({SE3d(), SE3d(SO3d(), {0.0, kNan, 0.0})})), refused);
+  EXPECT_EQ(message(Rnd<3>(Eigen::Vector3d(0.0, kInfinity, 0.0))), refused);
+  EXPECT_EQ(message(SE3d(SO3d(), {1e9, 0.0, 0.0})), "");
+}
+
 TEST(ConcentratedGaussian, RejectsWhatIsNoCovariance) {
   const auto make = [](const Matrix6d& covariance) {
     return thrown_message([&] { ConcentratedGaussian<SE3d>(SE3d(), covariance); });

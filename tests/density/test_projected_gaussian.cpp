@@ -242,6 +242,7 @@ TEST(ProjectedGaussian, RefusesWhatIsNoCovariance) {
   bad(0, 0) = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(Rotation(SO3d(), bad), InvalidInput);
   EXPECT_THROW(Rotation(SO3d(), Vector3d(0.0, 0.0, NAN), tilted()), InvalidInput);
+  EXPECT_THROW(Rotation(SO3d::exp({0.0, NAN, 0.0}), tilted()), InvalidInput);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "posemix/testing/density_draw.hpp"
@@ -239,6 +240,23 @@ TEST(Merge, RejectsWhatItCannotMerge) {
   EXPECT_EQ(testing::thrown_message([] { merged_by(MergeRule::midway, Components<SO3d>{}); }),
             "merge: there is no component");
   const Component<ConcentratedGaussian<SO3d>> one{0.0, {SO3d(), Eigen::Matrix3d::Identity()}};
+  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), -kMinusInfinity}) {
+    Component<ConcentratedGaussian<SO3d>> other = one;
+    other.log_weight = bad;
+    const std::string end = fmt::format(" is {}, expected a number or -inf", bad);
+    for (const MergeRule rule : kRules) {
+      const auto message = [&](const Components<SO3d>& components) {
+        return testing::thrown_message([&] { merged_by(rule, components); });
+      };
+      EXPECT_EQ(message({other, one}), "log-weight 0" + end);
+      EXPECT_EQ(message({one, one, other}), "log-weight 2" + end);
+      EXPECT_EQ(message({other}), "log-weight 0" + end);
+    }
+    EXPECT_EQ(testing::thrown_message([&] {
+                midway_point<SO3d>(Components<SO3d>{one, other});
+              }),
+              "log-weight 1" + end);
+  }
   EXPECT_EQ(testing::thrown_message([&] {
               merged_by(static_cast<MergeRule>(7), Components<SO3d>{one, one});
             }),

@@ -185,6 +185,20 @@ TEST(ProjectedMerge, FarApartItConvergesWithEveryRule) {
   EXPECT_THROW(merge<SO3d>(std::span<const Component<Rotation>>()), InvalidInput);
 }
 
+TEST(ProjectedMerge, RefusesAWeightThatIsNone) {
+  RandomStream stream(6);
+  auto components = random_mixture<SE3d>(stream, 2, 0.3, 0.1).release();
+  for (const double bad :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    components[1].log_weight = bad;
+    const std::span<const Component<Pose>> both(components);
+    for (const MergeRule rule : kMergeRules) {
+      EXPECT_THROW(merge<SE3d>(both, {.rule = rule}), InvalidInput);
+      EXPECT_THROW(merge<SE3d>(both.last(1), {.rule = rule}), InvalidInput);
+    }
+  }
+}
+
 TEST(ProjectedMerge, WithoutWeightAComponentDoesNotCount) {
   RandomStream stream(6);
   auto components = random_mixture<SE3d>(stream, 3, 0.3, 0.1).release();

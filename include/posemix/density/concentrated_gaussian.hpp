@@ -31,8 +31,8 @@ class ConcentratedGaussian {
   using Tangent = typename G::Tangent;
   using Covariance = typename G::TangentMatrix;
 
-  /// @throws InvalidInput when the covariance has the wrong size or is not finite, symmetric,
-  /// positive definite
+  /// @throws InvalidInput when the mean is not finite, or the covariance has the wrong size or is
+  /// not finite, symmetric, positive definite
   ConcentratedGaussian(G mean, const Covariance& covariance);
 
   /// A density whose arguments are not checked, for results of computations that preserve the
@@ -80,7 +80,9 @@ class ConcentratedGaussian {
 template <LieGroup G>
 ConcentratedGaussian<G>::ConcentratedGaussian(G mean, const Covariance& covariance)
     : mean_(std::move(mean)),
-      covariance_(checked_covariance(covariance, mean_.dof(), "covariance")) {}
+      covariance_(checked_covariance(covariance, mean_.dof(), "covariance")) {
+  if (!mean_.log().allFinite()) throw InvalidInput("mean holds a value that is not finite");
+}
 
 template <LieGroup G>
 typename ConcentratedGaussian<G>::Covariance ConcentratedGaussian<G>::body_covariance() const {

@@ -41,7 +41,8 @@ class ProjectedGaussian {
 
   /// The density PG_0, whose tangent point is the rotation of `mean`: the mean of u is zero and the
   /// mean of t is the translation of `mean`.
-  /// @throws InvalidInput when the covariance is not finite, symmetric, positive definite
+  /// @throws InvalidInput when the covariance is not finite, symmetric, positive definite, or the
+  /// mean is not finite
   ProjectedGaussian(const G& mean, const Covariance& covariance);
   /// A density with any tangent point; `mean` is the mean of y = [u; t].
   /// @throws InvalidInput when the covariance is not finite, symmetric, positive definite, or the

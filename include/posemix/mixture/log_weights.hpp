@@ -15,6 +15,9 @@ namespace posemix {
 /// -inf.
 double log_sum_exp(std::span<const double> terms);
 
+/// @throws InvalidInput when a log-weight is NaN or +inf
+void check_log_weights(std::span<const double> log_weights);
+
 /// The log of the sum of the weights.
 /// @throws InvalidInput when a log-weight is NaN or +inf, or all weights are zero
 double checked_log_total(std::span<const double> log_weights);

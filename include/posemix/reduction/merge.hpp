@@ -21,7 +21,7 @@ enum class MergeRule {
   /// et al. 2017).
   tangent_of_larger,
   /// Mean and covariance of the weighted sum as a random element of the group: the mean by
-  /// iteration, then second moments, both by cubature.
+  /// iteration, then second moments, both by cubature (`moments`).
   moment_matched
 };
 
@@ -51,7 +51,7 @@ struct MergeResult {
 /// The midway point of the components: for two by eq. 12, for more the element M at which the
 /// merged mean is zero, sum_i w_i Log(X_i M^-1) = 0 (eq. 15 and 17), by iteration. Components of
 /// weight zero are treated as in `merge`.
-/// @throws InvalidInput when there is no component
+/// @throws InvalidInput as `merge`
 template <LieGroup G>
 MeanResult<G> midway_point(std::span<const Component<ConcentratedGaussian<G>>> components,
                            const MergeSettings& settings = {});
@@ -59,7 +59,7 @@ MeanResult<G> midway_point(std::span<const Component<ConcentratedGaussian<G>>> c
 /// Merges several components into one. Weights add up (eq. 19); components of weight zero are
 /// ignored (if all are zero, they count equally). If the iteration does not converge, `converged`
 /// is false; nothing is thrown.
-/// @throws InvalidInput when there is no component
+/// @throws InvalidInput when there is no component, or a log-weight is NaN or +inf
 template <LieGroup G>
 MergeResult<ConcentratedGaussian<G>> merge(
     std::span<const Component<ConcentratedGaussian<G>>> components,
@@ -79,8 +79,8 @@ MergeResult<ConcentratedGaussian<G>> merge(
 ///    moments of the Gaussians are matched there, and the result is moved to the chart at its mode;
 ///  - moment_matched: the moments of the distributions are matched (`moments`), which is best for
 ///    large spreads or distances.
-/// @throws InvalidInput when there is no component, or with tangent_of_larger when the rotation
-/// between a mode and that of the heaviest is by pi
+/// @throws InvalidInput when there is no component, a log-weight is NaN or +inf, or with
+/// tangent_of_larger when the rotation between a mode and that of the heaviest is by pi
 template <RotationOrPose G>
 MergeResult<ProjectedGaussian<G>> merge(std::span<const Component<ProjectedGaussian<G>>> components,
                                         const MergeSettings& settings = {});

@@ -26,6 +26,7 @@ struct Carrying {
     std::vector<double> log_weights;
     log_weights.reserve(all.size());
     for (const auto* component : all) log_weights.push_back(component->log_weight);
+    check_log_weights(log_weights);
     log_total = log_sum_exp(log_weights);
     const bool none = std::isinf(log_total);
     weights.reserve(all.size());
@@ -127,9 +128,8 @@ MergeResult<ConcentratedGaussian<G>> merge(
     const MergeSettings& settings) {
   using Density = ConcentratedGaussian<G>;
   require(!components.empty(), "merge: there is no component");
-  if (components.size() == 1) return {*components.front(), true};
-
   const internal::Carrying<Density> carrying(components);
+  if (components.size() == 1) return {*components.front(), true};
   const double log_weight = carrying.log_total;
   if (carrying.size() == 1) return {{log_weight, *carrying.densities.front()}, true};
 
