@@ -36,6 +36,9 @@ GaussianSumSlam::GaussianSumSlam(const PoseDensity& camera, std::vector<ObjectMo
 
 FrameEstimate GaussianSumSlam::step(const FrameInput& input) {
   internal::refuse_candidates(input, "the Gaussian-sum filter");
+  objects_.check(input);
+  const KnownDetections known = known_of(input.detections);
+  filter_.check(known.detections);
   const bool is_first = objects_.frames() == 0;
   objects_.begin(input);
   const Stopwatch frame;
@@ -48,7 +51,7 @@ FrameEstimate GaussianSumSlam::step(const FrameInput& input) {
 
   FrameReport report;
   report.statuses.assign(objects_.size(), DetectionStatus::none);
-  update_known(input.detections, report);
+  update_known(known, report);
   add_new(input.detections, report);
 
   estimate_ = filter_.summarise();
@@ -59,19 +62,21 @@ FrameEstimate GaussianSumSlam::step(const FrameInput& input) {
   return estimate;
 }
 
-/// Updates with the detections of objects that are already in the map.
-void GaussianSumSlam::update_known(const Detections& detections, FrameReport& report) {
-  std::vector<Detection> known;
-  std::vector<std::size_t> known_objects;
+GaussianSumSlam::KnownDetections GaussianSumSlam::known_of(const Detections& detections) const {
+  KnownDetections known;
   for (std::size_t object = 0; object < objects_.size(); ++object) {
     if (!detections[object] || !indices_[object]) continue;
-    ++counts_[object];
-    known.push_back({*indices_[object], *detections[object], &objects_[object].noise});
-    known_objects.push_back(object);
+    known.detections.push_back({*indices_[object], *detections[object], &objects_[object].noise});
+    known.objects.push_back(object);
   }
-  report.update = filter_.update(known);
-  for (std::size_t i = 0; i < known.size(); ++i) {
-    report.statuses[known_objects[i]] = report.update.gated[i]    ? DetectionStatus::gated
+  return known;
+}
+
+void GaussianSumSlam::update_known(const KnownDetections& known, FrameReport& report) {
+  report.update = filter_.update(known.detections);
+  for (std::size_t i = 0; i < known.objects.size(); ++i) {
+    ++counts_[known.objects[i]];
+    report.statuses[known.objects[i]] = report.update.gated[i]    ? DetectionStatus::gated
                                         : report.update.failed[i] ? DetectionStatus::failed
                                                                   : DetectionStatus::used;
   }

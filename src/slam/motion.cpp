@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "slam/motion.hpp"
 
+#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
@@ -11,31 +12,28 @@
 #include "posemix/base/range.hpp"
 
 namespace posemix::internal {
-namespace {
 
 void check_noise(const ProcessNoise& noise, const char* name) {
   constexpr double kRounding = 1e-9;
   const Matrix6d& covariance = noise.covariance;
   if (!covariance.allFinite())
-    throw InvalidInput(fmt::format("motion: {} holds a value that is not finite", name));
+    throw InvalidInput(fmt::format("{} holds a value that is not finite", name));
   const double rounding = kRounding * covariance.cwiseAbs().maxCoeff();
   if ((covariance - covariance.transpose()).cwiseAbs().maxCoeff() > rounding)
-    throw InvalidInput(fmt::format("motion: {} is not symmetric", name));
+    throw InvalidInput(fmt::format("{} is not symmetric", name));
   const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(covariance, Eigen::EigenvaluesOnly);
   if (const double least = eigen.eigenvalues().minCoeff(); least < -rounding) {
-    throw InvalidInput(fmt::format(
-        "motion: {} has a variance of {:.3g}, expected none that is negative", name, least));
+    throw InvalidInput(
+        fmt::format("{} has a variance of {:.3g}, expected none that is negative", name, least));
   }
 }
 
-}  // namespace
-
 const MotionSettings& checked(const MotionSettings& motion) {
   kPositive.check(motion.period_s, "motion: period_s");
-  check_noise(motion.noise, "noise");
-  check_noise(motion.walk, "walk");
-  check_noise(motion.motion_noise, "motion_noise");
-  check_noise(motion.unknown_motion, "unknown_motion");
+  check_noise(motion.noise, "motion: noise");
+  check_noise(motion.walk, "motion: walk");
+  check_noise(motion.motion_noise, "motion: motion_noise");
+  check_noise(motion.unknown_motion, "motion: unknown_motion");
   return motion;
 }
 
@@ -54,6 +52,12 @@ CameraStep camera_step(const MotionSettings& motion, const FrameInput& input) {
                        motion.motion_noise.over(motion.period_s)};
       break;
   }
+  const bool finite =
+      step.q.allFinite() &&
+      (!step.velocity || (step.velocity->q.allFinite() && std::isfinite(step.velocity->periods)));
+  if (!finite)
+    throw InvalidInput(
+        fmt::format("frame: the noise of the motion over {} s is not finite", input.dt));
   return step;
 }
 

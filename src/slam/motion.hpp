@@ -30,12 +30,16 @@ struct CameraStep {
   std::optional<Velocity> velocity;
 };
 
+/// @throws InvalidInput naming the noise when it is not symmetric, not finite or has a negative
+/// variance in some direction; none at all is allowed
+void check_noise(const ProcessNoise& noise, const char* name);
+
 /// The settings as they are given.
-/// @throws InvalidInput when the period is not positive and finite, or a noise is not symmetric,
-/// not finite or has a negative variance in some direction; none at all is allowed
+/// @throws InvalidInput when the period is not positive and finite, or as `check_noise`
 const MotionSettings& checked(const MotionSettings& motion);
 
 /// The step of one frame by its motion model; a frame without odometry is one of unknown motion.
+/// @throws InvalidInput when dt is so long that the noise is not finite
 CameraStep camera_step(const MotionSettings& motion, const FrameInput& input);
 
 /// Moves the camera by one frame.

@@ -24,6 +24,7 @@ const ParticleFilterSettings& checked(const ParticleFilterSettings& settings) {
         fmt::format("particle filter: resample_below is {}, expected a number in [0, 1]",
                     settings.resample_below));
   }
+  internal::check_noise(settings.object_walk, "particle filter: object_walk");
   checked_covariance(settings.kernel, 6, "particle filter: kernel");
   return settings;
 }

@@ -69,8 +69,8 @@ ParticleCloud::ParticleCloud(const PoseDensity& camera, const std::vector<Object
       log_weights_(settings.particles, -std::log(static_cast<double>(settings.particles))) {}
 
 void ParticleCloud::predict(const FrameInput& input) {
-  const Matrix6d walk = root_of(settings_.object_walk.over(input.dt));
   const CameraStep step = camera_step(motion_, input);
+  const Matrix6d walk = root_of(settings_.object_walk.over(input.dt));
   Eigen::VectorXd white(6);
   for (Particle& particle : particles_) {
     particle.camera = internal::predict(std::move(particle.camera), step);

@@ -11,6 +11,7 @@
 #include <fmt/ranges.h>
 
 #include "posemix/base/error.hpp"
+#include "posemix/base/linear.hpp"
 
 namespace posemix {
 
@@ -31,12 +32,28 @@ std::vector<std::optional<SE3d>> detections_by_id(const std::vector<ObjectModel>
   return in_order;
 }
 
+namespace {
+
+bool is_finite(const SE3d& pose) {
+  return pose.translation().allFinite() && pose.rotation().quaternion().coeffs().allFinite();
+}
+
+[[noreturn]] void refuse(const std::string& name) {
+  throw InvalidInput(fmt::format("frame: {} holds a value that is not finite", name));
+}
+
+}  // namespace
+
 TrackedObjects::TrackedObjects(std::vector<ObjectModel> models) : models_(std::move(models)) {
   std::vector<std::string> ids;
   std::set<std::string> taken;
   for (const ObjectModel& model : models_) {
     if (!taken.insert(model.id).second)
       throw InvalidInput(fmt::format("two object models have the id '{}'", model.id));
+    if (model.independent_start) {
+      checked_covariance(*model.independent_start, 6,
+                         fmt::format("independent start of object '{}'", model.id));
+    }
     ids.push_back(model.id);
   }
   ids_ = std::make_shared<const std::vector<std::string>>(std::move(ids));
@@ -47,7 +64,7 @@ void TrackedObjects::require(std::size_t object) const {
   throw InvalidInput(fmt::format("there is no object {}; there are {}", object, size()));
 }
 
-void TrackedObjects::begin(const FrameInput& input) {
+void TrackedObjects::check(const FrameInput& input) const {
   if (input.detections.size() != size()) {
     throw InvalidInput(
         fmt::format("frame: {} detections for {} objects", input.detections.size(), size()));
@@ -56,6 +73,21 @@ void TrackedObjects::begin(const FrameInput& input) {
     throw InvalidInput(
         fmt::format("frame: dt is {} s, expected a positive and finite time", input.dt));
   }
+  if (input.motion && !is_finite(*input.motion)) refuse("the motion");
+  for (std::size_t object = 0; object < size(); ++object) {
+    const auto& detection = input.detections[object];
+    if (detection && !is_finite(*detection))
+      refuse(fmt::format("the detection of '{}'", models_[object].id));
+  }
+  for (std::size_t i = 0; i < input.candidates.size(); ++i) {
+    if (!is_finite(input.candidates[i].camera_object)) refuse(fmt::format("candidate {}", i));
+    if (std::isnan(input.candidates[i].score))
+      throw InvalidInput(fmt::format("frame: the score of candidate {} is not a number", i));
+  }
+}
+
+void TrackedObjects::begin(const FrameInput& input) {
+  check(input);
   ++frames_;
 }
 

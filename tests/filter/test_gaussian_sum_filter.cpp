@@ -237,6 +237,26 @@ TEST(GaussianSumFilter, RefusesImpossibleDetectionsAndSettings) {
   }
 }
 
+TEST(GaussianSumFilter, RefusesWhatIsNotFiniteAndStaysAsItWas) {
+  const DetectorNoise noise = heavy_tailed_noise();
+  GaussianSumFilter filter = camera_filter(kCameraPose, isotropic(1.0, 0.01));
+  const SE3d y = kCameraPose.inverse() * kObject;
+  const std::size_t object = filter.add_object(y, noise);
+  const Hypothesis before = filter.summarise();
+  const SE3d bad(SO3d(), {0.0, std::numeric_limits<double>::quiet_NaN(), 0.0});
+  const Detection detection{object, bad, &noise};
+  EXPECT_THROW(filter.update(std::span(&detection, 1)), InvalidInput);
+  EXPECT_THROW(filter.add_object(bad, noise), InvalidInput);
+  EXPECT_THROW(filter.add_independent_object(bad, Matrix6d::Identity()), InvalidInput);
+  EXPECT_THROW(filter.predict([&](Hypothesis h) {
+    return predict_with_odometry(std::move(h), bad, Matrix6d::Identity());
+  }),
+               InvalidInput);
+  const Hypothesis after = filter.summarise();
+  EXPECT_EQ(after.covariance(), before.covariance());
+  EXPECT_TRUE(after.mean().is_approx(before.mean(), 0.0));
+}
+
 TEST(GaussianSumFilterSlow, CovarianceStaysPositiveDefiniteOverAMillionSteps) {
   RandomStream stream(9);
   const DetectorNoise noise = gaussian_noise(1.0, 0.002);

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include <limits>
+
 #include <gtest/gtest.h>
 
 #include "scenario.hpp"
@@ -38,6 +40,21 @@ TEST(Predict, RandomWalkLeavesTheMean) {
   const Hypothesis after = predict_random_walk(before, isotropic(0.5, 0.01));
   EXPECT_TRUE(after.mean().is_approx(before.mean(), 1e-14));
   EXPECT_GT(after.covariance()(0, 0), before.covariance()(0, 0));
+}
+
+TEST(Predict, RefusesWhatIsNotFinite) {
+  RandomStream stream(2);
+  const Hypothesis before(camera_motion_object(), correlated_covariance(3, stream));
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  const SE3d bad(SO3d(), {0.0, kNan, 0.0});
+  const Matrix6d q = isotropic(0.5, 0.01);
+  EXPECT_THROW(predict_with_odometry(before, bad, q), InvalidInput);
+  EXPECT_THROW(predict_with_odometry(before, SE3d(), kNan * q), InvalidInput);
+  EXPECT_THROW(predict_with_odometry(before, SE3d(), -q), InvalidInput);
+  EXPECT_THROW(predict_random_walk(before, kNan * q), InvalidInput);
+  EXPECT_THROW(predict_constant_velocity(before, kNan, q, q), InvalidInput);
+  EXPECT_THROW(predict_constant_velocity(before, 1.0, kNan * q, q), InvalidInput);
+  EXPECT_THROW(predict_constant_velocity(before, 1.0, q, -q), InvalidInput);
 }
 
 /// The camera after `periods` of the motion in the state.

@@ -103,20 +103,27 @@ class GaussianSumFilter {
   /// @throws InvalidInput when a setting is out of range
   GaussianSumFilter(Posterior prior, GaussianSumSettings settings);
 
-  /// Moves every hypothesis, for example by predict_with_odometry.
+  /// Moves every hypothesis, for example by predict_with_odometry. If `motion` throws, the filter
+  /// stays as it was.
   void predict(const std::function<Hypothesis(Hypothesis)>& motion);
 
   /// Every hypothesis gets one child per noise component, is updated, and the mixture is reduced.
   /// @throws InvalidInput when a detection names the camera, a pose that does not exist or one
-  /// named twice, or when joint use finds detectors whose components differ in number or weight
+  /// named twice, when it is not finite, or when joint use finds detectors whose components differ
+  /// in number or weight; the filter stays as it was
   UpdateReport update(std::span<const Detection> detections);
+  /// Only the checks of `update`.
+  /// @throws InvalidInput as `update`
+  void check(std::span<const Detection> detections) const;
 
   /// A new object enters every hypothesis with its full cross-covariance, one child per noise
   /// component, and the mixture is reduced. Returns the index of its pose.
+  /// @throws InvalidInput when the pose is not finite
   std::size_t add_object(const SE3d& camera_object, const DetectorNoise& noise);
 
   /// A new object enters every hypothesis at T_R camera_object with an error that is independent of
   /// all others, the covariance in the world frame. Returns the index of its pose.
+  /// @throws InvalidInput when the pose is not finite or the covariance is none
   std::size_t add_independent_object(const SE3d& camera_object, const Matrix6d& covariance);
 
   const Posterior& posterior() const { return posterior_; }

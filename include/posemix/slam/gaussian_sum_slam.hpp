@@ -22,7 +22,8 @@ class GaussianSumSlam {
                   const GaussianSumSettings& settings = {}, const MotionSettings& motion = {},
                   bool record_hypotheses = false);
 
-  /// @throws InvalidInput also for candidates: this filter has no births
+  /// @throws InvalidInput also for candidates: this filter has no births, and as
+  /// GaussianSumFilter::update
   FrameEstimate step(const FrameInput& input);
 
   Posterior posterior() const { return filter_.posterior(); }
@@ -42,7 +43,14 @@ class GaussianSumSlam {
  private:
   using Detections = std::vector<std::optional<SE3d>>;
 
-  void update_known(const Detections& detections, FrameReport& report);
+  /// The detections of objects that are in the map, and the indices of their models.
+  struct KnownDetections {
+    std::vector<Detection> detections;
+    std::vector<std::size_t> objects;
+  };
+
+  KnownDetections known_of(const Detections& detections) const;
+  void update_known(const KnownDetections& known, FrameReport& report);
   void add_new(const Detections& detections, FrameReport& report);
 
   TrackedObjects objects_;

@@ -43,8 +43,8 @@ class ObjectSlam {
 
   /// The next frame; at the first one nothing moves.
   /// @throws InvalidInput, and changes nothing, when the number of detections is not that of the
-  /// object models, dt is not positive and finite after the first frame, or a tracker without
-  /// births gets candidates
+  /// object models, dt is not positive and finite after the first frame, the motion, a detection or
+  /// a candidate is not finite, or a tracker without births gets candidates
   FrameEstimate step(const FrameInput& input);
 
   Posterior posterior() const;

@@ -21,8 +21,8 @@ namespace posemix {
 /// Frames without detections or without odometry are valid.
 ///
 ///  - `step` takes every frame in order; at the first one nothing moves. It throws InvalidInput,
-///    and changes nothing, when the number of detections is not that of the object models or dt is
-///    not positive and finite.
+///    and changes nothing, when the number of detections is not that of the object models, dt is
+///    not positive and finite, or the motion, a detection or a candidate is not finite.
 ///  - `posterior` is the joint posterior, `estimate` one Gaussian in its place.
 ///  - `pose_index` is the index of an object's pose in both, empty until it was seen.
 ///  - `detections` counts the detections of an object.
@@ -50,7 +50,8 @@ std::vector<std::optional<SE3d>> detections_by_id(const std::vector<ObjectModel>
 /// The object models of a tracker, their ids, and the number of frames so far.
 class TrackedObjects {
  public:
-  /// @throws InvalidInput when two models share an id
+  /// @throws InvalidInput when two models share an id, or the covariance of an independent start is
+  /// none
   explicit TrackedObjects(std::vector<ObjectModel> models);
 
   const std::vector<ObjectModel>& models() const { return models_; }
@@ -63,9 +64,12 @@ class TrackedObjects {
 
   /// Frames that were begun.
   std::size_t frames() const { return frames_; }
+  /// @throws InvalidInput as `begin`
+  void check(const FrameInput& input) const;
   /// Begins a frame.
   /// @throws InvalidInput, and counts nothing, when the number of detections is not that of the
-  /// models, or dt is not positive and finite after the first frame
+  /// models, dt is not positive and finite after the first frame, or the motion, a detection or a
+  /// candidate is not finite
   void begin(const FrameInput& input);
 
  private:

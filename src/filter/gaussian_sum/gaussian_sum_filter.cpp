@@ -8,6 +8,7 @@
 #include <numeric>
 #include <utility>
 
+#include "check_input.hpp"
 #include "posemix/base/statistics.hpp"
 #include "posemix/base/stopwatch.hpp"
 
@@ -30,6 +31,7 @@ void check_detections(std::span<const Detection> detections, std::size_t poses) 
       throw InvalidInput(
           fmt::format("detection of pose {}, expected an object in 1..{}", object, poses - 1));
     }
+    internal::require_finite_pose(detections[i].camera_object, "detection");
     for (std::size_t j = 0; j < i; ++j) {
       if (detections[j].object == object) {
         throw InvalidInput(fmt::format("object at pose {} is detected twice in one frame", object));
@@ -126,6 +128,7 @@ GaussianSumFilter::GaussianSumFilter(Posterior prior, GaussianSumSettings settin
       gate_(gate_threshold(settings.gate_probability)) {
   require(settings_.reduction.max_components > 0,
           "filter: max_components is 0, expected at least 1");
+  ReductionSettings::kPruneBelow.check(settings_.reduction.prune_below, "filter: prune_below");
   if (!(settings_.cauchy_scale > 0.0)) {
     throw InvalidInput(fmt::format("filter: cauchy scale is {}, expected a positive number",
                                    settings_.cauchy_scale));
@@ -133,13 +136,20 @@ GaussianSumFilter::GaussianSumFilter(Posterior prior, GaussianSumSettings settin
 }
 
 void GaussianSumFilter::predict(const std::function<Hypothesis(Hypothesis)>& motion) {
-  std::vector<Component<Hypothesis>> hypotheses = std::move(posterior_).release();
-  for (auto& hypothesis : hypotheses) hypothesis.density = motion(std::move(hypothesis.density));
+  std::vector<Component<Hypothesis>> hypotheses;
+  hypotheses.reserve(posterior_.size());
+  for (const auto& before : posterior_.components())
+    hypotheses.push_back({before.log_weight, motion(before.density)});
   posterior_ = Posterior(std::move(hypotheses));
 }
 
-UpdateReport GaussianSumFilter::update(std::span<const Detection> detections) {
+void GaussianSumFilter::check(std::span<const Detection> detections) const {
   check_detections(detections, posterior_[0].density.mean().size());
+  if (settings_.noise_use == NoiseUse::joint && !detections.empty()) common_components(detections);
+}
+
+UpdateReport GaussianSumFilter::update(std::span<const Detection> detections) {
+  check(detections);
   UpdateReport report;
   report.gated.assign(detections.size(), false);
   report.failed.assign(detections.size(), false);
@@ -207,6 +217,7 @@ void GaussianSumFilter::reduce(UpdateReport& report) {
 }
 
 std::size_t GaussianSumFilter::add_object(const SE3d& camera_object, const DetectorNoise& noise) {
+  internal::require_finite_pose(camera_object, "detection");
   const std::size_t index = posterior_[0].density.mean().size();
   std::vector<Component<Hypothesis>> children;
   for (const auto& parent : posterior_.components()) {
@@ -223,6 +234,7 @@ std::size_t GaussianSumFilter::add_object(const SE3d& camera_object, const Detec
 
 std::size_t GaussianSumFilter::add_independent_object(const SE3d& camera_object,
                                                       const Matrix6d& covariance) {
+  internal::require_finite_pose(camera_object, "detection");
   const Matrix6d checked = checked_covariance(covariance, 6, "covariance of the new object");
   const std::size_t index = posterior_[0].density.mean().size();
   predict([&](const Hypothesis& hypothesis) {
