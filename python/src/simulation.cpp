@@ -35,7 +35,7 @@ void bind_errors_of_simulation(nb::module_& m) {
       .field("rotation_rad", &S::rotation_rad, kArray,
              "Standard deviations about the axes, shape (3,) [rad].")
       .field("translation_m", &S::translation_m, kArray,
-             "Standard deviations along the axes, shape (3,) [m].")
+             "Standard deviations along the axes, shape (3,) [m; for NoiseFrame.ray of the range].")
       .done();
   using N = SimulationNoise;
   Settings<N>(m, "SimulationNoise", "One component of the detector's error.")

@@ -120,7 +120,10 @@ IN_FILES: dict[str, tuple[Place, Keys]] = {
     "SimulationNoise": (
         COMPONENT,
         {
-            "sd": (("rotation_sd_deg", "translation_sd_m"), SD.in_row("noise.<name>.components")),
+            "sd": (
+                ("rotation_sd_deg", "translation_sd_m", "translation_sd_of_range"),
+                SD.in_row("noise.<name>.components"),
+            ),
             "offset_rotation_rad": (("offset", "rotation_deg"), COMPONENT),
             "offset_translation_m": (("offset", "translation_m"), COMPONENT),
         },

@@ -48,14 +48,15 @@ Vector3d get_rotation(const TomlTable& table, std::string_view key) {
   return kRadPerDeg * table.get_vector_or(key, Vector3d::Zero(), kAngleDeg);
 }
 
-SimulationSd get_sd(const TomlTable& table, const SimulationSd& otherwise) {
+SimulationSd get_sd(const TomlTable& table, const SimulationSd& otherwise,
+                    NoiseFrame frame = NoiseFrame::object) {
+  const char* const translation =
+      frame == NoiseFrame::ray ? "translation_sd_of_range" : "translation_sd_m";
   SimulationSd sd = otherwise;
   if (table.has("rotation_sd_deg")) {
     sd.rotation_rad = read_sd(table, "rotation_sd_deg", kSdShown, kRadPerDeg);
   }
-  if (table.has("translation_sd_m")) {
-    sd.translation_m = read_sd(table, "translation_sd_m", kSdShown, 1.0);
-  }
+  if (table.has(translation)) sd.translation_m = read_sd(table, translation, kSdShown, 1.0);
   return sd;
 }
 
@@ -82,9 +83,8 @@ SimulationPath get_path(const TomlTable& camera) {
 SimulationNoise get_component(const TomlTable& table) {
   SimulationNoise noise;
   noise.weight = table.get_double_or("weight", noise.weight, kWeight);
-  noise.sd = get_sd(table, noise.sd);
-  noise.frame = table.get_enum_or<NoiseFrame>(
-      "frame", noise.frame, {{"object", NoiseFrame::object}, {"camera", NoiseFrame::camera}});
+  noise.frame = table.get_enum_or("frame", noise.frame);
+  noise.sd = get_sd(table, noise.sd, noise.frame);
   if (const auto offset = table.find_table("offset")) {
     noise.offset_rotation_rad = get_rotation(*offset, "rotation_deg");
     noise.offset_translation_m = get_vector3(*offset, "translation_m", Vector3d::Zero());

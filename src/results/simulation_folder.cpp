@@ -66,14 +66,17 @@ std::string array(const Vector3d& vector) {
   return "[" + text + "]";
 }
 
-std::string sd_text(const SimulationSd& sd, std::string_view separator) {
-  return fmt::format("rotation_sd_deg = {}{}translation_sd_m = {}",
-                     array(sd.rotation_rad / kRadPerDeg), separator, array(sd.translation_m));
+std::string sd_text(const SimulationSd& sd, std::string_view separator,
+                    std::string_view translation = "translation_sd_m") {
+  return fmt::format("rotation_sd_deg = {}{}{} = {}", array(sd.rotation_rad / kRadPerDeg),
+                     separator, translation, array(sd.translation_m));
 }
 
 std::string component_text(const SimulationNoise& noise) {
+  const char* const translation =
+      noise.frame == NoiseFrame::ray ? "translation_sd_of_range" : "translation_sd_m";
   std::string text = fmt::format("  {{weight = {:.12g}, frame = \"{}\", {}", noise.weight,
-                                 word_of(noise.frame), sd_text(noise.sd, ", "));
+                                 word_of(noise.frame), sd_text(noise.sd, ", ", translation));
   if (!noise.offset_rotation_rad.isZero(0.0) || !noise.offset_translation_m.isZero(0.0)) {
     text += fmt::format(", offset = {{rotation_deg = {}, translation_m = {}}}",
                         array(noise.offset_rotation_rad / kRadPerDeg),

@@ -27,6 +27,19 @@ Real correlation(double time_s, double period_s) {
   return time_s > 0.0 ? std::exp(-static_cast<Real>(period_s) / time_s) : Real(0);
 }
 
+/// The error along the camera's axes from one along the viewing ray to a mode T_camera_mode, whose
+/// translation is in units of the range (as `viewing_ray`).
+Vector6 along_camera(const Vector6& error, const Pose& camera_mode) {
+  constexpr Real kLeastRangeM = 1e-3L;
+  const Vector3& ray = camera_mode.translation();
+  const auto turn = Eigen::Quaternion<Real>::FromTwoVectors(Vector3::UnitZ(), ray);
+  const SO3<Real> axes = SO3<Real>::from_quaternion(turn);
+  Vector6 turned;
+  turned << axes * Vector3(error.head<3>()),
+      axes * Vector3(std::max(ray.norm(), kLeastRangeM) * error.tail<3>());
+  return turned;
+}
+
 /// States 0 (off) and 1 (on). A run of `on` ends with probability (1 - keep)(1 - fraction).
 StickyChain run_chain(const SimulationRuns& runs, double period_s, RandomStream random) {
   const Real off = 1 - static_cast<Real>(runs.fraction);
@@ -75,8 +88,9 @@ std::optional<Pose> Detector::next(const Pose& truth) {
   const Pose mode_pose = truth * (wrong_ ? *wrong_ : flipped ? flip_ : Pose()) * mode.offset;
   if (mode.frame == NoiseFrame::object) return mode_pose * Pose::exp(error);
   const SO3<Real> to_mode = mode_pose.rotation().inverse();
+  const Vector6 in_camera = mode.frame == NoiseFrame::ray ? along_camera(error, mode_pose) : error;
   Vector6 turned;
-  turned << to_mode * Vector3(error.head<3>()), to_mode * Vector3(error.tail<3>());
+  turned << to_mode * Vector3(in_camera.head<3>()), to_mode * Vector3(in_camera.tail<3>());
   return mode_pose * Pose::exp(turned);
 }
 

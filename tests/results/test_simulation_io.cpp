@@ -182,6 +182,25 @@ TEST(SimulationConfig, DefaultsAreThoseOfTheStructs) {
   EXPECT_EQ(job_from(format_simulation(file, simulate(config, 1), 1)).sequence.stamps.size(), 600U);
 }
 
+TEST(SimulationConfig, NoiseAlongTheViewingRayIsSimulatedAndTold) {
+  const std::string begin =
+      "schema = 1\n[camera]\nframes = 20\n[[objects]]\nid = \"a\"\nnoise = \"n\"\n[noise.n]\n"
+      "components = [{frame = \"ray\", rotation_sd_deg = [7, 7, 2], ";
+  const SimulationFile file =
+      config_from(begin + "translation_sd_of_range = [0.007, 0.007, 0.045]}]\n");
+  const SimulationNoise& noise = file.config.objects[0].noise[0];
+  EXPECT_EQ(noise.frame, NoiseFrame::ray);
+  EXPECT_EQ(noise.sd.translation_m, Eigen::Vector3d(0.007, 0.007, 0.045));
+  const SlamJob job = job_from(format_simulation(file, simulate(file.config, 1), 1));
+  const NoiseComponent& told = job.models[0].noise.components()[0];
+  EXPECT_EQ(told.frame, NoiseFrame::ray);
+  EXPECT_NEAR(told.covariance(5, 5), 0.045 * 0.045, 1e-12);
+  EXPECT_NE(testing::thrown_message([&] {
+              config_from(begin + "translation_sd_m = 0.01}]\n");
+            }).find("translation_sd_m"),
+            std::string::npos);
+}
+
 TEST(SimulationConfig, MotionIsWhatTheFilterIsTold) {
   const std::string text =
       with("[noise.mug]",

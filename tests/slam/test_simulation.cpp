@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "posemix/slam/simulation.hpp"
 
+#include <cmath>
 #include <numbers>
 
 #include <gtest/gtest.h>
@@ -114,6 +115,67 @@ TEST(Simulation, ErrorsAlongTheCameraAxesTurnAboutTheModesOrigin) {
     moments.add(in_camera);
   }
   EXPECT_LT(moments.worst_score(Vector6d::Zero(), covariance_of(small_sd())), kBound);
+}
+
+/// An error n in the axes of the viewing ray to the mode, its translation in units of the range.
+Vector6d along_ray(const Vector6d& error, const SE3d& camera_mode) {
+  const Vector3d ray = camera_mode.translation();
+  const Vector3d axis = Vector3d::UnitZ().cross(ray).normalized();
+  const Eigen::Matrix3d from_ray =
+      Eigen::AngleAxisd(std::acos(ray.normalized().z()), axis).toRotationMatrix();
+  const Eigen::Matrix3d turn = from_ray.transpose() * camera_mode.rotation().matrix();
+  Vector6d along;
+  along << turn * error.head<3>(), turn * error.tail<3>() / ray.norm();
+  return along;
+}
+
+TEST(Simulation, ErrorsAlongTheViewingRayAreFractionsOfTheRange) {
+  const Vector3d turn(0.0, 0.0, 2.0);
+  const Vector3d shift(0.05, 0.02, 0.0);
+  const SimulationSd sd = sd_of(Vector3d(1.0, 2.0, 4.0), Vector3d(0.004, 0.007, 0.045));
+  const SimulationNoise noise{1.0, sd, NoiseFrame::ray, turn, shift};
+  SimulationConfig config = config_with({object_with({noise})}, kManyFrames);
+  config.path.range = {1.5, 0.6, 5};
+  const SimulatedSequence simulated = simulate(config, 12);
+  SampleMoments moments(6);
+  const SE3d mode(SO3d::exp(turn), shift);
+  for (std::size_t k = 0; k < kManyFrames; ++k) {
+    const SE3d centre = simulated.objects[0].relative_truth[k].pose() * mode;
+    const Vector6d error = (centre.inverse() * simulated.objects[0].detections[k]->pose()).log();
+    moments.add(along_ray(error, centre));
+  }
+  EXPECT_LT(moments.worst_score(Vector6d::Zero(), covariance_of(sd)), kBound);
+}
+
+TEST(Simulation, TheDefaultNoiseOfDetectorsCanBeSimulated) {
+  SimulationObject object = object_with({});
+  const DetectorNoise usual = default_detector_noise();
+  for (const NoiseComponent& component : usual.components()) {
+    const Vector6d sd = component.covariance.diagonal().cwiseSqrt();
+    object.noise.push_back({component.weight, {sd.head<3>(), sd.tail<3>()}, component.frame});
+  }
+  const SimulatedSequence simulated = simulate(config_with({object}, kManyFrames), 13);
+  // What the filter is told is what was simulated, at every pose.
+  const DetectorNoise& told = object_model(object).noise;
+  ASSERT_EQ(told.components().size(), 2U);
+  EXPECT_EQ(told.components()[0].frame, NoiseFrame::ray);
+  EXPECT_TRUE(told.components()[0].covariance.isApprox(usual.components()[0].covariance, 1e-12));
+  const double wide = told.components()[1].weight;
+  double squared = 0.0;
+  for (std::size_t k = 0; k < kManyFrames; ++k) {
+    const SE3d truth = simulated.objects[0].relative_truth[k].pose();
+    const NoiseAtPose at = noise_at(told.components()[0], truth);
+    const Vector6d error = (truth.inverse() * simulated.objects[0].detections[k]->pose()).log();
+    Vector6d along;
+    const SO3d turn = at.axes.rotation().inverse() * truth.rotation();
+    along << turn * Vector3d(error.head<3>()), turn * Vector3d(error.tail<3>());
+    squared += along.dot(at.covariance.llt().solve(along));
+  }
+  // A mixture of N(0, P) and N(0, 2.7^2 P): mean and variance of n^T P^-1 n.
+  const double scale = std::pow(2.7, 2);
+  const double mean = 6.0 * (1.0 - wide + wide * scale);
+  const double variance = 48.0 * (1.0 - wide + wide * scale * scale) - mean * mean;
+  EXPECT_NEAR(squared / kManyFrames, mean, kBound * std::sqrt(variance / kManyFrames));
 }
 
 TEST(Simulation, MixtureOfErrorsHasTheMomentsOfItsComponents) {

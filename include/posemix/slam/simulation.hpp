@@ -45,7 +45,8 @@ struct SimulationSd {
   Eigen::Vector3d translation_m = Eigen::Vector3d::Zero();
 };
 
-/// One component of the detector's error: NoiseComponent with a diagonal covariance.
+/// One component of the detector's error: NoiseComponent with a diagonal covariance. With
+/// NoiseFrame::ray the standard deviations of the translation are fractions of the range.
 struct SimulationNoise {
   double weight = 1.0;
   SimulationSd sd{Eigen::Vector3d::Constant(radians(4.0)), Eigen::Vector3d::Constant(5e-3)};
