@@ -15,13 +15,14 @@ void add_out_option(CLI::App& command, OutputOptions& output) {
   command.add_option("--out", output.out, "File for the result; - is the standard output")
       ->type_name("FILE")
       ->capture_default_str();
+  command.add_flag("--quiet", output.quiet, "Write nothing but the result");
 }
 
 void add_report_options(CLI::App& command, OutputOptions& output) {
   add_out_option(command, output);
   CLI::Option* json =
       command.add_flag("--json", output.json, "Report on the standard error as one line of JSON");
-  command.add_flag("--quiet", output.quiet, "Report nothing")->excludes(json);
+  command.get_option("--quiet")->excludes(json);
 }
 
 void add_seed_option(CLI::App& command, std::uint64_t& seed) {

@@ -23,7 +23,7 @@ struct OutputOptions {
   bool quiet = false;
 };
 
-/// Adds --out.
+/// Adds --out and --quiet.
 void add_out_option(CLI::App& command, OutputOptions& output);
 /// Adds --out, --json and --quiet, for commands that report on the standard error.
 void add_report_options(CLI::App& command, OutputOptions& output);

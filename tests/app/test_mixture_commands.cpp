@@ -31,6 +31,24 @@ TEST_F(MixtureCommands, HelpHasAnExample) {
   }
 }
 
+TEST_F(MixtureCommands, QuietLeavesNothingButTheResult) {
+  for (const std::string command :
+       {"fit samples.csv --components 2 --from camera --to mug", "fuse mug.json mug.json",
+        "compose camera.json mug.json", "reduce mug.json --to 1", "sample mug.json -n 5",
+        "density mug.json samples.csv", "divergence mug.json mug.json",
+        "convert mug.json --distribution projected",
+        "grasp mug.json --rotation-deg 5 --translation 0.01 --pose 0 0 0.8 0 0 0 1"}) {
+    SCOPED_TRACE(command);
+    output_of("posemix sample mug.json -n 50 --seed 9 --out samples.csv");
+    const ProgramResult told = shell("posemix " + command);
+    const ProgramResult quiet = shell("posemix " + command + " --quiet");
+    EXPECT_EQ(quiet.exit_code, 0) << quiet.err;
+    EXPECT_EQ(quiet.out, told.out);
+    EXPECT_NE(quiet.out, "");
+    EXPECT_EQ(quiet.err, "");
+  }
+}
+
 TEST_F(MixtureCommands, ComposeChainsFrames) {
   for (const std::string distribution : {"", "-pg"}) {
     const MixtureFile chain =
