@@ -50,8 +50,9 @@ at the identity.)";
 void bind_box(nb::module_& m) {
   using B = ToleranceBox;
   Record<B>(m, "ToleranceBox", kBoxDoc)
-      .field<Sides>("rotation", &B::rotation, "numpy.typing.ArrayLike",
-                    "Shape (3,) or (): largest rotation about each axis, below pi [rad].")
+      .field<Sides>(
+          "rotation", &B::rotation, "numpy.typing.ArrayLike",
+          "Shape (3,) or (): largest rotation about each axis, at most pi, any turn [rad].")
       .field<Sides>("translation", &B::translation, "numpy.typing.ArrayLike",
                     "Shape (3,) or (): largest translation along each axis [m].")
       .constructible(2)
@@ -77,7 +78,7 @@ settings : SuccessSettings, optional
 Raises
 ------
 ValueError
-    For a box with a side that is not positive or a rotation of pi or more, fewer than 2 replicates, or
+    For a box with a side that is not positive or a rotation of more than pi, fewer than 2 replicates, or
     no points.
 
 References

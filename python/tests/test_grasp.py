@@ -56,6 +56,17 @@ def test_best_grasp_finds_the_heavier_peak() -> None:
     assert best.success.probability == best.candidates[0].success.probability
 
 
+def test_a_tolerance_of_pi_allows_any_turn() -> None:
+    flip = px.SE3(px.SO3.exp([0, 0, math.pi]), [0, 0, 0])
+    mixture = px.Mixture([px.ConcentratedGaussian(p, np.diag(SPREAD**2)) for p in (px.SE3(), flip)], [0.7, 0.3])
+    almost_all = px.ToleranceBox([2.0, 2.0, math.pi], 1.0)
+    found = px.success_probability(mixture, almost_all, px.SE3(), seed=1)
+    drawn = mixture.sample(200_000, seed=2).rotation.quaternion
+    tilts = np.abs(drawn[:, :2]) <= math.tan(1.0) * np.abs(drawn[:, 3:])
+    assert found.probability == pytest.approx(tilts.all(axis=1).mean(), abs=5e-3)
+    assert 0.75 < found.probability < 0.99
+
+
 def test_a_bad_box_is_refused_as_in_cpp() -> None:
     mixture = px.Mixture([px.ConcentratedGaussian(px.SE3(), np.eye(6))])
     with pytest.raises(ValueError, match="pi"):

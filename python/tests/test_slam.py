@@ -72,6 +72,44 @@ def test_simulation_repeats_and_its_truth_is_consistent() -> None:
         px.simulate(config(0), seed=1)
 
 
+def test_errors_along_the_viewing_ray_are_fractions_of_the_range() -> None:
+    sd = px.SimulationSd(rotation_rad=[1e-3] * 3, translation_m=[1e-4, 1e-4, 0.045])
+    mug = px.SimulationObject(id="mug", noise=[px.SimulationNoise(sd=sd, frame=px.NoiseFrame.ray)])
+    far = px.SimulationSwing(mean_m=3.0, swing_m=0.5, waves=2)
+    setting = px.SimulationConfig(path=px.SimulationPath(frames=500, range=far), objects=[mug])
+    sequence = px.simulate(setting, seed=2).sequence
+    truth = px.true_relative_pose(sequence, 0).translation
+    ranges = np.linalg.norm(truth, axis=1)
+    error = sequence.objects[0].detections.translation - truth
+    along = (error * truth).sum(axis=1) / ranges**2
+    assert along.std() == pytest.approx(0.045, rel=0.15)
+    across = np.linalg.norm(error - along[:, None] * truth, axis=1) / ranges
+    assert across.max() < 1e-3
+    assert px.object_model(mug).noise.components[0].frame == px.NoiseFrame.ray
+
+
+@pytest.mark.parametrize(
+    "tracker",
+    [px.MultiObjectSlamSettings(), px.GaussianSumSettings(), px.ParticleFilterSettings(particles=20)],
+    ids=["multi_object", "gaussian_sum", "particles"],
+)
+def test_a_refused_frame_leaves_no_trace(tracker: object) -> None:
+    scene = Scene(12, tracker=tracker)
+    expected, actual = (px.ObjectSlam(scene.prior, scene.models, scene.settings) for _ in range(2))
+    for k in range(12):
+        seen = {o.id: o.detections[k] for o in scene.sequence.objects if px.is_known(o.detections)[k]}
+        good = frame_input(scene.sequence, k, seen)
+        bad = [px.FrameInput(0.1, good.motion, [None]), px.FrameInput(0.1, good.motion, [None] * 3)]
+        if k > 0:
+            bad += [px.FrameInput(dt, good.motion, seen) for dt in (0.0, -1.0, np.nan, np.inf)]
+        for frame in bad:
+            with pytest.raises(ValueError, match="frame: "):
+                actual.step(frame)
+        estimate, wanted = actual.step(good), expected.step(good)
+        assert estimate.camera == wanted.camera and estimate.objects == wanted.objects
+        assert actual.posterior == expected.posterior
+
+
 def test_live_equals_batch() -> None:
     scene = Scene()
     run = scene.run()

@@ -8,6 +8,7 @@
 #include "io/temporary_folder.hpp"
 #include "posemix/config/sequence_file.hpp"
 #include "posemix/results/simulation_folder.hpp"
+#include "posemix/testing/expect.hpp"
 
 namespace posemix {
 namespace {

@@ -15,8 +15,8 @@ namespace posemix {
 
 /// The box B of poses X in the frame of the grasp, X = (R, t): |u_i| <= tan(rotation_i / 2) for R =
 /// R(u) in the gnomonic chart at the identity, |t_i| <= translation_i. With a rotation of pi any
-/// turn about that axis is in the box, as far as the other two allow: after a turn by theta, they
-/// allow tilts of about cos(theta / 2) of theirs.
+/// turn about that axis is tolerated; after a turn by theta, tilts about the two others are
+/// tolerated up to about cos(theta / 2) of what is tolerated without.
 struct ToleranceBox {
   Eigen::Vector3d rotation;     ///< largest rotation about each axis, at most pi [rad]
   Eigen::Vector3d translation;  ///< largest translation along each axis [m]
