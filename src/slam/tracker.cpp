@@ -34,12 +34,15 @@ std::vector<std::optional<SE3d>> detections_by_id(const std::vector<ObjectModel>
 
 namespace {
 
-bool is_finite(const SE3d& pose) {
-  return pose.translation().allFinite() && pose.rotation().quaternion().coeffs().allFinite();
+/// Whether the filters can compute with the pose: powers of its translation must be finite too.
+bool is_usable(const SE3d& pose) {
+  constexpr double kLargestPosition = 1e50;
+  return pose.translation().cwiseAbs().maxCoeff() <= kLargestPosition &&
+         pose.translation().allFinite() && pose.rotation().quaternion().coeffs().allFinite();
 }
 
 [[noreturn]] void refuse(const std::string& name) {
-  throw InvalidInput(fmt::format("frame: {} holds a value that is not finite", name));
+  throw InvalidInput(fmt::format("frame: {} is not finite, or is beyond 1e50 m", name));
 }
 
 }  // namespace
@@ -73,14 +76,14 @@ void TrackedObjects::check(const FrameInput& input) const {
     throw InvalidInput(
         fmt::format("frame: dt is {} s, expected a positive and finite time", input.dt));
   }
-  if (input.motion && !is_finite(*input.motion)) refuse("the motion");
+  if (input.motion && !is_usable(*input.motion)) refuse("the motion");
   for (std::size_t object = 0; object < size(); ++object) {
     const auto& detection = input.detections[object];
-    if (detection && !is_finite(*detection))
+    if (detection && !is_usable(*detection))
       refuse(fmt::format("the detection of '{}'", models_[object].id));
   }
   for (std::size_t i = 0; i < input.candidates.size(); ++i) {
-    if (!is_finite(input.candidates[i].camera_object)) refuse(fmt::format("candidate {}", i));
+    if (!is_usable(input.candidates[i].camera_object)) refuse(fmt::format("candidate {}", i));
     if (std::isnan(input.candidates[i].score))
       throw InvalidInput(fmt::format("frame: the score of candidate {} is not a number", i));
   }

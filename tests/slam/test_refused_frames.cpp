@@ -70,6 +70,14 @@ std::vector<Bad> bad_changes() {
            [](FrameInput& f) {
              f.detections[0] = SE3d(SO3d(), {0.0, kInfinity, 1.0});
            }},
+          {"a detection is too far for its square to be finite",
+           [](FrameInput& f) {
+             f.detections[0] = SE3d(SO3d(), {0.0, 1e160, 1.0});
+           }},
+          {"the motion is too long",
+           [](FrameInput& f) {
+             f.motion = SE3d(SO3d(), {1e160, 0.0, 0.0});
+           }},
           {"the motion is NaN", [](FrameInput& f) { f.motion = kNoPose; }},
           {"a candidate is NaN",
            [](FrameInput& f) {
@@ -172,9 +180,9 @@ TEST(RefusedFrames, NameWhatIsNotFinite) {
       return thrown_message([&] { slam.step(input); });
     };
     EXPECT_EQ(message({.detections = {std::nullopt, kNoPose}}),
-              "frame: the detection of 'b' holds a value that is not finite");
+              "frame: the detection of 'b' is not finite, or is beyond 1e50 m");
     EXPECT_EQ(message({.motion = kNoPose, .detections = {std::nullopt, std::nullopt}}),
-              "frame: the motion holds a value that is not finite");
+              "frame: the motion is not finite, or is beyond 1e50 m");
     EXPECT_EQ(message({.detections = {std::nullopt}}), "frame: 1 detections for 2 objects");
   }
 }
