@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include <fmt/format.h>
 
@@ -73,6 +74,7 @@ ObjectMetrics evaluate_object(const Sequence& sequence, const SlamRun& run, std:
   ObjectMetrics metrics;
   metrics.id = sequence.objects[object].id;
   PoseErrorSum world;
+  ConsistencySum world_consistency;
   PoseErrorSum relative;
   PoseErrorSum detection;
   ObjectScores scores;
@@ -81,6 +83,8 @@ ObjectMetrics evaluate_object(const Sequence& sequence, const SlamRun& run, std:
     const auto& detected = sequence.objects[object].detections[k];
     const auto truth = true_relative_pose(sequence, object, k);
     world.add(mean_of(frame.objects[object]), true_world_pose(sequence, object, k));
+    if (frame.objects[object])
+      world_consistency.add(*frame.objects[object], true_world_pose(sequence, object, k));
     relative.add(mean_of(frame.relative[object]), truth);
     detection.add(detected, truth);
     metrics.detections += detected.has_value() ? 1 : 0;
@@ -89,6 +93,7 @@ ObjectMetrics evaluate_object(const Sequence& sequence, const SlamRun& run, std:
       scores.add(*frame.relative[object], *truth, mode_probability(frame, object));
   }
   metrics.world = world.errors();
+  metrics.world_consistency = world_consistency.result();
   metrics.relative = relative.errors();
   metrics.detection_relative = detection.errors();
   std::move(scores).report(metrics);
@@ -169,6 +174,26 @@ PoseErrors PoseErrorSum::errors() const {
   return {rms(position_), degrees(rms(rotation_)), rms(position_log_)};
 }
 
+void ConsistencySum::add(const PoseDensity& estimate, const std::optional<SE3d>& truth) {
+  if (!truth) return;
+  // Along the axes of the estimate, in which rotation and translation are apart.
+  const SE3d to_body = estimate.mean().inverse();
+  const Vector6d e = (to_body * *truth).log();
+  const Matrix6d p = to_body.adjoint_congruence(estimate.covariance());
+  nees_.push_back(p.llt().matrixL().solve(e).squaredNorm() / 6.0);
+  const Eigen::Matrix3d rotation = p.topLeftCorner<3, 3>();
+  const Eigen::Matrix3d position = p.bottomRightCorner<3, 3>();
+  rotation_ += rotation.llt().matrixL().solve(e.head<3>()).squaredNorm() / 3.0;
+  position_ += position.llt().matrixL().solve(e.tail<3>()).squaredNorm() / 3.0;
+}
+
+Consistency ConsistencySum::result() const {
+  if (nees_.empty()) return {};
+  const double count = static_cast<double>(nees_.size());
+  return {std::accumulate(nees_.begin(), nees_.end(), 0.0) / count, median(nees_),
+          rotation_ / count, position_ / count};
+}
+
 std::optional<SE3d> true_relative_pose(const Sequence& sequence, std::size_t object,
                                        std::size_t frame) {
   const ObjectRecording& recording = sequence.objects[object];
@@ -194,10 +219,13 @@ Metrics evaluate(const Sequence& sequence, const SlamRun& run) {
   Metrics metrics;
   metrics.frames = run.frames.size();
   PoseErrorSum camera;
+  ConsistencySum consistency;
   for (std::size_t k = 0; k < run.frames.size(); ++k) {
     camera.add(run.frames[k].camera.mean(), entry(sequence.camera_truth, k));
+    consistency.add(run.frames[k].camera, entry(sequence.camera_truth, k));
   }
   metrics.camera = camera.errors();
+  metrics.camera_consistency = consistency.result();
   metrics.odometry = odometry_errors(sequence);
   for (std::size_t object = 0; object < sequence.objects.size(); ++object) {
     metrics.objects.push_back(evaluate_object(sequence, run, object));

@@ -42,6 +42,27 @@ double squared_normalized_error(const ConcentratedGaussian<G>& estimate, const G
   return factor.matrixL().solve(e).squaredNorm();
 }
 
+/// The consistency of a pose with its covariance over the frames that have both estimate and truth:
+/// normalised estimation error squared per degree of freedom, one when consistent.
+struct Consistency {
+  std::optional<double> anees;           ///< mean over the frames
+  std::optional<double> median_nees;     ///< median over the frames
+  std::optional<double> rotation_anees;  ///< of the rotation alone
+  std::optional<double> position_anees;  ///< of the translation alone
+};
+
+/// Accumulates Consistency over frames.
+class ConsistencySum {
+ public:
+  void add(const PoseDensity& estimate, const std::optional<SE3d>& truth);
+  Consistency result() const;
+
+ private:
+  std::vector<double> nees_;
+  double rotation_ = 0.0;
+  double position_ = 0.0;
+};
+
 /// The probability that an estimate is on the right mode, and whether it was.
 struct ModeForecast {
   double probability;
@@ -69,6 +90,7 @@ struct ObjectMetrics {
   /// Mean over the frames of e^T P^-1 e / 6 with e = Log(T_true T_est^-1) of T_camera_object; 1
   /// when consistent.
   std::optional<double> relative_anees;
+  Consistency world_consistency;  ///< of T_world_object
 };
 
 /// Medians over the frames after the first, and means.
@@ -82,6 +104,7 @@ struct Timing {
 struct Metrics {
   std::size_t frames = 0;
   PoseErrors camera;
+  Consistency camera_consistency;  ///< of T_world_camera
   PoseErrors odometry;  ///< of the odometry alone, which agrees with the truth at its first frame
   std::vector<ObjectMetrics> objects;
   Timing timing;

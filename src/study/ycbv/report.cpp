@@ -190,6 +190,10 @@ const std::vector<std::string>& ycbv_columns() {
                                                 "ends_on_right_mode",
                                                 "right_mode_share",
                                                 "right_mode_anees",
+                                                "camera_anees",
+                                                "camera_rotation_anees",
+                                                "camera_position_anees",
+                                                "world_anees",
                                                 "object_truth"};
   return columns;
 }

@@ -49,6 +49,8 @@ struct Row {
   std::optional<bool> ends_on_right_mode = {};
   std::optional<double> right_mode_share = {};
   std::optional<double> right_mode_anees = {};
+  Consistency camera_consistency = {};
+  Consistency world_consistency = {};
 };
 
 /// Rows of one method on one recording.
@@ -130,6 +132,10 @@ class Item {
                              flag(row.ends_on_right_mode),
                              cell(row.right_mode_share),
                              cell(row.right_mode_anees),
+                             cell(row.camera_consistency.anees),
+                             cell(row.camera_consistency.rotation_anees),
+                             cell(row.camera_consistency.position_anees),
+                             cell(row.world_consistency.anees),
                              truth_of(index)});
   }
 
@@ -192,6 +198,8 @@ class Item {
               pixels(pairs(i, last_map_at))};
       row.right_mode_share = errors.right_mode_share;
       row.right_mode_anees = errors.right_mode_anees;
+      row.camera_consistency = metrics.camera_consistency;
+      row.world_consistency = errors.world_consistency;
       add_forecasts(i, errors.forecasts);
       if (!causal.empty())
         row.ends_on_right_mode = on_right_mode(causal.back().first, causal.back().second);
