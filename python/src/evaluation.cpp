@@ -191,7 +191,7 @@ void bind_evaluation(nb::module_& m) {
       [](const std::variant<Sequence, SlamJob>& given, const RecordedRun& run) {
         const nb::gil_scoped_release unlocked;
         const auto* job = std::get_if<SlamJob>(&given);
-        return evaluate(job != nullptr ? job->sequence : std::get<Sequence>(given), run);
+        return job != nullptr ? evaluate(*job, run) : evaluate(std::get<Sequence>(given), run);
       },
       "sequence"_a, "run"_a, kEvaluateDoc);
   m.def("true_relative_pose", over_frames(&true_relative_pose), "sequence"_a, "object"_a,

@@ -74,6 +74,13 @@ Json object_metrics(const ObjectMetrics& object) {
           {"mode_probability", json_number(object.mode_probability)}};
 }
 
+Json consistency_json(const Consistency& consistency) {
+  return {{"anees", json_number(consistency.anees)},
+          {"median_nees", json_number(consistency.median_nees)},
+          {"rotation_anees", json_number(consistency.rotation_anees)},
+          {"position_anees", json_number(consistency.position_anees)}};
+}
+
 /// The alternatives of one object, without those of probability zero.
 Mixture<PoseDensity> world_mixture(const std::vector<ObjectHypothesis>& alternatives) {
   constexpr double kLeastProbability = 1e-12;
@@ -92,29 +99,37 @@ std::string format_metrics(const Metrics& metrics, const std::string& method) {
   Json objects = Json::object();
   Json anees = Json::object();
   Json right_anees = Json::object();
+  Json world = Json::object();
+  Json relative = Json::object();
   for (const ObjectMetrics& object : metrics.objects) {
     objects[object.id] = object_metrics(object);
     anees[object.id] = json_number(object.relative_anees);
     right_anees[object.id] = json_number(object.right_mode_anees);
+    world[object.id] = consistency_json(object.world_consistency);
+    relative[object.id] = consistency_json(object.relative_consistency);
   }
-  const Json json = {
-      {"schema", kMetricsSchema},
-      {"frames", metrics.frames},
-      {"method", method},
-      {"camera",
-       {{"position_rmse_m", json_number(metrics.camera.position_rmse_m)},
-        {"rotation_rmse_deg", json_number(metrics.camera.rotation_rmse_deg)},
-        {"position_log_rmse_m", json_number(metrics.camera.position_log_rmse_m)}}},
-      {"odometry",
-       {{"position_rmse_m", json_number(metrics.odometry.position_rmse_m)},
-        {"rotation_rmse_deg", json_number(metrics.odometry.rotation_rmse_deg)}}},
-      {"objects", objects},
-      {"consistency", {{"relative_anees", anees}, {"right_mode_relative_anees", right_anees}}},
-      {"timing",
-       {{"frame_median_us", json_number(metrics.timing.frame_median_us)},
-        {"update_median_us", json_number(metrics.timing.update_median_us)},
-        {"reduce_median_us", json_number(metrics.timing.reduce_median_us)},
-        {"merges_per_frame", json_number(metrics.timing.merges_per_frame)}}}};
+  const Json json = {{"schema", kMetricsSchema},
+                     {"frames", metrics.frames},
+                     {"method", method},
+                     {"camera",
+                      {{"position_rmse_m", json_number(metrics.camera.position_rmse_m)},
+                       {"rotation_rmse_deg", json_number(metrics.camera.rotation_rmse_deg)},
+                       {"position_log_rmse_m", json_number(metrics.camera.position_log_rmse_m)}}},
+                     {"odometry",
+                      {{"position_rmse_m", json_number(metrics.odometry.position_rmse_m)},
+                       {"rotation_rmse_deg", json_number(metrics.odometry.rotation_rmse_deg)}}},
+                     {"objects", objects},
+                     {"consistency",
+                      {{"relative_anees", anees},
+                       {"right_mode_relative_anees", right_anees},
+                       {"camera", consistency_json(metrics.camera_consistency)},
+                       {"world", world},
+                       {"relative", relative}}},
+                     {"timing",
+                      {{"frame_median_us", json_number(metrics.timing.frame_median_us)},
+                       {"update_median_us", json_number(metrics.timing.update_median_us)},
+                       {"reduce_median_us", json_number(metrics.timing.reduce_median_us)},
+                       {"merges_per_frame", json_number(metrics.timing.merges_per_frame)}}}};
   return json_text(json, 2);
 }
 
