@@ -108,28 +108,27 @@ std::string format_metrics(const Metrics& metrics, const std::string& method) {
     world[object.id] = consistency_json(object.world_consistency);
     relative[object.id] = consistency_json(object.relative_consistency);
   }
-  const Json json = {{"schema", kMetricsSchema},
-                     {"frames", metrics.frames},
-                     {"method", method},
-                     {"camera",
-                      {{"position_rmse_m", json_number(metrics.camera.position_rmse_m)},
-                       {"rotation_rmse_deg", json_number(metrics.camera.rotation_rmse_deg)},
-                       {"position_log_rmse_m", json_number(metrics.camera.position_log_rmse_m)}}},
-                     {"odometry",
-                      {{"position_rmse_m", json_number(metrics.odometry.position_rmse_m)},
-                       {"rotation_rmse_deg", json_number(metrics.odometry.rotation_rmse_deg)}}},
-                     {"objects", objects},
-                     {"consistency",
-                      {{"relative_anees", anees},
-                       {"right_mode_relative_anees", right_anees},
-                       {"camera", consistency_json(metrics.camera_consistency)},
-                       {"world", world},
-                       {"relative", relative}}},
-                     {"timing",
-                      {{"frame_median_us", json_number(metrics.timing.frame_median_us)},
-                       {"update_median_us", json_number(metrics.timing.update_median_us)},
-                       {"reduce_median_us", json_number(metrics.timing.reduce_median_us)},
-                       {"merges_per_frame", json_number(metrics.timing.merges_per_frame)}}}};
+  const Json json = {
+      {"schema", kMetricsSchema},
+      {"frames", metrics.frames},
+      {"method", method},
+      {"camera",
+       {{"position_rmse_m", json_number(metrics.camera.position_rmse_m)},
+        {"rotation_rmse_deg", json_number(metrics.camera.rotation_rmse_deg)},
+        {"position_log_rmse_m", json_number(metrics.camera.position_log_rmse_m)}}},
+      {"odometry",
+       {{"position_rmse_m", json_number(metrics.odometry.position_rmse_m)},
+        {"rotation_rmse_deg", json_number(metrics.odometry.rotation_rmse_deg)}}},
+      {"objects", objects},
+      {"consistency", {{"relative_anees", anees}, {"right_mode_relative_anees", right_anees}}},
+      {"camera_consistency", consistency_json(metrics.camera_consistency)},
+      {"world_consistency", world},
+      {"relative_consistency", relative},
+      {"timing",
+       {{"frame_median_us", json_number(metrics.timing.frame_median_us)},
+        {"update_median_us", json_number(metrics.timing.update_median_us)},
+        {"reduce_median_us", json_number(metrics.timing.reduce_median_us)},
+        {"merges_per_frame", json_number(metrics.timing.merges_per_frame)}}}};
   return json_text(json, 2);
 }
 

@@ -82,7 +82,7 @@ Interval confidence_interval(double mean, double dof) {
 }
 
 Interval eigenvalue_limits(double count, std::size_t dimension) {
-  constexpr double kTracyWidom = 1.4538;  // the 0.975 quantile of the law for real matrices
+  constexpr double kTracyWidom = 2.4224;  // the 0.995 quantile of the law for real matrices
   const auto d = static_cast<double>(dimension);
   // Johnstone 2001, Theorem 1.1, in the form centred for small matrices.
   const double n_root = std::sqrt(std::max(count - 0.5, 0.5));

@@ -27,7 +27,7 @@ Interval chi_square_interval(double value, double dof);
 Interval confidence_interval(double mean, double dof);
 
 /// The values below which the smallest and above which the largest eigenvalue of the sample
-/// covariance of `count` standard normal vectors are with probability 0.025 each. The smallest is 0
+/// covariance of `count` standard normal vectors are with probability 0.005 each. The smallest is 0
 /// where there are too few.
 Interval eigenvalue_limits(double count, std::size_t dimension);
 

@@ -108,7 +108,7 @@ struct AxisConsistency {
 struct ErrorDirection {
   /// Mean squared error over mean variance along it.
   double ratio = 0.0;
-  /// The ratio beyond which 2.5 % of consistent series of this length are.
+  /// The ratio beyond which 0.5 % of consistent series of this length are.
   double limit = 0.0;
   /// Correlation, by the mean covariance, with the error along each axis: which error it is.
   Vector6d correlation = Vector6d::Zero();
