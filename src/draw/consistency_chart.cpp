@@ -77,7 +77,9 @@ std::string draw_consistency(std::string_view title, std::span<const NamedConsis
     charts.push_back(
         nees_chart("position", report, report.position, &FrameConsistency::position_nees));
   }
-  return draw_charts(title, charts, 1);
+  const std::string whole =
+      poses.size() > 1 ? std::string(title) : fmt::format("{}: {}", title, poses.front().name);
+  return draw_charts(whole, charts, 1);
 }
 
 }  // namespace posemix

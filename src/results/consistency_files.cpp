@@ -87,10 +87,10 @@ Json pose_json(const NamedConsistency& pose) {
 
 std::string summary_row(const char* name, const NeesSummary& s) {
   return fmt::format(
-      "  {:<9} {:>3}  {:>8.3g}  {:>8.3g} {:>8.3g}  {:>8.3g} {:>8.3g}  {:>8.3g}  {:>8.3g}  "
-      "{:>6.3f}\n",
+      "  {:<10} {:>3}  {:>8.3g}  {:>8.3g} {:>8.3g}  {:>8.3g} {:>8.3g}  {:>8.3g}  {:>8.3g} {:>9.6g} "
+      " {:>6.3f}\n",
       name, s.dof, s.anees, s.interval.low, s.interval.high, s.band.low, s.band.high, s.median,
-      s.worst, s.within_frame_band);
+      s.worst, s.worst_stamp_s, s.within_frame_band);
 }
 
 std::string coverage_text(const Coverage& coverage) {
@@ -116,8 +116,9 @@ std::string pose_text(const NamedConsistency& pose, ErrorAxes axes) {
       "{}: {} frames, {:.6g} to {:.6g} s, worth {:.3g} independent ones\n", pose.name,
       frames.size(), frames.front().stamp_s, frames.back().stamp_s, report.pose.effective_frames);
   for (const std::string& finding : report.findings) text += fmt::format("  {}\n", finding);
-  text += fmt::format("\n  {:<9} {:>3}  {:>8}  {:>17}  {:>17}  {:>8}  {:>8}  {:>6}\n", "NEES / dof",
-                      "dof", "mean", "95 % interval", "if consistent", "median", "worst", "inside");
+  text += fmt::format("\n  {:<10} {:>3}  {:>8}  {:>17}  {:>17}  {:>8}  {:>8} {:>9}  {:>6}\n",
+                      "NEES / dof", "dof", "mean", "95 % interval", "if consistent", "median",
+                      "worst", "at s", "inside");
   text += summary_row("pose", report.pose);
   if (report.rotation) text += summary_row("rotation", *report.rotation);
   text += summary_row("position", report.position);

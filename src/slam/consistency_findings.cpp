@@ -18,14 +18,16 @@ constexpr std::array kNames{"rotation x", "rotation y", "rotation z",
                             "position x", "position y", "position z"};
 constexpr double kFewFrames = 10.0;
 constexpr double kMuchConstant = 0.5;
-/// A mean that is so many standard errors from zero is a bias; six axes are looked at.
+/// A mean that is so many standard errors from zero is a bias where it makes errors larger than
+/// they should be; six axes are looked at.
 constexpr double kSignificant = 4.0;
+constexpr double kTooLarge = 1.2;  ///< root mean square of normalised errors
 /// And so many standard deviations: no consistent series has that, however slow its errors.
 constexpr double kBeyondAnySeries = 2.64;
 
-std::string anees_text(const NeesSummary& pose) {
-  return fmt::format("ANEES {:.3g}, 95 % interval {:.3g} to {:.3g}", pose.anees, pose.interval.low,
-                     pose.interval.high);
+std::string anees_text(const NeesSummary& part) {
+  return fmt::format("ANEES {:.3g}, 95 % interval {:.3g} to {:.3g}", part.anees, part.interval.low,
+                     part.interval.high);
 }
 
 std::string verdict_text(const ConsistencyReport& report) {
@@ -45,6 +47,19 @@ std::string verdict_text(const ConsistencyReport& report) {
   }
   return fmt::format("consistent: nothing speaks against the covariances as a whole ({})",
                      anees_text(pose));
+}
+
+/// What a part says that the pose as a whole does not.
+void add_part(const char* name, const NeesSummary& part, ConsistencyVerdict whole,
+              std::vector<std::string>& findings) {
+  const double factor = std::sqrt(part.anees);
+  if (part.interval.low > 1.0 && whole != ConsistencyVerdict::overconfident) {
+    findings.push_back(fmt::format("the {} is overconfident by a factor of {:.3g} ({})", name,
+                                   factor, anees_text(part)));
+  } else if (part.interval.high < 1.0 && whole != ConsistencyVerdict::cautious) {
+    findings.push_back(fmt::format("the {} is too cautious by a factor of {:.3g} ({})", name,
+                                   1.0 / factor, anees_text(part)));
+  }
 }
 
 std::string error_text(const AxisConsistency& axis) {
@@ -74,7 +89,8 @@ void add_bias(const ConsistencyReport& report, std::vector<std::string>& finding
     const double size = std::abs(axis.normalized_mean);
     const double share = size * size / std::max(1e-300, axis.normalized_rms * axis.normalized_rms);
     const bool is_bias =
-        size > kBeyondAnySeries || (axis.bias_significance > kSignificant && share > kMuchConstant);
+        size > kBeyondAnySeries || (axis.bias_significance > kSignificant &&
+                                    share > kMuchConstant && axis.normalized_rms > kTooLarge);
     if (!is_bias) continue;
     findings.push_back(
         fmt::format("mean error along {}: {}, {:.3g} standard deviations, {:.0f} % of the squared "
@@ -110,6 +126,8 @@ std::string direction_name(const Vector6d& correlation) {
 
 std::vector<std::string> findings_of(const ConsistencyReport& report) {
   std::vector<std::string> findings{verdict_text(report)};
+  if (report.rotation) add_part("rotation", *report.rotation, report.verdict, findings);
+  add_part("position", report.position, report.verdict, findings);
   add_directions(report, findings);
   add_bias(report, findings);
   if (report.pose.effective_frames < kFewFrames) {

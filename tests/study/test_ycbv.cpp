@@ -162,7 +162,7 @@ TEST(YcbvStudy, OnlyTimesDifferFromRunToRun) {
     if (each.name == "timing.csv") continue;
     EXPECT_EQ(each.content, file(second, each.name)) << each.name;
   }
-  EXPECT_EQ(names, (std::vector<std::string>{"study.json", "ycbv.csv", "summary.csv", "timing.csv",
+  EXPECT_EQ(names, (std::vector<std::string>{"study.json", "ycbv.csv", "summary.csv", "anees.csv", "timing.csv",
                                              "reliability.csv", "reliability.svg", "errors.svg",
                                              "camera.svg"}));
   EXPECT_EQ(first.summary, second.summary);
