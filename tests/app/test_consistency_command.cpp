@@ -117,7 +117,7 @@ TEST_F(ConsistencyCommand, SymmetriesTakeTheirDirectionsOut) {
 
 TEST_F(ConsistencyCommand, ReadsTheFolderOfARun) {
   ASSERT_EQ(shell("posemix simulate '" POSEMIX_SOURCE_DIR
-                  "/configs/demo.toml' --seed 1 --out sequence --set frames=60 --quiet && posemix "
+                  "/configs/demo.toml' --seed 1 --out sequence --quiet && posemix "
                   "slam sequence/sequence.toml --out run --quiet")
                 .exit_code,
             0);
