@@ -108,7 +108,15 @@ Json alternatives_of(std::vector<ObjectAlternative> list, std::size_t most) {
   return array;
 }
 
+/// The equivalent truth that is nearest to the estimate, where there is one.
+std::optional<SE3d> nearest_truth(const ErrorReduction& reduction, const std::optional<SE3d>& truth,
+                                  const std::optional<PoseDensity>& estimate) {
+  if (!truth || !estimate) return truth;
+  return reduction.nearest(*truth, estimate->mean());
+}
+
 Json object_of(const SlamJob& job, const SlamRun& run, std::size_t object) {
+  const ErrorReduction reduction(job.models[object].symmetries);
   Track world;
   Track relative;
   Json statuses = Json::array();
@@ -118,8 +126,10 @@ Json object_of(const SlamJob& job, const SlamRun& run, std::size_t object) {
     world.add(run.frames[k].objects[object]);
     relative.add(run.frames[k].relative[object]);
     statuses.push_back(word_of(run.frames[k].report.statuses[object]));
-    world_truth.push_back(true_world_pose(job.sequence, object, k));
-    relative_truth.push_back(true_relative_pose(job.sequence, object, k));
+    world_truth.push_back(nearest_truth(reduction, true_world_pose(job.sequence, object, k),
+                                        run.frames[k].objects[object]));
+    relative_truth.push_back(nearest_truth(reduction, true_relative_pose(job.sequence, object, k),
+                                           run.frames[k].relative[object]));
   }
   Json json = {{"world", std::move(world).json()}, {"relative", std::move(relative).json()}};
   json["world"]["truth"] = truth_or_null(world_truth);

@@ -11,7 +11,6 @@
 #include "io/expect_invalid.hpp"
 #include "posemix/draw/picture.hpp"
 #include "posemix/io/mixture_file.hpp"
-#include "posemix/results/trace_tracks.hpp"
 #include "small_results.hpp"
 
 namespace posemix {
@@ -108,48 +107,6 @@ TEST(Results, MetricsHaveTheConsistencyOfEveryPose) {
   EXPECT_EQ(camera["anees"].get<double>(), *results().metrics.camera_consistency.anees);
   EXPECT_NEAR(metrics["relative_consistency"]["box"]["anees"].get<double>(),
               metrics["consistency"]["relative_anees"]["box"].get<double>(), 1e-9);
-}
-
-TEST(Results, TracksOfATraceAreEstimatesWithTheirTruth) {
-  const std::filesystem::path path = results().small.folder / "trace.json";
-  results().small.folder.put("trace.json", results().files.at("trace.json"));
-  const std::vector<TraceTrack> tracks = read_trace_tracks(path);
-  ASSERT_EQ(tracks.size(), 1 + 2 * results().job->models.size());
-  EXPECT_EQ(tracks[0].name, "camera");
-  EXPECT_EQ(tracks[1].name, "objects/mug/world");
-  EXPECT_EQ(tracks[2].name, "objects/mug/relative");
-  const FrameEstimate& last = results().slam->frames.back();
-  const PoseDensity& camera = tracks[0].estimates.back().estimate;
-  EXPECT_TRUE(camera.mean().is_approx(last.camera.mean(), 1e-8));
-  EXPECT_LT((camera.covariance() - last.camera.covariance()).cwiseAbs().maxCoeff(),
-            1e-8 * last.camera.covariance().cwiseAbs().maxCoeff());
-  const auto pairs = match_to_truth(tracks[2].estimates, tracks[2].truth);
-  EXPECT_NEAR(consistency_of(pairs).pose.anees, *results().metrics.objects[0].relative_anees,
-              1e-4 * *results().metrics.objects[0].relative_anees);
-  EXPECT_TRUE(tracks[2].symmetries.is_trivial());
-}
-
-TEST(Results, ATraceOfAnOlderVersionHasNoTracks) {
-  json trace = json::parse(results().files.at("trace.json"));
-  trace["camera"].erase("covariance");
-  results().small.folder.put("old.json", trace.dump());
-  EXPECT_INVALID_WITH(read_trace_tracks(results().small.folder / "old.json"),
-                      "old.json: camera: got no covariances");
-  results().small.folder.put("no.json", "{");
-  EXPECT_INVALID_WITH(read_trace_tracks(results().small.folder / "no.json"), "not JSON");
-}
-
-TEST(Results, DeclaredSymmetriesAreInTheTrace) {
-  const Results all({"objects.can.symmetries={axes=[{direction=[0, 0, 1], point_m=[0.1, 0, 0]}]}"});
-  const json trace = json::parse(all.files.at("trace.json"));
-  const json& can = trace["objects"]["can"]["symmetries"];
-  EXPECT_EQ(can["elements"].size(), 1U);
-  EXPECT_EQ(can["axes"][0]["direction"], json({0.0, 0.0, 1.0}));
-  EXPECT_EQ(can["axes"][0]["point_m"], json({0.1, 0.0, 0.0}));
-  EXPECT_FALSE(trace["objects"]["mug"].contains("symmetries"));
-  results().small.folder.put("can.json", all.files.at("trace.json"));
-  const std::vector<TraceTrack> tracks = read_trace_tracks(results().small.folder / "can.json");
-  EXPECT_EQ(tracks.back().symmetries.axes().size(), 1U);
 }
 
 TEST(Results, TheMultiObjectFilterWritesItsHypotheses) {

@@ -9,51 +9,17 @@
 
 #include <gtest/gtest.h>
 
-#include "posemix/base/random.hpp"
-#include "posemix/lie/pose_covariance.hpp"
-#include "posemix/slam/truth_match.hpp"
+#include "error_series.hpp"
 #include "posemix/testing/expect.hpp"
 
 /// Series of poses whose errors are drawn from what is said of them, or from something else.
 namespace posemix {
 namespace {
 
+using testing::series_of;
+using testing::standard_normal;
 using testing::thrown_message;
-
-/// A covariance with correlations between everything, along the axes of the estimate.
-Matrix6d body_covariance() {
-  Matrix6d body = pose_covariance({0.02, 0.03, 0.01}, {0.005, 0.01, 0.02});
-  body(0, 4) = body(4, 0) = 0.5 * 0.02 * 0.01;
-  body(1, 2) = body(2, 1) = -0.3 * 0.03 * 0.01;
-  return body;
-}
-
-Vector6d standard_normal(RandomStream& stream) {
-  Vector6d z;
-  for (double& x : z) x = stream.normal();
-  return z;
-}
-
-/// A path whose estimates are off by T_true = T_est Exp(P^1/2 z), and state P times `stated`.
-std::vector<EstimateWithTruth> series_of(std::size_t frames, double stated,
-                                         const std::function<Vector6d()>& z) {
-  std::vector<EstimateWithTruth> series;
-  for (std::size_t k = 0; k < frames; ++k) {
-    const auto t = static_cast<double>(k);
-    const SE3d truth(SO3d::exp(Eigen::Vector3d(0.01 * t, 0.4, -0.02 * t)),
-                     Eigen::Vector3d(3.0 * std::cos(0.02 * t), 2.0, 0.01 * t));
-    const Matrix6d root = body_covariance().llt().matrixL();
-    const SE3d estimate = truth * SE3d::exp(-(root * z()));
-    const Matrix6d covariance = estimate.adjoint_congruence(body_covariance());
-    series.push_back({0.1 * t, PoseDensity(estimate, stated * covariance), truth});
-  }
-  return series;
-}
-
-std::vector<EstimateWithTruth> white_series(std::size_t frames, double stated, std::uint64_t seed) {
-  RandomStream stream(seed);
-  return series_of(frames, stated, [&] { return standard_normal(stream); });
-}
+using testing::white_series;
 
 /// Errors of unit variance whose correlation falls by the factor `keep` from frame to frame.
 std::function<Vector6d()> slow_errors(RandomStream& stream, double keep) {
@@ -325,70 +291,6 @@ TEST(ConsistencyReport, RefusesWhatIsNoSeries) {
   series[2].estimate = PoseDensity::trusted(SE3d(), -Matrix6d::Identity());
   EXPECT_NE(thrown_message([&] { return consistency_of(series); }).find("stamp 0.2"),
             std::string::npos);
-}
-
-std::vector<StampedEstimate> estimates_of(const std::vector<EstimateWithTruth>& series) {
-  std::vector<StampedEstimate> estimates;
-  for (const auto& pair : series) estimates.push_back({pair.stamp_s, pair.estimate});
-  return estimates;
-}
-
-std::vector<StampedTruth> truth_of(const std::vector<EstimateWithTruth>& series, double late = 0) {
-  std::vector<StampedTruth> truth;
-  for (const auto& pair : series) truth.push_back({pair.stamp_s + late, pair.truth});
-  return truth;
-}
-
-TEST(TruthMatch, PairsAreThoseNearestToOneAnother) {
-  const auto series = white_series(20, 1.0, 14);
-  auto truth = truth_of(series, 0.004);
-  truth.erase(truth.begin() + 7);
-  const auto pairs = match_to_truth(estimates_of(series), truth);
-  ASSERT_EQ(pairs.size(), 19U);
-  EXPECT_EQ(pairs[7].stamp_s, series[8].stamp_s);
-  EXPECT_EQ(pairs[7].truth.translation(), series[8].truth.translation());
-  // A wider window does not give two estimates the same truth.
-  EXPECT_EQ(match_to_truth(estimates_of(series), truth, {.max_difference_s = 0.2}).size(), 19U);
-}
-
-TEST(TruthMatch, WithoutCommonTimesTheRangesAreNamed) {
-  const auto series = white_series(5, 1.0, 15);
-  const std::string message =
-      thrown_message([&] { return match_to_truth(estimates_of(series), truth_of(series, 100.0)); });
-  EXPECT_NE(message.find("0 pairs"), std::string::npos) << message;
-  EXPECT_NE(message.find("from 100 to 100.4 s"), std::string::npos) << message;
-}
-
-TEST(TruthMatch, AlignmentUndoesAMotionOfTheWorld) {
-  const auto series = white_series(200, 1.0, 16);
-  const SE3d motion(SO3d::exp(Eigen::Vector3d(0.3, -0.2, 1.0)), Eigen::Vector3d(5, -3, 2));
-  auto moved = estimates_of(series);
-  for (StampedEstimate& frame : moved) {
-    frame.estimate = PoseDensity(motion * frame.estimate.mean(),
-                                 motion.adjoint_congruence(frame.estimate.covariance()));
-  }
-  const auto truth = truth_of(series);
-  const auto aligned = match_to_truth(moved, truth, {.alignment = Alignment::se3});
-  const double anees = consistency_of(aligned).pose.anees;
-  EXPECT_NEAR(anees, consistency_of(series).pose.anees, 0.1);
-  EXPECT_GT(consistency_of(match_to_truth(moved, truth)).pose.anees, 100.0);
-  const auto first = match_to_truth(moved, truth, {.alignment = Alignment::first});
-  EXPECT_EQ(first.size(), series.size() - 1);
-  const SE3d onto = series[0].truth * moved[0].estimate.mean().inverse();
-  EXPECT_TRUE(first[0].estimate.mean().is_approx(onto * moved[1].estimate.mean(), 1e-12));
-}
-
-TEST(TruthMatch, PositionsOnALineCannotBeAligned) {
-  std::vector<StampedEstimate> estimates;
-  std::vector<StampedTruth> truth;
-  for (int k = 0; k < 5; ++k) {
-    const SE3d pose(SO3d(), Eigen::Vector3d(k, 0, 0));
-    estimates.push_back({1.0 * k, PoseDensity(pose, Matrix6d::Identity())});
-    truth.push_back({1.0 * k, pose});
-  }
-  const std::string message = thrown_message(
-      [&] { return match_to_truth(estimates, truth, {.alignment = Alignment::se3}); });
-  EXPECT_NE(message.find("on a line"), std::string::npos) << message;
 }
 
 }  // namespace
