@@ -107,7 +107,7 @@ void bind_directions(nb::module_& m) {
       .done();
 }
 
-void bind_report(nb::module_& m) {
+void bind_consistency_report(nb::module_& m) {
   using R = ConsistencyReport;
   Record<R>(m, "ConsistencyReport", "Whether the errors of a series are as its covariances say.")
       .field("frames", &R::frames, "list[FrameConsistency]", "NEES of the frames.")
@@ -237,7 +237,7 @@ void bind_consistency(nb::module_& m) {
   bind_parts(m);
   bind_summary(m);
   bind_directions(m);
-  bind_report(m);
+  bind_consistency_report(m);
   m.def(
       "consistency",
       [](const PoseArray& estimates, const ArrayLike& covariances, const PoseArray& truth,

@@ -25,8 +25,9 @@ constexpr std::array<std::string_view, 7> kLeftOut{
     "hypotheses", "alternatives", "detection", "status", "sd", "merges", "position_covariance"};
 
 Json read_needed(const std::filesystem::path& path) {
-  const auto keep = [](int /*depth*/, Json::parse_event_t event, Json& parsed) {
-    if (event != Json::parse_event_t::key) return true;
+  constexpr int kIds = 2;  // the depth of objects' ids, which may be any word
+  const auto keep = [](int depth, Json::parse_event_t event, Json& parsed) {
+    if (event != Json::parse_event_t::key || depth == kIds) return true;
     const auto& key = parsed.get_ref<const std::string&>();
     return std::find(kLeftOut.begin(), kLeftOut.end(), key) == kLeftOut.end();
   };

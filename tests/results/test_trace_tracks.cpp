@@ -2,10 +2,13 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "posemix/results/trace_tracks.hpp"
 
+#include <string>
+
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "io/expect_invalid.hpp"
+#include "posemix/results/report.hpp"
 #include "small_results.hpp"
 
 namespace posemix {
@@ -36,6 +39,21 @@ TEST(TraceTracks, AreEstimatesWithTheirTruth) {
   EXPECT_NEAR(consistency_of(pairs).pose.anees, *results().metrics.objects[0].relative_anees,
               1e-4 * *results().metrics.objects[0].relative_anees);
   EXPECT_TRUE(tracks[2].symmetries.is_trivial());
+}
+
+TEST(TraceTracks, AnObjectMayHaveAnyName) {
+  json trace = json::parse(results().files.at("trace.json"));
+  for (const char* name : {"covariance", "detection"}) {
+    json renamed = trace;
+    renamed["objects"][name] = renamed["objects"]["mug"];
+    renamed["objects"].erase("mug");
+    for (json& id : renamed["order"]) id = id == "mug" ? json(name) : id;
+    const auto& folder = results().small.folder;
+    folder.put("names/trace.json", renamed.dump());
+    folder.put("names/metrics.json", results().files.at("metrics.json"));
+    EXPECT_EQ(read_trace_tracks(folder / "names/trace.json").size(), 7U);
+    EXPECT_NE(format_report(folder / "names").find(name), std::string::npos);
+  }
 }
 
 TEST(TraceTracks, ATraceOfAnOlderVersionHasNone) {
