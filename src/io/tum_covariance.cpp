@@ -59,11 +59,14 @@ StampedDensity parse_frame(const LineReader& reader, const CovarianceConvention&
   PoseNumbers seven;
   std::copy_n(numbers.begin() + 1, seven.size(), seven.begin());
   const SE3d pose = pose_from_numbers(seven, reader);
+  check_position(pose, fmt::format("{}:{}", reader.name(), reader.number()));
+
   const Matrix6d stated = parse_covariance(numbers, reader);
   if (Eigen::LLT<Matrix6d>(stated).info() != Eigen::Success)
     reader.fail("a covariance that is not positive definite", "one that is");
   Matrix6d covariance = left_covariance(pose, stated, convention);
   symmetrize(covariance);
+  if (!covariance.allFinite()) reader.fail("a covariance beyond all numbers", "a smaller one");
   return {numbers[0], ConcentratedGaussian<SE3d>::trusted(pose, covariance)};
 }
 
