@@ -19,11 +19,11 @@ void bind_words(nb::module_& m) {
       .value(ErrorAxes::body, "Those of the estimated pose.")
       .value(ErrorAxes::reference, "Those of the frame in which the pose is stated, at the body.");
   Words<Alignment>(m, "Alignment",
-                   "How estimates are moved onto the truth before they are compared.")
-      .value(Alignment::none, "Not at all.")
+                   "The motion of estimates onto the truth before they are compared.")
+      .value(Alignment::none, "No motion.")
       .value(Alignment::first, "The first pair agrees, which then does not count.")
-      .value(Alignment::se3, "By the rigid motion that brings the positions nearest.");
-  Words<ConsistencyVerdict>(m, "ConsistencyVerdict", "What a series of errors says.")
+      .value(Alignment::se3, "The rigid motion that brings the positions nearest.");
+  Words<ConsistencyVerdict>(m, "ConsistencyVerdict", "The verdict on a series of errors.")
       .value(ConsistencyVerdict::consistent, "Nothing against the covariances as a whole.")
       .value(ConsistencyVerdict::overconfident, "Errors are larger than the covariances say.")
       .value(ConsistencyVerdict::cautious, "Errors are smaller than the covariances say.");
@@ -36,7 +36,7 @@ void bind_parts(nb::module_& m) {
       .field("high", &I::high, "float", "Upper bound.")
       .done();
   using C = Coverage;
-  Record<C>(m, "Coverage", "How many errors are within 1, 2 and 3 sigma.")
+  Record<C>(m, "Coverage", "Shares of errors within 1, 2 and 3 sigma.")
       .field("shares", &C::shares, "collections.abc.Sequence[float]", "Shares of the frames.",
              [](const C& self) {
                return nb::make_tuple(self.shares[0], self.shares[1], self.shares[2]);
@@ -49,10 +49,10 @@ void bind_parts(nb::module_& m) {
   using F = FrameConsistency;
   Record<F>(m, "FrameConsistency", "NEES of one frame, not divided by the degrees of freedom.")
       .field("stamp_s", &F::stamp_s, "float", "Time of the frame [s].")
-      .field("nees", &F::nees, "float", "Of the pose.")
+      .field("nees", &F::nees, "float", "NEES of the pose.")
       .field("rotation_nees", &F::rotation_nees, "float",
-             "Of the rotation alone; 0 where none of it can be observed.")
-      .field("position_nees", &F::position_nees, "float", "Of the position alone.")
+             "NEES of the rotation alone; 0 where none of it can be observed.")
+      .field("position_nees", &F::position_nees, "float", "NEES of the position alone.")
       .done();
 }
 
@@ -63,21 +63,22 @@ void bind_summary(nb::module_& m) {
       .field("anees", &N::anees, "float", "Mean over the frames.")
       .field("median", &N::median, "float", "Median over the frames.")
       .field("worst", &N::worst, "float", "Largest over the frames.")
-      .field("worst_stamp_s", &N::worst_stamp_s, "float", "Its time [s].")
+      .field("worst_stamp_s", &N::worst_stamp_s, "float", "Time of the largest [s].")
       .field("effective_frames", &N::effective_frames, "float",
              "The number of independent frames that carry as much information.")
       .field("interval", &N::interval, "Interval",
              "95 % confidence interval of the ANEES for one series with such correlations.")
-      .field("band", &N::band, "Interval",
-             "Where the ANEES of a consistent estimate with such correlations lies in 95 % of the "
-             "cases.")
+      .field(
+          "band", &N::band, "Interval",
+          "Interval that has the ANEES of a consistent estimate with such correlations in 95 % of "
+          "the cases.")
       .field("independent_band", &N::independent_band, "Interval",
              "The same for independent frames.")
       .field("frame_band", &N::frame_band, "Interval",
-             "Where the NEES of one frame lies in 95 % of the cases.")
+             "Interval that has the NEES of one frame in 95 % of the cases.")
       .field("within_frame_band", &N::within_frame_band, "float",
              "Share of the frames within that.")
-      .field("coverage", &N::coverage, "Coverage", "Of the ellipsoids NEES <= 1, 4, 9.")
+      .field("coverage", &N::coverage, "Coverage", "Coverage of the ellipsoids NEES <= 1, 4, 9.")
       .done();
 }
 
@@ -94,7 +95,7 @@ void bind_directions(nb::module_& m) {
              "Root mean square of error over standard deviation; 1 when consistent.")
       .field("bias_significance", &A::bias_significance, "float",
              "Standard errors by which the mean differs from zero.")
-      .field("coverage", &A::coverage, "Coverage", "Of 1, 2, 3 standard deviations.")
+      .field("coverage", &A::coverage, "Coverage", "Coverage of 1, 2, 3 standard deviations.")
       .done();
   using D = ErrorDirection;
   Record<D>(m, "ErrorDirection", "A direction of the error.")
@@ -110,11 +111,11 @@ void bind_directions(nb::module_& m) {
 void bind_consistency_report(nb::module_& m) {
   using R = ConsistencyReport;
   Record<R>(m, "ConsistencyReport", "Whether the errors of a series are as its covariances say.")
-      .field("frames", &R::frames, "list[FrameConsistency]", "NEES of the frames.")
-      .field("pose", &R::pose, "NeesSummary", "Of the whole pose.")
+      .field("frames", &R::frames, "list[FrameConsistency]", "NEES of every frame.")
+      .field("pose", &R::pose, "NeesSummary", "Summary of the whole pose.")
       .field("rotation", &R::rotation, "NeesSummary | None",
-             "Of the rotation; None where none of it can be observed.")
-      .field("position", &R::position, "NeesSummary", "Of the position.")
+             "Summary of the rotation; None where none of it can be observed.")
+      .field("position", &R::position, "NeesSummary", "Summary of the position.")
       .field("axes", &R::axes, "list[AxisConsistency]", "Axes that can be observed.")
       .field("most_overconfident", &R::most_overconfident, "ErrorDirection",
              "The direction with the largest ratio of squared error to variance.")
@@ -122,7 +123,7 @@ void bind_consistency_report(nb::module_& m) {
              "The direction with the smallest ratio.")
       .field("constant_share", &R::constant_share, "float",
              "Part of the mean squared normalised error that is one constant error.")
-      .field("verdict", &R::verdict, "ConsistencyVerdict", "By the interval of the ANEES.")
+      .field("verdict", &R::verdict, "ConsistencyVerdict", "Verdict by the interval of the ANEES.")
       .field("findings", &R::findings, "list[str]",
              "The verdict in words, the most important first.")
       .shown_as([](const R& report) {

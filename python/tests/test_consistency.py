@@ -103,7 +103,7 @@ def test_symmetries_leave_the_turn_out() -> None:
     report = px.consistency(estimates, covariances, turned, symmetries=px.SymmetryGroup.turns([0, 0, 1], 0))
     assert (report.pose.dof, report.rotation.dof, len(report.axes)) == (5, 2, 5)
     assert report.pose.anees == pytest.approx(1, abs=0.1)
-    ball = px.SymmetryGroup(axes=[px.SymmetryAxis([1, 0, 0]), px.SymmetryAxis([0, 1, 0])])
+    ball = px.SymmetryGroup(axes=[px.SymmetryAxis(direction=axis) for axis in ([1, 0, 0], [0, 1, 0])])
     assert px.consistency(estimates, covariances, turned, symmetries=ball).rotation is None
 
 
