@@ -20,3 +20,4 @@
 #include "posemix/io/rigid.hpp"
 #include "posemix/io/text.hpp"
 #include "posemix/io/tum.hpp"
+#include "posemix/io/tum_covariance.hpp"

@@ -3,6 +3,8 @@
 #pragma once
 
 /// Everything of the room `results`.
+#include "posemix/results/consistency_files.hpp"
 #include "posemix/results/report.hpp"
 #include "posemix/results/results.hpp"
 #include "posemix/results/simulation_folder.hpp"
+#include "posemix/results/trace_tracks.hpp"

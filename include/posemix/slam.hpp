@@ -5,6 +5,7 @@
 /// Everything of the room `slam`.
 #include "posemix/slam/association.hpp"
 #include "posemix/slam/candidate.hpp"
+#include "posemix/slam/consistency.hpp"
 #include "posemix/slam/evaluation.hpp"
 #include "posemix/slam/frame_estimate.hpp"
 #include "posemix/slam/frame_input.hpp"
@@ -15,6 +16,7 @@
 #include "posemix/slam/multi_object_slam.hpp"
 #include "posemix/slam/object_model.hpp"
 #include "posemix/slam/object_slam.hpp"
+#include "posemix/slam/observed_error.hpp"
 #include "posemix/slam/particle_slam.hpp"
 #include "posemix/slam/run.hpp"
 #include "posemix/slam/sequence.hpp"
@@ -22,3 +24,4 @@
 #include "posemix/slam/smoothing.hpp"
 #include "posemix/slam/symmetric_error.hpp"
 #include "posemix/slam/tracker.hpp"
+#include "posemix/slam/truth_match.hpp"

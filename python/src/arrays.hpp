@@ -150,6 +150,7 @@ void bind_frame_input(nb::module_& m);
 void bind_slam(nb::module_& m);
 void bind_smoother(nb::module_& m);
 void bind_association(nb::module_& m);
+void bind_consistency(nb::module_& m);
 void bind_slam_run(nb::module_& m);
 void bind_evaluation(nb::module_& m);
 void bind_simulation(nb::module_& m);

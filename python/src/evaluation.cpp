@@ -28,6 +28,16 @@ void bind_pose_errors(nb::module_& m) {
       .field("position_log_rmse_m", &P::position_log_rmse_m, "float | None",
              "Translation part of Log(T_est T_true^-1), the midway paper's number [m].")
       .done();
+  using C = Consistency;
+  Record<C>(m, "Consistency",
+            "NEES per degree of freedom over the frames with estimate and truth: 1 when "
+            "consistent; None without any.")
+      .field("anees", &C::anees, "float | None", "Mean over the frames.")
+      .field("median_nees", &C::median_nees, "float | None", "Median over the frames.")
+      .field("rotation_anees", &C::rotation_anees, "float | None",
+             "Mean of the rotation alone; None where none of it can be observed.")
+      .field("position_anees", &C::position_anees, "float | None", "Mean of the position alone.")
+      .done();
   using F = ModeForecast;
   Record<F>(m, "ModeForecast",
             "The probability that an estimate is on the right mode, and whether it was.")
@@ -56,8 +66,12 @@ void bind_object_metrics(nb::module_& m) {
              "Probability of the mode at the last frame.")
       .field("forecasts", &O::forecasts, "list[ModeForecast]", "Forecasts, one per frame.")
       .field("relative_anees", &O::relative_anees, "float | None",
-             "Mean of e^T P^-1 e / 6 with e = Log(T_true T_est^-1) of T_camera_object; 1 when "
-             "consistent.")
+             "Mean of e^T P^-1 e over its degrees of freedom (6 without continuous symmetries), "
+             "e = Log(T_true T_est^-1) of T_camera_object; 1 when consistent.")
+      .field("relative_consistency", &O::relative_consistency, "Consistency",
+             "Consistency of T_camera_object.")
+      .field("world_consistency", &O::world_consistency, "Consistency",
+             "Consistency of T_world_object.")
       .done();
 }
 
@@ -116,6 +130,8 @@ void bind_metrics(nb::module_& m) {
   Record<M>(m, "Metrics", "Errors, consistency and timing of a run.")
       .field("frames", &M::frames, "int", "Frames of the run.")
       .field("camera", &M::camera, "PoseErrors", "Errors of T_world_camera as filtered.")
+      .field("camera_consistency", &M::camera_consistency, "Consistency",
+             "Consistency of T_world_camera.")
       .field("odometry", &M::odometry, "PoseErrors",
              "Errors of T_world_camera by the odometry alone.")
       .field("objects", &M::objects, "list[ObjectMetrics]",
@@ -148,7 +164,8 @@ constexpr const char* kEvaluateDoc =
 Parameters
 ----------
 sequence : Sequence or SlamJob
-    The recording, or the job with it.
+    The recording, or the job with it. With a job, the truth of an object is the nearest of the poses that its declared
+    symmetries make equivalent.
 run : SlamRun
     The result of the run.
 )";
@@ -191,7 +208,7 @@ void bind_evaluation(nb::module_& m) {
       [](const std::variant<Sequence, SlamJob>& given, const RecordedRun& run) {
         const nb::gil_scoped_release unlocked;
         const auto* job = std::get_if<SlamJob>(&given);
-        return evaluate(job != nullptr ? job->sequence : std::get<Sequence>(given), run);
+        return job != nullptr ? evaluate(*job, run) : evaluate(std::get<Sequence>(given), run);
       },
       "sequence"_a, "run"_a, kEvaluateDoc);
   m.def("true_relative_pose", over_frames(&true_relative_pose), "sequence"_a, "object"_a,

@@ -151,7 +151,7 @@ void bind_results(nb::module_& m) {
       "write_results",
       [](const fs::path& folder, const SlamJob& job, const RecordedRun& run) {
         const nb::gil_scoped_release unlocked;
-        write_folder(folder, format_results(job, run, evaluate(job.sequence, run)));
+        write_folder(folder, format_results(job, run, evaluate(job, run)));
       },
       "folder"_a, "job"_a, "run"_a, kWriteResultsDoc);
 }

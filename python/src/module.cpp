@@ -38,6 +38,7 @@ NB_MODULE(_core, m) {
   bind_smoother(m);
   bind_association(m);
   bind_slam_run(m);
+  bind_consistency(m);
   bind_evaluation(m);
   bind_simulation(m);
   bind_files(m);

@@ -175,6 +175,7 @@ WITHOUT_FILE = {
     "ProjectedFuseSettings": "options of posemix fuse", "ProjectedMixtureFuseSettings": "options of posemix fuse",
     "ProjectedMixtureComposeSettings": "options of posemix compose", "ConversionSettings": "options of posemix convert",
     "DivergenceSamplingSettings": "options of posemix divergence", "SuccessSettings": "options of posemix grasp",
+    "ConsistencySettings": "options of posemix consistency", "MatchSettings": "options of posemix consistency",
     "BestGraspSettings": "options of posemix grasp", "NoiseFitSettings": "settings of posemix study noise",
     "NoiseModeSettings": "settings of posemix study noise", "NoiseEmSettings": "a step of fit_noise",
     "OdometryNoiseSettings": "settings of posemix study noise", "ErrorMixtureSettings": "a part of the grasp study",

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+import { consistencyPage } from "./pages/consistency.ts";
 import { mixturePage } from "./pages/mixture.ts";
 import { saltBoxPage } from "./pages/salt_box.ts";
 import { slamPage } from "./pages/slam.ts";
@@ -17,6 +18,8 @@ async function pageOf(payload: Payload): Promise<HTMLElement> {
       return saltBoxPage(payload);
     case "study":
       return studyPage(payload);
+    case "consistency":
+      return consistencyPage(payload);
   }
 }
 

@@ -5,7 +5,7 @@
 export type Json = null | boolean | number | string | Json[] | { [key: string]: Json };
 export type JsonObject = { [key: string]: Json };
 
-export const KINDS = ["slam", "mixture", "salt_box", "study"] as const;
+export const KINDS = ["slam", "mixture", "salt_box", "study", "consistency"] as const;
 export type Kind = (typeof KINDS)[number];
 
 export interface ColumnHead {

@@ -74,3 +74,28 @@ export function studyReport(): JsonObject {
     texts: { "report.md": "# Figures\n" },
   };
 }
+
+export function consistencyReport(): JsonObject {
+  const part = (dof: number, anees: number): JsonObject => ({
+    dof, anees, interval: [0.9 * anees, 1.1 * anees], band: [0.95, 1.05], independent_band: [0.95, 1.05], effective_frames: 300,
+    median: 0.9 * anees, worst: 18.8, worst_stamp_s: 1.6, frame_band: [0.21, 2.4], within_frame_band: 0.65,
+    coverage: { shares: [0.01, 0.14, 0.43], nominal: [0.014, 0.323, 0.826] },
+  });
+  const axis = (name: string, rms: number): JsonObject => ({
+    axis: name, mean_error: 0.001, rms_error: 0.05, rms_sd: 0.05 / rms, normalized_mean: 0.02, normalized_rms: rms,
+    bias_significance: 0.4, coverage: { shares: [0.2, 0.5, 0.7], nominal: [0.683, 0.954, 0.997] },
+  });
+  const pose = {
+    name: "pose", frames: 3, verdict: "overconfident",
+    findings: ["overconfident: standard deviations are too small by a factor of 1.54", "most overconfident along rotation z"],
+    pose: part(6, 2.38), rotation: part(3, 3.74), position: part(3, 1.02), axes: [axis("rotation z", 3.04), axis("position x", 1.01)],
+  };
+  const ball = { ...pose, name: "objects/ball/world", pose: part(3, 1.1), rotation: null, findings: ["consistent"] };
+  return {
+    schema: 1, type: "posemix.report", kind: "consistency", title: "a.tum against b.tum", program: "posemix 0.1.0",
+    documents: { "consistency.json": { schema: 1, type: "posemix.consistency", title: "a.tum against b.tum", alignment: "first", axes: "body", poses: [pose, ball] } },
+    tables: { "consistency.csv": "pose,stamp_s,nees_per_dof\npose,0,1.2\npose,1,0.7\nobjects/ball/world,0,1.5\n" },
+    pictures: { "consistency.svg": picture("NEES") },
+    texts: { "consistency.md": "a.tum against b.tum\n" },
+  };
+}

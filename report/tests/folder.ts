@@ -10,7 +10,7 @@ function kindOf(names: string[], documents: JsonObject): Kind {
   if (names.includes("trace.json")) return "slam";
   const study = documents["study.json"] as JsonObject | undefined;
   if (study) return study["study"] === "salt-box" ? "salt_box" : "study";
-  return "mixture";
+  return documents["consistency.json"] ? "consistency" : "mixture";
 }
 
 export function payloadOfFolder(folder: string): JsonObject {

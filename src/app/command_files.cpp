@@ -29,10 +29,6 @@ std::string read_standard_input() {
   return bytes;
 }
 
-std::string read_input(const std::string& path) {
-  return path == kStandardStream ? read_standard_input() : read_file(path);
-}
-
 std::string value_text(const Json& value) {
   if (value.is_number_float()) return fmt::format("{:.10g}", value.get<double>());
   return value.is_string() ? value.get<std::string>() : value.dump();
@@ -55,6 +51,10 @@ void add_rows(std::string& text, const Json& found, std::size_t indent) {
 
 }  // namespace
 
+std::string read_text_input(const std::string& path) {
+  return path == kStandardStream ? read_standard_input() : read_file(path);
+}
+
 std::string input_name(const std::string& path) {
   return path == kStandardStream ? "standard input" : path;
 }
@@ -67,7 +67,7 @@ void require_one_standard_input(std::span<const std::string> paths) {
 
 NamedMixture read_mixture_input(const std::string& path) {
   const std::string name = input_name(path);
-  NamedMixture mixture{name, parse_mixture(read_input(path), name)};
+  NamedMixture mixture{name, parse_mixture(read_text_input(path), name)};
   print_warnings(mixture.file.warnings);
   return mixture;
 }
@@ -87,7 +87,7 @@ PoseSamples read_pose_input(const std::string& path, const std::optional<PoseFor
         "{}: got a name that does not say the format, expected .csv, .tum, .txt, .npy, or --format",
         input_name(path)));
   }
-  return parse_pose_samples(read_input(path), input_name(path), *known, options);
+  return parse_pose_samples(read_text_input(path), input_name(path), *known, options);
 }
 
 void write_output(const std::string& path, std::string_view content) {

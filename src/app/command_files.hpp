@@ -45,6 +45,10 @@ struct NamedMixture {
   MixtureFile file;
 };
 
+/// The bytes of an input.
+/// @throws InvalidInput when it cannot be read
+std::string read_text_input(const std::string& path);
+
 /// The name of an input in messages.
 std::string input_name(const std::string& path);
 

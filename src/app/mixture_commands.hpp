@@ -13,6 +13,7 @@ class App;
 namespace posemix {
 
 void add_compose_command(CLI::App& program, std::function<int()>& action);
+void add_consistency_command(CLI::App& program, std::function<int()>& action);
 void add_convert_command(CLI::App& program, std::function<int()>& action);
 void add_density_command(CLI::App& program, std::function<int()>& action);
 void add_divergence_command(CLI::App& program, std::function<int()>& action);

@@ -119,7 +119,8 @@ void add_report_command(CLI::App& program, std::function<int()>& action) {
   const auto options = std::make_shared<ReportCommandOptions>();
   CLI::App* command = program.add_subcommand("report", "Results as one HTML page for a browser");
   command->footer(
-      "RESULTS is a folder that posemix slam or posemix study wrote, a folder of mixture files,\n"
+      "RESULTS is a folder that posemix slam, study or consistency wrote, a folder of mixture "
+      "files,\n"
       "or one mixture file. The page is one file that needs neither a network nor a server.\n"
       "\n"
       "Example: posemix report out/0036 --mesh mug=models/obj_000014.ply --mesh-unit mm --open");

@@ -78,7 +78,7 @@ int slam_to_folder(const SlamOptions& options) {
   guard.check();
   const SlamRun result = filter(job, options, guard);
   guard.check();
-  const Metrics metrics = evaluate(job.sequence, result);
+  const Metrics metrics = evaluate(job, result);
   for (const auto& [name, content] : format_results(job, result, metrics)) {
     folder.write(name, content);
     guard.check();

@@ -179,7 +179,9 @@ void draw_objects(SvgDocument& svg, const MapView& view, const SlamJob& job, con
     const Eigen::Vector2d centre = view.pixel(density->mean().translation());
     svg.circle(centre, 2.6, {.fill = colour});
     if (const auto truth = last_truth(job, run, object)) {
-      draw_cross(svg, view.pixel(truth->translation()));
+      const ErrorReduction reduction(job.models[object].symmetries);
+      const SE3d nearest = reduction.nearest(*truth, density->mean());
+      draw_cross(svg, view.pixel(nearest.translation()));
     }
     svg.text(place_label(centre, labels), job.models[object].id, {.fill = colour, .bold = true});
   }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 #include <fmt/format.h>
 #include <Eigen/Eigenvalues>
@@ -17,16 +18,25 @@ namespace {
 
 constexpr std::size_t kMostCurvePoints = 2000;
 
-std::optional<double> rotation_error_deg(const std::optional<SE3d>& a,
-                                         const std::optional<SE3d>& b) {
-  if (!a || !b) return std::nullopt;
-  return degrees((a->rotation() * b->rotation().inverse()).log().norm());
+/// Against the nearest of the equivalent truths.
+std::optional<double> rotation_error_deg(const std::optional<SE3d>& estimate,
+                                         const std::optional<SE3d>& truth,
+                                         const ErrorReduction& reduction) {
+  if (!estimate || !truth) return std::nullopt;
+  const SE3d nearest = reduction.nearest(*truth, *estimate);
+  return degrees((estimate->rotation() * nearest.rotation().inverse()).log().norm());
 }
 
-double width_deg(const PoseDensity& density) {
-  const Eigen::Matrix3d rotation = density.covariance().topLeftCorner<3, 3>();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(rotation, Eigen::EigenvaluesOnly);
-  return degrees(3.0 * std::sqrt(std::max(0.0, eigen.eigenvalues().maxCoeff())));
+/// 3 sigma about the least certain axis that can be observed.
+std::optional<double> width_deg(const PoseDensity& density, const ErrorReduction& reduction) {
+  if (reduction.rotation_dof() == 0) return std::nullopt;
+  const auto sd_deg = [](const auto& rotation) {
+    using Matrix = std::decay_t<decltype(rotation)>;
+    const Eigen::SelfAdjointEigenSolver<Matrix> eigen(rotation, Eigen::EigenvaluesOnly);
+    return degrees(3.0 * std::sqrt(std::max(0.0, eigen.eigenvalues().maxCoeff())));
+  };
+  if (reduction.rotation_dof() < 3) return sd_deg(reduction.rotation_covariance(density));
+  return sd_deg(Eigen::Matrix3d(density.covariance().topLeftCorner<3, 3>()));
 }
 
 double quantile_of(const Curve& curve, double probability) {
@@ -134,15 +144,16 @@ void draw_axes(SvgDocument& svg, const StripView& view, bool with_time) {
 }  // namespace
 
 StripCurves strip_curves(const SlamJob& job, const SlamRun& run, std::size_t object) {
+  const ErrorReduction reduction(job.models[object].symmetries);
   StripCurves curves;
   for (std::size_t k = 0; k < run.frames.size(); ++k) {
     const auto truth = true_relative_pose(job.sequence, object, k);
     const auto& density = run.frames[k].relative[object];
     const auto mean = density ? std::optional(density->mean()) : std::nullopt;
-    curves.estimate.push_back(rotation_error_deg(mean, truth));
+    curves.estimate.push_back(rotation_error_deg(mean, truth, reduction));
     curves.detector.push_back(
-        rotation_error_deg(job.sequence.objects[object].detections[k], truth));
-    curves.width.push_back(density ? std::optional(width_deg(*density)) : std::nullopt);
+        rotation_error_deg(job.sequence.objects[object].detections[k], truth, reduction));
+    curves.width.push_back(density ? width_deg(*density, reduction) : std::nullopt);
   }
   return curves;
 }

@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 constexpr int kReportSchema = 1;
 
 const char* kind_name(ReportKind kind) {
-  static constexpr const char* kNames[] = {"slam", "mixture", "salt_box", "study"};
+  static constexpr const char* kNames[] = {"slam", "mixture", "salt_box", "study", "consistency"};
   return kNames[static_cast<std::size_t>(kind)];
 }
 
@@ -62,6 +62,8 @@ std::string default_title(const fs::path& results, const ReportFolder& folder, c
                          trace.at("method").get<std::string>());
     case ReportKind::mixture:
       return last_name(results);
+    case ReportKind::consistency:
+      return folder.documents.at(kConsistencyFile).at("title").get<std::string>();
     case ReportKind::salt_box:
     case ReportKind::study:
       break;

@@ -42,8 +42,9 @@ bool is_file(const fs::path& path) {
   return fs::is_regular_file(path, error);
 }
 
-bool is_run_or_study(const fs::path& folder) {
-  return is_file(folder / kTraceFile) || is_file(folder / kStudyFile);
+bool has_results(const fs::path& folder) {
+  return is_file(folder / kTraceFile) || is_file(folder / kStudyFile) ||
+         is_file(folder / kConsistencyFile);
 }
 
 Json read_document(const fs::path& path) {
@@ -97,11 +98,11 @@ void add_mixture(ReportFolder& folder, const fs::path& path) {
 [[noreturn]] void fail_without_results(const fs::path& folder) {
   std::vector<std::string> within;
   for (const fs::path& path : paths_in(folder)) {
-    if (is_run_or_study(path)) within.push_back(path.string());
+    if (has_results(path)) within.push_back(path.string());
   }
   const std::string expected =
       within.empty()
-          ? "what posemix slam or posemix study wrote, or mixture files"
+          ? "what posemix slam, study or consistency wrote, or mixture files"
           : fmt::format("one of the folders within that have some: {}", fmt::join(within, ", "));
   throw InvalidInput(
       fmt::format("{}: got a folder without results, expected {}", folder.string(), expected));
@@ -116,6 +117,16 @@ ReportKind study_kind(const Json& study, const fs::path& path) {
   return *name == "salt-box" ? ReportKind::salt_box : ReportKind::study;
 }
 
+void check_consistency(const Json& document, const fs::path& path) {
+  const bool has_title = document.is_object() && document.contains("title") &&
+                         document.at("title").is_string() && document.contains("poses") &&
+                         document.at("poses").is_array();
+  if (has_title) return;
+  throw InvalidInput(
+      fmt::format("{}: got no keys 'title' and 'poses', expected what posemix consistency wrote",
+                  path.string()));
+}
+
 ReportKind kind_of(const ReportFolder& folder, const fs::path& path) {
   if (is_file(path / kTraceFile)) {
     if (!folder.documents.contains(kMetricsFile)) read_file(path / kMetricsFile);
@@ -123,6 +134,11 @@ ReportKind kind_of(const ReportFolder& folder, const fs::path& path) {
   }
   const auto study = folder.documents.find(kStudyFile);
   if (study != folder.documents.end()) return study_kind(*study, path / kStudyFile);
+  const auto consistency = folder.documents.find(kConsistencyFile);
+  if (consistency != folder.documents.end()) {
+    check_consistency(*consistency, path / kConsistencyFile);
+    return ReportKind::consistency;
+  }
   if (folder.documents.empty()) fail_without_results(path);
   return ReportKind::mixture;
 }
@@ -148,7 +164,7 @@ std::set<std::string> ReportFolder::mixture_frames() const {
 ReportFolder read_report_folder(const fs::path& results) {
   if (is_file(results)) return one_mixture(results);
   ReportFolder folder;
-  const auto add = is_run_or_study(results) ? add_file : add_mixture;
+  const auto add = has_results(results) ? add_file : add_mixture;
   for (const fs::path& path : paths_in(results)) {
     if (is_file(path)) add(folder, path);
   }

@@ -11,7 +11,10 @@
 
 namespace posemix::internal {
 
-enum class ReportKind { slam, mixture, salt_box, study };
+enum class ReportKind { slam, mixture, salt_box, study, consistency };
+
+/// The file that makes a folder one of consistency.
+inline constexpr const char* kConsistencyFile = "consistency.json";
 
 /// The files of a results folder that go into a report, by name, and the trace separately.
 struct ReportFolder {

@@ -74,6 +74,13 @@ Json object_metrics(const ObjectMetrics& object) {
           {"mode_probability", json_number(object.mode_probability)}};
 }
 
+Json consistency_json(const Consistency& consistency) {
+  return {{"anees", json_number(consistency.anees)},
+          {"median_nees", json_number(consistency.median_nees)},
+          {"rotation_anees", json_number(consistency.rotation_anees)},
+          {"position_anees", json_number(consistency.position_anees)}};
+}
+
 /// The alternatives of one object, without those of probability zero.
 Mixture<PoseDensity> world_mixture(const std::vector<ObjectHypothesis>& alternatives) {
   constexpr double kLeastProbability = 1e-12;
@@ -92,10 +99,14 @@ std::string format_metrics(const Metrics& metrics, const std::string& method) {
   Json objects = Json::object();
   Json anees = Json::object();
   Json right_anees = Json::object();
+  Json world = Json::object();
+  Json relative = Json::object();
   for (const ObjectMetrics& object : metrics.objects) {
     objects[object.id] = object_metrics(object);
     anees[object.id] = json_number(object.relative_anees);
     right_anees[object.id] = json_number(object.right_mode_anees);
+    world[object.id] = consistency_json(object.world_consistency);
+    relative[object.id] = consistency_json(object.relative_consistency);
   }
   const Json json = {
       {"schema", kMetricsSchema},
@@ -110,6 +121,9 @@ std::string format_metrics(const Metrics& metrics, const std::string& method) {
         {"rotation_rmse_deg", json_number(metrics.odometry.rotation_rmse_deg)}}},
       {"objects", objects},
       {"consistency", {{"relative_anees", anees}, {"right_mode_relative_anees", right_anees}}},
+      {"camera_consistency", consistency_json(metrics.camera_consistency)},
+      {"world_consistency", world},
+      {"relative_consistency", relative},
       {"timing",
        {{"frame_median_us", json_number(metrics.timing.frame_median_us)},
         {"update_median_us", json_number(metrics.timing.update_median_us)},

@@ -31,6 +31,29 @@ Json position_covariance_of(const PoseDensity& density) {
   return json_vector(upper, kCompactDigits);
 }
 
+/// The upper triangle of a covariance, row by row.
+Json upper_triangle_of(const Matrix6d& covariance) {
+  Eigen::Matrix<double, 21, 1> upper;
+  Eigen::Index next = 0;
+  for (Eigen::Index i = 0; i < 6; ++i) {
+    for (Eigen::Index j = i; j < 6; ++j) upper[next++] = covariance(i, j);
+  }
+  return json_vector(upper, kPoseDigits);
+}
+
+Json vector_of(const Eigen::Vector3d& vector) { return json_vector(vector, kPoseDigits); }
+
+/// The symmetries of an object: its motions, and the axes of free rotation.
+Json symmetries_of(const SymmetryGroup& group) {
+  Json elements = Json::array();
+  for (const SE3d& element : group.elements()) elements.push_back(json_pose(element, kPoseDigits));
+  Json axes = Json::array();
+  for (const SymmetryAxis& axis : group.axes()) {
+    axes.push_back({{"direction", vector_of(axis.direction)}, {"point_m", vector_of(axis.point)}});
+  }
+  return {{"elements", std::move(elements)}, {"axes", std::move(axes)}};
+}
+
 /// Means and standard deviations of one pose over the frames.
 class Track {
  public:
@@ -40,18 +63,21 @@ class Track {
                        ? json_vector(density->covariance().diagonal().cwiseSqrt(), kCompactDigits)
                        : Json(nullptr));
     positions_.push_back(density ? position_covariance_of(*density) : Json(nullptr));
+    covariances_.push_back(density ? upper_triangle_of(density->covariance()) : Json(nullptr));
   }
 
   Json json() && {
     return {{"pose", std::move(poses_)},
             {"sd", std::move(sds_)},
-            {"position_covariance", std::move(positions_)}};
+            {"position_covariance", std::move(positions_)},
+            {"covariance", std::move(covariances_)}};
   }
 
  private:
   Json poses_ = Json::array();
   Json sds_ = Json::array();
   Json positions_ = Json::array();
+  Json covariances_ = Json::array();
 };
 
 Json truth_or_null(const std::vector<std::optional<SE3d>>& truth) {
@@ -82,7 +108,15 @@ Json alternatives_of(std::vector<ObjectAlternative> list, std::size_t most) {
   return array;
 }
 
+/// The equivalent truth that is nearest to the estimate, where there is one.
+std::optional<SE3d> nearest_truth(const ErrorReduction& reduction, const std::optional<SE3d>& truth,
+                                  const std::optional<PoseDensity>& estimate) {
+  if (!truth || !estimate) return truth;
+  return reduction.nearest(*truth, estimate->mean());
+}
+
 Json object_of(const SlamJob& job, const SlamRun& run, std::size_t object) {
+  const ErrorReduction reduction(job.models[object].symmetries);
   Track world;
   Track relative;
   Json statuses = Json::array();
@@ -92,8 +126,10 @@ Json object_of(const SlamJob& job, const SlamRun& run, std::size_t object) {
     world.add(run.frames[k].objects[object]);
     relative.add(run.frames[k].relative[object]);
     statuses.push_back(word_of(run.frames[k].report.statuses[object]));
-    world_truth.push_back(true_world_pose(job.sequence, object, k));
-    relative_truth.push_back(true_relative_pose(job.sequence, object, k));
+    world_truth.push_back(nearest_truth(reduction, true_world_pose(job.sequence, object, k),
+                                        run.frames[k].objects[object]));
+    relative_truth.push_back(nearest_truth(reduction, true_relative_pose(job.sequence, object, k),
+                                           run.frames[k].relative[object]));
   }
   Json json = {{"world", std::move(world).json()}, {"relative", std::move(relative).json()}};
   json["world"]["truth"] = truth_or_null(world_truth);
@@ -106,6 +142,8 @@ Json object_of(const SlamJob& job, const SlamRun& run, std::size_t object) {
     if (!frame.alternatives.empty())
       alternatives.push_back(alternatives_of(frame.alternatives[object], job.trace_hypotheses));
   }
+  const SymmetryGroup& symmetries = job.models[object].symmetries;
+  if (!symmetries.is_trivial()) json["symmetries"] = symmetries_of(symmetries);
   if (!probabilities.empty()) json["mode_probability"] = std::move(probabilities);
   if (!alternatives.empty()) json["alternatives"] = std::move(alternatives);
   json["detection"] = poses_of(job.sequence.objects[object].detections);
@@ -145,6 +183,9 @@ Json conventions() {
       {"position_covariance",
        "[xx, xy, xz, yy, yz, zz], square metres: of the position in the reference frame, to first "
        "order"},
+      {"covariance",
+       "upper triangle row by row of the covariance of xi = [rotation, translation] in X = Exp(xi) "
+       "X0"},
       {"camera", "T_world_camera"},
       {"world", "T_world_object"},
       {"relative", "T_camera_object"},

@@ -33,7 +33,11 @@ class TracePacker {
     if (event == Event::key) {
       keys_.resize(depth);
       keys_[depth - 1] = value.get<std::string>();
-    } else if (event == Event::array_start && depth > 0 && keys_.size() == depth) {
+      // The page does not show whole covariances, which are large.
+      const bool of_track = depth == 4 || keys_[0] == "camera";
+      return !(of_track && keys_[depth - 1] == "covariance");
+    }
+    if (event == Event::array_start && depth > 0 && keys_.size() == depth) {
       open(depth);
     } else if (event == Event::object_end && entity_ && depth == entity_depth_) {
       close_entity();

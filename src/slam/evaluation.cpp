@@ -25,13 +25,30 @@ std::optional<SE3d> mean_of(const std::optional<PoseDensity>& density) {
   return density ? std::optional(density->mean()) : std::nullopt;
 }
 
+/// A pose and its truth, the nearest of the equivalent ones.
+class NearestErrors {
+ public:
+  explicit NearestErrors(const ErrorReduction& reduction) : reduction_(reduction) {}
+
+  void add(const std::optional<SE3d>& estimate, const std::optional<SE3d>& truth) {
+    if (estimate && truth) sum_.add(*estimate, reduction_.nearest(*truth, *estimate));
+  }
+  PoseErrors errors() const { return sum_.errors(); }
+
+ private:
+  const ErrorReduction& reduction_;
+  PoseErrorSum sum_;
+};
+
 /// Consistency and the mode of one object's estimates, frame by frame.
 class ObjectScores {
  public:
+  explicit ObjectScores(const ErrorReduction& reduction) : reduction_(reduction) {}
+
   void add(const PoseDensity& relative, const SE3d& truth,
            const std::optional<double>& probability) {
-    const double squared = squared_normalized_error(relative, truth);
-    const bool right = on_right_mode(relative.mean(), truth);
+    const double squared = reduction_.nees(relative, truth);
+    const bool right = on_right_mode(relative.mean(), reduction_.nearest(truth, relative.mean()));
     nees_ += squared;
     ++count_;
     if (right) {
@@ -43,15 +60,17 @@ class ObjectScores {
 
   void report(ObjectMetrics& metrics) && {
     const auto right = static_cast<double>(right_);
+    const auto dof = static_cast<double>(reduction_.dof());
     metrics.right_mode_frames = right_;
     metrics.forecasts = std::move(forecasts_);
     if (count_ == 0) return;
-    metrics.relative_anees = nees_ / (6.0 * static_cast<double>(count_));
+    metrics.relative_anees = nees_ / (dof * static_cast<double>(count_));
     metrics.right_mode_share = right / static_cast<double>(count_);
-    if (right_ > 0) metrics.right_mode_anees = right_nees_ / (6.0 * right);
+    if (right_ > 0) metrics.right_mode_anees = right_nees_ / (dof * right);
   }
 
  private:
+  const ErrorReduction& reduction_;
   double nees_ = 0.0;
   double right_nees_ = 0.0;
   std::size_t count_ = 0;
@@ -69,19 +88,25 @@ std::optional<double> mode_probability(const FrameEstimate& frame, std::size_t o
   return frame.mode_probabilities.empty() ? std::nullopt : frame.mode_probabilities[object];
 }
 
-ObjectMetrics evaluate_object(const Sequence& sequence, const SlamRun& run, std::size_t object) {
+ObjectMetrics evaluate_object(const Sequence& sequence, const SlamRun& run, std::size_t object,
+                              const ErrorReduction& reduction) {
   ObjectMetrics metrics;
   metrics.id = sequence.objects[object].id;
-  PoseErrorSum world;
-  PoseErrorSum relative;
-  PoseErrorSum detection;
-  ObjectScores scores;
+  NearestErrors world(reduction);
+  NearestErrors relative(reduction);
+  NearestErrors detection(reduction);
+  ConsistencySum world_consistency(reduction);
+  ConsistencySum relative_consistency(reduction);
+  ObjectScores scores(reduction);
   for (std::size_t k = 0; k < run.frames.size(); ++k) {
     const FrameEstimate& frame = run.frames[k];
     const auto& detected = sequence.objects[object].detections[k];
     const auto truth = true_relative_pose(sequence, object, k);
-    world.add(mean_of(frame.objects[object]), true_world_pose(sequence, object, k));
+    const auto world_truth = true_world_pose(sequence, object, k);
+    world.add(mean_of(frame.objects[object]), world_truth);
+    world_consistency.add(frame.objects[object], world_truth);
     relative.add(mean_of(frame.relative[object]), truth);
+    relative_consistency.add(frame.relative[object], truth);
     detection.add(detected, truth);
     metrics.detections += detected.has_value() ? 1 : 0;
     metrics.gated += is_gated(frame.report.statuses[object]) ? 1 : 0;
@@ -89,7 +114,9 @@ ObjectMetrics evaluate_object(const Sequence& sequence, const SlamRun& run, std:
       scores.add(*frame.relative[object], *truth, mode_probability(frame, object));
   }
   metrics.world = world.errors();
+  metrics.world_consistency = world_consistency.result();
   metrics.relative = relative.errors();
+  metrics.relative_consistency = relative_consistency.result();
   metrics.detection_relative = detection.errors();
   std::move(scores).report(metrics);
   metrics.mode_probability = mode_probability(run.frames.back(), object);
@@ -118,7 +145,8 @@ Timing timing_of(const SlamRun& run) {
           median_or_zero(std::move(reduce_us)), merges / count};
 }
 
-void check_fit(const Sequence& sequence, const SlamRun& run) {
+void check_fit(const Sequence& sequence, const SlamRun& run,
+               std::span<const SymmetryGroup> symmetries) {
   require(!run.frames.empty(), "evaluation: the run has no frame");
   if (run.frames.size() > sequence.stamps.size()) {
     throw InvalidInput(fmt::format("evaluation: the run has {} frames, the sequence {}",
@@ -128,6 +156,10 @@ void check_fit(const Sequence& sequence, const SlamRun& run) {
     if (frame.objects.size() == sequence.objects.size()) continue;
     throw InvalidInput(fmt::format("evaluation: the run has {} objects, the sequence {}",
                                    frame.objects.size(), sequence.objects.size()));
+  }
+  if (!symmetries.empty() && symmetries.size() != sequence.objects.size()) {
+    throw InvalidInput(fmt::format("evaluation: got the symmetries of {} objects, expected {}",
+                                   symmetries.size(), sequence.objects.size()));
   }
 }
 
@@ -169,6 +201,24 @@ PoseErrors PoseErrorSum::errors() const {
   return {rms(position_), degrees(rms(rotation_)), rms(position_log_)};
 }
 
+void ConsistencySum::add(const std::optional<PoseDensity>& estimate,
+                         const std::optional<SE3d>& truth) {
+  if (!estimate || !truth) return;
+  const ObservedError error = reduction_(*estimate, *truth);
+  nees_.push_back(error.pose.nees() / static_cast<double>(reduction_.dof()));
+  rotation_ += error.rotation.nees();
+  position_ += error.position.nees();
+}
+
+Consistency ConsistencySum::result() const {
+  if (nees_.empty()) return {};
+  const auto count = static_cast<double>(nees_.size());
+  const auto rotations = static_cast<double>(reduction_.rotation_dof());
+  Consistency result{mean(nees_), median(nees_), std::nullopt, position_ / (3.0 * count)};
+  if (rotations > 0.0) result.rotation_anees = rotation_ / (rotations * count);
+  return result;
+}
+
 std::optional<SE3d> true_relative_pose(const Sequence& sequence, std::size_t object,
                                        std::size_t frame) {
   const ObjectRecording& recording = sequence.objects[object];
@@ -189,21 +239,32 @@ std::optional<SE3d> true_world_pose(const Sequence& sequence, std::size_t object
   return *camera * *relative;
 }
 
-Metrics evaluate(const Sequence& sequence, const SlamRun& run) {
-  check_fit(sequence, run);
+Metrics evaluate(const Sequence& sequence, const SlamRun& run,
+                 std::span<const SymmetryGroup> symmetries) {
+  check_fit(sequence, run, symmetries);
   Metrics metrics;
   metrics.frames = run.frames.size();
   PoseErrorSum camera;
+  ConsistencySum consistency;
   for (std::size_t k = 0; k < run.frames.size(); ++k) {
     camera.add(run.frames[k].camera.mean(), entry(sequence.camera_truth, k));
+    consistency.add(run.frames[k].camera, entry(sequence.camera_truth, k));
   }
   metrics.camera = camera.errors();
+  metrics.camera_consistency = consistency.result();
   metrics.odometry = odometry_errors(sequence);
   for (std::size_t object = 0; object < sequence.objects.size(); ++object) {
-    metrics.objects.push_back(evaluate_object(sequence, run, object));
+    const ErrorReduction reduction(symmetries.empty() ? SymmetryGroup() : symmetries[object]);
+    metrics.objects.push_back(evaluate_object(sequence, run, object, reduction));
   }
   metrics.timing = timing_of(run);
   return metrics;
+}
+
+Metrics evaluate(const SlamJob& job, const SlamRun& run) {
+  std::vector<SymmetryGroup> symmetries;
+  for (const ObjectModel& model : job.models) symmetries.push_back(model.symmetries);
+  return evaluate(job.sequence, run, symmetries);
 }
 
 }  // namespace posemix

@@ -59,7 +59,8 @@ TEST(Help, ExamplesOfEveryCommandWork) {
     return program.wait();
   };
   constexpr std::string_view kCommands =
-      ",slam,simulate,study,report,data,fit,fuse,compose,reduce,sample,density,divergence,convert,"
+      ",slam,simulate,study,report,consistency,data,fit,fuse,compose,reduce,sample,density,"
+      "divergence,convert,"
       "grasp,data list,data fetch,data verify,data sequence,study divergence,study monte-carlo,"
       "study ycbv,study noise,study grasp,study salt-box,study tless";
   std::size_t count = 0;

@@ -11,6 +11,8 @@
 #include "posemix/io/npy.hpp"
 #include "posemix/io/object_poses.hpp"
 #include "posemix/io/tum.hpp"
+#include "posemix/io/tum_covariance.hpp"
+#include "posemix/slam/consistency.hpp"
 #include "posemix/testing/mutate.hpp"
 
 namespace posemix {
@@ -126,6 +128,24 @@ TEST(FuzzIo, Tum) {
     require(again.size() == frames.size(), "another number of frames after writing");
   };
   expect_sound(fuzz(kTum, kInputs, 1, parse), 100);
+}
+
+TEST(FuzzIo, TumWithCovariancesAndTheirConsistency) {
+  const std::string upper = " 1e-4 0 0 0 0 2e-5 4e-4 0 0 0 0 1e-4 0 0 0 1e-4 0 0 9e-4 0 1e-4\n";
+  const std::vector<std::string> texts{"0 1 2 3 0 0 0 1" + upper + "0.1 1 2 3 0 0 0.6 0.8" + upper +
+                                       "0.2 1 2 4 0 0 0 1" + upper};
+  const auto parse = [](const std::string& text) {
+    const auto frames = parse_tum_covariance(text, "f", CovarianceConvention::ros());
+    require(!frames.empty(), "no frames");
+    std::vector<EstimateWithTruth> series;
+    for (const StampedDensity& frame : frames) {
+      require_pose(frame.density.mean());
+      require(frame.density.covariance().allFinite(), "a covariance that is not finite");
+      series.push_back({frame.stamp, frame.density, SE3d(SO3d(), {1, 2, 3})});
+    }
+    require(!consistency_of(series).findings.empty(), "nothing found");
+  };
+  expect_sound(fuzz(texts, kInputs, 5, parse), 100);
 }
 
 TEST(FuzzIo, Bop) {

@@ -100,8 +100,8 @@ TEST(Report, WithoutResults) {
   const TemporaryFolder folder;
   EXPECT_INVALID(format_report(folder.path()),
                  folder.path().string() +
-                     ": got a folder without results, expected what posemix slam or posemix study "
-                     "wrote, or mixture files");
+                     ": got a folder without results, expected what posemix slam, study or "
+                     "consistency wrote, or mixture files");
   for (const std::string name : {"riekf", "multi"}) {
     folder.put(name + "/trace.json", "{}");
   }

@@ -72,8 +72,10 @@ TEST(Results, MetricsFollowTheSchema) {
     for (const auto& [key, value] : object.items()) names.push_back(key);
     return names;
   };
-  EXPECT_EQ(keys(metrics), (std::vector<std::string>{"camera", "consistency", "frames", "method",
-                                                     "objects", "odometry", "schema", "timing"}));
+  EXPECT_EQ(keys(metrics),
+            (std::vector<std::string>{"camera", "camera_consistency", "consistency", "frames",
+                                      "method", "objects", "odometry", "relative_consistency",
+                                      "schema", "timing", "world_consistency"}));
   EXPECT_EQ(
       keys(metrics["camera"]),
       (std::vector<std::string>{"position_log_rmse_m", "position_rmse_m", "rotation_rmse_deg"}));
@@ -91,6 +93,20 @@ TEST(Results, MetricsFollowTheSchema) {
             *results().metrics.objects[2].relative.rotation_rmse_deg);
   EXPECT_EQ(metrics["consistency"]["relative_anees"]["box"].get<double>(),
             *results().metrics.objects[1].relative_anees);
+}
+
+TEST(Results, MetricsHaveTheConsistencyOfEveryPose) {
+  const json metrics = json::parse(results().files.at("metrics.json"));
+  const std::vector<std::string> names{"anees", "median_nees", "position_anees", "rotation_anees"};
+  const json& camera = metrics["camera_consistency"];
+  for (const std::string& name : names) {
+    EXPECT_GT(camera[name].get<double>(), 0.0) << name;
+    for (const char* pose : {"world_consistency", "relative_consistency"})
+      EXPECT_GT(metrics[pose]["box"][name].get<double>(), 0.0) << pose << name;
+  }
+  EXPECT_EQ(camera["anees"].get<double>(), *results().metrics.camera_consistency.anees);
+  EXPECT_NEAR(metrics["relative_consistency"]["box"]["anees"].get<double>(),
+              metrics["consistency"]["relative_anees"]["box"].get<double>(), 1e-9);
 }
 
 TEST(Results, TheMultiObjectFilterWritesItsHypotheses) {

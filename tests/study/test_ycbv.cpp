@@ -162,9 +162,9 @@ TEST(YcbvStudy, OnlyTimesDifferFromRunToRun) {
     if (each.name == "timing.csv") continue;
     EXPECT_EQ(each.content, file(second, each.name)) << each.name;
   }
-  EXPECT_EQ(names, (std::vector<std::string>{"study.json", "ycbv.csv", "summary.csv", "timing.csv",
-                                             "reliability.csv", "reliability.svg", "errors.svg",
-                                             "camera.svg"}));
+  EXPECT_EQ(names, (std::vector<std::string>{"study.json", "ycbv.csv", "summary.csv", "anees.csv",
+                                             "timing.csv", "reliability.csv", "reliability.svg",
+                                             "errors.svg", "camera.svg"}));
   EXPECT_EQ(first.summary, second.summary);
   EXPECT_EQ(study.settings, make_ycbv_study({.data = tree.path()}).settings);
   EXPECT_EQ(study.settings.find('\n'), std::string::npos);

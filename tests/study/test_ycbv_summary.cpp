@@ -9,6 +9,7 @@
 #include "io/expect_invalid.hpp"
 #include "posemix/base/units.hpp"
 #include "recording_tree.hpp"
+#include "study/ycbv/anees.hpp"
 #include "study/ycbv/study.hpp"
 
 namespace posemix {
@@ -110,6 +111,22 @@ TEST(YcbvSummary, ComparesWithThePublishedNumbersAndTheOdometry) {
   EXPECT_TRUE(act["recovered"].is_null());
   EXPECT_TRUE(find(study["summary"], "odometry")["pixel_median"].is_null());
   EXPECT_DOUBLE_EQ(find(study["summary"], "odometry")["camera_position_over_odometry"], 1.0);
+}
+
+TEST(YcbvSummary, ConsistencyIsMoreThanAMedian) {
+  StudyTable rows({"detector", "method", "relative_anees", "right_mode_anees", "camera_anees",
+                   "camera_rotation_anees", "camera_position_anees", "world_anees"});
+  for (const double anees : {0.4, 0.9, 1.8, 96.9})
+    rows.add({"dope", "default", anees, 1.0, Cell(), Cell(), Cell(), 0.1 * anees});
+  rows.add({"dope", "detector", Cell(), Cell(), Cell(), Cell(), Cell(), Cell()});
+  const StudyTable anees = summarise_anees(rows);
+  ASSERT_EQ(anees.rows().size(), 3U);
+  const std::vector<Cell> expected{"dope", "default", "relative", std::int64_t{4},
+                                   1.35,   25.0,      96.9,       0.5};
+  EXPECT_EQ(anees.rows()[0], expected);
+  EXPECT_EQ(anees.rows()[1][2], Cell("relative, right mode"));
+  EXPECT_EQ(anees.rows()[1][7], Cell(1.0));
+  EXPECT_EQ(anees.rows()[2][2], Cell("world"));
 }
 
 TEST(YcbvSummary, SaysNothingWhereThereIsNothingToCompareWith) {

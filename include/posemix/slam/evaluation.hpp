@@ -3,13 +3,17 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "posemix/slam/job.hpp"
+#include "posemix/slam/observed_error.hpp"
 #include "posemix/slam/run.hpp"
 
 /// Errors and consistency of a run against ground truth. Everything is empty where there is no
-/// ground truth.
+/// ground truth. The truth of an object is the nearest of the poses that its declared symmetries
+/// make equivalent.
 namespace posemix {
 
 /// Root mean square errors of a pose over the frames that have both estimate and truth.
@@ -42,6 +46,32 @@ double squared_normalized_error(const ConcentratedGaussian<G>& estimate, const G
   return factor.matrixL().solve(e).squaredNorm();
 }
 
+/// The consistency of a pose with its covariance over the frames that have both estimate and truth:
+/// normalised estimation error squared per degree of freedom that can be observed, one when
+/// consistent.
+struct Consistency {
+  std::optional<double> anees;           ///< mean over the frames
+  std::optional<double> median_nees;     ///< median over the frames
+  std::optional<double> rotation_anees;  ///< of the rotation alone; empty where none is observed
+  std::optional<double> position_anees;  ///< of the position alone
+};
+
+/// Accumulates Consistency over frames, all of poses with the same symmetries.
+class ConsistencySum {
+ public:
+  explicit ConsistencySum(const ErrorReduction& reduction = ErrorReduction())
+      : reduction_(reduction) {}
+
+  void add(const std::optional<PoseDensity>& estimate, const std::optional<SE3d>& truth);
+  Consistency result() const;
+
+ private:
+  ErrorReduction reduction_;
+  std::vector<double> nees_;
+  double rotation_ = 0.0;
+  double position_ = 0.0;
+};
+
 /// The probability that an estimate is on the right mode, and whether it was.
 struct ModeForecast {
   double probability;
@@ -66,9 +96,11 @@ struct ObjectMetrics {
   /// Probability of the mode at the last frame.
   std::optional<double> mode_probability;
   std::vector<ModeForecast> forecasts;
-  /// Mean over the frames of e^T P^-1 e / 6 with e = Log(T_true T_est^-1) of T_camera_object; 1
-  /// when consistent.
+  /// Mean over the frames of e^T P^-1 e over its degrees of freedom, 6 without continuous
+  /// symmetries, with e = Log(T_true T_est^-1) of T_camera_object; 1 when consistent.
   std::optional<double> relative_anees;
+  Consistency relative_consistency;  ///< of T_camera_object
+  Consistency world_consistency;     ///< of T_world_object
 };
 
 /// Medians over the frames after the first, and means.
@@ -82,14 +114,21 @@ struct Timing {
 struct Metrics {
   std::size_t frames = 0;
   PoseErrors camera;
+  Consistency camera_consistency;  ///< of T_world_camera
   PoseErrors odometry;  ///< of the odometry alone, which agrees with the truth at its first frame
   std::vector<ObjectMetrics> objects;
   Timing timing;
 };
 
+/// The metrics of a run; `symmetries` are those of the objects, none where the list is empty.
 /// @throws InvalidInput when the run has no frame, more of them than the sequence, or another
-/// number of objects
-Metrics evaluate(const Sequence& sequence, const SlamRun& run);
+/// number of objects, or when the list is neither empty nor as long as the objects
+Metrics evaluate(const Sequence& sequence, const SlamRun& run,
+                 std::span<const SymmetryGroup> symmetries = {});
+
+/// The metrics of a job's run, with the symmetries of its models.
+/// @throws InvalidInput as above
+Metrics evaluate(const SlamJob& job, const SlamRun& run);
 
 /// True T_camera_object and T_world_object of one object at one frame, from whichever of relative,
 /// world and camera truth is known.

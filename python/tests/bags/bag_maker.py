@@ -65,7 +65,7 @@ class BagMaker:
         kind = "tf2_msgs/msg/TFMessage"
         self.add(seconds, topic, kind, self.make(kind, transforms=[item]))
 
-    def odometry(self, seconds: float, pose: SE3) -> None:
+    def odometry(self, seconds: float, pose: SE3, covariance: Any = None) -> None:
         zeros = np.zeros(36)
         twist = self.make(
             "geometry_msgs/msg/Twist", linear=self.vector(np.zeros(3)), angular=self.vector(np.zeros(3))
@@ -76,13 +76,19 @@ class BagMaker:
             child_frame_id="base",
             pose=self.make(
                 "geometry_msgs/msg/PoseWithCovariance",
-                pose=to_pose(pose, types=self.store.types), covariance=zeros,
+                pose=to_pose(pose, types=self.store.types),
+                covariance=zeros if covariance is None else covariance,
             ),
             twist=self.make(
                 "geometry_msgs/msg/TwistWithCovariance", twist=twist, covariance=zeros
             ),
         )  # fmt: skip
         self.add(seconds, "/odom", "nav_msgs/msg/Odometry", message)
+
+    def pose(self, seconds: float, topic: str, pose: SE3, frame: str = "odom") -> None:
+        kind = "geometry_msgs/msg/PoseStamped"
+        inner = to_pose(pose, types=self.store.types)
+        self.add(seconds, topic, kind, self.make(kind, header=self.header(seconds, frame), pose=inner))
 
     def result(self, class_id: str, score: float, pose: SE3) -> Any:
         shaped = self.make(

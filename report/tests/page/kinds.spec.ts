@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 import { expect, test } from "@playwright/test";
-import { mixtureReport, mug, saltBoxReport, studyReport } from "../documents.ts";
+import { consistencyReport, mixtureReport, mug, saltBoxReport, studyReport } from "../documents.ts";
 import { syntheticReport } from "../synthetic.ts";
 import { open, openAllTabs, probe } from "./report.ts";
 
@@ -41,6 +41,17 @@ test("the salt box: stages in their order, flags in space, tables", async ({ pag
   await openAllTabs(page);
   expect(await probe(page, "flags")).toBe(400);
   await expect(page.getByRole("row", { name: /shared_view 3 1.08/ })).toBeVisible();
+  expect(complaints).toEqual([]);
+});
+
+test("consistency: findings first, tables of parts and axes, figures", async ({ page }) => {
+  const complaints = await open(page, "consistency", consistencyReport());
+  expect(await probe(page, "poses")).toEqual(["pose", "objects/ball/world"]);
+  await expect(page.getByText("Consistency of estimates, aligned (first)")).toBeVisible();
+  await expect(page.getByText("too small by a factor of 1.54").first()).toBeVisible();
+  await expect(page.getByRole("row", { name: /^rotation 3 3\.74 3\.366 / })).toHaveCount(1);
+  await expect(page.getByRole("row", { name: /^rotation z 0\.001 0\.05 0\.01645 / }).first()).toBeVisible();
+  await openAllTabs(page);
   expect(complaints).toEqual([]);
 });
 

@@ -15,7 +15,7 @@ const address = (folder: string) => pathToFileURL(path.resolve(inputs, folder, "
 
 test.skip(inputs === "", "POSEMIX_REPORT_INPUTS is not set: make report-test sets it");
 
-for (const [folder, kind] of [["slam", "slam"], ["joint", "slam"], ["mixture", "mixture"], ["salt-box", "salt_box"], ["study", "study"]]) {
+for (const [folder, kind] of [["slam", "slam"], ["joint", "slam"], ["mixture", "mixture"], ["salt-box", "salt_box"], ["study", "study"], ["consistency", "consistency"]]) {
   test(`the program's report of ${folder} loads without complaints, all tabs`, async ({ page }) => {
     const complaints = watch(page);
     await page.goto(address(folder));
@@ -73,5 +73,5 @@ test("the program's salt box has its stages in space, in their order", async ({ 
 
 test("every folder of the inputs is looked at", () => {
   const reports = readdirSync(inputs, { withFileTypes: true }).filter((entry) => entry.isDirectory() && readdirSync(path.join(inputs, entry.name)).includes("report.html"));
-  expect(reports.map(({ name }) => name).sort()).toEqual(["joint", "mixture", "salt-box", "slam", "study"]);
+  expect(reports.map(({ name }) => name).sort()).toEqual(["consistency", "joint", "mixture", "salt-box", "slam", "study"]);
 });

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "anees.hpp"
 #include "figures.hpp"
 #include "forecasts.hpp"
 #include "posemix/base/statistics.hpp"
@@ -166,6 +167,13 @@ std::string text_of_summary(const StudyTable& summary) {
                     : "");
 }
 
+/// The consistency as text, with an explanation.
+std::string text_of_anees(const StudyTable& anees) {
+  if (anees.rows().empty()) return "";
+  return "\nANEES over the recordings; 1 when consistent, worth little as a median alone\n" +
+         anees.text(3);
+}
+
 }  // namespace
 
 const std::vector<std::string>& ycbv_columns() {
@@ -190,6 +198,10 @@ const std::vector<std::string>& ycbv_columns() {
                                                 "ends_on_right_mode",
                                                 "right_mode_share",
                                                 "right_mode_anees",
+                                                "camera_anees",
+                                                "camera_rotation_anees",
+                                                "camera_position_anees",
+                                                "world_anees",
                                                 "object_truth"};
   return columns;
 }
@@ -227,14 +239,16 @@ StudyReport report_ycbv(std::span<const std::string> items) {
   const StudyTable all = joined(results, means);
   StudyReport report;
   const StudyTable summary = summarise_ycbv(results);
+  const StudyTable anees = summarise_anees(results);
   report.files = {{"study.json", format_study("ycbv", all, summary)},
                   {"ycbv.csv", all.csv()},
                   {"summary.csv", summary.csv()},
+                  {"anees.csv", anees.csv()},
                   {"timing.csv", joined(timing, summarise(timing, kYcbvTexts)).csv()}};
   for (StudyFile& file : report_forecasts(forecasts)) report.files.push_back(std::move(file));
   for (StudyFile& figure : draw_ycbv(results)) report.files.push_back(std::move(figure));
   report.summary = text_of(results.rows().size() <= kMostRowsShown ? all : means) + "\n" +
-                   text_of_summary(summary);
+                   text_of_summary(summary) + text_of_anees(anees);
   return report;
 }
 

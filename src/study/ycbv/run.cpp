@@ -31,9 +31,9 @@ std::optional<SE3d> mean_of(const std::optional<PoseDensity>& density) {
   return density ? std::optional(density->mean()) : std::nullopt;
 }
 
-PoseErrors errors_of(const PosePairs& pairs) {
+PoseErrors errors_of(const PosePairs& pairs, const ErrorReduction& reduction = ErrorReduction()) {
   PoseErrorSum sum;
-  for (const auto& [estimate, truth] : pairs) sum.add(estimate, truth);
+  for (const auto& [estimate, truth] : pairs) sum.add(estimate, reduction.nearest(truth, estimate));
   return sum.errors();
 }
 
@@ -49,6 +49,8 @@ struct Row {
   std::optional<bool> ends_on_right_mode = {};
   std::optional<double> right_mode_share = {};
   std::optional<double> right_mode_anees = {};
+  Consistency camera_consistency = {};
+  Consistency world_consistency = {};
 };
 
 /// Rows of one method on one recording.
@@ -89,6 +91,10 @@ class Item {
     return "proxy";
   }
 
+  ErrorReduction reduction(std::size_t index) const {
+    return ErrorReduction(job_.models[index].symmetries);
+  }
+
   std::size_t detections(std::size_t index) const {
     std::size_t count = 0;
     for (const auto& detection : object(index).detections) count += detection ? 1 : 0;
@@ -103,7 +109,8 @@ class Item {
     if (first == detections.end()) return std::nullopt;
     const auto truth = true_relative_pose(job_.sequence, index,
                                           static_cast<std::size_t>(first - detections.begin()));
-    return truth ? std::optional(!on_right_mode(**first, *truth)) : std::nullopt;
+    if (!truth) return std::nullopt;
+    return !on_right_mode(**first, reduction(index).nearest(*truth, **first));
   }
 
   void add(std::size_t index, const Row& row) { add(method_.name, index, row); }
@@ -130,6 +137,10 @@ class Item {
                              flag(row.ends_on_right_mode),
                              cell(row.right_mode_share),
                              cell(row.right_mode_anees),
+                             cell(row.camera_consistency.anees),
+                             cell(row.camera_consistency.rotation_anees),
+                             cell(row.camera_consistency.position_anees),
+                             cell(row.world_consistency.anees),
                              truth_of(index)});
   }
 
@@ -152,7 +163,7 @@ class Item {
   void run_detector() {
     for (std::size_t i = 0; i < job_.models.size(); ++i) {
       const PosePairs found = pairs(i, [&](std::size_t k) { return object(i).detections[k]; });
-      add(i, {.relative = errors_of(found), .pixels = pixels(found)});
+      add(i, {.relative = errors_of(found, reduction(i)), .pixels = pixels(found)});
     }
   }
 
@@ -174,7 +185,7 @@ class Item {
 
   void run_filter() {
     const SlamRun slam = run(job_);
-    const Metrics metrics = evaluate(job_.sequence, slam);
+    const Metrics metrics = evaluate(job_, slam);
     for (std::size_t i = 0; i < job_.models.size(); ++i) {
       const ObjectMetrics& errors = metrics.objects[i];
       const auto estimate_at = [&](std::size_t k) { return mean_of(slam.frames[k].relative[i]); };
@@ -192,9 +203,13 @@ class Item {
               pixels(pairs(i, last_map_at))};
       row.right_mode_share = errors.right_mode_share;
       row.right_mode_anees = errors.right_mode_anees;
+      row.camera_consistency = metrics.camera_consistency;
+      row.world_consistency = errors.world_consistency;
       add_forecasts(i, errors.forecasts);
-      if (!causal.empty())
-        row.ends_on_right_mode = on_right_mode(causal.back().first, causal.back().second);
+      if (!causal.empty()) {
+        const auto& [end, truth] = causal.back();
+        row.ends_on_right_mode = on_right_mode(end, reduction(i).nearest(truth, end));
+      }
       add(i, row);
     }
     add_timing(slam, metrics.timing);

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "filter/scenario.hpp"
+#include "posemix/slam/evaluation.hpp"
+#include "posemix/testing/expect.hpp"
+
+/// Metrics of objects whose symmetries are declared.
+namespace posemix {
+namespace {
+
+using testing::gaussian_noise;
+using testing::isotropic;
+using testing::pose;
+using testing::thrown_message;
+
+const SE3d kObject = pose(0.4, -0.3, 0.2, 0.1, 0.2, 1.1);
+const SE3d kStart = pose(0.1, 0.2, -0.1, 0.3, -0.2, 0.1);
+constexpr std::size_t kFrames = 40;
+
+SE3d turn_about_z(double angle) {
+  return SE3d(SO3d::exp(Eigen::Vector3d(0, 0, angle)), Eigen::Vector3d::Zero());
+}
+
+/// One object, detected with small errors; its truth is turned about its own z axis by `angle`
+/// times the frame's number.
+Sequence sequence_turned_by(double angle) {
+  RandomStream stream(1);
+  Sequence sequence;
+  ObjectRecording object{"can", {}, {}, {}};
+  SE3d camera = kStart;
+  for (std::size_t k = 0; k < kFrames; ++k) {
+    Vector6d n;
+    for (double& x : n) x = 0.01 * stream.normal();
+    sequence.stamps.push_back(0.1 * static_cast<double>(k));
+    sequence.camera_truth.emplace_back(camera);
+    sequence.odometry.emplace_back(kStart.inverse() * camera);
+    object.detections.emplace_back(camera.inverse() * kObject * SE3d::exp(n));
+    object.world_truth.emplace_back(kObject * turn_about_z(angle * static_cast<double>(k)));
+    camera = camera * pose(0.02, 0.01, 0.0, 0.01, 0.0, 0.02);
+  }
+  sequence.objects.push_back(object);
+  return sequence;
+}
+
+SlamRun run_of(const Sequence& sequence) {
+  ObjectSlamSettings settings;
+  settings.tracker = GaussianSumSettings{};
+  const PoseDensity prior(kStart, isotropic(0.5, 0.005));
+  return run(sequence, prior, {{"can", gaussian_noise(), std::nullopt}}, settings);
+}
+
+ObjectMetrics metrics_of(double angle, const std::vector<SymmetryGroup>& symmetries) {
+  const Sequence sequence = sequence_turned_by(angle);
+  return evaluate(sequence, run_of(sequence), symmetries).objects[0];
+}
+
+TEST(SymmetricMetrics, TheTurnOfTheTruthAboutADeclaredAxisIsNoError) {
+  const SymmetryGroup any_turn = SymmetryGroup::turns(Eigen::Vector3d::UnitZ(), 0);
+  const ObjectMetrics still = metrics_of(0.0, {any_turn});
+  const ObjectMetrics turned = metrics_of(0.7, {any_turn});
+  const ObjectMetrics plain = metrics_of(0.7, {});
+  EXPECT_GT(*plain.relative.rotation_rmse_deg, 60.0);
+  EXPECT_LT(*plain.right_mode_share, 0.3);
+  EXPECT_LT(*turned.relative.rotation_rmse_deg, 1.0);
+  EXPECT_EQ(*turned.right_mode_share, 1.0);
+  for (const auto errors :
+       {&ObjectMetrics::world, &ObjectMetrics::relative, &ObjectMetrics::detection_relative}) {
+    EXPECT_NEAR(*(turned.*errors).rotation_rmse_deg, *(still.*errors).rotation_rmse_deg, 1e-6);
+    EXPECT_NEAR(*(turned.*errors).position_rmse_m, *(still.*errors).position_rmse_m, 1e-9);
+  }
+  EXPECT_NEAR(*turned.relative_anees, *still.relative_anees, 1e-4);
+  EXPECT_NEAR(*turned.right_mode_anees, *still.right_mode_anees, 1e-4);
+  EXPECT_NEAR(*turned.world_consistency.rotation_anees, *still.world_consistency.rotation_anees,
+              1e-4);
+  EXPECT_NEAR(*turned.relative_consistency.anees, *turned.relative_anees, 1e-9);
+}
+
+TEST(SymmetricMetrics, AnImageOfTheTruthIsTheTruth) {
+  const ObjectMetrics turned =
+      metrics_of(std::numbers::pi, {SymmetryGroup::turns(Eigen::Vector3d::UnitZ(), 2)});
+  const ObjectMetrics still = metrics_of(0.0, {});
+  EXPECT_NEAR(*turned.relative.rotation_rmse_deg, *still.relative.rotation_rmse_deg, 1e-9);
+  EXPECT_NEAR(*turned.relative_anees, *still.relative_anees, 1e-9);
+  EXPECT_EQ(*turned.right_mode_share, 1.0);
+}
+
+TEST(SymmetricMetrics, WithoutSymmetriesNothingChanges) {
+  const ObjectMetrics none = metrics_of(0.01, {});
+  const ObjectMetrics identity = metrics_of(0.01, {SymmetryGroup()});
+  EXPECT_EQ(*none.relative_anees, *identity.relative_anees);
+  EXPECT_EQ(*none.relative.rotation_rmse_deg, *identity.relative.rotation_rmse_deg);
+  // The mean of e^T P^-1 e / 6 on the left is that along the axes of the estimate.
+  EXPECT_NEAR(*none.relative_anees, *none.relative_consistency.anees, 1e-9);
+}
+
+TEST(SymmetricMetrics, AGroupPerObjectIsNeeded) {
+  const Sequence sequence = sequence_turned_by(0.0);
+  const std::vector<SymmetryGroup> two(2);
+  EXPECT_EQ(thrown_message([&] { return evaluate(sequence, run_of(sequence), two); }),
+            "evaluation: got the symmetries of 2 objects, expected 1");
+}
+
+}  // namespace
+}  // namespace posemix
