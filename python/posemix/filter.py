@@ -16,7 +16,8 @@ __all__ = [
     "MultiObjectFilter", "MultiObjectSettings", "NoiseComponent", "NoiseCorrelation", "NoiseCriterion",
     "NoiseDependence", "NoiseEmFit", "NoiseFit", "NoiseFitSettings", "NoiseFrame", "NoiseMode", "NoiseModeSettings",
     "NoiseUse", "NoiseValidation", "ObjectHypothesis", "ObjectSensor", "ObjectUpdateReport", "OdometryNoise",
-    "OdometryNoiseSettings", "OdometryWindow", "RobustLoss", "Summary", "SymmetricPoseError", "SymmetryAxis",
-    "SymmetryGroup", "SymmetryTolerance", "UpdateReport", "UpdateRule", "along_camera", "default_detector_noise",
-    "fit_noise", "fit_odometry_noise", "max_symmetric_surface_distance", "pose_covariance", "symmetric_pose_error",
+    "OdometryNoiseSettings", "OdometryWindow", "RobustLoss", "SlowError", "SlowErrorDecay", "SlowErrorFit",
+    "SlowErrorModel", "Summary", "SymmetricPoseError", "SymmetryAxis", "SymmetryGroup", "SymmetryTolerance",
+    "UpdateReport", "UpdateRule", "along_camera", "default_detector_noise", "fit_noise", "fit_odometry_noise",
+    "max_symmetric_surface_distance", "pose_covariance", "symmetric_pose_error",
 ]  # fmt: skip

@@ -6,12 +6,12 @@ from posemix._core import (
     Alignment, Association, AssociationSettings, AxisConsistency, CandidateStatus, Consistency, ConsistencyReport,
     ConsistencyVerdict, Coverage, DetectionStatus, ErrorAxes, ErrorDirection, FixedLagSmoother, FrameConsistency,
     FrameInput, Interval, Metrics, ModeForecast, MotionModel, MotionSettings, MultiObjectSlamSettings, NeesSummary,
-    NoisePer, ObjectMetrics, ObjectModel, ObjectSlam, ObjectSlamSettings, PoseErrors, ProcessNoise,
-    SimulatedSequence, SimulationConfig, SimulationFlips, SimulationNoise, SimulationObject, SimulationOutliers,
-    SimulationPath, SimulationRuns, SimulationSd, SimulationSwing, SlamMethod, SmoothingSettings, Timing, associate,
-    camera_prior, claimed_clutter, claimed_noise, consistency, evaluate, find_slam_method, least_cost_assignment,
-    motion_settings, object_model, on_right_mode, simulate, slam_methods, squared_normalized_error,
-    true_relative_pose, true_world_pose,
+    NoisePer, ObjectMetrics, ObjectModel, ObjectSlam, ObjectSlamSettings, PoseErrors, ProcessNoise, SimulatedSequence,
+    SimulationConfig, SimulationFlips, SimulationNoise, SimulationObject, SimulationOutliers, SimulationPath,
+    SimulationRuns, SimulationSd, SimulationSlowError, SimulationSwing, SlamMethod, SmoothingSettings, Timing,
+    associate, camera_prior, claimed_clutter, claimed_mode_time_s, claimed_noise, claimed_slow_error, consistency,
+    evaluate, find_slam_method, least_cost_assignment, motion_settings, object_model, on_right_mode, simulate,
+    slam_methods, squared_normalized_error, true_relative_pose, true_world_pose,
 )  # fmt: skip
 from posemix.recording import *
 from posemix.runs import *
@@ -25,8 +25,9 @@ __all__ = [
     "ObjectModel", "ObjectRecording", "ObjectSlam", "ObjectSlamSettings", "ParticleFilterSettings", "PoseErrors",
     "PoseTrack", "ProcessNoise", "Sequence", "SimulatedSequence", "SimulationConfig", "SimulationFlips",
     "SimulationNoise", "SimulationObject", "SimulationOutliers", "SimulationPath", "SimulationRuns", "SimulationSd",
-    "SimulationSwing", "SlamJob", "SlamMethod", "SlamRun", "SmoothingSettings", "Timing", "associate",
-    "camera_prior", "claimed_clutter", "claimed_noise", "consistency", "evaluate", "find_slam_method", "is_known",
-    "least_cost_assignment", "motion_settings", "object_model", "on_right_mode", "run", "run_smoothed", "simulate",
-    "slam_methods", "squared_normalized_error", "true_relative_pose", "true_world_pose", "with_misses",
+    "SimulationSlowError", "SimulationSwing", "SlamJob", "SlamMethod", "SlamRun", "SmoothingSettings", "Timing",
+    "associate", "camera_prior", "claimed_clutter", "claimed_mode_time_s", "claimed_noise", "claimed_slow_error",
+    "consistency", "evaluate", "find_slam_method", "is_known", "least_cost_assignment", "motion_settings",
+    "object_model", "on_right_mode", "run", "run_smoothed", "simulate", "slam_methods", "squared_normalized_error",
+    "true_relative_pose", "true_world_pose", "with_misses",
 ]  # fmt: skip

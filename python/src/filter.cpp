@@ -188,6 +188,15 @@ void bind_objects(nb::class_<MultiObjectFilter>& filter) {
           },
           "object"_a, "hypothesis"_a,
           "T_camera_object of one hypothesis, with the cross-covariance.")
+      .def(
+          "predicted_detection",
+          [](const F& self, std::size_t object, std::size_t hypothesis) {
+            require_hypothesis(self, object, hypothesis);
+            return self.predicted_detection(object, hypothesis);
+          },
+          "object"_a, "hypothesis"_a,
+          "T_camera_object as the detector sees it under one hypothesis: with the slow error of "
+          "its detections, without their white error.")
       .def("pose_index", &F::pose_index, "object"_a,
            "Index of the object's pose in the joint Gaussian.");
 }
@@ -208,11 +217,9 @@ void bind_multi_object(nb::module_& m) {
   bind_steps(filter);
   bind_objects(filter);
   filter.def_prop_ro("object_count", &F::object_count, "Number of objects.")
-      .def_prop_ro("correlation_length", &F::correlation_length,
-                   "Detections of an object that count as one, over all objects.")
       .def_prop_ro(
           "camera", [](const F& self) { return self.camera(); },
-          "T_world_camera, with the covariance of the true error.")
+          "T_world_camera.")
       .def_prop_ro(
           "settings", [](const F& self) { return frozen(self.settings()); },
           nb::for_getter(nb::sig("def settings(self, /) -> MultiObjectSettings")),

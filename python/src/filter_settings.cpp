@@ -19,8 +19,8 @@ void add_hypothesis_fields(MultiObjectFields& settings) {
           "explained_probability", &S::explained_probability, "float",
           "Quantile within which a hypothesis explains a detection; a detection that none explains "
           "starts a hypothesis.")
-      .field("birth_covariance_factor", &S::birth_covariance_factor, "float",
-             "Factor of the detector's covariance for a new hypothesis.")
+      .field("default_clutter", &S::default_clutter, "float",
+             "Weight of clutter for a noise model without clutter.")
       .field("birth_score", &S::birth_score, "float", "Score of a new hypothesis [nats].")
       .field("score_memory", &S::score_memory, "float",
              "Share of the score that is left after a detection.")
@@ -39,22 +39,21 @@ void add_noise_fields(MultiObjectFields& settings) {
       .field("leader_margin", &S::leader_margin, "float",
              "Lead in log weight with which another hypothesis becomes the leading one [nats].")
       .field("has_odometry", &S::has_odometry, "bool", "Whether the camera has odometry.")
-      .field("odometry_camera_fraction", &S::odometry_camera_fraction, "float",
-             "Share of the odometry's noise that is the camera's; the rest is the map's drift.")
       .field("noise_scale_detections", &S::noise_scale_detections, "float",
              "Number of detections that the noise as given counts as; infinity: it is not learned.")
       .field("least_noise_scale", &S::least_noise_scale, "float",
              "Least value of the learned scale.")
-      .field("correlation_s", &S::correlation_s, "float",
-             "Time within which detections count as one [s].")
-      .field("correlation_detections", &S::correlation_detections, "float",
-             "Number of detections that this time counts as.")
-      .field("bias_variance_fraction", &S::bias_variance_fraction, "float",
-             "Share of the noise's variance that all frames have in common.")
-      .field("mode_correlation_factor", &S::mode_correlation_factor, "float",
-             "Factor of the correlation length in the probability of the mode.")
-      .field("camera_gain_noise", &S::camera_gain_noise, "float",
-             "Noise with which the camera's gain is computed, in units of a detection's.");
+      .field("camera_gain", &S::camera_gain, "float",
+             "Factor of the gain with which a detection moves the camera and other objects, where "
+             "there is odometry.")
+      .field(
+          "slow_error_gain", &S::slow_error_gain, "float",
+          "Factor of the gain with which a detection moves the slow error of its detector, where "
+          "there is odometry.")
+      .field("camera_rotation_correction", &S::camera_rotation_correction, "float",
+             "Part of a correction's rotation that the camera keeps, where there is odometry.")
+      .field("camera_position_correction", &S::camera_position_correction, "float",
+             "Part of a correction's translation that the camera keeps, where there is odometry.");
 }
 
 }  // namespace

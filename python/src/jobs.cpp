@@ -33,9 +33,12 @@ template <class Read>
 auto read_document(const fs::path& path, const std::vector<std::string>& overrides, Read read) {
   TomlDocument document = TomlDocument::load(path);
   for (const std::string& assignment : overrides) document.apply_override(assignment);
+  auto result = [&] {
+    const nb::gil_scoped_release unlocked;
+    return read(document);
+  }();
   warn_of_old_names(document.warnings());
-  const nb::gil_scoped_release unlocked;
-  return read(document);
+  return result;
 }
 
 constexpr const char* kReadJobDoc = R"(Reads a sequence file and every file that it names.

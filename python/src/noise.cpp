@@ -33,10 +33,9 @@ void bind_parts(nb::module_& m) {
       .field("frame", &C::frame, "NoiseFrame", "Axes of the covariance.")
       .field("offset", &C::offset, "posemix.lie.SE3",
              "Pose of the detected mode in the object's frame.")
-      .field("update_covariance", &C::update_covariance, "numpy.typing.ArrayLike | None",
-             "Covariance with which a detection moves the estimate, where it is not the one that "
-             "weighs "
-             "hypotheses.")
+      .field("run_length", &C::run_length, "float",
+             "Number of successive detections with the same error; above one the component is one "
+             "of gross errors.")
       .done();
   Settings<Clutter>(
       m, "Clutter",
@@ -45,12 +44,25 @@ void bind_parts(nb::module_& m) {
       .field("volume_m3", &Clutter::volume_m3, "float", "The volume [m^3].")
       .done();
   using D = NoiseDependence;
-  Settings<D>(m, "NoiseDependence", "Dependence of successive detections, where it is known.")
-      .field("dependent_frames", &D::dependent_frames, "float | None",
-             "Number of detections of an object that count as one.")
-      .field("bias", &D::bias, "numpy.typing.ArrayLike | None",
-             "Shape (6, 6): covariance of the error that a whole recording shares, in frame and "
-             "units of the first component.")
+  Settings<SlowError>(m, "SlowError",
+                      "The slow part of a detector's error, a stationary Gaussian process with the "
+                      "correlation\nexp(-angle / correlation_angle_rad - time / correlation_time_s).")
+      .field("covariance", &SlowError::covariance, "numpy.typing.ArrayLike",
+             "Shape (6, 6), in frame and units of the components.")
+      .field("correlation_time_s", &SlowError::correlation_time_s, "float",
+             "Correlation time [s]; may be infinite.")
+      .field("correlation_angle_rad", &SlowError::correlation_angle_rad, "float",
+             "Correlation angle of the viewing direction, seen from the object [rad]; may be "
+             "infinite.")
+      .done();
+  Settings<D>(m, "NoiseDependence", "Dependence of successive detections of an object.")
+      .field("slow", &D::slow, "SlowError | None",
+             "The slow error; None: the errors of successive detections are independent.")
+      .field("common", &D::common, "numpy.typing.ArrayLike | None",
+             "Shape (6, 6): covariance of the error that all detections of a recording have in "
+             "common, along the object's axes [rad, m].")
+      .field("mode_time_s", &D::mode_time_s, "float",
+             "Time for which a detector stays with one mode or with clutter [s].")
       .done();
 }
 
@@ -110,6 +122,11 @@ void bind_detector_noise(nb::module_& m) {
       "A copy of the dependence, which cannot be changed.");
   noise.def_prop_ro("log_clutter_density", &D::log_clutter_density,
                     "Log of clutter's weight times its density [nats]; -inf for weight zero.");
+  noise.def_prop_ro("is_white", &D::is_white,
+                    "Whether the errors of successive detections are independent.");
+  noise.def("as_white", &D::as_white,
+            "The model for filters that take successive errors for independent: slow error and "
+            "error in common are a part of every component.");
   noise.def("single_gaussian", &D::single_gaussian,
             "The one Gaussian with the second moment of the components without an offset.");
   noise.def(

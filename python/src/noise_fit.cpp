@@ -85,6 +85,59 @@ void bind_correlation(nb::module_& m) {
       .done();
 }
 
+void bind_slow_error(nb::module_& m) {
+  Words<SlowErrorDecay>(m, "SlowErrorDecay", "What the correlation of a slow error decays with.")
+      .value(SlowErrorDecay::none, "There is no slow error: errors are white.")
+      .value(SlowErrorDecay::angle, "The path of the viewing direction.")
+      .value(SlowErrorDecay::time, "Time.")
+      .value(SlowErrorDecay::angle_and_time, "Both.");
+  using M = SlowErrorModel;
+  Record<M>(m, "SlowErrorModel", "A model of slow errors at its greatest likelihood.")
+      .field("decay", &M::decay, "SlowErrorDecay", "What the correlation decays with.")
+      .field("common", &M::common, "bool",
+             "Whether there is an error that a recording has in common.")
+      .field("log_likelihood", &M::log_likelihood, "float",
+             "Log-likelihood of the residuals of the inliers [nats].")
+      .field("parameters", &M::parameters, "int", "Number of free parameters.")
+      .field("bic", &M::bic, "float",
+             "The criterion, parameters log(detections) - 2 log_likelihood.")
+      .field("below_best", &M::below_best, "float",
+             "Log-likelihood of the model of the least BIC less that of this one [nats].")
+      .field("standard_error", &M::standard_error, "float",
+             "Standard error of the difference; NaN with fewer than five recordings.")
+      .done();
+  using F = SlowErrorFit;
+  Record<F>(m, "SlowErrorFit", "The white, slow and common errors of the inliers of a detector.")
+      .field("slow", &F::slow, "SlowError | None", "The slow error; None where errors are white.")
+      .field("common", &F::common, "numpy.typing.NDArray[numpy.float64] | None",
+             "Shape (6, 6): covariance of the error in common, along the object's axes [rad, m].")
+      .field("white", &F::white, kFloatArray, "Shape (6, 6): covariance of the white error.")
+      .field("slow_sd", &F::slow_sd, kFloatArray,
+             "Shape (6,): standard deviations of the slow error [rad, m or fraction of the range].")
+      .field("slow_sd_error", &F::slow_sd_error, kFloatArray,
+             "Shape (6,): their standard errors, NaN where they are not known.")
+      .field(
+          "white_sd", &F::white_sd, kFloatArray,
+          "Shape (6,): standard deviations of the white error [rad, m or fraction of the range].")
+      .field("white_sd_error", &F::white_sd_error, kFloatArray,
+             "Shape (6,): their standard errors, NaN where they are not known.")
+      .field("common_sd", &F::common_sd, kFloatArray,
+             "Shape (6,): standard deviations of the error in common [rad, m].")
+      .field("common_sd_error", &F::common_sd_error, kFloatArray,
+             "Shape (6,): their standard errors, NaN where they are not known.")
+      .field("correlation_angle_error_rad", &F::correlation_angle_error_rad, "float",
+             "Standard error of the correlation angle [rad].")
+      .field("correlation_time_error_s", &F::correlation_time_error_s, "float",
+             "Standard error of the correlation time [s].")
+      .field("detections", &F::detections, "int", "Number of inliers.")
+      .field("recordings", &F::recordings, "int", "Number of recordings that have inliers.")
+      .field("is_jackknife", &F::is_jackknife, "bool",
+             "Whether standard errors are at least those of a jackknife over recordings.")
+      .field("models", &F::models, "list[SlowErrorModel]", "All models that were tried.")
+      .field("chosen", &F::chosen, "int", "Index of the chosen model in `models`.")
+      .done();
+}
+
 /// How well a noise model explains the detections.
 template <class Fit>
 Record<Fit>& with_likelihood(Record<Fit>& fit) {
@@ -136,7 +189,8 @@ constexpr const char* kFitNoiseDoc =
     R"(Learns the noise of a detector from detections of one class of objects with ground truth.
 
 Mixtures of 1, 2, ... components with clutter are fitted by EM; the criterion chooses one of them and the frame of
-its covariances. Wrong poses that recur become modes, and the correlation of the errors in time is estimated.
+its covariances. Wrong poses that recur become modes. The errors of inliers are separated into a white part, a slow one
+that lasts while the view stays the same, and one that a recording has in common. The result is a model for filters.
 
 Parameters
 ----------
@@ -145,6 +199,9 @@ truth, detected : SE3, shape (n,)
     without ground truth or without a detection (`with_misses`).
 recording : array_like, shape (n,), optional
     Name or number of the recording of every frame; a single recording if None.
+stamps : array_like, shape (n,), optional
+    Stamps of the frames [s], which do not decrease within a recording; if None, how long errors last is estimated in
+    angles of view alone, and the mode time is zero.
 settings : NoiseFitSettings, optional
     Models that are tried, and the criterion that chooses one.
 seed : int or RandomStream
@@ -158,7 +215,8 @@ NoiseFit
 Raises
 ------
 ValueError
-    For numbers of poses that differ, fewer than two detections, and settings that contradict each other.
+    For numbers of poses that differ, fewer than two detections, stamps that decrease, and settings that contradict
+    each other.
 
 Examples
 --------
@@ -181,7 +239,8 @@ void bind_fit(nb::module_& m) {
   using F = NoiseFit;
   Record<F> fit(m, "NoiseFit", "A noise model, and how it was found; see `fit_noise`.");
   fit.made_from([] {
-       return F{default_detector_noise(), NoiseFrame::object, 0.0, 0, 0.0, {}, 0, 1.0, {}, {}, {}};
+       return F{
+           default_detector_noise(), NoiseFrame::object, 0.0, 0, 0.0, {}, 0, 1.0, {}, {}, {}, {}};
      })
       .field("noise", &F::noise, "DetectorNoise", "The chosen model, with its dependence.")
       .field("frame", &F::frame, "NoiseFrame", "Axes of its covariances.");
@@ -194,6 +253,8 @@ void bind_fit(nb::module_& m) {
       .field("modes", &F::modes, "list[NoiseMode]", "Modes that were tried.")
       .field("correlation", &F::correlation, "NoiseCorrelation",
              "Correlation of the errors in time.")
+      .field("slow_error", &F::slow_error, "SlowErrorFit",
+             "White, slow and common errors of the inliers, with standard errors.")
       .field("validation", &F::validation, "list[NoiseValidation]",
              "Results of the cross validation; empty without it.")
       .shown_as([](const F& self) {
@@ -210,8 +271,8 @@ void bind_fit(nb::module_& m) {
   m.def(
       "fit_noise",
       [](const PoseArray& truth, const PoseArray& detected,
-         const std::optional<ArrayLike>& recording, const std::optional<NoiseFitSettings>& settings,
-         const Seed& seed) {
+         const std::optional<ArrayLike>& recording, const std::optional<ArrayLike>& stamps,
+         const std::optional<NoiseFitSettings>& settings, const Seed& seed) {
         std::vector<std::size_t> recordings(truth.size());
         if (recording) {
           const nb::object unique = nb::module_::import_("numpy").attr("unique");
@@ -226,19 +287,32 @@ void bind_fit(nb::module_& m) {
               "{} true poses, {} detections and {} recordings; expected as many of each",
               true_poses.size(), detections.size(), recordings.size()));
         }
-        std::map<std::size_t, std::pair<MaybePoses, MaybePoses>> by_recording;
+        const Eigen::VectorXd seconds = stamps ? stamps->flat() : Eigen::VectorXd();
+        if (stamps && static_cast<std::size_t>(seconds.size()) != recordings.size()) {
+          throw InvalidInput(
+              fmt::format("{} stamps and {} recordings of frames; expected as many of each",
+                          seconds.size(), recordings.size()));
+        }
+        struct Frames {
+          MaybePoses truth;
+          MaybePoses detected;
+          std::vector<double> stamps;
+        };
+        std::map<std::size_t, Frames> by_recording;
         for (std::size_t i = 0; i < recordings.size(); ++i) {
-          by_recording[recordings[i]].first.push_back(true_poses[i]);
-          by_recording[recordings[i]].second.push_back(detections[i]);
+          Frames& frames = by_recording[recordings[i]];
+          frames.truth.push_back(true_poses[i]);
+          frames.detected.push_back(detections[i]);
+          if (stamps) frames.stamps.push_back(seconds[static_cast<Eigen::Index>(i)]);
         }
         std::vector<NoiseTrack> tracks;
-        for (const auto& [index, poses] : by_recording)
-          tracks.push_back(noise_track(poses.first, poses.second, index));
+        for (const auto& [index, frames] : by_recording)
+          tracks.push_back(noise_track(frames.truth, frames.detected, index, frames.stamps));
         const nb::gil_scoped_release unlocked;
         return fit_noise(tracks, settings.value_or(NoiseFitSettings{}), seed.stream());
       },
-      "truth"_a, "detected"_a, nb::kw_only(), "recording"_a = nb::none(), "settings"_a = nb::none(),
-      "seed"_a = 1, kFitNoiseDoc);
+      "truth"_a, "detected"_a, nb::kw_only(), "recording"_a = nb::none(), "stamps"_a = nb::none(),
+      "settings"_a = nb::none(), "seed"_a = 1, kFitNoiseDoc);
 }
 
 }  // namespace
@@ -246,6 +320,7 @@ void bind_fit(nb::module_& m) {
 void bind_noise_fit(nb::module_& m) {
   bind_noise_fit_settings(m);
   bind_correlation(m);
+  bind_slow_error(m);
   bind_models(m);
   bind_fit(m);
 }

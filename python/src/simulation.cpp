@@ -73,6 +73,16 @@ void bind_disturbances(nb::module_& m) {
       .done();
 }
 
+void bind_slow_error(nb::module_& m) {
+  using S = SimulationSlowError;
+  Settings<S>(m, "SimulationSlowError", "The slow part of the detector's error.")
+      .field("sd", &S::sd, "SimulationSd", "Standard deviations, in the units of the components.")
+      .field("correlation_s", &S::correlation_s, "float", "Correlation time [s].")
+      .field("correlation_angle_rad", &S::correlation_angle_rad, "float",
+             "Correlation angle of the viewing direction, seen from the object [rad].")
+      .done();
+}
+
 void bind_object(nb::module_& m) {
   using O = SimulationObject;
   Settings<O>(m, "SimulationObject", "An object that stands on the table, and its detector.")
@@ -84,6 +94,8 @@ void bind_object(nb::module_& m) {
              "Components of the detector's error; assigned as a whole.")
       .field("correlation_s", &O::correlation_s, "float",
              "Correlation time of the error; 0: frames are independent [s].")
+      .field("slow", &O::slow, "SimulationSlowError | None",
+             "Slow error that is added to that of the components.")
       .field("flips", &O::flips, "SimulationFlips", "Detections of a wrong mode.")
       .field("outliers", &O::outliers, "SimulationOutliers", "Gross errors.")
       .field("misses", &O::misses, "SimulationRuns", "Frames without a detection.")
@@ -154,6 +166,10 @@ void bind_functions(nb::module_& m) {
       "config"_a, "seed"_a, kSimulateDoc);
   m.def("claimed_noise", &claimed_noise, "object"_a,
         "The noise components that the filter is told for an object.");
+  m.def("claimed_slow_error", &claimed_slow_error, "object"_a,
+        "The slow error that the filter is told for an object.");
+  m.def("claimed_mode_time_s", &claimed_mode_time_s, "object"_a,
+        "The time for which the detector stays with a mode, as the filter is told [s].");
   m.def("claimed_clutter", &claimed_clutter, "object"_a,
         "The clutter that the filter is told: the fraction of outliers.");
   m.def("object_model", &object_model, "object"_a,
@@ -170,6 +186,7 @@ void bind_simulation(nb::module_& m) {
   bind_path(m);
   bind_errors_of_simulation(m);
   bind_disturbances(m);
+  bind_slow_error(m);
   bind_object(m);
   bind_config(m);
   bind_sequence_of_simulation(m);

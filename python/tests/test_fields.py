@@ -76,6 +76,8 @@ WITHOUT_CLASS = {
     "SplitPiece": "a step of the conversions",
     "Innovation": "a step of the filters",
     "ModeMeasurement": "a step of the filters",
+    "ModeState": "a step of the filters",
+    "JointState": "a step of smoothing",
     "ViewingRay": "sight_error has its axes",
     "IntegerRange": "the range of a setting",
     "NumberRange": "the range of a setting",

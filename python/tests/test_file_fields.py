@@ -50,8 +50,9 @@ MOTION = Place("sequence_camera.cpp read_motion", "`[motion]`")
 PROCESS = Place("sequence_camera.cpp read_process_noise", "`[motion]`", prose=True)
 MODEL = Place("sequence_file.cpp read_model", "`[[objects]]`")
 NOISE = Place("sequence_noise.cpp read_component", "`[noise.NAME]`")
-CLUTTER = Place("sequence_noise.cpp read_clutter", "`[noise.NAME]`", prose=True)
-DEPENDENCE = Place("sequence_noise.cpp read_dependence", "`[noise.NAME]`", prose=True)
+CLUTTER = Place("sequence_noise.cpp read_clutter", "`[noise.NAME]`", row="clutter")
+DEPENDENCE = Place("sequence_noise.cpp read_dependence", "`[noise.NAME]`")
+SLOW = Place("sequence_noise.cpp read_slow", "`[noise.NAME]`", row="slow")
 SIMULATED = Place("simulation_config.cpp get_object", "The configuration", "simulation.md")
 COMPONENT = SIMULATED.by("simulation_config.cpp get_component").in_row("noise.<name>.components")
 SD = SIMULATED.by("simulation_config.cpp get_sd")
@@ -109,10 +110,19 @@ IN_FILES: dict[str, tuple[Place, Keys]] = {
                 ("offset", "rotation_deg", "translation_m"),
                 NOISE.by("sequence_noise.cpp read_offset").in_row("offset"),
             ),
-            "update_covariance": "update",
         },
     ),
-    "NoiseDependence": (DEPENDENCE, {}),
+    "NoiseDependence": (DEPENDENCE, {"slow": ("slow", SLOW.in_row(""))}),
+    "SlowError": (
+        SLOW,
+        {
+            "covariance": (
+                ("rotation_sd_deg", "translation_sd_m", "translation_sd_of_range", "covariance"),
+                SLOW.by("sequence_noise.cpp read_covariance"),
+            ),
+            "correlation_angle_rad": "correlation_angle_deg",
+        },
+    ),
     "Clutter": (CLUTTER, {}),
     "SimulationSwing": (SIMULATED.by("simulation_config.cpp get_swing").in_row("camera.range"), {}),
     "SimulationPath": (PATH, {}),
@@ -126,6 +136,17 @@ IN_FILES: dict[str, tuple[Place, Keys]] = {
             ),
             "offset_rotation_rad": (("offset", "rotation_deg"), COMPONENT),
             "offset_translation_m": (("offset", "translation_m"), COMPONENT),
+        },
+    ),
+    "SimulationSlowError": (
+        SIMULATED.by("simulation_config.cpp get_slow").in_row("slow"),
+        {
+            "sd": (
+                ("rotation_sd_deg", "translation_sd_m", "translation_sd_of_range"),
+                SD.in_row("slow"),
+            ),
+            "correlation_s": "correlation_time_s",
+            "correlation_angle_rad": "correlation_angle_deg",
         },
     ),
     "SimulationRuns": (RUNS.in_row("misses"), {}),

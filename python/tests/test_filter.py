@@ -38,11 +38,14 @@ def test_components_hold_poses_and_optional_arrays() -> None:
     offset = px.SE3(px.SO3.exp([0, 0, 1.0]), [0.1, 0, 0])
     component = px.NoiseComponent(offset=offset, frame=px.NoiseFrame.ray)
     assert component.offset.is_approx(offset, 0.0)
-    assert component.update_covariance is None
-    component.update_covariance = 2 * SD
+    model = px.ObjectModel(id="mug")
+    assert model.independent_start is None
+    model.independent_start = 2 * SD
+    assert pickle.loads(pickle.dumps(model)) == model
+    np.testing.assert_array_equal(model.independent_start, 2 * SD)
+    component.run_length = 4.0
     again = pickle.loads(pickle.dumps(component))
     assert again == component
-    np.testing.assert_array_equal(again.update_covariance, 2 * SD)
     with pytest.raises(TypeError, match="offset is of type int; expected an SE3 or a matrix"):
         px.NoiseComponent(offset=3)
 
@@ -179,8 +182,8 @@ def test_gaussian_sum_branches_and_reduces() -> None:
 def plain() -> px.MultiObjectSettings:
     """Nothing is learned: independent detections with known noise."""
     return px.MultiObjectSettings(
-        odometry_camera_fraction=1.0, noise_scale_detections=math.inf, correlation_s=0.0,
-        correlation_detections=math.inf, bias_variance_fraction=0.0,
+        noise_scale_detections=math.inf, camera_gain=1.0, camera_rotation_correction=1.0,
+        camera_position_correction=1.0,
     )  # fmt: skip
 
 

@@ -124,11 +124,21 @@ def test_a_job_is_open(recording: Path) -> None:
     assert len(px.run(job, progress=lambda done, total: done < 5)) == 5
 
 
-def test_an_old_name_of_a_key_warns(recording: Path) -> None:
-    old, new = "camera_share", "odometry_camera_fraction"
-    with pytest.warns(FutureWarning, match=f"key 'filter.{old}' is now 'filter.{new}'"):
-        job = px.read_slam_job(recording / "sequence.toml", overrides=[f"filter.{old}=0.25"])
-    assert job.settings.tracker.filter.odometry_camera_fraction == 0.25
+def test_a_key_of_an_earlier_release_warns(recording: Path) -> None:
+    with pytest.warns(FutureWarning, match="key 'filter.camera_share' has no effect any more"):
+        px.read_slam_job(recording / "sequence.toml", overrides=["filter.camera_share=0.25"])
+
+
+def test_what_is_assumed_of_a_noise_warns(recording: Path) -> None:
+    model = 'noise.mug={components=[{rotation_sd_deg=2, translation_sd_m=0.01}]}'
+    with pytest.warns(FutureWarning) as caught:
+        job = px.read_slam_job(recording / "sequence.toml", overrides=[model, "objects.0.noise=mug"])
+    text = "\n".join(str(warning.message) for warning in caught)
+    assert "key 'noise.mug.slow' is missing" in text
+    assert "key 'noise.mug.clutter' is missing" in text
+    noise = job.models[0].noise
+    np.testing.assert_allclose(noise.dependence.slow.covariance, 3 * noise.components[0].covariance)
+    assert noise.dependence.slow.correlation_angle_rad == pytest.approx(np.pi / 2)
 
 
 def test_an_old_name_in_a_mixture_file_warns(tmp_path: Path) -> None:

@@ -37,8 +37,10 @@ def test_noise_of_a_simulated_detector(rng: np.random.Generator) -> None:
     np.testing.assert_allclose(wrong.offset.rotation.log(), [0, np.pi / 2, 0], atol=0.03)
     assert fit.bic == min(each.bic for each in fit.fits)
     assert fit.log_likelihood == fit.fits[fit.chosen].log_likelihood
-    assert fit.noise.dependence.dependent_frames == fit.correlation.inlier.within
-    np.testing.assert_allclose(fit.noise.dependence.bias, np.diag(fit.correlation.bias_sd**2))
+    # The errors are white, and without stamps there is no time.
+    assert fit.noise.dependence.slow is None and fit.noise.dependence.mode_time_s == 0
+    assert fit.slow_error.models[fit.slow_error.chosen].decay == px.SlowErrorDecay.none
+    np.testing.assert_allclose(fit.slow_error.white_sd, SD, rtol=0.11)
     assert fit.to_toml("cup") == fit.noise.to_toml("cup")
     again = px.fit_noise(truth, detected, recording=recording, settings=settings, seed=2)
     assert again.noise == fit.noise
@@ -54,6 +56,33 @@ def test_misses_and_frames_without_truth_do_not_count(rng: np.random.Generator) 
     some = px.fit_noise(some_truth, some_detected, settings=settings)
     both = px.fit_noise(some_truth[20:180], some_detected[20:180], settings=settings)
     assert some.log_likelihood == both.log_likelihood
+
+
+def test_slow_errors_with_their_standard_errors(rng: np.random.Generator) -> None:
+    """Errors of 10 s in recordings of 200 frames, while the object stands still before the camera."""
+    stamps = np.tile(0.5 * np.arange(200), 6)
+    decay = np.exp(-0.5 / 10)
+    slow = np.zeros((1200, 6))
+    for i in range(1200):
+        fresh = rng.normal(size=6) * 2 * SD
+        slow[i] = fresh if i % 200 == 0 else decay * slow[i - 1] + np.sqrt(1 - decay**2) * fresh
+    truth = px.SE3(translation=np.tile([0.0, 0.0, 1.0], (1200, 1)))
+    detected = truth * px.SE3.exp(slow + rng.normal(size=(1200, 6)) * SD)
+    settings = px.NoiseFitSettings(max_components=1, restarts=1, frame=px.NoiseFrame.object)
+    recording = np.repeat(np.arange(6), 200)
+    fit = px.fit_noise(truth, detected, recording=recording, stamps=stamps, settings=settings)
+    found = fit.slow_error
+    assert found.models[found.chosen].decay == px.SlowErrorDecay.time
+    assert found.slow == fit.noise.dependence.slow
+    assert found.slow.correlation_time_s == pytest.approx(10, abs=3 * found.correlation_time_error_s)
+    assert np.all(np.abs(found.white_sd - SD) < 4 * found.white_sd_error)
+    assert np.all(np.abs(found.slow_sd - 2 * SD) < 4 * found.slow_sd_error)
+    assert found.is_jackknife and found.recordings == 6
+    assert "correlation_time_s" in fit.to_toml()
+    with pytest.raises(ValueError, match="stamps do not decrease"):
+        px.fit_noise(truth, detected, recording=recording, stamps=-stamps, settings=settings)
+    with pytest.raises(ValueError, match="5 stamps"):
+        px.fit_noise(truth, detected, stamps=stamps[:5], settings=settings)
 
 
 def test_text_is_read_back(rng: np.random.Generator) -> None:

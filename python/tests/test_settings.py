@@ -81,11 +81,11 @@ def lose_nothing_of(owner: object) -> int:
 
 def with_all_parts() -> list[object]:
     noise = px.SimulationNoise()
-    thing = px.SimulationObject(id="mug", noise=[noise], claimed=[noise])
+    thing = px.SimulationObject(id="mug", noise=[noise], claimed=[noise], slow=px.SimulationSlowError())
     config = px.SimulationConfig(objects=[thing], claimed_odometry=px.SimulationSd())
-    component = px.NoiseComponent(update_covariance=np.eye(6))
+    component = px.NoiseComponent(run_length=3.0)
     model = px.ObjectModel(id="mug", independent_start=np.eye(6))
-    dependence = px.NoiseDependence(dependent_frames=2.0, bias=np.eye(6))
+    dependence = px.NoiseDependence(slow=px.SlowError(correlation_time_s=2.0), common=np.eye(6))
     trackers = [px.MultiObjectSlamSettings(), px.GaussianSumSettings(), px.ParticleFilterSettings()]
     return [config, component, model, dependence, *(px.ObjectSlamSettings(tracker=tracker) for tracker in trackers)]
 

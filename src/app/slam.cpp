@@ -47,8 +47,9 @@ SlamJob read_job(const SlamOptions& options) {
     document.apply_override("filter.smooth=fixed_lag");
     document.apply_override(fmt::format("filter.smooth_lag={}", *options.smooth_lag));
   }
+  SlamJob job = read_slam_job(document, data_folders(options.sequence, options.data));
   print_warnings(document.warnings());
-  return read_slam_job(document, data_folders(options.sequence, options.data));
+  return job;
 }
 
 SlamRun filter(const SlamJob& job, const SlamOptions& options, const InterruptGuard& guard) {

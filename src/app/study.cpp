@@ -20,6 +20,7 @@
 #include "posemix/io/grasp_outcomes.hpp"
 #include "posemix/io/output_folder.hpp"
 #include "progress.hpp"
+#include "study/consistency/study.hpp"
 #include "study/divergence/study.hpp"
 #include "study/engine/run_study.hpp"
 #include "study/grasp/study.hpp"
@@ -70,6 +71,12 @@ const std::array kStudies{
                  "posemix study divergence --out out/divergence", false, false,
                  [](const TomlTable& table, const StudyOptions&) {
                    return make_divergence_study(read_divergence_settings(table));
+                 }},
+    StudyCommand{"consistency",
+                 "Whether the default filter is as sure as it is right, on simulated recordings",
+                 "posemix study consistency --set runs=50 --out out/consistency", false, false,
+                 [](const TomlTable& table, const StudyOptions&) {
+                   return make_consistency_study(read_consistency_settings(table));
                  }},
     StudyCommand{
         "monte-carlo", "Filters on a simulated recording with odometry of growing noise",

@@ -43,10 +43,7 @@ std::string component_text(const NoiseComponent& component) {
   std::string text =
       fmt::format("  {{weight = {}, frame = \"{}\", {}", component.weight, word_of(component.frame),
                   covariance_text(component.covariance, component.frame));
-  if (component.update_covariance) {
-    text += fmt::format(", update = {{{}}}",
-                        covariance_text(*component.update_covariance, component.frame));
-  }
+  if (component.run_length != 1.0) text += fmt::format(", run_length = {}", component.run_length);
   if (component.offset.log().norm() > 0.0) {
     const Eigen::Vector3d rotation = component.offset.rotation().log() / kRadPerDeg;
     const Eigen::Vector3d& translation = component.offset.translation();
@@ -56,33 +53,26 @@ std::string component_text(const NoiseComponent& component) {
   return text + "},\n";
 }
 
-std::string correlation_text(const NoiseCorrelation& correlation, NoiseFrame frame) {
-  std::string text;
-  if (std::isfinite(correlation.inlier.within)) {
-    text +=
-        fmt::format("# Whole recordings with their biases: {:.3g}.\ndependent_frames = {:.3g}\n",
-                    correlation.inlier.about_zero, correlation.inlier.within);
-  }
-  if (correlation.bias_sd.allFinite()) {
-    const Vector6d& sd = correlation.bias_sd;
-    const Eigen::Vector3d rotation = sd.head<3>() / kRadPerDeg;
-    const Eigen::Vector3d translation = sd.tail<3>();
-    text += fmt::format("bias = {{rotation_sd_deg = [{:.3g}], {} = [{:.3g}]}}\n",
-                        fmt::join(rotation, ", "), translation_key(frame),
-                        fmt::join(translation, ", "));
-  }
-  return text;
+std::string slow_text(const SlowError& slow, NoiseFrame frame) {
+  std::string text = covariance_text(slow.covariance, frame);
+  if (std::isfinite(slow.correlation_angle_rad))
+    text += fmt::format(", correlation_angle_deg = {}", slow.correlation_angle_rad / kRadPerDeg);
+  if (std::isfinite(slow.correlation_time_s))
+    text += fmt::format(", correlation_time_s = {}", slow.correlation_time_s);
+  return "{" + text + "}";
 }
 
 std::string dependence_text(const DetectorNoise& noise) {
   const NoiseDependence& dependence = noise.dependence();
-  std::string text;
-  if (dependence.dependent_frames)
-    text += fmt::format("dependent_frames = {}\n", *dependence.dependent_frames);
-  if (dependence.bias) {
-    text += fmt::format("bias = {{{}}}\n",
-                        covariance_text(*dependence.bias, noise.components().front().frame));
+  const NoiseFrame frame = noise.components().front().frame;
+  std::string text =
+      fmt::format("slow = {}\n", dependence.slow ? slow_text(*dependence.slow, frame) : "\"none\"");
+  if (dependence.common) {
+    text +=
+        fmt::format("common = {{{}}}\n", covariance_text(*dependence.common, NoiseFrame::object));
   }
+  if (dependence.mode_time_s > 0.0)
+    text += fmt::format("mode_time_s = {}\n", dependence.mode_time_s);
   return text;
 }
 
@@ -110,11 +100,6 @@ std::string model_text(std::string_view name, const DetectorNoise& noise) {
 
 std::string format_noise_toml(std::string_view name, const DetectorNoise& noise) {
   return model_text(name, noise) + dependence_text(noise);
-}
-
-std::string format_noise_toml(std::string_view name, const DetectorNoise& noise,
-                              const NoiseCorrelation& correlation) {
-  return model_text(name, noise) + correlation_text(correlation, noise.components().front().frame);
 }
 
 std::string format_odometry_toml(const OdometryNoise& noise) {

@@ -167,7 +167,8 @@ SlamJob read_slam_job(const TomlDocument& document,
   const TomlTable root = document.root();
   check_schema(root);
   const FileFinder files(folders, root.get_strings_or("roots", {"."}));
-  const auto noise_models = read_noise_models(root);
+  const SlamMethod method = read_filter(root);
+  const auto noise_models = read_noise_models(root, is_multi_object(method));
   std::vector<ObjectModel> models;
   std::set<std::string> ids;
   for (const TomlTable& object : root.get_tables("objects")) {
@@ -183,7 +184,6 @@ SlamJob read_slam_job(const TomlDocument& document,
   job.sequence = read_recordings(root, files, camera, ids_of(job.models));
   job.camera_prior = read_camera_prior(root, job.sequence.camera_truth);
   job.settings.motion = read_motion(root, camera.odometry.has_value());
-  const SlamMethod method = read_filter(root);
   check_classes(root, job, is_multi_object(method));
   use_method(root, method, job);
   if (const auto output = root.find_table("output")) {

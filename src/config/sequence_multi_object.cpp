@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include <limits>
-
 #include "posemix/base/units.hpp"
 #include "posemix/filter/multi_object_ranges.hpp"
 #include "sequence_parts.hpp"
@@ -22,8 +20,14 @@ MultiObjectSettings read_multi_object(const TomlTable& filter, MultiObjectSettin
   }
   s.merge_rotation_rad = radians(filter.get_double_or(
       "merge_rotation_deg", degrees(s.merge_rotation_rad), {.lowest = 0, .highest = 180}));
+  filter.ignore_removed(
+      {"camera_share", "odometry_camera_fraction", "common_error_share", "bias_variance_fraction",
+       "dependent_answers", "mode_correlation_factor", "correlation_s", "correlation_detections",
+       "birth_covariance_factor", "camera_gain_noise"},
+      "the errors that detections have in common are a part of the noise model, see 'slow' of "
+      "[noise.NAME]");
   if (filter.get_enum_or<bool>("camera", false, {{"estimated", false}, {"considered", true}}))
-    s.camera_gain_noise = std::numeric_limits<double>::infinity();
+    s.camera_gain = 0.0;
   return s;
 }
 

@@ -7,6 +7,8 @@
 
 #include "posemix/base/error.hpp"
 #include "posemix/base/units.hpp"
+#include "posemix/detector/default_noise.hpp"
+#include "posemix/filter/multi_object_filter.hpp"
 #include "posemix/io/rigid.hpp"
 #include "sequence_parts.hpp"
 
@@ -41,6 +43,10 @@ Matrix6d read_covariance(const TomlTable& table, NoiseFrame frame, const NumberR
 }
 
 constexpr NumberRange kShare{.lowest = 1e-12, .highest = 1e12};
+constexpr NumberRange kRunLength{.lowest = 1, .highest = 1e6};
+constexpr NumberRange kCorrelation{.lowest = 0, .without_lowest = true, .with_infinity = true};
+constexpr std::string_view kSeeSlow =
+    "errors that successive detections have in common are stated under 'slow' of [noise.NAME]";
 
 NoiseComponent read_component(const TomlTable& table) {
   NoiseComponent component;
@@ -48,8 +54,8 @@ NoiseComponent read_component(const TomlTable& table) {
   component.frame = table.get_enum_or("frame", component.frame);
   component.covariance = read_covariance(table, component.frame, kSd);
   component.offset = read_offset(table);
-  if (const auto update = table.find_table("update"))
-    component.update_covariance = read_covariance(*update, component.frame, kSd);
+  component.run_length = table.get_double_or("run_length", component.run_length, kRunLength);
+  table.ignore_removed({"update"}, kSeeSlow);
   return component;
 }
 
@@ -57,17 +63,35 @@ Clutter read_clutter(const TomlTable& model) {
   Clutter clutter;
   const auto table = model.find_table("clutter");
   if (!table) return clutter;
-  clutter.weight = table->get_double("weight", kShare);
+  clutter.weight = table->get_double("weight", {.lowest = 0, .highest = kShare.highest});
   clutter.volume_m3 = table->get_double_or("volume_m3", clutter.volume_m3, kShare);
   return clutter;
 }
 
+std::optional<SlowError> read_slow(const TomlTable& model, NoiseFrame frame) {
+  if (!model.has("slow")) return std::nullopt;
+  if (model.is_string("slow")) {
+    model.get_enum<int>("slow", {{"none", 0}});
+    return std::nullopt;
+  }
+  const TomlTable table = model.get_table("slow");
+  SlowError slow;
+  slow.covariance = read_covariance(table, frame, kSd);
+  slow.correlation_time_s =
+      table.get_double_or("correlation_time_s", slow.correlation_time_s, kCorrelation);
+  slow.correlation_angle_rad = radians(table.get_double_or(
+      "correlation_angle_deg", degrees(slow.correlation_angle_rad), kCorrelation));
+  return slow;
+}
+
 NoiseDependence read_dependence(const TomlTable& model, NoiseFrame frame) {
   NoiseDependence dependence;
-  if (model.has("dependent_frames"))
-    dependence.dependent_frames = model.get_double("dependent_frames", {.lowest = 1});
-  if (const auto bias = model.find_table("bias"))
-    dependence.bias = read_covariance(*bias, frame, kSdOrZero);
+  dependence.slow = read_slow(model, frame);
+  if (const auto common = model.find_table("common"))
+    dependence.common = read_covariance(*common, NoiseFrame::object, kSdOrZero);
+  dependence.mode_time_s =
+      model.get_double_or("mode_time_s", dependence.mode_time_s, {.lowest = 0, .highest = 1e9});
+  model.ignore_removed({"dependent_frames", "bias"}, kSeeSlow);
   return dependence;
 }
 
@@ -111,12 +135,33 @@ DetectorNoise read_detector_noise(const TomlTable& model) {
                  [&] { return DetectorNoise(components, clutter, dependence); });
 }
 
-std::map<std::string, DetectorNoise> internal::read_noise_models(const TomlTable& root) {
+DetectorNoise internal::with_assumptions(const TomlTable& model, const DetectorNoise& noise) {
+  DetectorNoise result = noise;
+  if (!model.has("slow")) {
+    result = with_assumed_slow_error(result);
+    model.warn("slow",
+               fmt::format("is missing: {:.0f} % of the variance of the noise is taken for a slow "
+                           "error with a correlation angle of {:.0f} deg; state it, or "
+                           "slow = \"none\" where successive detections are independent",
+                           100.0 * kAssumedSlowFraction, degrees(kAssumedCorrelationAngle)));
+  }
+  if (!model.has("clutter")) {
+    model.warn("clutter", fmt::format("is missing: detections are taken for clutter with "
+                                      "probability {} (filter.default_clutter)",
+                                      MultiObjectSettings{}.default_clutter));
+  }
+  return result;
+}
+
+std::map<std::string, DetectorNoise> internal::read_noise_models(const TomlTable& root,
+                                                                 bool with_assumed) {
   std::map<std::string, DetectorNoise> models;
   const auto noise = root.find_table("noise");
   if (!noise) return models;
   for (const std::string& name : noise->keys()) {
-    models.emplace(name, read_detector_noise(noise->get_table(name)));
+    const TomlTable table = noise->get_table(name);
+    const DetectorNoise stated = read_detector_noise(table);
+    models.emplace(name, with_assumed ? with_assumptions(table, stated) : stated);
   }
   return models;
 }

@@ -115,6 +115,18 @@ const std::vector<SimulationNoise>& named_noise(const NoiseModels& models, const
   return found->second;
 }
 
+std::optional<SimulationSlowError> get_slow(const TomlTable& object, NoiseFrame frame) {
+  constexpr NumberRange kCorrelation{.lowest = 0, .without_lowest = true, .with_infinity = true};
+  const auto table = object.find_table("slow");
+  if (!table) return std::nullopt;
+  SimulationSlowError slow;
+  slow.sd = get_sd(*table, slow.sd, frame);
+  slow.correlation_s = table->get_double_or("correlation_time_s", slow.correlation_s, kCorrelation);
+  slow.correlation_angle_rad = radians(table->get_double_or(
+      "correlation_angle_deg", degrees(slow.correlation_angle_rad), kCorrelation));
+  return slow;
+}
+
 SimulationRuns get_runs(const TomlTable& table) {
   return {table.get_double_or("fraction", 0.0, kUnitInterval),
           table.get_double_or("mean_run_s", 0.0, kTime)};
@@ -138,6 +150,7 @@ SimulationObject get_object(const TomlTable& table, const NoiseModels& models) {
   object.noise = named_noise(models, table, "noise");
   if (table.has("claimed_noise")) object.claimed = named_noise(models, table, "claimed_noise");
   object.correlation_s = table.get_double_or("correlation_s", 0.0, kTime);
+  object.slow = get_slow(table, object.noise.front().frame);
   if (const auto flips = table.find_table("flips")) {
     object.flips.runs = get_runs(*flips);
     object.flips.rotation_rad = get_rotation(*flips, "rotation_deg");

@@ -42,7 +42,7 @@ struct TomlState {
   std::string name;
   TomlNode root;
   std::map<std::string, std::string, std::less<>> variables;
-  std::vector<std::string> warnings;  ///< warnings about keys under their old names
+  mutable std::vector<std::string> warnings;  ///< in the order in which they came up
   /// Old and new names of keys at the top of this document alone.
   std::map<std::string, std::string, std::less<>> renamed = {};
 

@@ -24,9 +24,6 @@ struct RenamedKey {
 };
 
 constexpr std::array kRenamedKeys{
-    RenamedKey{"filter", "camera_share", "odometry_camera_fraction"},
-    RenamedKey{"filter", "common_error_share", "bias_variance_fraction"},
-    RenamedKey{"filter", "dependent_answers", "mode_correlation_factor"},
     RenamedKey{"noise.*", "null", "clutter"},
 };
 

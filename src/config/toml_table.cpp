@@ -50,6 +50,11 @@ bool TomlTable::is_array(std::string_view key) const {
   return node != nullptr && node->kind == TomlKind::array;
 }
 
+bool TomlTable::is_string(std::string_view key) const {
+  const TomlNode* node = find(key);
+  return node != nullptr && node->kind == TomlKind::string;
+}
+
 bool TomlTable::is_table(std::string_view key) const {
   const TomlNode* node = find(key);
   return node != nullptr && node->kind == TomlKind::table;
@@ -92,6 +97,18 @@ std::string TomlTable::location(std::string_view key) const {
 void TomlTable::fail(std::string_view key, std::string_view message) const {
   throw InvalidInput(
       fmt::format("{}: key '{}' {}", location(key), join_toml_path(path_, key), message));
+}
+
+void TomlTable::warn(std::string_view key, std::string_view message) const {
+  state_->warnings.push_back(
+      fmt::format("{}: key '{}' {}", location(key), join_toml_path(path_, key), message));
+}
+
+void TomlTable::ignore_removed(std::initializer_list<std::string_view> keys,
+                               std::string_view reason) const {
+  for (const std::string_view key : keys) {
+    if (has(key)) warn(key, fmt::format("has no effect any more: {}", reason));
+  }
 }
 
 void TomlTable::finish() const { require_all_known(*state_, *node_, path_); }

@@ -36,18 +36,18 @@ ViewingRay viewing_ray(const SE3d& camera_mode) {
 
 NoiseAtPose noise_at(const NoiseComponent& noise, const SE3d& camera_object) {
   const SE3d mode = camera_object * noise.offset;
-  const Matrix6d& update = noise.update_covariance ? *noise.update_covariance : noise.covariance;
   switch (noise.frame) {
     case NoiseFrame::object:
-      return {mode, noise.covariance, update};
+      return {mode, noise.covariance};
     case NoiseFrame::camera:
-      return {SE3d(SO3d(), mode.translation()), noise.covariance, update};
+      return {SE3d(SO3d(), mode.translation()), noise.covariance};
     case NoiseFrame::ray:
       break;
   }
   const auto [axes, range] = viewing_ray(mode);
-  return {SE3d(axes, mode.translation()), with_range(noise.covariance, range),
-          with_range(update, range)};
+  Vector6d units = Vector6d::Ones();
+  units.tail<3>().setConstant(range);
+  return {SE3d(axes, mode.translation()), with_range(noise.covariance, range), units};
 }
 
 NoiseComponent along_camera(const NoiseComponent& noise, const SE3d& camera_object) {
@@ -57,49 +57,81 @@ NoiseComponent along_camera(const NoiseComponent& noise, const SE3d& camera_obje
   NoiseComponent result = noise;
   result.frame = NoiseFrame::camera;
   result.covariance = turn.adjoint_congruence(at.covariance);
-  if (noise.update_covariance)
-    result.update_covariance = turn.adjoint_congruence(at.update_covariance);
   return result;
 }
+
+namespace {
+
+/// Throws InvalidInput when a number is not finite and above (or at) the bound.
+void require_number(double value, double bound, bool or_equal, std::string_view name) {
+  if (std::isfinite(value) && (or_equal ? value >= bound : value > bound)) return;
+  throw InvalidInput(fmt::format("detector noise: {} is {}, expected a finite number {} {}", name,
+                                 value, or_equal ? ">=" : ">", bound));
+}
+
+/// A length over which the slow error is correlated may be infinite.
+void require_length(double value, std::string_view name) {
+  if (value > 0.0) return;
+  throw InvalidInput(fmt::format(
+      "detector noise: {} of the slow error is {}, expected a positive number", name, value));
+}
+
+void check_dependence(NoiseDependence& dependence) {
+  if (dependence.slow) {
+    SlowError& slow = *dependence.slow;
+    slow.covariance =
+        checked_covariance(slow.covariance, 6, "detector noise: covariance of the slow error");
+    require_length(slow.correlation_time_s, "correlation time");
+    require_length(slow.correlation_angle_rad, "correlation angle");
+  }
+  if (dependence.common) {
+    const std::string name = "detector noise: covariance of the error in common";
+    // Zero variances are allowed; what is added here is far below any error of a detector.
+    const Matrix6d raised = *dependence.common + 1e-18 * Matrix6d::Identity();
+    checked_covariance(raised, 6, name);
+  }
+  require_number(dependence.mode_time_s, 0.0, true, "mode time");
+}
+
+}  // namespace
 
 DetectorNoise::DetectorNoise(std::vector<NoiseComponent> components, Clutter clutter,
                              NoiseDependence dependence)
     : components_(std::move(components)), clutter_(clutter), dependence_(std::move(dependence)) {
-  if (dependence_.dependent_frames && !(*dependence_.dependent_frames >= 1.0)) {
-    throw InvalidInput(fmt::format("detector noise: {} dependent frames, expected at least 1",
-                                   *dependence_.dependent_frames));
-  }
-  if (dependence_.bias && !dependence_.bias->allFinite())
-    throw InvalidInput("detector noise: the bias is not finite");
   require(!components_.empty(), "detector noise: there is no component");
-  if (!(clutter_.weight >= 0.0) || !std::isfinite(clutter_.weight)) {
-    throw InvalidInput(fmt::format(
-        "detector noise: weight of clutter is {}, expected a finite number >= 0", clutter_.weight));
-  }
-  if (!(clutter_.volume_m3 > 0.0) || !std::isfinite(clutter_.volume_m3)) {
-    throw InvalidInput(
-        fmt::format("detector noise: volume of clutter is {} m^3, expected a positive number",
-                    clutter_.volume_m3));
-  }
+  require_number(clutter_.weight, 0.0, true, "weight of clutter");
+  require_number(clutter_.volume_m3, 0.0, false, "volume of clutter [m^3]");
+  check_dependence(dependence_);
   double total = clutter_.weight;
   for (std::size_t i = 0; i < components_.size(); ++i) {
     NoiseComponent& component = components_[i];
-    if (!(component.weight > 0.0) || !std::isfinite(component.weight)) {
-      throw InvalidInput(
-          fmt::format("detector noise: weight of component {} is {}, expected a finite number > 0",
-                      i, component.weight));
-    }
+    require_number(component.weight, 0.0, false, fmt::format("weight of component {}", i));
+    require_number(component.run_length, 1.0, true, fmt::format("run length of component {}", i));
     component.covariance = checked_covariance(
         component.covariance, 6, fmt::format("detector noise: covariance of component {}", i));
-    if (component.update_covariance) {
-      component.update_covariance =
-          checked_covariance(*component.update_covariance, 6,
-                             fmt::format("detector noise: update covariance of component {}", i));
-    }
     total += component.weight;
   }
   for (NoiseComponent& component : components_) component.weight /= total;
   clutter_.weight /= total;
+}
+
+bool DetectorNoise::is_white() const {
+  return !dependence_.slow && !dependence_.common &&
+         std::all_of(components_.begin(), components_.end(),
+                     [](const NoiseComponent& c) { return c.run_length == 1.0; });
+}
+
+DetectorNoise DetectorNoise::as_white() const {
+  if (is_white()) return *this;
+  Matrix6d lasting = Matrix6d::Zero();
+  if (dependence_.slow) lasting += dependence_.slow->covariance;
+  if (dependence_.common) lasting += *dependence_.common;
+  std::vector<NoiseComponent> components = components_;
+  for (NoiseComponent& component : components) {
+    component.covariance += lasting;
+    component.run_length = 1.0;
+  }
+  return DetectorNoise(std::move(components), clutter_);
 }
 
 double DetectorNoise::log_clutter_density() const {
@@ -108,14 +140,16 @@ double DetectorNoise::log_clutter_density() const {
 }
 
 DetectorNoise DetectorNoise::single_gaussian() const {
+  const DetectorNoise white = as_white();
   const auto is_centred = [](const NoiseComponent& component) {
     return component.offset.log().norm() < 1e-12;
   };
-  const bool any_centred = std::any_of(components_.begin(), components_.end(), is_centred);
+  const bool any_centred =
+      std::any_of(white.components_.begin(), white.components_.end(), is_centred);
   NoiseComponent single;
   single.covariance.setZero();
   double total = 0.0;
-  for (const NoiseComponent& component : components_) {
+  for (const NoiseComponent& component : white.components_) {
     if (any_centred && !is_centred(component)) continue;
     if (total > 0.0 && component.frame != single.frame) {
       throw InvalidInput(

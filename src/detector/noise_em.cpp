@@ -199,8 +199,9 @@ class NoiseEm {
 
 }  // namespace
 
-Eigen::ArrayXd noise_log_density(const DetectorNoise& noise,
+Eigen::ArrayXd noise_log_density(const DetectorNoise& of_dependent,
                                  std::span<const NoiseObservation> observations) {
+  const DetectorNoise noise = of_dependent.as_white();
   const auto size = static_cast<Eigen::Index>(observations.size());
   const bool clutter = noise.clutter().weight > 0.0;
   Eigen::ArrayXXd terms(size,

@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "detector/noise_assembly.hpp"
 #include "detector/noise_sizes.hpp"
 #include "posemix/base/error.hpp"
 
@@ -113,29 +114,14 @@ std::optional<NoiseValidation> best_validated(const std::vector<NoiseValidation>
   return best;
 }
 
-/// The heaviest component without an offset, which tells inliers.
-const NoiseComponent& inlier_of(const DetectorNoise& noise) {
-  const auto& components = noise.components();
-  const auto centred = std::find_if(components.begin(), components.end(),
-                                    [](const auto& c) { return c.offset.log().norm() == 0.0; });
-  return centred == components.end() ? components.front() : *centred;
-}
-
-NoiseDependence dependence_of(const NoiseCorrelation& correlation) {
-  NoiseDependence dependence;
-  if (std::isfinite(correlation.inlier.within))
-    dependence.dependent_frames = correlation.inlier.within;
-  if (correlation.bias_sd.allFinite())
-    dependence.bias = correlation.bias_sd.cwiseAbs2().asDiagonal();
-  return dependence;
-}
-
 NoiseFit result_of(FrameModels models, std::span<const NoiseTrack> tracks,
-                   std::vector<NoiseValidation> validation) {
+                   const NoiseFitSettings& settings, std::vector<NoiseValidation> validation) {
   const NoiseEmFit& chosen = models.fits[models.chosen];
-  const NoiseCorrelation correlation = noise_correlation(tracks, inlier_of(chosen.noise));
-  return {.noise = DetectorNoise(chosen.noise.components(), chosen.noise.clutter(),
-                                 dependence_of(correlation)),
+  const NoiseComponent& inlier = chosen.noise.components()[internal::inlier_index(chosen.noise)];
+  const NoiseCorrelation correlation = noise_correlation(tracks, inlier);
+  SlowErrorFit slow_error = fit_slow_error(tracks, inlier);
+  return {.noise = internal::assembled_noise(chosen.noise, slow_error, correlation, tracks,
+                                             settings.least_clutter, settings.clutter_volume_m3),
           .frame = models.frame,
           .log_likelihood = chosen.log_likelihood,
           .parameters = chosen.parameters,
@@ -145,6 +131,7 @@ NoiseFit result_of(FrameModels models, std::span<const NoiseTrack> tracks,
           .dependent_frames = models.dependent_frames,
           .modes = std::move(models.modes),
           .correlation = correlation,
+          .slow_error = std::move(slow_error),
           .validation = std::move(validation)};
 }
 
@@ -177,7 +164,7 @@ NoiseFit fit_noise(std::span<const NoiseTrack> tracks, const NoiseFitSettings& s
     if (!best || models.fits[models.chosen].bic < best->fits[best->chosen].bic)
       best = std::move(models);
   }
-  return result_of(*std::move(best), tracks, std::move(validation));
+  return result_of(*std::move(best), tracks, settings, std::move(validation));
 }
 
 }  // namespace posemix

@@ -2,28 +2,89 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "posemix/detector/noise_observation.hpp"
 
+#include <cmath>
+#include <limits>
+
 #include <fmt/format.h>
 
 #include "detector/noise_rows.hpp"
 #include "posemix/base/error.hpp"
+#include "posemix/base/statistics.hpp"
 #include "posemix/base/units.hpp"
 
 namespace posemix {
+namespace {
+
+/// The direction from the object to the camera along the object's axes.
+Eigen::Vector3d view_direction(const SE3d& camera_object) {
+  return -(camera_object.rotation().inverse() * camera_object.translation()).normalized();
+}
+
+void check_stamps(std::span<const double> stamps_s, std::size_t frames) {
+  if (!stamps_s.empty() && stamps_s.size() != frames) {
+    throw InvalidInput(fmt::format("noise model: {} stamps of {} frames, expected as many",
+                                   stamps_s.size(), frames));
+  }
+  for (std::size_t frame = 1; frame < stamps_s.size(); ++frame) {
+    if (!(stamps_s[frame] < stamps_s[frame - 1])) continue;
+    throw InvalidInput(
+        fmt::format("noise model: the stamp {} s of frame {} follows {} s, expected an order in "
+                    "which stamps do not decrease",
+                    stamps_s[frame], frame, stamps_s[frame - 1]));
+  }
+}
+
+}  // namespace
+
+double view_angle(const SE3d& first, const SE3d& second) {
+  const Eigen::Vector3d a = view_direction(first);
+  const Eigen::Vector3d b = view_direction(second);
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
 
 NoiseTrack noise_track(std::span<const std::optional<SE3d>> truth,
-                       std::span<const std::optional<SE3d>> detected, std::size_t recording) {
+                       std::span<const std::optional<SE3d>> detected, std::size_t recording,
+                       std::span<const double> stamps_s) {
   if (truth.size() != detected.size()) {
     throw InvalidInput(fmt::format("noise model: {} true poses and {} detections, expected as many",
                                    truth.size(), detected.size()));
   }
+  check_stamps(stamps_s, truth.size());
   NoiseTrack track;
+  std::optional<SE3d> previous;
+  double path = 0.0;
   for (std::size_t frame = 0; frame < truth.size(); ++frame) {
     if (!truth[frame]) continue;
+    if (previous) path += view_angle(*previous, *truth[frame]);
+    previous = truth[frame];
     track.emplace_back();
-    if (detected[frame])
-      track.back() = NoiseObservation{*truth[frame], *detected[frame], recording};
+    if (!detected[frame]) continue;
+    track.back() = NoiseObservation{
+        .truth = *truth[frame],
+        .detected = *detected[frame],
+        .recording = recording,
+        .stamp_s = stamps_s.empty() ? std::numeric_limits<double>::quiet_NaN() : stamps_s[frame],
+        .view_path_rad = path};
   }
   return track;
+}
+
+double seconds_per_frame(std::span<const NoiseTrack> tracks) {
+  std::vector<double> spacings;
+  for (const NoiseTrack& track : tracks) {
+    std::optional<std::size_t> first;
+    std::size_t last = 0;
+    for (std::size_t frame = 0; frame < track.size(); ++frame) {
+      if (!track[frame]) continue;
+      if (!first) first = frame;
+      last = frame;
+    }
+    if (!first || last == *first) continue;
+    const double spacing =
+        (track[last]->stamp_s - track[*first]->stamp_s) / static_cast<double>(last - *first);
+    if (std::isfinite(spacing)) spacings.push_back(spacing);
+  }
+  return spacings.empty() ? std::numeric_limits<double>::quiet_NaN() : median(spacings);
 }
 
 std::vector<NoiseObservation> observations_of(std::span<const NoiseTrack> tracks) {

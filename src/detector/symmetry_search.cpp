@@ -119,4 +119,11 @@ Matrix6d SymmetryGroup::unobserved_covariance() const {
   return variance * generators_ * generators_.transpose();
 }
 
+Matrix6d SymmetryGroup::observed_projection() const {
+  Matrix6d projection = Matrix6d::Identity();
+  for (Eigen::Index k = 0; k < generators_.cols(); ++k)
+    projection.leftCols<3>() -= generators_.col(k) * generators_.col(k).head<3>().transpose();
+  return projection;
+}
+
 }  // namespace posemix

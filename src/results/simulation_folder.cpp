@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "posemix/results/simulation_folder.hpp"
 
+#include <cmath>
 #include <cstdlib>
 
 #include <fmt/format.h>
@@ -102,13 +103,34 @@ std::string camera_text(const SimulationConfig& config, const SimulatedSequence&
       sd_text(config.claimed_odometry.value_or(config.odometry), ", "));
 }
 
+std::string dependence_text(const SimulationObject& object) {
+  const auto slow = claimed_slow_error(object);
+  std::string text = "slow = \"none\"\n";
+  if (slow) {
+    const char* const translation = object.noise.front().frame == NoiseFrame::ray
+                                        ? "translation_sd_of_range"
+                                        : "translation_sd_m";
+    text = fmt::format("slow = {{{}", sd_text(slow->sd, ", ", translation));
+    if (std::isfinite(slow->correlation_s))
+      text += fmt::format(", correlation_time_s = {:.12g}", slow->correlation_s);
+    if (std::isfinite(slow->correlation_angle_rad)) {
+      text += fmt::format(", correlation_angle_deg = {:.12g}",
+                          slow->correlation_angle_rad / kRadPerDeg);
+    }
+    text += "}\n";
+  }
+  if (const double time = claimed_mode_time_s(object); time > 0.0)
+    text += fmt::format("mode_time_s = {:.12g}\n", time);
+  return text;
+}
+
 std::string object_text(const SimulationObject& settings, const SimulatedObject& object) {
   std::string text = fmt::format("\n[noise.\"{}\"]\ncomponents = [\n", object.id);
   for (const SimulationNoise& noise : claimed_noise(settings)) text += component_text(noise);
-  text += "]\n";
-  if (const Clutter clutter = claimed_clutter(settings); clutter.weight > 0.0)
-    text += fmt::format("clutter = {{weight = {:.12g}, volume_m3 = {:g}}}\n", clutter.weight,
-                        clutter.volume_m3);
+  text += "]\n" + dependence_text(settings);
+  const Clutter clutter = claimed_clutter(settings);
+  text += fmt::format("clutter = {{weight = {:.12g}, volume_m3 = {:g}}}\n", clutter.weight,
+                      clutter.volume_m3);
   text += fmt::format(
       "\n"
       "[[objects]]\n"

@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "slam/mode_smoother.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "posemix/lie/pose_blocks.hpp"
@@ -21,37 +23,56 @@ void move_camera_by(const MatrixXd& transfer, MatrixXd& covariance) {
   columns(covariance, kCamera) += columns(covariance, kMotion) * transfer.transpose();
 }
 
-/// H P: the rows of the object minus those of the camera.
-PoseRows difference_rows(const MatrixXd& covariance, std::size_t object) {
-  return rows(covariance, object) - rows(covariance, kCamera);
-}
-
-Matrix6d difference_covariance(const MatrixXd& covariance, std::size_t object) {
-  const PoseRows h_p = difference_rows(covariance, object);
-  return columns(h_p, object) - columns(h_p, kCamera);
+/// Direction from the object to the camera, in the object's frame.
+Eigen::Vector3d view_of(const SE3d& camera, const SE3d& object) {
+  return (object.inverse() * camera.translation()).normalized();
 }
 
 }  // namespace
 
-ModeSmoother::Step ModeSmoother::predict(const PoseStackd& poses, const MatrixXd& covariance,
-                                         const FrameInput& input, PoseStackd& moved) const {
+std::optional<std::size_t> ModeModel::slow_index(std::size_t j) const {
+  const auto has_slow = [](const ObjectSensor* sensor) {
+    return sensor->noise.dependence().slow.has_value();
+  };
+  if (!has_slow(sensors[j])) return std::nullopt;
+  const auto end = sensors.begin() + static_cast<std::ptrdiff_t>(j);
+  return static_cast<std::size_t>(std::count_if(sensors.begin(), end, has_slow));
+}
+
+ModeSmoother::Step ModeSmoother::predict(const JointState& before, const FrameInput& input,
+                                         JointState& moved) const {
   Step step;
-  step.predicted = covariance;
-  step.noise = MatrixXd::Zero(covariance.rows(), covariance.cols());
-  moved = poses;
+  step.predicted = before.covariance;
+  step.noise = MatrixXd::Zero(before.covariance.rows(), before.covariance.cols());
+  step.slow_kept = VectorXd::Ones(before.slow.size());
+  moved = {before.poses, before.slow, {}};
   if (!(input.dt > 0.0)) return step;
-  move(camera_step(model_.motion, input), poses, step, moved);
-  // As in the filter, what no detection can tell does not last from one to the next.
-  for (std::size_t j = 0; j < model_.objects.size(); ++j) {
-    const SymmetryGroup& symmetries = model_.sensors[j]->symmetries;
-    if (symmetries.is_trivial() || !input.detections[model_.objects[j]]) continue;
-    const std::size_t object = model_.first_object() + j;
-    block(step.noise, object, object) +=
-        moved[object].adjoint_congruence(symmetries.unobserved_covariance());
-  }
+  move(camera_step(model_.motion, input), before.poses, step, moved.poses);
+  decay_slow_errors(before.poses, input.dt, step, moved);
   step.predicted += step.noise;
   symmetrize(step.predicted);
   return step;
+}
+
+/// b <- a b + w with Cov w = (1 - a^2) B, see docs/many-objects.md, eq. (D2).
+void ModeSmoother::decay_slow_errors(const PoseStackd& poses, double dt, Step& step,
+                                     JointState& moved) const {
+  for (std::size_t j = 0; j < model_.objects.size(); ++j) {
+    const auto index = model_.slow_index(j);
+    if (!index) continue;
+    const ObjectSensor& sensor = *model_.sensors[j];
+    const SE3d& object = poses[model_.first_object() + j];
+    const Eigen::Vector3d from = view_of(poses[kCamera], object);
+    const Eigen::Vector3d to = view_of(moved.poses[kCamera], object);
+    const double angle = std::atan2(from.cross(to).norm(), from.dot(to));
+    const double a = sensor.noise.dependence().slow->correlation(dt, angle);
+    const std::size_t at = model_.poses() + *index;
+    segment(step.slow_kept, *index).setConstant(a);
+    segment(moved.slow, *index) *= a;
+    rows(step.predicted, at) *= a;
+    columns(step.predicted, at) *= a;
+    block(step.noise, at, at) = (1.0 - a * a) * *sensor.slow_covariance();
+  }
 }
 
 /// The camera's motion: mean, transition of the covariance, and noise of camera, motion and map.
@@ -68,18 +89,32 @@ void ModeSmoother::move(const CameraStep& camera, const PoseStackd& poses, Step&
     add_noise(kCamera, camera.q);
     add_noise(kMotion, camera.velocity->q);
   } else if (camera.odometry) {
-    const Matrix6d q = camera.q / model_.correlation_length;
     moved[kCamera] = poses[kCamera] * *camera.odometry;
-    add_noise(kCamera, model_.odometry_camera_fraction * q);
-    for (std::size_t i = model_.first_object(); i < poses.size(); ++i)
-      add_noise(i, (1.0 - model_.odometry_camera_fraction) * q);
+    add_noise(kCamera, camera.q);
   } else {
     add_noise(kCamera, camera.q);
   }
 }
 
-/// In information form, for a detection's information may be singular: with D = H P H^T,
-/// M = (I + Lambda D)^-1: m += P H^T M (eta - Lambda H m), P -= P H^T M Lambda H P.
+/// Camera, object `j` and its slow error, with the covariance of [xi_O - xi_C; beta].
+ModeState ModeSmoother::state_of(const PoseStackd& poses, const VectorXd& slow,
+                                 const MatrixXd& covariance, std::size_t j) const {
+  const std::size_t object = model_.first_object() + j;
+  ModeState state{.camera = poses[kCamera], .object = poses[object]};
+  const MatrixXd h_p = rows(covariance, object) - rows(covariance, kCamera);
+  state.covariance.topLeftCorner<6, 6>() = columns(h_p, object) - columns(h_p, kCamera);
+  if (const auto index = model_.slow_index(j)) {
+    const std::size_t at = model_.poses() + *index;
+    state.slow = segment(slow, *index);
+    state.covariance.topRightCorner<6, 6>() = columns(h_p, at);
+    state.covariance.bottomLeftCorner<6, 6>() = columns(h_p, at).transpose();
+    state.covariance.bottomRightCorner<6, 6>() = block(covariance, at, at);
+  }
+  return state;
+}
+
+/// In information form, for a detection's information may be singular: with H = [-I I A], D = H P
+/// H^T, M = (I + Lambda D)^-1: m += P H^T M (eta - Lambda H m), P -= P H^T M Lambda H P.
 void ModeSmoother::update(Step& step, const FrameInput& input, const MatrixXd& weighing) const {
   step.mean = step.predicted_mean;
   step.covariance = step.predicted;
@@ -87,12 +122,18 @@ void ModeSmoother::update(Step& step, const FrameInput& input, const MatrixXd& w
     const auto& detected = input.detections[model_.objects[j]];
     if (!detected) continue;
     const std::size_t object = model_.first_object() + j;
-    const ModeMeasurement seen = measure_mode(step.reference[kCamera], step.reference[object],
-                                              difference_covariance(weighing, object), *detected,
-                                              *model_.sensors[j], model_.gain_covariance);
-    const PoseRows h_p = difference_rows(step.covariance, object);
-    const Matrix6d d = columns(h_p, object) - columns(h_p, kCamera);
-    const Vector6d h_m = segment(step.mean, object) - segment(step.mean, kCamera);
+    const auto index = model_.slow_index(j);
+    const ModeMeasurement seen =
+        measure_mode(state_of(step.poses, step.slow, weighing, j), *detected, *model_.sensors[j]);
+    PoseRows h_p = rows(step.covariance, object) - rows(step.covariance, kCamera);
+    Vector6d h_m = segment(step.mean, object) - segment(step.mean, kCamera);
+    if (index) {
+      const std::size_t at = model_.poses() + *index;
+      h_p += seen.slow_map * rows(step.covariance, at);
+      h_m += seen.slow_map * segment(step.mean, at);
+    }
+    Matrix6d d = columns(h_p, object) - columns(h_p, kCamera);
+    if (index) d += columns(h_p, model_.poses() + *index) * seen.slow_map.transpose();
     const Eigen::PartialPivLU<Matrix6d> m(Matrix6d::Identity() + seen.information * d);
     step.mean += h_p.transpose() * m.solve(seen.pull - seen.information * h_m);
     step.covariance -= h_p.transpose() * m.solve(seen.information * h_p);
@@ -100,19 +141,25 @@ void ModeSmoother::update(Step& step, const FrameInput& input, const MatrixXd& w
   }
 }
 
-void ModeSmoother::run(const Hypothesis& start, const std::vector<Hypothesis>& reference) {
+JointState ModeSmoother::at(const Step& step, const VectorXd& mean, MatrixXd covariance) {
+  const Eigen::Index dof = step.poses.dof();
+  return {PoseStackd::exp(mean.head(dof)) * step.poses, step.slow + mean.tail(step.slow.size()),
+          std::move(covariance)};
+}
+
+void ModeSmoother::run(const JointState& start, const std::vector<JointState>& reference) {
   steps_.clear();
   steps_.reserve(frames_.size());
-  PoseStackd poses = start.mean();
-  MatrixXd covariance = start.covariance();
+  JointState now = start;
   for (std::size_t k = 0; k < frames_.size(); ++k) {
-    PoseStackd moved;
-    Step step = predict(poses, covariance, *frames_[k], moved);
-    step.reference = reference.empty() ? moved : reference[k].mean();
-    step.predicted_mean = (moved * step.reference.inverse()).log();
-    update(step, *frames_[k], reference.empty() ? step.predicted : reference[k].covariance());
-    poses = PoseStackd::exp(step.mean) * step.reference;
-    covariance = step.covariance;
+    JointState moved;
+    Step step = predict(now, *frames_[k], moved);
+    step.poses = reference.empty() ? moved.poses : reference[k].poses;
+    step.slow = reference.empty() ? moved.slow : reference[k].slow;
+    step.predicted_mean.resize(step.predicted.rows());
+    step.predicted_mean << (moved.poses * step.poses.inverse()).log(), moved.slow - step.slow;
+    update(step, *frames_[k], reference.empty() ? step.predicted : reference[k].covariance);
+    now = at(step, step.mean, step.covariance);
     steps_.push_back(std::move(step));
   }
   backward();
@@ -120,30 +167,32 @@ void ModeSmoother::run(const Hypothesis& start, const std::vector<Hypothesis>& r
 
 /// Rauch, Tung and Striebel (1965): A = P_k F^T P_(k+1|k)^-1, m_k^s = m_k + A (m_(k+1)^s -
 /// m_(k+1|k)); the covariance in the form that cannot lose its sign,
-/// P_k^s = (I - A F) P_k (I - A F)^T + A (P_(k+1)^s + Q) A^T.
+/// P_k^s = (I - A F) P_k (I - A F)^T + A (P_(k+1)^s + Q) A^T. F adds the motion to the camera and
+/// multiplies the slow errors.
 void ModeSmoother::backward() {
-  const auto to_density = [](const Step& step, const VectorXd& mean, MatrixXd covariance) {
-    return Hypothesis::trusted(PoseStackd::exp(mean) * step.reference, std::move(covariance));
-  };
-  std::vector<Hypothesis> reversed;
+  std::vector<JointState> reversed;
   reversed.reserve(steps_.size());
   VectorXd mean = steps_.back().mean;
   MatrixXd covariance = steps_.back().covariance;
-  reversed.push_back(to_density(steps_.back(), mean, covariance));
+  reversed.push_back(at(steps_.back(), mean, covariance));
   for (std::size_t k = steps_.size() - 1; k-- > 0;) {
     const Step& now = steps_[k];
     const Step& next = steps_[k + 1];
+    const Eigen::Index slow = next.slow_kept.size();
     MatrixXd f_p = now.covariance;
     if (next.transfer.size() > 0)
       rows(f_p, kCamera) += next.transfer * rows(now.covariance, kMotion);
+    f_p.bottomRows(slow) = next.slow_kept.asDiagonal() * now.covariance.bottomRows(slow);
     const MatrixXd a = next.predicted.llt().solve(f_p).transpose();
     mean = now.mean + a * (mean - next.predicted_mean);
-    MatrixXd keep = MatrixXd::Identity(a.rows(), a.cols()) - a;
-    if (next.transfer.size() > 0) columns(keep, kMotion) -= columns(a, kCamera) * next.transfer;
+    MatrixXd a_f = a;
+    if (next.transfer.size() > 0) columns(a_f, kMotion) += columns(a, kCamera) * next.transfer;
+    a_f.rightCols(slow) = a.rightCols(slow) * next.slow_kept.asDiagonal();
+    const MatrixXd keep = MatrixXd::Identity(a.rows(), a.cols()) - a_f;
     covariance =
         keep * now.covariance * keep.transpose() + a * (covariance + next.noise) * a.transpose();
     symmetrize(covariance);
-    reversed.push_back(to_density(now, mean, covariance));
+    reversed.push_back(at(now, mean, covariance));
   }
   smoothed_.assign(std::make_move_iterator(reversed.rbegin()),
                    std::make_move_iterator(reversed.rend()));

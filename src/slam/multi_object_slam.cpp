@@ -109,7 +109,7 @@ void MultiObjectSlam::update_class(const std::vector<std::size_t>& models,
     const auto leading = filter_.leading(object);
     if (!leading) continue;
     instances.push_back(object);
-    predicted.push_back(predicted_instance(object));
+    predicted.push_back(filter_.predicted_detection(object, *leading));
   }
   std::vector<Candidate> of_class;
   of_class.reserve(members.size());
@@ -133,18 +133,6 @@ void MultiObjectSlam::update_class(const std::vector<std::size_t>& models,
     candidate = new_instance(models);
     if (candidate.object) update(*candidate.object, associations[i].camera_object, report);
   }
-}
-
-PoseDensity MultiObjectSlam::predicted_instance(std::size_t object) const {
-  const std::size_t leading = *filter_.leading(object);
-  PoseDensity density = filter_.relative(object, leading);
-  if (motion_.model != MotionModel::odometry) return density;
-  // After n detections with noise R the filter has R / (n - 1 + 1 / birth factor) and reports as
-  // many times that as detections count as one, which is more than R while n is less.
-  const double detections = static_cast<double>(filter_.hypotheses(object)[leading].detections);
-  const double independent = detections - 1.0 + 1.0 / settings_.filter.birth_covariance_factor;
-  const double share = std::min(1.0, independent / filter_.correlation_length());
-  return PoseDensity::trusted(density.mean(), share * density.covariance());
 }
 
 CandidateReport MultiObjectSlam::new_instance(const std::vector<std::size_t>& models) {

@@ -19,7 +19,7 @@ bool same(const SE3d& a, const SE3d& b) {
 
 bool same(const NoiseComponent& a, const NoiseComponent& b) {
   return a.weight == b.weight && a.covariance == b.covariance && a.frame == b.frame &&
-         same(a.offset, b.offset) && a.update_covariance == b.update_covariance;
+         same(a.offset, b.offset) && a.run_length == b.run_length;
 }
 
 bool same(const SymmetryAxis& a, const SymmetryAxis& b) {
@@ -31,11 +31,19 @@ bool same(const std::vector<Value>& a, const std::vector<Value>& b) {
   return std::ranges::equal(a, b, [](const Value& x, const Value& y) { return same(x, y); });
 }
 
+bool same(const std::optional<SlowError>& a, const std::optional<SlowError>& b) {
+  if (!a || !b) return a.has_value() == b.has_value();
+  return a->covariance == b->covariance && a->correlation_time_s == b->correlation_time_s &&
+         a->correlation_angle_rad == b->correlation_angle_rad;
+}
+
+bool same(const NoiseDependence& a, const NoiseDependence& b) {
+  return same(a.slow, b.slow) && a.common == b.common && a.mode_time_s == b.mode_time_s;
+}
+
 bool same(const DetectorNoise& a, const DetectorNoise& b) {
   return same(a.components(), b.components()) && a.clutter().weight == b.clutter().weight &&
-         a.clutter().volume_m3 == b.clutter().volume_m3 &&
-         a.dependence().dependent_frames == b.dependence().dependent_frames &&
-         a.dependence().bias == b.dependence().bias;
+         a.clutter().volume_m3 == b.clutter().volume_m3 && same(a.dependence(), b.dependence());
 }
 
 bool same(const SymmetryGroup& a, const SymmetryGroup& b) {

@@ -39,12 +39,18 @@ Posterior heaviest_of(const Posterior& posterior, std::size_t count) {
   return Posterior(std::move(components));
 }
 
+/// The particle filter takes successive errors for independent.
+std::vector<ObjectModel> as_white(std::vector<ObjectModel> models) {
+  for (ObjectModel& model : models) model.noise = model.noise.as_white();
+  return models;
+}
+
 }  // namespace
 
 ParticleSlam::ParticleSlam(const PoseDensity& camera, std::vector<ObjectModel> objects,
                            const ParticleFilterSettings& settings, const MotionSettings& motion,
                            bool record_hypotheses)
-    : objects_(std::move(objects)),
+    : objects_(as_white(std::move(objects))),
       settings_(checked(settings)),
       record_hypotheses_(record_hypotheses),
       cloud_(std::make_unique<internal::ParticleCloud>(camera, objects_.models(), settings,

@@ -127,9 +127,7 @@ void ParticleCloud::weigh(Particle& particle, double& log_weight, std::size_t ob
                  [total](double term) { return std::exp(term - total); });
   const std::size_t chosen = draw_index(terms, 1.0, random_);
   if (chosen == noise.components().size()) return;
-  NoiseComponent believed = noise.components()[chosen];
-  believed.covariance = believed.update_covariance.value_or(believed.covariance);
-  condition_camera(particle.camera, innovation(poses, detection, believed));
+  condition_camera(particle.camera, innovation(poses, detection, noise.components()[chosen]));
 }
 
 DetectionStatus ParticleCloud::observe(std::size_t object, const SE3d& detected,

@@ -54,6 +54,9 @@ Detector::Detector(const SimulationObject& object, double period_s, std::uint64_
     : flip_(pose_of(object.flips.rotation_rad, object.flips.translation_m)),
       box_(object.outliers.box_m.cast<Real>()),
       hidden_frames_(object.hidden_frames),
+      slow_(object.slow),
+      period_s_(period_s),
+      slow_random_(named_stream(seed, object.id + "/slow")),
       component_(weights_of(object), correlation(object.correlation_s, period_s),
                  named_stream(seed, object.id + "/component")),
       normal_(correlation(object.correlation_s, period_s),
@@ -69,10 +72,25 @@ Detector::Detector(const SimulationObject& object, double period_s, std::uint64_
   }
 }
 
+/// docs/many-objects.md, eq. (D2).
+Vector6 Detector::slow_error(const Pose& truth) {
+  const Vector3 view = (truth.rotation().inverse() * Vector3(-truth.translation())).normalized();
+  Real kept = 0;
+  if (view_) {
+    const Real angle = std::atan2(view_->cross(view).norm(), view_->dot(view));
+    kept = std::exp(-angle / slow_->correlation_angle_rad - period_s_ / slow_->correlation_s);
+  }
+  view_ = view;
+  slow_state_ = kept * slow_state_ +
+                std::sqrt(1 - kept * kept) * vector_of(slow_->sd).cwiseProduct(draw_normal(slow_random_));
+  return slow_state_;
+}
+
 std::optional<Pose> Detector::next(const Pose& truth) {
   // Every process moves on in every frame, whatever the others say.
   const Mode& mode = modes_[component_.next()];
-  const Vector6 error = mode.sd.cwiseProduct(normal_.next());
+  Vector6 error = mode.sd.cwiseProduct(normal_.next());
+  if (slow_) error += slow_error(truth);
   const bool flipped = flips_.next() == 1;
   const bool outlier = outliers_.next() == 1;
   const bool missed = misses_.next() == 1;

@@ -25,11 +25,19 @@ class Detector {
     Pose offset;
   };
 
+  /// b at this frame, moved on by the change of view.
+  Vector6 slow_error(const Pose& truth);
+
   std::vector<Mode> modes_;
   Pose flip_;
   Vector3 box_;
   std::size_t hidden_frames_;
   std::size_t frame_ = 0;
+  std::optional<SimulationSlowError> slow_;
+  double period_s_;
+  RandomStream slow_random_;
+  std::optional<Vector3> view_;  ///< direction to the camera in the frame before, object frame
+  Vector6 slow_state_ = Vector6::Zero();
   StickyChain component_;
   CorrelatedNormal normal_;
   StickyChain flips_;

@@ -42,6 +42,13 @@ class Checker {
     within(runs.fraction, 0.0, 1.0, name);
     within(runs.mean_run_s, 0.0, std::numeric_limits<double>::max(), "mean run");
   }
+  void slow(const SimulationSlowError& slow) const {
+    sd(slow.sd);
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    constexpr double kLeast = 1e-9;
+    within(slow.correlation_s, kLeast, kInfinity, "correlation time of the slow error");
+    within(slow.correlation_angle_rad, kLeast, kInfinity, "correlation angle of the slow error");
+  }
   void noise(const SimulationNoise& noise) const {
     within(noise.weight, kSmallestWeight, kLargestWeight, "weight of noise");
     sd(noise.sd);
@@ -83,6 +90,7 @@ void check(const SimulationObject& object, std::size_t frames) {
   for (const SimulationNoise& noise : object.noise) checker.noise(noise);
   for (const SimulationNoise& noise : object.claimed) checker.noise(noise);
   checker.within(object.correlation_s, 0.0, std::numeric_limits<double>::max(), "correlation time");
+  if (object.slow) checker.slow(*object.slow);
   checker.runs(object.flips.runs, "fraction of flips");
   checker.within(object.flips.rotation_rad, -kLargestAngle, kLargestAngle, "flip rotation");
   checker.within(object.flips.translation_m, -kFurthest, kFurthest, "flip translation");
@@ -119,7 +127,20 @@ void validate(const SimulationConfig& config) {
   }
 }
 
-std::vector<SimulationNoise> claimed_noise(const SimulationObject& object) {
+namespace {
+
+/// The least standard deviations of all components, by axis.
+SimulationSd least_sd(const std::vector<SimulationNoise>& components) {
+  SimulationSd least = components.front().sd;
+  for (const SimulationNoise& noise : components) {
+    least.rotation_rad = least.rotation_rad.cwiseMin(noise.sd.rotation_rad);
+    least.translation_m = least.translation_m.cwiseMin(noise.sd.translation_m);
+  }
+  return least;
+}
+
+/// The components of the whole error.
+std::vector<SimulationNoise> claimed_components(const SimulationObject& object) {
   if (!object.claimed.empty()) return object.claimed;
   double total = 0.0;
   for (const SimulationNoise& noise : object.noise) total += noise.weight;
@@ -140,6 +161,40 @@ std::vector<SimulationNoise> claimed_noise(const SimulationObject& object) {
   return components;
 }
 
+}  // namespace
+
+std::optional<SimulationSlowError> claimed_slow_error(const SimulationObject& object) {
+  // A white part of a tenth keeps the noise of the filter regular where there is none.
+  constexpr double kSlowFraction = 0.9;
+  if (object.slow || !(object.correlation_s > 0.0)) return object.slow;
+  SimulationSlowError slow{least_sd(claimed_components(object)), object.correlation_s};
+  slow.sd.rotation_rad *= std::sqrt(kSlowFraction);
+  slow.sd.translation_m *= std::sqrt(kSlowFraction);
+  return slow;
+}
+
+std::vector<SimulationNoise> claimed_noise(const SimulationObject& object) {
+  std::vector<SimulationNoise> components = claimed_components(object);
+  const auto slow = claimed_slow_error(object);
+  if (!slow || object.slow) return components;
+  const auto without = [](const Eigen::Vector3d& sd, const Eigen::Vector3d& part) {
+    return Eigen::Vector3d((sd.array().square() - part.array().square()).sqrt());
+  };
+  for (SimulationNoise& noise : components) {
+    noise.sd.rotation_rad = without(noise.sd.rotation_rad, slow->sd.rotation_rad);
+    noise.sd.translation_m = without(noise.sd.translation_m, slow->sd.translation_m);
+  }
+  return components;
+}
+
+double claimed_mode_time_s(const SimulationObject& object) {
+  const auto run = [](const SimulationRuns& runs) {
+    return runs.fraction > 0.0 ? runs.mean_run_s : 0.0;
+  };
+  const double components = object.noise.size() > 1 ? object.correlation_s : 0.0;
+  return std::max({run(object.flips.runs), run(object.outliers.runs), components});
+}
+
 Clutter claimed_clutter(const SimulationObject& object) {
   const double fraction = object.outliers.runs.fraction;
   return {.weight = fraction < 1.0 ? fraction / (1.0 - fraction) : 1.0, .volume_m3 = 1.0};
@@ -150,7 +205,12 @@ ObjectModel object_model(const SimulationObject& object) {
   for (const SimulationNoise& noise : claimed_noise(object)) {
     components.push_back({noise.weight, covariance_of(noise.sd), noise.frame, offset_of(noise)});
   }
-  return {object.id, DetectorNoise(std::move(components), claimed_clutter(object)), {}};
+  NoiseDependence dependence{.mode_time_s = claimed_mode_time_s(object)};
+  if (const auto slow = claimed_slow_error(object)) {
+    dependence.slow =
+        SlowError{covariance_of(slow->sd), slow->correlation_s, slow->correlation_angle_rad};
+  }
+  return {object.id, DetectorNoise(std::move(components), claimed_clutter(object), dependence), {}};
 }
 
 MotionSettings motion_settings(const SimulationConfig& config) {

@@ -14,8 +14,11 @@ namespace {
 using namespace internal;
 
 const MultiObjectFilter& smoothed_filter(const ObjectSlam& slam) {
-  if (const MultiObjectFilter* filter = slam.multi_object()) return *filter;
-  throw InvalidInput("only the multi-object filter is smoothed");
+  const MultiObjectFilter* filter = slam.multi_object();
+  require(filter != nullptr, "only the multi-object filter is smoothed");
+  require(filter->settings().camera_gain > 0.0 || !filter->settings().has_odometry,
+          "smoothing: the camera is only considered (its gain is zero), expected a positive gain");
+  return *filter;
 }
 
 /// Which instance a detection is of would have to be smoothed too.
@@ -36,9 +39,6 @@ FixedLagSmoother::FixedLagSmoother(const PoseDensity& camera, std::vector<Object
       slam_(camera, std::move(objects), settings),
       before_(smoothed_filter(slam_)) {
   require(smoothing.passes > 0, "smoothing: passes is 0, expected at least 1");
-  require(before_.settings().camera_gain_noise == 1.0,
-          "smoothing: camera_gain_noise must be 1; a camera whose gain is made smaller, or that is "
-          "only considered, is not smoothed");
 }
 
 std::optional<FrameEstimate> FixedLagSmoother::step(const FrameInput& input) {
@@ -79,7 +79,7 @@ std::vector<FrameEstimate> FixedLagSmoother::smooth(std::size_t count) {
   std::vector<const FrameInput*> inputs;
   for (const Frame& frame : window_) inputs.push_back(&frame.input);
   const SmoothingWindow window(before_, now, motion_, leading_modes(now));
-  const std::vector<Hypothesis> joint = window.smooth(inputs, smoothing_.passes);
+  const std::vector<JointState> joint = window.smooth(inputs, smoothing_.passes);
 
   std::vector<FrameEstimate> estimates;
   for (std::size_t k = 0; k < count; ++k) {
@@ -90,7 +90,7 @@ std::vector<FrameEstimate> FixedLagSmoother::smooth(std::size_t count) {
       indices[j] = window.pose_index(j);
       probabilities[j] = now.mode_probability(j);
     }
-    joint_ = window.inflated(joint[k]);
+    joint_ = window.reported(joint[k]);
     estimates.push_back(internal::frame_estimate(*joint_, indices, ids_, window_[k].report));
     estimates.back().mode_probabilities = std::move(probabilities);
   }
@@ -104,7 +104,7 @@ std::vector<FrameEstimate> FixedLagSmoother::smooth(std::size_t count) {
 
 /// Every hypothesis of an object in place of the leading one.
 void FixedLagSmoother::add_alternatives(std::span<const FrameInput* const> inputs,
-                                        const std::vector<Hypothesis>& leading,
+                                        const std::vector<JointState>& leading,
                                         std::vector<FrameEstimate>& estimates) const {
   const MultiObjectFilter& now = *slam_.multi_object();
   for (FrameEstimate& estimate : estimates) estimate.alternatives.resize(now.object_count());
@@ -120,7 +120,7 @@ void FixedLagSmoother::add_alternatives(std::span<const FrameInput* const> input
       for (std::size_t k = 0; k < estimates.size(); ++k) {
         if (!estimates[k].pose_indices[j]) continue;
         estimates[k].alternatives[j].push_back(
-            {list[h].probability, joint[k].mean()[*window.pose_index(j)], list[h].id});
+            {list[h].probability, joint[k].poses[*window.pose_index(j)], list[h].id});
       }
     }
   }

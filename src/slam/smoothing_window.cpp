@@ -28,10 +28,6 @@ SmoothingWindow::SmoothingWindow(const MultiObjectFilter& before, const MultiObj
                                  const MotionSettings& motion, const Modes& modes)
     : before_(before), now_(now), indices_(modes.size()) {
   model_.motion = motion;
-  model_.odometry_camera_fraction = now.settings().odometry_camera_fraction;
-  model_.correlation_length = now.correlation_length();
-  model_.gain_covariance =
-      now.settings().has_odometry ? GainCovariance::update : GainCovariance::likelihood;
   for (std::size_t j = 0; j < modes.size(); ++j) {
     if (!modes[j]) continue;
     indices_[j] = model_.first_object() + model_.objects.size();
@@ -41,7 +37,7 @@ SmoothingWindow::SmoothingWindow(const MultiObjectFilter& before, const MultiObj
   }
 }
 
-std::vector<Hypothesis> SmoothingWindow::smooth(std::span<const FrameInput* const> frames,
+std::vector<JointState> SmoothingWindow::smooth(std::span<const FrameInput* const> frames,
                                                 std::size_t passes) const {
   // A mode that the filter did not have before the window stands where it is now: in the first
   // pass, which has nothing else to tell right detections from wrong ones, with its covariance of
@@ -53,14 +49,14 @@ std::vector<Hypothesis> SmoothingWindow::smooth(std::span<const FrameInput* cons
   return smoother.smoothed();
 }
 
-Hypothesis SmoothingWindow::inflated(const Hypothesis& joint) const {
-  Eigen::MatrixXd covariance = now_.covariance_factor() * joint.covariance();
+Hypothesis SmoothingWindow::reported(const JointState& joint) const {
+  const Eigen::Index dof = joint.poses.dof();
+  Eigen::MatrixXd covariance = joint.covariance.topLeftCorner(dof, dof);
   for (const std::size_t object : model_.objects) {
     const std::size_t pose = *indices_[object];
-    block(covariance, pose, pose) +=
-        now_.bias_covariance(object, joint.mean()[kCamera], joint.mean()[pose]);
+    block(covariance, pose, pose) += now_.unseen_covariance(object, joint.poses[pose]);
   }
-  return Hypothesis::trusted(joint.mean(), std::move(covariance));
+  return Hypothesis::trusted(joint.poses, std::move(covariance));
 }
 
 /// The same hypotheses as they were before the window, where they were.
@@ -77,35 +73,62 @@ Modes SmoothingWindow::known_before() const {
   return known;
 }
 
-Hypothesis SmoothingWindow::start(const Modes& known, bool vague) const {
-  PoseStackd poses(model_.first_object() + model_.objects.size());
-  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(poses.dof(), poses.dof());
+JointState SmoothingWindow::start(const Modes& known, bool vague) const {
+  JointState start{PoseStackd(model_.poses()), {}, {}};
+  std::size_t blocks = model_.poses();
+  for (std::size_t i = 0; i < model_.objects.size(); ++i) blocks += model_.slow_index(i) ? 1 : 0;
+  start.slow = Eigen::VectorXd::Zero(offset(blocks - model_.poses()));
+  start.covariance = Eigen::MatrixXd::Zero(offset(blocks), offset(blocks));
 
-  // Poses that are new, and where those that the filter had belong.
-  const Hypothesis given = before_.joint_of(known);
+  // Blocks that are new, and where those that the filter had belong.
+  const JointState given = before_.joint_state(known);
+  std::vector<std::size_t> poses{kCamera};
+  std::vector<std::size_t> slow;
   const auto objects = static_cast<std::size_t>(
       std::count_if(known.begin(), known.end(), [](const auto& mode) { return mode.has_value(); }));
-  std::vector<std::size_t> to{kCamera};
-  if (given.mean().size() - objects > 1) to.push_back(kMotion);
-  if (model_.has_motion())
-    block(covariance, kMotion, kMotion) = model_.motion.motion_noise.over(model_.motion.period_s);
+  if (given.poses.size() - objects > 1) poses.push_back(kMotion);
+  if (model_.has_motion()) {
+    block(start.covariance, kMotion, kMotion) =
+        model_.motion.motion_noise.over(model_.motion.period_s);
+  }
   for (std::size_t i = 0; i < model_.objects.size(); ++i) {
     const std::size_t pose = *indices_[model_.objects[i]];
+    const auto index = model_.slow_index(i);
     if (known[model_.objects[i]]) {
-      to.push_back(pose);
-    } else {
-      poses[pose] = hypotheses_[i].pose;
-      block(covariance, pose, pose) = vague ? vague_covariance() : hypotheses_[i].covariance;
+      poses.push_back(pose);
+      if (index) slow.push_back(model_.poses() + *index);
+      continue;
+    }
+    start.poses[pose] = hypotheses_[i].pose;
+    block(start.covariance, pose, pose) = new_covariance(i, vague);
+    if (index) {
+      const std::size_t at = model_.poses() + *index;
+      block(start.covariance, at, at) = *model_.sensors[i]->slow_covariance();
     }
   }
-  // The filter's covariances count dependent detections as it knew them; their true error stays.
-  const double factor = before_.covariance_factor() / now_.covariance_factor();
+  for (std::size_t i = 0; i < poses.size(); ++i) start.poses[poses[i]] = given.poses[i];
+  for (std::size_t i = 0; i < slow.size(); ++i)
+    segment(start.slow, slow[i] - model_.poses()) = segment(given.slow, i);
+  std::vector<std::size_t> to = poses;
+  to.insert(to.end(), slow.begin(), slow.end());
   for (std::size_t i = 0; i < to.size(); ++i) {
-    poses[to[i]] = given.mean()[i];
     for (std::size_t k = 0; k < to.size(); ++k)
-      block(covariance, to[i], to[k]) = factor * block(given.covariance(), i, k);
+      block(start.covariance, to[i], to[k]) = block(given.covariance, i, k);
   }
-  return Hypothesis::trusted(std::move(poses), std::move(covariance));
+  return start;
+}
+
+/// Covariance of an object that the filter did not have; the angles about axes of symmetry are
+/// those that stand for all.
+Matrix6d SmoothingWindow::new_covariance(std::size_t i, bool vague) const {
+  const Matrix6d covariance = vague ? vague_covariance() : hypotheses_[i].covariance;
+  const SymmetryGroup& symmetries = model_.sensors[i]->symmetries;
+  if (symmetries.axes().empty()) return covariance;
+  const SE3d& object = hypotheses_[i].pose;
+  const Matrix6d observed =
+      object.adjoint() * symmetries.observed_projection() * object.inverse().adjoint();
+  return observed * covariance * observed.transpose() +
+         kFixedAngle * object.adjoint_congruence(symmetries.unobserved_covariance());
 }
 
 }  // namespace posemix::internal

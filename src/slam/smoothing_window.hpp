@@ -25,20 +25,21 @@ class SmoothingWindow {
   SmoothingWindow(const MultiObjectFilter& before, const MultiObjectFilter& now,
                   const MotionSettings& motion, const Modes& modes);
 
-  /// Camera, its motion under constant velocity, then the objects that have a mode; covariances as
-  /// the filter has them.
-  std::vector<Hypothesis> smooth(std::span<const FrameInput* const> frames,
+  /// Camera, its motion under constant velocity, then the objects that have a mode, and their slow
+  /// errors.
+  std::vector<JointState> smooth(std::span<const FrameInput* const> frames,
                                  std::size_t passes) const;
 
-  /// The same density with covariances of the true error.
-  Hypothesis inflated(const Hypothesis& joint) const;
+  /// The density of the poses as it is reported, see MultiObjectFilter::unseen_covariance.
+  Hypothesis reported(const JointState& joint) const;
 
   /// Of the object's pose in what is smoothed.
   std::optional<std::size_t> pose_index(std::size_t object) const { return indices_[object]; }
 
  private:
   Modes known_before() const;
-  Hypothesis start(const Modes& known, bool vague) const;
+  JointState start(const Modes& known, bool vague) const;
+  Matrix6d new_covariance(std::size_t i, bool vague) const;
 
   const MultiObjectFilter& before_;
   const MultiObjectFilter& now_;

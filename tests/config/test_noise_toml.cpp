@@ -32,6 +32,20 @@ Matrix6d full_covariance(std::uint64_t seed) {
   return full;
 }
 
+void expect_same(const NoiseDependence& a, const NoiseDependence& b) {
+  ASSERT_EQ(a.slow.has_value(), b.slow.has_value());
+  if (a.slow) {
+    EXPECT_LT(relative_difference(b.slow->covariance, a.slow->covariance), 1e-14);
+    EXPECT_EQ(a.slow->correlation_time_s, b.slow->correlation_time_s);
+    EXPECT_DOUBLE_EQ(a.slow->correlation_angle_rad, b.slow->correlation_angle_rad);
+  }
+  ASSERT_EQ(a.common.has_value(), b.common.has_value());
+  if (a.common) {
+    EXPECT_LT(relative_difference(*b.common, *a.common), 1e-14);
+  }
+  EXPECT_EQ(a.mode_time_s, b.mode_time_s);
+}
+
 /// Oracle: the model itself, entry by entry.
 void expect_same(const DetectorNoise& a, const DetectorNoise& b) {
   ASSERT_EQ(a.components().size(), b.components().size());
@@ -42,20 +56,13 @@ void expect_same(const DetectorNoise& a, const DetectorNoise& b) {
     EXPECT_EQ(x.frame, y.frame);
     EXPECT_LT(relative_difference(y.covariance, x.covariance), 1e-14);
     EXPECT_TRUE(y.offset.is_approx(x.offset, 1e-14));
-    ASSERT_EQ(x.update_covariance.has_value(), y.update_covariance.has_value());
-    if (x.update_covariance) {
-      EXPECT_LT(relative_difference(*y.update_covariance, *x.update_covariance), 1e-14);
-    }
+    EXPECT_EQ(x.run_length, y.run_length);
   }
   EXPECT_NEAR(a.clutter().weight, b.clutter().weight, 1e-15);
   if (a.clutter().weight > 0.0) {
     EXPECT_EQ(a.clutter().volume_m3, b.clutter().volume_m3);
   }
-  EXPECT_EQ(a.dependence().dependent_frames, b.dependence().dependent_frames);
-  ASSERT_EQ(a.dependence().bias.has_value(), b.dependence().bias.has_value());
-  if (a.dependence().bias) {
-    EXPECT_LT(relative_difference(*b.dependence().bias, *a.dependence().bias), 1e-14);
-  }
+  expect_same(a.dependence(), b.dependence());
 }
 
 TEST(NoiseToml, ModelsReadBackAsTheyWere) {
@@ -63,7 +70,7 @@ TEST(NoiseToml, ModelsReadBackAsTheyWere) {
   Eigen::VectorXd xi(6);
   stream.fill_normal(xi);
   const Matrix6d ray = pose_covariance({0.1, 0.2, 0.3}, {5e-3, 6e-3, 0.05});
-  const Matrix6d bias = pose_covariance({0.01, 0.0, 0.02}, {1e-3, 2.0 / 3.0 * 1e-3, 0.0});
+  const Matrix6d common = pose_covariance({0.01, 0.0, 0.02}, {1e-3, 2.0 / 3.0 * 1e-3, 0.0});
   const std::vector<DetectorNoise> models{
       DetectorNoise(
           {{.weight = 0.7, .covariance = full_covariance(1), .offset = SE3d::exp(xi)},
@@ -71,32 +78,14 @@ TEST(NoiseToml, ModelsReadBackAsTheyWere) {
       DetectorNoise({{.weight = 0.7,
                       .covariance = ray,
                       .frame = NoiseFrame::ray,
-                      .update_covariance = Matrix6d(4.0 * ray)}},
+                      .run_length = 61.0 + 1.0 / 3.0}},
                     {.weight = 0.3, .volume_m3 = 2.5},
-                    {.dependent_frames = 61.0 + 1.0 / 3.0, .bias = bias}),
+                    {.slow = SlowError{ray, 12.5, 1.0 / 3.0}, .common = common}),
       DetectorNoise({{.covariance = full_covariance(2), .frame = NoiseFrame::camera}}, {},
-                    {.bias = full_covariance(3)}),
+                    {.slow = SlowError{full_covariance(3)}, .mode_time_s = 1.0 / 7.0}),
       default_detector_noise()};
   for (const DetectorNoise& noise : models)
     expect_same(noise, read_back(format_noise_toml("cup", noise)));
-}
-
-TEST(NoiseToml, CorrelationsHaveThreeDigits) {
-  const DetectorNoise noise({{.covariance = pose_covariance({0.1, 0.2, 0.3}, {5e-3, 6e-3, 0.05}),
-                              .frame = NoiseFrame::ray}},
-                            {.weight = 0.3, .volume_m3 = 2.5}, {.dependent_frames = 5.0});
-  NoiseCorrelation correlation;
-  correlation.inlier = {300.0, 61.25};
-  correlation.bias_sd << 0.1, 0.0, 0.3, 0.004, 0.005, 0.0312;
-  const std::string text = format_noise_toml("cup", noise, correlation);
-  EXPECT_NE(text.find("\n# Whole recordings with their biases: 300.\ndependent_frames = 61.2\n"),
-            std::string::npos)
-      << text;
-  EXPECT_NE(text.find("bias = {rotation_sd_deg = [5.73, 0, 17.2], translation_sd_of_range = "
-                      "[0.004, 0.005, 0.0312]}"),
-            std::string::npos)
-      << text;
-  EXPECT_EQ(*read_back(text).dependence().dependent_frames, 61.2);
 }
 
 TEST(NoiseToml, RefusesANameThatIsNoKey) {

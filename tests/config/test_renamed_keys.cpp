@@ -14,23 +14,26 @@ using Warnings = std::vector<std::string>;
 TomlDocument document_of(std::string_view text) { return TomlDocument::parse(text, "s.toml"); }
 
 TEST(RenamedKeys, AreReadWithAWarningThatNamesThePlaceAndTheNewName) {
-  const TomlDocument document = document_of(
-      "[filter]\ncamera_share = 0.25\ncommon_error_share = 0.5\ndependent_answers = 2\n"
-      "[noise.mug]\nnull = {weight = 0.125}\n");
-  const TomlTable filter = document.root().get_table("filter");
-  EXPECT_EQ(filter.get_double("odometry_camera_fraction"), 0.25);
-  EXPECT_EQ(filter.get_double("bias_variance_fraction"), 0.5);
-  EXPECT_EQ(filter.get_double("mode_correlation_factor"), 2.0);
+  const TomlDocument document = document_of("[noise.mug]\nnull = {weight = 0.125}\n");
   const TomlTable mug = document.root().get_table("noise").get_table("mug");
   EXPECT_EQ(mug.get_table("clutter").get_double("weight"), 0.125);
   EXPECT_NO_THROW(document.finish());
-  ASSERT_EQ(document.warnings().size(), 4U);
-  EXPECT_EQ(document.warnings()[0],
-            "s.toml:2: key 'filter.camera_share' is now 'filter.odometry_camera_fraction'; the old "
-            "name will be refused in 0.3");
-  EXPECT_EQ(document.warnings()[3],
-            "s.toml:6: key 'noise.mug.null' is now 'noise.mug.clutter'; the old name will be "
-            "refused in 0.3");
+  EXPECT_EQ(document.warnings(),
+            Warnings{"s.toml:2: key 'noise.mug.null' is now 'noise.mug.clutter'; the old name will "
+                     "be refused in 0.3"});
+}
+
+TEST(RemovedKeys, HaveNoEffectButAWarning) {
+  TomlDocument document = document_of("[filter]\ngain = 1\nold = 0.25\n");
+  document.apply_override("filter.older=2");
+  const TomlTable filter = document.root().get_table("filter");
+  EXPECT_EQ(filter.get_double("gain"), 1.0);
+  filter.ignore_removed({"old", "older", "oldest"}, "nothing needs it");
+  EXPECT_NO_THROW(document.finish());
+  EXPECT_EQ(document.warnings(),
+            (Warnings{"s.toml:3: key 'filter.old' has no effect any more: nothing needs it",
+                      "--set filter.older=2: key 'filter.older' has no effect any more: nothing "
+                      "needs it"}));
 }
 
 TEST(RenamedKeys, AtTheTopOfADocumentOnlyThoseOfItsReader) {
@@ -60,7 +63,7 @@ TEST(RenamedKeys, AVariableOfASequenceFileMayHaveAnyName) {
 
 TEST(RenamedKeys, NewNamesAndNamesOfUsersHaveNoWarning) {
   const TomlDocument document = document_of(
-      "[filter]\nodometry_camera_fraction = 0.25\n[noise.null]\nweight = 1\n[other]\nnull = 1\n");
+      "[noise.mug]\nclutter = {weight = 1}\n[noise.null]\nweight = 1\n[other]\nnull = 1\n");
   EXPECT_EQ(document.warnings(), Warnings());
   EXPECT_TRUE(document.root().get_table("noise").has("null"));
   EXPECT_TRUE(document.root().get_table("other").has("null"));
@@ -68,25 +71,25 @@ TEST(RenamedKeys, NewNamesAndNamesOfUsersHaveNoWarning) {
 
 TEST(RenamedKeys, BothNamesAreAnError) {
   EXPECT_INVALID(
-      document_of("[filter]\nodometry_camera_fraction = 1\ncamera_share = 1\n"),
-      "s.toml:3: key 'filter.camera_share' is the old name of 'filter.odometry_camera_fraction', "
-      "which is at s.toml:2 already, expected one of them");
+      document_of("[noise.mug]\nclutter = 1\nnull = 1\n"),
+      "s.toml:3: key 'noise.mug.null' is the old name of 'noise.mug.clutter', which is at "
+      "s.toml:2 already, expected one of them");
 }
 
 TEST(RenamedKeys, OverridesMayHaveTheOldName) {
-  TomlDocument document = document_of("[filter]\nodometry_camera_fraction = 1\n");
-  document.apply_override("filter.camera_share=0.5");
-  EXPECT_EQ(document.root().get_table("filter").get_double("odometry_camera_fraction"), 0.5);
-  EXPECT_EQ(document.warnings(),
-            Warnings{"--set filter.camera_share=0.5: key 'filter.camera_share' is now "
-                     "'filter.odometry_camera_fraction'; the old name will be refused in 0.3"});
+  TomlDocument document = document_of("[noise.mug]\nclutter = {weight = 1}\n");
   document.apply_override("noise.mug.null.weight=0.5");
-  document.apply_override("filter={dependent_answers = 4}");
-  const TomlTable root = document.root();
-  EXPECT_EQ(root.get_table("noise").get_table("mug").get_table("clutter").get_double("weight"),
-            0.5);
-  EXPECT_EQ(root.get_table("filter").get_double("mode_correlation_factor"), 4.0);
-  EXPECT_EQ(document.warnings().size(), 3U);
+  const auto weight = [&](const char* name) {
+    return document.root().get_table("noise").get_table(name).get_table("clutter").get_double(
+        "weight");
+  };
+  EXPECT_EQ(weight("mug"), 0.5);
+  EXPECT_EQ(document.warnings(),
+            Warnings{"--set noise.mug.null.weight=0.5: key 'noise.mug.null.weight' is now "
+                     "'noise.mug.clutter.weight'; the old name will be refused in 0.3"});
+  document.apply_override("noise.cup={null = {weight = 0.25}}");
+  EXPECT_EQ(weight("cup"), 0.25);
+  EXPECT_EQ(document.warnings().size(), 2U);
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "posemix/testing/expect.hpp"
-#include "simulated_detections.hpp"
+#include "simulated_slow_errors.hpp"
 
 namespace posemix {
 namespace {
@@ -44,6 +44,29 @@ TEST(NoiseTrack, LeavesOutFramesWithoutATruth) {
             "noise model: 3 true poses and 2 detections, expected as many");
 }
 
+TEST(NoiseTrack, HasStampsAndThePathOfTheView) {
+  const auto turned = [](double degree) {
+    return SE3d(SO3d::exp({0.0, radians(degree), 0.0}), {0.0, 0.0, 1.0});
+  };
+  const std::vector<std::optional<SE3d>> truth{turned(0.0), turned(20.0), std::nullopt,
+                                               turned(-10.0)};
+  const std::vector<std::optional<SE3d>> detected{truth[0], std::nullopt, std::nullopt, truth[3]};
+  const std::vector<double> stamps{1.0, 1.5, 2.0, 4.0};
+  const NoiseTrack track = noise_track(truth, detected, 0, stamps);
+  ASSERT_EQ(track.size(), 3U);
+  EXPECT_EQ(track[2]->stamp_s, 4.0);
+  EXPECT_EQ(track[0]->view_path_rad, 0.0);
+  EXPECT_NEAR(track[2]->view_path_rad, radians(50.0), 1e-12);
+  EXPECT_NEAR(seconds_per_frame(std::vector<NoiseTrack>{track}), 1.5, 1e-12);
+  EXPECT_EQ(thrown_message([&] { noise_track(truth, detected, 0, std::span(stamps).first(2)); }),
+            "noise model: 2 stamps of 4 frames, expected as many");
+  const std::vector<double> back{1.0, 2.0, 1.5, 4.0};
+  EXPECT_EQ(
+      thrown_message([&] { noise_track(truth, detected, 0, back); }),
+      "noise model: the stamp 1.5 s of frame 2 follows 2 s, expected an order in which stamps "
+      "do not decrease");
+}
+
 TEST(NoiseFit, FindsFrameComponentsClutterAndModes) {
   RandomStream stream(1);
   const NoiseFit fit =
@@ -67,21 +90,24 @@ TEST(NoiseFit, FindsFrameComponentsClutterAndModes) {
               noise_log_density(fit.noise, observations_of(recordings_with_modes())).sum(), 1e-6);
 }
 
-/// Whitened residuals w = b + x with a first-order process x, x' = 0.8 x + ..., and a bias b per
-/// recording with half the standard deviation of x.
+/// Errors n + x + c with a first-order process x, x' = 0.8 x + ..., once a second, white n of half
+/// its standard deviation, and c constant per recording with as much.
 TEST(NoiseFit, FillsTheDependence) {
   constexpr double kA = 0.8;
   RandomStream stream(3);
   std::vector<NoiseTrack> tracks;
   for (std::size_t recording = 0; recording < 30; ++recording) {
-    const Vector6d bias = 0.5 * normal_vector(stream);
+    const Vector6d common = 0.5 * normal_vector(stream);
     Vector6d x = normal_vector(stream);
     NoiseTrack& track = tracks.emplace_back();
     for (int i = 0; i < 300; ++i) {
       x = kA * x + std::sqrt(1.0 - kA * kA) * normal_vector(stream);
       const SE3d truth = pose_before_camera(stream);
-      const SE3d detected = truth * SE3d::exp(Vector6d(0.02 * (bias + x)));
-      track.push_back(NoiseObservation{truth, detected, recording});
+      const Vector6d error = common + x + 0.5 * normal_vector(stream);
+      track.push_back(NoiseObservation{.truth = truth,
+                                       .detected = truth * SE3d::exp(Vector6d(0.02 * error)),
+                                       .recording = recording,
+                                       .stamp_s = static_cast<double>(i)});
     }
   }
   const NoiseFitSettings settings{.max_components = 1,
@@ -91,16 +117,40 @@ TEST(NoiseFit, FillsTheDependence) {
                                   .modes = false};
   const NoiseFit fit = fit_noise(tracks, settings, stream);
   const NoiseDependence& dependence = fit.noise.dependence();
-  ASSERT_TRUE(dependence.dependent_frames.has_value());
-  ASSERT_TRUE(dependence.bias.has_value());
-  EXPECT_EQ(*dependence.dependent_frames, fit.correlation.inlier.within);
-  // (1 + a) / (1 - a) = 9 frames count as one.
-  EXPECT_NEAR(*dependence.dependent_frames, 9.0, 1.5);
+  ASSERT_TRUE(dependence.slow.has_value());
+  ASSERT_TRUE(dependence.common.has_value());
+  EXPECT_EQ(fit.slow_error.models[fit.slow_error.chosen].decay, SlowErrorDecay::time);
+  EXPECT_NEAR(dependence.slow->correlation_time_s, -1.0 / std::log(kA), 0.4);
   for (Eigen::Index i = 0; i < 6; ++i) {
+    EXPECT_NEAR(std::sqrt(fit.noise.components()[0].covariance(i, i)) / 0.01, 1.0, 0.1) << i;
+    EXPECT_NEAR(std::sqrt(dependence.slow->covariance(i, i)) / 0.02, 1.0, 0.1) << i;
     // Standard error of a deviation from 30 values: 1 / sqrt(60).
-    EXPECT_NEAR(std::sqrt((*dependence.bias)(i, i)) / 0.01, 1.0, 0.4) << i;
+    EXPECT_NEAR(std::sqrt((*dependence.common)(i, i)) / 0.01, 1.0, 0.4) << i;
   }
-  EXPECT_TRUE(dependence.bias->isDiagonal(0.0));
+  EXPECT_TRUE(dependence.common->isDiagonal(0.0));
+  EXPECT_NEAR(fit.noise.clutter().weight, settings.least_clutter, 1e-12);
+}
+
+/// Recordings with runs of clutter: a filter uses the model as it is.
+TEST(NoiseFit, MeasuresRunsOfGrossErrors) {
+  testing::SlowSimulation simulation{.white_sd = Vector6d::Constant(0.02),
+                                     .slow_sd = Vector6d::Constant(0.04),
+                                     .angle_rad = 1.0,
+                                     .gross = 0.02,
+                                     .gross_frames = 10.0};
+  simulation.frames = 300;
+  RandomStream stream(1);
+  const NoiseFit fit =
+      fit_noise(testing::slow_recordings(simulation, 8),
+                {.max_components = 2, .restarts = 2, .frame = NoiseFrame::object}, stream);
+  ASSERT_TRUE(fit.noise.dependence().slow.has_value());
+  // An indicator that leaves one state after 50 frames and the other after 10 has a correlation of
+  // exp(-k (1 / 50 + 1 / 10)) over k frames, so that about 2 / 0.12 frames of 0.5 s count as one.
+  EXPECT_NEAR(fit.noise.dependence().mode_time_s, 8.3, 4.0);
+  EXPECT_NEAR(fit.noise.clutter().weight, 10.0 / 60.0, 0.06);
+  EXPECT_EQ(fit.noise.components()[0].run_length, 1.0);
+  for (std::size_t i = 1; i < fit.noise.components().size(); ++i)
+    EXPECT_EQ(fit.noise.components()[i].run_length, fit.correlation.outlier.within);
 }
 
 TEST(NoiseFit, ChoosesByCrossValidation) {

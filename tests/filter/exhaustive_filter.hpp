@@ -27,11 +27,8 @@ class ExhaustiveFilter {
   };
 
   ExhaustiveFilter(const SE3d& camera, const Matrix6d& covariance, std::size_t objects,
-                   DetectorNoise noise, double explained, double birth_factor)
-      : noise_(std::move(noise)),
-        explained_(explained),
-        birth_factor_(birth_factor),
-        hypotheses_(objects, 0) {
+                   DetectorNoise noise, double explained)
+      : noise_(std::move(noise)), explained_(explained), hypotheses_(objects, 0) {
     Tuple start{std::vector<int>(objects, -1), std::vector<SE3d>(objects + 1), {}, 0.0};
     start.poses[0] = camera;
     start.covariance.setZero(dim(), dim());
@@ -151,16 +148,21 @@ class ExhaustiveFilter {
     const auto at = 6 * static_cast<Eigen::Index>(object + 1);
     tuple.covariance.middleRows<6>(at) = tuple.covariance.topRows<6>();
     tuple.covariance.middleCols<6>(at) = tuple.covariance.leftCols<6>();
-    tuple.covariance.block<6, 6>(at, at) =
-        parent.covariance.topLeftCorner<6, 6>() +
-        birth_factor_ *
-            world_noise(noise_.components().front(), tuple.poses[0], tuple.poses[object + 1]);
+    tuple.covariance.block<6, 6>(at, at) = parent.covariance.topLeftCorner<6, 6>() +
+                                           mode_noise(tuple.poses[0], tuple.poses[object + 1]);
     return tuple;
+  }
+
+  /// The covariance of all components together, none of which has an offset.
+  Matrix6d mode_noise(const SE3d& camera, const SE3d& object) const {
+    Matrix6d sum = Matrix6d::Zero();
+    for (const NoiseComponent& component : noise_.components())
+      sum += component.weight * world_noise(component, camera, object);
+    return sum / (1.0 - noise_.clutter().weight);
   }
 
   DetectorNoise noise_;
   double explained_;
-  double birth_factor_;
   std::vector<int> hypotheses_;  ///< begun so far, by object
   std::vector<Tuple> tuples_;
 };

@@ -13,15 +13,16 @@
 /// multi-object filter.
 namespace posemix::testing {
 
-/// Switches off everything that is learned or added for real detectors: the filter assumes
-/// independent detections with known noise.
+/// Switches off everything that is learned or damped for real detectors: the filter takes the noise
+/// as stated, and nothing but its projections is approximate.
 inline MultiObjectSettings plain_settings() {
   MultiObjectSettings s;
-  s.odometry_camera_fraction = 1.0;
   s.noise_scale_detections = std::numeric_limits<double>::infinity();
-  s.correlation_s = 0.0;
-  s.correlation_detections = std::numeric_limits<double>::infinity();
-  s.bias_variance_fraction = 0.0;
+  s.camera_gain = 1.0;
+  s.slow_error_gain = 1.0;
+  s.camera_rotation_correction = 1.0;
+  s.camera_position_correction = 1.0;
+  s.default_clutter = 0.0;
   return s;
 }
 

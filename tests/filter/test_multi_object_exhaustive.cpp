@@ -38,8 +38,7 @@ Losses losses(std::uint64_t seed, double odometry_deg, double odometry_m, double
   const double explained = 25.2627;  // quantile 0.9997 of chi-square with six degrees of freedom
   MultiObjectFilter filter(ConcentratedGaussian<SE3d>(scene.camera, start),
                            std::vector<ObjectSensor>(objects, {testing::ray_noise()}), settings);
-  ExhaustiveFilter exact(scene.camera, start, objects, testing::ray_noise(), explained,
-                         settings.birth_covariance_factor);
+  ExhaustiveFilter exact(scene.camera, start, objects, testing::ray_noise(), explained);
   for (int frame = 0; frame < frames; ++frame) {
     if (frame > 0) {
       const SE3d motion = scene.advance();
@@ -108,7 +107,7 @@ TEST(MultiObjectExhaustive, IsExactForOneMode) {
                               .frame = NoiseFrame::ray}});
   MultiObjectFilter filter(ConcentratedGaussian<SE3d>(scene.camera, start), {{noise}},
                            testing::plain_settings());
-  ExhaustiveFilter exact(scene.camera, start, 1, noise, 25.0, 9.0);
+  ExhaustiveFilter exact(scene.camera, start, 1, noise, 25.0);
   for (int frame = 0; frame < 40; ++frame) {
     if (frame > 0) {
       const SE3d motion = scene.advance();

@@ -23,15 +23,18 @@ JointGaussian camera_alone() {
 
 /// A hypothesis at `at` with the covariance of a birth.
 Alternative hypothesis(std::uint64_t id, double log_weight, const SE3d& at) {
-  return {{.log_weight = log_weight, .id = id, .detections = 1},
-          {at, kCameraCovariance + isotropic(2.0, 0.02), kCameraCovariance}};
+  ConditionalPose pose{at, {}, Matrix12d::Zero(), Matrix12x6d::Zero()};
+  pose.covariance.topLeftCorner<6, 6>() = kCameraCovariance + isotropic(2.0, 0.02);
+  pose.cross_covariance.topRows<6>() = kCameraCovariance;
+  return {{.log_weight = log_weight, .id = id, .detections = 1}, pose};
 }
 
 /// Multiplies the weights.
 void add_log_evidence(ObjectBelief& belief, const std::vector<double>& evidence) {
-  std::vector<PairUpdate> updates(evidence.size());
-  for (std::size_t h = 0; h < evidence.size(); ++h) updates[h].log_evidence = evidence[h];
-  belief.multiply_weights(updates, 0.0);
+  std::vector<DetectionUpdate> updates(evidence.size());
+  for (std::size_t h = 0; h < evidence.size(); ++h)
+    updates[h].explanation.log_evidence = evidence[h];
+  belief.multiply_weights(updates, 0.0, 1.0);
 }
 
 void expect_same(const ConditionalPose& a, const ConditionalPose& b) {

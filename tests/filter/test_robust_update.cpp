@@ -121,24 +121,6 @@ TEST(CauchyUpdate, IsASettingOfTheFilter) {
   EXPECT_LT(error_after(RobustLoss::cauchy), 0.001);
 }
 
-TEST(CauchyUpdate, MultipliesTheUpdateCovarianceToo) {
-  NoiseComponent component = gaussian_noise().components().front();
-  component.update_covariance = isotropic(1.0, 0.002);
-  const DetectorNoise noise({component});
-  GaussianSumSettings settings;
-  settings.robust_loss = RobustLoss::cauchy;
-  for (const UpdateRule rule : {UpdateRule::linearized, UpdateRule::iterated}) {
-    settings.update = rule;
-    GaussianSumFilter filter = camera_filter(kCameraPose, isotropic(0.1, 0.001), settings);
-    const SE3d seen = kCameraPose.inverse() * kObject;
-    const std::size_t object = filter.add_object(seen, noise);
-    const SE3d before = filter.summarise().mean()[object];
-    const Detection wrong{object, seen * SE3d(SO3d(), {5.0, 0.0, 0.0}), &noise};
-    filter.update(std::span(&wrong, 1));
-    EXPECT_LT((filter.summarise().mean()[object] * before.inverse()).log().norm(), 0.15);
-  }
-}
-
 TEST(CauchyUpdate, RefusesAScaleThatIsNotPositive) {
   GaussianSumSettings settings;
   settings.cauchy_scale = 0.0;

@@ -95,21 +95,19 @@ TEST(FormatsDocument, DefaultsOfTheMultiObjectFilter) {
   EXPECT_EQ(documented("max_hypotheses"), fmt::format("{}", s.max_hypotheses));
   EXPECT_EQ(documented("protected_hypotheses"), fmt::format("{}", s.protected_hypotheses));
   EXPECT_EQ(documented("explained_probability"), number(s.explained_probability));
-  EXPECT_EQ(documented("birth_covariance_factor"), number(s.birth_covariance_factor));
+  EXPECT_EQ(documented("default_clutter"), number(s.default_clutter));
   EXPECT_EQ(documented("birth_score`, `score_memory"),
             number(s.birth_score) + ", " + number(s.score_memory));
   EXPECT_EQ(documented("merge_rotation_deg`, `merge_translation_m`, `merge_probability"),
             fmt::format("{:g}, {:g}, {:g}", degrees(s.merge_rotation_rad), s.merge_translation_m,
                         s.merge_probability));
   EXPECT_EQ(documented("leader_margin"), number(s.leader_margin));
-  EXPECT_EQ(documented("odometry_camera_fraction"), number(s.odometry_camera_fraction));
-  EXPECT_EQ(documented("camera_gain_noise"), number(s.camera_gain_noise));
+  EXPECT_EQ(documented("camera_gain"), number(s.camera_gain));
+  EXPECT_EQ(documented("slow_error_gain"), number(s.slow_error_gain));
+  EXPECT_EQ(documented("camera_rotation_correction`, `camera_position_correction"),
+            number(s.camera_rotation_correction) + ", " + number(s.camera_position_correction));
   EXPECT_EQ(documented("noise_scale_detections`, `least_noise_scale"),
             number(s.noise_scale_detections) + ", " + number(s.least_noise_scale));
-  EXPECT_EQ(documented("correlation_s`, `correlation_detections"),
-            number(s.correlation_s) + ", " + number(s.correlation_detections));
-  EXPECT_EQ(documented("bias_variance_fraction"), number(s.bias_variance_fraction));
-  EXPECT_EQ(documented("mode_correlation_factor"), number(s.mode_correlation_factor));
 }
 
 TEST(FormatsDocument, DefaultsOfTheMotion) {

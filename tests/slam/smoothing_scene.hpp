@@ -21,14 +21,15 @@ inline const Matrix6d kQ = isotropic(0.05, 0.001);
 inline const Matrix6d kR = isotropic(0.4, 0.004);
 inline const Matrix6d kStartCovariance = isotropic(0.1, 0.002);
 
-/// The filter assumes the given noise, and errors that are independent of each other.
-inline ObjectSlamSettings plain_slam_settings(double odometry_camera_fraction = 1.0) {
+/// The filter takes the noise as stated, and corrects the camera in full.
+inline ObjectSlamSettings plain_slam_settings() {
   MultiObjectSlamSettings tracker;
-  tracker.filter.odometry_camera_fraction = odometry_camera_fraction;
   tracker.filter.noise_scale_detections = std::numeric_limits<double>::infinity();
-  tracker.filter.correlation_s = 0.0;
-  tracker.filter.correlation_detections = std::numeric_limits<double>::infinity();
-  tracker.filter.bias_variance_fraction = 0.0;
+  tracker.filter.camera_gain = 1.0;
+  tracker.filter.slow_error_gain = 1.0;
+  tracker.filter.camera_rotation_correction = 1.0;
+  tracker.filter.camera_position_correction = 1.0;
+  tracker.filter.default_clutter = 0.0;
   ObjectSlamSettings settings{.motion = {}, .tracker = tracker};
   settings.motion.noise = {kQ, NoisePer::frame};
   settings.motion.unknown_motion = {isotropic(5.0, 0.1), NoisePer::frame};

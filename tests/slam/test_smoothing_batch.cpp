@@ -31,24 +31,28 @@ using testing::models_with;
 using testing::plain_slam_settings;
 using testing::pose;
 
-/// All frames at once: Gauss-Newton on camera and object poses of every frame with a dense
-/// information matrix, derived from the model alone. Like the smoother, it is of first order in the
-/// errors, which are small here.
+/// The detector's slow error of the second test: as large as the white one, for half a second.
+SlowError slow_error() { return {.covariance = kR, .correlation_time_s = 0.5}; }
+
+/// All frames at once: Gauss-Newton on camera and object poses and slow errors of every frame with
+/// a dense information matrix, derived from the model alone. Like the smoother, it is of first
+/// order in the errors, which are small here.
 class Batch {
  public:
-  Batch(const Sequence& sequence, double odometry_camera_fraction)
+  Batch(const Sequence& sequence, bool has_slow)
       : sequence_(sequence),
-        share_(odometry_camera_fraction),
-        per_frame_(1 + sequence.objects.size()) {
+        poses_per_frame_(1 + sequence.objects.size()),
+        blocks_per_frame_(poses_per_frame_ + (has_slow ? sequence.objects.size() : 0)),
+        slow_(kFrames * sequence.objects.size(), Vector6d::Zero()) {
     for (std::size_t k = 0; k < kFrames; ++k) {
       poses_.push_back(*sequence.camera_truth[k]);
-      for (std::size_t j = 0; j + 1 < per_frame_; ++j) poses_.push_back(kObjects[j]);
+      for (std::size_t j = 0; j < sequence.objects.size(); ++j) poses_.push_back(kObjects[j]);
     }
     for (int iteration = 0; iteration < 8; ++iteration) iterate();
   }
 
   const SE3d& at(std::size_t frame, std::size_t pose) const {
-    return poses_[frame * per_frame_ + pose];
+    return poses_[frame * poses_per_frame_ + pose];
   }
   /// The covariance of xi_b - xi_a at one frame; of xi_a alone if both are the same.
   Matrix6d covariance(std::size_t frame, std::size_t a, std::size_t b) const {
@@ -59,83 +63,117 @@ class Batch {
   }
 
  private:
-  Eigen::Index row(std::size_t frame, std::size_t pose) const {
-    return 6 * static_cast<Eigen::Index>(frame * per_frame_ + pose);
+  struct Term {
+    Eigen::Index row;
+    Matrix6d jacobian;
+  };
+
+  bool has_slow() const { return blocks_per_frame_ > poses_per_frame_; }
+  Eigen::Index row(std::size_t frame, std::size_t block) const {
+    return 6 * static_cast<Eigen::Index>(frame * blocks_per_frame_ + block);
+  }
+  Eigen::Index slow_row(std::size_t frame, std::size_t object) const {
+    return row(frame, poses_per_frame_ + object);
+  }
+  Vector6d& slow(std::size_t frame, std::size_t object) {
+    return slow_[frame * sequence_.objects.size() + object];
   }
 
-  /// A factor N(z; xi_to - xi_from, covariance), or N(z; xi_to, covariance).
-  void add(std::optional<Eigen::Index> from, Eigen::Index to, const Vector6d& z,
-           const Matrix6d& covariance) {
+  /// A factor N(z; sum of jacobian x, covariance).
+  void add(const std::vector<Term>& terms, const Vector6d& z, const Matrix6d& covariance) {
     const Matrix6d w = covariance.inverse();
-    information_.block<6, 6>(to, to) += w;
-    pull_.segment<6>(to) += w * z;
-    if (!from) return;
-    information_.block<6, 6>(*from, *from) += w;
-    information_.block<6, 6>(*from, to) -= w;
-    information_.block<6, 6>(to, *from) -= w;
-    pull_.segment<6>(*from) -= w * z;
+    for (const Term& a : terms) {
+      pull_.segment<6>(a.row) += a.jacobian.transpose() * w * z;
+      for (const Term& b : terms)
+        information_.block<6, 6>(a.row, b.row) += a.jacobian.transpose() * w * b.jacobian;
+    }
   }
 
   void iterate() {
     const Eigen::Index n = row(kFrames, 0);
+    const Matrix6d one = Matrix6d::Identity();
     information_ = MatrixXd::Zero(n, n);
     pull_ = VectorXd::Zero(n);
-    add(std::nullopt, row(0, 0), (kStart * at(0, 0).inverse()).log(), kStartCovariance);
-    for (std::size_t k = 1; k < kFrames; ++k) add_motion(k);
+    add({{row(0, 0), one}}, (kStart * at(0, 0).inverse()).log(), kStartCovariance);
     for (std::size_t k = 0; k < kFrames; ++k) {
-      for (std::size_t j = 0; j + 1 < per_frame_; ++j) {
-        const auto& seen = sequence_.objects[j].detections[k];
-        if (!seen) continue;
-        const SE3d& object = at(k, j + 1);
-        add(row(k, 0), row(k, j + 1), (at(k, 0) * *seen * object.inverse()).log(),
-            object.adjoint_congruence(kR));
+      if (k > 0) add_motion(k);
+      for (std::size_t j = 0; j < sequence_.objects.size(); ++j) {
+        if (has_slow()) add_slow(k, j);
+        add_detection(k, j);
       }
     }
     covariance_ = information_.inverse();
     const VectorXd step = covariance_ * pull_;
-    for (std::size_t i = 0; i < poses_.size(); ++i)
-      poses_[i] = SE3d::exp(step.segment<6>(6 * static_cast<Eigen::Index>(i))) * poses_[i];
+    for (std::size_t k = 0; k < kFrames; ++k) {
+      for (std::size_t i = 0; i < poses_per_frame_; ++i) {
+        SE3d& pose = poses_[k * poses_per_frame_ + i];
+        pose = SE3d::exp(step.segment<6>(row(k, i))) * pose;
+      }
+      for (std::size_t j = 0; has_slow() && j < sequence_.objects.size(); ++j)
+        slow(k, j) += step.segment<6>(slow_row(k, j));
+    }
+  }
+
+  void add_detection(std::size_t k, std::size_t j) {
+    const auto& seen = sequence_.objects[j].detections[k];
+    if (!seen) return;
+    const Matrix6d one = Matrix6d::Identity();
+    const SE3d& object = at(k, j + 1);
+    std::vector<Term> terms{{row(k, 0), -one}, {row(k, j + 1), one}};
+    if (has_slow()) terms.push_back({slow_row(k, j), object.adjoint()});
+    const Vector6d z = (at(k, 0) * *seen * object.inverse()).log() - object.adjoint() * slow(k, j);
+    add(terms, z, object.adjoint_congruence(kR));
+  }
+
+  void add_slow(std::size_t k, std::size_t j) {
+    const Matrix6d one = Matrix6d::Identity();
+    if (k == 0) return add({{slow_row(0, j), one}}, -slow(0, j), slow_error().covariance);
+    const double dt = sequence_.stamps[k] - sequence_.stamps[k - 1];
+    const double a = std::exp(-dt / slow_error().correlation_time_s);
+    add({{slow_row(k - 1, j), -a * one}, {slow_row(k, j), one}}, a * slow(k - 1, j) - slow(k, j),
+        (1.0 - a * a) * slow_error().covariance);
   }
 
   void add_motion(std::size_t k) {
     const auto& before = sequence_.odometry[k - 1];
     const auto& now = sequence_.odometry[k];
+    const Matrix6d one = Matrix6d::Identity();
     const bool known = before && now;
     const SE3d moved = at(k - 1, 0) * (known ? before->inverse() * *now : SE3d());
-    const Matrix6d q = known ? Matrix6d(share_ * kQ) : isotropic(5.0, 0.1);
-    add(row(k - 1, 0), row(k, 0), (moved * at(k, 0).inverse()).log(), moved.adjoint_congruence(q));
-    for (std::size_t pose = 1; pose < per_frame_; ++pose) {
-      // Without a drift, a negligible one.
-      const Matrix6d drift = (known ? 1.0 - share_ : 0.0) * kQ + 1e-14 * Matrix6d::Identity();
-      add(row(k - 1, pose), row(k, pose), (at(k - 1, pose) * at(k, pose).inverse()).log(),
-          at(k, pose).adjoint_congruence(drift));
+    add({{row(k - 1, 0), -one}, {row(k, 0), one}}, (moved * at(k, 0).inverse()).log(),
+        moved.adjoint_congruence(known ? kQ : isotropic(5.0, 0.1)));
+    for (std::size_t i = 1; i < poses_per_frame_; ++i) {
+      add({{row(k - 1, i), -one}, {row(k, i), one}}, (at(k - 1, i) * at(k, i).inverse()).log(),
+          1e-14 * one);  // objects stand still
     }
   }
 
   const Sequence& sequence_;
-  double share_;
-  std::size_t per_frame_;
+  std::size_t poses_per_frame_;
+  std::size_t blocks_per_frame_;
   std::vector<SE3d> poses_;
+  std::vector<Vector6d> slow_;
   MatrixXd information_;
   VectorXd pull_;
   MatrixXd covariance_;
 };
 
-/// Largest relative difference, measured in units of the expected covariance.
 double difference(const Matrix6d& a, const Matrix6d& expected) {
   const Matrix6d l = expected.llt().matrixL();
   const Matrix6d white = l.inverse() * a * l.inverse().transpose() - Matrix6d::Identity();
   return white.cwiseAbs().maxCoeff();
 }
 
-class SmoothingAgainstBatch : public ::testing::TestWithParam<double> {};
+class SmoothingAgainstBatch : public ::testing::TestWithParam<bool> {};
 
 TEST_P(SmoothingAgainstBatch, Agrees) {
   const Sequence sequence = drawn_sequence(1, 2);
-  const ObjectSlamSettings settings = plain_slam_settings(GetParam());
+  NoiseDependence dependence;
+  if (GetParam()) dependence.slow = slow_error();
+  const DetectorNoise noise({{1.0, kR}}, {}, dependence);
   const SlamRun smoothed =
-      run_smoothed(sequence, PoseDensity(kStart, kStartCovariance),
-                   models_with(DetectorNoise({{1.0, kR}}), 2), settings, {.passes = 5});
+      run_smoothed(sequence, PoseDensity(kStart, kStartCovariance), models_with(noise, 2),
+                   plain_slam_settings(), {.passes = 5});
   const Batch batch(sequence, GetParam());
   ASSERT_EQ(smoothed.frames.size(), kFrames);
   for (std::size_t k = 0; k < kFrames; ++k) {
@@ -155,7 +193,7 @@ TEST_P(SmoothingAgainstBatch, Agrees) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(CameraShare, SmoothingAgainstBatch, ::testing::Values(1.0, 0.2));
+INSTANTIATE_TEST_SUITE_P(SlowError, SmoothingAgainstBatch, ::testing::Bool());
 
 TEST(Smoothing, IsConsistentAndBetterThanTheFilter) {
   // One frame per run, for the errors of frames depend on each other.

@@ -4,6 +4,9 @@
 #include <nlohmann/json.hpp>
 
 #include "detector/simulated_detections.hpp"
+#include "detector/simulated_slow_errors.hpp"
+#include "posemix/config/detector_noise.hpp"
+#include "posemix/config/toml_table.hpp"
 #include "study/noise/study.hpp"
 
 namespace posemix {
@@ -45,6 +48,46 @@ TEST(NoiseStudy, ReportsModesThatSeveralRecordingsHave) {
   EXPECT_NEAR(components[1]["weight"], 0.15 * 2200.0 / 2400.0, 0.025);
   EXPECT_NEAR(components[1]["offset"][0][3], 0.01, 0.01);
   EXPECT_NEAR(components[1]["offset"][1][3], 0.02, 0.01);
+}
+
+/// The model that is written reads back with its slow error, and in the object's frame, which has
+/// no clutter of its own, with the least weight of clutter.
+TEST(NoiseStudy, WritesAModelForAFilterAsItIs) {
+  RandomStream stream(4);
+  testing::SlowSimulation simulation{
+      .white_sd = Vector6d::Constant(0.02), .slow_sd = Vector6d::Constant(0.04), .angle_rad = 1.0};
+  std::vector<ResidualSet> sets;
+  for (std::size_t recording = 0; recording < 6; ++recording) {
+    const testing::SlowRecording drawn = testing::slow_recording(simulation, stream);
+    sets.push_back({.detector = "d",
+                    .object = "o",
+                    .recording = std::to_string(recording),
+                    .truth = drawn.truth,
+                    .detected = drawn.detected,
+                    .stamps_s = drawn.stamps_s});
+  }
+  const Study study = make_noise_study({.residuals = sets}, NoiseStudySettings{});
+  const std::vector<std::string> results{study.run_item(0)};
+  const auto item = nlohmann::json::parse(results[0]);
+  const StudyReport report = study.report(results);
+  const auto file = std::find_if(report.files.begin(), report.files.end(),
+                                 [](const auto& each) { return each.name == "noise_d_o.toml"; });
+  ASSERT_NE(file, report.files.end());
+  const TomlDocument document = TomlDocument::parse(file->content, "noise.toml");
+  const DetectorNoise noise =
+      read_detector_noise(document.root().get_table("noise").get_table("d_o"));
+  document.finish();
+  ASSERT_TRUE(noise.dependence().slow.has_value());
+  EXPECT_EQ(item["slow_error"]["decay"], "angle");
+  EXPECT_NEAR(degrees(noise.dependence().slow->correlation_angle_rad),
+              item["slow_error"]["correlation_angle_deg"], 1e-9);
+  for (std::size_t axis = 0; axis < 6; ++axis) {
+    const auto at = static_cast<Eigen::Index>(axis);
+    const double sd = std::sqrt(noise.dependence().slow->covariance(at, at));
+    EXPECT_NEAR(axis < 3 ? degrees(sd) : sd, item["slow_error"]["slow_sd"][axis], 1e-9);
+  }
+  EXPECT_NEAR(noise.clutter().weight, 1e-3, 1e-12);
+  EXPECT_NE(file->content.find("# Of the slow error: rotation ["), std::string::npos);
 }
 
 /// Ranges between 0.4 and 1.6 m tell the frames apart, and gross errors ask for clutter.

@@ -189,9 +189,9 @@ TEST(YcbvStudy, OverridesAndOwnMethodsReachTheFilter) {
   };
   const YcbvStudySettings plain{.data = tree.path(), .methods = {"default"}};
   YcbvStudySettings own = plain;
-  own.methods = {"narrow: filter.bias_variance_fraction=0"};
+  own.methods = {"narrow: filter.camera_gain=0.9"};
   YcbvStudySettings all = plain;
-  all.overrides = {"filter.bias_variance_fraction=0"};
+  all.overrides = {"filter.camera_gain=0.9"};
   EXPECT_NE(anees(own, "narrow"), anees(plain, "default"));
   EXPECT_EQ(anees(own, "narrow"), anees(all, "default"));
   EXPECT_NE(make_ycbv_study(plain).settings, make_ycbv_study(all).settings);

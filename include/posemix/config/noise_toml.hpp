@@ -6,22 +6,15 @@
 #include <string_view>
 
 #include "posemix/detector/detector_noise.hpp"
-#include "posemix/detector/noise_correlation.hpp"
 #include "posemix/detector/odometry_noise.hpp"
 
 /// Noise models as text for sequence files, the counterpart of read_detector_noise.
 namespace posemix {
 
 /// The table `[noise.NAME]` of a sequence file with all digits, so that it is read back as the same
-/// model: components, clutter, and the keys `dependent_frames` and `bias` for the correlation of
-/// detections. Diagonal covariances are written as standard deviations.
+/// model. Diagonal covariances are written as standard deviations.
 /// @throws InvalidInput for a name other than letters, digits, '_' and '-'
 std::string format_noise_toml(std::string_view name, const DetectorNoise& noise);
-
-/// The table with `correlation` in place of the model's own correlation of detections, rounded to
-/// the three digits to which it is known, and a comment with the values of whole recordings.
-std::string format_noise_toml(std::string_view name, const DetectorNoise& noise,
-                              const NoiseCorrelation& correlation);
 
 /// The table `[motion]` of a sequence file, with comments.
 std::string format_odometry_toml(const OdometryNoise& noise);

@@ -48,6 +48,7 @@ class TomlTable {
   bool has(std::string_view key) const;
   /// Whether the key exists and its value is an array.
   bool is_array(std::string_view key) const;
+  bool is_string(std::string_view key) const;
   /// Whether the key exists and its value is a table.
   bool is_table(std::string_view key) const;
 
@@ -112,6 +113,10 @@ class TomlTable {
   std::string location(std::string_view key) const;
   /// @throws InvalidInput `location: key 'path.key' message`
   [[noreturn]] void fail(std::string_view key, std::string_view message) const;
+  /// Adds `location: key 'path.key' message` to the warnings of the document.
+  void warn(std::string_view key, std::string_view message) const;
+  /// Keys of earlier releases that have no effect any more: a warning for each that is there.
+  void ignore_removed(std::initializer_list<std::string_view> keys, std::string_view reason) const;
 
   /// Throws InvalidInput for a key of this table, or of any table below it, that no getter was
   /// called for. The message has its place and a similar known key.
@@ -173,8 +178,9 @@ class TomlDocument {
   /// The table at the top.
   TomlTable root() const;
   const std::string& name() const;
-  /// One warning for every key that was given under its name of the previous release:
-  ///  `file:line: key 'filter.camera_share' is now 'filter.odometry_camera_fraction'; ...`.
+  /// Warnings so far: about keys that were given under names of an earlier release
+  /// (`file:line: key 'noise.mug.null' is now 'noise.mug.clutter'; ...`), and about what a reader
+  /// assumed where keys are missing.
   const std::vector<std::string>& warnings() const;
 
   /// Calls TomlTable::finish for the whole document.

@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: posemix contributors
 #pragma once
 
+#include <cmath>
+#include <limits>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -32,18 +34,20 @@ inline constexpr WordTable<NoiseFrame, 3> words<NoiseFrame>{{
 }};
 
 /// One component of a detector's error: with probability `weight` the detection is
-///   Y = T_camera_object offset Exp(n),  n ~ N(0, covariance).
+///   Y = T_camera_object offset Exp(b + n),  n ~ N(0, covariance),
+/// with the slow error b of the detector (SlowError), zero where it has none.
 struct NoiseComponent {
   double weight = 1.0;
-  /// Rotation [rad], then translation [m], for NoiseFrame::ray as a fraction of the range.
+  /// Of the white error n. Rotation [rad], then translation [m], for NoiseFrame::ray as a fraction
+  /// of the range.
   Matrix6d covariance = Matrix6d::Identity();
   NoiseFrame frame = NoiseFrame::object;
   SE3d offset = {};  ///< pose of the detected mode in the object's frame, the identity unless it is
                      ///< a near-symmetry
-  /// The covariance with which a detection moves the estimate, where it is not the one that weighs
-  /// hypotheses: an error that all frames have in common (a biased range) does not average out, so
-  /// that the mean over frames is less certain than their own errors suggest.
-  std::optional<Matrix6d> update_covariance = {};
+  /// Number of successive detections that have the same error, at least one. Above one the
+  /// component is one of gross errors: they are likely about the pose with any slow error, not with
+  /// the one that lasts, and each has the information of 1 / run_length detections.
+  double run_length = 1.0;
 };
 
 /// Detections that do not depend on the pose of the object: with probability `weight` a detection
@@ -68,7 +72,9 @@ ViewingRay viewing_ray(const SE3d& camera_mode);
 struct NoiseAtPose {
   SE3d axes;
   Matrix6d covariance;
-  Matrix6d update_covariance;
+  /// Factors from the units of the component to radians and metres: those of NoiseFrame::ray have
+  /// the range for the translation.
+  Vector6d units = Vector6d::Ones();
 };
 
 /// The component for an object at the pose `camera_object`. A range below a millimetre counts as
@@ -79,18 +85,38 @@ NoiseAtPose noise_at(const NoiseComponent& noise, const SE3d& camera_object);
 /// object at `camera_object`; components of other frames are returned unchanged.
 NoiseComponent along_camera(const NoiseComponent& noise, const SE3d& camera_object);
 
-/// Dependence of successive detections. Where it is empty, the settings of a filter decide.
+/// The slow part of a detector's error: a stationary Gaussian process b(t) that is added to the
+/// white part, Y = T_camera_object offset Exp(b + n). The correlation of b between two detections
+/// of an object is exp(-angle / correlation_angle_rad - time / correlation_time_s), with the angle
+/// of the path of the viewing direction, seen from the object, between the two.
+struct SlowError {
+  Matrix6d covariance = Matrix6d::Identity();  ///< of b, in the frame and units of the components
+  double correlation_time_s = std::numeric_limits<double>::infinity();
+  double correlation_angle_rad = std::numeric_limits<double>::infinity();
+
+  /// The correlation over a time [s] and an angle of view [rad].
+  double correlation(double time_s, double angle_rad) const {
+    return std::exp(-angle_rad / correlation_angle_rad - time_s / correlation_time_s);
+  }
+};
+
+/// Dependence of successive detections of an object.
 struct NoiseDependence {
-  /// Number of detections of an object that count as one.
-  std::optional<double> dependent_frames = {};
-  /// Covariance of the error that all detections of a recording share, in the frame and the units
-  /// of the first component.
-  std::optional<Matrix6d> bias = {};
+  std::optional<SlowError> slow =
+      {};  ///< none: the errors of successive detections are independent
+  /// Covariance of the error that all detections of a recording have in common, along the object's
+  /// axes [rad, m]: it cannot be told from the pose of the object.
+  std::optional<Matrix6d> common = {};
+  /// Time for which a detector stays with one mode or with clutter: the weights of detections
+  /// within it count as those of one detection [s].
+  double mode_time_s = 0.0;
 };
 
 /// The error of one detector on one class of objects: a mixture of components (midway-merge paper,
-/// eq. 33) and of clutter. Invariant: at least one component, weights positive (clutter's may be
-/// zero) and summing to one, covariances symmetric positive definite, a positive volume.
+/// eq. 33) and of clutter, a slow error and an error in common. Invariant: at least one component,
+/// weights positive (clutter's may be zero) and summing to one, run lengths of at least one,
+/// covariances symmetric positive definite (that of the error in common may be semidefinite), a
+/// positive volume, positive correlation lengths, a mode time of at least zero.
 class DetectorNoise {
  public:
   /// Normalises the weights. @throws InvalidInput naming the component when the invariant cannot
@@ -105,6 +131,14 @@ class DetectorNoise {
   /// Log of clutter's weight times its density 1 / (8 pi^2 V) on SE(3) [nats; rad^-3 m^-3]; -inf
   /// for weight zero.
   double log_clutter_density() const;
+
+  /// The model for filters that take successive errors for independent: the covariances of the slow
+  /// error and of the error in common are a part of every component's, and there is no dependence.
+  /// Components of frames other than NoiseFrame::object take the error in common along their own
+  /// axes, for NoiseFrame::ray at a range of one metre.
+  DetectorNoise as_white() const;
+  /// Whether the model is its own as_white(), apart from the mode time.
+  bool is_white() const;
 
   /// The single Gaussian with the second moment of the components without an offset, for a filter
   /// with one hypothesis: components with an offset are left out (all kept when every one has an

@@ -15,7 +15,8 @@
 namespace posemix {
 
 /// Log density of every detection under the model [nats; per rad^3 m^3, Haar measure]: of a
-/// component log N(n; 0, P) - log |det J_l(n)|, less 3 log range along the viewing ray.
+/// component log N(n; 0, P) - log |det J_l(n)|, less 3 log range along the viewing ray. A slow
+/// error and one in common are a part of every P (DetectorNoise::as_white).
 Eigen::ArrayXd noise_log_density(const DetectorNoise& noise,
                                  std::span<const NoiseObservation> observations);
 

@@ -13,6 +13,7 @@
 #include "posemix/detector/noise_correlation.hpp"
 #include "posemix/detector/noise_em.hpp"
 #include "posemix/detector/noise_modes.hpp"
+#include "posemix/detector/slow_error_fit.hpp"
 
 /// The noise model of a detector, learned from detections with their truth.
 namespace posemix {
@@ -67,9 +68,11 @@ struct NoiseValidation {
 
 /// A noise model, and how it was found.
 struct NoiseFit {
-  DetectorNoise noise;  ///< the chosen model, with its dependence
+  /// The chosen model with its dependence, for a filter as it is.
+  DetectorNoise noise;
   NoiseFrame frame;
-  double log_likelihood;   ///< sum over the detections [nats], as noise_log_density
+  /// Of the chosen model of `fits`: sum over the detections [nats], as noise_log_density.
+  double log_likelihood;
   std::size_t parameters;  ///< free parameters
   double bic;              ///< parameters log(detections) - 2 log_likelihood
   /// The models in the frame: entry k has k + 1 components; then, where a mode is accepted, the
@@ -80,6 +83,7 @@ struct NoiseFit {
   double dependent_frames;
   std::vector<NoiseMode> modes;  ///< modes that were tried
   NoiseCorrelation correlation;  ///< of the errors about the heaviest component without offset
+  SlowErrorFit slow_error;       ///< of the same component: its white, slow and common parts
   std::vector<NoiseValidation> validation;  ///< empty without cross validation
 };
 
@@ -88,9 +92,12 @@ struct NoiseFit {
 /// 1. Models of 1, 2, ... components are fitted by EM (fit_noise_components), and the criterion
 ///    chooses one of them, and the frame where that is not given.
 /// 2. Modes are added (add_noise_modes) and kept where that lowers the BIC.
-/// 3. The correlation of inliers gives the dependence of the model: the number of frames that count
-///    as one, and the covariance of the error that a recording has in common (noise_correlation).
-/// @throws InvalidInput for fewer than two detections, and for settings that contradict each other
+/// 3. The errors of inliers are separated into white, slow and common parts (fit_slow_error). Wider
+///    components lose the slow and the common part, and their run length and the mode time are
+///    measured on the indicator of detections beyond the gate (noise_correlation).
+/// 4. Clutter gets its least weight, also where the models that were fitted have none.
+/// @throws InvalidInput for fewer than two detections, for settings that contradict each other, and
+/// for stamps that decrease
 NoiseFit fit_noise(std::span<const NoiseTrack> tracks, const NoiseFitSettings& settings,
                    RandomStream& stream);
 

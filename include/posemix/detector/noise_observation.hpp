@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -20,17 +21,31 @@ struct NoiseObservation {
   SE3d truth;
   SE3d detected;
   std::size_t recording = 0;  ///< observations of one recording belong together
+  double stamp_s = std::numeric_limits<double>::quiet_NaN();  ///< NaN where it is not known
+  /// Path of the viewing direction (view_angle) since the beginning of the track; where NaN, the
+  /// path between the detections of the track is taken.
+  double view_path_rad = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// The detections of one object in one recording: an entry per frame in which the truth is known,
 /// in the order of time, empty where the object was not detected.
 using NoiseTrack = std::vector<std::optional<NoiseObservation>>;
 
-/// The track of a recording with one truth and one detection per frame, T_camera_object both.
-/// Frames without a truth are left out.
-/// @throws InvalidInput when the numbers of frames differ
+/// The track of a recording with one truth and one detection per frame, T_camera_object both, and
+/// the stamps of the frames [s], none where they are not known. Frames without a truth are left
+/// out. The path of the viewing direction is summed over all others, also those without a
+/// detection.
+/// @throws InvalidInput when the numbers of frames differ, and for stamps that decrease
 NoiseTrack noise_track(std::span<const std::optional<SE3d>> truth,
-                       std::span<const std::optional<SE3d>> detected, std::size_t recording = 0);
+                       std::span<const std::optional<SE3d>> detected, std::size_t recording = 0,
+                       std::span<const double> stamps_s = {});
+
+/// The angle between the directions from the object to the camera at two poses T_camera_object, in
+/// the axes of the object [rad].
+double view_angle(const SE3d& first, const SE3d& second);
+
+/// Median over the tracks of the time between successive frames [s]; NaN without stamps.
+double seconds_per_frame(std::span<const NoiseTrack> tracks);
 
 /// All detections of the tracks, one track after the other.
 std::vector<NoiseObservation> observations_of(std::span<const NoiseTrack> tracks);

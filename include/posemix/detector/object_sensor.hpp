@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: posemix contributors
 #pragma once
 
+#include <optional>
+
 #include "posemix/detector/detector_noise.hpp"
 #include "posemix/detector/symmetry.hpp"
 
@@ -13,6 +15,15 @@ struct ObjectSensor {
   SymmetryGroup symmetries = {};
   /// Factors on the standard deviations of the noise, along its own axes.
   Vector6d noise_scale = Vector6d::Ones();
+  /// The same for the slow part of the error.
+  Vector6d slow_scale = Vector6d::Ones();
+
+  /// Stationary covariance of the slow error with its scale; none where the noise has no slow part.
+  std::optional<Matrix6d> slow_covariance() const {
+    const auto& slow = noise.dependence().slow;
+    if (!slow) return std::nullopt;
+    return Matrix6d(slow_scale.asDiagonal() * slow->covariance * slow_scale.asDiagonal());
+  }
 };
 
 }  // namespace posemix

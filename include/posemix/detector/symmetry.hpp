@@ -18,6 +18,10 @@ struct SymmetryAxis {
   Eigen::Vector3d point = Eigen::Vector3d::Zero();       ///< on the axis, object frame [m]
 };
 
+/// The variance of the angle about an axis of symmetry, where one pose stands for all equivalent
+/// ones, as a part of the variance of a uniform angle.
+inline constexpr double kFixedAngle = 3e-7;
+
 /// Tolerances within which two motions count as the same one when a group is built: the rotation
 /// between them, and the distance of their translations. They allow for rounded numbers in files.
 struct SymmetryTolerance {
@@ -78,6 +82,10 @@ class SymmetryGroup {
   /// (of n in X Exp(n)): (pi / sqrt 3)^2 a a^T for each axis, the variance of a uniform angle, with
   /// a = [d; p x d] for the direction d through the point p. Zero without axes.
   Matrix6d unobserved_covariance() const;
+
+  /// The projection I - sum_a a [d; 0]^T, along the object's own axes, that takes the rotations
+  /// about axes() out of a tangent vector. The identity without axes.
+  Matrix6d observed_projection() const;
 
  private:
   /// Directions of the tangent space along which the pose is free: one column per axis.

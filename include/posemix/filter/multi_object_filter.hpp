@@ -27,8 +27,9 @@ struct MultiObjectSettings {
   /// A detection within this quantile of a hypothesis, under any noise component, is explained by
   /// that hypothesis. A detection that no hypothesis explains starts one.
   double explained_probability = 0.9997;
-  /// Factor on the detector's covariance in the covariance of a new hypothesis.
-  double birth_covariance_factor = 9.0;
+  /// Weight of clutter for a noise model without clutter. At zero the model stays without: no
+  /// detection starts a hypothesis but the first, and the first has probability one.
+  double default_clutter = 0.05;
   double birth_score = 10.0;  ///< score of a new hypothesis [nats]
   double score_memory = 0.9;  ///< factor on the old score at every detection
   /// Hypotheses are merged (midway-merge paper, eq. 12 to 19) when their poses differ by less than
@@ -38,37 +39,33 @@ struct MultiObjectSettings {
   double merge_probability = 0.94;
   /// A hypothesis becomes the leading one when its log weight is larger by more than this [nats].
   double leader_margin = 0.7;
-  /// Whether the camera has odometry. Without odometry the camera's motion is estimated from
-  /// differences of successive detections, in which errors that last for several frames cancel. The
-  /// gain is then computed with the covariance of the likelihood, not with the update covariance,
-  /// and reported covariances are not multiplied by the correlation length.
+  /// Whether the camera has odometry. Without it
+  /// detections correct the camera with the full gain.
   bool has_odometry = true;
-  /// The fraction of the odometry's covariance that is added to the camera. The rest is added to
-  /// every object as a drift of the map. At 1 objects stand still and detections correct the camera
-  /// fully; at 0 the camera follows its odometry.
-  double odometry_camera_fraction = 0.1;
   /// The scale of a detector's noise is learned from innovations. The noise as given, scale one,
   /// counts as this many detections; at infinity nothing is learned.
-  double noise_scale_detections = 10.0;
+  double noise_scale_detections = 3.0;
   double least_noise_scale = 0.1;  ///< the learned scale lies between this and one
-  /// Expected duration of a detector's error [s]: detections of one object within this time carry
-  /// about as much information as one. The correlation length is learned from innovations, and its
-  /// expected value, this time over the time between detections, counts as so many detections.
-  double correlation_s = 10.0;
-  double correlation_detections = 300.0;
-  /// The fraction of the noise's variance that is a bias, common to all detections of an object. It
-  /// does not become smaller with more detections, and is added to the reported covariance.
-  double bias_variance_fraction = 0.4;
-  /// A detector stays with one mode, right or wrong, for longer than its errors are correlated. In
-  /// mode_probability() the correlation length is multiplied by this factor.
-  double mode_correlation_factor = 3.0;
-  /// Factor on a detection's covariance in the gain of the camera, which weakens the correction of
-  /// the camera. At infinity detections do not move the camera (Schmidt-Kalman filter).
-  double camera_gain_noise = 1.0;
+  /// Factor on the gain with which a detection of one object moves the camera and the other
+  /// objects, where the camera has odometry and the errors of the detector last (a slow error, runs
+  /// of gross errors). Below one, errors that the model of the detector does not hold do less harm
+  /// to the map; the covariance is that of the smaller gain (Joseph's form). At zero no detection
+  /// moves the camera (Schmidt-Kalman filter).
+  double camera_gain = 0.2;
+  /// Factor on the gain with which a detection moves the slow error of its detector, in the same
+  /// case. Slow error and object are told apart by how the axes of the noise turn
+  /// against the object alone, which errors that the model does not hold spoil first; at zero the
+  /// object stays among its detections, and only the covariance knows of the slow error.
+  double slow_error_gain = 0.3;
+  /// The parts of a correction's rotation and translation, about the camera, that the camera keeps,
+  /// in the same case. The rest is taken back by a shift of the world, after which camera and
+  /// objects are as before relative to each other: the map then follows the odometry more than the
+  /// odometry the map.
+  double camera_rotation_correction = 0.015;
+  double camera_position_correction = 0.0;
 };
 
-/// One hypothesis for the pose of one object, X = Exp(xi) X0 in the world frame. Covariances are
-/// those of the true error, see MultiObjectFilter::camera().
+/// One hypothesis for the pose of one object, X = Exp(xi) X0 in the world frame.
 struct ObjectHypothesis {
   SE3d pose;                  ///< T_world_object
   Matrix6d covariance;        ///< Cov(xi_O)
@@ -76,11 +73,18 @@ struct ObjectHypothesis {
   /// Log of the weight among the hypotheses of the object and its absence, normalised. It counts
   /// every detection as independent and is certain too soon.
   double log_weight = 0.0;
-  double probability = 0.0;  ///< the weight with dependent detections counted once
+  double probability = 0.0;  ///< the weight with dependent detections counted once (mode_time_s)
   /// Log evidence of recent detections relative to clutter, forgotten exponentially [nats].
   double score = 0.0;
   std::uint64_t id = 0;  ///< constant over time; a merge keeps the id of the heavier hypothesis
   std::uint64_t detections = 0;  ///< number of detections since its birth
+};
+
+/// Poses X = Exp(xi) X0 and slow errors b = b0 + beta with their joint Gaussian.
+struct JointState {
+  PoseStackd poses;
+  Eigen::VectorXd slow;        ///< b0 of the objects whose detectors have a slow error, in order
+  Eigen::MatrixXd covariance;  ///< of [xi; beta]: xi in the world frame, beta in that of the noise
 };
 
 /// The result of one detection.
@@ -100,7 +104,8 @@ struct ObjectUpdateReport {
 /// Object SLAM with many hypotheses per object, but none for their combinations
 /// (docs/many-objects.md). The posterior has the form
 ///   N(camera, leading hypotheses) prod_j sum_h w_jh p(O_jh | camera),
-/// in which hypotheses of different objects are independent given the camera. After every detection
+/// in which every pose O comes with the slow error of its detector, and hypotheses of different
+/// objects are independent given the camera. After every detection
 /// the filter projects the posterior onto this form with the least loss. A detection that no
 /// hypothesis explains starts one. The cost is linear in the hypotheses; in the objects it is
 /// quadratic per detection, and cubic while modes compete.
@@ -146,33 +151,32 @@ class MultiObjectFilter {
 
   /// Number of objects.
   std::size_t object_count() const;
-  /// Number of detections of an object that count as one, a mean over all objects.
-  double correlation_length() const;
   /// Learned factors on the standard deviations of an object's noise, along its axes.
   Vector6d noise_scale(std::size_t object) const;
-  /// T_world_camera. Covariances here and below are those of the true error: the filter's own times
-  /// covariance_factor(), and for objects plus bias_covariance().
+  /// T_world_camera. This and all that is reported below are marginals of one posterior; for
+  /// objects they hold the error in common of their detections and any angle about an axis of
+  /// symmetry.
   ConcentratedGaussian<SE3d> camera() const;
   /// The hypotheses of an object; empty until it was seen.
   std::vector<ObjectHypothesis> hypotheses(std::size_t object) const;
   /// Index of the leading hypothesis.
   std::optional<std::size_t> leading(std::size_t object) const;
-  /// Probability that the leading hypothesis is the right one: w^(1 / n), normalised over the
-  /// hypotheses and absence, where n = mode_correlation_factor correlation_length() detections
-  /// count as one.
+  /// Probability of the leading hypothesis, with dependent detections counted once.
   double mode_probability(std::size_t object) const;
   /// Log probability that no detection so far was the object [nats].
   double log_absent(std::size_t object) const;
   /// T_camera_object of one hypothesis. Its covariance takes the cross-covariance with the camera
   /// into account.
   ConcentratedGaussian<SE3d> relative(std::size_t object, std::size_t hypothesis) const;
+  /// T_camera_object as the detector sees it under one hypothesis: with the slow error of its
+  /// detections, and without their white error.
+  ConcentratedGaussian<SE3d> predicted_detection(std::size_t object, std::size_t hypothesis) const;
   /// The joint Gaussian of the camera (pose 0) and the leading hypotheses of all objects that have
   /// any, in the order in which they were first detected, and of the camera's motion where that is
   /// part of the state.
   ConcentratedGaussian<PoseStackd> joint() const;
   /// The joint Gaussian of the camera, its motion where that is part of the state, and the given
-  /// hypothesis of every object (an index of hypotheses(); objects without one are left out), with
-  /// the filter's own covariances: neither covariance_factor() nor bias_covariance() is applied.
+  /// hypothesis of every object (an index of hypotheses(); objects without one are left out).
   /// @throws InvalidInput also when the number of hypotheses is not that of the objects
   ConcentratedGaussian<PoseStackd> joint_of(
       std::span<const std::optional<std::size_t>> hypotheses) const;
@@ -181,15 +185,16 @@ class MultiObjectFilter {
 
   // --- for a smoother
 
+  /// The Gaussian of the poses of joint_of() and of the slow errors of their objects. It holds what
+  /// the filter estimates: not the errors in common of detections, and of angles about axes of
+  /// symmetry only the one that stands for all.
+  /// @throws InvalidInput as joint_of
+  JointState joint_state(std::span<const std::optional<std::size_t>> hypotheses) const;
+  /// What is reported of an object at `pose` in addition to what is estimated, world frame.
+  Matrix6d unseen_covariance(std::size_t object, const SE3d& pose) const;
   const MultiObjectSettings& settings() const;
   /// The sensor of an object with the scale of its noise as learned by now.
   const ObjectSensor& sensor(std::size_t object) const;
-  /// The factor from the filter's own covariances, which count every detection as independent, to
-  /// those of the true error.
-  double covariance_factor() const;
-  /// The covariance, in the world frame, of the error that all detections of an object at `pose`
-  /// have in common when they are made from `camera`.
-  Matrix6d bias_covariance(std::size_t object, const SE3d& camera, const SE3d& pose) const;
 
  private:
   std::unique_ptr<internal::MultiObjectState> state_;

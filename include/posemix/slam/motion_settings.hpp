@@ -49,9 +49,9 @@ struct ProcessNoise {
 /// Settings of the motion model. Standard deviations below are per square root of a second.
 struct MotionSettings {
   MotionModel model = MotionModel::odometry;
-  /// Noise of the odometry, or of the pose under constant velocity: 0.15 deg, 2 mm.
+  /// Noise of the odometry, or of the pose under constant velocity: 0.13 deg, 1.6 mm.
   ProcessNoise noise{
-      pose_covariance(Eigen::Vector3d::Constant(radians(0.15)), Eigen::Vector3d::Constant(2e-3))};
+      pose_covariance(Eigen::Vector3d::Constant(radians(0.13)), Eigen::Vector3d::Constant(1.6e-3))};
   /// Noise of the random walk, a camera held by hand: 1.65 deg, 27 mm.
   ProcessNoise walk{
       pose_covariance(Eigen::Vector3d::Constant(radians(1.65)), Eigen::Vector3d::Constant(27e-3))};

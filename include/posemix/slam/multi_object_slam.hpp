@@ -59,8 +59,6 @@ class MultiObjectSlam {
   void update_class(const std::vector<std::size_t>& models,
                     const std::vector<Candidate>& candidates,
                     const std::vector<std::size_t>& members, FrameReport& report);
-  /// T_camera_object of the leading hypothesis, at most as uncertain as by one detection.
-  PoseDensity predicted_instance(std::size_t object) const;
   CandidateReport new_instance(const std::vector<std::size_t>& models);
   FrameEstimate frame_estimate(FrameReport report) const;
 

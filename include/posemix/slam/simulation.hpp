@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <limits>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -55,6 +56,14 @@ struct SimulationNoise {
   Eigen::Vector3d offset_translation_m = Eigen::Vector3d::Zero();
 };
 
+/// The slow part of the detector's error (SlowError) with a diagonal covariance, along the axes and
+/// in the units of the component that is drawn.
+struct SimulationSlowError {
+  SimulationSd sd;
+  double correlation_s = std::numeric_limits<double>::infinity();
+  double correlation_angle_rad = std::numeric_limits<double>::infinity();
+};
+
 /// A disturbance that comes in runs of frames: a two-state Markov chain.
 struct SimulationRuns {
   double fraction = 0.0;    ///< of the frames that are disturbed, in [0, 1]
@@ -86,6 +95,7 @@ struct SimulationObject {
   /// drawn anew otherwise, and n = L z with z_k = r z_(k-1) + sqrt(1 - r^2) w_k. At 0, frames are
   /// independent: without flips and outliers the detections follow DetectorNoise exactly.
   double correlation_s = 0.0;
+  std::optional<SimulationSlowError> slow;  ///< added to the error of the components
   SimulationFlips flips;
   SimulationOutliers outliers;
   SimulationRuns misses;
@@ -142,9 +152,17 @@ void validate(const SimulationConfig& config);
 SimulatedSequence simulate(const SimulationConfig& config, std::uint64_t seed);
 
 /// The noise components that the filter is told for an object: `claimed`, or else the true ones,
-/// each once more for the flips, weighted by their fraction. Correlation, outliers and misses are
-/// not part of it.
+/// each once more for the flips, weighted by their fraction. The part that claimed_slow_error holds,
+/// outliers and misses are not part of it.
 std::vector<SimulationNoise> claimed_noise(const SimulationObject& object);
+
+/// The slow error that the filter is told: `slow`, or for errors with a correlation time nine tenths
+/// of their least variance.
+std::optional<SimulationSlowError> claimed_slow_error(const SimulationObject& object);
+
+/// The time for which the detector stays with a mode or with clutter, as the filter is told: the
+/// longest of the runs of flips and of outliers and, for several components, the correlation time.
+double claimed_mode_time_s(const SimulationObject& object);
 
 /// The clutter that the filter is told beside components whose weights sum to one: the fraction of
 /// outliers.

@@ -61,7 +61,7 @@ class FixedLagSmoother {
 
   std::vector<FrameEstimate> smooth(std::size_t count);
   void add_alternatives(std::span<const FrameInput* const> inputs,
-                        const std::vector<Hypothesis>& leading,
+                        const std::vector<JointState>& leading,
                         std::vector<FrameEstimate>& estimates) const;
 
   bool is_first_ = true;

@@ -61,33 +61,13 @@ std::size_t common_components(std::span<const Detection> detections) {
   return first.size();
 }
 
-/// One child of one hypothesis without a robust loss. Where a component has an update covariance,
-/// that one moves the child, and the other gives its likelihood by a linearized update.
+/// One child of one hypothesis without a robust loss.
 UpdateResult gaussian_child_of(const Hypothesis& parent, std::span<const Detection> detections,
                                std::span<const NoiseComponent* const> noise,
                                const GaussianSumSettings& settings) {
-  const auto updated = [&](std::span<const NoiseComponent* const> components) {
-    return settings.update == UpdateRule::iterated
-               ? iterated_update(parent, detections, components, settings.first_object)
-               : posemix::update(parent, detections, components);
-  };
-  const bool one_covariance =
-      std::none_of(noise.begin(), noise.end(),
-                   [](const NoiseComponent* component) { return component->update_covariance; });
-  if (one_covariance) return updated(noise);
-  std::vector<NoiseComponent> believed;
-  std::vector<const NoiseComponent*> pointers;
-  believed.reserve(noise.size());
-  for (const NoiseComponent* component : noise) {
-    believed.push_back(*component);
-    believed.back().covariance = component->update_covariance.value_or(component->covariance);
-    pointers.push_back(&believed.back());
-  }
-  UpdateResult child = updated(pointers);
-  UpdateResult weighed = posemix::update(parent, detections, noise);
-  if (!weighed.ok) return weighed;
-  child.log_likelihood = weighed.log_likelihood;
-  return child;
+  return settings.update == UpdateRule::iterated
+             ? iterated_update(parent, detections, noise, settings.first_object)
+             : posemix::update(parent, detections, noise);
 }
 
 UpdateResult child_of(const Hypothesis& parent, std::span<const Detection> detections,
@@ -99,6 +79,24 @@ UpdateResult child_of(const Hypothesis& parent, std::span<const Detection> detec
   if (settings.robust_loss == RobustLoss::none) return update(noise);
   return cauchy_update(parent, detections, noise, update, {.scale = settings.cauchy_scale});
 }
+
+/// Detections with noise models that take successive errors for independent, as this filter does.
+class WhiteDetections {
+ public:
+  explicit WhiteDetections(std::span<const Detection> given)
+      : detections_(given.begin(), given.end()) {
+    noise_.reserve(given.size());
+    for (Detection& detection : detections_) {
+      if (!detection.noise->is_white())
+        detection.noise = &noise_.emplace_back(detection.noise->as_white());
+    }
+  }
+  std::span<const Detection> detections() const { return detections_; }
+
+ private:
+  std::vector<Detection> detections_;
+  std::vector<DetectorNoise> noise_;
+};
 
 /// Keeps only the child of the largest weight among those from index `first` on.
 void keep_most_likely(std::vector<Component<Hypothesis>>& children, std::size_t first) {
@@ -148,8 +146,10 @@ void GaussianSumFilter::check(std::span<const Detection> detections) const {
   if (settings_.noise_use == NoiseUse::joint && !detections.empty()) common_components(detections);
 }
 
-UpdateReport GaussianSumFilter::update(std::span<const Detection> detections) {
-  check(detections);
+UpdateReport GaussianSumFilter::update(std::span<const Detection> given) {
+  check(given);
+  const WhiteDetections white(given);
+  const std::span<const Detection> detections = white.detections();
   UpdateReport report;
   report.gated.assign(detections.size(), false);
   report.failed.assign(detections.size(), false);
@@ -218,6 +218,7 @@ void GaussianSumFilter::reduce(UpdateReport& report) {
 
 std::size_t GaussianSumFilter::add_object(const SE3d& camera_object, const DetectorNoise& noise) {
   internal::require_finite_pose(camera_object, "detection");
+  if (!noise.is_white()) return add_object(camera_object, noise.as_white());
   const std::size_t index = posterior_[0].density.mean().size();
   std::vector<Component<Hypothesis>> children;
   for (const auto& parent : posterior_.components()) {

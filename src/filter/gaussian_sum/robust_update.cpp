@@ -33,8 +33,6 @@ class MultipliedNoise {
     const double change = std::abs(lambdas_[j] / lambda - 1.0);
     lambdas_[j] = lambda;
     multiplied_[j].covariance = lambda * given_[j]->covariance;
-    if (given_[j]->update_covariance)
-      multiplied_[j].update_covariance = lambda * *given_[j]->update_covariance;
     return change;
   }
 

@@ -2,8 +2,6 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "joint_gaussian.hpp"
 
-#include <array>
-
 #include "posemix/filter/update.hpp"
 
 namespace posemix::internal {
@@ -12,146 +10,203 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+/// Six columns of a covariance, in which P H^T is kept.
+using SixColumns = Eigen::Matrix<double, Eigen::Dynamic, 6>;
 
 /// Alternatives of less weight do not change the rows of the leading hypothesis beyond rounding.
 constexpr double kNegligibleWeight = 1e-7;
 
+/// All coordinates but those of one object.
+std::vector<Index> all_but(Index first, Index dof, Index size) {
+  std::vector<Index> rest;
+  rest.reserve(static_cast<std::size_t>(size - dof));
+  for (Index i = 0; i < size; ++i) {
+    if (i < first || i >= first + dof) rest.push_back(i);
+  }
+  return rest;
+}
+
 }  // namespace
 
-Matrix6d regression_on_camera(const Matrix6d& cross_covariance, const Matrix6d& camera) {
+Matrix12x6d regression_on_camera(const Matrix12x6d& cross_covariance, const Matrix6d& camera) {
   const Eigen::LLT<Matrix6d> factor(camera);
   return factor.solve(cross_covariance.transpose()).transpose();
 }
 
-Pair JointGaussian::pair(std::size_t object) const {
-  Pair result{poses_[kCamera], poses_[object], {}};
-  result.covariance.topLeftCorner<6, 6>() = block(covariance_, kCamera, kCamera);
-  result.covariance.bottomRightCorner<6, 6>() = block(covariance_, object, object);
-  result.covariance.bottomLeftCorner<6, 6>() = block(covariance_, object, kCamera);
-  result.covariance.topRightCorner<6, 6>() = block(covariance_, kCamera, object);
-  return result;
+ConditionalPose JointGaussian::conditional(std::size_t index) const {
+  ConditionalPose object{pose(index), {}, Matrix12d::Zero(), Matrix12x6d::Zero()};
+  const Index n = dof(index);
+  if (blocks_of(index) > 1) object.slow = blocks_[index + 1].slow;
+  object.covariance.topLeftCorner(n, n) = covariance_.block(first(index), first(index), n, n);
+  object.cross_covariance.topRows(n) = covariance_.block(first(index), 0, n, kPoseDof);
+  return object;
 }
 
-MatrixXd JointGaussian::rows_of(std::size_t index) const { return rows(covariance_, index); }
-
-MatrixXd JointGaussian::regressed_rows(const Matrix6d& cross_covariance) const {
-  const Matrix6d by = regression_on_camera(cross_covariance, covariance(kCamera, kCamera));
-  return by * rows(covariance_, kCamera);
+MatrixXd JointGaussian::rows_of(std::size_t index) const {
+  return covariance_.middleRows(first(index), dof(index));
 }
 
-std::size_t JointGaussian::append(const SE3d& pose, const Matrix6d& covariance,
-                                  const Matrix6d& cross_covariance) {
-  const std::size_t index = poses_.size();
-  poses_.push_back(pose);
-  const Index n = offset(index);
-  covariance_.conservativeResize(n + kPoseDof, n + kPoseDof);
-  replace(index, pose, covariance, cross_covariance);
+/// B_j. = P_OC P_CC^-1 B_C.
+MatrixXd JointGaussian::regressed_rows(const ConditionalPose& object) const {
+  const Matrix12x6d by =
+      regression_on_camera(object.cross_covariance, covariance(kCamera, kCamera));
+  return by.topRows(object.slow ? 12 : 6) * rows(covariance_, kCamera);
+}
+
+std::size_t JointGaussian::append(const ConditionalPose& object) {
+  const std::size_t index = size();
+  const std::size_t blocks = object.slow ? 2 : 1;
+  blocks_.push_back({object.pose, {}});
+  if (object.slow) blocks_.push_back({SE3d(), object.slow});
+  const Index n = covariance_.rows() + offset(blocks);
+  const Index before = covariance_.rows();
+  covariance_.conservativeResize(n, n);
+  covariance_.bottomRows(offset(blocks)).setZero();
+  covariance_.rightCols(offset(blocks)).topRows(before).setZero();
+  replace(index, object);
   return index;
 }
 
-void JointGaussian::replace(std::size_t index, const SE3d& pose, const Matrix6d& covariance,
-                            const Matrix6d& cross_covariance) {
-  // B_j. = P_OC P_CC^-1 B_C.
-  poses_[index] = pose;
-  const Matrix6d by = regression_on_camera(cross_covariance, this->covariance(kCamera, kCamera));
-  for (std::size_t k = 0; k < poses_.size(); ++k) {
-    if (k == index) continue;
-    const Matrix6d row =
-        k == kCamera ? cross_covariance : Matrix6d(by * block(covariance_, kCamera, k));
-    block(covariance_, index, k) = row;
-    block(covariance_, k, index) = row.transpose();
-  }
-  block(covariance_, index, index) = covariance;
+std::size_t JointGaussian::append(const SE3d& pose, const Matrix6d& covariance) {
+  ConditionalPose alone{pose, {}, Matrix12d::Zero(), Matrix12x6d::Zero()};
+  alone.covariance.topLeftCorner<6, 6>() = covariance;
+  return append(alone);
+}
+
+void JointGaussian::replace(std::size_t index, const ConditionalPose& object) {
+  const Index n = dof(index);
+  MatrixXd own = regressed_rows(object);
+  own.leftCols(kPoseDof) = object.cross_covariance.topRows(n);
+  own.middleCols(first(index), n) = object.covariance.topLeftCorner(n, n);
+  set_rows(index, object.pose, object.slow, own);
 }
 
 void JointGaussian::erase(std::size_t index) {
-  poses_.erase(poses_.begin() + static_cast<std::ptrdiff_t>(index));
-  std::vector<Index> kept;
-  const Index at = offset(index);
-  for (Index i = 0; i < covariance_.rows(); ++i) {
-    if (i < at || i >= at + kPoseDof) kept.push_back(i);
-  }
+  const std::vector<Index> kept = all_but(first(index), dof(index), covariance_.rows());
   covariance_ = MatrixXd(covariance_(kept, kept));
+  const auto at = blocks_.begin() + static_cast<std::ptrdiff_t>(index);
+  blocks_.erase(at, at + static_cast<std::ptrdiff_t>(blocks_of(index)));
 }
 
-void JointGaussian::set_rows(std::size_t index, const SE3d& pose, const MatrixXd& values) {
-  poses_[index] = pose;
-  columns(covariance_, index) = values.transpose();
-  rows(covariance_, index) = values;
+void JointGaussian::set_rows(std::size_t index, const SE3d& pose,
+                             const std::optional<Vector6d>& slow, const MatrixXd& values) {
+  blocks_[index].pose = pose;
+  if (slow) blocks_[index + 1].slow = slow;
+  covariance_.middleCols(first(index), dof(index)) = values.transpose();
+  covariance_.middleRows(first(index), dof(index)) = values;
 }
 
-void JointGaussian::regress(std::span<const std::size_t> indices, const VectorXd& mean,
-                            const MatrixXd& covariance, VectorXd& all_mean,
-                            MatrixXd& all_covariance) const {
-  // G = B_.I B_II^-1, mu = G m, B* = B + G (P - B_II) G^T.
+void JointGaussian::transform(std::size_t index, const MatrixXd& f) {
+  auto own_rows = covariance_.middleRows(first(index), dof(index));
+  own_rows = (f * own_rows).eval();
+  auto own_columns = covariance_.middleCols(first(index), dof(index));
+  own_columns = (own_columns * f.transpose()).eval();
+}
+
+void JointGaussian::move_object(std::size_t index, const Vector12d& by) {
+  blocks_[index].pose = SE3d::exp(by.head<6>()) * blocks_[index].pose;
+  if (blocks_of(index) > 1) *blocks_[index + 1].slow += by.tail<6>();
+}
+
+void JointGaussian::decay_slow(std::size_t index, double factor, const Matrix6d& q) {
+  const std::size_t slow = index + 1;
+  *blocks_[slow].slow *= factor;
+  rows(covariance_, slow) *= factor;
+  columns(covariance_, slow) *= factor;
+  block(covariance_, slow, slow) += q;
+}
+
+MatrixXd JointGaussian::times_ht(std::size_t index, const Matrix6d& slow_map) const {
+  MatrixXd d = columns(covariance_, index) - columns(covariance_, kCamera);
+  if (blocks_of(index) > 1) d.noalias() += columns(covariance_, index + 1) * slow_map.transpose();
+  return d;
+}
+
+CameraChange JointGaussian::update(std::size_t index, const Explanation& leading,
+                                   const CameraAlternative& alternative,
+                                   const GainFactors& factors) {
   const Index n = covariance_.rows();
-  const Index m = offset(indices.size());
-  MatrixXd columns_of(n, m);
-  MatrixXd prior(m, m);
-  for (std::size_t k = 0; k < indices.size(); ++k)
-    columns(columns_of, k) = columns(covariance_, indices[k]);
-  for (std::size_t k = 0; k < indices.size(); ++k) rows(prior, k) = rows(columns_of, indices[k]);
-  const MatrixXd g = prior.llt().solve(columns_of.transpose()).transpose();
-  all_mean.noalias() = g * mean;
-  const MatrixXd change = g * (covariance - prior);
-  all_covariance = covariance_;
-  all_covariance.noalias() += change * g.transpose();
-}
-
-Vector6d JointGaussian::update(std::size_t index, const PairMoments& leading,
-                               const CameraAlternative& alternative) {
-  const Index n = covariance_.rows();
-  VectorXd mean(n);
-  MatrixXd b;
+  VectorXd gain = VectorXd::Constant(n, factors.camera);
+  gain.segment<kPoseDof>(first(index)).setOnes();
+  if (blocks_of(index) > 1) gain.segment<kPoseDof>(offset(index + 1)).setConstant(factors.slow);
   // Under the leading hypothesis, eq. (5).
-  regress(std::array{kCamera, index}, leading.mean, leading.covariance, mean, b);
+  VectorXd mean(n);
+  MatrixXd b = covariance_;
+  GaussianUpdate update(gain, mean, b);
+  for (const Innovation& seen : leading.innovations) {
+    if (seen.weight > 0.0) update.add(seen, SixColumns(times_ht(index, seen.slow_map)));
+  }
+  update.finish();
+  // E[e (K z)^T] with e = e_0 - K z is (1 - g) D S^-1 D_C^T g_C.
+  const SixColumns reduction = update.camera_reduction();
+  CameraChange change{Vector6d::Zero(), factors.camera * factors.camera * reduction.topRows<6>(),
+                      factors.camera * (VectorXd::Ones(n) - gain).asDiagonal() * reduction};
   if (alternative.weight < kNegligibleWeight) {
     covariance_ = std::move(b);
-    symmetrize(covariance_);
-    return move(mean);
+  } else {
+    // Under all others, eq. (6): the rest follows the camera.
+    const Matrix6d prior = covariance(kCamera, kCamera);
+    const MatrixXd g = prior.llt().solve(rows(covariance_, kCamera)).transpose();
+    MatrixXd other = covariance_;
+    other.noalias() += g * (alternative.covariance - prior) * g.transpose();
+    // Projection onto one Gaussian, eq. (7) and (8).
+    project(index, alternative.weight, mean, b, g * alternative.mean - mean, other);
   }
-  // Under all others, eq. (6).
-  VectorXd other_mean(n);
-  MatrixXd other;
-  regress(std::array{kCamera}, alternative.mean, alternative.covariance, other_mean, other);
-  // Projection onto one Gaussian, eq. (7) and (8).
-  project(index, alternative.weight, mean, b, other_mean - mean, other);
-  return move(mean);
+  change.mean = move(mean);
+  return change;
+}
+
+void JointGaussian::shift_back(const CameraChange& change, const Matrix6d& back) {
+  const SE3d shift = SE3d::exp(-back * change.mean);
+  const Matrix6d added = back * change.covariance * back.transpose();
+  for (std::size_t i = 0; i < size(); ++i) {
+    if (is_pose(i)) blocks_[i].pose = shift * blocks_[i].pose;
+    const Matrix6d with_error = rows(change.error_covariance, i) * back.transpose();
+    for (std::size_t k = 0; k < size(); ++k) {
+      if (!is_pose(k)) continue;
+      block(covariance_, i, k) += with_error;
+      block(covariance_, k, i) += with_error.transpose();
+      if (is_pose(i)) block(covariance_, i, k) += added;
+    }
+  }
+  symmetrize(covariance_);
 }
 
 void JointGaussian::project(std::size_t index, double w_a, VectorXd& mean, const MatrixXd& b,
                             const VectorXd& apart, const MatrixXd& other) {
   const double w = 1.0 - w_a;
-  const Index at = offset(index);
-  const Index n = covariance_.rows();
-  std::vector<Index> s;
-  s.reserve(static_cast<std::size_t>(n - kPoseDof));
-  for (Index i = 0; i < n; ++i) {
-    if (i < at || i >= at + kPoseDof) s.push_back(i);
-  }
+  const Index at = first(index);
+  const Index own = dof(index);
+  const std::vector<Index> s = all_but(at, own, covariance_.rows());
   // Everything but the object takes the exact moments of the mixture, eq. (7).
   const VectorXd difference = apart(s);
   const VectorXd shift = w_a * difference;
   MatrixXd b_s = w * b(s, s) + w_a * other(s, s);
   b_s.noalias() += w * w_a * difference * difference.transpose();
   // The object keeps the regression that it has under the leading hypothesis, eq. (8).
-  const MatrixXd b_js = b.middleRows(at, kPoseDof)(Eigen::all, s);
+  const MatrixXd b_js = b.middleRows(at, own)(Eigen::all, s);
   const MatrixXd before = b(s, s);
   const MatrixXd g = before.llt().solve(b_js.transpose()).transpose();
-  mean.segment<kPoseDof>(at) += g * shift;
+  mean.segment(at, own) += g * shift;
   for (std::size_t i = 0; i < s.size(); ++i) mean(s[i]) += shift(static_cast<Index>(i));
   const MatrixXd row = g * b_s;
   covariance_(s, s) = b_s;
-  covariance_.middleRows(at, kPoseDof)(Eigen::all, s) = row;
-  covariance_.middleCols(at, kPoseDof)(s, Eigen::all) = row.transpose();
-  covariance_.block<kPoseDof, kPoseDof>(at, at) =
-      b.block<kPoseDof, kPoseDof>(at, at) + g * (b_s - before) * g.transpose();
+  covariance_.middleRows(at, own)(Eigen::all, s) = row;
+  covariance_.middleCols(at, own)(s, Eigen::all) = row.transpose();
+  covariance_.block(at, at, own, own) =
+      b.block(at, at, own, own) + g * (b_s - before) * g.transpose();
   symmetrize(covariance_);
 }
 
 Vector6d JointGaussian::move(const VectorXd& mean) {
-  for (std::size_t k = 0; k < poses_.size(); ++k)
-    poses_[k] = SE3d::exp(mean.segment<kPoseDof>(offset(k))) * poses_[k];
+  for (std::size_t k = 0; k < size(); ++k) {
+    const Vector6d part = mean.segment<kPoseDof>(offset(k));
+    if (is_pose(k)) {
+      blocks_[k].pose = SE3d::exp(part) * blocks_[k].pose;
+    } else {
+      *blocks_[k].slow += part;
+    }
+  }
   return mean.head<kPoseDof>();
 }
 

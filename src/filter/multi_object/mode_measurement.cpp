@@ -2,31 +2,33 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "posemix/filter/mode_measurement.hpp"
 
+#include <algorithm>
 #include <cmath>
 
-#include "pair.hpp"
+#include "detection_update.hpp"
 
 namespace posemix {
 
-ModeMeasurement measure_mode(const SE3d& camera, const SE3d& object, const Matrix6d& difference,
-                             const SE3d& detected, const ObjectSensor& sensor,
-                             GainCovariance gain_covariance) {
-  internal::Pair pair{camera, object, internal::Matrix12d::Zero()};
-  pair.covariance.bottomRightCorner<6, 6>() = difference;
-  const internal::Explanation seen_as = internal::explain(pair, detected, sensor);
+ModeMeasurement measure_mode(const ModeState& state, const SE3d& detected,
+                             const ObjectSensor& sensor) {
+  internal::DetectionState all{.camera = state.camera, .object = state.object, .slow = state.slow};
+  all.covariance.bottomRightCorner<12, 12>() = state.covariance;
+  const internal::Explanation seen_as = internal::explain(all, detected, sensor);
   ModeMeasurement result;
   if (!std::isfinite(seen_as.log_evidence)) return result;
-  for (std::size_t i = 0; i < seen_as.innovations.size(); ++i) {
-    if (seen_as.probabilities[i] == 0.0) continue;
-    const internal::PairInnovation& seen = seen_as.innovations[i];
-    const Eigen::LLT<Matrix6d> noise(internal::noise_in_gain(seen, gain_covariance));
-    const Matrix6d information = seen_as.probabilities[i] * noise.solve(Matrix6d::Identity());
+  double most = 0.0;
+  for (const internal::Innovation& seen : seen_as.innovations) {
+    if (seen.weight == 0.0) continue;
+    const Eigen::LLT<Matrix6d> noise(seen.noise);
+    const Matrix6d information = seen.weight * noise.solve(Matrix6d::Identity());
     result.information += information;
     result.pull.noalias() += information * seen.residual;
+    if (seen.weight > most) result.slow_map = seen.slow_map;
+    most = std::max(most, seen.weight);
   }
   symmetrize(result.information);
-  result.inlier_probability = seen_as.probabilities.front();
-  result.clutter_probability = seen_as.probabilities.back();
+  result.inlier_probability = seen_as.innovations.front().weight;
+  result.clutter_probability = seen_as.clutter_probability;
   return result;
 }
 

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <utility>
+#include <vector>
 
 #include "multi_object_state.hpp"
 #include "posemix/density/pose_stack.hpp"
@@ -45,6 +46,25 @@ void require_hypothesis(std::size_t hypothesis, std::size_t object, std::size_t 
   }
 }
 
+/// The marginal of the blocks at `order`: poses, then slow errors.
+JointState marginal_of(const JointGaussian& joint, const std::vector<std::size_t>& order) {
+  std::vector<SE3d> poses;
+  JointState state;
+  state.covariance.resize(offset(order.size()), offset(order.size()));
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    if (joint.is_pose(order[i])) {
+      poses.push_back(joint.pose(order[i]));
+    } else {
+      state.slow.conservativeResize(state.slow.size() + kPoseDof);
+      state.slow.tail<kPoseDof>() = joint.slow(order[i]);
+    }
+    for (std::size_t k = 0; k < order.size(); ++k)
+      block(state.covariance, i, k) = joint.covariance(order[i], order[k]);
+  }
+  state.poses = PoseStackd(std::move(poses));
+  return state;
+}
+
 }  // namespace
 
 MultiObjectFilter::MultiObjectFilter(const ConcentratedGaussian<SE3d>& camera,
@@ -67,22 +87,19 @@ void MultiObjectFilter::predict_with_odometry(const SE3d& motion, const Matrix6d
   require_noise(q, "noise of the odometry");
   require_time(dt);
   JointGaussian& joint = state_->joint;
-  const SE3d camera = joint.pose(kCamera) * motion;
+  const SE3d before = joint.pose(kCamera);
+  const SE3d camera = before * motion;
   joint.set_pose(kCamera, camera);
-  const double factor = state_->covariance_factor();
-  const double share = state_->settings.odometry_camera_fraction;
-  block(joint.covariance(), kCamera, kCamera) += share / factor * camera.adjoint_congruence(q);
-  state_->drift += (1.0 - share) / factor * q;
-  state_->advance(dt);
+  block(joint.covariance(), kCamera, kCamera) += camera.adjoint_congruence(q);
+  state_->advance(dt, before);
 }
 
 void MultiObjectFilter::predict_random_walk(const Matrix6d& q, double dt) {
   require_noise(q, "noise of the random walk");
   require_time(dt);
   JointGaussian& joint = state_->joint;
-  block(joint.covariance(), kCamera, kCamera) +=
-      joint.pose(kCamera).adjoint_congruence(q) / state_->covariance_factor();
-  state_->advance(dt);
+  block(joint.covariance(), kCamera, kCamera) += joint.pose(kCamera).adjoint_congruence(q);
+  state_->advance(dt, std::nullopt);
 }
 
 void MultiObjectFilter::predict_constant_velocity(double periods, const Matrix6d& q,
@@ -95,7 +112,7 @@ void MultiObjectFilter::predict_constant_velocity(double periods, const Matrix6d
   if (!std::isfinite(periods))
     throw InvalidInput(fmt::format("{} periods; expected a finite number", periods));
   JointGaussian& joint = state_->joint;
-  if (!state_->motion) state_->motion = joint.append(SE3d(), at_rest, Matrix6d::Zero());
+  if (!state_->motion) state_->motion = joint.append(SE3d(), at_rest);
   const std::size_t motion = *state_->motion;
   const SE3d camera = joint.pose(kCamera);
   const SE3d velocity = joint.pose(motion);
@@ -115,7 +132,7 @@ void MultiObjectFilter::predict_constant_velocity(double periods, const Matrix6d
   block(b, kCamera, kCamera) += moved.adjoint_congruence(q);
   block(b, motion, motion) += velocity.adjoint_congruence(q_motion);
   symmetrize(b);
-  state_->advance(dt);
+  state_->advance(dt, std::nullopt);
 }
 
 ObjectUpdateReport MultiObjectFilter::update(std::size_t object, const SE3d& camera_object) {
@@ -131,29 +148,26 @@ void MultiObjectFilter::forget(std::size_t object) {
 
 std::size_t MultiObjectFilter::object_count() const { return state_->objects.size(); }
 
-double MultiObjectFilter::correlation_length() const { return state_->correlation_length(); }
-
 Vector6d MultiObjectFilter::noise_scale(std::size_t object) const {
   return sensor(object).noise_scale;
 }
 
 ConcentratedGaussian<SE3d> MultiObjectFilter::camera() const {
-  return ConcentratedGaussian<SE3d>::trusted(
-      state_->joint.pose(kCamera),
-      state_->covariance_factor() * state_->joint.covariance(kCamera, kCamera));
+  return ConcentratedGaussian<SE3d>::trusted(state_->joint.pose(kCamera),
+                                             state_->joint.covariance(kCamera, kCamera));
 }
 
 std::vector<ObjectHypothesis> MultiObjectFilter::hypotheses(std::size_t object) const {
   require_object(object, object_count());
   const TrackedObject& tracked = state_->objects[object];
-  const std::vector<double> probabilities = state_->probabilities(tracked);
+  const std::vector<double> probabilities = tracked.belief.probabilities();
   std::vector<ObjectHypothesis> list;
   for (std::size_t h = 0; h < tracked.belief.size(); ++h) {
     const Standing& standing = tracked.belief.standing(h);
-    const Pair pair = state_->inflated_pair(tracked, h);
-    list.push_back({.pose = pair.object,
-                    .covariance = pair.covariance.bottomRightCorner<6, 6>(),
-                    .cross_covariance = pair.covariance.bottomLeftCorner<6, 6>(),
+    const DetectionState state = state_->reported(tracked, h);
+    list.push_back({.pose = state.object,
+                    .covariance = state.covariance.block<6, 6>(kObjectRow, kObjectRow),
+                    .cross_covariance = state.covariance.block<6, 6>(kObjectRow, 0),
                     .log_weight = standing.log_weight,
                     .probability = probabilities[h],
                     .score = standing.score,
@@ -170,7 +184,7 @@ std::optional<std::size_t> MultiObjectFilter::leading(std::size_t object) const 
 
 double MultiObjectFilter::mode_probability(std::size_t object) const {
   const auto leads = leading(object);
-  return leads ? state_->probabilities(state_->objects[object])[*leads] : 0.0;
+  return leads ? state_->objects[object].belief.probabilities()[*leads] : 0.0;
 }
 
 double MultiObjectFilter::log_absent(std::size_t object) const {
@@ -182,27 +196,48 @@ ConcentratedGaussian<SE3d> MultiObjectFilter::relative(std::size_t object,
                                                        std::size_t hypothesis) const {
   require_object(object, object_count());
   require_hypothesis(hypothesis, object, state_->objects[object].belief.size());
-  const Pair pair = state_->inflated_pair(state_->objects[object], hypothesis);
+  const DetectionState state = state_->reported(state_->objects[object], hypothesis);
   return ConcentratedGaussian<SE3d>::trusted(
-      pair.camera_object(), pair.camera.inverse().adjoint_congruence(pair.difference()));
+      state.camera_object(), state.camera.inverse().adjoint_congruence(state.difference()));
+}
+
+ConcentratedGaussian<SE3d> MultiObjectFilter::predicted_detection(std::size_t object,
+                                                                  std::size_t hypothesis) const {
+  require_object(object, object_count());
+  require_hypothesis(hypothesis, object, state_->objects[object].belief.size());
+  const TrackedObject& tracked = state_->objects[object];
+  const DetectionState state = tracked.belief.state(state_->joint, hypothesis);
+  const Matrix6d a = slow_error_map(state, tracked.detector.sensor().noise.components().front());
+  // xi_O - xi_C + A b.
+  Eigen::Matrix<double, 6, 18> h;
+  h << -Matrix6d::Identity(), Matrix6d::Identity(), a;
+  const SE3d seen = SE3d::exp(a * state.slow) * state.object;
+  const Matrix6d covariance = h * state.covariance * h.transpose();
+  return ConcentratedGaussian<SE3d>::trusted(state.camera.inverse() * seen,
+                                             state.camera.inverse().adjoint_congruence(covariance));
 }
 
 ConcentratedGaussian<PoseStackd> MultiObjectFilter::joint() const {
   const JointGaussian& joint = state_->joint;
-  std::vector<SE3d> poses;
-  for (std::size_t i = 0; i < joint.size(); ++i) poses.push_back(joint.pose(i));
-  Eigen::MatrixXd covariance = state_->covariance_factor() * joint.covariance();
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < joint.size(); ++i) {
+    if (joint.is_pose(i)) order.push_back(i);
+  }
+  JointState state = marginal_of(joint, order);
   for (std::size_t j = 0; j < object_count(); ++j) {
     if (const auto i = pose_index(j))
-      block(covariance, *i, *i) += bias_covariance(j, joint.pose(kCamera), joint.pose(*i));
+      block(state.covariance, *i, *i) += unseen_covariance(j, state.poses[*i]);
   }
-  return ConcentratedGaussian<PoseStackd>::trusted(PoseStackd(std::move(poses)),
-                                                   std::move(covariance));
+  return ConcentratedGaussian<PoseStackd>::trusted(state.poses, std::move(state.covariance));
 }
 
 std::optional<std::size_t> MultiObjectFilter::pose_index(std::size_t object) const {
   require_object(object, object_count());
-  return state_->objects[object].belief.pose_index();
+  const auto index = state_->objects[object].belief.pose_index();
+  if (!index) return std::nullopt;
+  std::size_t poses = 0;
+  for (std::size_t i = 0; i < *index; ++i) poses += state_->joint.is_pose(i) ? 1 : 0;
+  return poses;
 }
 
 const MultiObjectSettings& MultiObjectFilter::settings() const { return state_->settings; }
@@ -212,47 +247,49 @@ const ObjectSensor& MultiObjectFilter::sensor(std::size_t object) const {
   return state_->objects[object].detector.sensor();
 }
 
-double MultiObjectFilter::covariance_factor() const { return state_->covariance_factor(); }
-
-Matrix6d MultiObjectFilter::bias_covariance(std::size_t object, const SE3d& camera,
-                                            const SE3d& pose) const {
+Matrix6d MultiObjectFilter::unseen_covariance(std::size_t object, const SE3d& pose) const {
   require_object(object, object_count());
-  return state_->objects[object].detector.bias_covariance(state_->settings, camera, pose);
+  return MultiObjectState::unseen_covariance(state_->objects[object], pose);
 }
 
 ConcentratedGaussian<PoseStackd> MultiObjectFilter::joint_of(
+    std::span<const std::optional<std::size_t>> hypotheses) const {
+  JointState state = joint_state(hypotheses);
+  const Eigen::Index dof = state.poses.dof();
+  Eigen::MatrixXd covariance = state.covariance.topLeftCorner(dof, dof);
+  std::size_t index = state_->motion ? 2 : 1;
+  for (std::size_t j = 0; j < object_count(); ++j) {
+    if (!hypotheses[j]) continue;
+    block(covariance, index, index) += unseen_covariance(j, state.poses[index]);
+    ++index;
+  }
+  return ConcentratedGaussian<PoseStackd>::trusted(state.poses, std::move(covariance));
+}
+
+JointState MultiObjectFilter::joint_state(
     std::span<const std::optional<std::size_t>> hypotheses) const {
   if (hypotheses.size() != object_count()) {
     throw InvalidInput(fmt::format("hypotheses of {} objects, but there are {}", hypotheses.size(),
                                    object_count()));
   }
-  // The joint Gaussian with the alternatives that were asked for appended, then the poses in order.
+  // The joint Gaussian with the alternatives that were asked for appended, then the poses in order,
+  // and their slow errors.
   JointGaussian all = state_->joint;
   std::vector<std::size_t> order{kCamera};
   if (state_->motion) order.push_back(*state_->motion);
+  std::vector<std::size_t> slow;
   for (std::size_t j = 0; j < object_count(); ++j) {
-    const TrackedObject& object = state_->objects[j];
+    const auto& belief = state_->objects[j].belief;
     const auto h = hypotheses[j];
     if (!h) continue;
-    require_hypothesis(*h, j, object.belief.size());
-    std::size_t at = object.belief.pose_index().value();
-    if (h != object.belief.leading()) {
-      const ConditionalPose other = object.belief.pose(state_->joint, *h);
-      at = all.append(other.pose, other.covariance, other.cross_covariance);
-    }
-    block(all.covariance(), at, at) +=
-        all.pose(at).adjoint_congruence(Matrix6d(state_->drift - object.drift));
-    order.push_back(at);
+    require_hypothesis(*h, j, belief.size());
+    const std::size_t index = h == belief.leading() ? belief.pose_index().value()
+                                                    : all.append(belief.pose(state_->joint, *h));
+    order.push_back(index);
+    if (all.blocks_of(index) > 1) slow.push_back(index + 1);
   }
-  std::vector<SE3d> poses;
-  Eigen::MatrixXd covariance(offset(order.size()), offset(order.size()));
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    poses.push_back(all.pose(order[i]));
-    for (std::size_t k = 0; k < order.size(); ++k)
-      block(covariance, i, k) = all.covariance(order[i], order[k]);
-  }
-  return ConcentratedGaussian<PoseStackd>::trusted(PoseStackd(std::move(poses)),
-                                                   std::move(covariance));
+  order.insert(order.end(), slow.begin(), slow.end());
+  return marginal_of(all, order);
 }
 
 }  // namespace posemix

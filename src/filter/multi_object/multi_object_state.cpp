@@ -23,18 +23,29 @@ void check_settings(const MultiObjectSettings& s) {
     range.check(s.*field, std::string(name));
 }
 
+/// The noise, with clutter of a default weight where it has none.
+DetectorNoise with_clutter(const DetectorNoise& noise, double weight) {
+  if (noise.clutter().weight > 0.0 || weight == 0.0) return noise;
+  const double relative = weight / (1.0 - weight);  // to the components, whose weights sum to one
+  return DetectorNoise(noise.components(), {.weight = relative}, noise.dependence());
+}
+
 /// A mode of a detector's noise: the components with the same offset.
 struct NoiseMode {
   const NoiseComponent* first;
   double log_weight;  ///< log of the summed weights
 };
 
+bool same_mode(const NoiseComponent& a, const NoiseComponent& b) {
+  return (a.offset.inverse() * b.offset).log().norm() < kSameMode;
+}
+
 /// The modes of the noise, every weight times exp(log_factor).
 std::vector<NoiseMode> modes_of(const DetectorNoise& noise, double log_factor) {
   std::vector<NoiseMode> modes;
   for (const NoiseComponent& component : noise.components()) {
     const auto mode = std::find_if(modes.begin(), modes.end(), [&](const NoiseMode& other) {
-      return (other.first->offset.inverse() * component.offset).log().norm() < kSameMode;
+      return same_mode(*other.first, component);
     });
     if (mode == modes.end()) {
       modes.push_back({&component, log_factor + std::log(component.weight)});
@@ -46,9 +57,9 @@ std::vector<NoiseMode> modes_of(const DetectorNoise& noise, double log_factor) {
   return modes;
 }
 
-void describe(const PairUpdate& leader, ObjectUpdateReport& report) {
-  report.inlier_probability = leader.inlier_probability;
-  report.clutter_probability = leader.clutter_probability;
+void describe(const DetectionUpdate& leader, ObjectUpdateReport& report) {
+  report.inlier_probability = leader.inlier_probability();
+  report.clutter_probability = leader.explanation.clutter_probability;
   report.residual = leader.white_residual();
 }
 
@@ -63,57 +74,64 @@ MultiObjectState::MultiObjectState(const ConcentratedGaussian<SE3d>& camera,
                    chi_square_quantile(given.merge_probability, 6, "merge_probability")},
       joint(camera) {
   check_settings(settings);
-  for (ObjectSensor& sensor : sensors) objects.push_back({LearnedSensor(std::move(sensor))});
-}
-
-double MultiObjectState::correlation_length() const {
-  double sum = 0.0;
-  double weight = 0.0;
-  for (const auto& [detector, belief, drift_before] : objects) {
-    if (detector.detections() == 0) continue;
-    const double share = 1.0 + detector.inliers();
-    sum += share * detector.correlation_length(settings, frame_s);
-    weight += share;
+  for (ObjectSensor& sensor : sensors) {
+    sensor.noise = with_clutter(sensor.noise, settings.default_clutter);
+    objects.push_back({LearnedSensor(std::move(sensor))});
   }
-  return weight > 0.0 ? sum / weight : 1.0;
 }
 
-std::vector<double> MultiObjectState::probabilities(const TrackedObject& object) const {
-  return object.belief.probabilities(
-      std::max(1.0, settings.mode_correlation_factor * correlation_length()));
+Matrix6d MultiObjectState::unseen_covariance(const TrackedObject& object, const SE3d& pose) {
+  const ObjectSensor& sensor = object.detector.sensor();
+  Matrix6d local = sensor.symmetries.unobserved_covariance();
+  if (const auto& common = sensor.noise.dependence().common) local += *common;
+  return pose.adjoint_congruence(local);
 }
 
-Pair MultiObjectState::inflated_pair(const TrackedObject& object, std::size_t h) const {
-  Pair pair = object.belief.pair(joint, h);
-  pair.covariance *= covariance_factor();
-  pair.covariance.bottomRightCorner<6, 6>() +=
-      object.detector.bias_covariance(settings, joint.pose(kCamera), pair.object);
-  return pair;
+DetectionState MultiObjectState::reported(const TrackedObject& object, std::size_t h) const {
+  DetectionState state = object.belief.state(joint, h);
+  state.covariance.block<6, 6>(kObjectRow, kObjectRow) += unseen_covariance(object, state.object);
+  return state;
 }
 
-std::uint64_t MultiObjectState::detections() const {
-  std::uint64_t sum = 0;
-  for (const TrackedObject& object : objects) sum += object.detector.detections();
-  return sum;
+GainFactors MultiObjectState::gain_factors(const TrackedObject& object) const {
+  if (is_damped(object)) return {.camera = settings.camera_gain, .slow = settings.slow_error_gain};
+  // A considered camera is one for every detection.
+  const bool considered = settings.has_odometry && settings.camera_gain == 0.0;
+  return {.camera = considered ? 0.0 : 1.0, .slow = 1.0};
 }
 
-void MultiObjectState::advance(double dt) {
+void MultiObjectState::advance(double dt, const std::optional<SE3d>& camera_before) {
   now_s += dt;
-  frame_s = dt;
+  for (TrackedObject& object : objects) {
+    const ObjectSensor& sensor = object.detector.sensor();
+    if (const auto& slow = sensor.noise.dependence().slow)
+      object.belief.decay_slow_error(joint, *slow, *sensor.slow_covariance(), camera_before, dt);
+  }
 }
 
 void MultiObjectState::forget(std::size_t j) {
-  const double factor = covariance_factor();
   TrackedObject& object = objects[j];
   if (const auto erased = object.belief.pose_index()) {
+    const std::size_t blocks = joint.blocks_of(*erased);
     joint.erase(*erased);
-    for (TrackedObject& other : objects) other.belief.move_pose_index_up(*erased);
-    if (motion && *motion > *erased) --*motion;
+    for (TrackedObject& other : objects) other.belief.move_pose_index_up(*erased, blocks);
+    if (motion && *motion > *erased) *motion -= blocks;
   }
   object.detector.reset();
   object = {std::move(object.detector)};
-  // Without detections the correlation length is one again. The reported covariance stays.
-  if (detections() == 0) joint.covariance() *= factor / covariance_factor();
+}
+
+/// Covariance of the white error of a mode: the moments of its components.
+Matrix6d mode_covariance(const DetectionState& state, const NoiseMode& mode,
+                         const ObjectSensor& sensor) {
+  Matrix6d sum = Matrix6d::Zero();
+  double weight = 0.0;
+  for (const NoiseComponent& component : sensor.noise.components()) {
+    if (!same_mode(*mode.first, component)) continue;
+    sum += component.weight * white_covariance(state, component, sensor);
+    weight += component.weight;
+  }
+  return sum / weight;
 }
 
 /// Hypotheses at a detection that no hypothesis explains, one for each mode of the noise. Their
@@ -121,11 +139,13 @@ void MultiObjectState::forget(std::size_t j) {
 /// covariance is the camera's plus a multiple of the noise's.
 std::vector<Alternative> MultiObjectState::births_of(const TrackedObject& object,
                                                      const SE3d& detected,
-                                                     const std::vector<PairUpdate>& updates) {
+                                                     const std::vector<DetectionUpdate>& updates,
+                                                     double share) {
   constexpr double kPi = std::numbers::pi;
   const bool is_explained =
-      std::any_of(updates.begin(), updates.end(),
-                  [&](const PairUpdate& update) { return update.squared_distance < explained; });
+      std::any_of(updates.begin(), updates.end(), [&](const DetectionUpdate& update) {
+        return update.explanation.squared_distance < explained;
+      });
   if (is_explained || !std::isfinite(object.belief.log_absent())) return {};
   const ObjectSensor& sensor = object.detector.sensor();
   const SE3d& camera = joint.pose(kCamera);
@@ -134,68 +154,90 @@ std::vector<Alternative> MultiObjectState::births_of(const TrackedObject& object
       object.belief.log_absent() - std::log(8.0 * kPi * kPi * sensor.noise.clutter().volume_m3);
   std::vector<Alternative> births;
   for (const NoiseMode& mode : modes_of(sensor.noise, log_density)) {
-    const Pair there{camera, camera * detected * mode.first->offset.inverse(), Matrix12d::Zero()};
-    const Matrix6d noise = innovation(there, detected, *mode.first, sensor).noise;
+    // xi_O = xi_C - A b - n.
+    DetectionState there{.camera = camera,
+                         .object = camera * detected * mode.first->offset.inverse()};
+    Matrix6d covariance = camera_covariance + mode_covariance(there, mode, sensor);
+    ConditionalPose born{there.object, {}, Matrix12d::Zero(), Matrix12x6d::Zero()};
+    if (const auto slow = sensor.slow_covariance()) {
+      const Matrix6d a_b = slow_error_map(there, *mode.first) * *slow;
+      born.slow = Vector6d::Zero();
+      covariance += a_b * slow_error_map(there, *mode.first).transpose();
+      born.covariance.topRightCorner<6, 6>() = -a_b;
+      born.covariance.bottomLeftCorner<6, 6>() = -a_b.transpose();
+      born.covariance.bottomRightCorner<6, 6>() = *slow;
+    }
+    born.covariance.topLeftCorner<6, 6>() = covariance;
+    born.cross_covariance.topRows<6>() = camera_covariance;
     births.push_back({{.log_weight = mode.log_weight,
+                       .log_probability = object.belief.log_absence_probability() +
+                                          share * (mode.log_weight - object.belief.log_absent()),
                        .score = settings.birth_score,
                        .id = next_id++,
                        .detections = 1},
-                      {.pose = there.object,
-                       .covariance = camera_covariance + settings.birth_covariance_factor * noise,
-                       .cross_covariance = camera_covariance}});
+                      born});
   }
   return births;
 }
 
-/// Process noise of an object: the map's drift since its last detection. The angle about an axis of
-/// symmetry is not observed, so its variance is added as well.
-void MultiObjectState::add_process_noise(TrackedObject& object) {
-  const Matrix6d drifted = drift - object.drift;
-  object.belief.add_noise(joint,
-                          drifted + object.detector.sensor().symmetries.unobserved_covariance());
-  object.drift = drift;
+/// The scale of the noise is learned. Where the slow error's changes by a factor f, b becomes f b,
+/// and the object takes the difference, A (1 - f) b: what a detection sees of both stays.
+void MultiObjectState::learn(TrackedObject& object, const DetectionUpdate& leading) {
+  const Vector6d factor = object.detector.learn(leading, settings);
+  const ObjectSensor& sensor = object.detector.sensor();
+  if (!sensor.noise.dependence().slow || factor.isOnes(1e-12)) return;
+  object.belief.rescale_slow_error(joint, sensor.noise.components().front(), factor);
 }
 
 /// The camera and the leading hypotheses move by eq. (5) to (8), and every other hypothesis follows
 /// the camera by eq. (9).
-void MultiObjectState::move_poses(TrackedObject& object, const std::vector<PairUpdate>& updates,
-                                  double log_evidence, std::vector<Alternative>& births) {
+void MultiObjectState::move_poses(TrackedObject& object,
+                                  const std::vector<DetectionUpdate>& updates, double log_evidence,
+                                  std::vector<Alternative>& births) {
   ObjectBelief& belief = object.belief;
   const CameraMoments before{Vector6d::Zero(), joint.covariance(kCamera, kCamera)};
   const CameraAlternative alternative =
       belief.camera_alternative(updates, births, log_evidence, before.covariance);
   CameraMoments after;
-  after.mean =
-      joint.update(*belief.pose_index(), updates[*belief.leading()].posterior, alternative);
+  const CameraChange change =
+      joint.update(*belief.pose_index(), updates[*belief.leading()].explanation, alternative,
+                   gain_factors(object));
+  after.mean = change.mean;
   after.covariance = joint.covariance(kCamera, kCamera);
   belief.follow_camera(updates, after);
   for (TrackedObject& other : objects) {
     if (&other != &object) other.belief.follow_camera(before, after);
   }
   for (Alternative& birth : births) follow_camera(birth.pose, before, after);
+  shift_back(object, change, births);
 }
 
-/// Counts the detection. With the first one of all the correlation length becomes larger than one;
-/// the reported covariance stays.
-void MultiObjectState::count_detection(TrackedObject& object) {
-  const double factor = covariance_factor();
-  object.detector.count_detection(now_s);
-  if (detections() == 1) joint.covariance() *= factor / covariance_factor();
-}
-
-/// Eq. (2) to (4): every hypothesis is updated on its own pair with the camera.
-std::vector<PairUpdate> MultiObjectState::update_pairs(const TrackedObject& object,
-                                                       const SE3d& detected) const {
-  return object.belief.observe(
-      joint, detected, object.detector.sensor(), settings.camera_gain_noise,
-      settings.has_odometry ? GainCovariance::update : GainCovariance::likelihood);
+/// Eq. (10): a shift of the world takes a part of the camera's correction back, so that all poses
+/// relative to each other stay as they are.
+void MultiObjectState::shift_back(const TrackedObject& detected, const CameraChange& change,
+                                  std::vector<Alternative>& births) {
+  Vector6d taken;
+  taken.head<3>().setConstant(1.0 - settings.camera_rotation_correction);
+  taken.tail<3>().setConstant(1.0 - settings.camera_position_correction);
+  if (!is_damped(detected) || taken.isZero(0.0)) return;
+  const SE3d& at = joint.pose(kCamera);
+  const Matrix6d back = at.adjoint() * taken.asDiagonal() * at.inverse().adjoint();
+  const Matrix6d camera = joint.covariance(kCamera, kCamera);
+  joint.shift_back(change, back);
+  for (TrackedObject& object : objects)
+    object.belief.shift_back(change, back, camera, &object == &detected);
+  for (Alternative& birth : births) {
+    internal::shift_back(birth.pose, change, back,
+                         regression_on_camera(birth.pose.cross_covariance, camera));
+  }
 }
 
 /// The weights are multiplied by the evidence, sum_c exp e_c of eq. (3).
 void MultiObjectState::update_weights(TrackedObject& object,
-                                      const std::vector<PairUpdate>& updates) const {
+                                      const std::vector<DetectionUpdate>& updates,
+                                      double share) const {
   const double log_clutter = object.detector.sensor().noise.log_clutter_density();
-  object.belief.multiply_weights(updates, log_clutter);
+  object.belief.multiply_weights(updates, log_clutter, share);
   object.belief.update_scores(updates, log_clutter, settings.score_memory);
   object.belief.count_detection();
 }
@@ -203,24 +245,26 @@ void MultiObjectState::update_weights(TrackedObject& object,
 ObjectUpdateReport MultiObjectState::update(std::size_t j, const SE3d& detected) {
   TrackedObject& object = objects[j];
   ObjectBelief& belief = object.belief;
-  count_detection(object);
-  add_process_noise(object);
-  const std::vector<PairUpdate> updates = update_pairs(object, detected);  // eq. (2) to (4)
-  std::vector<Alternative> births = births_of(object, detected, updates);
-  update_weights(object, updates);  // eq. (3)
+  const ObjectSensor& sensor = object.detector.sensor();
+  const double share = object.detector.count_detection(now_s);
+  const std::vector<DetectionUpdate> updates =
+      belief.observe(joint, detected, sensor, gain_factors(object));  // eq. (2) to (4)
+  std::vector<Alternative> births = births_of(object, detected, updates, share);
+  update_weights(object, updates, share);  // eq. (3)
   ObjectUpdateReport report{.started = !births.empty(), .log_evidence = belief.log_total(births)};
 
-  // The leading hypothesis corrects the detector's noise, and all poses move, eq. (5) to (9).
+  // All poses move, eq. (5) to (9), and the leading hypothesis corrects the detector's noise.
   std::optional<std::uint64_t> led;
   if (const auto leading = belief.leading()) {
     led = belief.standing(*leading).id;
     describe(updates[*leading], report);
-    object.detector.learn(updates[*leading], settings);
     move_poses(object, updates, report.log_evidence, births);
+    learn(object, updates[*leading]);
   }
 
   belief.add(joint, births);
   report.merges = reduce(object);
+  belief.fix_unobserved(joint, sensor.symmetries);
   const auto leading = belief.leading();
   report.changed_leader = leading && belief.standing(*leading).id != led;
   return report;

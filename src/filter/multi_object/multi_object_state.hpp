@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "learned_sensor.hpp"
+#include "noise_scale.hpp"
 #include "object_belief.hpp"
 
 namespace posemix::internal {
@@ -15,7 +15,6 @@ namespace posemix::internal {
 struct TrackedObject {
   LearnedSensor detector;
   ObjectBelief belief = {};
-  Matrix6d drift = Matrix6d::Zero();  ///< the map's drift up to the object's last detection
 };
 
 /// The state of a MultiObjectFilter, and its change by a detection.
@@ -27,18 +26,20 @@ struct MultiObjectState {
   ObjectUpdateReport update(std::size_t j, const SE3d& detected);
   /// Object `j` becomes one that was never detected.
   void forget(std::size_t j);
-  /// Time goes on by one frame.
-  void advance(double dt);
+  /// Time goes on by one frame, in which the camera moved from `camera_before` where that is known.
+  void advance(double dt, const std::optional<SE3d>& camera_before);
 
-  /// The mean correlation length over all objects with detections; 1 without.
-  double correlation_length() const;
-  /// Factor from the filter's covariances, which count every detection as independent, to those of
-  /// the true error. One before the first detection.
-  double covariance_factor() const { return settings.has_odometry ? correlation_length() : 1.0; }
-  /// Probabilities of the hypotheses of an object, with dependent detections counted once.
-  std::vector<double> probabilities(const TrackedObject& object) const;
-  /// The camera and one hypothesis with the covariance of the true error.
-  Pair inflated_pair(const TrackedObject& object, std::size_t h) const;
+  /// A hypothesis of an object as it is reported: with the error that all detections have in common
+  /// and any angle about an axis of symmetry.
+  DetectionState reported(const TrackedObject& object, std::size_t h) const;
+  /// What a report adds to the covariance of an object at `pose`, world frame.
+  static Matrix6d unseen_covariance(const TrackedObject& object, const SE3d& pose);
+  /// Whether the gain of a detection of the object is damped: with odometry, for a detector whose
+  /// errors last.
+  bool is_damped(const TrackedObject& object) const {
+    return settings.has_odometry && !object.detector.sensor().noise.is_white();
+  }
+  GainFactors gain_factors(const TrackedObject& object) const;
 
   MultiObjectSettings settings;
   double explained;  ///< squared Mahalanobis distance within which a detection is explained
@@ -46,21 +47,19 @@ struct MultiObjectState {
   JointGaussian joint;
   std::vector<TrackedObject> objects;
   double now_s = 0.0;
-  double frame_s = 0.1;               ///< time between the last two frames
   std::optional<std::size_t> motion;  ///< index of the camera's motion in the joint Gaussian
   std::uint64_t next_id = 0;
-  Matrix6d drift = Matrix6d::Zero();  ///< of the map since the start, along an object's own axes
 
  private:
-  std::uint64_t detections() const;
-  void count_detection(TrackedObject& object);
-  std::vector<PairUpdate> update_pairs(const TrackedObject& object, const SE3d& detected) const;
-  void update_weights(TrackedObject& object, const std::vector<PairUpdate>& updates) const;
+  void update_weights(TrackedObject& object, const std::vector<DetectionUpdate>& updates,
+                      double share) const;
   std::vector<Alternative> births_of(const TrackedObject& object, const SE3d& detected,
-                                     const std::vector<PairUpdate>& updates);
-  void add_process_noise(TrackedObject& object);
-  void move_poses(TrackedObject& object, const std::vector<PairUpdate>& updates,
+                                     const std::vector<DetectionUpdate>& updates, double share);
+  void learn(TrackedObject& object, const DetectionUpdate& leading);
+  void move_poses(TrackedObject& object, const std::vector<DetectionUpdate>& updates,
                   double log_evidence, std::vector<Alternative>& births);
+  void shift_back(const TrackedObject& detected, const CameraChange& change,
+                  std::vector<Alternative>& births);
   std::size_t reduce(TrackedObject& object);
 };
 

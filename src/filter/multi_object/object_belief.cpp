@@ -24,11 +24,11 @@ class CameraMixture {
     weight_ += weight;
     second_ += weight * before_;
   }
-  void add(double weight, const PairMoments& pair) {
-    const Vector6d mean = pair.mean.head<6>();
+  void add(double weight, const DetectionMoments& state) {
+    const Vector6d mean = state.mean.head<6>();
     weight_ += weight;
     mean_ += weight * mean;
-    second_ += weight * (pair.covariance.topLeftCorner<6, 6>() + mean * mean.transpose());
+    second_ += weight * (state.covariance.topLeftCorner<6, 6>() + mean * mean.transpose());
   }
   CameraAlternative moments() const {
     if (weight_ <= 0.0) return {0.0, Vector6d::Zero(), before_};
@@ -43,16 +43,52 @@ class CameraMixture {
   Matrix6d second_ = Matrix6d::Zero();
 };
 
+/// Direction from the object to the camera, in the object's frame.
+Eigen::Vector3d view_of(const SE3d& camera, const SE3d& object) {
+  return (object.inverse() * camera.translation()).normalized();
+}
+
+double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
+/// Whether the pose has a positive definite covariance given the camera.
+bool is_positive_definite_given(const ConditionalPose& object, const Matrix6d& camera) {
+  const Matrix12x6d g = regression_on_camera(object.cross_covariance, camera);
+  const Matrix12d given = object.covariance - g * object.cross_covariance.transpose();
+  const Matrix6d pose = given.topLeftCorner<6, 6>();
+  return Eigen::LLT<Matrix6d>(pose).info() == Eigen::Success &&
+         (!object.slow || Eigen::LLT<Matrix12d>(given).info() == Eigen::Success);
+}
+
+void move(ConditionalPose& object, const Vector12d& by) {
+  object.pose = SE3d::exp(by.head<6>()) * object.pose;
+  if (object.slow) *object.slow += by.tail<6>();
+}
+
 }  // namespace
 
 void follow_camera(ConditionalPose& pose, const CameraMoments& before, const CameraMoments& after) {
   // G = P_OC P_CC^-1, O <- Exp(G (m' - m)) O, P_OO += G (P_CC' - P_CC) G^T, P_OC <- G P_CC'.
-  const Matrix6d g = regression_on_camera(pose.cross_covariance, before.covariance);
-  const Vector6d shift = g * (after.mean - before.mean);
-  pose.pose = SE3d::exp(shift) * pose.pose;
+  const Matrix12x6d g = regression_on_camera(pose.cross_covariance, before.covariance);
+  const Vector12d shift = g * (after.mean - before.mean);
+  move(pose, shift);
   pose.covariance += g * (after.covariance - before.covariance) * g.transpose();
   symmetrize(pose.covariance);
   pose.cross_covariance.noalias() = g * after.covariance;
+}
+
+void shift_back(ConditionalPose& pose, const CameraChange& change, const Matrix6d& back,
+                const Matrix12x6d& follows) {
+  const Matrix6d with_error = change.error_covariance.topRows<6>() * back.transpose();
+  const Matrix12x6d x = follows * with_error;
+  const Matrix6d added = back * change.covariance * back.transpose();
+  pose.pose = SE3d::exp(-back * change.mean) * pose.pose;
+  pose.covariance.leftCols<6>() += x;
+  pose.covariance.topRows<6>() += x.transpose();
+  pose.covariance.topLeftCorner<6, 6>() += added;
+  pose.cross_covariance += x;
+  pose.cross_covariance.topRows<6>() += with_error.transpose() + added;
 }
 
 std::optional<std::size_t> ObjectBelief::leading() const {
@@ -72,78 +108,145 @@ Standing& ObjectBelief::mutable_standing(std::size_t h) {
 }
 
 ConditionalPose ObjectBelief::pose(const JointGaussian& joint, std::size_t h) const {
-  if (!leads(h)) return alternatives_.at(slot(h)).pose;
-  const std::size_t index = leader_->pose_index;
-  return {joint.pose(index), joint.covariance(index, index), joint.covariance(index, kCamera)};
+  return leads(h) ? joint.conditional(leader_->pose_index) : alternatives_.at(slot(h)).pose;
 }
 
-Pair ObjectBelief::pair(const JointGaussian& joint, std::size_t h) const {
-  if (leads(h)) return joint.pair(leader_->pose_index);
-  const ConditionalPose& object = alternatives_.at(slot(h)).pose;
-  Pair pair{joint.pose(kCamera), object.pose, {}};
-  pair.covariance.topLeftCorner<6, 6>() = joint.covariance(kCamera, kCamera);
-  pair.covariance.bottomLeftCorner<6, 6>() = object.cross_covariance;
-  pair.covariance.topRightCorner<6, 6>() = object.cross_covariance.transpose();
-  pair.covariance.bottomRightCorner<6, 6>() = object.covariance;
-  return pair;
+DetectionState ObjectBelief::state(const JointGaussian& joint, std::size_t h) const {
+  const ConditionalPose object = pose(joint, h);
+  DetectionState state{joint.pose(kCamera), object.pose, object.slow.value_or(Vector6d::Zero()),
+                       Matrix18d::Zero()};
+  state.covariance.topLeftCorner<6, 6>() = joint.covariance(kCamera, kCamera);
+  state.covariance.bottomLeftCorner<12, 6>() = object.cross_covariance;
+  state.covariance.topRightCorner<6, 12>() = object.cross_covariance.transpose();
+  state.covariance.bottomRightCorner<12, 12>() = object.covariance;
+  return state;
 }
 
-std::vector<double> ObjectBelief::probabilities(double length) const {
+std::vector<double> ObjectBelief::probabilities() const {
   std::vector<double> terms;
-  for (std::size_t h = 0; h < size(); ++h) terms.push_back(standing(h).log_weight / length);
-  terms.push_back(log_absent_ / length);
+  for (std::size_t h = 0; h < size(); ++h) terms.push_back(standing(h).log_probability);
+  terms.push_back(log_absence_probability_);
   const double total = log_sum_exp(terms);
   terms.pop_back();
   for (double& term : terms) term = std::exp(term - total);
   return terms;
 }
 
-void ObjectBelief::move_pose_index_up(std::size_t erased) {
-  if (leader_ && leader_->pose_index > erased) --leader_->pose_index;
+void ObjectBelief::move_pose_index_up(std::size_t erased, std::size_t blocks) {
+  if (leader_ && leader_->pose_index > erased) leader_->pose_index -= blocks;
 }
 
-void ObjectBelief::add_noise(JointGaussian& joint, const Matrix6d& q) {
-  for (Alternative& alternative : alternatives_) {
-    ConditionalPose& object = alternative.pose;
-    object.covariance += object.pose.adjoint_congruence(q);
+void ObjectBelief::decay_slow_error(JointGaussian& joint, const SlowError& slow,
+                                    const Matrix6d& stationary,
+                                    const std::optional<SE3d>& camera_before, double dt) {
+  // b <- a b + w with a = exp(-|view angle| / theta - dt / tau) and Cov w = (1 - a^2) B.
+  for (std::size_t h = 0; h < size(); ++h) {
+    Standing& standing = mutable_standing(h);
+    const SE3d& object =
+        leads(h) ? joint.pose(leader_->pose_index) : alternatives_[slot(h)].pose.pose;
+    const Eigen::Vector3d before = camera_before ? view_of(*camera_before, object) : standing.view;
+    standing.view = view_of(joint.pose(kCamera), object);
+    const double a = slow.correlation(dt, angle_between(before, standing.view));
+    const Matrix6d q = (1.0 - a * a) * stationary;
+    if (leads(h)) {
+      joint.decay_slow(leader_->pose_index, a, q);
+      continue;
+    }
+    ConditionalPose& other = alternatives_[slot(h)].pose;
+    *other.slow *= a;
+    other.covariance.bottomRows<6>() *= a;
+    other.covariance.rightCols<6>() *= a;
+    other.covariance.bottomRightCorner<6, 6>() += q;
+    other.cross_covariance.bottomRows<6>() *= a;
   }
-  if (leader_) {
-    const std::size_t i = leader_->pose_index;
-    block(joint.covariance(), i, i) += joint.pose(i).adjoint_congruence(q);
+}
+
+void ObjectBelief::transform(JointGaussian& joint, std::size_t h, const Matrix12d& f) {
+  if (leads(h)) {
+    const Eigen::Index n = offset(joint.blocks_of(leader_->pose_index));
+    joint.transform(leader_->pose_index, f.topLeftCorner(n, n));
+    return;
+  }
+  ConditionalPose& other = alternatives_[slot(h)].pose;
+  other.covariance = (f * other.covariance * f.transpose()).eval();
+  symmetrize(other.covariance);
+  other.cross_covariance = (f * other.cross_covariance).eval();
+}
+
+void ObjectBelief::rescale_slow_error(JointGaussian& joint, const NoiseComponent& component,
+                                      const Vector6d& factor) {
+  for (std::size_t h = 0; h < size(); ++h) {
+    const DetectionState before = state(joint, h);
+    const Matrix6d a = slow_error_map(before, component);
+    Matrix12d f = Matrix12d::Identity();
+    f.topRightCorner<6, 6>() = a * (Vector6d::Ones() - factor).asDiagonal();
+    f.bottomRightCorner<6, 6>() = factor.asDiagonal();
+    transform(joint, h, f);
+    Vector12d by;
+    by.tail<6>() = (factor - Vector6d::Ones()).cwiseProduct(before.slow);
+    by.head<6>() = -a * by.tail<6>();
+    if (leads(h)) {
+      joint.move_object(leader_->pose_index, by);
+    } else {
+      move(alternatives_[slot(h)].pose, by);
+    }
+  }
+}
+
+void ObjectBelief::fix_unobserved(JointGaussian& joint, const SymmetryGroup& symmetries) {
+  if (symmetries.axes().empty()) return;
+  // Along the object's axes: P <- F P F^T + v U, where F takes the rotations about the axes away
+  // and U is the covariance of a uniform angle.
+  for (std::size_t h = 0; h < size(); ++h) {
+    const SE3d object = pose(joint, h).pose;
+    Matrix12d all = Matrix12d::Identity();
+    all.topLeftCorner<6, 6>() =
+        object.adjoint() * symmetries.observed_projection() * object.inverse().adjoint();
+    transform(joint, h, all);
+    const Matrix6d added =
+        kFixedAngle * object.adjoint_congruence(symmetries.unobserved_covariance());
+    if (leads(h)) {
+      block(joint.covariance(), leader_->pose_index, leader_->pose_index) += added;
+    } else {
+      alternatives_[slot(h)].pose.covariance.topLeftCorner<6, 6>() += added;
+    }
   }
 }
 
 void ObjectBelief::add_to_cross_covariances(const Matrix6d& factor) {
   for (Alternative& alternative : alternatives_) {
-    const Matrix6d change = alternative.pose.cross_covariance * factor;
+    const Matrix12x6d change = alternative.pose.cross_covariance * factor;
     alternative.pose.cross_covariance += change;
   }
 }
 
-std::vector<PairUpdate> ObjectBelief::observe(const JointGaussian& joint, const SE3d& detected,
-                                              const ObjectSensor& sensor, double camera_gain_noise,
-                                              GainCovariance gain_covariance) const {
-  std::vector<PairUpdate> updates;
+std::vector<DetectionUpdate> ObjectBelief::observe(const JointGaussian& joint, const SE3d& detected,
+                                                   const ObjectSensor& sensor,
+                                                   const GainFactors& factors) const {
+  std::vector<DetectionUpdate> updates;
   updates.reserve(size());
-  for (std::size_t h = 0; h < size(); ++h) {
-    updates.push_back(
-        internal::observe(pair(joint, h), detected, sensor, camera_gain_noise, gain_covariance));
-  }
+  for (std::size_t h = 0; h < size(); ++h)
+    updates.push_back(internal::observe(state(joint, h), detected, sensor, factors));
   return updates;
 }
 
-void ObjectBelief::multiply_weights(const std::vector<PairUpdate>& updates, double log_clutter) {
-  for (std::size_t h = 0; h < size(); ++h)
-    mutable_standing(h).log_weight += updates[h].log_evidence;
+void ObjectBelief::multiply_weights(const std::vector<DetectionUpdate>& updates, double log_clutter,
+                                    double share) {
+  for (std::size_t h = 0; h < size(); ++h) {
+    Standing& standing = mutable_standing(h);
+    standing.log_weight += updates[h].log_evidence();
+    standing.log_probability += share * updates[h].log_evidence();
+  }
   log_absent_ += log_clutter;
+  log_absence_probability_ += share * log_clutter;
 }
 
-void ObjectBelief::update_scores(const std::vector<PairUpdate>& updates, double log_clutter,
+void ObjectBelief::update_scores(const std::vector<DetectionUpdate>& updates, double log_clutter,
                                  double memory) {
   for (std::size_t h = 0; h < size(); ++h) {
     double& score = mutable_standing(h).score;
-    score =
-        memory * score + (std::isfinite(log_clutter) ? updates[h].log_evidence - log_clutter : 0.0);
+    score = memory * score +
+            (std::isfinite(log_clutter) ? updates[h].log_evidence() - log_clutter : 0.0);
   }
 }
 
@@ -159,7 +262,7 @@ double ObjectBelief::log_total(const std::vector<Alternative>& births) const {
   return log_sum_exp(terms);
 }
 
-CameraAlternative ObjectBelief::camera_alternative(const std::vector<PairUpdate>& updates,
+CameraAlternative ObjectBelief::camera_alternative(const std::vector<DetectionUpdate>& updates,
                                                    const std::vector<Alternative>& births,
                                                    double log_evidence,
                                                    const Matrix6d& before) const {
@@ -172,15 +275,15 @@ CameraAlternative ObjectBelief::camera_alternative(const std::vector<PairUpdate>
   return cases.moments();
 }
 
-void ObjectBelief::follow_camera(const std::vector<PairUpdate>& updates,
+void ObjectBelief::follow_camera(const std::vector<DetectionUpdate>& updates,
                                  const CameraMoments& after) {
   for (std::size_t i = 0; i < alternatives_.size(); ++i) {
-    const PairMoments& pair = updates[index_of(i)].posterior;
+    const DetectionMoments& own = updates[index_of(i)].posterior;
     ConditionalPose& object = alternatives_[i].pose;
-    object.pose = SE3d::exp(pair.mean.tail<6>()) * object.pose;
-    object.covariance = pair.covariance.bottomRightCorner<6, 6>();
-    object.cross_covariance = pair.covariance.bottomLeftCorner<6, 6>();
-    internal::follow_camera(object, {pair.mean.head<6>(), pair.covariance.topLeftCorner<6, 6>()},
+    move(object, own.mean.tail<12>());
+    object.covariance = own.covariance.bottomRightCorner<12, 12>();
+    object.cross_covariance = own.covariance.bottomLeftCorner<12, 6>();
+    internal::follow_camera(object, {own.mean.head<6>(), own.covariance.topLeftCorner<6, 6>()},
                             after);
   }
 }
@@ -190,12 +293,31 @@ void ObjectBelief::follow_camera(const CameraMoments& before, const CameraMoment
     internal::follow_camera(alternative.pose, before, after);
 }
 
+void ObjectBelief::shift_back(const CameraChange& change, const Matrix6d& back,
+                              const Matrix6d& camera, bool detected) {
+  const Matrix6d with_error = change.error_covariance.topRows<6>() * back.transpose();
+  const Matrix6d shifted =
+      with_error + with_error.transpose() + back * change.covariance * back.transpose();
+  for (Alternative& alternative : alternatives_) {
+    ConditionalPose& pose = alternative.pose;
+    if (detected) {
+      // The correction is that of the leading hypothesis, and the covariance of this one need not
+      // be positive definite with it.
+      ConditionalPose own = pose;
+      internal::shift_back(own, change, back, Matrix12x6d::Zero());
+      if (is_positive_definite_given(own, camera + shifted)) {
+        pose = own;
+        continue;
+      }
+    }
+    internal::shift_back(pose, change, back, regression_on_camera(pose.cross_covariance, camera));
+  }
+}
+
 void ObjectBelief::add(JointGaussian& joint, const std::vector<Alternative>& births) {
   auto next = births.begin();
   if (!leader_ && next != births.end()) {
-    const ConditionalPose& first = next->pose;
-    leader_ = {next->standing, 0,
-               joint.append(first.pose, first.covariance, first.cross_covariance)};
+    leader_ = {next->standing, 0, joint.append(next->pose)};
     ++next;
   }
   alternatives_.insert(alternatives_.end(), next, births.end());
@@ -232,11 +354,13 @@ void ObjectBelief::merge_two(JointGaussian& joint, std::size_t a, std::size_t b,
   // The rows of the joint Gaussian: those of the leading one, and the regression of the other.
   const std::size_t index = leader_->pose_index;
   const auto rows_at = [&](std::size_t h, const ConditionalPose& at) {
-    return leads(h) ? joint.rows_of(index) : joint.regressed_rows(at.cross_covariance);
+    return leads(h) ? joint.rows_of(index) : joint.regressed_rows(at);
   };
+  const ConditionalPose both = midway.merged(at_a, at_b);
   Eigen::MatrixXd merged_rows = midway.cross_covariance(rows_at(a, at_a), rows_at(b, at_b));
-  block(merged_rows, 0, index) = midway.covariance(at_a.covariance, at_b.covariance);
-  joint.set_rows(index, midway.pose(), merged_rows);
+  const Eigen::Index n = merged_rows.rows();
+  merged_rows.middleCols(offset(index), n) = both.covariance.topLeftCorner(n, n);
+  joint.set_rows(index, both.pose, both.slow, merged_rows);
   erase_alternative(leads(a) ? b : a);
   leader_->standing = common;
   leader_->position = a;
@@ -271,6 +395,11 @@ void ObjectBelief::normalise() {
   const double total = log_sum_exp(weights);
   log_absent_ -= total;
   for (std::size_t h = 0; h < size(); ++h) mutable_standing(h).log_weight -= total;
+  std::vector<double> probabilities{log_absence_probability_};
+  for (std::size_t h = 0; h < size(); ++h) probabilities.push_back(standing(h).log_probability);
+  const double sum = log_sum_exp(probabilities);
+  log_absence_probability_ -= sum;
+  for (std::size_t h = 0; h < size(); ++h) mutable_standing(h).log_probability -= sum;
 }
 
 void ObjectBelief::choose_leader(JointGaussian& joint, double margin) {
@@ -284,8 +413,7 @@ void ObjectBelief::choose_leader(JointGaussian& joint, double margin) {
   const std::size_t position = leader_->position;
   const Alternative former{leader_->standing, pose(joint, position)};
   const Alternative next = alternatives_[slot(heaviest)];
-  joint.replace(leader_->pose_index, next.pose.pose, next.pose.covariance,
-                next.pose.cross_covariance);
+  joint.replace(leader_->pose_index, next.pose);
   erase_alternative(heaviest);
   leader_ = {next.standing, heaviest, leader_->pose_index};
   alternatives_.insert(alternatives_.begin() + static_cast<std::ptrdiff_t>(slot(position)), former);

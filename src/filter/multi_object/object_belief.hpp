@@ -14,16 +14,12 @@ namespace posemix::internal {
 /// The weight of a hypothesis and its history.
 struct Standing {
   double log_weight = 0.0;       ///< among the hypotheses of the object and its absence [nats]
+  double log_probability = 0.0;  ///< the same, with dependent detections counted once
   double score = 0.0;            ///< recent log evidence over that of clutter [nats]
   std::uint64_t id = 0;          ///< constant over time; a merge keeps that of the heavier
   std::uint64_t detections = 0;  ///< number of detections since the birth, the first included
-};
-
-/// The pose of an object under one hypothesis, X = Exp(xi_O) X0, given the camera.
-struct ConditionalPose {
-  SE3d pose;                  ///< T_world_object
-  Matrix6d covariance;        ///< of xi_O, world frame
-  Matrix6d cross_covariance;  ///< Cov(xi_O, xi_C), rows of the object
+  /// Direction from the object to the camera when the slow error was predicted last, object frame.
+  Eigen::Vector3d view = Eigen::Vector3d::UnitZ();
 };
 
 /// A hypothesis that does not lead.
@@ -41,6 +37,12 @@ struct CameraMoments {
 /// Eq. (9) of docs/many-objects.md: the pose follows the camera, whose moments change from `before`
 /// to `after`, by its regression on the camera.
 void follow_camera(ConditionalPose& pose, const CameraMoments& before, const CameraMoments& after);
+
+/// Eq. (10): the part `back` of the camera's correction is taken back by a shift of the world.
+/// `follows` is the regression of the pose on the camera by which it took part in the correction;
+/// zero for a pose that the detection itself moved.
+void shift_back(ConditionalPose& pose, const CameraChange& change, const Matrix6d& back,
+                const Matrix12x6d& follows);
 
 /// Two hypotheses are merged when their poses differ by less than these bounds.
 struct MergeBounds {
@@ -64,6 +66,8 @@ class ObjectBelief {
   std::size_t size() const { return alternatives_.size() + (leader_ ? 1 : 0); }
   /// Log weight of the case that no detection so far was the object [nats].
   double log_absent() const { return log_absent_; }
+  /// The same, with dependent detections counted once.
+  double log_absence_probability() const { return log_absence_probability_; }
   /// Index of the leading hypothesis.
   std::optional<std::size_t> leading() const;
   /// Index of the leading hypothesis' pose in the joint Gaussian.
@@ -72,46 +76,63 @@ class ObjectBelief {
   const Standing& standing(std::size_t h) const;
   /// The pose of hypothesis `h`.
   ConditionalPose pose(const JointGaussian& joint, std::size_t h) const;
-  /// The camera and hypothesis `h`.
-  Pair pair(const JointGaussian& joint, std::size_t h) const;
-  /// Probability of every hypothesis when `length` detections count as one: w^(1 / length),
-  /// normalised with the weight of absence.
-  std::vector<double> probabilities(double length) const;
+  /// The camera, hypothesis `h` and its slow error.
+  DetectionState state(const JointGaussian& joint, std::size_t h) const;
+  /// Probability of every hypothesis, with dependent detections counted once.
+  std::vector<double> probabilities() const;
 
-  /// The pose at `erased` was erased from the joint Gaussian, and those behind it moved up.
-  void move_pose_index_up(std::size_t erased);
+  /// So many blocks at `erased` were erased from the joint Gaussian, and those behind moved up.
+  void move_pose_index_up(std::size_t erased, std::size_t blocks);
 
   // --- prediction
 
-  /// Adds noise with a covariance `q` along the object's own axes to the pose of every hypothesis.
-  void add_noise(JointGaussian& joint, const Matrix6d& q);
+  /// The slow error after `dt` seconds and the motion of the camera from `camera_before`, for a
+  /// detector whose slow error has the covariance `stationary`.
+  void decay_slow_error(JointGaussian& joint, const SlowError& slow, const Matrix6d& stationary,
+                        const std::optional<SE3d>& camera_before, double dt);
+  /// b <- f b and xi_O <- xi_O + A (1 - f) b for every hypothesis, with `factor` f by coordinate
+  /// and the map A of `component`: the sum that a detection sees stays.
+  void rescale_slow_error(JointGaussian& joint, const NoiseComponent& component,
+                          const Vector6d& factor);
+  /// The directions in which the symmetries leave the pose free become independent of everything,
+  /// with a small variance: the pose that stands for all equivalent ones is chosen there.
+  void fix_unobserved(JointGaussian& joint, const SymmetryGroup& symmetries);
   /// Adds P_OC times `factor` to P_OC of every alternative.
   void add_to_cross_covariances(const Matrix6d& factor);
 
   // --- the stages of an update
 
   /// Eq. (2) to (4): the update of every hypothesis on its own pair, by index.
-  std::vector<PairUpdate> observe(const JointGaussian& joint, const SE3d& detected,
-                                  const ObjectSensor& sensor, double camera_gain_noise,
-                                  GainCovariance gain_covariance) const;
-  /// Multiplies the weight of every hypothesis by its evidence and that of absence by clutter's.
-  void multiply_weights(const std::vector<PairUpdate>& updates, double log_clutter);
+  std::vector<DetectionUpdate> observe(const JointGaussian& joint, const SE3d& detected,
+                                       const ObjectSensor& sensor,
+                                       const GainFactors& factors) const;
+  /// Multiplies the weight of every hypothesis by its evidence and that of absence by clutter's;
+  /// the probabilities by the same to the power `share`, the part of the detection that is
+  /// independent of those before.
+  void multiply_weights(const std::vector<DetectionUpdate>& updates, double log_clutter,
+                        double share);
   /// s <- memory s + log sum_c exp e_c - e_0 (docs/many-objects.md, "Reduction").
-  void update_scores(const std::vector<PairUpdate>& updates, double log_clutter, double memory);
+  void update_scores(const std::vector<DetectionUpdate>& updates, double log_clutter,
+                     double memory);
   /// Counts one more detection for every hypothesis.
   void count_detection();
   /// Log of the summed weights of hypotheses, births and absence [nats].
   double log_total(const std::vector<Alternative>& births) const;
   /// The camera's moments (m_a, P_a) and weight w_a under everything but the leading hypothesis,
   /// see eq. (6). Births and absence leave the camera at `before`, its covariance.
-  CameraAlternative camera_alternative(const std::vector<PairUpdate>& updates,
+  CameraAlternative camera_alternative(const std::vector<DetectionUpdate>& updates,
                                        const std::vector<Alternative>& births, double log_evidence,
                                        const Matrix6d& before) const;
   /// Eq. (9) for the object that was detected: every alternative takes its own posterior pair, then
   /// follows the camera to `after`.
-  void follow_camera(const std::vector<PairUpdate>& updates, const CameraMoments& after);
+  void follow_camera(const std::vector<DetectionUpdate>& updates, const CameraMoments& after);
   /// Eq. (9) for an object that was not detected.
   void follow_camera(const CameraMoments& before, const CameraMoments& after);
+
+  /// Eq. (10) for the hypotheses that do not lead, of the object that was detected or of another;
+  /// `camera` is the camera's covariance before.
+  void shift_back(const CameraChange& change, const Matrix6d& back, const Matrix6d& camera,
+                  bool detected);
 
   // --- the stages of the reduction
 
@@ -143,6 +164,8 @@ class ObjectBelief {
     return leader_ && slot >= leader_->position ? slot + 1 : slot;
   }
   Standing& mutable_standing(std::size_t h);
+  /// x <- F x for [xi_O; b] of hypothesis `h`.
+  void transform(JointGaussian& joint, std::size_t h, const Matrix12d& f);
   void erase_alternative(std::size_t h);
   void merge_two(JointGaussian& joint, std::size_t a, std::size_t b, const ConditionalPose& at_a,
                  const ConditionalPose& at_b);
@@ -150,6 +173,7 @@ class ObjectBelief {
   std::optional<Leader> leader_;
   std::vector<Alternative> alternatives_;  ///< in the order of their births
   double log_absent_ = 0.0;
+  double log_absence_probability_ = 0.0;
 };
 
 }  // namespace posemix::internal

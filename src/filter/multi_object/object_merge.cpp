@@ -11,8 +11,8 @@ namespace posemix::internal {
 bool agree(const Matrix6d& camera, const SymmetryGroup& symmetries, const MergeBounds& bounds,
            const ConditionalPose& a, ConditionalPose& b) {
   const auto seen_from_camera = [&](const ConditionalPose& object) {
-    return Matrix6d(object.covariance + camera - object.cross_covariance -
-                    object.cross_covariance.transpose());
+    const Matrix6d cross = object.cross_covariance.topRows<6>();
+    return Matrix6d(object.covariance.topLeftCorner<6, 6>() + camera - cross - cross.transpose());
   };
   if ((a.pose.translation() - b.pose.translation()).norm() > bounds.translation_m) return false;
   if (!symmetries.is_trivial()) b.pose = symmetries.closest(b.pose, a.pose, Matrix6d::Identity());
@@ -27,6 +27,8 @@ Standing merged(const Standing& a, const Standing& b) {
   const double weights[] = {a.log_weight, b.log_weight};
   Standing result = a.log_weight >= b.log_weight ? a : b;
   result.log_weight = log_sum_exp(weights);
+  const double probabilities[] = {a.log_probability, b.log_probability};
+  result.log_probability = log_sum_exp(probabilities);
   result.score = std::max(a.score, b.score);
   result.detections = std::max(a.detections, b.detections);
   return result;
@@ -36,20 +38,33 @@ Midway::Midway(const ConditionalPose& a, double log_weight_a, const ConditionalP
                double log_weight_b) {
   share_b_ = 1.0 / (1.0 + std::exp(log_weight_a - log_weight_b));
   share_a_ = 1.0 - share_b_;
-  const Vector6d distance = (b.pose * a.pose.inverse()).log();
+  Vector12d distance = Vector12d::Zero();
+  distance.head<6>() = (b.pose * a.pose.inverse()).log();
+  if (a.slow && b.slow) distance.tail<6>() = *b.slow - *a.slow;
   mean_a_ = -share_b_ * distance;
   mean_b_ = share_a_ * distance;
-  pose_ = SE3d::exp(-mean_a_) * a.pose;
-  transport_a_ = SE3d::left_jacobian_inverse(mean_a_);
-  transport_b_ = SE3d::left_jacobian_inverse(mean_b_);
+  pose_ = SE3d::exp(-mean_a_.head<6>()) * a.pose;
+  transport_a_ = SE3d::left_jacobian_inverse(mean_a_.head<6>());
+  transport_b_ = SE3d::left_jacobian_inverse(mean_b_.head<6>());
 }
 
-Matrix6d Midway::covariance(const Matrix6d& a, const Matrix6d& b) const {
-  Matrix6d sum =
-      share_a_ * (transport_a_ * a * transport_a_.transpose() + mean_a_ * mean_a_.transpose()) +
-      share_b_ * (transport_b_ * b * transport_b_.transpose() + mean_b_ * mean_b_.transpose());
+Matrix12d Midway::covariance(const Matrix12d& a, const Matrix12d& b) const {
+  const auto transported = [](const Matrix6d& transport, Matrix12d p) {
+    p.topRows<6>() = (transport * p.topRows<6>()).eval();
+    p.leftCols<6>() = (p.leftCols<6>() * transport.transpose()).eval();
+    return p;
+  };
+  Matrix12d sum = share_a_ * (transported(transport_a_, a) + mean_a_ * mean_a_.transpose()) +
+                  share_b_ * (transported(transport_b_, b) + mean_b_ * mean_b_.transpose());
   symmetrize(sum);
   return sum;
+}
+
+ConditionalPose Midway::merged(const ConditionalPose& a, const ConditionalPose& b) const {
+  ConditionalPose result{pose_, a.slow, covariance(a.covariance, b.covariance),
+                         cross_covariance(a.cross_covariance, b.cross_covariance)};
+  if (result.slow) *result.slow -= mean_a_.tail<6>();
+  return result;
 }
 
 }  // namespace posemix::internal

@@ -26,27 +26,24 @@ class Midway {
   Midway(const ConditionalPose& a, double log_weight_a, const ConditionalPose& b,
          double log_weight_b);
 
-  const SE3d& pose() const { return pose_; }
+  /// Covariance of the merged object from those of the two, [xi_O; b].
+  Matrix12d covariance(const Matrix12d& a, const Matrix12d& b) const;
 
-  /// Covariance of the merged pose from those of the two.
-  Matrix6d covariance(const Matrix6d& a, const Matrix6d& b) const;
-
-  /// Cross-covariance of the merged pose, six rows, from those of the two.
+  /// Cross-covariance of the merged object, 6 or 12 rows, from those of the two.
   template <class Rows>
-  Rows cross_covariance(const Rows& a, const Rows& b) const {
-    return share_a_ * transport_a_ * a + share_b_ * transport_b_ * b;
+  Rows cross_covariance(Rows a, Rows b) const {
+    a.template topRows<6>() = (transport_a_ * a.template topRows<6>()).eval();
+    b.template topRows<6>() = (transport_b_ * b.template topRows<6>()).eval();
+    return share_a_ * a + share_b_ * b;
   }
 
-  ConditionalPose merged(const ConditionalPose& a, const ConditionalPose& b) const {
-    return {pose_, covariance(a.covariance, b.covariance),
-            cross_covariance(a.cross_covariance, b.cross_covariance)};
-  }
+  ConditionalPose merged(const ConditionalPose& a, const ConditionalPose& b) const;
 
  private:
   double share_a_;  ///< normalised weights
   double share_b_;
-  Vector6d mean_a_;  ///< as seen from the midway point
-  Vector6d mean_b_;
+  Vector12d mean_a_;  ///< as seen from the midway point
+  Vector12d mean_b_;
   SE3d pose_;
   Matrix6d transport_a_;  ///< J_l^-1, eq. 14
   Matrix6d transport_b_;

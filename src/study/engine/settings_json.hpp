@@ -26,8 +26,7 @@ inline nlohmann::ordered_json noise_json(const DetectorNoise& noise) {
                                {"frame", word_of(component.frame)},
                                {"covariance", matrix_json(component.covariance)},
                                {"offset", matrix_json(component.offset.matrix())}});
-    if (component.update_covariance)
-      entry["update_covariance"] = matrix_json(*component.update_covariance);
+    if (component.run_length != 1.0) entry["run_length"] = component.run_length;
   }
   if (noise.clutter().weight > 0.0) {
     components.push_back(

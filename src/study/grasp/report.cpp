@@ -9,6 +9,7 @@
 #include <set>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "posemix/base/units.hpp"
 #include "posemix/draw/chart.hpp"

@@ -45,7 +45,7 @@ std::vector<NoiseTrack> tracks_of(const NoiseGroup& group) {
   for (const ResidualSet& set : group.sets) {
     const std::size_t recording =
         recordings.emplace(set.recording, recordings.size()).first->second;
-    tracks.push_back(noise_track(set.truth, set.detected, recording));
+    tracks.push_back(noise_track(set.truth, set.detected, recording, set.stamps_s));
   }
   return tracks;
 }

@@ -14,6 +14,7 @@
 #include "posemix/detector/noise_fit.hpp"
 #include "study/engine/settings_json.hpp"
 #include "study/noise/json.hpp"
+#include "study/noise/slow_report.hpp"
 
 namespace posemix {
 namespace {
@@ -151,6 +152,8 @@ nlohmann::ordered_json study_noise(const NoiseGroup& group, const NoiseStudySett
   result["models"] = models_json(fit, count);
   result["modes"] = modes_json(fit.modes);
   result["correlation"] = correlation_json(fit.correlation);
+  result["slow_error"] = slow_error_json(fit.slow_error);
+  result["noise"] = dependent_noise_json(fit.noise);
   if (settings.fit.folds > 1) result["validation"] = validation_json(fit.validation);
   return result;
 }

@@ -3,7 +3,6 @@
 #include "study/noise/json.hpp"
 
 #include <cmath>
-#include <limits>
 
 #include "posemix/base/units.hpp"
 
@@ -11,10 +10,6 @@ namespace posemix {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-double from_finite(const Json& json) {
-  return json.is_number() ? json.get<double>() : std::numeric_limits<double>::quiet_NaN();
-}
 
 NoiseFrame frame_from(const Json& json) {
   for (const auto& [word, frame] : words<NoiseFrame>) {
@@ -52,7 +47,8 @@ DetectorNoise noise_from_json(const nlohmann::ordered_json& json) {
         {.weight = entry.at("weight"),
          .covariance = matrix_from<Matrix6d>(entry.at("covariance")),
          .frame = frame_from(entry.at("frame")),
-         .offset = SE3d::from_matrix(matrix_from<Eigen::Matrix4d>(entry.at("offset")))});
+         .offset = SE3d::from_matrix(matrix_from<Eigen::Matrix4d>(entry.at("offset"))),
+         .run_length = entry.value("run_length", 1.0)});
   }
   return DetectorNoise(std::move(components), clutter);
 }
@@ -106,18 +102,6 @@ nlohmann::ordered_json correlation_json(const NoiseCorrelation& c) {
                             {"bias_sd", finite_json(axis < 3 ? degrees(bias) : bias)}});
   }
   return json;
-}
-
-NoiseCorrelation correlation_from_json(const nlohmann::ordered_json& json) {
-  NoiseCorrelation c;
-  c.inliers = json.at("inliers");
-  c.inlier = {from_finite(json.at("dependent_frames")),
-              from_finite(json.at("dependent_frames_within"))};
-  for (std::size_t axis = 0; axis < 6; ++axis) {
-    const double bias = from_finite(json.at("axes").at(axis).at("bias_sd"));
-    c.bias_sd[static_cast<Eigen::Index>(axis)] = axis < 3 ? radians(bias) : bias;
-  }
-  return c;
 }
 
 }  // namespace posemix

@@ -16,8 +16,6 @@ nlohmann::ordered_json finite_json(double value);
 nlohmann::ordered_json modes_json(const std::vector<NoiseMode>& modes);
 nlohmann::ordered_json validation_json(const std::vector<NoiseValidation>& rows);
 nlohmann::ordered_json correlation_json(const NoiseCorrelation& correlation);
-/// The part of a correlation that the text of a noise model needs.
-NoiseCorrelation correlation_from_json(const nlohmann::ordered_json& json);
 DetectorNoise noise_from_json(const nlohmann::ordered_json& json);
 
 }  // namespace posemix

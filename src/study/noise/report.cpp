@@ -16,6 +16,7 @@
 #include "study/noise/groups.hpp"
 #include "study/noise/json.hpp"
 #include "study/noise/odometry_report.hpp"
+#include "study/noise/slow_report.hpp"
 
 namespace posemix {
 namespace {
@@ -182,8 +183,8 @@ std::string toml_of(const Json& item, const std::string& name) {
     text +=
         "# The truth was a proxy, the mean of the detections: what they share is not in here.\n";
   }
-  const NoiseCorrelation correlation = correlation_from_json(item["correlation"]);
-  return text + format_noise_toml(name, noise_from_json(model["noise"]), correlation);
+  return text + slow_error_comment(item) +
+         format_noise_toml(name, dependent_noise_from_json(item["noise"]));
 }
 
 /// The chosen models and the correlation of their errors, one row per group.
@@ -273,6 +274,7 @@ StudyReport report_noise(std::span<const std::string> results) {
   }
   StudyReport report;
   add_tables(items, report);
+  report_slow_errors(items, report);
   for (const Json& item : items) {
     const std::string name = noise_name(item["detector"], item["object"]);
     std::vector<Chart> charts;

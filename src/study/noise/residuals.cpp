@@ -30,6 +30,7 @@ ResidualSet read_pair(const NoiseStudySettings& settings) {
         at < truth.size() && std::abs(truth[at].stamp - detection.stamp) <= kSameFrameS;
     set.detected.push_back(detection.pose);
     set.truth.push_back(known ? truth[at].pose : std::nullopt);
+    set.stamps_s.push_back(detection.stamp);
   }
   return set;
 }
@@ -57,7 +58,10 @@ std::vector<ResidualSet> residuals_of(const SlamJob& job, const std::string& det
   std::vector<ResidualSet> sets;
   for (std::size_t i = 0; i < job.sequence.objects.size(); ++i) {
     const ObjectRecording& object = job.sequence.objects[i];
-    ResidualSet set{.detector = detector, .object = object.id, .recording = recording};
+    ResidualSet set{.detector = detector,
+                    .object = object.id,
+                    .recording = recording,
+                    .stamps_s = job.sequence.stamps};
     bool any = false;
     for (std::size_t frame = 0; frame < job.sequence.stamps.size(); ++frame) {
       set.truth.push_back(true_relative_pose(job.sequence, i, frame));

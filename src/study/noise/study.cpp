@@ -52,6 +52,7 @@ Json settings_json(const NoiseData& data, const NoiseStudySettings& s) {
     Fingerprint poses;
     add_poses(set.truth, poses);
     add_poses(set.detected, poses);
+    for (const double stamp : set.stamps_s) poses.add(stamp);
     json["data"].push_back(
         {set.detector, set.object, set.recording, set.symmetric, set.truth.size(), poses.text()});
   }

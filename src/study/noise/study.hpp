@@ -20,8 +20,7 @@
 /// ground truth, and a noise model fitted to them.
 namespace posemix {
 
-/// The detections of one object in one recording, with the truth; one entry per frame, evenly
-/// spaced in time.
+/// The detections of one object in one recording, with the truth; one entry per frame.
 struct ResidualSet {
   std::string detector;
   std::string object;  ///< the object's class
@@ -33,6 +32,7 @@ struct ResidualSet {
   bool symmetric = false;
   std::vector<std::optional<SE3d>> truth = {};     ///< T_camera_object
   std::vector<std::optional<SE3d>> detected = {};  ///< T_camera_object
+  std::vector<double> stamps_s = {};               ///< of the frames; none where they are not known
 };
 
 /// The data of `study noise`.
@@ -90,8 +90,10 @@ NoiseData read_noise_data(const NoiseStudySettings& settings,
 /// odometry. Report: study.json and noise.csv (one row per object and axis: `detector`, `object`,
 /// `axis`, `count`, `mean`, `sd`, `kurtosis`, `lag1_autocorrelation`, `correlation_frames`, ...;
 /// rotations in degrees, translations in metres or of the range), models.csv (log-likelihood and
-/// BIC by number of components), modes.csv, correlation.csv and validation.csv, and per object
-/// noise_NAME.toml with the chosen model and noise_NAME.svg with histograms; odometry.toml,
+/// BIC by number of components), modes.csv, correlation.csv and validation.csv, slow_error.csv
+/// (white, slow and common deviations with standard errors), dependence.csv (correlation lengths,
+/// run length, mode time) and slow_models.txt (likelihoods of all forms of slow errors), and per
+/// object noise_NAME.toml with the chosen model and noise_NAME.svg with histograms; odometry.toml,
 /// odometry.csv and odometry.svg.
 /// @throws InvalidInput for means that are free in another frame than the object's or beside a
 /// clutter, modes without clutter, and when an object has too few detections with a truth

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "detection_update.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "posemix/mixture/log_weights.hpp"
+
+namespace posemix::internal {
+namespace {
+
+using Matrix18x6d = Eigen::Matrix<double, 18, 6>;
+
+/// Log of the probability, relative to that of the most probable component, below which a component
+/// is left out.
+constexpr double kLeastLogRatio = -9.0;
+
+/// The covariance with standard deviations times `scale`.
+Matrix6d scaled(const Matrix6d& covariance, const Vector6d& scale) {
+  return scale.asDiagonal() * covariance * scale.asDiagonal();
+}
+
+/// P H^T with H = [-I I A].
+Matrix18x6d times_ht(const Matrix18d& p, const Matrix6d& slow_map) {
+  Matrix18x6d d = p.middleCols<6>(kObjectRow) - p.middleCols<6>(kCameraRow);
+  d.noalias() += p.middleCols<6>(kSlowRow) * slow_map.transpose();
+  return d;
+}
+
+/// H D.
+Matrix6d times_h(const Matrix18x6d& d, const Matrix6d& slow_map) {
+  Matrix6d s = d.middleRows<6>(kObjectRow) - d.middleRows<6>(kCameraRow);
+  s.noalias() += slow_map * d.middleRows<6>(kSlowRow);
+  return s;
+}
+
+/// A noise component as a detection of this state sees it, without its weight: eq. (2).
+Innovation innovation(const DetectionState& state, const SE3d& detected,
+                      const NoiseComponent& component, const ObjectSensor& sensor) {
+  Innovation result;
+  const SE3d expected = state.camera_object();
+  const NoiseAtPose at = noise_at(component, expected);
+  result.axes = state.camera * at.axes;
+  result.noise = result.axes.adjoint_congruence(scaled(at.covariance, sensor.noise_scale));
+  result.slow_map = result.axes.adjoint() * at.units.asDiagonal();
+  SE3d seen = detected * component.offset.inverse();
+  if (!sensor.symmetries.is_trivial()) {
+    const Matrix6d local =
+        state.object.inverse().adjoint_congruence(Matrix6d(state.difference() + result.noise));
+    seen = sensor.symmetries.closest(seen, expected, local.inverse());
+    // The detected angle about an axis of symmetry is any angle.
+    result.noise += state.object.adjoint_congruence(sensor.symmetries.unobserved_covariance());
+  }
+  result.residual =
+      (state.camera * seen * state.object.inverse()).log() - result.slow_map * state.slow;
+  return result;
+}
+
+/// Log density of N(z; 0, S) [nats], and z^T S^-1 z.
+struct Evidence {
+  double log_density = -std::numeric_limits<double>::infinity();
+  double squared_distance = std::numeric_limits<double>::infinity();
+};
+
+Evidence evidence_of(const Vector6d& residual, const Matrix6d& covariance) {
+  const Eigen::LLT<Matrix6d> s(covariance);
+  if (s.info() != Eigen::Success) return {};
+  const double squared = s.matrixL().solve(residual).squaredNorm();
+  return {-0.5 * (squared + log_det(s) + 6.0 * kLogTwoPi), squared};
+}
+
+/// Evidence of a component: that of the innovation, and for gross errors that with a slow error
+/// drawn anew from its stationary distribution.
+Evidence evidence_of(const DetectionState& state, const Innovation& seen, double run_length,
+                     const std::optional<Matrix6d>& slow) {
+  if (run_length == 1.0 || !slow) return evidence_of(seen.residual, seen.covariance);
+  const Matrix6d anew = seen.slow_map * *slow * seen.slow_map.transpose();
+  return evidence_of(seen.residual + seen.slow_map * state.slow,
+                     state.difference() + anew + seen.noise);
+}
+
+}  // namespace
+
+Matrix6d DetectionState::difference() const {
+  const Matrix6d cross = covariance.block<6, 6>(kObjectRow, kCameraRow);
+  return covariance.block<6, 6>(kCameraRow, kCameraRow) +
+         covariance.block<6, 6>(kObjectRow, kObjectRow) - cross - cross.transpose();
+}
+
+Matrix6d white_covariance(const DetectionState& state, const NoiseComponent& component,
+                          const ObjectSensor& sensor) {
+  const NoiseAtPose at = noise_at(component, state.camera_object());
+  return (state.camera * at.axes).adjoint_congruence(scaled(at.covariance, sensor.noise_scale));
+}
+
+Matrix6d slow_error_map(const DetectionState& state, const NoiseComponent& component) {
+  const NoiseAtPose at = noise_at(component, state.camera_object());
+  return (state.camera * at.axes).adjoint() * at.units.asDiagonal();
+}
+
+Explanation explain(const DetectionState& state, const SE3d& detected, const ObjectSensor& sensor) {
+  const auto& components = sensor.noise.components();
+  const std::optional<Matrix6d> slow = sensor.slow_covariance();
+  Explanation result;
+  result.squared_distance = std::numeric_limits<double>::infinity();
+  result.innovations.reserve(components.size());
+  std::vector<double> terms;
+  terms.reserve(components.size() + 1);
+
+  // Evidence of every component and of clutter, eq. (3): e_c = log w_c + log N(z_c; 0, S_c).
+  for (const NoiseComponent& component : components) {
+    result.innovations.push_back(innovation(state, detected, component, sensor));
+    Innovation& seen = result.innovations.back();
+    seen.covariance =
+        times_h(times_ht(state.covariance, seen.slow_map), seen.slow_map) + seen.noise;
+    const Evidence evidence = evidence_of(state, seen, component.run_length, slow);
+    terms.push_back(std::log(component.weight) + evidence.log_density);
+    result.squared_distance = std::min(result.squared_distance, evidence.squared_distance);
+    // The detections of a run have the information of one.
+    const Matrix6d run = (component.run_length - 1.0) * seen.noise;
+    seen.noise += run;
+    seen.covariance += run;
+  }
+  terms.push_back(sensor.noise.log_clutter_density());
+  result.log_evidence = log_sum_exp(terms);
+
+  // Probabilities, without components that hardly count.
+  const double most = *std::max_element(terms.begin(), terms.end());
+  double kept = 0.0;
+  for (double& term : terms) {
+    term = term < most + kLeastLogRatio ? 0.0 : std::exp(term - result.log_evidence);
+    kept += term;
+  }
+  for (std::size_t i = 0; i < components.size(); ++i)
+    result.innovations[i].weight = terms[i] / kept;
+  result.clutter_probability = terms.back() / kept;
+  return result;
+}
+
+Vector6d DetectionUpdate::white_residual() const {
+  const Innovation& inlier = explanation.innovations.front();
+  const SE3d to_axes = inlier.axes.inverse();
+  const Vector6d residual = to_axes.adjoint_blocks().times(inlier.residual);
+  return residual.cwiseQuotient(
+      to_axes.adjoint_congruence(inlier.covariance).diagonal().cwiseSqrt());
+}
+
+DetectionUpdate observe(const DetectionState& state, const SE3d& detected,
+                        const ObjectSensor& sensor, const GainFactors& factors) {
+  DetectionUpdate result{explain(state, detected, sensor), {}};
+  DetectionMoments& posterior = result.posterior;
+  posterior.covariance = state.covariance;
+  if (!std::isfinite(result.log_evidence())) return result;
+  Vector18d gain = Vector18d::Ones();
+  gain.head<6>().setConstant(factors.camera);
+  gain.tail<6>().setConstant(factors.slow);
+  GaussianUpdate update(gain, posterior.mean, posterior.covariance);
+  for (const Innovation& seen : result.explanation.innovations) {
+    if (seen.weight > 0.0) update.add(seen, times_ht(state.covariance, seen.slow_map));
+  }
+  update.finish();
+  return result;
+}
+
+}  // namespace posemix::internal

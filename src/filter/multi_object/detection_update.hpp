@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <vector>
+
+#include "posemix/base/linear.hpp"
+#include "posemix/detector/object_sensor.hpp"
+#include "posemix/lie/lie.hpp"
+
+/// The part of the state that a detection depends on, and its update.
+namespace posemix::internal {
+
+using Vector18d = Eigen::Matrix<double, 18, 1>;
+using Matrix18d = Eigen::Matrix<double, 18, 18>;
+
+/// Rows of the camera, the object and the slow error in the state of a detection.
+inline constexpr Eigen::Index kCameraRow = 0;
+inline constexpr Eigen::Index kObjectRow = 6;
+inline constexpr Eigen::Index kSlowRow = 12;
+
+/// The Gaussian of [xi_C; xi_O; b]: camera and object, both perturbed on the left in the world
+/// frame, and the detector's slow error b, in the frame and the units of its noise.
+struct DetectionState {
+  SE3d camera;
+  SE3d object;
+  Vector6d slow = Vector6d::Zero();  ///< mean of b
+  Matrix18d covariance = Matrix18d::Zero();
+
+  SE3d camera_object() const { return camera.inverse() * object; }
+  /// Covariance of xi_O - xi_C in the world frame.
+  Matrix6d difference() const;
+};
+
+/// Moments of the state, in the tangent spaces at its means before the detection; those of b are
+/// differences from its mean before.
+struct DetectionMoments {
+  Vector18d mean = Vector18d::Zero();
+  Matrix18d covariance = Matrix18d::Zero();
+};
+
+/// One detection under one noise component: eq. (2) of docs/many-objects.md. All values are in the
+/// world frame.
+struct Innovation {
+  double weight = 0.0;  ///< probability of the component given the detection, a_c
+  Vector6d residual;    ///< z = Log(T_C Y offset^-1 T_O^-1) - A b
+  Matrix6d noise;     ///< covariance of the white error and of unobserved directions, R, times the
+                      ///< run length of the component
+  Matrix6d slow_map;  ///< A, from the frame and the units of the noise to the world
+  Matrix6d covariance;  ///< S = H P H^T + R with H = [-I I A]
+  SE3d axes;            ///< the axes in which the noise is stated, in the world
+};
+
+/// Covariance of one component's white error in the world frame, without the directions that a
+/// symmetry leaves unobserved.
+Matrix6d white_covariance(const DetectionState& state, const NoiseComponent& component,
+                          const ObjectSensor& sensor);
+
+/// A, the map from b to the world frame, for a detection of the mode of `component`.
+Matrix6d slow_error_map(const DetectionState& state, const NoiseComponent& component);
+
+/// A detection of an object under all components of the noise and clutter, eq. (3). The
+/// probabilities are not numbers where the evidence is zero.
+struct Explanation {
+  std::vector<Innovation> innovations;  ///< one per component
+  double clutter_probability = 0.0;
+  double log_evidence = 0.0;  ///< log sum_c exp e_c, clutter included [nats]
+  /// Least squared Mahalanobis distance over the components.
+  double squared_distance = 0.0;
+};
+
+Explanation explain(const DetectionState& state, const SE3d& detected, const ObjectSensor& sensor);
+
+/// The update of one hypothesis by a detection, eq. (4).
+struct DetectionUpdate {
+  Explanation explanation;
+  DetectionMoments posterior;
+
+  double log_evidence() const { return explanation.log_evidence; }
+  /// Probability of the first component.
+  double inlier_probability() const { return explanation.innovations.front().weight; }
+  /// Residual of the first component in standard deviations, along its noise axes.
+  Vector6d white_residual() const;
+};
+
+/// Factors on the gain: of the camera and all other objects, and of the slow error of the object
+/// that is detected.
+struct GainFactors {
+  double camera = 1.0;
+  double slow = 1.0;
+};
+
+/// Updates a state by a detection with the noise, clutter and symmetries of `sensor`.
+DetectionUpdate observe(const DetectionState& state, const SE3d& detected,
+                        const ObjectSensor& sensor, const GainFactors& factors);
+
+/// The update of a Gaussian over any coordinates by a detection: eq. (4) for all of them at once.
+///
+/// With P H^T = D_c, S_c = L_c L_c^T and a factor g on the gain of every row, K_c = diag(g) D_c
+/// S_c^-1, the component c has the mean K_c z_c, and by Joseph's form the covariance
+/// P_ik - (g_i + g_k - g_i g_k) (D_c S_c^-1 D_c^T)_ik. Clutter moves nothing.
+template <class Vector, class Matrix>
+class GaussianUpdate {
+ public:
+  GaussianUpdate(const Vector& gain, Vector& mean, Matrix& covariance)
+      : gain_(gain),
+        mean_(mean),
+        covariance_(covariance),
+        second_(Matrix::Zero(covariance.rows(), covariance.cols())),
+        reduction_(second_) {
+    mean_.setZero();
+  }
+
+  /// One component: `d` is P H^T, n x 6.
+  template <class Columns>
+  void add(const Innovation& innovation, const Columns& d) {
+    const Eigen::LLT<Matrix6d> s(innovation.covariance);
+    const Columns whitened = s.matrixL().solve(d.transpose()).transpose();
+    const Vector moved =
+        gain_.cwiseProduct(whitened * s.matrixL().solve(innovation.residual).eval());
+    reduction_.template selfadjointView<Eigen::Lower>().rankUpdate(whitened, innovation.weight);
+    second_.template selfadjointView<Eigen::Lower>().rankUpdate(moved, innovation.weight);
+    mean_ += innovation.weight * moved;
+  }
+
+  /// Puts the moments of the mixture of all components and of clutter into the mean and the
+  /// covariance that the update was made with.
+  void finish() {
+    for (Eigen::Index k = 0; k < covariance_.cols(); ++k) {
+      for (Eigen::Index i = k; i < covariance_.rows(); ++i) {
+        const double gain = gain_[i] + gain_[k] - gain_[i] * gain_[k];
+        covariance_(i, k) += second_(i, k) - mean_[i] * mean_[k] - gain * reduction_(i, k);
+        covariance_(k, i) = covariance_(i, k);
+      }
+    }
+  }
+
+  /// sum_c a_c D_c S_c^-1 D_c^T in the columns of the camera, n x 6.
+  auto camera_reduction() const {
+    Eigen::Matrix<double, Eigen::Dynamic, 6> columns = reduction_.template leftCols<6>();
+    columns.template topRows<6>() =
+        Matrix6d(columns.template topRows<6>().template selfadjointView<Eigen::Lower>());
+    return columns;
+  }
+
+ private:
+  const Vector& gain_;
+  Vector& mean_;
+  Matrix& covariance_;
+  Matrix second_;
+  Matrix reduction_;
+};
+
+}  // namespace posemix::internal

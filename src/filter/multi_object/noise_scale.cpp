@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "noise_scale.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace posemix::internal {
+namespace {
+
+/// Axes whose noise has one scale: the first of them, and their number.
+struct AxisGroup {
+  int first;
+  int count;
+};
+constexpr std::array<AxisGroup, 4> kGroups{{{0, 2}, {2, 1}, {3, 2}, {5, 1}}};
+
+/// The scale of the slow error for a scale of the white one. Innovations show the white error
+/// alone: a quiet recording is not less biased, so that the slow error keeps its size down to a
+/// scale of 0.4. Where the white error is smaller still, the detector is a better one, and its slow
+/// error is smaller by the power 1.5 (docs/many-objects.md, "The scale of the noise").
+double slow_scale(double noise_scale) { return std::min(1.0, std::pow(2.5 * noise_scale, 1.5)); }
+
+/// The largest change of a log variance by one detection.
+constexpr double kLargestStep = 1.0;
+
+}  // namespace
+
+LearnedSensor::LearnedSensor(ObjectSensor sensor)
+    : sensor_(std::move(sensor)),
+      given_noise_scale_(sensor_.noise_scale),
+      given_slow_scale_(sensor_.slow_scale) {}
+
+double LearnedSensor::count_detection(double now_s) {
+  const double mode_time = sensor_.noise.dependence().mode_time_s;
+  const bool is_first = detections_++ == 0;
+  const double interval = now_s - std::exchange(last_s_, now_s);
+  return is_first || mode_time <= 0.0 ? 1.0 : -std::expm1(-interval / mode_time);
+}
+
+/// Fisher scoring for the log variance v of every group of axes. With S = H P H^T + R,
+/// y = S^-1 z and the group's part R_g of R, the score of log N(z; 0, S) is
+/// (y^T R_g y - tr S^-1 R_g) / 2 and its information tr(S^-1 R_g S^-1 R_g) / 2. The noise as given
+/// counts as settings.noise_scale_detections detections.
+Vector6d LearnedSensor::learn(const DetectionUpdate& update, const MultiObjectSettings& settings) {
+  if (!std::isfinite(settings.noise_scale_detections)) return Vector6d::Ones();
+  const Innovation& inlier = update.explanation.innovations.front();
+  if (inlier.weight <= 0.0) return Vector6d::Ones();
+  const SE3d to_axes = inlier.axes.inverse();
+  const Matrix6d s_inverse = Matrix6d(to_axes.adjoint_congruence(inlier.covariance)).inverse();
+  const Vector6d y = s_inverse * to_axes.adjoint_blocks().times(inlier.residual);
+  const Vector6d scale = sensor_.noise_scale;
+  const Matrix6d& given = sensor_.noise.components().front().covariance;
+  const Vector6d units = (to_axes.adjoint() * inlier.slow_map).diagonal();
+  Vector6d changed = Vector6d::Ones();
+  for (const auto& [first, count] : kGroups) {
+    Matrix6d r = Matrix6d::Zero();
+    for (int i = first; i < first + count; ++i) {
+      for (int k = first; k < first + count; ++k)
+        r(i, k) = scale[i] * units[i] * given(i, k) * units[k] * scale[k];
+    }
+    const Matrix6d s_r = s_inverse * r;
+    const double score = 0.5 * (std::min(y.dot(r * y), 9.0 * count) - s_r.trace());
+    const double information = 0.5 * (s_r * s_r).trace();
+    information_[first] += inlier.weight * information;
+    const double prior = 0.5 * settings.noise_scale_detections * count;
+    const double step = std::clamp(inlier.weight * score / (prior + information_[first]),
+                                   -kLargestStep, kLargestStep);
+    for (int i = first; i < first + count; ++i) {
+      sensor_.noise_scale[i] =
+          std::clamp(scale[i] * std::exp(0.5 * step), settings.least_noise_scale, 1.0);
+      const double slow = slow_scale(sensor_.noise_scale[i]) * given_slow_scale_[i];
+      changed[i] = slow / std::exchange(sensor_.slow_scale[i], slow);
+    }
+  }
+  return changed;
+}
+
+void LearnedSensor::reset() {
+  ObjectSensor given = std::move(sensor_);
+  given.noise_scale = given_noise_scale_;
+  given.slow_scale = given_slow_scale_;
+  *this = LearnedSensor(std::move(given));
+}
+
+}  // namespace posemix::internal

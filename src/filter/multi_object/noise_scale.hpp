@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "detection_update.hpp"
+#include "posemix/filter/multi_object_filter.hpp"
+
+namespace posemix::internal {
+
+/// The detector of one object: its noise as given, and the scale of the noise that is learned from
+/// the innovations of the leading hypothesis (docs/many-objects.md, "The scale of the noise").
+class LearnedSensor {
+ public:
+  explicit LearnedSensor(ObjectSensor sensor);
+
+  /// The sensor with the scale of its noise as learned by now.
+  const ObjectSensor& sensor() const { return sensor_; }
+  /// Number of detections.
+  std::uint64_t detections() const { return detections_; }
+  /// Counts a detection at the time `now_s`. Returns the part of it, for the weights of hypotheses,
+  /// that does not depend on the detection before: 1 - exp(-time between them / mode_time_s).
+  double count_detection(double now_s);
+  /// Learns the scale of the noise from an innovation. Returns the factors by which the scale of
+  /// the slow error changed.
+  Vector6d learn(const DetectionUpdate& update, const MultiObjectSettings& settings);
+  /// The sensor as it was given: no detections, nothing learned.
+  void reset();
+
+ private:
+  ObjectSensor sensor_;
+  Vector6d given_noise_scale_;
+  Vector6d given_slow_scale_;
+  Vector6d information_ = Vector6d::Zero();  ///< on the log variance, of the detections so far
+  std::uint64_t detections_ = 0;
+  double last_s_ = 0.0;  ///< time of the last detection
+};
+
+}  // namespace posemix::internal

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "study.hpp"
+
+namespace posemix {
+namespace {
+
+ConsistencyCell by_view(std::string name) {
+  return {.name = std::move(name), .correlation_angle_deg = 60.0};
+}
+
+ConsistencyCell by_time(std::string name, double correlation_s) {
+  return {.name = std::move(name), .correlation_s = correlation_s};
+}
+
+template <class Change>
+ConsistencyCell changed(ConsistencyCell cell, Change change) {
+  change(cell);
+  return cell;
+}
+
+std::vector<ConsistencyCell> all_cells() {
+  using Cell = ConsistencyCell;
+  return {
+      {.name = "white", .slow = false},
+      by_time("slow_1_s", 1.0),
+      by_time("slow_10_s", 10.0),
+      by_time("slow_100_s", 100.0),
+      by_view("view"),
+      changed(by_view("bursts"),
+              [](Cell& c) {
+                c.seen_s = 2.0;
+                c.pause_s = 4.0;
+                c.turns = 10;
+              }),
+      changed(by_view("pause_100_s"),
+              [](Cell& c) {
+                c.seen_s = 20.0;
+                c.pause_s = 100.0;
+                c.turns = 2;
+              }),
+      changed(by_view("pause_1000_s"),
+              [](Cell& c) {
+                c.seen_s = 20.0;
+                c.pause_s = 1000.0;
+                c.turns = 2;
+              }),
+      changed(by_view("five_objects"), [](Cell& c) { c.objects = 5; }),
+      changed(by_view("axis"), [](Cell& c) { c.shape = ObjectShape::axis; }),
+      changed(by_view("ball"), [](Cell& c) { c.shape = ObjectShape::ball; }),
+      changed(by_view("half_turn"), [](Cell& c) { c.shape = ObjectShape::half_turn; }),
+      changed(by_view("good_odometry"), [](Cell& c) { c.odometry = OdometryQuality::good; }),
+      changed(by_view("no_odometry"), [](Cell& c) { c.odometry = OdometryQuality::none; }),
+      changed(by_view("late_object"),
+              [](Cell& c) {
+                c.objects = 2;
+                c.late_s = 30.0;
+              }),
+      changed(by_view("flips"), [](Cell& c) { c.flips = 0.2; }),
+      changed(by_view("clutter"), [](Cell& c) { c.clutter = 0.1; }),
+      changed(by_view("two_wrong_starts"),
+              [](Cell& c) {
+                c.flips = 0.1;
+                c.wrong_starts = 2;
+              }),
+      {.name = "default_detector", .default_detector = true},
+      changed(by_view("candidates_after_100_s"),
+              [](Cell& c) {
+                c.candidates = true;
+                c.seen_s = 5.0;
+                c.pause_s = 100.0;
+                c.turns = 2;
+              }),
+  };
+}
+
+}  // namespace
+
+const std::vector<ConsistencyCell>& consistency_cells() {
+  static const std::vector<ConsistencyCell> cells = all_cells();
+  return cells;
+}
+
+}  // namespace posemix
