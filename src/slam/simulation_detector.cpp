@@ -81,8 +81,8 @@ Vector6 Detector::slow_error(const Pose& truth) {
     kept = std::exp(-angle / slow_->correlation_angle_rad - period_s_ / slow_->correlation_s);
   }
   view_ = view;
-  slow_state_ = kept * slow_state_ +
-                std::sqrt(1 - kept * kept) * vector_of(slow_->sd).cwiseProduct(draw_normal(slow_random_));
+  slow_state_ = kept * slow_state_ + std::sqrt(1 - kept * kept) * vector_of(slow_->sd).cwiseProduct(
+                                                                      draw_normal(slow_random_));
   return slow_state_;
 }
 

@@ -119,10 +119,10 @@ TEST(YcbvData, TheDefaultSurvivesRealDetections) {
 // factor of two.
 TEST(YcbvData, TheDefaultIsAsSureAsItIsRight) {
   POSEMIX_REQUIRE_DATA();
-  const Json rows = rows_of(
-      {.data = *testing::data_dir(),
-       .methods = {"default"},
-       .objects = {"003_cracker_box_16k", "004_sugar_box_16k", "010_potted_meat_can_16k"}});
+  const Json rows =
+      rows_of({.data = *testing::data_dir(),
+               .methods = {"default"},
+               .objects = {"003_cracker_box_16k", "004_sugar_box_16k", "010_potted_meat_can_16k"}});
   for (const char* column : {"camera_anees", "right_mode_anees"}) {
     std::vector<double> values;
     for (const Json& row : rows) {
@@ -131,8 +131,8 @@ TEST(YcbvData, TheDefaultIsAsSureAsItIsRight) {
         values.push_back(row[column]);
     }
     ASSERT_GE(values.size(), 28U) << column;
-    const auto within = std::count_if(values.begin(), values.end(),
-                                      [](double v) { return v > 0.5 && v < 2.0; });
+    const auto within =
+        std::count_if(values.begin(), values.end(), [](double v) { return v > 0.5 && v < 2.0; });
     const double share = static_cast<double>(within) / static_cast<double>(values.size());
     std::printf("%s: median %.2f, mean %.2f, worst %.2f, within 0.5 to 2 %.2f\n", column,
                 median(values), mean(values), *std::max_element(values.begin(), values.end()),

@@ -4,8 +4,8 @@
 
 #include <array>
 #include <cstddef>
-#include <limits>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -152,12 +152,12 @@ void validate(const SimulationConfig& config);
 SimulatedSequence simulate(const SimulationConfig& config, std::uint64_t seed);
 
 /// The noise components that the filter is told for an object: `claimed`, or else the true ones,
-/// each once more for the flips, weighted by their fraction. The part that claimed_slow_error holds,
-/// outliers and misses are not part of it.
+/// each once more for the flips, weighted by their fraction. The part that claimed_slow_error
+/// holds, outliers and misses are not part of it.
 std::vector<SimulationNoise> claimed_noise(const SimulationObject& object);
 
-/// The slow error that the filter is told: `slow`, or for errors with a correlation time nine tenths
-/// of their least variance.
+/// The slow error that the filter is told: `slow`, or for errors with a correlation time nine
+/// tenths of their least variance.
 std::optional<SimulationSlowError> claimed_slow_error(const SimulationObject& object);
 
 /// The time for which the detector stays with a mode or with clutter, as the filter is told: the
