@@ -106,6 +106,10 @@ DetectorNoise::DetectorNoise(std::vector<NoiseComponent> components, Clutter clu
   for (std::size_t i = 0; i < components_.size(); ++i) {
     NoiseComponent& component = components_[i];
     require_number(component.weight, 0.0, false, fmt::format("weight of component {}", i));
+    if (!component.offset.matrix().allFinite()) {
+      throw InvalidInput(fmt::format(
+          "detector noise: offset of component {} holds a value that is not finite", i));
+    }
     require_number(component.run_length, 1.0, true, fmt::format("run length of component {}", i));
     component.covariance = checked_covariance(
         component.covariance, 6, fmt::format("detector noise: covariance of component {}", i));

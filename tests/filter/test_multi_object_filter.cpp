@@ -278,6 +278,21 @@ TEST(MultiObjectFilter, RefusesWhatIsNotFiniteAndStaysAsItWas) {
   EXPECT_EQ(filter.joint().covariance(), before);
 }
 
+TEST(MultiObjectFilter, RefusesAllOfAFilterThatWasMovedFrom) {
+  OrbitScene scene(6, 1, 0.01, 1e-4);
+  MultiObjectFilter filter = make(scene, plain_settings());
+  const MultiObjectFilter taken = std::move(filter);
+  EXPECT_EQ(taken.object_count(), 1U);
+  // NOLINTBEGIN(bugprone-use-after-move): what is tested.
+  EXPECT_THROW(filter.object_count(), InvalidInput);
+  EXPECT_THROW(filter.camera(), InvalidInput);
+  EXPECT_THROW(filter.update(0, SE3d()), InvalidInput);
+  EXPECT_THROW(MultiObjectFilter{filter}, InvalidInput);
+  filter = taken;
+  EXPECT_EQ(filter.object_count(), 1U);
+  // NOLINTEND(bugprone-use-after-move)
+}
+
 TEST(MultiObjectFilter, RefusesIndicesAtWhichThereIsNothing) {
   OrbitScene scene(6, 2, 0.01, 1e-4);
   MultiObjectFilter filter = make(scene, plain_settings());

@@ -197,6 +197,10 @@ class MultiObjectFilter {
   const ObjectSensor& sensor(std::size_t object) const;
 
  private:
+  /// @throws InvalidInput for a filter that was moved from
+  internal::MultiObjectState& current();
+  const internal::MultiObjectState& current() const;
+
   std::unique_ptr<internal::MultiObjectState> state_;
 };
 

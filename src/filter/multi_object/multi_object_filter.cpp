@@ -73,33 +73,43 @@ MultiObjectFilter::MultiObjectFilter(const ConcentratedGaussian<SE3d>& camera,
     : state_(std::make_unique<MultiObjectState>(camera, std::move(objects), settings)) {}
 
 MultiObjectFilter::MultiObjectFilter(const MultiObjectFilter& other)
-    : state_(std::make_unique<MultiObjectState>(*other.state_)) {}
+    : state_(std::make_unique<MultiObjectState>(other.current())) {}
 MultiObjectFilter::MultiObjectFilter(MultiObjectFilter&&) noexcept = default;
 MultiObjectFilter& MultiObjectFilter::operator=(const MultiObjectFilter& other) {
-  if (this != &other) state_ = std::make_unique<MultiObjectState>(*other.state_);
+  if (this != &other) state_ = std::make_unique<MultiObjectState>(other.current());
   return *this;
 }
 MultiObjectFilter& MultiObjectFilter::operator=(MultiObjectFilter&&) noexcept = default;
 MultiObjectFilter::~MultiObjectFilter() = default;
 
+MultiObjectState& MultiObjectFilter::current() {
+  require(state_ != nullptr, "the filter was moved from; expected one with a state");
+  return *state_;
+}
+
+const MultiObjectState& MultiObjectFilter::current() const {
+  require(state_ != nullptr, "the filter was moved from; expected one with a state");
+  return *state_;
+}
+
 void MultiObjectFilter::predict_with_odometry(const SE3d& motion, const Matrix6d& q, double dt) {
   require_finite(motion, "odometry");
   require_noise(q, "noise of the odometry");
   require_time(dt);
-  JointGaussian& joint = state_->joint;
+  JointGaussian& joint = current().joint;
   const SE3d before = joint.pose(kCamera);
   const SE3d camera = before * motion;
   joint.set_pose(kCamera, camera);
   block(joint.covariance(), kCamera, kCamera) += camera.adjoint_congruence(q);
-  state_->advance(dt, before);
+  current().advance(dt, before);
 }
 
 void MultiObjectFilter::predict_random_walk(const Matrix6d& q, double dt) {
   require_noise(q, "noise of the random walk");
   require_time(dt);
-  JointGaussian& joint = state_->joint;
+  JointGaussian& joint = current().joint;
   block(joint.covariance(), kCamera, kCamera) += joint.pose(kCamera).adjoint_congruence(q);
-  state_->advance(dt, std::nullopt);
+  current().advance(dt, std::nullopt);
 }
 
 void MultiObjectFilter::predict_constant_velocity(double periods, const Matrix6d& q,
@@ -111,9 +121,9 @@ void MultiObjectFilter::predict_constant_velocity(double periods, const Matrix6d
   require_time(dt);
   if (!std::isfinite(periods))
     throw InvalidInput(fmt::format("{} periods; expected a finite number", periods));
-  JointGaussian& joint = state_->joint;
-  if (!state_->motion) state_->motion = joint.append(SE3d(), at_rest);
-  const std::size_t motion = *state_->motion;
+  JointGaussian& joint = current().joint;
+  if (!current().motion) current().motion = joint.append(SE3d(), at_rest);
+  const std::size_t motion = *current().motion;
   const SE3d camera = joint.pose(kCamera);
   const SE3d velocity = joint.pose(motion);
   const Matrix6d transfer = constant_velocity_transfer(camera, velocity, periods);
@@ -123,7 +133,7 @@ void MultiObjectFilter::predict_constant_velocity(double periods, const Matrix6d
   const Eigen::LLT<Matrix6d> before(joint.covariance(kCamera, kCamera));
   const Matrix6d with_motion =
       before.solve(joint.covariance(kCamera, motion)) * transfer.transpose();
-  for (TrackedObject& object : state_->objects) object.belief.add_to_cross_covariances(with_motion);
+  for (TrackedObject& object : current().objects) object.belief.add_to_cross_covariances(with_motion);
   Eigen::MatrixXd& b = joint.covariance();
   rows(b, kCamera) += transfer * rows(b, motion);
   columns(b, kCamera) += columns(b, motion) * transfer.transpose();
@@ -132,39 +142,39 @@ void MultiObjectFilter::predict_constant_velocity(double periods, const Matrix6d
   block(b, kCamera, kCamera) += moved.adjoint_congruence(q);
   block(b, motion, motion) += velocity.adjoint_congruence(q_motion);
   symmetrize(b);
-  state_->advance(dt, std::nullopt);
+  current().advance(dt, std::nullopt);
 }
 
 ObjectUpdateReport MultiObjectFilter::update(std::size_t object, const SE3d& camera_object) {
   require_object(object, object_count());
   require_finite(camera_object, "detection");
-  return state_->update(object, camera_object);
+  return current().update(object, camera_object);
 }
 
 void MultiObjectFilter::forget(std::size_t object) {
   require_object(object, object_count());
-  state_->forget(object);
+  current().forget(object);
 }
 
-std::size_t MultiObjectFilter::object_count() const { return state_->objects.size(); }
+std::size_t MultiObjectFilter::object_count() const { return current().objects.size(); }
 
 Vector6d MultiObjectFilter::noise_scale(std::size_t object) const {
   return sensor(object).noise_scale;
 }
 
 ConcentratedGaussian<SE3d> MultiObjectFilter::camera() const {
-  return ConcentratedGaussian<SE3d>::trusted(state_->joint.pose(kCamera),
-                                             state_->joint.covariance(kCamera, kCamera));
+  return ConcentratedGaussian<SE3d>::trusted(current().joint.pose(kCamera),
+                                             current().joint.covariance(kCamera, kCamera));
 }
 
 std::vector<ObjectHypothesis> MultiObjectFilter::hypotheses(std::size_t object) const {
   require_object(object, object_count());
-  const TrackedObject& tracked = state_->objects[object];
+  const TrackedObject& tracked = current().objects[object];
   const std::vector<double> probabilities = tracked.belief.probabilities();
   std::vector<ObjectHypothesis> list;
   for (std::size_t h = 0; h < tracked.belief.size(); ++h) {
     const Standing& standing = tracked.belief.standing(h);
-    const DetectionState state = state_->reported(tracked, h);
+    const DetectionState state = current().reported(tracked, h);
     list.push_back({.pose = state.object,
                     .covariance = state.covariance.block<6, 6>(kObjectRow, kObjectRow),
                     .cross_covariance = state.covariance.block<6, 6>(kObjectRow, 0),
@@ -179,24 +189,24 @@ std::vector<ObjectHypothesis> MultiObjectFilter::hypotheses(std::size_t object) 
 
 std::optional<std::size_t> MultiObjectFilter::leading(std::size_t object) const {
   require_object(object, object_count());
-  return state_->objects[object].belief.leading();
+  return current().objects[object].belief.leading();
 }
 
 double MultiObjectFilter::mode_probability(std::size_t object) const {
   const auto leads = leading(object);
-  return leads ? state_->objects[object].belief.probabilities()[*leads] : 0.0;
+  return leads ? current().objects[object].belief.probabilities()[*leads] : 0.0;
 }
 
 double MultiObjectFilter::log_absent(std::size_t object) const {
   require_object(object, object_count());
-  return state_->objects[object].belief.log_absent();
+  return current().objects[object].belief.log_absent();
 }
 
 ConcentratedGaussian<SE3d> MultiObjectFilter::relative(std::size_t object,
                                                        std::size_t hypothesis) const {
   require_object(object, object_count());
-  require_hypothesis(hypothesis, object, state_->objects[object].belief.size());
-  const DetectionState state = state_->reported(state_->objects[object], hypothesis);
+  require_hypothesis(hypothesis, object, current().objects[object].belief.size());
+  const DetectionState state = current().reported(current().objects[object], hypothesis);
   return ConcentratedGaussian<SE3d>::trusted(
       state.camera_object(), state.camera.inverse().adjoint_congruence(state.difference()));
 }
@@ -204,9 +214,9 @@ ConcentratedGaussian<SE3d> MultiObjectFilter::relative(std::size_t object,
 ConcentratedGaussian<SE3d> MultiObjectFilter::predicted_detection(std::size_t object,
                                                                   std::size_t hypothesis) const {
   require_object(object, object_count());
-  require_hypothesis(hypothesis, object, state_->objects[object].belief.size());
-  const TrackedObject& tracked = state_->objects[object];
-  const DetectionState state = tracked.belief.state(state_->joint, hypothesis);
+  require_hypothesis(hypothesis, object, current().objects[object].belief.size());
+  const TrackedObject& tracked = current().objects[object];
+  const DetectionState state = tracked.belief.state(current().joint, hypothesis);
   const Matrix6d a = slow_error_map(state, tracked.detector.sensor().noise.components().front());
   // xi_O - xi_C + A b.
   Eigen::Matrix<double, 6, 18> h;
@@ -218,7 +228,7 @@ ConcentratedGaussian<SE3d> MultiObjectFilter::predicted_detection(std::size_t ob
 }
 
 ConcentratedGaussian<PoseStackd> MultiObjectFilter::joint() const {
-  const JointGaussian& joint = state_->joint;
+  const JointGaussian& joint = current().joint;
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < joint.size(); ++i) {
     if (joint.is_pose(i)) order.push_back(i);
@@ -233,23 +243,23 @@ ConcentratedGaussian<PoseStackd> MultiObjectFilter::joint() const {
 
 std::optional<std::size_t> MultiObjectFilter::pose_index(std::size_t object) const {
   require_object(object, object_count());
-  const auto index = state_->objects[object].belief.pose_index();
+  const auto index = current().objects[object].belief.pose_index();
   if (!index) return std::nullopt;
   std::size_t poses = 0;
-  for (std::size_t i = 0; i < *index; ++i) poses += state_->joint.is_pose(i) ? 1 : 0;
+  for (std::size_t i = 0; i < *index; ++i) poses += current().joint.is_pose(i) ? 1 : 0;
   return poses;
 }
 
-const MultiObjectSettings& MultiObjectFilter::settings() const { return state_->settings; }
+const MultiObjectSettings& MultiObjectFilter::settings() const { return current().settings; }
 
 const ObjectSensor& MultiObjectFilter::sensor(std::size_t object) const {
   require_object(object, object_count());
-  return state_->objects[object].detector.sensor();
+  return current().objects[object].detector.sensor();
 }
 
 Matrix6d MultiObjectFilter::unseen_covariance(std::size_t object, const SE3d& pose) const {
   require_object(object, object_count());
-  return MultiObjectState::unseen_covariance(state_->objects[object], pose);
+  return MultiObjectState::unseen_covariance(current().objects[object], pose);
 }
 
 ConcentratedGaussian<PoseStackd> MultiObjectFilter::joint_of(
@@ -257,7 +267,7 @@ ConcentratedGaussian<PoseStackd> MultiObjectFilter::joint_of(
   JointState state = joint_state(hypotheses);
   const Eigen::Index dof = state.poses.dof();
   Eigen::MatrixXd covariance = state.covariance.topLeftCorner(dof, dof);
-  std::size_t index = state_->motion ? 2 : 1;
+  std::size_t index = current().motion ? 2 : 1;
   for (std::size_t j = 0; j < object_count(); ++j) {
     if (!hypotheses[j]) continue;
     block(covariance, index, index) += unseen_covariance(j, state.poses[index]);
@@ -274,17 +284,17 @@ JointState MultiObjectFilter::joint_state(
   }
   // The joint Gaussian with the alternatives that were asked for appended, then the poses in order,
   // and their slow errors.
-  JointGaussian all = state_->joint;
+  JointGaussian all = current().joint;
   std::vector<std::size_t> order{kCamera};
-  if (state_->motion) order.push_back(*state_->motion);
+  if (current().motion) order.push_back(*current().motion);
   std::vector<std::size_t> slow;
   for (std::size_t j = 0; j < object_count(); ++j) {
-    const auto& belief = state_->objects[j].belief;
+    const auto& belief = current().objects[j].belief;
     const auto h = hypotheses[j];
     if (!h) continue;
     require_hypothesis(*h, j, belief.size());
     const std::size_t index = h == belief.leading() ? belief.pose_index().value()
-                                                    : all.append(belief.pose(state_->joint, *h));
+                                                    : all.append(belief.pose(current().joint, *h));
     order.push_back(index);
     if (all.blocks_of(index) > 1) slow.push_back(index + 1);
   }
