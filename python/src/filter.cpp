@@ -218,8 +218,7 @@ void bind_multi_object(nb::module_& m) {
   bind_objects(filter);
   filter.def_prop_ro("object_count", &F::object_count, "Number of objects.")
       .def_prop_ro(
-          "camera", [](const F& self) { return self.camera(); },
-          "T_world_camera.")
+          "camera", [](const F& self) { return self.camera(); }, "T_world_camera.")
       .def_prop_ro(
           "settings", [](const F& self) { return frozen(self.settings()); },
           nb::for_getter(nb::sig("def settings(self, /) -> MultiObjectSettings")),

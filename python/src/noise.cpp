@@ -44,9 +44,10 @@ void bind_parts(nb::module_& m) {
       .field("volume_m3", &Clutter::volume_m3, "float", "The volume [m^3].")
       .done();
   using D = NoiseDependence;
-  Settings<SlowError>(m, "SlowError",
-                      "The slow part of a detector's error, a stationary Gaussian process with the "
-                      "correlation\nexp(-angle / correlation_angle_rad - time / correlation_time_s).")
+  Settings<SlowError>(
+      m, "SlowError",
+      "The slow part of a detector's error, a stationary Gaussian process with the "
+      "correlation\nexp(-angle / correlation_angle_rad - time / correlation_time_s).")
       .field("covariance", &SlowError::covariance, "numpy.typing.ArrayLike",
              "Shape (6, 6), in frame and units of the components.")
       .field("correlation_time_s", &SlowError::correlation_time_s, "float",
@@ -63,6 +64,8 @@ void bind_parts(nb::module_& m) {
              "common, along the object's axes [rad, m].")
       .field("mode_time_s", &D::mode_time_s, "float",
              "Time for which a detector stays with one mode or with clutter [s].")
+      .field("is_typical", &D::is_typical, "bool",
+             "Whether the numbers are those of detectors in general and not of this one.")
       .done();
 }
 
@@ -180,6 +183,8 @@ void bind_sensor(nb::module_& m) {
       .field("symmetries", &S::symmetries, "SymmetryGroup", "The poses that look the same.")
       .field("noise_scale", &S::noise_scale, "numpy.typing.ArrayLike",
              "Shape (6,): factors of the noise's standard deviations along its own axes.")
+      .field("slow_scale", &S::slow_scale, "numpy.typing.ArrayLike",
+             "Shape (6,): the same for the slow part of the error.")
       .done();
   m.def(
       "pose_covariance",

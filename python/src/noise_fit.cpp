@@ -86,14 +86,16 @@ void bind_correlation(nb::module_& m) {
 }
 
 void bind_slow_error(nb::module_& m) {
-  Words<SlowErrorDecay>(m, "SlowErrorDecay", "What the correlation of a slow error decays with.")
+  Words<SlowErrorDecay>(m, "SlowErrorDecay",
+                        "The quantities with which the correlation of a slow error decays.")
       .value(SlowErrorDecay::none, "There is no slow error: errors are white.")
       .value(SlowErrorDecay::angle, "The path of the viewing direction.")
       .value(SlowErrorDecay::time, "Time.")
       .value(SlowErrorDecay::angle_and_time, "Both.");
   using M = SlowErrorModel;
   Record<M>(m, "SlowErrorModel", "A model of slow errors at its greatest likelihood.")
-      .field("decay", &M::decay, "SlowErrorDecay", "What the correlation decays with.")
+      .field("decay", &M::decay, "SlowErrorDecay",
+             "The quantities with which the correlation decays.")
       .field("common", &M::common, "bool",
              "Whether there is an error that a recording has in common.")
       .field("log_likelihood", &M::log_likelihood, "float",

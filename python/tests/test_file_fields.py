@@ -163,6 +163,7 @@ IN_FILES: dict[str, tuple[Place, Keys]] = {
             "id": ("id", SIMULATED.by("simulation_config.cpp get_id")),
             "rotation_rad": "rotation_deg",
             "claimed": "claimed_noise",
+            "slow": ("slow", SIMULATED.by("simulation_config.cpp get_slow")),
         },
     ),
     "SimulationConfig": (

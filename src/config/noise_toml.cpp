@@ -73,6 +73,7 @@ std::string dependence_text(const DetectorNoise& noise) {
   }
   if (dependence.mode_time_s > 0.0)
     text += fmt::format("mode_time_s = {}\n", dependence.mode_time_s);
+  if (dependence.is_typical) text += "is_typical = true\n";
   return text;
 }
 

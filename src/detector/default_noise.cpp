@@ -28,7 +28,7 @@ DetectorNoise default_detector_noise() {
   const SlowError slow{.covariance = covariance(5.6, 3.0, 1.2, 5.2),
                        .correlation_angle_rad = 90.0 * kRadPerDeg};
   return DetectorNoise({inlier, gross}, {.weight = 0.23, .volume_m3 = 1.0},
-                       {.slow = slow, .mode_time_s = 30.0});
+                       {.slow = slow, .mode_time_s = 30.0, .is_typical = true});
 }
 
 DetectorNoise with_assumed_slow_error(const DetectorNoise& noise) {

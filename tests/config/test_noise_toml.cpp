@@ -44,6 +44,7 @@ void expect_same(const NoiseDependence& a, const NoiseDependence& b) {
     EXPECT_LT(relative_difference(*b.common, *a.common), 1e-14);
   }
   EXPECT_EQ(a.mode_time_s, b.mode_time_s);
+  EXPECT_EQ(a.is_typical, b.is_typical);
 }
 
 /// Oracle: the model itself, entry by entry.

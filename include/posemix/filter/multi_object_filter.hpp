@@ -47,10 +47,10 @@ struct MultiObjectSettings {
   double noise_scale_detections = 3.0;
   double least_noise_scale = 0.1;  ///< the learned scale lies between this and one
   /// Factor on the gain with which a detection of one object moves the camera and the other
-  /// objects, where the camera has odometry and the errors of the detector last (a slow error, runs
-  /// of gross errors). Below one, errors that the model of the detector does not hold do less harm
-  /// to the map; the covariance is that of the smaller gain (Joseph's form). At zero no detection
-  /// moves the camera (Schmidt-Kalman filter).
+  /// objects, where the camera has odometry and the noise of the detector is a typical one
+  /// (NoiseDependence::is_typical). Below one, errors that the model does not hold do less harm to
+  /// the map; the covariance is that of the smaller gain (Joseph's form). At zero no detection, of
+  /// whatever detector, moves the camera (Schmidt-Kalman filter).
   double camera_gain = 0.2;
   /// Factor on the gain with which a detection moves the slow error of its detector, in the same
   /// case. Slow error and object are told apart by how the axes of the noise turn

@@ -133,7 +133,8 @@ void MultiObjectFilter::predict_constant_velocity(double periods, const Matrix6d
   const Eigen::LLT<Matrix6d> before(joint.covariance(kCamera, kCamera));
   const Matrix6d with_motion =
       before.solve(joint.covariance(kCamera, motion)) * transfer.transpose();
-  for (TrackedObject& object : current().objects) object.belief.add_to_cross_covariances(with_motion);
+  for (TrackedObject& object : current().objects)
+    object.belief.add_to_cross_covariances(with_motion);
   Eigen::MatrixXd& b = joint.covariance();
   rows(b, kCamera) += transfer * rows(b, motion);
   columns(b, kCamera) += columns(b, motion) * transfer.transpose();

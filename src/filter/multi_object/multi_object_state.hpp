@@ -34,10 +34,10 @@ struct MultiObjectState {
   DetectionState reported(const TrackedObject& object, std::size_t h) const;
   /// What a report adds to the covariance of an object at `pose`, world frame.
   static Matrix6d unseen_covariance(const TrackedObject& object, const SE3d& pose);
-  /// Whether the gain of a detection of the object is damped: with odometry, for a detector whose
-  /// errors last.
+  /// Whether the gain of a detection of the object is damped: with odometry, for a detector of
+  /// which only what is typical is known.
   bool is_damped(const TrackedObject& object) const {
-    return settings.has_odometry && !object.detector.sensor().noise.is_white();
+    return settings.has_odometry && object.detector.sensor().noise.dependence().is_typical;
   }
   GainFactors gain_factors(const TrackedObject& object) const;
 
