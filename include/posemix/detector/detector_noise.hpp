@@ -110,8 +110,8 @@ struct NoiseDependence {
   /// Time for which a detector stays with one mode or with clutter: the weights of detections
   /// within it count as those of one detection [s].
   double mode_time_s = 0.0;
-  /// Whether the numbers are those of detectors in general and not of this one. A filter then trusts
-  /// them less (MultiObjectSettings::camera_gain).
+  /// Whether the numbers are those of detectors in general and not of this one. A filter then
+  /// trusts them less (MultiObjectSettings::camera_gain).
   bool is_typical = false;
 };
 
