@@ -168,7 +168,13 @@ SlamJob read_slam_job(const TomlDocument& document,
   check_schema(root);
   const FileFinder files(folders, root.get_strings_or("roots", {"."}));
   const SlamMethod method = read_filter(root);
-  const auto noise_models = read_noise_models(root, is_multi_object(method));
+  auto noise_models = read_noise_models(root);
+  if (const auto* tracker = std::get_if<MultiObjectSlamSettings>(&method.tracker)) {
+    std::set<std::string> used;
+    for (const TomlTable& object : root.get_tables("objects"))
+      used.insert(object.get_string_or("noise", std::string(kDefaultNoise)));
+    assume_missing(root, used, tracker->filter.default_clutter, noise_models);
+  }
   std::vector<ObjectModel> models;
   std::set<std::string> ids;
   for (const TomlTable& object : root.get_tables("objects")) {

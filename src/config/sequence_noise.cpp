@@ -8,7 +8,6 @@
 #include "posemix/base/error.hpp"
 #include "posemix/base/units.hpp"
 #include "posemix/detector/default_noise.hpp"
-#include "posemix/filter/multi_object_filter.hpp"
 #include "posemix/io/rigid.hpp"
 #include "sequence_parts.hpp"
 
@@ -77,6 +76,8 @@ std::optional<SlowError> read_slow(const TomlTable& model, NoiseFrame frame) {
   const TomlTable table = model.get_table("slow");
   SlowError slow;
   slow.covariance = read_covariance(table, frame, kSd);
+  if (table.has("covariance"))
+    located(table, "covariance", [&] { checked_covariance(slow.covariance, 6, "the slow error"); });
   slow.correlation_time_s =
       table.get_double_or("correlation_time_s", slow.correlation_time_s, kCorrelation);
   slow.correlation_angle_rad = radians(table.get_double_or(
@@ -87,8 +88,13 @@ std::optional<SlowError> read_slow(const TomlTable& model, NoiseFrame frame) {
 NoiseDependence read_dependence(const TomlTable& model, NoiseFrame frame) {
   NoiseDependence dependence;
   dependence.slow = read_slow(model, frame);
-  if (const auto common = model.find_table("common"))
+  if (const auto common = model.find_table("common")) {
     dependence.common = read_covariance(*common, NoiseFrame::object, kSdOrZero);
+    if (common->has("covariance")) {
+      located(*common, "covariance",
+              [&] { checked_covariance(*dependence.common, 6, "the error in common"); });
+    }
+  }
   dependence.mode_time_s =
       model.get_double_or("mode_time_s", dependence.mode_time_s, {.lowest = 0, .highest = 1e9});
   dependence.is_typical = model.get_bool_or("is_typical", dependence.is_typical);
@@ -136,35 +142,62 @@ DetectorNoise read_detector_noise(const TomlTable& model) {
                  [&] { return DetectorNoise(components, clutter, dependence); });
 }
 
-DetectorNoise internal::with_assumptions(const TomlTable& model, const DetectorNoise& noise) {
+namespace {
+
+/// What is assumed of the slow error, for the warning.
+std::string assumed_slow_error(const DetectorNoise& stated, const DetectorNoise& assumed) {
+  const auto& slow = assumed.dependence().slow;
+  if (!slow) {
+    return "is missing: the errors of successive detections are taken for independent, because the "
+           "components have different frames";
+  }
+  const double fraction = slow->covariance(0, 0) / stated.components().front().covariance(0, 0);
+  return fmt::format(
+      "is missing: {:.3g} % of the variance of the first component is taken for a slow error with "
+      "a correlation angle of {:.0f} deg; state it, or slow = \"none\" where successive detections "
+      "are independent",
+      100.0 * fraction, degrees(slow->correlation_angle_rad));
+}
+
+/// The noise of the table `model` with what is assumed where keys are missing, and a warning for
+/// each.
+DetectorNoise with_assumptions(const TomlTable& model, const DetectorNoise& noise,
+                               double default_clutter) {
   DetectorNoise result = noise;
   if (!model.has("slow")) {
     result = with_assumed_slow_error(result);
-    model.warn("slow",
-               fmt::format("is missing: {:.0f} % of the variance of the noise is taken for a slow "
-                           "error with a correlation angle of {:.0f} deg; state it, or "
-                           "slow = \"none\" where successive detections are independent",
-                           100.0 * kAssumedSlowFraction, degrees(kAssumedCorrelationAngle)));
+    model.warn("slow", assumed_slow_error(noise, result));
   }
   if (!model.has("clutter")) {
-    model.warn("clutter", fmt::format("is missing: detections are taken for clutter with "
-                                      "probability {} (filter.default_clutter)",
-                                      MultiObjectSettings{}.default_clutter));
+    model.warn("clutter",
+               default_clutter > 0.0
+                   ? fmt::format("is missing: detections are taken for clutter with probability {} "
+                                 "(filter.default_clutter)",
+                                 default_clutter)
+                   : "is missing, and filter.default_clutter is 0: no detection but the first "
+                     "starts a hypothesis");
   }
   return result;
 }
 
-std::map<std::string, DetectorNoise> internal::read_noise_models(const TomlTable& root,
-                                                                 bool with_assumed) {
+}  // namespace
+
+std::map<std::string, DetectorNoise> internal::read_noise_models(const TomlTable& root) {
   std::map<std::string, DetectorNoise> models;
   const auto noise = root.find_table("noise");
   if (!noise) return models;
-  for (const std::string& name : noise->keys()) {
-    const TomlTable table = noise->get_table(name);
-    const DetectorNoise stated = read_detector_noise(table);
-    models.emplace(name, with_assumed ? with_assumptions(table, stated) : stated);
-  }
+  for (const std::string& name : noise->keys())
+    models.emplace(name, read_detector_noise(noise->get_table(name)));
   return models;
+}
+
+void internal::assume_missing(const TomlTable& root, const std::set<std::string>& used,
+                              double default_clutter,
+                              std::map<std::string, DetectorNoise>& models) {
+  for (auto& [name, noise] : models) {
+    if (!used.contains(name)) continue;
+    noise = with_assumptions(root.get_table("noise").get_table(name), noise, default_clutter);
+  }
 }
 
 }  // namespace posemix

@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -131,13 +132,13 @@ Eigen::Vector3d read_sd(const TomlTable& table, std::string_view key, const Numb
 /// A pose from seven numbers tx ty tz qx qy qz qw.
 SE3d read_pose(const TomlTable& table, std::string_view key);
 
-/// The noise of the table `model` with what is assumed where keys are missing, and a warning for
-/// each.
-DetectorNoise with_assumptions(const TomlTable& model, const DetectorNoise& noise);
+/// The tables `[noise.NAME]`, as they are stated.
+std::map<std::string, DetectorNoise> read_noise_models(const TomlTable& root);
 
-/// The tables `[noise.NAME]`; `with_assumed` for the multi-object filter, which needs more than the
-/// size of the noise.
-std::map<std::string, DetectorNoise> read_noise_models(const TomlTable& root, bool with_assumed);
+/// Puts what the multi-object filter assumes where keys are missing into the models that are
+/// `used`, with a warning for each.
+void assume_missing(const TomlTable& root, const std::set<std::string>& used,
+                    double default_clutter, std::map<std::string, DetectorNoise>& models);
 
 // --- [[objects]]
 

@@ -183,10 +183,10 @@ std::vector<SimulationObject> get_objects(const TomlTable& root, std::size_t fra
   return objects;
 }
 
-/// A number or a string in the form of TOML.
+/// A number, infinity too, or a string in the form of TOML.
 std::string value_text(const TomlTable& table, const std::string& key) {
   try {
-    return fmt::format("{}", table.get_double(key));
+    return fmt::format("{}", table.get_double(key, {.with_infinity = true}));
   } catch (const InvalidInput&) {
     return fmt::format("\"{}\"", table.get_string(key));
   }

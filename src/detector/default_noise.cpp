@@ -32,7 +32,12 @@ DetectorNoise default_detector_noise() {
 }
 
 DetectorNoise with_assumed_slow_error(const DetectorNoise& noise) {
-  if (noise.dependence().slow) return noise;
+  const auto in_another_frame = [&](const NoiseComponent& component) {
+    return component.frame != noise.components().front().frame;
+  };
+  if (noise.dependence().slow ||
+      std::any_of(noise.components().begin(), noise.components().end(), in_another_frame))
+    return noise;
   const auto remainders_are_covariances = [&](const Matrix6d& slow) {
     const auto is_positive = [&](const NoiseComponent& component) {
       return Eigen::LLT<Matrix6d>(component.covariance - slow).info() == Eigen::Success;

@@ -34,6 +34,21 @@ ViewingRay viewing_ray(const SE3d& camera_mode) {
   return {SO3d::from_quaternion(turn), std::max(ray.norm(), kLeastRangeM)};
 }
 
+namespace {
+
+/// The direction from the object to the camera along the object's axes.
+Eigen::Vector3d view_direction(const SE3d& camera_object) {
+  return -(camera_object.rotation().inverse() * camera_object.translation()).normalized();
+}
+
+}  // namespace
+
+double view_angle(const SE3d& first, const SE3d& second) {
+  const Eigen::Vector3d a = view_direction(first);
+  const Eigen::Vector3d b = view_direction(second);
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
 NoiseAtPose noise_at(const NoiseComponent& noise, const SE3d& camera_object) {
   const SE3d mode = camera_object * noise.offset;
   switch (noise.frame) {
@@ -111,6 +126,12 @@ DetectorNoise::DetectorNoise(std::vector<NoiseComponent> components, Clutter clu
           "detector noise: offset of component {} holds a value that is not finite", i));
     }
     require_number(component.run_length, 1.0, true, fmt::format("run length of component {}", i));
+    if (dependence_.slow && component.frame != components_.front().frame) {
+      throw InvalidInput(fmt::format(
+          "detector noise: component {} has another frame than component 0, expected the same for "
+          "all beside a slow error",
+          i));
+    }
     component.covariance = checked_covariance(
         component.covariance, 6, fmt::format("detector noise: covariance of component {}", i));
     total += component.weight;

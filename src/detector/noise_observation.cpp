@@ -15,11 +15,6 @@
 namespace posemix {
 namespace {
 
-/// The direction from the object to the camera along the object's axes.
-Eigen::Vector3d view_direction(const SE3d& camera_object) {
-  return -(camera_object.rotation().inverse() * camera_object.translation()).normalized();
-}
-
 void check_stamps(std::span<const double> stamps_s, std::size_t frames) {
   if (!stamps_s.empty() && stamps_s.size() != frames) {
     throw InvalidInput(fmt::format("noise model: {} stamps of {} frames, expected as many",
@@ -35,12 +30,6 @@ void check_stamps(std::span<const double> stamps_s, std::size_t frames) {
 }
 
 }  // namespace
-
-double view_angle(const SE3d& first, const SE3d& second) {
-  const Eigen::Vector3d a = view_direction(first);
-  const Eigen::Vector3d b = view_direction(second);
-  return std::atan2(a.cross(b).norm(), a.dot(b));
-}
 
 NoiseTrack noise_track(std::span<const std::optional<SE3d>> truth,
                        std::span<const std::optional<SE3d>> detected, std::size_t recording,

@@ -23,11 +23,6 @@ void move_camera_by(const MatrixXd& transfer, MatrixXd& covariance) {
   columns(covariance, kCamera) += columns(covariance, kMotion) * transfer.transpose();
 }
 
-/// Direction from the object to the camera, in the object's frame.
-Eigen::Vector3d view_of(const SE3d& camera, const SE3d& object) {
-  return (object.inverse() * camera.translation()).normalized();
-}
-
 }  // namespace
 
 std::optional<std::size_t> ModeModel::slow_index(std::size_t j) const {
@@ -62,9 +57,8 @@ void ModeSmoother::decay_slow_errors(const PoseStackd& poses, double dt, Step& s
     if (!index) continue;
     const ObjectSensor& sensor = *model_.sensors[j];
     const SE3d& object = poses[model_.first_object() + j];
-    const Eigen::Vector3d from = view_of(poses[kCamera], object);
-    const Eigen::Vector3d to = view_of(moved.poses[kCamera], object);
-    const double angle = std::atan2(from.cross(to).norm(), from.dot(to));
+    const double angle =
+        view_angle(poses[kCamera].inverse() * object, moved.poses[kCamera].inverse() * object);
     const double a = sensor.noise.dependence().slow->correlation(dt, angle);
     const std::size_t at = model_.poses() + *index;
     segment(step.slow_kept, *index).setConstant(a);

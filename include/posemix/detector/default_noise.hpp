@@ -22,8 +22,8 @@ inline constexpr double kAssumedCorrelationAngle = radians(90.0);
 
 /// A model without a slow error, of whose components a part is taken for slow: kAssumedSlowFraction
 /// of the covariance of the first one, or less where another component would not stay positive
-/// definite. The sum of both parts is the noise as given. A model with a slow error is returned as
-/// it is.
+/// definite. The sum of both parts is the noise as given. A model with a slow error, or with
+/// components in different frames, is returned as it is.
 DetectorNoise with_assumed_slow_error(const DetectorNoise& noise);
 
 }  // namespace posemix

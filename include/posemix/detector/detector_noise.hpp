@@ -85,6 +85,10 @@ NoiseAtPose noise_at(const NoiseComponent& noise, const SE3d& camera_object);
 /// object at `camera_object`; components of other frames are returned unchanged.
 NoiseComponent along_camera(const NoiseComponent& noise, const SE3d& camera_object);
 
+/// The angle between the directions from the object to the camera at two poses T_camera_object, in
+/// the axes of the object [rad].
+double view_angle(const SE3d& first, const SE3d& second);
+
 /// The slow part of a detector's error: a stationary Gaussian process b(t) that is added to the
 /// white part, Y = T_camera_object offset Exp(b + n). The correlation of b between two detections
 /// of an object is exp(-angle / correlation_angle_rad - time / correlation_time_s), with the angle

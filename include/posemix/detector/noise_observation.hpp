@@ -40,10 +40,6 @@ NoiseTrack noise_track(std::span<const std::optional<SE3d>> truth,
                        std::span<const std::optional<SE3d>> detected, std::size_t recording = 0,
                        std::span<const double> stamps_s = {});
 
-/// The angle between the directions from the object to the camera at two poses T_camera_object, in
-/// the axes of the object [rad].
-double view_angle(const SE3d& first, const SE3d& second);
-
 /// Median over the tracks of the time between successive frames [s]; NaN without stamps.
 double seconds_per_frame(std::span<const NoiseTrack> tracks);
 

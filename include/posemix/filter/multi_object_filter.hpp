@@ -39,8 +39,7 @@ struct MultiObjectSettings {
   double merge_probability = 0.94;
   /// A hypothesis becomes the leading one when its log weight is larger by more than this [nats].
   double leader_margin = 0.7;
-  /// Whether the camera has odometry. Without it
-  /// detections correct the camera with the full gain.
+  /// Whether the camera has odometry. Without it detections correct the camera with the full gain.
   bool has_odometry = true;
   /// The scale of a detector's noise is learned from innovations. The noise as given, scale one,
   /// counts as this many detections; at infinity nothing is learned.
@@ -53,9 +52,9 @@ struct MultiObjectSettings {
   /// whatever detector, moves the camera (Schmidt-Kalman filter).
   double camera_gain = 0.2;
   /// Factor on the gain with which a detection moves the slow error of its detector, in the same
-  /// case. Slow error and object are told apart by how the axes of the noise turn
-  /// against the object alone, which errors that the model does not hold spoil first; at zero the
-  /// object stays among its detections, and only the covariance knows of the slow error.
+  /// case. Slow error and object are told apart by how the axes of the noise turn against the
+  /// object alone, which errors that the model does not hold spoil first; at zero the object stays
+  /// among its detections, and only the covariance knows of the slow error.
   double slow_error_gain = 0.3;
   /// The parts of a correction's rotation and translation, about the camera, that the camera keeps,
   /// in the same case. The rest is taken back by a shift of the world, after which camera and

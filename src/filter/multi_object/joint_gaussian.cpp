@@ -28,6 +28,11 @@ std::vector<Index> all_but(Index first, Index dof, Index size) {
 
 }  // namespace
 
+void move(ConditionalPose& object, const Vector12d& by) {
+  object.pose = SE3d::exp(by.head<6>()) * object.pose;
+  if (object.slow) *object.slow += by.tail<6>();
+}
+
 Matrix12x6d regression_on_camera(const Matrix12x6d& cross_covariance, const Matrix6d& camera) {
   const Eigen::LLT<Matrix6d> factor(camera);
   return factor.solve(cross_covariance.transpose()).transpose();
@@ -101,6 +106,7 @@ void JointGaussian::transform(std::size_t index, const MatrixXd& f) {
   own_rows = (f * own_rows).eval();
   auto own_columns = covariance_.middleCols(first(index), dof(index));
   own_columns = (own_columns * f.transpose()).eval();
+  symmetrize(covariance_);
 }
 
 void JointGaussian::move_object(std::size_t index, const Vector12d& by) {

@@ -24,6 +24,9 @@ struct ConditionalPose {
   Matrix12x6d cross_covariance;       ///< Cov([xi_O; b], xi_C)
 };
 
+/// Moves the mean by [xi_O; b].
+void move(ConditionalPose& object, const Vector12d& by);
+
 /// Moments of the camera under all hypotheses of an object that do not lead, taken together, in the
 /// tangent space at the camera's mean before the detection.
 struct CameraAlternative {

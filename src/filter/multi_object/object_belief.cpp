@@ -43,15 +43,6 @@ class CameraMixture {
   Matrix6d second_ = Matrix6d::Zero();
 };
 
-/// Direction from the object to the camera, in the object's frame.
-Eigen::Vector3d view_of(const SE3d& camera, const SE3d& object) {
-  return (object.inverse() * camera.translation()).normalized();
-}
-
-double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b));
-}
-
 /// Whether the pose has a positive definite covariance given the camera.
 bool is_positive_definite_given(const ConditionalPose& object, const Matrix6d& camera) {
   const Matrix12x6d g = regression_on_camera(object.cross_covariance, camera);
@@ -59,11 +50,6 @@ bool is_positive_definite_given(const ConditionalPose& object, const Matrix6d& c
   const Matrix6d pose = given.topLeftCorner<6, 6>();
   return Eigen::LLT<Matrix6d>(pose).info() == Eigen::Success &&
          (!object.slow || Eigen::LLT<Matrix12d>(given).info() == Eigen::Success);
-}
-
-void move(ConditionalPose& object, const Vector12d& by) {
-  object.pose = SE3d::exp(by.head<6>()) * object.pose;
-  if (object.slow) *object.slow += by.tail<6>();
 }
 
 }  // namespace
@@ -134,90 +120,6 @@ std::vector<double> ObjectBelief::probabilities() const {
 
 void ObjectBelief::move_pose_index_up(std::size_t erased, std::size_t blocks) {
   if (leader_ && leader_->pose_index > erased) leader_->pose_index -= blocks;
-}
-
-void ObjectBelief::decay_slow_error(JointGaussian& joint, const SlowError& slow,
-                                    const Matrix6d& stationary,
-                                    const std::optional<SE3d>& camera_before, double dt) {
-  // b <- a b + w with a = exp(-|view angle| / theta - dt / tau) and Cov w = (1 - a^2) B.
-  for (std::size_t h = 0; h < size(); ++h) {
-    Standing& standing = mutable_standing(h);
-    const SE3d& object =
-        leads(h) ? joint.pose(leader_->pose_index) : alternatives_[slot(h)].pose.pose;
-    const Eigen::Vector3d before = camera_before ? view_of(*camera_before, object) : standing.view;
-    standing.view = view_of(joint.pose(kCamera), object);
-    const double a = slow.correlation(dt, angle_between(before, standing.view));
-    const Matrix6d q = (1.0 - a * a) * stationary;
-    if (leads(h)) {
-      joint.decay_slow(leader_->pose_index, a, q);
-      continue;
-    }
-    ConditionalPose& other = alternatives_[slot(h)].pose;
-    *other.slow *= a;
-    other.covariance.bottomRows<6>() *= a;
-    other.covariance.rightCols<6>() *= a;
-    other.covariance.bottomRightCorner<6, 6>() += q;
-    other.cross_covariance.bottomRows<6>() *= a;
-  }
-}
-
-void ObjectBelief::transform(JointGaussian& joint, std::size_t h, const Matrix12d& f) {
-  if (leads(h)) {
-    const Eigen::Index n = offset(joint.blocks_of(leader_->pose_index));
-    joint.transform(leader_->pose_index, f.topLeftCorner(n, n));
-    return;
-  }
-  ConditionalPose& other = alternatives_[slot(h)].pose;
-  other.covariance = (f * other.covariance * f.transpose()).eval();
-  symmetrize(other.covariance);
-  other.cross_covariance = (f * other.cross_covariance).eval();
-}
-
-void ObjectBelief::rescale_slow_error(JointGaussian& joint, const NoiseComponent& component,
-                                      const Vector6d& factor) {
-  for (std::size_t h = 0; h < size(); ++h) {
-    const DetectionState before = state(joint, h);
-    const Matrix6d a = slow_error_map(before, component);
-    Matrix12d f = Matrix12d::Identity();
-    f.topRightCorner<6, 6>() = a * (Vector6d::Ones() - factor).asDiagonal();
-    f.bottomRightCorner<6, 6>() = factor.asDiagonal();
-    transform(joint, h, f);
-    Vector12d by;
-    by.tail<6>() = (factor - Vector6d::Ones()).cwiseProduct(before.slow);
-    by.head<6>() = -a * by.tail<6>();
-    if (leads(h)) {
-      joint.move_object(leader_->pose_index, by);
-    } else {
-      move(alternatives_[slot(h)].pose, by);
-    }
-  }
-}
-
-void ObjectBelief::fix_unobserved(JointGaussian& joint, const SymmetryGroup& symmetries) {
-  if (symmetries.axes().empty()) return;
-  // Along the object's axes: P <- F P F^T + v U, where F takes the rotations about the axes away
-  // and U is the covariance of a uniform angle.
-  for (std::size_t h = 0; h < size(); ++h) {
-    const SE3d object = pose(joint, h).pose;
-    Matrix12d all = Matrix12d::Identity();
-    all.topLeftCorner<6, 6>() =
-        object.adjoint() * symmetries.observed_projection() * object.inverse().adjoint();
-    transform(joint, h, all);
-    const Matrix6d added =
-        kFixedAngle * object.adjoint_congruence(symmetries.unobserved_covariance());
-    if (leads(h)) {
-      block(joint.covariance(), leader_->pose_index, leader_->pose_index) += added;
-    } else {
-      alternatives_[slot(h)].pose.covariance.topLeftCorner<6, 6>() += added;
-    }
-  }
-}
-
-void ObjectBelief::add_to_cross_covariances(const Matrix6d& factor) {
-  for (Alternative& alternative : alternatives_) {
-    const Matrix12x6d change = alternative.pose.cross_covariance * factor;
-    alternative.pose.cross_covariance += change;
-  }
 }
 
 std::vector<DetectionUpdate> ObjectBelief::observe(const JointGaussian& joint, const SE3d& detected,

@@ -18,8 +18,8 @@ struct Standing {
   double score = 0.0;            ///< recent log evidence over that of clutter [nats]
   std::uint64_t id = 0;          ///< constant over time; a merge keeps that of the heavier
   std::uint64_t detections = 0;  ///< number of detections since the birth, the first included
-  /// Direction from the object to the camera when the slow error was predicted last, object frame.
-  Eigen::Vector3d view = Eigen::Vector3d::UnitZ();
+  /// T_camera_object when the slow error was predicted last.
+  std::optional<SE3d> seen_from = {};
 };
 
 /// A hypothesis that does not lead.

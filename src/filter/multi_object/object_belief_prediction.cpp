@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "object_belief.hpp"
+
+namespace posemix::internal {
+
+void ObjectBelief::decay_slow_error(JointGaussian& joint, const SlowError& slow,
+                                    const Matrix6d& stationary,
+                                    const std::optional<SE3d>& camera_before, double dt) {
+  // b <- a b + w with a = exp(-|view angle| / theta - dt / tau) and Cov w = (1 - a^2) B.
+  for (std::size_t h = 0; h < size(); ++h) {
+    Standing& standing = mutable_standing(h);
+    const SE3d& object =
+        leads(h) ? joint.pose(leader_->pose_index) : alternatives_[slot(h)].pose.pose;
+    const SE3d now = joint.pose(kCamera).inverse() * object;
+    const SE3d before =
+        camera_before ? camera_before->inverse() * object : standing.seen_from.value_or(now);
+    standing.seen_from = now;
+    const double a = slow.correlation(dt, view_angle(before, now));
+    const Matrix6d q = (1.0 - a * a) * stationary;
+    if (leads(h)) {
+      joint.decay_slow(leader_->pose_index, a, q);
+      continue;
+    }
+    ConditionalPose& other = alternatives_[slot(h)].pose;
+    *other.slow *= a;
+    other.covariance.bottomRows<6>() *= a;
+    other.covariance.rightCols<6>() *= a;
+    other.covariance.bottomRightCorner<6, 6>() += q;
+    other.cross_covariance.bottomRows<6>() *= a;
+  }
+}
+
+void ObjectBelief::transform(JointGaussian& joint, std::size_t h, const Matrix12d& f) {
+  if (leads(h)) {
+    const Eigen::Index n = offset(joint.blocks_of(leader_->pose_index));
+    joint.transform(leader_->pose_index, f.topLeftCorner(n, n));
+    return;
+  }
+  ConditionalPose& other = alternatives_[slot(h)].pose;
+  other.covariance = (f * other.covariance * f.transpose()).eval();
+  symmetrize(other.covariance);
+  other.cross_covariance = (f * other.cross_covariance).eval();
+}
+
+void ObjectBelief::rescale_slow_error(JointGaussian& joint, const NoiseComponent& component,
+                                      const Vector6d& factor) {
+  for (std::size_t h = 0; h < size(); ++h) {
+    const DetectionState before = state(joint, h);
+    const Matrix6d a = slow_error_map(before, component);
+    Matrix12d f = Matrix12d::Identity();
+    f.topRightCorner<6, 6>() = a * (Vector6d::Ones() - factor).asDiagonal();
+    f.bottomRightCorner<6, 6>() = factor.asDiagonal();
+    transform(joint, h, f);
+    Vector12d by;
+    by.tail<6>() = (factor - Vector6d::Ones()).cwiseProduct(before.slow);
+    by.head<6>() = -a * by.tail<6>();
+    if (leads(h)) {
+      joint.move_object(leader_->pose_index, by);
+    } else {
+      move(alternatives_[slot(h)].pose, by);
+    }
+  }
+}
+
+void ObjectBelief::fix_unobserved(JointGaussian& joint, const SymmetryGroup& symmetries) {
+  if (symmetries.axes().empty()) return;
+  // Along the object's axes: P <- F P F^T + v U, where F takes the rotations about the axes away
+  // and U is the covariance of a uniform angle.
+  for (std::size_t h = 0; h < size(); ++h) {
+    const SE3d object = pose(joint, h).pose;
+    Matrix12d all = Matrix12d::Identity();
+    all.topLeftCorner<6, 6>() =
+        object.adjoint() * symmetries.observed_projection() * object.inverse().adjoint();
+    transform(joint, h, all);
+    const Matrix6d added =
+        kFixedAngle * object.adjoint_congruence(symmetries.unobserved_covariance());
+    if (leads(h)) {
+      block(joint.covariance(), leader_->pose_index, leader_->pose_index) += added;
+    } else {
+      alternatives_[slot(h)].pose.covariance.topLeftCorner<6, 6>() += added;
+    }
+  }
+}
+
+void ObjectBelief::add_to_cross_covariances(const Matrix6d& factor) {
+  for (Alternative& alternative : alternatives_) {
+    const Matrix12x6d change = alternative.pose.cross_covariance * factor;
+    alternative.pose.cross_covariance += change;
+  }
+}
+
+}  // namespace posemix::internal
