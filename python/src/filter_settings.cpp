@@ -38,6 +38,11 @@ void add_noise_fields(MultiObjectFields& settings) {
   settings
       .field("leader_margin", &S::leader_margin, "float",
              "Lead in log weight with which another hypothesis becomes the leading one [nats].")
+      .field("split_loss", &S::split_loss, "float",
+             "Loss of one camera for all hypotheses of an object from which the state is split into "
+             "global hypotheses [nats].")
+      .field("max_global_hypotheses", &S::max_global_hypotheses, "int",
+             "Largest number of global hypotheses.")
       .field("has_odometry", &S::has_odometry, "bool", "Whether the camera has odometry.")
       .field("noise_scale_detections", &S::noise_scale_detections, "float",
              "Number of detections that the noise as given counts as; infinity: it is not learned.")

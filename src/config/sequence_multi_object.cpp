@@ -15,6 +15,7 @@ MultiObjectSettings read_multi_object(const TomlTable& filter, MultiObjectSettin
   };
   count("max_hypotheses", s.max_hypotheses, kHypotheses);
   count("protected_hypotheses", s.protected_hypotheses, kProtected);
+  count("max_global_hypotheses", s.max_global_hypotheses, kHypotheses);
   for (const MultiObjectNumber& number : kMultiObjectNumbers) {
     s.*number.field = filter.get_double_or(number.name, s.*number.field, number.range);
   }

@@ -10,12 +10,14 @@
 
 #include "posemix/density/concentrated_gaussian.hpp"
 #include "posemix/detector/object_sensor.hpp"
+#include "posemix/mixture/mixture.hpp"
 
 namespace posemix {
 
 namespace internal {
+class GlobalHypotheses;
 struct MultiObjectState;
-}
+}  // namespace internal
 
 /// Settings of MultiObjectFilter. A distance given as a probability is a quantile of the chi-square
 /// distribution with six degrees of freedom.
@@ -39,6 +41,11 @@ struct MultiObjectSettings {
   double merge_probability = 0.94;
   /// A hypothesis becomes the leading one when its log weight is larger by more than this [nats].
   double leader_margin = 0.7;
+  /// Where hypotheses of an object that can still win place the camera so differently that one
+  /// camera for all would lose more than this [nats], the state is split into global hypotheses,
+  /// each with its own camera, as long as there are fewer than `max_global_hypotheses`.
+  double split_loss = 0.01;
+  std::size_t max_global_hypotheses = 4;  ///< largest number of them; with one nothing is split
   /// Whether the camera has odometry. Without it detections correct the camera with the full gain.
   bool has_odometry = true;
   /// The scale of a detector's noise is learned from innovations. The noise as given, scale one,
@@ -100,12 +107,13 @@ struct ObjectUpdateReport {
   Vector6d residual = Vector6d::Zero();
 };
 
-/// Object SLAM with many hypotheses per object, but none for their combinations
+/// Object SLAM with many hypotheses per object, and few for their combinations
 /// (docs/many-objects.md). The posterior has the form
 ///   N(camera, leading hypotheses) prod_j sum_h w_jh p(O_jh | camera),
 /// in which every pose O comes with the slow error of its detector, and hypotheses of different
-/// objects are independent given the camera. After every detection
-/// the filter projects the posterior onto this form with the least loss. A detection that no
+/// objects are independent given the camera. After every detection the filter projects the
+/// posterior onto this form with the least loss; while that would lose much, it is a mixture of few
+/// such densities, global hypotheses, and what is reported is their projection. A detection that no
 /// hypothesis explains starts one. The cost is linear in the hypotheses; in the objects it is
 /// quadratic per detection, and cubic while modes compete.
 ///
@@ -156,6 +164,13 @@ class MultiObjectFilter {
   /// objects they hold the error in common of their detections and any angle about an axis of
   /// symmetry.
   ConcentratedGaussian<SE3d> camera() const;
+  /// The density of the camera, with a component for each global hypothesis; camera() has its
+  /// moments.
+  Mixture<ConcentratedGaussian<SE3d>> camera_mixture() const;
+  /// The density of an object in the world given that it was detected, with a component for each of
+  /// its hypotheses under each global hypothesis.
+  /// @throws InvalidInput also when the object has no hypothesis
+  Mixture<ConcentratedGaussian<SE3d>> object_mixture(std::size_t object) const;
   /// The hypotheses of an object; empty until it was seen.
   std::vector<ObjectHypothesis> hypotheses(std::size_t object) const;
   /// Index of the leading hypothesis.
@@ -197,10 +212,11 @@ class MultiObjectFilter {
 
  private:
   /// @throws InvalidInput for a filter that was moved from
-  internal::MultiObjectState& current();
+  internal::GlobalHypotheses& hypotheses_of_all();
+  const internal::GlobalHypotheses& hypotheses_of_all() const;
   const internal::MultiObjectState& current() const;
 
-  std::unique_ptr<internal::MultiObjectState> state_;
+  std::unique_ptr<internal::GlobalHypotheses> state_;
 };
 
 }  // namespace posemix

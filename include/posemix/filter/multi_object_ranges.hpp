@@ -32,6 +32,7 @@ inline constexpr std::array kMultiObjectNumbers{
     MultiObjectNumber{"merge_probability", &MultiObjectSettings::merge_probability,
                       kOpenUnitInterval},
     MultiObjectNumber{"leader_margin", &MultiObjectSettings::leader_margin, kNotNegative},
+    MultiObjectNumber{"split_loss", &MultiObjectSettings::split_loss, kNotNegative},
     MultiObjectNumber{"camera_gain", &MultiObjectSettings::camera_gain, kUnitInterval},
     MultiObjectNumber{"slow_error_gain", &MultiObjectSettings::slow_error_gain, kUnitInterval},
     MultiObjectNumber{"camera_rotation_correction",

@@ -162,6 +162,43 @@ CameraChange JointGaussian::update(std::size_t index, const Explanation& leading
   return change;
 }
 
+Vector6d JointGaussian::mix(double weight, const JointGaussian& other,
+                            const std::vector<std::pair<std::size_t, std::size_t>>& shared) {
+  const Index own = covariance_.rows();
+  std::vector<Index> s;  // the coordinates that are shared, here and there
+  std::vector<Index> t;
+  const auto shared_size = offset(shared.size());
+  VectorXd difference(shared_size);
+  MatrixXd transport = MatrixXd::Identity(own, own);
+  MatrixXd transport_other = MatrixXd::Identity(shared_size, shared_size);
+  for (std::size_t i = 0; i < shared.size(); ++i) {
+    const auto [here, there] = shared[i];
+    for (Index k = 0; k < kPoseDof; ++k) {
+      s.push_back(offset(here) + k);
+      t.push_back(offset(there) + k);
+    }
+    if (!is_pose(here)) {
+      difference.segment<kPoseDof>(offset(i)) = other.slow(there) - slow(here);
+      continue;
+    }
+    // As seen from the mean of the mixture, eq. 14 of the midway-merge paper.
+    const Vector6d d = (other.pose(there) * pose(here).inverse()).log();
+    difference.segment<kPoseDof>(offset(i)) = d;
+    block(transport, here, here) = SE3d::left_jacobian_inverse(-weight * d);
+    block(transport_other, i, i) = SE3d::left_jacobian_inverse((1.0 - weight) * d);
+  }
+  const MatrixXd a = transport * covariance_ * transport.transpose();
+  const MatrixXd a_ss = a(s, s);
+  const MatrixXd b = transport_other * other.covariance_(t, t) * transport_other.transpose();
+  MatrixXd mixed = (1.0 - weight) * a_ss + weight * b;
+  mixed.noalias() += weight * (1.0 - weight) * difference * difference.transpose();
+  // x_r = G x_s + r for the rest r, of which s is a part with G = [0 I].
+  const MatrixXd g = a_ss.llt().solve(a(s, Eigen::all)).transpose();
+  covariance_ = a + g * (mixed - a_ss) * g.transpose();
+  symmetrize(covariance_);
+  return move(g * (weight * difference));
+}
+
 void JointGaussian::shift_back(const CameraChange& change, const Matrix6d& back) {
   const SE3d shift = SE3d::exp(-back * change.mean);
   const Matrix6d added = back * change.covariance * back.transpose();

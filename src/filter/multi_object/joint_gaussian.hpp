@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "detection_update.hpp"
@@ -105,6 +106,11 @@ class JointGaussian {
   /// factor.
   CameraChange update(std::size_t index, const Explanation& leading,
                       const CameraAlternative& alternative, const GainFactors& factors);
+  /// Becomes the mixture of this with 1 - `weight` and of `other` with `weight`, eq. (11): the
+  /// blocks in `shared`, by their index here and there, take its moments, and the others keep their
+  /// regression on them. Returns the camera's mean in the tangent space at the mean before.
+  Vector6d mix(double weight, const JointGaussian& other,
+               const std::vector<std::pair<std::size_t, std::size_t>>& shared);
   /// Takes the part `back` of the camera's correction back, see eq. (10).
   void shift_back(const CameraChange& change, const Matrix6d& back);
 

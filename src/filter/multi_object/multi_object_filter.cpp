@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include "multi_object_state.hpp"
+#include "global_hypotheses.hpp"
 #include "posemix/density/pose_stack.hpp"
-#include "posemix/filter/predict.hpp"
+#include "posemix/filter/update.hpp"
 
 namespace posemix {
 
@@ -70,46 +70,43 @@ JointState marginal_of(const JointGaussian& joint, const std::vector<std::size_t
 MultiObjectFilter::MultiObjectFilter(const ConcentratedGaussian<SE3d>& camera,
                                      std::vector<ObjectSensor> objects,
                                      const MultiObjectSettings& settings)
-    : state_(std::make_unique<MultiObjectState>(camera, std::move(objects), settings)) {}
+    : state_(std::make_unique<GlobalHypotheses>(
+          MultiObjectState(camera, std::move(objects), settings))) {}
 
 MultiObjectFilter::MultiObjectFilter(const MultiObjectFilter& other)
-    : state_(std::make_unique<MultiObjectState>(other.current())) {}
+    : state_(std::make_unique<GlobalHypotheses>(other.hypotheses_of_all())) {}
 MultiObjectFilter::MultiObjectFilter(MultiObjectFilter&&) noexcept = default;
 MultiObjectFilter& MultiObjectFilter::operator=(const MultiObjectFilter& other) {
-  if (this != &other) state_ = std::make_unique<MultiObjectState>(other.current());
+  if (this != &other) state_ = std::make_unique<GlobalHypotheses>(other.hypotheses_of_all());
   return *this;
 }
 MultiObjectFilter& MultiObjectFilter::operator=(MultiObjectFilter&&) noexcept = default;
 MultiObjectFilter::~MultiObjectFilter() = default;
 
-MultiObjectState& MultiObjectFilter::current() {
+GlobalHypotheses& MultiObjectFilter::hypotheses_of_all() {
   require(state_ != nullptr, "the filter was moved from; expected one with a state");
   return *state_;
 }
 
-const MultiObjectState& MultiObjectFilter::current() const {
+const GlobalHypotheses& MultiObjectFilter::hypotheses_of_all() const {
   require(state_ != nullptr, "the filter was moved from; expected one with a state");
   return *state_;
 }
+
+const MultiObjectState& MultiObjectFilter::current() const { return hypotheses_of_all().summary(); }
 
 void MultiObjectFilter::predict_with_odometry(const SE3d& motion, const Matrix6d& q, double dt) {
   require_finite(motion, "odometry");
   require_noise(q, "noise of the odometry");
   require_time(dt);
-  JointGaussian& joint = current().joint;
-  const SE3d before = joint.pose(kCamera);
-  const SE3d camera = before * motion;
-  joint.set_pose(kCamera, camera);
-  block(joint.covariance(), kCamera, kCamera) += camera.adjoint_congruence(q);
-  current().advance(dt, before);
+  hypotheses_of_all().for_each(
+      [&](MultiObjectState& s) { s.predict_with_odometry(motion, q, dt); });
 }
 
 void MultiObjectFilter::predict_random_walk(const Matrix6d& q, double dt) {
   require_noise(q, "noise of the random walk");
   require_time(dt);
-  JointGaussian& joint = current().joint;
-  block(joint.covariance(), kCamera, kCamera) += joint.pose(kCamera).adjoint_congruence(q);
-  current().advance(dt, std::nullopt);
+  hypotheses_of_all().for_each([&](MultiObjectState& s) { s.predict_random_walk(q, dt); });
 }
 
 void MultiObjectFilter::predict_constant_velocity(double periods, const Matrix6d& q,
@@ -121,40 +118,19 @@ void MultiObjectFilter::predict_constant_velocity(double periods, const Matrix6d
   require_time(dt);
   if (!std::isfinite(periods))
     throw InvalidInput(fmt::format("{} periods; expected a finite number", periods));
-  JointGaussian& joint = current().joint;
-  if (!current().motion) current().motion = joint.append(SE3d(), at_rest);
-  const std::size_t motion = *current().motion;
-  const SE3d camera = joint.pose(kCamera);
-  const SE3d velocity = joint.pose(motion);
-  const Matrix6d transfer = constant_velocity_transfer(camera, velocity, periods);
-
-  // xi_C <- xi_C + F xi_V. First the alternatives, whose poses depend on the camera alone: P_OC
-  // grows by P_OC P_CC^-1 P_CV F^T. Then the joint Gaussian.
-  const Eigen::LLT<Matrix6d> before(joint.covariance(kCamera, kCamera));
-  const Matrix6d with_motion =
-      before.solve(joint.covariance(kCamera, motion)) * transfer.transpose();
-  for (TrackedObject& object : current().objects)
-    object.belief.add_to_cross_covariances(with_motion);
-  Eigen::MatrixXd& b = joint.covariance();
-  rows(b, kCamera) += transfer * rows(b, motion);
-  columns(b, kCamera) += columns(b, motion) * transfer.transpose();
-  const SE3d moved = camera * SE3d::exp(periods * velocity.log());
-  joint.set_pose(kCamera, moved);
-  block(b, kCamera, kCamera) += moved.adjoint_congruence(q);
-  block(b, motion, motion) += velocity.adjoint_congruence(q_motion);
-  symmetrize(b);
-  current().advance(dt, std::nullopt);
+  hypotheses_of_all().for_each(
+      [&](MultiObjectState& s) { s.predict_constant_velocity(periods, q, q_motion, at_rest, dt); });
 }
 
 ObjectUpdateReport MultiObjectFilter::update(std::size_t object, const SE3d& camera_object) {
   require_object(object, object_count());
   require_finite(camera_object, "detection");
-  return current().update(object, camera_object);
+  return hypotheses_of_all().update(object, camera_object);
 }
 
 void MultiObjectFilter::forget(std::size_t object) {
   require_object(object, object_count());
-  current().forget(object);
+  hypotheses_of_all().forget(object);
 }
 
 std::size_t MultiObjectFilter::object_count() const { return current().objects.size(); }
@@ -166,6 +142,17 @@ Vector6d MultiObjectFilter::noise_scale(std::size_t object) const {
 ConcentratedGaussian<SE3d> MultiObjectFilter::camera() const {
   return ConcentratedGaussian<SE3d>::trusted(current().joint.pose(kCamera),
                                              current().joint.covariance(kCamera, kCamera));
+}
+
+Mixture<ConcentratedGaussian<SE3d>> MultiObjectFilter::camera_mixture() const {
+  return hypotheses_of_all().camera();
+}
+
+Mixture<ConcentratedGaussian<SE3d>> MultiObjectFilter::object_mixture(std::size_t object) const {
+  require_object(object, object_count());
+  if (!leading(object))
+    throw InvalidInput(fmt::format("object {} has no hypothesis; it was not detected", object));
+  return hypotheses_of_all().object(object);
 }
 
 std::vector<ObjectHypothesis> MultiObjectFilter::hypotheses(std::size_t object) const {

@@ -19,6 +19,7 @@ constexpr double kSameMode = 1e-9;
 
 void check_settings(const MultiObjectSettings& s) {
   require(s.max_hypotheses > 0, "max_hypotheses is 0, expected at least 1");
+  require(s.max_global_hypotheses > 0, "max_global_hypotheses is 0, expected at least 1");
   for (const auto& [name, field, range] : kMultiObjectNumbers)
     range.check(s.*field, std::string(name));
 }
@@ -109,14 +110,16 @@ void MultiObjectState::advance(double dt, const std::optional<SE3d>& camera_befo
   }
 }
 
+void MultiObjectState::erase(std::size_t pose_index) {
+  const std::size_t blocks = joint.blocks_of(pose_index);
+  joint.erase(pose_index);
+  for (TrackedObject& other : objects) other.belief.move_pose_index_up(pose_index, blocks);
+  if (motion && *motion > pose_index) *motion -= blocks;
+}
+
 void MultiObjectState::forget(std::size_t j) {
   TrackedObject& object = objects[j];
-  if (const auto erased = object.belief.pose_index()) {
-    const std::size_t blocks = joint.blocks_of(*erased);
-    joint.erase(*erased);
-    for (TrackedObject& other : objects) other.belief.move_pose_index_up(*erased, blocks);
-    if (motion && *motion > *erased) *motion -= blocks;
-  }
+  if (const auto index = object.belief.pose_index()) erase(*index);
   object.detector.reset();
   object = {std::move(object.detector)};
 }
@@ -138,15 +141,9 @@ Matrix6d mode_covariance(const DetectionState& state, const NoiseMode& mode,
 /// weight is that of absence times the mode's weight and the density of clutter ("Births"); their
 /// covariance is the camera's plus a multiple of the noise's.
 std::vector<Alternative> MultiObjectState::births_of(const TrackedObject& object,
-                                                     const SE3d& detected,
-                                                     const std::vector<DetectionUpdate>& updates,
-                                                     double share) {
+                                                     const SE3d& detected, double share) {
   constexpr double kPi = std::numbers::pi;
-  const bool is_explained =
-      std::any_of(updates.begin(), updates.end(), [&](const DetectionUpdate& update) {
-        return update.explanation.squared_distance < explained;
-      });
-  if (is_explained || !std::isfinite(object.belief.log_absent())) return {};
+  if (!std::isfinite(object.belief.log_absent())) return {};
   const ObjectSensor& sensor = object.detector.sensor();
   const SE3d& camera = joint.pose(kCamera);
   const Matrix6d camera_covariance = joint.covariance(kCamera, kCamera);
@@ -242,14 +239,28 @@ void MultiObjectState::update_weights(TrackedObject& object,
   object.belief.count_detection();
 }
 
-ObjectUpdateReport MultiObjectState::update(std::size_t j, const SE3d& detected) {
+ObservedDetection MultiObjectState::observe(std::size_t j, const SE3d& detected) const {
+  const TrackedObject& object = objects[j];
+  ObservedDetection result{detected,
+                           object.belief.observe(joint, detected, object.detector.sensor(),
+                                                 gain_factors(object)),  // eq. (2) to (4)
+                           false};
+  result.is_explained =
+      std::any_of(result.updates.begin(), result.updates.end(), [&](const DetectionUpdate& update) {
+        return update.explanation.squared_distance < explained;
+      });
+  return result;
+}
+
+ObjectUpdateReport MultiObjectState::update(std::size_t j, const ObservedDetection& observed,
+                                            bool may_start, LogTotals& evidence) {
   TrackedObject& object = objects[j];
   ObjectBelief& belief = object.belief;
   const ObjectSensor& sensor = object.detector.sensor();
+  const std::vector<DetectionUpdate>& updates = observed.updates;
   const double share = object.detector.count_detection(now_s);
-  const std::vector<DetectionUpdate> updates =
-      belief.observe(joint, detected, sensor, gain_factors(object));  // eq. (2) to (4)
-  std::vector<Alternative> births = births_of(object, detected, updates, share);
+  std::vector<Alternative> births;
+  if (may_start) births = births_of(object, observed.detected, share);
   update_weights(object, updates, share);  // eq. (3)
   ObjectUpdateReport report{.started = !births.empty(), .log_evidence = belief.log_total(births)};
 
@@ -263,6 +274,7 @@ ObjectUpdateReport MultiObjectState::update(std::size_t j, const SE3d& detected)
   }
 
   belief.add(joint, births);
+  evidence = belief.normalise();
   report.merges = reduce(object);
   belief.fix_unobserved(joint, sensor.symmetries);
   const auto leading = belief.leading();
@@ -276,7 +288,6 @@ std::size_t MultiObjectState::reduce(TrackedObject& object) {
   ObjectBelief& belief = object.belief;
   if (belief.size() == 0) return 0;
   const std::size_t merges = belief.merge(joint, object.detector.sensor().symmetries, merge_bounds);
-  belief.normalise();
   belief.keep_best(settings.max_hypotheses, settings.protected_hypotheses);
   belief.normalise();
   belief.choose_leader(joint, settings.leader_margin);

@@ -17,13 +17,24 @@ struct TrackedObject {
   ObjectBelief belief = {};
 };
 
-/// The state of a MultiObjectFilter, and its change by a detection.
+/// A detection of one object as its hypotheses see it.
+struct ObservedDetection {
+  SE3d detected;                         ///< T_camera_object
+  std::vector<DetectionUpdate> updates;  ///< by hypothesis
+  bool is_explained;                     ///< whether any of them explains it
+};
+
+/// The state under one global hypothesis, and its change by a detection.
 struct MultiObjectState {
   MultiObjectState(const ConcentratedGaussian<SE3d>& camera, std::vector<ObjectSensor> sensors,
                    const MultiObjectSettings& settings);
 
-  /// One detection T_camera_object of object `j`.
-  ObjectUpdateReport update(std::size_t j, const SE3d& detected);
+  /// One detection T_camera_object of object `j`: how its hypotheses see it, which changes nothing,
+  /// and the update, in which the detection may start a hypothesis or not. The report's evidence
+  /// is that of this state; `evidence` has both kinds.
+  ObservedDetection observe(std::size_t j, const SE3d& detected) const;
+  ObjectUpdateReport update(std::size_t j, const ObservedDetection& observed, bool may_start,
+                            LogTotals& evidence);
   /// Object `j` becomes one that was never detected.
   void forget(std::size_t j);
   /// Time goes on by one frame, in which the camera moved from `camera_before` where that is known.
@@ -40,6 +51,9 @@ struct MultiObjectState {
     return settings.has_odometry && object.detector.sensor().noise.dependence().is_typical;
   }
   GainFactors gain_factors(const TrackedObject& object) const;
+  /// The score above which recent detections support a hypothesis: half that of a birth, which is
+  /// left of it after six detections of other modes [nats].
+  double supported_score() const { return 0.5 * settings.birth_score; }
 
   MultiObjectSettings settings;
   double explained;  ///< squared Mahalanobis distance within which a detection is explained
@@ -50,11 +64,33 @@ struct MultiObjectState {
   std::optional<std::size_t> motion;  ///< index of the camera's motion in the joint Gaussian
   std::uint64_t next_id = 0;
 
+  // --- prediction, see MultiObjectFilter
+
+  void predict_with_odometry(const SE3d& motion, const Matrix6d& q, double dt);
+  void predict_random_walk(const Matrix6d& q, double dt);
+  void predict_constant_velocity(double periods, const Matrix6d& q, const Matrix6d& q_motion,
+                                 const Matrix6d& at_rest, double dt);
+
+  // --- global hypotheses
+
+  /// Loss of one camera for all hypotheses of object `j` after a detection, which starts a
+  /// hypothesis where it is not explained and `may_start` [nats]: Runnalls' bound for the merge of
+  /// the camera under the leading hypothesis with that under all others. Alternatives that are
+  /// supported count as if they tied, whatever their weight, for they can still win.
+  double tie_loss(std::size_t j, const ObservedDetection& observed, bool may_start) const;
+  /// Takes all hypotheses of object `j` but the leading one out, into the state that is returned.
+  /// `own` and `others` are the logs of the weights of both.
+  MultiObjectState split(std::size_t j, LogTotals& own, LogTotals& others);
+  /// Becomes the mixture of this and `other`, whose weights, by their logs, sum to one.
+  void mix(const MultiObjectState& other, const LogTotals& own, const LogTotals& others);
+
  private:
+  /// Erases a pose of the joint Gaussian.
+  void erase(std::size_t pose_index);
   void update_weights(TrackedObject& object, const std::vector<DetectionUpdate>& updates,
                       double share) const;
   std::vector<Alternative> births_of(const TrackedObject& object, const SE3d& detected,
-                                     const std::vector<DetectionUpdate>& updates, double share);
+                                     double share);
   void learn(TrackedObject& object, const DetectionUpdate& leading);
   void move_poses(TrackedObject& object, const std::vector<DetectionUpdate>& updates,
                   double log_evidence, std::vector<Alternative>& births);

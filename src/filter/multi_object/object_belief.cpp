@@ -291,17 +291,21 @@ void ObjectBelief::keep_best(std::size_t most, std::size_t best_scores) {
   for (const std::size_t h : dropped) erase_alternative(h);
 }
 
-void ObjectBelief::normalise() {
+LogTotals ObjectBelief::normalise() {
   std::vector<double> weights{log_absent_};
-  for (std::size_t h = 0; h < size(); ++h) weights.push_back(standing(h).log_weight);
-  const double total = log_sum_exp(weights);
-  log_absent_ -= total;
-  for (std::size_t h = 0; h < size(); ++h) mutable_standing(h).log_weight -= total;
   std::vector<double> probabilities{log_absence_probability_};
-  for (std::size_t h = 0; h < size(); ++h) probabilities.push_back(standing(h).log_probability);
-  const double sum = log_sum_exp(probabilities);
-  log_absence_probability_ -= sum;
-  for (std::size_t h = 0; h < size(); ++h) mutable_standing(h).log_probability -= sum;
+  for (std::size_t h = 0; h < size(); ++h) {
+    weights.push_back(standing(h).log_weight);
+    probabilities.push_back(standing(h).log_probability);
+  }
+  const LogTotals total{log_sum_exp(weights), log_sum_exp(probabilities)};
+  log_absent_ -= total.weight;
+  log_absence_probability_ -= total.probability;
+  for (std::size_t h = 0; h < size(); ++h) {
+    mutable_standing(h).log_weight -= total.weight;
+    mutable_standing(h).log_probability -= total.probability;
+  }
+  return total;
 }
 
 void ObjectBelief::choose_leader(JointGaussian& joint, double margin) {

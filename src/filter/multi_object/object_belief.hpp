@@ -22,6 +22,12 @@ struct Standing {
   std::optional<SE3d> seen_from = {};
 };
 
+/// Log of a sum of weights, and of the same with dependent detections counted once [nats].
+struct LogTotals {
+  double weight = 0.0;
+  double probability = 0.0;
+};
+
 /// A hypothesis that does not lead.
 struct Alternative {
   Standing standing;
@@ -37,6 +43,10 @@ struct CameraMoments {
 /// Eq. (9) of docs/many-objects.md: the pose follows the camera, whose moments change from `before`
 /// to `after`, by its regression on the camera.
 void follow_camera(ConditionalPose& pose, const CameraMoments& before, const CameraMoments& after);
+
+/// Runnalls' bound on the loss of one Gaussian for the camera where it has the moments `b` with
+/// probability `weight` and `a` else [nats].
+double merge_loss(double weight, const CameraMoments& a, const CameraMoments& b);
 
 /// Eq. (10): the part `back` of the camera's correction is taken back by a shift of the world.
 /// `follows` is the regression of the pose on the camera by which it took part in the correction;
@@ -144,10 +154,25 @@ class ObjectBelief {
   /// Keeps at most `most` hypotheses: the heaviest, except for `best_scores` places, which go to
   /// those of the best score among the others, the newest of equals. The leading one always stays.
   void keep_best(std::size_t most, std::size_t best_scores);
-  /// Divides all weights by their sum.
-  void normalise();
+  /// Divides all weights by their sum. Returns the logs of the sums.
+  LogTotals normalise();
   /// The heaviest hypothesis takes the lead where it is ahead by more than `margin` [nats].
   void choose_leader(JointGaussian& joint, double margin);
+
+  // --- global hypotheses
+
+  /// Whether an alternative has a score above this.
+  bool has_supported_alternative(double score) const;
+  /// Keeps the leading hypothesis alone; absence is impossible.
+  void keep_leader();
+  /// Drops the leading hypothesis; the heaviest alternative takes its place. Without any, returns
+  /// the index of the pose, which the caller then erases.
+  std::optional<std::size_t> drop_leader(JointGaussian& joint);
+  /// Becomes the mixture of this, with weights times those of `own`, and of `other`, whose
+  /// hypotheses depend on the camera alone. Hypotheses are the same that have the same id. Where
+  /// `shares_leader` the joint Gaussian has the moments of both already.
+  void mix(JointGaussian& joint, const LogTotals& own, const std::vector<Alternative>& other,
+           const LogTotals& other_absence, bool shares_leader);
 
  private:
   struct Leader {
@@ -167,6 +192,10 @@ class ObjectBelief {
   /// x <- F x for [xi_O; b] of hypothesis `h`.
   void transform(JointGaussian& joint, std::size_t h, const Matrix12d& f);
   void erase_alternative(std::size_t h);
+  /// Index of the hypothesis with the id.
+  std::optional<std::size_t> find(std::uint64_t id) const;
+  /// Inserts a hypothesis in the order of births. Returns its index.
+  std::size_t insert(const Alternative& alternative);
   void merge_two(JointGaussian& joint, std::size_t a, std::size_t b, const ConditionalPose& at_a,
                  const ConditionalPose& at_b);
 

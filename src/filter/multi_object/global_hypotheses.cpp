@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "global_hypotheses.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <tuple>
+#include <utility>
+
+#include "posemix/filter/update.hpp"
+#include "posemix/mixture/log_weights.hpp"
+
+namespace posemix::internal {
+namespace {
+
+/// States are mixed when that loses less than this part of the loss at which they are split, so
+/// that they do not come and go with every detection.
+constexpr double kMixedBelow = 0.1;
+
+/// Whether the two objects have different hypotheses.
+bool differ(const ObjectBelief& a, const ObjectBelief& b) {
+  if (a.size() != b.size() || std::isfinite(a.log_absent()) != std::isfinite(b.log_absent()))
+    return true;
+  for (std::size_t h = 0; h < a.size(); ++h) {
+    if (a.standing(h).id != b.standing(h).id) return true;
+  }
+  return false;
+}
+
+/// Whether an object is led by different hypotheses, both of which recent detections support.
+bool can_both_win(const MultiObjectState& a, const MultiObjectState& b) {
+  for (std::size_t j = 0; j < a.objects.size(); ++j) {
+    const ObjectBelief& x = a.objects[j].belief;
+    const ObjectBelief& y = b.objects[j].belief;
+    if (!x.leading() || !y.leading()) continue;
+    const Standing& s = x.standing(*x.leading());
+    const Standing& t = y.standing(*y.leading());
+    if (s.id != t.id && std::min(s.score, t.score) > a.supported_score()) return true;
+  }
+  return false;
+}
+
+/// The weights of two cases divided by their sum, which is returned.
+LogTotals normalise_pair(LogTotals& a, LogTotals& b) {
+  const double weights[] = {a.weight, b.weight};
+  const double probabilities[] = {a.probability, b.probability};
+  const LogTotals total{log_sum_exp(weights), log_sum_exp(probabilities)};
+  a = {a.weight - total.weight, a.probability - total.probability};
+  b = {b.weight - total.weight, b.probability - total.probability};
+  return total;
+}
+
+CameraMoments camera_of(const MultiObjectState& state) {
+  return {Vector6d::Zero(), state.joint.covariance(kCamera, kCamera)};
+}
+
+}  // namespace
+
+GlobalHypotheses::GlobalHypotheses(MultiObjectState initial) { list_.push_back({initial}); }
+
+/// The state that would lose most by one camera for all hypotheses of object `j` is split, until
+/// none would lose much.
+void GlobalHypotheses::split(std::size_t j, std::vector<ObservedDetection>& observed,
+                             bool may_start) {
+  std::vector<double> losses;
+  for (std::size_t i = 0; i < list_.size(); ++i)
+    losses.push_back(list_[i].state.tie_loss(j, observed[i], may_start));
+  while (list_.size() < settings().max_global_hypotheses) {
+    const auto most = std::max_element(losses.begin(), losses.end());
+    if (*most <= settings().split_loss) return;
+    const auto i = static_cast<std::size_t>(most - losses.begin());
+    const std::size_t leading = list_[i].state.objects[j].belief.leading().value();
+    LogTotals own;
+    LogTotals others;
+    MultiObjectState rest = list_[i].state.split(j, own, others);
+    ObservedDetection seen = observed[i];
+    observed[i].updates = {seen.updates[leading]};
+    seen.updates.erase(seen.updates.begin() + static_cast<std::ptrdiff_t>(leading));
+    const LogTotals before = list_[i].log;
+    list_[i].log = {before.weight + own.weight, before.probability + own.probability};
+    list_.push_back({std::move(rest),
+                     {before.weight + others.weight, before.probability + others.probability}});
+    observed.push_back(std::move(seen));
+    losses[i] = 0.0;
+    losses.push_back(list_.back().state.tie_loss(j, observed.back(), may_start));
+  }
+}
+
+ObjectUpdateReport GlobalHypotheses::update(std::size_t j, const SE3d& detected) {
+  const auto leading_id = [&]() -> std::optional<std::uint64_t> {
+    const ObjectBelief& belief = summary().objects[j].belief;
+    const auto leading = belief.leading();
+    return leading ? std::optional(belief.standing(*leading).id) : std::nullopt;
+  };
+  const auto led = leading_id();
+  std::vector<ObservedDetection> observed;
+  for (const Weighted& one : list_) observed.push_back(one.state.observe(j, detected));
+  const bool may_start = std::none_of(observed.begin(), observed.end(),
+                                      [](const auto& seen) { return seen.is_explained; });
+  split(j, observed, may_start);
+
+  ObjectUpdateReport report;
+  std::uint64_t next_id = 0;
+  for (std::size_t i = 0; i < list_.size(); ++i) {
+    LogTotals evidence;
+    const ObjectUpdateReport one = list_[i].state.update(j, observed[i], may_start, evidence);
+    list_[i].log.weight += evidence.weight;
+    list_[i].log.probability += evidence.probability;
+    const std::size_t merges = report.merges + one.merges;
+    const bool started = report.started || one.started;
+    if (i == 0) report = one;
+    report.merges = merges;
+    report.started = started;
+    next_id = std::max(next_id, list_[i].state.next_id);
+  }
+  for (Weighted& one : list_) one.state.next_id = next_id;
+  std::vector<double> weights;
+  for (const Weighted& one : list_) weights.push_back(one.log.weight);
+  report.log_evidence = log_sum_exp(weights);
+  normalise();
+  choose_first();
+  reduce();
+  summarize();
+  const auto leads = leading_id();
+  report.changed_leader = leads && leads != led;
+  return report;
+}
+
+void GlobalHypotheses::forget(std::size_t j) {
+  for (Weighted& one : list_) one.state.forget(j);
+  reduce();
+  summarize();
+}
+
+void GlobalHypotheses::normalise() {
+  std::vector<double> weights;
+  std::vector<double> probabilities;
+  for (const Weighted& one : list_) {
+    weights.push_back(one.log.weight);
+    probabilities.push_back(one.log.probability);
+  }
+  const LogTotals total{log_sum_exp(weights), log_sum_exp(probabilities)};
+  for (Weighted& one : list_) {
+    one.log.weight -= total.weight;
+    one.log.probability -= total.probability;
+  }
+}
+
+void GlobalHypotheses::choose_first() {
+  const auto heaviest = std::max_element(
+      list_.begin(), list_.end(),
+      [](const Weighted& a, const Weighted& b) { return a.log.weight < b.log.weight; });
+  if (heaviest->log.weight > list_.front().log.weight + settings().leader_margin)
+    std::rotate(list_.begin(), heaviest, heaviest + 1);
+}
+
+double GlobalHypotheses::loss_of_mixing(const Weighted& a, const Weighted& b) const {
+  LogTotals log_a = a.log;
+  LogTotals log_b = b.log;
+  normalise_pair(log_a, log_b);
+  double weight = std::exp(log_b.weight);
+  if (can_both_win(a.state, b.state)) weight = 0.5;
+  CameraMoments there = camera_of(b.state);
+  there.mean = (b.state.joint.pose(kCamera) * a.state.joint.pose(kCamera).inverse()).log();
+  double loss = merge_loss(weight, camera_of(a.state), there);
+  // What the hypotheses of one object tell of those of another beyond the camera is lost, which is
+  // at most the entropy of the two cases for each object after the first.
+  std::size_t different = 0;
+  for (std::size_t j = 0; j < a.state.objects.size(); ++j)
+    different += differ(a.state.objects[j].belief, b.state.objects[j].belief) ? 1 : 0;
+  if (different > 1 && weight > 0.0 && weight < 1.0) {
+    loss -= static_cast<double>(different - 1) *
+            (weight * log_b.weight + (1.0 - weight) * log_a.weight);
+  }
+  return loss;
+}
+
+void GlobalHypotheses::reduce() {
+  while (list_.size() > 1) {
+    double least = std::numeric_limits<double>::infinity();
+    std::size_t first = 0;
+    std::size_t second = 0;
+    for (std::size_t a = 0; a < list_.size(); ++a) {
+      for (std::size_t b = a + 1; b < list_.size(); ++b) {
+        const double loss = loss_of_mixing(list_[a], list_[b]);
+        if (loss < least) std::tie(least, first, second) = std::tuple(loss, a, b);
+      }
+    }
+    if (list_.size() <= settings().max_global_hypotheses &&
+        least > kMixedBelow * settings().split_loss)
+      return;
+    // The heavier one keeps its leading hypotheses; the first one stays the first.
+    Weighted& a = list_[first];
+    Weighted& b = list_[second];
+    if (first > 0 && b.log.weight > a.log.weight) std::swap(a, b);
+    const LogTotals total = normalise_pair(a.log, b.log);
+    a.state.mix(b.state, a.log, b.log);
+    a.log = total;
+    list_.erase(list_.begin() + static_cast<std::ptrdiff_t>(second));
+  }
+}
+
+void GlobalHypotheses::summarize() {
+  summary_.reset();
+  if (list_.size() == 1) return;
+  Weighted all = list_.front();
+  for (std::size_t i = 1; i < list_.size(); ++i) {
+    LogTotals log = list_[i].log;
+    const LogTotals total = normalise_pair(all.log, log);
+    all.state.mix(list_[i].state, all.log, log);
+    all.log = total;
+  }
+  summary_ = std::move(all.state);
+}
+
+Mixture<ConcentratedGaussian<SE3d>> GlobalHypotheses::camera() const {
+  std::vector<Component<ConcentratedGaussian<SE3d>>> components;
+  for (const Weighted& one : list_) {
+    components.push_back({one.log.weight, ConcentratedGaussian<SE3d>::trusted(
+                                              one.state.joint.pose(kCamera),
+                                              one.state.joint.covariance(kCamera, kCamera))});
+  }
+  return Mixture<ConcentratedGaussian<SE3d>>(std::move(components));
+}
+
+Mixture<ConcentratedGaussian<SE3d>> GlobalHypotheses::object(std::size_t j) const {
+  std::vector<Component<ConcentratedGaussian<SE3d>>> components;
+  for (const Weighted& one : list_) {
+    const TrackedObject& object = one.state.objects[j];
+    for (std::size_t h = 0; h < object.belief.size(); ++h) {
+      const DetectionState state = one.state.reported(object, h);
+      components.push_back(
+          {one.log.weight + object.belief.standing(h).log_weight,
+           ConcentratedGaussian<SE3d>::trusted(
+               state.object, state.covariance.block<6, 6>(kObjectRow, kObjectRow))});
+    }
+  }
+  return Mixture<ConcentratedGaussian<SE3d>>(std::move(components));
+}
+
+}  // namespace posemix::internal

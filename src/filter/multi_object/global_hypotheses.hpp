@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "multi_object_state.hpp"
+#include "posemix/mixture/mixture.hpp"
+
+namespace posemix::internal {
+
+/// The global hypotheses of a MultiObjectFilter (docs/many-objects.md, "Global hypotheses").
+///
+/// Where two modes of an object tie and place the camera differently, a state that has one camera
+/// for both would lose much. It is split into two: one in which the leading hypothesis of the
+/// object is certain, and one in which it is impossible. States are mixed again when that loses
+/// little, or when there are too many of them.
+///
+/// Invariants: there is at least one state; the weights sum to one; the first one is that of the
+/// largest weight, up to the margin of a leading hypothesis; a hypothesis of an object has the same
+/// id in all states.
+class GlobalHypotheses {
+ public:
+  explicit GlobalHypotheses(MultiObjectState initial);
+
+  /// The mixture of all states as one: the first state, with the hypotheses of the others.
+  const MultiObjectState& summary() const { return summary_ ? *summary_ : list_.front().state; }
+  /// A prediction of every state.
+  template <class Predict>
+  void for_each(Predict predict) {
+    for (Weighted& one : list_) predict(one.state);
+    summarize();
+  }
+  /// One detection T_camera_object of object `j`.
+  ObjectUpdateReport update(std::size_t j, const SE3d& detected);
+  void forget(std::size_t j);
+
+  /// The camera's density, a component for each state.
+  Mixture<ConcentratedGaussian<SE3d>> camera() const;
+  /// The density of an object, given that it was detected: a component for each of its hypotheses
+  /// in each state. Object `j` must have a hypothesis.
+  Mixture<ConcentratedGaussian<SE3d>> object(std::size_t j) const;
+
+ private:
+  struct Weighted {
+    MultiObjectState state;
+    LogTotals log = {};  ///< of its weight
+  };
+
+  const MultiObjectSettings& settings() const { return list_.front().state.settings; }
+  void split(std::size_t j, std::vector<ObservedDetection>& observed, bool may_start);
+  void normalise();
+  /// The heaviest state becomes the first where it is ahead by the margin of a leading hypothesis.
+  void choose_first();
+  /// Mixes the pairs that lose least, as long as there are too many states or little is lost.
+  void reduce();
+  double loss_of_mixing(const Weighted& a, const Weighted& b) const;
+  void summarize();
+
+  std::vector<Weighted> list_;
+  std::optional<MultiObjectState> summary_;  ///< where there is more than one state
+};
+
+}  // namespace posemix::internal

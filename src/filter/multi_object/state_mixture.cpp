@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include <cmath>
+#include <numbers>
+
+#include "multi_object_state.hpp"
+#include "posemix/filter/update.hpp"
+#include "posemix/mixture/log_weights.hpp"
+
+/// The split of a state by the hypotheses of one object, and its inverse (docs/many-objects.md,
+/// "Global hypotheses").
+namespace posemix::internal {
+
+double MultiObjectState::tie_loss(std::size_t j, const ObservedDetection& observed,
+                                  bool may_start) const {
+  const TrackedObject& object = objects[j];
+  const auto leading = object.belief.leading();
+  if (!leading || (object.belief.size() < 2 && !std::isfinite(object.belief.log_absent())))
+    return 0.0;
+  // A detection that starts a hypothesis is of no known one, and leaves the camera as it is.
+  const DetectorNoise& noise = object.detector.sensor().noise;
+  std::vector<Alternative> births;
+  if (may_start) {
+    births.push_back({});
+    births.front().standing.log_weight =
+        object.belief.log_absent() + std::log(1.0 - noise.clutter().weight) -
+        std::log(8.0 * std::numbers::pi * std::numbers::pi * noise.clutter().volume_m3);
+  }
+  ObjectBelief after = object.belief;
+  after.multiply_weights(observed.updates, noise.log_clutter_density(), 0.0);
+  const DetectionMoments& own = observed.updates[*leading].posterior;
+  const CameraMoments camera{own.mean.head<6>(), own.covariance.topLeftCorner<6, 6>()};
+  const CameraAlternative others = after.camera_alternative(
+      observed.updates, births, after.log_total(births), joint.covariance(kCamera, kCamera));
+  const bool can_win = object.belief.has_supported_alternative(supported_score());
+  return merge_loss(can_win ? std::max(others.weight, 0.5) : others.weight, camera,
+                    {others.mean, others.covariance});
+}
+
+MultiObjectState MultiObjectState::split(std::size_t j, LogTotals& own, LogTotals& others) {
+  MultiObjectState rest = *this;
+  objects[j].belief.keep_leader();
+  own = objects[j].belief.normalise();
+  ObjectBelief& belief = rest.objects[j].belief;
+  if (const auto erased = belief.drop_leader(rest.joint)) rest.erase(*erased);
+  others = belief.normalise();
+  return rest;
+}
+
+namespace {
+
+/// Hypotheses of an object of another state, as they are given a camera that changed from `before`
+/// to `after`, with their weights times those of the state.
+std::vector<Alternative> given_camera(const MultiObjectState& other, const ObjectBelief& belief,
+                                      const LogTotals& weight, const CameraMoments& before,
+                                      const CameraMoments& after) {
+  std::vector<Alternative> list;
+  for (std::size_t h = 0; h < belief.size(); ++h) {
+    Alternative one{belief.standing(h), belief.pose(other.joint, h)};
+    one.standing.log_weight += weight.weight;
+    one.standing.log_probability += weight.probability;
+    follow_camera(one.pose, before, after);
+    list.push_back(one);
+  }
+  return list;
+}
+
+/// Whether the same hypothesis leads in both.
+bool same_leader(const ObjectBelief& a, const ObjectBelief& b) {
+  return a.leading() && b.leading() && a.standing(*a.leading()).id == b.standing(*b.leading()).id;
+}
+
+}  // namespace
+
+void MultiObjectState::mix(const MultiObjectState& other, const LogTotals& own,
+                           const LogTotals& others) {
+  std::vector<std::pair<std::size_t, std::size_t>> shared{{kCamera, kCamera}};
+  if (motion) shared.emplace_back(*motion, other.motion.value());
+  std::vector<bool> shares_leader;
+  for (std::size_t j = 0; j < objects.size(); ++j) {
+    const ObjectBelief& a = objects[j].belief;
+    const ObjectBelief& b = other.objects[j].belief;
+    shares_leader.push_back(same_leader(a, b));
+    if (!shares_leader.back()) continue;
+    for (std::size_t k = 0; k < joint.blocks_of(*a.pose_index()); ++k)
+      shared.emplace_back(*a.pose_index() + k, *b.pose_index() + k);
+  }
+  const CameraMoments before{Vector6d::Zero(), joint.covariance(kCamera, kCamera)};
+  const CameraMoments there{(other.joint.pose(kCamera) * joint.pose(kCamera).inverse()).log(),
+                            other.joint.covariance(kCamera, kCamera)};
+  CameraMoments after;
+  after.mean = joint.mix(std::exp(others.weight), other.joint, shared);
+  after.covariance = joint.covariance(kCamera, kCamera);
+  for (std::size_t j = 0; j < objects.size(); ++j) {
+    ObjectBelief& belief = objects[j].belief;
+    const ObjectBelief& from = other.objects[j].belief;
+    belief.follow_camera(before, after);
+    belief.mix(
+        joint, own, given_camera(other, from, others, there, after),
+        {from.log_absent() + others.weight, from.log_absence_probability() + others.probability},
+        shares_leader[j]);
+    belief.normalise();
+    reduce(objects[j]);
+  }
+  next_id = std::max(next_id, other.next_id);
+}
+
+}  // namespace posemix::internal
