@@ -39,6 +39,8 @@ void bind_odometry_noise(nb::module_& m) {
   Settings<S>(m, "OdometryNoiseSettings", "Settings of `fit_odometry_noise`.")
       .field("windows_s", &S::windows_s, "collections.abc.Sequence[float]",
              "Lengths of the windows [s].")
+      .field("scene_distance_m", &S::scene_distance_m, "float | None",
+             "Distance of the scene [m]; None: estimated.")
       .field("bootstrap", &S::bootstrap, "int", "Samples of recordings for the standard errors.")
       .field("seed", &S::seed, "int", "Seed of these samples.")
       .done();
@@ -51,7 +53,9 @@ void bind_odometry_noise(nb::module_& m) {
       .field("fitted", &W::fitted, kFloatArray, "Shape (6,): the variance by the fitted model.")
       .done();
   using O = OdometryNoise;
-  Record<O>(m, "OdometryNoise", "The noise of odometry, along the axes of the camera.")
+  Record<O>(
+      m, "OdometryNoise",
+      "The noise of odometry, of a point that moves with the camera, along the camera's axes.")
       .field("sd_per_sqrt_s", &O::sd_per_sqrt_s, kFloatArray,
              "Shape (6,): random walk, per square root of a second [rad, m].")
       .field("jitter_sd", &O::jitter_sd, kFloatArray,
@@ -61,6 +65,10 @@ void bind_odometry_noise(nb::module_& m) {
       .field("jitter_sd_error", &O::jitter_sd_error, kFloatArray, "Shape (6,): standard error.")
       .field("windows", &O::windows, "list[OdometryWindow]", "Windows of all lengths.")
       .field("recordings", &O::recordings, "int", "Number of recordings.")
+      .field("scene_distance_m", &O::scene_distance_m, "float",
+             "Distance on the optical axis of the point whose noise this is.")
+      .field("scene_distance_error_m", &O::scene_distance_error_m, "float",
+             "Standard error; NaN where the distance was given.")
       .done()
       .def(
           "to_toml", [](const O& self) { return format_odometry_toml(self); },

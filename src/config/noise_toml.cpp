@@ -110,14 +110,17 @@ std::string format_odometry_toml(const OdometryNoise& noise) {
   };
   return fmt::format(
       "# A random walk of the odometry fitted to its error against the camera's truth in {}\n"
-      "# recordings, over windows of {:.3g} to {:.3g} s. Standard errors {} deg and {} m;\n"
-      "# jitter of the truth {} deg and {} m.\n"
+      "# recordings, over windows of {:.3g} to {:.3g} s. Standard errors {} deg, {} m, and {:.2g} "
+      "m\n"
+      "# of the scene's distance; jitter of the truth {} deg and {} m.\n"
       "[motion]\nmodel = \"odometry\"\n"
-      "noise = {{per = \"second\", rotation_sd_deg = {}, translation_sd_m = {}}}\n",
+      "noise = {{per = \"second\", rotation_sd_deg = {}, translation_sd_m = {}, "
+      "scene_distance_m = {:.3g}}}\n",
       noise.recordings, noise.windows.front().seconds, noise.windows.back().seconds,
       list(noise.sd_per_sqrt_s_error, 0, kRadPerDeg), list(noise.sd_per_sqrt_s_error, 3, 1.0),
-      list(noise.jitter_sd, 0, kRadPerDeg), list(noise.jitter_sd, 3, 1.0),
-      list(noise.sd_per_sqrt_s, 0, kRadPerDeg), list(noise.sd_per_sqrt_s, 3, 1.0));
+      noise.scene_distance_error_m, list(noise.jitter_sd, 0, kRadPerDeg),
+      list(noise.jitter_sd, 3, 1.0), list(noise.sd_per_sqrt_s, 0, kRadPerDeg),
+      list(noise.sd_per_sqrt_s, 3, 1.0), noise.scene_distance_m);
 }
 
 }  // namespace posemix

@@ -41,7 +41,10 @@ ProcessNoise read_process_noise(const TomlTable& motion, std::string_view key,
   if (!table) return otherwise;
   const Eigen::Vector3d rotation = read_sd(*table, "rotation_sd_deg", kSdOrZero, kRadPerDeg);
   const Eigen::Vector3d translation = read_sd(*table, "translation_sd_m", kSdOrZero, 1.0);
-  return {pose_covariance(rotation, translation), table->get_enum_or("per", otherwise.per)};
+  const double distance =
+      table->get_double_or("scene_distance_m", 0.0, {.lowest = 0, .highest = 1e6});
+  return {at_camera(pose_covariance(rotation, translation), distance),
+          table->get_enum_or("per", otherwise.per)};
 }
 
 SE3d read_start_pose(const TomlTable& start, const Poses& camera_truth) {

@@ -25,10 +25,14 @@ DetectorNoise default_detector_noise() {
   gross.weight = 0.12;
   gross.covariance *= 2.7 * 2.7;
   gross.run_length = 10.0;
-  const SlowError slow{.covariance = covariance(5.6, 3.0, 1.2, 5.2),
+  const SlowError slow{.covariance = covariance(5.6, 3.0, 0.8, 5.2),
                        .correlation_angle_rad = 90.0 * kRadPerDeg};
   return DetectorNoise({inlier, gross}, {.weight = 0.23, .volume_m3 = 1.0},
-                       {.slow = slow, .mode_time_s = 30.0, .is_typical = true});
+                       {.slow = slow,
+                        .common = pose_covariance(Eigen::Vector3d::Constant(2.0 * kRadPerDeg),
+                                                  Eigen::Vector3d::Constant(0.004)),
+                        .mode_time_s = 30.0,
+                        .is_typical = true});
 }
 
 DetectorNoise with_assumed_slow_error(const DetectorNoise& noise) {

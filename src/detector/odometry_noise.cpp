@@ -3,15 +3,17 @@
 #include "posemix/detector/odometry_noise.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
 #include "posemix/base/error.hpp"
 #include "posemix/base/random.hpp"
-#include "posemix/base/statistics.hpp"
+#include "scene_distance.hpp"
 
 namespace posemix {
+
+using namespace internal;
+
 namespace {
 
 using Vector12d = Eigen::Matrix<double, 12, 1>;
@@ -35,54 +37,45 @@ struct WindowSums {
   }
 };
 
-/// Of the square of a standard normal number.
-constexpr double kMedianOfSquares = 0.45493642311957283;
-
 Matrix6d squared_adjoint(const SE3d& pose) { return pose.adjoint().cwiseAbs2(); }
 
-/// The windows of about `length` seconds of one recording; they begin a quarter of it apart.
-// One stage after the other, and nothing of them stands alone.
-// NOLINTNEXTLINE(readability-function-size)
+/// The error of the relative pose over each window.
+Vector6d error_over(const OdometryRecording& recording, const OdometryFrames& window) {
+  const auto [i, j] = window;
+  const SE3d motion = recording.odometry[i]->inverse() * *recording.odometry[j];
+  const SE3d truth = recording.camera_truth[i]->inverse() * *recording.camera_truth[j];
+  return (truth.inverse() * motion).log();
+}
+
+/// What the entries of Q and J add to the variances of the error over a window.
+VarianceModel variance_model(const OdometryRecording& recording, const OdometryFrames& window) {
+  const auto [i, j] = window;
+  VarianceModel model = VarianceModel::Zero();
+  double at = recording.stamps[i];
+  for (std::size_t t = i + 1; t <= j; ++t) {
+    if (!recording.odometry[t]) continue;  // the next pose counts for both steps
+    model.leftCols<6>() +=
+        (recording.stamps[t] - at) *
+        squared_adjoint(recording.odometry[j]->inverse() * *recording.odometry[t]);
+    at = recording.stamps[t];
+  }
+  const SE3d motion = recording.odometry[i]->inverse() * *recording.odometry[j];
+  model.rightCols<6>() = Matrix6d::Identity() + squared_adjoint(motion.inverse());
+  return model;
+}
+
 WindowSums window_sums(const OdometryRecording& recording, double length) {
-  const std::vector<double>& stamps = recording.stamps;
   WindowSums sums;
-  std::array<std::vector<double>, 6> squares;
-  double next_start = -std::numeric_limits<double>::infinity();
-  std::size_t j = 0;
-  for (std::size_t i = 0; i < stamps.size(); ++i) {
-    if (stamps[i] < next_start) continue;
-    const double slack = 1e-6 * length;
-    while (j < stamps.size() && stamps[j] < stamps[i] + length - slack) ++j;
-    if (j == stamps.size()) break;
-    const bool known = recording.odometry[i] && recording.odometry[j] &&
-                       recording.camera_truth[i] && recording.camera_truth[j];
-    // A gap may not make the window much longer than it is to be.
-    if (!known || j == i || stamps[j] > stamps[i] + 1.5 * length) continue;
-    next_start = stamps[i] + 0.25 * length - slack;
-    const SE3d motion = recording.odometry[i]->inverse() * *recording.odometry[j];
-    const SE3d truth = recording.camera_truth[i]->inverse() * *recording.camera_truth[j];
-    const Vector6d error = (truth.inverse() * motion).log();
+  std::vector<Vector6d> errors;
+  for (const OdometryFrames& window : odometry_windows(recording, length)) {
+    errors.push_back(error_over(recording, window));
     sums.count += 1.0;
-    sums.seconds += stamps[j] - stamps[i];
-    for (std::size_t a = 0; a < 6; ++a)
-      squares[a].push_back(std::pow(error[static_cast<Eigen::Index>(a)], 2));
-    double at = stamps[i];
-    for (std::size_t t = i + 1; t <= j; ++t) {
-      if (!recording.odometry[t]) continue;  // the next pose counts for both steps
-      sums.model.leftCols<6>() +=
-          (stamps[t] - at) *
-          squared_adjoint(recording.odometry[j]->inverse() * *recording.odometry[t]);
-      at = stamps[t];
-    }
-    sums.model.rightCols<6>() += Matrix6d::Identity() + squared_adjoint(motion.inverse());
+    sums.seconds += recording.stamps[window.last] - recording.stamps[window.first];
+    sums.model += variance_model(recording, window);
   }
-  if (sums.count > 0.0) {
-    for (std::size_t a = 0; a < 6; ++a)
-      sums.squares[static_cast<Eigen::Index>(a)] =
-          sums.count * median(squares[a]) / kMedianOfSquares;
-    const double mean = sums.seconds / sums.count;
-    sums.independent = std::max(1.0, std::min(sums.count, (stamps.back() - stamps.front()) / mean));
-  }
+  if (errors.empty()) return sums;
+  sums.squares = sums.count * robust_variances(errors);
+  sums.independent = independent_windows(recording, errors.size(), sums.seconds);
   return sums;
 }
 
@@ -176,8 +169,10 @@ Vector12d bootstrap_errors(const AllSums& recordings, const OdometryNoiseSetting
 
 OdometryNoise fit_odometry_noise(std::span<const OdometryRecording> recordings,
                                  const OdometryNoiseSettings& settings) {
+  const SceneDistance scene = scene_distance(recordings, settings);
   AllSums sums;
-  for (const OdometryRecording& recording : recordings) {
+  for (const OdometryRecording& at_camera : recordings) {
+    const OdometryRecording recording = at_scene_point(at_camera, scene.distance_m);
     std::vector<WindowSums> windows;
     double count = 0.0;
     for (const double length : settings.windows_s) {
@@ -197,7 +192,9 @@ OdometryNoise fit_odometry_noise(std::span<const OdometryRecording> recordings,
                       .sd_per_sqrt_s_error = errors.head<6>(),
                       .jitter_sd_error = errors.tail<6>(),
                       .windows = {},
-                      .recordings = sums.size()};
+                      .recordings = sums.size(),
+                      .scene_distance_m = scene.distance_m,
+                      .scene_distance_error_m = scene.error_m};
   for (const WindowSums& w : total) {
     if (w.count == 0.0) continue;
     noise.windows.push_back(

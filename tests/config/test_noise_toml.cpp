@@ -105,7 +105,9 @@ TEST(NoiseToml, OdometryIsWrittenAsAMotionModel) {
                                    .independent = 100.0,
                                    .variance = Vector6d::Zero(),
                                    .fitted = Vector6d::Zero()}},
-                      .recordings = 2};
+                      .recordings = 2,
+                      .scene_distance_m = 0.62,
+                      .scene_distance_error_m = 0.05};
   noise.sd_per_sqrt_s << radians(0.2), radians(0.1), radians(0.3), 1e-3, 2e-3, 1.5e-3;
   const TomlDocument document = TomlDocument::parse(format_odometry_toml(noise), "odometry.toml");
   const TomlTable motion = document.root().get_table("motion");
@@ -118,6 +120,7 @@ TEST(NoiseToml, OdometryIsWrittenAsAMotionModel) {
     EXPECT_NEAR(rotation[i] / degrees(noise.sd_per_sqrt_s[i]), 1.0, 5e-3);
     EXPECT_NEAR(translation[i] / noise.sd_per_sqrt_s[3 + i], 1.0, 5e-3);
   }
+  EXPECT_EQ(table.get_double("scene_distance_m"), 0.62);
   document.finish();
 }
 

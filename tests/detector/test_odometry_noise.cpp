@@ -29,7 +29,13 @@ Vector6d jitter_deviations() {
 
 /// A camera on a circle of 1 m that looks inwards, once around in a minute. The odometry adds
 /// Exp(n) on the right of every step, the annotation Exp(w) on the right of every pose.
-OdometryRecording simulated_odometry(std::size_t frames, double spikes, RandomStream& stream) {
+/// Both noises act at a point that moves with the camera, `distance` m ahead.
+OdometryRecording simulated_odometry(std::size_t frames, double spikes, RandomStream& stream,
+                                     double distance) {
+  const SE3d point(SO3d(), Eigen::Vector3d(0.0, 0.0, distance));
+  const auto there = [&](const Vector6d& noise) {
+    return point * SE3d::exp(noise) * point.inverse();
+  };
   OdometryRecording recording{.name = "r", .stamps = {}, .odometry = {}, .camera_truth = {}};
   constexpr double kPeriod = 0.1;
   SE3d odometry;
@@ -40,22 +46,23 @@ OdometryRecording simulated_odometry(std::size_t frames, double spikes, RandomSt
     const SE3d camera(SO3d::exp({0.0, angle, 0.0}), {-std::sin(angle), 0.0, -std::cos(angle)});
     if (i > 0) {
       const Vector6d n = std::sqrt(kPeriod) * normal_vector(stream).cwiseProduct(walk_deviations());
-      odometry = odometry * (before.inverse() * camera) * SE3d::exp(n);
+      odometry = odometry * (before.inverse() * camera) * there(n);
     }
     before = camera;
     Vector6d w = normal_vector(stream).cwiseProduct(jitter_deviations());
     if (stream.uniform() < spikes) w *= 50.0;
     recording.stamps.push_back(time);
     recording.odometry.emplace_back(odometry);
-    recording.camera_truth.emplace_back(camera * SE3d::exp(w));
+    recording.camera_truth.emplace_back(camera * there(w));
   }
   return recording;
 }
 
-std::vector<OdometryRecording> recordings(std::size_t count, double spikes) {
+std::vector<OdometryRecording> recordings(std::size_t count, double spikes, double distance = 0.0) {
   RandomStream stream(5);
   std::vector<OdometryRecording> all;
-  for (std::size_t r = 0; r < count; ++r) all.push_back(simulated_odometry(900, spikes, stream));
+  for (std::size_t r = 0; r < count; ++r)
+    all.push_back(simulated_odometry(900, spikes, stream, distance));
   return all;
 }
 
@@ -77,6 +84,24 @@ TEST(OdometryNoise, RecoversWalkAndJitter) {
         << i;
     for (const OdometryWindow& window : noise.windows)
       EXPECT_NEAR(std::sqrt(window.fitted[i] / window.variance[i]), 1.0, 0.3);
+  }
+}
+
+TEST(OdometryNoise, RecoversTheDistanceOfTheScene) {
+  for (const double distance : {0.0, 0.7, 2.0}) {
+    const OdometryNoise noise =
+        fit_odometry_noise(recordings(20, 0.0, distance), {.bootstrap = 30});
+    EXPECT_NEAR(noise.scene_distance_m, distance, 0.05) << distance;
+    if (distance > 0.0) {
+      EXPECT_NEAR(noise.scene_distance_m, distance, 4.5 * noise.scene_distance_error_m + 0.02);
+    }
+    for (Eigen::Index i = 0; i < 6; ++i)
+      EXPECT_NEAR(noise.sd_per_sqrt_s[i] / walk_deviations()[i], 1.0, 0.15) << i;
+    // At a distance that is not the scene's the translation has a part of the rotation.
+    const OdometryNoise given = fit_odometry_noise(
+        recordings(20, 0.0, distance), {.scene_distance_m = distance + 1.0, .bootstrap = 0});
+    EXPECT_GT(given.sd_per_sqrt_s[4], 1.3 * walk_deviations()[4]);
+    EXPECT_EQ(given.scene_distance_m, distance + 1.0);
   }
 }
 

@@ -25,6 +25,8 @@ struct OdometryRecording {
 /// Settings of fit_odometry_noise.
 struct OdometryNoiseSettings {
   std::vector<double> windows_s = {0.1, 0.2, 0.4, 0.8, 1.5, 3.0, 6.0, 12.0, 20.0, 30.0};
+  /// Distance of the scene [m], see OdometryNoise; estimated unless it is given.
+  std::optional<double> scene_distance_m = {};
   int bootstrap = 200;  ///< samples of recordings for the standard errors
   std::uint64_t seed = 1;
 };
@@ -33,11 +35,16 @@ struct OdometryNoiseSettings {
 struct OdometryWindow {
   double seconds;
   double independent;  ///< number of windows that do not overlap
-  Vector6d variance;   ///< rotation [rad^2], translation [m^2], axes of the camera at the end
+  Vector6d variance;   ///< rotation [rad^2], translation [m^2], at the scene point at the end
   Vector6d fitted;     ///< the variance by the fitted model
 };
 
-/// The noise of odometry: rotation [rad], then translation [m], along the axes of the camera.
+/// The noise of odometry: rotation [rad], then translation [m], along the axes of the camera, of a
+/// point that moves with the camera, at the distance of the scene on the optical axis.
+///
+/// An odometry that follows points of the scene errs in rotation and translation such that those
+/// points stay in the image: about the camera itself the two errors depend on each other, about the
+/// scene they hardly do.
 struct OdometryNoise {
   Vector6d sd_per_sqrt_s;        ///< random walk, right perturbation: ProcessNoise per second
   Vector6d jitter_sd;            ///< of a single pose of the truth: white jitter of the annotation
@@ -45,11 +52,15 @@ struct OdometryNoise {
   Vector6d jitter_sd_error;
   std::vector<OdometryWindow> windows;
   std::size_t recordings;
+  double scene_distance_m = 0.0;        ///< where the coordinates depend least on each other
+  double scene_distance_error_m = 0.0;  ///< standard error; NaN where it was given
 };
 
 /// Fits a random walk of the odometry and a white jitter of the truth to the growth of the error.
 ///
-/// With D = T_odom_i^-1 T_odom_j over a window from frame i to j, the error
+/// Poses T are those of the point of the scene: T_camera Trans(0, 0, scene distance), where the
+/// distance is the one of the least sum of log variances of the error. With D = T_odom_i^-1
+/// T_odom_j over a window from frame i to j, the error
 ///   e = Log((T_true_i^-1 T_true_j)^-1 D)
 /// is to first order sum_t Ad(D_t) n_t - w_j + Ad(D^-1) w_i, with n_t ~ N(0, Q dt) of the step that
 /// ends in frame t, D_t = T_odom_j^-1 T_odom_t, and jitters w ~ N(0, J). For diagonal Q and J the

@@ -44,7 +44,7 @@ struct MultiObjectSettings {
   /// Where hypotheses of an object that can still win place the camera so differently that one
   /// camera for all would lose more than this [nats], the state is split into global hypotheses,
   /// each with its own camera, as long as there are fewer than `max_global_hypotheses`.
-  double split_loss = 0.01;
+  double split_loss = 0.002;
   std::size_t max_global_hypotheses = 4;  ///< largest number of them; with one nothing is split
   /// Whether the camera has odometry. Without it detections correct the camera with the full gain.
   bool has_odometry = true;

@@ -84,7 +84,7 @@ MultiObjectState::MultiObjectState(const ConcentratedGaussian<SE3d>& camera,
 Matrix6d MultiObjectState::unseen_covariance(const TrackedObject& object, const SE3d& pose) {
   const ObjectSensor& sensor = object.detector.sensor();
   Matrix6d local = sensor.symmetries.unobserved_covariance();
-  if (const auto& common = sensor.noise.dependence().common) local += *common;
+  if (const auto common = sensor.common_covariance()) local += *common;
   return pose.adjoint_congruence(local);
 }
 

@@ -26,12 +26,15 @@ Json vector_json(const Vector6d& values) {
   return json;
 }
 
+/// A number, or NaN, which JSON does not have.
+double number_from(const Json& json) {
+  return json.is_number() ? json.get<double>() : std::numeric_limits<double>::quiet_NaN();
+}
+
 Vector6d vector_from(const Json& json) {
   Vector6d values;
-  for (Eigen::Index i = 0; i < 6; ++i) {
-    const Json& entry = json.at(static_cast<std::size_t>(i));
-    values[i] = entry.is_number() ? entry.get<double>() : std::numeric_limits<double>::quiet_NaN();
-  }
+  for (Eigen::Index i = 0; i < 6; ++i)
+    values[i] = number_from(json.at(static_cast<std::size_t>(i)));
   return values;
 }
 
@@ -41,7 +44,9 @@ OdometryNoise odometry_from(const Json& item) {
                       .sd_per_sqrt_s_error = vector_from(item.at("sd_per_sqrt_s_error")),
                       .jitter_sd_error = vector_from(item.at("jitter_sd_error")),
                       .windows = {},
-                      .recordings = item.at("recordings")};
+                      .recordings = item.at("recordings"),
+                      .scene_distance_m = item.at("scene_distance_m"),
+                      .scene_distance_error_m = number_from(item.at("scene_distance_error_m"))};
   for (const Json& window : item.at("windows")) {
     noise.windows.push_back({window.at("seconds"), window.at("independent"),
                              vector_from(window.at("variance")), vector_from(window.at("fitted"))});
@@ -114,6 +119,8 @@ nlohmann::ordered_json study_odometry(const std::vector<OdometryRecording>& reco
                {"jitter_sd", vector_json(noise.jitter_sd)},
                {"jitter_sd_error", vector_json(noise.jitter_sd_error)},
                {"recordings", noise.recordings},
+               {"scene_distance_m", noise.scene_distance_m},
+               {"scene_distance_error_m", noise.scene_distance_error_m},
                {"windows", Json::array()}};
   for (const OdometryWindow& window : noise.windows) {
     json["windows"].push_back({{"seconds", window.seconds},
@@ -132,8 +139,10 @@ void report_odometry(const nlohmann::ordered_json& item, StudyReport& report) {
   report.files.push_back(
       {"odometry.svg",
        draw_charts("Error of the odometry by the length of the window", charts, 2)});
-  report.summary += fmt::format("\nOdometry in {} recordings:\n", noise.recordings) +
-                    odometry_summary(noise).text(3);
+  report.summary +=
+      fmt::format("\nOdometry in {} recordings, of a point at {:.2f} m (+- {:.2f}):\n",
+                  noise.recordings, noise.scene_distance_m, noise.scene_distance_error_m) +
+      odometry_summary(noise).text(3);
 }
 
 }  // namespace posemix
