@@ -24,7 +24,7 @@ void bind_words(nb::module_& m) {
       .value(Alignment::first, "The first pair agrees, which then does not count.")
       .value(Alignment::se3, "The rigid motion that brings the positions nearest.");
   Words<ConsistencyVerdict>(m, "ConsistencyVerdict", "The verdict on a series of errors.")
-      .value(ConsistencyVerdict::consistent, "Nothing against the covariances as a whole.")
+      .value(ConsistencyVerdict::consistent, "Nothing against the covariances.")
       .value(ConsistencyVerdict::overconfident, "Errors are larger than the covariances say.")
       .value(ConsistencyVerdict::cautious, "Errors are smaller than the covariances say.");
 }
@@ -79,6 +79,10 @@ void bind_summary(nb::module_& m) {
       .field("within_frame_band", &N::within_frame_band, "float",
              "Share of the frames within that.")
       .field("coverage", &N::coverage, "Coverage", "Coverage of the ellipsoids NEES <= 1, 4, 9.")
+      .field(
+          "verdict", &N::verdict, "ConsistencyVerdict",
+          "Verdict by a confidence interval of the ANEES: of 95 % for the whole pose, of 99 % for "
+          "rotation and position.")
       .done();
 }
 
@@ -123,7 +127,8 @@ void bind_consistency_report(nb::module_& m) {
              "The direction with the smallest ratio.")
       .field("constant_share", &R::constant_share, "float",
              "Part of the mean squared normalised error that is one constant error.")
-      .field("verdict", &R::verdict, "ConsistencyVerdict", "Verdict by the interval of the ANEES.")
+      .field("verdict", &R::verdict, "ConsistencyVerdict",
+             "The worst verdict on pose, rotation, position and extreme directions.")
       .field("findings", &R::findings, "list[str]",
              "The verdict in words, the most important first.")
       .shown_as([](const R& report) {

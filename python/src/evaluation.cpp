@@ -46,6 +46,23 @@ void bind_pose_errors(nb::module_& m) {
       .done();
 }
 
+void bind_paired_errors(nb::module_& m) {
+  using M = PoseMedians;
+  Record<M>(m, "PoseMedians", "Median errors of a pose; None without any frame.")
+      .field("position_m", &M::position_m, "float | None",
+             "Euclidean distance of the positions [m].")
+      .field("rotation_deg", &M::rotation_deg, "float | None",
+             "Angle of the rotation between estimate and truth [deg].")
+      .done();
+  using P = PairedErrors;
+  Record<P>(m, "PairedErrors",
+            "Errors of T_camera_object over the frames with estimate, detection and truth.")
+      .field("frames", &P::frames, "int", "Number of these frames.")
+      .field("estimate", &P::estimate, "PoseMedians", "As filtered.")
+      .field("detection", &P::detection, "PoseMedians", "As detected.")
+      .done();
+}
+
 void bind_object_metrics(nb::module_& m) {
   using O = ObjectMetrics;
   Record<O>(m, "ObjectMetrics", "Metrics of one object.")
@@ -54,6 +71,8 @@ void bind_object_metrics(nb::module_& m) {
       .field("relative", &O::relative, "PoseErrors", "Errors of T_camera_object as filtered.")
       .field("detection_relative", &O::detection_relative, "PoseErrors",
              "Errors of T_camera_object as detected.")
+      .field("paired", &O::paired, "PairedErrors",
+             "Medians of T_camera_object as filtered and as detected over the same frames.")
       .field("detections", &O::detections, "int", "Frames with a detection.")
       .field("gated", &O::gated, "int", "Detections left out by the gate.")
       .field("right_mode_frames", &O::right_mode_frames, "int",
@@ -201,6 +220,7 @@ SE3, shape (n,)
 
 void bind_evaluation(nb::module_& m) {
   bind_pose_errors(m);
+  bind_paired_errors(m);
   bind_object_metrics(m);
   bind_metrics(m);
   m.def(

@@ -32,6 +32,15 @@ void add_seed_option(CLI::App& command, std::uint64_t& seed) {
       ->capture_default_str();
 }
 
+std::function<std::string(const std::string&)> number_in(const NumberRange& range) {
+  return [range](const std::string& text) {
+    double number = 0.0;
+    const bool is_number = CLI::detail::lexical_cast(text, number);
+    if (is_number && range.contains(number)) return std::string();
+    return fmt::format("got {}, expected a {}", text, range.describe());
+  };
+}
+
 CLI::Option* add_count_option(CLI::App& command, const std::string& name, std::size_t& count,
                               const std::string& help) {
   return command.add_option(name, count, help)

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -11,6 +12,7 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include "posemix/base/range.hpp"
 #include "posemix/base/words.hpp"
 
 /// Options that several commands share.
@@ -29,6 +31,9 @@ void add_out_option(CLI::App& command, OutputOptions& output);
 void add_report_options(CLI::App& command, OutputOptions& output);
 
 void add_seed_option(CLI::App& command, std::uint64_t& seed);
+
+/// The check that the value of an option is a number of a range; no range has NaN.
+std::function<std::string(const std::string&)> number_in(const NumberRange& range);
 
 /// Adds an option whose value is an integer of at least one.
 CLI::Option* add_count_option(CLI::App& command, const std::string& name, std::size_t& count,

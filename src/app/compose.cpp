@@ -137,7 +137,7 @@ void add_compose_command(CLI::App& program, std::function<int()>& action) {
   command
       ->add_option("--split-above-deg", options->split_above_deg,
                    "Projected components on the left whose rotation is wider are split first")
-      ->check(CLI::PositiveNumber)
+      ->check(number_in(kPositive))
       ->type_name("DEG");
   add_out_option(*command, options->output);
   command->callback([options, &action] {

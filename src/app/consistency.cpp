@@ -154,8 +154,8 @@ void add_convention_options(CLI::App& command, ConsistencyOptions& options) {
 void add_comparison_options(CLI::App& command, ConsistencyOptions& options) {
   command
       .add_option("--max-difference", options.match.max_difference_s,
-                  "Largest difference of the stamps of a pair")
-      ->check(CLI::PositiveNumber)
+                  "Largest difference of the stamps of a pair; 0: the same stamps")
+      ->check(number_in(kNotNegative))
       ->type_name("SECONDS")
       ->capture_default_str();
   add_choice<Alignment>(command, "--align", options.match.alignment,

@@ -101,9 +101,30 @@ std::vector<StampedTruth> read_tum_truth(const std::string& path) {
   return truth;
 }
 
+bool is_sequence_file(const std::string& path) { return fs::path(path).extension() == ".toml"; }
+
+/// A TUM file has one pose, and --track says which one of a sequence file it is.
+void require_one_track(const ConsistencyInput& input) {
+  if (!input.truth || !is_sequence_file(*input.truth)) {
+    throw InvalidInput(
+        fmt::format("--track: got {}, but {} and its truth are of one pose; expected --track "
+                    "beside a folder of "
+                    "posemix slam or --truth with a sequence file",
+                    in_quotes(input.tracks.front()), input_name(input.estimate)));
+  }
+  if (input.tracks.size() > 1) {
+    throw InvalidInput(fmt::format("--track: got {} names for the one pose of {}, expected one",
+                                   input.tracks.size(), input_name(input.estimate)));
+  }
+}
+
 /// The tracks that were asked for.
 std::vector<TraceTrack> chosen(std::vector<TraceTrack> tracks, const ConsistencyInput& input) {
-  if (input.tracks.empty() || tracks.front().name == kPose) return tracks;
+  if (input.tracks.empty()) return tracks;
+  if (tracks.front().name == kPose) {
+    require_one_track(input);
+    return tracks;
+  }
   std::vector<TraceTrack> chosen;
   for (const std::string& name : input.tracks)
     chosen.push_back(find_track(tracks, name, input.estimate));
@@ -111,8 +132,7 @@ std::vector<TraceTrack> chosen(std::vector<TraceTrack> tracks, const Consistency
 }
 
 void take_truth(std::vector<TraceTrack>& tracks, const ConsistencyInput& input) {
-  const bool is_sequence = fs::path(*input.truth).extension() == ".toml";
-  if (!is_sequence) {
+  if (!is_sequence_file(*input.truth)) {
     if (tracks.size() > 1) {
       throw InvalidInput(fmt::format(
           "{}: is the truth of one pose, and {} has {}; expected --track with one of {}",

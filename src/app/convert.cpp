@@ -100,7 +100,7 @@ void add_distribution_options(CLI::App& command, ConvertOptions& options) {
   command
       .add_option("--max-kl", options.conversion.max_kl,
                   "Largest divergence that a component may lose [nats]")
-      ->check(CLI::PositiveNumber)
+      ->check(number_in(kPositive))
       ->type_name("KL")
       ->capture_default_str();
   add_choice<LargeLoss>(command, "--on-large-loss", options.conversion.on_large_loss,

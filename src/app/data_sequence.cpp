@@ -8,6 +8,7 @@
 #include <CLI/CLI.hpp>
 
 #include "command_files.hpp"
+#include "command_options.hpp"
 #include "data.hpp"
 #include "exit_codes.hpp"
 #include "posemix/base/error.hpp"
@@ -81,7 +82,7 @@ void add_data_sequence_command(CLI::App& data, std::function<int()>& action) {
   command
       ->add_option("--frame-period", options->request.frame_period_s,
                    "Time between two image numbers, seconds")
-      ->check(CLI::PositiveNumber)
+      ->check(number_in(kPositive))
       ->type_name("S");
   command->add_option("--out", options->out, "File for the result; - is the standard output")
       ->type_name("FILE.toml")

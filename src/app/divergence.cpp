@@ -93,7 +93,7 @@ void add_divergence_command(CLI::App& program, std::function<int()>& action) {
   command
       ->add_option("--length-scale", options->length_scale,
                    "Metres that one radian weighs as much as, in the Wasserstein distance")
-      ->check(CLI::PositiveNumber)
+      ->check(number_in(kPositive))
       ->type_name("M")
       ->capture_default_str();
   command->add_flag("--json", options->json, "One line of JSON instead of a table");

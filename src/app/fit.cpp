@@ -105,11 +105,11 @@ void add_em_options(CLI::App& command, FitOptions& options) {
       ->type_name("N")
       ->capture_default_str();
   command.add_option("--min-sd", options.em.min_sd, "Smallest standard deviation, rad and m alike")
-      ->check(CLI::PositiveNumber)
+      ->check(number_in(kPositive))
       ->type_name("SD")
       ->capture_default_str();
   command.add_option("--max-sd", options.em.max_sd, "Largest; without it there is none")
-      ->check(CLI::PositiveNumber)
+      ->check(number_in(kPositive))
       ->type_name("SD");
   command.add_option("--max-iterations", options.em.max_iterations, "Of one start")
       ->check(CLI::Range(1, 1'000'000))

@@ -42,6 +42,7 @@ void check_numbers(const std::vector<double>& numbers, const char* option) {
 }
 
 SE3d grasp_pose(const std::vector<double>& numbers) {
+  for (const double number : numbers) kAnyNumber.check(number, "--pose: a number");
   const Eigen::Quaterniond q(numbers[6], numbers[3], numbers[4], numbers[5]);
   const double norm = q.coeffs().stableNorm();
   if (!(std::abs(norm - 1.0) <= kNormTolerance)) {

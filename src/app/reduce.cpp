@@ -107,7 +107,7 @@ void add_reduce_command(CLI::App& program, std::function<int()>& action) {
       ->check(CLI::Range(std::size_t{1}, kMostComponents))
       ->type_name("N");
   command->add_option("--drop-below", options->drop_below, "Components of less weight are dropped")
-      ->check(CLI::Range(0.0, 0.999999))
+      ->check(number_in({.lowest = 0, .highest = 0.999999}))
       ->type_name("WEIGHT");
   add_count_option(*command, "--drop", options->drop, "So many of the lightest are dropped");
   add_rule_options(*command, *options);

@@ -183,21 +183,10 @@ std::vector<SimulationObject> get_objects(const TomlTable& root, std::size_t fra
   return objects;
 }
 
-/// A number, infinity too, or a string in the form of TOML.
-std::string value_text(const TomlTable& table, const std::string& key) {
-  try {
-    return fmt::format("{}", table.get_double(key, {.with_infinity = true}));
-  } catch (const InvalidInput&) {
-    return fmt::format("\"{}\"", table.get_string(key));
-  }
-}
-
 std::vector<std::pair<std::string, std::string>> get_filter(const TomlTable& root) {
   std::vector<std::pair<std::string, std::string>> settings;
   if (const auto filter = root.find_table("filter")) {
-    for (const std::string& key : filter->keys()) {
-      settings.emplace_back(key, value_text(*filter, key));
-    }
+    for (const std::string& key : filter->keys()) settings.emplace_back(key, filter->text_of(key));
   }
   return settings;
 }

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -19,14 +20,18 @@ namespace {
 
 using namespace internal;
 
+double bic_of(double log_likelihood, std::size_t parameters, std::size_t detections) {
+  return static_cast<double>(parameters) * std::log(static_cast<double>(detections)) -
+         2.0 * log_likelihood;
+}
+
 SlowErrorModel summary_of(const FittedSlowModel& model, std::size_t detections) {
   const auto free = std::count(model.is_free.begin(), model.is_free.end(), true);
   return {.decay = model.parameters.decay(),
           .common = model.parameters.has_common(),
           .log_likelihood = model.log_likelihood,
           .parameters = static_cast<std::size_t>(free),
-          .bic = static_cast<double>(free) * std::log(static_cast<double>(detections)) -
-                 2.0 * model.log_likelihood};
+          .bic = bic_of(model.log_likelihood, static_cast<std::size_t>(free), detections)};
 }
 
 /// The log-likelihood by recording.
@@ -97,6 +102,21 @@ void choose(const SlowProblem& problem, const std::vector<FittedSlowModel>& mode
   }
 }
 
+/// The model without errors in common of the groups of axes with the least BIC.
+FittedSlowModel best_of_groups(const SlowProblem& problem, SlowErrorDecay decay) {
+  std::optional<FittedSlowModel> best;
+  const auto bic = [&](const FittedSlowModel& model) {
+    return bic_of(model.log_likelihood, model.x.size(), problem.detections);
+  };
+  for (const PartGroups& groups : problem.groups) {
+    const SlowParameters parameters(decay, false, groups);
+    FittedSlowModel model = best_of_starts(problem, parameters);
+    if (!best || bic(model) < bic(*best)) best = std::move(model);
+    if (!parameters.has_slow()) break;  // the groups differ in the slow part alone
+  }
+  return *std::move(best);
+}
+
 /// All models that the tracks allow.
 std::vector<FittedSlowModel> fitted_models(const SlowProblem& problem) {
   constexpr std::size_t kLeastTracksForCommon = 3;
@@ -107,9 +127,9 @@ std::vector<FittedSlowModel> fitted_models(const SlowProblem& problem) {
       });
   std::vector<FittedSlowModel> models;
   for (const auto& [word, decay] : words<SlowErrorDecay>) {
-    const SlowParameters parameters(decay, false, problem.groups);
-    if (parameters.has_time() && !has_stamps) continue;
-    models.push_back(best_of_starts(problem, parameters));
+    const bool has_time = decay == SlowErrorDecay::time || decay == SlowErrorDecay::angle_and_time;
+    if (has_time && !has_stamps) continue;
+    models.push_back(best_of_groups(problem, decay));
     if (problem.tracks.size() < kLeastTracksForCommon) continue;
     models.push_back(with_common(problem, models.back()));
   }
@@ -143,10 +163,11 @@ void add_parameters(const FittedSlowModel& model, const SlowScales& scales,
   fit.common_sd = variances.common.cwiseSqrt();
   for (std::size_t axis = 0; axis < 6; ++axis) {
     const auto at = static_cast<Eigen::Index>(axis);
-    const std::size_t group = parameters.groups().group[axis];
-    fit.white_sd_error[at] = fit.white_sd[at] * error_at(group);
+    const PartGroups& groups = parameters.groups();
+    fit.white_sd_error[at] = fit.white_sd[at] * error_at(groups.white.group[axis]);
     if (parameters.has_slow())
-      fit.slow_sd_error[at] = fit.slow_sd[at] * error_at(parameters.slow_at() + group);
+      fit.slow_sd_error[at] =
+          fit.slow_sd[at] * error_at(parameters.slow_at() + groups.slow.group[axis]);
     if (parameters.has_common())
       fit.common_sd_error[at] = fit.common_sd[at] * error_at(parameters.common_at() + axis);
   }
@@ -192,8 +213,8 @@ SlowErrorFit fit_slow_error(std::span<const NoiseTrack> tracks, const NoiseCompo
                    .recordings = recordings.size(),
                    .is_jackknife = recordings.size() >= kRecordingsForJackknife};
   if (problem.detections < kLeastDetections) return fit;
-  problem.groups = axis_groups(inlier, recordings.size());
-  problem.scales = slow_scales(problem.tracks, problem.groups);
+  problem.groups = part_groups(inlier.frame, problem.tracks, recordings.size());
+  problem.scales = slow_scales(problem.tracks);
   const std::vector<FittedSlowModel> models = fitted_models(problem);
   choose(problem, models, fit);
   const FittedSlowModel& chosen = models[fit.chosen];

@@ -116,9 +116,7 @@ void settle(const SlowProblem& problem, FittedSlowModel& model) {
 }
 
 FittedSlowModel best_of_starts(const SlowProblem& problem, const SlowParameters& parameters) {
-  std::vector<double> start;
-  for (const double sd : problem.scales.sd) start.push_back(std::log(std::sqrt(0.5) * sd));
-  if (parameters.has_slow()) start.insert(start.end(), start.begin(), start.end());
+  const std::vector<double> start = parameters.deviations(problem.scales, std::sqrt(0.5));
   const auto between = [](double least, double greatest, double share) {
     return (1.0 - share) * std::log(least) + share * std::log(greatest);
   };
@@ -138,7 +136,7 @@ FittedSlowModel best_of_starts(const SlowProblem& problem, const SlowParameters&
 }
 
 FittedSlowModel with_common(const SlowProblem& problem, const FittedSlowModel& without) {
-  const SlowParameters parameters(without.parameters.decay(), true, problem.groups);
+  const SlowParameters parameters(without.parameters.decay(), true, without.parameters.groups());
   const std::vector<double> lower = parameters.lower(problem.scales);
   std::vector<double> none = without.x;
   none.insert(none.end(), lower.end() - 6, lower.end());

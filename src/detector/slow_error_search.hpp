@@ -22,7 +22,7 @@ struct FittedSlowModel {
 /// The tracks with what all models of them share.
 struct SlowProblem {
   std::vector<SlowTrack> tracks;
-  AxisGroups groups;
+  std::vector<PartGroups> groups;  ///< those that are tried
   SlowScales scales;
   std::size_t detections;
 

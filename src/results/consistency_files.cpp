@@ -20,6 +20,7 @@ Json coverage_json(const Coverage& coverage) {
 
 Json summary_json(const NeesSummary& summary) {
   return {{"dof", summary.dof},
+          {"verdict", word_of(summary.verdict)},
           {"anees", json_number(summary.anees)},
           {"interval", interval_json(summary.interval)},
           {"band", interval_json(summary.band)},
@@ -109,12 +110,18 @@ std::string axis_row(const AxisConsistency& axis) {
                      coverage_text(axis.coverage));
 }
 
+/// How many independent frames there are, which two do not tell.
+std::string worth_text(std::size_t frames, double effective_frames) {
+  if (frames == 2) return "counted as one";
+  return fmt::format("worth {:.3g} independent ones", effective_frames);
+}
+
 std::string pose_text(const NamedConsistency& pose, ErrorAxes axes) {
   const ConsistencyReport& report = pose.report;
   const std::vector<FrameConsistency>& frames = report.frames;
-  std::string text = fmt::format(
-      "{}: {} frames, {:.6g} to {:.6g} s, worth {:.3g} independent ones\n", pose.name,
-      frames.size(), frames.front().stamp_s, frames.back().stamp_s, report.pose.effective_frames);
+  std::string text = fmt::format("{}: {} frames, {:.6g} to {:.6g} s, {}\n", pose.name,
+                                 frames.size(), frames.front().stamp_s, frames.back().stamp_s,
+                                 worth_text(frames.size(), report.pose.effective_frames));
   for (const std::string& finding : report.findings) text += fmt::format("  {}\n", finding);
   text += fmt::format("\n  {:<10} {:>3}  {:>8}  {:>17}  {:>17}  {:>8}  {:>8} {:>9}  {:>6}\n",
                       "NEES / dof", "dof", "mean", "95 % interval", "if consistent", "median",

@@ -59,6 +59,11 @@ std::string camera_tum(const SlamJob& job, const SlamRun& run) {
   return format_tum(poses);
 }
 
+Json medians_json(const PoseMedians& medians) {
+  return {{"position_median_m", json_number(medians.position_m)},
+          {"rotation_median_deg", json_number(medians.rotation_deg)}};
+}
+
 Json object_metrics(const ObjectMetrics& object) {
   return {{"position_rmse_m", json_number(object.world.position_rmse_m)},
           {"rotation_rmse_deg", json_number(object.world.rotation_rmse_deg)},
@@ -68,6 +73,10 @@ Json object_metrics(const ObjectMetrics& object) {
            json_number(object.detection_relative.position_rmse_m)},
           {"detection_relative_rotation_rmse_deg",
            json_number(object.detection_relative.rotation_rmse_deg)},
+          {"paired",
+           {{"frames", object.paired.frames},
+            {"estimate", medians_json(object.paired.estimate)},
+            {"detection", medians_json(object.paired.detection)}}},
           {"detections", object.detections},
           {"gated", object.gated},
           {"right_mode_share", json_number(object.right_mode_share)},

@@ -19,6 +19,10 @@ namespace {
 
 using namespace internal;
 
+/// The tail of the intervals by which rotation and position are judged, that of the limits of
+/// directions, too.
+constexpr double kPartTail = 0.005;
+
 constexpr std::array kAxisNames{"rotation x", "rotation y", "rotation z",
                                 "position x", "position y", "position z"};
 
@@ -50,7 +54,13 @@ double dof_in_all(const Part& part, double anees, double frames) {
   return frames * dof / std::max(1.0, 0.5 * dof * variance / (anees * anees));
 }
 
-NeesSummary summary_of(const Part& part, std::span<const EstimateWithTruth> series) {
+ConsistencyVerdict verdict_of(const Interval& interval) {
+  if (interval.low > 1.0) return ConsistencyVerdict::overconfident;
+  return interval.high < 1.0 ? ConsistencyVerdict::cautious : ConsistencyVerdict::consistent;
+}
+
+/// The summary of a part, with the verdict of an interval with `tail` on either side.
+NeesSummary summary_of(const Part& part, std::span<const EstimateWithTruth> series, double tail) {
   const auto dof = static_cast<double>(part.dof);
   const auto worst = std::max_element(part.squares.begin(), part.squares.end());
   NeesSummary summary;
@@ -61,8 +71,11 @@ NeesSummary summary_of(const Part& part, std::span<const EstimateWithTruth> seri
   summary.worst_stamp_s = series[static_cast<std::size_t>(worst - part.squares.begin())].stamp_s;
   summary.effective_frames = effective_frames(part.whitened);
   if (summary.anees > 0.0) {
-    summary.interval = confidence_interval(
-        summary.anees, dof_in_all(part, summary.anees, summary.effective_frames));
+    const double dof_of_mean = dof_in_all(part, summary.anees, summary.effective_frames);
+    summary.interval = confidence_interval(summary.anees, dof_of_mean);
+    summary.verdict = verdict_of(confidence_interval(summary.anees, dof_of_mean, tail));
+  } else {
+    summary.verdict = ConsistencyVerdict::cautious;  // there is no error at all
   }
   summary.band = chi_square_interval(1.0, summary.effective_frames * dof);
   summary.independent_band =
@@ -189,9 +202,21 @@ double constant_share(const Eigen::MatrixXd& whitened) {
   return squares > 0.0 ? whitened.rowwise().mean().squaredNorm() / squares : 0.0;
 }
 
-ConsistencyVerdict verdict_of(const Interval& interval) {
-  if (interval.low > 1.0) return ConsistencyVerdict::overconfident;
-  return interval.high < 1.0 ? ConsistencyVerdict::cautious : ConsistencyVerdict::consistent;
+/// By the limits of the extreme directions.
+ConsistencyVerdict verdict_of(const ErrorDirection& most, const ErrorDirection& least) {
+  if (most.ratio > most.limit) return ConsistencyVerdict::overconfident;
+  return least.ratio < least.limit ? ConsistencyVerdict::cautious : ConsistencyVerdict::consistent;
+}
+
+ConsistencyVerdict worst_verdict(const ConsistencyReport& report) {
+  std::vector<ConsistencyVerdict> verdicts{
+      report.pose.verdict, report.position.verdict,
+      verdict_of(report.most_overconfident, report.most_cautious)};
+  if (report.rotation) verdicts.push_back(report.rotation->verdict);
+  for (const auto worst : {ConsistencyVerdict::overconfident, ConsistencyVerdict::cautious}) {
+    if (std::ranges::find(verdicts, worst) != verdicts.end()) return worst;
+  }
+  return ConsistencyVerdict::consistent;
 }
 
 }  // namespace
@@ -216,16 +241,16 @@ ConsistencyReport consistency_of(std::span<const EstimateWithTruth> series,
     }
     axes.add(to_axes * error.error, to_axes * error.covariance * to_axes.transpose());
   }
-  report.pose = summary_of(pose, series);
-  if (rotation.dof > 0) report.rotation = summary_of(rotation, series);
-  report.position = summary_of(position, series);
+  report.pose = summary_of(pose, series, kBandTail);
+  if (rotation.dof > 0) report.rotation = summary_of(rotation, series, kPartTail);
+  report.position = summary_of(position, series, kPartTail);
   report.axes = axes.axes();
   // Turned to the reference, what cannot be observed is another direction in every frame.
   const bool turns = settings.axes == ErrorAxes::reference && rotation.dof == 2;
   std::tie(report.most_cautious, report.most_overconfident) =
       axes.directions(turns ? 6 : reduction.dof(), report.pose.effective_frames);
   report.constant_share = constant_share(pose.whitened);
-  report.verdict = verdict_of(report.pose.interval);
+  report.verdict = worst_verdict(report);
   report.findings = findings_of(report);
   return report;
 }

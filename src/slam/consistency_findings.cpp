@@ -30,9 +30,25 @@ std::string anees_text(const NeesSummary& part) {
                      part.interval.high);
 }
 
+const char* word_for(ConsistencyVerdict verdict) {
+  switch (verdict) {
+    case ConsistencyVerdict::overconfident:
+      return "overconfident";
+    case ConsistencyVerdict::cautious:
+      return "too cautious";
+    case ConsistencyVerdict::consistent:
+      break;
+  }
+  return "consistent";
+}
+
 std::string verdict_text(const ConsistencyReport& report) {
   const NeesSummary& pose = report.pose;
   const double factor = std::sqrt(pose.anees);
+  if (report.verdict != pose.verdict) {
+    return fmt::format("{} in part, {} as a whole ({})", word_for(report.verdict),
+                       word_for(pose.verdict), anees_text(pose));
+  }
   switch (report.verdict) {
     case ConsistencyVerdict::overconfident:
       return fmt::format(
@@ -45,21 +61,17 @@ std::string verdict_text(const ConsistencyReport& report) {
     case ConsistencyVerdict::consistent:
       break;
   }
-  return fmt::format("consistent: nothing speaks against the covariances as a whole ({})",
-                     anees_text(pose));
+  return fmt::format("consistent: nothing speaks against the covariances ({})", anees_text(pose));
 }
 
 /// What a part says that the pose as a whole does not.
 void add_part(const char* name, const NeesSummary& part, ConsistencyVerdict whole,
               std::vector<std::string>& findings) {
+  if (part.verdict == whole || part.verdict == ConsistencyVerdict::consistent) return;
   const double factor = std::sqrt(part.anees);
-  if (part.interval.low > 1.0 && whole != ConsistencyVerdict::overconfident) {
-    findings.push_back(fmt::format("the {} is overconfident by a factor of {:.3g} ({})", name,
-                                   factor, anees_text(part)));
-  } else if (part.interval.high < 1.0 && whole != ConsistencyVerdict::cautious) {
-    findings.push_back(fmt::format("the {} is too cautious by a factor of {:.3g} ({})", name,
-                                   1.0 / factor, anees_text(part)));
-  }
+  findings.push_back(fmt::format(
+      "the {} is {} by a factor of {:.3g} ({})", name, word_for(part.verdict),
+      part.verdict == ConsistencyVerdict::overconfident ? factor : 1.0 / factor, anees_text(part)));
 }
 
 std::string error_text(const AxisConsistency& axis) {
@@ -110,7 +122,11 @@ std::string direction_name(const Vector6d& correlation) {
     return std::abs(correlation[a]) > std::abs(correlation[b]) + 1e-9;
   });
   const Eigen::Index first = order[0];
-  if (std::abs(correlation[first]) > kAlone) return kNames[static_cast<std::size_t>(first)];
+  const double largest = std::abs(correlation[first]);
+  if (largest > kAlone) return kNames[static_cast<std::size_t>(first)];
+  // A direction that the covariance has hardly any variance along, such as the difference of two
+  // axes that it takes for one, is alike to none of the axes: its shape names it.
+  if (largest < kWorthNaming && largest > 0.0) return direction_name(correlation.normalized());
   // The sign of a direction has no meaning; its largest part is positive.
   const double sign = correlation[first] < 0.0 ? -1.0 : 1.0;
   std::string name;
@@ -126,11 +142,16 @@ std::string direction_name(const Vector6d& correlation) {
 
 std::vector<std::string> findings_of(const ConsistencyReport& report) {
   std::vector<std::string> findings{verdict_text(report)};
-  if (report.rotation) add_part("rotation", *report.rotation, report.verdict, findings);
-  add_part("position", report.position, report.verdict, findings);
+  if (report.rotation) add_part("rotation", *report.rotation, report.pose.verdict, findings);
+  add_part("position", report.position, report.pose.verdict, findings);
   add_directions(report, findings);
   add_bias(report, findings);
-  if (report.pose.effective_frames < kFewFrames) {
+  if (static_cast<double>(report.frames.size()) < kFewFrames) {
+    findings.push_back(
+        fmt::format("{} frames are too few to tell how alike successive errors are, and too few "
+                    "for a sharp verdict",
+                    report.frames.size()));
+  } else if (report.pose.effective_frames < kFewFrames) {
     findings.push_back(fmt::format(
         "successive errors are alike: the {} frames are worth {:.2g} independent ones, too few for "
         "a sharp verdict",

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "paired_errors.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/base/statistics.hpp"
 #include "posemix/base/units.hpp"
@@ -118,6 +119,7 @@ ObjectMetrics evaluate_object(const Sequence& sequence, const SlamRun& run, std:
   metrics.relative = relative.errors();
   metrics.relative_consistency = relative_consistency.result();
   metrics.detection_relative = detection.errors();
+  metrics.paired = internal::paired_errors(sequence, run, object, reduction);
   std::move(scores).report(metrics);
   metrics.mode_probability = mode_probability(run.frames.back(), object);
   return metrics;

@@ -10,7 +10,6 @@
 namespace posemix::internal {
 namespace {
 
-constexpr double kTail = 0.025;
 /// Lags grow by this part, so that a long series costs n log n; between them r_k is linear.
 constexpr Eigen::Index kLagsPerOctave = 16;
 /// A squared correlation below this is taken for noise.
@@ -44,14 +43,19 @@ double effective_frames(const Eigen::MatrixXd& whitened) {
   const auto n = static_cast<double>(frames);
   const Eigen::ArrayXd power = whitened.rowwise().squaredNorm();
   const double all = power.square().sum();
-  if (!(all > 0.0)) return 1.0;
-  // The variance of a mean over n frames weighs the correlation at a lag by (n - lag) / n. The mean
-  // of a squared correlation of white errors, 1 / (n - lag), is subtracted.
+  // Two frames say nothing of how alike they are.
+  if (frames <= 2 || !(all > 0.0)) return 1.0;
+  // The variance of a mean over n frames weighs the correlation at a lag by (n - lag) / n. White
+  // errors have a mean squared correlation of 1 / (n - lag): what lies between that and one counts,
+  // so that an error that never changes has a correlation of one in a short series, too.
   const auto correlation_at = [&](Eigen::Index lag) {
     const Eigen::Index rest = frames - lag;
+    if (rest < 2) return 0.0;
+    const auto m = static_cast<double>(rest);
     const Eigen::ArrayXd products =
         whitened.leftCols(rest).cwiseProduct(whitened.rightCols(rest)).rowwise().sum();
-    return products.square().sum() / all * n / static_cast<double>(rest) - 1.0 / n;
+    const double squared = products.square().sum() / all * std::pow(n / m, 2);
+    return m / n * (m * squared - 1.0) / (m - 1.0);
   };
   return std::clamp(n / (1.0 + twice_sum(frames, kLeastSquared, correlation_at)), 1.0, n);
 }
@@ -71,14 +75,14 @@ double standard_error_of_mean(const Eigen::VectorXd& values) {
 
 Interval chi_square_interval(double value, double dof) {
   const boost::math::chi_squared distribution(dof);
-  return {value * boost::math::quantile(distribution, kTail) / dof,
-          value * boost::math::quantile(boost::math::complement(distribution, kTail)) / dof};
+  return {value * boost::math::quantile(distribution, kBandTail) / dof,
+          value * boost::math::quantile(boost::math::complement(distribution, kBandTail)) / dof};
 }
 
-Interval confidence_interval(double mean, double dof) {
+Interval confidence_interval(double mean, double dof, double tail) {
   const boost::math::chi_squared distribution(dof);
-  return {mean * dof / boost::math::quantile(boost::math::complement(distribution, kTail)),
-          mean * dof / boost::math::quantile(distribution, kTail)};
+  return {mean * dof / boost::math::quantile(boost::math::complement(distribution, tail)),
+          mean * dof / boost::math::quantile(distribution, tail)};
 }
 
 Interval eigenvalue_limits(double count, std::size_t dimension) {

@@ -11,9 +11,13 @@
 /// Statistics of correlated time series of normalised errors.
 namespace posemix::internal {
 
+/// The probability below and above an interval of 95 %.
+inline constexpr double kBandTail = 0.025;
+
 /// Effective number of frames for the mean of |z_k|^2, z one column per frame with unit variance
 /// when consistent: n / (1 + 2 sum r_k), r_k the squared autocorrelations of the components about
-/// zero, weighted by their squared variances. From 1 to n.
+/// zero, weighted by their squared variances. From 1 to n, and 1 for two frames, which say nothing
+/// of their correlation.
 double effective_frames(const Eigen::MatrixXd& whitened);
 
 /// The standard error of the mean of a series, from its autocorrelation about the mean.
@@ -22,9 +26,10 @@ double standard_error_of_mean(const Eigen::VectorXd& values);
 /// The interval of `value` * chi-square(dof) / dof with probability 0.95.
 Interval chi_square_interval(double value, double dof);
 
-/// The 95 % confidence interval of the mean of chi-square variables over their degrees of freedom,
-/// given the mean and the degrees of freedom in all.
-Interval confidence_interval(double mean, double dof);
+/// The confidence interval of the mean of chi-square variables over their degrees of freedom, given
+/// the mean and the degrees of freedom in all, outside which the mean is with probability `tail` on
+/// either side.
+Interval confidence_interval(double mean, double dof, double tail = kBandTail);
 
 /// The values below which the smallest and above which the largest eigenvalue of the sample
 /// covariance of `count` standard normal vectors are with probability 0.005 each. The smallest is 0

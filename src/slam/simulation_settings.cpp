@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <set>
@@ -78,6 +79,24 @@ void check(const SimulationPath& path) {
   }
 }
 
+/// The frame of all components, if they have one.
+std::optional<NoiseFrame> frame_of(const std::vector<SimulationNoise>& components) {
+  const NoiseFrame frame = components.front().frame;
+  const bool same = std::ranges::all_of(
+      components, [&](const SimulationNoise& noise) { return noise.frame == frame; });
+  return same ? std::optional(frame) : std::nullopt;
+}
+
+/// A slow error is along the axes of the components, whichever is drawn.
+void check_frames(const SimulationObject& object) {
+  const auto frame = frame_of(object.noise);
+  if (frame && (object.claimed.empty() || frame == frame_of(object.claimed))) return;
+  throw InvalidInput(fmt::format(
+      "simulation: object '{}' has components of different frames, of 'noise' or 'claimed_noise', "
+      "expected one frame beside a slow error",
+      object.id));
+}
+
 void check(const SimulationObject& object, std::size_t frames) {
   if (object.id.empty()) throw InvalidInput("simulation: an object has no id");
   const Checker checker(fmt::format("object '{}':", object.id));
@@ -90,7 +109,10 @@ void check(const SimulationObject& object, std::size_t frames) {
   for (const SimulationNoise& noise : object.noise) checker.noise(noise);
   for (const SimulationNoise& noise : object.claimed) checker.noise(noise);
   checker.within(object.correlation_s, 0.0, std::numeric_limits<double>::max(), "correlation time");
-  if (object.slow) checker.slow(*object.slow);
+  if (object.slow) {
+    checker.slow(*object.slow);
+    check_frames(object);
+  }
   checker.runs(object.flips.runs, "fraction of flips");
   checker.within(object.flips.rotation_rad, -kLargestAngle, kLargestAngle, "flip rotation");
   checker.within(object.flips.translation_m, -kFurthest, kFurthest, "flip translation");
@@ -161,13 +183,27 @@ std::vector<SimulationNoise> claimed_components(const SimulationObject& object) 
   return components;
 }
 
+/// The slow error as a filter can be told it: none where all of it is zero, and else with a
+/// deviation along every axis, for its covariance must be regular.
+std::optional<SimulationSlowError> regular(SimulationSlowError slow) {
+  constexpr double kLeastSd = 1e-6;  // rad and m, or a fraction of the range
+  SimulationSd& sd = slow.sd;
+  if (sd.rotation_rad.isZero(0.0) && sd.translation_m.isZero(0.0)) return std::nullopt;
+  sd.rotation_rad = sd.rotation_rad.cwiseMax(kLeastSd);
+  sd.translation_m = sd.translation_m.cwiseMax(kLeastSd);
+  return slow;
+}
+
 }  // namespace
 
 std::optional<SimulationSlowError> claimed_slow_error(const SimulationObject& object) {
   // A white part of a tenth keeps the noise of the filter regular where there is none.
   constexpr double kSlowFraction = 0.9;
-  if (object.slow || !(object.correlation_s > 0.0)) return object.slow;
-  SimulationSlowError slow{least_sd(claimed_components(object)), object.correlation_s};
+  if (object.slow) return regular(*object.slow);
+  if (!(object.correlation_s > 0.0)) return std::nullopt;
+  const std::vector<SimulationNoise> components = claimed_components(object);
+  if (!frame_of(components)) return std::nullopt;
+  SimulationSlowError slow{least_sd(components), object.correlation_s};
   slow.sd.rotation_rad *= std::sqrt(kSlowFraction);
   slow.sd.translation_m *= std::sqrt(kSlowFraction);
   return slow;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 #include <Eigen/Geometry>
@@ -28,16 +29,60 @@ void check_stamps(std::span<const Stamped> series, const char* name) {
   }
 }
 
-/// The entry whose stamp is nearest.
+/// The index of the first entry with this stamp or a later one.
 template <class Stamped>
-std::size_t nearest(std::span<const Stamped> series, double stamp) {
-  const auto after =
+std::size_t first_from(std::span<const Stamped> series, double stamp) {
+  const auto found =
       std::lower_bound(series.begin(), series.end(), stamp,
                        [](const Stamped& entry, double value) { return entry.stamp_s < value; });
-  const auto at = static_cast<std::size_t>(after - series.begin());
-  if (at == 0) return 0;
-  if (at == series.size()) return at - 1;
-  return series[at].stamp_s - stamp < stamp - series[at - 1].stamp_s ? at : at - 1;
+  return static_cast<std::size_t>(found - series.begin());
+}
+
+/// The least distance of a stamp to those of a series.
+template <class Stamped>
+double least_distance(std::span<const Stamped> series, double stamp) {
+  const std::size_t at = first_from(series, stamp);
+  double least = std::numeric_limits<double>::infinity();
+  if (at < series.size()) least = series[at].stamp_s - stamp;
+  if (at > 0) least = std::min(least, stamp - series[at - 1].stamp_s);
+  return least;
+}
+
+/// A difference between distances of stamps that is due to their rounding.
+double rounding_of(std::span<const StampedEstimate> estimates,
+                   std::span<const StampedTruth> truth) {
+  constexpr double kRoundings = 4.0;
+  double largest = 0.0;
+  for (const double stamp : {estimates.front().stamp_s, estimates.back().stamp_s,
+                             truth.front().stamp_s, truth.back().stamp_s}) {
+    largest = std::max(largest, std::abs(stamp));
+  }
+  return kRoundings * std::numeric_limits<double>::epsilon() * largest;
+}
+
+/// Pairs of which each is as near as any other to either. In order of time, each estimate takes the
+/// earliest of its nearest that is left, so that equal distances leave as few as possible alone.
+std::vector<EstimateWithTruth> nearest_pairs(std::span<const StampedEstimate> estimates,
+                                             std::span<const StampedTruth> truth,
+                                             double max_difference_s) {
+  const double rounding = rounding_of(estimates, truth);
+  std::vector<EstimateWithTruth> pairs;
+  std::size_t left = 0;
+  for (const StampedEstimate& estimate : estimates) {
+    const double stamp = estimate.stamp_s;
+    const double least = least_distance(truth, stamp);
+    if (least > max_difference_s) continue;
+    std::size_t at = std::max(left, first_from(truth, stamp - least - rounding));
+    for (; at < truth.size() && truth[at].stamp_s <= stamp + least + rounding; ++at) {
+      const double distance = std::abs(truth[at].stamp_s - stamp);
+      if (distance > least + rounding || distance > max_difference_s) continue;
+      if (distance > least_distance(estimates, truth[at].stamp_s) + rounding) continue;
+      pairs.push_back({stamp, estimate.estimate, truth[at].pose});
+      left = at + 1;
+      break;
+    }
+  }
+  return pairs;
 }
 
 /// The rigid motion that moves the estimated positions onto the true ones (Umeyama 1991).
@@ -75,17 +120,10 @@ void move_by(const SE3d& motion, std::vector<EstimateWithTruth>& pairs) {
 std::vector<EstimateWithTruth> match_to_truth(std::span<const StampedEstimate> estimates,
                                               std::span<const StampedTruth> truth,
                                               const MatchSettings& settings) {
-  kPositive.check(settings.max_difference_s, "max_difference_s");
+  kNotNegative.check(settings.max_difference_s, "max_difference_s");
   check_stamps(estimates, "estimates");
   check_stamps(truth, "truth");
-  std::vector<EstimateWithTruth> pairs;
-  for (std::size_t k = 0; k < estimates.size(); ++k) {
-    const double stamp = estimates[k].stamp_s;
-    const StampedTruth& there = truth[nearest(truth, stamp)];
-    if (std::abs(there.stamp_s - stamp) > settings.max_difference_s) continue;
-    if (nearest(estimates, there.stamp_s) != k) continue;
-    pairs.push_back({stamp, estimates[k].estimate, there.pose});
-  }
+  std::vector<EstimateWithTruth> pairs = nearest_pairs(estimates, truth, settings.max_difference_s);
   const std::size_t least = settings.alignment == Alignment::first ? 3 : 2;
   if (pairs.size() < least) {
     throw InvalidInput(fmt::format(

@@ -183,6 +183,28 @@ TEST_F(ConsistencyCommand, WrongInputIsNamed) {
       4);
 }
 
+TEST_F(ConsistencyCommand, TheDifferenceOfStampsIsAFiniteNumber) {
+  const std::string command =
+      "posemix consistency estimate.tum --truth truth.tum --max-difference ";
+  EXPECT_EQ(shell(command + "0").exit_code, 0);
+  for (const std::string wrong : {"nan", "inf", "-1", "soon"}) {
+    const ProgramResult result = shell(command + wrong);
+    EXPECT_EQ(result.exit_code, 2) << wrong;
+    EXPECT_TRUE(contains(
+        result.err, "--max-difference: got " + wrong + ", expected a number that is not negative"))
+        << result.err;
+    EXPECT_LT(result.err.size(), 200U);
+  }
+}
+
+TEST_F(ConsistencyCommand, ATrackOfOnePoseIsRefused) {
+  EXPECT_TRUE(contains(failure("estimate.tum --truth truth.tum --track camera").err,
+                       "--track: got \"camera\", but estimate.tum and its truth are of one pose"));
+  EXPECT_TRUE(
+      contains(failure("estimate.tum --truth sequence.toml --track camera --track objects/mug").err,
+               "--track: got 2 names for the one pose of estimate.tum, expected one"));
+}
+
 TEST_F(ConsistencyCommand, ReadsTheStandardInput) {
   const ProgramResult result =
       shell("posemix consistency - --truth truth.tum --align se3 < estimate.tum");

@@ -259,6 +259,8 @@ TEST_F(MixtureCommands, GraspAtAPoseAndTheBest) {
   EXPECT_EQ(best["probability_of_starts"].size(), 2U);
   expect_error("posemix grasp mug.json --rotation-deg 5 5 --translation 1 --best", 2,
                "--rotation-deg: got two numbers");
+  expect_error("posemix grasp mug.json --rotation-deg 5 --translation 1 --pose nan 0 0 0 0 0 1", 3,
+               "--pose: a number is nan, expected a finite number");
   expect_error("posemix grasp mug.json --rotation-deg 5 --translation 1 --pose 0 0 0 0 0 0 2", 3,
                "--pose: got a quaternion of norm 2");
 }

@@ -39,9 +39,11 @@ TEST_F(Simulate, WritesARecordingThatSlamReads) {
   for (const std::string name : {"sequence.toml", "odometry.tum", "detections_mug.tum"}) {
     EXPECT_NE(std::find(names.begin(), names.end(), name), names.end()) << name;
   }
-  const ProgramResult slam = run_posemix({"slam", (results_ / "a/sequence.toml").string(), "--out",
-                                          (results_ / "b").string(), "--quiet"});
+  const ProgramResult slam = run_posemix(
+      {"slam", (results_ / "a/sequence.toml").string(), "--out", (results_ / "b").string()});
   EXPECT_EQ(slam.exit_code, 0) << slam.err;
+  // Estimates stand beside detections over the same frames.
+  EXPECT_NE(slam.out.find("\nMedian errors relative to the camera"), std::string::npos) << slam.out;
 }
 
 TEST_F(Simulate, TheSeedDecides) {

@@ -105,5 +105,29 @@ TEST(MultiObjectAlternatives, JointOfGivenHypothesesHasTheirMoments) {
   EXPECT_TRUE(p.topLeftCorner(6, 6).isApprox(filter.camera().covariance(), 1e-12));
 }
 
+/// Log probability that the object was never detected, after three right detections.
+double absent_after_three(double clutter, double default_clutter, double volume_m3) {
+  OrbitScene scene(3, 1, 0.01, 0.15e-3);
+  MultiObjectSettings settings = testing::plain_settings();
+  settings.default_clutter = default_clutter;
+  const DetectorNoise noise(testing::ray_noise().components(),
+                            {.weight = clutter, .volume_m3 = volume_m3});
+  MultiObjectFilter filter(ConcentratedGaussian<SE3d>(scene.camera, isotropic(0.1, 0.002)),
+                           std::vector<ObjectSensor>(1, {noise}), settings);
+  for (int frame = 0; frame < 3; ++frame) {
+    if (frame > 0) filter.predict_with_odometry(scene.advance(), scene.q, 0.1);
+    filter.update(0, scene.detect(0, 0.0, 0.0));
+  }
+  return filter.log_absent(0);
+}
+
+TEST(MultiObjectFilter, DefaultClutterKeepsTheStatedVolume) {
+  constexpr double kVolume = 0.01;
+  // The weights of the components sum to 0.77: clutter of a third of that has probability 0.25.
+  EXPECT_NEAR(absent_after_three(0.0, 0.25, kVolume), absent_after_three(0.77 / 3.0, 0.0, kVolume),
+              1e-9);
+  EXPECT_GT(absent_after_three(0.0, 0.2, kVolume), absent_after_three(0.0, 0.2, 1.0) + 1.0);
+}
+
 }  // namespace
 }  // namespace posemix

@@ -79,12 +79,21 @@ TEST(Results, MetricsFollowTheSchema) {
   EXPECT_EQ(
       keys(metrics["camera"]),
       (std::vector<std::string>{"position_log_rmse_m", "position_rmse_m", "rotation_rmse_deg"}));
-  EXPECT_EQ(
-      keys(metrics["objects"]["mug"]),
-      (std::vector<std::string>{
-          "detection_relative_position_rmse_m", "detection_relative_rotation_rmse_deg",
-          "detections", "gated", "mode_probability", "position_rmse_m", "relative_position_rmse_m",
-          "relative_rotation_rmse_deg", "right_mode_share", "rotation_rmse_deg"}));
+  EXPECT_EQ(keys(metrics["objects"]["mug"]),
+            (std::vector<std::string>{"detection_relative_position_rmse_m",
+                                      "detection_relative_rotation_rmse_deg", "detections", "gated",
+                                      "mode_probability", "paired", "position_rmse_m",
+                                      "relative_position_rmse_m", "relative_rotation_rmse_deg",
+                                      "right_mode_share", "rotation_rmse_deg"}));
+  const PairedErrors& paired = results().metrics.objects[0].paired;
+  EXPECT_EQ(metrics["objects"]["mug"]["paired"],
+            json({{"frames", paired.frames},
+                  {"estimate",
+                   {{"position_median_m", *paired.estimate.position_m},
+                    {"rotation_median_deg", *paired.estimate.rotation_deg}}},
+                  {"detection",
+                   {{"position_median_m", *paired.detection.position_m},
+                    {"rotation_median_deg", *paired.detection.rotation_deg}}}}));
   EXPECT_EQ(keys(metrics["timing"]),
             (std::vector<std::string>{"frame_median_us", "merges_per_frame", "reduce_median_us",
                                       "update_median_us"}));
@@ -137,6 +146,8 @@ TEST(Results, NullWithoutGroundTruth) {
   EXPECT_TRUE(parsed["camera"]["position_rmse_m"].is_null());
   EXPECT_TRUE(parsed["camera"]["rotation_rmse_deg"].is_null());
   EXPECT_TRUE(parsed["objects"]["mug"]["position_rmse_m"].is_null());
+  EXPECT_EQ(parsed["objects"]["mug"]["paired"]["frames"], 0);
+  EXPECT_TRUE(parsed["objects"]["mug"]["paired"]["estimate"]["rotation_median_deg"].is_null());
   EXPECT_TRUE(parsed["consistency"]["relative_anees"]["mug"].is_null());
 }
 

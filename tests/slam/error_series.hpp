@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <vector>
 
 #include "posemix/base/random.hpp"
@@ -48,6 +49,16 @@ inline std::vector<EstimateWithTruth> white_series(std::size_t frames, double st
                                                    std::uint64_t seed) {
   RandomStream stream(seed);
   return series_of(frames, stated, [&] { return standard_normal(stream); });
+}
+
+/// Errors of unit variance whose correlation falls by the factor `keep` from frame to frame.
+inline std::function<Vector6d()> slow_errors(RandomStream& stream, double keep) {
+  auto z = std::make_shared<Vector6d>(standard_normal(stream));
+  return [&stream, keep, z] {
+    const Vector6d now = *z;
+    *z = keep * now + std::sqrt(1.0 - keep * keep) * standard_normal(stream);
+    return now;
+  };
 }
 
 }  // namespace posemix::testing

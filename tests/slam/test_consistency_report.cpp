@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <functional>
-#include <memory>
 #include <numbers>
 
 #include <gtest/gtest.h>
@@ -17,19 +16,10 @@ namespace posemix {
 namespace {
 
 using testing::series_of;
+using testing::slow_errors;
 using testing::standard_normal;
 using testing::thrown_message;
 using testing::white_series;
-
-/// Errors of unit variance whose correlation falls by the factor `keep` from frame to frame.
-std::function<Vector6d()> slow_errors(RandomStream& stream, double keep) {
-  auto z = std::make_shared<Vector6d>(standard_normal(stream));
-  return [&stream, keep, z] {
-    const Vector6d now = *z;
-    *z = keep * now + std::sqrt(1.0 - keep * keep) * standard_normal(stream);
-    return now;
-  };
-}
 
 const AxisConsistency& axis_named(const ConsistencyReport& report, const std::string& name) {
   for (const AxisConsistency& axis : report.axes) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 #include <numbers>
+#include <optional>
 
 #include <gtest/gtest.h>
 
@@ -102,6 +103,48 @@ TEST(SymmetricMetrics, AGroupPerObjectIsNeeded) {
   const std::vector<SymmetryGroup> two(2);
   EXPECT_EQ(thrown_message([&] { return evaluate(sequence, run_of(sequence), two); }),
             "evaluation: got the symmetries of 2 objects, expected 1");
+}
+
+/// A frame whose estimate T_camera_object is off by a turn [deg] about the object's z axis and by
+/// millimetres along its x.
+void set_frame(std::size_t k, std::optional<double> estimate, std::optional<double> detection,
+               Sequence& sequence, SlamRun& run) {
+  const SE3d truth = sequence.camera_truth[k]->inverse() * *sequence.objects[0].world_truth[k];
+  const auto off = [&](double size) {
+    return truth * SE3d(SO3d::exp({0, 0, radians(size)}), Eigen::Vector3d(1e-3 * size, 0, 0));
+  };
+  run.frames[k].relative[0].reset();
+  sequence.objects[0].detections[k].reset();
+  if (estimate) run.frames[k].relative[0] = PoseDensity(off(*estimate), isotropic(1.0, 0.01));
+  if (detection) sequence.objects[0].detections[k] = off(*detection);
+}
+
+TEST(PairedMetrics, AreMediansOverTheFramesWithBoth) {
+  Sequence sequence = sequence_turned_by(0.0);
+  SlamRun run = run_of(sequence);
+  for (std::size_t k = 0; k < kFrames; ++k) set_frame(k, std::nullopt, std::nullopt, sequence, run);
+  set_frame(3, 1.0, 2.0, sequence, run);
+  set_frame(4, 7.0, 4.0, sequence, run);
+  set_frame(5, 3.0, 100.0, sequence, run);  // a gross error moves no median
+  set_frame(6, 50.0, std::nullopt, sequence, run);
+  set_frame(7, std::nullopt, 60.0, sequence, run);
+  set_frame(8, 5.0, 5.0, sequence, run);
+  sequence.camera_truth[8].reset();
+  const PairedErrors paired = evaluate(sequence, run).objects[0].paired;
+  EXPECT_EQ(paired.frames, 3U);
+  EXPECT_NEAR(*paired.estimate.rotation_deg, 3.0, 1e-9);
+  EXPECT_NEAR(*paired.estimate.position_m, 0.003, 1e-12);
+  EXPECT_NEAR(*paired.detection.rotation_deg, 4.0, 1e-9);
+  EXPECT_NEAR(*paired.detection.position_m, 0.004, 1e-12);
+  // About a declared axis a turn is no error.
+  const std::vector<SymmetryGroup> any_turn{SymmetryGroup::turns(Eigen::Vector3d::UnitZ(), 0)};
+  const PairedErrors free = evaluate(sequence, run, any_turn).objects[0].paired;
+  EXPECT_NEAR(*free.estimate.rotation_deg, 0.0, 1e-6);
+  EXPECT_NEAR(*free.detection.position_m, 0.004, 1e-12);
+  for (std::size_t k = 3; k < 6; ++k) set_frame(k, 1.0, std::nullopt, sequence, run);
+  const PairedErrors none = evaluate(sequence, run).objects[0].paired;
+  EXPECT_EQ(none.frames, 0U);
+  EXPECT_FALSE(none.estimate.rotation_deg || none.detection.position_m);
 }
 
 }  // namespace

@@ -2,6 +2,9 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "posemix/slam/truth_match.hpp"
 
+#include <cmath>
+#include <limits>
+#include <numeric>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -37,6 +40,55 @@ TEST(TruthMatch, PairsAreThoseNearestToOneAnother) {
   EXPECT_EQ(pairs[7].truth.translation(), series[8].truth.translation());
   // A wider window does not give two estimates the same truth.
   EXPECT_EQ(match_to_truth(estimates_of(series), truth, {.max_difference_s = 0.2}).size(), 19U);
+}
+
+/// Estimates and true poses at these times; a true pose's x is its index.
+std::vector<int> matched(const std::vector<double>& estimate_stamps,
+                         const std::vector<double>& truth_stamps, double max_difference_s) {
+  std::vector<StampedEstimate> estimates;
+  std::vector<StampedTruth> truth;
+  for (const double stamp : estimate_stamps)
+    estimates.push_back({stamp, PoseDensity(SE3d(), Matrix6d::Identity())});
+  for (const double stamp : truth_stamps) {
+    const auto index = static_cast<double>(truth.size());
+    truth.push_back({stamp, SE3d(SO3d(), Eigen::Vector3d(index, 0, 0))});
+  }
+  std::vector<int> indices;
+  for (const auto& pair : match_to_truth(estimates, truth, {.max_difference_s = max_difference_s}))
+    indices.push_back(static_cast<int>(std::lround(pair.truth.translation().x())));
+  return indices;
+}
+
+TEST(TruthMatch, EqualDistancesLoseNoPair) {
+  using Indices = std::vector<int>;
+  // Every estimate is in the middle of two true poses, every true pose in that of two estimates.
+  EXPECT_EQ(matched({0, 2, 4}, {1, 3, 5}, 1.0), (Indices{0, 1, 2}));
+  EXPECT_EQ(matched({1, 3, 5}, {0, 2, 4}, 1.0), (Indices{0, 1, 2}));
+  EXPECT_EQ(matched({1, 3, 5}, {0, 2, 4, 6}, 1.0), (Indices{0, 1, 2}));
+  // Two estimates at the same distance of one true pose: one of them is left alone.
+  EXPECT_EQ(matched({0, 2, 7, 10}, {1, 7, 10}, 1.0), (Indices{0, 1, 2}));
+  // Stamps of today in steps that are no binary fractions.
+  std::vector<double> estimates;
+  std::vector<double> truth;
+  for (int k = 0; k < 50; ++k) {
+    estimates.push_back(1.7e9 + 0.1 * k);
+    truth.push_back(1.7e9 + 0.05 + 0.1 * k);
+  }
+  Indices all(50);
+  std::iota(all.begin(), all.end(), 0);
+  EXPECT_EQ(matched(estimates, truth, 0.06), all);
+  // What is nearer goes before what would make more pairs.
+  EXPECT_EQ(matched({0.0, 1.0, 5.0}, {0.9, 2.0, 5.0}, 1.1), (Indices{0, 2}));
+}
+
+TEST(TruthMatch, NoDifferenceIsTheSameStamp) {
+  EXPECT_EQ(matched({0, 1, 2, 3}, {0, 1.5, 2, 3}, 0.0), (std::vector<int>{0, 2, 3}));
+  for (const double wrong : {-1.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
+    EXPECT_NE(thrown_message([&] {
+                matched({0, 1}, {0, 1}, wrong);
+              }).find("expected a number that is not negative"),
+              std::string::npos);
+  }
 }
 
 TEST(TruthMatch, WithoutCommonTimesTheRangesAreNamed) {

@@ -100,6 +100,9 @@ class TomlTable {
   std::vector<std::string> get_strings_or(std::string_view key,
                                           const std::vector<std::string>& otherwise) const;
 
+  /// Any value but a date in the form of TOML on one line, with `${name}` in strings replaced.
+  std::string text_of(std::string_view key) const;
+
   TomlTable get_table(std::string_view key) const;
   std::optional<TomlTable> find_table(std::string_view key) const;
 

@@ -75,8 +75,10 @@ struct SlowErrorFit {
 /// track have in common, constant along the object's axes. All are Gaussian and independent by
 /// axis; with a component whose covariance is not diagonal, b and n have its correlation
 /// coefficients. Axes that share one value: for NoiseFrame::ray the two across the ray; for other
-/// frames none, or with fewer than five recordings the rotations, and the translations, in
-/// proportion to the component's deviations.
+/// frames none of the white part. With fewer than five recordings there are few draws of b: the
+/// rotations, and the translations, then share one value of it, in proportion to the changes from
+/// one detection to the next, unless the BIC is for one by axis. Standard errors take these
+/// proportions for true.
 ///
 /// The likelihood is exact, that of a scalar Kalman filter per axis, and maximised over the logs of
 /// all parameters for white errors and for slow ones that decay with the angle, with time and with

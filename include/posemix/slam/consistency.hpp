@@ -69,6 +69,17 @@ struct Interval {
   bool contains(double value) const { return low <= value && value <= high; }
 };
 
+/// What a series says.
+enum class ConsistencyVerdict { consistent, overconfident, cautious };
+
+/// The words of ConsistencyVerdict in files.
+template <>
+inline constexpr WordTable<ConsistencyVerdict, 3> words<ConsistencyVerdict>{{
+    {"consistent", ConsistencyVerdict::consistent},
+    {"overconfident", ConsistencyVerdict::overconfident},
+    {"cautious", ConsistencyVerdict::cautious},
+}};
+
 /// The NEES of a series, per degree of freedom: 1 when consistent.
 struct NeesSummary {
   std::size_t dof = 0;
@@ -89,6 +100,9 @@ struct NeesSummary {
   double within_frame_band = 0.0;
   /// Of the ellipsoids NEES <= 1, 4, 9.
   Coverage coverage;
+  /// By the confidence interval of the ANEES: of 95 % for the whole pose, and of 99 % for rotation
+  /// and position, as several parts are looked at.
+  ConsistencyVerdict verdict = ConsistencyVerdict::consistent;
 };
 
 /// The error along one axis.
@@ -115,17 +129,6 @@ struct ErrorDirection {
   std::string name;  ///< "rotation z", "0.8 rotation z + 0.6 position x"
 };
 
-/// What a series says.
-enum class ConsistencyVerdict { consistent, overconfident, cautious };
-
-/// The words of ConsistencyVerdict in files.
-template <>
-inline constexpr WordTable<ConsistencyVerdict, 3> words<ConsistencyVerdict>{{
-    {"consistent", ConsistencyVerdict::consistent},
-    {"overconfident", ConsistencyVerdict::overconfident},
-    {"cautious", ConsistencyVerdict::cautious},
-}};
-
 /// The consistency of a series of estimates.
 struct ConsistencyReport {
   std::vector<FrameConsistency> frames;
@@ -138,7 +141,8 @@ struct ConsistencyReport {
   ErrorDirection most_cautious;
   /// The share of the mean squared normalised error that is one constant error.
   double constant_share = 0.0;
-  /// By the confidence interval of the ANEES.
+  /// The worst verdict on the whole pose, its rotation, its position, and the extreme directions by
+  /// their limits; overconfident is worse than cautious.
   ConsistencyVerdict verdict = ConsistencyVerdict::consistent;
   std::vector<std::string> findings;  ///< the verdict in words, the most important first
 };
@@ -149,9 +153,12 @@ struct ConsistencyReport {
 /// effective frames is n / (1 + 2 sum r_k) with the autocorrelation r_k of the NEES, which for
 /// Gaussian errors is the sum of the squared autocorrelations of the whitened errors, about zero
 /// (an error that never changes counts as one look); the sum ends where r_k falls to its own noise.
+/// Two frames, which say nothing of their correlation, count as one.
 /// The interval of the ANEES is that of a chi-square variable with effective_frames * dof degrees
 /// of freedom, fewer where the NEES scatters more than chi-square does. Limits of directions are
-/// those of the extreme eigenvalues of a Wishart matrix (Johnstone 2001; Ma 2012).
+/// those of the extreme eigenvalues of a Wishart matrix (Johnstone 2001; Ma 2012). Of consistent
+/// series at most 8 % get another verdict: 5 % by the whole, and 1 % by rotation, by position and
+/// by directions each.
 /// @throws InvalidInput for fewer than two estimates, stamps that do not increase, and a covariance
 /// that is not positive definite, naming the stamp
 ConsistencyReport consistency_of(std::span<const EstimateWithTruth> series,

@@ -81,12 +81,27 @@ struct ModeForecast {
 /// Whether a pose is within 20 deg and 10 cm of the truth.
 bool on_right_mode(const SE3d& estimate, const SE3d& truth);
 
+/// Median errors of a pose.
+struct PoseMedians {
+  std::optional<double> position_m;    ///< Euclidean distance of the positions
+  std::optional<double> rotation_deg;  ///< angle of the rotation between estimate and truth
+};
+
+/// Errors of T_camera_object as filtered and as detected over the same frames, those that have
+/// both and a truth, and so comparable.
+struct PairedErrors {
+  std::size_t frames = 0;
+  PoseMedians estimate;
+  PoseMedians detection;
+};
+
 /// Metrics of one object.
 struct ObjectMetrics {
   std::string id;
   PoseErrors world;
   PoseErrors relative;            ///< T_camera_object as filtered
   PoseErrors detection_relative;  ///< T_camera_object as detected
+  PairedErrors paired;            ///< medians of both over the same frames
   std::size_t detections = 0;
   std::size_t gated = 0;
   /// Frames within 20 deg and 10 cm of the truth, and their share of those with estimate and truth.

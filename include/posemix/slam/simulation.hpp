@@ -156,8 +156,9 @@ SimulatedSequence simulate(const SimulationConfig& config, std::uint64_t seed);
 /// holds, outliers and misses are not part of it.
 std::vector<SimulationNoise> claimed_noise(const SimulationObject& object);
 
-/// The slow error that the filter is told: `slow`, or for errors with a correlation time nine
-/// tenths of their least variance.
+/// The slow error that the filter is told: `slow`, with at least 1e-6 (rad, m) along every axis and
+/// none where all deviations are zero; or for errors with a correlation time nine tenths of their
+/// least variance, and none where the components have different frames.
 std::optional<SimulationSlowError> claimed_slow_error(const SimulationObject& object);
 
 /// The time for which the detector stays with a mode or with clutter, as the filter is told: the

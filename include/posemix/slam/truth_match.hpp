@@ -36,17 +36,20 @@ inline constexpr WordTable<Alignment, 3> words<Alignment>{{
 }};
 
 struct MatchSettings {
-  double max_difference_s = 0.01;  ///< between the stamps of estimate and truth
+  double max_difference_s = 0.01;  ///< between the stamps of estimate and truth; 0: equal ones
   Alignment alignment = Alignment::none;
 };
 
-/// The pairs of estimate and truth that are nearest in time to one another, in order of time.
+/// The pairs of estimate and truth that are nearest in time to one another, in order of time; each
+/// is in one pair. Of several that are as near, those are taken that leave the fewest alone, the
+/// earliest first.
 ///
 /// An alignment X -> A X moves poses and covariances, Ad(A) P Ad(A)^T, and takes out of the error
 /// what it absorbs: the error of the first pose, or the mean error of all. The covariances do not
 /// know that. After `first` they should be those relative to the first pose.
-/// @throws InvalidInput for stamps that do not increase strictly or are no numbers, fewer than two
-/// pairs (with the ranges of the stamps), and `se3` for positions that are on a line
+/// @throws InvalidInput for a largest difference that is negative or not finite, stamps that do not
+/// increase strictly or are no numbers, fewer than two pairs (with the ranges of the stamps), and
+/// `se3` for positions that are on a line
 std::vector<EstimateWithTruth> match_to_truth(std::span<const StampedEstimate> estimates,
                                               std::span<const StampedTruth> truth,
                                               const MatchSettings& settings = {});

@@ -28,7 +28,9 @@ void check_settings(const MultiObjectSettings& s) {
 DetectorNoise with_clutter(const DetectorNoise& noise, double weight) {
   if (noise.clutter().weight > 0.0 || weight == 0.0) return noise;
   const double relative = weight / (1.0 - weight);  // to the components, whose weights sum to one
-  return DetectorNoise(noise.components(), {.weight = relative}, noise.dependence());
+  return DetectorNoise(noise.components(),
+                       {.weight = relative, .volume_m3 = noise.clutter().volume_m3},
+                       noise.dependence());
 }
 
 /// A mode of a detector's noise: the components with the same offset.
