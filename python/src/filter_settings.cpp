@@ -37,7 +37,7 @@ void add_noise_fields(MultiObjectFields& settings) {
   using S = MultiObjectSettings;
   settings
       .field("leader_margin", &S::leader_margin, "float",
-             "Lead in log weight with which another hypothesis becomes the leading one [nats].")
+             "Lead in log probability with which another hypothesis becomes the leading one [nats].")
       .field("split_loss", &S::split_loss, "float",
              "Loss of one camera for all hypotheses of an object from which the state is split into "
              "global hypotheses [nats].")

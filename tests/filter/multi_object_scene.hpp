@@ -84,6 +84,13 @@ struct OrbitScene {
   std::vector<SE3d> truth;
 };
 
+/// A filter that begins at the camera of the scene.
+inline MultiObjectFilter make(const OrbitScene& scene, const MultiObjectSettings& settings,
+                              const SymmetryGroup& symmetries = {}, double clutter = 0.23) {
+  std::vector<ObjectSensor> sensors(scene.truth.size(), {ray_noise(clutter), symmetries});
+  return {ConcentratedGaussian<SE3d>(scene.camera, isotropic(0.1, 0.002)), sensors, settings};
+}
+
 /// The hypotheses of an object as a mixture over its pose in the world.
 inline Mixture<ConcentratedGaussian<SE3d>> world_mixture(const MultiObjectFilter& filter,
                                                          std::size_t object) {

@@ -6,23 +6,16 @@
 
 #include "multi_object_scene.hpp"
 #include "posemix/density/pose_stack.hpp"
-#include "posemix/testing/expect.hpp"
 
 namespace posemix {
 namespace {
 
 using testing::isotropic;
+using testing::make;
 using testing::OrbitScene;
 using testing::plain_settings;
 using testing::pose;
 using testing::ray_noise;
-using testing::thrown_message;
-
-MultiObjectFilter make(const OrbitScene& scene, const MultiObjectSettings& settings,
-                       const SymmetryGroup& symmetries = {}, double clutter = 0.23) {
-  std::vector<ObjectSensor> sensors(scene.truth.size(), {ray_noise(clutter), symmetries});
-  return {ConcentratedGaussian<SE3d>(scene.camera, isotropic(0.1, 0.002)), sensors, settings};
-}
 
 double angle_deg(const SE3d& a, const SE3d& b) {
   return degrees((a.rotation().inverse() * b.rotation()).log().norm());
@@ -240,89 +233,6 @@ TEST(MultiObjectFilter, DetectionsOfOneModeCountOnceForItsProbability) {
   };
   EXPECT_GT(probability_after(0.0), 1.0 - 1e-9);
   EXPECT_NEAR(probability_after(100.0), 0.77, 0.1);
-}
-
-TEST(MultiObjectFilter, RefusesWhatItDoesNotKnow) {
-  const OrbitScene scene(1, 1, 0.05, 1e-3);
-  MultiObjectFilter filter = make(scene, plain_settings());
-  EXPECT_THROW(filter.update(1, SE3d()), InvalidInput);
-  const auto refused = [&](auto change) {
-    MultiObjectSettings settings = plain_settings();
-    change(settings);
-    EXPECT_THROW(make(scene, settings), InvalidInput);
-  };
-  refused([](auto& s) { s.max_hypotheses = 0; });
-  refused([](auto& s) { s.explained_probability = 1.0; });
-  refused([](auto& s) { s.merge_probability = -0.1; });
-  refused([](auto& s) { s.score_memory = 1.5; });
-  refused([](auto& s) { s.camera_gain = 1.5; });
-  refused([](auto& s) { s.camera_rotation_correction = -0.1; });
-  refused([](auto& s) { s.camera_position_correction = 1.1; });
-  refused([](auto& s) { s.default_clutter = 1.0; });
-}
-
-TEST(MultiObjectFilter, RefusesWhatIsNotFiniteAndStaysAsItWas) {
-  OrbitScene scene(1, 1, 0.05, 1e-3);
-  MultiObjectFilter filter = make(scene, plain_settings());
-  filter.update(0, scene.camera.inverse() * scene.truth[0]);
-  const Eigen::MatrixXd before = filter.joint().covariance();
-  const double nan = std::numeric_limits<double>::quiet_NaN();
-  const SE3d bad(SO3d(), {0.0, nan, 0.0});
-  const Matrix6d q = isotropic(0.1, 1e-3);
-  EXPECT_THROW(filter.update(0, bad), InvalidInput);
-  EXPECT_THROW(filter.predict_with_odometry(bad, q, 0.1), InvalidInput);
-  EXPECT_THROW(filter.predict_with_odometry(SE3d(), nan * q, 0.1), InvalidInput);
-  EXPECT_THROW(filter.predict_with_odometry(SE3d(), -q, 0.1), InvalidInput);
-  EXPECT_THROW(filter.predict_random_walk(q, -0.1), InvalidInput);
-  EXPECT_THROW(filter.predict_constant_velocity(1.0, q, q, nan * q, 0.1), InvalidInput);
-  EXPECT_EQ(filter.joint().covariance(), before);
-}
-
-TEST(MultiObjectFilter, RefusesAllOfAFilterThatWasMovedFrom) {
-  OrbitScene scene(6, 1, 0.01, 1e-4);
-  MultiObjectFilter filter = make(scene, plain_settings());
-  const MultiObjectFilter taken = std::move(filter);
-  EXPECT_EQ(taken.object_count(), 1U);
-  // NOLINTBEGIN(bugprone-use-after-move): what is tested.
-  EXPECT_THROW(filter.object_count(), InvalidInput);
-  EXPECT_THROW(filter.camera(), InvalidInput);
-  EXPECT_THROW(filter.update(0, SE3d()), InvalidInput);
-  EXPECT_THROW(MultiObjectFilter{filter}, InvalidInput);
-  filter = taken;
-  EXPECT_EQ(filter.object_count(), 1U);
-  // NOLINTEND(bugprone-use-after-move)
-}
-
-TEST(MultiObjectFilter, RefusesIndicesAtWhichThereIsNothing) {
-  OrbitScene scene(6, 2, 0.01, 1e-4);
-  MultiObjectFilter filter = make(scene, plain_settings());
-  filter.update(0, scene.detect(0, 0.0, 0.0));
-  const auto expect_refused = [](const char* message, const auto& action) {
-    EXPECT_EQ(thrown_message(action), message);
-  };
-  const char* no_object = "there is no object 2; there are 2";
-  expect_refused(no_object, [&] { return filter.hypotheses(2); });
-  expect_refused(no_object, [&] { return filter.leading(2); });
-  expect_refused(no_object, [&] { return filter.mode_probability(2); });
-  expect_refused(no_object, [&] { return filter.log_absent(2); });
-  expect_refused(no_object, [&] { return filter.noise_scale(2); });
-  expect_refused(no_object, [&] { return filter.sensor(2); });
-  expect_refused(no_object, [&] { return filter.pose_index(2); });
-  expect_refused(no_object, [&] { return filter.relative(2, 0); });
-  expect_refused(no_object, [&] { return filter.unseen_covariance(2, SE3d()); });
-  expect_refused(no_object, [&] { return filter.update(2, SE3d()); });
-  expect_refused(no_object, [&] { filter.forget(2); });
-  expect_refused("object 0 has 1 hypotheses; there is none at index 1",
-                 [&] { return filter.relative(0, 1); });
-  expect_refused("object 1 has 0 hypotheses; there is none at index 0",
-                 [&] { return filter.relative(1, 0); });
-  using Modes = std::vector<std::optional<std::size_t>>;
-  expect_refused("hypotheses of 1 objects, but there are 2",
-                 [&] { return filter.joint_of(Modes{0}); });
-  expect_refused("object 1 has 0 hypotheses; there is none at index 0", [&] {
-    return filter.joint_of(Modes{0, 0});
-  });
-  EXPECT_EQ(filter.joint_of(Modes{0, std::nullopt}).mean().size(), 2U);
 }
 
 TEST(MultiObjectFilter, ConstantVelocityIsThatOfTheGaussianSumFilter) {

@@ -39,7 +39,8 @@ struct MultiObjectSettings {
   double merge_rotation_rad = 1.0471975511965976;  ///< 60 deg
   double merge_translation_m = 0.5;
   double merge_probability = 0.94;
-  /// A hypothesis becomes the leading one when its log weight is larger by more than this [nats].
+  /// A hypothesis becomes the leading one when its log probability is larger by more than this
+  /// [nats].
   double leader_margin = 0.7;
   /// Where hypotheses of an object that can still win place the camera so differently that one
   /// camera for all would lose more than this [nats], the state is split into global hypotheses,

@@ -148,11 +148,11 @@ void GlobalHypotheses::normalise() {
 }
 
 void GlobalHypotheses::choose_first() {
-  const auto heaviest = std::max_element(
+  const auto most = std::max_element(
       list_.begin(), list_.end(),
-      [](const Weighted& a, const Weighted& b) { return a.log.weight < b.log.weight; });
-  if (heaviest->log.weight > list_.front().log.weight + settings().leader_margin)
-    std::rotate(list_.begin(), heaviest, heaviest + 1);
+      [](const Weighted& a, const Weighted& b) { return a.log.probability < b.log.probability; });
+  if (most->log.probability > list_.front().log.probability + settings().leader_margin)
+    std::rotate(list_.begin(), most, most + 1);
 }
 
 double GlobalHypotheses::loss_of_mixing(const Weighted& a, const Weighted& b) const {
@@ -190,10 +190,10 @@ void GlobalHypotheses::reduce() {
     if (list_.size() <= settings().max_global_hypotheses &&
         least > kMixedBelow * settings().split_loss)
       return;
-    // The heavier one keeps its leading hypotheses; the first one stays the first.
+    // The more probable one keeps its leading hypotheses; the first one stays the first.
     Weighted& a = list_[first];
     Weighted& b = list_[second];
-    if (first > 0 && b.log.weight > a.log.weight) std::swap(a, b);
+    if (first > 0 && b.log.probability > a.log.probability) std::swap(a, b);
     const LogTotals total = normalise_pair(a.log, b.log);
     a.state.mix(b.state, a.log, b.log);
     a.log = total;

@@ -17,9 +17,9 @@ namespace posemix::internal {
 /// object is certain, and one in which it is impossible. States are mixed again when that loses
 /// little, or when there are too many of them.
 ///
-/// Invariants: there is at least one state; the weights sum to one; the first one is that of the
-/// largest weight, up to the margin of a leading hypothesis; a hypothesis of an object has the same
-/// id in all states.
+/// Invariants: there is at least one state; the weights sum to one; the first one is the most
+/// probable, up to the margin of a leading hypothesis; a hypothesis of an object has the same id in
+/// all states.
 class GlobalHypotheses {
  public:
   explicit GlobalHypotheses(MultiObjectState initial);
@@ -51,7 +51,8 @@ class GlobalHypotheses {
   const MultiObjectSettings& settings() const { return list_.front().state.settings; }
   void split(std::size_t j, std::vector<ObservedDetection>& observed, bool may_start);
   void normalise();
-  /// The heaviest state becomes the first where it is ahead by the margin of a leading hypothesis.
+  /// The most probable state becomes the first where it is ahead by the margin of a leading
+  /// hypothesis.
   void choose_first();
   /// Mixes the pairs that lose least, as long as there are too many states or little is lost.
   void reduce();

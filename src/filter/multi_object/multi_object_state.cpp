@@ -33,6 +33,16 @@ DetectorNoise with_clutter(const DetectorNoise& noise, double weight) {
                        noise.dependence());
 }
 
+/// The noise with offsets nearest to none under the symmetries: a mode of the detector that looks
+/// the same as the true pose is no other mode.
+DetectorNoise with_reduced_offsets(const DetectorNoise& noise, const SymmetryGroup& symmetries) {
+  if (symmetries.is_trivial()) return noise;
+  std::vector<NoiseComponent> components = noise.components();
+  for (NoiseComponent& component : components)
+    component.offset = symmetries.closest(component.offset, SE3d(), Matrix6d::Identity());
+  return DetectorNoise(std::move(components), noise.clutter(), noise.dependence());
+}
+
 /// A mode of a detector's noise: the components with the same offset.
 struct NoiseMode {
   const NoiseComponent* first;
@@ -78,7 +88,8 @@ MultiObjectState::MultiObjectState(const ConcentratedGaussian<SE3d>& camera,
       joint(camera) {
   check_settings(settings);
   for (ObjectSensor& sensor : sensors) {
-    sensor.noise = with_clutter(sensor.noise, settings.default_clutter);
+    sensor.noise = with_clutter(with_reduced_offsets(sensor.noise, sensor.symmetries),
+                                settings.default_clutter);
     objects.push_back({LearnedSensor(std::move(sensor))});
   }
 }

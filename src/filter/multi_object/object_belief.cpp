@@ -310,18 +310,18 @@ LogTotals ObjectBelief::normalise() {
 
 void ObjectBelief::choose_leader(JointGaussian& joint, double margin) {
   if (!leader_) return;
-  std::size_t heaviest = 0;
+  std::size_t most = 0;
   for (std::size_t h = 1; h < size(); ++h) {
-    if (standing(h).log_weight > standing(heaviest).log_weight) heaviest = h;
+    if (standing(h).log_probability > standing(most).log_probability) most = h;
   }
-  if (leads(heaviest) || standing(heaviest).log_weight <= leader_->standing.log_weight + margin)
+  if (leads(most) || standing(most).log_probability <= leader_->standing.log_probability + margin)
     return;
   const std::size_t position = leader_->position;
   const Alternative former{leader_->standing, pose(joint, position)};
-  const Alternative next = alternatives_[slot(heaviest)];
+  const Alternative next = alternatives_[slot(most)];
   joint.replace(leader_->pose_index, next.pose);
-  erase_alternative(heaviest);
-  leader_ = {next.standing, heaviest, leader_->pose_index};
+  erase_alternative(most);
+  leader_ = {next.standing, most, leader_->pose_index};
   alternatives_.insert(alternatives_.begin() + static_cast<std::ptrdiff_t>(slot(position)), former);
 }
 

@@ -156,7 +156,7 @@ class ObjectBelief {
   void keep_best(std::size_t most, std::size_t best_scores);
   /// Divides all weights by their sum. Returns the logs of the sums.
   LogTotals normalise();
-  /// The heaviest hypothesis takes the lead where it is ahead by more than `margin` [nats].
+  /// The most probable hypothesis takes the lead where it is ahead by more than `margin` [nats].
   void choose_leader(JointGaussian& joint, double margin);
 
   // --- global hypotheses

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "multi_object_scene.hpp"
+#include "posemix/filter/update.hpp"
+
+namespace posemix {
+namespace {
+
+using testing::isotropic;
+using testing::make;
+using testing::OrbitScene;
+using testing::plain_settings;
+using testing::ray_noise;
+
+/// Two objects, of which truth and flip are seen equally often.
+class Ties : public ::testing::Test {
+ protected:
+  void run(int frames) {
+    for (int frame = 0; frame < frames; ++frame) {
+      if (filter.camera_mixture().size() > most) most = filter.camera_mixture().size();
+      if (frame > 0) filter.predict_with_odometry(scene.advance(), scene.q, 0.1);
+      for (std::size_t j = 0; j < 2; ++j) filter.update(j, scene.detect(j, 0.5, 0.03));
+    }
+  }
+
+  OrbitScene scene{4, 2, 0.05, 1e-3};
+  MultiObjectFilter filter = make(scene, plain_settings());
+  std::size_t most = 0;
+};
+
+TEST_F(Ties, WhatIsReportedIsTheirMixture) {
+  run(40);
+  const auto cameras = filter.camera_mixture();
+  EXPECT_GT(most, 1U);
+  ASSERT_LE(most, 4U);
+  double total = 0.0;
+  for (std::size_t k = 0; k < cameras.size(); ++k) total += std::exp(cameras[k].log_weight);
+  EXPECT_NEAR(total, 1.0, 1e-9);
+  // The camera has the moments of its mixture.
+  const SE3d at = filter.camera().mean();
+  Vector6d mean = Vector6d::Zero();
+  Matrix6d second = Matrix6d::Zero();
+  for (std::size_t k = 0; k < cameras.size(); ++k) {
+    const double weight = std::exp(cameras[k].log_weight);
+    const Vector6d apart = (cameras[k].density.mean() * at.inverse()).log();
+    mean += weight * apart;
+    second += weight * (cameras[k].density.covariance() + apart * apart.transpose());
+  }
+  EXPECT_LT(mean.norm(), 1e-4);
+  EXPECT_TRUE(second.isApprox(filter.camera().covariance(), 0.02));
+  for (std::size_t j = 0; j < 2; ++j) {
+    double objects = 0.0;
+    const auto mixture = filter.object_mixture(j);
+    for (std::size_t k = 0; k < mixture.size(); ++k) objects += std::exp(mixture[k].log_weight);
+    double hypotheses = 0.0;
+    for (const ObjectHypothesis& h : filter.hypotheses(j)) hypotheses += std::exp(h.log_weight);
+    EXPECT_NEAR(hypotheses + std::exp(filter.log_absent(j)), 1.0, 1e-9);
+    EXPECT_NEAR(objects, 1.0, 1e-9);  // given that the object was detected
+  }
+}
+
+TEST_F(Ties, AllAccessorsAreMarginalsOfOneGaussian) {
+  run(40);
+  const auto joint = filter.joint();
+  EXPECT_TRUE(block(joint.covariance(), 0, 0).isApprox(filter.camera().covariance(), 1e-12));
+  for (std::size_t j = 0; j < 2; ++j) {
+    const auto leading = filter.leading(j);
+    ASSERT_TRUE(leading);
+    const ObjectHypothesis h = filter.hypotheses(j)[*leading];
+    const std::size_t at = filter.pose_index(j).value();
+    EXPECT_TRUE(block(joint.covariance(), at, at).isApprox(h.covariance, 1e-12));
+    EXPECT_TRUE(block(joint.covariance(), at, 0).isApprox(h.cross_covariance, 1e-12));
+    EXPECT_LT((joint.mean()[at] * h.pose.inverse()).log().norm(), 1e-12);
+    EXPECT_NEAR(filter.mode_probability(j), h.probability, 1e-12);
+    for (const ObjectHypothesis& other : filter.hypotheses(j))
+      EXPECT_LE(std::log(other.probability), std::log(h.probability) + 0.7 + 1e-9);
+  }
+  EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(joint.covariance()).eigenvalues()[0],
+            0.0);
+}
+
+TEST_F(Ties, EndWhenItIsDecided) {
+  run(20);
+  EXPECT_GT(most, 1U);
+  for (int frame = 0; frame < 60; ++frame) {
+    filter.predict_with_odometry(scene.advance(), scene.q, 0.1);
+    for (std::size_t j = 0; j < 2; ++j) filter.update(j, scene.detect(j, 0.0, 0.0));
+  }
+  EXPECT_EQ(filter.camera_mixture().size(), 1U);
+  for (std::size_t j = 0; j < 2; ++j) EXPECT_GT(filter.mode_probability(j), 0.999);
+}
+
+TEST_F(Ties, AForgottenObjectIsForgottenInAll) {
+  run(40);
+  filter.forget(0);
+  EXPECT_TRUE(filter.hypotheses(0).empty());
+  EXPECT_EQ(filter.log_absent(0), 0.0);
+  EXPECT_FALSE(filter.hypotheses(1).empty());
+  const SE3d seen = scene.camera.inverse() * scene.truth[0];
+  EXPECT_TRUE(filter.update(0, seen).started);
+  EXPECT_EQ(filter.hypotheses(0).size(), 1U);
+}
+
+TEST(GlobalHypotheses, OneIsTheFilterWithoutThem) {
+  OrbitScene scene(4, 2, 0.05, 1e-3);
+  MultiObjectSettings settings = plain_settings();
+  settings.max_global_hypotheses = 1;
+  MultiObjectFilter filter = make(scene, settings);
+  for (int frame = 0; frame < 40; ++frame) {
+    if (frame > 0) filter.predict_with_odometry(scene.advance(), scene.q, 0.1);
+    for (std::size_t j = 0; j < 2; ++j) filter.update(j, scene.detect(j, 0.5, 0.03));
+    ASSERT_EQ(filter.camera_mixture().size(), 1U);
+  }
+}
+
+// The estimate that is reported is the most probable one, with dependent detections counted once.
+TEST(GlobalHypotheses, TheMostProbableHypothesisLeads) {
+  OrbitScene scene(5, 1, 0.05, 1e-3);
+  const DetectorNoise given = ray_noise();
+  const DetectorNoise noise(given.components(), given.clutter(), {.mode_time_s = 30.0});
+  MultiObjectFilter filter(ConcentratedGaussian<SE3d>(scene.camera, isotropic(0.1, 0.002)),
+                           {{noise}}, plain_settings());
+  for (int frame = 0; frame < 120; ++frame) {
+    if (frame > 0) filter.predict_with_odometry(scene.advance(), scene.q, frame < 60 ? 2.0 : 0.1);
+    filter.update(0, scene.detect(0, frame < 60 ? 0.0 : 1.0, 0.0));
+  }
+  // Sixty detections of the flip in six seconds weigh more than sixty of the truth in two minutes,
+  // and are less probable.
+  const auto leading = filter.leading(0);
+  ASSERT_TRUE(leading);
+  const SE3d estimate = filter.hypotheses(0)[*leading].pose;
+  EXPECT_LT((estimate.rotation().inverse() * scene.truth[0].rotation()).log().norm(), 0.2);
+  EXPECT_GT(filter.mode_probability(0), 0.9);
+}
+
+// A mode of the noise that the declared symmetries make equal to the true pose is no other mode.
+TEST(GlobalHypotheses, AModeThatLooksTheSameIsNoOtherMode) {
+  const SE3d half_turn(SO3d::exp({0.0, 0.0, std::numbers::pi}), Eigen::Vector3d::Zero());
+  const SymmetryGroup symmetries({half_turn}, {});
+  auto components = ray_noise().components();
+  const auto run = [&](const DetectorNoise& noise) {
+    OrbitScene scene(6, 1, 0.05, 1e-3);
+    MultiObjectFilter filter(ConcentratedGaussian<SE3d>(scene.camera, isotropic(0.1, 0.002)),
+                             {{noise, symmetries}}, plain_settings());
+    for (int frame = 0; frame < 30; ++frame) {
+      if (frame > 0) filter.predict_with_odometry(scene.advance(), scene.q, 0.1);
+      filter.update(0, scene.detect(0, 0.4, 0.0));
+    }
+    return filter;
+  };
+  const MultiObjectFilter plain = run(DetectorNoise(components, ray_noise().clutter()));
+  // The same noise, half of it called another mode.
+  auto split = components;
+  for (NoiseComponent& component : components) {
+    component.weight *= 0.5;
+    component.offset = half_turn;
+  }
+  for (NoiseComponent& component : split) component.weight *= 0.5;
+  split.insert(split.end(), components.begin(), components.end());
+  const MultiObjectFilter both = run(DetectorNoise(split, ray_noise().clutter()));
+  ASSERT_EQ(both.hypotheses(0).size(), plain.hypotheses(0).size());
+  EXPECT_TRUE(both.relative(0, 0).covariance().isApprox(plain.relative(0, 0).covariance(), 1e-6));
+}
+
+}  // namespace
+}  // namespace posemix
