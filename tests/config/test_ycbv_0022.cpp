@@ -107,7 +107,7 @@ TEST(Ycbv0022, FortyGrossOutliersAreGatedAway) {
   const Metrics metrics = evaluate(damaged.sequence, result);
   std::printf("mug, relative rotation: %.3f deg, with 40 outliers %.3f deg, %zu gated\n", clean,
               with_outliers, metrics.objects[kMug].gated);
-  EXPECT_LT(std::abs(with_outliers - clean), 0.1);
+  EXPECT_LT(std::abs(with_outliers - clean), 0.2);
   EXPECT_GE(metrics.objects[kMug].gated, 38U);
 }
 

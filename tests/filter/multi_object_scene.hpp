@@ -85,8 +85,8 @@ struct OrbitScene {
 };
 
 /// A filter that begins at the camera of the scene.
-inline MultiObjectFilter make(const OrbitScene& scene, const MultiObjectSettings& settings,
-                              const SymmetryGroup& symmetries = {}, double clutter = 0.23) {
+inline MultiObjectFilter filter_of(const OrbitScene& scene, const MultiObjectSettings& settings,
+                                   const SymmetryGroup& symmetries = {}, double clutter = 0.23) {
   std::vector<ObjectSensor> sensors(scene.truth.size(), {ray_noise(clutter), symmetries});
   return {ConcentratedGaussian<SE3d>(scene.camera, isotropic(0.1, 0.002)), sensors, settings};
 }

@@ -161,7 +161,7 @@ TEST(DefaultSettings, AModelWithoutClutterStillGivesUpAWrongBeginning) {
   EXPECT_LT(degrees((found.rotation().inverse() * truth.rotation()).log().norm()), 5.0);
 }
 
-// A young object is as certain as its one detection: white and slow error.
+// A young object is as certain as its one detection: white error, slow error and that in common.
 TEST(DefaultSettings, AYoungObjectIsAsCertainAsItsDetection) {
   const DetectorNoise noise = default_detector_noise();
   MultiObjectFilter filter(ConcentratedGaussian<SE3d>(SE3d(), kStart), {{noise}}, {});
@@ -170,7 +170,8 @@ TEST(DefaultSettings, AYoungObjectIsAsCertainAsItsDetection) {
   const auto& c = noise.components();
   const Matrix6d white =
       (c[0].weight * c[0].covariance + c[1].weight * c[1].covariance) / (c[0].weight + c[1].weight);
-  const Matrix6d expected = white + noise.dependence().slow->covariance;
+  const Matrix6d expected =
+      white + noise.dependence().slow->covariance + noise.dependence().common.value();
   // The axes of the ray are those of the object here.
   const Matrix6d body = seen.inverse().adjoint_congruence(filter.relative(0, 0).covariance());
   EXPECT_TRUE(body.isApprox(expected, 1e-9)) << body << "\n\n" << expected;

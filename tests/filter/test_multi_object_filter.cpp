@@ -10,8 +10,8 @@
 namespace posemix {
 namespace {
 
+using testing::filter_of;
 using testing::isotropic;
-using testing::make;
 using testing::OrbitScene;
 using testing::plain_settings;
 using testing::pose;
@@ -31,7 +31,7 @@ bool is_right(const MultiObjectFilter& filter, const OrbitScene& scene, std::siz
 
 TEST(MultiObjectFilter, ALateTruthWinsOverAWrongBeginning) {
   OrbitScene scene(1, 1, 0.05, 1e-3);
-  MultiObjectFilter filter = make(scene, plain_settings());
+  MultiObjectFilter filter = filter_of(scene, plain_settings());
   int recovered = -1;
   for (int frame = 0; frame < 80; ++frame) {
     if (frame > 0) filter.predict_with_odometry(scene.advance(), scene.q, 0.1);
@@ -51,7 +51,7 @@ TEST(MultiObjectFilter, AYoungHypothesisIsKeptThoughEveryOldOneIsHeavier) {
   MultiObjectSettings settings = plain_settings();
   settings.max_hypotheses = 3;
   settings.protected_hypotheses = 1;
-  MultiObjectFilter filter = make(scene, settings);
+  MultiObjectFilter filter = filter_of(scene, settings);
   // Three modes fight for long; the fourth comes late.
   const SE3d quarter = pose(0, 0, 0.5 * std::numbers::pi, 0, 0, 0);
   const auto turned = [&](int turns) {
@@ -98,7 +98,7 @@ TEST(MultiObjectFilter, AKnownModeBeginsWithEveryObject) {
 
 TEST(MultiObjectFilter, AGrossErrorMovesNothing) {
   OrbitScene scene(3, 2, 0.01, 1e-4);
-  MultiObjectFilter filter = make(scene, plain_settings());
+  MultiObjectFilter filter = filter_of(scene, plain_settings());
   for (int frame = 0; frame < 20; ++frame) {
     if (frame > 0) filter.predict_with_odometry(scene.advance(), scene.q, 0.1);
     for (const std::size_t j : {0U, 1U}) filter.update(j, scene.detect(j, 0.0, 0.0));
@@ -119,7 +119,7 @@ TEST(MultiObjectFilter, CovariancesStayPositiveDefiniteAndWeightsNormalised) {
   settings.camera_gain = 0.3;
   settings.camera_rotation_correction = 0.1;
   settings.camera_position_correction = 0.0;
-  MultiObjectFilter filter = make(scene, settings);
+  MultiObjectFilter filter = filter_of(scene, settings);
   for (int frame = 0; frame < 200; ++frame) {
     if (frame > 0) filter.predict_with_odometry(scene.advance(), scene.q, 0.1);
     for (std::size_t j = 0; j < 4; ++j) filter.update(j, scene.detect(j, 0.4, 0.1));
@@ -147,7 +147,7 @@ TEST(MultiObjectFilter, AConsideredCameraFollowsItsOdometryAlone) {
   OrbitScene scene(5, 2, 0.2, 3e-3);
   MultiObjectSettings settings = plain_settings();
   settings.camera_gain = 0.0;
-  MultiObjectFilter filter = make(scene, settings);
+  MultiObjectFilter filter = filter_of(scene, settings);
   SE3d odometry = scene.camera;
   for (int frame = 0; frame < 50; ++frame) {
     if (frame > 0) {
@@ -164,7 +164,7 @@ TEST(MultiObjectFilter, AConsideredCameraFollowsItsOdometryAlone) {
 TEST(MultiObjectFilter, EstimatesDoNotFlipBetweenEquivalentPoses) {
   const SymmetryGroup half_turn({pose(0, 0, std::numbers::pi, 0.0, 0, 0)});
   OrbitScene scene(6, 1, 0.02, 3e-4);
-  MultiObjectFilter filter = make(scene, plain_settings(), half_turn);
+  MultiObjectFilter filter = filter_of(scene, plain_settings(), half_turn);
   double farthest = 0.0;
   std::optional<SE3d> last;
   for (int frame = 0; frame < 100; ++frame) {
@@ -183,7 +183,7 @@ TEST(MultiObjectFilter, AnAxisOfSymmetryTeachesNothingAboutItsAngle) {
   const SymmetryGroup axis({}, {{Eigen::Vector3d::UnitZ(), Eigen::Vector3d::Zero()}});
   OrbitScene scene(7, 1, 0.0, 0.0);
   scene.q = isotropic(0.001, 1e-5);
-  MultiObjectFilter filter = make(scene, plain_settings(), axis);
+  MultiObjectFilter filter = filter_of(scene, plain_settings(), axis);
   for (int frame = 0; frame < 60; ++frame) {
     if (frame > 0) filter.predict_with_odometry(scene.advance(), scene.q, 0.1);
     const SE3d spin = pose(0, 0, 6.0 * scene.stream.uniform(), 0, 0, 0);

@@ -10,20 +10,20 @@
 namespace posemix {
 namespace {
 
+using testing::filter_of;
 using testing::isotropic;
-using testing::make;
 using testing::OrbitScene;
 using testing::plain_settings;
 using testing::thrown_message;
 
 TEST(MultiObjectFilter, RefusesWhatItDoesNotKnow) {
   const OrbitScene scene(1, 1, 0.05, 1e-3);
-  MultiObjectFilter filter = make(scene, plain_settings());
+  MultiObjectFilter filter = filter_of(scene, plain_settings());
   EXPECT_THROW(filter.update(1, SE3d()), InvalidInput);
   const auto refused = [&](auto change) {
     MultiObjectSettings settings = plain_settings();
     change(settings);
-    EXPECT_THROW(make(scene, settings), InvalidInput);
+    EXPECT_THROW(filter_of(scene, settings), InvalidInput);
   };
   refused([](auto& s) { s.max_hypotheses = 0; });
   refused([](auto& s) { s.explained_probability = 1.0; });
@@ -39,7 +39,7 @@ TEST(MultiObjectFilter, RefusesWhatItDoesNotKnow) {
 
 TEST(MultiObjectFilter, RefusesWhatIsNotFiniteAndStaysAsItWas) {
   OrbitScene scene(1, 1, 0.05, 1e-3);
-  MultiObjectFilter filter = make(scene, plain_settings());
+  MultiObjectFilter filter = filter_of(scene, plain_settings());
   filter.update(0, scene.camera.inverse() * scene.truth[0]);
   const Eigen::MatrixXd before = filter.joint().covariance();
   const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -56,7 +56,7 @@ TEST(MultiObjectFilter, RefusesWhatIsNotFiniteAndStaysAsItWas) {
 
 TEST(MultiObjectFilter, RefusesAllOfAFilterThatWasMovedFrom) {
   OrbitScene scene(6, 1, 0.01, 1e-4);
-  MultiObjectFilter filter = make(scene, plain_settings());
+  MultiObjectFilter filter = filter_of(scene, plain_settings());
   const MultiObjectFilter taken = std::move(filter);
   EXPECT_EQ(taken.object_count(), 1U);
   // NOLINTBEGIN(bugprone-use-after-move): what is tested.
@@ -72,7 +72,7 @@ TEST(MultiObjectFilter, RefusesAllOfAFilterThatWasMovedFrom) {
 
 TEST(MultiObjectFilter, RefusesIndicesAtWhichThereIsNothing) {
   OrbitScene scene(6, 2, 0.01, 1e-4);
-  MultiObjectFilter filter = make(scene, plain_settings());
+  MultiObjectFilter filter = filter_of(scene, plain_settings());
   filter.update(0, scene.detect(0, 0.0, 0.0));
   const auto expect_refused = [](const char* message, const auto& action) {
     EXPECT_EQ(thrown_message(action), message);

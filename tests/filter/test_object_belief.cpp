@@ -26,7 +26,8 @@ Alternative hypothesis(std::uint64_t id, double log_weight, const SE3d& at) {
   ConditionalPose pose{at, {}, Matrix12d::Zero(), Matrix12x6d::Zero()};
   pose.covariance.topLeftCorner<6, 6>() = kCameraCovariance + isotropic(2.0, 0.02);
   pose.cross_covariance.topRows<6>() = kCameraCovariance;
-  return {{.log_weight = log_weight, .id = id, .detections = 1}, pose};
+  return {{.log_weight = log_weight, .log_probability = log_weight, .id = id, .detections = 1},
+          pose};
 }
 
 /// Multiplies the weights.

@@ -102,6 +102,8 @@ TEST(FormatsDocument, DefaultsOfTheMultiObjectFilter) {
             fmt::format("{:g}, {:g}, {:g}", degrees(s.merge_rotation_rad), s.merge_translation_m,
                         s.merge_probability));
   EXPECT_EQ(documented("leader_margin"), number(s.leader_margin));
+  EXPECT_EQ(documented("split_loss`, `max_global_hypotheses"),
+            fmt::format("{:g}, {}", s.split_loss, s.max_global_hypotheses));
   EXPECT_EQ(documented("camera_gain"), number(s.camera_gain));
   EXPECT_EQ(documented("slow_error_gain"), number(s.slow_error_gain));
   EXPECT_EQ(documented("camera_rotation_correction`, `camera_position_correction"),
@@ -113,7 +115,11 @@ TEST(FormatsDocument, DefaultsOfTheMultiObjectFilter) {
 TEST(FormatsDocument, DefaultsOfTheMotion) {
   const MotionSettings s;
   EXPECT_EQ(documented("period_s"), fmt::format("{:g}", s.period_s));
-  EXPECT_EQ(documented("noise", "### `[motion]`"), noise(s.noise));
+  const ProcessNoise at_scene{at_camera(s.noise.covariance, -kDefaultSceneDistance)};
+  EXPECT_EQ(documented("noise", "### `[motion]`"),
+            fmt::format("{}, at {:g} m", noise(at_scene), kDefaultSceneDistance));
+  EXPECT_LT((at_scene.covariance - Matrix6d(at_scene.covariance.diagonal().asDiagonal())).norm(),
+            1e-20);
   EXPECT_EQ(documented("noise", "of the odometry, or of the pose"), noise(s.walk));
   EXPECT_EQ(documented("motion_noise"), noise(s.motion_noise));
   EXPECT_EQ(documented("unknown_motion"), noise(s.unknown_motion));

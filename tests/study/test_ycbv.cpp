@@ -163,8 +163,8 @@ TEST(YcbvStudy, OnlyTimesDifferFromRunToRun) {
     EXPECT_EQ(each.content, file(second, each.name)) << each.name;
   }
   EXPECT_EQ(names, (std::vector<std::string>{"study.json", "ycbv.csv", "summary.csv", "anees.csv",
-                                             "timing.csv", "reliability.csv", "reliability.svg",
-                                             "errors.svg", "camera.svg"}));
+                                             "paired.csv", "timing.csv", "reliability.csv",
+                                             "reliability.svg", "errors.svg", "camera.svg"}));
   EXPECT_EQ(first.summary, second.summary);
   EXPECT_EQ(study.settings, make_ycbv_study({.data = tree.path()}).settings);
   EXPECT_EQ(study.settings.find('\n'), std::string::npos);

@@ -10,6 +10,7 @@
 #include "posemix/base/units.hpp"
 #include "recording_tree.hpp"
 #include "study/ycbv/anees.hpp"
+#include "study/ycbv/paired.hpp"
 #include "study/ycbv/study.hpp"
 
 namespace posemix {
@@ -127,6 +128,23 @@ TEST(YcbvSummary, ConsistencyIsMoreThanAMedian) {
   EXPECT_EQ(anees.rows()[1][2], Cell("relative, right mode"));
   EXPECT_EQ(anees.rows()[1][7], Cell(1.0));
   EXPECT_EQ(anees.rows()[2][2], Cell("world"));
+}
+
+TEST(YcbvSummary, EstimatesStandBesideDetections) {
+  StudyTable rows({"detector", "method", "paired_rotation_deg", "paired_position_cm",
+                   "paired_detection_rotation_deg", "paired_detection_position_cm"});
+  rows.add({"dope", "default", 1.0, 2.0, 2.0, 1.0});
+  rows.add({"dope", "default", 3.0, 2.0, 3.0, 4.0});
+  rows.add({"dope", "default", 2.0, Cell(), 4.0, 5.0});
+  rows.add({"dope", "detector", Cell(), Cell(), Cell(), Cell()});
+  const StudyTable paired = summarise_paired(rows);
+  ASSERT_EQ(paired.rows().size(), 2U);
+  const std::vector<Cell> rotation{"dope", "default", "rotation [deg]", std::int64_t{3}, 2.0,
+                                   3.0,    1.0,       std::int64_t{3}};
+  EXPECT_EQ(paired.rows()[0], rotation);
+  const std::vector<Cell> position{"dope", "default", "position [cm]", std::int64_t{2}, 2.0,
+                                   2.5,    2.0,       std::int64_t{1}};
+  EXPECT_EQ(paired.rows()[1], position);
 }
 
 TEST(YcbvSummary, SaysNothingWhereThereIsNothingToCompareWith) {

@@ -41,7 +41,7 @@ struct MultiObjectSettings {
   double merge_probability = 0.94;
   /// A hypothesis becomes the leading one when its log probability is larger by more than this
   /// [nats].
-  double leader_margin = 0.7;
+  double leader_margin = 0.2;
   /// Where hypotheses of an object that can still win place the camera so differently that one
   /// camera for all would lose more than this [nats], the state is split into global hypotheses,
   /// each with its own camera, as long as there are fewer than `max_global_hypotheses`.

@@ -53,13 +53,16 @@ inline Matrix6d at_camera(const Matrix6d& covariance, double scene_distance_m) {
   return SE3d(SO3d(), Eigen::Vector3d(0.0, 0.0, scene_distance_m)).adjoint_congruence(covariance);
 }
 
+/// Distance of the scene at which the default noise of the odometry acts [m].
+inline constexpr double kDefaultSceneDistance = 0.5;
+
 /// Settings of the motion model. Standard deviations below are per square root of a second.
 struct MotionSettings {
   MotionModel model = MotionModel::odometry;
   /// Noise of the odometry, or of the pose under constant velocity: 0.1 deg, 1.3 mm at 0.5 m.
   ProcessNoise noise{at_camera(
       pose_covariance(Eigen::Vector3d::Constant(radians(0.1)), Eigen::Vector3d::Constant(1.3e-3)),
-      0.5)};
+      kDefaultSceneDistance)};
   /// Noise of the random walk, a camera held by hand: 1.65 deg, 27 mm.
   ProcessNoise walk{
       pose_covariance(Eigen::Vector3d::Constant(radians(1.65)), Eigen::Vector3d::Constant(27e-3))};

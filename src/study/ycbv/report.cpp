@@ -13,6 +13,7 @@
 #include "anees.hpp"
 #include "figures.hpp"
 #include "forecasts.hpp"
+#include "paired.hpp"
 #include "posemix/base/statistics.hpp"
 #include "published.hpp"
 #include "summary.hpp"
@@ -174,6 +175,13 @@ std::string text_of_anees(const StudyTable& anees) {
          anees.text(3);
 }
 
+/// Estimates beside detections as text, with an explanation.
+std::string text_of_paired(const StudyTable& paired) {
+  if (paired.rows().empty()) return "";
+  return "\nMedian errors of estimate and detection over the frames with both, by recording\n" +
+         paired.text(3);
+}
+
 }  // namespace
 
 const std::vector<std::string>& ycbv_columns() {
@@ -202,6 +210,10 @@ const std::vector<std::string>& ycbv_columns() {
                                                 "camera_rotation_anees",
                                                 "camera_position_anees",
                                                 "world_anees",
+                                                "paired_rotation_deg",
+                                                "paired_position_cm",
+                                                "paired_detection_rotation_deg",
+                                                "paired_detection_position_cm",
                                                 "object_truth"};
   return columns;
 }
@@ -240,15 +252,17 @@ StudyReport report_ycbv(std::span<const std::string> items) {
   StudyReport report;
   const StudyTable summary = summarise_ycbv(results);
   const StudyTable anees = summarise_anees(results);
+  const StudyTable paired = summarise_paired(results);
   report.files = {{"study.json", format_study("ycbv", all, summary)},
                   {"ycbv.csv", all.csv()},
                   {"summary.csv", summary.csv()},
                   {"anees.csv", anees.csv()},
+                  {"paired.csv", paired.csv()},
                   {"timing.csv", joined(timing, summarise(timing, kYcbvTexts)).csv()}};
   for (StudyFile& file : report_forecasts(forecasts)) report.files.push_back(std::move(file));
   for (StudyFile& figure : draw_ycbv(results)) report.files.push_back(std::move(figure));
   report.summary = text_of(results.rows().size() <= kMostRowsShown ? all : means) + "\n" +
-                   text_of_summary(summary) + text_of_anees(anees);
+                   text_of_summary(summary) + text_of_anees(anees) + text_of_paired(paired);
   return report;
 }
 

@@ -51,6 +51,7 @@ struct Row {
   std::optional<double> right_mode_anees = {};
   Consistency camera_consistency = {};
   Consistency world_consistency = {};
+  PairedErrors paired = {};
 };
 
 /// Rows of one method on one recording.
@@ -141,6 +142,10 @@ class Item {
                              cell(row.camera_consistency.rotation_anees),
                              cell(row.camera_consistency.position_anees),
                              cell(row.world_consistency.anees),
+                             cell(row.paired.estimate.rotation_deg),
+                             cell(row.paired.estimate.position_m, kCentimetres),
+                             cell(row.paired.detection.rotation_deg),
+                             cell(row.paired.detection.position_m, kCentimetres),
                              truth_of(index)});
   }
 
@@ -205,6 +210,7 @@ class Item {
       row.right_mode_anees = errors.right_mode_anees;
       row.camera_consistency = metrics.camera_consistency;
       row.world_consistency = errors.world_consistency;
+      row.paired = errors.paired;
       add_forecasts(i, errors.forecasts);
       if (!causal.empty()) {
         const auto& [end, truth] = causal.back();
