@@ -197,6 +197,9 @@ void bind_objects(nb::class_<MultiObjectFilter>& filter) {
           "object"_a, "hypothesis"_a,
           "T_camera_object as the detector sees it under one hypothesis: with the slow error of "
           "its detections, without their white error.")
+      .def("object_mixture", &F::object_mixture, "object"_a,
+           "T_world_object given that it was detected: a component for each hypothesis under each "
+           "global hypothesis.")
       .def("pose_index", &F::pose_index, "object"_a,
            "Index of the object's pose in the joint Gaussian.");
 }
@@ -219,6 +222,9 @@ void bind_multi_object(nb::module_& m) {
   filter.def_prop_ro("object_count", &F::object_count, "Number of objects.")
       .def_prop_ro(
           "camera", [](const F& self) { return self.camera(); }, "T_world_camera.")
+      .def_prop_ro(
+          "camera_mixture", [](const F& self) { return self.camera_mixture(); },
+          "T_world_camera with a component for each global hypothesis; `camera` has its moments.")
       .def_prop_ro(
           "settings", [](const F& self) { return frozen(self.settings()); },
           nb::for_getter(nb::sig("def settings(self, /) -> MultiObjectSettings")),

@@ -221,6 +221,12 @@ def test_multi_object_filter_keeps_two_answers_apart() -> None:
     weights = [h.log_weight for h in hypotheses] + [tracker.log_absent(0)]
     assert np.exp(weights).sum() == pytest.approx(1.0)
     assert tracker.hypotheses(1) == [] and tracker.leading(1) is None
+    camera = tracker.camera_mixture
+    assert camera.weights.sum() == pytest.approx(1.0)
+    mixture = tracker.object_mixture(0)
+    assert len(mixture) >= len(tracker.hypotheses(0))
+    with pytest.raises(ValueError, match="object 1 has no hypothesis"):
+        tracker.object_mixture(1)
     assert repr(tracker) == "<MultiObjectFilter of 2 objects, hypotheses [2, 0]>"
     other = copy.deepcopy(tracker)
     other.forget(0)

@@ -9,7 +9,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "posemix/detector/default_noise.hpp"
 #include "posemix/slam/evaluation.hpp"
 #include "simulation_samples.hpp"
 #include "smoothing_scene.hpp"
@@ -175,10 +174,9 @@ TEST(FixedLag, LooksAheadJustSoFar) {
   // The right mode leads from some frame on, and is reported from one lag earlier on.
   const Sequence sequence = wrong_at_first();
   const PoseDensity prior(kStart, kStartCovariance);
-  // A detector that does not stay with a mode, so that as many right detections as wrong ones do.
-  const DetectorNoise typical = default_detector_noise();
-  const DetectorNoise noise(typical.components(), typical.clutter(),
-                            {.slow = typical.dependence().slow, .is_typical = true});
+  // The detector as it is, independent from frame to frame.
+  const DetectorNoise noise({{.weight = 1.0, .covariance = isotropic(2.0, 0.005)}},
+                            {.weight = 0.05});
   const std::vector<ObjectModel> models{{"0", noise}};
   const auto first_right = [](const SlamRun& result) {
     std::size_t k = 0;

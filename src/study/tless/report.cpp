@@ -93,6 +93,8 @@ Figures figures_of(const std::vector<Json>& instances, const std::vector<Json>& 
   };
   add("", frames);
   add("detection_", frames);
+  add("paired_", frames);
+  add("paired_detection_", frames);
   add("end_", count);
   for (const char* name : {"detections", "confirmed", "false_confirmed", "recycled"})
     figures.emplace_back(name, sum_of(scenes, name));

@@ -101,18 +101,26 @@ Json instance_row(const TlessScene& scene, const std::vector<ObjectModel>& model
                   const SlamRun& run, const TlessMetric& metric, std::size_t index) {
   const ObjectRecording& truth = scene.sequence.objects[index];
   const std::string& name = scene.classes[index];
-  Collected estimated, detected;
+  Collected estimated, detected, paired, paired_detected;
   std::int64_t frames = 0;
   for (std::size_t k = 0; k < run.frames.size(); ++k) {
     const auto& relative = truth.relative_truth[k];
     if (!relative) continue;
     ++frames;
-    estimated.add(metric.nearest(name, poses_of(name, models, run.frames[k].relative), *relative));
-    detected.add(metric.nearest(name, poses_of(name, scene.candidates[k]), *relative));
+    const auto estimate =
+        metric.nearest(name, poses_of(name, models, run.frames[k].relative), *relative);
+    const auto detection = metric.nearest(name, poses_of(name, scene.candidates[k]), *relative);
+    estimated.add(estimate);
+    detected.add(detection);
+    if (!estimate || !detection) continue;
+    paired.add(estimate);
+    paired_detected.add(detection);
   }
   Json row = {{"object", truth.id}, {"frames", frames}};
   estimated.write(row, "");
   detected.write(row, "detection_");
+  paired.write(row, "paired_");
+  paired_detected.write(row, "paired_detection_");
   Collected end;
   end.add(metric.nearest(name, poses_of(name, models, run.frames.back().objects),
                          *truth.world_truth.back()));
