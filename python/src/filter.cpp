@@ -230,7 +230,7 @@ void bind_multi_object(nb::module_& m) {
           nb::for_getter(nb::sig("def settings(self, /) -> MultiObjectSettings")),
           "A copy of the settings, which cannot be changed.")
       .def("joint", &F::joint,
-           "Camera, then the leading hypotheses in the order in which they began, jointly.")
+           "Camera, then the leading hypotheses, at `pose_index`, jointly.")
       .def("__repr__", [](const F& self) {
         std::vector<std::size_t> counts;
         for (std::size_t j = 0; j < self.object_count(); ++j)

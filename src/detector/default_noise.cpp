@@ -29,8 +29,8 @@ DetectorNoise default_detector_noise() {
                        .correlation_angle_rad = 90.0 * kRadPerDeg};
   return DetectorNoise({inlier, gross}, {.weight = 0.23, .volume_m3 = 1.0},
                        {.slow = slow,
-                        .common = pose_covariance(Eigen::Vector3d::Constant(2.0 * kRadPerDeg),
-                                                  Eigen::Vector3d::Constant(0.004)),
+                        .common = pose_covariance(Eigen::Vector3d::Constant(2.5 * kRadPerDeg),
+                                                  Eigen::Vector3d::Constant(0.005)),
                         .mode_time_s = 30.0,
                         .is_typical = true});
 }

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include <Eigen/Cholesky>
+
 #include "posemix/base/random.hpp"
 #include "posemix/base/statistics.hpp"
 
@@ -22,6 +24,7 @@ SE3d point_at(double distance_m) { return SE3d(SO3d(), Eigen::Vector3d(0.0, 0.0,
 struct WindowVariances {
   double independent = 0.0;
   double count = 0.0;
+  double seconds = 0.0;  ///< of all windows together
   std::vector<Vector6d> variance;
 };
 
@@ -38,6 +41,7 @@ WindowVariances window_variances(const OdometryRecording& recording, double leng
     seconds += recording.stamps[j] - recording.stamps[i];
   }
   result.count = static_cast<double>(windows.size());
+  result.seconds = seconds;
   result.independent = independent_windows(recording, windows.size(), seconds);
   for (std::size_t d = 0; d < kDistances; ++d) {
     // Log(T^-1 Exp(e) T) = Ad(T^-1) e.
@@ -52,23 +56,53 @@ WindowVariances window_variances(const OdometryRecording& recording, double leng
 
 using RecordingVariances = std::vector<WindowVariances>;  // by length
 
-/// The sum of the log variances of the windows, pooled over the recordings that are chosen.
+/// The rate at which variances grow with time: the slope of a weighted regression, for errors of
+/// a variance have a deviation in proportion to it. What does not grow is jitter of the truth.
+double slope(const std::vector<double>& seconds, const std::vector<double>& variances,
+             const std::vector<double>& counts) {
+  Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
+  Eigen::Vector2d right = Eigen::Vector2d::Zero();
+  for (std::size_t i = 0; i < seconds.size(); ++i) {
+    const double weight = counts[i] / std::max(variances[i] * variances[i], 1e-60);
+    const Eigen::Vector2d x(1.0, seconds[i]);
+    normal += weight * x * x.transpose();
+    right += weight * variances[i] * x;
+  }
+  if (seconds.size() == 1) return variances[0] / seconds[0];
+  return normal.ldlt().solve(right)[1];
+}
+
+/// The sum of the log rates at which the variances of the coordinates grow, pooled over the
+/// recordings that are chosen. Infinite where no rate is positive.
 double criterion(const std::vector<RecordingVariances>& all, const std::vector<std::size_t>& chosen,
                  std::size_t d) {
-  double sum = 0.0;
+  std::vector<double> seconds;
+  std::vector<double> counts;
+  std::vector<Vector6d> variances;
   for (std::size_t w = 0; w < all.front().size(); ++w) {
     double count = 0.0;
     double independent = 0.0;
+    double time = 0.0;
     Vector6d squares = Vector6d::Zero();
     for (const std::size_t r : chosen) {
       const WindowVariances& window = all[r][w];
       if (window.count == 0.0) continue;
       count += window.count;
       independent += window.independent;
+      time += window.seconds;
       squares += window.count * window.variance[d];
     }
-    // Errors of zero tell nothing of the distance.
-    if (count > 0.0) sum += independent * (squares / count).array().max(1e-30).log().sum();
+    if (count == 0.0) continue;
+    seconds.push_back(time / count);
+    counts.push_back(independent);
+    variances.emplace_back(squares / count);
+  }
+  double sum = 0.0;
+  for (Eigen::Index a = 0; a < 6; ++a) {
+    std::vector<double> of_axis;
+    for (const Vector6d& variance : variances) of_axis.push_back(variance[a]);
+    // A coordinate that does not grow is left at a rate far below what can be measured.
+    sum += std::log(std::max(slope(seconds, of_axis, counts), 1e-12));
   }
   return sum;
 }

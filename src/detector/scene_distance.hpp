@@ -34,8 +34,9 @@ struct SceneDistance {
   double error_m = 0.0;  ///< standard error by the bootstrap; NaN for fewer than two recordings
 };
 
-/// The distance at which the coordinates of the error depend least on each other: the one of the
-/// least sum of their log variances, for the determinant of their covariance is the same at all.
+/// The distance at which the coordinates of the random walk depend least on each other: the one of
+/// the least sum of the log rates at which their variances grow, for the determinant of its
+/// covariance is the same at all.
 SceneDistance scene_distance(std::span<const OdometryRecording> recordings,
                              const OdometryNoiseSettings& settings);
 

@@ -85,7 +85,7 @@ TEST_F(Ties, AllAccessorsAreMarginalsOfOneGaussian) {
 }
 
 TEST_F(Ties, EndWhenItIsDecided) {
-  run(20);
+  run(300);
   EXPECT_GT(most, 1U);
   for (int frame = 0; frame < 60; ++frame) {
     filter.predict_with_odometry(scene.advance(), scene.q, 0.1);
@@ -116,6 +116,17 @@ TEST(GlobalHypotheses, OneIsTheFilterWithoutThem) {
     for (std::size_t j = 0; j < 2; ++j) filter.update(j, scene.detect(j, 0.5, 0.03));
     ASSERT_EQ(filter.camera_mixture().size(), 1U);
   }
+}
+
+// Without clutter absence is impossible; two detections at one time count as one.
+TEST(GlobalHypotheses, ProbabilitiesAreNumbersWithoutClutterToo) {
+  OrbitScene scene(5, 1, 0.05, 1e-3);
+  const DetectorNoise given = ray_noise();
+  const DetectorNoise noise(given.components(), {.weight = 0.0}, {.mode_time_s = 30.0});
+  MultiObjectFilter filter(ConcentratedGaussian<SE3d>(scene.camera, isotropic(0.1, 0.002)),
+                           {{noise}}, plain_settings());
+  for (int k = 0; k < 3; ++k) filter.update(0, scene.detect(0, 0.0, 0.0));
+  EXPECT_EQ(filter.mode_probability(0), 1.0);
 }
 
 // The estimate that is reported is the most probable one, with dependent detections counted once.

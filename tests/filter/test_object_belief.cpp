@@ -150,5 +150,47 @@ TEST(ObjectBelief, AMergeWithTheLeaderIsTheLeader) {
   EXPECT_EQ(belief.pose(joint, 1).pose.matrix(), far.matrix());
 }
 
+// A merge keeps the id of the heavier hypothesis at the place of the older one, so that ids do not
+// ascend. The mixture of a belief with itself is the belief.
+TEST(ObjectBelief, AMixtureWithAnEqualOneChangesNothing) {
+  JointGaussian joint = camera_alone();
+  ObjectBelief belief;
+  const SE3d far = pose(0, 0, 3, 0, 0, 0);
+  belief.add(joint, {hypothesis(0, std::log(0.2), SE3d()), hypothesis(1, std::log(0.3), far),
+                     hypothesis(2, std::log(0.5), pose(0, 0, 0.02, 0, 0, 0))});
+  ASSERT_EQ(belief.merge(joint, SymmetryGroup(), {1.0, 0.5, 10.0}), 1U);
+  belief.normalise();
+  ASSERT_EQ(belief.standing(0).id, 2U);
+  ASSERT_EQ(belief.standing(1).id, 1U);
+  const ObjectBelief before = belief;
+  const LogTotals half{std::log(0.5), std::log(0.5)};
+  OtherBelief other{
+      {},
+      {before.log_absent() + half.weight, before.log_absence_probability() + half.probability},
+      true};
+  for (std::size_t h = 0; h < before.size(); ++h) {
+    other.hypotheses.push_back({before.standing(h), before.pose(joint, h)});
+    other.hypotheses.back().standing.log_weight += half.weight;
+    other.hypotheses.back().standing.log_probability += half.probability;
+  }
+  std::uint64_t next_id = 3;
+  belief.mix(joint, half, other, SymmetryGroup(), {1.0, 0.5, 10.0}, next_id);
+  belief.normalise();
+  ASSERT_EQ(belief.size(), before.size());
+  EXPECT_EQ(next_id, 3U);
+  for (std::size_t h = 0; h < before.size(); ++h) {
+    EXPECT_EQ(belief.standing(h).id, before.standing(h).id);
+    EXPECT_NEAR(belief.standing(h).log_weight, before.standing(h).log_weight, 1e-12);
+    EXPECT_LT((belief.pose(joint, h).pose * before.pose(joint, h).pose.inverse()).log().norm(),
+              1e-12);
+  }
+  // The same id at a place that is far away is another hypothesis.
+  other.hypotheses[1].pose.pose = pose(0, 0, -1.5, 0, 0, 0);
+  belief.mix(joint, half, other, SymmetryGroup(), {1.0, 0.5, 10.0}, next_id);
+  EXPECT_EQ(belief.size(), before.size() + 1);
+  EXPECT_EQ(belief.standing(before.size()).id, 3U);
+  EXPECT_EQ(next_id, 4U);
+}
+
 }  // namespace
 }  // namespace posemix::internal

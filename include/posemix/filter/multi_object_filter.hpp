@@ -53,9 +53,10 @@ struct MultiObjectSettings {
   /// counts as this many detections; at infinity nothing is learned.
   double noise_scale_detections = 3.0;
   double least_noise_scale = 0.1;  ///< the learned scale lies between this and one
-  /// Factor on the gain with which a detection of one object moves the camera and the other
+  /// Least factor on the gain with which a detection of one object moves the camera and the other
   /// objects, where the camera has odometry and the noise of the detector is a typical one
-  /// (NoiseDependence::is_typical). Below one, errors that the model does not hold do less harm to
+  /// (NoiseDependence::is_typical); it rises to one where the predicted pose is far less certain
+  /// than the detection. Below one, errors that the model does not hold do less harm to
   /// the map; the covariance is that of the smaller gain (Joseph's form). At zero no detection, of
   /// whatever detector, moves the camera (Schmidt-Kalman filter).
   double camera_gain = 0.2;
@@ -187,8 +188,7 @@ class MultiObjectFilter {
   /// detections, and without their white error.
   ConcentratedGaussian<SE3d> predicted_detection(std::size_t object, std::size_t hypothesis) const;
   /// The joint Gaussian of the camera (pose 0) and the leading hypotheses of all objects that have
-  /// any, in the order in which they were first detected, and of the camera's motion where that is
-  /// part of the state.
+  /// any, at pose_index(), and of the camera's motion where that is part of the state.
   ConcentratedGaussian<PoseStackd> joint() const;
   /// The joint Gaussian of the camera, its motion where that is part of the state, and the given
   /// hypothesis of every object (an index of hypotheses(); objects without one are left out).

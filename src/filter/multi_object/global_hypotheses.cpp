@@ -101,7 +101,6 @@ ObjectUpdateReport GlobalHypotheses::update(std::size_t j, const SE3d& detected)
   split(j, observed, may_start);
 
   ObjectUpdateReport report;
-  std::uint64_t next_id = 0;
   for (std::size_t i = 0; i < list_.size(); ++i) {
     LogTotals evidence;
     const ObjectUpdateReport one = list_[i].state.update(j, observed[i], may_start, evidence);
@@ -112,15 +111,15 @@ ObjectUpdateReport GlobalHypotheses::update(std::size_t j, const SE3d& detected)
     if (i == 0) report = one;
     report.merges = merges;
     report.started = started;
-    next_id = std::max(next_id, list_[i].state.next_id);
   }
-  for (Weighted& one : list_) one.state.next_id = next_id;
+  share_next_id();
   std::vector<double> weights;
   for (const Weighted& one : list_) weights.push_back(one.log.weight);
   report.log_evidence = log_sum_exp(weights);
   normalise();
   choose_first();
   reduce();
+  share_next_id();
   summarize();
   const auto leads = leading_id();
   report.changed_leader = leads && leads != led;
@@ -130,7 +129,14 @@ ObjectUpdateReport GlobalHypotheses::update(std::size_t j, const SE3d& detected)
 void GlobalHypotheses::forget(std::size_t j) {
   for (Weighted& one : list_) one.state.forget(j);
   reduce();
+  share_next_id();
   summarize();
+}
+
+void GlobalHypotheses::share_next_id() {
+  std::uint64_t next_id = 0;
+  for (const Weighted& one : list_) next_id = std::max(next_id, one.state.next_id);
+  for (Weighted& one : list_) one.state.next_id = next_id;
 }
 
 void GlobalHypotheses::normalise() {
@@ -160,7 +166,8 @@ double GlobalHypotheses::loss_of_mixing(const Weighted& a, const Weighted& b) co
   LogTotals log_b = b.log;
   normalise_pair(log_a, log_b);
   double weight = std::exp(log_b.weight);
-  if (can_both_win(a.state, b.state)) weight = 0.5;
+  if (std::abs(a.log.probability - b.log.probability) < kDecided && can_both_win(a.state, b.state))
+    weight = 0.5;
   CameraMoments there = camera_of(b.state);
   there.mean = (b.state.joint.pose(kCamera) * a.state.joint.pose(kCamera).inverse()).log();
   double loss = merge_loss(weight, camera_of(a.state), there);

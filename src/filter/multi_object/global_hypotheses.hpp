@@ -51,6 +51,8 @@ class GlobalHypotheses {
   const MultiObjectSettings& settings() const { return list_.front().state.settings; }
   void split(std::size_t j, std::vector<ObservedDetection>& observed, bool may_start);
   void normalise();
+  /// The next new hypothesis has the same id in all states, one that none has yet.
+  void share_next_id();
   /// The most probable state becomes the first where it is ahead by the margin of a leading
   /// hypothesis.
   void choose_first();

@@ -108,10 +108,27 @@ DetectionState MultiObjectState::reported(const TrackedObject& object, std::size
 }
 
 GainFactors MultiObjectState::gain_factors(const TrackedObject& object) const {
-  if (is_damped(object)) return {.camera = settings.camera_gain, .slow = settings.slow_error_gain};
   // A considered camera is one for every detection.
-  const bool considered = settings.has_odometry && settings.camera_gain == 0.0;
-  return {.camera = considered ? 0.0 : 1.0, .slow = 1.0};
+  if (settings.has_odometry && settings.camera_gain == 0.0)
+    return {.camera = 0.0, .slow = is_damped(object) ? settings.slow_error_gain : 1.0};
+  if (!is_damped(object)) return {};
+  const auto leading = object.belief.leading();
+  if (!leading) return {.camera = settings.camera_gain, .slow = settings.slow_error_gain};
+  // Where the predicted pose is less certain than the detection, damping would only keep it wrong:
+  // the gain is full by the square of the predicted pose's part of the innovation's variance.
+  const DetectionState state = object.belief.state(joint, *leading);
+  const ObjectSensor& sensor = object.detector.sensor();
+  const NoiseComponent& inlier = sensor.noise.components().front();
+  const Matrix6d predicted = state.difference();
+  Matrix6d innovation = predicted + white_covariance(state, inlier, sensor);
+  if (const auto slow = sensor.slow_covariance()) {
+    const Matrix6d a = slow_error_map(state, inlier);
+    innovation += a * *slow * a.transpose();
+  }
+  const double unknown = Eigen::LLT<Matrix6d>(innovation).solve(predicted).trace() / 6.0;
+  const double full = std::pow(std::clamp(unknown, 0.0, 1.0), 2);
+  return {.camera = settings.camera_gain + (1.0 - settings.camera_gain) * full,
+          .slow = settings.slow_error_gain};
 }
 
 void MultiObjectState::advance(double dt, const std::optional<SE3d>& camera_before) {
@@ -202,16 +219,16 @@ void MultiObjectState::learn(TrackedObject& object, const DetectionUpdate& leadi
 /// The camera and the leading hypotheses move by eq. (5) to (8), and every other hypothesis follows
 /// the camera by eq. (9).
 void MultiObjectState::move_poses(TrackedObject& object,
-                                  const std::vector<DetectionUpdate>& updates, double log_evidence,
+                                  const std::vector<DetectionUpdate>& updates,
+                                  const GainFactors& factors, double log_evidence,
                                   std::vector<Alternative>& births) {
   ObjectBelief& belief = object.belief;
   const CameraMoments before{Vector6d::Zero(), joint.covariance(kCamera, kCamera)};
   const CameraAlternative alternative =
       belief.camera_alternative(updates, births, log_evidence, before.covariance);
   CameraMoments after;
-  const CameraChange change =
-      joint.update(*belief.pose_index(), updates[*belief.leading()].explanation, alternative,
-                   gain_factors(object));
+  const CameraChange change = joint.update(
+      *belief.pose_index(), updates[*belief.leading()].explanation, alternative, factors);
   after.mean = change.mean;
   after.covariance = joint.covariance(kCamera, kCamera);
   belief.follow_camera(updates, after);
@@ -254,10 +271,11 @@ void MultiObjectState::update_weights(TrackedObject& object,
 
 ObservedDetection MultiObjectState::observe(std::size_t j, const SE3d& detected) const {
   const TrackedObject& object = objects[j];
-  ObservedDetection result{detected,
-                           object.belief.observe(joint, detected, object.detector.sensor(),
-                                                 gain_factors(object)),  // eq. (2) to (4)
-                           false};
+  const GainFactors factors = gain_factors(object);
+  ObservedDetection result{
+      detected,
+      object.belief.observe(joint, detected, object.detector.sensor(), factors),  // eq. (2) to (4)
+      factors, false};
   result.is_explained =
       std::any_of(result.updates.begin(), result.updates.end(), [&](const DetectionUpdate& update) {
         return update.explanation.squared_distance < explained;
@@ -282,7 +300,7 @@ ObjectUpdateReport MultiObjectState::update(std::size_t j, const ObservedDetecti
   if (const auto leading = belief.leading()) {
     led = belief.standing(*leading).id;
     describe(updates[*leading], report);
-    move_poses(object, updates, report.log_evidence, births);
+    move_poses(object, updates, observed.factors, report.log_evidence, births);
     learn(object, updates[*leading]);
   }
 

@@ -21,6 +21,7 @@ struct TrackedObject {
 struct ObservedDetection {
   SE3d detected;                         ///< T_camera_object
   std::vector<DetectionUpdate> updates;  ///< by hypothesis
+  GainFactors factors;                   ///< of the updates
   bool is_explained;                     ///< whether any of them explains it
 };
 
@@ -50,10 +51,10 @@ struct MultiObjectState {
   bool is_damped(const TrackedObject& object) const {
     return settings.has_odometry && object.detector.sensor().noise.dependence().is_typical;
   }
+  /// The factors on the gains of a detection of the object.
   GainFactors gain_factors(const TrackedObject& object) const;
-  /// The score above which recent detections support a hypothesis: half that of a birth, which is
-  /// left of it after six detections of other modes [nats].
-  double supported_score() const { return 0.5 * settings.birth_score; }
+  /// The score above which recent detections support a hypothesis: more than its birth does [nats].
+  double supported_score() const { return settings.birth_score; }
 
   MultiObjectSettings settings;
   double explained;  ///< squared Mahalanobis distance within which a detection is explained
@@ -93,7 +94,8 @@ struct MultiObjectState {
                                      double share);
   void learn(TrackedObject& object, const DetectionUpdate& leading);
   void move_poses(TrackedObject& object, const std::vector<DetectionUpdate>& updates,
-                  double log_evidence, std::vector<Alternative>& births);
+                  const GainFactors& factors, double log_evidence,
+                  std::vector<Alternative>& births);
   void shift_back(const TrackedObject& detected, const CameraChange& change,
                   std::vector<Alternative>& births);
   std::size_t reduce(TrackedObject& object);

@@ -140,7 +140,8 @@ void ObjectBelief::multiply_weights(const std::vector<DetectionUpdate>& updates,
     standing.log_probability += share * updates[h].log_evidence();
   }
   log_absent_ += log_clutter;
-  log_absence_probability_ += share * log_clutter;
+  // Without clutter absence is impossible, however little a detection tells.
+  log_absence_probability_ += std::isfinite(log_clutter) ? share * log_clutter : log_clutter;
 }
 
 void ObjectBelief::update_scores(const std::vector<DetectionUpdate>& updates, double log_clutter,

@@ -28,6 +28,10 @@ struct LogTotals {
   double probability = 0.0;
 };
 
+/// A hypothesis whose log probability is so far below that of another can win no more [nats]. With
+/// a detector that flips it goes up and down by ten and more with every independent detection.
+inline constexpr double kDecided = 100.0;
+
 /// A hypothesis that does not lead.
 struct Alternative {
   Standing standing;
@@ -59,6 +63,13 @@ struct MergeBounds {
   double rotation_rad;
   double translation_m;
   double squared_distance;  ///< squared Mahalanobis distance as seen from the camera
+};
+
+/// The hypotheses of an object in another state, with the weights that they get in a mixture.
+struct OtherBelief {
+  std::vector<Alternative> hypotheses;  ///< depend on the camera alone, as this state has it
+  LogTotals log_absence;
+  bool shares_leader;  ///< whether the joint Gaussian has the moments of both leading ones already
 };
 
 /// The hypotheses of one object: their weights, the one that leads, and the alternatives.
@@ -161,18 +172,18 @@ class ObjectBelief {
 
   // --- global hypotheses
 
-  /// Whether an alternative has a score above this.
-  bool has_supported_alternative(double score) const;
+  /// Whether an alternative can still win: it has a score above this, and a probability that few
+  /// detections can make up for.
+  bool has_alternative_that_can_win(double score) const;
   /// Keeps the leading hypothesis alone; absence is impossible.
   void keep_leader();
   /// Drops the leading hypothesis; the heaviest alternative takes its place. Without any, returns
   /// the index of the pose, which the caller then erases.
   std::optional<std::size_t> drop_leader(JointGaussian& joint);
-  /// Becomes the mixture of this, with weights times those of `own`, and of `other`, whose
-  /// hypotheses depend on the camera alone. Hypotheses are the same that have the same id. Where
-  /// `shares_leader` the joint Gaussian has the moments of both already.
-  void mix(JointGaussian& joint, const LogTotals& own, const std::vector<Alternative>& other,
-           const LogTotals& other_absence, bool shares_leader);
+  /// Becomes the mixture of this, with weights times those of `own`, and of `other`. Hypotheses
+  /// with the same id become one where they agree; else that of `other` gets the id `next_id`.
+  void mix(JointGaussian& joint, const LogTotals& own, const OtherBelief& other,
+           const SymmetryGroup& symmetries, const MergeBounds& bounds, std::uint64_t& next_id);
 
  private:
   struct Leader {
@@ -194,8 +205,6 @@ class ObjectBelief {
   void erase_alternative(std::size_t h);
   /// Index of the hypothesis with the id.
   std::optional<std::size_t> find(std::uint64_t id) const;
-  /// Inserts a hypothesis in the order of births. Returns its index.
-  std::size_t insert(const Alternative& alternative);
   void merge_two(JointGaussian& joint, std::size_t a, std::size_t b, const ConditionalPose& at_a,
                  const ConditionalPose& at_b);
 

@@ -33,9 +33,11 @@ double merge_loss(double weight, const CameraMoments& a, const CameraMoments& b)
   return std::isfinite(loss) ? std::max(loss, 0.0) : 0.0;
 }
 
-bool ObjectBelief::has_supported_alternative(double score) const {
-  return std::any_of(alternatives_.begin(), alternatives_.end(),
-                     [&](const Alternative& one) { return one.standing.score > score; });
+bool ObjectBelief::has_alternative_that_can_win(double score) const {
+  return std::any_of(alternatives_.begin(), alternatives_.end(), [&](const Alternative& one) {
+    return one.standing.score > score &&
+           one.standing.log_probability > leader_->standing.log_probability - kDecided;
+  });
 }
 
 void ObjectBelief::keep_leader() {
@@ -67,42 +69,33 @@ std::optional<std::size_t> ObjectBelief::find(std::uint64_t id) const {
   return std::nullopt;
 }
 
-std::size_t ObjectBelief::insert(const Alternative& alternative) {
-  std::size_t h = 0;
-  while (h < size() && standing(h).id < alternative.standing.id) ++h;
-  const auto before = static_cast<std::ptrdiff_t>(h - (leader_ && leader_->position < h ? 1 : 0));
-  if (leader_ && leader_->position >= h) ++leader_->position;
-  alternatives_.insert(alternatives_.begin() + before, alternative);
-  return h;
-}
-
-void ObjectBelief::mix(JointGaussian& joint, const LogTotals& own,
-                       const std::vector<Alternative>& other, const LogTotals& other_absence,
-                       bool shares_leader) {
+void ObjectBelief::mix(JointGaussian& joint, const LogTotals& own, const OtherBelief& other,
+                       const SymmetryGroup& symmetries, const MergeBounds& bounds,
+                       std::uint64_t& next_id) {
   for (std::size_t h = 0; h < size(); ++h) {
     mutable_standing(h).log_weight += own.weight;
     mutable_standing(h).log_probability += own.probability;
   }
-  const auto add = [](double& log_sum, double log_term) {
+  const auto add_to = [](double& log_sum, double log_term) {
     const double terms[] = {log_sum, log_term};
     log_sum = log_sum_exp(terms);
   };
   log_absent_ += own.weight;
   log_absence_probability_ += own.probability;
-  add(log_absent_, other_absence.weight);
-  add(log_absence_probability_, other_absence.probability);
-  for (const Alternative& one : other) {
+  add_to(log_absent_, other.log_absence.weight);
+  add_to(log_absence_probability_, other.log_absence.probability);
+  for (Alternative one : other.hypotheses) {
     const auto same = find(one.standing.id);
-    if (!leader_) {
-      this->add(joint, {one});
-    } else if (!same) {
-      insert(one);
-    } else if (shares_leader && leads(*same)) {
+    if (same && leads(*same) && other.shares_leader) {
       leader_->standing = merged(leader_->standing, one.standing);
-    } else {
-      const std::size_t h = insert(one);
-      merge_two(joint, h, h + 1, pose(joint, h), pose(joint, h + 1));
+      continue;
     }
+    // Merges with other hypotheses may have moved the two far apart.
+    const bool is_same = same && agree(joint.covariance(kCamera, kCamera), symmetries, bounds,
+                                       pose(joint, *same), one.pose);
+    if (same && !is_same) one.standing.id = next_id++;
+    add(joint, {one});
+    if (is_same) merge_two(joint, *same, size() - 1, pose(joint, *same), pose(joint, size() - 1));
   }
 }
 

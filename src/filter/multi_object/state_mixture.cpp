@@ -32,7 +32,7 @@ double MultiObjectState::tie_loss(std::size_t j, const ObservedDetection& observ
   const CameraMoments camera{own.mean.head<6>(), own.covariance.topLeftCorner<6, 6>()};
   const CameraAlternative others = after.camera_alternative(
       observed.updates, births, after.log_total(births), joint.covariance(kCamera, kCamera));
-  const bool can_win = object.belief.has_supported_alternative(supported_score());
+  const bool can_win = object.belief.has_alternative_that_can_win(supported_score());
   return merge_loss(can_win ? std::max(others.weight, 0.5) : others.weight, camera,
                     {others.mean, others.covariance});
 }
@@ -85,6 +85,7 @@ void MultiObjectState::mix(const MultiObjectState& other, const LogTotals& own,
     for (std::size_t k = 0; k < joint.blocks_of(*a.pose_index()); ++k)
       shared.emplace_back(*a.pose_index() + k, *b.pose_index() + k);
   }
+  next_id = std::max(next_id, other.next_id);
   const CameraMoments before{Vector6d::Zero(), joint.covariance(kCamera, kCamera)};
   const CameraMoments there{(other.joint.pose(kCamera) * joint.pose(kCamera).inverse()).log(),
                             other.joint.covariance(kCamera, kCamera)};
@@ -96,13 +97,14 @@ void MultiObjectState::mix(const MultiObjectState& other, const LogTotals& own,
     const ObjectBelief& from = other.objects[j].belief;
     belief.follow_camera(before, after);
     belief.mix(
-        joint, own, given_camera(other, from, others, there, after),
-        {from.log_absent() + others.weight, from.log_absence_probability() + others.probability},
-        shares_leader[j]);
+        joint, own,
+        {given_camera(other, from, others, there, after),
+         {from.log_absent() + others.weight, from.log_absence_probability() + others.probability},
+         shares_leader[j]},
+        objects[j].detector.sensor().symmetries, merge_bounds, next_id);
     belief.normalise();
     reduce(objects[j]);
   }
-  next_id = std::max(next_id, other.next_id);
 }
 
 }  // namespace posemix::internal
