@@ -87,7 +87,7 @@ TEST_F(Ties, AllAccessorsAreMarginalsOfOneGaussian) {
 TEST_F(Ties, EndWhenItIsDecided) {
   run(300);
   EXPECT_GT(most, 1U);
-  for (int frame = 0; frame < 60; ++frame) {
+  for (int frame = 0; frame < 300; ++frame) {
     filter.predict_with_odometry(scene.advance(), scene.q, 0.1);
     for (std::size_t j = 0; j < 2; ++j) filter.update(j, scene.detect(j, 0.0, 0.0));
   }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <tuple>
 #include <utility>
 
@@ -88,12 +89,7 @@ void GlobalHypotheses::split(std::size_t j, std::vector<ObservedDetection>& obse
 }
 
 ObjectUpdateReport GlobalHypotheses::update(std::size_t j, const SE3d& detected) {
-  const auto leading_id = [&]() -> std::optional<std::uint64_t> {
-    const ObjectBelief& belief = summary().objects[j].belief;
-    const auto leading = belief.leading();
-    return leading ? std::optional(belief.standing(*leading).id) : std::nullopt;
-  };
-  const auto led = leading_id();
+  const auto led = leading_id(j);
   std::vector<ObservedDetection> observed;
   for (const Weighted& one : list_) observed.push_back(one.state.observe(j, detected));
   const bool may_start = std::none_of(observed.begin(), observed.end(),
@@ -120,8 +116,8 @@ ObjectUpdateReport GlobalHypotheses::update(std::size_t j, const SE3d& detected)
   choose_first();
   reduce();
   share_next_id();
-  summarize();
-  const auto leads = leading_id();
+  summary_.reset();
+  const auto leads = leading_id(j);
   report.changed_leader = leads && leads != led;
   return report;
 }
@@ -130,7 +126,7 @@ void GlobalHypotheses::forget(std::size_t j) {
   for (Weighted& one : list_) one.state.forget(j);
   reduce();
   share_next_id();
-  summarize();
+  summary_.reset();
 }
 
 void GlobalHypotheses::share_next_id() {
@@ -166,7 +162,7 @@ double GlobalHypotheses::loss_of_mixing(const Weighted& a, const Weighted& b) co
   LogTotals log_b = b.log;
   normalise_pair(log_a, log_b);
   double weight = std::exp(log_b.weight);
-  if (std::abs(a.log.probability - b.log.probability) < kDecided && can_both_win(a.state, b.state))
+  if (std::abs(a.log.weight - b.log.weight) < kDecided && can_both_win(a.state, b.state))
     weight = 0.5;
   CameraMoments there = camera_of(b.state);
   there.mean = (b.state.joint.pose(kCamera) * a.state.joint.pose(kCamera).inverse()).log();
@@ -208,9 +204,33 @@ void GlobalHypotheses::reduce() {
   }
 }
 
-void GlobalHypotheses::summarize() {
-  summary_.reset();
-  if (list_.size() == 1) return;
+std::optional<std::uint64_t> GlobalHypotheses::leading_id(std::size_t j) const {
+  const ObjectBelief& first = list_.front().state.objects[j].belief;
+  std::map<std::uint64_t, double> probabilities;
+  for (const Weighted& one : list_) {
+    const ObjectBelief& belief = one.state.objects[j].belief;
+    for (std::size_t h = 0; h < belief.size(); ++h) {
+      const Standing& standing = belief.standing(h);
+      probabilities[standing.id] += std::exp(one.log.probability + standing.log_probability);
+    }
+  }
+  if (probabilities.empty()) return std::nullopt;
+  const auto most =
+      std::max_element(probabilities.begin(), probabilities.end(),
+                       [](const auto& a, const auto& b) { return a.second < b.second; });
+  if (!first.leading()) return most->first;
+  const std::uint64_t led = first.standing(*first.leading()).id;
+  return most->second > probabilities[led] * std::exp(settings().leader_margin) ? most->first : led;
+}
+
+const MultiObjectState& GlobalHypotheses::summary() const {
+  if (list_.size() == 1) return list_.front().state;
+  const std::lock_guard lock(mutex_);
+  if (!summary_) summary_ = mixed();
+  return *summary_;
+}
+
+MultiObjectState GlobalHypotheses::mixed() const {
   Weighted all = list_.front();
   for (std::size_t i = 1; i < list_.size(); ++i) {
     LogTotals log = list_[i].log;
@@ -218,7 +238,13 @@ void GlobalHypotheses::summarize() {
     all.state.mix(list_[i].state, all.log, log);
     all.log = total;
   }
-  summary_ = std::move(all.state);
+  for (std::size_t j = 0; j < all.state.objects.size(); ++j) {
+    const auto id = leading_id(j);
+    ObjectBelief& belief = all.state.objects[j].belief;
+    const auto h = id ? belief.find(*id) : std::nullopt;
+    if (h) belief.make_leader(all.state.joint, *h);
+  }
+  return std::move(all.state);
 }
 
 Mixture<ConcentratedGaussian<SE3d>> GlobalHypotheses::camera() const {

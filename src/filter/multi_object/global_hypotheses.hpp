@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 #pragma once
 
+#include <mutex>
 #include <optional>
 #include <vector>
 
@@ -24,13 +25,19 @@ class GlobalHypotheses {
  public:
   explicit GlobalHypotheses(MultiObjectState initial);
 
-  /// The mixture of all states as one: the first state, with the hypotheses of the others.
-  const MultiObjectState& summary() const { return summary_ ? *summary_ : list_.front().state; }
+  /// A copy makes its own summary.
+  GlobalHypotheses(const GlobalHypotheses& other) : list_(other.list_) {}
+  GlobalHypotheses& operator=(const GlobalHypotheses&) = delete;
+  ~GlobalHypotheses() = default;
+
+  /// The mixture of all states as one: the first state, with the hypotheses of the others. It is
+  /// made when it is first asked for, which threads may do at the same time.
+  const MultiObjectState& summary() const;
   /// A prediction of every state.
   template <class Predict>
   void for_each(Predict predict) {
     for (Weighted& one : list_) predict(one.state);
-    summarize();
+    summary_.reset();
   }
   /// One detection T_camera_object of object `j`.
   ObjectUpdateReport update(std::size_t j, const SE3d& detected);
@@ -59,10 +66,14 @@ class GlobalHypotheses {
   /// Mixes the pairs that lose least, as long as there are too many states or little is lost.
   void reduce();
   double loss_of_mixing(const Weighted& a, const Weighted& b) const;
-  void summarize();
+  /// The id of the most probable hypothesis of an object; the one that leads in the first state
+  /// stays up to the margin.
+  std::optional<std::uint64_t> leading_id(std::size_t j) const;
+  MultiObjectState mixed() const;
 
   std::vector<Weighted> list_;
-  std::optional<MultiObjectState> summary_;  ///< where there is more than one state
+  mutable std::mutex mutex_;
+  mutable std::optional<MultiObjectState> summary_;  ///< where it was asked for
 };
 
 }  // namespace posemix::internal

@@ -26,6 +26,23 @@ std::vector<Index> all_but(Index first, Index dof, Index size) {
   return rest;
 }
 
+/// The coordinates that are not in `s`.
+std::vector<Index> rest_of(const std::vector<Index>& s, Index size) {
+  std::vector<bool> is_in(static_cast<std::size_t>(size), false);
+  for (const Index i : s) is_in[static_cast<std::size_t>(i)] = true;
+  std::vector<Index> rest;
+  for (Index i = 0; i < size; ++i) {
+    if (!is_in[static_cast<std::size_t>(i)]) rest.push_back(i);
+  }
+  return rest;
+}
+
+/// x <- J x for the coordinates x of one block.
+void transport(const Matrix6d& jacobian, std::size_t index, MatrixXd& covariance) {
+  rows(covariance, index) = (jacobian * rows(covariance, index)).eval();
+  columns(covariance, index) = (columns(covariance, index) * jacobian.transpose()).eval();
+}
+
 }  // namespace
 
 void move(ConditionalPose& object, const Vector12d& by) {
@@ -164,39 +181,46 @@ CameraChange JointGaussian::update(std::size_t index, const Explanation& leading
 
 Vector6d JointGaussian::mix(double weight, const JointGaussian& other,
                             const std::vector<std::pair<std::size_t, std::size_t>>& shared) {
-  const Index own = covariance_.rows();
   std::vector<Index> s;  // the coordinates that are shared, here and there
   std::vector<Index> t;
-  const auto shared_size = offset(shared.size());
-  VectorXd difference(shared_size);
-  MatrixXd transport = MatrixXd::Identity(own, own);
-  MatrixXd transport_other = MatrixXd::Identity(shared_size, shared_size);
+  VectorXd difference(offset(shared.size()));
   for (std::size_t i = 0; i < shared.size(); ++i) {
     const auto [here, there] = shared[i];
     for (Index k = 0; k < kPoseDof; ++k) {
       s.push_back(offset(here) + k);
       t.push_back(offset(there) + k);
     }
-    if (!is_pose(here)) {
-      difference.segment<kPoseDof>(offset(i)) = other.slow(there) - slow(here);
-      continue;
-    }
-    // As seen from the mean of the mixture, eq. 14 of the midway-merge paper.
-    const Vector6d d = (other.pose(there) * pose(here).inverse()).log();
-    difference.segment<kPoseDof>(offset(i)) = d;
-    block(transport, here, here) = SE3d::left_jacobian_inverse(-weight * d);
-    block(transport_other, i, i) = SE3d::left_jacobian_inverse((1.0 - weight) * d);
+    difference.segment<kPoseDof>(offset(i)) = is_pose(here)
+                                                  ? (other.pose(there) * pose(here).inverse()).log()
+                                                  : Vector6d(other.slow(there) - slow(here));
   }
-  const MatrixXd a = transport * covariance_ * transport.transpose();
-  const MatrixXd a_ss = a(s, s);
-  const MatrixXd b = transport_other * other.covariance_(t, t) * transport_other.transpose();
-  MatrixXd mixed = (1.0 - weight) * a_ss + weight * b;
+  MatrixXd b = other.covariance_(t, t);
+  // As seen from the mean of the mixture, eq. 14 of the midway-merge paper.
+  for (std::size_t i = 0; i < shared.size(); ++i) {
+    if (!is_pose(shared[i].first)) continue;
+    const Vector6d d = difference.segment<kPoseDof>(offset(i));
+    transport(SE3d::left_jacobian_inverse(-weight * d), shared[i].first, covariance_);
+    transport(SE3d::left_jacobian_inverse((1.0 - weight) * d), i, b);
+  }
+  const MatrixXd a = covariance_(s, s);
+  MatrixXd mixed = (1.0 - weight) * a + weight * b;
   mixed.noalias() += weight * (1.0 - weight) * difference * difference.transpose();
-  // x_r = G x_s + r for the rest r, of which s is a part with G = [0 I].
-  const MatrixXd g = a_ss.llt().solve(a(s, Eigen::all)).transpose();
-  covariance_ = a + g * (mixed - a_ss) * g.transpose();
+  // x_r = G x_s + r for the rest r.
+  const std::vector<Index> r = rest_of(s, covariance_.rows());
+  VectorXd mean = VectorXd::Zero(covariance_.rows());
+  mean(s) = weight * difference;
+  if (!r.empty()) {
+    const MatrixXd g = a.llt().solve(covariance_(s, r)).transpose();
+    mean(r) = g * mean(s);
+    const MatrixXd rows = g * mixed;
+    const MatrixXd own = covariance_(r, r) + g * (mixed - a) * g.transpose();
+    covariance_(r, s) = rows;
+    covariance_(s, r) = rows.transpose();
+    covariance_(r, r) = own;
+  }
+  covariance_(s, s) = mixed;
   symmetrize(covariance_);
-  return move(g * (weight * difference));
+  return move(mean);
 }
 
 void JointGaussian::shift_back(const CameraChange& change, const Matrix6d& back) {

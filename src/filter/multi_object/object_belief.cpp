@@ -315,14 +315,18 @@ void ObjectBelief::choose_leader(JointGaussian& joint, double margin) {
   for (std::size_t h = 1; h < size(); ++h) {
     if (standing(h).log_probability > standing(most).log_probability) most = h;
   }
-  if (leads(most) || standing(most).log_probability <= leader_->standing.log_probability + margin)
-    return;
+  if (standing(most).log_probability > leader_->standing.log_probability + margin)
+    make_leader(joint, most);
+}
+
+void ObjectBelief::make_leader(JointGaussian& joint, std::size_t h) {
+  if (leads(h)) return;
   const std::size_t position = leader_->position;
   const Alternative former{leader_->standing, pose(joint, position)};
-  const Alternative next = alternatives_[slot(most)];
+  const Alternative next = alternatives_[slot(h)];
   joint.replace(leader_->pose_index, next.pose);
-  erase_alternative(most);
-  leader_ = {next.standing, most, leader_->pose_index};
+  erase_alternative(h);
+  leader_ = {next.standing, h, leader_->pose_index};
   alternatives_.insert(alternatives_.begin() + static_cast<std::ptrdiff_t>(slot(position)), former);
 }
 

@@ -28,9 +28,10 @@ struct LogTotals {
   double probability = 0.0;
 };
 
-/// A hypothesis whose log probability is so far below that of another can win no more [nats]. With
-/// a detector that flips it goes up and down by ten and more with every independent detection.
-inline constexpr double kDecided = 100.0;
+/// A hypothesis whose log weight is so far below that of another can win no more [nats]. Every
+/// detection moves log weights by ten and more, and detectors stay with a mode for a hundred of
+/// them.
+inline constexpr double kDecided = 2000.0;
 
 /// A hypothesis that does not lead.
 struct Alternative {
@@ -169,8 +170,13 @@ class ObjectBelief {
   LogTotals normalise();
   /// The most probable hypothesis takes the lead where it is ahead by more than `margin` [nats].
   void choose_leader(JointGaussian& joint, double margin);
+  /// Hypothesis `h` takes the lead.
+  void make_leader(JointGaussian& joint, std::size_t h);
 
   // --- global hypotheses
+
+  /// Index of the hypothesis with the id.
+  std::optional<std::size_t> find(std::uint64_t id) const;
 
   /// Whether an alternative can still win: it has a score above this, and a probability that few
   /// detections can make up for.
@@ -203,8 +209,6 @@ class ObjectBelief {
   /// x <- F x for [xi_O; b] of hypothesis `h`.
   void transform(JointGaussian& joint, std::size_t h, const Matrix12d& f);
   void erase_alternative(std::size_t h);
-  /// Index of the hypothesis with the id.
-  std::optional<std::size_t> find(std::uint64_t id) const;
   void merge_two(JointGaussian& joint, std::size_t a, std::size_t b, const ConditionalPose& at_a,
                  const ConditionalPose& at_b);
 

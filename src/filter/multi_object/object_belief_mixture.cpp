@@ -36,7 +36,7 @@ double merge_loss(double weight, const CameraMoments& a, const CameraMoments& b)
 bool ObjectBelief::has_alternative_that_can_win(double score) const {
   return std::any_of(alternatives_.begin(), alternatives_.end(), [&](const Alternative& one) {
     return one.standing.score > score &&
-           one.standing.log_probability > leader_->standing.log_probability - kDecided;
+           one.standing.log_weight > leader_->standing.log_weight - kDecided;
   });
 }
 
