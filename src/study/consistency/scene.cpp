@@ -95,6 +95,8 @@ ConsistencyScene::ConsistencyScene(const ConsistencyCell& cell, RandomStream ran
     Detector detector{.slow = Vector6d::Zero(), .view = view_of(camera_, objects_.back())};
     if (const auto& slow = noise_.dependence().slow)
       detector.slow = draw_error(slow->covariance, random_);
+    if (const auto& common = noise_.dependence().common)
+      detector.common = SE3d::exp(draw_error(*common, random_));
     detectors_.push_back(detector);
   }
 }
@@ -163,7 +165,7 @@ std::optional<SE3d> ConsistencyScene::detect(std::size_t object) {
   const SE3d mode = wrong_start || detector.flipped ? expected * half_turn() : expected;
   const NoiseAtPose at = noise_at(noise_.components().front(), mode);
   const SE3d turned = at.axes * SE3d::exp(at.units.cwiseProduct(error)) * at.axes.inverse();
-  SE3d seen = turned * mode;
+  SE3d seen = turned * mode * detector.common;
   if (cell_.shape == ObjectShape::axis)
     seen = seen * SE3d(SO3d::exp({0.0, 0.0, 6.0 * random_.uniform()}), Eigen::Vector3d::Zero());
   if (cell_.shape == ObjectShape::ball)

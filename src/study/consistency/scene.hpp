@@ -44,6 +44,7 @@ class ConsistencyScene {
     bool flipped = false;
     std::size_t gross_left = 0;  ///< detections that are left in a run of gross errors
     Vector6d gross = Vector6d::Zero();
+    SE3d common = {};  ///< the error that all detections have in common, along the object's axes
     std::size_t detections = 0;
   };
 
