@@ -229,8 +229,7 @@ void bind_multi_object(nb::module_& m) {
           "settings", [](const F& self) { return frozen(self.settings()); },
           nb::for_getter(nb::sig("def settings(self, /) -> MultiObjectSettings")),
           "A copy of the settings, which cannot be changed.")
-      .def("joint", &F::joint,
-           "Camera, then the leading hypotheses, at `pose_index`, jointly.")
+      .def("joint", &F::joint, "Camera, then the leading hypotheses, at `pose_index`, jointly.")
       .def("__repr__", [](const F& self) {
         std::vector<std::size_t> counts;
         for (std::size_t j = 0; j < self.object_count(); ++j)

@@ -36,11 +36,13 @@ void add_hypothesis_fields(MultiObjectFields& settings) {
 void add_noise_fields(MultiObjectFields& settings) {
   using S = MultiObjectSettings;
   settings
-      .field("leader_margin", &S::leader_margin, "float",
-             "Lead in log probability with which another hypothesis becomes the leading one [nats].")
-      .field("split_loss", &S::split_loss, "float",
-             "Loss of one camera for all hypotheses of an object from which the state is split into "
-             "global hypotheses [nats].")
+      .field(
+          "leader_margin", &S::leader_margin, "float",
+          "Lead in log probability with which another hypothesis becomes the leading one [nats].")
+      .field(
+          "split_loss", &S::split_loss, "float",
+          "Loss of one camera for all hypotheses of an object from which the state is split into "
+          "global hypotheses [nats].")
       .field("max_global_hypotheses", &S::max_global_hypotheses, "int",
              "Largest number of global hypotheses.")
       .field("has_odometry", &S::has_odometry, "bool", "Whether the camera has odometry.")

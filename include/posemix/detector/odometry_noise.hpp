@@ -59,8 +59,8 @@ struct OdometryNoise {
 /// Fits a random walk of the odometry and a white jitter of the truth to the growth of the error.
 ///
 /// Poses T are those of the point of the scene: T_camera Trans(0, 0, scene distance), where the
-/// distance is the one of the least sum of the log rates at which the variances grow. With D = T_odom_i^-1
-/// T_odom_j over a window from frame i to j, the error
+/// distance is the one of the least sum of the log rates at which the variances grow. With D =
+/// T_odom_i^-1 T_odom_j over a window from frame i to j, the error
 ///   e = Log((T_true_i^-1 T_true_j)^-1 D)
 /// is to first order sum_t Ad(D_t) n_t - w_j + Ad(D^-1) w_i, with n_t ~ N(0, Q dt) of the step that
 /// ends in frame t, D_t = T_odom_j^-1 T_odom_t, and jitters w ~ N(0, J). For diagonal Q and J the
