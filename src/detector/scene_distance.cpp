@@ -100,6 +100,7 @@ double criterion(const std::vector<RecordingVariances>& all, const std::vector<s
   double sum = 0.0;
   for (Eigen::Index a = 0; a < 6; ++a) {
     std::vector<double> of_axis;
+    of_axis.reserve(variances.size());
     for (const Vector6d& variance : variances) of_axis.push_back(variance[a]);
     // A coordinate that does not grow is left at a rate far below what can be measured.
     sum += std::log(std::max(slope(seconds, of_axis, counts), 1e-12));

@@ -58,7 +58,7 @@ CameraMoments camera_of(const MultiObjectState& state) {
 
 }  // namespace
 
-GlobalHypotheses::GlobalHypotheses(MultiObjectState initial) { list_.push_back({initial}); }
+GlobalHypotheses::GlobalHypotheses(const MultiObjectState& initial) { list_.push_back({initial}); }
 
 /// The state that would lose most by one camera for all hypotheses of object `j` is split, until
 /// none would lose much.

@@ -23,11 +23,13 @@ namespace posemix::internal {
 /// all states.
 class GlobalHypotheses {
  public:
-  explicit GlobalHypotheses(MultiObjectState initial);
+  explicit GlobalHypotheses(const MultiObjectState& initial);
 
   /// A copy makes its own summary.
   GlobalHypotheses(const GlobalHypotheses& other) : list_(other.list_) {}
+  GlobalHypotheses(GlobalHypotheses&&) = delete;
   GlobalHypotheses& operator=(const GlobalHypotheses&) = delete;
+  GlobalHypotheses& operator=(GlobalHypotheses&&) = delete;
   ~GlobalHypotheses() = default;
 
   /// The mixture of all states as one: the first state, with the hypotheses of the others. It is

@@ -179,48 +179,59 @@ CameraChange JointGaussian::update(std::size_t index, const Explanation& leading
   return change;
 }
 
-Vector6d JointGaussian::mix(double weight, const JointGaussian& other,
-                            const std::vector<std::pair<std::size_t, std::size_t>>& shared) {
-  std::vector<Index> s;  // the coordinates that are shared, here and there
-  std::vector<Index> t;
-  VectorXd difference(offset(shared.size()));
+VectorXd JointGaussian::difference(const JointGaussian& other, const BlockPairs& shared) const {
+  VectorXd result(offset(shared.size()));
   for (std::size_t i = 0; i < shared.size(); ++i) {
     const auto [here, there] = shared[i];
+    result.segment<kPoseDof>(offset(i)) = is_pose(here)
+                                              ? (other.pose(there) * pose(here).inverse()).log()
+                                              : Vector6d(other.slow(there) - slow(here));
+  }
+  return result;
+}
+
+Vector6d JointGaussian::mix(double weight, const JointGaussian& other, const BlockPairs& shared) {
+  std::vector<Index> s;  // the coordinates that are shared, here and there
+  std::vector<Index> t;
+  for (const auto& [here, there] : shared) {
     for (Index k = 0; k < kPoseDof; ++k) {
       s.push_back(offset(here) + k);
       t.push_back(offset(there) + k);
     }
-    difference.segment<kPoseDof>(offset(i)) = is_pose(here)
-                                                  ? (other.pose(there) * pose(here).inverse()).log()
-                                                  : Vector6d(other.slow(there) - slow(here));
   }
+  const VectorXd apart = difference(other, shared);
   MatrixXd b = other.covariance_(t, t);
   // As seen from the mean of the mixture, eq. 14 of the midway-merge paper.
   for (std::size_t i = 0; i < shared.size(); ++i) {
     if (!is_pose(shared[i].first)) continue;
-    const Vector6d d = difference.segment<kPoseDof>(offset(i));
+    const Vector6d d = apart.segment<kPoseDof>(offset(i));
     transport(SE3d::left_jacobian_inverse(-weight * d), shared[i].first, covariance_);
     transport(SE3d::left_jacobian_inverse((1.0 - weight) * d), i, b);
   }
-  const MatrixXd a = covariance_(s, s);
-  MatrixXd mixed = (1.0 - weight) * a + weight * b;
-  mixed.noalias() += weight * (1.0 - weight) * difference * difference.transpose();
+  MatrixXd mixed = (1.0 - weight) * covariance_(s, s) + weight * b;
+  mixed.noalias() += weight * (1.0 - weight) * apart * apart.transpose();
+  return move(regressed_on(s, weight * apart, mixed));
+}
+
+VectorXd JointGaussian::regressed_on(const std::vector<Index>& s, const VectorXd& mean_s,
+                                     const MatrixXd& covariance_s) {
   // x_r = G x_s + r for the rest r.
+  const MatrixXd before = covariance_(s, s);
   const std::vector<Index> r = rest_of(s, covariance_.rows());
   VectorXd mean = VectorXd::Zero(covariance_.rows());
-  mean(s) = weight * difference;
+  mean(s) = mean_s;
   if (!r.empty()) {
-    const MatrixXd g = a.llt().solve(covariance_(s, r)).transpose();
-    mean(r) = g * mean(s);
-    const MatrixXd rows = g * mixed;
-    const MatrixXd own = covariance_(r, r) + g * (mixed - a) * g.transpose();
+    const MatrixXd g = before.llt().solve(covariance_(s, r)).transpose();
+    mean(r) = g * mean_s;
+    const MatrixXd rows = g * covariance_s;
+    const MatrixXd own = covariance_(r, r) + g * (covariance_s - before) * g.transpose();
     covariance_(r, s) = rows;
     covariance_(s, r) = rows.transpose();
     covariance_(r, r) = own;
   }
-  covariance_(s, s) = mixed;
+  covariance_(s, s) = covariance_s;
   symmetrize(covariance_);
-  return move(mean);
+  return mean;
 }
 
 void JointGaussian::shift_back(const CameraChange& change, const Matrix6d& back) {

@@ -36,6 +36,9 @@ struct CameraAlternative {
   Matrix6d covariance = Matrix6d::Zero();
 };
 
+/// Blocks of two joint Gaussians that are the same, by their index in each.
+using BlockPairs = std::vector<std::pair<std::size_t, std::size_t>>;
+
 /// The change of the camera by a detection.
 struct CameraChange {
   Vector6d mean;        ///< in the tangent space at the mean before, K z
@@ -109,8 +112,7 @@ class JointGaussian {
   /// Becomes the mixture of this with 1 - `weight` and of `other` with `weight`, eq. (11): the
   /// blocks in `shared`, by their index here and there, take its moments, and the others keep their
   /// regression on them. Returns the camera's mean in the tangent space at the mean before.
-  Vector6d mix(double weight, const JointGaussian& other,
-               const std::vector<std::pair<std::size_t, std::size_t>>& shared);
+  Vector6d mix(double weight, const JointGaussian& other, const BlockPairs& shared);
   /// Takes the part `back` of the camera's correction back, see eq. (10).
   void shift_back(const CameraChange& change, const Matrix6d& back);
 
@@ -129,6 +131,12 @@ class JointGaussian {
   /// `apart`, `other`) with weight `w_a` (eq. 7 and 8). `mean` becomes that of the projection.
   void project(std::size_t index, double w_a, Eigen::VectorXd& mean, const Eigen::MatrixXd& b,
                const Eigen::VectorXd& apart, const Eigen::MatrixXd& other);
+  /// The means of `other` in the tangent space at those of this, for the blocks in `shared`.
+  Eigen::VectorXd difference(const JointGaussian& other, const BlockPairs& shared) const;
+  /// The coordinates `s` get moments, and the others keep their regression on them. Returns the
+  /// mean of all.
+  Eigen::VectorXd regressed_on(const std::vector<Eigen::Index>& s, const Eigen::VectorXd& mean_s,
+                               const Eigen::MatrixXd& covariance_s);
   /// Moves every block by its part of `mean`. Returns the camera's part.
   Vector6d move(const Eigen::VectorXd& mean);
 

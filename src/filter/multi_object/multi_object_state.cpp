@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include "posemix/base/statistics.hpp"
@@ -13,9 +12,6 @@
 
 namespace posemix::internal {
 namespace {
-
-/// Offsets nearer to each other than this are one mode.
-constexpr double kSameMode = 1e-9;
 
 void check_settings(const MultiObjectSettings& s) {
   require(s.max_hypotheses > 0, "max_hypotheses is 0, expected at least 1");
@@ -41,33 +37,6 @@ DetectorNoise with_reduced_offsets(const DetectorNoise& noise, const SymmetryGro
   for (NoiseComponent& component : components)
     component.offset = symmetries.closest(component.offset, SE3d(), Matrix6d::Identity());
   return DetectorNoise(std::move(components), noise.clutter(), noise.dependence());
-}
-
-/// A mode of a detector's noise: the components with the same offset.
-struct NoiseMode {
-  const NoiseComponent* first;
-  double log_weight;  ///< log of the summed weights
-};
-
-bool same_mode(const NoiseComponent& a, const NoiseComponent& b) {
-  return (a.offset.inverse() * b.offset).log().norm() < kSameMode;
-}
-
-/// The modes of the noise, every weight times exp(log_factor).
-std::vector<NoiseMode> modes_of(const DetectorNoise& noise, double log_factor) {
-  std::vector<NoiseMode> modes;
-  for (const NoiseComponent& component : noise.components()) {
-    const auto mode = std::find_if(modes.begin(), modes.end(), [&](const NoiseMode& other) {
-      return same_mode(*other.first, component);
-    });
-    if (mode == modes.end()) {
-      modes.push_back({&component, log_factor + std::log(component.weight)});
-    } else {
-      // log(exp(a) + w exp(d)) = a + log(1 + w / exp(a - d)).
-      mode->log_weight += std::log1p(component.weight / std::exp(mode->log_weight - log_factor));
-    }
-  }
-  return modes;
 }
 
 void describe(const DetectionUpdate& leader, ObjectUpdateReport& report) {
@@ -152,59 +121,6 @@ void MultiObjectState::forget(std::size_t j) {
   if (const auto index = object.belief.pose_index()) erase(*index);
   object.detector.reset();
   object = {std::move(object.detector)};
-}
-
-/// Covariance of the white error of a mode: the moments of its components.
-Matrix6d mode_covariance(const DetectionState& state, const NoiseMode& mode,
-                         const ObjectSensor& sensor) {
-  Matrix6d sum = Matrix6d::Zero();
-  double weight = 0.0;
-  for (const NoiseComponent& component : sensor.noise.components()) {
-    if (!same_mode(*mode.first, component)) continue;
-    sum += component.weight * white_covariance(state, component, sensor);
-    weight += component.weight;
-  }
-  return sum / weight;
-}
-
-/// Hypotheses at a detection that no hypothesis explains, one for each mode of the noise. Their
-/// weight is that of absence times the mode's weight and the density of clutter ("Births"); their
-/// covariance is the camera's plus a multiple of the noise's.
-std::vector<Alternative> MultiObjectState::births_of(const TrackedObject& object,
-                                                     const SE3d& detected, double share) {
-  constexpr double kPi = std::numbers::pi;
-  if (!std::isfinite(object.belief.log_absent())) return {};
-  const ObjectSensor& sensor = object.detector.sensor();
-  const SE3d& camera = joint.pose(kCamera);
-  const Matrix6d camera_covariance = joint.covariance(kCamera, kCamera);
-  const double log_density =
-      object.belief.log_absent() - std::log(8.0 * kPi * kPi * sensor.noise.clutter().volume_m3);
-  std::vector<Alternative> births;
-  for (const NoiseMode& mode : modes_of(sensor.noise, log_density)) {
-    // xi_O = xi_C - A b - n.
-    DetectionState there{.camera = camera,
-                         .object = camera * detected * mode.first->offset.inverse()};
-    Matrix6d covariance = camera_covariance + mode_covariance(there, mode, sensor);
-    ConditionalPose born{there.object, {}, Matrix12d::Zero(), Matrix12x6d::Zero()};
-    if (const auto slow = sensor.slow_covariance()) {
-      const Matrix6d a_b = slow_error_map(there, *mode.first) * *slow;
-      born.slow = Vector6d::Zero();
-      covariance += a_b * slow_error_map(there, *mode.first).transpose();
-      born.covariance.topRightCorner<6, 6>() = -a_b;
-      born.covariance.bottomLeftCorner<6, 6>() = -a_b.transpose();
-      born.covariance.bottomRightCorner<6, 6>() = *slow;
-    }
-    born.covariance.topLeftCorner<6, 6>() = covariance;
-    born.cross_covariance.topRows<6>() = camera_covariance;
-    births.push_back({{.log_weight = mode.log_weight,
-                       .log_probability = object.belief.log_absence_probability() +
-                                          share * (mode.log_weight - object.belief.log_absent()),
-                       .score = settings.birth_score,
-                       .id = next_id++,
-                       .detections = 1},
-                      born});
-  }
-  return births;
 }
 
 /// The scale of the noise is learned. Where the slow error's changes by a factor f, b becomes f b,

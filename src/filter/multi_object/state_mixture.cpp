@@ -74,7 +74,7 @@ bool same_leader(const ObjectBelief& a, const ObjectBelief& b) {
 
 void MultiObjectState::mix(const MultiObjectState& other, const LogTotals& own,
                            const LogTotals& others) {
-  std::vector<std::pair<std::size_t, std::size_t>> shared{{kCamera, kCamera}};
+  BlockPairs shared{{kCamera, kCamera}};
   if (motion) shared.emplace_back(*motion, other.motion.value());
   std::vector<bool> shares_leader;
   for (std::size_t j = 0; j < objects.size(); ++j) {
