@@ -58,8 +58,8 @@ void bind_paired_errors(nb::module_& m) {
   Record<P>(m, "PairedErrors",
             "Errors of T_camera_object over the frames with estimate, detection and truth.")
       .field("frames", &P::frames, "int", "Number of these frames.")
-      .field("estimate", &P::estimate, "PoseMedians", "As filtered.")
-      .field("detection", &P::detection, "PoseMedians", "As detected.")
+      .field("estimate", &P::estimate, "PoseMedians", "Medians of the filtered poses.")
+      .field("detection", &P::detection, "PoseMedians", "Medians of the detections.")
       .done();
 }
 

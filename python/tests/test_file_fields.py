@@ -68,6 +68,7 @@ IN_FILES: dict[str, tuple[Place, Keys]] = {
             "merge_rotation_rad": ("merge_rotation_deg", MULTI),
             "max_hypotheses": ("max_hypotheses", MULTI),
             "protected_hypotheses": ("protected_hypotheses", MULTI),
+            "max_global_hypotheses": ("max_global_hypotheses", MULTI),
         },
     ),
     "MultiObjectSlamSettings": (ASSOCIATION, {}),
