@@ -28,6 +28,7 @@ constexpr const char* kPose = "pose";  ///< the name of a pose from a TUM file
 
 std::vector<std::string> names_of(const std::vector<TraceTrack>& tracks) {
   std::vector<std::string> names;
+  names.reserve(tracks.size());
   for (const TraceTrack& track : tracks) names.push_back(track.name);
   return names;
 }
