@@ -178,7 +178,7 @@ class ObjectBelief {
   /// Index of the hypothesis with the id.
   std::optional<std::size_t> find(std::uint64_t id) const;
 
-  /// Whether an alternative can still win: it has a score above this, and a probability that few
+  /// Whether an alternative can still win: it has a score above this, and a weight that few
   /// detections can make up for.
   bool has_alternative_that_can_win(double score) const;
   /// Keeps the leading hypothesis alone; absence is impossible.
