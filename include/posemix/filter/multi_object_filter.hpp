@@ -207,8 +207,10 @@ class MultiObjectFilter {
   JointState joint_state(std::span<const std::optional<std::size_t>> hypotheses) const;
   /// What is reported of an object at `pose` in addition to what is estimated, world frame.
   Matrix6d unseen_covariance(std::size_t object, const SE3d& pose) const;
+  /// The reference holds until the next prediction or update.
   const MultiObjectSettings& settings() const;
-  /// The sensor of an object with the scale of its noise as learned by now.
+  /// The sensor of an object with the scale of its noise as learned by now. The reference holds
+  /// until the next prediction or update.
   const ObjectSensor& sensor(std::size_t object) const;
 
  private:
