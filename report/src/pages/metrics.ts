@@ -7,9 +7,17 @@ import { table } from "../ui/table.ts";
 
 const leaf = (value: Json) => !isObject(value);
 
-/** A table with a row per entry; if entries are objects, their keys are the columns. */
+/** The numbers of an object by their path, `a/b/c`. */
+function flat(value: JsonObject): JsonObject {
+  return Object.fromEntries(
+    Object.entries(value).flatMap(([key, inner]): [string, Json][] =>
+      isObject(inner) ? Object.entries(flat(inner)).map(([path, number]) => [`${key}/${path}`, number]) : [[key, inner]]),
+  );
+}
+
+/** A table with a row per entry; if entries are objects, the paths of their numbers are the columns. */
 function section(name: string, value: JsonObject): HTMLElement[] {
-  const entries = Object.entries(value);
+  const entries = Object.entries(value).map(([key, inner]): [string, Json] => [key, isObject(inner) ? flat(inner) : inner]);
   const nested = entries.filter((entry): entry is [string, JsonObject] => isObject(entry[1]));
   const made: HTMLElement[] = [];
   const single = entries.filter(([, inner]) => leaf(inner));
