@@ -13,6 +13,7 @@
 #include "posemix/detector/noise_observation.hpp"
 #include "posemix/detector/noise_statistics.hpp"
 #include "posemix/detector/object_sensor.hpp"
+#include "posemix/detector/observation.hpp"
 #include "posemix/detector/odometry_noise.hpp"
 #include "posemix/detector/slow_error_fit.hpp"
 #include "posemix/detector/symmetry.hpp"

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "posemix/base/linear.hpp"
+#include "posemix/base/words.hpp"
+#include "posemix/lie/lie.hpp"
+
+/// What a detector says of one object in one image.
+namespace posemix {
+
+/// One of the poses that a detector takes for possible.
+struct ObservationComponent {
+  double weight = 1.0;  ///< those of an observation sum to one
+  SE3d pose = {};       ///< T_camera_object
+  /// Covariance of the white error n of Y = T_camera_object Exp(n) (right perturbation, along the
+  /// object's axes), rotation [rad] before translation [m]. None: that of the detector's noise.
+  std::optional<Matrix6d> covariance = {};
+};
+
+/// One sighting of one object: a mixture. The components exclude each other: given that the
+/// observation is of the object, one of them is its pose up to the detector's error, with a
+/// probability of its weight if nothing else is known.
+struct Observation {
+  /// Id of the object model; empty where only the class is known.
+  std::string object = {};
+  /// Where `object` is empty: class of the object; the instance is found by association.
+  std::string class_id = {};
+  std::vector<ObservationComponent> components = {};
+  /// Probability that the observation is of no object, in place of that of the detector's noise.
+  std::optional<double> clutter = {};
+  std::string camera = {};           ///< name of the camera of a rig; empty where there is one
+  std::string detector = {};         ///< name of the detector; empty where there is one
+  double stamp_s = 0.0;              ///< time of the image
+  std::optional<double> score = {};  ///< the detector's confidence in the sighting, larger is surer
+};
+
+/// What a given covariance is to the filter.
+enum class GivenCovariance {
+  scaled,    ///< the covariance of the white error, times the scale that is learned
+  as_given,  ///< the covariance of the white error
+  ignored    ///< nothing: the white error is that of the detector's noise
+};
+
+/// The words of GivenCovariance in files and options.
+template <>
+inline constexpr WordTable<GivenCovariance, 3> words<GivenCovariance>{{
+    {"scaled", GivenCovariance::scaled},
+    {"as_given", GivenCovariance::as_given},
+    {"ignored", GivenCovariance::ignored},
+}};
+
+/// The observation of one pose.
+Observation observation_of(const SE3d& camera_object);
+
+/// Index of the component of the largest weight, the first of equal ones.
+/// @throws InvalidInput for an observation without components
+std::size_t best_component(const Observation& observation);
+
+/// @throws InvalidInput when there is no component, a pose is not finite, a weight not finite or
+/// negative, their sum not one (to a thousandth), a covariance is not symmetric positive definite,
+/// the probability of clutter outside of [0, 1), or the stamp or the score not finite; it names the
+/// component
+void validate(const Observation& observation);
+
+}  // namespace posemix

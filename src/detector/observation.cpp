@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "posemix/detector/observation.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <Eigen/Cholesky>
+
+#include "posemix/base/error.hpp"
+
+namespace posemix {
+namespace {
+
+/// Symmetric up to rounding in files, relative to the largest entry.
+constexpr double kAsymmetry = 1e-6;
+/// Weights in files are rounded.
+constexpr double kWeightSum = 1e-3;
+
+void check_covariance(const Matrix6d& covariance, std::size_t component) {
+  if (!covariance.allFinite()) {
+    throw InvalidInput(
+        fmt::format("the covariance of component {} holds a value that is not finite", component));
+  }
+  const double largest = covariance.cwiseAbs().maxCoeff();
+  if ((covariance - covariance.transpose()).cwiseAbs().maxCoeff() > kAsymmetry * largest)
+    throw InvalidInput(fmt::format("the covariance of component {} is not symmetric", component));
+  if (Eigen::LLT<Matrix6d>(covariance).info() != Eigen::Success) {
+    throw InvalidInput(
+        fmt::format("the covariance of component {} is not positive definite", component));
+  }
+}
+
+void check_component(const ObservationComponent& component, std::size_t index) {
+  if (!component.pose.matrix().allFinite()) {
+    throw InvalidInput(
+        fmt::format("the pose of component {} holds a value that is not finite", index));
+  }
+  if (!(component.weight >= 0.0) || std::isinf(component.weight)) {
+    throw InvalidInput(fmt::format("the weight of component {} is {}, expected zero or more", index,
+                                   component.weight));
+  }
+  if (component.covariance) check_covariance(*component.covariance, index);
+}
+
+}  // namespace
+
+Observation observation_of(const SE3d& camera_object) {
+  Observation observation;
+  observation.components.push_back({.pose = camera_object});
+  return observation;
+}
+
+std::size_t best_component(const Observation& observation) {
+  const auto& components = observation.components;
+  if (components.empty())
+    throw InvalidInput("the observation has no components, expected at least one");
+  const auto best =
+      std::max_element(components.begin(), components.end(),
+                       [](const auto& a, const auto& b) { return a.weight < b.weight; });
+  return static_cast<std::size_t>(best - components.begin());
+}
+
+void validate(const Observation& observation) {
+  if (observation.components.empty())
+    throw InvalidInput("the observation has no components, expected at least one");
+  double total = 0.0;
+  for (std::size_t k = 0; k < observation.components.size(); ++k) {
+    check_component(observation.components[k], k);
+    total += observation.components[k].weight;
+  }
+  if (!(std::abs(total - 1.0) <= kWeightSum)) {
+    throw InvalidInput(fmt::format("the weights of the components sum to {}, expected one", total));
+  }
+  if (observation.clutter && !(*observation.clutter >= 0.0 && *observation.clutter < 1.0)) {
+    throw InvalidInput(fmt::format("the probability of clutter is {}, expected one in [0, 1)",
+                                   *observation.clutter));
+  }
+  if (!std::isfinite(observation.stamp_s))
+    throw InvalidInput(fmt::format("the stamp is {}, expected seconds", observation.stamp_s));
+  if (observation.score && !std::isfinite(*observation.score))
+    throw InvalidInput(fmt::format("the score is {}, expected a number", *observation.score));
+}
+
+}  // namespace posemix
