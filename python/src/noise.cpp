@@ -66,6 +66,10 @@ void bind_parts(nb::module_& m) {
              "Time for which a detector stays with one mode or with clutter [s].")
       .field("is_typical", &D::is_typical, "bool",
              "Whether the numbers are those of detectors in general and not of this one.")
+      .field("given_covariance", &D::given_covariance, "GivenCovariance",
+             "What a covariance that an observation brings itself is to the filter: `scaled`, the "
+             "covariance of the white error times the scale that is learned; `as_given`; "
+             "`ignored`.")
       .done();
 }
 

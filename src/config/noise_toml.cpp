@@ -74,6 +74,8 @@ std::string dependence_text(const DetectorNoise& noise) {
   if (dependence.mode_time_s > 0.0)
     text += fmt::format("mode_time_s = {}\n", dependence.mode_time_s);
   if (dependence.is_typical) text += "is_typical = true\n";
+  if (dependence.given_covariance != NoiseDependence{}.given_covariance)
+    text += fmt::format("given_covariance = \"{}\"\n", word_of(dependence.given_covariance));
   return text;
 }
 

@@ -98,6 +98,7 @@ NoiseDependence read_dependence(const TomlTable& model, NoiseFrame frame) {
   dependence.mode_time_s =
       model.get_double_or("mode_time_s", dependence.mode_time_s, {.lowest = 0, .highest = 1e9});
   dependence.is_typical = model.get_bool_or("is_typical", dependence.is_typical);
+  dependence.given_covariance = model.get_enum_or("given_covariance", dependence.given_covariance);
   model.ignore_removed({"dependent_frames", "bias"}, kSeeSlow);
   return dependence;
 }

@@ -39,7 +39,7 @@ bool same(const std::optional<SlowError>& a, const std::optional<SlowError>& b) 
 
 bool same(const NoiseDependence& a, const NoiseDependence& b) {
   return same(a.slow, b.slow) && a.common == b.common && a.mode_time_s == b.mode_time_s &&
-         a.is_typical == b.is_typical;
+         a.is_typical == b.is_typical && a.given_covariance == b.given_covariance;
 }
 
 bool same(const DetectorNoise& a, const DetectorNoise& b) {

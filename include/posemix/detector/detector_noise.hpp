@@ -104,6 +104,24 @@ struct SlowError {
   }
 };
 
+/// What a covariance that an observation brings itself is to the filter. It stands for the white
+/// covariance of the first component of the detector's noise; those of other components are wider
+/// or narrower than it by the factor by which they are in the noise (the sixth root of the ratio of
+/// determinants).
+enum class GivenCovariance {
+  scaled,    ///< the covariance of the white error, times the scale that is learned
+  as_given,  ///< the covariance of the white error
+  ignored    ///< nothing: the white error is that of the noise
+};
+
+/// The words of GivenCovariance in files and options.
+template <>
+inline constexpr WordTable<GivenCovariance, 3> words<GivenCovariance>{{
+    {"scaled", GivenCovariance::scaled},
+    {"as_given", GivenCovariance::as_given},
+    {"ignored", GivenCovariance::ignored},
+}};
+
 /// Dependence of successive detections of an object.
 struct NoiseDependence {
   std::optional<SlowError> slow =
@@ -117,6 +135,8 @@ struct NoiseDependence {
   /// Whether the numbers are those of detectors in general and not of this one. A filter then
   /// trusts them less (MultiObjectSettings::camera_gain).
   bool is_typical = false;
+  /// How covariances of observations are used.
+  GivenCovariance given_covariance = GivenCovariance::scaled;
 };
 
 /// The error of one detector on one class of objects: a mixture of components (midway-merge paper,

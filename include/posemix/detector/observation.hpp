@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "posemix/base/linear.hpp"
-#include "posemix/base/words.hpp"
 #include "posemix/lie/lie.hpp"
 
 /// What a detector says of one object in one image.
@@ -19,7 +18,8 @@ struct ObservationComponent {
   double weight = 1.0;  ///< those of an observation sum to one
   SE3d pose = {};       ///< T_camera_object
   /// Covariance of the white error n of Y = T_camera_object Exp(n) (right perturbation, along the
-  /// object's axes), rotation [rad] before translation [m]. None: that of the detector's noise.
+  /// object's axes), rotation [rad] before translation [m], see GivenCovariance. None: that of the
+  /// detector's noise.
   std::optional<Matrix6d> covariance = {};
 };
 
@@ -40,21 +40,6 @@ struct Observation {
   std::optional<double> score = {};  ///< the detector's confidence in the sighting, larger is surer
 };
 
-/// What a given covariance is to the filter.
-enum class GivenCovariance {
-  scaled,    ///< the covariance of the white error, times the scale that is learned
-  as_given,  ///< the covariance of the white error
-  ignored    ///< nothing: the white error is that of the detector's noise
-};
-
-/// The words of GivenCovariance in files and options.
-template <>
-inline constexpr WordTable<GivenCovariance, 3> words<GivenCovariance>{{
-    {"scaled", GivenCovariance::scaled},
-    {"as_given", GivenCovariance::as_given},
-    {"ignored", GivenCovariance::ignored},
-}};
-
 /// The observation of one pose.
 Observation observation_of(const SE3d& camera_object);
 
@@ -64,7 +49,7 @@ std::size_t best_component(const Observation& observation);
 
 /// @throws InvalidInput when there is no component, a pose is not finite, a weight not finite or
 /// negative, their sum not one (to a thousandth), a covariance is not symmetric positive definite,
-/// the probability of clutter outside of [0, 1), or the stamp or the score not finite; it names the
+/// the probability of clutter outside of (0, 1), or the stamp or the score not finite; it names the
 /// component
 void validate(const Observation& observation);
 

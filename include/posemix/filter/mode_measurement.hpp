@@ -4,6 +4,7 @@
 
 #include "posemix/base/linear.hpp"
 #include "posemix/detector/object_sensor.hpp"
+#include "posemix/detector/observation.hpp"
 #include "posemix/lie/lie.hpp"
 
 namespace posemix {
@@ -36,6 +37,10 @@ struct ModeMeasurement {
 /// `detected` is T_camera_object; the covariance of `state` is that with which the probabilities
 /// are computed.
 ModeMeasurement measure_mode(const ModeState& state, const SE3d& detected,
+                             const ObjectSensor& sensor);
+/// The same for an observation with several components; their weights count as one more factor.
+/// @throws InvalidInput as validate(observation)
+ModeMeasurement measure_mode(const ModeState& state, const Observation& observation,
                              const ObjectSensor& sensor);
 
 }  // namespace posemix

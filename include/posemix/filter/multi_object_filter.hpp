@@ -10,6 +10,7 @@
 
 #include "posemix/density/concentrated_gaussian.hpp"
 #include "posemix/detector/object_sensor.hpp"
+#include "posemix/detector/observation.hpp"
 #include "posemix/mixture/mixture.hpp"
 
 namespace posemix {
@@ -153,6 +154,14 @@ class MultiObjectFilter {
   /// @throws InvalidInput also when the pose is not finite
   ObjectUpdateReport update(std::size_t object, const SE3d& camera_object);
 
+  /// One observation of the object at `object`, a mixture of poses (docs/many-objects.md,
+  /// "Observations that are mixtures"), from a camera at `body_camera`, T_body_camera; what is
+  /// called the camera elsewhere is then the body that carries all cameras. The observation's names
+  /// and stamp are not looked at.
+  /// @throws InvalidInput also as validate(observation)
+  ObjectUpdateReport update(std::size_t object, const Observation& observation,
+                            const SE3d& body_camera = {});
+
   /// The object becomes one that was never detected: it has no hypotheses, its absence is certain,
   /// and its noise is as given. The camera and the other objects stay as they are. In the joint
   /// Gaussian the poses behind that of the object move up by one.
@@ -184,9 +193,10 @@ class MultiObjectFilter {
   /// T_camera_object of one hypothesis. Its covariance takes the cross-covariance with the camera
   /// into account.
   ConcentratedGaussian<SE3d> relative(std::size_t object, std::size_t hypothesis) const;
-  /// T_camera_object as the detector sees it under one hypothesis: with the slow error of its
-  /// detections, and without their white error.
-  ConcentratedGaussian<SE3d> predicted_detection(std::size_t object, std::size_t hypothesis) const;
+  /// T_camera_object as the detector sees it under one hypothesis, from a camera at T_body_camera:
+  /// with the slow error of its detections, and without their white error.
+  ConcentratedGaussian<SE3d> predicted_detection(std::size_t object, std::size_t hypothesis,
+                                                 const SE3d& body_camera = {}) const;
   /// The joint Gaussian of the camera (pose 0) and the leading hypotheses of all objects that have
   /// any, at pose_index(), and of the camera's motion where that is part of the state.
   ConcentratedGaussian<PoseStackd> joint() const;

@@ -42,14 +42,14 @@ Tall<Dim> times_ht(const MatrixXd& matrix, std::span<const Detection> detections
 
 /// z, R and the products P H^T and S = H P H^T + R of several detections.
 template <int Dim>
-struct Observation {
+struct LinearObservation {
   Vector<Dim> residual;
   Square<Dim> noise;
   Tall<Dim> p_ht;
   Square<Dim> s;
 
-  Observation(const Hypothesis& prior, std::span<const Detection> detections,
-              std::span<const NoiseComponent* const> components)
+  LinearObservation(const Hypothesis& prior, std::span<const Detection> detections,
+                    std::span<const NoiseComponent* const> components)
       : p_ht(times_ht<Dim>(prior.covariance(), detections)) {
     const Index size = offset(detections.size());
     residual.resize(size);
@@ -70,7 +70,7 @@ template <int Dim>
 UpdateResult update_with(const Hypothesis& prior, std::span<const Detection> detections,
                          std::span<const NoiseComponent* const> noise) {
   // Innovation and its covariance, S = H P H^T + R.
-  const Observation<Dim> observed(prior, detections, noise);
+  const LinearObservation<Dim> observed(prior, detections, noise);
   const Eigen::LLT<Square<Dim>> s(observed.s);
   if (s.info() != Eigen::Success) {
     return {prior, -std::numeric_limits<double>::infinity(), false};
@@ -111,7 +111,7 @@ double squared_mahalanobis(const Hypothesis& hypothesis, const Detection& detect
   const std::array given{&noise};
   const std::span<const Detection> detections(&detection, 1);
   const internal::NoiseAtMean at_mean(hypothesis.mean(), detections, given);
-  const Observation<kPoseDof> one(hypothesis, detections, at_mean.components());
+  const LinearObservation<kPoseDof> one(hypothesis, detections, at_mean.components());
   const Eigen::LLT<Matrix6d> factor(one.s);
   if (factor.info() != Eigen::Success) return std::numeric_limits<double>::infinity();
   return factor.matrixL().solve(one.residual).squaredNorm();

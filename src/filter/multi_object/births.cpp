@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "multi_object_state.hpp"
+#include "object_merge.hpp"
 #include "posemix/filter/update.hpp"
 
 namespace posemix::internal {
@@ -41,13 +42,13 @@ std::vector<NoiseMode> modes_of(const DetectorNoise& noise, double log_factor) {
 }
 
 /// Covariance of the white error of a mode: the moments of its components.
-Matrix6d mode_covariance(const DetectionState& state, const NoiseMode& mode,
-                         const ObjectSensor& sensor) {
+Matrix6d mode_covariance(const DetectionState& state, const ObservationComponent& seen,
+                         const NoiseComponent& mode, const ObjectSensor& sensor) {
   Matrix6d sum = Matrix6d::Zero();
   double weight = 0.0;
   for (const NoiseComponent& component : sensor.noise.components()) {
-    if (!same_mode(*mode.first, component)) continue;
-    sum += component.weight * white_covariance(state, component, sensor);
+    if (!same_mode(mode, component)) continue;
+    sum += component.weight * white_covariance(state, seen, component, sensor);
     weight += component.weight;
   }
   return sum / weight;
@@ -55,42 +56,71 @@ Matrix6d mode_covariance(const DetectionState& state, const NoiseMode& mode,
 
 }  // namespace
 
-/// Hypotheses at a detection that no hypothesis explains, one for each mode of the noise. Their
-/// weight is that of absence times the mode's weight and the density of clutter ("Births"); their
-/// covariance is the camera's plus a multiple of the noise's.
+/// The covariance is the camera's plus that of the mode, with the slow error in place.
+Alternative MultiObjectState::birth_at(const TrackedObject& object,
+                                       const WeighedObservation& observation,
+                                       const ObservationComponent& seen,
+                                       const NoiseComponent& mode) const {
+  const ObjectSensor& sensor = object.detector.sensor();
+  const SE3d camera = joint.pose(kCamera) * observation.body_camera;
+  const Matrix6d camera_covariance = joint.covariance(kCamera, kCamera);
+  // xi_O = xi_C - A b - n.
+  DetectionState there{.camera = camera, .object = camera * seen.pose * mode.offset.inverse()};
+  Matrix6d covariance = camera_covariance + mode_covariance(there, seen, mode, sensor);
+  ConditionalPose born{there.object, {}, Matrix12d::Zero(), Matrix12x6d::Zero()};
+  if (const auto slow = sensor.slow_covariance()) {
+    const Matrix6d a = slow_error_map(there, mode);
+    const Matrix6d a_b = a * *slow;
+    born.slow = Vector6d::Zero();
+    covariance += a_b * a.transpose();
+    born.covariance.topRightCorner<6, 6>() = -a_b;
+    born.covariance.bottomLeftCorner<6, 6>() = -a_b.transpose();
+    born.covariance.bottomRightCorner<6, 6>() = *slow;
+  }
+  born.covariance.topLeftCorner<6, 6>() = covariance;
+  born.cross_covariance.topRows<6>() = camera_covariance;
+  return {{.score = settings.birth_score, .detections = 1}, born};
+}
+
+/// Hypotheses at components that no hypothesis explains, one for each mode of the noise, the
+/// heaviest components first, as many as an object may have. Their weight is that of absence times
+/// those of component and mode and the density of clutter ("Births"). Of components that agree the
+/// heaviest takes the weight of all.
 std::vector<Alternative> MultiObjectState::births_of(const TrackedObject& object,
-                                                     const SE3d& detected, double share) {
+                                                     const WeighedObservation& observation,
+                                                     const Starters& may_start, double share) {
   constexpr double kPi = std::numbers::pi;
   if (!std::isfinite(object.belief.log_absent())) return {};
+  std::vector<const ObservationComponent*> starting;
+  for (std::size_t k = 0; k < may_start.size(); ++k)
+    if (may_start[k]) starting.push_back(&observation.components[k]);
+  std::stable_sort(starting.begin(), starting.end(),
+                   [](const auto* a, const auto* b) { return a->weight > b->weight; });
   const ObjectSensor& sensor = object.detector.sensor();
-  const SE3d& camera = joint.pose(kCamera);
   const Matrix6d camera_covariance = joint.covariance(kCamera, kCamera);
-  const double log_density =
-      object.belief.log_absent() - std::log(8.0 * kPi * kPi * sensor.noise.clutter().volume_m3);
+  const double log_density = object.belief.log_absent() + std::log(observation.object_weight) -
+                             std::log(8.0 * kPi * kPi * sensor.noise.clutter().volume_m3);
   std::vector<Alternative> births;
-  for (const NoiseMode& mode : modes_of(sensor.noise, log_density)) {
-    // xi_O = xi_C - A b - n.
-    DetectionState there{.camera = camera,
-                         .object = camera * detected * mode.first->offset.inverse()};
-    Matrix6d covariance = camera_covariance + mode_covariance(there, mode, sensor);
-    ConditionalPose born{there.object, {}, Matrix12d::Zero(), Matrix12x6d::Zero()};
-    if (const auto slow = sensor.slow_covariance()) {
-      const Matrix6d a_b = slow_error_map(there, *mode.first) * *slow;
-      born.slow = Vector6d::Zero();
-      covariance += a_b * slow_error_map(there, *mode.first).transpose();
-      born.covariance.topRightCorner<6, 6>() = -a_b;
-      born.covariance.bottomLeftCorner<6, 6>() = -a_b.transpose();
-      born.covariance.bottomRightCorner<6, 6>() = *slow;
+  for (const ObservationComponent* seen : starting) {
+    for (const NoiseMode& mode : modes_of(sensor.noise, log_density + std::log(seen->weight))) {
+      Alternative born = birth_at(object, observation, *seen, *mode.first);
+      born.standing.log_weight = mode.log_weight;
+      const auto same = std::find_if(births.begin(), births.end(), [&](const Alternative& other) {
+        return starting.size() > 1 &&
+               agree(camera_covariance, sensor.symmetries, merge_bounds, other.pose, born.pose);
+      });
+      if (same != births.end()) {
+        same->standing.log_weight +=
+            std::log1p(std::exp(mode.log_weight - same->standing.log_weight));
+      } else if (starting.size() == 1 || births.size() < settings.max_hypotheses) {
+        born.standing.id = next_id++;
+        births.push_back(born);
+      }
     }
-    born.covariance.topLeftCorner<6, 6>() = covariance;
-    born.cross_covariance.topRows<6>() = camera_covariance;
-    births.push_back({{.log_weight = mode.log_weight,
-                       .log_probability = object.belief.log_absence_probability() +
-                                          share * (mode.log_weight - object.belief.log_absent()),
-                       .score = settings.birth_score,
-                       .id = next_id++,
-                       .detections = 1},
-                      born});
+  }
+  for (Alternative& born : births) {
+    born.standing.log_probability = object.belief.log_absence_probability() +
+                                    share * (born.standing.log_weight - object.belief.log_absent());
   }
   return births;
 }

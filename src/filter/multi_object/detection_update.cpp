@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "posemix/mixture/log_weights.hpp"
 
@@ -36,16 +37,42 @@ Matrix6d times_h(const Matrix18x6d& d, const Matrix6d& slow_map) {
   return s;
 }
 
-/// A noise component as a detection of this state sees it, without its weight: eq. (2).
-Innovation innovation(const DetectionState& state, const SE3d& detected,
+/// The factor by which a component of the noise is wider than the first one.
+double width(const NoiseAtPose& component, const NoiseAtPose& first) {
+  const Eigen::LLT<Matrix6d> own(component.covariance);
+  const Eigen::LLT<Matrix6d> reference(first.covariance);
+  return std::exp((log_det(own) - log_det(reference)) / 6.0);
+}
+
+/// Covariance of the white error along the axes of the noise.
+Matrix6d white_along(const NoiseAtPose& at, const SE3d& expected, const ObservationComponent& seen,
+                     const NoiseComponent& component, const ObjectSensor& sensor) {
+  const GivenCovariance use = sensor.noise.dependence().given_covariance;
+  if (!seen.covariance || use == GivenCovariance::ignored)
+    return scaled(at.covariance, sensor.noise_scale);
+  // From the axes of the detected pose to those of the noise.
+  const Eigen::Matrix3d turn = (at.axes.rotation().inverse() * seen.pose.rotation()).matrix();
+  Matrix6d along = Matrix6d::Zero();
+  along.topLeftCorner<3, 3>() = turn;
+  along.bottomRightCorner<3, 3>() = turn;
+  const NoiseComponent& first = sensor.noise.components().front();
+  const double wider = &component == &first ? 1.0 : width(at, noise_at(first, expected));
+  const Matrix6d given = wider * along * *seen.covariance * along.transpose();
+  return use == GivenCovariance::as_given ? given : scaled(given, sensor.noise_scale);
+}
+
+/// A component of an observation under one of the noise as this state sees it, without its weight:
+/// eq. (2).
+Innovation innovation(const DetectionState& state, const ObservationComponent& observed,
                       const NoiseComponent& component, const ObjectSensor& sensor) {
   Innovation result;
   const SE3d expected = state.camera_object();
   const NoiseAtPose at = noise_at(component, expected);
   result.axes = state.camera * at.axes;
-  result.noise = result.axes.adjoint_congruence(scaled(at.covariance, sensor.noise_scale));
+  result.white = white_along(at, expected, observed, component, sensor);
+  result.noise = result.axes.adjoint_congruence(result.white);
   result.slow_map = result.axes.adjoint() * at.units.asDiagonal();
-  SE3d seen = detected * component.offset.inverse();
+  SE3d seen = observed.pose * component.offset.inverse();
   if (!sensor.symmetries.is_trivial()) {
     const Matrix6d local =
         state.object.inverse().adjoint_congruence(Matrix6d(state.difference() + result.noise));
@@ -89,10 +116,48 @@ Matrix6d DetectionState::difference() const {
          covariance.block<6, 6>(kObjectRow, kObjectRow) - cross - cross.transpose();
 }
 
-Matrix6d white_covariance(const DetectionState& state, const NoiseComponent& component,
-                          const ObjectSensor& sensor) {
-  const NoiseAtPose at = noise_at(component, state.camera_object());
-  return (state.camera * at.axes).adjoint_congruence(scaled(at.covariance, sensor.noise_scale));
+WeighedObservation weigh(const Observation& observation, const ObjectSensor& sensor, double share,
+                         const SE3d& body_camera) {
+  const Clutter& clutter = sensor.noise.clutter();
+  WeighedObservation result{.components = observation.components,
+                            .log_clutter = sensor.noise.log_clutter_density(),
+                            .body_camera = body_camera};
+  double total = 0.0;
+  for (ObservationComponent& component : result.components) {
+    component.weight = component.weight > 0.0 ? std::pow(component.weight, share) : 0.0;
+    total += component.weight;
+  }
+  for (ObservationComponent& component : result.components) component.weight /= total;
+  std::erase_if(result.components, [](const auto& component) { return component.weight == 0.0; });
+  if (observation.clutter) {
+    result.object_weight = (1.0 - *observation.clutter) / (1.0 - clutter.weight);
+    result.log_clutter = std::log(*observation.clutter) -
+                         std::log(8.0 * std::numbers::pi * std::numbers::pi * clutter.volume_m3);
+  }
+  return result;
+}
+
+const Innovation& Explanation::inlier() const {
+  std::size_t best = 0;
+  for (std::size_t i = 0; i < innovations.size(); i += noise_components) {
+    if (innovations[i].weight > innovations[best].weight) best = i;
+  }
+  return innovations[best];
+}
+
+double Explanation::inlier_probability() const {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < innovations.size(); i += noise_components)
+    sum += innovations[i].weight;
+  return sum;
+}
+
+Matrix6d white_covariance(const DetectionState& state, const ObservationComponent& seen,
+                          const NoiseComponent& component, const ObjectSensor& sensor) {
+  const SE3d expected = state.camera_object();
+  const NoiseAtPose at = noise_at(component, expected);
+  return (state.camera * at.axes)
+      .adjoint_congruence(white_along(at, expected, seen, component, sensor));
 }
 
 Matrix6d slow_error_map(const DetectionState& state, const NoiseComponent& component) {
@@ -100,30 +165,48 @@ Matrix6d slow_error_map(const DetectionState& state, const NoiseComponent& compo
   return (state.camera * at.axes).adjoint() * at.units.asDiagonal();
 }
 
-Explanation explain(const DetectionState& state, const SE3d& detected, const ObjectSensor& sensor) {
+namespace {
+
+/// The innovation of one component of an observation under one of the noise, with its evidence,
+/// eq. (3): e_c = log w_c + log N(z_c; 0, S_c).
+Evidence add_innovation(const DetectionState& state, const ObservationComponent& observed,
+                        const NoiseComponent& component, const ObjectSensor& sensor,
+                        const std::optional<Matrix6d>& slow, std::vector<Innovation>& innovations) {
+  innovations.push_back(innovation(state, observed, component, sensor));
+  Innovation& seen = innovations.back();
+  seen.covariance = times_h(times_ht(state.covariance, seen.slow_map), seen.slow_map) + seen.noise;
+  const Evidence evidence = evidence_of(state, seen, component.run_length, slow);
+  // The detections of a run have the information of one.
+  const Matrix6d run = (component.run_length - 1.0) * seen.noise;
+  seen.noise += run;
+  seen.covariance += run;
+  return evidence;
+}
+
+}  // namespace
+
+Explanation explain(const DetectionState& state, const WeighedObservation& observation,
+                    const ObjectSensor& sensor) {
   const auto& components = sensor.noise.components();
   const std::optional<Matrix6d> slow = sensor.slow_covariance();
   Explanation result;
-  result.squared_distance = std::numeric_limits<double>::infinity();
-  result.innovations.reserve(components.size());
+  result.noise_components = components.size();
+  const std::size_t pairs = components.size() * observation.components.size();
+  result.innovations.reserve(pairs);
   std::vector<double> terms;
-  terms.reserve(components.size() + 1);
-
-  // Evidence of every component and of clutter, eq. (3): e_c = log w_c + log N(z_c; 0, S_c).
-  for (const NoiseComponent& component : components) {
-    result.innovations.push_back(innovation(state, detected, component, sensor));
-    Innovation& seen = result.innovations.back();
-    seen.covariance =
-        times_h(times_ht(state.covariance, seen.slow_map), seen.slow_map) + seen.noise;
-    const Evidence evidence = evidence_of(state, seen, component.run_length, slow);
-    terms.push_back(std::log(component.weight) + evidence.log_density);
-    result.squared_distance = std::min(result.squared_distance, evidence.squared_distance);
-    // The detections of a run have the information of one.
-    const Matrix6d run = (component.run_length - 1.0) * seen.noise;
-    seen.noise += run;
-    seen.covariance += run;
+  terms.reserve(pairs + 1);
+  for (const ObservationComponent& observed : observation.components) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const NoiseComponent& component : components) {
+      const Evidence evidence =
+          add_innovation(state, observed, component, sensor, slow, result.innovations);
+      terms.push_back(std::log(component.weight * observation.object_weight * observed.weight) +
+                      evidence.log_density);
+      least = std::min(least, evidence.squared_distance);
+    }
+    result.squared_distances.push_back(least);
   }
-  terms.push_back(sensor.noise.log_clutter_density());
+  terms.push_back(observation.log_clutter);
   result.log_evidence = log_sum_exp(terms);
 
   // Probabilities, without components that hardly count.
@@ -133,23 +216,22 @@ Explanation explain(const DetectionState& state, const SE3d& detected, const Obj
     term = term < most + kLeastLogRatio ? 0.0 : std::exp(term - result.log_evidence);
     kept += term;
   }
-  for (std::size_t i = 0; i < components.size(); ++i)
-    result.innovations[i].weight = terms[i] / kept;
+  for (std::size_t i = 0; i < pairs; ++i) result.innovations[i].weight = terms[i] / kept;
   result.clutter_probability = terms.back() / kept;
   return result;
 }
 
 Vector6d DetectionUpdate::white_residual() const {
-  const Innovation& inlier = explanation.innovations.front();
+  const Innovation& inlier = explanation.inlier();
   const SE3d to_axes = inlier.axes.inverse();
   const Vector6d residual = to_axes.adjoint_blocks().times(inlier.residual);
   return residual.cwiseQuotient(
       to_axes.adjoint_congruence(inlier.covariance).diagonal().cwiseSqrt());
 }
 
-DetectionUpdate observe(const DetectionState& state, const SE3d& detected,
+DetectionUpdate observe(const DetectionState& state, const WeighedObservation& observation,
                         const ObjectSensor& sensor, const GainFactors& factors) {
-  DetectionUpdate result{explain(state, detected, sensor), {}};
+  DetectionUpdate result{explain(state, observation, sensor), {}};
   DetectionMoments& posterior = result.posterior;
   posterior.covariance = state.covariance;
   if (!std::isfinite(result.log_evidence())) return result;

@@ -6,6 +6,7 @@
 
 #include "posemix/base/linear.hpp"
 #include "posemix/detector/object_sensor.hpp"
+#include "posemix/detector/observation.hpp"
 #include "posemix/lie/lie.hpp"
 
 /// The part of the state that a detection depends on, and its update.
@@ -22,7 +23,7 @@ inline constexpr Eigen::Index kSlowRow = 12;
 /// The Gaussian of [xi_C; xi_O; b]: camera and object, both perturbed on the left in the world
 /// frame, and the detector's slow error b, in the frame and the units of its noise.
 struct DetectionState {
-  SE3d camera;
+  SE3d camera;  ///< the one that sees the object; its error is that of the body that carries it
   SE3d object;
   Vector6d slow = Vector6d::Zero();  ///< mean of b
   Matrix18d covariance = Matrix18d::Zero();
@@ -39,8 +40,22 @@ struct DetectionMoments {
   Matrix18d covariance = Matrix18d::Zero();
 };
 
-/// One detection under one noise component: eq. (2) of docs/many-objects.md. All values are in the
-/// world frame.
+/// An observation as the filter weighs it.
+struct WeighedObservation {
+  /// With the part of their weights that no earlier observation told. The weights sum to one.
+  std::vector<ObservationComponent> components;
+  double object_weight = 1.0;  ///< factor on the weights of the noise's components
+  double log_clutter = 0.0;    ///< log weight times density of clutter [nats]
+  SE3d body_camera = {};       ///< T_body_camera of the camera that made it
+};
+
+/// `share` is the part of the weights that no earlier observation told: they count with that
+/// exponent. The observation must be valid.
+WeighedObservation weigh(const Observation& observation, const ObjectSensor& sensor, double share,
+                         const SE3d& body_camera);
+
+/// One component of an observation under one noise component: eq. (2) of docs/many-objects.md. All
+/// values are in the world frame.
 struct Innovation {
   double weight = 0.0;  ///< probability of the component given the detection, a_c
   Vector6d residual;    ///< z = Log(T_C Y offset^-1 T_O^-1) - A b
@@ -49,27 +64,38 @@ struct Innovation {
   Matrix6d slow_map;  ///< A, from the frame and the units of the noise to the world
   Matrix6d covariance;  ///< S = H P H^T + R with H = [-I I A]
   SE3d axes;            ///< the axes in which the noise is stated, in the world
+  /// Of the white error along these axes [rad, m], without unobserved directions.
+  Matrix6d white;
 };
 
 /// Covariance of one component's white error in the world frame, without the directions that a
-/// symmetry leaves unobserved.
-Matrix6d white_covariance(const DetectionState& state, const NoiseComponent& component,
-                          const ObjectSensor& sensor);
+/// symmetry leaves unobserved, for the observation `seen`.
+Matrix6d white_covariance(const DetectionState& state, const ObservationComponent& seen,
+                          const NoiseComponent& component, const ObjectSensor& sensor);
 
 /// A, the map from b to the world frame, for a detection of the mode of `component`.
 Matrix6d slow_error_map(const DetectionState& state, const NoiseComponent& component);
 
-/// A detection of an object under all components of the noise and clutter, eq. (3). The
+/// An observation of an object under all components of the noise and clutter, eq. (3). The
 /// probabilities are not numbers where the evidence is zero.
 struct Explanation {
-  std::vector<Innovation> innovations;  ///< one per component
+  /// For every component of the observation, one per component of the noise.
+  std::vector<Innovation> innovations;
+  std::size_t noise_components = 1;
   double clutter_probability = 0.0;
   double log_evidence = 0.0;  ///< log sum_c exp e_c, clutter included [nats]
-  /// Least squared Mahalanobis distance over the components.
-  double squared_distance = 0.0;
+  /// Of every component of the observation, the least squared Mahalanobis distance over those of
+  /// the noise.
+  std::vector<double> squared_distances;
+
+  /// The most probable innovation under the first component of the noise.
+  const Innovation& inlier() const;
+  /// Probability of the first component of the noise.
+  double inlier_probability() const;
 };
 
-Explanation explain(const DetectionState& state, const SE3d& detected, const ObjectSensor& sensor);
+Explanation explain(const DetectionState& state, const WeighedObservation& observation,
+                    const ObjectSensor& sensor);
 
 /// The update of one hypothesis by a detection, eq. (4).
 struct DetectionUpdate {
@@ -78,8 +104,8 @@ struct DetectionUpdate {
 
   double log_evidence() const { return explanation.log_evidence; }
   /// Probability of the first component.
-  double inlier_probability() const { return explanation.innovations.front().weight; }
-  /// Residual of the first component in standard deviations, along its noise axes.
+  double inlier_probability() const { return explanation.inlier_probability(); }
+  /// Residual of the first component of the noise in standard deviations, along its axes.
   Vector6d white_residual() const;
 };
 
@@ -90,8 +116,8 @@ struct GainFactors {
   double slow = 1.0;
 };
 
-/// Updates a state by a detection with the noise, clutter and symmetries of `sensor`.
-DetectionUpdate observe(const DetectionState& state, const SE3d& detected,
+/// Updates a state by an observation with the noise, clutter and symmetries of `sensor`.
+DetectionUpdate observe(const DetectionState& state, const WeighedObservation& observation,
                         const ObjectSensor& sensor, const GainFactors& factors);
 
 /// The update of a Gaussian over any coordinates by a detection: eq. (4) for all of them at once.

@@ -63,7 +63,7 @@ GlobalHypotheses::GlobalHypotheses(const MultiObjectState& initial) { list_.push
 /// The state that would lose most by one camera for all hypotheses of object `j` is split, until
 /// none would lose much.
 void GlobalHypotheses::split(std::size_t j, std::vector<ObservedDetection>& observed,
-                             bool may_start) {
+                             const Starters& may_start) {
   std::vector<double> losses;
   for (std::size_t i = 0; i < list_.size(); ++i)
     losses.push_back(list_[i].state.tie_loss(j, observed[i], may_start));
@@ -88,12 +88,18 @@ void GlobalHypotheses::split(std::size_t j, std::vector<ObservedDetection>& obse
   }
 }
 
-ObjectUpdateReport GlobalHypotheses::update(std::size_t j, const SE3d& detected) {
+ObjectUpdateReport GlobalHypotheses::update(std::size_t j, const Observation& observation,
+                                            const SE3d& body_camera) {
   const auto led = leading_id(j);
   std::vector<ObservedDetection> observed;
-  for (const Weighted& one : list_) observed.push_back(one.state.observe(j, detected));
-  const bool may_start = std::none_of(observed.begin(), observed.end(),
-                                      [](const auto& seen) { return seen.is_explained; });
+  for (const Weighted& one : list_)
+    observed.push_back(one.state.observe(j, observation, body_camera));
+  // A component starts hypotheses where none of any state explains it.
+  Starters may_start(observed.front().explained.size(), true);
+  for (const ObservedDetection& seen : observed) {
+    for (std::size_t k = 0; k < may_start.size(); ++k)
+      if (seen.explained[k]) may_start[k] = false;
+  }
   split(j, observed, may_start);
 
   ObjectUpdateReport report;

@@ -41,8 +41,8 @@ class GlobalHypotheses {
     for (Weighted& one : list_) predict(one.state);
     summary_.reset();
   }
-  /// One detection T_camera_object of object `j`.
-  ObjectUpdateReport update(std::size_t j, const SE3d& detected);
+  /// One observation of object `j` from a camera at T_body_camera.
+  ObjectUpdateReport update(std::size_t j, const Observation& observation, const SE3d& body_camera);
   void forget(std::size_t j);
 
   /// The camera's density, a component for each state.
@@ -58,7 +58,7 @@ class GlobalHypotheses {
   };
 
   const MultiObjectSettings& settings() const { return list_.front().state.settings; }
-  void split(std::size_t j, std::vector<ObservedDetection>& observed, bool may_start);
+  void split(std::size_t j, std::vector<ObservedDetection>& observed, const Starters& may_start);
   void normalise();
   /// The next new hypothesis has the same id in all states, one that none has yet.
   void share_next_id();

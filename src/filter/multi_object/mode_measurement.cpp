@@ -9,11 +9,13 @@
 
 namespace posemix {
 
-ModeMeasurement measure_mode(const ModeState& state, const SE3d& detected,
+ModeMeasurement measure_mode(const ModeState& state, const Observation& observation,
                              const ObjectSensor& sensor) {
+  validate(observation);
   internal::DetectionState all{.camera = state.camera, .object = state.object, .slow = state.slow};
   all.covariance.bottomRightCorner<12, 12>() = state.covariance;
-  const internal::Explanation seen_as = internal::explain(all, detected, sensor);
+  const internal::Explanation seen_as =
+      internal::explain(all, internal::weigh(observation, sensor, 1.0, SE3d()), sensor);
   ModeMeasurement result;
   if (!std::isfinite(seen_as.log_evidence)) return result;
   double most = 0.0;
@@ -27,9 +29,14 @@ ModeMeasurement measure_mode(const ModeState& state, const SE3d& detected,
     most = std::max(most, seen.weight);
   }
   symmetrize(result.information);
-  result.inlier_probability = seen_as.innovations.front().weight;
+  result.inlier_probability = seen_as.inlier_probability();
   result.clutter_probability = seen_as.clutter_probability;
   return result;
+}
+
+ModeMeasurement measure_mode(const ModeState& state, const SE3d& detected,
+                             const ObjectSensor& sensor) {
+  return measure_mode(state, observation_of(detected), sensor);
 }
 
 }  // namespace posemix

@@ -125,7 +125,15 @@ void MultiObjectFilter::predict_constant_velocity(double periods, const Matrix6d
 ObjectUpdateReport MultiObjectFilter::update(std::size_t object, const SE3d& camera_object) {
   require_object(object, object_count());
   require_finite(camera_object, "detection");
-  return hypotheses_of_all().update(object, camera_object);
+  return hypotheses_of_all().update(object, observation_of(camera_object), SE3d());
+}
+
+ObjectUpdateReport MultiObjectFilter::update(std::size_t object, const Observation& observation,
+                                             const SE3d& body_camera) {
+  require_object(object, object_count());
+  validate(observation);
+  require_finite(body_camera, "pose of the camera on its body");
+  return hypotheses_of_all().update(object, observation, body_camera);
 }
 
 void MultiObjectFilter::forget(std::size_t object) {
@@ -200,11 +208,13 @@ ConcentratedGaussian<SE3d> MultiObjectFilter::relative(std::size_t object,
 }
 
 ConcentratedGaussian<SE3d> MultiObjectFilter::predicted_detection(std::size_t object,
-                                                                  std::size_t hypothesis) const {
+                                                                  std::size_t hypothesis,
+                                                                  const SE3d& body_camera) const {
   require_object(object, object_count());
   require_hypothesis(hypothesis, object, current().objects[object].belief.size());
   const TrackedObject& tracked = current().objects[object];
-  const DetectionState state = tracked.belief.state(current().joint, hypothesis);
+  DetectionState state = tracked.belief.state(current().joint, hypothesis);
+  state.camera = state.camera * body_camera;
   const Matrix6d a = slow_error_map(state, tracked.detector.sensor().noise.components().front());
   // xi_O - xi_C + A b.
   Eigen::Matrix<double, 6, 18> h;

@@ -39,6 +39,11 @@ DetectorNoise with_reduced_offsets(const DetectorNoise& noise, const SymmetryGro
   return DetectorNoise(std::move(components), noise.clutter(), noise.dependence());
 }
 
+const ObservationComponent& heaviest(const std::vector<ObservationComponent>& components) {
+  return *std::max_element(components.begin(), components.end(),
+                           [](const auto& a, const auto& b) { return a.weight < b.weight; });
+}
+
 void describe(const DetectionUpdate& leader, ObjectUpdateReport& report) {
   report.inlier_probability = leader.inlier_probability();
   report.clutter_probability = leader.explanation.clutter_probability;
@@ -76,7 +81,8 @@ DetectionState MultiObjectState::reported(const TrackedObject& object, std::size
   return state;
 }
 
-GainFactors MultiObjectState::gain_factors(const TrackedObject& object) const {
+GainFactors MultiObjectState::gain_factors(const TrackedObject& object,
+                                           const WeighedObservation& observation) const {
   // A considered camera is one for every detection.
   if (settings.has_odometry && settings.camera_gain == 0.0)
     return {.camera = 0.0, .slow = is_damped(object) ? settings.slow_error_gain : 1.0};
@@ -85,11 +91,13 @@ GainFactors MultiObjectState::gain_factors(const TrackedObject& object) const {
   if (!leading) return {.camera = settings.camera_gain, .slow = settings.slow_error_gain};
   // Where the predicted pose is less certain than the detection, damping would only keep it wrong:
   // the gain is full by the square of the predicted pose's part of the innovation's variance.
-  const DetectionState state = object.belief.state(joint, *leading);
+  DetectionState state = object.belief.state(joint, *leading);
+  state.camera = state.camera * observation.body_camera;
   const ObjectSensor& sensor = object.detector.sensor();
   const NoiseComponent& inlier = sensor.noise.components().front();
   const Matrix6d predicted = state.difference();
-  Matrix6d innovation = predicted + white_covariance(state, inlier, sensor);
+  Matrix6d innovation =
+      predicted + white_covariance(state, heaviest(observation.components), inlier, sensor);
   if (const auto slow = sensor.slow_covariance()) {
     const Matrix6d a = slow_error_map(state, inlier);
     innovation += a * *slow * a.transpose();
@@ -125,8 +133,12 @@ void MultiObjectState::forget(std::size_t j) {
 
 /// The scale of the noise is learned. Where the slow error's changes by a factor f, b becomes f b,
 /// and the object takes the difference, A (1 - f) b: what a detection sees of both stays.
-void MultiObjectState::learn(TrackedObject& object, const DetectionUpdate& leading) {
-  const Vector6d factor = object.detector.learn(leading, settings);
+void MultiObjectState::learn(TrackedObject& object, const DetectionUpdate& leading,
+                             const WeighedObservation& observation) {
+  const bool has_covariance =
+      std::any_of(observation.components.begin(), observation.components.end(),
+                  [](const auto& component) { return component.covariance.has_value(); });
+  const Vector6d factor = object.detector.learn(leading, has_covariance, settings);
   const ObjectSensor& sensor = object.detector.sensor();
   if (!sensor.noise.dependence().slow || factor.isOnes(1e-12)) return;
   object.belief.rescale_slow_error(joint, sensor.noise.components().front(), factor);
@@ -176,39 +188,41 @@ void MultiObjectState::shift_back(const TrackedObject& detected, const CameraCha
 }
 
 /// The weights are multiplied by the evidence, sum_c exp e_c of eq. (3).
-void MultiObjectState::update_weights(TrackedObject& object,
-                                      const std::vector<DetectionUpdate>& updates,
+void MultiObjectState::update_weights(TrackedObject& object, const ObservedDetection& observed,
                                       double share) const {
-  const double log_clutter = object.detector.sensor().noise.log_clutter_density();
-  object.belief.multiply_weights(updates, log_clutter, share);
-  object.belief.update_scores(updates, log_clutter, settings.score_memory);
+  const double log_clutter = observed.observation.log_clutter;
+  object.belief.multiply_weights(observed.updates, log_clutter, share);
+  object.belief.update_scores(observed.updates, log_clutter, settings.score_memory);
   object.belief.count_detection();
 }
 
-ObservedDetection MultiObjectState::observe(std::size_t j, const SE3d& detected) const {
+ObservedDetection MultiObjectState::observe(std::size_t j, const Observation& observation,
+                                            const SE3d& body_camera) const {
   const TrackedObject& object = objects[j];
-  const GainFactors factors = gain_factors(object);
+  const ObjectSensor& sensor = object.detector.sensor();
   ObservedDetection result{
-      detected,
-      object.belief.observe(joint, detected, object.detector.sensor(), factors),  // eq. (2) to (4)
-      factors, false};
-  result.is_explained =
-      std::any_of(result.updates.begin(), result.updates.end(), [&](const DetectionUpdate& update) {
-        return update.explanation.squared_distance < explained;
-      });
+      weigh(observation, sensor, object.detector.new_share(now_s), body_camera), {}, {}, {}};
+  result.factors = gain_factors(object, result.observation);
+  result.updates =
+      object.belief.observe(joint, result.observation, sensor, result.factors);  // eq. (2) to (4)
+  result.explained.assign(result.observation.components.size(), false);
+  for (const DetectionUpdate& update : result.updates) {
+    for (std::size_t k = 0; k < result.explained.size(); ++k) {
+      if (update.explanation.squared_distances[k] < explained) result.explained[k] = true;
+    }
+  }
   return result;
 }
 
 ObjectUpdateReport MultiObjectState::update(std::size_t j, const ObservedDetection& observed,
-                                            bool may_start, LogTotals& evidence) {
+                                            const Starters& may_start, LogTotals& evidence) {
   TrackedObject& object = objects[j];
   ObjectBelief& belief = object.belief;
   const ObjectSensor& sensor = object.detector.sensor();
   const std::vector<DetectionUpdate>& updates = observed.updates;
   const double share = object.detector.count_detection(now_s);
-  std::vector<Alternative> births;
-  if (may_start) births = births_of(object, observed.detected, share);
-  update_weights(object, updates, share);  // eq. (3)
+  std::vector<Alternative> births = births_of(object, observed.observation, may_start, share);
+  update_weights(object, observed, share);  // eq. (3)
   ObjectUpdateReport report{.started = !births.empty(), .log_evidence = belief.log_total(births)};
 
   // All poses move, eq. (5) to (9), and the leading hypothesis corrects the detector's noise.
@@ -217,7 +231,7 @@ ObjectUpdateReport MultiObjectState::update(std::size_t j, const ObservedDetecti
     led = belief.standing(*leading).id;
     describe(updates[*leading], report);
     move_poses(object, updates, observed.factors, report.log_evidence, births);
-    learn(object, updates[*leading]);
+    learn(object, updates[*leading], observed.observation);
   }
 
   belief.add(joint, births);

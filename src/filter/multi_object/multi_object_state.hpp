@@ -17,25 +17,29 @@ struct TrackedObject {
   ObjectBelief belief = {};
 };
 
-/// A detection of one object as its hypotheses see it.
+/// An observation of one object as its hypotheses see it.
 struct ObservedDetection {
-  SE3d detected;                         ///< T_camera_object
+  WeighedObservation observation;
   std::vector<DetectionUpdate> updates;  ///< by hypothesis
   GainFactors factors;                   ///< of the updates
-  bool is_explained;                     ///< whether any of them explains it
+  std::vector<bool> explained;           ///< by component, whether any hypothesis explains it
 };
+
+/// Of every component of an observation, whether it may start hypotheses.
+using Starters = std::vector<bool>;
 
 /// The state under one global hypothesis, and its change by a detection.
 struct MultiObjectState {
   MultiObjectState(const ConcentratedGaussian<SE3d>& camera, std::vector<ObjectSensor> sensors,
                    const MultiObjectSettings& settings);
 
-  /// One detection T_camera_object of object `j`: how its hypotheses see it, which changes nothing,
-  /// and the update, in which the detection may start a hypothesis or not. The report's evidence
-  /// is that of this state; `evidence` has both kinds.
-  ObservedDetection observe(std::size_t j, const SE3d& detected) const;
-  ObjectUpdateReport update(std::size_t j, const ObservedDetection& observed, bool may_start,
-                            LogTotals& evidence);
+  /// One observation of object `j` from a camera at T_body_camera: how its hypotheses see it, which
+  /// changes nothing, and the update, in which its components may start hypotheses or not. The
+  /// report's evidence is that of this state; `evidence` has both kinds.
+  ObservedDetection observe(std::size_t j, const Observation& observation,
+                            const SE3d& body_camera) const;
+  ObjectUpdateReport update(std::size_t j, const ObservedDetection& observed,
+                            const Starters& may_start, LogTotals& evidence);
   /// Object `j` becomes one that was never detected.
   void forget(std::size_t j);
   /// Time goes on by one frame, in which the camera moved from `camera_before` where that is known.
@@ -51,8 +55,9 @@ struct MultiObjectState {
   bool is_damped(const TrackedObject& object) const {
     return settings.has_odometry && object.detector.sensor().noise.dependence().is_typical;
   }
-  /// The factors on the gains of a detection of the object.
-  GainFactors gain_factors(const TrackedObject& object) const;
+  /// The factors on the gains of an observation of the object.
+  GainFactors gain_factors(const TrackedObject& object,
+                           const WeighedObservation& observation) const;
   /// The score above which recent detections support a hypothesis: more than its birth does [nats].
   double supported_score() const { return settings.birth_score; }
 
@@ -74,11 +79,12 @@ struct MultiObjectState {
 
   // --- global hypotheses
 
-  /// Loss of one camera for all hypotheses of object `j` after a detection, which starts a
-  /// hypothesis where it is not explained and `may_start` [nats]: Runnalls' bound for the merge of
+  /// Loss of one camera for all hypotheses of object `j` after an observation, whose components
+  /// start hypotheses where they may [nats]: Runnalls' bound for the merge of
   /// the camera under the leading hypothesis with that under all others. Alternatives that are
   /// supported count as if they tied, whatever their weight, for they can still win.
-  double tie_loss(std::size_t j, const ObservedDetection& observed, bool may_start) const;
+  double tie_loss(std::size_t j, const ObservedDetection& observed,
+                  const Starters& may_start) const;
   /// Takes all hypotheses of object `j` but the leading one out, into the state that is returned.
   /// `own` and `others` are the logs of the weights of both.
   MultiObjectState split(std::size_t j, LogTotals& own, LogTotals& others);
@@ -88,11 +94,15 @@ struct MultiObjectState {
  private:
   /// Erases a pose of the joint Gaussian.
   void erase(std::size_t pose_index);
-  void update_weights(TrackedObject& object, const std::vector<DetectionUpdate>& updates,
-                      double share) const;
-  std::vector<Alternative> births_of(const TrackedObject& object, const SE3d& detected,
-                                     double share);
-  void learn(TrackedObject& object, const DetectionUpdate& leading);
+  void update_weights(TrackedObject& object, const ObservedDetection& observed, double share) const;
+  std::vector<Alternative> births_of(const TrackedObject& object,
+                                     const WeighedObservation& observation,
+                                     const Starters& may_start, double share);
+  /// A hypothesis of the object where a component of the noise has its mode, without a weight.
+  Alternative birth_at(const TrackedObject& object, const WeighedObservation& observation,
+                       const ObservationComponent& seen, const NoiseComponent& mode) const;
+  void learn(TrackedObject& object, const DetectionUpdate& leading,
+             const WeighedObservation& observation);
   void move_poses(TrackedObject& object, const std::vector<DetectionUpdate>& updates,
                   const GainFactors& factors, double log_evidence,
                   std::vector<Alternative>& births);

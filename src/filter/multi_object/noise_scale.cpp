@@ -26,6 +26,10 @@ double slow_scale(double noise_scale) { return std::min(1.0, std::pow(2.5 * nois
 /// The largest change of a log variance by one detection.
 constexpr double kLargestStep = 1.0;
 
+/// The largest scale of covariances that observations bring themselves: detectors that state one
+/// count what they see, and not what their calibration lacks.
+constexpr double kLargestGivenScale = 10.0;
+
 }  // namespace
 
 LearnedSensor::LearnedSensor(ObjectSensor sensor)
@@ -33,33 +37,41 @@ LearnedSensor::LearnedSensor(ObjectSensor sensor)
       given_noise_scale_(sensor_.noise_scale),
       given_slow_scale_(sensor_.slow_scale) {}
 
-double LearnedSensor::count_detection(double now_s) {
+double LearnedSensor::new_share(double now_s) const {
   const double mode_time = sensor_.noise.dependence().mode_time_s;
-  const bool is_first = detections_++ == 0;
-  const double interval = now_s - std::exchange(last_s_, now_s);
-  return is_first || mode_time <= 0.0 ? 1.0 : -std::expm1(-interval / mode_time);
+  if (detections_ == 0 || mode_time <= 0.0) return 1.0;
+  return -std::expm1(-(now_s - last_s_) / mode_time);
+}
+
+double LearnedSensor::count_detection(double now_s) {
+  const double share = new_share(now_s);
+  ++detections_;
+  last_s_ = now_s;
+  return share;
 }
 
 /// Fisher scoring for the log variance v of every group of axes. With S = H P H^T + R,
 /// y = S^-1 z and the group's part R_g of R, the score of log N(z; 0, S) is
 /// (y^T R_g y - tr S^-1 R_g) / 2 and its information tr(S^-1 R_g S^-1 R_g) / 2. The noise as given
 /// counts as settings.noise_scale_detections detections.
-Vector6d LearnedSensor::learn(const DetectionUpdate& update, const MultiObjectSettings& settings) {
+Vector6d LearnedSensor::learn(const DetectionUpdate& update, bool has_covariance,
+                              const MultiObjectSettings& settings) {
+  const GivenCovariance use = sensor_.noise.dependence().given_covariance;
+  if (has_covariance && use == GivenCovariance::as_given) return Vector6d::Ones();
   if (!std::isfinite(settings.noise_scale_detections)) return Vector6d::Ones();
-  const Innovation& inlier = update.explanation.innovations.front();
+  const Innovation& inlier = update.explanation.inlier();
   if (inlier.weight <= 0.0) return Vector6d::Ones();
   const SE3d to_axes = inlier.axes.inverse();
   const Matrix6d s_inverse = Matrix6d(to_axes.adjoint_congruence(inlier.covariance)).inverse();
   const Vector6d y = s_inverse * to_axes.adjoint_blocks().times(inlier.residual);
   const Vector6d scale = sensor_.noise_scale;
-  const Matrix6d& given = sensor_.noise.components().front().covariance;
-  const Vector6d units = (to_axes.adjoint() * inlier.slow_map).diagonal();
+  const double largest =
+      has_covariance && use == GivenCovariance::scaled ? kLargestGivenScale : 1.0;
   Vector6d changed = Vector6d::Ones();
   for (const auto& [first, count] : kGroups) {
     Matrix6d r = Matrix6d::Zero();
     for (int i = first; i < first + count; ++i) {
-      for (int k = first; k < first + count; ++k)
-        r(i, k) = scale[i] * units[i] * given(i, k) * units[k] * scale[k];
+      for (int k = first; k < first + count; ++k) r(i, k) = inlier.white(i, k);
     }
     const Matrix6d s_r = s_inverse * r;
     const double score = 0.5 * (std::min(y.dot(r * y), 9.0 * count) - s_r.trace());
@@ -70,7 +82,7 @@ Vector6d LearnedSensor::learn(const DetectionUpdate& update, const MultiObjectSe
                                    -kLargestStep, kLargestStep);
     for (int i = first; i < first + count; ++i) {
       sensor_.noise_scale[i] =
-          std::clamp(scale[i] * std::exp(0.5 * step), settings.least_noise_scale, 1.0);
+          std::clamp(scale[i] * std::exp(0.5 * step), settings.least_noise_scale, largest);
       const double slow = slow_scale(sensor_.noise_scale[i]) * given_slow_scale_[i];
       changed[i] = slow / std::exchange(sensor_.slow_scale[i], slow);
     }

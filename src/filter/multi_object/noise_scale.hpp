@@ -20,12 +20,16 @@ class LearnedSensor {
   const ObjectSensor& sensor() const { return sensor_; }
   /// Number of detections.
   std::uint64_t detections() const { return detections_; }
-  /// Counts a detection at the time `now_s`. Returns the part of it, for the weights of hypotheses,
-  /// that does not depend on the detection before: 1 - exp(-time between them / mode_time_s).
+  /// The part of a detection at the time `now_s`, for the weights of hypotheses, that does not
+  /// depend on the detection before: 1 - exp(-time between them / mode_time_s).
+  double new_share(double now_s) const;
+  /// Counts a detection at the time `now_s`. Returns its new_share.
   double count_detection(double now_s);
-  /// Learns the scale of the noise from an innovation. Returns the factors by which the scale of
+  /// Learns the scale of the noise from an innovation of an observation that brings its own
+  /// covariances or not. Returns the factors by which the scale of
   /// the slow error changed.
-  Vector6d learn(const DetectionUpdate& update, const MultiObjectSettings& settings);
+  Vector6d learn(const DetectionUpdate& update, bool has_covariance,
+                 const MultiObjectSettings& settings);
   /// The sensor as it was given: no detections, nothing learned.
   void reset();
 

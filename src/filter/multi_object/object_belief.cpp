@@ -119,13 +119,17 @@ void ObjectBelief::move_pose_index_up(std::size_t erased, std::size_t blocks) {
   if (leader_ && leader_->pose_index > erased) leader_->pose_index -= blocks;
 }
 
-std::vector<DetectionUpdate> ObjectBelief::observe(const JointGaussian& joint, const SE3d& detected,
+std::vector<DetectionUpdate> ObjectBelief::observe(const JointGaussian& joint,
+                                                   const WeighedObservation& observation,
                                                    const ObjectSensor& sensor,
                                                    const GainFactors& factors) const {
   std::vector<DetectionUpdate> updates;
   updates.reserve(size());
-  for (std::size_t h = 0; h < size(); ++h)
-    updates.push_back(internal::observe(state(joint, h), detected, sensor, factors));
+  for (std::size_t h = 0; h < size(); ++h) {
+    DetectionState seen_from = state(joint, h);
+    seen_from.camera = seen_from.camera * observation.body_camera;
+    updates.push_back(internal::observe(seen_from, observation, sensor, factors));
+  }
   return updates;
 }
 

@@ -125,7 +125,8 @@ class ObjectBelief {
   // --- the stages of an update
 
   /// Eq. (2) to (4): the update of every hypothesis on its own pair, by index.
-  std::vector<DetectionUpdate> observe(const JointGaussian& joint, const SE3d& detected,
+  std::vector<DetectionUpdate> observe(const JointGaussian& joint,
+                                       const WeighedObservation& observation,
                                        const ObjectSensor& sensor,
                                        const GainFactors& factors) const;
   /// Multiplies the weight of every hypothesis by its evidence and that of absence by clutter's;

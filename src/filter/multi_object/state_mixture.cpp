@@ -12,22 +12,27 @@
 namespace posemix::internal {
 
 double MultiObjectState::tie_loss(std::size_t j, const ObservedDetection& observed,
-                                  bool may_start) const {
+                                  const Starters& may_start) const {
   const TrackedObject& object = objects[j];
   const auto leading = object.belief.leading();
   if (!leading || (object.belief.size() < 2 && !std::isfinite(object.belief.log_absent())))
     return 0.0;
-  // A detection that starts a hypothesis is of no known one, and leaves the camera as it is.
-  const DetectorNoise& noise = object.detector.sensor().noise;
+  // A component that starts a hypothesis is of no known one, and leaves the camera as it is.
+  const Clutter& clutter = object.detector.sensor().noise.clutter();
+  const WeighedObservation& observation = observed.observation;
+  double starting = 0.0;
+  for (std::size_t k = 0; k < may_start.size(); ++k)
+    starting += may_start[k] ? observation.components[k].weight : 0.0;
   std::vector<Alternative> births;
-  if (may_start) {
+  if (starting > 0.0) {
     births.push_back({});
     births.front().standing.log_weight =
-        object.belief.log_absent() + std::log(1.0 - noise.clutter().weight) -
-        std::log(8.0 * std::numbers::pi * std::numbers::pi * noise.clutter().volume_m3);
+        object.belief.log_absent() +
+        std::log(starting * observation.object_weight * (1.0 - clutter.weight)) -
+        std::log(8.0 * std::numbers::pi * std::numbers::pi * clutter.volume_m3);
   }
   ObjectBelief after = object.belief;
-  after.multiply_weights(observed.updates, noise.log_clutter_density(), 0.0);
+  after.multiply_weights(observed.updates, observation.log_clutter, 0.0);
   const DetectionMoments& own = observed.updates[*leading].posterior;
   const CameraMoments camera{own.mean.head<6>(), own.covariance.topLeftCorner<6, 6>()};
   const CameraAlternative others = after.camera_alternative(
