@@ -16,6 +16,7 @@
 #define POSEMIX_EIGEN_SUM(M) \
   Eigen::CwiseBinaryOp<Eigen::internal::scalar_sum_op<double, double>, const M, const M>
 
+// NOLINTBEGIN(bugprone-macro-parentheses): the arguments are types and a keyword.
 #define POSEMIX_EIGEN_DECOMPOSITIONS(prefix, M)                                                \
   prefix template class Eigen::SelfAdjointEigenSolver<M>;                                      \
   prefix template Eigen::SelfAdjointEigenSolver<M>& Eigen::SelfAdjointEigenSolver<M>::compute( \
@@ -23,6 +24,7 @@
   prefix template Eigen::LLT<M>& Eigen::LLT<M>::compute(const Eigen::EigenBase<M>&);           \
   prefix template Eigen::LLT<M>& Eigen::LLT<M>::compute(                                       \
       const Eigen::EigenBase<POSEMIX_EIGEN_SUM(M)>&)
+// NOLINTEND(bugprone-macro-parentheses)
 
 POSEMIX_EIGEN_DECOMPOSITIONS(extern, Eigen::Matrix3d);
 POSEMIX_EIGEN_DECOMPOSITIONS(extern, posemix::Matrix6d);

@@ -120,8 +120,10 @@ NoiseFit result_of(FrameModels models, std::span<const NoiseTrack> tracks,
   const NoiseComponent& inlier = chosen.noise.components()[internal::inlier_index(chosen.noise)];
   const NoiseCorrelation correlation = noise_correlation(tracks, inlier);
   SlowErrorFit slow_error = fit_slow_error(tracks, inlier);
-  return {.noise = internal::assembled_noise(chosen.noise, slow_error, correlation, tracks,
-                                             settings.least_clutter, settings.clutter_volume_m3),
+  DetectorNoise noise =
+      internal::assembled_noise(chosen.noise, slow_error, correlation, tracks,
+                                settings.least_clutter, settings.clutter_volume_m3);
+  return {.noise = std::move(noise),
           .frame = models.frame,
           .log_likelihood = chosen.log_likelihood,
           .parameters = chosen.parameters,

@@ -71,7 +71,8 @@ void validate(const Observation& observation) {
     total += observation.components[k].weight;
   }
   if (!(std::abs(total - 1.0) <= kWeightSum)) {
-    throw InvalidInput(fmt::format("the weights of the components sum to {}, expected one", total));
+    throw InvalidInput(
+        fmt::format("the weights of the components sum to {:.6g}, expected one", total));
   }
   if (observation.clutter && !(*observation.clutter > 0.0 && *observation.clutter < 1.0)) {
     throw InvalidInput(fmt::format("the probability of clutter is {}, expected one in (0, 1)",

@@ -74,7 +74,7 @@ StampedDensity parse_frame(const LineReader& reader, const CovarianceConvention&
 
 Matrix6d left_covariance(const SE3d& pose, const Matrix6d& covariance,
                          const CovarianceConvention& convention) {
-  const Matrix6d ordered = internal::plain_covariance(covariance, {.order = convention.order});
+  Matrix6d ordered = internal::plain_covariance(covariance, {.order = convention.order});
   switch (convention.side) {
     case ErrorSide::left:
       break;

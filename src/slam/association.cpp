@@ -3,6 +3,7 @@
 #include "posemix/slam/association.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include <fmt/format.h>
@@ -70,10 +71,31 @@ struct Gates {
   double cap;
 };
 
-/// Costs of the pairs, then one column per candidate for having no instance.
+/// A pair of an instance and an observation.
+struct Pair {
+  double cost = kImpossible;
+  SE3d nearest = {};  ///< of the cheapest component, the equivalent pose nearest to the instance
+};
+
+Pair cheapest(const Predicted& instance, const Observation& observation,
+              const SymmetryGroup& symmetries, const Gates& gates) {
+  const double most = observation.components[best_component(observation)].weight;
+  Pair best;
+  for (const ObservationComponent& component : observation.components) {
+    const SE3d nearest = instance.nearest(component.pose, symmetries);
+    const double position = instance.squared_position(nearest);
+    if (position > gates.position || component.weight <= 0.0) continue;
+    const double cost = std::min(instance.squared_pose(nearest), position + gates.cap) -
+                        2.0 * std::log(component.weight / most);
+    if (cost < best.cost) best = {cost, nearest};
+  }
+  return best;
+}
+
+/// Costs of the pairs, then one column per observation for having no instance.
 Eigen::MatrixXd cost_matrix(const std::vector<Predicted>& instances,
-                            std::span<const Candidate> candidates, const SymmetryGroup& symmetries,
-                            const Gates& gates) {
+                            std::span<const Observation> candidates,
+                            const SymmetryGroup& symmetries, const Gates& gates) {
   const auto rows = static_cast<Eigen::Index>(candidates.size());
   const auto columns = static_cast<Eigen::Index>(instances.size());
   Eigen::MatrixXd cost(rows, columns + rows);
@@ -81,19 +103,16 @@ Eigen::MatrixXd cost_matrix(const std::vector<Predicted>& instances,
   cost.rightCols(rows).setConstant(gates.position + gates.cap);
   for (Eigen::Index i = 0; i < rows; ++i) {
     for (Eigen::Index j = 0; j < columns; ++j) {
-      const Predicted& instance = instances[static_cast<std::size_t>(j)];
-      const SE3d nearest =
-          instance.nearest(candidates[static_cast<std::size_t>(i)].camera_object, symmetries);
-      const double position = instance.squared_position(nearest);
-      if (position > gates.position) continue;
-      cost(i, j) = std::min(instance.squared_pose(nearest), position + gates.cap);
+      cost(i, j) = cheapest(instances[static_cast<std::size_t>(j)],
+                            candidates[static_cast<std::size_t>(i)], symmetries, gates)
+                       .cost;
     }
   }
   return cost;
 }
 
-/// Candidates without an instance begin one, the best first, where there is room.
-void admit_fresh(const std::vector<Predicted>& instances, std::span<const Candidate> candidates,
+/// Observations without an instance begin one, the best first, where there is room.
+void admit_fresh(const std::vector<Predicted>& instances, std::span<const Observation> candidates,
                  const AssociationSettings& settings, std::vector<Association>& associations) {
   std::vector<Eigen::Vector3d> taken;
   taken.reserve(instances.size() + candidates.size());
@@ -101,15 +120,15 @@ void admit_fresh(const std::vector<Predicted>& instances, std::span<const Candid
   std::vector<std::size_t> order(candidates.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return candidates[a].score > candidates[b].score;
+    return candidates[a].score.value_or(0.0) > candidates[b].score.value_or(0.0);
   });
   for (const std::size_t i : order) {
     if (associations[i].status == CandidateStatus::assigned) continue;
-    const Eigen::Vector3d& place = candidates[i].camera_object.translation();
+    const Eigen::Vector3d& place = associations[i].camera_object.translation();
     const bool has_room = std::none_of(taken.begin(), taken.end(), [&](const Eigen::Vector3d& t) {
       return (t - place).norm() < settings.least_separation_m;
     });
-    if (!has_room || candidates[i].score < settings.least_new_score) continue;
+    if (!has_room || candidates[i].score.value_or(0.0) < settings.least_new_score) continue;
     associations[i].status = CandidateStatus::fresh;
     taken.push_back(place);
   }
@@ -117,10 +136,10 @@ void admit_fresh(const std::vector<Predicted>& instances, std::span<const Candid
 
 }  // namespace
 
-std::vector<Association> associate(std::span<const ConcentratedGaussian<SE3d>> instances,
-                                   std::span<const Candidate> candidates,
-                                   const NoiseComponent& noise, const SymmetryGroup& symmetries,
-                                   const AssociationSettings& settings) {
+std::vector<Association> associate_observations(
+    std::span<const ConcentratedGaussian<SE3d>> instances, std::span<const Observation> candidates,
+    const NoiseComponent& noise, const SymmetryGroup& symmetries,
+    const AssociationSettings& settings) {
   const Gates gates{
       chi_square_quantile(settings.gate_probability, 3, "gate_probability"),
       chi_square_quantile(settings.rotation_cap_probability, 3, "rotation_cap_probability")};
@@ -132,16 +151,34 @@ std::vector<Association> associate(std::span<const ConcentratedGaussian<SE3d>> i
   std::vector<Association> associations(candidates.size());
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     Association& association = associations[i];
-    association.camera_object = candidates[i].camera_object;
+    association.camera_object = candidates[i].components[best_component(candidates[i])].pose;
     const auto column = static_cast<std::size_t>(columns[i]);
     if (column >= instances.size()) continue;
     association.status = CandidateStatus::assigned;
     association.instance = column;
-    association.camera_object = predicted[column].nearest(candidates[i].camera_object, symmetries);
+    association.camera_object =
+        cheapest(predicted[column], candidates[i], symmetries, gates).nearest;
     association.cost = cost(static_cast<Eigen::Index>(i), columns[i]);
   }
   admit_fresh(predicted, candidates, settings, associations);
   return associations;
+}
+
+Observation observation_of(const Candidate& candidate) {
+  Observation observation = observation_of(candidate.camera_object);
+  observation.class_id = candidate.class_id;
+  observation.score = candidate.score;
+  return observation;
+}
+
+std::vector<Association> associate(std::span<const ConcentratedGaussian<SE3d>> instances,
+                                   std::span<const Candidate> candidates,
+                                   const NoiseComponent& noise, const SymmetryGroup& symmetries,
+                                   const AssociationSettings& settings) {
+  std::vector<Observation> observations;
+  observations.reserve(candidates.size());
+  for (const Candidate& candidate : candidates) observations.push_back(observation_of(candidate));
+  return associate_observations(instances, observations, noise, symmetries, settings);
 }
 
 }  // namespace posemix

@@ -22,10 +22,14 @@ void check_run(const Sequence& sequence, const std::vector<ObjectModel>& models)
   }
 }
 
-FrameInput frame_input(const Sequence& sequence, std::size_t frame) {
+FrameInput frame_input(const Sequence& sequence, std::size_t frame, bool takes_observations) {
   FrameInput input;
-  for (const ObjectRecording& object : sequence.objects)
-    input.detections.push_back(object.detections[frame]);
+  if (takes_observations && !sequence.observations.empty()) {
+    input.observations = sequence.observations[frame];
+  } else {
+    for (const ObjectRecording& object : sequence.objects)
+      input.detections.push_back(object.detections[frame]);
+  }
   if (!sequence.candidates.empty()) input.candidates = sequence.candidates[frame];
   if (frame == 0) return input;
   input.dt = sequence.stamps[frame] - sequence.stamps[frame - 1];
@@ -36,12 +40,17 @@ FrameInput frame_input(const Sequence& sequence, std::size_t frame) {
   return input;
 }
 
-void refuse_candidates(const FrameInput& input, const char* filter) {
-  if (input.candidates.empty()) return;
-  throw InvalidInput(
-      fmt::format("frame: {} candidates for {}, expected detections that name their object, or the "
-                  "multi-object filter",
-                  input.candidates.size(), filter));
+void require_plain_detections(const FrameInput& input, const char* filter) {
+  if (input.candidates.empty() && input.observations.empty()) return;
+  const bool candidates = !input.candidates.empty();
+  throw InvalidInput(fmt::format(
+      "frame: {} {} for {}, expected detections that name their object, or the multi-object filter",
+      candidates ? input.candidates.size() : input.observations.size(),
+      candidates ? "candidates" : "observations", filter));
+}
+
+std::vector<std::optional<SE3d>> all_detections(const FrameInput& input, std::size_t objects) {
+  return input.detections.empty() ? std::vector<std::optional<SE3d>>(objects) : input.detections;
 }
 
 FrameEstimate frame_estimate(const Hypothesis& joint,

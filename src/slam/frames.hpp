@@ -15,11 +15,15 @@ namespace posemix::internal {
 /// with its id and in the same order
 void check_run(const Sequence& sequence, const std::vector<ObjectModel>& models);
 
-/// The input of one frame; at the first one there is no time and no motion.
-FrameInput frame_input(const Sequence& sequence, std::size_t frame);
+/// The input of one frame; at the first one there is no time and no motion. Where the recording has
+/// observations, they take the place of the detections for a tracker that takes them.
+FrameInput frame_input(const Sequence& sequence, std::size_t frame, bool takes_observations);
 
-/// @throws InvalidInput when the frame has candidates, which the named filter does not take
-void refuse_candidates(const FrameInput& input, const char* filter);
+/// @throws InvalidInput when the frame has candidates or observations, which the named filter does
+/// not take
+void require_plain_detections(const FrameInput& input, const char* filter);
+/// One detection per object, also where the frame has none at all.
+std::vector<std::optional<SE3d>> all_detections(const FrameInput& input, std::size_t objects);
 
 /// The marginals of one frame; objects without an index are empty.
 FrameEstimate frame_estimate(const Hypothesis& joint,

@@ -35,9 +35,10 @@ GaussianSumSlam::GaussianSumSlam(const PoseDensity& camera, std::vector<ObjectMo
       estimate_(filter_.summarise()) {}
 
 FrameEstimate GaussianSumSlam::step(const FrameInput& input) {
-  internal::refuse_candidates(input, "the Gaussian-sum filter");
+  internal::require_plain_detections(input, "the Gaussian-sum filter");
   objects_.check(input);
-  const KnownDetections known = known_of(input.detections);
+  const auto detections = internal::all_detections(input, objects_.size());
+  const KnownDetections known = known_of(detections);
   filter_.check(known.detections);
   const bool is_first = objects_.frames() == 0;
   objects_.begin(input);
@@ -52,7 +53,7 @@ FrameEstimate GaussianSumSlam::step(const FrameInput& input) {
   FrameReport report;
   report.statuses.assign(objects_.size(), DetectionStatus::none);
   update_known(known, report);
-  add_new(input.detections, report);
+  add_new(detections, report);
 
   estimate_ = filter_.summarise();
   report.seconds = frame.seconds();

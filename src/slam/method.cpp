@@ -218,6 +218,7 @@ const SlamMethod& find_slam_method(std::string_view name) {
                                   [&](const SlamMethod& method) { return method.name == name; });
   if (found != methods.end()) return *found;
   std::vector<std::string_view> names;
+  names.reserve(methods.size());
   for (const SlamMethod& method : methods) names.push_back(method.name);
   throw InvalidInput(fmt::format("method '{}', expected one of: {}", name, fmt::join(names, ", ")));
 }

@@ -109,30 +109,36 @@ ModeState ModeSmoother::state_of(const PoseStackd& poses, const VectorXd& slow,
 
 /// In information form, for a detection's information may be singular: with H = [-I I A], D = H P
 /// H^T, M = (I + Lambda D)^-1: m += P H^T M (eta - Lambda H m), P -= P H^T M Lambda H P.
-void ModeSmoother::update(Step& step, const FrameInput& input, const MatrixXd& weighing) const {
+void ModeSmoother::update(Step& step, const SmootherFrame& frame, const MatrixXd& weighing) const {
   step.mean = step.predicted_mean;
   step.covariance = step.predicted;
   for (std::size_t j = 0; j < model_.objects.size(); ++j) {
-    const auto& detected = input.detections[model_.objects[j]];
-    if (!detected) continue;
-    const std::size_t object = model_.first_object() + j;
-    const auto index = model_.slow_index(j);
-    const ModeMeasurement seen =
-        measure_mode(state_of(step.poses, step.slow, weighing, j), *detected, *model_.sensors[j]);
-    PoseRows h_p = rows(step.covariance, object) - rows(step.covariance, kCamera);
-    Vector6d h_m = segment(step.mean, object) - segment(step.mean, kCamera);
-    if (index) {
-      const std::size_t at = model_.poses() + *index;
-      h_p += seen.slow_map * rows(step.covariance, at);
-      h_m += seen.slow_map * segment(step.mean, at);
+    for (const ObservedObject& one : frame.observed) {
+      if (one.object != model_.objects[j]) continue;
+      ModeState state = state_of(step.poses, step.slow, weighing, j);
+      state.camera = state.camera * one.source.body_camera;
+      const ObjectSensor& sensor = model_.filter->sensor(one.object, one.source.detector);
+      update(step, j, measure_mode(state, one.observation, sensor));
     }
-    Matrix6d d = columns(h_p, object) - columns(h_p, kCamera);
-    if (index) d += columns(h_p, model_.poses() + *index) * seen.slow_map.transpose();
-    const Eigen::PartialPivLU<Matrix6d> m(Matrix6d::Identity() + seen.information * d);
-    step.mean += h_p.transpose() * m.solve(seen.pull - seen.information * h_m);
-    step.covariance -= h_p.transpose() * m.solve(seen.information * h_p);
-    symmetrize(step.covariance);
   }
+}
+
+void ModeSmoother::update(Step& step, std::size_t j, const ModeMeasurement& seen) const {
+  const std::size_t object = model_.first_object() + j;
+  const auto index = model_.slow_index(j);
+  PoseRows h_p = rows(step.covariance, object) - rows(step.covariance, kCamera);
+  Vector6d h_m = segment(step.mean, object) - segment(step.mean, kCamera);
+  if (index) {
+    const std::size_t at = model_.poses() + *index;
+    h_p += seen.slow_map * rows(step.covariance, at);
+    h_m += seen.slow_map * segment(step.mean, at);
+  }
+  Matrix6d d = columns(h_p, object) - columns(h_p, kCamera);
+  if (index) d += columns(h_p, model_.poses() + *index) * seen.slow_map.transpose();
+  const Eigen::PartialPivLU<Matrix6d> m(Matrix6d::Identity() + seen.information * d);
+  step.mean += h_p.transpose() * m.solve(seen.pull - seen.information * h_m);
+  step.covariance -= h_p.transpose() * m.solve(seen.information * h_p);
+  symmetrize(step.covariance);
 }
 
 JointState ModeSmoother::at(const Step& step, const VectorXd& mean, MatrixXd covariance) {
@@ -147,7 +153,7 @@ void ModeSmoother::run(const JointState& start, const std::vector<JointState>& r
   JointState now = start;
   for (std::size_t k = 0; k < frames_.size(); ++k) {
     JointState moved;
-    Step step = predict(now, *frames_[k], moved);
+    Step step = predict(now, frames_[k]->input, moved);
     step.poses = reference.empty() ? moved.poses : reference[k].poses;
     step.slow = reference.empty() ? moved.slow : reference[k].slow;
     step.predicted_mean.resize(step.predicted.rows());

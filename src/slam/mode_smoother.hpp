@@ -9,8 +9,8 @@
 
 #include "posemix/filter/mode_measurement.hpp"
 #include "posemix/filter/multi_object_filter.hpp"
-#include "posemix/slam/frame_input.hpp"
 #include "posemix/slam/motion_settings.hpp"
+#include "posemix/slam/smoothing.hpp"
 #include "slam/motion.hpp"
 
 /// Smoothing of one mode per object. In the room `slam` only.
@@ -19,7 +19,8 @@ namespace posemix::internal {
 /// How camera and objects move and are seen, one mode of each object.
 struct ModeModel {
   MotionSettings motion;
-  std::vector<std::size_t> objects = {};  ///< of the pose at first_object() and on
+  const MultiObjectFilter* filter = nullptr;  ///< whose sensors are used
+  std::vector<std::size_t> objects = {};      ///< of the pose at first_object() and on
   std::vector<const ObjectSensor*> sensors = {};
 
   bool has_motion() const { return motion.model == MotionModel::constant_velocity; }
@@ -33,7 +34,7 @@ struct ModeModel {
 /// the frames (docs/filter.md, smoothing). `start` holds before the first frame.
 class ModeSmoother {
  public:
-  ModeSmoother(const ModeModel& model, std::span<const FrameInput* const> frames)
+  ModeSmoother(const ModeModel& model, std::span<const SmootherFrame* const> frames)
       : model_(model), frames_(frames) {}
 
   /// A pass that is linearised, and weighs the components of the noise, where it predicts.
@@ -64,13 +65,14 @@ class ModeSmoother {
   void decay_slow_errors(const PoseStackd& poses, double dt, Step& step, JointState& moved) const;
   ModeState state_of(const PoseStackd& poses, const Eigen::VectorXd& slow,
                      const Eigen::MatrixXd& covariance, std::size_t j) const;
-  void update(Step& step, const FrameInput& input, const Eigen::MatrixXd& weighing) const;
+  void update(Step& step, const SmootherFrame& frame, const Eigen::MatrixXd& weighing) const;
+  void update(Step& step, std::size_t j, const ModeMeasurement& seen) const;
   void backward();
   /// The state about the reference of a step.
   static JointState at(const Step& step, const Eigen::VectorXd& mean, Eigen::MatrixXd covariance);
 
   const ModeModel& model_;
-  std::span<const FrameInput* const> frames_;
+  std::span<const SmootherFrame* const> frames_;
   std::vector<Step> steps_;
   std::vector<JointState> smoothed_;
 };

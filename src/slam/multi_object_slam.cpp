@@ -3,10 +3,14 @@
 #include "posemix/slam/multi_object_slam.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <map>
+#include <string_view>
+#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "posemix/base/error.hpp"
 #include "posemix/base/stopwatch.hpp"
@@ -16,20 +20,48 @@
 namespace posemix {
 namespace {
 
-MultiObjectFilter make_filter(const PoseDensity& camera, const std::vector<ObjectModel>& objects,
-                              MultiObjectSettings settings, const MotionSettings& motion) {
-  require_alike_in_class(objects);
-  std::vector<ObjectSensor> sensors;
-  for (const ObjectModel& object : objects) {
-    if (object.independent_start) {
-      throw InvalidInput(fmt::format(
-          "object '{}' has an independent start, which the multi-object filter does not have",
-          object.id));
-    }
-    sensors.push_back({object.noise, object.symmetries});
+ObjectSensor sensor_of(const ObjectModel& object) {
+  if (object.independent_start) {
+    throw InvalidInput(fmt::format(
+        "object '{}' has an independent start, which the multi-object filter does not have",
+        object.id));
   }
-  settings.has_odometry = motion.model == MotionModel::odometry;
-  return {camera, std::move(sensors), settings};
+  ObjectSensor sensor{object.noise, object.symmetries};
+  for (const auto& [name, noise] : object.detectors) sensor.other_detectors.push_back(noise);
+  return sensor;
+}
+
+/// Index of the noise of the named detector: zero for the object's own, then those of
+/// ObjectModel::detectors in their order.
+std::size_t detector_of(const ObjectModel& object, const std::string& name) {
+  if (name.empty() || object.detectors.empty()) return 0;
+  const auto found = object.detectors.find(name);
+  if (found != object.detectors.end())
+    return 1 + static_cast<std::size_t>(std::distance(object.detectors.begin(), found));
+  std::vector<std::string_view> names;
+  for (const auto& [known, noise] : object.detectors) names.push_back(known);
+  throw InvalidInput(fmt::format("object '{}' has no detector '{}', expected one of: {}", object.id,
+                                 name, fmt::join(names, ", ")));
+}
+
+MultiObjectFilter make_filter(const PoseDensity& camera, const std::vector<ObjectModel>& objects,
+                              const MultiObjectSlamSettings& settings,
+                              const MotionSettings& motion) {
+  require_alike_in_class(objects);
+  require_valid(settings.cameras);
+  if (settings.on_sight) sensor_of(*settings.on_sight);
+  std::vector<ObjectSensor> sensors;
+  for (const ObjectModel& object : objects) sensors.push_back(sensor_of(object));
+  MultiObjectSettings filter = settings.filter;
+  filter.has_odometry = motion.model == MotionModel::odometry;
+  return {camera, std::move(sensors), filter};
+}
+
+/// An observation of one pose as the equivalent pose that is nearest to its instance.
+Observation as_associated(Observation observation, const Association& association) {
+  if (observation.components.size() == 1)
+    observation.components.front().pose = association.camera_object;
+  return observation;
 }
 
 }  // namespace
@@ -41,23 +73,29 @@ MultiObjectSlam::MultiObjectSlam(const PoseDensity& camera, std::vector<ObjectMo
       settings_(settings),
       motion_(internal::checked(motion)),
       record_hypotheses_(record_hypotheses),
-      filter_(make_filter(camera, objects_.models(), settings.filter, motion_)),
+      filter_(make_filter(camera, objects_.models(), settings_, motion_)),
       sightings_(objects_.size()),
       estimate_(filter_.joint()) {}
 
 FrameEstimate MultiObjectSlam::step(const FrameInput& input) {
   const bool is_first = objects_.frames() == 0;
+  objects_.check(input);
+  FrameReport report;
+  report.candidates.assign(input.candidates.size(), {.status = CandidateStatus::dropped});
+  report.observations.assign(input.observations.size(), {.status = CandidateStatus::dropped});
+  std::vector<Sighting> sightings = sightings_of(input, report);
   objects_.begin(input);
   const Stopwatch frame;
   if (!is_first) internal::predict(filter_, internal::camera_step(motion_, input));
 
-  FrameReport report;
   report.statuses.assign(objects_.size(), DetectionStatus::none);
   const Stopwatch updates;
-  for (std::size_t object = 0; object < objects_.size(); ++object) {
-    if (input.detections[object]) update(object, *input.detections[object], report);
+  for (std::size_t object = 0; object < input.detections.size(); ++object) {
+    if (input.detections[object])
+      update(object, observation_of(*input.detections[object]), {}, report);
   }
-  if (!input.candidates.empty()) update_by_candidates(input.candidates, report);
+  update_named(sightings, report);
+  update_by_class(sightings, report);
   report.update.update_seconds = updates.seconds();
 
   estimate_ = filter_.joint();
@@ -65,9 +103,66 @@ FrameEstimate MultiObjectSlam::step(const FrameInput& input) {
   return frame_estimate(std::move(report));
 }
 
-void MultiObjectSlam::update(std::size_t object, const SE3d& detected, FrameReport& report) {
+std::vector<MultiObjectSlam::Sighting> MultiObjectSlam::sightings_of(const FrameInput& input,
+                                                                     FrameReport& report) {
+  std::vector<Sighting> sightings;
+  for (std::size_t i = 0; i < input.observations.size(); ++i) {
+    try {
+      sightings.push_back(
+          {input.observations[i], source_of(input.observations[i]), &report.observations[i]});
+    } catch (const InvalidInput& error) {
+      throw InvalidInput(fmt::format("frame: observation {}: {}", i, error.what()));
+    }
+  }
+  for (std::size_t i = 0; i < input.candidates.size(); ++i)
+    sightings.push_back({observation_of(input.candidates[i]), {}, &report.candidates[i]});
+  return sightings;
+}
+
+void MultiObjectSlam::check(const Observation& observation) const {
+  TrackedObjects::check(observation, "the observation");
+  source_of(observation);
+}
+
+std::vector<ObservedObject> MultiObjectSlam::observed(const FrameInput& input) const {
+  std::vector<ObservedObject> list;
+  for (std::size_t object = 0; object < input.detections.size(); ++object) {
+    if (input.detections[object])
+      list.push_back({object, observation_of(*input.detections[object])});
+  }
+  for (const Observation& observation : input.observations) {
+    if (observation.object.empty()) continue;
+    const ObservationSource source = source_of(observation);
+    if (const auto object = objects_.find(observation.object))
+      list.push_back({*object, observation, source});
+  }
+  return list;
+}
+
+ObservationSource MultiObjectSlam::source_of(const Observation& observation) const {
+  ObservationSource source{.body_camera = pose_on_body(settings_.cameras, observation.camera)};
+  if (!observation.object.empty()) {
+    const auto object = objects_.find(observation.object);
+    if (!object && !settings_.on_sight) {
+      throw InvalidInput(fmt::format("there is no object '{}', expected one of: {}",
+                                     observation.object, fmt::join(*objects_.ids(), ", ")));
+    }
+    source.detector =
+        detector_of(object ? objects_[*object] : *settings_.on_sight, observation.detector);
+    return source;
+  }
+  for (const ObjectModel& model : objects_.models()) {
+    if (class_of(model) != observation.class_id) continue;
+    source.detector = detector_of(model, observation.detector);
+    break;
+  }
+  return source;
+}
+
+void MultiObjectSlam::update(std::size_t object, const Observation& observation,
+                             const ObservationSource& source, FrameReport& report) {
   const bool known = filter_.leading(object).has_value();
-  const ObjectUpdateReport update = filter_.update(object, detected);
+  const ObjectUpdateReport update = filter_.update(object, observation, source);
   ++sightings_[object].count;
   sightings_[object].last_frame = objects_.frames();
   report.update.log_evidence += update.log_evidence;
@@ -78,60 +173,79 @@ void MultiObjectSlam::update(std::size_t object, const SE3d& detected, FrameRepo
                                                                : DetectionStatus::used;
 }
 
-void MultiObjectSlam::update_by_candidates(const std::vector<Candidate>& candidates,
-                                           FrameReport& report) {
-  std::map<std::string, std::vector<std::size_t>> models_of;
-  for (std::size_t object = 0; object < objects_.size(); ++object)
-    models_of[class_of(objects_[object])].push_back(object);
-  std::map<std::string, std::vector<std::size_t>> candidates_of;
-  for (std::size_t i = 0; i < candidates.size(); ++i)
-    candidates_of[candidates[i].class_id].push_back(i);
-  for (auto& [name, members] : candidates_of) {
-    std::stable_sort(members.begin(), members.end(), [&](std::size_t a, std::size_t b) {
-      return candidates[a].score > candidates[b].score;
-    });
-  }
-
-  report.candidates.assign(candidates.size(), {.status = CandidateStatus::dropped});
-  for (const auto& [name, members] : candidates_of) {
-    const auto models = models_of.find(name);
-    if (models != models_of.end()) update_class(models->second, candidates, members, report);
+void MultiObjectSlam::update_named(std::span<Sighting> sightings, FrameReport& report) {
+  for (const Sighting& seen : sightings) {
+    const std::string& id = seen.observation.object;
+    if (id.empty()) continue;
+    auto object = objects_.find(id);
+    if (!object) {
+      ObjectModel model = *settings_.on_sight;
+      model.id = id;
+      filter_.add_object(sensor_of(model));
+      object = objects_.add(std::move(model));
+      sightings_.emplace_back();
+      report.statuses.push_back(DetectionStatus::none);
+    }
+    const bool known = filter_.leading(*object).has_value();
+    *seen.report = {.status = known ? CandidateStatus::assigned : CandidateStatus::fresh,
+                    .object = object};
+    update(*object, seen.observation, seen.source, report);
   }
 }
 
-void MultiObjectSlam::update_class(const std::vector<std::size_t>& models,
-                                   const std::vector<Candidate>& candidates,
-                                   const std::vector<std::size_t>& members, FrameReport& report) {
-  // Which instance each candidate is of, all at once.
+void MultiObjectSlam::update_by_class(std::span<Sighting> sightings, FrameReport& report) {
+  // Observations of one class in one image by one detector exclude each other.
+  std::map<std::tuple<std::string, std::string, std::string>, std::vector<Sighting*>> images;
+  for (Sighting& seen : sightings) {
+    const Observation& o = seen.observation;
+    if (o.object.empty()) images[{o.class_id, o.camera, o.detector}].push_back(&seen);
+  }
+  if (images.empty()) return;
+  std::map<std::string, std::vector<std::size_t>> models_of;
+  for (std::size_t object = 0; object < objects_.size(); ++object)
+    models_of[class_of(objects_[object])].push_back(object);
+  for (auto& [key, image] : images) {
+    const auto models = models_of.find(std::get<0>(key));
+    if (models == models_of.end()) continue;
+    std::stable_sort(image.begin(), image.end(), [](const Sighting* a, const Sighting* b) {
+      return a->observation.score.value_or(0.0) > b->observation.score.value_or(0.0);
+    });
+    update_image(models->second, image, report);
+  }
+}
+
+void MultiObjectSlam::update_image(const std::vector<std::size_t>& models,
+                                   std::span<Sighting* const> image, FrameReport& report) {
+  // Which instance each observation is of, all at once.
+  const ObservationSource& source = image.front()->source;
   std::vector<std::size_t> instances;
   std::vector<PoseDensity> predicted;
   for (const std::size_t object : models) {
     const auto leading = filter_.leading(object);
     if (!leading) continue;
     instances.push_back(object);
-    predicted.push_back(filter_.predicted_detection(object, *leading));
+    predicted.push_back(filter_.predicted_detection(object, *leading, source.body_camera));
   }
-  std::vector<Candidate> of_class;
-  of_class.reserve(members.size());
-  for (const std::size_t i : members) of_class.push_back(candidates[i]);
-  const ObjectModel& model = objects_[models.front()];
+  std::vector<Observation> of_class;
+  for (const Sighting* seen : image) of_class.push_back(seen->observation);
+  const DetectorNoise& noise = filter_.sensor(models.front(), source.detector).noise;
   const std::vector<Association> associations =
-      associate(predicted, of_class, model.noise.components().front(), model.symmetries,
-                settings_.association);
+      associate_observations(predicted, of_class, noise.components().front(),
+                             objects_[models.front()].symmetries, settings_.association);
 
   // The known before the new: a model that was seen in this frame is not used again.
-  for (std::size_t i = 0; i < members.size(); ++i) {
-    CandidateReport& candidate = report.candidates[members[i]];
+  for (std::size_t i = 0; i < image.size(); ++i) {
+    CandidateReport& candidate = *image[i]->report;
     candidate.status = associations[i].status;
     if (candidate.status != CandidateStatus::assigned) continue;
     candidate.object = instances[associations[i].instance];
-    update(*candidate.object, associations[i].camera_object, report);
+    update(*candidate.object, as_associated(of_class[i], associations[i]), source, report);
   }
-  for (std::size_t i = 0; i < members.size(); ++i) {
-    CandidateReport& candidate = report.candidates[members[i]];
+  for (std::size_t i = 0; i < image.size(); ++i) {
+    CandidateReport& candidate = *image[i]->report;
     if (candidate.status != CandidateStatus::fresh) continue;
     candidate = new_instance(models);
-    if (candidate.object) update(*candidate.object, associations[i].camera_object, report);
+    if (candidate.object) update(*candidate.object, of_class[i], source, report);
   }
 }
 

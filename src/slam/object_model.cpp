@@ -51,6 +51,14 @@ bool same(const SymmetryGroup& a, const SymmetryGroup& b) {
   return same(a.elements(), b.elements()) && same(a.axes(), b.axes());
 }
 
+using NamedNoises = std::map<std::string, DetectorNoise>;
+
+bool same(const NamedNoises& a, const NamedNoises& b) {
+  return std::ranges::equal(a, b, [](const auto& x, const auto& y) {
+    return x.first == y.first && same(x.second, y.second);
+  });
+}
+
 }  // namespace
 
 const std::string& class_of(const ObjectModel& model) {
@@ -61,7 +69,8 @@ void require_alike_in_class(std::span<const ObjectModel> models) {
   std::map<std::string, const ObjectModel*> first_of;
   for (const ObjectModel& model : models) {
     const ObjectModel& first = *first_of.try_emplace(class_of(model), &model).first->second;
-    const bool noise_differs = !same(first.noise, model.noise);
+    const bool noise_differs =
+        !same(first.noise, model.noise) || !same(first.detectors, model.detectors);
     if (!noise_differs && same(first.symmetries, model.symmetries)) continue;
     throw InvalidInput(fmt::format(
         "objects '{}' and '{}' are of class '{}', but their {} differ; expected the same", first.id,

@@ -77,14 +77,15 @@ ParticleSlam& ParticleSlam::operator=(const ParticleSlam& other) {
 }
 
 FrameEstimate ParticleSlam::step(const FrameInput& input) {
-  internal::refuse_candidates(input, "the particle filter");
+  internal::require_plain_detections(input, "the particle filter");
   const bool is_first = objects_.frames() == 0;
   objects_.begin(input);
   const Stopwatch frame;
   if (!is_first) cloud_->predict(input);
-  FrameReport report = cloud_->observe(input.detections);
+  const auto detections = internal::all_detections(input, objects_.size());
+  FrameReport report = cloud_->observe(detections);
   for (std::size_t object = 0; object < objects_.size(); ++object)
-    counts_[object] += input.detections[object] ? 1 : 0;
+    counts_[object] += detections[object] ? 1 : 0;
   indices_ = cloud_->pose_indices();
   const Posterior posterior = cloud_->posterior();
   estimate_ =

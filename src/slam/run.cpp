@@ -19,7 +19,7 @@ SlamRun run(const Sequence& sequence, const PoseDensity& camera_prior,
   std::vector<FrameEstimate> frames;
   frames.reserve(count);
   for (std::size_t k = 0; k < count; ++k) {
-    frames.push_back(slam.step(internal::frame_input(sequence, k)));
+    frames.push_back(slam.step(internal::frame_input(sequence, k, slam.multi_object() != nullptr)));
     if (options.progress && !options.progress(k + 1, count)) break;
   }
   auto pose_indices = frames.back().pose_indices;

@@ -33,6 +33,7 @@ void validate(const Sequence& sequence) {
   check_length(sequence.odometry.size(), frames, "odometry");
   check_length(sequence.camera_truth.size(), frames, "camera truth");
   check_length(sequence.candidates.size(), frames, "candidates");
+  check_length(sequence.observations.size(), frames, "observations");
   std::set<std::string> ids;
   for (const ObjectRecording& object : sequence.objects) {
     if (!ids.insert(object.id).second) {

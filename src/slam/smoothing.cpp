@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "posemix/slam/smoothing.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "posemix/base/stopwatch.hpp"
@@ -39,13 +40,20 @@ FixedLagSmoother::FixedLagSmoother(const PoseDensity& camera, std::vector<Object
       slam_(camera, std::move(objects), settings),
       before_(smoothed_filter(slam_)) {
   require(smoothing.passes > 0, "smoothing: passes is 0, expected at least 1");
+  require(!std::get<MultiObjectSlamSettings>(settings.tracker).on_sight,
+          "smoothing: objects begin on sight, expected models of all objects");
 }
 
 std::optional<FrameEstimate> FixedLagSmoother::step(const FrameInput& input) {
-  require_no_candidates(input.candidates.empty());
+  require_no_candidates(input.candidates.empty() &&
+                        std::all_of(input.observations.begin(), input.observations.end(),
+                                    [](const auto& seen) { return seen.class_id.empty(); }));
   FrameEstimate filtered = slam_.step(input);
   ids_ = filtered.ids;
-  FrameInput kept = input;
+  SmootherFrame taken{{}, std::get<MultiObjectSlam>(slam_.tracker()).observed(input)};
+  FrameInput& kept = taken.input;
+  kept.dt = input.dt;
+  kept.motion = input.motion;
   if (is_first_) {  // nothing moves
     kept.dt = 0.0;
     kept.motion.reset();
@@ -56,7 +64,7 @@ std::optional<FrameEstimate> FixedLagSmoother::step(const FrameInput& input) {
   for (std::size_t j = 0; j < filter.object_count(); ++j)
     known.push_back(filter.leading(j).has_value());
   const std::size_t lag = smoothing_.lag_frames;
-  window_.push_back({std::move(kept), std::move(filtered.report), std::move(known),
+  window_.push_back({std::move(taken), std::move(filtered.report), std::move(known),
                      lag > 0 ? std::optional(filter) : std::nullopt});
   if (lag == 0 || window_.size() <= lag) return std::nullopt;
   FrameEstimate estimate = smooth(1).front();
@@ -76,8 +84,8 @@ std::vector<FrameEstimate> FixedLagSmoother::finish() {
 std::vector<FrameEstimate> FixedLagSmoother::smooth(std::size_t count) {
   const Stopwatch stopwatch;
   const MultiObjectFilter& now = *slam_.multi_object();
-  std::vector<const FrameInput*> inputs;
-  for (const Frame& frame : window_) inputs.push_back(&frame.input);
+  std::vector<const SmootherFrame*> inputs;
+  for (const Frame& frame : window_) inputs.push_back(&frame.taken);
   const SmoothingWindow window(before_, now, motion_, leading_modes(now));
   const std::vector<JointState> joint = window.smooth(inputs, smoothing_.passes);
 
@@ -103,7 +111,7 @@ std::vector<FrameEstimate> FixedLagSmoother::smooth(std::size_t count) {
 }
 
 /// Every hypothesis of an object in place of the leading one.
-void FixedLagSmoother::add_alternatives(std::span<const FrameInput* const> inputs,
+void FixedLagSmoother::add_alternatives(std::span<const SmootherFrame* const> inputs,
                                         const std::vector<JointState>& leading,
                                         std::vector<FrameEstimate>& estimates) const {
   const MultiObjectFilter& now = *slam_.multi_object();
@@ -136,7 +144,7 @@ SlamRun run_smoothed(const Sequence& sequence, const PoseDensity& camera_prior,
   std::vector<FrameEstimate> frames;
   frames.reserve(count);
   for (std::size_t k = 0; k < count; ++k) {
-    auto estimate = smoother.step(internal::frame_input(sequence, k));
+    auto estimate = smoother.step(internal::frame_input(sequence, k, true));
     if (estimate) frames.push_back(std::move(*estimate));
     if (options.progress && !options.progress(k + 1, count)) break;
   }

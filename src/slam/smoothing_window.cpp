@@ -28,6 +28,7 @@ SmoothingWindow::SmoothingWindow(const MultiObjectFilter& before, const MultiObj
                                  const MotionSettings& motion, const Modes& modes)
     : before_(before), now_(now), indices_(modes.size()) {
   model_.motion = motion;
+  model_.filter = &now;
   for (std::size_t j = 0; j < modes.size(); ++j) {
     if (!modes[j]) continue;
     indices_[j] = model_.first_object() + model_.objects.size();
@@ -37,7 +38,7 @@ SmoothingWindow::SmoothingWindow(const MultiObjectFilter& before, const MultiObj
   }
 }
 
-std::vector<JointState> SmoothingWindow::smooth(std::span<const FrameInput* const> frames,
+std::vector<JointState> SmoothingWindow::smooth(std::span<const SmootherFrame* const> frames,
                                                 std::size_t passes) const {
   // A mode that the filter did not have before the window stands where it is now: in the first
   // pass, which has nothing else to tell right detections from wrong ones, with its covariance of
@@ -99,12 +100,7 @@ JointState SmoothingWindow::start(const Modes& known, bool vague) const {
       if (index) slow.push_back(model_.poses() + *index);
       continue;
     }
-    start.poses[pose] = hypotheses_[i].pose;
-    block(start.covariance, pose, pose) = new_covariance(i, vague);
-    if (index) {
-      const std::size_t at = model_.poses() + *index;
-      block(start.covariance, at, at) = *model_.sensors[i]->slow_covariance();
-    }
+    add_new(i, vague, start);
   }
   for (std::size_t i = 0; i < poses.size(); ++i) start.poses[poses[i]] = given.poses[i];
   for (std::size_t i = 0; i < slow.size(); ++i)
@@ -118,10 +114,21 @@ JointState SmoothingWindow::start(const Modes& known, bool vague) const {
   return start;
 }
 
+/// An object that the filter did not have, independent of the rest.
+void SmoothingWindow::add_new(std::size_t i, bool vague, JointState& start) const {
+  const std::size_t pose = *indices_[model_.objects[i]];
+  start.poses[pose] = hypotheses_[i].pose;
+  block(start.covariance, pose, pose) = new_covariance(i, vague);
+  if (const auto index = model_.slow_index(i)) {
+    const std::size_t at = model_.poses() + *index;
+    block(start.covariance, at, at) = *model_.sensors[i]->slow_covariance();
+  }
+}
+
 /// Covariance of an object that the filter did not have; the angles about axes of symmetry are
 /// those that stand for all.
 Matrix6d SmoothingWindow::new_covariance(std::size_t i, bool vague) const {
-  const Matrix6d covariance = vague ? vague_covariance() : hypotheses_[i].covariance;
+  Matrix6d covariance = vague ? vague_covariance() : hypotheses_[i].covariance;
   const SymmetryGroup& symmetries = model_.sensors[i]->symmetries;
   if (symmetries.axes().empty()) return covariance;
   const SE3d& object = hypotheses_[i].pose;

@@ -27,7 +27,7 @@ class SmoothingWindow {
 
   /// Camera, its motion under constant velocity, then the objects that have a mode, and their slow
   /// errors.
-  std::vector<JointState> smooth(std::span<const FrameInput* const> frames,
+  std::vector<JointState> smooth(std::span<const SmootherFrame* const> frames,
                                  std::size_t passes) const;
 
   /// The density of the poses as it is reported, see MultiObjectFilter::unseen_covariance.
@@ -39,6 +39,7 @@ class SmoothingWindow {
  private:
   Modes known_before() const;
   JointState start(const Modes& known, bool vague) const;
+  void add_new(std::size_t i, bool vague, JointState& start) const;
   Matrix6d new_covariance(std::size_t i, bool vague) const;
 
   const MultiObjectFilter& before_;

@@ -59,6 +59,7 @@ TrackedObjects::TrackedObjects(std::vector<ObjectModel> models) : models_(std::m
     }
     ids.push_back(model.id);
   }
+  for (std::size_t object = 0; object < ids.size(); ++object) index_.emplace(ids[object], object);
   ids_ = std::make_shared<const std::vector<std::string>>(std::move(ids));
 }
 
@@ -68,7 +69,7 @@ void TrackedObjects::require(std::size_t object) const {
 }
 
 void TrackedObjects::check(const FrameInput& input) const {
-  if (input.detections.size() != size()) {
+  if (!input.detections.empty() && input.detections.size() != size()) {
     throw InvalidInput(
         fmt::format("frame: {} detections for {} objects", input.detections.size(), size()));
   }
@@ -77,7 +78,7 @@ void TrackedObjects::check(const FrameInput& input) const {
         fmt::format("frame: dt is {} s, expected a positive and finite time", input.dt));
   }
   if (input.motion && !is_usable(*input.motion)) refuse("the motion");
-  for (std::size_t object = 0; object < size(); ++object) {
+  for (std::size_t object = 0; object < input.detections.size(); ++object) {
     const auto& detection = input.detections[object];
     if (detection && !is_usable(*detection))
       refuse(fmt::format("the detection of '{}'", models_[object].id));
@@ -87,6 +88,36 @@ void TrackedObjects::check(const FrameInput& input) const {
     if (std::isnan(input.candidates[i].score))
       throw InvalidInput(fmt::format("frame: the score of candidate {} is not a number", i));
   }
+  for (std::size_t i = 0; i < input.observations.size(); ++i)
+    check(input.observations[i], fmt::format("observation {}", i));
+}
+
+void TrackedObjects::check(const Observation& observation, const std::string& name) {
+  try {
+    validate(observation);
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(fmt::format("frame: {}: {}", name, error.what()));
+  }
+  for (const ObservationComponent& component : observation.components)
+    if (!is_usable(component.pose)) refuse("the pose of a component of " + name);
+  if (observation.object.empty() == observation.class_id.empty()) {
+    throw InvalidInput(fmt::format("frame: {} has {} an object and a class, expected one of them",
+                                   name, observation.object.empty() ? "neither" : "both"));
+  }
+}
+
+std::optional<std::size_t> TrackedObjects::find(std::string_view id) const {
+  const auto found = index_.find(id);
+  return found == index_.end() ? std::nullopt : std::optional(found->second);
+}
+
+std::size_t TrackedObjects::add(ObjectModel model) {
+  std::vector<std::string> ids = *ids_;
+  ids.push_back(model.id);
+  index_.emplace(model.id, models_.size());
+  models_.push_back(std::move(model));
+  ids_ = std::make_shared<const std::vector<std::string>>(std::move(ids));
+  return models_.size() - 1;
 }
 
 void TrackedObjects::begin(const FrameInput& input) {

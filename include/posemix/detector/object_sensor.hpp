@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <optional>
+#include <vector>
 
 #include "posemix/detector/detector_noise.hpp"
 #include "posemix/detector/symmetry.hpp"
@@ -14,6 +15,12 @@ namespace posemix {
 struct ObjectSensor {
   DetectorNoise noise;
   SymmetryGroup symmetries = {};
+  /// The noise of further detectors of the object. All detectors are taken to have one slow error,
+  /// each in its own units: what misleads one misleads the others.
+  std::vector<DetectorNoise> other_detectors = {};
+  /// From the slow error of the object's first detector that has one to that of this detector. None
+  /// is the identity.
+  std::optional<Matrix6d> slow_units = {};
   /// Factors on the standard deviations of the noise, along its own axes.
   Vector6d noise_scale = Vector6d::Ones();
   /// The same for the slow part of the error.

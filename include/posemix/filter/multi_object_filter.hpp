@@ -96,6 +96,15 @@ struct JointState {
   Eigen::MatrixXd covariance;  ///< of [xi; beta]: xi in the world frame, beta in that of the noise
 };
 
+/// Where an observation comes from.
+struct ObservationSource {
+  /// T_body_camera. With several cameras, what is called the camera elsewhere is the body that
+  /// carries them.
+  SE3d body_camera = {};
+  /// Zero for ObjectSensor::noise, n for the n-th of ObjectSensor::other_detectors.
+  std::size_t detector = 0;
+};
+
 /// The result of one detection.
 struct ObjectUpdateReport {
   bool started = false;         ///< whether the detection started a hypothesis
@@ -155,12 +164,13 @@ class MultiObjectFilter {
   ObjectUpdateReport update(std::size_t object, const SE3d& camera_object);
 
   /// One observation of the object at `object`, a mixture of poses (docs/many-objects.md,
-  /// "Observations that are mixtures"), from a camera at `body_camera`, T_body_camera; what is
-  /// called the camera elsewhere is then the body that carries all cameras. The observation's names
-  /// and stamp are not looked at.
-  /// @throws InvalidInput also as validate(observation)
+  /// "Observations that are mixtures"). Its names and stamp are not looked at.
+  /// @throws InvalidInput also as validate(observation), for a body_camera that is not finite, and
+  /// for a detector that the object does not have
   ObjectUpdateReport update(std::size_t object, const Observation& observation,
-                            const SE3d& body_camera = {});
+                            const ObservationSource& source = {});
+  /// One more object, never detected. Returns its index.
+  std::size_t add_object(ObjectSensor object);
 
   /// The object becomes one that was never detected: it has no hypotheses, its absence is certain,
   /// and its noise is as given. The camera and the other objects stay as they are. In the joint
@@ -221,7 +231,8 @@ class MultiObjectFilter {
   const MultiObjectSettings& settings() const;
   /// The sensor of an object with the scale of its noise as learned by now. The reference holds
   /// until the next prediction or update.
-  const ObjectSensor& sensor(std::size_t object) const;
+  /// @throws InvalidInput also for a detector that the object does not have
+  const ObjectSensor& sensor(std::size_t object, std::size_t detector = 0) const;
 
  private:
   /// @throws InvalidInput for a filter that was moved from

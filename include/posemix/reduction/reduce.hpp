@@ -102,6 +102,7 @@ Mixture<D> without_light(Mixture<D> mixture, const ReductionSettings& settings,
       if (!std::binary_search(kept.begin(), kept.end(), i)) dropped += mixture.weight(i);
     }
     std::vector<std::size_t> left_of_these;
+    left_of_these.reserve(kept.size());
     for (const std::size_t i : kept) left_of_these.push_back(left[i]);
     left = std::move(left_of_these);
     report.weight_pruned += (1.0 - report.weight_pruned) * dropped;

@@ -8,6 +8,7 @@
 
 #include "posemix/density/concentrated_gaussian.hpp"
 #include "posemix/detector/detector_noise.hpp"
+#include "posemix/detector/observation.hpp"
 #include "posemix/detector/symmetry.hpp"
 #include "posemix/slam/candidate.hpp"
 
@@ -60,6 +61,14 @@ std::vector<Association> associate(std::span<const ConcentratedGaussian<SE3d>> i
                                    std::span<const Candidate> candidates,
                                    const NoiseComponent& noise, const SymmetryGroup& symmetries,
                                    const AssociationSettings& settings = {});
+
+/// The same for observations: a pair costs as much as the cheapest of the observation's components,
+/// each with -2 log of its weight, relative to the largest, added. An assigned pose is that
+/// component.
+std::vector<Association> associate_observations(
+    std::span<const ConcentratedGaussian<SE3d>> instances,
+    std::span<const Observation> observations, const NoiseComponent& noise,
+    const SymmetryGroup& symmetries, const AssociationSettings& settings = {});
 
 /// For each row of a cost matrix its own column so that the sum of the chosen entries is least;
 /// exact, in O(rows^2 columns) (Hungarian algorithm with shortest augmenting paths).

@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "posemix/detector/observation.hpp"
 #include "posemix/lie/lie.hpp"
 
 namespace posemix {
@@ -14,5 +15,8 @@ struct Candidate {
   SE3d camera_object;  ///< T_camera_object as detected
   double score = 0.0;  ///< the detector's confidence, larger is surer
 };
+
+/// The candidate as an observation of one pose.
+Observation observation_of(const Candidate& candidate);
 
 }  // namespace posemix

@@ -53,6 +53,9 @@ struct CandidateReport {
 struct FrameReport {
   std::vector<DetectionStatus> statuses = {};    ///< one per object model
   std::vector<CandidateReport> candidates = {};  ///< one per candidate
+  /// One per observation; those that name their object are assigned, or fresh where they are the
+  /// first of it.
+  std::vector<CandidateReport> observations = {};
   UpdateReport update = {};
   std::size_t merges = 0;
   double seconds = 0.0;  ///< predict, update, reduce and summarise

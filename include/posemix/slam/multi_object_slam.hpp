@@ -4,10 +4,12 @@
 
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "posemix/filter/multi_object_filter.hpp"
 #include "posemix/slam/motion_settings.hpp"
+#include "posemix/slam/rig.hpp"
 #include "posemix/slam/tracker.hpp"
 
 namespace posemix {
@@ -16,16 +18,30 @@ namespace posemix {
 struct MultiObjectSlamSettings {
   MultiObjectSettings filter = {};       ///< has_odometry follows from the motion model
   AssociationSettings association = {};  ///< of candidates
+  /// Cameras on the body whose pose is estimated and whose motion is the odometry. None: there is
+  /// one, which is the body.
+  std::vector<RigCamera> cameras = {};
+  /// The model of objects that were not declared: an observation of an id that no model has begins
+  /// one, with this noise and these symmetries. Without it such an observation is refused.
+  std::optional<ObjectModel> on_sight = {};
   /// An instance with fewer detections is tentative: its model is used again where a candidate
   /// begins a new instance of the class and no model is free.
   std::size_t confirming_detections = 3;
 };
 
+/// An observation of an object model, by its index.
+struct ObservedObject {
+  std::size_t object;
+  Observation observation;
+  ObservationSource source = {};
+};
+
 /// Object SLAM by the MultiObjectFilter: hypotheses of every object for itself, clutter, births.
 ///
-/// Candidates are associated class by class (posemix::associate), after the detections: those of a
-/// known instance update it; those of none take the next free model of the class, or that of the
-/// tentative instance that was not seen for longest. Satisfies ObjectTracker.
+/// Candidates, and observations that name a class, are associated class by class and image by image
+/// (posemix::associate), after all that names its object: those of a known instance update it;
+/// those of none take the next free model of the class, or that of the tentative instance that was
+/// not seen for longest. Satisfies ObjectTracker.
 class MultiObjectSlam {
  public:
   /// `camera` is the prior of T_world_camera at the first frame. Where hypotheses are recorded, an
@@ -52,13 +68,30 @@ class MultiObjectSlam {
     return sightings_[object].count;
   }
   const MultiObjectFilter& filter() const { return filter_; }
+  /// @throws InvalidInput for an observation that `step` would refuse
+  void check(const Observation& observation) const;
+  /// What a frame says of the objects that it names, in the order in which `step` takes it.
+  /// @throws InvalidInput for an object, a camera or a detector that is not known
+  std::vector<ObservedObject> observed(const FrameInput& input) const;
 
  private:
-  void update(std::size_t object, const SE3d& detected, FrameReport& report);
-  void update_by_candidates(const std::vector<Candidate>& candidates, FrameReport& report);
-  void update_class(const std::vector<std::size_t>& models,
-                    const std::vector<Candidate>& candidates,
-                    const std::vector<std::size_t>& members, FrameReport& report);
+  /// An observation with where it comes from.
+  struct Sighting {
+    Observation observation;
+    ObservationSource source;
+    CandidateReport* report;
+  };
+
+  /// What the frame has that names a class or an object, checked.
+  /// @throws InvalidInput for a camera, a detector or an object that is not known
+  std::vector<Sighting> sightings_of(const FrameInput& input, FrameReport& report);
+  ObservationSource source_of(const Observation& observation) const;
+  void update(std::size_t object, const Observation& observation, const ObservationSource& source,
+              FrameReport& report);
+  void update_named(std::span<Sighting> sightings, FrameReport& report);
+  void update_by_class(std::span<Sighting> sightings, FrameReport& report);
+  void update_image(const std::vector<std::size_t>& models, std::span<Sighting* const> image,
+                    FrameReport& report);
   CandidateReport new_instance(const std::vector<std::size_t>& models);
   FrameEstimate frame_estimate(FrameReport report) const;
 

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 #pragma once
 
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -27,6 +28,9 @@ struct ObjectModel {
   /// Their noise and symmetries are the same. Empty: the object is a class of its own, named as its
   /// id.
   std::string class_id = {};
+  /// Noise by the name of the detector (Observation::detector), for the multi-object filter. A name
+  /// that is not here is an error, unless there is none at all; no name stands for `noise`.
+  std::map<std::string, DetectorNoise> detectors = {};
 };
 
 /// The class of a model, which is its id where no class is given.

@@ -30,10 +30,14 @@ struct Sequence {
   std::vector<ObjectRecording> objects;
   /// Detections that do not say which instance they are of; no entries: there are none.
   std::vector<std::vector<Candidate>> candidates = {};
+  /// Detections that are mixtures, by frame; no entries: there are none. Trackers that take them
+  /// use them in place of the detections of all objects, which are then their best components (from
+  /// the body, where cameras have poses on it) and are what metrics and pictures compare with.
+  std::vector<std::vector<Observation>> observations = {};
 };
 
 /// @throws InvalidInput when there is no frame, stamps do not increase, a vector has the wrong
-/// length, or two objects share an id
+/// length, or two objects share an id, or an observation is not valid
 void validate(const Sequence& sequence);
 
 }  // namespace posemix

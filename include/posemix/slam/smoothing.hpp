@@ -26,6 +26,12 @@ struct SmoothingSettings {
   double least_probability = 1e-3;
 };
 
+/// A frame as the filter took it.
+struct SmootherFrame {
+  FrameInput input = {};  ///< time and motion
+  std::vector<ObservedObject> observed = {};
+};
+
 /// Object SLAM that reports each frame `lag_frames` later than it comes. The multi-object filter
 /// runs up to the newest frame. Its leading hypotheses set the mode of every object for the whole
 /// window, and the window is smoothed on these modes, by a forward filter and a Rauch-Tung-Striebel
@@ -34,7 +40,8 @@ struct SmoothingSettings {
 class FixedLagSmoother {
  public:
   /// @throws InvalidInput as ObjectSlam, when a setting is out of range, when the filter is not the
-  /// multi-object one, and when it only considers the camera; `step` for candidates
+  /// multi-object one, and when it only considers the camera; `step` for candidates and
+  /// observations of classes; for objects that are not declared (on_sight)
   FixedLagSmoother(const PoseDensity& camera, std::vector<ObjectModel> objects,
                    const ObjectSlamSettings& settings, const SmoothingSettings& smoothing,
                    bool record_hypotheses = false);
@@ -53,14 +60,14 @@ class FixedLagSmoother {
 
  private:
   struct Frame {
-    FrameInput input;
+    SmootherFrame taken;
     FrameReport report;
     std::vector<bool> known;  ///< objects that were seen by then
     std::optional<MultiObjectFilter> after;
   };
 
   std::vector<FrameEstimate> smooth(std::size_t count);
-  void add_alternatives(std::span<const FrameInput* const> inputs,
+  void add_alternatives(std::span<const SmootherFrame* const> frames,
                         const std::vector<JointState>& leading,
                         std::vector<FrameEstimate>& estimates) const;
 

@@ -4,9 +4,11 @@
 
 #include <concepts>
 #include <cstddef>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "posemix/slam/frame_estimate.hpp"
@@ -21,7 +23,7 @@ namespace posemix {
 /// Frames without detections or without odometry are valid.
 ///
 ///  - `step` takes every frame in order; at the first one nothing moves. It throws InvalidInput,
-///    and changes nothing, when the number of detections is not that of the object models, dt is
+///    and changes nothing, when there are detections, but not one per object model, dt is
 ///    not positive and finite, or the motion, a detection or a candidate is not finite.
 ///  - `posterior` is the joint posterior, `estimate` one Gaussian in its place.
 ///  - `pose_index` is the index of an object's pose in both, empty until it was seen.
@@ -61,20 +63,28 @@ class TrackedObjects {
   /// index of one
   void require(std::size_t object) const;
   const ObjectIds& ids() const { return ids_; }
+  /// Index of the model with the id.
+  std::optional<std::size_t> find(std::string_view id) const;
+  /// One more model, whose id no other has. Returns its index.
+  std::size_t add(ObjectModel model);
 
   /// Frames that were begun.
   std::size_t frames() const { return frames_; }
   /// @throws InvalidInput as `begin`
   void check(const FrameInput& input) const;
+  /// @throws InvalidInput with the name for an observation that is not valid or does not name an
+  /// object or a class
+  static void check(const Observation& observation, const std::string& name);
   /// Begins a frame.
-  /// @throws InvalidInput, and counts nothing, when the number of detections is not that of the
-  /// models, dt is not positive and finite after the first frame, or the motion, a detection or a
-  /// candidate is not finite
+  /// @throws InvalidInput, and counts nothing, when there are detections, but not one per model, dt
+  /// is not positive and finite after the first frame, the motion, a detection or a candidate is
+  /// not finite, or an observation is not valid or does not name an object or a class
   void begin(const FrameInput& input);
 
  private:
   std::vector<ObjectModel> models_;
   ObjectIds ids_;
+  std::map<std::string, std::size_t, std::less<>> index_;  ///< by id
   std::size_t frames_ = 0;
 };
 

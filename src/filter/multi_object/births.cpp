@@ -61,15 +61,15 @@ Alternative MultiObjectState::birth_at(const TrackedObject& object,
                                        const WeighedObservation& observation,
                                        const ObservationComponent& seen,
                                        const NoiseComponent& mode) const {
-  const ObjectSensor& sensor = object.detector.sensor();
-  const SE3d camera = joint.pose(kCamera) * observation.body_camera;
+  const ObjectSensor& sensor = object.detectors[observation.source.detector].sensor();
+  const SE3d camera = joint.pose(kCamera) * observation.source.body_camera;
   const Matrix6d camera_covariance = joint.covariance(kCamera, kCamera);
   // xi_O = xi_C - A b - n.
   DetectionState there{.camera = camera, .object = camera * seen.pose * mode.offset.inverse()};
   Matrix6d covariance = camera_covariance + mode_covariance(there, seen, mode, sensor);
   ConditionalPose born{there.object, {}, Matrix12d::Zero(), Matrix12x6d::Zero()};
   if (const auto slow = sensor.slow_covariance()) {
-    const Matrix6d a = slow_error_map(there, mode);
+    const Matrix6d a = slow_error_map(there, mode, sensor);
     const Matrix6d a_b = a * *slow;
     born.slow = Vector6d::Zero();
     covariance += a_b * a.transpose();
@@ -96,7 +96,7 @@ std::vector<Alternative> MultiObjectState::births_of(const TrackedObject& object
     if (may_start[k]) starting.push_back(&observation.components[k]);
   std::stable_sort(starting.begin(), starting.end(),
                    [](const auto* a, const auto* b) { return a->weight > b->weight; });
-  const ObjectSensor& sensor = object.detector.sensor();
+  const ObjectSensor& sensor = object.detectors[observation.source.detector].sensor();
   const Matrix6d camera_covariance = joint.covariance(kCamera, kCamera);
   const double log_density = object.belief.log_absent() + std::log(observation.object_weight) -
                              std::log(8.0 * kPi * kPi * sensor.noise.clutter().volume_m3);

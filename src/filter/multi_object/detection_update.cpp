@@ -61,6 +61,12 @@ Matrix6d white_along(const NoiseAtPose& at, const SE3d& expected, const Observat
   return use == GivenCovariance::as_given ? given : scaled(given, sensor.noise_scale);
 }
 
+/// A, from the slow error as it is carried to the world frame.
+Matrix6d slow_map_of(const SE3d& axes, const NoiseAtPose& at, const ObjectSensor& sensor) {
+  const Matrix6d map = axes.adjoint() * at.units.asDiagonal();
+  return sensor.slow_units ? Matrix6d(map * *sensor.slow_units) : map;
+}
+
 /// A component of an observation under one of the noise as this state sees it, without its weight:
 /// eq. (2).
 Innovation innovation(const DetectionState& state, const ObservationComponent& observed,
@@ -71,7 +77,7 @@ Innovation innovation(const DetectionState& state, const ObservationComponent& o
   result.axes = state.camera * at.axes;
   result.white = white_along(at, expected, observed, component, sensor);
   result.noise = result.axes.adjoint_congruence(result.white);
-  result.slow_map = result.axes.adjoint() * at.units.asDiagonal();
+  result.slow_map = slow_map_of(result.axes, at, sensor);
   SE3d seen = observed.pose * component.offset.inverse();
   if (!sensor.symmetries.is_trivial()) {
     const Matrix6d local =
@@ -117,11 +123,11 @@ Matrix6d DetectionState::difference() const {
 }
 
 WeighedObservation weigh(const Observation& observation, const ObjectSensor& sensor, double share,
-                         const SE3d& body_camera) {
+                         const ObservationSource& source) {
   const Clutter& clutter = sensor.noise.clutter();
   WeighedObservation result{.components = observation.components,
                             .log_clutter = sensor.noise.log_clutter_density(),
-                            .body_camera = body_camera};
+                            .source = source};
   double total = 0.0;
   for (ObservationComponent& component : result.components) {
     component.weight = component.weight > 0.0 ? std::pow(component.weight, share) : 0.0;
@@ -160,9 +166,10 @@ Matrix6d white_covariance(const DetectionState& state, const ObservationComponen
       .adjoint_congruence(white_along(at, expected, seen, component, sensor));
 }
 
-Matrix6d slow_error_map(const DetectionState& state, const NoiseComponent& component) {
+Matrix6d slow_error_map(const DetectionState& state, const NoiseComponent& component,
+                        const ObjectSensor& sensor) {
   const NoiseAtPose at = noise_at(component, state.camera_object());
-  return (state.camera * at.axes).adjoint() * at.units.asDiagonal();
+  return slow_map_of(state.camera * at.axes, at, sensor);
 }
 
 namespace {

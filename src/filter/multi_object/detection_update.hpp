@@ -7,6 +7,7 @@
 #include "posemix/base/linear.hpp"
 #include "posemix/detector/object_sensor.hpp"
 #include "posemix/detector/observation.hpp"
+#include "posemix/filter/multi_object_filter.hpp"
 #include "posemix/lie/lie.hpp"
 
 /// The part of the state that a detection depends on, and its update.
@@ -46,13 +47,13 @@ struct WeighedObservation {
   std::vector<ObservationComponent> components;
   double object_weight = 1.0;  ///< factor on the weights of the noise's components
   double log_clutter = 0.0;    ///< log weight times density of clutter [nats]
-  SE3d body_camera = {};       ///< T_body_camera of the camera that made it
+  ObservationSource source = {};
 };
 
 /// `share` is the part of the weights that no earlier observation told: they count with that
 /// exponent. The observation must be valid.
 WeighedObservation weigh(const Observation& observation, const ObjectSensor& sensor, double share,
-                         const SE3d& body_camera);
+                         const ObservationSource& source);
 
 /// One component of an observation under one noise component: eq. (2) of docs/many-objects.md. All
 /// values are in the world frame.
@@ -74,7 +75,8 @@ Matrix6d white_covariance(const DetectionState& state, const ObservationComponen
                           const NoiseComponent& component, const ObjectSensor& sensor);
 
 /// A, the map from b to the world frame, for a detection of the mode of `component`.
-Matrix6d slow_error_map(const DetectionState& state, const NoiseComponent& component);
+Matrix6d slow_error_map(const DetectionState& state, const NoiseComponent& component,
+                        const ObjectSensor& sensor);
 
 /// An observation of an object under all components of the noise and clutter, eq. (3). The
 /// probabilities are not numbers where the evidence is zero.

@@ -89,11 +89,10 @@ void GlobalHypotheses::split(std::size_t j, std::vector<ObservedDetection>& obse
 }
 
 ObjectUpdateReport GlobalHypotheses::update(std::size_t j, const Observation& observation,
-                                            const SE3d& body_camera) {
+                                            const ObservationSource& source) {
   const auto led = leading_id(j);
   std::vector<ObservedDetection> observed;
-  for (const Weighted& one : list_)
-    observed.push_back(one.state.observe(j, observation, body_camera));
+  for (const Weighted& one : list_) observed.push_back(one.state.observe(j, observation, source));
   // A component starts hypotheses where none of any state explains it.
   Starters may_start(observed.front().explained.size(), true);
   for (const ObservedDetection& seen : observed) {

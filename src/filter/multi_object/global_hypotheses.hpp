@@ -41,8 +41,9 @@ class GlobalHypotheses {
     for (Weighted& one : list_) predict(one.state);
     summary_.reset();
   }
-  /// One observation of object `j` from a camera at T_body_camera.
-  ObjectUpdateReport update(std::size_t j, const Observation& observation, const SE3d& body_camera);
+  /// One observation of object `j`.
+  ObjectUpdateReport update(std::size_t j, const Observation& observation,
+                            const ObservationSource& source);
   void forget(std::size_t j);
 
   /// The camera's density, a component for each state.

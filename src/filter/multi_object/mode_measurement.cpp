@@ -15,7 +15,7 @@ ModeMeasurement measure_mode(const ModeState& state, const Observation& observat
   internal::DetectionState all{.camera = state.camera, .object = state.object, .slow = state.slow};
   all.covariance.bottomRightCorner<12, 12>() = state.covariance;
   const internal::Explanation seen_as =
-      internal::explain(all, internal::weigh(observation, sensor, 1.0, SE3d()), sensor);
+      internal::explain(all, internal::weigh(observation, sensor, 1.0, {}), sensor);
   ModeMeasurement result;
   if (!std::isfinite(seen_as.log_evidence)) return result;
   double most = 0.0;

@@ -39,6 +39,13 @@ void require_object(std::size_t object, std::size_t objects) {
     throw InvalidInput(fmt::format("there is no object {}; there are {}", object, objects));
 }
 
+void require_detector(std::size_t detector, std::size_t detectors) {
+  if (detector >= detectors) {
+    throw InvalidInput(
+        fmt::format("the object has {} detectors; there is none at index {}", detectors, detector));
+  }
+}
+
 void require_hypothesis(std::size_t hypothesis, std::size_t object, std::size_t hypotheses) {
   if (hypothesis >= hypotheses) {
     throw InvalidInput(fmt::format("object {} has {} hypotheses; there is none at index {}", object,
@@ -125,15 +132,21 @@ void MultiObjectFilter::predict_constant_velocity(double periods, const Matrix6d
 ObjectUpdateReport MultiObjectFilter::update(std::size_t object, const SE3d& camera_object) {
   require_object(object, object_count());
   require_finite(camera_object, "detection");
-  return hypotheses_of_all().update(object, observation_of(camera_object), SE3d());
+  return hypotheses_of_all().update(object, observation_of(camera_object), {});
 }
 
 ObjectUpdateReport MultiObjectFilter::update(std::size_t object, const Observation& observation,
-                                             const SE3d& body_camera) {
+                                             const ObservationSource& source) {
   require_object(object, object_count());
+  require_detector(source.detector, current().objects[object].detectors.size());
   validate(observation);
-  require_finite(body_camera, "pose of the camera on its body");
-  return hypotheses_of_all().update(object, observation, body_camera);
+  require_finite(source.body_camera, "pose of the camera on its body");
+  return hypotheses_of_all().update(object, observation, source);
+}
+
+std::size_t MultiObjectFilter::add_object(ObjectSensor object) {
+  hypotheses_of_all().for_each([&](MultiObjectState& s) { s.add_object(object); });
+  return object_count() - 1;
 }
 
 void MultiObjectFilter::forget(std::size_t object) {
@@ -215,7 +228,8 @@ ConcentratedGaussian<SE3d> MultiObjectFilter::predicted_detection(std::size_t ob
   const TrackedObject& tracked = current().objects[object];
   DetectionState state = tracked.belief.state(current().joint, hypothesis);
   state.camera = state.camera * body_camera;
-  const Matrix6d a = slow_error_map(state, tracked.detector.sensor().noise.components().front());
+  const ObjectSensor& sensor = tracked.sensor();
+  const Matrix6d a = slow_error_map(state, sensor.noise.components().front(), sensor);
   // xi_O - xi_C + A b.
   Eigen::Matrix<double, 6, 18> h;
   h << -Matrix6d::Identity(), Matrix6d::Identity(), a;
@@ -250,9 +264,10 @@ std::optional<std::size_t> MultiObjectFilter::pose_index(std::size_t object) con
 
 const MultiObjectSettings& MultiObjectFilter::settings() const { return current().settings; }
 
-const ObjectSensor& MultiObjectFilter::sensor(std::size_t object) const {
+const ObjectSensor& MultiObjectFilter::sensor(std::size_t object, std::size_t detector) const {
   require_object(object, object_count());
-  return current().objects[object].detector.sensor();
+  require_detector(detector, current().objects[object].detectors.size());
+  return current().objects[object].detectors[detector].sensor();
 }
 
 Matrix6d MultiObjectFilter::unseen_covariance(std::size_t object, const SE3d& pose) const {

@@ -44,6 +44,39 @@ const ObservationComponent& heaviest(const std::vector<ObservationComponent>& co
                            [](const auto& a, const auto& b) { return a.weight < b.weight; });
 }
 
+/// From one slow error to another of which it is the same process: L_b L_a^-1.
+Matrix6d units_between(const Matrix6d& a, const Matrix6d& b) {
+  const Eigen::LLT<Matrix6d> from(a);
+  const Eigen::LLT<Matrix6d> to(b);
+  return Matrix6d(to.matrixL()) * from.matrixL().solve(Matrix6d::Identity());
+}
+
+/// The detectors of an object, each as a sensor: all have the slow error of the first of them that
+/// has one, in units of their own.
+std::vector<ObjectSensor> sensors_of(const ObjectSensor& object, double default_clutter) {
+  std::vector<DetectorNoise> noises{object.noise};
+  noises.insert(noises.end(), object.other_detectors.begin(), object.other_detectors.end());
+  const auto first = std::find_if(noises.begin(), noises.end(), [](const DetectorNoise& noise) {
+    return noise.dependence().slow.has_value();
+  });
+  std::vector<ObjectSensor> sensors;
+  for (auto noise = noises.begin(); noise != noises.end(); ++noise) {
+    ObjectSensor one = object;
+    one.other_detectors.clear();
+    one.noise = with_clutter(with_reduced_offsets(*noise, object.symmetries), default_clutter);
+    if (first != noises.end() && noise != first) {
+      NoiseDependence shared = noise->dependence();
+      shared.slow = first->dependence().slow;
+      one.slow_units = Matrix6d::Zero();
+      if (const auto& own = noise->dependence().slow)
+        one.slow_units = units_between(shared.slow->covariance, own->covariance);
+      one.noise = DetectorNoise(one.noise.components(), one.noise.clutter(), shared);
+    }
+    sensors.push_back(std::move(one));
+  }
+  return sensors;
+}
+
 void describe(const DetectionUpdate& leader, ObjectUpdateReport& report) {
   report.inlier_probability = leader.inlier_probability();
   report.clutter_probability = leader.explanation.clutter_probability;
@@ -61,15 +94,17 @@ MultiObjectState::MultiObjectState(const ConcentratedGaussian<SE3d>& camera,
                    chi_square_quantile(given.merge_probability, 6, "merge_probability")},
       joint(camera) {
   check_settings(settings);
-  for (ObjectSensor& sensor : sensors) {
-    sensor.noise = with_clutter(with_reduced_offsets(sensor.noise, sensor.symmetries),
-                                settings.default_clutter);
-    objects.push_back({LearnedSensor(std::move(sensor))});
-  }
+  for (const ObjectSensor& sensor : sensors) add_object(sensor);
+}
+
+void MultiObjectState::add_object(const ObjectSensor& sensor) {
+  objects.emplace_back();
+  for (ObjectSensor& one : sensors_of(sensor, settings.default_clutter))
+    objects.back().detectors.emplace_back(std::move(one));
 }
 
 Matrix6d MultiObjectState::unseen_covariance(const TrackedObject& object, const SE3d& pose) {
-  const ObjectSensor& sensor = object.detector.sensor();
+  const ObjectSensor& sensor = object.sensor();
   Matrix6d local = sensor.symmetries.unobserved_covariance();
   if (const auto common = sensor.common_covariance()) local += *common;
   return pose.adjoint_congruence(local);
@@ -83,23 +118,23 @@ DetectionState MultiObjectState::reported(const TrackedObject& object, std::size
 
 GainFactors MultiObjectState::gain_factors(const TrackedObject& object,
                                            const WeighedObservation& observation) const {
+  const ObjectSensor& sensor = object.detectors[observation.source.detector].sensor();
   // A considered camera is one for every detection.
   if (settings.has_odometry && settings.camera_gain == 0.0)
-    return {.camera = 0.0, .slow = is_damped(object) ? settings.slow_error_gain : 1.0};
-  if (!is_damped(object)) return {};
+    return {.camera = 0.0, .slow = is_damped(sensor) ? settings.slow_error_gain : 1.0};
+  if (!is_damped(sensor)) return {};
   const auto leading = object.belief.leading();
   if (!leading) return {.camera = settings.camera_gain, .slow = settings.slow_error_gain};
   // Where the predicted pose is less certain than the detection, damping would only keep it wrong:
   // the gain is full by the square of the predicted pose's part of the innovation's variance.
   DetectionState state = object.belief.state(joint, *leading);
-  state.camera = state.camera * observation.body_camera;
-  const ObjectSensor& sensor = object.detector.sensor();
+  state.camera = state.camera * observation.source.body_camera;
   const NoiseComponent& inlier = sensor.noise.components().front();
   const Matrix6d predicted = state.difference();
   Matrix6d innovation =
       predicted + white_covariance(state, heaviest(observation.components), inlier, sensor);
   if (const auto slow = sensor.slow_covariance()) {
-    const Matrix6d a = slow_error_map(state, inlier);
+    const Matrix6d a = slow_error_map(state, inlier, sensor);
     innovation += a * *slow * a.transpose();
   }
   const double unknown = Eigen::LLT<Matrix6d>(innovation).solve(predicted).trace() / 6.0;
@@ -111,7 +146,7 @@ GainFactors MultiObjectState::gain_factors(const TrackedObject& object,
 void MultiObjectState::advance(double dt, const std::optional<SE3d>& camera_before) {
   now_s += dt;
   for (TrackedObject& object : objects) {
-    const ObjectSensor& sensor = object.detector.sensor();
+    const ObjectSensor& sensor = object.sensor();
     if (const auto& slow = sensor.noise.dependence().slow)
       object.belief.decay_slow_error(joint, *slow, *sensor.slow_covariance(), camera_before, dt);
   }
@@ -127,8 +162,8 @@ void MultiObjectState::erase(std::size_t pose_index) {
 void MultiObjectState::forget(std::size_t j) {
   TrackedObject& object = objects[j];
   if (const auto index = object.belief.pose_index()) erase(*index);
-  object.detector.reset();
-  object = {std::move(object.detector)};
+  for (LearnedSensor& detector : object.detectors) detector.reset();
+  object = {std::move(object.detectors)};
 }
 
 /// The scale of the noise is learned. Where the slow error's changes by a factor f, b becomes f b,
@@ -138,17 +173,19 @@ void MultiObjectState::learn(TrackedObject& object, const DetectionUpdate& leadi
   const bool has_covariance =
       std::any_of(observation.components.begin(), observation.components.end(),
                   [](const auto& component) { return component.covariance.has_value(); });
-  const Vector6d factor = object.detector.learn(leading, has_covariance, settings);
-  const ObjectSensor& sensor = object.detector.sensor();
+  LearnedSensor& detector = object.detectors[observation.source.detector];
+  const Vector6d factor = detector.learn(leading, has_covariance, settings);
+  const ObjectSensor& sensor = detector.sensor();
   if (!sensor.noise.dependence().slow || factor.isOnes(1e-12)) return;
-  object.belief.rescale_slow_error(joint, sensor.noise.components().front(), factor);
+  for (LearnedSensor& other : object.detectors) other.set_slow_scale(sensor.slow_scale);
+  object.belief.rescale_slow_error(joint, sensor, factor);
 }
 
 /// The camera and the leading hypotheses move by eq. (5) to (8), and every other hypothesis follows
 /// the camera by eq. (9).
 void MultiObjectState::move_poses(TrackedObject& object,
                                   const std::vector<DetectionUpdate>& updates,
-                                  const GainFactors& factors, double log_evidence,
+                                  const GainFactors& factors, bool damped, double log_evidence,
                                   std::vector<Alternative>& births) {
   ObjectBelief& belief = object.belief;
   const CameraMoments before{Vector6d::Zero(), joint.covariance(kCamera, kCamera)};
@@ -164,17 +201,17 @@ void MultiObjectState::move_poses(TrackedObject& object,
     if (&other != &object) other.belief.follow_camera(before, after);
   }
   for (Alternative& birth : births) follow_camera(birth.pose, before, after);
-  shift_back(object, change, births);
+  shift_back(object, damped, change, births);
 }
 
 /// Eq. (10): a shift of the world takes a part of the camera's correction back, so that all poses
 /// relative to each other stay as they are.
-void MultiObjectState::shift_back(const TrackedObject& detected, const CameraChange& change,
-                                  std::vector<Alternative>& births) {
+void MultiObjectState::shift_back(const TrackedObject& detected, bool damped,
+                                  const CameraChange& change, std::vector<Alternative>& births) {
   Vector6d taken;
   taken.head<3>().setConstant(1.0 - settings.camera_rotation_correction);
   taken.tail<3>().setConstant(1.0 - settings.camera_position_correction);
-  if (!is_damped(detected) || taken.isZero(0.0)) return;
+  if (!damped || taken.isZero(0.0)) return;
   const SE3d& at = joint.pose(kCamera);
   const Matrix6d back = at.adjoint() * taken.asDiagonal() * at.inverse().adjoint();
   const Matrix6d camera = joint.covariance(kCamera, kCamera);
@@ -197,11 +234,12 @@ void MultiObjectState::update_weights(TrackedObject& object, const ObservedDetec
 }
 
 ObservedDetection MultiObjectState::observe(std::size_t j, const Observation& observation,
-                                            const SE3d& body_camera) const {
+                                            const ObservationSource& source) const {
   const TrackedObject& object = objects[j];
-  const ObjectSensor& sensor = object.detector.sensor();
+  const LearnedSensor& detector = object.detectors[source.detector];
+  const ObjectSensor& sensor = detector.sensor();
   ObservedDetection result{
-      weigh(observation, sensor, object.detector.new_share(now_s), body_camera), {}, {}, {}};
+      weigh(observation, sensor, detector.new_share(now_s), source), {}, {}, {}};
   result.factors = gain_factors(object, result.observation);
   result.updates =
       object.belief.observe(joint, result.observation, sensor, result.factors);  // eq. (2) to (4)
@@ -218,9 +256,9 @@ ObjectUpdateReport MultiObjectState::update(std::size_t j, const ObservedDetecti
                                             const Starters& may_start, LogTotals& evidence) {
   TrackedObject& object = objects[j];
   ObjectBelief& belief = object.belief;
-  const ObjectSensor& sensor = object.detector.sensor();
+  LearnedSensor& detector = object.detectors[observed.observation.source.detector];
   const std::vector<DetectionUpdate>& updates = observed.updates;
-  const double share = object.detector.count_detection(now_s);
+  const double share = detector.count_detection(now_s);
   std::vector<Alternative> births = births_of(object, observed.observation, may_start, share);
   update_weights(object, observed, share);  // eq. (3)
   ObjectUpdateReport report{.started = !births.empty(), .log_evidence = belief.log_total(births)};
@@ -230,14 +268,15 @@ ObjectUpdateReport MultiObjectState::update(std::size_t j, const ObservedDetecti
   if (const auto leading = belief.leading()) {
     led = belief.standing(*leading).id;
     describe(updates[*leading], report);
-    move_poses(object, updates, observed.factors, report.log_evidence, births);
+    move_poses(object, updates, observed.factors, is_damped(detector.sensor()), report.log_evidence,
+               births);
     learn(object, updates[*leading], observed.observation);
   }
 
   belief.add(joint, births);
   evidence = belief.normalise();
   report.merges = reduce(object);
-  belief.fix_unobserved(joint, sensor.symmetries);
+  belief.fix_unobserved(joint, object.sensor().symmetries);
   const auto leading = belief.leading();
   report.changed_leader = leading && belief.standing(*leading).id != led;
   return report;
@@ -248,7 +287,7 @@ ObjectUpdateReport MultiObjectState::update(std::size_t j, const ObservedDetecti
 std::size_t MultiObjectState::reduce(TrackedObject& object) {
   ObjectBelief& belief = object.belief;
   if (belief.size() == 0) return 0;
-  const std::size_t merges = belief.merge(joint, object.detector.sensor().symmetries, merge_bounds);
+  const std::size_t merges = belief.merge(joint, object.sensor().symmetries, merge_bounds);
   belief.keep_best(settings.max_hypotheses, settings.protected_hypotheses);
   belief.normalise();
   belief.choose_leader(joint, settings.leader_margin);

@@ -13,8 +13,11 @@ namespace posemix::internal {
 
 /// One object of a MultiObjectFilter.
 struct TrackedObject {
-  LearnedSensor detector;
+  std::vector<LearnedSensor> detectors;
   ObjectBelief belief = {};
+
+  /// Of the object's first detector: symmetries, slow error and error in common are the object's.
+  const ObjectSensor& sensor() const { return detectors.front().sensor(); }
 };
 
 /// An observation of one object as its hypotheses see it.
@@ -33,13 +36,15 @@ struct MultiObjectState {
   MultiObjectState(const ConcentratedGaussian<SE3d>& camera, std::vector<ObjectSensor> sensors,
                    const MultiObjectSettings& settings);
 
-  /// One observation of object `j` from a camera at T_body_camera: how its hypotheses see it, which
+  /// One observation of object `j`: how its hypotheses see it, which
   /// changes nothing, and the update, in which its components may start hypotheses or not. The
   /// report's evidence is that of this state; `evidence` has both kinds.
   ObservedDetection observe(std::size_t j, const Observation& observation,
-                            const SE3d& body_camera) const;
+                            const ObservationSource& source) const;
   ObjectUpdateReport update(std::size_t j, const ObservedDetection& observed,
                             const Starters& may_start, LogTotals& evidence);
+  /// One more object, never detected.
+  void add_object(const ObjectSensor& sensor);
   /// Object `j` becomes one that was never detected.
   void forget(std::size_t j);
   /// Time goes on by one frame, in which the camera moved from `camera_before` where that is known.
@@ -50,10 +55,10 @@ struct MultiObjectState {
   DetectionState reported(const TrackedObject& object, std::size_t h) const;
   /// What a report adds to the covariance of an object at `pose`, world frame.
   static Matrix6d unseen_covariance(const TrackedObject& object, const SE3d& pose);
-  /// Whether the gain of a detection of the object is damped: with odometry, for a detector of
-  /// which only what is typical is known.
-  bool is_damped(const TrackedObject& object) const {
-    return settings.has_odometry && object.detector.sensor().noise.dependence().is_typical;
+  /// Whether the gain of a detection is damped: with odometry, for a detector of which only what is
+  /// typical is known.
+  bool is_damped(const ObjectSensor& sensor) const {
+    return settings.has_odometry && sensor.noise.dependence().is_typical;
   }
   /// The factors on the gains of an observation of the object.
   GainFactors gain_factors(const TrackedObject& object,
@@ -104,9 +109,9 @@ struct MultiObjectState {
   void learn(TrackedObject& object, const DetectionUpdate& leading,
              const WeighedObservation& observation);
   void move_poses(TrackedObject& object, const std::vector<DetectionUpdate>& updates,
-                  const GainFactors& factors, double log_evidence,
+                  const GainFactors& factors, bool damped, double log_evidence,
                   std::vector<Alternative>& births);
-  void shift_back(const TrackedObject& detected, const CameraChange& change,
+  void shift_back(const TrackedObject& detected, bool damped, const CameraChange& change,
                   std::vector<Alternative>& births);
   std::size_t reduce(TrackedObject& object);
 };

@@ -84,7 +84,7 @@ Vector6d LearnedSensor::learn(const DetectionUpdate& update, bool has_covariance
       sensor_.noise_scale[i] =
           std::clamp(scale[i] * std::exp(0.5 * step), settings.least_noise_scale, largest);
       const double slow = slow_scale(sensor_.noise_scale[i]) * given_slow_scale_[i];
-      changed[i] = slow / std::exchange(sensor_.slow_scale[i], slow);
+      if (!sensor_.slow_units) changed[i] = slow / std::exchange(sensor_.slow_scale[i], slow);
     }
   }
   return changed;

@@ -30,6 +30,8 @@ class LearnedSensor {
   /// the slow error changed.
   Vector6d learn(const DetectionUpdate& update, bool has_covariance,
                  const MultiObjectSettings& settings);
+  /// Sets the scale of the slow error, which is one for all detectors of an object.
+  void set_slow_scale(const Vector6d& scale) { sensor_.slow_scale = scale; }
   /// The sensor as it was given: no detections, nothing learned.
   void reset();
 

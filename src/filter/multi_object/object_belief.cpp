@@ -127,7 +127,7 @@ std::vector<DetectionUpdate> ObjectBelief::observe(const JointGaussian& joint,
   updates.reserve(size());
   for (std::size_t h = 0; h < size(); ++h) {
     DetectionState seen_from = state(joint, h);
-    seen_from.camera = seen_from.camera * observation.body_camera;
+    seen_from.camera = seen_from.camera * observation.source.body_camera;
     updates.push_back(internal::observe(seen_from, observation, sensor, factors));
   }
   return updates;

@@ -113,9 +113,8 @@ class ObjectBelief {
   void decay_slow_error(JointGaussian& joint, const SlowError& slow, const Matrix6d& stationary,
                         const std::optional<SE3d>& camera_before, double dt);
   /// b <- f b and xi_O <- xi_O + A (1 - f) b for every hypothesis, with `factor` f by coordinate
-  /// and the map A of `component`: the sum that a detection sees stays.
-  void rescale_slow_error(JointGaussian& joint, const NoiseComponent& component,
-                          const Vector6d& factor);
+  /// and the map A of the first component of `sensor`: the sum that a detection sees stays.
+  void rescale_slow_error(JointGaussian& joint, const ObjectSensor& sensor, const Vector6d& factor);
   /// The directions in which the symmetries leave the pose free become independent of everything,
   /// with a small variance: the pose that stands for all equivalent ones is chosen there.
   void fix_unobserved(JointGaussian& joint, const SymmetryGroup& symmetries);

@@ -43,11 +43,11 @@ void ObjectBelief::transform(JointGaussian& joint, std::size_t h, const Matrix12
   other.cross_covariance = (f * other.cross_covariance).eval();
 }
 
-void ObjectBelief::rescale_slow_error(JointGaussian& joint, const NoiseComponent& component,
+void ObjectBelief::rescale_slow_error(JointGaussian& joint, const ObjectSensor& sensor,
                                       const Vector6d& factor) {
   for (std::size_t h = 0; h < size(); ++h) {
     const DetectionState before = state(joint, h);
-    const Matrix6d a = slow_error_map(before, component);
+    const Matrix6d a = slow_error_map(before, sensor.noise.components().front(), sensor);
     Matrix12d f = Matrix12d::Identity();
     f.topRightCorner<6, 6>() = a * (Vector6d::Ones() - factor).asDiagonal();
     f.bottomRightCorner<6, 6>() = factor.asDiagonal();

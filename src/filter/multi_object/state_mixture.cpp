@@ -18,8 +18,8 @@ double MultiObjectState::tie_loss(std::size_t j, const ObservedDetection& observ
   if (!leading || (object.belief.size() < 2 && !std::isfinite(object.belief.log_absent())))
     return 0.0;
   // A component that starts a hypothesis is of no known one, and leaves the camera as it is.
-  const Clutter& clutter = object.detector.sensor().noise.clutter();
   const WeighedObservation& observation = observed.observation;
+  const Clutter& clutter = object.detectors[observation.source.detector].sensor().noise.clutter();
   double starting = 0.0;
   for (std::size_t k = 0; k < may_start.size(); ++k)
     starting += may_start[k] ? observation.components[k].weight : 0.0;
@@ -106,7 +106,7 @@ void MultiObjectState::mix(const MultiObjectState& other, const LogTotals& own,
         {given_camera(other, from, others, there, after),
          {from.log_absent() + others.weight, from.log_absence_probability() + others.probability},
          shares_leader[j]},
-        objects[j].detector.sensor().symmetries, merge_bounds, next_id);
+        objects[j].sensor().symmetries, merge_bounds, next_id);
     belief.normalise();
     reduce(objects[j]);
   }

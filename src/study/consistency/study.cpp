@@ -85,6 +85,7 @@ std::vector<Cell> row_of(const std::string& name, const std::vector<Json>& trial
   }
   const auto mean = [&](const char* key) {
     std::vector<double> values;
+    values.reserve(trials.size());
     for (const Json& trial : trials) values.push_back(trial.at(key));
     return estimate_of(values).mean;
   };
@@ -161,6 +162,7 @@ std::vector<ConsistencyCell> chosen_cells(const std::vector<std::string>& names)
                                     [&](const ConsistencyCell& cell) { return cell.name == name; });
     if (found == all.end()) {
       std::vector<std::string> known;
+      known.reserve(all.size());
       for (const ConsistencyCell& cell : all) known.push_back(cell.name);
       throw InvalidInput(
           fmt::format("cell '{}', expected some of: {}", name, fmt::join(known, ", ")));

@@ -233,9 +233,10 @@ std::string reliability_chart(const std::vector<Grasp>& grasps, std::size_t bins
                 .y_range = std::pair{0.0, 1.0}};
     chart.series.push_back(
         {.label = "ideal", .x = {0, 1}, .y = {0, 1}, .color = "#888888", .dash = "4 4"});
-    for (std::size_t method = 0; method < kGraspMethods.size(); ++method) {
-      ChartSeries series{.label = kGraspMethods[method], .markers = true};
-      for (const ReliabilityBin& bin : reliability(scored(chosen, method), bins)) {
+    std::size_t method = 0;
+    for (const auto& name : kGraspMethods) {
+      ChartSeries series{.label = name, .markers = true};
+      for (const ReliabilityBin& bin : reliability(scored(chosen, method++), bins)) {
         if (bin.count == 0) continue;
         series.x.push_back(bin.mean_probability);
         series.y.push_back(bin.success_rate);

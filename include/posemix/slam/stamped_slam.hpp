@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "posemix/base/words.hpp"
+#include "posemix/slam/multi_object_slam.hpp"
+
+/// Object SLAM by stamps: observations and odometry come late and in any order.
+namespace posemix {
+
+/// What happens where a stamp lies far before the newest one, as in a recording that starts again.
+enum class StampJump {
+  refuse,  ///< InvalidInput
+  reset    ///< all is forgotten, and begins with that stamp
+};
+
+/// The words of StampJump in files and options.
+template <>
+inline constexpr WordTable<StampJump, 2> words<StampJump>{{
+    {"refuse", StampJump::refuse},
+    {"reset", StampJump::reset},
+}};
+
+/// Settings of StampedSlam.
+struct StampedSlamSettings {
+  /// Observations and odometry that are up to so much older than the newest stamp are taken in at
+  /// their own time [s]; older ones are refused and counted.
+  double history_s = 1.0;
+  /// A stamp that is older by more than this has jumped back [s].
+  double jump_back_s = 10.0;
+  StampJump on_jump_back = StampJump::refuse;
+  /// A stamp may be so much newer than the newest before it [s].
+  double jump_ahead_s = 3600.0;
+  /// Copies of the state over the history from which it is played again; more of them make late
+  /// input cheaper and take more memory.
+  std::size_t checkpoints = 4;
+};
+
+/// What became of an input.
+enum class StampAdmission {
+  taken,     ///< newer than all before
+  replayed,  ///< late, and what came after it is played again
+  too_late   ///< older than the history, and left out
+};
+
+/// Number of inputs by what became of them.
+struct StampCounts {
+  std::size_t taken = 0;
+  std::size_t replayed = 0;
+  std::size_t too_late = 0;
+  std::size_t resets = 0;
+};
+
+/// An estimate and its time.
+struct StampedEstimate {
+  double stamp_s;
+  FrameEstimate estimate;
+};
+
+/// Object SLAM by the multi-object filter, whose input are observations and poses of odometry with
+/// their stamps. The result is that of the inputs sorted by their stamps, whatever the order in
+/// which they come, to the last bit, as long as none is older than the history.
+///
+/// Every stamp is a frame. Observations of one stamp are taken in a fixed order: by detector,
+/// camera, object, class, then by their numbers. With odometry, the body's motion up to a stamp
+/// between two poses is a part of the motion between them (constant twist), where they are no
+/// further apart than the history. Observations newer than the odometry wait for it; where it does
+/// not come within twice the history, they are frames without odometry.
+///
+///     StampedSlam slam(body, {{.id = "mug"}});
+///     slam.add_odometry(10.00, T_odom_body);
+///     slam.add({.object = "mug", .components = {...}, .stamp_s = 9.98});
+///     slam.estimate()->estimate.object("mug").world;
+class StampedSlam {
+ public:
+  /// `body` is the prior of T_world_body (the camera, where there is one) at the first stamp.
+  /// @throws InvalidInput as MultiObjectSlam, and for settings out of range
+  StampedSlam(const PoseDensity& body, std::vector<ObjectModel> objects,
+              const MultiObjectSlamSettings& settings = {}, const MotionSettings& motion = {},
+              const StampedSlamSettings& stamped = {}, bool record_hypotheses = false);
+
+  /// @throws InvalidInput, and changes nothing, for an observation that is not valid, names what is
+  /// not known, or whose stamp has jumped
+  StampAdmission add(const Observation& observation);
+  /// T_odom_body at a time.
+  /// @throws InvalidInput, and changes nothing, for a pose that is not finite, a stamp that has
+  /// jumped or has another pose already, and under a motion model without odometry
+  StampAdmission add_odometry(double stamp_s, const SE3d& odom_body);
+
+  /// The estimate at the newest stamp; with odometry, at the newest that odometry has reached. None
+  /// before the first.
+  const std::optional<StampedEstimate>& estimate();
+  /// The same with all observations, also those that wait for odometry, which are then frames
+  /// without it; for the end of a recording.
+  const std::optional<StampedEstimate>& finish();
+
+  const StampCounts& counts() const { return counts_; }
+  /// Observations that wait for odometry.
+  std::size_t waiting() const;
+  /// The tracker at the stamp of the last estimate.
+  const MultiObjectSlam& slam() const { return now_.slam; }
+
+ private:
+  /// The input at one stamp.
+  struct Frame {
+    std::vector<Observation> observations = {};
+    std::optional<SE3d> odometry = {};
+  };
+  /// The tracker after the frames up to a stamp.
+  struct State {
+    MultiObjectSlam slam;
+    std::optional<StampedEstimate> estimate = {};
+  };
+
+  /// @throws InvalidInput for a stamp that has jumped
+  StampAdmission admit(double stamp_s);
+  void reset();
+  void play_again_after(double stamp_s);
+  void play(double until_s);
+  void play_frame(double stamp_s, const Frame& frame);
+  void forget_old();
+  std::optional<double> newest_odometry() const;
+  /// T_odom_body at a time, where poses on both sides are near enough.
+  std::optional<SE3d> odometry_at(double stamp_s) const;
+
+  StampedSlamSettings settings_;
+  bool has_odometry_;
+  State initial_;
+  State now_;
+  std::deque<State> checkpoints_;  ///< by their stamps, the first one before all that is kept
+  std::map<double, Frame> frames_;
+  std::map<double, SE3d> odometry_;
+  std::optional<double> newest_;
+  StampCounts counts_;
+};
+
+}  // namespace posemix

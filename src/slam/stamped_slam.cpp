@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "posemix/slam/stamped_slam.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <tuple>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "posemix/base/error.hpp"
+
+namespace posemix {
+namespace {
+
+/// The numbers of an observation, for an order that does not depend on when it came.
+std::vector<double> numbers_of(const Observation& o) {
+  const double none = -std::numeric_limits<double>::infinity();
+  std::vector<double> numbers{o.clutter.value_or(none), o.score.value_or(none)};
+  for (const ObservationComponent& c : o.components) {
+    numbers.push_back(c.weight);
+    const Eigen::Vector4d q = c.pose.rotation().quaternion().coeffs();
+    numbers.insert(numbers.end(), q.begin(), q.end());
+    const Eigen::Vector3d t = c.pose.translation();
+    numbers.insert(numbers.end(), t.begin(), t.end());
+    if (c.covariance) {
+      const auto all = c.covariance->reshaped();
+      numbers.insert(numbers.end(), all.begin(), all.end());
+    }
+  }
+  return numbers;
+}
+
+bool comes_before(const Observation& a, const Observation& b) {
+  const auto names = [](const Observation& o) {
+    return std::tie(o.detector, o.camera, o.object, o.class_id);
+  };
+  if (names(a) != names(b)) return names(a) < names(b);
+  return numbers_of(a) < numbers_of(b);
+}
+
+double stamp_of(const std::optional<StampedEstimate>& estimate) {
+  return estimate ? estimate->stamp_s : -std::numeric_limits<double>::infinity();
+}
+
+void require_positive(double value, const char* name) {
+  if (value > 0.0 && std::isfinite(value)) return;
+  throw InvalidInput(fmt::format("{} is {} s, expected a positive and finite time", name, value));
+}
+
+}  // namespace
+
+StampedSlam::StampedSlam(const PoseDensity& body, std::vector<ObjectModel> objects,
+                         const MultiObjectSlamSettings& settings, const MotionSettings& motion,
+                         const StampedSlamSettings& stamped, bool record_hypotheses)
+    : settings_(stamped),
+      has_odometry_(motion.model == MotionModel::odometry),
+      initial_{MultiObjectSlam(body, std::move(objects), settings, motion, record_hypotheses)},
+      now_(initial_),
+      checkpoints_{initial_} {
+  require_positive(stamped.history_s, "history_s");
+  require_positive(stamped.jump_back_s, "jump_back_s");
+  require_positive(stamped.jump_ahead_s, "jump_ahead_s");
+  if (stamped.jump_back_s < stamped.history_s) {
+    throw InvalidInput(fmt::format("jump_back_s is {}, expected at least history_s, which is {}",
+                                   stamped.jump_back_s, stamped.history_s));
+  }
+  require(stamped.checkpoints > 0, "checkpoints is 0, expected at least 1");
+}
+
+StampAdmission StampedSlam::admit(double stamp_s) {
+  if (!std::isfinite(stamp_s))
+    throw InvalidInput(fmt::format("the stamp is {}, expected finite seconds", stamp_s));
+  if (!newest_) return StampAdmission::taken;
+  if (stamp_s > *newest_ + settings_.jump_ahead_s) {
+    throw InvalidInput(
+        fmt::format("the stamp {:.6f} s is more than {} s ahead of the newest before it, {:.6f} s",
+                    stamp_s, settings_.jump_ahead_s, *newest_));
+  }
+  if (stamp_s >= *newest_) return StampAdmission::taken;
+  if (stamp_s >= *newest_ - settings_.history_s) return StampAdmission::replayed;
+  if (stamp_s >= *newest_ - settings_.jump_back_s) return StampAdmission::too_late;
+  if (settings_.on_jump_back == StampJump::refuse) {
+    throw InvalidInput(fmt::format(
+        "the stamp {:.6f} s is more than {} s before the newest, {:.6f} s: the clock has "
+        "jumped back (expected a reset, or on_jump_back = \"reset\")",
+        stamp_s, settings_.jump_back_s, *newest_));
+  }
+  return StampAdmission::taken;
+}
+
+void StampedSlam::reset() {
+  now_ = initial_;
+  checkpoints_ = {initial_};
+  frames_.clear();
+  odometry_.clear();
+  newest_.reset();
+  ++counts_.resets;
+}
+
+StampAdmission StampedSlam::add(const Observation& observation) {
+  now_.slam.check(observation);
+  const double stamp = observation.stamp_s;
+  const StampAdmission admission = admit(stamp);
+  if (admission == StampAdmission::too_late) {
+    ++counts_.too_late;
+    return admission;
+  }
+  if (newest_ && stamp < *newest_ - settings_.jump_back_s) reset();
+  auto& all = frames_[stamp].observations;
+  all.insert(std::upper_bound(all.begin(), all.end(), observation, comes_before), observation);
+  play_again_after(std::nextafter(stamp, -std::numeric_limits<double>::infinity()));
+  newest_ = std::max(stamp, newest_.value_or(stamp));
+  ++(admission == StampAdmission::taken ? counts_.taken : counts_.replayed);
+  forget_old();
+  return admission;
+}
+
+StampAdmission StampedSlam::add_odometry(double stamp_s, const SE3d& odom_body) {
+  require(has_odometry_, "the motion model has no odometry, expected the model `odometry`");
+  require(odom_body.matrix().allFinite(), "the pose of the odometry is not finite");
+  const StampAdmission admission = admit(stamp_s);
+  if (admission == StampAdmission::too_late) {
+    ++counts_.too_late;
+    return admission;
+  }
+  if (newest_ && stamp_s < *newest_ - settings_.jump_back_s) reset();
+  if (odometry_.contains(stamp_s)) {
+    throw InvalidInput(
+        fmt::format("there is a pose of the odometry at the stamp {:.6f} s already", stamp_s));
+  }
+  const auto after = odometry_.emplace(stamp_s, odom_body).first;
+  frames_[stamp_s].odometry = odom_body;
+  // The motion since the pose before is another one now.
+  play_again_after(after == odometry_.begin() ? -std::numeric_limits<double>::infinity()
+                                              : std::prev(after)->first);
+  newest_ = std::max(stamp_s, newest_.value_or(stamp_s));
+  ++(admission == StampAdmission::taken ? counts_.taken : counts_.replayed);
+  forget_old();
+  return admission;
+}
+
+const std::optional<StampedEstimate>& StampedSlam::estimate() {
+  if (!newest_) return now_.estimate;
+  // Odometry that may still come for an observation is newer by the history at most, and late by
+  // the history at most.
+  const double patient = std::nextafter(*newest_ - 2.0 * settings_.history_s,
+                                        -std::numeric_limits<double>::infinity());
+  play(has_odometry_ ? std::max(newest_odometry().value_or(patient), patient) : *newest_);
+  return now_.estimate;
+}
+
+const std::optional<StampedEstimate>& StampedSlam::finish() {
+  if (newest_) play(*newest_);
+  return now_.estimate;
+}
+
+std::size_t StampedSlam::waiting() const {
+  if (!has_odometry_) return 0;
+  std::size_t count = 0;
+  const auto from = newest_odometry();
+  for (auto frame = from ? frames_.upper_bound(*from) : frames_.begin(); frame != frames_.end();
+       ++frame)
+    count += frame->second.observations.size();
+  return count;
+}
+
+std::optional<double> StampedSlam::newest_odometry() const {
+  return odometry_.empty() ? std::nullopt : std::optional(odometry_.rbegin()->first);
+}
+
+/// Goes back to the last state that the input after `stamp_s` does not change.
+void StampedSlam::play_again_after(double stamp_s) {
+  while (checkpoints_.size() > 1 && stamp_of(checkpoints_.back().estimate) > stamp_s)
+    checkpoints_.pop_back();
+  if (stamp_of(now_.estimate) > stamp_s) now_ = checkpoints_.back();
+}
+
+void StampedSlam::play(double until_s) {
+  const double interval = settings_.history_s / static_cast<double>(settings_.checkpoints);
+  for (auto frame = frames_.upper_bound(stamp_of(now_.estimate));
+       frame != frames_.end() && frame->first <= until_s; ++frame) {
+    play_frame(frame->first, frame->second);
+    if (frame->first >= stamp_of(checkpoints_.back().estimate) + interval)
+      checkpoints_.push_back(now_);
+  }
+}
+
+void StampedSlam::play_frame(double stamp_s, const Frame& frame) {
+  FrameInput input;
+  input.observations = frame.observations;
+  if (now_.estimate) {
+    const double before = now_.estimate->stamp_s;
+    input.dt = stamp_s - before;
+    const auto from = odometry_at(before);
+    const auto to = odometry_at(stamp_s);
+    if (from && to) input.motion = from->inverse() * *to;
+  }
+  FrameEstimate estimate = now_.slam.step(input);
+  now_.estimate = {stamp_s, std::move(estimate)};
+}
+
+std::optional<SE3d> StampedSlam::odometry_at(double stamp_s) const {
+  const auto after = odometry_.lower_bound(stamp_s);
+  if (after == odometry_.end()) return std::nullopt;
+  if (after->first == stamp_s) return after->second;
+  if (after == odometry_.begin()) return std::nullopt;
+  const auto before = std::prev(after);
+  const double interval = after->first - before->first;
+  if (interval > settings_.history_s) return std::nullopt;
+  const double part = (stamp_s - before->first) / interval;
+  return before->second * SE3d::exp(part * (before->second.inverse() * after->second).log());
+}
+
+/// What no input changes that can still come: late odometry changes the motion since the pose
+/// before it.
+void StampedSlam::forget_old() {
+  const double oldest = *newest_ - 2.0 * settings_.history_s;
+  while (checkpoints_.size() > 1 && stamp_of(checkpoints_[1].estimate) < oldest)
+    checkpoints_.pop_front();
+  const double kept = stamp_of(checkpoints_.front().estimate);
+  frames_.erase(frames_.begin(), frames_.upper_bound(kept));
+  // The motion up to the first frame that is kept begins at the pose before the checkpoint.
+  auto first = odometry_.upper_bound(kept);
+  if (first != odometry_.begin()) --first;
+  if (first != odometry_.begin()) --first;
+  odometry_.erase(odometry_.begin(), first);
+}
+
+}  // namespace posemix

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+// MultiObjectSlam with observations: names, cameras of a rig, detectors, objects on sight.
+#include <functional>
+#include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "posemix/slam/object_slam.hpp"
+#include "posemix/slam/run.hpp"
+#include "scenario.hpp"
+
+namespace posemix {
+namespace {
+
+using testing::isotropic;
+using testing::pose;
+
+const PoseDensity kStart(SE3d(), isotropic(0.1, 0.001));
+const SE3d kMug = pose(0.1, 0.2, 0, 0.1, 0, 1);
+const SE3d kFlip(SO3d::exp({0.0, 0.0, std::numbers::pi}), Eigen::Vector3d::Zero());
+
+Observation of(const std::string& id, const SE3d& seen, double weight = 0.6) {
+  Observation observation{.object = id};
+  observation.components = {{.weight = weight, .pose = seen},
+                            {.weight = 1.0 - weight, .pose = seen * kFlip}};
+  return observation;
+}
+
+void expect_refused(MultiObjectSlam& slam, const Observation& observation,
+                    const std::string& named) {
+  const std::size_t before = slam.detections(0);
+  try {
+    slam.step({.dt = 0.1, .observations = {observation}});
+    ADD_FAILURE() << "accepted what should name " << named;
+  } catch (const InvalidInput& error) {
+    EXPECT_NE(std::string(error.what()).find(named), std::string::npos) << error.what();
+  }
+  EXPECT_EQ(slam.detections(0), before);
+}
+
+TEST(ObservationsSlam, NameTheirObjectAndBringAllTheirModes) {
+  MultiObjectSlam slam(kStart, {{.id = "box"}, {.id = "mug"}}, {}, {}, true);
+  const FrameEstimate e = slam.step({.observations = {of("mug", kMug)}});
+  EXPECT_FALSE(e.object("box").world.has_value());
+  EXPECT_EQ(e.object("mug").alternatives.size(), 2U);
+  EXPECT_EQ(e.object("mug").status, DetectionStatus::started);
+  ASSERT_EQ(e.report.observations.size(), 1U);
+  EXPECT_EQ(e.report.observations[0].object, 1U);
+  EXPECT_EQ(e.report.observations[0].status, CandidateStatus::fresh);
+}
+
+TEST(ObservationsSlam, FromTheCamerasOfARigMeetInItsBody) {
+  const SE3d left = pose(0, 0.3, 0, -0.1, 0, 0);
+  const SE3d right = pose(0, -0.3, 0, 0.1, 0, 0);
+  MultiObjectSlam slam(kStart, {{.id = "mug"}}, {.cameras = {{"left", left}, {"right", right}}});
+  Observation a = of("mug", left.inverse() * kMug);
+  a.camera = "left";
+  Observation b = of("mug", right.inverse() * kMug);
+  b.camera = "right";
+  const FrameEstimate e = slam.step({.observations = {a, b}});
+  EXPECT_LT((e.object("mug").world->mean().inverse() * kMug).log().norm(), 1e-6);
+  EXPECT_EQ(slam.detections(0), 2U);
+  EXPECT_EQ(slam.filter().hypotheses(0).size(), 2U);
+  Observation third = a;
+  third.camera = "third";
+  expect_refused(slam, third, "there is no camera 'third', expected one of: left, right");
+}
+
+TEST(ObservationsSlam, OfDetectorsHaveTheNoiseOfEach) {
+  ObjectModel mug{.id = "mug"};
+  mug.detectors.emplace("sharp",
+                        DetectorNoise({{.covariance = isotropic(0.2, 0.001)}}, {.weight = 0.1}));
+  MultiObjectSlam slam(kStart, {mug});
+  Observation sharp = of("mug", kMug);
+  sharp.detector = "sharp";
+  const FrameEstimate e = slam.step({.observations = {sharp}});
+  EXPECT_LT(e.object("mug").relative->covariance()(0, 0), 1.1 * isotropic(0.2, 0.001)(0, 0));
+  Observation other = sharp;
+  other.detector = "blunt";
+  expect_refused(slam, other, "no detector 'blunt', expected one of: sharp");
+}
+
+TEST(ObservationsSlam, OfUnknownObjectsAreRefusedOrBeginOne) {
+  MultiObjectSlam strict(kStart, {{.id = "mug"}});
+  expect_refused(strict, of("tag_7", kMug), "there is no object 'tag_7', expected one of: mug");
+  MultiObjectSlam slam(kStart, {}, {.on_sight = ObjectModel{}});
+  slam.step({.observations = {of("tag_7", kMug)}});
+  const FrameEstimate e = slam.step(
+      {.dt = 0.1, .motion = SE3d(), .observations = {of("tag_9", kMug), of("tag_7", kMug)}});
+  ASSERT_EQ(slam.objects().size(), 2U);
+  EXPECT_EQ(slam.objects()[0].id, "tag_7");
+  EXPECT_EQ(slam.objects()[1].id, "tag_9");
+  EXPECT_TRUE(e.object("tag_9").world.has_value());
+  EXPECT_EQ(slam.detections(0), 2U);
+}
+
+TEST(ObservationsSlam, OfAClassAreAssociatedByTheirNearestComponent) {
+  MultiObjectSlam slam(kStart,
+                       {{.id = "nut_1", .class_id = "nut"}, {.id = "nut_2", .class_id = "nut"}});
+  const SE3d first = kMug;
+  const SE3d second = pose(0, 0, 0, -0.3, 0.1, 1.2);
+  const auto nut = [](const SE3d& seen) {
+    Observation observation = of("", seen);
+    observation.class_id = "nut";
+    return observation;
+  };
+  slam.step({.observations = {nut(first), nut(second)}});
+  // The heavier component is the other mode now, and each is of the same instance as before.
+  const FrameEstimate e = slam.step(
+      {.dt = 0.1, .motion = SE3d(), .observations = {nut(second * kFlip), nut(first * kFlip)}});
+  ASSERT_EQ(e.report.observations.size(), 2U);
+  EXPECT_EQ(e.report.observations[0].object, 1U);
+  EXPECT_EQ(e.report.observations[1].object, 0U);
+  for (const auto& report : e.report.observations)
+    EXPECT_EQ(report.status, CandidateStatus::assigned);
+}
+
+TEST(ObservationsSlam, MustNameAnObjectOrAClass) {
+  MultiObjectSlam slam(kStart, {{.id = "mug"}});
+  expect_refused(slam, of("", kMug), "neither an object and a class");
+  Observation both = of("mug", kMug);
+  both.class_id = "mug";
+  expect_refused(slam, both, "both an object and a class");
+  Observation heavy = of("mug", kMug);
+  heavy.components[0].weight = 2.0;
+  expect_refused(slam, heavy, "observation 0");
+}
+
+TEST(ObservationsSlam, InARecordingAreUsedByTheMultiObjectFilterAndTheirBestByOthers) {
+  Sequence sequence;
+  ObjectRecording mug{.id = "mug"};
+  for (int k = 0; k < 10; ++k) {
+    sequence.stamps.push_back(0.1 * k);
+    sequence.odometry.emplace_back(SE3d());
+    sequence.observations.push_back({of("mug", kMug)});
+    mug.detections.emplace_back(kMug);
+  }
+  sequence.objects = {mug};
+  const std::vector<ObjectModel> models{{.id = "mug"}};
+  const SlamRun mixture = run(sequence, kStart, models, {});
+  EXPECT_EQ(mixture.hypotheses[0].size(), 2U);
+  const SlamRun best = run(sequence, kStart, models, {.tracker = GaussianSumSettings{}});
+  EXPECT_LT((best.frames.back().objects[0]->mean().inverse() * kMug).log().norm(), 1e-3);
+  const SlamRun smoothed = run_smoothed(sequence, kStart, models, {}, {});
+  EXPECT_LT((smoothed.frames.back().objects[0]->mean().inverse() * kMug).log().norm(), 1e-3);
+}
+
+}  // namespace
+}  // namespace posemix
