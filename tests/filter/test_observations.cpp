@@ -141,8 +141,8 @@ TEST(Observations, TheScaleOfTheirCovariancesIsLearnedUpAndDown) {
 
 TEST(Observations, WeightsOfOneDetectorDoNotAddUpWithinItsModeTime) {
   const auto noise = [](double mode_time) {
-    return DetectorNoise({{.weight = 1.0 - clutter, .covariance = isotropic(2.0, 0.01)}},
-                         {.weight = 0.05, .volume_m3 = 1.0}, {.mode_time_s = mode_time});
+    return DetectorNoise({{.covariance = isotropic(2.0, 0.01)}}, {.weight = 0.05, .volume_m3 = 1.0},
+                         {.mode_time_s = mode_time});
   };
   const auto odds_after = [&](double mode_time) {
     MultiObjectFilter filter = filter_of(noise(mode_time));

@@ -219,7 +219,7 @@ TEST(ObjectSlamTest, RefusesInputOfTheWrongShape) {
   slam.step(detected({std::nullopt, std::nullopt}));
   EXPECT_THROW(slam.step({0.0, SE3d(), {std::nullopt, std::nullopt}}), InvalidInput);
   EXPECT_THROW(slam.step({-1.0, SE3d(), {std::nullopt, std::nullopt}}), InvalidInput);
-  EXPECT_THROW(slam.step({0.1, SE3d(), {}}), InvalidInput);
+  EXPECT_THROW(slam.step({0.1, SE3d(), {std::nullopt}}), InvalidInput);
   ObjectSlamSettings settings;
   settings.motion.period_s = 0.0;
   EXPECT_THROW(make(settings), InvalidInput);

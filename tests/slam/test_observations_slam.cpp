@@ -9,9 +9,10 @@
 
 #include <gtest/gtest.h>
 
+#include "filter/scenario.hpp"
 #include "posemix/slam/object_slam.hpp"
 #include "posemix/slam/run.hpp"
-#include "scenario.hpp"
+#include "posemix/slam/smoothing.hpp"
 
 namespace posemix {
 namespace {
@@ -132,7 +133,8 @@ TEST(ObservationsSlam, MustNameAnObjectOrAClass) {
 
 TEST(ObservationsSlam, InARecordingAreUsedByTheMultiObjectFilterAndTheirBestByOthers) {
   Sequence sequence;
-  ObjectRecording mug{.id = "mug"};
+  ObjectRecording mug;
+  mug.id = "mug";
   for (int k = 0; k < 10; ++k) {
     sequence.stamps.push_back(0.1 * k);
     sequence.odometry.emplace_back(SE3d());

@@ -11,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-#include "scenario.hpp"
+#include "filter/scenario.hpp"
 
 namespace posemix {
 namespace {

@@ -77,6 +77,17 @@ std::vector<ObjectSensor> sensors_of(const ObjectSensor& object, double default_
   return sensors;
 }
 
+/// The largest of the errors in common of the detectors that saw the object.
+Matrix6d largest_common(const std::vector<LearnedSensor>& detectors) {
+  Matrix6d largest = Matrix6d::Zero();
+  for (const LearnedSensor& detector : detectors) {
+    if (detectors.size() > 1 && detector.detections() == 0) continue;
+    const auto common = detector.sensor().common_covariance();
+    if (common && common->trace() > largest.trace()) largest = *common;
+  }
+  return largest;
+}
+
 void describe(const DetectionUpdate& leader, ObjectUpdateReport& report) {
   report.inlier_probability = leader.inlier_probability();
   report.clutter_probability = leader.explanation.clutter_probability;
@@ -106,7 +117,7 @@ void MultiObjectState::add_object(const ObjectSensor& sensor) {
 Matrix6d MultiObjectState::unseen_covariance(const TrackedObject& object, const SE3d& pose) {
   const ObjectSensor& sensor = object.sensor();
   Matrix6d local = sensor.symmetries.unobserved_covariance();
-  if (const auto common = sensor.common_covariance()) local += *common;
+  local += largest_common(object.detectors);
   return pose.adjoint_congruence(local);
 }
 
