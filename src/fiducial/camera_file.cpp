@@ -3,6 +3,7 @@
 #include "posemix/fiducial/camera_file.hpp"
 
 #include <algorithm>
+#include <map>
 
 #include <fmt/format.h>
 
@@ -79,13 +80,13 @@ RigCamera camera_of(const std::string& name, const YamlValue& value) {
 
 std::vector<RigCamera> parse_cameras(std::string_view text, const std::string& name) {
   const YamlValue document = YamlValue::document(text, name);
-  std::vector<std::pair<std::string, YamlValue>> entries = document.entries();
-  std::sort(entries.begin(), entries.end(),
-            [](const auto& a, const auto& b) { return a.first < b.first; });
-  std::vector<RigCamera> cameras;
-  for (const auto& [key, value] : entries) {
-    if (!cameras.empty() && cameras.back().name == key)
+  std::map<std::string, YamlValue> by_name;
+  for (const auto& [key, value] : document.entries()) {
+    if (!by_name.emplace(key, value).second)
       value.fail("camera " + in_quotes(key) + " again", "every camera once");
+  }
+  std::vector<RigCamera> cameras;
+  for (const auto& [key, value] : by_name) {
     RigCamera camera = camera_of(key, value);
     if (const auto chain = value.find("T_cn_cnm1")) {
       if (cameras.empty()) chain->fail("a pose relative to the camera before", "none");

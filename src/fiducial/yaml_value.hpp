@@ -18,6 +18,13 @@ namespace posemix::internal {
 /// `name:line: key: got ..., expected ...`.
 class YamlValue {
  public:
+  YamlValue(const YamlValue&) = default;
+  YamlValue(YamlValue&&) = default;
+  /// An assignment of yaml-cpp's nodes would change the document.
+  YamlValue& operator=(const YamlValue&) = delete;
+  YamlValue& operator=(YamlValue&&) = delete;
+  ~YamlValue() = default;
+
   /// The whole document.
   static YamlValue document(std::string_view text, const std::string& name);
 

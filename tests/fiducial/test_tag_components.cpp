@@ -159,9 +159,10 @@ TEST(TagComponents, LightOnesAreLeftOut) {
   const auto minima =
       tag_minima(image_of(view(0.8, 0.9), pinhole_camera()), kTagSize, pinhole_camera());
   ASSERT_EQ(minima.size(), 2U);
-  EXPECT_EQ(tag_components(minima, {.sd_px = 0.1}).size(), 1U);
-  EXPECT_EQ(tag_components(minima, {.sd_px = 0.1}).front().weight, 1.0);
-  EXPECT_EQ(tag_components(minima, {.sd_px = 0.1}, 0.0).size(), 2U);
+  const CornerNoise noise{.sd_px = 0.001, .dof = 4.0};
+  EXPECT_EQ(tag_components(minima, noise).size(), 1U);
+  EXPECT_EQ(tag_components(minima, noise).front().weight, 1.0);
+  EXPECT_EQ(tag_components(minima, noise, 0.0).size(), 2U);
   EXPECT_TRUE(tag_components({}, {}).empty());
 }
 

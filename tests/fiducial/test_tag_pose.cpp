@@ -78,7 +78,8 @@ TEST(TagPose, FindsThePoseOfCornersWithoutNoise) {
 }
 
 TEST(TagPose, ATagBeyondTheHorizonOfAFisheyeHasAPose) {
-  const CameraModel camera = fisheye_camera();
+  CameraModel camera = fisheye_camera();
+  camera.coefficients = {0.01, 0.0, 0.0, 0.0};  // without a fold behind the camera
   const SE3d turned(SO3d::exp({0.0, 100.0 * kRadPerDeg, 0.0}), Eigen::Vector3d::Zero());
   const SE3d truth = turned * view(0.8, 0.6);
   ASSERT_LT(truth.translation().z(), 0.0);
@@ -128,9 +129,9 @@ TEST(TagPose, TheInformationIsTheCurvatureOfTheError) {
   }
 }
 
-TEST(TagPose, ASteepNearViewHasOnePose) {
+TEST(TagPose, ANearTagThatFacesTheCameraHasOnePose) {
   const CameraModel camera = pinhole_camera();
-  EXPECT_EQ(tag_minima(image_of(view(0.25, 1.1), camera), kTagSize, camera).size(), 1U);
+  EXPECT_EQ(tag_minima(image_of(view(0.3, 0.3), camera), kTagSize, camera).size(), 1U);
   EXPECT_EQ(tag_minima(image_of(view(3.0, 0.6), camera), kTagSize, camera).size(), 2U);
 }
 

@@ -52,10 +52,11 @@ struct TagMinimum {
   Matrix6d information = Matrix6d::Zero();
 };
 
-/// The local minima of the squared reprojection error in distorted pixels: two for most views of a
-/// planar square, one where the view is steep and near, sorted by their error; none when the
-/// corners are no image of the front of a square (collinear, not convex, clockwise) or no minimum
-/// has full rank.
+/// The local minima of the squared reprojection error in distorted pixels, sorted by their error:
+/// two for most views of a planar square, one where the tag is near and turned towards the camera.
+/// None when the corners are no image of the front of a square (on one line, clockwise) or no
+/// minimum has full rank. The search starts from the two poses of weak perspective and is Levenberg
+/// and Marquardt's.
 /// @param corners in the order of AprilTag, which is counter-clockwise in the image
 /// @param size edge of the tag [m]
 /// @throws InvalidInput when a corner is not finite, the size not positive, or as
