@@ -27,6 +27,9 @@ OTHER_NAMES: dict[str, tuple[str, dict[str, tuple[str, ...]]]] = {
 
 # Structs without a class, and why.
 WITHOUT_CLASS = {
+    "Projection": "CameraModel.project returns pixels",
+    "Fiducials": "a class of Python, with arrays, of that name",
+    "FiducialFolder": "arguments of write_fiducials",
     "MeanSettings": "lie.weighted_mean always iterates to rounding",
     "MeanResult": "lie.weighted_mean returns the mean and warns",
     "IteratedUpdateSettings": "a step of the filter, not called from Python",
