@@ -16,8 +16,8 @@
 
 #include "data.hpp"
 #include "exit_codes.hpp"
-#include "fiducials.hpp"
 #include "fetch/download.hpp"
+#include "fiducials.hpp"
 #include "interrupt.hpp"
 #include "mixture_commands.hpp"
 #include "posemix/base/error.hpp"
