@@ -22,7 +22,7 @@ void bind_camera(nb::module_& m) {
       .value(DistortionModel::radtan,
              "Radially and tangentially: k1 k2 p1 p2 [k3] of OpenCV, kalibr and ROS (plumb_bob).")
       .value(DistortionModel::equidistant,
-             "By the angle to the optical axis: k1 k2 k3 k4 of OpenCV's fisheye.");
+             "Along the radius, by the angle to the axis: k1 k2 k3 k4 of OpenCV's fisheye.");
   using C = CameraModel;
   Record<C>(m, "CameraModel", "A calibrated camera: x right, y down, z forward.")
       .field("intrinsics", &C::intrinsics, "numpy.typing.ArrayLike",

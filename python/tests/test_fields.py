@@ -21,6 +21,10 @@ OTHER_NAMES: dict[str, tuple[str, dict[str, tuple[str, ...]]]] = {
     "SimulatedSequence": (
         "SimulatedSequence", dict.fromkeys(("stamps_ns", "odometry", "camera_truth", "objects"), ("sequence",)),
     ),
+    "Fiducials": (
+        "Fiducials",
+        {"observations": ("sighting", "weights", "poses", "covariances", "stamps", "cameras", "tags")},
+    ),
     "SlamMethod": ("SlamMethod", {"restore": ()}),  # a function that files need
     "MergeResult": ("MergeResult", {"component": ("density", "log_weight")}),
 }
@@ -28,7 +32,6 @@ OTHER_NAMES: dict[str, tuple[str, dict[str, tuple[str, ...]]]] = {
 # Structs without a class, and why.
 WITHOUT_CLASS = {
     "Projection": "CameraModel.project returns pixels",
-    "Fiducials": "a class of Python, with arrays, of that name",
     "FiducialFolder": "arguments of write_fiducials",
     "MeanSettings": "lie.weighted_mean always iterates to rounding",
     "MeanResult": "lie.weighted_mean returns the mean and warns",

@@ -62,13 +62,22 @@ SE3d chained(const YamlValue& value) {
   }
 }
 
+int pixels_of(const YamlValue& value) {
+  constexpr std::int64_t kMostPixels = 1'000'000;
+  const std::int64_t pixels = value.integer();
+  if (pixels < 1 || pixels > kMostPixels)
+    value.fail(fmt::format("{}", pixels), fmt::format("pixels, 1 to {}", kMostPixels));
+  return static_cast<int>(pixels);
+}
+
 RigCamera camera_of(const std::string& name, const YamlValue& value) {
   RigCamera camera;
   camera.name = name;
   camera.model = model_of(value);
   if (const auto resolution = value.find("resolution")) {
-    const std::vector<double> size = resolution->numbers(2);
-    camera.resolution = {static_cast<int>(size[0]), static_cast<int>(size[1])};
+    const std::vector<YamlValue> size = resolution->elements();
+    if (size.size() != 2) resolution->fail(fmt::format("{} numbers", size.size()), "2");
+    camera.resolution = {pixels_of(size[0]), pixels_of(size[1])};
   }
   for (const char* key : {"tagtopic", "rostopic"}) {
     if (const auto topic = value.find(key)) camera.topics.push_back(topic->text());

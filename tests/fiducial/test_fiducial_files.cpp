@@ -96,6 +96,8 @@ TEST(CameraFile, RefusesWhatIsNone) {
   EXPECT_INVALID_WITH(with("[1.0, 0.0, 0.0, -0.2]", "[2.0, 0.0, 0.0, -0.2]"),
                       "cam1.T_cn_cnm1: got");
   EXPECT_INVALID_WITH(with("[500, 501, 320, 240]", "[500, 501, 320, 240"), "cameras.yaml:");
+  EXPECT_INVALID_WITH(with("[640, 480]", "[640, 1e30]"), "cam0.resolution[1]: got \"1e30\"");
+  EXPECT_INVALID_WITH(with("[640, 480]", "[0, 480]"), "cam0.resolution[0]: got 0, expected pixels");
   EXPECT_INVALID_WITH(parse_cameras("- 1\n", "cameras.yaml"),
                       "cameras.yaml:1: got a list, expected a map");
   EXPECT_INVALID_WITH(parse_cameras("", "cameras.yaml"), "expected a map");
