@@ -133,12 +133,14 @@ def test_a_rendered_tag_is_seen_where_it_is() -> None:
     apriltags = pytest.importorskip("pupil_apriltags")
     model = px.CameraModel(INTRINSICS)
     facing = px.SE3.exp([np.pi, 0, 0, 0, 0, 0])
+    upside_down = px.SE3.exp([0, 0, np.pi, 0, 0, 0])
     detector = apriltags.Detector(families="tag36h11")
     for tilt in ([0.5, 0.3, 0.2], [0.9, -0.4, 1.5], [-0.2, 0.8, -2.5]):
         truth = px.SE3(translation=[0.05, -0.02, 0.8]) * facing * px.SE3.exp([*tilt, 0, 0, 0])
         (found,) = detector.detect(rendered(truth, model))
-        seen = px.tag_poses(found.corners, SIZE, model, px.CornerNoise(0.3, dof=4.0))
-        errors = (truth.inverse() * seen.poses).log()
+        # libapriltag counts from the edge of the first pixel, and its tag is OpenCV's upside down.
+        seen = px.tag_poses(found.corners - 0.5, SIZE, model, px.CornerNoise(0.3, dof=4.0))
+        errors = ((truth * upside_down).inverse() * seen.poses).log()
         nearest = int(np.argmin(np.linalg.norm(errors[:, :3], axis=1)))
         # Corners of a detector are good to some tenths of a pixel: a centimetre and three degrees at 0.8 m.
         assert np.linalg.norm(errors[nearest, :3]) < 0.05 and np.linalg.norm(errors[nearest, 3:]) < 0.01
