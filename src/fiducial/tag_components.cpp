@@ -66,6 +66,7 @@ std::vector<ObservationComponent> tag_components(const std::vector<TagMinimum>& 
                                                  const CornerNoise& noise, double least_weight) {
   check_noise(noise);
   std::vector<double> evidence;
+  evidence.reserve(minima.size());
   for (const TagMinimum& minimum : minima) evidence.push_back(log_evidence(minimum, noise));
   if (minima.empty()) return {};
   const double best = *std::max_element(evidence.begin(), evidence.end());

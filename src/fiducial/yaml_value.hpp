@@ -48,8 +48,8 @@ class YamlValue {
   [[noreturn]] void fail(std::string_view got, std::string_view expected) const;
 
  private:
-  YamlValue(YAML::Node node, std::string name, std::string key)
-      : node_(std::move(node)), name_(std::move(name)), key_(std::move(key)) {}
+  YamlValue(const YAML::Node& node, std::string name, std::string key)
+      : node_(node), name_(std::move(name)), key_(std::move(key)) {}
 
   YamlValue child(const YAML::Node& node, const std::string& key) const;
   /// The scalar's text, for messages and conversions.
