@@ -99,7 +99,7 @@ def tag_poses(
     >>> camera = CameraModel([600.0, 600.0, 640.0, 512.0])
     >>> corners = [[500.2, 300.1], [531.5, 301.9], [532.3, 270.4], [500.9, 268.8]]
     >>> tag_poses(corners, 0.15, camera, CornerNoise(0.3)).weights.round(2)
-    array([0.72, 0.28])
+    array([0.84, 0.16])
     """
     minima = tag_minima(corners, size, camera, order)
     return TagPoses(*_core.tag_components(minima, noise, least_weight))
@@ -173,10 +173,12 @@ def observe_fiducials(
     ValueError
         For a sighting of an unknown camera, without sightings or cameras.
     """
-    stamps, names, ids, sighting, components, noise, *counts = _core.observe_fiducials(
-        list(sightings), list(cameras), tags, settings or FiducialSettings()
+    stamps, names, ids, sighting, components, noise, sighted, ignored, without_size, without_pose = (
+        _core.observe_fiducials(list(sightings), list(cameras), tags, settings or FiducialSettings())
     )
+    weights, poses, covariances = components
     return Fiducials(
-        np.array(sighting, dtype=np.int64), *components, np.array(stamps), names, np.array(ids, dtype=np.int64),
-        noise, *counts,
+        sighting=np.array(sighting, dtype=np.int64), weights=weights, poses=poses, covariances=covariances,
+        stamps=np.array(stamps), cameras=names, tags=np.array(ids, dtype=np.int64), noise=noise, sightings=sighted,
+        ignored=ignored, without_size=without_size, without_pose=without_pose,
     )  # fmt: skip
