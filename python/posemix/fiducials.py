@@ -62,6 +62,7 @@ def tag_poses(
     *,
     order: CornerOrder = CornerOrder.apriltag,
     least_weight: float = 1e-6,
+    bearing_sd_px: float = 0.3,
 ) -> TagPoses:
     """The posterior of a tag's pose under a flat prior.
 
@@ -82,6 +83,8 @@ def tag_poses(
         Order of the corners.
     least_weight : float
         Poses with less are left out.
+    bearing_sd_px : float
+        Standard deviation of an error that all corners of a sighting share, as of calibrations [px].
 
     Returns
     -------
@@ -102,7 +105,7 @@ def tag_poses(
     array([0.84, 0.16])
     """
     minima = tag_minima(corners, size, camera, order)
-    return TagPoses(*_core.tag_components(minima, noise, least_weight))
+    return TagPoses(*_core.tag_components(minima, noise, least_weight, camera, bearing_sd_px))
 
 
 @dataclass(frozen=True, eq=False)

@@ -126,6 +126,8 @@ void bind_settings(nb::module_& m) {
              "Sightings that a camera needs for a noise of its own.")
       .field("assumed", &F::assumed, "CornerNoise", "Noise where all cameras together have fewer.")
       .field("least_weight", &F::least_weight, "float", "Components with less are left out.")
+      .field("bearing_sd_px", &F::bearing_sd_px, "float",
+             "Standard deviation of an error that all corners of a sighting share [px].")
       .field("detector", &F::detector, "str", "Name of the detector in the observations.")
       .done();
 }

@@ -178,10 +178,13 @@ ValueError
 )");
   m.def(
       "tag_components",
-      [](const std::vector<TagMinimum>& minima, const CornerNoise& noise, double least_weight) {
-        return arrays_of(tag_components(minima, noise, least_weight));
+      [](const std::vector<TagMinimum>& minima, const CornerNoise& noise, double least_weight,
+         const CameraModel& camera, double bearing_sd_px) {
+        std::vector<ObservationComponent> components = tag_components(minima, noise, least_weight);
+        add_bearing_error(components, angle_of_pixels(camera, bearing_sd_px));
+        return arrays_of(components);
       },
-      "minima"_a, "noise"_a, "least_weight"_a,
+      "minima"_a, "noise"_a, "least_weight"_a, "camera"_a, "bearing_sd_px"_a,
       "Weights, poses and covariances of the posterior of a tag's pose.");
   m.def(
       "observe_fiducials",

@@ -131,6 +131,12 @@ void add_setting_options(CLI::App& command, FiducialOptions& options) {
       ->check(number_in(kPositive))
       ->needs(noise)
       ->type_name("N");
+  command
+      .add_option("--bearing-error", options.settings.bearing_sd_px,
+                  "Error that all corners of a sighting share [px], as of calibrations")
+      ->check(number_in(kNotNegative))
+      ->type_name("PX")
+      ->capture_default_str();
   command.add_option("--detector", options.settings.detector, "Name of the detector")
       ->type_name("NAME");
 }

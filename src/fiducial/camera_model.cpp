@@ -170,4 +170,8 @@ std::optional<Eigen::Vector3d> ray(const CameraModel& camera, const Eigen::Vecto
   return straight->homogeneous().normalized();
 }
 
+double angle_of_pixels(const CameraModel& camera, double pixels) {
+  return pixels / std::sqrt(camera.intrinsics[0] * camera.intrinsics[1]);
+}
+
 }  // namespace posemix

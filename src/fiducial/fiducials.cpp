@@ -124,6 +124,8 @@ class Observer {
     observation.stamp_s = sighting.stamp_s;
     observation.components = tag_components(minima_[seen.camera][seen.minima],
                                             out_.noise[seen.camera].noise, settings_.least_weight);
+    add_bearing_error(observation.components,
+                      angle_of_pixels(cameras_[seen.camera].model, settings_.bearing_sd_px));
     out_.observations.push_back(std::move(observation));
   }
 

@@ -91,4 +91,19 @@ std::vector<ObservationComponent> tag_components(const std::vector<TagMinimum>& 
   return components;
 }
 
+void add_bearing_error(std::vector<ObservationComponent>& components, double sd_rad) {
+  if (!(sd_rad >= 0.0) || std::isinf(sd_rad)) {
+    throw InvalidInput(
+        fmt::format("the error of the bearing is {} rad, expected zero or more", sd_rad));
+  }
+  // On the left of T_camera_tag, along the axes of the camera.
+  Matrix6d of_camera = Matrix6d::Zero();
+  of_camera.topLeftCorner<3, 3>().diagonal().setConstant(sd_rad * sd_rad);
+  for (ObservationComponent& component : components) {
+    if (!component.covariance) continue;
+    *component.covariance += component.pose.inverse().adjoint_congruence(of_camera);
+    symmetrize(*component.covariance);
+  }
+}
+
 }  // namespace posemix

@@ -119,6 +119,30 @@ TEST(TagComponents, CovariancesHoldForBothNoises) {
   }
 }
 
+TEST(TagComponents, AnErrorOfTheBearingIsARotationOfTheCamera) {
+  constexpr double kBearing = 0.01;  // [rad], much more than corners' noise
+  RandomStream stream(13);
+  const SE3d truth = view(0.5, 0.9);
+  double nees = 0.0;
+  constexpr int kDraws = 4000;
+  for (int i = 0; i < kDraws; ++i) {
+    const SO3d error =
+        SO3d::exp(kBearing * Eigen::Vector3d(stream.normal(), stream.normal(), stream.normal()));
+    const TagCorners corners = with_noise(
+        image_of(SE3d(error, Eigen::Vector3d::Zero()) * truth, fisheye_camera()), kNoise, stream);
+    auto components =
+        tag_components(tag_minima(corners, kTagSize, fisheye_camera()), {.sd_px = kNoise});
+    add_bearing_error(components, kBearing);
+    const auto& component = components[nearest(components, truth)];
+    const Vector6d off = (component.pose.inverse() * truth).log();
+    nees += off.dot(component.covariance->llt().solve(off)) / kDraws;
+  }
+  EXPECT_NEAR(nees, 6.0, 0.3);  // one standard error is 0.06
+  std::vector<ObservationComponent> none;
+  EXPECT_INVALID(add_bearing_error(none, -1.0),
+                 "the error of the bearing is -1 rad, expected zero or more");
+}
+
 TEST(TagComponents, AreTheFormulasOfTheirComment) {
   const auto minima = tag_minima({{{500.2, 300.1}, {531.5, 301.9}, {532.3, 270.4}, {500.9, 268.8}}},
                                  kTagSize, pinhole_camera());

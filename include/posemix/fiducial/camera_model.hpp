@@ -52,4 +52,7 @@ std::optional<Projection> project(const CameraModel& camera, const Eigen::Vector
 /// Nothing where that does not converge: the pixel is beyond what the distortion can reach.
 std::optional<Eigen::Vector3d> ray(const CameraModel& camera, const Eigen::Vector2d& pixel);
 
+/// The angle that a length near the centre of the image stands for [rad].
+double angle_of_pixels(const CameraModel& camera, double pixels);
+
 }  // namespace posemix

@@ -26,7 +26,11 @@ struct FiducialSettings {
   std::size_t least_sightings = 50;
   CornerNoise assumed = {.sd_px = 0.5, .dof = 4.0};
   double least_weight = 1e-6;  ///< components with less are left out
-  std::string detector = {};   ///< name of the detector in the observations
+  /// Standard deviation of an error that all corners of a sighting share [px], over the focal
+  /// length an angle (add_bearing_error). It is not learned: of one camera's corners nothing shows
+  /// it.
+  double bearing_sd_px = 0.3;
+  std::string detector = {};  ///< name of the detector in the observations
 };
 
 /// Where the noise of a camera's corners is from.

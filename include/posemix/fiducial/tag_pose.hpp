@@ -89,4 +89,10 @@ std::vector<ObservationComponent> tag_components(const std::vector<TagMinimum>& 
                                                  const CornerNoise& noise,
                                                  double least_weight = 1e-6);
 
+/// Adds an error of the bearing to the covariances of poses T_camera_tag: a rotation of the camera
+/// about its centre of standard deviation `sd_rad` about each axis. All corners of a sighting share
+/// it, so that no reprojection error shows it; it comes from calibrations and from stamps.
+/// @throws InvalidInput for a deviation that is negative or not finite
+void add_bearing_error(std::vector<ObservationComponent>& components, double sd_rad);
+
 }  // namespace posemix
