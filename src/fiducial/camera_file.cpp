@@ -116,8 +116,9 @@ std::vector<RigCamera> read_cameras(const std::filesystem::path& path) {
 void parse_camera_poses(std::string_view text, const std::string& name,
                         std::vector<RigCamera>& cameras) {
   for (const auto& [key, value] : YamlValue::document(text, name).entries()) {
-    const auto camera = std::find_if(cameras.begin(), cameras.end(),
-                                     [&](const RigCamera& known) { return known.name == key; });
+    const auto camera =
+        std::find_if(cameras.begin(), cameras.end(),
+                     [&wanted = key](const RigCamera& c) { return c.name == wanted; });
     if (camera == cameras.end()) value.fail("camera " + in_quotes(key), "one with intrinsics");
     camera->rig_camera = pose_of(value.at("pose"));
   }

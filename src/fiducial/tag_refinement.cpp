@@ -48,8 +48,6 @@ Reprojection reprojection(const SE3d& camera_tag, const TagCorners& corners, dou
 /// What Eigen's port of MINPACK minimises, a function of n of T_camera_tag = start Exp(n).
 struct Problem {
   using Scalar = double;
-  static constexpr int InputsAtCompileTime = Eigen::Dynamic;
-  static constexpr int ValuesAtCompileTime = Eigen::Dynamic;
   using InputType = Eigen::VectorXd;
   using ValueType = Eigen::VectorXd;
   using JacobianType = Eigen::MatrixXd;

@@ -24,7 +24,7 @@ Matrix6d covariance_of_root(const YamlValue& value) {
 }
 
 Eigen::Vector3d deviations(const YamlValue& value) {
-  const Eigen::Vector3d sd = value.xyz();
+  Eigen::Vector3d sd = value.xyz();
   if (!(sd.minCoeff() > 0.0))
     value.fail(fmt::format("{} {} {}", sd.x(), sd.y(), sd.z()), "standard deviations above zero");
   return sd;
