@@ -16,7 +16,41 @@
 namespace posemix::python {
 namespace {
 
-void bind_readers(nb::module_& m) {
+constexpr const char* kCamerasDoc =
+    R"(Reads the cameras of a YAML file as TagSLAM (cameras.yaml) and kalibr (camchain.yaml) write it.
+
+Parameters
+----------
+path : path
+    Intrinsics and distortion.
+camera_poses : path, optional
+    The poses on the rig as TagSLAM writes them (camera_poses.yaml).
+
+Raises
+------
+ValueError
+    With file, line and key.
+)";
+
+constexpr const char* kTagsDoc =
+    R"(Reads sizes, ignored ids and known poses of tags from TagSLAM's tagslam.yaml.
+
+Raises
+------
+ValueError
+    With file, line and key.
+)";
+
+constexpr const char* kCornersDoc =
+    R"(Reads corners, CSV ``stamp_s,topic,tag,u0_px,v0_px,...,u3_px,v3_px``, compressed by gzip or not.
+
+Raises
+------
+ValueError
+    With file and line.
+)";
+
+void bind_cameras(nb::module_& m) {
   using P = StatedPose;
   Record<P>(m, "StatedPose", "A pose as a file states it, with or without an uncertainty.")
       .field("pose", &P::pose, "posemix.lie.SE3", "T_a_b.")
@@ -36,6 +70,9 @@ void bind_readers(nb::module_& m) {
              "T_rig_camera; None where it is not stated.")
       .constructible(2)
       .done();
+}
+
+void bind_tags(nb::module_& m) {
   using T = TagMap;
   Record<T>(m, "TagMap", "Knowledge of the tags before they are seen.")
       .field("size_m", &T::size_m, "dict[int, float]", "Edge by id [m].")
@@ -56,6 +93,9 @@ void bind_readers(nb::module_& m) {
       .field("place", &S::place, "str", "File and line for messages; empty without a file.")
       .constructible(4)
       .done();
+}
+
+void bind_readers(nb::module_& m) {
   m.def(
       "read_cameras",
       [](const std::filesystem::path& path,
@@ -64,40 +104,13 @@ void bind_readers(nb::module_& m) {
         if (camera_poses) read_camera_poses(*camera_poses, cameras);
         return cameras;
       },
-      "path"_a, "camera_poses"_a = nb::none(),
-      R"(Reads the cameras of a YAML file as TagSLAM (cameras.yaml) and kalibr (camchain.yaml) write it.
-
-Parameters
-----------
-path : path
-    Intrinsics and distortion.
-camera_poses : path, optional
-    The poses on the rig as TagSLAM writes them (camera_poses.yaml).
-
-Raises
-------
-ValueError
-    With file, line and key.
-)");
+      "path"_a, "camera_poses"_a = nb::none(), kCamerasDoc);
   m.def(
       "read_tag_map", [](const std::filesystem::path& path) { return read_tag_map(path); },
-      "path"_a, R"(Reads sizes, ignored ids and known poses of tags from TagSLAM's tagslam.yaml.
-
-Raises
-------
-ValueError
-    With file, line and key.
-)");
+      "path"_a, kTagsDoc);
   m.def(
       "read_corners", [](const std::filesystem::path& path) { return read_corners(path); },
-      "path"_a,
-      R"(Reads corners, CSV ``stamp_s,topic,tag,u0_px,v0_px,...,u3_px,v3_px``, compressed by gzip or not.
-
-Raises
-------
-ValueError
-    With file and line.
-)");
+      "path"_a, kCornersDoc);
 }
 
 void bind_settings(nb::module_& m) {
@@ -135,6 +148,8 @@ void bind_settings(nb::module_& m) {
 }  // namespace
 
 void bind_fiducial_files(nb::module_& m) {
+  bind_cameras(m);
+  bind_tags(m);
   bind_readers(m);
   bind_settings(m);
 }

@@ -16,13 +16,16 @@
 namespace posemix::python {
 namespace {
 
-void bind_camera(nb::module_& m) {
+void bind_distortion(nb::module_& m) {
   Words<DistortionModel>(m, "DistortionModel", "The way a lens bends the image of a pinhole.")
       .value(DistortionModel::none, "Not at all.")
       .value(DistortionModel::radtan,
              "Radially and tangentially: k1 k2 p1 p2 [k3] of OpenCV, kalibr and ROS (plumb_bob).")
       .value(DistortionModel::equidistant,
              "Along the radius, by the angle to the axis: k1 k2 k3 k4 of OpenCV's fisheye.");
+}
+
+void bind_camera(nb::module_& m) {
   using C = CameraModel;
   Record<C>(m, "CameraModel", "A calibrated camera: x right, y down, z forward.")
       .field("intrinsics", &C::intrinsics, "numpy.typing.ArrayLike",
@@ -128,15 +131,8 @@ nb::tuple table_of(const Fiducials& fiducials) {
                         fiducials.without_size, fiducials.without_pose);
 }
 
-void bind_functions(nb::module_& m) {
-  m.def(
-      "tag_minima",
-      [](const ArrayLike& corners, double size, const CameraModel& camera, CornerOrder order) {
-        return tag_minima(in_apriltag_order(CornersAsArray::set(corners, "corners"), order), size,
-                          camera);
-      },
-      "corners"_a, "size"_a, "camera"_a, "order"_a = CornerOrder::apriltag,
-      R"(The local minima of the reprojection error of a square tag in distorted pixels, sorted by their error.
+constexpr const char* kMinimaDoc =
+    R"(The local minima of the reprojection error of a square tag in distorted pixels, sorted by their error.
 
 There are two for most views, one where the tag is near and turned towards the camera, none where the corners are no
 image of the front of a square.
@@ -156,15 +152,10 @@ Raises
 ------
 ValueError
     For corners that are not finite and a size that is not positive.
-)");
-  m.def(
-      "fit_corner_noise",
-      [](const std::vector<std::vector<TagMinimum>>& sightings) {
-        const nb::gil_scoped_release unlocked;
-        return fit_corner_noise(sightings);
-      },
-      "sightings"_a,
-      R"(The noise that makes the corners of sightings most likely, by expectation maximisation.
+)";
+
+constexpr const char* kNoiseDoc =
+    R"(The noise that makes the corners of sightings most likely, by expectation maximisation.
 
 Parameters
 ----------
@@ -175,38 +166,10 @@ Raises
 ------
 ValueError
     If no sighting has a minimum.
-)");
-  m.def(
-      "tag_components",
-      [](const std::vector<TagMinimum>& minima, const CornerNoise& noise, double least_weight,
-         const CameraModel& camera, double bearing_sd_px) {
-        std::vector<ObservationComponent> components = tag_components(minima, noise, least_weight);
-        add_bearing_error(components, angle_of_pixels(camera, bearing_sd_px));
-        return arrays_of(components);
-      },
-      "minima"_a, "noise"_a, "least_weight"_a, "camera"_a, "bearing_sd_px"_a,
-      "Weights, poses and covariances of the posterior of a tag's pose.");
-  m.def(
-      "observe_fiducials",
-      [](const std::vector<CornerSighting>& sightings, const std::vector<RigCamera>& cameras,
-         const TagMap& tags, const FiducialSettings& settings) {
-        return table_of(observe_fiducials(sightings, cameras, tags, settings));
-      },
-      "sightings"_a, "cameras"_a, "tags"_a, "settings"_a,
-      "The columns of the observations, and what became of the sightings.");
-  m.def(
-      "write_fiducials",
-      [](const std::filesystem::path& path, const std::vector<CornerSighting>& sightings,
-         const std::vector<RigCamera>& cameras, const TagMap& tags,
-         const std::optional<FiducialSettings>& settings, bool compress) {
-        FiducialFolder folder{.cameras = cameras, .tags = tags, .compress = compress};
-        folder.fiducials =
-            observe_fiducials(sightings, cameras, tags, settings.value_or(FiducialSettings{}));
-        write_fiducial_folder(folder, path);
-      },
-      "path"_a, "sightings"_a, "cameras"_a, "tags"_a, "settings"_a = nb::none(),
-      "compress"_a = false,
-      R"(Writes the observations of a recording into a folder, as ``posemix fiducials`` does.
+)";
+
+constexpr const char* kWriteDoc =
+    R"(Writes the observations of a recording into a folder, as ``posemix fiducials`` does.
 
 Parameters
 ----------
@@ -229,16 +192,67 @@ ValueError
     For a sighting of an unknown camera.
 OSError
     If the system refuses.
-)");
+)";
+
+void bind_poses(nb::module_& m) {
+  m.def(
+      "tag_minima",
+      [](const ArrayLike& corners, double size, const CameraModel& camera, CornerOrder order) {
+        return tag_minima(in_apriltag_order(CornersAsArray::set(corners, "corners"), order), size,
+                          camera);
+      },
+      "corners"_a, "size"_a, "camera"_a, "order"_a = CornerOrder::apriltag, kMinimaDoc);
+  m.def(
+      "fit_corner_noise",
+      [](const std::vector<std::vector<TagMinimum>>& sightings) {
+        const nb::gil_scoped_release unlocked;
+        return fit_corner_noise(sightings);
+      },
+      "sightings"_a, kNoiseDoc);
+  m.def(
+      "tag_components",
+      [](const std::vector<TagMinimum>& minima, const CornerNoise& noise, double least_weight,
+         const CameraModel& camera, double bearing_sd_px) {
+        std::vector<ObservationComponent> components = tag_components(minima, noise, least_weight);
+        add_bearing_error(components, angle_of_pixels(camera, bearing_sd_px));
+        return arrays_of(components);
+      },
+      "minima"_a, "noise"_a, "least_weight"_a, "camera"_a, "bearing_sd_px"_a,
+      "Weights, poses and covariances of the posterior of a tag's pose.");
+}
+
+void bind_recordings(nb::module_& m) {
+  m.def(
+      "observe_fiducials",
+      [](const std::vector<CornerSighting>& sightings, const std::vector<RigCamera>& cameras,
+         const TagMap& tags, const FiducialSettings& settings) {
+        return table_of(observe_fiducials(sightings, cameras, tags, settings));
+      },
+      "sightings"_a, "cameras"_a, "tags"_a, "settings"_a,
+      "The columns of the observations, and what became of the sightings.");
+  m.def(
+      "write_fiducials",
+      [](const std::filesystem::path& path, const std::vector<CornerSighting>& sightings,
+         const std::vector<RigCamera>& cameras, const TagMap& tags,
+         const std::optional<FiducialSettings>& settings, bool compress) {
+        FiducialFolder folder{.cameras = cameras, .tags = tags, .compress = compress};
+        folder.fiducials =
+            observe_fiducials(sightings, cameras, tags, settings.value_or(FiducialSettings{}));
+        write_fiducial_folder(folder, path);
+      },
+      "path"_a, "sightings"_a, "cameras"_a, "tags"_a, "settings"_a = nb::none(),
+      "compress"_a = false, kWriteDoc);
 }
 
 }  // namespace
 
 void bind_fiducials(nb::module_& m) {
+  bind_distortion(m);
   bind_camera(m);
   bind_noise_of_corners(m);
   bind_fiducial_files(m);
-  bind_functions(m);
+  bind_poses(m);
+  bind_recordings(m);
 }
 
 }  // namespace posemix::python
