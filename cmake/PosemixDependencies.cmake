@@ -25,6 +25,13 @@ if(POSEMIX_MATIO)
   set(POSEMIX_WITH_MATIO ${MatIO_FOUND})
 endif()
 
+# The target yaml-cpp, for the camera and tag files of fiducials.
+set(POSEMIX_WITH_YAML OFF)
+if(POSEMIX_YAML)
+  find_package(yaml-cpp 0.7 CONFIG)
+  set(POSEMIX_WITH_YAML ${yaml-cpp_FOUND})
+endif()
+
 find_path(RANDOM123_INCLUDE_DIR Random123/philox.h REQUIRED)
 mark_as_advanced(RANDOM123_INCLUDE_DIR)
 add_library(posemix_random123 INTERFACE)

@@ -24,6 +24,7 @@ ROOMS = {
     "slam": "Object SLAM",
     "grasp": "Grasps",
     "io": "Files",
+    "fiducial": "Square tags",
     "config": "Settings from files",
     "draw": "Drawings",
     "results": "Results and reports",

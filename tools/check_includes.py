@@ -13,8 +13,8 @@ import subprocess
 import sys
 from pathlib import Path
 
-ROOMS = ("base", "lie", "density", "mixture", "divergence", "reduction", "detector", "filter", "slam", "grasp", "io", "config",
-         "draw", "results", "study", "fetch", "app")
+ROOMS = ("base", "lie", "density", "mixture", "divergence", "reduction", "detector", "filter", "slam", "grasp", "io", "fiducial",
+         "config", "draw", "results", "study", "fetch", "app")
 LIBRARY_TREES = ("src", "include")
 ROOM_TREES = ("src", "tests", "bench")
 CPP_SUFFIXES = (".hpp", ".cpp")

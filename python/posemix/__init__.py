@@ -19,6 +19,7 @@ from posemix._core import (
 from posemix.density import *
 from posemix.divergence import *
 from posemix.em import *
+from posemix.fiducials import *
 from posemix.filter import *
 from posemix.grasp import *
 from posemix.io import *

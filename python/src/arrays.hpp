@@ -155,6 +155,7 @@ void bind_slam_run(nb::module_& m);
 void bind_evaluation(nb::module_& m);
 void bind_simulation(nb::module_& m);
 void bind_jobs(nb::module_& m);
+void bind_fiducials(nb::module_& m);
 void bind_files(nb::module_& m);
 void bind_mixture_files(nb::module_& m);
 

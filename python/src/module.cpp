@@ -41,6 +41,7 @@ NB_MODULE(_core, m) {
   bind_consistency(m);
   bind_evaluation(m);
   bind_simulation(m);
+  bind_fiducials(m);
   bind_files(m);
   bind_mixture_files(m);
   bind_jobs(m);

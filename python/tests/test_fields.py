@@ -21,12 +21,18 @@ OTHER_NAMES: dict[str, tuple[str, dict[str, tuple[str, ...]]]] = {
     "SimulatedSequence": (
         "SimulatedSequence", dict.fromkeys(("stamps_ns", "odometry", "camera_truth", "objects"), ("sequence",)),
     ),
+    "Fiducials": (
+        "Fiducials",
+        {"observations": ("sighting", "weights", "poses", "covariances", "stamps", "cameras", "tags")},
+    ),
     "SlamMethod": ("SlamMethod", {"restore": ()}),  # a function that files need
     "MergeResult": ("MergeResult", {"component": ("density", "log_weight")}),
 }
 
 # Structs without a class, and why.
 WITHOUT_CLASS = {
+    "Projection": "CameraModel.project returns pixels",
+    "FiducialFolder": "arguments of write_fiducials",
     "MeanSettings": "lie.weighted_mean always iterates to rounding",
     "MeanResult": "lie.weighted_mean returns the mean and warns",
     "IteratedUpdateSettings": "a step of the filter, not called from Python",

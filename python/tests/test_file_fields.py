@@ -203,6 +203,7 @@ WITHOUT_FILE = {
     "NoiseModeSettings": "settings of posemix study noise", "NoiseEmSettings": "a step of fit_noise",
     "OdometryNoiseSettings": "settings of posemix study noise", "ErrorMixtureSettings": "a part of the grasp study",
     "LogisticSettings": "a part of the grasp study", "ConsensusSettings": "a part of the grasp study",
+    "FiducialSettings": "options of posemix fiducials",
     "RegionFitSettings": "a part of the grasp study", "MeanSettings": "limits of the arithmetic",
     "MomentSettings": "limits of the arithmetic", "IteratedUpdateSettings": "limits of the arithmetic",
     "CauchySettings": "GaussianSumSettings.cauchy_scale sets it",

@@ -47,6 +47,7 @@ def records() -> list[Any]:
         joint.update([seen]),
         *recordings(),
         *learned(),
+        *fiducials(),
         px.find_slam_method("smoothed"),
         px.symmetric_pose_error(px.SE3(), px.SE3(translation=[0, 0, 1.0]), px.SymmetryGroup()),
         px.PlattCalibration(2.0),
@@ -89,6 +90,17 @@ def learned() -> list[Any]:
     mixture = px.fit_error_mixture(errors, seed=1)
     consensus = px.fuse_estimates(px.SE3(translation=[0, 0, 1.0]), mixture.errors, seed=1)
     return [noise, noise.fits[0], noise.correlation, noise.correlation.inlier, mixture, consensus]
+
+
+def fiducials() -> list[Any]:
+    """Parts of a rig that sees tags."""
+    model = px.CameraModel([600.0, 600.0, 320.0, 240.0], px.DistortionModel.radtan, [0.1, 0.0, 0.0, 0.0])
+    corners = [[500.2, 300.1], [531.5, 301.9], [532.3, 270.4], [500.9, 268.8]]
+    stated = px.StatedPose(px.SE3(), np.eye(6))
+    minima = px.tag_minima(corners, 0.15, model)
+    return [model, px.CornerNoise(0.3), stated, px.RigCamera("left", model, (640, 480), ["/tags"], stated),
+            px.TagMap({1: 0.2}, 0.1, {4}, {1: stated}), px.CornerSighting(0.5, "/tags", 1, corners), minima[0],
+            px.fit_corner_noise([minima])]  # fmt: skip
 
 
 def named(record: Any) -> str:

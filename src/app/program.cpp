@@ -17,6 +17,7 @@
 #include "data.hpp"
 #include "exit_codes.hpp"
 #include "fetch/download.hpp"
+#include "fiducials.hpp"
 #include "interrupt.hpp"
 #include "mixture_commands.hpp"
 #include "posemix/base/error.hpp"
@@ -114,6 +115,7 @@ int run_program(int argc, const char* const* argv) {
     add_study_command(program, action);
     add_report_command(program, action);
     add_data_command(program, action);
+    add_fiducials_command(program, action);
     for (const auto& add : kMixtureCommands) add(program, action);
     program.parse(argc, argv);
   } catch (const CLI::ParseError& reason) {

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "fiducials.hpp"
+
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "command_files.hpp"
+#include "exit_codes.hpp"
+#include "posemix/base/error.hpp"
+#include "posemix/fiducial/fiducial_folder.hpp"
+#include "posemix/io/gzip.hpp"
+
+namespace posemix {
+namespace {
+
+struct FiducialOptions {
+  std::string corners;
+  std::string cameras;
+  std::string camera_poses;
+  std::string tags;
+  std::optional<double> size;
+  std::string odometry;
+  std::optional<double> noise;
+  std::optional<double> dof;
+  FiducialSettings settings;
+  bool gzip = false;
+  OutputOptions output;
+};
+
+std::vector<RigCamera> cameras_of(const FiducialOptions& options) {
+  std::vector<RigCamera> cameras = read_cameras(options.cameras);
+  if (!options.camera_poses.empty()) read_camera_poses(options.camera_poses, cameras);
+  return cameras;
+}
+
+TagMap tags_of(const FiducialOptions& options) {
+  if (options.tags.empty() && !options.size)
+    throw InvalidInput("the size of the tags is unknown, expected --size or --tags");
+  TagMap tags;
+  if (!options.tags.empty()) tags = read_tag_map(options.tags);
+  if (options.size) tags.default_size_m = options.size;
+  return tags;
+}
+
+FiducialSettings settings_of(const FiducialOptions& options) {
+  FiducialSettings settings = options.settings;
+  if (options.noise) {
+    settings.noise = CornerNoise{.sd_px = *options.noise};
+    if (options.dof) settings.noise->dof = *options.dof;
+  }
+  return settings;
+}
+
+Json summary_of(const FiducialFolder& folder) {
+  const Fiducials& fiducials = folder.fiducials;
+  std::set<std::string> tags;
+  for (const Observation& observation : fiducials.observations) tags.insert(observation.object);
+  Json found = {{"sightings", fiducials.sightings},
+                {"of_ignored_tags", fiducials.ignored},
+                {"of_tags_without_size", fiducials.without_size},
+                {"without_pose", fiducials.without_pose},
+                {"observations", fiducials.observations.size()},
+                {"tags", tags.size()},
+                {"tags_with_prior", folder.tags.priors.size()}};
+  const double ambiguous = static_cast<double>(ambiguous_count(fiducials.observations));
+  const std::size_t count = fiducials.observations.size();
+  found["ambiguous_share"] = count == 0 ? 0.0 : ambiguous / static_cast<double>(count);
+  for (const CameraCornerNoise& camera : fiducials.noise) {
+    found["corner_noise"][camera.camera] = {{"sd_px", camera.noise.sd_px},
+                                            {"dof", camera.noise.dof},
+                                            {"sightings", camera.sightings},
+                                            {"source", word_of(camera.source)}};
+  }
+  return found;
+}
+
+int write_fiducials(const FiducialOptions& options) {
+  FiducialFolder folder;
+  folder.cameras = cameras_of(options);
+  folder.tags = tags_of(options);
+  if (!options.odometry.empty())
+    folder.odometry = parse_tum(read_file_or_gzip(options.odometry), options.odometry);
+  folder.compress = options.gzip;
+  folder.fiducials = observe_fiducials(read_corners(options.corners), folder.cameras, folder.tags,
+                                       settings_of(options));
+  write_fiducial_folder(folder, options.output.out);
+  report("fiducials", summary_of(folder), options.output);
+  return kExitDone;
+}
+
+void add_input_options(CLI::App& command, FiducialOptions& options) {
+  command.add_option("corners", options.corners, "Corners of the tags, of gzip or not")
+      ->required()
+      ->type_name("CORNERS.csv");
+  command.add_option("--cameras", options.cameras, "Intrinsics, as TagSLAM or kalibr writes them")
+      ->required()
+      ->type_name("CAMERAS.yaml");
+  command
+      .add_option("--camera-poses", options.camera_poses,
+                  "Poses of the cameras on their rig, as TagSLAM writes them")
+      ->type_name("CAMERA_POSES.yaml");
+  command
+      .add_option("--tags", options.tags, "Sizes and known poses of tags, as TagSLAM reads them")
+      ->type_name("TAGSLAM.yaml");
+  command
+      .add_option("--size", options.size, "Edge of every tag [m]; with --tags of those not in it")
+      ->check(number_in(kPositive))
+      ->type_name("M");
+  command.add_option("--odometry", options.odometry, "Odometry of the rig for the folder (TUM)")
+      ->type_name("ODOMETRY.tum");
+}
+
+void add_setting_options(CLI::App& command, FiducialOptions& options) {
+  add_choice<CornerOrder>(command, "--order", options.settings.order, "Order of the corners")
+      ->default_str("apriltag");
+  CLI::Option* const noise =
+      command
+          .add_option("--corner-noise", options.noise,
+                      "Scale of the noise of a corner's coordinate [px]; learned without it")
+          ->check(number_in(kPositive))
+          ->type_name("PX");
+  command
+      .add_option("--corner-dof", options.dof,
+                  "Its degrees of freedom (Student's t); without it, it is normal")
+      ->check(number_in(kPositive))
+      ->needs(noise)
+      ->type_name("N");
+  command
+      .add_option("--bearing-error", options.settings.bearing_sd_px,
+                  "Error that all corners of a sighting share [px], as of calibrations")
+      ->check(number_in(kNotNegative))
+      ->type_name("PX")
+      ->capture_default_str();
+  command.add_option("--detector", options.settings.detector, "Name of the detector")
+      ->type_name("NAME");
+}
+
+}  // namespace
+
+void add_fiducials_command(CLI::App& program, std::function<int()>& action) {
+  const auto options = std::make_shared<FiducialOptions>();
+  CLI::App* command = program.add_subcommand(
+      "fiducials", "Observations with both poses of square tags from their corners");
+  command->footer(
+      "A square tag has two poses that fit its corners nearly as well. Writes both, with weights\n"
+      "and covariances that follow from the reprojection errors and from the noise of the "
+      "corners,\n"
+      "which is learned from the recording per camera.\n"
+      "\n"
+      "CORNERS.csv has the columns stamp_s,topic,tag,u0_px,v0_px,...,u3_px,v3_px in distorted\n"
+      "pixels. DIR gets observations.csv, cameras.csv, corner_noise.csv, tag_priors.csv (known\n"
+      "poses of tags) and odometry.tum; it appears as a whole.\n"
+      "\n"
+      "Example: posemix fiducials corners.csv.gz --cameras cameras.yaml \\\n"
+      "           --camera-poses camera_poses.yaml --tags tagslam.yaml --out out/tags\n"
+      "         posemix fiducials corners.csv --cameras camchain.yaml --size 0.15 --out out/tags");
+  add_input_options(*command, *options);
+  add_setting_options(*command, *options);
+  command->add_flag("--gzip", options->gzip, "Compress the observations");
+  command->add_option("-o,--out", options->output.out, "Folder for the result")
+      ->required()
+      ->type_name("DIR");
+  command->add_flag("--json", options->output.json, "Report one line of JSON instead of a table");
+  command->add_flag("--quiet", options->output.quiet, "Do not report");
+  command->callback(
+      [options, &action] { action = [options] { return write_fiducials(*options); }; });
+}
+
+}  // namespace posemix

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "posemix/io/observation_csv.hpp"
+
+#include <optional>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "covariance_columns.hpp"
+#include "csv_table.hpp"
+#include "posemix/base/error.hpp"
+#include "posemix/io/gzip.hpp"
+
+namespace posemix {
+namespace {
+
+using namespace internal;
+
+constexpr const char* kWhere = "stamp_s,camera,detector,id,class,sighting,weight";
+
+void require_columns(const CsvTable& table) {
+  for (const std::string_view column : split_fields(kWhere, ','))
+    table.require_column(std::string(column));
+  for (const char* column : kPoseFields) table.require_column(column);
+  for (const std::string& column : covariance_columns()) table.require_column(column);
+}
+
+std::optional<double> optional_number(const CsvTable& table, const std::string& column) {
+  if (!table.has(column) || table.field(column).empty()) return std::nullopt;
+  return table.number(column);
+}
+
+/// What all rows of a sighting share.
+Observation observation_of_row(const CsvTable& table) {
+  Observation row;
+  row.object = table.field("id");
+  row.class_id = table.field("class");
+  if (row.object.empty() == row.class_id.empty())
+    table.reader().fail(row.object.empty() ? "neither id nor class" : "both id and class",
+                        "one of the two");
+  row.camera = table.field("camera");
+  row.detector = table.field("detector");
+  row.stamp_s = table.number("stamp_s");
+  row.clutter = optional_number(table, "clutter");
+  row.score = optional_number(table, "score");
+  return row;
+}
+
+bool is_same_sighting(const Observation& a, const Observation& b) {
+  return a.object == b.object && a.class_id == b.class_id && a.camera == b.camera &&
+         a.detector == b.detector && a.stamp_s == b.stamp_s && a.clutter == b.clutter &&
+         a.score == b.score;
+}
+
+/// Collects the rows of one sighting after the other.
+class Collector {
+ public:
+  explicit Collector(const CsvTable& table) : table_(table) {}
+
+  void add() {
+    const std::int64_t sighting = table_.index("sighting");
+    Observation row = observation_of_row(table_);
+    if (current_ != sighting) {
+      finish();
+      if (!known_.insert(sighting).second)
+        table_.reader().fail(fmt::format("sighting {} again", sighting),
+                             "the rows of a sighting one after the other");
+      current_ = sighting;
+      line_ = table_.reader().number();
+      observations_.push_back(std::move(row));
+    } else if (!is_same_sighting(observations_.back(), row)) {
+      table_.reader().fail(
+          fmt::format("other values for sighting {}", sighting),
+          "one stamp, camera, detector, id, class, clutter and score in all rows of a sighting");
+    }
+    observations_.back().components.push_back({.weight = table_.number("weight"),
+                                               .pose = pose_in(table_),
+                                               .covariance = covariance_in(table_)});
+  }
+
+  /// Checks the sighting whose rows have all been read.
+  void finish() const {
+    if (observations_.empty()) return;
+    try {
+      validate(observations_.back());
+    } catch (const InvalidInput& error) {
+      throw InvalidInput(fmt::format("{}:{}: in sighting {}, which begins here: {}",
+                                     table_.reader().name(), line_, *current_, error.what()));
+    }
+  }
+
+  std::vector<Observation> take() { return std::move(observations_); }
+
+ private:
+  const CsvTable& table_;
+  std::vector<Observation> observations_;
+  std::set<std::int64_t> known_;
+  std::optional<std::int64_t> current_;
+  std::size_t line_ = 0;
+};
+
+std::string checked_name(const std::string& name, const char* column) {
+  if (name.find_first_of(",\n\r") != std::string::npos || trimmed(name) != name ||
+      name.starts_with('#')) {
+    throw InvalidInput(fmt::format(
+        "the {} of an observation is {}, expected one without commas, line breaks and blanks at "
+        "its ends",
+        column, in_quotes(name)));
+  }
+  return name;
+}
+
+std::string optional_field(const std::optional<double>& value) {
+  return value ? fmt::format("{}", *value) : std::string();
+}
+
+}  // namespace
+
+std::vector<Observation> parse_observations(std::string_view text, const std::string& name) {
+  CsvTable table(text, name);
+  require_columns(table);
+  Collector collector(table);
+  while (table.next()) collector.add();
+  collector.finish();
+  std::vector<Observation> observations = collector.take();
+  if (observations.empty())
+    throw InvalidInput(fmt::format("{}: got no rows, expected at least one", name));
+  return observations;
+}
+
+std::vector<Observation> read_observations(const std::filesystem::path& path) {
+  return parse_observations(read_file_or_gzip(path), path.string());
+}
+
+std::string format_observations(std::span<const Observation> observations) {
+  bool clutter = false;
+  bool score = false;
+  for (const Observation& observation : observations) {
+    validate(observation);
+    clutter = clutter || observation.clutter.has_value();
+    score = score || observation.score.has_value();
+  }
+  std::string text = fmt::format("{},{},{}{}{}\n", kWhere, pose_header(), covariance_header(),
+                                 clutter ? ",clutter" : "", score ? ",score" : "");
+  for (std::size_t i = 0; i < observations.size(); ++i) {
+    const Observation& o = observations[i];
+    const std::string begin =
+        fmt::format("{},{},{},{},{},{}", o.stamp_s, checked_name(o.camera, "camera"),
+                    checked_name(o.detector, "detector"), checked_name(o.object, "id"),
+                    checked_name(o.class_id, "class"), i);
+    std::string end;
+    if (clutter) end += "," + optional_field(o.clutter);
+    if (score) end += "," + optional_field(o.score);
+    for (const ObservationComponent& component : o.components) {
+      text += fmt::format("{},{},{},{}{}\n", begin, component.weight, pose_fields(component.pose),
+                          covariance_fields(component.covariance), end);
+    }
+  }
+  return text;
+}
+
+}  // namespace posemix

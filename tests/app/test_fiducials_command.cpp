@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "mixture_folder.hpp"
+#include "posemix/io/observation_csv.hpp"
+#include "posemix/testing/data.hpp"
+
+/// `posemix fiducials`.
+namespace posemix {
+namespace {
+
+using testing::contains;
+using testing::ProgramResult;
+using Json = nlohmann::json;
+
+constexpr const char* kHeader =
+    "stamp_s,topic,tag,u0_px,v0_px,u1_px,v1_px,u2_px,v2_px,u3_px,v3_px\n";
+
+class FiducialsCommand : public testing::MixtureFolder {
+ protected:
+  FiducialsCommand() {
+    folder_.put("cameras.yaml",
+                "cam0:\n  intrinsics: [600, 602, 640, 512]\n  distortion_model: none\n"
+                "  tagtopic: /tags\n");
+    folder_.put("corners.csv", std::string(kHeader) +
+                                   "1.5,/tags,7,500.2,300.1,531.5,301.9,532.3,270.4,500.9,268.8\n"
+                                   "1.6,/tags,7,640.3,520.2,648.9,528.4,650.1,479.5,641.0,473.2\n");
+  }
+};
+
+TEST_F(FiducialsCommand, WritesObservationsWithBothPoses) {
+  const ProgramResult result =
+      shell("posemix fiducials corners.csv --cameras cameras.yaml --size 0.15 -o out --json");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(result.out, "");
+  const Json found = Json::parse(result.err);
+  EXPECT_EQ(found["sightings"], 2);
+  EXPECT_EQ(found["observations"], 2);
+  EXPECT_EQ(found["tags"], 1);
+  EXPECT_EQ(found["corner_noise"]["cam0"]["source"], "assumed");
+  EXPECT_EQ(testing::names_in(folder_.path() / "out"),
+            (std::vector<std::string>{"cameras.csv", "corner_noise.csv", "observations.csv"}));
+  const auto observations = read_observations(folder_.path() / "out/observations.csv");
+  ASSERT_EQ(observations.size(), 2U);
+  EXPECT_EQ(observations[0].components.size(), 2U);
+  EXPECT_EQ(observations[0].object, "7");
+  EXPECT_EQ(observations[1].stamp_s, 1.6);
+}
+
+TEST_F(FiducialsCommand, TakesANoiseAndCompresses) {
+  const ProgramResult result = shell(
+      "posemix fiducials corners.csv --cameras cameras.yaml --size 0.15 --corner-noise 0.05 --gzip "
+      "--detector april --quiet -o out");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(result.err, "");
+  const auto observations = read_observations(folder_.path() / "out/observations.csv.gz");
+  EXPECT_EQ(observations[0].components.size(), 1U);
+  EXPECT_EQ(observations[0].detector, "april");
+}
+
+TEST_F(FiducialsCommand, RefusesBadInputAndLeavesNothing) {
+  const std::string command = "posemix fiducials corners.csv --cameras cameras.yaml -o out";
+  expect_error(command, 3, "expected --size or --tags");
+  expect_error(command + " --size -1", 2, "--size");
+  expect_error(command + " --size 0.1 --corner-dof 3", 2, "--corner-noise");
+  expect_error(command + " --size 0.1 --odometry missing.tum", 3, "missing.tum");
+  folder_.put("corners.csv", std::string(kHeader) + "1.5,/other,7,1,1,2,1,2,2,1,2\n");
+  expect_error(command + " --size 0.15", 3, "corners.csv:2: got the topic \"/other\"");
+  folder_.put("cameras.yaml", "cam0:\n  intrinsics: [600, 602, 640]\n");
+  expect_error(command + " --size 0.15", 3,
+               "cameras.yaml:2: cam0.intrinsics: got 3 numbers, expected 4");
+  EXPECT_FALSE(std::filesystem::exists(folder_.path() / "out"));
+}
+
+TEST_F(FiducialsCommand, ReadsTheRecordingsOfTagSlam) {
+  POSEMIX_REQUIRE_DATA();
+  const std::string data = (*testing::data_dir() / "tagslam/test_11").string();
+  const ProgramResult result = shell(
+      "D='" + data +
+      "' && posemix fiducials $D/corners.csv.gz --cameras $D/cameras.yaml --camera-poses "
+      "$D/camera_poses.yaml --tags $D/tagslam.yaml --odometry $D/odometry.tum.gz -o out --json");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Json found = Json::parse(result.err);
+  EXPECT_EQ(found["sightings"], 3635);
+  EXPECT_EQ(found["observations"], 3634);
+  EXPECT_EQ(found["tags"], 20);
+  EXPECT_EQ(found["tags_with_prior"], 82);
+  EXPECT_EQ(found["corner_noise"]["cam1"]["source"], "own");
+  EXPECT_TRUE(std::filesystem::exists(folder_.path() / "out/odometry.tum"));
+}
+
+}  // namespace
+}  // namespace posemix

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+#include "expect_invalid.hpp"
+#include "posemix/io/gzip.hpp"
+#include "posemix/io/observation_csv.hpp"
+#include "posemix/io/text.hpp"
+#include "temporary_folder.hpp"
+
+namespace posemix {
+namespace {
+
+constexpr const char* kHeader =
+    "stamp_s,camera,detector,id,class,sighting,weight,tx_m,ty_m,tz_m,qx,qy,qz,qw,c00,c01,c02,c03,"
+    "c04,c05,c11,c12,c13,c14,c15,c22,c23,c24,c25,c33,c34,c35,c44,c45,c55";
+const std::string kNoCovariance(20, ',');  // NOLINT(cert-err58-cpp)
+
+/// A row up to the pose, a pose, and no covariance.
+std::string row(const std::string& begin) {
+  return begin + ",0,0,1,0,0,0,1," + kNoCovariance + "\n";
+}
+
+std::vector<Observation> parse(const std::string& rows) {
+  return parse_observations(std::string(kHeader) + "\n" + rows, "o.csv");
+}
+
+std::vector<Observation> some_observations() {
+  Observation tag;
+  tag.object = "7";
+  tag.camera = "left";
+  tag.stamp_s = 1541777802.116735208;
+  Matrix6d covariance = Matrix6d::Identity() * 1e-4;
+  covariance(0, 4) = covariance(4, 0) = 3e-5;
+  tag.components = {{.weight = 0.75,
+                     .pose = SE3d(SO3d::exp({0.1, 0.2, 0.3}), {1, 2, 3}),
+                     .covariance = covariance},
+                    {.weight = 0.25, .pose = SE3d(SO3d::exp({3.0, 0.2, 0.3}), {1, 2, 3.1})}};
+  Observation mug;
+  mug.class_id = "mug";
+  mug.detector = "dope";
+  mug.stamp_s = -0.5;
+  mug.components = {{.pose = SE3d()}};
+  return {tag, mug};
+}
+
+TEST(ObservationCsv, ReadsWhatItWrites) {
+  const auto before = some_observations();
+  const std::string text = format_observations(before);
+  EXPECT_EQ(text.substr(0, text.find('\n')), kHeader);
+  const auto after = parse_observations(text, "o.csv");
+  ASSERT_EQ(after.size(), 2U);
+  EXPECT_EQ(after[0].object, "7");
+  EXPECT_EQ(after[0].class_id, "");
+  EXPECT_EQ(after[0].camera, "left");
+  EXPECT_EQ(after[0].stamp_s, before[0].stamp_s);
+  ASSERT_EQ(after[0].components.size(), 2U);
+  EXPECT_EQ(after[0].components[1].weight, 0.25);
+  EXPECT_TRUE(after[0].components[0].pose.is_approx(before[0].components[0].pose, 1e-11));
+  EXPECT_LT((*after[0].components[0].covariance - *before[0].components[0].covariance).norm(),
+            1e-15);
+  EXPECT_FALSE(after[0].components[1].covariance.has_value());
+  EXPECT_EQ(after[1].class_id, "mug");
+  EXPECT_EQ(after[1].detector, "dope");
+  EXPECT_EQ(format_observations(after), text);
+}
+
+TEST(ObservationCsv, ClutterAndScoreAreColumnsWhereThereAreSome) {
+  auto observations = some_observations();
+  observations[0].clutter = 0.125;
+  observations[1].score = -3.5;
+  const std::string text = format_observations(observations);
+  EXPECT_TRUE(text.starts_with(std::string(kHeader) + ",clutter,score\n"));
+  const auto after = parse_observations(text, "o.csv");
+  EXPECT_EQ(after[0].clutter, 0.125);
+  EXPECT_FALSE(after[0].score.has_value());
+  EXPECT_FALSE(after[1].clutter.has_value());
+  EXPECT_EQ(after[1].score, -3.5);
+}
+
+TEST(ObservationCsv, AFileMayBeCompressed) {
+  const testing::TemporaryFolder folder;
+  const std::string text = format_observations(some_observations());
+  std::ofstream(folder / "o.csv") << text;
+  std::ofstream(folder / "o.csv.gz") << gzip(text);
+  EXPECT_EQ(format_observations(read_observations(folder / "o.csv")), text);
+  EXPECT_EQ(format_observations(read_observations(folder / "o.csv.gz")), text);
+}
+
+TEST(ObservationCsv, ErrorsNameTheLineOfTheSighting) {
+  EXPECT_INVALID(parse(row("1,,,7,,0,0.5") + row("1,,,7,,0,0.25")),
+                 "o.csv:2: in sighting 0, which begins here: the weights of the components sum to "
+                 "0.75, expected one");
+  EXPECT_INVALID_WITH(
+      parse(row("1,,,7,,0,1") + row("1,,,7,,1,1.5") + row("1,,,7,,1,-0.5")),
+      "o.csv:3: in sighting 1, which begins here: the weight of component 1 is -0.5");
+  EXPECT_INVALID_WITH(parse(row("1,,,7,,0,nan")), "o.csv:2: ");
+  EXPECT_INVALID(
+      parse(row("1,,,7,,0,1") + row("1,,,8,,1,1") + row("1,,,7,,0,1")),
+      "o.csv:4: got sighting 0 again, expected the rows of a sighting one after the other");
+  EXPECT_INVALID_WITH(parse(row("1,,,7,,0,0.5") + row("2,,,7,,0,0.5")),
+                      "o.csv:3: got other values for sighting 0");
+  EXPECT_INVALID(parse(row("1,,,,,0,1")),
+                 "o.csv:2: got neither id nor class, expected one of the two");
+  EXPECT_INVALID(parse(row("1,,,7,mug,0,1")),
+                 "o.csv:2: got both id and class, expected one of the two");
+  EXPECT_INVALID(parse(""), "o.csv: got no rows, expected at least one");
+  EXPECT_INVALID_WITH(parse("1,,,7,,0,1,0,0,1,0,0,0,2," + kNoCovariance + "\n"),
+                      "o.csv:2: got a quaternion of norm 2");
+  EXPECT_INVALID_WITH(parse("1,,,7,,0,1,0,0,1,0,0,0,1,1" + kNoCovariance + "\n"),
+                      "o.csv:2: got 20 empty fields of a covariance, expected none or all 21");
+  const std::string zeros = "0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0";
+  EXPECT_INVALID_WITH(parse("1,,,7,,0,1,0,0,1,0,0,0,1," + zeros + "\n"),
+                      "the covariance of component 0 is not positive definite");
+  EXPECT_INVALID_WITH(parse_observations("stamp_s,camera\n", "o.csv"), "got no column detector");
+}
+
+TEST(ObservationCsv, RefusesToWriteWhatCannotBeReadBack) {
+  auto observations = some_observations();
+  observations[0].camera = "left, upper";
+  EXPECT_INVALID(
+      format_observations(observations),
+      "the camera of an observation is \"left, upper\", expected one without commas, line "
+      "breaks and blanks at its ends");
+  observations = some_observations();
+  observations[0].components.clear();
+  EXPECT_INVALID_WITH(format_observations(observations), "has no components");
+}
+
+TEST(Gzip, GivesBackTheBytesOfItsFiles) {
+  const testing::TemporaryFolder folder;
+  std::string bytes(1'000'000, 'a');
+  for (std::size_t i = 0; i < bytes.size(); i += 7) bytes[i] = static_cast<char>(i % 251);
+  // Several members, one after the other, are one file.
+  std::ofstream(folder / "two.gz", std::ios::binary) << gzip(bytes) << gzip("end");
+  EXPECT_EQ(read_file_or_gzip(folder / "two.gz"), bytes + "end");
+  std::ofstream(folder / "plain", std::ios::binary) << "as it is";
+  EXPECT_EQ(read_file_or_gzip(folder / "plain"), "as it is");
+  std::ofstream(folder / "cut.gz", std::ios::binary) << gzip(bytes).substr(0, 500);
+  EXPECT_INVALID_WITH(read_file_or_gzip(folder / "cut.gz"), "got a damaged gzip file");
+  std::ofstream(folder / "bad.gz", std::ios::binary) << "\x1f\x8b\x08 no more";
+  EXPECT_INVALID_WITH(read_file_or_gzip(folder / "bad.gz"), "got a damaged gzip file");
+}
+
+}  // namespace
+}  // namespace posemix
