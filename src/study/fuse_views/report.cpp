@@ -96,7 +96,7 @@ Cells figures_of_case(const Rows& rows) {
   return cells;
 }
 
-const std::vector<std::string> kCaseKeys{"dataset", "groups_of", "input", "symmetries"};
+const std::vector<std::string> kCaseKeys{"dataset", "groups_of", "input", "symmetries", "noise"};
 
 StudyTable table_of(const std::vector<std::pair<std::vector<Cell>, Cells>>& rows,
                     std::vector<std::string> columns) {
@@ -120,7 +120,7 @@ std::string summary_text(const StudyTable& summary) {
     if (std::get<std::string>(row[1]) != "random") continue;
     shown.push_back(r);
     columns.push_back(std::get<std::string>(row[0]) + ":" + std::get<std::string>(row[2]) + ":" +
-                      std::get<std::string>(row[3]));
+                      std::get<std::string>(row[3]) + ":" + std::get<std::string>(row[4]));
   }
   StudyTable turned(columns);
   for (std::size_t c = keys; c < summary.columns().size(); ++c) {

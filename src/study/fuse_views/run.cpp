@@ -29,6 +29,7 @@ struct FuseViewsCase {
   bool random_groups;
   BopRowUse use;
   bool declared;
+  const LearnedDetector* learned;  ///< null: the default
 };
 
 struct FuseViewsErrors {
@@ -154,9 +155,9 @@ class FuseViewsRun {
         settings_(settings),
         objects_(settings.objects.at(scene.dataset)),
         metric_(objects_, settings.match_m),
-        rows_{.use = kind.use, .least_score = settings.least_score} {
-    for (const auto& [object, group] : objects_.symmetries)
-      classes_[std::to_string(object)].symmetries = kind.declared ? group : SymmetryGroup();
+        rows_{.use = kind.use, .least_score = settings.least_score},
+        fusion_(settings.fusion) {
+    take_classes(kind);
     RandomStream stream(settings.seed, static_cast<std::uint64_t>(scene.number));
     for (const auto& images :
          image_groups(scene.images.size(), settings.views, kind.random_groups ? &stream : nullptr))
@@ -166,12 +167,26 @@ class FuseViewsRun {
   const FuseViewsCounts& counts() const { return counts_; }
 
  private:
+  void take_classes(const FuseViewsCase& kind) {
+    if (kind.declared) {
+      for (const auto& [object, group] : objects_.symmetries)
+        classes_[std::to_string(object)].symmetries = group;
+    }
+    if (kind.learned == nullptr) return;
+    fusion_.detection_probability = kind.learned->detection_probability;
+    fusion_.turned_share = kind.learned->turned_share;
+    for (const auto& rows : scene_.estimates) {
+      for (const BopRow& row : rows)
+        classes_[std::to_string(row.object)].noise = kind.learned->noise;
+    }
+  }
+
   void add_group(const std::vector<std::size_t>& images) {
     std::vector<View> views;
     for (const std::size_t image : images)
       views.push_back(
           {scene_.world_camera[image], bop_observations(scene_.estimates[image], rows_)});
-    const std::vector<FusedInstance> instances = fuse_views(views, classes_, settings_.fusion);
+    const std::vector<FusedInstance> instances = fuse_views(views, classes_, fusion_);
     std::map<std::int64_t, std::vector<SE3d>> fused;
     for (const FusedInstance& instance : instances)
       fused[std::stoll(instance.class_id)].push_back(instance.density[0].density.mean());
@@ -282,28 +297,36 @@ class FuseViewsRun {
   const FuseViewsObjects& objects_;
   FuseViewsMetric metric_;
   BopObservationSettings rows_;
+  FuseViewsSettings fusion_;
   ViewClasses classes_;
   FuseViewsCounts counts_;
 };
 
 }  // namespace
 
-Json run_fuse_views(const MultiViewScene& scene, const FuseViewsStudySettings& settings) {
-  Json rows = Json::array();
+Json run_fuse_views(const MultiViewScene& scene, const FuseViewsStudySettings& settings,
+                    const LearnedDetector& learned) {
   const bool has_symmetries = !settings.objects.at(scene.dataset).symmetries.empty();
+  std::vector<FuseViewsCase> cases;
   for (const bool random : {true, false}) {
     for (const auto& [word, use] : words<BopRowUse>) {
       for (const bool declared : {true, false}) {
         if (declared && !has_symmetries) continue;
-        Json row = {{"dataset", scene.dataset},
-                    {"scene", scene.number},
-                    {"groups_of", random ? "random" : "near"},
-                    {"input", word},
-                    {"symmetries", declared ? "declared" : "none"}};
-        row.update(FuseViewsRun(scene, settings, {random, use, declared}).counts().json());
-        rows.push_back(std::move(row));
+        cases.push_back({random, use, declared, nullptr});
+        cases.push_back({random, use, declared, &learned});
       }
     }
+  }
+  Json rows = Json::array();
+  for (const FuseViewsCase& kind : cases) {
+    Json row = {{"dataset", scene.dataset},
+                {"scene", scene.number},
+                {"groups_of", kind.random_groups ? "random" : "near"},
+                {"input", word_of(kind.use)},
+                {"symmetries", kind.declared ? "declared" : "none"},
+                {"noise", kind.learned == nullptr ? "default" : "learned"}};
+    row.update(FuseViewsRun(scene, settings, kind).counts().json());
+    rows.push_back(std::move(row));
   }
   return rows;
 }

@@ -3,12 +3,16 @@
 #include "study.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 #include <memory>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "learned.hpp"
 #include "posemix/base/error.hpp"
 #include "report.hpp"
 #include "run.hpp"
@@ -47,7 +51,7 @@ std::string fuse_views_settings_text(const FuseViewsStudySettings& s,
   return json.dump();
 }
 
-std::vector<MultiViewScene> selected_scenes(const FuseViewsStudySettings& settings) {
+std::vector<MultiViewScene> read_all_scenes(const FuseViewsStudySettings& settings) {
   std::vector<MultiViewScene> scenes;
   for (const std::string& dataset : settings.datasets) {
     for (MultiViewScene& scene : read_multi_view_scenes(settings.data, dataset))
@@ -58,11 +62,6 @@ std::vector<MultiViewScene> selected_scenes(const FuseViewsStudySettings& settin
     if (std::none_of(scenes.begin(), scenes.end(), is_it))
       throw InvalidInput(fmt::format("{}: has no scene {}", settings.data.string(), number));
   }
-  if (settings.scenes.empty()) return scenes;
-  std::erase_if(scenes, [&](const MultiViewScene& scene) {
-    return std::find(settings.scenes.begin(), settings.scenes.end(), scene.number) ==
-           settings.scenes.end();
-  });
   return scenes;
 }
 
@@ -129,15 +128,58 @@ FuseViewsStudySettings read_fuse_views_settings(const TomlTable& table) {
   return s;
 }
 
+namespace {
+
+/// For every scene what the dataset's scenes of the other half tell: those of odd place in the
+/// order of their numbers for those of even place, and the other way round.
+std::vector<LearnedDetector> learned_from_others(const FuseViewsStudySettings& settings,
+                                                 const std::vector<MultiViewScene>& scenes) {
+  std::map<std::string, std::array<std::vector<const MultiViewScene*>, 2>> halves;
+  std::vector<std::size_t> half;
+  for (const MultiViewScene& scene : scenes) {
+    auto& both = halves[scene.dataset];
+    half.push_back((both[0].size() + both[1].size()) % 2);
+    both[half.back()].push_back(&scene);
+  }
+  std::map<std::pair<std::string, std::size_t>, LearnedDetector> learned;
+  std::vector<LearnedDetector> result;
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    const std::pair key{scenes[i].dataset, half[i]};
+    auto known = learned.find(key);
+    if (known == learned.end()) {
+      known =
+          learned.emplace(key, learned_detector(halves[key.first][1 - key.second], settings)).first;
+    }
+    result.push_back(known->second);
+  }
+  return result;
+}
+
+}  // namespace
+
 Study make_fuse_views_study(const FuseViewsStudySettings& settings) {
-  const auto scenes =
-      std::make_shared<const std::vector<MultiViewScene>>(selected_scenes(settings));
+  std::vector<MultiViewScene> all = read_all_scenes(settings);
+  const std::vector<LearnedDetector> learned = learned_from_others(settings, all);
+  struct Item {
+    MultiViewScene scene;
+    LearnedDetector learned;
+  };
+  const auto items = std::make_shared<std::vector<Item>>();
+  std::vector<MultiViewScene> scenes;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const auto& wanted = settings.scenes;
+    if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), all[i].number) == wanted.end())
+      continue;
+    scenes.push_back(all[i]);
+    items->push_back({all[i], learned[i]});
+  }
   Study study;
   study.name = "fuse-views";
-  study.settings = fuse_views_settings_text(settings, *scenes);
-  study.items = scenes->size();
-  study.run_item = [settings, scenes](std::size_t index) {
-    return run_fuse_views(scenes->at(index), settings).dump();
+  study.settings = fuse_views_settings_text(settings, scenes);
+  study.items = items->size();
+  study.run_item = [settings, items](std::size_t index) {
+    const Item& item = items->at(index);
+    return run_fuse_views(item.scene, settings, item.learned).dump();
   };
   study.report = report_fuse_views;
   return study;
