@@ -29,7 +29,8 @@ struct FuseViewsCase {
   bool random_groups;
   BopRowUse use;
   bool declared;
-  const LearnedDetector* learned;  ///< null: the default
+  const char* noise;
+  const LearnedDetector* detector;  ///< null: the default
 };
 
 struct FuseViewsErrors {
@@ -172,12 +173,12 @@ class FuseViewsRun {
       for (const auto& [object, group] : objects_.symmetries)
         classes_[std::to_string(object)].symmetries = group;
     }
-    if (kind.learned == nullptr) return;
-    fusion_.detection_probability = kind.learned->detection_probability;
-    fusion_.turned_share = kind.learned->turned_share;
+    if (kind.detector == nullptr) return;
+    fusion_.detection_probability = kind.detector->detection_probability;
+    fusion_.turned_share = kind.detector->turned_share;
     for (const auto& rows : scene_.estimates) {
       for (const BopRow& row : rows)
-        classes_[std::to_string(row.object)].noise = kind.learned->noise;
+        classes_[std::to_string(row.object)].noise = kind.detector->noise;
     }
   }
 
@@ -307,13 +308,16 @@ class FuseViewsRun {
 Json run_fuse_views(const MultiViewScene& scene, const FuseViewsStudySettings& settings,
                     const LearnedDetector& learned) {
   const bool has_symmetries = !settings.objects.at(scene.dataset).symmetries.empty();
+  LearnedDetector independent = learned;
+  independent.noise = learned.noise.as_white();
   std::vector<FuseViewsCase> cases;
   for (const bool random : {true, false}) {
     for (const auto& [word, use] : words<BopRowUse>) {
       for (const bool declared : {true, false}) {
         if (declared && !has_symmetries) continue;
-        cases.push_back({random, use, declared, nullptr});
-        cases.push_back({random, use, declared, &learned});
+        cases.push_back({random, use, declared, "default", nullptr});
+        cases.push_back({random, use, declared, "learned", &learned});
+        cases.push_back({random, use, declared, "independent", &independent});
       }
     }
   }
@@ -324,7 +328,7 @@ Json run_fuse_views(const MultiViewScene& scene, const FuseViewsStudySettings& s
                 {"groups_of", kind.random_groups ? "random" : "near"},
                 {"input", word_of(kind.use)},
                 {"symmetries", kind.declared ? "declared" : "none"},
-                {"noise", kind.learned == nullptr ? "default" : "learned"}};
+                {"noise", kind.noise}};
     row.update(FuseViewsRun(scene, settings, kind).counts().json());
     rows.push_back(std::move(row));
   }
