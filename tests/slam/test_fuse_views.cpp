@@ -183,24 +183,35 @@ TEST(FuseViews, AFlippedViewIsOutvotedAndStillCountsForThePlace) {
   EXPECT_NEAR(instance.supporting_views, 3.0, 0.2);
 }
 
+// Where views from the same side show the flip, it is not certain that they are right.
 TEST(FuseViews, ViewsFromOneSideCountOnceForTheMode) {
   const SE3d truth = object_at();
   std::vector<View> views;
-  for (const double angle : {0.0, 2.0, 4.0, 90.0, 180.0}) {
+  for (const double angle : {0.0, 2.0, 90.0}) {
     View view{camera_at(angle), {}};
-    const SE3d seen_pose = angle < 10.0 ? truth * turn(180.0) : truth;
-    view.observations.push_back(seen(view.world_camera.inverse() * seen_pose));
+    const SE3d pose = angle < 10.0 ? truth * turn(180.0) : truth;
+    view.observations.push_back(seen(view.world_camera.inverse() * pose));
     views.push_back(view);
   }
-  FuseViewsSettings independent;
-  independent.mode_angle_rad = 0.0;
-  const ViewClasses classes{{"cup", {white_noise(), {}}}};
-  const auto sure = fuse_views(views, classes, independent);
-  const auto doubtful = fuse_views(views, classes);
-  ASSERT_GE(sure.front().density.size(), 2U);
-  ASSERT_GE(doubtful.front().density.size(), 2U);
-  // Three against two, of which the three are nearly one.
-  EXPECT_GT(sure.front().density.weight(0), doubtful.front().density.weight(0) + 1e-3);
+  // So wide that the flip's odds stay moderate.
+  const NoiseComponent wide{
+      .weight = 0.9,
+      .covariance = pose_covariance(Eigen::Vector3d::Constant(0.2), {0.02, 0.02, 0.1}),
+      .frame = NoiseFrame::ray};
+  const ViewClasses classes{{"cup", {DetectorNoise({wide}, {.weight = 0.1}), {}}}};
+  FuseViewsSettings settings;
+  settings.prune_below = 0.0;
+  settings.mode_angle_rad = 0.0;
+  const auto flip_odds = [&] {
+    const auto density = fuse_views(views, classes, settings).front().density;
+    if (density.size() < 2) throw InvalidInput("got one mode, expected two");
+    EXPECT_LT((density[0].density.mean().inverse() * truth * turn(180.0)).rotation().angle(), 1e-6);
+    return density[0].log_weight - density[1].log_weight;
+  };
+  const double independent = flip_odds();
+  settings.mode_angle_rad = radians(30.0);
+  // The shares of the views: 1 / (1 + exp(-2 / 30) + exp(-90 / 30)) and so on, of which the mean.
+  EXPECT_NEAR(flip_odds() / independent, (0.504 + 0.503 + 0.907) / 3.0, 0.002);
 }
 
 TEST(FuseViews, AMissingViewAndClutterCostProbability) {
