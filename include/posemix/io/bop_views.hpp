@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <span>
 #include <string>
@@ -36,7 +37,8 @@ inline constexpr WordTable<BopRowUse, 3> words<BopRowUse>{{
 
 struct BopObservationSettings {
   BopRowUse use = BopRowUse::mixtures;
-  double least_score = 0.0;  ///< rows with lower scores are left out
+  /// Rows with lower scores are left out.
+  double least_score = -std::numeric_limits<double>::infinity();
   /// Rows of one object within this distance of the row of the highest score are of one place [m].
   double same_place_m = 0.02;
 };

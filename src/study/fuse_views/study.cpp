@@ -130,10 +130,11 @@ FuseViewsStudySettings read_fuse_views_settings(const TomlTable& table) {
 
 namespace {
 
-/// For every scene what the dataset's scenes of the other half tell: those of odd place in the
-/// order of their numbers for those of even place, and the other way round.
+/// For every wanted scene what the dataset's scenes of the other half tell: those of odd place in
+/// the order of their numbers for those of even place, and the other way round.
 std::vector<LearnedDetector> learned_from_others(const FuseViewsStudySettings& settings,
-                                                 const std::vector<MultiViewScene>& scenes) {
+                                                 const std::vector<MultiViewScene>& scenes,
+                                                 const std::vector<bool>& wanted) {
   std::map<std::string, std::array<std::vector<const MultiViewScene*>, 2>> halves;
   std::vector<std::size_t> half;
   for (const MultiViewScene& scene : scenes) {
@@ -144,11 +145,12 @@ std::vector<LearnedDetector> learned_from_others(const FuseViewsStudySettings& s
   std::map<std::pair<std::string, std::size_t>, LearnedDetector> learned;
   std::vector<LearnedDetector> result;
   for (std::size_t i = 0; i < scenes.size(); ++i) {
+    if (!wanted[i]) continue;
     const std::pair key{scenes[i].dataset, half[i]};
     auto known = learned.find(key);
     if (known == learned.end()) {
-      known =
-          learned.emplace(key, learned_detector(halves[key.first][1 - key.second], settings)).first;
+      const auto& others = halves[key.first][1 - key.second];
+      known = learned.emplace(key, learned_detector(others, settings)).first;
     }
     result.push_back(known->second);
   }
@@ -158,21 +160,22 @@ std::vector<LearnedDetector> learned_from_others(const FuseViewsStudySettings& s
 }  // namespace
 
 Study make_fuse_views_study(const FuseViewsStudySettings& settings) {
-  std::vector<MultiViewScene> all = read_all_scenes(settings);
-  const std::vector<LearnedDetector> learned = learned_from_others(settings, all);
+  const std::vector<MultiViewScene> all = read_all_scenes(settings);
+  std::vector<bool> wanted;
+  std::vector<MultiViewScene> scenes;
+  for (const MultiViewScene& scene : all) {
+    const auto& numbers = settings.scenes;
+    wanted.push_back(numbers.empty() ||
+                     std::find(numbers.begin(), numbers.end(), scene.number) != numbers.end());
+    if (wanted.back()) scenes.push_back(scene);
+  }
   struct Item {
     MultiViewScene scene;
     LearnedDetector learned;
   };
+  const std::vector<LearnedDetector> learned = learned_from_others(settings, all, wanted);
   const auto items = std::make_shared<std::vector<Item>>();
-  std::vector<MultiViewScene> scenes;
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    const auto& wanted = settings.scenes;
-    if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), all[i].number) == wanted.end())
-      continue;
-    scenes.push_back(all[i]);
-    items->push_back({all[i], learned[i]});
-  }
+  for (std::size_t i = 0; i < scenes.size(); ++i) items->push_back({scenes[i], learned[i]});
   Study study;
   study.name = "fuse-views";
   study.settings = fuse_views_settings_text(settings, scenes);
