@@ -5,6 +5,7 @@
 /// Everything of the room `io`.
 #include "posemix/io/bop.hpp"
 #include "posemix/io/bop_models.hpp"
+#include "posemix/io/bop_views.hpp"
 #include "posemix/io/dataset.hpp"
 #include "posemix/io/dataset_sequence.hpp"
 #include "posemix/io/grasp_outcomes.hpp"

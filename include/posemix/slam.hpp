@@ -9,6 +9,7 @@
 #include "posemix/slam/evaluation.hpp"
 #include "posemix/slam/frame_estimate.hpp"
 #include "posemix/slam/frame_input.hpp"
+#include "posemix/slam/fuse_views.hpp"
 #include "posemix/slam/gaussian_sum_slam.hpp"
 #include "posemix/slam/job.hpp"
 #include "posemix/slam/method.hpp"

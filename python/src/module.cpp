@@ -31,12 +31,14 @@ NB_MODULE(_core, m) {
   bind_gaussian_sum_filter(m);
   bind_slam_settings(m);
   bind_frame_estimate(m);
+  bind_observation(m);
   bind_sequence(m);
   bind_odometry_noise(m);
   bind_frame_input(m);
   bind_slam(m);
   bind_smoother(m);
   bind_association(m);
+  bind_fuse_views(m);
   bind_slam_run(m);
   bind_consistency(m);
   bind_evaluation(m);

@@ -19,6 +19,7 @@ void add_density_command(CLI::App& program, std::function<int()>& action);
 void add_divergence_command(CLI::App& program, std::function<int()>& action);
 void add_fit_command(CLI::App& program, std::function<int()>& action);
 void add_fuse_command(CLI::App& program, std::function<int()>& action);
+void add_fuse_views_command(CLI::App& program, std::function<int()>& action);
 void add_grasp_command(CLI::App& program, std::function<int()>& action);
 void add_reduce_command(CLI::App& program, std::function<int()>& action);
 void add_sample_command(CLI::App& program, std::function<int()>& action);

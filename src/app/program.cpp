@@ -32,9 +32,9 @@ namespace posemix {
 namespace {
 
 constexpr std::array kMixtureCommands{
-    add_fit_command,    add_fuse_command,       add_compose_command,    add_reduce_command,
-    add_sample_command, add_density_command,    add_divergence_command, add_convert_command,
-    add_grasp_command,  add_consistency_command};
+    add_fit_command,    add_fuse_command,        add_compose_command,    add_reduce_command,
+    add_sample_command, add_density_command,     add_divergence_command, add_convert_command,
+    add_grasp_command,  add_consistency_command, add_fuse_views_command};
 
 int fail(std::string_view message, int exit_code) {
   const std::string line = fmt::format("posemix: error: {}\n", message);

@@ -23,6 +23,7 @@
 #include "study/consistency/study.hpp"
 #include "study/divergence/study.hpp"
 #include "study/engine/run_study.hpp"
+#include "study/fuse_views/study.hpp"
 #include "study/grasp/study.hpp"
 #include "study/monte_carlo/study.hpp"
 #include "study/noise/study.hpp"
@@ -121,6 +122,13 @@ const std::array kStudies{
                    TlessStudySettings settings = read_tless_settings(table);
                    settings.data = data_folder(options);
                    return make_tless_study(settings);
+                 }},
+    StudyCommand{"fuse-views", "Poses fused from several views against those of single views",
+                 "posemix study fuse-views --set 'datasets=[\"tless\"]' --out out/fuse-views", true,
+                 false, [](const TomlTable& table, const StudyOptions& options) {
+                   FuseViewsStudySettings settings = read_fuse_views_settings(table);
+                   settings.data = data_folder(options);
+                   return make_fuse_views_study(settings);
                  }}};
 
 /// Reads the settings and makes the study; only the leading rank prints warnings.

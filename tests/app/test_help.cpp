@@ -59,10 +59,11 @@ TEST(Help, ExamplesOfEveryCommandWork) {
     return program.wait();
   };
   constexpr std::string_view kCommands =
-      ",slam,simulate,study,report,consistency,data,fit,fuse,compose,reduce,sample,density,"
+      ",slam,simulate,study,report,consistency,data,fit,fuse,fuse-views,compose,reduce,sample,"
+      "density,"
       "divergence,convert,"
       "grasp,data list,data fetch,data verify,data sequence,study divergence,study monte-carlo,"
-      "study ycbv,study noise,study grasp,study salt-box,study tless";
+      "study ycbv,study noise,study grasp,study salt-box,study tless,study fuse-views";
   std::size_t count = 0;
   for (const std::string_view command : split_fields(kCommands, ',')) {
     const ProgramResult help = shell(fmt::format("posemix {} --help", command));
