@@ -13,20 +13,20 @@
 
 namespace posemix {
 
-SE3d pose_on_body(std::span<const RigCamera> cameras, std::string_view name) {
+SE3d pose_on_body(std::span<const BodyCamera> cameras, std::string_view name) {
   if (cameras.empty()) return {};
   const auto found = std::find_if(cameras.begin(), cameras.end(),
-                                  [&](const RigCamera& camera) { return camera.name == name; });
+                                  [&](const BodyCamera& camera) { return camera.name == name; });
   if (found != cameras.end()) return found->body_camera;
   std::vector<std::string_view> names;
-  for (const RigCamera& camera : cameras) names.push_back(camera.name);
+  for (const BodyCamera& camera : cameras) names.push_back(camera.name);
   throw InvalidInput(
       fmt::format("there is no camera '{}', expected one of: {}", name, fmt::join(names, ", ")));
 }
 
-void require_valid(std::span<const RigCamera> cameras) {
+void require_valid(std::span<const BodyCamera> cameras) {
   std::set<std::string_view> names;
-  for (const RigCamera& camera : cameras) {
+  for (const BodyCamera& camera : cameras) {
     if (!names.insert(camera.name).second)
       throw InvalidInput(fmt::format("two cameras have the name '{}'", camera.name));
     if (!camera.body_camera.matrix().allFinite()) {

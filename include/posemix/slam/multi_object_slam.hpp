@@ -20,7 +20,7 @@ struct MultiObjectSlamSettings {
   AssociationSettings association = {};  ///< of candidates
   /// Cameras on the body whose pose is estimated and whose motion is the odometry. None: there is
   /// one, which is the body.
-  std::vector<RigCamera> cameras = {};
+  std::vector<BodyCamera> cameras = {};
   /// The model of objects that were not declared: an observation of an id that no model has begins
   /// one, with this noise and these symmetries. Without it such an observation is refused.
   std::optional<ObjectModel> on_sight = {};
