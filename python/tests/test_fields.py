@@ -49,6 +49,8 @@ WITHOUT_CLASS = {
     "OdometryRecording": "fit_odometry_noise takes a Sequence",
     "BopSelection": "rows of a result file are selected with numpy",
     "BopRow": "BopRows has arrays",
+    "BopObservationSettings": "rows of a result file are grouped with numpy",
+    "ImageGroup": "a list of image ids",
     "SimulatedObject": "SimulatedSequence.sequence has it as an ObjectRecording",
     "ErrorOutcome": "fit_tolerance_region takes arrays",
     "ScoredPrediction": "scores take arrays",
