@@ -12,6 +12,7 @@
 #include "counts.hpp"
 #include "metric.hpp"
 #include "posemix/base/units.hpp"
+#include "posemix/config/noise_toml.hpp"
 #include "posemix/io/bop_views.hpp"
 #include "posemix/slam/observed_error.hpp"
 
@@ -215,6 +216,8 @@ Json run_fuse_views(const MultiViewScene& scene, const FuseViewsStudySettings& s
                 {"input", word_of(kind.use)},
                 {"symmetries", kind.declared ? "declared" : "none"},
                 {"noise", kind.noise}};
+    if (kind.detector == &learned)
+      row[kLearnedNoise] = format_noise_toml("detector", learned.noise);
     row.update(FuseViewsRun(scene, settings, kind).counts().json());
     rows.push_back(std::move(row));
   }
