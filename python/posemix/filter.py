@@ -7,17 +7,18 @@ See `posemix.slam` for whole recordings.
 
 from posemix._core import (
     Detection, GaussianSumFilter, GaussianSumSettings, MultiObjectFilter, MultiObjectSettings, NoiseUse,
-    ObjectHypothesis, ObjectUpdateReport, RobustLoss, Summary, UpdateReport, UpdateRule,
+    ObjectHypothesis, ObjectUpdateReport, ObservationSource, RobustLoss, Summary, UpdateReport, UpdateRule,
 )  # fmt: skip
 from posemix.noise import *
 
 __all__ = [
-    "Clutter", "DependentFrames", "Detection", "DetectorNoise", "GaussianSumFilter", "GaussianSumSettings",
+    "Clutter", "DependentFrames", "Detection", "DetectorNoise", "GaussianSumFilter", "GaussianSumSettings", "GivenCovariance",
     "MultiObjectFilter", "MultiObjectSettings", "NoiseComponent", "NoiseCorrelation", "NoiseCriterion",
-    "NoiseDependence", "NoiseEmFit", "NoiseFit", "NoiseFitSettings", "NoiseFrame", "NoiseMode", "NoiseModeSettings",
-    "NoiseUse", "NoiseValidation", "ObjectHypothesis", "ObjectSensor", "ObjectUpdateReport", "OdometryNoise",
-    "OdometryNoiseSettings", "OdometryWindow", "RobustLoss", "SlowError", "SlowErrorDecay", "SlowErrorFit",
-    "SlowErrorModel", "Summary", "SymmetricPoseError", "SymmetryAxis", "SymmetryGroup", "SymmetryTolerance",
-    "UpdateReport", "UpdateRule", "along_camera", "default_detector_noise", "fit_noise", "fit_odometry_noise",
+    "NoiseDependence", "NoiseEmFit", "NoiseFit", "NoiseFitSettings", "NoiseFrame", "NoiseMode",
+    "NoiseModeSettings", "NoiseUse", "NoiseValidation", "ObjectHypothesis", "ObjectSensor",
+    "ObjectUpdateReport", "ObservationSource", "OdometryNoise", "OdometryNoiseSettings", "OdometryWindow",
+    "RobustLoss", "SlowError", "SlowErrorDecay", "SlowErrorFit", "SlowErrorModel", "Summary",
+    "SymmetricPoseError", "SymmetryAxis", "SymmetryGroup", "SymmetryTolerance", "UpdateReport", "UpdateRule",
+    "along_camera", "default_detector_noise", "fit_noise", "fit_odometry_noise",
     "max_symmetric_surface_distance", "pose_covariance", "symmetric_pose_error",
 ]  # fmt: skip

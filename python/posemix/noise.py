@@ -3,18 +3,20 @@
 """Noise of detectors, and symmetries of objects."""
 
 from posemix._core import (
-    Clutter, DependentFrames, DetectorNoise, NoiseComponent, NoiseCorrelation, NoiseCriterion, NoiseDependence,
-    NoiseEmFit, NoiseFit, NoiseFitSettings, NoiseFrame, NoiseMode, NoiseModeSettings, NoiseValidation, ObjectSensor,
-    OdometryNoise, OdometryNoiseSettings, OdometryWindow, SlowError, SlowErrorDecay, SlowErrorFit, SlowErrorModel,
-    SymmetricPoseError, SymmetryAxis, SymmetryGroup, SymmetryTolerance, along_camera, default_detector_noise,
-    fit_noise, fit_odometry_noise, max_symmetric_surface_distance, pose_covariance, symmetric_pose_error,
+    Clutter, DependentFrames, DetectorNoise, GivenCovariance, NoiseComponent, NoiseCorrelation, NoiseCriterion,
+    NoiseDependence, NoiseEmFit, NoiseFit, NoiseFitSettings, NoiseFrame, NoiseMode, NoiseModeSettings,
+    NoiseValidation, ObjectSensor, OdometryNoise, OdometryNoiseSettings, OdometryWindow, SlowError, SlowErrorDecay,
+    SlowErrorFit, SlowErrorModel, SymmetricPoseError, SymmetryAxis, SymmetryGroup, SymmetryTolerance, along_camera,
+    default_detector_noise, fit_noise, fit_odometry_noise, max_symmetric_surface_distance, pose_covariance,
+    symmetric_pose_error,
 )  # fmt: skip
 
 __all__ = [
-    "Clutter", "DependentFrames", "DetectorNoise", "NoiseComponent", "NoiseCorrelation", "NoiseCriterion",
-    "NoiseDependence", "NoiseEmFit", "NoiseFit", "NoiseFitSettings", "NoiseFrame", "NoiseMode", "NoiseModeSettings",
-    "NoiseValidation", "ObjectSensor", "OdometryNoise", "OdometryNoiseSettings", "OdometryWindow", "SlowError",
-    "SlowErrorDecay", "SlowErrorFit", "SlowErrorModel", "SymmetricPoseError", "SymmetryAxis", "SymmetryGroup",
-    "SymmetryTolerance", "along_camera", "default_detector_noise", "fit_noise", "fit_odometry_noise",
+    "Clutter", "DependentFrames", "DetectorNoise", "GivenCovariance", "NoiseComponent", "NoiseCorrelation",
+    "NoiseCriterion", "NoiseDependence", "NoiseEmFit", "NoiseFit", "NoiseFitSettings", "NoiseFrame",
+    "NoiseMode", "NoiseModeSettings", "NoiseValidation", "ObjectSensor", "OdometryNoise",
+    "OdometryNoiseSettings", "OdometryWindow", "SlowError", "SlowErrorDecay", "SlowErrorFit",
+    "SlowErrorModel", "SymmetricPoseError", "SymmetryAxis", "SymmetryGroup", "SymmetryTolerance",
+    "along_camera", "default_detector_noise", "fit_noise", "fit_odometry_noise",
     "max_symmetric_surface_distance", "pose_covariance", "symmetric_pose_error",
 ]  # fmt: skip

@@ -148,6 +148,7 @@ void bind_observation(nb::module_& m);
 void bind_sequence(nb::module_& m);
 void bind_frame_estimate(nb::module_& m);
 void bind_frame_input(nb::module_& m);
+void bind_stamped_slam(nb::module_& m);
 void bind_slam(nb::module_& m);
 void bind_smoother(nb::module_& m);
 void bind_association(nb::module_& m);

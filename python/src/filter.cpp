@@ -146,6 +146,16 @@ void bind_steps(nb::class_<MultiObjectFilter>& filter) {
           "object"_a, "camera_object"_a,
           "Processes one detection T_camera_object of the object at index `object`.")
       .def(
+          "update",
+          [](F& self, std::size_t object, const Observation& observation,
+             const std::optional<ObservationSource>& source) {
+            return self.update(object, observation, source.value_or(ObservationSource{}));
+          },
+          "object"_a, "observation"_a, "source"_a = nb::none(),
+          "Processes one observation of the object at index `object`.")
+      .def("add_object", &F::add_object, "object"_a,
+           "One more object, never detected; returns its index.")
+      .def(
           "forget", [](F& self, std::size_t object) { self.forget(object); }, "object"_a,
           "Forgets an object, as if it had never been seen; what it said about the camera and "
           "others stays.")
@@ -204,6 +214,17 @@ void bind_objects(nb::class_<MultiObjectFilter>& filter) {
            "Index of the object's pose in the joint Gaussian.");
 }
 
+void bind_source(nb::module_& m) {
+  using O = ObservationSource;
+  Record<O>(m, "ObservationSource", "Where an observation comes from.")
+      .field("body_camera", &O::body_camera, "posemix.lie.SE3",
+             "T_body_camera: with several cameras the camera of the filter is their body.")
+      .field("detector", &O::detector, "int",
+             "Zero for `ObjectSensor.noise`, n for the n-th of `other_detectors`.")
+      .constructible(0)
+      .done();
+}
+
 void bind_multi_object(nb::module_& m) {
   using F = MultiObjectFilter;
   nb::class_<F> filter(m, "MultiObjectFilter", kFilterDoc);
@@ -243,6 +264,7 @@ void bind_multi_object(nb::module_& m) {
 
 void bind_multi_object_filter(nb::module_& m) {
   bind_results(m);
+  bind_source(m);
   bind_multi_object(m);
 }
 

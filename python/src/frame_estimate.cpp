@@ -39,6 +39,8 @@ void bind_reports(nb::module_& m) {
       .field("statuses", &R::statuses, "list[DetectionStatus]",
              "Results of the detections, one per object model.")
       .field("candidates", &R::candidates, "list[CandidateReport]", "Reports, one per candidate.")
+      .field("observations", &R::observations, "list[CandidateReport]",
+             "Reports, one per observation.")
       .field("update", &R::update, "UpdateReport", "Report of the Gaussian-sum filter.")
       .field("merges", &R::merges, "int", "Number of hypotheses that became one with another.")
       .field("seconds", &R::seconds, "float",

@@ -12,7 +12,7 @@ namespace posemix::python {
 
 FrameInput NamedInput::of(const std::vector<ObjectModel>& models) const {
   if (const auto* poses = std::get_if<MaybePoses>(&detections))
-    return {dt, motion, *poses, candidates};
+    return {dt, motion, *poses, candidates, observations};
   std::map<std::string, SE3d> left = std::get<0>(detections);
   MaybePoses poses;
   std::vector<std::string> ids;
@@ -26,7 +26,7 @@ FrameInput NamedInput::of(const std::vector<ObjectModel>& models) const {
     throw InvalidInput(fmt::format("no object is called '{}'; expected one of {}",
                                    left.begin()->first, fmt::join(ids, ", ")));
   }
-  return {dt, motion, std::move(poses), candidates};
+  return {dt, motion, std::move(poses), candidates, observations};
 }
 
 template <>
@@ -66,6 +66,9 @@ void bind_frame_input(nb::module_& m) {
           "detected.")
       .field("candidates", &N::candidates, "collections.abc.Sequence[Candidate]",
              "Detections that name a class, for the multi-object filter.")
+      .field("observations", &N::observations, "collections.abc.Sequence[Observation]",
+             "Detections that are mixtures, of an object model or of a class, for the multi-object "
+             "filter; their stamps are not looked at.")
       .constructible(0)
       .done();
 }

@@ -20,6 +20,7 @@ struct NamedInput {
   std::optional<SE3d> motion = {};
   Detections detections = {};
   std::vector<Candidate> candidates = {};
+  std::vector<Observation> observations = {};
 
   /// @throws InvalidInput where a detection is of no object of the models
   FrameInput of(const std::vector<ObjectModel>& models) const;

@@ -64,10 +64,11 @@ void bind_view_settings(nb::module_& m) {
              "Observations further apart than this part of the distribution of the difference of "
              "their positions are of different objects.")
       .field("mode_angle_rad", &S::mode_angle_rad, "float",
-             "For the weights of modes, views within about this angle count as one; 0: all count "
-             "[rad].")
+             "Views within this angle of each other count as about one in the weights of modes; 0: "
+             "all "
+             "count [rad].")
       .field("least_separation_m", &S::least_separation_m, "float",
-             "Of two instances nearer than this the less probable one is dropped [m].")
+             "Distance within which the less probable of two instances is dropped [m].")
       .field("max_hypotheses", &S::max_hypotheses, "int", "Hypotheses kept in a fusion.")
       .field("max_association_hypotheses", &S::max_association_hypotheses, "int",
              "Hypotheses kept in the association.")
@@ -77,7 +78,7 @@ void bind_view_settings(nb::module_& m) {
              "Whether covariances of observations replace the white error of the noise.")
       .done();
   using C = ViewClass;
-  Settings<C>(m, "ViewClass", "What is known of the objects of one class.")
+  Settings<C>(m, "ViewClass", "Detector noise and symmetries of one class of objects.")
       .field("noise", &C::noise, "posemix.noise.DetectorNoise", "Noise of the detector.")
       .field("symmetries", &C::symmetries, "SymmetryGroup", "Symmetries of the object.")
       .done();
@@ -88,7 +89,7 @@ void bind_views(nb::module_& m) {
   Record<V>(m, "View", "One image of known camera pose.")
       .field("world_camera", &V::world_camera, "posemix.lie.SE3", "T_world_camera, exact.")
       .field("observations", &V::observations, "collections.abc.Sequence[Observation]",
-             "What was detected in it.")
+             "Detections in the image.")
       .constructible(1)
       .done();
   using P = ViewSupport;
@@ -96,11 +97,12 @@ void bind_views(nb::module_& m) {
       .field("view", &P::view, "int", "Index of the view.")
       .field("observation", &P::observation, "int", "Index of the observation in the view.")
       .field("probability", &P::probability, "float",
-             "Probability that one of its poses is the leading mode.")
+             "Probability, given the leading mode, that one of its poses is of it.")
       .done();
   using I = FusedInstance;
   Record<I>(m, "FusedInstance", "An object of the scene.")
-      .field("class_id", &I::class_id, "str", "Its class, or object.")
+      .field("class_id", &I::class_id, "str",
+             "Class of the object, or its id where observations name one.")
       .field("density", &I::density,
              "posemix.mixture.Mixture[posemix.density.ConcentratedGaussian[posemix.lie.SE3]]",
              "T_world_object, the heaviest component first.")

@@ -24,6 +24,12 @@ void bind_parts(nb::module_& m) {
       .value(NoiseFrame::camera, "Axes of the camera.")
       .value(NoiseFrame::ray,
              "Axes with z along the viewing ray, and translations in units of the range.");
+  Words<GivenCovariance>(m, "GivenCovariance",
+                         "What a covariance that an observation brings itself is to the filter.")
+      .value(GivenCovariance::scaled,
+             "The covariance of the white error, times the scale that is learned.")
+      .value(GivenCovariance::as_given, "The covariance of the white error.")
+      .value(GivenCovariance::ignored, "Nothing: the white error is that of the noise.");
   using C = NoiseComponent;
   Settings<C>(m, "NoiseComponent",
               "One component of a detector's error: Y = T_camera_object offset Exp(n).")
@@ -189,6 +195,12 @@ void bind_sensor(nb::module_& m) {
              "Shape (6,): factors of the noise's standard deviations along its own axes.")
       .field("slow_scale", &S::slow_scale, "numpy.typing.ArrayLike",
              "Shape (6,): the same for the slow part of the error.")
+      .field("other_detectors", &S::other_detectors, "list[DetectorNoise]",
+             "Noise of further detectors of the object; their slow error is the same one, each in "
+             "its own units.")
+      .field("slow_units", &S::slow_units, "numpy.typing.ArrayLike | None",
+             "Shape (6, 6): from the slow error of the object's first detector that has one to "
+             "that of this detector; None is the identity.")
       .done();
   m.def(
       "pose_covariance",

@@ -104,6 +104,9 @@ void bind_sequence(nb::module_& m) {
       .field("objects", &S::objects, "list[ObjectRecording]", "Recordings of the objects.")
       .field("candidates", &S::candidates, "list[list[Candidate]]",
              "Detections that name only the class, per frame; none unless given.")
+      .field("observations", &S::observations, "list[list[Observation]]",
+             "Detections that are mixtures, per frame; the multi-object filter uses them in place "
+             "of the detections of all objects. None unless given.")
       .shown_as([](const S& self) {
         return fmt::format("<Sequence of {} frames over {:.6g} s, objects {}>", self.stamps.size(),
                            self.stamps.back() - self.stamps.front(), names_of(self));

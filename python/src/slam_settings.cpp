@@ -83,6 +83,11 @@ void bind_association_settings(nb::module_& m) {
 }
 
 void bind_slam_settings_struct(nb::module_& m) {
+  using B = BodyCamera;
+  Settings<B>(m, "BodyCamera", "A camera of several on one body.")
+      .field("name", &B::name, "str", "`Observation.camera`.")
+      .field("body_camera", &B::body_camera, "posemix.lie.SE3", "T_body_camera.")
+      .done();
   using M = MultiObjectSlamSettings;
   Settings<M>(m, "MultiObjectSlamSettings",
               "Object SLAM by the MultiObjectFilter: hypotheses of every object for itself.")
@@ -92,6 +97,12 @@ void bind_slam_settings_struct(nb::module_& m) {
              "Settings of the association of candidates.")
       .field("confirming_detections", &M::confirming_detections, "int",
              "Number of detections below which an instance is tentative.")
+      .field("cameras", &M::cameras, "list[BodyCamera]",
+             "Cameras on the body whose pose is estimated and whose motion is the odometry; none: "
+             "the camera is the body.")
+      .field("on_sight", &M::on_sight, "ObjectModel | None",
+             "Model of objects that were not declared: an observation of an unknown id begins one; "
+             "None: it is refused.")
       .done();
   using S = NamedSlamSettings;
   Settings<S>(m, "ObjectSlamSettings", "Settings of object SLAM.")
@@ -112,6 +123,9 @@ void bind_slam_settings_struct(nb::module_& m) {
              "None: it starts from its first detection.")
       .field("symmetries", &O::symmetries, "SymmetryGroup",
              "Motions that leave the object's appearance as it is; for the multi-object filter.")
+      .field("detectors", &O::detectors, "dict[str, DetectorNoise]",
+             "Noise by `Observation.detector`, for the multi-object filter; no name stands for "
+             "`noise`.")
       .field("class_id", &O::class_id, "str",
              "Class, which objects share that no detector can tell apart and whose noise and "
              "symmetries are the same; empty: the id.")

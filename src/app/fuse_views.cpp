@@ -109,9 +109,10 @@ int fuse_views_command(const FuseViewsOptions& options) {
   folder.write("groups.csv", output.table);
   folder.commit();
   if (!options.quiet) {
-    print_text(fmt::format("{} groups, {} instances, {} of probability {} or more\nResults: {}\n",
-                           job.groups.size(), output.instances, output.reported, kTableProbability,
-                           options.out));
+    print_text(fmt::format(
+        "groups:                           {}\ninstances:                        {}\n"
+        "  of probability {} or more:     {}\nresults:                          {}\n",
+        job.groups.size(), output.instances, kTableProbability, output.reported, options.out));
   }
   return kExitDone;
 }

@@ -42,7 +42,7 @@ bool comes_before(const Observation& a, const Observation& b) {
   return numbers_of(a) < numbers_of(b);
 }
 
-double stamp_of(const std::optional<StampedEstimate>& estimate) {
+double stamp_of(const std::optional<EstimateAtStamp>& estimate) {
   return estimate ? estimate->stamp_s : -std::numeric_limits<double>::infinity();
 }
 
@@ -143,7 +143,7 @@ StampAdmission StampedSlam::add_odometry(double stamp_s, const SE3d& odom_body) 
   return admission;
 }
 
-const std::optional<StampedEstimate>& StampedSlam::estimate() {
+const std::optional<EstimateAtStamp>& StampedSlam::estimate() {
   if (!newest_) return now_.estimate;
   // Odometry that may still come for an observation is newer by the history at most, and late by
   // the history at most.
@@ -153,7 +153,7 @@ const std::optional<StampedEstimate>& StampedSlam::estimate() {
   return now_.estimate;
 }
 
-const std::optional<StampedEstimate>& StampedSlam::finish() {
+const std::optional<EstimateAtStamp>& StampedSlam::finish() {
   if (newest_) play(*newest_);
   return now_.estimate;
 }

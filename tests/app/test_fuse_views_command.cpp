@@ -97,6 +97,44 @@ TEST_F(FuseViewsCommand, TakesSymmetriesAndTargets) {
   EXPECT_EQ(chosen[0]["im_id"], Json({0, 10, 20}));
 }
 
+TEST_F(FuseViewsCommand, ReadsFoldersOfDatasets) {
+  Json cameras, truth;
+  for (const BopRow& row : parse_bop_rows(read_file(folder_ / "truth.csv"), "truth.csv")) {
+    const auto numbers = [](const SE3d& pose) {
+      const Eigen::Matrix3d r = pose.rotation().matrix().transpose();  // row by row
+      const Eigen::Vector3d t = 1e3 * pose.translation();
+      return std::pair(std::vector<double>(r.data(), r.data() + 9),
+                       std::vector<double>(t.data(), t.data() + 3));
+    };
+    const std::string image = std::to_string(row.image);
+    const auto [rotation, translation] = numbers(row.pose);
+    truth[image].push_back(
+        {{"obj_id", row.object}, {"cam_R_m2c", rotation}, {"cam_t_m2c", translation}});
+    const auto [camera_r, camera_t] = numbers(row.pose * world_object(row.object).inverse());
+    cameras[image] = {{"cam_R_w2c", camera_r}, {"cam_t_w2c", camera_t}};
+  }
+  folder_.put("with/test/000003/scene_camera.json", cameras.dump());
+  folder_.put("with/models/models_info.json",
+              R"({"5": {"diameter": 100, "symmetries_discrete":
+                  [[-1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]]}})");
+  folder_.put("truth/val/000003/scene_gt.json", truth.dump());
+  // The symmetries of the dataset are known, unless they are not to be.
+  for (const auto& [arguments, agree] :
+       {std::pair("--dataset with", 4.0), std::pair("--dataset with --no-symmetries", 3.0),
+        std::pair("--dataset truth --split val", 3.0)}) {
+    const Json groups = instances(std::string(arguments) + " --groups 4");
+    ASSERT_EQ(groups[0]["instances"].size(), 2U) << arguments;
+    for (const Json& instance : groups[0]["instances"]) {
+      EXPECT_NEAR(instance["supporting_views"].get<double>(), instance["obj_id"] == 5 ? agree : 4.0,
+                  0.2)
+          << arguments;
+    }
+  }
+  const ProgramResult missing = failure("single.csv --groups 4 --dataset with --split other");
+  EXPECT_EQ(missing.exit_code, 3);
+  EXPECT_TRUE(contains(missing.err, "000003")) << missing.err;
+}
+
 TEST_F(FuseViewsCommand, NamesWhatIsWrong) {
   EXPECT_EQ(failure("single.csv --cameras cameras.csv").exit_code, 2);
   EXPECT_EQ(failure("single.csv --groups 4").exit_code, 2);

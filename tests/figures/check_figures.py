@@ -31,6 +31,7 @@ STUDIES = [
     ("salt-box", False, ["study", "salt-box"]),
     ("ycbv", True, ["study", "ycbv", "--set", 'methods=["default", "midway", "riekf"]']),
     ("tless", True, ["study", "tless"]),
+    ("fuse-views", True, ["study", "fuse-views", "--set", 'datasets=["ycbv"]', "--set", "scenes=[54]"]),
     ("noise", True, ["study", "noise", "--set", "frame=ray", "--set", "max_components=2", "--set", "restarts=2",
                      "--set", "folds=2"]),
 ]

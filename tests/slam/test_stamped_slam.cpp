@@ -69,7 +69,7 @@ StampedSlam make(const StampedSlamSettings& stamped = {}) {
   return StampedSlam(kStart, {{.id = "mug"}, {.id = "box"}}, {}, {}, stamped);
 }
 
-void expect_same(const StampedEstimate& a, const StampedEstimate& b) {
+void expect_same(const EstimateAtStamp& a, const EstimateAtStamp& b) {
   EXPECT_EQ(a.stamp_s, b.stamp_s);
   EXPECT_EQ(a.estimate.camera.mean().matrix(), b.estimate.camera.mean().matrix());
   EXPECT_EQ(a.estimate.camera.covariance(), b.estimate.camera.covariance());
@@ -93,7 +93,7 @@ TEST(StampedSlam, AnyOrderWithinTheHistoryGivesTheSameBits) {
   const std::vector<Input> inputs = sorted(recording(6.0));
   StampedSlam in_order = make();
   for (const Input& input : inputs) give(in_order, input);
-  const StampedEstimate expected = in_order.finish().value();
+  const EstimateAtStamp expected = in_order.finish().value();
   EXPECT_EQ(in_order.counts().replayed + in_order.counts().too_late, 0U);
   for (std::uint64_t seed = 0; seed < 6; ++seed) {
     // Every input comes up to 0.9 s late.
@@ -117,7 +117,7 @@ TEST(StampedSlam, AnyOrderWithinTheHistoryGivesTheSameBits) {
 TEST(StampedSlam, OlderInputIsRefusedAndCounted) {
   StampedSlam slam = make();
   for (const Input& input : sorted(recording(3.0))) give(slam, input);
-  const StampedEstimate before = slam.estimate().value();
+  const EstimateAtStamp before = slam.estimate().value();
   Observation old = std::get<Observation>(recording(1.0).back());
   old.stamp_s = 1.5;
   EXPECT_EQ(slam.add(old), StampAdmission::too_late);
@@ -130,7 +130,7 @@ TEST(StampedSlam, AStampThatJumpsBackIsAnErrorOrAReset) {
   for (const StampJump choice : {StampJump::refuse, StampJump::reset}) {
     StampedSlam slam = make({.jump_back_s = 2.0, .on_jump_back = choice});
     for (const Input& input : sorted(recording(4.0))) give(slam, input);
-    const StampedEstimate before = slam.estimate().value();
+    const EstimateAtStamp before = slam.estimate().value();
     if (choice == StampJump::refuse) {
       EXPECT_THROW(slam.add_odometry(0.5, SE3d()), InvalidInput);
       expect_same(slam.estimate().value(), before);
@@ -158,7 +158,7 @@ TEST(StampedSlam, ObservationsWaitForOdometryAndAreAppliedAtTheirTime) {
   EXPECT_FALSE(slam.estimate()->estimate.object("mug").world.has_value());
   slam.add_odometry(0.5, body_at(0.5));
   EXPECT_EQ(slam.waiting(), 0U);
-  const StampedEstimate now = slam.estimate().value();
+  const EstimateAtStamp now = slam.estimate().value();
   EXPECT_EQ(now.stamp_s, 0.5);
   EXPECT_LT((now.estimate.object("mug").world->mean().inverse() * mug).log().norm(), 1e-9);
 }
@@ -197,7 +197,7 @@ TEST(StampedSlam, ObservationsOfOneStampAreTakenInAFixedOrder) {
 TEST(StampedSlam, RefusesWhatIsNotValidAndChangesNothing) {
   StampedSlam slam = make();
   for (const Input& input : sorted(recording(1.0))) give(slam, input);
-  const StampedEstimate before = slam.estimate().value();
+  const EstimateAtStamp before = slam.estimate().value();
   const double nan = std::numeric_limits<double>::quiet_NaN();
   Observation seen{.object = "mug", .stamp_s = 1.0};
   EXPECT_THROW(slam.add(seen), InvalidInput);  // no components

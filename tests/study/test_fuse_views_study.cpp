@@ -5,6 +5,7 @@
 
 #include <set>
 
+#include "posemix/config/detector_noise.hpp"
 #include "posemix/testing/data.hpp"
 #include "posemix/testing/expect.hpp"
 #include "study/fuse_views/report.hpp"
@@ -74,7 +75,12 @@ TEST(FuseViewsStudy, CountsWhatIsFound) {
   }
   const std::vector<std::string> results{rows.dump()};
   const StudyReport report = report_fuse_views(results);
-  ASSERT_EQ(report.files.size(), 3U);
+  ASSERT_EQ(report.files.size(), 4U);
+  EXPECT_EQ(report.files[3].name, "noise-ycbv.toml");
+  const TomlDocument noise = TomlDocument::parse(report.files[3].content, "noise.toml");
+  EXPECT_EQ(
+      read_detector_noise(noise.root().get_table("noise").get_table("detector")).clutter().weight,
+      default_detector_noise().clutter().weight);
   EXPECT_EQ(report.files[0].name, "study.json");
   const Json study = Json::parse(report.files[0].content);
   EXPECT_EQ(study["rows"].size(), 18U);

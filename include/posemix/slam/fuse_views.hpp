@@ -67,7 +67,7 @@ struct FuseViewsSettings {
 struct ViewSupport {
   std::size_t view = 0;
   std::size_t observation = 0;  ///< index in the view
-  /// Probability that one of its poses is the leading mode, up to the detector's error.
+  /// Probability, given the leading mode, that one of its poses is of it, up to the error.
   double probability = 0.0;
 };
 

@@ -49,6 +49,14 @@ enum class StampAdmission {
   too_late   ///< older than the history, and left out
 };
 
+/// The words of StampAdmission in messages and in Python.
+template <>
+inline constexpr WordTable<StampAdmission, 3> words<StampAdmission>{{
+    {"taken", StampAdmission::taken},
+    {"replayed", StampAdmission::replayed},
+    {"too_late", StampAdmission::too_late},
+}};
+
 /// Number of inputs by what became of them.
 struct StampCounts {
   std::size_t taken = 0;
@@ -58,7 +66,7 @@ struct StampCounts {
 };
 
 /// An estimate and its time.
-struct StampedEstimate {
+struct EstimateAtStamp {
   double stamp_s;
   FrameEstimate estimate;
 };
@@ -95,10 +103,10 @@ class StampedSlam {
 
   /// The estimate at the newest stamp; with odometry, at the newest that odometry has reached. None
   /// before the first.
-  const std::optional<StampedEstimate>& estimate();
+  const std::optional<EstimateAtStamp>& estimate();
   /// The same with all observations, also those that wait for odometry, which are then frames
   /// without it; for the end of a recording.
-  const std::optional<StampedEstimate>& finish();
+  const std::optional<EstimateAtStamp>& finish();
 
   const StampCounts& counts() const { return counts_; }
   /// Observations that wait for odometry.
@@ -115,7 +123,7 @@ class StampedSlam {
   /// The tracker after the frames up to a stamp.
   struct State {
     MultiObjectSlam slam;
-    std::optional<StampedEstimate> estimate = {};
+    std::optional<EstimateAtStamp> estimate = {};
   };
 
   /// @throws InvalidInput for a stamp that has jumped

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "posemix/base/statistics.hpp"
+#include "run.hpp"
 #include "study/engine/table.hpp"
 
 namespace posemix {
@@ -131,6 +132,21 @@ std::string summary_text(const StudyTable& summary) {
   return turned.text(3);
 }
 
+/// For every dataset the noise learned for its first scene, for use beyond the study.
+std::map<std::string, std::string> learned_noises(
+    const std::map<std::vector<std::string>, Rows>& cases) {
+  std::map<std::string, std::string> noises;
+  for (const auto& [key, rows] : cases) {
+    const Json& row = rows.front();
+    if (!row.contains(kLearnedNoise)) continue;
+    noises.try_emplace(key.front(), "# Learned without scene " +
+                                        std::to_string(row.at("scene").get<std::int64_t>()) +
+                                        " and those that were judged with it.\n" +
+                                        row.at(kLearnedNoise).get<std::string>());
+  }
+  return noises;
+}
+
 }  // namespace
 
 StudyReport report_fuse_views(std::span<const std::string> results) {
@@ -159,6 +175,8 @@ StudyReport report_fuse_views(std::span<const std::string> results) {
   report.files = {{"study.json", format_study("fuse-views", table, summary)},
                   {"fuse-views.csv", table.csv()},
                   {"summary.csv", summary.csv()}};
+  for (auto& [dataset, noise] : learned_noises(cases))
+    report.files.push_back({"noise-" + dataset + ".toml", std::move(noise)});
   report.summary = summary_text(summary);
   return report;
 }

@@ -9,10 +9,12 @@
 
 #include <nlohmann/json.hpp>
 
+#include "counts.hpp"
+#include "metric.hpp"
 #include "posemix/base/units.hpp"
+#include "posemix/config/noise_toml.hpp"
 #include "posemix/io/bop_views.hpp"
 #include "posemix/slam/observed_error.hpp"
-#include "posemix/slam/symmetric_error.hpp"
 
 namespace posemix {
 namespace {
@@ -31,121 +33,6 @@ struct FuseViewsCase {
   bool declared;
   const char* noise;
   const LearnedDetector* detector;  ///< null: the default
-};
-
-struct FuseViewsErrors {
-  double rotation_deg;
-  double translation_m;
-  double mssd_m;
-  double mssd_recall;  ///< share of BOP's thresholds, 5 % to 50 % of the diameter, that are kept
-
-  bool within(double deg, double metres) const {
-    return rotation_deg <= deg && translation_m <= metres;
-  }
-};
-
-/// Errors against the nearest equivalent of the truth, for objects of one dataset.
-class FuseViewsMetric {
- public:
-  explicit FuseViewsMetric(const FuseViewsObjects& objects, double match_m)
-      : objects_(objects), match_m_(match_m) {}
-
-  const SymmetryGroup& symmetries(std::int64_t object) const {
-    static const SymmetryGroup kNone;
-    const auto group = objects_.symmetries.find(object);
-    return group == objects_.symmetries.end() ? kNone : group->second;
-  }
-  FuseViewsErrors errors(std::int64_t object, const SE3d& estimate, const SE3d& truth) const {
-    static const ObjectBox kCube{Eigen::Vector3d::Constant(-0.05), Eigen::Vector3d::Constant(0.1)};
-    const auto known = objects_.boxes.find(object);
-    const ObjectBox& box = known == objects_.boxes.end() ? kCube : known->second;
-    const SymmetryGroup& group = symmetries(object);
-    const SymmetricPoseError error = symmetric_pose_error(estimate, truth, group);
-    const double mssd = max_symmetric_surface_distance(estimate, truth, box.corners(), group);
-    int kept = 0;
-    for (int i = 1; i <= 10; ++i) kept += mssd < 0.05 * i * box.size_m.norm() ? 1 : 0;
-    return {degrees(error.rotation_rad), error.translation_m, mssd, 0.1 * kept};
-  }
-  /// Index of the pose nearest to the true one; empty where none is near.
-  std::optional<std::size_t> nearest(const std::vector<SE3d>& poses, const SE3d& truth) const {
-    std::optional<std::size_t> best;
-    double least = match_m_;
-    for (std::size_t i = 0; i < poses.size(); ++i) {
-      const double distance = (poses[i].translation() - truth.translation()).norm();
-      if (distance > least) continue;
-      least = distance;
-      best = i;
-    }
-    return best;
-  }
-
- private:
-  const FuseViewsObjects& objects_;
-  double match_m_;
-};
-
-/// Recall of one source over the objects of images.
-struct FuseViewsRecall {
-  std::int64_t found = 0;
-  std::int64_t within_wide = 0;
-  std::int64_t within_narrow = 0;
-  double mssd = 0.0;
-  std::vector<double> rotation_deg, translation_m, mssd_m;  ///< where both sources found it
-
-  void add(const std::optional<FuseViewsErrors>& errors, bool both) {
-    if (!errors) return;
-    ++found;
-    within_wide += errors->within(20.0, 0.05) ? 1 : 0;
-    within_narrow += errors->within(10.0, 0.02) ? 1 : 0;
-    mssd += errors->mssd_recall;
-    if (!both) return;
-    rotation_deg.push_back(errors->rotation_deg);
-    translation_m.push_back(errors->translation_m);
-    mssd_m.push_back(errors->mssd_m);
-  }
-  void write(Json& row, const std::string& prefix) const {
-    row[prefix + "found"] = found;
-    row[prefix + "within_20deg_5cm"] = within_wide;
-    row[prefix + "within_10deg_2cm"] = within_narrow;
-    row[prefix + "mssd_recall"] = mssd;
-    row[prefix + "rotation_deg"] = rotation_deg;
-    row[prefix + "translation_m"] = translation_m;
-    row[prefix + "mssd_m"] = mssd_m;
-  }
-};
-
-/// What is counted of one kind of run over one scene.
-struct FuseViewsCounts {
-  std::int64_t groups = 0, pairs = 0, instances = 0, instances_found = 0, right_mode = 0;
-  std::int64_t reported = 0, reported_false = 0, rows = 0, rows_false = 0;
-  FuseViewsRecall single, fused;
-  std::vector<double> nees, rotation_nees, position_nees, dof;  ///< of instances in the right mode
-  std::vector<double> mode_probability;                         ///< of all that are found
-  double probability = 0.0;  ///< sum over all instances that are output
-  std::int64_t output = 0, output_true = 0;
-
-  Json json() const {
-    Json row = {{"groups", groups},
-                {"pairs", pairs},
-                {"instances", instances},
-                {"instances_found", instances_found},
-                {"right_mode", right_mode},
-                {"reported", reported},
-                {"reported_false", reported_false},
-                {"rows", rows},
-                {"rows_false", rows_false},
-                {"output", output},
-                {"output_true", output_true},
-                {"probability", probability}};
-    single.write(row, "single_");
-    fused.write(row, "fused_");
-    row["nees"] = nees;
-    row["rotation_nees"] = rotation_nees;
-    row["position_nees"] = position_nees;
-    row["dof"] = dof;
-    row["mode_probability"] = mode_probability;
-    return row;
-  }
 };
 
 class FuseViewsRun {
@@ -329,6 +216,8 @@ Json run_fuse_views(const MultiViewScene& scene, const FuseViewsStudySettings& s
                 {"input", word_of(kind.use)},
                 {"symmetries", kind.declared ? "declared" : "none"},
                 {"noise", kind.noise}};
+    if (kind.detector == &learned)
+      row[kLearnedNoise] = format_noise_toml("detector", learned.noise);
     row.update(FuseViewsRun(scene, settings, kind).counts().json());
     rows.push_back(std::move(row));
   }

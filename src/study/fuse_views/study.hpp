@@ -48,7 +48,8 @@ FuseViewsStudySettings read_fuse_views_settings(const TomlTable& table);
 /// observations, with declared symmetries and with none. Camera poses follow from the true poses
 /// of the objects. Errors are against the nearest equivalent of the truth in all of them.
 ///
-/// Report: study.json and fuse-views.csv (one row per scene and kind of input) and summary.csv.
+/// Report: study.json and fuse-views.csv (one row per scene and kind of input), summary.csv, and
+/// noise-DATASET.toml with a learned noise.
 /// @throws InvalidInput when the data are missing, or have none of the scenes
 Study make_fuse_views_study(const FuseViewsStudySettings& settings);
 

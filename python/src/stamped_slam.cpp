@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "posemix/slam/stamped_slam.hpp"
+
+#include "arrays.hpp"
+#include "copies.hpp"
+#include "record.hpp"
+#include "slam.hpp"
+#include "words.hpp"
+
+namespace posemix::python {
+namespace {
+
+constexpr const char* kStampedSlamDoc =
+    R"(Object SLAM by stamps: observations and odometry come late and in any order.
+
+The result is that of the inputs sorted by their stamps, whatever the order in which they come, to
+the last bit, as long as none is older than the history. Observations newer than the odometry wait
+for it.
+
+Parameters
+----------
+body : ConcentratedGaussian
+    Prior of T_world_body at the first stamp; the body is the camera where there is one.
+objects : sequence of ObjectModel
+    The objects.
+settings : MultiObjectSlamSettings, optional
+    Filter, association, cameras of the body.
+motion : MotionSettings, optional
+    Motion model of the body.
+stamped : StampedSlamSettings, optional
+    History, and stamps that jump.
+record_hypotheses : bool, optional
+    Whether every estimate holds the alternatives of every object.
+
+Raises
+------
+ValueError
+    When a setting is out of range or models do not fit each other.
+
+Examples
+--------
+>>> from posemix import (SE3, ConcentratedGaussian, ObjectModel, Observation, ObservationComponent,
+...                      StampedSlam, pose_covariance)
+>>> slam = StampedSlam(ConcentratedGaussian(SE3(), pose_covariance(0.001, 0.002)), [ObjectModel("mug")])
+>>> for stamp in (10.0, 10.1):
+...     _ = slam.add_odometry(stamp, SE3())
+>>> late = Observation([ObservationComponent(SE3(translation=[0, 0, 0.8]))], object="mug", stamp_s=10.05)
+>>> slam.add(late)
+<StampAdmission.replayed: 'replayed'>
+>>> slam.estimate().estimate["mug"].world.mean.translation.round(2)
+array([0. , 0. , 0.8])
+)";
+
+void bind_stamps(nb::module_& m) {
+  Words<StampJump>(m, "StampJump", "What happens where a stamp lies far before the newest one.")
+      .value(StampJump::refuse, "ValueError.")
+      .value(StampJump::reset, "All is forgotten, and begins with that stamp.");
+  Words<StampAdmission>(m, "StampAdmission", "What became of an input.")
+      .value(StampAdmission::taken, "Newer than all before.")
+      .value(StampAdmission::replayed, "Late, and what came after it is played again.")
+      .value(StampAdmission::too_late, "Older than the history, and left out.");
+  using S = StampedSlamSettings;
+  Settings<S>(m, "StampedSlamSettings", "Settings of StampedSlam.")
+      .field("history_s", &S::history_s, "float",
+             "Inputs that are up to so much older than the newest stamp are taken in at their own "
+             "time [s]; older ones are refused and counted.")
+      .field("jump_back_s", &S::jump_back_s, "float",
+             "A stamp that is older by more than this has jumped back [s].")
+      .field("on_jump_back", &S::on_jump_back, "StampJump", "What happens then.")
+      .field("jump_ahead_s", &S::jump_ahead_s, "float",
+             "A stamp may be so much newer than the newest before it [s].")
+      .field("checkpoints", &S::checkpoints, "int",
+             "Copies of the state over the history from which it is played again.")
+      .done();
+  using C = StampCounts;
+  Record<C>(m, "StampCounts", "Number of inputs by what became of them.")
+      .field("taken", &C::taken, "int", "Newer than all before.")
+      .field("replayed", &C::replayed, "int", "Late, within the history.")
+      .field("too_late", &C::too_late, "int", "Refused.")
+      .field("resets", &C::resets, "int", "Number of resets.")
+      .done();
+  using E = EstimateAtStamp;
+  Record<E>(m, "EstimateAtStamp", "An estimate and its time.")
+      .field("stamp_s", &E::stamp_s, "float", "Time of the estimate [s].")
+      .field("estimate", &E::estimate, "FrameEstimate", "The estimate.")
+      .done();
+}
+
+}  // namespace
+
+void bind_stamped_slam(nb::module_& m) {
+  bind_stamps(m);
+  using S = StampedSlam;
+  nb::class_<S> slam(m, "StampedSlam", kStampedSlamDoc);
+  slam.def(
+      "__init__",
+      [](S* self, const Argument<ConcentratedSE3>& body, const Argument<Models>& objects,
+         const std::optional<MultiObjectSlamSettings>& settings,
+         const std::optional<MotionSettings>& motion,
+         const std::optional<StampedSlamSettings>& stamped, bool record) {
+        new (self)
+            S(body.as("body", kOneDensity), models_of(objects, "objects"),
+              settings.value_or(MultiObjectSlamSettings{}), motion.value_or(MotionSettings{}),
+              stamped.value_or(StampedSlamSettings{}), record);
+      },
+      "body"_a, "objects"_a, "settings"_a = nb::none(), "motion"_a = nb::none(),
+      "stamped"_a = nb::none(), "record_hypotheses"_a = false);
+  slam.def("add", &S::add, "observation"_a,
+           "Takes in an observation at its stamp.\n\n"
+           "Raises\n------\nValueError\n    For an observation that is not valid, names what is "
+           "not known, or whose stamp has jumped; nothing is changed.\n")
+      .def(
+          "add_odometry",
+          [](S& self, double stamp_s, const Argument<SE3d>& odom_body) {
+            return self.add_odometry(stamp_s, odom_body.as("odom_body"));
+          },
+          "stamp_s"_a, "odom_body"_a,
+          "Takes in T_odom_body at a time [s].\n\n"
+          "Raises\n------\nValueError\n    For a stamp that has jumped or has a pose already; "
+          "nothing is changed.\n")
+      .def(
+          "estimate", [](S& self) { return self.estimate(); },
+          "The estimate at the newest stamp; with odometry, at the newest that odometry has "
+          "reached. None before the first.")
+      .def(
+          "finish", [](S& self) { return self.finish(); },
+          "The same with the observations that wait for odometry, as frames without it.")
+      .def_prop_ro(
+          "counts", [](const S& self) { return self.counts(); }, "Inputs by what became of them.")
+      .def_prop_ro("waiting", &S::waiting, "Number of observations that wait for odometry.");
+  with_copies(slam);
+}
+
+}  // namespace posemix::python
