@@ -50,6 +50,7 @@ void require_hypothesis(std::size_t hypothesis, std::size_t object, std::size_t 
 JointState marginal_of(const JointGaussian& joint, const std::vector<std::size_t>& order) {
   std::vector<SE3d> poses;
   JointState state;
+  const Eigen::MatrixXd all = joint.covariance();
   state.covariance.resize(offset(order.size()), offset(order.size()));
   for (std::size_t i = 0; i < order.size(); ++i) {
     if (joint.is_pose(order[i])) {
@@ -59,7 +60,7 @@ JointState marginal_of(const JointGaussian& joint, const std::vector<std::size_t
       state.slow.tail<kPoseDof>() = joint.slow(order[i]);
     }
     for (std::size_t k = 0; k < order.size(); ++k)
-      block(state.covariance, i, k) = joint.covariance(order[i], order[k]);
+      block(state.covariance, i, k) = block(all, order[i], order[k]);
   }
   state.poses = PoseStackd(std::move(poses));
   return state;
@@ -133,7 +134,7 @@ void MultiObjectFilter::forget(std::size_t object) {
   hypotheses_of_all().forget(object);
 }
 
-std::size_t MultiObjectFilter::object_count() const { return current().objects.size(); }
+std::size_t MultiObjectFilter::object_count() const { return hypotheses_of_all().object_count(); }
 
 Vector6d MultiObjectFilter::noise_scale(std::size_t object) const {
   return sensor(object).noise_scale;
@@ -215,18 +216,22 @@ ConcentratedGaussian<SE3d> MultiObjectFilter::predicted_detection(std::size_t ob
                                              state.camera.inverse().adjoint_congruence(covariance));
 }
 
-ConcentratedGaussian<PoseStackd> MultiObjectFilter::joint() const {
-  const JointGaussian& joint = current().joint;
-  std::vector<std::size_t> order;
-  for (std::size_t i = 0; i < joint.size(); ++i) {
-    if (joint.is_pose(i)) order.push_back(i);
-  }
-  JointState state = marginal_of(joint, order);
-  for (std::size_t j = 0; j < object_count(); ++j) {
-    if (const auto i = pose_index(j))
-      block(state.covariance, *i, *i) += unseen_covariance(j, state.poses[*i]);
-  }
-  return ConcentratedGaussian<PoseStackd>::trusted(state.poses, std::move(state.covariance));
+ConcentratedGaussian<PoseStackd> MultiObjectFilter::joint() const { return current_joint(); }
+
+const ConcentratedGaussian<PoseStackd>& MultiObjectFilter::current_joint() const {
+  return hypotheses_of_all().joint();
+}
+
+bool MultiObjectFilter::is_known(std::size_t object) const {
+  require_object(object, object_count());
+  return hypotheses_of_all().is_known(object);
+}
+
+std::vector<std::optional<LeadingEstimate>> MultiObjectFilter::leading_estimates() const {
+  std::vector<std::optional<LeadingEstimate>> list;
+  for (const TrackedObject& object : current().objects)
+    list.push_back(current().leading_estimate(object));
+  return list;
 }
 
 std::optional<std::size_t> MultiObjectFilter::pose_index(std::size_t object) const {

@@ -63,19 +63,6 @@ MultiObjectState::MultiObjectState(const ConcentratedGaussian<SE3d>& camera,
   }
 }
 
-Matrix6d MultiObjectState::unseen_covariance(const TrackedObject& object, const SE3d& pose) {
-  const ObjectSensor& sensor = object.detector.sensor();
-  Matrix6d local = sensor.symmetries.unobserved_covariance();
-  if (const auto common = sensor.common_covariance()) local += *common;
-  return pose.adjoint_congruence(local);
-}
-
-DetectionState MultiObjectState::reported(const TrackedObject& object, std::size_t h) const {
-  DetectionState state = object.belief.state(joint, h);
-  state.covariance.block<6, 6>(kObjectRow, kObjectRow) += unseen_covariance(object, state.object);
-  return state;
-}
-
 GainFactors MultiObjectState::gain_factors(const TrackedObject& object) const {
   // A considered camera is one for every detection.
   if (settings.has_odometry && settings.camera_gain == 0.0)
@@ -202,6 +189,7 @@ ObservedDetection MultiObjectState::observe(std::size_t j, const SE3d& detected)
 ObjectUpdateReport MultiObjectState::update(std::size_t j, const ObservedDetection& observed,
                                             bool may_start, LogTotals& evidence) {
   TrackedObject& object = objects[j];
+  object.last_update = ++update_count;
   ObjectBelief& belief = object.belief;
   const ObjectSensor& sensor = object.detector.sensor();
   const std::vector<DetectionUpdate>& updates = observed.updates;

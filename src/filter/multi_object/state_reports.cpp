@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include <utility>
+#include <vector>
+
+#include "multi_object_state.hpp"
+#include "posemix/filter/update.hpp"
+
+/// What is reported of a state.
+namespace posemix::internal {
+
+Matrix6d MultiObjectState::unseen_covariance(const TrackedObject& object, const SE3d& pose) {
+  const ObjectSensor& sensor = object.detector.sensor();
+  Matrix6d local = sensor.symmetries.unobserved_covariance();
+  if (const auto common = sensor.common_covariance()) local += *common;
+  return pose.adjoint_congruence(local);
+}
+
+DetectionState MultiObjectState::reported(const TrackedObject& object, std::size_t h) const {
+  DetectionState state = object.belief.state(joint, h);
+  state.covariance.block<6, 6>(kObjectRow, kObjectRow) += unseen_covariance(object, state.object);
+  return state;
+}
+
+ConcentratedGaussian<PoseStackd> MultiObjectState::reported_joint() const {
+  const Eigen::MatrixXd all = joint.covariance();
+  std::vector<SE3d> poses;
+  std::vector<Eigen::Index> coordinates;
+  std::vector<std::size_t> pose_of(joint.size(), 0);
+  for (std::size_t i = 0; i < joint.size(); ++i) {
+    if (!joint.is_pose(i)) continue;
+    pose_of[i] = poses.size();
+    poses.push_back(joint.pose(i));
+    for (Eigen::Index k = 0; k < kPoseDof; ++k) coordinates.push_back(offset(i) + k);
+  }
+  Eigen::MatrixXd covariance = all(coordinates, coordinates);
+  for (const TrackedObject& object : objects) {
+    const auto index = object.belief.pose_index();
+    if (!index) continue;
+    const std::size_t i = pose_of[*index];
+    block(covariance, i, i) += unseen_covariance(object, poses[i]);
+  }
+  return ConcentratedGaussian<PoseStackd>::trusted(PoseStackd(std::move(poses)),
+                                                   std::move(covariance));
+}
+
+std::optional<LeadingEstimate> MultiObjectState::leading_estimate(
+    const TrackedObject& object) const {
+  const auto leading = object.belief.leading();
+  if (!leading) return std::nullopt;
+  const DetectionState state = reported(object, *leading);
+  const ConcentratedGaussian<PoseStackd> pair = ConcentratedGaussian<PoseStackd>::trusted(
+      PoseStackd({state.camera, state.object}),
+      Eigen::MatrixXd(state.covariance.topLeftCorner<12, 12>()));
+  return LeadingEstimate{marginal(pair, 1), relative_pose(pair, 0, 1)};
+}
+
+}  // namespace posemix::internal
