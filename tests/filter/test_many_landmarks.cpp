@@ -102,6 +102,15 @@ TEST_F(ManyLandmarks, PassiveOnesAreThoseOfTheDenseFilter) {
   GlobalHypotheses dense = filter_of(one_mode(false, false), plain_settings(), kDense);
   GlobalHypotheses compressed = filter_of(one_mode(false, false), plain_settings(), kFew);
   run(dense, compressed, 300, 0.0);
+  const auto joint = compressed.joint();
+  const auto estimates = compressed.summary().leading_estimates();
+  for (std::size_t j = 0; j < estimates.size(); ++j) {
+    const auto index = compressed.summary().objects[j].belief.pose_index();
+    ASSERT_TRUE(index && estimates[j]);
+    EXPECT_TRUE(estimates[j]->world.covariance().isApprox(marginal(joint, *index).covariance()));
+    EXPECT_TRUE(estimates[j]->relative.covariance().isApprox(
+        relative_pose(joint, 0, *index).covariance(), 1e-9));
+  }
   EXPECT_LT(difference(dense, compressed), 1e-8);
 }
 

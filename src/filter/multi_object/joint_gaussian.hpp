@@ -47,6 +47,12 @@ struct CameraAlternative {
 /// Blocks of two joint Gaussians that are the same, by their index in each.
 using BlockPairs = std::vector<std::pair<std::size_t, std::size_t>>;
 
+/// Second moments of a pose.
+struct PoseMoments {
+  Matrix6d covariance;        ///< Cov(xi)
+  Matrix6d cross_covariance;  ///< Cov(xi, xi_C)
+};
+
 /// The change of the camera by a detection.
 struct CameraChange {
   Vector6d mean;        ///< in the tangent space at the mean before, K z
@@ -100,6 +106,9 @@ class JointGaussian {
   }
   /// Pose and slow error of the object at `index`, given the camera.
   ConditionalPose conditional(std::size_t index) const;
+
+  /// Covariance of every pose, and with the camera, by the index of its block.
+  std::vector<PoseMoments> pose_moments() const;
 
   /// Appends an object that depends on the rest through the camera alone. Returns its index.
   std::size_t append(const ConditionalPose& object);

@@ -228,10 +228,7 @@ bool MultiObjectFilter::is_known(std::size_t object) const {
 }
 
 std::vector<std::optional<LeadingEstimate>> MultiObjectFilter::leading_estimates() const {
-  std::vector<std::optional<LeadingEstimate>> list;
-  for (const TrackedObject& object : current().objects)
-    list.push_back(current().leading_estimate(object));
-  return list;
+  return current().leading_estimates();
 }
 
 std::optional<std::size_t> MultiObjectFilter::pose_index(std::size_t object) const {

@@ -55,8 +55,8 @@ struct MultiObjectState {
   DetectionState reported(const TrackedObject& object, std::size_t h) const;
   /// The joint Gaussian of camera and leading hypotheses as it is reported.
   ConcentratedGaussian<PoseStackd> reported_joint() const;
-  /// The leading hypothesis of an object as it is reported.
-  std::optional<LeadingEstimate> leading_estimate(const TrackedObject& object) const;
+  /// The leading hypothesis of every object as it is reported.
+  std::vector<std::optional<LeadingEstimate>> leading_estimates() const;
   /// What a report adds to the covariance of an object at `pose`, world frame.
   static Matrix6d unseen_covariance(const TrackedObject& object, const SE3d& pose);
   /// Whether the gain of a detection of the object is damped: with odometry, for a detector of

@@ -58,6 +58,18 @@ void follow_camera(ConditionalPose& pose, const CameraMoments& before, const Cam
 void follow_camera(ConditionalPose& pose, const Eigen::LLT<Matrix6d>& factor,
                    const CameraMoments& before, const CameraMoments& after) {
   // G = P_OC P_CC^-1, O <- Exp(G (m' - m)) O, P_OO += G (P_CC' - P_CC) G^T, P_OC <- G P_CC'.
+  if (!pose.slow) {
+    const Matrix6d cross = pose.cross_covariance.topRows<6>();
+    const Matrix6d g = factor.solve(cross.transpose()).transpose();
+    const Vector6d shift = g * (after.mean - before.mean);
+    pose.pose = SE3d::exp(shift) * pose.pose;
+    Matrix6d own = pose.covariance.topLeftCorner<6, 6>();
+    own += g * (after.covariance - before.covariance) * g.transpose();
+    symmetrize(own);
+    pose.covariance.topLeftCorner<6, 6>() = own;
+    pose.cross_covariance.topRows<6>() = g * after.covariance;
+    return;
+  }
   const Matrix12x6d g = regression_on_camera(pose.cross_covariance, factor);
   const Vector12d shift = g * (after.mean - before.mean);
   move(pose, shift);

@@ -94,6 +94,32 @@ MatrixXd JointGaussian::covariance() const {
   return half.selfadjointView<Eigen::Lower>();
 }
 
+std::vector<PoseMoments> JointGaussian::pose_moments() const {
+  std::vector<PoseMoments> result(size());
+  std::vector<std::size_t> passive;
+  for (std::size_t i = 0; i < size(); ++i) {
+    if (is_active(i)) {
+      result[i] = {covariance(i, i), covariance(i, kCamera)};
+    } else if (is_pose(i)) {
+      passive.push_back(i);
+    }
+  }
+  if (passive.empty()) return result;
+  const std::vector<Index> y = carrier_coordinates();
+  const MatrixXd u = loadings(passive);
+  const MatrixXd cross = u * MatrixXd(covariance_(y, Eigen::seqN(0, 6)));
+  // U Psi U^T is the sum of a half and its transpose.
+  MatrixXd psi = covariance_(y, y);
+  psi.diagonal() *= 0.5;
+  const MatrixXd left = u * psi.triangularView<Eigen::Lower>();
+  for (std::size_t k = 0; k < passive.size(); ++k) {
+    const Matrix6d half = rows(left, k) * rows(u, k).transpose();
+    const Index row = blocks_[passive[k]].row;
+    result[passive[k]] = {base(row, row) + half + half.transpose(), rows(cross, k)};
+  }
+  return result;
+}
+
 void JointGaussian::expand() {
   covariance_ = covariance();
   carriers_.clear();

@@ -44,15 +44,25 @@ ConcentratedGaussian<PoseStackd> MultiObjectState::reported_joint() const {
                                                    std::move(covariance));
 }
 
-std::optional<LeadingEstimate> MultiObjectState::leading_estimate(
-    const TrackedObject& object) const {
-  const auto leading = object.belief.leading();
-  if (!leading) return std::nullopt;
-  const DetectionState state = reported(object, *leading);
-  const ConcentratedGaussian<PoseStackd> pair = ConcentratedGaussian<PoseStackd>::trusted(
-      PoseStackd({state.camera, state.object}),
-      Eigen::MatrixXd(state.covariance.topLeftCorner<12, 12>()));
-  return LeadingEstimate{marginal(pair, 1), relative_pose(pair, 0, 1)};
+std::vector<std::optional<LeadingEstimate>> MultiObjectState::leading_estimates() const {
+  const std::vector<PoseMoments> moments = joint.pose_moments();
+  std::vector<std::optional<LeadingEstimate>> list;
+  for (const TrackedObject& object : objects) {
+    const auto index = object.belief.pose_index();
+    if (!index) {
+      list.emplace_back();
+      continue;
+    }
+    const SE3d& pose = joint.pose(*index);
+    const auto& [own, cross] = moments[*index];
+    Eigen::MatrixXd covariance(12, 12);
+    covariance << moments[kCamera].covariance, cross.transpose(), cross,
+        own + unseen_covariance(object, pose);
+    const auto pair = ConcentratedGaussian<PoseStackd>::trusted(
+        PoseStackd({joint.pose(kCamera), pose}), std::move(covariance));
+    list.push_back(LeadingEstimate{marginal(pair, 1), relative_pose(pair, 0, 1)});
+  }
+  return list;
 }
 
 }  // namespace posemix::internal
