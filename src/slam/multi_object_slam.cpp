@@ -168,7 +168,7 @@ FrameEstimate MultiObjectSlam::frame_estimate(FrameReport report) const {
         frame.objects[object] ? std::optional(filter_.mode_probability(object)) : std::nullopt);
     if (!record_hypotheses_) continue;
     std::vector<ObjectAlternative>& alternatives = frame.alternatives.emplace_back();
-    for (const ObjectHypothesis& hypothesis : filter_.hypotheses(object))
+    for (const HypothesisMean& hypothesis : filter_.hypothesis_means(object))
       alternatives.push_back({hypothesis.probability, hypothesis.pose, hypothesis.id});
   }
   return frame;

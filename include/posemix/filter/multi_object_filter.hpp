@@ -88,6 +88,13 @@ struct ObjectHypothesis {
   std::uint64_t detections = 0;  ///< number of detections since its birth
 };
 
+/// A hypothesis of an object without its covariance.
+struct HypothesisMean {
+  SE3d pose;  ///< T_world_object
+  double probability = 0.0;
+  std::uint64_t id = 0;
+};
+
 /// The leading hypothesis of an object.
 struct LeadingEstimate {
   ConcentratedGaussian<SE3d> world;     ///< T_world_object
@@ -182,6 +189,8 @@ class MultiObjectFilter {
   Mixture<ConcentratedGaussian<SE3d>> object_mixture(std::size_t object) const;
   /// The hypotheses of an object; empty until it was seen.
   std::vector<ObjectHypothesis> hypotheses(std::size_t object) const;
+  /// The same without covariances, which cost most.
+  std::vector<HypothesisMean> hypothesis_means(std::size_t object) const;
   /// Index of the leading hypothesis.
   std::optional<std::size_t> leading(std::size_t object) const;
   /// Probability of the leading hypothesis, with dependent detections counted once.

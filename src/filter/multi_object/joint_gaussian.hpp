@@ -75,12 +75,12 @@ using SixColumns = Eigen::Matrix<double, Eigen::Dynamic, 6>;
 /// detector has one; with their full covariance B (docs/many-objects.md). A block has six
 /// coordinates.
 ///
-/// Blocks are active or passive ("Hundreds of landmarks"; guivant2001optimization). Those of the camera and of objects that
-/// were seen lately are active, and their moments are stored. A passive block follows them,
-/// x = s (x_0 + U y): x_0 has the covariance of a base that does not change, and the carriers y,
-/// few coordinates that all passive blocks share, have moments like those of an active block. All
-/// that changes the active blocks and the carriers by linear maps thus changes the passive ones in
-/// no time, exactly. All blocks are active until rebase() is called.
+/// Blocks are active or passive ("Hundreds of landmarks"; guivant2001optimization). Those of the
+/// camera and of objects that were seen lately are active, and their moments are stored. A passive
+/// block follows them, x = s (x_0 + U y): x_0 has the covariance of a base that does not change,
+/// and the carriers y, few coordinates that all passive blocks share, have moments like those of an
+/// active block. All that changes the active blocks and the carriers by linear maps thus changes
+/// the passive ones in no time, exactly. All blocks are active until rebase() is called.
 ///
 /// Invariants: the camera and its motion are active; both blocks of an object are, or none;
 /// without passive blocks the coordinates of the blocks stand in their order.

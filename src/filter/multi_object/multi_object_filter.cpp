@@ -176,6 +176,11 @@ std::vector<ObjectHypothesis> MultiObjectFilter::hypotheses(std::size_t object) 
   return list;
 }
 
+std::vector<HypothesisMean> MultiObjectFilter::hypothesis_means(std::size_t object) const {
+  require_object(object, object_count());
+  return current().hypothesis_means(current().objects[object]);
+}
+
 std::optional<std::size_t> MultiObjectFilter::leading(std::size_t object) const {
   require_object(object, object_count());
   return current().objects[object].belief.leading();
@@ -272,8 +277,7 @@ JointState MultiObjectFilter::joint_state(
     throw InvalidInput(fmt::format("hypotheses of {} objects, but there are {}", hypotheses.size(),
                                    object_count()));
   }
-  // The joint Gaussian with the alternatives that were asked for appended, then the poses in order,
-  // and their slow errors.
+  // The joint Gaussian with the alternatives that were asked for; the poses, then the slow errors.
   JointGaussian all = current().joint;
   std::vector<std::size_t> order{kCamera};
   if (current().motion) order.push_back(*current().motion);

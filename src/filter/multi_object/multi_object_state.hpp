@@ -55,6 +55,7 @@ struct MultiObjectState {
   DetectionState reported(const TrackedObject& object, std::size_t h) const;
   /// The joint Gaussian of camera and leading hypotheses as it is reported.
   ConcentratedGaussian<PoseStackd> reported_joint() const;
+  std::vector<HypothesisMean> hypothesis_means(const TrackedObject& object) const;
   /// The leading hypothesis of every object as it is reported.
   std::vector<std::optional<LeadingEstimate>> leading_estimates() const;
   /// What a report adds to the covariance of an object at `pose`, world frame.

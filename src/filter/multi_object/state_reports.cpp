@@ -44,6 +44,17 @@ ConcentratedGaussian<PoseStackd> MultiObjectState::reported_joint() const {
                                                    std::move(covariance));
 }
 
+std::vector<HypothesisMean> MultiObjectState::hypothesis_means(const TrackedObject& object) const {
+  const std::vector<double> probabilities = object.belief.probabilities();
+  std::vector<HypothesisMean> list;
+  for (std::size_t h = 0; h < object.belief.size(); ++h) {
+    list.push_back({.pose = object.belief.mean(joint, h),
+                    .probability = probabilities[h],
+                    .id = object.belief.standing(h).id});
+  }
+  return list;
+}
+
 std::vector<std::optional<LeadingEstimate>> MultiObjectState::leading_estimates() const {
   const std::vector<PoseMoments> moments = joint.pose_moments();
   std::vector<std::optional<LeadingEstimate>> list;
