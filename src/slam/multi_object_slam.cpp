@@ -74,8 +74,7 @@ MultiObjectSlam::MultiObjectSlam(const PoseDensity& camera, std::vector<ObjectMo
       motion_(internal::checked(motion)),
       record_hypotheses_(record_hypotheses),
       filter_(make_filter(camera, objects_.models(), settings_, motion_)),
-      sightings_(objects_.size()),
-      estimate_(filter_.joint()) {}
+      sightings_(objects_.size()) {}
 
 FrameEstimate MultiObjectSlam::step(const FrameInput& input) {
   const bool is_first = objects_.frames() == 0;
@@ -98,9 +97,9 @@ FrameEstimate MultiObjectSlam::step(const FrameInput& input) {
   update_by_class(sightings, report);
   report.update.update_seconds = updates.seconds();
 
-  estimate_ = filter_.joint();
-  report.seconds = frame.seconds();
-  return frame_estimate(std::move(report));
+  FrameEstimate estimate = frame_estimate(std::move(report));
+  estimate.report.seconds = frame.seconds();
+  return estimate;
 }
 
 std::vector<MultiObjectSlam::Sighting> MultiObjectSlam::sightings_of(const FrameInput& input,
@@ -161,7 +160,7 @@ ObservationSource MultiObjectSlam::source_of(const Observation& observation) con
 
 void MultiObjectSlam::update(std::size_t object, const Observation& observation,
                              const ObservationSource& source, FrameReport& report) {
-  const bool known = filter_.leading(object).has_value();
+  const bool known = filter_.is_known(object);
   const ObjectUpdateReport update = filter_.update(object, observation, source);
   ++sightings_[object].count;
   sightings_[object].last_frame = objects_.frames();
@@ -252,7 +251,7 @@ void MultiObjectSlam::update_image(const std::vector<std::size_t>& models,
 CandidateReport MultiObjectSlam::new_instance(const std::vector<std::size_t>& models) {
   std::optional<std::size_t> oldest;
   for (const std::size_t object : models) {
-    if (!filter_.leading(object)) return {.status = CandidateStatus::fresh, .object = object};
+    if (!filter_.is_known(object)) return {.status = CandidateStatus::fresh, .object = object};
     const Sightings& seen = sightings_[object];
     if (seen.count >= settings_.confirming_detections || seen.last_frame == objects_.frames())
       continue;
@@ -268,14 +267,22 @@ FrameEstimate MultiObjectSlam::frame_estimate(FrameReport report) const {
   std::vector<std::optional<std::size_t>> indices;
   for (std::size_t object = 0; object < objects_.size(); ++object)
     indices.push_back(pose_index(object));
-  FrameEstimate frame =
-      internal::frame_estimate(estimate_, indices, objects_.ids(), std::move(report));
+  FrameEstimate frame{.camera = filter_.camera(),
+                      .objects = {},
+                      .relative = {},
+                      .pose_indices = std::move(indices),
+                      .report = std::move(report),
+                      .ids = objects_.ids()};
+  for (auto& one : filter_.leading_estimates()) {
+    frame.objects.push_back(one ? std::optional(one->world) : std::nullopt);
+    frame.relative.push_back(one ? std::optional(one->relative) : std::nullopt);
+  }
   for (std::size_t object = 0; object < objects_.size(); ++object) {
     frame.mode_probabilities.push_back(
-        indices[object] ? std::optional(filter_.mode_probability(object)) : std::nullopt);
+        frame.objects[object] ? std::optional(filter_.mode_probability(object)) : std::nullopt);
     if (!record_hypotheses_) continue;
     std::vector<ObjectAlternative>& alternatives = frame.alternatives.emplace_back();
-    for (const ObjectHypothesis& hypothesis : filter_.hypotheses(object))
+    for (const HypothesisMean& hypothesis : filter_.hypothesis_means(object))
       alternatives.push_back({hypothesis.probability, hypothesis.pose, hypothesis.id});
   }
   return frame;

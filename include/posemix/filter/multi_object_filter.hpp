@@ -89,6 +89,19 @@ struct ObjectHypothesis {
   std::uint64_t detections = 0;  ///< number of detections since its birth
 };
 
+/// A hypothesis of an object without its covariance.
+struct HypothesisMean {
+  SE3d pose;  ///< T_world_object
+  double probability = 0.0;
+  std::uint64_t id = 0;
+};
+
+/// The leading hypothesis of an object.
+struct LeadingEstimate {
+  ConcentratedGaussian<SE3d> world;     ///< T_world_object
+  ConcentratedGaussian<SE3d> relative;  ///< T_camera_object, with the cross-covariance
+};
+
 /// Poses X = Exp(xi) X0 and slow errors b = b0 + beta with their joint Gaussian.
 struct JointState {
   PoseStackd poses;
@@ -126,8 +139,9 @@ struct ObjectUpdateReport {
 /// objects are independent given the camera. After every detection the filter projects the
 /// posterior onto this form with the least loss; while that would lose much, it is a mixture of few
 /// such densities, global hypotheses, and what is reported is their projection. A detection that no
-/// hypothesis explains starts one. The cost is linear in the hypotheses; in the objects it is
-/// quadratic per detection, and cubic while modes compete.
+/// hypothesis explains starts one. The cost of a detection is linear in the hypotheses and, for
+/// objects that were seen lately, in the objects; all others cost what is quadratic in the objects,
+/// for many of them at once. Memory is quadratic in the objects.
 ///
 /// Invariants: covariances are symmetric positive definite; the weights of an object's hypotheses
 /// and of its absence sum to one; every object with hypotheses has one that leads.
@@ -194,6 +208,8 @@ class MultiObjectFilter {
   Mixture<ConcentratedGaussian<SE3d>> object_mixture(std::size_t object) const;
   /// The hypotheses of an object; empty until it was seen.
   std::vector<ObjectHypothesis> hypotheses(std::size_t object) const;
+  /// The same without covariances, which cost most.
+  std::vector<HypothesisMean> hypothesis_means(std::size_t object) const;
   /// Index of the leading hypothesis.
   std::optional<std::size_t> leading(std::size_t object) const;
   /// Probability of the leading hypothesis, with dependent detections counted once.
@@ -210,6 +226,13 @@ class MultiObjectFilter {
   /// The joint Gaussian of the camera (pose 0) and the leading hypotheses of all objects that have
   /// any, at pose_index(), and of the camera's motion where that is part of the state.
   ConcentratedGaussian<PoseStackd> joint() const;
+  /// The same without a copy. The reference holds until the next prediction or update.
+  const ConcentratedGaussian<PoseStackd>& current_joint() const;
+  /// Whether the object has a hypothesis.
+  bool is_known(std::size_t object) const;
+  /// The leading hypothesis of every object, empty for those that have none: the marginals of
+  /// joint() without joint() itself, linear in the objects.
+  std::vector<std::optional<LeadingEstimate>> leading_estimates() const;
   /// The joint Gaussian of the camera, its motion where that is part of the state, and the given
   /// hypothesis of every object (an index of hypotheses(); objects without one are left out).
   /// @throws InvalidInput also when the number of hypotheses is not that of the objects

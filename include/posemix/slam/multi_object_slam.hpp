@@ -55,8 +55,10 @@ class MultiObjectSlam {
   FrameEstimate step(const FrameInput& input);
 
   /// Camera and leading hypotheses.
-  Posterior posterior() const { return Posterior({{0.0, estimate_}}); }
-  const Hypothesis& estimate() const { return estimate_; }
+  Posterior posterior() const { return Posterior({{0.0, estimate()}}); }
+  /// Made when it is asked for, which is quadratic in the objects. The reference holds until the
+  /// next step.
+  const Hypothesis& estimate() const { return filter_.current_joint(); }
   std::optional<std::size_t> pose_index(std::size_t object) const {
     return filter_.pose_index(object);
   }
@@ -107,7 +109,6 @@ class MultiObjectSlam {
   bool record_hypotheses_;
   MultiObjectFilter filter_;
   std::vector<Sightings> sightings_;
-  Hypothesis estimate_;
 };
 
 static_assert(ObjectTracker<MultiObjectSlam>);

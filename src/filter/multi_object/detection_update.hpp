@@ -154,13 +154,14 @@ class GaussianUpdate {
   /// Puts the moments of the mixture of all components and of clutter into the mean and the
   /// covariance that the update was made with.
   void finish() {
-    for (Eigen::Index k = 0; k < covariance_.cols(); ++k) {
-      for (Eigen::Index i = k; i < covariance_.rows(); ++i) {
-        const double gain = gain_[i] + gain_[k] - gain_[i] * gain_[k];
-        covariance_(i, k) += second_(i, k) - mean_[i] * mean_[k] - gain * reduction_(i, k);
-        covariance_(k, i) = covariance_(i, k);
-      }
+    const Eigen::Index n = covariance_.rows();
+    for (Eigen::Index k = 0; k < n; ++k) {
+      const auto gain = gain_.tail(n - k).array();
+      covariance_.col(k).tail(n - k).array() +=
+          second_.col(k).tail(n - k).array() - mean_.tail(n - k).array() * mean_[k] -
+          (gain + gain_[k] - gain * gain_[k]) * reduction_.col(k).tail(n - k).array();
     }
+    covariance_.template triangularView<Eigen::StrictlyUpper>() = covariance_.transpose();
   }
 
   /// sum_c a_c D_c S_c^-1 D_c^T in the columns of the camera, n x 6.

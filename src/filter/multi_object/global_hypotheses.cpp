@@ -91,6 +91,7 @@ void GlobalHypotheses::split(std::size_t j, std::vector<ObservedDetection>& obse
 ObjectUpdateReport GlobalHypotheses::update(std::size_t j, const Observation& observation,
                                             const ObservationSource& source) {
   const auto led = leading_id(j);
+  activate(j);
   std::vector<ObservedDetection> observed;
   for (const Weighted& one : list_) observed.push_back(one.state.observe(j, observation, source));
   // A component starts hypotheses where none of any state explains it.
@@ -121,7 +122,7 @@ ObjectUpdateReport GlobalHypotheses::update(std::size_t j, const Observation& ob
   choose_first();
   reduce();
   share_next_id();
-  summary_.reset();
+  reset_reports();
   const auto leads = leading_id(j);
   report.changed_leader = leads && leads != led;
   return report;
@@ -131,7 +132,12 @@ void GlobalHypotheses::forget(std::size_t j) {
   for (Weighted& one : list_) one.state.forget(j);
   reduce();
   share_next_id();
+  reset_reports();
+}
+
+void GlobalHypotheses::reset_reports() {
   summary_.reset();
+  joint_.reset();
 }
 
 void GlobalHypotheses::share_next_id() {
@@ -233,6 +239,19 @@ const MultiObjectState& GlobalHypotheses::summary() const {
   const std::lock_guard lock(mutex_);
   if (!summary_) summary_ = mixed();
   return *summary_;
+}
+
+const ConcentratedGaussian<PoseStackd>& GlobalHypotheses::joint() const {
+  const MultiObjectState& all = summary();
+  const std::lock_guard lock(mutex_);
+  if (!joint_) joint_ = all.reported_joint();
+  return *joint_;
+}
+
+bool GlobalHypotheses::is_known(std::size_t j) const {
+  return std::any_of(list_.begin(), list_.end(), [&](const Weighted& one) {
+    return one.state.objects[j].belief.leading().has_value();
+  });
 }
 
 MultiObjectState GlobalHypotheses::mixed() const {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "multi_object_state.hpp"
+#include "posemix/density/pose_stack.hpp"
 #include "posemix/mixture/mixture.hpp"
 
 namespace posemix::internal {
@@ -35,11 +36,16 @@ class GlobalHypotheses {
   /// The mixture of all states as one: the first state, with the hypotheses of the others. It is
   /// made when it is first asked for, which threads may do at the same time.
   const MultiObjectState& summary() const;
+  /// The joint Gaussian of camera and leading hypotheses as it is reported, made likewise.
+  const ConcentratedGaussian<PoseStackd>& joint() const;
+  std::size_t object_count() const { return list_.front().state.objects.size(); }
+  /// Whether the object has a hypothesis in any state.
+  bool is_known(std::size_t j) const;
   /// A prediction of every state.
   template <class Predict>
   void for_each(Predict predict) {
     for (Weighted& one : list_) predict(one.state);
-    summary_.reset();
+    reset_reports();
   }
   /// One observation of object `j`.
   ObjectUpdateReport update(std::size_t j, const Observation& observation,
@@ -59,6 +65,15 @@ class GlobalHypotheses {
   };
 
   const MultiObjectSettings& settings() const { return list_.front().state.settings; }
+  /// The object becomes active in all states. Where too many are, those that were not seen for
+  /// longest become passive.
+  void activate(std::size_t j);
+  /// Whether the object is to stay active when others become passive, by index; empty where none
+  /// does.
+  std::vector<bool> objects_kept(std::size_t j) const;
+  /// All states get the base of the first one, and the same active objects.
+  void rebase(const std::vector<bool>& kept);
+  void reset_reports();
   void split(std::size_t j, std::vector<ObservedDetection>& observed, const Starters& may_start);
   void normalise();
   /// The next new hypothesis has the same id in all states, one that none has yet.
@@ -76,7 +91,8 @@ class GlobalHypotheses {
 
   std::vector<Weighted> list_;
   mutable std::mutex mutex_;
-  mutable std::optional<MultiObjectState> summary_;  ///< where it was asked for
+  mutable std::optional<MultiObjectState> summary_;                ///< where it was asked for
+  mutable std::optional<ConcentratedGaussian<PoseStackd>> joint_;  ///< the same
 };
 
 }  // namespace posemix::internal

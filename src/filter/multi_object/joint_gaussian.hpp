@@ -2,12 +2,15 @@
 // SPDX-FileCopyrightText: posemix contributors
 #pragma once
 
+#include <cstdint>
+#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include "detection_update.hpp"
 #include "posemix/density/concentrated_gaussian.hpp"
+#include "posemix/filter/update.hpp"
 #include "posemix/lie/pose_blocks.hpp"
 
 namespace posemix::internal {
@@ -28,6 +31,11 @@ struct ConditionalPose {
 /// Moves the mean by [xi_O; b].
 void move(ConditionalPose& object, const Vector12d& by);
 
+/// Appends the six coordinates from `first` on.
+inline void append_coordinates(std::vector<Eigen::Index>& coordinates, Eigen::Index first) {
+  for (Eigen::Index k = 0; k < kPoseDof; ++k) coordinates.push_back(first + k);
+}
+
 /// Moments of the camera under all hypotheses of an object that do not lead, taken together, in the
 /// tangent space at the camera's mean before the detection.
 struct CameraAlternative {
@@ -38,6 +46,12 @@ struct CameraAlternative {
 
 /// Blocks of two joint Gaussians that are the same, by their index in each.
 using BlockPairs = std::vector<std::pair<std::size_t, std::size_t>>;
+
+/// Second moments of a pose.
+struct PoseMoments {
+  Matrix6d covariance;        ///< Cov(xi)
+  Matrix6d cross_covariance;  ///< Cov(xi, xi_C)
+};
 
 /// The change of the camera by a detection.
 struct CameraChange {
@@ -50,15 +64,30 @@ struct CameraChange {
 
 /// The regression of a pose and a slow error on the camera, P_OC P_CC^-1.
 Matrix12x6d regression_on_camera(const Matrix12x6d& cross_covariance, const Matrix6d& camera);
+Matrix12x6d regression_on_camera(const Matrix12x6d& cross_covariance,
+                                 const Eigen::LLT<Matrix6d>& camera);
+
+/// Six columns of a covariance.
+using SixColumns = Eigen::Matrix<double, Eigen::Dynamic, 6>;
 
 /// The joint Gaussian of the camera (block 0), its motion where that is estimated, and for every
 /// object with hypotheses the pose of the leading one, followed by its slow error where the
 /// detector has one; with their full covariance B (docs/many-objects.md). A block has six
 /// coordinates.
+///
+/// Blocks are active or passive ("Hundreds of landmarks"; guivant2001optimization). Those of the
+/// camera and of objects that were seen lately are active, and their moments are stored. A passive
+/// block follows them, x = s (x_0 + U y): x_0 has the covariance of a base that does not change,
+/// and the carriers y, few coordinates that all passive blocks share, have moments like those of an
+/// active block. All that changes the active blocks and the carriers by linear maps thus changes
+/// the passive ones in no time, exactly. All blocks are active until rebase() is called.
+///
+/// Invariants: the camera and its motion are active; both blocks of an object are, or none;
+/// without passive blocks the coordinates of the blocks stand in their order.
 class JointGaussian {
  public:
   explicit JointGaussian(const ConcentratedGaussian<SE3d>& camera)
-      : blocks_{{camera.mean(), {}}}, covariance_(camera.covariance()) {}
+      : blocks_{{.pose = camera.mean()}}, covariance_(camera.covariance()) {}
 
   /// Number of blocks.
   std::size_t size() const { return blocks_.size(); }
@@ -66,11 +95,10 @@ class JointGaussian {
   const SE3d& pose(std::size_t index) const { return blocks_[index].pose; }
   void set_pose(std::size_t index, const SE3d& pose) { blocks_[index].pose = pose; }
   const Vector6d& slow(std::size_t index) const { return blocks_[index].slow.value(); }
-  Matrix6d covariance(std::size_t row, std::size_t column) const {
-    return block(covariance_, row, column);
-  }
-  const Eigen::MatrixXd& covariance() const { return covariance_; }
-  Eigen::MatrixXd& covariance() { return covariance_; }
+  /// The covariance of two blocks; the camera's is stored, that of passive blocks made.
+  Matrix6d covariance(std::size_t row, std::size_t column) const;
+  /// The covariance of all blocks, made for the call: quadratic in the objects.
+  Eigen::MatrixXd covariance() const;
 
   /// Number of blocks of the object at `index`: two with a slow error.
   std::size_t blocks_of(std::size_t index) const {
@@ -79,34 +107,44 @@ class JointGaussian {
   /// Pose and slow error of the object at `index`, given the camera.
   ConditionalPose conditional(std::size_t index) const;
 
+  /// Covariance of every pose, and with the camera, by the index of its block.
+  std::vector<PoseMoments> pose_moments() const;
+
   /// Appends an object that depends on the rest through the camera alone. Returns its index.
   std::size_t append(const ConditionalPose& object);
-  /// Appends a pose that depends on nothing, with its covariance. Returns its index.
-  std::size_t append(const SE3d& pose, const Matrix6d& covariance);
+  /// Appends the camera's motion, which depends on nothing, with its covariance. Returns its index.
+  std::size_t append_motion(const SE3d& motion, const Matrix6d& covariance);
   /// Puts an object that depends on the rest through the camera alone at `index`.
   void replace(std::size_t index, const ConditionalPose& object);
   /// Erases the object at `index`; blocks behind it move up. The rest keeps its moments.
   void erase(std::size_t index);
 
-  /// The rows of the object at `index`, 6 or 12 x dim.
-  Eigen::MatrixXd rows_of(std::size_t index) const;
+  /// The rows of the object at `index`, which becomes active: 6 or 12 rows, with a column for every
+  /// coordinate of active blocks and carriers.
+  Eigen::MatrixXd rows_of(std::size_t index);
   /// The rows that an object would have that depends on the rest through the camera alone.
   Eigen::MatrixXd regressed_rows(const ConditionalPose& object) const;
-  /// Replaces the object at `index` and its rows of the covariance, symmetric in its own block.
+  /// Replaces the object at `index`, which is active, and its rows of the covariance; the part in
+  /// its own columns is `own`.
   void set_rows(std::size_t index, const SE3d& pose, const std::optional<Vector6d>& slow,
-                const Eigen::MatrixXd& rows);
+                Eigen::MatrixXd rows, const Matrix12d& own);
   /// x <- F x for the coordinates x of the object at `index`, with F of 6 or 12 rows.
   void transform(std::size_t index, const Eigen::MatrixXd& f);
   /// Moves the object at `index` and its slow error by [xi_O; b].
   void move_object(std::size_t index, const Vector12d& by);
   /// Multiplies the slow error of the object at `index` by `factor` and adds `q` to its covariance.
   void decay_slow(std::size_t index, double factor, const Matrix6d& q);
+  /// Adds independent noise of covariance `q` to a block.
+  void add_noise(std::size_t index, const Matrix6d& q);
+  /// xi_C <- xi_C + F xi_V for the motion V at the index `motion`.
+  void move_camera_by(std::size_t motion, const Matrix6d& transfer);
+  void make_symmetric() { symmetrize(covariance_); }
 
   /// A detection of the object at `index`, explained under its leading hypothesis, which holds with
   /// probability 1 - alternative.weight; otherwise the camera has the moments of `alternative`.
   /// Projects this mixture onto one Gaussian with the least loss (docs/many-objects.md, eq. 5 to
   /// 8) and moves the blocks to its mean. The gain of all but the object has the camera's
-  /// factor.
+  /// factor. The rows of the change are those of active blocks and carriers, the camera first.
   CameraChange update(std::size_t index, const Explanation& leading,
                       const CameraAlternative& alternative, const GainFactors& factors);
   /// Becomes the mixture of this with 1 - `weight` and of `other` with `weight`, eq. (11): the
@@ -116,32 +154,107 @@ class JointGaussian {
   /// Takes the part `back` of the camera's correction back, see eq. (10).
   void shift_back(const CameraChange& change, const Matrix6d& back);
 
+  // --- active and passive blocks
+
+  bool is_active(std::size_t index) const { return blocks_[index].at >= 0; }
+  /// Number of active blocks.
+  std::size_t active() const;
+  /// The object at `index` becomes active. Nothing else changes.
+  void activate(std::size_t index);
+  /// Blocks are active after this where `keeps` is true, and the base is the covariance as it is
+  /// now. Nothing else changes. Quadratic in the objects.
+  void rebase(const std::vector<bool>& keeps);
+  /// The same for the joint Gaussian of another global hypothesis: `first` was rebased, and `same`
+  /// has the blocks that are the same in both, by their index here and there. Blocks that are
+  /// passive there become passive here and have the regression on the active ones that they have
+  /// there (docs/many-objects.md, eq. 18); the others are active.
+  void rebase_like(const JointGaussian& first, const BlockPairs& same);
+
  private:
   struct Block {
     SE3d pose;
-    std::optional<Vector6d> slow;  ///< present where the block is a slow error
+    std::optional<Vector6d> slow = {};  ///< present where the block is a slow error
+    Eigen::Index at = 0;                ///< first coordinate in covariance_; -1 where passive
+    bool is_motion = false;             ///< whether it is the motion of the camera
+    Eigen::Index row = -1;              ///< first row in the base, where passive; -1: in none
+    double scale = 1.0;                 ///< s of a passive block
+    double correlation = 1.0;           ///< of a slow error, since the block was active
+    Matrix6d noise = Matrix6d::Zero();  ///< of a passive block, independent of everything
+  };
+  /// Six coordinates by which passive blocks follow the active ones.
+  struct Carrier {
+    Eigen::Index at;                            ///< first coordinate in covariance_
+    Eigen::Index row;                           ///< of the block of the base that it was; -1: none
+    std::shared_ptr<const SixColumns> columns;  ///< U; null for a shift of the world
+    Vector6d mean = Vector6d::Zero();           ///< since the base was made
   };
 
-  /// First coordinate and number of coordinates of the object at `index`.
-  Eigen::Index first(std::size_t index) const { return offset(index); }
+  /// First coordinate and number of coordinates of the object at `index`, which is active.
+  Eigen::Index first(std::size_t index) const { return blocks_[index].at; }
   Eigen::Index dof(std::size_t index) const { return offset(blocks_of(index)); }
   /// P H^T of a detection of the object at `index` under one component.
-  Eigen::MatrixXd times_ht(std::size_t index, const Matrix6d& slow_map) const;
+  SixColumns times_ht(std::size_t index, const Matrix6d& slow_map) const;
   /// Projects the mixture of the moments (`mean`, `b`) of the leading hypothesis and (`mean` +
   /// `apart`, `other`) with weight `w_a` (eq. 7 and 8). `mean` becomes that of the projection.
   void project(std::size_t index, double w_a, Eigen::VectorXd& mean, const Eigen::MatrixXd& b,
                const Eigen::VectorXd& apart, const Eigen::MatrixXd& other);
+  /// The same with the regression on the camera and few neighbours (eq. 13 and 14). `b` is that of
+  /// the leading hypothesis.
+  void project_near(std::size_t index, const Explanation& leading,
+                    const CameraAlternative& alternative, double gain, Eigen::VectorXd& mean,
+                    Eigen::MatrixXd& b);
+  /// Coordinates of the camera, its motion and the active blocks that tell most of the object at
+  /// `index` beyond what the camera tells.
+  std::vector<Eigen::Index> neighbours(std::size_t index) const;
+  /// Whether everything but the object at `index` is little.
+  bool is_small(std::size_t index) const;
   /// The means of `other` in the tangent space at those of this, for the blocks in `shared`.
   Eigen::VectorXd difference(const JointGaussian& other, const BlockPairs& shared) const;
-  /// The coordinates `s` get moments, and the others keep their regression on them. Returns the
-  /// mean of all.
+  /// mix() where all blocks in `shared` are active and the carriers are the same.
+  Vector6d mix_aligned(double weight, const JointGaussian& other, const BlockPairs& shared);
+  /// All blocks become active.
+  void expand();
+  /// The coordinates `s` get moments, and the others keep their regression on the first `own` of
+  /// them. Returns the mean of all.
   Eigen::VectorXd regressed_on(const std::vector<Eigen::Index>& s, const Eigen::VectorXd& mean_s,
-                               const Eigen::MatrixXd& covariance_s);
-  /// Moves every block by its part of `mean`. Returns the camera's part.
-  Vector6d move(const Eigen::VectorXd& mean);
+                               const Eigen::MatrixXd& covariance_s, Eigen::Index own);
+  /// Blocks that are shared become active where they are in one of the two, and both get the same
+  /// carriers.
+  void align(JointGaussian& other, const BlockPairs& shared);
+  void add_carrier(const Carrier& like);
+  const Carrier* carrier_of(Eigen::Index row) const;
+  /// Moves every active block by its part of `mean`. Returns the camera's part.
+  Vector6d move_active(const Eigen::VectorXd& mean);
+  /// Moves every carrier by its part of `mean`, and the passive blocks with them.
+  void move_passive(const Eigen::VectorXd& mean);
+
+  /// U of a passive block, for one carrier.
+  Matrix6d loading(const Block& block, const Carrier& carrier) const;
+  /// Covariance of two passive blocks of the base, by their rows.
+  Matrix6d base(Eigen::Index row, Eigen::Index column) const;
+  /// Six columns of the base.
+  SixColumns base_columns(Eigen::Index row) const;
+  /// Covariance of a passive block with all coordinates, 6 x n.
+  Eigen::MatrixXd passive_rows(const Block& block) const;
+  Matrix6d passive_block(const Block& row, const Block& column) const;
+  /// The same for two passive blocks, given passive_rows() of the first.
+  Matrix6d passive_pair(const Block& row, const Eigen::MatrixXd& row_covariance,
+                        const Block& column) const;
+  /// The covariance of the blocks in `order`, its lower triangle.
+  Eigen::MatrixXd lower(const std::vector<std::size_t>& order) const;
+  void add_passive(const std::vector<std::size_t>& order, Eigen::MatrixXd& lower) const;
+  void add_active(const std::vector<std::size_t>& order, Eigen::MatrixXd& lower) const;
+  /// U of the blocks in `order`, zero for active ones.
+  Eigen::MatrixXd loadings(const std::vector<std::size_t>& order) const;
+  /// A slow error that has forgotten when it was seen last becomes independent of everything.
+  void free_slow(Block& slow, const Matrix6d& covariance);
+  std::vector<Eigen::Index> carrier_coordinates() const;
 
   std::vector<Block> blocks_;
-  Eigen::MatrixXd covariance_;
+  Eigen::MatrixXd covariance_;  ///< of active blocks and carriers
+  std::vector<Carrier> carriers_;
+  std::shared_ptr<const Eigen::MatrixXd>
+      base_;  ///< its lower triangle; null without passive blocks
 };
 
 }  // namespace posemix::internal

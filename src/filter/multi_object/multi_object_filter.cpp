@@ -57,6 +57,7 @@ void require_hypothesis(std::size_t hypothesis, std::size_t object, std::size_t 
 JointState marginal_of(const JointGaussian& joint, const std::vector<std::size_t>& order) {
   std::vector<SE3d> poses;
   JointState state;
+  const Eigen::MatrixXd all = joint.covariance();
   state.covariance.resize(offset(order.size()), offset(order.size()));
   for (std::size_t i = 0; i < order.size(); ++i) {
     if (joint.is_pose(order[i])) {
@@ -66,7 +67,7 @@ JointState marginal_of(const JointGaussian& joint, const std::vector<std::size_t
       state.slow.tail<kPoseDof>() = joint.slow(order[i]);
     }
     for (std::size_t k = 0; k < order.size(); ++k)
-      block(state.covariance, i, k) = joint.covariance(order[i], order[k]);
+      block(state.covariance, i, k) = block(all, order[i], order[k]);
   }
   state.poses = PoseStackd(std::move(poses));
   return state;
@@ -154,7 +155,7 @@ void MultiObjectFilter::forget(std::size_t object) {
   hypotheses_of_all().forget(object);
 }
 
-std::size_t MultiObjectFilter::object_count() const { return current().objects.size(); }
+std::size_t MultiObjectFilter::object_count() const { return hypotheses_of_all().object_count(); }
 
 Vector6d MultiObjectFilter::noise_scale(std::size_t object) const {
   return sensor(object).noise_scale;
@@ -194,6 +195,11 @@ std::vector<ObjectHypothesis> MultiObjectFilter::hypotheses(std::size_t object) 
                     .detections = standing.detections});
   }
   return list;
+}
+
+std::vector<HypothesisMean> MultiObjectFilter::hypothesis_means(std::size_t object) const {
+  require_object(object, object_count());
+  return current().hypothesis_means(current().objects[object]);
 }
 
 std::optional<std::size_t> MultiObjectFilter::leading(std::size_t object) const {
@@ -239,18 +245,19 @@ ConcentratedGaussian<SE3d> MultiObjectFilter::predicted_detection(std::size_t ob
                                              state.camera.inverse().adjoint_congruence(covariance));
 }
 
-ConcentratedGaussian<PoseStackd> MultiObjectFilter::joint() const {
-  const JointGaussian& joint = current().joint;
-  std::vector<std::size_t> order;
-  for (std::size_t i = 0; i < joint.size(); ++i) {
-    if (joint.is_pose(i)) order.push_back(i);
-  }
-  JointState state = marginal_of(joint, order);
-  for (std::size_t j = 0; j < object_count(); ++j) {
-    if (const auto i = pose_index(j))
-      block(state.covariance, *i, *i) += unseen_covariance(j, state.poses[*i]);
-  }
-  return ConcentratedGaussian<PoseStackd>::trusted(state.poses, std::move(state.covariance));
+ConcentratedGaussian<PoseStackd> MultiObjectFilter::joint() const { return current_joint(); }
+
+const ConcentratedGaussian<PoseStackd>& MultiObjectFilter::current_joint() const {
+  return hypotheses_of_all().joint();
+}
+
+bool MultiObjectFilter::is_known(std::size_t object) const {
+  require_object(object, object_count());
+  return hypotheses_of_all().is_known(object);
+}
+
+std::vector<std::optional<LeadingEstimate>> MultiObjectFilter::leading_estimates() const {
+  return current().leading_estimates();
 }
 
 std::optional<std::size_t> MultiObjectFilter::pose_index(std::size_t object) const {
@@ -295,8 +302,7 @@ JointState MultiObjectFilter::joint_state(
     throw InvalidInput(fmt::format("hypotheses of {} objects, but there are {}", hypotheses.size(),
                                    object_count()));
   }
-  // The joint Gaussian with the alternatives that were asked for appended, then the poses in order,
-  // and their slow errors.
+  // The joint Gaussian with the alternatives that were asked for; the poses, then the slow errors.
   JointGaussian all = current().joint;
   std::vector<std::size_t> order{kCamera};
   if (current().motion) order.push_back(*current().motion);

@@ -77,17 +77,6 @@ std::vector<ObjectSensor> sensors_of(const ObjectSensor& object, double default_
   return sensors;
 }
 
-/// The largest of the errors in common of the detectors that saw the object.
-Matrix6d largest_common(const std::vector<LearnedSensor>& detectors) {
-  Matrix6d largest = Matrix6d::Zero();
-  for (const LearnedSensor& detector : detectors) {
-    if (detectors.size() > 1 && detector.detections() == 0) continue;
-    const auto common = detector.sensor().common_covariance();
-    if (common && common->trace() > largest.trace()) largest = *common;
-  }
-  return largest;
-}
-
 void describe(const DetectionUpdate& leader, ObjectUpdateReport& report) {
   report.inlier_probability = leader.inlier_probability();
   report.clutter_probability = leader.explanation.clutter_probability;
@@ -112,19 +101,6 @@ void MultiObjectState::add_object(const ObjectSensor& sensor) {
   objects.emplace_back();
   for (ObjectSensor& one : sensors_of(sensor, settings.default_clutter))
     objects.back().detectors.emplace_back(std::move(one));
-}
-
-Matrix6d MultiObjectState::unseen_covariance(const TrackedObject& object, const SE3d& pose) {
-  const ObjectSensor& sensor = object.sensor();
-  Matrix6d local = sensor.symmetries.unobserved_covariance();
-  local += largest_common(object.detectors);
-  return pose.adjoint_congruence(local);
-}
-
-DetectionState MultiObjectState::reported(const TrackedObject& object, std::size_t h) const {
-  DetectionState state = object.belief.state(joint, h);
-  state.covariance.block<6, 6>(kObjectRow, kObjectRow) += unseen_covariance(object, state.object);
-  return state;
 }
 
 GainFactors MultiObjectState::gain_factors(const TrackedObject& object,
@@ -266,6 +242,7 @@ ObservedDetection MultiObjectState::observe(std::size_t j, const Observation& ob
 ObjectUpdateReport MultiObjectState::update(std::size_t j, const ObservedDetection& observed,
                                             const Starters& may_start, LogTotals& evidence) {
   TrackedObject& object = objects[j];
+  object.last_update = ++update_count;
   ObjectBelief& belief = object.belief;
   LearnedSensor& detector = object.detectors[observed.observation.source.detector];
   const std::vector<DetectionUpdate>& updates = observed.updates;

@@ -8,6 +8,7 @@
 
 #include "noise_scale.hpp"
 #include "object_belief.hpp"
+#include "posemix/density/pose_stack.hpp"
 
 namespace posemix::internal {
 
@@ -15,9 +16,17 @@ namespace posemix::internal {
 struct TrackedObject {
   std::vector<LearnedSensor> detectors;
   ObjectBelief belief = {};
+  std::uint64_t last_update = 0;  ///< number of the last detection of the object, from one
 
   /// Of the object's first detector: symmetries, slow error and error in common are the object's.
   const ObjectSensor& sensor() const { return detectors.front().sensor(); }
+};
+
+/// How many blocks of the joint Gaussian are active. The numbers are those of the least time.
+struct ActiveLimits {
+  std::size_t dense = 48;  ///< with so many blocks in all nothing becomes passive
+  std::size_t most = 28;   ///< beyond, the objects that were not seen for longest become passive
+  std::size_t kept = 8;    ///< so many blocks of objects stay active then
 };
 
 /// An observation of one object as its hypotheses see it.
@@ -53,6 +62,11 @@ struct MultiObjectState {
   /// A hypothesis of an object as it is reported: with the error that all detections have in common
   /// and any angle about an axis of symmetry.
   DetectionState reported(const TrackedObject& object, std::size_t h) const;
+  /// The joint Gaussian of camera and leading hypotheses as it is reported.
+  ConcentratedGaussian<PoseStackd> reported_joint() const;
+  std::vector<HypothesisMean> hypothesis_means(const TrackedObject& object) const;
+  /// The leading hypothesis of every object as it is reported.
+  std::vector<std::optional<LeadingEstimate>> leading_estimates() const;
   /// What a report adds to the covariance of an object at `pose`, world frame.
   static Matrix6d unseen_covariance(const TrackedObject& object, const SE3d& pose);
   /// Whether the gain of a detection is damped: with odometry, for a detector of which only what is
@@ -74,6 +88,8 @@ struct MultiObjectState {
   double now_s = 0.0;
   std::optional<std::size_t> motion;  ///< index of the camera's motion in the joint Gaussian
   std::uint64_t next_id = 0;
+  std::uint64_t update_count = 0;  ///< number of detections of all objects so far
+  ActiveLimits limits = {};
 
   // --- prediction, see MultiObjectFilter
 

@@ -52,8 +52,25 @@ bool is_positive_definite_given(const ConditionalPose& object, const Matrix6d& c
 }  // namespace
 
 void follow_camera(ConditionalPose& pose, const CameraMoments& before, const CameraMoments& after) {
+  follow_camera(pose, Eigen::LLT<Matrix6d>(before.covariance), before, after);
+}
+
+void follow_camera(ConditionalPose& pose, const Eigen::LLT<Matrix6d>& factor,
+                   const CameraMoments& before, const CameraMoments& after) {
   // G = P_OC P_CC^-1, O <- Exp(G (m' - m)) O, P_OO += G (P_CC' - P_CC) G^T, P_OC <- G P_CC'.
-  const Matrix12x6d g = regression_on_camera(pose.cross_covariance, before.covariance);
+  if (!pose.slow) {
+    const Matrix6d cross = pose.cross_covariance.topRows<6>();
+    const Matrix6d g = factor.solve(cross.transpose()).transpose();
+    const Vector6d shift = g * (after.mean - before.mean);
+    pose.pose = SE3d::exp(shift) * pose.pose;
+    Matrix6d own = pose.covariance.topLeftCorner<6, 6>();
+    own += g * (after.covariance - before.covariance) * g.transpose();
+    symmetrize(own);
+    pose.covariance.topLeftCorner<6, 6>() = own;
+    pose.cross_covariance.topRows<6>() = g * after.covariance;
+    return;
+  }
+  const Matrix12x6d g = regression_on_camera(pose.cross_covariance, factor);
   const Vector12d shift = g * (after.mean - before.mean);
   move(pose, shift);
   pose.covariance += g * (after.covariance - before.covariance) * g.transpose();
@@ -92,6 +109,10 @@ Standing& ObjectBelief::mutable_standing(std::size_t h) {
 
 ConditionalPose ObjectBelief::pose(const JointGaussian& joint, std::size_t h) const {
   return leads(h) ? joint.conditional(leader_->pose_index) : alternatives_.at(slot(h)).pose;
+}
+
+const SE3d& ObjectBelief::mean(const JointGaussian& joint, std::size_t h) const {
+  return leads(h) ? joint.pose(leader_->pose_index) : alternatives_.at(slot(h)).pose.pose;
 }
 
 DetectionState ObjectBelief::state(const JointGaussian& joint, std::size_t h) const {
@@ -193,12 +214,16 @@ void ObjectBelief::follow_camera(const std::vector<DetectionUpdate>& updates,
 }
 
 void ObjectBelief::follow_camera(const CameraMoments& before, const CameraMoments& after) {
+  if (alternatives_.empty()) return;
+  const Eigen::LLT<Matrix6d> factor(before.covariance);
   for (Alternative& alternative : alternatives_)
-    internal::follow_camera(alternative.pose, before, after);
+    internal::follow_camera(alternative.pose, factor, before, after);
 }
 
 void ObjectBelief::shift_back(const CameraChange& change, const Matrix6d& back,
                               const Matrix6d& camera, bool detected) {
+  if (alternatives_.empty()) return;
+  const Eigen::LLT<Matrix6d> factor(camera);
   const Matrix6d with_error = change.error_covariance.topRows<6>() * back.transpose();
   const Matrix6d shifted =
       with_error + with_error.transpose() + back * change.covariance * back.transpose();
@@ -214,7 +239,7 @@ void ObjectBelief::shift_back(const CameraChange& change, const Matrix6d& back,
         continue;
       }
     }
-    internal::shift_back(pose, change, back, regression_on_camera(pose.cross_covariance, camera));
+    internal::shift_back(pose, change, back, regression_on_camera(pose.cross_covariance, factor));
   }
 }
 

@@ -48,6 +48,9 @@ struct CameraMoments {
 /// Eq. (9) of docs/many-objects.md: the pose follows the camera, whose moments change from `before`
 /// to `after`, by its regression on the camera.
 void follow_camera(ConditionalPose& pose, const CameraMoments& before, const CameraMoments& after);
+/// The same with the Cholesky factor of the covariance before.
+void follow_camera(ConditionalPose& pose, const Eigen::LLT<Matrix6d>& factor,
+                   const CameraMoments& before, const CameraMoments& after);
 
 /// Runnalls' bound on the loss of one Gaussian for the camera where it has the moments `b` with
 /// probability `weight` and `a` else [nats].
@@ -98,6 +101,8 @@ class ObjectBelief {
   const Standing& standing(std::size_t h) const;
   /// The pose of hypothesis `h`.
   ConditionalPose pose(const JointGaussian& joint, std::size_t h) const;
+  /// The mean pose of hypothesis `h`.
+  const SE3d& mean(const JointGaussian& joint, std::size_t h) const;
   /// The camera, hypothesis `h` and its slow error.
   DetectionState state(const JointGaussian& joint, std::size_t h) const;
   /// Probability of every hypothesis, with dependent detections counted once.

@@ -10,8 +10,7 @@ void ObjectBelief::decay_slow_error(JointGaussian& joint, const SlowError& slow,
   // b <- a b + w with a = exp(-|view angle| / theta - dt / tau) and Cov w = (1 - a^2) B.
   for (std::size_t h = 0; h < size(); ++h) {
     Standing& standing = mutable_standing(h);
-    const SE3d& object =
-        leads(h) ? joint.pose(leader_->pose_index) : alternatives_[slot(h)].pose.pose;
+    const SE3d& object = mean(joint, h);
     const SE3d now = joint.pose(kCamera).inverse() * object;
     const SE3d before =
         camera_before ? camera_before->inverse() * object : standing.seen_from.value_or(now);
@@ -68,7 +67,7 @@ void ObjectBelief::fix_unobserved(JointGaussian& joint, const SymmetryGroup& sym
   // Along the object's axes: P <- F P F^T + v U, where F takes the rotations about the axes away
   // and U is the covariance of a uniform angle.
   for (std::size_t h = 0; h < size(); ++h) {
-    const SE3d object = pose(joint, h).pose;
+    const SE3d object = mean(joint, h);
     Matrix12d all = Matrix12d::Identity();
     all.topLeftCorner<6, 6>() =
         object.adjoint() * symmetries.observed_projection() * object.inverse().adjoint();
@@ -76,7 +75,7 @@ void ObjectBelief::fix_unobserved(JointGaussian& joint, const SymmetryGroup& sym
     const Matrix6d added =
         kFixedAngle * object.adjoint_congruence(symmetries.unobserved_covariance());
     if (leads(h)) {
-      block(joint.covariance(), leader_->pose_index, leader_->pose_index) += added;
+      joint.add_noise(leader_->pose_index, added);
     } else {
       alternatives_[slot(h)].pose.covariance.topLeftCorner<6, 6>() += added;
     }

@@ -15,6 +15,10 @@ std::size_t ObjectBelief::merge(JointGaussian& joint, const SymmetryGroup& symme
   std::size_t merges = 0;
   for (std::size_t a = 0; a < size(); ++a) {
     for (std::size_t b = a + 1; b < size();) {
+      if (!are_near(symmetries, bounds, mean(joint, a), mean(joint, b))) {
+        ++b;
+        continue;
+      }
       const ConditionalPose at_a = pose(joint, a);
       ConditionalPose at_b = pose(joint, b);
       if (agree(joint.covariance(kCamera, kCamera), symmetries, bounds, at_a, at_b)) {
@@ -44,10 +48,9 @@ void ObjectBelief::merge_two(JointGaussian& joint, std::size_t a, std::size_t b,
     return leads(h) ? joint.rows_of(index) : joint.regressed_rows(at);
   };
   const ConditionalPose both = midway.merged(at_a, at_b);
-  Eigen::MatrixXd merged_rows = midway.cross_covariance(rows_at(a, at_a), rows_at(b, at_b));
-  const Eigen::Index n = merged_rows.rows();
-  merged_rows.middleCols(offset(index), n) = both.covariance.topLeftCorner(n, n);
-  joint.set_rows(index, both.pose, both.slow, merged_rows);
+  joint.activate(index);
+  joint.set_rows(index, both.pose, both.slow,
+                 midway.cross_covariance(rows_at(a, at_a), rows_at(b, at_b)), both.covariance);
   erase_alternative(leads(a) ? b : a);
   leader_->standing = common;
   leader_->position = a;

@@ -8,16 +8,20 @@
 
 namespace posemix::internal {
 
+bool are_near(const SymmetryGroup& symmetries, const MergeBounds& bounds, const SE3d& a, SE3d b) {
+  if ((a.translation() - b.translation()).norm() > bounds.translation_m) return false;
+  if (!symmetries.is_trivial()) b = symmetries.closest(b, a, Matrix6d::Identity());
+  return (a.rotation().inverse() * b.rotation()).log().norm() <= bounds.rotation_rad;
+}
+
 bool agree(const Matrix6d& camera, const SymmetryGroup& symmetries, const MergeBounds& bounds,
            const ConditionalPose& a, ConditionalPose& b) {
   const auto seen_from_camera = [&](const ConditionalPose& object) {
     const Matrix6d cross = object.cross_covariance.topRows<6>();
     return Matrix6d(object.covariance.topLeftCorner<6, 6>() + camera - cross - cross.transpose());
   };
-  if ((a.pose.translation() - b.pose.translation()).norm() > bounds.translation_m) return false;
+  if (!are_near(symmetries, bounds, a.pose, b.pose)) return false;
   if (!symmetries.is_trivial()) b.pose = symmetries.closest(b.pose, a.pose, Matrix6d::Identity());
-  if ((a.pose.rotation().inverse() * b.pose.rotation()).log().norm() > bounds.rotation_rad)
-    return false;
   const Eigen::LLT<Matrix6d> mean(0.5 * (seen_from_camera(a) + seen_from_camera(b)));
   const Vector6d z = (b.pose * a.pose.inverse()).log();
   return mean.matrixL().solve(z).squaredNorm() < bounds.squared_distance;

@@ -9,6 +9,9 @@
 /// The merge of two hypotheses of one object.
 namespace posemix::internal {
 
+/// True when two poses differ by less than the bounds in angle and distance, up to a symmetry.
+bool are_near(const SymmetryGroup& symmetries, const MergeBounds& bounds, const SE3d& a, SE3d b);
+
 /// True when two hypotheses agree within the bounds, seen from a camera with covariance `camera`.
 /// `b` becomes the equivalent pose, under the symmetries, that is nearest to `a`.
 bool agree(const Matrix6d& camera, const SymmetryGroup& symmetries, const MergeBounds& bounds,

@@ -55,16 +55,21 @@ MultiObjectState MultiObjectState::split(std::size_t j, LogTotals& own, LogTotal
 namespace {
 
 /// Hypotheses of an object of another state, as they are given a camera that changed from `before`
-/// to `after`, with their weights times those of the state.
+/// to `after`, with their weights times those of the state. Of the one that leads in both only the
+/// weight is needed.
 std::vector<Alternative> given_camera(const MultiObjectState& other, const ObjectBelief& belief,
-                                      const LogTotals& weight, const CameraMoments& before,
-                                      const CameraMoments& after) {
+                                      const LogTotals& weight, bool shares_leader,
+                                      const CameraMoments& before, const CameraMoments& after) {
   std::vector<Alternative> list;
+  const Eigen::LLT<Matrix6d> factor(before.covariance);
   for (std::size_t h = 0; h < belief.size(); ++h) {
-    Alternative one{belief.standing(h), belief.pose(other.joint, h)};
+    Alternative one{belief.standing(h), {}};
     one.standing.log_weight += weight.weight;
     one.standing.log_probability += weight.probability;
-    follow_camera(one.pose, before, after);
+    if (!shares_leader || h != belief.leading()) {
+      one.pose = belief.pose(other.joint, h);
+      follow_camera(one.pose, factor, before, after);
+    }
     list.push_back(one);
   }
   return list;
@@ -103,7 +108,7 @@ void MultiObjectState::mix(const MultiObjectState& other, const LogTotals& own,
     belief.follow_camera(before, after);
     belief.mix(
         joint, own,
-        {given_camera(other, from, others, there, after),
+        {given_camera(other, from, others, shares_leader[j], there, after),
          {from.log_absent() + others.weight, from.log_absence_probability() + others.probability},
          shares_leader[j]},
         objects[j].sensor().symmetries, merge_bounds, next_id);

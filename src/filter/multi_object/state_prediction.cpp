@@ -10,19 +10,19 @@ void MultiObjectState::predict_with_odometry(const SE3d& change, const Matrix6d&
   const SE3d before = joint.pose(kCamera);
   const SE3d camera = before * change;
   joint.set_pose(kCamera, camera);
-  block(joint.covariance(), kCamera, kCamera) += camera.adjoint_congruence(q);
+  joint.add_noise(kCamera, camera.adjoint_congruence(q));
   advance(dt, before);
 }
 
 void MultiObjectState::predict_random_walk(const Matrix6d& q, double dt) {
-  block(joint.covariance(), kCamera, kCamera) += joint.pose(kCamera).adjoint_congruence(q);
+  joint.add_noise(kCamera, joint.pose(kCamera).adjoint_congruence(q));
   advance(dt, std::nullopt);
 }
 
 void MultiObjectState::predict_constant_velocity(double periods, const Matrix6d& q,
                                                  const Matrix6d& q_motion, const Matrix6d& at_rest,
                                                  double dt) {
-  if (!motion) motion = joint.append(SE3d(), at_rest);
+  if (!motion) motion = joint.append_motion(SE3d(), at_rest);
   const std::size_t at = *motion;
   const SE3d camera = joint.pose(kCamera);
   const SE3d velocity = joint.pose(at);
@@ -33,14 +33,12 @@ void MultiObjectState::predict_constant_velocity(double periods, const Matrix6d&
   const Eigen::LLT<Matrix6d> before(joint.covariance(kCamera, kCamera));
   const Matrix6d with_motion = before.solve(joint.covariance(kCamera, at)) * transfer.transpose();
   for (TrackedObject& object : objects) object.belief.add_to_cross_covariances(with_motion);
-  Eigen::MatrixXd& b = joint.covariance();
-  rows(b, kCamera) += transfer * rows(b, at);
-  columns(b, kCamera) += columns(b, at) * transfer.transpose();
+  joint.move_camera_by(at, transfer);
   const SE3d moved = camera * SE3d::exp(periods * velocity.log());
   joint.set_pose(kCamera, moved);
-  block(b, kCamera, kCamera) += moved.adjoint_congruence(q);
-  block(b, at, at) += velocity.adjoint_congruence(q_motion);
-  symmetrize(b);
+  joint.add_noise(kCamera, moved.adjoint_congruence(q));
+  joint.add_noise(at, velocity.adjoint_congruence(q_motion));
+  joint.make_symmetric();
   advance(dt, std::nullopt);
 }
 

@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include <algorithm>
+
+#include "joint_gaussian.hpp"
+
+/// The update of the joint Gaussian by a detection, eq. (5) to (8), (10), (13) and (14) of
+/// docs/many-objects.md.
+namespace posemix::internal {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// Alternatives of less weight do not change the rows of the leading hypothesis beyond rounding.
+constexpr double kNegligibleWeight = 1e-7;
+
+/// Up to so many other poses eq. (8) has the regression on all of them.
+constexpr std::size_t kMostExact = 13;
+
+/// Number of blocks, of those that are neither camera nor motion, that the regression has beyond.
+constexpr std::size_t kNeighbours = 16;
+
+/// All coordinates but those of one object.
+std::vector<Index> all_but(Index first, Index dof, Index size) {
+  std::vector<Index> rest;
+  rest.reserve(static_cast<std::size_t>(size - dof));
+  for (Index i = 0; i < size; ++i) {
+    if (i < first || i >= first + dof) rest.push_back(i);
+  }
+  return rest;
+}
+
+/// Detections in the coordinates of the pair, [xi_C; xi_O; b] or [xi_C; xi_O].
+struct PairChange {
+  MatrixXd covariance;  ///< N: the covariance of everything else changes by F N F^T
+  VectorXd mean;        ///< its mean moves by F times this
+};
+
+/// Eq. (5) for everything else, whose columns of the pair are F and whose gain has the factor
+/// `gain`.
+PairChange pair_change(const Explanation& leading, double gain, Index dof) {
+  PairChange change{MatrixXd::Zero(dof, dof), VectorXd::Zero(dof)};
+  for (const Innovation& seen : leading.innovations) {
+    if (!(seen.weight > 0.0)) continue;
+    MatrixXd h(dof, 6);  // H^T
+    h.topRows<6>() = -Matrix6d::Identity();
+    h.middleRows<6>(6) = Matrix6d::Identity();
+    if (dof > 12) h.bottomRows<6>() = seen.slow_map.transpose();
+    const Eigen::LLT<Matrix6d> s(seen.covariance);
+    const MatrixXd reduction = h * s.solve(h.transpose());
+    const VectorXd moved = gain * h * s.solve(seen.residual);
+    change.covariance +=
+        seen.weight * (moved * moved.transpose() - (2.0 * gain - gain * gain) * reduction);
+    change.mean += seen.weight * moved;
+  }
+  change.covariance -= change.mean * change.mean.transpose();
+  return change;
+}
+
+}  // namespace
+
+SixColumns JointGaussian::times_ht(std::size_t index, const Matrix6d& slow_map) const {
+  SixColumns d = covariance_.middleCols<6>(first(index)) - columns(covariance_, kCamera);
+  if (blocks_of(index) > 1)
+    d.noalias() += covariance_.middleCols<6>(first(index + 1)) * slow_map.transpose();
+  return d;
+}
+
+CameraChange JointGaussian::update(std::size_t index, const Explanation& leading,
+                                   const CameraAlternative& alternative,
+                                   const GainFactors& factors) {
+  activate(index);
+  const Index n = covariance_.rows();
+  VectorXd gain = VectorXd::Constant(n, factors.camera);
+  gain.segment<kPoseDof>(first(index)).setOnes();
+  if (blocks_of(index) > 1) gain.segment<kPoseDof>(first(index + 1)).setConstant(factors.slow);
+  // Under the leading hypothesis, eq. (5).
+  VectorXd mean(n);
+  MatrixXd b = covariance_;
+  GaussianUpdate update(gain, mean, b);
+  for (const Innovation& seen : leading.innovations) {
+    if (seen.weight > 0.0) update.add(seen, times_ht(index, seen.slow_map));
+  }
+  update.finish();
+  // E[e (K z)^T] with e = e_0 - K z is (1 - g) D S^-1 D_C^T g_C.
+  const SixColumns reduction = update.camera_reduction();
+  CameraChange change{Vector6d::Zero(), factors.camera * factors.camera * reduction.topRows<6>(),
+                      factors.camera * (VectorXd::Ones(n) - gain).asDiagonal() * reduction};
+  if (alternative.weight < kNegligibleWeight) {
+    covariance_ = std::move(b);
+  } else if (!is_small(index)) {
+    project_near(index, leading, alternative, factors.camera, mean, b);
+    covariance_ = std::move(b);
+  } else {
+    // Under all others, eq. (6): the rest follows the camera.
+    const Matrix6d prior = covariance(kCamera, kCamera);
+    const MatrixXd g = prior.llt().solve(rows(covariance_, kCamera)).transpose();
+    MatrixXd other = covariance_;
+    other.noalias() += g * (alternative.covariance - prior) * g.transpose();
+    // Projection onto one Gaussian, eq. (7) and (8).
+    project(index, alternative.weight, mean, b, g * alternative.mean - mean, other);
+  }
+  change.mean = move_active(mean);
+  move_passive(mean);
+  return change;
+}
+
+void JointGaussian::project(std::size_t index, double w_a, VectorXd& mean, const MatrixXd& b,
+                            const VectorXd& apart, const MatrixXd& other) {
+  const double w = 1.0 - w_a;
+  const Index at = first(index);
+  const Index own = dof(index);
+  const std::vector<Index> s = all_but(at, own, covariance_.rows());
+  // Everything but the object takes the exact moments of the mixture, eq. (7).
+  const VectorXd difference = apart(s);
+  const VectorXd shift = w_a * difference;
+  MatrixXd b_s = w * b(s, s) + w_a * other(s, s);
+  b_s.noalias() += w * w_a * difference * difference.transpose();
+  // The object keeps the regression that it has under the leading hypothesis, eq. (8).
+  const MatrixXd b_js = b.middleRows(at, own)(Eigen::all, s);
+  const MatrixXd before = b(s, s);
+  const MatrixXd g = before.llt().solve(b_js.transpose()).transpose();
+  mean.segment(at, own) += g * shift;
+  for (std::size_t i = 0; i < s.size(); ++i) mean(s[i]) += shift(static_cast<Index>(i));
+  const MatrixXd row = g * b_s;
+  covariance_(s, s) = b_s;
+  covariance_.middleRows(at, own)(Eigen::all, s) = row;
+  covariance_.middleCols(at, own)(s, Eigen::all) = row.transpose();
+  covariance_.block(at, at, own, own) =
+      b.block(at, at, own, own) + g * (b_s - before) * g.transpose();
+  symmetrize(covariance_);
+}
+
+bool JointGaussian::is_small(std::size_t index) const {
+  if (!carriers_.empty()) return false;
+  std::size_t others = 0;
+  for (std::size_t i = 1; i < size(); ++i) others += i != index && is_pose(i) ? 1 : 0;
+  return others <= kMostExact;
+}
+
+std::vector<Index> JointGaussian::neighbours(std::size_t index) const {
+  const Eigen::LLT<Matrix6d> camera(covariance(kCamera, kCamera));
+  const auto given_camera = [&](Index i, Index k) {
+    return Matrix6d(covariance_.block<6, 6>(i, k) -
+                    covariance_.block<6, 6>(i, 0) * camera.solve(covariance_.block<6, 6>(0, k)));
+  };
+  const Index at = first(index);
+  const Eigen::LLT<Matrix6d> own(given_camera(at, at));
+  std::vector<Index> result;
+  append_coordinates(result, 0);
+  std::vector<std::pair<double, Index>> scores;
+  for (const Block& other : blocks_) {
+    if (other.at <= 0 || (other.at >= at && other.at < at + dof(index))) continue;
+    if (other.is_motion) {
+      append_coordinates(result, other.at);
+      continue;
+    }
+    // tr(C_jj^-1 C_jk C_kk^-1 C_kj): the part of the object's information that the block has.
+    const Matrix6d cross = given_camera(other.at, at);
+    const Eigen::LLT<Matrix6d> factor(given_camera(other.at, other.at));
+    const double score = own.solve(Matrix6d(cross.transpose() * factor.solve(cross))).trace();
+    scores.emplace_back(std::isfinite(score) ? -score : 0.0, other.at);
+  }
+  const std::size_t most = std::min(kNeighbours, scores.size());
+  std::partial_sort(scores.begin(), scores.begin() + static_cast<std::ptrdiff_t>(most),
+                    scores.end());
+  for (std::size_t k = 0; k < most; ++k) append_coordinates(result, scores[k].second);
+  return result;
+}
+
+/// With T the camera, its motion and the neighbours, F = B_T(C,j,b) and B* of the leading
+/// hypothesis, T gets the moments of the mixture, which are B*_TT + F M F^T, and everything else
+/// follows by its regression on T: R = B*_.T B*_TT^-1 F, B = B* + R M R^T.
+void JointGaussian::project_near(std::size_t index, const Explanation& leading,
+                                 const CameraAlternative& alternative, double gain, VectorXd& mean,
+                                 MatrixXd& b) {
+  const Index pair_dof = kPoseDof + dof(index);
+  const double w_a = alternative.weight;
+  const PairChange own = pair_change(leading, gain, pair_dof);
+  const Matrix6d prior = covariance(kCamera, kCamera);
+  const Eigen::LLT<Matrix6d> camera(prior);
+  // Eq. (6) and its difference from eq. (5), in the coordinates of the pair.
+  VectorXd apart = -own.mean;
+  apart.head<6>() += camera.solve(alternative.mean);
+  MatrixXd m = -own.covariance;
+  m.topLeftCorner<6, 6>() +=
+      camera.solve(camera.solve(Matrix6d(alternative.covariance - prior)).transpose());
+  m = (w_a * m + (1.0 - w_a) * w_a * apart * apart.transpose()).eval();
+
+  std::vector<Index> pair;
+  append_coordinates(pair, 0);
+  for (std::size_t k = 0; k < blocks_of(index); ++k) append_coordinates(pair, first(index + k));
+  const std::vector<Index> t = neighbours(index);
+  const MatrixXd b_t = b(Eigen::all, t);
+  const MatrixXd before = b_t(t, Eigen::all);
+  const MatrixXd r = b_t * before.llt().solve(MatrixXd(covariance_(t, pair)));
+  mean.noalias() += r * (w_a * apart);
+  const MatrixXd left = r * m;
+  b.triangularView<Eigen::Lower>() += left * r.transpose();
+  b.triangularView<Eigen::StrictlyUpper>() = b.transpose();
+}
+
+/// Poses get the shift of the world, with the carrier of shifts.
+void JointGaussian::shift_back(const CameraChange& change, const Matrix6d& back) {
+  const SE3d shift = SE3d::exp(-back * change.mean);
+  const Matrix6d added = back * change.covariance * back.transpose();
+  std::vector<Index> poses;
+  for (Block& block : blocks_) {
+    if (block.slow) continue;
+    block.pose = shift * block.pose;
+    if (block.at >= 0) poses.push_back(block.at);
+  }
+  for (Carrier& carrier : carriers_) {
+    if (carrier.columns) continue;
+    carrier.mean -= back * change.mean;
+    poses.push_back(carrier.at);
+  }
+  const SixColumns with_error = change.error_covariance * back.transpose();
+  for (Index i = 0; i < covariance_.rows(); i += kPoseDof) {
+    const Matrix6d own = with_error.middleRows<6>(i);
+    const bool is_pose = std::find(poses.begin(), poses.end(), i) != poses.end();
+    for (const Index k : poses) {
+      covariance_.block<6, 6>(i, k) += own;
+      covariance_.block<6, 6>(k, i) += own.transpose();
+      if (is_pose) covariance_.block<6, 6>(i, k) += added;
+    }
+  }
+  symmetrize(covariance_);
+}
+
+}  // namespace posemix::internal

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include <algorithm>
+#include <numeric>
+
+#include "global_hypotheses.hpp"
+
+/// Which objects are active, and the base that all global hypotheses share (docs/many-objects.md,
+/// "Hundreds of landmarks").
+namespace posemix::internal {
+namespace {
+
+/// Whether the same hypothesis of an object leads, or none, in both.
+bool led_alike(const ObjectBelief& a, const ObjectBelief& b) {
+  if (!a.leading() || !b.leading()) return a.leading().has_value() == b.leading().has_value();
+  return a.standing(*a.leading()).id == b.standing(*b.leading()).id;
+}
+
+}  // namespace
+
+std::vector<bool> GlobalHypotheses::objects_kept(std::size_t j) const {
+  const MultiObjectState& first = list_.front().state;
+  const ActiveLimits& limits = first.limits;
+  if (std::all_of(list_.begin(), list_.end(), [&](const Weighted& one) {
+        const JointGaussian& joint = one.state.joint;
+        return joint.active() <= (joint.active() == joint.size() ? limits.dense : limits.most);
+      }))
+    return {};
+  std::vector<std::size_t> order(first.objects.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return first.objects[a].last_update > first.objects[b].last_update;
+  });
+  std::vector<bool> kept(order.size(), false);
+  std::size_t blocks = 0;
+  for (const std::size_t i : order) {
+    const auto index = first.objects[i].belief.pose_index();
+    const bool is_led_alike = std::all_of(list_.begin(), list_.end(), [&](const Weighted& one) {
+      return led_alike(first.objects[i].belief, one.state.objects[i].belief);
+    });
+    const std::size_t own = index ? first.joint.blocks_of(*index) : 0;
+    kept[i] = !is_led_alike || i == j || (blocks + own <= limits.kept && own > 0);
+    if (kept[i]) blocks += own;
+  }
+  return kept;
+}
+
+void GlobalHypotheses::rebase(const std::vector<bool>& kept) {
+  MultiObjectState& first = list_.front().state;
+  std::vector<bool> keeps(first.joint.size(), false);
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    const auto index = first.objects[i].belief.pose_index();
+    if (!index) continue;
+    for (std::size_t k = 0; k < first.joint.blocks_of(*index); ++k) keeps[*index + k] = kept[i];
+  }
+  first.joint.rebase(keeps);
+  for (std::size_t k = 1; k < list_.size(); ++k) {
+    MultiObjectState& other = list_[k].state;
+    BlockPairs same{{kCamera, kCamera}};
+    if (other.motion) same.emplace_back(*other.motion, first.motion.value());
+    for (std::size_t i = 0; i < kept.size(); ++i) {
+      const ObjectBelief& belief = other.objects[i].belief;
+      const auto index = belief.pose_index();
+      if (!index || !led_alike(belief, first.objects[i].belief)) continue;
+      for (std::size_t b = 0; b < other.joint.blocks_of(*index); ++b)
+        same.emplace_back(*index + b, *first.objects[i].belief.pose_index() + b);
+    }
+    other.joint.rebase_like(first.joint, same);
+  }
+}
+
+void GlobalHypotheses::activate(std::size_t j) {
+  const std::vector<bool> kept = objects_kept(j);
+  if (!kept.empty()) rebase(kept);
+  for (Weighted& one : list_) {
+    if (const auto index = one.state.objects[j].belief.pose_index())
+      one.state.joint.activate(*index);
+  }
+}
+
+}  // namespace posemix::internal

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include <utility>
+#include <vector>
+
+#include "multi_object_state.hpp"
+#include "posemix/filter/update.hpp"
+
+/// What is reported of a state.
+namespace posemix::internal {
+
+namespace {
+
+/// The largest of the errors in common of the detectors that saw the object.
+Matrix6d largest_common(const std::vector<LearnedSensor>& detectors) {
+  Matrix6d largest = Matrix6d::Zero();
+  for (const LearnedSensor& detector : detectors) {
+    if (detectors.size() > 1 && detector.detections() == 0) continue;
+    const auto common = detector.sensor().common_covariance();
+    if (common && common->trace() > largest.trace()) largest = *common;
+  }
+  return largest;
+}
+
+}  // namespace
+
+Matrix6d MultiObjectState::unseen_covariance(const TrackedObject& object, const SE3d& pose) {
+  const ObjectSensor& sensor = object.sensor();
+  Matrix6d local = sensor.symmetries.unobserved_covariance();
+  local += largest_common(object.detectors);
+  return pose.adjoint_congruence(local);
+}
+
+DetectionState MultiObjectState::reported(const TrackedObject& object, std::size_t h) const {
+  DetectionState state = object.belief.state(joint, h);
+  state.covariance.block<6, 6>(kObjectRow, kObjectRow) += unseen_covariance(object, state.object);
+  return state;
+}
+
+ConcentratedGaussian<PoseStackd> MultiObjectState::reported_joint() const {
+  const Eigen::MatrixXd all = joint.covariance();
+  std::vector<SE3d> poses;
+  std::vector<Eigen::Index> coordinates;
+  std::vector<std::size_t> pose_of(joint.size(), 0);
+  for (std::size_t i = 0; i < joint.size(); ++i) {
+    if (!joint.is_pose(i)) continue;
+    pose_of[i] = poses.size();
+    poses.push_back(joint.pose(i));
+    for (Eigen::Index k = 0; k < kPoseDof; ++k) coordinates.push_back(offset(i) + k);
+  }
+  Eigen::MatrixXd covariance = all(coordinates, coordinates);
+  for (const TrackedObject& object : objects) {
+    const auto index = object.belief.pose_index();
+    if (!index) continue;
+    const std::size_t i = pose_of[*index];
+    block(covariance, i, i) += unseen_covariance(object, poses[i]);
+  }
+  return ConcentratedGaussian<PoseStackd>::trusted(PoseStackd(std::move(poses)),
+                                                   std::move(covariance));
+}
+
+std::vector<HypothesisMean> MultiObjectState::hypothesis_means(const TrackedObject& object) const {
+  const std::vector<double> probabilities = object.belief.probabilities();
+  std::vector<HypothesisMean> list;
+  for (std::size_t h = 0; h < object.belief.size(); ++h) {
+    list.push_back({.pose = object.belief.mean(joint, h),
+                    .probability = probabilities[h],
+                    .id = object.belief.standing(h).id});
+  }
+  return list;
+}
+
+std::vector<std::optional<LeadingEstimate>> MultiObjectState::leading_estimates() const {
+  const std::vector<PoseMoments> moments = joint.pose_moments();
+  std::vector<std::optional<LeadingEstimate>> list;
+  for (const TrackedObject& object : objects) {
+    const auto index = object.belief.pose_index();
+    if (!index) {
+      list.emplace_back();
+      continue;
+    }
+    const SE3d& pose = joint.pose(*index);
+    const auto& [own, cross] = moments[*index];
+    Eigen::MatrixXd covariance(12, 12);
+    covariance << moments[kCamera].covariance, cross.transpose(), cross,
+        own + unseen_covariance(object, pose);
+    const auto pair = ConcentratedGaussian<PoseStackd>::trusted(
+        PoseStackd({joint.pose(kCamera), pose}), std::move(covariance));
+    list.push_back(LeadingEstimate{marginal(pair, 1), relative_pose(pair, 0, 1)});
+  }
+  return list;
+}
+
+}  // namespace posemix::internal
