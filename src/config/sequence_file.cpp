@@ -42,25 +42,29 @@ std::string read_name(const TomlDocument& document, const TomlTable& root) {
   return name.find(recording) == std::string::npos ? name + " " + recording : name;
 }
 
-std::string read_id(const TomlTable& object, std::set<std::string>& taken) {
+void check_id(const TomlTable& table, std::string_view key, const std::string& id) {
   constexpr std::string_view kAllowed =
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_.-";
-  std::string id = object.get_string("id");
   const bool fits =
       !id.empty() && id.size() <= kLongestId && id.find_first_not_of(kAllowed) == std::string::npos;
   if (!fits) {
-    object.fail("id", fmt::format("is {}, expected 1 to {} letters, digits, '_', '.' and '-'",
-                                  in_quotes(id), kLongestId));
+    table.fail(key, fmt::format("is {}, expected 1 to {} letters, digits, '_', '.' and '-'",
+                                in_quotes(id), kLongestId));
   }
+}
+
+std::string read_id(const TomlTable& object, std::set<std::string>& taken) {
+  std::string id = object.get_string("id");
+  check_id(object, "id", id);
   if (!taken.insert(id).second) {
     object.fail("id", fmt::format("is {}, which another object has already", in_quotes(id)));
   }
   return id;
 }
 
-ObjectModel read_model(const TomlTable& object, const FileFinder& files, std::set<std::string>& ids,
+/// The noise model that a table names.
+DetectorNoise noise_of(const TomlTable& object,
                        const std::map<std::string, DetectorNoise>& noise_models) {
-  std::string id = read_id(object, ids);
   const std::string noise = object.get_string_or("noise", std::string(kDefaultNoise));
   const auto found = noise_models.find(noise);
   const bool built_in = found == noise_models.end() && noise == kDefaultNoise;
@@ -68,10 +72,23 @@ ObjectModel read_model(const TomlTable& object, const FileFinder& files, std::se
     object.fail("noise", fmt::format("is {0}, but there is no table [noise.{1}]", in_quotes(noise),
                                      noise.empty() ? "NAME" : noise));
   }
+  return built_in ? default_detector_noise() : found->second;
+}
+
+ObjectModel read_model(const TomlTable& object, const FileFinder& files, std::set<std::string>& ids,
+                       const std::map<std::string, DetectorNoise>& noise_models) {
+  std::string id = read_id(object, ids);
+  DetectorNoise noise = noise_of(object, noise_models);
   std::optional<Matrix6d> start;
   if (const auto table = object.find_table("start")) start = read_pose_covariance(*table);
-  return {std::move(id), built_in ? default_detector_noise() : found->second, start,
-          read_object_symmetries(object, files), object.get_string_or("class", "")};
+  return {std::move(id), std::move(noise), start, read_object_symmetries(object, files),
+          object.get_string_or("class", "")};
+}
+
+/// The tables [[objects]], of which there need be none where observations name objects.
+std::vector<TomlTable> object_tables(const TomlTable& root) {
+  const bool none_needed = root.has("on_sight") || root.has("observations");
+  return none_needed ? root.find_tables("objects") : root.get_tables("objects");
 }
 
 std::vector<std::string> ids_of(const std::vector<ObjectModel>& models) {
@@ -81,9 +98,38 @@ std::vector<std::string> ids_of(const std::vector<ObjectModel>& models) {
   return ids;
 }
 
+/// What the file says of observations, and models of the objects that they name and that are not
+/// declared.
+ObservedRecording read_observed(const TomlTable& root, const FileFinder& files,
+                                const std::map<std::string, DetectorNoise>& noise_models,
+                                std::vector<ObjectModel>& models) {
+  ObservedRecording observed{read_observation_files(root, files), read_body_cameras(root)};
+  const auto table = root.find_table("on_sight");
+  const std::vector<std::string> ids = ids_on_sight(observed.files, ids_of(models));
+  if (!table) {
+    if (!ids.empty()) {
+      root.fail("observations", fmt::format("name object {}, but there are no [[objects]] with "
+                                            "that id and no table [on_sight]",
+                                            in_quotes(ids.front())));
+    }
+    return observed;
+  }
+  ObjectModel model;
+  model.noise = noise_of(*table, noise_models);
+  model.symmetries = read_object_symmetries(*table, files);
+  for (const std::string& id : ids) {
+    check_id(*table, "noise", id);
+    model.id = id;
+    models.push_back(model);
+  }
+  return observed;
+}
+
 /// Every class of candidates must have objects, and every class of objects candidates.
 void check_classes(const TomlTable& root, const SlamJob& job, bool multi_object) {
   std::set<std::string> named;
+  for (const auto& frame : job.sequence.observations)
+    for (const Observation& observation : frame) named.insert(observation.class_id);
   for (const TomlTable& table : root.find_tables("candidates")) {
     named.insert(table.get_string("class"));
     if (!multi_object)
@@ -92,13 +138,16 @@ void check_classes(const TomlTable& root, const SlamJob& job, bool multi_object)
                  "the instances of a class apart");
   }
   std::set<std::string> classes;
-  const std::vector<TomlTable> objects = root.get_tables("objects");
+  const std::vector<TomlTable> objects = object_tables(root);
   for (std::size_t i = 0; i < objects.size(); ++i) {
     const std::string& name = job.models[i].class_id;
     classes.insert(name);
     if (objects[i].has("class") && !named.contains(name))
-      objects[i].fail("class", fmt::format("is {}, but no table [[candidates]] has that class",
-                                           in_quotes(name)));
+      objects[i].fail(
+          "class",
+          fmt::format(
+              "is {}, but no table [[candidates]] has that class and no observation names it",
+              in_quotes(name)));
     if (multi_object) {
       located(objects[i], "id", [&] {
         require_alike_in_class(std::span<const ObjectModel>(job.models).first(i + 1));
@@ -137,7 +186,7 @@ void check_joint_noise(const TomlTable& root, const SlamJob& job) {
 
 /// Every object needs detections, because the multi-object filter starts objects from them.
 void check_starts(const TomlTable& root, const SlamJob& job) {
-  const std::vector<TomlTable> objects = root.get_tables("objects");
+  const std::vector<TomlTable> objects = object_tables(root);
   for (std::size_t i = 0; i < objects.size(); ++i) {
     if (!job.models[i].independent_start) continue;
     objects[i].fail("start",
@@ -171,15 +220,17 @@ SlamJob read_slam_job(const TomlDocument& document,
   auto noise_models = read_noise_models(root);
   if (const auto* tracker = std::get_if<MultiObjectSlamSettings>(&method.tracker)) {
     std::set<std::string> used;
-    for (const TomlTable& object : root.get_tables("objects"))
+    for (const TomlTable& object : object_tables(root))
       used.insert(object.get_string_or("noise", std::string(kDefaultNoise)));
+    if (const auto table = root.find_table("on_sight"))
+      used.insert(table->get_string_or("noise", std::string(kDefaultNoise)));
     assume_missing(root, used, tracker->filter.default_clutter, noise_models);
   }
   std::vector<ObjectModel> models;
   std::set<std::string> ids;
-  for (const TomlTable& object : root.get_tables("objects")) {
+  for (const TomlTable& object : object_tables(root))
     models.push_back(read_model(object, files, ids, noise_models));
-  }
+  const ObservedRecording observed = read_observed(root, files, noise_models, models);
   const CameraFiles camera = read_camera_files(root, files);
   SlamJob job{.name = read_name(document, root),
               .method = {},
@@ -187,11 +238,13 @@ SlamJob read_slam_job(const TomlDocument& document,
               .camera_prior = PoseDensity(SE3d(), Matrix6d::Identity()),
               .models = std::move(models),
               .settings = {}};
-  job.sequence = read_recordings(root, files, camera, ids_of(job.models));
+  job.sequence = read_recordings(root, files, camera, ids_of(job.models), observed);
   job.camera_prior = read_camera_prior(root, job.sequence.camera_truth);
   job.settings.motion = read_motion(root, camera.odometry.has_value());
   check_classes(root, job, is_multi_object(method));
   use_method(root, method, job);
+  if (auto* tracker = std::get_if<MultiObjectSlamSettings>(&job.settings.tracker))
+    tracker->cameras = observed.cameras;
   if (const auto output = root.find_table("output")) {
     job.trace_hypotheses = static_cast<std::size_t>(
         output->get_integer_or("trace_hypotheses", kTraceHypotheses, kAtLeastZero));

@@ -177,7 +177,13 @@ std::vector<CandidateFile> read_candidates(const TomlTable& root, const FileFind
   return candidates;
 }
 
-std::optional<DetectionFile> read_detections(const TomlTable& object, const FileFinder& files) {
+std::optional<DetectionFile> read_detections(const TomlTable& object, const FileFinder& files,
+                                             bool has_observations) {
+  if (has_observations) {
+    if (object.has("detections"))
+      object.fail("detections", "stands beside [[observations]], expected one of the two");
+    return std::nullopt;
+  }
   if (object.has("class")) {
     for (const char* key : {"detections", "ground_truth"}) {
       if (object.has(key))

@@ -140,6 +140,38 @@ std::map<std::string, DetectorNoise> read_noise_models(const TomlTable& root);
 void assume_missing(const TomlTable& root, const std::set<std::string>& used,
                     double default_clutter, std::map<std::string, DetectorNoise>& models);
 
+// --- [[observations]] and [[cameras]]
+
+/// Stamps of observations and odometry that differ by no more are one frame [s].
+inline constexpr double kSameStamp = 1e-6;
+
+/// The observations of one file.
+struct ObservationFile {
+  std::string name;
+  std::vector<Observation> observations;
+};
+/// All that is known from observations.
+struct ObservedRecording {
+  std::vector<ObservationFile> files;
+  std::vector<BodyCamera> cameras;
+};
+/// Reads the key `observations`; empty if it is missing.
+std::vector<ObservationFile> read_observation_files(const TomlTable& root, const FileFinder& files);
+/// Reads the key `cameras`; empty if it is missing.
+std::vector<BodyCamera> read_body_cameras(const TomlTable& root);
+/// The ids in the files that are not declared, in the order in which they are seen.
+std::vector<std::string> ids_on_sight(const std::vector<ObservationFile>& files,
+                                      const std::vector<std::string>& declared);
+/// The stamps of odometry and observations.
+std::vector<double> stamps_of(const std::vector<ObservationFile>& files,
+                              const std::vector<StampedPose>& odometry);
+/// Odometry at the frames; between two of its poses a part of the motion between them.
+Poses interpolated(const Timeline& timeline, const std::vector<StampedPose>& odometry);
+/// Puts the observations into the frames of a sequence, and their best components, as they are from
+/// the body, into the recordings of its objects.
+void add_observations(const ObservedRecording& observed, const Timeline& timeline,
+                      Sequence& sequence);
+
 // --- [[objects]]
 
 /// The detections of one object before they are assigned to frames: by stamp, or by number counted
@@ -153,8 +185,9 @@ struct DetectionFile {
 };
 
 /// Reads the key `detections`; empty for an object with the key `class`, which has candidates
-/// instead.
-std::optional<DetectionFile> read_detections(const TomlTable& object, const FileFinder& files);
+/// instead, and in a recording with observations.
+std::optional<DetectionFile> read_detections(const TomlTable& object, const FileFinder& files,
+                                             bool has_observations);
 
 /// The detections of one class by number, counted from zero.
 struct CandidateFile {
@@ -168,9 +201,10 @@ std::vector<CandidateFile> read_candidates(const TomlTable& root, const FileFind
 void read_object_truth(const TomlTable& object, const FileFinder& files, const Timeline& timeline,
                        ObjectRecording& recording);
 
-/// Reads the frames and the recordings of the camera and of the objects with these ids.
+/// Reads the frames and the recordings of the camera and of the objects with these ids; those that
+/// are declared come first. The observations were read before.
 Sequence read_recordings(const TomlTable& root, const FileFinder& files, const CameraFiles& camera,
-                         const std::vector<std::string>& ids);
+                         const std::vector<std::string>& ids, const ObservedRecording& observed);
 
 /// Reads the key `symmetries`; without it the trivial group.
 SymmetryGroup read_object_symmetries(const TomlTable& object, const FileFinder& files);

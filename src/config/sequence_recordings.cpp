@@ -37,7 +37,13 @@ struct DetectionFiles {
 
 /// The frames of the sequence: stamps of the odometry, otherwise of the camera's truth (numbers in
 /// a dataset), otherwise of all stamped detections, otherwise frame numbers.
-Timeline make_timeline(const CameraFiles& camera, const DetectionFiles& detections) {
+Timeline make_timeline(const CameraFiles& camera, const DetectionFiles& detections,
+                       const ObservedRecording& observed) {
+  if (!observed.files.empty()) {
+    return Timeline(stamps_of(observed.files, camera.odometry ? camera.odometry->poses
+                                                              : std::vector<StampedPose>()),
+                    camera.odometry ? "the odometry with the observations" : "the observations");
+  }
   const auto& stamped = camera.odometry ? camera.odometry : camera.truth;
   if (stamped) {
     std::set<double> stamps;
@@ -87,15 +93,18 @@ std::vector<std::vector<Candidate>> candidates_on(const Timeline& timeline,
 }  // namespace
 
 Sequence read_recordings(const TomlTable& root, const FileFinder& files, const CameraFiles& camera,
-                         const std::vector<std::string>& ids) {
-  const std::vector<TomlTable> objects = root.get_tables("objects");
+                         const std::vector<std::string>& ids, const ObservedRecording& observed) {
+  const std::vector<TomlTable> objects = root.find_tables("objects");
   DetectionFiles detections{{}, read_candidates(root, files)};
   for (const TomlTable& object : objects)
-    detections.objects.push_back(read_detections(object, files));
-  const Timeline timeline = make_timeline(camera, detections);
+    detections.objects.push_back(read_detections(object, files, !observed.files.empty()));
+  const Timeline timeline = make_timeline(camera, detections, observed);
   Sequence sequence;
   sequence.stamps = timeline.stamps();
-  if (camera.odometry) sequence.odometry = timeline.select(*camera.odometry);
+  if (camera.odometry) {
+    sequence.odometry = observed.files.empty() ? timeline.select(*camera.odometry)
+                                               : interpolated(timeline, camera.odometry->poses);
+  }
   sequence.camera_truth = camera_truth_on(timeline, camera);
   sequence.candidates = candidates_on(timeline, detections.candidates);
   for (std::size_t i = 0; i < objects.size(); ++i) {
@@ -108,6 +117,13 @@ Sequence read_recordings(const TomlTable& root, const FileFinder& files, const C
     read_object_truth(objects[i], files, timeline, recording);
     sequence.objects.push_back(std::move(recording));
   }
+  for (std::size_t i = objects.size(); i < ids.size(); ++i) {
+    ObjectRecording recording;
+    recording.id = ids[i];
+    recording.detections.resize(timeline.size());
+    sequence.objects.push_back(std::move(recording));
+  }
+  add_observations(observed, timeline, sequence);
   validate(sequence);
   return sequence;
 }

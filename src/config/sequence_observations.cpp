@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include <fmt/format.h>
+
+#include "posemix/base/error.hpp"
+#include "posemix/io/observation_csv.hpp"
+#include "sequence_parts.hpp"
+
+/// Observations, the cameras of a body, and objects on sight.
+namespace posemix::internal {
+namespace {
+
+/// Odometry further apart than this is not interpolated [s].
+constexpr double kLongestGap = 1.0;
+
+void check_observation(const Observation& observation, const std::string& name) {
+  if (std::abs(observation.stamp_s) > kLatestStamp) {
+    throw InvalidInput(
+        fmt::format("{}: got stamp {}, expected seconds", name, observation.stamp_s));
+  }
+  for (const ObservationComponent& component : observation.components)
+    check_position(component.pose, fmt::format("{}: stamp {}", name, observation.stamp_s));
+}
+
+/// The best component of an observation as it is from the body.
+SE3d from_body(const Observation& observation, const std::vector<BodyCamera>& cameras) {
+  return pose_on_body(cameras, observation.camera) *
+         observation.components[best_component(observation)].pose;
+}
+
+}  // namespace
+
+std::vector<ObservationFile> read_observation_files(const TomlTable& root,
+                                                    const FileFinder& files) {
+  std::vector<ObservationFile> list;
+  for (const TomlTable& table : root.find_tables("observations")) {
+    const std::filesystem::path path = files.find(table, "csv");
+    ObservationFile file{path.string(), read_observations(path)};
+    for (Observation& observation : file.observations) {
+      check_observation(observation, file.name);
+      observation.camera = table.get_string_or("camera", observation.camera);
+      observation.detector = table.get_string_or("detector", observation.detector);
+    }
+    list.push_back(std::move(file));
+  }
+  return list;
+}
+
+std::vector<BodyCamera> read_body_cameras(const TomlTable& root) {
+  std::vector<BodyCamera> cameras;
+  for (const TomlTable& table : root.find_tables("cameras")) {
+    cameras.push_back({table.get_string("name"), read_pose(table, "pose")});
+    located(table, "name", [&] { require_valid(cameras); });
+  }
+  return cameras;
+}
+
+std::vector<std::string> ids_on_sight(const std::vector<ObservationFile>& files,
+                                      const std::vector<std::string>& declared) {
+  std::vector<std::string> ids;
+  std::set<std::string> known(declared.begin(), declared.end());
+  for (const ObservationFile& file : files) {
+    for (const Observation& observation : file.observations) {
+      const std::string& id = observation.object;
+      if (!id.empty() && known.insert(id).second) ids.push_back(id);
+    }
+  }
+  return ids;
+}
+
+std::vector<double> stamps_of(const std::vector<ObservationFile>& files,
+                              const std::vector<StampedPose>& odometry) {
+  std::set<double> stamps;
+  for (const StampedPose& pose : odometry) stamps.insert(pose.stamp);
+  for (const ObservationFile& file : files) {
+    for (const Observation& observation : file.observations) {
+      // Stamps that differ by the rounding of files are one.
+      const auto next = stamps.lower_bound(observation.stamp_s - kSameStamp);
+      if (next == stamps.end() || *next > observation.stamp_s + kSameStamp)
+        stamps.insert(observation.stamp_s);
+    }
+  }
+  return {stamps.begin(), stamps.end()};
+}
+
+Poses interpolated(const Timeline& timeline, const std::vector<StampedPose>& odometry) {
+  std::vector<StampedPose> known;
+  std::copy_if(odometry.begin(), odometry.end(), std::back_inserter(known),
+               [](const StampedPose& pose) { return pose.pose.has_value(); });
+  std::sort(known.begin(), known.end(),
+            [](const StampedPose& a, const StampedPose& b) { return a.stamp < b.stamp; });
+  Poses poses;
+  poses.reserve(timeline.size());
+  for (const double stamp : timeline.stamps()) {
+    const auto after =
+        std::lower_bound(known.begin(), known.end(), stamp,
+                         [](const StampedPose& pose, double s) { return pose.stamp < s; });
+    poses.emplace_back();
+    if (after == known.end()) continue;
+    if (after->stamp == stamp) {
+      poses.back() = after->pose;
+      continue;
+    }
+    if (after == known.begin()) continue;
+    const StampedPose& before = *std::prev(after);
+    const double gap = after->stamp - before.stamp;
+    if (gap > kLongestGap) continue;
+    const double part = (stamp - before.stamp) / gap;
+    const SE3d motion = before.pose->inverse() * *after->pose;
+    poses.back() = *before.pose * SE3d::exp(part * motion.log());
+  }
+  return poses;
+}
+
+void add_observations(const ObservedRecording& observed, const Timeline& timeline,
+                      Sequence& sequence) {
+  if (observed.files.empty()) return;
+  sequence.observations.resize(timeline.size());
+  std::map<std::string, ObjectRecording*> recordings;
+  for (ObjectRecording& recording : sequence.objects) recordings[recording.id] = &recording;
+  for (const ObservationFile& file : observed.files) {
+    for (const Observation& observation : file.observations) {
+      const auto frame = timeline.at_stamp(observation.stamp_s);
+      if (!frame) {
+        throw InvalidInput(
+            fmt::format("{}: got an observation at stamp {} s, where {} has no frame", file.name,
+                        observation.stamp_s, timeline.source()));
+      }
+      sequence.observations[*frame].push_back(observation);
+      if (observation.object.empty()) continue;
+      auto& best = recordings.at(observation.object)->detections[*frame];
+      try {
+        if (!best) best = from_body(observation, observed.cameras);
+      } catch (const InvalidInput& error) {
+        throw InvalidInput(
+            fmt::format("{}: stamp {}: {}", file.name, observation.stamp_s, error.what()));
+      }
+    }
+  }
+}
+
+}  // namespace posemix::internal

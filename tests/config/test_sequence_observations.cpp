@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+// Sequence files with observations, cameras of a rig, and objects on sight.
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "posemix/base/error.hpp"
+#include "posemix/config/sequence_file.hpp"
+#include "posemix/slam/job.hpp"
+#include "small_recording.hpp"
+
+namespace posemix {
+namespace {
+
+using testing::replaced;
+
+constexpr const char* kTable =
+    "stamp_s,camera,detector,id,class,sighting,weight,tx_m,ty_m,tz_m,qx,qy,qz,qw,"
+    "c00,c01,c02,c03,c04,c05,c11,c12,c13,c14,c15,"
+    "c22,c23,c24,c25,c33,c34,c35,c44,c45,c55\n"
+    "0.00,left,,7,,0,0.6,0,0,1,0,0,0,1,,,,,,,,,,,,,,,,,,,,,\n"
+    "0.00,left,,7,,0,0.4,0,0,1,0,0,1,0,,,,,,,,,,,,,,,,,,,,,\n"
+    "0.05,left,,9,,1,1,0.2,0,1,0,0,0,1,,,,,,,,,,,,,,,,,,,,,\n"
+    "0.10,left,,7,,2,1,0,0,1,0,0,0,1,,,,,,,,,,,,,,,,,,,,,\n";
+constexpr const char* kOdometry =
+    "0.0 0 0 0 0 0 0 1\n"
+    "0.1 0.02 0 0 0 0 0 1\n";
+constexpr const char* kSequence = R"(schema = 1
+[camera]
+odometry = "odometry.tum"
+[[cameras]]
+name = "left"
+pose = [0.1, 0, 0, 0, 0, 0, 1]
+[[observations]]
+csv = "observations.csv"
+[on_sight]
+noise = "tag"
+[noise.tag]
+components = [{rotation_sd_deg = 1.0, translation_sd_m = 0.005}]
+slow = "none"
+clutter = {weight = 0.05, volume_m3 = 1.0}
+)";
+
+SlamJob job_of(const std::string& sequence, const std::string& table = kTable) {
+  const testing::TemporaryFolder folder;
+  folder.put("observations.csv", table);
+  folder.put("odometry.tum", kOdometry);
+  return read_slam_job(TomlDocument::parse(sequence, "sequence.toml"), {folder.path()});
+}
+
+TEST(SequenceObservations, MakeFramesObjectsAndDetections) {
+  const SlamJob job = job_of(kSequence);
+  ASSERT_EQ(job.sequence.stamps.size(), 3U);
+  ASSERT_EQ(job.models.size(), 2U);
+  EXPECT_EQ(job.models[0].id, "7");
+  EXPECT_EQ(job.models[1].id, "9");
+  ASSERT_EQ(job.sequence.observations.size(), 3U);
+  EXPECT_EQ(job.sequence.observations[0][0].components.size(), 2U);
+  EXPECT_NEAR(job.sequence.odometry[1]->translation().x(), 0.01, 1e-12);
+  // The best component, from the body.
+  EXPECT_NEAR(job.sequence.objects[0].detections[0]->translation().x(), 0.1, 1e-12);
+  EXPECT_FALSE(job.sequence.objects[0].detections[1].has_value());
+  const SlamRun result = run(job);
+  EXPECT_EQ(result.hypotheses[0].size(), 2U);
+  EXPECT_NEAR(result.frames.back().objects[1]->mean().translation().x(), 0.31, 0.01);
+}
+
+TEST(SequenceObservations, RefuseWhatDoesNotFit) {
+  const std::vector<std::pair<std::string, std::string>> cases{
+      {replaced(kSequence, "[on_sight]\nnoise = \"tag\"\n", ""), "name object \"7\""},
+      {replaced(kSequence, "noise = \"tag\"", "noise = \"tags\""), "no table [noise.tags]"},
+      {replaced(kSequence, "name = \"left\"", "name = \"right\""), "there is no camera 'left'"},
+      {replaced(kSequence, "csv = \"observations.csv\"", "csv = \"other.csv\""), "other.csv"},
+      {replaced(kSequence, "[on_sight]",
+                "[[objects]]\nid = \"7\"\nnoise = \"tag\"\ndetections = {tum = "
+                "\"odometry.tum\"}\n[on_sight]"),
+       "stands beside [[observations]]"},
+      {replaced(kSequence, "[[cameras]]",
+                "[[cameras]]\nname = \"left\"\npose = [0, 0, 0, 0, 0, 0, 1]\n[[cameras]]"),
+       "two cameras have the name 'left'"},
+  };
+  for (const auto& [sequence, named] : cases) {
+    try {
+      job_of(sequence);
+      ADD_FAILURE() << "accepted what should name " << named;
+    } catch (const InvalidInput& error) {
+      EXPECT_NE(std::string(error.what()).find(named), std::string::npos) << error.what();
+    }
+  }
+  EXPECT_THROW(job_of(kSequence, replaced(kTable, "0.4,0,0,1", "0.5,0,0,1")), InvalidInput);
+}
+
+}  // namespace
+}  // namespace posemix
