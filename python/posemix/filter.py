@@ -12,7 +12,8 @@ from posemix._core import (
 from posemix.noise import *
 
 __all__ = [
-    "Clutter", "DependentFrames", "Detection", "DetectorNoise", "GaussianSumFilter", "GaussianSumSettings", "GivenCovariance",
+    "Clutter", "DependentFrames", "Detection", "DetectorNoise", "GaussianSumFilter", "GaussianSumSettings",
+    "GivenCovariance",
     "MultiObjectFilter", "MultiObjectSettings", "NoiseComponent", "NoiseCorrelation", "NoiseCriterion",
     "NoiseDependence", "NoiseEmFit", "NoiseFit", "NoiseFitSettings", "NoiseFrame", "NoiseMode",
     "NoiseModeSettings", "NoiseUse", "NoiseValidation", "ObjectHypothesis", "ObjectSensor",

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include <nanobind/stl/map.h>
 #include <nanobind/stl/string.h>
 
 #include "posemix/slam/method.hpp"

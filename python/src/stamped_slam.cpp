@@ -2,9 +2,11 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "posemix/slam/stamped_slam.hpp"
 
+#include "argument.hpp"
 #include "arrays.hpp"
 #include "copies.hpp"
 #include "record.hpp"
+#include "settings.hpp"
 #include "slam.hpp"
 #include "words.hpp"
 
