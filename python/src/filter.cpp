@@ -216,7 +216,7 @@ void bind_objects(nb::class_<MultiObjectFilter>& filter) {
 
 void bind_source(nb::module_& m) {
   using O = ObservationSource;
-  Record<O>(m, "ObservationSource", "Where an observation comes from.")
+  Record<O>(m, "ObservationSource", "Camera and detector of an observation.")
       .field("body_camera", &O::body_camera, "posemix.lie.SE3",
              "T_body_camera: with several cameras the camera of the filter is their body.")
       .field("detector", &O::detector, "int",

@@ -25,7 +25,7 @@ void bind_parts(nb::module_& m) {
       .value(NoiseFrame::ray,
              "Axes with z along the viewing ray, and translations in units of the range.");
   Words<GivenCovariance>(m, "GivenCovariance",
-                         "What a covariance that an observation brings itself is to the filter.")
+                         "Use of the covariance that an observation brings itself.")
       .value(GivenCovariance::scaled,
              "The covariance of the white error, times the scale that is learned.")
       .value(GivenCovariance::as_given, "The covariance of the white error.")
@@ -73,9 +73,8 @@ void bind_parts(nb::module_& m) {
       .field("is_typical", &D::is_typical, "bool",
              "Whether the numbers are those of detectors in general and not of this one.")
       .field("given_covariance", &D::given_covariance, "GivenCovariance",
-             "What a covariance that an observation brings itself is to the filter: `scaled`, the "
-             "covariance of the white error times the scale that is learned; `as_given`; "
-             "`ignored`.")
+             "Use of the covariance that an observation brings itself: `scaled`, the covariance of "
+             "the white error times the scale that is learned; `as_given`; `ignored`.")
       .done();
 }
 

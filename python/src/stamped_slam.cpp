@@ -55,10 +55,10 @@ array([0. , 0. , 0.8])
 )";
 
 void bind_stamps(nb::module_& m) {
-  Words<StampJump>(m, "StampJump", "What happens where a stamp lies far before the newest one.")
+  Words<StampJump>(m, "StampJump", "Answer to a stamp that lies far before the newest one.")
       .value(StampJump::refuse, "ValueError.")
       .value(StampJump::reset, "All is forgotten, and begins with that stamp.");
-  Words<StampAdmission>(m, "StampAdmission", "What became of an input.")
+  Words<StampAdmission>(m, "StampAdmission", "Fate of an input.")
       .value(StampAdmission::taken, "Newer than all before.")
       .value(StampAdmission::replayed, "Late, and what came after it is played again.")
       .value(StampAdmission::too_late, "Older than the history, and left out.");
@@ -69,7 +69,8 @@ void bind_stamps(nb::module_& m) {
              "time [s]; older ones are refused and counted.")
       .field("jump_back_s", &S::jump_back_s, "float",
              "A stamp that is older by more than this has jumped back [s].")
-      .field("on_jump_back", &S::on_jump_back, "StampJump", "What happens then.")
+      .field("on_jump_back", &S::on_jump_back, "StampJump",
+             "Answer to a stamp that has jumped back.")
       .field("jump_ahead_s", &S::jump_ahead_s, "float",
              "A stamp may be so much newer than the newest before it [s].")
       .field("checkpoints", &S::checkpoints, "int",

@@ -31,6 +31,8 @@ OTHER_NAMES: dict[str, tuple[str, dict[str, tuple[str, ...]]]] = {
 
 # Structs without a class, and why.
 WITHOUT_CLASS = {
+    "HypothesisMean": "MultiObjectFilter.hypotheses has the densities",
+    "LeadingEstimate": "MultiObjectFilter.object and .relative have the densities",
     "Projection": "CameraModel.project returns pixels",
     "FiducialFolder": "arguments of write_fiducials",
     "MeanSettings": "lie.weighted_mean always iterates to rounding",
