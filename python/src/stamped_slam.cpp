@@ -44,7 +44,7 @@ Examples
 --------
 >>> from posemix import (SE3, ConcentratedGaussian, ObjectModel, Observation, ObservationComponent,
 ...                      StampedSlam, pose_covariance)
->>> slam = StampedSlam(ConcentratedGaussian(SE3(), pose_covariance(0.001, 0.002)), [ObjectModel("mug")])
+>>> slam = StampedSlam(ConcentratedGaussian(SE3(), pose_covariance(0.001, 0.002)), [ObjectModel(id="mug")])
 >>> for stamp in (10.0, 10.1):
 ...     _ = slam.add_odometry(stamp, SE3())
 >>> late = Observation([ObservationComponent(SE3(translation=[0, 0, 0.8]))], object="mug", stamp_s=10.05)
