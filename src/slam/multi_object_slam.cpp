@@ -50,11 +50,17 @@ MultiObjectFilter make_filter(const PoseDensity& camera, const std::vector<Objec
   require_alike_in_class(objects);
   require_valid(settings.cameras);
   if (settings.on_sight) sensor_of(*settings.on_sight);
-  std::vector<ObjectSensor> sensors;
-  for (const ObjectModel& object : objects) sensors.push_back(sensor_of(object));
   MultiObjectSettings filter = settings.filter;
   filter.has_odometry = motion.model == MotionModel::odometry;
-  return {camera, std::move(sensors), filter};
+  MultiObjectFilter made(camera, {}, filter);
+  for (const ObjectModel& object : objects) {
+    try {
+      made.add_object(sensor_of(object), object.prior);
+    } catch (const InvalidInput& error) {
+      throw InvalidInput(fmt::format("object '{}': {}", object.id, error.what()));
+    }
+  }
+  return made;
 }
 
 /// An observation of one pose as the equivalent pose that is nearest to its instance.
@@ -252,6 +258,7 @@ CandidateReport MultiObjectSlam::new_instance(const std::vector<std::size_t>& mo
   std::optional<std::size_t> oldest;
   for (const std::size_t object : models) {
     if (!filter_.is_known(object)) return {.status = CandidateStatus::fresh, .object = object};
+    if (objects_[object].prior) continue;
     const Sightings& seen = sightings_[object];
     if (seen.count >= settings_.confirming_detections || seen.last_frame == objects_.frames())
       continue;

@@ -11,6 +11,7 @@
 #include "posemix/density/concentrated_gaussian.hpp"
 #include "posemix/detector/object_sensor.hpp"
 #include "posemix/detector/observation.hpp"
+#include "posemix/filter/object_prior.hpp"
 #include "posemix/mixture/mixture.hpp"
 
 namespace posemix {
@@ -165,7 +166,8 @@ class MultiObjectFilter {
   void predict_with_odometry(const SE3d& motion, const Matrix6d& q, double dt);
 
   /// Random walk, or a frame without odometry: the mean stays, and the camera gets all of the noise
-  /// `q`.
+  /// `q`. A camera whose rotation is then less certain than a uniform one is lost: its pose becomes
+  /// independent of all else, with that rotation ("A camera that is lost").
   void predict_random_walk(const Matrix6d& q, double dt);
 
   /// Constant velocity, see posemix::predict_constant_velocity. The first call appends the camera's
@@ -183,8 +185,10 @@ class MultiObjectFilter {
   /// for a detector that the object does not have
   ObjectUpdateReport update(std::size_t object, const Observation& observation,
                             const ObservationSource& source = {});
-  /// One more object, never detected. Returns its index.
-  std::size_t add_object(ObjectSensor object);
+  /// One more object, never detected. Returns its index. With a prior it has one hypothesis from
+  /// the beginning, which is as any other.
+  /// @throws InvalidInput for a prior whose probability is not in (0, 1]
+  std::size_t add_object(ObjectSensor object, const std::optional<ObjectPrior>& prior = {});
 
   /// The object becomes one that was never detected: it has no hypotheses, its absence is certain,
   /// and its noise is as given. The camera and the other objects stay as they are. In the joint

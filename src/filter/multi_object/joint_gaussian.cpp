@@ -76,6 +76,12 @@ std::size_t JointGaussian::append(const ConditionalPose& object) {
   return index;
 }
 
+void JointGaussian::release_camera(const Matrix6d& covariance) {
+  covariance_.topRows<kPoseDof>().setZero();
+  covariance_.leftCols<kPoseDof>().setZero();
+  covariance_.topLeftCorner<kPoseDof, kPoseDof>() = covariance;
+}
+
 std::size_t JointGaussian::append_motion(const SE3d& motion, const Matrix6d& covariance) {
   ConditionalPose alone{motion, {}, Matrix12d::Zero(), Matrix12x6d::Zero()};
   alone.covariance.topLeftCorner<6, 6>() = covariance;

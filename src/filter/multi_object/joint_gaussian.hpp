@@ -136,6 +136,8 @@ class JointGaussian {
   void decay_slow(std::size_t index, double factor, const Matrix6d& q);
   /// Adds independent noise of covariance `q` to a block.
   void add_noise(std::size_t index, const Matrix6d& q);
+  /// The camera becomes independent of all else, with this covariance.
+  void release_camera(const Matrix6d& covariance);
   /// xi_C <- xi_C + F xi_V for the motion V at the index `motion`.
   void move_camera_by(std::size_t motion, const Matrix6d& transfer);
   void make_symmetric() { symmetrize(covariance_); }

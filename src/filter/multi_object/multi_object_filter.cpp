@@ -145,8 +145,13 @@ ObjectUpdateReport MultiObjectFilter::update(std::size_t object, const Observati
   return hypotheses_of_all().update(object, observation, source);
 }
 
-std::size_t MultiObjectFilter::add_object(ObjectSensor object) {
-  hypotheses_of_all().for_each([&](MultiObjectState& s) { s.add_object(object); });
+std::size_t MultiObjectFilter::add_object(ObjectSensor object,
+                                          const std::optional<ObjectPrior>& prior) {
+  if (prior && !(prior->probability > 0.0 && prior->probability <= 1.0)) {
+    throw InvalidInput(fmt::format("the prior has the probability {}, expected one in (0, 1]",
+                                   prior->probability));
+  }
+  hypotheses_of_all().for_each([&](MultiObjectState& s) { s.add_object(object, prior); });
   return object_count() - 1;
 }
 

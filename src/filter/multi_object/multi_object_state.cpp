@@ -97,10 +97,27 @@ MultiObjectState::MultiObjectState(const ConcentratedGaussian<SE3d>& camera,
   for (const ObjectSensor& sensor : sensors) add_object(sensor);
 }
 
-void MultiObjectState::add_object(const ObjectSensor& sensor) {
+void MultiObjectState::add_object(const ObjectSensor& sensor,
+                                  const std::optional<ObjectPrior>& prior) {
   objects.emplace_back();
+  TrackedObject& object = objects.back();
   for (ObjectSensor& one : sensors_of(sensor, settings.default_clutter))
-    objects.back().detectors.emplace_back(std::move(one));
+    object.detectors.emplace_back(std::move(one));
+  if (!prior) return;
+  ConditionalPose pose{prior->world.mean(), {}, Matrix12d::Zero(), Matrix12x6d::Zero()};
+  pose.covariance.topLeftCorner<6, 6>() = prior->world.covariance();
+  if (const auto slow = object.sensor().slow_covariance()) {
+    pose.slow = Vector6d::Zero();
+    pose.covariance.bottomRightCorner<6, 6>() = *slow;
+  }
+  const double log_weight = std::log(prior->probability);
+  object.belief.add(joint, {{{.log_weight = log_weight,
+                              .log_probability = log_weight,
+                              .score = settings.birth_score,
+                              .id = next_id++},
+                             pose}});
+  object.belief.set_log_absent(std::log1p(-prior->probability));
+  object.belief.fix_unobserved(joint, object.sensor().symmetries);
 }
 
 GainFactors MultiObjectState::gain_factors(const TrackedObject& object,

@@ -53,7 +53,7 @@ struct MultiObjectState {
   ObjectUpdateReport update(std::size_t j, const ObservedDetection& observed,
                             const Starters& may_start, LogTotals& evidence);
   /// One more object, never detected.
-  void add_object(const ObjectSensor& sensor);
+  void add_object(const ObjectSensor& sensor, const std::optional<ObjectPrior>& prior = {});
   /// Object `j` becomes one that was never detected.
   void forget(std::size_t j);
   /// Time goes on by one frame, in which the camera moved from `camera_before` where that is known.
@@ -115,6 +115,8 @@ struct MultiObjectState {
  private:
   /// Erases a pose of the joint Gaussian.
   void erase(std::size_t pose_index);
+  /// A camera whose rotation is less certain than a uniform one becomes independent of all else.
+  void release_lost_camera();
   void update_weights(TrackedObject& object, const ObservedDetection& observed, double share) const;
   std::vector<Alternative> births_of(const TrackedObject& object,
                                      const WeighedObservation& observation,

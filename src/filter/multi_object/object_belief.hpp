@@ -93,6 +93,10 @@ class ObjectBelief {
   double log_absent() const { return log_absent_; }
   /// The same, with dependent detections counted once.
   double log_absence_probability() const { return log_absence_probability_; }
+  void set_log_absent(double log_weight) {
+    log_absent_ = log_weight;
+    log_absence_probability_ = log_weight;
+  }
   /// Index of the leading hypothesis.
   std::optional<std::size_t> leading() const;
   /// Index of the leading hypothesis' pose in the joint Gaussian.
@@ -123,6 +127,8 @@ class ObjectBelief {
   /// The directions in which the symmetries leave the pose free become independent of everything,
   /// with a small variance: the pose that stands for all equivalent ones is chosen there.
   void fix_unobserved(JointGaussian& joint, const SymmetryGroup& symmetries);
+  /// Alternatives become independent of the camera.
+  void release_camera();
   /// Adds P_OC times `factor` to P_OC of every alternative.
   void add_to_cross_covariances(const Matrix6d& factor);
 

@@ -82,6 +82,10 @@ void ObjectBelief::fix_unobserved(JointGaussian& joint, const SymmetryGroup& sym
   }
 }
 
+void ObjectBelief::release_camera() {
+  for (Alternative& alternative : alternatives_) alternative.pose.cross_covariance.setZero();
+}
+
 void ObjectBelief::add_to_cross_covariances(const Matrix6d& factor) {
   for (Alternative& alternative : alternatives_) {
     const Matrix12x6d change = alternative.pose.cross_covariance * factor;

@@ -1,10 +1,18 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include <numbers>
+
 #include "multi_object_state.hpp"
 #include "posemix/density/pose_stack.hpp"
 #include "posemix/filter/predict.hpp"
 
 namespace posemix::internal {
+namespace {
+
+/// Variance of each coordinate of the logarithm of a rotation that may be any, (pi^2 / 3 + 2) / 3.
+constexpr double kUniformRotation = (std::numbers::pi * std::numbers::pi / 3.0 + 2.0) / 3.0;
+
+}  // namespace
 
 void MultiObjectState::predict_with_odometry(const SE3d& change, const Matrix6d& q, double dt) {
   const SE3d before = joint.pose(kCamera);
@@ -16,7 +24,22 @@ void MultiObjectState::predict_with_odometry(const SE3d& change, const Matrix6d&
 
 void MultiObjectState::predict_random_walk(const Matrix6d& q, double dt) {
   joint.add_noise(kCamera, joint.pose(kCamera).adjoint_congruence(q));
+  release_lost_camera();
   advance(dt, std::nullopt);
+}
+
+/// Rotation about the camera and its position are independent then: only the position's covariance
+/// is that of before.
+void MultiObjectState::release_lost_camera() {
+  const Matrix6d before = joint.covariance(kCamera, kCamera);
+  if (before.topLeftCorner<3, 3>().diagonal().maxCoeff() <= kUniformRotation) return;
+  const SE3d position(SO3d(), joint.pose(kCamera).translation());
+  Matrix6d there = Matrix6d::Zero();
+  there.topLeftCorner<3, 3>().diagonal().setConstant(kUniformRotation);
+  there.bottomRightCorner<3, 3>() =
+      position.inverse().adjoint_congruence(before).bottomRightCorner<3, 3>();
+  joint.release_camera(position.adjoint_congruence(there));
+  for (TrackedObject& object : objects) object.belief.release_camera();
 }
 
 void MultiObjectState::predict_constant_velocity(double periods, const Matrix6d& q,
