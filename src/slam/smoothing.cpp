@@ -42,6 +42,11 @@ FixedLagSmoother::FixedLagSmoother(const PoseDensity& camera, std::vector<Object
   require(smoothing.passes > 0, "smoothing: passes is 0, expected at least 1");
   require(!std::get<MultiObjectSlamSettings>(settings.tracker).on_sight,
           "smoothing: objects begin on sight, expected models of all objects");
+  for (const BodyCamera& camera : std::get<MultiObjectSlamSettings>(settings.tracker).cameras) {
+    require(camera.is_exact(), fmt::format("smoothing: the pose of camera '{}' has a covariance, "
+                                           "expected exact poses of all cameras",
+                                           camera.name));
+  }
 }
 
 std::optional<FrameEstimate> FixedLagSmoother::step(const FrameInput& input) {
