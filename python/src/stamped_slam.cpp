@@ -130,6 +130,10 @@ void bind_stamped_slam(nb::module_& m) {
           "finish", [](S& self) { return self.finish(); },
           "The same with the observations that wait for odometry, as frames without it.")
       .def_prop_ro(
+          "cameras", [](const S& self) { return frozen(self.slam().estimated_cameras()); },
+          nb::for_getter(nb::sig("def cameras(self, /) -> collections.abc.Sequence[BodyCamera]")),
+          "Cameras of the rig as they are known by now: estimates of those with a covariance.")
+      .def_prop_ro(
           "counts", [](const S& self) { return self.counts(); }, "Inputs by what became of them.")
       .def_prop_ro("waiting", &S::waiting, "Number of observations that wait for odometry.");
   with_copies(slam);

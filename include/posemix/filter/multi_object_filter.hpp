@@ -115,6 +115,9 @@ struct ObservationSource {
   /// T_body_camera. With several cameras, what is called the camera elsewhere is the body that
   /// carries them.
   SE3d body_camera = {};
+  /// In place of `body_camera`, a camera whose pose on the body is estimated, by its index
+  /// (MultiObjectFilter::add_camera).
+  std::optional<std::size_t> camera = {};
   /// Zero for ObjectSensor::noise, n for the n-th of ObjectSensor::other_detectors.
   std::size_t detector = 0;
 };
@@ -182,9 +185,16 @@ class MultiObjectFilter {
   /// One observation of the object at `object`, a mixture of poses (docs/many-objects.md,
   /// "Observations that are mixtures"). Its names and stamp are not looked at.
   /// @throws InvalidInput also as validate(observation), for a body_camera that is not finite, and
-  /// for a detector that the object does not have
+  /// for a camera or a detector that there is not
   ObjectUpdateReport update(std::size_t object, const Observation& observation,
                             const ObservationSource& source = {});
+  /// A camera on the body whose pose T_body_camera is not known exactly: it becomes a part of the
+  /// state, with its covariance with everything else, and every observation of the camera corrects
+  /// it (docs/many-objects.md, "Cameras of a rig"). Returns its index.
+  /// @throws InvalidInput also after the first detection, or the first prediction with constant
+  /// velocity
+  std::size_t add_camera(const ConcentratedGaussian<SE3d>& body_camera);
+
   /// One more object, never detected. Returns its index. With a prior it has one hypothesis from
   /// the beginning, which is as any other.
   /// @throws InvalidInput for a prior whose probability is not in (0, 1]
@@ -227,6 +237,16 @@ class MultiObjectFilter {
   /// with the slow error of its detections, and without their white error.
   ConcentratedGaussian<SE3d> predicted_detection(std::size_t object, std::size_t hypothesis,
                                                  const SE3d& body_camera = {}) const;
+  /// The same from the camera of `source`.
+  /// @throws InvalidInput also for a camera that there is not
+  ConcentratedGaussian<SE3d> predicted_detection(std::size_t object, std::size_t hypothesis,
+                                                 const ObservationSource& source) const;
+  /// Number of cameras whose pose on the body is estimated.
+  std::size_t extrinsic_count() const;
+  /// T_body_camera of such a camera as it is known by now, perturbed on the left in the frame of
+  /// the body.
+  /// @throws InvalidInput when there is none at the index
+  ConcentratedGaussian<SE3d> extrinsic(std::size_t camera) const;
   /// The joint Gaussian of the camera (pose 0) and the leading hypotheses of all objects that have
   /// any, at pose_index(), and of the camera's motion where that is part of the state.
   ConcentratedGaussian<PoseStackd> joint() const;

@@ -52,6 +52,10 @@ struct MultiObjectState {
                             const ObservationSource& source) const;
   ObjectUpdateReport update(std::size_t j, const ObservedDetection& observed,
                             const Starters& may_start, LogTotals& evidence);
+  /// One more camera on the body, before any object is seen.
+  void add_camera(const ConcentratedGaussian<SE3d>& body_camera) {
+    joint.append_extrinsic(body_camera);
+  }
   /// One more object, never detected.
   void add_object(const ObjectSensor& sensor, const std::optional<ObjectPrior>& prior = {});
   /// Object `j` becomes one that was never detected.
@@ -126,9 +130,8 @@ struct MultiObjectState {
                        const ObservationComponent& seen, const NoiseComponent& mode) const;
   void learn(TrackedObject& object, const DetectionUpdate& leading,
              const WeighedObservation& observation);
-  void move_poses(TrackedObject& object, const std::vector<DetectionUpdate>& updates,
-                  const GainFactors& factors, bool damped, double log_evidence,
-                  std::vector<Alternative>& births);
+  void move_poses(TrackedObject& object, const ObservedDetection& observed, bool damped,
+                  double log_evidence, std::vector<Alternative>& births);
   void shift_back(const TrackedObject& detected, bool damped, const CameraChange& change,
                   std::vector<Alternative>& births);
   std::size_t reduce(TrackedObject& object);
