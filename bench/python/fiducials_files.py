@@ -34,6 +34,16 @@ def to_poses(numbers: Array) -> Array:
     return poses
 
 
+def pose_numbers(pose: Array) -> list[str]:
+    """tx ty tz qx qy qz qw of a pose (4, 4), in twelve digits; qw is not negative."""
+    r = pose[:3, :3]
+    k = np.diag([0.0, 0, 0, np.trace(r)])
+    k[:3, :3] = r + r.T - np.trace(r) * np.eye(3)
+    k[:3, 3] = k[3, :3] = r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]
+    q = np.linalg.eigh(k)[1][:, 3]  # Bar-Itzhack, 2000
+    return [f"{x:.12g}" for x in (*pose[:3, 3], *(q if q[3] >= 0 else -q))]
+
+
 def inverse(poses: Array) -> Array:
     """The inverses of poses (..., 4, 4)."""
     result = np.zeros_like(poses)
@@ -46,13 +56,13 @@ def inverse(poses: Array) -> Array:
 def angles_deg(a: Array, b: Array) -> Array:
     """Angles between rotations of poses (..., 4, 4) [deg]."""
     chord = np.linalg.norm(a[..., :3, :3] - b[..., :3, :3], axis=(-2, -1)) / np.sqrt(8)
-    return np.degrees(2 * np.arcsin(np.minimum(chord, 1)))
+    return np.asarray(np.degrees(2 * np.arcsin(np.minimum(chord, 1))))
 
 
 def mean_rotation(rotations: Array) -> Array:
     """The rotation matrix nearest to the median of matrices (N, 3, 3), element by element."""
     u, _, v = np.linalg.svd(np.median(rotations, axis=0))
-    return u @ np.diag([1, 1, np.linalg.det(u @ v)]) @ v
+    return np.asarray(u @ np.diag([1, 1, np.linalg.det(u @ v)]) @ v)
 
 
 # Files.
@@ -99,7 +109,7 @@ def turned_by_part(rotation: Array, part: float) -> Array:
     x, y, z = axis / length
     cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
     angle = part * np.arctan2(length, np.trace(rotation) - 1)
-    return np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
+    return np.asarray(np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross)
 
 
 def read_tum(path: Path) -> Trajectory:
@@ -160,7 +170,19 @@ def read_sightings(path: Path) -> Sightings:
 def read_named_poses(path: Path, name: str) -> dict[str, Array]:
     """Poses by the column `name`, as of cameras.csv ("camera": T_rig_camera) and tags.csv ("id")."""
     with open_text(path) as file:
-        return {row[name]: to_poses([float(row[c]) for c in POSE_COLUMNS])[0] for row in csv.DictReader(file)}
+        return {row[name]: to_poses(np.array([float(row[c]) for c in POSE_COLUMNS]))[0] for row in csv.DictReader(file)}
+
+
+def write_tum(path: Path, trajectory: Trajectory) -> None:
+    """Lines "stamp tx ty tz qx qy qz qw"."""
+    lines = zip(trajectory.stamps, trajectory.poses, strict=True)
+    path.write_text("".join(f"{stamp:.9f} {' '.join(pose_numbers(pose))}\n" for stamp, pose in lines))
+
+
+def write_named_poses(path: Path, name: str, poses: dict[str, Array]) -> None:
+    """The inverse of `read_named_poses`."""
+    rows = [",".join([key, *pose_numbers(pose)]) + "\n" for key, pose in poses.items()]
+    path.write_text("".join([",".join([name, *POSE_COLUMNS]) + "\n", *rows]))
 
 
 def observations_path(folder: Path) -> Path:

@@ -6,12 +6,13 @@
 The result is any folder with
 
 - camera.tum: T_world_rig, one line "stamp tx ty tz qx qy qz qw" per stamp;
-- sightings.csv: stamp_s,camera,id,tx_m,ty_m,tz_m,qx,qy,qz,qw, T_camera_tag of every tag that was seen in a frame, as the
-  estimate stood after that frame. A sighting of a tag without an estimate has no row;
-- tags.csv, if there is one: id,tx_m,ty_m,tz_m,qx,qy,qz,qw, T_world_tag at the end.
+- sightings.csv: stamp_s,camera,id,tx_m,ty_m,tz_m,qx,qy,qz,qw, T_camera_tag of every tag that was seen in a frame, as
+  the estimate stood after that frame. A sighting of a tag without an estimate has no row;
+- tags.csv, if there is one: id,tx_m,ty_m,tz_m,qx,qy,qz,qw, T_world_tag at the end;
+- cameras.csv, if there is one: camera,tx_m,...,qw, T_rig_camera that were used in place of those of FOLDER.
 
-FOLDER is what `posemix fiducials` wrote and what the result was estimated from. The reference is a path T_map_rig, as of
-TagSLAM; no frame of the result needs to be that of the reference.
+FOLDER is what `posemix fiducials` wrote and what the result was estimated from. The reference is a path T_map_rig, as
+of TagSLAM; no frame of the result needs to be that of the reference.
 
 example: bench/python/fiducials_score.py out/tags out/isam2 --reference reference_rig.tum.gz
 """
@@ -86,53 +87,67 @@ class ReferenceTag:
     rival_share: float
 
 
-def reference_tags(
-    observations: Sightings,
-    cameras: dict[str, Array],
-    reference: Trajectory,
-    near_deg: float = 15,
-    near_m: float = 0.5,
-    candidates: int = 400,
-) -> dict[str, ReferenceTag]:
-    """The poses of the tags, from all components of all sightings, put into the map by the reference path.
+def most_supported(
+    poses: Array, sighting: Array, near_deg: float = 15, near_m: float = 0.5, candidates: int = 400
+) -> ReferenceTag:
+    """The pose that most sightings have a component near; `poses` (N, 4, 4) are the components of `sighting` (N,).
 
-    A tag's pose is the one that most sightings have a component near, whatever its weight: the detector's opinion on
-    which component is right does not count. A component counts by exp(-(angle / 5 deg)^2 / 2), so that of two poses with
-    as many components the one that stays at its place as the camera moves wins, as the true one does. Up to `candidates`
-    components are tried. The pose is then refined by the median of the nearest components of all sightings.
-    `rival_share` is the share of sightings with a component near the best pose more than twice `near_deg` away; where it
-    is as large as `share`, the reference is only as good as that spread.
+    Weights do not count. A component counts by exp(-(angle / 5 deg)^2 / 2), so that of two poses with as many
+    components the one that stays at its place as the camera moves wins, as the true one does. Up to `candidates`
+    components are tried, and the best is refined by the median of the components near it. `rival_share` is that of the
+    best pose more than twice `near_deg` away; where it is as large as `share`, the choice depends on the spread alone.
     """
+    sighting = np.unique(sighting, return_inverse=True)[1]
+
+    def support(pose: Array) -> tuple[float, Array]:
+        angle = angles_deg(poses, pose)
+        near = (angle < near_deg) & (np.linalg.norm(poses[:, :3, 3] - pose[:3, 3], axis=1) < near_m)
+        votes = np.zeros(sighting.max() + 1)
+        np.maximum.at(votes, sighting, near * np.exp(-0.5 * (angle / 5) ** 2))
+        return votes.sum(), near
+
+    def share(pose: Array) -> float:
+        return len(np.unique(sighting[support(pose)[1]])) / (int(sighting.max()) + 1)
+
+    tried = poses[np.unique(np.linspace(0, len(poses) - 1, candidates).astype(int))]
+    votes = np.array([support(pose)[0] for pose in tried])
+    pose = tried[np.argmax(votes)].copy()
+    for _ in range(5):
+        near = support(pose)[1]
+        pose[:3, :3], pose[:3, 3] = mean_rotation(poses[near, :3, :3]), np.median(poses[near, :3, 3], axis=0)
+    far = angles_deg(tried, pose) > 2 * near_deg
+    rival = share(tried[far][np.argmax(votes[far])]) if far.any() else 0.0
+    return ReferenceTag(pose, int(sighting.max()) + 1, share(pose), rival)
+
+
+def reference_tags(
+    observations: Sightings, cameras: dict[str, Array], reference: Trajectory
+) -> dict[str, ReferenceTag]:
+    """The poses of the tags: of all components of all sightings, put into the map by the reference path."""
     truth, valid = reference.at(observations.stamps)
     known = valid & np.isin(observations.cameras, list(cameras))
     mounting = np.array([cameras.get(name, np.eye(4)) for name in observations.cameras])
-    in_map = truth @ mounting @ observations.poses
-    tags = {}
+    in_map, tags = truth @ mounting @ observations.poses, {}
     for name in np.unique(observations.ids[known]):
         chosen = known & (observations.ids == name)
-        poses, sighting = in_map[chosen], np.unique(observations.sighting[chosen], return_inverse=True)[1]
-        count = sighting.max() + 1
-
-        def support(pose: Array, poses: Array = poses, sighting: Array = sighting) -> tuple[float, Array]:
-            angle = angles_deg(poses, pose)
-            near = (angle < near_deg) & (np.linalg.norm(poses[:, :3, 3] - pose[:3, 3], axis=1) < near_m)
-            votes = np.zeros(sighting.max() + 1)
-            np.maximum.at(votes, sighting, near * np.exp(-0.5 * (angle / 5) ** 2))
-            return votes.sum(), near
-
-        def share(near: Array, sighting: Array = sighting, count: int = count) -> float:
-            return len(np.unique(sighting[near])) / count
-
-        tried = poses[np.unique(np.linspace(0, len(poses) - 1, candidates).astype(int))]
-        votes = np.array([support(pose)[0] for pose in tried])
-        pose = tried[np.argmax(votes)].copy()
-        for _ in range(5):
-            near = support(pose)[1]
-            pose[:3, :3], pose[:3, 3] = mean_rotation(poses[near, :3, :3]), np.median(poses[near, :3, 3], axis=0)
-        far = angles_deg(tried, pose) > 2 * near_deg
-        rival = share(support(tried[far][np.argmax(votes[far])])[1]) if far.any() else 0.0
-        tags[str(name)] = ReferenceTag(pose, int(count), share(support(pose)[1]), rival)
+        tags[str(name)] = most_supported(in_map[chosen], observations.sighting[chosen])
     return tags
+
+
+def calibrated_cameras(observations: Sightings, cameras: dict[str, Array], reference: Trajectory) -> dict[str, Array]:
+    """T_rig_camera of all cameras: those given, and for others the pose that most sightings of reference tags have.
+
+    The tags' poses are those of the cameras that are given, so that the cameras need to see the same tags.
+    """
+    tags = reference_tags(observations, cameras, reference)
+    truth, valid = reference.at(observations.stamps)
+    result = dict(cameras)
+    for name in sorted(set(map(str, observations.cameras)) - set(cameras)):
+        chosen = valid & (observations.cameras == name) & np.isin(observations.ids, list(tags))
+        seen = np.array([tags[tag].pose for tag in observations.ids[chosen]])
+        poses = inverse(truth[chosen]) @ seen @ inverse(observations.poses[chosen])
+        result[name] = most_supported(poses, observations.sighting[chosen]).pose
+    return result
 
 
 @dataclass
@@ -193,7 +208,7 @@ def wrong_modes(
 def wrong_tags(
     poses: dict[str, Array], alignment: Array, tags: dict[str, ReferenceTag], limit_deg: float = 15
 ) -> list[str]:
-    """Tags whose T_world_tag, put into the map by T_map_world, is turned by more than `limit_deg` against the reference."""
+    """Tags whose T_world_tag, put into the map by `alignment`, is turned by more than `limit_deg` to the reference."""
     shared = [name for name in poses if name in tags]
     return [name for name in shared if angles_deg(alignment @ poses[name], tags[name].pose) > limit_deg]
 
@@ -204,7 +219,8 @@ def score_folder(folder: Path, result: Path, reference: Trajectory) -> dict[str,
     Raises ValueError where path and reference have fewer than three stamps in common.
     """
     observations = read_sightings(observations_path(folder))
-    cameras = read_named_poses(folder / "cameras.csv", "camera")
+    own_cameras = (result / "cameras.csv").exists()
+    cameras = read_named_poses((result if own_cameras else folder) / "cameras.csv", "camera")
     tags = reference_tags(observations, cameras, reference)
     path = read_tum(result / "camera.tum")
     own = score_path(path, reference)
