@@ -152,13 +152,14 @@ def calibrated_cameras(observations: Sightings, cameras: dict[str, Array], refer
 
 @dataclass
 class ModeScore:
-    """Sightings whose rotation is wrong: of all, of frames with at least one, and per tag."""
+    """Sightings whose rotation is wrong: of all, of frames with at least one, per tag (all, wrong), and each tag's last."""
 
     sightings: int
     wrong: int
     frames: int
     wrong_frames: int
     by_tag: dict[str, tuple[int, int]]
+    wrong_at_last: list[str]
 
     @property
     def share(self) -> float:
@@ -188,11 +189,12 @@ def wrong_modes(
     chosen = valid & np.isin(sightings.ids, list(tags)) & np.isin(sightings.cameras, list(cameras))
     rows, truth = sightings.rows(chosen), truth[chosen]
     if len(rows.ids) == 0:
-        return ModeScore(0, 0, 0, 0, {})
+        return ModeScore(0, 0, 0, 0, {}, [])
     mounting = np.array([cameras[name] for name in rows.cameras])
     expected = inverse(truth @ mounting) @ np.array([tags[name].pose for name in rows.ids])
     wrong = angles_deg(rows.poses, expected) > limit_deg
     counts: defaultdict[str, list[int]] = defaultdict(lambda: [0, 0])
+    last = {str(rows.ids[i]): bool(wrong[i]) for i in np.argsort(rows.stamps, kind="stable")}
     for name, is_wrong in zip(rows.ids, wrong, strict=True):
         counts[str(name)][0] += 1
         counts[str(name)][1] += int(is_wrong)
@@ -202,13 +204,17 @@ def wrong_modes(
         len(np.unique(rows.stamps)),
         len(np.unique(rows.stamps[wrong])),
         {name: (n, bad) for name, (n, bad) in counts.items()},
+        [name for name, is_wrong in last.items() if is_wrong],
     )
 
 
 def wrong_tags(
     poses: dict[str, Array], alignment: Array, tags: dict[str, ReferenceTag], limit_deg: float = 15
 ) -> list[str]:
-    """Tags whose T_world_tag, put into the map by `alignment`, is turned by more than `limit_deg` to the reference."""
+    """Tags whose T_world_tag, put into the map by `alignment`, is turned by more than `limit_deg` to the reference.
+
+    This needs a map that is right as a whole; `ModeScore.wrong_at_last` does not.
+    """
     shared = [name for name in poses if name in tags]
     return [name for name in shared if angles_deg(alignment @ poses[name], tags[name].pose) > limit_deg]
 
@@ -233,6 +239,7 @@ def score_folder(folder: Path, result: Path, reference: Trajectory) -> dict[str,
     for name, mode in (("", modes), ("detector_", detector)):
         scores |= {name + "sightings": mode.sightings, name + "wrong_share": mode.share}
         scores |= {name + "frames": mode.frames, name + "wrong_frame_share": mode.frame_share}
+        scores[name + "wrong_at_last_sighting"] = len(mode.wrong_at_last)
     scores["reference_tags"] = len(tags)
     if (result / "tags.csv").exists():
         scores["wrong_tags"] = len(wrong_tags(read_named_poses(result / "tags.csv", "id"), own.alignment, tags))

@@ -145,6 +145,9 @@ def test_wrong_modes_are_counted_by_sighting_frame_and_tag(tmp_path: Path) -> No
     best.poses[chosen] = [second(one) for one in best.poses[chosen]]
     found = score.wrong_modes(best, CAMERAS, truth, rig_path())
     assert (found.wrong, found.wrong_frames, found.by_tag["3"]) == (22, 11, (120, 22))
+    assert found.wrong_at_last == []
+    last = best.rows(best.stamps < 1.05)
+    assert score.wrong_modes(last, CAMERAS, truth, rig_path()).wrong_at_last == ["3"]
     assert found.share == 22 / 600 and found.frame_share == 11 / 60
     half = pose([0.5, 0, 0], [0, 0, 0])
     turned = {name: tag @ half if name == "2" else tag for name, tag in tags().items()}
