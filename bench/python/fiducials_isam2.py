@@ -70,12 +70,14 @@ def run(
     slam, times, rigs = Isam2Slam(cameras, odometry, priors, settings), [], []
     with open(out / "sightings.csv", "w") as table:
         table.write(",".join(["stamp_s", "camera", "id", *POSE_COLUMNS]) + "\n")
-        for frame in frames_of(read_sightings(observations_path(folder)), cameras, settings.least_weight):
+        for frame in frames_of(read_sightings(observations_path(folder)), cameras):
             begin = time.process_time()
             rig, tags = slam.step(frame)
             times.append(time.process_time() - begin)
             rigs.append(rig)
             for camera, name in zip(frame.sightings.cameras, frame.sightings.ids, strict=True):
+                if name not in tags:
+                    continue
                 pose = inverse(rig @ cameras[camera]) @ tags[name]
                 table.write(",".join([f"{frame.stamp:.9f}", camera, name, *pose_numbers(pose)]) + "\n")
     write_tum(out / "camera.tum", Trajectory(np.array(slam.stamps), np.array(rigs)))
@@ -105,7 +107,7 @@ def arguments_of(parser: argparse.ArgumentParser) -> dict[str, Any]:
         pair["default"] = getattr(settings, name + "_noise")
         text = "{}: deviations [rad] [m], of motions per sqrt(s) (default: {:.3g} {:.3g})"
         add(f"--{name}-noise", help=text.format(noun, *pair["default"]), **pair)
-    add("--least-weight", type=float, default=0.0, help="leave out sightings whose best row weighs less (default: 0)")
+    add("--least-weight", type=float, default=0.0, help="of a sighting that is used (default: 0)")
     add("--relinearize-threshold", type=float, default=settings.relinearize_threshold, help="(default: 0.01)")
     add("--relinearize-skip", type=int, default=settings.relinearize_skip, help="frames (default: 1)")
     add("--factorization", choices=["CHOLESKY", "QR"], default=settings.factorization, help="(default: CHOLESKY)")

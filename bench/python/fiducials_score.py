@@ -152,7 +152,7 @@ def calibrated_cameras(observations: Sightings, cameras: dict[str, Array], refer
 
 @dataclass
 class ModeScore:
-    """Sightings whose rotation is wrong: of all, of frames with at least one, per tag (all, wrong), and each tag's last."""
+    """Sightings whose rotation is wrong: of all, of frames with at least one, per tag (all, wrong), each tag's last."""
 
     sightings: int
     wrong: int

@@ -52,13 +52,10 @@ class Frame:
     sightings: Sightings
 
 
-def frames_of(sightings: Sightings, cameras: Collection[str], least_weight: float = 0.0) -> Iterator[Frame]:
-    """The frames of a recording: stamps that are equal to a microsecond.
-
-    Left out are sightings of a smaller weight and those of cameras whose pose on the rig is not known.
-    """
+def frames_of(sightings: Sightings, cameras: Collection[str]) -> Iterator[Frame]:
+    """The frames of a recording, stamps that are equal to a microsecond, without cameras of unknown pose on the rig."""
     best = sightings.best()
-    best = best.rows((best.weights >= least_weight) & np.isin(best.cameras, list(cameras)))
+    best = best.rows(np.isin(best.cameras, list(cameras)))
     starts = np.flatnonzero(np.diff(best.stamps, prepend=-np.inf) > 1e-6)
     for chosen in np.split(np.arange(len(best.stamps)), starts[1:]):
         if len(chosen):
@@ -100,13 +97,14 @@ class Isam2Slam:
         return gtsam.ISAM2(parameters)
 
     def step(self, frame: Frame) -> tuple[Array, dict[str, Array]]:
-        """Takes a frame; returns T_world_rig and T_world_tag of the tags that it sees."""
+        """Takes a frame; returns T_world_rig and T_world_tag of the tags that it sees and that have an estimate."""
         new, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
         rig = X(len(self.stamps))
         certain = np.argsort([np.linalg.slogdet(c)[1] for c in frame.sightings.covariances])
         seen = [
             (str(frame.sightings.ids[i]), self.cameras[frame.sightings.cameras[i]] @ frame.sightings.poses[i], i)
             for i in certain
+            if frame.sightings.weights[i] >= self.settings.least_weight
         ]
         self.poses[rig] = self.add_motion(frame.stamp, rig, seen, frame.sightings.covariances, new)
         values.insert(rig, self.poses[rig])
@@ -119,9 +117,10 @@ class Isam2Slam:
             new.add(gtsam.BetweenFactorPose3(rig, self.tags[name], gtsam.Pose3(rig_tag), noise))
         self.stamps.append(frame.stamp)
         self.update(new, values, rig)
-        for key in [rig, *{self.tags[name] for name, _, _ in seen}]:
+        seen_tags = {name: self.tags[name] for name in map(str, frame.sightings.ids) if name in self.tags}
+        for key in [rig, *seen_tags.values()]:
             self.poses[key] = self.isam.calculateEstimatePose3(key)
-        return self.poses[rig].matrix(), {name: self.poses[self.tags[name]].matrix() for name, _, _ in seen}
+        return self.poses[rig].matrix(), {name: self.poses[key].matrix() for name, key in seen_tags.items()}
 
     def add_motion(
         self,

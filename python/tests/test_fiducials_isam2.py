@@ -181,6 +181,24 @@ def test_isam2_recovers_the_path_and_the_tags(tmp_path: Path, kernel: str, with_
     assert ("odometry_rms_m" in scores) == with_odometry
 
 
+def test_sightings_of_little_weight_are_not_used_but_scored(tmp_path: Path) -> None:
+    pytest.importorskip("gtsam")
+    import fiducials_isam2 as isam2
+
+    write_folder(tmp_path / "tags", 0, np.random.default_rng(7))
+    table = tmp_path / "tags" / "observations.csv"
+    lines = table.read_text().splitlines(keepends=True)
+    # Tag 4 and, after the first frame, the camera on the right are never certain.
+    certain = [line.replace(",0.7,", ",0.95,").replace(",0.3,", ",0.05,") for line in lines]
+    doubtful = [",4,," in line or (",right," in line and not line.startswith("0.0,")) for line in lines]
+    chosen = [line if is_doubtful else other for line, other, is_doubtful in zip(lines, certain, doubtful, strict=True)]
+    table.write_text("".join(chosen))
+    report = isam2.run(tmp_path / "tags", tmp_path / "out", isam2.Settings(least_weight=0.9))
+    assert report["frames"] == 60 and report["tags"] == 4
+    scores = score.score_folder(tmp_path / "tags", tmp_path / "out", rig_path())
+    assert scores["sightings"] == 480 and scores["wrong_share"] == 0
+
+
 def test_known_tags_give_the_frame_of_the_map(tmp_path: Path) -> None:
     pytest.importorskip("gtsam")
     import fiducials_isam2 as isam2
