@@ -33,6 +33,8 @@ class DetectionRows:
     poses: list[FloatArray] = field(default_factory=list)
     covariance: list[FloatArray] = field(default_factory=list)
     components: list[list[ObservationComponent]] = field(default_factory=list)
+    # Of every stamp the frame, and the stamp of the array that it is from.
+    _frames: dict[int, tuple[int, int]] = field(default_factory=dict)
 
     def take(self, message: Any, arrival: int, pose_of: PoseOf, where: str) -> None:
         """Adds the detections of a message.
@@ -46,12 +48,12 @@ class DetectionRows:
         camera = frame_of(message.header)
         frames: dict[int, int] = {}
         if len(message.detections) == 0:
-            self._begin(of_array, arrival, camera)
+            self._frame(of_array, of_array, arrival, camera)
         for number, detection in enumerate(message.detections):
             # The header of the array may have the time of publication, and the detection's that of the image.
             stamp = stamp_of(detection.header, of_array)
             if stamp not in frames:
-                frames[stamp] = self._begin(stamp, arrival, camera)
+                frames[stamp] = self._frame(stamp, of_array, arrival, camera)
             if len(detection.results) == 0:
                 continue
             try:
@@ -61,11 +63,17 @@ class DetectionRows:
                     f"{where}: detection {number} at {stamp} ns: {error}"
                 ) from None
 
-    def _begin(self, stamp: int, arrival: int, camera: str) -> int:
+    def _frame(self, stamp: int, of_array: int, arrival: int, camera: str) -> int:
+        """The frame of a stamp: a new one, unless another array has detections of the same image."""
+        index, other_array = self._frames.get(stamp, (len(self.stamps), of_array))
+        if index < len(self.stamps) and other_array != of_array:
+            return index
+        index = len(self.stamps)
+        self._frames[stamp] = (index, of_array)
         self.stamps.append(stamp)
         self.arrivals.append(arrival)
         self.cameras.append(camera)
-        return len(self.stamps) - 1
+        return index
 
     def _add(self, detection: Any, frame: int, camera: str, pose_of: PoseOf) -> None:
         best = max(detection.results, key=score_of)

@@ -189,6 +189,17 @@ def test_stamps_of_detections_come_first(maker: Callable[[str], BagMaker]) -> No
     assert [o.stamp_s for o in recording.detections.observations] == recording.stamps.tolist()
 
 
+def test_arrays_of_one_image_are_one_frame(maker: Callable[[str], BagMaker]) -> None:
+    bag = maker("mcap")
+    for i in range(2):
+        detect(bag, i / 10, [("7", 1.0, POSE, ZEROS)], array_seconds=i / 10 + 0.05)
+        detect(bag, i / 10, [("9", 1.0, POSE, ZEROS)], array_seconds=i / 10 + 0.07)
+    recording = bags.read(bag.write(), detections="/objects")
+    assert recording.detections.frame.tolist() == [0, 0, 1, 1]
+    assert recording.detections.class_id == ("7", "9", "7", "9")
+    np.testing.assert_allclose(recording.stamps, [0.0, 0.1], atol=1e-9)
+
+
 def test_boxes_in_the_image_have_no_pose(maker: Callable[[str], BagMaker]) -> None:
     bag = maker("mcap")
     detect(bag, 0.0, [("7", 1.0, POSE, ZEROS)], flat=True)
