@@ -153,6 +153,18 @@ void bind_steps(nb::class_<MultiObjectFilter>& filter) {
           },
           "object"_a, "observation"_a, "source"_a = nb::none(),
           "Processes one observation of the object at index `object`.")
+      .def(
+          "add_camera",
+          [](F& self, const Argument<ConcentratedSE3>& body_camera) {
+            return self.add_camera(body_camera.as("body_camera"));
+          },
+          "body_camera"_a,
+          "Adds a camera on the body whose pose T_body_camera is estimated, before the first "
+          "detection; returns its index.")
+      .def("extrinsic", &F::extrinsic, "camera"_a,
+           "T_body_camera of a camera of `add_camera` as it is known by now.")
+      .def_prop_ro("extrinsic_count", &F::extrinsic_count,
+                   "Number of cameras whose pose on the body is estimated.")
       .def("add_object", &F::add_object, "object"_a,
            "One more object, never detected; returns its index.")
       .def(
@@ -200,11 +212,13 @@ void bind_objects(nb::class_<MultiObjectFilter>& filter) {
           "T_camera_object of one hypothesis, with the cross-covariance.")
       .def(
           "predicted_detection",
-          [](const F& self, std::size_t object, std::size_t hypothesis) {
+          [](const F& self, std::size_t object, std::size_t hypothesis,
+             const std::optional<ObservationSource>& source) {
             require_hypothesis(self, object, hypothesis);
-            return self.predicted_detection(object, hypothesis);
+            return self.predicted_detection(object, hypothesis,
+                                            source.value_or(ObservationSource{}));
           },
-          "object"_a, "hypothesis"_a,
+          "object"_a, "hypothesis"_a, "source"_a = nb::none(),
           "T_camera_object as the detector sees it under one hypothesis: with the slow error of "
           "its detections, without their white error.")
       .def("object_mixture", &F::object_mixture, "object"_a,
@@ -219,6 +233,8 @@ void bind_source(nb::module_& m) {
   Record<O>(m, "ObservationSource", "Camera and detector of an observation.")
       .field("body_camera", &O::body_camera, "posemix.lie.SE3",
              "T_body_camera: with several cameras the camera of the filter is their body.")
+      .field("camera", &O::camera, "int | None",
+             "Index of a camera of `MultiObjectFilter.add_camera`, in place of `body_camera`.")
       .field("detector", &O::detector, "int",
              "Zero for `ObjectSensor.noise`, n for the n-th of `other_detectors`.")
       .constructible(0)

@@ -36,6 +36,7 @@ class Settings {
             nb::sig(kept(fmt::format("def {}(self, /) -> {}", name, attribute_type(type))))),
         nb::for_setter(nb::sig(
             kept(fmt::format("def {}(self, value: {}, /) -> None", name, argument_type(type))))),
+        nb::for_setter(nb::arg("value").none()),
         text);
     return *this;
   }

@@ -169,6 +169,10 @@ void bind_run_class(nb::module_& m) {
            "Hypotheses of an object, by index or id, at the last frame, with the multi-object "
            "filter; none with another.")
       .def_prop_ro(
+          "cameras", [](const R& self) { return frozen(self.cameras); },
+          nb::for_getter(nb::sig("def cameras(self, /) -> collections.abc.Sequence[BodyCamera]")),
+          "Cameras of a rig as they are known at the last frame, with the multi-object filter.")
+      .def_prop_ro(
           "alternatives",
           [](const R& self) {
             if (PyErr_WarnEx(PyExc_DeprecationWarning,

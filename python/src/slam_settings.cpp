@@ -88,6 +88,9 @@ void bind_slam_settings_struct(nb::module_& m) {
   Settings<B>(m, "BodyCamera", "A camera of several on one body.")
       .field("name", &B::name, "str", "`Observation.camera`.")
       .field("body_camera", &B::body_camera, "posemix.lie.SE3", "T_body_camera.")
+      .field("covariance", &B::covariance, "numpy.typing.ArrayLike | None",
+             "Shape (6, 6): covariance of n of T_body_camera Exp(n), rotation [rad] before "
+             "translation [m]; the pose is then estimated too. None or zero: it is exact.")
       .done();
   using M = MultiObjectSlamSettings;
   Settings<M>(m, "MultiObjectSlamSettings",

@@ -44,7 +44,7 @@ Examples
 --------
 >>> from posemix import (SE3, ConcentratedGaussian, ObjectModel, Observation, ObservationComponent,
 ...                      StampedSlam, pose_covariance)
->>> slam = StampedSlam(ConcentratedGaussian(SE3(), pose_covariance(0.001, 0.002)), [ObjectModel("mug")])
+>>> slam = StampedSlam(ConcentratedGaussian(SE3(), pose_covariance(0.001, 0.002)), [ObjectModel(id="mug")])
 >>> for stamp in (10.0, 10.1):
 ...     _ = slam.add_odometry(stamp, SE3())
 >>> late = Observation([ObservationComponent(SE3(translation=[0, 0, 0.8]))], object="mug", stamp_s=10.05)
@@ -129,6 +129,10 @@ void bind_stamped_slam(nb::module_& m) {
       .def(
           "finish", [](S& self) { return self.finish(); },
           "The same with the observations that wait for odometry, as frames without it.")
+      .def_prop_ro(
+          "cameras", [](const S& self) { return frozen(self.slam().estimated_cameras()); },
+          nb::for_getter(nb::sig("def cameras(self, /) -> collections.abc.Sequence[BodyCamera]")),
+          "Cameras of the rig as they are known by now: estimates of those with a covariance.")
       .def_prop_ro(
           "counts", [](const S& self) { return self.counts(); }, "Inputs by what became of them.")
       .def_prop_ro("waiting", &S::waiting, "Number of observations that wait for odometry.")

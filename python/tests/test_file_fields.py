@@ -42,6 +42,7 @@ FILTER = "`[filter]`"
 RANGES = Place("../../include/posemix/filter/multi_object_ranges.hpp", FILTER)
 MULTI = Place("sequence_multi_object.cpp read_multi_object", FILTER)
 ASSOCIATION = Place("sequence_multi_object.cpp read_association", "Classes")
+OBSERVED = "Observations of a recording"
 SMOOTHING = Place("sequence_filter.cpp read_smoothing", FILTER)
 SUM = Place("sequence_filter.cpp read_gaussian_sum", FILTER)
 REDUCTION = Place("sequence_filter.cpp read_reduction", FILTER)
@@ -71,7 +72,16 @@ IN_FILES: dict[str, tuple[Place, Keys]] = {
             "max_global_hypotheses": ("max_global_hypotheses", MULTI),
         },
     ),
-    "MultiObjectSlamSettings": (ASSOCIATION, {}),
+    "MultiObjectSlamSettings": (
+        ASSOCIATION,
+        {
+            "cameras": ("cameras", Place("sequence_observations.cpp read_body_cameras", OBSERVED)),
+            "on_sight": ("on_sight", Place("sequence_file.cpp read_observed", OBSERVED)),
+        },
+    ),
+    "BodyCamera": (
+        Place("sequence_observations.cpp read_body_cameras", OBSERVED), {"body_camera": "pose"},
+    ),
     "AssociationSettings": (ASSOCIATION, {}),
     "SmoothingSettings": (
         SMOOTHING,
@@ -95,6 +105,7 @@ IN_FILES: dict[str, tuple[Place, Keys]] = {
         MODEL,
         {
             "id": ("id", MODEL.by("sequence_file.cpp read_id")),
+            "noise": ("noise", MODEL.by("sequence_file.cpp noise_of")),
             "independent_start": "start",
             "class_id": "class",
             "symmetries": ("symmetries", MODEL.by("symmetries.cpp read_object_symmetries")),
@@ -188,6 +199,7 @@ NOT_IN_FILES = {
     "MergeSettings.tolerance": "a limit of the arithmetic",
     "ParticleFilterSettings.merge": "merge_rule and transport_jacobian of the same table",
     "MultiObjectSlamSettings.filter": "its fields are keys of the table [filter]",
+    "ObjectModel.detectors": "[[observations]] of several detectors share the noise of their object",
     "MultiObjectSlamSettings.association": "its fields are keys of the same table",
 }
 
@@ -204,6 +216,8 @@ WITHOUT_FILE = {
     "OdometryNoiseSettings": "settings of posemix study noise", "ErrorMixtureSettings": "a part of the grasp study",
     "LogisticSettings": "a part of the grasp study", "ConsensusSettings": "a part of the grasp study",
     "FiducialSettings": "options of posemix fiducials",
+    "FuseViewsSettings": "options of posemix fuse-views", "BopObservationSettings": "options of posemix fuse-views",
+    "StampedSlamSettings": "for observations as they come",
     "RegionFitSettings": "a part of the grasp study", "MeanSettings": "limits of the arithmetic",
     "MomentSettings": "limits of the arithmetic", "IteratedUpdateSettings": "limits of the arithmetic",
     "CauchySettings": "GaussianSumSettings.cauchy_scale sets it",

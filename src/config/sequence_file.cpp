@@ -75,14 +75,27 @@ DetectorNoise noise_of(const TomlTable& object,
   return built_in ? default_detector_noise() : found->second;
 }
 
+/// The pose that an object is known to have, with an error along its own axes.
+ObjectPrior read_prior(const TomlTable& prior) {
+  constexpr NumberRange kProbability{.lowest = 1e-6, .highest = 1.0};
+  const SE3d pose = read_pose(prior, "pose");
+  const Matrix6d covariance = pose.adjoint_congruence(read_pose_covariance(prior));
+  ObjectPrior result{ConcentratedGaussian<SE3d>(pose, covariance)};
+  result.probability = prior.get_double_or("probability", result.probability, kProbability);
+  return result;
+}
+
 ObjectModel read_model(const TomlTable& object, const FileFinder& files, std::set<std::string>& ids,
                        const std::map<std::string, DetectorNoise>& noise_models) {
   std::string id = read_id(object, ids);
   DetectorNoise noise = noise_of(object, noise_models);
   std::optional<Matrix6d> start;
   if (const auto table = object.find_table("start")) start = read_pose_covariance(*table);
-  return {std::move(id), std::move(noise), start, read_object_symmetries(object, files),
-          object.get_string_or("class", "")};
+  ObjectModel model{std::move(id), std::move(noise), start, read_object_symmetries(object, files),
+                    object.get_string_or("class", "")};
+  if (const auto prior = object.find_table("prior"))
+    model.prior = located(object, "prior", [&] { return read_prior(*prior); });
+  return model;
 }
 
 /// The tables [[objects]], of which there need be none where observations name objects.

@@ -60,10 +60,24 @@ std::vector<ObservationFile> read_observation_files(const TomlTable& root,
   return list;
 }
 
+/// Of n of T_body_camera Exp(n); none where the file states none.
+std::optional<Matrix6d> read_camera_covariance(const TomlTable& table) {
+  const bool has_deviations = table.has("rotation_sd_deg") || table.has("translation_sd_m");
+  if (table.has("covariance")) {
+    if (has_deviations)
+      table.fail("covariance", "stands beside standard deviations, expected one of the two");
+    return table.get_matrix("covariance", 6, 6);
+  }
+  if (!has_deviations) return std::nullopt;
+  return pose_covariance(read_sd(table, "rotation_sd_deg", kSdOrZero, kRadPerDeg),
+                         read_sd(table, "translation_sd_m", kSdOrZero, 1.0));
+}
+
 std::vector<BodyCamera> read_body_cameras(const TomlTable& root) {
   std::vector<BodyCamera> cameras;
   for (const TomlTable& table : root.find_tables("cameras")) {
-    cameras.push_back({table.get_string("name"), read_pose(table, "pose")});
+    cameras.push_back({table.get_string("name"), read_pose(table, "pose"),
+                       read_camera_covariance(table)});
     located(table, "name", [&] { require_valid(cameras); });
   }
   return cameras;

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "io/covariance_columns.hpp"
 #include "io/json_numbers.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/draw/picture.hpp"
@@ -102,6 +103,19 @@ Mixture<PoseDensity> world_mixture(const std::vector<ObjectHypothesis>& alternat
   return Mixture<PoseDensity>(std::move(components));
 }
 
+/// The cameras of a rig, empty where all are exact.
+std::string cameras_csv(const std::vector<BodyCamera>& cameras) {
+  std::string text = fmt::format("camera,{},{}\n", pose_header(), covariance_header());
+  bool any = false;
+  for (const BodyCamera& camera : cameras) {
+    any = any || !camera.is_exact();
+    const auto covariance = camera.is_exact() ? std::nullopt : camera.covariance;
+    text += fmt::format("{},{},{}\n", camera.name, pose_fields(camera.body_camera),
+                        covariance_fields(covariance));
+  }
+  return any ? text : "";
+}
+
 }  // namespace
 
 std::string format_metrics(const Metrics& metrics, const std::string& method) {
@@ -170,6 +184,8 @@ std::vector<NamedText> format_results(const SlamJob& job, const SlamRun& run,
         fmt::format("mixture_{}.json", job.models[object].id),
         format_mixture({{"world", job.models[object].id}, world_mixture(run.hypotheses[object])}));
   }
+  if (std::string cameras = cameras_csv(run.cameras); !cameras.empty())
+    files.emplace_back("cameras.csv", std::move(cameras));
   files.emplace_back("metrics.json", format_metrics(metrics, job.method));
   files.emplace_back("posterior.json", format_posterior(last_posterior(job, run)));
   files.emplace_back("trace.json", format_trace(job, run));

@@ -50,11 +50,28 @@ MultiObjectFilter make_filter(const PoseDensity& camera, const std::vector<Objec
   require_alike_in_class(objects);
   require_valid(settings.cameras);
   if (settings.on_sight) sensor_of(*settings.on_sight);
-  std::vector<ObjectSensor> sensors;
-  for (const ObjectModel& object : objects) sensors.push_back(sensor_of(object));
   MultiObjectSettings filter = settings.filter;
   filter.has_odometry = motion.model == MotionModel::odometry;
-  return {camera, std::move(sensors), filter};
+  MultiObjectFilter made(camera, {}, filter);
+  // The cameras before all objects.
+  for (const BodyCamera& one : settings.cameras)
+    if (!one.is_exact()) made.add_camera(one.prior());
+  for (const ObjectModel& object : objects) {
+    try {
+      made.add_object(sensor_of(object), object.prior);
+    } catch (const InvalidInput& error) {
+      throw InvalidInput(fmt::format("object '{}': {}", object.id, error.what()));
+    }
+  }
+  return made;
+}
+
+/// Index among the cameras that are not exact, for one that is not.
+std::optional<std::size_t> extrinsic_of(const std::vector<BodyCamera>& cameras, std::size_t index) {
+  if (cameras[index].is_exact()) return std::nullopt;
+  const auto end = cameras.begin() + static_cast<std::ptrdiff_t>(index);
+  return static_cast<std::size_t>(
+      std::count_if(cameras.begin(), end, [](const auto& camera) { return !camera.is_exact(); }));
 }
 
 /// An observation of one pose as the equivalent pose that is nearest to its instance.
@@ -138,8 +155,25 @@ std::vector<ObservedObject> MultiObjectSlam::observed(const FrameInput& input) c
   return list;
 }
 
+std::vector<BodyCamera> MultiObjectSlam::estimated_cameras() const {
+  std::vector<BodyCamera> cameras = settings_.cameras;
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    const auto extrinsic = extrinsic_of(settings_.cameras, i);
+    if (!extrinsic) continue;
+    const ConcentratedGaussian<SE3d> known = filter_.extrinsic(*extrinsic);
+    cameras[i].body_camera = known.mean();
+    cameras[i].covariance =
+        known.mean().inverse().adjoint_congruence(Matrix6d(known.covariance()));
+  }
+  return cameras;
+}
+
 ObservationSource MultiObjectSlam::source_of(const Observation& observation) const {
-  ObservationSource source{.body_camera = pose_on_body(settings_.cameras, observation.camera)};
+  ObservationSource source;
+  if (const auto camera = index_of_camera(settings_.cameras, observation.camera)) {
+    source.body_camera = settings_.cameras[*camera].body_camera;
+    source.camera = extrinsic_of(settings_.cameras, *camera);
+  }
   if (!observation.object.empty()) {
     const auto object = objects_.find(observation.object);
     if (!object && !settings_.on_sight) {
@@ -223,7 +257,7 @@ void MultiObjectSlam::update_image(const std::vector<std::size_t>& models,
     const auto leading = filter_.leading(object);
     if (!leading) continue;
     instances.push_back(object);
-    predicted.push_back(filter_.predicted_detection(object, *leading, source.body_camera));
+    predicted.push_back(filter_.predicted_detection(object, *leading, source));
   }
   std::vector<Observation> of_class;
   for (const Sighting* seen : image) of_class.push_back(seen->observation);
@@ -252,6 +286,7 @@ CandidateReport MultiObjectSlam::new_instance(const std::vector<std::size_t>& mo
   std::optional<std::size_t> oldest;
   for (const std::size_t object : models) {
     if (!filter_.is_known(object)) return {.status = CandidateStatus::fresh, .object = object};
+    if (objects_[object].prior) continue;
     const Sightings& seen = sightings_[object];
     if (seen.count >= settings_.confirming_detections || seen.last_frame == objects_.frames())
       continue;

@@ -27,6 +27,7 @@ SlamRun run(const Sequence& sequence, const PoseDensity& camera_prior,
   if (const MultiObjectFilter* filter = slam.multi_object()) {
     for (std::size_t object = 0; object < models.size(); ++object)
       result.hypotheses.push_back(filter->hypotheses(object));
+    result.cameras = std::get<MultiObjectSlam>(slam.tracker()).estimated_cameras();
   }
   return result;
 }

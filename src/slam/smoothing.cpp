@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "posemix/base/stopwatch.hpp"
 #include "slam/frames.hpp"
 #include "slam/smoothing_window.hpp"
@@ -42,6 +44,12 @@ FixedLagSmoother::FixedLagSmoother(const PoseDensity& camera, std::vector<Object
   require(smoothing.passes > 0, "smoothing: passes is 0, expected at least 1");
   require(!std::get<MultiObjectSlamSettings>(settings.tracker).on_sight,
           "smoothing: objects begin on sight, expected models of all objects");
+  for (const BodyCamera& one : std::get<MultiObjectSlamSettings>(settings.tracker).cameras) {
+    if (one.is_exact()) continue;
+    throw InvalidInput(fmt::format("smoothing: the pose of camera '{}' has a covariance, expected "
+                                   "exact poses of all cameras",
+                                   one.name));
+  }
 }
 
 std::optional<FrameEstimate> FixedLagSmoother::step(const FrameInput& input) {

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 // Sequence files with observations, cameras of a rig, and objects on sight.
+#include <cmath>
 #include <functional>
+#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
@@ -115,6 +117,25 @@ TEST(SequenceObservations, StampsAreFramesToo) {
   }
 }
 
+TEST(SequenceObservations, ComeFromCamerasWithACovariance) {
+  const SlamJob exact = job_of(kSequence);
+  EXPECT_TRUE(std::get<MultiObjectSlamSettings>(exact.settings.tracker).cameras[0].is_exact());
+  const std::string pose = "pose = [0.1, 0, 0, 0, 0, 0, 1]\n";
+  const SlamJob job =
+      job_of(replaced(kSequence, pose, pose + "rotation_sd_deg = 2\ntranslation_sd_m = 0.02\n"));
+  const auto& camera = std::get<MultiObjectSlamSettings>(job.settings.tracker).cameras.at(0);
+  ASSERT_TRUE(camera.covariance.has_value());
+  EXPECT_NEAR(camera.covariance->diagonal()[0], std::pow(2 * std::numbers::pi / 180, 2), 1e-12);
+  EXPECT_NEAR(camera.covariance->diagonal()[5], 4e-4, 1e-12);
+  const SlamRun result = run(job);
+  ASSERT_EQ(result.cameras.size(), 1U);
+  EXPECT_FALSE(result.cameras[0].is_exact());
+  const SlamJob zero =
+      job_of(replaced(kSequence, pose, pose + "rotation_sd_deg = 0\ntranslation_sd_m = 0\n"));
+  EXPECT_EQ(run(zero).frames.back().camera.mean().matrix(),
+            run(exact).frames.back().camera.mean().matrix());
+}
+
 TEST(SequenceObservations, RefuseWhatDoesNotFit) {
   const std::vector<std::pair<std::string, std::string>> cases{
       {replaced(kSequence, "[on_sight]\nnoise = \"tag\"\n", ""), "name object \"7\""},
@@ -128,6 +149,11 @@ TEST(SequenceObservations, RefuseWhatDoesNotFit) {
       {replaced(kSequence, "[[cameras]]",
                 "[[cameras]]\nname = \"left\"\npose = [0, 0, 0, 0, 0, 0, 1]\n[[cameras]]"),
        "two cameras have the name 'left'"},
+      {replaced(kSequence, "[[cameras]]", "[[cameras]]\nrotation_sd_deg = 1"), "translation_sd_m"},
+      {replaced(kSequence, "[[cameras]]", "[[cameras]]\nrotation_sd_deg = 1\ntranslation_sd_m = 0"),
+       "camera 'left' is not positive definite"},
+      {replaced(kSequence, "[[cameras]]", "[[cameras]]\nrotation_sd_deg = 1\ncovariance = []"),
+       "stands beside standard deviations"},
   };
   for (const auto& [sequence, named] : cases) {
     try {

@@ -71,6 +71,46 @@ TEST(ObservationsSlam, FromTheCamerasOfARigMeetInItsBody) {
   expect_refused(slam, third, "there is no camera 'third', expected one of: left, right");
 }
 
+TEST(ObservationsSlam, CalibrateACameraThatIsNotKnownExactly) {
+  const Matrix6d off = isotropic(2, 0.02);
+  const SE3d right = pose(0, -0.3, 0, 0.1, 0, 0);
+  const SE3d stated = right * SE3d::exp(Vector6d::Constant(0.015));
+  ObjectModel mug{.id = "mug",
+                  .noise = DetectorNoise({{.covariance = isotropic(0.2, 0.001)}}, {.weight = 0.05},
+                                         {.slow = std::nullopt})};
+  MultiObjectSlam slam(kStart, {mug},
+                       {.cameras = {{"body", SE3d()},
+                                    {"right", stated, off},
+                                    {"third", SE3d(), Matrix6d(Matrix6d::Zero())}}});
+  Observation a{.object = "mug", .components = {{.pose = kMug}}};
+  a.camera = "body";
+  Observation b{.object = "mug", .components = {{.pose = right.inverse() * kMug}}};
+  b.camera = "right";
+  slam.step({.observations = {a, b}});
+  for (int k = 0; k < 5; ++k) slam.step({.dt = 0.1, .motion = SE3d(), .observations = {a, b}});
+  const std::vector<BodyCamera> cameras = slam.estimated_cameras();
+  ASSERT_EQ(cameras.size(), 3U);
+  EXPECT_TRUE(cameras[0].is_exact());
+  EXPECT_TRUE(cameras[2].is_exact());
+  EXPECT_LT((cameras[1].body_camera.inverse() * right).log().norm(), 2e-3);
+  EXPECT_LT(cameras[1].covariance->trace(), 0.05 * off.trace());
+  // The result is an input of the next run.
+  EXPECT_NO_THROW(MultiObjectSlam(kStart, {mug}, {.cameras = cameras}));
+  EXPECT_EQ(slam.filter().extrinsic_count(), 1U);
+  EXPECT_EQ(slam.pose_index(0), 1U);
+}
+
+TEST(ObservationsSlam, RefuseACovarianceOfACameraThatIsNone) {
+  Matrix6d indefinite = isotropic(1, 0.01);
+  indefinite(3, 3) = -1.0;
+  EXPECT_THROW(MultiObjectSlam(kStart, {}, {.cameras = {{"left", SE3d(), indefinite}}}),
+               InvalidInput);
+  const BodyCamera uncertain{"left", SE3d(), isotropic(1, 0.01)};
+  EXPECT_THROW(FixedLagSmoother(kStart, {{.id = "mug"}},
+                                {.tracker = MultiObjectSlamSettings{.cameras = {uncertain}}}),
+               InvalidInput);
+}
+
 TEST(ObservationsSlam, OfDetectorsHaveTheNoiseOfEach) {
   ObjectModel mug{.id = "mug"};
   mug.detectors.emplace("sharp",

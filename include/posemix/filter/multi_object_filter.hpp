@@ -11,6 +11,7 @@
 #include "posemix/density/concentrated_gaussian.hpp"
 #include "posemix/detector/object_sensor.hpp"
 #include "posemix/detector/observation.hpp"
+#include "posemix/filter/object_prior.hpp"
 #include "posemix/mixture/mixture.hpp"
 
 namespace posemix {
@@ -114,6 +115,9 @@ struct ObservationSource {
   /// T_body_camera. With several cameras, what is called the camera elsewhere is the body that
   /// carries them.
   SE3d body_camera = {};
+  /// In place of `body_camera`, a camera whose pose on the body is estimated, by its index
+  /// (MultiObjectFilter::add_camera).
+  std::optional<std::size_t> camera = {};
   /// Zero for ObjectSensor::noise, n for the n-th of ObjectSensor::other_detectors.
   std::size_t detector = 0;
 };
@@ -165,7 +169,8 @@ class MultiObjectFilter {
   void predict_with_odometry(const SE3d& motion, const Matrix6d& q, double dt);
 
   /// Random walk, or a frame without odometry: the mean stays, and the camera gets all of the noise
-  /// `q`.
+  /// `q`. A camera whose rotation is then less certain than a uniform one is lost: its pose becomes
+  /// independent of all else, with that rotation ("A camera that is lost").
   void predict_random_walk(const Matrix6d& q, double dt);
 
   /// Constant velocity, see posemix::predict_constant_velocity. The first call appends the camera's
@@ -180,11 +185,20 @@ class MultiObjectFilter {
   /// One observation of the object at `object`, a mixture of poses (docs/many-objects.md,
   /// "Observations that are mixtures"). Its names and stamp are not looked at.
   /// @throws InvalidInput also as validate(observation), for a body_camera that is not finite, and
-  /// for a detector that the object does not have
+  /// for a camera or a detector that there is not
   ObjectUpdateReport update(std::size_t object, const Observation& observation,
                             const ObservationSource& source = {});
-  /// One more object, never detected. Returns its index.
-  std::size_t add_object(ObjectSensor object);
+  /// A camera on the body whose pose T_body_camera is not known exactly: it becomes a part of the
+  /// state, with its covariance with everything else, and every observation of the camera corrects
+  /// it (docs/many-objects.md, "Cameras of a rig"). Returns its index.
+  /// @throws InvalidInput also after the first detection, or the first prediction with constant
+  /// velocity
+  std::size_t add_camera(const ConcentratedGaussian<SE3d>& body_camera);
+
+  /// One more object, never detected. Returns its index. With a prior it has one hypothesis from
+  /// the beginning, which is as any other.
+  /// @throws InvalidInput for a prior whose probability is not in (0, 1]
+  std::size_t add_object(ObjectSensor object, const std::optional<ObjectPrior>& prior = {});
 
   /// The object becomes one that was never detected: it has no hypotheses, its absence is certain,
   /// and its noise is as given. The camera and the other objects stay as they are. In the joint
@@ -223,6 +237,16 @@ class MultiObjectFilter {
   /// with the slow error of its detections, and without their white error.
   ConcentratedGaussian<SE3d> predicted_detection(std::size_t object, std::size_t hypothesis,
                                                  const SE3d& body_camera = {}) const;
+  /// The same from the camera of `source`.
+  /// @throws InvalidInput also for a camera that there is not
+  ConcentratedGaussian<SE3d> predicted_detection(std::size_t object, std::size_t hypothesis,
+                                                 const ObservationSource& source) const;
+  /// Number of cameras whose pose on the body is estimated.
+  std::size_t extrinsic_count() const;
+  /// T_body_camera of such a camera as it is known by now, perturbed on the left in the frame of
+  /// the body.
+  /// @throws InvalidInput when there is none at the index
+  ConcentratedGaussian<SE3d> extrinsic(std::size_t camera) const;
   /// The joint Gaussian of the camera (pose 0) and the leading hypotheses of all objects that have
   /// any, at pose_index(), and of the camera's motion where that is part of the state.
   ConcentratedGaussian<PoseStackd> joint() const;

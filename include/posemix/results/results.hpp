@@ -22,7 +22,8 @@ inline constexpr std::int64_t kTraceSchema = 1;
 using NamedText = std::pair<std::string, std::string>;
 
 /// All files of one run: camera.tum, object_<id>.tum, relative_<id>.tum, metrics.json,
-/// posterior.json, trace.json and picture.svg.
+/// posterior.json, trace.json and picture.svg, and for a rig with a camera that is calibrated
+/// cameras.csv.
 /// @throws InvalidInput when an estimate is not finite, which extreme numbers in the input can
 /// cause
 std::vector<NamedText> format_results(const SlamJob& job, const SlamRun& run,

@@ -19,7 +19,7 @@ struct MultiObjectSlamSettings {
   MultiObjectSettings filter = {};       ///< has_odometry follows from the motion model
   AssociationSettings association = {};  ///< of candidates
   /// Cameras on the body whose pose is estimated and whose motion is the odometry. None: there is
-  /// one, which is the body.
+  /// one, which is the body. Those with a covariance are calibrated on the way.
   std::vector<BodyCamera> cameras = {};
   /// The model of objects that were not declared: an observation of an id that no model has begins
   /// one, with this noise and these symmetries. Without it such an observation is refused.
@@ -70,6 +70,9 @@ class MultiObjectSlam {
     return sightings_[object].count;
   }
   const MultiObjectFilter& filter() const { return filter_; }
+  /// The cameras on the body as they are known by now: exact ones as they were given, the others
+  /// with their estimated pose and its covariance.
+  std::vector<BodyCamera> estimated_cameras() const;
   /// @throws InvalidInput for an observation that `step` would refuse
   void check(const Observation& observation) const;
   /// What a frame says of the objects that it names, in the order in which `step` takes it.

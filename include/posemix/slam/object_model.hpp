@@ -10,6 +10,7 @@
 #include "posemix/detector/default_noise.hpp"
 #include "posemix/detector/detector_noise.hpp"
 #include "posemix/detector/symmetry.hpp"
+#include "posemix/filter/object_prior.hpp"
 
 /// The objects that object SLAM may see.
 namespace posemix {
@@ -31,6 +32,8 @@ struct ObjectModel {
   /// Noise by the name of the detector (Observation::detector), for the multi-object filter. A name
   /// that is not here is an error, unless there is none at all; no name stands for `noise`.
   std::map<std::string, DetectorNoise> detectors = {};
+  /// Where the object is known to be, for the multi-object filter.
+  std::optional<ObjectPrior> prior = {};
 };
 
 /// The class of a model, which is its id where no class is given.

@@ -20,6 +20,8 @@ struct SlamRun {
   /// Hypotheses of every object at the last frame, by the multi-object filter; the posterior holds
   /// those that lead.
   std::vector<std::vector<ObjectHypothesis>> hypotheses = {};
+  /// The cameras of a rig as they are known at the last frame, by the multi-object filter.
+  std::vector<BodyCamera> cameras = {};
 };
 
 /// Options of `run`.

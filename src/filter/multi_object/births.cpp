@@ -62,12 +62,23 @@ Alternative MultiObjectState::birth_at(const TrackedObject& object,
                                        const ObservationComponent& seen,
                                        const NoiseComponent& mode) const {
   const ObjectSensor& sensor = object.detectors[observation.source.detector].sensor();
-  const SE3d camera = joint.pose(kCamera) * observation.source.body_camera;
-  const Matrix6d camera_covariance = joint.covariance(kCamera, kCamera);
-  // xi_O = xi_C - A b - n.
+  const SE3d camera = joint.seeing_camera(observation.source);
+  Matrix6d camera_covariance = joint.covariance(kCamera, kCamera);
+  ConditionalPose born{{}, {}, Matrix12d::Zero(), Matrix12x6d::Zero()};
+  born.cross_covariance.topRows<6>() = camera_covariance;
+  if (joint.extrinsics() > 0) {
+    // The error of the camera that sees is M [xi_C; xi_E ...].
+    const Eigen::MatrixXd m = joint.seen_by(observation.source);
+    const Eigen::MatrixXd with_rig = m * joint.rig();
+    camera_covariance = with_rig * m.transpose();
+    born.cross_covariance.topRows<6>() = with_rig.leftCols<6>();
+    born.extrinsics.setZero(12, with_rig.cols() - 6);
+    born.extrinsics.topRows<6>() = with_rig.rightCols(with_rig.cols() - 6);
+  }
+  // xi_O = xi_C - A b - n, with the error xi_C of the camera that sees.
   DetectionState there{.camera = camera, .object = camera * seen.pose * mode.offset.inverse()};
   Matrix6d covariance = camera_covariance + mode_covariance(there, seen, mode, sensor);
-  ConditionalPose born{there.object, {}, Matrix12d::Zero(), Matrix12x6d::Zero()};
+  born.pose = there.object;
   if (const auto slow = sensor.slow_covariance()) {
     const Matrix6d a = slow_error_map(there, mode, sensor);
     const Matrix6d a_b = a * *slow;
@@ -78,7 +89,6 @@ Alternative MultiObjectState::birth_at(const TrackedObject& object,
     born.covariance.bottomRightCorner<6, 6>() = *slow;
   }
   born.covariance.topLeftCorner<6, 6>() = covariance;
-  born.cross_covariance.topRows<6>() = camera_covariance;
   return {{.score = settings.birth_score, .detections = 1}, born};
 }
 

@@ -97,21 +97,25 @@ struct Evidence {
   double squared_distance = std::numeric_limits<double>::infinity();
 };
 
-Evidence evidence_of(const Vector6d& residual, const Matrix6d& covariance) {
+/// A detection is at any pose in the volume that clutter is in, so that a predicted pose that is
+/// less certain has the density of that volume at its peak: `log_volume` bounds that of the
+/// Gaussian [nats].
+Evidence evidence_of(const Vector6d& residual, const Matrix6d& covariance, double log_volume) {
   const Eigen::LLT<Matrix6d> s(covariance);
   if (s.info() != Eigen::Success) return {};
   const double squared = s.matrixL().solve(residual).squaredNorm();
-  return {-0.5 * (squared + log_det(s) + 6.0 * kLogTwoPi), squared};
+  const double of_gaussian = log_det(s) + 6.0 * kLogTwoPi;
+  return {-0.5 * (squared + std::min(of_gaussian, 2.0 * log_volume)), squared};
 }
 
 /// Evidence of a component: that of the innovation, and for gross errors that with a slow error
 /// drawn anew from its stationary distribution.
 Evidence evidence_of(const DetectionState& state, const Innovation& seen, double run_length,
-                     const std::optional<Matrix6d>& slow) {
-  if (run_length == 1.0 || !slow) return evidence_of(seen.residual, seen.covariance);
+                     const std::optional<Matrix6d>& slow, double log_volume) {
+  if (run_length == 1.0 || !slow) return evidence_of(seen.residual, seen.covariance, log_volume);
   const Matrix6d anew = seen.slow_map * *slow * seen.slow_map.transpose();
   return evidence_of(seen.residual + seen.slow_map * state.slow,
-                     state.difference() + anew + seen.noise);
+                     state.difference() + anew + seen.noise, log_volume);
 }
 
 }  // namespace
@@ -182,7 +186,9 @@ Evidence add_innovation(const DetectionState& state, const ObservationComponent&
   innovations.push_back(innovation(state, observed, component, sensor));
   Innovation& seen = innovations.back();
   seen.covariance = times_h(times_ht(state.covariance, seen.slow_map), seen.slow_map) + seen.noise;
-  const Evidence evidence = evidence_of(state, seen, component.run_length, slow);
+  const double log_volume =
+      std::log(8.0 * std::numbers::pi * std::numbers::pi * sensor.noise.clutter().volume_m3);
+  const Evidence evidence = evidence_of(state, seen, component.run_length, slow, log_volume);
   // The detections of a run have the information of one.
   const Matrix6d run = (component.run_length - 1.0) * seen.noise;
   seen.noise += run;

@@ -41,6 +41,24 @@ struct DetectionMoments {
   Matrix18d covariance = Matrix18d::Zero();
 };
 
+/// Moments of the camera and of the cameras' poses on it that are estimated, [xi_C; xi_E ...], with
+/// the extrinsics' perturbations on the left, in the frame of the body (docs/many-objects.md,
+/// "Cameras of a rig"). Empty where all cameras are exact.
+struct RigMoments {
+  Eigen::VectorXd mean;
+  Eigen::MatrixXd covariance;
+
+  bool empty() const { return covariance.size() == 0; }
+};
+
+/// Moments of the camera, and of the rig where it has extrinsics, in the tangent space at the mean
+/// before a detection.
+struct CameraMoments {
+  Vector6d mean = Vector6d::Zero();
+  Matrix6d covariance = Matrix6d::Zero();
+  RigMoments rig = {};
+};
+
 /// An observation as the filter weighs it.
 struct WeighedObservation {
   /// With the part of their weights that no earlier observation told. The weights sum to one.
@@ -103,6 +121,13 @@ Explanation explain(const DetectionState& state, const WeighedObservation& obser
 struct DetectionUpdate {
   Explanation explanation;
   DetectionMoments posterior;
+  /// Moments of [xi_C; xi_E ...; xi_O; b] after the detection; empty where all cameras are exact.
+  RigMoments with_extrinsics = {};
+
+  /// Moments of the camera and of the extrinsics after the detection.
+  CameraMoments camera() const;
+  /// Cov([xi_O; b], [xi_E ...]) after the detection.
+  Eigen::Matrix<double, 12, Eigen::Dynamic> extrinsics() const;
 
   double log_evidence() const { return explanation.log_evidence; }
   /// Probability of the first component.
@@ -120,6 +145,12 @@ struct GainFactors {
 
 /// Updates a state by an observation with the noise, clutter and symmetries of `sensor`.
 DetectionUpdate observe(const DetectionState& state, const WeighedObservation& observation,
+                        const ObjectSensor& sensor, const GainFactors& factors);
+
+/// The same with extrinsics: `state` has the camera that sees the object, whose error is `seen_by`
+/// times [xi_C; xi_E ...], and `covariance` is that of [xi_C; xi_E ...; xi_O; b].
+DetectionUpdate observe(const DetectionState& state, const Eigen::MatrixXd& seen_by,
+                        const Eigen::MatrixXd& covariance, const WeighedObservation& observation,
                         const ObjectSensor& sensor, const GainFactors& factors);
 
 /// The update of a Gaussian over any coordinates by a detection: eq. (4) for all of them at once.

@@ -52,10 +52,6 @@ LogTotals normalise_pair(LogTotals& a, LogTotals& b) {
   return total;
 }
 
-CameraMoments camera_of(const MultiObjectState& state) {
-  return {Vector6d::Zero(), state.joint.covariance(kCamera, kCamera)};
-}
-
 }  // namespace
 
 GlobalHypotheses::GlobalHypotheses(const MultiObjectState& initial) { list_.push_back({initial}); }
@@ -175,9 +171,8 @@ double GlobalHypotheses::loss_of_mixing(const Weighted& a, const Weighted& b) co
   double weight = std::exp(log_b.weight);
   if (std::abs(a.log.weight - b.log.weight) < kDecided && can_both_win(a.state, b.state))
     weight = 0.5;
-  CameraMoments there = camera_of(b.state);
-  there.mean = (b.state.joint.pose(kCamera) * a.state.joint.pose(kCamera).inverse()).log();
-  double loss = merge_loss(weight, camera_of(a.state), there);
+  double loss = merge_loss(weight, a.state.joint.camera_moments(),
+                           b.state.joint.camera_moments(a.state.joint));
   // What the hypotheses of one object tell of those of another beyond the camera is lost, which is
   // at most the entropy of the two cases for each object after the first.
   std::size_t different = 0;

@@ -35,6 +35,13 @@ ConditionalPose JointGaussian::conditional(std::size_t index) const {
   ConditionalPose object{pose(index), {}, Matrix12d::Zero(), Matrix12x6d::Zero()};
   const std::size_t blocks = blocks_of(index);
   if (blocks > 1) object.slow = blocks_[index + 1].slow;
+  if (extrinsics_ > 0) object.extrinsics.setZero(12, rig_dof() - kPoseDof);
+  for (std::size_t i = 0; i < blocks; ++i) {
+    for (std::size_t e = 0; e < extrinsics_; ++e) {
+      object.extrinsics.block<6, 6>(offset(i), offset(e)) =
+          covariance(index + i, extrinsic_block(e));
+    }
+  }
   if (is_active(index)) {
     const Index n = dof(index);
     object.covariance.topLeftCorner(n, n) = covariance_.block(first(index), first(index), n, n);
@@ -57,6 +64,10 @@ MatrixXd JointGaussian::rows_of(std::size_t index) {
 
 /// B_j. = P_OC P_CC^-1 B_C.
 MatrixXd JointGaussian::regressed_rows(const ConditionalPose& object) const {
+  if (extrinsics_ > 0) {
+    return regression_on_rig(object, rig()).topRows(object.slow ? 12 : 6) *
+           covariance_.topRows(rig_dof());
+  }
   const Matrix12x6d by =
       regression_on_camera(object.cross_covariance, covariance(kCamera, kCamera));
   return by.topRows(object.slow ? 12 : 6) * rows(covariance_, kCamera);
@@ -76,6 +87,12 @@ std::size_t JointGaussian::append(const ConditionalPose& object) {
   return index;
 }
 
+void JointGaussian::release_camera(const Matrix6d& covariance) {
+  covariance_.topRows<kPoseDof>().setZero();
+  covariance_.leftCols<kPoseDof>().setZero();
+  covariance_.topLeftCorner<kPoseDof, kPoseDof>() = covariance;
+}
+
 std::size_t JointGaussian::append_motion(const SE3d& motion, const Matrix6d& covariance) {
   ConditionalPose alone{motion, {}, Matrix12d::Zero(), Matrix12x6d::Zero()};
   alone.covariance.topLeftCorner<6, 6>() = covariance;
@@ -88,6 +105,7 @@ void JointGaussian::replace(std::size_t index, const ConditionalPose& object) {
   activate(index);
   MatrixXd own = regressed_rows(object);
   own.leftCols(kPoseDof) = object.cross_covariance.topRows(dof(index));
+  own.middleCols(kPoseDof, object.extrinsics.cols()) = object.extrinsics.topRows(dof(index));
   set_rows(index, object.pose, object.slow, std::move(own), object.covariance);
 }
 

@@ -26,6 +26,8 @@ struct ConditionalPose {
   std::optional<Vector6d> slow = {};  ///< mean of b; none for a detector without a slow error
   Matrix12d covariance;               ///< of [xi_O; b], world frame
   Matrix12x6d cross_covariance;       ///< Cov([xi_O; b], xi_C)
+  /// Cov([xi_O; b], [xi_E ...]) with the extrinsics that are estimated, six columns each.
+  Eigen::Matrix<double, 12, Eigen::Dynamic> extrinsics = {};
 };
 
 /// Moves the mean by [xi_O; b].
@@ -42,6 +44,7 @@ struct CameraAlternative {
   double weight = 0.0;  ///< their probability, w_a
   Vector6d mean = Vector6d::Zero();
   Matrix6d covariance = Matrix6d::Zero();
+  RigMoments rig = {};
 };
 
 /// Blocks of two joint Gaussians that are the same, by their index in each.
@@ -60,17 +63,22 @@ struct CameraChange {
   /// Covariance of the error of every coordinate of the joint Gaussian after the detection with K
   /// z.
   Eigen::Matrix<double, Eigen::Dynamic, 6> error_covariance;
+  /// Mean of [xi_C; xi_E ...]; empty where all cameras are exact.
+  Eigen::VectorXd rig_mean = {};
 };
 
 /// The regression of a pose and a slow error on the camera, P_OC P_CC^-1.
 Matrix12x6d regression_on_camera(const Matrix12x6d& cross_covariance, const Matrix6d& camera);
 Matrix12x6d regression_on_camera(const Matrix12x6d& cross_covariance,
                                  const Eigen::LLT<Matrix6d>& camera);
+/// The same on the camera and the extrinsics, 12 rows.
+Eigen::MatrixXd regression_on_rig(const ConditionalPose& object, const Eigen::MatrixXd& rig);
 
 /// Six columns of a covariance.
 using SixColumns = Eigen::Matrix<double, Eigen::Dynamic, 6>;
 
-/// The joint Gaussian of the camera (block 0), its motion where that is estimated, and for every
+/// The joint Gaussian of the camera (block 0), the poses of cameras on it that are estimated, the
+/// extrinsics (blocks 1, 2, ...), its motion where that is estimated, and for every
 /// object with hypotheses the pose of the leading one, followed by its slow error where the
 /// detector has one; with their full covariance B (docs/many-objects.md). A block has six
 /// coordinates.
@@ -82,8 +90,9 @@ using SixColumns = Eigen::Matrix<double, Eigen::Dynamic, 6>;
 /// active block. All that changes the active blocks and the carriers by linear maps thus changes
 /// the passive ones in no time, exactly. All blocks are active until rebase() is called.
 ///
-/// Invariants: the camera and its motion are active; both blocks of an object are, or none;
-/// without passive blocks the coordinates of the blocks stand in their order.
+/// Invariants: the camera, the extrinsics and the motion are active; camera and extrinsics have the
+/// first coordinates; both blocks of an object are active, or none; without passive blocks the
+/// coordinates of the blocks stand in their order.
 class JointGaussian {
  public:
   explicit JointGaussian(const ConcentratedGaussian<SE3d>& camera)
@@ -109,6 +118,25 @@ class JointGaussian {
 
   /// Covariance of every pose, and with the camera, by the index of its block.
   std::vector<PoseMoments> pose_moments() const;
+
+  // --- extrinsics
+
+  /// Appends the pose of a camera on the body, which depends on nothing. Nothing but the camera and
+  /// other extrinsics may be there.
+  void append_extrinsic(const ConcentratedGaussian<SE3d>& body_camera);
+  std::size_t extrinsics() const { return extrinsics_; }
+  /// Index of the block of an extrinsic.
+  static constexpr std::size_t extrinsic_block(std::size_t extrinsic) { return 1 + extrinsic; }
+  bool is_extrinsic(std::size_t index) const { return index > 0 && index <= extrinsics_; }
+  /// T_world_camera of the camera that made an observation.
+  SE3d seeing_camera(const ObservationSource& source) const;
+  /// The error of that camera is this, 6 rows, times [xi_C; xi_E ...].
+  Eigen::MatrixXd seen_by(const ObservationSource& source) const;
+  /// Covariance of [xi_C; xi_E ...].
+  auto rig() const { return covariance_.topLeftCorner(rig_dof(), rig_dof()); }
+  /// Camera and extrinsics in the tangent space at their means in `at`.
+  CameraMoments camera_moments(const JointGaussian& at) const;
+  CameraMoments camera_moments() const { return camera_moments(*this); }
 
   /// Appends an object that depends on the rest through the camera alone. Returns its index.
   std::size_t append(const ConditionalPose& object);
@@ -136,6 +164,8 @@ class JointGaussian {
   void decay_slow(std::size_t index, double factor, const Matrix6d& q);
   /// Adds independent noise of covariance `q` to a block.
   void add_noise(std::size_t index, const Matrix6d& q);
+  /// The camera becomes independent of all else, with this covariance.
+  void release_camera(const Matrix6d& covariance);
   /// xi_C <- xi_C + F xi_V for the motion V at the index `motion`.
   void move_camera_by(std::size_t motion, const Matrix6d& transfer);
   void make_symmetric() { symmetrize(covariance_); }
@@ -146,11 +176,13 @@ class JointGaussian {
   /// 8) and moves the blocks to its mean. The gain of all but the object has the camera's
   /// factor. The rows of the change are those of active blocks and carriers, the camera first.
   CameraChange update(std::size_t index, const Explanation& leading,
-                      const CameraAlternative& alternative, const GainFactors& factors);
+                      const CameraAlternative& alternative, const GainFactors& factors,
+                      const ObservationSource& source = {});
   /// Becomes the mixture of this with 1 - `weight` and of `other` with `weight`, eq. (11): the
   /// blocks in `shared`, by their index here and there, take its moments, and the others keep their
-  /// regression on them. Returns the camera's mean in the tangent space at the mean before.
-  Vector6d mix(double weight, const JointGaussian& other, const BlockPairs& shared);
+  /// regression on them. Returns the mean of camera and extrinsics in the tangent space at the mean
+  /// before.
+  Eigen::VectorXd mix(double weight, const JointGaussian& other, const BlockPairs& shared);
   /// Takes the part `back` of the camera's correction back, see eq. (10).
   void shift_back(const CameraChange& change, const Matrix6d& back);
 
@@ -192,8 +224,10 @@ class JointGaussian {
   /// First coordinate and number of coordinates of the object at `index`, which is active.
   Eigen::Index first(std::size_t index) const { return blocks_[index].at; }
   Eigen::Index dof(std::size_t index) const { return offset(blocks_of(index)); }
+  Eigen::Index rig_dof() const { return offset(1 + extrinsics_); }
   /// P H^T of a detection of the object at `index` under one component.
-  SixColumns times_ht(std::size_t index, const Matrix6d& slow_map) const;
+  SixColumns times_ht(std::size_t index, const Matrix6d& slow_map,
+                      const Eigen::MatrixXd& seen_by) const;
   /// Projects the mixture of the moments (`mean`, `b`) of the leading hypothesis and (`mean` +
   /// `apart`, `other`) with weight `w_a` (eq. 7 and 8). `mean` becomes that of the projection.
   void project(std::size_t index, double w_a, Eigen::VectorXd& mean, const Eigen::MatrixXd& b,
@@ -201,8 +235,8 @@ class JointGaussian {
   /// The same with the regression on the camera and few neighbours (eq. 13 and 14). `b` is that of
   /// the leading hypothesis.
   void project_near(std::size_t index, const Explanation& leading,
-                    const CameraAlternative& alternative, double gain, Eigen::VectorXd& mean,
-                    Eigen::MatrixXd& b);
+                    const CameraAlternative& alternative, double gain,
+                    const Eigen::MatrixXd& seen_by, Eigen::VectorXd& mean, Eigen::MatrixXd& b);
   /// Coordinates of the camera, its motion and the active blocks that tell most of the object at
   /// `index` beyond what the camera tells.
   std::vector<Eigen::Index> neighbours(std::size_t index) const;
@@ -211,7 +245,7 @@ class JointGaussian {
   /// The means of `other` in the tangent space at those of this, for the blocks in `shared`.
   Eigen::VectorXd difference(const JointGaussian& other, const BlockPairs& shared) const;
   /// mix() where all blocks in `shared` are active and the carriers are the same.
-  Vector6d mix_aligned(double weight, const JointGaussian& other, const BlockPairs& shared);
+  Eigen::VectorXd mix_aligned(double weight, const JointGaussian& other, const BlockPairs& shared);
   /// All blocks become active.
   void expand();
   /// The coordinates `s` get moments, and the others keep their regression on the first `own` of
@@ -251,6 +285,7 @@ class JointGaussian {
   std::vector<Eigen::Index> carrier_coordinates() const;
 
   std::vector<Block> blocks_;
+  std::size_t extrinsics_ = 0;  ///< their number
   Eigen::MatrixXd covariance_;  ///< of active blocks and carriers
   std::vector<Carrier> carriers_;
   std::shared_ptr<const Eigen::MatrixXd>

@@ -40,7 +40,7 @@ VectorXd JointGaussian::difference(const JointGaussian& other, const BlockPairs&
   return result;
 }
 
-Vector6d JointGaussian::mix(double weight, const JointGaussian& given, const BlockPairs& shared) {
+VectorXd JointGaussian::mix(double weight, const JointGaussian& given, const BlockPairs& shared) {
   if (!base_ && !given.base_) return mix_aligned(weight, given, shared);
   JointGaussian other = given;
   align(other, shared);
@@ -61,7 +61,7 @@ Vector6d JointGaussian::mix(double weight, const JointGaussian& given, const Blo
   return mix_aligned(weight, other, active);
 }
 
-Vector6d JointGaussian::mix_aligned(double weight, const JointGaussian& other,
+VectorXd JointGaussian::mix_aligned(double weight, const JointGaussian& other,
                                     const BlockPairs& shared) {
   std::vector<Index> s;  // the coordinates that are shared, here and there
   std::vector<Index> t;
@@ -90,7 +90,8 @@ Vector6d JointGaussian::mix_aligned(double weight, const JointGaussian& other,
   mixed.noalias() += weight * (1.0 - weight) * apart * apart.transpose();
   const VectorXd mean = regressed_on(s, weight * apart, mixed, own);
   for (Carrier& carrier : carriers_) carrier.mean += mean.segment<6>(carrier.at);
-  return move_active(mean);
+  move_active(mean);
+  return mean.head(rig_dof());
 }
 
 VectorXd JointGaussian::regressed_on(const std::vector<Index>& s, const VectorXd& mean_s,

@@ -32,22 +32,25 @@ std::vector<Index> all_but(Index first, Index dof, Index size) {
   return rest;
 }
 
-/// Detections in the coordinates of the pair, [xi_C; xi_O; b] or [xi_C; xi_O].
+/// Detections in the coordinates of the pair, [xi_C; xi_O; b] or [xi_C; xi_O], with the extrinsics
+/// behind xi_C.
 struct PairChange {
   MatrixXd covariance;  ///< N: the covariance of everything else changes by F N F^T
   VectorXd mean;        ///< its mean moves by F times this
 };
 
 /// Eq. (5) for everything else, whose columns of the pair are F and whose gain has the factor
-/// `gain`.
-PairChange pair_change(const Explanation& leading, double gain, Index dof) {
+/// `gain`. The error of the camera that sees is `seen_by` times that of the rig.
+PairChange pair_change(const Explanation& leading, double gain, const MatrixXd& seen_by,
+                       Index dof) {
+  const Index rig = seen_by.cols();
   PairChange change{MatrixXd::Zero(dof, dof), VectorXd::Zero(dof)};
   for (const Innovation& seen : leading.innovations) {
     if (!(seen.weight > 0.0)) continue;
     MatrixXd h(dof, 6);  // H^T
-    h.topRows<6>() = -Matrix6d::Identity();
-    h.middleRows<6>(6) = Matrix6d::Identity();
-    if (dof > 12) h.bottomRows<6>() = seen.slow_map.transpose();
+    h.topRows(rig) = -seen_by.transpose();
+    h.middleRows<6>(rig) = Matrix6d::Identity();
+    if (dof > rig + 6) h.bottomRows<6>() = seen.slow_map.transpose();
     const Eigen::LLT<Matrix6d> s(seen.covariance);
     const MatrixXd reduction = h * s.solve(h.transpose());
     const VectorXd moved = gain * h * s.solve(seen.residual);
@@ -61,18 +64,22 @@ PairChange pair_change(const Explanation& leading, double gain, Index dof) {
 
 }  // namespace
 
-SixColumns JointGaussian::times_ht(std::size_t index, const Matrix6d& slow_map) const {
+SixColumns JointGaussian::times_ht(std::size_t index, const Matrix6d& slow_map,
+                                   const MatrixXd& seen_by) const {
   SixColumns d = covariance_.middleCols<6>(first(index)) - columns(covariance_, kCamera);
+  if (const Index more = seen_by.cols() - 6; more > 0)
+    d.noalias() -= covariance_.middleCols(6, more) * seen_by.rightCols(more).transpose();
   if (blocks_of(index) > 1)
     d.noalias() += covariance_.middleCols<6>(first(index + 1)) * slow_map.transpose();
   return d;
 }
 
 CameraChange JointGaussian::update(std::size_t index, const Explanation& leading,
-                                   const CameraAlternative& alternative,
-                                   const GainFactors& factors) {
+                                   const CameraAlternative& alternative, const GainFactors& factors,
+                                   const ObservationSource& source) {
   activate(index);
   const Index n = covariance_.rows();
+  const MatrixXd by = seen_by(source);
   VectorXd gain = VectorXd::Constant(n, factors.camera);
   gain.segment<kPoseDof>(first(index)).setOnes();
   if (blocks_of(index) > 1) gain.segment<kPoseDof>(first(index + 1)).setConstant(factors.slow);
@@ -81,7 +88,7 @@ CameraChange JointGaussian::update(std::size_t index, const Explanation& leading
   MatrixXd b = covariance_;
   GaussianUpdate update(gain, mean, b);
   for (const Innovation& seen : leading.innovations) {
-    if (seen.weight > 0.0) update.add(seen, times_ht(index, seen.slow_map));
+    if (seen.weight > 0.0) update.add(seen, times_ht(index, seen.slow_map, by));
   }
   update.finish();
   // E[e (K z)^T] with e = e_0 - K z is (1 - g) D S^-1 D_C^T g_C.
@@ -91,8 +98,14 @@ CameraChange JointGaussian::update(std::size_t index, const Explanation& leading
   if (alternative.weight < kNegligibleWeight) {
     covariance_ = std::move(b);
   } else if (!is_small(index)) {
-    project_near(index, leading, alternative, factors.camera, mean, b);
+    project_near(index, leading, alternative, factors.camera, by, mean, b);
     covariance_ = std::move(b);
+  } else if (extrinsics_ > 0) {
+    const MatrixXd prior = rig();
+    const MatrixXd g = prior.llt().solve(covariance_.topRows(rig_dof())).transpose();
+    MatrixXd other = covariance_;
+    other.noalias() += g * (alternative.rig.covariance - prior) * g.transpose();
+    project(index, alternative.weight, mean, b, g * alternative.rig.mean - mean, other);
   } else {
     // Under all others, eq. (6): the rest follows the camera.
     const Matrix6d prior = covariance(kCamera, kCamera);
@@ -102,6 +115,7 @@ CameraChange JointGaussian::update(std::size_t index, const Explanation& leading
     // Projection onto one Gaussian, eq. (7) and (8).
     project(index, alternative.weight, mean, b, g * alternative.mean - mean, other);
   }
+  if (extrinsics_ > 0) change.rig_mean = mean.head(rig_dof());
   change.mean = move_active(mean);
   move_passive(mean);
   return change;
@@ -136,23 +150,29 @@ void JointGaussian::project(std::size_t index, double w_a, VectorXd& mean, const
 bool JointGaussian::is_small(std::size_t index) const {
   if (!carriers_.empty()) return false;
   std::size_t others = 0;
-  for (std::size_t i = 1; i < size(); ++i) others += i != index && is_pose(i) ? 1 : 0;
+  for (std::size_t i = 1 + extrinsics_; i < size(); ++i) others += i != index && is_pose(i) ? 1 : 0;
   return others <= kMostExact;
 }
 
 std::vector<Index> JointGaussian::neighbours(std::size_t index) const {
   const Eigen::LLT<Matrix6d> camera(covariance(kCamera, kCamera));
-  const auto given_camera = [&](Index i, Index k) {
+  const Eigen::LLT<MatrixXd> rig_factor(extrinsics_ > 0 ? MatrixXd(rig()) : MatrixXd());
+  const auto given_camera = [&](Index i, Index k) -> Matrix6d {
+    if (extrinsics_ > 0) {
+      return covariance_.block<6, 6>(i, k) -
+             covariance_.block(i, 0, 6, rig_dof()) *
+                 rig_factor.solve(covariance_.block(0, k, rig_dof(), 6));
+    }
     return Matrix6d(covariance_.block<6, 6>(i, k) -
                     covariance_.block<6, 6>(i, 0) * camera.solve(covariance_.block<6, 6>(0, k)));
   };
   const Index at = first(index);
   const Eigen::LLT<Matrix6d> own(given_camera(at, at));
   std::vector<Index> result;
-  append_coordinates(result, 0);
+  for (std::size_t i = 0; i <= extrinsics_; ++i) append_coordinates(result, offset(i));
   std::vector<std::pair<double, Index>> scores;
   for (const Block& other : blocks_) {
-    if (other.at <= 0 || (other.at >= at && other.at < at + dof(index))) continue;
+    if (other.at < rig_dof() || (other.at >= at && other.at < at + dof(index))) continue;
     if (other.is_motion) {
       append_coordinates(result, other.at);
       continue;
@@ -174,23 +194,31 @@ std::vector<Index> JointGaussian::neighbours(std::size_t index) const {
 /// hypothesis, T gets the moments of the mixture, which are B*_TT + F M F^T, and everything else
 /// follows by its regression on T: R = B*_.T B*_TT^-1 F, B = B* + R M R^T.
 void JointGaussian::project_near(std::size_t index, const Explanation& leading,
-                                 const CameraAlternative& alternative, double gain, VectorXd& mean,
-                                 MatrixXd& b) {
-  const Index pair_dof = kPoseDof + dof(index);
+                                 const CameraAlternative& alternative, double gain,
+                                 const MatrixXd& seen_by, VectorXd& mean, MatrixXd& b) {
+  const Index pair_dof = rig_dof() + dof(index);
   const double w_a = alternative.weight;
-  const PairChange own = pair_change(leading, gain, pair_dof);
-  const Matrix6d prior = covariance(kCamera, kCamera);
-  const Eigen::LLT<Matrix6d> camera(prior);
+  const PairChange own = pair_change(leading, gain, seen_by, pair_dof);
   // Eq. (6) and its difference from eq. (5), in the coordinates of the pair.
   VectorXd apart = -own.mean;
-  apart.head<6>() += camera.solve(alternative.mean);
   MatrixXd m = -own.covariance;
-  m.topLeftCorner<6, 6>() +=
-      camera.solve(camera.solve(Matrix6d(alternative.covariance - prior)).transpose());
+  if (extrinsics_ > 0) {
+    const MatrixXd prior = rig();
+    const Eigen::LLT<MatrixXd> factor(prior);
+    const MatrixXd change = alternative.rig.covariance - prior;
+    apart.head(rig_dof()) += factor.solve(alternative.rig.mean);
+    m.topLeftCorner(rig_dof(), rig_dof()) += factor.solve(factor.solve(change).transpose());
+  } else {
+    const Matrix6d prior = covariance(kCamera, kCamera);
+    const Eigen::LLT<Matrix6d> camera(prior);
+    apart.head<6>() += camera.solve(alternative.mean);
+    m.topLeftCorner<6, 6>() +=
+        camera.solve(camera.solve(Matrix6d(alternative.covariance - prior)).transpose());
+  }
   m = (w_a * m + (1.0 - w_a) * w_a * apart * apart.transpose()).eval();
 
   std::vector<Index> pair;
-  append_coordinates(pair, 0);
+  for (std::size_t i = 0; i <= extrinsics_; ++i) append_coordinates(pair, offset(i));
   for (std::size_t k = 0; k < blocks_of(index); ++k) append_coordinates(pair, first(index + k));
   const std::vector<Index> t = neighbours(index);
   const MatrixXd b_t = b(Eigen::all, t);
@@ -207,8 +235,9 @@ void JointGaussian::shift_back(const CameraChange& change, const Matrix6d& back)
   const SE3d shift = SE3d::exp(-back * change.mean);
   const Matrix6d added = back * change.covariance * back.transpose();
   std::vector<Index> poses;
-  for (Block& block : blocks_) {
-    if (block.slow) continue;
+  for (std::size_t i = 0; i < size(); ++i) {
+    Block& block = blocks_[i];
+    if (block.slow || is_extrinsic(i)) continue;
     block.pose = shift * block.pose;
     if (block.at >= 0) poses.push_back(block.at);
   }

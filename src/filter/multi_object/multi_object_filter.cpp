@@ -46,6 +46,14 @@ void require_detector(std::size_t detector, std::size_t detectors) {
   }
 }
 
+void require_camera(std::size_t camera, std::size_t cameras) {
+  if (camera >= cameras) {
+    throw InvalidInput(
+        fmt::format("there is no camera {} whose pose on the body is estimated; there are {}",
+                    camera, cameras));
+  }
+}
+
 void require_hypothesis(std::size_t hypothesis, std::size_t object, std::size_t hypotheses) {
   if (hypothesis >= hypotheses) {
     throw InvalidInput(fmt::format("object {} has {} hypotheses; there is none at index {}", object,
@@ -141,12 +149,38 @@ ObjectUpdateReport MultiObjectFilter::update(std::size_t object, const Observati
   require_object(object, object_count());
   require_detector(source.detector, current().objects[object].detectors.size());
   validate(observation);
+  if (source.camera) require_camera(*source.camera, extrinsic_count());
   require_finite(source.body_camera, "pose of the camera on its body");
   return hypotheses_of_all().update(object, observation, source);
 }
 
-std::size_t MultiObjectFilter::add_object(ObjectSensor object) {
-  hypotheses_of_all().for_each([&](MultiObjectState& s) { s.add_object(object); });
+std::size_t MultiObjectFilter::add_camera(const ConcentratedGaussian<SE3d>& body_camera) {
+  require_finite(body_camera.mean(), "pose of the camera on its body");
+  if (current().joint.size() > 1 + extrinsic_count()) {
+    throw InvalidInput(
+        "a camera whose pose is estimated comes too late; expected it before the first detection "
+        "and the first prediction with constant velocity");
+  }
+  hypotheses_of_all().for_each([&](MultiObjectState& s) { s.add_camera(body_camera); });
+  return extrinsic_count() - 1;
+}
+
+std::size_t MultiObjectFilter::extrinsic_count() const { return current().joint.extrinsics(); }
+
+ConcentratedGaussian<SE3d> MultiObjectFilter::extrinsic(std::size_t camera) const {
+  require_camera(camera, extrinsic_count());
+  const std::size_t at = JointGaussian::extrinsic_block(camera);
+  return ConcentratedGaussian<SE3d>::trusted(current().joint.pose(at),
+                                             current().joint.covariance(at, at));
+}
+
+std::size_t MultiObjectFilter::add_object(ObjectSensor object,
+                                          const std::optional<ObjectPrior>& prior) {
+  if (prior && !(prior->probability > 0.0 && prior->probability <= 1.0)) {
+    throw InvalidInput(fmt::format("the prior has the probability {}, expected one in (0, 1]",
+                                   prior->probability));
+  }
+  hypotheses_of_all().for_each([&](MultiObjectState& s) { s.add_object(object, prior); });
   return object_count() - 1;
 }
 
@@ -229,11 +263,16 @@ ConcentratedGaussian<SE3d> MultiObjectFilter::relative(std::size_t object,
 ConcentratedGaussian<SE3d> MultiObjectFilter::predicted_detection(std::size_t object,
                                                                   std::size_t hypothesis,
                                                                   const SE3d& body_camera) const {
+  return predicted_detection(object, hypothesis, ObservationSource{.body_camera = body_camera});
+}
+
+ConcentratedGaussian<SE3d> MultiObjectFilter::predicted_detection(
+    std::size_t object, std::size_t hypothesis, const ObservationSource& source) const {
   require_object(object, object_count());
   require_hypothesis(hypothesis, object, current().objects[object].belief.size());
+  if (source.camera) require_camera(*source.camera, extrinsic_count());
   const TrackedObject& tracked = current().objects[object];
-  DetectionState state = tracked.belief.state(current().joint, hypothesis);
-  state.camera = state.camera * body_camera;
+  const DetectionState state = tracked.belief.state_from(current().joint, hypothesis, source);
   const ObjectSensor& sensor = tracked.sensor();
   const Matrix6d a = slow_error_map(state, sensor.noise.components().front(), sensor);
   // xi_O - xi_C + A b.
@@ -266,7 +305,7 @@ std::optional<std::size_t> MultiObjectFilter::pose_index(std::size_t object) con
   if (!index) return std::nullopt;
   std::size_t poses = 0;
   for (std::size_t i = 0; i < *index; ++i) poses += current().joint.is_pose(i) ? 1 : 0;
-  return poses;
+  return poses - extrinsic_count();
 }
 
 const MultiObjectSettings& MultiObjectFilter::settings() const { return current().settings; }

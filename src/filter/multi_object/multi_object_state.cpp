@@ -97,10 +97,27 @@ MultiObjectState::MultiObjectState(const ConcentratedGaussian<SE3d>& camera,
   for (const ObjectSensor& sensor : sensors) add_object(sensor);
 }
 
-void MultiObjectState::add_object(const ObjectSensor& sensor) {
+void MultiObjectState::add_object(const ObjectSensor& sensor,
+                                  const std::optional<ObjectPrior>& prior) {
   objects.emplace_back();
+  TrackedObject& object = objects.back();
   for (ObjectSensor& one : sensors_of(sensor, settings.default_clutter))
-    objects.back().detectors.emplace_back(std::move(one));
+    object.detectors.emplace_back(std::move(one));
+  if (!prior) return;
+  ConditionalPose pose{prior->world.mean(), {}, Matrix12d::Zero(), Matrix12x6d::Zero()};
+  pose.covariance.topLeftCorner<6, 6>() = prior->world.covariance();
+  if (const auto slow = object.sensor().slow_covariance()) {
+    pose.slow = Vector6d::Zero();
+    pose.covariance.bottomRightCorner<6, 6>() = *slow;
+  }
+  const double log_weight = std::log(prior->probability);
+  object.belief.add(joint, {{{.log_weight = log_weight,
+                              .log_probability = log_weight,
+                              .score = settings.birth_score,
+                              .id = next_id++},
+                             pose}});
+  object.belief.set_log_absent(std::log1p(-prior->probability));
+  object.belief.fix_unobserved(joint, object.sensor().symmetries);
 }
 
 GainFactors MultiObjectState::gain_factors(const TrackedObject& object,
@@ -114,8 +131,7 @@ GainFactors MultiObjectState::gain_factors(const TrackedObject& object,
   if (!leading) return {.camera = settings.camera_gain, .slow = settings.slow_error_gain};
   // Where the predicted pose is less certain than the detection, damping would only keep it wrong:
   // the gain is full by the square of the predicted pose's part of the innovation's variance.
-  DetectionState state = object.belief.state(joint, *leading);
-  state.camera = state.camera * observation.source.body_camera;
+  const DetectionState state = object.belief.state_from(joint, *leading, observation.source);
   const NoiseComponent& inlier = sensor.noise.components().front();
   const Matrix6d predicted = state.difference();
   Matrix6d innovation =
@@ -170,19 +186,20 @@ void MultiObjectState::learn(TrackedObject& object, const DetectionUpdate& leadi
 
 /// The camera and the leading hypotheses move by eq. (5) to (8), and every other hypothesis follows
 /// the camera by eq. (9).
-void MultiObjectState::move_poses(TrackedObject& object,
-                                  const std::vector<DetectionUpdate>& updates,
-                                  const GainFactors& factors, bool damped, double log_evidence,
+void MultiObjectState::move_poses(TrackedObject& object, const ObservedDetection& observed,
+                                  bool damped, double log_evidence,
                                   std::vector<Alternative>& births) {
+  const std::vector<DetectionUpdate>& updates = observed.updates;
   ObjectBelief& belief = object.belief;
-  const CameraMoments before{Vector6d::Zero(), joint.covariance(kCamera, kCamera)};
+  const CameraMoments before = joint.camera_moments();
   const CameraAlternative alternative =
-      belief.camera_alternative(updates, births, log_evidence, before.covariance);
-  CameraMoments after;
-  const CameraChange change = joint.update(
-      *belief.pose_index(), updates[*belief.leading()].explanation, alternative, factors);
+      belief.camera_alternative(updates, births, log_evidence, before);
+  const CameraChange change =
+      joint.update(*belief.pose_index(), updates[*belief.leading()].explanation, alternative,
+                   observed.factors, observed.observation.source);
+  CameraMoments after = joint.camera_moments();
   after.mean = change.mean;
-  after.covariance = joint.covariance(kCamera, kCamera);
+  after.rig.mean = change.rig_mean;
   belief.follow_camera(updates, after);
   for (TrackedObject& other : objects) {
     if (&other != &object) other.belief.follow_camera(before, after);
@@ -201,14 +218,11 @@ void MultiObjectState::shift_back(const TrackedObject& detected, bool damped,
   if (!damped || taken.isZero(0.0)) return;
   const SE3d& at = joint.pose(kCamera);
   const Matrix6d back = at.adjoint() * taken.asDiagonal() * at.inverse().adjoint();
-  const Matrix6d camera = joint.covariance(kCamera, kCamera);
+  const CameraMoments camera = joint.camera_moments();
   joint.shift_back(change, back);
   for (TrackedObject& object : objects)
     object.belief.shift_back(change, back, camera, &object == &detected);
-  for (Alternative& birth : births) {
-    internal::shift_back(birth.pose, change, back,
-                         regression_on_camera(birth.pose.cross_covariance, camera));
-  }
+  for (Alternative& birth : births) internal::shift_back(birth.pose, change, back, camera);
 }
 
 /// The weights are multiplied by the evidence, sum_c exp e_c of eq. (3).
@@ -256,8 +270,7 @@ ObjectUpdateReport MultiObjectState::update(std::size_t j, const ObservedDetecti
   if (const auto leading = belief.leading()) {
     led = belief.standing(*leading).id;
     describe(updates[*leading], report);
-    move_poses(object, updates, observed.factors, is_damped(detector.sensor()), report.log_evidence,
-               births);
+    move_poses(object, observed, is_damped(detector.sensor()), report.log_evidence, births);
     learn(object, updates[*leading], observed.observation);
   }
 

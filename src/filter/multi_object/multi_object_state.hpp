@@ -52,8 +52,12 @@ struct MultiObjectState {
                             const ObservationSource& source) const;
   ObjectUpdateReport update(std::size_t j, const ObservedDetection& observed,
                             const Starters& may_start, LogTotals& evidence);
+  /// One more camera on the body, before any object is seen.
+  void add_camera(const ConcentratedGaussian<SE3d>& body_camera) {
+    joint.append_extrinsic(body_camera);
+  }
   /// One more object, never detected.
-  void add_object(const ObjectSensor& sensor);
+  void add_object(const ObjectSensor& sensor, const std::optional<ObjectPrior>& prior = {});
   /// Object `j` becomes one that was never detected.
   void forget(std::size_t j);
   /// Time goes on by one frame, in which the camera moved from `camera_before` where that is known.
@@ -115,6 +119,8 @@ struct MultiObjectState {
  private:
   /// Erases a pose of the joint Gaussian.
   void erase(std::size_t pose_index);
+  /// A camera whose rotation is less certain than a uniform one becomes independent of all else.
+  void release_lost_camera();
   void update_weights(TrackedObject& object, const ObservedDetection& observed, double share) const;
   std::vector<Alternative> births_of(const TrackedObject& object,
                                      const WeighedObservation& observation,
@@ -124,9 +130,8 @@ struct MultiObjectState {
                        const ObservationComponent& seen, const NoiseComponent& mode) const;
   void learn(TrackedObject& object, const DetectionUpdate& leading,
              const WeighedObservation& observation);
-  void move_poses(TrackedObject& object, const std::vector<DetectionUpdate>& updates,
-                  const GainFactors& factors, bool damped, double log_evidence,
-                  std::vector<Alternative>& births);
+  void move_poses(TrackedObject& object, const ObservedDetection& observed, bool damped,
+                  double log_evidence, std::vector<Alternative>& births);
   void shift_back(const TrackedObject& detected, bool damped, const CameraChange& change,
                   std::vector<Alternative>& births);
   std::size_t reduce(TrackedObject& object);

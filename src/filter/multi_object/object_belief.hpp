@@ -39,12 +39,6 @@ struct Alternative {
   ConditionalPose pose;
 };
 
-/// Moments of the camera in the tangent space at its mean before a detection.
-struct CameraMoments {
-  Vector6d mean = Vector6d::Zero();
-  Matrix6d covariance = Matrix6d::Zero();
-};
-
 /// Eq. (9) of docs/many-objects.md: the pose follows the camera, whose moments change from `before`
 /// to `after`, by its regression on the camera.
 void follow_camera(ConditionalPose& pose, const CameraMoments& before, const CameraMoments& after);
@@ -61,6 +55,12 @@ double merge_loss(double weight, const CameraMoments& a, const CameraMoments& b)
 /// zero for a pose that the detection itself moved.
 void shift_back(ConditionalPose& pose, const CameraChange& change, const Matrix6d& back,
                 const Matrix12x6d& follows);
+/// The same with extrinsics: `follows`, 12 rows, is the regression on camera and extrinsics.
+void shift_back_with_rig(ConditionalPose& pose, const CameraChange& change, const Matrix6d& back,
+                         const Eigen::MatrixXd& follows);
+/// The same for a pose that follows camera and extrinsics, whose moments are `camera`.
+void shift_back(ConditionalPose& pose, const CameraChange& change, const Matrix6d& back,
+                const CameraMoments& camera);
 
 /// Two hypotheses are merged when their poses differ by less than these bounds.
 struct MergeBounds {
@@ -93,6 +93,10 @@ class ObjectBelief {
   double log_absent() const { return log_absent_; }
   /// The same, with dependent detections counted once.
   double log_absence_probability() const { return log_absence_probability_; }
+  void set_log_absent(double log_weight) {
+    log_absent_ = log_weight;
+    log_absence_probability_ = log_weight;
+  }
   /// Index of the leading hypothesis.
   std::optional<std::size_t> leading() const;
   /// Index of the leading hypothesis' pose in the joint Gaussian.
@@ -105,6 +109,9 @@ class ObjectBelief {
   const SE3d& mean(const JointGaussian& joint, std::size_t h) const;
   /// The camera, hypothesis `h` and its slow error.
   DetectionState state(const JointGaussian& joint, std::size_t h) const;
+  /// The same with the camera that makes an observation, and its error, in place of the body.
+  DetectionState state_from(const JointGaussian& joint, std::size_t h,
+                            const ObservationSource& source) const;
   /// Probability of every hypothesis, with dependent detections counted once.
   std::vector<double> probabilities() const;
 
@@ -123,8 +130,11 @@ class ObjectBelief {
   /// The directions in which the symmetries leave the pose free become independent of everything,
   /// with a small variance: the pose that stands for all equivalent ones is chosen there.
   void fix_unobserved(JointGaussian& joint, const SymmetryGroup& symmetries);
-  /// Adds P_OC times `factor` to P_OC of every alternative.
-  void add_to_cross_covariances(const Matrix6d& factor);
+  /// Alternatives become independent of the camera.
+  void release_camera();
+  /// Adds P_OC times `factor` to P_OC of every alternative; with extrinsics, [P_OC P_OE ...] times
+  /// as many rows.
+  void add_to_cross_covariances(const Eigen::MatrixXd& factor);
 
   // --- the stages of an update
 
@@ -149,7 +159,7 @@ class ObjectBelief {
   /// see eq. (6). Births and absence leave the camera at `before`, its covariance.
   CameraAlternative camera_alternative(const std::vector<DetectionUpdate>& updates,
                                        const std::vector<Alternative>& births, double log_evidence,
-                                       const Matrix6d& before) const;
+                                       const CameraMoments& before) const;
   /// Eq. (9) for the object that was detected: every alternative takes its own posterior pair, then
   /// follows the camera to `after`.
   void follow_camera(const std::vector<DetectionUpdate>& updates, const CameraMoments& after);
@@ -157,8 +167,8 @@ class ObjectBelief {
   void follow_camera(const CameraMoments& before, const CameraMoments& after);
 
   /// Eq. (10) for the hypotheses that do not lead, of the object that was detected or of another;
-  /// `camera` is the camera's covariance before.
-  void shift_back(const CameraChange& change, const Matrix6d& back, const Matrix6d& camera,
+  /// `camera` has the moments of camera and extrinsics before.
+  void shift_back(const CameraChange& change, const Matrix6d& back, const CameraMoments& camera,
                   bool detected);
 
   // --- the stages of the reduction

@@ -15,21 +15,30 @@ namespace {
 /// A case of less probability costs nothing to merge.
 constexpr double kLeastTie = 1e-7;
 
+/// The bound for a `difference` of the means; not a number where a covariance is not positive
+/// definite.
+template <class Matrix, class Vector>
+double loss_of_one(double weight, const Vector& difference, const Matrix& a, const Matrix& b) {
+  const Matrix both = (1.0 - weight) * a + weight * b +
+                      weight * (1.0 - weight) * difference * difference.transpose();
+  const auto log_determinant = [](const Matrix& p) {
+    const Eigen::LLT<Matrix> factor(p);
+    return factor.info() == Eigen::Success ? log_det(factor)
+                                           : std::numeric_limits<double>::quiet_NaN();
+  };
+  return 0.5 * (log_determinant(both) - (1.0 - weight) * log_determinant(a) -
+                weight * log_determinant(b));
+}
+
 }  // namespace
 
 double merge_loss(double weight, const CameraMoments& a, const CameraMoments& b) {
   if (weight < kLeastTie || weight > 1.0 - kLeastTie) return 0.0;
-  const Vector6d difference = b.mean - a.mean;
-  const Matrix6d both = (1.0 - weight) * a.covariance + weight * b.covariance +
-                        weight * (1.0 - weight) * difference * difference.transpose();
-  const auto log_determinant = [](const Matrix6d& p) {
-    const Eigen::LLT<Matrix6d> factor(p);
-    return factor.info() == Eigen::Success ? log_det(factor)
-                                           : std::numeric_limits<double>::quiet_NaN();
-  };
   const double loss =
-      0.5 * (log_determinant(both) - (1.0 - weight) * log_determinant(a.covariance) -
-             weight * log_determinant(b.covariance));
+      a.rig.empty()
+          ? loss_of_one<Matrix6d, Vector6d>(weight, b.mean - a.mean, a.covariance, b.covariance)
+          : loss_of_one<Eigen::MatrixXd, Eigen::VectorXd>(weight, b.rig.mean - a.rig.mean,
+                                                          a.rig.covariance, b.rig.covariance);
   return std::isfinite(loss) ? std::max(loss, 0.0) : 0.0;
 }
 

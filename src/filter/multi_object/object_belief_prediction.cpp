@@ -27,6 +27,7 @@ void ObjectBelief::decay_slow_error(JointGaussian& joint, const SlowError& slow,
     other.covariance.rightCols<6>() *= a;
     other.covariance.bottomRightCorner<6, 6>() += q;
     other.cross_covariance.bottomRows<6>() *= a;
+    other.extrinsics.bottomRows<6>() *= a;
   }
 }
 
@@ -40,6 +41,7 @@ void ObjectBelief::transform(JointGaussian& joint, std::size_t h, const Matrix12
   other.covariance = (f * other.covariance * f.transpose()).eval();
   symmetrize(other.covariance);
   other.cross_covariance = (f * other.cross_covariance).eval();
+  if (other.extrinsics.cols() > 0) other.extrinsics = (f * other.extrinsics).eval();
 }
 
 void ObjectBelief::rescale_slow_error(JointGaussian& joint, const ObjectSensor& sensor,
@@ -82,9 +84,16 @@ void ObjectBelief::fix_unobserved(JointGaussian& joint, const SymmetryGroup& sym
   }
 }
 
-void ObjectBelief::add_to_cross_covariances(const Matrix6d& factor) {
+void ObjectBelief::release_camera() {
+  for (Alternative& alternative : alternatives_) alternative.pose.cross_covariance.setZero();
+}
+
+void ObjectBelief::add_to_cross_covariances(const Eigen::MatrixXd& factor) {
+  const Matrix6d of_camera = factor.topRows<6>();
   for (Alternative& alternative : alternatives_) {
-    const Matrix12x6d change = alternative.pose.cross_covariance * factor;
+    Matrix12x6d change = alternative.pose.cross_covariance * of_camera;
+    if (factor.rows() > 6)
+      change += alternative.pose.extrinsics * factor.bottomRows(factor.rows() - 6);
     alternative.pose.cross_covariance += change;
   }
 }

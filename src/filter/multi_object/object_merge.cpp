@@ -67,6 +67,7 @@ Matrix12d Midway::covariance(const Matrix12d& a, const Matrix12d& b) const {
 ConditionalPose Midway::merged(const ConditionalPose& a, const ConditionalPose& b) const {
   ConditionalPose result{pose_, a.slow, covariance(a.covariance, b.covariance),
                          cross_covariance(a.cross_covariance, b.cross_covariance)};
+  if (a.extrinsics.cols() > 0) result.extrinsics = cross_covariance(a.extrinsics, b.extrinsics);
   if (result.slow) *result.slow -= mean_a_.tail<6>();
   return result;
 }

@@ -142,7 +142,7 @@ void JointGaussian::rebase(const std::vector<bool>& keeps) {
       free_slow(block, covariance(i, i));
       continue;
     }
-    if (keeps[i] || i == kCamera || block.is_motion) kept.push_back(order.size());
+    if (keeps[i] || i <= extrinsics_ || block.is_motion) kept.push_back(order.size());
     order.push_back(i);
   }
   base_ = std::make_shared<const MatrixXd>(lower(order));

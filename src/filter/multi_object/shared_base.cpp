@@ -57,6 +57,8 @@ void GlobalHypotheses::rebase(const std::vector<bool>& kept) {
   for (std::size_t k = 1; k < list_.size(); ++k) {
     MultiObjectState& other = list_[k].state;
     BlockPairs same{{kCamera, kCamera}};
+    for (std::size_t i = 0; i < other.joint.extrinsics(); ++i)
+      same.emplace_back(JointGaussian::extrinsic_block(i), JointGaussian::extrinsic_block(i));
     if (other.motion) same.emplace_back(*other.motion, first.motion.value());
     for (std::size_t i = 0; i < kept.size(); ++i) {
       const ObjectBelief& belief = other.objects[i].belief;

@@ -25,7 +25,7 @@ double MultiObjectState::tie_loss(std::size_t j, const ObservedDetection& observ
     starting += may_start[k] ? observation.components[k].weight : 0.0;
   std::vector<Alternative> births;
   if (starting > 0.0) {
-    births.push_back({});
+    births.push_back({{}, {{}, {}, Matrix12d::Zero(), Matrix12x6d::Zero()}});
     births.front().standing.log_weight =
         object.belief.log_absent() +
         std::log(starting * observation.object_weight * (1.0 - clutter.weight)) -
@@ -33,13 +33,12 @@ double MultiObjectState::tie_loss(std::size_t j, const ObservedDetection& observ
   }
   ObjectBelief after = object.belief;
   after.multiply_weights(observed.updates, observation.log_clutter, 0.0);
-  const DetectionMoments& own = observed.updates[*leading].posterior;
-  const CameraMoments camera{own.mean.head<6>(), own.covariance.topLeftCorner<6, 6>()};
+  const CameraMoments camera = observed.updates[*leading].camera();
   const CameraAlternative others = after.camera_alternative(
-      observed.updates, births, after.log_total(births), joint.covariance(kCamera, kCamera));
+      observed.updates, births, after.log_total(births), joint.camera_moments());
   const bool can_win = object.belief.has_alternative_that_can_win(supported_score());
   return merge_loss(can_win ? std::max(others.weight, 0.5) : others.weight, camera,
-                    {others.mean, others.covariance});
+                    {others.mean, others.covariance, others.rig});
 }
 
 MultiObjectState MultiObjectState::split(std::size_t j, LogTotals& own, LogTotals& others) {
@@ -63,7 +62,7 @@ std::vector<Alternative> given_camera(const MultiObjectState& other, const Objec
   std::vector<Alternative> list;
   const Eigen::LLT<Matrix6d> factor(before.covariance);
   for (std::size_t h = 0; h < belief.size(); ++h) {
-    Alternative one{belief.standing(h), {}};
+    Alternative one{belief.standing(h), {{}, {}, Matrix12d::Zero(), Matrix12x6d::Zero()}};
     one.standing.log_weight += weight.weight;
     one.standing.log_probability += weight.probability;
     if (!shares_leader || h != belief.leading()) {
@@ -85,6 +84,8 @@ bool same_leader(const ObjectBelief& a, const ObjectBelief& b) {
 void MultiObjectState::mix(const MultiObjectState& other, const LogTotals& own,
                            const LogTotals& others) {
   BlockPairs shared{{kCamera, kCamera}};
+  for (std::size_t i = 0; i < joint.extrinsics(); ++i)
+    shared.emplace_back(JointGaussian::extrinsic_block(i), JointGaussian::extrinsic_block(i));
   if (motion) shared.emplace_back(*motion, other.motion.value());
   std::vector<bool> shares_leader;
   for (std::size_t j = 0; j < objects.size(); ++j) {
@@ -96,12 +97,12 @@ void MultiObjectState::mix(const MultiObjectState& other, const LogTotals& own,
       shared.emplace_back(*a.pose_index() + k, *b.pose_index() + k);
   }
   next_id = std::max(next_id, other.next_id);
-  const CameraMoments before{Vector6d::Zero(), joint.covariance(kCamera, kCamera)};
-  const CameraMoments there{(other.joint.pose(kCamera) * joint.pose(kCamera).inverse()).log(),
-                            other.joint.covariance(kCamera, kCamera)};
-  CameraMoments after;
-  after.mean = joint.mix(std::exp(others.weight), other.joint, shared);
-  after.covariance = joint.covariance(kCamera, kCamera);
+  const CameraMoments before = joint.camera_moments();
+  const CameraMoments there = other.joint.camera_moments(joint);
+  const Eigen::VectorXd mean = joint.mix(std::exp(others.weight), other.joint, shared);
+  CameraMoments after = joint.camera_moments();
+  after.mean = mean.head<6>();
+  if (!after.rig.empty()) after.rig.mean = mean;
   for (std::size_t j = 0; j < objects.size(); ++j) {
     ObjectBelief& belief = objects[j].belief;
     const ObjectBelief& from = other.objects[j].belief;

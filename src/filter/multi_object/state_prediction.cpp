@@ -1,10 +1,18 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include <numbers>
+
 #include "multi_object_state.hpp"
 #include "posemix/density/pose_stack.hpp"
 #include "posemix/filter/predict.hpp"
 
 namespace posemix::internal {
+namespace {
+
+/// Variance of each coordinate of the logarithm of a rotation that may be any, (pi^2 / 3 + 2) / 3.
+constexpr double kUniformRotation = (std::numbers::pi * std::numbers::pi / 3.0 + 2.0) / 3.0;
+
+}  // namespace
 
 void MultiObjectState::predict_with_odometry(const SE3d& change, const Matrix6d& q, double dt) {
   const SE3d before = joint.pose(kCamera);
@@ -16,7 +24,22 @@ void MultiObjectState::predict_with_odometry(const SE3d& change, const Matrix6d&
 
 void MultiObjectState::predict_random_walk(const Matrix6d& q, double dt) {
   joint.add_noise(kCamera, joint.pose(kCamera).adjoint_congruence(q));
+  release_lost_camera();
   advance(dt, std::nullopt);
+}
+
+/// Rotation about the camera and its position are independent then: only the position's covariance
+/// is that of before.
+void MultiObjectState::release_lost_camera() {
+  const Matrix6d before = joint.covariance(kCamera, kCamera);
+  if (before.topLeftCorner<3, 3>().diagonal().maxCoeff() <= kUniformRotation) return;
+  const SE3d position(SO3d(), joint.pose(kCamera).translation());
+  Matrix6d there = Matrix6d::Zero();
+  there.topLeftCorner<3, 3>().diagonal().setConstant(kUniformRotation);
+  there.bottomRightCorner<3, 3>() =
+      position.inverse().adjoint_congruence(before).bottomRightCorner<3, 3>();
+  joint.release_camera(position.adjoint_congruence(there));
+  for (TrackedObject& object : objects) object.belief.release_camera();
 }
 
 void MultiObjectState::predict_constant_velocity(double periods, const Matrix6d& q,
@@ -30,8 +53,16 @@ void MultiObjectState::predict_constant_velocity(double periods, const Matrix6d&
 
   // xi_C <- xi_C + F xi_V. First the alternatives, whose poses depend on the camera alone: P_OC
   // grows by P_OC P_CC^-1 P_CV F^T. Then the joint Gaussian.
+  // With extrinsics it grows by the regression on camera and extrinsics.
   const Eigen::LLT<Matrix6d> before(joint.covariance(kCamera, kCamera));
-  const Matrix6d with_motion = before.solve(joint.covariance(kCamera, at)) * transfer.transpose();
+  Eigen::MatrixXd with_motion =
+      Matrix6d(before.solve(joint.covariance(kCamera, at)) * transfer.transpose());
+  if (joint.extrinsics() > 0) {
+    Eigen::MatrixXd columns(joint.rig().rows(), 6);
+    for (std::size_t i = 0; i <= joint.extrinsics(); ++i)
+      rows(columns, i) = joint.covariance(i, at);
+    with_motion = joint.rig().llt().solve(columns) * transfer.transpose();
+  }
   for (TrackedObject& object : objects) object.belief.add_to_cross_covariances(with_motion);
   joint.move_camera_by(at, transfer);
   const SE3d moved = camera * SE3d::exp(periods * velocity.log());

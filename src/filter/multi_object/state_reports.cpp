@@ -43,7 +43,7 @@ ConcentratedGaussian<PoseStackd> MultiObjectState::reported_joint() const {
   std::vector<Eigen::Index> coordinates;
   std::vector<std::size_t> pose_of(joint.size(), 0);
   for (std::size_t i = 0; i < joint.size(); ++i) {
-    if (!joint.is_pose(i)) continue;
+    if (!joint.is_pose(i) || joint.is_extrinsic(i)) continue;
     pose_of[i] = poses.size();
     poses.push_back(joint.pose(i));
     for (Eigen::Index k = 0; k < kPoseDof; ++k) coordinates.push_back(offset(i) + k);

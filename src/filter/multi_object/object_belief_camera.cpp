@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "object_belief.hpp"
+#include "posemix/filter/update.hpp"
+
+/// How hypotheses that do not lead follow the camera, eq. (9) and (10) of docs/many-objects.md.
+namespace posemix::internal {
+namespace {
+
+/// Splits the covariance with camera and extrinsics.
+void set_cross_covariances(ConditionalPose& pose, const Eigen::MatrixXd& with_rig) {
+  pose.cross_covariance = with_rig.leftCols<6>();
+  pose.extrinsics = with_rig.rightCols(with_rig.cols() - 6);
+}
+
+/// Eq. (9) with extrinsics.
+void follow_rig(ConditionalPose& pose, const RigMoments& before, const RigMoments& after) {
+  const Eigen::MatrixXd g = regression_on_rig(pose, before.covariance);
+  move(pose, g * (after.mean - before.mean));
+  pose.covariance += g * (after.covariance - before.covariance) * g.transpose();
+  symmetrize(pose.covariance);
+  set_cross_covariances(pose, g * after.covariance);
+}
+
+/// The same given camera and extrinsics.
+bool is_positive_definite_given_rig(const ConditionalPose& object, const Eigen::MatrixXd& rig) {
+  const Eigen::MatrixXd g = regression_on_rig(object, rig);
+  const Matrix12d given = object.covariance - g * rig * g.transpose();
+  const Matrix6d pose = given.topLeftCorner<6, 6>();
+  return Eigen::LLT<Matrix6d>(pose).info() == Eigen::Success &&
+         (!object.slow || Eigen::LLT<Matrix12d>(given).info() == Eigen::Success);
+}
+
+/// Covariance of camera and extrinsics after a shift of the world.
+Eigen::MatrixXd shifted_rig(Eigen::MatrixXd rig, const CameraChange& change, const Matrix6d& back) {
+  const SixColumns with_error = change.error_covariance.topRows(rig.rows()) * back.transpose();
+  rig.leftCols<6>() += with_error;
+  rig.topRows<6>() += with_error.transpose();
+  rig.topLeftCorner<6, 6>() += back * change.covariance * back.transpose();
+  return rig;
+}
+
+/// Whether the pose has a positive definite covariance given the camera.
+bool is_positive_definite_given(const ConditionalPose& object, const Matrix6d& camera) {
+  const Matrix12x6d g = regression_on_camera(object.cross_covariance, camera);
+  const Matrix12d given = object.covariance - g * object.cross_covariance.transpose();
+  const Matrix6d pose = given.topLeftCorner<6, 6>();
+  return Eigen::LLT<Matrix6d>(pose).info() == Eigen::Success &&
+         (!object.slow || Eigen::LLT<Matrix12d>(given).info() == Eigen::Success);
+}
+
+}  // namespace
+
+void follow_camera(ConditionalPose& pose, const CameraMoments& before, const CameraMoments& after) {
+  follow_camera(pose, Eigen::LLT<Matrix6d>(before.covariance), before, after);
+}
+
+void follow_camera(ConditionalPose& pose, const Eigen::LLT<Matrix6d>& factor,
+                   const CameraMoments& before, const CameraMoments& after) {
+  if (!before.rig.empty()) {
+    follow_rig(pose, before.rig, after.rig);
+    return;
+  }
+  // G = P_OC P_CC^-1, O <- Exp(G (m' - m)) O, P_OO += G (P_CC' - P_CC) G^T, P_OC <- G P_CC'.
+  if (!pose.slow) {
+    const Matrix6d cross = pose.cross_covariance.topRows<6>();
+    const Matrix6d g = factor.solve(cross.transpose()).transpose();
+    const Vector6d shift = g * (after.mean - before.mean);
+    pose.pose = SE3d::exp(shift) * pose.pose;
+    Matrix6d own = pose.covariance.topLeftCorner<6, 6>();
+    own += g * (after.covariance - before.covariance) * g.transpose();
+    symmetrize(own);
+    pose.covariance.topLeftCorner<6, 6>() = own;
+    pose.cross_covariance.topRows<6>() = g * after.covariance;
+    return;
+  }
+  const Matrix12x6d g = regression_on_camera(pose.cross_covariance, factor);
+  const Vector12d shift = g * (after.mean - before.mean);
+  move(pose, shift);
+  pose.covariance += g * (after.covariance - before.covariance) * g.transpose();
+  symmetrize(pose.covariance);
+  pose.cross_covariance.noalias() = g * after.covariance;
+}
+
+void shift_back(ConditionalPose& pose, const CameraChange& change, const Matrix6d& back,
+                const Matrix12x6d& follows) {
+  const Matrix6d with_error = change.error_covariance.topRows<6>() * back.transpose();
+  const Matrix12x6d x = follows * with_error;
+  const Matrix6d added = back * change.covariance * back.transpose();
+  pose.pose = SE3d::exp(-back * change.mean) * pose.pose;
+  pose.covariance.leftCols<6>() += x;
+  pose.covariance.topRows<6>() += x.transpose();
+  pose.covariance.topLeftCorner<6, 6>() += added;
+  pose.cross_covariance += x;
+  pose.cross_covariance.topRows<6>() += with_error.transpose() + added;
+}
+
+/// Extrinsics are poses on the body, which a shift of the world leaves as they are.
+void shift_back_with_rig(ConditionalPose& pose, const CameraChange& change, const Matrix6d& back,
+                         const Eigen::MatrixXd& follows) {
+  const Eigen::Index extrinsics = follows.cols() - 6;
+  shift_back(pose, change, back, Matrix12x6d::Zero());
+  const SixColumns with_error = change.error_covariance.topRows(follows.cols()) * back.transpose();
+  const Matrix12x6d x = follows * with_error;
+  pose.covariance.leftCols<6>() += x;
+  pose.covariance.topRows<6>() += x.transpose();
+  pose.cross_covariance += x;
+  pose.extrinsics.topRows<6>() += with_error.bottomRows(extrinsics).transpose();
+}
+
+void shift_back(ConditionalPose& pose, const CameraChange& change, const Matrix6d& back,
+                const CameraMoments& camera) {
+  if (camera.rig.empty()) {
+    shift_back(pose, change, back, regression_on_camera(pose.cross_covariance, camera.covariance));
+  } else {
+    shift_back_with_rig(pose, change, back, regression_on_rig(pose, camera.rig.covariance));
+  }
+}
+
+void ObjectBelief::follow_camera(const std::vector<DetectionUpdate>& updates,
+                                 const CameraMoments& after) {
+  for (std::size_t i = 0; i < alternatives_.size(); ++i) {
+    const DetectionMoments& own = updates[index_of(i)].posterior;
+    ConditionalPose& object = alternatives_[i].pose;
+    move(object, own.mean.tail<12>());
+    object.covariance = own.covariance.bottomRightCorner<12, 12>();
+    object.cross_covariance = own.covariance.bottomLeftCorner<12, 6>();
+    object.extrinsics = updates[index_of(i)].extrinsics();
+    internal::follow_camera(object, updates[index_of(i)].camera(), after);
+  }
+}
+
+void ObjectBelief::follow_camera(const CameraMoments& before, const CameraMoments& after) {
+  if (alternatives_.empty()) return;
+  const Eigen::LLT<Matrix6d> factor(before.covariance);
+  for (Alternative& alternative : alternatives_)
+    internal::follow_camera(alternative.pose, factor, before, after);
+}
+
+void ObjectBelief::shift_back(const CameraChange& change, const Matrix6d& back,
+                              const CameraMoments& camera, bool detected) {
+  if (alternatives_.empty()) return;
+  const Eigen::MatrixXd& rig = camera.rig.covariance;
+  const Eigen::MatrixXd rig_after =
+      camera.rig.empty() ? Eigen::MatrixXd() : shifted_rig(rig, change, back);
+  const Eigen::LLT<Matrix6d> factor(camera.covariance);
+  const Matrix6d with_error = change.error_covariance.topRows<6>() * back.transpose();
+  const Matrix6d shifted =
+      with_error + with_error.transpose() + back * change.covariance * back.transpose();
+  for (Alternative& alternative : alternatives_) {
+    ConditionalPose& pose = alternative.pose;
+    if (detected) {
+      // The correction is that of the leading hypothesis, and the covariance of this one need not
+      // be positive definite with it.
+      ConditionalPose own = pose;
+      if (camera.rig.empty()) {
+        internal::shift_back(own, change, back, Matrix12x6d::Zero());
+      } else {
+        shift_back_with_rig(own, change, back, Eigen::MatrixXd::Zero(12, rig.cols()));
+      }
+      if (camera.rig.empty() ? is_positive_definite_given(own, camera.covariance + shifted)
+                             : is_positive_definite_given_rig(own, rig_after)) {
+        pose = own;
+        continue;
+      }
+    }
+    if (camera.rig.empty()) {
+      internal::shift_back(pose, change, back, regression_on_camera(pose.cross_covariance, factor));
+    } else {
+      shift_back_with_rig(pose, change, back, regression_on_rig(pose, rig));
+    }
+  }
+}
+
+}  // namespace posemix::internal

@@ -1,0 +1,419 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include <gtest/gtest.h>
+
+#include <array>
+#include <limits>
+#include <vector>
+
+#include "filter/multi_object/global_hypotheses.hpp"
+#include "multi_object_scene.hpp"
+#include "posemix/testing/numeric_jacobian.hpp"
+
+/// Cameras of a rig whose poses on the body are a part of the state.
+namespace posemix {
+namespace {
+
+using internal::ActiveLimits;
+using internal::GlobalHypotheses;
+using internal::JointGaussian;
+using internal::MultiObjectState;
+using testing::isotropic;
+using testing::OrbitScene;
+using testing::plain_settings;
+using testing::pose;
+using testing::ray_noise;
+
+const SE3d kBodyCamera = pose(0.1, 0.5, -0.2, 0.2, -0.1, 0.05);
+
+/// T_body_camera with an error drawn from the covariance that it states.
+ConcentratedGaussian<SE3d> drawn(const SE3d& truth, const Matrix6d& covariance,
+                                 RandomStream& random) {
+  return {SE3d::exp(testing::draw(covariance, random)) * truth, covariance};
+}
+
+double nees(const ConcentratedGaussian<SE3d>& estimate, const SE3d& truth) {
+  const Vector6d error = (truth * estimate.mean().inverse()).log();
+  return error.dot(Matrix6d(estimate.covariance()).llt().solve(error)) / 6.0;
+}
+
+TEST(Extrinsics, TheErrorOfACameraIsThatOfTheBodyAndOfItsPoseThere) {
+  JointGaussian joint(ConcentratedGaussian<SE3d>(testing::kCameraPose, isotropic(1, 0.01)));
+  joint.append_extrinsic({pose(0.3, 0.1, 0.2, 1, 2, 3), isotropic(1, 0.01)});
+  joint.append_extrinsic({kBodyCamera, isotropic(2, 0.02)});
+  const auto seeing = [&](const Eigen::VectorXd& xi) {
+    const SE3d body = SE3d::exp(xi.head<6>()) * joint.pose(0);
+    const SE3d moved = body * SE3d::exp(xi.tail<6>()) * joint.pose(2) *
+                       joint.seeing_camera({.camera = 1}).inverse();
+    return Eigen::VectorXd(moved.log());
+  };
+  Eigen::MatrixXd numeric(6, 18);
+  for (Eigen::Index i = 0; i < 18; ++i) {
+    numeric.col(i) = testing::derivative_at_zero<double>(
+        [&](double s) { return seeing(s * Eigen::VectorXd::Unit(18, i)); });
+  }
+  EXPECT_LT((joint.seen_by({.camera = 1}) - numeric).norm(), 1e-8);
+  Eigen::MatrixXd of_body = Eigen::MatrixXd::Zero(6, 18);
+  of_body.leftCols<6>().setIdentity();
+  EXPECT_EQ(joint.seen_by({}), of_body);
+}
+
+/// An extended Kalman filter over the body, two extrinsics and objects, as in a textbook.
+struct PlainFilter {
+  std::vector<SE3d> poses;
+  Eigen::MatrixXd p;
+
+  Eigen::MatrixXd seeing(std::optional<std::size_t> camera) const {
+    Eigen::MatrixXd m = Eigen::MatrixXd::Zero(6, p.cols());
+    m.leftCols<6>().setIdentity();
+    if (camera) m.middleCols<6>(6 + 6 * static_cast<Eigen::Index>(*camera)) = poses[0].adjoint();
+    return m;
+  }
+  SE3d camera(std::optional<std::size_t> camera) const {
+    return camera ? poses[0] * poses[1 + *camera] : poses[0];
+  }
+  void begin(std::optional<std::size_t> from, const SE3d& seen, const Matrix6d& r) {
+    const Eigen::MatrixXd m = seeing(from);
+    const Eigen::Index n = p.rows();
+    poses.push_back(camera(from) * seen);
+    Eigen::MatrixXd next(n + 6, n + 6);
+    next << p, p * m.transpose(), m * p, m * p * m.transpose() + poses.back().adjoint_congruence(r);
+    p = next;
+  }
+  void update(std::size_t object, std::optional<std::size_t> from, const SE3d& seen,
+              const Matrix6d& r) {
+    Eigen::MatrixXd h = -seeing(from);
+    h.middleCols<6>(6 * static_cast<Eigen::Index>(object)) = Matrix6d::Identity();
+    const SE3d& at = poses[object];
+    const Vector6d z = (camera(from) * seen * at.inverse()).log();
+    const Matrix6d s = h * p * h.transpose() + at.adjoint_congruence(r);
+    const Eigen::MatrixXd k = p * h.transpose() * s.inverse();
+    const Eigen::VectorXd moved = k * z;
+    for (std::size_t i = 0; i < poses.size(); ++i)
+      poses[i] = SE3d::exp(moved.segment<6>(6 * static_cast<Eigen::Index>(i))) * poses[i];
+    p -= k * s * k.transpose();
+  }
+};
+
+TEST(Extrinsics, WithOneModeTheFilterIsTheJointKalmanFilter) {
+  RandomStream random(5, 1);
+  const Matrix6d r = isotropic(1.0, 0.005);
+  const Matrix6d q = isotropic(0.3, 0.003);
+  const DetectorNoise noise({{.covariance = r}});
+  const ConcentratedGaussian<SE3d> body(SE3d(), isotropic(0.5, 0.01));
+  const std::array priors{ConcentratedGaussian<SE3d>(kBodyCamera, isotropic(2, 0.02)),
+                          ConcentratedGaussian<SE3d>(kBodyCamera.inverse(), isotropic(5, 0.1))};
+  MultiObjectFilter filter(body, {{noise}, {noise}}, plain_settings());
+  PlainFilter plain{{body.mean(), priors[0].mean(), priors[1].mean()},
+                    Eigen::MatrixXd::Zero(18, 18)};
+  plain.p.topLeftCorner<6, 6>() = body.covariance();
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(filter.add_camera(priors[i]), i);
+    plain.p.block<6, 6>(6 + 6 * static_cast<Eigen::Index>(i),
+                        6 + 6 * static_cast<Eigen::Index>(i)) = priors[i].covariance();
+  }
+  const std::array truth{pose(0.2, 0.1, 0, 0.1, 0.2, 1), pose(0, 0.3, 1, -0.2, 0.1, 0.8)};
+  SE3d at;
+  for (int k = 0; k < 12; ++k) {
+    const SE3d motion = pose(0.05, 0.02, 0.1, 0.03, 0, 0.02);
+    at = at * motion;
+    filter.predict_with_odometry(motion, q, 0.1);
+    plain.poses[0] = plain.poses[0] * motion;
+    plain.p.topLeftCorner<6, 6>() += plain.poses[0].adjoint_congruence(q);
+    const std::size_t object = k < 2 ? 0 : (k / 2) % 2;
+    const std::optional<std::size_t> from =
+        k % 3 == 2 ? std::nullopt : std::optional<std::size_t>(k % 3);
+    const SE3d camera = from ? at * priors[*from].mean() : at;
+    const SE3d seen = camera.inverse() * truth[object] * SE3d::exp(testing::draw(r, random));
+    if (!filter.is_known(object)) {
+      plain.begin(from, seen, r);
+    } else {
+      plain.update(3 + object, from, seen, r);
+    }
+    filter.update(object, observation_of(seen), {.camera = from});
+  }
+  EXPECT_LT((filter.camera().mean() * plain.poses[0].inverse()).log().norm(), 1e-9);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Eigen::Index e = 6 + 6 * static_cast<Eigen::Index>(i);
+    EXPECT_LT((filter.extrinsic(i).mean() * plain.poses[1 + i].inverse()).log().norm(), 1e-9);
+    EXPECT_LT((filter.extrinsic(i).covariance() - plain.p.block<6, 6>(e, e)).norm(), 1e-10);
+    EXPECT_LT(filter.extrinsic(i).covariance().trace(), 0.5 * priors[i].covariance().trace());
+    EXPECT_EQ(filter.pose_index(i), 1 + i);
+  }
+  const std::vector<Eigen::Index> poses{0,  1,  2,  3,  4,  5,  18, 19, 20,
+                                        21, 22, 23, 24, 25, 26, 27, 28, 29};
+  EXPECT_EQ(filter.joint().mean().size(), 3U);
+  EXPECT_LT((filter.joint().covariance() - plain.p(poses, poses)).norm(), 1e-10);
+}
+
+/// With a body that is known and stays, a camera of uncertain pose on it is a body of uncertain
+/// pose. Everything that treats the camera treats extrinsics alike, in all hypotheses.
+TEST(Extrinsics, OfABodyThatIsKnownAreTheBodyItself) {
+  const Matrix6d tiny = 1e-14 * Matrix6d::Identity();
+  const Matrix6d wide = isotropic(2.0, 0.03);
+  for (const std::uint64_t seed : {1U, 2U, 3U, 4U}) {
+    OrbitScene scene(seed, 3, 0.1, 0.002);
+    const SE3d start = SE3d::exp(testing::draw(wide, scene.stream)) * scene.camera;
+    const std::vector<ObjectSensor> sensors(3, {ray_noise(0.1)});
+    MultiObjectFilter body({start, wide}, sensors, plain_settings());
+    MultiObjectFilter rig({SE3d(), tiny}, sensors, plain_settings());
+    rig.add_camera({start, wide});
+    for (int k = 0; k < 60; ++k) {
+      const std::size_t object = static_cast<std::size_t>(k) % 3;
+      const Observation seen = observation_of(scene.detect(object, 0.45, 0.05));
+      const ObjectUpdateReport a = body.update(object, seen);
+      const ObjectUpdateReport b = rig.update(object, seen, {.camera = 0});
+      ASSERT_NEAR(a.log_evidence, b.log_evidence, 1e-4) << "seed " << seed << ", detection " << k;
+      ASSERT_EQ(a.started, b.started);
+      ASSERT_EQ(body.leading(object), rig.leading(object));
+      ASSERT_LT((rig.extrinsic(0).mean() * body.camera().mean().inverse()).log().norm(), 1e-5);
+      ASSERT_LT((rig.extrinsic(0).covariance() - body.camera().covariance()).norm(),
+                1e-4 * body.camera().covariance().norm());
+      const auto ours = rig.hypotheses(object);
+      const auto theirs = body.hypotheses(object);
+      ASSERT_EQ(ours.size(), theirs.size());
+      for (std::size_t h = 0; h < ours.size(); ++h) {
+        ASSERT_NEAR(ours[h].log_weight, theirs[h].log_weight, 1e-3);
+        ASSERT_LT((ours[h].pose * theirs[h].pose.inverse()).log().norm(), 1e-5);
+        ASSERT_LT((ours[h].covariance - theirs[h].covariance).norm(),
+                  1e-4 * theirs[h].covariance.norm());
+      }
+    }
+    EXPECT_GT(body.camera_mixture().size() + body.hypotheses(0).size(), 2U);
+  }
+}
+
+/// Noise of which everything is on: typical, with a slow error.
+DetectorNoise full_noise() {
+  return DetectorNoise(
+      ray_noise().components(), {.weight = 0.2},
+      {.slow = SlowError{.covariance = pose_covariance({0.06, 0.06, 0.03}, {0.004, 0.004, 0.03}),
+                         .correlation_time_s = 3.0},
+       .is_typical = true});
+}
+
+/// The same without clutter, with which every object has one hypothesis.
+DetectorNoise one_mode_noise() {
+  return DetectorNoise(full_noise().components(), {.weight = 0.0}, full_noise().dependence());
+}
+
+/// A camera that no observation is from, or whose pose is all but exact, changes nothing.
+TEST(Extrinsics, ThatAreAllButExactChangeNothing) {
+  for (const bool has_odometry : {true, false}) {
+    for (const bool is_used : {false, true}) {
+      OrbitScene scene(3, 3, 0.1, 0.002);
+      MultiObjectSettings settings;
+      settings.has_odometry = has_odometry;
+      const std::vector<ObjectSensor> sensors(3, {full_noise()});
+      const ConcentratedGaussian<SE3d> start(scene.camera, isotropic(0.1, 0.002));
+      MultiObjectFilter exact(start, sensors, settings);
+      MultiObjectFilter rig = exact;
+      const Matrix6d wide = isotropic(3.0, 0.1);
+      rig.add_camera({kBodyCamera, is_used ? Matrix6d(1e-9 * wide) : wide});
+      for (int k = 0; k < 80; ++k) {
+        const SE3d motion = scene.advance();
+        for (MultiObjectFilter* filter : {&exact, &rig}) {
+          if (has_odometry) {
+            filter->predict_with_odometry(motion, scene.q, 0.1);
+          } else {
+            filter->predict_constant_velocity(1.0, isotropic(0.2, 0.003), isotropic(0.1, 0.002),
+                                              isotropic(2.0, 0.03), 0.1);
+          }
+        }
+        const std::size_t object = static_cast<std::size_t>(k) % 3;
+        const Observation seen =
+            observation_of(kBodyCamera.inverse() * scene.detect(object, 0.4, 0.05));
+        exact.update(object, seen, {.body_camera = kBodyCamera});
+        rig.update(object, seen,
+                   is_used ? ObservationSource{.camera = 0}
+                           : ObservationSource{.body_camera = kBodyCamera});
+        ASSERT_LT((exact.joint().covariance() - rig.joint().covariance()).norm(),
+                  1e-4 * exact.joint().covariance().norm())
+            << "detection " << k;
+        ASSERT_LT((exact.camera().mean() * rig.camera().mean().inverse()).log().norm(), 1e-4);
+        ASSERT_NEAR(exact.mode_probability(object), rig.mode_probability(object), 1e-3);
+        ASSERT_EQ(exact.leading(object), rig.leading(object));
+      }
+      if (!is_used) {
+        EXPECT_LT((rig.extrinsic(0).covariance() - wide).norm(), 1e-9);
+      }
+    }
+  }
+}
+
+TEST(Extrinsics, StayWithTheCameraWhereObjectsArePassive) {
+  OrbitScene scene(9, 12, 0.1, 0.002);
+  const auto filter_with = [&](const ActiveLimits& limits) {
+    MultiObjectState state(ConcentratedGaussian<SE3d>(scene.camera, isotropic(0.1, 0.002)),
+                           std::vector<ObjectSensor>(scene.truth.size(), {one_mode_noise()}),
+                           plain_settings());
+    state.add_camera({kBodyCamera, isotropic(2, 0.02)});
+    state.limits = limits;
+    return GlobalHypotheses(state);
+  };
+  GlobalHypotheses dense = filter_with({.dense = 1000});
+  GlobalHypotheses few = filter_with({.dense = 9, .most = 9, .kept = 4});
+  for (int k = 0; k < 100; ++k) {
+    const SE3d motion = scene.advance();
+    const std::size_t object = static_cast<std::size_t>(k / 4 + k % 3) % scene.truth.size();
+    const bool is_second = k % 2 == 1;
+    const SE3d seen = scene.detect(object, 0.0, 0.0);
+    const Observation observation = observation_of(is_second ? kBodyCamera.inverse() * seen : seen);
+    for (GlobalHypotheses* filter : {&dense, &few}) {
+      filter->for_each([&](MultiObjectState& s) { s.predict_with_odometry(motion, scene.q, 0.1); });
+      filter->update(object, observation,
+                     is_second ? ObservationSource{.camera = 0} : ObservationSource{});
+    }
+    const JointGaussian& a = dense.summary().joint;
+    const JointGaussian& b = few.summary().joint;
+    ASSERT_LT((a.covariance() - b.covariance()).norm(), 1e-7 * a.covariance().norm()) << k;
+    ASSERT_LT((a.pose(1) * b.pose(1).inverse()).log().norm(), 1e-7);
+  }
+  EXPECT_LT(few.summary().joint.active(), few.summary().joint.size());
+}
+
+/// Sums of NEES by what they are of.
+struct Nees {
+  double body = 0, object = 0, relative = 0, extrinsic = 0;
+  int count = 0, objects = 0;
+};
+
+/// A detector of which part of the detections are half a turn off, and part clutter.
+DetectorNoise flipping_noise(double flips, double clutter) {
+  const Matrix6d sharp = pose_covariance({0.03, 0.03, 0.02}, {0.004, 0.004, 0.015});
+  std::vector<NoiseComponent> components{
+      {.weight = 1.0 - flips, .covariance = sharp, .frame = NoiseFrame::ray}};
+  if (flips > 0.0) {
+    components.push_back({.weight = flips,
+                          .covariance = sharp,
+                          .frame = NoiseFrame::ray,
+                          .offset = pose(0, 0, std::numbers::pi, 0, 0, 0)});
+  }
+  return DetectorNoise(std::move(components), {.weight = clutter, .volume_m3 = 1.0});
+}
+
+/// A detection of an object at `seen` as the model of the detector says.
+SE3d detect(const DetectorNoise& noise, const SE3d& seen, RandomStream& random) {
+  const double clutter = noise.clutter().weight;
+  if (random.uniform() < clutter) {
+    Eigen::Vector4d turn;
+    for (double& value : turn) value = random.normal();
+    const Eigen::Vector3d at(random.uniform(), random.uniform(), random.uniform());
+    return {SO3d::from_quaternion(Eigen::Quaterniond(turn)),
+            seen.translation() + at - Eigen::Vector3d::Constant(0.5)};
+  }
+  const auto& components = noise.components();
+  const bool is_flipped = components.size() > 1 && random.uniform() < components[1].weight;
+  const NoiseComponent& component = components[is_flipped ? 1 : 0];
+  const NoiseAtPose at = noise_at(component, seen);
+  const SE3d error = at.axes * SE3d::exp(testing::draw(at.covariance, random)) * at.axes.inverse();
+  return error * seen * component.offset;
+}
+
+/// A rig of two cameras, the second by 2 deg and 2 cm off, or where it is said to be. Returns how
+/// far it is off in the end.
+double run_rig(std::uint64_t seed, const DetectorNoise& noise, Nees& sum, bool is_exact = false) {
+  OrbitScene scene(seed, 3, 0.15, 0.003);
+  RandomStream& random = scene.stream;
+  MultiObjectFilter filter(drawn(scene.camera, isotropic(0.1, 0.002), random),
+                           std::vector<ObjectSensor>(3, {noise}), plain_settings());
+  const ConcentratedGaussian<SE3d> prior = drawn(kBodyCamera, isotropic(2.0, 0.02), random);
+  filter.add_camera(is_exact ? ConcentratedGaussian<SE3d>(kBodyCamera, 1e-12 * prior.covariance())
+                             : prior);
+  for (int k = 1; k <= 150; ++k) {
+    filter.predict_with_odometry(scene.advance(), scene.q, 0.1);
+    for (std::size_t object = 0; object < 3; ++object) {
+      if (random.uniform() < 0.3) continue;
+      const bool is_second = random.uniform() < 0.5;
+      const SE3d camera = is_second ? scene.camera * kBodyCamera : scene.camera;
+      const SE3d seen = detect(noise, camera.inverse() * scene.truth[object], random);
+      filter.update(object, observation_of(seen),
+                    is_second ? ObservationSource{.camera = 0} : ObservationSource{});
+    }
+    if (k % 50 != 0) continue;
+    ++sum.count;
+    sum.body += nees(filter.camera(), scene.camera);
+    sum.extrinsic += nees(filter.extrinsic(0), kBodyCamera);
+    for (std::size_t object = 0; object < 3; ++object) {
+      const auto world = filter.leading_estimates()[object];
+      const SE3d& right = scene.truth[object];
+      if ((right.rotation().inverse() * world->world.mean().rotation()).log().norm() > 1.0)
+        continue;
+      ++sum.objects;
+      sum.object += nees(world->world, right);
+      sum.relative += nees(world->relative, scene.camera.inverse() * right);
+    }
+  }
+  return (filter.extrinsic(0).mean().translation() - kBodyCamera.translation()).norm();
+}
+
+void expect_consistent(double value, const char* name) {
+  EXPECT_GT(value, 0.8) << name;
+  EXPECT_LT(value, 1.25) << name;
+  ::testing::Test::RecordProperty(name, std::to_string(value));
+}
+
+TEST(Extrinsics, AreEstimatedWithHonestCovariances) {
+  Nees sum;
+  double mean_m = 0.0;
+  constexpr int kRuns = 60;
+  for (int run = 0; run < kRuns; ++run)
+    mean_m += run_rig(100 + static_cast<std::uint64_t>(run), flipping_noise(0, 0), sum) / kRuns;
+  expect_consistent(sum.body / sum.count, "body");
+  expect_consistent(sum.extrinsic / sum.count, "extrinsic");
+  expect_consistent(sum.object / sum.objects, "object");
+  expect_consistent(sum.relative / sum.objects, "relative");
+  EXPECT_LT(mean_m, 0.016);  // half of 3.2 cm, the mean length of 2 cm along each axis
+}
+
+/// What the choice among modes costs in consistency is there with an exact rig, too.
+TEST(Extrinsics, AreAsHonestAsAnExactRigWhereModesCompete) {
+  Nees sum;
+  Nees exact;
+  constexpr int kRuns = 30;
+  for (int run = 0; run < kRuns; ++run) {
+    const std::uint64_t seed = 200 + static_cast<std::uint64_t>(run);
+    run_rig(seed, flipping_noise(0.3, 0.1), sum);
+    run_rig(seed, flipping_noise(0.3, 0.1), exact, true);
+  }
+  EXPECT_GT(sum.objects, 9 * kRuns * 9 / 10);
+  expect_consistent(sum.extrinsic / sum.count, "extrinsic");
+  expect_consistent(sum.relative / sum.objects, "relative");
+  EXPECT_LT(sum.body / sum.count, 1.1 * exact.body / exact.count);
+  EXPECT_LT(sum.object / sum.objects, 1.1 * exact.object / exact.objects);
+}
+
+TEST(Extrinsics, ArePredictedWithTheirUncertainty) {
+  MultiObjectFilter filter({SE3d(), isotropic(0.1, 0.001)}, {{ray_noise(0.0)}}, plain_settings());
+  filter.add_camera({kBodyCamera, isotropic(2, 0.02)});
+  const SE3d seen = pose(0.3, 0, 0, 0, 0.1, 0.8);
+  filter.update(0, observation_of(seen));
+  const auto exact = filter.predicted_detection(0, 0, kBodyCamera);
+  const auto uncertain = filter.predicted_detection(0, 0, ObservationSource{.camera = 0});
+  EXPECT_LT((exact.mean() * uncertain.mean().inverse()).log().norm(), 1e-12);
+  // In the axes of the camera the pose differs by the error of the extrinsic there, exactly.
+  const Matrix6d added = kBodyCamera.inverse().adjoint_congruence(isotropic(2, 0.02));
+  EXPECT_LT((uncertain.covariance() - exact.covariance() - added).norm(), 1e-9);
+  // An object that was seen by that camera alone is known from it as well as it was seen.
+  MultiObjectFilter other({SE3d(), isotropic(0.1, 0.001)}, {{ray_noise(0.0)}}, plain_settings());
+  other.add_camera({kBodyCamera, isotropic(2, 0.02)});
+  other.update(0, observation_of(seen), {.camera = 0});
+  EXPECT_LT(other.predicted_detection(0, 0, ObservationSource{.camera = 0}).covariance().trace(),
+            other.relative(0, 0).covariance().trace() - 0.9 * isotropic(2, 0.02).trace());
+}
+
+TEST(Extrinsics, ThatComeTooLateOrAreNotThereAreRefused) {
+  MultiObjectFilter filter({SE3d(), isotropic(1, 0.01)}, {{ray_noise()}}, plain_settings());
+  const Observation seen = observation_of(pose(0, 0, 0, 0, 0, 1));
+  EXPECT_THROW(filter.update(0, seen, {.camera = 0}), InvalidInput);
+  EXPECT_THROW(filter.extrinsic(0), InvalidInput);
+  filter.add_camera({kBodyCamera, isotropic(2, 0.02)});
+  EXPECT_EQ(filter.extrinsic_count(), 1U);
+  EXPECT_THROW(filter.update(0, seen, {.camera = 1}), InvalidInput);
+  filter.update(0, seen, {.camera = 0});
+  EXPECT_THROW(filter.predicted_detection(0, 0, ObservationSource{.camera = 1}), InvalidInput);
+  EXPECT_THROW(filter.add_camera({kBodyCamera, isotropic(2, 0.02)}), InvalidInput);
+}
+
+}  // namespace
+}  // namespace posemix
