@@ -55,10 +55,13 @@ ValueError
 
 Examples
 --------
+>>> import pathlib, tempfile
 >>> from posemix import SE3, Observation, ObservationComponent, read_observations, write_observations
 >>> cup = Observation([ObservationComponent(SE3(translation=[0, 0, 0.8]))], class_id="cup")
->>> write_observations("cups.jsonl", [cup])
->>> read_observations("cups.jsonl") == [cup]
+>>> with tempfile.TemporaryDirectory() as folder:
+...     path = pathlib.Path(folder) / "cups.jsonl"
+...     write_observations(path, [cup])
+...     read_observations(path) == [cup]
 True
 )";
 
