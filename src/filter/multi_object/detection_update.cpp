@@ -131,6 +131,7 @@ WeighedObservation weigh(const Observation& observation, const ObjectSensor& sen
   const Clutter& clutter = sensor.noise.clutter();
   WeighedObservation result{.components = observation.components,
                             .log_clutter = sensor.noise.log_clutter_density(),
+                            .log_absence = {},
                             .source = source};
   double total = 0.0;
   for (ObservationComponent& component : result.components) {
@@ -144,6 +145,7 @@ WeighedObservation weigh(const Observation& observation, const ObjectSensor& sen
     result.log_clutter = std::log(*observation.clutter) -
                          std::log(8.0 * std::numbers::pi * std::numbers::pi * clutter.volume_m3);
   }
+  result.log_absence = result.log_clutter;
   return result;
 }
 
@@ -153,6 +155,13 @@ const Innovation& Explanation::inlier() const {
     if (innovations[i].weight > innovations[best].weight) best = i;
   }
   return innovations[best];
+}
+
+double Explanation::probability_of(std::size_t component) const {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < noise_components; ++i)
+    sum += innovations[component * noise_components + i].weight;
+  return sum;
 }
 
 double Explanation::inlier_probability() const {
@@ -219,8 +228,11 @@ Explanation explain(const DetectionState& state, const WeighedObservation& obser
     }
     result.squared_distances.push_back(least);
   }
+  const double log_seen = log_sum_exp(terms);
   terms.push_back(observation.log_clutter);
   result.log_evidence = log_sum_exp(terms);
+
+  std::vector<double> equal(terms.begin(), terms.end() - 1);
 
   // Probabilities, without components that hardly count.
   const double most = *std::max_element(terms.begin(), terms.end());
@@ -231,6 +243,12 @@ Explanation explain(const DetectionState& state, const WeighedObservation& obser
   }
   for (std::size_t i = 0; i < pairs; ++i) result.innovations[i].weight = terms[i] / kept;
   result.clutter_probability = terms.back() / kept;
+  if (observation.components.size() > 1 && std::isfinite(log_seen)) {
+    const auto count = static_cast<double>(observation.components.size());
+    for (std::size_t i = 0; i < pairs; ++i)
+      equal[i] -= std::log(count * observation.components[i / components.size()].weight);
+    result.log_weights = (1.0 - result.clutter_probability) * (log_seen - log_sum_exp(equal));
+  }
   return result;
 }
 

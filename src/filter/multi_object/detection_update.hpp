@@ -65,7 +65,9 @@ struct WeighedObservation {
   std::vector<ObservationComponent> components;
   double object_weight = 1.0;  ///< factor on the weights of the noise's components
   double log_clutter = 0.0;    ///< log weight times density of clutter [nats]
+  double log_absence = 0.0;    ///< the same, for the case that no detection was the object
   ObservationSource source = {};
+  double clarity = 0.0;  ///< log ratio of the two largest weights as they were given
 };
 
 /// `share` is the part of the weights that no earlier observation told: they count with that
@@ -104,12 +106,16 @@ struct Explanation {
   std::size_t noise_components = 1;
   double clutter_probability = 0.0;
   double log_evidence = 0.0;  ///< log sum_c exp e_c, clutter included [nats]
+  /// The part of it that the weights of the observation's components tell: zero for equal ones.
+  double log_weights = 0.0;
   /// Of every component of the observation, the least squared Mahalanobis distance over those of
   /// the noise.
   std::vector<double> squared_distances;
 
   /// The most probable innovation under the first component of the noise.
   const Innovation& inlier() const;
+  /// Probability of a component of the observation.
+  double probability_of(std::size_t component) const;
   /// Probability of the first component of the noise.
   double inlier_probability() const;
 };

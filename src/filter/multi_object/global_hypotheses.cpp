@@ -84,6 +84,30 @@ void GlobalHypotheses::split(std::size_t j, std::vector<ObservedDetection>& obse
   }
 }
 
+void GlobalHypotheses::split_by_components(std::size_t j, std::vector<ObservedDetection>& observed,
+                                           std::vector<Starters>& may_start) {
+  for (std::size_t i = 0; i < list_.size(); ++i) {
+    if (list_.size() >= settings().max_global_hypotheses) return;
+    const auto k = list_[i].state.component_apart(j, observed[i]);
+    if (!k) continue;
+    const MultiObjectState& state = list_[i].state;
+    const auto [own, others] = parted(observed[i].observation, *k);
+    const std::size_t leading = state.objects[j].belief.leading().value();
+    const Explanation& explanation = observed[i].updates[leading].explanation;
+    // An update adds `share` times the log evidence of a part; the part itself counts in full.
+    const double known = 1.0 - observed[i].share;
+    const double part = explanation.probability_of(*k) / (1.0 - explanation.clutter_probability);
+    observed.push_back(state.observe(j, others));
+    observed[i] = state.observe(j, own);
+    may_start.push_back(may_start[i]);
+    may_start.back().erase(may_start.back().begin() + static_cast<std::ptrdiff_t>(*k));
+    may_start[i] = {may_start[i][*k]};
+    list_.push_back(list_[i]);
+    list_[i].log.probability += known * std::log(part);
+    list_.back().log.probability += known * std::log1p(-part);
+  }
+}
+
 ObjectUpdateReport GlobalHypotheses::update(std::size_t j, const Observation& observation,
                                             const ObservationSource& source) {
   const auto led = leading_id(j);
@@ -97,11 +121,13 @@ ObjectUpdateReport GlobalHypotheses::update(std::size_t j, const Observation& ob
       if (seen.explained[k]) may_start[k] = false;
   }
   split(j, observed, may_start);
+  std::vector<Starters> starters(list_.size(), may_start);
+  split_by_components(j, observed, starters);
 
   ObjectUpdateReport report;
   for (std::size_t i = 0; i < list_.size(); ++i) {
     LogTotals evidence;
-    const ObjectUpdateReport one = list_[i].state.update(j, observed[i], may_start, evidence);
+    const ObjectUpdateReport one = list_[i].state.update(j, observed[i], starters[i], evidence);
     list_[i].log.weight += evidence.weight;
     list_[i].log.probability += evidence.probability;
     const std::size_t merges = report.merges + one.merges;

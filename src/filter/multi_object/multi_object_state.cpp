@@ -106,6 +106,7 @@ void MultiObjectState::add_object(const ObjectSensor& sensor,
   if (!prior) return;
   ConditionalPose pose{prior->world.mean(), {}, Matrix12d::Zero(), Matrix12x6d::Zero()};
   pose.covariance.topLeftCorner<6, 6>() = prior->world.covariance();
+  pose.extrinsics.setZero(12, offset(joint.extrinsics()));
   if (const auto slow = object.sensor().slow_covariance()) {
     pose.slow = Vector6d::Zero();
     pose.covariance.bottomRightCorner<6, 6>() = *slow;
@@ -228,7 +229,7 @@ void MultiObjectState::shift_back(const TrackedObject& detected, bool damped,
 /// The weights are multiplied by the evidence, sum_c exp e_c of eq. (3).
 void MultiObjectState::update_weights(TrackedObject& object, const ObservedDetection& observed,
                                       double share) const {
-  const double log_clutter = observed.observation.log_clutter;
+  const double log_clutter = observed.observation.log_absence;
   object.belief.multiply_weights(observed.updates, log_clutter, share);
   object.belief.update_scores(observed.updates, log_clutter, settings.score_memory);
   object.belief.count_detection();
@@ -236,11 +237,19 @@ void MultiObjectState::update_weights(TrackedObject& object, const ObservedDetec
 
 ObservedDetection MultiObjectState::observe(std::size_t j, const Observation& observation,
                                             const ObservationSource& source) const {
+  const LearnedSensor& detector = objects[j].detectors[source.detector];
+  WeighedObservation weighed =
+      weigh(observation, detector.sensor(), detector.weight_share(observation, now_s), source);
+  weighed.clarity = clarity(observation.components);
+  return observe(j, weighed);
+}
+
+ObservedDetection MultiObjectState::observe(std::size_t j,
+                                            const WeighedObservation& observation) const {
   const TrackedObject& object = objects[j];
-  const LearnedSensor& detector = object.detectors[source.detector];
+  const LearnedSensor& detector = object.detectors[observation.source.detector];
   const ObjectSensor& sensor = detector.sensor();
-  ObservedDetection result{
-      weigh(observation, sensor, detector.new_share(now_s), source), {}, {}, {}};
+  ObservedDetection result{observation, {}, {}, {}, detector.new_share(now_s)};
   result.factors = gain_factors(object, result.observation);
   result.updates =
       object.belief.observe(joint, result.observation, sensor, result.factors);  // eq. (2) to (4)
@@ -260,7 +269,7 @@ ObjectUpdateReport MultiObjectState::update(std::size_t j, const ObservedDetecti
   ObjectBelief& belief = object.belief;
   LearnedSensor& detector = object.detectors[observed.observation.source.detector];
   const std::vector<DetectionUpdate>& updates = observed.updates;
-  const double share = detector.count_detection(now_s);
+  const double share = detector.count_detection(observed.observation, now_s);
   std::vector<Alternative> births = births_of(object, observed.observation, may_start, share);
   update_weights(object, observed, share);  // eq. (3)
   ObjectUpdateReport report{.started = !births.empty(), .log_evidence = belief.log_total(births)};

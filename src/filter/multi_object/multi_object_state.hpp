@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "noise_scale.hpp"
@@ -35,7 +36,13 @@ struct ObservedDetection {
   std::vector<DetectionUpdate> updates;  ///< by hypothesis
   GainFactors factors;                   ///< of the updates
   std::vector<bool> explained;           ///< by component, whether any hypothesis explains it
+  double share = 1.0;                    ///< of the detection that is new, for probabilities
 };
+
+/// Component `k` of an observation, and its other components, both without clutter: their evidence
+/// is that of the parts.
+std::pair<WeighedObservation, WeighedObservation> parted(const WeighedObservation& observation,
+                                                         std::size_t k);
 
 /// Of every component of an observation, whether it may start hypotheses.
 using Starters = std::vector<bool>;
@@ -50,6 +57,8 @@ struct MultiObjectState {
   /// report's evidence is that of this state; `evidence` has both kinds.
   ObservedDetection observe(std::size_t j, const Observation& observation,
                             const ObservationSource& source) const;
+  /// The same for a part of an observation.
+  ObservedDetection observe(std::size_t j, const WeighedObservation& observation) const;
   ObjectUpdateReport update(std::size_t j, const ObservedDetection& observed,
                             const Starters& may_start, LogTotals& evidence);
   /// One more camera on the body, before any object is seen.
@@ -110,6 +119,11 @@ struct MultiObjectState {
   /// supported count as if they tied, whatever their weight, for they can still win.
   double tie_loss(std::size_t j, const ObservedDetection& observed,
                   const Starters& may_start) const;
+  /// The component of an observation that is to have a state of its own, because the leading
+  /// hypothesis of object `j` would place the camera elsewhere by the others; none where one camera
+  /// for all loses little, or where the observation may be clutter.
+  std::optional<std::size_t> component_apart(std::size_t j,
+                                             const ObservedDetection& observed) const;
   /// Takes all hypotheses of object `j` but the leading one out, into the state that is returned.
   /// `own` and `others` are the logs of the weights of both.
   MultiObjectState split(std::size_t j, LogTotals& own, LogTotals& others);

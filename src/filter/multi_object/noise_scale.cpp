@@ -32,6 +32,16 @@ constexpr double kLargestGivenScale = 10.0;
 
 }  // namespace
 
+double clarity(const std::vector<ObservationComponent>& components) {
+  double first = 0.0;
+  double second = 0.0;
+  for (const ObservationComponent& component : components) {
+    second = std::max(second, std::min(first, component.weight));
+    first = std::max(first, component.weight);
+  }
+  return second > 0.0 ? std::log(first / second) : 0.0;
+}
+
 LearnedSensor::LearnedSensor(ObjectSensor sensor)
     : sensor_(std::move(sensor)),
       given_noise_scale_(sensor_.noise_scale),
@@ -43,10 +53,17 @@ double LearnedSensor::new_share(double now_s) const {
   return -std::expm1(-(now_s - last_s_) / mode_time);
 }
 
-double LearnedSensor::count_detection(double now_s) {
+double LearnedSensor::weight_share(const Observation& observation, double now_s) const {
+  const double share = new_share(now_s);
+  const double says = clarity(observation.components);
+  return says > told_ ? share + (1.0 - share) * (1.0 - told_ / says) : share;
+}
+
+double LearnedSensor::count_detection(const WeighedObservation& observation, double now_s) {
   const double share = new_share(now_s);
   ++detections_;
   last_s_ = now_s;
+  told_ = std::max((1.0 - share) * told_, observation.clarity);
   return share;
 }
 

@@ -10,6 +10,9 @@
 
 namespace posemix::internal {
 
+/// Log ratio of the two largest weights; zero for one component.
+double clarity(const std::vector<ObservationComponent>& components);
+
 /// The detector of one object: its noise as given, and the scale of the noise that is learned from
 /// the innovations of the leading hypothesis (docs/many-objects.md, "The scale of the noise").
 class LearnedSensor {
@@ -23,8 +26,11 @@ class LearnedSensor {
   /// The part of a detection at the time `now_s`, for the weights of hypotheses, that does not
   /// depend on the detection before: 1 - exp(-time between them / mode_time_s).
   double new_share(double now_s) const;
+  /// The exponent with which the weights of an observation's components count at the time `now_s`:
+  /// new_share, and all of what they say more clearly than those before.
+  double weight_share(const Observation& observation, double now_s) const;
   /// Counts a detection at the time `now_s`. Returns its new_share.
-  double count_detection(double now_s);
+  double count_detection(const WeighedObservation& observation, double now_s);
   /// Learns the scale of the noise from an innovation of an observation that brings its own
   /// covariances or not. Returns the factors by which the scale of
   /// the slow error changed.
@@ -42,6 +48,8 @@ class LearnedSensor {
   Vector6d information_ = Vector6d::Zero();  ///< on the log variance, of the detections so far
   std::uint64_t detections_ = 0;
   double last_s_ = 0.0;  ///< time of the last detection
+  /// Log ratio of the two largest weights of the observation that said most in the last mode time.
+  double told_ = 0.0;
 };
 
 }  // namespace posemix::internal

@@ -137,8 +137,10 @@ void ObjectBelief::multiply_weights(const std::vector<DetectionUpdate>& updates,
                                     double share) {
   for (std::size_t h = 0; h < size(); ++h) {
     Standing& standing = mutable_standing(h);
+    const double told = updates[h].explanation.log_weights;
     standing.log_weight += updates[h].log_evidence();
-    standing.log_probability += share * updates[h].log_evidence();
+    // The weights are already those that no earlier observation told.
+    standing.log_probability += share * (updates[h].log_evidence() - told) + told;
   }
   log_absent_ += log_clutter;
   // Without clutter absence is impossible, however little a detection tells.

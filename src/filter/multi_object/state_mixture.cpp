@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <utility>
 
 #include "multi_object_state.hpp"
 #include "posemix/filter/update.hpp"
@@ -10,6 +13,16 @@
 /// The split of a state by the hypotheses of one object, and its inverse (docs/many-objects.md,
 /// "Global hypotheses").
 namespace posemix::internal {
+
+std::pair<WeighedObservation, WeighedObservation> parted(const WeighedObservation& observation,
+                                                         std::size_t k) {
+  WeighedObservation own = observation;
+  own.log_clutter = -std::numeric_limits<double>::infinity();
+  WeighedObservation others = own;
+  own.components = {observation.components[k]};
+  others.components.erase(others.components.begin() + static_cast<std::ptrdiff_t>(k));
+  return {std::move(own), std::move(others)};
+}
 
 double MultiObjectState::tie_loss(std::size_t j, const ObservedDetection& observed,
                                   const Starters& may_start) const {
@@ -32,13 +45,35 @@ double MultiObjectState::tie_loss(std::size_t j, const ObservedDetection& observ
         std::log(8.0 * std::numbers::pi * std::numbers::pi * clutter.volume_m3);
   }
   ObjectBelief after = object.belief;
-  after.multiply_weights(observed.updates, observation.log_clutter, 0.0);
+  after.multiply_weights(observed.updates, observation.log_absence, 0.0);
   const CameraMoments camera = observed.updates[*leading].camera();
   const CameraAlternative others = after.camera_alternative(
       observed.updates, births, after.log_total(births), joint.camera_moments());
   const bool can_win = object.belief.has_alternative_that_can_win(supported_score());
   return merge_loss(can_win ? std::max(others.weight, 0.5) : others.weight, camera,
                     {others.mean, others.covariance, others.rig});
+}
+
+std::optional<std::size_t> MultiObjectState::component_apart(
+    std::size_t j, const ObservedDetection& observed) const {
+  constexpr double kLeast = 1e-4;   // a component with less cannot move the camera by much
+  constexpr double kClutter = 0.1;  // with more the observation says little of the camera
+  const std::size_t count = observed.observation.components.size();
+  const auto leading = objects[j].belief.leading();
+  if (!leading || count < 2) return std::nullopt;
+  const Explanation& explanation = observed.updates[*leading].explanation;
+  if (!(explanation.clutter_probability < kClutter)) return std::nullopt;
+  std::vector<double> probabilities;
+  for (std::size_t k = 0; k < count; ++k) probabilities.push_back(explanation.probability_of(k));
+  const auto most = std::max_element(probabilities.begin(), probabilities.end());
+  const auto k = static_cast<std::size_t>(most - probabilities.begin());
+  const double rest = 1.0 - explanation.clutter_probability - *most;
+  if (!(rest > kLeast)) return std::nullopt;
+  const auto [own, others] = parted(observed.observation, k);
+  const CameraMoments a = observe(j, own).updates[*leading].camera();
+  const CameraMoments b = observe(j, others).updates[*leading].camera();
+  const double loss = merge_loss(rest / (rest + *most), a, b);
+  return loss > settings.split_loss ? std::optional(k) : std::nullopt;
 }
 
 MultiObjectState MultiObjectState::split(std::size_t j, LogTotals& own, LogTotals& others) {
