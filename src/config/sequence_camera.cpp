@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include <cmath>
 #include <set>
 
 #include <fmt/format.h>
 
 #include "posemix/base/error.hpp"
 #include "posemix/base/units.hpp"
+#include "posemix/io/text.hpp"
 #include "sequence_parts.hpp"
 
 namespace posemix::internal {
@@ -81,6 +83,19 @@ NumberedScene read_scene_truth(const TomlTable& truth, const FileFinder& files,
   return result;
 }
 
+/// Stamps, one per line.
+std::vector<double> read_stamps(const std::filesystem::path& path) {
+  const std::string text = read_file(path);
+  std::vector<double> stamps;
+  LineReader reader(text, path.string());
+  while (reader.next_content()) {
+    stamps.push_back(reader.number_from(trimmed(reader.line()), "stamp"));
+    if (std::abs(stamps.back()) > kLatestStamp)
+      reader.fail(fmt::format("stamp {}", stamps.back()), "seconds");
+  }
+  return stamps;
+}
+
 }  // namespace
 
 CameraFiles read_camera_files(const TomlTable& root, const FileFinder& files) {
@@ -90,6 +105,12 @@ CameraFiles read_camera_files(const TomlTable& root, const FileFinder& files) {
   result.frame_period_s = camera->get_double_or("frame_period_s", kFramePeriodS, kPeriod);
   if (camera->has("odometry")) {
     result.odometry = read_stamped(*camera, "odometry", files, {.allow_misses = true});
+  }
+  if (camera->has("stamps")) {
+    if (!root.has("observations"))
+      camera->fail("stamps",
+                   "is for recordings with [[observations]]: others have frames by other files");
+    result.stamps = read_stamps(files.find(*camera, "stamps"));
   }
   const SE3d lever_arm(SO3d(), read_lever_arm(root, *camera));
   if (camera->is_table("ground_truth")) {
