@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include <algorithm>
 #include <cmath>
 #include <set>
 
@@ -52,11 +53,13 @@ ProcessNoise read_process_noise(const TomlTable& motion, std::string_view key,
 SE3d read_start_pose(const TomlTable& start, const Poses& camera_truth) {
   if (start.is_array("pose")) return read_pose(start, "pose");
   const bool known = !camera_truth.empty() && camera_truth.front();
-  enum class Word { ground_truth, identity };
+  enum class Word { ground_truth, identity, unknown };
   const Word word =
       start.get_enum_or<Word>("pose", camera_truth.empty() ? Word::identity : Word::ground_truth,
-                              {{"ground_truth", Word::ground_truth}, {"identity", Word::identity}});
-  if (word == Word::identity) return SE3d();
+                              {{"ground_truth", Word::ground_truth},
+                               {"identity", Word::identity},
+                               {"unknown", Word::unknown}});
+  if (word != Word::ground_truth) return SE3d();
   if (!known) {
     start.fail("pose",
                "is \"ground_truth\", but camera.ground_truth has no pose at the first frame; give "
@@ -120,6 +123,34 @@ CameraFiles read_camera_files(const TomlTable& root, const FileFinder& files) {
     for (StampedPose& frame : result.truth->poses) frame.pose = *frame.pose * lever_arm;
   }
   return result;
+}
+
+bool starts_anywhere(const TomlTable& root) {
+  const auto camera = root.find_table("camera");
+  const auto start = camera ? camera->find_table("start") : std::nullopt;
+  return start && start->has("pose") && !start->is_array("pose") &&
+         start->get_string("pose") == "unknown";
+}
+
+PoseDensity prior_anywhere(const TomlTable& root, const std::vector<ObjectModel>& models) {
+  constexpr double kLeastDistance = 5.0;  // from what is known [m]
+  std::vector<Eigen::Vector3d> known;
+  for (const ObjectModel& model : models)
+    if (model.prior) known.push_back(model.prior->world.mean().translation());
+  const TomlTable start = root.get_table("camera").get_table("start");
+  if (known.empty())
+    start.fail("pose", "is \"unknown\", expected [[objects]] with a prior, from which it follows");
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& position : known) center += position / double(known.size());
+  double farthest = kLeastDistance;
+  for (const Eigen::Vector3d& position : known)
+    farthest = std::max(farthest, (position - center).norm());
+  // About the camera, of which all rotations are possible.
+  const double translation = start.get_double_or("translation_sd_m", farthest, kSd);
+  const SE3d pose(SO3d(), center);
+  return PoseDensity(pose, pose.adjoint_congruence(pose_covariance(
+                               Eigen::Vector3d::Constant(std::sqrt(kUniformRotationVariance)),
+                               Eigen::Vector3d::Constant(translation))));
 }
 
 PoseDensity read_camera_prior(const TomlTable& root, const Poses& camera_truth) {

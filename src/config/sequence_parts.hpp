@@ -128,6 +128,10 @@ struct CameraFiles {
 
 CameraFiles read_camera_files(const TomlTable& root, const FileFinder& files);
 PoseDensity read_camera_prior(const TomlTable& root, const Poses& camera_truth);
+/// Whether the first pose is unknown (`start.pose = "unknown"`).
+bool starts_anywhere(const TomlTable& root);
+/// The prior of a camera that may be anywhere near objects whose pose is known.
+PoseDensity prior_anywhere(const TomlTable& root, const std::vector<ObjectModel>& models);
 MotionSettings read_motion(const TomlTable& root, bool has_odometry);
 
 // --- [noise] and standard deviations
