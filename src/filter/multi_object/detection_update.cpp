@@ -128,13 +128,18 @@ WeighedObservation weigh(const Observation& observation, const ObjectSensor& sen
   WeighedObservation result{.components = observation.components,
                             .log_clutter = sensor.noise.log_clutter_density(),
                             .source = source};
+  std::erase_if(result.components, [](const auto& component) { return !(component.weight > 0.0); });
+  const bool withholds = share != 1.0 && result.components.size() > 1;
   double total = 0.0;
   for (ObservationComponent& component : result.components) {
-    component.weight = component.weight > 0.0 ? std::pow(component.weight, share) : 0.0;
+    if (withholds) result.log_withheld.push_back(std::log(component.weight));
+    component.weight = std::pow(component.weight, share);
     total += component.weight;
   }
-  for (ObservationComponent& component : result.components) component.weight /= total;
-  std::erase_if(result.components, [](const auto& component) { return component.weight == 0.0; });
+  for (std::size_t k = 0; k < result.components.size(); ++k) {
+    result.components[k].weight /= total;
+    if (withholds) result.log_withheld[k] -= std::log(result.components[k].weight);
+  }
   if (observation.clutter) {
     result.object_weight = (1.0 - *observation.clutter) / (1.0 - clutter.weight);
     result.log_clutter = std::log(*observation.clutter) -
@@ -192,6 +197,18 @@ Evidence add_innovation(const DetectionState& state, const ObservationComponent&
 
 }  // namespace
 
+namespace {
+
+/// log sum_c exp e_c with the whole weights of the components; `terms` are by component of the
+/// observation and of the noise, then that of clutter.
+double whole_evidence(std::vector<double> terms, const std::vector<double>& log_withheld) {
+  const std::size_t of_noise = (terms.size() - 1) / log_withheld.size();
+  for (std::size_t i = 0; i + 1 < terms.size(); ++i) terms[i] += log_withheld[i / of_noise];
+  return log_sum_exp(terms);
+}
+
+}  // namespace
+
 Explanation explain(const DetectionState& state, const WeighedObservation& observation,
                     const ObjectSensor& sensor) {
   const auto& components = sensor.noise.components();
@@ -215,6 +232,9 @@ Explanation explain(const DetectionState& state, const WeighedObservation& obser
   }
   terms.push_back(observation.log_clutter);
   result.log_evidence = log_sum_exp(terms);
+  result.log_whole_evidence = observation.log_withheld.empty()
+                                  ? result.log_evidence
+                                  : whole_evidence(terms, observation.log_withheld);
 
   // Probabilities, without components that hardly count.
   const double most = *std::max_element(terms.begin(), terms.end());

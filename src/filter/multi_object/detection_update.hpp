@@ -63,6 +63,9 @@ struct CameraMoments {
 struct WeighedObservation {
   /// With the part of their weights that no earlier observation told. The weights sum to one.
   std::vector<ObservationComponent> components;
+  /// Of every component, the log of its whole weight over that one [nats]; empty where they are the
+  /// same.
+  std::vector<double> log_withheld = {};
   double object_weight = 1.0;  ///< factor on the weights of the noise's components
   double log_clutter = 0.0;    ///< log weight times density of clutter [nats]
   ObservationSource source = {};
@@ -104,6 +107,9 @@ struct Explanation {
   std::size_t noise_components = 1;
   double clutter_probability = 0.0;
   double log_evidence = 0.0;  ///< log sum_c exp e_c, clutter included [nats]
+  /// The same with the whole weights of the components. Counted by the part of the detection that
+  /// is new, it is the evidence for probabilities, whose weights would else be discounted twice.
+  double log_whole_evidence = 0.0;
   /// Of every component of the observation, the least squared Mahalanobis distance over those of
   /// the noise.
   std::vector<double> squared_distances;

@@ -138,7 +138,7 @@ void ObjectBelief::multiply_weights(const std::vector<DetectionUpdate>& updates,
   for (std::size_t h = 0; h < size(); ++h) {
     Standing& standing = mutable_standing(h);
     standing.log_weight += updates[h].log_evidence();
-    standing.log_probability += share * updates[h].log_evidence();
+    standing.log_probability += share * updates[h].explanation.log_whole_evidence;
   }
   log_absent_ += log_clutter;
   // Without clutter absence is impossible, however little a detection tells.

@@ -103,7 +103,8 @@ std::vector<ConsistencyCell> cells_with_modes() {
               [](ConsistencyCell& c) { c.slow = false; }),
       changed(two_modes("modes_five_objects", ModeInput::mixture, false),
               [](ConsistencyCell& c) { c.objects = 5; }),
-      two_modes("modes_in_runs", ModeInput::mixture, true)};
+      two_modes("modes_in_runs", ModeInput::mixture, true),
+      two_modes("modes_in_runs_best_only", ModeInput::best, true)};
   for (const auto& list : {pair("first_modes", false), pair("first_modes_in_runs", true)})
     cells.insert(cells.end(), list.begin(), list.end());
   return cells;
