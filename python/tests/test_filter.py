@@ -244,3 +244,31 @@ def test_multi_object_filter_refuses() -> None:
         tracker.predict_random_walk(np.eye(3), 0.1)
     with pytest.raises(ValueError):
         px.MultiObjectFilter(prior(), [px.ObjectSensor()], px.MultiObjectSettings(max_hypotheses=0))
+
+
+def test_a_camera_of_a_rig_is_calibrated() -> None:
+    start = px.ConcentratedGaussian(px.SE3(), px.pose_covariance(1e-3, 1e-3))
+    truth = px.SE3(px.SO3.exp([0, 0.3, 0]), [0.1, 0, 0])
+    off = px.pose_covariance(0.03, 0.02)
+    rig = px.MultiObjectFilter(start, [px.ObjectSensor(noise(1.0))])
+    stated = px.SE3(px.SO3.exp([0, 0.32, 0]), [0.11, 0, 0])
+    assert rig.add_camera(px.ConcentratedGaussian(stated, off)) == 0
+    assert rig.extrinsic_count == 1
+    seen = px.SE3(px.SO3(), [0, 0, 1])
+    second = px.ObservationSource(camera=0)
+    for _ in range(20):
+        rig.update(0, px.Observation(components=[px.ObservationComponent(pose=seen)]))
+        from_second = truth.inverse() * seen
+        rig.update(0, px.Observation(components=[px.ObservationComponent(pose=from_second)]), second)
+    known = rig.extrinsic(0)
+    assert np.trace(known.covariance) < 0.5 * np.trace(off)
+    assert np.linalg.norm((known.mean.inverse() * truth).log()) < 0.01
+    predicted = rig.predicted_detection(0, 0, second)
+    assert predicted.mean.is_approx(truth.inverse() * seen, 0.02)
+    with pytest.raises(ValueError, match="there is no camera 1"):
+        rig.extrinsic(1)
+    with pytest.raises(ValueError, match="too late"):
+        rig.add_camera(known)
+    camera = px.BodyCamera(name="right", body_camera=stated, covariance=off)
+    np.testing.assert_allclose(camera.covariance, off)
+    assert px.BodyCamera(name="left").covariance is None

@@ -76,8 +76,8 @@ std::optional<Matrix6d> read_camera_covariance(const TomlTable& table) {
 std::vector<BodyCamera> read_body_cameras(const TomlTable& root) {
   std::vector<BodyCamera> cameras;
   for (const TomlTable& table : root.find_tables("cameras")) {
-    cameras.push_back({table.get_string("name"), read_pose(table, "pose"),
-                       read_camera_covariance(table)});
+    cameras.push_back(
+        {table.get_string("name"), read_pose(table, "pose"), read_camera_covariance(table)});
     located(table, "name", [&] { require_valid(cameras); });
   }
   return cameras;

@@ -158,6 +158,8 @@ TEST(Observations, WeightsOfOneDetectorDoNotAddUpWithinItsModeTime) {
   EXPECT_GT(odds_after(0.0), 10.0 * once);
   // Two times as many observations in the same time tell the same.
   EXPECT_LT(odds_after(1.0), 4.0 * once);
+  // The first counts once, and 2.45 s of a mode time of one second as much again and a half.
+  EXPECT_NEAR(odds_after(1.0), (1.0 + 49.0 * -std::expm1(-0.05)) * once, 0.3 * once);
 }
 
 TEST(Observations, OfManyComponentsKeepEveryMode) {

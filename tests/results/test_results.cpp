@@ -36,6 +36,23 @@ TEST(Results, NamesOfFiles) {
                        "relative_can.tum", "relative_mug.tum", "trace.json"}));
 }
 
+TEST(Results, HaveTheCamerasOfARigWhereOneIsCalibrated) {
+  SlamRun slam = *results().slam;
+  const Matrix6d known = 1e-4 * Matrix6d::Identity();
+  slam.cameras = {{"left", SE3d()}, {"right", SE3d(SO3d(), {0.5, 0, 0}), known}};
+  const auto files = format_results(*results().job, slam, results().metrics);
+  const auto found = std::find_if(files.begin(), files.end(),
+                                  [](const auto& file) { return file.first == "cameras.csv"; });
+  ASSERT_NE(found, files.end());
+  const std::string& text = found->second;
+  EXPECT_EQ(text.substr(0, 12), "camera,tx_m,");
+  EXPECT_NE(text.find("\nleft,0,0,0,0,0,0,1,,"), std::string::npos) << text;
+  EXPECT_NE(text.find("\nright,0.5,0,0,0,0,0,1,0.0001,0,"), std::string::npos) << text;
+  slam.cameras.pop_back();
+  for (const auto& [name, content] : format_results(*results().job, slam, results().metrics))
+    EXPECT_NE(name, "cameras.csv");
+}
+
 TEST(Results, TrajectoriesAreTheEstimates) {
   const auto camera = parse_tum(results().files.at("camera.tum"), "camera.tum");
   const auto world = parse_tum(results().files.at("object_box.tum"), "object_box.tum");

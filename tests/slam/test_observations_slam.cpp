@@ -106,8 +106,9 @@ TEST(ObservationsSlam, RefuseACovarianceOfACameraThatIsNone) {
   EXPECT_THROW(MultiObjectSlam(kStart, {}, {.cameras = {{"left", SE3d(), indefinite}}}),
                InvalidInput);
   const BodyCamera uncertain{"left", SE3d(), isotropic(1, 0.01)};
-  EXPECT_THROW(FixedLagSmoother(kStart, {{.id = "mug"}},
-                                {.tracker = MultiObjectSlamSettings{.cameras = {uncertain}}}),
+  ObjectSlamSettings settings;
+  settings.tracker = MultiObjectSlamSettings{.cameras = {uncertain}};
+  EXPECT_THROW(FixedLagSmoother(kStart, {{.id = "mug"}}, settings, SmoothingSettings{}),
                InvalidInput);
 }
 

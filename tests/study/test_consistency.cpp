@@ -48,6 +48,25 @@ TEST(ConsistencyStudy, KnownInstancesAreNotDuplicatedAfterAPause) {
   EXPECT_LE(row.at("duplicates").get<int>(), 1);
 }
 
+// The two are made of the same recordings.
+TEST(ConsistencyStudy, TwoModesWithHonestWeightsBeatTheBestOne) {
+  for (const std::string name : {"first_modes", "first_modes_in_runs"}) {
+    const auto rows = rows_of({.runs = 60, .cells = {name, name + "_best_only"}});
+    const Json& both = rows.at(name);
+    const Json& best = rows.at(name + "_best_only");
+    for (const char* key : {"right_mode", "rotation_deg", "position_m"}) {
+      std::printf("%s %s %.4f, best only %.4f\n", name.c_str(), key, both.at(key).get<double>(),
+                  best.at(key).get<double>());
+    }
+    EXPECT_GT(both.at("right_mode").get<double>(), best.at("right_mode").get<double>()) << name;
+    EXPECT_LT(both.at("rotation_deg").get<double>(), best.at("rotation_deg").get<double>()) << name;
+    // The wrong mode is half a turn about an axis through the object: its position is right.
+    EXPECT_LT(both.at("position_m").get<double>(), 1.1 * best.at("position_m").get<double>());
+    EXPECT_NEAR(both.at("mode_probability").get<double>(), both.at("right_mode").get<double>(), 0.1)
+        << name;
+  }
+}
+
 TEST(ConsistencyStudy, TheSameSeedIsTheSameRecording) {
   const auto& cell = consistency_cells().front();
   const ConsistencyTrial a = run_consistency_trial(cell, 3, 1);

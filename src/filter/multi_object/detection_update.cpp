@@ -135,13 +135,13 @@ WeighedObservation weigh(const Observation& observation, const ObjectSensor& sen
                             .log_clutter = sensor.noise.log_clutter_density(),
                             .log_absence = {},
                             .source = source};
+  std::erase_if(result.components, [](const auto& component) { return !(component.weight > 0.0); });
   double total = 0.0;
   for (ObservationComponent& component : result.components) {
-    component.weight = component.weight > 0.0 ? std::pow(component.weight, share) : 0.0;
+    component.weight = std::pow(component.weight, share);
     total += component.weight;
   }
   for (ObservationComponent& component : result.components) component.weight /= total;
-  std::erase_if(result.components, [](const auto& component) { return component.weight == 0.0; });
   if (observation.clutter) {
     result.object_weight = (1.0 - *observation.clutter) / (1.0 - clutter.weight);
     result.log_clutter = std::log(*observation.clutter) -

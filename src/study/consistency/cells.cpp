@@ -75,10 +75,50 @@ std::vector<ConsistencyCell> all_cells() {  // NOLINT(readability-function-size)
   };
 }
 
+/// Two modes that look the same, with other evidence of which is right.
+ConsistencyCell two_modes(std::string name, ModeInput modes, bool in_runs) {
+  return changed(by_view(std::move(name)), [&](ConsistencyCell& c) {
+    c.modes = modes;
+    c.modes_in_runs = in_runs;
+  });
+}
+
+/// The first three seconds of such recordings.
+ConsistencyCell first_seconds(ConsistencyCell cell) {
+  return changed(std::move(cell), [](ConsistencyCell& c) {
+    c.seen_s = 3.0;
+    c.first_look_s = 0.1;
+    c.look_every_s = 0.1;
+  });
+}
+
+std::vector<ConsistencyCell> cells_with_modes() {
+  const auto pair = [](const std::string& name, bool in_runs) {
+    return std::vector{first_seconds(two_modes(name, ModeInput::mixture, in_runs)),
+                       first_seconds(two_modes(name + "_best_only", ModeInput::best, in_runs))};
+  };
+  std::vector<ConsistencyCell> cells{
+      two_modes("modes", ModeInput::mixture, false),
+      changed(two_modes("modes_white", ModeInput::mixture, false),
+              [](ConsistencyCell& c) { c.slow = false; }),
+      changed(two_modes("modes_five_objects", ModeInput::mixture, false),
+              [](ConsistencyCell& c) { c.objects = 5; }),
+      two_modes("modes_in_runs", ModeInput::mixture, true),
+      two_modes("modes_in_runs_best_only", ModeInput::best, true)};
+  for (const auto& list : {pair("first_modes", false), pair("first_modes_in_runs", true)})
+    cells.insert(cells.end(), list.begin(), list.end());
+  return cells;
+}
+
 }  // namespace
 
 const std::vector<ConsistencyCell>& consistency_cells() {
-  static const std::vector<ConsistencyCell> cells = all_cells();
+  static const std::vector<ConsistencyCell> cells = [] {
+    std::vector<ConsistencyCell> list = all_cells();
+    const std::vector<ConsistencyCell> modes = cells_with_modes();
+    list.insert(list.end(), modes.begin(), modes.end());
+    return list;
+  }();
   return cells;
 }
 

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <string>
 
 #include "posemix/base/units.hpp"
 #include "posemix/slam/object_model.hpp"
@@ -13,6 +14,7 @@ namespace {
 
 constexpr double kTurnRate = 0.2;     // radians per second
 constexpr double kFlipRunS = 2.0;     // mean length of a run of flips
+constexpr double kWrongBest = 0.25;   // mean of min(u, 1 - u)
 constexpr double kClutterBoxM = 0.5;  // half the edges, so that its volume is one cubic metre
 
 SE3d half_turn() { return {SO3d::exp({0.0, 0.0, std::numbers::pi}), Eigen::Vector3d::Zero()}; }
@@ -39,7 +41,8 @@ DetectorNoise detector_of(const ConsistencyCell& cell) {
   if (cell.default_detector) return default_detector_noise();
   const Matrix6d white = noise_covariance(2.0, 1.5, 0.004, 0.015);
   const Matrix6d slow = noise_covariance(3.0, 2.0, 0.006, 0.025);
-  const double right = 1.0 - cell.flips - cell.clutter;
+  const double flips = cell.modes == ModeInput::best ? kWrongBest : cell.flips;
+  const double right = 1.0 - flips - cell.clutter;
   NoiseComponent inlier{.weight = right, .covariance = white, .frame = NoiseFrame::ray};
   NoiseDependence dependence;
   if (cell.slow) {
@@ -48,12 +51,12 @@ DetectorNoise detector_of(const ConsistencyCell& cell) {
     inlier.covariance += slow;
   }
   std::vector<NoiseComponent> components{inlier};
-  if (cell.flips > 0.0) {
+  if (flips > 0.0) {
     components.push_back(inlier);
-    components.back().weight = cell.flips;
+    components.back().weight = flips;
     components.back().offset = half_turn();
-    dependence.mode_time_s = kFlipRunS;
   }
+  if (cell.flips > 0.0 || cell.modes_in_runs) dependence.mode_time_s = kFlipRunS;
   return DetectorNoise(std::move(components), {.weight = cell.clutter}, dependence);
 }
 
@@ -174,6 +177,27 @@ std::optional<SE3d> ConsistencyScene::detect(std::size_t object) {
   return seen;
 }
 
+void ConsistencyScene::add_modes(std::size_t object, const std::optional<SE3d>& seen,
+                                 FrameInput& input) {
+  Detector& detector = detectors_[object];
+  const double kept = cell_.modes_in_runs ? std::exp(-0.1 / kFlipRunS) : 0.0;
+  const bool is_kept = random_.uniform() < kept;
+  const double first_weight = random_.uniform();
+  const bool is_first_right = random_.uniform() < first_weight;
+  if (!is_kept || detector.detections == 1)
+    detector.right_weight = is_first_right ? first_weight : 1.0 - first_weight;
+  const double weight = detector.right_weight;
+  const SE3d other = *seen * half_turn();
+  if (cell_.modes == ModeInput::best) {
+    input.detections[object] = weight >= 0.5 ? *seen : other;
+    return;
+  }
+  input.detections[object].reset();
+  input.observations.push_back(
+      {.object = std::to_string(object),
+       .components = {{.weight = weight, .pose = *seen}, {.weight = 1.0 - weight, .pose = other}}});
+}
+
 FrameInput ConsistencyScene::next(double dt, bool seen) {
   FrameInput input{.dt = dt};
   if (!is_first_) {
@@ -185,6 +209,8 @@ FrameInput ConsistencyScene::next(double dt, bool seen) {
   for (std::size_t j = 0; j < objects_.size(); ++j) {
     const bool is_late = j + 1 == objects_.size() && time_s_ < cell_.late_s;
     input.detections.push_back(seen && !is_late ? detect(j) : std::nullopt);
+    if (cell_.modes != ModeInput::none && input.detections[j])
+      add_modes(j, input.detections[j], input);
   }
   return input;
 }

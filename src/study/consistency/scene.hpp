@@ -46,11 +46,14 @@ class ConsistencyScene {
     Vector6d gross = Vector6d::Zero();
     SE3d common = {};  ///< the error that all detections have in common, along the object's axes
     std::size_t detections = 0;
+    double right_weight = 0.5;  ///< of the right one of two modes
   };
 
   void move(double dt, FrameInput& input);
   void move_slow_error(std::size_t object, double dt);
   std::optional<SE3d> detect(std::size_t object);
+  /// The detection of the right mode as what is told of it.
+  void add_modes(std::size_t object, const std::optional<SE3d>& seen, FrameInput& input);
   SE3d clutter(const SE3d& near);
   /// The error of an inlier, or of a gross error, which lasts for a run.
   Vector6d white_error(Detector& detector);

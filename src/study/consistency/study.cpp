@@ -32,6 +32,8 @@ std::string item_text(const ConsistencyCell& cell, std::uint64_t seed, std::uint
               {"relative", consistency_json(trial.relative)},
               {"mode_probability", trial.mode_probability},
               {"right_mode", trial.right_mode},
+              {"rotation_deg", trial.rotation_deg},
+              {"position_m", trial.position_m},
               {"duplicates", trial.duplicates},
               {"instances", trial.instances}}
       .dump();
@@ -61,7 +63,8 @@ std::vector<std::string> columns() {
          {"anees", "anees_error", "within_1_sigma", "within_2_sigma", "within_3_sigma"})
       names.push_back(fmt::format("{}_{}", pose, of));
   }
-  for (const char* name : {"mode_probability", "right_mode", "duplicates", "instances"})
+  for (const char* name : {"mode_probability", "right_mode", "right_mode_error", "rotation_deg",
+                           "position_m", "duplicates", "instances"})
     names.emplace_back(name);
   return names;
 }
@@ -87,10 +90,13 @@ std::vector<Cell> row_of(const std::string& name, const std::vector<Json>& trial
     std::vector<double> values;
     values.reserve(trials.size());
     for (const Json& trial : trials) values.push_back(trial.at(key));
-    return estimate_of(values).mean;
+    return estimate_of(values);
   };
-  row.emplace_back(mean("mode_probability"));
-  row.emplace_back(mean("right_mode"));
+  row.emplace_back(mean("mode_probability").mean);
+  row.emplace_back(mean("right_mode").mean);
+  row.emplace_back(mean("right_mode").error);
+  row.emplace_back(mean("rotation_deg").mean);
+  row.emplace_back(mean("position_m").mean);
   for (const char* key : {"duplicates", "instances"}) {
     std::int64_t sum = 0;
     for (const Json& trial : trials) sum += trial.at(key).get<std::int64_t>();
@@ -110,6 +116,8 @@ StudyTable summary_of(const StudyTable& table) {
                                        "relative_within_2_sigma",
                                        "mode_probability",
                                        "right_mode",
+                                       "rotation_deg",
+                                       "position_m",
                                        "duplicates"};
   StudyTable summary(shown);
   for (const auto& row : table.rows()) {

@@ -21,6 +21,15 @@ enum class ObjectShape { plain, axis, ball, half_turn };
 /// What the camera's motion is known from.
 enum class OdometryQuality { good, medium, none };
 
+/// What is told of a detector that sees the object and its half turn as one, and has other evidence
+/// of which of the two it is: a weight u, uniform from zero to one (the Beta distribution with both
+/// parameters one), with which the first of the two is the right one.
+enum class ModeInput {
+  none,     ///< the detector is not one
+  mixture,  ///< both poses with their weights, u and 1 - u
+  best      ///< the pose of the larger weight; one of four is the wrong one
+};
+
 /// One kind of recording. Detections come ten times a second.
 struct ConsistencyCell {
   std::string name;
@@ -40,6 +49,10 @@ struct ConsistencyCell {
   double late_s = 0.0;            ///< time at which the last object appears
   bool default_detector = false;  ///< the errors of default_detector_noise()
   bool candidates = false;        ///< detections name a class of two objects instead of the object
+  ModeInput modes = ModeInput::none;
+  bool modes_in_runs = false;  ///< weights and which mode is right last for two seconds in the mean
+  double first_look_s = 5.0;   ///< estimates are compared with the truth from this time on
+  double look_every_s = 1.0;
 };
 
 /// The kinds of recordings of the study, in its order.

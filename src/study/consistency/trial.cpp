@@ -15,8 +15,6 @@ namespace {
 
 constexpr double kFrameS = 0.1;
 constexpr double kPauseFrameS = 1.0;
-constexpr double kLookEveryS = 1.0;  // moments at which estimates are compared with the truth
-constexpr double kFirstLookS = 5.0;
 /// Parts of a normal distribution within 1, 2 and 3 sigma.
 constexpr std::array<double, 3> kWithin{0.6826894921370859, 0.9544997361036416, 0.9973002039367398};
 
@@ -117,6 +115,8 @@ class Trial {
     const double looks = std::max(1.0, static_cast<double>(looks_));
     result_.mode_probability /= looks;
     result_.right_mode /= looks;
+    result_.rotation_deg /= looks;
+    result_.position_m /= looks;
     return result_;
   }
 
@@ -128,8 +128,8 @@ class Trial {
     time_s_ += dt;
     if (cell_.candidates) count_duplicates(estimate);
     next_look_s_ -= dt;
-    if (time_s_ < kFirstLookS || next_look_s_ > 1e-9) return;
-    next_look_s_ = kLookEveryS;
+    if (time_s_ < cell_.first_look_s || next_look_s_ > 1e-9) return;
+    next_look_s_ = cell_.look_every_s;
     look(estimate);
   }
 
@@ -151,9 +151,12 @@ class Trial {
       const SE3d truth = scene_.camera().inverse() * scene_.objects()[j];
       const PoseDensity& relative = *estimate.relative[j];
       ++looks_;
+      const SE3d nearest = symmetries_.nearest_rotation(truth, relative.mean());
+      result_.rotation_deg +=
+          degrees((relative.mean().rotation().inverse() * nearest.rotation()).log().norm());
+      result_.position_m += (relative.mean().translation() - truth.translation()).norm();
       result_.mode_probability += *estimate.mode_probabilities[j];
-      if (!on_right_mode(relative.mean(), symmetries_.nearest_rotation(truth, relative.mean())))
-        continue;
+      if (!on_right_mode(relative.mean(), nearest)) continue;
       result_.right_mode += 1.0;
       relative_.add(relative, truth);
       object_.add(*estimate.objects[j], scene_.objects()[j]);

@@ -24,7 +24,9 @@ struct ConsistencyTrial {
   PoseConsistency object;    ///< T_world_object, on the right mode
   PoseConsistency relative;  ///< T_camera_object, on the right mode
   double mode_probability = 0.0;
-  double right_mode = 0.0;  ///< share of the moments on the right mode
+  double right_mode = 0.0;    ///< share of the moments on the right mode
+  double rotation_deg = 0.0;  ///< mean error of T_camera_object, on whatever mode
+  double position_m = 0.0;    ///< the same of its translation
   std::size_t duplicates = 0;
   std::size_t instances = 0;  ///< known instances that could be duplicated
 };
