@@ -69,8 +69,10 @@ std::string odometry_noise(const FiducialFolder& folder) {
       from, degrees(rotation), translation);
 }
 
-/// Known tags that were seen.
+/// Known tags that were seen. A single one tells no more than where the world is: the map is then
+/// in the frame of the rig's first pose, which is better known from the start.
 std::string prior_tables(const FiducialFolder& folder) {
+  std::size_t known = 0;
   std::set<std::string> seen;
   for (const Observation& observation : folder.fiducials.observations)
     seen.insert(observation.object);
@@ -82,12 +84,13 @@ std::string prior_tables(const FiducialFolder& folder) {
     floor << Eigen::Vector3d::Constant(folder.sequence.survey_rotation_sd),
         Eigen::Vector3d::Constant(folder.sequence.survey_position_sd);
     const Vector6d sd = prior.covariance->diagonal().cwiseMax(floor.cwiseAbs2()).cwiseSqrt();
+    ++known;
     text += fmt::format(
         "\n[[objects]]\nid = \"{}\"\nnoise = \"tag\"\n"
         "prior = {{pose = {}, rotation_sd_deg = {}, translation_sd_m = {}}}\n",
         name, pose_list(prior.pose), triple(sd.head<3>() / kRadPerDeg), triple(sd.tail<3>()));
   }
-  return text;
+  return known > 1 ? text : "";
 }
 
 }  // namespace
