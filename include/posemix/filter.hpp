@@ -8,6 +8,7 @@
 #include "posemix/filter/mode_measurement.hpp"
 #include "posemix/filter/multi_object_filter.hpp"
 #include "posemix/filter/multi_object_ranges.hpp"
+#include "posemix/filter/object_prior.hpp"
 #include "posemix/filter/predict.hpp"
 #include "posemix/filter/robust_update.hpp"
 #include "posemix/filter/update.hpp"

@@ -19,9 +19,9 @@ from posemix._arrays import FloatArray
 from posemix._core import (
     AngleUnit, BopModel, GraspOutcomes, GraspTrial, LengthUnit, MixtureConvention, MixtureFile, NamedPose, ObjectBox,
     PoseKind, PoseSamples, PosteriorFile, Side, SimulationFile, StampedPoses, TangentOrder, read_bop_model,
-    read_bop_models, read_grasp_outcomes, read_mixture, read_object_poses, read_pose_samples, read_posterior,
-    read_simulation, read_slam_job, read_symmetry_file, read_tum, write_mixture, write_object_poses, write_poses,
-    write_posterior, write_report, write_results, write_simulation, write_tum,
+    read_bop_models, read_grasp_outcomes, read_mixture, read_object_poses, read_observations, read_pose_samples,
+    read_posterior, read_simulation, read_slam_job, read_symmetry_file, read_tum, write_mixture, write_object_poses,
+    write_observations, write_poses, write_posterior, write_report, write_results, write_simulation, write_tum,
 )  # fmt: skip
 from posemix.lie import SE3
 
@@ -29,9 +29,9 @@ __all__ = [
     "AngleUnit", "BopModel", "BopRows", "GraspOutcomes", "GraspTrial", "LengthUnit", "MixtureConvention", "MixtureFile",
     "NamedPose", "ObjectBox", "PoseKind", "PoseSamples", "PosteriorFile", "Side", "SimulationFile", "StampedPoses",
     "TangentOrder", "read_bop_model", "read_bop_models", "read_bop_rows", "read_grasp_outcomes", "read_mixture",
-    "read_object_poses", "read_pose_samples", "read_posterior", "read_simulation", "read_slam_job",
-    "read_symmetry_file", "read_tum", "write_mixture", "write_object_poses", "write_poses", "write_posterior",
-    "write_report", "write_results", "write_simulation", "write_tum",
+    "read_object_poses", "read_observations", "read_pose_samples", "read_posterior", "read_simulation",
+    "read_slam_job", "read_symmetry_file", "read_tum", "write_mixture", "write_object_poses", "write_observations",
+    "write_poses", "write_posterior", "write_report", "write_results", "write_simulation", "write_tum",
 ]  # fmt: skip
 
 

@@ -268,6 +268,7 @@ void bind_files(nb::module_& m) {
   });
   bind_tum(m);
   bind_bop(m);
+  bind_observation_files(m);
   bind_pose_files(m);
   bind_outcomes(m);
 }

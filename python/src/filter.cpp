@@ -165,8 +165,9 @@ void bind_steps(nb::class_<MultiObjectFilter>& filter) {
            "T_body_camera of a camera of `add_camera` as it is known by now.")
       .def_prop_ro("extrinsic_count", &F::extrinsic_count,
                    "Number of cameras whose pose on the body is estimated.")
-      .def("add_object", &F::add_object, "object"_a,
-           "One more object, never detected; returns its index.")
+      .def("add_object", &F::add_object, "object"_a, "prior"_a = nb::none(),
+           "One more object, never detected; returns its index. With a prior it has one hypothesis "
+           "from the beginning.")
       .def(
           "forget", [](F& self, std::size_t object) { self.forget(object); }, "object"_a,
           "Forgets an object, as if it had never been seen; what it said about the camera and "

@@ -258,3 +258,37 @@ def test_weights_and_residuals_of_csv(tmp_path: Path) -> None:
     assert right.weights is not None and right.weights.tolist() == [1, 2, 3]
     left = px.read_pose_samples(path, residuals=px.Side.left)
     assert left.poses.is_approx(estimate * truth.inverse(), 1e-12)
+
+
+@pytest.mark.parametrize("name", ["seen.jsonl", "seen.jsonl.gz", "seen.csv", "seen.csv.gz"])
+def test_observations(tmp_path: Path, name: str) -> None:
+    covariance = 1e-4 * np.eye(6) + 1e-5
+    poses = px.SE3.exp([[0.1, 0.2, 0.3, 0.4, 0.5, 0.6], [3.0, 0.0, 0.0, 0.1, 0.2, 0.3]])
+    components = [
+        px.ObservationComponent(poses[0], weight=2 / 3, covariance=covariance),
+        px.ObservationComponent(poses[1], weight=1 / 3),
+    ]
+    seen = [
+        px.Observation(components, object="7", camera="left", stamp_s=1 / 3, clutter=0.1),
+        px.Observation([px.ObservationComponent(poses[1])], class_id="mug", score=-2.0),
+    ]
+    px.write_observations(tmp_path / name, seen)
+    read = px.read_observations(tmp_path / name)
+    if "jsonl" in name:
+        assert read == seen
+    assert [(o.object, o.class_id, o.camera, o.stamp_s) for o in read] == [
+        ("7", "", "left", 1 / 3), ("", "mug", "", 0.0),
+    ]  # fmt: skip
+    assert (read[0].clutter, read[1].score) == (0.1, -2.0)
+    np.testing.assert_allclose(read[0].components[0].covariance, covariance, rtol=1e-11)
+    assert read[0].components[1].covariance is None
+    assert read[0].components[1].pose.is_approx(poses[1], 1e-11)
+
+
+def test_observations_that_are_none(tmp_path: Path) -> None:
+    path = tmp_path / "seen.jsonl"
+    path.write_text('{"stamp_s": 0, "id": "7", "components": []}\n')
+    with pytest.raises(ValueError, match="seen.jsonl:1: .*no components"):
+        px.read_observations(path)
+    with pytest.raises(ValueError, match="expected a name in .csv or .jsonl"):
+        px.read_observations(tmp_path / "seen.txt")

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "command_files.hpp"
+#include "convert_sequence.hpp"
 #include "exit_codes.hpp"
 #include "io/renamed.hpp"
 #include "mixture_commands.hpp"
@@ -21,6 +22,7 @@ struct ConvertOptions {
   ConversionSettings conversion;
   std::uint64_t seed = 1;
   OutputOptions output;
+  SequenceConversion sequence;
 };
 
 template <class D>
@@ -76,6 +78,31 @@ int convert_file(const ConvertOptions& options) {
   return kExitDone;
 }
 
+bool is_sequence(const ConvertOptions& options) { return options.file.ends_with(".toml"); }
+
+/// The options of a sequence file are none for a mixture, and the other way round.
+void check_kind(const CLI::App& command, const ConvertOptions& options) {
+  constexpr const char* kOfMixtures[] = {"--distribution", "--law",           "--rule", "--max-kl",
+                                         "--seed",         "--on-large-loss", "--side", "--order",
+                                         "--angle-unit",   "--length-unit",   "--json"};
+  constexpr const char* kOfSequences[] = {"--observations", "--data", "--set"};
+  const auto check = [&](const auto& names, const char* file) {
+    for (const char* name : names)
+      if (command.count(name) > 0)
+        throw CLI::ValidationError(name, fmt::format("is for {} files", file));
+  };
+  is_sequence(options) ? check(kOfMixtures, "mixture") : check(kOfSequences, "sequence");
+}
+
+int convert(const ConvertOptions& options) {
+  if (!is_sequence(options)) return convert_file(options);
+  SequenceConversion sequence = options.sequence;
+  sequence.sequence = options.file;
+  sequence.out = options.output.out;
+  sequence.quiet = options.output.quiet;
+  return convert_sequence(sequence);
+}
+
 /// Adds the option under its name of the previous release; the help does not show it.
 void add_old_distribution_option(CLI::App& command, ConvertOptions& options) {
   add_choice<Distribution>(command, "--law", options.distribution, "")->group("");
@@ -121,12 +148,25 @@ void add_convention_options(CLI::App& command, ConvertOptions& options) {
       ->default_str("m");
 }
 
+void add_sequence_options(CLI::App& command, SequenceConversion& options) {
+  add_choice<ObservationFormat>(command, "--observations", options.format,
+                                "Form of the observations of a sequence file")
+      ->default_str("jsonl");
+  command.add_option("--data", options.data, "Folder below which the recording's files lie")
+      ->type_name("DIR");
+  command.add_option("--set", options.overrides, "Override a key of the sequence file; repeatable")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
+}
+
 }  // namespace
 
 void add_convert_command(CLI::App& program, std::function<int()>& action) {
   const auto options = std::make_shared<ConvertOptions>();
   CLI::App* command =
-      program.add_subcommand("convert", "A mixture file in another distribution or convention");
+      program.add_subcommand("convert",
+                             "A mixture file in another distribution or convention; a sequence "
+                             "file as one with observations");
   command->footer(
       "Between the distributions the divergence D(original || converted) is reported; a component "
       "that would\n"
@@ -134,18 +174,26 @@ void add_convert_command(CLI::App& program, std::function<int()>& action) {
       "other\n"
       "commands read them and write left, rotation_translation, rad and m.\n"
       "\n"
+      "Of a sequence file --out is a folder: sequence.toml, observations.jsonl and stamps.txt, "
+      "with\n"
+      "which posemix slam gives the same estimates.\n"
+      "\n"
       "Example: posemix convert mug.json --distribution projected --out mug-projected.json\n"
       "         posemix convert mug.json --side right --order translation_rotation --length-unit "
-      "mm");
-  command->add_option("file", options->file, "Mixture file; - is the standard input")
+      "mm\n"
+      "         posemix convert sequence.toml --out converted");
+  command
+      ->add_option("file", options->file, "Mixture file, - is the standard input; or sequence file")
       ->required()
-      ->type_name("MIXTURE.json");
+      ->type_name("MIXTURE.json|SEQUENCE.toml");
   add_distribution_options(*command, *options);
   add_convention_options(*command, *options);
+  add_sequence_options(*command, options->sequence);
   add_report_options(*command, options->output);
   command->callback([options, command, &action] {
     check_old_distribution_option(*command);
-    action = [options] { return convert_file(*options); };
+    check_kind(*command, *options);
+    action = [options] { return convert(*options); };
   });
 }
 

@@ -13,8 +13,11 @@
 #include "command_files.hpp"
 #include "exit_codes.hpp"
 #include "posemix/base/error.hpp"
+#include "posemix/base/units.hpp"
 #include "posemix/fiducial/fiducial_folder.hpp"
 #include "posemix/io/gzip.hpp"
+#include "posemix/io/text.hpp"
+#include "summary.hpp"
 
 namespace posemix {
 namespace {
@@ -29,6 +32,8 @@ struct FiducialOptions {
   std::optional<double> noise;
   std::optional<double> dof;
   FiducialSettings settings;
+  double survey_rotation_deg = 1.0;
+  double survey_position_m = 0.01;
   bool gzip = false;
   OutputOptions output;
 };
@@ -84,11 +89,21 @@ int write_fiducials(const FiducialOptions& options) {
   FiducialFolder folder;
   folder.cameras = cameras_of(options);
   folder.tags = tags_of(options);
-  if (!options.odometry.empty())
-    folder.odometry = parse_tum(read_file_or_gzip(options.odometry), options.odometry);
+  if (!options.odometry.empty()) {
+    folder.odometry =
+        odometry_of_rig(parse_tum(read_file_or_gzip(options.odometry), options.odometry),
+                        folder.tags.rig_odometry.value_or(SE3d()));
+  }
   folder.compress = options.gzip;
+  folder.sequence = {radians(options.survey_rotation_deg), options.survey_position_m};
   folder.fiducials = observe_fiducials(read_corners(options.corners), folder.cameras, folder.tags,
                                        settings_of(options));
+  for (const std::string& camera : complete_rig(folder)) {
+    print_warnings(
+        {fmt::format("camera {} has no pose on the rig and sees no tag together with one "
+                     "that has, so that its observations are left out",
+                     in_quotes(camera))});
+  }
   write_fiducial_folder(folder, options.output.out);
   report("fiducials", summary_of(folder), options.output);
   return kExitDone;
@@ -112,7 +127,9 @@ void add_input_options(CLI::App& command, FiducialOptions& options) {
       .add_option("--size", options.size, "Edge of every tag [m]; with --tags of those not in it")
       ->check(number_in(kPositive))
       ->type_name("M");
-  command.add_option("--odometry", options.odometry, "Odometry of the rig for the folder (TUM)")
+  command
+      .add_option("--odometry", options.odometry,
+                  "Odometry of the rig, or of T_body_odom of --tags (TUM)")
       ->type_name("ODOMETRY.tum");
 }
 
@@ -137,6 +154,18 @@ void add_setting_options(CLI::App& command, FiducialOptions& options) {
       ->check(number_in(kNotNegative))
       ->type_name("PX")
       ->capture_default_str();
+  command
+      .add_option("--survey-rotation", options.survey_rotation_deg,
+                  "Least standard deviation of the rotations of known tags [deg]")
+      ->check(number_in(kPositive))
+      ->type_name("DEG")
+      ->capture_default_str();
+  command
+      .add_option("--survey-position", options.survey_position_m,
+                  "Least standard deviation of the positions of known tags [m]")
+      ->check(number_in(kPositive))
+      ->type_name("M")
+      ->capture_default_str();
   command.add_option("--detector", options.settings.detector, "Name of the detector")
       ->type_name("NAME");
 }
@@ -154,8 +183,10 @@ void add_fiducials_command(CLI::App& program, std::function<int()>& action) {
       "which is learned from the recording per camera.\n"
       "\n"
       "CORNERS.csv has the columns stamp_s,topic,tag,u0_px,v0_px,...,u3_px,v3_px in distorted\n"
-      "pixels. DIR gets observations.csv, cameras.csv, corner_noise.csv, tag_priors.csv (known\n"
-      "poses of tags) and odometry.tum; it appears as a whole.\n"
+      "pixels. DIR gets sequence.toml, which posemix slam takes, observations.csv, cameras.csv,\n"
+      "corner_noise.csv, tag_priors.csv (known poses of tags) and odometry.tum; it appears as a\n"
+      "whole. Cameras without a pose on the rig get one from tags that they see together with "
+      "others.\n"
       "\n"
       "Example: posemix fiducials corners.csv.gz --cameras cameras.yaml \\\n"
       "           --camera-poses camera_poses.yaml --tags tagslam.yaml --out out/tags\n"

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include <algorithm>
+#include <cmath>
 #include <set>
 
 #include <fmt/format.h>
 
 #include "posemix/base/error.hpp"
 #include "posemix/base/units.hpp"
+#include "posemix/io/text.hpp"
 #include "sequence_parts.hpp"
 
 namespace posemix::internal {
@@ -50,11 +53,13 @@ ProcessNoise read_process_noise(const TomlTable& motion, std::string_view key,
 SE3d read_start_pose(const TomlTable& start, const Poses& camera_truth) {
   if (start.is_array("pose")) return read_pose(start, "pose");
   const bool known = !camera_truth.empty() && camera_truth.front();
-  enum class Word { ground_truth, identity };
+  enum class Word { ground_truth, identity, unknown };
   const Word word =
       start.get_enum_or<Word>("pose", camera_truth.empty() ? Word::identity : Word::ground_truth,
-                              {{"ground_truth", Word::ground_truth}, {"identity", Word::identity}});
-  if (word == Word::identity) return SE3d();
+                              {{"ground_truth", Word::ground_truth},
+                               {"identity", Word::identity},
+                               {"unknown", Word::unknown}});
+  if (word != Word::ground_truth) return SE3d();
   if (!known) {
     start.fail("pose",
                "is \"ground_truth\", but camera.ground_truth has no pose at the first frame; give "
@@ -81,6 +86,19 @@ NumberedScene read_scene_truth(const TomlTable& truth, const FileFinder& files,
   return result;
 }
 
+/// Stamps, one per line.
+std::vector<double> read_stamps(const std::filesystem::path& path) {
+  const std::string text = read_file(path);
+  std::vector<double> stamps;
+  LineReader reader(text, path.string());
+  while (reader.next_content()) {
+    stamps.push_back(reader.number_from(trimmed(reader.line()), "stamp"));
+    if (std::abs(stamps.back()) > kLatestStamp)
+      reader.fail(fmt::format("stamp {}", stamps.back()), "seconds");
+  }
+  return stamps;
+}
+
 }  // namespace
 
 CameraFiles read_camera_files(const TomlTable& root, const FileFinder& files) {
@@ -91,6 +109,12 @@ CameraFiles read_camera_files(const TomlTable& root, const FileFinder& files) {
   if (camera->has("odometry")) {
     result.odometry = read_stamped(*camera, "odometry", files, {.allow_misses = true});
   }
+  if (camera->has("stamps")) {
+    if (!root.has("observations"))
+      camera->fail("stamps",
+                   "is for recordings with [[observations]]: others have frames by other files");
+    result.stamps = read_stamps(files.find(*camera, "stamps"));
+  }
   const SE3d lever_arm(SO3d(), read_lever_arm(root, *camera));
   if (camera->is_table("ground_truth")) {
     result.scene_truth = read_scene_truth(camera->get_table("ground_truth"), files, lever_arm);
@@ -99,6 +123,34 @@ CameraFiles read_camera_files(const TomlTable& root, const FileFinder& files) {
     for (StampedPose& frame : result.truth->poses) frame.pose = *frame.pose * lever_arm;
   }
   return result;
+}
+
+bool starts_anywhere(const TomlTable& root) {
+  const auto camera = root.find_table("camera");
+  const auto start = camera ? camera->find_table("start") : std::nullopt;
+  return start && start->has("pose") && !start->is_array("pose") &&
+         start->get_string("pose") == "unknown";
+}
+
+PoseDensity prior_anywhere(const TomlTable& root, const std::vector<ObjectModel>& models) {
+  constexpr double kLeastDistance = 5.0;  // from what is known [m]
+  std::vector<Eigen::Vector3d> known;
+  for (const ObjectModel& model : models)
+    if (model.prior) known.push_back(model.prior->world.mean().translation());
+  const TomlTable start = root.get_table("camera").get_table("start");
+  if (known.empty())
+    start.fail("pose", "is \"unknown\", expected [[objects]] with a prior, from which it follows");
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& position : known) center += position / double(known.size());
+  double farthest = kLeastDistance;
+  for (const Eigen::Vector3d& position : known)
+    farthest = std::max(farthest, (position - center).norm());
+  // About the camera, of which all rotations are possible.
+  const double translation = start.get_double_or("translation_sd_m", farthest, kSd);
+  const SE3d pose(SO3d(), center);
+  return PoseDensity(pose, pose.adjoint_congruence(pose_covariance(
+                               Eigen::Vector3d::Constant(std::sqrt(kUniformRotationVariance)),
+                               Eigen::Vector3d::Constant(translation))));
 }
 
 PoseDensity read_camera_prior(const TomlTable& root, const Poses& camera_truth) {

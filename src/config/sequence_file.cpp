@@ -252,7 +252,9 @@ SlamJob read_slam_job(const TomlDocument& document,
               .models = std::move(models),
               .settings = {}};
   job.sequence = read_recordings(root, files, camera, ids_of(job.models), observed);
-  job.camera_prior = read_camera_prior(root, job.sequence.camera_truth);
+  job.camera_prior = starts_anywhere(root)
+                         ? prior_anywhere(root, job.models)
+                         : read_camera_prior(root, job.sequence.camera_truth);
   job.settings.motion = read_motion(root, camera.odometry.has_value());
   check_classes(root, job, is_multi_object(method));
   use_method(root, method, job);

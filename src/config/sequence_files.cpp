@@ -132,6 +132,14 @@ std::optional<std::size_t> Timeline::at_number(std::int64_t number) const {
   return static_cast<std::size_t>(found - numbers_->begin());
 }
 
+std::size_t Timeline::frame_of(std::int64_t number, const std::string& file) const {
+  const auto frame = at_number(number);
+  if (frame) return *frame;
+  throw InvalidInput(
+      fmt::format("{}: got a detection {} frames after the first, where {} has {} frames", file,
+                  number, source_, stamps_.size()));
+}
+
 Poses Timeline::select(const StampedFile& file) const {
   Poses poses(stamps_.size());
   bool any = false;

@@ -63,25 +63,6 @@ DetectionFile read_npy_detections(const TomlTable& table, const FileFinder& file
   return {folder.string(), std::nullopt, from_first_frame(table, folder.string(), poses)};
 }
 
-DetectionFile read_bop_detections(const TomlTable& table, const FileFinder& files) {
-  const std::filesystem::path path = files.find(table, "bop");
-  const BopSelection selection{table.get_integer("scene", kAtLeastZero),
-                               table.get_integer("object", kAtLeastZero)};
-  const double min_score = table.get_double_or("min_score", std::numeric_limits<double>::lowest());
-  std::map<std::int64_t, SE3d> poses;
-  for (const auto& [image, candidates] : read_bop(path, selection)) {
-    const auto best = std::max_element(
-        candidates.begin(), candidates.end(),
-        [](const ScoredPose& a, const ScoredPose& b) { return a.score < b.score; });
-    if (best->score >= min_score) poses.emplace(image, best->pose);
-  }
-  if (poses.empty()) {
-    table.fail("min_score", fmt::format("is {}, and {} has no estimate of so high a score",
-                                        min_score, path.string()));
-  }
-  return {path.string(), std::nullopt, from_first_frame(table, path.string(), poses)};
-}
-
 /// The poses in columns of a table: estimates with the prefix est_, or the truth with gt_.
 DetectionFile read_table_poses(const TomlTable& table, const FileFinder& files,
                                const std::string& prefix) {
@@ -117,23 +98,6 @@ Poses read_scene_objects(const TomlTable& truth, std::string_view kind, const Fi
   return poses;
 }
 
-CandidateFile read_candidate_file(const TomlTable& table, const FileFinder& files) {
-  const std::filesystem::path path = files.find(table, "bop");
-  const BopSelection selection{table.get_integer("scene", kAtLeastZero),
-                               table.get_integer("object", kAtLeastZero)};
-  const double min_score = table.get_double_or("min_score", std::numeric_limits<double>::lowest());
-  CandidateFile file{path.string(), table.get_string("class"), {}};
-  const BopDetections detections = read_bop(path, selection);
-  const std::int64_t first = read_first_frame(table, file.name, detections.begin()->first);
-  for (const auto& [image, estimates] : detections) {
-    for (const ScoredPose& estimate : estimates) {
-      check_position(estimate.pose, fmt::format("{}: frame {}", file.name, image));
-      if (estimate.score >= min_score) file.numbered[image - first].push_back(estimate);
-    }
-  }
-  return file;
-}
-
 SE3d read_entry(const TomlTable& truth, const FileFinder& files, const std::string& id) {
   const std::filesystem::path path = files.find(truth, "world_poses");
   const std::map<std::string, SE3d> poses = read_object_poses(path);
@@ -149,15 +113,7 @@ SE3d read_entry(const TomlTable& truth, const FileFinder& files, const std::stri
 
 Poses DetectionFile::on(const Timeline& timeline) const {
   Poses detections(timeline.size());
-  for (const auto& [number, pose] : numbered) {
-    const auto frame = timeline.at_number(number);
-    if (!frame) {
-      throw InvalidInput(
-          fmt::format("{}: got a detection {} frames after the first, where {} has {} frames", name,
-                      number, timeline.source(), timeline.size()));
-    }
-    detections[*frame] = pose;
-  }
+  for (const auto& [number, pose] : numbered) detections[timeline.frame_of(number, name)] = pose;
   for (const StampedPose& record : stamped.value_or(std::vector<StampedPose>())) {
     const auto frame = timeline.at_stamp(record.stamp);
     if (frame) {
@@ -173,7 +129,7 @@ Poses DetectionFile::on(const Timeline& timeline) const {
 std::vector<CandidateFile> read_candidates(const TomlTable& root, const FileFinder& files) {
   std::vector<CandidateFile> candidates;
   for (const TomlTable& table : root.find_tables("candidates"))
-    candidates.push_back(read_candidate_file(table, files));
+    candidates.push_back(read_bop_candidates(table, files));
   return candidates;
 }
 

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <set>
 
 #include <fmt/format.h>
 
 #include "posemix/base/error.hpp"
 #include "posemix/io/observation_csv.hpp"
+#include "posemix/io/observation_jsonl.hpp"
 #include "sequence_parts.hpp"
 
 /// Observations, the cameras of a body, and objects on sight.
@@ -26,10 +28,19 @@ void check_observation(const Observation& observation, const std::string& name) 
     check_position(component.pose, fmt::format("{}: stamp {}", name, observation.stamp_s));
 }
 
+/// Reads the file under `csv` or `jsonl`.
+ObservationFile read_observation_file(const TomlTable& table, const FileFinder& files) {
+  const bool lines = table.has("jsonl");
+  if (lines && table.has("csv")) table.fail("jsonl", "stands beside csv, expected one of the two");
+  const std::filesystem::path path = files.find(table, lines ? "jsonl" : "csv");
+  return {path.string(), lines ? read_observation_lines(path) : read_observations(path)};
+}
+
 /// The best component of an observation as it is from the body.
 SE3d from_body(const Observation& observation, const std::vector<BodyCamera>& cameras) {
-  return pose_on_body(cameras, observation.camera) *
-         observation.components[best_component(observation)].pose;
+  const SE3d& pose = observation.components[best_component(observation)].pose;
+  // A product with the identity may differ in the last bit.
+  return cameras.empty() ? pose : pose_on_body(cameras, observation.camera) * pose;
 }
 
 }  // namespace
@@ -38,8 +49,7 @@ std::vector<ObservationFile> read_observation_files(const TomlTable& root,
                                                     const FileFinder& files) {
   std::vector<ObservationFile> list;
   for (const TomlTable& table : root.find_tables("observations")) {
-    const std::filesystem::path path = files.find(table, "csv");
-    ObservationFile file{path.string(), read_observations(path)};
+    ObservationFile file = read_observation_file(table, files);
     for (Observation& observation : file.observations) {
       check_observation(observation, file.name);
       observation.camera = table.get_string_or("camera", observation.camera);
@@ -87,24 +97,31 @@ std::vector<std::string> ids_on_sight(const std::vector<ObservationFile>& files,
 }
 
 std::vector<double> stamps_of(const std::vector<ObservationFile>& files,
-                              const std::vector<StampedPose>& odometry) {
+                              const CameraFiles& camera) {
   std::set<double> stamps;
-  for (const StampedPose& pose : odometry) stamps.insert(pose.stamp);
-  for (const ObservationFile& file : files) {
-    for (const Observation& observation : file.observations) {
-      // Stamps that differ by the rounding of files are one.
-      const auto next = stamps.lower_bound(observation.stamp_s - kSameStamp);
-      if (next == stamps.end() || *next > observation.stamp_s + kSameStamp)
-        stamps.insert(observation.stamp_s);
-    }
-  }
+  if (camera.odometry)
+    for (const StampedPose& pose : camera.odometry->poses) stamps.insert(pose.stamp);
+  // Stamps that differ by the rounding of files are one.
+  const auto add = [&](double stamp) {
+    const auto next = stamps.lower_bound(stamp - kSameStamp);
+    if (next == stamps.end() || *next > stamp + kSameStamp) stamps.insert(stamp);
+  };
+  for (const double stamp : camera.stamps) add(stamp);
+  for (const ObservationFile& file : files)
+    for (const Observation& observation : file.observations) add(observation.stamp_s);
   return {stamps.begin(), stamps.end()};
 }
 
 Poses interpolated(const Timeline& timeline, const std::vector<StampedPose>& odometry) {
   std::vector<StampedPose> known;
-  std::copy_if(odometry.begin(), odometry.end(), std::back_inserter(known),
-               [](const StampedPose& pose) { return pose.pose.has_value(); });
+  std::set<double> misses;
+  for (const StampedPose& pose : odometry) {
+    if (pose.pose) {
+      known.push_back(pose);
+    } else {
+      misses.insert(pose.stamp);
+    }
+  }
   std::sort(known.begin(), known.end(),
             [](const StampedPose& a, const StampedPose& b) { return a.stamp < b.stamp; });
   Poses poses;
@@ -114,7 +131,7 @@ Poses interpolated(const Timeline& timeline, const std::vector<StampedPose>& odo
         std::lower_bound(known.begin(), known.end(), stamp,
                          [](const StampedPose& pose, double s) { return pose.stamp < s; });
     poses.emplace_back();
-    if (after == known.end()) continue;
+    if (after == known.end() || misses.contains(stamp)) continue;
     if (after->stamp == stamp) {
       poses.back() = after->pose;
       continue;

@@ -15,6 +15,7 @@
 #include "posemix/config/detector_noise.hpp"
 #include "posemix/config/sequence_file.hpp"
 #include "posemix/io/bop.hpp"
+#include "posemix/io/bop_views.hpp"
 #include "posemix/io/dataset.hpp"
 #include "posemix/io/rigid.hpp"
 #include "posemix/io/tum.hpp"
@@ -89,6 +90,9 @@ class Timeline {
   std::optional<std::size_t> at_stamp(double stamp) const;
   /// The frame with a number, counted from zero.
   std::optional<std::size_t> at_number(std::int64_t number) const;
+  /// The frame of a detection with a number.
+  /// @throws InvalidInput with the name of its file, where there is none
+  std::size_t frame_of(std::int64_t number, const std::string& file) const;
 
   /// The poses of a file at the frames; poses at other times are left out.
   /// @throws InvalidInput when none is left
@@ -118,10 +122,16 @@ struct CameraFiles {
   std::optional<StampedFile> truth;          ///< with the lever arm applied
   std::optional<NumberedScene> scene_truth;  ///< used instead of `truth` for a dataset
   double frame_period_s = kFramePeriodS;
+  /// Of all images, in a recording with observations.
+  std::vector<double> stamps = {};
 };
 
 CameraFiles read_camera_files(const TomlTable& root, const FileFinder& files);
 PoseDensity read_camera_prior(const TomlTable& root, const Poses& camera_truth);
+/// Whether the first pose is unknown (`start.pose = "unknown"`).
+bool starts_anywhere(const TomlTable& root);
+/// The prior of a camera that may be anywhere near objects whose pose is known.
+PoseDensity prior_anywhere(const TomlTable& root, const std::vector<ObjectModel>& models);
 MotionSettings read_motion(const TomlTable& root, bool has_odometry);
 
 // --- [noise] and standard deviations
@@ -162,10 +172,10 @@ std::vector<BodyCamera> read_body_cameras(const TomlTable& root);
 /// The ids in the files that are not declared, in the order in which they are seen.
 std::vector<std::string> ids_on_sight(const std::vector<ObservationFile>& files,
                                       const std::vector<std::string>& declared);
-/// The stamps of odometry and observations.
-std::vector<double> stamps_of(const std::vector<ObservationFile>& files,
-                              const std::vector<StampedPose>& odometry);
-/// Odometry at the frames; between two of its poses a part of the motion between them.
+/// The stamps of images, odometry and observations.
+std::vector<double> stamps_of(const std::vector<ObservationFile>& files, const CameraFiles& camera);
+/// Odometry at the frames; between two of its poses a part of the motion between them. Where the
+/// odometry has a line without a pose there is none.
 Poses interpolated(const Timeline& timeline, const std::vector<StampedPose>& odometry);
 /// Puts the observations into the frames of a sequence, and their best components, as they are from
 /// the body, into the recordings of its objects.
@@ -180,6 +190,9 @@ struct DetectionFile {
   std::string name;
   std::optional<std::vector<StampedPose>> stamped;
   std::map<std::int64_t, SE3d> numbered;
+  /// All rows of a sighting, where they are read as mixtures; the poses are then those of the
+  /// highest score.
+  std::map<std::int64_t, Observation> mixtures = {};
 
   Poses on(const Timeline& timeline) const;
 };
@@ -194,7 +207,14 @@ struct CandidateFile {
   std::string name;
   std::string class_id;
   std::map<std::int64_t, std::vector<ScoredPose>> numbered;
+  /// In place of `numbered`, where rows are read as mixtures.
+  std::map<std::int64_t, std::vector<Observation>> mixtures = {};
+
+  std::set<std::int64_t> numbers() const;
 };
+/// Reads the rows of a BOP result file as `detections` or as `candidates`.
+DetectionFile read_bop_detections(const TomlTable& table, const FileFinder& files);
+CandidateFile read_bop_candidates(const TomlTable& table, const FileFinder& files);
 /// Reads the key `candidates`, detections that name a class; empty if it is missing.
 std::vector<CandidateFile> read_candidates(const TomlTable& root, const FileFinder& files);
 /// Fills relative_truth and world_truth from the key `ground_truth`.

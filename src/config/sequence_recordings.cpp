@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include <algorithm>
 #include <set>
 
 #include <fmt/format.h>
@@ -30,7 +31,7 @@ struct DetectionFiles {
       for (const auto& [number, pose] : file->numbered) numbers.insert(number);
     }
     for (const CandidateFile& file : candidates)
-      for (const auto& [number, poses] : file.numbered) numbers.insert(number);
+      for (const std::int64_t number : file.numbers()) numbers.insert(number);
     return numbers;
   }
 };
@@ -40,8 +41,7 @@ struct DetectionFiles {
 Timeline make_timeline(const CameraFiles& camera, const DetectionFiles& detections,
                        const ObservedRecording& observed) {
   if (!observed.files.empty()) {
-    return Timeline(stamps_of(observed.files, camera.odometry ? camera.odometry->poses
-                                                              : std::vector<StampedPose>()),
+    return Timeline(stamps_of(observed.files, camera),
                     camera.odometry ? "the odometry with the observations" : "the observations");
   }
   const auto& stamped = camera.odometry ? camera.odometry : camera.truth;
@@ -77,17 +77,52 @@ std::vector<std::vector<Candidate>> candidates_on(const Timeline& timeline,
   std::vector<std::vector<Candidate>> candidates(files.empty() ? 0 : timeline.size());
   for (const CandidateFile& file : files) {
     for (const auto& [number, estimates] : file.numbered) {
-      const auto frame = timeline.at_number(number);
-      if (!frame) {
-        throw InvalidInput(
-            fmt::format("{}: got a detection {} frames after the first, where {} has {} frames",
-                        file.name, number, timeline.source(), timeline.size()));
-      }
+      const std::size_t frame = timeline.frame_of(number, file.name);
       for (const ScoredPose& estimate : estimates)
-        candidates[*frame].push_back({file.class_id, estimate.pose, estimate.score});
+        candidates[frame].push_back({file.class_id, estimate.pose, estimate.score});
     }
   }
   return candidates;
+}
+
+/// The rows of result files that are mixtures. All other detections that name their object are then
+/// observations too, so that a tracker takes in the objects in their order.
+void add_mixtures(const DetectionFiles& files, const Timeline& timeline, Sequence& sequence) {
+  const auto has_mixtures = [](const auto& file) { return !file.mixtures.empty(); };
+  const bool any = std::any_of(files.candidates.begin(), files.candidates.end(), has_mixtures) ||
+                   std::any_of(files.objects.begin(), files.objects.end(),
+                               [&](const auto& file) { return file && has_mixtures(*file); });
+  if (!any) return;
+  auto& observations = sequence.observations;
+  observations.resize(timeline.size());
+  for (std::size_t i = 0; i < files.objects.size(); ++i) {
+    const ObjectRecording& recording = sequence.objects[i];
+    std::map<std::size_t, Observation> mixtures;
+    if (files.objects[i]) {
+      for (const auto& [number, mixture] : files.objects[i]->mixtures)
+        mixtures.emplace(timeline.frame_of(number, files.objects[i]->name), mixture);
+    }
+    for (std::size_t frame = 0; frame < timeline.size(); ++frame) {
+      if (!recording.detections[frame]) continue;
+      const auto mixture = mixtures.find(frame);
+      Observation& added = observations[frame].emplace_back(
+          mixture == mixtures.end() ? observation_of(*recording.detections[frame])
+                                    : mixture->second);
+      added.object = recording.id;
+      added.class_id.clear();
+      added.stamp_s = timeline.stamps()[frame];
+    }
+  }
+  for (const CandidateFile& file : files.candidates) {
+    for (const auto& [number, mixtures] : file.mixtures) {
+      const std::size_t frame = timeline.frame_of(number, file.name);
+      for (const Observation& mixture : mixtures) {
+        Observation& added = observations[frame].emplace_back(mixture);
+        added.class_id = file.class_id;
+        added.stamp_s = timeline.stamps()[frame];
+      }
+    }
+  }
 }
 
 }  // namespace
@@ -124,6 +159,7 @@ Sequence read_recordings(const TomlTable& root, const FileFinder& files, const C
     sequence.objects.push_back(std::move(recording));
   }
   add_observations(observed, timeline, sequence);
+  add_mixtures(detections, timeline, sequence);
   validate(sequence);
   return sequence;
 }

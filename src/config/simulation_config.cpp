@@ -116,14 +116,16 @@ const std::vector<SimulationNoise>& named_noise(const NoiseModels& models, const
 }
 
 std::optional<SimulationSlowError> get_slow(const TomlTable& object, NoiseFrame frame) {
-  constexpr NumberRange kCorrelation{.lowest = 0, .without_lowest = true, .with_infinity = true};
+  constexpr NumberRange kSlowCorrelation{
+      .lowest = 0, .without_lowest = true, .with_infinity = true};
   const auto table = object.find_table("slow");
   if (!table) return std::nullopt;
   SimulationSlowError slow;
   slow.sd = get_sd(*table, slow.sd, frame);
-  slow.correlation_s = table->get_double_or("correlation_time_s", slow.correlation_s, kCorrelation);
+  slow.correlation_s =
+      table->get_double_or("correlation_time_s", slow.correlation_s, kSlowCorrelation);
   slow.correlation_angle_rad = radians(table->get_double_or(
-      "correlation_angle_deg", degrees(slow.correlation_angle_rad), kCorrelation));
+      "correlation_angle_deg", degrees(slow.correlation_angle_rad), kSlowCorrelation));
   return slow;
 }
 

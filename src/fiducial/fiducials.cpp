@@ -74,11 +74,12 @@ class Observer {
 
   void find_minima(std::size_t i, std::size_t camera) {
     const CornerSighting& sighting = sightings_[i];
-    if (tags_.ignored.count(sighting.tag) != 0) {
+    const std::int64_t tag = tags_.tag_at(sighting.tag, sighting.stamp_s);
+    if (tags_.ignored.count(tag) != 0) {
       ++out_.ignored;
       return;
     }
-    const std::optional<double> size = tags_.size_of(sighting.tag);
+    const std::optional<double> size = tags_.size_of(tag);
     if (!size) {
       ++out_.without_size;
       return;
@@ -118,7 +119,7 @@ class Observer {
   void observe(const Seen& seen) {
     const CornerSighting& sighting = sightings_[seen.sighting];
     Observation observation;
-    observation.object = fmt::format("{}", sighting.tag);
+    observation.object = fmt::format("{}", tags_.tag_at(sighting.tag, sighting.stamp_s));
     observation.camera = cameras_[seen.camera].name;
     observation.detector = settings_.detector;
     observation.stamp_s = sighting.stamp_s;

@@ -9,4 +9,11 @@ std::optional<double> TagMap::size_of(std::int64_t tag) const {
   return own == size_m.end() ? default_size_m : std::optional(own->second);
 }
 
+std::int64_t TagMap::tag_at(std::int64_t id, double stamp_s) const {
+  for (const TagRemap& remap : remaps) {
+    if (remap.id == id && stamp_s >= remap.from_s && stamp_s <= remap.to_s) return remap.stands_for;
+  }
+  return id;
+}
+
 }  // namespace posemix

@@ -25,12 +25,15 @@ Observation observation_of_rows(const std::vector<const BopRow*>& rows) {
   observation.class_id = std::to_string(rows.front()->object);
   observation.score = rows.front()->score;
   const bool by_score =
-      std::all_of(rows.begin(), rows.end(), [](const BopRow* row) { return row->score > 0.0; });
+      rows.front()->score > 0.0 &&
+      std::all_of(rows.begin(), rows.end(), [](const BopRow* row) { return row->score >= 0.0; });
   double total = 0.0;
   for (const BopRow* row : rows) total += by_score ? row->score : 1.0;
-  for (const BopRow* row : rows)
+  for (const BopRow* row : rows) {
+    if (by_score && row->score == 0.0) continue;
     observation.components.push_back(
         {.weight = (by_score ? row->score : 1.0) / total, .pose = row->pose});
+  }
   return observation;
 }
 

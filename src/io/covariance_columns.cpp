@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "posemix/io/placeholder_covariance.hpp"
 #include "posemix/io/rigid.hpp"
 
 namespace posemix::internal {
@@ -51,6 +52,7 @@ SE3d pose_in(const CsvTable& table) {
 
 std::optional<Matrix6d> covariance_in(const CsvTable& table) {
   const std::vector<std::string>& columns = covariance_columns();
+  if (!table.has(columns.front())) return std::nullopt;
   const auto is_empty = [&](const std::string& column) { return table.field(column).empty(); };
   const auto empty = std::count_if(columns.begin(), columns.end(), is_empty);
   if (empty == static_cast<std::ptrdiff_t>(columns.size())) return std::nullopt;
@@ -62,6 +64,7 @@ std::optional<Matrix6d> covariance_in(const CsvTable& table) {
     for (Eigen::Index j = i; j < 6; ++j)
       covariance(i, j) = covariance(j, i) = table.number(columns[next++]);
   }
+  if (is_placeholder_covariance(covariance)) return std::nullopt;
   return covariance;
 }
 

@@ -30,7 +30,8 @@ std::string covariance_fields(const std::optional<Matrix6d>& covariance);
 
 /// @throws InvalidInput at the row for a number that is none or a quaternion that is not a unit
 SE3d pose_in(const CsvTable& table);
-/// Nothing where all fields are empty.
+/// Nothing where all fields are empty, the table has no such columns, or a placeholder stands
+/// there.
 /// @throws InvalidInput at the row when some fields are empty and others are not
 std::optional<Matrix6d> covariance_in(const CsvTable& table);
 

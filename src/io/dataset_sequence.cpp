@@ -14,6 +14,7 @@
 #include "posemix/io/bop_models.hpp"
 #include "posemix/io/dataset.hpp"
 #include "posemix/io/text.hpp"
+#include "toml_string.hpp"
 
 namespace posemix {
 namespace {
@@ -21,16 +22,6 @@ namespace {
 using namespace internal;
 
 namespace fs = std::filesystem;
-
-/// A string in TOML, which has the same form in JSON.
-std::string toml_string(const std::string& text) {
-  if (text.find("${") != std::string::npos)
-    throw InvalidInput(
-        fmt::format("{}: got a path with '${{', expected one without: a sequence "
-                    "file reads it as a variable",
-                    in_quotes(text, 200)));
-  return Json(text).dump(-1, ' ', false, Json::error_handler_t::replace);
-}
 
 std::string absolute_path(const fs::path& path) {
   return toml_string(fs::absolute(path).lexically_normal().string());

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -14,6 +15,26 @@
 #include "posemix/io/text.hpp"
 
 namespace posemix::internal {
+
+Json parse_json(std::string_view text, const std::string& name, std::string_view expected) {
+  std::vector<std::set<std::string>> open;
+  const auto check = [&](int, Json::parse_event_t event, const Json& parsed) {
+    if (event == Json::parse_event_t::object_start) open.emplace_back();
+    if (event == Json::parse_event_t::object_end) open.pop_back();
+    if (event == Json::parse_event_t::key &&
+        !open.back().insert(parsed.get<std::string>()).second) {
+      throw InvalidInput(fmt::format("{}: got the key {} twice in one object, expected once", name,
+                                     in_quotes(parsed.get<std::string>())));
+    }
+    return true;
+  };
+  try {
+    return Json::parse(text, check);
+  } catch (const Json::exception& error) {
+    throw InvalidInput(fmt::format("{}: got a text that is not JSON ({}), expected {}", name,
+                                   error.what(), expected));
+  }
+}
 
 void JsonPlace::fail(std::string_view got, std::string_view expected) const {
   throw InvalidInput(fmt::format("{}: got {}, expected {}", path_, got, expected));

@@ -15,6 +15,11 @@ namespace posemix::internal {
 /// Largest accepted deviation of a quaternion's norm from one in JSON files.
 inline constexpr double kJsonNormTolerance = 1e-6;
 
+/// Parses a document; `expected` says of what.
+/// @throws InvalidInput `name: got ..., expected ...` for a text that is not JSON, and for a key
+/// that occurs twice in one object
+Json parse_json(std::string_view text, const std::string& name, std::string_view expected);
+
 /// A value of a document and the path to it, for messages `file: key: key[0]: got ..., expected
 /// ...`.
 class JsonPlace {
@@ -26,6 +31,7 @@ class JsonPlace {
   /// The value of a key, which must exist.
   JsonPlace member(std::string_view key) const;
   bool has(std::string_view key) const;
+  bool is_null() const { return json_->is_null(); }
   /// The keys of an object, in the order of the text.
   std::vector<std::string> keys() const;
   /// Throws InvalidInput if the object has other keys.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 #include <cmath>
-#include <set>
 
 #include <fmt/format.h>
 
@@ -14,28 +13,7 @@
 namespace posemix {
 namespace {
 
-/// Parses the document; throws for a key that occurs twice in one object.
 using namespace internal;
-
-Json document(std::string_view text, const std::string& name) {
-  std::vector<std::set<std::string>> open;
-  const auto check = [&](int, Json::parse_event_t event, const Json& parsed) {
-    if (event == Json::parse_event_t::object_start) open.emplace_back();
-    if (event == Json::parse_event_t::object_end) open.pop_back();
-    if (event == Json::parse_event_t::key &&
-        !open.back().insert(parsed.get<std::string>()).second) {
-      throw InvalidInput(fmt::format("{}: got the key {} twice in one object, expected once", name,
-                                     in_quotes(parsed.get<std::string>())));
-    }
-    return true;
-  };
-  try {
-    return Json::parse(text, check);
-  } catch (const Json::exception& error) {
-    throw InvalidInput(fmt::format("{}: got a text that is not JSON ({}), expected a mixture file",
-                                   name, error.what()));
-  }
-}
 
 template <Spelled Value>
 Value value_of(const JsonPlace& place) {
@@ -195,7 +173,7 @@ Mixture<D> read_components(const JsonPlace& place, const MixtureConvention& conv
 }  // namespace
 
 MixtureFile parse_mixture(std::string_view text, const std::string& name) {
-  const Json json = document(text, name);
+  const Json json = parse_json(text, name, "a mixture file");
   const JsonPlace root(json, name);
   check_schema(root);
   std::vector<std::string> warnings;

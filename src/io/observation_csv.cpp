@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "posemix/io/observation_csv.hpp"
 
+#include <algorithm>
 #include <optional>
 #include <set>
 
@@ -23,7 +24,11 @@ void require_columns(const CsvTable& table) {
   for (const std::string_view column : split_fields(kWhere, ','))
     table.require_column(std::string(column));
   for (const char* column : kPoseFields) table.require_column(column);
-  for (const std::string& column : covariance_columns()) table.require_column(column);
+  const auto& columns = covariance_columns();
+  const bool any = std::any_of(columns.begin(), columns.end(),
+                               [&](const std::string& column) { return table.has(column); });
+  if (!any) return;
+  for (const std::string& column : columns) table.require_column(column);
 }
 
 std::optional<double> optional_number(const CsvTable& table, const std::string& column) {

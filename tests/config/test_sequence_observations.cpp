@@ -12,6 +12,8 @@
 
 #include "posemix/base/error.hpp"
 #include "posemix/config/sequence_file.hpp"
+#include "posemix/io/observation_csv.hpp"
+#include "posemix/io/observation_jsonl.hpp"
 #include "posemix/slam/job.hpp"
 #include "small_recording.hpp"
 
@@ -69,6 +71,50 @@ TEST(SequenceObservations, MakeFramesObjectsAndDetections) {
   const SlamRun result = run(job);
   EXPECT_EQ(result.hypotheses[0].size(), 2U);
   EXPECT_NEAR(result.frames.back().objects[1]->mean().translation().x(), 0.31, 0.01);
+}
+
+TEST(SequenceObservations, MayBeLines) {
+  const testing::TemporaryFolder folder;
+  folder.put("odometry.tum", kOdometry);
+  folder.put("observations.jsonl",
+             format_observation_lines(parse_observations(kTable, "observations.csv")));
+  const auto read = [&](const std::string& text) {
+    return read_slam_job(TomlDocument::parse(text, "sequence.toml"), {folder.path()});
+  };
+  const std::string csv = "csv = \"observations.csv\"";
+  const std::string lines = "jsonl = \"observations.jsonl\"";
+  const SlamRun result = run(read(replaced(kSequence, csv, lines)));
+  const SlamRun expected = run(job_of(kSequence));
+  EXPECT_EQ(result.frames.back().objects[1]->mean().matrix(),
+            expected.frames.back().objects[1]->mean().matrix());
+  EXPECT_EQ(result.hypotheses[0].size(), 2U);
+  try {
+    read(replaced(kSequence, csv, csv + "\n" + lines));
+    ADD_FAILURE() << "accepted two files";
+  } catch (const InvalidInput& error) {
+    EXPECT_NE(std::string(error.what()).find("stands beside csv"), std::string::npos);
+  }
+}
+
+TEST(SequenceObservations, StampsAreFramesToo) {
+  const testing::TemporaryFolder folder;
+  folder.put("odometry.tum", kOdometry);
+  folder.put("observations.csv", kTable);
+  folder.put("stamps.txt", "# images\n0.02\n0.1000000001\n");
+  const auto text = replaced(kSequence, "[camera]\n", "[camera]\nstamps = \"stamps.txt\"\n");
+  const auto job = [&] {
+    return read_slam_job(TomlDocument::parse(text, "sequence.toml"), {folder.path()});
+  };
+  const std::vector<double> stamps{0.0, 0.02, 0.05, 0.1};
+  EXPECT_EQ(job().sequence.stamps, stamps);
+  EXPECT_NEAR(job().sequence.odometry[1]->translation().x(), 0.004, 1e-12);
+  folder.put("stamps.txt", "0.02\nsoon\n");
+  try {
+    job();
+    ADD_FAILURE() << "accepted a word";
+  } catch (const InvalidInput& error) {
+    EXPECT_NE(std::string(error.what()).find("stamps.txt:2: "), std::string::npos) << error.what();
+  }
 }
 
 TEST(SequenceObservations, ComeFromCamerasWithACovariance) {

@@ -35,6 +35,12 @@ TEST(BopViews, RowsAtOnePlaceAreOneObservation) {
   EXPECT_EQ(bop_observations(rows, {.least_score = 0.55}).size(), 2U);
   const std::vector<BopRow> unscored{row_of(7, -1.0, 0.0), row_of(7, -1.0, 0.01)};
   EXPECT_EQ(bop_observations(unscored)[0].components[1].weight, 0.5);
+  const std::vector<BopRow> zeros{row_of(7, 0.0, 0.0), row_of(7, 0.0, 0.01)};
+  EXPECT_EQ(bop_observations(zeros)[0].components[1].weight, 0.5);
+  // A score of zero beside others is a weight of zero.
+  const std::vector<BopRow> one{row_of(7, 0.0, 0.0), row_of(7, 0.5, 0.01)};
+  ASSERT_EQ(bop_observations(one)[0].components.size(), 1U);
+  EXPECT_EQ(bop_observations(one)[0].components[0].weight, 1.0);
 }
 
 TEST(BopViews, TextsOfRowsAreReadBack) {

@@ -5,13 +5,14 @@
 #include <gtest/gtest.h>
 
 #include "posemix/io/observation_csv.hpp"
+#include "posemix/io/observation_jsonl.hpp"
 #include "posemix/testing/mutate.hpp"
 
-/// Damaged tables of observations.
+/// Damaged tables and lines of observations.
 namespace posemix {
 namespace {
 
-TEST(FuzzObservation, Tables) {
+std::vector<Observation> some_observations() {
   Observation tag;
   tag.object = "7";
   tag.camera = "left";
@@ -24,10 +25,16 @@ TEST(FuzzObservation, Tables) {
   Observation mug;
   mug.class_id = "mug";
   mug.components = {{.pose = SE3d()}};
-  const std::vector<std::string> originals{format_observations(std::vector{tag, mug})};
-  const auto parse = [](const std::string& text) {
-    const auto read = parse_observations(text, "o.csv");
-    const auto again = parse_observations(format_observations(read), "o.csv");
+  return {tag, mug};
+}
+
+/// Reads damaged texts, writes what was accepted and reads it again.
+template <typename Parse, typename Format>
+void fuzz_observations(const Parse& parse_text, const Format& format) {
+  const std::vector<std::string> originals{format(some_observations())};
+  const auto parse = [&](const std::string& text) {
+    const auto read = parse_text(text, "o");
+    const auto again = parse_text(format(read), "o");
     if (again.size() != read.size()) throw std::logic_error("reads back another number");
     for (std::size_t i = 0; i < read.size(); ++i) {
       if (again[i].components.size() != read[i].components.size() ||
@@ -40,6 +47,12 @@ TEST(FuzzObservation, Tables) {
       << report.failures.size() << " failures, the first: " << report.failures[0];
   EXPECT_GT(report.accepted, 100U);
   EXPECT_GT(report.rejected, 100U);
+}
+
+TEST(FuzzObservation, Tables) { fuzz_observations(&parse_observations, &format_observations); }
+
+TEST(FuzzObservation, Lines) {
+  fuzz_observations(&parse_observation_lines, &format_observation_lines);
 }
 
 }  // namespace

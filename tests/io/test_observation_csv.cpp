@@ -111,10 +111,29 @@ TEST(ObservationCsv, ErrorsNameTheLineOfTheSighting) {
                       "o.csv:2: got a quaternion of norm 2");
   EXPECT_INVALID_WITH(parse("1,,,7,,0,1,0,0,1,0,0,0,1,1" + kNoCovariance + "\n"),
                       "o.csv:2: got 20 empty fields of a covariance, expected none or all 21");
-  const std::string zeros = "0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0";
-  EXPECT_INVALID_WITH(parse("1,,,7,,0,1,0,0,1,0,0,0,1," + zeros + "\n"),
+  const std::string indefinite = "1,0,0,0,0,0,1,0,0,0,0,1,0,0,0,1,0,0,-1,0,1";
+  EXPECT_INVALID_WITH(parse("1,,,7,,0,1,0,0,1,0,0,0,1," + indefinite + "\n"),
                       "the covariance of component 0 is not positive definite");
   EXPECT_INVALID_WITH(parse_observations("stamp_s,camera\n", "o.csv"), "got no column detector");
+}
+
+TEST(ObservationCsv, PlaceholdersAreNoCovariance) {
+  for (const char* none :
+       {"0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0", "1,0,0,0,0,0,1,0,0,0,0,1,0,0,0,1,0,0,1,0,1",
+        "-1,0,0,0,0,0,1,0,0,0,0,1,0,0,0,1,0,0,1,0,1"}) {
+    const auto read = parse("1,,,7,,0,1,0,0,1,0,0,0,1," + std::string(none) + "\n");
+    EXPECT_FALSE(read[0].components[0].covariance.has_value()) << none;
+  }
+}
+
+TEST(ObservationCsv, TheColumnsOfCovariancesMayBeMissing) {
+  const std::string header(kHeader);
+  const std::string begin = header.substr(0, header.find(",c00"));
+  const std::string rows = "1,,,7,,0,0.5,0,0,1,0,0,0,1\n1,,,7,,0,0.5,0,0,1,0,0,1,0\n";
+  const auto read = parse_observations(begin + "\n" + rows, "o.csv");
+  ASSERT_EQ(read[0].components.size(), 2U);
+  EXPECT_FALSE(read[0].components[0].covariance.has_value());
+  EXPECT_INVALID_WITH(parse_observations(begin + ",c00\n", "o.csv"), "got no column c01");
 }
 
 TEST(ObservationCsv, RefusesToWriteWhatCannotBeReadBack) {

@@ -44,8 +44,8 @@ struct BopObservationSettings {
 };
 
 /// The observations of one image: `class_id` is the object's number, `score` the highest score.
-/// Weights of the rows at one place are their scores; where one of these is not positive, all are
-/// equal. In the order of object and falling score.
+/// Weights of the rows at one place are their scores over the sum of these; where a score is
+/// negative or all are zero, the weights are equal. In the order of object and falling score.
 std::vector<Observation> bop_observations(std::span<const BopRow> rows,
                                           const BopObservationSettings& settings = {});
 

@@ -14,10 +14,12 @@
 ///
 /// Columns: `stamp_s,camera,detector,id,class,sighting,weight,tx_m,ty_m,tz_m,qx,qy,qz,qw` and
 /// `c00,c01,...,c55`, the upper triangle row by row of the covariance of n of T_camera_object
-/// Exp(n), rotation [rad] before translation [m]; `clutter` and `score` may follow. `sighting` is
+/// Exp(n), rotation [rad] before translation [m], which may be missing, all of them; `clutter` and
+/// `score` may follow. `sighting` is
 /// an integer that the components of one observation share; their rows follow each other. Of `id`
 /// and `class` one is given; camera, detector, clutter, score may be empty, and so may a
-/// covariance, as a whole: it is then that of the detector's noise.
+/// covariance, as a whole: it is then that of the detector's noise. So it is for a placeholder
+/// (is_placeholder_covariance).
 namespace posemix {
 
 /// The observations of a table, in the order of the file; lines that start with '#' are skipped.

@@ -24,6 +24,14 @@ _ROS2 = {
         "vision_msgs/BoundingBox3D bbox\nstring id\n"
     ),
     "Detection3DArray": "std_msgs/Header header\nvision_msgs/Detection3D[] detections\n",
+    "Point2D": "float64 x\nfloat64 y\n",
+    "Pose2D": "vision_msgs/Point2D position\nfloat64 theta\n",
+    "BoundingBox2D": "vision_msgs/Pose2D center\nfloat64 size_x\nfloat64 size_y\n",
+    "Detection2D": (
+        "std_msgs/Header header\nvision_msgs/ObjectHypothesisWithPose[] results\n"
+        "vision_msgs/BoundingBox2D bbox\nstring id\n"
+    ),
+    "Detection2DArray": "std_msgs/Header header\nvision_msgs/Detection2D[] detections\n",
 }
 _ROS1 = {
     "ObjectHypothesisWithPose": (
@@ -35,6 +43,12 @@ _ROS1 = {
         "vision_msgs/BoundingBox3D bbox\nsensor_msgs/PointCloud2 source_cloud\n"
     ),
     "Detection3DArray": _ROS2["Detection3DArray"],
+    "BoundingBox2D": "geometry_msgs/Pose2D center\nfloat64 size_x\nfloat64 size_y\n",
+    "Detection2D": (
+        "std_msgs/Header header\nvision_msgs/ObjectHypothesisWithPose[] results\n"
+        "vision_msgs/BoundingBox2D bbox\nsensor_msgs/Image source_img\n"
+    ),
+    "Detection2DArray": _ROS2["Detection2DArray"],
 }
 _TF = "geometry_msgs/TransformStamped[] transforms\n"
 

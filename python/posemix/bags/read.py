@@ -6,19 +6,23 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from posemix._arrays import FloatArray
+from posemix._core import Observation
 from posemix.bags.messages import connections_of, frame_of, messages, opened, stamp_of
+from posemix.bags.observations import moved
+from posemix.bags.rows import DetectionRows, PoseOf
 from posemix.bags.transforms import Nanoseconds, Timeline, TransformBuffer
 from posemix.interop.ros import from_pose
 from posemix.lie import SE3
 
 __all__ = ["Detections", "Recording", "read"]
 
+_DETECTION_TYPES = ("vision_msgs/msg/Detection3DArray", "vision_msgs/msg/Detection2DArray")
 _TF_TYPES = ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage")
 
 
@@ -39,6 +43,9 @@ class Detections:
     covariance : ndarray, shape (n, 36)
         Covariance of the message (see `posemix.interop.ros`), in the frame of the message; zeros if the detector
         gives none.
+    observations : tuple of Observation, length n, or empty
+        All results of the class with their weights and covariances, poses T_camera_object. Stamps in seconds since the
+        first frame.
     """
 
     frame: npt.NDArray[np.int64]
@@ -47,11 +54,14 @@ class Detections:
     score: FloatArray
     poses: SE3
     covariance: FloatArray
+    observations: tuple[Observation, ...] = ()
 
 
 @dataclass(frozen=True)
 class Recording:
-    """The detections and odometry in a bag. A frame is a message of the detector.
+    """The detections and odometry in a bag.
+
+    A frame is a message of the detector, or what it has with one stamp where detections have stamps of their own.
 
     Attributes
     ----------
@@ -65,6 +75,8 @@ class Recording:
         Names of the frames; the latter is "" without odometry.
     detections : Detections
         All detections.
+    arrivals_ns : ndarray of int, shape (f,), or empty
+        Times at which the frames were recorded [ns].
     """
 
     stamps_ns: Nanoseconds
@@ -73,6 +85,7 @@ class Recording:
     camera_frame: str
     odometry_frame: str
     detections: Detections
+    arrivals_ns: Nanoseconds = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
 
     @property
     def stamps(self) -> FloatArray:
@@ -81,59 +94,10 @@ class Recording:
 
 
 @dataclass
-class _Rows:
-    """Rows of detections while a bag is read."""
-
-    stamps: list[int] = field(default_factory=list)
-    cameras: list[str] = field(default_factory=list)
-    frame: list[int] = field(default_factory=list)
-    source: list[str] = field(default_factory=list)
-    class_id: list[str] = field(default_factory=list)
-    instance_id: list[str] = field(default_factory=list)
-    score: list[float] = field(default_factory=list)
-    poses: list[FloatArray] = field(default_factory=list)
-    covariance: list[FloatArray] = field(default_factory=list)
-
-    def take(self, message: Any, arrival: int, pose_of: str, where: str) -> None:
-        index = len(self.stamps)
-        self.stamps.append(stamp_of(message.header, arrival))
-        self.cameras.append(frame_of(message.header))
-        for number, detection in enumerate(message.detections):
-            if len(detection.results) == 0:
-                continue
-            best = max(detection.results, key=_score)
-            shape = best.pose.pose if pose_of == "result" else detection.bbox.center
-            try:
-                pose = from_pose(shape)
-            except ValueError as error:
-                stamp = self.stamps[-1]
-                raise ValueError(f"{where}: detection {number} at {stamp} ns: {error}") from None
-            self.frame.append(index)
-            self.source.append(frame_of(detection.header) or self.cameras[-1])
-            self.class_id.append(_class_of(best))
-            self.instance_id.append(_instance_of(detection))
-            self.score.append(_score(best))
-            self.poses.append(pose.to_tq())
-            self.covariance.append(np.array(best.pose.covariance, dtype=np.float64))
-
-
-def _score(result: Any) -> float:
-    return float(result.hypothesis.score if hasattr(result, "hypothesis") else result.score)
-
-
-def _class_of(result: Any) -> str:
-    return str(result.hypothesis.class_id if hasattr(result, "hypothesis") else result.id)
-
-
-def _instance_of(detection: Any) -> str:
-    return str(getattr(detection, "id", "") or getattr(detection, "tracking_id", ""))
-
-
-@dataclass
 class _Content:
     """The content of a bag after one pass over it."""
 
-    rows: _Rows
+    rows: DetectionRows
     buffer: TransformBuffer
     odometry: list[tuple[int, FloatArray]]
     odometry_frame: str = ""
@@ -158,12 +122,15 @@ def _take_transforms(content: _Content, message: Any, is_static: bool) -> None:
 
 
 def _content(
-    path: str | os.PathLike[str], detections: str, odometry: str | None, pose: str
+    path: str | os.PathLike[str], detections: str, odometry: str | None, pose: PoseOf
 ) -> _Content:
-    content = _Content(_Rows(), TransformBuffer(), [])
+    content = _Content(DetectionRows(), TransformBuffer(), [])
     with opened(path) as reader:
-        kinds = ("vision_msgs/msg/Detection3DArray",)
-        wanted = connections_of(reader, path, detections, kinds)
+        wanted = connections_of(reader, path, detections, _DETECTION_TYPES)
+        if pose == "bbox" and any(c.msgtype == _DETECTION_TYPES[1] for c in wanted):
+            raise ValueError(
+                f"{path}: {detections} has boxes in the image, which have no pose; expected pose = \"result\""
+            )
         if odometry is not None:
             wanted += connections_of(reader, path, odometry, ("nav_msgs/msg/Odometry",))
         for topic in ("/tf", "/tf_static"):
@@ -188,21 +155,21 @@ def read(
     odometry: str | None = None,
     odometry_frame: str | None = None,
     camera_frame: str | None = None,
-    pose: Literal["result", "bbox"] = "result",
+    pose: PoseOf = "result",
     max_gap_s: float = 0.2,
 ) -> Recording:
     """Reads detections and odometry of a ROS 2 bag (sqlite3 or MCAP) or a ROS 1 bag.
 
     Odometry is interpolated at the stamps of the detections, along the geodesic between the messages before and after,
-    and transformed from the robot's base to the camera by /tf and /tf_static. The result with the highest score is
-    taken of every detection.
+    and transformed from the robot's base to the camera by /tf and /tf_static. Of every detection all results of the
+    class of the best one are an observation; `Detections.poses` are those with the highest score.
 
     Parameters
     ----------
     path : path
         The bag: a folder or file of ROS 2, a file of ROS 1.
     detections : str
-        Topic of vision_msgs/Detection3DArray.
+        Topic of vision_msgs/Detection3DArray, or of vision_msgs/Detection2DArray whose results have poses.
     odometry : str, optional
         Topic of nav_msgs/Odometry, T_odom_base.
     odometry_frame : str, optional
@@ -220,8 +187,9 @@ def read(
     FileNotFoundError
         If there is no such bag.
     ValueError
-        For a missing topic (with a list of the existing topics), a topic of another type, a damaged bag, and frames
-        that no transform connects.
+        For a missing topic (with a list of the existing topics), a topic of another type, a damaged bag, a covariance
+        that is not symmetric positive definite and no placeholder (see `is_placeholder_covariance`), and frames that no
+        transform connects.
     """
     if odometry is not None and odometry_frame is not None:
         raise ValueError("odometry and odometry_frame are both given; expected one of them")
@@ -239,7 +207,8 @@ def read(
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from None
     frame = content.odometry_frame or odometry_frame or ""
-    return Recording(stamps, poses, known, camera, frame, found)
+    arrivals = np.array(rows.arrivals, dtype=np.int64)[order]
+    return Recording(stamps, poses, known, camera, frame, found, arrivals)
 
 
 def _detections(
@@ -251,6 +220,7 @@ def _detections(
     frame = place[np.array(rows.frame, dtype=np.int64)]
     poses = SE3.from_tq(np.array(rows.poses).reshape((-1, 7)))
     tq = poses.to_tq()
+    components = list(rows.components)
     for source in sorted(set(rows.source) - {camera}):
         here = np.array([name == source for name in rows.source])
         to_camera, known = content.buffer.lookup(
@@ -260,7 +230,10 @@ def _detections(
             at = stamps[frame[here]][~known][0]
             raise ValueError(f"no transform from '{source}' to '{camera}' at {at} ns")
         tq[here] = (to_camera * poses[here]).to_tq()
+        for row, by in zip(np.flatnonzero(here), to_camera, strict=True):
+            components[row] = moved(components[row], by)
     by_frame = np.argsort(frame, kind="stable")
+    seconds = (stamps - stamps[0]) * 1e-9
     return Detections(
         frame[by_frame],
         tuple(rows.class_id[i] for i in by_frame),
@@ -268,7 +241,13 @@ def _detections(
         np.array(rows.score)[by_frame],
         SE3.from_tq(tq[by_frame].reshape((-1, 7))),
         np.array(rows.covariance).reshape((-1, 36))[by_frame],
-    )
+        tuple(
+            Observation(
+                components[i], class_id=rows.class_id[i], stamp_s=float(seconds[frame[i]]), score=rows.score[i]
+            )
+            for i in by_frame
+        ),
+    )  # fmt: skip
 
 
 def _odometry(

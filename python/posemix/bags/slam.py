@@ -6,28 +6,29 @@ from __future__ import annotations
 
 import os
 from collections import Counter
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
-from posemix._arrays import FloatArray
+from posemix.bags.filter_runs import by_arrival, by_stamps
 from posemix.bags.read import Recording, read
-from posemix.bags.write import PoseMixture, Track, write
+from posemix.bags.track_rows import TrackRows
+from posemix.bags.write import Track, write
 from posemix.density import ConcentratedGaussian
 from posemix.lie import SE3
-from posemix.mixture import Mixture
 from posemix.noise import pose_covariance
 from posemix.runs import Progress
 from posemix.slam import (
-    Candidate,
-    FrameInput,
     MotionModel,
     MultiObjectSlamSettings,
     ObjectModel,
     ObjectSlam,
     ObjectSlamSettings,
+    StampAdmission,
+    StampedSlam,
+    StampedSlamSettings,
 )
 
 __all__ = ["BagRun", "models_of", "run_slam", "track_objects"]
@@ -49,6 +50,9 @@ class BagRun:
         T_world_object of every detected object from its first detection on, with its hypotheses.
     ignored : dict of str to int
         Numbers of detections of classes without a model.
+    late, too_late : int
+        Numbers of observations that came out of order: those that were taken in at their stamps, and those that were
+        older than the history and refused.
     """
 
     recording: Recording
@@ -56,6 +60,8 @@ class BagRun:
     camera: Track
     objects: list[Track]
     ignored: dict[str, int]
+    late: int = 0
+    too_late: int = 0
 
 
 def models_of(recording: Recording) -> list[ObjectModel]:
@@ -78,80 +84,19 @@ def models_of(recording: Recording) -> list[ObjectModel]:
     return models
 
 
-@dataclass
-class _Rows:
-    """Rows of a track during a run."""
-
-    stamps: list[int] = field(default_factory=list)
-    poses: list[FloatArray] = field(default_factory=list)
-    covariances: list[FloatArray] = field(default_factory=list)
-    mixtures: list[PoseMixture] = field(default_factory=list)
-
-    def add(
-        self, stamp: int, density: ConcentratedGaussian[SE3], mixture: PoseMixture | None = None
-    ) -> None:
-        self.stamps.append(stamp)
-        self.poses.append(density.mean.to_tq())
-        self.covariances.append(density.covariance)
-        if mixture is not None:
-            self.mixtures.append(mixture)
-
-    def track(self, name: str, class_id: str) -> Track:
-        return Track(
-            name, class_id, np.array(self.stamps, dtype=np.int64), SE3.from_tq(np.array(self.poses)),
-            np.array(self.covariances), tuple(self.mixtures),
-        )  # fmt: skip
-
-
-def _inputs(recording: Recording, models: Sequence[ObjectModel]) -> Iterator[FrameInput]:
-    """The input frames: candidates for a class with several models, otherwise the detection of highest score."""
-    classes = Counter(model.class_id or model.id for model in models)
-    single = {m.class_id or m.id: m.id for m in models if classes[m.class_id or m.id] == 1}
-    seen, stamps = recording.detections, recording.stamps
-    rows: list[list[int]] = [[] for _ in stamps]
-    for row, frame in enumerate(seen.frame.tolist()):
-        rows[frame].append(row)
-    for k, of_frame in enumerate(rows):
-        detections: dict[str, SE3] = {}
-        candidates = []
-        for row in sorted(of_frame, key=lambda r: -seen.score[r]):
-            name, pose = seen.class_id[row], seen.poses[row]
-            if name in single:
-                detections.setdefault(single[name], pose)
-            elif name in classes:
-                candidates.append(Candidate(name, pose, float(seen.score[row])))
-        motion = None
-        if k > 0 and recording.has_odometry[k - 1] and recording.has_odometry[k]:
-            motion = recording.odometry[k - 1].inverse() * recording.odometry[k]
-        dt = float(stamps[k] - stamps[k - 1]) if k > 0 else 0.0
-        yield FrameInput(dt, motion, detections, candidates)
-
-
-class _Hypotheses:
-    """The hypotheses of every object at one frame."""
-
-    def __init__(self, slam: ObjectSlam) -> None:
-        self._many = slam.multi_object
-        self._joint = slam.posterior if self._many is None else None
-
-    def of(self, index: int, pose_index: int) -> PoseMixture:
-        if self._joint is not None:
-            return self._joint.marginal(pose_index)
-        assert self._many is not None
-        found = self._many.hypotheses(index)
-        densities = [ConcentratedGaussian(h.pose, h.covariance) for h in found]
-        return Mixture(densities, [h.probability for h in found])
-
-
 def track_objects(
     recording: Recording,
     models: Sequence[ObjectModel] | None = None,
     settings: ObjectSlamSettings | None = None,
     *,
     camera_prior: ConcentratedGaussian[SE3] | None = None,
+    stamped: StampedSlamSettings | None = None,
     progress: Progress | None = None,
 ) -> BagRun:
     """Runs object SLAM over the result of `read`.
+
+    The multi-object filter takes in all results of a detection, with their weights and covariances, in the order in
+    which they arrived and at their stamps. Other filters take in the best pose of each, in the order of the stamps.
 
     Parameters
     ----------
@@ -165,6 +110,8 @@ def track_objects(
     camera_prior : ConcentratedGaussian, optional
         Prior of T_world_camera at the first frame. By default its mean is the odometry's pose at that frame, with
         standard deviations of 0.05 deg and 2 mm.
+    stamped : StampedSlamSettings, optional
+        History over which late observations are taken in, and stamps that jump; for the multi-object filter.
     progress : callable, optional
         Called with (frames done, frames in all). If it returns False, the run stops and the frames done so far are
         returned.
@@ -179,26 +126,24 @@ def track_objects(
     _require_candidates_allowed(objects, settings)
     start = recording.odometry[0] if recording.has_odometry[0] else SE3()
     prior = camera_prior or ConcentratedGaussian(start, pose_covariance(np.radians(0.05), 0.002))
-    slam = ObjectSlam(prior, objects, settings)
-    camera, rows = _Rows(), [_Rows() for _ in objects]
-    for k, frame in enumerate(_inputs(recording, objects)):
-        slam.step(frame)
-        stamp, joint, hypotheses = int(recording.stamps_ns[k]), slam.estimate, _Hypotheses(slam)
-        camera.add(stamp, joint.marginal(0))
-        for j in range(len(objects)):
-            index = slam.pose_index(j)
-            if index is not None:
-                rows[j].add(stamp, joint.marginal(index), hypotheses.of(j, index))
+    tracks = TrackRows(objects)
+    if isinstance(settings.tracker, MultiObjectSlamSettings):
+        slam = StampedSlam(prior, objects, settings.tracker, settings.motion, stamped)
+        has_odometry = settings.motion.model == MotionModel.odometry
+        frames = by_arrival(recording, objects, slam, has_odometry, tracks)
+    else:
+        frames = by_stamps(recording, objects, ObjectSlam(prior, objects, settings), tracks)
+    late = too_late = 0
+    for k, admissions in enumerate(frames):
+        late += admissions[StampAdmission.replayed]
+        too_late += admissions[StampAdmission.too_late]
         if progress is not None and progress(k + 1, len(recording.stamps_ns)) is False:
             break
     known = {model.class_id or model.id for model in objects}
     ignored = Counter(name for name in recording.detections.class_id if name not in known)
-    tracks = [
-        track.track(model.id, model.class_id or model.id)
-        for model, track in zip(objects, rows, strict=True)
-        if track.stamps
-    ]
-    return BagRun(recording, objects, camera.track("camera", ""), tracks, dict(ignored))
+    return BagRun(
+        recording, objects, tracks.of_camera(), tracks.of_objects(), dict(ignored), late, too_late
+    )
 
 
 def _require_candidates_allowed(
@@ -224,6 +169,7 @@ def run_slam(
     models: Sequence[ObjectModel] | None = None,
     settings: ObjectSlamSettings | None = None,
     camera_prior: ConcentratedGaussian[SE3] | None = None,
+    stamped: StampedSlamSettings | None = None,
     world_frame: str | None = None,
     storage: Literal["mcap", "sqlite3", "ros1"] = "mcap",
     progress: Progress | None = None,
@@ -236,7 +182,7 @@ def run_slam(
         As for `read`.
     out, storage
         As for `write`; nothing is written without `out`.
-    models, settings, camera_prior, progress
+    models, settings, camera_prior, stamped, progress
         As for `track_objects`.
     world_frame : str, optional
         Name of the world frame in the written bag; by default the odometry's frame, or "world" without odometry.
@@ -253,7 +199,7 @@ def run_slam(
         camera_frame=camera_frame, max_gap_s=max_gap_s,
     )  # fmt: skip
     result = track_objects(
-        recording, models, settings, camera_prior=camera_prior, progress=progress
+        recording, models, settings, camera_prior=camera_prior, stamped=stamped, progress=progress
     )
     if out is not None:
         frame = world_frame or recording.odometry_frame or "world"

@@ -97,15 +97,17 @@ struct Evidence {
   double squared_distance = std::numeric_limits<double>::infinity();
 };
 
-/// A detection is at any pose in the volume that clutter is in, so that a predicted pose that is
-/// less certain has the density of that volume at its peak: `log_volume` bounds that of the
-/// Gaussian [nats].
+/// The object was detected, and so is in the volume that detections are in, that of clutter. A
+/// predicted pose that is less certain than this volume, whose log is `log_volume`, is cut off at
+/// its border: it has the volume's density at its peak and is as much flatter as it was larger.
 Evidence evidence_of(const Vector6d& residual, const Matrix6d& covariance, double log_volume) {
   const Eigen::LLT<Matrix6d> s(covariance);
   if (s.info() != Eigen::Success) return {};
   const double squared = s.matrixL().solve(residual).squaredNorm();
   const double of_gaussian = log_det(s) + 6.0 * kLogTwoPi;
-  return {-0.5 * (squared + std::min(of_gaussian, 2.0 * log_volume)), squared};
+  const double larger = 0.5 * of_gaussian - log_volume;
+  if (larger <= 0.0) return {-0.5 * (squared + of_gaussian), squared};
+  return {-0.5 * squared * std::exp(-larger) - log_volume, squared};
 }
 
 /// Evidence of a component: that of the innovation, and for gross errors that with a slow error

@@ -1,18 +1,10 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include <numbers>
-
 #include "multi_object_state.hpp"
 #include "posemix/density/pose_stack.hpp"
 #include "posemix/filter/predict.hpp"
 
 namespace posemix::internal {
-namespace {
-
-/// Variance of each coordinate of the logarithm of a rotation that may be any, (pi^2 / 3 + 2) / 3.
-constexpr double kUniformRotation = (std::numbers::pi * std::numbers::pi / 3.0 + 2.0) / 3.0;
-
-}  // namespace
 
 void MultiObjectState::predict_with_odometry(const SE3d& change, const Matrix6d& q, double dt) {
   const SE3d before = joint.pose(kCamera);
@@ -32,10 +24,10 @@ void MultiObjectState::predict_random_walk(const Matrix6d& q, double dt) {
 /// is that of before.
 void MultiObjectState::release_lost_camera() {
   const Matrix6d before = joint.covariance(kCamera, kCamera);
-  if (before.topLeftCorner<3, 3>().diagonal().maxCoeff() <= kUniformRotation) return;
+  if (before.topLeftCorner<3, 3>().diagonal().maxCoeff() <= kUniformRotationVariance) return;
   const SE3d position(SO3d(), joint.pose(kCamera).translation());
   Matrix6d there = Matrix6d::Zero();
-  there.topLeftCorner<3, 3>().diagonal().setConstant(kUniformRotation);
+  there.topLeftCorner<3, 3>().diagonal().setConstant(kUniformRotationVariance);
   there.bottomRightCorner<3, 3>() =
       position.inverse().adjoint_congruence(before).bottomRightCorner<3, 3>();
   joint.release_camera(position.adjoint_congruence(there));

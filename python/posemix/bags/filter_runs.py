@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: MIT
+# SPDX-FileCopyrightText: posemix contributors
+"""Filters over the frames of a recording: by the stamps, or in the order of arrival."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+
+from posemix.bags.observations import named
+from posemix.bags.read import Detections, Recording
+from posemix.bags.track_rows import TrackRows
+from posemix.density import ConcentratedGaussian
+from posemix.filter import MultiObjectFilter
+from posemix.lie import SE3
+from posemix.mixture import Mixture
+from posemix.slam import (
+    Candidate,
+    FrameInput,
+    ObjectModel,
+    ObjectSlam,
+    Observation,
+    ObservationComponent,
+    StampAdmission,
+    StampedSlam,
+)
+
+
+def _assigned(
+    recording: Recording, models: Sequence[ObjectModel]
+) -> Iterator[list[tuple[int, str, str]]]:
+    """Of every frame the rows, the highest score first, with the object or the class that each is of.
+
+    A class with one model has one row per frame at most; rows of other classes than those of the models are left out.
+    """
+    classes = Counter(model.class_id or model.id for model in models)
+    single = {m.class_id or m.id: m.id for m in models if classes[m.class_id or m.id] == 1}
+    seen = recording.detections
+    rows: list[list[int]] = [[] for _ in recording.stamps_ns]
+    for row, frame in enumerate(seen.frame.tolist()):
+        rows[frame].append(row)
+    for of_frame in rows:
+        assigned: list[tuple[int, str, str]] = []
+        taken = set()
+        for row in sorted(of_frame, key=lambda r: -seen.score[r]):
+            name = seen.class_id[row]
+            if name not in single and name in classes:
+                assigned.append((row, "", name))
+            elif name in single and name not in taken:
+                taken.add(name)
+                assigned.append((row, single[name], ""))
+        yield assigned
+
+
+def _inputs(recording: Recording, models: Sequence[ObjectModel]) -> Iterator[FrameInput]:
+    """The input frames: candidates for a class with several models, otherwise the detection of highest score."""
+    seen, stamps = recording.detections, recording.stamps
+    for k, rows in enumerate(_assigned(recording, models)):
+        detections = {name: seen.poses[row] for row, name, _ in rows if name}
+        candidates = [
+            Candidate(of_class, seen.poses[row], float(seen.score[row]))
+            for row, _, of_class in rows
+            if of_class
+        ]
+        motion = None
+        if k > 0 and recording.has_odometry[k - 1] and recording.has_odometry[k]:
+            motion = recording.odometry[k - 1].inverse() * recording.odometry[k]
+        dt = float(stamps[k] - stamps[k - 1]) if k > 0 else 0.0
+        yield FrameInput(dt, motion, detections, candidates)
+
+
+def _observations(
+    recording: Recording, models: Sequence[ObjectModel]
+) -> list[list[Observation]]:
+    """The observations of every frame, each of an object where its class has one model."""
+    seen = recording.detections
+    return [
+        [named(_observation(seen, row, recording), name, of_class) for row, name, of_class in rows]
+        for rows in _assigned(recording, models)
+    ]
+
+
+def _observation(seen: Detections, row: int, recording: Recording) -> Observation:
+    if seen.observations:
+        return seen.observations[row]
+    return Observation(
+        [ObservationComponent(seen.poses[row])], class_id=seen.class_id[row], score=float(seen.score[row]),
+        stamp_s=float(recording.stamps[seen.frame[row]]),
+    )  # fmt: skip
+
+
+def by_stamps(
+    recording: Recording, models: Sequence[ObjectModel], slam: ObjectSlam, tracks: TrackRows
+) -> Iterator[Counter[StampAdmission]]:
+    """Runs a filter over the best poses, and yields after every frame."""
+    for k, frame in enumerate(_inputs(recording, models)):
+        slam.step(frame)
+        joint, posterior = slam.estimate, slam.posterior
+        tracks.begin(int(recording.stamps_ns[k]), joint.marginal(0))
+        for j in range(len(models)):
+            index = slam.pose_index(j)
+            if index is not None:
+                tracks.add(j, joint.marginal(index), posterior.marginal(index))
+        yield Counter()
+
+
+def by_arrival(
+    recording: Recording,
+    models: Sequence[ObjectModel],
+    slam: StampedSlam,
+    has_odometry: bool,
+    tracks: TrackRows,
+) -> Iterator[Counter[StampAdmission]]:
+    """Runs the multi-object filter over the observations, and yields what became of those of every frame."""
+    stamps = recording.stamps.tolist()
+    stamps_ns = dict(zip(stamps, recording.stamps_ns.tolist(), strict=True))
+    arrivals = recording.arrivals_ns if len(recording.arrivals_ns) else recording.stamps_ns
+    observations = _observations(recording, models)
+    for k in np.argsort(arrivals, kind="stable").tolist():
+        counts: Counter[StampAdmission] = Counter()
+        resets = slam.counts.resets
+        if has_odometry and recording.has_odometry[k]:
+            slam.add_odometry(stamps[k], recording.odometry[k])
+        counts.update(slam.add(observation) for observation in observations[k])
+        if slam.counts.resets > resets:
+            tracks.clear()
+        found = slam.finish()
+        if found is not None:
+            tracks.begin(stamps_ns[found.stamp_s], found.estimate.camera)
+            _add_objects(slam.multi_object, found.estimate.objects, tracks)
+        yield counts
+
+
+def _add_objects(
+    slam: MultiObjectFilter,
+    objects: Mapping[str, ConcentratedGaussian[SE3] | None],
+    tracks: TrackRows,
+) -> None:
+    for j, world in enumerate(objects.values()):
+        if world is not None:
+            found = slam.hypotheses(j)
+            densities = [ConcentratedGaussian(h.pose, h.covariance) for h in found]
+            tracks.add(j, world, Mixture(densities, [h.probability for h in found]))
