@@ -3,7 +3,6 @@
 #include "recording.hpp"
 
 #include <algorithm>
-#include <set>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -29,20 +28,6 @@ std::vector<StampedPose> read_fiducial_path(const FiducialRecording& recording,
   const std::optional<fs::path> path = plain_or_gzip(recording.folder, name);
   if (!path) return {};
   return parse_tum(read_file_or_gzip(*path), path->string());
-}
-
-/// Leaves out cameras without a pose, and what they saw.
-void keep_posed_cameras(FiducialFolder& folder) {
-  if (folder.cameras.size() == 1 && !folder.cameras[0].rig_camera)
-    folder.cameras[0].rig_camera = StatedPose{};
-  std::set<std::string> posed;
-  for (const RigCamera& camera : folder.cameras) {
-    if (camera.rig_camera) posed.insert(camera.name);
-  }
-  const auto is_left_out = [&](const auto& entry) { return posed.count(entry.camera) == 0; };
-  std::erase_if(folder.cameras, [](const RigCamera& camera) { return !camera.rig_camera; });
-  std::erase_if(folder.fiducials.noise, is_left_out);
-  std::erase_if(folder.fiducials.observations, is_left_out);
 }
 
 }  // namespace
@@ -76,11 +61,12 @@ FiducialFolder read_fiducial_recording(const FiducialRecording& recording,
     read_camera_poses(*poses, result.cameras);
   if (const auto tags = plain_or_gzip(folder, "tagslam.yaml")) result.tags = read_tag_map(*tags);
   if (size_m) result.tags.default_size_m = size_m;
-  result.odometry = read_fiducial_path(recording, "odometry.tum");
+  result.odometry = odometry_of_rig(read_fiducial_path(recording, "odometry.tum"),
+                                    result.tags.rig_odometry.value_or(SE3d()));
   const std::vector<CornerSighting> corners =
       read_corners(plain_or_gzip(folder, "corners.csv").value());
   result.fiducials = observe_fiducials(corners, result.cameras, result.tags);
-  keep_posed_cameras(result);
+  complete_rig(result);
   if (result.fiducials.observations.empty()) {
     throw InvalidInput(
         fmt::format("{}: has no observation of a tag of known size by a camera of known pose",

@@ -14,8 +14,8 @@
 namespace posemix {
 
 /// A folder with corners.csv and cameras.yaml, and if they are there camera_poses.yaml,
-/// tagslam.yaml, odometry.tum (T_odom_rig) and reference_rig.tum (T_map_rig). CSV and TUM files may
-/// be compressed by gzip, with .gz after their names.
+/// tagslam.yaml, odometry.tum (of the frame that tagslam.yaml states on the rig) and
+/// reference_rig.tum (T_map_rig). CSV and TUM files may be compressed, with .gz after their names.
 struct FiducialRecording {
   std::string name;  ///< of the folder
   std::filesystem::path folder;
@@ -27,8 +27,8 @@ std::vector<FiducialRecording> find_fiducial_recordings(const std::filesystem::p
 
 /// All of a recording that SLAM needs, with the observations of its cameras.
 ///
-/// A camera whose pose is not stated is left out with its observations, unless it is the only one,
-/// which is the rig itself.
+/// Cameras whose pose is not stated get one by complete_rig; those that cannot are left out, with
+/// what they saw.
 /// @param size_m edge of the tags that tagslam.yaml does not name [m]
 /// @throws InvalidInput as the readers of the files and observe_fiducials, and when no observation
 /// is left
