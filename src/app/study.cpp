@@ -23,6 +23,7 @@
 #include "study/consistency/study.hpp"
 #include "study/divergence/study.hpp"
 #include "study/engine/run_study.hpp"
+#include "study/fiducials/study.hpp"
 #include "study/fuse_views/study.hpp"
 #include "study/grasp/study.hpp"
 #include "study/monte_carlo/study.hpp"
@@ -125,10 +126,18 @@ const std::array kStudies{
                  }},
     StudyCommand{"fuse-views", "Poses fused from several views against those of single views",
                  "posemix study fuse-views --set 'datasets=[\"tless\"]' --out out/fuse-views", true,
-                 false, [](const TomlTable& table, const StudyOptions& options) {
+                 false,
+                 [](const TomlTable& table, const StudyOptions& options) {
                    FuseViewsStudySettings settings = read_fuse_views_settings(table);
                    settings.data = data_folder(options);
                    return make_fuse_views_study(settings);
+                 }},
+    StudyCommand{"fiducials", "SLAM on recordings of square tags, with both poses of a tag or one",
+                 "posemix study fiducials --set 'recordings=[\"test_11\"]' --out out/fiducials",
+                 true, false, [](const TomlTable& table, const StudyOptions& options) {
+                   FiducialsStudySettings settings = read_fiducials_settings(table);
+                   settings.data = data_folder(options);
+                   return make_fiducials_study(settings);
                  }}};
 
 /// Reads the settings and makes the study; only the leading rank prints warnings.

@@ -63,7 +63,8 @@ TEST(Help, ExamplesOfEveryCommandWork) {
       "density,"
       "divergence,convert,"
       "grasp,data list,data fetch,data verify,data sequence,study divergence,study monte-carlo,"
-      "study ycbv,study noise,study grasp,study salt-box,study tless,study fuse-views";
+      "study ycbv,study noise,study grasp,study salt-box,study tless,study fuse-views,study "
+      "fiducials";
   std::size_t count = 0;
   for (const std::string_view command : split_fields(kCommands, ',')) {
     const ProgramResult help = shell(fmt::format("posemix {} --help", command));

@@ -1,0 +1,293 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "figures.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+#include <string>
+
+#include "posemix/base/statistics.hpp"
+#include "posemix/slam/evaluation.hpp"
+
+namespace posemix {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// A survey that differs by more from what the reference sees is taken for another place.
+constexpr double kSurveyOffM = 0.5;
+constexpr double kSurveyOffDeg = 15.0;
+/// Points of a curve in the chart.
+constexpr std::size_t kCurvePoints = 300;
+constexpr double kMilliseconds = 1e3;
+
+Json json_or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
+
+Json share_or_null(std::size_t part, std::size_t whole) {
+  if (whole == 0) return {};
+  return static_cast<double>(part) / static_cast<double>(whole);
+}
+
+/// FiducialFigures of one run, computed in the order of the members.
+class FiducialFigures {
+ public:
+  FiducialFigures(const FiducialRun& run, Json head)
+      : in_(run),
+        head_(std::move(head)),
+        tags_(reference_tags(run.observations, run.cameras, run.reference)),
+        modes_(score_modes(estimated_sightings(run.sequence, run.run, run.cameras), run.cameras,
+                           tags_, run.reference)),
+        detector_(
+            score_modes(best_sightings(run.observations), run.cameras, tags_, run.reference)) {}
+
+  Json all() {
+    Json row = head_;
+    row["frames"] = in_.run.frames.size();
+    row["sightings"] = in_.observations.size();
+    add_paths(row);
+    add_modes(row);
+    add_tags(row);
+    add_camera_consistency(row);
+    return {{"row", row}, {"tags", tag_rows_}, {"timing", timing()}, {"path", curve_}};
+  }
+
+ private:
+  void add_paths(Json& row) {
+    std::vector<StampedPose> camera, odometry;
+    for (std::size_t k = 0; k < in_.run.frames.size(); ++k) {
+      const double stamp = in_.sequence.stamps[k];
+      camera.push_back({stamp, in_.run.frames[k].camera.mean()});
+      if (!in_.sequence.odometry.empty()) odometry.push_back({stamp, in_.sequence.odometry[k]});
+    }
+    const auto aligned = score_path(camera, in_.reference, PathAlignment::rigid);
+    if (aligned) map_world_ = aligned->alignment;
+    add_path(row, "camera_", aligned);
+    std::optional<PathScore> surveyed;
+    if (in_.has_priors) surveyed = score_path(camera, in_.reference, PathAlignment::none);
+    if (surveyed) map_world_ = surveyed->alignment;
+    add_path(row, "survey_frame_", surveyed);
+    add_path(row, "odometry_", score_path(odometry, in_.reference, PathAlignment::rigid));
+    add_curve(surveyed ? surveyed : aligned);
+  }
+
+  static void add_path(Json& row, const std::string& prefix,
+                       const std::optional<PathScore>& score) {
+    row[prefix + "rms_m"] = score ? Json(score->rms_m) : Json();
+    row[prefix + "median_m"] = score ? Json(score->median_m) : Json();
+    row[prefix + "p95_m"] = score ? Json(score->p95_m) : Json();
+    row[prefix + "max_m"] = score ? Json(score->max_m) : Json();
+  }
+
+  /// The largest distance of every part of the time.
+  void add_curve(const std::optional<PathScore>& score) {
+    curve_ = {{"head", head_}, {"seconds", Json::array()}, {"distances_m", Json::array()}};
+    if (!score) return;
+    const std::size_t count = score->stamps_s.size();
+    const std::size_t step = (count + kCurvePoints - 1) / kCurvePoints;
+    for (std::size_t begin = 0; begin < count; begin += step) {
+      const auto first = score->distances_m.begin() + static_cast<std::ptrdiff_t>(begin);
+      const auto length = static_cast<std::ptrdiff_t>(std::min(step, count - begin));
+      curve_["seconds"].push_back(score->stamps_s[begin] - score->stamps_s.front());
+      curve_["distances_m"].push_back(*std::max_element(first, first + length));
+    }
+  }
+
+  void add_modes(Json& row) const {
+    row["scored_sightings"] = modes_.sightings;
+    row["wrong_share"] = share_or_null(modes_.wrong, modes_.sightings);
+    row["scored_frames"] = modes_.frames;
+    row["wrong_frame_share"] = share_or_null(modes_.wrong_frames, modes_.frames);
+    row["detector_wrong_share"] = share_or_null(detector_.wrong, detector_.sightings);
+    row["detector_wrong_frame_share"] = share_or_null(detector_.wrong_frames, detector_.frames);
+  }
+
+  /// T_map_tag at the end, nothing for a tag without an estimate.
+  std::optional<SE3d> final_pose(const std::string& tag) const {
+    for (std::size_t i = 0; i < in_.sequence.objects.size(); ++i) {
+      const auto& world = in_.run.frames.back().objects[i];
+      if (in_.sequence.objects[i].id == tag && world) return map_world_ * world->mean();
+    }
+    return std::nullopt;
+  }
+
+  std::optional<SE3d> surveyed_pose(const std::string& tag) const {
+    for (const auto& [id, stated] : in_.survey) {
+      if (std::to_string(id) == tag) return stated.pose;
+    }
+    return std::nullopt;
+  }
+
+  void add_tags(Json& row) {
+    std::size_t scored = 0, last = 0, end = 0, sides = 0, sides_last = 0, sides_end = 0, off = 0;
+    std::vector<double> normals, positions;
+    for (const auto& [name, tag] : tags_) {
+      const Json found = tag_row(name, tag);
+      tag_rows_.push_back(found);
+      if (found["wrong_at_last"].is_null()) continue;
+      const bool is_last = found["wrong_at_last"] == 1;
+      const bool is_end = found["wrong_at_end"] == 1;
+      ++scored;
+      last += is_last ? 1 : 0;
+      end += is_end ? 1 : 0;
+      if (tag.span_deg > kSeveralSidesDeg) {
+        ++sides;
+        sides_last += is_last ? 1 : 0;
+        sides_end += is_end ? 1 : 0;
+      }
+      off += found["survey_off"] == 1 ? 1 : 0;
+      if (found["survey_off"] != 0) continue;
+      normals.push_back(found["normal_deg"].get<double>());
+      positions.push_back(found["position_m"].get<double>());
+    }
+    row.update({{"tags", scored}, {"wrong_at_last", last}, {"wrong_at_end", end}});
+    row.update({{"tags_from_several_sides", sides},
+                {"several_sides_wrong_at_last", sides_last},
+                {"several_sides_wrong_at_end", sides_end}});
+    row.update({{"surveyed_tags", normals.size()}, {"survey_off", off}});
+    add_quantiles(row, "normal", "_deg", normals);
+    add_quantiles(row, "tag_position", "_m", positions);
+    add_tag_consistency(row);
+  }
+
+  static void add_quantiles(Json& row, const std::string& name, const std::string& unit,
+                            const std::vector<double>& values) {
+    const bool none = values.empty();
+    row[name + "_median" + unit] = none ? Json() : Json(median(values));
+    row[name + "_p95" + unit] = none ? Json() : Json(quantile(values, 0.95));
+    row[name + "_max" + unit] =
+        none ? Json() : Json(*std::max_element(values.begin(), values.end()));
+  }
+
+  /// A tag without an estimate has nothing but its reference.
+  Json tag_row(const std::string& name, const ReferenceTag& tag) const {
+    Json row = head_;
+    row.update({{"tag", name}, {"sightings", tag.sightings}, {"span_deg", tag.span_deg}});
+    row.update({{"reference_share", tag.share}, {"reference_rival_share", tag.rival_share}});
+    const auto mode = modes_.tags.find(name);
+    const auto detected = detector_.tags.find(name);
+    const std::optional<SE3d> end = final_pose(name);
+    const bool known = mode != modes_.tags.end() && end;
+    row["wrong_sightings"] = known ? Json(mode->second.wrong) : Json();
+    row["detector_wrong_sightings"] =
+        detected != detector_.tags.end() ? Json(detected->second.wrong) : Json();
+    row["wrong_at_last"] = known ? Json(mode->second.wrong_at_last ? 1 : 0) : Json();
+    row["wrong_at_end"] =
+        known ? Json(angle_between_deg(*end, tag.pose) > kWrongModeDeg ? 1 : 0) : Json();
+    const std::optional<SE3d> survey = surveyed_pose(name);
+    for (const char* key :
+         {"survey_rotation_deg", "survey_position_m", "survey_off", "normal_deg", "position_m"})
+      row[key] = Json();
+    if (!survey) return row;
+    const double turn = angle_between_deg(*survey, tag.pose);
+    const double distance = (survey->translation() - tag.pose.translation()).norm();
+    row["survey_rotation_deg"] = turn;
+    row["survey_position_m"] = distance;
+    row["survey_off"] = turn > kSurveyOffDeg || distance > kSurveyOffM ? 1 : 0;
+    if (!end) return row;
+    row["normal_deg"] = normal_angle_deg(*end, *survey);
+    row["position_m"] = (end->translation() - survey->translation()).norm();
+    return row;
+  }
+
+  /// T_rig_tag after the last sighting of every tag, against the survey from the reference's rig.
+  /// That needs no alignment of the map, and no knowledge of the survey in the filter.
+  void add_tag_consistency(Json& row) const {
+    ConsistencySum sum;
+    for (std::size_t i = 0; !in_.has_priors && i < in_.sequence.objects.size(); ++i) {
+      const std::string& name = in_.sequence.objects[i].id;
+      const auto mode = modes_.tags.find(name);
+      const std::optional<SE3d> survey = surveyed_pose(name);
+      if (mode == modes_.tags.end() || !survey || is_survey_off(name)) continue;
+      const std::optional<SE3d> rig = in_.reference.at(mode->second.last_s);
+      const std::size_t k = frame_at(mode->second.last_s);
+      if (rig) sum.add(in_.run.frames[k].relative[i], rig->inverse() * *survey);
+    }
+    add_consistency(row, "tag_", sum.result());
+  }
+
+  bool is_survey_off(const std::string& tag) const {
+    const auto row = std::find_if(tag_rows_.begin(), tag_rows_.end(),
+                                  [&](const Json& found) { return found["tag"] == tag; });
+    return row == tag_rows_.end() || (*row)["survey_off"] != 0;
+  }
+
+  std::size_t frame_at(double stamp_s) const {
+    const auto& stamps = in_.sequence.stamps;
+    const auto after = std::lower_bound(stamps.begin(), stamps.end(), stamp_s - 1e-6);
+    return std::min<std::size_t>(static_cast<std::size_t>(after - stamps.begin()),
+                                 in_.run.frames.size() - 1);
+  }
+
+  void add_camera_consistency(Json& row) const {
+    ConsistencySum sum;
+    for (std::size_t k = 0; in_.has_priors && k < in_.run.frames.size(); ++k)
+      sum.add(in_.run.frames[k].camera, in_.reference.at(in_.sequence.stamps[k]));
+    add_consistency(row, "camera_", sum.result());
+  }
+
+  static void add_consistency(Json& row, const std::string& prefix, const Consistency& found) {
+    row[prefix + "anees"] = json_or_null(found.anees);
+    row[prefix + "median_nees"] = json_or_null(found.median_nees);
+    row[prefix + "rotation_anees"] = json_or_null(found.rotation_anees);
+    row[prefix + "position_anees"] = json_or_null(found.position_anees);
+  }
+
+  Json timing() const {
+    const double sum = std::accumulate(in_.frame_s.begin(), in_.frame_s.end(), 0.0);
+    const double span = in_.sequence.stamps.back() - in_.sequence.stamps.front();
+    Json row = head_;
+    row["frames"] = in_.frame_s.size();
+    row["recorded_s"] = span;
+    row["processor_s"] = sum;
+    row["mean_ms"] = kMilliseconds * mean(in_.frame_s);
+    row["worst_ms"] = kMilliseconds * *std::max_element(in_.frame_s.begin(), in_.frame_s.end());
+    row["times_real_time"] = span / sum;
+    return row;
+  }
+
+  const FiducialRun& in_;
+  Json head_;
+  ReferenceTags tags_;
+  ModeScore modes_;
+  ModeScore detector_;
+  SE3d map_world_ = {};
+  Json tag_rows_ = Json::array();
+  Json curve_ = {};
+};
+
+}  // namespace
+
+CameraPoses camera_poses(std::span<const RigCamera> cameras) {
+  CameraPoses poses;
+  for (const RigCamera& camera : cameras) {
+    if (camera.rig_camera) poses.emplace(camera.name, camera.rig_camera->pose);
+  }
+  return poses;
+}
+
+std::vector<TagSighting> estimated_sightings(const Sequence& sequence, const SlamRun& run,
+                                             const CameraPoses& cameras) {
+  std::map<std::string, std::size_t> objects;
+  for (std::size_t i = 0; i < sequence.objects.size(); ++i) objects[sequence.objects[i].id] = i;
+  std::vector<TagSighting> sightings;
+  for (std::size_t k = 0; k < run.frames.size(); ++k) {
+    for (const Observation& observation : sequence.observations[k]) {
+      const auto object = objects.find(observation.object);
+      const auto mounting = cameras.find(observation.camera);
+      if (object == objects.end() || mounting == cameras.end()) continue;
+      const auto& relative = run.frames[k].relative[object->second];
+      if (!relative) continue;
+      sightings.push_back({observation.stamp_s, observation.camera, observation.object,
+                           mounting->second.inverse() * relative->mean()});
+    }
+  }
+  return sightings;
+}
+
+nlohmann::ordered_json fiducial_figures(const FiducialRun& run, nlohmann::ordered_json head) {
+  return FiducialFigures(run, std::move(head)).all();
+}
+
+}  // namespace posemix

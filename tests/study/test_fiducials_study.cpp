@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "study/fiducials/study.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "fiducial/views.hpp"
+#include "io/temporary_folder.hpp"
+#include "posemix/io/gzip.hpp"
+#include "posemix/testing/expect.hpp"
+#include "study/fiducials/recording.hpp"
+#include "study/fiducials/run.hpp"
+
+namespace posemix {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kFrames = 60;
+constexpr double kTagEdge = 0.15;
+
+/// T_map_rig: a curve before a wall of tags, looking at it.
+SE3d rig_at(double t) {
+  return {SO3d::exp({0.02 * std::sin(3.0 * t), 0.2 * std::sin(t), 0.05 * std::sin(2.0 * t)}),
+          {1.0 * std::sin(2.0 * t), 0.3 * std::sin(2.0 * t), 0.2 * std::cos(t)}};
+}
+
+/// T_map_tag of a tag that looks back at the rig, turned about the vertical axis.
+SE3d tag_pose(int tag) {
+  const double turn = tag % 2 == 0 ? 0.5 : -0.5;
+  return {SO3d::exp({0.0, turn, 0.0}) * SO3d::exp({std::numbers::pi, 0.0, 0.0}),
+          {0.6 * tag - 1.2, 0.25 * (tag % 3) - 0.25, 2.5}};
+}
+
+std::string rotation_text(const SO3d& rotation) {
+  const Eigen::Vector3d v = rotation.log();
+  return fmt::format("{{x: {}, y: {}, z: {}}}", v.x(), v.y(), v.z());
+}
+
+std::string position_text(const Eigen::Vector3d& p) {
+  return fmt::format("{{x: {}, y: {}, z: {}}}", p.x(), p.y(), p.z());
+}
+
+/// TagSLAM's tagslam.yaml with the surveyed poses of the first tags.
+std::string tags_text(int surveyed) {
+  std::string text =
+      "default_body: wall\n"
+      "bodies:\n"
+      " - wall:\n"
+      "     is_static: true\n"
+      "     default_tag_size: 0.15\n"
+      "     pose:\n"
+      "       position: {x: 0, y: 0, z: 0}\n"
+      "       rotation: {x: 0, y: 0, z: 0}\n"
+      "       position_noise: {x: 0.001, y: 0.001, z: 0.001}\n"
+      "       rotation_noise: {x: 0.001, y: 0.001, z: 0.001}\n"
+      "     type: simple\n"
+      "     tags:\n";
+  for (int tag = 0; tag < surveyed; ++tag) {
+    text += fmt::format(
+        "       - id: {}\n         size: 0.15\n         pose:\n"
+        "           position: {}\n           rotation: {}\n"
+        "           position_noise: {{x: 0.002, y: 0.002, z: 0.002}}\n"
+        "           rotation_noise: {{x: 0.005, y: 0.005, z: 0.005}}\n",
+        tag, position_text(tag_pose(tag).translation()), rotation_text(tag_pose(tag).rotation()));
+  }
+  return text;
+}
+
+constexpr const char* kCameras =
+    "cam0:\n"
+    "  camera_model: pinhole\n"
+    "  intrinsics: [600.0, 602.0, 640.0, 512.0]\n"
+    "  distortion_model: radtan\n"
+    "  distortion_coeffs: [0.0, 0.0, 0.0, 0.0]\n"
+    "  resolution: [1280, 1024]\n"
+    "  tagtopic: /tags\n";
+
+/// Writes a recording with corner noise of a third of a pixel.
+void write_recording(const testing::TemporaryFolder& data, const std::string& name,
+                     bool has_odometry, int surveyed) {
+  CameraModel camera = testing::radtan_camera();
+  camera.coefficients = {0.0, 0.0, 0.0, 0.0};
+  RandomStream stream(5);
+  std::string corners = "stamp_s,topic,tag,u0_px,v0_px,u1_px,v1_px,u2_px,v2_px,u3_px,v3_px\n";
+  std::vector<StampedPose> reference, odometry;
+  const SE3d odom_map(SO3d::exp({0.3, 0.1, 0.2}), {1.0, -2.0, 0.5});
+  for (int k = 0; k < kFrames; ++k) {
+    const double t = k / 20.0;
+    const SE3d rig = rig_at(t);
+    reference.push_back({t, rig});
+    odometry.push_back({t, odom_map * rig * SE3d(SO3d(), {0.02 * t, 0.0, 0.0})});
+    for (int tag = 0; tag < 5; ++tag) {
+      const TagCorners image = testing::with_noise(
+          testing::image_of(rig.inverse() * tag_pose(tag), camera, kTagEdge), 0.3, stream);
+      corners += fmt::format("{},/tags,{}", t, tag);
+      for (const Eigen::Vector2d& corner : image)
+        corners += fmt::format(",{:.4f},{:.4f}", corner.x(), corner.y());
+      corners += "\n";
+    }
+  }
+  data.put("tagslam/" + name + "/corners.csv.gz", gzip(corners));
+  data.put("tagslam/" + name + "/cameras.yaml", kCameras);
+  data.put("tagslam/" + name + "/tagslam.yaml", tags_text(surveyed));
+  data.put("tagslam/" + name + "/reference_rig.tum", format_tum(reference));
+  if (has_odometry) data.put("tagslam/" + name + "/odometry.tum", format_tum(odometry));
+}
+
+Json run_one(const FiducialsStudySettings& settings) {
+  const Study study = make_fiducials_study(settings);
+  return Json::parse(study.run_item(0));
+}
+
+#ifdef POSEMIX_WITH_YAML
+
+TEST(FiducialsStudy, ScoresARecordingWithOdometry) {
+  const testing::TemporaryFolder data;
+  write_recording(data, "with_odometry", true, 0);
+  const Json found = run_one({.data = data.path()});
+  const Json& row = found["row"];
+  EXPECT_EQ(row["recording"], "with_odometry");
+  EXPECT_EQ(row["input"], "weights");
+  EXPECT_EQ(row["priors"], false);
+  EXPECT_EQ(row["frames"], kFrames);
+  EXPECT_EQ(row["sightings"], 5 * kFrames);
+  EXPECT_EQ(row["scored_frames"], kFrames);
+  EXPECT_EQ(row["tags"], 5);
+  EXPECT_EQ(row["tags_from_several_sides"], 5);
+  EXPECT_EQ(row["wrong_at_end"], 0);
+  EXPECT_LT(row["wrong_share"], 0.05);
+  EXPECT_LT(row["camera_rms_m"], 0.03);
+  EXPECT_GT(row["odometry_rms_m"], 0.005);
+  EXPECT_TRUE(row["survey_frame_rms_m"].is_null());
+  EXPECT_TRUE(row["normal_median_deg"].is_null());
+  EXPECT_TRUE(row["camera_anees"].is_null());
+  EXPECT_EQ(found["tags"].size(), 5U);
+  EXPECT_EQ(found["timing"]["frames"], kFrames);
+  EXPECT_NEAR(found["timing"]["recorded_s"].get<double>(), (kFrames - 1) / 20.0, 1e-9);
+  EXPECT_GE(found["timing"]["worst_ms"], found["timing"]["mean_ms"]);
+}
+
+TEST(FiducialsStudy, ASurveyGivesTheFrameOrTheTruth) {
+  const testing::TemporaryFolder data;
+  write_recording(data, "surveyed", false, 3);
+  FiducialsStudySettings settings{.data = data.path()};
+  const Json with = run_one(settings)["row"];
+  EXPECT_EQ(with["priors"], true);
+  EXPECT_LT(with["survey_frame_rms_m"], 0.05);
+  EXPECT_EQ(with["surveyed_tags"], 3);
+  EXPECT_LT(with["normal_max_deg"], 5.0);
+  EXPECT_TRUE(with["camera_anees"].is_number());
+  EXPECT_TRUE(with["tag_anees"].is_null());
+  EXPECT_TRUE(with["odometry_rms_m"].is_null());
+  settings.priors = false;
+  const Json without = run_one(settings)["row"];
+  EXPECT_EQ(without["priors"], false);
+  EXPECT_TRUE(without["survey_frame_rms_m"].is_null());
+  EXPECT_EQ(without["surveyed_tags"], 3);
+  EXPECT_LT(without["normal_max_deg"], 5.0);
+  EXPECT_TRUE(without["camera_anees"].is_null());
+  EXPECT_TRUE(without["tag_anees"].is_number());
+}
+
+TEST(FiducialsStudy, ASurveyOfAnotherPlaceIsListed) {
+  const testing::TemporaryFolder data;
+  write_recording(data, "moved", true, 0);
+  std::string text = tags_text(1);
+  const std::string place = position_text(tag_pose(0).translation());
+  text.replace(text.find(place), place.size(), "{x: 9, y: 0, z: 0}");
+  data.put("tagslam/moved/tagslam.yaml", text);
+  const Json found = run_one({.data = data.path(), .priors = false});
+  EXPECT_EQ(found["row"]["survey_off"], 1);
+  EXPECT_EQ(found["row"]["surveyed_tags"], 0);
+  EXPECT_EQ(found["tags"][0]["survey_off"], 1);
+  EXPECT_GT(found["tags"][0]["survey_position_m"], 9.0);
+  EXPECT_TRUE(found["tags"][1]["survey_off"].is_null());
+}
+
+TEST(FiducialsStudy, ReportsEveryInputOfEveryRecording) {
+  const testing::TemporaryFolder data;
+  write_recording(data, "a", true, 0);
+  write_recording(data, "b", true, 0);
+  data.put("tagslam/LICENSE", "a file beside the recordings\n");
+  const Study study = make_fiducials_study(
+      {.data = data.path(), .inputs = {FiducialInput::weights, FiducialInput::best}});
+  ASSERT_EQ(study.items, 4U);
+  std::vector<std::string> results;
+  for (std::size_t i = 0; i < study.items; ++i) results.push_back(study.run_item(i));
+  const StudyReport report = study.report(results);
+  ASSERT_EQ(report.files.size(), 5U);
+  const Json json = Json::parse(report.files[0].content);
+  ASSERT_EQ(json["rows"].size(), 4U);
+  EXPECT_EQ(json["rows"][3]["recording"], "b");
+  EXPECT_EQ(json["rows"][3]["input"], "best");
+  // Times are in a file of their own.
+  EXPECT_EQ(report.files[0].content.find("_ms"), std::string::npos);
+  EXPECT_NE(report.files[3].content.find("times_real_time"), std::string::npos);
+  EXPECT_NE(report.files[4].content.find("<svg"), std::string::npos);
+}
+
+TEST(FiducialsStudy, ASingleCameraIsTheRig) {
+  const testing::TemporaryFolder data;
+  write_recording(data, "a", false, 0);
+  const auto recordings = find_fiducial_recordings(data.path() / "tagslam");
+  ASSERT_EQ(recordings.size(), 1U);
+  const FiducialFolder folder = read_fiducial_recording(recordings[0]);
+  ASSERT_EQ(folder.cameras.size(), 1U);
+  EXPECT_TRUE(folder.cameras[0].rig_camera->pose.is_approx(SE3d(), 1e-12));
+  EXPECT_EQ(folder.fiducials.observations.size(), 5U * kFrames);
+  EXPECT_TRUE(read_fiducial_reference(recordings[0]).at(0.05).has_value());
+}
+
+#endif
+
+TEST(FiducialsStudy, ReplacesObservations) {
+  Observation observation = observation_of(SE3d());
+  observation.components = {{0.2, SE3d(), {}}, {0.8, SE3d(SO3d(), {1.0, 0.0, 0.0}), {}}};
+  Sequence sequence;
+  sequence.observations = {{observation}, {}};
+  Sequence same = sequence, equal = sequence, best = sequence;
+  replace_observations(FiducialInput::weights, same);
+  EXPECT_EQ(same.observations[0][0].components[0].weight, 0.2);
+  replace_observations(FiducialInput::equal, equal);
+  ASSERT_EQ(equal.observations[0][0].components.size(), 2U);
+  EXPECT_EQ(equal.observations[0][0].components[0].weight, 0.5);
+  EXPECT_EQ(equal.observations[0][0].components[1].weight, 0.5);
+  replace_observations(FiducialInput::best, best);
+  ASSERT_EQ(best.observations[0][0].components.size(), 1U);
+  EXPECT_EQ(best.observations[0][0].components[0].weight, 1.0);
+  EXPECT_EQ(best.observations[0][0].components[0].pose.translation().x(), 1.0);
+}
+
+TEST(FiducialsStudy, ReadsItsSettings) {
+  const auto read = [](const std::string& text) {
+    const TomlDocument document = TomlDocument::parse(text, "fiducials.toml");
+    FiducialsStudySettings settings = read_fiducials_settings(document.root());
+    document.finish();
+    return settings;
+  };
+  const FiducialsStudySettings s =
+      read("recordings = ['test_9']\ninputs = ['best', 'equal']\npriors = false\nsize_m = 0.2\n");
+  EXPECT_EQ(s.recordings, std::vector<std::string>{"test_9"});
+  EXPECT_EQ(s.inputs, (std::vector<FiducialInput>{FiducialInput::best, FiducialInput::equal}));
+  EXPECT_FALSE(s.priors);
+  EXPECT_EQ(s.size_m, 0.2);
+  EXPECT_EQ(s.folder, "tagslam");
+  const std::string wrong = testing::thrown_message([&] { read("inputs = ['worst']\n"); });
+  EXPECT_NE(wrong.find("worst"), std::string::npos);
+  EXPECT_NE(wrong.find("weights, equal, best"), std::string::npos);
+  EXPECT_FALSE(testing::thrown_message([&] { read("inputs = []\n"); }).empty());
+}
+
+TEST(FiducialsStudy, NamesWhatIsNotThere) {
+  const testing::TemporaryFolder data;
+  const auto message = [&](const FiducialsStudySettings& settings) {
+    return testing::thrown_message([&] { make_fiducials_study(settings); });
+  };
+  EXPECT_NE(message({.data = data.path()}).find("tagslam"), std::string::npos);
+  data.put("tagslam/a/corners.csv", "");
+  EXPECT_NE(message({.data = data.path()}).find("no recording"), std::string::npos);
+  data.put("tagslam/a/cameras.yaml", "");
+  const std::string unknown = message({.data = data.path(), .recordings = {"b"}});
+  EXPECT_NE(unknown.find("no recording b, expected one of a"), std::string::npos) << unknown;
+}
+
+}  // namespace
+}  // namespace posemix
