@@ -81,6 +81,8 @@ void bind_tags(nb::module_& m) {
       .field("ignored", &T::ignored, "set[int]", "Ids of tags to ignore.")
       .field("priors", &T::priors, "dict[int, StatedPose]",
              "T_map_tag by id, of tags on static bodies whose poses are stated with their noise.")
+      .field("rig_odometry", &T::rig_odometry, "posemix.lie.SE3 | None",
+             "T_rig_odom, the frame whose motion the odometry states; None: that of the rig.")
       .constructible(0)
       .done();
   using S = CornerSighting;

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <limits>
 
+#include <fmt/format.h>
 #include <nanobind/stl/filesystem.h>
 
 #include "array_like.hpp"
@@ -238,6 +239,13 @@ void bind_recordings(nb::module_& m) {
         FiducialFolder folder{.cameras = cameras, .tags = tags, .compress = compress};
         folder.fiducials =
             observe_fiducials(sightings, cameras, tags, settings.value_or(FiducialSettings{}));
+        for (const std::string& camera : complete_rig(folder)) {
+          const std::string text = fmt::format(
+              "camera '{}' has no pose on the rig and sees no tag together with one that "
+              "has, so that its observations are left out",
+              camera);
+          if (PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) != 0) throw nb::python_error();
+        }
         write_fiducial_folder(folder, path);
       },
       "path"_a, "sightings"_a, "cameras"_a, "tags"_a, "settings"_a = nb::none(),

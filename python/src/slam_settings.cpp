@@ -117,6 +117,13 @@ void bind_slam_settings_struct(nb::module_& m) {
       .field("record_hypotheses", &S::record_hypotheses, "bool",
              "Whether every estimate holds the hypotheses.")
       .done();
+  using P = ObjectPrior;
+  Settings<P>(m, "ObjectPrior", "Pose that an object is known to have before it is seen.",
+              [] { return P{PoseDensity(SE3d(), Matrix6d::Identity())}; })
+      .field("world", &P::world, "posemix.density.ConcentratedGaussian",
+             "T_world_object, independent of the camera and of other objects.")
+      .field("probability", &P::probability, "float", "Probability that this holds.")
+      .done();
   using O = ObjectModel;
   Settings<O>(m, "ObjectModel", "Model of one object, as the tracker knows it.")
       .field("id", &O::id, "str", "Name of the object.")
@@ -133,6 +140,8 @@ void bind_slam_settings_struct(nb::module_& m) {
       .field("class_id", &O::class_id, "str",
              "Class, which objects share that no detector can tell apart and whose noise and "
              "symmetries are the same; empty: the id.")
+      .field("prior", &O::prior, "ObjectPrior | None",
+             "Known pose of the object, for the multi-object filter.")
       .done();
 }
 

@@ -49,8 +49,8 @@ Examples
 ...     _ = slam.add_odometry(stamp, SE3())
 >>> late = Observation([ObservationComponent(SE3(translation=[0, 0, 0.8]))], object="mug", stamp_s=10.05)
 >>> slam.add(late)
-<StampAdmission.replayed: 'replayed'>
->>> slam.estimate().estimate["mug"].world.mean.translation.round(2)
+StampAdmission.replayed
+>>> slam.estimate().estimate.objects["mug"].mean.translation.round(2)
 array([0. , 0. , 0.8])
 )";
 

@@ -25,6 +25,7 @@ OTHER_NAMES: dict[str, tuple[str, dict[str, tuple[str, ...]]]] = {
         "Fiducials",
         {"observations": ("sighting", "weights", "poses", "covariances", "stamps", "cameras", "tags")},
     ),
+    "TagMap": ("TagMap", {"remaps": ()}),
     "SlamMethod": ("SlamMethod", {"restore": ()}),  # a function that files need
     "MergeResult": ("MergeResult", {"component": ("density", "log_weight")}),
 }
@@ -35,6 +36,9 @@ WITHOUT_CLASS = {
     "LeadingEstimate": "MultiObjectFilter.object and .relative have the densities",
     "Projection": "CameraModel.project returns pixels",
     "FiducialFolder": "arguments of write_fiducials",
+    "FiducialSequenceSettings": "options of posemix fiducials",
+    "TagRemap": "read_tag_map reads them for observe_fiducials",
+    "TagOdometryNoise": "a step of posemix fiducials",
     "MeanSettings": "lie.weighted_mean always iterates to rounding",
     "MeanResult": "lie.weighted_mean returns the mean and warns",
     "IteratedUpdateSettings": "a step of the filter, not called from Python",

@@ -241,8 +241,11 @@ SlamJob read_slam_job(const TomlDocument& document,
   }
   std::vector<ObjectModel> models;
   std::set<std::string> ids;
-  for (const TomlTable& object : object_tables(root))
+  for (const TomlTable& object : object_tables(root)) {
+    if (object.has("prior") && !std::holds_alternative<MultiObjectSlamSettings>(method.tracker))
+      object.fail("prior", "is for the multi-object filter; expected none with another method");
     models.push_back(read_model(object, files, ids, noise_models));
+  }
   const ObservedRecording observed = read_observed(root, files, noise_models, models);
   const CameraFiles camera = read_camera_files(root, files);
   SlamJob job{.name = read_name(document, root),
@@ -252,9 +255,8 @@ SlamJob read_slam_job(const TomlDocument& document,
               .models = std::move(models),
               .settings = {}};
   job.sequence = read_recordings(root, files, camera, ids_of(job.models), observed);
-  job.camera_prior = starts_anywhere(root)
-                         ? prior_anywhere(root, job.models)
-                         : read_camera_prior(root, job.sequence.camera_truth);
+  job.camera_prior = starts_anywhere(root) ? prior_anywhere(root, job.models)
+                                           : read_camera_prior(root, job.sequence.camera_truth);
   job.settings.motion = read_motion(root, camera.odometry.has_value());
   check_classes(root, job, is_multi_object(method));
   use_method(root, method, job);

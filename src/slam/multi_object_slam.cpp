@@ -162,8 +162,7 @@ std::vector<BodyCamera> MultiObjectSlam::estimated_cameras() const {
     if (!extrinsic) continue;
     const ConcentratedGaussian<SE3d> known = filter_.extrinsic(*extrinsic);
     cameras[i].body_camera = known.mean();
-    cameras[i].covariance =
-        known.mean().inverse().adjoint_congruence(Matrix6d(known.covariance()));
+    cameras[i].covariance = known.mean().inverse().adjoint_congruence(Matrix6d(known.covariance()));
   }
   return cameras;
 }

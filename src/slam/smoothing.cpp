@@ -44,11 +44,17 @@ FixedLagSmoother::FixedLagSmoother(const PoseDensity& camera, std::vector<Object
   require(smoothing.passes > 0, "smoothing: passes is 0, expected at least 1");
   require(!std::get<MultiObjectSlamSettings>(settings.tracker).on_sight,
           "smoothing: objects begin on sight, expected models of all objects");
+  for (const ObjectModel& object : slam_.objects()) {
+    if (object.prior)
+      throw InvalidInput(
+          fmt::format("smoothing: object '{}' has a prior, expected none", object.id));
+  }
   for (const BodyCamera& one : std::get<MultiObjectSlamSettings>(settings.tracker).cameras) {
     if (one.is_exact()) continue;
-    throw InvalidInput(fmt::format("smoothing: the pose of camera '{}' has a covariance, expected "
-                                   "exact poses of all cameras",
-                                   one.name));
+    throw InvalidInput(
+        fmt::format("smoothing: the pose of camera '{}' has a covariance, expected "
+                    "exact poses of all cameras",
+                    one.name));
   }
 }
 

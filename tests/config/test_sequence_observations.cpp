@@ -56,6 +56,30 @@ SlamJob job_of(const std::string& sequence, const std::string& table = kTable) {
   return read_slam_job(TomlDocument::parse(sequence, "sequence.toml"), {folder.path()});
 }
 
+TEST(SequenceObservations, KnownObjectsAndACameraAnywhere) {
+  const std::string known = std::string(kSequence) +
+                            "[[objects]]\nid = \"7\"\nnoise = \"tag\"\n"
+                            "prior = {pose = [1, 2, 3, 0, 0, 0, 1], rotation_sd_deg = 1.0, "
+                            "translation_sd_m = [0.01, 0.02, 0.03], probability = 0.9}\n";
+  const SlamJob job =
+      job_of(replaced(known, "[camera]\n", "[camera]\nstart = {pose = \"unknown\"}\n"));
+  const auto& prior = job.models.front().prior;
+  ASSERT_TRUE(prior.has_value());
+  EXPECT_EQ(prior->probability, 0.9);
+  EXPECT_EQ(prior->world.mean().translation(), Eigen::Vector3d(1, 2, 3));
+  // Perturbed on the left: along the object's axes it is as stated.
+  const Matrix6d own = prior->world.mean().inverse().adjoint_congruence(prior->world.covariance());
+  EXPECT_NEAR(own(4, 4), 4e-4, 1e-12);
+  EXPECT_NEAR(std::sqrt(own(0, 0)), std::numbers::pi / 180.0, 1e-12);
+  EXPECT_EQ(job.camera_prior.mean().translation(), Eigen::Vector3d(1, 2, 3));
+  EXPECT_NEAR(job.camera_prior.covariance()(0, 0), kUniformRotationVariance, 1e-9);
+  EXPECT_INVALID_WITH(
+      job_of(replaced(kSequence, "[camera]\n", "[camera]\nstart = {pose = \"unknown\"}\n")),
+      "expected [[objects]] with a prior");
+  EXPECT_INVALID_WITH(job_of(replaced(known, "probability = 0.9", "probability = 2")),
+                      "probability");
+}
+
 TEST(SequenceObservations, MakeFramesObjectsAndDetections) {
   const SlamJob job = job_of(kSequence);
   ASSERT_EQ(job.sequence.stamps.size(), 3U);

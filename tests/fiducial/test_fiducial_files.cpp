@@ -170,6 +170,30 @@ TEST(TagFile, HasSizesAndPriors) {
   EXPECT_NEAR((*prior.covariance)(4, 4), 1e-4 + 16e-4 + 4.0 * 4e-6, 1e-12);
 }
 
+TEST(TagFile, HasOdometryRemapsAndNoiseOfAllTags) {
+  std::string text = replaced(kTags, "is_static: true",
+                              "is_static: true\n     override_tag_position_noise: 0.1\n"
+                              "     override_tag_rotation_noise: 0.05");
+  text = replaced(text, "is_static: false",
+                  "is_static: false\n     T_body_odom:\n       position: {x: 0.1, y: 0, z: 0}\n"
+                  "       rotation: {x: 0, y: 0, z: 3}");
+  text +=
+      "tag_id_remap:\n  - id: 20\n    remaps:\n"
+      "      - remap_id: 420\n        start_time: 10.5\n        end_time: 11.5\n";
+  const TagMap map = parse_tag_map(text, "tagslam.yaml");
+  ASSERT_TRUE(map.rig_odometry.has_value());
+  EXPECT_EQ(map.rig_odometry->translation().x(), 0.1);
+  EXPECT_NEAR((*map.priors.at(3).covariance)(0, 0), 0.0025 + 4e-6, 1e-12);
+  EXPECT_NEAR((*map.priors.at(3).covariance)(3, 3), 0.01 + 1e-4, 1e-9);
+  EXPECT_EQ(map.tag_at(20, 10.0), 20);
+  EXPECT_EQ(map.tag_at(20, 11.0), 420);
+  EXPECT_EQ(map.tag_at(21, 11.0), 21);
+  EXPECT_INVALID_WITH(parse_tag_map(replaced(text, "override_tag_rotation_noise: 0.05",
+                                             "override_tag_rotation_noise: 0"),
+                                    "tagslam.yaml"),
+                      "expected a standard deviation above zero");
+}
+
 TEST(TagFile, RefusesWhatIsNone) {
   const auto with = [](const std::string& from, const std::string& to) {
     return parse_tag_map(replaced(kTags, from, to), "tagslam.yaml");
