@@ -41,7 +41,8 @@ TEST_F(FiducialsCommand, WritesObservationsWithBothPoses) {
   EXPECT_EQ(found["tags"], 1);
   EXPECT_EQ(found["corner_noise"]["cam0"]["source"], "assumed");
   EXPECT_EQ(testing::names_in(folder_.path() / "out"),
-            (std::vector<std::string>{"cameras.csv", "corner_noise.csv", "observations.csv"}));
+            (std::vector<std::string>{"cameras.csv", "corner_noise.csv", "observations.csv",
+                                      "sequence.toml"}));
   const auto observations = read_observations(folder_.path() / "out/observations.csv");
   ASSERT_EQ(observations.size(), 2U);
   EXPECT_EQ(observations[0].components.size(), 2U);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include "io/expect_invalid.hpp"
 
 #include "posemix/base/error.hpp"
 #include "posemix/config/sequence_file.hpp"

@@ -82,7 +82,8 @@ TEST(LostCamera, IsFoundFromAKnownObject) {
   filter.update(0, observed(camera.inverse() * world));
   filter.update(0, observed(camera.inverse() * world));
   EXPECT_LT(apart(filter.camera().mean(), camera), 0.02);
-  EXPECT_LT(filter.camera().covariance().topLeftCorner<3, 3>().trace(), 0.01);
+  const Eigen::Matrix3d rotation = filter.camera().covariance().topLeftCorner<3, 3>();
+  EXPECT_LT(rotation.trace(), 0.01);
 }
 
 // An unknown object that is seen while the camera is lost turns with it when it is found.
@@ -125,9 +126,10 @@ TEST(LostCamera, HasAStateForEveryComponent) {
   filter.add_object({tag_noise(5.0)}, prior_at(world));
   Observation wrong = observed(camera.inverse() * world, 0.3);  // the wrong pose has 0.7
   filter.update(0, wrong);
-  ASSERT_GE(filter.camera_mixture().size(), 2U);
+  const auto cameras = filter.camera_mixture();
+  ASSERT_GE(cameras.size(), 2U);
   bool right = false;
-  for (const auto& component : filter.camera_mixture().components())
+  for (const auto& component : cameras.components())
     right = right || apart(component.density.mean(), camera) < 0.3;
   EXPECT_TRUE(right);
   // Nearer, the right pose is clear.
