@@ -218,7 +218,7 @@ void MultiObjectSlam::update_named(std::span<Sighting> sightings, FrameReport& r
       sightings_.emplace_back();
       report.statuses.push_back(DetectionStatus::none);
     }
-    const bool known = filter_.leading(*object).has_value();
+    const bool known = filter_.is_known(*object);
     *seen.report = {.status = known ? CandidateStatus::assigned : CandidateStatus::fresh,
                     .object = object};
     update(*object, seen.observation, seen.source, report);

@@ -47,8 +47,15 @@ struct DetectionMoments {
 struct RigMoments {
   Eigen::VectorXd mean;
   Eigen::MatrixXd covariance;
+  /// Made when it is first asked for; the covariance stays as it is from then on.
+  mutable std::optional<Eigen::LLT<Eigen::MatrixXd>> made = {};
 
   bool empty() const { return covariance.size() == 0; }
+  /// The Cholesky factor of the covariance, which all that follows the rig shares.
+  const Eigen::LLT<Eigen::MatrixXd>& factor() const {
+    if (!made) made.emplace(covariance);
+    return *made;
+  }
 };
 
 /// Moments of the camera, and of the rig where it has extrinsics, in the tangent space at the mean

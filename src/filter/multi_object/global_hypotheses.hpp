@@ -38,6 +38,8 @@ class GlobalHypotheses {
   const MultiObjectState& summary() const;
   /// The joint Gaussian of camera and leading hypotheses as it is reported, made likewise.
   const ConcentratedGaussian<PoseStackd>& joint() const;
+  /// The first state: settings, detectors and extrinsics are as many in all.
+  const MultiObjectState& first() const { return list_.front().state; }
   std::size_t object_count() const { return list_.front().state.objects.size(); }
   /// Whether the object has a hypothesis in any state.
   bool is_known(std::size_t j) const;

@@ -147,7 +147,7 @@ ObjectUpdateReport MultiObjectFilter::update(std::size_t object, const SE3d& cam
 ObjectUpdateReport MultiObjectFilter::update(std::size_t object, const Observation& observation,
                                              const ObservationSource& source) {
   require_object(object, object_count());
-  require_detector(source.detector, current().objects[object].detectors.size());
+  require_detector(source.detector, hypotheses_of_all().first().objects[object].detectors.size());
   validate(observation);
   if (source.camera) require_camera(*source.camera, extrinsic_count());
   require_finite(source.body_camera, "pose of the camera on its body");
@@ -165,7 +165,9 @@ std::size_t MultiObjectFilter::add_camera(const ConcentratedGaussian<SE3d>& body
   return extrinsic_count() - 1;
 }
 
-std::size_t MultiObjectFilter::extrinsic_count() const { return current().joint.extrinsics(); }
+std::size_t MultiObjectFilter::extrinsic_count() const {
+  return hypotheses_of_all().first().joint.extrinsics();
+}
 
 ConcentratedGaussian<SE3d> MultiObjectFilter::extrinsic(std::size_t camera) const {
   require_camera(camera, extrinsic_count());
@@ -308,7 +310,9 @@ std::optional<std::size_t> MultiObjectFilter::pose_index(std::size_t object) con
   return poses - extrinsic_count();
 }
 
-const MultiObjectSettings& MultiObjectFilter::settings() const { return current().settings; }
+const MultiObjectSettings& MultiObjectFilter::settings() const {
+  return hypotheses_of_all().first().settings;
+}
 
 const ObjectSensor& MultiObjectFilter::sensor(std::size_t object, std::size_t detector) const {
   require_object(object, object_count());

@@ -7,19 +7,23 @@
 namespace posemix::internal {
 namespace {
 
-/// Splits the covariance with camera and extrinsics.
-void set_cross_covariances(ConditionalPose& pose, const Eigen::MatrixXd& with_rig) {
-  pose.cross_covariance = with_rig.leftCols<6>();
-  pose.extrinsics = with_rig.rightCols(with_rig.cols() - 6);
-}
-
 /// Eq. (9) with extrinsics.
 void follow_rig(ConditionalPose& pose, const RigMoments& before, const RigMoments& after) {
-  const Eigen::MatrixXd g = regression_on_rig(pose, before.covariance);
-  move(pose, g * (after.mean - before.mean));
-  pose.covariance += g * (after.covariance - before.covariance) * g.transpose();
-  symmetrize(pose.covariance);
-  set_cross_covariances(pose, g * after.covariance);
+  // Without a slow error its rows are zero.
+  const Eigen::Index n = pose.slow ? 12 : 6;
+  Eigen::MatrixXd cross(n, before.covariance.cols());
+  cross << pose.cross_covariance.topRows(n), pose.extrinsics.topRows(n);
+  const Eigen::MatrixXd g = before.factor().solve(cross.transpose()).transpose();
+  Vector12d shift = Vector12d::Zero();
+  shift.head(n) = g * (after.mean - before.mean);
+  move(pose, shift);
+  Eigen::MatrixXd own = pose.covariance.topLeftCorner(n, n);
+  own.noalias() += g * (after.covariance - before.covariance) * g.transpose();
+  symmetrize(own);
+  pose.covariance.topLeftCorner(n, n) = own;
+  const Eigen::MatrixXd with_rig = g * after.covariance;
+  pose.cross_covariance.topRows(n) = with_rig.leftCols<6>();
+  pose.extrinsics.topRows(n) = with_rig.rightCols(with_rig.cols() - 6);
 }
 
 /// The same given camera and extrinsics.
