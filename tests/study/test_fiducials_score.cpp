@@ -79,8 +79,9 @@ TEST(FiducialsScore, ASpanIsTheLargestAngleOfTwoViews) {
   std::vector<Observation> observations;
   std::vector<StampedPose> path;
   for (const double deg : {0.0, 40.0, 10.0}) {
-    const SE3d map_rig = SE3d(SO3d::exp({0.0, deg * std::numbers::pi / 180.0, 0.0}), {}) *
-                         SE3d(SO3d(), {0.0, 0.0, -1.0});
+    const SE3d map_rig =
+        SE3d(SO3d::exp({0.0, deg * std::numbers::pi / 180.0, 0.0}), Eigen::Vector3d::Zero()) *
+        SE3d(SO3d(), {0.0, 0.0, -1.0});
     Observation observation = observation_of(map_rig.inverse());
     observation.object = "7";
     observation.stamp_s = static_cast<double>(path.size());
