@@ -60,9 +60,11 @@ class FiducialFigures {
     std::vector<StampedPose> camera, odometry;
     for (std::size_t k = 0; k < in_.run.frames.size(); ++k) {
       const double stamp = in_.sequence.stamps[k];
-      camera.push_back({stamp, in_.run.frames[k].camera.mean()});
+      const SE3d& pose = in_.run.frames[k].camera.mean();
+      if (is_finite(pose)) camera.push_back({stamp, pose});
       if (!in_.sequence.odometry.empty()) odometry.push_back({stamp, in_.sequence.odometry[k]});
     }
+    row["frames_not_finite"] = in_.run.frames.size() - camera.size();
     const auto aligned = score_path(camera, in_.reference, PathAlignment::rigid);
     if (aligned) map_world_ = aligned->alignment;
     add_path(row, "camera_", aligned);
@@ -139,7 +141,7 @@ class FiducialFigures {
         sides_end += is_end ? 1 : 0;
       }
       off += found["survey_off"] == 1 ? 1 : 0;
-      if (found["survey_off"] != 0) continue;
+      if (found["survey_off"] != 0 || found["normal_deg"].is_null()) continue;
       normals.push_back(found["normal_deg"].get<double>());
       positions.push_back(found["position_m"].get<double>());
     }
@@ -175,8 +177,7 @@ class FiducialFigures {
     row["detector_wrong_sightings"] =
         detected != detector_.tags.end() ? Json(detected->second.wrong) : Json();
     row["wrong_at_last"] = known ? Json(mode->second.wrong_at_last ? 1 : 0) : Json();
-    row["wrong_at_end"] =
-        known ? Json(angle_between_deg(*end, tag.pose) > kWrongModeDeg ? 1 : 0) : Json();
+    row["wrong_at_end"] = known ? Json(is_wrong_mode(*end, tag.pose) ? 1 : 0) : Json();
     const StatedPose* const survey = survey_of(name);
     for (const char* key :
          {"survey_rotation_deg", "survey_position_m", "survey_off", "normal_deg", "position_m"})
@@ -187,7 +188,7 @@ class FiducialFigures {
     row["survey_rotation_deg"] = turn;
     row["survey_position_m"] = distance;
     row["survey_off"] = turn > kSurveyOffDeg || distance > kSurveyOffM ? 1 : 0;
-    if (!end) return row;
+    if (!end || !is_finite(*end)) return row;
     row["normal_deg"] = normal_angle_deg(*end, survey->pose);
     row["position_m"] = (end->translation() - survey->pose.translation()).norm();
     return row;
@@ -204,7 +205,7 @@ class FiducialFigures {
       if (mode == modes_.tags.end() || survey == nullptr || is_survey_off(name)) continue;
       const std::optional<SE3d> rig = in_.reference.at(mode->second.last_s);
       const auto& relative = in_.run.frames[frame_at(mode->second.last_s)].relative[i];
-      if (!rig || !relative) continue;
+      if (!rig || !relative || !is_finite(relative->mean())) continue;
       const SE3d truth = rig->inverse() * survey->pose;
       const Matrix6d covariance =
           relative->covariance() + truth.adjoint_congruence(survey_covariance(*survey));
@@ -237,8 +238,10 @@ class FiducialFigures {
 
   void add_camera_consistency(Json& row) const {
     ConsistencySum sum;
-    for (std::size_t k = 0; in_.has_priors && k < in_.run.frames.size(); ++k)
-      sum.add(in_.run.frames[k].camera, in_.reference.at(in_.sequence.stamps[k]));
+    for (std::size_t k = 0; in_.has_priors && k < in_.run.frames.size(); ++k) {
+      const PoseDensity& camera = in_.run.frames[k].camera;
+      if (is_finite(camera.mean())) sum.add(camera, in_.reference.at(in_.sequence.stamps[k]));
+    }
     add_consistency(row, "camera_", sum.result());
   }
 

@@ -115,6 +115,9 @@ ModeScore score_modes(std::span<const TagSighting> sightings, const CameraPoses&
 
 /// The angle between two rotations [deg].
 double angle_between_deg(const SE3d& a, const SE3d& b);
+bool is_finite(const SE3d& pose);
+/// Whether a rotation differs by more than kWrongModeDeg, or the pose is not finite.
+bool is_wrong_mode(const SE3d& pose, const SE3d& reference);
 /// The angle between the normals of two tags [deg].
 double normal_angle_deg(const SE3d& a, const SE3d& b);
 

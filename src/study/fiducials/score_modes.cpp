@@ -54,7 +54,7 @@ ModeScore score_modes(std::span<const TagSighting> sightings, const CameraPoses&
     const std::optional<SE3d> rig = reference.at(sighting.stamp_s);
     if (!rig) continue;
     const SE3d expected = (*rig * mounting->second).inverse() * known->second.pose;
-    const bool wrong = angle_between_deg(sighting.pose, expected) > kWrongModeDeg;
+    const bool wrong = is_wrong_mode(sighting.pose, expected);
     ModeScore::Tag& tag = score.tags[sighting.tag];
     if (tag.sightings == 0 || sighting.stamp_s >= tag.last_s) {
       tag.last_s = sighting.stamp_s;
