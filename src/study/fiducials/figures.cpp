@@ -9,6 +9,8 @@
 #include <string>
 
 #include "posemix/base/statistics.hpp"
+#include "posemix/fiducial/fiducial_folder.hpp"
+#include "posemix/lie/pose_covariance.hpp"
 #include "posemix/slam/evaluation.hpp"
 
 namespace posemix {
@@ -58,9 +60,11 @@ class FiducialFigures {
     std::vector<StampedPose> camera, odometry;
     for (std::size_t k = 0; k < in_.run.frames.size(); ++k) {
       const double stamp = in_.sequence.stamps[k];
-      camera.push_back({stamp, in_.run.frames[k].camera.mean()});
+      const SE3d& pose = in_.run.frames[k].camera.mean();
+      if (is_finite(pose)) camera.push_back({stamp, pose});
       if (!in_.sequence.odometry.empty()) odometry.push_back({stamp, in_.sequence.odometry[k]});
     }
+    row["frames_not_finite"] = in_.run.frames.size() - camera.size();
     const auto aligned = score_path(camera, in_.reference, PathAlignment::rigid);
     if (aligned) map_world_ = aligned->alignment;
     add_path(row, "camera_", aligned);
@@ -112,11 +116,11 @@ class FiducialFigures {
     return std::nullopt;
   }
 
-  std::optional<SE3d> surveyed_pose(const std::string& tag) const {
+  const StatedPose* survey_of(const std::string& tag) const {
     for (const auto& [id, stated] : in_.survey) {
-      if (std::to_string(id) == tag) return stated.pose;
+      if (std::to_string(id) == tag) return &stated;
     }
-    return std::nullopt;
+    return nullptr;
   }
 
   void add_tags(Json& row) {
@@ -137,7 +141,7 @@ class FiducialFigures {
         sides_end += is_end ? 1 : 0;
       }
       off += found["survey_off"] == 1 ? 1 : 0;
-      if (found["survey_off"] != 0) continue;
+      if (found["survey_off"] != 0 || found["normal_deg"].is_null()) continue;
       normals.push_back(found["normal_deg"].get<double>());
       positions.push_back(found["position_m"].get<double>());
     }
@@ -173,21 +177,20 @@ class FiducialFigures {
     row["detector_wrong_sightings"] =
         detected != detector_.tags.end() ? Json(detected->second.wrong) : Json();
     row["wrong_at_last"] = known ? Json(mode->second.wrong_at_last ? 1 : 0) : Json();
-    row["wrong_at_end"] =
-        known ? Json(angle_between_deg(*end, tag.pose) > kWrongModeDeg ? 1 : 0) : Json();
-    const std::optional<SE3d> survey = surveyed_pose(name);
+    row["wrong_at_end"] = known ? Json(is_wrong_mode(*end, tag.pose) ? 1 : 0) : Json();
+    const StatedPose* const survey = survey_of(name);
     for (const char* key :
          {"survey_rotation_deg", "survey_position_m", "survey_off", "normal_deg", "position_m"})
       row[key] = Json();
     if (!survey) return row;
-    const double turn = angle_between_deg(*survey, tag.pose);
-    const double distance = (survey->translation() - tag.pose.translation()).norm();
+    const double turn = angle_between_deg(survey->pose, tag.pose);
+    const double distance = (survey->pose.translation() - tag.pose.translation()).norm();
     row["survey_rotation_deg"] = turn;
     row["survey_position_m"] = distance;
     row["survey_off"] = turn > kSurveyOffDeg || distance > kSurveyOffM ? 1 : 0;
-    if (!end) return row;
-    row["normal_deg"] = normal_angle_deg(*end, *survey);
-    row["position_m"] = (end->translation() - survey->translation()).norm();
+    if (!end || !is_finite(*end)) return row;
+    row["normal_deg"] = normal_angle_deg(*end, survey->pose);
+    row["position_m"] = (end->translation() - survey->pose.translation()).norm();
     return row;
   }
 
@@ -198,13 +201,26 @@ class FiducialFigures {
     for (std::size_t i = 0; !in_.has_priors && i < in_.sequence.objects.size(); ++i) {
       const std::string& name = in_.sequence.objects[i].id;
       const auto mode = modes_.tags.find(name);
-      const std::optional<SE3d> survey = surveyed_pose(name);
-      if (mode == modes_.tags.end() || !survey || is_survey_off(name)) continue;
+      const StatedPose* const survey = survey_of(name);
+      if (mode == modes_.tags.end() || survey == nullptr || is_survey_off(name)) continue;
       const std::optional<SE3d> rig = in_.reference.at(mode->second.last_s);
-      const std::size_t k = frame_at(mode->second.last_s);
-      if (rig) sum.add(in_.run.frames[k].relative[i], rig->inverse() * *survey);
+      const auto& relative = in_.run.frames[frame_at(mode->second.last_s)].relative[i];
+      if (!rig || !relative || !is_finite(relative->mean())) continue;
+      const SE3d truth = rig->inverse() * survey->pose;
+      const Matrix6d covariance =
+          relative->covariance() + truth.adjoint_congruence(survey_covariance(*survey));
+      sum.add(PoseDensity(relative->mean(), covariance), truth);
     }
     add_consistency(row, "tag_", sum.result());
+  }
+
+  /// Of n of T_map_tag Exp(n), as known tags have it in sequence files.
+  static Matrix6d survey_covariance(const StatedPose& survey) {
+    const FiducialSequenceSettings least;
+    const Matrix6d floor = pose_covariance(Eigen::Vector3d::Constant(least.survey_rotation_sd),
+                                           Eigen::Vector3d::Constant(least.survey_position_sd));
+    if (!survey.covariance) return floor;
+    return survey.covariance->diagonal().cwiseMax(floor.diagonal()).asDiagonal();
   }
 
   bool is_survey_off(const std::string& tag) const {
@@ -222,8 +238,10 @@ class FiducialFigures {
 
   void add_camera_consistency(Json& row) const {
     ConsistencySum sum;
-    for (std::size_t k = 0; in_.has_priors && k < in_.run.frames.size(); ++k)
-      sum.add(in_.run.frames[k].camera, in_.reference.at(in_.sequence.stamps[k]));
+    for (std::size_t k = 0; in_.has_priors && k < in_.run.frames.size(); ++k) {
+      const PoseDensity& camera = in_.run.frames[k].camera;
+      if (is_finite(camera.mean())) sum.add(camera, in_.reference.at(in_.sequence.stamps[k]));
+    }
     add_consistency(row, "camera_", sum.result());
   }
 
@@ -258,33 +276,6 @@ class FiducialFigures {
 };
 
 }  // namespace
-
-CameraPoses camera_poses(std::span<const RigCamera> cameras) {
-  CameraPoses poses;
-  for (const RigCamera& camera : cameras) {
-    if (camera.rig_camera) poses.emplace(camera.name, camera.rig_camera->pose);
-  }
-  return poses;
-}
-
-std::vector<TagSighting> estimated_sightings(const Sequence& sequence, const SlamRun& run,
-                                             const CameraPoses& cameras) {
-  std::map<std::string, std::size_t> objects;
-  for (std::size_t i = 0; i < sequence.objects.size(); ++i) objects[sequence.objects[i].id] = i;
-  std::vector<TagSighting> sightings;
-  for (std::size_t k = 0; k < run.frames.size(); ++k) {
-    for (const Observation& observation : sequence.observations[k]) {
-      const auto object = objects.find(observation.object);
-      const auto mounting = cameras.find(observation.camera);
-      if (object == objects.end() || mounting == cameras.end()) continue;
-      const auto& relative = run.frames[k].relative[object->second];
-      if (!relative) continue;
-      sightings.push_back({observation.stamp_s, observation.camera, observation.object,
-                           mounting->second.inverse() * relative->mean()});
-    }
-  }
-  return sightings;
-}
 
 nlohmann::ordered_json fiducial_figures(const FiducialRun& run, nlohmann::ordered_json head) {
   return FiducialFigures(run, std::move(head)).all();

@@ -27,14 +27,6 @@ struct FiducialRun {
   std::vector<double> frame_s;  ///< processor time of every frame [s]
 };
 
-/// The stated poses of cameras.
-CameraPoses camera_poses(std::span<const RigCamera> cameras);
-
-/// Sightings of a run: T_camera_tag of every tag that was seen in a frame, as the estimate stood
-/// after it. A sighting of a tag without an estimate has none.
-std::vector<TagSighting> estimated_sightings(const Sequence& sequence, const SlamRun& run,
-                                             const CameraPoses& cameras);
-
 /// {"row": ..., "tags": ..., "timing": ..., "path": ...}; every row begins with `head`.
 nlohmann::ordered_json fiducial_figures(const FiducialRun& run, nlohmann::ordered_json head);
 

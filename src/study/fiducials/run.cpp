@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "run.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdlib>
 #include <ctime>
@@ -90,13 +91,16 @@ nlohmann::ordered_json run_fiducials(const FiducialRecording& recording, Fiducia
     return true;
   };
   const SlamRun done = run(job, {.progress = progress});
+  // A sequence file leaves out priors that say no more than where the world is.
+  const bool has_priors = std::any_of(job.models.begin(), job.models.end(),
+                                      [](const ObjectModel& model) { return model.prior; });
   nlohmann::ordered_json row = {{"recording", recording.name},
                                 {"input", std::string(word_of(input))},
-                                {"priors", settings.priors && !survey.priors.empty()}};
+                                {"priors", has_priors}};
   return fiducial_figures({.observations = folder.fiducials.observations,
                            .cameras = camera_poses(folder.cameras),
                            .survey = survey.priors,
-                           .has_priors = settings.priors && !survey.priors.empty(),
+                           .has_priors = has_priors,
                            .reference = read_fiducial_reference(recording),
                            .sequence = job.sequence,
                            .run = done,

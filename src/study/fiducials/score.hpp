@@ -5,14 +5,14 @@
 #include <cstddef>
 #include <map>
 #include <optional>
-#include <set>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "posemix/detector/observation.hpp"
+#include "posemix/fiducial/camera_file.hpp"
 #include "posemix/io/tum.hpp"
-#include "posemix/slam/sequence.hpp"
+#include "posemix/slam/run.hpp"
 
 /// Scores of SLAM on square tags against a reference path T_map_rig, as bench/python's
 /// fiducials_score.py defines them.
@@ -71,6 +71,9 @@ struct ReferenceTag {
 using CameraPoses = std::map<std::string, SE3d>;
 using ReferenceTags = std::map<std::string, ReferenceTag>;
 
+/// The stated poses of cameras.
+CameraPoses camera_poses(std::span<const RigCamera> cameras);
+
 /// The poses of the tags that most sightings have a component near, all components of all sightings
 /// put into the map by the reference path; weights do not count. Sightings of cameras without a
 /// pose, and at stamps without a reference, are left out.
@@ -87,6 +90,11 @@ struct TagSighting {
 
 /// The best components of observations.
 std::vector<TagSighting> best_sightings(std::span<const Observation> observations);
+
+/// Sightings of a run: T_camera_tag of every tag that was seen in a frame, as the estimate stood
+/// after it. A sighting of a tag without an estimate has none.
+std::vector<TagSighting> estimated_sightings(const Sequence& sequence, const SlamRun& run,
+                                             const CameraPoses& cameras);
 
 /// Sightings that are turned by more than kWrongModeDeg against the reference.
 struct ModeScore {
@@ -107,6 +115,9 @@ ModeScore score_modes(std::span<const TagSighting> sightings, const CameraPoses&
 
 /// The angle between two rotations [deg].
 double angle_between_deg(const SE3d& a, const SE3d& b);
+bool is_finite(const SE3d& pose);
+/// Whether a rotation differs by more than kWrongModeDeg, or the pose is not finite.
+bool is_wrong_mode(const SE3d& pose, const SE3d& reference);
 /// The angle between the normals of two tags [deg].
 double normal_angle_deg(const SE3d& a, const SE3d& b);
 

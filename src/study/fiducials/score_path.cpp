@@ -34,6 +34,14 @@ double angle_between_deg(const SE3d& a, const SE3d& b) {
   return degrees((a.rotation().inverse() * b.rotation()).angle());
 }
 
+bool is_finite(const SE3d& pose) {
+  return pose.translation().allFinite() && pose.rotation().quaternion().coeffs().allFinite();
+}
+
+bool is_wrong_mode(const SE3d& pose, const SE3d& reference) {
+  return !is_finite(pose) || angle_between_deg(pose, reference) > kWrongModeDeg;
+}
+
 double normal_angle_deg(const SE3d& a, const SE3d& b) {
   const Eigen::Vector3d first = a.rotation() * Eigen::Vector3d::UnitZ();
   const Eigen::Vector3d second = b.rotation() * Eigen::Vector3d::UnitZ();
