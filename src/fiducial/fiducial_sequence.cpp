@@ -119,7 +119,7 @@ std::string format_fiducial_sequence(const FiducialFolder& folder) {
       "components = [{rotation_sd_deg = 1.0, translation_sd_m = 0.01}]\n"
       "clutter = {weight = 0.01, volume_m3 = 100.0}\n"
       "slow = \"none\"\n"
-      "mode_time_s = 5.0\n"
+      "mode_time_s = 1.0\n"
       "\n[on_sight]  # tags of which nothing is known\n"
       "noise = \"tag\"\n";
   return text + priors;
