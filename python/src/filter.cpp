@@ -138,13 +138,7 @@ void bind_steps(nb::class_<MultiObjectFilter>& filter) {
                                            at_rest.as<Matrix6d>("at_rest"), dt);
           },
           "periods"_a, "q"_a, "q_motion"_a, "at_rest"_a, "dt"_a, kVelocityDoc)
-      .def(
-          "update",
-          [](F& self, std::size_t object, const Argument<SE3d>& camera_object) {
-            return self.update(object, camera_object.as("camera_object"));
-          },
-          "object"_a, "camera_object"_a,
-          "Processes one detection T_camera_object of the object at index `object`.")
+      // First the one that takes nothing but an observation; poses are made of many things.
       .def(
           "update",
           [](F& self, std::size_t object, const Observation& observation,
@@ -153,6 +147,13 @@ void bind_steps(nb::class_<MultiObjectFilter>& filter) {
           },
           "object"_a, "observation"_a, "source"_a = nb::none(),
           "Processes one observation of the object at index `object`.")
+      .def(
+          "update",
+          [](F& self, std::size_t object, const Argument<SE3d>& camera_object) {
+            return self.update(object, camera_object.as("camera_object"));
+          },
+          "object"_a, "camera_object"_a,
+          "Processes one detection T_camera_object of the object at index `object`.")
       .def(
           "add_camera",
           [](F& self, const Argument<ConcentratedSE3>& body_camera) {

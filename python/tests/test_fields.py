@@ -39,6 +39,7 @@ WITHOUT_CLASS = {
     "FiducialSequenceSettings": "options of posemix fiducials",
     "TagRemap": "read_tag_map reads them for observe_fiducials",
     "TagOdometryNoise": "a step of posemix fiducials",
+    "ObservationSequenceFiles": "files that posemix convert writes",
     "MeanSettings": "lie.weighted_mean always iterates to rounding",
     "MeanResult": "lie.weighted_mean returns the mean and warns",
     "IteratedUpdateSettings": "a step of the filter, not called from Python",

@@ -80,7 +80,14 @@ IN_FILES: dict[str, tuple[Place, Keys]] = {
         },
     ),
     "BodyCamera": (
-        Place("sequence_observations.cpp read_body_cameras", OBSERVED), {"body_camera": "pose"},
+        Place("sequence_observations.cpp read_body_cameras", OBSERVED),
+        {
+            "body_camera": "pose",
+            "covariance": (
+                ("rotation_sd_deg", "translation_sd_m", "covariance"),
+                Place("sequence_observations.cpp read_camera_covariance", OBSERVED),
+            ),
+        },
     ),
     "AssociationSettings": (ASSOCIATION, {}),
     "SmoothingSettings": (
@@ -215,7 +222,7 @@ WITHOUT_FILE = {
     "NoiseModeSettings": "settings of posemix study noise", "NoiseEmSettings": "a step of fit_noise",
     "OdometryNoiseSettings": "settings of posemix study noise", "ErrorMixtureSettings": "a part of the grasp study",
     "LogisticSettings": "a part of the grasp study", "ConsensusSettings": "a part of the grasp study",
-    "FiducialSettings": "options of posemix fiducials",
+    "FiducialSettings": "options of posemix fiducials", "FiducialSequenceSettings": "options of posemix fiducials",
     "FuseViewsSettings": "options of posemix fuse-views", "BopObservationSettings": "options of posemix fuse-views",
     "StampedSlamSettings": "for observations as they come",
     "RegionFitSettings": "a part of the grasp study", "MeanSettings": "limits of the arithmetic",

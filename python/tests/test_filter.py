@@ -250,7 +250,7 @@ def test_a_camera_of_a_rig_is_calibrated() -> None:
     start = px.ConcentratedGaussian(px.SE3(), px.pose_covariance(1e-3, 1e-3))
     truth = px.SE3(px.SO3.exp([0, 0.3, 0]), [0.1, 0, 0])
     off = px.pose_covariance(0.03, 0.02)
-    rig = px.MultiObjectFilter(start, [px.ObjectSensor(noise(1.0))])
+    rig = px.MultiObjectFilter(start, [px.ObjectSensor(noise=noise(1.0))])
     stated = px.SE3(px.SO3.exp([0, 0.32, 0]), [0.11, 0, 0])
     assert rig.add_camera(px.ConcentratedGaussian(stated, off)) == 0
     assert rig.extrinsic_count == 1
