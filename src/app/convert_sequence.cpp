@@ -3,6 +3,7 @@
 #include "convert_sequence.hpp"
 
 #include <filesystem>
+#include <system_error>
 
 #include <fmt/format.h>
 
@@ -34,6 +35,11 @@ int convert_sequence(const SequenceConversion& options) {
   if (options.out == "-") {
     throw InvalidInput(
         fmt::format("{}: got no folder, expected --out DIR for a sequence file", options.sequence));
+  }
+  const std::filesystem::path target = std::filesystem::path(options.out) / kSequence;
+  if (std::error_code none; std::filesystem::equivalent(target, options.sequence, none)) {
+    throw InvalidInput(fmt::format(
+        "{}: is the sequence file itself, expected another folder for --out", target.string()));
   }
   TomlDocument document = TomlDocument::load(options.sequence);
   for (const std::string& assignment : options.overrides) document.apply_override(assignment);

@@ -98,6 +98,14 @@ int write_fiducials(const FiducialOptions& options) {
   folder.sequence = {radians(options.survey_rotation_deg), options.survey_position_m};
   folder.fiducials = observe_fiducials(read_corners(options.corners), folder.cameras, folder.tags,
                                        settings_of(options));
+  if (folder.fiducials.observations.empty()) {
+    const Fiducials& found = folder.fiducials;
+    throw InvalidInput(fmt::format(
+        "{}: got no observation of {} sightings ({} of ignored tags, {} of tags without a size, {} "
+        "whose corners are no image of a tag's front), expected some: see --order, --size and "
+        "--tags",
+        options.corners, found.sightings, found.ignored, found.without_size, found.without_pose));
+  }
   for (const std::string& camera : complete_rig(folder)) {
     print_warnings(
         {fmt::format("camera {} has no pose on the rig and sees no tag together with one "

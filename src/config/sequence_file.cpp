@@ -111,12 +111,44 @@ std::vector<std::string> ids_of(const std::vector<ObjectModel>& models) {
   return ids;
 }
 
+/// Tables that need observations, and names in observations that stand for nothing.
+void require_meaning(const TomlTable& root, const ObservedRecording& observed,
+                     const std::vector<ObjectModel>& models) {
+  if (observed.files.empty()) {
+    for (const char* key : {"cameras", "on_sight"}) {
+      if (root.has(key))
+        root.fail(key, "is for observations, expected a table [[observations]] beside it");
+    }
+    return;
+  }
+  std::set<std::string> classes;
+  for (const ObjectModel& model : models) classes.insert(class_of(model));
+  std::set<std::string> cameras;
+  for (const ObservationFile& file : observed.files) {
+    for (const Observation& seen : file.observations) {
+      cameras.insert(seen.camera);
+      if (seen.object.empty() && classes.count(seen.class_id) == 0) {
+        throw InvalidInput(
+            fmt::format("{}: stamp {}: got class {}, expected that of one of the [[objects]]",
+                        file.name, seen.stamp_s, in_quotes(seen.class_id)));
+      }
+    }
+  }
+  if (observed.cameras.empty() && cameras.size() > 1) {
+    root.fail("observations",
+              fmt::format("are of cameras {} and {}, expected a table [[cameras]] "
+                          "with their poses on the body",
+                          in_quotes(*cameras.begin()), in_quotes(*cameras.rbegin())));
+  }
+}
+
 /// What the file says of observations, and models of the objects that they name and that are not
 /// declared.
 ObservedRecording read_observed(const TomlTable& root, const FileFinder& files,
                                 const std::map<std::string, DetectorNoise>& noise_models,
                                 std::vector<ObjectModel>& models) {
   ObservedRecording observed{read_observation_files(root, files), read_body_cameras(root)};
+  require_meaning(root, observed, models);
   const auto table = root.find_table("on_sight");
   const std::vector<std::string> ids = ids_on_sight(observed.files, ids_of(models));
   if (!table) {

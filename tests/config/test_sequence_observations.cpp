@@ -81,6 +81,20 @@ TEST(SequenceObservations, KnownObjectsAndACameraAnywhere) {
                       "probability");
 }
 
+TEST(SequenceObservations, LeavesNothingOutInSilence) {
+  const std::string two = replaced(kTable, "0.05,left", "0.05,right");
+  EXPECT_INVALID_WITH(
+      job_of(
+          replaced(kSequence, "[[cameras]]\nname = \"left\"\npose = [0.1, 0, 0, 0, 0, 0, 1]\n", ""),
+          two),
+      "are of cameras \"left\" and \"right\", expected a table [[cameras]]");
+  EXPECT_INVALID_WITH(job_of(kSequence, replaced(kTable, "0.05,left,,9,,1", "0.05,left,,,mug,1")),
+                      "stamp 0.05: got class \"mug\", expected that of one of the [[objects]]");
+  EXPECT_INVALID_WITH(
+      job_of(replaced(kSequence, "[[observations]]\ncsv = \"observations.csv\"\n", "")),
+      "is for observations, expected a table [[observations]] beside it");
+}
+
 TEST(SequenceObservations, MakeFramesObjectsAndDetections) {
   const SlamJob job = job_of(kSequence);
   ASSERT_EQ(job.sequence.stamps.size(), 3U);

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "multi_object_scene.hpp"
+#include "posemix/detector/default_noise.hpp"
 
 namespace posemix {
 namespace {
@@ -84,6 +85,22 @@ TEST(LostCamera, IsFoundFromAKnownObject) {
   EXPECT_LT(apart(filter.camera().mean(), camera), 0.02);
   const Eigen::Matrix3d rotation = filter.camera().covariance().topLeftCorner<3, 3>();
   EXPECT_LT(rotation.trace(), 0.01);
+}
+
+// The gains of a noise that is typical are damped with odometry; that would move what is known.
+TEST(LostCamera, IsFoundWithOdometryAndTheDefaultNoise) {
+  const SE3d world(SO3d(), {5.0, 0.0, 1.0});
+  const SE3d camera(SO3d(), {5.0, 0.0, 0.0});
+  MultiObjectSettings settings;
+  settings.has_odometry = true;
+  MultiObjectFilter filter(anywhere(SE3d(SO3d(), {5.5, 0.0, 1.0})), {}, settings);
+  filter.add_object({default_detector_noise()}, prior_at(world));
+  for (int k = 0; k < 30; ++k) {
+    filter.predict_with_odometry(SE3d(), isotropic(0.1, 0.001), 0.1);
+    filter.update(0, observed(camera.inverse() * world));
+  }
+  EXPECT_LT((filter.camera().mean().translation() - camera.translation()).norm(), 0.2);
+  EXPECT_LT(apart(filter.hypotheses(0)[*filter.leading(0)].pose, world), 0.05);
 }
 
 // An unknown object that is seen while the camera is lost turns with it when it is found.

@@ -104,6 +104,7 @@ void MultiObjectState::add_object(const ObjectSensor& sensor,
   for (ObjectSensor& one : sensors_of(sensor, settings.default_clutter))
     object.detectors.emplace_back(std::move(one));
   if (!prior) return;
+  has_known_objects = true;
   ConditionalPose pose{prior->world.mean(), {}, Matrix12d::Zero(), Matrix12x6d::Zero()};
   pose.covariance.topLeftCorner<6, 6>() = prior->world.covariance();
   pose.extrinsics.setZero(12, offset(joint.extrinsics()));

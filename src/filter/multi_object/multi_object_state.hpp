@@ -83,9 +83,9 @@ struct MultiObjectState {
   /// What a report adds to the covariance of an object at `pose`, world frame.
   static Matrix6d unseen_covariance(const TrackedObject& object, const SE3d& pose);
   /// Whether the gain of a detection is damped: with odometry, for a detector of which only what is
-  /// typical is known.
+  /// typical is known. Not where poses of objects are known: a shift of the world would move them.
   bool is_damped(const ObjectSensor& sensor) const {
-    return settings.has_odometry && sensor.noise.dependence().is_typical;
+    return settings.has_odometry && !has_known_objects && sensor.noise.dependence().is_typical;
   }
   /// The factors on the gains of an observation of the object.
   GainFactors gain_factors(const TrackedObject& object,
@@ -100,6 +100,7 @@ struct MultiObjectState {
   std::vector<TrackedObject> objects;
   double now_s = 0.0;
   std::optional<std::size_t> motion;  ///< index of the camera's motion in the joint Gaussian
+  bool has_known_objects = false;     ///< whether any object was added with a prior
   std::uint64_t next_id = 0;
   std::uint64_t update_count = 0;  ///< number of detections of all objects so far
   ActiveLimits limits = {};
