@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "fiducials.hpp"
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <set>
@@ -85,6 +86,20 @@ Json summary_of(const FiducialFolder& folder) {
   return found;
 }
 
+/// Odometry on another clock would say nothing of any sighting.
+void require_one_clock(const FiducialFolder& folder, const std::string& name) {
+  if (folder.odometry.empty()) return;
+  const auto [first, last] =
+      std::minmax_element(folder.odometry.begin(), folder.odometry.end(),
+                          [](const auto& a, const auto& b) { return a.stamp < b.stamp; });
+  for (const Observation& seen : folder.fiducials.observations)
+    if (seen.stamp_s >= first->stamp && seen.stamp_s <= last->stamp) return;
+  throw InvalidInput(
+      fmt::format("{}: goes from stamp {} s to {} s, expected the clock of the corners, whose "
+                  "first stamp is {} s",
+                  name, first->stamp, last->stamp, folder.fiducials.observations.front().stamp_s));
+}
+
 int write_fiducials(const FiducialOptions& options) {
   FiducialFolder folder;
   folder.cameras = cameras_of(options);
@@ -106,6 +121,7 @@ int write_fiducials(const FiducialOptions& options) {
         "--tags",
         options.corners, found.sightings, found.ignored, found.without_size, found.without_pose));
   }
+  require_one_clock(folder, options.odometry);
   for (const std::string& camera : complete_rig(folder)) {
     print_warnings(
         {fmt::format("camera {} has no pose on the rig and sees no tag together with one "

@@ -142,6 +142,26 @@ void require_meaning(const TomlTable& root, const ObservedRecording& observed,
   }
 }
 
+/// Odometry on another clock would be a long motion that nobody knows.
+void require_one_clock(const ObservedRecording& observed, const CameraFiles& camera) {
+  if (!camera.odometry || camera.odometry->poses.empty() || observed.files.empty()) return;
+  const auto [first, last] =
+      std::minmax_element(camera.odometry->poses.begin(), camera.odometry->poses.end(),
+                          [](const auto& a, const auto& b) { return a.stamp < b.stamp; });
+  for (const ObservationFile& file : observed.files) {
+    for (const Observation& seen : file.observations)
+      if (seen.stamp_s >= first->stamp && seen.stamp_s <= last->stamp) return;
+  }
+  const ObservationFile& file = observed.files.front();
+  if (file.observations.empty()) return;
+  throw InvalidInput(
+      fmt::format("{}: goes from stamp {} s to {} s, expected stamps of the same clock as those of "
+                  "{}, the first "
+                  "of which is {} s",
+                  camera.odometry->name, first->stamp, last->stamp, file.name,
+                  file.observations.front().stamp_s));
+}
+
 /// What the file says of observations, and models of the objects that they name and that are not
 /// declared.
 ObservedRecording read_observed(const TomlTable& root, const FileFinder& files,
@@ -280,6 +300,7 @@ SlamJob read_slam_job(const TomlDocument& document,
   }
   const ObservedRecording observed = read_observed(root, files, noise_models, models);
   const CameraFiles camera = read_camera_files(root, files);
+  require_one_clock(observed, camera);
   SlamJob job{.name = read_name(document, root),
               .method = {},
               .sequence = {},

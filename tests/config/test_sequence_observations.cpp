@@ -95,6 +95,13 @@ TEST(SequenceObservations, LeavesNothingOutInSilence) {
       "is for observations, expected a table [[observations]] beside it");
 }
 
+TEST(SequenceObservations, NeedTheClockOfTheOdometry) {
+  const std::string later = replaced(
+      replaced(replaced(kTable, "\n0.05,", "\n9.05,"), "\n0.10,", "\n9.10,"), "\n0.00,", "\n9.00,");
+  EXPECT_INVALID_WITH(job_of(kSequence, replaced(later, "\n0.00,", "\n9.00,")),
+                      "goes from stamp 0 s to 0.1 s, expected stamps of the same clock");
+}
+
 TEST(SequenceObservations, MakeFramesObjectsAndDetections) {
   const SlamJob job = job_of(kSequence);
   ASSERT_EQ(job.sequence.stamps.size(), 3U);
