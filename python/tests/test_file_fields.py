@@ -112,7 +112,8 @@ IN_FILES: dict[str, tuple[Place, Keys]] = {
         MODEL,
         {
             "id": ("id", MODEL.by("sequence_file.cpp read_id")),
-            "noise": ("noise", MODEL.by("sequence_file.cpp noise_of")),
+            "noise": ("noise", MODEL.by("sequence_file.cpp add_used")),
+            "detectors": ("detectors", MODEL.by("sequence_file.cpp read_detectors")),
             "independent_start": "start",
             "class_id": "class",
             "symmetries": ("symmetries", MODEL.by("symmetries.cpp read_object_symmetries")),
@@ -206,7 +207,6 @@ NOT_IN_FILES = {
     "MergeSettings.tolerance": "a limit of the arithmetic",
     "ParticleFilterSettings.merge": "merge_rule and transport_jacobian of the same table",
     "MultiObjectSlamSettings.filter": "its fields are keys of the table [filter]",
-    "ObjectModel.detectors": "[[observations]] of several detectors share the noise of their object",
     "MultiObjectSlamSettings.association": "its fields are keys of the same table",
 }
 

@@ -64,13 +64,14 @@ std::string read_id(const TomlTable& object, std::set<std::string>& taken) {
 
 /// The noise model that a table names.
 DetectorNoise noise_of(const TomlTable& object,
-                       const std::map<std::string, DetectorNoise>& noise_models) {
-  const std::string noise = object.get_string_or("noise", std::string(kDefaultNoise));
+                       const std::map<std::string, DetectorNoise>& noise_models,
+                       const std::string& key = "noise") {
+  const std::string noise = object.get_string_or(key, std::string(kDefaultNoise));
   const auto found = noise_models.find(noise);
   const bool built_in = found == noise_models.end() && noise == kDefaultNoise;
   if (found == noise_models.end() && !built_in) {
-    object.fail("noise", fmt::format("is {0}, but there is no table [noise.{1}]", in_quotes(noise),
-                                     noise.empty() ? "NAME" : noise));
+    object.fail(key, fmt::format("is {0}, but there is no table [noise.{1}]", in_quotes(noise),
+                                 noise.empty() ? "NAME" : noise));
   }
   return built_in ? default_detector_noise() : found->second;
 }
@@ -85,14 +86,37 @@ ObjectPrior read_prior(const TomlTable& prior) {
   return result;
 }
 
+/// The noise models of several detectors of an object, by their names.
+std::map<std::string, DetectorNoise> read_detectors(
+    const TomlTable& object, const std::map<std::string, DetectorNoise>& noise_models) {
+  std::map<std::string, DetectorNoise> detectors;
+  const auto table = object.find_table("detectors");
+  if (!table) return detectors;
+  for (const std::string& name : table->keys())
+    detectors.emplace(name, noise_of(*table, noise_models, name));
+  return detectors;
+}
+
+/// Names of the noise models that a table of objects uses.
+void add_used(const TomlTable& object, std::set<std::string>& used) {
+  used.insert(object.get_string_or("noise", std::string(kDefaultNoise)));
+  if (const auto detectors = object.find_table("detectors")) {
+    for (const std::string& name : detectors->keys()) used.insert(detectors->get_string(name));
+  }
+}
+
 ObjectModel read_model(const TomlTable& object, const FileFinder& files, std::set<std::string>& ids,
                        const std::map<std::string, DetectorNoise>& noise_models) {
   std::string id = read_id(object, ids);
   DetectorNoise noise = noise_of(object, noise_models);
   std::optional<Matrix6d> start;
   if (const auto table = object.find_table("start")) start = read_pose_covariance(*table);
-  ObjectModel model{std::move(id), std::move(noise), start, read_object_symmetries(object, files),
-                    object.get_string_or("class", "")};
+  ObjectModel model{std::move(id),
+                    std::move(noise),
+                    start,
+                    read_object_symmetries(object, files),
+                    object.get_string_or("class", ""),
+                    read_detectors(object, noise_models)};
   if (const auto prior = object.find_table("prior"))
     model.prior = located(object, "prior", [&] { return read_prior(*prior); });
   return model;
@@ -181,6 +205,7 @@ ObservedRecording read_observed(const TomlTable& root, const FileFinder& files,
   }
   ObjectModel model;
   model.noise = noise_of(*table, noise_models);
+  model.detectors = read_detectors(*table, noise_models);
   model.symmetries = read_object_symmetries(*table, files);
   for (const std::string& id : ids) {
     check_id(*table, "noise", id);
@@ -285,10 +310,8 @@ SlamJob read_slam_job(const TomlDocument& document,
   auto noise_models = read_noise_models(root);
   if (const auto* tracker = std::get_if<MultiObjectSlamSettings>(&method.tracker)) {
     std::set<std::string> used;
-    for (const TomlTable& object : object_tables(root))
-      used.insert(object.get_string_or("noise", std::string(kDefaultNoise)));
-    if (const auto table = root.find_table("on_sight"))
-      used.insert(table->get_string_or("noise", std::string(kDefaultNoise)));
+    for (const TomlTable& object : object_tables(root)) add_used(object, used);
+    if (const auto table = root.find_table("on_sight")) add_used(*table, used);
     assume_missing(root, used, tracker->filter.default_clutter, noise_models);
   }
   std::vector<ObjectModel> models;

@@ -95,6 +95,27 @@ TEST(SequenceObservations, LeavesNothingOutInSilence) {
       "is for observations, expected a table [[observations]] beside it");
 }
 
+TEST(SequenceObservations, AreOfSeveralDetectors) {
+  const std::string two =
+      replaced(std::string(kSequence), "noise = \"tag\"\n",
+               "noise = \"tag\"\ndetectors = {near = \"tag\", far = \"wide\"}\n") +
+      "[noise.wide]\ncomponents = [{rotation_sd_deg = 9.0, translation_sd_m = 0.1}]\n"
+      "slow = \"none\"\nclutter = {weight = 0.05, volume_m3 = 1.0}\n";
+  const std::string table = replaced(kTable, "0.05,left,,9", "0.05,left,far,9");
+  const SlamJob job = job_of(two, table);
+  ASSERT_EQ(job.models.front().detectors.size(), 2U);
+  const auto sd = [&](const char* name) {
+    return std::sqrt(job.models.front().detectors.at(name).components()[0].covariance(5, 5));
+  };
+  EXPECT_NEAR(sd("near"), 0.005, 1e-12);
+  EXPECT_NEAR(sd("far"), 0.1, 1e-12);
+  EXPECT_EQ(run(job).frames.size(), job.sequence.stamps.size());
+  EXPECT_INVALID_WITH(job_of(replaced(two, "far = \"wide\"", "far = \"no\""), table),
+                      "is \"no\", but there is no table [noise.no]");
+  EXPECT_INVALID_WITH(run(job_of(two, replaced(kTable, "0.05,left,,9", "0.05,left,other,9"))),
+                      "has no detector 'other', expected one of: far, near");
+}
+
 TEST(SequenceObservations, NeedTheClockOfTheOdometry) {
   const std::string later = replaced(
       replaced(replaced(kTable, "\n0.05,", "\n9.05,"), "\n0.10,", "\n9.10,"), "\n0.00,", "\n9.00,");
