@@ -22,6 +22,8 @@ std::vector<std::string> complete_rig(FiducialFolder& folder) {
 
 std::vector<StampedPose> odometry_of_rig(std::vector<StampedPose> odometry,
                                          const SE3d& rig_odometry) {
+  std::stable_sort(odometry.begin(), odometry.end(),
+                   [](const auto& a, const auto& b) { return a.stamp < b.stamp; });
   const SE3d odometry_rig = rig_odometry.inverse();
   for (StampedPose& pose : odometry)
     if (pose.pose) pose.pose = *pose.pose * odometry_rig;

@@ -184,7 +184,7 @@ TEST(FiducialSequence, HasRigOdometryAndKnownTags) {
 TEST(FiducialSequence, OdometryIsThatOfTheRig) {
   const SE3d mounted(SO3d::exp({0.0, 0.0, 3.0}), {0.02, 0.01, 0.0});
   const SE3d rig(SO3d::exp({0.1, 0.5, 0.0}), {1.0, 2.0, 3.0});
-  const auto odometry = odometry_of_rig({{0.0, rig * mounted}, {0.1, std::nullopt}}, mounted);
+  const auto odometry = odometry_of_rig({{0.1, std::nullopt}, {0.0, rig * mounted}}, mounted);
   EXPECT_LT((odometry[0].pose->inverse() * rig).log().norm(), 1e-12);
   EXPECT_FALSE(odometry[1].pose.has_value());
 }

@@ -33,7 +33,7 @@ struct FiducialFolder {
 /// the observations of those that share none. Returns their names.
 std::vector<std::string> complete_rig(FiducialFolder& folder);
 
-/// Odometry of the rig, T_odom_rig, from that of the frame whose motion was recorded, at
+/// Odometry of the rig, T_odom_rig, by time, from that of the frame whose motion was recorded, at
 /// `rig_odometry` (TagMap::rig_odometry) on the rig.
 std::vector<StampedPose> odometry_of_rig(std::vector<StampedPose> odometry,
                                          const SE3d& rig_odometry);

@@ -24,7 +24,7 @@ struct TagOdometryNoise {
 /// time times that of the walk; it is taken for Student's t with four degrees of freedom, for
 /// odometry jumps, whose scale follows by expectation maximisation. The result are standard
 /// deviations.
-/// @param odometry T_odom_rig
+/// @param odometry T_odom_rig, by time
 /// @returns none for fewer than 20 pairs
 std::optional<TagOdometryNoise> fit_tag_odometry(std::span<const Observation> observations,
                                                  std::span<const RigCamera> cameras,
