@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <map>
 #include <set>
 
 #include <fmt/format.h>
@@ -85,14 +86,21 @@ std::vector<BodyCamera> read_body_cameras(const TomlTable& root) {
 
 std::vector<std::string> ids_on_sight(const std::vector<ObservationFile>& files,
                                       const std::vector<std::string>& declared) {
-  std::vector<std::string> ids;
-  std::set<std::string> known(declared.begin(), declared.end());
+  // By their first stamp, then by name, whatever the order of rows and files.
+  const std::set<std::string> known(declared.begin(), declared.end());
+  std::map<std::string, double> first_seen;
   for (const ObservationFile& file : files) {
     for (const Observation& observation : file.observations) {
-      const std::string& id = observation.object;
-      if (!id.empty() && known.insert(id).second) ids.push_back(id);
+      if (observation.object.empty() || known.contains(observation.object)) continue;
+      double& stamp = first_seen.try_emplace(observation.object, observation.stamp_s).first->second;
+      stamp = std::min(stamp, observation.stamp_s);
     }
   }
+  std::vector<std::string> ids;
+  for (const auto& [id, stamp] : first_seen) ids.push_back(id);
+  std::stable_sort(ids.begin(), ids.end(), [&](const std::string& a, const std::string& b) {
+    return first_seen.at(a) < first_seen.at(b);
+  });
   return ids;
 }
 
@@ -107,8 +115,10 @@ std::vector<double> stamps_of(const std::vector<ObservationFile>& files,
     if (next == stamps.end() || *next > stamp + kSameStamp) stamps.insert(stamp);
   };
   for (const double stamp : camera.stamps) add(stamp);
+  std::set<double> seen;
   for (const ObservationFile& file : files)
-    for (const Observation& observation : file.observations) add(observation.stamp_s);
+    for (const Observation& observation : file.observations) seen.insert(observation.stamp_s);
+  for (const double stamp : seen) add(stamp);
   return {stamps.begin(), stamps.end()};
 }
 

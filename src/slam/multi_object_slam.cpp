@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "observation_order.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/base/stopwatch.hpp"
 #include "slam/frames.hpp"
@@ -124,15 +125,25 @@ std::vector<MultiObjectSlam::Sighting> MultiObjectSlam::sightings_of(const Frame
   std::vector<Sighting> sightings;
   for (std::size_t i = 0; i < input.observations.size(); ++i) {
     try {
-      sightings.push_back(
-          {input.observations[i], source_of(input.observations[i]), &report.observations[i]});
+      sightings.push_back({internal::with_ordered_components(input.observations[i]),
+                           source_of(input.observations[i]), &report.observations[i]});
     } catch (const InvalidInput& error) {
       throw InvalidInput(fmt::format("frame: observation {}: {}", i, error.what()));
     }
   }
   for (std::size_t i = 0; i < input.candidates.size(); ++i)
     sightings.push_back({observation_of(input.candidates[i]), {}, &report.candidates[i]});
+  // Linearisation makes the order matter, and that of the input may be any.
+  std::stable_sort(sightings.begin(), sightings.end(), [&](const Sighting& a, const Sighting& b) {
+    return is_taken_before(a.observation, b.observation);
+  });
   return sightings;
+}
+
+bool MultiObjectSlam::is_taken_before(const Observation& a, const Observation& b) const {
+  const std::size_t first = objects_.find(a.object).value_or(objects_.size());
+  const std::size_t second = objects_.find(b.object).value_or(objects_.size());
+  return first != second ? first < second : internal::comes_before(a, b);
 }
 
 void MultiObjectSlam::check(const Observation& observation) const {
@@ -146,12 +157,15 @@ std::vector<ObservedObject> MultiObjectSlam::observed(const FrameInput& input) c
     if (input.detections[object])
       list.push_back({object, observation_of(*input.detections[object])});
   }
-  for (const Observation& observation : input.observations) {
-    if (observation.object.empty()) continue;
-    const ObservationSource source = source_of(observation);
-    if (const auto object = objects_.find(observation.object))
-      list.push_back({*object, observation, source});
-  }
+  std::vector<Observation> named;
+  for (const Observation& observation : input.observations)
+    if (objects_.find(observation.object))
+      named.push_back(internal::with_ordered_components(observation));
+  std::stable_sort(named.begin(), named.end(), [&](const Observation& a, const Observation& b) {
+    return is_taken_before(a, b);
+  });
+  for (const Observation& one : named)
+    list.push_back({*objects_.find(one.object), one, source_of(one)});
   return list;
 }
 

@@ -6,41 +6,15 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
-#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "observation_order.hpp"
 #include "posemix/base/error.hpp"
 
 namespace posemix {
 namespace {
-
-/// The numbers of an observation, for an order that does not depend on when it came.
-std::vector<double> numbers_of(const Observation& o) {
-  const double none = -std::numeric_limits<double>::infinity();
-  std::vector<double> numbers{o.clutter.value_or(none), o.score.value_or(none)};
-  for (const ObservationComponent& c : o.components) {
-    numbers.push_back(c.weight);
-    const Eigen::Vector4d q = c.pose.rotation().quaternion().coeffs();
-    numbers.insert(numbers.end(), q.begin(), q.end());
-    const Eigen::Vector3d t = c.pose.translation();
-    numbers.insert(numbers.end(), t.begin(), t.end());
-    if (c.covariance) {
-      const auto all = c.covariance->reshaped();
-      numbers.insert(numbers.end(), all.begin(), all.end());
-    }
-  }
-  return numbers;
-}
-
-bool comes_before(const Observation& a, const Observation& b) {
-  const auto names = [](const Observation& o) {
-    return std::tie(o.detector, o.camera, o.object, o.class_id);
-  };
-  if (names(a) != names(b)) return names(a) < names(b);
-  return numbers_of(a) < numbers_of(b);
-}
 
 double stamp_of(const std::optional<EstimateAtStamp>& estimate) {
   return estimate ? estimate->stamp_s : -std::numeric_limits<double>::infinity();
@@ -111,7 +85,8 @@ StampAdmission StampedSlam::add(const Observation& observation) {
   }
   if (newest_ && stamp < *newest_ - settings_.jump_back_s) reset();
   auto& all = frames_[stamp].observations;
-  all.insert(std::upper_bound(all.begin(), all.end(), observation, comes_before), observation);
+  all.insert(std::upper_bound(all.begin(), all.end(), observation, internal::comes_before),
+             observation);
   play_again_after(std::nextafter(stamp, -std::numeric_limits<double>::infinity()));
   newest_ = std::max(stamp, newest_.value_or(stamp));
   ++(admission == StampAdmission::taken ? counts_.taken : counts_.replayed);

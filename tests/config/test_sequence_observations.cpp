@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 // Sequence files with observations, cameras of a rig, and objects on sight.
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -8,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gtest/gtest.h>
 #include "io/expect_invalid.hpp"
 
@@ -138,6 +141,21 @@ TEST(SequenceObservations, MakeFramesObjectsAndDetections) {
   const SlamRun result = run(job);
   EXPECT_EQ(result.hypotheses[0].size(), 2U);
   EXPECT_NEAR(result.frames.back().objects[1]->mean().translation().x(), 0.31, 0.01);
+}
+
+TEST(SequenceObservations, ObjectsOnSightAreInTheOrderOfTheirStamps) {
+  const std::string head(kTable, std::string(kTable).find('\n') + 1);
+  const auto row = [](double stamp, int id) {
+    return fmt::format("{},left,,{},,{},1,0,0,1,0,0,0,1{}\n", stamp, id, id, std::string(21, ','));
+  };
+  std::vector<std::string> rows{row(0.0, 30), row(0.0, 4), row(0.1, 12), row(0.05, 5)};
+  std::sort(rows.begin(), rows.end());
+  do {
+    const SlamJob job = job_of(kSequence, head + fmt::format("{}", fmt::join(rows, "")));
+    std::vector<std::string> ids;
+    for (const ObjectModel& model : job.models) ids.push_back(model.id);
+    EXPECT_EQ(ids, (std::vector<std::string>{"30", "4", "5", "12"}));
+  } while (std::next_permutation(rows.begin(), rows.end()));
 }
 
 TEST(SequenceObservations, MayBeLines) {

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 // MultiObjectSlam with observations: names, cameras of a rig, detectors, objects on sight.
+#include <algorithm>
 #include <functional>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -69,6 +71,44 @@ TEST(ObservationsSlam, FromTheCamerasOfARigMeetInItsBody) {
   Observation third = a;
   third.camera = "third";
   expect_refused(slam, third, "there is no camera 'third', expected one of: left, right");
+}
+
+TEST(ObservationsSlam, AnyOrderOfAFrameGivesTheSameBits) {
+  const auto estimates = [](std::uint64_t shuffles) {
+    RandomStream order(shuffles, 2);
+    RandomStream noise(5, 3);
+    MultiObjectSlam slam(kStart, {{.id = "mug"}}, {.on_sight = ObjectModel{}});
+    std::optional<FrameEstimate> e;
+    for (int frame = 0; frame < 4; ++frame) {
+      std::vector<Observation> seen;
+      for (const char* id : {"mug", "tag 2", "tag 10", "tag 2"}) {
+        Observation one = of(id, kMug * SE3d::exp(testing::draw(isotropic(1.0, 0.01), noise)));
+        one.components.push_back({.weight = 0.7, .pose = kMug * pose(0, 0, 3, 0, 0, 0)});
+        one.components.push_back({.weight = 0.3, .pose = kMug * pose(0, 3, 0, 0, 0, 0)});
+        for (ObservationComponent& component : one.components) component.weight *= 0.5;
+        seen.push_back(one);
+      }
+      const auto shuffle = [&](auto& list) {
+        if (shuffles > 0) std::shuffle(list.begin(), list.end(), order);
+      };
+      for (Observation& one : seen) shuffle(one.components);
+      shuffle(seen);
+      FrameInput input{.observations = seen};
+      if (frame > 0) input.motion = SE3d();
+      if (frame > 0) input.dt = 0.1;
+      e = slam.step(input);
+    }
+    std::vector<double> numbers;
+    for (const auto& object : e->objects) {
+      const auto all = object->mean().matrix().reshaped();
+      numbers.insert(numbers.end(), all.begin(), all.end());
+    }
+    const auto camera = e->camera.covariance().reshaped();
+    numbers.insert(numbers.end(), camera.begin(), camera.end());
+    return std::pair(numbers, *e->ids);
+  };
+  for (std::uint64_t shuffles = 1; shuffles < 12; ++shuffles)
+    EXPECT_EQ(estimates(shuffles), estimates(0)) << shuffles;
 }
 
 TEST(ObservationsSlam, CalibrateACameraThatIsNotKnownExactly) {
@@ -150,13 +190,14 @@ TEST(ObservationsSlam, OfAClassAreAssociatedByTheirNearestComponent) {
     observation.class_id = "nut";
     return observation;
   };
-  slam.step({.observations = {nut(first), nut(second)}});
+  const FrameEstimate before = slam.step({.observations = {nut(first), nut(second)}});
   // The heavier component is the other mode now, and each is of the same instance as before.
   const FrameEstimate e = slam.step(
       {.dt = 0.1, .motion = SE3d(), .observations = {nut(second * kFlip), nut(first * kFlip)}});
   ASSERT_EQ(e.report.observations.size(), 2U);
-  EXPECT_EQ(e.report.observations[0].object, 1U);
-  EXPECT_EQ(e.report.observations[1].object, 0U);
+  EXPECT_EQ(e.report.observations[0].object, before.report.observations[1].object);
+  EXPECT_EQ(e.report.observations[1].object, before.report.observations[0].object);
+  EXPECT_NE(e.report.observations[0].object, e.report.observations[1].object);
   for (const auto& report : e.report.observations)
     EXPECT_EQ(report.status, CandidateStatus::assigned);
 }

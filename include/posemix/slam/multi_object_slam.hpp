@@ -90,6 +90,9 @@ class MultiObjectSlam {
   /// What the frame has that names a class or an object, checked.
   /// @throws InvalidInput for a camera, a detector or an object that is not known
   std::vector<Sighting> sightings_of(const FrameInput& input, FrameReport& report);
+  /// The order in which a frame's observations are taken: by the index of the object, then by
+  /// detector, camera, class and numbers.
+  bool is_taken_before(const Observation& a, const Observation& b) const;
   ObservationSource source_of(const Observation& observation) const;
   void update(std::size_t object, const Observation& observation, const ObservationSource& source,
               FrameReport& report);

@@ -75,8 +75,8 @@ struct EstimateAtStamp {
 /// their stamps. The result is that of the inputs sorted by their stamps, whatever the order in
 /// which they come, to the last bit, as long as none is older than the history.
 ///
-/// Every stamp is a frame. Observations of one stamp are taken in a fixed order: by detector,
-/// camera, object, class, then by their numbers. With odometry, the body's motion up to a stamp
+/// Every stamp is a frame. Observations of one stamp are taken in a fixed order: by object,
+/// detector, camera, class, then by their numbers. With odometry, the body's motion up to a stamp
 /// between two poses is a part of the motion between them (constant twist), where they are no
 /// further apart than the history. Observations newer than the odometry wait for it; where it does
 /// not come within twice the history, they are frames without odometry.

@@ -188,6 +188,10 @@ void GlobalHypotheses::choose_first() {
       [](const Weighted& a, const Weighted& b) { return a.log.probability < b.log.probability; });
   if (most->log.probability > list_.front().log.probability + settings().leader_margin)
     std::rotate(list_.begin(), most, most + 1);
+  // As ObjectBelief::catch_up.
+  for (const Weighted& one : list_)
+    list_.front().log.weight = std::max(list_.front().log.weight, one.log.weight);
+  normalise();
 }
 
 double GlobalHypotheses::loss_of_mixing(const Weighted& a, const Weighted& b) const {

@@ -213,6 +213,9 @@ class ObjectBelief {
     std::size_t pose_index;  ///< index of its pose in the joint Gaussian
   };
 
+  /// The leading hypothesis gets the largest weight there is: a camera that followed a heavier one,
+  /// of less probability, would take the pose of the leading one anywhere.
+  void catch_up();
   bool leads(std::size_t h) const { return leader_ && h == leader_->position; }
   /// Index of hypothesis `h`, one that does not lead, in alternatives_.
   std::size_t slot(std::size_t h) const { return leader_ && h > leader_->position ? h - 1 : h; }

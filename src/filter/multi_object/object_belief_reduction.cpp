@@ -104,6 +104,15 @@ void ObjectBelief::choose_leader(JointGaussian& joint, double margin) {
   }
   if (standing(most).log_probability > leader_->standing.log_probability + margin)
     make_leader(joint, most);
+  catch_up();
+}
+
+void ObjectBelief::catch_up() {
+  double most = leader_->standing.log_weight;
+  for (const Alternative& one : alternatives_) most = std::max(most, one.standing.log_weight);
+  if (most == leader_->standing.log_weight) return;
+  leader_->standing.log_weight = most;
+  normalise();
 }
 
 void ObjectBelief::make_leader(JointGaussian& joint, std::size_t h) {
