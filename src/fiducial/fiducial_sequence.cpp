@@ -114,6 +114,10 @@ std::string format_fiducial_sequence(const FiducialFolder& folder) {
     text += odometry_noise(folder);
   }
   text +=
+      "\n# A tag has two poses; the other places are for what is wrong.\n"
+      "[filter]\n"
+      "max_hypotheses = 4\n"
+      "max_global_hypotheses = 2\n"
       "\n# The covariances of the observations take the place of the component's.\n"
       "[noise.tag]\n"
       "components = [{rotation_sd_deg = 1.0, translation_sd_m = 0.01}]\n"
