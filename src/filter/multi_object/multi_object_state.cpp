@@ -203,10 +203,11 @@ void MultiObjectState::move_poses(TrackedObject& object, const ObservedDetection
   after.mean = change.mean;
   after.rig.mean = change.rig_mean;
   belief.follow_camera(updates, after);
+  const CameraStep step(before, after);
   for (TrackedObject& other : objects) {
-    if (&other != &object) other.belief.follow_camera(before, after);
+    if (&other != &object) other.belief.follow_camera(step);
   }
-  for (Alternative& birth : births) follow_camera(birth.pose, before, after);
+  for (Alternative& birth : births) step.carry(birth.pose);
   shift_back(object, damped, change, births);
 }
 

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "camera_step.hpp"
 #include "joint_gaussian.hpp"
 #include "posemix/filter/multi_object_filter.hpp"
 
@@ -38,13 +39,6 @@ struct Alternative {
   Standing standing;
   ConditionalPose pose;
 };
-
-/// Eq. (9) of docs/many-objects.md: the pose follows the camera, whose moments change from `before`
-/// to `after`, by its regression on the camera.
-void follow_camera(ConditionalPose& pose, const CameraMoments& before, const CameraMoments& after);
-/// The same with the Cholesky factor of the covariance before.
-void follow_camera(ConditionalPose& pose, const Eigen::LLT<Matrix6d>& factor,
-                   const CameraMoments& before, const CameraMoments& after);
 
 /// Runnalls' bound on the loss of one Gaussian for the camera where it has the moments `b` with
 /// probability `weight` and `a` else [nats].
@@ -164,7 +158,7 @@ class ObjectBelief {
   /// follows the camera to `after`.
   void follow_camera(const std::vector<DetectionUpdate>& updates, const CameraMoments& after);
   /// Eq. (9) for an object that was not detected.
-  void follow_camera(const CameraMoments& before, const CameraMoments& after);
+  void follow_camera(const CameraStep& step);
 
   /// Eq. (10) for the hypotheses that do not lead, of the object that was detected or of another;
   /// `camera` has the moments of camera and extrinsics before.

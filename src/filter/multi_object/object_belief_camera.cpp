@@ -7,25 +7,6 @@
 namespace posemix::internal {
 namespace {
 
-/// Eq. (9) with extrinsics.
-void follow_rig(ConditionalPose& pose, const RigMoments& before, const RigMoments& after) {
-  // Without a slow error its rows are zero.
-  const Eigen::Index n = pose.slow ? 12 : 6;
-  Eigen::MatrixXd cross(n, before.covariance.cols());
-  cross << pose.cross_covariance.topRows(n), pose.extrinsics.topRows(n);
-  const Eigen::MatrixXd g = before.factor().solve(cross.transpose()).transpose();
-  Vector12d shift = Vector12d::Zero();
-  shift.head(n) = g * (after.mean - before.mean);
-  move(pose, shift);
-  Eigen::MatrixXd own = pose.covariance.topLeftCorner(n, n);
-  own.noalias() += g * (after.covariance - before.covariance) * g.transpose();
-  symmetrize(own);
-  pose.covariance.topLeftCorner(n, n) = own;
-  const Eigen::MatrixXd with_rig = g * after.covariance;
-  pose.cross_covariance.topRows(n) = with_rig.leftCols<6>();
-  pose.extrinsics.topRows(n) = with_rig.rightCols(with_rig.cols() - 6);
-}
-
 /// The same given camera and extrinsics.
 bool is_positive_definite_given_rig(const ConditionalPose& object, const Eigen::MatrixXd& rig) {
   const Eigen::MatrixXd g = regression_on_rig(object, rig);
@@ -54,37 +35,6 @@ bool is_positive_definite_given(const ConditionalPose& object, const Matrix6d& c
 }
 
 }  // namespace
-
-void follow_camera(ConditionalPose& pose, const CameraMoments& before, const CameraMoments& after) {
-  follow_camera(pose, Eigen::LLT<Matrix6d>(before.covariance), before, after);
-}
-
-void follow_camera(ConditionalPose& pose, const Eigen::LLT<Matrix6d>& factor,
-                   const CameraMoments& before, const CameraMoments& after) {
-  if (!before.rig.empty()) {
-    follow_rig(pose, before.rig, after.rig);
-    return;
-  }
-  // G = P_OC P_CC^-1, O <- Exp(G (m' - m)) O, P_OO += G (P_CC' - P_CC) G^T, P_OC <- G P_CC'.
-  if (!pose.slow) {
-    const Matrix6d cross = pose.cross_covariance.topRows<6>();
-    const Matrix6d g = factor.solve(cross.transpose()).transpose();
-    const Vector6d shift = g * (after.mean - before.mean);
-    pose.pose = SE3d::exp(shift) * pose.pose;
-    Matrix6d own = pose.covariance.topLeftCorner<6, 6>();
-    own += g * (after.covariance - before.covariance) * g.transpose();
-    symmetrize(own);
-    pose.covariance.topLeftCorner<6, 6>() = own;
-    pose.cross_covariance.topRows<6>() = g * after.covariance;
-    return;
-  }
-  const Matrix12x6d g = regression_on_camera(pose.cross_covariance, factor);
-  const Vector12d shift = g * (after.mean - before.mean);
-  move(pose, shift);
-  pose.covariance += g * (after.covariance - before.covariance) * g.transpose();
-  symmetrize(pose.covariance);
-  pose.cross_covariance.noalias() = g * after.covariance;
-}
 
 void shift_back(ConditionalPose& pose, const CameraChange& change, const Matrix6d& back,
                 const Matrix12x6d& follows) {
@@ -130,15 +80,13 @@ void ObjectBelief::follow_camera(const std::vector<DetectionUpdate>& updates,
     object.covariance = own.covariance.bottomRightCorner<12, 12>();
     object.cross_covariance = own.covariance.bottomLeftCorner<12, 6>();
     object.extrinsics = updates[index_of(i)].extrinsics();
-    internal::follow_camera(object, updates[index_of(i)].camera(), after);
+    const CameraMoments before = updates[index_of(i)].camera();
+    CameraStep(before, after).carry(object);
   }
 }
 
-void ObjectBelief::follow_camera(const CameraMoments& before, const CameraMoments& after) {
-  if (alternatives_.empty()) return;
-  const Eigen::LLT<Matrix6d> factor(before.covariance);
-  for (Alternative& alternative : alternatives_)
-    internal::follow_camera(alternative.pose, factor, before, after);
+void ObjectBelief::follow_camera(const CameraStep& step) {
+  for (Alternative& alternative : alternatives_) step.carry(alternative.pose);
 }
 
 void ObjectBelief::shift_back(const CameraChange& change, const Matrix6d& back,

@@ -95,14 +95,14 @@ std::vector<Alternative> given_camera(const MultiObjectState& other, const Objec
                                       const LogTotals& weight, bool shares_leader,
                                       const CameraMoments& before, const CameraMoments& after) {
   std::vector<Alternative> list;
-  const Eigen::LLT<Matrix6d> factor(before.covariance);
+  const CameraStep step(before, after);
   for (std::size_t h = 0; h < belief.size(); ++h) {
     Alternative one{belief.standing(h), {{}, {}, Matrix12d::Zero(), Matrix12x6d::Zero()}};
     one.standing.log_weight += weight.weight;
     one.standing.log_probability += weight.probability;
     if (!shares_leader || h != belief.leading()) {
       one.pose = belief.pose(other.joint, h);
-      follow_camera(one.pose, factor, before, after);
+      step.carry(one.pose);
     }
     list.push_back(one);
   }
@@ -138,10 +138,11 @@ void MultiObjectState::mix(const MultiObjectState& other, const LogTotals& own,
   CameraMoments after = joint.camera_moments();
   after.mean = mean.head<6>();
   if (!after.rig.empty()) after.rig.mean = mean;
+  const CameraStep step(before, after);
   for (std::size_t j = 0; j < objects.size(); ++j) {
     ObjectBelief& belief = objects[j].belief;
     const ObjectBelief& from = other.objects[j].belief;
-    belief.follow_camera(before, after);
+    belief.follow_camera(step);
     belief.mix(
         joint, own,
         {given_camera(other, from, others, shares_leader[j], there, after),

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "camera_step.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "posemix/filter/update.hpp"
+
+namespace posemix::internal {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+/// What is left of a reduction relative to the variance that is reduced, when it counts as
+/// rounding.
+constexpr double kRounding = 1e-13;
+
+/// L with `before` - `after` = L L^T and few columns, by a Cholesky factorisation with pivots; none
+/// where the difference is no such product.
+std::optional<MatrixXd> low_rank_reduction(const MatrixXd& before, const MatrixXd& after) {
+  MatrixXd rest = before - after;
+  const Index most = std::min<Index>(kPoseDof, rest.rows() / 2);
+  MatrixXd l(rest.rows(), most);
+  const Eigen::VectorXd rounding = kRounding * before.diagonal();
+  const Eigen::VectorXd unit = before.diagonal().cwiseSqrt().cwiseInverse();
+  for (Index k = 0; k < most; ++k) {
+    Index pivot = 0;
+    const double part = rest.diagonal().cwiseQuotient(before.diagonal()).maxCoeff(&pivot);
+    if (part < kRounding) {
+      l.conservativeResize(Eigen::NoChange, k);
+      break;
+    }
+    l.col(k) = rest.col(pivot) / std::sqrt(rest(pivot, pivot));
+    rest.noalias() -= l.col(k) * l.col(k).transpose();
+  }
+  const MatrixXd left = unit.asDiagonal() * rest * unit.asDiagonal();
+  if (left.cwiseAbs().maxCoeff() > kRounding) return std::nullopt;
+  return l;
+}
+
+}  // namespace
+
+CameraStep::CameraStep(const CameraMoments& before, const CameraMoments& after)
+    : before_(before), after_(after) {
+  if (before.rig.empty()) {
+    camera_.compute(before.covariance);
+    return;
+  }
+  shift_ = before.rig.factor().solve(after.rig.mean - before.rig.mean);
+  if (auto l = low_rank_reduction(before.rig.covariance, after.rig.covariance)) {
+    reduction_ = std::move(*l);
+    solved_ = before.rig.factor().solve(reduction_);
+  }
+}
+
+void CameraStep::carry(ConditionalPose& pose) const {
+  if (!before_.rig.empty()) {
+    carry_with_rig(pose);
+    return;
+  }
+  // G = P_OC P_CC^-1, O <- Exp(G (m' - m)) O, P_OO += G (P_CC' - P_CC) G^T, P_OC <- G P_CC'.
+  if (!pose.slow) {
+    const Matrix6d cross = pose.cross_covariance.topRows<6>();
+    const Matrix6d g = camera_.solve(cross.transpose()).transpose();
+    const Vector6d shift = g * (after_.mean - before_.mean);
+    pose.pose = SE3d::exp(shift) * pose.pose;
+    Matrix6d own = pose.covariance.topLeftCorner<6, 6>();
+    own += g * (after_.covariance - before_.covariance) * g.transpose();
+    symmetrize(own);
+    pose.covariance.topLeftCorner<6, 6>() = own;
+    pose.cross_covariance.topRows<6>() = g * after_.covariance;
+    return;
+  }
+  const Matrix12x6d g = regression_on_camera(pose.cross_covariance, camera_);
+  const Vector12d shift = g * (after_.mean - before_.mean);
+  move(pose, shift);
+  pose.covariance += g * (after_.covariance - before_.covariance) * g.transpose();
+  symmetrize(pose.covariance);
+  pose.cross_covariance.noalias() = g * after_.covariance;
+}
+
+void CameraStep::carry_with_rig(ConditionalPose& pose) const {
+  // Without a slow error its rows are zero.
+  const Index n = pose.slow ? 12 : 6;
+  MatrixXd cross(n, before_.rig.covariance.cols());
+  cross << pose.cross_covariance.topRows(n), pose.extrinsics.topRows(n);
+  Vector12d shift = Vector12d::Zero();
+  shift.head(n).noalias() = cross * shift_;
+  move(pose, shift);
+  MatrixXd own = pose.covariance.topLeftCorner(n, n);
+  if (solved_.cols() > 0) {
+    // With P' = P - L L^T, G (P' - P) G^T = -(G L) (G L)^T and G P' = P_OC - (G L) L^T.
+    const MatrixXd gl = cross.lazyProduct(solved_);
+    own -= gl.lazyProduct(gl.transpose());
+    cross.noalias() -= gl * reduction_.transpose();
+  } else {
+    const MatrixXd g = before_.rig.factor().solve(cross.transpose()).transpose();
+    own.noalias() += g * (after_.rig.covariance - before_.rig.covariance) * g.transpose();
+    cross.noalias() = g * after_.rig.covariance;
+  }
+  symmetrize(own);
+  pose.covariance.topLeftCorner(n, n) = own;
+  pose.cross_covariance.topRows(n) = cross.leftCols<6>();
+  pose.extrinsics.topRows(n) = cross.rightCols(cross.cols() - 6);
+}
+
+}  // namespace posemix::internal
