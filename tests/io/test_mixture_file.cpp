@@ -235,7 +235,7 @@ TEST(MixtureFile, NumbersThatAreNoneOrOutOfRange) {
 
 TEST(MixtureFile, CovariancesThatAreNone) {
   EXPECT_INVALID(parse(with("/components/0/covariance/4/4", -0.02)),
-                 "m.json: components[0]: covariance: got the matrix is not positive definite, "
+                 "m.json: components[0]: covariance: the matrix is not positive definite, "
                  "expected a symmetric positive definite matrix");
   EXPECT_INVALID_WITH(parse(with("/components/0/covariance/0/5", 0.002)), "is not symmetric");
   EXPECT_INVALID_WITH(parse(with("/components/0/covariance/4/4", -0.02, kProjected)),
