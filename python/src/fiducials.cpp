@@ -194,6 +194,12 @@ ValueError
     For a sighting of an unknown camera.
 OSError
     If the system refuses.
+
+Warns
+-----
+UserWarning
+    Where the noise of the corners, the size of a tag or the order of the corners is hardly true, and
+    for a camera whose observations are left out.
 )";
 
 void bind_poses(nb::module_& m) {
