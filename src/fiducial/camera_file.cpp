@@ -58,7 +58,7 @@ SE3d chained(const YamlValue& value) {
   try {
     return SE3d::from_matrix(matrix, kRotationTolerance);
   } catch (const InvalidInput& error) {
-    value.refuse(fmt::format("{}, expected a rigid motion", error.what()));
+    value.refuse(error.what());
   }
 }
 

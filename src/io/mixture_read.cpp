@@ -166,7 +166,8 @@ Mixture<D> read_components(const JsonPlace& place, const MixtureConvention& conv
   try {
     return Mixture<D>::from_stored(std::move(components));
   } catch (const InvalidInput& error) {
-    place.refuse(fmt::format("{}, expected at least one with a weight above zero", error.what()));
+    place.refuse(
+        fmt::format("{}, expected at least one component with a weight above zero", error.what()));
   }
 }
 

@@ -21,7 +21,21 @@ using namespace internal;
 
 constexpr const char* kWhere = "stamp_s,camera,detector,id,class,sighting,weight";
 
+/// A column that may be missing must not be missed because of its spelling.
+void refuse_other_case(const CsvTable& table) {
+  std::set<std::string> known{"clutter", "score"};
+  known.insert(covariance_columns().begin(), covariance_columns().end());
+  for (const auto& [name, index] : table.columns()) {
+    std::string lower = name;
+    for (char& c : lower)
+      if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    if (lower != name && known.contains(lower))
+      table.reader().fail("column " + in_quotes(name), in_quotes(lower));
+  }
+}
+
 void require_columns(const CsvTable& table) {
+  refuse_other_case(table);
   for (const std::string_view column : split_fields(kWhere, ','))
     table.require_column(std::string(column));
   for (const char* column : kPoseFields) table.require_column(column);

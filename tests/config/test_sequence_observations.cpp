@@ -91,8 +91,8 @@ TEST(SequenceObservations, LeavesNothingOutInSilence) {
       "[[cameras]]");
   EXPECT_INVALID_WITH(
       job_of(kSequence, replaced(kTable, "0.05,left,,9,,1", "0.05,left,,,mug,1")),
-      "observations.csv:4: got class = \"mug\", expected that of one of the [[objects]], one "
-      "of: 7");
+      "observations.csv:4: got class = \"mug\", expected that of one of the [[objects]], of "
+      "which there are none");
   EXPECT_INVALID_WITH(
       job_of(replaced(kSequence, "[[observations]]\ncsv = \"observations.csv\"\n", "")),
       "is for observations, expected a table [[observations]] beside it");
@@ -250,7 +250,7 @@ TEST(SequenceObservations, RefuseWhatDoesNotFit) {
        "of: right"},
       {replaced(kSequence, "csv = \"observations.csv\"",
                 "csv = \"observations.csv\"\ncamera = \"other\""),
-       "sequence.toml:8: key 'observations.camera' is \"other\", expected the name of one of"},
+       "sequence.toml:9: key 'observations.camera' is \"other\", expected the name of one of"},
       {replaced(kSequence, "csv = \"observations.csv\"", "csv = \"other.csv\""), "other.csv"},
       {replaced(kSequence, "[on_sight]",
                 "[[objects]]\nid = \"7\"\nnoise = \"tag\"\ndetections = {tum = "

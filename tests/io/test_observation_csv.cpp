@@ -166,6 +166,8 @@ TEST(ObservationCsv, EndsOfLinesAndOrderMarksAreNoContent) {
                  "o.csv: got no line, expected the names of the columns");
   EXPECT_INVALID_WITH(parse_observations(std::string(kHeader) + ",weight\n", "o.csv"),
                       "o.csv:1: got column \"weight\" again, expected every column once");
+  EXPECT_INVALID_WITH(parse_observations(std::string(kHeader) + ",Clutter\n", "o.csv"),
+                      "o.csv:1: got column \"Clutter\", expected \"clutter\"");
 }
 
 TEST(ObservationCsv, PlaceholdersAreNoCovariance) {
