@@ -169,7 +169,7 @@ TEST(ObservationsSlam, MustNameAnObjectOrAClass) {
   expect_refused(slam, both, "both object and class_id");
   Observation heavy = of("mug", kMug);
   heavy.components[0].weight = 2.0;
-  expect_refused(slam, heavy, "observation 0");
+  expect_refused(slam, heavy, "observations[0]: ");
 }
 
 TEST(ObservationsSlam, InARecordingAreUsedByTheMultiObjectFilterAndTheirBestByOthers) {
