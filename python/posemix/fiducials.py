@@ -9,6 +9,7 @@ out of it towards the viewer. Covariances are those of n in ``T_camera_tag Exp(n
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -175,10 +176,17 @@ def observe_fiducials(
     ------
     ValueError
         For a sighting of an unknown camera, without sightings or cameras.
+
+    Warns
+    -----
+    UserWarning
+        Where the noise of the corners, the size of a tag or the order of the corners is hardly true.
     """
-    stamps, names, ids, sighting, components, noise, sighted, ignored, without_size, without_pose = (
+    stamps, names, ids, sighting, components, noise, sighted, ignored, without_size, without_pose, doubts = (
         _core.observe_fiducials(list(sightings), list(cameras), tags, settings or FiducialSettings())
     )
+    for doubt in doubts:
+        warnings.warn(doubt, stacklevel=2)
     weights, poses, covariances = components
     return Fiducials(
         sighting=np.array(sighting, dtype=np.int64), weights=weights, poses=poses, covariances=covariances,

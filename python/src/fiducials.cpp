@@ -129,7 +129,8 @@ nb::tuple table_of(const Fiducials& fiducials) {
   }
   return nb::make_tuple(stamps, cameras, tags, nb::cast(sighting), arrays_of(components),
                         nb::cast(fiducials.noise), fiducials.sightings, fiducials.ignored,
-                        fiducials.without_size, fiducials.without_pose);
+                        fiducials.without_size, fiducials.without_pose,
+                        nb::cast(fiducials.warnings));
 }
 
 constexpr const char* kMinimaDoc =
@@ -193,6 +194,12 @@ ValueError
     For a sighting of an unknown camera.
 OSError
     If the system refuses.
+
+Warns
+-----
+UserWarning
+    Where the noise of the corners, the size of a tag or the order of the corners is hardly true, and
+    for a camera whose observations are left out.
 )";
 
 void bind_poses(nb::module_& m) {
@@ -239,13 +246,15 @@ void bind_recordings(nb::module_& m) {
         FiducialFolder folder{.cameras = cameras, .tags = tags, .compress = compress};
         folder.fiducials =
             observe_fiducials(sightings, cameras, tags, settings.value_or(FiducialSettings{}));
+        std::vector<std::string> warnings = folder.fiducials.warnings;
         for (const std::string& camera : complete_rig(folder)) {
-          const std::string text = fmt::format(
+          warnings.push_back(fmt::format(
               "camera '{}' has no pose on the rig and sees no tag together with one that "
               "has, so that its observations are left out",
-              camera);
-          if (PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) != 0) throw nb::python_error();
+              camera));
         }
+        for (const std::string& text : warnings)
+          if (PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) != 0) throw nb::python_error();
         write_fiducial_folder(folder, path);
       },
       "path"_a, "sightings"_a, "cameras"_a, "tags"_a, "settings"_a = nb::none(),

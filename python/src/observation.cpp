@@ -38,7 +38,7 @@ Raises
 ------
 ValueError
     When there is no component, a weight is negative or their sum not one, a covariance not symmetric
-    positive definite, or the probability of clutter not in [0, 1).
+    positive definite, or the probability of clutter not above 0 and at most 1 - 1e-9; it names the component.
 
 Examples
 --------

@@ -9,6 +9,7 @@
 #include "posemix/io/output_file.hpp"
 #include "posemix/io/text.hpp"
 #include "summary.hpp"
+#include "usage_error.hpp"
 
 namespace posemix {
 namespace {
@@ -61,7 +62,7 @@ std::string input_name(const std::string& path) {
 
 void require_one_standard_input(std::span<const std::string> paths) {
   if (std::count(paths.begin(), paths.end(), kStandardStream) > 1) {
-    throw InvalidInput("got '-' more than once, expected one input from the standard input");
+    throw UsageError("got '-' more than once, expected one input from the standard input");
   }
 }
 

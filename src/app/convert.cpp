@@ -91,6 +91,8 @@ void check_kind(const CLI::App& command, const ConvertOptions& options) {
       if (command.count(name) > 0)
         throw CLI::ValidationError(name, fmt::format("is for {} files", file));
   };
+  if (is_sequence(options) && options.output.out == "-")
+    throw CLI::ValidationError("--out", "is required for a sequence file, expected a folder");
   is_sequence(options) ? check(kOfMixtures, "mixture") : check(kOfSequences, "sequence");
 }
 

@@ -32,10 +32,6 @@ std::string stamps_text(const std::vector<double>& stamps) {
 }  // namespace
 
 int convert_sequence(const SequenceConversion& options) {
-  if (options.out == "-") {
-    throw InvalidInput(
-        fmt::format("{}: got no folder, expected --out DIR for a sequence file", options.sequence));
-  }
   const std::filesystem::path target = std::filesystem::path(options.out) / kSequence;
   if (std::error_code none; std::filesystem::equivalent(target, options.sequence, none)) {
     throw InvalidInput(fmt::format(

@@ -13,6 +13,7 @@
 #include "exit_codes.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/io/dataset_sequence.hpp"
+#include "usage_error.hpp"
 
 namespace posemix {
 namespace {
@@ -27,7 +28,7 @@ struct DataSequenceOptions {
 int write_sequence(DataSequenceOptions options) {
   for (const double number : options.lever_arm_m) {
     if (!std::isfinite(number))
-      throw InvalidInput(fmt::format("--lever-arm: got {}, expected metres", number));
+      throw UsageError(fmt::format("--lever-arm: got {}, expected metres", number));
   }
   if (!options.lever_arm_m.empty())
     options.request.lever_arm_m = Eigen::Vector3d(options.lever_arm_m.data());

@@ -19,6 +19,7 @@
 #include "posemix/io/gzip.hpp"
 #include "posemix/io/text.hpp"
 #include "summary.hpp"
+#include "usage_error.hpp"
 
 namespace posemix {
 namespace {
@@ -47,7 +48,7 @@ std::vector<RigCamera> cameras_of(const FiducialOptions& options) {
 
 TagMap tags_of(const FiducialOptions& options) {
   if (options.tags.empty() && !options.size)
-    throw InvalidInput("the size of the tags is unknown, expected --size or --tags");
+    throw UsageError("the size of the tags is unknown, expected --size or --tags");
   TagMap tags;
   if (!options.tags.empty()) tags = read_tag_map(options.tags);
   if (options.size) tags.default_size_m = options.size;
@@ -122,6 +123,7 @@ int write_fiducials(const FiducialOptions& options) {
         options.corners, found.sightings, found.ignored, found.without_size, found.without_pose));
   }
   require_one_clock(folder, options.odometry);
+  print_warnings(folder.fiducials.warnings);
   for (const std::string& camera : complete_rig(folder)) {
     print_warnings(
         {fmt::format("camera {} has no pose on the rig and sees no tag together with one "

@@ -9,6 +9,7 @@
 #include "mixture_commands.hpp"
 #include "posemix/base/units.hpp"
 #include "posemix/grasp/success_probability.hpp"
+#include "usage_error.hpp"
 
 namespace posemix {
 namespace {
@@ -42,12 +43,15 @@ void check_numbers(const std::vector<double>& numbers, const char* option) {
 }
 
 SE3d grasp_pose(const std::vector<double>& numbers) {
-  for (const double number : numbers) kAnyNumber.check(number, "--pose: a number");
+  for (const double number : numbers) {
+    if (!kAnyNumber.contains(number))
+      throw UsageError(fmt::format("--pose: got {}, expected a finite number", number));
+  }
   const Eigen::Quaterniond q(numbers[6], numbers[3], numbers[4], numbers[5]);
   const double norm = q.coeffs().stableNorm();
   if (!(std::abs(norm - 1.0) <= kNormTolerance)) {
-    throw InvalidInput(fmt::format(
-        "--pose: got a quaternion of norm {:.6g}, expected 1 within {:g}", norm, kNormTolerance));
+    throw UsageError(fmt::format("--pose: got a quaternion of norm {:.6g}, expected 1 within {:g}",
+                                 norm, kNormTolerance));
   }
   return SE3d(SO3d::from_quaternion(q), Eigen::Vector3d(numbers[0], numbers[1], numbers[2]));
 }

@@ -27,6 +27,7 @@
 #include "slam.hpp"
 #include "study.hpp"
 #include "summary.hpp"
+#include "usage_error.hpp"
 
 namespace posemix {
 namespace {
@@ -46,6 +47,8 @@ int fail(std::string_view message, int exit_code) {
 int guarded(const std::function<int()>& action) {
   try {
     return action();
+  } catch (const UsageError& error) {
+    return fail(error.what(), kExitUsage);
   } catch (const InvalidInput& error) {
     return fail(error.what(), kExitInput);
   } catch (const BrokenPipe&) {

@@ -24,6 +24,7 @@
 #include "posemix/io/text.hpp"
 #include "progress.hpp"
 #include "summary.hpp"
+#include "usage_error.hpp"
 
 namespace posemix {
 namespace {
@@ -44,11 +45,11 @@ struct ReportCommandOptions {
 void add_mesh(ReportOptions& options, const std::string& text, double unit_m) {
   const std::size_t at = text.find('=');
   if (at == 0 || at == std::string::npos || at + 1 == text.size()) {
-    throw InvalidInput(fmt::format("--mesh: got {}, expected ID=FILE.ply", in_quotes(text)));
+    throw UsageError(fmt::format("--mesh: got {}, expected ID=FILE.ply", in_quotes(text)));
   }
   const std::string id = text.substr(0, at);
   if (!options.meshes.try_emplace(id, ReportMesh{text.substr(at + 1), unit_m}).second) {
-    throw InvalidInput(fmt::format("--mesh: got {} again, expected it once", in_quotes(id)));
+    throw UsageError(fmt::format("--mesh: got {} again, expected it once", in_quotes(id)));
   }
 }
 

@@ -18,8 +18,6 @@ namespace {
 
 using namespace internal;
 
-constexpr std::size_t kLongestId = 100;
-
 /// The name of the noise model for objects that name none: default_detector_noise(), unless the
 /// file has a table of this name.
 constexpr std::string_view kDefaultNoise = "default";
@@ -42,20 +40,10 @@ std::string read_name(const TomlDocument& document, const TomlTable& root) {
   return name.find(recording) == std::string::npos ? name + " " + recording : name;
 }
 
-void check_id(const TomlTable& table, std::string_view key, const std::string& id) {
-  constexpr std::string_view kAllowed =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_.-";
-  const bool fits =
-      !id.empty() && id.size() <= kLongestId && id.find_first_not_of(kAllowed) == std::string::npos;
-  if (!fits) {
-    table.fail(key, fmt::format("is {}, expected 1 to {} letters, digits, '_', '.' and '-'",
-                                in_quotes(id), kLongestId));
-  }
-}
-
 std::string read_id(const TomlTable& object, std::set<std::string>& taken) {
   std::string id = object.get_string("id");
-  check_id(object, "id", id);
+  if (!is_usable_id(id))
+    object.fail("id", fmt::format("is {}, expected {}", in_quotes(id), kUsableId));
   if (!taken.insert(id).second) {
     object.fail("id", fmt::format("is {}, which another object has already", in_quotes(id)));
   }
@@ -135,55 +123,13 @@ std::vector<std::string> ids_of(const std::vector<ObjectModel>& models) {
   return ids;
 }
 
-/// Tables that need observations, and names in observations that stand for nothing.
-void require_meaning(const TomlTable& root, const ObservedRecording& observed,
-                     const std::vector<ObjectModel>& models) {
-  if (observed.files.empty()) {
-    for (const char* key : {"cameras", "on_sight"}) {
-      if (root.has(key))
-        root.fail(key, "is for observations, expected a table [[observations]] beside it");
-    }
-    return;
+/// Tables that need observations.
+void require_meaning(const TomlTable& root, const ObservedRecording& observed) {
+  if (!observed.files.empty()) return;
+  for (const char* key : {"cameras", "on_sight"}) {
+    if (root.has(key))
+      root.fail(key, "is for observations, expected a table [[observations]] beside it");
   }
-  std::set<std::string> classes;
-  for (const ObjectModel& model : models) classes.insert(class_of(model));
-  std::set<std::string> cameras;
-  for (const ObservationFile& file : observed.files) {
-    for (const Observation& seen : file.observations) {
-      cameras.insert(seen.camera);
-      if (seen.object.empty() && classes.count(seen.class_id) == 0) {
-        throw InvalidInput(
-            fmt::format("{}: stamp {}: got class {}, expected that of one of the [[objects]]",
-                        file.name, seen.stamp_s, in_quotes(seen.class_id)));
-      }
-    }
-  }
-  if (observed.cameras.empty() && cameras.size() > 1) {
-    root.fail("observations",
-              fmt::format("are of cameras {} and {}, expected a table [[cameras]] "
-                          "with their poses on the body",
-                          in_quotes(*cameras.begin()), in_quotes(*cameras.rbegin())));
-  }
-}
-
-/// Odometry on another clock would be a long motion that nobody knows.
-void require_one_clock(const ObservedRecording& observed, const CameraFiles& camera) {
-  if (!camera.odometry || camera.odometry->poses.empty() || observed.files.empty()) return;
-  const auto [first, last] =
-      std::minmax_element(camera.odometry->poses.begin(), camera.odometry->poses.end(),
-                          [](const auto& a, const auto& b) { return a.stamp < b.stamp; });
-  for (const ObservationFile& file : observed.files) {
-    for (const Observation& seen : file.observations)
-      if (seen.stamp_s >= first->stamp && seen.stamp_s <= last->stamp) return;
-  }
-  const ObservationFile& file = observed.files.front();
-  if (file.observations.empty()) return;
-  throw InvalidInput(
-      fmt::format("{}: goes from stamp {} s to {} s, expected stamps of the same clock as those of "
-                  "{}, the first "
-                  "of which is {} s",
-                  camera.odometry->name, first->stamp, last->stamp, file.name,
-                  file.observations.front().stamp_s));
 }
 
 /// What the file says of observations, and models of the objects that they name and that are not
@@ -192,26 +138,20 @@ ObservedRecording read_observed(const TomlTable& root, const FileFinder& files,
                                 const std::map<std::string, DetectorNoise>& noise_models,
                                 std::vector<ObjectModel>& models) {
   ObservedRecording observed{read_observation_files(root, files), read_body_cameras(root)};
-  require_meaning(root, observed, models);
+  require_meaning(root, observed);
   const auto table = root.find_table("on_sight");
-  const std::vector<std::string> ids = ids_on_sight(observed.files, ids_of(models));
-  if (!table) {
-    if (!ids.empty()) {
-      root.fail("observations", fmt::format("name object {}, but there are no [[objects]] with "
-                                            "that id and no table [on_sight]",
-                                            in_quotes(ids.front())));
+  require_known_objects(observed.files, models, table.has_value());
+  if (table) {
+    ObjectModel model;
+    model.noise = noise_of(*table, noise_models);
+    model.detectors = read_detectors(*table, noise_models);
+    model.symmetries = read_object_symmetries(*table, files);
+    for (const std::string& id : ids_on_sight(observed.files, ids_of(models))) {
+      model.id = id;
+      models.push_back(model);
     }
-    return observed;
   }
-  ObjectModel model;
-  model.noise = noise_of(*table, noise_models);
-  model.detectors = read_detectors(*table, noise_models);
-  model.symmetries = read_object_symmetries(*table, files);
-  for (const std::string& id : ids) {
-    check_id(*table, "noise", id);
-    model.id = id;
-    models.push_back(model);
-  }
+  require_known_sources(observed, models);
   return observed;
 }
 

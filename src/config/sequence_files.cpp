@@ -40,6 +40,13 @@ std::vector<double> stamps_of(const std::vector<std::int64_t>& numbers, double p
   return stamps;
 }
 
+/// A reader at a record of a TUM file, for its errors.
+LineReader reader_at(std::string_view text, const std::string& name, std::size_t record) {
+  LineReader reader(text, name);
+  for (std::size_t i = 0; i <= record; ++i) reader.next_content();
+  return reader;
+}
+
 }  // namespace
 
 fs::path FileFinder::find(const TomlTable& table, std::string_view key) const {
@@ -87,13 +94,18 @@ std::int64_t read_first_frame(const TomlTable& table, const std::string& name, s
 StampedFile read_stamped(const TomlTable& table, std::string_view key, const FileFinder& files,
                          const TumOptions& options) {
   const fs::path path = files.find(table, key);
-  StampedFile file{path.string(), read_tum(path, options)};
-  for (const StampedPose& frame : file.poses) {
-    if (std::abs(frame.stamp) > kLatestStamp) {
-      throw InvalidInput(fmt::format("{}: got stamp {}, expected seconds", file.name, frame.stamp));
-    }
-    if (frame.pose)
-      check_position(*frame.pose, fmt::format("{}: stamp {}", file.name, frame.stamp));
+  const std::string text = read_file(path);
+  StampedFile file{path.string(), parse_tum(text, path.string(), options)};
+  for (std::size_t i = 0; i < file.poses.size(); ++i) {
+    const StampedPose& frame = file.poses[i];
+    if (!wrong_stamp(frame.stamp).empty())
+      reader_at(text, file.name, i)
+          .fail(fmt::format("stamp {}", frame.stamp), wrong_stamp(frame.stamp));
+    if (!frame.pose) continue;
+    const double farthest = frame.pose->translation().cwiseAbs().maxCoeff();
+    if (!wrong_position(farthest).empty())
+      reader_at(text, file.name, i)
+          .fail(fmt::format("a position of {:g} m", farthest), wrong_position(farthest));
   }
   return file;
 }

@@ -9,8 +9,7 @@
 #include <fmt/format.h>
 
 #include "posemix/base/error.hpp"
-#include "posemix/io/observation_csv.hpp"
-#include "posemix/io/observation_jsonl.hpp"
+#include "posemix/io/gzip.hpp"
 #include "sequence_parts.hpp"
 
 /// Observations, the cameras of a body, and objects on sight.
@@ -20,21 +19,15 @@ namespace {
 /// Odometry further apart than this is not interpolated [s].
 constexpr double kLongestGap = 1.0;
 
-void check_observation(const Observation& observation, const std::string& name) {
-  if (std::abs(observation.stamp_s) > kLatestStamp) {
-    throw InvalidInput(
-        fmt::format("{}: got stamp {}, expected seconds", name, observation.stamp_s));
-  }
-  for (const ObservationComponent& component : observation.components)
-    check_position(component.pose, fmt::format("{}: stamp {}", name, observation.stamp_s));
-}
-
 /// Reads the file under `csv` or `jsonl`.
 ObservationFile read_observation_file(const TomlTable& table, const FileFinder& files) {
   const bool lines = table.has("jsonl");
   if (lines && table.has("csv")) table.fail("jsonl", "stands beside csv, expected one of the two");
   const std::filesystem::path path = files.find(table, lines ? "jsonl" : "csv");
-  return {path.string(), lines ? read_observation_lines(path) : read_observations(path)};
+  const std::string text = read_file_or_gzip(path);
+  PlacedObservations placed =
+      lines ? parse_placed_lines(text, path.string()) : parse_placed_table(text, path.string());
+  return {path.string(), std::move(placed.observations), std::move(placed.lines)};
 }
 
 /// The best component of an observation as it is from the body.
@@ -51,8 +44,13 @@ std::vector<ObservationFile> read_observation_files(const TomlTable& root,
   std::vector<ObservationFile> list;
   for (const TomlTable& table : root.find_tables("observations")) {
     ObservationFile file = read_observation_file(table, files);
+    const auto key_of = [&](std::string_view key) {
+      return table.has(key) ? fmt::format("{}: key 'observations.{}'", table.location(key), key)
+                            : std::string();
+    };
+    file.camera_key = key_of("camera");
+    file.detector_key = key_of("detector");
     for (Observation& observation : file.observations) {
-      check_observation(observation, file.name);
       observation.camera = table.get_string_or("camera", observation.camera);
       observation.detector = table.get_string_or("detector", observation.detector);
     }
@@ -67,11 +65,27 @@ std::optional<Matrix6d> read_camera_covariance(const TomlTable& table) {
   if (table.has("covariance")) {
     if (has_deviations)
       table.fail("covariance", "stands beside standard deviations, expected one of the two");
-    return table.get_matrix("covariance", 6, 6);
+    const Matrix6d stated = table.get_matrix("covariance", 6, 6);
+    if (stated.isZero(0.0)) return stated;  // exact
+    try {
+      return checked_covariance(stated, 6, "");
+    } catch (const InvalidInput& error) {
+      table.fail("covariance", fmt::format("{}, expected a symmetric positive definite one",
+                                           trimmed(error.what())));
+    }
   }
   if (!has_deviations) return std::nullopt;
-  return pose_covariance(read_sd(table, "rotation_sd_deg", kSdOrZero, kRadPerDeg),
-                         read_sd(table, "translation_sd_m", kSdOrZero, 1.0));
+  const Eigen::Vector3d rotation = read_sd(table, "rotation_sd_deg", kSdOrZero, kRadPerDeg);
+  const Eigen::Vector3d translation = read_sd(table, "translation_sd_m", kSdOrZero, 1.0);
+  const bool exact = rotation.isZero(0.0) && translation.isZero(0.0);
+  for (const char* key : {"rotation_sd_deg", "translation_sd_m"}) {
+    const Eigen::Vector3d& sd = key[0] == 'r' ? rotation : translation;
+    if (!exact && sd.minCoeff() == 0.0)
+      table.fail(key,
+                 "has a zero beside deviations above zero, expected all of both keys zero "
+                 "(exact) or all above zero");
+  }
+  return pose_covariance(rotation, translation);
 }
 
 std::vector<BodyCamera> read_body_cameras(const TomlTable& root) {
@@ -164,22 +178,18 @@ void add_observations(const ObservedRecording& observed, const Timeline& timelin
   std::map<std::string, ObjectRecording*> recordings;
   for (ObjectRecording& recording : sequence.objects) recordings[recording.id] = &recording;
   for (const ObservationFile& file : observed.files) {
-    for (const Observation& observation : file.observations) {
+    for (std::size_t i = 0; i < file.observations.size(); ++i) {
+      const Observation& observation = file.observations[i];
       const auto frame = timeline.at_stamp(observation.stamp_s);
       if (!frame) {
         throw InvalidInput(
-            fmt::format("{}: got an observation at stamp {} s, where {} has no frame", file.name,
-                        observation.stamp_s, timeline.source()));
+            fmt::format("{}: got an observation at stamp {} s, where {} has no frame",
+                        file.place(i), observation.stamp_s, timeline.source()));
       }
       sequence.observations[*frame].push_back(observation);
       if (observation.object.empty()) continue;
       auto& best = recordings.at(observation.object)->detections[*frame];
-      try {
-        if (!best) best = from_body(observation, observed.cameras);
-      } catch (const InvalidInput& error) {
-        throw InvalidInput(
-            fmt::format("{}: stamp {}: {}", file.name, observation.stamp_s, error.what()));
-      }
+      if (!best) best = from_body(observation, observed.cameras);
     }
   }
 }

@@ -12,6 +12,9 @@
 #include <string_view>
 #include <vector>
 
+#include <fmt/format.h>
+
+#include "io/observation_numbers.hpp"
 #include "posemix/config/detector_noise.hpp"
 #include "posemix/config/sequence_file.hpp"
 #include "posemix/io/bop.hpp"
@@ -30,7 +33,6 @@ inline constexpr NumberRange kSd{.lowest = 1e-9, .highest = 1e6};
 inline constexpr NumberRange kSdOrZero{.lowest = 0, .highest = 1e6};
 inline constexpr NumberRange kPosition{.lowest = -kFarthestPosition, .highest = kFarthestPosition};
 inline constexpr NumberRange kPeriod{.lowest = 1e-6, .highest = 1e6};
-inline constexpr double kLatestStamp = 1e12;
 
 /// Finds the files that a document names.
 class FileFinder {
@@ -53,13 +55,17 @@ class FileFinder {
       std::make_shared<std::map<std::string, DatasetScene>>();
 };
 
-/// Runs `action`; an InvalidInput that it throws gets the location of the key before its message.
+/// Runs `action`; an InvalidInput that it throws gets the location of the key before its message,
+/// unless it begins with a line of the same document.
 template <typename Action>
 auto located(const TomlTable& table, std::string_view key, Action&& action) {
   try {
     return action();
   } catch (const InvalidInput& error) {
-    throw InvalidInput(table.location(key) + ": " + error.what());
+    const std::string location = table.location(key);
+    const std::string document = location.substr(0, location.rfind(':') + 1);
+    if (std::string_view(error.what()).starts_with(document)) throw;
+    throw InvalidInput(location + ": " + error.what());
   }
 }
 
@@ -159,6 +165,12 @@ inline constexpr double kSameStamp = 1e-6;
 struct ObservationFile {
   std::string name;
   std::vector<Observation> observations;
+  std::vector<std::size_t> lines = {};  ///< in which they begin
+  /// Keys of the sequence file that stand in place of the names in the file; empty: none.
+  std::string camera_key = {};
+  std::string detector_key = {};
+
+  std::string place(std::size_t i) const { return fmt::format("{}:{}", name, lines[i]); }
 };
 /// All that is known from observations.
 struct ObservedRecording {
@@ -169,6 +181,17 @@ struct ObservedRecording {
 std::vector<ObservationFile> read_observation_files(const TomlTable& root, const FileFinder& files);
 /// Reads the key `cameras`; empty if it is missing.
 std::vector<BodyCamera> read_body_cameras(const TomlTable& root);
+/// The objects and classes that observations name must be there; any id will do on sight.
+void require_known_objects(const std::vector<ObservationFile>& files,
+                           const std::vector<ObjectModel>& models, bool any_id);
+/// The cameras and the detectors that observations name must be there.
+void require_known_sources(const ObservedRecording& observed,
+                           const std::vector<ObjectModel>& models);
+/// Stamps on another clock, or in another unit, would be a long motion that nobody knows.
+void require_one_clock(const ObservedRecording& observed, const CameraFiles& camera);
+/// Whether an id can be a part of the names of files, and how it must be.
+bool is_usable_id(const std::string& id);
+inline constexpr std::string_view kUsableId = "1 to 100 letters, digits, '_', '.' and '-'";
 /// The ids in the files that are not declared, in the order in which they are seen.
 std::vector<std::string> ids_on_sight(const std::vector<ObservationFile>& files,
                                       const std::vector<std::string>& declared);

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <Eigen/Cholesky>
 
+#include "observation_ranges.hpp"
 #include "posemix/base/error.hpp"
 
 namespace posemix {
@@ -21,25 +22,24 @@ constexpr double kWeightSum = 1e-3;
 void check_covariance(const Matrix6d& covariance, std::size_t component) {
   if (!covariance.allFinite()) {
     throw InvalidInput(
-        fmt::format("the covariance of component {} holds a value that is not finite", component));
+        fmt::format("components[{}].covariance holds a value that is not finite", component));
   }
   const double largest = covariance.cwiseAbs().maxCoeff();
   if ((covariance - covariance.transpose()).cwiseAbs().maxCoeff() > kAsymmetry * largest)
-    throw InvalidInput(fmt::format("the covariance of component {} is not symmetric", component));
+    throw InvalidInput(fmt::format("components[{}].covariance is not symmetric", component));
   if (Eigen::LLT<Matrix6d>(covariance).info() != Eigen::Success) {
     throw InvalidInput(
-        fmt::format("the covariance of component {} is not positive definite", component));
+        fmt::format("components[{}].covariance is not positive definite", component));
   }
 }
 
 void check_component(const ObservationComponent& component, std::size_t index) {
   if (!component.pose.matrix().allFinite()) {
-    throw InvalidInput(
-        fmt::format("the pose of component {} holds a value that is not finite", index));
+    throw InvalidInput(fmt::format("components[{}].pose holds a value that is not finite", index));
   }
   if (!(component.weight >= 0.0) || std::isinf(component.weight)) {
-    throw InvalidInput(fmt::format("the weight of component {} is {}, expected zero or more", index,
-                                   component.weight));
+    throw InvalidInput(
+        fmt::format("components[{}].weight is {}, expected zero or more", index, component.weight));
   }
   if (component.covariance) check_covariance(*component.covariance, index);
 }
@@ -74,14 +74,17 @@ void validate(const Observation& observation) {
     throw InvalidInput(
         fmt::format("the weights of the components sum to {:.6g}, expected one", total));
   }
-  if (observation.clutter && !(*observation.clutter > 0.0 && *observation.clutter < 1.0)) {
-    throw InvalidInput(fmt::format("the probability of clutter is {}, expected one in (0, 1)",
-                                   *observation.clutter));
+  if (observation.clutter &&
+      !(*observation.clutter > 0.0 && *observation.clutter <= internal::kMostClutter)) {
+    throw InvalidInput(
+        fmt::format("clutter is {}, expected a probability above 0 and at most 1 - 1e-9 (leave out "
+                    "a sighting that is of no object)",
+                    *observation.clutter));
   }
   if (!std::isfinite(observation.stamp_s))
-    throw InvalidInput(fmt::format("the stamp is {}, expected seconds", observation.stamp_s));
+    throw InvalidInput(fmt::format("stamp_s is {}, expected finite seconds", observation.stamp_s));
   if (observation.score && !std::isfinite(*observation.score))
-    throw InvalidInput(fmt::format("the score is {}, expected a number", *observation.score));
+    throw InvalidInput(fmt::format("score is {}, expected a finite number", *observation.score));
 }
 
 }  // namespace posemix

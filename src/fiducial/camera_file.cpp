@@ -42,7 +42,7 @@ CameraModel model_of(const YamlValue& value) {
   try {
     validate(model);
   } catch (const InvalidInput& error) {
-    value.fail(error.what(), "a camera");
+    value.refuse(error.what());
   }
   return model;
 }
@@ -56,9 +56,9 @@ SE3d chained(const YamlValue& value) {
     matrix.row(static_cast<Eigen::Index>(i)) =
         Eigen::Map<const Eigen::RowVector4d>(rows[i].numbers(4).data());
   try {
-    return pose_from_matrix(matrix, "T_cn_cnm1");
+    return SE3d::from_matrix(matrix, kRotationTolerance);
   } catch (const InvalidInput& error) {
-    value.fail(error.what(), "a rigid motion");
+    value.refuse(error.what());
   }
 }
 

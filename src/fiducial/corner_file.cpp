@@ -5,8 +5,10 @@
 #include <fmt/format.h>
 
 #include "io/csv_table.hpp"
+#include "io/observation_numbers.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/io/gzip.hpp"
+#include "posemix/io/text.hpp"
 
 namespace posemix {
 
@@ -23,6 +25,8 @@ std::vector<CornerSighting> parse_corners(std::string_view text, const std::stri
   while (table.next()) {
     CornerSighting row;
     row.stamp_s = table.number("stamp_s");
+    if (const auto wrong = internal::wrong_stamp(row.stamp_s); !wrong.empty())
+      table.reader().fail(fmt::format("stamp_s = {}", in_quotes(table.field("stamp_s"))), wrong);
     row.topic = table.field("topic");
     row.place = fmt::format("{}:{}", name, table.reader().number());
     row.tag = table.index("tag");

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "io/covariance_columns.hpp"
+#include "plausibility.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/io/text.hpp"
 
@@ -56,6 +57,7 @@ class Observer {
       find_minima(i, camera->second);
     }
     learn_noise();
+    note_doubts();
     for (const Seen& seen : seen_) observe(seen);
     return std::move(out_);
   }
@@ -114,6 +116,24 @@ class Observer {
     for (const MinimaOfSightings& minima : minima_)
       all.insert(all.end(), minima.begin(), minima.end());
     return fit_corner_noise(all).noise;
+  }
+
+  void note_doubts() {
+    const auto add = [&](std::vector<std::string> doubts) {
+      out_.warnings.insert(out_.warnings.end(), doubts.begin(), doubts.end());
+    };
+    std::vector<std::vector<TagCorners>> corners(cameras_.size());
+    std::vector<double> sizes;
+    for (const Seen& seen : seen_) {
+      const CornerSighting& sighting = sightings_[seen.sighting];
+      corners[seen.camera].push_back(sighting.corners);
+      sizes.push_back(*tags_.size_of(tags_.tag_at(sighting.tag, sighting.stamp_s)));
+    }
+    for (std::size_t camera = 0; camera < cameras_.size(); ++camera)
+      add(internal::doubts_about_corners(
+          {cameras_[camera], out_.noise[camera], minima_[camera], corners[camera]}));
+    add(internal::doubts_about_sizes(sizes));
+    add(internal::doubts_about_order(out_));
   }
 
   void observe(const Seen& seen) {

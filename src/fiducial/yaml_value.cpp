@@ -35,8 +35,12 @@ YamlValue YamlValue::document(std::string_view text, const std::string& name) {
 }
 
 void YamlValue::fail(std::string_view got, std::string_view expected) const {
-  throw InvalidInput(fmt::format("{}:{}: {}got {}, expected {}", name_, node_.Mark().line + 1,
-                                 key_.empty() ? "" : key_ + ": ", got, expected));
+  refuse(fmt::format("got {}, expected {}", got, expected));
+}
+
+void YamlValue::refuse(std::string_view message) const {
+  throw InvalidInput(fmt::format("{}:{}: {}{}", name_, node_.Mark().line + 1,
+                                 key_.empty() ? "" : key_ + ": ", message));
 }
 
 YamlValue YamlValue::child(const YAML::Node& node, const std::string& key) const {

@@ -46,6 +46,8 @@ class YamlValue {
   Eigen::Vector3d xyz() const;
 
   [[noreturn]] void fail(std::string_view got, std::string_view expected) const;
+  /// Throws `name:line: key: message`, for a message that is a sentence of its own.
+  [[noreturn]] void refuse(std::string_view message) const;
 
  private:
   YamlValue(const YAML::Node& node, std::string name, std::string key)

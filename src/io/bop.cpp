@@ -7,12 +7,15 @@
 #include <fmt/format.h>
 #include <Eigen/Core>
 
+#include "observation_numbers.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/io/rigid.hpp"
 #include "posemix/io/text.hpp"
 
 namespace posemix {
 namespace {
+
+using namespace internal;
 
 constexpr std::string_view kHeader = "scene_id,im_id,obj_id,score,R,t,time";
 constexpr std::size_t kFields = 7;
@@ -48,6 +51,11 @@ RawRow parse_row(const LineReader& reader) {
   row.score = reader.number_from(trimmed(fields[3]), "score");
   const auto rotation = parse_numbers<9>(fields[4], "R", reader);
   const auto translation_mm = parse_numbers<3>(fields[5], "t", reader);
+  for (const double coordinate : translation_mm) {
+    if (!wrong_position(coordinate * kMetresPerMillimetre).empty())
+      reader.fail(fmt::format("t = {} with {:g} mm", in_quotes(trimmed(fields[5])), coordinate),
+                  "millimetres, at most 1e+11");
+  }
   row.pose.setIdentity();
   row.pose.topLeftCorner<3, 3>() = Eigen::Matrix3d(rotation.data()).transpose();
   row.pose.topRightCorner<3, 1>() = Eigen::Vector3d(translation_mm.data()) * kMetresPerMillimetre;

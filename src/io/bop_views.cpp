@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "json_place.hpp"
+#include "observation_numbers.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/io/rigid.hpp"
 #include "posemix/io/text.hpp"
@@ -73,6 +74,10 @@ SE3d camera_of(const std::vector<std::string_view>& fields, const LineReader& re
   static constexpr const char* kNames[] = {"tx", "ty", "tz", "qx", "qy", "qz", "qw"};
   double v[7];
   for (std::size_t i = 0; i < 7; ++i) v[i] = reader.number_from(trimmed(fields[2 + i]), kNames[i]);
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (const std::string_view wrong = wrong_position(v[i]); !wrong.empty())
+      reader.fail(fmt::format("{} = {}", kNames[i], in_quotes(trimmed(fields[2 + i]))), wrong);
+  }
   const Eigen::Quaterniond q(v[6], v[3], v[4], v[5]);
   if (!(std::abs(q.norm() - 1.0) <= kUnitQuaternion))
     reader.fail(fmt::format("a quaternion of norm {:g}", q.norm()), "one of norm 1");

@@ -40,6 +40,10 @@ void JsonPlace::fail(std::string_view got, std::string_view expected) const {
   throw InvalidInput(fmt::format("{}: got {}, expected {}", path_, got, expected));
 }
 
+void JsonPlace::refuse(std::string_view message) const {
+  throw InvalidInput(fmt::format("{}: {}", path_, message));
+}
+
 JsonPlace JsonPlace::member(std::string_view key) const {
   if (!json_->is_object()) fail(json_->type_name(), "an object");
   const auto found = json_->find(std::string(key));

@@ -27,6 +27,8 @@ class JsonPlace {
   JsonPlace(const Json& json, std::string path) : json_(&json), path_(std::move(path)) {}
 
   [[noreturn]] void fail(std::string_view got, std::string_view expected) const;
+  /// Throws `path: message`, for a message that is a sentence of its own.
+  [[noreturn]] void refuse(std::string_view message) const;
 
   /// The value of a key, which must exist.
   JsonPlace member(std::string_view key) const;

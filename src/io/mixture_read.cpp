@@ -120,7 +120,7 @@ auto with_covariance(const JsonPlace& place, const MixtureConvention& convention
   try {
     return make(plain_covariance(checked_covariance(stated, 6, "the matrix"), convention));
   } catch (const InvalidInput& error) {
-    place.fail(error.what(), "a symmetric positive definite matrix");
+    place.refuse(fmt::format("{}, expected a symmetric positive definite matrix", error.what()));
   }
 }
 
@@ -166,7 +166,8 @@ Mixture<D> read_components(const JsonPlace& place, const MixtureConvention& conv
   try {
     return Mixture<D>::from_stored(std::move(components));
   } catch (const InvalidInput& error) {
-    place.fail(error.what(), "at least one component with a weight above zero");
+    place.refuse(
+        fmt::format("{}, expected at least one component with a weight above zero", error.what()));
   }
 }
 

@@ -11,6 +11,7 @@
 
 #include "json_numbers.hpp"
 #include "json_place.hpp"
+#include "observation_numbers.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/io/gzip.hpp"
 #include "posemix/io/placeholder_covariance.hpp"
@@ -40,8 +41,19 @@ std::optional<double> number_of(const JsonPlace& place, std::string_view key) {
   return found ? std::optional(found->number()) : std::nullopt;
 }
 
+/// Throws with the line and the key unless `wrong`, which is empty for a good number, is.
+double checked(const JsonPlace& place, double number, std::string_view wrong) {
+  if (!wrong.empty()) place.fail(fmt::format("{}", number), wrong);
+  return number;
+}
+
 SE3d pose_of(const JsonPlace& place) {
   const Eigen::VectorXd numbers = place.vector(7);
+  const std::vector<JsonPlace> places = place.items(7);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double coordinate = places[i].number();
+    checked(places[i], coordinate, wrong_position(coordinate));
+  }
   const Eigen::Quaterniond quaternion(Eigen::Vector4d(numbers.tail<4>()));
   const double deviation = std::abs(quaternion.coeffs().stableNorm() - 1.0);
   if (!(deviation <= kQuaternionNormTolerance)) {
@@ -63,12 +75,14 @@ std::optional<Matrix6d> covariance_of(const JsonPlace& component) {
     for (Eigen::Index j = i; j < 6; ++j) covariance(i, j) = covariance(j, i) = numbers[next++];
   }
   if (is_placeholder_covariance(covariance)) return std::nullopt;
+  if (const auto fault = fault_of(covariance)) place->fail(fault->got, fault->expected);
   return covariance;
 }
 
 ObservationComponent component_of(const JsonPlace& place) {
   place.require_only({"weight", "pose", "covariance"});
-  return {.weight = place.member("weight").number(),
+  const JsonPlace weight = place.member("weight");
+  return {.weight = checked(weight, weight.number(), wrong_weight(weight.number())),
           .pose = pose_of(place.member("pose")),
           .covariance = covariance_of(place)};
 }
@@ -77,7 +91,8 @@ Observation observation_of_line(const JsonPlace& line) {
   line.require_only({"stamp_s", "camera", "detector", "id", "class", "sighting", "clutter", "score",
                      "components"});
   Observation observation;
-  observation.stamp_s = line.member("stamp_s").number();
+  const JsonPlace stamp = line.member("stamp_s");
+  observation.stamp_s = checked(stamp, stamp.number(), wrong_stamp(stamp.number()));
   observation.object = string_of(line, "id");
   observation.class_id = string_of(line, "class");
   if (observation.object.empty() == observation.class_id.empty())
@@ -86,23 +101,27 @@ Observation observation_of_line(const JsonPlace& line) {
   observation.camera = string_of(line, "camera");
   observation.detector = string_of(line, "detector");
   observation.clutter = number_of(line, "clutter");
+  if (const auto& clutter = observation.clutter)
+    checked(line.member("clutter"), *clutter, wrong_clutter(*clutter));
   observation.score = number_of(line, "score");
   for (const JsonPlace& component : line.member("components").items())
     observation.components.push_back(component_of(component));
   try {
     validate(observation);
   } catch (const InvalidInput& error) {
-    line.fail(error.what(), "a valid observation");
+    line.refuse(error.what());
   }
   return observation;
 }
 
 /// Notes the number of a sighting, which no line before has.
 void check_sighting(const JsonPlace& line, std::set<double>& known) {
+  constexpr double kLargest = 9007199254740992.0;  // beyond, two integers may be one double
   const auto place = given(line, "sighting");
   if (!place) return;
   const double number = place->number();
-  if (number != std::floor(number)) place->fail(fmt::format("{}", number), "an integer");
+  if (number != std::floor(number) || number < 0.0 || number > kLargest)
+    place->fail(fmt::format("{}", number), "an integer from 0 to 2^53");
   if (!known.insert(number).second)
     place->fail(fmt::format("sighting {} again", number), "one line for every sighting");
 }
@@ -147,20 +166,29 @@ Json json_of(const Observation& observation, std::size_t sighting) {
 
 }  // namespace
 
-std::vector<Observation> parse_observation_lines(std::string_view text, const std::string& name) {
-  std::vector<Observation> observations;
+namespace internal {
+
+PlacedObservations parse_placed_lines(std::string_view text, const std::string& name) {
+  PlacedObservations placed;
   std::set<double> sightings;
   LineReader reader(text, name);
   while (reader.next_content()) {
     const std::string where = fmt::format("{}:{}", name, reader.number());
     const Json json = parse_json(reader.line(), where, "an observation");
     const JsonPlace line(json, where);
-    observations.push_back(observation_of_line(line));
+    placed.observations.push_back(observation_of_line(line));
+    placed.lines.push_back(reader.number());
     check_sighting(line, sightings);
   }
-  if (observations.empty())
+  if (placed.observations.empty())
     throw InvalidInput(fmt::format("{}: got no observations, expected at least one", name));
-  return observations;
+  return placed;
+}
+
+}  // namespace internal
+
+std::vector<Observation> parse_observation_lines(std::string_view text, const std::string& name) {
+  return parse_placed_lines(text, name).observations;
 }
 
 std::vector<Observation> read_observation_lines(const std::filesystem::path& path) {

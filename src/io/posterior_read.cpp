@@ -80,7 +80,7 @@ Component<Hypothesis> read_component(const JsonPlace& place, std::size_t size) {
   try {
     return {log_weight, Hypothesis(PoseStackd(std::move(poses)), covariance)};
   } catch (const InvalidInput& error) {
-    rows.fail(error.what(), "a symmetric positive definite matrix");
+    rows.refuse(fmt::format("{}, expected a symmetric positive definite matrix", error.what()));
   }
 }
 

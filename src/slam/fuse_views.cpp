@@ -39,8 +39,7 @@ std::map<std::string, std::vector<ViewMember>> members_by_class(std::span<const 
   std::map<std::string, std::vector<ViewMember>> classes;
   for (std::size_t v = 0; v < views.size(); ++v) {
     if (!views[v].world_camera.matrix().allFinite()) {
-      throw InvalidInput(
-          fmt::format("view {}: the camera's pose holds a value that is not finite", v));
+      throw InvalidInput(fmt::format("views[{}].world_camera holds a value that is not finite", v));
     }
     for (std::size_t k = 0; k < views[v].observations.size(); ++k) {
       const Observation& observation = views[v].observations[k];
@@ -50,7 +49,7 @@ std::map<std::string, std::vector<ViewMember>> members_by_class(std::span<const 
         validate(observation);
         require(!name.empty(), "it has neither object nor class, expected one of them");
       } catch (const InvalidInput& error) {
-        throw InvalidInput(fmt::format("view {}, observation {}: {}", v, k, error.what()));
+        throw InvalidInput(fmt::format("views[{}].observations[{}]: {}", v, k, error.what()));
       }
       classes[name].push_back({v, k, &observation, views[v].world_camera});
     }

@@ -128,7 +128,7 @@ std::vector<MultiObjectSlam::Sighting> MultiObjectSlam::sightings_of(const Frame
       sightings.push_back({internal::with_ordered_components(input.observations[i]),
                            source_of(input.observations[i]), &report.observations[i]});
     } catch (const InvalidInput& error) {
-      throw InvalidInput(fmt::format("frame: observation {}: {}", i, error.what()));
+      throw InvalidInput(fmt::format("frame: observations[{}]: {}", i, error.what()));
     }
   }
   for (std::size_t i = 0; i < input.candidates.size(); ++i)
@@ -147,7 +147,7 @@ bool MultiObjectSlam::is_taken_before(const Observation& a, const Observation& b
 }
 
 void MultiObjectSlam::check(const Observation& observation) const {
-  TrackedObjects::check(observation, "the observation");
+  TrackedObjects::check(observation, "observation");
   source_of(observation);
 }
 

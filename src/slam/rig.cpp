@@ -46,7 +46,8 @@ void require_valid(std::span<const BodyCamera> cameras) {
           fmt::format("the pose of camera '{}' holds a value that is not finite", camera.name));
     }
     if (!camera.is_exact())
-      checked_covariance(*camera.covariance, 6, fmt::format("camera '{}'", camera.name));
+      checked_covariance(*camera.covariance, 6,
+                         fmt::format("the covariance of camera '{}'", camera.name));
   }
 }
 

@@ -89,20 +89,24 @@ void TrackedObjects::check(const FrameInput& input) const {
       throw InvalidInput(fmt::format("frame: the score of candidate {} is not a number", i));
   }
   for (std::size_t i = 0; i < input.observations.size(); ++i)
-    check(input.observations[i], fmt::format("observation {}", i));
+    check(input.observations[i], fmt::format("frame: observations[{}]", i));
 }
 
 void TrackedObjects::check(const Observation& observation, const std::string& name) {
   try {
     validate(observation);
   } catch (const InvalidInput& error) {
-    throw InvalidInput(fmt::format("frame: {}: {}", name, error.what()));
+    throw InvalidInput(fmt::format("{}: {}", name, error.what()));
   }
-  for (const ObservationComponent& component : observation.components)
-    if (!is_usable(component.pose)) refuse("the pose of a component of " + name);
+  for (std::size_t k = 0; k < observation.components.size(); ++k) {
+    if (is_usable(observation.components[k].pose)) continue;
+    throw InvalidInput(
+        fmt::format("{}: components[{}].pose is not finite, or is beyond 1e50 m", name, k));
+  }
   if (observation.object.empty() == observation.class_id.empty()) {
-    throw InvalidInput(fmt::format("frame: {} has {} an object and a class, expected one of them",
-                                   name, observation.object.empty() ? "neither" : "both"));
+    throw InvalidInput(fmt::format(
+        "{}: has {}, expected one of them", name,
+        observation.object.empty() ? "neither object nor class_id" : "both object and class_id"));
   }
 }
 

@@ -75,8 +75,9 @@ TEST_F(ConvertSequence, OptionsOfTheOtherKindAreErrors) {
   const ProgramResult set = run_posemix({"convert", "mug.json", "--set", "a=1"});
   EXPECT_NE(set.err.find("--set: is for sequence files"), std::string::npos) << set.err;
   const ProgramResult no_folder = run_posemix({"convert", small_.toml().string()});
-  EXPECT_EQ(no_folder.exit_code, 3);
-  EXPECT_NE(no_folder.err.find("expected --out DIR"), std::string::npos) << no_folder.err;
+  EXPECT_EQ(no_folder.exit_code, 2);
+  EXPECT_NE(no_folder.err.find("--out: is required for a sequence file"), std::string::npos)
+      << no_folder.err;
   EXPECT_FALSE(std::filesystem::exists(small_.folder / "made"));
 }
 

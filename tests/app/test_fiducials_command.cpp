@@ -50,6 +50,18 @@ TEST_F(FiducialsCommand, WritesObservationsWithBothPoses) {
   EXPECT_EQ(observations[1].stamp_s, 1.6);
 }
 
+TEST_F(FiducialsCommand, WarnsOfWhatIsHardlyTrue) {
+  const std::string command = "posemix fiducials corners.csv --cameras cameras.yaml -o out --quiet";
+  const ProgramResult good = shell(command + " --size 0.15");
+  EXPECT_EQ(good.err, "");
+  const ProgramResult size = shell(command + " --size 150");
+  EXPECT_EQ(size.exit_code, 0);
+  EXPECT_TRUE(contains(size.err, "posemix: warning: a tag has an edge of 150 m")) << size.err;
+  const ProgramResult noise = shell(command + " --size 0.15 --corner-noise 119");
+  EXPECT_TRUE(contains(noise.err, "the stated noise of the corners of camera \"cam0\" is 119 px"))
+      << noise.err;
+}
+
 TEST_F(FiducialsCommand, TakesANoiseAndCompresses) {
   const ProgramResult result = shell(
       "posemix fiducials corners.csv --cameras cameras.yaml --size 0.15 --corner-noise 0.05 --gzip "
@@ -63,7 +75,7 @@ TEST_F(FiducialsCommand, TakesANoiseAndCompresses) {
 
 TEST_F(FiducialsCommand, RefusesBadInputAndLeavesNothing) {
   const std::string command = "posemix fiducials corners.csv --cameras cameras.yaml -o out";
-  expect_error(command, 3, "expected --size or --tags");
+  expect_error(command, 2, "expected --size or --tags");
   expect_error(command + " --size -1", 2, "--size");
   expect_error(command + " --size 0.1 --corner-dof 3", 2, "--corner-noise");
   expect_error(command + " --size 0.1 --odometry missing.tum", 3, "missing.tum");

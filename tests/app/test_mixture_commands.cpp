@@ -87,7 +87,7 @@ TEST_F(MixtureCommands, FuseReportsTheEvidence) {
   EXPECT_EQ(mixture_of("posemix fuse mug-pg.json mug-pg.json --quiet").frames.to, "mug");
   expect_error("posemix fuse mug.json camera.json", 3,
                "camera.json: got T_table_camera, expected T_camera_mug as in mug.json");
-  expect_error("posemix fuse - - < mug.json", 3, "'-' more than once");
+  expect_error("posemix fuse - - < mug.json", 2, "'-' more than once");
 }
 
 TEST_F(MixtureCommands, EvidencesAddUp) {
@@ -259,9 +259,9 @@ TEST_F(MixtureCommands, GraspAtAPoseAndTheBest) {
   EXPECT_EQ(best["probability_of_starts"].size(), 2U);
   expect_error("posemix grasp mug.json --rotation-deg 5 5 --translation 1 --best", 2,
                "--rotation-deg: got two numbers");
-  expect_error("posemix grasp mug.json --rotation-deg 5 --translation 1 --pose nan 0 0 0 0 0 1", 3,
-               "--pose: a number is nan, expected a finite number");
-  expect_error("posemix grasp mug.json --rotation-deg 5 --translation 1 --pose 0 0 0 0 0 0 2", 3,
+  expect_error("posemix grasp mug.json --rotation-deg 5 --translation 1 --pose nan 0 0 0 0 0 1", 2,
+               "--pose: got nan, expected a finite number");
+  expect_error("posemix grasp mug.json --rotation-deg 5 --translation 1 --pose 0 0 0 0 0 0 2", 2,
                "--pose: got a quaternion of norm 2");
 }
 

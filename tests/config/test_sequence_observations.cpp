@@ -90,9 +90,12 @@ TEST(SequenceObservations, LeavesNothingOutInSilence) {
       job_of(
           replaced(kSequence, "[[cameras]]\nname = \"left\"\npose = [0.1, 0, 0, 0, 0, 0, 1]\n", ""),
           two),
-      "are of cameras \"left\" and \"right\", expected a table [[cameras]]");
-  EXPECT_INVALID_WITH(job_of(kSequence, replaced(kTable, "0.05,left,,9,,1", "0.05,left,,,mug,1")),
-                      "stamp 0.05: got class \"mug\", expected that of one of the [[objects]]");
+      "observations.csv:4: got camera = \"right\", expected \"left\" as before, or a table "
+      "[[cameras]]");
+  EXPECT_INVALID_WITH(
+      job_of(kSequence, replaced(kTable, "0.05,left,,9,,1", "0.05,left,,,mug,1")),
+      "observations.csv:4: got class = \"mug\", expected that of one of the [[objects]], of "
+      "which there are none");
   EXPECT_INVALID_WITH(
       job_of(replaced(kSequence, "[[observations]]\ncsv = \"observations.csv\"\n", "")),
       "is for observations, expected a table [[observations]] beside it");
@@ -116,7 +119,38 @@ TEST(SequenceObservations, AreOfSeveralDetectors) {
   EXPECT_INVALID_WITH(job_of(replaced(two, "far = \"wide\"", "far = \"no\""), table),
                       "is \"no\", but there is no table [noise.no]");
   EXPECT_INVALID_WITH(run(job_of(two, replaced(kTable, "0.05,left,,9", "0.05,left,other,9"))),
-                      "has no detector 'other', expected one of: far, near");
+                      "observations.csv:4: got detector = \"other\", expected one of the detectors "
+                      "of \"9\", one of: far, near");
+}
+
+TEST(SequenceObservations, ErrorsOfStampsNameTheRow) {
+  const std::string without = replaced(kSequence, "odometry = \"odometry.tum\"\n", "");
+  EXPECT_INVALID_WITH(job_of(without, replaced(kTable, "\n0.10,left", "\n1.7e9,left")),
+                      "observations.csv:5: got stamp_s = 1700000000, expected seconds of the clock "
+                      "of the others, within 1e+07 s of the nearest, which is 0.05 (");
+  EXPECT_INVALID_WITH(
+      job_of(kSequence, replaced(kTable, "\n0.10,left", "\n1.7e6,left")),
+      "observations.csv:5: got stamp_s = 1700000, expected seconds of the clock of ");
+  EXPECT_INVALID_WITH(job_of(kSequence, replaced(kTable, "\n0.10,left", "\n1e13,left")),
+                      "observations.csv:5: got stamp_s = \"1e13\", expected seconds");
+}
+
+TEST(SequenceObservations, ErrorsOfIdsNameTheRow) {
+  EXPECT_INVALID_WITH(job_of(kSequence, replaced(kTable, "0.05,left,,9", "0.05,left,,a/../b")),
+                      "observations.csv:4: got id = \"a/../b\", expected 1 to 100 letters");
+}
+
+TEST(SequenceObservations, ErrorsNameTheirFileOnce) {
+  const std::string prior = std::string(kSequence) +
+                            "[[objects]]\nid = \"7\"\nnoise = \"tag\"\n"
+                            "prior = {pose = [1, 2, 3, 0, 0, 0, 1], translation_sd_m = 1}\n";
+  EXPECT_INVALID_WITH(job_of(prior), "sequence.toml:");
+  try {
+    job_of(prior);
+  } catch (const InvalidInput& error) {
+    const std::string message = error.what();
+    EXPECT_EQ(message.find("sequence.toml:"), message.rfind("sequence.toml:")) << message;
+  }
 }
 
 TEST(SequenceObservations, NeedTheClockOfTheOdometry) {
@@ -223,9 +257,18 @@ TEST(SequenceObservations, ComeFromCamerasWithACovariance) {
 
 TEST(SequenceObservations, RefuseWhatDoesNotFit) {
   const std::vector<std::pair<std::string, std::string>> cases{
-      {replaced(kSequence, "[on_sight]\nnoise = \"tag\"\n", ""), "name object \"7\""},
+      {replaced(kSequence, "[on_sight]\nnoise = \"tag\"\n", ""),
+       "observations.csv:2: got id = \"7\", expected that of one of the [[objects]], of which "
+       "there "
+       "are none, or a table [on_sight]"},
       {replaced(kSequence, "noise = \"tag\"", "noise = \"tags\""), "no table [noise.tags]"},
-      {replaced(kSequence, "name = \"left\"", "name = \"right\""), "there is no camera 'left'"},
+      {replaced(kSequence, "name = \"left\"", "name = \"right\""),
+       "observations.csv:2: got camera = \"left\", expected the name of one of the [[cameras]], "
+       "one "
+       "of: right"},
+      {replaced(kSequence, "csv = \"observations.csv\"",
+                "csv = \"observations.csv\"\ncamera = \"other\""),
+       "sequence.toml:9: key 'observations.camera' is \"other\", expected the name of one of"},
       {replaced(kSequence, "csv = \"observations.csv\"", "csv = \"other.csv\""), "other.csv"},
       {replaced(kSequence, "[on_sight]",
                 "[[objects]]\nid = \"7\"\nnoise = \"tag\"\ndetections = {tum = "
@@ -236,7 +279,14 @@ TEST(SequenceObservations, RefuseWhatDoesNotFit) {
        "two cameras have the name 'left'"},
       {replaced(kSequence, "[[cameras]]", "[[cameras]]\nrotation_sd_deg = 1"), "translation_sd_m"},
       {replaced(kSequence, "[[cameras]]", "[[cameras]]\nrotation_sd_deg = 1\ntranslation_sd_m = 0"),
-       "camera 'left' is not positive definite"},
+       "key 'cameras[0].translation_sd_m' has a zero beside deviations above zero, expected"},
+      {replaced(kSequence, "[[cameras]]",
+                "[[cameras]]\nrotation_sd_deg = [0, 1, 1]\ntranslation_sd_m = 0.01"),
+       "key 'cameras[0].rotation_sd_deg' has a zero beside deviations above zero, expected"},
+      {replaced(kSequence, "[[cameras]]",
+                "[[cameras]]\ncovariance = [[1, 0, 0, 0, 0, 0], [0, 1, 0, 0, 0, 0], [0, 0, 1, 0, "
+                "0, 0], [0, 0, 0, 1, 0, 0], [0, 0, 0, 0, 1, 0], [0, 0, 0, 0, 0, 0]]"),
+       "key 'cameras[0].covariance' is not positive definite, expected a symmetric"},
       {replaced(kSequence, "[[cameras]]", "[[cameras]]\nrotation_sd_deg = 1\ncovariance = []"),
        "stands beside standard deviations"},
   };

@@ -40,20 +40,23 @@ TEST(Observation, RefusesWhatIsNoMixtureAndNamesTheComponent) {
   lopsided(0, 5) = 0.5;
   const std::vector<std::pair<std::function<void(Observation&)>, std::string>> cases{
       {[](Observation& o) { o.components.clear(); }, "no components"},
-      {[](Observation& o) { o.components[1].weight = -0.3; }, "component 1"},
-      {[=](Observation& o) { o.components[1].weight = nan; }, "component 1"},
+      {[](Observation& o) { o.components[1].weight = -0.3; }, "components[1].weight is -0.3"},
+      {[=](Observation& o) { o.components[1].weight = nan; }, "components[1].weight"},
       {[](Observation& o) { o.components[1].weight = 0.2; }, "sum to 0.9"},
-      {[=](Observation& o) { o.components[0].covariance = indefinite; }, "component 0"},
+      {[=](Observation& o) { o.components[0].covariance = indefinite; },
+       "components[0].covariance is not positive"},
       {[=](Observation& o) { o.components[0].covariance = lopsided; }, "not symmetric"},
-      {[=](Observation& o) { (*o.components[0].covariance)(2, 2) = nan; }, "component 0"},
+      {[=](Observation& o) { (*o.components[0].covariance)(2, 2) = nan; },
+       "components[0].covariance"},
       {[=](Observation& o) {
          o.components[1].pose = SE3d(SO3d(), {nan, 0.0, 0.0});
        },
-       "component 1"},
+       "components[1].pose"},
       {[](Observation& o) { o.clutter = 1.0; }, "clutter is 1"},
       {[](Observation& o) { o.clutter = 0.0; }, "clutter is 0"},
-      {[=](Observation& o) { o.stamp_s = nan; }, "stamp"},
-      {[=](Observation& o) { o.score = nan; }, "score"},
+      {[](Observation& o) { o.clutter = 1.0 - 1e-12; }, "at most 1 - 1e-9"},
+      {[=](Observation& o) { o.stamp_s = nan; }, "stamp_s is nan"},
+      {[=](Observation& o) { o.score = nan; }, "score is nan"},
   };
   for (const auto& [spoil, named] : cases) {
     Observation observation = two_peaks();

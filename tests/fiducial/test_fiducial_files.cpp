@@ -94,7 +94,7 @@ TEST(CameraFile, RefusesWhatIsNone) {
   EXPECT_INVALID_WITH(with("intrinsics: [500", "intrinsic: [500"),
                       "cam0: got no key \"intrinsics\", expected one of that name");
   EXPECT_INVALID_WITH(with("[1.0, 0.0, 0.0, -0.2]", "[2.0, 0.0, 0.0, -0.2]"),
-                      "cam1.T_cn_cnm1: got");
+                      "cam1.T_cn_cnm1: rotation matrix is not orthonormal");
   EXPECT_INVALID_WITH(with("[500, 501, 320, 240]", "[500, 501, 320, 240"), "cameras.yaml:");
   EXPECT_INVALID_WITH(with("[640, 480]", "[640, 1e30]"), "cam0.resolution[1]: got \"1e30\"");
   EXPECT_INVALID_WITH(with("[640, 480]", "[0, 480]"), "cam0.resolution[0]: got 0, expected pixels");

@@ -95,6 +95,49 @@ TEST(Fiducials, CountWhatBecomesNoObservation) {
   EXPECT_EQ(found.without_pose, 1U);
 }
 
+/// The only warning of `found`, or all of them.
+std::string warning_of(const Fiducials& found) {
+  std::string all;
+  for (const std::string& warning : found.warnings) all += warning + "\n";
+  return all;
+}
+
+TEST(Fiducials, WarnOfWhatIsHardlyTrue) {
+  const std::vector<RigCamera> cameras{camera("a", "/a")};
+  TagMap tags;
+  tags.default_size_m = kTagSize;
+  const auto contains = [](const std::string& text, const char* part) {
+    return text.find(part) != std::string::npos;
+  };
+  const std::vector<CornerSighting> good = draw("/a", 0.5, 100);
+  EXPECT_EQ(warning_of(observe_fiducials(good, cameras, tags)), "");
+  for (const int count : {10, 100}) {
+    const std::string noisy = warning_of(observe_fiducials(draw("/a", 40.0, count), cameras, tags));
+    EXPECT_TRUE(contains(noisy, "the corners of camera \"a\" are those of a square tag to"))
+        << noisy;
+  }
+  for (const double sd : {119.0, 1e-9}) {
+    const std::string stated = warning_of(
+        observe_fiducials(good, cameras, tags, {.noise = CornerNoise{.sd_px = sd, .dof = 0.1}}));
+    EXPECT_TRUE(contains(stated, "px, expected 0.001 to 3 px")) << stated;
+    EXPECT_TRUE(contains(stated, "0.1 degrees of freedom, expected at least 1")) << stated;
+  }
+  for (const double size : {150.0, 0.00015}) {
+    TagMap wrong;
+    wrong.default_size_m = size;
+    const std::string sizes = warning_of(observe_fiducials(good, cameras, wrong));
+    EXPECT_TRUE(contains(sizes, "a tag has an edge of")) << sizes;
+  }
+  const std::string order =
+      warning_of(observe_fiducials(good, cameras, tags, {.order = CornerOrder::aruco}));
+  EXPECT_TRUE(contains(order, "the corners of 100 of 100 sightings are no image")) << order;
+  std::vector<RigCamera> small = cameras;
+  small[0].model.intrinsics = {150.0, 150.0, 160.0, 120.0};
+  const std::string resolution = warning_of(observe_fiducials(good, small, tags));
+  EXPECT_TRUE(contains(resolution, "lie beyond the image, expected none beyond (480, 360) px"))
+      << resolution;
+}
+
 TEST(Fiducials, RefuseAnUnknownCamera) {
   const std::vector<RigCamera> cameras{camera("a", "/a")};
   const std::vector<CornerSighting> sightings{

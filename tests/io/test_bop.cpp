@@ -52,6 +52,14 @@ TEST(Bop, AllRows) {
                       "b.csv:2: rotation matrix is not orthonormal");
 }
 
+TEST(Bop, ErrorsOfFarPosesNameTheRow) {
+  const std::string far = "48,13,14,0.5,1 0 0 0 1 0 0 0 1,0 0 8.2e13,-1\n";
+  EXPECT_INVALID(parse_bop_rows(kHeader + kRow + far, "b.csv"),
+                 "b.csv:3: got t = \"0 0 8.2e13\" with 8.2e+13 mm, expected millimetres, at most "
+                 "1e+11");
+  EXPECT_INVALID_WITH(parse(kRow + far), "b.csv:2: got t = ");
+}
+
 TEST(Bop, RejectsDamagedRows) {
   const auto with = [](std::string row, const std::string& from, const std::string& to) {
     return kHeader + row.replace(row.find(from), from.size(), to);

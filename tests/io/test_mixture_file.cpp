@@ -217,9 +217,9 @@ TEST(MixtureFile, NumbersThatAreNoneOrOutOfRange) {
   EXPECT_INVALID(parse(with("/components/0/weight", -1)),
                  "m.json: components[0]: weight: got -1, expected a number of at least zero");
   EXPECT_INVALID(parse(with("/components/0/weight", 0)),
-                 "m.json: components: got all weights are zero, expected at least one component "
+                 "m.json: components: all weights are zero, expected at least one component "
                  "with a weight above zero");
-  EXPECT_INVALID_WITH(parse(with("/components", Json::array())), "m.json: components: got a");
+  EXPECT_INVALID_WITH(parse(with("/components", Json::array())), "m.json: components: a");
   const double nan = std::numeric_limits<double>::quiet_NaN();  // written as null
   EXPECT_INVALID(parse(with("/components/0/weight", nan)),
                  "m.json: components[0]: weight: got null, expected a number");
@@ -235,7 +235,7 @@ TEST(MixtureFile, NumbersThatAreNoneOrOutOfRange) {
 
 TEST(MixtureFile, CovariancesThatAreNone) {
   EXPECT_INVALID(parse(with("/components/0/covariance/4/4", -0.02)),
-                 "m.json: components[0]: covariance: got the matrix is not positive definite, "
+                 "m.json: components[0]: covariance: the matrix is not positive definite, "
                  "expected a symmetric positive definite matrix");
   EXPECT_INVALID_WITH(parse(with("/components/0/covariance/0/5", 0.002)), "is not symmetric");
   EXPECT_INVALID_WITH(parse(with("/components/0/covariance/4/4", -0.02, kProjected)),

@@ -93,9 +93,8 @@ TEST(ObservationCsv, ErrorsNameTheLineOfTheSighting) {
   EXPECT_INVALID(parse(row("1,,,7,,0,0.5") + row("1,,,7,,0,0.25")),
                  "o.csv:2: in sighting 0, which begins here: the weights of the components sum to "
                  "0.75, expected one");
-  EXPECT_INVALID_WITH(
-      parse(row("1,,,7,,0,1") + row("1,,,7,,1,1.5") + row("1,,,7,,1,-0.5")),
-      "o.csv:3: in sighting 1, which begins here: the weight of component 1 is -0.5");
+  EXPECT_INVALID_WITH(parse(row("1,,,7,,0,1") + row("1,,,7,,1,1.5") + row("1,,,7,,1,-0.5")),
+                      "o.csv:4: got weight = \"-0.5\", expected zero or more");
   EXPECT_INVALID_WITH(parse(row("1,,,7,,0,nan")), "o.csv:2: ");
   EXPECT_INVALID(
       parse(row("1,,,7,,0,1") + row("1,,,8,,1,1") + row("1,,,7,,0,1")),
@@ -113,8 +112,62 @@ TEST(ObservationCsv, ErrorsNameTheLineOfTheSighting) {
                       "o.csv:2: got 20 empty fields of a covariance, expected none or all 21");
   const std::string indefinite = "1,0,0,0,0,0,1,0,0,0,0,1,0,0,0,1,0,0,-1,0,1";
   EXPECT_INVALID_WITH(parse("1,,,7,,0,1,0,0,1,0,0,0,1," + indefinite + "\n"),
-                      "the covariance of component 0 is not positive definite");
+                      "o.csv:2: got c44 = -1, expected a variance in [1e-18, 1e+12]");
   EXPECT_INVALID_WITH(parse_observations("stamp_s,camera\n", "o.csv"), "got no column detector");
+}
+
+/// The number of a row that is wrong, its column and what is expected.
+TEST(ObservationCsv, ErrorsOfNumbersNameRowAndColumn) {
+  const std::string good = row("1,,,7,,0,1") + "\n# a comment\n";
+  const auto with = [&](const std::string& begin, const std::string& pose,
+                        const std::string& covariance = kNoCovariance) {
+    return good + begin + "," + pose + "," + covariance + "\n";
+  };
+  const std::string pose = "0,0,1,0,0,0,1";
+  const std::string variances = "1e-4,0,0,0,0,0,1e-4,0,0,0,0,1e-4,0,0,0,1e-4,0,0,1e-4,0,";
+  const std::vector<std::pair<std::string, std::string>> cases{
+      {with("1e13,,,7,,1,1", pose), "stamp_s = \"1e13\", expected seconds, at most 1e+12"},
+      {with("1e999,,,7,,1,1", pose), "stamp_s = \"1e999\", expected a finite number"},
+      {with(",,,7,,1,1", pose), "stamp_s = \"\", expected a finite number"},
+      {with("2,,,7,,-1,1", pose), "sighting = \"-1\", expected an integer that is not negative"},
+      {with("2,,,7,,1.5,1", pose), "sighting = \"1.5\", expected an integer"},
+      {with("2,,,7,,99999999999999999999,1", pose), "sighting = \"99999999999999999999\""},
+      {with("2,,,7,,1,inf", pose), "weight = \"inf\", expected a finite number"},
+      {with("2,,,7,,1,1", "0,-8.2e10,1,0,0,0,1"), "ty_m = \"-8.2e10\", expected metres"},
+      {with("2,,,7,,1,1", "0,0,1,0,0,0,0"), "a quaternion of norm 0, expected"},
+      {with("2,,,7,,1,1", pose, variances + "nan"), "c55 = \"nan\", expected a finite number"},
+      {with("2,,,7,,1,1", pose, variances + "1e-30"), "c55 = 1e-30, expected a variance"},
+      {with("2,,,7,,1,1", pose, "1e-4,2e-4" + variances.substr(6) + "1e-4"),
+       "a covariance c00 ... c55 that is not positive definite, expected one that is"},
+  };
+  for (const auto& [rows, named] : cases) EXPECT_INVALID_WITH(parse(rows), "o.csv:5: got " + named);
+  const std::string clutter = std::string(kHeader) + ",clutter\n";
+  for (const char* value : {"0", "1", "-0.5", "1.5", "0.999999999999"}) {
+    EXPECT_INVALID_WITH(
+        parse_observations(
+            clutter + "1,,,7,,0,1," + pose + "," + kNoCovariance + "," + value + "\n", "o.csv"),
+        std::string("o.csv:2: got clutter = \"") + value + "\", expected a probability above 0");
+  }
+}
+
+TEST(ObservationCsv, ErrorsOfSplitSightingsNameTheRowThatComesLater) {
+  EXPECT_INVALID(parse(row("1,,,7,,0,0.5") + row("1,,,8,,1,1") + row("1,,,7,,0,0.5")),
+                 "o.csv:4: got sighting 0 again, expected the rows of a sighting one after the "
+                 "other");
+}
+
+TEST(ObservationCsv, EndsOfLinesAndOrderMarksAreNoContent) {
+  const std::string plain = std::string(kHeader) + "\n" + row("1,,,7,,0,1") + row("2,,,8,,1,1");
+  std::string crlf = "\xEF\xBB\xBF";
+  for (const char c : plain) crlf += c == '\n' ? std::string("\r\n") : std::string(1, c);
+  EXPECT_EQ(format_observations(parse_observations(crlf, "o.csv")),
+            format_observations(parse_observations(plain, "o.csv")));
+  EXPECT_INVALID(parse_observations("", "o.csv"),
+                 "o.csv: got no line, expected the names of the columns");
+  EXPECT_INVALID_WITH(parse_observations(std::string(kHeader) + ",weight\n", "o.csv"),
+                      "o.csv:1: got column \"weight\" again, expected every column once");
+  EXPECT_INVALID_WITH(parse_observations(std::string(kHeader) + ",Clutter\n", "o.csv"),
+                      "o.csv:1: got column \"Clutter\", expected \"clutter\"");
 }
 
 TEST(ObservationCsv, PlaceholdersAreNoCovariance) {
@@ -146,6 +199,11 @@ TEST(ObservationCsv, RefusesToWriteWhatCannotBeReadBack) {
   observations = some_observations();
   observations[0].components.clear();
   EXPECT_INVALID_WITH(format_observations(observations), "has no components");
+  observations = some_observations();
+  observations[1].class_id.clear();
+  EXPECT_INVALID(
+      format_observations(observations),
+      "an observation at stamp -0.5 s has neither id nor class, expected one of the two");
 }
 
 TEST(Gzip, GivesBackTheBytesOfItsFiles) {

@@ -122,17 +122,17 @@ TEST(ObservationLines, PlaceholdersAreNoCovariance) {
 TEST(ObservationLines, ErrorsNameTheLineAndTheField) {
   const std::string good = line(component("1"));
   EXPECT_INVALID_WITH(parse(good + line(component("0.5") + ", " + component("0.25"))),
-                      "o.jsonl:2: got the weights of the components sum to 0.75, expected one");
+                      "o.jsonl:2: the weights of the components sum to 0.75, expected one");
   EXPECT_INVALID_WITH(parse(line(component("1.5") + ", " + component("-0.5"))),
-                      "o.jsonl:1: got the weight of component 1 is -0.5, expected zero or more");
+                      "o.jsonl:1: components[1]: weight: got -0.5, expected zero or more");
   EXPECT_INVALID_WITH(parse(good + line(component("NaN"))),
                       "o.jsonl:2: got a text that is not JSON");
   EXPECT_INVALID_WITH(parse(good + line(component("1e999"))), "o.jsonl:2: ");
   EXPECT_INVALID(parse(line(component("\"1\""))),
                  "o.jsonl:1: components[0]: weight: got string, expected a number");
-  EXPECT_INVALID_WITH(parse(good + line("")), "o.jsonl:2: got the observation has no components");
+  EXPECT_INVALID_WITH(parse(good + line("")), "o.jsonl:2: the observation has no components");
   EXPECT_INVALID_WITH(parse(line(component_with(diagonal("-0.01", "0.01")))),
-                      "the covariance of component 0 is not positive definite");
+                      "o.jsonl:1: components[0]: covariance: got c00 = -0.01, expected a variance");
   EXPECT_INVALID_WITH(parse(line(component_with("[1, 2]"))),
                       "o.jsonl:1: components[0]: covariance: got 2 entries, expected 21");
   EXPECT_INVALID_WITH(parse(good + good.substr(0, good.size() / 2)),
@@ -145,11 +145,22 @@ TEST(ObservationLines, ErrorsNameTheLineAndTheField) {
   EXPECT_INVALID(parse(third + third),
                  "o.jsonl:2: sighting: got sighting 3 again, expected one line for every sighting");
   EXPECT_INVALID_WITH(parse(line(component("1"), R"("id": "7", "sighting": 0.5)")),
-                      "o.jsonl:1: sighting: got 0.5, expected an integer");
+                      "o.jsonl:1: sighting: got 0.5, expected an integer from 0 to 2^53");
   EXPECT_INVALID(parse(line(component("1"), R"("camera": "left")")),
                  "o.jsonl:1: got neither id nor class, expected one of the two");
-  EXPECT_INVALID_WITH(parse(line(component("1"), R"("id": "7", "clutter": 1)")),
-                      "o.jsonl:1: got the probability of clutter is 1");
+  EXPECT_INVALID_WITH(
+      parse(line(component("1"), R"("id": "7", "clutter": 1)")),
+      "o.jsonl:1: clutter: got 1, expected a probability above 0 and at most 1 - 1e-9");
+  for (const char* sighting : {"-1", "1e300"}) {
+    EXPECT_INVALID_WITH(
+        parse(line(component("1"), R"("id": "7", "sighting": )" + std::string(sighting))),
+        "o.jsonl:1: sighting: got ");
+  }
+  EXPECT_INVALID_WITH(parse(R"({"stamp_s": 1e13, "id": "7", "components": []})"),
+                      "o.jsonl:1: stamp_s: got 10000000000000, expected seconds, at most 1e+12");
+  EXPECT_INVALID_WITH(
+      parse(good + line(R"({"weight": 1, "pose": [0, 0, 1e9, 0, 0, 0, 1]})")),
+      "o.jsonl:2: components[0]: pose[2]: got 1000000000, expected metres, at most 1e+08");
   EXPECT_INVALID_WITH(parse(R"({"id": "7", "components": []})"),
                       "o.jsonl:1: got no key 'stamp_s', expected one");
   EXPECT_INVALID_WITH(

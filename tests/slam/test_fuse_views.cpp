@@ -150,14 +150,14 @@ TEST(FuseViews, NamesWhatIsNotValid) {
     return thrown_message([&] { fuse_views(views, {}, settings); });
   };
   EXPECT_EQ(message([](auto& views, auto&) { views[2].observations[0].class_id.clear(); }),
-            "view 2, observation 0: it has neither object nor class, expected one of them");
+            "views[2].observations[0]: it has neither object nor class, expected one of them");
   EXPECT_NE(message([](auto& views, auto&) {
               views[1].observations[0].components[0].weight = 0.5;
-            }).find("view 1, observation 0: the weights"),
+            }).find("views[1].observations[0]: the weights"),
             std::string::npos);
   EXPECT_NE(message([](auto& views, auto&) {
               views[3].world_camera = SE3d(SO3d(), {std::nan(""), 0.0, 0.0});
-            }).find("view 3: the camera"),
+            }).find("views[3].world_camera holds"),
             std::string::npos);
   EXPECT_NE(message([](auto&, auto& s) {
               s.detection_probability = 1.0;

@@ -204,13 +204,13 @@ TEST(ObservationsSlam, OfAClassAreAssociatedByTheirNearestComponent) {
 
 TEST(ObservationsSlam, MustNameAnObjectOrAClass) {
   MultiObjectSlam slam(kStart, {{.id = "mug"}});
-  expect_refused(slam, of("", kMug), "neither an object and a class");
+  expect_refused(slam, of("", kMug), "neither object nor class_id");
   Observation both = of("mug", kMug);
   both.class_id = "mug";
-  expect_refused(slam, both, "both an object and a class");
+  expect_refused(slam, both, "both object and class_id");
   Observation heavy = of("mug", kMug);
   heavy.components[0].weight = 2.0;
-  expect_refused(slam, heavy, "observation 0");
+  expect_refused(slam, heavy, "observations[0]: ");
 }
 
 TEST(ObservationsSlam, InARecordingAreUsedByTheMultiObjectFilterAndTheirBestByOthers) {

@@ -49,8 +49,8 @@ std::size_t best_component(const Observation& observation);
 
 /// @throws InvalidInput when there is no component, a pose is not finite, a weight not finite or
 /// negative, their sum not one (to a thousandth), a covariance is not symmetric positive definite,
-/// the probability of clutter outside of (0, 1), or the stamp or the score not finite; it names the
-/// component
+/// the probability of clutter not in (0, 1 - 1e-9], or the stamp or the score not finite; it names
+/// the component
 void validate(const Observation& observation);
 
 }  // namespace posemix

@@ -67,6 +67,9 @@ struct Fiducials {
   std::size_t ignored = 0;                    ///< of tags that are to be ignored
   std::size_t without_size = 0;               ///< of tags of unknown size
   std::size_t without_pose = 0;               ///< whose corners are no image of a tag's front
+  /// What is hardly true: noise of corners, sizes of tags, order of corners, intrinsics; one
+  /// sentence each.
+  std::vector<std::string> warnings = {};
 };
 
 /// Weight of the leading component below which an observation counts as ambiguous.
