@@ -39,6 +39,7 @@ std::vector<FiducialRecording> selected_fiducial_recordings(
     const auto is_it = [&](const FiducialRecording& recording) { return recording.name == name; };
     if (std::none_of(recordings.begin(), recordings.end(), is_it)) {
       std::vector<std::string> names;
+      names.reserve(recordings.size());
       for (const FiducialRecording& recording : recordings) names.push_back(recording.name);
       throw InvalidInput(fmt::format("{}: has no recording {}, expected one of {}", folder.string(),
                                      name, fmt::join(names, ", ")));
