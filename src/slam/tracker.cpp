@@ -24,6 +24,7 @@ std::vector<std::optional<SE3d>> detections_by_id(const std::vector<ObjectModel>
                                     [&id = id](const auto& other) { return other.id == id; });
     if (model == models.end()) {
       std::vector<std::string_view> ids;
+      ids.reserve(models.size());
       for (const ObjectModel& known : models) ids.push_back(known.id);
       throw InvalidInput(
           fmt::format("there is no object '{}', expected one of: {}", id, fmt::join(ids, ", ")));
