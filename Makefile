@@ -29,7 +29,7 @@ help:
 	@echo 'make bench      build and run the benchmarks, results into build/bench; then those of the report page in a browser'
 	@echo 'make format     format the sources'
 	@echo 'make style      check format, include directions and scripts'
-	@echo 'make lint       the same, and clang-tidy; with TIDY_SINCE=COMMIT only on the sources changed since'
+	@echo 'make lint       the same, and clang-tidy; with TIDY_SINCE=COMMIT only for the files changed since'
 	@echo 'make docs       the reference pages, at build/docs/html/index.html'
 	@echo 'make coverage   line coverage of src/ and include/, at build/coverage/report/index.html'
 	@echo 'make install    install the program and the library under PREFIX ($(PREFIX))'
@@ -116,11 +116,11 @@ style: build/.bootstrap-style
 
 lint: style tidy
 
+# The names of files are patterns for run-clang-tidy, which takes every file of build/tidy without one.
 tidy: build/.bootstrap-lint
-	@test -f build/tidy/build.ninja || cmake --preset tidy
-	@cmake --build --preset tidy --target rebuild_cache >/dev/null
-	@files=$$($(if $(TIDY_SINCE),git diff --name-only --diff-filter=d $(TIDY_SINCE) --,git ls-files) 'src/*.cpp'); \
-	if [ -n "$$files" ]; then run-clang-tidy -quiet -j $(JOBS) -p build/tidy $$files; fi
+	@cmake --preset tidy >/dev/null
+	@units=$$(tools/tidy_units.py build/tidy $(if $(TIDY_SINCE),--since $(TIDY_SINCE))); \
+	if [ -n "$$units" ]; then run-clang-tidy -quiet -j $(JOBS) -p build/tidy $$units; fi
 
 docs: build/.bootstrap-docs build/.python
 	$(VENV_PIP) '.[docs]' -Ccmake.define.CMAKE_PREFIX_PATH='$(CURDIR)/build/prefix'

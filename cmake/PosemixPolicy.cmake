@@ -13,6 +13,10 @@ endif()
 
 set(POSEMIX_WARNINGS -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
     -Wnon-virtual-dtor -Wold-style-cast -Wimplicit-fallthrough)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+  # Files that are built in are longer strings than the least that a compiler has to support.
+  list(APPEND POSEMIX_WARNINGS -Wno-overlength-strings)
+endif()
 if(POSEMIX_WERROR)
   list(APPEND POSEMIX_WARNINGS -Werror)
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
@@ -76,5 +80,10 @@ function(posemix_unite target)
   if(POSEMIX_UNITY AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     # In a unity build g++ treats every source as an included header and warns about types with unnamed namespaces.
     target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
+  endif()
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+    # clang-tidy runs on these files too (preset tidy): here alone a .cpp file is meant to be included.
+    set_target_properties(${target} PROPERTIES
+      UNITY_BUILD_CODE_BEFORE_INCLUDE "// NOLINTNEXTLINE(bugprone-suspicious-include)")
   endif()
 endfunction()

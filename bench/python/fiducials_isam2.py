@@ -9,7 +9,8 @@ per stamp with observations and a pose per tag. Factors are
 
 - a tag in the rig's frame, Y = X Exp(n), n of the observation's covariance, with the kernel on |n| over its deviation;
 - the motion between two stamps: that of the odometry with the deviations --odometry-noise, per square root of a second;
-  where there is none, or the odometry has a gap, a random walk with --walk-noise;
+  where there is none, or the odometry has a gap, a random walk with --walk-noise; with --sequence-noise both are those
+  that sequence.toml states for the filter;
 - a prior of the first rig pose (no odometry: the origin), or those of the known tags.
 
 A new tag begins at its most certain sighting of the frame; the rig where the odometry predicts it, and without odometry
@@ -17,16 +18,22 @@ where that sighting of a known tag has it that agrees best with the others. Afte
 estimate stood then (no smoothing):
 
 - camera.tum: T_world_rig; camera_final.tum is the same at the end, after smoothing;
-- sightings.csv: T_camera_tag of each seen tag; tags.csv: T_world_tag at the end.
+- sightings.csv: T_camera_tag of each seen tag; tags.csv: T_world_tag at the end;
+- times.csv: the processor's time of the frames.
 
-With --reference the result is scored by fiducials_score.py.
+With --reference the result is scored by fiducials_score.py. As a peer of `posemix study fiducials` it is scored beside
+the filter, from the same folders in one run.
 
-example: bench/python/fiducials_isam2.py out/tags out/isam2 --kernel cauchy --reference reference_rig.tum.gz
+examples:
+  bench/python/fiducials_isam2.py out/tags out/isam2 --kernel cauchy --reference reference_rig.tum.gz
+  posemix study fiducials --out out/study \\
+    --set 'peers.isam2="python3 bench/python/fiducials_isam2.py --kernel huber --priors --sequence-noise"'
 """
 
 from __future__ import annotations
 
 import argparse
+import math
 import time
 from pathlib import Path
 from typing import Any
@@ -66,7 +73,8 @@ def run(
     if cameras is None:
         cameras = read_named_poses(folder / "cameras.csv", "camera")
     write_named_poses(out / "cameras.csv", "camera", cameras)
-    priors = read_priors(folder / "tag_priors.csv") if with_priors else {}
+    known = with_priors and (folder / "tag_priors.csv").exists()
+    priors = read_priors(folder / "tag_priors.csv") if known else {}
     slam, times, rigs = Isam2Slam(cameras, odometry, priors, settings), [], []
     with open(out / "sightings.csv", "w") as table:
         table.write(",".join(["stamp_s", "camera", "id", *POSE_COLUMNS]) + "\n")
@@ -81,6 +89,7 @@ def run(
                 pose = inverse(rig @ cameras[camera]) @ tags[name]
                 table.write(",".join([f"{frame.stamp:.9f}", camera, name, *pose_numbers(pose)]) + "\n")
     write_tum(out / "camera.tum", Trajectory(np.array(slam.stamps), np.array(rigs)))
+    (out / "times.csv").write_text(f"frames,processor_s,worst_s\n{len(times)},{sum(times):.6f},{max(times):.6f}\n")
     path, tags = slam.smoothed()
     write_tum(out / "camera_final.tum", path)
     write_named_poses(out / "tags.csv", "id", tags)
@@ -92,6 +101,18 @@ def run(
         "worst_ms": 1e3 * max(times),
         "times_real_time": (slam.stamps[-1] - slam.stamps[0]) / sum(times),
     }
+
+
+def sequence_noise(folder: Path) -> dict[str, tuple[float, float]]:
+    """The noise of the motion in sequence.toml, by the name of its setting [rad, m, per square root of a second]."""
+    import tomllib  # from Python 3.11 on
+
+    motion = tomllib.loads((folder / "sequence.toml").read_text())["motion"]
+    noise = motion["noise"]
+    if noise["per"] != "second":
+        raise ValueError(f"noise of the motion per {noise['per']}, expected per second")
+    name = "odometry_noise" if motion["model"] == "odometry" else "walk_noise"
+    return {name: (math.radians(noise["rotation_sd_deg"]), noise["translation_sd_m"])}
 
 
 def arguments_of(parser: argparse.ArgumentParser) -> dict[str, Any]:
@@ -114,7 +135,10 @@ def arguments_of(parser: argparse.ArgumentParser) -> dict[str, Any]:
     add("--updates", type=int, default=settings.updates, help="of iSAM2 per frame (default: 1)")
     text = "pose of the odometry's frame on the rig, as T_body_odom of tagslam.yaml: three metres, rotation vector"
     add("--odometry-frame", default="0 0 0 0 0 0", metavar="'X Y Z A B C'", help=text + " (default: the rig)")
-    add("--priors", action="store_true", help="use tag_priors.csv (default: the map begins at the first rig pose)")
+    text = "of the motion as sequence.toml in FOLDER states it for the filter"
+    add("--sequence-noise", action="store_true", help=text)
+    text = "use tag_priors.csv where it is (default: the map begins at the first rig pose)"
+    add("--priors", action="store_true", help=text)
     add("--prior-noise", help="in place of that of tag_priors.csv", **(pair | {"default": None}))
     add("--reference", type=Path, help="T_map_rig (TUM): score the result")
     text = "take the poses of cameras that are not in cameras.csv from the reference (default: leave them out)"
@@ -126,8 +150,10 @@ def main() -> None:
     """The program."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     options = arguments_of(parser)
-    names = ("folder", "out", "reference", "priors", "calibrate", "odometry_frame")
-    folder, out, path, priors, calibrate, frame = (options.pop(name) for name in names)
+    names = ("folder", "out", "reference", "priors", "calibrate", "odometry_frame", "sequence_noise")
+    folder, out, path, priors, calibrate, frame, as_sequence = (options.pop(name) for name in names)
+    if as_sequence:
+        options |= sequence_noise(folder)
     if calibrate and path is None:
         parser.error("--calibrate needs --reference")
     numbers = np.array([float(number) for number in frame.split()])

@@ -4,7 +4,9 @@
 
 from __future__ import annotations
 
+import csv
 import math
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -37,10 +39,10 @@ def pose(rotation: Array | list[float], translation: Array | list[float]) -> Arr
     return files.to_poses(numbers)[0]
 
 
-def rig_path() -> files.Trajectory:
+def rig_path(stamps: Array = STAMPS) -> files.Trajectory:
     """A circle about the tags' wall, looking ahead along z."""
-    poses = [pose([0, 0.3 * math.sin(t), 0.1 * t], [math.cos(t), 0.5 * math.sin(t), 0.05 * t]) for t in STAMPS]
-    return files.Trajectory(STAMPS, np.array(poses))
+    poses = [pose([0, 0.3 * math.sin(t), 0.1 * t], [math.cos(t), 0.5 * math.sin(t), 0.05 * t]) for t in stamps]
+    return files.Trajectory(stamps, np.array(poses))
 
 
 def tags() -> dict[str, Array]:
@@ -212,6 +214,60 @@ def test_known_tags_give_the_frame_of_the_map(tmp_path: Path) -> None:
     found = files.read_named_poses(tmp_path / "out" / "tags.csv", "id")
     for name, tag in tags().items():
         assert np.linalg.norm(found[name][:3, 3] - tag[:3, 3]) < 0.02 and score.angles_deg(found[name], tag) < 0.5
+
+
+CAMERA = """cam0:
+  camera_model: pinhole
+  intrinsics: [400, 400, 640, 512]
+  distortion_model: radtan
+  distortion_coeffs: [0, 0, 0, 0]
+  resolution: [1280, 1024]
+  tagtopic: /tags
+"""
+
+
+def write_recording(folder: Path, rng: np.random.Generator) -> None:
+    """Corners of tags with an edge of 0.3 m, with 0.2 px of noise, and odometry that drifts at twice the rate."""
+    corners = 0.15 * np.array([[-1, -1, 0, 0], [1, -1, 0, 0], [1, 1, 0, 0], [-1, 1, 0, 0]]) + [0, 0, 0, 1]
+    rows = ["stamp_s,topic,tag,u0_px,v0_px,u1_px,v1_px,u2_px,v2_px,u3_px,v3_px"]
+    for stamp, rig in zip(STAMPS, rig_path().poses, strict=True):
+        for name, tag in tags().items():
+            seen = (files.inverse(rig) @ tag @ corners.T).T
+            pixels = 400 * seen[:, :2] / seen[:, 2:3] + [640, 512] + rng.normal(0, 0.2, (4, 2))
+            rows.append(",".join([f"{stamp}", "/tags", name, *(f"{x:.3f}" for x in pixels.ravel())]))
+    folder.mkdir(parents=True)
+    (folder / "corners.csv").write_text("\n".join(rows) + "\n")
+    (folder / "cameras.yaml").write_text(CAMERA)
+    path = rig_path(np.arange(119) / 20)
+    files.write_tum(folder / "reference_rig.tum", path)
+    drift = np.array([pose([0, 0, 0.03 * t], [0.04 * t, 0, 0]) for t in path.stamps])
+    path.poses = pose([0.3, 0.2, 1], [4, 5, 6]) @ path.poses @ drift
+    files.write_tum(folder / "odometry.tum", path)
+
+
+def test_the_study_scores_isam2_beside_the_filter_from_the_same_input(tmp_path: Path) -> None:
+    pytest.importorskip("gtsam", reason="GTSAM, the peer of `posemix study fiducials`, is not installed")
+    program = os.environ.get("POSEMIX_PROGRAM")
+    if not program:
+        pytest.skip("POSEMIX_PROGRAM, the path of the program, is not set")
+    write_recording(tmp_path / "tagslam" / "wall", np.random.default_rng(8))
+    peer = f"'{sys.executable}' '{PROGRAMS / 'fiducials_isam2.py'}' --sequence-noise"
+    command = [program, "study", "fiducials", "--data", str(tmp_path), "--out", str(tmp_path / "out"), "--quiet"]
+    settings = ["size_m=0.3", "inputs=['best']", f'peers.isam2="{peer}"']
+    subprocess.run([*command, *(word for one in settings for word in ("--set", one))], check=True)
+    tables = []
+    for table in ("fiducials.csv", "timing.csv"):
+        with open(tmp_path / "out" / table) as file:
+            tables.append(list(csv.DictReader(line for line in file if not line.startswith("#"))))
+    for row in tables[0]:
+        assert row["frames"] == "119" and row["frames_not_finite"] == "0"
+        assert row["scored_sightings"] == row["sightings"] and row["scored_frames"] == "60"
+        # Tags at 3 m are turned by degrees at 0.2 px, and place the rig to centimetres; the odometry is off by more.
+        assert float(row["camera_rms_m"]) < 0.03 < float(row["odometry_rms_m"])
+        assert float(row["wrong_frame_share"]) <= float(row["detector_wrong_frame_share"])
+    assert [row["input"] for row in tables[0]] == [row["input"] for row in tables[1]] == ["best", "isam2"]
+    assert len({row["detector_wrong_share"] for row in tables[0]}) == 1
+    assert all(float(row["times_real_time"]) > 0 for row in tables[1])
 
 
 def test_the_programs_describe_themselves() -> None:

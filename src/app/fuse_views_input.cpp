@@ -43,6 +43,7 @@ std::vector<ImageGroup> groups_of(const RowsByImage& images, std::size_t size) {
 void add_cameras(std::int64_t scene, const std::map<std::int64_t, std::vector<BopRow>>& truth,
                  SceneCameras& cameras) {
   std::vector<std::vector<BopRow>> images;
+  images.reserve(truth.size());
   for (const auto& [image, rows] : truth) images.push_back(rows);
   const StaticScene placed = static_scene(images);
   std::size_t k = 0;

@@ -239,6 +239,20 @@ void use_method(const TomlTable& root, const SlamMethod& method, SlamJob& job) {
   check_joint_noise(root, job);
 }
 
+/// Models of the [[objects]].
+std::vector<ObjectModel> read_models(const TomlTable& root, const FileFinder& files,
+                                     const SlamMethod& method,
+                                     const std::map<std::string, DetectorNoise>& noise_models) {
+  std::vector<ObjectModel> models;
+  std::set<std::string> ids;
+  for (const TomlTable& object : object_tables(root)) {
+    if (object.has("prior") && !is_multi_object(method))
+      object.fail("prior", "is for the multi-object filter; expected none with another method");
+    models.push_back(read_model(object, files, ids, noise_models));
+  }
+  return models;
+}
+
 }  // namespace
 
 SlamJob read_slam_job(const TomlDocument& document,
@@ -254,13 +268,7 @@ SlamJob read_slam_job(const TomlDocument& document,
     if (const auto table = root.find_table("on_sight")) add_used(*table, used);
     assume_missing(root, used, tracker->filter.default_clutter, noise_models);
   }
-  std::vector<ObjectModel> models;
-  std::set<std::string> ids;
-  for (const TomlTable& object : object_tables(root)) {
-    if (object.has("prior") && !std::holds_alternative<MultiObjectSlamSettings>(method.tracker))
-      object.fail("prior", "is for the multi-object filter; expected none with another method");
-    models.push_back(read_model(object, files, ids, noise_models));
-  }
+  std::vector<ObjectModel> models = read_models(root, files, method, noise_models);
   const ObservedRecording observed = read_observed(root, files, noise_models, models);
   const CameraFiles camera = read_camera_files(root, files);
   require_one_clock(observed, camera);

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "posemix/lie/rotation_of.hpp"
 #include "posemix/mixture/projected_mixture.hpp"
 
 namespace posemix::internal {

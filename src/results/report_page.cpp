@@ -6,7 +6,7 @@
 
 namespace posemix::internal {
 
-std::string filled_page(std::string page, std::string_view json) {
+std::string filled_page(const std::string& page, std::string_view json) {
   constexpr std::string_view kMark = "@POSEMIX_REPORT@";
   const std::size_t at = page.find(kMark);
   if (at == std::string::npos || page.find(kMark, at + 1) != std::string::npos) {

@@ -20,6 +20,6 @@ ReportPage report_page();
 /// The page with data in the place of its mark. Every '<' of the JSON is escaped, because it could
 /// end the element around the data.
 /// @throws std::runtime_error unless the page has exactly one mark
-std::string filled_page(std::string page, std::string_view json);
+std::string filled_page(const std::string& page, std::string_view json);
 
 }  // namespace posemix::internal

@@ -19,10 +19,12 @@ std::vector<std::optional<SE3d>> detections_by_id(const std::vector<ObjectModel>
                                                   const std::map<std::string, SE3d>& detections) {
   std::vector<std::optional<SE3d>> in_order(models.size());
   for (const auto& [id, pose] : detections) {
+    // Clang before 16 cannot capture a structured binding without a name of its own.
     const auto model = std::find_if(models.begin(), models.end(),
-                                    [&](const ObjectModel& other) { return other.id == id; });
+                                    [&id = id](const auto& other) { return other.id == id; });
     if (model == models.end()) {
       std::vector<std::string_view> ids;
+      ids.reserve(models.size());
       for (const ObjectModel& known : models) ids.push_back(known.id);
       throw InvalidInput(
           fmt::format("there is no object '{}', expected one of: {}", id, fmt::join(ids, ", ")));

@@ -197,6 +197,7 @@ ClusterBelief cluster_belief(std::span<const ViewMember> members, const ViewClas
     keep_heaviest(hypotheses, max_hypotheses);
   }
   std::vector<double> weights;
+  weights.reserve(hypotheses.size());
   for (const CaseHypothesis& hypothesis : hypotheses) weights.push_back(hypothesis.log_weight);
   belief.log_object = log_sum_exp(weights);
   belief.hypotheses = std::move(hypotheses);

@@ -139,10 +139,12 @@ FusedInstance fused_instance(std::span<const ViewMember> members, const ViewClas
   }
   std::vector<Component<Density>> components;
   std::vector<ViewMode> all = std::move(modes).release();
+  components.reserve(all.size());
   for (const ViewMode& mode : all) components.push_back(merged(mode, SE3d(SO3d(), origin)));
   const std::vector<std::size_t> order =
       heaviest_first(components.size(), [&](std::size_t i) { return components[i].log_weight; });
   std::vector<Component<Density>> sorted;
+  sorted.reserve(order.size());
   for (const std::size_t i : order) sorted.push_back(components[i]);
   ReductionSettings reduction;
   reduction.prune_below = settings.prune_below;

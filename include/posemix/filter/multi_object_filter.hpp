@@ -156,8 +156,8 @@ struct ObjectUpdateReport {
 class MultiObjectFilter {
  public:
   /// @throws InvalidInput when a setting is out of range
-  MultiObjectFilter(const ConcentratedGaussian<SE3d>& camera, std::vector<ObjectSensor> objects,
-                    const MultiObjectSettings& settings);
+  MultiObjectFilter(const ConcentratedGaussian<SE3d>& camera,
+                    const std::vector<ObjectSensor>& objects, const MultiObjectSettings& settings);
   MultiObjectFilter(const MultiObjectFilter&);
   MultiObjectFilter(MultiObjectFilter&&) noexcept;
   MultiObjectFilter& operator=(const MultiObjectFilter&);

@@ -207,6 +207,17 @@ Evidence add_innovation(const DetectionState& state, const ObservationComponent&
   return evidence;
 }
 
+/// The part of the evidence that the weights tell: `log_seen` is that of the components with them,
+/// the logarithmic `terms` of which are by component of the observation, then of the noise.
+double weight_evidence(const WeighedObservation& observation, std::size_t noise_components,
+                       std::vector<double> terms, double log_seen) {
+  if (observation.components.size() < 2 || !std::isfinite(log_seen)) return 0.0;
+  const auto count = static_cast<double>(observation.components.size());
+  for (std::size_t i = 0; i < terms.size(); ++i)
+    terms[i] -= std::log(count * observation.components[i / noise_components].weight);
+  return log_seen - log_sum_exp(terms);
+}
+
 }  // namespace
 
 Explanation explain(const DetectionState& state, const WeighedObservation& observation,
@@ -230,11 +241,10 @@ Explanation explain(const DetectionState& state, const WeighedObservation& obser
     }
     result.squared_distances.push_back(least);
   }
-  const double log_seen = log_sum_exp(terms);
+  const double log_weights =
+      weight_evidence(observation, components.size(), terms, log_sum_exp(terms));
   terms.push_back(observation.log_clutter);
   result.log_evidence = log_sum_exp(terms);
-
-  std::vector<double> equal(terms.begin(), terms.end() - 1);
 
   // Probabilities, without components that hardly count.
   const double most = *std::max_element(terms.begin(), terms.end());
@@ -245,12 +255,7 @@ Explanation explain(const DetectionState& state, const WeighedObservation& obser
   }
   for (std::size_t i = 0; i < pairs; ++i) result.innovations[i].weight = terms[i] / kept;
   result.clutter_probability = terms.back() / kept;
-  if (observation.components.size() > 1 && std::isfinite(log_seen)) {
-    const auto count = static_cast<double>(observation.components.size());
-    for (std::size_t i = 0; i < pairs; ++i)
-      equal[i] -= std::log(count * observation.components[i / components.size()].weight);
-    result.log_weights = (1.0 - result.clutter_probability) * (log_seen - log_sum_exp(equal));
-  }
+  if (log_weights != 0.0) result.log_weights = (1.0 - result.clutter_probability) * log_weights;
   return result;
 }
 

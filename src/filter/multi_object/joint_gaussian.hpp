@@ -220,6 +220,12 @@ class JointGaussian {
     std::shared_ptr<const SixColumns> columns;  ///< U; null for a shift of the world
     Vector6d mean = Vector6d::Zero();           ///< since the base was made
   };
+  /// Of active blocks, for rebase_like().
+  struct Coordinates {
+    std::vector<Eigen::Index> kept;          ///< of what stays active
+    std::vector<Eigen::Index> common;        ///< of these, of what is active there too
+    std::vector<Eigen::Index> common_there;  ///< the same in the other joint Gaussian
+  };
 
   /// First coordinate and number of coordinates of the object at `index`, which is active.
   Eigen::Index first(std::size_t index) const { return blocks_[index].at; }
@@ -256,6 +262,10 @@ class JointGaussian {
   /// carriers.
   void align(JointGaussian& other, const BlockPairs& shared);
   void add_carrier(const Carrier& like);
+  /// Base and carriers become those of `first`, from which the means of the common blocks are
+  /// `apart`; other coordinates than those kept are dropped.
+  void take_carriers(const JointGaussian& first, const Coordinates& coordinates,
+                     const Eigen::VectorXd& apart);
   const Carrier* carrier_of(Eigen::Index row) const;
   /// Moves every active block by its part of `mean`. Returns the camera's part.
   Vector6d move_active(const Eigen::VectorXd& mean);

@@ -62,6 +62,22 @@ PairChange pair_change(const Explanation& leading, double gain, const MatrixXd& 
   return change;
 }
 
+/// The regression of all coordinates on the first ones.
+struct Following {
+  MatrixXd by;
+  MatrixXd covariance;  ///< of all
+};
+
+/// Eq. (6): all coordinates follow the first ones, of covariance `prior` and joint rows `rows`, the
+/// covariance of which becomes `other`.
+template <typename Prior, typename Rows, typename Other>
+Following following(const MatrixXd& covariance, const Prior& prior, const Rows& rows,
+                    const Other& other) {
+  Following result{prior.llt().solve(rows).transpose(), covariance};
+  result.covariance.noalias() += result.by * (other - prior) * result.by.transpose();
+  return result;
+}
+
 }  // namespace
 
 SixColumns JointGaussian::times_ht(std::size_t index, const Matrix6d& slow_map,
@@ -101,19 +117,14 @@ CameraChange JointGaussian::update(std::size_t index, const Explanation& leading
     project_near(index, leading, alternative, factors.camera, by, mean, b);
     covariance_ = std::move(b);
   } else if (extrinsics_ > 0) {
-    const MatrixXd prior = rig();
-    const MatrixXd g = prior.llt().solve(covariance_.topRows(rig_dof())).transpose();
-    MatrixXd other = covariance_;
-    other.noalias() += g * (alternative.rig.covariance - prior) * g.transpose();
-    project(index, alternative.weight, mean, b, g * alternative.rig.mean - mean, other);
+    const auto [by_rig, other] = following(
+        covariance_, MatrixXd(rig()), covariance_.topRows(rig_dof()), alternative.rig.covariance);
+    project(index, alternative.weight, mean, b, by_rig * alternative.rig.mean - mean, other);
   } else {
-    // Under all others, eq. (6): the rest follows the camera.
-    const Matrix6d prior = covariance(kCamera, kCamera);
-    const MatrixXd g = prior.llt().solve(rows(covariance_, kCamera)).transpose();
-    MatrixXd other = covariance_;
-    other.noalias() += g * (alternative.covariance - prior) * g.transpose();
-    // Projection onto one Gaussian, eq. (7) and (8).
-    project(index, alternative.weight, mean, b, g * alternative.mean - mean, other);
+    // Under all others, eq. (6), the rest follows the camera; onto one Gaussian, eq. (7) and (8).
+    const auto [by_camera, other] = following(covariance_, covariance(kCamera, kCamera),
+                                              rows(covariance_, kCamera), alternative.covariance);
+    project(index, alternative.weight, mean, b, by_camera * alternative.mean - mean, other);
   }
   if (extrinsics_ > 0) change.rig_mean = mean.head(rig_dof());
   change.mean = move_active(mean);

@@ -84,10 +84,9 @@ JointState marginal_of(const JointGaussian& joint, const std::vector<std::size_t
 }  // namespace
 
 MultiObjectFilter::MultiObjectFilter(const ConcentratedGaussian<SE3d>& camera,
-                                     std::vector<ObjectSensor> objects,
+                                     const std::vector<ObjectSensor>& objects,
                                      const MultiObjectSettings& settings)
-    : state_(std::make_unique<GlobalHypotheses>(
-          MultiObjectState(camera, std::move(objects), settings))) {}
+    : state_(std::make_unique<GlobalHypotheses>(MultiObjectState(camera, objects, settings))) {}
 
 MultiObjectFilter::MultiObjectFilter(const MultiObjectFilter& other)
     : state_(std::make_unique<GlobalHypotheses>(other.hypotheses_of_all())) {}

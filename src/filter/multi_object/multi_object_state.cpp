@@ -86,7 +86,7 @@ void describe(const DetectionUpdate& leader, ObjectUpdateReport& report) {
 }  // namespace
 
 MultiObjectState::MultiObjectState(const ConcentratedGaussian<SE3d>& camera,
-                                   std::vector<ObjectSensor> sensors,
+                                   const std::vector<ObjectSensor>& sensors,
                                    const MultiObjectSettings& given)
     : settings(given),
       explained(chi_square_quantile(given.explained_probability, 6, "explained_probability")),

@@ -49,8 +49,8 @@ using Starters = std::vector<bool>;
 
 /// The state under one global hypothesis, and its change by a detection.
 struct MultiObjectState {
-  MultiObjectState(const ConcentratedGaussian<SE3d>& camera, std::vector<ObjectSensor> sensors,
-                   const MultiObjectSettings& settings);
+  MultiObjectState(const ConcentratedGaussian<SE3d>& camera,
+                   const std::vector<ObjectSensor>& sensors, const MultiObjectSettings& settings);
 
   /// One observation of object `j`: how its hypotheses see it, which
   /// changes nothing, and the update, in which its components may start hypotheses or not. The

@@ -172,34 +172,10 @@ void JointGaussian::rebase(const std::vector<bool>& keeps) {
   covariance_.block(0, n, n, n).setIdentity();
 }
 
-/// Eq. (18).
-void JointGaussian::rebase_like(const JointGaussian& first, const BlockPairs& same) {
-  std::vector<std::optional<std::size_t>> there(size());
-  for (const auto& [own, others] : same) there[own] = others;
-  std::vector<Index> kept;    // coordinates of what stays active
-  std::vector<Index> common;  // of these, the coordinates that are active there too, and there
-  std::vector<Index> common_there;
-  std::vector<std::pair<std::size_t, Matrix6d>> freed;
-  for (std::size_t i = 0; i < size(); ++i) {
-    const bool keep = !there[i] || first.is_active(*there[i]);
-    if (keep && is_pose(i)) activate(i);
-    if (!keep && first.blocks_[*there[i]].row < 0) freed.emplace_back(i, covariance(i, i));
-  }
-  for (std::size_t i = 0; i < size(); ++i) {
-    if (there[i] && !first.is_active(*there[i])) continue;
-    append_coordinates(kept, blocks_[i].at);
-    if (!there[i]) continue;
-    append_coordinates(common, blocks_[i].at);
-    append_coordinates(common_there, first.blocks_[*there[i]].at);
-  }
-  BlockPairs active;
-  for (const auto& pair : same) {
-    if (first.is_active(pair.second)) active.push_back(pair);
-  }
-  std::sort(active.begin(), active.end());
-  const VectorXd apart = -difference(first, active);
-
-  // The regression of the carriers on the common blocks, as `first` has it.
+/// Eq. (18): the regression on the common blocks is as `first` has it.
+void JointGaussian::take_carriers(const JointGaussian& first, const Coordinates& coordinates,
+                                  const VectorXd& apart) {
+  const auto& [kept, common, common_there] = coordinates;
   const MatrixXd before = first.covariance_(common_there, common_there);
   const Index n = static_cast<Index>(kept.size());
   const Index m = static_cast<Index>(offset(first.carriers_.size()));
@@ -224,6 +200,32 @@ void JointGaussian::rebase_like(const JointGaussian& first, const BlockPairs& sa
     carriers_[k].at = n + offset(k);
     carriers_[k].mean = mean.segment<6>(offset(k));
   }
+}
+
+void JointGaussian::rebase_like(const JointGaussian& first, const BlockPairs& same) {
+  std::vector<std::optional<std::size_t>> there(size());
+  for (const auto& [own, others] : same) there[own] = others;
+  Coordinates coordinates;
+  std::vector<std::pair<std::size_t, Matrix6d>> freed;
+  for (std::size_t i = 0; i < size(); ++i) {
+    const bool keep = !there[i] || first.is_active(*there[i]);
+    if (keep && is_pose(i)) activate(i);
+    if (!keep && first.blocks_[*there[i]].row < 0) freed.emplace_back(i, covariance(i, i));
+  }
+  for (std::size_t i = 0; i < size(); ++i) {
+    if (there[i] && !first.is_active(*there[i])) continue;
+    append_coordinates(coordinates.kept, blocks_[i].at);
+    if (!there[i]) continue;
+    append_coordinates(coordinates.common, blocks_[i].at);
+    append_coordinates(coordinates.common_there, first.blocks_[*there[i]].at);
+  }
+  BlockPairs active;
+  for (const auto& pair : same) {
+    if (first.is_active(pair.second)) active.push_back(pair);
+  }
+  std::sort(active.begin(), active.end());
+  const VectorXd apart = -difference(first, active);
+  take_carriers(first, coordinates, apart);
   Index at = 0;
   for (std::size_t i = 0; i < size(); ++i) {
     Block& block = blocks_[i];

@@ -86,7 +86,7 @@ std::vector<std::optional<LeadingEstimate>> MultiObjectState::leading_estimates(
         own + unseen_covariance(object, pose);
     const auto pair = ConcentratedGaussian<PoseStackd>::trusted(
         PoseStackd({joint.pose(kCamera), pose}), std::move(covariance));
-    list.push_back(LeadingEstimate{marginal(pair, 1), relative_pose(pair, 0, 1)});
+    list.emplace_back(LeadingEstimate{marginal(pair, 1), relative_pose(pair, 0, 1)});
   }
   return list;
 }

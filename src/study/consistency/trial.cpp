@@ -2,8 +2,11 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "trial.hpp"
 
+#include <array>
 #include <cmath>
 #include <optional>
+
+#include <Eigen/Eigenvalues>
 
 #include "posemix/base/statistics.hpp"
 #include "posemix/slam/evaluation.hpp"

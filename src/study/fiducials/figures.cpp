@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <optional>
 #include <string>
 
@@ -39,14 +38,13 @@ class FiducialFigures {
       : in_(run),
         head_(std::move(head)),
         tags_(reference_tags(run.observations, run.cameras, run.reference)),
-        modes_(score_modes(estimated_sightings(run.sequence, run.run, run.cameras), run.cameras,
-                           tags_, run.reference)),
+        modes_(score_modes(run.estimate.sightings, run.cameras, tags_, run.reference)),
         detector_(
             score_modes(best_sightings(run.observations), run.cameras, tags_, run.reference)) {}
 
   Json all() {
     Json row = head_;
-    row["frames"] = in_.run.frames.size();
+    row["frames"] = in_.stamps.size();
     row["sightings"] = in_.observations.size();
     add_paths(row);
     add_modes(row);
@@ -57,14 +55,8 @@ class FiducialFigures {
 
  private:
   void add_paths(Json& row) {
-    std::vector<StampedPose> camera, odometry;
-    for (std::size_t k = 0; k < in_.run.frames.size(); ++k) {
-      const double stamp = in_.sequence.stamps[k];
-      const SE3d& pose = in_.run.frames[k].camera.mean();
-      if (is_finite(pose)) camera.push_back({stamp, pose});
-      if (!in_.sequence.odometry.empty()) odometry.push_back({stamp, in_.sequence.odometry[k]});
-    }
-    row["frames_not_finite"] = in_.run.frames.size() - camera.size();
+    const std::vector<StampedPose>& camera = in_.estimate.camera;
+    row["frames_not_finite"] = in_.stamps.size() - camera.size();
     const auto aligned = score_path(camera, in_.reference, PathAlignment::rigid);
     if (aligned) map_world_ = aligned->alignment;
     add_path(row, "camera_", aligned);
@@ -72,7 +64,7 @@ class FiducialFigures {
     if (in_.has_priors) surveyed = score_path(camera, in_.reference, PathAlignment::none);
     if (surveyed) map_world_ = surveyed->alignment;
     add_path(row, "survey_frame_", surveyed);
-    add_path(row, "odometry_", score_path(odometry, in_.reference, PathAlignment::rigid));
+    add_path(row, "odometry_", score_path(in_.odometry, in_.reference, PathAlignment::rigid));
     add_curve(surveyed ? surveyed : aligned);
   }
 
@@ -109,10 +101,8 @@ class FiducialFigures {
 
   /// T_map_tag at the end, nothing for a tag without an estimate.
   std::optional<SE3d> final_pose(const std::string& tag) const {
-    for (std::size_t i = 0; i < in_.sequence.objects.size(); ++i) {
-      const auto& world = in_.run.frames.back().objects[i];
-      if (in_.sequence.objects[i].id == tag && world) return map_world_ * world->mean();
-    }
+    const auto found = in_.estimate.tags.find(tag);
+    if (found != in_.estimate.tags.end()) return map_world_ * found->second;
     return std::nullopt;
   }
 
@@ -198,27 +188,31 @@ class FiducialFigures {
   /// That needs no alignment of the map, and no knowledge of the survey in the filter.
   void add_tag_consistency(Json& row) const {
     ConsistencySum sum;
-    for (std::size_t i = 0; !in_.has_priors && i < in_.sequence.objects.size(); ++i) {
-      const std::string& name = in_.sequence.objects[i].id;
+    if (in_.filter && !in_.has_priors) add_tag_errors(*in_.filter, sum);
+    add_consistency(row, "tag_", sum.result());
+  }
+
+  void add_tag_errors(const FiducialFilterRun& filter, ConsistencySum& sum) const {
+    for (std::size_t i = 0; i < filter.sequence.objects.size(); ++i) {
+      const std::string& name = filter.sequence.objects[i].id;
       const auto mode = modes_.tags.find(name);
       const StatedPose* const survey = survey_of(name);
       if (mode == modes_.tags.end() || survey == nullptr || is_survey_off(name)) continue;
       const std::optional<SE3d> rig = in_.reference.at(mode->second.last_s);
-      const auto& relative = in_.run.frames[frame_at(mode->second.last_s)].relative[i];
+      const auto& relative = filter.run.frames[frame_at(mode->second.last_s)].relative[i];
       if (!rig || !relative || !is_finite(relative->mean())) continue;
       const SE3d truth = rig->inverse() * survey->pose;
       const Matrix6d covariance =
           relative->covariance() + truth.adjoint_congruence(survey_covariance(*survey));
       sum.add(PoseDensity(relative->mean(), covariance), truth);
     }
-    add_consistency(row, "tag_", sum.result());
   }
 
   /// Of n of T_map_tag Exp(n), as known tags have it in sequence files.
   static Matrix6d survey_covariance(const StatedPose& survey) {
     const FiducialSequenceSettings least;
-    const Matrix6d floor = pose_covariance(Eigen::Vector3d::Constant(least.survey_rotation_sd),
-                                           Eigen::Vector3d::Constant(least.survey_position_sd));
+    Matrix6d floor = pose_covariance(Eigen::Vector3d::Constant(least.survey_rotation_sd),
+                                     Eigen::Vector3d::Constant(least.survey_position_sd));
     if (!survey.covariance) return floor;
     return survey.covariance->diagonal().cwiseMax(floor.diagonal()).asDiagonal();
   }
@@ -230,17 +224,16 @@ class FiducialFigures {
   }
 
   std::size_t frame_at(double stamp_s) const {
-    const auto& stamps = in_.sequence.stamps;
-    const auto after = std::lower_bound(stamps.begin(), stamps.end(), stamp_s - 1e-6);
-    return std::min<std::size_t>(static_cast<std::size_t>(after - stamps.begin()),
-                                 in_.run.frames.size() - 1);
+    const auto after = std::lower_bound(in_.stamps.begin(), in_.stamps.end(), stamp_s - 1e-6);
+    return std::min<std::size_t>(static_cast<std::size_t>(after - in_.stamps.begin()),
+                                 in_.stamps.size() - 1);
   }
 
   void add_camera_consistency(Json& row) const {
     ConsistencySum sum;
-    for (std::size_t k = 0; in_.has_priors && k < in_.run.frames.size(); ++k) {
-      const PoseDensity& camera = in_.run.frames[k].camera;
-      if (is_finite(camera.mean())) sum.add(camera, in_.reference.at(in_.sequence.stamps[k]));
+    for (std::size_t k = 0; in_.filter && in_.has_priors && k < in_.stamps.size(); ++k) {
+      const PoseDensity& camera = in_.filter->run.frames[k].camera;
+      if (is_finite(camera.mean())) sum.add(camera, in_.reference.at(in_.stamps[k]));
     }
     add_consistency(row, "camera_", sum.result());
   }
@@ -253,15 +246,17 @@ class FiducialFigures {
   }
 
   Json timing() const {
-    const double sum = std::accumulate(in_.frame_s.begin(), in_.frame_s.end(), 0.0);
-    const double span = in_.sequence.stamps.back() - in_.sequence.stamps.front();
+    const double span = in_.stamps.back() - in_.stamps.front();
+    const std::optional<FiducialTimes>& times = in_.estimate.times;
     Json row = head_;
-    row["frames"] = in_.frame_s.size();
+    row["frames"] = times ? Json(times->frames) : Json();
     row["recorded_s"] = span;
-    row["processor_s"] = sum;
-    row["mean_ms"] = kMilliseconds * mean(in_.frame_s);
-    row["worst_ms"] = kMilliseconds * *std::max_element(in_.frame_s.begin(), in_.frame_s.end());
-    row["times_real_time"] = span / sum;
+    row["processor_s"] = times ? Json(times->processor_s) : Json();
+    row["mean_ms"] =
+        times ? Json(kMilliseconds * times->processor_s / static_cast<double>(times->frames))
+              : Json();
+    row["worst_ms"] = times ? Json(kMilliseconds * times->worst_s) : Json();
+    row["times_real_time"] = times ? Json(span / times->processor_s) : Json();
     return row;
   }
 

@@ -4,27 +4,33 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <span>
-#include <vector>
 
 #include <nlohmann/json.hpp>
 
+#include "estimate.hpp"
 #include "posemix/fiducial/camera_file.hpp"
-#include "posemix/slam/run.hpp"
-#include "score.hpp"
 
 namespace posemix {
 
-/// A run on one recording, and what it is compared with.
+/// A run of the filter, whose estimates have covariances.
+struct FiducialFilterRun {
+  const Sequence& sequence;
+  const SlamRun& run;
+};
+
+/// An estimate from one recording, and what it is compared with.
 struct FiducialRun {
   std::span<const Observation> observations;         ///< as the detector made them
   CameraPoses cameras;                               ///< T_rig_camera
   const std::map<std::int64_t, StatedPose>& survey;  ///< T_map_tag
   bool has_priors;  ///< the survey was known to the filter, whose world is then the map
   ReferencePath reference;
-  const Sequence& sequence;  ///< that was run
-  const SlamRun& run;
-  std::vector<double> frame_s;  ///< processor time of every frame [s]
+  std::span<const double> stamps;         ///< of the frames [s]
+  std::span<const StampedPose> odometry;  ///< T_odom_rig at the stamps; empty without one
+  const FiducialEstimate& estimate;
+  std::optional<FiducialFilterRun> filter;  ///< nothing for peers, which have no covariances here
 };
 
 /// {"row": ..., "tags": ..., "timing": ..., "path": ...}; every row begins with `head`.

@@ -29,6 +29,7 @@ StudyTable fiducial_table(const FiducialRows& rows, const std::vector<std::strin
   StudyTable table(columns);
   for (const Json& row : rows) {
     std::vector<Cell> cells;
+    cells.reserve(columns.size());
     for (const std::string& column : columns) cells.push_back(fiducial_cell(row.at(column)));
     table.add(std::move(cells));
   }

@@ -18,4 +18,10 @@ void replace_observations(FiducialInput input, Sequence& sequence);
 nlohmann::ordered_json run_fiducials(const FiducialRecording& recording, FiducialInput input,
                                      const FiducialsStudySettings& settings);
 
+/// The same of a peer, whose input is what the filter reads: observations, cameras, odometry and,
+/// where the filter knows the survey, the surveyed tags. There are no covariances to be scored.
+/// @throws InvalidInput also as run_peer
+nlohmann::ordered_json run_fiducials(const FiducialRecording& recording, const FiducialPeer& peer,
+                                     const FiducialsStudySettings& settings);
+
 }  // namespace posemix

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <variant>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -19,8 +20,15 @@ namespace {
 
 struct FiducialItem {
   FiducialRecording recording;
-  FiducialInput input;
+  std::variant<FiducialInput, FiducialPeer> estimator;
 };
+
+/// The word in the tables.
+std::string estimator_name(const FiducialItem& item) {
+  const auto* const peer = std::get_if<FiducialPeer>(&item.estimator);
+  return peer != nullptr ? peer->name
+                         : std::string(word_of(std::get<FiducialInput>(item.estimator)));
+}
 
 std::vector<FiducialRecording> selected_fiducial_recordings(
     const FiducialsStudySettings& settings) {
@@ -31,6 +39,7 @@ std::vector<FiducialRecording> selected_fiducial_recordings(
     const auto is_it = [&](const FiducialRecording& recording) { return recording.name == name; };
     if (std::none_of(recordings.begin(), recordings.end(), is_it)) {
       std::vector<std::string> names;
+      names.reserve(recordings.size());
       for (const FiducialRecording& recording : recordings) names.push_back(recording.name);
       throw InvalidInput(fmt::format("{}: has no recording {}, expected one of {}", folder.string(),
                                      name, fmt::join(names, ", ")));
@@ -52,7 +61,9 @@ std::string fiducials_settings_text(const FiducialsStudySettings& settings,
                                  {"set", settings.overrides}};
   json["size_m"] = settings.size_m ? nlohmann::ordered_json(*settings.size_m) : nullptr;
   for (const FiducialItem& item : items)
-    json["items"].push_back({item.recording.name, std::string(word_of(item.input))});
+    json["items"].push_back({item.recording.name, estimator_name(item)});
+  for (const FiducialPeer& peer : settings.peers)
+    json["peers"].push_back({peer.name, peer.command});
   return json.dump();
 }
 
@@ -63,6 +74,17 @@ FiducialInput fiducial_input_of(const TomlTable& table, const std::string& name)
     known.push_back(word);
   }
   table.fail("inputs", fmt::format("has {}, expected some of {}", name, fmt::join(known, ", ")));
+}
+
+/// Peers by their names in the tables, which the inputs have too.
+std::vector<FiducialPeer> read_peers(const TomlTable& table) {
+  std::vector<FiducialPeer> peers;
+  for (const std::string& name : table.keys()) {
+    for (const auto& [word, input] : words<FiducialInput>)
+      if (word == name) table.fail(name, "is the name of an input, expected another one");
+    peers.push_back({name, table.get_string(name)});
+  }
+  return peers;
 }
 
 }  // namespace
@@ -77,6 +99,7 @@ FiducialsStudySettings read_fiducials_settings(const TomlTable& table) {
       settings.inputs.push_back(fiducial_input_of(table, name));
     if (settings.inputs.empty()) table.fail("inputs", "is empty, expected at least one");
   }
+  if (const auto peers = table.find_table("peers")) settings.peers = read_peers(*peers);
   settings.priors = table.get_bool_or("priors", settings.priors);
   if (table.has("size_m")) settings.size_m = table.get_double("size_m", kPositive);
   settings.overrides = table.get_strings_or("set", {});
@@ -87,6 +110,7 @@ Study make_fiducials_study(const FiducialsStudySettings& settings) {
   const auto items = std::make_shared<std::vector<FiducialItem>>();
   for (const FiducialRecording& recording : selected_fiducial_recordings(settings)) {
     for (const FiducialInput input : settings.inputs) items->push_back({recording, input});
+    for (const FiducialPeer& peer : settings.peers) items->push_back({recording, peer});
   }
   Study study;
   study.name = "fiducials";
@@ -94,7 +118,10 @@ Study make_fiducials_study(const FiducialsStudySettings& settings) {
   study.items = items->size();
   study.run_item = [settings, items](std::size_t index) {
     const FiducialItem& item = items->at(index);
-    return run_fiducials(item.recording, item.input, settings).dump();
+    const auto run = [&](const auto& estimator) {
+      return run_fiducials(item.recording, estimator, settings).dump();
+    };
+    return std::visit(run, item.estimator);
   };
   study.report = report_fiducials;
   return study;

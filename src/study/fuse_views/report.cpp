@@ -156,6 +156,7 @@ StudyReport report_fuse_views(std::span<const std::string> results) {
   for (const std::string& text : results) {
     for (const Json& row : Json::parse(text)) {
       std::vector<std::string> key;
+      key.reserve(kCaseKeys.size());
       for (const std::string& name : kCaseKeys) key.push_back(row.at(name));
       if (!cases.contains(key)) order.push_back(key);
       cases[key].push_back(row);
@@ -165,6 +166,7 @@ StudyReport report_fuse_views(std::span<const std::string> results) {
     }
   }
   std::vector<std::pair<std::vector<Cell>, Cells>> sums;
+  sums.reserve(order.size());
   for (const auto& key : order)
     sums.emplace_back(std::vector<Cell>(key.begin(), key.end()), figures_of_case(cases[key]));
   std::vector<std::string> scene_keys = kCaseKeys;

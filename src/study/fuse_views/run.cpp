@@ -40,7 +40,6 @@ class FuseViewsRun {
   FuseViewsRun(const MultiViewScene& scene, const FuseViewsStudySettings& settings,
                const FuseViewsCase& kind)
       : scene_(scene),
-        settings_(settings),
         objects_(settings.objects.at(scene.dataset)),
         metric_(objects_, settings.match_m),
         rows_{.use = kind.use, .least_score = settings.least_score},
@@ -124,11 +123,12 @@ class FuseViewsRun {
     std::map<std::int64_t, std::vector<SE3d>> result;
     for (const auto& [object, instances] : scene_.world_objects) {
       for (const SE3d& instance : instances) {
-        const auto shows = [&](std::size_t image) {
+        // Clang before 16 cannot capture a structured binding without a name of its own.
+        const auto shows = [&, id = object](std::size_t image) {
           return std::any_of(scene_.truth[image].begin(), scene_.truth[image].end(),
                              [&](const BopRow& row) {
                                const SE3d at = scene_.world_camera[image] * row.pose;
-                               return row.object == object &&
+                               return row.object == id &&
                                       (at.translation() - instance.translation()).norm() < 2e-3;
                              });
         };
@@ -181,7 +181,6 @@ class FuseViewsRun {
   }
 
   const MultiViewScene& scene_;
-  const FuseViewsStudySettings& settings_;
   const FuseViewsObjects& objects_;
   FuseViewsMetric metric_;
   BopObservationSettings rows_;

@@ -51,6 +51,7 @@ constexpr std::array kMethods{
 const std::vector<std::string>& monte_carlo_methods() {
   static const std::vector<std::string> names = [] {
     std::vector<std::string> all;
+    all.reserve(kMethods.size());
     for (const KnownMethod& known : kMethods) all.emplace_back(known.name);
     return all;
   }();
