@@ -44,11 +44,9 @@ FixedLagSmoother::FixedLagSmoother(const PoseDensity& camera, std::vector<Object
   require(smoothing.passes > 0, "smoothing: passes is 0, expected at least 1");
   require(!std::get<MultiObjectSlamSettings>(settings.tracker).on_sight,
           "smoothing: objects begin on sight, expected models of all objects");
-  for (const ObjectModel& object : slam_.objects()) {
-    if (object.prior)
-      throw InvalidInput(
-          fmt::format("smoothing: object '{}' has a prior, expected none", object.id));
-  }
+  require(camera.covariance().topLeftCorner<3, 3>().trace() < 2.99 * kUniformRotationVariance,
+          "smoothing: nothing is known of the camera's rotation at the first frame, expected a "
+          "covariance below that of a uniform rotation");
   for (const BodyCamera& one : std::get<MultiObjectSlamSettings>(settings.tracker).cameras) {
     if (one.is_exact()) continue;
     throw InvalidInput(

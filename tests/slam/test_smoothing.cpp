@@ -131,6 +131,52 @@ TEST(Smoothing, AlternativesAreSmoothedInPlaceOfTheLeadingMode) {
   }
 }
 
+TEST(Smoothing, TakesObjectsOfKnownPose) {
+  // Poses of objects drawn from their priors, and a camera of which little is known at first.
+  const Matrix6d known = isotropic(0.2, 0.002);
+  const Matrix6d start = isotropic(5.0, 0.1);
+  double filtered = 0.0;
+  double smoothed = 0.0;
+  double nees = 0.0;
+  constexpr int kRuns = 40;
+  for (std::uint64_t seed = 0; seed < kRuns; ++seed) {
+    RandomStream stream(17, seed);
+    const Sequence sequence = drawn_sequence(seed, 2);
+    std::vector<ObjectModel> models = models_with(DetectorNoise({{1.0, kR}}), 2);
+    for (std::size_t j = 0; j < 2; ++j) {
+      const SE3d stated = SE3d::exp(draw(known, stream)) * kObjects[j];
+      models[j].prior = {.world = PoseDensity(stated, known), .probability = 1.0};
+    }
+    const PoseDensity prior(SE3d::exp(draw(start, stream)) * *sequence.camera_truth[0], start);
+    const SlamRun causal = run(sequence, prior, models, plain_slam_settings());
+    const SlamRun smooth = run_smoothed(sequence, prior, models, plain_slam_settings(), {});
+    // At the end both have the same data.
+    EXPECT_LT(distance(causal.frames.back().camera.mean(), smooth.frames.back().camera.mean()),
+              1e-3);
+    EXPECT_NEAR(smooth.frames.back().camera.covariance().trace() /
+                    causal.frames.back().camera.covariance().trace(),
+                1.0, 0.02);
+    const SE3d& truth = *sequence.camera_truth[0];
+    filtered += distance(causal.frames[0].camera.mean(), truth);
+    const PoseDensity& first = smooth.frames[0].camera;
+    smoothed += distance(first.mean(), truth);
+    const Vector6d error = (truth * first.mean().inverse()).log();
+    nees += error.dot(first.covariance().llt().solve(error)) / 6.0 / kRuns;
+  }
+  EXPECT_LT(smoothed, 0.8 * filtered);
+  // The mean of 240 squared normal deviates is within this band in 99.9 % of all cases.
+  EXPECT_GT(nees, 0.72);
+  EXPECT_LT(nees, 1.32);
+}
+
+TEST(Smoothing, RefusesACameraThatIsLost) {
+  const PoseDensity lost(
+      SE3d(), pose_covariance(Eigen::Vector3d::Constant(std::sqrt(kUniformRotationVariance)),
+                              Eigen::Vector3d::Constant(10.0)));
+  EXPECT_THROW(FixedLagSmoother(lost, models_with(default_detector_noise(), 1), {}, {}),
+               InvalidInput);
+}
+
 TEST(FixedLag, AsLongAsTheRecordingIsFullSmoothing) {
   const Sequence sequence = drawn_sequence(3, 2);
   const PoseDensity prior(kStart, kStartCovariance);

@@ -203,7 +203,7 @@ void MultiObjectState::move_poses(TrackedObject& object, const ObservedDetection
   after.mean = change.mean;
   after.rig.mean = change.rig_mean;
   belief.follow_camera(updates, after);
-  const CameraStep step(before, after);
+  const CameraRegression step(before, after);
   for (TrackedObject& other : objects) {
     if (&other != &object) other.belief.follow_camera(step);
   }

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "camera_step.hpp"
+#include "camera_regression.hpp"
 #include "joint_gaussian.hpp"
 #include "posemix/filter/multi_object_filter.hpp"
 
@@ -158,7 +158,7 @@ class ObjectBelief {
   /// follows the camera to `after`.
   void follow_camera(const std::vector<DetectionUpdate>& updates, const CameraMoments& after);
   /// Eq. (9) for an object that was not detected.
-  void follow_camera(const CameraStep& step);
+  void follow_camera(const CameraRegression& step);
 
   /// Eq. (10) for the hypotheses that do not lead, of the object that was detected or of another;
   /// `camera` has the moments of camera and extrinsics before.

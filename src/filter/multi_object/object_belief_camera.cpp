@@ -81,11 +81,11 @@ void ObjectBelief::follow_camera(const std::vector<DetectionUpdate>& updates,
     object.cross_covariance = own.covariance.bottomLeftCorner<12, 6>();
     object.extrinsics = updates[index_of(i)].extrinsics();
     const CameraMoments before = updates[index_of(i)].camera();
-    CameraStep(before, after).carry(object);
+    CameraRegression(before, after).carry(object);
   }
 }
 
-void ObjectBelief::follow_camera(const CameraStep& step) {
+void ObjectBelief::follow_camera(const CameraRegression& step) {
   for (Alternative& alternative : alternatives_) step.carry(alternative.pose);
 }
 

@@ -95,7 +95,7 @@ std::vector<Alternative> given_camera(const MultiObjectState& other, const Objec
                                       const LogTotals& weight, bool shares_leader,
                                       const CameraMoments& before, const CameraMoments& after) {
   std::vector<Alternative> list;
-  const CameraStep step(before, after);
+  const CameraRegression step(before, after);
   for (std::size_t h = 0; h < belief.size(); ++h) {
     Alternative one{belief.standing(h), {{}, {}, Matrix12d::Zero(), Matrix12x6d::Zero()}};
     one.standing.log_weight += weight.weight;
@@ -138,7 +138,7 @@ void MultiObjectState::mix(const MultiObjectState& other, const LogTotals& own,
   CameraMoments after = joint.camera_moments();
   after.mean = mean.head<6>();
   if (!after.rig.empty()) after.rig.mean = mean;
-  const CameraStep step(before, after);
+  const CameraRegression step(before, after);
   for (std::size_t j = 0; j < objects.size(); ++j) {
     ObjectBelief& belief = objects[j].belief;
     const ObjectBelief& from = other.objects[j].belief;

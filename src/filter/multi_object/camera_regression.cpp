@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include "camera_step.hpp"
+#include "camera_regression.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -43,7 +43,7 @@ std::optional<MatrixXd> low_rank_reduction(const MatrixXd& before, const MatrixX
 
 }  // namespace
 
-CameraStep::CameraStep(const CameraMoments& before, const CameraMoments& after)
+CameraRegression::CameraRegression(const CameraMoments& before, const CameraMoments& after)
     : before_(before), after_(after) {
   if (before.rig.empty()) {
     camera_.compute(before.covariance);
@@ -56,7 +56,7 @@ CameraStep::CameraStep(const CameraMoments& before, const CameraMoments& after)
   }
 }
 
-void CameraStep::carry(ConditionalPose& pose) const {
+void CameraRegression::carry(ConditionalPose& pose) const {
   if (!before_.rig.empty()) {
     carry_with_rig(pose);
     return;
@@ -82,7 +82,7 @@ void CameraStep::carry(ConditionalPose& pose) const {
   pose.cross_covariance.noalias() = g * after_.covariance;
 }
 
-void CameraStep::carry_with_rig(ConditionalPose& pose) const {
+void CameraRegression::carry_with_rig(ConditionalPose& pose) const {
   // Without a slow error its rows are zero.
   const Index n = pose.slow ? 12 : 6;
   MatrixXd cross(n, before_.rig.covariance.cols());

@@ -8,9 +8,9 @@ namespace posemix::internal {
 
 /// Eq. (9) of docs/many-objects.md: poses follow the camera, and the extrinsics of its rig, whose
 /// moments change from `before` to `after`, by their regression on them. Both must live as long.
-class CameraStep {
+class CameraRegression {
  public:
-  CameraStep(const CameraMoments& before, const CameraMoments& after);
+  CameraRegression(const CameraMoments& before, const CameraMoments& after);
 
   void carry(ConditionalPose& pose) const;
 
