@@ -23,7 +23,10 @@ OTHER_NAMES: dict[str, tuple[str, dict[str, tuple[str, ...]]]] = {
     ),
     "Fiducials": (
         "Fiducials",
-        {"observations": ("sighting", "weights", "poses", "covariances", "stamps", "cameras", "tags")},
+        {
+            "observations": ("sighting", "weights", "poses", "covariances", "stamps", "cameras", "tags"),
+            "warnings": (),  # they become warnings
+        },
     ),
     "TagMap": ("TagMap", {"remaps": ()}),
     "SlamMethod": ("SlamMethod", {"restore": ()}),  # a function that files need

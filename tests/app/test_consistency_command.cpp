@@ -177,7 +177,7 @@ TEST_F(ConsistencyCommand, WrongInputIsNamed) {
   EXPECT_TRUE(contains(failure("bad.tum --truth truth.tum").err, "bad.tum:3: got"));
   EXPECT_EQ(shell("posemix consistency estimate.tum --truth truth.tum --align by_eye").exit_code,
             2);
-  EXPECT_EQ(shell("posemix consistency - --truth - < estimate.tum").exit_code, 3);
+  EXPECT_EQ(shell("posemix consistency - --truth - < estimate.tum").exit_code, 2);
   EXPECT_EQ(
       shell("posemix consistency estimate.tum --truth truth.tum --svg no/such/nees.svg").exit_code,
       4);

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "io/temporary_folder.hpp"
+#include "posemix/testing/data.hpp"
 #include "posemix/testing/expect.hpp"
 #include "study/fiducials/recording.hpp"
 #include "study/fiducials/run.hpp"
@@ -53,6 +54,24 @@ TEST(FiducialsStudy, ScoresARecordingWithOdometry) {
   EXPECT_EQ(found["timing"]["frames"], kFrames);
   EXPECT_NEAR(found["timing"]["recorded_s"].get<double>(), (kFrames - 1) / 20.0, 1e-9);
   EXPECT_GE(found["timing"]["worst_ms"], found["timing"]["mean_ms"]);
+}
+
+TEST(FiducialsStudy, PiecesThatNothingJoinsHavePosesThatAreNumbers) {
+  POSEMIX_REQUIRE_DATA();
+  for (const char* mode_time : {"0.3", "1.0"}) {
+    for (const char* hypotheses : {"4", "8"}) {
+      const Json row =
+          run_one({.data = *testing::data_dir(),
+                   .recordings = {"test_9"},
+                   .inputs = {FiducialInput::weights},
+                   .priors = false,
+                   .overrides = {std::string("noise.tag.mode_time_s=") + mode_time,
+                                 std::string("filter.max_hypotheses=") + hypotheses}})["row"];
+      EXPECT_EQ(row["frames_not_finite"], 0);
+      // A tag that is seen from several sides is right in its own piece.
+      EXPECT_LT(row["wrong_share"], 0.1);
+    }
+  }
 }
 
 TEST(FiducialsStudy, ASurveyGivesTheFrameOrTheTruth) {

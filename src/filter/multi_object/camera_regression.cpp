@@ -6,6 +6,7 @@
 #include <cmath>
 #include <optional>
 
+#include "posemix/filter/object_prior.hpp"
 #include "posemix/filter/update.hpp"
 
 namespace posemix::internal {
@@ -16,7 +17,7 @@ using Eigen::MatrixXd;
 
 /// What is left of a reduction relative to the variance that is reduced, when it counts as
 /// rounding.
-constexpr double kRounding = 1e-13;
+constexpr double kRounding = 5e-15;
 
 /// L with `before` - `after` = L L^T and few columns, by a Cholesky factorisation with pivots; none
 /// where the difference is no such product.
@@ -41,7 +42,30 @@ std::optional<MatrixXd> low_rank_reduction(const MatrixXd& before, const MatrixX
   return l;
 }
 
+/// A pose that turns by more than this has been taken beyond any rotation [rad].
+constexpr double kMostTurn = 4.0;
+
+/// The same for its variance, relative to that of a uniform rotation.
+constexpr double kMostVariance = 4.0;
+
 }  // namespace
+
+RegularFactor::RegularFactor(const MatrixXd& covariance) : factor(covariance) {
+  constexpr double kNearlySingular = 1e-13;
+  constexpr double kLeastAdded = 1e-9;
+  for (double next = kLeastAdded; next < 1.0; next *= 10.0) {
+    if (factor.info() == Eigen::Success && factor.rcond() > kNearlySingular) return;
+    added = next;
+    MatrixXd regular = covariance;
+    regular.diagonal() *= 1.0 + added;
+    factor.compute(regular);
+  }
+}
+
+bool is_rotation(const Vector6d& moved, const Matrix6d& covariance) {
+  return moved.head<3>().norm() < kMostTurn &&
+         covariance.diagonal().head<3>().maxCoeff() < kMostVariance * kUniformRotationVariance;
+}
 
 CameraRegression::CameraRegression(const CameraMoments& before, const CameraMoments& after)
     : before_(before), after_(after) {
@@ -66,20 +90,43 @@ void CameraRegression::carry(ConditionalPose& pose) const {
     const Matrix6d cross = pose.cross_covariance.topRows<6>();
     const Matrix6d g = camera_.solve(cross.transpose()).transpose();
     const Vector6d shift = g * (after_.mean - before_.mean);
-    pose.pose = SE3d::exp(shift) * pose.pose;
     Matrix6d own = pose.covariance.topLeftCorner<6, 6>();
     own += g * (after_.covariance - before_.covariance) * g.transpose();
     symmetrize(own);
+    if (!is_rotation(shift, own)) {
+      loosen(pose);
+      return;
+    }
+    pose.pose = SE3d::exp(shift) * pose.pose;
     pose.covariance.topLeftCorner<6, 6>() = own;
     pose.cross_covariance.topRows<6>() = g * after_.covariance;
     return;
   }
   const Matrix12x6d g = regression_on_camera(pose.cross_covariance, camera_);
   const Vector12d shift = g * (after_.mean - before_.mean);
+  Matrix12d own = pose.covariance;
+  own += g * (after_.covariance - before_.covariance) * g.transpose();
+  symmetrize(own);
+  if (!is_rotation(shift.head<6>(), own.topLeftCorner<6, 6>())) {
+    loosen(pose);
+    return;
+  }
   move(pose, shift);
-  pose.covariance += g * (after_.covariance - before_.covariance) * g.transpose();
-  symmetrize(pose.covariance);
+  pose.covariance = own;
   pose.cross_covariance.noalias() = g * after_.covariance;
+}
+
+void CameraRegression::loosen(ConditionalPose& pose) const {
+  const bool has_rig = !before_.rig.empty();
+  const Index n = pose.slow ? 12 : 6;
+  const MatrixXd before = has_rig ? before_.rig.covariance : MatrixXd(before_.covariance);
+  const MatrixXd after = has_rig ? after_.rig.covariance : MatrixXd(after_.covariance);
+  MatrixXd cross(n, before.cols());
+  cross.leftCols<6>() = pose.cross_covariance.topRows(n);
+  if (has_rig) cross.rightCols(cross.cols() - 6) = pose.extrinsics.topRows(n);
+  cross = MatrixXd(before + after).llt().solve(cross.transpose()).transpose() * after;
+  pose.cross_covariance.topRows(n) = cross.leftCols<6>();
+  if (has_rig) pose.extrinsics.topRows(n) = cross.rightCols(cross.cols() - 6);
 }
 
 void CameraRegression::carry_with_rig(ConditionalPose& pose) const {
@@ -89,7 +136,6 @@ void CameraRegression::carry_with_rig(ConditionalPose& pose) const {
   cross << pose.cross_covariance.topRows(n), pose.extrinsics.topRows(n);
   Vector12d shift = Vector12d::Zero();
   shift.head(n).noalias() = cross * shift_;
-  move(pose, shift);
   MatrixXd own = pose.covariance.topLeftCorner(n, n);
   if (solved_.cols() > 0) {
     // With P' = P - L L^T, G (P' - P) G^T = -(G L) (G L)^T and G P' = P_OC - (G L) L^T.
@@ -102,6 +148,11 @@ void CameraRegression::carry_with_rig(ConditionalPose& pose) const {
     cross.noalias() = g * after_.rig.covariance;
   }
   symmetrize(own);
+  if (!is_rotation(shift.head<6>(), own.topLeftCorner<6, 6>())) {
+    loosen(pose);
+    return;
+  }
+  move(pose, shift);
   pose.covariance.topLeftCorner(n, n) = own;
   pose.cross_covariance.topRows(n) = cross.leftCols<6>();
   pose.extrinsics.topRows(n) = cross.rightCols(cross.cols() - 6);

@@ -6,6 +6,22 @@
 
 namespace posemix::internal {
 
+/// Cholesky factor of a covariance of which rounding may have left little: that of a map that is
+/// certain in itself and not of where it is. Where the covariance is nearly singular the variances
+/// are larger by a part `added` of themselves, 1e-9 if that is enough, which the caller adds to
+/// what it takes the factor of.
+struct RegularFactor {
+  explicit RegularFactor(const Eigen::MatrixXd& covariance);
+
+  Eigen::LLT<Eigen::MatrixXd> factor;
+  double added = 0.0;
+};
+
+/// Whether a pose that a regression moves, to this covariance, is still a pose: a regression on a
+/// camera that is nearly certain takes poses that are not anywhere, once the camera is found to be
+/// elsewhere.
+bool is_rotation(const Vector6d& moved, const Matrix6d& covariance);
+
 /// Eq. (9) of docs/many-objects.md: poses follow the camera, and the extrinsics of its rig, whose
 /// moments change from `before` to `after`, by their regression on them. Both must live as long.
 class CameraRegression {
@@ -16,6 +32,9 @@ class CameraRegression {
 
  private:
   void carry_with_rig(ConditionalPose& pose) const;
+  /// Where the regression does not hold the pose stays as it is, with the covariance
+  /// P_OC (P + P')^-1 P' with the camera, which is positive definite with any P'.
+  void loosen(ConditionalPose& pose) const;
 
   const CameraMoments& before_;
   const CameraMoments& after_;

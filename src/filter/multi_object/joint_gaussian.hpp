@@ -256,6 +256,8 @@ class JointGaussian {
   void expand();
   /// The coordinates `s` get moments, and the others keep their regression on the first `own` of
   /// them. Returns the mean of all.
+  bool are_rotations(const Eigen::VectorXd& moved, const Eigen::MatrixXd& covariance,
+                     const std::vector<Eigen::Index>& r) const;
   Eigen::VectorXd regressed_on(const std::vector<Eigen::Index>& s, const Eigen::VectorXd& mean_s,
                                const Eigen::MatrixXd& covariance_s, Eigen::Index own);
   /// Blocks that are shared become active where they are in one of the two, and both get the same

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include <algorithm>
+
+#include "camera_regression.hpp"
 #include "joint_gaussian.hpp"
 
 /// The mixture of two joint Gaussians, eq. (11) of docs/many-objects.md.
@@ -103,18 +106,38 @@ VectorXd JointGaussian::regressed_on(const std::vector<Index>& s, const VectorXd
   VectorXd mean = VectorXd::Zero(covariance_.rows());
   mean(s) = mean_s;
   if (!r.empty()) {
-    const MatrixXd g = before.llt().solve(covariance_(t, r)).transpose();
+    const MatrixXd after = covariance_s.topLeftCorner(own, own);
+    const RegularFactor regular(before);
+    MatrixXd g = regular.factor.solve(covariance_(t, r)).transpose();
+    MatrixXd own_block = covariance_(r, r) + g * (after - before) * g.transpose();
     mean(r) = g * mean_s.head(own);
+    if (!are_rotations(mean, own_block, r)) {
+      // As CameraRegression::loosen.
+      g = MatrixXd(before + after).llt().solve(covariance_(t, r)).transpose();
+      own_block = covariance_(r, r);
+      mean(r).setZero();
+    }
     const MatrixXd rows = g * covariance_s.topRows(own);
-    const MatrixXd own_block =
-        covariance_(r, r) + g * (covariance_s.topLeftCorner(own, own) - before) * g.transpose();
     covariance_(r, s) = rows;
     covariance_(s, r) = rows.transpose();
     covariance_(r, r) = own_block;
+    covariance_.diagonal() *= 1.0 + regular.added;
   }
   covariance_(s, s) = covariance_s;
   symmetrize(covariance_);
   return mean;
+}
+
+/// is_rotation of the poses among the coordinates `r`.
+bool JointGaussian::are_rotations(const VectorXd& moved, const MatrixXd& covariance,
+                                  const std::vector<Index>& r) const {
+  for (const Block& block : blocks_) {
+    const auto at = std::find(r.begin(), r.end(), block.at);
+    if (at == r.end() || block.slow || block.is_motion) continue;
+    const auto i = static_cast<Index>(at - r.begin());
+    if (!is_rotation(moved.segment<6>(block.at), covariance.block<6, 6>(i, i))) return false;
+  }
+  return true;
 }
 
 /// A carrier that is missing is one that does not vary. Without a common base all blocks are made

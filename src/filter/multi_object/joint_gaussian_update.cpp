@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include <algorithm>
 
+#include "camera_regression.hpp"
 #include "joint_gaussian.hpp"
 
 /// The update of the joint Gaussian by a detection, eq. (5) to (8), (10), (13) and (14) of
@@ -146,7 +147,8 @@ void JointGaussian::project(std::size_t index, double w_a, VectorXd& mean, const
   // The object keeps the regression that it has under the leading hypothesis, eq. (8).
   const MatrixXd b_js = b.middleRows(at, own)(Eigen::all, s);
   const MatrixXd before = b(s, s);
-  const MatrixXd g = before.llt().solve(b_js.transpose()).transpose();
+  const RegularFactor regular(before);
+  const MatrixXd g = regular.factor.solve(b_js.transpose()).transpose();
   mean.segment(at, own) += g * shift;
   for (std::size_t i = 0; i < s.size(); ++i) mean(s[i]) += shift(static_cast<Index>(i));
   const MatrixXd row = g * b_s;
@@ -155,6 +157,7 @@ void JointGaussian::project(std::size_t index, double w_a, VectorXd& mean, const
   covariance_.middleCols(at, own)(s, Eigen::all) = row.transpose();
   covariance_.block(at, at, own, own) =
       b.block(at, at, own, own) + g * (b_s - before) * g.transpose();
+  covariance_.diagonal() *= 1.0 + regular.added;
   symmetrize(covariance_);
 }
 
@@ -234,7 +237,9 @@ void JointGaussian::project_near(std::size_t index, const Explanation& leading,
   const std::vector<Index> t = neighbours(index);
   const MatrixXd b_t = b(Eigen::all, t);
   const MatrixXd before = b_t(t, Eigen::all);
-  const MatrixXd r = b_t * before.llt().solve(MatrixXd(covariance_(t, pair)));
+  const RegularFactor regular(before);
+  b.diagonal() *= 1.0 + regular.added;
+  const MatrixXd r = b_t * regular.factor.solve(MatrixXd(covariance_(t, pair)));
   mean.noalias() += r * (w_a * apart);
   const MatrixXd left = r * m;
   b.triangularView<Eigen::Lower>() += left * r.transpose();
