@@ -56,9 +56,11 @@ void require_one_clock(const ObservedRecording& observed, const CameraFiles& cam
   const std::vector<Seen> all = by_time(observed.files);
   if (!camera.odometry || camera.odometry->poses.empty() || all.empty())
     return require_short_pauses(all);
-  const auto [first, last] =
+  const auto ends =
       std::minmax_element(camera.odometry->poses.begin(), camera.odometry->poses.end(),
                           [](const auto& a, const auto& b) { return a.stamp < b.stamp; });
+  const auto first = ends.first;
+  const auto last = ends.second;
   const bool any = std::any_of(all.begin(), all.end(), [&](const Seen& seen) {
     return seen.stamp >= first->stamp && seen.stamp <= last->stamp;
   });

@@ -159,6 +159,35 @@ Eigen::Matrix3d position_covariance(const ViewMember& member, const ViewClass& k
   return widest;
 }
 
+namespace {
+
+/// The hypotheses with one more member: it shows the object, under each of its terms, or is
+/// clutter.
+std::vector<CaseHypothesis> with_member(std::vector<CaseHypothesis>& hypotheses,
+                                        CaseHypothesis& root, std::span<const ViewTerm> terms,
+                                        const SymmetryGroup& symmetries, double log_not_shown) {
+  std::vector<CaseHypothesis> next;
+  next.reserve((terms.size() + 1) * (hypotheses.size() + 1));
+  for (const ViewTerm& term : terms) {
+    next.push_back(extended(root, term, symmetries));
+    for (const CaseHypothesis& hypothesis : hypotheses)
+      next.push_back(extended(hypothesis, term, symmetries));
+  }
+  const auto miss = [&](CaseHypothesis& hypothesis) {
+    hypothesis.cases.push_back(ViewCase::clutter);
+    hypothesis.log_prior += log_not_shown;
+    hypothesis.log_weight += log_not_shown;
+  };
+  for (CaseHypothesis& hypothesis : hypotheses) {
+    miss(hypothesis);
+    next.push_back(std::move(hypothesis));
+  }
+  miss(root);
+  return next;
+}
+
+}  // namespace
+
 ClusterBelief cluster_belief(std::span<const ViewMember> members, const ViewClass& known,
                              const FuseViewsSettings& settings, std::size_t views,
                              std::size_t max_hypotheses) {
@@ -176,24 +205,8 @@ ClusterBelief cluster_belief(std::span<const ViewMember> members, const ViewClas
     const double log_clutter = terms.log_clutter(*member.observation);
     std::vector<ViewTerm> all = terms.of(member);
     for (ViewTerm& term : all) term.log_prior += log_seen;
-    std::vector<CaseHypothesis> next;
-    for (const ViewTerm& term : all) {
-      next.push_back(extended(root, term, known.symmetries));
-      for (const CaseHypothesis& hypothesis : hypotheses)
-        next.push_back(extended(hypothesis, term, known.symmetries));
-    }
-    const auto miss = [&](CaseHypothesis& hypothesis) {
-      hypothesis.cases.push_back(ViewCase::clutter);
-      hypothesis.log_prior += log_clutter + log_missed;
-      hypothesis.log_weight += log_clutter + log_missed;
-    };
-    for (CaseHypothesis& hypothesis : hypotheses) {
-      miss(hypothesis);
-      next.push_back(std::move(hypothesis));
-    }
-    miss(root);
     belief.log_clutter += log_clutter;
-    hypotheses = std::move(next);
+    hypotheses = with_member(hypotheses, root, all, known.symmetries, log_clutter + log_missed);
     keep_heaviest(hypotheses, max_hypotheses);
   }
   std::vector<double> weights;

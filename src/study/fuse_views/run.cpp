@@ -70,6 +70,7 @@ class FuseViewsRun {
 
   void add_group(const std::vector<std::size_t>& images) {
     std::vector<View> views;
+    views.reserve(images.size());
     for (const std::size_t image : images)
       views.push_back(
           {scene_.world_camera[image], bop_observations(scene_.estimates[image], rows_)});

@@ -94,6 +94,7 @@ std::vector<MultiViewScene> read_multi_view_scenes(const fs::path& data,
   for (const BopRow& row : read_bop_rows(files_with(folder, "", "megapose_" + dataset).front()))
     estimated[row.scene][row.image].push_back(row);
   std::vector<MultiViewScene> scenes;
+  scenes.reserve(true_rows.size());
   for (const auto& [number, rows] : true_rows)
     scenes.push_back(scene_of(dataset, number, rows, estimated[number]));
   return scenes;
