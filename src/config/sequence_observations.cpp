@@ -111,6 +111,7 @@ std::vector<std::string> ids_on_sight(const std::vector<ObservationFile>& files,
     }
   }
   std::vector<std::string> ids;
+  ids.reserve(first_seen.size());
   for (const auto& [id, stamp] : first_seen) ids.push_back(id);
   std::stable_sort(ids.begin(), ids.end(), [&](const std::string& a, const std::string& b) {
     return first_seen.at(a) < first_seen.at(b);
