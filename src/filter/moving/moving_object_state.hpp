@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "../multi_object/noise_scale.hpp"
+#include "../multi_object/object_belief.hpp"
+#include "../multi_object/object_merge.hpp"
+#include "detector_modes.hpp"
+#include "placed_object.hpp"
+
+/// The posterior of MovingObjectFilter (docs/moving-objects.md).
+namespace posemix::internal {
+
+/// A run of wrong detections at the place of a hypothesis.
+struct WrongRun {
+  std::uint64_t place;    ///< its id; kAnyPlace where it was not seen yet, or was dropped
+  Eigen::ArrayXd weight;  ///< by motion model
+};
+inline constexpr std::uint64_t kAnyPlace = 0;
+
+/// The weights p_hkm of one hypothesis h over motion models k and modes m of the detector.
+struct ModeWeights {
+  Eigen::ArrayXXd right;       ///< models x right modes
+  std::vector<WrongRun> runs;  ///< the first one is at any place
+
+  ModeWeights() = default;
+  ModeWeights(Eigen::Index models, Eigen::Index modes);
+  Eigen::ArrayXd by_model() const;
+  double total() const { return by_model().sum(); }
+  ModeWeights& operator*=(double factor);
+  /// Factors by model.
+  void scale(const Eigen::ArrayXd& factor);
+  void add(const ModeWeights& other);
+  /// Eq. (7): p_k <- sum_l p_l P_lk.
+  void change_models(const Eigen::MatrixXd& transition);
+  /// Eq. (10): the modes are kept with the probability `stay`, else drawn anew.
+  void draw_modes(double stay, const DetectorModes& modes, double in_run);
+  Eigen::ArrayXd& run_at(std::uint64_t place);
+  /// Runs at a place become such of another; `own` says that it is the place of this hypothesis,
+  /// where the detector is right.
+  void redirect(std::uint64_t from, std::uint64_t to, bool own);
+};
+
+/// A hypothesis for the place of the object: a Gaussian per motion model.
+struct MovingHypothesis {
+  std::uint64_t id;
+  std::uint64_t detections = 1;
+  std::vector<PlacedObject> objects;  ///< by model
+  ModeWeights weights;
+  std::optional<SE3d> seen_from = {};  ///< T_camera_object at the last observation
+  /// Before an observation, the part of the right weights in which the object has been turned.
+  Eigen::ArrayXXd turned = {};
+
+  /// Index of the most probable model.
+  std::size_t best_model() const;
+};
+
+/// An observation with what the stages of an update need.
+struct MovingObservation {
+  WeighedObservation weighed;  ///< without clutter
+  KnownFrame camera;
+  double clutter;
+  double stay;    ///< persistence of the detector's mode
+  double turned;  ///< probability that the object was turned since the last observation
+};
+
+/// What came of the components of an observation: the hypothesis that each belongs to.
+struct ComponentPlaces {
+  std::vector<std::uint64_t> place;  ///< kAnyPlace where there is none
+};
+
+class MovingObjectState {
+ public:
+  MovingObjectState(ObjectSensor sensor, MotionModels models, const MovingObjectSettings& settings);
+
+  /// Eq. (7) to (9).
+  void advance(double time_s, const std::vector<KnownFrame>& frames);
+  MovingObjectReport update(const Observation& observation, const KnownCamera& camera);
+
+  MovingObjectEstimate estimate() const;
+  /// Components of the density given that the place is known; `added` is the world-frame covariance
+  /// of what is not estimated and the same at every pose.
+  std::vector<Component<ConcentratedGaussian<SE3d>>> components(const Matrix6d& added) const;
+
+  const ObjectSensor& sensor() const { return detector_.sensor(); }
+  const MotionModels& models() const { return models_; }
+  const MovingObjectSettings& settings() const { return settings_; }
+  std::optional<double> time_s() const { return time_s_; }
+  std::uint64_t observations() const { return observations_; }
+  bool has_hypotheses() const { return !hypotheses_.empty(); }
+  const Matrix6d& constant_covariance() const { return constant_; }
+  /// Number of frames that the models name.
+  std::size_t frames_needed() const;
+
+ private:
+  using Evidence = std::vector<std::vector<ModeEvidence>>;  ///< by hypothesis and model
+
+  std::size_t model_count() const { return models_.models.size(); }
+  /// The frame that holds the object by a model; none for models without.
+  const KnownFrame* frame_of(std::size_t model) const;
+  void mix(MovingHypothesis& hypothesis, const Eigen::MatrixXd& transition) const;
+  void leak(double dt);
+  KnownFrame camera_for(const KnownFrame& camera, std::size_t model) const;
+  void decay_slow_errors(const KnownFrame& camera, double dt);
+  Evidence evidence_of(const MovingObservation& observation) const;
+  std::vector<double> place_evidence(const Evidence& evidence) const;
+  /// Eq. (11) to (14) for one hypothesis; returns the weight of runs that began.
+  Eigen::ArrayXd weigh_and_move(MovingHypothesis& hypothesis, std::vector<ModeEvidence>& evidence,
+                                const std::vector<double>& places,
+                                const MovingObservation& observation, double peak);
+  void move(PlacedObject& object, std::size_t model, const ModeEvidence& evidence) const;
+  MovingHypothesis birth(const ObservationComponent& seen, std::size_t mode,
+                         const KnownFrame& camera) const;
+  ComponentPlaces begin(const MovingObservation& observation, const Evidence& evidence, double peak,
+                        std::vector<MovingHypothesis>& births);
+  void weigh_lost(const MovingObservation& observation, const std::vector<double>& places,
+                  double peak);
+  double normalise();
+  std::size_t merge();
+  void keep_heaviest();
+  void learn(const MovingHypothesis& leader, ModeEvidence& evidence, const Observation& observation,
+             const KnownFrame& camera);
+  Matrix6d reported_covariance(const PlacedObject& object, std::size_t model,
+                               const Matrix6d& added) const;
+  PlacedObject reported(const PlacedObject& object, std::size_t model) const;
+  const MovingHypothesis* leader() const;
+
+  MotionModels models_;
+  MovingObjectSettings settings_;
+  LearnedSensor detector_;
+  DetectorModes modes_;
+  Eigen::MatrixXd generator_;  ///< of the Markov chain of models
+  double explained_;
+  MergeBounds merge_bounds_;
+  std::vector<MovingHypothesis> hypotheses_;
+  ModeWeights lost_;  ///< the place is not known
+  std::vector<KnownFrame> frames_;
+  Matrix6d constant_ = Matrix6d::Zero();  ///< constant error of the camera
+  std::optional<double> time_s_;
+  std::optional<double> seen_s_;  ///< time of the last observation
+  std::uint64_t observations_ = 0;
+  std::uint64_t next_id_ = 1;
+};
+
+}  // namespace posemix::internal
