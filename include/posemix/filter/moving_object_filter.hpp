@@ -42,13 +42,15 @@ struct MovingObjectSettings {
   /// The part of clutter that stands alone: wrong for one detection, after which the detector is as
   /// it was before. The rest comes in runs of mode_time_s, or of the noise's longest run_length.
   double isolated_clutter = 0.5;
+  /// The part of runs that are at the place of another hypothesis, where there is one: what
+  /// misleads a detector does so again.
+  double recurring_clutter = 0.5;
   /// The part of clutter that is at the place of the object in any orientation, and tells its
   /// position; the rest is anywhere.
   double turned_clutter = 0.5;
-  /// Rate at which the object is elsewhere at once, whatever its model says [1/s]: carried away
-  /// unseen, or moved in a way that no model describes. Half of the times it is anywhere, half of
-  /// the times at its place in any orientation.
-  double lost_rate = 0.01;
+  /// Rate at which the object is anywhere at once, whatever its model says [1/s]: carried away
+  /// unseen, or moved in a way that no model describes.
+  double lost_rate = 1e-3;
   /// Hypotheses are merged (midway-merge paper, eq. 12 to 19) when their poses differ by less than
   /// this angle and this distance and lie within this quantile of each other.
   double merge_rotation_rad = 1.0471975511965976;  ///< 60 deg

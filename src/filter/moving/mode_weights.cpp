@@ -38,12 +38,16 @@ void ModeWeights::change_models(const Eigen::MatrixXd& transition) {
     run.weight = (transition.transpose() * run.weight.matrix()).array().eval();
 }
 
-void ModeWeights::draw_modes(double stay, const DetectorModes& modes, double in_run) {
+void ModeWeights::draw_modes(double stay, const DetectorModes& modes, double in_run,
+                             double recurring, std::span<const std::uint64_t> places) {
   const Eigen::ArrayXd anew = (1.0 - stay) * by_model();
   *this *= stay;
   for (Eigen::Index m = 0; m < right.cols(); ++m)
     right.col(m) += (1.0 - in_run) * modes.share(static_cast<std::size_t>(m)) * anew;
-  runs.front().weight += in_run * anew;
+  const double again = places.empty() ? 0.0 : recurring;
+  runs.front().weight += (1.0 - again) * in_run * anew;
+  for (const std::uint64_t place : places)
+    run_at(place) += again / static_cast<double>(places.size()) * in_run * anew;
 }
 
 Eigen::ArrayXd& ModeWeights::run_at(std::uint64_t place) {

@@ -52,6 +52,7 @@ void check_moving_settings(const MovingObjectSettings& s) {
   require(s.max_hypotheses > 0, "max_hypotheses is 0, expected at least 1");
   kOpenUnitInterval.check(s.default_clutter, "default_clutter");
   kUnitInterval.check(s.isolated_clutter, "isolated_clutter");
+  kUnitInterval.check(s.recurring_clutter, "recurring_clutter");
   NumberRange{.lowest = 0, .highest = 1, .without_highest = true}.check(s.turned_clutter,
                                                                         "turned_clutter");
   kNotNegative.check(s.lost_rate, "lost_rate");

@@ -38,7 +38,23 @@ double jump_rate(const ObjectMotion& motion) {
   return put_down ? put_down->jump_rate : 0.0;
 }
 
+struct TurnRate {
+  double operator()(const StaticMotion&) const { return 0.0; }
+  double operator()(const PutDownMotion&) const { return 0.0; }
+  double operator()(const RandomWalkMotion& motion) const { return motion.turn_rate; }
+  double operator()(const ConstantVelocityMotion& motion) const { return motion.turn_rate; }
+  double operator()(const AttachedMotion&) const { return 0.0; }
+};
+
 }  // namespace
+
+Eigen::ArrayXd MovingObjectState::turned_in(double dt) const {
+  Eigen::ArrayXd result(static_cast<Eigen::Index>(model_count()));
+  for (std::size_t k = 0; k < model_count(); ++k)
+    result[static_cast<Eigen::Index>(k)] =
+        -std::expm1(-std::visit(TurnRate{}, models_.models[k]) * dt);
+  return result;
+}
 
 const KnownFrame* MovingObjectState::frame_of(std::size_t model) const {
   const auto* attached = std::get_if<AttachedMotion>(&models_.models[model]);
@@ -92,7 +108,7 @@ void MovingObjectState::leak(double dt) {
   Eigen::ArrayXd gone(static_cast<Eigen::Index>(model_count()));
   for (std::size_t k = 0; k < model_count(); ++k)
     gone[static_cast<Eigen::Index>(k)] =
-        -std::expm1(-(jump_rate(models_.models[k]) + 0.5 * settings_.lost_rate) * dt);
+        -std::expm1(-(jump_rate(models_.models[k]) + settings_.lost_rate) * dt);
   for (MovingHypothesis& hypothesis : hypotheses_) {
     ModeWeights part = hypothesis.weights;
     part.scale(gone);

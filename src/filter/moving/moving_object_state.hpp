@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "../multi_object/noise_scale.hpp"
@@ -37,8 +38,10 @@ struct ModeWeights {
   void add(const ModeWeights& other);
   /// Eq. (7): p_k <- sum_l p_l P_lk.
   void change_models(const Eigen::MatrixXd& transition);
-  /// Eq. (10): the modes are kept with the probability `stay`, else drawn anew.
-  void draw_modes(double stay, const DetectorModes& modes, double in_run);
+  /// Eq. (10): the modes are kept with the probability `stay`, else drawn anew; runs are at one of
+  /// `places` with the probability `recurring`, where there are any.
+  void draw_modes(double stay, const DetectorModes& modes, double in_run, double recurring,
+                  std::span<const std::uint64_t> places);
   Eigen::ArrayXd& run_at(std::uint64_t place);
   /// Runs at a place become such of another; `own` says that it is the place of this hypothesis,
   /// where the detector is right.
@@ -64,8 +67,9 @@ struct MovingObservation {
   WeighedObservation weighed;  ///< without clutter
   KnownFrame camera;
   double clutter;
-  double stay;    ///< persistence of the detector's mode
-  double turned;  ///< probability that the object was turned since the last observation
+  double stay;  ///< persistence of the detector's mode
+  /// Probability, by model, that the object was turned since the last observation.
+  Eigen::ArrayXd turned;
 };
 
 /// What came of the components of an observation: the hypothesis that each belongs to.
@@ -104,6 +108,8 @@ class MovingObjectState {
   const KnownFrame* frame_of(std::size_t model) const;
   void mix(MovingHypothesis& hypothesis, const Eigen::MatrixXd& transition) const;
   void leak(double dt);
+  /// Probability, by model, of a turn to any orientation in so many seconds.
+  Eigen::ArrayXd turned_in(double dt) const;
   KnownFrame camera_for(const KnownFrame& camera, std::size_t model) const;
   void decay_slow_errors(const KnownFrame& camera, double dt);
   Evidence evidence_of(const MovingObservation& observation) const;
@@ -127,6 +133,8 @@ class MovingObjectState {
   Matrix6d reported_covariance(const PlacedObject& object, std::size_t model,
                                const Matrix6d& added) const;
   PlacedObject reported(const PlacedObject& object, std::size_t model) const;
+  /// The places of all hypotheses but one.
+  std::vector<std::uint64_t> places_but(std::uint64_t own) const;
   const MovingHypothesis* leader() const;
 
   MotionModels models_;

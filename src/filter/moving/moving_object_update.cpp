@@ -89,8 +89,9 @@ Eigen::ArrayXd MovingObjectState::weigh_and_move(MovingHypothesis& hypothesis,
   const std::size_t n = sensor().noise.components().size();
   const double shown = 1.0 - wrong.alone;
   ModeWeights& weights = hypothesis.weights;
-  weights.draw_modes(observation.stay, modes_, wrong.in_run);
-  hypothesis.turned = observation.turned * weights.right;
+  weights.draw_modes(observation.stay, modes_, wrong.in_run, settings_.recurring_clutter,
+                     places_but(hypothesis.id));
+  hypothesis.turned = weights.right.colwise() * observation.turned;
   weights.right -= hypothesis.turned;
   Eigen::ArrayXd begun = Eigen::ArrayXd::Zero(static_cast<Eigen::Index>(model_count()));
   for (std::size_t k = 0; k < model_count(); ++k) {
@@ -144,6 +145,13 @@ Eigen::ArrayXd MovingObjectState::weigh_and_move(MovingHypothesis& hypothesis,
   return begun;
 }
 
+std::vector<std::uint64_t> MovingObjectState::places_but(std::uint64_t own) const {
+  std::vector<std::uint64_t> places;
+  for (const MovingHypothesis& hypothesis : hypotheses_)
+    if (hypothesis.id != own) places.push_back(hypothesis.id);
+  return places;
+}
+
 /// The same for the case that the place is not known; what is right is taken by births.
 void MovingObjectState::weigh_lost(const MovingObservation& observation,
                                    const std::vector<double>& places, double peak) {
@@ -182,7 +190,7 @@ MovingObjectReport MovingObjectState::update(const Observation& given, const Kno
       .camera = camera.frame,
       .clutter = given.clutter.value_or(sensor().noise.clutter().weight),
       .stay = seen_s_ ? modes_.persistence(dt) : 0.0,
-      .turned = -std::expm1(-0.5 * settings_.lost_rate * dt)};
+      .turned = turned_in(dt)};
   observation.weighed.clarity = clarity(given.components);
   observation.weighed.log_clutter = kImpossible;
   constant_ = camera.constant_covariance;
@@ -207,7 +215,8 @@ MovingObjectReport MovingObjectState::update(const Observation& given, const Kno
   std::vector<Eigen::ArrayXd> begun;
   for (std::size_t h = 0; h < hypotheses_.size(); ++h)
     begun.push_back(weigh_and_move(hypotheses_[h], evidence[h], places, observation, peak));
-  lost_.draw_modes(observation.stay, modes_, wrong.in_run);
+  lost_.draw_modes(observation.stay, modes_, wrong.in_run, settings_.recurring_clutter,
+                   places_but(kAnyPlace));
   const Eigen::ArrayXXd lost_right = lost_.right;
   weigh_lost(observation, places, peak);
   std::vector<MovingHypothesis> births;
