@@ -249,7 +249,7 @@ Loss mean_loss(const DetectorNoise& noise, const MotionModels& models, int seeds
 
 MotionModels still_or_moving() {
   ConstantVelocityMotion moving{sds(0.5, 0.1), MotionFrame::object, sds(0.5, 0.1)};
-  moving.turn_rate = 0.0;
+  moving.break_rate = 0.0;
   return {.models = {PutDownMotion{.jump_rate = 0.05}, moving},
           .rates = (Eigen::MatrixXd(2, 2) << 0.0, 0.5, 0.5, 0.0).finished(),
           .start = {0.7, 0.3}};

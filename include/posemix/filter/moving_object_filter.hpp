@@ -29,6 +29,10 @@ struct MotionModels {
   std::vector<double> start = {};
 };
 
+/// The motion of what hands, vehicles or robots move: calm for a second on average, then for a
+/// third of one with five times the acceleration.
+MotionModels calm_and_agile(const ConstantVelocityMotion& calm = {});
+
 /// Settings of MovingObjectFilter. A distance given as a probability is a quantile of the
 /// chi-square distribution with six degrees of freedom.
 struct MovingObjectSettings {
@@ -61,8 +65,9 @@ struct MovingObjectSettings {
   double noise_scale_detections = 3.0;
   double least_noise_scale = 0.1;  ///< the learned scale lies between this and one
   /// Factor on the gain of the slow error where the noise is a typical one, as in
-  /// MultiObjectSettings.
-  double slow_error_gain = 0.3;
+  /// MultiObjectSettings. What tells it from the pose is that the object stands still, so that it
+  /// is only considered here.
+  double slow_error_gain = 0.0;
 };
 
 /// A frame with a known pose: the camera, or a gripper or hand that may hold the object.

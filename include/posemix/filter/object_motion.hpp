@@ -48,7 +48,7 @@ struct RandomWalkMotion {
   /// [rad / s^(1/2), m / s^(1/2)], rotation first.
   Vector6d sds = Vector6d::Constant(0.1);
   MotionFrame frame = MotionFrame::object;
-  double turn_rate = 0.005;  ///< as ConstantVelocityMotion::turn_rate
+  double break_rate = 0.02;  ///< as ConstantVelocityMotion::break_rate
 };
 
 /// A twist [rad/s, m/s] that is constant up to white acceleration, d twist = diag(acceleration_sds)
@@ -60,9 +60,10 @@ struct ConstantVelocityMotion {
   /// Standard deviations of the twist of an object of which no motion is known: one that is seen
   /// for the first time, or begins to move [rad/s, m/s].
   Vector6d start_sds = (Vector6d() << 2.0, 2.0, 2.0, 0.5, 0.5, 0.5).finished();
-  /// Rate at which it turns faster than the noise lets it, to any orientation at its place [1/s]: a
-  /// filter that lost the orientation finds it again.
-  double turn_rate = 0.005;
+  /// Rate at which the motion is not what the model says [1/s]: one half of the times the object is
+  /// at its place in any orientation, the other half anywhere. A filter that lost the object finds
+  /// it again.
+  double break_rate = 0.02;
 };
 
 /// The object is held by a frame whose pose T_world_frame is known at every time, such as a gripper
@@ -105,7 +106,7 @@ struct MotionPrediction {
 };
 
 /// The state after `dt` seconds. The mean follows the motion without noise exactly; F and Q are
-/// those of the linearised stochastic differential equation along it, exactly. Jumps and turns
+/// those of the linearised stochastic differential equation along it, exactly. Jumps and breaks
 /// at a rate are not part of it: the prediction is that there was none. For an attached object
 /// `frame_motion` is what the frame did in the world, T_world_frame(after)
 /// T_world_frame(before)^-1; its covariance is that of an exact frame.

@@ -8,7 +8,7 @@ namespace posemix::internal {
 
 ModeWeights::ModeWeights(Eigen::Index models, Eigen::Index modes)
     : right(Eigen::ArrayXXd::Zero(models, modes)),
-      runs{{kAnyPlace, Eigen::ArrayXd::Zero(models)}} {}
+      runs{{.place = kAnyPlace, .weight = Eigen::ArrayXd::Zero(models)}} {}
 
 Eigen::ArrayXd ModeWeights::by_model() const {
   Eigen::ArrayXd sum = right.rowwise().sum();
@@ -54,7 +54,7 @@ Eigen::ArrayXd& ModeWeights::run_at(std::uint64_t place) {
   const auto run = std::find_if(runs.begin(), runs.end(),
                                 [&](const WrongRun& other) { return other.place == place; });
   if (run != runs.end()) return run->weight;
-  runs.push_back({place, Eigen::ArrayXd::Zero(right.rows())});
+  runs.push_back({.place = place, .weight = Eigen::ArrayXd::Zero(right.rows())});
   return runs.back().weight;
 }
 

@@ -95,6 +95,14 @@ void check_frames(const std::vector<KnownFrame>& frames) {
 
 }  // namespace
 
+MotionModels calm_and_agile(const ConstantVelocityMotion& calm) {
+  ConstantVelocityMotion agile = calm;
+  agile.acceleration_sds *= 5.0;
+  return {.models = {calm, agile},
+          .rates = (Eigen::MatrixXd(2, 2) << 0.0, 1.0, 3.0, 0.0).finished(),
+          .start = {0.75, 0.25}};
+}
+
 KnownCamera exact_camera(const SE3d& world_camera) { return {.frame = {.pose = world_camera}}; }
 
 KnownCamera still_camera(const ConcentratedGaussian<SE3d>& world_camera) {

@@ -32,18 +32,22 @@ Eigen::MatrixXd transition_of(const Eigen::MatrixXd& generator, double t) {
   return sum;
 }
 
-/// Rate of jumps by a model.
-double jump_rate(const ObjectMotion& motion) {
-  const auto* put_down = std::get_if<PutDownMotion>(&motion);
-  return put_down ? put_down->jump_rate : 0.0;
-}
+/// Rate of jumps to anywhere by a model, besides one half of its breaks.
+struct JumpRate {
+  double operator()(const PutDownMotion& motion) const { return motion.jump_rate; }
+  template <class Motion>
+  double operator()(const Motion&) const {
+    return 0.0;
+  }
+};
 
-struct TurnRate {
-  double operator()(const StaticMotion&) const { return 0.0; }
-  double operator()(const PutDownMotion&) const { return 0.0; }
-  double operator()(const RandomWalkMotion& motion) const { return motion.turn_rate; }
-  double operator()(const ConstantVelocityMotion& motion) const { return motion.turn_rate; }
-  double operator()(const AttachedMotion&) const { return 0.0; }
+struct BreakRate {
+  double operator()(const RandomWalkMotion& motion) const { return motion.break_rate; }
+  double operator()(const ConstantVelocityMotion& motion) const { return motion.break_rate; }
+  template <class Motion>
+  double operator()(const Motion&) const {
+    return 0.0;
+  }
 };
 
 }  // namespace
@@ -52,7 +56,7 @@ Eigen::ArrayXd MovingObjectState::turned_in(double dt) const {
   Eigen::ArrayXd result(static_cast<Eigen::Index>(model_count()));
   for (std::size_t k = 0; k < model_count(); ++k)
     result[static_cast<Eigen::Index>(k)] =
-        -std::expm1(-std::visit(TurnRate{}, models_.models[k]) * dt);
+        -std::expm1(-0.5 * std::visit(BreakRate{}, models_.models[k]) * dt);
   return result;
 }
 
@@ -108,7 +112,9 @@ void MovingObjectState::leak(double dt) {
   Eigen::ArrayXd gone(static_cast<Eigen::Index>(model_count()));
   for (std::size_t k = 0; k < model_count(); ++k)
     gone[static_cast<Eigen::Index>(k)] =
-        -std::expm1(-(jump_rate(models_.models[k]) + settings_.lost_rate) * dt);
+        -std::expm1(-(std::visit(JumpRate{}, models_.models[k]) +
+                      0.5 * std::visit(BreakRate{}, models_.models[k]) + settings_.lost_rate) *
+                    dt);
   for (MovingHypothesis& hypothesis : hypotheses_) {
     ModeWeights part = hypothesis.weights;
     part.scale(gone);

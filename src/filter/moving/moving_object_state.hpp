@@ -7,10 +7,10 @@
 #include <span>
 #include <vector>
 
-#include "../multi_object/noise_scale.hpp"
-#include "../multi_object/object_belief.hpp"
-#include "../multi_object/object_merge.hpp"
 #include "detector_modes.hpp"
+#include "filter/multi_object/noise_scale.hpp"
+#include "filter/multi_object/object_belief.hpp"
+#include "filter/multi_object/object_merge.hpp"
 #include "placed_object.hpp"
 
 /// The posterior of MovingObjectFilter (docs/moving-objects.md).
@@ -20,6 +20,11 @@ namespace posemix::internal {
 struct WrongRun {
   std::uint64_t place;    ///< its id; kAnyPlace where it was not seen yet, or was dropped
   Eigen::ArrayXd weight;  ///< by motion model
+  /// The orientation of that place from this hypothesis' when the run was first met, and its
+  /// covariance: a turned detection turns with the object.
+  std::optional<SO3d> offset = {};
+  Eigen::Matrix3d offset_covariance = Eigen::Matrix3d::Zero();
+  double log_kept = 0.0;  ///< log likelihood that it was kept, up to a constant
 };
 inline constexpr std::uint64_t kAnyPlace = 0;
 
@@ -72,11 +77,6 @@ struct MovingObservation {
   Eigen::ArrayXd turned;
 };
 
-/// What came of the components of an observation: the hypothesis that each belongs to.
-struct ComponentPlaces {
-  std::vector<std::uint64_t> place;  ///< kAnyPlace where there is none
-};
-
 class MovingObjectState {
  public:
   MovingObjectState(ObjectSensor sensor, MotionModels models, const MovingObjectSettings& settings);
@@ -114,15 +114,32 @@ class MovingObjectState {
   void decay_slow_errors(const KnownFrame& camera, double dt);
   Evidence evidence_of(const MovingObservation& observation) const;
   std::vector<double> place_evidence(const Evidence& evidence) const;
+  /// Eq. (13): the likelihood ratio that the offsets of runs are as they were, for every run.
+  std::vector<double> keep_offsets(MovingHypothesis& hypothesis) const;
+  void draw_modes(MovingHypothesis& hypothesis, const MovingObservation& observation) const;
   /// Eq. (11) to (14) for one hypothesis; returns the weight of runs that began.
   Eigen::ArrayXd weigh_and_move(MovingHypothesis& hypothesis, std::vector<ModeEvidence>& evidence,
-                                const std::vector<double>& places,
+                                const std::vector<double>& places, const std::vector<double>& kept,
                                 const MovingObservation& observation, double peak);
   void move(PlacedObject& object, std::size_t model, const ModeEvidence& evidence) const;
   MovingHypothesis birth(const ObservationComponent& seen, std::size_t mode,
                          const KnownFrame& camera) const;
-  ComponentPlaces begin(const MovingObservation& observation, const Evidence& evidence, double peak,
-                        std::vector<MovingHypothesis>& births);
+  MovingHypothesis* explaining(const Evidence& evidence, std::size_t component);
+  Eigen::ArrayXXd begun_by(const MovingObservation& observation, const Evidence& evidence,
+                           double peak, std::size_t component) const;
+  std::vector<std::uint64_t> begin(const MovingObservation& observation, const Evidence& evidence,
+                                   double peak, std::vector<MovingHypothesis>& births);
+  void place_runs(const MovingObservation& observation, const std::vector<std::uint64_t>& places,
+                  const std::vector<Eigen::ArrayXd>& begun);
+  void make_probabilities(const std::vector<double>& of_mode, double scale,
+                          ModeEvidence& seen) const;
+  MovingObservation weighed(const Observation& given, const KnownFrame& camera) const;
+  double largest(const Evidence& evidence) const;
+  /// Log density of a pose that may be anywhere in the volume of clutter.
+  double log_anywhere() const;
+  double take_in(const MovingObservation& observation, Evidence& evidence,
+                 std::vector<MovingHypothesis>& births);
+  void describe(const ModeEvidence& seen, MovingObjectReport& report) const;
   void weigh_lost(const MovingObservation& observation, const std::vector<double>& places,
                   double peak);
   double normalise();

@@ -80,19 +80,32 @@ void MovingObjectState::move(PlacedObject& object, std::size_t model,
   fix_unobserved(object, sensor().symmetries, models_.models[model]);
 }
 
+/// The weights of innovations, which are relative within the modes, become probabilities: those of
+/// the modes are `of_mode` times `scale`.
+void MovingObjectState::make_probabilities(const std::vector<double>& of_mode, double scale,
+                                           ModeEvidence& seen) const {
+  const std::size_t n = sensor().noise.components().size();
+  std::vector<double> within(modes_.count(), 0.0);
+  auto& innovations = seen.explanation.innovations;
+  for (std::size_t i = 0; i < innovations.size(); ++i)
+    within[modes_.mode_of(i % n)] += innovations[i].weight;
+  for (std::size_t i = 0; i < innovations.size(); ++i) {
+    const std::size_t m = modes_.mode_of(i % n);
+    innovations[i].weight =
+        of_mode[m] > 0.0 ? innovations[i].weight / within[m] * of_mode[m] * scale : 0.0;
+  }
+}
+
+/// Eq. (11) for one hypothesis, then its Gaussians move.
 Eigen::ArrayXd MovingObjectState::weigh_and_move(MovingHypothesis& hypothesis,
                                                  std::vector<ModeEvidence>& evidence,
                                                  const std::vector<double>& places,
+                                                 const std::vector<double>& kept,
                                                  const MovingObservation& observation,
                                                  double peak) {
   const WrongShares wrong = wrong_shares(observation.clutter, settings_.isolated_clutter);
-  const std::size_t n = sensor().noise.components().size();
   const double shown = 1.0 - wrong.alone;
   ModeWeights& weights = hypothesis.weights;
-  weights.draw_modes(observation.stay, modes_, wrong.in_run, settings_.recurring_clutter,
-                     places_but(hypothesis.id));
-  hypothesis.turned = weights.right.colwise() * observation.turned;
-  weights.right -= hypothesis.turned;
   Eigen::ArrayXd begun = Eigen::ArrayXd::Zero(static_cast<Eigen::Index>(model_count()));
   for (std::size_t k = 0; k < model_count(); ++k) {
     ModeEvidence& seen = evidence[k];
@@ -109,12 +122,14 @@ Eigen::ArrayXd MovingObjectState::weigh_and_move(MovingHypothesis& hypothesis,
       total += weight;
       of_wrong += alone;
     }
-    for (WrongRun& run : weights.runs) {  // eq. (11), it is in a run
+    for (std::size_t r = 0; r < weights.runs.size(); ++r) {  // eq. (11), it is in a run
+      WrongRun& run = weights.runs[r];
       double& weight = run.weight[row];
       double density = wrong_density;
       if (run.place != kAnyPlace) {
         for (std::size_t h = 0; h < places.size(); ++h)
           if (hypotheses_[h].id == run.place) density = std::exp(places[h] - peak);
+        density *= seen.turned * kept[r] + 1.0 - seen.turned;
       }
       const double in_run = weight * shown * density;
       const double alone = weight * wrong.alone * wrong_density;
@@ -127,22 +142,51 @@ Eigen::ArrayXd MovingObjectState::weigh_and_move(MovingHypothesis& hypothesis,
         weight = in_run + alone;
       }
     }
-    // The weights within the modes become probabilities.
-    std::vector<double> within(modes_.count(), 0.0);
-    auto& innovations = seen.explanation.innovations;
-    for (std::size_t i = 0; i < innovations.size(); ++i)
-      within[modes_.mode_of(i % n)] += innovations[i].weight;
     const double scale = total > 0.0 ? 1.0 / total : 0.0;
-    for (std::size_t i = 0; i < innovations.size(); ++i) {
-      const std::size_t m = modes_.mode_of(i % n);
-      innovations[i].weight =
-          of_mode[m] > 0.0 ? innovations[i].weight / within[m] * of_mode[m] * scale : 0.0;
-    }
+    make_probabilities(of_mode, scale, seen);
     seen.position.weight = seen.turned * of_wrong * scale;
     if (total > 0.0) move(hypothesis.objects[k], k, seen);
   }
   ++hypothesis.detections;
   return begun;
+}
+
+/// Eq. (10), and the part that was turned since the last observation.
+void MovingObjectState::draw_modes(MovingHypothesis& hypothesis,
+                                   const MovingObservation& observation) const {
+  const WrongShares wrong = wrong_shares(observation.clutter, settings_.isolated_clutter);
+  ModeWeights& weights = hypothesis.weights;
+  weights.draw_modes(observation.stay, modes_, wrong.in_run, settings_.recurring_clutter,
+                     places_but(hypothesis.id));
+  hypothesis.turned = weights.right.colwise() * observation.turned;
+  weights.right -= hypothesis.turned;
+}
+
+std::vector<double> MovingObjectState::keep_offsets(MovingHypothesis& hypothesis) const {
+  std::vector<double> ratios;
+  const PlacedObject& own = hypothesis.objects[hypothesis.best_model()];
+  for (WrongRun& run : hypothesis.weights.runs) {
+    ratios.push_back(1.0);
+    const auto place =
+        std::find_if(hypotheses_.begin(), hypotheses_.end(),
+                     [&](const MovingHypothesis& other) { return other.id == run.place; });
+    if (place == hypotheses_.end() || !sensor().symmetries.axes().empty()) continue;
+    const PlacedObject& other = place->objects[place->best_model()];
+    const Eigen::Matrix3d covariance =
+        own.covariance.topLeftCorner<3, 3>() + other.covariance.topLeftCorner<3, 3>();
+    if (!run.offset) {
+      run.offset = own.pose.rotation().inverse() * other.pose.rotation();
+      run.offset_covariance = covariance;
+      continue;
+    }
+    const Eigen::Vector3d turned =
+        (other.pose.rotation() * (own.pose.rotation() * *run.offset).inverse()).log();
+    const Eigen::Matrix3d both = covariance + run.offset_covariance;
+    const double log_kept = -0.5 * turned.dot(Eigen::LLT<Eigen::Matrix3d>(both).solve(turned));
+    ratios.back() = std::exp(log_kept - run.log_kept);
+    run.log_kept = log_kept;
+  }
+  return ratios;
 }
 
 std::vector<std::uint64_t> MovingObjectState::places_but(std::uint64_t own) const {
@@ -156,8 +200,7 @@ std::vector<std::uint64_t> MovingObjectState::places_but(std::uint64_t own) cons
 void MovingObjectState::weigh_lost(const MovingObservation& observation,
                                    const std::vector<double>& places, double peak) {
   const WrongShares wrong = wrong_shares(observation.clutter, settings_.isolated_clutter);
-  const double anywhere = std::exp(-peak - std::log(8.0 * std::numbers::pi * std::numbers::pi *
-                                                    sensor().noise.clutter().volume_m3));
+  const double anywhere = std::exp(log_anywhere() - peak);
   for (WrongRun& run : lost_.runs) {
     double density = anywhere;
     for (std::size_t h = 0; h < places.size(); ++h)
@@ -183,80 +226,102 @@ void MovingObjectState::learn(const MovingHypothesis& leader, ModeEvidence& evid
     for (PlacedObject& object : hypothesis.objects) rescale_slow(object, sensor(), camera, factor);
 }
 
-MovingObjectReport MovingObjectState::update(const Observation& given, const KnownCamera& camera) {
+/// What the stages of an update need, with the part of its weights that no earlier one told.
+MovingObservation MovingObjectState::weighed(const Observation& given,
+                                             const KnownFrame& camera) const {
   const double dt = seen_s_ ? *time_s_ - *seen_s_ : 0.0;
-  MovingObservation observation{
+  MovingObservation result{
       .weighed = weigh(given, sensor(), detector_.weight_share(given, *time_s_), {}),
-      .camera = camera.frame,
+      .camera = camera,
       .clutter = given.clutter.value_or(sensor().noise.clutter().weight),
       .stay = seen_s_ ? modes_.persistence(dt) : 0.0,
       .turned = turned_in(dt)};
-  observation.weighed.clarity = clarity(given.components);
-  observation.weighed.log_clutter = kImpossible;
-  constant_ = camera.constant_covariance;
-  seen_s_ = time_s_;
-  ++observations_;
-  decay_slow_errors(camera.frame, dt);
+  result.weighed.clarity = clarity(given.components);
+  result.weighed.log_clutter = kImpossible;
+  return result;
+}
 
-  const MovingHypothesis* led = leader();
-  const std::uint64_t led_id = led ? led->id : kAnyPlace;
-  Evidence evidence = evidence_of(observation);
-  const std::vector<double> places = place_evidence(evidence);
-  // All densities are relative to the largest, so that none overflows.
-  double peak =
-      -std::log(8.0 * std::numbers::pi * std::numbers::pi * sensor().noise.clutter().volume_m3);
+/// The largest of all log densities, to which they are relative, so that none overflows.
+double MovingObjectState::largest(const Evidence& evidence) const {
+  double peak = log_anywhere();
   for (const auto& by_model : evidence) {
     for (const ModeEvidence& seen : by_model) {
       peak = std::max(peak, seen.log_wrong);
       for (const double log_density : seen.log_right) peak = std::max(peak, log_density);
     }
   }
+  return peak;
+}
+
+double MovingObjectState::log_anywhere() const {
+  return -std::log(8.0 * std::numbers::pi * std::numbers::pi * sensor().noise.clutter().volume_m3);
+}
+
+/// Eq. (10) to (15). Returns the log of the summed weights.
+double MovingObjectState::take_in(const MovingObservation& observation, Evidence& evidence,
+                                  std::vector<MovingHypothesis>& births) {
+  const std::vector<double> places = place_evidence(evidence);
+  const double peak = largest(evidence);
   const WrongShares wrong = wrong_shares(observation.clutter, settings_.isolated_clutter);
   std::vector<Eigen::ArrayXd> begun;
+  std::vector<std::vector<double>> kept;
+  for (MovingHypothesis& hypothesis : hypotheses_) {
+    draw_modes(hypothesis, observation);
+    kept.push_back(keep_offsets(hypothesis));
+  }
   for (std::size_t h = 0; h < hypotheses_.size(); ++h)
-    begun.push_back(weigh_and_move(hypotheses_[h], evidence[h], places, observation, peak));
+    begun.push_back(
+        weigh_and_move(hypotheses_[h], evidence[h], places, kept[h], observation, peak));
   lost_.draw_modes(observation.stay, modes_, wrong.in_run, settings_.recurring_clutter,
                    places_but(kAnyPlace));
-  const Eigen::ArrayXXd lost_right = lost_.right;
   weigh_lost(observation, places, peak);
-  std::vector<MovingHypothesis> births;
-  const ComponentPlaces at = begin(observation, evidence, peak, births);
-  // A detection that stands alone leaves the mode as it is.
-  const double alone =
-      wrong.alone * std::exp(-peak - std::log(8.0 * std::numbers::pi * std::numbers::pi *
-                                              sensor().noise.clutter().volume_m3));
-  lost_.right = alone * lost_right;
-  for (std::size_t h = 0; h < hypotheses_.size(); ++h) {  // eq. (13)
-    for (std::size_t i = 0; i < at.place.size(); ++i) {
-      const Eigen::ArrayXd part = observation.weighed.components[i].weight * begun[h];
-      if (at.place[i] == hypotheses_[h].id) {
-        hypotheses_[h].weights.right.col(0) += part;
-      } else {
-        hypotheses_[h].weights.run_at(at.place[i]) += part;
-      }
-    }
-  }
-  const Eigen::ArrayXd lost_begun = lost_.runs.front().weight;
-  lost_.runs.front().weight.setZero();
-  for (std::size_t i = 0; i < at.place.size(); ++i)
-    lost_.run_at(at.place[i]) += observation.weighed.components[i].weight * lost_begun;
-
-  MovingObjectReport report{.started = !births.empty()};
-  detector_.count_detection(observation.weighed, *time_s_);
+  const std::vector<std::uint64_t> at = begin(observation, evidence, peak, births);
+  // What was right is taken by births, except for a detection that stands alone.
+  lost_.right *= wrong.alone * std::exp(log_anywhere() - peak);
+  place_runs(observation, at, begun);
   double total = lost_.total();
   for (const MovingHypothesis& born : births) total += born.weights.total();
   for (const MovingHypothesis& hypothesis : hypotheses_) total += hypothesis.weights.total();
-  report.log_evidence = std::log(total) + peak;
+  return std::log(total) + peak;
+}
+
+/// What the leading hypothesis says of the observation, under the right mode that is most probable.
+void MovingObjectState::describe(const ModeEvidence& seen, MovingObjectReport& report) const {
+  const auto& innovations = seen.explanation.innovations;
+  const std::size_t n = sensor().noise.components().size();
+  report.inlier_probability = seen.explanation.inlier_probability();
+  const Innovation* best = &seen.explanation.inlier();
+  for (std::size_t i = 0; i < innovations.size(); ++i) {
+    report.right_probability += innovations[i].weight;
+    if (modes_.first(modes_.mode_of(i % n)) == i % n && innovations[i].weight > best->weight)
+      best = &innovations[i];
+  }
+  const Eigen::LLT<Matrix6d> s(best->covariance);
+  report.nis = s.matrixL().solve(best->residual).squaredNorm();
+  const SE3d to_axes = best->axes.inverse();
+  report.residual =
+      Vector6d(to_axes.adjoint_blocks().times(best->residual))
+          .cwiseQuotient(to_axes.adjoint_congruence(best->covariance).diagonal().cwiseSqrt());
+}
+
+MovingObjectReport MovingObjectState::update(const Observation& given, const KnownCamera& camera) {
+  const MovingObservation observation = weighed(given, camera.frame);
+  decay_slow_errors(camera.frame, seen_s_ ? *time_s_ - *seen_s_ : 0.0);
+  constant_ = camera.constant_covariance;
+  seen_s_ = time_s_;
+  ++observations_;
+  const MovingHypothesis* led = leader();
+  const std::uint64_t led_id = led ? led->id : kAnyPlace;
+  Evidence evidence = evidence_of(observation);
+  std::vector<MovingHypothesis> births;
+  MovingObjectReport report;
+  report.log_evidence = take_in(observation, evidence, births);
+  report.started = !births.empty();
+  detector_.count_detection(observation.weighed, *time_s_);
   if (const MovingHypothesis* leading = leader()) {
     const auto index = static_cast<std::size_t>(leading - hypotheses_.data());
     ModeEvidence& seen = evidence[index][leading->best_model()];
-    for (const Innovation& innovation : seen.explanation.innovations)
-      report.right_probability += innovation.weight;
-    report.inlier_probability = seen.explanation.inlier_probability();
-    const Innovation& inlier = seen.explanation.inlier();
-    const Eigen::LLT<Matrix6d> s(inlier.covariance);
-    report.nis = s.matrixL().solve(inlier.residual).squaredNorm();
-    report.residual = DetectionUpdate{seen.explanation, {}}.white_residual();
+    describe(seen, report);
     learn(*leading, seen, given, camera.frame);
   }
   report.merges = merge();

@@ -170,12 +170,12 @@ struct MotionCheck {
   }
   void operator()(const RandomWalkMotion& motion) const {
     check_sds(motion.sds, "random_walk: sds");
-    kNotNegative.check(motion.turn_rate, "random_walk: turn_rate");
+    kNotNegative.check(motion.break_rate, "random_walk: break_rate");
   }
   void operator()(const ConstantVelocityMotion& motion) const {
     check_sds(motion.acceleration_sds, "constant_velocity: acceleration_sds");
     check_sds(motion.start_sds, "constant_velocity: start_sds");
-    kNotNegative.check(motion.turn_rate, "constant_velocity: turn_rate");
+    kNotNegative.check(motion.break_rate, "constant_velocity: break_rate");
   }
   void operator()(const AttachedMotion& motion) const {
     check_sds(motion.slip_sds, "attached: slip_sds");

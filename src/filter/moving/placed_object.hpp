@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "../multi_object/detection_update.hpp"
+#include "filter/multi_object/detection_update.hpp"
 #include "posemix/filter/moving_object_filter.hpp"
 
 /// One Gaussian for the pose of a moving object, and what is done with it.
