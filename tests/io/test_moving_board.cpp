@@ -73,17 +73,17 @@ DetectorNoise noise_with_half_turns() {
   return DetectorNoise(components, noise.clutter(), dependence);
 }
 
-struct Run {
+struct BoardRun {
   Errors filtered;
   Errors predicted;  ///< over about 100 ms
   Errors held;       ///< the measurement of 100 ms ago
   double nees = 0.0;
 };
 
-Run run(const DetectorNoise& noise, const std::vector<StampedPose>& measured,
-        const std::vector<StampedPose>& reference) {
+BoardRun run(const DetectorNoise& noise, const std::vector<StampedPose>& measured,
+             const std::vector<StampedPose>& reference) {
   MovingObjectFilter filter({noise}, motion());
-  Run result;
+  BoardRun result;
   for (std::size_t i = 0; i < measured.size(); ++i) {
     Observation observation = observation_of(*measured[i].pose);
     observation.stamp_s = measured[i].stamp;
@@ -109,7 +109,7 @@ TEST(MovingBoard, IsFilteredBelowTheErrorsOfItsMeasurements) {
   const auto reference = board("board_reference.tum.gz");
   Errors raw;
   for (std::size_t i = 0; i < measured.size(); ++i) raw.add(*measured[i].pose, *reference[i].pose);
-  const Run result = run(default_detector_noise(), measured, reference);
+  const BoardRun result = run(default_detector_noise(), measured, reference);
   raw.record("measured");
   result.filtered.record("filtered");
   result.predicted.record("predicted");
@@ -129,7 +129,7 @@ TEST(MovingBoard, IsFilteredAsWellWithHalfTurnsInRuns) {
   POSEMIX_REQUIRE_DATA();
   auto measured = board("board_measured.tum.gz");
   const auto reference = board("board_reference.tum.gz");
-  const Run plain = run(default_detector_noise(), measured, reference);
+  const BoardRun plain = run(default_detector_noise(), measured, reference);
   // Runs of 15 measurements on average, a tenth of all.
   RandomStream stream(5, 1);
   bool turned = false;
@@ -139,7 +139,7 @@ TEST(MovingBoard, IsFilteredAsWellWithHalfTurnsInRuns) {
     if (turned) frame.pose = *frame.pose * kHalfTurn;
     count += turned ? 1 : 0;
   }
-  const Run result = run(noise_with_half_turns(), measured, reference);
+  const BoardRun result = run(noise_with_half_turns(), measured, reference);
   result.filtered.record("filtered");
   RecordProperty("turned", count);
   RecordProperty("nees", fmt::format("{:.2f}", result.nees));
