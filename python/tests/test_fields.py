@@ -35,6 +35,20 @@ OTHER_NAMES: dict[str, tuple[str, dict[str, tuple[str, ...]]]] = {
 
 # Structs without a class, and why.
 WITHOUT_CLASS = {
+    "AttachedMotion": "MovingObjectFilter is a part of the C++ library alone",
+    "ConstantVelocityMotion": "MovingObjectFilter is a part of the C++ library alone",
+    "KnownCamera": "MovingObjectFilter is a part of the C++ library alone",
+    "KnownFrame": "MovingObjectFilter is a part of the C++ library alone",
+    "MotionModels": "MovingObjectFilter is a part of the C++ library alone",
+    "MotionPrediction": "MovingObjectFilter is a part of the C++ library alone",
+    "MotionState": "MovingObjectFilter is a part of the C++ library alone",
+    "MovingObjectEstimate": "MovingObjectFilter is a part of the C++ library alone",
+    "MovingObjectHypothesis": "MovingObjectFilter is a part of the C++ library alone",
+    "MovingObjectReport": "MovingObjectFilter is a part of the C++ library alone",
+    "MovingObjectSettings": "MovingObjectFilter is a part of the C++ library alone",
+    "PutDownMotion": "MovingObjectFilter is a part of the C++ library alone",
+    "RandomWalkMotion": "MovingObjectFilter is a part of the C++ library alone",
+    "StaticMotion": "MovingObjectFilter is a part of the C++ library alone",
     "HypothesisMean": "MultiObjectFilter.hypotheses has the densities",
     "LeadingEstimate": "MultiObjectFilter.object and .relative have the densities",
     "Projection": "CameraModel.project returns pixels",

@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "posemix/filter/moving_object_filter.hpp"
+
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+#include <Eigen/Eigenvalues>
+
+#include "moving_object_state.hpp"
+#include "posemix/base/range.hpp"
+
+namespace posemix {
+namespace {
+
+void check_rates(const MotionModels& models) {
+  const auto n = static_cast<Eigen::Index>(models.models.size());
+  const Eigen::MatrixXd& rates = models.rates;
+  if (rates.size() == 0) return;
+  if (rates.rows() != n || rates.cols() != n) {
+    throw InvalidInput(fmt::format("the rates between models are {} x {}, expected {} x {}",
+                                   rates.rows(), rates.cols(), n, n));
+  }
+  for (Eigen::Index i = 0; i < n; ++i) {
+    for (Eigen::Index j = 0; j < n; ++j) {
+      if (i != j)
+        kNotNegative.check(rates(i, j), fmt::format("the rate from model {} to {}", i, j));
+    }
+  }
+}
+
+void check_start(const MotionModels& models) {
+  if (models.start.empty()) return;
+  if (models.start.size() != models.models.size()) {
+    throw InvalidInput(fmt::format("{} probabilities for {} motion models", models.start.size(),
+                                   models.models.size()));
+  }
+  double sum = 0.0;
+  for (const double probability : models.start) {
+    kUnitInterval.check(probability, "the probability of a motion model");
+    sum += probability;
+  }
+  if (!(std::abs(sum - 1.0) < 1e-6)) {
+    throw InvalidInput(
+        fmt::format("the probabilities of the motion models sum to {:.6g}, expected one", sum));
+  }
+}
+
+void check_moving_settings(const MovingObjectSettings& s) {
+  require(s.max_hypotheses > 0, "max_hypotheses is 0, expected at least 1");
+  kOpenUnitInterval.check(s.default_clutter, "default_clutter");
+  kUnitInterval.check(s.isolated_clutter, "isolated_clutter");
+  kUnitInterval.check(s.recurring_clutter, "recurring_clutter");
+  NumberRange{.lowest = 0, .highest = 1, .without_highest = true}.check(s.turned_clutter,
+                                                                        "turned_clutter");
+  kNotNegative.check(s.lost_rate, "lost_rate");
+  kNotNegative.check(s.merge_rotation_rad, "merge_rotation_rad");
+  kNotNegative.check(s.merge_translation_m, "merge_translation_m");
+  NumberRange{.lowest = 0, .without_lowest = true, .with_infinity = true}.check(
+      s.noise_scale_detections, "noise_scale_detections");
+  NumberRange{.lowest = 0, .highest = 1, .without_lowest = true}.check(s.least_noise_scale,
+                                                                       "least_noise_scale");
+  kUnitInterval.check(s.slow_error_gain, "slow_error_gain");
+}
+
+void check_semidefinite(const Matrix6d& covariance, const char* name) {
+  if (!covariance.allFinite())
+    throw InvalidInput(fmt::format("{} holds a value that is not finite", name));
+  const double largest = covariance.cwiseAbs().maxCoeff();
+  if (largest == 0.0) return;
+  if ((covariance - covariance.transpose()).cwiseAbs().maxCoeff() > 1e-9 * largest)
+    throw InvalidInput(fmt::format("{} is not symmetric", name));
+  if (Eigen::SelfAdjointEigenSolver<Matrix6d>(covariance).eigenvalues()[0] < -1e-9 * largest)
+    throw InvalidInput(fmt::format("{} is not positive semidefinite", name));
+}
+
+void check_frame(const KnownFrame& frame, const char* name) {
+  if (!frame.pose.matrix().allFinite())
+    throw InvalidInput(fmt::format("the pose of {} holds a value that is not finite", name));
+  check_semidefinite(frame.covariance, "the covariance of a frame");
+}
+
+void check_time(double time_s, const std::optional<double>& last) {
+  if (!std::isfinite(time_s))
+    throw InvalidInput(fmt::format("the time is {}, expected seconds", time_s));
+  if (last && time_s < *last)
+    throw InvalidInput(fmt::format("the time is {} s, expected {} s or later", time_s, *last));
+}
+
+void check_frames(const std::vector<KnownFrame>& frames) {
+  for (const KnownFrame& frame : frames) check_frame(frame, "a frame");
+}
+
+}  // namespace
+
+MotionModels calm_and_agile(const ConstantVelocityMotion& calm) {
+  ConstantVelocityMotion agile = calm;
+  agile.acceleration_sds *= 5.0;
+  return {.models = {calm, agile},
+          .rates = (Eigen::MatrixXd(2, 2) << 0.0, 1.0, 3.0, 0.0).finished(),
+          .start = {0.75, 0.25}};
+}
+
+KnownCamera exact_camera(const SE3d& world_camera) { return {.frame = {.pose = world_camera}}; }
+
+KnownCamera still_camera(const ConcentratedGaussian<SE3d>& world_camera) {
+  return {.frame = {.pose = world_camera.mean()}, .constant_covariance = world_camera.covariance()};
+}
+
+KnownCamera camera_on_arm(const ConcentratedGaussian<SE3d>& world_camera,
+                          const Matrix6d& constant) {
+  return {.frame = {.pose = world_camera.mean(), .covariance = world_camera.covariance()},
+          .constant_covariance = constant};
+}
+
+MovingObjectFilter::MovingObjectFilter(ObjectSensor sensor, MotionModels models,
+                                       const MovingObjectSettings& settings) {
+  require(sensor.other_detectors.empty(),
+          "the sensor has other detectors, expected one: a moving object is seen by one detector");
+  require(!models.models.empty(), "there is no motion model, expected at least one");
+  for (const ObjectMotion& motion : models.models) validate(motion);
+  check_rates(models);
+  check_start(models);
+  check_moving_settings(settings);
+  state_ =
+      std::make_unique<internal::MovingObjectState>(std::move(sensor), std::move(models), settings);
+}
+
+MovingObjectFilter::MovingObjectFilter(const MovingObjectFilter& other)
+    : state_(std::make_unique<internal::MovingObjectState>(*other.state_)) {}
+MovingObjectFilter::MovingObjectFilter(MovingObjectFilter&&) noexcept = default;
+MovingObjectFilter& MovingObjectFilter::operator=(const MovingObjectFilter& other) {
+  return *this = MovingObjectFilter(other);
+}
+MovingObjectFilter& MovingObjectFilter::operator=(MovingObjectFilter&&) noexcept = default;
+MovingObjectFilter::~MovingObjectFilter() = default;
+
+MovingObjectReport MovingObjectFilter::update(const Observation& observation,
+                                              const KnownCamera& camera,
+                                              const std::vector<KnownFrame>& frames) {
+  validate(observation);
+  check_time(observation.stamp_s, state_->time_s());
+  check_frame(camera.frame, "the camera");
+  check_semidefinite(camera.constant_covariance, "the constant covariance of the camera");
+  check_frames(frames);
+  if (frames.size() < state_->frames_needed()) {
+    throw InvalidInput(fmt::format("{} frames are given, expected {} for the motion models",
+                                   frames.size(), state_->frames_needed()));
+  }
+  state_->advance(observation.stamp_s, frames);
+  return state_->update(observation, camera);
+}
+
+void MovingObjectFilter::predict(double time_s, const std::vector<KnownFrame>& frames) {
+  check_time(time_s, state_->time_s());
+  check_frames(frames);
+  state_->advance(time_s, frames);
+}
+
+std::uint64_t MovingObjectFilter::observation_count() const { return state_->observations(); }
+std::optional<double> MovingObjectFilter::time_s() const { return state_->time_s(); }
+
+MovingObjectEstimate MovingObjectFilter::estimate() const {
+  require(state_->observations() > 0, "estimate: there was no observation yet");
+  return state_->estimate();
+}
+
+MovingObjectEstimate MovingObjectFilter::estimate_at(double time_s,
+                                                     const std::vector<KnownFrame>& frames) const {
+  MovingObjectFilter later(*this);
+  later.predict(time_s, frames);
+  return later.estimate();
+}
+
+Mixture<ConcentratedGaussian<SE3d>> MovingObjectFilter::object_mixture() const {
+  require(state_->has_hypotheses(), "object_mixture: the place of the object is not known");
+  return Mixture<ConcentratedGaussian<SE3d>>(state_->components(state_->constant_covariance()));
+}
+
+Mixture<ConcentratedGaussian<SE3d>> MovingObjectFilter::relative_mixture(
+    const KnownCamera& camera) const {
+  require(state_->has_hypotheses(), "relative_mixture: the place of the object is not known");
+  check_frame(camera.frame, "the camera");
+  auto components = state_->components(camera.frame.covariance);
+  const SE3d to_camera = camera.frame.pose.inverse();
+  for (auto& component : components) {
+    component.density = ConcentratedGaussian<SE3d>::trusted(
+        to_camera * component.density.mean(),
+        to_camera.adjoint_congruence(component.density.covariance()));
+  }
+  return Mixture<ConcentratedGaussian<SE3d>>(std::move(components));
+}
+
+Mixture<ConcentratedGaussian<SE3d>> MovingObjectFilter::predict_to(
+    double time_s, const std::vector<KnownFrame>& frames) const {
+  MovingObjectFilter later(*this);
+  later.predict(time_s, frames);
+  return later.object_mixture();
+}
+
+const ObjectSensor& MovingObjectFilter::sensor() const { return state_->sensor(); }
+const MotionModels& MovingObjectFilter::models() const { return state_->models(); }
+const MovingObjectSettings& MovingObjectFilter::settings() const { return state_->settings(); }
+
+}  // namespace posemix

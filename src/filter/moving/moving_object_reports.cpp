@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "moving_object_state.hpp"
+
+/// What is reported of the posterior.
+namespace posemix::internal {
+
+Matrix6d MovingObjectState::reported_covariance(const PlacedObject& object, std::size_t model,
+                                                const Matrix6d& added) const {
+  Matrix6d covariance = object.pose_covariance() + added;
+  if (const KnownFrame* frame = frame_of(model)) covariance += frame->covariance;
+  Matrix6d local = sensor().symmetries.unobserved_covariance();
+  if (const auto common = sensor().common_covariance()) local += *common;
+  covariance += object.pose.adjoint_congruence(local);
+  symmetrize(covariance);
+  return covariance;
+}
+
+std::vector<Component<ConcentratedGaussian<SE3d>>> MovingObjectState::components(
+    const Matrix6d& added) const {
+  std::vector<Component<ConcentratedGaussian<SE3d>>> result;
+  for (const MovingHypothesis& hypothesis : hypotheses_) {
+    const Eigen::ArrayXd weights = hypothesis.weights.by_model();
+    for (std::size_t k = 0; k < model_count(); ++k) {
+      const double weight = weights[static_cast<Eigen::Index>(k)];
+      if (!(weight > 0.0)) continue;
+      const PlacedObject& object = hypothesis.objects[k];
+      result.push_back({std::log(weight), ConcentratedGaussian<SE3d>::trusted(
+                                              object.pose, reported_covariance(object, k, added))});
+    }
+  }
+  return result;
+}
+
+/// What is reported of one Gaussian, with the twist along the world's axes.
+PlacedObject MovingObjectState::reported(const PlacedObject& object, std::size_t model) const {
+  PlacedObject result{.pose = object.pose};
+  const WorldTwist moving = world_twist(object, models_.models[model]);
+  result.twist = moving.mean;
+  result.covariance.topLeftCorner<6, 6>() = reported_covariance(object, model, constant_);
+  result.covariance.block<6, 6>(kTwistRow, kTwistRow) = moving.covariance;
+  return result;
+}
+
+MovingObjectEstimate MovingObjectState::estimate() const {
+  MovingObjectEstimate result{.time_s = time_s_.value_or(0.0),
+                              .hypotheses = {},
+                              .lost_probability = lost_.total(),
+                              .models = std::vector<double>(model_count(), 0.0)};
+  Eigen::ArrayXd models = lost_.by_model();
+  for (const MovingHypothesis& hypothesis : hypotheses_) {
+    const Eigen::ArrayXd weights = hypothesis.weights.by_model();
+    const double total = weights.sum();
+    models += weights;
+    std::vector<PlacedObject> reported;
+    std::vector<double> of_models;
+    for (std::size_t k = 0; k < model_count(); ++k) {
+      of_models.push_back(weights[static_cast<Eigen::Index>(k)] / total);
+      reported.push_back(this->reported(hypothesis.objects[k], k));
+    }
+    std::vector<WeightedObject> parts;
+    for (std::size_t k = 0; k < model_count(); ++k) {
+      if (of_models[k] > 0.0) parts.push_back({of_models[k], &reported[k]});
+    }
+    const PlacedObject object = mixed(parts);
+    result.hypotheses.push_back(
+        {.world = ConcentratedGaussian<SE3d>::trusted(object.pose, object.pose_covariance()),
+         .twist = object.twist,
+         .twist_covariance = object.covariance.block<6, 6>(kTwistRow, kTwistRow),
+         .probability = total,
+         .models = std::move(of_models),
+         .id = hypothesis.id,
+         .detections = hypothesis.detections});
+  }
+  for (std::size_t k = 0; k < model_count(); ++k)
+    result.models[k] = models[static_cast<Eigen::Index>(k)];
+  std::stable_sort(result.hypotheses.begin(), result.hypotheses.end(),
+                   [](const auto& a, const auto& b) { return a.probability > b.probability; });
+  return result;
+}
+
+}  // namespace posemix::internal

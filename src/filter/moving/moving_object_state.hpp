@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "detector_modes.hpp"
+#include "filter/multi_object/noise_scale.hpp"
+#include "filter/multi_object/object_belief.hpp"
+#include "filter/multi_object/object_merge.hpp"
+#include "placed_object.hpp"
+
+/// The posterior of MovingObjectFilter (docs/moving-objects.md).
+namespace posemix::internal {
+
+/// A run of wrong detections at the place of a hypothesis.
+struct WrongRun {
+  std::uint64_t place;    ///< its id; kAnyPlace where it was not seen yet, or was dropped
+  Eigen::ArrayXd weight;  ///< by motion model
+  /// The orientation of that place from this hypothesis' when the run was first met, and its
+  /// covariance: a turned detection turns with the object.
+  std::optional<SO3d> offset = {};
+  Eigen::Matrix3d offset_covariance = Eigen::Matrix3d::Zero();
+  double log_kept = 0.0;  ///< log likelihood that it was kept, up to a constant
+};
+inline constexpr std::uint64_t kAnyPlace = 0;
+
+/// The weights p_hkm of one hypothesis h over motion models k and modes m of the detector.
+struct ModeWeights {
+  Eigen::ArrayXXd right;       ///< models x right modes
+  std::vector<WrongRun> runs;  ///< the first one is at any place
+
+  ModeWeights() = default;
+  ModeWeights(Eigen::Index models, Eigen::Index modes);
+  Eigen::ArrayXd by_model() const;
+  double total() const { return by_model().sum(); }
+  ModeWeights& operator*=(double factor);
+  /// Factors by model.
+  void scale(const Eigen::ArrayXd& factor);
+  void add(const ModeWeights& other);
+  /// Eq. (7): p_k <- sum_l p_l P_lk.
+  void change_models(const Eigen::MatrixXd& transition);
+  /// Eq. (10): the modes are kept with the probability `stay`, else drawn anew; runs are at one of
+  /// `places` with the probability `recurring`, where there are any.
+  void draw_modes(double stay, const DetectorModes& modes, double in_run, double recurring,
+                  std::span<const std::uint64_t> places);
+  Eigen::ArrayXd& run_at(std::uint64_t place);
+  /// Runs at a place become such of another; `own` says that it is the place of this hypothesis,
+  /// where the detector is right.
+  void redirect(std::uint64_t from, std::uint64_t to, bool own);
+};
+
+/// A hypothesis for the place of the object: a Gaussian per motion model.
+struct MovingHypothesis {
+  std::uint64_t id;
+  std::uint64_t detections = 1;
+  std::vector<PlacedObject> objects;  ///< by model
+  ModeWeights weights;
+  std::optional<SE3d> seen_from = {};  ///< T_camera_object at the last observation
+  /// Before an observation, the part of the right weights in which the object has been turned.
+  Eigen::ArrayXXd turned = {};
+
+  /// Index of the most probable model.
+  std::size_t best_model() const;
+};
+
+/// An observation with what the stages of an update need.
+struct MovingObservation {
+  WeighedObservation weighed;  ///< without clutter
+  KnownFrame camera;
+  double clutter;
+  double stay;  ///< persistence of the detector's mode
+  /// Probability, by model, that the object was turned since the last observation.
+  Eigen::ArrayXd turned;
+};
+
+class MovingObjectState {
+ public:
+  MovingObjectState(ObjectSensor sensor, MotionModels models, const MovingObjectSettings& settings);
+
+  /// Eq. (7) to (9).
+  void advance(double time_s, const std::vector<KnownFrame>& frames);
+  MovingObjectReport update(const Observation& observation, const KnownCamera& camera);
+
+  MovingObjectEstimate estimate() const;
+  /// Components of the density given that the place is known; `added` is the world-frame covariance
+  /// of what is not estimated and the same at every pose.
+  std::vector<Component<ConcentratedGaussian<SE3d>>> components(const Matrix6d& added) const;
+
+  const ObjectSensor& sensor() const { return detector_.sensor(); }
+  const MotionModels& models() const { return models_; }
+  const MovingObjectSettings& settings() const { return settings_; }
+  std::optional<double> time_s() const { return time_s_; }
+  std::uint64_t observations() const { return observations_; }
+  bool has_hypotheses() const { return !hypotheses_.empty(); }
+  const Matrix6d& constant_covariance() const { return constant_; }
+  /// Number of frames that the models name.
+  std::size_t frames_needed() const;
+
+ private:
+  using Evidence = std::vector<std::vector<ModeEvidence>>;  ///< by hypothesis and model
+
+  std::size_t model_count() const { return models_.models.size(); }
+  /// The frame that holds the object by a model; none for models without.
+  const KnownFrame* frame_of(std::size_t model) const;
+  void mix(MovingHypothesis& hypothesis, const Eigen::MatrixXd& transition) const;
+  void leak(double dt);
+  /// Probability, by model, of a turn to any orientation in so many seconds.
+  Eigen::ArrayXd turned_in(double dt) const;
+  KnownFrame camera_for(const KnownFrame& camera, std::size_t model) const;
+  void decay_slow_errors(const KnownFrame& camera, double dt);
+  Evidence evidence_of(const MovingObservation& observation) const;
+  std::vector<double> place_evidence(const Evidence& evidence) const;
+  /// Eq. (13): the likelihood ratio that the offsets of runs are as they were, for every run.
+  std::vector<double> keep_offsets(MovingHypothesis& hypothesis) const;
+  void draw_modes(MovingHypothesis& hypothesis, const MovingObservation& observation) const;
+  /// Eq. (11) to (14) for one hypothesis; returns the weight of runs that began.
+  Eigen::ArrayXd weigh_and_move(MovingHypothesis& hypothesis, std::vector<ModeEvidence>& evidence,
+                                const std::vector<double>& places, const std::vector<double>& kept,
+                                const MovingObservation& observation, double peak);
+  void move(PlacedObject& object, std::size_t model, const ModeEvidence& evidence) const;
+  MovingHypothesis birth(const ObservationComponent& seen, std::size_t mode,
+                         const KnownFrame& camera) const;
+  MovingHypothesis* explaining(const Evidence& evidence, std::size_t component);
+  Eigen::ArrayXXd begun_by(const MovingObservation& observation, const Evidence& evidence,
+                           double peak, std::size_t component) const;
+  std::vector<std::uint64_t> begin(const MovingObservation& observation, const Evidence& evidence,
+                                   double peak, std::vector<MovingHypothesis>& births);
+  void place_runs(const MovingObservation& observation, const std::vector<std::uint64_t>& places,
+                  const std::vector<Eigen::ArrayXd>& begun);
+  void make_probabilities(const std::vector<double>& of_mode, double scale,
+                          ModeEvidence& seen) const;
+  MovingObservation weighed(const Observation& given, const KnownFrame& camera) const;
+  double largest(const Evidence& evidence) const;
+  /// Log density of a pose that may be anywhere in the volume of clutter.
+  double log_anywhere() const;
+  double take_in(const MovingObservation& observation, Evidence& evidence,
+                 std::vector<MovingHypothesis>& births);
+  void describe(const ModeEvidence& seen, MovingObjectReport& report) const;
+  void weigh_lost(const MovingObservation& observation, const std::vector<double>& places,
+                  double peak);
+  double normalise();
+  std::size_t merge();
+  void keep_heaviest();
+  void learn(const MovingHypothesis& leader, ModeEvidence& evidence, const Observation& observation,
+             const KnownFrame& camera);
+  Matrix6d reported_covariance(const PlacedObject& object, std::size_t model,
+                               const Matrix6d& added) const;
+  PlacedObject reported(const PlacedObject& object, std::size_t model) const;
+  /// The places of all hypotheses but one.
+  std::vector<std::uint64_t> places_but(std::uint64_t own) const;
+  const MovingHypothesis* leader() const;
+
+  MotionModels models_;
+  MovingObjectSettings settings_;
+  LearnedSensor detector_;
+  DetectorModes modes_;
+  Eigen::MatrixXd generator_;  ///< of the Markov chain of models
+  double explained_;
+  MergeBounds merge_bounds_;
+  std::vector<MovingHypothesis> hypotheses_;
+  ModeWeights lost_;  ///< the place is not known
+  std::vector<KnownFrame> frames_;
+  Matrix6d constant_ = Matrix6d::Zero();  ///< constant error of the camera
+  std::optional<double> time_s_;
+  std::optional<double> seen_s_;  ///< time of the last observation
+  std::uint64_t observations_ = 0;
+  std::uint64_t next_id_ = 1;
+};
+
+}  // namespace posemix::internal

@@ -1,0 +1,336 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include "moving_object_state.hpp"
+#include "posemix/mixture/log_weights.hpp"
+
+namespace posemix::internal {
+namespace {
+
+constexpr double kImpossible = -std::numeric_limits<double>::infinity();
+
+/// Children of a Gaussian below this probability do not move it.
+constexpr double kLeastChild = 1e-5;
+
+}  // namespace
+
+/// The camera of an image; for an object that is held, with the error of the frame that holds it,
+/// which a detection cannot tell from that of the camera.
+KnownFrame MovingObjectState::camera_for(const KnownFrame& camera, std::size_t model) const {
+  KnownFrame result = camera;
+  if (const KnownFrame* frame = frame_of(model)) result.covariance += frame->covariance;
+  return result;
+}
+
+MovingObjectState::Evidence MovingObjectState::evidence_of(
+    const MovingObservation& observation) const {
+  Evidence result;
+  for (const MovingHypothesis& hypothesis : hypotheses_) {
+    result.emplace_back();
+    for (std::size_t k = 0; k < model_count(); ++k) {
+      result.back().push_back(
+          mode_evidence(hypothesis.objects[k].seen_from(camera_for(observation.camera, k)),
+                        observation.weighed, sensor(), modes_, settings_.turned_clutter));
+    }
+  }
+  return result;
+}
+
+/// Eq. (12): the density of an observation of whatever is at the place of a hypothesis.
+std::vector<double> MovingObjectState::place_evidence(const Evidence& evidence) const {
+  std::vector<double> result;
+  for (std::size_t h = 0; h < hypotheses_.size(); ++h) {
+    const Eigen::ArrayXd weights = hypotheses_[h].weights.by_model();
+    std::vector<double> terms;
+    for (std::size_t k = 0; k < model_count(); ++k)
+      terms.push_back(std::log(weights[static_cast<Eigen::Index>(k)] / weights.sum()) +
+                      evidence[h][k].log_right.front());
+    result.push_back(log_sum_exp(terms));
+  }
+  return result;
+}
+
+/// Eq. (14): the moments of all cases: components of the noise in every mode, a turned detection,
+/// and one that tells nothing. The weights of the innovations are probabilities by now.
+void MovingObjectState::move(PlacedObject& object, std::size_t model,
+                             const ModeEvidence& evidence) const {
+  Vector18d gain = Vector18d::Ones();
+  if (sensor().noise.dependence().is_typical) gain.tail<6>().setConstant(settings_.slow_error_gain);
+  const Matrix18d before = object.covariance;
+  Vector18d mean;
+  GaussianUpdate<Vector18d, Matrix18d> update(gain, mean, object.covariance);
+  using Columns = Eigen::Matrix<double, 18, 6>;
+  const auto columns = [&](const Innovation& seen) {
+    Columns d = before.leftCols<6>();
+    d.noalias() += before.rightCols<6>() * seen.slow_map.transpose();
+    return d;
+  };
+  for (const Innovation& seen : evidence.explanation.innovations) {
+    if (seen.weight > kLeastChild) update.add(seen, columns(seen));
+  }
+  if (evidence.position.weight > kLeastChild)
+    update.add(evidence.position, columns(evidence.position));
+  update.finish();
+  object.move(mean);
+  fix_unobserved(object, sensor().symmetries, models_.models[model]);
+}
+
+/// The weights of innovations, which are relative within the modes, become probabilities: those of
+/// the modes are `of_mode` times `scale`.
+void MovingObjectState::make_probabilities(const std::vector<double>& of_mode, double scale,
+                                           ModeEvidence& seen) const {
+  const std::size_t n = sensor().noise.components().size();
+  std::vector<double> within(modes_.count(), 0.0);
+  auto& innovations = seen.explanation.innovations;
+  for (std::size_t i = 0; i < innovations.size(); ++i)
+    within[modes_.mode_of(i % n)] += innovations[i].weight;
+  for (std::size_t i = 0; i < innovations.size(); ++i) {
+    const std::size_t m = modes_.mode_of(i % n);
+    innovations[i].weight =
+        of_mode[m] > 0.0 ? innovations[i].weight / within[m] * of_mode[m] * scale : 0.0;
+  }
+}
+
+/// Eq. (11) for one hypothesis, then its Gaussians move.
+Eigen::ArrayXd MovingObjectState::weigh_and_move(MovingHypothesis& hypothesis,
+                                                 std::vector<ModeEvidence>& evidence,
+                                                 const std::vector<double>& places,
+                                                 const std::vector<double>& kept,
+                                                 const MovingObservation& observation,
+                                                 double peak) {
+  const WrongShares wrong = wrong_shares(observation.clutter, settings_.isolated_clutter);
+  const double shown = 1.0 - wrong.alone;
+  ModeWeights& weights = hypothesis.weights;
+  Eigen::ArrayXd begun = Eigen::ArrayXd::Zero(static_cast<Eigen::Index>(model_count()));
+  for (std::size_t k = 0; k < model_count(); ++k) {
+    ModeEvidence& seen = evidence[k];
+    const auto row = static_cast<Eigen::Index>(k);
+    const double wrong_density = std::exp(seen.log_wrong - peak);
+    double total = 0.0;
+    double of_wrong = 0.0;
+    std::vector<double> of_mode(modes_.count(), 0.0);
+    for (std::size_t m = 0; m < modes_.count(); ++m) {  // eq. (11), the detector is right
+      double& weight = weights.right(row, static_cast<Eigen::Index>(m));
+      of_mode[m] = weight * shown * std::exp(seen.log_right[m] - peak);
+      const double alone = weight * wrong.alone * wrong_density;
+      weight = of_mode[m] + alone;
+      total += weight;
+      of_wrong += alone;
+    }
+    for (std::size_t r = 0; r < weights.runs.size(); ++r) {  // eq. (11), it is in a run
+      WrongRun& run = weights.runs[r];
+      double& weight = run.weight[row];
+      double density = wrong_density;
+      if (run.place != kAnyPlace) {
+        for (std::size_t h = 0; h < places.size(); ++h)
+          if (hypotheses_[h].id == run.place) density = std::exp(places[h] - peak);
+        density *= seen.turned * kept[r] + 1.0 - seen.turned;
+      }
+      const double in_run = weight * shown * density;
+      const double alone = weight * wrong.alone * wrong_density;
+      total += in_run + alone;
+      of_wrong += in_run + alone;
+      if (run.place == kAnyPlace) {
+        begun[row] = in_run;
+        weight = alone;
+      } else {
+        weight = in_run + alone;
+      }
+    }
+    const double scale = total > 0.0 ? 1.0 / total : 0.0;
+    make_probabilities(of_mode, scale, seen);
+    seen.position.weight = seen.turned * of_wrong * scale;
+    if (total > 0.0) move(hypothesis.objects[k], k, seen);
+  }
+  ++hypothesis.detections;
+  return begun;
+}
+
+/// Eq. (10), and the part that was turned since the last observation.
+void MovingObjectState::draw_modes(MovingHypothesis& hypothesis,
+                                   const MovingObservation& observation) const {
+  const WrongShares wrong = wrong_shares(observation.clutter, settings_.isolated_clutter);
+  ModeWeights& weights = hypothesis.weights;
+  weights.draw_modes(observation.stay, modes_, wrong.in_run, settings_.recurring_clutter,
+                     places_but(hypothesis.id));
+  hypothesis.turned = weights.right.colwise() * observation.turned;
+  weights.right -= hypothesis.turned;
+}
+
+std::vector<double> MovingObjectState::keep_offsets(MovingHypothesis& hypothesis) const {
+  std::vector<double> ratios;
+  const PlacedObject& own = hypothesis.objects[hypothesis.best_model()];
+  for (WrongRun& run : hypothesis.weights.runs) {
+    ratios.push_back(1.0);
+    const auto place =
+        std::find_if(hypotheses_.begin(), hypotheses_.end(),
+                     [&](const MovingHypothesis& other) { return other.id == run.place; });
+    if (place == hypotheses_.end() || !sensor().symmetries.axes().empty()) continue;
+    const PlacedObject& other = place->objects[place->best_model()];
+    const Eigen::Matrix3d covariance =
+        own.covariance.topLeftCorner<3, 3>() + other.covariance.topLeftCorner<3, 3>();
+    if (!run.offset) {
+      run.offset = own.pose.rotation().inverse() * other.pose.rotation();
+      run.offset_covariance = covariance;
+      continue;
+    }
+    const Eigen::Vector3d turned =
+        (other.pose.rotation() * (own.pose.rotation() * *run.offset).inverse()).log();
+    const Eigen::Matrix3d both = covariance + run.offset_covariance;
+    const double log_kept = -0.5 * turned.dot(Eigen::LLT<Eigen::Matrix3d>(both).solve(turned));
+    ratios.back() = std::exp(log_kept - run.log_kept);
+    run.log_kept = log_kept;
+  }
+  return ratios;
+}
+
+std::vector<std::uint64_t> MovingObjectState::places_but(std::uint64_t own) const {
+  std::vector<std::uint64_t> places;
+  for (const MovingHypothesis& hypothesis : hypotheses_)
+    if (hypothesis.id != own) places.push_back(hypothesis.id);
+  return places;
+}
+
+/// The same for the case that the place is not known; what is right is taken by births.
+void MovingObjectState::weigh_lost(const MovingObservation& observation,
+                                   const std::vector<double>& places, double peak) {
+  const WrongShares wrong = wrong_shares(observation.clutter, settings_.isolated_clutter);
+  const double anywhere = std::exp(log_anywhere() - peak);
+  for (WrongRun& run : lost_.runs) {
+    double density = anywhere;
+    for (std::size_t h = 0; h < places.size(); ++h)
+      if (hypotheses_[h].id == run.place) density = std::exp(places[h] - peak);
+    run.weight *= (1.0 - wrong.alone) * density + wrong.alone * anywhere;
+  }
+}
+
+/// The scale of the noise is learned from the innovation of the leading hypothesis, and slow errors
+/// keep what a detection sees of them.
+void MovingObjectState::learn(const MovingHypothesis& leader, ModeEvidence& evidence,
+                              const Observation& observation, const KnownFrame& camera) {
+  if (leader.detections < 2) return;
+  const bool given =
+      std::any_of(observation.components.begin(), observation.components.end(),
+                  [](const auto& component) { return component.covariance.has_value(); });
+  const MultiObjectSettings settings{.noise_scale_detections = settings_.noise_scale_detections,
+                                     .least_noise_scale = settings_.least_noise_scale};
+  const DetectionUpdate update{std::move(evidence.explanation), {}};
+  const Vector6d factor = detector_.learn(update, given, settings);
+  if (!sensor().noise.dependence().slow || factor.isOnes(1e-12)) return;
+  for (MovingHypothesis& hypothesis : hypotheses_)
+    for (PlacedObject& object : hypothesis.objects) rescale_slow(object, sensor(), camera, factor);
+}
+
+/// What the stages of an update need, with the part of its weights that no earlier one told.
+MovingObservation MovingObjectState::weighed(const Observation& given,
+                                             const KnownFrame& camera) const {
+  const double dt = seen_s_ ? *time_s_ - *seen_s_ : 0.0;
+  MovingObservation result{
+      .weighed = weigh(given, sensor(), detector_.weight_share(given, *time_s_), {}),
+      .camera = camera,
+      .clutter = given.clutter.value_or(sensor().noise.clutter().weight),
+      .stay = seen_s_ ? modes_.persistence(dt) : 0.0,
+      .turned = turned_in(dt)};
+  result.weighed.clarity = clarity(given.components);
+  result.weighed.log_clutter = kImpossible;
+  return result;
+}
+
+/// The largest of all log densities, to which they are relative, so that none overflows.
+double MovingObjectState::largest(const Evidence& evidence) const {
+  double peak = log_anywhere();
+  for (const auto& by_model : evidence) {
+    for (const ModeEvidence& seen : by_model) {
+      peak = std::max(peak, seen.log_wrong);
+      for (const double log_density : seen.log_right) peak = std::max(peak, log_density);
+    }
+  }
+  return peak;
+}
+
+double MovingObjectState::log_anywhere() const {
+  return -std::log(8.0 * std::numbers::pi * std::numbers::pi * sensor().noise.clutter().volume_m3);
+}
+
+/// Eq. (10) to (15). Returns the log of the summed weights.
+double MovingObjectState::take_in(const MovingObservation& observation, Evidence& evidence,
+                                  std::vector<MovingHypothesis>& births) {
+  const std::vector<double> places = place_evidence(evidence);
+  const double peak = largest(evidence);
+  const WrongShares wrong = wrong_shares(observation.clutter, settings_.isolated_clutter);
+  std::vector<Eigen::ArrayXd> begun;
+  std::vector<std::vector<double>> kept;
+  for (MovingHypothesis& hypothesis : hypotheses_) {
+    draw_modes(hypothesis, observation);
+    kept.push_back(keep_offsets(hypothesis));
+  }
+  for (std::size_t h = 0; h < hypotheses_.size(); ++h)
+    begun.push_back(
+        weigh_and_move(hypotheses_[h], evidence[h], places, kept[h], observation, peak));
+  lost_.draw_modes(observation.stay, modes_, wrong.in_run, settings_.recurring_clutter,
+                   places_but(kAnyPlace));
+  weigh_lost(observation, places, peak);
+  const std::vector<std::uint64_t> at = begin(observation, evidence, peak, births);
+  // What was right is taken by births, except for a detection that stands alone.
+  lost_.right *= wrong.alone * std::exp(log_anywhere() - peak);
+  place_runs(observation, at, begun);
+  double total = lost_.total();
+  for (const MovingHypothesis& born : births) total += born.weights.total();
+  for (const MovingHypothesis& hypothesis : hypotheses_) total += hypothesis.weights.total();
+  return std::log(total) + peak;
+}
+
+/// What the leading hypothesis says of the observation, under the right mode that is most probable.
+void MovingObjectState::describe(const ModeEvidence& seen, MovingObjectReport& report) const {
+  const auto& innovations = seen.explanation.innovations;
+  const std::size_t n = sensor().noise.components().size();
+  report.inlier_probability = seen.explanation.inlier_probability();
+  const Innovation* best = &seen.explanation.inlier();
+  for (std::size_t i = 0; i < innovations.size(); ++i) {
+    report.right_probability += innovations[i].weight;
+    if (modes_.first(modes_.mode_of(i % n)) == i % n && innovations[i].weight > best->weight)
+      best = &innovations[i];
+  }
+  const Eigen::LLT<Matrix6d> s(best->covariance);
+  report.nis = s.matrixL().solve(best->residual).squaredNorm();
+  const SE3d to_axes = best->axes.inverse();
+  report.residual =
+      Vector6d(to_axes.adjoint_blocks().times(best->residual))
+          .cwiseQuotient(to_axes.adjoint_congruence(best->covariance).diagonal().cwiseSqrt());
+}
+
+MovingObjectReport MovingObjectState::update(const Observation& given, const KnownCamera& camera) {
+  const MovingObservation observation = weighed(given, camera.frame);
+  decay_slow_errors(camera.frame, seen_s_ ? *time_s_ - *seen_s_ : 0.0);
+  constant_ = camera.constant_covariance;
+  seen_s_ = time_s_;
+  ++observations_;
+  const MovingHypothesis* led = leader();
+  const std::uint64_t led_id = led ? led->id : kAnyPlace;
+  Evidence evidence = evidence_of(observation);
+  std::vector<MovingHypothesis> births;
+  MovingObjectReport report;
+  report.log_evidence = take_in(observation, evidence, births);
+  report.started = !births.empty();
+  detector_.count_detection(observation.weighed, *time_s_);
+  if (const MovingHypothesis* leading = leader()) {
+    const auto index = static_cast<std::size_t>(leading - hypotheses_.data());
+    ModeEvidence& seen = evidence[index][leading->best_model()];
+    describe(seen, report);
+    learn(*leading, seen, given, camera.frame);
+  }
+  report.merges = merge();
+  for (MovingHypothesis& born : births) hypotheses_.push_back(std::move(born));
+  normalise();
+  keep_heaviest();
+  const MovingHypothesis* leads = leader();
+  report.changed_leader = leads && leads->id != led_id;
+  return report;
+}
+
+}  // namespace posemix::internal
