@@ -16,6 +16,7 @@
 #include "posemix/base/error.hpp"
 #include "posemix/base/units.hpp"
 #include "posemix/fiducial/fiducial_folder.hpp"
+#include "posemix/fiducial/tag_odometry.hpp"
 #include "posemix/io/gzip.hpp"
 #include "posemix/io/text.hpp"
 #include "summary.hpp"
@@ -101,6 +102,32 @@ void require_one_clock(const FiducialFolder& folder, const std::string& name) {
                   name, first->stamp, last->stamp, folder.fiducials.observations.front().stamp_s));
 }
 
+/// A folder without observations would be of no use.
+void require_placed(const FiducialFolder& folder, const std::string& name) {
+  std::set<std::string> placed;
+  for (const RigCamera& camera : folder.cameras)
+    if (camera.rig_camera) placed.insert(camera.name);
+  for (const Observation& seen : folder.fiducials.observations)
+    if (placed.contains(seen.camera)) return;
+  throw InvalidInput(fmt::format(
+      "{}: no camera with a pose on the rig sees a tag, expected one: see --camera-poses", name));
+}
+
+/// Odometry in other units or on a late clock agrees with the tags by a large noise alone.
+void doubt_odometry(const FiducialFolder& folder, const std::string& name) {
+  constexpr double kHardlyRotation = 0.2;     // rad / sqrt(s)
+  constexpr double kHardlyTranslation = 0.5;  // m / sqrt(s)
+  const auto noise =
+      fit_tag_odometry(folder.fiducials.observations, folder.cameras, folder.odometry);
+  if (!noise) return;
+  if (noise->rotation_sd < kHardlyRotation && noise->translation_sd < kHardlyTranslation) return;
+  print_warnings(
+      {fmt::format("{}: against the tags it errs by {:.3g} deg and {:.3g} m per square root of a "
+                   "second, which is "
+                   "hardly odometry (unit, clock or T_body_odom?)",
+                   name, noise->rotation_sd / kRadPerDeg, noise->translation_sd)});
+}
+
 int write_fiducials(const FiducialOptions& options) {
   FiducialFolder folder;
   folder.cameras = cameras_of(options);
@@ -130,6 +157,8 @@ int write_fiducials(const FiducialOptions& options) {
                      "that has, so that its observations are left out",
                      in_quotes(camera))});
   }
+  require_placed(folder, options.corners);
+  if (!options.odometry.empty()) doubt_odometry(folder, options.odometry);
   write_fiducial_folder(folder, options.output.out);
   report("fiducials", summary_of(folder), options.output);
   return kExitDone;

@@ -23,6 +23,17 @@ void move_camera_by(const MatrixXd& transfer, MatrixXd& covariance) {
   columns(covariance, kCamera) += columns(covariance, kMotion) * transfer.transpose();
 }
 
+/// The observation with one component alone, by its index among those of a weight above zero. The
+/// mean of components that are far apart would be a pose that nothing was seen at, from which no
+/// later pass finds back.
+Observation with_component(Observation observation, std::size_t k) {
+  std::vector<ObservationComponent>& all = observation.components;
+  std::erase_if(all, [](const ObservationComponent& one) { return !(one.weight > 0.0); });
+  all = {all.at(k)};
+  all.front().weight = 1.0;
+  return observation;
+}
+
 }  // namespace
 
 std::optional<std::size_t> ModeModel::slow_index(std::size_t j) const {
@@ -109,7 +120,8 @@ ModeState ModeSmoother::state_of(const PoseStackd& poses, const VectorXd& slow,
 
 /// In information form, for a detection's information may be singular: with H = [-I I A], D = H P
 /// H^T, M = (I + Lambda D)^-1: m += P H^T M (eta - Lambda H m), P -= P H^T M Lambda H P.
-void ModeSmoother::update(Step& step, const SmootherFrame& frame, const MatrixXd& weighing) const {
+void ModeSmoother::update(Step& step, const SmootherFrame& frame, const MatrixXd& weighing,
+                          bool is_first) const {
   step.mean = step.predicted_mean;
   step.covariance = step.predicted;
   for (std::size_t j = 0; j < model_.objects.size(); ++j) {
@@ -118,7 +130,10 @@ void ModeSmoother::update(Step& step, const SmootherFrame& frame, const MatrixXd
       ModeState state = state_of(step.poses, step.slow, weighing, j);
       state.camera = state.camera * one.source.body_camera;
       const ObjectSensor& sensor = model_.filter->sensor(one.object, one.source.detector);
-      update(step, j, measure_mode(state, one.observation, sensor));
+      ModeMeasurement seen = measure_mode(state, one.observation, sensor);
+      if (is_first && one.observation.components.size() > 1)
+        seen = measure_mode(state, with_component(one.observation, seen.best_component), sensor);
+      update(step, j, seen);
     }
   }
 }
@@ -158,7 +173,8 @@ void ModeSmoother::run(const JointState& start, const std::vector<JointState>& r
     step.slow = reference.empty() ? moved.slow : reference[k].slow;
     step.predicted_mean.resize(step.predicted.rows());
     step.predicted_mean << (moved.poses * step.poses.inverse()).log(), moved.slow - step.slow;
-    update(step, *frames_[k], reference.empty() ? step.predicted : reference[k].covariance);
+    update(step, *frames_[k], reference.empty() ? step.predicted : reference[k].covariance,
+           reference.empty());
     now = at(step, step.mean, step.covariance);
     steps_.push_back(std::move(step));
   }

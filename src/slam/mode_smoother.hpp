@@ -65,7 +65,8 @@ class ModeSmoother {
   void decay_slow_errors(const PoseStackd& poses, double dt, Step& step, JointState& moved) const;
   ModeState state_of(const PoseStackd& poses, const Eigen::VectorXd& slow,
                      const Eigen::MatrixXd& covariance, std::size_t j) const;
-  void update(Step& step, const SmootherFrame& frame, const Eigen::MatrixXd& weighing) const;
+  void update(Step& step, const SmootherFrame& frame, const Eigen::MatrixXd& weighing,
+              bool is_first) const;
   void update(Step& step, std::size_t j, const ModeMeasurement& seen) const;
   void backward();
   /// The state about the reference of a step.

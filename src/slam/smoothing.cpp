@@ -46,7 +46,7 @@ FixedLagSmoother::FixedLagSmoother(const PoseDensity& camera, std::vector<Object
           "smoothing: objects begin on sight, expected models of all objects");
   require(camera.covariance().topLeftCorner<3, 3>().trace() < 2.99 * kUniformRotationVariance,
           "smoothing: nothing is known of the camera's rotation at the first frame, expected a "
-          "covariance below that of a uniform rotation");
+          "covariance below that of a uniform rotation (not camera.start.pose = \"unknown\")");
   for (const BodyCamera& one : std::get<MultiObjectSlamSettings>(settings.tracker).cameras) {
     if (one.is_exact()) continue;
     throw InvalidInput(

@@ -87,6 +87,27 @@ TEST_F(FiducialsCommand, RefusesBadInputAndLeavesNothing) {
   EXPECT_FALSE(std::filesystem::exists(folder_.path() / "out"));
 }
 
+TEST_F(FiducialsCommand, DoubtsWhatTheTagsContradict) {
+  POSEMIX_REQUIRE_DATA();
+  const std::string data = testing::data_dir()->string();
+  const auto run = [&](const std::string& test, const std::string& more) {
+    return shell("D='" + data + "/tagslam/" + test + "'; " + more +
+                 " && posemix fiducials corners.csv --cameras $D/cameras.yaml --camera-poses "
+                 "$D/camera_poses.yaml --tags $D/tagslam.yaml -o out --quiet $O");
+  };
+  const ProgramResult millimetres =
+      run("test_11",
+          "zcat $D/corners.csv.gz > corners.csv; zcat $D/odometry.tum.gz | awk '/^[0-9]/ {$2 *= "
+          "1000; $3 *= 1000; $4 *= 1000} {print}' > mm.tum; O='--odometry mm.tum'");
+  EXPECT_EQ(millimetres.exit_code, 0);
+  EXPECT_TRUE(contains(millimetres.err, "mm.tum: against the tags it errs by")) << millimetres.err;
+  const ProgramResult unplaced =
+      run("test_5", "O=; zcat $D/corners.csv.gz | grep -v quadruple/bottom_left/ > corners.csv");
+  EXPECT_EQ(unplaced.exit_code, 3);
+  EXPECT_TRUE(contains(unplaced.err, "no camera with a pose on the rig sees a tag"))
+      << unplaced.err;
+}
+
 TEST_F(FiducialsCommand, ReadsTheRecordingsOfTagSlam) {
   POSEMIX_REQUIRE_DATA();
   const std::string data = (*testing::data_dir() / "tagslam/test_11").string();

@@ -169,6 +169,40 @@ TEST(Smoothing, TakesObjectsOfKnownPose) {
   EXPECT_LT(nees, 1.32);
 }
 
+TEST(Smoothing, APauseOfTwoPeakedObservationsIsOnOneOfThem) {
+  // A known object turned by half a turn in every other answer; after 100 s nothing is known of the
+  // camera, and between the peaks is a camera that saw nothing.
+  const SE3d object = pose(0.0, 0.0, 0.0, 0.0, 0.0, 1.0);
+  const SE3d flip = pose(0.0, 0.0, std::numbers::pi, 0.0, 0.0, 0.0);
+  ObjectModel tag{
+      .id = "tag",
+      .noise = DetectorNoise({{1.0, isotropic(1.0, 0.01)}}, {.weight = 0.01, .volume_m3 = 1.0},
+                             {.slow = std::nullopt})};
+  tag.prior = {.world = PoseDensity(object, isotropic(1.0, 0.01)), .probability = 0.95};
+  ObjectSlamSettings settings;
+  settings.motion.model = MotionModel::constant_velocity;
+  FixedLagSmoother smoother(PoseDensity(SE3d(), isotropic(0.1, 0.001)), {tag}, settings, {});
+  RandomStream stream(3, 8);
+  for (int k = 0; k < 18; ++k) {
+    FrameInput input{.dt = k == 9 ? 100.0 : 0.1};
+    for (int sighting = 0; sighting < 2; ++sighting) {
+      Observation seen{.object = "tag"};
+      for (const SE3d& mode : {object, object * flip}) {
+        const SE3d shifted = pose(0.0, 0.0, 0.0, 0.01 * stream.normal(), 0.0, 0.0) * mode;
+        seen.components.push_back({.weight = 0.5, .pose = shifted});
+      }
+      input.observations.push_back(seen);
+    }
+    smoother.step(input);
+  }
+  for (const FrameEstimate& frame : smoother.finish()) {
+    const SE3d& camera = frame.camera.mean();
+    EXPECT_LT(camera.translation().norm(), 0.05);
+    const double turn = camera.rotation().log().norm();
+    EXPECT_LT(std::min(turn, std::numbers::pi - turn), 0.1);
+  }
+}
+
 TEST(Smoothing, RefusesACameraThatIsLost) {
   const PoseDensity lost(
       SE3d(), pose_covariance(Eigen::Vector3d::Constant(std::sqrt(kUniformRotationVariance)),

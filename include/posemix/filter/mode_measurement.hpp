@@ -28,6 +28,8 @@ struct ModeMeasurement {
   Matrix6d slow_map = Matrix6d::Zero();
   double inlier_probability = 0.0;   ///< probability of the noise's first component
   double clutter_probability = 1.0;  ///< probability of clutter
+  /// Index of the most probable component among those of a weight above zero.
+  std::size_t best_component = 0;
 };
 
 /// The expectation step of expectation-maximisation over the noise's components and clutter

@@ -72,6 +72,26 @@ double MovingObjectState::normalise() {
   return total;
 }
 
+namespace {
+
+/// The objects of a hypothesis become, model by model, the mixture of them and those of another.
+void mix_objects(MovingHypothesis& first, MovingHypothesis& second,
+                 const SymmetryGroup& symmetries) {
+  const Eigen::ArrayXd weights = first.weights.by_model();
+  const Eigen::ArrayXd added = second.weights.by_model();
+  for (std::size_t k = 0; k < first.objects.size(); ++k) {
+    const auto row = static_cast<Eigen::Index>(k);
+    PlacedObject& moved = second.objects[k];
+    if (!symmetries.is_trivial())
+      moved.pose = symmetries.closest(moved.pose, first.objects[k].pose, Matrix6d::Identity());
+    const WeightedObject parts[] = {{std::max(weights[row], 1e-300), &first.objects[k]},
+                                    {added[row], &moved}};
+    if (added[row] > 0.0) first.objects[k] = mixed(parts);
+  }
+}
+
+}  // namespace
+
 /// Hypotheses that agree become one, of the id of the more probable: "Reduction".
 std::size_t MovingObjectState::merge() {
   const SymmetryGroup& symmetries = sensor().symmetries;
@@ -94,17 +114,7 @@ std::size_t MovingObjectState::merge() {
         ++b;
         continue;
       }
-      const Eigen::ArrayXd weights = first.weights.by_model();
-      const Eigen::ArrayXd added = second.weights.by_model();
-      for (std::size_t k = 0; k < model_count(); ++k) {
-        const auto row = static_cast<Eigen::Index>(k);
-        PlacedObject& moved = second.objects[k];
-        if (!symmetries.is_trivial())
-          moved.pose = symmetries.closest(moved.pose, first.objects[k].pose, Matrix6d::Identity());
-        const WeightedObject parts[] = {{std::max(weights[row], 1e-300), &first.objects[k]},
-                                        {added[row], &moved}};
-        if (added[row] > 0.0) first.objects[k] = mixed(parts);
-      }
+      mix_objects(first, second, symmetries);
       first.detections = std::max(first.detections, second.detections);
       second.weights.redirect(first.id, kAnyPlace, true);
       first.weights.redirect(second.id, kAnyPlace, true);

@@ -118,6 +118,8 @@ class MovingObjectState {
   std::vector<double> keep_offsets(MovingHypothesis& hypothesis) const;
   void draw_modes(MovingHypothesis& hypothesis, const MovingObservation& observation) const;
   /// Eq. (11) to (14) for one hypothesis; returns the weight of runs that began.
+  double density_at(std::uint64_t place, const std::vector<double>& places, double peak,
+                    double elsewhere) const;
   Eigen::ArrayXd weigh_and_move(MovingHypothesis& hypothesis, std::vector<ModeEvidence>& evidence,
                                 const std::vector<double>& places, const std::vector<double>& kept,
                                 const MovingObservation& observation, double peak);

@@ -96,6 +96,15 @@ void MovingObjectState::make_probabilities(const std::vector<double>& of_mode, d
   }
 }
 
+/// Density of the observation, over that of `peak`, at the place of the hypothesis with the id;
+/// `elsewhere` where there is none.
+double MovingObjectState::density_at(std::uint64_t place, const std::vector<double>& places,
+                                     double peak, double elsewhere) const {
+  for (std::size_t h = 0; h < places.size(); ++h)
+    if (hypotheses_[h].id == place) return std::exp(places[h] - peak);
+  return elsewhere;
+}
+
 /// Eq. (11) for one hypothesis, then its Gaussians move.
 Eigen::ArrayXd MovingObjectState::weigh_and_move(MovingHypothesis& hypothesis,
                                                  std::vector<ModeEvidence>& evidence,
@@ -127,9 +136,8 @@ Eigen::ArrayXd MovingObjectState::weigh_and_move(MovingHypothesis& hypothesis,
       double& weight = run.weight[row];
       double density = wrong_density;
       if (run.place != kAnyPlace) {
-        for (std::size_t h = 0; h < places.size(); ++h)
-          if (hypotheses_[h].id == run.place) density = std::exp(places[h] - peak);
-        density *= seen.turned * kept[r] + 1.0 - seen.turned;
+        density = density_at(run.place, places, peak, wrong_density) *
+                  (seen.turned * kept[r] + 1.0 - seen.turned);
       }
       const double in_run = weight * shown * density;
       const double alone = weight * wrong.alone * wrong_density;

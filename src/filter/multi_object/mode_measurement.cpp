@@ -31,6 +31,11 @@ ModeMeasurement measure_mode(const ModeState& state, const Observation& observat
   symmetrize(result.information);
   result.inlier_probability = seen_as.inlier_probability();
   result.clutter_probability = seen_as.clutter_probability;
+  const std::size_t count = seen_as.innovations.size() / seen_as.noise_components;
+  for (std::size_t k = 1; k < count; ++k) {
+    if (seen_as.probability_of(k) > seen_as.probability_of(result.best_component))
+      result.best_component = k;
+  }
   return result;
 }
 
