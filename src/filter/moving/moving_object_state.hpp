@@ -117,9 +117,19 @@ class MovingObjectState {
   /// Eq. (13): the likelihood ratio that the offsets of runs are as they were, for every run.
   std::vector<double> keep_offsets(MovingHypothesis& hypothesis) const;
   void draw_modes(MovingHypothesis& hypothesis, const MovingObservation& observation) const;
-  /// Eq. (11) to (14) for one hypothesis; returns the weight of runs that began.
+  /// What an observation says of runs: by place, the part of each that is kept, and the parts of
+  /// wrong detections.
+  struct RunEvidence {
+    const std::vector<double>& places;
+    const std::vector<double>& kept;
+    WrongShares wrong;
+    double peak;
+  };
   double density_at(std::uint64_t place, const std::vector<double>& places, double peak,
                     double elsewhere) const;
+  double weigh_runs(ModeWeights& weights, Eigen::Index row, const ModeEvidence& seen,
+                    const RunEvidence& given, double& begun) const;
+  /// Eq. (11) to (14) for one hypothesis; returns the weight of runs that began.
   Eigen::ArrayXd weigh_and_move(MovingHypothesis& hypothesis, std::vector<ModeEvidence>& evidence,
                                 const std::vector<double>& places, const std::vector<double>& kept,
                                 const MovingObservation& observation, double peak);

@@ -105,6 +105,34 @@ double MovingObjectState::density_at(std::uint64_t place, const std::vector<doub
   return elsewhere;
 }
 
+/// Eq. (11) for one model of a hypothesis while the detector is in a run: the sum of the weights,
+/// and that of the run that began.
+double MovingObjectState::weigh_runs(ModeWeights& weights, Eigen::Index row,
+                                     const ModeEvidence& seen, const RunEvidence& given,
+                                     double& begun) const {
+  const double wrong_density = std::exp(seen.log_wrong - given.peak);
+  double total = 0.0;
+  for (std::size_t r = 0; r < weights.runs.size(); ++r) {
+    WrongRun& run = weights.runs[r];
+    double& weight = run.weight[row];
+    double density = wrong_density;
+    if (run.place != kAnyPlace) {
+      density = density_at(run.place, given.places, given.peak, wrong_density) *
+                (seen.turned * given.kept[r] + 1.0 - seen.turned);
+    }
+    const double in_run = weight * (1.0 - given.wrong.alone) * density;
+    const double alone = weight * given.wrong.alone * wrong_density;
+    total += in_run + alone;
+    if (run.place == kAnyPlace) {
+      begun = in_run;
+      weight = alone;
+    } else {
+      weight = in_run + alone;
+    }
+  }
+  return total;
+}
+
 /// Eq. (11) for one hypothesis, then its Gaussians move.
 Eigen::ArrayXd MovingObjectState::weigh_and_move(MovingHypothesis& hypothesis,
                                                  std::vector<ModeEvidence>& evidence,
@@ -131,25 +159,10 @@ Eigen::ArrayXd MovingObjectState::weigh_and_move(MovingHypothesis& hypothesis,
       total += weight;
       of_wrong += alone;
     }
-    for (std::size_t r = 0; r < weights.runs.size(); ++r) {  // eq. (11), it is in a run
-      WrongRun& run = weights.runs[r];
-      double& weight = run.weight[row];
-      double density = wrong_density;
-      if (run.place != kAnyPlace) {
-        density = density_at(run.place, places, peak, wrong_density) *
-                  (seen.turned * kept[r] + 1.0 - seen.turned);
-      }
-      const double in_run = weight * shown * density;
-      const double alone = weight * wrong.alone * wrong_density;
-      total += in_run + alone;
-      of_wrong += in_run + alone;
-      if (run.place == kAnyPlace) {
-        begun[row] = in_run;
-        weight = alone;
-      } else {
-        weight = in_run + alone;
-      }
-    }
+    const double in_runs =  // eq. (11), it is in a run
+        weigh_runs(weights, row, seen, {places, kept, wrong, peak}, begun[row]);
+    total += in_runs;
+    of_wrong += in_runs;
     const double scale = total > 0.0 ? 1.0 / total : 0.0;
     make_probabilities(of_mode, scale, seen);
     seen.position.weight = seen.turned * of_wrong * scale;
