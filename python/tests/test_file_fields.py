@@ -213,6 +213,7 @@ NOT_IN_FILES = {
 # Settings that no sequence or simulation file sets, and who does.
 WITHOUT_FILE = {
     "ObjectSlamSettings": "its parts have tables of their own",
+    "MovingObjectSettings": "MovingObjectFilter is a part of the C++ library alone",
     "EmSettings": "options of posemix fit", "FuseSettings": "limits of the arithmetic",
     "ProjectedFuseSettings": "options of posemix fuse", "ProjectedMixtureFuseSettings": "options of posemix fuse",
     "ProjectedMixtureComposeSettings": "options of posemix compose", "ConversionSettings": "options of posemix convert",

@@ -123,6 +123,8 @@ def test_progress_sees_every_frame_and_can_stop() -> None:
 
 def test_ctrl_c_stops_a_long_run() -> None:
     scene = Scene(20_000)
+    # A shell starts programs in the background without it.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
     interrupt = threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT))
     interrupt.start()
     try:
@@ -131,6 +133,7 @@ def test_ctrl_c_stops_a_long_run() -> None:
                 scene.run()
     finally:
         interrupt.cancel()
+        signal.signal(signal.SIGINT, before)
 
 
 def test_other_threads_go_on_during_a_run() -> None:
