@@ -123,8 +123,7 @@ void doubt_odometry(const FiducialFolder& folder, const std::string& name) {
   if (noise->rotation_sd < kHardlyRotation && noise->translation_sd < kHardlyTranslation) return;
   print_warnings(
       {fmt::format("{}: against the tags it errs by {:.3g} deg and {:.3g} m per square root of a "
-                   "second, which is "
-                   "hardly odometry (unit, clock or T_body_odom?)",
+                   "second, which is hardly odometry (unit, clock or T_body_odom?)",
                    name, noise->rotation_sd / kRadPerDeg, noise->translation_sd)});
 }
 

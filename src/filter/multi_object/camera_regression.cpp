@@ -25,7 +25,6 @@ std::optional<MatrixXd> low_rank_reduction(const MatrixXd& before, const MatrixX
   MatrixXd rest = before - after;
   const Index most = std::min<Index>(kPoseDof, rest.rows() / 2);
   MatrixXd l(rest.rows(), most);
-  const Eigen::VectorXd rounding = kRounding * before.diagonal();
   const Eigen::VectorXd unit = before.diagonal().cwiseSqrt().cwiseInverse();
   for (Index k = 0; k < most; ++k) {
     Index pivot = 0;
