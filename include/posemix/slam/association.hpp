@@ -75,4 +75,22 @@ std::vector<Association> associate_observations(
 /// @throws InvalidInput when there are more rows than columns or an entry is not finite
 std::vector<Eigen::Index> least_cost_assignment(const Eigen::MatrixXd& cost);
 
+/// The column of every row, and the sum of the entries.
+struct Assignment {
+  std::vector<Eigen::Index> columns;
+  double cost = 0.0;
+};
+
+/// The `count` assignments of least cost, the best first, of which there may be fewer; an entry
+/// from `impossible` on is never chosen (Murty, 1968). O(count rows^3 columns).
+/// @throws InvalidInput as least_cost_assignment, and when `count` is zero
+std::vector<Assignment> best_assignments(const Eigen::MatrixXd& cost, std::size_t count,
+                                         double impossible);
+
+/// Probability of every pair of a row and one of the first `columns` columns, where an assignment
+/// has the log probability -cost / 2, up to a constant: that of joint probabilistic data
+/// association over the assignments that are given.
+Eigen::MatrixXd association_probabilities(std::span<const Assignment> assignments,
+                                          Eigen::Index columns);
+
 }  // namespace posemix
