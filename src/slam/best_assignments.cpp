@@ -16,18 +16,18 @@ namespace {
 
 /// Assignments that have the pairs of the first `fixed` rows in common, and in none of which a
 /// forbidden entry is chosen: what Murty (1968) partitions the rest into.
-struct Part {
+struct Branch {
   Eigen::MatrixXd cost;  ///< forbidden entries are as impossible as those that were given so
   std::size_t fixed = 0;
   Assignment best = {};
 };
 
 struct IsWorse {
-  bool operator()(const Part& a, const Part& b) const { return a.best.cost > b.best.cost; }
+  bool operator()(const Branch& a, const Branch& b) const { return a.best.cost > b.best.cost; }
 };
 
 /// The best assignment of a part, none where it takes an impossible pair.
-bool solve(Part& part, double impossible) {
+bool solve(Branch& part, double impossible) {
   part.best.columns = least_cost_assignment(part.cost);
   part.best.cost = 0.0;
   for (std::size_t row = 0; row < part.best.columns.size(); ++row) {
@@ -39,7 +39,7 @@ bool solve(Part& part, double impossible) {
 }
 
 /// The entry of a row is the only one that can be chosen.
-void fix(Part& part, std::size_t row, double impossible) {
+void fix(Branch& part, std::size_t row, double impossible) {
   const auto at = static_cast<Eigen::Index>(row);
   const Eigen::Index column = part.best.columns[row];
   const double kept = part.cost(at, column);
@@ -54,15 +54,15 @@ std::vector<Assignment> best_assignments(const Eigen::MatrixXd& cost, std::size_
                                          double impossible) {
   require(count > 0, "count is 0, expected at least 1");
   std::vector<Assignment> found;
-  std::priority_queue<Part, std::vector<Part>, IsWorse> parts;
-  Part whole{.cost = cost.cwiseMin(impossible)};
+  std::priority_queue<Branch, std::vector<Branch>, IsWorse> parts;
+  Branch whole{.cost = cost.cwiseMin(impossible)};
   if (solve(whole, impossible)) parts.push(std::move(whole));
   while (!parts.empty() && found.size() < count) {
-    Part part = parts.top();
+    Branch part = parts.top();
     parts.pop();
     found.push_back(part.best);
     for (std::size_t row = part.fixed; row < part.best.columns.size(); ++row) {
-      Part next{.cost = part.cost, .fixed = row};
+      Branch next{.cost = part.cost, .fixed = row};
       next.cost(static_cast<Eigen::Index>(row), part.best.columns[row]) = impossible;
       if (solve(next, impossible)) parts.push(std::move(next));
       fix(part, row, impossible);
@@ -77,8 +77,7 @@ Eigen::MatrixXd association_probabilities(std::span<const Assignment> assignment
   for (const Assignment& one : assignments) logs.push_back(-0.5 * one.cost);
   const double total = log_sum_exp(logs);
   const auto rows = assignments.empty() ? 0 : assignments.front().columns.size();
-  Eigen::MatrixXd probability =
-      Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(rows), columns);
+  Eigen::MatrixXd probability = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(rows), columns);
   for (std::size_t k = 0; k < assignments.size(); ++k) {
     for (std::size_t row = 0; row < rows; ++row) {
       const Eigen::Index column = assignments[k].columns[row];

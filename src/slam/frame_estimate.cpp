@@ -25,6 +25,7 @@ ObjectEstimate FrameEstimate::object(std::string_view id) const {
   const std::size_t i = index_of(id);
   ObjectEstimate estimate{.world = objects[i], .relative = relative[i]};
   if (!mode_probabilities.empty()) estimate.mode_probability = mode_probabilities[i];
+  if (!existences.empty()) estimate.existence = existences[i];
   if (!alternatives.empty()) estimate.alternatives = alternatives[i];
   if (!report.statuses.empty()) estimate.status = report.statuses[i];
   return estimate;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <limits>
 #include <map>
 #include <string_view>
 #include <tuple>
@@ -113,6 +114,7 @@ FrameEstimate MultiObjectSlam::step(const FrameInput& input) {
   }
   update_named(sightings, report);
   update_by_class(sightings, report);
+  update_existence(input);
   report.update.update_seconds = updates.seconds();
 
   FrameEstimate estimate = frame_estimate(std::move(report));
@@ -209,8 +211,15 @@ void MultiObjectSlam::update(std::size_t object, const Observation& observation,
                              const ObservationSource& source, FrameReport& report) {
   const bool known = filter_.is_known(object);
   const ObjectUpdateReport update = filter_.update(object, observation, source);
-  ++sightings_[object].count;
-  sightings_[object].last_frame = objects_.frames();
+  Sightings& seen = sightings_[object];
+  ++seen.count;
+  seen.last_frame = objects_.frames();
+  if (!seen.existence) {
+    seen.existence.emplace(settings_.existence.birth_probability);
+  } else {
+    seen.log_ratio = std::max(seen.log_ratio.value_or(-std::numeric_limits<double>::infinity()),
+                              update.log_evidence - log_clutter_intensity(object, source));
+  }
   report.update.log_evidence += update.log_evidence;
   report.merges += update.merges;
   report.statuses[object] = !known                             ? DetectionStatus::started
@@ -301,8 +310,7 @@ CandidateReport MultiObjectSlam::new_instance(const std::vector<std::size_t>& mo
     if (!filter_.is_known(object)) return {.status = CandidateStatus::fresh, .object = object};
     if (objects_[object].prior) continue;
     const Sightings& seen = sightings_[object];
-    if (seen.count >= settings_.confirming_detections || seen.last_frame == objects_.frames())
-      continue;
+    if (is_confirmed(object) || seen.last_frame == objects_.frames()) continue;
     if (!oldest || seen.last_frame < sightings_[*oldest].last_frame) oldest = object;
   }
   if (!oldest) return {.status = CandidateStatus::dropped};
@@ -328,6 +336,7 @@ FrameEstimate MultiObjectSlam::frame_estimate(FrameReport report) const {
   for (std::size_t object = 0; object < objects_.size(); ++object) {
     frame.mode_probabilities.push_back(
         frame.objects[object] ? std::optional(filter_.mode_probability(object)) : std::nullopt);
+    frame.existences.push_back(existence(object));
     if (!record_hypotheses_) continue;
     std::vector<ObjectAlternative>& alternatives = frame.alternatives.emplace_back();
     for (const HypothesisMean& hypothesis : filter_.hypothesis_means(object))

@@ -82,6 +82,7 @@ struct ObjectEstimate {
   std::optional<PoseDensity> world = {};        ///< T_world_object; empty until the object was seen
   std::optional<PoseDensity> relative;          ///< T_camera_object, with the cross-covariance
   std::optional<double> mode_probability = {};  ///< that the estimate is on the right mode
+  std::optional<double> existence = {};         ///< probability that there is such an object
   std::vector<ObjectAlternative> alternatives = {};  ///< where they are recorded
   DetectionStatus status = DetectionStatus::none;
 };
@@ -98,6 +99,8 @@ struct FrameEstimate {
   std::vector<std::vector<ObjectAlternative>> alternatives = {};
   /// Probability that the estimate is on the right mode, by the multi-object tracker.
   std::vector<std::optional<double>> mode_probabilities = {};
+  /// Probability that the object exists, by the multi-object tracker (docs/existence.md).
+  std::vector<std::optional<double>> existences = {};
   FrameReport report = {};
   ObjectIds ids = {};
 

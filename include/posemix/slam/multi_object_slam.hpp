@@ -3,11 +3,14 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "posemix/filter/multi_object_filter.hpp"
+#include "posemix/slam/existence.hpp"
 #include "posemix/slam/motion_settings.hpp"
 #include "posemix/slam/rig.hpp"
 #include "posemix/slam/tracker.hpp"
@@ -18,6 +21,7 @@ namespace posemix {
 struct MultiObjectSlamSettings {
   MultiObjectSettings filter = {};       ///< has_odometry follows from the motion model
   AssociationSettings association = {};  ///< of candidates
+  ExistenceSettings existence = {};      ///< of instances
   /// Cameras on the body whose pose is estimated and whose motion is the odometry. None: there is
   /// one, which is the body. Those with a covariance are calibrated on the way.
   std::vector<BodyCamera> cameras = {};
@@ -69,6 +73,12 @@ class MultiObjectSlam {
     objects_.require(object);
     return sightings_[object].count;
   }
+  /// Probability that the object exists, given that no two objects are nearer than
+  /// ExistenceSettings::exclusion_m; none before its first detection, and for objects with a prior.
+  std::optional<double> existence(std::size_t object) const;
+  /// Whether the object exists with at least the probability `confirmed_probability`, and has
+  /// `confirming_detections`.
+  bool is_confirmed(std::size_t object) const;
   const MultiObjectFilter& filter() const { return filter_; }
   /// The cameras on the body as they are known by now: exact ones as they were given, the others
   /// with their estimated pose and its covariance.
@@ -101,12 +111,23 @@ class MultiObjectSlam {
   void update_image(const std::vector<std::size_t>& models, std::span<Sighting* const> image,
                     FrameReport& report);
   CandidateReport new_instance(const std::vector<std::size_t>& models);
+  /// What the frame says of the existence of every object, once all have been updated.
+  void update_existence(const FrameInput& input);
+  /// Objects that are nearer to object `j` than two objects can be.
+  std::vector<std::size_t> rivals(std::size_t j) const;
+  void find_positions();
+  /// Log of the density of clutter of a detector of the object, per image.
+  double log_clutter_intensity(std::size_t object, const ObservationSource& source) const;
+  /// Instances of a class that hardly exist are forgotten.
+  void forget_deleted();
   FrameEstimate frame_estimate(FrameReport report) const;
 
   /// When and how often an object was seen.
   struct Sightings {
     std::size_t count = 0;
     std::size_t last_frame = 0;
+    std::optional<Existence> existence = {};
+    std::optional<double> log_ratio = {};  ///< of its detections in this frame
   };
 
   TrackedObjects objects_;
@@ -115,6 +136,9 @@ class MultiObjectSlam {
   bool record_hypotheses_;
   MultiObjectFilter filter_;
   std::vector<Sightings> sightings_;
+  std::map<std::string, FieldOfView> views_;  ///< by the name of the camera
+  /// Of the objects whose existence is known, after the last frame [m].
+  std::vector<std::optional<Eigen::Vector3d>> positions_;
 };
 
 static_assert(ObjectTracker<MultiObjectSlam>);
