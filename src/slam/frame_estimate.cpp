@@ -26,6 +26,8 @@ ObjectEstimate FrameEstimate::object(std::string_view id) const {
   ObjectEstimate estimate{.world = objects[i], .relative = relative[i]};
   if (!mode_probabilities.empty()) estimate.mode_probability = mode_probabilities[i];
   if (!existences.empty()) estimate.existence = existences[i];
+  if (!healths.empty()) estimate.health = healths[i];
+  if (!register_again.empty()) estimate.register_again = register_again[i];
   if (!alternatives.empty()) estimate.alternatives = alternatives[i];
   if (!report.statuses.empty()) estimate.status = report.statuses[i];
   return estimate;

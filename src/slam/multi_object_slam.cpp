@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <iterator>
-#include <limits>
 #include <map>
 #include <string_view>
 #include <tuple>
@@ -93,7 +92,9 @@ MultiObjectSlam::MultiObjectSlam(const PoseDensity& camera, std::vector<ObjectMo
       motion_(internal::checked(motion)),
       record_hypotheses_(record_hypotheses),
       filter_(make_filter(camera, objects_.models(), settings_, motion_)),
-      sightings_(objects_.size()) {}
+      tracks_(settings_.existence, settings_.health, settings_.confirming_detections) {
+  for (const ObjectModel& model : objects_.models()) tracks_.add(model.prior.has_value());
+}
 
 FrameEstimate MultiObjectSlam::step(const FrameInput& input) {
   const bool is_first = objects_.frames() == 0;
@@ -101,8 +102,9 @@ FrameEstimate MultiObjectSlam::step(const FrameInput& input) {
   FrameReport report;
   report.candidates.assign(input.candidates.size(), {.status = CandidateStatus::dropped});
   report.observations.assign(input.observations.size(), {.status = CandidateStatus::dropped});
-  std::vector<Sighting> sightings = sightings_of(input, report);
+  std::vector<Seen> sightings = sightings_of(input, report);
   objects_.begin(input);
+  tracks_.begin(input.dt);
   const Stopwatch frame;
   if (!is_first) internal::predict(filter_, internal::camera_step(motion_, input));
 
@@ -114,7 +116,7 @@ FrameEstimate MultiObjectSlam::step(const FrameInput& input) {
   }
   update_named(sightings, report);
   update_by_class(sightings, report);
-  update_existence(input);
+  update_tracks(input);
   report.update.update_seconds = updates.seconds();
 
   FrameEstimate estimate = frame_estimate(std::move(report));
@@ -122,9 +124,9 @@ FrameEstimate MultiObjectSlam::step(const FrameInput& input) {
   return estimate;
 }
 
-std::vector<MultiObjectSlam::Sighting> MultiObjectSlam::sightings_of(const FrameInput& input,
+std::vector<MultiObjectSlam::Seen> MultiObjectSlam::sightings_of(const FrameInput& input,
                                                                      FrameReport& report) {
-  std::vector<Sighting> sightings;
+  std::vector<Seen> sightings;
   for (std::size_t i = 0; i < input.observations.size(); ++i) {
     try {
       sightings.push_back({internal::with_ordered_components(input.observations[i]),
@@ -136,7 +138,7 @@ std::vector<MultiObjectSlam::Sighting> MultiObjectSlam::sightings_of(const Frame
   for (std::size_t i = 0; i < input.candidates.size(); ++i)
     sightings.push_back({observation_of(input.candidates[i]), {}, &report.candidates[i]});
   // Linearisation makes the order matter, and that of the input may be any.
-  std::stable_sort(sightings.begin(), sightings.end(), [&](const Sighting& a, const Sighting& b) {
+  std::stable_sort(sightings.begin(), sightings.end(), [&](const Seen& a, const Seen& b) {
     return is_taken_before(a.observation, b.observation);
   });
   return sightings;
@@ -211,15 +213,10 @@ void MultiObjectSlam::update(std::size_t object, const Observation& observation,
                              const ObservationSource& source, FrameReport& report) {
   const bool known = filter_.is_known(object);
   const ObjectUpdateReport update = filter_.update(object, observation, source);
-  Sightings& seen = sightings_[object];
-  ++seen.count;
-  seen.last_frame = objects_.frames();
-  if (!seen.existence) {
-    seen.existence.emplace(settings_.existence.birth_probability);
-  } else {
-    seen.log_ratio = std::max(seen.log_ratio.value_or(-std::numeric_limits<double>::infinity()),
-                              update.log_evidence - log_clutter_intensity(object, source));
-  }
+  tracks_.detected(object, {.of_class = observation.object.empty() && !observation.class_id.empty(),
+                            .clutter_probability = update.clutter_probability,
+                            .inlier_probability = update.inlier_probability,
+                            .residual = update.residual});
   report.update.log_evidence += update.log_evidence;
   report.merges += update.merges;
   report.statuses[object] = !known                             ? DetectionStatus::started
@@ -228,8 +225,8 @@ void MultiObjectSlam::update(std::size_t object, const Observation& observation,
                                                                : DetectionStatus::used;
 }
 
-void MultiObjectSlam::update_named(std::span<Sighting> sightings, FrameReport& report) {
-  for (const Sighting& seen : sightings) {
+void MultiObjectSlam::update_named(std::span<Seen> sightings, FrameReport& report) {
+  for (const Seen& seen : sightings) {
     const std::string& id = seen.observation.object;
     if (id.empty()) continue;
     auto object = objects_.find(id);
@@ -238,7 +235,7 @@ void MultiObjectSlam::update_named(std::span<Sighting> sightings, FrameReport& r
       model.id = id;
       filter_.add_object(sensor_of(model));
       object = objects_.add(std::move(model));
-      sightings_.emplace_back();
+      tracks_.add(false);
       report.statuses.push_back(DetectionStatus::none);
     }
     const bool known = filter_.is_known(*object);
@@ -248,10 +245,10 @@ void MultiObjectSlam::update_named(std::span<Sighting> sightings, FrameReport& r
   }
 }
 
-void MultiObjectSlam::update_by_class(std::span<Sighting> sightings, FrameReport& report) {
+void MultiObjectSlam::update_by_class(std::span<Seen> sightings, FrameReport& report) {
   // Observations of one class in one image by one detector exclude each other.
-  std::map<std::tuple<std::string, std::string, std::string>, std::vector<Sighting*>> images;
-  for (Sighting& seen : sightings) {
+  std::map<std::tuple<std::string, std::string, std::string>, std::vector<Seen*>> images;
+  for (Seen& seen : sightings) {
     const Observation& o = seen.observation;
     if (o.object.empty()) images[{o.class_id, o.camera, o.detector}].push_back(&seen);
   }
@@ -262,7 +259,7 @@ void MultiObjectSlam::update_by_class(std::span<Sighting> sightings, FrameReport
   for (auto& [key, image] : images) {
     const auto models = models_of.find(std::get<0>(key));
     if (models == models_of.end()) continue;
-    std::stable_sort(image.begin(), image.end(), [](const Sighting* a, const Sighting* b) {
+    std::stable_sort(image.begin(), image.end(), [](const Seen* a, const Seen* b) {
       return a->observation.score.value_or(0.0) > b->observation.score.value_or(0.0);
     });
     update_image(models->second, image, report);
@@ -270,7 +267,7 @@ void MultiObjectSlam::update_by_class(std::span<Sighting> sightings, FrameReport
 }
 
 void MultiObjectSlam::update_image(const std::vector<std::size_t>& models,
-                                   std::span<Sighting* const> image, FrameReport& report) {
+                                   std::span<Seen* const> image, FrameReport& report) {
   // Which instance each observation is of, all at once.
   const ObservationSource& source = image.front()->source;
   std::vector<std::size_t> instances;
@@ -282,7 +279,7 @@ void MultiObjectSlam::update_image(const std::vector<std::size_t>& models,
     predicted.push_back(filter_.predicted_detection(object, *leading, source));
   }
   std::vector<Observation> of_class;
-  for (const Sighting* seen : image) of_class.push_back(seen->observation);
+  for (const Seen* seen : image) of_class.push_back(seen->observation);
   const DetectorNoise& noise = filter_.sensor(models.front(), source.detector).noise;
   const std::vector<Association> associations =
       associate_observations(predicted, of_class, noise.components().front(),
@@ -309,13 +306,11 @@ CandidateReport MultiObjectSlam::new_instance(const std::vector<std::size_t>& mo
   for (const std::size_t object : models) {
     if (!filter_.is_known(object)) return {.status = CandidateStatus::fresh, .object = object};
     if (objects_[object].prior) continue;
-    const Sightings& seen = sightings_[object];
-    if (is_confirmed(object) || seen.last_frame == objects_.frames()) continue;
-    if (!oldest || seen.last_frame < sightings_[*oldest].last_frame) oldest = object;
+    if (!tracks_.gives_way(object) || tracks_.last_frame(object) == objects_.frames()) continue;
+    if (!oldest || tracks_.last_frame(object) < tracks_.last_frame(*oldest)) oldest = object;
   }
   if (!oldest) return {.status = CandidateStatus::dropped};
-  filter_.forget(*oldest);
-  sightings_[*oldest] = {};
+  forget(*oldest);
   return {.status = CandidateStatus::fresh, .object = oldest, .recycled = true};
 }
 
@@ -337,6 +332,8 @@ FrameEstimate MultiObjectSlam::frame_estimate(FrameReport report) const {
     frame.mode_probabilities.push_back(
         frame.objects[object] ? std::optional(filter_.mode_probability(object)) : std::nullopt);
     frame.existences.push_back(existence(object));
+    frame.healths.push_back(tracks_.health(object, frame.mode_probabilities.back().value_or(0.0)));
+    frame.register_again.push_back(tracks_.should_register(object));
     if (!record_hypotheses_) continue;
     std::vector<ObjectAlternative>& alternatives = frame.alternatives.emplace_back();
     for (const HypothesisMean& hypothesis : filter_.hypothesis_means(object))

@@ -6,98 +6,135 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <optional>
 #include <vector>
 
+#include "posemix/base/error.hpp"
 #include "posemix/base/random.hpp"
 
 namespace posemix {
 namespace {
 
 const ExistenceSettings kSettings;
-constexpr double kPeriod = 0.5;
+constexpr double kPeriod = 100.0;  // so long that every image is a look of its own
 
-/// A detection at a density ratio, or none.
-using Image = std::optional<double>;
-
-/// The sum over all histories of "visible" and "hidden", and of the time of death, by brute force.
-double enumerated(const std::vector<Image>& images) {
-  const double changes = 0.5 * (1.0 - std::exp(-2.0 * kPeriod / kSettings.occlusion_time_s));
-  const double stays = std::exp(-kPeriod / kSettings.lifetime_s);
-  const auto seen = [](const Image& image, bool visible) {
-    if (!visible) return 1.0;
-    const double missed = 1.0 - kSettings.detection_probability;
-    if (!image) return missed;
-    return missed + kSettings.detection_probability * (1.0 - kSettings.confusion_probability) *
-                        std::exp(*image);
+/// With a chain that hardly changes, the posterior is that of two beta-binomial distributions.
+double beta_binomial(int detections, int images) {
+  const auto log_beta = [](double a, double b) {
+    return std::lgamma(a) + std::lgamma(b) - std::lgamma(a + b);
   };
-  const std::size_t count = images.size();
-  double alive = 0.0;
-  double dead = 1.0 - kSettings.birth_probability;
-  for (std::size_t life = 0; life <= count; ++life) {  // images that it lives to see
-    for (std::size_t history = 0; history < (std::size_t{1} << life); ++history) {
-      double weight = kSettings.birth_probability;
-      bool visible = true;
-      for (std::size_t k = 0; k < life; ++k) {
-        const bool now = ((history >> k) & 1U) == 0;
-        weight *= stays * (now == visible ? 1.0 - changes : changes) * seen(images[k], now);
-        visible = now;
-      }
-      if (life < count) {
-        dead += weight * (1.0 - stays);
-      } else {
-        alive += weight;
-      }
-    }
-  }
-  return alive / (alive + dead);
+  // The first detection, which is not counted, makes a larger by one.
+  const auto evidence = [&](const BetaDistribution& rate) {
+    return std::exp(log_beta(rate.a + 1 + detections, rate.b + images - detections) -
+                    log_beta(rate.a + 1, rate.b));
+  };
+  const double object = kSettings.birth_probability * evidence(kSettings.object_rate);
+  return object /
+         (object + (1.0 - kSettings.birth_probability) * evidence(kSettings.clutter_rate));
 }
 
-TEST(Existence, IsThatOfAnEnumerationOfAllHistories) {
+ExistenceSettings without_changes() {
+  ExistenceSettings settings;
+  settings.visible_time_s = settings.hidden_time_s = settings.lifetime_s = 1e12;
+  return settings;
+}
+
+TEST(Existence, IsThatOfUnknownRatesOfDetection) {
+  const ExistenceSettings settings = without_changes();
   RandomStream stream(3, 1);
-  for (int trial = 0; trial < 20; ++trial) {
-    Existence existence(kSettings.birth_probability);
-    std::vector<Image> images;
-    for (int k = 0; k < 9; ++k) {
-      images.push_back(stream.uniform() < 0.5 ? Image() : Image(4.0 * stream.uniform() - 2.0));
-      existence.predict(kPeriod, kSettings);
-      existence.update({.log_ratio = images.back()}, kSettings);
-      EXPECT_NEAR(existence.probability(), enumerated(images), 1e-9);
+  for (const double rate : {0.2, 0.5, 0.9}) {
+    Existence existence(settings);
+    EXPECT_NEAR(existence.probability(), settings.birth_probability, 1e-12);
+    int detections = 0;
+    for (int images = 1; images <= 20; ++images) {
+      const bool detected = stream.uniform() < rate;
+      detections += detected ? 1 : 0;
+      existence.predict(kPeriod, settings);
+      existence.update(detected ? Sighting::detected : Sighting::missed, kPeriod, settings);
+      // The rates are on a grid, and the density of clutter has a pole at zero.
+      EXPECT_NEAR(existence.probability(), beta_binomial(detections, images), 0.03)
+          << detections << " of " << images;
     }
   }
+}
+
+TEST(Existence, PredictionIsThatOfTheChain) {
+  ExistenceSettings settings;
+  settings.lifetime_s = 50.0;
+  Existence once(settings);
+  Existence often(settings);
+  once.predict(8.0, settings);
+  for (int k = 0; k < 800; ++k) often.predict(0.01, settings);
+  EXPECT_NEAR(once.probability(), often.probability(), 1e-9);
+  EXPECT_NEAR(once.visible_probability(), often.visible_probability(), 1e-9);
+  // Detailed balance, and the decay of what stays where it is.
+  const double alive = std::exp(-8.0 / 50.0);
+  EXPECT_NEAR(once.probability(), alive * settings.birth_probability, 1e-12);
+  const double balance = 30.0 / 40.0;
+  const double expected = balance + (1.0 - balance) * std::exp(-8.0 * (1.0 / 30.0 + 1.0 / 10.0));
+  EXPECT_NEAR(once.visible_probability(), alive * expected, 1e-12);
 }
 
 TEST(Existence, OfClutterIsGivenUpAndOfAnObjectConfirmed) {
-  Existence clutter(kSettings.birth_probability);
-  Existence object(kSettings.birth_probability);
-  for (int k = 0; k < 8; ++k) {
-    clutter.predict(kPeriod, kSettings);
-    clutter.update({}, kSettings);
-    object.predict(kPeriod, kSettings);
-    object.update({.log_ratio = k % 2 == 0 ? Image(6.0) : Image()}, kSettings);
+  Existence clutter(kSettings);
+  Existence object(kSettings);
+  for (int k = 0; k < 16; ++k) {
+    clutter.predict(1.0, kSettings);
+    clutter.update(k == 5 ? Sighting::detected : Sighting::missed, 1.0, kSettings);
+    object.predict(1.0, kSettings);
+    object.update(k % 4 == 3 ? Sighting::missed : Sighting::detected, 1.0, kSettings);
   }
-  EXPECT_LT(clutter.probability(), 0.3);
+  EXPECT_LT(clutter.probability(), 0.1);
   EXPECT_GT(object.probability(), kSettings.confirmed_probability);
 }
 
+TEST(Existence, OfWhatIsTakenAwayFallsWhileItShouldBeSeen) {
+  Existence existence(kSettings);
+  const auto look = [&](Sighting sighting, int images) {
+    for (int k = 0; k < images; ++k) {
+      existence.predict(1.0, kSettings);
+      existence.update(sighting, 1.0, kSettings);
+    }
+  };
+  look(Sighting::detected, 20);
+  EXPECT_GT(existence.visible_probability(), 0.95);
+  look(Sighting::missed, 10);
+  EXPECT_LT(existence.visible_probability(), 0.1);
+  EXPECT_GT(existence.probability(), 0.9) << "it may be hidden";
+  look(Sighting::missed, 190);
+  EXPECT_LT(existence.probability(), kSettings.deleted_probability);
+}
+
 TEST(Existence, StaysWhileNothingCanBeSeen) {
-  Existence existence(kSettings.birth_probability);
-  for (int k = 0; k < 3; ++k) existence.update({.log_ratio = 6.0}, kSettings);
+  Existence existence(kSettings);
+  for (int k = 0; k < 10; ++k) existence.update(Sighting::detected, 1.0, kSettings);
   const double before = existence.probability();
   for (int k = 0; k < 100; ++k) {
     existence.predict(1.0, kSettings);
-    existence.update({.in_view = false}, kSettings);
+    existence.update(Sighting::out_of_view, 1.0, kSettings);
   }
-  EXPECT_NEAR(existence.probability(), before * std::exp(-100.0 / kSettings.lifetime_s), 1e-3);
+  EXPECT_NEAR(existence.probability(), before * std::exp(-100.0 / kSettings.lifetime_s), 1e-9);
 }
 
-TEST(Existence, ADetectionOfAnotherClassAtItsPlaceIsLessForIt) {
-  Existence named(0.5);
-  Existence confused(0.5);
-  named.update({.log_ratio = 5.0}, kSettings);
-  confused.update({.log_confused = 5.0}, kSettings);
-  EXPECT_GT(confused.probability(), 0.5);
-  EXPECT_NEAR(named.odds() / confused.odds(), 9.0, 0.5);
+TEST(Existence, ImagesThatFollowEachOtherCloselyCountAsOne) {
+  Existence fast(kSettings);
+  Existence slow(kSettings);
+  for (int k = 0; k < 300; ++k) fast.update(Sighting::detected, 0.001, kSettings);
+  slow.update(Sighting::detected, 100.0, kSettings);
+  EXPECT_NEAR(fast.probability(), slow.probability(), 2e-3);
+}
+
+TEST(Existence, SettingsOutOfRangeAreRefused) {
+  const auto refused = [](auto change) {
+    ExistenceSettings settings;
+    change(settings);
+    EXPECT_THROW(Existence{settings}, InvalidInput);
+  };
+  refused([](auto& s) { s.birth_probability = 1.0; });
+  refused([](auto& s) { s.object_rate.a = 0.0; });
+  refused([](auto& s) { s.clutter_rate.b = std::nan(""); });
+  refused([](auto& s) { s.visible_time_s = 0.0; });
+  refused([](auto& s) { s.deleted_probability = 0.99; });
+  refused([](auto& s) { s.exclusion_m = -1.0; });
 }
 
 TEST(FieldOfView, IsWhereAnythingWasSeen) {

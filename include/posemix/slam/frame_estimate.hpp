@@ -13,6 +13,7 @@
 #include "posemix/base/words.hpp"
 #include "posemix/filter/gaussian_sum_filter.hpp"
 #include "posemix/slam/association.hpp"
+#include "posemix/slam/instance_tracks.hpp"
 
 /// What is known after a frame.
 namespace posemix {
@@ -83,6 +84,8 @@ struct ObjectEstimate {
   std::optional<PoseDensity> relative;          ///< T_camera_object, with the cross-covariance
   std::optional<double> mode_probability = {};  ///< that the estimate is on the right mode
   std::optional<double> existence = {};         ///< probability that there is such an object
+  TrackHealth health = TrackHealth::none;
+  bool register_again = false;  ///< lost or inconsistent for some time
   std::vector<ObjectAlternative> alternatives = {};  ///< where they are recorded
   DetectionStatus status = DetectionStatus::none;
 };
@@ -101,6 +104,10 @@ struct FrameEstimate {
   std::vector<std::optional<double>> mode_probabilities = {};
   /// Probability that the object exists, by the multi-object tracker (docs/existence.md).
   std::vector<std::optional<double>> existences = {};
+  /// State of the track of every object, by the multi-object tracker.
+  std::vector<TrackHealth> healths = {};
+  /// Whether the track is lost or inconsistent for HealthSettings::register_again_s.
+  std::vector<bool> register_again = {};
   FrameReport report = {};
   ObjectIds ids = {};
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "posemix/detector/observation.hpp"
@@ -23,6 +24,9 @@ struct FrameInput {
   /// Detections that are mixtures, for the multi-object tracker: of an object model, or of a class.
   /// Their stamps are not looked at.
   std::vector<Observation> observations = {};
+  /// Names of cameras whose images show none of the objects, next to those of observations and
+  /// candidates: what is in view and is not detected may be gone.
+  std::vector<std::string> images = {};
 };
 
 }  // namespace posemix

@@ -3,14 +3,13 @@
 #pragma once
 
 #include <cstddef>
-#include <map>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "posemix/filter/multi_object_filter.hpp"
-#include "posemix/slam/existence.hpp"
+#include "posemix/slam/instance_tracks.hpp"
 #include "posemix/slam/motion_settings.hpp"
 #include "posemix/slam/rig.hpp"
 #include "posemix/slam/tracker.hpp"
@@ -22,14 +21,15 @@ struct MultiObjectSlamSettings {
   MultiObjectSettings filter = {};       ///< has_odometry follows from the motion model
   AssociationSettings association = {};  ///< of candidates
   ExistenceSettings existence = {};      ///< of instances
+  HealthSettings health = {};            ///< of tracks
   /// Cameras on the body whose pose is estimated and whose motion is the odometry. None: there is
   /// one, which is the body. Those with a covariance are calibrated on the way.
   std::vector<BodyCamera> cameras = {};
   /// The model of objects that were not declared: an observation of an id that no model has begins
   /// one, with this noise and these symmetries. Without it such an observation is refused.
   std::optional<ObjectModel> on_sight = {};
-  /// An instance with fewer detections is tentative: its model is used again where a candidate
-  /// begins a new instance of the class and no model is free.
+  /// An instance with fewer detections is not confirmed, and its model is used again where a
+  /// candidate begins a new instance of the class and no model is free.
   std::size_t confirming_detections = 3;
 };
 
@@ -44,8 +44,8 @@ struct ObservedObject {
 ///
 /// Candidates, and observations that name a class, are associated class by class and image by image
 /// (posemix::associate), after all that names its object: those of a known instance update it;
-/// those of none take the next free model of the class, or that of the tentative instance that was
-/// not seen for longest. Satisfies ObjectTracker.
+/// those of none take the next free model of the class, or of the instances that give way that which
+/// was not seen for longest. Satisfies ObjectTracker.
 class MultiObjectSlam {
  public:
   /// `camera` is the prior of T_world_camera at the first frame. Where hypotheses are recorded, an
@@ -71,12 +71,12 @@ class MultiObjectSlam {
   /// instance takes its model.
   std::size_t detections(std::size_t object) const {
     objects_.require(object);
-    return sightings_[object].count;
+    return tracks_.detections(object);
   }
-  /// Probability that the object exists, given that no two objects are nearer than
-  /// ExistenceSettings::exclusion_m; none before its first detection, and for objects with a prior.
+  /// Probability that the object exists, whatever its mode (docs/existence.md); none before its
+  /// first detection, and one for objects with a prior.
   std::optional<double> existence(std::size_t object) const;
-  /// Whether the object exists with at least the probability `confirmed_probability`, and has
+  /// Whether it has at least the probability ExistenceSettings::confirmed_probability, and
   /// `confirming_detections`.
   bool is_confirmed(std::size_t object) const;
   const MultiObjectFilter& filter() const { return filter_; }
@@ -91,7 +91,7 @@ class MultiObjectSlam {
 
  private:
   /// An observation with where it comes from.
-  struct Sighting {
+  struct Seen {
     Observation observation;
     ObservationSource source;
     CandidateReport* report;
@@ -99,46 +99,31 @@ class MultiObjectSlam {
 
   /// What the frame has that names a class or an object, checked.
   /// @throws InvalidInput for a camera, a detector or an object that is not known
-  std::vector<Sighting> sightings_of(const FrameInput& input, FrameReport& report);
+  std::vector<Seen> sightings_of(const FrameInput& input, FrameReport& report);
   /// The order in which a frame's observations are taken: by the index of the object, then by
   /// detector, camera, class and numbers.
   bool is_taken_before(const Observation& a, const Observation& b) const;
   ObservationSource source_of(const Observation& observation) const;
   void update(std::size_t object, const Observation& observation, const ObservationSource& source,
               FrameReport& report);
-  void update_named(std::span<Sighting> sightings, FrameReport& report);
-  void update_by_class(std::span<Sighting> sightings, FrameReport& report);
-  void update_image(const std::vector<std::size_t>& models, std::span<Sighting* const> image,
+  void update_named(std::span<Seen> sightings, FrameReport& report);
+  void update_by_class(std::span<Seen> sightings, FrameReport& report);
+  void update_image(const std::vector<std::size_t>& models, std::span<Seen* const> image,
                     FrameReport& report);
   CandidateReport new_instance(const std::vector<std::size_t>& models);
-  /// What the frame says of the existence of every object, once all have been updated.
-  void update_existence(const FrameInput& input);
-  /// Objects that are nearer to object `j` than two objects can be.
-  std::vector<std::size_t> rivals(std::size_t j) const;
-  void find_positions();
-  /// Log of the density of clutter of a detector of the object, per image.
-  double log_clutter_intensity(std::size_t object, const ObservationSource& source) const;
+  /// What the images of the frame say of existence and health of every object.
+  void update_tracks(const FrameInput& input);
   /// Instances of a class that hardly exist are forgotten.
   void forget_deleted();
+  void forget(std::size_t object);
   FrameEstimate frame_estimate(FrameReport report) const;
-
-  /// When and how often an object was seen.
-  struct Sightings {
-    std::size_t count = 0;
-    std::size_t last_frame = 0;
-    std::optional<Existence> existence = {};
-    std::optional<double> log_ratio = {};  ///< of its detections in this frame
-  };
 
   TrackedObjects objects_;
   MultiObjectSlamSettings settings_;
   MotionSettings motion_;
   bool record_hypotheses_;
   MultiObjectFilter filter_;
-  std::vector<Sightings> sightings_;
-  std::map<std::string, FieldOfView> views_;  ///< by the name of the camera
-  /// Of the objects whose existence is known, after the last frame [m].
-  std::vector<std::optional<Eigen::Vector3d>> positions_;
+  InstanceTracks tracks_;
 };
 
 static_assert(ObjectTracker<MultiObjectSlam>);

@@ -145,9 +145,13 @@ std::vector<std::size_t> detections_of(const SlamRun& run, std::size_t models) {
 void count_instances(const TlessScene& scene, const std::vector<ObjectModel>& models,
                      const SlamRun& run, double match_m, Json& row) {
   const std::vector<std::size_t> detections = detections_of(run, models.size());
-  const std::size_t least = MultiObjectSlamSettings{}.confirming_detections;
-  const auto& objects = run.frames.back().objects;
-  const auto is_confirmed = [&](std::size_t m) { return objects[m] && detections[m] >= least; };
+  const MultiObjectSlamSettings settings;
+  const FrameEstimate& end = run.frames.back();
+  const auto& objects = end.objects;
+  const auto is_confirmed = [&](std::size_t m) {
+    return objects[m] && detections[m] >= settings.confirming_detections &&
+           end.existences[m].value_or(0.0) >= settings.existence.confirmed_probability;
+  };
   std::vector<bool> matched(models.size(), false);
   for (std::size_t i = 0; i < scene.classes.size(); ++i) {
     const Eigen::Vector3d truth = scene.sequence.objects[i].world_truth.back()->translation();

@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "posemix/slam/instance_tracks.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "posemix/base/range.hpp"
+#include "posemix/base/statistics.hpp"
+#include "posemix/base/units.hpp"
+
+namespace posemix {
+namespace {
+
+/// An object is expected to be detected from all directions that are nearer than this to one from
+/// which it was, and a direction nearer than the second is not a new one.
+const double kSameViewCosine = std::cos(radians(60.0));
+const double kNewViewCosine = std::cos(radians(20.0));
+
+/// Directions from which the detector sees an object that are remembered; more cover the sphere.
+constexpr std::size_t kMostViews = 64;
+
+}  // namespace
+
+void validate(const HealthSettings& settings) {
+  kUnitInterval.check(settings.mode_probability, "mode_probability");
+  NumberRange{.lowest = 1.0}.check(settings.window_detections, "window_detections");
+  kOpenUnitInterval.check(settings.band_probability, "band_probability");
+  kUnitInterval.check(settings.lost_probability, "lost_probability");
+  kNotNegative.check(settings.register_again_s, "register_again_s");
+}
+
+InstanceTracks::InstanceTracks(const ExistenceSettings& existence, const HealthSettings& health,
+                               std::size_t confirming_detections)
+    : existence_(existence), health_(health), confirming_detections_(confirming_detections) {
+  validate(existence_);
+  validate(health_);
+  band_ = chi_square_quantile(health_.band_probability, 6, "band_probability") / 6.0;
+}
+
+void InstanceTracks::add(bool is_known) { tracks_.push_back({.is_known = is_known}); }
+
+void InstanceTracks::forget(std::size_t object) {
+  tracks_[object] = {.is_known = tracks_[object].is_known};
+}
+
+void InstanceTracks::begin(double dt) {
+  ++frames_;
+  dt_ = frames_ == 1 ? 0.0 : dt;
+  for (auto& [name, look] : looks_) look.is_now = false;
+}
+
+void InstanceTracks::look(const std::string& camera, const SE3d& body_camera) {
+  Look& look = looks_[camera];
+  look.body_camera = body_camera;
+  look.is_now = true;
+}
+
+void InstanceTracks::see(const std::string& camera, const SE3d& camera_object) {
+  looks_[camera].view.add(camera_object.translation());
+}
+
+void InstanceTracks::detected(std::size_t object, const TrackedDetection& detection) {
+  Track& track = tracks_[object];
+  ++track.detections;
+  track.last_frame = frames_;
+  track.of_class = detection.of_class;
+  if (track.detections == 1) return;
+  const double keep = 1.0 - 1.0 / health_.window_detections;
+  track.weight = keep * track.weight + 1.0;
+  track.clutter = keep * track.clutter + detection.clutter_probability;
+  track.inliers = keep * track.inliers + detection.inlier_probability;
+  track.square = keep * track.square + detection.inlier_probability *
+                                           detection.residual.squaredNorm() / 6.0;
+}
+
+void InstanceTracks::end(std::span<const std::optional<SE3d>> poses) {
+  for (std::size_t j = 0; j < tracks_.size(); ++j) {
+    Track& track = tracks_[j];
+    if (!poses[j] || track.detections == 0) continue;
+    if (!track.existence) {
+      track.existence.emplace(existence_);
+      track.since_look_s = 0.0;
+    } else {
+      track.existence->predict(dt_, existence_);
+      track.since_look_s += dt_;
+      const Sighting sighting = sighting_of(track, *poses[j]);
+      track.existence->update(sighting, track.since_look_s, existence_);
+      if (sighting != Sighting::out_of_view) track.since_look_s = 0.0;
+    }
+    if (track.last_frame == frames_) learn_view(track, *poses[j]);
+    track.bad_s = is_lost(track) || is_inconsistent(track) ? track.bad_s + dt_ : 0.0;
+  }
+  weigh_rivals(poses);
+}
+
+Sighting InstanceTracks::sighting_of(const Track& track, const SE3d& body_object) const {
+  if (track.last_frame == frames_) return Sighting::detected;
+  for (const auto& [name, look] : looks_) {
+    if (!look.is_now) continue;
+    const SE3d camera_object = look.body_camera.inverse() * body_object;
+    if (!look.view.contains(camera_object.translation())) continue;
+    const Eigen::Vector3d from = camera_object.inverse().translation().normalized();
+    if (std::any_of(track.views.begin(), track.views.end(),
+                    [&](const Eigen::Vector3d& view) { return view.dot(from) > kSameViewCosine; }))
+      return Sighting::missed;
+  }
+  return Sighting::out_of_view;
+}
+
+void InstanceTracks::learn_view(Track& track, const SE3d& body_object) const {
+  for (const auto& [name, look] : looks_) {
+    if (!look.is_now || track.views.size() >= kMostViews) continue;
+    const Eigen::Vector3d from =
+        (body_object.inverse() * look.body_camera).translation().normalized();
+    if (std::none_of(track.views.begin(), track.views.end(),
+                     [&](const Eigen::Vector3d& view) { return view.dot(from) > kNewViewCosine; }))
+      track.views.push_back(from);
+  }
+}
+
+void InstanceTracks::weigh_rivals(std::span<const std::optional<SE3d>> poses) {
+  // Instances of classes by their distance from the body, so that near ones follow each other.
+  std::vector<std::size_t> order;
+  std::vector<double> range(tracks_.size(), 0.0);
+  for (std::size_t j = 0; j < tracks_.size(); ++j) {
+    Track& track = tracks_[j];
+    if (!track.existence || !poses[j]) continue;
+    track.probability = track.existence->probability();
+    range[j] = poses[j]->translation().norm();
+    if (track.of_class) order.push_back(j);
+  }
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t a, std::size_t b) { return range[a] < range[b]; });
+  // Eq. (5): of those that exclude each other, one exists at most.
+  std::vector<double> sum(tracks_.size(), 1.0);
+  for (std::size_t a = 0; a < order.size(); ++a) {
+    const std::size_t i = order[a];
+    for (std::size_t b = a + 1; b < order.size(); ++b) {
+      const std::size_t j = order[b];
+      if (range[j] - range[i] >= existence_.exclusion_m) break;
+      if ((poses[j]->translation() - poses[i]->translation()).norm() >= existence_.exclusion_m)
+        continue;
+      sum[i] += tracks_[j].existence->odds();
+      sum[j] += tracks_[i].existence->odds();
+    }
+  }
+  for (const std::size_t j : order) {
+    const double own = tracks_[j].existence->odds();
+    tracks_[j].probability = own / (own + sum[j]);
+  }
+}
+
+std::optional<double> InstanceTracks::existence(std::size_t object) const {
+  const Track& track = tracks_[object];
+  if (track.is_known) return 1.0;
+  return track.existence ? std::optional(track.probability) : std::nullopt;
+}
+
+bool InstanceTracks::is_confirmed(std::size_t object) const {
+  const Track& track = tracks_[object];
+  return track.is_known || (track.detections >= confirming_detections_ &&
+                            existence(object).value_or(0.0) >= existence_.confirmed_probability);
+}
+
+bool InstanceTracks::gives_way(std::size_t object) const {
+  const Track& track = tracks_[object];
+  return !track.is_known && track.detections < confirming_detections_;
+}
+
+bool InstanceTracks::is_deleted(std::size_t object) const {
+  const Track& track = tracks_[object];
+  // Not eq. (5): which of two rivals there is may still turn out otherwise.
+  return !track.is_known && track.of_class && track.existence &&
+         track.existence->probability() < existence_.deleted_probability;
+}
+
+bool InstanceTracks::is_lost(const Track& track) const {
+  return track.existence && track.existence->visible_probability() < health_.lost_probability;
+}
+
+bool InstanceTracks::is_inconsistent(const Track& track) const {
+  // Half of the window at least, or one gross error would be most of what was seen.
+  if (track.weight < 0.5 * health_.window_detections) return false;
+  if (track.clutter > 0.5 * track.weight) return true;
+  // Errors that follow each other are alike, so that their mean may be as large as one of them.
+  return track.inliers >= 1.0 && track.square > band_ * track.inliers;
+}
+
+TrackHealth InstanceTracks::health(std::size_t object, double mode_probability) const {
+  const Track& track = tracks_[object];
+  if (track.detections == 0 && !track.is_known) return TrackHealth::none;
+  if (is_lost(track)) return TrackHealth::lost;
+  if (is_inconsistent(track)) return TrackHealth::inconsistent;
+  if (!is_confirmed(object)) return TrackHealth::tentative;
+  return mode_probability < health_.mode_probability ? TrackHealth::ambiguous : TrackHealth::good;
+}
+
+bool InstanceTracks::should_register(std::size_t object) const {
+  const Track& track = tracks_[object];
+  return (is_lost(track) || is_inconsistent(track)) && track.bad_s >= health_.register_again_s;
+}
+
+}  // namespace posemix
