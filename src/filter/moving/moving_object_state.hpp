@@ -90,6 +90,11 @@ class MovingObjectState {
   /// of what is not estimated and the same at every pose.
   std::vector<Component<ConcentratedGaussian<SE3d>>> components(const Matrix6d& added) const;
 
+  /// The most probable hypothesis, over all models; `added` as for components.
+  ConcentratedGaussian<SE3d> leading(const Matrix6d& added) const;
+  ConcentratedGaussian<SE3d> predicted_detection(const KnownFrame& camera) const;
+  void move_world(const SE3d& by, const Matrix6d& added, const Matrix6d& constant);
+
   const ObjectSensor& sensor() const { return detector_.sensor(); }
   const MotionModels& models() const { return models_; }
   const MovingObjectSettings& settings() const { return settings_; }
@@ -161,7 +166,9 @@ class MovingObjectState {
              const KnownFrame& camera);
   Matrix6d reported_covariance(const PlacedObject& object, std::size_t model,
                                const Matrix6d& added) const;
-  PlacedObject reported(const PlacedObject& object, std::size_t model) const;
+  PlacedObject reported(const PlacedObject& object, std::size_t model, const Matrix6d& added) const;
+  /// What is reported of a hypothesis, over all models.
+  PlacedObject reported(const MovingHypothesis& hypothesis, const Matrix6d& added) const;
   /// The places of all hypotheses but one.
   std::vector<std::uint64_t> places_but(std::uint64_t own) const;
   const MovingHypothesis* leader() const;
