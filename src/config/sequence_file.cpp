@@ -229,27 +229,6 @@ void check_starts(const TomlTable& root, const SlamJob& job) {
   }
 }
 
-/// Objects that move are for the multi-object filter without smoothing, and have one detector.
-void check_motions(const TomlTable& root, const SlamJob& job, const SlamMethod& method) {
-  const auto check = [&](const TomlTable& table, const ObjectModel& model) {
-    if (!has_own_track(model.motion)) return;
-    const auto* tracker = std::get_if<MultiObjectSlamSettings>(&method.tracker);
-    if (tracker == nullptr)
-      table.fail("motion",
-                 "is for filter.method = \"multi_object\"; no other filter has objects "
-                 "that move");
-    if (method.smoothing)
-      table.fail("motion", "is for filter.smooth = \"none\"; objects that move are not smoothed");
-    const auto& settings = std::get<MultiObjectSlamSettings>(job.settings.tracker);
-    located(table, "motion",
-            [&] { MovingObjects(settings.moving, settings.frames).require_valid(model); });
-  };
-  const std::vector<TomlTable> objects = object_tables(root);
-  for (std::size_t i = 0; i < objects.size(); ++i) check(objects[i], job.models[i]);
-  if (const auto table = root.find_table("on_sight"); table && job.models.size() > objects.size())
-    check(*table, job.models.back());
-}
-
 bool is_multi_object(const SlamMethod& method) {
   return std::holds_alternative<MultiObjectSlamSettings>(method.tracker);
 }
@@ -315,7 +294,11 @@ SlamJob read_slam_job(const TomlDocument& document,
     tracker->cameras = observed.cameras;
     for (const FrameFile& frame : frames) tracker->frames.push_back(frame.name);
   }
-  check_motions(root, job, method);
+  const std::vector<TomlTable> objects = object_tables(root);
+  for (std::size_t i = 0; i < objects.size(); ++i)
+    check_motion(objects[i], job.models[i], job, method);
+  if (const auto table = root.find_table("on_sight"); table && job.models.size() > objects.size())
+    check_motion(*table, job.models.back(), job, method);
   if (const auto output = root.find_table("output")) {
     job.trace_hypotheses = static_cast<std::size_t>(
         output->get_integer_or("trace_hypotheses", kTraceHypotheses, kAtLeastZero));

@@ -107,6 +107,21 @@ MotionModels read_object_motion(const TomlTable& object, const std::vector<Frame
   return motion;
 }
 
+void check_motion(const TomlTable& object, const ObjectModel& model, const SlamJob& job,
+                  const SlamMethod& method) {
+  if (is_static(model.motion)) return;
+  if (!std::holds_alternative<MultiObjectSlamSettings>(method.tracker)) {
+    object.fail("motion",
+                "is for filter.method = \"multi_object\"; no other filter has objects that move");
+  }
+  if (method.smoothing)
+    object.fail("motion", "is for filter.smooth = \"none\"; objects that move are not smoothed");
+  if (!has_own_track(model.motion)) return;
+  const auto& settings = std::get<MultiObjectSlamSettings>(job.settings.tracker);
+  located(object, "motion",
+          [&] { MovingObjects(settings.moving, settings.frames).require_valid(model); });
+}
+
 std::vector<FrameFile> read_known_frames(const TomlTable& root, const FileFinder& files) {
   std::vector<FrameFile> frames;
   for (const TomlTable& table : root.find_tables("frames")) {

@@ -86,7 +86,7 @@ Hypothesis predict(Hypothesis hypothesis, const CameraStep& step) {
 
 void predict(MultiObjectFilter& filter, const CameraStep& step) {
   if (step.given) {
-    throw InvalidInput("motion: the model \"given\" is not there yet");  // set_camera
+    filter.set_camera(*step.given, step.dt);
   } else if (step.velocity) {
     filter.predict_constant_velocity(step.velocity->periods, step.q, step.velocity->q,
                                      step.velocity->at_rest, step.dt);

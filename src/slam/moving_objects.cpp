@@ -17,12 +17,6 @@
 namespace posemix {
 namespace {
 
-bool is_static(const MotionModels& motion) {
-  return std::ranges::all_of(motion.models, [](const ObjectMotion& model) {
-    return std::holds_alternative<StaticMotion>(model);
-  });
-}
-
 /// The covariance without what rounding makes negative.
 Matrix6d semidefinite(const Matrix6d& covariance) {
   const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(0.5 * (covariance + covariance.transpose()));
@@ -39,7 +33,21 @@ bool may_be_held_by(std::size_t frame, const MotionModels& motion) {
 
 }  // namespace
 
-bool has_own_track(const MotionModels& motion) { return !is_static(motion); }
+bool is_static(const MotionModels& motion) {
+  return std::ranges::all_of(motion.models, [](const ObjectMotion& model) {
+    return std::holds_alternative<StaticMotion>(model);
+  });
+}
+
+std::optional<PutDownMotion> put_down_of(const MotionModels& motion) {
+  if (motion.models.size() != 1) return std::nullopt;
+  const auto* put_down = std::get_if<PutDownMotion>(&motion.models.front());
+  return put_down != nullptr ? std::optional(*put_down) : std::nullopt;
+}
+
+bool has_own_track(const MotionModels& motion) {
+  return !is_static(motion) && !put_down_of(motion);
+}
 
 void require_static(const std::vector<ObjectModel>& models, const std::string& where) {
   for (const ObjectModel& model : models) {

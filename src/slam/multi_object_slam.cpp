@@ -45,6 +45,15 @@ std::size_t detector_of(const ObjectModel& object, const std::string& name) {
                                  name, fmt::join(names, ", ")));
 }
 
+/// One that moves has a place, and is never seen there.
+void add_to(MultiObjectFilter& filter, const ObjectModel& object) {
+  if (has_own_track(object.motion)) {
+    filter.add_object(sensor_of(object));
+  } else {
+    filter.add_object(sensor_of(object), object.prior, put_down_of(object.motion));
+  }
+}
+
 MultiObjectFilter make_filter(const PoseDensity& camera, const std::vector<ObjectModel>& objects,
                               const MultiObjectSlamSettings& settings,
                               const MotionSettings& motion) {
@@ -59,9 +68,7 @@ MultiObjectFilter make_filter(const PoseDensity& camera, const std::vector<Objec
     if (!one.is_exact()) made.add_camera(one.prior());
   for (const ObjectModel& object : objects) {
     try {
-      // One that moves has a place, and is never seen there.
-      made.add_object(sensor_of(object),
-                      has_own_track(object.motion) ? std::nullopt : object.prior);
+      add_to(made, object);
     } catch (const InvalidInput& error) {
       throw InvalidInput(fmt::format("object '{}': {}", object.id, error.what()));
     }
@@ -75,7 +82,11 @@ MovingObjects make_moving(const std::vector<ObjectModel>& objects,
   if (settings.on_sight && has_own_track(settings.on_sight->motion))
     moving.require_valid(*settings.on_sight);
   for (std::size_t i = 0; i < objects.size(); ++i) {
-    validate(objects[i].motion);
+    try {
+      validate(objects[i].motion);
+    } catch (const InvalidInput& error) {
+      throw InvalidInput(fmt::format("object '{}': {}", objects[i].id, error.what()));
+    }
     if (has_own_track(objects[i].motion)) moving.add(i, objects[i]);
   }
   return moving;
@@ -118,7 +129,11 @@ FrameEstimate MultiObjectSlam::step(const FrameInput& input) {
   report.observations.assign(input.observations.size(), {.status = CandidateStatus::dropped});
   std::vector<Sighting> sightings = sightings_of(input, report);
   std::optional<internal::CameraStep> moved;
-  if (!is_first) moved = internal::camera_step(motion_, input);
+  if (!is_first) {
+    moved = internal::camera_step(motion_, input);
+  } else if (motion_.model == MotionModel::given && input.camera) {
+    moved = internal::camera_step(motion_, {.camera = input.camera});
+  }
   objects_.begin(input);
   const Stopwatch frame;
   const auto before = camera_for_moving();
@@ -255,7 +270,7 @@ void MultiObjectSlam::update_named(bool moving, std::span<Sighting> sightings,
     if (!object) {
       ObjectModel model = *settings_.on_sight;
       model.id = id;
-      filter_.add_object(sensor_of(model));
+      add_to(filter_, model);
       object = add_object(std::move(model));
       report.statuses.push_back(DetectionStatus::none);
     }

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "posemix/base/units.hpp"
-#include "posemix/config/observation_sequence.hpp"
+#include "posemix/io/text.hpp"
 #include "posemix/slam/evaluation.hpp"
 #include "posemix/testing/expect.hpp"
 #include "small_sequence.hpp"
@@ -131,6 +131,19 @@ TEST_F(SequenceMotion, AMovingObjectIsTrackedAndScored) {
 TEST_F(SequenceMotion, ACameraMayBeStill) {
   SlamJob job = read_changed("noise = {per", "model = \"still\"\nnoise = {per");
   EXPECT_EQ(job.settings.motion.model, MotionModel::still);
+}
+
+TEST_F(SequenceMotion, TheCameraMayBeGiven) {
+  const std::string text = replaced(moving("{model = \"constant_velocity\"}"), "noise = {per",
+                                    "model = \"given\"\nnoise = {per");
+  small_.folder.put("odometry.txt", read_file(small_.folder.path() / "truth/0001.txt"));
+  const SlamJob job = read(text);
+  const Metrics metrics = evaluate(job, run(job));
+  EXPECT_LT(*metrics.camera.position_rmse_m, 0.005);
+  EXPECT_NE(thrown_message([&] {
+              read(replaced(text, "odometry = \"odometry.txt\"\n", ""));
+            }).find("is \"given\", but there is no file under camera.odometry"),
+            std::string::npos);
 }
 
 TEST_F(SequenceMotion, RefusesWhatIsWrong) {

@@ -1,76 +1,38 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include "posemix/slam/multi_object_slam.hpp"
+
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <string>
 #include <vector>
 
-#include "filter/moving_object_scene.hpp"
-#include "filter/multi_object_scene.hpp"
-#include "posemix/slam/run.hpp"
-#include "posemix/slam/smoothing.hpp"
-#include "posemix/slam/stamped_slam.hpp"
+#include "moving_orbit.hpp"
 #include "posemix/testing/expect.hpp"
 
 /// Objects that move beside static ones.
 namespace posemix {
 namespace {
 
+using testing::expect_same_bits;
+using testing::hand;
 using testing::isotropic;
+using testing::moving_by;
+using testing::MovingOrbit;
 using testing::nees_of;
-using testing::OrbitScene;
-using testing::plain_settings;
+using testing::plain_slam;
 using testing::pose;
 using testing::ray_noise;
 using testing::SceneNoise;
+using testing::start_near;
+using testing::static_models;
 using testing::thrown_message;
-
-MotionModels of(const ObjectMotion& motion) { return {.models = {motion}}; }
-
-const ConstantVelocityMotion kMoves{.acceleration_sds = testing::sds(0.3, 0.1), .break_rate = 0.0};
-
-/// A camera that circles two static objects and one that moves.
-struct MovingOrbit : OrbitScene {
-  explicit MovingOrbit(std::uint64_t seed)
-      : OrbitScene(seed, 2, 0.05, 1e-3), moving(seed, SceneNoise{.clutter = 0.02}.noise()) {
-    moving.truth = pose(0.3, 0.2, 0.5, 0.0, 0.15, 0.05);
-    moving.camera = camera;
-  }
-
-  SE3d next() {
-    const SE3d motion = advance();
-    moving.advance(kMoves, 0.1);
-    moving.camera = camera;
-    return motion;
-  }
-
-  testing::MovingScene moving;
-};
-
-std::vector<ObjectModel> static_models() {
-  return {{.id = "box", .noise = ray_noise()}, {.id = "mug", .noise = ray_noise()}};
-}
-
-ObjectModel hand(const MotionModels& motion = of(kMoves)) {
-  return {.id = "hand", .noise = SceneNoise{.clutter = 0.02}.noise(), .motion = motion};
-}
-
-MultiObjectSlamSettings plain() { return {.filter = plain_settings()}; }
-
-PoseDensity start(const SE3d& camera) { return {camera, isotropic(0.3, 0.005)}; }
-
-void expect_same(const PoseDensity& a, const PoseDensity& b) {
-  EXPECT_EQ(a.mean().matrix(), b.mean().matrix());
-  EXPECT_EQ(a.covariance(), b.covariance());
-}
 
 TEST(MovingSlam, AMovingObjectLeavesCameraAndStaticObjectsToTheLastBit) {
   MovingOrbit scene(1);
   std::vector<ObjectModel> models = static_models();
   models.insert(models.begin() + 1, hand());
-  MultiObjectSlam with(start(scene.camera), models);
-  MultiObjectSlam without(start(scene.camera), static_models());
+  MultiObjectSlam with(start_near(scene.camera), models);
+  MultiObjectSlam without(start_near(scene.camera), static_models());
   for (int k = 0; k < 60; ++k) {
     FrameInput input{.dt = 0.1};
     if (k > 0) input.motion = scene.next();
@@ -79,10 +41,10 @@ TEST(MovingSlam, AMovingObjectLeavesCameraAndStaticObjectsToTheLastBit) {
     const FrameEstimate a = with.step(input);
     input.detections.erase(input.detections.begin() + 1);
     const FrameEstimate b = without.step(input);
-    expect_same(a.camera, b.camera);
-    expect_same(*a.objects[0], *b.objects[0]);
-    expect_same(*a.objects[2], *b.objects[1]);
-    expect_same(*a.relative[2], *b.relative[1]);
+    expect_same_bits(a.camera, b.camera);
+    expect_same_bits(*a.objects[0], *b.objects[0]);
+    expect_same_bits(*a.objects[2], *b.objects[1]);
+    expect_same_bits(*a.relative[2], *b.relative[1]);
   }
   EXPECT_FALSE(with.pose_index(1));
   EXPECT_EQ(with.estimate().mean().size(), without.estimate().mean().size());
@@ -93,15 +55,15 @@ TEST(MovingSlam, ModelsThatAreAllStaticAreTheJointFilter) {
   MovingOrbit scene(2);
   std::vector<ObjectModel> models = static_models();
   models[0].motion.models = {StaticMotion{}, StaticMotion{}};
-  MultiObjectSlam several(start(scene.camera), models);
-  MultiObjectSlam one(start(scene.camera), static_models());
+  MultiObjectSlam several(start_near(scene.camera), models);
+  MultiObjectSlam one(start_near(scene.camera), static_models());
   for (int k = 0; k < 20; ++k) {
     FrameInput input{.dt = 0.1};
     if (k > 0) input.motion = scene.next();
     input.detections = {scene.detect(0, 0.1, 0.1), scene.detect(1, 0.1, 0.1)};
     const FrameEstimate a = several.step(input);
     const FrameEstimate b = one.step(input);
-    expect_same(*a.objects[0], *b.objects[0]);
+    expect_same_bits(*a.objects[0], *b.objects[0]);
     EXPECT_TRUE(a.motion_models[0].empty());
     EXPECT_FALSE(a.twists[0]);
   }
@@ -118,11 +80,11 @@ TEST(MovingSlam, ErrorsBeforeAMovingCameraAreAsStated) {
     models.push_back(hand());
     const SE3d stated =
         SE3d::exp(testing::draw(isotropic(0.3, 0.005), scene.stream)) * scene.camera;
-    MultiObjectSlamSettings settings = plain();
+    MultiObjectSlamSettings settings = plain_slam();
     settings.moving = testing::plain_moving_settings();
     MotionSettings motion;
     motion.noise = {scene.q, NoisePer::frame};
-    MultiObjectSlam slam(start(stated), models, settings, motion);
+    MultiObjectSlam slam(start_near(stated), models, settings, motion);
     std::optional<PoseDensity> predicted;
     for (int k = 0; k < 60; ++k) {
       FrameInput input{.dt = 0.1};
@@ -153,7 +115,7 @@ TEST(MovingSlam, ACorrectionOfTheCameraTakesTheObjectAlong) {
   const SE3d truth = pose(0.2, 0, 0.3, -0.1, 0.05, 0.0);
   std::vector<ObjectModel> models{{.id = "landmark", .noise = ray_noise()}, hand()};
   models[0].prior = ObjectPrior{PoseDensity(landmark, isotropic(0.01, 1e-4)), 1.0};
-  MultiObjectSlam slam({wrong, isotropic(5.0, 0.1)}, models, plain(),
+  MultiObjectSlam slam({wrong, isotropic(5.0, 0.1)}, models, plain_slam(),
                        {.noise = {isotropic(0.01, 1e-4)}});
   slam.step({.detections = {std::nullopt, camera.inverse() * truth}});
   const FrameEstimate after =
@@ -242,52 +204,12 @@ TEST(MovingSlam, AnObjectOnSightMayMove) {
   EXPECT_TRUE(slam.moving().has(2));
 }
 
-TEST(MovingSlam, AnAttachedObjectMovesWithItsFrame) {
-  MultiObjectSlamSettings settings;
-  settings.frames = {"gripper"};
-  MultiObjectSlam slam({testing::scene_camera(), isotropic(0.01, 1e-4)},
-                       {hand(of(AttachedMotion{}))}, settings);
-  const SE3d gripper = pose(0.1, 0.2, 0.0, 0.1, 0.0, 0.1);
-  const SE3d seen = pose(0, 0, 0, 0, 0, 0.8);
-  EXPECT_NE(
-      thrown_message([&] { slam.step({.detections = {seen}}); }).find("'gripper' had no pose"),
-      std::string::npos);
-  slam.step({.detections = {seen}, .frames = {KnownFrame{gripper}}});
-  const PoseDensity before = *slam.object_at(0, 0.0);
-  const SE3d moved = pose(0, 0, 0.3, 0.2, 0.1, 0.0);
-  const FrameEstimate now =
-      slam.step({.dt = 0.1, .motion = SE3d(), .frames = {KnownFrame{moved * gripper}}});
-  EXPECT_LT((moved * before.mean() * now.objects[0]->mean().inverse()).log().norm(), 1e-9);
-  // A frame that is not given is where it was.
-  const FrameEstimate later = slam.step({.dt = 0.1, .motion = SE3d(), .frames = {std::nullopt}});
-  EXPECT_LT((later.objects[0]->mean() * now.objects[0]->mean().inverse()).log().norm(), 1e-9);
-}
-
-TEST(MovingSlam, CamerasOfARigSeeOneObject) {
-  const SE3d left = pose(0, 0.1, 0, -0.1, 0, 0);
-  const SE3d right = pose(0, -0.1, 0, 0.1, 0, 0);
-  MultiObjectSlamSettings settings;
-  settings.cameras = {{"left", left, {}}, {"right", right, isotropic(0.5, 0.002)}};
-  const SE3d body = testing::scene_camera();
-  MultiObjectSlam slam({body, isotropic(0.1, 1e-3)}, {hand()}, settings);
-  const SE3d truth = pose(0.2, 0.1, 0, 0.05, 0, 0);
-  for (int k = 0; k < 10; ++k) {
-    const bool is_left = k % 2 == 0;
-    Observation seen = observation_of((body * (is_left ? left : right)).inverse() * truth);
-    seen.object = "hand";
-    seen.camera = is_left ? "left" : "right";
-    const FrameEstimate now = slam.step({.dt = 0.1, .motion = SE3d(), .observations = {seen}});
-    EXPECT_LT((now.objects[0]->mean() * truth.inverse()).log().norm(), 1e-3);
-    EXPECT_LT((now.relative[0]->mean() * (truth.inverse() * body)).log().norm(), 1e-3);
-  }
-}
-
 TEST(MovingSlam, ThePredictionOfAnObjectGoesOnWithIt) {
   MultiObjectSlam slam({testing::scene_camera(), isotropic(0.01, 1e-4)},
                        {hand(), {.id = "box", .noise = ray_noise()}});
   EXPECT_FALSE(slam.object_at(0, 0.1));
   const SE3d at = pose(0, 0, 0, 0, 0, 0.8);
-  FrameEstimate now{.camera = start(at), .objects = {}, .relative = {}, .pose_indices = {}};
+  FrameEstimate now{.camera = start_near(at), .objects = {}, .relative = {}, .pose_indices = {}};
   for (int k = 0; k < 30; ++k)
     now = slam.step({.dt = 0.1,
                      .motion = SE3d(),
@@ -298,100 +220,12 @@ TEST(MovingSlam, ThePredictionOfAnObjectGoesOnWithIt) {
   const PoseDensity later = *slam.object_at(0, 0.5);
   EXPECT_NEAR(later.mean().translation().x() - now.objects[0]->mean().translation().x(), 0.1, 0.02);
   EXPECT_GT(later.covariance().trace(), 2.0 * now.objects[0]->covariance().trace());
-  expect_same(*slam.object_at(0, 0.0), *now.objects[0]);
-  expect_same(*slam.object_at(1, 0.5), *now.objects[1]);
+  expect_same_bits(*slam.object_at(0, 0.0), *now.objects[0]);
+  expect_same_bits(*slam.object_at(1, 0.5), *now.objects[1]);
   EXPECT_NE(thrown_message([&] { (void)slam.object_at(0, -1.0); }).find("dt is -1"),
             std::string::npos);
   EXPECT_NE(thrown_message([&] { (void)slam.object_at(2, 0.1); }).find("there is no object 2"),
             std::string::npos);
-}
-
-TEST(MovingSlam, StampedInputInAnyOrderGivesTheSameBits) {
-  struct Input {
-    double stamp_s;
-    std::optional<SE3d> odometry;
-    Observation observation = {};
-  };
-  RandomStream stream(3, 1);
-  std::vector<Input> inputs;
-  const auto body_at = [](double t) {
-    return SE3d::exp(t * (Vector6d() << 0.0, 0.1, 0.2, 0.1, 0.0, 0.05).finished());
-  };
-  for (int k = 0; k <= 60; ++k) {
-    const double t = 0.05 * k;
-    inputs.push_back({t, body_at(t)});
-    for (const char* id : {"box", "hand"}) {
-      const SE3d truth = pose(0.2, 0.1, 0.4, id[0] == 'b' ? 0.3 : 0.1 * t, 0.1, 1.0);
-      Observation seen = observation_of(body_at(t + 0.01).inverse() * truth *
-                                        SE3d::exp(testing::draw(isotropic(1.0, 0.005), stream)));
-      seen.object = id;
-      seen.stamp_s = t + 0.01;
-      if (k < 60) inputs.push_back({t + 0.01, std::nullopt, seen});
-    }
-  }
-  const auto result = [&](std::vector<Input> given) {
-    StampedSlam slam({SE3d(), isotropic(0.1, 0.001)}, {{.id = "box"}, hand(calm_and_agile())});
-    for (const Input& input : given) {
-      if (input.odometry) {
-        slam.add_odometry(input.stamp_s, *input.odometry);
-      } else {
-        slam.add(input.observation);
-      }
-      slam.estimate();
-    }
-    return slam.finish()->estimate;
-  };
-  const FrameEstimate expected = result(inputs);
-  for (std::size_t k = 0; k + 8 < inputs.size(); k += 8)
-    std::reverse(inputs.begin() + static_cast<std::ptrdiff_t>(k),
-                 inputs.begin() + static_cast<std::ptrdiff_t>(k + 8));
-  const FrameEstimate late = result(inputs);
-  expect_same(late.camera, expected.camera);
-  expect_same(*late.objects[1], *expected.objects[1]);
-  EXPECT_EQ(late.motion_models, expected.motion_models);
-  EXPECT_EQ(late.twists[1]->mean, expected.twists[1]->mean);
-}
-
-TEST(MovingSlam, RefusesWhatItCannotDo) {
-  const auto message = [](const ObjectModel& model, const MultiObjectSlamSettings& settings = {}) {
-    return thrown_message([&] {
-      MultiObjectSlam({SE3d(), isotropic(1.0, 0.01)}, {model}, settings);
-    });
-  };
-  ObjectModel model = hand();
-  model.detectors = {{"a", ray_noise()}};
-  EXPECT_NE(message(model).find("object 'hand': it moves and has 2 noise models"),
-            std::string::npos);
-  model = hand();
-  model.prior = ObjectPrior{start(SE3d())};
-  EXPECT_NE(message(model).find("object 'hand': it moves and has a prior"), std::string::npos);
-  EXPECT_NE(message(hand(of(AttachedMotion{.frame = 1})), {.frames = {"arm"}})
-                .find("object 'hand': it may be held by frame 1"),
-            std::string::npos);
-  EXPECT_NE(message(hand({.models = {}})).find("no motion model"), std::string::npos);
-  EXPECT_NE(message(hand(of(RandomWalkMotion{.break_rate = -1.0}))).find("object 'hand': "),
-            std::string::npos);
-  MultiObjectSlamSettings on_sight;
-  on_sight.on_sight = hand();
-  on_sight.on_sight->detectors = {{"a", ray_noise()}};
-  EXPECT_NE(message({.id = "box"}, on_sight).find("2 noise models"), std::string::npos);
-
-  const PoseDensity camera(SE3d(), isotropic(1.0, 0.01));
-  for (const TrackerSettings& tracker :
-       {TrackerSettings(GaussianSumSettings()), TrackerSettings(ParticleFilterSettings())}) {
-    EXPECT_NE(thrown_message([&] {
-                ObjectSlam(camera, {hand()}, {.tracker = tracker});
-              }).find("object 'hand' moves by the model 'constant_velocity'"),
-              std::string::npos);
-  }
-  EXPECT_NE(thrown_message([&] {
-              FixedLagSmoother(camera, {hand()}, {}, {.lag_frames = 2});
-            }).find("smoothing: object 'hand' moves"),
-            std::string::npos);
-  MultiObjectSlam slam(camera, {hand()});
-  EXPECT_NE(
-      thrown_message([&] { slam.step({.frames = {KnownFrame{}}}); }).find("1 poses of frames"),
-      std::string::npos);
 }
 
 }  // namespace

@@ -110,7 +110,7 @@ struct FrameEstimate {
   FrameReport report = {};
   ObjectIds ids = {};
   /// Probability of each of its models of motion, by the multi-object tracker; empty for objects
-  /// that stand still or were not seen so far.
+  /// of the joint Gaussian, and those that were not seen so far.
   std::vector<std::vector<double>> motion_models = {};
   /// Of the same objects, at the most probable place.
   std::vector<std::optional<ObjectTwist>> twists = {};

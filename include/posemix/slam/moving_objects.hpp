@@ -79,8 +79,15 @@ class MovingObjects {
   double time_s_ = 0.0;
 };
 
+/// Whether all models are static.
+bool is_static(const MotionModels& motion);
+
+/// The model of an object that only stands still until it is put down elsewhere, which is part of
+/// the joint Gaussian; none for all others.
+std::optional<PutDownMotion> put_down_of(const MotionModels& motion);
+
 /// Whether the object has a track of its own in MultiObjectSlam: not where all its models are
-/// static.
+/// static, and not where it is put down elsewhere.
 bool has_own_track(const MotionModels& motion);
 
 /// @throws InvalidInput naming the first object with another motion than a static one

@@ -35,8 +35,8 @@ struct ObjectModel {
   std::map<std::string, DetectorNoise> detectors = {};
   /// Where the object is known to be, for the multi-object filter.
   std::optional<ObjectPrior> prior = {};
-  /// How the object moves, for the multi-object filter. One that is not static is tracked for
-  /// itself and tells nothing of the camera (docs/moving-objects.md).
+  /// How the object moves, for the multi-object filter. One that neither stands still nor is put
+  /// down elsewhere is tracked for itself and tells nothing of the camera (docs/moving-objects.md).
   MotionModels motion = {};
 };
 
