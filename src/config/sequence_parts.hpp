@@ -277,6 +277,8 @@ SymmetryGroup read_object_symmetries(const TomlTable& object, const FileFinder& 
 
 /// Reads the keys of the multi-object filter; without a key its value in `settings` is kept.
 MultiObjectSettings read_multi_object(const TomlTable& filter, MultiObjectSettings settings);
+/// Reads the table `moving` of the multi-object filter.
+MovingObjectSettings read_moving_objects(const TomlTable& filter);
 /// Reads the table `association` into the settings, if there is one.
 void read_association(const TomlTable& root, MultiObjectSlamSettings& settings);
 /// The method in the table `filter`, with the settings that the table changes.

@@ -133,6 +133,15 @@ TEST_F(SequenceMotion, ACameraMayBeStill) {
   EXPECT_EQ(job.settings.motion.model, MotionModel::still);
 }
 
+TEST_F(SequenceMotion, TheFilterOfMovingObjectsHasSettings) {
+  const SlamJob job = read(moving("{model = \"random_walk\"}") +
+                           "[filter.moving]\nlost_rate = 0.01\nmax_hypotheses = 3\n");
+  const auto& settings = std::get<MultiObjectSlamSettings>(job.settings.tracker).moving;
+  EXPECT_EQ(settings.lost_rate, 0.01);
+  EXPECT_EQ(settings.max_hypotheses, 3U);
+  EXPECT_EQ(settings.turned_clutter, MovingObjectSettings().turned_clutter);
+}
+
 TEST_F(SequenceMotion, TheCameraMayBeGiven) {
   const std::string text = replaced(moving("{model = \"constant_velocity\"}"), "noise = {per",
                                     "model = \"given\"\nnoise = {per");
