@@ -35,6 +35,7 @@ GaussianSumSlam::GaussianSumSlam(const PoseDensity& camera, std::vector<ObjectMo
       counts_(objects_.size()),
       estimate_(filter_.summarise()) {
   require_static(objects_.models(), "the Gaussian-sum filter");
+  internal::require_not_given(motion_, "the Gaussian-sum filter");
 }
 
 FrameEstimate GaussianSumSlam::step(const FrameInput& input) {

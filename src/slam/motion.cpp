@@ -40,6 +40,13 @@ const MotionSettings& checked(const MotionSettings& motion) {
   return motion;
 }
 
+void require_not_given(const MotionSettings& motion, const char* where) {
+  if (motion.model != MotionModel::given) return;
+  throw InvalidInput(fmt::format(
+      "{}: the motion model is \"given\", which is for the multi-object filter without smoothing",
+      where));
+}
+
 CameraStep camera_step(const MotionSettings& motion, const FrameInput& input) {
   CameraStep step{.dt = input.dt, .odometry = {}, .q = motion.noise.over(input.dt), .velocity = {}};
   switch (motion.model) {

@@ -40,6 +40,9 @@ void check_noise(const ProcessNoise& noise, const char* name);
 /// @throws InvalidInput when the period is not positive and finite, or as `check_noise`
 const MotionSettings& checked(const MotionSettings& motion);
 
+/// @throws InvalidInput for a model in which the camera is given, which `where` does not have
+void require_not_given(const MotionSettings& motion, const char* where);
+
 /// The step of one frame by its motion model; a frame without odometry is one of unknown motion.
 /// @throws InvalidInput when dt is so long that the noise is not finite
 CameraStep camera_step(const MotionSettings& motion, const FrameInput& input);

@@ -60,6 +60,7 @@ ParticleSlam::ParticleSlam(const PoseDensity& camera, std::vector<ObjectModel> o
       counts_(objects_.size()),
       estimate_(internal::camera_hypothesis(camera, motion)) {
   require_static(objects_.models(), "the particle filter");
+  internal::require_not_given(motion, "the particle filter");
 }
 
 ParticleSlam::ParticleSlam(const ParticleSlam& other)

@@ -188,6 +188,10 @@ TEST(MovingSlam, RefusesWhatItCannotDo) {
               std::string::npos);
   }
   EXPECT_NE(thrown_message([&] {
+              GaussianSumSlam(camera, {{.id = "box"}}, {}, {.model = MotionModel::given});
+            }).find("the motion model is \"given\""),
+            std::string::npos);
+  EXPECT_NE(thrown_message([&] {
               FixedLagSmoother(camera, {hand()}, {}, {.lag_frames = 2});
             }).find("smoothing: object 'hand' moves"),
             std::string::npos);
