@@ -139,6 +139,7 @@ SlamMethod read_filter(const TomlTable& root) {
   if (!filter) return method;
   if (tracker != nullptr) {
     tracker->filter = read_multi_object(*filter, tracker->filter);
+    tracker->moving = read_moving_objects(*filter);
     method.smoothing = read_smoothing(*filter, method.smoothing);
   } else {
     refuse_smoothing(*filter);

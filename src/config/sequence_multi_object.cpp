@@ -32,6 +32,34 @@ MultiObjectSettings read_multi_object(const TomlTable& filter, MultiObjectSettin
   return s;
 }
 
+MovingObjectSettings read_moving_objects(const TomlTable& filter) {
+  constexpr IntegerRange kHypotheses{.lowest = 1, .highest = 100000};
+  MovingObjectSettings s;
+  const auto table = filter.find_table("moving");
+  if (!table) return s;
+  const auto number = [&](std::string_view key, double& value, const NumberRange& range) {
+    value = table->get_double_or(key, value, range);
+  };
+  s.max_hypotheses = static_cast<std::size_t>(table->get_integer_or(
+      "max_hypotheses", static_cast<std::int64_t>(s.max_hypotheses), kHypotheses));
+  number("explained_probability", s.explained_probability, kOpenUnitInterval);
+  number("default_clutter", s.default_clutter, kOpenUnitInterval);
+  number("isolated_clutter", s.isolated_clutter, kUnitInterval);
+  number("recurring_clutter", s.recurring_clutter, kUnitInterval);
+  number("turned_clutter", s.turned_clutter, {.lowest = 0, .highest = 1, .without_highest = true});
+  number("lost_rate", s.lost_rate, kNotNegative);
+  s.merge_rotation_rad = radians(table->get_double_or(
+      "merge_rotation_deg", degrees(s.merge_rotation_rad), {.lowest = 0, .highest = 180}));
+  number("merge_translation_m", s.merge_translation_m, kNotNegative);
+  number("merge_probability", s.merge_probability, kOpenUnitInterval);
+  number("noise_scale_detections", s.noise_scale_detections,
+         {.lowest = 0, .without_lowest = true, .with_infinity = true});
+  number("least_noise_scale", s.least_noise_scale,
+         {.lowest = 0, .highest = 1, .without_lowest = true});
+  number("slow_error_gain", s.slow_error_gain, kUnitInterval);
+  return s;
+}
+
 void read_association(const TomlTable& root, MultiObjectSlamSettings& settings) {
   constexpr IntegerRange kDetections{.lowest = 0, .highest = 1000000};
   const auto table = root.find_table("association");

@@ -28,6 +28,8 @@ struct CameraStep {
                                  ///< velocity
   Matrix6d q;                    ///< noise of the camera's pose
   std::optional<Velocity> velocity;
+  /// The camera's pose, where it is given.
+  std::optional<PoseDensity> given = {};
 };
 
 /// @throws InvalidInput naming the noise when it is not symmetric, not finite or has a negative
@@ -37,6 +39,9 @@ void check_noise(const ProcessNoise& noise, const char* name);
 /// The settings as they are given.
 /// @throws InvalidInput when the period is not positive and finite, or as `check_noise`
 const MotionSettings& checked(const MotionSettings& motion);
+
+/// @throws InvalidInput for a model in which the camera is given, which `where` does not have
+void require_not_given(const MotionSettings& motion, const char* where);
 
 /// The step of one frame by its motion model; a frame without odometry is one of unknown motion.
 /// @throws InvalidInput when dt is so long that the noise is not finite

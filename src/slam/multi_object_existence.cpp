@@ -15,7 +15,7 @@ bool MultiObjectSlam::is_confirmed(std::size_t object) const {
   return tracks_.is_confirmed(object);
 }
 
-void MultiObjectSlam::update_tracks(const FrameInput& input) {
+void MultiObjectSlam::update_tracks(const FrameInput& input, FrameEstimate& frame) {
   const auto look = [&](const std::string& camera) {
     tracks_.look(camera, pose_on_body(settings_.cameras, camera));
   };
@@ -33,20 +33,19 @@ void MultiObjectSlam::update_tracks(const FrameInput& input) {
       tracks_.see(observation.camera, one.pose);
 
   std::vector<std::optional<SE3d>> poses;
-  for (const auto& one : filter_.leading_estimates())
-    poses.push_back(one ? std::optional(one->relative.mean()) : std::nullopt);
+  for (const auto& relative : frame.relative)
+    poses.push_back(relative ? std::optional(relative->mean()) : std::nullopt);
   tracks_.end(poses);
-  forget_deleted();
+  for (std::size_t object = 0; object < objects_.size(); ++object) {
+    frame.existences.push_back(tracks_.existence(object));
+    frame.healths.push_back(tracks_.health(object, frame.mode_probabilities[object].value_or(0.0)));
+    frame.register_again.push_back(tracks_.should_register(object));
+  }
 }
 
 void MultiObjectSlam::forget_deleted() {
   for (std::size_t object = 0; object < objects_.size(); ++object)
     if (tracks_.is_deleted(object)) forget(object);
-}
-
-void MultiObjectSlam::forget(std::size_t object) {
-  filter_.forget(object);
-  tracks_.forget(object);
 }
 
 }  // namespace posemix

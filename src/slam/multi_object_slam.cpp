@@ -45,6 +45,15 @@ std::size_t detector_of(const ObjectModel& object, const std::string& name) {
                                  name, fmt::join(names, ", ")));
 }
 
+/// One that moves has a place, and is never seen there.
+void add_to(MultiObjectFilter& filter, const ObjectModel& object) {
+  if (has_own_track(object.motion)) {
+    filter.add_object(sensor_of(object));
+  } else {
+    filter.add_object(sensor_of(object), object.prior, put_down_of(object.motion));
+  }
+}
+
 MultiObjectFilter make_filter(const PoseDensity& camera, const std::vector<ObjectModel>& objects,
                               const MultiObjectSlamSettings& settings,
                               const MotionSettings& motion) {
@@ -52,19 +61,35 @@ MultiObjectFilter make_filter(const PoseDensity& camera, const std::vector<Objec
   require_valid(settings.cameras);
   if (settings.on_sight) sensor_of(*settings.on_sight);
   MultiObjectSettings filter = settings.filter;
-  filter.has_odometry = motion.model == MotionModel::odometry;
+  filter.has_odometry = motion.model == MotionModel::odometry || motion.model == MotionModel::still;
   MultiObjectFilter made(camera, {}, filter);
   // The cameras before all objects.
   for (const BodyCamera& one : settings.cameras)
     if (!one.is_exact()) made.add_camera(one.prior());
   for (const ObjectModel& object : objects) {
     try {
-      made.add_object(sensor_of(object), object.prior);
+      add_to(made, object);
     } catch (const InvalidInput& error) {
       throw InvalidInput(fmt::format("object '{}': {}", object.id, error.what()));
     }
   }
   return made;
+}
+
+MovingObjects make_moving(const std::vector<ObjectModel>& objects,
+                          const MultiObjectSlamSettings& settings) {
+  MovingObjects moving(settings.moving, settings.frames);
+  if (settings.on_sight && has_own_track(settings.on_sight->motion))
+    moving.require_valid(*settings.on_sight);
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    try {
+      validate(objects[i].motion);
+    } catch (const InvalidInput& error) {
+      throw InvalidInput(fmt::format("object '{}': {}", objects[i].id, error.what()));
+    }
+    if (has_own_track(objects[i].motion)) moving.add(i, objects[i]);
+  }
+  return moving;
 }
 
 /// Index among the cameras that are not exact, for one that is not.
@@ -73,13 +98,6 @@ std::optional<std::size_t> extrinsic_of(const std::vector<BodyCamera>& cameras, 
   const auto end = cameras.begin() + static_cast<std::ptrdiff_t>(index);
   return static_cast<std::size_t>(
       std::count_if(cameras.begin(), end, [](const auto& camera) { return !camera.is_exact(); }));
-}
-
-/// An observation of one pose as the equivalent pose that is nearest to its instance.
-Observation as_associated(Observation observation, const Association& association) {
-  if (observation.components.size() == 1)
-    observation.components.front().pose = association.camera_object;
-  return observation;
 }
 
 }  // namespace
@@ -92,34 +110,57 @@ MultiObjectSlam::MultiObjectSlam(const PoseDensity& camera, std::vector<ObjectMo
       motion_(internal::checked(motion)),
       record_hypotheses_(record_hypotheses),
       filter_(make_filter(camera, objects_.models(), settings_, motion_)),
+      moving_(make_moving(objects_.models(), settings_)),
       tracks_(settings_.existence, settings_.health, settings_.confirming_detections) {
   for (const ObjectModel& model : objects_.models()) tracks_.add(model.prior.has_value());
+}
+
+std::size_t MultiObjectSlam::add_object(ObjectModel model) {
+  add_to(filter_, model);
+  tracks_.add(model.prior.has_value());
+  if (has_own_track(model.motion)) moving_.add(objects_.size(), model);
+  return objects_.add(std::move(model));
 }
 
 FrameEstimate MultiObjectSlam::step(const FrameInput& input) {
   const bool is_first = objects_.frames() == 0;
   objects_.check(input);
+  moving_.check(input);
   FrameReport report;
   report.candidates.assign(input.candidates.size(), {.status = CandidateStatus::dropped});
   report.observations.assign(input.observations.size(), {.status = CandidateStatus::dropped});
   std::vector<Seen> sightings = sightings_of(input, report);
+  std::optional<internal::CameraStep> moved;
+  if (!is_first) {
+    moved = internal::camera_step(motion_, input);
+  } else if (motion_.model == MotionModel::given && input.camera) {
+    moved = internal::camera_step(motion_, {.camera = input.camera});
+  }
   objects_.begin(input);
+  forget_deleted();
   tracks_.begin(input.dt);
   const Stopwatch frame;
-  if (!is_first) internal::predict(filter_, internal::camera_step(motion_, input));
+  const auto before = camera_for_moving();
+  if (moved) internal::predict(filter_, *moved);
+  const auto predicted = camera_for_moving();
+  moving_.begin(is_first ? 0.0 : input.dt, input.frames);
 
   report.statuses.assign(objects_.size(), DetectionStatus::none);
   const Stopwatch updates;
-  for (std::size_t object = 0; object < input.detections.size(); ++object) {
-    if (input.detections[object])
-      update(object, observation_of(*input.detections[object]), {}, report);
+  // What moves is seen from the camera as it is known from what does not.
+  for (const bool moving : {false, true}) {
+    if (moving && before) moving_.follow(*before, *predicted, filter_.camera());
+    for (std::size_t object = 0; object < input.detections.size(); ++object) {
+      if (input.detections[object] && moving_.has(object) == moving)
+        update(object, observation_of(*input.detections[object]), {}, report);
+    }
+    update_named(moving, sightings, report);
+    update_by_class(moving, sightings, report);
   }
-  update_named(sightings, report);
-  update_by_class(sightings, report);
-  update_tracks(input);
   report.update.update_seconds = updates.seconds();
 
   FrameEstimate estimate = frame_estimate(std::move(report));
+  update_tracks(input, estimate);
   estimate.report.seconds = frame.seconds();
   return estimate;
 }
@@ -211,8 +252,8 @@ ObservationSource MultiObjectSlam::source_of(const Observation& observation) con
 
 void MultiObjectSlam::update(std::size_t object, const Observation& observation,
                              const ObservationSource& source, FrameReport& report) {
-  const bool known = filter_.is_known(object);
-  const ObjectUpdateReport update = filter_.update(object, observation, source);
+  const bool known = is_known(object);
+  const ObjectUpdateReport update = update_filter(object, observation, source);
   tracks_.detected(object, {.of_class = observation.object.empty() && !observation.class_id.empty(),
                             .clutter_probability = update.clutter_probability,
                             .inlier_probability = update.inlier_probability,
@@ -223,95 +264,6 @@ void MultiObjectSlam::update(std::size_t object, const Observation& observation,
                             : update.started                   ? DetectionStatus::birth
                             : update.clutter_probability > 0.5 ? DetectionStatus::doubted
                                                                : DetectionStatus::used;
-}
-
-void MultiObjectSlam::update_named(std::span<Seen> sightings, FrameReport& report) {
-  for (const Seen& seen : sightings) {
-    const std::string& id = seen.observation.object;
-    if (id.empty()) continue;
-    auto object = objects_.find(id);
-    if (!object) {
-      ObjectModel model = *settings_.on_sight;
-      model.id = id;
-      filter_.add_object(sensor_of(model));
-      object = objects_.add(std::move(model));
-      tracks_.add(false);
-      report.statuses.push_back(DetectionStatus::none);
-    }
-    const bool known = filter_.is_known(*object);
-    *seen.report = {.status = known ? CandidateStatus::assigned : CandidateStatus::fresh,
-                    .object = object};
-    update(*object, seen.observation, seen.source, report);
-  }
-}
-
-void MultiObjectSlam::update_by_class(std::span<Seen> sightings, FrameReport& report) {
-  // Observations of one class in one image by one detector exclude each other.
-  std::map<std::tuple<std::string, std::string, std::string>, std::vector<Seen*>> images;
-  for (Seen& seen : sightings) {
-    const Observation& o = seen.observation;
-    if (o.object.empty()) images[{o.class_id, o.camera, o.detector}].push_back(&seen);
-  }
-  if (images.empty()) return;
-  std::map<std::string, std::vector<std::size_t>> models_of;
-  for (std::size_t object = 0; object < objects_.size(); ++object)
-    models_of[class_of(objects_[object])].push_back(object);
-  for (auto& [key, image] : images) {
-    const auto models = models_of.find(std::get<0>(key));
-    if (models == models_of.end()) continue;
-    std::stable_sort(image.begin(), image.end(), [](const Seen* a, const Seen* b) {
-      return a->observation.score.value_or(0.0) > b->observation.score.value_or(0.0);
-    });
-    update_image(models->second, image, report);
-  }
-}
-
-void MultiObjectSlam::update_image(const std::vector<std::size_t>& models,
-                                   std::span<Seen* const> image, FrameReport& report) {
-  // Which instance each observation is of, all at once.
-  const ObservationSource& source = image.front()->source;
-  std::vector<std::size_t> instances;
-  std::vector<PoseDensity> predicted;
-  for (const std::size_t object : models) {
-    const auto leading = filter_.leading(object);
-    if (!leading) continue;
-    instances.push_back(object);
-    predicted.push_back(filter_.predicted_detection(object, *leading, source));
-  }
-  std::vector<Observation> of_class;
-  for (const Seen* seen : image) of_class.push_back(seen->observation);
-  const DetectorNoise& noise = filter_.sensor(models.front(), source.detector).noise;
-  const std::vector<Association> associations =
-      associate_observations(predicted, of_class, noise.components().front(),
-                             objects_[models.front()].symmetries, settings_.association);
-
-  // The known before the new: a model that was seen in this frame is not used again.
-  for (std::size_t i = 0; i < image.size(); ++i) {
-    CandidateReport& candidate = *image[i]->report;
-    candidate.status = associations[i].status;
-    if (candidate.status != CandidateStatus::assigned) continue;
-    candidate.object = instances[associations[i].instance];
-    update(*candidate.object, as_associated(of_class[i], associations[i]), source, report);
-  }
-  for (std::size_t i = 0; i < image.size(); ++i) {
-    CandidateReport& candidate = *image[i]->report;
-    if (candidate.status != CandidateStatus::fresh) continue;
-    candidate = new_instance(models);
-    if (candidate.object) update(*candidate.object, of_class[i], source, report);
-  }
-}
-
-CandidateReport MultiObjectSlam::new_instance(const std::vector<std::size_t>& models) {
-  std::optional<std::size_t> oldest;
-  for (const std::size_t object : models) {
-    if (!filter_.is_known(object)) return {.status = CandidateStatus::fresh, .object = object};
-    if (objects_[object].prior) continue;
-    if (!tracks_.gives_way(object) || tracks_.last_frame(object) == objects_.frames()) continue;
-    if (!oldest || tracks_.last_frame(object) < tracks_.last_frame(*oldest)) oldest = object;
-  }
-  if (!oldest) return {.status = CandidateStatus::dropped};
-  forget(*oldest);
-  return {.status = CandidateStatus::fresh, .object = oldest, .recycled = true};
 }
 
 FrameEstimate MultiObjectSlam::frame_estimate(FrameReport report) const {
@@ -331,14 +283,12 @@ FrameEstimate MultiObjectSlam::frame_estimate(FrameReport report) const {
   for (std::size_t object = 0; object < objects_.size(); ++object) {
     frame.mode_probabilities.push_back(
         frame.objects[object] ? std::optional(filter_.mode_probability(object)) : std::nullopt);
-    frame.existences.push_back(existence(object));
-    frame.healths.push_back(tracks_.health(object, frame.mode_probabilities.back().value_or(0.0)));
-    frame.register_again.push_back(tracks_.should_register(object));
     if (!record_hypotheses_) continue;
     std::vector<ObjectAlternative>& alternatives = frame.alternatives.emplace_back();
     for (const HypothesisMean& hypothesis : filter_.hypothesis_means(object))
       alternatives.push_back({hypothesis.probability, hypothesis.pose, hypothesis.id});
   }
+  report_moving(frame);
   return frame;
 }
 

@@ -9,6 +9,7 @@
 
 #include "posemix/base/stopwatch.hpp"
 #include "slam/frames.hpp"
+#include "slam/motion.hpp"
 #include "slam/smoothing_window.hpp"
 
 namespace posemix {
@@ -41,6 +42,8 @@ FixedLagSmoother::FixedLagSmoother(const PoseDensity& camera, std::vector<Object
       record_hypotheses_(record_hypotheses),
       slam_(camera, std::move(objects), settings),
       before_(smoothed_filter(slam_)) {
+  require_static(slam_.objects(), "smoothing");
+  require_not_given(motion_, "smoothing");
   require(smoothing.passes > 0, "smoothing: passes is 0, expected at least 1");
   require(!std::get<MultiObjectSlamSettings>(settings.tracker).on_sight,
           "smoothing: objects begin on sight, expected models of all objects");

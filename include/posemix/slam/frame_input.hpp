@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "posemix/detector/observation.hpp"
+#include "posemix/filter/moving_object_filter.hpp"
 #include "posemix/lie/lie.hpp"
 #include "posemix/slam/candidate.hpp"
 
@@ -27,6 +28,11 @@ struct FrameInput {
   /// Names of cameras whose images show none of the objects, next to those of observations and
   /// candidates: what is in view and is not detected may be gone.
   std::vector<std::string> images = {};
+  /// T_world_camera as it is given, for MotionModel::given; elsewhere it is not looked at.
+  std::optional<SE3d> camera = {};
+  /// T_world_frame of the frames that may hold objects, in the order of
+  /// MultiObjectSlamSettings::frames, or none at all. One that is not given is where it was.
+  std::vector<std::optional<KnownFrame>> frames = {};
 };
 
 }  // namespace posemix
