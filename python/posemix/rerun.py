@@ -9,13 +9,14 @@ entity of the world, not below that of x. Lengths are in metres.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from posemix._arrays import FloatArray, as_floats
+from posemix._core import SlamRun, TrackHealth
 from posemix._peers import peer
 from posemix.density import ConcentratedGaussian
 from posemix.lie import SE3
@@ -24,7 +25,8 @@ from posemix.plot.space import position_covariance
 from posemix.plot.style import PALETTE
 
 __all__ = [
-    "log_ellipsoid", "log_hypotheses", "log_pose", "log_scalars", "log_trajectory", "log_tracking", "set_time",
+    "log_ellipsoid", "log_hypotheses", "log_pose", "log_run", "log_scalars", "log_state", "log_trajectory",
+    "log_tracking", "set_time",
 ]  # fmt: skip
 
 TIMELINE = "time"
@@ -214,9 +216,12 @@ def log_tracking(
     *,
     colour: str = PALETTE[0],
     sigmas: float = 3.0,
+    trail_s: float | None = None,
     recording: Any = None,
 ) -> None:
     """Logs an estimate over time: PATH/pose and PATH/ellipsoid at every time, and the path as PATH/way.
+
+    Times without an estimate (NaN) are left out.
 
     Parameters
     ----------
@@ -232,16 +237,110 @@ def log_tracking(
         Colour, such as "#0072B2".
     sigmas : float
         Half axes of the ellipsoids in standard deviations.
+    trail_s : float, optional
+        The path at every time is that of so many seconds before [s]; by default all of it at all times.
     recording : RecordingStream, optional
         Rerun's recording stream; by default the current one.
     """
     times = as_floats(stamps, (len(poses),), "stamps")
     matrices = as_floats(covariances, (len(poses), 6, 6), "covariances")
-    log_trajectory(f"{path}/way", poses, colour=colour, static=True, recording=recording)
-    for i, time in enumerate(times):
-        set_time(float(time), recording=recording)
+    known = ~np.isnan(matrices[:, 0, 0])
+    if trail_s is None:
+        log_trajectory(f"{path}/way", poses[known], colour=colour, static=True, recording=recording)
+    for i in np.flatnonzero(known).tolist():
+        set_time(float(times[i]), recording=recording)
         log_pose(f"{path}/pose", poses[i], recording=recording)
         density = ConcentratedGaussian(poses[i], matrices[i])
         log_ellipsoid(
             f"{path}/ellipsoid", density, sigmas=sigmas, colour=colour, recording=recording
         )
+        if trail_s is not None:
+            near = known[: i + 1] & (times[: i + 1] >= times[i] - trail_s)
+            way = poses[: i + 1][near]
+            log_trajectory(f"{path}/way", way, colour=colour, recording=recording)
+
+
+def log_state(
+    path: str,
+    health: TrackHealth,
+    existence: float | None = None,
+    motion_models: Mapping[str, float] | None = None,
+    *,
+    before: TrackHealth | None = None,
+    recording: Any = None,
+) -> None:
+    """Logs the state of a track: PATH/health as a text, PATH/existence and PATH/motion_models/NAME as numbers.
+
+    Parameters
+    ----------
+    path : str
+        Entity of the object.
+    health : TrackHealth
+        State of the track; a warning in the log where it is lost or inconsistent.
+    existence : float, optional
+        Probability that the object exists.
+    motion_models : mapping of str to float, optional
+        Probabilities of the models of motion by name.
+    before : TrackHealth, optional
+        State before; the text is logged where it has changed.
+    recording : RecordingStream, optional
+        Rerun's recording stream; by default the current one.
+    """
+    rr = _rerun()
+    if health != before:
+        bad = health in (TrackHealth.lost, TrackHealth.inconsistent)
+        rr.log(f"{path}/health", rr.TextLog(health.name, level="WARN" if bad else "INFO"), recording=recording)
+    if existence is not None:
+        log_scalars(path, {"existence": existence}, recording=recording)
+    log_scalars(f"{path}/motion_models", motion_models or {}, recording=recording)
+
+
+def log_run(
+    path: str,
+    run: SlamRun,
+    *,
+    model_names: Mapping[str, Sequence[str]] | None = None,
+    trail_s: float = 5.0,
+    recording: Any = None,
+) -> None:
+    """Logs a run of object SLAM: PATH/camera and PATH/ID of every object as `log_tracking`, with the state of tracks.
+
+    Objects that move have a trail; objects that were never seen are left out.
+
+    Parameters
+    ----------
+    path : str
+        Entity of the world.
+    run : SlamRun
+        The run.
+    model_names : mapping of str to sequence of str, optional
+        Names of the models of motion by the object's id; by default "0", "1", ...
+    trail_s : float
+        Length of the trail of an object that moves [s].
+    recording : RecordingStream, optional
+        Rerun's recording stream; by default the current one.
+    """
+    log_tracking(f"{path}/camera", run.stamps, run.camera.poses, run.camera.covariances, recording=recording)
+    for k, name in enumerate(run.ids):
+        track, models = run.object(name), run.motion_models(name)
+        if not track.known.any():
+            continue
+        colour = PALETTE[k % len(PALETTE)]
+        trail = trail_s if models.shape[1] else None
+        log_tracking(
+            f"{path}/{name}", run.stamps, track.poses, track.covariances,
+            colour=colour, trail_s=trail, recording=recording,
+        )  # fmt: skip
+        if all(health == TrackHealth.none for health in run.healths(name)):
+            continue
+        names = (model_names or {}).get(name) or [str(i) for i in range(models.shape[1])]
+        before = None
+        for stamp, health, existence, row in zip(
+            run.stamps, run.healths(name), run.existences(name), models, strict=True
+        ):
+            set_time(float(stamp), recording=recording)
+            log_state(
+                f"{path}/{name}", health, float(existence), dict(zip(names, map(float, row), strict=True)),
+                before=before, recording=recording,
+            )  # fmt: skip
+            before = health

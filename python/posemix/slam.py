@@ -3,17 +3,17 @@
 """Object SLAM: camera and objects from detections, live (`ObjectSlam`) or over a recording (`run`), also simulated."""
 
 from posemix._core import (
-    Alignment, Association, AssociationSettings, AxisConsistency, BodyCamera, CandidateStatus, Consistency,
+    Alignment, Association, AssociationSettings, AxisConsistency, BetaDistribution, BodyCamera, CandidateStatus, Consistency,
     ConsistencyReport, ConsistencyVerdict, Coverage, DetectionStatus, ErrorAxes, ErrorDirection, EstimateAtStamp,
-    FixedLagSmoother, FrameConsistency, FrameInput, FusedInstance, FuseViewsSettings, Interval, Metrics,
+    Existence, ExistenceSettings, FixedLagSmoother, FrameConsistency, FrameInput, FusedInstance, FuseViewsSettings,
+    HealthSettings, InstanceCounts, Interval, Metrics,
     ModeForecast, MotionModel, MotionSettings, MultiObjectSlamSettings, NeesSummary, NoisePer, ObjectMetrics,
     ObjectModel, ObjectPrior, ObjectSlam, ObjectSlamSettings, Observation, ObservationComponent, PairedErrors,
-    PoseErrors,
-    PoseMedians, ProcessNoise, SimulatedSequence, SimulationConfig, SimulationFlips, SimulationNoise,
+    PoseErrors, PoseMedians, ProcessNoise, Sighting, SimulatedSequence, SimulationConfig, SimulationFlips, SimulationNoise,
     SimulationObject, SimulationOutliers, SimulationPath, SimulationRuns, SimulationSd, SimulationSlowError,
     SimulationSwing, SlamMethod, SmoothingSettings, StampAdmission, StampCounts, StampedSlam, StampedSlamSettings,
-    StampJump, Timing, View, ViewClass, ViewSupport, associate, camera_prior, claimed_clutter, claimed_mode_time_s,
-    claimed_noise, claimed_slow_error, consistency, evaluate, find_slam_method, fuse_views, least_cost_assignment,
+    StampJump, Timing, TrackHealth, View, ViewClass, ViewSupport, associate, camera_prior, claimed_clutter, claimed_mode_time_s,
+    claimed_noise, claimed_slow_error, consistency, evaluate, find_slam_method, fit_existence, fuse_views, least_cost_assignment,
     motion_settings, object_model, on_right_mode, simulate, slam_methods, squared_normalized_error,
     true_relative_pose, true_world_pose,
 )  # fmt: skip
@@ -21,21 +21,21 @@ from posemix.recording import *
 from posemix.runs import *
 
 __all__ = [
-    "Alignment", "Association", "AssociationSettings", "AxisConsistency", "BodyCamera", "Candidate",
+    "Alignment", "Association", "AssociationSettings", "AxisConsistency", "BetaDistribution", "BodyCamera", "Candidate",
     "CandidateReport", "CandidateStatus", "Consistency", "ConsistencyReport", "ConsistencyVerdict",
-    "Coverage", "DetectionStatus", "ErrorAxes", "ErrorDirection", "EstimateAtStamp", "FixedLagSmoother",
+    "Coverage", "DetectionStatus", "ErrorAxes", "ErrorDirection", "EstimateAtStamp", "Existence", "ExistenceSettings", "FixedLagSmoother",
     "FrameConsistency", "FrameEstimate", "FrameInput", "FrameReport", "FusedInstance", "FuseViewsSettings",
-    "HypothesisSnapshot", "Interval", "Metrics", "ModeForecast", "MotionModel", "MotionSettings",
+    "HealthSettings", "HypothesisSnapshot", "InstanceCounts", "Interval", "Metrics", "ModeForecast", "MotionModel", "MotionSettings",
     "MultiObjectSlamSettings", "NeesSummary", "NoisePer", "ObjectAlternative", "ObjectEstimate",
-    "ObjectMetrics", "ObjectModel", "ObjectPrior", "ObjectRecording", "ObjectSlam", "ObjectSlamSettings", "Observation",
+    "ObjectMetrics", "ObjectModel", "ObjectPrior", "ObjectRecording", "ObjectSlam", "ObjectSlamSettings", "ObjectTwist", "Observation",
     "ObservationComponent", "PairedErrors", "ParticleFilterSettings", "PoseErrors", "PoseMedians",
-    "PoseTrack", "ProcessNoise", "Sequence", "SimulatedSequence", "SimulationConfig", "SimulationFlips",
+    "PoseTrack", "ProcessNoise", "Sequence", "Sighting", "SimulatedSequence", "SimulationConfig", "SimulationFlips",
     "SimulationNoise", "SimulationObject", "SimulationOutliers", "SimulationPath", "SimulationRuns",
     "SimulationSd", "SimulationSlowError", "SimulationSwing", "SlamJob", "SlamMethod", "SlamRun",
     "SmoothingSettings", "StampAdmission", "StampCounts", "StampedSlam", "StampedSlamSettings", "StampJump",
-    "Timing", "View", "ViewClass", "ViewSupport", "associate", "camera_prior", "claimed_clutter",
+    "Timing", "TrackHealth", "View", "ViewClass", "ViewSupport", "associate", "camera_prior", "claimed_clutter",
     "claimed_mode_time_s", "claimed_noise", "claimed_slow_error", "consistency", "evaluate",
-    "find_slam_method", "fuse_views", "is_known", "least_cost_assignment", "motion_settings", "object_model",
+    "find_slam_method", "fit_existence", "fuse_views", "is_known", "least_cost_assignment", "motion_settings", "object_model",
     "on_right_mode", "run", "run_smoothed", "simulate", "slam_methods", "squared_normalized_error",
     "true_relative_pose", "true_world_pose", "with_misses",
 ]  # fmt: skip

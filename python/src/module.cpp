@@ -30,6 +30,7 @@ NB_MODULE(_core, m) {
   bind_multi_object_settings(m);
   bind_multi_object_filter(m);
   bind_gaussian_sum_filter(m);
+  bind_existence(m);
   bind_slam_settings(m);
   bind_frame_estimate(m);
   bind_sequence(m);

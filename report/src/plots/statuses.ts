@@ -43,6 +43,7 @@ export function paintRows(trace: Trace, plot: uPlot, rows: Row[], words: readonl
   ctx.rect(left, top, width, height);
   ctx.clip();
   ctx.font = `${10 * devicePixelRatio}px system-ui, sans-serif`;
+  ctx.textAlign = "left";
   ctx.textBaseline = "bottom";
   rows.forEach(({ values, flag }, row) => {
     if (!values) return;
