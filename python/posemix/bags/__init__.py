@@ -14,6 +14,6 @@ from posemix.bags.transforms import TransformBuffer
 from posemix.bags.write import Track, read_track, write
 
 __all__ = [
-    "BagRun", "Detections", "Recording", "Track", "TrackState", "TransformBuffer", "is_placeholder_covariance", "models_of",
-    "read", "read_poses", "read_track", "run_slam", "track_objects", "weights_of_scores", "write",
+    "BagRun", "Detections", "Recording", "Track", "TrackState", "TransformBuffer", "is_placeholder_covariance",
+    "models_of", "read", "read_poses", "read_track", "run_slam", "track_objects", "weights_of_scores", "write",
 ]  # fmt: skip

@@ -1,22 +1,16 @@
 # SPDX-License-Identifier: MIT
 # SPDX-FileCopyrightText: posemix contributors
-"""Logs poses, densities and mixtures to Rerun: `pip install posemix[rerun]`.
-
-Every function takes an entity path and logs at the current time, which `set_time` sets. The default of `recording` is
-the current one of rerun.init. A pose T_world_x is logged in the coordinates of the world, so its path must be below the
-entity of the world, not below that of x. Lengths are in metres.
-"""
+"""Logs poses, densities, mixtures and paths to Rerun."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from posemix._arrays import FloatArray, as_floats
-from posemix._core import SlamRun, TrackHealth
 from posemix._peers import peer
 from posemix.density import ConcentratedGaussian
 from posemix.lie import SE3
@@ -25,8 +19,7 @@ from posemix.plot.space import position_covariance
 from posemix.plot.style import PALETTE
 
 __all__ = [
-    "log_ellipsoid", "log_hypotheses", "log_pose", "log_run", "log_scalars", "log_state", "log_trajectory",
-    "log_tracking", "set_time",
+    "log_ellipsoid", "log_hypotheses", "log_pose", "log_scalars", "log_trajectory", "log_tracking", "set_time",
 ]  # fmt: skip
 
 TIMELINE = "time"
@@ -35,7 +28,8 @@ TIMELINE = "time"
 _AXES = ("#D55E00", "#009E73", "#0072B2")
 
 
-def _rerun() -> Any:
+def viewer() -> Any:
+    """The package rerun."""
     return peer("rerun", "posemix.rerun", "posemix[rerun]")
 
 
@@ -46,7 +40,7 @@ def _rgba(colour: str, alpha: float) -> list[int]:
 
 def set_time(seconds: float, *, recording: Any = None) -> None:
     """Sets the time at which the next calls log, on the timeline "time" [s]."""
-    _rerun().set_time(TIMELINE, duration=float(seconds), recording=recording)
+    viewer().set_time(TIMELINE, duration=float(seconds), recording=recording)
 
 
 def log_pose(path: str, pose: SE3, *, axis_length: float = 0.1, recording: Any = None) -> None:
@@ -63,7 +57,7 @@ def log_pose(path: str, pose: SE3, *, axis_length: float = 0.1, recording: Any =
     recording : RecordingStream, optional
         Rerun's recording stream; by default the current one.
     """
-    rr = _rerun()
+    rr = viewer()
     tq = pose.to_tq()
     transform = rr.Transform3D(translation=tq[:3], quaternion=tq[3:])
     rr.log(path, transform, rr.TransformAxes3D(axis_length), recording=recording)
@@ -105,7 +99,7 @@ def log_ellipsoid(
     recording : RecordingStream, optional
         Rerun's recording stream; by default the current one.
     """
-    rr = _rerun()
+    rr = viewer()
     centre, sizes, quaternion = _ellipsoids(density.mean, density.covariance, sigmas)
     ellipsoid = rr.Ellipsoids3D(
         centers=[centre], half_sizes=[sizes], quaternions=[quaternion], colors=[_rgba(colour, 0.6)]
@@ -139,7 +133,7 @@ def log_hypotheses(
     recording : RecordingStream, optional
         Rerun's recording stream; by default the current one.
     """
-    rr = _rerun()
+    rr = viewer()
     order = np.argsort(-mixture.log_weights, kind="stable")
     weights = mixture.weights[order]
     means: SE3 = mixture.means[order]
@@ -185,7 +179,7 @@ def log_trajectory(
     recording : RecordingStream, optional
         Rerun's recording stream; by default the current one.
     """
-    rr = _rerun()
+    rr = viewer()
     strip = rr.LineStrips3D([poses.translation], colors=[_rgba(colour, 1.0)])
     rr.log(path, strip, static=static, recording=recording)
 
@@ -202,7 +196,7 @@ def log_scalars(path: str, values: Mapping[str, float], *, recording: Any = None
     recording : RecordingStream, optional
         Rerun's recording stream; by default the current one.
     """
-    rr = _rerun()
+    rr = viewer()
     for name, value in values.items():
         if not np.isnan(value):
             rr.log(f"{path}/{name}", rr.Scalars([float(value)]), recording=recording)
@@ -258,89 +252,3 @@ def log_tracking(
             near = known[: i + 1] & (times[: i + 1] >= times[i] - trail_s)
             way = poses[: i + 1][near]
             log_trajectory(f"{path}/way", way, colour=colour, recording=recording)
-
-
-def log_state(
-    path: str,
-    health: TrackHealth,
-    existence: float | None = None,
-    motion_models: Mapping[str, float] | None = None,
-    *,
-    before: TrackHealth | None = None,
-    recording: Any = None,
-) -> None:
-    """Logs the state of a track: PATH/health as a text, PATH/existence and PATH/motion_models/NAME as numbers.
-
-    Parameters
-    ----------
-    path : str
-        Entity of the object.
-    health : TrackHealth
-        State of the track; a warning in the log where it is lost or inconsistent.
-    existence : float, optional
-        Probability that the object exists.
-    motion_models : mapping of str to float, optional
-        Probabilities of the models of motion by name.
-    before : TrackHealth, optional
-        State before; the text is logged where it has changed.
-    recording : RecordingStream, optional
-        Rerun's recording stream; by default the current one.
-    """
-    rr = _rerun()
-    if health != before:
-        bad = health in (TrackHealth.lost, TrackHealth.inconsistent)
-        rr.log(f"{path}/health", rr.TextLog(health.name, level="WARN" if bad else "INFO"), recording=recording)
-    if existence is not None:
-        log_scalars(path, {"existence": existence}, recording=recording)
-    log_scalars(f"{path}/motion_models", motion_models or {}, recording=recording)
-
-
-def log_run(
-    path: str,
-    run: SlamRun,
-    *,
-    model_names: Mapping[str, Sequence[str]] | None = None,
-    trail_s: float = 5.0,
-    recording: Any = None,
-) -> None:
-    """Logs a run of object SLAM: PATH/camera and PATH/ID of every object as `log_tracking`, with the state of tracks.
-
-    Objects that move have a trail; objects that were never seen are left out.
-
-    Parameters
-    ----------
-    path : str
-        Entity of the world.
-    run : SlamRun
-        The run.
-    model_names : mapping of str to sequence of str, optional
-        Names of the models of motion by the object's id; by default "0", "1", ...
-    trail_s : float
-        Length of the trail of an object that moves [s].
-    recording : RecordingStream, optional
-        Rerun's recording stream; by default the current one.
-    """
-    log_tracking(f"{path}/camera", run.stamps, run.camera.poses, run.camera.covariances, recording=recording)
-    for k, name in enumerate(run.ids):
-        track, models = run.object(name), run.motion_models(name)
-        if not track.known.any():
-            continue
-        colour = PALETTE[k % len(PALETTE)]
-        trail = trail_s if models.shape[1] else None
-        log_tracking(
-            f"{path}/{name}", run.stamps, track.poses, track.covariances,
-            colour=colour, trail_s=trail, recording=recording,
-        )  # fmt: skip
-        if all(health == TrackHealth.none for health in run.healths(name)):
-            continue
-        names = (model_names or {}).get(name) or [str(i) for i in range(models.shape[1])]
-        before = None
-        for stamp, health, existence, row in zip(
-            run.stamps, run.healths(name), run.existences(name), models, strict=True
-        ):
-            set_time(float(stamp), recording=recording)
-            log_state(
-                f"{path}/{name}", health, float(existence), dict(zip(names, map(float, row), strict=True)),
-                before=before, recording=recording,
-            )  # fmt: skip
-            before = health
