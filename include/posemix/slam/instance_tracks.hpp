@@ -69,10 +69,10 @@ class InstanceTracks {
  public:
   /// @throws InvalidInput when a setting is out of range
   InstanceTracks(const ExistenceSettings& existence, const HealthSettings& health,
-                 std::size_t confirming_detections);
+                 std::size_t confirming_detections, double least_separation_m);
 
-  /// One more object. One that is known to exist has no existence of its own.
-  void add(bool is_known);
+  /// One more object of a class. One that is known to exist has no existence of its own.
+  void add(bool is_known, const std::string& class_id);
   /// The object is as if it had never been seen.
   void forget(std::size_t object);
 
@@ -98,6 +98,9 @@ class InstanceTracks {
   bool gives_way(std::size_t object) const;
   /// Whether an instance of a class hardly exists any more.
   bool is_deleted(std::size_t object) const;
+  /// Instances that are not confirmed, and come nearer to a more probable one of their class than
+  /// two can be.
+  const std::vector<std::size_t>& duplicates() const { return duplicates_; }
   TrackHealth health(std::size_t object, double mode_probability) const;
   /// Whether the track is lost or inconsistent for HealthSettings::register_again_s.
   bool should_register(std::size_t object) const;
@@ -106,6 +109,7 @@ class InstanceTracks {
   struct Track {
     bool is_known = false;
     bool of_class = false;
+    std::string class_id = {};
     std::size_t detections = 0;
     std::size_t last_frame = 0;
     std::optional<Existence> existence = {};
@@ -132,14 +136,17 @@ class InstanceTracks {
   Sighting sighting_of(const Track& track, const SE3d& body_object) const;
   void learn_view(Track& track, const SE3d& body_object) const;
   void weigh_rivals(std::span<const std::optional<SE3d>> poses);
+  void find_duplicates(std::size_t i, std::size_t j, double distance_m);
 
   ExistenceSettings existence_;
   HealthSettings health_;
   std::size_t confirming_detections_;
+  double least_separation_m_;
   std::size_t frames_ = 0;
   double dt_ = 0.0;
   double band_ = 0.0;  ///< of the mean square of a component of an innovation
   std::vector<Track> tracks_;
+  std::vector<std::size_t> duplicates_;
   std::map<std::string, Look> looks_;  ///< by the name of the camera
 };
 
