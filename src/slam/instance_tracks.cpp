@@ -92,12 +92,20 @@ void InstanceTracks::end(std::span<const std::optional<SE3d>> poses) {
       track.since_look_s += dt_;
       const Sighting sighting = sighting_of(track, *poses[j]);
       track.existence->update(sighting, track.since_look_s, existence_);
-      if (sighting != Sighting::out_of_view) track.since_look_s = 0.0;
+      count(track, sighting);
     }
     if (track.last_frame == frames_) learn_view(track, *poses[j]);
     track.bad_s = is_lost(track) || is_inconsistent(track) ? track.bad_s + dt_ : 0.0;
   }
   weigh_rivals(poses);
+}
+
+void InstanceTracks::count(Track& track, Sighting sighting) const {
+  if (sighting == Sighting::out_of_view) return;
+  const double look = part_of_a_look(track.since_look_s, existence_);
+  track.counts.images += look;
+  if (sighting == Sighting::detected) track.counts.detections += look;
+  track.since_look_s = 0.0;
 }
 
 Sighting InstanceTracks::sighting_of(const Track& track, const SE3d& body_object) const {

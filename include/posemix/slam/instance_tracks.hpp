@@ -90,6 +90,8 @@ class InstanceTracks {
   std::size_t detections(std::size_t object) const { return tracks_[object].detections; }
   std::size_t last_frame(std::size_t object) const { return tracks_[object].last_frame; }
   std::size_t frames() const { return frames_; }
+  /// What fit_existence learns from, without the truth.
+  const InstanceCounts& counts(std::size_t object) const { return tracks_[object].counts; }
   /// Probability that the object exists, eq. (4) and (5); none before its first detection. It is
   /// one for an object that is known to exist.
   std::optional<double> existence(std::size_t object) const;
@@ -113,6 +115,7 @@ class InstanceTracks {
     std::size_t detections = 0;
     std::size_t last_frame = 0;
     std::optional<Existence> existence = {};
+    InstanceCounts counts = {};
     double since_look_s = 0.0;
     double bad_s = 0.0;  ///< for which it is lost or inconsistent
     double probability = 0.0;  ///< eq. (5), at the end of the frame
@@ -132,6 +135,7 @@ class InstanceTracks {
 
   bool is_lost(const Track& track) const;
   bool is_inconsistent(const Track& track) const;
+  void count(Track& track, Sighting sighting) const;
   /// Whether a camera of this frame should see the object at T_body_object.
   Sighting sighting_of(const Track& track, const SE3d& body_object) const;
   void learn_view(Track& track, const SE3d& body_object) const;
