@@ -6,6 +6,7 @@
 #include "posemix/filter/gaussian_sum_filter.hpp"
 #include "posemix/filter/iterated_update.hpp"
 #include "posemix/filter/mode_measurement.hpp"
+#include "posemix/filter/motion_models.hpp"
 #include "posemix/filter/moving_object_filter.hpp"
 #include "posemix/filter/multi_object_filter.hpp"
 #include "posemix/filter/multi_object_ranges.hpp"

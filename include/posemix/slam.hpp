@@ -14,6 +14,7 @@
 #include "posemix/slam/job.hpp"
 #include "posemix/slam/method.hpp"
 #include "posemix/slam/motion_settings.hpp"
+#include "posemix/slam/moving_objects.hpp"
 #include "posemix/slam/multi_object_slam.hpp"
 #include "posemix/slam/object_model.hpp"
 #include "posemix/slam/object_slam.hpp"

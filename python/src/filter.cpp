@@ -166,7 +166,12 @@ void bind_steps(nb::class_<MultiObjectFilter>& filter) {
            "T_body_camera of a camera of `add_camera` as it is known by now.")
       .def_prop_ro("extrinsic_count", &F::extrinsic_count,
                    "Number of cameras whose pose on the body is estimated.")
-      .def("add_object", &F::add_object, "object"_a, "prior"_a = nb::none(),
+      .def(
+          "add_object",
+          [](F& self, const ObjectSensor& object, const std::optional<ObjectPrior>& prior) {
+            return self.add_object(object, prior);
+          },
+          "object"_a, "prior"_a = nb::none(),
            "One more object, never detected; returns its index. With a prior it has one hypothesis "
            "from the beginning.")
       .def(

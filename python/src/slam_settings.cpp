@@ -19,7 +19,11 @@ void bind_enums(nb::module_& m) {
           "The odometry; where a frame has none, a random walk with the noise of unknown motion.")
       .value(MotionModel::random_walk, "A random walk: the mean stays.")
       .value(MotionModel::constant_velocity,
-             "Constant velocity: the motion per period is part of the state.");
+             "Constant velocity: the motion per period is part of the state.")
+      .value(MotionModel::still, "The camera stays where it is, exactly.")
+      .value(MotionModel::given,
+             "The pose T_world_camera is given with every frame, with an error drawn anew; without "
+             "one a random walk with the noise of unknown motion.");
   Words<NoisePer>(m, "NoisePer", "Unit of time in which a covariance is stated.")
       .value(NoisePer::frame, "One frame.")
       .value(NoisePer::second, "One second.");

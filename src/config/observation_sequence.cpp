@@ -121,7 +121,7 @@ std::string format_observation_sequence(const TomlDocument& document,
     if (key == "roots" || key == "candidates" || key == "observations") continue;
     if (key == "camera") {
       camera += lines_of(root.get_table(key), {"stamps"});
-    } else if (key == "objects" || key == "cameras") {
+    } else if (key == "objects" || key == "cameras" || key == "frames") {
       tables += tables_of(root, key, {"detections"});
     } else if (root.is_table(key)) {
       tables += fmt::format("\n[{}]\n{}", key_text(key), lines_of(root.get_table(key)));

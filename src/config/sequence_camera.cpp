@@ -176,8 +176,11 @@ MotionSettings read_motion(const TomlTable& root, bool has_odometry) {
   const auto motion = root.find_table("motion");
   if (!motion) return settings;
   settings.model = motion->get_enum_or("model", settings.model);
-  if (settings.model == MotionModel::odometry && !has_odometry) {
-    motion->fail("model", "is \"odometry\", but there is no file under camera.odometry");
+  const bool needs_poses =
+      settings.model == MotionModel::odometry || settings.model == MotionModel::given;
+  if (needs_poses && !has_odometry) {
+    motion->fail("model", fmt::format("is \"{}\", but there is no file under camera.odometry",
+                                      word_of(settings.model)));
   }
   settings.period_s = motion->get_double_or("period_s", settings.period_s, kPeriod);
   ProcessNoise& noise = settings.model == MotionModel::random_walk ? settings.walk : settings.noise;

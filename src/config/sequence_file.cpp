@@ -94,7 +94,8 @@ void add_used(const TomlTable& object, std::set<std::string>& used) {
 }
 
 ObjectModel read_model(const TomlTable& object, const FileFinder& files, std::set<std::string>& ids,
-                       const std::map<std::string, DetectorNoise>& noise_models) {
+                       const std::map<std::string, DetectorNoise>& noise_models,
+                       const std::vector<FrameFile>& frames) {
   std::string id = read_id(object, ids);
   DetectorNoise noise = noise_of(object, noise_models);
   std::optional<Matrix6d> start;
@@ -107,6 +108,7 @@ ObjectModel read_model(const TomlTable& object, const FileFinder& files, std::se
                     read_detectors(object, noise_models)};
   if (const auto prior = object.find_table("prior"))
     model.prior = located(object, "prior", [&] { return read_prior(*prior); });
+  model.motion = read_object_motion(object, frames);
   return model;
 }
 
@@ -136,6 +138,7 @@ void require_meaning(const TomlTable& root, const ObservedRecording& observed) {
 /// declared.
 ObservedRecording read_observed(const TomlTable& root, const FileFinder& files,
                                 const std::map<std::string, DetectorNoise>& noise_models,
+                                const std::vector<FrameFile>& frames,
                                 std::vector<ObjectModel>& models) {
   ObservedRecording observed{read_observation_files(root, files), read_body_cameras(root)};
   require_meaning(root, observed);
@@ -146,6 +149,7 @@ ObservedRecording read_observed(const TomlTable& root, const FileFinder& files,
     model.noise = noise_of(*table, noise_models);
     model.detectors = read_detectors(*table, noise_models);
     model.symmetries = read_object_symmetries(*table, files);
+    model.motion = read_object_motion(*table, frames);
     for (const std::string& id : ids_on_sight(observed.files, ids_of(models))) {
       model.id = id;
       models.push_back(model);
@@ -242,13 +246,14 @@ void use_method(const TomlTable& root, const SlamMethod& method, SlamJob& job) {
 /// Models of the [[objects]].
 std::vector<ObjectModel> read_models(const TomlTable& root, const FileFinder& files,
                                      const SlamMethod& method,
-                                     const std::map<std::string, DetectorNoise>& noise_models) {
+                                     const std::map<std::string, DetectorNoise>& noise_models,
+                                     const std::vector<FrameFile>& frames) {
   std::vector<ObjectModel> models;
   std::set<std::string> ids;
   for (const TomlTable& object : object_tables(root)) {
     if (object.has("prior") && !is_multi_object(method))
       object.fail("prior", "is for the multi-object filter; expected none with another method");
-    models.push_back(read_model(object, files, ids, noise_models));
+    models.push_back(read_model(object, files, ids, noise_models, frames));
   }
   return models;
 }
@@ -268,8 +273,9 @@ SlamJob read_slam_job(const TomlDocument& document,
     if (const auto table = root.find_table("on_sight")) add_used(*table, used);
     assume_missing(root, used, tracker->filter.default_clutter, noise_models);
   }
-  std::vector<ObjectModel> models = read_models(root, files, method, noise_models);
-  const ObservedRecording observed = read_observed(root, files, noise_models, models);
+  const std::vector<FrameFile> frames = read_known_frames(root, files);
+  std::vector<ObjectModel> models = read_models(root, files, method, noise_models, frames);
+  const ObservedRecording observed = read_observed(root, files, noise_models, frames, models);
   const CameraFiles camera = read_camera_files(root, files);
   require_one_clock(observed, camera);
   SlamJob job{.name = read_name(document, root),
@@ -278,14 +284,21 @@ SlamJob read_slam_job(const TomlDocument& document,
               .camera_prior = PoseDensity(SE3d(), Matrix6d::Identity()),
               .models = std::move(models),
               .settings = {}};
-  job.sequence = read_recordings(root, files, camera, ids_of(job.models), observed);
+  job.sequence = read_recordings(root, files, camera, ids_of(job.models), observed, frames);
   job.camera_prior = starts_anywhere(root) ? prior_anywhere(root, job.models)
                                            : read_camera_prior(root, job.sequence.camera_truth);
   job.settings.motion = read_motion(root, camera.odometry.has_value());
   check_classes(root, job, is_multi_object(method));
   use_method(root, method, job);
-  if (auto* tracker = std::get_if<MultiObjectSlamSettings>(&job.settings.tracker))
+  if (auto* tracker = std::get_if<MultiObjectSlamSettings>(&job.settings.tracker)) {
     tracker->cameras = observed.cameras;
+    for (const FrameFile& frame : frames) tracker->frames.push_back(frame.name);
+  }
+  const std::vector<TomlTable> objects = object_tables(root);
+  for (std::size_t i = 0; i < objects.size(); ++i)
+    check_motion(objects[i], job.models[i], job, method);
+  if (const auto table = root.find_table("on_sight"); table && job.models.size() > objects.size())
+    check_motion(*table, job.models.back(), job, method);
   if (const auto output = root.find_table("output")) {
     job.trace_hypotheses = static_cast<std::size_t>(
         output->get_integer_or("trace_hypotheses", kTraceHypotheses, kAtLeastZero));

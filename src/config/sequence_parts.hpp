@@ -205,6 +205,26 @@ Poses interpolated(const Timeline& timeline, const std::vector<StampedPose>& odo
 void add_observations(const ObservedRecording& observed, const Timeline& timeline,
                       Sequence& sequence);
 
+// --- [[frames]] and motion of objects
+
+/// A frame with a known pose, before its poses are assigned to the frames of the recording.
+struct FrameFile {
+  std::string name;
+  StampedFile file;
+  /// Of the error of its pose about its origin, along the world's axes.
+  Matrix6d covariance;
+
+  FrameRecording on(const Timeline& timeline) const;
+};
+/// Reads the key `frames`; empty if it is missing.
+std::vector<FrameFile> read_known_frames(const TomlTable& root, const FileFinder& files);
+/// Reads the key `motion` of an object; static without it. `frames` are those that may hold it.
+MotionModels read_object_motion(const TomlTable& object, const std::vector<FrameFile>& frames);
+
+/// Objects that move are for the multi-object filter without smoothing, and have one detector.
+void check_motion(const TomlTable& object, const ObjectModel& model, const SlamJob& job,
+                  const SlamMethod& method);
+
 // --- [[objects]]
 
 /// The detections of one object before they are assigned to frames: by stamp, or by number counted
@@ -247,7 +267,8 @@ void read_object_truth(const TomlTable& object, const FileFinder& files, const T
 /// Reads the frames and the recordings of the camera and of the objects with these ids; those that
 /// are declared come first. The observations were read before.
 Sequence read_recordings(const TomlTable& root, const FileFinder& files, const CameraFiles& camera,
-                         const std::vector<std::string>& ids, const ObservedRecording& observed);
+                         const std::vector<std::string>& ids, const ObservedRecording& observed,
+                         const std::vector<FrameFile>& frames);
 
 /// Reads the key `symmetries`; without it the trivial group.
 SymmetryGroup read_object_symmetries(const TomlTable& object, const FileFinder& files);

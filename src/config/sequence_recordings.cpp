@@ -128,7 +128,8 @@ void add_mixtures(const DetectionFiles& files, const Timeline& timeline, Sequenc
 }  // namespace
 
 Sequence read_recordings(const TomlTable& root, const FileFinder& files, const CameraFiles& camera,
-                         const std::vector<std::string>& ids, const ObservedRecording& observed) {
+                         const std::vector<std::string>& ids, const ObservedRecording& observed,
+                         const std::vector<FrameFile>& frames) {
   const std::vector<TomlTable> objects = root.find_tables("objects");
   DetectionFiles detections{{}, read_candidates(root, files)};
   for (const TomlTable& object : objects)
@@ -160,6 +161,7 @@ Sequence read_recordings(const TomlTable& root, const FileFinder& files, const C
   }
   add_observations(observed, timeline, sequence);
   add_mixtures(detections, timeline, sequence);
+  for (const FrameFile& frame : frames) sequence.known_frames.push_back(frame.on(timeline));
   validate(sequence);
   return sequence;
 }

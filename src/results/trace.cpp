@@ -115,6 +115,34 @@ std::optional<SE3d> nearest_truth(const ErrorReduction& reduction, const std::op
   return reduction.nearest(*truth, estimate->mean());
 }
 
+/// Puts the motion of an object that moves into its part of the trace.
+void add_motion(const SlamJob& job, const SlamRun& run, std::size_t object, Json& json) {
+  const MotionModels& motion = job.models[object].motion;
+  if (!has_own_track(motion)) return;
+  Json names = Json::array();
+  for (const ObjectMotion& model : motion.models) names.push_back(name_of(model));
+  Json models = Json::array();
+  Json twists = Json::array();
+  Json sds = Json::array();
+  for (const FrameEstimate& frame : run.frames) {
+    const bool known = object < frame.twists.size() && frame.twists[object];
+    models.push_back(known ? Json::array() : Json(nullptr));
+    if (known) {
+      for (const double probability : frame.motion_models[object])
+        models.back().push_back(rounded(probability, kCompactDigits));
+    }
+    twists.push_back(known ? json_vector(frame.twists[object]->mean, kCompactDigits)
+                           : Json(nullptr));
+    sds.push_back(
+        known ? json_vector(frame.twists[object]->covariance.diagonal().cwiseSqrt(), kCompactDigits)
+              : Json(nullptr));
+  }
+  json["model_names"] = std::move(names);
+  json["models"] = std::move(models);
+  json["twist"] = std::move(twists);
+  json["twist_sd"] = std::move(sds);
+}
+
 Json object_of(const SlamJob& job, const SlamRun& run, std::size_t object) {
   const ErrorReduction reduction(job.models[object].symmetries);
   Track world;
@@ -146,6 +174,7 @@ Json object_of(const SlamJob& job, const SlamRun& run, std::size_t object) {
   if (!symmetries.is_trivial()) json["symmetries"] = symmetries_of(symmetries);
   if (!probabilities.empty()) json["mode_probability"] = std::move(probabilities);
   if (!alternatives.empty()) json["alternatives"] = std::move(alternatives);
+  add_motion(job, run, object, json);
   json["detection"] = poses_of(job.sequence.objects[object].detections);
   json["status"] = std::move(statuses);
   return json;

@@ -27,6 +27,8 @@ ObjectEstimate FrameEstimate::object(std::string_view id) const {
   if (!mode_probabilities.empty()) estimate.mode_probability = mode_probabilities[i];
   if (!alternatives.empty()) estimate.alternatives = alternatives[i];
   if (!report.statuses.empty()) estimate.status = report.statuses[i];
+  if (!motion_models.empty()) estimate.motion_models = motion_models[i];
+  if (!twists.empty()) estimate.twist = twists[i];
   return estimate;
 }
 

@@ -31,6 +31,10 @@ FrameInput frame_input(const Sequence& sequence, std::size_t frame, bool takes_o
       input.detections.push_back(object.detections[frame]);
   }
   if (!sequence.candidates.empty()) input.candidates = sequence.candidates[frame];
+  for (const FrameRecording& known : sequence.known_frames)
+    input.frames.push_back(known.poses[frame]);
+  // It is looked at where the camera is given.
+  if (!sequence.odometry.empty()) input.camera = sequence.odometry[frame];
   if (frame == 0) return input;
   input.dt = sequence.stamps[frame] - sequence.stamps[frame - 1];
   if (sequence.odometry.empty()) return input;

@@ -8,6 +8,7 @@
 
 #include "posemix/base/error.hpp"
 #include "posemix/base/stopwatch.hpp"
+#include "posemix/slam/moving_objects.hpp"
 #include "slam/frames.hpp"
 #include "slam/motion.hpp"
 
@@ -32,7 +33,9 @@ GaussianSumSlam::GaussianSumSlam(const PoseDensity& camera, std::vector<ObjectMo
       filter_(make_filter(camera, settings, motion_)),
       indices_(objects_.size()),
       counts_(objects_.size()),
-      estimate_(filter_.summarise()) {}
+      estimate_(filter_.summarise()) {
+  require_static(objects_.models(), "the Gaussian-sum filter");
+}
 
 FrameEstimate GaussianSumSlam::step(const FrameInput& input) {
   internal::require_plain_detections(input, "the Gaussian-sum filter");

@@ -9,6 +9,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "posemix/base/error.hpp"
+#include "posemix/base/linear.hpp"
 #include "posemix/base/range.hpp"
 
 namespace posemix::internal {
@@ -34,6 +35,8 @@ const MotionSettings& checked(const MotionSettings& motion) {
   check_noise(motion.walk, "motion: walk");
   check_noise(motion.motion_noise, "motion: motion_noise");
   check_noise(motion.unknown_motion, "motion: unknown_motion");
+  if (motion.model == MotionModel::given)
+    checked_covariance(motion.noise.covariance, 6, "motion: the noise of a given pose");
   return motion;
 }
 
@@ -50,6 +53,18 @@ CameraStep camera_step(const MotionSettings& motion, const FrameInput& input) {
     case MotionModel::constant_velocity:
       step.velocity = {input.dt / motion.period_s, motion.motion_noise.over(input.dt),
                        motion.motion_noise.over(motion.period_s)};
+      break;
+    case MotionModel::given:
+      if (input.camera) {
+        step.given =
+            PoseDensity(*input.camera, input.camera->adjoint_congruence(motion.noise.covariance));
+      } else {
+        step.q = motion.unknown_motion.over(input.dt);
+      }
+      break;
+    case MotionModel::still:
+      step.odometry = SE3d();
+      step.q.setZero();
       break;
   }
   const bool finite =
@@ -70,7 +85,9 @@ Hypothesis predict(Hypothesis hypothesis, const CameraStep& step) {
 }
 
 void predict(MultiObjectFilter& filter, const CameraStep& step) {
-  if (step.velocity) {
+  if (step.given) {
+    filter.set_camera(*step.given, step.dt);
+  } else if (step.velocity) {
     filter.predict_constant_velocity(step.velocity->periods, step.q, step.velocity->q,
                                      step.velocity->at_rest, step.dt);
   } else if (step.odometry) {

@@ -28,6 +28,8 @@ struct CameraStep {
                                  ///< velocity
   Matrix6d q;                    ///< noise of the camera's pose
   std::optional<Velocity> velocity;
+  /// The camera's pose, where it is given.
+  std::optional<PoseDensity> given = {};
 };
 
 /// @throws InvalidInput naming the noise when it is not symmetric, not finite or has a negative

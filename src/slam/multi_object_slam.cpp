@@ -45,6 +45,15 @@ std::size_t detector_of(const ObjectModel& object, const std::string& name) {
                                  name, fmt::join(names, ", ")));
 }
 
+/// One that moves has a place, and is never seen there.
+void add_to(MultiObjectFilter& filter, const ObjectModel& object) {
+  if (has_own_track(object.motion)) {
+    filter.add_object(sensor_of(object));
+  } else {
+    filter.add_object(sensor_of(object), object.prior, put_down_of(object.motion));
+  }
+}
+
 MultiObjectFilter make_filter(const PoseDensity& camera, const std::vector<ObjectModel>& objects,
                               const MultiObjectSlamSettings& settings,
                               const MotionSettings& motion) {
@@ -52,19 +61,35 @@ MultiObjectFilter make_filter(const PoseDensity& camera, const std::vector<Objec
   require_valid(settings.cameras);
   if (settings.on_sight) sensor_of(*settings.on_sight);
   MultiObjectSettings filter = settings.filter;
-  filter.has_odometry = motion.model == MotionModel::odometry;
+  filter.has_odometry = motion.model == MotionModel::odometry || motion.model == MotionModel::still;
   MultiObjectFilter made(camera, {}, filter);
   // The cameras before all objects.
   for (const BodyCamera& one : settings.cameras)
     if (!one.is_exact()) made.add_camera(one.prior());
   for (const ObjectModel& object : objects) {
     try {
-      made.add_object(sensor_of(object), object.prior);
+      add_to(made, object);
     } catch (const InvalidInput& error) {
       throw InvalidInput(fmt::format("object '{}': {}", object.id, error.what()));
     }
   }
   return made;
+}
+
+MovingObjects make_moving(const std::vector<ObjectModel>& objects,
+                          const MultiObjectSlamSettings& settings) {
+  MovingObjects moving(settings.moving, settings.frames);
+  if (settings.on_sight && has_own_track(settings.on_sight->motion))
+    moving.require_valid(*settings.on_sight);
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    try {
+      validate(objects[i].motion);
+    } catch (const InvalidInput& error) {
+      throw InvalidInput(fmt::format("object '{}': {}", objects[i].id, error.what()));
+    }
+    if (has_own_track(objects[i].motion)) moving.add(i, objects[i]);
+  }
+  return moving;
 }
 
 /// Index among the cameras that are not exact, for one that is not.
@@ -92,27 +117,42 @@ MultiObjectSlam::MultiObjectSlam(const PoseDensity& camera, std::vector<ObjectMo
       motion_(internal::checked(motion)),
       record_hypotheses_(record_hypotheses),
       filter_(make_filter(camera, objects_.models(), settings_, motion_)),
+      moving_(make_moving(objects_.models(), settings_)),
       sightings_(objects_.size()) {}
 
 FrameEstimate MultiObjectSlam::step(const FrameInput& input) {
   const bool is_first = objects_.frames() == 0;
   objects_.check(input);
+  moving_.check(input);
   FrameReport report;
   report.candidates.assign(input.candidates.size(), {.status = CandidateStatus::dropped});
   report.observations.assign(input.observations.size(), {.status = CandidateStatus::dropped});
   std::vector<Sighting> sightings = sightings_of(input, report);
+  std::optional<internal::CameraStep> moved;
+  if (!is_first) {
+    moved = internal::camera_step(motion_, input);
+  } else if (motion_.model == MotionModel::given && input.camera) {
+    moved = internal::camera_step(motion_, {.camera = input.camera});
+  }
   objects_.begin(input);
   const Stopwatch frame;
-  if (!is_first) internal::predict(filter_, internal::camera_step(motion_, input));
+  const auto before = camera_for_moving();
+  if (moved) internal::predict(filter_, *moved);
+  const auto predicted = camera_for_moving();
+  moving_.begin(is_first ? 0.0 : input.dt, input.frames);
 
   report.statuses.assign(objects_.size(), DetectionStatus::none);
   const Stopwatch updates;
-  for (std::size_t object = 0; object < input.detections.size(); ++object) {
-    if (input.detections[object])
-      update(object, observation_of(*input.detections[object]), {}, report);
+  // What moves is seen from the camera as it is known from what does not.
+  for (const bool moving : {false, true}) {
+    if (moving && before) moving_.follow(*before, *predicted, filter_.camera());
+    for (std::size_t object = 0; object < input.detections.size(); ++object) {
+      if (input.detections[object] && moving_.has(object) == moving)
+        update(object, observation_of(*input.detections[object]), {}, report);
+    }
+    update_named(moving, sightings, report);
+    update_by_class(moving, sightings, report);
   }
-  update_named(sightings, report);
-  update_by_class(sightings, report);
   report.update.update_seconds = updates.seconds();
 
   FrameEstimate estimate = frame_estimate(std::move(report));
@@ -207,8 +247,8 @@ ObservationSource MultiObjectSlam::source_of(const Observation& observation) con
 
 void MultiObjectSlam::update(std::size_t object, const Observation& observation,
                              const ObservationSource& source, FrameReport& report) {
-  const bool known = filter_.is_known(object);
-  const ObjectUpdateReport update = filter_.update(object, observation, source);
+  const bool known = is_known(object);
+  const ObjectUpdateReport update = update_filter(object, observation, source);
   ++sightings_[object].count;
   sightings_[object].last_frame = objects_.frames();
   report.update.log_evidence += update.log_evidence;
@@ -219,27 +259,30 @@ void MultiObjectSlam::update(std::size_t object, const Observation& observation,
                                                                : DetectionStatus::used;
 }
 
-void MultiObjectSlam::update_named(std::span<Sighting> sightings, FrameReport& report) {
+void MultiObjectSlam::update_named(bool moving, std::span<Sighting> sightings,
+                                   FrameReport& report) {
   for (const Sighting& seen : sightings) {
     const std::string& id = seen.observation.object;
     if (id.empty()) continue;
     auto object = objects_.find(id);
+    const bool moves = object ? moving_.has(*object) : has_own_track(settings_.on_sight->motion);
+    if (moves != moving) continue;
     if (!object) {
       ObjectModel model = *settings_.on_sight;
       model.id = id;
-      filter_.add_object(sensor_of(model));
-      object = objects_.add(std::move(model));
-      sightings_.emplace_back();
+      add_to(filter_, model);
+      object = add_object(std::move(model));
       report.statuses.push_back(DetectionStatus::none);
     }
-    const bool known = filter_.is_known(*object);
+    const bool known = is_known(*object);
     *seen.report = {.status = known ? CandidateStatus::assigned : CandidateStatus::fresh,
                     .object = object};
     update(*object, seen.observation, seen.source, report);
   }
 }
 
-void MultiObjectSlam::update_by_class(std::span<Sighting> sightings, FrameReport& report) {
+void MultiObjectSlam::update_by_class(bool moving, std::span<Sighting> sightings,
+                                      FrameReport& report) {
   // Observations of one class in one image by one detector exclude each other.
   std::map<std::tuple<std::string, std::string, std::string>, std::vector<Sighting*>> images;
   for (Sighting& seen : sightings) {
@@ -253,6 +296,9 @@ void MultiObjectSlam::update_by_class(std::span<Sighting> sightings, FrameReport
   for (auto& [key, image] : images) {
     const auto models = models_of.find(std::get<0>(key));
     if (models == models_of.end()) continue;
+    const bool any_moves = std::ranges::any_of(
+        models->second, [&](std::size_t object) { return moving_.has(object); });
+    if (any_moves != moving) continue;
     std::stable_sort(image.begin(), image.end(), [](const Sighting* a, const Sighting* b) {
       return a->observation.score.value_or(0.0) > b->observation.score.value_or(0.0);
     });
@@ -267,10 +313,9 @@ void MultiObjectSlam::update_image(const std::vector<std::size_t>& models,
   std::vector<std::size_t> instances;
   std::vector<PoseDensity> predicted;
   for (const std::size_t object : models) {
-    const auto leading = filter_.leading(object);
-    if (!leading) continue;
+    if (!is_known(object)) continue;
     instances.push_back(object);
-    predicted.push_back(filter_.predicted_detection(object, *leading, source));
+    predicted.push_back(predicted_detection(object, source));
   }
   std::vector<Observation> of_class;
   for (const Sighting* seen : image) of_class.push_back(seen->observation);
@@ -298,7 +343,7 @@ void MultiObjectSlam::update_image(const std::vector<std::size_t>& models,
 CandidateReport MultiObjectSlam::new_instance(const std::vector<std::size_t>& models) {
   std::optional<std::size_t> oldest;
   for (const std::size_t object : models) {
-    if (!filter_.is_known(object)) return {.status = CandidateStatus::fresh, .object = object};
+    if (!is_known(object)) return {.status = CandidateStatus::fresh, .object = object};
     if (objects_[object].prior) continue;
     const Sightings& seen = sightings_[object];
     if (seen.count >= settings_.confirming_detections || seen.last_frame == objects_.frames())
@@ -306,7 +351,7 @@ CandidateReport MultiObjectSlam::new_instance(const std::vector<std::size_t>& mo
     if (!oldest || seen.last_frame < sightings_[*oldest].last_frame) oldest = object;
   }
   if (!oldest) return {.status = CandidateStatus::dropped};
-  filter_.forget(*oldest);
+  forget(*oldest);
   sightings_[*oldest] = {};
   return {.status = CandidateStatus::fresh, .object = oldest, .recycled = true};
 }
@@ -333,6 +378,7 @@ FrameEstimate MultiObjectSlam::frame_estimate(FrameReport report) const {
     for (const HypothesisMean& hypothesis : filter_.hypothesis_means(object))
       alternatives.push_back({hypothesis.probability, hypothesis.pose, hypothesis.id});
   }
+  report_moving(frame);
   return frame;
 }
 

@@ -10,6 +10,7 @@
 
 #include "posemix/base/error.hpp"
 #include "posemix/base/stopwatch.hpp"
+#include "posemix/slam/moving_objects.hpp"
 #include "slam/frames.hpp"
 #include "slam/particles.hpp"
 
@@ -57,7 +58,9 @@ ParticleSlam::ParticleSlam(const PoseDensity& camera, std::vector<ObjectModel> o
                                                        internal::checked(motion))),
       indices_(objects_.size()),
       counts_(objects_.size()),
-      estimate_(internal::camera_hypothesis(camera, motion)) {}
+      estimate_(internal::camera_hypothesis(camera, motion)) {
+  require_static(objects_.models(), "the particle filter");
+}
 
 ParticleSlam::ParticleSlam(const ParticleSlam& other)
     : objects_(other.objects_),

@@ -24,10 +24,10 @@ SlamRun run(const Sequence& sequence, const PoseDensity& camera_prior,
   }
   auto pose_indices = frames.back().pose_indices;
   SlamRun result{std::move(frames), slam.posterior(), std::move(pose_indices), {}};
-  if (const MultiObjectFilter* filter = slam.multi_object()) {
+  if (const auto* tracker = std::get_if<MultiObjectSlam>(&slam.tracker())) {
     for (std::size_t object = 0; object < models.size(); ++object)
-      result.hypotheses.push_back(filter->hypotheses(object));
-    result.cameras = std::get<MultiObjectSlam>(slam.tracker()).estimated_cameras();
+      result.hypotheses.push_back(tracker->hypotheses(object));
+    result.cameras = tracker->estimated_cameras();
   }
   return result;
 }

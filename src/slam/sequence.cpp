@@ -34,6 +34,15 @@ void validate(const Sequence& sequence) {
   check_length(sequence.camera_truth.size(), frames, "camera truth");
   check_length(sequence.candidates.size(), frames, "candidates");
   check_length(sequence.observations.size(), frames, "observations");
+  std::set<std::string> names;
+  for (const FrameRecording& frame : sequence.known_frames) {
+    if (!names.insert(frame.name).second)
+      throw InvalidInput(fmt::format("the name '{}' of a known frame occurs twice", frame.name));
+    if (frame.poses.size() != frames) {
+      throw InvalidInput(fmt::format("the known frame '{}' has {} entries for {} frames",
+                                     frame.name, frame.poses.size(), frames));
+    }
+  }
   std::set<std::string> ids;
   for (const ObjectRecording& object : sequence.objects) {
     if (!ids.insert(object.id).second) {

@@ -41,6 +41,7 @@ FixedLagSmoother::FixedLagSmoother(const PoseDensity& camera, std::vector<Object
       record_hypotheses_(record_hypotheses),
       slam_(camera, std::move(objects), settings),
       before_(smoothed_filter(slam_)) {
+  require_static(slam_.objects(), "smoothing");
   require(smoothing.passes > 0, "smoothing: passes is 0, expected at least 1");
   require(!std::get<MultiObjectSlamSettings>(settings.tracker).on_sight,
           "smoothing: objects begin on sight, expected models of all objects");

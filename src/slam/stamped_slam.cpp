@@ -31,10 +31,13 @@ StampedSlam::StampedSlam(const PoseDensity& body, std::vector<ObjectModel> objec
                          const MultiObjectSlamSettings& settings, const MotionSettings& motion,
                          const StampedSlamSettings& stamped, bool record_hypotheses)
     : settings_(stamped),
-      has_odometry_(motion.model == MotionModel::odometry),
+      has_odometry_(motion.model == MotionModel::odometry || motion.model == MotionModel::given),
+      is_given_(motion.model == MotionModel::given),
       initial_{MultiObjectSlam(body, std::move(objects), settings, motion, record_hypotheses)},
       now_(initial_),
-      checkpoints_{initial_} {
+      checkpoints_{initial_},
+      names_(settings.frames),
+      known_frames_(settings.frames.size()) {
   require_positive(stamped.history_s, "history_s");
   require_positive(stamped.jump_back_s, "jump_back_s");
   require_positive(stamped.jump_ahead_s, "jump_ahead_s");
@@ -71,6 +74,7 @@ void StampedSlam::reset() {
   checkpoints_ = {initial_};
   frames_.clear();
   odometry_.clear();
+  for (auto& poses : known_frames_) poses.clear();
   newest_.reset();
   ++counts_.resets;
 }
@@ -95,7 +99,8 @@ StampAdmission StampedSlam::add(const Observation& observation) {
 }
 
 StampAdmission StampedSlam::add_odometry(double stamp_s, const SE3d& odom_body) {
-  require(has_odometry_, "the motion model has no odometry, expected the model `odometry`");
+  require(has_odometry_,
+          "the motion model has no odometry, expected the model `odometry` or `given`");
   require(odom_body.matrix().allFinite(), "the pose of the odometry is not finite");
   const StampAdmission admission = admit(stamp_s);
   if (admission == StampAdmission::too_late) {
@@ -119,7 +124,7 @@ StampAdmission StampedSlam::add_odometry(double stamp_s, const SE3d& odom_body) 
 }
 
 const std::optional<EstimateAtStamp>& StampedSlam::estimate() {
-  if (!newest_) return now_.estimate;
+  if (!newest_ || !has_all_frames()) return now_.estimate;
   // Odometry that may still come for an observation is newer by the history at most, and late by
   // the history at most.
   const double patient = std::nextafter(*newest_ - 2.0 * settings_.history_s,
@@ -174,6 +179,8 @@ void StampedSlam::play_frame(double stamp_s, const Frame& frame) {
     const auto to = odometry_at(stamp_s);
     if (from && to) input.motion = from->inverse() * *to;
   }
+  if (is_given_) input.camera = odometry_at(stamp_s);
+  for (std::size_t i = 0; i < names_.size(); ++i) input.frames.push_back(frame_at(i, stamp_s));
   FrameEstimate estimate = now_.slam.step(input);
   now_.estimate = {stamp_s, std::move(estimate)};
 }
@@ -203,6 +210,10 @@ void StampedSlam::forget_old() {
   if (first != odometry_.begin()) --first;
   if (first != odometry_.begin()) --first;
   odometry_.erase(odometry_.begin(), first);
+  for (auto& poses : known_frames_) {
+    auto after = poses.upper_bound(std::min(kept, oldest));
+    if (after != poses.begin()) poses.erase(poses.begin(), std::prev(after));
+  }
 }
 
 }  // namespace posemix

@@ -80,6 +80,7 @@ void TrackedObjects::check(const FrameInput& input) const {
         fmt::format("frame: dt is {} s, expected a positive and finite time", input.dt));
   }
   if (input.motion && !is_usable(*input.motion)) refuse("the motion");
+  if (input.camera && !is_usable(*input.camera)) refuse("the pose of the camera");
   for (std::size_t object = 0; object < input.detections.size(); ++object) {
     const auto& detection = input.detections[object];
     if (detection && !is_usable(*detection))

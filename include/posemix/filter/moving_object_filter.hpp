@@ -10,7 +10,7 @@
 #include "posemix/density/concentrated_gaussian.hpp"
 #include "posemix/detector/object_sensor.hpp"
 #include "posemix/detector/observation.hpp"
-#include "posemix/filter/object_motion.hpp"
+#include "posemix/filter/motion_models.hpp"
 #include "posemix/mixture/mixture.hpp"
 
 namespace posemix {
@@ -18,20 +18,6 @@ namespace posemix {
 namespace internal {
 class MovingObjectState;
 }  // namespace internal
-
-/// The ways in which one object may move, and how it changes between them: a Markov chain.
-struct MotionModels {
-  std::vector<ObjectMotion> models = {StaticMotion{}};
-  /// Square, one row per model: the rate at which an object that moves by the model of the row
-  /// begins to move by that of the column [1/s]. The diagonal is not looked at. Empty: no changes.
-  Eigen::MatrixXd rates = {};
-  /// Probability of each model for an object that is seen for the first time. Empty: equal ones.
-  std::vector<double> start = {};
-};
-
-/// The motion of what hands, vehicles or robots move: calm for a second on average, then for a
-/// third of one with five times the acceleration.
-MotionModels calm_and_agile(const ConstantVelocityMotion& calm = {});
 
 /// Settings of MovingObjectFilter. A distance given as a probability is a quantile of the
 /// chi-square distribution with six degrees of freedom.
@@ -77,6 +63,9 @@ struct KnownFrame {
   /// the left, world frame); zero is exact.
   Matrix6d covariance = Matrix6d::Zero();
 };
+
+/// @throws InvalidInput when the pose is not finite or the covariance is not positive semidefinite
+void validate(const KnownFrame& frame);
 
 /// The camera of an observation. Its pose is not corrected (docs/moving-objects.md, "The camera").
 struct KnownCamera {
@@ -189,6 +178,20 @@ class MovingObjectFilter {
   /// The same as seen from a camera whose stated pose is `camera`: T_camera_object. Of the errors
   /// of the camera it has that of one image, and not the constant one, which is no error here.
   Mixture<ConcentratedGaussian<SE3d>> relative_mixture(const KnownCamera& camera) const;
+  /// T_camera_object at the most probable hypothesis, over all models, with the errors of
+  /// relative_mixture.
+  /// @throws InvalidInput as relative_mixture
+  ConcentratedGaussian<SE3d> relative(const KnownCamera& camera) const;
+  /// T_camera_object as the detector sees it at the most probable hypothesis: with the slow error
+  /// of its detections, and without their white error.
+  /// @throws InvalidInput as relative_mixture
+  ConcentratedGaussian<SE3d> predicted_detection(const KnownCamera& camera) const;
+  /// The world in which the camera's pose is stated has moved: every pose T of the object becomes
+  /// `by` T, and its covariance grows by `added` (world frame); the constant error of the camera is
+  /// from now on `constant`. For a camera that is estimated (docs/moving-objects.md).
+  /// @throws InvalidInput for numbers that are not finite, and covariances that are not positive
+  /// semidefinite
+  void move_world(const SE3d& by, const Matrix6d& added, const Matrix6d& constant);
   /// object_mixture at a later time, without a change of the filter.
   Mixture<ConcentratedGaussian<SE3d>> predict_to(double time_s,
                                                  const std::vector<KnownFrame>& frames = {}) const;

@@ -11,6 +11,7 @@
 #include "posemix/density/concentrated_gaussian.hpp"
 #include "posemix/detector/object_sensor.hpp"
 #include "posemix/detector/observation.hpp"
+#include "posemix/filter/object_motion.hpp"
 #include "posemix/filter/object_prior.hpp"
 #include "posemix/mixture/mixture.hpp"
 
@@ -178,6 +179,12 @@ class MultiObjectFilter {
   void predict_constant_velocity(double periods, const Matrix6d& q, const Matrix6d& q_motion,
                                  const Matrix6d& at_rest, double dt);
 
+  /// A camera whose pose is known from elsewhere, as on an arm whose encoders are read: after `dt`
+  /// seconds it has this density, T_world_camera, whose error is independent of everything before
+  /// (docs/many-objects.md, "A camera that is given"). From then on no correction is taken back by
+  /// a shift of the world, in which the camera is given.
+  void set_camera(const ConcentratedGaussian<SE3d>& world_camera, double dt);
+
   /// One detection T_camera_object of the object at `object`.
   /// @throws InvalidInput also when the pose is not finite
   ObjectUpdateReport update(std::size_t object, const SE3d& camera_object);
@@ -196,9 +203,11 @@ class MultiObjectFilter {
   std::size_t add_camera(const ConcentratedGaussian<SE3d>& body_camera);
 
   /// One more object, never detected. Returns its index. With a prior it has one hypothesis from
-  /// the beginning, which is as any other.
-  /// @throws InvalidInput for a prior whose probability is not in (0, 1]
-  std::size_t add_object(ObjectSensor object, const std::optional<ObjectPrior>& prior = {});
+  /// the beginning, which is as any other. With a motion it is put down elsewhere now and then
+  /// (docs/many-objects.md, "Objects that are put down elsewhere"); a rate of zero is none.
+  /// @throws InvalidInput for a prior whose probability is not in (0, 1], and as validate(motion)
+  std::size_t add_object(ObjectSensor object, const std::optional<ObjectPrior>& prior = {},
+                         const std::optional<PutDownMotion>& motion = {});
 
   /// The object becomes one that was never detected: it has no hypotheses, its absence is certain,
   /// and its noise is as given. The camera and the other objects stay as they are. In the joint
@@ -228,7 +237,8 @@ class MultiObjectFilter {
   std::optional<std::size_t> leading(std::size_t object) const;
   /// Probability of the leading hypothesis, with dependent detections counted once.
   double mode_probability(std::size_t object) const;
-  /// Log probability that no detection so far was the object [nats].
+  /// Log probability that no detection so far was the object, or that it was put down elsewhere
+  /// and not seen there [nats].
   double log_absent(std::size_t object) const;
   /// T_camera_object of one hypothesis. Its covariance takes the cross-covariance with the camera
   /// into account.

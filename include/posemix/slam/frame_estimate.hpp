@@ -74,6 +74,13 @@ struct ObjectAlternative {
   std::uint64_t id;    ///< the same from frame to frame
 };
 
+/// The twist of an object about its origin, along the world's axes: turning rate [rad/s] and
+/// velocity [m/s]. Zero for models of motion without.
+struct ObjectTwist {
+  Vector6d mean;
+  Matrix6d covariance;
+};
+
 /// Ids of the object models in their order, shared by all estimates of one tracker.
 using ObjectIds = std::shared_ptr<const std::vector<std::string>>;
 
@@ -84,6 +91,8 @@ struct ObjectEstimate {
   std::optional<double> mode_probability = {};  ///< that the estimate is on the right mode
   std::vector<ObjectAlternative> alternatives = {};  ///< where they are recorded
   DetectionStatus status = DetectionStatus::none;
+  std::vector<double> motion_models = {};  ///< of an object that moves: probability of each model
+  std::optional<ObjectTwist> twist = {};   ///< of an object that moves
 };
 
 /// The estimates of one frame, by the index of the object model or by its id. Objects that were not
@@ -100,6 +109,11 @@ struct FrameEstimate {
   std::vector<std::optional<double>> mode_probabilities = {};
   FrameReport report = {};
   ObjectIds ids = {};
+  /// Probability of each of its models of motion, by the multi-object tracker; empty for objects
+  /// of the joint Gaussian, and those that were not seen so far.
+  std::vector<std::vector<double>> motion_models = {};
+  /// Of the same objects, at the most probable place.
+  std::vector<std::optional<ObjectTwist>> twists = {};
 
   /// Index of the object model with this id.
   /// @throws InvalidInput for another id, with those that there are

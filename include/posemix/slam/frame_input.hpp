@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "posemix/detector/observation.hpp"
+#include "posemix/filter/moving_object_filter.hpp"
 #include "posemix/lie/lie.hpp"
 #include "posemix/slam/candidate.hpp"
 
@@ -23,6 +24,11 @@ struct FrameInput {
   /// Detections that are mixtures, for the multi-object tracker: of an object model, or of a class.
   /// Their stamps are not looked at.
   std::vector<Observation> observations = {};
+  /// T_world_camera as it is given, for MotionModel::given; elsewhere it is not looked at.
+  std::optional<SE3d> camera = {};
+  /// T_world_frame of the frames that may hold objects, in the order of
+  /// MultiObjectSlamSettings::frames, or none at all. One that is not given is where it was.
+  std::vector<std::optional<KnownFrame>> frames = {};
 };
 
 }  // namespace posemix

@@ -14,15 +14,20 @@ enum class MotionModel {
   odometry,     ///< where odometry is missing for a frame: a random walk with the `unknown_motion`
                 ///< noise
   random_walk,  ///< the mean stays
-  constant_velocity  ///< the motion per period is part of the state
+  constant_velocity,  ///< the motion per period is part of the state
+  still,              ///< the camera stays where it is, exactly
+  given  ///< the pose T_world_camera is given with every frame, as on an arm, with an error that is
+         ///< drawn anew; without one a random walk with the `unknown_motion` noise
 };
 
 /// The words of MotionModel in files.
 template <>
-inline constexpr WordTable<MotionModel, 3> words<MotionModel>{{
+inline constexpr WordTable<MotionModel, 5> words<MotionModel>{{
     {"odometry", MotionModel::odometry},
     {"random_walk", MotionModel::random_walk},
     {"constant_velocity", MotionModel::constant_velocity},
+    {"still", MotionModel::still},
+    {"given", MotionModel::given},
 }};
 
 /// How a covariance grows with time.
@@ -59,7 +64,8 @@ inline constexpr double kDefaultSceneDistance = 0.5;
 /// Settings of the motion model. Standard deviations below are per square root of a second.
 struct MotionSettings {
   MotionModel model = MotionModel::odometry;
-  /// Noise of the odometry, or of the pose under constant velocity: 0.1 deg, 1.3 mm at 0.5 m.
+  /// Noise of the odometry, of a given pose (whatever the time), or of the pose under constant
+  /// velocity: 0.1 deg, 1.3 mm at 0.5 m.
   ProcessNoise noise{at_camera(
       pose_covariance(Eigen::Vector3d::Constant(radians(0.1)), Eigen::Vector3d::Constant(1.3e-3)),
       kDefaultSceneDistance)};

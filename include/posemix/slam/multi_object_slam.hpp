@@ -9,6 +9,7 @@
 
 #include "posemix/filter/multi_object_filter.hpp"
 #include "posemix/slam/motion_settings.hpp"
+#include "posemix/slam/moving_objects.hpp"
 #include "posemix/slam/rig.hpp"
 #include "posemix/slam/tracker.hpp"
 
@@ -24,6 +25,9 @@ struct MultiObjectSlamSettings {
   /// The model of objects that were not declared: an observation of an id that no model has begins
   /// one, with this noise and these symmetries. Without it such an observation is refused.
   std::optional<ObjectModel> on_sight = {};
+  MovingObjectSettings moving = {};  ///< of objects that move
+  /// Names of the frames that may hold objects, whose poses are known (AttachedMotion).
+  std::vector<std::string> frames = {};
   /// An instance with fewer detections is tentative: its model is used again where a candidate
   /// begins a new instance of the class and no model is free.
   std::size_t confirming_detections = 3;
@@ -37,6 +41,8 @@ struct ObservedObject {
 };
 
 /// Object SLAM by the MultiObjectFilter: hypotheses of every object for itself, clutter, births.
+/// Objects that move are not a part of its joint Gaussian: each has a MovingObjectFilter before the
+/// camera as it is known from the static ones (docs/moving-objects.md, "Joined with object SLAM").
 ///
 /// Candidates, and observations that name a class, are associated class by class and image by image
 /// (posemix::associate), after all that names its object: those of a known instance update it;
@@ -47,14 +53,16 @@ class MultiObjectSlam {
   /// `camera` is the prior of T_world_camera at the first frame. Where hypotheses are recorded, an
   /// estimate holds the alternatives of every object.
   /// @throws InvalidInput when a setting is out of range, two models share an id, two models of one
-  /// class differ in noise or symmetries, or a model has an independent start
+  /// class differ in noise or symmetries, or a model has an independent start, and as
+  /// MovingObjects::require_valid
   MultiObjectSlam(const PoseDensity& camera, std::vector<ObjectModel> objects,
                   const MultiObjectSlamSettings& settings = {}, const MotionSettings& motion = {},
                   bool record_hypotheses = false);
 
   FrameEstimate step(const FrameInput& input);
 
-  /// Camera and leading hypotheses.
+  /// Camera and leading hypotheses of the objects that stand still; those that move are
+  /// independent of it, and in `moving`.
   Posterior posterior() const { return Posterior({{0.0, estimate()}}); }
   /// Made when it is asked for, which is quadratic in the objects. The reference holds until the
   /// next step.
@@ -70,6 +78,15 @@ class MultiObjectSlam {
     return sightings_[object].count;
   }
   const MultiObjectFilter& filter() const { return filter_; }
+  /// The objects that move. In `filter` they were never seen.
+  const MovingObjects& moving() const { return moving_; }
+  /// The hypotheses of an object, whether it moves or not; empty until it was seen.
+  std::vector<ObjectHypothesis> hypotheses(std::size_t object) const;
+  /// T_world_object `dt` seconds after the last frame, as far as it is known by then: for grasping,
+  /// where detections are late. Frames that may hold the object stay where they are. Empty until it
+  /// was seen.
+  /// @throws InvalidInput when dt is negative or not finite, or there is no object at the index
+  std::optional<PoseDensity> object_at(std::size_t object, double dt) const;
   /// The cameras on the body as they are known by now: exact ones as they were given, the others
   /// with their estimated pose and its covariance.
   std::vector<BodyCamera> estimated_cameras() const;
@@ -96,12 +113,27 @@ class MultiObjectSlam {
   ObservationSource source_of(const Observation& observation) const;
   void update(std::size_t object, const Observation& observation, const ObservationSource& source,
               FrameReport& report);
-  void update_named(std::span<Sighting> sightings, FrameReport& report);
-  void update_by_class(std::span<Sighting> sightings, FrameReport& report);
+  /// Those of objects that move, or of the others.
+  void update_named(bool moving, std::span<Sighting> sightings, FrameReport& report);
+  void update_by_class(bool moving, std::span<Sighting> sightings, FrameReport& report);
   void update_image(const std::vector<std::size_t>& models, std::span<Sighting* const> image,
                     FrameReport& report);
   CandidateReport new_instance(const std::vector<std::size_t>& models);
   FrameEstimate frame_estimate(FrameReport report) const;
+
+  // --- of objects that move, or not
+  std::size_t add_object(ObjectModel model);
+  bool is_known(std::size_t object) const;
+  void forget(std::size_t object);
+  ObjectUpdateReport update_filter(std::size_t object, const Observation& observation,
+                                   const ObservationSource& source);
+  PoseDensity predicted_detection(std::size_t object, const ObservationSource& source) const;
+  /// The camera of an observation as an object that moves is seen from it.
+  KnownCamera known_camera(const ObservationSource& source) const;
+  /// The camera, where anything moves and the camera's error lasts.
+  std::optional<PoseDensity> camera_for_moving() const;
+  /// Puts the objects that move into an estimate.
+  void report_moving(FrameEstimate& frame) const;
 
   /// When and how often an object was seen.
   struct Sightings {
@@ -114,6 +146,7 @@ class MultiObjectSlam {
   MotionSettings motion_;
   bool record_hypotheses_;
   MultiObjectFilter filter_;
+  MovingObjects moving_;
   std::vector<Sightings> sightings_;
 };
 

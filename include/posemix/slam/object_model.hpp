@@ -10,6 +10,7 @@
 #include "posemix/detector/default_noise.hpp"
 #include "posemix/detector/detector_noise.hpp"
 #include "posemix/detector/symmetry.hpp"
+#include "posemix/filter/motion_models.hpp"
 #include "posemix/filter/object_prior.hpp"
 
 /// The objects that object SLAM may see.
@@ -34,6 +35,9 @@ struct ObjectModel {
   std::map<std::string, DetectorNoise> detectors = {};
   /// Where the object is known to be, for the multi-object filter.
   std::optional<ObjectPrior> prior = {};
+  /// How the object moves, for the multi-object filter. One that neither stands still nor is put
+  /// down elsewhere is tracked for itself and tells nothing of the camera (docs/moving-objects.md).
+  MotionModels motion = {};
 };
 
 /// The class of a model, which is its id where no class is given.

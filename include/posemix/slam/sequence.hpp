@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "posemix/filter/moving_object_filter.hpp"
 #include "posemix/lie/lie.hpp"
 #include "posemix/slam/candidate.hpp"
 
@@ -22,10 +23,17 @@ struct ObjectRecording {
   std::vector<std::optional<SE3d>> world_truth;  ///< true T_world_object; no entries where unknown
 };
 
+/// The recording of a frame with a known pose, which may hold objects.
+struct FrameRecording {
+  std::string name;
+  std::vector<std::optional<KnownFrame>> poses;  ///< T_world_frame; empty: it is where it was
+};
+
 /// A recording: stamps, and what is known at each.
 struct Sequence {
-  std::vector<double> stamps;                     ///< seconds, strictly increasing
-  std::vector<std::optional<SE3d>> odometry;      ///< T_odom_camera; no entries: no odometry at all
+  std::vector<double> stamps;                 ///< seconds, strictly increasing
+  std::vector<std::optional<SE3d>> odometry;  ///< T_odom_camera; no entries: no odometry at all.
+                                              ///< Under MotionModel::given T_world_camera
   std::vector<std::optional<SE3d>> camera_truth;  ///< true T_world_camera; no entries where unknown
   std::vector<ObjectRecording> objects;
   /// Detections that do not say which instance they are of; no entries: there are none.
@@ -34,6 +42,8 @@ struct Sequence {
   /// use them in place of the detections of all objects, which are then their best components (from
   /// the body, where cameras have poses on it) and are what metrics and pictures compare with.
   std::vector<std::vector<Observation>> observations = {};
+  /// Frames that may hold objects, in the order of MultiObjectSlamSettings::frames.
+  std::vector<FrameRecording> known_frames = {};
 };
 
 /// @throws InvalidInput when there is no frame, stamps do not increase, a vector has the wrong

@@ -6,6 +6,8 @@
 #include <deque>
 #include <map>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "posemix/base/words.hpp"
@@ -96,10 +98,17 @@ class StampedSlam {
   /// @throws InvalidInput, and changes nothing, for an observation that is not valid, names what is
   /// not known, or whose stamp has jumped
   StampAdmission add(const Observation& observation);
-  /// T_odom_body at a time.
+  /// T_odom_body at a time; under the motion model `given` T_world_body.
   /// @throws InvalidInput, and changes nothing, for a pose that is not finite, a stamp that has
   /// jumped or has another pose already, and under a motion model without odometry
   StampAdmission add_odometry(double stamp_s, const SE3d& odom_body);
+
+  /// T_world_frame of one of MultiObjectSlamSettings::frames at a time; between two that are no
+  /// further apart than the history the motion is a part of the motion between them, elsewhere the
+  /// frame is where it was. Until all frames had a pose there is no estimate.
+  /// @throws InvalidInput, and changes nothing, for a name that there is not, a pose that is not
+  /// valid, and a stamp that has jumped or has another pose already
+  StampAdmission add_frame(std::string_view name, double stamp_s, const KnownFrame& frame);
 
   /// The estimate at the newest stamp; with odometry, at the newest that odometry has reached. None
   /// before the first.
@@ -107,6 +116,11 @@ class StampedSlam {
   /// The same with all observations, also those that wait for odometry, which are then frames
   /// without it; for the end of a recording.
   const std::optional<EstimateAtStamp>& finish();
+
+  /// T_world_object at a stamp that is not before that of estimate(), as far as it is known by then
+  /// (MultiObjectSlam::object_at). Empty until it was seen.
+  /// @throws InvalidInput for an earlier stamp, and for an id that there is not
+  std::optional<PoseDensity> object_at(std::string_view id, double stamp_s);
 
   const StampCounts& counts() const { return counts_; }
   /// Observations that wait for odometry.
@@ -136,14 +150,21 @@ class StampedSlam {
   std::optional<double> newest_odometry() const;
   /// T_odom_body at a time, where poses on both sides are near enough.
   std::optional<SE3d> odometry_at(double stamp_s) const;
+  /// @throws InvalidInput for a name that there is not
+  std::size_t frame_index(std::string_view name) const;
+  std::optional<KnownFrame> frame_at(std::size_t frame, double stamp_s) const;
+  bool has_all_frames() const;
 
   StampedSlamSettings settings_;
   bool has_odometry_;
+  bool is_given_;  ///< what is odometry elsewhere is the camera's pose
   State initial_;
   State now_;
   std::deque<State> checkpoints_;  ///< by their stamps, the first one before all that is kept
   std::map<double, Frame> frames_;
   std::map<double, SE3d> odometry_;
+  std::vector<std::string> names_;                          ///< of frames that may hold objects
+  std::vector<std::map<double, KnownFrame>> known_frames_;  ///< their poses
   std::optional<double> newest_;
   StampCounts counts_;
 };

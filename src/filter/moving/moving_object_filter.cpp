@@ -15,39 +15,6 @@
 namespace posemix {
 namespace {
 
-void check_rates(const MotionModels& models) {
-  const auto n = static_cast<Eigen::Index>(models.models.size());
-  const Eigen::MatrixXd& rates = models.rates;
-  if (rates.size() == 0) return;
-  if (rates.rows() != n || rates.cols() != n) {
-    throw InvalidInput(fmt::format("the rates between models are {} x {}, expected {} x {}",
-                                   rates.rows(), rates.cols(), n, n));
-  }
-  for (Eigen::Index i = 0; i < n; ++i) {
-    for (Eigen::Index j = 0; j < n; ++j) {
-      if (i != j)
-        kNotNegative.check(rates(i, j), fmt::format("the rate from model {} to {}", i, j));
-    }
-  }
-}
-
-void check_start(const MotionModels& models) {
-  if (models.start.empty()) return;
-  if (models.start.size() != models.models.size()) {
-    throw InvalidInput(fmt::format("{} probabilities for {} motion models", models.start.size(),
-                                   models.models.size()));
-  }
-  double sum = 0.0;
-  for (const double probability : models.start) {
-    kUnitInterval.check(probability, "the probability of a motion model");
-    sum += probability;
-  }
-  if (!(std::abs(sum - 1.0) < 1e-6)) {
-    throw InvalidInput(
-        fmt::format("the probabilities of the motion models sum to {:.6g}, expected one", sum));
-  }
-}
-
 void check_moving_settings(const MovingObjectSettings& s) {
   require(s.max_hypotheses > 0, "max_hypotheses is 0, expected at least 1");
   kOpenUnitInterval.check(s.default_clutter, "default_clutter");
@@ -95,13 +62,7 @@ void check_frames(const std::vector<KnownFrame>& frames) {
 
 }  // namespace
 
-MotionModels calm_and_agile(const ConstantVelocityMotion& calm) {
-  ConstantVelocityMotion agile = calm;
-  agile.acceleration_sds *= 5.0;
-  return {.models = {calm, agile},
-          .rates = (Eigen::MatrixXd(2, 2) << 0.0, 1.0, 3.0, 0.0).finished(),
-          .start = {0.75, 0.25}};
-}
+void validate(const KnownFrame& frame) { check_frame(frame, "the frame"); }
 
 KnownCamera exact_camera(const SE3d& world_camera) { return {.frame = {.pose = world_camera}}; }
 
@@ -119,10 +80,7 @@ MovingObjectFilter::MovingObjectFilter(ObjectSensor sensor, MotionModels models,
                                        const MovingObjectSettings& settings) {
   require(sensor.other_detectors.empty(),
           "the sensor has other detectors, expected one: a moving object is seen by one detector");
-  require(!models.models.empty(), "there is no motion model, expected at least one");
-  for (const ObjectMotion& motion : models.models) validate(motion);
-  check_rates(models);
-  check_start(models);
+  validate(models);
   check_moving_settings(settings);
   state_ =
       std::make_unique<internal::MovingObjectState>(std::move(sensor), std::move(models), settings);
@@ -191,6 +149,30 @@ Mixture<ConcentratedGaussian<SE3d>> MovingObjectFilter::relative_mixture(
         to_camera.adjoint_congruence(component.density.covariance()));
   }
   return Mixture<ConcentratedGaussian<SE3d>>(std::move(components));
+}
+
+ConcentratedGaussian<SE3d> MovingObjectFilter::relative(const KnownCamera& camera) const {
+  require(state_->has_hypotheses(), "relative: the place of the object is not known");
+  check_frame(camera.frame, "the camera");
+  const ConcentratedGaussian<SE3d> world = state_->leading(camera.frame.covariance);
+  const SE3d to_camera = camera.frame.pose.inverse();
+  return ConcentratedGaussian<SE3d>::trusted(to_camera * world.mean(),
+                                             to_camera.adjoint_congruence(world.covariance()));
+}
+
+ConcentratedGaussian<SE3d> MovingObjectFilter::predicted_detection(
+    const KnownCamera& camera) const {
+  require(state_->has_hypotheses(), "predicted_detection: the place of the object is not known");
+  check_frame(camera.frame, "the camera");
+  return state_->predicted_detection(camera.frame);
+}
+
+void MovingObjectFilter::move_world(const SE3d& by, const Matrix6d& added,
+                                    const Matrix6d& constant) {
+  require(by.matrix().allFinite(), "move_world: the motion is not finite");
+  check_semidefinite(added, "the covariance of a motion of the world");
+  check_semidefinite(constant, "the constant covariance of the camera");
+  state_->move_world(by, added, constant);
 }
 
 Mixture<ConcentratedGaussian<SE3d>> MovingObjectFilter::predict_to(

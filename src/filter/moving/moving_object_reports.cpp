@@ -37,13 +37,59 @@ std::vector<Component<ConcentratedGaussian<SE3d>>> MovingObjectState::components
 }
 
 /// What is reported of one Gaussian, with the twist along the world's axes.
-PlacedObject MovingObjectState::reported(const PlacedObject& object, std::size_t model) const {
+PlacedObject MovingObjectState::reported(const PlacedObject& object, std::size_t model,
+                                         const Matrix6d& added) const {
   PlacedObject result{.pose = object.pose};
   const WorldTwist moving = world_twist(object, models_.models[model]);
   result.twist = moving.mean;
-  result.covariance.topLeftCorner<6, 6>() = reported_covariance(object, model, constant_);
+  result.covariance.topLeftCorner<6, 6>() = reported_covariance(object, model, added);
   result.covariance.block<6, 6>(kTwistRow, kTwistRow) = moving.covariance;
   return result;
+}
+
+PlacedObject MovingObjectState::reported(const MovingHypothesis& hypothesis,
+                                         const Matrix6d& added) const {
+  const Eigen::ArrayXd weights = hypothesis.weights.by_model();
+  const double total = weights.sum();
+  std::vector<PlacedObject> objects;
+  for (std::size_t k = 0; k < model_count(); ++k)
+    objects.push_back(reported(hypothesis.objects[k], k, added));
+  std::vector<WeightedObject> parts;
+  for (std::size_t k = 0; k < model_count(); ++k) {
+    const double part = weights[static_cast<Eigen::Index>(k)] / total;
+    if (part > 0.0) parts.push_back({part, &objects[k]});
+  }
+  return mixed(parts);
+}
+
+ConcentratedGaussian<SE3d> MovingObjectState::leading(const Matrix6d& added) const {
+  const PlacedObject object = reported(*leader(), added);
+  return ConcentratedGaussian<SE3d>::trusted(object.pose, object.pose_covariance());
+}
+
+ConcentratedGaussian<SE3d> MovingObjectState::predicted_detection(const KnownFrame& camera) const {
+  const MovingHypothesis& hypothesis = *leader();
+  const Eigen::ArrayXd weights = hypothesis.weights.by_model();
+  std::vector<PlacedObject> seen;
+  for (std::size_t k = 0; k < model_count(); ++k) {
+    const DetectionState state = hypothesis.objects[k].seen_from(camera_for(camera, k));
+    const Matrix6d a = slow_error_map(state, sensor().noise.components().front(), sensor());
+    // xi_O - xi_C + A b.
+    Eigen::Matrix<double, 6, 18> h;
+    h << -Matrix6d::Identity(), Matrix6d::Identity(), a;
+    PlacedObject& one = seen.emplace_back();
+    one.pose = SE3d::exp(Vector6d(a * state.slow)) * state.object;
+    one.covariance.topLeftCorner<6, 6>() = h * state.covariance * h.transpose();
+  }
+  std::vector<WeightedObject> parts;
+  for (std::size_t k = 0; k < model_count(); ++k) {
+    if (const double part = weights[static_cast<Eigen::Index>(k)]; part > 0.0)
+      parts.push_back({part, &seen[k]});
+  }
+  const PlacedObject object = mixed(parts);
+  const SE3d to_camera = camera.pose.inverse();
+  return ConcentratedGaussian<SE3d>::trusted(
+      to_camera * object.pose, to_camera.adjoint_congruence(object.pose_covariance()));
 }
 
 MovingObjectEstimate MovingObjectState::estimate() const {
@@ -56,17 +102,10 @@ MovingObjectEstimate MovingObjectState::estimate() const {
     const Eigen::ArrayXd weights = hypothesis.weights.by_model();
     const double total = weights.sum();
     models += weights;
-    std::vector<PlacedObject> reported;
     std::vector<double> of_models;
-    for (std::size_t k = 0; k < model_count(); ++k) {
+    for (std::size_t k = 0; k < model_count(); ++k)
       of_models.push_back(weights[static_cast<Eigen::Index>(k)] / total);
-      reported.push_back(this->reported(hypothesis.objects[k], k));
-    }
-    std::vector<WeightedObject> parts;
-    for (std::size_t k = 0; k < model_count(); ++k) {
-      if (of_models[k] > 0.0) parts.push_back({of_models[k], &reported[k]});
-    }
-    const PlacedObject object = mixed(parts);
+    const PlacedObject object = reported(hypothesis, constant_);
     result.hypotheses.push_back(
         {.world = ConcentratedGaussian<SE3d>::trusted(object.pose, object.pose_covariance()),
          .twist = object.twist,

@@ -11,47 +11,11 @@
 #include "filter/multi_object/noise_scale.hpp"
 #include "filter/multi_object/object_belief.hpp"
 #include "filter/multi_object/object_merge.hpp"
+#include "mode_weights.hpp"
 #include "placed_object.hpp"
 
 /// The posterior of MovingObjectFilter (docs/moving-objects.md).
 namespace posemix::internal {
-
-/// A run of wrong detections at the place of a hypothesis.
-struct WrongRun {
-  std::uint64_t place;    ///< its id; kAnyPlace where it was not seen yet, or was dropped
-  Eigen::ArrayXd weight;  ///< by motion model
-  /// The orientation of that place from this hypothesis' when the run was first met, and its
-  /// covariance: a turned detection turns with the object.
-  std::optional<SO3d> offset = {};
-  Eigen::Matrix3d offset_covariance = Eigen::Matrix3d::Zero();
-  double log_kept = 0.0;  ///< log likelihood that it was kept, up to a constant
-};
-inline constexpr std::uint64_t kAnyPlace = 0;
-
-/// The weights p_hkm of one hypothesis h over motion models k and modes m of the detector.
-struct ModeWeights {
-  Eigen::ArrayXXd right;       ///< models x right modes
-  std::vector<WrongRun> runs;  ///< the first one is at any place
-
-  ModeWeights() = default;
-  ModeWeights(Eigen::Index models, Eigen::Index modes);
-  Eigen::ArrayXd by_model() const;
-  double total() const { return by_model().sum(); }
-  ModeWeights& operator*=(double factor);
-  /// Factors by model.
-  void scale(const Eigen::ArrayXd& factor);
-  void add(const ModeWeights& other);
-  /// Eq. (7): p_k <- sum_l p_l P_lk.
-  void change_models(const Eigen::MatrixXd& transition);
-  /// Eq. (10): the modes are kept with the probability `stay`, else drawn anew; runs are at one of
-  /// `places` with the probability `recurring`, where there are any.
-  void draw_modes(double stay, const DetectorModes& modes, double in_run, double recurring,
-                  std::span<const std::uint64_t> places);
-  Eigen::ArrayXd& run_at(std::uint64_t place);
-  /// Runs at a place become such of another; `own` says that it is the place of this hypothesis,
-  /// where the detector is right.
-  void redirect(std::uint64_t from, std::uint64_t to, bool own);
-};
 
 /// A hypothesis for the place of the object: a Gaussian per motion model.
 struct MovingHypothesis {
@@ -89,6 +53,11 @@ class MovingObjectState {
   /// Components of the density given that the place is known; `added` is the world-frame covariance
   /// of what is not estimated and the same at every pose.
   std::vector<Component<ConcentratedGaussian<SE3d>>> components(const Matrix6d& added) const;
+
+  /// The most probable hypothesis, over all models; `added` as for components.
+  ConcentratedGaussian<SE3d> leading(const Matrix6d& added) const;
+  ConcentratedGaussian<SE3d> predicted_detection(const KnownFrame& camera) const;
+  void move_world(const SE3d& by, const Matrix6d& added, const Matrix6d& constant);
 
   const ObjectSensor& sensor() const { return detector_.sensor(); }
   const MotionModels& models() const { return models_; }
@@ -161,7 +130,9 @@ class MovingObjectState {
              const KnownFrame& camera);
   Matrix6d reported_covariance(const PlacedObject& object, std::size_t model,
                                const Matrix6d& added) const;
-  PlacedObject reported(const PlacedObject& object, std::size_t model) const;
+  PlacedObject reported(const PlacedObject& object, std::size_t model, const Matrix6d& added) const;
+  /// What is reported of a hypothesis, over all models.
+  PlacedObject reported(const MovingHypothesis& hypothesis, const Matrix6d& added) const;
   /// The places of all hypotheses but one.
   std::vector<std::uint64_t> places_but(std::uint64_t own) const;
   const MovingHypothesis* leader() const;

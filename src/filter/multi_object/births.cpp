@@ -98,7 +98,8 @@ Alternative MultiObjectState::birth_at(const TrackedObject& object,
 /// heaviest takes the weight of all.
 std::vector<Alternative> MultiObjectState::births_of(const TrackedObject& object,
                                                      const WeighedObservation& observation,
-                                                     const Starters& may_start, double share) {
+                                                     const Starters& may_start, double share,
+                                                     BirthPlaces* put_down) {
   constexpr double kPi = std::numbers::pi;
   if (!std::isfinite(object.belief.log_absent())) return {};
   std::vector<const ObservationComponent*> starting;
@@ -110,11 +111,19 @@ std::vector<Alternative> MultiObjectState::births_of(const TrackedObject& object
   const Matrix6d camera_covariance = joint.covariance(kCamera, kCamera);
   const double log_density = object.belief.log_absent() + std::log(observation.object_weight) -
                              std::log(8.0 * kPi * kPi * sensor.noise.clutter().volume_m3);
+  const auto index_of = [&](const ObservationComponent* seen) {
+    return static_cast<std::size_t>(seen - observation.components.data());
+  };
   std::vector<Alternative> births;
   for (const ObservationComponent* seen : starting) {
-    for (const NoiseMode& mode : modes_of(sensor.noise, log_density + std::log(seen->weight))) {
+    std::vector<NoiseMode> modes = modes_of(sensor.noise, log_density + std::log(seen->weight));
+    for (std::size_t m = 0; m < modes.size(); ++m) {
+      NoiseMode& mode = modes[m];
+      if (put_down) mode.log_weight = put_down->log_modes[m] + std::log(seen->weight);
+      if (!std::isfinite(mode.log_weight)) continue;
       Alternative born = birth_at(object, observation, *seen, *mode.first);
       born.standing.log_weight = mode.log_weight;
+      if (put_down) born.standing.shown = object.belief.shown_at_birth(put_down->detector, m);
       const auto same = std::find_if(births.begin(), births.end(), [&](const Alternative& other) {
         return starting.size() > 1 &&
                agree(camera_covariance, sensor.symmetries, merge_bounds, other.pose, born.pose);
@@ -122,8 +131,10 @@ std::vector<Alternative> MultiObjectState::births_of(const TrackedObject& object
       if (same != births.end()) {
         same->standing.log_weight +=
             std::log1p(std::exp(mode.log_weight - same->standing.log_weight));
+        if (put_down && m == 0) put_down->places[index_of(seen)] = place_of(same->standing.id);
       } else if (starting.size() == 1 || births.size() < settings.max_hypotheses) {
         born.standing.id = next_id++;
+        if (put_down && m == 0) put_down->places[index_of(seen)] = place_of(born.standing.id);
         births.push_back(born);
       }
     }

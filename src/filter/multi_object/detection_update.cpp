@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include "posemix/mixture/log_weights.hpp"
 
@@ -132,6 +133,7 @@ WeighedObservation weigh(const Observation& observation, const ObjectSensor& sen
                          const ObservationSource& source) {
   const Clutter& clutter = sensor.noise.clutter();
   WeighedObservation result{.components = observation.components,
+                            .clutter = observation.clutter.value_or(clutter.weight),
                             .log_clutter = sensor.noise.log_clutter_density(),
                             .log_absence = {},
                             .source = source};
@@ -267,9 +269,9 @@ Vector6d DetectionUpdate::white_residual() const {
       to_axes.adjoint_congruence(inlier.covariance).diagonal().cwiseSqrt());
 }
 
-DetectionUpdate observe(const DetectionState& state, const WeighedObservation& observation,
-                        const ObjectSensor& sensor, const GainFactors& factors) {
-  DetectionUpdate result{explain(state, observation, sensor), {}};
+DetectionUpdate moved_by(Explanation explanation, const DetectionState& state,
+                         const GainFactors& factors) {
+  DetectionUpdate result{std::move(explanation), {}};
   DetectionMoments& posterior = result.posterior;
   posterior.covariance = state.covariance;
   if (!std::isfinite(result.log_evidence())) return result;
@@ -282,6 +284,11 @@ DetectionUpdate observe(const DetectionState& state, const WeighedObservation& o
   }
   update.finish();
   return result;
+}
+
+DetectionUpdate observe(const DetectionState& state, const WeighedObservation& observation,
+                        const ObjectSensor& sensor, const GainFactors& factors) {
+  return moved_by(explain(state, observation, sensor), state, factors);
 }
 
 }  // namespace posemix::internal

@@ -70,6 +70,7 @@ struct CameraMoments {
 struct WeighedObservation {
   /// With the part of their weights that no earlier observation told. The weights sum to one.
   std::vector<ObservationComponent> components;
+  double clutter = 0.0;        ///< probability that the observation is of something else
   double object_weight = 1.0;  ///< factor on the weights of the noise's components
   double log_clutter = 0.0;    ///< log weight times density of clutter [nats]
   double log_absence = 0.0;    ///< the same, for the case that no detection was the object
@@ -155,6 +156,13 @@ struct GainFactors {
   double camera = 1.0;
   double slow = 1.0;
 };
+
+/// Updates a state by an observation with this explanation.
+DetectionUpdate moved_by(Explanation explanation, const DetectionState& state,
+                         const GainFactors& factors);
+/// The same with extrinsics, as observe().
+DetectionUpdate moved_by(Explanation explanation, const Eigen::MatrixXd& seen_by,
+                         const Eigen::MatrixXd& covariance, const GainFactors& factors);
 
 /// Updates a state by an observation with the noise, clutter and symmetries of `sensor`.
 DetectionUpdate observe(const DetectionState& state, const WeighedObservation& observation,

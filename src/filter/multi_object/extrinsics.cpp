@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 #include <cmath>
+#include <utility>
 
 #include "object_belief.hpp"
 
@@ -25,11 +26,15 @@ Eigen::Matrix<double, 12, Eigen::Dynamic> DetectionUpdate::extrinsics() const {
 DetectionUpdate observe(const DetectionState& state, const Eigen::MatrixXd& seen_by,
                         const Eigen::MatrixXd& covariance, const WeighedObservation& observation,
                         const ObjectSensor& sensor, const GainFactors& factors) {
+  return moved_by(explain(state, observation, sensor), seen_by, covariance, factors);
+}
+
+DetectionUpdate moved_by(Explanation explanation, const Eigen::MatrixXd& seen_by,
+                         const Eigen::MatrixXd& covariance, const GainFactors& factors) {
   using Columns = Eigen::Matrix<double, Eigen::Dynamic, 6>;
   const Eigen::Index n = covariance.rows();
   const Eigen::Index rig = n - 12;
-  DetectionUpdate result{
-      explain(state, observation, sensor), {}, {Eigen::VectorXd::Zero(n), covariance}};
+  DetectionUpdate result{std::move(explanation), {}, {Eigen::VectorXd::Zero(n), covariance}};
   RigMoments& all = result.with_extrinsics;
   if (std::isfinite(result.log_evidence())) {
     Eigen::VectorXd gain = Eigen::VectorXd::Constant(n, factors.camera);

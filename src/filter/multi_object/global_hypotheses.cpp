@@ -122,6 +122,12 @@ ObjectUpdateReport GlobalHypotheses::update(std::size_t j, const Observation& ob
   }
   split(j, observed, may_start);
   std::vector<Starters> starters(list_.size(), may_start);
+  // An object that is put down elsewhere has its places in every state.
+  for (std::size_t i = 0; i < list_.size(); ++i) {
+    if (!observed[i].put_down) continue;
+    starters[i] = observed[i].explained;
+    starters[i].flip();
+  }
   split_by_components(j, observed, starters);
 
   ObjectUpdateReport report;

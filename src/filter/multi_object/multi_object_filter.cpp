@@ -137,6 +137,14 @@ void MultiObjectFilter::predict_constant_velocity(double periods, const Matrix6d
       [&](MultiObjectState& s) { s.predict_constant_velocity(periods, q, q_motion, at_rest, dt); });
 }
 
+void MultiObjectFilter::set_camera(const ConcentratedGaussian<SE3d>& world_camera, double dt) {
+  require_finite(world_camera.mean(), "pose of the camera");
+  require_time(dt);
+  // The constructor checks the covariance.
+  const ConcentratedGaussian<SE3d> camera(world_camera.mean(), world_camera.covariance());
+  hypotheses_of_all().for_each([&](MultiObjectState& s) { s.set_camera(camera, dt); });
+}
+
 ObjectUpdateReport MultiObjectFilter::update(std::size_t object, const SE3d& camera_object) {
   require_object(object, object_count());
   require_finite(camera_object, "detection");
@@ -176,12 +184,14 @@ ConcentratedGaussian<SE3d> MultiObjectFilter::extrinsic(std::size_t camera) cons
 }
 
 std::size_t MultiObjectFilter::add_object(ObjectSensor object,
-                                          const std::optional<ObjectPrior>& prior) {
+                                          const std::optional<ObjectPrior>& prior,
+                                          const std::optional<PutDownMotion>& motion) {
   if (prior && !(prior->probability > 0.0 && prior->probability <= 1.0)) {
     throw InvalidInput(fmt::format("the prior has the probability {}, expected one in (0, 1]",
                                    prior->probability));
   }
-  hypotheses_of_all().for_each([&](MultiObjectState& s) { s.add_object(object, prior); });
+  if (motion) validate(*motion);
+  hypotheses_of_all().for_each([&](MultiObjectState& s) { s.add_object(object, prior, motion); });
   return object_count() - 1;
 }
 

@@ -98,11 +98,19 @@ MultiObjectState::MultiObjectState(const ConcentratedGaussian<SE3d>& camera,
 }
 
 void MultiObjectState::add_object(const ObjectSensor& sensor,
-                                  const std::optional<ObjectPrior>& prior) {
+                                  const std::optional<ObjectPrior>& prior,
+                                  const std::optional<PutDownMotion>& put_down) {
   objects.emplace_back();
   TrackedObject& object = objects.back();
   for (ObjectSensor& one : sensors_of(sensor, settings.default_clutter))
     object.detectors.emplace_back(std::move(one));
+  if (put_down && put_down->jump_rate > 0.0) {
+    std::vector<DetectorModes> modes;
+    for (const LearnedSensor& detector : object.detectors)
+      modes.emplace_back(detector.sensor().noise);
+    object.put_down = std::make_shared<const PutDown>(PutDown{*put_down, std::move(modes)});
+    object.belief.begin_unseen(object.put_down->unseen());
+  }
   if (!prior) return;
   has_known_objects = true;
   ConditionalPose pose{prior->world.mean(), {}, Matrix12d::Zero(), Matrix12x6d::Zero()};
@@ -113,11 +121,13 @@ void MultiObjectState::add_object(const ObjectSensor& sensor,
     pose.covariance.bottomRightCorner<6, 6>() = *slow;
   }
   const double log_weight = std::log(prior->probability);
-  object.belief.add(joint, {{{.log_weight = log_weight,
-                              .log_probability = log_weight,
-                              .score = settings.birth_score,
-                              .id = next_id++},
-                             pose}});
+  object.belief.add(
+      joint, {{{.log_weight = log_weight,
+                .log_probability = log_weight,
+                .score = settings.birth_score,
+                .id = next_id++,
+                .shown = object.put_down ? object.put_down->unseen() : std::vector<ModeWeights>()},
+               pose}});
   object.belief.set_log_absent(std::log1p(-prior->probability));
   object.belief.fix_unobserved(joint, object.sensor().symmetries);
 }
@@ -152,6 +162,7 @@ void MultiObjectState::advance(double dt, const std::optional<SE3d>& camera_befo
   now_s += dt;
   for (TrackedObject& object : objects) {
     const ObjectSensor& sensor = object.sensor();
+    if (object.put_down) object.belief.leak(object.put_down->motion.jump_rate * dt);
     if (const auto& slow = sensor.noise.dependence().slow)
       object.belief.decay_slow_error(joint, *slow, *sensor.slow_covariance(), camera_before, dt);
   }
@@ -168,7 +179,8 @@ void MultiObjectState::forget(std::size_t j) {
   TrackedObject& object = objects[j];
   if (const auto index = object.belief.pose_index()) erase(*index);
   for (LearnedSensor& detector : object.detectors) detector.reset();
-  object = {std::move(object.detectors)};
+  object = {std::move(object.detectors), std::move(object.put_down)};
+  if (object.put_down) object.belief.begin_unseen(object.put_down->unseen());
 }
 
 /// The scale of the noise is learned. Where the slow error's changes by a factor f, b becomes f b,
@@ -253,8 +265,18 @@ ObservedDetection MultiObjectState::observe(std::size_t j,
   const ObjectSensor& sensor = detector.sensor();
   ObservedDetection result{observation, {}, {}, {}, detector.new_share(now_s)};
   result.factors = gain_factors(object, result.observation);
-  result.updates =
-      object.belief.observe(joint, result.observation, sensor, result.factors);  // eq. (2) to (4)
+  if (object.put_down) {
+    const std::size_t d = observation.source.detector;
+    const DetectorModes& modes = object.put_down->detectors[d];
+    const double stay =
+        detector.detections() > 0 ? modes.persistence(detector.seconds_since(now_s)) : 0.0;
+    const ShownModes shown{modes, d, stay, observation.clutter};
+    result.put_down = object.belief.observe_put_down(
+        joint, result.observation, sensor, result.factors, shown, explained, result.updates);
+  } else {
+    result.updates =
+        object.belief.observe(joint, result.observation, sensor, result.factors);  // eq. (2) to (4)
+  }
   result.explained.assign(result.observation.components.size(), false);
   for (const DetectionUpdate& update : result.updates) {
     for (std::size_t k = 0; k < result.explained.size(); ++k) {
@@ -272,8 +294,13 @@ ObjectUpdateReport MultiObjectState::update(std::size_t j, const ObservedDetecti
   LearnedSensor& detector = object.detectors[observed.observation.source.detector];
   const std::vector<DetectionUpdate>& updates = observed.updates;
   const double share = detector.count_detection(observed.observation, now_s);
-  std::vector<Alternative> births = births_of(object, observed.observation, may_start, share);
-  update_weights(object, observed, share);  // eq. (3)
+  std::vector<Alternative> births;
+  if (object.put_down) {
+    births = take_in_put_down(object, observed, may_start);
+  } else {
+    births = births_of(object, observed.observation, may_start, share);
+    update_weights(object, observed, share);  // eq. (3)
+  }
   ObjectUpdateReport report{.started = !births.empty(), .log_evidence = belief.log_total(births)};
 
   // All poses move, eq. (5) to (9), and the leading hypothesis corrects the detector's noise.
@@ -303,6 +330,7 @@ std::size_t MultiObjectState::reduce(TrackedObject& object) {
   belief.keep_best(settings.max_hypotheses, settings.protected_hypotheses);
   belief.normalise();
   belief.choose_leader(joint, settings.leader_margin);
+  if (object.put_down) belief.forget_places();
   return merges;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -10,12 +11,15 @@
 #include "noise_scale.hpp"
 #include "object_belief.hpp"
 #include "posemix/density/pose_stack.hpp"
+#include "put_down.hpp"
 
 namespace posemix::internal {
 
 /// One object of a MultiObjectFilter.
 struct TrackedObject {
   std::vector<LearnedSensor> detectors;
+  /// How it is put down elsewhere; null for an object that is not.
+  std::shared_ptr<const PutDown> put_down = {};
   ObjectBelief belief = {};
   std::uint64_t last_update = 0;  ///< number of the last detection of the object, from one
 
@@ -37,6 +41,14 @@ struct ObservedDetection {
   GainFactors factors;                   ///< of the updates
   std::vector<bool> explained;           ///< by component, whether any hypothesis explains it
   double share = 1.0;                    ///< of the detection that is new, for probabilities
+  std::optional<PutDownEvidence> put_down = {};  ///< for an object that is put down elsewhere
+};
+
+/// Births of an object that is put down elsewhere.
+struct BirthPlaces {
+  std::size_t detector;
+  std::vector<double> log_modes = {};  ///< by mode, the log weight of a birth at a component alone
+  std::vector<std::uint64_t> places;   ///< of the components; births enter their own
 };
 
 /// Component `k` of an observation, and its other components, both without clutter: their evidence
@@ -66,7 +78,8 @@ struct MultiObjectState {
     joint.append_extrinsic(body_camera);
   }
   /// One more object, never detected.
-  void add_object(const ObjectSensor& sensor, const std::optional<ObjectPrior>& prior = {});
+  void add_object(const ObjectSensor& sensor, const std::optional<ObjectPrior>& prior = {},
+                  const std::optional<PutDownMotion>& put_down = {});
   /// Object `j` becomes one that was never detected.
   void forget(std::size_t j);
   /// Time goes on by one frame, in which the camera moved from `camera_before` where that is known.
@@ -83,9 +96,11 @@ struct MultiObjectState {
   /// What a report adds to the covariance of an object at `pose`, world frame.
   static Matrix6d unseen_covariance(const TrackedObject& object, const SE3d& pose);
   /// Whether the gain of a detection is damped: with odometry, for a detector of which only what is
-  /// typical is known. Not where poses of objects are known: a shift of the world would move them.
+  /// typical is known. Not where poses of objects or of the camera are known: a shift of the world
+  /// would move them.
   bool is_damped(const ObjectSensor& sensor) const {
-    return settings.has_odometry && !has_known_objects && sensor.noise.dependence().is_typical;
+    return settings.has_odometry && !has_known_objects && !has_given_camera &&
+           sensor.noise.dependence().is_typical;
   }
   /// The factors on the gains of an observation of the object.
   GainFactors gain_factors(const TrackedObject& object,
@@ -101,6 +116,7 @@ struct MultiObjectState {
   double now_s = 0.0;
   std::optional<std::size_t> motion;  ///< index of the camera's motion in the joint Gaussian
   bool has_known_objects = false;     ///< whether any object was added with a prior
+  bool has_given_camera = false;      ///< whether set_camera() was called
   std::uint64_t next_id = 0;
   std::uint64_t update_count = 0;  ///< number of detections of all objects so far
   ActiveLimits limits = {};
@@ -111,6 +127,7 @@ struct MultiObjectState {
   void predict_random_walk(const Matrix6d& q, double dt);
   void predict_constant_velocity(double periods, const Matrix6d& q, const Matrix6d& q_motion,
                                  const Matrix6d& at_rest, double dt);
+  void set_camera(const ConcentratedGaussian<SE3d>& world_camera, double dt);
 
   // --- global hypotheses
 
@@ -139,7 +156,12 @@ struct MultiObjectState {
   void update_weights(TrackedObject& object, const ObservedDetection& observed, double share) const;
   std::vector<Alternative> births_of(const TrackedObject& object,
                                      const WeighedObservation& observation,
-                                     const Starters& may_start, double share);
+                                     const Starters& may_start, double share,
+                                     BirthPlaces* put_down = nullptr);
+  /// The weights of an object that is put down elsewhere, and the hypotheses that begin.
+  std::vector<Alternative> take_in_put_down(TrackedObject& object,
+                                            const ObservedDetection& observed,
+                                            const Starters& may_start);
   /// A hypothesis of the object where a component of the noise has its mode, without a weight.
   Alternative birth_at(const TrackedObject& object, const WeighedObservation& observation,
                        const ObservationComponent& seen, const NoiseComponent& mode) const;

@@ -23,6 +23,8 @@ class LearnedSensor {
   const ObjectSensor& sensor() const { return sensor_; }
   /// Number of detections.
   std::uint64_t detections() const { return detections_; }
+  /// Time since the last detection [s].
+  double seconds_since(double now_s) const { return now_s - last_s_; }
   /// The part of a detection at the time `now_s`, for the weights of hypotheses, that does not
   /// depend on the detection before: 1 - exp(-time between them / mode_time_s).
   double new_share(double now_s) const;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "posemix/filter/update.hpp"
 #include "posemix/mixture/log_weights.hpp"
@@ -116,21 +117,26 @@ std::vector<DetectionUpdate> ObjectBelief::observe(const JointGaussian& joint,
   updates.reserve(size());
   for (std::size_t h = 0; h < size(); ++h) {
     const DetectionState seen_from = state_from(joint, h, observation.source);
-    if (joint.extrinsics() == 0) {
-      updates.push_back(internal::observe(seen_from, observation, sensor, factors));
-      continue;
-    }
-    const ConditionalPose object = pose(joint, h);
-    const Eigen::Index rig = joint.rig().rows();
-    Eigen::MatrixXd covariance(rig + 12, rig + 12);
-    covariance.topLeftCorner(rig, rig) = joint.rig();
-    covariance.bottomLeftCorner(12, rig) << object.cross_covariance, object.extrinsics;
-    covariance.topRightCorner(rig, 12) = covariance.bottomLeftCorner(12, rig).transpose();
-    covariance.bottomRightCorner<12, 12>() = object.covariance;
-    updates.push_back(internal::observe(seen_from, joint.seen_by(observation.source), covariance,
-                                        observation, sensor, factors));
+    updates.push_back(
+        moved_by(joint, h, observation.source, explain(seen_from, observation, sensor), factors));
   }
   return updates;
+}
+
+DetectionUpdate ObjectBelief::moved_by(const JointGaussian& joint, std::size_t h,
+                                       const ObservationSource& source, Explanation explanation,
+                                       const GainFactors& factors) const {
+  if (joint.extrinsics() == 0) {
+    return internal::moved_by(std::move(explanation), state_from(joint, h, source), factors);
+  }
+  const ConditionalPose object = pose(joint, h);
+  const Eigen::Index rig = joint.rig().rows();
+  Eigen::MatrixXd covariance(rig + 12, rig + 12);
+  covariance.topLeftCorner(rig, rig) = joint.rig();
+  covariance.bottomLeftCorner(12, rig) << object.cross_covariance, object.extrinsics;
+  covariance.topRightCorner(rig, 12) = covariance.bottomLeftCorner(12, rig).transpose();
+  covariance.bottomRightCorner<12, 12>() = object.covariance;
+  return internal::moved_by(std::move(explanation), joint.seen_by(source), covariance, factors);
 }
 
 void ObjectBelief::multiply_weights(const std::vector<DetectionUpdate>& updates, double log_clutter,

@@ -7,10 +7,14 @@
 #include <vector>
 
 #include "camera_regression.hpp"
+#include "filter/moving/mode_weights.hpp"
 #include "joint_gaussian.hpp"
 #include "posemix/filter/multi_object_filter.hpp"
 
 namespace posemix::internal {
+
+struct PutDownEvidence;
+struct ShownModes;
 
 /// The weight of a hypothesis and its history.
 struct Standing {
@@ -21,6 +25,9 @@ struct Standing {
   std::uint64_t detections = 0;  ///< number of detections since the birth, the first included
   /// T_camera_object when the slow error was predicted last.
   std::optional<SE3d> seen_from = {};
+  /// For an object that is put down elsewhere: given this hypothesis, what each detector shows. The
+  /// weights of every detector sum to one.
+  std::vector<ModeWeights> shown = {};
 };
 
 /// Log of a sum of weights, and of the same with dependent detections counted once [nats].
@@ -68,6 +75,7 @@ struct OtherBelief {
   std::vector<Alternative> hypotheses;  ///< depend on the camera alone, as this state has it
   LogTotals log_absence;
   bool shares_leader;  ///< whether the joint Gaussian has the moments of both leading ones already
+  std::vector<ModeWeights> lost_shown = {};  ///< ObjectBelief::lost_shown()
 };
 
 /// The hypotheses of one object: their weights, the one that leads, and the alternatives.
@@ -165,6 +173,33 @@ class ObjectBelief {
   void shift_back(const CameraChange& change, const Matrix6d& back, const CameraMoments& camera,
                   bool detected);
 
+  // --- objects that are put down elsewhere
+
+  /// What detectors show before the object was seen, which makes it one that is put down elsewhere.
+  void begin_unseen(std::vector<ModeWeights> shown) { lost_shown_ = std::move(shown); }
+  /// What detectors show where the place is not known.
+  const std::vector<ModeWeights>& lost_shown() const { return lost_shown_; }
+  /// The same for a hypothesis that begins with a detection in a mode.
+  std::vector<ModeWeights> shown_at_birth(std::size_t detector, std::size_t mode) const;
+  /// Eq. (21): so many times in the mean the object was put down elsewhere.
+  void leak(double jumps);
+  /// Eq. (23) and (24): the update of every hypothesis is appended to `updates`; a component within
+  /// the squared distance `explained` is explained by a hypothesis.
+  PutDownEvidence observe_put_down(const JointGaussian& joint,
+                                   const WeighedObservation& observation,
+                                   const ObjectSensor& sensor, const GainFactors& factors,
+                                   const ShownModes& shown, double explained,
+                                   std::vector<DetectionUpdate>& updates) const;
+  /// The weights, modes and scores after such an observation, whose components are at `places`.
+  void take_in(const PutDownEvidence& seen, const std::vector<DetectionUpdate>& updates,
+               const std::vector<std::uint64_t>& places,
+               const std::vector<ObservationComponent>& components, double log_clutter,
+               double memory);
+  /// The weight of objects that were put down at the place of hypothesis `h`.
+  void add_jump(std::size_t h, double log_weight, std::size_t detector, std::size_t mode);
+  /// Drops hypotheses that do not lead and have no weight.
+  void forget_places();
+
   // --- the stages of the reduction
 
   /// Appends hypotheses. The first one of an object leads and enters the joint Gaussian.
@@ -210,6 +245,13 @@ class ObjectBelief {
   /// The leading hypothesis gets the largest weight there is: a camera that followed a heavier one,
   /// of less probability, would take the pose of the leading one anywhere.
   void catch_up();
+  /// The update of hypothesis `h` by an observation with this explanation.
+  DetectionUpdate moved_by(const JointGaussian& joint, std::size_t h,
+                           const ObservationSource& source, Explanation explanation,
+                           const GainFactors& factors) const;
+  /// The places of all hypotheses, and runs at a place that become such at another.
+  std::vector<std::uint64_t> places() const;
+  void redirect_runs(std::uint64_t gone, std::uint64_t place);
   bool leads(std::size_t h) const { return leader_ && h == leader_->position; }
   /// Index of hypothesis `h`, one that does not lead, in alternatives_.
   std::size_t slot(std::size_t h) const { return leader_ && h > leader_->position ? h - 1 : h; }
@@ -228,6 +270,7 @@ class ObjectBelief {
   std::vector<Alternative> alternatives_;  ///< in the order of their births
   double log_absent_ = 0.0;
   double log_absence_probability_ = 0.0;
+  std::vector<ModeWeights> lost_shown_;  ///< by detector; empty unless it is put down elsewhere
 };
 
 }  // namespace posemix::internal

@@ -7,6 +7,7 @@
 #include "object_merge.hpp"
 #include "posemix/filter/update.hpp"
 #include "posemix/mixture/log_weights.hpp"
+#include "put_down.hpp"
 
 namespace posemix::internal {
 
@@ -91,6 +92,14 @@ void ObjectBelief::mix(JointGaussian& joint, const LogTotals& own, const OtherBe
   };
   log_absent_ += own.weight;
   log_absence_probability_ += own.probability;
+  if (!lost_shown_.empty()) {
+    const double weights[] = {log_absent_, other.log_absence.weight};
+    const double total = log_sum_exp(weights);
+    if (std::isfinite(total)) {
+      mix_into(lost_shown_, std::exp(weights[0] - total), other.lost_shown,
+               std::exp(weights[1] - total));
+    }
+  }
   add_to(log_absent_, other.log_absence.weight);
   add_to(log_absence_probability_, other.log_absence.probability);
   for (Alternative one : other.hypotheses) {

@@ -7,6 +7,7 @@
 #include "object_merge.hpp"
 #include "posemix/filter/update.hpp"
 #include "posemix/mixture/log_weights.hpp"
+#include "put_down.hpp"
 
 namespace posemix::internal {
 
@@ -37,9 +38,11 @@ void ObjectBelief::merge_two(JointGaussian& joint, std::size_t a, std::size_t b,
                              const ConditionalPose& at_a, const ConditionalPose& at_b) {
   const Midway midway(at_a, standing(a).log_weight, at_b, standing(b).log_weight);
   const Standing common = merged(standing(a), standing(b));
+  const std::uint64_t gone = standing(standing(a).id == common.id ? b : a).id;
   if (!leads(a) && !leads(b)) {
     alternatives_[slot(a)] = {common, midway.merged(at_a, at_b)};
     erase_alternative(b);
+    if (!common.shown.empty()) redirect_runs(place_of(gone), place_of(common.id));
     return;
   }
   // The rows of the joint Gaussian: those of the leading one, and the regression of the other.
@@ -54,6 +57,7 @@ void ObjectBelief::merge_two(JointGaussian& joint, std::size_t a, std::size_t b,
   erase_alternative(leads(a) ? b : a);
   leader_->standing = common;
   leader_->position = a;
+  if (!common.shown.empty()) redirect_runs(place_of(gone), place_of(common.id));
 }
 
 void ObjectBelief::keep_best(std::size_t most, std::size_t best_scores) {
@@ -76,7 +80,10 @@ void ObjectBelief::keep_best(std::size_t most, std::size_t best_scores) {
   if (leader > last) std::iter_swap(leader, last);
   std::vector<std::size_t> dropped(last + 1, order.end());
   std::sort(dropped.begin(), dropped.end(), std::greater<>());
-  for (const std::size_t h : dropped) erase_alternative(h);
+  for (const std::size_t h : dropped) {
+    redirect_runs(place_of(standing(h).id), kAnyPlace);
+    erase_alternative(h);
+  }
 }
 
 LogTotals ObjectBelief::normalise() {
@@ -104,7 +111,8 @@ void ObjectBelief::choose_leader(JointGaussian& joint, double margin) {
   }
   if (standing(most).log_probability > leader_->standing.log_probability + margin)
     make_leader(joint, most);
-  catch_up();
+  // Weight and probability of an object that is put down elsewhere are the same.
+  if (leader_->standing.shown.empty()) catch_up();
 }
 
 void ObjectBelief::catch_up() {

@@ -3,8 +3,10 @@
 #include "object_merge.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "posemix/mixture/log_weights.hpp"
+#include "put_down.hpp"
 
 namespace posemix::internal {
 
@@ -35,6 +37,13 @@ Standing merged(const Standing& a, const Standing& b) {
   result.log_probability = log_sum_exp(probabilities);
   result.score = std::max(a.score, b.score);
   result.detections = std::max(a.detections, b.detections);
+  if (result.shown.empty()) return result;
+  result.shown = a.shown;
+  mix_into(result.shown, std::exp(a.log_weight - result.log_weight), b.shown,
+           std::exp(b.log_weight - result.log_weight));
+  for (ModeWeights& shown : result.shown) {
+    for (const std::uint64_t id : {a.id, b.id}) shown.redirect(place_of(id), kAnyPlace, true);
+  }
   return result;
 }
 

@@ -28,6 +28,8 @@ double MultiObjectState::tie_loss(std::size_t j, const ObservedDetection& observ
                                   const Starters& may_start) const {
   const TrackedObject& object = objects[j];
   const auto leading = object.belief.leading();
+  // A run of wrong detections at the place of an alternative needs that place in the same state.
+  if (object.put_down) return 0.0;
   if (!leading || (object.belief.size() < 2 && !std::isfinite(object.belief.log_absent())))
     return 0.0;
   // A component that starts a hypothesis is of no known one, and leaves the camera as it is.
@@ -60,7 +62,7 @@ std::optional<std::size_t> MultiObjectState::component_apart(
   constexpr double kClutter = 0.1;  // with more the observation says little of the camera
   const std::size_t count = observed.observation.components.size();
   const auto leading = objects[j].belief.leading();
-  if (!leading || count < 2) return std::nullopt;
+  if (!leading || count < 2 || objects[j].put_down) return std::nullopt;
   const Explanation& explanation = observed.updates[*leading].explanation;
   if (!(explanation.clutter_probability < kClutter)) return std::nullopt;
   std::vector<double> probabilities;
@@ -147,7 +149,8 @@ void MultiObjectState::mix(const MultiObjectState& other, const LogTotals& own,
         joint, own,
         {given_camera(other, from, others, shares_leader[j], there, after),
          {from.log_absent() + others.weight, from.log_absence_probability() + others.probability},
-         shares_leader[j]},
+         shares_leader[j],
+         from.lost_shown()},
         objects[j].sensor().symmetries, merge_bounds, next_id);
     belief.normalise();
     reduce(objects[j]);

@@ -65,4 +65,14 @@ void MultiObjectState::predict_constant_velocity(double periods, const Matrix6d&
   advance(dt, std::nullopt);
 }
 
+/// The prediction with F = 0: nothing of the camera before is a part of the one after.
+void MultiObjectState::set_camera(const ConcentratedGaussian<SE3d>& world_camera, double dt) {
+  const SE3d before = joint.pose(kCamera);
+  joint.set_pose(kCamera, world_camera.mean());
+  joint.release_camera(world_camera.covariance());
+  for (TrackedObject& object : objects) object.belief.release_camera();
+  has_given_camera = true;
+  advance(dt, before);
+}
+
 }  // namespace posemix::internal

@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "posemix/slam/moving_objects.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <variant>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+#include "posemix/base/error.hpp"
+
+namespace posemix {
+namespace {
+
+/// The covariance without what rounding makes negative.
+Matrix6d semidefinite(const Matrix6d& covariance) {
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(0.5 * (covariance + covariance.transpose()));
+  const Matrix6d& v = eigen.eigenvectors();
+  return mirror_upper(Matrix6d(v * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() * v.transpose()));
+}
+
+bool may_be_held_by(std::size_t frame, const MotionModels& motion) {
+  return std::ranges::any_of(motion.models, [&](const ObjectMotion& model) {
+    const auto* attached = std::get_if<AttachedMotion>(&model);
+    return attached != nullptr && attached->frame == frame;
+  });
+}
+
+}  // namespace
+
+bool is_static(const MotionModels& motion) {
+  return std::ranges::all_of(motion.models, [](const ObjectMotion& model) {
+    return std::holds_alternative<StaticMotion>(model);
+  });
+}
+
+std::optional<PutDownMotion> put_down_of(const MotionModels& motion) {
+  if (motion.models.size() != 1) return std::nullopt;
+  const auto* put_down = std::get_if<PutDownMotion>(&motion.models.front());
+  return put_down != nullptr ? std::optional(*put_down) : std::nullopt;
+}
+
+bool has_own_track(const MotionModels& motion) {
+  return !is_static(motion) && !put_down_of(motion);
+}
+
+void require_static(const std::vector<ObjectModel>& models, const std::string& where) {
+  for (const ObjectModel& model : models) {
+    if (is_static(model.motion)) continue;
+    throw InvalidInput(
+        fmt::format("{}: object '{}' moves by the model '{}', expected objects that stand still",
+                    where, model.id, name_of(model.motion.models.front())));
+  }
+}
+
+MovingObjects::MovingObjects(const MovingObjectSettings& settings, std::vector<std::string> frames)
+    : settings_(settings), names_(std::move(frames)), frames_(names_.size()) {}
+
+void MovingObjects::require_valid(const ObjectModel& model) const {
+  const auto refuse = [&](const std::string& why) {
+    throw InvalidInput(fmt::format("object '{}': {}", model.id, why));
+  };
+  if (!model.detectors.empty()) {
+    refuse(
+        fmt::format("it moves and has {} noise models of detectors, expected one: a moving "
+                    "object is seen by one detector",
+                    model.detectors.size() + 1));
+  }
+  if (model.prior) refuse("it moves and has a prior, expected none");
+  for (const ObjectMotion& motion : model.motion.models) {
+    const auto* attached = std::get_if<AttachedMotion>(&motion);
+    if (attached == nullptr || attached->frame < names_.size()) continue;
+    refuse(fmt::format("it may be held by frame {}, expected one of the {} frames of the settings",
+                       attached->frame, names_.size()));
+  }
+  try {
+    MovingObjectFilter({model.noise, model.symmetries}, model.motion, settings_);
+  } catch (const InvalidInput& error) {
+    refuse(error.what());
+  }
+}
+
+void MovingObjects::add(std::size_t object, const ObjectModel& model) {
+  require_valid(model);
+  const MovingObjectFilter filter({model.noise, model.symmetries}, model.motion, settings_);
+  tracks_.insert_or_assign(object, Track{filter, filter});
+}
+
+bool MovingObjects::is_known(std::size_t object) const {
+  const auto found = tracks_.find(object);
+  return found != tracks_.end() && found->second.filter.observation_count() > 0;
+}
+
+void MovingObjects::forget(std::size_t object) { track(object).filter = track(object).unseen; }
+
+std::vector<KnownFrame> MovingObjects::known_frames() const {
+  std::vector<KnownFrame> known;
+  for (const auto& frame : frames_) known.push_back(frame.value_or(KnownFrame()));
+  return known;
+}
+
+const MovingObjectFilter& MovingObjects::filter(std::size_t object) const {
+  const auto found = tracks_.find(object);
+  if (found == tracks_.end())
+    throw InvalidInput(fmt::format("object {} does not move, it has no track of its own", object));
+  return found->second.filter;
+}
+
+void MovingObjects::check(const FrameInput& input) const {
+  if (!input.frames.empty() && input.frames.size() != names_.size()) {
+    throw InvalidInput(fmt::format("frame: {} poses of frames, expected one for each of: {}",
+                                   input.frames.size(), fmt::join(names_, ", ")));
+  }
+  for (std::size_t i = 0; i < input.frames.size(); ++i) {
+    if (!input.frames[i]) continue;
+    try {
+      validate(*input.frames[i]);
+    } catch (const InvalidInput& error) {
+      throw InvalidInput(fmt::format("frame: the frame '{}': {}", names_[i], error.what()));
+    }
+  }
+  for (std::size_t i = 0; i < names_.size(); ++i) {
+    if (frames_[i] || (!input.frames.empty() && input.frames[i])) continue;
+    for (const auto& [object, track] : tracks_) {
+      if (!may_be_held_by(i, track.filter.models())) continue;
+      throw InvalidInput(fmt::format(
+          "frame: object {} may be held by a frame, but '{}' had no pose so far, expected the "
+          "poses of all frames from the first frame on",
+          object, names_[i]));
+    }
+  }
+}
+
+void MovingObjects::begin(double dt, const std::vector<std::optional<KnownFrame>>& frames) {
+  time_s_ += dt;
+  for (std::size_t i = 0; i < frames.size(); ++i)
+    if (frames[i]) frames_[i] = frames[i];
+  const std::vector<KnownFrame> known = known_frames();
+  for (auto& [object, track] : tracks_) track.filter.predict(time_s_, known);
+}
+
+// With the gain G = P_before P_predicted^-1 of the error before on that of now, a correction d of
+// the camera is one of the error before by G d, and the error has changed by (I - G) d with the
+// covariance (I - G) P_now (I - G)^T + P_before - G P_before.
+void MovingObjects::follow(const PoseDensity& before, const PoseDensity& predicted,
+                           const PoseDensity& now) {
+  const Matrix6d gain = predicted.covariance().llt().solve(before.covariance()).transpose();
+  const Vector6d corrected = (now.mean() * predicted.mean().inverse()).log();
+  const Matrix6d rest = Matrix6d::Identity() - gain;
+  const Matrix6d added = semidefinite(rest * now.covariance() * rest.transpose() +
+                                      before.covariance() - gain * before.covariance());
+  const SE3d by = SE3d::exp(Vector6d(gain * corrected));
+  constant_ = now.covariance();
+  for (auto& [object, track] : tracks_) track.filter.move_world(by, added, constant_);
+}
+
+ObjectUpdateReport MovingObjects::update(std::size_t object, Observation observation,
+                                         const KnownCamera& camera) {
+  observation.stamp_s = time_s_;
+  constant_ = camera.constant_covariance;
+  const MovingObjectReport report =
+      track(object).filter.update(observation, camera, known_frames());
+  return {.started = report.started,
+          .changed_leader = report.changed_leader,
+          .log_evidence = report.log_evidence,
+          .merges = report.merges,
+          .inlier_probability = report.inlier_probability,
+          .clutter_probability = 1.0 - report.right_probability,
+          .residual = report.residual};
+}
+
+PoseDensity MovingObjects::predicted_detection(std::size_t object,
+                                               const KnownCamera& camera) const {
+  return filter(object).predicted_detection(camera);
+}
+
+void MovingObjects::report(const KnownCamera& camera, bool with_alternatives,
+                           FrameEstimate& frame) const {
+  for (const auto& [object, track] : tracks_) {
+    if (!is_known(object)) continue;
+    const MovingObjectEstimate estimate = track.filter.estimate();
+    const MovingObjectHypothesis& leading = estimate.hypotheses.front();
+    frame.objects[object] = leading.world;
+    frame.relative[object] = track.filter.relative(camera);
+    frame.mode_probabilities[object] = leading.probability;
+    frame.motion_models[object] = estimate.models;
+    frame.twists[object] = ObjectTwist{leading.twist, leading.twist_covariance};
+    if (!with_alternatives) continue;
+    for (const MovingObjectHypothesis& one : estimate.hypotheses)
+      frame.alternatives[object].push_back({one.probability, one.world.mean(), one.id});
+  }
+}
+
+std::vector<ObjectHypothesis> MovingObjects::hypotheses(std::size_t object) const {
+  std::vector<ObjectHypothesis> list;
+  if (!is_known(object)) return list;
+  for (const MovingObjectHypothesis& one : filter(object).estimate().hypotheses) {
+    list.push_back({.pose = one.world.mean(),
+                    .covariance = one.world.covariance(),
+                    .cross_covariance = constant_,
+                    .log_weight = std::log(one.probability),
+                    .probability = one.probability,
+                    .id = one.id,
+                    .detections = one.detections});
+  }
+  return list;
+}
+
+std::optional<MovingObjectHypothesis> MovingObjects::at(std::size_t object, double dt) const {
+  if (!is_known(object)) return std::nullopt;
+  return filter(object).estimate_at(time_s_ + dt).hypotheses.front();
+}
+
+}  // namespace posemix

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "posemix/base/error.hpp"
+#include "posemix/slam/multi_object_slam.hpp"
+
+/// Where objects that move part from those that stand still.
+namespace posemix {
+
+std::size_t MultiObjectSlam::add_object(ObjectModel model) {
+  sightings_.emplace_back();
+  if (has_own_track(model.motion)) moving_.add(objects_.size(), model);
+  return objects_.add(std::move(model));
+}
+
+bool MultiObjectSlam::is_known(std::size_t object) const {
+  return moving_.has(object) ? moving_.is_known(object) : filter_.is_known(object);
+}
+
+void MultiObjectSlam::forget(std::size_t object) {
+  if (moving_.has(object)) {
+    moving_.forget(object);
+  } else {
+    filter_.forget(object);
+  }
+}
+
+ObjectUpdateReport MultiObjectSlam::update_filter(std::size_t object,
+                                                  const Observation& observation,
+                                                  const ObservationSource& source) {
+  return moving_.has(object) ? moving_.update(object, observation, known_camera(source))
+                             : filter_.update(object, observation, source);
+}
+
+PoseDensity MultiObjectSlam::predicted_detection(std::size_t object,
+                                                 const ObservationSource& source) const {
+  return moving_.has(object)
+             ? moving_.predicted_detection(object, known_camera(source))
+             : filter_.predicted_detection(object, *filter_.leading(object), source);
+}
+
+KnownCamera MultiObjectSlam::known_camera(const ObservationSource& source) const {
+  const PoseDensity body = filter_.camera();
+  SE3d body_camera = source.body_camera;
+  Matrix6d covariance = body.covariance();
+  if (source.camera) {
+    // Its correlation with the body is left out.
+    const PoseDensity estimated = filter_.extrinsic(*source.camera);
+    body_camera = estimated.mean();
+    covariance += body.mean().adjoint_congruence(Matrix6d(estimated.covariance()));
+  }
+  // The error of an estimated pose lasts from frame to frame, that of a given one does not.
+  const PoseDensity camera = PoseDensity::trusted(body.mean() * body_camera, covariance);
+  return motion_.model == MotionModel::given ? camera_on_arm(camera) : still_camera(camera);
+}
+
+std::vector<ObjectHypothesis> MultiObjectSlam::hypotheses(std::size_t object) const {
+  objects_.require(object);
+  return moving_.has(object) ? moving_.hypotheses(object) : filter_.hypotheses(object);
+}
+
+std::optional<PoseDensity> MultiObjectSlam::object_at(std::size_t object, double dt) const {
+  objects_.require(object);
+  if (!(dt >= 0.0 && std::isfinite(dt)))
+    throw InvalidInput(fmt::format("dt is {} s, expected a time that is not negative", dt));
+  if (moving_.has(object)) {
+    const auto later = moving_.at(object, dt);
+    return later ? std::optional(later->world) : std::nullopt;
+  }
+  const auto leading = filter_.leading_estimates()[object];
+  return leading ? std::optional(leading->world) : std::nullopt;
+}
+
+std::optional<PoseDensity> MultiObjectSlam::camera_for_moving() const {
+  const bool lasts = motion_.model != MotionModel::given;
+  return moving_.empty() || !lasts ? std::nullopt : std::optional(filter_.camera());
+}
+
+void MultiObjectSlam::report_moving(FrameEstimate& frame) const {
+  frame.motion_models.resize(objects_.size());
+  frame.twists.resize(objects_.size());
+  moving_.report(known_camera({}), record_hypotheses_, frame);
+}
+
+}  // namespace posemix
