@@ -127,12 +127,14 @@ SimulatedObject simulate_object(const SimulationObject& object, const Scene& sce
 }
 
 SimulatedFrame simulate_frame(const SimulationFrame& frame, const Scene& scene) {
-  RandomStream random = simulation::named_stream(scene.seed, "frame:" + frame.id);
-  SimulatedFrame result{frame.id, {}, {}};
+  RandomStream random = simulation::named_stream(scene.seed, "frame:" + frame.name);
+  SimulatedFrame result{frame.name, {}, {}, frame.error};
   for (const Real time_s : scene.times_s) {
-    const Pose truth = scene.frames.at(frame.id)(time_s);
+    const Pose truth = scene.frames.at(frame.name)(time_s);
     result.truth.push_back(rounded(truth));
-    result.given.push_back(rounded(truth * Pose::exp(simulation::draw_error(frame.error, random))));
+    const Vector6 error = simulation::draw_error(frame.error, random);
+    result.given.push_back(rounded(Pose(SO3<Real>::exp(Vector3(error.head<3>())) * truth.rotation(),
+                                        truth.translation() + Vector3(error.tail<3>()))));
   }
   return result;
 }
@@ -232,6 +234,17 @@ ObjectRecording recording_of(const SimulatedObject& object, bool has_sightings) 
   return recording;
 }
 
+FrameRecording recording_of(const SimulatedFrame& frame) {
+  const Matrix6d error = pose_covariance(frame.error.rotation_rad, frame.error.translation_m);
+  FrameRecording recording{frame.name, {}};
+  for (const SimulatedPose& given : frame.given) {
+    const SE3d pose = given.pose();
+    const SE3d about(SO3d(), pose.translation());
+    recording.poses.emplace_back(KnownFrame{pose, about.adjoint_congruence(error)});
+  }
+  return recording;
+}
+
 }  // namespace
 
 SE3d SimulatedPose::pose() const {
@@ -250,6 +263,7 @@ Sequence SimulatedSequence::sequence() const {
   for (const SimulatedObject& object : objects)
     result.objects.push_back(recording_of(object, !sightings.empty()));
   add_sightings(*this, result);
+  for (const SimulatedFrame& frame : frames) result.known_frames.push_back(recording_of(frame));
   return result;
 }
 
@@ -260,7 +274,7 @@ SimulatedSequence simulate(const SimulationConfig& config, std::uint64_t seed) {
   const double period_s = static_cast<double>(period_ns) / 1e9;
   Scene scene{camera_path(path), {}, period_s, seed, config, {}};
   for (const SimulationFrame& frame : config.frames)
-    scene.frames.emplace(frame.id, simulation::frame_motion(frame));
+    scene.frames.emplace(frame.name, simulation::frame_motion(frame));
 
   SimulatedSequence result;
   for (std::size_t k = 0; k < path.frames; ++k) {

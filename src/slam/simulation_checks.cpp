@@ -138,7 +138,7 @@ void check_object(const SimulationObject& object, const std::set<std::string>& f
 }
 
 void check_frame(const SimulationFrame& frame) {
-  const std::string owner = fmt::format("frame '{}':", frame.id);
+  const std::string owner = fmt::format("frame '{}':", frame.name);
   const Checker checker(owner);
   if (frame.waypoints.empty()) refuse(owner, "there is no waypoint");
   checker.sd(frame.error);
@@ -178,9 +178,10 @@ void check_scene(const SimulationConfig& config) {
   Checker("arm").sd(config.path.arm);
   std::set<std::string> frames;
   for (const SimulationFrame& frame : config.frames) {
-    if (frame.id.empty()) throw InvalidInput("simulation: a frame has no id");
+    if (frame.name.empty()) throw InvalidInput("simulation: a frame has no name");
     check_frame(frame);
-    if (!frames.insert(frame.id).second) refuse("frame id", "'" + frame.id + "' occurs twice");
+    if (!frames.insert(frame.name).second)
+      refuse("frame name", "'" + frame.name + "' occurs twice");
   }
   const double end_s = static_cast<double>(config.path.frames) * config.path.period_s;
   for (const SimulationObject& object : config.objects) check_object(object, frames, end_s);

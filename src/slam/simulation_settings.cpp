@@ -206,28 +206,25 @@ ObjectModel object_model(const SimulationObject& object) {
     dependence.slow =
         SlowError{covariance_of(slow->sd), slow->correlation_s, slow->correlation_angle_rad};
   }
-  ObjectModel model{
-      object.id, DetectorNoise(std::move(components), claimed_clutter(object), dependence), {}};
-  model.class_id = object.class_id;
-  return model;
+  return {object.id,
+          DetectorNoise(std::move(components), claimed_clutter(object), dependence),
+          {},
+          {},
+          object.class_id};
+}
+
+SimulationSd claimed_camera_error(const SimulationConfig& config) {
+  if (config.claimed_odometry) return *config.claimed_odometry;
+  return config.path.set_up == SimulationSetUp::on_arm ? config.path.arm : config.odometry;
 }
 
 MotionSettings motion_settings(const SimulationConfig& config) {
-  const SimulationStep step = claimed_motion(config);
   MotionSettings motion;
-  motion.noise.covariance = covariance_of(step.sd);
-  motion.noise.per = step.per;
+  if (config.path.set_up == SimulationSetUp::still) motion.model = MotionModel::still;
+  if (config.path.set_up == SimulationSetUp::on_arm) motion.model = MotionModel::given;
+  motion.noise.covariance = covariance_of(claimed_camera_error(config));
+  motion.noise.per = NoisePer::second;
   return motion;
-}
-
-SimulationStep claimed_motion(const SimulationConfig& config) {
-  const SimulationPath& path = config.path;
-  if (config.claimed_odometry) return {*config.claimed_odometry, NoisePer::second};
-  if (path.set_up == SimulationSetUp::still) return {SimulationSd{}, NoisePer::second};
-  if (path.set_up == SimulationSetUp::moving) return {config.odometry, NoisePer::second};
-  // Of the motion between two poses that err independently.
-  const double both = std::sqrt(2.0);
-  return {{both * path.arm.rotation_rad, both * path.arm.translation_m}, NoisePer::frame};
 }
 
 SimulationSd claimed_start(const SimulationConfig& config, const SimulatedSequence& simulated) {

@@ -155,9 +155,10 @@ struct SimulatedObject {
 
 /// A frame that may hold objects.
 struct SimulatedFrame {
-  std::string id;
+  std::string name;
   std::vector<SimulatedPose> truth;  ///< T_world_frame
   std::vector<SimulatedPose> given;  ///< T_world_frame as a filter is told
+  SimulationSd error;  ///< of these, about and along the world's axes at the frame's origin
 };
 
 /// A detection in an image, where detections name classes or may be false.
@@ -209,21 +210,24 @@ double claimed_mode_time_s(const SimulationObject& object);
 /// outliers.
 Clutter claimed_clutter(const SimulationObject& object);
 
-/// The error of the camera's motion that the filter is told.
-struct SimulationStep {
-  SimulationSd sd;
-  NoisePer per = NoisePer::second;
-};
-
-/// The claimed or the true error of the odometry; none for a still camera; and for one on an arm
-/// that of the motion between two of its poses.
-SimulationStep claimed_motion(const SimulationConfig& config);
+/// The error of the camera's motion that the filter is told: the claimed or the true error of the
+/// odometry per square root of a second, or of a camera on an arm the error of its poses.
+SimulationSd claimed_camera_error(const SimulationConfig& config);
 
 /// The error of the start that the filter is told, on the left: `start`, or for a camera on an arm
 /// that of its first pose.
 SimulationSd claimed_start(const SimulationConfig& config, const SimulatedSequence& simulated);
 
-/// What the filter is told: object model, motion with the claimed odometry error, and start.
+/// The models of motion that the filter is told for an object, with the rates at which it changes
+/// between them: derived from its motions, and for a class from the first of its objects that
+/// moves.
+MotionModels claimed_motion(const SimulationConfig& config, const SimulationObject& object);
+
+/// The models of all objects, with their motion.
+std::vector<ObjectModel> object_models(const SimulationConfig& config);
+
+/// What the filter is told: object model without motion, motion of the camera with the claimed
+/// error, and start.
 ObjectModel object_model(const SimulationObject& object);
 MotionSettings motion_settings(const SimulationConfig& config);
 ConcentratedGaussian<SE3d> camera_prior(const SimulationConfig& config,

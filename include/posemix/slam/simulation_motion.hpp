@@ -84,7 +84,7 @@ struct SimulationPutDown {
 /// A frame holds the object as it finds it: T_frame_object is that of the time at which it is taken
 /// until it is let go of.
 struct SimulationHeld {
-  std::string frame;  ///< id of a SimulationFrame
+  std::string frame;  ///< name of a SimulationFrame
   double start_s = 0.0;
   double stop_s = std::numeric_limits<double>::infinity();
 };
@@ -99,9 +99,10 @@ struct SimulationWaypoint {
 /// next by the profile of SimulationPickAndPlace and stands at each; before the first and after the
 /// last it is there.
 struct SimulationFrame {
-  std::string id;
+  std::string name;
   std::vector<SimulationWaypoint> waypoints;
-  /// Error of the poses that a filter is told, drawn anew for every image: T_world_frame Exp(n).
+  /// Error of the poses that a filter is told, drawn anew for every image: about and along the
+  /// world's axes at the frame's origin.
   SimulationSd error{Eigen::Vector3d::Constant(radians(0.1)), Eigen::Vector3d::Constant(1e-3)};
 };
 
