@@ -102,11 +102,11 @@ struct SimulationObject {
   std::size_t hidden_frames = 0;  ///< the object appears after so many frames
   double appears_s = 0.0;         ///< the object is there from this time on ...
   double removed_s = std::numeric_limits<double>::infinity();  ///< ... and until this one
-  std::vector<SimulationConveyor> conveyor;
-  std::vector<SimulationHandHeld> hand_held;
-  std::vector<SimulationPickAndPlace> pick_and_place;
-  std::vector<SimulationPutDown> put_down;
-  std::vector<SimulationHeld> held;
+  std::vector<SimulationConveyor> conveyor = {};
+  std::vector<SimulationHandHeld> hand_held = {};
+  std::vector<SimulationPickAndPlace> pick_and_place = {};
+  std::vector<SimulationPutDown> put_down = {};
+  std::vector<SimulationHeld> held = {};
   /// The noise that the filter is told; empty: claimed_noise derives it.
   std::vector<SimulationNoise> claimed;
 };

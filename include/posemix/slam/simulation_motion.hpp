@@ -58,33 +58,33 @@ struct SimulationHandHeld {
 struct SimulationMoves {
   double start_s = 0.0;
   double stop_s = std::numeric_limits<double>::infinity();
-  std::vector<double> times_s;  ///< at which the object is moved
+  std::vector<double> times_s = {};  ///< at which the object is moved
   /// In place of times: the rate at which an object that stands still is moved [1/s].
   double rate_per_s = 0.0;
   /// To these places in turn; empty: to any in a box about the place of the object at time zero,
   /// turned about the vertical by any angle.
-  std::vector<SimulationPlace> places;
+  std::vector<SimulationPlace> places = {};
   Eigen::Vector3d area_m{0.2, 0.2, 0.0};  ///< half the edges of the box
 };
 
 /// The object is picked, carried and put down elsewhere: along a straight line plus a lift, with
 /// the smooth (minimum-jerk) profile 10 u^3 - 15 u^4 + 6 u^5 of the way and the rotation.
 struct SimulationPickAndPlace {
-  SimulationMoves moves;
+  SimulationMoves moves = {};
   double duration_s = 2.0;  ///< of one move
   double lift_m = 0.15;     ///< height above the line half-way
 };
 
 /// The object is put elsewhere unseen: it vanishes, and after a time is at another place.
 struct SimulationPutDown {
-  SimulationMoves moves;
+  SimulationMoves moves = {};
   double hidden_s = 0.0;  ///< for which it is nowhere; 0: it jumps
 };
 
 /// A frame holds the object as it finds it: T_frame_object is that of the time at which it is taken
 /// until it is let go of.
 struct SimulationHeld {
-  std::string frame;  ///< name of a SimulationFrame
+  std::string frame = {};  ///< name of a SimulationFrame
   double start_s = 0.0;
   double stop_s = std::numeric_limits<double>::infinity();
 };
@@ -92,15 +92,15 @@ struct SimulationHeld {
 /// A place on the path of a frame.
 struct SimulationWaypoint {
   double time_s = 0.0;
-  SimulationPlace place;
+  SimulationPlace place = {};
 };
 
 /// A frame that may hold objects, such as a gripper or a hand. It goes from one waypoint to the
 /// next by the profile of SimulationPickAndPlace and stands at each; before the first and after the
 /// last it is there.
 struct SimulationFrame {
-  std::string name;
-  std::vector<SimulationWaypoint> waypoints;
+  std::string name = {};
+  std::vector<SimulationWaypoint> waypoints = {};
   /// Error of the poses that a filter is told, drawn anew for every image: about and along the
   /// world's axes at the frame's origin.
   SimulationSd error{Eigen::Vector3d::Constant(radians(0.1)), Eigen::Vector3d::Constant(1e-3)};

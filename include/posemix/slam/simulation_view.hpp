@@ -47,14 +47,14 @@ struct SimulationRuns {
 
 /// False detections of a class or of an object.
 struct SimulationClutter {
-  std::string class_id;  ///< that the detections name; empty: `object`
-  std::string object;    ///< id of an object that the detections name; empty: `class_id`
+  std::string class_id = {};  ///< that the detections name; empty: `object`
+  std::string object = {};    ///< id of an object that the detections name; empty: `class_id`
   /// Mean number per image of those that are anywhere: uniform over the volume that is in view and
   /// over all rotations, and independent of each other (a Poisson process).
   double rate_per_image = 0.0;
   /// Places in the world at which something looks like the object, while they are in view: in runs.
-  std::vector<SimulationPlace> places;
-  SimulationRuns runs;  ///< of each place
+  std::vector<SimulationPlace> places = {};
+  SimulationRuns runs = {};  ///< of each place
   /// Error of a detection at a place, Y = T_camera_place Exp(n).
   SimulationSd sd{Eigen::Vector3d::Constant(radians(4.0)), Eigen::Vector3d::Constant(5e-3)};
 };
