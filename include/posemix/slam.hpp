@@ -24,6 +24,8 @@
 #include "posemix/slam/run.hpp"
 #include "posemix/slam/sequence.hpp"
 #include "posemix/slam/simulation.hpp"
+#include "posemix/slam/simulation_motion.hpp"
+#include "posemix/slam/simulation_view.hpp"
 #include "posemix/slam/smoothing.hpp"
 #include "posemix/slam/stamped_slam.hpp"
 #include "posemix/slam/symmetric_error.hpp"
