@@ -117,7 +117,7 @@ TEST(PutDown, IsNoticedWithinFiveDetectionsAndLeavesTheCameraAlone) {
   std::vector<double> over_still;
   for (std::uint64_t seed = 0; seed < 4; ++seed) {
     const Course moved = course(seed, noise, PutDownMotion{}, 2);
-    const Course still = course(seed, noise, {}, 0);
+    const Course still = course(seed, noise, PutDownMotion{}, 0);
     noticed.insert(noticed.end(), moved.noticed.begin(), moved.noticed.end());
     nees.push_back(mean_of(moved.nees));
     over_odometry.push_back(std::sqrt(moved.camera / moved.odometry));

@@ -90,9 +90,10 @@ Alternative MultiObjectState::birth_at(const TrackedObject& object,
   // xi_O = xi_C - A b - n, with the error xi_C of the camera that sees.
   DetectionState there{.camera = camera, .object = camera * seen.pose * mode.offset.inverse()};
   // A gross error at the birth would make all right detections after it look like a run.
-  Matrix6d covariance =
-      camera_covariance + (object.put_down ? widest_covariance(there, seen, mode, sensor)
-                                           : mode_covariance(there, seen, mode, sensor));
+  const bool wide =
+      object.put_down && object.put_down->detectors[observation.source.detector].count() == 1;
+  Matrix6d covariance = camera_covariance + (wide ? widest_covariance(there, seen, mode, sensor)
+                                                  : mode_covariance(there, seen, mode, sensor));
   born.pose = there.object;
   if (const auto slow = sensor.slow_covariance()) {
     const Matrix6d a = slow_error_map(there, mode, sensor);
