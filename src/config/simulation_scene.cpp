@@ -73,7 +73,7 @@ SimulationHandHeld get_hand_held(const TomlTable& table) {
 }
 
 SimulationMoves get_moves(const TomlTable& table) {
-  constexpr NumberRange kRate{.lowest = 0, .highest = 100, .without_lowest = true};
+  constexpr NumberRange kDetectionRate{.lowest = 0, .highest = 100, .without_lowest = true};
   SimulationMoves moves;
   get_span(table, moves);
   if (table.has("times_s") == table.has("rate_per_s"))
@@ -83,7 +83,7 @@ SimulationMoves get_moves(const TomlTable& table) {
     if (times.size() == 0) table.fail("times_s", "is empty, expected at least one time");
     moves.times_s.assign(times.begin(), times.end());
   } else {
-    moves.rate_per_s = table.get_double("rate_per_s", kRate);
+    moves.rate_per_s = table.get_double("rate_per_s", kDetectionRate);
   }
   moves.places = get_places(table);
   moves.area_m = get_axes(table, "area_m", moves.area_m, kSimulationBox, 1.0);
@@ -138,11 +138,11 @@ SimulationFrame get_frame(const TomlTable& table) {
 }
 
 SimulationClutter get_clutter_source(const TomlTable& table) {
-  constexpr NumberRange kRate{.lowest = 0, .highest = 100};
+  constexpr NumberRange kDetectionRate{.lowest = 0, .highest = 100};
   SimulationClutter clutter;
   clutter.class_id = table.get_string_or("class", clutter.class_id);
   clutter.object = table.get_string_or("object", clutter.object);
-  clutter.rate_per_image = table.get_double_or("rate_per_image", clutter.rate_per_image, kRate);
+  clutter.rate_per_image = table.get_double_or("rate_per_image", clutter.rate_per_image, kDetectionRate);
   clutter.places = get_places(table);
   clutter.runs = get_runs(table);
   clutter.sd = get_sd(table, clutter.sd);
