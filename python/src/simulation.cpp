@@ -175,21 +175,21 @@ void bind_sequence_of_simulation(nb::module_& m) {
           "T_world_camera of the first frame as the filter is told.")
       .def_prop_ro(
           "frames", [](const S& self) { return poses_of_frames(self, &SimulatedFrame::given); },
-          nb::sig("def frames(self) -> dict[str, posemix.lie.SE3]"),
+          nb::sig("def frames(self, /) -> dict[str, posemix.lie.SE3]"),
           "T_world_frame of each frame that may hold objects, as a filter is told.")
       .def_prop_ro(
           "frame_truth",
           [](const S& self) { return poses_of_frames(self, &SimulatedFrame::truth); },
-          nb::sig("def frame_truth(self) -> dict[str, posemix.lie.SE3]"),
+          nb::sig("def frame_truth(self, /) -> dict[str, posemix.lie.SE3]"),
           "T_world_frame of each frame that may hold objects.")
       .def_prop_ro(
           "object_truth", [](const S& self) { return object_truth(self); },
-          nb::sig("def object_truth(self) -> dict[str, posemix.lie.SE3]"),
+          nb::sig("def object_truth(self, /) -> dict[str, posemix.lie.SE3]"),
           "T_world_object of each object by frame, also of those with a class; NaN where it is not "
           "there.")
       .def_prop_ro(
           "sources", [](const S& self) { return sources(self); },
-          nb::sig("def sources(self) -> list[list[str | None]]"),
+          nb::sig("def sources(self, /) -> list[list[str | None]]"),
           "Id of the detected object of every observation of `sequence`, None for a false one; no "
           "entries where detections name their objects.")
       .def("__repr__", [](const S& self) {

@@ -211,7 +211,7 @@ std::string object_text(const SimulationConfig& config, const SimulatedSequence&
   std::string text = fmt::format("\n[noise.\"{}\"]\ncomponents = [\n", object.id);
   for (const SimulationNoise& noise : claimed_noise(settings)) text += component_text(noise);
   text += "]\n" + dependence_text(settings);
-  const Clutter clutter = claimed_clutter(settings);
+  const Clutter clutter = claimed_clutter_of(config, settings);
   text += fmt::format("clutter = {{weight = {:.12g}, volume_m3 = {:g}}}\n", clutter.weight,
                       clutter.volume_m3);
   text += fmt::format("\n[[objects]]\nid = \"{0}\"\nnoise = \"{0}\"\n", object.id);

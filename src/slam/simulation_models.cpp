@@ -7,7 +7,7 @@
 
 #include "posemix/slam/simulation.hpp"
 
-/// The models of motion that the filter is told of simulated objects.
+/// What the filter is told of the motion of simulated objects and of clutter.
 namespace posemix {
 namespace {
 
@@ -140,10 +140,13 @@ MotionModels motion_of(const SimulationConfig& config, const SimulationObject& o
   for (const Model& model : moving) motion.models.push_back(model.motion);
   motion.rates = rates_of(moving);
   if (!object.hand_held.empty() && object.hand_held.front().agile_s > 0.0) {
+    // Agile parts begin and end in calm ones; otherwise they change as these do.
     const Eigen::Index agile = motion.rates.rows() - 1;
-    motion.rates(agile - 1, agile) = 1.0 / object.hand_held.front().calm_s;
-    motion.rates(agile, agile - 1) = 1.0 / object.hand_held.front().agile_s;
-    motion.rates(agile, 0) = motion.rates(agile - 1, 0);
+    const Eigen::Index calm = agile - 1;
+    motion.rates.row(agile) = motion.rates.row(calm);
+    motion.rates.col(agile).setZero();
+    motion.rates(agile, calm) = 1.0 / object.hand_held.front().agile_s;
+    motion.rates(calm, agile) = 1.0 / object.hand_held.front().calm_s;
   }
   return motion;
 }
@@ -162,10 +165,32 @@ MotionModels claimed_motion(const SimulationConfig& config, const SimulationObje
   return {};
 }
 
+Clutter claimed_clutter_of(const SimulationConfig& config, const SimulationObject& object) {
+  Clutter claimed = claimed_clutter(object);
+  const bool of_class = !object.class_id.empty();
+  const auto count = std::ranges::count_if(config.objects, [&](const SimulationObject& other) {
+    return of_class ? other.class_id == object.class_id : other.id == object.id;
+  });
+  for (const SimulationClutter& clutter : config.clutter) {
+    const bool named = of_class ? clutter.class_id == object.class_id : clutter.object == object.id;
+    if (!named) continue;
+    const double recurring = clutter.runs.fraction * static_cast<double>(clutter.places.size());
+    claimed.weight += (clutter.rate_per_image + recurring) / static_cast<double>(count);
+  }
+  return claimed;
+}
+
 std::vector<ObjectModel> object_models(const SimulationConfig& config) {
   std::vector<ObjectModel> models;
   for (const SimulationObject& object : config.objects) {
     models.push_back(object_model(object));
+    // The noise of the model has weights that sum to one, with the clutter of the object alone.
+    double total = claimed_clutter(object).weight;
+    for (const SimulationNoise& component : claimed_noise(object)) total += component.weight;
+    Clutter clutter = claimed_clutter_of(config, object);
+    clutter.weight /= total;
+    DetectorNoise& noise = models.back().noise;
+    noise = DetectorNoise(noise.components(), clutter, noise.dependence());
     models.back().motion = claimed_motion(config, object);
   }
   return models;

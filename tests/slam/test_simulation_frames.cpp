@@ -140,6 +140,23 @@ TEST(SimulationFrames, TheModelsThatAreToldAreThoseOfTheMotions) {
   EXPECT_EQ(object_models(config)[0].motion.models.size(), 4U);
 }
 
+TEST(SimulationFrames, FalseDetectionsAreToldAsClutter) {
+  SimulationConfig config = moving(mug(), 1.0);
+  config.path.view = SimulationView{};
+  config.objects.push_back(object_with({{1.0, small_sd()}}, "cup_1"));
+  config.objects.push_back(object_with({{1.0, small_sd()}}, "cup_2"));
+  config.objects[1].class_id = config.objects[2].class_id = "cup";
+  config.clutter = {{.class_id = "cup",
+                     .rate_per_image = 0.2,
+                     .places = {{}, {}},
+                     .runs = {.fraction = 0.1, .mean_run_s = 1.0}}};
+  const std::vector<ObjectModel> models = object_models(config);
+  EXPECT_EQ(models[0].noise.clutter().weight, 0.0);
+  const double told = claimed_clutter_of(config, config.objects[1]).weight;
+  EXPECT_NEAR(told, 0.2, 1e-12);
+  EXPECT_NEAR(models[2].noise.clutter().weight, told / (1.0 + told), 1e-12);
+}
+
 TEST(SimulationFrames, SettingsThatDoNotFitAreRefused) {
   const auto message = [](const SimulationObject& object) -> std::string {
     try {

@@ -223,7 +223,11 @@ SimulationSd claimed_start(const SimulationConfig& config, const SimulatedSequen
 /// moves.
 MotionModels claimed_motion(const SimulationConfig& config, const SimulationObject& object);
 
-/// The models of all objects, with their motion.
+/// The clutter that the filter is told for an object of a configuration: claimed_clutter, and false
+/// detections of it per image, or for a class per image and object.
+Clutter claimed_clutter_of(const SimulationConfig& config, const SimulationObject& object);
+
+/// The models of all objects, with their motion and clutter.
 std::vector<ObjectModel> object_models(const SimulationConfig& config);
 
 /// What the filter is told: object model without motion, motion of the camera with the claimed
