@@ -158,6 +158,7 @@ void bind_fuse_views(nb::module_& m);
 void bind_slam_run(nb::module_& m);
 void bind_evaluation(nb::module_& m);
 void bind_simulation(nb::module_& m);
+void bind_simulation_motion(nb::module_& m);
 void bind_jobs(nb::module_& m);
 void bind_fiducials(nb::module_& m);
 void bind_files(nb::module_& m);

@@ -26,17 +26,14 @@ void bind_path(nb::module_& m) {
              "Point that the camera looks at, world frame, shape (3,) [m].")
       .field("range", &P::range, "SimulationSwing", "Distance of the camera from the target.")
       .field("height", &P::height, "SimulationSwing", "Height of the camera above the target.")
+      .field("set_up", &P::set_up, "SimulationSetUp", "Motion of the camera, and what tells it.")
+      .field("arm", &P::arm, "SimulationSd",
+             "Error of the poses of a camera on an arm, right perturbation, camera frame.")
+      .field("view", &P::view, "SimulationView | None", "Image; None: the camera sees everything.")
       .done();
 }
 
 void bind_errors_of_simulation(nb::module_& m) {
-  using S = SimulationSd;
-  Settings<S>(m, "SimulationSd", "Standard deviations of a pose error about and along x, y, z.")
-      .field("rotation_rad", &S::rotation_rad, kArray,
-             "Standard deviations about the axes, shape (3,) [rad].")
-      .field("translation_m", &S::translation_m, kArray,
-             "Standard deviations along the axes, shape (3,) [m; for NoiseFrame.ray of the range].")
-      .done();
   using N = SimulationNoise;
   Settings<N>(m, "SimulationNoise", "One component of the detector's error.")
       .field("weight", &N::weight, "float", "Probability of the component.")
@@ -50,13 +47,6 @@ void bind_errors_of_simulation(nb::module_& m) {
 }
 
 void bind_disturbances(nb::module_& m) {
-  using R = SimulationRuns;
-  Settings<R>(m, "SimulationRuns", "A disturbance that comes in runs of frames.")
-      .field("fraction", &R::fraction, "float",
-             "Fraction of the frames that are disturbed, in [0, 1].")
-      .field("mean_run_s", &R::mean_run_s, "float",
-             "Mean length of a run, which is at least that of independent frames [s].")
-      .done();
   using F = SimulationFlips;
   Settings<F>(m, "SimulationFlips", "Detections of a wrong mode of a near-symmetry.")
       .field("runs", &F::runs, "SimulationRuns", "Number and length of the runs.")
@@ -85,8 +75,10 @@ void bind_slow_error(nb::module_& m) {
 
 void bind_object(nb::module_& m) {
   using O = SimulationObject;
-  Settings<O>(m, "SimulationObject", "An object that stands on the table, and its detector.")
+  Settings<O>(m, "SimulationObject", "An object, how it moves, and its detector.")
       .field("id", &O::id, "str", "Name of the object.")
+      .field("class_id", &O::class_id, "str",
+             "Class that its detections name; empty: they name the object.")
       .field("position_m", &O::position_m, kArray, "Translation of T_world_object, shape (3,) [m].")
       .field("rotation_rad", &O::rotation_rad, kArray,
              "Rotation vector of T_world_object, shape (3,) [rad].")
@@ -100,6 +92,19 @@ void bind_object(nb::module_& m) {
       .field("outliers", &O::outliers, "SimulationOutliers", "Gross errors.")
       .field("misses", &O::misses, "SimulationRuns", "Frames without a detection.")
       .field("hidden_frames", &O::hidden_frames, "int", "Number of frames before it appears.")
+      .field("appears_s", &O::appears_s, "float", "Time from which on it is there [s].")
+      .field("removed_s", &O::removed_s, "float", "Time from which on it is not there [s].")
+      .field("conveyor", &O::conveyor, "collections.abc.Sequence[SimulationConveyor]",
+             "Motions with a constant twist; assigned as a whole.")
+      .field("hand_held", &O::hand_held, "collections.abc.Sequence[SimulationHandHeld]",
+             "Motions in a hand; assigned as a whole.")
+      .field("pick_and_place", &O::pick_and_place,
+             "collections.abc.Sequence[SimulationPickAndPlace]",
+             "Moves to other places; assigned as a whole.")
+      .field("put_down", &O::put_down, "collections.abc.Sequence[SimulationPutDown]",
+             "Unseen moves; assigned as a whole.")
+      .field("held", &O::held, "collections.abc.Sequence[SimulationHeld]",
+             "Frames that hold it; assigned as a whole.")
       .field("claimed", &O::claimed, "collections.abc.Sequence[SimulationNoise]",
              "Noise that the filter is told; empty: derived from the true one.")
       .done();
@@ -116,8 +121,48 @@ void bind_config(nb::module_& m) {
       .field("start", &C::start, "SimulationSd",
              "Error of the start pose that the filter is told, left perturbation.")
       .field("objects", &C::objects, "collections.abc.Sequence[SimulationObject]",
-             "Objects on the table; assigned as a whole.")
+             "Objects; assigned as a whole.")
+      .field("frames", &C::frames, "collections.abc.Sequence[SimulationFrame]",
+             "Frames that may hold objects; assigned as a whole.")
+      .field("clutter", &C::clutter, "collections.abc.Sequence[SimulationClutter]",
+             "False detections; assigned as a whole.")
       .done();
+}
+
+nb::dict poses_of_frames(const SimulatedSequence& simulated,
+                         std::vector<SimulatedPose> SimulatedFrame::*poses) {
+  nb::dict all;
+  for (const SimulatedFrame& frame : simulated.frames) {
+    std::vector<SE3d> path;
+    for (const SimulatedPose& pose : frame.*poses) path.push_back(pose.pose());
+    all[frame.name.c_str()] = SettingValue<std::vector<SE3d>>::get(path);
+  }
+  return all;
+}
+
+nb::dict object_truth(const SimulatedSequence& simulated) {
+  nb::dict all;
+  for (const SimulatedObject& object : simulated.objects) {
+    MaybePoses path;
+    for (std::size_t k = 0; k < simulated.stamps_ns.size(); ++k) {
+      path.push_back(object.is_present(k) ? std::optional(object.world_at(k).pose())
+                                          : std::nullopt);
+    }
+    all[object.id.c_str()] = SettingValue<MaybePoses>::get(path);
+  }
+  return all;
+}
+
+std::vector<std::vector<std::optional<std::string>>> sources(const SimulatedSequence& simulated) {
+  std::vector<std::vector<std::optional<std::string>>> all;
+  for (const auto& frame : simulated.sightings) {
+    auto& ids = all.emplace_back();
+    for (const SimulatedSighting& sighting : frame) {
+      ids.push_back(sighting.source ? std::optional(simulated.objects[*sighting.source].id)
+                                    : std::nullopt);
+    }
+  }
+  return all;
 }
 
 void bind_sequence_of_simulation(nb::module_& m) {
@@ -128,6 +173,25 @@ void bind_sequence_of_simulation(nb::module_& m) {
       .def_prop_ro(
           "camera_start", [](const S& self) { return self.camera_start.pose(); },
           "T_world_camera of the first frame as the filter is told.")
+      .def_prop_ro(
+          "frames", [](const S& self) { return poses_of_frames(self, &SimulatedFrame::given); },
+          nb::sig("def frames(self, /) -> dict[str, posemix.lie.SE3]"),
+          "T_world_frame of each frame that may hold objects, as a filter is told.")
+      .def_prop_ro(
+          "frame_truth",
+          [](const S& self) { return poses_of_frames(self, &SimulatedFrame::truth); },
+          nb::sig("def frame_truth(self, /) -> dict[str, posemix.lie.SE3]"),
+          "T_world_frame of each frame that may hold objects.")
+      .def_prop_ro(
+          "object_truth", [](const S& self) { return object_truth(self); },
+          nb::sig("def object_truth(self, /) -> dict[str, posemix.lie.SE3]"),
+          "T_world_object of each object by frame, also of those with a class; NaN where it is not "
+          "there.")
+      .def_prop_ro(
+          "sources", [](const S& self) { return sources(self); },
+          nb::sig("def sources(self, /) -> list[list[str | None]]"),
+          "Id of the detected object of every observation of `sequence`, None for a false one; no "
+          "entries where detections name their objects.")
       .def("__repr__", [](const S& self) {
         return fmt::format("<SimulatedSequence: {}>", nb::repr(nb::cast(self.sequence())).c_str());
       });
@@ -173,7 +237,9 @@ void bind_functions(nb::module_& m) {
   m.def("claimed_clutter", &claimed_clutter, "object"_a,
         "The clutter that the filter is told: the fraction of outliers.");
   m.def("object_model", &object_model, "object"_a,
-        "The model of an object that the filter is told.");
+        "The model of an object that the filter is told, without its motion.");
+  m.def("object_models", &object_models, "config"_a,
+        "The models of all objects that the filter is told, with their motion.");
   m.def("motion_settings", &motion_settings, "config"_a,
         "Motion model with the claimed odometry error.");
   m.def("camera_prior", &camera_prior, "config"_a, "simulated"_a,
@@ -183,8 +249,9 @@ void bind_functions(nb::module_& m) {
 }  // namespace
 
 void bind_simulation(nb::module_& m) {
-  bind_path(m);
+  bind_simulation_motion(m);
   bind_errors_of_simulation(m);
+  bind_path(m);
   bind_disturbances(m);
   bind_slow_error(m);
   bind_object(m);

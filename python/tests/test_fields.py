@@ -19,7 +19,8 @@ OTHER_NAMES: dict[str, tuple[str, dict[str, tuple[str, ...]]]] = {
     "MixtureFusion": ("FuseResult", {}),
     "MixtureFile": ("MixtureFile", {"frames": ("from_frame", "to_frame"), "warnings": ()}),  # they become warnings
     "SimulatedSequence": (
-        "SimulatedSequence", dict.fromkeys(("stamps_ns", "odometry", "camera_truth", "objects"), ("sequence",)),
+        "SimulatedSequence",
+        dict.fromkeys(("stamps_ns", "odometry", "camera_truth", "objects", "sightings"), ("sequence",)),
     ),
     "Fiducials": (
         "Fiducials",
@@ -82,6 +83,8 @@ WITHOUT_CLASS = {
     "BopObservationSettings": "rows of a result file are grouped with numpy",
     "ImageGroup": "a list of image ids",
     "SimulatedObject": "SimulatedSequence.sequence has it as an ObjectRecording",
+    "SimulatedFrame": "SimulatedSequence.frames and frame_truth have arrays of poses",
+    "SimulatedSighting": "SimulatedSequence.sequence has it as an Observation",
     "ErrorOutcome": "fit_tolerance_region takes arrays",
     "ScoredPrediction": "scores take arrays",
     "ConsensusMember": "fuse_estimates takes arrays",

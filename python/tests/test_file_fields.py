@@ -60,8 +60,11 @@ DEPENDENCE = Place("sequence_noise.cpp read_dependence", "`[noise.NAME]`")
 SLOW = Place("sequence_noise.cpp read_slow", "`[noise.NAME]`", row="slow")
 SIMULATED = Place("simulation_config.cpp get_object", "The configuration", "simulation.md")
 COMPONENT = SIMULATED.by("simulation_config.cpp get_component").in_row("noise.<name>.components")
-SD = SIMULATED.by("simulation_config.cpp get_sd")
-RUNS = SIMULATED.by("simulation_config.cpp get_runs")
+SD = SIMULATED.by("simulation_scene.cpp get_sd")
+RUNS = SIMULATED.by("simulation_scene.cpp get_runs")
+SCENE = SIMULATED.by("simulation_scene.cpp get_motions")
+MOVES = SIMULATED.by("simulation_scene.cpp get_moves").in_row("pick_and_place")
+SPAN = "simulation_scene.cpp get_span"
 PATH = SIMULATED.by("simulation_config.cpp get_path")
 WHOLE = SIMULATED.by("simulation_config.cpp read_simulation")
 
@@ -82,6 +85,10 @@ IN_FILES: dict[str, tuple[Place, Keys]] = {
             "cameras": ("cameras", Place("sequence_observations.cpp read_body_cameras", OBSERVED)),
             "on_sight": ("on_sight", Place("sequence_file.cpp read_observed", OBSERVED)),
             "moving": ("moving", Place("sequence_multi_object.cpp read_moving_objects", FILTER)),
+            "frames": (
+                "frames.name",
+                Place("sequence_motion.cpp read_known_frames", "Objects that move"),
+            ),
             "existence": ("existence", Place("sequence_multi_object.cpp read_existence", FILTER)),
             "health": ("health", Place("sequence_multi_object.cpp read_health", FILTER)),
         },
@@ -155,7 +162,65 @@ IN_FILES: dict[str, tuple[Place, Keys]] = {
     ),
     "Clutter": (CLUTTER, {}),
     "SimulationSwing": (SIMULATED.by("simulation_config.cpp get_swing").in_row("camera.range"), {}),
-    "SimulationPath": (PATH, {}),
+    "SimulationPath": (PATH, {"view": ("view", SIMULATED.by("simulation_scene.cpp get_view"))}),
+    "SimulationView": (SIMULATED.by("simulation_scene.cpp get_view").in_row("camera.view"), {}),
+    "SimulationPlace": (
+        SIMULATED.by("simulation_scene.cpp get_place").in_row("places"), {"rotation_rad": "rotation_deg"},
+    ),
+    "SimulationConveyor": (
+        SIMULATED.by("simulation_scene.cpp get_conveyor").in_row("conveyor"),
+        {
+            "start_s": ("start_s", SIMULATED.by(SPAN).in_row("conveyor")),
+            "stop_s": ("stop_s", SIMULATED.by(SPAN).in_row("conveyor")),
+            "turn_rad_s": "turn_deg_s",
+        },
+    ),
+    "SimulationHandHeld": (
+        SIMULATED.by("simulation_scene.cpp get_hand_held").in_row("hand_held"),
+        {
+            "start_s": ("start_s", SIMULATED.by(SPAN).in_row("hand_held")),
+            "stop_s": ("stop_s", SIMULATED.by(SPAN).in_row("hand_held")),
+            "reach_rad": "reach_deg",
+            "acceleration": (
+                ("acceleration_rotation_sd_deg", "acceleration_translation_sd_m"),
+                SIMULATED.by("simulation_scene.cpp get_hand_held").in_row("hand_held"),
+            ),
+        },
+    ),
+    "SimulationMoves": (
+        MOVES,
+        {
+            "start_s": ("start_s", MOVES.by(SPAN)),
+            "stop_s": ("stop_s", MOVES.by(SPAN)),
+            "places": ("places", MOVES.by("simulation_scene.cpp get_places")),
+        },
+    ),
+    "SimulationPickAndPlace": (SIMULATED.by("simulation_scene.cpp get_pick_and_place").in_row("pick_and_place"), {}),
+    "SimulationPutDown": (SIMULATED.by("simulation_scene.cpp get_put_down").in_row("put_down"), {}),
+    "SimulationHeld": (
+        SIMULATED.by("simulation_scene.cpp get_held").in_row("held"),
+        {
+            "start_s": ("start_s", SIMULATED.by(SPAN).in_row("held")),
+            "stop_s": ("stop_s", SIMULATED.by(SPAN).in_row("held")),
+        },
+    ),
+    "SimulationWaypoint": (
+        SIMULATED.by("simulation_scene.cpp get_waypoint").in_row("frames"),
+        {"place": (("position_m", "rotation_deg"), SIMULATED.by("simulation_scene.cpp get_place").in_row("frames"))},
+    ),
+    "SimulationFrame": (
+        SIMULATED.by("simulation_scene.cpp get_frame").in_row("frames"),
+        {"error": (("rotation_sd_deg", "translation_sd_m"), SD.in_row("frames"))},
+    ),
+    "SimulationClutter": (
+        SIMULATED.by("simulation_scene.cpp get_clutter_source"),
+        {
+            "class_id": "class",
+            "places": ("places", SIMULATED.by("simulation_scene.cpp get_places")),
+            "runs": (("fraction", "mean_run_s"), RUNS),
+            "sd": (("rotation_sd_deg", "translation_sd_m"), SD),
+        },
+    ),
     "SimulationSd": (SD.in_row("odometry"), {"rotation_rad": "rotation_sd_deg", "translation_m": "translation_sd_m"}),
     "SimulationNoise": (
         COMPONENT,
@@ -190,8 +255,12 @@ IN_FILES: dict[str, tuple[Place, Keys]] = {
     "SimulationObject": (
         SIMULATED,
         {
-            "id": ("id", SIMULATED.by("simulation_config.cpp get_id")),
+            "class_id": "class",
             "rotation_rad": "rotation_deg",
+            **{
+                key: (key, SCENE)
+                for key in ("appears_s", "removed_s", "conveyor", "hand_held", "pick_and_place", "put_down", "held")
+            },
             "claimed": "claimed_noise",
             "slow": ("slow", SIMULATED.by("simulation_config.cpp get_slow")),
         },
@@ -202,6 +271,8 @@ IN_FILES: dict[str, tuple[Place, Keys]] = {
             "path": "camera",
             "claimed_odometry": "motion",
             "objects": ("objects", SIMULATED.by("simulation_config.cpp get_objects")),
+            "frames": ("frames", SIMULATED.by("simulation_scene.cpp get_frames")),
+            "clutter": ("clutter", SIMULATED.by("simulation_scene.cpp get_clutter")),
         },
     ),
 }  # fmt: skip
@@ -218,6 +289,8 @@ NOT_IN_FILES = {
     "ParticleFilterSettings.merge": "merge_rule and transport_jacobian of the same table",
     "MultiObjectSlamSettings.filter": "its fields are keys of the table [filter]",
     "MultiObjectSlamSettings.association": "its fields are keys of the same table",
+    "SimulationPickAndPlace.moves": "its fields are keys of the same table",
+    "SimulationPutDown.moves": "its fields are keys of the same table",
 }
 
 # Settings that no sequence or simulation file sets, and who does.

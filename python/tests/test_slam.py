@@ -88,6 +88,47 @@ def test_errors_along_the_viewing_ray_are_fractions_of_the_range() -> None:
     assert px.object_model(mug).noise.components[0].frame == px.NoiseFrame.ray
 
 
+def moving_config() -> px.SimulationConfig:
+    """A box on a conveyor, a mug that a gripper takes, and two cups of one class with false detections."""
+    box = px.SimulationObject(id="box", conveyor=[px.SimulationConveyor(start_s=1.0, velocity_m_s=[0.1, 0, 0])])
+    mug = px.SimulationObject(id="mug", held=[px.SimulationHeld(frame="gripper", start_s=1.0, stop_s=3.0)])
+    cups = [
+        px.SimulationObject(id="cup_1", class_id="cup", removed_s=2.0),
+        px.SimulationObject(id="cup_2", class_id="cup", hand_held=[px.SimulationHandHeld(reach_m=[0.1, 0.1, 0.1])]),
+    ]
+    high = px.SimulationPlace(position_m=[0, 0, 0.4])
+    low = px.SimulationPlace(position_m=[0.2, 0, 0.1], rotation_rad=[0, 0, 1])
+    stops = [px.SimulationWaypoint(time_s=0.5, place=high), px.SimulationWaypoint(time_s=3.5, place=low)]
+    return px.SimulationConfig(
+        path=px.SimulationPath(frames=40, set_up=px.SimulationSetUp.still, view=px.SimulationView(focal_length_px=300)),
+        objects=[box, mug, *cups],
+        frames=[px.SimulationFrame(name="gripper", waypoints=stops)],
+        clutter=[px.SimulationClutter(class_id="cup", rate_per_image=0.5)],
+    )
+
+
+def test_a_simulation_of_objects_that_move_has_their_truth() -> None:
+    simulated = px.simulate(moving_config(), seed=3)
+    box = simulated.object_truth["box"]
+    np.testing.assert_allclose(box.translation[30] - box.translation[10], [0.2, 0, 0], atol=1e-8)
+    grip = (simulated.frame_truth["gripper"].inverse() * simulated.object_truth["mug"])[10:31]
+    assert grip.is_approx(grip[0], 1e-7)
+    told = simulated.frames["gripper"].translation - simulated.frame_truth["gripper"].translation
+    assert 1e-4 < told.std() < 1e-2
+    assert px.is_known(simulated.object_truth["cup_1"]).tolist() == [True] * 20 + [False] * 20
+    reach = simulated.object_truth["cup_2"].translation
+    assert 0.01 < np.abs(reach - reach[0]).max() <= 0.1 + 1e-9
+
+
+def test_detections_of_a_class_come_without_their_sources() -> None:
+    simulated = px.simulate(moving_config(), seed=3)
+    names = [{source for source in frame if source} for frame in simulated.sources]
+    assert all("cup_1" not in frame for frame in names[20:]) and "cup_2" in set().union(*names)
+    assert any(None in frame for frame in simulated.sources)
+    models = {model.id: model for model in px.object_models(moving_config())}
+    assert models["cup_1"].class_id == "cup"
+
+
 @pytest.mark.parametrize(
     "tracker",
     [px.MultiObjectSlamSettings(), px.GaussianSumSettings(), px.ParticleFilterSettings(particles=20)],

@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "posemix/base/error.hpp"
-#include "sequence_parts.hpp"
+#include "simulation_parts.hpp"
 
 namespace posemix {
 namespace {
@@ -21,16 +21,8 @@ using Eigen::Vector3d;
 constexpr std::int64_t kSchema = 1;
 
 constexpr IntegerRange kFrames{.lowest = 1, .highest = 10'000'000};
-constexpr IntegerRange kCount{.lowest = 0, .highest = 10'000'000};
 constexpr NumberRange kFramePeriod{.lowest = 1e-6, .highest = 3600};
-constexpr NumberRange kTime{.lowest = 0, .highest = 1e6};
-constexpr NumberRange kLength{.lowest = -1e3, .highest = 1e3};
-constexpr NumberRange kBox{.lowest = 0, .highest = 1e3};
-constexpr NumberRange kAngleDeg{.lowest = -360, .highest = 360};
 constexpr NumberRange kWeight{.lowest = 1e-12, .highest = 1e12};
-/// The range of standard deviations that nine decimals in a sequence file can show.
-constexpr NumberRange kSdShown{.lowest = 1e-6, .highest = 1e3};
-
 using NoiseModels = std::map<std::string, std::vector<SimulationNoise>>;
 
 std::size_t get_count(const TomlTable& table, std::string_view key, std::size_t otherwise,
@@ -39,32 +31,11 @@ std::size_t get_count(const TomlTable& table, std::string_view key, std::size_t 
       table.get_integer_or(key, static_cast<std::int64_t>(otherwise), range));
 }
 
-Vector3d get_vector3(const TomlTable& table, std::string_view key, const Vector3d& otherwise) {
-  return table.get_vector_or(key, otherwise, kLength);
-}
-
-/// A rotation vector, in degrees in the file and in radians in the result.
-Vector3d get_rotation(const TomlTable& table, std::string_view key) {
-  return kRadPerDeg * table.get_vector_or(key, Vector3d::Zero(), kAngleDeg);
-}
-
-SimulationSd get_sd(const TomlTable& table, const SimulationSd& otherwise,
-                    NoiseFrame frame = NoiseFrame::object) {
-  const char* const translation =
-      frame == NoiseFrame::ray ? "translation_sd_of_range" : "translation_sd_m";
-  SimulationSd sd = otherwise;
-  if (table.has("rotation_sd_deg")) {
-    sd.rotation_rad = read_sd(table, "rotation_sd_deg", kSdShown, kRadPerDeg);
-  }
-  if (table.has(translation)) sd.translation_m = read_sd(table, translation, kSdShown, 1.0);
-  return sd;
-}
-
 SimulationSwing get_swing(const TomlTable& parent, std::string_view key, SimulationSwing swing) {
   if (const auto table = parent.find_table(key)) {
-    swing.mean_m = table->get_double_or("mean_m", swing.mean_m, kLength);
-    swing.swing_m = table->get_double_or("swing_m", swing.swing_m, kLength);
-    swing.waves = get_count(*table, "waves", swing.waves, kCount);
+    swing.mean_m = table->get_double_or("mean_m", swing.mean_m, kSimulationLength);
+    swing.swing_m = table->get_double_or("swing_m", swing.swing_m, kSimulationLength);
+    swing.waves = get_count(*table, "waves", swing.waves, kSimulationCount);
   }
   return swing;
 }
@@ -73,10 +44,13 @@ SimulationPath get_path(const TomlTable& camera) {
   SimulationPath path;
   path.frames = get_count(camera, "frames", path.frames, kFrames);
   path.period_s = camera.get_double_or("period_s", path.period_s, kFramePeriod);
-  path.turns = get_count(camera, "turns", path.turns, kCount);
+  path.turns = get_count(camera, "turns", path.turns, kSimulationCount);
   path.target_m = get_vector3(camera, "target_m", path.target_m);
   path.range = get_swing(camera, "range", path.range);
   path.height = get_swing(camera, "height", path.height);
+  path.set_up = camera.get_enum_or("set_up", path.set_up);
+  if (const auto arm = camera.find_table("arm")) path.arm = get_sd(*arm, path.arm);
+  path.view = get_view(camera);
   return path;
 }
 
@@ -129,29 +103,15 @@ std::optional<SimulationSlowError> get_slow(const TomlTable& object, NoiseFrame 
   return slow;
 }
 
-SimulationRuns get_runs(const TomlTable& table) {
-  return {table.get_double_or("fraction", 0.0, kUnitInterval),
-          table.get_double_or("mean_run_s", 0.0, kTime)};
-}
-
-std::string get_id(const TomlTable& object) {
-  std::string id = object.get_string("id");
-  constexpr std::string_view kAllowed =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_.-";
-  if (id.empty() || id.find_first_not_of(kAllowed) != std::string::npos) {
-    object.fail("id", fmt::format("is \"{}\", expected letters, digits, '_', '.' and '-'", id));
-  }
-  return id;
-}
-
 SimulationObject get_object(const TomlTable& table, const NoiseModels& models) {
   SimulationObject object;
-  object.id = get_id(table);
+  object.id = get_name(table, "id");
+  if (table.has("class")) object.class_id = get_name(table, "class");
   object.position_m = get_vector3(table, "position_m", object.position_m);
   object.rotation_rad = get_rotation(table, "rotation_deg");
   object.noise = named_noise(models, table, "noise");
   if (table.has("claimed_noise")) object.claimed = named_noise(models, table, "claimed_noise");
-  object.correlation_s = table.get_double_or("correlation_s", 0.0, kTime);
+  object.correlation_s = table.get_double_or("correlation_s", 0.0, kSimulationTime);
   object.slow = get_slow(table, object.noise.front().frame);
   if (const auto flips = table.find_table("flips")) {
     object.flips.runs = get_runs(*flips);
@@ -160,10 +120,11 @@ SimulationObject get_object(const TomlTable& table, const NoiseModels& models) {
   }
   if (const auto outliers = table.find_table("outliers")) {
     object.outliers.runs = get_runs(*outliers);
-    object.outliers.box_m = outliers->get_vector_or("box_m", object.outliers.box_m, kBox);
+    object.outliers.box_m = outliers->get_vector_or("box_m", object.outliers.box_m, kSimulationBox);
   }
   if (const auto misses = table.find_table("misses")) object.misses = get_runs(*misses);
-  object.hidden_frames = get_count(table, "hidden_frames", 0, kCount);
+  object.hidden_frames = get_count(table, "hidden_frames", 0, kSimulationCount);
+  get_motions(table, object);
   return object;
 }
 
@@ -211,6 +172,8 @@ SimulationFile read_simulation(const TomlDocument& document) {
     config.claimed_odometry = get_sd(motion->get_table("noise"), config.odometry);
   }
   config.objects = get_objects(root, config.path.frames);
+  config.frames = get_frames(root);
+  config.clutter = get_clutter(root);
   read_filter(root);
   document.finish();
   file.filter = get_filter(root);

@@ -6,6 +6,9 @@
 #include <cstdlib>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "posemix/slam/moving_objects.hpp"
 
 namespace posemix {
 namespace {
@@ -57,6 +60,38 @@ std::string tum(const SimulatedSequence& simulated, std::string_view transform,
   });
 }
 
+/// The poses of the frames in which an object is there.
+std::string tum_if_present(const SimulatedSequence& simulated, std::string_view transform,
+                           const SimulatedObject& object, const auto& pose_at) {
+  std::string text = fmt::format("# {}, simulated: stamp tx ty tz qx qy qz qw\n", transform);
+  for (std::size_t k = 0; k < simulated.stamps_ns.size(); ++k) {
+    if (!object.is_present(k)) continue;
+    text += fmt::format("{} {}\n", seconds(simulated.stamps_ns[k]), numbers_of(pose_at(k), " "));
+  }
+  return text;
+}
+
+/// All detections, and what each is of, which no filter may see.
+void add_sightings(const SimulatedSequence& simulated, std::map<std::string, std::string>& files) {
+  std::string seen =
+      "stamp_s,camera,detector,id,class,sighting,weight,tx_m,ty_m,tz_m,qx,qy,qz,qw\n";
+  std::string sources = "sighting,stamp_s,source\n";
+  std::size_t number = 0;
+  for (std::size_t k = 0; k < simulated.sightings.size(); ++k) {
+    const std::string stamp = seconds(simulated.stamps_ns[k]);
+    for (const SimulatedSighting& sighting : simulated.sightings[k]) {
+      seen += fmt::format("{},,,{},{},{},1,{}\n", stamp, sighting.object, sighting.class_id, number,
+                          numbers_of(sighting.pose, ","));
+      sources += fmt::format("{},{},{}\n", number, stamp,
+                             sighting.source ? simulated.objects[*sighting.source].id : "");
+      ++number;
+    }
+  }
+  if (number == 0) throw InvalidInput("simulation: nothing is ever detected, expected detections");
+  files["observations.csv"] = std::move(seen);
+  files["sources.csv"] = std::move(sources);
+}
+
 /// A vector in TOML. Nine decimals hide rounding errors, which depend on the machine.
 std::string array(const Vector3d& vector) {
   std::string text;
@@ -87,7 +122,7 @@ std::string component_text(const SimulationNoise& noise) {
 }
 
 std::string camera_text(const SimulationConfig& config, const SimulatedSequence& simulated) {
-  return fmt::format(
+  const std::string text = fmt::format(
       "[camera]\n"
       "odometry = \"odometry.tum\"\n"
       "ground_truth = \"camera_truth.tum\"\n"
@@ -97,10 +132,12 @@ std::string camera_text(const SimulationConfig& config, const SimulatedSequence&
       "{}\n"
       "\n"
       "[motion]\n"
-      "model = \"odometry\"\n"
-      "noise = {{per = \"second\", {}}}\n",
-      numbers_of(simulated.camera_start, ", "), sd_text(config.start, "\n"),
-      sd_text(config.claimed_odometry.value_or(config.odometry), ", "));
+      "model = \"{}\"\n",
+      numbers_of(simulated.camera_start, ", "), sd_text(claimed_start(config, simulated), "\n"),
+      word_of(motion_settings(config).model));
+  if (config.path.set_up == SimulationSetUp::still) return text;
+  return text + fmt::format("noise = {{per = \"second\", {}}}\n",
+                            sd_text(claimed_camera_error(config), ", "));
 }
 
 std::string dependence_text(const SimulationObject& object) {
@@ -124,22 +161,71 @@ std::string dependence_text(const SimulationObject& object) {
   return text;
 }
 
-std::string object_text(const SimulationObject& settings, const SimulatedObject& object) {
+/// Standard deviations under `<prefix>rotation_sd_deg` and `<prefix>translation_sd_m`.
+std::string sds_text(std::string_view prefix, const Vector6d& sds) {
+  return fmt::format(", {0}rotation_sd_deg = {1}, {0}translation_sd_m = {2}", prefix,
+                     array(sds.head<3>() / kRadPerDeg), array(sds.tail<3>()));
+}
+
+std::string model_text(const ObjectMotion& motion, const SimulationConfig& config) {
+  std::string text = fmt::format("{{model = \"{}\"", name_of(motion));
+  if (const auto* put = std::get_if<PutDownMotion>(&motion)) {
+    text +=
+        fmt::format(", jump_rate = {:.12g}, volume_m3 = {:.12g}", put->jump_rate, put->volume_m3);
+  } else if (const auto* twist = std::get_if<ConstantVelocityMotion>(&motion)) {
+    text += sds_text("acceleration_", twist->acceleration_sds);
+    text += sds_text("start_", twist->start_sds);
+    text += fmt::format(", frame = \"{}\"", word_of(twist->frame));
+  } else if (const auto* held = std::get_if<AttachedMotion>(&motion)) {
+    text += fmt::format(", frame = \"{}\"", config.frames[held->frame].name);
+  }
+  return text + "}";
+}
+
+/// The table [objects.motion]; none for an object that stands still.
+std::string motion_text(const MotionModels& motion, const SimulationConfig& config) {
+  if (is_static(motion)) return "";
+  std::string text = "[objects.motion]\nmodels = [\n";
+  for (const ObjectMotion& model : motion.models)
+    text += fmt::format("  {},\n", model_text(model, config));
+  text += "]\n";
+  if (motion.rates.size() == 0) return text;
+  text += "rates = [\n";
+  for (Eigen::Index i = 0; i < motion.rates.rows(); ++i)
+    text += fmt::format("  [{:.9g}],\n", fmt::join(motion.rates.row(i), ", "));
+  return text + "]\n";
+}
+
+/// The truth of an object that names itself: one pose, or a file.
+std::string truth_text(const SimulatedObject& object) {
+  if (object.world_path.empty() && object.present.empty())
+    return fmt::format("ground_truth = {{world_pose = [{}]}}\n",
+                       numbers_of(object.world_truth, ", "));
+  return fmt::format("ground_truth = {{world_tum = \"world_truth_{}.tum\"}}\n", object.id);
+}
+
+std::string object_text(const SimulationConfig& config, const SimulatedSequence& simulated,
+                        std::size_t index) {
+  const SimulationObject& settings = config.objects[index];
+  const SimulatedObject& object = simulated.objects[index];
   std::string text = fmt::format("\n[noise.\"{}\"]\ncomponents = [\n", object.id);
   for (const SimulationNoise& noise : claimed_noise(settings)) text += component_text(noise);
   text += "]\n" + dependence_text(settings);
-  const Clutter clutter = claimed_clutter(settings);
+  const Clutter clutter = claimed_clutter_of(config, settings);
   text += fmt::format("clutter = {{weight = {:.12g}, volume_m3 = {:g}}}\n", clutter.weight,
                       clutter.volume_m3);
-  text += fmt::format(
-      "\n"
-      "[[objects]]\n"
-      "id = \"{0}\"\n"
-      "noise = \"{0}\"\n"
-      "detections = {{tum = \"detections_{0}.tum\"}}\n"
-      "ground_truth = {{world_pose = [{1}]}}\n",
-      object.id, numbers_of(object.world_truth, ", "));
-  return text;
+  text += fmt::format("\n[[objects]]\nid = \"{0}\"\nnoise = \"{0}\"\n", object.id);
+  if (!object.class_id.empty()) text += fmt::format("class = \"{}\"\n", object.class_id);
+  if (simulated.sightings.empty())
+    text += fmt::format("detections = {{tum = \"detections_{}.tum\"}}\n", object.id);
+  // Which instance of a class follows which object is not known before.
+  if (object.class_id.empty()) text += truth_text(object);
+  return text + motion_text(claimed_motion(config, settings), config);
+}
+
+std::string frame_text(const SimulatedFrame& frame) {
+  return fmt::format("\n[[frames]]\nname = \"{0}\"\nposes = \"frame_{0}.tum\"\n{1}\n", frame.name,
+                     sd_text(frame.error, "\n"));
 }
 
 std::string sequence_text(const SimulationFile& file, const SimulatedSequence& simulated,
@@ -147,9 +233,10 @@ std::string sequence_text(const SimulationFile& file, const SimulatedSequence& s
   std::string text =
       fmt::format("# Simulated data: posemix simulate, seed {}.\nschema = 1\n\n", seed);
   text += camera_text(file.config, simulated);
-  for (std::size_t i = 0; i < simulated.objects.size(); ++i) {
-    text += object_text(file.config.objects[i], simulated.objects[i]);
-  }
+  if (!simulated.sightings.empty()) text += "\n[[observations]]\ncsv = \"observations.csv\"\n";
+  for (const SimulatedFrame& frame : simulated.frames) text += frame_text(frame);
+  for (std::size_t i = 0; i < simulated.objects.size(); ++i)
+    text += object_text(file.config, simulated, i);
   if (!file.filter.empty()) text += "\n[filter]\n";
   for (const auto& [key, value] : file.filter) text += fmt::format("{} = {}\n", key, value);
   return text;
@@ -165,11 +252,23 @@ std::map<std::string, std::string> format_simulation(const SimulationFile& file,
   files["odometry.tum"] = tum(simulated, "T_odom_camera", simulated.odometry);
   files["camera_truth.tum"] = tum(simulated, "T_world_camera", simulated.camera_truth);
   for (const SimulatedObject& object : simulated.objects) {
-    files[fmt::format("detections_{}.tum", object.id)] =
-        tum(simulated, "T_camera_object", object.detections);
+    if (simulated.sightings.empty()) {
+      files[fmt::format("detections_{}.tum", object.id)] =
+          tum(simulated, "T_camera_object", object.detections);
+    }
     files[fmt::format("truth_{}.tum", object.id)] =
-        tum(simulated, "T_camera_object", object.relative_truth);
+        tum_if_present(simulated, "T_camera_object", object,
+                       [&](std::size_t k) { return object.relative_truth[k]; });
+    if (object.world_path.empty() && object.present.empty()) continue;
+    files[fmt::format("world_truth_{}.tum", object.id)] = tum_if_present(
+        simulated, "T_world_object", object, [&](std::size_t k) { return object.world_at(k); });
   }
+  for (const SimulatedFrame& frame : simulated.frames) {
+    files[fmt::format("frame_{}.tum", frame.name)] = tum(simulated, "T_world_frame", frame.given);
+    files[fmt::format("frame_truth_{}.tum", frame.name)] =
+        tum(simulated, "T_world_frame", frame.truth);
+  }
+  if (!simulated.sightings.empty()) add_sightings(simulated, files);
   return files;
 }
 

@@ -40,10 +40,13 @@ class Predicted {
                               to_camera * along.covariance * to_camera.transpose()));
     pose_factor_.compute(covariance);
     position_factor_.compute(covariance.bottomRightCorner<3, 3>());
+    log_volume_ = 2.0 * pose_factor_.matrixLLT().diagonal().array().log().sum();
     information_ = mirror_upper(Matrix6d(to_object.transpose() * pose_factor_.solve(to_object)));
   }
 
   const SE3d& pose() const { return pose_; }
+  /// Log determinant of the covariance of the error.
+  double log_volume() const { return log_volume_; }
   SE3d nearest(const SE3d& detection, const SymmetryGroup& symmetries) const {
     return symmetries.closest(detection, pose_, information_);
   }
@@ -63,6 +66,7 @@ class Predicted {
   SE3d pose_;
   Eigen::LLT<Matrix6d> pose_factor_;
   Eigen::LLT<Eigen::Matrix3d> position_factor_;
+  double log_volume_;
   Matrix6d information_;  ///< along the object's axes
 };
 
@@ -134,12 +138,62 @@ void admit_fresh(const std::vector<Predicted>& instances, std::span<const Observ
   }
 }
 
+/// The log volumes of the instances relative to their mean: an instance that is known better than
+/// the others explains the same error as well with a higher density.
+Eigen::VectorXd relative_volumes(const std::vector<Predicted>& instances) {
+  Eigen::VectorXd volumes(static_cast<Eigen::Index>(instances.size()));
+  for (std::size_t j = 0; j < instances.size(); ++j)
+    volumes[static_cast<Eigen::Index>(j)] = instances[j].log_volume();
+  if (instances.empty()) return volumes;
+  return volumes.array() - volumes.mean();
+}
+
+/// Whether an observation may be of two instances, or an instance have two observations.
+bool compete(const Eigen::MatrixXd& pairs) {
+  const auto possible = pairs.array() < kImpossible;
+  return (possible.rowwise().count() > 1).any() || (possible.colwise().count() > 1).any();
+}
+
+/// Probabilities of the pairs over the best assignments, eq. (6) and (7). Returns the best one.
+std::vector<Eigen::Index> weigh(const Eigen::MatrixXd& cost, const Eigen::VectorXd& volumes,
+                                const AssociationSettings& settings, JointAssociation& result) {
+  const Eigen::Index instances = volumes.size();
+  const Eigen::MatrixXd pairs = cost.leftCols(instances);
+  result.probabilities = Eigen::MatrixXd::Zero(cost.rows(), instances);
+  std::vector<Eigen::Index> best;
+  if (compete(pairs)) {
+    Eigen::MatrixXd full = cost;
+    full.leftCols(instances).rowwise() += volumes.transpose();
+    const auto assignments = best_assignments(full, settings.joint_assignments, 0.5 * kImpossible);
+    result.probabilities = association_probabilities(assignments, instances);
+    best = assignments.front().columns;
+  } else {
+    best = least_cost_assignment(cost);
+    for (Eigen::Index i = 0; i < cost.rows(); ++i)
+      if (best[static_cast<std::size_t>(i)] < instances)
+        result.probabilities(i, best[static_cast<std::size_t>(i)]) = 1.0;
+  }
+  // Eq. (8).
+  result.log_priors = result.probabilities.array().log().matrix();
+  result.log_priors += 0.5 * (pairs.rowwise() + volumes.transpose());
+  return best;
+}
+
 }  // namespace
 
 std::vector<Association> associate_observations(
     std::span<const ConcentratedGaussian<SE3d>> instances, std::span<const Observation> candidates,
     const NoiseComponent& noise, const SymmetryGroup& symmetries,
     const AssociationSettings& settings) {
+  return associate_jointly(instances, candidates, noise, symmetries, settings).best;
+}
+
+JointAssociation associate_jointly(std::span<const ConcentratedGaussian<SE3d>> instances,
+                                   std::span<const Observation> candidates,
+                                   const NoiseComponent& noise, const SymmetryGroup& symmetries,
+                                   const AssociationSettings& settings) {
+  kOpenUnitInterval.check(settings.certain_probability, "certain_probability");
+  require(settings.joint_assignments > 0, "joint_assignments is 0, expected at least 1");
   const Gates gates{
       chi_square_quantile(settings.gate_probability, 3, "gate_probability"),
       chi_square_quantile(settings.rotation_cap_probability, 3, "rotation_cap_probability")};
@@ -147,8 +201,11 @@ std::vector<Association> associate_observations(
   predicted.reserve(instances.size());
   for (const auto& instance : instances) predicted.emplace_back(instance, noise);
   const Eigen::MatrixXd cost = cost_matrix(predicted, candidates, symmetries, gates);
-  const std::vector<Eigen::Index> columns = least_cost_assignment(cost);
-  std::vector<Association> associations(candidates.size());
+  JointAssociation result;
+  const std::vector<Eigen::Index> columns =
+      weigh(cost, relative_volumes(predicted), settings, result);
+  std::vector<Association>& associations = result.best;
+  associations.resize(candidates.size());
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     Association& association = associations[i];
     association.camera_object = candidates[i].components[best_component(candidates[i])].pose;
@@ -161,7 +218,7 @@ std::vector<Association> associate_observations(
     association.cost = cost(static_cast<Eigen::Index>(i), columns[i]);
   }
   admit_fresh(predicted, candidates, settings, associations);
-  return associations;
+  return result;
 }
 
 Observation observation_of(const Candidate& candidate) {

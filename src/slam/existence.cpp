@@ -26,11 +26,6 @@ Rates masses(const BetaDistribution& rate, const Rates& at) {
   return density / density.sum();
 }
 
-/// Probability that an image after `dt` seconds is a look of its own.
-double part_of_a_look(double dt, const ExistenceSettings& settings) {
-  return settings.look_time_s > 0.0 ? -std::expm1(-dt / settings.look_time_s) : 1.0;
-}
-
 }  // namespace
 
 void validate(const ExistenceSettings& settings) {
@@ -45,6 +40,10 @@ void validate(const ExistenceSettings& settings) {
   kOpenUnitInterval.check(settings.confirmed_probability, "confirmed_probability");
   NumberRange{.lowest = 0.0, .highest = settings.confirmed_probability, .without_highest = true}
       .check(settings.deleted_probability, "deleted_probability");
+}
+
+double part_of_a_look(double dt, const ExistenceSettings& settings) {
+  return settings.look_time_s > 0.0 ? -std::expm1(-dt / settings.look_time_s) : 1.0;
 }
 
 Existence::Rates Existence::rates() {

@@ -32,17 +32,22 @@ void validate(const HealthSettings& settings) {
 }
 
 InstanceTracks::InstanceTracks(const ExistenceSettings& existence, const HealthSettings& health,
-                               std::size_t confirming_detections)
-    : existence_(existence), health_(health), confirming_detections_(confirming_detections) {
+                               std::size_t confirming_detections, double least_separation_m)
+    : existence_(existence),
+      health_(health),
+      confirming_detections_(confirming_detections),
+      least_separation_m_(least_separation_m) {
   validate(existence_);
   validate(health_);
   band_ = chi_square_quantile(health_.band_probability, 6, "band_probability") / 6.0;
 }
 
-void InstanceTracks::add(bool is_known) { tracks_.push_back({.is_known = is_known}); }
+void InstanceTracks::add(bool is_known, const std::string& class_id) {
+  tracks_.push_back({.is_known = is_known, .class_id = class_id});
+}
 
 void InstanceTracks::forget(std::size_t object) {
-  tracks_[object] = {.is_known = tracks_[object].is_known};
+  tracks_[object] = {.is_known = tracks_[object].is_known, .class_id = tracks_[object].class_id};
 }
 
 void InstanceTracks::begin(double dt) {
@@ -87,12 +92,20 @@ void InstanceTracks::end(std::span<const std::optional<SE3d>> poses) {
       track.since_look_s += dt_;
       const Sighting sighting = sighting_of(track, *poses[j]);
       track.existence->update(sighting, track.since_look_s, existence_);
-      if (sighting != Sighting::out_of_view) track.since_look_s = 0.0;
+      count(track, sighting);
     }
     if (track.last_frame == frames_) learn_view(track, *poses[j]);
     track.bad_s = is_lost(track) || is_inconsistent(track) ? track.bad_s + dt_ : 0.0;
   }
   weigh_rivals(poses);
+}
+
+void InstanceTracks::count(Track& track, Sighting sighting) const {
+  if (sighting == Sighting::out_of_view) return;
+  const double look = part_of_a_look(track.since_look_s, existence_);
+  track.counts.images += look;
+  if (sighting == Sighting::detected) track.counts.detections += look;
+  track.since_look_s = 0.0;
 }
 
 Sighting InstanceTracks::sighting_of(const Track& track, const SE3d& body_object) const {
@@ -134,14 +147,16 @@ void InstanceTracks::weigh_rivals(std::span<const std::optional<SE3d>> poses) {
   std::sort(order.begin(), order.end(),
             [&](std::size_t a, std::size_t b) { return range[a] < range[b]; });
   // Eq. (5): of those that exclude each other, one exists at most.
+  duplicates_.clear();
   std::vector<double> sum(tracks_.size(), 1.0);
   for (std::size_t a = 0; a < order.size(); ++a) {
     const std::size_t i = order[a];
     for (std::size_t b = a + 1; b < order.size(); ++b) {
       const std::size_t j = order[b];
-      if (range[j] - range[i] >= existence_.exclusion_m) break;
-      if ((poses[j]->translation() - poses[i]->translation()).norm() >= existence_.exclusion_m)
-        continue;
+      if (range[j] - range[i] >= std::max(existence_.exclusion_m, least_separation_m_)) break;
+      const double distance = (poses[j]->translation() - poses[i]->translation()).norm();
+      find_duplicates(i, j, distance);
+      if (distance >= existence_.exclusion_m) continue;
       sum[i] += tracks_[j].existence->odds();
       sum[j] += tracks_[i].existence->odds();
     }
@@ -150,6 +165,20 @@ void InstanceTracks::weigh_rivals(std::span<const std::optional<SE3d>> poses) {
     const double own = tracks_[j].existence->odds();
     tracks_[j].probability = own / (own + sum[j]);
   }
+}
+
+void InstanceTracks::find_duplicates(std::size_t i, std::size_t j, double distance_m) {
+  const Track& a = tracks_[i];
+  const Track& b = tracks_[j];
+  // Two detections in one image are of two objects.
+  if (distance_m >= least_separation_m_ || a.class_id != b.class_id ||
+      (a.last_frame == frames_ && b.last_frame == frames_))
+    return;
+  const double of_a = a.existence->probability();
+  const double of_b = b.existence->probability();
+  const std::size_t less = of_a < of_b ? i : j;
+  if (!tracks_[less].is_known && std::min(of_a, of_b) < existence_.confirmed_probability)
+    duplicates_.push_back(less);
 }
 
 std::optional<double> InstanceTracks::existence(std::size_t object) const {

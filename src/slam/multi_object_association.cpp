@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <tuple>
 #include <utility>
@@ -11,11 +12,38 @@
 namespace posemix {
 namespace {
 
+/// Observations that are of an instance with less than this part of the largest prior are left out.
+constexpr double kLeastWeight = 1e-3;
+
 /// An observation of one pose as the equivalent pose that is nearest to its instance.
 Observation as_associated(Observation observation, const Association& association) {
   if (observation.components.size() == 1)
     observation.components.front().pose = association.camera_object;
   return observation;
+}
+
+/// All observations that may be of an instance as one mixture: the components of each have its
+/// prior weight, eq. (8), since the filter itself knows how well they fit. `best` is the one that
+/// is assigned, whose names and clutter it has.
+Observation mixed_observation(std::span<const Observation> observations,
+                              const JointAssociation& joint, std::size_t instance,
+                              std::size_t best) {
+  Observation mixed = observations[best];
+  mixed.components.clear();
+  const Eigen::VectorXd logs = joint.log_priors.col(static_cast<Eigen::Index>(instance));
+  const double most = logs.maxCoeff();
+  double sum = 0.0;
+  for (std::size_t i = 0; i < observations.size(); ++i) {
+    const double weight = std::exp(logs[static_cast<Eigen::Index>(i)] - most);
+    if (weight < kLeastWeight) continue;
+    for (ObservationComponent component : observations[i].components) {
+      component.weight *= weight;
+      sum += component.weight;
+      mixed.components.push_back(std::move(component));
+    }
+  }
+  for (ObservationComponent& component : mixed.components) component.weight /= sum;
+  return mixed;
 }
 
 }  // namespace
@@ -79,9 +107,10 @@ void MultiObjectSlam::update_image(const std::vector<std::size_t>& models,
   std::vector<Observation> of_class;
   for (const Seen* seen : image) of_class.push_back(seen->observation);
   const DetectorNoise& noise = filter_.sensor(models.front(), source.detector).noise;
-  const std::vector<Association> associations =
-      associate_observations(predicted, of_class, noise.components().front(),
-                             objects_[models.front()].symmetries, settings_.association);
+  const JointAssociation joint =
+      associate_jointly(predicted, of_class, noise.components().front(),
+                        objects_[models.front()].symmetries, settings_.association);
+  const std::vector<Association>& associations = joint.best;
 
   // The known before the new: a model that was seen in this frame is not used again.
   for (std::size_t i = 0; i < image.size(); ++i) {
@@ -89,7 +118,13 @@ void MultiObjectSlam::update_image(const std::vector<std::size_t>& models,
     candidate.status = associations[i].status;
     if (candidate.status != CandidateStatus::assigned) continue;
     candidate.object = instances[associations[i].instance];
-    update(*candidate.object, as_associated(of_class[i], associations[i]), source, report);
+    const std::size_t instance = associations[i].instance;
+    const bool is_certain = joint.probabilities(Eigen::Index(i), Eigen::Index(instance)) >=
+                            settings_.association.certain_probability;
+    update(*candidate.object,
+           is_certain ? as_associated(of_class[i], associations[i])
+                      : mixed_observation(of_class, joint, instance, i),
+           source, report);
   }
   for (std::size_t i = 0; i < image.size(); ++i) {
     CandidateReport& candidate = *image[i]->report;

@@ -46,6 +46,10 @@ void MultiObjectSlam::update_tracks(const FrameInput& input, FrameEstimate& fram
 void MultiObjectSlam::forget_deleted() {
   for (std::size_t object = 0; object < objects_.size(); ++object)
     if (tracks_.is_deleted(object)) forget(object);
+  for (const std::size_t object : tracks_.duplicates()) {
+    // One of three in a row may be gone with the first pair.
+    if (is_known(object)) forget(object);
+  }
 }
 
 }  // namespace posemix

@@ -111,13 +111,15 @@ MultiObjectSlam::MultiObjectSlam(const PoseDensity& camera, std::vector<ObjectMo
       record_hypotheses_(record_hypotheses),
       filter_(make_filter(camera, objects_.models(), settings_, motion_)),
       moving_(make_moving(objects_.models(), settings_)),
-      tracks_(settings_.existence, settings_.health, settings_.confirming_detections) {
-  for (const ObjectModel& model : objects_.models()) tracks_.add(model.prior.has_value());
+      tracks_(settings_.existence, settings_.health, settings_.confirming_detections,
+              settings_.association.least_separation_m) {
+  for (const ObjectModel& model : objects_.models())
+    tracks_.add(model.prior.has_value(), class_of(model));
 }
 
 std::size_t MultiObjectSlam::add_object(ObjectModel model) {
   add_to(filter_, model);
-  tracks_.add(model.prior.has_value());
+  tracks_.add(model.prior.has_value(), class_of(model));
   if (has_own_track(model.motion)) moving_.add(objects_.size(), model);
   return objects_.add(std::move(model));
 }

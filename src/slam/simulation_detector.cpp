@@ -4,12 +4,11 @@
 
 #include <algorithm>
 
+#include "simulation_paths.hpp"
+#include "simulation_sight.hpp"
+
 namespace posemix::internal::simulation {
 namespace {
-
-Pose pose_of(const Eigen::Vector3d& rotation_rad, const Eigen::Vector3d& translation_m) {
-  return {SO3<Real>::exp(rotation_rad.cast<Real>()), translation_m.cast<Real>()};
-}
 
 Vector6 vector_of(const SimulationSd& sd) {
   Vector6 values;
@@ -38,14 +37,6 @@ Vector6 along_camera(const Vector6& error, const Pose& camera_mode) {
   turned << axes * Vector3(error.head<3>()),
       axes * Vector3(std::max(ray.norm(), kLeastRangeM) * error.tail<3>());
   return turned;
-}
-
-/// States 0 (off) and 1 (on). A run of `on` ends with probability (1 - keep)(1 - fraction).
-StickyChain run_chain(const SimulationRuns& runs, double period_s, RandomStream random) {
-  const Real off = 1 - static_cast<Real>(runs.fraction);
-  const bool independent = !(runs.mean_run_s * off > period_s);
-  const Real keep = independent ? Real(0) : 1 - period_s / (runs.mean_run_s * off);
-  return {{1.0 - runs.fraction, runs.fraction}, keep, random};
 }
 
 }  // namespace

@@ -9,57 +9,13 @@
 #include <fmt/format.h>
 
 #include "posemix/slam/simulation.hpp"
+#include "simulation_checks.hpp"
 
 /// Settings of the simulation: their checks, and what the filter is told of them.
 namespace posemix {
 namespace {
 
-constexpr std::size_t kMostFrames = 10'000'000;
-constexpr double kLongestPeriod = 3600.0;  // seconds
-constexpr double kSmallestWeight = 1e-12;
-constexpr double kLargestWeight = 1e12;
-constexpr double kFurthest = 1e3;      // metres
-constexpr double kLargestAngle = 1e3;  // radians
-
-/// Checks numbers and remembers whose they are.
-class Checker {
- public:
-  explicit Checker(std::string owner) : owner_(std::move(owner)) {}
-
-  void within(double value, double lowest, double highest, const char* name) const {
-    if (value >= lowest && value <= highest) return;
-    throw InvalidInput(fmt::format("simulation: {} {} is {}, expected a number in [{:g}, {:g}]",
-                                   owner_, name, value, lowest, highest));
-  }
-  void within(const Eigen::Vector3d& values, double lowest, double highest,
-              const char* name) const {
-    for (const double value : values) within(value, lowest, highest, name);
-  }
-  void sd(const SimulationSd& sd) const {
-    within(sd.rotation_rad, 0.0, kLargestAngle, "standard deviation of rotation");
-    within(sd.translation_m, 0.0, kFurthest, "standard deviation of translation");
-  }
-  void runs(const SimulationRuns& runs, const char* name) const {
-    within(runs.fraction, 0.0, 1.0, name);
-    within(runs.mean_run_s, 0.0, std::numeric_limits<double>::max(), "mean run");
-  }
-  void slow(const SimulationSlowError& slow) const {
-    sd(slow.sd);
-    constexpr double kInfinity = std::numeric_limits<double>::infinity();
-    constexpr double kLeast = 1e-9;
-    within(slow.correlation_s, kLeast, kInfinity, "correlation time of the slow error");
-    within(slow.correlation_angle_rad, kLeast, kInfinity, "correlation angle of the slow error");
-  }
-  void noise(const SimulationNoise& noise) const {
-    within(noise.weight, kSmallestWeight, kLargestWeight, "weight of noise");
-    sd(noise.sd);
-    within(noise.offset_rotation_rad, -kLargestAngle, kLargestAngle, "offset rotation");
-    within(noise.offset_translation_m, -kFurthest, kFurthest, "offset translation");
-  }
-
- private:
-  std::string owner_;
-};
+using namespace internal::simulation;
 
 void check(const SimulationPath& path) {
   const Checker checker("path");
@@ -147,6 +103,10 @@ void validate(const SimulationConfig& config) {
       throw InvalidInput(fmt::format("simulation: object id '{}' occurs twice", object.id));
     }
   }
+  check_scene(config);
+  std::vector<ObjectModel> models;
+  for (const SimulationObject& object : config.objects) models.push_back(object_model(object));
+  require_alike_in_class(models);
 }
 
 namespace {
@@ -246,19 +206,40 @@ ObjectModel object_model(const SimulationObject& object) {
     dependence.slow =
         SlowError{covariance_of(slow->sd), slow->correlation_s, slow->correlation_angle_rad};
   }
-  return {object.id, DetectorNoise(std::move(components), claimed_clutter(object), dependence), {}};
+  return {object.id,
+          DetectorNoise(std::move(components), claimed_clutter(object), dependence),
+          {},
+          {},
+          object.class_id};
+}
+
+SimulationSd claimed_camera_error(const SimulationConfig& config) {
+  if (config.claimed_odometry) return *config.claimed_odometry;
+  return config.path.set_up == SimulationSetUp::on_arm ? config.path.arm : config.odometry;
 }
 
 MotionSettings motion_settings(const SimulationConfig& config) {
   MotionSettings motion;
-  motion.noise.covariance = covariance_of(config.claimed_odometry.value_or(config.odometry));
+  if (config.path.set_up == SimulationSetUp::still) motion.model = MotionModel::still;
+  if (config.path.set_up == SimulationSetUp::on_arm) motion.model = MotionModel::given;
+  motion.noise.covariance = covariance_of(claimed_camera_error(config));
   motion.noise.per = NoisePer::second;
   return motion;
 }
 
+SimulationSd claimed_start(const SimulationConfig& config, const SimulatedSequence& simulated) {
+  if (config.path.set_up != SimulationSetUp::on_arm) return config.start;
+  // A turn about the camera moves it as seen from the world's origin; along every axis at most so.
+  const SimulationSd& arm = config.path.arm;
+  const double turn = arm.rotation_rad.maxCoeff();
+  const double lever = simulated.camera_start.pose().translation().norm();
+  return {Eigen::Vector3d::Constant(turn),
+          Eigen::Vector3d::Constant(std::hypot(arm.translation_m.maxCoeff(), lever * turn))};
+}
+
 ConcentratedGaussian<SE3d> camera_prior(const SimulationConfig& config,
                                         const SimulatedSequence& simulated) {
-  return {simulated.camera_start.pose(), covariance_of(config.start)};
+  return {simulated.camera_start.pose(), covariance_of(claimed_start(config, simulated))};
 }
 
 }  // namespace posemix

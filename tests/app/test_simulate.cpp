@@ -46,6 +46,19 @@ TEST_F(Simulate, WritesARecordingThatSlamReads) {
   EXPECT_NE(slam.out.find("\nMedian errors relative to the camera"), std::string::npos) << slam.out;
 }
 
+TEST_F(Simulate, ScenesOfMovingObjectsRunThroughSlam) {
+  for (const std::string name : {"moving-table", "conveyor", "hand-held", "pick-and-place",
+                                 "hand-over", "crossing", "come-and-go"}) {
+    const std::string recording = (results_ / name).string();
+    const ProgramResult made = run_posemix({"simulate", kSource + "/configs/" + name + ".toml",
+                                            "--set", "camera.frames=150", "--out", recording});
+    ASSERT_EQ(made.exit_code, 0) << name << ": " << made.err;
+    const ProgramResult slam = run_posemix(
+        {"slam", recording + "/sequence.toml", "--out", (results_ / (name + "-slam")).string()});
+    EXPECT_EQ(slam.exit_code, 0) << name << ": " << slam.err;
+  }
+}
+
 TEST_F(Simulate, TheSeedDecides) {
   for (const std::string name : {"a", "b"}) simulate(name, {"--seed", "7", "--quiet"});
   EXPECT_EQ(simulate("c", {"--seed", "18446744073709551615", "--quiet"}).out, "");

@@ -160,7 +160,8 @@ TEST_F(SequenceMotion, RefusesWhatIsWrong) {
                           const std::string& more = "") {
     EXPECT_NE(message(motion, more).find(part), std::string::npos) << message(motion, more);
   };
-  expect("{model = \"flying\"}", "key 'objects[0].motion.model' is \"flying\", expected");
+  expect("{model = \"flying\"}",
+         "key 'objects[0].motion.model' is the string \"flying\", expected");
   expect("{model = \"static\", jump_rate = 1}", "jump_rate");
   expect("{model = \"random_walk\", rotation_sd_rad = 1}", "expected 'rotation_sd_deg'");
   expect("{model = \"random_walk\", break_rate = -1}", "expected a number in [0");
@@ -170,7 +171,8 @@ TEST_F(SequenceMotion, RefusesWhatIsWrong) {
   expect("{models = [{model = \"static\"}, {model = \"put_down\"}], start = [0.5, 0.6]}",
          "sum to 1.1");
   expect("{model = \"static\", models = [{model = \"static\"}]}", "stands beside 'models'");
-  expect("{models = [{model = \"calm_and_agile\"}]}", "is \"calm_and_agile\"");
+  expect("{models = [{model = \"calm_and_agile\"}]}",
+         "is the string \"calm_and_agile\", expected one of");
   expect("{model = \"constant_velocity\"}", "is for filter.method = \"multi_object\"",
          "[filter]\nmethod = \"gm-iekf\"\n");
   expect("{model = \"constant_velocity\"}", "is for filter.smooth = \"none\"",

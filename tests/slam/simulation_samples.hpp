@@ -65,4 +65,22 @@ inline SampleMoments moments_of(const std::vector<Vector6d>& errors) {
   return moments;
 }
 
+/// Time between two frames of the recordings of `moving` [s].
+inline constexpr double kPeriod = 0.02;
+
+/// A recording of one object before a still camera, 50 frames per second.
+inline SimulationConfig moving(const SimulationObject& object, double length_s) {
+  SimulationConfig config =
+      config_with({object}, static_cast<std::size_t>(std::lround(length_s / kPeriod)));
+  config.path.period_s = kPeriod;
+  config.path.set_up = SimulationSetUp::still;
+  return config;
+}
+
+inline SimulationObject mug() { return object_with({{1.0, small_sd()}}); }
+
+inline std::size_t frame_at(double time_s) {
+  return static_cast<std::size_t>(std::lround(time_s / kPeriod));
+}
+
 }  // namespace posemix::testing

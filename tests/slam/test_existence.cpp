@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -135,6 +136,50 @@ TEST(Existence, SettingsOutOfRangeAreRefused) {
   refused([](auto& s) { s.visible_time_s = 0.0; });
   refused([](auto& s) { s.deleted_probability = 0.99; });
   refused([](auto& s) { s.exclusion_m = -1.0; });
+}
+
+/// Instances whose rates are drawn from beta distributions with small integer parameters, as order
+/// statistics of uniform numbers.
+std::vector<InstanceCounts> drawn_instances(std::size_t count) {
+  RandomStream stream(5, 2);
+  const auto beta = [&](int a, int b) {
+    std::vector<double> numbers(static_cast<std::size_t>(a + b - 1));
+    for (double& number : numbers) number = stream.uniform();
+    std::sort(numbers.begin(), numbers.end());
+    return numbers[static_cast<std::size_t>(a - 1)];
+  };
+  std::vector<InstanceCounts> counts;
+  while (counts.size() < count) {
+    const bool is_object = stream.uniform() < 0.3;
+    const double rate = is_object ? beta(4, 2) : beta(1, 6);
+    if (stream.uniform() > rate) continue;  // its first detection
+    InstanceCounts one{.images = 40.0, .is_object = is_object};
+    for (int k = 0; k < 40; ++k) one.detections += stream.uniform() < rate ? 1.0 : 0.0;
+    counts.push_back(one);
+  }
+  return counts;
+}
+
+TEST(FitExistence, FindsTheRatesThatInstancesWereDrawnWith) {
+  const ExistenceSettings fitted = fit_existence(drawn_instances(3000));
+  EXPECT_NEAR(fitted.object_rate.a, 4.0, 0.6);
+  EXPECT_NEAR(fitted.object_rate.b, 2.0, 0.3);
+  EXPECT_NEAR(fitted.clutter_rate.a, 1.0, 0.25);
+  EXPECT_NEAR(fitted.clutter_rate.b, 6.0, 0.9);
+  // Objects are detected first four or five times as often.
+  const double expected = 0.3 * (4.0 / 6.0) / (0.3 * (4.0 / 6.0) + 0.7 / 7.0);
+  EXPECT_NEAR(fitted.birth_probability, expected, 0.03);
+  EXPECT_EQ(fitted.hidden_time_s, kSettings.hidden_time_s);
+}
+
+TEST(FitExistence, RefusesCountsThatCannotBe) {
+  const std::vector<InstanceCounts> few(3, {.images = 4.0, .detections = 2.0, .is_object = true});
+  EXPECT_THROW(fit_existence(few), InvalidInput);
+  std::vector<InstanceCounts> wrong = drawn_instances(20);
+  wrong[3].detections = 41.0;
+  EXPECT_THROW(fit_existence(wrong), InvalidInput);
+  wrong[3].detections = std::nan("");
+  EXPECT_THROW(fit_existence(wrong), InvalidInput);
 }
 
 TEST(FieldOfView, IsWhereAnythingWasSeen) {

@@ -25,8 +25,14 @@ struct AssociationSettings {
   double rotation_cap_probability = 0.99;
   /// Candidates without an instance begin a new one from this score on, ...
   double least_new_score = 0.0;
-  /// ... unless they lie nearer than this to an instance or to a better candidate [m].
+  /// ... unless they lie nearer than this to an instance or to a better candidate [m]. Two
+  /// instances of one class that come nearer than this are one.
   double least_separation_m = 0.02;
+  /// An instance that has its detection with less than this probability takes in all that may be
+  /// of it, by their probabilities.
+  double certain_probability = 0.99;
+  /// Largest number of assignments over which these probabilities are.
+  std::size_t joint_assignments = 50;
 };
 
 enum class CandidateStatus {
@@ -69,6 +75,24 @@ std::vector<Association> associate_observations(
     std::span<const ConcentratedGaussian<SE3d>> instances,
     std::span<const Observation> observations, const NoiseComponent& noise,
     const SymmetryGroup& symmetries, const AssociationSettings& settings = {});
+
+/// What the detections of one class in one image are, with probabilities.
+struct JointAssociation {
+  std::vector<Association> best;  ///< as by associate_observations
+  /// Probability that the observation of the row is of the instance of the column, over the best
+  /// assignments (joint probabilistic data association, Fortmann et al. 1983).
+  Eigen::MatrixXd probabilities;
+  /// Log of that probability without the density of the observation given the instance, up to a
+  /// constant for every instance: what a filter that has the density itself is told [nats]. Minus
+  /// infinity where the pair is not possible.
+  Eigen::MatrixXd log_priors;
+};
+
+/// The same with the probability of every pair (docs/existence.md, eq. 6 to 8).
+JointAssociation associate_jointly(std::span<const ConcentratedGaussian<SE3d>> instances,
+                                   std::span<const Observation> observations,
+                                   const NoiseComponent& noise, const SymmetryGroup& symmetries,
+                                   const AssociationSettings& settings = {});
 
 /// For each row of a cost matrix its own column so that the sum of the chosen entries is least;
 /// exact, in O(rows^2 columns) (Hungarian algorithm with shortest augmenting paths).

@@ -43,6 +43,9 @@ struct ExistenceSettings {
 /// @throws InvalidInput when a setting is out of range
 void validate(const ExistenceSettings& settings);
 
+/// The part of a look of its own that an image is, `dt` seconds after the last one.
+double part_of_a_look(double dt, const ExistenceSettings& settings);
+
 /// What an image says of an instance.
 enum class Sighting {
   detected,
@@ -88,15 +91,16 @@ class Existence {
   double gone_ = 0.0;
 };
 
-/// Counts of one instance of a recording with truth.
+/// How often one instance was detected since its first detection.
 struct InstanceCounts {
-  double images = 0.0;      ///< in which it was in view after its first detection, looks counted
+  double images = 0.0;      ///< in which it was in view, each as the part of a look that it is
   double detections = 0.0;  ///< in these
-  bool is_object = false;   ///< whether it was an object of its class
+  bool is_object = false;   ///< whether it was an object of its class, by the truth of a recording
 };
 
-/// Settings whose birth_probability, object_rate and clutter_rate are those of the largest
-/// likelihood of the counts (beta-binomial distributions).
+/// The settings as learned from instances of recordings with truth: birth_probability, object_rate
+/// and clutter_rate of the largest posterior of the counts, beta-binomial distributions with a
+/// normal prior of deviation one around the logarithms of the parameters as given.
 /// @throws InvalidInput for counts that are negative, not finite or more detections than images,
 /// and without at least two instances of objects and two that are none
 ExistenceSettings fit_existence(std::span<const InstanceCounts> counts,

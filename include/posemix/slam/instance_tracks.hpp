@@ -69,10 +69,10 @@ class InstanceTracks {
  public:
   /// @throws InvalidInput when a setting is out of range
   InstanceTracks(const ExistenceSettings& existence, const HealthSettings& health,
-                 std::size_t confirming_detections);
+                 std::size_t confirming_detections, double least_separation_m);
 
-  /// One more object. One that is known to exist has no existence of its own.
-  void add(bool is_known);
+  /// One more object of a class. One that is known to exist has no existence of its own.
+  void add(bool is_known, const std::string& class_id);
   /// The object is as if it had never been seen.
   void forget(std::size_t object);
 
@@ -90,6 +90,8 @@ class InstanceTracks {
   std::size_t detections(std::size_t object) const { return tracks_[object].detections; }
   std::size_t last_frame(std::size_t object) const { return tracks_[object].last_frame; }
   std::size_t frames() const { return frames_; }
+  /// What fit_existence learns from, without the truth.
+  const InstanceCounts& counts(std::size_t object) const { return tracks_[object].counts; }
   /// Probability that the object exists, eq. (4) and (5); none before its first detection. It is
   /// one for an object that is known to exist.
   std::optional<double> existence(std::size_t object) const;
@@ -98,6 +100,9 @@ class InstanceTracks {
   bool gives_way(std::size_t object) const;
   /// Whether an instance of a class hardly exists any more.
   bool is_deleted(std::size_t object) const;
+  /// Instances that are not confirmed, and come nearer to a more probable one of their class than
+  /// two can be.
+  const std::vector<std::size_t>& duplicates() const { return duplicates_; }
   TrackHealth health(std::size_t object, double mode_probability) const;
   /// Whether the track is lost or inconsistent for HealthSettings::register_again_s.
   bool should_register(std::size_t object) const;
@@ -106,9 +111,11 @@ class InstanceTracks {
   struct Track {
     bool is_known = false;
     bool of_class = false;
+    std::string class_id = {};
     std::size_t detections = 0;
     std::size_t last_frame = 0;
     std::optional<Existence> existence = {};
+    InstanceCounts counts = {};
     double since_look_s = 0.0;
     double bad_s = 0.0;  ///< for which it is lost or inconsistent
     double probability = 0.0;  ///< eq. (5), at the end of the frame
@@ -128,18 +135,22 @@ class InstanceTracks {
 
   bool is_lost(const Track& track) const;
   bool is_inconsistent(const Track& track) const;
+  void count(Track& track, Sighting sighting) const;
   /// Whether a camera of this frame should see the object at T_body_object.
   Sighting sighting_of(const Track& track, const SE3d& body_object) const;
   void learn_view(Track& track, const SE3d& body_object) const;
   void weigh_rivals(std::span<const std::optional<SE3d>> poses);
+  void find_duplicates(std::size_t i, std::size_t j, double distance_m);
 
   ExistenceSettings existence_;
   HealthSettings health_;
   std::size_t confirming_detections_;
+  double least_separation_m_;
   std::size_t frames_ = 0;
   double dt_ = 0.0;
   double band_ = 0.0;  ///< of the mean square of a component of an innovation
   std::vector<Track> tracks_;
+  std::vector<std::size_t> duplicates_;
   std::map<std::string, Look> looks_;  ///< by the name of the camera
 };
 

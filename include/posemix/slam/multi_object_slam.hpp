@@ -87,6 +87,11 @@ class MultiObjectSlam {
   /// Whether it has at least the probability ExistenceSettings::confirmed_probability, and
   /// `confirming_detections`.
   bool is_confirmed(std::size_t object) const;
+  /// How often the object was detected, for fit_existence.
+  const InstanceCounts& instance_counts(std::size_t object) const {
+    objects_.require(object);
+    return tracks_.counts(object);
+  }
   const MultiObjectFilter& filter() const { return filter_; }
   /// The objects that move. In `filter` they were never seen.
   const MovingObjects& moving() const { return moving_; }

@@ -13,9 +13,12 @@
 #include "posemix/base/units.hpp"
 #include "posemix/slam/object_slam.hpp"
 #include "posemix/slam/sequence.hpp"
+#include "posemix/slam/simulation_motion.hpp"
+#include "posemix/slam/simulation_view.hpp"
 
-/// Simulated recordings: a camera that goes around a table of objects, odometry that drifts, and a
-/// detector that errs as real ones do. The world's z axis points up.
+/// Simulated recordings: a camera that goes around a table of objects that stand still, move, come
+/// and go, odometry that drifts, and a detector that errs as real ones do. The world's z axis
+/// points up.
 ///
 /// The same configuration and seed give the same recording on any machine: random numbers come from
 /// counter-based streams, one for every purpose and object; everything is computed in long double;
@@ -30,7 +33,8 @@ struct SimulationSwing {
   std::size_t waves = 0;  ///< whole waves over the recording
 };
 
-/// The camera's path: an orbit around the target, looking at it, that ends where it began.
+/// The camera's path: an orbit around the target, looking at it, that ends where it began. A still
+/// camera stays where it begins.
 struct SimulationPath {
   std::size_t frames = 600;
   double period_s = 0.1;                               ///< between two frames; whole nanoseconds
@@ -38,12 +42,11 @@ struct SimulationPath {
   Eigen::Vector3d target_m = Eigen::Vector3d::Zero();  ///< world frame
   SimulationSwing range{1.0, 0.1, 3};                  ///< distance of the camera from the target
   SimulationSwing height{0.5, 0.1, 2};                 ///< of the camera above the target
-};
-
-/// Standard deviations of a pose error about and along x, y, z.
-struct SimulationSd {
-  Eigen::Vector3d rotation_rad = Eigen::Vector3d::Zero();
-  Eigen::Vector3d translation_m = Eigen::Vector3d::Zero();
+  SimulationSetUp set_up = SimulationSetUp::moving;
+  /// Error of the poses of a camera on an arm, drawn anew for every image: T_world_camera Exp(n).
+  SimulationSd arm{Eigen::Vector3d::Constant(radians(0.1)), Eigen::Vector3d::Constant(1e-3)};
+  /// The image; empty: the camera sees everything.
+  std::optional<SimulationView> view;
 };
 
 /// One component of the detector's error: NoiseComponent with a diagonal covariance. With
@@ -64,12 +67,6 @@ struct SimulationSlowError {
   double correlation_angle_rad = std::numeric_limits<double>::infinity();
 };
 
-/// A disturbance that comes in runs of frames: a two-state Markov chain.
-struct SimulationRuns {
-  double fraction = 0.0;    ///< of the frames that are disturbed, in [0, 1]
-  double mean_run_s = 0.0;  ///< runs are at least as long as independent frames make them
-};
-
 /// Detections of a wrong mode of a near-symmetry, T_camera_object flip offset Exp(n).
 struct SimulationFlips {
   SimulationRuns runs;
@@ -84,11 +81,14 @@ struct SimulationOutliers {
   Eigen::Vector3d box_m = Eigen::Vector3d::Constant(0.2);  ///< half the edges of the box
 };
 
-/// An object that stands on the table, and the detector's errors on it. In a frame, a miss goes
-/// before an outlier and an outlier before a flip.
+/// An object, and the detector's errors on it. In a frame, a miss goes before an outlier and an
+/// outlier before a flip. It stands still but for its motions, which follow each other in time:
+/// each begins where the one before has left the object.
 struct SimulationObject {
   std::string id;
-  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();    ///< of T_world_object
+  /// The detector tells the class and not which object it is; empty: it names the object.
+  std::string class_id;
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();    ///< of T_world_object at first
   Eigen::Vector3d rotation_rad = Eigen::Vector3d::Zero();  ///< rotation vector of T_world_object
   std::vector<SimulationNoise> noise{SimulationNoise{}};
   /// Correlation time of the error: the component is kept with probability r = exp(-dt / time) and
@@ -100,6 +100,13 @@ struct SimulationObject {
   SimulationOutliers outliers;
   SimulationRuns misses;
   std::size_t hidden_frames = 0;  ///< the object appears after so many frames
+  double appears_s = 0.0;         ///< the object is there from this time on ...
+  double removed_s = std::numeric_limits<double>::infinity();  ///< ... and until this one
+  std::vector<SimulationConveyor> conveyor = {};
+  std::vector<SimulationHandHeld> hand_held = {};
+  std::vector<SimulationPickAndPlace> pick_and_place = {};
+  std::vector<SimulationPutDown> put_down = {};
+  std::vector<SimulationHeld> held = {};
   /// The noise that the filter is told; empty: claimed_noise derives it.
   std::vector<SimulationNoise> claimed;
 };
@@ -114,6 +121,8 @@ struct SimulationConfig {
   /// Error of the start pose that the filter is told, on the left: world frame.
   SimulationSd start{Eigen::Vector3d::Constant(radians(0.05)), Eigen::Vector3d::Constant(2e-3)};
   std::vector<SimulationObject> objects;
+  std::vector<SimulationFrame> frames;  ///< that may hold objects
+  std::vector<SimulationClutter> clutter;
 };
 
 /// A pose tx ty tz qx qy qz qw in whole billionths (of a metre, of one): the digits that files
@@ -128,9 +137,36 @@ struct SimulatedPose {
 /// One object of a simulated recording.
 struct SimulatedObject {
   std::string id;
-  SimulatedPose world_truth;                             ///< T_world_object
+  SimulatedPose world_truth;                             ///< T_world_object at the first frame
   std::vector<SimulatedPose> relative_truth;             ///< T_camera_object
   std::vector<std::optional<SimulatedPose>> detections;  ///< of T_camera_object
+  std::string class_id = {};                             ///< what its detections name in its place
+  /// T_world_object by frame, where an object is not there the last one; no entries for one that
+  /// stands still.
+  std::vector<SimulatedPose> world_path = {};
+  /// By frame, whether the object is there; no entries for one that always is.
+  std::vector<bool> present = {};
+
+  bool is_present(std::size_t frame) const { return present.empty() || present[frame]; }
+  const SimulatedPose& world_at(std::size_t frame) const {
+    return world_path.empty() ? world_truth : world_path[frame];
+  }
+};
+
+/// A frame that may hold objects.
+struct SimulatedFrame {
+  std::string name;
+  std::vector<SimulatedPose> truth;  ///< T_world_frame
+  std::vector<SimulatedPose> given;  ///< T_world_frame as a filter is told
+  SimulationSd error;  ///< of these, about and along the world's axes at the frame's origin
+};
+
+/// A detection in an image, where detections name classes or may be false.
+struct SimulatedSighting {
+  std::string object;  ///< that it names; empty where it names the class
+  std::string class_id;
+  SimulatedPose pose;                 ///< of T_camera_object
+  std::optional<std::size_t> source;  ///< index of the true object; empty: it is false
 };
 
 /// A simulated recording. Vectors over frames have one entry per stamp.
@@ -140,8 +176,13 @@ struct SimulatedSequence {
   std::vector<SimulatedPose> camera_truth;  ///< T_world_camera
   SimulatedPose camera_start;  ///< T_world_camera of the first frame as the filter is told
   std::vector<SimulatedObject> objects;
+  std::vector<SimulatedFrame> frames = {};
+  /// Where any object has a class or there is clutter: all detections by frame, in the order of
+  /// their numbers, which tells nothing of their sources. No entries otherwise.
+  std::vector<std::vector<SimulatedSighting>> sightings = {};
 
-  /// The recording as object SLAM takes it.
+  /// The recording as object SLAM takes it. Of objects that have a class neither detections nor
+  /// truth are part of it: which instance follows which of them is not known before.
   Sequence sequence() const;
 };
 
@@ -169,7 +210,28 @@ double claimed_mode_time_s(const SimulationObject& object);
 /// outliers.
 Clutter claimed_clutter(const SimulationObject& object);
 
-/// What the filter is told: object model, motion with the claimed odometry error, and start.
+/// The error of the camera's motion that the filter is told: the claimed or the true error of the
+/// odometry per square root of a second, or of a camera on an arm the error of its poses.
+SimulationSd claimed_camera_error(const SimulationConfig& config);
+
+/// The error of the start that the filter is told, on the left: `start`, or for a camera on an arm
+/// that of its first pose.
+SimulationSd claimed_start(const SimulationConfig& config, const SimulatedSequence& simulated);
+
+/// The models of motion that the filter is told for an object, with the rates at which it changes
+/// between them: derived from its motions, and for a class from the first of its objects that
+/// moves.
+MotionModels claimed_motion(const SimulationConfig& config, const SimulationObject& object);
+
+/// The clutter that the filter is told for an object of a configuration: claimed_clutter, and false
+/// detections of it per image, or for a class per image and object.
+Clutter claimed_clutter_of(const SimulationConfig& config, const SimulationObject& object);
+
+/// The models of all objects, with their motion and clutter.
+std::vector<ObjectModel> object_models(const SimulationConfig& config);
+
+/// What the filter is told: object model without motion, motion of the camera with the claimed
+/// error, and start.
 ObjectModel object_model(const SimulationObject& object);
 MotionSettings motion_settings(const SimulationConfig& config);
 ConcentratedGaussian<SE3d> camera_prior(const SimulationConfig& config,

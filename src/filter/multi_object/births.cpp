@@ -54,6 +54,18 @@ Matrix6d mode_covariance(const DetectionState& state, const ObservationComponent
   return sum / weight;
 }
 
+/// Covariance of the widest of a mode's components.
+Matrix6d widest_covariance(const DetectionState& state, const ObservationComponent& seen,
+                           const NoiseComponent& mode, const ObjectSensor& sensor) {
+  Matrix6d widest = white_covariance(state, seen, mode, sensor);
+  for (const NoiseComponent& component : sensor.noise.components()) {
+    if (!same_mode(mode, component)) continue;
+    const Matrix6d other = white_covariance(state, seen, component, sensor);
+    if (other.determinant() > widest.determinant()) widest = other;
+  }
+  return widest;
+}
+
 }  // namespace
 
 /// The covariance is the camera's plus that of the mode, with the slow error in place.
@@ -77,7 +89,11 @@ Alternative MultiObjectState::birth_at(const TrackedObject& object,
   }
   // xi_O = xi_C - A b - n, with the error xi_C of the camera that sees.
   DetectionState there{.camera = camera, .object = camera * seen.pose * mode.offset.inverse()};
-  Matrix6d covariance = camera_covariance + mode_covariance(there, seen, mode, sensor);
+  // A gross error at the birth would make all right detections after it look like a run.
+  const bool wide =
+      object.put_down && object.put_down->detectors[observation.source.detector].count() == 1;
+  Matrix6d covariance = camera_covariance + (wide ? widest_covariance(there, seen, mode, sensor)
+                                                  : mode_covariance(there, seen, mode, sensor));
   born.pose = there.object;
   if (const auto slow = sensor.slow_covariance()) {
     const Matrix6d a = slow_error_map(there, mode, sensor);

@@ -183,7 +183,7 @@ class ObjectBelief {
   std::vector<ModeWeights> shown_at_birth(std::size_t detector, std::size_t mode) const;
   /// Eq. (21): so many times in the mean the object was put down elsewhere.
   void leak(double jumps);
-  /// Eq. (23) and (24): the update of every hypothesis is appended to `updates`; a component within
+  /// Eq. (22): the update of every hypothesis is appended to `updates`; a component within
   /// the squared distance `explained` is explained by a hypothesis.
   PutDownEvidence observe_put_down(const JointGaussian& joint,
                                    const WeighedObservation& observation,

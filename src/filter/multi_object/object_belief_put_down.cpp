@@ -65,7 +65,7 @@ double weigh_runs(ModeWeights& shown, const Densities& densities, double wrong, 
   return begun;
 }
 
-/// Eq. (23) for one hypothesis: its modes times the densities, divided by their sum. The
+/// Eq. (22) for one hypothesis: its modes times the densities, divided by their sum. The
 /// explanation gets the probabilities of all cases. Returns the part of runs that begin.
 double weigh(ModeWeights& shown, ModeEvidence& seen, const Densities& densities, double alone,
              const DetectorModes& modes) {

@@ -9,7 +9,7 @@
 
 namespace posemix::internal {
 
-/// Eq. (22) to (25). Returns the hypotheses that begin.
+/// Eq. (22) and (23). Returns the hypotheses that begin.
 std::vector<Alternative> MultiObjectState::take_in_put_down(TrackedObject& object,
                                                             const ObservedDetection& observed,
                                                             const Starters& may_start) {

@@ -34,7 +34,7 @@ struct ShownModes {
   double clutter;        ///< probability that the observation is of something else
 };
 
-/// What an observation says of an object that is put down elsewhere: eq. (23) and (24).
+/// What an observation says of an object that is put down elsewhere: eq. (22).
 struct PutDownEvidence {
   std::size_t detector = 0;
   double alone = 0.0;  ///< probability of a wrong detection that stands alone
