@@ -84,6 +84,10 @@ void bind_association_settings(nb::module_& m) {
              "Least score of a candidate that begins a new instance.")
       .field("least_separation_m", &S::least_separation_m, "float",
              "Least distance of a new instance from any other [m].")
+      .field("certain_probability", &S::certain_probability, "float",
+             "Probability of its detection below which an instance takes in all that may be of it.")
+      .field("joint_assignments", &S::joint_assignments, "int",
+             "Largest number of assignments over which these probabilities are.")
       .done();
 }
 

@@ -42,6 +42,7 @@ FILTER = "`[filter]`"
 RANGES = Place("../../include/posemix/filter/multi_object_ranges.hpp", FILTER)
 MULTI = Place("sequence_multi_object.cpp read_multi_object", FILTER)
 ASSOCIATION = Place("sequence_multi_object.cpp read_association", "Classes")
+OBJECT_MOTION = Place("sequence_motion.cpp read_object_motion", "Objects that move")
 MOVING = Place("sequence_multi_object.cpp read_moving_objects", FILTER, row="moving")
 COME_AND_GO = "Objects that come and go"
 EXISTENCE = Place("sequence_multi_object.cpp read_existence", COME_AND_GO)
@@ -85,10 +86,7 @@ IN_FILES: dict[str, tuple[Place, Keys]] = {
             "cameras": ("cameras", Place("sequence_observations.cpp read_body_cameras", OBSERVED)),
             "on_sight": ("on_sight", Place("sequence_file.cpp read_observed", OBSERVED)),
             "moving": ("moving", Place("sequence_multi_object.cpp read_moving_objects", FILTER)),
-            "frames": (
-                "frames.name",
-                Place("sequence_motion.cpp read_known_frames", "Objects that move"),
-            ),
+            "frames": ("frames", OBJECT_MOTION.by("sequence_motion.cpp read_known_frames")),
             "existence": ("existence", Place("sequence_multi_object.cpp read_existence", FILTER)),
             "health": ("health", Place("sequence_multi_object.cpp read_health", FILTER)),
         },
@@ -133,6 +131,7 @@ IN_FILES: dict[str, tuple[Place, Keys]] = {
             "detectors": ("detectors", MODEL.by("sequence_file.cpp read_detectors")),
             "independent_start": "start",
             "class_id": "class",
+            "motion": ("motion", replace(OBJECT_MOTION, prose=True)),
             "symmetries": ("symmetries", MODEL.by("symmetries.cpp read_object_symmetries")),
         },
     ),

@@ -103,6 +103,7 @@ HealthSettings read_health(const TomlTable& filter) {
 
 void read_association(const TomlTable& root, MultiObjectSlamSettings& settings) {
   constexpr IntegerRange kDetections{.lowest = 0, .highest = 1000000};
+  constexpr IntegerRange kAssignments{.lowest = 1, .highest = 100000};
   const auto table = root.find_table("association");
   if (!table) return;
   AssociationSettings& a = settings.association;
@@ -113,6 +114,9 @@ void read_association(const TomlTable& root, MultiObjectSlamSettings& settings) 
   number("rotation_cap_probability", a.rotation_cap_probability, kOpenUnitInterval);
   number("least_new_score", a.least_new_score, kAnyNumber);
   number("least_separation_m", a.least_separation_m, kNotNegative);
+  number("certain_probability", a.certain_probability, kOpenUnitInterval);
+  a.joint_assignments = static_cast<std::size_t>(table->get_integer_or(
+      "joint_assignments", static_cast<std::int64_t>(a.joint_assignments), kAssignments));
   settings.confirming_detections = static_cast<std::size_t>(table->get_integer_or(
       "confirming_detections", static_cast<std::int64_t>(settings.confirming_detections),
       kDetections));

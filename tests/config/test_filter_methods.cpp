@@ -166,13 +166,16 @@ TEST(FilterMethods, AssociationOfCandidates) {
   const SlamJob job = read_multi_object_job(
       {"association.gate_probability=0.9", "association.rotation_cap_probability=0.8",
        "association.least_new_score=-0.5", "association.least_separation_m=0.1",
-       "association.confirming_detections=5"});
+       "association.confirming_detections=5", "association.certain_probability=0.7",
+       "association.joint_assignments=9"});
   const auto settings = std::get<MultiObjectSlamSettings>(job.settings.tracker);
   EXPECT_EQ(settings.association.gate_probability, 0.9);
   EXPECT_EQ(settings.association.rotation_cap_probability, 0.8);
   EXPECT_EQ(settings.association.least_new_score, -0.5);
   EXPECT_EQ(settings.association.least_separation_m, 0.1);
   EXPECT_EQ(settings.confirming_detections, 5U);
+  EXPECT_EQ(settings.association.certain_probability, 0.7);
+  EXPECT_EQ(settings.association.joint_assignments, 9U);
   const MultiObjectSlamSettings defaults;
   const SlamJob plain_job = read_multi_object_job({});
   const auto plain = std::get<MultiObjectSlamSettings>(plain_job.settings.tracker);
@@ -182,6 +185,8 @@ TEST(FilterMethods, AssociationOfCandidates) {
                       "key 'association.gate_probability'");
   EXPECT_INVALID_WITH(read_multi_object_job({"association.confirming_detections=-1"}),
                       "key 'association.confirming_detections'");
+  EXPECT_INVALID_WITH(read_multi_object_job({"association.joint_assignments=0"}),
+                      "key 'association.joint_assignments'");
   EXPECT_INVALID_WITH(read_small({"filter.method=gm-iekf", "association.least_new_score=1"}),
                       "association");
 }

@@ -58,6 +58,10 @@ TEST(FormatsDocument, DefaultsOfTheAssociation) {
   EXPECT_EQ(documented("least_new_score"), fmt::format("{:g}", s.association.least_new_score));
   EXPECT_EQ(documented("least_separation_m"),
             fmt::format("{:g}", s.association.least_separation_m));
+  EXPECT_EQ(documented("certain_probability", from),
+            fmt::format("{:g}", s.association.certain_probability));
+  EXPECT_EQ(documented("joint_assignments", from),
+            fmt::format("{}", s.association.joint_assignments));
   EXPECT_EQ(documented("confirming_detections"), fmt::format("{}", s.confirming_detections));
 }
 
