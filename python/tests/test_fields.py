@@ -47,6 +47,8 @@ WITHOUT_CLASS = {
     "MovingObjectHypothesis": "MovingObjectFilter is a part of the C++ library alone",
     "MovingObjectReport": "MovingObjectFilter is a part of the C++ library alone",
     "MovingObjectSettings": "MovingObjectFilter is a part of the C++ library alone",
+    "MovingObjectSmoothing": "MovingObjectFilter is a part of the C++ library alone",
+    "MovingObjectStep": "MovingObjectFilter is a part of the C++ library alone",
     "PutDownMotion": "MovingObjectFilter is a part of the C++ library alone",
     "RandomWalkMotion": "MovingObjectFilter is a part of the C++ library alone",
     "StaticMotion": "MovingObjectFilter is a part of the C++ library alone",
