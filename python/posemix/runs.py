@@ -17,7 +17,7 @@ from posemix import _core
 from posemix._arrays import FloatArray
 from posemix._core import (
     CandidateReport, FrameEstimate, FrameReport, HypothesisSnapshot, ObjectAlternative, ObjectEstimate, ObjectModel,
-    ObjectSlamSettings, ParticleFilterSettings, Sequence, SlamJob, SlamRun, run_smoothed,
+    ObjectSlamSettings, ObjectTwist, ParticleFilterSettings, Sequence, SlamJob, SlamRun, run_smoothed,
 )  # fmt: skip
 from posemix.density import ConcentratedGaussian, standard_deviations
 from posemix.lie import SE3
@@ -25,7 +25,7 @@ from posemix.recording import is_known
 
 __all__ = [
     "CandidateReport", "FrameEstimate", "FrameReport", "HypothesisSnapshot", "ObjectAlternative", "ObjectEstimate",
-    "ParticleFilterSettings", "PoseTrack", "SlamJob", "SlamRun", "run", "run_smoothed",
+    "ObjectTwist", "ParticleFilterSettings", "PoseTrack", "SlamJob", "SlamRun", "run", "run_smoothed",
 ]  # fmt: skip
 
 Progress = Callable[[int, int], bool | None]

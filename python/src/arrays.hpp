@@ -140,6 +140,7 @@ void bind_symmetry(nb::module_& m);
 void bind_noise(nb::module_& m);
 void bind_noise_fit(nb::module_& m);
 void bind_odometry_noise(nb::module_& m);
+void bind_existence(nb::module_& m);
 void bind_multi_object_settings(nb::module_& m);
 void bind_multi_object_filter(nb::module_& m);
 void bind_gaussian_sum_filter(nb::module_& m);

@@ -83,6 +83,12 @@ void bind_object_metrics(nb::module_& m) {
              "The measure `relative_anees` over these frames only.")
       .field("mode_probability", &O::mode_probability, "float | None",
              "Probability of the mode at the last frame.")
+      .field("existence", &O::existence, "float | None",
+             "Probability that the object exists, at the last frame, by the multi-object filter.")
+      .field("health", &O::health, "TrackHealth | None", "State of the track at the last frame.")
+      .field("health_shares", &O::health_shares, "list[float]",
+             "Share of the frames in which the track is in each state, in the order of "
+             "`TrackHealth`; empty without.")
       .field("forecasts", &O::forecasts, "list[ModeForecast]", "Forecasts, one per frame.")
       .field("relative_anees", &O::relative_anees, "float | None",
              "Mean of e^T P^-1 e over its degrees of freedom (6 without continuous symmetries), "

@@ -62,6 +62,16 @@ void bind_hypotheses(nb::module_& m) {
       .field("pose", &A::pose, "posemix.lie.SE3", "T_world_object.")
       .field("id", &A::id, "int", "Number that is the same from frame to frame.")
       .done();
+  using T = ObjectTwist;
+  Record<T>(
+      m, "ObjectTwist",
+      "Twist of an object about its origin, along the world's axes; zero for models of motion "
+      "without.")
+      .field("mean", &T::mean, "numpy.typing.NDArray[numpy.float64]",
+             "Turning rate [rad/s] and velocity [m/s], shape (6,).")
+      .field("covariance", &T::covariance, "numpy.typing.NDArray[numpy.float64]",
+             "Covariance of the same, shape (6, 6).")
+      .done();
   using E = ObjectEstimate;
   Record<E>(m, "ObjectEstimate", "The estimate of one object at one frame.")
       .field("world", &E::world, kMaybePose, "T_world_object; None until it was seen.")
@@ -70,6 +80,16 @@ void bind_hypotheses(nb::module_& m) {
           "T_camera_object over the frames, including the cross-covariance of camera and object.")
       .field("mode_probability", &E::mode_probability, "float | None",
              "Probability that the estimate is on the right mode, by the multi-object filter.")
+      .field(
+          "existence", &E::existence, "float | None",
+          "Probability that there is such an object, by the multi-object filter; None before its "
+          "first detection.")
+      .field("health", &E::health, "TrackHealth", "State of the track.")
+      .field("register_again", &E::register_again, "bool",
+             "Whether the track is lost or inconsistent for some time.")
+      .field("motion_models", &E::motion_models, "list[float]",
+             "Probabilities of the models of motion of an object that moves.")
+      .field("twist", &E::twist, "ObjectTwist | None", "Twist of an object that moves.")
       .field("alternatives", &E::alternatives, "list[ObjectAlternative]",
              "Alternatives, where hypotheses are recorded.")
       .field("status", &E::status, "DetectionStatus", "Result of the frame's detection.")
@@ -95,11 +115,14 @@ auto by_id(std::vector<Value> FrameEstimate::*member) {
   };
 }
 
-nb::dict mode_probabilities(const FrameEstimate& frame) {
-  nb::dict all = by_id(&FrameEstimate::mode_probabilities)(frame);
-  if (nb::len(all) == 0 && frame.ids)
-    for (const std::string& id : *frame.ids) all[nb::str(id.c_str())] = nb::none();
-  return all;
+/// Values by id, None for every object where there are no values.
+auto none_or_by_id(std::vector<std::optional<double>> FrameEstimate::*member) {
+  return [member](const FrameEstimate& frame) {
+    nb::dict all = by_id(member)(frame);
+    if (nb::len(all) == 0 && frame.ids)
+      for (const std::string& id : *frame.ids) all[nb::str(id.c_str())] = nb::none();
+    return all;
+  };
 }
 
 void bind_frame(nb::module_& m) {
@@ -119,7 +142,22 @@ void bind_frame(nb::module_& m) {
           "mode_probabilities", &F::mode_probabilities, "dict[str, float | None]",
           "Probability that the estimate is on the right mode, by id; None for an object that was "
           "not seen so far, and with another filter than the multi-object filter.",
-          &mode_probabilities)
+          none_or_by_id(&F::mode_probabilities))
+      .field("existences", &F::existences, "dict[str, float | None]",
+             "Probability that the object exists, by id; None likewise.",
+             none_or_by_id(&F::existences))
+      .field("healths", &F::healths, "dict[str, TrackHealth]",
+             "State of the track by id, by the multi-object filter.", by_id(&F::healths))
+      .field("register_again", &F::register_again, "dict[str, bool]",
+             "Whether the track is lost or inconsistent for some time, by id, by the multi-object "
+             "filter.",
+             by_id(&F::register_again))
+      .field("motion_models", &F::motion_models, "dict[str, list[float]]",
+             "Probabilities of the models of motion by id; empty for objects that do not move.",
+             by_id(&F::motion_models))
+      .field("twists", &F::twists, "dict[str, ObjectTwist | None]",
+             "Twists by id; None for objects that do not move, or were not seen so far.",
+             by_id(&F::twists))
       .field("alternatives", &F::alternatives, "dict[str, list[ObjectAlternative]]",
              "Alternatives by id, by the multi-object filter where hypotheses are recorded.",
              by_id(&F::alternatives))

@@ -12,7 +12,7 @@ namespace posemix::python {
 
 FrameInput NamedInput::of(const std::vector<ObjectModel>& models) const {
   if (const auto* poses = std::get_if<MaybePoses>(&detections))
-    return {dt, motion, *poses, candidates, observations};
+    return {dt, motion, *poses, candidates, observations, images, camera};
   std::map<std::string, SE3d> left = std::get<0>(detections);
   MaybePoses poses;
   std::vector<std::string> ids;
@@ -26,7 +26,7 @@ FrameInput NamedInput::of(const std::vector<ObjectModel>& models) const {
     throw InvalidInput(fmt::format("no object is called '{}'; expected one of {}",
                                    left.begin()->first, fmt::join(ids, ", ")));
   }
-  return {dt, motion, std::move(poses), candidates, observations};
+  return {dt, motion, std::move(poses), candidates, observations, images, camera};
 }
 
 template <>
@@ -69,6 +69,12 @@ void bind_frame_input(nb::module_& m) {
       .field("observations", &N::observations, "collections.abc.Sequence[Observation]",
              "Detections that are mixtures, of an object model or of a class, for the multi-object "
              "filter; their stamps are not looked at.")
+      .field(
+          "images", &N::images, "collections.abc.Sequence[str]",
+          "Names of cameras whose images show none of the objects, next to those of observations "
+          "and candidates: what is in view and is not detected may be gone.")
+      .field("camera", &N::camera, "posemix.lie.SE3 | None",
+             "T_world_camera as it is given, for `MotionModel.given`.")
       .constructible(0)
       .done();
 }

@@ -21,6 +21,8 @@ struct NamedInput {
   Detections detections = {};
   std::vector<Candidate> candidates = {};
   std::vector<Observation> observations = {};
+  std::vector<std::string> images = {};
+  std::optional<SE3d> camera = {};
 
   /// @throws InvalidInput where a detection is of no object of the models
   FrameInput of(const std::vector<ObjectModel>& models) const;

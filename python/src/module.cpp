@@ -33,6 +33,7 @@ NB_MODULE(_core, m) {
   bind_moving_object_settings(m);
   bind_moving_object(m);
   bind_gaussian_sum_filter(m);
+  bind_existence(m);
   bind_slam_settings(m);
   bind_frame_estimate(m);
   bind_sequence(m);

@@ -59,6 +59,16 @@ ValueError
     there are candidates for a filter other than the multi-object filter.
 )";
 
+/// @throws InvalidInput for another tracker, naming what was asked for
+const MultiObjectSlam& multi_object_of(const ObjectSlam& slam, const char* what) {
+  const auto* tracker = std::get_if<MultiObjectSlam>(&slam.tracker());
+  if (tracker == nullptr) {
+    throw InvalidInput(
+        fmt::format("ObjectSlam.{} is there with MultiObjectSlamSettings alone", what));
+  }
+  return *tracker;
+}
+
 std::string slam_text(const ObjectSlam& slam) {
   std::vector<std::string> seen;
   for (std::size_t j = 0; j < slam.objects().size(); ++j)
@@ -108,6 +118,36 @@ void bind_slam(nb::module_& m) {
            "Index of the object's pose in the estimate; None before its first detection.")
       .def("detections", &S::detections, "object"_a,
            "Number of detections that have updated the object, candidates included.")
+      .def(
+          "existence",
+          [](const S& self, std::size_t object) {
+            return multi_object_of(self, "existence").existence(object);
+          },
+          "object"_a,
+          "Probability that the object exists; None before its first detection, and 1 with a "
+          "prior.")
+      .def(
+          "is_confirmed",
+          [](const S& self, std::size_t object) {
+            return multi_object_of(self, "is_confirmed").is_confirmed(object);
+          },
+          "object"_a,
+          "Whether its existence reaches `ExistenceSettings.confirmed_probability`, with enough "
+          "detections.")
+      .def(
+          "instance_counts",
+          [](const S& self, std::size_t object) {
+            return multi_object_of(self, "instance_counts").instance_counts(object);
+          },
+          "object"_a, "Number of detections of the object, for `fit_existence`.")
+      .def(
+          "object_at",
+          [](const S& self, std::size_t object, double dt) {
+            return multi_object_of(self, "object_at").object_at(object, dt);
+          },
+          "object"_a, "dt"_a,
+          "T_world_object `dt` seconds after the last frame, as far as it is known by then; None "
+          "before its first detection.")
       .def_prop_ro(
           "multi_object",
           [](const S& self) -> std::optional<MultiObjectFilter> {

@@ -1,17 +1,14 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 #include <chrono>
-#include <limits>
-#include <variant>
 
-#include <fmt/ranges.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/variant.h>
 
 #include "posemix/slam/job.hpp"
 #include "posemix/slam/smoothing.hpp"
 #include "record.hpp"
-#include "slam.hpp"
+#include "run_objects.hpp"
 
 namespace posemix::python {
 
@@ -29,8 +26,6 @@ std::function<bool(std::size_t, std::size_t)> progress_of(const nb::object& prog
 }
 
 namespace {
-
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 /// One pose over the frames, NaN where it is not known: a PoseTrack.
 template <class Pick>
@@ -51,38 +46,6 @@ nb::object track(const RecordedRun& run, Pick pick) {
 
 const PoseDensity* at(const std::vector<std::optional<PoseDensity>>& densities, std::size_t j) {
   return j < densities.size() && densities[j] ? &*densities[j] : nullptr;
-}
-
-template <class Value>
-Array over_frames(const RecordedRun& run, Value value) {
-  NewArray out({run.frames.size()});
-  for (std::size_t i = 0; i < run.frames.size(); ++i) out.data[i] = value(run.frames[i]);
-  return std::move(out.array);
-}
-
-using ObjectKey = std::variant<std::size_t, std::string>;
-
-std::size_t index_of(const RecordedRun& run, const ObjectKey& object) {
-  const auto* index = std::get_if<std::size_t>(&object);
-  if (index != nullptr && *index >= run.ids.size()) {
-    throw InvalidInput(
-        fmt::format("there is no object {}; expected less than {}", *index, run.ids.size()));
-  }
-  if (index != nullptr) return *index;
-  const auto found = std::ranges::find(run.ids, std::get<std::string>(object));
-  if (found == run.ids.end()) {
-    throw InvalidInput(fmt::format("no object is called '{}'; expected one of {}",
-                                   std::get<std::string>(object), fmt::join(run.ids, ", ")));
-  }
-  return static_cast<std::size_t>(found - run.ids.begin());
-}
-
-/// A method of the run for one object by index or id.
-template <class Value>
-auto of_object(Value value) {
-  return [value](const RecordedRun& run, const ObjectKey& object) {
-    return value(run, index_of(run, object));
-  };
 }
 
 FrameEstimate frame_at(const RecordedRun& run, std::ptrdiff_t frame) {
@@ -135,6 +98,7 @@ void bind_run_class(nb::module_& m) {
   using R = RecordedRun;
   nb::class_<R> run(m, "SlamRun", kRunDoc);
   bind_tracks(run);
+  bind_run_health(run);
   run.def("__len__", [](const R& self) { return self.frames.size(); })
       .def("__getitem__", &frame_at, "frame"_a)
       .def(

@@ -84,6 +84,10 @@ void bind_association_settings(nb::module_& m) {
              "Least score of a candidate that begins a new instance.")
       .field("least_separation_m", &S::least_separation_m, "float",
              "Least distance of a new instance from any other [m].")
+      .field("certain_probability", &S::certain_probability, "float",
+             "Probability of its detection below which an instance takes in all that may be of it.")
+      .field("joint_assignments", &S::joint_assignments, "int",
+             "Largest number of assignments over which these probabilities are.")
       .done();
 }
 
@@ -103,6 +107,9 @@ void bind_slam_settings_struct(nb::module_& m) {
              "Settings of the filter; has_odometry follows from the motion model.")
       .field("association", &M::association, "AssociationSettings",
              "Settings of the association of candidates.")
+      .field("existence", &M::existence, "ExistenceSettings",
+             "Settings of the existence of instances.")
+      .field("health", &M::health, "HealthSettings", "Settings of the health of tracks.")
       .field("confirming_detections", &M::confirming_detections, "int",
              "Number of detections below which an instance is tentative.")
       .field("cameras", &M::cameras, "list[BodyCamera]",
@@ -111,6 +118,8 @@ void bind_slam_settings_struct(nb::module_& m) {
       .field("on_sight", &M::on_sight, "ObjectModel | None",
              "Model of objects that were not declared: an observation of an unknown id begins one; "
              "None: it is refused.")
+      .field("frames", &M::frames, "list[str]",
+             "Names of the frames that may hold objects, whose poses are known.")
       .done();
   using S = NamedSlamSettings;
   Settings<S>(m, "ObjectSlamSettings", "Settings of object SLAM.")

@@ -2,6 +2,12 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "posemix/slam/stamped_slam.hpp"
 
+#include <algorithm>
+
+#include <fmt/ranges.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
 #include "argument.hpp"
 #include "arrays.hpp"
 #include "copies.hpp"
@@ -129,6 +135,33 @@ void bind_stamped_slam(nb::module_& m) {
       .def(
           "finish", [](S& self) { return self.finish(); },
           "The same with the observations that wait for odometry, as frames without it.")
+      .def(
+          "hypotheses",
+          [](const S& self, const std::string& id) {
+            const auto& models = self.slam().objects();
+            const auto found =
+                std::ranges::find(models, id, [](const ObjectModel& model) { return model.id; });
+            if (found == models.end()) {
+              std::vector<std::string> ids;
+              for (const ObjectModel& model : models) ids.push_back(model.id);
+              throw InvalidInput(fmt::format("no object is called '{}'; expected one of {}", id,
+                                             fmt::join(ids, ", ")));
+            }
+            return self.slam().hypotheses(static_cast<std::size_t>(found - models.begin()));
+          },
+          "id"_a,
+          "Hypotheses of an object, whether it moves or not, at the stamp of the last estimate; "
+          "none "
+          "until it was seen.")
+      .def(
+          "object_at",
+          [](S& self, const std::string& id, double stamp_s) {
+            return self.object_at(id, stamp_s);
+          },
+          "id"_a, "stamp_s"_a,
+          "T_world_object at a stamp that is not before that of the estimate, as far as it is "
+          "known "
+          "by then; None until the object was seen.")
       .def_prop_ro(
           "cameras", [](const S& self) { return frozen(self.slam().estimated_cameras()); },
           nb::for_getter(nb::sig("def cameras(self, /) -> collections.abc.Sequence[BodyCamera]")),

@@ -42,6 +42,11 @@ FILTER = "`[filter]`"
 RANGES = Place("../../include/posemix/filter/multi_object_ranges.hpp", FILTER)
 MULTI = Place("sequence_multi_object.cpp read_multi_object", FILTER)
 ASSOCIATION = Place("sequence_multi_object.cpp read_association", "Classes")
+OBJECT_MOTION = Place("sequence_motion.cpp read_object_motion", "Objects that move")
+MOVING = Place("sequence_multi_object.cpp read_moving_objects", FILTER, row="moving")
+COME_AND_GO = "Objects that come and go"
+EXISTENCE = Place("sequence_multi_object.cpp read_existence", COME_AND_GO)
+HEALTH = Place("sequence_multi_object.cpp read_health", COME_AND_GO)
 OBSERVED = "Observations of a recording"
 SMOOTHING = Place("sequence_filter.cpp read_smoothing", FILTER)
 SUM = Place("sequence_filter.cpp read_gaussian_sum", FILTER)
@@ -80,6 +85,10 @@ IN_FILES: dict[str, tuple[Place, Keys]] = {
         {
             "cameras": ("cameras", Place("sequence_observations.cpp read_body_cameras", OBSERVED)),
             "on_sight": ("on_sight", Place("sequence_file.cpp read_observed", OBSERVED)),
+            "moving": ("moving", Place("sequence_multi_object.cpp read_moving_objects", FILTER)),
+            "frames": ("frames", OBJECT_MOTION.by("sequence_motion.cpp read_known_frames")),
+            "existence": ("existence", Place("sequence_multi_object.cpp read_existence", FILTER)),
+            "health": ("health", Place("sequence_multi_object.cpp read_health", FILTER)),
         },
     ),
     "BodyCamera": (
@@ -93,6 +102,9 @@ IN_FILES: dict[str, tuple[Place, Keys]] = {
         },
     ),
     "AssociationSettings": (ASSOCIATION, {}),
+    "MovingObjectSettings": (MOVING, {"merge_rotation_rad": "merge_rotation_deg"}),
+    "ExistenceSettings": (EXISTENCE, {}),
+    "HealthSettings": (HEALTH, {}),
     "SmoothingSettings": (
         SMOOTHING,
         {"lag_frames": "smooth_lag", "passes": "smooth_passes", "least_probability": "smooth_least_probability"},
@@ -119,6 +131,7 @@ IN_FILES: dict[str, tuple[Place, Keys]] = {
             "detectors": ("detectors", MODEL.by("sequence_file.cpp read_detectors")),
             "independent_start": "start",
             "class_id": "class",
+            "motion": ("motion", replace(OBJECT_MOTION, prose=True)),
             "symmetries": ("symmetries", MODEL.by("symmetries.cpp read_object_symmetries")),
         },
     ),
@@ -282,7 +295,6 @@ NOT_IN_FILES = {
 # Settings that no sequence or simulation file sets, and who does.
 WITHOUT_FILE = {
     "ObjectSlamSettings": "its parts have tables of their own",
-    "MovingObjectSettings": "MovingObjectFilter is a part of the C++ library alone",
     "EmSettings": "options of posemix fit", "FuseSettings": "limits of the arithmetic",
     "ProjectedFuseSettings": "options of posemix fuse", "ProjectedMixtureFuseSettings": "options of posemix fuse",
     "ProjectedMixtureComposeSettings": "options of posemix compose", "ConversionSettings": "options of posemix convert",

@@ -25,6 +25,10 @@ export interface PackedTrace {
   frames: number;
   stamps_s: number[];
   statuses?: string[];
+  /** Words of the health of tracks. */
+  healths?: string[];
+  /** Names of the models of motion of the objects that move, by id. */
+  models?: Record<string, string[]>;
   columns: ColumnHead[];
   data: string;
 }

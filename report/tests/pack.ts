@@ -20,6 +20,11 @@ interface ObjectJson {
   detection: Poses;
   status: string[];
   mode_probability?: (number | null)[];
+  existence?: (number | null)[];
+  health?: string[];
+  register_again?: boolean[];
+  model_names?: string[];
+  models?: (number[] | null)[];
   alternatives?: { id: number; probability: number; pose: Pose }[][];
 }
 
@@ -41,6 +46,7 @@ interface Slot {
 }
 
 export const STATUSES = ["none", "started", "used", "doubted", "birth", "gated", "failed"];
+export const HEALTHS = ["none", "tentative", "good", "ambiguous", "inconsistent", "lost"];
 
 function mask(frames: number, ...bits: (Poses | null | undefined)[]): Int32Array {
   const values = new Int32Array(frames);
@@ -97,6 +103,17 @@ function hypotheses(writer: TraceWriter, name: string, frames: Slot[][]): void {
   });
 }
 
+const rows = (values: (number | null)[] | undefined) => values?.map((value) => (value === null ? null : [value]));
+
+/** Existence and health, and models of motion, where there are any. */
+function tracks(writer: TraceWriter, name: string, object: ObjectJson): void {
+  const head = (key: string) => ({ name: `${name}/${key}`, width: 1, type: "uint8", scale: 1, map: "linear" }) as const;
+  if (object.existence) writer.addRows(`${name}/existence`, 1, "uint16", 1 / 65535, rows(object.existence)!);
+  if (object.health) writer.add(head("health"), [object.health.map((word) => HEALTHS.indexOf(word))]);
+  if (object.register_again) writer.add(head("register_again"), [object.register_again.map(Number)]);
+  if (object.models && object.model_names) writer.addRows(`${name}/models`, object.model_names.length, "uint16", 1 / 65535, object.models);
+}
+
 function joint(json: TraceJson, index: number): Slot[][] {
   return json.hypotheses.map((list) =>
     list.flatMap(({ weight, poses }, k) => (poses[index] ? [{ id: k, probability: weight, pose: poses[index] }] : [])),
@@ -114,17 +131,20 @@ export function packTrace(json: TraceJson): PackedTrace {
   json.order.forEach((id, index) => {
     const object = json.objects[id];
     const name = `objects/${id}`;
-    const bits = [object.world.pose, object.world.truth, object.relative.pose, object.relative.truth, object.detection, object.mode_probability?.map((value) => (value === null ? null : [value]))];
+    const bits = [object.world.pose, object.world.truth, object.relative.pose, object.relative.truth, object.detection,
+      rows(object.mode_probability), rows(object.existence), object.models];
     writer.add(head(`${name}/mask`), [mask(frames, ...bits)]);
     track(writer, `${name}/world`, object.world);
     track(writer, `${name}/relative`, object.relative);
     writer.addPoses(`${name}/detection`, object.detection);
     writer.add(head(`${name}/status`), [object.status.map((status) => STATUSES.indexOf(status))]);
-    if (object.mode_probability) {
-      const rows = object.mode_probability.map((value) => (value === null ? null : [value]));
-      writer.addRows(`${name}/mode_probability`, 1, "uint16", 1 / 65535, rows);
-    }
+    if (object.mode_probability) writer.addRows(`${name}/mode_probability`, 1, "uint16", 1 / 65535, rows(object.mode_probability)!);
+    tracks(writer, name, object);
     hypotheses(writer, name, object.alternatives ?? joint(json, index + 1));
   });
-  return writer.packed({ name: json.name, method: json.method, order: json.order, stamps_s: json.stamps_s, statuses: STATUSES });
+  const named = json.order.filter((id) => json.objects[id].model_names).map((id) => [id, json.objects[id].model_names!]);
+  return writer.packed({
+    name: json.name, method: json.method, order: json.order, stamps_s: json.stamps_s, statuses: STATUSES, healths: HEALTHS,
+    models: Object.fromEntries(named) as Record<string, string[]>,
+  });
 }

@@ -140,6 +140,8 @@ SlamMethod read_filter(const TomlTable& root) {
   if (tracker != nullptr) {
     tracker->filter = read_multi_object(*filter, tracker->filter);
     tracker->moving = read_moving_objects(*filter);
+    tracker->existence = read_existence(*filter);
+    tracker->health = read_health(*filter);
     method.smoothing = read_smoothing(*filter, method.smoothing);
   } else {
     refuse_smoothing(*filter);

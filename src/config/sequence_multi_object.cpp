@@ -60,8 +60,50 @@ MovingObjectSettings read_moving_objects(const TomlTable& filter) {
   return s;
 }
 
+ExistenceSettings read_existence(const TomlTable& filter) {
+  ExistenceSettings s;
+  const auto table = filter.find_table("existence");
+  if (!table) return s;
+  const auto number = [&](std::string_view key, double& value, const NumberRange& range) {
+    value = table->get_double_or(key, value, range);
+  };
+  const auto beta = [&](std::string_view key, BetaDistribution& value) {
+    if (!table->has(key)) return;
+    const Eigen::VectorXd numbers = table->get_vector(key, 2, kPositive);
+    value = {numbers[0], numbers[1]};
+  };
+  number("birth_probability", s.birth_probability, kOpenUnitInterval);
+  beta("object_rate", s.object_rate);
+  beta("clutter_rate", s.clutter_rate);
+  number("visible_time_s", s.visible_time_s, kPositive);
+  number("hidden_time_s", s.hidden_time_s, kPositive);
+  number("lifetime_s", s.lifetime_s, kPositive);
+  number("look_time_s", s.look_time_s, kNotNegative);
+  number("exclusion_m", s.exclusion_m, kNotNegative);
+  number("confirmed_probability", s.confirmed_probability, kOpenUnitInterval);
+  number("deleted_probability", s.deleted_probability,
+         {.lowest = 0, .highest = s.confirmed_probability, .without_highest = true});
+  return s;
+}
+
+HealthSettings read_health(const TomlTable& filter) {
+  HealthSettings s;
+  const auto table = filter.find_table("health");
+  if (!table) return s;
+  const auto number = [&](std::string_view key, double& value, const NumberRange& range) {
+    value = table->get_double_or(key, value, range);
+  };
+  number("mode_probability", s.mode_probability, kUnitInterval);
+  number("window_detections", s.window_detections, {.lowest = 1});
+  number("band_probability", s.band_probability, kOpenUnitInterval);
+  number("lost_probability", s.lost_probability, kUnitInterval);
+  number("register_again_s", s.register_again_s, kNotNegative);
+  return s;
+}
+
 void read_association(const TomlTable& root, MultiObjectSlamSettings& settings) {
   constexpr IntegerRange kDetections{.lowest = 0, .highest = 1000000};
+  constexpr IntegerRange kAssignments{.lowest = 1, .highest = 100000};
   const auto table = root.find_table("association");
   if (!table) return;
   AssociationSettings& a = settings.association;
@@ -72,6 +114,9 @@ void read_association(const TomlTable& root, MultiObjectSlamSettings& settings) 
   number("rotation_cap_probability", a.rotation_cap_probability, kOpenUnitInterval);
   number("least_new_score", a.least_new_score, kAnyNumber);
   number("least_separation_m", a.least_separation_m, kNotNegative);
+  number("certain_probability", a.certain_probability, kOpenUnitInterval);
+  a.joint_assignments = static_cast<std::size_t>(table->get_integer_or(
+      "joint_assignments", static_cast<std::int64_t>(a.joint_assignments), kAssignments));
   settings.confirming_detections = static_cast<std::size_t>(table->get_integer_or(
       "confirming_detections", static_cast<std::int64_t>(settings.confirming_detections),
       kDetections));

@@ -279,6 +279,9 @@ SymmetryGroup read_object_symmetries(const TomlTable& object, const FileFinder& 
 MultiObjectSettings read_multi_object(const TomlTable& filter, MultiObjectSettings settings);
 /// Reads the table `moving` of the multi-object filter.
 MovingObjectSettings read_moving_objects(const TomlTable& filter);
+/// Read the tables `existence` and `health` of the multi-object filter.
+ExistenceSettings read_existence(const TomlTable& filter);
+HealthSettings read_health(const TomlTable& filter);
 /// Reads the table `association` into the settings, if there is one.
 void read_association(const TomlTable& root, MultiObjectSlamSettings& settings);
 /// The method in the table `filter`, with the settings that the table changes.

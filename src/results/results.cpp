@@ -65,23 +65,35 @@ Json medians_json(const PoseMedians& medians) {
           {"rotation_median_deg", json_number(medians.rotation_deg)}};
 }
 
+/// Puts existence and health into the metrics of an object, where there are any.
+void add_health(const ObjectMetrics& object, Json& json) {
+  if (!object.health) return;
+  json["existence"] = json_number(object.existence);
+  json["health"] = word_of(*object.health);
+  Json& shares = json["health_shares"];
+  for (const auto& [word, health] : words<TrackHealth>)
+    shares[std::string(word)] = object.health_shares[static_cast<std::size_t>(health)];
+}
+
 Json object_metrics(const ObjectMetrics& object) {
-  return {{"position_rmse_m", json_number(object.world.position_rmse_m)},
-          {"rotation_rmse_deg", json_number(object.world.rotation_rmse_deg)},
-          {"relative_position_rmse_m", json_number(object.relative.position_rmse_m)},
-          {"relative_rotation_rmse_deg", json_number(object.relative.rotation_rmse_deg)},
-          {"detection_relative_position_rmse_m",
-           json_number(object.detection_relative.position_rmse_m)},
-          {"detection_relative_rotation_rmse_deg",
-           json_number(object.detection_relative.rotation_rmse_deg)},
-          {"paired",
-           {{"frames", object.paired.frames},
-            {"estimate", medians_json(object.paired.estimate)},
-            {"detection", medians_json(object.paired.detection)}}},
-          {"detections", object.detections},
-          {"gated", object.gated},
-          {"right_mode_share", json_number(object.right_mode_share)},
-          {"mode_probability", json_number(object.mode_probability)}};
+  Json json = {{"position_rmse_m", json_number(object.world.position_rmse_m)},
+               {"rotation_rmse_deg", json_number(object.world.rotation_rmse_deg)},
+               {"relative_position_rmse_m", json_number(object.relative.position_rmse_m)},
+               {"relative_rotation_rmse_deg", json_number(object.relative.rotation_rmse_deg)},
+               {"detection_relative_position_rmse_m",
+                json_number(object.detection_relative.position_rmse_m)},
+               {"detection_relative_rotation_rmse_deg",
+                json_number(object.detection_relative.rotation_rmse_deg)},
+               {"paired",
+                {{"frames", object.paired.frames},
+                 {"estimate", medians_json(object.paired.estimate)},
+                 {"detection", medians_json(object.paired.detection)}}},
+               {"detections", object.detections},
+               {"gated", object.gated},
+               {"right_mode_share", json_number(object.right_mode_share)},
+               {"mode_probability", json_number(object.mode_probability)}};
+  add_health(object, json);
+  return json;
 }
 
 Json consistency_json(const Consistency& consistency) {

@@ -143,6 +143,27 @@ void add_motion(const SlamJob& job, const SlamRun& run, std::size_t object, Json
   json["twist_sd"] = std::move(sds);
 }
 
+/// Puts existence and health of an object into its part of the trace, where the tracker has them.
+void add_health(const SlamRun& run, std::size_t object, Json& json) {
+  const auto has = [](const FrameEstimate& frame) { return !frame.healths.empty(); };
+  if (std::none_of(run.frames.begin(), run.frames.end(), has)) return;
+  Json existences = Json::array();
+  Json healths = Json::array();
+  Json register_again = Json::array();
+  for (const FrameEstimate& frame : run.frames) {
+    // Objects on sight are unknown to earlier frames.
+    const bool known = object < frame.healths.size();
+    existences.push_back(known && frame.existences[object]
+                             ? Json(rounded(*frame.existences[object], kCompactDigits))
+                             : Json(nullptr));
+    healths.push_back(word_of(known ? frame.healths[object] : TrackHealth::none));
+    register_again.push_back(known && frame.register_again[object]);
+  }
+  json["existence"] = std::move(existences);
+  json["health"] = std::move(healths);
+  json["register_again"] = std::move(register_again);
+}
+
 Json object_of(const SlamJob& job, const SlamRun& run, std::size_t object) {
   const ErrorReduction reduction(job.models[object].symmetries);
   Track world;
@@ -174,6 +195,7 @@ Json object_of(const SlamJob& job, const SlamRun& run, std::size_t object) {
   if (!symmetries.is_trivial()) json["symmetries"] = symmetries_of(symmetries);
   if (!probabilities.empty()) json["mode_probability"] = std::move(probabilities);
   if (!alternatives.empty()) json["alternatives"] = std::move(alternatives);
+  add_health(run, object, json);
   add_motion(job, run, object, json);
   json["detection"] = poses_of(job.sequence.objects[object].detections);
   json["status"] = std::move(statuses);

@@ -19,7 +19,8 @@ namespace {
 /// Bits of the column `mask` of the camera and of an object: which arrays have an entry.
 const std::map<std::string, unsigned> kMaskBits{
     {"pose", 0U},           {"truth", 1U},           {"world: pose", 0U}, {"world: truth", 1U},
-    {"relative: pose", 2U}, {"relative: truth", 3U}, {"detection", 4U},   {"mode_probability", 5U}};
+    {"relative: pose", 2U}, {"relative: truth", 3U}, {"detection", 4U},   {"mode_probability", 5U},
+    {"existence", 6U},      {"models", 7U}};
 
 const std::vector<std::string> kCameraKeys{"pose", "sd"};
 const std::vector<std::string> kObjectKeys{"world: pose",  "world: sd", "relative: pose",
@@ -77,7 +78,11 @@ TraceSeriesPtr TraceEntity::make(const TraceKeys& keys, const std::string& path,
   const std::string name = prefix_ + "/" + keys[0];
   if (keys[0] == "detection") return pose_series(path, name, scales.coarse());
   if (keys[0] == "status") return status_series(path, name);
-  if (keys[0] == "mode_probability") return probability_series(path, name);
+  if (keys[0] == "health") return health_series(path, name);
+  if (keys[0] == "register_again") return flag_series(path, name);
+  if (keys[0] == "models") return shares_series(path, name);
+  if (keys[0] == "mode_probability" || keys[0] == "existence")
+    return probability_series(path, name);
   if (keys[0] == "alternatives") return alternatives_series(path, prefix_, scales.coarse());
   return nullptr;
 }

@@ -58,6 +58,8 @@ class TracePacker {
     for (const JsonPlace& stamp : stamps.items(frames_)) times.push_back(stamp.number());
     Json statuses = Json::array();
     for (const auto& [word, status] : words<DetectionStatus>) statuses.push_back(word);
+    Json healths = Json::array();
+    for (const auto& [word, health] : words<TrackHealth>) healths.push_back(word);
     const auto copy = [&](const char* key) { return Json(root.member(key).string()); };
     return {{"name", copy("name")},
             {"method", copy("method")},
@@ -66,6 +68,8 @@ class TracePacker {
             {"frames", *frames_},
             {"stamps_s", std::move(times)},
             {"statuses", std::move(statuses)},
+            {"healths", std::move(healths)},
+            {"models", model_names(root, order)},
             {"columns", std::move(headers_)},
             {"data", base64(data_.finish())}};
   }
@@ -159,6 +163,20 @@ class TracePacker {
       root.member("objects").fail("objects that \"order\" lacks", "the same");
     }
     return order;
+  }
+
+  /// The names of the models of objects that move, by id.
+  static Json model_names(const JsonPlace& root, const std::vector<std::string>& order) {
+    Json names = Json::object();
+    const JsonPlace objects = root.member("objects");
+    for (const std::string& id : order) {
+      const JsonPlace object = objects.member(id);
+      if (!object.has("model_names")) continue;
+      names[id] = Json::array();
+      for (const JsonPlace& name : object.member("model_names").items())
+        names[id].push_back(name.string());
+    }
+    return names;
   }
 
   void write_joint(const std::vector<std::string>& order) {

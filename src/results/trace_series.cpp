@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -16,6 +17,7 @@ namespace posemix::internal {
 namespace {
 
 constexpr double kLogSdScale = 5e-3;
+constexpr double kProbabilityScale = 1.0 / 65535.0;
 constexpr ColumnFormat kCorrelationFormat{3, ColumnType::int16, 1.0 / 32767.0};
 
 ColumnFormat position_format(const TraceScales& scales) {
@@ -142,6 +144,55 @@ class StatusSeries final : public NumberSeries {
   }
 };
 
+class HealthSeries final : public NumberSeries {
+  using NumberSeries::NumberSeries;
+  double number(const TracePlace& place) override {
+    const std::string name = place.value().is_string() ? place.value().get<std::string>() : "";
+    for (const auto& [word, health] : words<TrackHealth>) {
+      if (word == name) return static_cast<double>(health);
+    }
+    place.fail(in_quotes(name), "the health of a track");
+  }
+};
+
+class FlagSeries final : public NumberSeries {
+  using NumberSeries::NumberSeries;
+  double number(const TracePlace& place) override {
+    if (!place.value().is_boolean()) place.fail(place.value().type_name(), "true or false");
+    return place.value().get<bool>() ? 1.0 : 0.0;
+  }
+};
+
+class SharesSeries final : public TraceSeries {
+ public:
+  SharesSeries(std::string path, std::string name)
+      : TraceSeries(std::move(path)), name_(std::move(name)) {}
+  void move_to(std::vector<TraceColumn>& columns) override {
+    if (column_) columns.push_back(std::move(*column_));
+  }
+
+ private:
+  void read(const TracePlace& place) override {
+    if (place.value().is_null()) {
+      if (column_) column_->repeat();
+      return;
+    }
+    if (!column_) {
+      if (place.size() == 0) place.fail("no probabilities", "at least one");
+      column_.emplace(name_, ColumnFormat{place.size(), ColumnType::uint16, kProbabilityScale});
+      column_->repeat_until(frames() - 1);
+      shares_.resize(place.size());
+    }
+    place.numbers(shares_);
+    for (std::size_t i = 0; i < shares_.size(); ++i) shares_[i] = place.item(i).probability();
+    column_->add(shares_);
+  }
+
+  std::string name_;
+  std::optional<TraceColumn> column_;
+  std::vector<double> shares_;
+};
+
 }  // namespace
 
 PoseColumns::PoseColumns(const std::string& prefix, const TraceScales& scales)
@@ -193,12 +244,24 @@ TraceSeriesPtr position_series(std::string path, const std::string& prefix) {
 }
 
 TraceSeriesPtr probability_series(std::string path, const std::string& name) {
-  const ColumnFormat format{1, ColumnType::uint16, 1.0 / 65535.0};
+  const ColumnFormat format{1, ColumnType::uint16, kProbabilityScale};
   return std::make_unique<ProbabilitySeries>(std::move(path), name, format);
 }
 
 TraceSeriesPtr status_series(std::string path, const std::string& name) {
   return std::make_unique<StatusSeries>(std::move(path), name, ColumnFormat{});
+}
+
+TraceSeriesPtr health_series(std::string path, const std::string& name) {
+  return std::make_unique<HealthSeries>(std::move(path), name, ColumnFormat{});
+}
+
+TraceSeriesPtr flag_series(std::string path, const std::string& name) {
+  return std::make_unique<FlagSeries>(std::move(path), name, ColumnFormat{});
+}
+
+TraceSeriesPtr shares_series(std::string path, const std::string& name) {
+  return std::make_unique<SharesSeries>(std::move(path), name);
 }
 
 }  // namespace posemix::internal

@@ -81,7 +81,14 @@ TraceSeriesPtr sd_series(std::string path, const std::string& prefix);
 TraceSeriesPtr position_series(std::string path, const std::string& prefix);
 /// Probabilities: column `name`.
 TraceSeriesPtr probability_series(std::string path, const std::string& name);
+/// Probabilities of several cases, as many as the first entry has: column `name` of that width, and
+/// none where no frame has an entry.
+TraceSeriesPtr shares_series(std::string path, const std::string& name);
 /// Status of detections: column `name` of values of DetectionStatus.
 TraceSeriesPtr status_series(std::string path, const std::string& name);
+/// Health of a track: column `name` of values of TrackHealth.
+TraceSeriesPtr health_series(std::string path, const std::string& name);
+/// Truth values: column `name` of ones and zeros.
+TraceSeriesPtr flag_series(std::string path, const std::string& name);
 
 }  // namespace posemix::internal

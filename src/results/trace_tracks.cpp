@@ -21,8 +21,11 @@ namespace {
 using namespace internal;
 
 /// Large parts of a trace that are not needed here.
-constexpr std::array<std::string_view, 7> kLeftOut{
-    "hypotheses", "alternatives", "detection", "status", "sd", "merges", "position_covariance"};
+constexpr std::array<std::string_view, 14> kLeftOut{
+    "hypotheses", "alternatives",    "detection",           "status",
+    "sd",         "merges",          "position_covariance", "existence",
+    "health",     "models",          "register_again",      "twist",
+    "twist_sd",   "mode_probability"};
 
 Json read_needed(const std::filesystem::path& path) {
   constexpr int kIds = 2;  // the depth of objects' ids, which may be any word

@@ -89,6 +89,22 @@ std::optional<double> mode_probability(const FrameEstimate& frame, std::size_t o
   return frame.mode_probabilities.empty() ? std::nullopt : frame.mode_probabilities[object];
 }
 
+/// Existence and health of the object, where the tracker has them.
+void add_health(const SlamRun& run, std::size_t object, ObjectMetrics& metrics) {
+  const FrameEstimate& last = run.frames.back();
+  if (last.healths.empty()) return;
+  metrics.existence = last.existences[object];
+  metrics.health = last.healths[object];
+  metrics.health_shares.assign(words<TrackHealth>.size(), 0.0);
+  for (const FrameEstimate& frame : run.frames) {
+    // Objects on sight are unknown to earlier frames.
+    const TrackHealth health =
+        object < frame.healths.size() ? frame.healths[object] : TrackHealth::none;
+    metrics.health_shares[static_cast<std::size_t>(health)] +=
+        1.0 / static_cast<double>(run.frames.size());
+  }
+}
+
 ObjectMetrics evaluate_object(const Sequence& sequence, const SlamRun& run, std::size_t object,
                               const ErrorReduction& reduction) {
   ObjectMetrics metrics;
@@ -122,6 +138,7 @@ ObjectMetrics evaluate_object(const Sequence& sequence, const SlamRun& run, std:
   metrics.paired = internal::paired_errors(sequence, run, object, reduction);
   std::move(scores).report(metrics);
   metrics.mode_probability = mode_probability(run.frames.back(), object);
+  add_health(run, object, metrics);
   return metrics;
 }
 

@@ -166,13 +166,16 @@ TEST(FilterMethods, AssociationOfCandidates) {
   const SlamJob job = read_multi_object_job(
       {"association.gate_probability=0.9", "association.rotation_cap_probability=0.8",
        "association.least_new_score=-0.5", "association.least_separation_m=0.1",
-       "association.confirming_detections=5"});
+       "association.confirming_detections=5", "association.certain_probability=0.7",
+       "association.joint_assignments=9"});
   const auto settings = std::get<MultiObjectSlamSettings>(job.settings.tracker);
   EXPECT_EQ(settings.association.gate_probability, 0.9);
   EXPECT_EQ(settings.association.rotation_cap_probability, 0.8);
   EXPECT_EQ(settings.association.least_new_score, -0.5);
   EXPECT_EQ(settings.association.least_separation_m, 0.1);
   EXPECT_EQ(settings.confirming_detections, 5U);
+  EXPECT_EQ(settings.association.certain_probability, 0.7);
+  EXPECT_EQ(settings.association.joint_assignments, 9U);
   const MultiObjectSlamSettings defaults;
   const SlamJob plain_job = read_multi_object_job({});
   const auto plain = std::get<MultiObjectSlamSettings>(plain_job.settings.tracker);
@@ -182,8 +185,62 @@ TEST(FilterMethods, AssociationOfCandidates) {
                       "key 'association.gate_probability'");
   EXPECT_INVALID_WITH(read_multi_object_job({"association.confirming_detections=-1"}),
                       "key 'association.confirming_detections'");
+  EXPECT_INVALID_WITH(read_multi_object_job({"association.joint_assignments=0"}),
+                      "key 'association.joint_assignments'");
   EXPECT_INVALID_WITH(read_small({"filter.method=gm-iekf", "association.least_new_score=1"}),
                       "association");
+}
+
+TEST(FilterMethods, ExistenceOfObjects) {
+  const SlamJob job = read_multi_object_job(
+      {"filter.existence={birth_probability=0.1, object_rate=[3, 2], clutter_rate=[1, 9], "
+       "visible_time_s=1, hidden_time_s=2, lifetime_s=3, look_time_s=0, exclusion_m=0.1, "
+       "confirmed_probability=0.8, deleted_probability=0}"});
+  const auto s = std::get<MultiObjectSlamSettings>(job.settings.tracker).existence;
+  EXPECT_EQ(s.birth_probability, 0.1);
+  EXPECT_EQ(s.object_rate.a, 3.0);
+  EXPECT_EQ(s.object_rate.b, 2.0);
+  EXPECT_EQ(s.clutter_rate.b, 9.0);
+  EXPECT_EQ(s.visible_time_s, 1.0);
+  EXPECT_EQ(s.hidden_time_s, 2.0);
+  EXPECT_EQ(s.lifetime_s, 3.0);
+  EXPECT_EQ(s.look_time_s, 0.0);
+  EXPECT_EQ(s.exclusion_m, 0.1);
+  EXPECT_EQ(s.confirmed_probability, 0.8);
+  EXPECT_EQ(s.deleted_probability, 0.0);
+  const auto refused = [](const std::string& what) {
+    return thrown_message([&] { read_multi_object_job({"filter.existence={" + what + "}"}); });
+  };
+  for (const char* wrong :
+       {"birth_probability=0", "object_rate=[1]", "object_rate=2", "clutter_rate=[1, 0]",
+        "visible_time_s=0", "hidden_time_s=-1", "lifetime_s=0", "look_time_s=-1", "exclusion_m=-1",
+        "confirmed_probability=1", "deleted_probability=0.95", "deleted_probability=inf"}) {
+    const std::string key = std::string(wrong).substr(0, std::string(wrong).find('='));
+    EXPECT_NE(refused(wrong).find("'filter.existence." + key + "'"), std::string::npos)
+        << wrong << ": " << refused(wrong);
+  }
+  EXPECT_NE(refused("lifetime=1").find("lifetime_s"), std::string::npos);
+  EXPECT_NE(thrown_message([] {
+              read_small({"filter.method=gm-iekf", "filter.existence={}"});
+            }),
+            "");
+}
+
+TEST(FilterMethods, HealthOfTracks) {
+  const SlamJob job = read_multi_object_job(
+      {"filter.health={mode_probability=0.5, window_detections=4, band_probability=0.99, "
+       "lost_probability=0.2, register_again_s=7}"});
+  const auto s = std::get<MultiObjectSlamSettings>(job.settings.tracker).health;
+  EXPECT_EQ(s.mode_probability, 0.5);
+  EXPECT_EQ(s.window_detections, 4.0);
+  EXPECT_EQ(s.band_probability, 0.99);
+  EXPECT_EQ(s.lost_probability, 0.2);
+  EXPECT_EQ(s.register_again_s, 7.0);
+  for (const std::string wrong : {"mode_probability=2", "window_detections=0", "band_probability=1",
+                                  "lost_probability=-1", "register_again_s=-1"}) {
+    EXPECT_INVALID_WITH(read_multi_object_job({"filter.health={" + wrong + "}"}),
+                        "key 'filter.health." + wrong.substr(0, wrong.find('=')) + "'");
+  }
 }
 
 }  // namespace

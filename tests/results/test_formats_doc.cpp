@@ -58,6 +58,10 @@ TEST(FormatsDocument, DefaultsOfTheAssociation) {
   EXPECT_EQ(documented("least_new_score"), fmt::format("{:g}", s.association.least_new_score));
   EXPECT_EQ(documented("least_separation_m"),
             fmt::format("{:g}", s.association.least_separation_m));
+  EXPECT_EQ(documented("certain_probability", from),
+            fmt::format("{:g}", s.association.certain_probability));
+  EXPECT_EQ(documented("joint_assignments", from),
+            fmt::format("{}", s.association.joint_assignments));
   EXPECT_EQ(documented("confirming_detections"), fmt::format("{}", s.confirming_detections));
 }
 
@@ -110,6 +114,31 @@ TEST(FormatsDocument, DefaultsOfTheMultiObjectFilter) {
             number(s.camera_rotation_correction) + ", " + number(s.camera_position_correction));
   EXPECT_EQ(documented("noise_scale_detections`, `least_noise_scale"),
             number(s.noise_scale_detections) + ", " + number(s.least_noise_scale));
+}
+
+TEST(FormatsDocument, DefaultsOfExistenceAndHealth) {
+  const std::string from = "### Objects that come and go";
+  const auto is = [&](const std::string& key, double value) {
+    EXPECT_EQ(documented(key, from), fmt::format("{:g}", value)) << key;
+  };
+  const ExistenceSettings e;
+  is("birth_probability", e.birth_probability);
+  EXPECT_EQ(documented("object_rate`, `clutter_rate", from),
+            fmt::format("[{:g}, {:g}], [{:g}, {:g}]", e.object_rate.a, e.object_rate.b,
+                        e.clutter_rate.a, e.clutter_rate.b));
+  EXPECT_EQ(documented("visible_time_s`, `hidden_time_s", from),
+            fmt::format("{:g}, {:g}", e.visible_time_s, e.hidden_time_s));
+  is("lifetime_s", e.lifetime_s);
+  is("look_time_s", e.look_time_s);
+  is("exclusion_m", e.exclusion_m);
+  is("confirmed_probability", e.confirmed_probability);
+  is("deleted_probability", e.deleted_probability);
+  const HealthSettings h;
+  is("mode_probability", h.mode_probability);
+  is("window_detections", h.window_detections);
+  EXPECT_EQ(documented("band_probability", from), fmt::format("{}", h.band_probability));
+  is("lost_probability", h.lost_probability);
+  is("register_again_s", h.register_again_s);
 }
 
 TEST(FormatsDocument, DefaultsOfTheMotion) {

@@ -127,6 +127,56 @@ TEST(ReportTrace, HypothesesKeepTheirSlots) {
   EXPECT_FALSE(packed.has("camera/hypotheses/0/mask"));
 }
 
+TEST(ReportTrace, HoldsExistenceAndHealth) {
+  const json& trace = multi_object_trace();
+  const TraceFolder folder(trace);
+  const json report = folder.report();
+  const ReportTrace packed = folder.trace();
+  for (const auto& [id, object] : trace["objects"].items()) {
+    const std::string prefix = "objects/" + id;
+    for (std::size_t k = 0; k < kSmallFrames; ++k) {
+      const json& existence = object["existence"][k];
+      EXPECT_EQ(packed.masked(prefix + "/mask", k, 6), !existence.is_null());
+      if (!existence.is_null())
+        EXPECT_NEAR(packed[prefix + "/existence"][k][0], existence.get<double>(), 0.51 / 65535.0);
+      const auto health = static_cast<std::size_t>(packed[prefix + "/health"][k][0]);
+      EXPECT_EQ(report["trace"]["healths"][health], object["health"][k]);
+      EXPECT_EQ(packed[prefix + "/register_again"][k][0] == 1.0, object["register_again"][k]);
+    }
+  }
+  EXPECT_EQ(report["trace"]["models"], json::object());
+  json wrong = trace;
+  wrong["objects"]["mug"]["health"][1] = "well";
+  EXPECT_INVALID_WITH(TraceFolder(wrong).report(), "mug: health[1]: got 'well'");
+  wrong = trace;
+  wrong["objects"]["mug"]["register_again"][0] = 1;
+  EXPECT_INVALID_WITH(TraceFolder(wrong).report(), "register_again[0]");
+}
+
+TEST(ReportTrace, HoldsTheModelsOfAnObjectThatMoves) {
+  const json trace = json::parse(
+      testing::SmallResults({"filter={}", "objects.mug.motion={model='calm_and_agile'}"})
+          .files.at("trace.json"));
+  const json& mug = trace["objects"]["mug"];
+  const TraceFolder folder(trace);
+  EXPECT_EQ(folder.report()["trace"]["models"], json({{"mug", mug["model_names"]}}));
+  const ReportTrace packed = folder.trace();
+  std::size_t known = 0;
+  for (std::size_t k = 0; k < kSmallFrames; ++k) {
+    EXPECT_EQ(packed.masked("objects/mug/mask", k, 7), !mug["models"][k].is_null());
+    if (mug["models"][k].is_null()) continue;
+    ++known;
+    for (std::size_t model = 0; model < 2; ++model)
+      EXPECT_NEAR(packed["objects/mug/models"][k][model], mug["models"][k][model].get<double>(),
+                  0.51 / 65535.0);
+  }
+  EXPECT_GT(known, 0U);
+  EXPECT_FALSE(packed.has("objects/box/models"));
+  json wrong = trace;
+  wrong["objects"]["mug"]["models"].back() = {0.1, 0.2, 0.7};
+  EXPECT_INVALID_WITH(TraceFolder(wrong).report(), "got 3 entries, expected 2");
+}
+
 TEST(ReportTrace, JointHypothesesBecomeThoseOfEachObject) {
   const json& trace = joint_trace();
   const ReportTrace packed = TraceFolder(trace).trace();

@@ -155,6 +155,32 @@ TEST(Results, TheMultiObjectFilterWritesItsHypotheses) {
   EXPECT_NEAR(mug["alternatives"].back()[0]["probability"].get<double>(), probability, 1e-6);
 }
 
+TEST(Results, TheMultiObjectFilterWritesExistenceAndHealth) {
+  const Results all({"filter={}"});
+  const json trace = json::parse(all.files.at("trace.json"));
+  const json& mug = trace["objects"]["mug"];
+  const json metrics = json::parse(all.files.at("metrics.json"))["objects"]["mug"];
+  std::map<std::string, double> frames;
+  for (std::size_t k = 0; k < kSmallFrames; ++k) {
+    const ObjectEstimate estimate = all.slam->frames[k].object("mug");
+    EXPECT_EQ(mug["existence"][k].is_null(), !estimate.existence) << k;
+    if (estimate.existence)
+      EXPECT_NEAR(mug["existence"][k].get<double>(), *estimate.existence, 1e-6);
+    EXPECT_EQ(mug["health"][k], word_of(estimate.health)) << k;
+    EXPECT_EQ(mug["register_again"][k], estimate.register_again) << k;
+    frames[mug["health"][k]] += 1.0;
+  }
+  EXPECT_EQ(metrics["existence"], *all.slam->frames.back().object("mug").existence);
+  EXPECT_EQ(metrics["health"], mug["health"].back());
+  ASSERT_EQ(metrics["health_shares"].size(), words<TrackHealth>.size());
+  for (const auto& [word, share] : metrics["health_shares"].items())
+    EXPECT_NEAR(share.get<double>(), frames[word] / kSmallFrames, 1e-12) << word;
+  // Other trackers have neither.
+  EXPECT_FALSE(json::parse(results().files.at("trace.json"))["objects"]["mug"].contains("health"));
+  EXPECT_FALSE(
+      json::parse(results().files.at("metrics.json"))["objects"]["mug"].contains("existence"));
+}
+
 TEST(Results, NullWithoutGroundTruth) {
   Metrics metrics;
   metrics.objects.emplace_back().id = "mug";

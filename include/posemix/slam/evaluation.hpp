@@ -110,6 +110,13 @@ struct ObjectMetrics {
   std::optional<double> right_mode_anees;  ///< as relative_anees, over these frames
   /// Probability of the mode at the last frame.
   std::optional<double> mode_probability;
+  /// By the multi-object tracker, where nothing is smoothed: that the object exists, and the state
+  /// of its track, at the last frame.
+  std::optional<double> existence;
+  std::optional<TrackHealth> health;
+  /// Share of the frames in which the track is in each state, in the order of TrackHealth; empty
+  /// where there is none.
+  std::vector<double> health_shares;
   std::vector<ModeForecast> forecasts;
   /// Mean over the frames of e^T P^-1 e over its degrees of freedom, 6 without continuous
   /// symmetries, with e = Log(T_true T_est^-1) of T_camera_object; 1 when consistent.

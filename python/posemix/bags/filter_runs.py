@@ -5,19 +5,19 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from posemix.bags.observations import named
 from posemix.bags.read import Detections, Recording
+from posemix.bags.states import TrackState
 from posemix.bags.track_rows import TrackRows
 from posemix.density import ConcentratedGaussian
-from posemix.filter import MultiObjectFilter
-from posemix.lie import SE3
 from posemix.mixture import Mixture
 from posemix.slam import (
     Candidate,
+    FrameEstimate,
     FrameInput,
     ObjectModel,
     ObjectSlam,
@@ -129,17 +129,15 @@ def by_arrival(
         found = slam.finish()
         if found is not None:
             tracks.begin(stamps_ns[found.stamp_s], found.estimate.camera)
-            _add_objects(slam.multi_object, found.estimate.objects, tracks)
+            _add_objects(slam, found.estimate, tracks)
         yield counts
 
 
-def _add_objects(
-    slam: MultiObjectFilter,
-    objects: Mapping[str, ConcentratedGaussian[SE3] | None],
-    tracks: TrackRows,
-) -> None:
-    for j, world in enumerate(objects.values()):
-        if world is not None:
-            found = slam.hypotheses(j)
+def _add_objects(slam: StampedSlam, estimate: FrameEstimate, tracks: TrackRows) -> None:
+    for j, name in enumerate(estimate.ids):
+        of_object = estimate.object(name)
+        if of_object.world is not None:
+            found = slam.hypotheses(name)
             densities = [ConcentratedGaussian(h.pose, h.covariance) for h in found]
-            tracks.add(j, world, Mixture(densities, [h.probability for h in found]))
+            mixture = Mixture(densities, [h.probability for h in found])
+            tracks.add(j, of_object.world, mixture, TrackState.of(of_object))

@@ -47,7 +47,8 @@ class BagRun:
     camera : Track
         T_world_camera.
     objects : list of Track
-        T_world_object of every detected object from its first detection on, with its hypotheses.
+        T_world_object of every detected object from its first detection on, with its hypotheses and, by the
+        multi-object filter, the state of its track.
     ignored : dict of str to int
         Numbers of detections of classes without a model.
     late, too_late : int

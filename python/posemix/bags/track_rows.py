@@ -11,7 +11,8 @@ import numpy as np
 
 from posemix._arrays import FloatArray
 from posemix._core import ObjectModel
-from posemix.bags.write import PoseMixture, Track
+from posemix.bags.states import TrackState
+from posemix.bags.track_messages import PoseMixture, Track
 from posemix.density import ConcentratedGaussian
 from posemix.lie import SE3
 
@@ -24,24 +25,33 @@ class _Rows:
     poses: list[FloatArray] = field(default_factory=list)
     covariances: list[FloatArray] = field(default_factory=list)
     mixtures: list[PoseMixture] = field(default_factory=list)
+    states: list[TrackState] = field(default_factory=list)
 
     def add(
-        self, stamp: int, density: ConcentratedGaussian[SE3], mixture: PoseMixture | None = None
+        self,
+        stamp: int,
+        density: ConcentratedGaussian[SE3],
+        mixture: PoseMixture | None = None,
+        state: TrackState | None = None,
     ) -> None:
         if self.stamps and self.stamps[-1] == stamp:
             # What came late has changed the estimate.
-            del self.stamps[-1:], self.poses[-1:], self.covariances[-1:], self.mixtures[-1:]
+            for rows in (self.stamps, self.poses, self.covariances, self.mixtures, self.states):
+                del rows[-1:]
         self.stamps.append(stamp)
         self.poses.append(density.mean.to_tq())
         self.covariances.append(density.covariance)
         if mixture is not None:
             self.mixtures.append(mixture)
+        if state is not None:
+            self.states.append(state)
 
     def track(self, name: str, class_id: str) -> Track:
         return Track(
             name, class_id, np.array(self.stamps, dtype=np.int64),
             SE3.from_tq(np.array(self.poses).reshape((-1, 7))),
             np.array(self.covariances).reshape((-1, 6, 6)), tuple(self.mixtures),
+            tuple(self.states),
         )  # fmt: skip
 
 
@@ -63,9 +73,15 @@ class TrackRows:
         self._stamp = stamp
         self._camera.add(stamp, camera)
 
-    def add(self, index: int, world: ConcentratedGaussian[SE3], mixture: PoseMixture) -> None:
-        """Adds T_world_object of an object, with its hypotheses."""
-        self._objects[index].add(self._stamp, world, mixture)
+    def add(
+        self,
+        index: int,
+        world: ConcentratedGaussian[SE3],
+        mixture: PoseMixture,
+        state: TrackState | None = None,
+    ) -> None:
+        """Adds T_world_object of an object, with its hypotheses and the state of its track."""
+        self._objects[index].add(self._stamp, world, mixture, state)
 
     def of_camera(self) -> Track:
         """The track of the camera."""

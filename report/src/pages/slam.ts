@@ -15,21 +15,23 @@ import { mixtureDocuments, mixtureView } from "./mixture.ts";
 import { footer, header, noScene, picture, publish } from "./page.ts";
 import { detectionPlots, errorPlots, statusPlots, hypothesisPlots, type Seek } from "./slam_plots.ts";
 import { StateTable } from "./state_table.ts";
+import { trackPlots } from "./track_plots.ts";
 
 const LAYERS: readonly (readonly [keyof Layers, string])[] = [
   ["truth", "Ground truth"], ["ellipsoids", "3-sigma ellipsoids"], ["hypotheses", "Hypotheses"],
-  ["detections", "Detections"], ["labels", "Labels"],
+  ["detections", "Detections"], ["labels", "Labels"], ["paths", "Paths of objects"],
 ];
 const VIEWS: readonly (readonly [View, string])[] = [
   ["fit", "All"], ["near", "Objects"], ["top", "Top"], ["front", "Front"], ["side", "Side"], ["eye", "Camera"],
 ];
 
-function sceneControls(scene: SlamScene, hasTruth: boolean): HTMLElement {
+function sceneControls(scene: SlamScene, trace: Trace): HTMLElement {
   const views = element("div", { class: "buttons", role: "group", "aria-label": "View" });
   for (const [view, name] of VIEWS) views.append(button(name, () => scene.look(view)));
   const layers = element("div", { class: "toggles", role: "group", "aria-label": "Show" });
   for (const [layer, name] of LAYERS) {
-    if (layer === "truth" && !hasTruth) continue;
+    if (layer === "truth" && !trace.hasTruth) continue;
+    if (layer === "paths" && !scene.objectPaths.any) continue;
     layers.append(toggle(name, scene.layers[layer], (on) => scene.setLayer(layer, on)));
   }
   return element("div", { class: "controls" }, views, layers);
@@ -44,7 +46,7 @@ function makeScene(trace: Trace, payload: Payload): { node: HTMLElement; scene: 
     const scene = new SlamScene(trace, payload.meshes);
     const hint = element("p", { class: "hint" },
       `Axes: x orange, y green, z blue. Ghosts: hypotheses, the fainter the less probable. Grid: ${gridText(scene.gridStep)}.`);
-    return { node: element("div", { class: "stage" }, scene.viewport.node, sceneControls(scene, trace.hasTruth), hint), scene };
+    return { node: element("div", { class: "stage" }, scene.viewport.node, sceneControls(scene, trace), hint), scene };
   } catch (error) {
     return { node: element("div", { class: "stage" }, noScene(error)), scene: undefined };
   }
@@ -61,6 +63,7 @@ function makeTabs(trace: Trace, payload: Payload, seek: Seek, groups: ChartGroup
     plots("Errors", errorPlots),
     plots("Hypotheses", hypothesisPlots),
     plots("Status", statusPlots),
+    ...(trace.hasTracks ? [plots("Tracks", trackPlots)] : []),
     { name: "Numbers", build: () => metrics(payload.documents["metrics.json"]) },
   ];
   const mixtures = mixtureDocuments(payload);
@@ -100,6 +103,7 @@ export async function slamPage(payload: Payload): Promise<HTMLElement> {
     get drawTime() { return scene?.viewport.drawTime; },
     get firstDraw() { return scene?.viewport.firstDraw; },
     get ghosts() { return scene?.ghostCount; },
+    get faint() { return scene?.faint.axes.mesh.count; },
     get ellipsoids() { return scene?.ellipsoidCount; },
     get bodies() { return scene?.bodyIds; },
     decodeTime: decoded - started,

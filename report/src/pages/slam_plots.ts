@@ -2,7 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 // The plots of a run, tab by tab.
 import { Chart, type ChartSeries } from "../plots/chart.ts";
-import { countStatuses, statusChart } from "../plots/statuses.ts";
+import { countStatuses, marksLegend, statusChart } from "../plots/statuses.ts";
 import { ChartGroup } from "../plots/group.ts";
 import {
   errorComponents, errorNorms, hypothesisSeries, negative, poseSeries, ROTATION_NAMES, type RotationAs, threeSigma, usualRange,
@@ -139,15 +139,7 @@ export function hypothesisPlots(trace: Trace, group: ChartGroup, seek: Seek): HT
 /** Status of the detections, over time and counted. */
 export function statusPlots(trace: Trace, group: ChartGroup, seek: Seek): HTMLElement {
   const counts = countStatuses(trace);
-  const legend = element("ul", { class: "legend" });
-  trace.statuses.forEach((name) => {
-    const mark = STATUS_MARKS[name];
-    if (!mark || mark.colour === "") return;
-    const key = element("span", { class: "swatch" });
-    key.style.background = mark.colour;
-    key.style.height = `${mark.height}em`;
-    legend.append(element("li", {}, key, mark.text === name ? name : `${name}: ${mark.text}`));
-  });
+  const legend = marksLegend(trace.statuses, STATUS_MARKS);
   group.replace(trace.objects.length > 0 ? [statusChart(trace, seek)] : []);
   const rows = trace.objects.map(({ id }, i) => ({ name: id, cells: counts[i].map((value) => ({ value })) }));
   return element("div", {}, group.node, legend, table("Frames by status", ["", ...trace.statuses], rows));

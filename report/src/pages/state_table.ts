@@ -7,6 +7,8 @@ import { element } from "../ui/dom.ts";
 const EVERY = 120;
 const COLUMNS = ["", "x [m]", "y [m]", "z [m]", "rotation vector [deg]", "status", "hypotheses", "on the right mode"];
 
+const percent = (share: number | undefined) => (share === undefined ? "–" : `${(100 * share).toFixed(1)} %`);
+
 /** Numbers of camera and objects at the shown frame. While playing, it is updated a few times a second. */
 export class StateTable {
   readonly node: HTMLElement;
@@ -19,10 +21,11 @@ export class StateTable {
   private frame = 0;
 
   constructor(private readonly trace: Trace) {
-    const head = element("tr", {}, ...COLUMNS.map((name) => element("th", { scope: "col" }, name)));
+    const columns = trace.hasTracks ? [...COLUMNS, "exists", "track"] : COLUMNS;
+    const head = element("tr", {}, ...columns.map((name) => element("th", { scope: "col" }, name)));
     const body = element("tbody");
     for (const name of ["camera", ...trace.objects.map(({ id }) => id)]) {
-      const row = element("tr", {}, element("th", { scope: "row" }, name), ...COLUMNS.slice(1).map(() => element("td", { class: "number" })));
+      const row = element("tr", {}, element("th", { scope: "row" }, name), ...columns.slice(1).map(() => element("td", { class: "number" })));
       this.rows.push(row);
       body.append(row);
     }
@@ -53,8 +56,16 @@ export class StateTable {
       this.set(row, 5, object.status ? (this.trace.statuses[object.status[this.frame]] ?? "") : "");
       this.set(row, 6, this.living(i));
       const mode = object.modeProbability?.(this.frame);
-      this.set(row, 7, mode === undefined ? "–" : `${(100 * mode).toFixed(1)} %`);
+      this.set(row, 7, percent(mode));
+      if (!this.trace.hasTracks) return;
+      this.set(row, 8, percent(object.existence?.(this.frame)));
+      this.set(row, 9, this.trackText(i));
     });
+  }
+
+  private trackText(index: number): string {
+    const again = this.trace.objects[index].registerAgain?.[this.frame] ? ", register again" : "";
+    return (this.trace.healthAt(index, this.frame) || "–") + again;
   }
 
   /** The weights of the hypotheses in this frame, the heaviest first. */

@@ -8,6 +8,8 @@ export interface Layers {
   hypotheses: boolean;
   detections: boolean;
   labels: boolean;
+  /** Of objects that move. */
+  paths: boolean;
 }
 
 /** A pose at which something is drawn: x y z and a quaternion x y z w. */

@@ -1,24 +1,43 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 import {
-  BufferAttribute, BufferGeometry, type Color, Group, Line, LineBasicMaterial, LineDashedMaterial,
+  BufferAttribute, BufferGeometry, type Color, Group, Line, LineBasicMaterial, LineDashedMaterial, LineSegments,
 } from "three";
-import { Line2 } from "three/examples/jsm/lines/Line2.js";
-import { LineGeometry } from "three/examples/jsm/lines/LineGeometry.js";
+import { LineSegments2 } from "three/examples/jsm/lines/LineSegments2.js";
+import { LineSegmentsGeometry } from "three/examples/jsm/lines/LineSegmentsGeometry.js";
 import { LineMaterial } from "three/examples/jsm/lines/LineMaterial.js";
 import type { PoseTrack } from "../trace/trace.ts";
 
-/** Positions of the frames that have one, and their number up to each frame. */
-export function pathPoints(track: PoseTrack, frames: number): { points: Float32Array; counts: Int32Array } {
+/** Positions of the frames that have one. */
+function pathPoints(track: PoseTrack, frames: number): Float32Array {
+  const points: number[] = [];
+  const at = [0, 0, 0];
+  for (let frame = 0; frame < frames; ++frame) {
+    if (!track.has(frame)) continue;
+    track.position(frame, at);
+    points.push(at[0], at[1], at[2]);
+  }
+  return new Float32Array(points);
+}
+
+/**
+ * Pairs of points between frames that have one, and the number of pairs up to each frame. `broken`: only between a frame and
+ * the next, so that there is no line to where the track begins anew.
+ */
+function pathPairs(track: PoseTrack, frames: number, broken: boolean): { points: Float32Array; counts: Int32Array } {
   const points: number[] = [];
   const counts = new Int32Array(frames);
+  const last = [0, 0, 0];
   const at = [0, 0, 0];
+  let before = -1;
   for (let frame = 0; frame < frames; ++frame) {
     if (track.has(frame)) {
       track.position(frame, at);
-      points.push(at[0], at[1], at[2]);
+      if (before >= 0 && (!broken || before === frame - 1)) points.push(...last, ...at);
+      for (let i = 0; i < 3; ++i) last[i] = at[i];
+      before = frame;
     }
-    counts[frame] = points.length / 3;
+    counts[frame] = points.length / 6;
   }
   return { points: new Float32Array(points), counts };
 }
@@ -28,17 +47,17 @@ export class Path {
   readonly node = new Group();
   private readonly thin = new LineBasicMaterial({ transparent: true, opacity: 0.35 });
   private readonly thick = new LineMaterial({ linewidth: 2.5 });
-  private readonly past = new LineGeometry();
+  private readonly past = new LineSegmentsGeometry();
   private readonly counts: Int32Array;
 
-  constructor(track: PoseTrack, frames: number) {
-    const { points, counts } = pathPoints(track, frames);
+  constructor(track: PoseTrack, frames: number, broken = false) {
+    const { points, counts } = pathPairs(track, frames, broken);
     this.counts = counts;
     if (points.length < 6) return;
     this.past.setPositions(points);
-    const line = new Line2(this.past, this.thick);
+    const line = new LineSegments2(this.past, this.thick);
     line.frustumCulled = false;
-    this.node.add(new Line(lineGeometry(points), this.thin), line);
+    this.node.add(new LineSegments(lineGeometry(points), this.thin), line);
   }
 
   setColour(colour: Color): void {
@@ -47,7 +66,7 @@ export class Path {
   }
 
   update(frame: number): void {
-    this.past.instanceCount = Math.max(0, this.counts[frame] - 1);
+    this.past.instanceCount = this.counts[frame];
   }
 }
 
@@ -56,7 +75,7 @@ function lineGeometry(points: Float32Array): BufferGeometry {
 }
 
 export function dashedPath(track: PoseTrack, frames: number, colour: string, dash: number): Line {
-  const { points } = pathPoints(track, frames);
+  const points = pathPoints(track, frames);
   const material = new LineDashedMaterial({ color: colour, dashSize: dash, gapSize: 0.6 * dash });
   return new Line(lineGeometry(points), material).computeLineDistances();
 }

@@ -10,6 +10,7 @@ import { onTheme, themeColour } from "../ui/theme.ts";
 import { Batch } from "./batch.ts";
 import { boundsOf, objectBounds, upAxis } from "./extent.ts";
 import type { Layers, ShownPose } from "./layers.ts";
+import { FaintObjects, ObjectNames, ObjectPaths } from "./object_tracks.ts";
 import { dashedPath, Path } from "./path.ts";
 import { axesShape, ballShape, frustum, grid, gridStep, meshShape } from "./shapes.ts";
 import { type View, Viewport } from "./viewport.ts";
@@ -21,12 +22,13 @@ const PERCENT = Array.from({ length: 101 }, (_, i) => `${i} %`);
 /** Camera, objects and hypotheses of a run at one frame. */
 export class SlamScene {
   readonly viewport: Viewport;
-  readonly layers: Layers = { truth: true, ellipsoids: true, hypotheses: true, detections: false, labels: true };
+  readonly layers: Layers = { truth: true, ellipsoids: true, hypotheses: true, detections: false, labels: true, paths: true };
   readonly gridStep: number;
   private readonly cameraNode = new Group();
   private readonly frustum: ReturnType<typeof frustum>;
   private readonly objectNodes: Group[];
   private readonly path: Path | undefined;
+  readonly objectPaths: ObjectPaths;
   private readonly truthPath: Group = new Group();
   private readonly axes: Batch;
   private readonly balls: Batch;
@@ -37,11 +39,12 @@ export class SlamScene {
   private readonly batches: Batch[];
   private readonly bodies: (Batch | undefined)[];
   private readonly bodyGhosts: (Batch | undefined)[];
+  readonly faint: FaintObjects;
   private readonly colours: Color[];
   private readonly grey = new Color(TRUTH_COLOUR);
   private readonly ink = new Color();
   private inkText = "";
-  private readonly names: string[] = [];
+  private readonly names: ObjectNames;
   private readonly unit: number;
   private readonly eye = new Matrix4();
   private frame = 0;
@@ -76,8 +79,10 @@ export class SlamScene {
     const shapes = trace.objects.map(({ id }) => (Object.hasOwn(meshes, id) ? meshShape(id, meshes[id]) : undefined));
     this.bodies = shapes.map((shape) => shape && new Batch(shape, 1, { solid: true }));
     this.bodyGhosts = shapes.map((shape, i) => shape && new Batch(shape, trace.objects[i].hypotheses.length));
+    this.faint = new FaintObjects(trace, shapes);
+    this.names = new ObjectNames(trace);
     const { scene } = this.viewport;
-    this.batches = [this.axes, this.balls, this.glass, this.ghosts, this.truths, this.detections];
+    this.batches = [this.axes, this.balls, this.glass, this.ghosts, this.truths, this.detections, ...this.faint.batches];
     for (const batch of [...this.batches, ...this.bodies, ...this.bodyGhosts]) if (batch) scene.add(batch.mesh);
     this.objectNodes = trace.objects.map(() => new Group());
     scene.add(this.cameraNode, this.truthPath, ...this.objectNodes);
@@ -89,6 +94,9 @@ export class SlamScene {
       const { truth } = trace.camera;
       if (truth) this.truthPath.add(dashedPath(truth, trace.frames, TRUTH_COLOUR, 0.02 * size));
     }
+    this.objectPaths = new ObjectPaths(trace, this.colours, 0.01 * size);
+    scene.add(this.objectPaths.node);
+    this.truthPath.add(this.objectPaths.truth);
     const ground = Math.min(0, ...bounds.map((point) => point.dot(up)));
     scene.add(grid(this.viewport.centre, up, size, ground));
     onTheme(() => this.takeColours());
@@ -152,6 +160,8 @@ export class SlamScene {
     this.truthPath.visible = layers.truth && !viewport.fromEye;
     this.path?.update(frame);
     if (this.path) this.path.node.visible = !viewport.fromEye;
+    this.objectPaths.update(frame);
+    this.objectPaths.node.visible = layers.paths;
   }
 
   private updateCamera(frame: number): void {
@@ -190,24 +200,21 @@ export class SlamScene {
       world.pose.position(frame, this.p);
       world.pose.quaternion(frame, this.q);
       place(this.objectNodes[index], this.p, this.q);
-      if (body) body.addPose(this.p, this.q, 1, colour, 1);
-      this.axes.addPose(this.p, this.q, this.unit, colour, 1);
-      this.balls.addPose(this.p, this.q, 0.1 * this.unit, colour, 1);
+      if (this.faint.has(index, frame)) this.faint.add(index, this.p, this.q, this.unit, colour);
+      else {
+        body?.addPose(this.p, this.q, 1, colour, 1);
+        this.axes.addPose(this.p, this.q, this.unit, colour, 1);
+        this.balls.addPose(this.p, this.q, 0.1 * this.unit, colour, 1);
+      }
       if (this.layers.labels) {
         const { p } = this;
-        this.viewport.labels.add(p[0], p[1], p[2], this.nameOf(index, this.leadingPercent(index, frame)), this.inkText);
+        this.viewport.labels.add(p[0], p[1], p[2], this.names.at(index, frame, this.leadingPercent(index, frame)), this.inkText);
       }
       this.addEllipsoid(world, frame, this.p, colour);
     }
     body?.end();
     if (world) this.addTruth(world, frame);
     this.addDetection(index, frame);
-  }
-
-  /** The label: the id, and the weight of the leading hypothesis if there is one. */
-  private nameOf(index: number, percent: number): string {
-    if (percent < 0) return this.trace.objects[index].id;
-    return (this.names[101 * index + percent] ??= `${this.trace.objects[index].id}: ${PERCENT[percent]}`);
   }
 
   private leadingPercent(index: number, frame: number): number {

@@ -99,6 +99,13 @@ export class HypothesisSlot {
   }
 }
 
+/** The models of motion of an object that moves. */
+export interface MotionModels {
+  names: string[];
+  /** Probability of a model at a frame; undefined before the object was seen. */
+  probability(model: number, frame: number): number | undefined;
+}
+
 export interface ObjectTrack {
   id: string;
   world: Estimate | undefined;
@@ -108,6 +115,14 @@ export interface ObjectTrack {
   /** Probability of the mode at a frame; undefined if there is none. */
   modeProbability: ((frame: number) => number | undefined) | undefined;
   hypotheses: HypothesisSlot[];
+  /** Probability that the object exists; undefined before it was seen. */
+  existence: ((frame: number) => number | undefined) | undefined;
+  /** Index into the words of health. */
+  health: Integers | undefined;
+  /** One where the track should be registered again. */
+  registerAgain: Integers | undefined;
+  /** Of an object that moves. */
+  models: MotionModels | undefined;
 }
 
 function poseTrack(columns: Columns, name: string, presence: Presence): PoseTrack | undefined {
@@ -132,6 +147,20 @@ function scalar(column: Column | undefined, presence: Presence): ((frame: number
   return column && ((frame) => (presence.has(frame) ? column.value(0, frame) : undefined));
 }
 
+/** `calm` and `calm` become `calm 1` and `calm 2`. */
+function distinct(names: string[]): string[] {
+  const spoken = names.map((name) => name.replaceAll("_", " "));
+  return spoken.map((name, k) => {
+    const same = spoken.filter((other) => other === name).length > 1;
+    return same ? `${name} ${spoken.slice(0, k + 1).filter((other) => other === name).length}` : name;
+  });
+}
+
+function motionModels(names: string[] | undefined, column: Column | undefined, presence: Presence): MotionModels | undefined {
+  if (!names || !column || names.length !== column.head.width) return undefined;
+  return { names: distinct(names), probability: (model, frame) => (presence.has(frame) ? column.value(model, frame) : undefined) };
+}
+
 function slots(columns: Columns, name: string): HypothesisSlot[] {
   const found: HypothesisSlot[] = [];
   for (let k = 0; ; ++k) {
@@ -148,9 +177,12 @@ export class Trace {
   /** Seconds since the first frame. */
   readonly seconds: Float64Array;
   readonly statuses: readonly string[];
+  readonly healths: readonly string[];
   readonly camera: Estimate | undefined;
   readonly cameraHypotheses: readonly HypothesisSlot[];
   readonly objects: readonly ObjectTrack[];
+  /** Whether an object moves, or one that was seen is not confirmed for good: else there is nothing to tell of tracks. */
+  readonly hasTracks: boolean;
 
   constructor(
     readonly head: PackedTrace,
@@ -159,6 +191,7 @@ export class Trace {
     this.frames = head.frames;
     this.seconds = Float64Array.from(head.stamps_s, (stamp) => stamp - head.stamps_s[0]);
     this.statuses = head.statuses ?? [];
+    this.healths = head.healths ?? [];
     const bits = (mask: Integers | undefined, bit: number) => new Presence(mask, 1 << bit);
     const mask = columns.get("camera/mask")?.components[0];
     this.camera = estimate(columns, "camera", bits(mask, 0), bits(mask, 1));
@@ -174,8 +207,32 @@ export class Trace {
         status: columns.get(`${name}/status`)?.components[0],
         modeProbability: scalar(columns.get(`${name}/mode_probability`), bits(own, 5)),
         hypotheses: slots(columns, name),
+        existence: scalar(columns.get(`${name}/existence`), bits(own, 6)),
+        health: columns.get(`${name}/health`)?.components[0],
+        registerAgain: columns.get(`${name}/register_again`)?.components[0],
+        models: motionModels(head.models?.[id], columns.get(`${name}/models`), bits(own, 7)),
       };
     });
+    this.hasTracks = this.objects.some((object) => object.models !== undefined || this.comesOrGoes(object));
+  }
+
+  /** The word for the health of an object, "" where there is none. */
+  healthAt(index: number, frame: number): string {
+    const { health } = this.objects[index];
+    return health ? (this.healths[health[frame]] ?? "") : "";
+  }
+
+  private comesOrGoes({ health }: ObjectTrack): boolean {
+    if (!health) return false;
+    let confirmed = false;
+    let seen = false;
+    for (let frame = 0; frame < this.frames; ++frame) {
+      const word = this.healths[health[frame]];
+      if (word === "lost" || word === "inconsistent" || (confirmed && word === "tentative")) return true;
+      confirmed ||= word === "good" || word === "ambiguous";
+      seen ||= word !== "none";
+    }
+    return seen && !confirmed;
   }
 
   get hasTruth(): boolean {

@@ -25,6 +25,16 @@ export const STATUS_MARKS: Readonly<Record<string, { colour: string; height: num
   failed: { colour: "#882255", height: 0.9, text: "numerical failure, not used" },
 };
 
+/** The mark of the health of a track, as of a status. */
+export const HEALTH_MARKS: typeof STATUS_MARKS = {
+  none: { colour: "", height: 0, text: "never seen" },
+  tentative: { colour: "#56B4E9", height: 0.55, text: "not confirmed" },
+  good: { colour: "#009E73", height: 0.35, text: "confirmed, and detections are as the noise says" },
+  ambiguous: { colour: "#E69F00", height: 0.7, text: "the estimate may be on another mode" },
+  inconsistent: { colour: "#CC79A7", height: 0.85, text: "detections are not as the noise says" },
+  lost: { colour: "#D55E00", height: 1, text: "it should be seen, and is not" },
+};
+
 /** With an opacity from 0 to 1. */
 export function faded(colour: string, opacity: number): string {
   return colour + Math.round(255 * opacity).toString(16).padStart(2, "0");

@@ -1,11 +1,6 @@
 # SPDX-License-Identifier: MIT
 # SPDX-FileCopyrightText: posemix contributors
-"""Logs poses, densities and mixtures to Rerun: `pip install posemix[rerun]`.
-
-Every function takes an entity path and logs at the current time, which `set_time` sets. The default of `recording` is
-the current one of rerun.init. A pose T_world_x is logged in the coordinates of the world, so its path must be below the
-entity of the world, not below that of x. Lengths are in metres.
-"""
+"""Logs poses, densities, mixtures and paths to Rerun."""
 
 from __future__ import annotations
 
@@ -33,7 +28,8 @@ TIMELINE = "time"
 _AXES = ("#D55E00", "#009E73", "#0072B2")
 
 
-def _rerun() -> Any:
+def viewer() -> Any:
+    """The package rerun."""
     return peer("rerun", "posemix.rerun", "posemix[rerun]")
 
 
@@ -44,7 +40,7 @@ def _rgba(colour: str, alpha: float) -> list[int]:
 
 def set_time(seconds: float, *, recording: Any = None) -> None:
     """Sets the time at which the next calls log, on the timeline "time" [s]."""
-    _rerun().set_time(TIMELINE, duration=float(seconds), recording=recording)
+    viewer().set_time(TIMELINE, duration=float(seconds), recording=recording)
 
 
 def log_pose(path: str, pose: SE3, *, axis_length: float = 0.1, recording: Any = None) -> None:
@@ -61,7 +57,7 @@ def log_pose(path: str, pose: SE3, *, axis_length: float = 0.1, recording: Any =
     recording : RecordingStream, optional
         Rerun's recording stream; by default the current one.
     """
-    rr = _rerun()
+    rr = viewer()
     tq = pose.to_tq()
     transform = rr.Transform3D(translation=tq[:3], quaternion=tq[3:])
     rr.log(path, transform, rr.TransformAxes3D(axis_length), recording=recording)
@@ -103,7 +99,7 @@ def log_ellipsoid(
     recording : RecordingStream, optional
         Rerun's recording stream; by default the current one.
     """
-    rr = _rerun()
+    rr = viewer()
     centre, sizes, quaternion = _ellipsoids(density.mean, density.covariance, sigmas)
     ellipsoid = rr.Ellipsoids3D(
         centers=[centre], half_sizes=[sizes], quaternions=[quaternion], colors=[_rgba(colour, 0.6)]
@@ -137,7 +133,7 @@ def log_hypotheses(
     recording : RecordingStream, optional
         Rerun's recording stream; by default the current one.
     """
-    rr = _rerun()
+    rr = viewer()
     order = np.argsort(-mixture.log_weights, kind="stable")
     weights = mixture.weights[order]
     means: SE3 = mixture.means[order]
@@ -183,7 +179,7 @@ def log_trajectory(
     recording : RecordingStream, optional
         Rerun's recording stream; by default the current one.
     """
-    rr = _rerun()
+    rr = viewer()
     strip = rr.LineStrips3D([poses.translation], colors=[_rgba(colour, 1.0)])
     rr.log(path, strip, static=static, recording=recording)
 
@@ -200,7 +196,7 @@ def log_scalars(path: str, values: Mapping[str, float], *, recording: Any = None
     recording : RecordingStream, optional
         Rerun's recording stream; by default the current one.
     """
-    rr = _rerun()
+    rr = viewer()
     for name, value in values.items():
         if not np.isnan(value):
             rr.log(f"{path}/{name}", rr.Scalars([float(value)]), recording=recording)
@@ -214,9 +210,12 @@ def log_tracking(
     *,
     colour: str = PALETTE[0],
     sigmas: float = 3.0,
+    trail_s: float | None = None,
     recording: Any = None,
 ) -> None:
     """Logs an estimate over time: PATH/pose and PATH/ellipsoid at every time, and the path as PATH/way.
+
+    Times without an estimate (NaN) are left out.
 
     Parameters
     ----------
@@ -232,16 +231,24 @@ def log_tracking(
         Colour, such as "#0072B2".
     sigmas : float
         Half axes of the ellipsoids in standard deviations.
+    trail_s : float, optional
+        The path at every time is that of so many seconds before [s]; by default all of it at all times.
     recording : RecordingStream, optional
         Rerun's recording stream; by default the current one.
     """
     times = as_floats(stamps, (len(poses),), "stamps")
     matrices = as_floats(covariances, (len(poses), 6, 6), "covariances")
-    log_trajectory(f"{path}/way", poses, colour=colour, static=True, recording=recording)
-    for i, time in enumerate(times):
-        set_time(float(time), recording=recording)
+    known = ~np.isnan(matrices[:, 0, 0])
+    if trail_s is None:
+        log_trajectory(f"{path}/way", poses[known], colour=colour, static=True, recording=recording)
+    for i in np.flatnonzero(known).tolist():
+        set_time(float(times[i]), recording=recording)
         log_pose(f"{path}/pose", poses[i], recording=recording)
         density = ConcentratedGaussian(poses[i], matrices[i])
         log_ellipsoid(
             f"{path}/ellipsoid", density, sigmas=sigmas, colour=colour, recording=recording
         )
+        if trail_s is not None:
+            near = known[: i + 1] & (times[: i + 1] >= times[i] - trail_s)
+            way = poses[: i + 1][near]
+            log_trajectory(f"{path}/way", way, colour=colour, recording=recording)
