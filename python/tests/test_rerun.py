@@ -12,10 +12,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from slam_scene import Scene
 
 rr = pytest.importorskip("rerun")
 
-from posemix import SE3, SO3, ConcentratedGaussian, Mixture, plot
+from posemix import SE3, SO3, ConcentratedGaussian, Mixture, TrackHealth, plot
 from posemix import rerun as log
 
 COVARIANCE = np.diag([0.02, 0.01, 0.03, 1e-4, 4e-4, 9e-4])
@@ -131,3 +132,48 @@ def test_whole_estimate(logged: Any) -> None:
     assert len(found["world/camera/ellipsoid"]["Ellipsoids3D:centers"]) == 4
     with pytest.raises(ValueError, match="stamps has shape"):
         log.log_tracking("a", stamps[:2], poses, covariances)
+
+
+def test_a_trail_is_the_path_of_some_seconds(logged: Any) -> None:
+    poses = SE3(SO3.identity(5), np.arange(15.0).reshape((5, 3)))
+    covariances = np.tile(COVARIANCE, (5, 1, 1))
+    covariances[1] = np.nan
+    stamps = 0.5 * np.arange(5)
+    found = logged(
+        lambda r: log.log_tracking("cup", stamps, poses, covariances, trail_s=1.0, recording=r)
+    )
+    strips = [np.array(row[0]) for row in found["cup/way"]["LineStrips3D:strips"]]
+    for strip, rows in zip(strips, [[0], [0, 2], [2, 3], [2, 3, 4]], strict=True):
+        np.testing.assert_allclose(strip, poses.translation[rows])
+    assert found["cup/way"]["time"] == [0, 1_000_000_000, 1_500_000_000, 2_000_000_000]
+
+
+def test_state_of_a_track(logged: Any) -> None:
+    def use(recording: Any) -> None:
+        before = None
+        for i, health in enumerate((TrackHealth.good, TrackHealth.good, TrackHealth.lost)):
+            log.set_time(float(i), recording=recording)
+            models = {"static": 0.25, "moving": 0.75}
+            log.log_state("cup", health, 0.5 * i, models, before=before, recording=recording)
+            before = health
+
+    found = logged(use)
+    assert found["cup/health"]["TextLog:text"] == [["good"], ["lost"]]
+    assert found["cup/health"]["TextLog:level"] == [["INFO"], ["WARN"]]
+    assert found["cup/health"]["time"] == [0, 2_000_000_000]
+    assert found["cup/existence"]["Scalars:scalars"] == [[0.0], [0.5], [1.0]]
+    assert found["cup/motion_models/moving"]["Scalars:scalars"] == [[0.75]] * 3
+
+
+def test_a_run(logged: Any) -> None:
+    run = Scene(20).run()
+    found = logged(lambda r: log.log_run("world", run, recording=r))
+    moved = np.array(found["world/camera/pose"]["Transform3D:translation"])[:, 0]
+    np.testing.assert_allclose(moved, run.camera.poses.translation, rtol=1e-6)
+    existences = run.existences("mug")
+    shown = [row[0] for row in found["world/mug/existence"]["Scalars:scalars"]]
+    np.testing.assert_array_equal(shown, existences[~np.isnan(existences)])
+    words = [health.name for health in run.healths("mug")]
+    changes = [w for i, w in enumerate(words) if i == 0 or w != words[i - 1]]
+    assert [row[0] for row in found["world/mug/health"]["TextLog:text"]] == changes
+    assert not [path for path in found if "motion_models" in path]

@@ -2,6 +2,7 @@
 # SPDX-FileCopyrightText: posemix contributors
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,7 @@ import numpy as np
 import pytest
 from .bag_maker import KINDS, SECOND, START
 
-from posemix import SE3, SO3, ConcentratedGaussian, Mixture, bags
+from posemix import SE3, SO3, ConcentratedGaussian, Mixture, TrackHealth, bags
 
 
 def mixture(shift: float) -> Mixture[ConcentratedGaussian[SE3]]:
@@ -34,6 +35,40 @@ def track(name: str = "object 7", class_id: str = "7") -> bags.Track:
 def camera() -> bags.Track:
     poses = SE3.exp(np.linspace(0, 1, 18).reshape((3, 6)))
     return bags.Track("camera", "", START + np.arange(3) * SECOND, poses, np.tile(np.eye(6), (3, 1, 1)))
+
+
+def with_states() -> bags.Track:
+    states = [
+        bags.TrackState(TrackHealth.none),
+        bags.TrackState(TrackHealth.tentative, 0.1 + 0.2, False, (1 / 3, 2 / 3)),
+        bags.TrackState(TrackHealth.good, 1.0, False, (1e-300, 1.0)),
+        bags.TrackState(TrackHealth.inconsistent, 0.9),
+        bags.TrackState(TrackHealth.lost, 5e-324, True, (0.5, 0.5)),
+    ]
+    return replace(track(), states=tuple(states))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_states_and_back(tmp_path: Path, kind: Any) -> None:
+    from rosbags.highlevel import AnyReader
+
+    path = tmp_path / ("out.bag" if kind == "ros1" else "out")
+    written = with_states()
+    bags.write(path, [camera(), written], frame="world", storage=kind)
+    assert bags.read_track(path, written.name).states == written.states
+    assert bags.read_track(path, "camera").states == ()
+    with AnyReader([path]) as reader:
+        found = {c.topic: [] for c in reader.connections}
+        for connection, arrival, data in reader.messages():
+            found[connection.topic].append((arrival, reader.deserialize(data, connection.msgtype)))
+    states = found["/posemix/object_7/state"]
+    assert [arrival for arrival, _ in states] == written.stamps_ns.tolist()
+    assert [message.status[0].level for _, message in states] == [1, 1, 0, 2, 2]
+    assert states[-1][1].status[0].message == "lost" and states[-1][1].status[0].name == "object 7"
+    ((arrival, path_message),) = found["/posemix/object_7/path"]
+    assert arrival == written.stamps_ns[-1] and path_message.header.frame_id == "world"
+    places = [[p.pose.position.x, p.pose.position.y, p.pose.position.z] for p in path_message.poses]
+    np.testing.assert_allclose(places, written.poses.translation)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -92,3 +127,5 @@ def test_what_is_refused(tmp_path: Path) -> None:
         bags.write(tmp_path / "b", [], frame="world", storage="zip")  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="track 'x': 2 stamps"):
         bags.Track("x", "", np.arange(2), SE3.identity(3), np.zeros((2, 6, 6)))
+    with pytest.raises(ValueError, match="track 'object 7': 5 stamps, .* 5 mixtures, 1 states"):
+        replace(track(), states=(bags.TrackState(TrackHealth.good),))
