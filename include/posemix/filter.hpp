@@ -8,6 +8,7 @@
 #include "posemix/filter/mode_measurement.hpp"
 #include "posemix/filter/motion_models.hpp"
 #include "posemix/filter/moving_object_filter.hpp"
+#include "posemix/filter/moving_object_smoother.hpp"
 #include "posemix/filter/multi_object_filter.hpp"
 #include "posemix/filter/multi_object_ranges.hpp"
 #include "posemix/filter/object_motion.hpp"

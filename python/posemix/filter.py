@@ -6,20 +6,28 @@ See `posemix.slam` for whole recordings.
 """
 
 from posemix._core import (
-    Detection, GaussianSumFilter, GaussianSumSettings, MultiObjectFilter, MultiObjectSettings, NoiseUse,
-    ObjectHypothesis, ObjectUpdateReport, ObservationSource, RobustLoss, Summary, UpdateReport, UpdateRule,
+    AttachedMotion, ConstantVelocityMotion, Detection, GaussianSumFilter, GaussianSumSettings, KnownCamera,
+    KnownFrame, MotionFrame, MotionModels, MovingObjectEstimate, MovingObjectFilter, MovingObjectHypothesis,
+    MovingObjectReport, MovingObjectSettings, MovingObjectSmoother, MovingObjectSmoothing, MovingObjectStep,
+    MultiObjectFilter, MultiObjectSettings, NoiseUse, ObjectHypothesis, ObjectUpdateReport, ObservationSource,
+    PutDownMotion, RandomWalkMotion, RobustLoss, StaticMotion, Summary, UpdateReport, UpdateRule,
+    calm_and_agile, camera_on_arm, exact_camera, smooth_moving_object, still_camera,
 )  # fmt: skip
 from posemix.noise import *
 
 __all__ = [
-    "Clutter", "DependentFrames", "Detection", "DetectorNoise", "GaussianSumFilter", "GaussianSumSettings",
-    "GivenCovariance",
-    "MultiObjectFilter", "MultiObjectSettings", "NoiseComponent", "NoiseCorrelation", "NoiseCriterion",
-    "NoiseDependence", "NoiseEmFit", "NoiseFit", "NoiseFitSettings", "NoiseFrame", "NoiseMode",
-    "NoiseModeSettings", "NoiseUse", "NoiseValidation", "ObjectHypothesis", "ObjectSensor",
+    "AttachedMotion", "Clutter", "ConstantVelocityMotion", "DependentFrames", "Detection", "DetectorNoise",
+    "GaussianSumFilter", "GaussianSumSettings", "GivenCovariance", "KnownCamera", "KnownFrame", "MotionFrame",
+    "MotionModels", "MovingObjectEstimate", "MovingObjectFilter", "MovingObjectHypothesis",
+    "MovingObjectReport", "MovingObjectSettings", "MovingObjectSmoother", "MovingObjectSmoothing",
+    "MovingObjectStep", "MultiObjectFilter", "MultiObjectSettings", "NoiseComponent", "NoiseCorrelation",
+    "NoiseCriterion", "NoiseDependence", "NoiseEmFit", "NoiseFit", "NoiseFitSettings", "NoiseFrame",
+    "NoiseMode", "NoiseModeSettings", "NoiseUse", "NoiseValidation", "ObjectHypothesis", "ObjectSensor",
     "ObjectUpdateReport", "ObservationSource", "OdometryNoise", "OdometryNoiseSettings", "OdometryWindow",
-    "RobustLoss", "SlowError", "SlowErrorDecay", "SlowErrorFit", "SlowErrorModel", "Summary",
-    "SymmetricPoseError", "SymmetryAxis", "SymmetryGroup", "SymmetryTolerance", "UpdateReport", "UpdateRule",
-    "along_camera", "default_detector_noise", "fit_noise", "fit_odometry_noise",
-    "max_symmetric_surface_distance", "pose_covariance", "symmetric_pose_error",
+    "PutDownMotion", "RandomWalkMotion", "RobustLoss", "SlowError", "SlowErrorDecay", "SlowErrorFit",
+    "SlowErrorModel", "StaticMotion", "Summary", "SymmetricPoseError", "SymmetryAxis", "SymmetryGroup",
+    "SymmetryTolerance", "UpdateReport", "UpdateRule", "along_camera", "calm_and_agile", "camera_on_arm",
+    "default_detector_noise", "exact_camera", "fit_noise", "fit_odometry_noise",
+    "max_symmetric_surface_distance", "pose_covariance", "smooth_moving_object", "still_camera",
+    "symmetric_pose_error",
 ]  # fmt: skip

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 #include "arrays.hpp"
+#include "moving_object.hpp"
 
 NB_MODULE(_core, m) {
   using namespace posemix::python;  // NOLINT(google-build-using-namespace)
@@ -29,6 +30,8 @@ NB_MODULE(_core, m) {
   bind_observation(m);
   bind_multi_object_settings(m);
   bind_multi_object_filter(m);
+  bind_moving_object_settings(m);
+  bind_moving_object(m);
   bind_gaussian_sum_filter(m);
   bind_existence(m);
   bind_slam_settings(m);

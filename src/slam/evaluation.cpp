@@ -125,7 +125,9 @@ ObjectMetrics evaluate_object(const Sequence& sequence, const SlamRun& run, std:
     relative.add(mean_of(frame.relative[object]), truth);
     relative_consistency.add(frame.relative[object], truth);
     detection.add(detected, truth);
-    metrics.detections += detected.has_value() ? 1 : 0;
+    // One that names a class is of the object if the filter says so.
+    const bool taken = frame.report.statuses[object] != DetectionStatus::none;
+    metrics.detections += detected.has_value() || taken ? 1 : 0;
     metrics.gated += is_gated(frame.report.statuses[object]) ? 1 : 0;
     if (frame.relative[object] && truth)
       scores.add(*frame.relative[object], *truth, mode_probability(frame, object));

@@ -13,7 +13,7 @@
 #include "posemix/base/statistics.hpp"
 #include "posemix/base/units.hpp"
 #include "posemix/detector/default_noise.hpp"
-#include "posemix/filter/moving_object_filter.hpp"
+#include "posemix/filter/moving_object_smoother.hpp"
 #include "posemix/io/gzip.hpp"
 #include "posemix/io/tum.hpp"
 #include "posemix/testing/data.hpp"
@@ -75,30 +75,44 @@ DetectorNoise noise_with_half_turns() {
 
 struct BoardRun {
   Errors filtered;
+  Errors smoothed;
   Errors predicted;  ///< over about 100 ms
   Errors held;       ///< the measurement of 100 ms ago
   double nees = 0.0;
+  double smoothed_nees = 0.0;
 };
+
+/// Per degree of freedom.
+double nees_of(const ConcentratedGaussian<SE3d>& world, const SE3d& reference) {
+  const Vector6d z = (reference * world.mean().inverse()).log();
+  return z.dot(world.covariance().inverse() * z) / 6.0;
+}
 
 BoardRun run(const DetectorNoise& noise, const std::vector<StampedPose>& measured,
              const std::vector<StampedPose>& reference) {
-  MovingObjectFilter filter({noise}, motion());
+  MovingObjectSmoother smoother({noise}, motion());
+  const MovingObjectFilter& filter = smoother.filter();
+  const double share = 1.0 / static_cast<double>(measured.size());
   BoardRun result;
   for (std::size_t i = 0; i < measured.size(); ++i) {
     Observation observation = observation_of(*measured[i].pose);
     observation.stamp_s = measured[i].stamp;
-    filter.update(observation, exact_camera(SE3d()));
+    smoother.update(observation, exact_camera(SE3d()));
     const auto world = filter.estimate().hypotheses.front().world;
     result.filtered.add(world.mean(), *reference[i].pose);
-    const Vector6d z = (*reference[i].pose * world.mean().inverse()).log();
-    result.nees +=
-        z.dot(world.covariance().inverse() * z) / 6.0 / static_cast<double>(measured.size());
+    result.nees += share * nees_of(world, *reference[i].pose);
     std::size_t later = i + 1;
     while (later < measured.size() && measured[later].stamp < measured[i].stamp + 0.085) ++later;
     if (later == measured.size() || measured[later].stamp > measured[i].stamp + 0.115) continue;
     const auto ahead = filter.estimate_at(measured[later].stamp).hypotheses.front().world;
     result.predicted.add(ahead.mean(), *reference[later].pose);
     result.held.add(*measured[i].pose, *reference[later].pose);
+  }
+  const std::vector<MovingObjectEstimate> smoothed = smoother.smoothed();
+  for (std::size_t i = 0; i < measured.size(); ++i) {
+    const auto& world = smoothed[i].hypotheses.front().world;
+    result.smoothed.add(world.mean(), *reference[i].pose);
+    result.smoothed_nees += share * nees_of(world, *reference[i].pose);
   }
   return result;
 }
@@ -112,17 +126,23 @@ TEST(MovingBoard, IsFilteredBelowTheErrorsOfItsMeasurements) {
   const BoardRun result = run(default_detector_noise(), measured, reference);
   raw.record("measured");
   result.filtered.record("filtered");
+  result.smoothed.record("smoothed");
   result.predicted.record("predicted");
   result.held.record("held");
   RecordProperty("nees", fmt::format("{:.2f}", result.nees));
   for (const auto& part : {&Errors::degrees, &Errors::board_mm, &Errors::camera_mm}) {
     EXPECT_LT(median(result.filtered.*part), median(raw.*part));
     EXPECT_LT(quantile(result.filtered.*part, 0.99), quantile(raw.*part, 0.99));
+    EXPECT_LT(median(result.smoothed.*part), median(result.filtered.*part));
+    EXPECT_LT(quantile(result.smoothed.*part, 0.99), quantile(result.filtered.*part, 0.99));
   }
   EXPECT_LT(median(result.predicted.degrees), median(result.held.degrees));
   EXPECT_LT(median(result.predicted.board_mm), median(result.held.board_mm));
   EXPECT_GT(result.nees, 0.5);
   EXPECT_LT(result.nees, 2.0);
+  RecordProperty("smoothed_nees", fmt::format("{:.2f}", result.smoothed_nees));
+  EXPECT_GT(result.smoothed_nees, 0.5);
+  EXPECT_LT(result.smoothed_nees, 2.0);
 }
 
 TEST(MovingBoard, IsFilteredAsWellWithHalfTurnsInRuns) {
@@ -141,12 +161,15 @@ TEST(MovingBoard, IsFilteredAsWellWithHalfTurnsInRuns) {
   }
   const BoardRun result = run(noise_with_half_turns(), measured, reference);
   result.filtered.record("filtered");
+  result.smoothed.record("smoothed");
   RecordProperty("turned", count);
   RecordProperty("nees", fmt::format("{:.2f}", result.nees));
   EXPECT_GT(count, 100);
   for (const auto& part : {&Errors::degrees, &Errors::board_mm, &Errors::camera_mm}) {
     EXPECT_LT(median(result.filtered.*part), 1.1 * median(plain.filtered.*part));
     EXPECT_LT(quantile(result.filtered.*part, 0.99), 1.1 * quantile(plain.filtered.*part, 0.99));
+    EXPECT_LT(median(result.smoothed.*part), 1.1 * median(plain.smoothed.*part));
+    EXPECT_LT(quantile(result.smoothed.*part, 0.99), 1.1 * quantile(plain.smoothed.*part, 0.99));
   }
 }
 

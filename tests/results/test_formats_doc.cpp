@@ -149,7 +149,7 @@ TEST(FormatsDocument, DefaultsOfTheMotion) {
             fmt::format("{}, at {:g} m", noise(at_scene), kDefaultSceneDistance));
   EXPECT_LT((at_scene.covariance - Matrix6d(at_scene.covariance.diagonal().asDiagonal())).norm(),
             1e-20);
-  EXPECT_EQ(documented("noise", "of the odometry, or of the pose"), noise(s.walk));
+  EXPECT_EQ(documented("noise", "of the odometry, of a given pose"), noise(s.walk));
   EXPECT_EQ(documented("motion_noise"), noise(s.motion_noise));
   EXPECT_EQ(documented("unknown_motion"), noise(s.unknown_motion));
   EXPECT_EQ(documented("frame_period_s"), fmt::format("{:g}", kFramePeriodS));

@@ -137,8 +137,9 @@ TEST(ReportTrace, HoldsExistenceAndHealth) {
     for (std::size_t k = 0; k < kSmallFrames; ++k) {
       const json& existence = object["existence"][k];
       EXPECT_EQ(packed.masked(prefix + "/mask", k, 6), !existence.is_null());
-      if (!existence.is_null())
+      if (!existence.is_null()) {
         EXPECT_NEAR(packed[prefix + "/existence"][k][0], existence.get<double>(), 0.51 / 65535.0);
+      }
       const auto health = static_cast<std::size_t>(packed[prefix + "/health"][k][0]);
       EXPECT_EQ(report["trace"]["healths"][health], object["health"][k]);
       EXPECT_EQ(packed[prefix + "/register_again"][k][0] == 1.0, object["register_again"][k]);

@@ -164,8 +164,9 @@ TEST(Results, TheMultiObjectFilterWritesExistenceAndHealth) {
   for (std::size_t k = 0; k < kSmallFrames; ++k) {
     const ObjectEstimate estimate = all.slam->frames[k].object("mug");
     EXPECT_EQ(mug["existence"][k].is_null(), !estimate.existence) << k;
-    if (estimate.existence)
+    if (estimate.existence) {
       EXPECT_NEAR(mug["existence"][k].get<double>(), *estimate.existence, 1e-6);
+    }
     EXPECT_EQ(mug["health"][k], word_of(estimate.health)) << k;
     EXPECT_EQ(mug["register_again"][k], estimate.register_again) << k;
     frames[mug["health"][k]] += 1.0;

@@ -234,17 +234,17 @@ TEST(SimulationScenes, ErrorsNameFileLineAndKey) {
   };
   expect("set_up = \"still\"", "set_up = \"fixed\"", "sim.toml:4: key 'camera.set_up'");
   expect("width_px = 320", "width = 320", "sim.toml:5: ");
-  expect("velocity_m_s", "velocity", "sim.toml:13: ");
+  expect("velocity_m_s", "velocity", "sim.toml:14: ");
   expect("times_s = [1, 3.5]", "times_s = []",
-         "sim.toml:37: key 'objects[1].pick_and_place[0].times_s'");
+         "sim.toml:38: key 'objects[1].pick_and_place[0].times_s'");
   expect("rate_per_s = 0.5", "rate_per_s = 0",
-         "sim.toml:47: key 'objects[2].put_down[0].rate_per_s'");
+         "sim.toml:48: key 'objects[2].put_down[0].rate_per_s'");
   expect("rate_per_s = 0.5", "lift_m = 1", "times_s' is expected, or rate_per_s");
   expect("frame = \"hand\"", "frame = \"claw\"", "object 'mug': it is held by 'claw'");
   expect("stop_s = 2\nreach_m", "stop_s = 2.5\nreach_m", "motion 'held' starts at 2 s");
-  expect("name = \"hand\"", "name = \"a b\"", "sim.toml:51: key 'frames[0].name'");
+  expect("name = \"hand\"", "name = \"a b\"", "sim.toml:52: key 'frames[0].name'");
   expect("rate_per_image = 0.3", "rate_per_image = -1",
-         "sim.toml:57: key 'clutter[0].rate_per_image'");
+         "sim.toml:58: key 'clutter[0].rate_per_image'");
   expect("class = \"cup\"\nrate", "class = \"can\"\nrate", "no object has that class");
 }
 

@@ -18,8 +18,9 @@ TEST(SimulationFrames, AFrameHoldsAnObjectAndHandsItOver) {
   SimulationObject object = mug();
   object.held = {{"gripper", 2.0, 4.0}, {"hand", 4.0, 6.0}};
   SimulationConfig config = moving(object, 8.0);
-  config.frames = {{"gripper", {{1.0, {{0, 0, 0.3}, {}}}, {5.0, {{0.2, 0.1, 0.3}, {0.5, 0, 0}}}}},
-                   {"hand", {{3.0, {{0.4, 0, 0.2}, {}}}, {7.0, {{0.4, 0.3, 0.1}, {0, 0, 1.5}}}}}};
+  config.frames = {
+      {"gripper", {{1.0, {{0, 0, 0.3}, {0, 0, 0}}}, {5.0, {{0.2, 0.1, 0.3}, {0.5, 0, 0}}}}},
+      {"hand", {{3.0, {{0.4, 0, 0.2}, {0, 0, 0}}}, {7.0, {{0.4, 0.3, 0.1}, {0, 0, 1.5}}}}}};
   const SimulatedSequence simulated = simulate(config, 3);
   const auto grip = [&](std::size_t frame, double time_s) {
     const std::size_t k = frame_at(time_s);

@@ -163,7 +163,8 @@ TEST(SimulationMotion, MovesComeAtTheirRateWithinTheArea) {
 
 TEST(SimulationMotion, AnObjectThatIsPutDownIsHiddenInBetween) {
   SimulationObject object = mug();
-  object.put_down = {{.moves = {.times_s = {2.0}, .places = {{{0.3, 0, 0}, {}}}}, .hidden_s = 1.0}};
+  object.put_down = {
+      {.moves = {.times_s = {2.0}, .places = {{{0.3, 0, 0}, {0, 0, 0}}}}, .hidden_s = 1.0}};
   const SimulatedSequence simulated = simulate(moving(object, 5.0), 1);
   const SimulatedObject& result = simulated.objects[0];
   for (std::size_t k = 0; k < result.detections.size(); ++k) {

@@ -141,7 +141,7 @@ TEST(SimulationSightings, FalseDetectionsHaveTheirRateAndAreAnywhereInTheView) {
 TEST(SimulationSightings, RecurringPlacesHaveRunsOfTheirOwn) {
   SimulationConfig config = config_with({cup("a")}, 20'000);
   config.clutter = {{.class_id = "cup",
-                     .places = {{{0.2, 0.2, 0.05}, {0, 0, 1}}, {{-0.2, 0.2, 0.05}, {}}},
+                     .places = {{{0.2, 0.2, 0.05}, {0, 0, 1}}, {{-0.2, 0.2, 0.05}, {0, 0, 0}}},
                      .runs = {0.2, 1.0},
                      .sd = small_sd()}};
   const SimulatedSequence simulated = simulate(config, 4);

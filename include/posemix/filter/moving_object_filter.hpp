@@ -202,6 +202,8 @@ class MovingObjectFilter {
   const MovingObjectSettings& settings() const;
 
  private:
+  friend class MovingObjectSmoother;
+
   std::unique_ptr<internal::MovingObjectState> state_;
 };
 

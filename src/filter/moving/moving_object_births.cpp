@@ -75,21 +75,54 @@ MovingHypothesis* MovingObjectState::explaining(const Evidence& evidence, std::s
 
 /// Eq. (15): the weights, by model and mode, of the case that a component of the observation shows
 /// the object at a place that no hypothesis has: anywhere, or turned where it was.
-Eigen::ArrayXXd MovingObjectState::begun_by(const MovingObservation& observation,
-                                            const Evidence& evidence, double peak,
-                                            std::size_t component) const {
+Eigen::ArrayXXd MovingObjectState::begun_from_lost(const MovingObservation& observation,
+                                                   double peak, std::size_t component) const {
   const double volume = sensor().noise.clutter().volume_m3;
   Eigen::ArrayXXd part = lost_.right;
-  for (std::size_t k = 0; k < model_count(); ++k) {
-    const auto row = static_cast<Eigen::Index>(k);
-    part.row(row) *= std::exp(-peak - std::log(8.0 * std::numbers::pi * std::numbers::pi *
-                                               volume_of(models_.models[k], volume)));
-    for (std::size_t h = 0; h < evidence.size(); ++h)
-      part.row(row) +=
-          std::exp(evidence[h][k].log_here[component] - peak) * hypotheses_[h].turned.row(row);
-  }
+  for (std::size_t k = 0; k < model_count(); ++k)
+    part.row(static_cast<Eigen::Index>(k)) *=
+        std::exp(-peak - std::log(8.0 * std::numbers::pi * std::numbers::pi *
+                                  volume_of(models_.models[k], volume)));
   const WrongShares wrong = wrong_shares(observation.clutter, settings_.isolated_clutter);
   return (1.0 - wrong.alone) * observation.weighed.components[component].weight * part;
+}
+
+Eigen::ArrayXXd MovingObjectState::begun_by_turn(const MovingObservation& observation,
+                                                 const Evidence& evidence, double peak,
+                                                 std::size_t component,
+                                                 std::size_t hypothesis) const {
+  Eigen::ArrayXXd part = hypotheses_[hypothesis].turned;
+  for (std::size_t k = 0; k < model_count(); ++k)
+    part.row(static_cast<Eigen::Index>(k)) *=
+        std::exp(evidence[hypothesis][k].log_here[component] - peak);
+  const WrongShares wrong = wrong_shares(observation.clutter, settings_.isolated_clutter);
+  return (1.0 - wrong.alone) * observation.weighed.components[component].weight * part;
+}
+
+/// What a component of the observation begins, of every mode, from where.
+Arrival MovingObjectState::arrival(const MovingObservation& observation, const Evidence& evidence,
+                                   double peak, std::size_t component) const {
+  Arrival result{.from_lost = begun_from_lost(observation, peak, component)};
+  result.weight = result.from_lost;
+  for (std::size_t h = 0; h < evidence.size(); ++h) {
+    Eigen::ArrayXXd turned = begun_by_turn(observation, evidence, peak, component, h);
+    result.weight += turned;
+    if (trace_) result.turned.emplace_back(hypotheses_[h].id, std::move(turned));
+  }
+  return result;
+}
+
+/// Notes where the weight of a hypothesis came from, in one mode or in all.
+void MovingObjectState::trace_arrival(const Arrival& all, std::uint64_t id,
+                                      std::optional<std::size_t> mode) {
+  if (!trace_) return;
+  const auto of = [&](const Eigen::ArrayXXd& weights) -> Eigen::ArrayXXd {
+    return mode ? Eigen::ArrayXXd(weights.col(static_cast<Eigen::Index>(*mode)))
+                : Eigen::ArrayXXd(weights.rowwise().sum());
+  };
+  Arrival entry{.id = id, .weight = of(all.weight), .from_lost = of(all.from_lost)};
+  for (const auto& [from, weights] : all.turned) entry.turned.emplace_back(from, of(weights));
+  trace_->arrivals.push_back(std::move(entry));
 }
 
 /// Births at components that no hypothesis explains, one for each mode of the noise. Returns the
@@ -102,9 +135,11 @@ std::vector<std::uint64_t> MovingObjectState::begin(const MovingObservation& obs
   for (const MovingHypothesis& hypothesis : hypotheses_) of_others += hypothesis.weights.total();
   std::vector<std::uint64_t> places;
   for (std::size_t i = 0; i < observation.weighed.components.size(); ++i) {
-    const Eigen::ArrayXXd part = begun_by(observation, evidence, peak, i);
+    const Arrival all = arrival(observation, evidence, peak, i);
+    const Eigen::ArrayXXd& part = all.weight;
     if (MovingHypothesis* nearest = explaining(evidence, i)) {
       nearest->weights.right += part;
+      trace_arrival(all, nearest->id, std::nullopt);
       places.push_back(nearest->id);
       continue;
     }
@@ -115,6 +150,7 @@ std::vector<std::uint64_t> MovingObjectState::begin(const MovingObservation& obs
       births.push_back(birth(observation.weighed.components[i], m, observation.camera));
       births.back().id = next_id_++;
       births.back().weights.right.col(column) = part.col(column);
+      trace_arrival(all, births.back().id, m);
       if (m == 0) places.back() = births.back().id;
     }
   }

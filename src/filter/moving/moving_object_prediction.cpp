@@ -74,47 +74,63 @@ std::size_t MovingObjectState::frames_needed() const {
   return needed;
 }
 
-/// Eq. (8): the Gaussian of every model becomes the mixture of those that it may come from. One
-/// that is taken up or put down by a frame gets the error of the frame's pose.
-void MovingObjectState::mix(MovingHypothesis& hypothesis, const Eigen::MatrixXd& transition) const {
+/// The Gaussian of a model as one of another. An object that is taken up or put down by a frame
+/// gets the error of the frame's pose.
+PlacedObject MovingObjectState::as_of_model(const PlacedObject& object, std::size_t from,
+                                            std::size_t to, Matrix12d& jacobian) const {
+  PlacedObject result = object;
+  result.set_motion(
+      as_state_of(object.motion_state(), models_.models[from], models_.models[to], &jacobian),
+      jacobian);
+  for (const KnownFrame* frame : {frame_of(from), frame_of(to)}) {
+    if (frame) result.covariance.topLeftCorner<6, 6>() += frame->covariance;
+  }
+  return result;
+}
+
+/// Eq. (8): the Gaussian of every model becomes the mixture of those that it may come from.
+std::vector<PlacedObject> MovingObjectState::mixed_models(const MovingHypothesis& hypothesis,
+                                                          const Eigen::MatrixXd& transition) const {
   const Eigen::ArrayXd before = hypothesis.weights.by_model();
   const double total = before.sum();
   std::vector<PlacedObject> after;
+  after.reserve(model_count());
+  std::vector<PlacedObject> others;
+  std::vector<WeightedObject> parts;
+  others.reserve(model_count());
   for (std::size_t k = 0; k < model_count(); ++k) {
-    std::vector<PlacedObject> sources;
-    std::vector<double> weights;
+    others.clear();
+    parts.clear();
     for (std::size_t l = 0; l < model_count(); ++l) {
       const auto row = static_cast<Eigen::Index>(l);
       const double weight = before[row] * transition(row, static_cast<Eigen::Index>(k));
       if (!(weight > kLeastPart * total) && l != k) continue;
-      sources.push_back(hypothesis.objects[l]);
-      weights.push_back(weight);
-      if (l == k) continue;
-      Matrix12d jacobian;
-      const MotionState state = as_state_of(sources.back().motion_state(), models_.models[l],
-                                            models_.models[k], &jacobian);
-      sources.back().set_motion(state, jacobian);
-      for (const KnownFrame* frame : {frame_of(l), frame_of(k)}) {
-        if (frame) sources.back().covariance.topLeftCorner<6, 6>() += frame->covariance;
+      const PlacedObject* source = &hypothesis.objects[l];
+      if (l != k) {
+        Matrix12d jacobian;
+        others.push_back(as_of_model(*source, l, k, jacobian));
+        source = &others.back();
       }
+      parts.push_back({std::max(weight, 1e-300), source});
     }
-    std::vector<WeightedObject> parts;
-    for (std::size_t i = 0; i < sources.size(); ++i)
-      parts.push_back({std::max(weights[i], 1e-300), &sources[i]});
     after.push_back(mixed(parts));
   }
-  hypothesis.objects = std::move(after);
-  hypothesis.weights.change_models(transition);
+  return after;
 }
 
-/// Eq. (9): jumps, and what no model describes.
-void MovingObjectState::leak(double dt) {
+Eigen::ArrayXd MovingObjectState::gone_in(double dt) const {
   Eigen::ArrayXd gone(static_cast<Eigen::Index>(model_count()));
   for (std::size_t k = 0; k < model_count(); ++k)
     gone[static_cast<Eigen::Index>(k)] =
         -std::expm1(-(std::visit(JumpRate{}, models_.models[k]) +
                       0.5 * std::visit(BreakRate{}, models_.models[k]) + settings_.lost_rate) *
                     dt);
+  return gone;
+}
+
+/// Eq. (9): jumps, and what no model describes.
+void MovingObjectState::leak(double dt) {
+  const Eigen::ArrayXd gone = gone_in(dt);
   for (MovingHypothesis& hypothesis : hypotheses_) {
     ModeWeights part = hypothesis.weights;
     part.scale(gone);
@@ -124,31 +140,45 @@ void MovingObjectState::leak(double dt) {
   }
 }
 
+Eigen::MatrixXd MovingObjectState::transition_over(double dt) const {
+  return transition_of(generator_, dt);
+}
+
+std::vector<SE3d> MovingObjectState::frame_motions(const std::vector<KnownFrame>& later) const {
+  std::vector<SE3d> moved(std::max(later.size(), frames_.size()));
+  for (std::size_t i = 0; i < std::min(later.size(), frames_.size()); ++i)
+    moved[i] = later[i].pose * frames_[i].pose.inverse();
+  return moved;
+}
+
+MotionPrediction MovingObjectState::predicted(const PlacedObject& object, std::size_t model,
+                                              double dt, const std::vector<SE3d>& moved) const {
+  const auto* attached = std::get_if<AttachedMotion>(&models_.models[model]);
+  return posemix::predict(object.motion_state(), models_.models[model], dt,
+                          attached && frame_of(model) ? moved[attached->frame] : SE3d());
+}
+
 void MovingObjectState::advance(double time_s, const std::vector<KnownFrame>& frames) {
   const double dt = time_s_ ? time_s - *time_s_ : 0.0;
-  std::vector<SE3d> moved(std::max(frames.size(), frames_.size()));
-  for (std::size_t i = 0; i < std::min(frames.size(), frames_.size()); ++i)
-    moved[i] = frames[i].pose * frames_[i].pose.inverse();
   if (dt > 0.0) {
-    const Eigen::MatrixXd transition = transition_of(generator_, dt);
+    const std::vector<SE3d> moved = frame_motions(frames);
+    const bool changes = model_count() > 1;
+    const Eigen::MatrixXd transition = changes ? transition_over(dt) : Eigen::MatrixXd();
     for (MovingHypothesis& hypothesis : hypotheses_) {
-      if (model_count() > 1) mix(hypothesis, transition);
+      if (changes) {
+        hypothesis.objects = mixed_models(hypothesis, transition);
+        hypothesis.weights.change_models(transition);
+      }
       for (std::size_t k = 0; k < model_count(); ++k) {
-        const auto* attached = std::get_if<AttachedMotion>(&models_.models[k]);
-        internal::predict(hypothesis.objects[k], models_.models[k], dt,
-                          attached && frame_of(k) ? moved[attached->frame] : SE3d());
+        const MotionPrediction next = predicted(hypothesis.objects[k], k, dt, moved);
+        hypothesis.objects[k].set_motion(next.state, next.jacobian);
       }
     }
-    if (model_count() > 1) lost_.change_models(transition);
+    if (changes) lost_.change_models(transition);
     leak(dt);
   }
-  for (std::size_t i = 0; i < frames.size(); ++i) {
-    if (i < frames_.size()) {
-      frames_[i] = frames[i];
-    } else {
-      frames_.push_back(frames[i]);
-    }
-  }
+  frames_.resize(std::max(frames_.size(), frames.size()));
+  std::copy(frames.begin(), frames.end(), frames_.begin());
   time_s_ = time_s;
 }
 
@@ -179,8 +209,10 @@ void MovingObjectState::decay_slow_errors(const KnownFrame& camera, double dt) {
     const SE3d now = camera.pose.inverse() * hypothesis.objects[hypothesis.best_model()].pose;
     if (slow) {
       const double turned = hypothesis.seen_from ? view_angle(*hypothesis.seen_from, now) : 0.0;
+      const double correlation = slow->correlation(dt, turned);
+      if (trace_) trace_->correlation.emplace_back(hypothesis.id, correlation);
       for (PlacedObject& object : hypothesis.objects)
-        decay_slow(object, slow->correlation(dt, turned), *sensor().slow_covariance());
+        decay_slow(object, correlation, *sensor().slow_covariance());
     }
     hypothesis.seen_from = now;
   }

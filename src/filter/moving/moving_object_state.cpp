@@ -121,6 +121,7 @@ std::size_t MovingObjectState::merge() {
       first.weights.add(second.weights);
       const std::uint64_t gone = second.id;
       const std::uint64_t kept = first.id;
+      if (trace_) trace_->merged.emplace_back(gone, kept);
       hypotheses_.erase(hypotheses_.begin() + static_cast<std::ptrdiff_t>(b));
       for (MovingHypothesis& hypothesis : hypotheses_)
         hypothesis.weights.redirect(gone, kept, hypothesis.id == kept);

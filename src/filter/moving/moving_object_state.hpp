@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "detector_modes.hpp"
@@ -41,6 +42,43 @@ struct MovingObservation {
   Eigen::ArrayXd turned;
 };
 
+/// Weight that a hypothesis gains at an observation from other cases than itself, models x modes;
+/// one column where modes are summed.
+struct Arrival {
+  std::uint64_t id = 0;
+  Eigen::ArrayXXd weight = {};     ///< all of it
+  Eigen::ArrayXXd from_lost = {};  ///< the place was not known
+  /// The object was at the place of a hypothesis, of which this is the id, and has been turned.
+  std::vector<std::pair<std::uint64_t, Eigen::ArrayXXd>> turned = {};
+};
+
+/// What a backward pass must know of one update besides the posteriors before and after it.
+struct StepTrace {
+  /// By hypothesis, the weights after the observation and before merges, by model.
+  std::vector<std::pair<std::uint64_t, Eigen::ArrayXd>> weights = {};
+  std::vector<Arrival> arrivals = {};
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> merged = {};  ///< ids: gone, and kept
+  /// Of the slow error over the step, by hypothesis.
+  std::vector<std::pair<std::uint64_t, double>> correlation = {};
+  Vector6d slow_factor = Vector6d::Ones();  ///< of the scale of the slow error, learned
+  KnownFrame camera = {};
+};
+
+/// The hypotheses and the case that the place is not known.
+struct MovingBelief {
+  std::vector<MovingHypothesis> hypotheses;
+  ModeWeights lost;
+};
+
+/// The posterior after an observation, and how it came about.
+struct StepRecord {
+  double time_s;
+  MovingBelief belief;
+  std::vector<KnownFrame> frames;
+  Matrix6d constant;
+  StepTrace trace;
+};
+
 class MovingObjectState {
  public:
   MovingObjectState(ObjectSensor sensor, MotionModels models, const MovingObjectSettings& settings);
@@ -69,13 +107,33 @@ class MovingObjectState {
   /// Number of frames that the models name.
   std::size_t frames_needed() const;
 
+  /// From now on updates leave a trace.
+  void trace() { trace_.emplace(); }
+  /// The posterior, with the trace of the last update.
+  StepRecord record() const;
+  /// The posterior becomes that of a record, with the hypotheses and weights of `belief`.
+  void restore(const StepRecord& record, const MovingBelief& belief);
+  /// Given all that comes later, the belief at the time of this posterior from that at the time of
+  /// the next record: docs/moving-objects.md, "Looking ahead".
+  MovingBelief pulled_back(const StepRecord& next, const MovingBelief& after) const;
+
  private:
   using Evidence = std::vector<std::vector<ModeEvidence>>;  ///< by hypothesis and model
 
   std::size_t model_count() const { return models_.models.size(); }
   /// The frame that holds the object by a model; none for models without.
   const KnownFrame* frame_of(std::size_t model) const;
-  void mix(MovingHypothesis& hypothesis, const Eigen::MatrixXd& transition) const;
+  PlacedObject as_of_model(const PlacedObject& object, std::size_t from, std::size_t to,
+                           Matrix12d& jacobian) const;
+  std::vector<PlacedObject> mixed_models(const MovingHypothesis& hypothesis,
+                                         const Eigen::MatrixXd& transition) const;
+  /// Motions of the frames up to a later time.
+  std::vector<SE3d> frame_motions(const std::vector<KnownFrame>& later) const;
+  MotionPrediction predicted(const PlacedObject& object, std::size_t model, double dt,
+                             const std::vector<SE3d>& moved) const;
+  Eigen::MatrixXd transition_over(double dt) const;
+  /// Probability, by model, that the place is not known any more after so many seconds.
+  Eigen::ArrayXd gone_in(double dt) const;
   void leak(double dt);
   /// Probability, by model, of a turn to any orientation in so many seconds.
   Eigen::ArrayXd turned_in(double dt) const;
@@ -106,8 +164,14 @@ class MovingObjectState {
   MovingHypothesis birth(const ObservationComponent& seen, std::size_t mode,
                          const KnownFrame& camera) const;
   MovingHypothesis* explaining(const Evidence& evidence, std::size_t component);
-  Eigen::ArrayXXd begun_by(const MovingObservation& observation, const Evidence& evidence,
-                           double peak, std::size_t component) const;
+  Eigen::ArrayXXd begun_from_lost(const MovingObservation& observation, double peak,
+                                  std::size_t component) const;
+  Eigen::ArrayXXd begun_by_turn(const MovingObservation& observation, const Evidence& evidence,
+                                double peak, std::size_t component, std::size_t hypothesis) const;
+  Arrival arrival(const MovingObservation& observation, const Evidence& evidence, double peak,
+                  std::size_t component) const;
+  void trace_arrival(const Arrival& all, std::uint64_t id, std::optional<std::size_t> mode);
+  void trace_weights(const std::vector<MovingHypothesis>& births);
   std::vector<std::uint64_t> begin(const MovingObservation& observation, const Evidence& evidence,
                                    double peak, std::vector<MovingHypothesis>& births);
   void place_runs(const MovingObservation& observation, const std::vector<std::uint64_t>& places,
@@ -123,6 +187,21 @@ class MovingObjectState {
   void describe(const ModeEvidence& seen, MovingObjectReport& report) const;
   void weigh_lost(const MovingObservation& observation, const std::vector<double>& places,
                   double peak);
+  /// A part of a hypothesis that moved by a model, given all that comes later.
+  struct SmoothedPart {
+    std::size_t model;
+    double weight;
+    PlacedObject object;
+  };
+  PlacedObject smoothed_mixture(const PlacedObject& mixed, std::size_t model,
+                                const MovingHypothesis& hypothesis, const StepRecord& next,
+                                PlacedObject smoothed) const;
+  void split_models(const MovingHypothesis& hypothesis, const Eigen::ArrayXd& sources,
+                    const PlacedObject& mixed, const PlacedObject& smoothed, std::size_t k,
+                    double weight, std::vector<SmoothedPart>& parts) const;
+  void merge_parts(const std::vector<SmoothedPart>& parts, MovingHypothesis& hypothesis) const;
+  /// Factors on the gain: slow errors of a typical noise are only considered.
+  Vector18d gain_factors() const;
   double normalise();
   std::size_t merge();
   void keep_heaviest();
@@ -152,6 +231,7 @@ class MovingObjectState {
   std::optional<double> seen_s_;  ///< time of the last observation
   std::uint64_t observations_ = 0;
   std::uint64_t next_id_ = 1;
+  std::optional<StepTrace> trace_;
 };
 
 }  // namespace posemix::internal

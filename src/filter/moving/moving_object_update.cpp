@@ -59,8 +59,7 @@ std::vector<double> MovingObjectState::place_evidence(const Evidence& evidence) 
 /// and one that tells nothing. The weights of the innovations are probabilities by now.
 void MovingObjectState::move(PlacedObject& object, std::size_t model,
                              const ModeEvidence& evidence) const {
-  Vector18d gain = Vector18d::Ones();
-  if (sensor().noise.dependence().is_typical) gain.tail<6>().setConstant(settings_.slow_error_gain);
+  const Vector18d gain = gain_factors();
   const Matrix18d before = object.covariance;
   Vector18d mean;
   GaussianUpdate<Vector18d, Matrix18d> update(gain, mean, object.covariance);
@@ -94,43 +93,6 @@ void MovingObjectState::make_probabilities(const std::vector<double>& of_mode, d
     innovations[i].weight =
         of_mode[m] > 0.0 ? innovations[i].weight / within[m] * of_mode[m] * scale : 0.0;
   }
-}
-
-/// Density of the observation, over that of `peak`, at the place of the hypothesis with the id;
-/// `elsewhere` where there is none.
-double MovingObjectState::density_at(std::uint64_t place, const std::vector<double>& places,
-                                     double peak, double elsewhere) const {
-  for (std::size_t h = 0; h < places.size(); ++h)
-    if (hypotheses_[h].id == place) return std::exp(places[h] - peak);
-  return elsewhere;
-}
-
-/// Eq. (11) for one model of a hypothesis while the detector is in a run: the sum of the weights,
-/// and that of the run that began.
-double MovingObjectState::weigh_runs(ModeWeights& weights, Eigen::Index row,
-                                     const ModeEvidence& seen, const RunEvidence& given,
-                                     double& begun) const {
-  const double wrong_density = std::exp(seen.log_wrong - given.peak);
-  double total = 0.0;
-  for (std::size_t r = 0; r < weights.runs.size(); ++r) {
-    WrongRun& run = weights.runs[r];
-    double& weight = run.weight[row];
-    double density = wrong_density;
-    if (run.place != kAnyPlace) {
-      density = density_at(run.place, given.places, given.peak, wrong_density) *
-                (seen.turned * given.kept[r] + 1.0 - seen.turned);
-    }
-    const double in_run = weight * (1.0 - given.wrong.alone) * density;
-    const double alone = weight * given.wrong.alone * wrong_density;
-    total += in_run + alone;
-    if (run.place == kAnyPlace) {
-      begun = in_run;
-      weight = alone;
-    } else {
-      weight = in_run + alone;
-    }
-  }
-  return total;
 }
 
 /// Eq. (11) for one hypothesis, then its Gaussians move.
@@ -172,64 +134,6 @@ Eigen::ArrayXd MovingObjectState::weigh_and_move(MovingHypothesis& hypothesis,
   return begun;
 }
 
-/// Eq. (10), and the part that was turned since the last observation.
-void MovingObjectState::draw_modes(MovingHypothesis& hypothesis,
-                                   const MovingObservation& observation) const {
-  const WrongShares wrong = wrong_shares(observation.clutter, settings_.isolated_clutter);
-  ModeWeights& weights = hypothesis.weights;
-  weights.draw_modes(observation.stay, modes_, wrong.in_run, settings_.recurring_clutter,
-                     places_but(hypothesis.id));
-  hypothesis.turned = weights.right.colwise() * observation.turned;
-  weights.right -= hypothesis.turned;
-}
-
-std::vector<double> MovingObjectState::keep_offsets(MovingHypothesis& hypothesis) const {
-  std::vector<double> ratios;
-  const PlacedObject& own = hypothesis.objects[hypothesis.best_model()];
-  for (WrongRun& run : hypothesis.weights.runs) {
-    ratios.push_back(1.0);
-    const auto place =
-        std::find_if(hypotheses_.begin(), hypotheses_.end(),
-                     [&](const MovingHypothesis& other) { return other.id == run.place; });
-    if (place == hypotheses_.end() || !sensor().symmetries.axes().empty()) continue;
-    const PlacedObject& other = place->objects[place->best_model()];
-    const Eigen::Matrix3d covariance =
-        own.covariance.topLeftCorner<3, 3>() + other.covariance.topLeftCorner<3, 3>();
-    if (!run.offset) {
-      run.offset = own.pose.rotation().inverse() * other.pose.rotation();
-      run.offset_covariance = covariance;
-      continue;
-    }
-    const Eigen::Vector3d turned =
-        (other.pose.rotation() * (own.pose.rotation() * *run.offset).inverse()).log();
-    const Eigen::Matrix3d both = covariance + run.offset_covariance;
-    const double log_kept = -0.5 * turned.dot(Eigen::LLT<Eigen::Matrix3d>(both).solve(turned));
-    ratios.back() = std::exp(log_kept - run.log_kept);
-    run.log_kept = log_kept;
-  }
-  return ratios;
-}
-
-std::vector<std::uint64_t> MovingObjectState::places_but(std::uint64_t own) const {
-  std::vector<std::uint64_t> places;
-  for (const MovingHypothesis& hypothesis : hypotheses_)
-    if (hypothesis.id != own) places.push_back(hypothesis.id);
-  return places;
-}
-
-/// The same for the case that the place is not known; what is right is taken by births.
-void MovingObjectState::weigh_lost(const MovingObservation& observation,
-                                   const std::vector<double>& places, double peak) {
-  const WrongShares wrong = wrong_shares(observation.clutter, settings_.isolated_clutter);
-  const double anywhere = std::exp(log_anywhere() - peak);
-  for (WrongRun& run : lost_.runs) {
-    double density = anywhere;
-    for (std::size_t h = 0; h < places.size(); ++h)
-      if (hypotheses_[h].id == run.place) density = std::exp(places[h] - peak);
-    run.weight *= (1.0 - wrong.alone) * density + wrong.alone * anywhere;
-  }
-}
-
 /// The scale of the noise is learned from the innovation of the leading hypothesis, and slow errors
 /// keep what a detection sees of them.
 void MovingObjectState::learn(const MovingHypothesis& leader, ModeEvidence& evidence,
@@ -243,6 +147,7 @@ void MovingObjectState::learn(const MovingHypothesis& leader, ModeEvidence& evid
   const DetectionUpdate update{std::move(evidence.explanation), {}};
   const Vector6d factor = detector_.learn(update, given, settings);
   if (!sensor().noise.dependence().slow || factor.isOnes(1e-12)) return;
+  if (trace_) trace_->slow_factor = factor;
   for (MovingHypothesis& hypothesis : hypotheses_)
     for (PlacedObject& object : hypothesis.objects) rescale_slow(object, sensor(), camera, factor);
 }
@@ -327,6 +232,7 @@ void MovingObjectState::describe(const ModeEvidence& seen, MovingObjectReport& r
 
 MovingObjectReport MovingObjectState::update(const Observation& given, const KnownCamera& camera) {
   const MovingObservation observation = weighed(given, camera.frame);
+  if (trace_) trace_ = StepTrace{.camera = camera.frame};
   decay_slow_errors(camera.frame, seen_s_ ? *time_s_ - *seen_s_ : 0.0);
   constant_ = camera.constant_covariance;
   seen_s_ = time_s_;
@@ -338,6 +244,7 @@ MovingObjectReport MovingObjectState::update(const Observation& given, const Kno
   MovingObjectReport report;
   report.log_evidence = take_in(observation, evidence, births);
   report.started = !births.empty();
+  trace_weights(births);
   detector_.count_detection(observation.weighed, *time_s_);
   if (const MovingHypothesis* leading = leader()) {
     const auto index = static_cast<std::size_t>(leading - hypotheses_.data());

@@ -115,14 +115,15 @@ MotionPrediction predict_velocity(const MotionState& state, const ConstantVeloci
   result.state = state;
   const LinearMotion m = linear_motion(state, motion.frame, dt, result.state.pose);
   const Matrix6d before = axes_of(motion.frame, state.pose).inverse().adjoint();
-  Matrix12d after = Matrix12d::Identity();
-  after.topLeftCorner<6, 6>() = m.axes_after.adjoint();
-  Matrix12d local = Matrix12d::Identity();
-  local.topLeftCorner<6, 6>() = m.pose * before;
-  local.topRightCorner<6, 6>() = m.twist;
-  result.jacobian = after * local;
+  const Matrix6d after = m.axes_after.adjoint();
+  result.jacobian.setIdentity();
+  result.jacobian.topLeftCorner<6, 6>() = after * Matrix6d(m.pose * before);
+  result.jacobian.topRightCorner<6, 6>() = after * m.twist;
   const double angle = dt * state.twist.head<3>().norm();
-  result.noise = after * local_noise(m, motion.acceleration_sds, dt, angle) * after.transpose();
+  const Matrix12d local = local_noise(m, motion.acceleration_sds, dt, angle);
+  const Matrix6d d = after * local.topLeftCorner<6, 6>();
+  const Matrix6d c = after * local.topRightCorner<6, 6>();
+  result.noise << d * after.transpose(), c, c.transpose(), local.bottomRightCorner<6, 6>();
   return result;
 }
 
@@ -157,6 +158,34 @@ struct Predictor {
     return result;
   }
 };
+
+/// J P J^T for a J whose lower left block is zero and whose lower right one is diagonal: products
+/// of large matrices cost much more than those of their blocks.
+Matrix12d propagated(const Matrix12d& j, const Matrix12d& p) {
+  const Matrix6d a = j.topLeftCorner<6, 6>();
+  const Matrix6d b = j.topRightCorner<6, 6>();
+  const Vector6d kept = j.bottomRightCorner<6, 6>().diagonal();
+  Matrix12d result;
+  if (b.isZero(0.0)) {
+    const Matrix6d ap = a * p.topLeftCorner<6, 6>();
+    result.topLeftCorner<6, 6>() = ap * a.transpose();
+    const Matrix6d cross = a * p.topRightCorner<6, 6>();
+    result.topRightCorner<6, 6>() = cross * kept.asDiagonal();
+  } else {
+    Matrix6d x = a * p.topLeftCorner<6, 6>();
+    x += b * p.bottomLeftCorner<6, 6>();
+    Matrix6d y = a * p.topRightCorner<6, 6>();
+    y += b * p.bottomRightCorner<6, 6>();
+    Matrix6d pose = x * a.transpose();
+    pose += y * b.transpose();
+    result.topLeftCorner<6, 6>() = pose;
+    result.topRightCorner<6, 6>() = y * kept.asDiagonal();
+  }
+  result.bottomLeftCorner<6, 6>() = result.topRightCorner<6, 6>().transpose();
+  result.bottomRightCorner<6, 6>() =
+      kept.asDiagonal() * p.bottomRightCorner<6, 6>() * kept.asDiagonal();
+  return result;
+}
 
 void check_sds(const Vector6d& sds, const char* name) {
   for (const double sd : sds) kNotNegative.check(sd, name);
@@ -209,8 +238,7 @@ MotionPrediction predict(const MotionState& state, const ObjectMotion& motion, d
           "predict: the state or the frame's motion holds a value that is not finite");
   MotionPrediction result = std::visit(Predictor{state, dt, frame_motion}, motion);
   symmetrize(result.noise);
-  result.state.covariance =
-      result.jacobian * state.covariance * result.jacobian.transpose() + result.noise;
+  result.state.covariance = propagated(result.jacobian, state.covariance) + result.noise;
   symmetrize(result.state.covariance);
   return result;
 }
@@ -223,6 +251,8 @@ MotionState as_state_of(const MotionState& state, const ObjectMotion& from, cons
   const auto* velocity = std::get_if<ConstantVelocityMotion>(&to);
   Matrix12d f = Matrix12d::Identity();
   MotionState result = state;
+  if (jacobian) *jacobian = f;
+  if (had && velocity && *had == velocity->frame) return result;
   if (!had || !velocity) f.bottomRightCorner<6, 6>().setZero();
   if (had && velocity && *had != velocity->frame) {
     const bool to_world = velocity->frame == MotionFrame::world;
@@ -236,8 +266,12 @@ MotionState as_state_of(const MotionState& state, const ObjectMotion& from, cons
                                          : Eigen::Matrix3d(turn * SO3d::hat(before));
     }
   }
-  result.covariance = f * state.covariance * f.transpose();
-  if (!had || !velocity) result.twist.setZero();
+  if (had && velocity) result.covariance = f * state.covariance * f.transpose();
+  if (!had || !velocity) {
+    result.twist.setZero();
+    result.covariance.topRightCorner<6, 6>().setZero();
+    result.covariance.bottomRows<6>().setZero();
+  }
   if (!had && velocity)
     result.covariance.bottomRightCorner<6, 6>() = variances(velocity->start_sds);
   if (jacobian) *jacobian = f;

@@ -10,17 +10,6 @@ namespace {
 /// Iterations of the mean of poses near each other; the error falls by the cube of the distance.
 constexpr int kMeanIterations = 2;
 
-/// The covariance in the tangent space at a pose that is at -d from the object's, eq. 14 of the
-/// midway-merge paper.
-Matrix18d transported(const PlacedObject& object, const Vector6d& d) {
-  Matrix18d p = object.covariance;
-  if (d.isZero(0.0)) return p;
-  const Matrix6d j = SE3d::left_jacobian_inverse(d);
-  p.topRows<6>() = (j * p.topRows<6>()).eval();
-  p.leftCols<6>() = (p.leftCols<6>() * j.transpose()).eval();
-  return p;
-}
-
 }  // namespace
 
 DetectionState PlacedObject::seen_from(const KnownFrame& camera) const {
@@ -38,7 +27,12 @@ void PlacedObject::set_motion(const MotionState& state, const Matrix12d& jacobia
   pose = state.pose;
   twist = state.twist;
   covariance.topLeftCorner<12, 12>() = state.covariance;
-  const Eigen::Matrix<double, 12, 6> cross = jacobian * covariance.topRightCorner<12, 6>();
+  if (covariance.bottomRightCorner<6, 6>().isZero(0.0)) return;
+  Eigen::Matrix<double, 12, 6> cross;
+  for (const Eigen::Index row : {0, 6}) {
+    cross.middleRows<6>(row) = jacobian.block<6, 6>(row, 0) * covariance.block<6, 6>(0, 12);
+    cross.middleRows<6>(row) += jacobian.block<6, 6>(row, 6) * covariance.block<6, 6>(6, 12);
+  }
   covariance.topRightCorner<12, 6>() = cross;
   covariance.bottomLeftCorner<6, 12>() = cross.transpose();
 }
@@ -54,6 +48,26 @@ void PlacedObject::transform(const Matrix18d& f) {
   symmetrize(covariance);
 }
 
+Vector18d PlacedObject::from(const PlacedObject& other) const {
+  Vector18d apart;
+  apart << (pose * other.pose.inverse()).log(), twist - other.twist, slow - other.slow;
+  return apart;
+}
+
+Matrix18d PlacedObject::transported(const Vector6d& distance) const {
+  Matrix18d p = covariance;
+  if (distance.isZero(0.0)) return p;
+  const Matrix6d j = SE3d::left_jacobian_inverse(distance);
+  const Matrix6d half = j * p.topLeftCorner<6, 6>();
+  p.topLeftCorner<6, 6>() = half * j.transpose();
+  for (const Eigen::Index column : {kTwistRow, kLastSlowRow}) {
+    const Matrix6d cross = j * p.block<6, 6>(0, column);
+    p.block<6, 6>(0, column) = cross;
+    p.block<6, 6>(column, 0) = cross.transpose();
+  }
+  return p;
+}
+
 PlacedObject mixed(std::span<const WeightedObject> parts) {
   const auto& heaviest = *std::max_element(
       parts.begin(), parts.end(), [](const auto& a, const auto& b) { return a.weight < b.weight; });
@@ -66,10 +80,8 @@ PlacedObject mixed(std::span<const WeightedObject> parts) {
   for (int iteration = 0; iteration < kMeanIterations; ++iteration) {
     mean.setZero();
     for (std::size_t i = 0; i < parts.size(); ++i) {
-      const PlacedObject& part = *parts[i].object;
-      from[i].head<6>() = (part.pose * result.pose.inverse()).log();
-      from[i].segment<6>(kTwistRow) = part.twist - result.twist;
-      from[i].tail<6>() = part.slow - result.slow;
+      if (iteration > 0 || parts[i].object != heaviest.object)
+        from[i] = parts[i].object->from(result);
       mean += parts[i].weight / total * from[i];
     }
     if (iteration + 1 < kMeanIterations) result.move(mean);
@@ -79,17 +91,11 @@ PlacedObject mixed(std::span<const WeightedObject> parts) {
     const Vector18d apart = from[i] - mean;
     result.covariance +=
         parts[i].weight / total *
-        (transported(*parts[i].object, from[i].head<6>()) + apart * apart.transpose());
+        (parts[i].object->transported(from[i].head<6>()) + apart * apart.transpose());
   }
   result.move(mean);
   symmetrize(result.covariance);
   return result;
-}
-
-void predict(PlacedObject& object, const ObjectMotion& motion, double dt,
-             const SE3d& frame_motion) {
-  const MotionPrediction next = posemix::predict(object.motion_state(), motion, dt, frame_motion);
-  object.set_motion(next.state, next.jacobian);
 }
 
 void decay_slow(PlacedObject& object, double correlation, const Matrix6d& stationary) {
@@ -99,8 +105,8 @@ void decay_slow(PlacedObject& object, double correlation, const Matrix6d& statio
   object.covariance.bottomRightCorner<6, 6>() += (1.0 - correlation * correlation) * stationary;
 }
 
-void rescale_slow(PlacedObject& object, const ObjectSensor& sensor, const KnownFrame& camera,
-                  const Vector6d& factor) {
+Matrix18d rescale_slow(PlacedObject& object, const ObjectSensor& sensor, const KnownFrame& camera,
+                       const Vector6d& factor) {
   const Matrix6d a =
       slow_error_map(object.seen_from(camera), sensor.noise.components().front(), sensor);
   Matrix18d f = Matrix18d::Identity();
@@ -111,6 +117,7 @@ void rescale_slow(PlacedObject& object, const ObjectSensor& sensor, const KnownF
   by.tail<6>() = (factor - Vector6d::Ones()).cwiseProduct(object.slow);
   by.head<6>() = -a * by.tail<6>();
   object.move(by);
+  return f;
 }
 
 void fix_unobserved(PlacedObject& object, const SymmetryGroup& symmetries,

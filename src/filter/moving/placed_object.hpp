@@ -33,6 +33,11 @@ struct PlacedObject {
   void move(const Vector18d& by);
   /// x <- F x about the mean, where the means of twist and slow error move with it or not.
   void transform(const Matrix18d& f);
+  /// The mean from another, in the tangent space there.
+  Vector18d from(const PlacedObject& other) const;
+  /// The covariance in the tangent space at a pose from which this one is the `distance`, eq. 14 of
+  /// the midway-merge paper.
+  Matrix18d transported(const Vector6d& distance) const;
 };
 
 /// A Gaussian and its weight in a mixture.
@@ -46,15 +51,12 @@ struct WeightedObject {
 /// mean. The weights need not be normalised.
 PlacedObject mixed(std::span<const WeightedObject> parts);
 
-/// The prediction of pose and twist by a model.
-void predict(PlacedObject& object, const ObjectMotion& motion, double dt, const SE3d& frame_motion);
-
 /// b <- a b + w with Cov w = (1 - a^2) B.
 void decay_slow(PlacedObject& object, double correlation, const Matrix6d& stationary);
 
-/// b <- f b and xi <- xi + A (1 - f) b, as ObjectBelief::rescale_slow_error.
-void rescale_slow(PlacedObject& object, const ObjectSensor& sensor, const KnownFrame& camera,
-                  const Vector6d& factor);
+/// b <- f b and xi <- xi + A (1 - f) b, as ObjectBelief::rescale_slow_error. Returns the Jacobian.
+Matrix18d rescale_slow(PlacedObject& object, const ObjectSensor& sensor, const KnownFrame& camera,
+                       const Vector6d& factor);
 
 /// The directions in which the symmetries leave pose and twist free become independent of
 /// everything, with a small variance.
