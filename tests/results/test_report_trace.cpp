@@ -148,7 +148,7 @@ TEST(ReportTrace, HoldsExistenceAndHealth) {
   EXPECT_EQ(report["trace"]["models"], json::object());
   json wrong = trace;
   wrong["objects"]["mug"]["health"][1] = "well";
-  EXPECT_INVALID_WITH(TraceFolder(wrong).report(), "mug: health[1]: got 'well'");
+  EXPECT_INVALID_WITH(TraceFolder(wrong).report(), "mug: health[1]: got \"well\"");
   wrong = trace;
   wrong["objects"]["mug"]["register_again"][0] = 1;
   EXPECT_INVALID_WITH(TraceFolder(wrong).report(), "register_again[0]");
