@@ -6,6 +6,7 @@
 #include <nanobind/stl/vector.h>
 
 #include "copies.hpp"
+#include "posemix/base/range.hpp"
 #include "posemix/slam/instance_tracks.hpp"
 #include "record.hpp"
 #include "settings.hpp"
