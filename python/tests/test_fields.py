@@ -31,6 +31,11 @@ OTHER_NAMES: dict[str, tuple[str, dict[str, tuple[str, ...]]]] = {
     ),
     "TagMap": ("TagMap", {"remaps": ()}),
     "SlamMethod": ("SlamMethod", {"restore": ()}),  # a function that files need
+    # Motions of objects and frames that hold them are a part of sequence files and the C++ library so far.
+    "FrameInput": ("FrameInput", {"frames": ()}),
+    "MultiObjectSlamSettings": ("MultiObjectSlamSettings", {"moving": ()}),
+    "ObjectModel": ("ObjectModel", {"motion": ()}),
+    "Sequence": ("Sequence", {"known_frames": ()}),
     "MergeResult": ("MergeResult", {"component": ("density", "log_weight")}),
 }
 
@@ -41,6 +46,10 @@ EMPTY = {"StaticMotion"}
 WITHOUT_CLASS = {
     "MotionPrediction": "a step of MovingObjectFilter",
     "MotionState": "a step of MovingObjectFilter",
+    "Assignment": "a step of the association of candidates",
+    "JointAssociation": "a step of the association of candidates",
+    "FrameRecording": "sequence files have the frames that hold objects",
+    "TrackedDetection": "a step of object SLAM, whose estimates have existence and health",
     "HypothesisMean": "MultiObjectFilter.hypotheses has the densities",
     "LeadingEstimate": "MultiObjectFilter.object and .relative have the densities",
     "Projection": "CameraModel.project returns pixels",

@@ -181,7 +181,7 @@ export class Trace {
   readonly camera: Estimate | undefined;
   readonly cameraHypotheses: readonly HypothesisSlot[];
   readonly objects: readonly ObjectTrack[];
-  /** Whether an object moves, or one that was seen is not confirmed for good: else there is nothing to tell of tracks. */
+  /** Whether an object moves, was lost, should be registered again, or is not good at the end: else there is nothing to tell of tracks. */
   readonly hasTracks: boolean;
 
   constructor(
@@ -222,17 +222,12 @@ export class Trace {
     return health ? (this.healths[health[frame]] ?? "") : "";
   }
 
-  private comesOrGoes({ health }: ObjectTrack): boolean {
+  private comesOrGoes({ health, registerAgain }: ObjectTrack): boolean {
     if (!health) return false;
-    let confirmed = false;
-    let seen = false;
-    for (let frame = 0; frame < this.frames; ++frame) {
-      const word = this.healths[health[frame]];
-      if (word === "lost" || word === "inconsistent" || (confirmed && word === "tentative")) return true;
-      confirmed ||= word === "good" || word === "ambiguous";
-      seen ||= word !== "none";
-    }
-    return seen && !confirmed;
+    const lost = this.healths.indexOf("lost");
+    const atLast = this.healths[health[this.frames - 1]];
+    const good = atLast === "none" || atLast === "good" || atLast === "ambiguous";
+    return !good || health.some((value) => value === lost) || (registerAgain?.some((value) => value !== 0) ?? false);
   }
 
   get hasTruth(): boolean {

@@ -15,7 +15,7 @@ const address = (folder: string) => pathToFileURL(path.resolve(inputs, folder, "
 
 test.skip(inputs === "", "POSEMIX_REPORT_INPUTS is not set: make report-test sets it");
 
-for (const [folder, kind] of [["slam", "slam"], ["joint", "slam"], ["mixture", "mixture"], ["salt-box", "salt_box"], ["study", "study"], ["consistency", "consistency"]]) {
+for (const [folder, kind] of [["slam", "slam"], ["joint", "slam"], ["moving", "slam"], ["mixture", "mixture"], ["salt-box", "salt_box"], ["study", "study"], ["consistency", "consistency"]]) {
   test(`the program's report of ${folder} loads without complaints, all tabs`, async ({ page }) => {
     const complaints = watch(page);
     await page.goto(address(folder));
@@ -33,7 +33,7 @@ function numbers(document: JsonObject): [string, unknown][] {
     value !== null && typeof value === "object" ? numbers(value as JsonObject).map(([path, number]) => [`${key}/${path}`, number]) : [[key, value]]);
 }
 
-for (const folder of ["slam", "joint"]) {
+for (const folder of ["slam", "joint", "moving"]) {
   test(`the program's report of ${folder} shows its trace`, async ({ page }) => {
     const trace = json<TraceJson>(folder, "trace.json");
     await page.goto(address(folder));
@@ -64,6 +64,26 @@ for (const folder of ["slam", "joint"]) {
   });
 }
 
+test("the program's tracks are shown where objects move, and not elsewhere", async ({ page }) => {
+  const trace = json<TraceJson>("moving", "trace.json");
+  await page.goto(address("moving"));
+  await page.waitForSelector("html[data-ready]");
+  await page.getByRole("tab", { name: "Tracks" }).click();
+  const moving = trace.order.filter((id) => trace.objects[id].model_names);
+  for (const id of moving) await expect(page.getByText(`models of motion of ${id}`)).toBeVisible();
+  expect(moving.length).toBeGreaterThan(0);
+  for (const frame of [10, 150, trace.frames - 1]) {
+    await scrub(page, frame);
+    for (const id of trace.order) {
+      const again = trace.objects[id].register_again![frame] ? ", register again" : "";
+      await expect(page.locator("#state tr", { hasText: id }).locator("td").last()).toHaveText(trace.objects[id].health![frame] + again);
+    }
+  }
+  await page.goto(address("joint"));
+  await page.waitForSelector("html[data-ready]");
+  await expect(page.getByRole("tab", { name: "Tracks" })).toHaveCount(0);
+});
+
 test("the program's meshes are drawn", async ({ page }) => {
   await page.goto(address("slam"));
   await page.waitForSelector("html[data-ready]");
@@ -79,5 +99,5 @@ test("the program's salt box has its stages in space, in their order", async ({ 
 
 test("every folder of the inputs is looked at", () => {
   const reports = readdirSync(inputs, { withFileTypes: true }).filter((entry) => entry.isDirectory() && readdirSync(path.join(inputs, entry.name)).includes("report.html"));
-  expect(reports.map(({ name }) => name).sort()).toEqual(["consistency", "joint", "mixture", "salt-box", "slam", "study"]);
+  expect(reports.map(({ name }) => name).sort()).toEqual(["consistency", "joint", "mixture", "moving", "salt-box", "slam", "study"]);
 });
