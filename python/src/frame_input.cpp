@@ -12,8 +12,10 @@ namespace posemix::python {
 
 FrameInput NamedInput::of(const std::vector<ObjectModel>& models) const {
   if (const auto* poses = std::get_if<MaybePoses>(&detections))
-    return {dt, motion, *poses, candidates, observations, images, camera};
+    return {dt, motion, *poses, candidates, observations, images, camera, frames};
   std::map<std::string, SE3d> left = std::get<0>(detections);
+  // An entry for every object is an image, even where it shows none.
+  if (left.empty()) return {dt, motion, {}, candidates, observations, images, camera, frames};
   MaybePoses poses;
   std::vector<std::string> ids;
   for (const ObjectModel& model : models) {
@@ -26,7 +28,7 @@ FrameInput NamedInput::of(const std::vector<ObjectModel>& models) const {
     throw InvalidInput(fmt::format("no object is called '{}'; expected one of {}",
                                    left.begin()->first, fmt::join(ids, ", ")));
   }
-  return {dt, motion, std::move(poses), candidates, observations, images, camera};
+  return {dt, motion, std::move(poses), candidates, observations, images, camera, frames};
 }
 
 template <>
@@ -63,7 +65,7 @@ void bind_frame_input(nb::module_& m) {
           "collections.abc.Sequence[posemix.lie.SE3 | None] | "
           "collections.abc.Mapping[str, posemix.lie.SE3] | posemix.lie.SE3",
           "T_camera_object, one entry per object model; a mapping from ids holds those that were "
-          "detected.")
+          "detected, and an empty one says nothing of an image.")
       .field("candidates", &N::candidates, "collections.abc.Sequence[Candidate]",
              "Detections that name a class, for the multi-object filter.")
       .field("observations", &N::observations, "collections.abc.Sequence[Observation]",
@@ -75,6 +77,9 @@ void bind_frame_input(nb::module_& m) {
           "and candidates: what is in view and is not detected may be gone.")
       .field("camera", &N::camera, "posemix.lie.SE3 | None",
              "T_world_camera as it is given, for `MotionModel.given`.")
+      .field("frames", &N::frames, "collections.abc.Sequence[KnownFrame | None]",
+             "T_world_frame of the frames that may hold objects, in the order of the settings, or "
+             "none at all; None: where it was.")
       .constructible(0)
       .done();
 }

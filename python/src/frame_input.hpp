@@ -23,6 +23,7 @@ struct NamedInput {
   std::vector<Observation> observations = {};
   std::vector<std::string> images = {};
   std::optional<SE3d> camera = {};
+  std::vector<std::optional<KnownFrame>> frames = {};
 
   /// @throws InvalidInput where a detection is of no object of the models
   FrameInput of(const std::vector<ObjectModel>& models) const;

@@ -60,7 +60,7 @@ sensor : ObjectSensor
 models : MotionModels, optional
     Ways in which the object may move; by default it stands still.
 settings : MovingObjectSettings, optional
-    As of `MovingObjectFilter`.
+    Settings of the filter.
 most_steps : int, optional
     Observations that are kept, the last ones; None: all. With n + 1 the first of `smoothed` is the estimate
     with a fixed lag of n observations.
@@ -82,7 +82,7 @@ models : MotionModels
 steps : sequence of MovingObjectStep
     The observations by their stamps.
 settings : MovingObjectSettings, optional
-    As of `MovingObjectFilter`.
+    Settings of the filter.
 
 Returns
 -------
@@ -101,8 +101,8 @@ Examples
 >>> steps = [MovingObjectStep(Observation([ObservationComponent(SE3(translation=[0, 0, 0.8 + 0.002 * (k % 2)]))],
 ...                                       stamp_s=0.1 * k)) for k in range(20)]
 >>> result = smooth_moving_object(ObjectSensor(), MotionModels(), steps)
->>> result.estimates[0].hypotheses[0].world.mean.translation.round(3)
-array([0.   , 0.   , 0.801])
+>>> result.estimates[0].hypotheses[0].world.mean.translation[2].round(3)
+0.801
 )";
 
 MovingObjectHypothesis blank_hypothesis() {
@@ -238,7 +238,7 @@ void bind_smoothing(nb::module_& m) {
   using P = MovingObjectStep;
   Record<P>(m, "MovingObjectStep",
             "An observation of one moving object, with what is known at its time.")
-      .field("observation", &P::observation, "Observation", "Its stamp is the time.")
+      .field("observation", &P::observation, "Observation", "Observation at the time of its stamp.")
       .field("camera", &P::camera, "KnownCamera", "T_world_camera; by default the world's frame.")
       .field("frames", &P::frames, "collections.abc.Sequence[KnownFrame]",
              "T_world_frame of those that models name.")

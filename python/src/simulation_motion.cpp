@@ -62,7 +62,7 @@ void bind_places(nb::module_& m) {
       .field("times_s", &M::times_s, "collections.abc.Sequence[float]",
              "Times of the moves; assigned as a whole [s].")
       .field("rate_per_s", &M::rate_per_s, "float",
-             "In place of times, the rate at which an object that stands is moved [1/s].")
+             "Rate, in place of times, at which an object that stands is moved [1/s].")
       .field("places", &M::places, "collections.abc.Sequence[SimulationPlace]",
              "Places in turn; empty: anywhere in the area. Assigned as a whole.")
       .field("area_m", &M::area_m, kAxes,

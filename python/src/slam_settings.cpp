@@ -118,6 +118,7 @@ void bind_slam_settings_struct(nb::module_& m) {
       .field("on_sight", &M::on_sight, "ObjectModel | None",
              "Model of objects that were not declared: an observation of an unknown id begins one; "
              "None: it is refused.")
+      .field("moving", &M::moving, "MovingObjectSettings", "Settings of objects that move.")
       .field("frames", &M::frames, "list[str]",
              "Names of the frames that may hold objects, whose poses are known.")
       .done();
@@ -155,6 +156,9 @@ void bind_slam_settings_struct(nb::module_& m) {
              "symmetries are the same; empty: the id.")
       .field("prior", &O::prior, "ObjectPrior | None",
              "Known pose of the object, for the multi-object filter.")
+      .field("motion", &O::motion, "MotionModels",
+             "Ways in which the object may move, for the multi-object filter; by default it stands "
+             "still.")
       .done();
 }
 

@@ -40,6 +40,7 @@ def test_existence_of_one_instance() -> None:
     unseen.update(px.Sighting.out_of_view, 1.0)
     assert unseen.probability == existence.probability
     for _ in range(5):
+        existence.predict(1.0)
         existence.update(px.Sighting.missed, 1.0)
     assert existence.visible_probability < 0.5 < unseen.visible_probability
     assert repr(unseen).startswith("<Existence 0.9")

@@ -31,10 +31,7 @@ OTHER_NAMES: dict[str, tuple[str, dict[str, tuple[str, ...]]]] = {
     ),
     "TagMap": ("TagMap", {"remaps": ()}),
     "SlamMethod": ("SlamMethod", {"restore": ()}),  # a function that files need
-    # Motions of objects and frames that hold them are a part of sequence files and the C++ library so far.
-    "FrameInput": ("FrameInput", {"frames": ()}),
-    "MultiObjectSlamSettings": ("MultiObjectSlamSettings", {"moving": ()}),
-    "ObjectModel": ("ObjectModel", {"motion": ()}),
+    # Recordings of frames that hold objects are a part of sequence files.
     "Sequence": ("Sequence", {"known_frames": ()}),
     "MergeResult": ("MergeResult", {"component": ("density", "log_weight")}),
 }

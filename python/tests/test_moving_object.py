@@ -104,7 +104,7 @@ def test_models_and_cameras_are_as_they_were_made() -> None:
     made = models()
     assert made == models() and pickle.loads(pickle.dumps(made)) == made
     assert isinstance(made.models[1], px.ConstantVelocityMotion)
-    assert px.StaticMotion() == px.StaticMotion() and px.MotionModels().models == [px.StaticMotion()]
+    assert px.StaticMotion() == px.StaticMotion() and list(px.MotionModels().models) == [px.StaticMotion()]
     assert len(px.calm_and_agile().models) == 2
     agile = px.calm_and_agile(px.ConstantVelocityMotion(acceleration_sds=sds(0.1, 0.2))).models[1]
     assert agile.acceleration_sds == pytest.approx(sds(0.5, 1.0))
@@ -119,3 +119,32 @@ def test_models_and_cameras_are_as_they_were_made() -> None:
     assert tracker.observation_count == 0 and twin.observation_count == 1
     with pytest.raises(ValueError, match="rates"):
         px.MovingObjectFilter(px.ObjectSensor(), px.MotionModels(models=[px.StaticMotion()], rates=np.zeros((2, 2))))
+
+
+def test_a_moving_object_in_object_slam() -> None:
+    """An object of constant velocity and one that a gripper holds, next to one that stands still."""
+    velocity = 0.1
+    held = px.MotionModels(models=[px.AttachedMotion(frame=0)])
+    settings = px.MultiObjectSlamSettings(frames=["gripper"], moving=px.MovingObjectSettings(lost_rate=1e-4))
+    objects = [
+        px.ObjectModel("plate", noise()),
+        px.ObjectModel("box", noise(), motion=px.MotionModels(models=[px.ConstantVelocityMotion()])),
+        px.ObjectModel("cup", noise(), motion=held),
+    ]
+    start = px.ConcentratedSE3(px.SE3(), px.pose_covariance(1e-3, 1e-3))
+    slam = px.ObjectSlam(start, objects, px.ObjectSlamSettings(tracker=settings))
+    for k in range(30):
+        x = velocity * 0.1 * k
+        gripper = px.SE3(translation=[0, x, 0.5])
+        seen = {
+            "plate": px.SE3(translation=[0.2, 0, 1]),
+            "box": px.SE3(translation=[x, 0, 1]),
+            "cup": gripper * px.SE3(translation=[0, 0, 0.1]),
+        }
+        estimate = slam.step(px.FrameInput(0.1, px.SE3(), seen, frames=[px.KnownFrame(gripper)]))
+    twist = estimate.object("box").twist
+    assert twist is not None and twist.mean[3] == pytest.approx(velocity, abs=0.01)
+    later = slam.object_at(1, 1.0)
+    assert later is not None and later.mean.translation[0] == pytest.approx(0.29 + velocity, abs=0.02)
+    assert estimate.object("cup").world.mean.translation[1] == pytest.approx(0.29, abs=0.01)
+    assert estimate.object("plate").twist is None

