@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "posemix/results/simulation_folder.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 
@@ -223,6 +224,27 @@ std::string object_text(const SimulationConfig& config, const SimulatedSequence&
   return text + motion_text(claimed_motion(config, settings), config);
 }
 
+/// A class with false detections has more instances than objects: one for each place that looks
+/// like an object, and three for what is anywhere. Otherwise false ones would take the place of
+/// true ones.
+std::string spare_instances_text(const SimulationConfig& config) {
+  std::map<std::string, std::size_t> spare;
+  for (const SimulationClutter& clutter : config.clutter)
+    if (!clutter.class_id.empty()) spare[clutter.class_id] += clutter.places.size() + 3;
+  std::string text;
+  for (const auto& [class_id, count] : spare) {
+    const auto first = std::ranges::find(config.objects, class_id, &SimulationObject::class_id);
+    if (first == config.objects.end()) continue;
+    for (std::size_t k = 1; k <= count; ++k) {
+      text +=
+          fmt::format("\n[[objects]]\nid = \"{0}_spare_{1}\"\nnoise = \"{2}\"\nclass = \"{0}\"\n",
+                      class_id, k, first->id);
+      text += motion_text(claimed_motion(config, *first), config);
+    }
+  }
+  return text;
+}
+
 std::string frame_text(const SimulatedFrame& frame) {
   return fmt::format("\n[[frames]]\nname = \"{0}\"\nposes = \"frame_{0}.tum\"\n{1}\n", frame.name,
                      sd_text(frame.error, "\n"));
@@ -237,6 +259,7 @@ std::string sequence_text(const SimulationFile& file, const SimulatedSequence& s
   for (const SimulatedFrame& frame : simulated.frames) text += frame_text(frame);
   for (std::size_t i = 0; i < simulated.objects.size(); ++i)
     text += object_text(file.config, simulated, i);
+  text += spare_instances_text(file.config);
   if (!file.filter.empty()) text += "\n[filter]\n";
   for (const auto& [key, value] : file.filter) text += fmt::format("{} = {}\n", key, value);
   return text;

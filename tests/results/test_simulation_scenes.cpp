@@ -154,6 +154,9 @@ TEST(SimulationScenes, ReadBackAsTheyWereSimulated) {
   const SlamJob job = job_from(files);
   const Sequence expected = simulated.sequence();
   EXPECT_EQ(job.sequence.stamps, expected.stamps);
+  // Of the class with false detections, four more instances.
+  ASSERT_EQ(job.sequence.objects.size(), 7U);
+  EXPECT_EQ(job.sequence.objects[6].id, "cup_spare_4");
   for (std::size_t i = 0; i < 3; ++i) {
     const ObjectRecording& object = job.sequence.objects[i];
     expect_same(object.detections, expected.objects[i].detections, object.id);
