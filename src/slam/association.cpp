@@ -96,15 +96,16 @@ Pair cheapest(const Predicted& instance, const Observation& observation,
   return best;
 }
 
-/// Costs of the pairs, then one column per observation for having no instance.
+/// Costs of the pairs, then for each observation a column of its own for having no instance: with
+/// columns for all of them one assignment would be many.
 Eigen::MatrixXd cost_matrix(const std::vector<Predicted>& instances,
                             std::span<const Observation> candidates,
                             const SymmetryGroup& symmetries, const Gates& gates) {
   const auto rows = static_cast<Eigen::Index>(candidates.size());
   const auto columns = static_cast<Eigen::Index>(instances.size());
   Eigen::MatrixXd cost(rows, columns + rows);
-  cost.leftCols(columns).setConstant(kImpossible);
-  cost.rightCols(rows).setConstant(gates.position + gates.cap);
+  cost.setConstant(kImpossible);
+  cost.rightCols(rows).diagonal().setConstant(gates.position + gates.cap);
   for (Eigen::Index i = 0; i < rows; ++i) {
     for (Eigen::Index j = 0; j < columns; ++j) {
       cost(i, j) = cheapest(instances[static_cast<std::size_t>(j)],

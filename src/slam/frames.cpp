@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "slam/frames.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "posemix/density/pose_stack.hpp"
@@ -29,6 +30,10 @@ FrameInput frame_input(const Sequence& sequence, std::size_t frame, bool takes_o
   } else {
     for (const ObjectRecording& object : sequence.objects)
       input.detections.push_back(object.detections[frame]);
+    // Whether a stamp at which nothing was detected has an image is not known.
+    const bool any = std::any_of(input.detections.begin(), input.detections.end(),
+                                 [](const auto& detection) { return detection.has_value(); });
+    if (!any) input.detections.clear();
   }
   if (!sequence.candidates.empty()) input.candidates = sequence.candidates[frame];
   for (const FrameRecording& known : sequence.known_frames)

@@ -53,17 +53,19 @@ void InstanceTracks::forget(std::size_t object) {
 void InstanceTracks::begin(double dt) {
   ++frames_;
   dt_ = frames_ == 1 ? 0.0 : dt;
-  for (auto& [name, look] : looks_) look.is_now = false;
+  for (auto& [searched, look] : looks_) look.is_now = false;
+  for (Track& track : tracks_) track.found_now.clear();
 }
 
-void InstanceTracks::look(const std::string& camera, const SE3d& body_camera) {
-  Look& look = looks_[camera];
-  look.body_camera = body_camera;
-  look.is_now = true;
-}
-
-void InstanceTracks::see(const std::string& camera, const SE3d& camera_object) {
-  looks_[camera].view.add(camera_object.translation());
+void InstanceTracks::look(const std::string& camera, const std::optional<std::string>& detector,
+                          const SE3d& body_camera) {
+  const auto take = [&](Look& look) {
+    look.body_camera = body_camera;
+    look.is_now = true;
+  };
+  if (detector) return take(looks_[{camera, *detector}]);
+  for (auto& [searched, look] : looks_)
+    if (searched.first == camera) take(look);
 }
 
 void InstanceTracks::detected(std::size_t object, const TrackedDetection& detection) {
@@ -71,13 +73,16 @@ void InstanceTracks::detected(std::size_t object, const TrackedDetection& detect
   ++track.detections;
   track.last_frame = frames_;
   track.of_class = detection.of_class;
+  track.is_lost = false;
+  track.found_by.emplace(detection.camera, detection.detector);
+  track.found_now.emplace_back(detection.camera, detection.detector);
   if (track.detections == 1) return;
   const double keep = 1.0 - 1.0 / health_.window_detections;
   track.weight = keep * track.weight + 1.0;
   track.clutter = keep * track.clutter + detection.clutter_probability;
   track.inliers = keep * track.inliers + detection.inlier_probability;
-  track.square = keep * track.square + detection.inlier_probability *
-                                           detection.residual.squaredNorm() / 6.0;
+  track.square =
+      keep * track.square + detection.inlier_probability * detection.residual.squaredNorm() / 6.0;
 }
 
 void InstanceTracks::end(std::span<const std::optional<SE3d>> poses) {
@@ -88,20 +93,23 @@ void InstanceTracks::end(std::span<const std::optional<SE3d>> poses) {
       track.existence.emplace(existence_);
       track.since_look_s = 0.0;
     } else {
-      track.existence->predict(dt_, existence_);
       track.since_look_s += dt_;
-      const Sighting sighting = sighting_of(track, *poses[j]);
-      track.existence->update(sighting, track.since_look_s, existence_);
-      count(track, sighting);
+      look_at(track, sighting_of(track, *poses[j]));
     }
     if (track.last_frame == frames_) learn_view(track, *poses[j]);
-    track.bad_s = is_lost(track) || is_inconsistent(track) ? track.bad_s + dt_ : 0.0;
+    track.bad_s = track.is_lost || is_inconsistent(track) ? track.bad_s + dt_ : 0.0;
   }
   weigh_rivals(poses);
 }
 
-void InstanceTracks::count(Track& track, Sighting sighting) const {
+// What nobody looks at is as it was: the time that went by counts at the next look.
+void InstanceTracks::look_at(Track& track, Sighting sighting) const {
   if (sighting == Sighting::out_of_view) return;
+  track.existence->predict(track.since_look_s, existence_);
+  track.existence->update(sighting, track.since_look_s, existence_);
+  if (sighting == Sighting::missed &&
+      track.existence->visible_probability() < health_.lost_probability)
+    track.is_lost = true;
   const double look = part_of_a_look(track.since_look_s, existence_);
   track.counts.images += look;
   if (sighting == Sighting::detected) track.counts.detections += look;
@@ -110,7 +118,8 @@ void InstanceTracks::count(Track& track, Sighting sighting) const {
 
 Sighting InstanceTracks::sighting_of(const Track& track, const SE3d& body_object) const {
   if (track.last_frame == frames_) return Sighting::detected;
-  for (const auto& [name, look] : looks_) {
+  for (const Searched& searched : track.found_by) {
+    const Look& look = looks_.at(searched);
     if (!look.is_now) continue;
     const SE3d camera_object = look.body_camera.inverse() * body_object;
     if (!look.view.contains(camera_object.translation())) continue;
@@ -122,11 +131,15 @@ Sighting InstanceTracks::sighting_of(const Track& track, const SE3d& body_object
   return Sighting::out_of_view;
 }
 
-void InstanceTracks::learn_view(Track& track, const SE3d& body_object) const {
-  for (const auto& [name, look] : looks_) {
-    if (!look.is_now || track.views.size() >= kMostViews) continue;
-    const Eigen::Vector3d from =
-        (body_object.inverse() * look.body_camera).translation().normalized();
+void InstanceTracks::learn_view(Track& track, const SE3d& body_object) {
+  for (const Searched& searched : track.found_now) {
+    Look& look = looks_.at(searched);
+    const SE3d object_camera = body_object.inverse() * look.body_camera;
+    // A single false detection may be anywhere.
+    if (track.detections >= confirming_detections_)
+      look.view.add(object_camera.inverse().translation());
+    if (track.views.size() >= kMostViews) continue;
+    const Eigen::Vector3d from = object_camera.translation().normalized();
     if (std::none_of(track.views.begin(), track.views.end(),
                      [&](const Eigen::Vector3d& view) { return view.dot(from) > kNewViewCosine; }))
       track.views.push_back(from);
@@ -134,14 +147,14 @@ void InstanceTracks::learn_view(Track& track, const SE3d& body_object) const {
 }
 
 void InstanceTracks::weigh_rivals(std::span<const std::optional<SE3d>> poses) {
-  // Instances of classes by their distance from the body, so that near ones follow each other.
+  // Instances of classes along one axis, so that near ones follow each other.
   std::vector<std::size_t> order;
   std::vector<double> range(tracks_.size(), 0.0);
   for (std::size_t j = 0; j < tracks_.size(); ++j) {
     Track& track = tracks_[j];
     if (!track.existence || !poses[j]) continue;
     track.probability = track.existence->probability();
-    range[j] = poses[j]->translation().norm();
+    range[j] = poses[j]->translation().x();
     if (track.of_class) order.push_back(j);
   }
   std::sort(order.begin(), order.end(),
@@ -205,10 +218,6 @@ bool InstanceTracks::is_deleted(std::size_t object) const {
          track.existence->probability() < existence_.deleted_probability;
 }
 
-bool InstanceTracks::is_lost(const Track& track) const {
-  return track.existence && track.existence->visible_probability() < health_.lost_probability;
-}
-
 bool InstanceTracks::is_inconsistent(const Track& track) const {
   // Half of the window at least, or one gross error would be most of what was seen.
   if (track.weight < 0.5 * health_.window_detections) return false;
@@ -220,7 +229,7 @@ bool InstanceTracks::is_inconsistent(const Track& track) const {
 TrackHealth InstanceTracks::health(std::size_t object, double mode_probability) const {
   const Track& track = tracks_[object];
   if (track.detections == 0 && !track.is_known) return TrackHealth::none;
-  if (is_lost(track)) return TrackHealth::lost;
+  if (track.is_lost) return TrackHealth::lost;
   if (is_inconsistent(track)) return TrackHealth::inconsistent;
   if (!is_confirmed(object)) return TrackHealth::tentative;
   return mode_probability < health_.mode_probability ? TrackHealth::ambiguous : TrackHealth::good;
@@ -228,7 +237,7 @@ TrackHealth InstanceTracks::health(std::size_t object, double mode_probability) 
 
 bool InstanceTracks::should_register(std::size_t object) const {
   const Track& track = tracks_[object];
-  return (is_lost(track) || is_inconsistent(track)) && track.bad_s >= health_.register_again_s;
+  return (track.is_lost || is_inconsistent(track)) && track.bad_s >= health_.register_again_s;
 }
 
 }  // namespace posemix

@@ -184,6 +184,7 @@ void MovingObjects::report(const KnownCamera& camera, bool with_alternatives,
   for (const auto& [object, track] : tracks_) {
     if (!is_known(object)) continue;
     const MovingObjectEstimate estimate = track.filter.estimate();
+    if (estimate.hypotheses.empty()) continue;
     const MovingObjectHypothesis& leading = estimate.hypotheses.front();
     frame.objects[object] = leading.world;
     frame.relative[object] = track.filter.relative(camera);
@@ -213,7 +214,8 @@ std::vector<ObjectHypothesis> MovingObjects::hypotheses(std::size_t object) cons
 
 std::optional<MovingObjectHypothesis> MovingObjects::at(std::size_t object, double dt) const {
   if (!is_known(object)) return std::nullopt;
-  return filter(object).estimate_at(time_s_ + dt).hypotheses.front();
+  const auto hypotheses = filter(object).estimate_at(time_s_ + dt).hypotheses;
+  return hypotheses.empty() ? std::nullopt : std::optional(hypotheses.front());
 }
 
 }  // namespace posemix

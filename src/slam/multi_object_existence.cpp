@@ -15,23 +15,21 @@ bool MultiObjectSlam::is_confirmed(std::size_t object) const {
   return tracks_.is_confirmed(object);
 }
 
-void MultiObjectSlam::update_tracks(const FrameInput& input, FrameEstimate& frame) {
-  const auto look = [&](const std::string& camera) {
-    tracks_.look(camera, pose_on_body(settings_.cameras, camera));
+void MultiObjectSlam::look(const FrameInput& input) {
+  const auto look = [&](const std::string& camera, const std::optional<std::string>& detector) {
+    // Detections without the name of a camera are seen from the body.
+    const SE3d pose = camera.empty() ? SE3d() : pose_on_body(settings_.cameras, camera);
+    tracks_.look(camera, detector, pose);
   };
   // Detections by index, an entry for every object, are an image even where it shows none.
-  if (!input.detections.empty()) look({});
-  if (!input.candidates.empty()) look({});
-  for (const Observation& observation : input.observations) look(observation.camera);
-  for (const std::string& camera : input.images) look(camera);
-
-  for (const auto& detection : input.detections)
-    if (detection) tracks_.see({}, *detection);
-  for (const Candidate& candidate : input.candidates) tracks_.see({}, candidate.camera_object);
+  if (!input.detections.empty()) look({}, "");
+  if (!input.candidates.empty()) look({}, "");
   for (const Observation& observation : input.observations)
-    for (const ObservationComponent& one : observation.components)
-      tracks_.see(observation.camera, one.pose);
+    look(observation.camera, observation.detector);
+  for (const std::string& camera : input.images) look(camera, std::nullopt);
+}
 
+void MultiObjectSlam::update_tracks(FrameEstimate& frame) {
   std::vector<std::optional<SE3d>> poses;
   for (const auto& relative : frame.relative)
     poses.push_back(relative ? std::optional(relative->mean()) : std::nullopt);

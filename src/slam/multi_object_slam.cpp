@@ -132,6 +132,8 @@ FrameEstimate MultiObjectSlam::step(const FrameInput& input) {
   report.candidates.assign(input.candidates.size(), {.status = CandidateStatus::dropped});
   report.observations.assign(input.observations.size(), {.status = CandidateStatus::dropped});
   std::vector<Seen> sightings = sightings_of(input, report);
+  for (const std::string& camera : input.images)
+    index_of_camera(settings_.cameras, camera);  // which throws for another name
   std::optional<internal::CameraStep> moved;
   if (!is_first) {
     moved = internal::camera_step(motion_, input);
@@ -141,6 +143,7 @@ FrameEstimate MultiObjectSlam::step(const FrameInput& input) {
   objects_.begin(input);
   forget_deleted();
   tracks_.begin(input.dt);
+  look(input);
   const Stopwatch frame;
   const auto before = camera_for_moving();
   if (moved) internal::predict(filter_, *moved);
@@ -162,13 +165,13 @@ FrameEstimate MultiObjectSlam::step(const FrameInput& input) {
   report.update.update_seconds = updates.seconds();
 
   FrameEstimate estimate = frame_estimate(std::move(report));
-  update_tracks(input, estimate);
+  update_tracks(estimate);
   estimate.report.seconds = frame.seconds();
   return estimate;
 }
 
 std::vector<MultiObjectSlam::Seen> MultiObjectSlam::sightings_of(const FrameInput& input,
-                                                                     FrameReport& report) {
+                                                                 FrameReport& report) {
   std::vector<Seen> sightings;
   for (std::size_t i = 0; i < input.observations.size(); ++i) {
     try {
@@ -256,7 +259,9 @@ void MultiObjectSlam::update(std::size_t object, const Observation& observation,
                              const ObservationSource& source, FrameReport& report) {
   const bool known = is_known(object);
   const ObjectUpdateReport update = update_filter(object, observation, source);
-  tracks_.detected(object, {.of_class = observation.object.empty() && !observation.class_id.empty(),
+  tracks_.detected(object, {.camera = observation.camera,
+                            .detector = observation.detector,
+                            .of_class = observation.object.empty() && !observation.class_id.empty(),
                             .clutter_probability = update.clutter_probability,
                             .inlier_probability = update.inlier_probability,
                             .residual = update.residual});

@@ -81,16 +81,27 @@ void StampedSlam::reset() {
 
 StampAdmission StampedSlam::add(const Observation& observation) {
   now_.slam.check(observation);
-  const double stamp = observation.stamp_s;
+  return add_to_frame(observation.stamp_s, [&](Frame& frame) {
+    auto& all = frame.observations;
+    all.insert(std::upper_bound(all.begin(), all.end(), observation, internal::comes_before),
+               observation);
+  });
+}
+
+StampAdmission StampedSlam::add_image(double stamp_s, const std::string& camera) {
+  index_of_camera(now_.slam.cameras(), camera);  // which throws for another name
+  return add_to_frame(stamp_s, [&](Frame& frame) { frame.images.insert(camera); });
+}
+
+template <class Change>
+StampAdmission StampedSlam::add_to_frame(double stamp, const Change& change) {
   const StampAdmission admission = admit(stamp);
   if (admission == StampAdmission::too_late) {
     ++counts_.too_late;
     return admission;
   }
   if (newest_ && stamp < *newest_ - settings_.jump_back_s) reset();
-  auto& all = frames_[stamp].observations;
-  all.insert(std::upper_bound(all.begin(), all.end(), observation, internal::comes_before),
-             observation);
+  change(frames_[stamp]);
   play_again_after(std::nextafter(stamp, -std::numeric_limits<double>::infinity()));
   newest_ = std::max(stamp, newest_.value_or(stamp));
   ++(admission == StampAdmission::taken ? counts_.taken : counts_.replayed);
@@ -172,6 +183,7 @@ void StampedSlam::play(double until_s) {
 void StampedSlam::play_frame(double stamp_s, const Frame& frame) {
   FrameInput input;
   input.observations = frame.observations;
+  input.images.assign(frame.images.begin(), frame.images.end());
   if (now_.estimate) {
     const double before = now_.estimate->stamp_s;
     input.dt = stamp_s - before;

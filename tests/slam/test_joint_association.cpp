@@ -51,8 +51,8 @@ TEST(JointAssociation, OfTwoPairsIsTheRatioOfTheirDensities) {
     // `associate`.
     Matrix6d to_position = Matrix6d::Identity();
     to_position.bottomLeftCorner<3, 3>() = -SO3d::hat(x.translation());
-    const Matrix6d s = to_position * instances[j].covariance() * to_position.transpose() +
-                       kNoise.covariance;
+    const Matrix6d s =
+        to_position * instances[j].covariance() * to_position.transpose() + kNoise.covariance;
     Vector6d e = Vector6d::Zero();
     e.tail<3>() = seen[i].components[0].pose.translation() - x.translation();
     return -0.5 * e.dot(s.ldlt().solve(e)) - 0.5 * std::log(s.determinant());
@@ -67,6 +67,16 @@ TEST(JointAssociation, OfTwoPairsIsTheRatioOfTheirDensities) {
   const double a = joint.log_priors(0, 0) + log_density(0, 0);
   const double b = joint.log_priors(1, 0) + log_density(0, 1);
   EXPECT_NEAR(std::exp(a - b), joint.probabilities(0, 0) / joint.probabilities(1, 0), 1e-6);
+}
+
+// Detections that are of neither are no more ways to have the same assignment.
+TEST(JointAssociation, DoesNotDependOnDetectionsFarAway) {
+  const std::vector<Density> instances{instance_at(0.0), instance_at(0.02)};
+  std::vector<Observation> seen{seen_at(0.009), seen_at(0.0105)};
+  const Eigen::MatrixXd alone = associate_jointly(instances, seen, kNoise, {}).probabilities;
+  for (int k = 0; k < 6; ++k) seen.push_back(seen_at(2.0 + k));
+  const Eigen::MatrixXd among = associate_jointly(instances, seen, kNoise, {}).probabilities;
+  EXPECT_TRUE(among.topRows(2).isApprox(alone, 1e-9)) << among;
 }
 
 TEST(JointAssociation, SettingsOutOfRangeAreRefused) {

@@ -232,5 +232,34 @@ TEST(StampedSlam, WithoutAnOdometryModelEveryObservationIsAppliedAtOnce) {
   EXPECT_TRUE(slam.estimate()->estimate.object("mug").world.has_value());
 }
 
+TEST(StampedSlam, AnObjectThatMovesIsPredictedOverAnyTime) {
+  ObjectModel mug{.id = "mug"};
+  mug.motion = calm_and_agile();
+  StampedSlam slam(PoseDensity(SE3d(), 1e-8 * Matrix6d::Identity()), {mug}, {},
+                   {.model = MotionModel::still});
+  Observation seen = observation_of(SE3d(SO3d(), {0.0, 0.0, 1.0}));
+  seen.object = "mug";
+  slam.add(seen);
+  slam.estimate();
+  for (const double later : {10.0, 3500.0, 1e6})
+    EXPECT_TRUE(slam.slam().object_at(0, later).has_value()) << later;
+}
+
+TEST(StampedSlam, AnImageWithoutDetectionsTellsThatAnObjectIsLost) {
+  StampedSlam slam(PoseDensity(SE3d(), 1e-8 * Matrix6d::Identity()), {{.id = "mug"}}, {},
+                   {.model = MotionModel::random_walk});
+  Observation seen = observation_of(SE3d(SO3d(), {0.0, 0.0, 1.0}));
+  seen.object = "mug";
+  for (int k = 0; k < 20; ++k) {
+    seen.stamp_s = k;
+    slam.add(seen);
+  }
+  EXPECT_NE(slam.estimate()->estimate.object("mug").health, TrackHealth::lost);
+  for (int k = 20; k < 40; ++k) EXPECT_EQ(slam.add_image(k), StampAdmission::taken);
+  EXPECT_EQ(slam.estimate()->estimate.object("mug").health, TrackHealth::lost);
+  EXPECT_TRUE(slam.estimate()->estimate.object("mug").register_again);
+  EXPECT_EQ(slam.add_image(38.5), StampAdmission::replayed);
+}
+
 }  // namespace
 }  // namespace posemix

@@ -6,8 +6,10 @@
 #include <cstddef>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "posemix/base/words.hpp"
@@ -57,7 +59,9 @@ void validate(const HealthSettings& settings);
 
 /// What a detection says of the track of an object.
 struct TrackedDetection {
-  bool of_class = false;          ///< the object is one of several of a class
+  std::string camera = {};
+  std::string detector = {};
+  bool of_class = false;  ///< the object is one of several of a class
   double clutter_probability = 0.0;
   double inlier_probability = 0.0;
   Vector6d residual = Vector6d::Zero();  ///< as ObjectUpdateReport::residual
@@ -78,10 +82,10 @@ class InstanceTracks {
 
   /// A frame begins, `dt` seconds after the last.
   void begin(double dt);
-  /// The frame has an image of the camera of this name at T_body_camera.
-  void look(const std::string& camera, const SE3d& body_camera);
-  /// Anything was detected in it at T_camera_object.
-  void see(const std::string& camera, const SE3d& camera_object);
+  /// The frame has an image of the camera of this name at T_body_camera, that was searched by the
+  /// named detector, or by all of that camera.
+  void look(const std::string& camera, const std::optional<std::string>& detector,
+            const SE3d& body_camera);
   void detected(std::size_t object, const TrackedDetection& detection);
   /// The frame ends with these poses T_body_object; objects without a pose are not known.
   void end(std::span<const std::optional<SE3d>> poses);
@@ -108,6 +112,8 @@ class InstanceTracks {
   bool should_register(std::size_t object) const;
 
  private:
+  /// A camera and a detector.
+  using Searched = std::pair<std::string, std::string>;
   struct Track {
     bool is_known = false;
     bool of_class = false;
@@ -117,8 +123,11 @@ class InstanceTracks {
     std::optional<Existence> existence = {};
     InstanceCounts counts = {};
     double since_look_s = 0.0;
-    double bad_s = 0.0;  ///< for which it is lost or inconsistent
-    double probability = 0.0;  ///< eq. (5), at the end of the frame
+    bool is_lost = false;  ///< until it is detected
+    double bad_s = 0.0;    ///< for which it is lost or inconsistent
+    std::set<Searched> found_by = {};
+    std::vector<Searched> found_now = {};  ///< in this frame
+    double probability = 0.0;              ///< eq. (5), at the end of the frame
     /// Directions from the object, along its axes, from which it was detected.
     std::vector<Eigen::Vector3d> views = {};
     // Averages over the window.
@@ -133,12 +142,11 @@ class InstanceTracks {
     FieldOfView view;
   };
 
-  bool is_lost(const Track& track) const;
   bool is_inconsistent(const Track& track) const;
-  void count(Track& track, Sighting sighting) const;
+  void look_at(Track& track, Sighting sighting) const;
   /// Whether a camera of this frame should see the object at T_body_object.
   Sighting sighting_of(const Track& track, const SE3d& body_object) const;
-  void learn_view(Track& track, const SE3d& body_object) const;
+  void learn_view(Track& track, const SE3d& body_object);
   void weigh_rivals(std::span<const std::optional<SE3d>> poses);
   void find_duplicates(std::size_t i, std::size_t j, double distance_m);
 
@@ -151,7 +159,7 @@ class InstanceTracks {
   double band_ = 0.0;  ///< of the mean square of a component of an innovation
   std::vector<Track> tracks_;
   std::vector<std::size_t> duplicates_;
-  std::map<std::string, Look> looks_;  ///< by the name of the camera
+  std::map<Searched, Look> looks_;
 };
 
 }  // namespace posemix

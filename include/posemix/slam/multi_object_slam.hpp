@@ -50,8 +50,8 @@ struct ObservedObject {
 ///
 /// Candidates, and observations that name a class, are associated class by class and image by image
 /// (posemix::associate), after all that names its object: those of a known instance update it;
-/// those of none take the next free model of the class, or of the instances that give way that which
-/// was not seen for longest. Satisfies ObjectTracker.
+/// those of none take the next free model of the class, or of the instances that give way that
+/// which was not seen for longest. Satisfies ObjectTracker.
 class MultiObjectSlam {
  public:
   /// `camera` is the prior of T_world_camera at the first frame. Where hypotheses are recorded, an
@@ -102,6 +102,8 @@ class MultiObjectSlam {
   /// was seen.
   /// @throws InvalidInput when dt is negative or not finite, or there is no object at the index
   std::optional<PoseDensity> object_at(std::size_t object, double dt) const;
+  /// The cameras on the body as they were given.
+  const std::vector<BodyCamera>& cameras() const { return settings_.cameras; }
   /// The cameras on the body as they are known by now: exact ones as they were given, the others
   /// with their estimated pose and its covariance.
   std::vector<BodyCamera> estimated_cameras() const;
@@ -135,7 +137,9 @@ class MultiObjectSlam {
                     FrameReport& report);
   CandidateReport new_instance(const std::vector<std::size_t>& models);
   /// What the images of the frame say of existence and health of every object.
-  void update_tracks(const FrameInput& input, FrameEstimate& frame);
+  void update_tracks(FrameEstimate& frame);
+  /// The images of the frame.
+  void look(const FrameInput& input);
   /// Instances of a class that hardly exist are forgotten.
   void forget_deleted();
   FrameEstimate frame_estimate(FrameReport report) const;

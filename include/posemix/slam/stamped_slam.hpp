@@ -6,6 +6,7 @@
 #include <deque>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -103,6 +104,12 @@ class StampedSlam {
   /// jumped or has another pose already, and under a motion model without odometry
   StampAdmission add_odometry(double stamp_s, const SE3d& odom_body);
 
+  /// An image at a time of the camera with this name in which nothing was detected: what should be
+  /// seen in it may be gone. Images with observations need not be told.
+  /// @throws InvalidInput, and changes nothing, for a camera that there is not, and a stamp that
+  /// has jumped
+  StampAdmission add_image(double stamp_s, const std::string& camera = {});
+
   /// T_world_frame of one of MultiObjectSlamSettings::frames at a time; between two that are no
   /// further apart than the history the motion is a part of the motion between them, elsewhere the
   /// frame is where it was. Until all frames had a pose there is no estimate.
@@ -132,6 +139,7 @@ class StampedSlam {
   /// The input at one stamp.
   struct Frame {
     std::vector<Observation> observations = {};
+    std::set<std::string> images = {};  ///< cameras whose images show nothing
     std::optional<SE3d> odometry = {};
   };
   /// The tracker after the frames up to a stamp.
@@ -142,6 +150,9 @@ class StampedSlam {
 
   /// @throws InvalidInput for a stamp that has jumped
   StampAdmission admit(double stamp_s);
+  /// Changes the frame at a stamp, and plays again what came after it.
+  template <class Change>
+  StampAdmission add_to_frame(double stamp_s, const Change& change);
   void reset();
   void play_again_after(double stamp_s);
   void play(double until_s);

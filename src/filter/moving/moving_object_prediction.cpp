@@ -128,10 +128,14 @@ Eigen::ArrayXd MovingObjectState::gone_in(double dt) const {
   return gone;
 }
 
-/// Eq. (9): jumps, and what no model describes.
+/// Eq. (9): jumps, and what no model describes. Something stays of every hypothesis, so that there
+/// is a place to report however long the object was not seen.
 void MovingObjectState::leak(double dt) {
-  const Eigen::ArrayXd gone = gone_in(dt);
+  constexpr double kMostGone = 1.0 - 1e-12;
+  constexpr double kLeastWeight = 1e-200;
+  const Eigen::ArrayXd gone = gone_in(dt).min(kMostGone);
   for (MovingHypothesis& hypothesis : hypotheses_) {
+    if (hypothesis.weights.total() < kLeastWeight) continue;
     ModeWeights part = hypothesis.weights;
     part.scale(gone);
     // A run at the place that the object has left goes on there, and any other where it is.

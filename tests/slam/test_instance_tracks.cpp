@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+// Existence and health of instances as the tracker reports them.
+#include "posemix/slam/instance_tracks.hpp"
+
+#include <gtest/gtest.h>
+
+#include "posemix/slam/run.hpp"
+
+namespace posemix {
+namespace {
+
+const SE3d kPlace(SO3d(), {0.0, 0.0, 1.0});
+
+/// Tracks of two objects of a class, driven by hand.
+class Driven {
+ public:
+  Driven() : tracks_({}, {}, 3, 0.02) {
+    tracks_.add(false, "bolt");
+    tracks_.add(false, "bolt");
+  }
+  /// A frame, with an image of a detector where one is named, in which the first object is seen.
+  void frame(double dt, const char* detector, bool seen, const SE3d& place = kPlace) {
+    tracks_.begin(dt);
+    if (detector) tracks_.look("", detector, SE3d());
+    if (seen)
+      tracks_.detected(0, {.detector = detector, .of_class = true, .inlier_probability = 1.0});
+    tracks_.end(std::vector<std::optional<SE3d>>{place, std::nullopt});
+  }
+  InstanceTracks& tracks() { return tracks_; }
+
+ private:
+  InstanceTracks tracks_;
+};
+
+TEST(InstanceTracks, ASlowDetectorBesideAFastOneConfirmsItsObjects) {
+  Driven driven;
+  for (int k = 0; k < 300; ++k) {
+    driven.frame(1.0 / 30.0, "tags", false);
+    if (k % 30 == 0) driven.frame(1e-3, "slow", true);
+  }
+  EXPECT_TRUE(driven.tracks().is_confirmed(0));
+  EXPECT_EQ(driven.tracks().health(0, 1.0), TrackHealth::good);
+}
+
+TEST(InstanceTracks, WhatNobodyLooksAtStaysAsItWas) {
+  Driven driven;
+  for (int k = 0; k < 30; ++k) driven.frame(0.5, "usual", true);
+  const double before = *driven.tracks().existence(0);
+  for (int k = 0; k < 100; ++k) driven.frame(100.0, nullptr, false);
+  EXPECT_EQ(*driven.tracks().existence(0), before);
+  EXPECT_EQ(driven.tracks().health(0, 1.0), TrackHealth::good);
+}
+
+TEST(InstanceTracks, LostIsSaidUntilADetectionAndThenNotAnyMore) {
+  Driven driven;
+  for (int k = 0; k < 30; ++k) driven.frame(0.5, "usual", true);
+  for (int k = 0; k < 15; ++k) driven.frame(0.5, "usual", false);
+  EXPECT_EQ(driven.tracks().health(0, 1.0), TrackHealth::lost);
+  // Its prediction leaves the view, which is no news of it.
+  for (int k = 0; k < 15; ++k) driven.frame(0.5, "usual", false, SE3d(SO3d(), {5.0, 0.0, 1.0}));
+  EXPECT_EQ(driven.tracks().health(0, 1.0), TrackHealth::lost);
+  EXPECT_TRUE(driven.tracks().should_register(0));
+  for (int k = 0; k < 3; ++k) driven.frame(0.5, "usual", true);
+  EXPECT_EQ(driven.tracks().health(0, 1.0), TrackHealth::good);
+  EXPECT_FALSE(driven.tracks().should_register(0));
+}
+
+TEST(InstanceTracks, ASingleDetectionNearTheLensDoesNotWidenTheView) {
+  Driven driven;
+  for (int k = 0; k < 30; ++k) driven.frame(0.5, "usual", true);
+  InstanceTracks& tracks = driven.tracks();
+  tracks.begin(0.5);
+  tracks.look("", "usual", SE3d());
+  tracks.detected(1, {.detector = "usual", .of_class = true});
+  tracks.end(std::vector<std::optional<SE3d>>{kPlace, SE3d(SO3d(), {0.05, 0.05, 0.02})});
+  for (int k = 0; k < 30; ++k) driven.frame(0.5, "usual", false, SE3d(SO3d(), {1.2, 0.0, 1.0}));
+  EXPECT_EQ(tracks.health(0, 1.0), TrackHealth::good);
+}
+
+// Odometry at 30 Hz and a detector at 5 Hz that is always right.
+TEST(InstanceTracks, StampsOfOdometryAloneAreNoImages) {
+  Sequence sequence;
+  sequence.objects.emplace_back();
+  sequence.objects[0].id = "mug";
+  for (int k = 0; k < 300; ++k) {
+    sequence.stamps.push_back(k / 30.0);
+    sequence.odometry.push_back(SE3d());
+    sequence.objects[0].detections.push_back(k % 6 == 0 ? std::optional(kPlace) : std::nullopt);
+  }
+  const PoseDensity start(SE3d(), 1e-8 * Matrix6d::Identity());
+  const SlamRun done = run(sequence, start, {{.id = "mug"}}, ObjectSlamSettings());
+  EXPECT_GT(done.frames.back().existences[0].value(), 0.99);
+}
+
+}  // namespace
+}  // namespace posemix
