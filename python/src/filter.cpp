@@ -172,8 +172,8 @@ void bind_steps(nb::class_<MultiObjectFilter>& filter) {
             return self.add_object(object, prior);
           },
           "object"_a, "prior"_a = nb::none(),
-           "One more object, never detected; returns its index. With a prior it has one hypothesis "
-           "from the beginning.")
+          "One more object, never detected; returns its index. With a prior it has one hypothesis "
+          "from the beginning.")
       .def(
           "forget", [](F& self, std::size_t object) { self.forget(object); }, "object"_a,
           "Forgets an object, as if it had never been seen; what it said about the camera and "

@@ -30,8 +30,7 @@ void bind_shared(nb::module_& m) {
 void bind_view(nb::module_& m) {
   Words<SimulationSetUp>(m, "SimulationSetUp", "Motion of the camera, and what tells its pose.")
       .value(SimulationSetUp::moving, "Along its path; odometry tells its motion.")
-      .value(SimulationSetUp::still,
-             "At the first pose of its path, with one error for good.")
+      .value(SimulationSetUp::still, "At the first pose of its path, with one error for good.")
       .value(SimulationSetUp::on_arm,
              "Along its path; an arm tells its pose with an error of its own in every image.");
   using V = SimulationView;

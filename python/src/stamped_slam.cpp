@@ -128,6 +128,16 @@ void bind_stamped_slam(nb::module_& m) {
           "Takes in T_odom_body at a time [s].\n\n"
           "Raises\n------\nValueError\n    For a stamp that has jumped or has a pose already; "
           "nothing is changed.\n")
+      .def("add_image", &S::add_image, "stamp_s"_a, "camera"_a = "",
+           "Takes in that an image of a camera at a time [s] shows nothing.\n\n"
+           "Objects that should be seen in it may be gone. Images with observations need not be "
+           "told.\n\n"
+           "Raises\n------\nValueError\n    For a camera that there is not, and a stamp that has "
+           "jumped; nothing is changed.\n")
+      .def("add_frame", &S::add_frame, "name"_a, "stamp_s"_a, "frame"_a,
+           "Takes in T_world_frame of a frame that may hold objects, at a time [s].\n\n"
+           "Raises\n------\nValueError\n    For a name that there is not, and a stamp that has "
+           "jumped or has a pose already; nothing is changed.\n")
       .def(
           "estimate", [](S& self) { return self.estimate(); },
           "The estimate at the newest stamp; with odometry, at the newest that odometry has "

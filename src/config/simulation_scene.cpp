@@ -142,7 +142,8 @@ SimulationClutter get_clutter_source(const TomlTable& table) {
   SimulationClutter clutter;
   clutter.class_id = table.get_string_or("class", clutter.class_id);
   clutter.object = table.get_string_or("object", clutter.object);
-  clutter.rate_per_image = table.get_double_or("rate_per_image", clutter.rate_per_image, kDetectionRate);
+  clutter.rate_per_image =
+      table.get_double_or("rate_per_image", clutter.rate_per_image, kDetectionRate);
   clutter.places = get_places(table);
   clutter.runs = get_runs(table);
   clutter.sd = get_sd(table, clutter.sd);

@@ -46,9 +46,7 @@ double part_of_a_look(double dt, const ExistenceSettings& settings) {
   return settings.look_time_s > 0.0 ? -std::expm1(-dt / settings.look_time_s) : 1.0;
 }
 
-Existence::Rates Existence::rates() {
-  return Rates::LinSpaced(0.5 / kRates, 1.0 - 0.5 / kRates);
-}
+Existence::Rates Existence::rates() { return Rates::LinSpaced(0.5 / kRates, 1.0 - 0.5 / kRates); }
 
 Existence::Existence(const ExistenceSettings& settings) {
   validate(settings);

@@ -85,9 +85,9 @@ ExistenceSettings fit_existence(std::span<const InstanceCounts> counts,
   }
   const auto number = static_cast<double>(objects.counts.size());
   if (objects.counts.size() < 2 || clutter.counts.size() < 2) {
-    throw InvalidInput(
-        fmt::format("counts hold {} instances of objects and {} that are none, expected two of each",
-                    objects.counts.size(), clutter.counts.size()));
+    throw InvalidInput(fmt::format(
+        "counts hold {} instances of objects and {} that are none, expected two of each",
+        objects.counts.size(), clutter.counts.size()));
   }
   ExistenceSettings fitted = settings;
   fitted.birth_probability = (number + kPriorInstances * settings.birth_probability) /

@@ -68,8 +68,7 @@ void MultiObjectSlam::update_named(bool moving, std::span<Seen> sightings, Frame
   }
 }
 
-void MultiObjectSlam::update_by_class(bool moving, std::span<Seen> sightings,
-                                      FrameReport& report) {
+void MultiObjectSlam::update_by_class(bool moving, std::span<Seen> sightings, FrameReport& report) {
   // Observations of one class in one image by one detector exclude each other.
   std::map<std::tuple<std::string, std::string, std::string>, std::vector<Seen*>> images;
   for (Seen& seen : sightings) {

@@ -29,8 +29,7 @@ double beta_binomial(int detections, int images) {
                     log_beta(rate.a + 1, rate.b));
   };
   const double object = kSettings.birth_probability * evidence(kSettings.object_rate);
-  return object /
-         (object + (1.0 - kSettings.birth_probability) * evidence(kSettings.clutter_rate));
+  return object / (object + (1.0 - kSettings.birth_probability) * evidence(kSettings.clutter_rate));
 }
 
 ExistenceSettings without_changes() {

@@ -102,7 +102,7 @@ struct ObjectMetrics {
   PoseErrors relative;            ///< T_camera_object as filtered
   PoseErrors detection_relative;  ///< T_camera_object as detected
   PairedErrors paired;            ///< medians of both over the same frames
-  std::size_t detections = 0;  ///< frames with one, also one of its class that it was given
+  std::size_t detections = 0;     ///< frames with one, also one of its class that it was given
   std::size_t gated = 0;
   /// Frames within 20 deg and 10 cm of the truth, and their share of those with estimate and truth.
   std::size_t right_mode_frames = 0;

@@ -92,7 +92,7 @@ struct ObjectEstimate {
   std::optional<double> mode_probability = {};  ///< that the estimate is on the right mode
   std::optional<double> existence = {};         ///< probability that there is such an object
   TrackHealth health = TrackHealth::none;
-  bool register_again = false;  ///< lost or inconsistent for some time
+  bool register_again = false;                       ///< lost or inconsistent for some time
   std::vector<ObjectAlternative> alternatives = {};  ///< where they are recorded
   DetectionStatus status = DetectionStatus::none;
   std::vector<double> motion_models = {};  ///< of an object that moves: probability of each model
