@@ -6,6 +6,7 @@
 
 #include <fmt/ranges.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/string_view.h>
 #include <nanobind/stl/vector.h>
 
 #include "argument.hpp"
