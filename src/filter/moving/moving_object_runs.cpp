@@ -40,8 +40,9 @@ std::vector<double> MovingObjectState::keep_offsets(MovingHypothesis& hypothesis
         (other.pose.rotation() * (own.pose.rotation() * *run.offset).inverse()).log();
     const Eigen::Matrix3d both = covariance + run.offset_covariance;
     const double log_kept = -0.5 * turned.dot(Eigen::LLT<Eigen::Matrix3d>(both).solve(turned));
-    ratios.back() = std::exp(log_kept - run.log_kept);
-    run.log_kept = log_kept;
+    // Never above one: most of the weight may have come to the run since, and did not pay for it.
+    ratios.back() = std::exp(std::min(log_kept - run.log_kept, 0.0));
+    run.log_kept = std::min(run.log_kept, log_kept);
   }
   return ratios;
 }
