@@ -101,7 +101,7 @@ Examples
 >>> steps = [MovingObjectStep(Observation([ObservationComponent(SE3(translation=[0, 0, 0.8 + 0.002 * (k % 2)]))],
 ...                                       stamp_s=0.1 * k)) for k in range(20)]
 >>> result = smooth_moving_object(ObjectSensor(), MotionModels(), steps)
->>> result.estimates[0].hypotheses[0].world.mean.translation[2].round(3)
+>>> print(f"{result.estimates[0].hypotheses[0].world.mean.translation[2]:.3f}")
 0.801
 )";
 

@@ -127,9 +127,9 @@ def test_a_moving_object_in_object_slam() -> None:
     held = px.MotionModels(models=[px.AttachedMotion(frame=0)])
     settings = px.MultiObjectSlamSettings(frames=["gripper"], moving=px.MovingObjectSettings(lost_rate=1e-4))
     objects = [
-        px.ObjectModel("plate", noise()),
-        px.ObjectModel("box", noise(), motion=px.MotionModels(models=[px.ConstantVelocityMotion()])),
-        px.ObjectModel("cup", noise(), motion=held),
+        px.ObjectModel(id="plate", noise=noise()),
+        px.ObjectModel(id="box", noise=noise(), motion=px.MotionModels(models=[px.ConstantVelocityMotion()])),
+        px.ObjectModel(id="cup", noise=noise(), motion=held),
     ]
     start = px.ConcentratedSE3(px.SE3(), px.pose_covariance(1e-3, 1e-3))
     slam = px.ObjectSlam(start, objects, px.ObjectSlamSettings(tracker=settings))

@@ -258,6 +258,15 @@ std::vector<ObjectModel> read_models(const TomlTable& root, const FileFinder& fi
   return models;
 }
 
+/// Checks how the objects of the file, and those on sight, may move.
+void check_motions(const TomlTable& root, const SlamMethod& method, const SlamJob& job) {
+  const std::vector<TomlTable> objects = object_tables(root);
+  for (std::size_t i = 0; i < objects.size(); ++i)
+    check_motion(objects[i], job.models[i], job, method);
+  if (const auto table = root.find_table("on_sight"); table && job.models.size() > objects.size())
+    check_motion(*table, job.models.back(), job, method);
+}
+
 }  // namespace
 
 SlamJob read_slam_job(const TomlDocument& document,
@@ -294,11 +303,7 @@ SlamJob read_slam_job(const TomlDocument& document,
     tracker->cameras = observed.cameras;
     for (const FrameFile& frame : frames) tracker->frames.push_back(frame.name);
   }
-  const std::vector<TomlTable> objects = object_tables(root);
-  for (std::size_t i = 0; i < objects.size(); ++i)
-    check_motion(objects[i], job.models[i], job, method);
-  if (const auto table = root.find_table("on_sight"); table && job.models.size() > objects.size())
-    check_motion(*table, job.models.back(), job, method);
+  check_motions(root, method, job);
   if (const auto output = root.find_table("output")) {
     job.trace_hypotheses = static_cast<std::size_t>(
         output->get_integer_or("trace_hypotheses", kTraceHypotheses, kAtLeastZero));

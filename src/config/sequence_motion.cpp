@@ -144,7 +144,7 @@ FrameRecording FrameFile::on(const Timeline& timeline) const {
       continue;
     }
     const SE3d about(SO3d(), pose->translation());
-    recording.poses.push_back(KnownFrame{*pose, about.adjoint_congruence(covariance)});
+    recording.poses.emplace_back(KnownFrame{*pose, about.adjoint_congruence(covariance)});
   }
   const auto first =
       std::ranges::find_if(recording.poses, [](const auto& p) { return p.has_value(); });

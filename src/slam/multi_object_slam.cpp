@@ -100,6 +100,21 @@ std::optional<std::size_t> extrinsic_of(const std::vector<BodyCamera>& cameras, 
       std::count_if(cameras.begin(), end, [](const auto& camera) { return !camera.is_exact(); }));
 }
 
+/// How the camera moves into a frame; at the first one only where its pose is given.
+std::optional<internal::CameraStep> camera_step_of(const MotionSettings& motion, bool is_first,
+                                                   const FrameInput& input) {
+  if (!is_first) return internal::camera_step(motion, input);
+  if (motion.model != MotionModel::given || !input.camera) return std::nullopt;
+  return internal::camera_step(motion, {.camera = input.camera});
+}
+
+FrameReport empty_report(const FrameInput& input) {
+  FrameReport report;
+  report.candidates.assign(input.candidates.size(), {.status = CandidateStatus::dropped});
+  report.observations.assign(input.observations.size(), {.status = CandidateStatus::dropped});
+  return report;
+}
+
 }  // namespace
 
 MultiObjectSlam::MultiObjectSlam(const PoseDensity& camera, std::vector<ObjectModel> objects,
@@ -128,18 +143,11 @@ FrameEstimate MultiObjectSlam::step(const FrameInput& input) {
   const bool is_first = objects_.frames() == 0;
   objects_.check(input);
   moving_.check(input);
-  FrameReport report;
-  report.candidates.assign(input.candidates.size(), {.status = CandidateStatus::dropped});
-  report.observations.assign(input.observations.size(), {.status = CandidateStatus::dropped});
+  FrameReport report = empty_report(input);
   std::vector<Seen> sightings = sightings_of(input, report);
   for (const std::string& camera : input.images)
     index_of_camera(settings_.cameras, camera);  // which throws for another name
-  std::optional<internal::CameraStep> moved;
-  if (!is_first) {
-    moved = internal::camera_step(motion_, input);
-  } else if (motion_.model == MotionModel::given && input.camera) {
-    moved = internal::camera_step(motion_, {.camera = input.camera});
-  }
+  const auto moved = camera_step_of(motion_, is_first, input);
   objects_.begin(input);
   forget_deleted();
   tracks_.begin(input.dt);

@@ -80,22 +80,23 @@ ObjectPath::ObjectPath(const SimulationObject& object, const Motions& frames, do
     motions.emplace_back(motion.start_s, [this, &motion] { add(motion); });
   for (const auto& motion : object.held)
     motions.emplace_back(motion.start_s, [this, &motion, &frames] { add(motion, frames); });
-  for (std::size_t i = 0; i < object.hand_held.size(); ++i) {
-    const SimulationHandHeld& motion = object.hand_held[i];
-    motions.emplace_back(motion.start_s, [this, &motion, random = stream("hand-held", i)] {
+  std::size_t i = 0;
+  for (const auto& motion : object.hand_held) {
+    motions.emplace_back(motion.start_s, [this, &motion, random = stream("hand-held", i++)] {
       add(motion.start_s,
           hand_motion(motion, at(motion.start_s), static_cast<double>(end_s_), random));
     });
   }
-  for (std::size_t i = 0; i < object.pick_and_place.size(); ++i) {
-    const SimulationPickAndPlace& motion = object.pick_and_place[i];
+  i = 0;
+  for (const auto& motion : object.pick_and_place) {
     motions.emplace_back(motion.moves.start_s,
-                         [this, &motion, random = stream("pick", i)] { add(motion, random); });
+                         [this, &motion, random = stream("pick", i++)] { add(motion, random); });
   }
-  for (std::size_t i = 0; i < object.put_down.size(); ++i) {
-    const SimulationPutDown& motion = object.put_down[i];
-    motions.emplace_back(motion.moves.start_s,
-                         [this, &motion, random = stream("put-down", i)] { add(motion, random); });
+  i = 0;
+  for (const auto& motion : object.put_down) {
+    motions.emplace_back(motion.moves.start_s, [this, &motion, random = stream("put-down", i++)] {
+      add(motion, random);
+    });
   }
   std::ranges::stable_sort(motions, {}, [](const auto& motion) { return motion.first; });
   for (const auto& [start_s, begin] : motions) {
@@ -177,7 +178,7 @@ void ObjectPath::add(const SimulationPickAndPlace& carried, RandomStream random)
 
 void ObjectPath::add(const SimulationPutDown& put, RandomStream random) {
   repeat(put.moves, random, [&](Real time, const Pose& place) {
-    const Pose from = at(time);
+    Pose from = at(time);
     if (put.hidden_s > 0.0)
       add(
           time, [from](Real) { return from; }, false);

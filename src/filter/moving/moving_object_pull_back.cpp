@@ -175,6 +175,21 @@ void MovingObjectState::split_models(const MovingHypothesis& hypothesis,
   }
 }
 
+namespace {
+
+/// All probabilities sum to one, and hypotheses with hardly any are dropped.
+void normalise(MovingBelief& belief) {
+  double total = belief.lost.total();
+  for (const MovingHypothesis& hypothesis : belief.hypotheses) total += hypothesis.weights.total();
+  belief.lost *= 1.0 / total;
+  for (MovingHypothesis& hypothesis : belief.hypotheses) hypothesis.weights *= 1.0 / total;
+  std::erase_if(belief.hypotheses, [](const MovingHypothesis& hypothesis) {
+    return !(hypothesis.weights.total() > kLeastWeight);
+  });
+}
+
+}  // namespace
+
 MovingBelief MovingObjectState::pulled_back(const StepRecord& next,
                                             const MovingBelief& after) const {
   const auto models = static_cast<Eigen::Index>(model_count());
@@ -214,13 +229,7 @@ MovingBelief MovingObjectState::pulled_back(const StepRecord& next,
       parts.push_back({l, ended[static_cast<Eigen::Index>(l)], hypothesis.objects[l]});
     merge_parts(parts, result.hypotheses[h]);
   }
-  double total = result.lost.total();
-  for (const MovingHypothesis& hypothesis : result.hypotheses) total += hypothesis.weights.total();
-  result.lost *= 1.0 / total;
-  for (MovingHypothesis& hypothesis : result.hypotheses) hypothesis.weights *= 1.0 / total;
-  std::erase_if(result.hypotheses, [](const MovingHypothesis& hypothesis) {
-    return !(hypothesis.weights.total() > kLeastWeight);
-  });
+  normalise(result);
   return result;
 }
 

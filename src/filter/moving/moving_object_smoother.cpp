@@ -19,7 +19,7 @@ MovingObjectSmoother::MovingObjectSmoother(ObjectSensor sensor, MotionModels mod
 MovingObjectReport MovingObjectSmoother::update(const Observation& observation,
                                                 const KnownCamera& camera,
                                                 const std::vector<KnownFrame>& frames) {
-  const MovingObjectReport report = filter_.update(observation, camera, frames);
+  MovingObjectReport report = filter_.update(observation, camera, frames);
   records_.push_back(std::make_shared<internal::StepRecord>(filter_.state_->record()));
   if (most_steps_ && records_.size() > *most_steps_) records_.pop_front();
   return report;

@@ -66,6 +66,17 @@ Matrix6d widest_covariance(const DetectionState& state, const ObservationCompone
   return widest;
 }
 
+/// The components that may start hypotheses, the heaviest first.
+std::vector<const ObservationComponent*> heaviest_first(const WeighedObservation& observation,
+                                                        const Starters& may_start) {
+  std::vector<const ObservationComponent*> starting;
+  for (std::size_t k = 0; k < may_start.size(); ++k)
+    if (may_start[k]) starting.push_back(&observation.components[k]);
+  std::stable_sort(starting.begin(), starting.end(),
+                   [](const auto* a, const auto* b) { return a->weight > b->weight; });
+  return starting;
+}
+
 }  // namespace
 
 /// The covariance is the camera's plus that of the mode, with the slow error in place.
@@ -118,11 +129,7 @@ std::vector<Alternative> MultiObjectState::births_of(const TrackedObject& object
                                                      BirthPlaces* put_down) {
   constexpr double kPi = std::numbers::pi;
   if (!std::isfinite(object.belief.log_absent())) return {};
-  std::vector<const ObservationComponent*> starting;
-  for (std::size_t k = 0; k < may_start.size(); ++k)
-    if (may_start[k]) starting.push_back(&observation.components[k]);
-  std::stable_sort(starting.begin(), starting.end(),
-                   [](const auto* a, const auto* b) { return a->weight > b->weight; });
+  const auto starting = heaviest_first(observation, may_start);
   const ObjectSensor& sensor = object.detectors[observation.source.detector].sensor();
   const Matrix6d camera_covariance = joint.covariance(kCamera, kCamera);
   const double log_density = object.belief.log_absent() + std::log(observation.object_weight) -

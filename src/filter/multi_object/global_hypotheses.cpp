@@ -108,6 +108,23 @@ void GlobalHypotheses::split_by_components(std::size_t j, std::vector<ObservedDe
   }
 }
 
+namespace {
+
+/// The components that start hypotheses, for every state: those that none of any state explains. An
+/// object that is put down elsewhere has its places in every state.
+std::vector<Starters> starters_of(const std::vector<ObservedDetection>& observed,
+                                  const Starters& may_start, std::size_t states) {
+  std::vector<Starters> starters(states, may_start);
+  for (std::size_t i = 0; i < states; ++i) {
+    if (!observed[i].put_down) continue;
+    starters[i] = observed[i].explained;
+    starters[i].flip();
+  }
+  return starters;
+}
+
+}  // namespace
+
 ObjectUpdateReport GlobalHypotheses::update(std::size_t j, const Observation& observation,
                                             const ObservationSource& source) {
   const auto led = leading_id(j);
@@ -121,13 +138,7 @@ ObjectUpdateReport GlobalHypotheses::update(std::size_t j, const Observation& ob
       if (seen.explained[k]) may_start[k] = false;
   }
   split(j, observed, may_start);
-  std::vector<Starters> starters(list_.size(), may_start);
-  // An object that is put down elsewhere has its places in every state.
-  for (std::size_t i = 0; i < list_.size(); ++i) {
-    if (!observed[i].put_down) continue;
-    starters[i] = observed[i].explained;
-    starters[i].flip();
-  }
+  std::vector<Starters> starters = starters_of(observed, may_start, list_.size());
   split_by_components(j, observed, starters);
 
   ObjectUpdateReport report;
