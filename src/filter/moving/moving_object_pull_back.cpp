@@ -178,7 +178,7 @@ void MovingObjectState::split_models(const MovingHypothesis& hypothesis,
 namespace {
 
 /// All probabilities sum to one, and hypotheses with hardly any are dropped.
-void normalise(MovingBelief& belief) {
+void sum_to_one(MovingBelief& belief) {
   double total = belief.lost.total();
   for (const MovingHypothesis& hypothesis : belief.hypotheses) total += hypothesis.weights.total();
   belief.lost *= 1.0 / total;
@@ -204,16 +204,14 @@ MovingBelief MovingObjectState::pulled_back(const StepRecord& next,
   for (const MovingHypothesis& hypothesis : hypotheses_)
     all_lost += gone * (transition.transpose() * hypothesis.weights.by_model().matrix()).array();
   const Eigen::ArrayXd of_lost = share(flow.lost, all_lost);
-
   MovingBelief result{hypotheses_, of_models(lost * (transition * of_lost.matrix()).array())};
   for (std::size_t h = 0; h < hypotheses_.size(); ++h) {
     const MovingHypothesis& hypothesis = hypotheses_[h];
     const Eigen::ArrayXd before = hypothesis.weights.by_model();
     const Eigen::ArrayXd changed = (transition.transpose() * before.matrix()).array();
     std::vector<SmoothedPart> parts;
-    const std::vector<PlacedObject> mixed = flow.goes_on[h].sum() > kLeastWeight
-                                                ? mixed_models(hypothesis, transition)
-                                                : std::vector<PlacedObject>();
+    std::vector<PlacedObject> mixed;
+    if (flow.goes_on[h].sum() > kLeastWeight) mixed = mixed_models(hypothesis, transition);
     for (std::size_t k = 0; k < model_count() && !mixed.empty(); ++k) {
       const auto column = static_cast<Eigen::Index>(k);
       if (!(flow.goes_on[h][column] > kLeastWeight)) continue;
@@ -229,7 +227,7 @@ MovingBelief MovingObjectState::pulled_back(const StepRecord& next,
       parts.push_back({l, ended[static_cast<Eigen::Index>(l)], hypothesis.objects[l]});
     merge_parts(parts, result.hypotheses[h]);
   }
-  normalise(result);
+  sum_to_one(result);
   return result;
 }
 
