@@ -131,7 +131,7 @@ def test_a_moving_object_in_object_slam() -> None:
         px.ObjectModel(id="box", noise=noise(), motion=px.MotionModels(models=[px.ConstantVelocityMotion()])),
         px.ObjectModel(id="cup", noise=noise(), motion=held),
     ]
-    start = px.ConcentratedSE3(px.SE3(), px.pose_covariance(1e-3, 1e-3))
+    start = px.ConcentratedGaussian(px.SE3(), px.pose_covariance(1e-3, 1e-3))
     slam = px.ObjectSlam(start, objects, px.ObjectSlamSettings(tracker=settings))
     for k in range(30):
         x = velocity * 0.1 * k
