@@ -123,7 +123,7 @@ std::string component_text(const SimulationNoise& noise) {
 }
 
 std::string camera_text(const SimulationConfig& config, const SimulatedSequence& simulated) {
-  const std::string text = fmt::format(
+  std::string text = fmt::format(
       "[camera]\n"
       "odometry = \"odometry.tum\"\n"
       "ground_truth = \"camera_truth.tum\"\n"

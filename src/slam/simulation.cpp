@@ -86,6 +86,7 @@ std::vector<SimulatedPose> odometry(const std::vector<Pose>& camera, const Simul
 std::vector<Pose> arm_poses(const std::vector<Pose>& camera, const SimulationSd& sd,
                             RandomStream random) {
   std::vector<Pose> poses;
+  poses.reserve(camera.size());
   for (const Pose& pose : camera)
     poses.push_back(pose * Pose::exp(simulation::draw_error(sd, random)));
   return poses;
