@@ -134,11 +134,9 @@ std::vector<Alternative> MultiObjectState::births_of(const TrackedObject& object
   const Matrix6d camera_covariance = joint.covariance(kCamera, kCamera);
   const double log_density = object.belief.log_absent() + std::log(observation.object_weight) -
                              std::log(8.0 * kPi * kPi * sensor.noise.clutter().volume_m3);
-  const auto index_of = [&](const ObservationComponent* seen) {
-    return static_cast<std::size_t>(seen - observation.components.data());
-  };
   std::vector<Alternative> births;
   for (const ObservationComponent* seen : starting) {
+    const auto index = static_cast<std::size_t>(seen - observation.components.data());
     std::vector<NoiseMode> modes = modes_of(sensor.noise, log_density + std::log(seen->weight));
     for (std::size_t m = 0; m < modes.size(); ++m) {
       NoiseMode& mode = modes[m];
@@ -154,10 +152,10 @@ std::vector<Alternative> MultiObjectState::births_of(const TrackedObject& object
       if (same != births.end()) {
         same->standing.log_weight +=
             std::log1p(std::exp(mode.log_weight - same->standing.log_weight));
-        if (put_down && m == 0) put_down->places[index_of(seen)] = place_of(same->standing.id);
+        if (put_down && m == 0) put_down->places[index] = place_of(same->standing.id);
       } else if (starting.size() == 1 || births.size() < settings.max_hypotheses) {
         born.standing.id = next_id++;
-        if (put_down && m == 0) put_down->places[index_of(seen)] = place_of(born.standing.id);
+        if (put_down && m == 0) put_down->places[index] = place_of(born.standing.id);
         births.push_back(born);
       }
     }
