@@ -228,9 +228,11 @@ void bind_smoothing(nb::module_& m) {
           "most_steps"_a = nb::none())
       .def("update", &S::update, "observation"_a, "camera"_a, "frames"_a = Frames{},
            "Predicts to the observation's stamp, then takes it in, as `MovingObjectFilter.update`.")
+      .def("predict", &S::predict, "time_s"_a, "frames"_a = Frames{},
+           "A step to a time [s] without an observation, as `MovingObjectFilter.predict`.")
       .def("smoothed", &S::smoothed, nb::call_guard<nb::gil_scoped_release>(),
-           "The object at the times of the observations that are kept, the oldest first, given all "
-           "so far.")
+           "The object at the times of the steps that are kept, the oldest first, given all "
+           "observations so far.")
       .def_prop_ro(
           "filter", [](const S& self) { return MovingObjectFilter(self.filter()); },
           "A copy of the filter after the last observation.");

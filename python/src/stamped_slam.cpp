@@ -179,7 +179,12 @@ void bind_stamped_slam(nb::module_& m) {
           "Cameras of the rig as they are known by now: estimates of those with a covariance.")
       .def_prop_ro(
           "counts", [](const S& self) { return self.counts(); }, "Inputs by what became of them.")
-      .def_prop_ro("waiting", &S::waiting, "Number of observations that wait for odometry.")
+      .def_prop_ro("waiting", &S::waiting,
+                   "Number of observations that wait for odometry, or for the first pose of a "
+                   "frame.")
+      .def_prop_ro("missing_frames", &S::missing_frames,
+                   "Names of the frames that may hold an object and had no pose so far: without "
+                   "them there is no estimate.")
       .def_prop_ro(
           "multi_object", [](const S& self) { return MultiObjectFilter(self.slam().filter()); },
           "A copy of the multi-object filter at the stamp of the last estimate.");

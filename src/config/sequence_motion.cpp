@@ -114,8 +114,12 @@ void check_motion(const TomlTable& object, const ObjectModel& model, const SlamJ
     object.fail("motion",
                 "is for filter.method = \"multi_object\"; no other filter has objects that move");
   }
-  if (method.smoothing)
-    object.fail("motion", "is for filter.smooth = \"none\"; objects that move are not smoothed");
+  if (method.smoothing && method.smoothing->lag_frames > 0) {
+    object.fail(
+        "motion",
+        "is for filter.smooth = \"none\" or \"full\"; objects that move are not smoothed by "
+        "a fixed lag");
+  }
   if (!has_own_track(model.motion)) return;
   const auto& settings = std::get<MultiObjectSlamSettings>(job.settings.tracker);
   located(object, "motion",

@@ -221,7 +221,8 @@ std::vector<FrameFile> read_known_frames(const TomlTable& root, const FileFinder
 /// Reads the key `motion` of an object; static without it. `frames` are those that may hold it.
 MotionModels read_object_motion(const TomlTable& object, const std::vector<FrameFile>& frames);
 
-/// Objects that move are for the multi-object filter without smoothing, and have one detector.
+/// Objects that move are for the multi-object filter, smoothed as a whole or not, and have one
+/// detector.
 void check_motion(const TomlTable& object, const ObjectModel& model, const SlamJob& job,
                   const SlamMethod& method);
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "posemix/base/range.hpp"
 #include "posemix/base/statistics.hpp"
@@ -73,7 +72,7 @@ void InstanceTracks::detected(std::size_t object, const TrackedDetection& detect
   ++track.detections;
   track.last_frame = frames_;
   track.of_class = detection.of_class;
-  track.is_lost = false;
+  track.is_missed = false;
   track.found_by.emplace(detection.camera, detection.detector);
   track.found_now.emplace_back(detection.camera, detection.detector);
   if (track.detections == 1) return;
@@ -85,21 +84,23 @@ void InstanceTracks::detected(std::size_t object, const TrackedDetection& detect
       keep * track.square + detection.inlier_probability * detection.residual.squaredNorm() / 6.0;
 }
 
-void InstanceTracks::end(std::span<const std::optional<SE3d>> poses) {
+void InstanceTracks::end(std::span<const TrackedPlace> places) {
   for (std::size_t j = 0; j < tracks_.size(); ++j) {
     Track& track = tracks_[j];
-    if (!poses[j] || track.detections == 0) continue;
+    const auto& pose = places[j].body_object;
+    if (!pose || track.detections == 0) continue;
+    track.place_probability = places[j].probability;
     if (!track.existence) {
       track.existence.emplace(existence_);
       track.since_look_s = 0.0;
     } else {
       track.since_look_s += dt_;
-      look_at(track, sighting_of(track, *poses[j]));
+      look_at(track, sighting_of(track, *pose));
     }
-    if (track.last_frame == frames_) learn_view(track, *poses[j]);
-    track.bad_s = track.is_lost || is_inconsistent(track) ? track.bad_s + dt_ : 0.0;
+    if (track.last_frame == frames_) learn_view(track, *pose);
+    track.bad_s = is_lost(track) || is_inconsistent(track) ? track.bad_s + dt_ : 0.0;
   }
-  weigh_rivals(poses);
+  weigh_rivals(places);
 }
 
 // What nobody looks at is as it was: the time that went by counts at the next look.
@@ -109,7 +110,7 @@ void InstanceTracks::look_at(Track& track, Sighting sighting) const {
   track.existence->update(sighting, track.since_look_s, existence_);
   if (sighting == Sighting::missed &&
       track.existence->visible_probability() < health_.lost_probability)
-    track.is_lost = true;
+    track.is_missed = true;
   const double look = part_of_a_look(track.since_look_s, existence_);
   track.counts.images += look;
   if (sighting == Sighting::detected) track.counts.detections += look;
@@ -146,19 +147,19 @@ void InstanceTracks::learn_view(Track& track, const SE3d& body_object) {
   }
 }
 
-void InstanceTracks::weigh_rivals(std::span<const std::optional<SE3d>> poses) {
+void InstanceTracks::weigh_rivals(std::span<const TrackedPlace> places) {
   // Instances of classes along one axis, so that near ones follow each other.
   std::vector<std::size_t> order;
-  std::vector<double> range(tracks_.size(), 0.0);
+  std::vector<Eigen::Vector3d> at(tracks_.size(), Eigen::Vector3d::Zero());
   for (std::size_t j = 0; j < tracks_.size(); ++j) {
     Track& track = tracks_[j];
-    if (!track.existence || !poses[j]) continue;
+    if (!track.existence || !places[j].body_object) continue;
     track.probability = track.existence->probability();
-    range[j] = poses[j]->translation().x();
+    at[j] = places[j].body_object->translation();
     if (track.of_class) order.push_back(j);
   }
   std::sort(order.begin(), order.end(),
-            [&](std::size_t a, std::size_t b) { return range[a] < range[b]; });
+            [&](std::size_t a, std::size_t b) { return at[a].x() < at[b].x(); });
   // Eq. (5): of those that exclude each other, one exists at most.
   duplicates_.clear();
   std::vector<double> sum(tracks_.size(), 1.0);
@@ -166,8 +167,8 @@ void InstanceTracks::weigh_rivals(std::span<const std::optional<SE3d>> poses) {
     const std::size_t i = order[a];
     for (std::size_t b = a + 1; b < order.size(); ++b) {
       const std::size_t j = order[b];
-      if (range[j] - range[i] >= std::max(existence_.exclusion_m, least_separation_m_)) break;
-      const double distance = (poses[j]->translation() - poses[i]->translation()).norm();
+      if (at[j].x() - at[i].x() >= std::max(existence_.exclusion_m, least_separation_m_)) break;
+      const double distance = (at[j] - at[i]).norm();
       find_duplicates(i, j, distance);
       if (distance >= existence_.exclusion_m) continue;
       sum[i] += tracks_[j].existence->odds();
@@ -218,6 +219,10 @@ bool InstanceTracks::is_deleted(std::size_t object) const {
          track.existence->probability() < existence_.deleted_probability;
 }
 
+bool InstanceTracks::is_lost(const Track& track) const {
+  return track.is_missed || track.place_probability < health_.lost_probability;
+}
+
 bool InstanceTracks::is_inconsistent(const Track& track) const {
   // Half of the window at least, or one gross error would be most of what was seen.
   if (track.weight < 0.5 * health_.window_detections) return false;
@@ -229,7 +234,7 @@ bool InstanceTracks::is_inconsistent(const Track& track) const {
 TrackHealth InstanceTracks::health(std::size_t object, double mode_probability) const {
   const Track& track = tracks_[object];
   if (track.detections == 0 && !track.is_known) return TrackHealth::none;
-  if (track.is_lost) return TrackHealth::lost;
+  if (is_lost(track)) return TrackHealth::lost;
   if (is_inconsistent(track)) return TrackHealth::inconsistent;
   if (!is_confirmed(object)) return TrackHealth::tentative;
   return mode_probability < health_.mode_probability ? TrackHealth::ambiguous : TrackHealth::good;
@@ -237,7 +242,7 @@ TrackHealth InstanceTracks::health(std::size_t object, double mode_probability) 
 
 bool InstanceTracks::should_register(std::size_t object) const {
   const Track& track = tracks_[object];
-  return (track.is_lost || is_inconsistent(track)) && track.bad_s >= health_.register_again_s;
+  return (is_lost(track) || is_inconsistent(track)) && track.bad_s >= health_.register_again_s;
 }
 
 }  // namespace posemix

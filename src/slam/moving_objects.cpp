@@ -24,13 +24,6 @@ Matrix6d semidefinite(const Matrix6d& covariance) {
   return mirror_upper(Matrix6d(v * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() * v.transpose()));
 }
 
-bool may_be_held_by(std::size_t frame, const MotionModels& motion) {
-  return std::ranges::any_of(motion.models, [&](const ObjectMotion& model) {
-    const auto* attached = std::get_if<AttachedMotion>(&model);
-    return attached != nullptr && attached->frame == frame;
-  });
-}
-
 }  // namespace
 
 bool is_static(const MotionModels& motion) {
@@ -58,8 +51,38 @@ void require_static(const std::vector<ObjectModel>& models, const std::string& w
   }
 }
 
+void report_moving(std::size_t object, const MovingObjectEstimate& estimate, bool with_alternatives,
+                   FrameEstimate& frame) {
+  const MovingObjectHypothesis& leading = estimate.hypotheses.front();
+  frame.objects[object] = leading.world;
+  frame.mode_probabilities[object] = leading.probability;
+  frame.motion_models[object] = estimate.models;
+  frame.twists[object] = ObjectTwist{leading.twist, leading.twist_covariance};
+  if (!with_alternatives) return;
+  for (const MovingObjectHypothesis& one : estimate.hypotheses)
+    frame.alternatives[object].push_back({one.probability, one.world.mean(), one.id});
+}
+
+std::vector<ObjectHypothesis> hypotheses_of(const MovingObjectEstimate& estimate,
+                                            const Matrix6d& camera) {
+  std::vector<ObjectHypothesis> list;
+  for (const MovingObjectHypothesis& one : estimate.hypotheses) {
+    list.push_back({.pose = one.world.mean(),
+                    .covariance = one.world.covariance(),
+                    .cross_covariance = camera,
+                    .log_weight = std::log(one.probability),
+                    .probability = one.probability,
+                    .id = one.id,
+                    .detections = one.detections});
+  }
+  return list;
+}
+
 MovingObjects::MovingObjects(const MovingObjectSettings& settings, std::vector<std::string> frames)
-    : settings_(settings), names_(std::move(frames)), frames_(names_.size()) {}
+    : settings_(settings),
+      names_(std::move(frames)),
+      may_hold_(names_.size()),
+      frames_(names_.size()) {}
 
 void MovingObjects::require_valid(const ObjectModel& model) const {
   const auto refuse = [&](const std::string& why) {
@@ -85,8 +108,15 @@ void MovingObjects::require_valid(const ObjectModel& model) const {
   }
 }
 
-void MovingObjects::add(std::size_t object, const ObjectModel& model) {
+void MovingObjects::expect(const ObjectModel& model) {
   require_valid(model);
+  for (const ObjectMotion& motion : model.motion.models)
+    if (const auto* attached = std::get_if<AttachedMotion>(&motion))
+      may_hold_[attached->frame] = true;
+}
+
+void MovingObjects::add(std::size_t object, const ObjectModel& model) {
+  expect(model);
   const MovingObjectFilter filter({model.noise, model.symmetries}, model.motion, settings_);
   tracks_.insert_or_assign(object, Track{filter, filter});
 }
@@ -125,14 +155,11 @@ void MovingObjects::check(const FrameInput& input) const {
     }
   }
   for (std::size_t i = 0; i < names_.size(); ++i) {
-    if (frames_[i] || (!input.frames.empty() && input.frames[i])) continue;
-    for (const auto& [object, track] : tracks_) {
-      if (!may_be_held_by(i, track.filter.models())) continue;
-      throw InvalidInput(fmt::format(
-          "frame: object {} may be held by a frame, but '{}' had no pose so far, expected the "
-          "poses of all frames from the first frame on",
-          object, names_[i]));
-    }
+    if (!may_hold_[i] || frames_[i] || (!input.frames.empty() && input.frames[i])) continue;
+    throw InvalidInput(fmt::format(
+        "frame: '{}', which may hold an object, had no pose so far, expected one from the first "
+        "frame on",
+        names_[i]));
   }
 }
 
@@ -154,9 +181,21 @@ void MovingObjects::follow(const PoseDensity& before, const PoseDensity& predict
   const Matrix6d rest = Matrix6d::Identity() - gain;
   const Matrix6d added = semidefinite(rest * now.covariance() * rest.transpose() +
                                       before.covariance() - gain * before.covariance());
-  const SE3d by = SE3d::exp(Vector6d(gain * corrected));
-  constant_ = now.covariance();
-  for (auto& [object, track] : tracks_) track.filter.move_world(by, added, constant_);
+  move_world(SE3d::exp(Vector6d(gain * corrected)), added, now.covariance());
+}
+
+// The object is where it is in the world, and the camera, which says where it sees it, is wrong.
+void MovingObjects::camera_begins_to_last(const PoseDensity& now) {
+  move_world(SE3d(), now.covariance(), now.covariance());
+}
+
+void MovingObjects::camera_ceases_to_last(const PoseDensity& before) {
+  move_world(SE3d(), before.covariance(), Matrix6d::Zero());
+}
+
+void MovingObjects::move_world(const SE3d& by, const Matrix6d& added, const Matrix6d& constant) {
+  constant_ = constant;
+  for (auto& [object, track] : tracks_) track.filter.move_world(by, added, constant);
 }
 
 ObjectUpdateReport MovingObjects::update(std::size_t object, Observation observation,
@@ -185,31 +224,18 @@ void MovingObjects::report(const KnownCamera& camera, bool with_alternatives,
     if (!is_known(object)) continue;
     const MovingObjectEstimate estimate = track.filter.estimate();
     if (estimate.hypotheses.empty()) continue;
-    const MovingObjectHypothesis& leading = estimate.hypotheses.front();
-    frame.objects[object] = leading.world;
+    report_moving(object, estimate, with_alternatives, frame);
     frame.relative[object] = track.filter.relative(camera);
-    frame.mode_probabilities[object] = leading.probability;
-    frame.motion_models[object] = estimate.models;
-    frame.twists[object] = ObjectTwist{leading.twist, leading.twist_covariance};
-    if (!with_alternatives) continue;
-    for (const MovingObjectHypothesis& one : estimate.hypotheses)
-      frame.alternatives[object].push_back({one.probability, one.world.mean(), one.id});
   }
 }
 
 std::vector<ObjectHypothesis> MovingObjects::hypotheses(std::size_t object) const {
-  std::vector<ObjectHypothesis> list;
-  if (!is_known(object)) return list;
-  for (const MovingObjectHypothesis& one : filter(object).estimate().hypotheses) {
-    list.push_back({.pose = one.world.mean(),
-                    .covariance = one.world.covariance(),
-                    .cross_covariance = constant_,
-                    .log_weight = std::log(one.probability),
-                    .probability = one.probability,
-                    .id = one.id,
-                    .detections = one.detections});
-  }
-  return list;
+  if (!is_known(object)) return {};
+  return hypotheses_of(filter(object).estimate(), constant_);
+}
+
+double MovingObjects::lost_probability(std::size_t object) const {
+  return filter(object).estimate().lost_probability;
 }
 
 std::optional<MovingObjectHypothesis> MovingObjects::at(std::size_t object, double dt) const {

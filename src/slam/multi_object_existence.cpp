@@ -30,10 +30,13 @@ void MultiObjectSlam::look(const FrameInput& input) {
 }
 
 void MultiObjectSlam::update_tracks(FrameEstimate& frame) {
-  std::vector<std::optional<SE3d>> poses;
-  for (const auto& relative : frame.relative)
-    poses.push_back(relative ? std::optional(relative->mean()) : std::nullopt);
-  tracks_.end(poses);
+  std::vector<TrackedPlace> places;
+  for (std::size_t object = 0; object < objects_.size(); ++object) {
+    const auto& relative = frame.relative[object];
+    places.push_back(
+        {relative ? std::optional(relative->mean()) : std::nullopt, place_probability(object)});
+  }
+  tracks_.end(places);
   for (std::size_t object = 0; object < objects_.size(); ++object) {
     frame.existences.push_back(tracks_.existence(object));
     frame.healths.push_back(tracks_.health(object, frame.mode_probabilities[object].value_or(0.0)));

@@ -50,7 +50,7 @@ KnownCamera MultiObjectSlam::known_camera(const ObservationSource& source) const
   }
   // The error of an estimated pose lasts from frame to frame, that of a given one does not.
   const PoseDensity camera = PoseDensity::trusted(body.mean() * body_camera, covariance);
-  return motion_.model == MotionModel::given ? camera_on_arm(camera) : still_camera(camera);
+  return camera_lasts_ ? still_camera(camera) : camera_on_arm(camera);
 }
 
 std::vector<ObjectHypothesis> MultiObjectSlam::hypotheses(std::size_t object) const {
@@ -71,8 +71,24 @@ std::optional<PoseDensity> MultiObjectSlam::object_at(std::size_t object, double
 }
 
 std::optional<PoseDensity> MultiObjectSlam::camera_for_moving() const {
-  const bool lasts = motion_.model != MotionModel::given;
-  return moving_.empty() || !lasts ? std::nullopt : std::optional(filter_.camera());
+  return moving_.empty() ? std::nullopt : std::optional(filter_.camera());
+}
+
+void MultiObjectSlam::follow_camera(const PoseDensity& before, const PoseDensity& predicted,
+                                    bool lasted) {
+  if (lasted && camera_lasts_) {
+    moving_.follow(before, predicted, filter_.camera());
+  } else if (camera_lasts_) {
+    moving_.camera_begins_to_last(filter_.camera());
+  } else if (lasted) {
+    moving_.camera_ceases_to_last(before);
+  }
+}
+
+double MultiObjectSlam::place_probability(std::size_t object) const {
+  if (!is_known(object)) return 1.0;
+  if (moving_.has(object)) return 1.0 - moving_.lost_probability(object);
+  return put_down_of(objects_[object].motion) ? -std::expm1(filter_.log_absent(object)) : 1.0;
 }
 
 void MultiObjectSlam::report_moving(FrameEstimate& frame) const {

@@ -80,7 +80,7 @@ MovingObjects make_moving(const std::vector<ObjectModel>& objects,
                           const MultiObjectSlamSettings& settings) {
   MovingObjects moving(settings.moving, settings.frames);
   if (settings.on_sight && has_own_track(settings.on_sight->motion))
-    moving.require_valid(*settings.on_sight);
+    moving.expect(*settings.on_sight);
   for (std::size_t i = 0; i < objects.size(); ++i) {
     try {
       validate(objects[i].motion);
@@ -153,6 +153,8 @@ FrameEstimate MultiObjectSlam::step(const FrameInput& input) {
   tracks_.begin(input.dt);
   look(input);
   const Stopwatch frame;
+  const bool lasted = std::exchange(
+      camera_lasts_, motion_.model != MotionModel::given || !input.camera.has_value());
   const auto before = camera_for_moving();
   if (moved) internal::predict(filter_, *moved);
   const auto predicted = camera_for_moving();
@@ -162,7 +164,7 @@ FrameEstimate MultiObjectSlam::step(const FrameInput& input) {
   const Stopwatch updates;
   // What moves is seen from the camera as it is known from what does not.
   for (const bool moving : {false, true}) {
-    if (moving && before) moving_.follow(*before, *predicted, filter_.camera());
+    if (moving && before) follow_camera(*before, *predicted, lasted);
     for (std::size_t object = 0; object < input.detections.size(); ++object) {
       if (input.detections[object] && moving_.has(object) == moving)
         update(object, observation_of(*input.detections[object]), {}, report);

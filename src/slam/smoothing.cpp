@@ -10,6 +10,7 @@
 #include "posemix/base/stopwatch.hpp"
 #include "slam/frames.hpp"
 #include "slam/motion.hpp"
+#include "slam/smoothing_moving.hpp"
 #include "slam/smoothing_window.hpp"
 
 namespace posemix {
@@ -42,7 +43,7 @@ FixedLagSmoother::FixedLagSmoother(const PoseDensity& camera, std::vector<Object
       record_hypotheses_(record_hypotheses),
       slam_(camera, std::move(objects), settings),
       before_(smoothed_filter(slam_)) {
-  require_static(slam_.objects(), "smoothing");
+  require_static(slam_.objects(), "smoothing by a fixed lag");
   require_not_given(motion_, "smoothing");
   require(smoothing.passes > 0, "smoothing: passes is 0, expected at least 1");
   require(!std::get<MultiObjectSlamSettings>(settings.tracker).on_sight,
@@ -154,6 +155,11 @@ SlamRun run_smoothed(const Sequence& sequence, const PoseDensity& camera_prior,
                      const SmoothingSettings& smoothing, const RunOptions& options) {
   internal::check_run(sequence, models);
   require_no_candidates(sequence.candidates.empty());
+  const bool moves = std::any_of(models.begin(), models.end(),
+                                 [](const auto& model) { return !is_static(model.motion); });
+  if (moves && smoothing.lag_frames == 0)
+    return internal::smooth_with_moving(sequence, camera_prior, models, settings, smoothing,
+                                        options);
   FixedLagSmoother smoother(camera_prior, models, settings, smoothing, options.record_hypotheses);
   const std::size_t count = sequence.stamps.size();
   std::vector<FrameEstimate> frames;

@@ -24,7 +24,8 @@ std::size_t StampedSlam::frame_index(std::string_view name) const {
 
 StampAdmission StampedSlam::add_frame(std::string_view name, double stamp_s,
                                       const KnownFrame& frame) {
-  auto& poses = known_frames_[frame_index(name)];
+  const std::size_t index = frame_index(name);
+  auto& poses = known_frames_[index];
   validate(frame);
   const StampAdmission admission = admit(stamp_s);
   if (admission == StampAdmission::too_late) {
@@ -37,6 +38,8 @@ StampAdmission StampedSlam::add_frame(std::string_view name, double stamp_s,
         "there is a pose of the frame '{}' at the stamp {:.6f} s already", name, stamp_s));
   }
   const auto added = poses.emplace(stamp_s, frame).first;
+  auto& first = first_poses_[index];
+  first = std::min(stamp_s, first.value_or(stamp_s));
   // Since the pose before, the frame has moved otherwise now.
   constexpr double kAlways = -std::numeric_limits<double>::infinity();
   double unchanged = kAlways;
@@ -68,8 +71,21 @@ std::optional<KnownFrame> StampedSlam::frame_at(std::size_t frame, double stamp_
                     (1.0 - part) * a.covariance + part * b.covariance};
 }
 
-bool StampedSlam::has_all_frames() const {
-  return std::ranges::none_of(known_frames_, [](const auto& poses) { return poses.empty(); });
+std::vector<std::string> StampedSlam::missing_frames() const {
+  std::vector<std::string> missing;
+  for (std::size_t i = 0; i < names_.size(); ++i)
+    if (now_.slam.moving().may_hold(i) && !first_poses_[i]) missing.push_back(names_[i]);
+  return missing;
+}
+
+double StampedSlam::begin_s() const {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  double begin = -kInfinity;
+  for (std::size_t i = 0; i < names_.size(); ++i) {
+    if (!now_.slam.moving().may_hold(i)) continue;
+    begin = std::max(begin, first_poses_[i] ? *first_poses_[i] - settings_.history_s : kInfinity);
+  }
+  return begin;
 }
 
 std::optional<PoseDensity> StampedSlam::object_at(std::string_view id, double stamp_s) {

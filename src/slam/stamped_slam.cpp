@@ -37,7 +37,8 @@ StampedSlam::StampedSlam(const PoseDensity& body, std::vector<ObjectModel> objec
       now_(initial_),
       checkpoints_{initial_},
       names_(settings.frames),
-      known_frames_(settings.frames.size()) {
+      known_frames_(settings.frames.size()),
+      first_poses_(settings.frames.size()) {
   require_positive(stamped.history_s, "history_s");
   require_positive(stamped.jump_back_s, "jump_back_s");
   require_positive(stamped.jump_ahead_s, "jump_ahead_s");
@@ -75,6 +76,7 @@ void StampedSlam::reset() {
   frames_.clear();
   odometry_.clear();
   for (auto& poses : known_frames_) poses.clear();
+  for (auto& first : first_poses_) first.reset();
   newest_.reset();
   ++counts_.resets;
 }
@@ -135,7 +137,7 @@ StampAdmission StampedSlam::add_odometry(double stamp_s, const SE3d& odom_body) 
 }
 
 const std::optional<EstimateAtStamp>& StampedSlam::estimate() {
-  if (!newest_ || !has_all_frames()) return now_.estimate;
+  if (!newest_) return now_.estimate;
   // Odometry that may still come for an observation is newer by the history at most, and late by
   // the history at most.
   const double patient = std::nextafter(*newest_ - 2.0 * settings_.history_s,
@@ -145,14 +147,19 @@ const std::optional<EstimateAtStamp>& StampedSlam::estimate() {
 }
 
 const std::optional<EstimateAtStamp>& StampedSlam::finish() {
+  if (const auto missing = missing_frames(); newest_ && !missing.empty()) {
+    throw InvalidInput(fmt::format(
+        "there is no estimate: '{}', which may hold an object, had no pose so far", missing[0]));
+  }
   if (newest_) play(*newest_);
   return now_.estimate;
 }
 
 std::size_t StampedSlam::waiting() const {
-  if (!has_odometry_) return 0;
+  const bool waits = !missing_frames().empty();
+  if (!has_odometry_ && !waits) return 0;
   std::size_t count = 0;
-  const auto from = newest_odometry();
+  const auto from = waits ? std::nullopt : newest_odometry();
   for (auto frame = from ? frames_.upper_bound(*from) : frames_.begin(); frame != frames_.end();
        ++frame)
     count += frame->second.observations.size();
@@ -172,8 +179,11 @@ void StampedSlam::play_again_after(double stamp_s) {
 
 void StampedSlam::play(double until_s) {
   const double interval = settings_.history_s / static_cast<double>(settings_.checkpoints);
-  for (auto frame = frames_.upper_bound(stamp_of(now_.estimate));
-       frame != frames_.end() && frame->first <= until_s; ++frame) {
+  const double begin = begin_s();
+  auto frame = now_.estimate && now_.estimate->stamp_s >= begin
+                   ? frames_.upper_bound(now_.estimate->stamp_s)
+                   : frames_.lower_bound(begin);
+  for (; frame != frames_.end() && frame->first <= until_s; ++frame) {
     play_frame(frame->first, frame->second);
     if (frame->first >= stamp_of(checkpoints_.back().estimate) + interval)
       checkpoints_.push_back(now_);
@@ -215,8 +225,15 @@ void StampedSlam::forget_old() {
   const double oldest = *newest_ - 2.0 * settings_.history_s;
   while (checkpoints_.size() > 1 && stamp_of(checkpoints_[1].estimate) < oldest)
     checkpoints_.pop_front();
-  const double kept = stamp_of(checkpoints_.front().estimate);
-  frames_.erase(frames_.begin(), frames_.upper_bound(kept));
+  const double begin = begin_s();
+  const double played = stamp_of(checkpoints_.front().estimate);
+  // What comes before the first poses of frames is never played.
+  const auto unused = frames_.lower_bound(std::min(begin, oldest));
+  for (auto frame = frames_.begin(); frame != unused; ++frame)
+    counts_.too_late += frame->second.observations.size();
+  frames_.erase(frames_.begin(), unused);
+  frames_.erase(frames_.begin(), frames_.upper_bound(played));
+  const double kept = std::isinf(begin) && begin > 0.0 ? oldest : played;
   // The motion up to the first frame that is kept begins at the pose before the checkpoint.
   auto first = odometry_.upper_bound(kept);
   if (first != odometry_.begin()) --first;

@@ -25,7 +25,7 @@ class Driven {
     if (detector) tracks_.look("", detector, SE3d());
     if (seen)
       tracks_.detected(0, {.detector = detector, .of_class = true, .inlier_probability = 1.0});
-    tracks_.end(std::vector<std::optional<SE3d>>{place, std::nullopt});
+    tracks_.end(std::vector<TrackedPlace>{{place}, {}});
   }
   InstanceTracks& tracks() { return tracks_; }
 
@@ -52,6 +52,32 @@ TEST(InstanceTracks, WhatNobodyLooksAtStaysAsItWas) {
   EXPECT_EQ(driven.tracks().health(0, 1.0), TrackHealth::good);
 }
 
+TEST(InstanceTracks, AnObjectWhosePlaceIsNotKnownIsLost) {
+  InstanceTracks tracks({}, {.register_again_s = 1.0}, 3, 0.02);
+  tracks.add(true, "");
+  const auto frame = [&](double place_probability, bool seen) {
+    tracks.begin(0.4);
+    if (seen) {
+      tracks.look("", "", SE3d());
+      tracks.detected(0, {.inlier_probability = 1.0});
+    }
+    tracks.end(std::vector<TrackedPlace>{{kPlace, place_probability}});
+  };
+  frame(1.0, true);
+  EXPECT_EQ(tracks.health(0, 1.0), TrackHealth::good);
+  frame(0.2, false);
+  EXPECT_EQ(tracks.health(0, 0.2), TrackHealth::ambiguous);
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_FALSE(tracks.should_register(0));
+    frame(0.05, false);
+  }
+  EXPECT_EQ(tracks.health(0, 0.05), TrackHealth::lost);
+  EXPECT_TRUE(tracks.should_register(0));
+  frame(0.99, true);
+  EXPECT_EQ(tracks.health(0, 0.99), TrackHealth::good);
+  EXPECT_FALSE(tracks.should_register(0));
+}
+
 TEST(InstanceTracks, LostIsSaidUntilADetectionAndThenNotAnyMore) {
   Driven driven;
   for (int k = 0; k < 30; ++k) driven.frame(0.5, "usual", true);
@@ -73,7 +99,7 @@ TEST(InstanceTracks, ASingleDetectionNearTheLensDoesNotWidenTheView) {
   tracks.begin(0.5);
   tracks.look("", "usual", SE3d());
   tracks.detected(1, {.detector = "usual", .of_class = true});
-  tracks.end(std::vector<std::optional<SE3d>>{kPlace, SE3d(SO3d(), {0.05, 0.05, 0.02})});
+  tracks.end(std::vector<TrackedPlace>{{kPlace}, {SE3d(SO3d(), {0.05, 0.05, 0.02})}});
   for (int k = 0; k < 30; ++k) driven.frame(0.5, "usual", false, SE3d(SO3d(), {1.2, 0.0, 1.0}));
   EXPECT_EQ(tracks.health(0, 1.0), TrackHealth::good);
 }

@@ -21,8 +21,8 @@ struct StepRecord;
 /// (docs/moving-objects.md, "Looking ahead").
 class MovingObjectSmoother {
  public:
-  /// Of the last `most_steps` observations; none is all of them. With n + 1 the first of smoothed()
-  /// is the estimate with a fixed lag of n observations.
+  /// Of the last `most_steps` observations and predictions; none is all of them. With n + 1 the
+  /// first of smoothed() is the estimate with a fixed lag of n of them.
   /// @throws InvalidInput as MovingObjectFilter, and for less than one step
   explicit MovingObjectSmoother(ObjectSensor sensor, MotionModels models = {},
                                 const MovingObjectSettings& settings = {},
@@ -33,14 +33,20 @@ class MovingObjectSmoother {
   MovingObjectReport update(const Observation& observation, const KnownCamera& camera,
                             const std::vector<KnownFrame>& frames = {});
 
-  /// The object at the times of the observations that are kept, the oldest first, given all
-  /// observations so far. The last one is the filter's.
+  /// As MovingObjectFilter::predict: a step without an observation.
+  /// @throws InvalidInput as there
+  void predict(double time_s, const std::vector<KnownFrame>& frames = {});
+
+  /// The object at the times of the steps that are kept, the oldest first, given all observations
+  /// so far. The last one is the filter's.
   std::vector<MovingObjectEstimate> smoothed() const;
 
   /// The filter after the last observation.
   const MovingObjectFilter& filter() const { return filter_; }
 
  private:
+  void keep_record();
+
   MovingObjectFilter filter_;
   std::optional<std::size_t> most_steps_;
   std::deque<std::shared_ptr<const internal::StepRecord>> records_;
@@ -53,7 +59,7 @@ struct MovingObjectStep {
   std::vector<KnownFrame> frames = {};  ///< those that the models name
 };
 
-/// A recording of one moving object, smoothed: of every step,
+/// A recording of one moving object, smoothed. The lists have one entry for every step.
 struct MovingObjectSmoothing {
   std::vector<MovingObjectEstimate> estimates = {};  ///< given all steps
   std::vector<MovingObjectEstimate> filtered = {};   ///< given the steps up to it

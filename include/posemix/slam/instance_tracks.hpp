@@ -26,7 +26,7 @@ enum class TrackHealth {
   good,          ///< confirmed, on one mode, and detections are as the noise says
   ambiguous,     ///< the mode has less than HealthSettings::mode_probability
   inconsistent,  ///< detections are beyond the band of the noise, or most are doubted
-  lost           ///< it should be seen, and is not
+  lost           ///< it should be seen, and is not, or its place is not known any more
 };
 
 /// The words of TrackHealth in traces, in the order of the values.
@@ -48,7 +48,8 @@ struct HealthSettings {
   /// The mean square innovation of detections that are no gross errors may be at this quantile of
   /// its distribution.
   double band_probability = 0.9999;
-  /// A track is lost when what was detected is in sight with less than this probability.
+  /// A track is lost when what was detected is in sight, or its place is known, with less than
+  /// this probability.
   double lost_probability = 0.1;
   /// A track that is lost or inconsistent for so long should be registered again [s].
   double register_again_s = 2.0;
@@ -56,6 +57,12 @@ struct HealthSettings {
 
 /// @throws InvalidInput when a setting is out of range
 void validate(const HealthSettings& settings);
+
+/// Where an object is at the end of a frame.
+struct TrackedPlace {
+  std::optional<SE3d> body_object = {};  ///< of one that is known
+  double probability = 1.0;              ///< that it is at any of its hypotheses
+};
 
 /// What a detection says of the track of an object.
 struct TrackedDetection {
@@ -68,7 +75,7 @@ struct TrackedDetection {
 };
 
 /// Existence and health of the objects of a tracker, by their index. A frame is `begin`, then
-/// `look`, `see` and `detected` in any order, then `end`.
+/// `look` and `detected` in any order, then `end`.
 class InstanceTracks {
  public:
   /// @throws InvalidInput when a setting is out of range
@@ -87,13 +94,12 @@ class InstanceTracks {
   void look(const std::string& camera, const std::optional<std::string>& detector,
             const SE3d& body_camera);
   void detected(std::size_t object, const TrackedDetection& detection);
-  /// The frame ends with these poses T_body_object; objects without a pose are not known.
-  void end(std::span<const std::optional<SE3d>> poses);
+  /// The frame ends with the objects at these places.
+  void end(std::span<const TrackedPlace> places);
 
   /// Number of detections of the object, and the frame of the last one.
   std::size_t detections(std::size_t object) const { return tracks_[object].detections; }
   std::size_t last_frame(std::size_t object) const { return tracks_[object].last_frame; }
-  std::size_t frames() const { return frames_; }
   /// What fit_existence learns from, without the truth.
   const InstanceCounts& counts(std::size_t object) const { return tracks_[object].counts; }
   /// Probability that the object exists, eq. (4) and (5); none before its first detection. It is
@@ -123,8 +129,9 @@ class InstanceTracks {
     std::optional<Existence> existence = {};
     InstanceCounts counts = {};
     double since_look_s = 0.0;
-    bool is_lost = false;  ///< until it is detected
-    double bad_s = 0.0;    ///< for which it is lost or inconsistent
+    bool is_missed = false;  ///< it should be seen, and is not; until it is detected
+    double place_probability = 1.0;
+    double bad_s = 0.0;  ///< for which it is lost or inconsistent
     std::set<Searched> found_by = {};
     std::vector<Searched> found_now = {};  ///< in this frame
     double probability = 0.0;              ///< eq. (5), at the end of the frame
@@ -142,12 +149,13 @@ class InstanceTracks {
     FieldOfView view;
   };
 
+  bool is_lost(const Track& track) const;
   bool is_inconsistent(const Track& track) const;
   void look_at(Track& track, Sighting sighting) const;
   /// Whether a camera of this frame should see the object at T_body_object.
   Sighting sighting_of(const Track& track, const SE3d& body_object) const;
   void learn_view(Track& track, const SE3d& body_object);
-  void weigh_rivals(std::span<const std::optional<SE3d>> poses);
+  void weigh_rivals(std::span<const TrackedPlace> places);
   void find_duplicates(std::size_t i, std::size_t j, double distance_m);
 
   ExistenceSettings existence_;

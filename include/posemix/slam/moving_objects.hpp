@@ -28,6 +28,9 @@ class MovingObjects {
   /// @throws InvalidInput naming the object when it has several detectors or a prior, a model is
   /// not valid, or is attached to a frame that there is not
   void require_valid(const ObjectModel& model) const;
+  /// Such objects may come.
+  /// @throws InvalidInput as require_valid
+  void expect(const ObjectModel& model);
   /// The object at this index of a tracker moves.
   /// @throws InvalidInput as require_valid
   void add(std::size_t object, const ObjectModel& model);
@@ -38,6 +41,9 @@ class MovingObjects {
   /// The object becomes one that was never seen.
   void forget(std::size_t object);
 
+  /// Whether an object may be held by the frame.
+  bool may_hold(std::size_t frame) const { return may_hold_[frame]; }
+
   /// @throws InvalidInput for poses of frames that are not valid, and where an object may be held
   /// by a frame of which no pose was given so far
   void check(const FrameInput& input) const;
@@ -47,6 +53,10 @@ class MovingObjects {
   /// when they were seen. `before` is the camera of the last frame, `predicted` before this frame's
   /// updates, and `now` after them.
   void follow(const PoseDensity& before, const PoseDensity& predicted, const PoseDensity& now);
+  /// The error of the camera was drawn anew for every image, and lasts from now on.
+  void camera_begins_to_last(const PoseDensity& now);
+  /// The reverse. `before` is the camera of the last frame.
+  void camera_ceases_to_last(const PoseDensity& before);
 
   /// An observation at the time of the frame.
   ObjectUpdateReport update(std::size_t object, Observation observation, const KnownCamera& camera);
@@ -59,6 +69,8 @@ class MovingObjects {
   std::vector<ObjectHypothesis> hypotheses(std::size_t object) const;
   /// The object `dt` seconds later; empty until it was seen. Frames stay where they are.
   std::optional<MovingObjectHypothesis> at(std::size_t object, double dt) const;
+  /// Probability that the place of an object that was seen is not known.
+  double lost_probability(std::size_t object) const;
   /// @throws InvalidInput for an object that does not move
   const MovingObjectFilter& filter(std::size_t object) const;
 
@@ -70,14 +82,26 @@ class MovingObjects {
 
   Track& track(std::size_t object) { return tracks_.at(object); }
   std::vector<KnownFrame> known_frames() const;
+  void move_world(const SE3d& by, const Matrix6d& added, const Matrix6d& constant);
 
   MovingObjectSettings settings_;
   std::vector<std::string> names_;
+  std::vector<bool> may_hold_;           ///< by frame, whether a model is attached to it
   std::map<std::size_t, Track> tracks_;  ///< by the index of the object
   std::vector<std::optional<KnownFrame>> frames_;
   Matrix6d constant_ = Matrix6d::Zero();  ///< error of the camera in all images
   double time_s_ = 0.0;
 };
+
+/// Puts what is known of a moving object into the estimate of a frame, but for the pose from the
+/// camera; `with_alternatives` all its hypotheses.
+void report_moving(std::size_t object, const MovingObjectEstimate& estimate, bool with_alternatives,
+                   FrameEstimate& frame);
+
+/// The hypotheses of a moving object, whose cross-covariance with the camera is `camera`: the
+/// camera's error that lasts.
+std::vector<ObjectHypothesis> hypotheses_of(const MovingObjectEstimate& estimate,
+                                            const Matrix6d& camera);
 
 /// Whether all models are static.
 bool is_static(const MotionModels& motion);

@@ -153,8 +153,13 @@ class MultiObjectSlam {
   PoseDensity predicted_detection(std::size_t object, const ObservationSource& source) const;
   /// The camera of an observation as an object that moves is seen from it.
   KnownCamera known_camera(const ObservationSource& source) const;
-  /// The camera, where anything moves and the camera's error lasts.
+  /// The camera, where anything moves.
   std::optional<PoseDensity> camera_for_moving() const;
+  /// The objects that move follow the camera from the last frame, where its error lasted or was
+  /// drawn for that image alone.
+  void follow_camera(const PoseDensity& before, const PoseDensity& predicted, bool lasted);
+  /// Probability that the place of an object is known, where it may be put down elsewhere.
+  double place_probability(std::size_t object) const;
   /// Puts the objects that move into an estimate.
   void report_moving(FrameEstimate& frame) const;
 
@@ -164,6 +169,9 @@ class MultiObjectSlam {
   bool record_hypotheses_;
   MultiObjectFilter filter_;
   MovingObjects moving_;
+  /// Whether the error of the camera's pose is that of the frames before and after, and not drawn
+  /// for this image alone, as that of a given pose is.
+  bool camera_lasts_ = true;
   InstanceTracks tracks_;
 };
 

@@ -112,7 +112,8 @@ class StampedSlam {
 
   /// T_world_frame of one of MultiObjectSlamSettings::frames at a time; between two that are no
   /// further apart than the history the motion is a part of the motion between them, elsewhere the
-  /// frame is where it was. Until all frames had a pose there is no estimate.
+  /// frame is where it was. Until each that may hold an object had a pose there is no estimate,
+  /// and input that is older than the first of these poses by more than the history is left out.
   /// @throws InvalidInput, and changes nothing, for a name that there is not, a pose that is not
   /// valid, and a stamp that has jumped or has another pose already
   StampAdmission add_frame(std::string_view name, double stamp_s, const KnownFrame& frame);
@@ -122,6 +123,7 @@ class StampedSlam {
   const std::optional<EstimateAtStamp>& estimate();
   /// The same with all observations, also those that wait for odometry, which are then frames
   /// without it; for the end of a recording.
+  /// @throws InvalidInput where a frame that may hold an object never had a pose
   const std::optional<EstimateAtStamp>& finish();
 
   /// T_world_object at a stamp that is not before that of estimate(), as far as it is known by then
@@ -130,8 +132,11 @@ class StampedSlam {
   std::optional<PoseDensity> object_at(std::string_view id, double stamp_s);
 
   const StampCounts& counts() const { return counts_; }
-  /// Observations that wait for odometry.
+  /// Observations that wait for odometry, or for the first pose of a frame.
   std::size_t waiting() const;
+  /// Names of the frames that may hold an object and had no pose so far: without them there is no
+  /// estimate.
+  std::vector<std::string> missing_frames() const;
   /// The tracker at the stamp of the last estimate.
   const MultiObjectSlam& slam() const { return now_.slam; }
 
@@ -164,7 +169,9 @@ class StampedSlam {
   /// @throws InvalidInput for a name that there is not
   std::size_t frame_index(std::string_view name) const;
   std::optional<KnownFrame> frame_at(std::size_t frame, double stamp_s) const;
-  bool has_all_frames() const;
+  /// Stamp from which on the poses of all frames that may hold an object are known; infinite as
+  /// long as one is missing.
+  double begin_s() const;
 
   StampedSlamSettings settings_;
   bool has_odometry_;
@@ -176,6 +183,7 @@ class StampedSlam {
   std::map<double, SE3d> odometry_;
   std::vector<std::string> names_;                          ///< of frames that may hold objects
   std::vector<std::map<double, KnownFrame>> known_frames_;  ///< their poses
+  std::vector<std::optional<double>> first_poses_;          ///< stamps of the first of them
   std::optional<double> newest_;
   StampCounts counts_;
 };

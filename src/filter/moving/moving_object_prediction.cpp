@@ -119,21 +119,20 @@ std::vector<PlacedObject> MovingObjectState::mixed_models(const MovingHypothesis
 }
 
 Eigen::ArrayXd MovingObjectState::gone_in(double dt) const {
+  constexpr double kMostGone = 1.0 - 1e-12;
   Eigen::ArrayXd gone(static_cast<Eigen::Index>(model_count()));
   for (std::size_t k = 0; k < model_count(); ++k)
     gone[static_cast<Eigen::Index>(k)] =
         -std::expm1(-(std::visit(JumpRate{}, models_.models[k]) +
                       0.5 * std::visit(BreakRate{}, models_.models[k]) + settings_.lost_rate) *
                     dt);
-  return gone;
+  return gone.min(kMostGone);
 }
 
-/// Eq. (9): jumps, and what no model describes. Something stays of every hypothesis, so that there
-/// is a place to report however long the object was not seen.
+/// Eq. (9): jumps, and what no model describes.
 void MovingObjectState::leak(double dt) {
-  constexpr double kMostGone = 1.0 - 1e-12;
   constexpr double kLeastWeight = 1e-200;
-  const Eigen::ArrayXd gone = gone_in(dt).min(kMostGone);
+  const Eigen::ArrayXd gone = gone_in(dt);
   for (MovingHypothesis& hypothesis : hypotheses_) {
     if (hypothesis.weights.total() < kLeastWeight) continue;
     ModeWeights part = hypothesis.weights;

@@ -111,6 +111,11 @@ void MovingObjectState::trace_weights(const std::vector<MovingHypothesis>& birth
       trace_->weights.emplace_back(hypothesis.id, hypothesis.weights.by_model());
 }
 
+void MovingObjectState::trace_prediction() {
+  trace();
+  trace_weights({});
+}
+
 Vector18d MovingObjectState::gain_factors() const {
   Vector18d gain = Vector18d::Ones();
   if (sensor().noise.dependence().is_typical) gain.tail<6>().setConstant(settings_.slow_error_gain);

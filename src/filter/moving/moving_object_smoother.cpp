@@ -20,9 +20,19 @@ MovingObjectReport MovingObjectSmoother::update(const Observation& observation,
                                                 const KnownCamera& camera,
                                                 const std::vector<KnownFrame>& frames) {
   MovingObjectReport report = filter_.update(observation, camera, frames);
+  keep_record();
+  return report;
+}
+
+void MovingObjectSmoother::predict(double time_s, const std::vector<KnownFrame>& frames) {
+  filter_.predict(time_s, frames);
+  filter_.state_->trace_prediction();
+  keep_record();
+}
+
+void MovingObjectSmoother::keep_record() {
   records_.push_back(std::make_shared<internal::StepRecord>(filter_.state_->record()));
   if (most_steps_ && records_.size() > *most_steps_) records_.pop_front();
-  return report;
 }
 
 std::vector<MovingObjectEstimate> MovingObjectSmoother::smoothed() const {

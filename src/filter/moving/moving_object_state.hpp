@@ -109,6 +109,8 @@ class MovingObjectState {
 
   /// From now on updates leave a trace.
   void trace() { trace_.emplace(); }
+  /// The trace of a step without an observation.
+  void trace_prediction();
   /// The posterior, with the trace of the last update.
   StepRecord record() const;
   /// The posterior becomes that of a record, with the hypotheses and weights of `belief`.
@@ -132,7 +134,9 @@ class MovingObjectState {
   MotionPrediction predicted(const PlacedObject& object, std::size_t model, double dt,
                              const std::vector<SE3d>& moved) const;
   Eigen::MatrixXd transition_over(double dt) const;
-  /// Probability, by model, that the place is not known any more after so many seconds.
+  /// Probability, by model, that the place is not known any more after so many seconds. Something
+  /// stays of every hypothesis, so that there is a place to report however long the object was not
+  /// seen.
   Eigen::ArrayXd gone_in(double dt) const;
   void leak(double dt);
   /// Probability, by model, of a turn to any orientation in so many seconds.

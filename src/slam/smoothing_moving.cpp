@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "slam/smoothing_moving.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "posemix/base/stopwatch.hpp"
+#include "slam/frames.hpp"
+
+namespace posemix {
+namespace internal {
+
+FilteredRun filtered_run(const Sequence& sequence, const PoseDensity& camera_prior,
+                         const std::vector<ObjectModel>& models, const ObjectSlamSettings& settings,
+                         const RunOptions& options) {
+  ObjectSlam slam(camera_prior, models, settings);
+  const auto& tracker = std::get<MultiObjectSlam>(slam.tracker());
+  FilteredRun run;
+  std::vector<KnownFrame> known(sequence.known_frames.size());
+  const std::size_t count = sequence.stamps.size();
+  for (std::size_t k = 0; k < count; ++k) {
+    const FrameInput input = frame_input(sequence, k, true);
+    run.frames.push_back(slam.step(input));
+    run.observed.push_back(tracker.observed(input));
+    for (std::size_t i = 0; i < input.frames.size(); ++i)
+      if (input.frames[i]) known[i] = *input.frames[i];
+    run.known_frames.push_back(known);
+    if (options.progress && !options.progress(k + 1, count)) break;
+  }
+  return run;
+}
+
+SmoothedTrack smoothed_track(const FilteredRun& run, std::size_t object, const ObjectModel& model,
+                             const MovingObjectSettings& settings, const std::vector<SE3d>& cameras,
+                             const std::vector<double>& stamps) {
+  MovingObjectSmoother smoother({model.noise, model.symmetries}, model.motion, settings);
+  std::vector<std::size_t> steps;  // by frame, the number of steps so far
+  std::size_t taken = 0;
+  for (std::size_t k = 0; k < cameras.size(); ++k) {
+    const std::size_t before = taken;
+    for (const ObservedObject& seen : run.observed[k]) {
+      if (seen.object != object) continue;
+      Observation observation = seen.observation;
+      observation.stamp_s = stamps[k];
+      smoother.update(observation, exact_camera(cameras[k] * seen.source.body_camera),
+                      run.known_frames[k]);
+      ++taken;
+    }
+    if (taken == before && taken > 0) {
+      smoother.predict(stamps[k], run.known_frames[k]);
+      ++taken;
+    }
+    steps.push_back(taken);
+  }
+  const std::vector<MovingObjectEstimate> estimates = smoother.smoothed();
+  SmoothedTrack track;
+  for (const std::size_t step : steps)
+    track.push_back(step > 0 ? std::optional(estimates[step - 1]) : std::nullopt);
+  return track;
+}
+
+}  // namespace internal
+
+namespace {
+
+using namespace internal;
+
+void require_one_detector(const ObjectModel& model) {
+  if (model.detectors.empty()) return;
+  throw InvalidInput(
+      fmt::format("smoothing: object '{}' is put down elsewhere and has {} noise models of "
+                  "detectors, expected one",
+                  model.id, model.detectors.size() + 1));
+}
+
+/// The poses of an estimate before a camera that is exact, with the error of the camera.
+MovingObjectEstimate with_camera_error(MovingObjectEstimate estimate, const Matrix6d& camera) {
+  for (MovingObjectHypothesis& hypothesis : estimate.hypotheses) {
+    hypothesis.world = PoseDensity::trusted(hypothesis.world.mean(),
+                                            Matrix6d(hypothesis.world.covariance() + camera));
+  }
+  return estimate;
+}
+
+/// A smoothed recording in which objects move, as it is put together.
+class MovingSmoothing {
+ public:
+  MovingSmoothing(const std::vector<ObjectModel>& models, const MovingObjectSettings& settings,
+                  FilteredRun run, std::vector<double> stamps)
+      : models_(models),
+        settings_(settings),
+        run_(std::move(run)),
+        stamps_(std::move(stamps)),
+        tracks_(models.size()) {
+    stamps_.resize(run_.frames.size());
+  }
+
+  /// Where objects are put down, before the camera of the filter.
+  StaticPart find_places(const Sequence& sequence) {
+    for (const ObjectModel& model : models_)
+      if (put_down_of(model.motion)) require_one_detector(model);
+    follow(run_.frames,
+           [](const ObjectModel& model) { return put_down_of(model.motion).has_value(); });
+    return static_part(sequence, stamps_.size(), models_, tracks_);
+  }
+
+  SlamRun put_together(const StaticPart& part, SlamRun fixed) {
+    follow(fixed.frames, [](const ObjectModel& model) { return has_own_track(model.motion); });
+    SlamRun all{{}, fixed.posterior, {}};
+    for (std::size_t k = 0; k < stamps_.size(); ++k)
+      all.frames.push_back(frame(k, part, fixed.frames[k]));
+    all.pose_indices = all.frames.back().pose_indices;
+    for (std::size_t j = 0; j < models_.size(); ++j) {
+      const auto at = part.object_at[j].back();
+      all.hypotheses.push_back(at ? fixed.hypotheses[*at]
+                                  : last_hypotheses(j, fixed.frames.back().camera));
+    }
+    return all;
+  }
+
+ private:
+  template <class Kind>
+  void follow(const std::vector<FrameEstimate>& frames, const Kind& kind) {
+    std::vector<SE3d> cameras;
+    for (const FrameEstimate& frame : frames) cameras.push_back(frame.camera.mean());
+    for (std::size_t j = 0; j < models_.size(); ++j)
+      if (kind(models_[j]))
+        tracks_[j] = smoothed_track(run_, j, models_[j], settings_, cameras, stamps_);
+  }
+
+  FrameEstimate frame(std::size_t k, const StaticPart& part, const FrameEstimate& fixed) const {
+    const FrameEstimate& filtered = run_.frames[k];
+    const std::size_t count = models_.size();
+    FrameEstimate frame{.camera = fixed.camera,
+                        .objects = std::vector<std::optional<PoseDensity>>(count),
+                        .relative = std::vector<std::optional<PoseDensity>>(count),
+                        .pose_indices = std::vector<std::optional<std::size_t>>(count),
+                        .mode_probabilities = std::vector<std::optional<double>>(count),
+                        .report = filtered.report,
+                        .ids = filtered.ids};
+    frame.report.seconds += fixed.report.seconds;
+    frame.motion_models.resize(count);
+    frame.twists.resize(count);
+    if (!filtered.alternatives.empty()) frame.alternatives.resize(count);
+    for (std::size_t j = 0; j < count; ++j) {
+      if (const auto at = part.object_at[j][k]) {
+        frame.objects[j] = fixed.objects[*at];
+        frame.relative[j] = fixed.relative[*at];
+        frame.pose_indices[j] = fixed.pose_indices[*at];
+        frame.mode_probabilities[j] = fixed.mode_probabilities[*at];
+        if (!frame.alternatives.empty()) frame.alternatives[j] = fixed.alternatives[*at];
+      } else if (has_own_track(models_[j].motion) && tracks_[j][k]) {
+        report_moving(j, *tracks_[j][k], frame);
+      }
+    }
+    return frame;
+  }
+
+  static void report_moving(std::size_t object, const MovingObjectEstimate& estimate,
+                            FrameEstimate& frame) {
+    if (estimate.hypotheses.empty()) return;
+    const PoseDensity& seen = estimate.hypotheses.front().world;
+    const SE3d to_camera = frame.camera.mean().inverse();
+    frame.relative[object] = PoseDensity::trusted(to_camera * seen.mean(),
+                                                  to_camera.adjoint_congruence(seen.covariance()));
+    posemix::report_moving(object, with_camera_error(estimate, frame.camera.covariance()),
+                           !frame.alternatives.empty(), frame);
+  }
+
+  std::vector<ObjectHypothesis> last_hypotheses(std::size_t object,
+                                                const PoseDensity& camera) const {
+    const SmoothedTrack& track = tracks_[object];
+    if (track.empty() || !track.back()) return {};
+    return hypotheses_of(with_camera_error(*track.back(), camera.covariance()),
+                         camera.covariance());
+  }
+
+  const std::vector<ObjectModel>& models_;
+  MovingObjectSettings settings_;
+  FilteredRun run_;
+  std::vector<double> stamps_;
+  std::vector<SmoothedTrack> tracks_;  ///< of objects that move
+};
+
+}  // namespace
+
+namespace internal {
+
+SlamRun smooth_with_moving(const Sequence& sequence, const PoseDensity& camera_prior,
+                           const std::vector<ObjectModel>& models,
+                           const ObjectSlamSettings& settings, const SmoothingSettings& smoothing,
+                           const RunOptions& options) {
+  const auto* tracker = std::get_if<MultiObjectSlamSettings>(&settings.tracker);
+  require(tracker != nullptr, "only the multi-object filter is smoothed");
+  ObjectSlamSettings recorded = settings;
+  recorded.record_hypotheses |= options.record_hypotheses;
+  MovingSmoothing moving(models, tracker->moving,
+                         filtered_run(sequence, camera_prior, models, recorded, options),
+                         sequence.stamps);
+  const StaticPart part = moving.find_places(sequence);
+  return moving.put_together(
+      part, run_smoothed(part.sequence, camera_prior, part.models, recorded, smoothing,
+                         {.record_hypotheses = recorded.record_hypotheses, .progress = {}}));
+}
+
+}  // namespace internal
+}  // namespace posemix

@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "moving_orbit.hpp"
+#include "posemix/slam/smoothing.hpp"
+#include "posemix/testing/expect.hpp"
+
+/// Smoothing of recordings in which objects move, and are put down elsewhere.
+namespace posemix {
+namespace {
+
+using testing::draw;
+using testing::expect_same_bits;
+using testing::hand;
+using testing::isotropic;
+using testing::moving_by;
+using testing::MovingOrbit;
+using testing::nees_of;
+using testing::plain_slam;
+using testing::pose;
+using testing::ray_noise;
+using testing::thrown_message;
+
+constexpr std::size_t kLength = 60;
+constexpr std::size_t kMoved = 30;  ///< from this frame on the cup is elsewhere
+constexpr std::size_t kHand = 2;
+constexpr std::size_t kCup = 3;
+
+/// A camera circles a box and a mug, a hand that moves, and a cup that is put down elsewhere.
+struct Recorded {
+  explicit Recorded(std::uint64_t seed) {
+    MovingOrbit scene(seed);
+    models = testing::static_models();
+    models.push_back(hand());
+    models.push_back({.id = "cup", .noise = hand().noise, .motion = moving_by(PutDownMotion{})});
+    for (const ObjectModel& model : models) sequence.objects.push_back({model.id, {}, {}, {}});
+    settings.tracker = plain_slam();
+    std::get<MultiObjectSlamSettings>(settings.tracker).moving = testing::plain_moving_settings();
+    settings.motion.noise = {scene.q, NoisePer::frame};
+    prior.emplace(SE3d::exp(draw(isotropic(0.3, 0.005), scene.stream)) * scene.camera,
+                  isotropic(0.3, 0.005));
+    SE3d odometry;
+    for (std::size_t k = 0; k < kLength; ++k) {
+      if (k > 0) odometry = odometry * scene.next();
+      const SE3d cup =
+          k < kMoved ? pose(0.1, 0, 0.4, -0.15, -0.1, 0.02) : pose(0.1, 0, 1.4, 0.12, -0.15, 0.02);
+      sequence.stamps.push_back(0.1 * static_cast<double>(k));
+      sequence.odometry.emplace_back(odometry);
+      cameras.push_back(scene.camera);
+      truth.push_back({scene.moving.truth, cup});
+      add(0, scene.detect(0, 0.0, 0.0));
+      add(1, scene.detect(1, 0.0, 0.0));
+      add(kHand, k % 3 == 2 ? std::nullopt : std::optional(scene.moving.inlier()));
+      add(kCup, k % 4 == 1 || k < 2
+                    ? std::nullopt
+                    : std::optional(scene.moving.erring(cup, hand().noise.components().front())));
+    }
+  }
+  void add(std::size_t object, const std::optional<SE3d>& seen) {
+    sequence.objects[object].detections.push_back(seen);
+  }
+  SlamRun smoothed(const RunOptions& options = {}) const {
+    return run_smoothed(sequence, *prior, models, settings, {}, options);
+  }
+  SlamRun filtered() const { return run(sequence, *prior, models, settings); }
+
+  Sequence sequence;
+  std::vector<ObjectModel> models;
+  ObjectSlamSettings settings;
+  std::optional<PoseDensity> prior;
+  std::vector<SE3d> cameras;
+  std::vector<std::array<SE3d, 2>> truth;  ///< hand, cup
+};
+
+double squared_distance(const PoseDensity& estimate, const SE3d& truth) {
+  return (estimate.mean().translation() - truth.translation()).squaredNorm();
+}
+
+/// Sums over frames and objects that move.
+struct Sums {
+  double squares[2] = {};
+  double world[2] = {};
+  double relative[2] = {};
+  double camera = 0.0;
+  double count[2] = {};
+
+  void add(const Recorded& recorded, const SlamRun& run) {
+    for (std::size_t k = 0; k < kLength; ++k) {
+      const FrameEstimate& frame = run.frames[k];
+      camera += squared_distance(frame.camera, recorded.cameras[k]);
+      for (std::size_t i = 0; i < 2; ++i) {
+        const std::size_t object = kHand + i;
+        if (!frame.objects[object]) continue;
+        const SE3d& truth = recorded.truth[k][i];
+        squares[i] += squared_distance(*frame.objects[object], truth);
+        world[i] += nees_of(truth, *frame.objects[object]) / 6.0;
+        relative[i] +=
+            nees_of(recorded.cameras[k].inverse() * truth, *frame.relative[object]) / 6.0;
+        count[i] += 1.0;
+      }
+    }
+  }
+};
+
+TEST(SmoothingMoving, ErrorsAreSmallerThanTheFiltersAndAsStated) {
+  Sums filtered;
+  Sums smoothed;
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    const Recorded recorded(seed);
+    filtered.add(recorded, recorded.filtered());
+    smoothed.add(recorded, recorded.smoothed());
+  }
+  for (std::size_t i = 0; i < 2; ++i) {
+    SCOPED_TRACE(i == 0 ? "hand" : "cup");
+    EXPECT_EQ(smoothed.count[i], filtered.count[i]);
+    EXPECT_LT(smoothed.squares[i], 0.75 * filtered.squares[i]);
+    EXPECT_NEAR(smoothed.world[i] / smoothed.count[i], 1.0, 0.3);
+    EXPECT_NEAR(smoothed.relative[i] / smoothed.count[i], 1.0, 0.3);
+  }
+  EXPECT_LT(smoothed.camera, filtered.camera);
+}
+
+TEST(SmoothingMoving, AnObjectIsAtItsPlacesAndTheJointPosteriorHoldsTheLast) {
+  const Recorded recorded(3);
+  const SlamRun run = recorded.smoothed({.record_hypotheses = true, .progress = {}});
+  ASSERT_EQ(run.frames.size(), kLength);
+  for (std::size_t k = 0; k < kLength; ++k) {
+    SCOPED_TRACE(k);
+    const FrameEstimate& frame = run.frames[k];
+    EXPECT_EQ(frame.objects[kCup].has_value(), k >= 2);
+    if (!frame.objects[kCup]) continue;
+    EXPECT_LT(std::sqrt(squared_distance(*frame.objects[kCup], recorded.truth[k][1])), 0.02);
+    EXPECT_GT(*frame.mode_probabilities[kCup], 0.99);
+    EXPECT_EQ(frame.object("hand").motion_models.size(), 1U);
+    EXPECT_TRUE(frame.object("hand").twist.has_value());
+    EXPECT_FALSE(frame.alternatives[kHand].empty());
+    EXPECT_FALSE(frame.pose_indices[kHand]);
+  }
+  // The camera, the box, the mug and both places of the cup.
+  EXPECT_EQ(run.posterior.components().front().density.mean().size(), 5U);
+  EXPECT_NE(run.frames[kMoved].pose_indices[kCup], run.frames[kMoved - 1].pose_indices[kCup]);
+  EXPECT_EQ(run.pose_indices, run.frames.back().pose_indices);
+  ASSERT_EQ(run.hypotheses.size(), 4U);
+  EXPECT_FALSE(run.hypotheses[kHand].empty());
+  EXPECT_FALSE(run.hypotheses[kCup].empty());
+}
+
+TEST(SmoothingMoving, ObservationsGiveWhatDetectionsGive) {
+  const Recorded recorded(4);
+  Recorded other = recorded;
+  other.sequence.observations.resize(kLength);
+  for (std::size_t k = 0; k < kLength; ++k) {
+    for (const ObjectRecording& object : recorded.sequence.objects) {
+      if (!object.detections[k]) continue;
+      Observation seen = observation_of(*object.detections[k]);
+      seen.object = object.id;
+      other.sequence.observations[k].push_back(seen);
+    }
+  }
+  const SlamRun a = recorded.smoothed();
+  const SlamRun b = other.smoothed();
+  for (std::size_t k = 0; k < kLength; ++k) {
+    expect_same_bits(a.frames[k].camera, b.frames[k].camera);
+    for (std::size_t j = 0; j < recorded.models.size(); ++j) {
+      ASSERT_EQ(a.frames[k].objects[j].has_value(), b.frames[k].objects[j].has_value());
+      if (a.frames[k].objects[j])
+        expect_same_bits(*a.frames[k].objects[j], *b.frames[k].objects[j]);
+    }
+  }
+}
+
+TEST(SmoothingMoving, ARunThatIsStoppedHasTheFramesSoFar) {
+  const Recorded recorded(5);
+  for (const std::size_t last : {std::size_t{1}, std::size_t{20}}) {
+    const SlamRun run = recorded.smoothed({.progress = [&](std::size_t done, std::size_t all) {
+      EXPECT_EQ(all, kLength);
+      return done < last;
+    }});
+    EXPECT_EQ(run.frames.size(), last);
+  }
+}
+
+TEST(SmoothingMoving, ARecordingInWhichAllMovesIsSmoothed) {
+  Recorded recorded(6);
+  for (const std::size_t gone : {kCup, std::size_t{1}, std::size_t{0}}) {
+    recorded.models.erase(recorded.models.begin() + static_cast<std::ptrdiff_t>(gone));
+    recorded.sequence.objects.erase(recorded.sequence.objects.begin() +
+                                    static_cast<std::ptrdiff_t>(gone));
+  }
+  const SlamRun run = recorded.smoothed();
+  ASSERT_EQ(run.frames.size(), kLength);
+  EXPECT_LT(std::sqrt(squared_distance(*run.frames[30].relative[0],
+                                       recorded.cameras[30].inverse() * recorded.truth[30][0])),
+            0.03);
+}
+
+TEST(SmoothingMoving, RefusesWhatItCannotDo) {
+  Recorded recorded(7);
+  EXPECT_NE(thrown_message([&] {
+              run_smoothed(recorded.sequence, *recorded.prior, recorded.models, recorded.settings,
+                           {.lag_frames = 3});
+            }).find("smoothing by a fixed lag: object 'hand' moves"),
+            std::string::npos);
+  recorded.models[kCup].detectors = {{"other", ray_noise()}};
+  EXPECT_NE(thrown_message([&] {
+              recorded.smoothed();
+            }).find("object 'cup' is put down elsewhere and has 2 noise models"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace posemix
