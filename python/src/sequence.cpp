@@ -107,6 +107,10 @@ void bind_sequence(nb::module_& m) {
       .field("observations", &S::observations, "list[list[Observation]]",
              "Detections that are mixtures, per frame; the multi-object filter uses them in place "
              "of the detections of all objects. None unless given.")
+      .field("images", &S::images, "list[list[str]]",
+             "Per frame, names of cameras whose images the detectors have searched, also where "
+             "they found nothing (\"\" for the only camera). None unless given: which images there "
+             "are is then not known, but for those with detections.")
       .shown_as([](const S& self) {
         return fmt::format("<Sequence of {} frames over {:.6g} s, objects {}>", self.stamps.size(),
                            self.stamps.back() - self.stamps.front(), names_of(self));

@@ -99,7 +99,48 @@ std::vector<double> read_stamps(const std::filesystem::path& path) {
   return stamps;
 }
 
+/// Every frame, or a file with a stamp and the name of a camera on every line.
+ImageList read_images(const TomlTable& camera, const FileFinder& files) {
+  if (camera.get_string("images") == "all") return {.all = true};
+  const std::filesystem::path path = files.find(camera, "images");
+  const std::string text = read_file(path);
+  ImageList list;
+  LineReader reader(text, path.string());
+  while (reader.next_content()) {
+    const std::string_view line = trimmed(reader.line());
+    const std::size_t end = std::min(line.find_first_of(" \t"), line.size());
+    list.images.push_back({.stamp = reader.number_from(line.substr(0, end), "stamp"),
+                           .camera = std::string(trimmed(line.substr(end))),
+                           .place = fmt::format("{}:{}", reader.name(), reader.number())});
+    if (std::abs(list.images.back().stamp) > kLatestStamp)
+      reader.fail(fmt::format("stamp {}", list.images.back().stamp), "seconds");
+  }
+  return list;
+}
+
 }  // namespace
+
+std::vector<std::vector<std::string>> ImageList::on(const Timeline& timeline,
+                                                    const std::vector<BodyCamera>& cameras) const {
+  std::vector<std::string> names;
+  for (const BodyCamera& camera : cameras) names.push_back(camera.name);
+  if (names.empty()) names.emplace_back();
+  if (all) return std::vector(timeline.size(), names);
+  std::vector<std::vector<std::string>> by_frame(timeline.size());
+  for (const Image& image : images) {
+    const auto frame = timeline.at_stamp(image.stamp);
+    if (!frame) {
+      throw InvalidInput(fmt::format("{}: got an image at stamp {} s, where {} has no frame",
+                                     image.place, image.stamp, timeline.source()));
+    }
+    if (std::ranges::find(names, image.camera) == names.end()) {
+      throw InvalidInput(fmt::format("{}: got camera '{}', expected one of: '{}'", image.place,
+                                     image.camera, fmt::join(names, "', '")));
+    }
+    by_frame[*frame].push_back(image.camera);
+  }
+  return by_frame;
+}
 
 CameraFiles read_camera_files(const TomlTable& root, const FileFinder& files) {
   CameraFiles result;
@@ -115,6 +156,7 @@ CameraFiles read_camera_files(const TomlTable& root, const FileFinder& files) {
                    "is for recordings with [[observations]]: others have frames by other files");
     result.stamps = read_stamps(files.find(*camera, "stamps"));
   }
+  if (camera->has("images")) result.images = read_images(*camera, files);
   const SE3d lever_arm(SO3d(), read_lever_arm(root, *camera));
   if (camera->is_table("ground_truth")) {
     result.scene_truth = read_scene_truth(camera->get_table("ground_truth"), files, lever_arm);

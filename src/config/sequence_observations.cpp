@@ -130,6 +130,8 @@ std::vector<double> stamps_of(const std::vector<ObservationFile>& files,
     if (next == stamps.end() || *next > stamp + kSameStamp) stamps.insert(stamp);
   };
   for (const double stamp : camera.stamps) add(stamp);
+  if (camera.images)
+    for (const ImageList::Image& image : camera.images->images) add(image.stamp);
   std::set<double> seen;
   for (const ObservationFile& file : files)
     for (const Observation& observation : file.observations) seen.insert(observation.stamp_s);

@@ -123,13 +123,30 @@ struct NumberedScene {
   std::map<std::int64_t, std::optional<SE3d>> poses;
 };
 
+/// The images that the detectors have searched.
+struct ImageList {
+  struct Image {
+    double stamp;
+    std::string camera;
+    std::string place;  ///< in a file, for messages
+  };
+  bool all = false;  ///< every frame is an image of every camera
+  std::vector<Image> images = {};
+
+  /// Names of cameras by frame.
+  /// @throws InvalidInput for a stamp without a frame, and a camera that there is not
+  std::vector<std::vector<std::string>> on(const Timeline& timeline,
+                                           const std::vector<BodyCamera>& cameras) const;
+};
+
 struct CameraFiles {
   std::optional<StampedFile> odometry;
   std::optional<StampedFile> truth;          ///< with the lever arm applied
   std::optional<NumberedScene> scene_truth;  ///< used instead of `truth` for a dataset
   double frame_period_s = kFramePeriodS;
-  /// Of all images, in a recording with observations.
+  /// Of frames, in a recording with observations.
   std::vector<double> stamps = {};
+  std::optional<ImageList> images = {};
 };
 
 CameraFiles read_camera_files(const TomlTable& root, const FileFinder& files);

@@ -161,6 +161,7 @@ Sequence read_recordings(const TomlTable& root, const FileFinder& files, const C
   }
   add_observations(observed, timeline, sequence);
   add_mixtures(detections, timeline, sequence);
+  if (camera.images) sequence.images = camera.images->on(timeline, observed.cameras);
   for (const FrameFile& frame : frames) sequence.known_frames.push_back(frame.on(timeline));
   validate(sequence);
   return sequence;

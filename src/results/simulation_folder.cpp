@@ -127,6 +127,7 @@ std::string camera_text(const SimulationConfig& config, const SimulatedSequence&
       "[camera]\n"
       "odometry = \"odometry.tum\"\n"
       "ground_truth = \"camera_truth.tum\"\n"
+      "images = \"all\"\n"
       "\n"
       "[camera.start]\n"
       "pose = [{}]\n"

@@ -30,12 +30,13 @@ FrameInput frame_input(const Sequence& sequence, std::size_t frame, bool takes_o
   } else {
     for (const ObjectRecording& object : sequence.objects)
       input.detections.push_back(object.detections[frame]);
-    // Whether a stamp at which nothing was detected has an image is not known.
+    // An entry for every object, though none was detected, would say that there is an image.
     const bool any = std::any_of(input.detections.begin(), input.detections.end(),
                                  [](const auto& detection) { return detection.has_value(); });
     if (!any) input.detections.clear();
   }
   if (!sequence.candidates.empty()) input.candidates = sequence.candidates[frame];
+  if (!sequence.images.empty()) input.images = sequence.images[frame];
   for (const FrameRecording& known : sequence.known_frames)
     input.frames.push_back(known.poses[frame]);
   // It is looked at where the camera is given.

@@ -34,6 +34,7 @@ void validate(const Sequence& sequence) {
   check_length(sequence.camera_truth.size(), frames, "camera truth");
   check_length(sequence.candidates.size(), frames, "candidates");
   check_length(sequence.observations.size(), frames, "observations");
+  check_length(sequence.images.size(), frames, "images");
   std::set<std::string> names;
   for (const FrameRecording& frame : sequence.known_frames) {
     if (!names.insert(frame.name).second)

@@ -264,6 +264,7 @@ Sequence SimulatedSequence::sequence() const {
   for (const SimulatedObject& object : objects)
     result.objects.push_back(recording_of(object, !sightings.empty()));
   add_sightings(*this, result);
+  result.images.assign(stamps_ns.size(), {""});
   for (const SimulatedFrame& frame : frames) result.known_frames.push_back(recording_of(frame));
   return result;
 }

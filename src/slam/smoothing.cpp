@@ -29,8 +29,8 @@ const MultiObjectFilter& smoothed_filter(const ObjectSlam& slam) {
 /// Which instance a detection is of would have to be smoothed too.
 void require_no_candidates(bool has_none) {
   require(has_none,
-          "smoothing: detections that name a class are not smoothed, expected detections "
-          "that name their object");
+          "smoothing by a fixed lag: detections that name a class are not smoothed, expected "
+          "detections that name their object");
 }
 
 }  // namespace
@@ -154,12 +154,13 @@ SlamRun run_smoothed(const Sequence& sequence, const PoseDensity& camera_prior,
                      const std::vector<ObjectModel>& models, const ObjectSlamSettings& settings,
                      const SmoothingSettings& smoothing, const RunOptions& options) {
   internal::check_run(sequence, models);
-  require_no_candidates(sequence.candidates.empty());
   const bool moves = std::any_of(models.begin(), models.end(),
                                  [](const auto& model) { return !is_static(model.motion); });
-  if (moves && smoothing.lag_frames == 0)
-    return internal::smooth_with_moving(sequence, camera_prior, models, settings, smoothing,
-                                        options);
+  const bool has_classes = internal::has_detections_of_classes(sequence);
+  if ((moves || has_classes) && smoothing.lag_frames == 0) {
+    return internal::smooth_after_filter(sequence, camera_prior, models, settings, smoothing,
+                                         options);
+  }
   FixedLagSmoother smoother(camera_prior, models, settings, smoothing, options.record_hypotheses);
   const std::size_t count = sequence.stamps.size();
   std::vector<FrameEstimate> frames;

@@ -24,18 +24,20 @@ FilteredRun filtered_run(const Sequence& sequence, const PoseDensity& camera_pri
   for (std::size_t k = 0; k < count; ++k) {
     const FrameInput input = frame_input(sequence, k, true);
     run.frames.push_back(slam.step(input));
-    run.observed.push_back(tracker.observed(input));
     for (std::size_t i = 0; i < input.frames.size(); ++i)
       if (input.frames[i]) known[i] = *input.frames[i];
     run.known_frames.push_back(known);
     if (options.progress && !options.progress(k + 1, count)) break;
   }
+  run.named = named_recording(sequence, models, run.frames);
+  for (std::size_t k = 0; k < run.frames.size(); ++k)
+    run.observed.push_back(tracker.observed(frame_input(run.named, k, true)));
   return run;
 }
 
 SmoothedTrack smoothed_track(const FilteredRun& run, std::size_t object, const ObjectModel& model,
-                             const MovingObjectSettings& settings, const std::vector<SE3d>& cameras,
-                             const std::vector<double>& stamps) {
+                             const MovingObjectSettings& settings,
+                             const std::vector<SE3d>& cameras) {
   MovingObjectSmoother smoother({model.noise, model.symmetries}, model.motion, settings);
   std::vector<std::size_t> steps;  // by frame, the number of steps so far
   std::size_t taken = 0;
@@ -44,13 +46,13 @@ SmoothedTrack smoothed_track(const FilteredRun& run, std::size_t object, const O
     for (const ObservedObject& seen : run.observed[k]) {
       if (seen.object != object) continue;
       Observation observation = seen.observation;
-      observation.stamp_s = stamps[k];
+      observation.stamp_s = run.named.stamps[k];
       smoother.update(observation, exact_camera(cameras[k] * seen.source.body_camera),
                       run.known_frames[k]);
       ++taken;
     }
     if (taken == before && taken > 0) {
-      smoother.predict(stamps[k], run.known_frames[k]);
+      smoother.predict(run.named.stamps[k], run.known_frames[k]);
       ++taken;
     }
     steps.push_back(taken);
@@ -85,32 +87,26 @@ MovingObjectEstimate with_camera_error(MovingObjectEstimate estimate, const Matr
   return estimate;
 }
 
-/// A smoothed recording in which objects move, as it is put together.
+/// A smoothed recording, as it is put together.
 class MovingSmoothing {
  public:
   MovingSmoothing(const std::vector<ObjectModel>& models, const MovingObjectSettings& settings,
-                  FilteredRun run, std::vector<double> stamps)
-      : models_(models),
-        settings_(settings),
-        run_(std::move(run)),
-        stamps_(std::move(stamps)),
-        tracks_(models.size()) {
-    stamps_.resize(run_.frames.size());
-  }
+                  FilteredRun run)
+      : models_(models), settings_(settings), run_(std::move(run)), tracks_(models.size()) {}
 
   /// Where objects are put down, before the camera of the filter.
-  StaticPart find_places(const Sequence& sequence) {
+  StaticPart find_places() {
     for (const ObjectModel& model : models_)
       if (put_down_of(model.motion)) require_one_detector(model);
     follow(run_.frames,
            [](const ObjectModel& model) { return put_down_of(model.motion).has_value(); });
-    return static_part(sequence, stamps_.size(), models_, tracks_);
+    return static_part(run_.named, models_, tracks_);
   }
 
   SlamRun put_together(const StaticPart& part, SlamRun fixed) {
     follow(fixed.frames, [](const ObjectModel& model) { return has_own_track(model.motion); });
     SlamRun all{{}, fixed.posterior, {}};
-    for (std::size_t k = 0; k < stamps_.size(); ++k)
+    for (std::size_t k = 0; k < run_.frames.size(); ++k)
       all.frames.push_back(frame(k, part, fixed.frames[k]));
     all.pose_indices = all.frames.back().pose_indices;
     for (std::size_t j = 0; j < models_.size(); ++j) {
@@ -127,8 +123,7 @@ class MovingSmoothing {
     std::vector<SE3d> cameras;
     for (const FrameEstimate& frame : frames) cameras.push_back(frame.camera.mean());
     for (std::size_t j = 0; j < models_.size(); ++j)
-      if (kind(models_[j]))
-        tracks_[j] = smoothed_track(run_, j, models_[j], settings_, cameras, stamps_);
+      if (kind(models_[j])) tracks_[j] = smoothed_track(run_, j, models_[j], settings_, cameras);
   }
 
   FrameEstimate frame(std::size_t k, const StaticPart& part, const FrameEstimate& fixed) const {
@@ -181,7 +176,6 @@ class MovingSmoothing {
   const std::vector<ObjectModel>& models_;
   MovingObjectSettings settings_;
   FilteredRun run_;
-  std::vector<double> stamps_;
   std::vector<SmoothedTrack> tracks_;  ///< of objects that move
 };
 
@@ -189,18 +183,17 @@ class MovingSmoothing {
 
 namespace internal {
 
-SlamRun smooth_with_moving(const Sequence& sequence, const PoseDensity& camera_prior,
-                           const std::vector<ObjectModel>& models,
-                           const ObjectSlamSettings& settings, const SmoothingSettings& smoothing,
-                           const RunOptions& options) {
+SlamRun smooth_after_filter(const Sequence& sequence, const PoseDensity& camera_prior,
+                            const std::vector<ObjectModel>& models,
+                            const ObjectSlamSettings& settings, const SmoothingSettings& smoothing,
+                            const RunOptions& options) {
   const auto* tracker = std::get_if<MultiObjectSlamSettings>(&settings.tracker);
   require(tracker != nullptr, "only the multi-object filter is smoothed");
   ObjectSlamSettings recorded = settings;
   recorded.record_hypotheses |= options.record_hypotheses;
   MovingSmoothing moving(models, tracker->moving,
-                         filtered_run(sequence, camera_prior, models, recorded, options),
-                         sequence.stamps);
-  const StaticPart part = moving.find_places(sequence);
+                         filtered_run(sequence, camera_prior, models, recorded, options));
+  const StaticPart part = moving.find_places();
   return moving.put_together(
       part, run_smoothed(part.sequence, camera_prior, part.models, recorded, smoothing,
                          {.record_hypotheses = recorded.record_hypotheses, .progress = {}}));

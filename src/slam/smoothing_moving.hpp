@@ -9,16 +9,28 @@
 #include "posemix/filter/moving_object_smoother.hpp"
 #include "posemix/slam/smoothing.hpp"
 
-/// Smoothing of recordings in which objects move (docs/moving-objects.md, "Joined with object
-/// SLAM").
+/// Smoothing of recordings that the filter has to run over first: objects move
+/// (docs/moving-objects.md, "Joined with object SLAM"), or detections name classes
+/// (docs/filter.md).
 namespace posemix::internal {
 
 /// A run of the filter with what smoothers of single objects need of it, by frame.
 struct FilteredRun {
   std::vector<FrameEstimate> frames;
+  Sequence named = {};  ///< its recording by named_recording
   std::vector<std::vector<ObservedObject>> observed;
   std::vector<std::vector<KnownFrame>> known_frames;  ///< that may hold objects
 };
+
+/// Whether detections name classes.
+bool has_detections_of_classes(const Sequence& sequence);
+
+/// The frames of a recording that the filter has run over, without truth, and with detections of
+/// classes under the ids of the objects that the filter took them for; those of none are left out,
+/// and so are those of objects that it does not have in the end, or that another has taken the
+/// place of.
+Sequence named_recording(Sequence sequence, const std::vector<ObjectModel>& models,
+                         const std::vector<FrameEstimate>& frames);
 
 FilteredRun filtered_run(const Sequence& sequence, const PoseDensity& camera_prior,
                          const std::vector<ObjectModel>& models, const ObjectSlamSettings& settings,
@@ -28,8 +40,8 @@ FilteredRun filtered_run(const Sequence& sequence, const PoseDensity& camera_pri
 /// its first observation. `cameras` are T_world_body.
 using SmoothedTrack = std::vector<std::optional<MovingObjectEstimate>>;
 SmoothedTrack smoothed_track(const FilteredRun& run, std::size_t object, const ObjectModel& model,
-                             const MovingObjectSettings& settings, const std::vector<SE3d>& cameras,
-                             const std::vector<double>& stamps);
+                             const MovingObjectSettings& settings,
+                             const std::vector<SE3d>& cameras);
 
 /// The part of a recording that stands still: static objects, and objects that are put down
 /// elsewhere as one static object for every place.
@@ -41,16 +53,14 @@ struct StaticPart {
   std::vector<std::vector<std::optional<std::size_t>>> object_at = {};
 };
 
-/// Of the first frames. `tracks` are those of objects that are put down elsewhere; the others are
-/// not looked at.
-StaticPart static_part(const Sequence& sequence, std::size_t frames,
-                       const std::vector<ObjectModel>& models,
+/// `tracks` are those of objects that are put down elsewhere; the others are not looked at.
+StaticPart static_part(const Sequence& sequence, const std::vector<ObjectModel>& models,
                        const std::vector<SmoothedTrack>& tracks);
 
-/// run_smoothed where objects move.
-SlamRun smooth_with_moving(const Sequence& sequence, const PoseDensity& camera_prior,
-                           const std::vector<ObjectModel>& models,
-                           const ObjectSlamSettings& settings, const SmoothingSettings& smoothing,
-                           const RunOptions& options);
+/// run_smoothed where the filter has to run first.
+SlamRun smooth_after_filter(const Sequence& sequence, const PoseDensity& camera_prior,
+                            const std::vector<ObjectModel>& models,
+                            const ObjectSlamSettings& settings, const SmoothingSettings& smoothing,
+                            const RunOptions& options);
 
 }  // namespace posemix::internal

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include <algorithm>
 #include <map>
 #include <utility>
 
@@ -28,13 +27,6 @@ std::vector<std::optional<std::size_t>> places_of(const SmoothedTrack& track) {
   return places;
 }
 
-/// The entries of the first frames, where there are any.
-template <class T>
-std::vector<T> first(const std::vector<T>& all, std::size_t frames) {
-  const auto count = static_cast<std::ptrdiff_t>(std::min(frames, all.size()));
-  return {all.begin(), all.begin() + count};
-}
-
 /// The detections of the frames in which an object is at one of its places.
 ObjectRecording recording_at(const ObjectRecording& object,
                              const std::vector<std::optional<std::size_t>>& places,
@@ -54,8 +46,7 @@ std::vector<std::vector<Observation>> observations_of(const Sequence& sequence,
   std::map<std::string, std::size_t, std::less<>> indices;
   for (std::size_t j = 0; j < sequence.objects.size(); ++j)
     indices.emplace(sequence.objects[j].id, j);
-  std::vector<std::vector<Observation>> all(
-      std::min(part.sequence.stamps.size(), sequence.observations.size()));
+  std::vector<std::vector<Observation>> all(sequence.observations.size());
   for (std::size_t k = 0; k < all.size(); ++k) {
     for (const Observation& observation : sequence.observations[k]) {
       const auto object = indices.find(observation.object);
@@ -71,11 +62,11 @@ std::vector<std::vector<Observation>> observations_of(const Sequence& sequence,
 
 }  // namespace
 
-StaticPart static_part(const Sequence& sequence, std::size_t frames,
-                       const std::vector<ObjectModel>& models,
+StaticPart static_part(const Sequence& sequence, const std::vector<ObjectModel>& models,
                        const std::vector<SmoothedTrack>& tracks) {
-  StaticPart part{.sequence = {.stamps = first(sequence.stamps, frames),
-                               .odometry = first(sequence.odometry, frames),
+  const std::size_t frames = sequence.stamps.size();
+  StaticPart part{.sequence = {.stamps = sequence.stamps,
+                               .odometry = sequence.odometry,
                                .camera_truth = {},
                                .objects = {}}};
   const auto add = [&](const ObjectModel& model, ObjectRecording recording, bool is_first) {

@@ -84,5 +84,27 @@ detections = {bop = "can.csv", scene = 2, object = 5, min_score = 0.5}
   EXPECT_EQ(stamped.sequence.stamps.size(), kSmallFrames);
 }
 
+TEST_F(SequenceCamera, ImagesAreAllFramesOrThoseOfAFile) {
+  EXPECT_TRUE(read_with({}).sequence.images.empty());
+  const auto all = read_with({"camera.images=all"}).sequence.images;
+  ASSERT_EQ(all.size(), kSmallFrames);
+  EXPECT_EQ(all[3], std::vector<std::string>{""});
+  const std::vector<double> stamps = read_with({}).sequence.stamps;
+  small_.folder.put("images.txt", fmt::format("# stamps\n{}\n{}\n", stamps[0], stamps[2]));
+  const auto some = read_with({"camera.images=images.txt"}).sequence.images;
+  EXPECT_EQ(some[0].size(), 1U);
+  EXPECT_TRUE(some[1].empty());
+  EXPECT_EQ(some[2], std::vector<std::string>{""});
+
+  small_.folder.put("late.txt", "1e6\n");
+  EXPECT_INVALID_WITH(read_with({"camera.images=late.txt"}),
+                      "late.txt:1: got an image at stamp 1000000 s, where");
+  small_.folder.put("left.txt", fmt::format("{} left\n", stamps[0]));
+  EXPECT_INVALID_WITH(read_with({"camera.images=left.txt"}),
+                      "left.txt:1: got camera 'left', expected one of: ''");
+  small_.folder.put("words.txt", "all of them\n");
+  EXPECT_INVALID_WITH(read_with({"camera.images=words.txt"}), "words.txt:1");
+}
+
 }  // namespace
 }  // namespace posemix

@@ -104,19 +104,43 @@ TEST(InstanceTracks, ASingleDetectionNearTheLensDoesNotWidenTheView) {
   EXPECT_EQ(tracks.health(0, 1.0), TrackHealth::good);
 }
 
-// Odometry at 30 Hz and a detector at 5 Hz that is always right.
-TEST(InstanceTracks, StampsOfOdometryAloneAreNoImages) {
+/// Odometry at 30 Hz and a detector at 5 Hz that is always right, up to a frame.
+Sequence slowly_detected(int last_frame) {
   Sequence sequence;
   sequence.objects.emplace_back();
   sequence.objects[0].id = "mug";
   for (int k = 0; k < 300; ++k) {
+    const bool seen = k % 6 == 0 && k <= last_frame;
     sequence.stamps.push_back(k / 30.0);
     sequence.odometry.push_back(SE3d());
-    sequence.objects[0].detections.push_back(k % 6 == 0 ? std::optional(kPlace) : std::nullopt);
+    sequence.objects[0].detections.push_back(seen ? std::optional(kPlace) : std::nullopt);
   }
+  return sequence;
+}
+
+FrameEstimate last_estimate(const Sequence& sequence) {
   const PoseDensity start(SE3d(), 1e-8 * Matrix6d::Identity());
-  const SlamRun done = run(sequence, start, {{.id = "mug"}}, ObjectSlamSettings());
-  EXPECT_GT(done.frames.back().existences[0].value(), 0.99);
+  return run(sequence, start, {{.id = "mug"}}, ObjectSlamSettings()).frames.back();
+}
+
+TEST(InstanceTracks, StampsOfOdometryAloneAreNoImages) {
+  EXPECT_GT(last_estimate(slowly_detected(300)).existences[0].value(), 0.99);
+}
+
+TEST(InstanceTracks, AnObjectAloneInViewIsLostWhereTheRecordingNamesItsImages) {
+  Sequence sequence = slowly_detected(150);
+  EXPECT_EQ(last_estimate(sequence).healths[0], TrackHealth::good);
+  sequence.images.resize(300);
+  for (std::size_t k = 0; k < 300; k += 6) sequence.images[k] = {""};
+  EXPECT_EQ(last_estimate(sequence).healths[0], TrackHealth::lost);
+  EXPECT_TRUE(last_estimate(sequence).register_again[0]);
+  // The same images with the object in all of them.
+  const auto images = sequence.images;
+  sequence = slowly_detected(300);
+  sequence.images = images;
+  EXPECT_EQ(last_estimate(sequence).healths[0], TrackHealth::good);
+  sequence.images.pop_back();
+  EXPECT_THROW(last_estimate(sequence), InvalidInput);
 }
 
 }  // namespace

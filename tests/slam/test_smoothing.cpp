@@ -313,9 +313,6 @@ TEST(Smoothing, RefusesWhatItCannotSmooth) {
   EXPECT_THROW(run_smoothed(sequence, prior, models, considered, {}), InvalidInput);
   EXPECT_THROW(run_smoothed(sequence, prior, models, {}, {.passes = 0}), InvalidInput);
   EXPECT_THROW(run_smoothed(sequence, prior, {}, {}, {}), InvalidInput);
-  Sequence candidates = sequence;
-  candidates.candidates.resize(kFrames);
-  EXPECT_THROW(run_smoothed(candidates, prior, models, {}, {}), InvalidInput);
   FixedLagSmoother smoother(prior, models, {}, {.lag_frames = 3});
   smoother.step({.detections = {std::nullopt}});
   EXPECT_THROW(smoother.step({0.1, SE3d(), {std::nullopt}, {{"0", SE3d(), 1.0}}}), InvalidInput);

@@ -9,6 +9,7 @@
 #include "moving_orbit.hpp"
 #include "posemix/slam/smoothing.hpp"
 #include "posemix/testing/expect.hpp"
+#include "smoothing_scene.hpp"
 
 /// Smoothing of recordings in which objects move, and are put down elsewhere.
 namespace posemix {
@@ -174,6 +175,34 @@ TEST(SmoothingMoving, ObservationsGiveWhatDetectionsGive) {
   }
 }
 
+TEST(SmoothingMoving, DetectionsOfAClassAreSmoothedAsTheFilterAssignsThem) {
+  const Recorded recorded(8);
+  Recorded other = recorded;
+  other.sequence.candidates.resize(kLength);
+  for (const std::size_t j : {1U, 0U}) {
+    other.models[j].class_id = "crate";
+    for (std::size_t k = 0; k < kLength; ++k) {
+      auto& seen = other.sequence.objects[j].detections[k];
+      if (seen) other.sequence.candidates[k].push_back({"crate", *seen, 0.9});
+      seen.reset();
+    }
+  }
+  // Somewhere else, once: an instance has begun for none of it.
+  other.sequence.candidates[20].push_back({"crate", pose(0, 0, 0, 0.3, 0.3, 1.0), 0.9});
+  const SlamRun a = recorded.smoothed();
+  const SlamRun b = other.smoothed();
+  ASSERT_EQ(b.frames.size(), kLength);
+  EXPECT_LT(testing::distance(a.frames[40].camera.mean(), b.frames[40].camera.mean()), 0.005);
+  for (std::size_t j = 0; j < 2; ++j) {
+    ASSERT_TRUE(b.frames[40].objects[j]);
+    EXPECT_LT(testing::distance(a.frames[40].objects[j]->mean(), b.frames[40].objects[j]->mean()),
+              0.01);
+  }
+  for (std::size_t j = kHand; j <= kCup; ++j)
+    EXPECT_LT(testing::distance(a.frames[40].objects[j]->mean(), b.frames[40].objects[j]->mean()),
+              0.02);
+}
+
 TEST(SmoothingMoving, ARunThatIsStoppedHasTheFramesSoFar) {
   const Recorded recorded(5);
   for (const std::size_t last : {std::size_t{1}, std::size_t{20}}) {
@@ -205,6 +234,16 @@ TEST(SmoothingMoving, RefusesWhatItCannotDo) {
               run_smoothed(recorded.sequence, *recorded.prior, recorded.models, recorded.settings,
                            {.lag_frames = 3});
             }).find("smoothing by a fixed lag: object 'hand' moves"),
+            std::string::npos);
+  Recorded of_class(7);
+  of_class.models.erase(of_class.models.begin() + kHand, of_class.models.end());
+  of_class.sequence.objects.resize(2, of_class.sequence.objects[0]);
+  of_class.sequence.candidates.resize(kLength);
+  of_class.sequence.candidates[1].push_back({"box", SE3d(), 0.9});
+  EXPECT_NE(thrown_message([&] {
+              run_smoothed(of_class.sequence, *of_class.prior, of_class.models, of_class.settings,
+                           {.lag_frames = 3});
+            }).find("smoothing by a fixed lag: detections that name a class"),
             std::string::npos);
   recorded.models[kCup].detectors = {{"other", ray_noise()}};
   EXPECT_NE(thrown_message([&] {

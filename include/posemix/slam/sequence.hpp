@@ -42,6 +42,10 @@ struct Sequence {
   /// use them in place of the detections of all objects, which are then their best components (from
   /// the body, where cameras have poses on it) and are what metrics and pictures compare with.
   std::vector<std::vector<Observation>> observations = {};
+  /// By frame, names of cameras whose images the detectors have searched, also where they found
+  /// nothing ("": the only camera): what is in view and was not detected may be gone. No entries:
+  /// which images there are is not known, but for those with detections.
+  std::vector<std::vector<std::string>> images = {};
   /// Frames that may hold objects, in the order of MultiObjectSlamSettings::frames.
   std::vector<FrameRecording> known_frames = {};
 };

@@ -123,6 +123,8 @@ def by_arrival(
         resets = slam.counts.resets
         if has_odometry and recording.has_odometry[k]:
             slam.add_odometry(stamps[k], recording.odometry[k])
+        if not observations[k]:
+            slam.add_image(stamps[k])
         counts.update(slam.add(observation) for observation in observations[k])
         if slam.counts.resets > resets:
             tracks.clear()

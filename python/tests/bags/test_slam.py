@@ -109,6 +109,24 @@ def test_without_odometry(maker: Callable[[str], BagMaker]) -> None:
     assert found.camera.poses[-1].is_approx(SE3(), 0.05)
 
 
+def test_messages_without_detections_are_images(maker: Callable[[str], BagMaker]) -> None:
+    """An object alone in view that is not detected any more is lost, where the detector says so."""
+
+    def last_health(empty_messages: bool) -> TrackHealth:
+        bag = maker("mcap")
+        bag.path = bag.path.parent / f"empty-{empty_messages}"
+        pose = SE3(translation=[0.0, 0.0, 1.0])
+        for i in range(60):
+            bag.odometry(i / 5, SE3())
+            if i < 30 or empty_messages:
+                bag.detections(i / 5, "base", {"7": pose} if i < 30 else {})
+        found = bags.run_slam(bag.write(), detections="/objects", odometry="/odom")
+        return found.objects[0].states[-1].health
+
+    assert last_health(empty_messages=True) == TrackHealth.lost
+    assert last_health(empty_messages=False) in {TrackHealth.good, TrackHealth.ambiguous}
+
+
 def test_stopped_by_progress(drive: Callable[..., Path]) -> None:
     calls: list[tuple[int, int]] = []
 
