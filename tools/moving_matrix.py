@@ -162,8 +162,14 @@ def identities(run, start):
     return sum(len(names) == 1 and ends.count(true) == 1 for true, names in owners.items()), len(true_objects)
 
 
-def simulate_and_track(program, folder, scene, seed):
-    """The run of a scene with one seed."""
+def errors_mm(run, name):
+    """Distance of the estimate in the world from the truth, mm, where both are known."""
+    return [1e3 * distance(pose, true) for pose, true in zip(run.object(name)["world"]["pose"], run.truth(name))
+            if pose and true]
+
+
+def simulate_and_track(program, folder, scene, seed, smooth):
+    """The run of a scene with one seed, smoothed or not."""
     source, changes = SCENES[scene]
     config = ROOT / "configs" / f"{source}.toml"
     target = folder / f"{scene}-{seed}"
@@ -173,10 +179,10 @@ def simulate_and_track(program, folder, scene, seed):
     overrides = [word for change in changes for word in ("--set", change)]
     subprocess.run([program, "simulate", config, "--seed", str(seed), "--out", target / "recording", "--quiet", *overrides],
                    check=True)
-    subprocess.run([program, "slam", target / "recording" / "sequence.toml", "--out", target / "results", "--quiet"],
+    subprocess.run([program, "slam", target / "recording" / "sequence.toml", "--out", target / "results", "--quiet",
+                    *(["--smooth"] if smooth else [])],
                    check=True)
     return Run(target / "recording", target / "results")
-
 
 
 MOVING = {"conveyor": ["box_1", "box_2", "box_3"], "hand-held": ["mug"], "hand-over": ["mug"],
@@ -221,9 +227,10 @@ def measure(run, scene):
         figures["camera turn"] = run.metrics["camera"]["rotation_rmse_deg"] / run.metrics["odometry"]["rotation_rmse_deg"]
     if scene == "crossing":
         figures["identities"] = identities(run, 20)
-    if scene in ("come-and-go", "moving-table"):
+    if scene in ("come-and-go", "moving-table") and "health" in run.object(run.trace["order"][0]):
         figures["existence"] = existence(run)
     if scene in MOVING:
+        figures["error, mm"] = [value for name in MOVING[scene] for value in errors_mm(run, name)]
         for frame in ("world", "relative"):
             for moving in (True, False):
                 values = [v for name in MOVING[scene] for v in anees(run, name, frame, moving)]
@@ -250,6 +257,9 @@ def summary(scene, name, values):
     if name == "identities":
         kept, objects = (sum(column) for column in zip(*values))
         return f"{kept} of {objects} kept", kept >= 0.99 * objects
+    if name == "error, mm":
+        every = sorted(value for of_run in values for value in of_run)
+        return f"median {every[len(every) // 2]:.1f}, 99 % {every[int(0.99 * len(every))]:.1f}, worst {every[-1]:.0f}", True
     if name.startswith("anees"):
         every = mean([value for of_run in values for value in of_run])
         seeds = [mean(of_run) for of_run in values if of_run]
@@ -269,13 +279,14 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--posemix", default=ROOT / "build/release/posemix", help="the program")
     parser.add_argument("--seeds", type=int, default=20)
+    parser.add_argument("--smooth", action="store_true", help="estimates from the whole recordings")
     parser.add_argument("--check", action="store_true")
     parser.add_argument("scenes", nargs="*", metavar="SCENE", help=", ".join(SCENES))
     arguments = parser.parse_args()
     good = True
     for scene in arguments.scenes or SCENES:
         with tempfile.TemporaryDirectory() as folder:
-            runs = [measure(simulate_and_track(arguments.posemix, Path(folder), scene, seed), scene)
+            runs = [measure(simulate_and_track(arguments.posemix, Path(folder), scene, seed, arguments.smooth), scene)
                     for seed in range(1, arguments.seeds + 1)]
         for name in runs[0]:
             text, within = summary(scene, name, [run[name] for run in runs])

@@ -175,8 +175,8 @@ TEST_F(SequenceMotion, RefusesWhatIsWrong) {
          "is the string \"calm_and_agile\", expected one of");
   expect("{model = \"constant_velocity\"}", "is for filter.method = \"multi_object\"",
          "[filter]\nmethod = \"gm-iekf\"\n");
-  expect("{model = \"constant_velocity\"}", "is for filter.smooth = \"none\"",
-         "[filter]\nmethod = \"smoothed\"\n");
+  expect("{model = \"constant_velocity\"}", "is for filter.smooth = \"none\" or \"full\"",
+         "[filter]\nmethod = \"fixed_lag\"\n");
   EXPECT_NE(thrown_message([&] {
               read(replaced(moving("{model = \"random_walk\"}"), "id = \"mug\"\n",
                             "id = \"mug\"\nprior = {pose = [0, 0, 0, 0, 0, 0, 1], "

@@ -9,10 +9,13 @@
 #include "posemix/config/sequence_file.hpp"
 #include "posemix/results/simulation_folder.hpp"
 #include "posemix/testing/expect.hpp"
+#include "simulated_job.hpp"
 
 namespace posemix {
 namespace {
 
+using testing::expect_same_poses;
+using testing::job_from;
 using testing::TemporaryFolder;
 
 constexpr std::string_view kConfig = R"(schema = 1
@@ -76,13 +79,6 @@ std::string with(const std::string& from, const std::string& to) {
   return text.replace(at, from.size(), to);
 }
 
-SlamJob job_from(const std::map<std::string, std::string>& files) {
-  const TemporaryFolder folder;
-  for (const auto& [name, content] : files) folder.put(name, content);
-  const std::filesystem::path path = folder / "sequence.toml";
-  return read_slam_job(TomlDocument::load(path), data_folders(path));
-}
-
 /// FNV-1a with 64 bits.
 std::uint64_t hash_of(const std::map<std::string, std::string>& files) {
   std::uint64_t hash = 0xcbf29ce484222325U;
@@ -94,16 +90,6 @@ std::uint64_t hash_of(const std::map<std::string, std::string>& files) {
     add(content);
   }
   return hash;
-}
-
-void expect_same(const std::vector<std::optional<SE3d>>& actual,
-                 const std::vector<std::optional<SE3d>>& expected, const std::string& name) {
-  ASSERT_EQ(actual.size(), expected.size()) << name;
-  for (std::size_t k = 0; k < actual.size(); ++k) {
-    ASSERT_EQ(actual[k].has_value(), expected[k].has_value()) << name << " frame " << k;
-    if (!actual[k]) continue;
-    EXPECT_TRUE(actual[k]->is_approx(*expected[k], 1e-9)) << name << " frame " << k;
-  }
 }
 
 TEST(SimulationFolder, SameBytesEverywhere) {
@@ -119,14 +105,15 @@ TEST(SimulationFolder, ReadsBackAsItWasSimulated) {
   const SlamJob job = job_from(format_simulation(file, simulated, 7));
   const Sequence expected = simulated.sequence();
   EXPECT_EQ(job.sequence.stamps, expected.stamps);
-  expect_same(job.sequence.odometry, expected.odometry, "odometry");
-  expect_same(job.sequence.camera_truth, expected.camera_truth, "camera truth");
+  EXPECT_EQ(job.sequence.images, expected.images);
+  expect_same_poses(job.sequence.odometry, expected.odometry, "odometry");
+  expect_same_poses(job.sequence.camera_truth, expected.camera_truth, "camera truth");
   ASSERT_EQ(job.sequence.objects.size(), 2U);
   for (std::size_t i = 0; i < 2; ++i) {
     const ObjectRecording& object = job.sequence.objects[i];
     EXPECT_EQ(object.id, expected.objects[i].id);
-    expect_same(object.detections, expected.objects[i].detections, object.id);
-    expect_same(object.world_truth, expected.objects[i].world_truth, object.id + " truth");
+    expect_same_poses(object.detections, expected.objects[i].detections, object.id);
+    expect_same_poses(object.world_truth, expected.objects[i].world_truth, object.id + " truth");
   }
 }
 

@@ -9,10 +9,14 @@
 #include "io/temporary_folder.hpp"
 #include "posemix/config/sequence_file.hpp"
 #include "posemix/results/simulation_folder.hpp"
+#include "simulated_job.hpp"
 
 /// Simulations in which objects move, come and go, as files.
 namespace posemix {
 namespace {
+
+using testing::expect_same_poses;
+using testing::job_from;
 
 constexpr std::string_view kScene = R"(schema = 1
 [camera]
@@ -91,23 +95,6 @@ std::string with(const std::string& from, const std::string& to) {
   return text.replace(at, from.size(), to);
 }
 
-SlamJob job_from(const std::map<std::string, std::string>& files) {
-  const testing::TemporaryFolder folder;
-  for (const auto& [name, content] : files) folder.put(name, content);
-  const std::filesystem::path path = folder / "sequence.toml";
-  return read_slam_job(TomlDocument::load(path), data_folders(path));
-}
-
-void expect_same(const std::vector<std::optional<SE3d>>& actual,
-                 const std::vector<std::optional<SE3d>>& expected, const std::string& name) {
-  ASSERT_EQ(actual.size(), expected.size()) << name;
-  for (std::size_t k = 0; k < actual.size(); ++k) {
-    ASSERT_EQ(actual[k].has_value(), expected[k].has_value()) << name << " frame " << k;
-    if (!actual[k]) continue;
-    EXPECT_TRUE(actual[k]->is_approx(*expected[k], 1e-9)) << name << " " << k;
-  }
-}
-
 TEST(SimulationScenes, EveryKeyIsRead) {
   const SimulationConfig config = scene_from(kScene).config;
   EXPECT_EQ(config.path.set_up, SimulationSetUp::still);
@@ -159,8 +146,8 @@ TEST(SimulationScenes, ReadBackAsTheyWereSimulated) {
   EXPECT_EQ(job.sequence.objects[6].id, "cup_spare_4");
   for (std::size_t i = 0; i < 3; ++i) {
     const ObjectRecording& object = job.sequence.objects[i];
-    expect_same(object.detections, expected.objects[i].detections, object.id);
-    expect_same(object.world_truth, expected.objects[i].world_truth, object.id + " truth");
+    expect_same_poses(object.detections, expected.objects[i].detections, object.id);
+    expect_same_poses(object.world_truth, expected.objects[i].world_truth, object.id + " truth");
   }
   ASSERT_EQ(job.sequence.observations.size(), 60U);
   for (std::size_t k = 0; k < 60; ++k) {
