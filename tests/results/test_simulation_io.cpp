@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include "io/expect_invalid.hpp"
-#include "io/temporary_folder.hpp"
 #include "posemix/config/sequence_file.hpp"
 #include "posemix/results/simulation_folder.hpp"
 #include "posemix/testing/expect.hpp"
@@ -16,7 +15,6 @@ namespace {
 
 using testing::expect_same_poses;
 using testing::job_from;
-using testing::TemporaryFolder;
 
 constexpr std::string_view kConfig = R"(schema = 1
 

@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include "io/expect_invalid.hpp"
-#include "io/temporary_folder.hpp"
 #include "posemix/config/sequence_file.hpp"
 #include "posemix/results/simulation_folder.hpp"
 #include "simulated_job.hpp"
