@@ -42,6 +42,7 @@ EMPTY = {"StaticMotion"}
 # Structs without a class, and why.
 WITHOUT_CLASS = {
     "MotionPrediction": "a step of MovingObjectFilter",
+    "TrackedPlace": "a step of MultiObjectSlam",
     "MotionState": "a step of MovingObjectFilter",
     "Assignment": "a step of the association of candidates",
     "JointAssociation": "a step of the association of candidates",

@@ -52,9 +52,10 @@ ModeSmoother::Step ModeSmoother::predict(const JointState& before, const FrameIn
   step.noise = MatrixXd::Zero(before.covariance.rows(), before.covariance.cols());
   step.slow_kept = VectorXd::Ones(before.slow.size());
   moved = {before.poses, before.slow, {}};
-  if (!(input.dt > 0.0)) return step;
+  // At the first frame there is no motion, but the camera may be given.
+  if (!(input.dt > 0.0) && !input.camera) return step;
   move(camera_step(model_.motion, input), before.poses, step, moved.poses);
-  decay_slow_errors(before.poses, input.dt, step, moved);
+  if (input.dt > 0.0) decay_slow_errors(before.poses, input.dt, step, moved);
   step.predicted += step.noise;
   symmetrize(step.predicted);
   return step;
@@ -86,7 +87,13 @@ void ModeSmoother::move(const CameraStep& camera, const PoseStackd& poses, Step&
   const auto add_noise = [&](std::size_t pose, const Matrix6d& q) {
     block(step.noise, pose, pose) = moved[pose].adjoint_congruence(q);
   };
-  if (camera.velocity) {
+  if (camera.given) {
+    step.is_given = true;
+    rows(step.predicted, kCamera).setZero();
+    columns(step.predicted, kCamera).setZero();
+    moved[kCamera] = camera.given->mean();
+    block(step.noise, kCamera, kCamera) = camera.given->covariance();
+  } else if (camera.velocity) {
     const double periods = camera.velocity->periods;
     step.transfer = constant_velocity_transfer(poses[kCamera], poses[kMotion], periods);
     move_camera_by(step.transfer, step.predicted);
@@ -183,8 +190,8 @@ void ModeSmoother::run(const JointState& start, const std::vector<JointState>& r
 
 /// Rauch, Tung and Striebel (1965): A = P_k F^T P_(k+1|k)^-1, m_k^s = m_k + A (m_(k+1)^s -
 /// m_(k+1|k)); the covariance in the form that cannot lose its sign,
-/// P_k^s = (I - A F) P_k (I - A F)^T + A (P_(k+1)^s + Q) A^T. F adds the motion to the camera and
-/// multiplies the slow errors.
+/// P_k^s = (I - A F) P_k (I - A F)^T + A (P_(k+1)^s + Q) A^T. F adds the motion to the camera, or
+/// forgets a camera that is given, and multiplies the slow errors.
 void ModeSmoother::backward() {
   std::vector<JointState> reversed;
   reversed.reserve(steps_.size());
@@ -198,11 +205,13 @@ void ModeSmoother::backward() {
     MatrixXd f_p = now.covariance;
     if (next.transfer.size() > 0)
       rows(f_p, kCamera) += next.transfer * rows(now.covariance, kMotion);
+    if (next.is_given) rows(f_p, kCamera).setZero();
     f_p.bottomRows(slow) = next.slow_kept.asDiagonal() * now.covariance.bottomRows(slow);
     const MatrixXd a = next.predicted.llt().solve(f_p).transpose();
     mean = now.mean + a * (mean - next.predicted_mean);
     MatrixXd a_f = a;
     if (next.transfer.size() > 0) columns(a_f, kMotion) += columns(a, kCamera) * next.transfer;
+    if (next.is_given) columns(a_f, kCamera).setZero();
     a_f.rightCols(slow) = a.rightCols(slow) * next.slow_kept.asDiagonal();
     const MatrixXd keep = MatrixXd::Identity(a.rows(), a.cols()) - a_f;
     covariance =

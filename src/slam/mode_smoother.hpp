@@ -57,6 +57,7 @@ class ModeSmoother {
     Eigen::MatrixXd noise;      ///< of the transition to this frame
     Eigen::MatrixXd transfer;   ///< xi_camera += transfer xi_motion, where there is a motion
     Eigen::VectorXd slow_kept;  ///< beta <- slow_kept beta, by coordinate
+    bool is_given = false;      ///< the camera is given, whatever it was before
   };
 
   void run(const JointState& start, const std::vector<JointState>& reference);

@@ -44,7 +44,6 @@ FixedLagSmoother::FixedLagSmoother(const PoseDensity& camera, std::vector<Object
       slam_(camera, std::move(objects), settings),
       before_(smoothed_filter(slam_)) {
   require_static(slam_.objects(), "smoothing by a fixed lag");
-  require_not_given(motion_, "smoothing");
   require(smoothing.passes > 0, "smoothing: passes is 0, expected at least 1");
   require(!std::get<MultiObjectSlamSettings>(settings.tracker).on_sight,
           "smoothing: objects begin on sight, expected models of all objects");
@@ -70,6 +69,7 @@ std::optional<FrameEstimate> FixedLagSmoother::step(const FrameInput& input) {
   FrameInput& kept = taken.input;
   kept.dt = input.dt;
   kept.motion = input.motion;
+  if (motion_.model == MotionModel::given) kept.camera = input.camera;
   if (is_first_) {  // nothing moves
     kept.dt = 0.0;
     kept.motion.reset();

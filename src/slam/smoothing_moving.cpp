@@ -27,6 +27,7 @@ FilteredRun filtered_run(const Sequence& sequence, const PoseDensity& camera_pri
     for (std::size_t i = 0; i < input.frames.size(); ++i)
       if (input.frames[i]) known[i] = *input.frames[i];
     run.known_frames.push_back(known);
+    run.camera_lasts.push_back(settings.motion.model != MotionModel::given || !input.camera);
     if (options.progress && !options.progress(k + 1, count)) break;
   }
   run.named = named_recording(sequence, models, run.frames);
@@ -37,17 +38,22 @@ FilteredRun filtered_run(const Sequence& sequence, const PoseDensity& camera_pri
 
 SmoothedTrack smoothed_track(const FilteredRun& run, std::size_t object, const ObjectModel& model,
                              const MovingObjectSettings& settings,
-                             const std::vector<SE3d>& cameras) {
+                             const std::vector<FrameEstimate>& frames) {
   MovingObjectSmoother smoother({model.noise, model.symmetries}, model.motion, settings);
   std::vector<std::size_t> steps;  // by frame, the number of steps so far
   std::size_t taken = 0;
-  for (std::size_t k = 0; k < cameras.size(); ++k) {
+  for (std::size_t k = 0; k < run.named.stamps.size(); ++k) {
     const std::size_t before = taken;
     for (const ObservedObject& seen : run.observed[k]) {
       if (seen.object != object) continue;
       Observation observation = seen.observation;
       observation.stamp_s = run.named.stamps[k];
-      smoother.update(observation, exact_camera(cameras[k] * seen.source.body_camera),
+      const PoseDensity& body = frames[k].camera;
+      const SE3d camera = body.mean() * seen.source.body_camera;
+      smoother.update(observation,
+                      run.camera_lasts[k]
+                          ? exact_camera(camera)
+                          : camera_on_arm(PoseDensity::trusted(camera, body.covariance())),
                       run.known_frames[k]);
       ++taken;
     }
@@ -78,7 +84,7 @@ void require_one_detector(const ObjectModel& model) {
                   model.id, model.detectors.size() + 1));
 }
 
-/// The poses of an estimate before a camera that is exact, with the error of the camera.
+/// An estimate that has no error of the camera with this one.
 MovingObjectEstimate with_camera_error(MovingObjectEstimate estimate, const Matrix6d& camera) {
   for (MovingObjectHypothesis& hypothesis : estimate.hypotheses) {
     hypothesis.world = PoseDensity::trusted(hypothesis.world.mean(),
@@ -120,10 +126,8 @@ class MovingSmoothing {
  private:
   template <class Kind>
   void follow(const std::vector<FrameEstimate>& frames, const Kind& kind) {
-    std::vector<SE3d> cameras;
-    for (const FrameEstimate& frame : frames) cameras.push_back(frame.camera.mean());
     for (std::size_t j = 0; j < models_.size(); ++j)
-      if (kind(models_[j])) tracks_[j] = smoothed_track(run_, j, models_[j], settings_, cameras);
+      if (kind(models_[j])) tracks_[j] = smoothed_track(run_, j, models_[j], settings_, frames);
   }
 
   FrameEstimate frame(std::size_t k, const StaticPart& part, const FrameEstimate& fixed) const {
@@ -148,20 +152,32 @@ class MovingSmoothing {
         frame.mode_probabilities[j] = fixed.mode_probabilities[*at];
         if (!frame.alternatives.empty()) frame.alternatives[j] = fixed.alternatives[*at];
       } else if (has_own_track(models_[j].motion) && tracks_[j][k]) {
-        report_moving(j, *tracks_[j][k], frame);
+        report_moving(j, *tracks_[j][k], camera_error(frame.camera, k), frame);
       }
     }
     return frame;
   }
 
+  /// Of the error of the camera what is in the pose of an object in the world, and what is in that
+  /// from the camera: it is in one of them.
+  struct CameraError {
+    Matrix6d world = Matrix6d::Zero();
+    Matrix6d relative = Matrix6d::Zero();
+  };
+  CameraError camera_error(const PoseDensity& camera, std::size_t k) const {
+    return run_.camera_lasts[k] ? CameraError{.world = camera.covariance()}
+                                : CameraError{.relative = camera.covariance()};
+  }
+
   static void report_moving(std::size_t object, const MovingObjectEstimate& estimate,
-                            FrameEstimate& frame) {
+                            const CameraError& error, FrameEstimate& frame) {
     if (estimate.hypotheses.empty()) return;
     const PoseDensity& seen = estimate.hypotheses.front().world;
     const SE3d to_camera = frame.camera.mean().inverse();
-    frame.relative[object] = PoseDensity::trusted(to_camera * seen.mean(),
-                                                  to_camera.adjoint_congruence(seen.covariance()));
-    posemix::report_moving(object, with_camera_error(estimate, frame.camera.covariance()),
+    frame.relative[object] = PoseDensity::trusted(
+        to_camera * seen.mean(),
+        to_camera.adjoint_congruence(Matrix6d(seen.covariance() + error.relative)));
+    posemix::report_moving(object, with_camera_error(estimate, error.world),
                            !frame.alternatives.empty(), frame);
   }
 
@@ -169,8 +185,8 @@ class MovingSmoothing {
                                                 const PoseDensity& camera) const {
     const SmoothedTrack& track = tracks_[object];
     if (track.empty() || !track.back()) return {};
-    return hypotheses_of(with_camera_error(*track.back(), camera.covariance()),
-                         camera.covariance());
+    const Matrix6d error = camera_error(camera, track.size() - 1).world;
+    return hypotheses_of(with_camera_error(*track.back(), error), error);
   }
 
   const std::vector<ObjectModel>& models_;

@@ -20,6 +20,7 @@ struct FilteredRun {
   Sequence named = {};  ///< its recording by named_recording
   std::vector<std::vector<ObservedObject>> observed;
   std::vector<std::vector<KnownFrame>> known_frames;  ///< that may hold objects
+  std::vector<bool> camera_lasts;  ///< whether the camera's error is that of its neighbours, too
 };
 
 /// Whether detections name classes.
@@ -36,12 +37,12 @@ FilteredRun filtered_run(const Sequence& sequence, const PoseDensity& camera_pri
                          const std::vector<ObjectModel>& models, const ObjectSlamSettings& settings,
                          const RunOptions& options);
 
-/// One object at every frame given all of them, before cameras whose poses are exact; none before
-/// its first observation. `cameras` are T_world_body.
+/// One object at every frame given all of them, before the cameras of `frames`; none before its
+/// first observation. An error of the camera that lasts is not part of the estimates.
 using SmoothedTrack = std::vector<std::optional<MovingObjectEstimate>>;
 SmoothedTrack smoothed_track(const FilteredRun& run, std::size_t object, const ObjectModel& model,
                              const MovingObjectSettings& settings,
-                             const std::vector<SE3d>& cameras);
+                             const std::vector<FrameEstimate>& frames);
 
 /// The part of a recording that stands still: static objects, and objects that are put down
 /// elsewhere as one static object for every place.

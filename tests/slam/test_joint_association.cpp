@@ -122,7 +122,7 @@ TEST(JointAssociation, NearObjectsAreNotPulledApartOrTogether) {
     squares += std::pow(first - places[0], 2) + std::pow(second - places[1], 2);
     ++runs;
   }
-  EXPECT_GE(runs, 38);
+  EXPECT_EQ(runs, 40);
   // Sixty detections of 12 mm are worth 1.5 mm.
   EXPECT_LT(std::sqrt(squares / (2.0 * runs)), 0.004);
 }

@@ -126,6 +126,44 @@ TEST(SmoothingMoving, ErrorsAreSmallerThanTheFiltersAndAsStated) {
   EXPECT_LT(smoothed.camera, filtered.camera);
 }
 
+/// The recording before a camera whose poses are given with an error, but for some.
+Recorded with_given_camera(std::uint64_t seed) {
+  Recorded recorded(seed);
+  RandomStream stream(seed, 21);
+  recorded.settings.motion.model = MotionModel::given;
+  recorded.settings.motion.noise = {isotropic(0.3, 0.003), NoisePer::frame};
+  recorded.settings.motion.unknown_motion = {isotropic(3.0, 0.05), NoisePer::second};
+  for (std::size_t k = 0; k < kLength; ++k) {
+    const SE3d error = SE3d::exp(draw(isotropic(0.3, 0.003), stream));
+    recorded.sequence.odometry[k] = recorded.cameras[k] * error;
+    if (k % 20 == 7) recorded.sequence.odometry[k].reset();
+  }
+  return recorded;
+}
+
+TEST(SmoothingMoving, AGivenCameraIsSmoothedToo) {
+  Sums filtered;
+  Sums smoothed;
+  double camera = 0.0;
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    const Recorded recorded = with_given_camera(seed);
+    filtered.add(recorded, recorded.filtered());
+    const SlamRun run = recorded.smoothed();
+    smoothed.add(recorded, run);
+    for (std::size_t k = 0; k < kLength; ++k)
+      camera += nees_of(recorded.cameras[k], run.frames[k].camera) / (6.0 * 12.0 * kLength);
+  }
+  EXPECT_NEAR(camera, 1.0, 0.25);
+  EXPECT_LT(smoothed.camera, filtered.camera);
+  for (std::size_t i = 0; i < 2; ++i) {
+    SCOPED_TRACE(i == 0 ? "hand" : "cup");
+    EXPECT_LT(smoothed.squares[i], 0.8 * filtered.squares[i]);
+    EXPECT_NEAR(smoothed.world[i] / smoothed.count[i], 1.0, 0.3);
+    // That of the hand has the error of an image once more than is right.
+    EXPECT_LT(smoothed.relative[i] / smoothed.count[i], 1.3);
+  }
+}
+
 TEST(SmoothingMoving, AnObjectIsAtItsPlacesAndTheJointPosteriorHoldsTheLast) {
   const Recorded recorded(3);
   const SlamRun run = recorded.smoothed({.record_hypotheses = true, .progress = {}});
