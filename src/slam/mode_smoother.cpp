@@ -198,6 +198,7 @@ void ModeSmoother::backward() {
   VectorXd mean = steps_.back().mean;
   MatrixXd covariance = steps_.back().covariance;
   reversed.push_back(at(steps_.back(), mean, covariance));
+  camera_lags_.assign(steps_.size(), Matrix6d::Zero());
   for (std::size_t k = steps_.size() - 1; k-- > 0;) {
     const Step& now = steps_[k];
     const Step& next = steps_[k + 1];
@@ -208,6 +209,7 @@ void ModeSmoother::backward() {
     if (next.is_given) rows(f_p, kCamera).setZero();
     f_p.bottomRows(slow) = next.slow_kept.asDiagonal() * now.covariance.bottomRows(slow);
     const MatrixXd a = next.predicted.llt().solve(f_p).transpose();
+    camera_lags_[k + 1] = rows(a, kCamera) * columns(covariance, kCamera);
     mean = now.mean + a * (mean - next.predicted_mean);
     MatrixXd a_f = a;
     if (next.transfer.size() > 0) columns(a_f, kMotion) += columns(a, kCamera) * next.transfer;

@@ -43,6 +43,9 @@ class ModeSmoother {
   void refine(const JointState& start) { run(start, smoothed_); }
 
   const std::vector<JointState>& smoothed() const { return smoothed_; }
+  /// Covariance of the camera's error at every frame with that at the frame before; zero at the
+  /// first.
+  const std::vector<Matrix6d>& camera_lags() const { return camera_lags_; }
 
  private:
   /// A Gaussian of [xi; beta] in X = Exp(xi) X0, b = b0 + beta about the reference (X0, b0), before
@@ -77,6 +80,7 @@ class ModeSmoother {
   std::span<const SmootherFrame* const> frames_;
   std::vector<Step> steps_;
   std::vector<JointState> smoothed_;
+  std::vector<Matrix6d> camera_lags_;
 };
 
 }  // namespace posemix::internal

@@ -43,8 +43,7 @@ const MotionSettings& checked(const MotionSettings& motion) {
 void require_not_given(const MotionSettings& motion, const char* where) {
   if (motion.model != MotionModel::given) return;
   throw InvalidInput(fmt::format(
-      "{}: the motion model is \"given\", which is for the multi-object filter",
-      where));
+      "{}: the motion model is \"given\", which is for the multi-object filter", where));
 }
 
 CameraStep camera_step(const MotionSettings& motion, const FrameInput& input) {

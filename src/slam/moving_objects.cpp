@@ -13,18 +13,10 @@
 #include <Eigen/Eigenvalues>
 
 #include "posemix/base/error.hpp"
+#include "slam/semidefinite.hpp"
 
 namespace posemix {
-namespace {
-
-/// The covariance without what rounding makes negative.
-Matrix6d semidefinite(const Matrix6d& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(0.5 * (covariance + covariance.transpose()));
-  const Matrix6d& v = eigen.eigenvectors();
-  return mirror_upper(Matrix6d(v * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() * v.transpose()));
-}
-
-}  // namespace
+namespace {}  // namespace
 
 bool is_static(const MotionModels& motion) {
   return std::ranges::all_of(motion.models, [](const ObjectMotion& model) {
@@ -179,8 +171,8 @@ void MovingObjects::follow(const PoseDensity& before, const PoseDensity& predict
   const Matrix6d gain = predicted.covariance().llt().solve(before.covariance()).transpose();
   const Vector6d corrected = (now.mean() * predicted.mean().inverse()).log();
   const Matrix6d rest = Matrix6d::Identity() - gain;
-  const Matrix6d added = semidefinite(rest * now.covariance() * rest.transpose() +
-                                      before.covariance() - gain * before.covariance());
+  const Matrix6d added = internal::semidefinite(rest * now.covariance() * rest.transpose() +
+                                                before.covariance() - gain * before.covariance());
   move_world(SE3d::exp(Vector6d(gain * corrected)), added, now.covariance());
 }
 

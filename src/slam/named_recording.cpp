@@ -14,15 +14,20 @@ void keep_first(std::vector<T>& all, std::size_t frames) {
   all.resize(std::min(frames, all.size()));
 }
 
-/// The frame in which every object began, or took the place of another; none for those that the
-/// filter does not have in the end.
+/// The frame from which on every object is the one that it is in the end: the last in which a
+/// detection of its class began it. None for those that the filter does not have in the end.
 std::vector<std::optional<std::size_t>> beginnings(const std::vector<FrameEstimate>& frames) {
   const std::size_t objects = frames.back().objects.size();
   std::vector<std::optional<std::size_t>> first(objects);
-  for (std::size_t j = 0; j < objects; ++j) {
-    if (!frames.back().objects[j]) continue;
-    for (std::size_t k = 0; k < frames.size(); ++k)
-      if (frames[k].report.statuses[j] == DetectionStatus::started) first[j] = k;
+  for (std::size_t j = 0; j < objects; ++j)
+    if (frames.back().objects[j]) first[j] = 0;
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    const FrameReport& report = frames[k].report;
+    for (const auto* list : {&report.candidates, &report.observations}) {
+      for (const CandidateReport& one : *list)
+        if (one.status == CandidateStatus::fresh && one.object && first[*one.object])
+          first[*one.object] = k;
+    }
   }
   return first;
 }

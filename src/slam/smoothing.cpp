@@ -103,7 +103,9 @@ std::vector<FrameEstimate> FixedLagSmoother::smooth(std::size_t count) {
   std::vector<const SmootherFrame*> inputs;
   for (const Frame& frame : window_) inputs.push_back(&frame.taken);
   const SmoothingWindow window(before_, now, motion_, leading_modes(now));
-  const std::vector<JointState> joint = window.smooth(inputs, smoothing_.passes);
+  SmoothedModes smoothed = window.smooth(inputs, smoothing_.passes);
+  const std::vector<JointState>& joint = smoothed.states;
+  camera_lags_ = std::move(smoothed.camera_lags);
 
   std::vector<FrameEstimate> estimates;
   for (std::size_t k = 0; k < count; ++k) {
@@ -140,7 +142,7 @@ void FixedLagSmoother::add_alternatives(std::span<const SmootherFrame* const> in
       if (!leads && list[h].probability < smoothing_.least_probability) continue;
       modes[j] = h;
       const SmoothingWindow window(before_, now, motion_, modes);
-      const auto joint = leads ? leading : window.smooth(inputs, smoothing_.passes);
+      const auto joint = leads ? leading : window.smooth(inputs, smoothing_.passes).states;
       for (std::size_t k = 0; k < estimates.size(); ++k) {
         if (!estimates[k].pose_indices[j]) continue;
         estimates[k].alternatives[j].push_back(
@@ -161,6 +163,15 @@ SlamRun run_smoothed(const Sequence& sequence, const PoseDensity& camera_prior,
     return internal::smooth_after_filter(sequence, camera_prior, models, settings, smoothing,
                                          options);
   }
+  return internal::smooth_joint(sequence, camera_prior, models, settings, smoothing, options).run;
+}
+
+namespace internal {
+
+JointSmoothing smooth_joint(const Sequence& sequence, const PoseDensity& camera_prior,
+                            const std::vector<ObjectModel>& models,
+                            const ObjectSlamSettings& settings, const SmoothingSettings& smoothing,
+                            const RunOptions& options) {
   FixedLagSmoother smoother(camera_prior, models, settings, smoothing, options.record_hypotheses);
   const std::size_t count = sequence.stamps.size();
   std::vector<FrameEstimate> frames;
@@ -176,7 +187,9 @@ SlamRun run_smoothed(const Sequence& sequence, const PoseDensity& camera_prior,
       std::move(frames), Posterior({{0.0, *smoother.joint()}}), std::move(pose_indices), {}};
   for (std::size_t j = 0; j < models.size(); ++j)
     result.hypotheses.push_back(smoother.slam().multi_object()->hypotheses(j));
-  return result;
+  return {std::move(result), smoother.camera_lags()};
 }
+
+}  // namespace internal
 
 }  // namespace posemix

@@ -9,6 +9,7 @@
 
 #include "posemix/base/stopwatch.hpp"
 #include "slam/frames.hpp"
+#include "slam/semidefinite.hpp"
 
 namespace posemix {
 namespace internal {
@@ -38,27 +39,23 @@ FilteredRun filtered_run(const Sequence& sequence, const PoseDensity& camera_pri
 
 SmoothedTrack smoothed_track(const FilteredRun& run, std::size_t object, const ObjectModel& model,
                              const MovingObjectSettings& settings,
-                             const std::vector<FrameEstimate>& frames) {
+                             const std::vector<FrameEstimate>& frames,
+                             const std::vector<CameraError>& errors) {
   MovingObjectSmoother smoother({model.noise, model.symmetries}, model.motion, settings);
   std::vector<std::size_t> steps;  // by frame, the number of steps so far
   std::size_t taken = 0;
   for (std::size_t k = 0; k < run.named.stamps.size(); ++k) {
-    const std::size_t before = taken;
+    if (taken > 0) {
+      smoother.predict(run.named.stamps[k], run.known_frames[k], errors[k].change);
+      ++taken;
+    }
     for (const ObservedObject& seen : run.observed[k]) {
       if (seen.object != object) continue;
       Observation observation = seen.observation;
       observation.stamp_s = run.named.stamps[k];
-      const PoseDensity& body = frames[k].camera;
-      const SE3d camera = body.mean() * seen.source.body_camera;
-      smoother.update(observation,
-                      run.camera_lasts[k]
-                          ? exact_camera(camera)
-                          : camera_on_arm(PoseDensity::trusted(camera, body.covariance())),
-                      run.known_frames[k]);
-      ++taken;
-    }
-    if (taken == before && taken > 0) {
-      smoother.predict(run.named.stamps[k], run.known_frames[k]);
+      const KnownFrame camera{frames[k].camera.mean() * seen.source.body_camera,
+                              errors[k].of_image};
+      smoother.update(observation, {.frame = camera}, run.known_frames[k]);
       ++taken;
     }
     steps.push_back(taken);
@@ -93,6 +90,28 @@ MovingObjectEstimate with_camera_error(MovingObjectEstimate estimate, const Matr
   return estimate;
 }
 
+/// The error of a pose that is given is drawn anew for every image, but smoothed poses share that
+/// of the map. Any other lasts, and changes with the motion.
+std::vector<CameraError> camera_errors(const std::vector<FrameEstimate>& frames,
+                                       const std::vector<Matrix6d>& lags,
+                                       const std::vector<bool>& lasts) {
+  std::vector<CameraError> errors(frames.size());
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    const Matrix6d& now = frames[k].camera.covariance();
+    errors[k].lasting = now;
+    if (k == 0) continue;
+    const Matrix6d common = 0.5 * (lags[k] + lags[k].transpose());
+    if (lasts[k]) {
+      errors[k].change = semidefinite(frames[k - 1].camera.covariance() + now - 2.0 * common);
+    } else {
+      errors[k].of_image = semidefinite(now - common);
+      errors[k].lasting = semidefinite(now - errors[k].of_image);
+    }
+  }
+  if (frames.size() > 1 && !lasts[0]) errors[0] = errors[1];
+  return errors;
+}
+
 /// A smoothed recording, as it is put together.
 class MovingSmoothing {
  public:
@@ -104,12 +123,15 @@ class MovingSmoothing {
   StaticPart find_places() {
     for (const ObjectModel& model : models_)
       if (put_down_of(model.motion)) require_one_detector(model);
+    errors_.assign(run_.frames.size(), {});
     follow(run_.frames,
            [](const ObjectModel& model) { return put_down_of(model.motion).has_value(); });
     return static_part(run_.named, models_, tracks_);
   }
 
-  SlamRun put_together(const StaticPart& part, SlamRun fixed) {
+  SlamRun put_together(const StaticPart& part, const JointSmoothing& joint) {
+    const SlamRun& fixed = joint.run;
+    errors_ = camera_errors(fixed.frames, joint.camera_lags, run_.camera_lasts);
     follow(fixed.frames, [](const ObjectModel& model) { return has_own_track(model.motion); });
     SlamRun all{{}, fixed.posterior, {}};
     for (std::size_t k = 0; k < run_.frames.size(); ++k)
@@ -117,8 +139,7 @@ class MovingSmoothing {
     all.pose_indices = all.frames.back().pose_indices;
     for (std::size_t j = 0; j < models_.size(); ++j) {
       const auto at = part.object_at[j].back();
-      all.hypotheses.push_back(at ? fixed.hypotheses[*at]
-                                  : last_hypotheses(j, fixed.frames.back().camera));
+      all.hypotheses.push_back(at ? fixed.hypotheses[*at] : last_hypotheses(j));
     }
     return all;
   }
@@ -127,7 +148,8 @@ class MovingSmoothing {
   template <class Kind>
   void follow(const std::vector<FrameEstimate>& frames, const Kind& kind) {
     for (std::size_t j = 0; j < models_.size(); ++j)
-      if (kind(models_[j])) tracks_[j] = smoothed_track(run_, j, models_[j], settings_, frames);
+      if (kind(models_[j]))
+        tracks_[j] = smoothed_track(run_, j, models_[j], settings_, frames, errors_);
   }
 
   FrameEstimate frame(std::size_t k, const StaticPart& part, const FrameEstimate& fixed) const {
@@ -152,21 +174,10 @@ class MovingSmoothing {
         frame.mode_probabilities[j] = fixed.mode_probabilities[*at];
         if (!frame.alternatives.empty()) frame.alternatives[j] = fixed.alternatives[*at];
       } else if (has_own_track(models_[j].motion) && tracks_[j][k]) {
-        report_moving(j, *tracks_[j][k], camera_error(frame.camera, k), frame);
+        report_moving(j, *tracks_[j][k], errors_[k], frame);
       }
     }
     return frame;
-  }
-
-  /// Of the error of the camera what is in the pose of an object in the world, and what is in that
-  /// from the camera: it is in one of them.
-  struct CameraError {
-    Matrix6d world = Matrix6d::Zero();
-    Matrix6d relative = Matrix6d::Zero();
-  };
-  CameraError camera_error(const PoseDensity& camera, std::size_t k) const {
-    return run_.camera_lasts[k] ? CameraError{.world = camera.covariance()}
-                                : CameraError{.relative = camera.covariance()};
   }
 
   static void report_moving(std::size_t object, const MovingObjectEstimate& estimate,
@@ -176,22 +187,22 @@ class MovingSmoothing {
     const SE3d to_camera = frame.camera.mean().inverse();
     frame.relative[object] = PoseDensity::trusted(
         to_camera * seen.mean(),
-        to_camera.adjoint_congruence(Matrix6d(seen.covariance() + error.relative)));
-    posemix::report_moving(object, with_camera_error(estimate, error.world),
+        to_camera.adjoint_congruence(Matrix6d(seen.covariance() + error.of_image)));
+    posemix::report_moving(object, with_camera_error(estimate, error.lasting),
                            !frame.alternatives.empty(), frame);
   }
 
-  std::vector<ObjectHypothesis> last_hypotheses(std::size_t object,
-                                                const PoseDensity& camera) const {
+  std::vector<ObjectHypothesis> last_hypotheses(std::size_t object) const {
     const SmoothedTrack& track = tracks_[object];
     if (track.empty() || !track.back()) return {};
-    const Matrix6d error = camera_error(camera, track.size() - 1).world;
+    const Matrix6d& error = errors_.back().lasting;
     return hypotheses_of(with_camera_error(*track.back(), error), error);
   }
 
   const std::vector<ObjectModel>& models_;
   MovingObjectSettings settings_;
   FilteredRun run_;
+  std::vector<CameraError> errors_;
   std::vector<SmoothedTrack> tracks_;  ///< of objects that move
 };
 
@@ -211,7 +222,7 @@ SlamRun smooth_after_filter(const Sequence& sequence, const PoseDensity& camera_
                          filtered_run(sequence, camera_prior, models, recorded, options));
   const StaticPart part = moving.find_places();
   return moving.put_together(
-      part, run_smoothed(part.sequence, camera_prior, part.models, recorded, smoothing,
+      part, smooth_joint(part.sequence, camera_prior, part.models, recorded, smoothing,
                          {.record_hypotheses = recorded.record_hypotheses, .progress = {}}));
 }
 

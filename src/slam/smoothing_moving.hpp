@@ -37,12 +37,32 @@ FilteredRun filtered_run(const Sequence& sequence, const PoseDensity& camera_pri
                          const std::vector<ObjectModel>& models, const ObjectSlamSettings& settings,
                          const RunOptions& options);
 
-/// One object at every frame given all of them, before the cameras of `frames`; none before its
-/// first observation. An error of the camera that lasts is not part of the estimates.
+/// The error of the camera's pose at a frame in two parts, and how the first changes.
+struct CameraError {
+  Matrix6d lasting = Matrix6d::Zero();   ///< that of the frames before and after, too
+  Matrix6d of_image = Matrix6d::Zero();  ///< of this image alone
+  Matrix6d change = Matrix6d::Zero();    ///< of the lasting part since the frame before
+};
+
+/// A smoothed joint density of camera and static objects.
+struct JointSmoothing {
+  SlamRun run;
+  std::vector<Matrix6d> camera_lags;  ///< FixedLagSmoother::camera_lags
+};
+
+/// run_smoothed for objects that are static and detected by their names.
+JointSmoothing smooth_joint(const Sequence& sequence, const PoseDensity& camera_prior,
+                            const std::vector<ObjectModel>& models,
+                            const ObjectSlamSettings& settings, const SmoothingSettings& smoothing,
+                            const RunOptions& options);
+
+/// One object at every frame given all of them, before cameras with these errors; none before its
+/// first observation. The part of the errors that lasts is not in the estimates.
 using SmoothedTrack = std::vector<std::optional<MovingObjectEstimate>>;
 SmoothedTrack smoothed_track(const FilteredRun& run, std::size_t object, const ObjectModel& model,
                              const MovingObjectSettings& settings,
-                             const std::vector<FrameEstimate>& frames);
+                             const std::vector<FrameEstimate>& frames,
+                             const std::vector<CameraError>& errors);
 
 /// The part of a recording that stands still: static objects, and objects that are put down
 /// elsewhere as one static object for every place.

@@ -38,8 +38,8 @@ SmoothingWindow::SmoothingWindow(const MultiObjectFilter& before, const MultiObj
   }
 }
 
-std::vector<JointState> SmoothingWindow::smooth(std::span<const SmootherFrame* const> frames,
-                                                std::size_t passes) const {
+SmoothedModes SmoothingWindow::smooth(std::span<const SmootherFrame* const> frames,
+                                      std::size_t passes) const {
   // A mode that the filter did not have before the window stands where it is now: in the first
   // pass, which has nothing else to tell right detections from wrong ones, with its covariance of
   // now, then as good as unknown.
@@ -47,7 +47,7 @@ std::vector<JointState> SmoothingWindow::smooth(std::span<const SmootherFrame* c
   ModeSmoother smoother(model_, frames);
   smoother.pass(start(known, false));
   for (std::size_t pass = 1; pass < passes; ++pass) smoother.refine(start(known, true));
-  return smoother.smoothed();
+  return {smoother.smoothed(), smoother.camera_lags()};
 }
 
 Hypothesis SmoothingWindow::reported(const JointState& joint) const {

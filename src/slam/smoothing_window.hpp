@@ -18,6 +18,14 @@ using Modes = std::vector<std::optional<std::size_t>>;
 
 Modes leading_modes(const MultiObjectFilter& filter);
 
+/// A window as it is smoothed on one mode of every object.
+struct SmoothedModes {
+  /// Camera, its motion under constant velocity, then the objects that have a mode, and their slow
+  /// errors.
+  std::vector<JointState> states;
+  std::vector<Matrix6d> camera_lags;  ///< ModeSmoother::camera_lags
+};
+
 /// The window on one mode of every object: `before` is the filter before its first frame, `now`
 /// after its last; `modes` are hypotheses of now. All that was learned of the noise is of now.
 class SmoothingWindow {
@@ -25,10 +33,7 @@ class SmoothingWindow {
   SmoothingWindow(const MultiObjectFilter& before, const MultiObjectFilter& now,
                   const MotionSettings& motion, const Modes& modes);
 
-  /// Camera, its motion under constant velocity, then the objects that have a mode, and their slow
-  /// errors.
-  std::vector<JointState> smooth(std::span<const SmootherFrame* const> frames,
-                                 std::size_t passes) const;
+  SmoothedModes smooth(std::span<const SmootherFrame* const> frames, std::size_t passes) const;
 
   /// The density of the poses as it is reported, see MultiObjectFilter::unseen_covariance.
   Hypothesis reported(const JointState& joint) const;

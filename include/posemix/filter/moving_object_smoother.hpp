@@ -33,9 +33,12 @@ class MovingObjectSmoother {
   MovingObjectReport update(const Observation& observation, const KnownCamera& camera,
                             const std::vector<KnownFrame>& frames = {});
 
-  /// As MovingObjectFilter::predict: a step without an observation.
-  /// @throws InvalidInput as there
-  void predict(double time_s, const std::vector<KnownFrame>& frames = {});
+  /// As MovingObjectFilter::predict: a step without an observation. `change` is the covariance by
+  /// which the error of the camera's pose has changed since the last step (perturbation on the
+  /// left, world frame).
+  /// @throws InvalidInput as there, and for a covariance that is not positive semidefinite
+  void predict(double time_s, const std::vector<KnownFrame>& frames = {},
+               const Matrix6d& change = Matrix6d::Zero());
 
   /// The object at the times of the steps that are kept, the oldest first, given all observations
   /// so far. The last one is the filter's.

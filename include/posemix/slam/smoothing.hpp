@@ -57,6 +57,10 @@ class FixedLagSmoother {
   const ObjectSlam& slam() const { return slam_; }
   /// Camera, its motion under constant velocity, and objects, at the last frame that was reported.
   const std::optional<Hypothesis>& joint() const { return joint_; }
+  /// Of the frames of the window that was smoothed last, the covariance of the error of the
+  /// camera's pose with that at the frame before (perturbations on the left, world frame); zero at
+  /// the first.
+  const std::vector<Matrix6d>& camera_lags() const { return camera_lags_; }
 
  private:
   struct Frame {
@@ -80,6 +84,7 @@ class FixedLagSmoother {
   MultiObjectFilter before_;  ///< before the first frame of the window
   std::deque<Frame> window_;
   std::optional<Hypothesis> joint_;
+  std::vector<Matrix6d> camera_lags_;
 };
 
 /// `run` with smoothed estimates. Objects are reported from the frame on in which they were first

@@ -24,9 +24,13 @@ MovingObjectReport MovingObjectSmoother::update(const Observation& observation,
   return report;
 }
 
-void MovingObjectSmoother::predict(double time_s, const std::vector<KnownFrame>& frames) {
-  filter_.predict(time_s, frames);
-  filter_.state_->trace_prediction();
+void MovingObjectSmoother::predict(double time_s, const std::vector<KnownFrame>& frames,
+                                   const Matrix6d& change) {
+  MovingObjectFilter predicted(filter_);
+  predicted.predict(time_s, frames);
+  predicted.move_world(SE3d(), change, predicted.state_->constant_covariance());
+  predicted.state_->trace_prediction(change);
+  filter_ = std::move(predicted);
   keep_record();
 }
 

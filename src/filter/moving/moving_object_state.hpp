@@ -62,6 +62,7 @@ struct StepTrace {
   std::vector<std::pair<std::uint64_t, double>> correlation = {};
   Vector6d slow_factor = Vector6d::Ones();  ///< of the scale of the slow error, learned
   KnownFrame camera = {};
+  Matrix6d change = Matrix6d::Zero();  ///< of the error of the camera's pose, a covariance
 };
 
 /// The hypotheses and the case that the place is not known.
@@ -110,7 +111,7 @@ class MovingObjectState {
   /// From now on updates leave a trace.
   void trace() { trace_.emplace(); }
   /// The trace of a step without an observation.
-  void trace_prediction();
+  void trace_prediction(const Matrix6d& change);
   /// The posterior, with the trace of the last update.
   StepRecord record() const;
   /// The posterior becomes that of a record, with the hypotheses and weights of `belief`.
