@@ -26,6 +26,10 @@ const MultiObjectFilter& smoothed_filter(const ObjectSlam& slam) {
   return *filter;
 }
 
+void require_declared_objects(const MultiObjectSlamSettings& settings) {
+  require(!settings.on_sight, "smoothing: objects begin on sight, expected models of all objects");
+}
+
 /// Which instance a detection is of would have to be smoothed too.
 void require_no_candidates(bool has_none) {
   require(has_none,
@@ -45,8 +49,7 @@ FixedLagSmoother::FixedLagSmoother(const PoseDensity& camera, std::vector<Object
       before_(smoothed_filter(slam_)) {
   require_static(slam_.objects(), "smoothing by a fixed lag");
   require(smoothing.passes > 0, "smoothing: passes is 0, expected at least 1");
-  require(!std::get<MultiObjectSlamSettings>(settings.tracker).on_sight,
-          "smoothing: objects begin on sight, expected models of all objects");
+  require_declared_objects(std::get<MultiObjectSlamSettings>(settings.tracker));
   require(camera.covariance().topLeftCorner<3, 3>().trace() < 2.99 * kUniformRotationVariance,
           "smoothing: nothing is known of the camera's rotation at the first frame, expected a "
           "covariance below that of a uniform rotation (not camera.start.pose = \"unknown\")");
@@ -160,6 +163,9 @@ SlamRun run_smoothed(const Sequence& sequence, const PoseDensity& camera_prior,
                                  [](const auto& model) { return !is_static(model.motion); });
   const bool has_classes = internal::has_detections_of_classes(sequence);
   if ((moves || has_classes) && smoothing.lag_frames == 0) {
+    const auto* tracker = std::get_if<MultiObjectSlamSettings>(&settings.tracker);
+    require(tracker != nullptr, "only the multi-object filter is smoothed");
+    require_declared_objects(*tracker);
     return internal::smooth_after_filter(sequence, camera_prior, models, settings, smoothing,
                                          options);
   }

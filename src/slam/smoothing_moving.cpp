@@ -214,11 +214,10 @@ SlamRun smooth_after_filter(const Sequence& sequence, const PoseDensity& camera_
                             const std::vector<ObjectModel>& models,
                             const ObjectSlamSettings& settings, const SmoothingSettings& smoothing,
                             const RunOptions& options) {
-  const auto* tracker = std::get_if<MultiObjectSlamSettings>(&settings.tracker);
-  require(tracker != nullptr, "only the multi-object filter is smoothed");
+  const auto& tracker = std::get<MultiObjectSlamSettings>(settings.tracker);
   ObjectSlamSettings recorded = settings;
   recorded.record_hypotheses |= options.record_hypotheses;
-  MovingSmoothing moving(models, tracker->moving,
+  MovingSmoothing moving(models, tracker.moving,
                          filtered_run(sequence, camera_prior, models, recorded, options));
   const StaticPart part = moving.find_places();
   return moving.put_together(

@@ -34,8 +34,9 @@ constexpr std::size_t kCup = 3;
 
 /// A camera circles a box and a mug, a hand that moves, and a cup that is put down elsewhere.
 struct Recorded {
-  explicit Recorded(std::uint64_t seed) {
+  explicit Recorded(std::uint64_t seed, double odometry_sd_m = 1e-3) {
     MovingOrbit scene(seed);
+    scene.q = isotropic(0.05, odometry_sd_m);
     models = testing::static_models();
     models.push_back(hand());
     models.push_back({.id = "cup", .noise = hand().noise, .motion = moving_by(PutDownMotion{})});
@@ -164,6 +165,25 @@ TEST(SmoothingMoving, AGivenCameraIsSmoothedToo) {
   }
 }
 
+TEST(SmoothingMoving, WhatIsSeenFromACameraOfPoorOdometryIsAsStated) {
+  Sums smoothed;
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    Recorded recorded(seed, 5e-3);
+    // A hand alone: nothing but the odometry tells how the camera moves.
+    std::swap(recorded.models[0], recorded.models[kHand]);
+    std::swap(recorded.sequence.objects[0], recorded.sequence.objects[kHand]);
+    recorded.models.resize(1, recorded.models[0]);
+    recorded.sequence.objects.resize(1, recorded.sequence.objects[0]);
+    const SlamRun run = recorded.smoothed();
+    for (std::size_t k = 0; k < kLength; ++k) {
+      const SE3d truth = recorded.cameras[k].inverse() * recorded.truth[k][0];
+      smoothed.relative[0] += nees_of(truth, *run.frames[k].relative[0]) / 6.0;
+      smoothed.count[0] += 1.0;
+    }
+  }
+  EXPECT_NEAR(smoothed.relative[0] / smoothed.count[0], 1.0, 0.25);
+}
+
 TEST(SmoothingMoving, AnObjectIsAtItsPlacesAndTheJointPosteriorHoldsTheLast) {
   const Recorded recorded(3);
   const SlamRun run = recorded.smoothed({.record_hypotheses = true, .progress = {}});
@@ -239,6 +259,32 @@ TEST(SmoothingMoving, DetectionsOfAClassAreSmoothedAsTheFilterAssignsThem) {
   for (std::size_t j = kHand; j <= kCup; ++j)
     EXPECT_LT(testing::distance(a.frames[40].objects[j]->mean(), b.frames[40].objects[j]->mean()),
               0.02);
+}
+
+TEST(SmoothingMoving, NoObjectIsForgottenBecauseOfHowItBegan) {
+  Recorded recorded(9);
+  recorded.sequence.observations.resize(kLength);
+  for (std::size_t k = 0; k < kLength; ++k) {
+    for (std::size_t j = 0; j < 2; ++j) {
+      Observation seen = observation_of(*recorded.sequence.objects[j].detections[k]);
+      (j == 0 ? seen.object : seen.class_id) = recorded.models[j].id;
+      // Twice in the first image, as by two cameras.
+      recorded.sequence.observations[k].resize(
+          recorded.sequence.observations[k].size() + (j == 0 && k == 0 ? 2 : 1), seen);
+    }
+  }
+  EXPECT_TRUE(recorded.smoothed().frames.front().objects[0]);
+  recorded.models[0].prior = ObjectPrior{PoseDensity(SE3d(), isotropic(30.0, 1.0)), 0.95};
+  const SlamRun run = recorded.smoothed();
+  EXPECT_LT(run.frames.front().objects[0]->covariance()(3, 3), 1e-3);
+  EXPECT_TRUE(run.frames.back().objects[1]);
+
+  MultiObjectSlamSettings settings = plain_slam();
+  settings.on_sight = ObjectModel{.id = "any", .noise = ray_noise()};
+  recorded.settings.tracker = settings;
+  recorded.sequence.observations[20][0].object = "later";
+  EXPECT_NE(thrown_message([&] { recorded.smoothed(); }).find("objects begin on sight"),
+            std::string::npos);
 }
 
 TEST(SmoothingMoving, ARunThatIsStoppedHasTheFramesSoFar) {
