@@ -1,0 +1,431 @@
+# SPDX-License-Identifier: MIT
+# SPDX-FileCopyrightText: posemix contributors
+"""The lifecycle node, over the user's own rclpy."""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from importlib import import_module
+from typing import Any
+
+from rclpy.clock import JumpThreshold
+from rclpy.duration import Duration
+from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
+from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
+from rclpy.parameter import Parameter as RosParameter
+from rclpy.qos import (
+    DurabilityPolicy,
+    QoSPolicyKind,
+    QoSProfile,
+    ReliabilityPolicy,
+    qos_policy_name_from_kind,
+)
+from rclpy.qos_overriding_options import QoSOverridingOptions
+
+from posemix.ros.configuration import (
+    Source,
+    class_parameters,
+    configuration,
+    source_parameters,
+)
+from posemix.ros.engine import Engine, LiveEstimate
+from posemix.ros.markers import markers
+from posemix.ros.messages import images_of, symmetries_of
+from posemix.ros.outputs import Outputs
+from posemix.ros.parameters import Parameter, parameters
+
+__all__ = ["PosemixNode"]
+
+_TYPES = {
+    "builtin_interfaces": ("Time",),
+    "std_msgs": ("Header", "ColorRGBA"),
+    "geometry_msgs": (
+        "Point", "Pose", "PoseWithCovariance", "Quaternion", "Transform", "TransformStamped", "Vector3",
+    ),
+    "vision_msgs": (
+        "BoundingBox3D", "Detection2DArray", "Detection3D", "Detection3DArray", "ObjectHypothesis",
+        "ObjectHypothesisWithPose",
+    ),
+    "tf2_msgs": ("TFMessage",),
+    "nav_msgs": ("Odometry",),
+    "diagnostic_msgs": ("DiagnosticArray", "DiagnosticStatus", "KeyValue"),
+    "visualization_msgs": ("Marker", "MarkerArray"),
+}  # fmt: skip
+_POLICIES = (QoSPolicyKind.HISTORY, QoSPolicyKind.DEPTH, QoSPolicyKind.RELIABILITY, QoSPolicyKind.DURABILITY)
+# Received by all that subscribe later, too.
+_LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+_STATIC = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+_QUIET_S = 5.0
+
+
+def _message_types() -> dict[str, Any]:
+    found = {}
+    for package, names in _TYPES.items():
+        module = import_module(f"{package}.msg")
+        found |= {f"{package}/msg/{name}": getattr(module, name) for name in names}
+    status = found["diagnostic_msgs/msg/DiagnosticStatus"]
+    # The field is a byte, which is no integer in Python's messages.
+    found["diagnostic_msgs/msg/DiagnosticStatus"] = lambda level, **fields: status(
+        level=bytes([level]), **fields
+    )
+    return found
+
+
+class PosemixNode(LifecycleNode):  # type: ignore[misc]
+    """Takes detections and odometry, publishes objects. Parameters are read at `configure`.
+
+    Parameters
+    ----------
+    name : str
+        Name of the node.
+    **options
+        As for rclpy's Node, such as `parameter_overrides`.
+    """
+
+    def __init__(self, name: str = "posemix", **options: Any) -> None:
+        super().__init__(name, **options)
+        self._types = _message_types()
+        self._declared: list[Parameter] = []
+        self._declare(parameters())
+        values = self._values()
+        self._declare([*source_parameters(values), *class_parameters(values)])
+        self._warn_of_unknown()
+        self._engine: Engine | None = None
+        self._entities: list[Any] = []
+        self._problems: dict[str, float] = {}
+        self._latencies: deque[float] = deque(maxlen=1000)
+        self._last: LiveEstimate | None = None
+        self._next_markers_s = 0.0
+        self._bad = 0
+        self.add_on_set_parameters_callback(self._refuse_changes)
+
+    # --- parameters
+
+    def _declare(self, found: list[Parameter]) -> None:
+        rcl = import_module("rcl_interfaces.msg")
+        for parameter in found:
+            text = parameter.text
+            words = ", ".join(f"'{word}'" for word in parameter.choices)
+            descriptor = rcl.ParameterDescriptor(
+                description=text, additional_constraints=f"One of {words}" if words else ""
+            )
+            value = parameter.default
+            # A number that is written without a point is one, too.
+            given = self._parameter_overrides.get(parameter.name)
+            is_integer = given is not None and given.type_ == RosParameter.Type.INTEGER
+            if isinstance(value, float) and is_integer:
+                self.declare_parameter(parameter.name, float(given.value), descriptor, ignore_override=True)
+            else:
+                self.declare_parameter(parameter.name, value, descriptor)
+        self._declared += found
+
+    def _values(self) -> dict[str, Any]:
+        found = {}
+        for parameter in self._declared:
+            value = self.get_parameter(parameter.name).value
+            found[parameter.name] = list(value) if isinstance(parameter.default, list) else value
+        return found
+
+    def _warn_of_unknown(self) -> None:
+        for name in self._parameter_overrides:
+            if not self.has_parameter(name) and not name.startswith("qos_overrides."):
+                self.get_logger().warning(f"there is no parameter '{name}'; it is ignored")
+
+    def _refuse_changes(self, changed: list[Any]) -> Any:
+        rcl = import_module("rcl_interfaces.msg")
+        mine = {parameter.name for parameter in self._declared}
+        names = [p.name for p in changed if p.name in mine]
+        if names and self._engine is not None:
+            reason = f"{names[0]} is read when the node is configured: clean it up, set it and configure it again"
+            return rcl.SetParametersResult(successful=False, reason=reason)
+        return rcl.SetParametersResult(successful=True)
+
+    # --- lifecycle
+
+    def on_configure(self, state: LifecycleState) -> Any:
+        """Reads the parameters; fails, with the reason in the log, where they are not valid."""
+        try:
+            found = configuration(self._values())
+            if found["symmetries_topic"]:
+                _symmetries_type()
+            self._engine = Engine(found)
+        except (ValueError, OSError, ImportError) as error:
+            self.get_logger().error(f"cannot be configured: {error}")
+            return TransitionCallbackReturn.FAILURE
+        self._configuration = found
+        self._make = Outputs(self._types, found.values)
+        self._objects = self._publisher("vision_msgs/msg/Detection3DArray", "~/objects", _LATCHED)
+        self._markers = self._publisher("visualization_msgs/msg/MarkerArray", "~/markers", _LATCHED)
+        self._diagnostics = self._publisher("diagnostic_msgs/msg/DiagnosticArray", "/diagnostics", QoSProfile(depth=10))
+        self._tf = self._publisher("tf2_msgs/msg/TFMessage", "/tf", QoSProfile(depth=100))
+        trigger = import_module("std_srvs.srv").Trigger
+        self._own_services = [self.create_service(trigger, "~/reset", self._reset)]
+        return TransitionCallbackReturn.SUCCESS
+
+    def on_activate(self, state: LifecycleState) -> Any:
+        """Begins to listen."""
+        of = self._configuration
+        sensor = QoSProfile(depth=of["input_depth"], reliability=ReliabilityPolicy.BEST_EFFORT)
+        for source in of.sources:
+            kind = f"vision_msgs/msg/{source.type}"
+            self._listen(kind, source.topic, sensor, lambda message, s=source: self._take_detections(s, message))
+        self._listen("tf2_msgs/msg/TFMessage", "/tf", QoSProfile(depth=100), self._take_transforms)
+        self._listen("tf2_msgs/msg/TFMessage", "/tf_static", _STATIC, self._take_static)
+        if of["odometry_topic"]:
+            self._listen("nav_msgs/msg/Odometry", of["odometry_topic"], sensor, self._take_odometry)
+        if of["symmetries_topic"]:
+            self._listen(_symmetries_type(), of["symmetries_topic"], _LATCHED, self._take_symmetries)
+        self._own_timers = [
+            self.create_timer(1.0 / of["diagnostics_hz"], self._diagnose),
+            self.create_timer(0.5 * of["transform_timeout_s"], self._work),
+        ]
+        threshold = JumpThreshold(
+            min_forward=None, min_backward=Duration(nanoseconds=-1), on_clock_change=True
+        )
+        self._jumps = self.get_clock().create_jump_callback(threshold, post_callback=self._after_jump)
+        return super().on_activate(state)
+
+    def on_deactivate(self, state: LifecycleState) -> Any:
+        """Listens no more; what is known is kept."""
+        self._be_deaf()
+        return super().on_deactivate(state)
+
+    def on_cleanup(self, state: LifecycleState) -> Any:
+        """Forgets everything, the parameters too."""
+        self._clear()
+        return TransitionCallbackReturn.SUCCESS
+
+    def on_shutdown(self, state: LifecycleState) -> Any:
+        """Lets go of everything."""
+        self._be_deaf()
+        self._clear()
+        return TransitionCallbackReturn.SUCCESS
+
+    def _be_deaf(self) -> None:
+        for subscription in self._entities:
+            self.destroy_subscription(subscription)
+        self._entities = []
+        for timer in getattr(self, "_own_timers", []):
+            self.destroy_timer(timer)
+        self._own_timers = []
+        if getattr(self, "_jumps", None) is not None:
+            self._jumps.unregister()
+            self._jumps = None
+
+    def _clear(self) -> None:
+        if self._engine is None:
+            return
+        for publisher in (self._objects, self._markers, self._diagnostics, self._tf):
+            self.destroy_lifecycle_publisher(publisher)
+        for service in self._own_services:
+            self.destroy_service(service)
+        self._engine = self._last = None
+        self._problems.clear()
+        self._latencies.clear()
+
+    def _publisher(self, kind: str, topic: str, profile: QoSProfile) -> Any:
+        return self.create_lifecycle_publisher(
+            self._types[kind], topic, _copy(profile),
+            event_callbacks=PublisherEventCallbacks(
+                incompatible_qos=lambda e: self._incompatible(topic, "subscription", e)
+            ),
+            qos_overriding_options=QoSOverridingOptions(_POLICIES),
+        )  # fmt: skip
+
+    def _listen(self, kind: Any, topic: str, profile: QoSProfile, callback: Any) -> None:
+        self._entities.append(
+            self.create_subscription(
+                self._types[kind] if isinstance(kind, str) else kind, topic, callback, _copy(profile),
+                event_callbacks=SubscriptionEventCallbacks(
+                    incompatible_qos=lambda e: self._incompatible(topic, "publisher", e)
+                ),
+                qos_overriding_options=QoSOverridingOptions(_POLICIES),
+            )
+        )  # fmt: skip
+
+    def _incompatible(self, topic: str, other: str, event: Any) -> None:
+        policy = qos_policy_name_from_kind(event.last_policy_kind)
+        self._complain(
+            f"a {other} of {topic} has another {policy}, so that nothing passes; the parameters "
+            f"qos_overrides.{self.resolve_topic_name(topic)}.* set ours",
+            lasting=True,
+        )
+
+    # --- input
+
+    def _take_detections(self, source: Source, message: Any) -> None:
+        engine = self._engine
+        if engine is None:
+            return
+        try:
+            found = images_of(
+                message, source=source.name, arrival_s=time.monotonic(), now_ns=self.get_clock().now().nanoseconds,
+                pose=source.pose, frame=source.frame, least_score=source.least_score,
+            )  # fmt: skip
+        except ValueError as error:
+            engine.counts.refused += 1
+            self._bad += 1
+            self._complain(str(error))
+            return
+        for image in found:
+            engine.add(image)
+        self._work()
+
+    def _take_transforms(self, message: Any, *, is_static: bool = False) -> None:
+        engine = self._engine
+        if engine is None:
+            return
+        world, child = self._configuration["world_frame"], self._world_child()
+        for item in message.transforms:
+            parent, name = item.header.frame_id.lstrip("/"), item.child_frame_id.lstrip("/")
+            if parent == world and (name == child or self._is_object(name)):
+                continue  # our own
+            stamp = None if is_static else _nanoseconds(item.header.stamp)
+            t, q = item.transform.translation, item.transform.rotation
+            engine.transforms.take(parent, name, (t.x, t.y, t.z, q.x, q.y, q.z, q.w), stamp)
+        if engine.waiting:
+            self._work()
+
+    def _take_static(self, message: Any) -> None:
+        self._take_transforms(message, is_static=True)
+
+    def _is_object(self, frame: str) -> bool:
+        prefix = self._configuration["tf_prefix"]
+        return self._last is not None and frame.startswith(prefix) and frame[len(prefix) :] in self._last.classes
+
+    def _take_odometry(self, message: Any) -> None:
+        engine = self._engine
+        if engine is None:
+            return
+        p, q = message.pose.pose.position, message.pose.pose.orientation
+        try:
+            engine.add_odometry(
+                message.header.frame_id.lstrip("/"), message.child_frame_id.lstrip("/"),
+                (p.x, p.y, p.z, q.x, q.y, q.z, q.w), _nanoseconds(message.header.stamp),
+            )  # fmt: skip
+        except ValueError as error:
+            self._complain(str(error))
+        if engine.waiting:
+            self._work()
+
+    def _take_symmetries(self, message: Any) -> None:
+        if self._engine is None:
+            return
+        try:
+            found = self._engine.set_symmetries(symmetries_of(message))
+        except ValueError as error:
+            self._complain(str(error))
+            return
+        if found is not None:
+            self.get_logger().info("symmetries came after detections: those that are kept were taken in again")
+            self._publish(found, is_new=False)
+
+    def _after_jump(self, jump: Any) -> None:
+        if self._engine is not None:
+            self._engine.reset()
+            self._last = None
+            self._complain("the clock has jumped back: all is forgotten")
+
+    def _reset(self, request: Any, response: Any) -> Any:
+        if self._engine is not None:
+            self._engine.reset()
+            self._last = None
+        response.success, response.message = True, "all objects are forgotten"
+        return response
+
+    # --- output
+
+    def _work(self) -> None:
+        engine = self._engine
+        if engine is None:
+            return
+        resets = engine.counts.resets
+        for estimate in engine.ready(time.monotonic()):
+            self._publish(estimate)
+        if engine.counts.resets > resets:
+            self._complain("stamps have jumped back: all before is forgotten")
+        bad = engine.counts.dropped + engine.counts.refused + engine.counts.without_odometry
+        if bad > self._bad:
+            self._complain(engine.complaint)
+        self._bad = bad
+
+    def _publish(self, estimate: LiveEstimate, *, is_new: bool = True) -> None:
+        self._objects.publish(self._make.objects(estimate))
+        if is_new:
+            self._latencies.append(time.monotonic() - estimate.arrival_s)
+        transforms = self._make.transforms(estimate, world_child=self._world_child())
+        if transforms.transforms:
+            self._tf.publish(transforms)
+        self._last = estimate
+        rate, now = self._configuration["markers_hz"], time.monotonic()
+        if rate > 0 and now >= self._next_markers_s and self._markers.get_subscription_count() > 0:
+            self._next_markers_s = now + 1.0 / rate
+            of = self._configuration
+            self._markers.publish(markers(estimate, self._make, of["markers_sigmas"], of["world_frame"]))
+
+    def _world_child(self) -> str:
+        """The frame that is the world's child by this node; "" where there is none."""
+        of = self._configuration
+        assert self._engine is not None
+        if not of["publish_world_tf"]:
+            return ""
+        child = str(of["odom_frame"]) if of.has_odometry else self._engine.body
+        if child == of["world_frame"] or not child:
+            return ""
+        parent = self._engine.transforms.parent(child)
+        if parent is not None and parent != of["world_frame"]:
+            self._complain(
+                f"'{child}' is below '{parent}' in /tf, so that it is not put below '{of['world_frame']}' "
+                "(publish_world_tf)"
+            )
+            return ""
+        return child
+
+    def _complain(self, why: str, *, lasting: bool = False) -> None:
+        """Puts a problem into the log, not too often, and into the next diagnostics, or into all that follow."""
+        now = time.monotonic()
+        if now - self._problems.get(why, -_QUIET_S) >= _QUIET_S:
+            self.get_logger().warning(why)
+        self._problems[why] = float("inf") if lasting else now
+
+    def _diagnose(self) -> None:
+        engine = self._engine
+        if engine is None:
+            return
+        now = time.monotonic()
+        while_s = 2.0 / self._configuration["diagnostics_hz"]
+        recent = [why for why, when in self._problems.items() if now - when <= while_s]
+        self._problems = {why: when for why, when in self._problems.items() if now - when < 60.0}
+        values = {"waiting": str(engine.waiting), "sources": str(len(self._configuration.sources))}
+        if self._latencies:
+            ordered = sorted(self._latencies)
+            values["latency_median_ms"] = f"{1e3 * ordered[len(ordered) // 2]:.3f}"
+            values["latency_99_ms"] = f"{1e3 * ordered[int(0.99 * (len(ordered) - 1))]:.3f}"
+        name = self.get_name()
+        statuses = [self._make.node_status(name, engine.counts, recent, values)]
+        if self._last is not None:
+            statuses += self._make.object_statuses(self._last, name)
+        stamp = self.get_clock().now().nanoseconds
+        self._diagnostics.publish(self._make.diagnostics(stamp, statuses))
+
+    @property
+    def latencies_s(self) -> list[float]:
+        """Times between the arrival of the last images and their objects [s]."""
+        return list(self._latencies)
+
+
+def _symmetries_type() -> Any:
+    try:
+        return import_module("happypose_msgs.msg").ObjectSymmetriesArray
+    except ImportError:
+        raise ImportError("symmetries_topic needs the package happypose_msgs in the ROS workspace") from None
+
+
+def _nanoseconds(stamp: Any) -> int:
+    return int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec)
+
+
+def _copy(profile: QoSProfile) -> QoSProfile:
+    """A profile that overrides may change."""
+    return QoSProfile(depth=profile.depth, reliability=profile.reliability, durability=profile.durability)
