@@ -101,7 +101,9 @@ def components_of(
     if pose == "bbox":
         return [ObservationComponent(from_pose(detection.bbox.center))]
     numbers = [i for i, r in enumerate(detection.results) if class_of(r) == class_of(best)]
-    weights = weights_of_scores([score_of(detection.results[i]) for i in numbers])
+    weights = [1.0]
+    if len(numbers) > 1:
+        weights = weights_of_scores([score_of(detection.results[i]) for i in numbers]).tolist()
     components = []
     for number, weight in zip(numbers, weights, strict=True):
         if weight == 0:
@@ -112,7 +114,7 @@ def components_of(
             covariance = _covariance(mean, np.array(shaped.covariance, dtype=np.float64))
         except ValueError as error:
             raise ValueError(f"result {number}: {error}") from None
-        components.append(ObservationComponent(mean, weight=float(weight), covariance=covariance))
+        components.append(ObservationComponent(mean, weight=weight, covariance=covariance))
     return components
 
 

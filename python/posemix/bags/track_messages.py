@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -83,22 +82,12 @@ class Track:
 
 
 class TrackMessages:
-    """Makes the messages for one kind of bag, or with ROS's own classes.
+    """Makes the messages for one kind of bag."""
 
-    Parameters
-    ----------
-    ros : {1, 2}
-        Version of ROS.
-    frame : str
-        The messages' frame_id.
-    types : mapping of str to type, optional
-        Message classes by name, such as "geometry_msgs/msg/Pose"; those of rosbags unless given.
-    """
-
-    def __init__(self, ros: int, frame: str, types: Mapping[str, Any] | None = None) -> None:
+    def __init__(self, ros: int, frame: str) -> None:
         self.ros, self.frame = ros, frame
-        self.store = typestore(ros) if types is None else None
-        self.types = self.store.types if types is None else types
+        self.store = typestore(ros)
+        self.types = self.store.types
 
     def header(self, stamp_ns: int) -> Any:
         sec, nanosec = divmod(int(stamp_ns), 1_000_000_000)
@@ -171,8 +160,6 @@ class TrackMessages:
         )  # fmt: skip
 
     def serialized(self, message: Any, kind: str) -> Any:
-        """The bytes of a message of rosbags."""
-        assert self.store is not None
         if self.ros == 1:
             return self.store.serialize_ros1(message, kind)
         return self.store.serialize_cdr(message, kind)

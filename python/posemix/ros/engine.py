@@ -14,6 +14,7 @@ import numpy as np
 from posemix._core import (
     BodyCamera,
     FrameEstimate,
+    ObjectHypothesis,
     Observation,
     ObservationComponent,
     StampAdmission,
@@ -86,8 +87,8 @@ class LiveEstimate:
         T_odom_body at the stamp.
     body : str
         Frame of the body.
-    mixtures : dict of str to Mixture
-        Hypotheses of the objects that were seen, T_world_object.
+    hypotheses : dict of str to list of ObjectHypothesis
+        Those of the objects that were seen, T_world_object, the most probable first.
     classes : dict of str to str
         Classes of the same objects.
     """
@@ -97,8 +98,14 @@ class LiveEstimate:
     frame: FrameEstimate
     odometry: SE3 | None
     body: str
-    mixtures: dict[str, PoseMixture]
+    hypotheses: dict[str, list[ObjectHypothesis]]
     classes: dict[str, str]
+
+    def mixture(self, name: str) -> PoseMixture:
+        """The hypotheses of an object as a density."""
+        found = self.hypotheses[name]
+        densities = [ConcentratedGaussian(h.pose, h.covariance) for h in found]
+        return Mixture(densities, [h.probability for h in found])
 
 
 @dataclass(frozen=True)
@@ -332,7 +339,8 @@ class Engine:
         self._forget_stamps(stamp_ns)
         return LiveEstimate(
             stamp_ns, image.arrival_s, found.estimate, self._with_odometry.get(stamp_ns), self._body,
-            self._mixtures(found.estimate), {id: self._classes.get(id, id) for id in found.estimate.ids},
+            self._hypotheses(self._slam, found.estimate),
+            {name: self._classes.get(name, name) for name in found.estimate.ids},
         )  # fmt: skip
 
     def _put(self, slam: StampedSlam, ready: _Ready) -> None:
@@ -388,12 +396,9 @@ class Engine:
             self._stamps = {s: ns for s, ns in self._stamps.items() if ns >= oldest}
             self._with_odometry = {ns: pose for ns, pose in self._with_odometry.items() if ns >= oldest}
 
-    def _mixtures(self, estimate: FrameEstimate) -> dict[str, PoseMixture]:
-        assert self._slam is not None
-        mixtures: dict[str, PoseMixture] = {}
-        for name, world in estimate.objects.items():
-            if world is not None:
-                found = self._slam.hypotheses(name)
-                densities = [ConcentratedGaussian(h.pose, h.covariance) for h in found]
-                mixtures[name] = Mixture(densities, [h.probability for h in found])
-        return mixtures
+    def _hypotheses(self, slam: StampedSlam, estimate: FrameEstimate) -> dict[str, list[ObjectHypothesis]]:
+        return {
+            name: sorted(slam.hypotheses(name), key=lambda h: -h.probability)
+            for name, world in estimate.objects.items()
+            if world is not None
+        }

@@ -31,8 +31,8 @@ def markers(estimate: LiveEstimate, make: Outputs, sigmas: float, world_frame: s
     header = make.header(estimate.stamp_ns, world_frame)
     marker = make.types["visualization_msgs/msg/Marker"]
     found = [marker(header=header, action=_DELETE_ALL)]
-    for name, mixture in estimate.mixtures.items():
-        for item in _of_object(name, mixture, make, sigmas):
+    for name in estimate.hypotheses:
+        for item in _of_object(name, estimate.mixture(name), make, sigmas):
             item.header = header
             found.append(item)
     return make.types["visualization_msgs/msg/MarkerArray"](markers=found)

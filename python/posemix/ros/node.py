@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import time
 from collections import deque
+from collections.abc import Callable
 from importlib import import_module
 from typing import Any
 
@@ -57,6 +58,7 @@ _POLICIES = (QoSPolicyKind.HISTORY, QoSPolicyKind.DEPTH, QoSPolicyKind.RELIABILI
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 _STATIC = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 _QUIET_S = 5.0
+_MOST_AT_ONCE = 200
 
 
 def _message_types() -> dict[str, Any]:
@@ -93,6 +95,7 @@ class PosemixNode(LifecycleNode):  # type: ignore[misc]
         self._warn_of_unknown()
         self._engine: Engine | None = None
         self._entities: list[Any] = []
+        self._motion: list[Callable[[], None]] = []
         self._problems: dict[str, float] = {}
         self._latencies: deque[float] = deque(maxlen=1000)
         self._last: LiveEstimate | None = None
@@ -170,10 +173,10 @@ class PosemixNode(LifecycleNode):  # type: ignore[misc]
         for source in of.sources:
             kind = f"vision_msgs/msg/{source.type}"
             self._listen(kind, source.topic, sensor, lambda message, s=source: self._take_detections(s, message))
-        self._listen("tf2_msgs/msg/TFMessage", "/tf", QoSProfile(depth=100), self._take_transforms)
-        self._listen("tf2_msgs/msg/TFMessage", "/tf_static", _STATIC, self._take_static)
+        self._listen("tf2_msgs/msg/TFMessage", "/tf", QoSProfile(depth=100), self._take_transforms, True)
+        self._listen("tf2_msgs/msg/TFMessage", "/tf_static", _STATIC, self._take_static, True)
         if of["odometry_topic"]:
-            self._listen("nav_msgs/msg/Odometry", of["odometry_topic"], sensor, self._take_odometry)
+            self._listen("nav_msgs/msg/Odometry", of["odometry_topic"], sensor, self._take_odometry, True)
         if of["symmetries_topic"]:
             self._listen(_symmetries_type(), of["symmetries_topic"], _LATCHED, self._take_symmetries)
         self._own_timers = [
@@ -205,7 +208,7 @@ class PosemixNode(LifecycleNode):  # type: ignore[misc]
     def _be_deaf(self) -> None:
         for subscription in self._entities:
             self.destroy_subscription(subscription)
-        self._entities = []
+        self._entities, self._motion = [], []
         for timer in getattr(self, "_own_timers", []):
             self.destroy_timer(timer)
         self._own_timers = []
@@ -233,10 +236,29 @@ class PosemixNode(LifecycleNode):  # type: ignore[misc]
             qos_overriding_options=QoSOverridingOptions(_POLICIES),
         )  # fmt: skip
 
-    def _listen(self, kind: Any, topic: str, profile: QoSProfile, callback: Any) -> None:
+    def _listen(self, kind: Any, topic: str, profile: QoSProfile, callback: Any, is_motion: bool = False) -> None:
+        """Subscribes. Messages of motion are all taken before the images that may wait for them."""
+        cls = self._types[kind] if isinstance(kind, str) else kind
+
+        def take_all() -> None:
+            for _ in range(_MOST_AT_ONCE):
+                found = subscription.handle.take_message(cls, False)
+                if found is None:
+                    break
+                callback(found[0])
+
+        def take(message: Any) -> None:
+            callback(message)
+            if self._engine is not None and self._engine.waiting:
+                self._work()
+            else:
+                take_all()
+
+        if is_motion:
+            self._motion.append(take_all)
         self._entities.append(
-            self.create_subscription(
-                self._types[kind] if isinstance(kind, str) else kind, topic, callback, _copy(profile),
+            subscription := self.create_subscription(
+                cls, topic, take if is_motion else callback, _copy(profile),
                 event_callbacks=SubscriptionEventCallbacks(
                     incompatible_qos=lambda e: self._incompatible(topic, "publisher", e)
                 ),
@@ -284,8 +306,6 @@ class PosemixNode(LifecycleNode):  # type: ignore[misc]
             stamp = None if is_static else _nanoseconds(item.header.stamp)
             t, q = item.transform.translation, item.transform.rotation
             engine.transforms.take(parent, name, (t.x, t.y, t.z, q.x, q.y, q.z, q.w), stamp)
-        if engine.waiting:
-            self._work()
 
     def _take_static(self, message: Any) -> None:
         self._take_transforms(message, is_static=True)
@@ -306,8 +326,6 @@ class PosemixNode(LifecycleNode):  # type: ignore[misc]
             )  # fmt: skip
         except ValueError as error:
             self._complain(str(error))
-        if engine.waiting:
-            self._work()
 
     def _take_symmetries(self, message: Any) -> None:
         if self._engine is None:
@@ -340,6 +358,9 @@ class PosemixNode(LifecycleNode):  # type: ignore[misc]
         engine = self._engine
         if engine is None:
             return
+        # The executor takes one message of each topic in a round, in which what is fast would fall behind.
+        for take_all in self._motion:
+            take_all()
         resets = engine.counts.resets
         for estimate in engine.ready(time.monotonic()):
             self._publish(estimate)

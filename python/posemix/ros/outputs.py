@@ -9,21 +9,31 @@ from typing import Any
 
 import numpy as np
 
-from posemix._core import ObjectEstimate, TrackHealth
+from posemix._arrays import FloatArray
+from posemix._core import TrackHealth
 from posemix.bags.states import DIAGNOSTICS, TrackState, status_of
-from posemix.bags.track_messages import Track, TrackMessages
-from posemix.interop.ros import to_pose
+from posemix.density import ConcentratedGaussian
+from posemix.interop.ros import covariance_to_ros
 from posemix.lie import SE3
 from posemix.ros.engine import EngineCounts, LiveEstimate
 
-__all__ = ["Outputs", "is_confirmed"]
+__all__ = ["Outputs", "fill_pose"]
 
-_UNCONFIRMED = (TrackHealth.none, TrackHealth.tentative)
+# Of health, where an object has no frame in /tf: it is not confirmed, or should be seen and is not.
+_NOT_IN_TF = (TrackHealth.none, TrackHealth.tentative, TrackHealth.lost)
 
 
-def is_confirmed(estimate: ObjectEstimate) -> bool:
-    """Whether the object is confirmed, and not lost."""
-    return estimate.health not in (*_UNCONFIRMED, TrackHealth.lost)
+def fill_pose(message: Any, row: Sequence[float]) -> None:
+    """Writes tx, ty, tz, qx, qy, qz, qw into a Pose or Transform."""
+    is_pose = hasattr(message, "position")
+    place = message.position if is_pose else message.translation
+    turn = message.orientation if is_pose else message.rotation
+    place.x, place.y, place.z, turn.x, turn.y, turn.z, turn.w = row
+
+
+def _world_row(world: ConcentratedGaussian[SE3] | None) -> FloatArray:
+    assert world is not None
+    return world.mean.to_tq()
 
 
 class Outputs:
@@ -39,7 +49,6 @@ class Outputs:
 
     def __init__(self, types: Mapping[str, Any], values: Mapping[str, Any]) -> None:
         self.types, self._values = types, values
-        self._make = TrackMessages(2, str(values["world_frame"]), types)
 
     def header(self, stamp_ns: int, frame: str) -> Any:
         """A header."""
@@ -48,49 +57,72 @@ class Outputs:
         return self.types["std_msgs/msg/Header"](stamp=time, frame_id=frame)
 
     def objects(self, estimate: LiveEstimate) -> Any:
-        """The Detection3DArray: one detection per object that exists, whose results are the hypotheses."""
-        found = [
-            self._make.detection(self._track(estimate, name), 0)
-            for name in estimate.mixtures
-            if (estimate.frame.existences[name] or 0.0) >= self._values["least_existence"]
-        ]
-        header = self.header(estimate.stamp_ns, str(self._values["world_frame"]))
-        return self.types["vision_msgs/msg/Detection3DArray"](header=header, detections=found)
+        """The Detection3DArray: one detection per object that exists, whose results are the hypotheses.
 
-    def _track(self, estimate: LiveEstimate, name: str) -> Track:
-        world = estimate.frame.objects[name]
-        assert world is not None
-        return Track(
-            name, estimate.classes[name], np.array([estimate.stamp_ns]),
-            SE3.from_tq(world.mean.to_tq()[None]), world.covariance[None], (estimate.mixtures[name],),
-        )  # fmt: skip
+        The messages are those of `posemix.bags.write`; all poses and covariances are converted at once, for speed.
+        """
+        least = self._values["least_existence"]
+        existences, worlds = estimate.frame.existences, estimate.frame.objects
+        names = [name for name in estimate.hypotheses if (existences[name] or 0.0) >= least]
+        array = self.types["vision_msgs/msg/Detection3DArray"]()
+        array.header = header = self.header(estimate.stamp_ns, str(self._values["world_frame"]))
+        if not names:
+            return array
+        all_of = [h for name in names for h in estimate.hypotheses[name]]
+        rows = [h.pose.to_tq() for h in all_of] + [_world_row(worlds[name]) for name in names]
+        poses = SE3.from_tq(np.array(rows))
+        covariances = covariance_to_ros(
+            poses[: len(all_of)], np.array([h.covariance for h in all_of]), reading="rotation_vector", frame="parent"
+        )
+        numbers = poses.to_tq().tolist()
+        results = [
+            self._result(h.probability, row, values)
+            for h, row, values in zip(all_of, numbers, covariances, strict=False)
+        ]
+        place = 0
+        for name, row in zip(names, numbers[len(all_of) :], strict=True):
+            found = self.types["vision_msgs/msg/Detection3D"]()
+            found.header, found.id = header, name
+            fill_pose(found.bbox.center, row)
+            end = place + len(estimate.hypotheses[name])
+            found.results = results[place:end]
+            # The rest is the probability that none of the detections was of the object.
+            total = sum(result.hypothesis.score for result in found.results)
+            for result in found.results:
+                result.hypothesis.class_id = estimate.classes[name]
+                result.hypothesis.score /= total
+            array.detections.append(found)
+            place = end
+        return array
+
+    def _result(self, weight: float, row: Sequence[float], covariance: FloatArray) -> Any:
+        result = self.types["vision_msgs/msg/ObjectHypothesisWithPose"]()
+        result.hypothesis.score = weight
+        fill_pose(result.pose.pose, row)
+        result.pose.covariance = covariance
+        return result
 
     def transforms(self, estimate: LiveEstimate, *, world_child: str) -> Any:
         """The TFMessage: confirmed objects in the world, and the world's child (`odom_frame` or the body); "": none."""
         frame, found = estimate.frame, []
         if self._values["publish_tf"]:
-            for name in estimate.mixtures:
-                world = frame.objects[name]
-                if world is not None and is_confirmed(frame.object(name)):
-                    found.append((str(self._values["tf_prefix"]) + name, world.mean))
-        if world_child:
-            of_body = estimate.odometry is not None and world_child != estimate.body
-            back = estimate.odometry.inverse() if of_body and estimate.odometry is not None else SE3()
-            if of_body or world_child == estimate.body:
-                found.append((world_child, frame.camera.mean * back))
+            healths, worlds = frame.healths, frame.objects
+            for name in estimate.hypotheses:
+                if healths[name] not in _NOT_IN_TF:
+                    found.append((str(self._values["tf_prefix"]) + name, _world_row(worlds[name])))
+        if world_child == estimate.body:
+            found.append((world_child, frame.camera.mean.to_tq()))
+        elif world_child and estimate.odometry is not None:
+            found.append((world_child, (frame.camera.mean * estimate.odometry.inverse()).to_tq()))
         stamp_ns = estimate.stamp_ns + round(self._values["transform_time_offset_s"] * 1e9)
-        return self.types["tf2_msgs/msg/TFMessage"](
-            transforms=[self._transform(stamp_ns, child, pose) for child, pose in found]
-        )
-
-    def _transform(self, stamp_ns: int, child: str, pose: SE3) -> Any:
-        at = to_pose(pose, types=self.types)
-        vector = self.types["geometry_msgs/msg/Vector3"](x=at.position.x, y=at.position.y, z=at.position.z)
-        inner = self.types["geometry_msgs/msg/Transform"](translation=vector, rotation=at.orientation)
+        message = self.types["tf2_msgs/msg/TFMessage"]()
         header = self.header(stamp_ns, str(self._values["world_frame"]))
-        return self.types["geometry_msgs/msg/TransformStamped"](
-            header=header, child_frame_id=child, transform=inner
-        )
+        for child, row in found:
+            item = self.types["geometry_msgs/msg/TransformStamped"]()
+            item.header, item.child_frame_id = header, child
+            fill_pose(item.transform, row.tolist())
+            message.transforms.append(item)
+        return message
 
     def diagnostics(self, stamp_ns: int, statuses: Sequence[Any]) -> Any:
         """The DiagnosticArray of statuses."""
@@ -99,12 +131,12 @@ class Outputs:
     def object_statuses(self, estimate: LiveEstimate, node: str) -> list[Any]:
         """One status per object that was seen: health, existence, register again, probability of the mode."""
         found = []
-        for name in estimate.mixtures:
+        for name in estimate.hypotheses:
             of_object = estimate.frame.object(name)
             status = status_of(TrackState.of(of_object), f"{node}: {name}", self.types)
             if of_object.mode_probability is not None:
                 status.values.append(self._pair("mode_probability", repr(of_object.mode_probability)))
-            status.values.append(self._pair("hypotheses", str(len(estimate.mixtures[name]))))
+            status.values.append(self._pair("hypotheses", str(len(estimate.hypotheses[name]))))
             found.append(status)
         return found
 

@@ -231,4 +231,8 @@ class Live:
             all_of = [s for m in self.diagnostics for s in m.status if s.name == f"posemix: {name}" and condition(s)]
             return all_of[-1] if all_of else None
 
-        return self.until(found, f"a status of {name}")
+        try:
+            return self.until(found, f"a status of {name}")
+        except AssertionError as error:
+            last = [(s.name, s.message, values_of(s)) for m in self.diagnostics[-1:] for s in m.status]
+            raise AssertionError(f"{error}; the last one is {last}") from None

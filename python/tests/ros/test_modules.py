@@ -181,7 +181,7 @@ def test_images_that_waited_before_a_jump_are_dropped() -> None:
     move(20.0)
     engine.add(image(20.0, name="box"))
     found = engine.ready(0.1)
-    assert len(found) == 1 and set(found[0].mixtures) == {"box"} and engine.waiting == 0
+    assert len(found) == 1 and set(found[0].hypotheses) == {"box"} and engine.waiting == 0
     assert engine.counts.resets == 1
 
 
@@ -197,7 +197,7 @@ def test_several_of_a_class_and_what_has_no_model() -> None:
             (*both[0].components, *both[1].components, *other.components),
         ))  # fmt: skip
         found = engine.ready(0.0)
-    assert set(found[-1].mixtures) == {"nut_1", "nut_2"} and found[-1].classes["nut_2"] == "nut"
+    assert set(found[-1].hypotheses) == {"nut_1", "nut_2"} and found[-1].classes["nut_2"] == "nut"
     assert engine.counts.ignored == 5
 
 
