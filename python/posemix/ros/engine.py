@@ -7,7 +7,6 @@ from __future__ import annotations
 import copy
 from collections import deque
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -16,105 +15,24 @@ from posemix._core import (
     FrameEstimate,
     ObjectHypothesis,
     Observation,
-    ObservationComponent,
     StampAdmission,
     StampedSlam,
     SymmetryGroup,
 )
 from posemix.bags.filter_runs import ClassTable
-from posemix.bags.observations import moved
-from posemix.bags.track_messages import PoseMixture
 from posemix.density import ConcentratedGaussian
 from posemix.lie import SE3
-from posemix.mixture import Mixture
 from posemix.noise import pose_covariance
 from posemix.ros.configuration import Configuration
+from posemix.ros.estimates import EngineCounts, LiveEstimate
 from posemix.ros.messages import Image
-from posemix.ros.transforms import LiveLine, LiveTransforms, Row
+from posemix.ros.surroundings import ReadyImage, Surroundings
+from posemix.ros.transforms import LiveTransforms
 
-__all__ = ["Engine", "EngineCounts", "LiveEstimate"]
+__all__ = ["Engine"]
 
 # Images in succession whose stamps are refused as too far ahead, after which the clock is taken to have jumped.
 _AHEAD = 10
-
-
-@dataclass
-class EngineCounts:
-    """What became of the images, by numbers.
-
-    Attributes
-    ----------
-    images, observations : int
-        Images that were taken in, and observations in them.
-    late, too_late : int
-        Observations that came out of order and were taken in at their stamps, and those older than the history.
-    ignored : int
-        Detections of classes that no model has, or one object's second in an image.
-    without_odometry : int
-        Images for whose stamp there was no odometry in time.
-    dropped : int
-        Images that were left out: more than may wait, or without the transform from their camera.
-    refused : int
-        Images that were not valid, or whose stamps had jumped.
-    resets : int
-        Times at which all was forgotten.
-    """
-
-    images: int = 0
-    observations: int = 0
-    late: int = 0
-    too_late: int = 0
-    ignored: int = 0
-    without_odometry: int = 0
-    dropped: int = 0
-    refused: int = 0
-    resets: int = 0
-
-
-@dataclass(frozen=True)
-class LiveEstimate:
-    """The estimate after an image.
-
-    Attributes
-    ----------
-    stamp_ns : int
-        Time of the estimate [ns].
-    arrival_s : float
-        Time at which the image came, by the clock that images have [s].
-    frame : FrameEstimate
-        Camera and objects, in the world.
-    odometry : SE3 or None
-        T_odom_body at the stamp.
-    body : str
-        Frame of the body.
-    hypotheses : dict of str to list of ObjectHypothesis
-        Those of the objects that were seen, T_world_object, the most probable first.
-    classes : dict of str to str
-        Classes of the same objects.
-    """
-
-    stamp_ns: int
-    arrival_s: float
-    frame: FrameEstimate
-    odometry: SE3 | None
-    body: str
-    hypotheses: dict[str, list[ObjectHypothesis]]
-    classes: dict[str, str]
-
-    def mixture(self, name: str) -> PoseMixture:
-        """The hypotheses of an object as a density."""
-        found = self.hypotheses[name]
-        densities = [ConcentratedGaussian(h.pose, h.covariance) for h in found]
-        return Mixture(densities, [h.probability for h in found])
-
-
-@dataclass(frozen=True)
-class _Ready:
-    """An image with what its stamp needs."""
-
-    image: Image
-    odometry: SE3 | None
-    components: tuple[list[ObservationComponent], ...]
 
 
 class Engine:
@@ -133,14 +51,12 @@ class Engine:
 
     def __init__(self, configuration: Configuration) -> None:
         self._configuration = configuration
-        # No longer than what counts as a jump of the clock, so that nothing from before one is left.
-        self._window_s = configuration.stamped.jump_back_s
-        self.transforms = LiveTransforms(self._window_s)
+        self.around = Surroundings(configuration)
         self.counts = EngineCounts()
         self.symmetries: dict[str, SymmetryGroup] = dict(configuration.symmetries)
-        # Why the newest image waits, was dropped or refused.
+        # Why the last image was dropped, refused, or taken without odometry.
         self.complaint = ""
-        self._log: deque[_Ready] = deque(maxlen=int(configuration["replay_images"]))
+        self._log: deque[ReadyImage] = deque(maxlen=int(configuration["replay_images"]))
         self._waiting: deque[Image] = deque()
         self._begin_again()
         self._slam_from(SE3(), [])  # which refuses what is not valid
@@ -151,9 +67,6 @@ class Engine:
         self._stamps: dict[float, int] = {}
         self._with_odometry: dict[int, SE3 | None] = {}
         self._ahead = 0
-        self._body = ""
-        self._odometry = LiveLine(round(self._window_s * 1e9))
-        self._base = ""
         self._table = ClassTable([])
         self._classes: dict[str, str] = {}
 
@@ -162,7 +75,7 @@ class Engine:
         self._begin_again()
         self._log.clear()
         self._waiting.clear()
-        self.transforms.clear()
+        self.around.clear()
         self.counts.resets += 1
 
     @property
@@ -171,23 +84,9 @@ class Engine:
         return len(self._waiting)
 
     @property
-    def body(self) -> str:
-        """Frame of the body: that of the rig, or of the one camera; empty before the first image."""
-        return self._body
-
-    def add_odometry(self, frame: str, child: str, row: Row, stamp_ns: int) -> None:
-        """Takes T_frame_child of nav_msgs/Odometry at a time, as tx, ty, tz, qx, qy, qz, qw.
-
-        Raises
-        ------
-        ValueError
-            For another frame than `odom_frame`, which would make no sense of the poses.
-        """
-        if frame != self._configuration["odom_frame"]:
-            expected = self._configuration["odom_frame"]
-            raise ValueError(f"odometry is in the frame '{frame}'; expected odom_frame, '{expected}'")
-        self._base = child
-        self._odometry.add(stamp_ns, row)
+    def transforms(self) -> LiveTransforms:
+        """The transforms that came."""
+        return self.around.transforms
 
     def set_symmetries(self, symmetries: Mapping[str, SymmetryGroup]) -> LiveEstimate | None:
         """Takes symmetries of classes, also after images: those that are kept are played again with them.
@@ -218,18 +117,12 @@ class Engine:
 
     def add(self, image: Image) -> None:
         """Takes an image, which waits until `ready` finds what it needs."""
-        if not self._body:
-            self._body = self._body_of(image)
+        self.around.see(image)
         self._waiting.append(image)
         while len(self._waiting) > int(self._configuration["queue_size"]):
             self._waiting.popleft()
             self.counts.dropped += 1
             self.complaint = "more images wait than queue_size"
-
-    def _body_of(self, image: Image) -> str:
-        if self._configuration.cameras:
-            return str(self._configuration["body_frame"])
-        return str(self._configuration["camera_frame"]).lstrip("/") or image.frame
 
     def ready(self, now_s: float) -> list[LiveEstimate]:
         """The estimates after the images that need not wait any more, in the order in which they came.
@@ -244,66 +137,20 @@ class Engine:
             if image not in self._waiting:  # a jump of the clock has taken it away
                 continue
             is_over = now_s - image.arrival_s >= self._configuration["transform_timeout_s"]
-            prepared = self._prepared(image, is_over)
+            prepared = self.around.ready(image, is_over=is_over)
             if prepared is None and not is_over:
                 continue
             self._waiting.remove(image)
             if prepared is None:
                 self.counts.dropped += 1
+                self.complaint = self.around.complaint
                 continue
+            if prepared.odometry is None and self._configuration.has_odometry:
+                self.counts.without_odometry += 1
+                self.complaint = self.around.complaint
             estimate = self._take(prepared)
             if estimate is not None:
                 found.append(estimate)
-        return found
-
-    def _prepared(self, image: Image, is_over: bool) -> _Ready | None:
-        """The image with odometry, and its poses in the frame of its camera; None where they are not known."""
-        gap = self._configuration["max_gap_s"]
-        cameras = self._configuration.cameras
-        camera = image.frame if cameras else self._body
-        if cameras and image.frame not in cameras:
-            self.complaint = f"an image is of the frame '{image.frame}'; expected one of cameras, {', '.join(cameras)}"
-            return None
-        components = []
-        for frame, poses in zip(image.frames, image.components, strict=True):
-            if frame != camera:
-                by = self.transforms.at(camera, frame, image.stamp_ns, gap)
-                if by is None:
-                    self.complaint = f"no transform from '{frame}' to '{camera}' at {image.stamp_ns} ns"
-                    return None
-                poses = moved(poses, by)
-            components.append(poses)
-        if cameras and self._slam is None and self._rig() is None:
-            return None
-        odometry = self._odometry_at(image.stamp_ns, gap)
-        if odometry is None and self._configuration.has_odometry:
-            if not is_over:
-                return None
-            self.counts.without_odometry += 1
-            self.complaint = f"no odometry at {image.stamp_ns} ns"
-        return _Ready(image, odometry, tuple(components))
-
-    def _odometry_at(self, stamp_ns: int, gap_s: float) -> SE3 | None:
-        """T_odom_body."""
-        if not self._configuration.has_odometry:
-            return None
-        if not self._configuration["odometry_topic"]:
-            return self.transforms.at(self._configuration["odom_frame"], self._body, stamp_ns, gap_s)
-        if self._odometry.newest_ns is None:
-            return None
-        poses, known = self._odometry.near(stamp_ns).at(np.array([stamp_ns]), gap_s)
-        to_body = self.transforms.at(self._base, self._body, stamp_ns, gap_s)
-        return poses[0] * to_body if known[0] and to_body is not None else None
-
-    def _rig(self) -> list[BodyCamera] | None:
-        """The cameras of the rig; None until transforms say where they are."""
-        found = []
-        for name in self._configuration.cameras:
-            pose = self.transforms.at(self._body, name, 2**62, 0.0)
-            if pose is None:
-                self.complaint = f"no transform from camera '{name}' to '{self._body}' in /tf_static"
-                return None
-            found.append(BodyCamera(name=name, body_camera=pose))
         return found
 
     def _slam_from(self, start: SE3, cameras: list[BodyCamera]) -> StampedSlam:
@@ -316,11 +163,11 @@ class Engine:
         self._table = ClassTable(models, bool(of["on_sight"]))
         return StampedSlam(ConcentratedGaussian(start, covariance), models, tracker, of.motion, of.stamped)
 
-    def _take(self, ready: _Ready) -> LiveEstimate | None:
+    def _take(self, ready: ReadyImage) -> LiveEstimate | None:
         image = ready.image
         if self._slam is None:
             self._start_ns = image.stamp_ns
-            self._slam = self._slam_from(SE3() if ready.odometry is None else ready.odometry, self._rig() or [])
+            self._slam = self._slam_from(SE3() if ready.odometry is None else ready.odometry, ready.cameras)
         resets = self._slam.counts.resets
         try:
             self._put(self._slam, ready)
@@ -338,12 +185,12 @@ class Engine:
         stamp_ns = self._stamps[found.stamp_s]
         self._forget_stamps(stamp_ns)
         return LiveEstimate(
-            stamp_ns, image.arrival_s, found.estimate, self._with_odometry.get(stamp_ns), self._body,
+            stamp_ns, image.arrival_s, found.estimate, self._with_odometry.get(stamp_ns), self.around.body,
             self._hypotheses(self._slam, found.estimate),
             {name: self._classes.get(name, name) for name in found.estimate.ids},
         )  # fmt: skip
 
-    def _put(self, slam: StampedSlam, ready: _Ready) -> None:
+    def _put(self, slam: StampedSlam, ready: ReadyImage) -> None:
         image = ready.image
         stamp_s = (image.stamp_ns - self._start_ns) * 1e-9
         observations = self._observations(ready, stamp_s)
@@ -356,7 +203,7 @@ class Engine:
         if not observations and self._configuration["empty_is_image"]:
             slam.add_image(stamp_s, image.frame if self._configuration.cameras else "")
 
-    def _observations(self, ready: _Ready, stamp_s: float) -> list[Observation]:
+    def _observations(self, ready: ReadyImage, stamp_s: float) -> list[Observation]:
         image = ready.image
         assigned = self._table.assigned(image.class_ids, image.scores)
         self.counts.ignored += len(image.class_ids) - len(assigned)
@@ -380,7 +227,7 @@ class Engine:
         if self._ahead >= _AHEAD:
             self.reset()
 
-    def _after_jump(self, ready: _Ready) -> None:
+    def _after_jump(self, ready: ReadyImage) -> None:
         """The filter has forgotten all before the image: so does what is around it."""
         self.counts.resets += 1
         stamp_ns = ready.image.stamp_ns
@@ -392,7 +239,7 @@ class Engine:
 
     def _forget_stamps(self, newest_ns: int) -> None:
         if len(self._stamps) > 4096:
-            oldest = newest_ns - round(self._window_s * 1e9)
+            oldest = newest_ns - round(self._configuration.stamped.jump_back_s * 1e9)
             self._stamps = {s: ns for s, ns in self._stamps.items() if ns >= oldest}
             self._with_odometry = {ns: pose for ns, pose in self._with_odometry.items() if ns >= oldest}
 

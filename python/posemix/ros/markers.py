@@ -13,7 +13,7 @@ from posemix.bags.track_messages import PoseMixture
 from posemix.interop.ros import to_pose
 from posemix.lie import SE3
 from posemix.plot.space import position_covariance
-from posemix.ros.engine import LiveEstimate
+from posemix.ros.estimates import LiveEstimate
 from posemix.ros.outputs import Outputs
 
 __all__ = ["markers"]

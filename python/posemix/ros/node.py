@@ -6,75 +6,26 @@ from __future__ import annotations
 
 import time
 from collections import deque
-from collections.abc import Callable
 from importlib import import_module
 from typing import Any
 
 from rclpy.clock import JumpThreshold
 from rclpy.duration import Duration
-from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
-from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
-from rclpy.parameter import Parameter as RosParameter
-from rclpy.qos import (
-    DurabilityPolicy,
-    QoSPolicyKind,
-    QoSProfile,
-    ReliabilityPolicy,
-    qos_policy_name_from_kind,
-)
-from rclpy.qos_overriding_options import QoSOverridingOptions
+from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
+from rclpy.qos import QoSProfile, ReliabilityPolicy
 
-from posemix.ros.configuration import (
-    Source,
-    class_parameters,
-    configuration,
-    source_parameters,
-)
-from posemix.ros.engine import Engine, LiveEstimate
+from posemix.ros.configuration import Source, configuration
+from posemix.ros.engine import Engine
+from posemix.ros.estimates import LiveEstimate
 from posemix.ros.markers import markers
 from posemix.ros.messages import images_of, symmetries_of
+from posemix.ros.node_base import LATCHED, STATIC, NodeBase
 from posemix.ros.outputs import Outputs
-from posemix.ros.parameters import Parameter, parameters
 
 __all__ = ["PosemixNode"]
 
-_TYPES = {
-    "builtin_interfaces": ("Time",),
-    "std_msgs": ("Header", "ColorRGBA"),
-    "geometry_msgs": (
-        "Point", "Pose", "PoseWithCovariance", "Quaternion", "Transform", "TransformStamped", "Vector3",
-    ),
-    "vision_msgs": (
-        "BoundingBox3D", "Detection2DArray", "Detection3D", "Detection3DArray", "ObjectHypothesis",
-        "ObjectHypothesisWithPose",
-    ),
-    "tf2_msgs": ("TFMessage",),
-    "nav_msgs": ("Odometry",),
-    "diagnostic_msgs": ("DiagnosticArray", "DiagnosticStatus", "KeyValue"),
-    "visualization_msgs": ("Marker", "MarkerArray"),
-}  # fmt: skip
-_POLICIES = (QoSPolicyKind.HISTORY, QoSPolicyKind.DEPTH, QoSPolicyKind.RELIABILITY, QoSPolicyKind.DURABILITY)
-# Received by all that subscribe later, too.
-_LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-_STATIC = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-_QUIET_S = 5.0
-_MOST_AT_ONCE = 200
 
-
-def _message_types() -> dict[str, Any]:
-    found = {}
-    for package, names in _TYPES.items():
-        module = import_module(f"{package}.msg")
-        found |= {f"{package}/msg/{name}": getattr(module, name) for name in names}
-    status = found["diagnostic_msgs/msg/DiagnosticStatus"]
-    # The field is a byte, which is no integer in Python's messages.
-    found["diagnostic_msgs/msg/DiagnosticStatus"] = lambda level, **fields: status(
-        level=bytes([level]), **fields
-    )
-    return found
-
-
-class PosemixNode(LifecycleNode):  # type: ignore[misc]
+class PosemixNode(NodeBase):
     """Takes detections and odometry, publishes objects. Parameters are read at `configure`.
 
     Parameters
@@ -86,63 +37,17 @@ class PosemixNode(LifecycleNode):  # type: ignore[misc]
     """
 
     def __init__(self, name: str = "posemix", **options: Any) -> None:
-        super().__init__(name, **options)
-        self._types = _message_types()
-        self._declared: list[Parameter] = []
-        self._declare(parameters())
-        values = self._values()
-        self._declare([*source_parameters(values), *class_parameters(values)])
-        self._warn_of_unknown()
         self._engine: Engine | None = None
-        self._entities: list[Any] = []
-        self._motion: list[Callable[[], None]] = []
-        self._problems: dict[str, float] = {}
+        super().__init__(name, **options)
         self._latencies: deque[float] = deque(maxlen=1000)
         self._last: LiveEstimate | None = None
         self._next_markers_s = 0.0
         self._bad = 0
-        self.add_on_set_parameters_callback(self._refuse_changes)
+        self._own_timers: list[Any] = []
+        self._jumps: Any = None
 
-    # --- parameters
-
-    def _declare(self, found: list[Parameter]) -> None:
-        rcl = import_module("rcl_interfaces.msg")
-        for parameter in found:
-            text = parameter.text
-            words = ", ".join(f"'{word}'" for word in parameter.choices)
-            descriptor = rcl.ParameterDescriptor(
-                description=text, additional_constraints=f"One of {words}" if words else ""
-            )
-            value = parameter.default
-            # A number that is written without a point is one, too.
-            given = self._parameter_overrides.get(parameter.name)
-            is_integer = given is not None and given.type_ == RosParameter.Type.INTEGER
-            if isinstance(value, float) and is_integer:
-                self.declare_parameter(parameter.name, float(given.value), descriptor, ignore_override=True)
-            else:
-                self.declare_parameter(parameter.name, value, descriptor)
-        self._declared += found
-
-    def _values(self) -> dict[str, Any]:
-        found = {}
-        for parameter in self._declared:
-            value = self.get_parameter(parameter.name).value
-            found[parameter.name] = list(value) if isinstance(parameter.default, list) else value
-        return found
-
-    def _warn_of_unknown(self) -> None:
-        for name in self._parameter_overrides:
-            if not self.has_parameter(name) and not name.startswith("qos_overrides."):
-                self.get_logger().warning(f"there is no parameter '{name}'; it is ignored")
-
-    def _refuse_changes(self, changed: list[Any]) -> Any:
-        rcl = import_module("rcl_interfaces.msg")
-        mine = {parameter.name for parameter in self._declared}
-        names = [p.name for p in changed if p.name in mine]
-        if names and self._engine is not None:
-            reason = f"{names[0]} is read when the node is configured: clean it up, set it and configure it again"
-            return rcl.SetParametersResult(successful=False, reason=reason)
-        return rcl.SetParametersResult(successful=True)
+    def _is_configured(self) -> bool:
+        return self._engine is not None
 
     # --- lifecycle
 
@@ -158,8 +63,8 @@ class PosemixNode(LifecycleNode):  # type: ignore[misc]
             return TransitionCallbackReturn.FAILURE
         self._configuration = found
         self._make = Outputs(self._types, found.values)
-        self._objects = self._publisher("vision_msgs/msg/Detection3DArray", "~/objects", _LATCHED)
-        self._markers = self._publisher("visualization_msgs/msg/MarkerArray", "~/markers", _LATCHED)
+        self._objects = self._publisher("vision_msgs/msg/Detection3DArray", "~/objects", LATCHED)
+        self._markers = self._publisher("visualization_msgs/msg/MarkerArray", "~/markers", LATCHED)
         self._diagnostics = self._publisher("diagnostic_msgs/msg/DiagnosticArray", "/diagnostics", QoSProfile(depth=10))
         self._tf = self._publisher("tf2_msgs/msg/TFMessage", "/tf", QoSProfile(depth=100))
         trigger = import_module("std_srvs.srv").Trigger
@@ -174,11 +79,11 @@ class PosemixNode(LifecycleNode):  # type: ignore[misc]
             kind = f"vision_msgs/msg/{source.type}"
             self._listen(kind, source.topic, sensor, lambda message, s=source: self._take_detections(s, message))
         self._listen("tf2_msgs/msg/TFMessage", "/tf", QoSProfile(depth=100), self._take_transforms, True)
-        self._listen("tf2_msgs/msg/TFMessage", "/tf_static", _STATIC, self._take_static, True)
+        self._listen("tf2_msgs/msg/TFMessage", "/tf_static", STATIC, self._take_static, True)
         if of["odometry_topic"]:
             self._listen("nav_msgs/msg/Odometry", of["odometry_topic"], sensor, self._take_odometry, True)
         if of["symmetries_topic"]:
-            self._listen(_symmetries_type(), of["symmetries_topic"], _LATCHED, self._take_symmetries)
+            self._listen(_symmetries_type(), of["symmetries_topic"], LATCHED, self._take_symmetries)
         self._own_timers = [
             self.create_timer(1.0 / of["diagnostics_hz"], self._diagnose),
             self.create_timer(0.5 * of["transform_timeout_s"], self._work),
@@ -206,13 +111,11 @@ class PosemixNode(LifecycleNode):  # type: ignore[misc]
         return TransitionCallbackReturn.SUCCESS
 
     def _be_deaf(self) -> None:
-        for subscription in self._entities:
-            self.destroy_subscription(subscription)
-        self._entities, self._motion = [], []
-        for timer in getattr(self, "_own_timers", []):
+        super()._be_deaf()
+        for timer in self._own_timers:
             self.destroy_timer(timer)
         self._own_timers = []
-        if getattr(self, "_jumps", None) is not None:
+        if self._jumps is not None:
             self._jumps.unregister()
             self._jumps = None
 
@@ -224,55 +127,9 @@ class PosemixNode(LifecycleNode):  # type: ignore[misc]
         for service in self._own_services:
             self.destroy_service(service)
         self._engine = self._last = None
+        self._bad = 0
         self._problems.clear()
         self._latencies.clear()
-
-    def _publisher(self, kind: str, topic: str, profile: QoSProfile) -> Any:
-        return self.create_lifecycle_publisher(
-            self._types[kind], topic, _copy(profile),
-            event_callbacks=PublisherEventCallbacks(
-                incompatible_qos=lambda e: self._incompatible(topic, "subscription", e)
-            ),
-            qos_overriding_options=QoSOverridingOptions(_POLICIES),
-        )  # fmt: skip
-
-    def _listen(self, kind: Any, topic: str, profile: QoSProfile, callback: Any, is_motion: bool = False) -> None:
-        """Subscribes. Messages of motion are all taken before the images that may wait for them."""
-        cls = self._types[kind] if isinstance(kind, str) else kind
-
-        def take_all() -> None:
-            for _ in range(_MOST_AT_ONCE):
-                found = subscription.handle.take_message(cls, False)
-                if found is None:
-                    break
-                callback(found[0])
-
-        def take(message: Any) -> None:
-            callback(message)
-            if self._engine is not None and self._engine.waiting:
-                self._work()
-            else:
-                take_all()
-
-        if is_motion:
-            self._motion.append(take_all)
-        self._entities.append(
-            subscription := self.create_subscription(
-                cls, topic, take if is_motion else callback, _copy(profile),
-                event_callbacks=SubscriptionEventCallbacks(
-                    incompatible_qos=lambda e: self._incompatible(topic, "publisher", e)
-                ),
-                qos_overriding_options=QoSOverridingOptions(_POLICIES),
-            )
-        )  # fmt: skip
-
-    def _incompatible(self, topic: str, other: str, event: Any) -> None:
-        policy = qos_policy_name_from_kind(event.last_policy_kind)
-        self._complain(
-            f"a {other} of {topic} has another {policy}, so that nothing passes; the parameters "
-            f"qos_overrides.{self.resolve_topic_name(topic)}.* set ours",
-            lasting=True,
-        )
 
     # --- input
 
@@ -320,7 +177,7 @@ class PosemixNode(LifecycleNode):  # type: ignore[misc]
             return
         p, q = message.pose.pose.position, message.pose.pose.orientation
         try:
-            engine.add_odometry(
+            engine.around.add_odometry(
                 message.header.frame_id.lstrip("/"), message.child_frame_id.lstrip("/"),
                 (p.x, p.y, p.z, q.x, q.y, q.z, q.w), _nanoseconds(message.header.stamp),
             )  # fmt: skip
@@ -356,7 +213,7 @@ class PosemixNode(LifecycleNode):  # type: ignore[misc]
 
     def _work(self) -> None:
         engine = self._engine
-        if engine is None:
+        if engine is None or not engine.waiting:
             return
         # The executor takes one message of each topic in a round, in which what is fast would fall behind.
         for take_all in self._motion:
@@ -391,7 +248,7 @@ class PosemixNode(LifecycleNode):  # type: ignore[misc]
         assert self._engine is not None
         if not of["publish_world_tf"]:
             return ""
-        child = str(of["odom_frame"]) if of.has_odometry else self._engine.body
+        child = str(of["odom_frame"]) if of.has_odometry else self._engine.around.body
         if child == of["world_frame"] or not child:
             return ""
         parent = self._engine.transforms.parent(child)
@@ -403,21 +260,11 @@ class PosemixNode(LifecycleNode):  # type: ignore[misc]
             return ""
         return child
 
-    def _complain(self, why: str, *, lasting: bool = False) -> None:
-        """Puts a problem into the log, not too often, and into the next diagnostics, or into all that follow."""
-        now = time.monotonic()
-        if now - self._problems.get(why, -_QUIET_S) >= _QUIET_S:
-            self.get_logger().warning(why)
-        self._problems[why] = float("inf") if lasting else now
-
     def _diagnose(self) -> None:
         engine = self._engine
         if engine is None:
             return
-        now = time.monotonic()
-        while_s = 2.0 / self._configuration["diagnostics_hz"]
-        recent = [why for why, when in self._problems.items() if now - when <= while_s]
-        self._problems = {why: when for why, when in self._problems.items() if now - when < 60.0}
+        recent = self._recent_problems(2.0 / self._configuration["diagnostics_hz"])
         values = {"waiting": str(engine.waiting), "sources": str(len(self._configuration.sources))}
         if self._latencies:
             ordered = sorted(self._latencies)
@@ -430,11 +277,6 @@ class PosemixNode(LifecycleNode):  # type: ignore[misc]
         stamp = self.get_clock().now().nanoseconds
         self._diagnostics.publish(self._make.diagnostics(stamp, statuses))
 
-    @property
-    def latencies_s(self) -> list[float]:
-        """Times between the arrival of the last images and their objects [s]."""
-        return list(self._latencies)
-
 
 def _symmetries_type() -> Any:
     try:
@@ -445,8 +287,3 @@ def _symmetries_type() -> Any:
 
 def _nanoseconds(stamp: Any) -> int:
     return int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec)
-
-
-def _copy(profile: QoSProfile) -> QoSProfile:
-    """A profile that overrides may change."""
-    return QoSProfile(depth=profile.depth, reliability=profile.reliability, durability=profile.durability)

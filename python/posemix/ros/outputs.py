@@ -15,7 +15,7 @@ from posemix.bags.states import DIAGNOSTICS, TrackState, status_of
 from posemix.density import ConcentratedGaussian
 from posemix.interop.ros import covariance_to_ros
 from posemix.lie import SE3
-from posemix.ros.engine import EngineCounts, LiveEstimate
+from posemix.ros.estimates import EngineCounts, LiveEstimate
 
 __all__ = ["Outputs", "fill_pose"]
 

@@ -65,7 +65,7 @@ def heard(world: Live, message: Any) -> bool:
         world.sent = getattr(world, "sent", 0)
         return bool(count > world.sent and setattr(world, "sent", count) is None)
     header = message.transforms[0].header if hasattr(message, "transforms") else message.header
-    line = engine.transforms._live.get("base") if hasattr(message, "transforms") else engine._odometry
+    line = engine.transforms._live.get("base") if hasattr(message, "transforms") else engine.around.odometry
     return line is not None and line.newest_ns == header.stamp.sec * SECOND + header.stamp.nanosec
 
 
