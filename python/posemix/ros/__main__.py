@@ -18,8 +18,9 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         import rclpy
         from rclpy.executors import ExternalShutdownException
+        from rclpy.lifecycle import TransitionCallbackReturn
 
-        from posemix.ros.node import PosemixNode, TransitionCallbackReturn
+        from posemix.ros.node import PosemixNode
     except ImportError as error:
         print(_NEEDED.format(error=error), file=sys.stderr)
         return 1

@@ -46,7 +46,7 @@ _FORGOTTEN_S = 60.0
 
 
 def _message_types() -> dict[str, Any]:
-    found = {}
+    found: dict[str, Any] = {}
     for package, names in _TYPES.items():
         module = import_module(f"{package}.msg")
         found |= {f"{package}/msg/{name}": getattr(module, name) for name in names}

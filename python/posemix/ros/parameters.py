@@ -9,7 +9,7 @@ import enum
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, TypeAlias, TypeVar
+from typing import Any, TypeAlias, TypeVar, cast
 
 import numpy as np
 
@@ -190,7 +190,7 @@ def settings_of(settings: T, values: Mapping[str, Any], prefix: str) -> T:
             setattr(made, name, settings_of(value, values, full + "."))
         elif full in values:
             setattr(made, name, _converted(full, value, values[full]))
-    return made
+    return cast(T, made)
 
 
 def _converted(name: str, old: Any, value: Any) -> Any:
