@@ -14,6 +14,7 @@ from rclpy.duration import Duration
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
+from posemix.lie import SE3
 from posemix.ros.configuration import Source, configuration
 from posemix.ros.engine import Engine
 from posemix.ros.estimates import LiveEstimate
@@ -43,6 +44,8 @@ class PosemixNode(NodeBase):
         self._last: LiveEstimate | None = None
         self._next_markers_s = 0.0
         self._bad = 0
+        # What this node has put below the world in /tf, and hears itself.
+        self._own_frames: set[str] = set()
         self._own_timers: list[Any] = []
         self._jumps: Any = None
 
@@ -129,6 +132,7 @@ class PosemixNode(NodeBase):
         self._engine = self._last = None
         self._bad = 0
         self._problems.clear()
+        self._own_frames.clear()
         self._latencies.clear()
 
     # --- input
@@ -155,21 +159,17 @@ class PosemixNode(NodeBase):
         engine = self._engine
         if engine is None:
             return
-        world, child = self._configuration["world_frame"], self._world_child()
+        world = self._configuration["world_frame"]
         for item in message.transforms:
             parent, name = item.header.frame_id.lstrip("/"), item.child_frame_id.lstrip("/")
-            if parent == world and (name == child or self._is_object(name)):
-                continue  # our own
+            if parent == world and name in self._own_frames:
+                continue
             stamp = None if is_static else _nanoseconds(item.header.stamp)
             t, q = item.transform.translation, item.transform.rotation
             engine.transforms.take(parent, name, (t.x, t.y, t.z, q.x, q.y, q.z, q.w), stamp)
 
     def _take_static(self, message: Any) -> None:
         self._take_transforms(message, is_static=True)
-
-    def _is_object(self, frame: str) -> bool:
-        prefix = self._configuration["tf_prefix"]
-        return self._last is not None and frame.startswith(prefix) and frame[len(prefix) :] in self._last.classes
 
     def _take_odometry(self, message: Any) -> None:
         engine = self._engine
@@ -232,8 +232,9 @@ class PosemixNode(NodeBase):
         self._objects.publish(self._make.objects(estimate))
         if is_new:
             self._latencies.append(time.monotonic() - estimate.arrival_s)
-        transforms = self._make.transforms(estimate, world_child=self._world_child())
+        transforms = self._make.transforms(estimate, self._below_world(estimate))
         if transforms.transforms:
+            self._own_frames.update(item.child_frame_id for item in transforms.transforms)
             self._tf.publish(transforms)
         self._last = estimate
         rate, now = self._configuration["markers_hz"], time.monotonic()
@@ -242,23 +243,32 @@ class PosemixNode(NodeBase):
             of = self._configuration
             self._markers.publish(markers(estimate, self._make, of["markers_sigmas"], of["world_frame"]))
 
-    def _world_child(self) -> str:
-        """The frame that is the world's child by this node; "" where there is none."""
-        of = self._configuration
-        assert self._engine is not None
+    def _below_world(self, estimate: LiveEstimate) -> tuple[str, SE3] | None:
+        """The frame that this node puts below the world, and T_frame_body.
+
+        With odometry it is that of the odometry, without it the root of the tree in which the body is.
+        """
+        of, engine = self._configuration, self._engine
+        assert engine is not None
         if not of["publish_world_tf"]:
-            return ""
-        child = str(of["odom_frame"]) if of.has_odometry else self._engine.around.body
-        if child == of["world_frame"] or not child:
-            return ""
-        parent = self._engine.transforms.parent(child)
-        if parent is not None and parent != of["world_frame"]:
+            return None
+        world = of["world_frame"]
+        if of.has_odometry:
+            child, pose = str(of["odom_frame"]), estimate.odometry
+            if child == world:
+                return None
+            above = engine.transforms.parent(child)
+        else:
+            child = engine.transforms.root(estimate.body)
+            pose = engine.transforms.at(child, estimate.body, estimate.stamp_ns, of["max_gap_s"])
+            above = world if child == world else None
+        if above is not None and (above != world or child == world):
             self._complain(
-                f"'{child}' is below '{parent}' in /tf, so that it is not put below '{of['world_frame']}' "
-                "(publish_world_tf)"
+                f"'{child if child != world else estimate.body}' is below '{above}' in /tf already, so that this node "
+                f"does not say where it is in '{world}' (publish_world_tf)"
             )
-            return ""
-        return child
+            return None
+        return None if pose is None else (child, pose)
 
     def _diagnose(self) -> None:
         engine = self._engine

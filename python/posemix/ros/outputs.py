@@ -102,18 +102,16 @@ class Outputs:
         result.pose.covariance = covariance
         return result
 
-    def transforms(self, estimate: LiveEstimate, *, world_child: str) -> Any:
-        """The TFMessage: confirmed objects in the world, and the world's child (`odom_frame` or the body); "": none."""
+    def transforms(self, estimate: LiveEstimate, below: tuple[str, SE3] | None = None) -> Any:
+        """The TFMessage: confirmed objects in the world, and a frame that is `below` it, with T_frame_body."""
         frame, found = estimate.frame, []
         if self._values["publish_tf"]:
             healths, worlds = frame.healths, frame.objects
             for name in estimate.hypotheses:
                 if healths[name] not in _NOT_IN_TF:
                     found.append((str(self._values["tf_prefix"]) + name, _world_row(worlds[name])))
-        if world_child == estimate.body:
-            found.append((world_child, frame.camera.mean.to_tq()))
-        elif world_child and estimate.odometry is not None:
-            found.append((world_child, (frame.camera.mean * estimate.odometry.inverse()).to_tq()))
+        if below is not None:
+            found.append((below[0], (frame.camera.mean * below[1].inverse()).to_tq()))
         stamp_ns = estimate.stamp_ns + round(self._values["transform_time_offset_s"] * 1e9)
         message = self.types["tf2_msgs/msg/TFMessage"]()
         header = self.header(stamp_ns, str(self._values["world_frame"]))

@@ -86,7 +86,7 @@ NODE = (
     Parameter("publish_tf", True, "Whether /tf has the leading hypothesis of every confirmed object."),
     Parameter(
         "publish_world_tf", True,
-        "Whether /tf has world_frame -> odom_frame (or the body's, without odometry). Off where it has another parent.",
+        "Whether /tf has world_frame -> odom_frame (without odometry: the body's root), if nothing else has.",
     ),
     Parameter("tf_prefix", "", "Prefix of the frames of objects."),
     Parameter("transform_time_offset_s", 0.0, "Added to the stamps in /tf [s]."),

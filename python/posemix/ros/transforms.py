@@ -120,6 +120,13 @@ class LiveTransforms(TransformBuffer):
         """The parent of a frame."""
         return self._parents.get(frame)
 
+    def root(self, frame: str) -> str:
+        """The last of the frames above a frame, or itself."""
+        try:
+            return self._ancestors(frame)[-1]
+        except ValueError:  # a ring
+            return frame
+
     def lookup(
         self, target: str, source: str, stamps_ns: Nanoseconds, *, max_gap_s: float
     ) -> tuple[SE3, npt.NDArray[np.bool_]]:

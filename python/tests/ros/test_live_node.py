@@ -158,3 +158,19 @@ def test_the_world_is_above_the_odometry_unless_something_else_is(live: Callable
     watch(world, 1.0, 1, {"mug": MUG})
     world.status("node", lambda s: "'odom' is below 'earth'" in s.message)
     assert not [t for t in world.transforms if t.child_frame_id == "odom"]
+
+
+def test_without_odometry_the_world_is_above_the_tree_of_the_camera(live: Callable[..., Live]) -> None:
+    world = live(parameters={**STILL, "least_existence": 0.0})
+    place = SE3.exp([0.3, 0.2, 0.1, 0.5, 0.6, 0.7])
+    world.send_transform(transform("base_link", "camera", place), static=True)
+    world.until(lambda: world.node._engine.transforms.parent("camera"), "base_link -> camera")
+    watch(world, 0.0, 1, {"mug": MUG})
+    found = world.until(lambda: [t for t in world.transforms if t.child_frame_id == "base_link"], "map -> base_link")
+    shift = found[-1].transform.translation
+    np.testing.assert_allclose([shift.x, shift.y, shift.z], place.inverse().translation, atol=1e-9)
+    world.send_transform(transform("map", "earth", SE3()), static=True)
+    world.send_transform(transform("earth", "base_link", SE3()), static=True)
+    world.until(lambda: world.node._engine.transforms.root("camera") == "map", "map -> earth -> base_link")
+    watch(world, 1.0, 1, {"mug": MUG})
+    assert "'camera' is below 'map'" in world.status("node", lambda s: s.message != "good").message
