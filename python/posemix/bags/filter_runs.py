@@ -28,30 +28,55 @@ from posemix.slam import (
 )
 
 
+class ClassTable:
+    """Which object or class a detection is of, by the class that it has.
+
+    Parameters
+    ----------
+    models : sequence of ObjectModel
+        Detections are assigned to models by `class_id`, or `id` if that is empty.
+    on_sight : bool
+        Whether a class that no model has is an object of its own, named as the class.
+    """
+
+    def __init__(self, models: Sequence[ObjectModel], on_sight: bool = False) -> None:
+        self._classes = Counter(model.class_id or model.id for model in models)
+        self._single = {
+            m.class_id or m.id: m.id for m in models if self._classes[m.class_id or m.id] == 1
+        }
+        self._on_sight = on_sight
+
+    def assigned(
+        self, class_ids: Sequence[str], scores: Sequence[float]
+    ) -> list[tuple[int, str, str]]:
+        """Of the detections of one image the rows, the highest score first, with the object or the class of each.
+
+        A class with one model has one row at most; rows of other classes than those of the models are left out.
+        """
+        found: list[tuple[int, str, str]] = []
+        taken = set()
+        for row in sorted(range(len(class_ids)), key=lambda r: -scores[r]):
+            name = class_ids[row]
+            if self._classes[name] > 1:
+                found.append((row, "", name))
+            elif name not in taken and (name in self._single or self._on_sight):
+                taken.add(name)
+                found.append((row, self._single.get(name, name), ""))
+        return found
+
+
 def _assigned(
     recording: Recording, models: Sequence[ObjectModel]
 ) -> Iterator[list[tuple[int, str, str]]]:
-    """Of every frame the rows, the highest score first, with the object or the class that each is of.
-
-    A class with one model has one row per frame at most; rows of other classes than those of the models are left out.
-    """
-    classes = Counter(model.class_id or model.id for model in models)
-    single = {m.class_id or m.id: m.id for m in models if classes[m.class_id or m.id] == 1}
+    """The rows of every frame with the object or the class that each is of."""
+    table = ClassTable(models)
     seen = recording.detections
     rows: list[list[int]] = [[] for _ in recording.stamps_ns]
     for row, frame in enumerate(seen.frame.tolist()):
         rows[frame].append(row)
     for of_frame in rows:
-        assigned: list[tuple[int, str, str]] = []
-        taken = set()
-        for row in sorted(of_frame, key=lambda r: -seen.score[r]):
-            name = seen.class_id[row]
-            if name not in single and name in classes:
-                assigned.append((row, "", name))
-            elif name in single and name not in taken:
-                taken.add(name)
-                assigned.append((row, single[name], ""))
-        yield assigned
+        found = table.assigned([seen.class_id[r] for r in of_frame], seen.score[of_frame].tolist())
+        yield [(of_frame[row], name, of_class) for row, name, of_class in found]
 
 
 def _inputs(recording: Recording, models: Sequence[ObjectModel]) -> Iterator[FrameInput]:

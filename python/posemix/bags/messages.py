@@ -52,6 +52,9 @@ _ROS1 = {
 }
 _TF = "geometry_msgs/TransformStamped[] transforms\n"
 
+# Texts of the messages of ROS 2 by package and name.
+ROS2_MESSAGES = {"vision_msgs": _ROS2, "tf2_msgs": {"TFMessage": _TF}}
+
 USER = "posemix.bags"
 INSTALL = "posemix[bags]"
 

@@ -89,9 +89,11 @@ def class_of(result: Any) -> str:
 
 
 def components_of(
-    detection: Any, best: Any, pose: Literal["result", "bbox"]
+    detection: Any, best: Any, best_pose: SE3, pose: Literal["result", "bbox"]
 ) -> list[ObservationComponent]:
     """The results of a detection that are of the class of the best one; of its box the one pose that it has.
+
+    `best_pose` is the pose of the best one, or of the box.
 
     Raises
     ------
@@ -99,26 +101,28 @@ def components_of(
         For a covariance that is not symmetric positive definite, and a pose that is not finite; it names the result.
     """
     if pose == "bbox":
-        return [ObservationComponent(from_pose(detection.bbox.center))]
+        return [ObservationComponent(best_pose)]
     numbers = [i for i, r in enumerate(detection.results) if class_of(r) == class_of(best)]
-    weights = weights_of_scores([score_of(detection.results[i]) for i in numbers])
+    weights = [1.0]
+    if len(numbers) > 1:
+        weights = weights_of_scores([score_of(detection.results[i]) for i in numbers]).tolist()
     components = []
     for number, weight in zip(numbers, weights, strict=True):
         if weight == 0:
             continue
         shaped = detection.results[number].pose
         try:
-            mean = from_pose(shaped.pose)
+            mean = best_pose if detection.results[number] is best else from_pose(shaped.pose)
             covariance = _covariance(mean, np.array(shaped.covariance, dtype=np.float64))
         except ValueError as error:
             raise ValueError(f"result {number}: {error}") from None
-        components.append(ObservationComponent(mean, weight=float(weight), covariance=covariance))
+        components.append(ObservationComponent(mean, weight=weight, covariance=covariance))
     return components
 
 
 def _covariance(mean: SE3, values: FloatArray) -> FloatArray | None:
     """The covariance along the object's axes, rotation first; None where the message gives none."""
-    if is_placeholder_covariance(values):
+    if not values.any() or is_placeholder_covariance(values):
         return None
     if not np.isfinite(values).all():
         raise ValueError("got a covariance that is not finite, expected finite numbers")

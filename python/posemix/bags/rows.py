@@ -79,7 +79,7 @@ class DetectionRows:
         best = max(detection.results, key=score_of)
         shape = best.pose.pose if pose_of == "result" else detection.bbox.center
         pose = from_pose(shape)
-        self.components.append(components_of(detection, best, pose_of))
+        self.components.append(components_of(detection, best, pose, pose_of))
         self.frame.append(frame)
         self.source.append(frame_of(detection.header) or camera)
         self.class_id.append(class_of(best))

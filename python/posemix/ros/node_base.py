@@ -1,0 +1,207 @@
+# SPDX-License-Identifier: MIT
+# SPDX-FileCopyrightText: posemix contributors
+"""What a node of rclpy needs besides its life: parameters, message classes, topics with their quality of service."""
+
+from __future__ import annotations
+
+import re
+import time
+from collections.abc import Callable
+from importlib import import_module
+from typing import Any
+
+from rclpy.lifecycle import LifecycleNode
+from rclpy.parameter import Parameter as RosParameter
+from rclpy.qos import DurabilityPolicy, QoSPolicyKind, QoSProfile, qos_policy_name_from_kind
+from rclpy.qos_overriding_options import QoSOverridingOptions
+
+from posemix.ros.configuration import class_parameters, source_parameters
+from posemix.ros.parameters import Parameter, parameters
+
+try:
+    from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
+except ImportError:  # Humble
+    from rclpy.qos_event import PublisherEventCallbacks, SubscriptionEventCallbacks
+
+__all__ = ["LATCHED", "STATIC", "NodeBase"]
+
+_TYPES = {
+    "builtin_interfaces": ("Time",),
+    "std_msgs": ("Header", "ColorRGBA"),
+    "geometry_msgs": (
+        "Point", "Pose", "PoseWithCovariance", "Quaternion", "Transform", "TransformStamped", "Vector3",
+    ),
+    "vision_msgs": (
+        "BoundingBox3D", "Detection2DArray", "Detection3D", "Detection3DArray", "ObjectHypothesis",
+        "ObjectHypothesisWithPose",
+    ),
+    "tf2_msgs": ("TFMessage",),
+    "nav_msgs": ("Odometry",),
+    "diagnostic_msgs": ("DiagnosticArray", "DiagnosticStatus", "KeyValue"),
+    "visualization_msgs": ("Marker", "MarkerArray"),
+}  # fmt: skip
+_POLICIES = (QoSPolicyKind.HISTORY, QoSPolicyKind.DEPTH, QoSPolicyKind.RELIABILITY, QoSPolicyKind.DURABILITY)
+# Received by all that subscribe later, too.
+LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+STATIC = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+_QUIET_S = 5.0
+_MOST_AT_ONCE = 200
+_FORGOTTEN_S = 60.0
+
+
+def _message_types() -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    for package, names in _TYPES.items():
+        module = import_module(f"{package}.msg")
+        found |= {f"{package}/msg/{name}": getattr(module, name) for name in names}
+    status = found["diagnostic_msgs/msg/DiagnosticStatus"]
+    # The field is a byte, which is no integer in Python's messages.
+    found["diagnostic_msgs/msg/DiagnosticStatus"] = lambda level, **fields: status(
+        level=bytes([level]), **fields
+    )
+    return found
+
+
+class NodeBase(LifecycleNode):  # type: ignore[misc]
+    """Parameters from their list, topics whose quality of service may be overridden, complaints.
+
+    Parameters
+    ----------
+    name : str
+        Name of the node.
+    **options
+        As for rclpy's Node, such as `parameter_overrides`.
+    """
+
+    def __init__(self, name: str, **options: Any) -> None:
+        super().__init__(name, **options)
+        self._types = _message_types()
+        self._declared: list[Parameter] = []
+        self._declare(parameters())
+        values = self._values()
+        self._declare([*source_parameters(values), *class_parameters(values)])
+        self._warn_of_unknown()
+        self._heard: list[Any] = []
+        self._motion: list[Callable[[], None]] = []
+        self._problems: dict[str, tuple[float, str]] = {}
+        self._logged: dict[str, float] = {}
+        self.add_on_set_parameters_callback(self._refuse_changes)
+
+    def _is_configured(self) -> bool:
+        """Whether parameters cannot be changed any more."""
+        raise NotImplementedError
+
+    def _work(self) -> None:
+        """Goes on with what waits for messages of motion."""
+        raise NotImplementedError
+
+    def _declare(self, found: list[Parameter]) -> None:
+        rcl = import_module("rcl_interfaces.msg")
+        for parameter in found:
+            text = parameter.text
+            words = ", ".join(f"'{word}'" for word in parameter.choices)
+            descriptor = rcl.ParameterDescriptor(
+                description=text, additional_constraints=f"One of {words}" if words else ""
+            )
+            value = parameter.default
+            # A number that is written without a point is one, too.
+            given = self._parameter_overrides.get(parameter.name)
+            is_integer = given is not None and given.type_ == RosParameter.Type.INTEGER
+            if isinstance(value, float) and is_integer:
+                self.declare_parameter(parameter.name, float(given.value), descriptor, ignore_override=True)
+            else:
+                self.declare_parameter(parameter.name, value, descriptor)
+        self._declared += found
+
+    def _values(self) -> dict[str, Any]:
+        found = {}
+        for parameter in self._declared:
+            value = self.get_parameter(parameter.name).value
+            found[parameter.name] = list(value) if isinstance(parameter.default, list) else value
+        return found
+
+    def _warn_of_unknown(self) -> None:
+        for name in self._parameter_overrides:
+            if not self.has_parameter(name) and not name.startswith("qos_overrides."):
+                self.get_logger().warning(f"there is no parameter '{name}'; it is ignored")
+
+    def _refuse_changes(self, changed: list[Any]) -> Any:
+        rcl = import_module("rcl_interfaces.msg")
+        mine = {parameter.name for parameter in self._declared}
+        names = [p.name for p in changed if p.name in mine]
+        if names and self._is_configured():
+            reason = f"{names[0]} is read when the node is configured: clean it up, set it and configure it again"
+            return rcl.SetParametersResult(successful=False, reason=reason)
+        return rcl.SetParametersResult(successful=True)
+
+    def _publisher(self, kind: str, topic: str, profile: QoSProfile) -> Any:
+        return self.create_lifecycle_publisher(
+            self._types[kind], topic, _copy(profile),
+            event_callbacks=PublisherEventCallbacks(
+                incompatible_qos=lambda e: self._incompatible(topic, "subscription", e)
+            ),
+            qos_overriding_options=QoSOverridingOptions(_POLICIES),
+        )  # fmt: skip
+
+    def _listen(self, kind: Any, topic: str, profile: QoSProfile, callback: Any, is_motion: bool = False) -> None:
+        """Subscribes. Messages of motion are all taken before the images that may wait for them."""
+        cls = self._types[kind] if isinstance(kind, str) else kind
+
+        def take_all() -> None:
+            for _ in range(_MOST_AT_ONCE):
+                found = subscription.handle.take_message(cls, False)
+                if found is None:
+                    break
+                callback(found[0])
+
+        def take(message: Any) -> None:
+            callback(message)
+            self._work()
+
+        if is_motion:
+            self._motion.append(take_all)
+        self._heard.append(
+            subscription := self.create_subscription(
+                cls, topic, take if is_motion else callback, _copy(profile),
+                event_callbacks=SubscriptionEventCallbacks(
+                    incompatible_qos=lambda e: self._incompatible(topic, "publisher", e)
+                ),
+                qos_overriding_options=QoSOverridingOptions(_POLICIES),
+            )
+        )  # fmt: skip
+
+    def _incompatible(self, topic: str, other: str, event: Any) -> None:
+        policy = qos_policy_name_from_kind(event.last_policy_kind)
+        self._complain(
+            f"a {other} of {topic} has another {policy}, so that nothing passes; the parameters "
+            f"qos_overrides.{self.resolve_topic_name(topic)}.* set ours",
+            lasting=True,
+        )
+
+    def _be_deaf(self) -> None:
+        """Lets go of all subscriptions."""
+        for subscription in self._heard:
+            self.destroy_subscription(subscription)
+        self._heard, self._motion = [], []
+
+    def _complain(self, why: str, *, lasting: bool = False) -> None:
+        """Puts a problem into the log, not too often, and into the next diagnostics, or into all that follow."""
+        now = time.monotonic()
+        # The same at another stamp is the same.
+        key = re.sub(r"[\d.]{6,}", "", why)
+        if now - self._logged.get(key, -_QUIET_S) >= _QUIET_S:
+            self.get_logger().warning(why)
+            self._logged[key] = now
+        self._problems[key] = (float("inf") if lasting else now, why)
+
+    def _recent_problems(self, within_s: float) -> list[str]:
+        """What was complained of lately, and what lasts."""
+        now = time.monotonic()
+        self._problems = {key: of for key, of in self._problems.items() if now - of[0] < _FORGOTTEN_S}
+        self._logged = {key: when for key, when in self._logged.items() if now - when < _FORGOTTEN_S}
+        return [why for when, why in self._problems.values() if now - when <= within_s]
+
+
+def _copy(profile: QoSProfile) -> QoSProfile:
+    """A profile that overrides may change."""
+    return QoSProfile(depth=profile.depth, reliability=profile.reliability, durability=profile.durability)

@@ -1,0 +1,176 @@
+# SPDX-License-Identifier: MIT
+# SPDX-FileCopyrightText: posemix contributors
+"""The node in a real ROS 2: life cycle, parameters, quality of service, services, outputs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+pytest.importorskip("rclpy")
+
+from lifecycle_msgs.msg import Transition
+from rcl_interfaces.srv import DescribeParameters
+from rclpy.parameter import Parameter
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+from std_srvs.srv import Trigger
+
+from posemix import SE3, SO3
+
+from .live import Live, at, detections, transform, values_of
+
+MUG = SE3(SO3.exp([0.1, 0.2, 0.3]), [0.1, 0.0, 0.8])
+BOX = SE3(SO3.exp([0.0, 0.0, 1.0]), [-0.2, 0.1, 1.0])
+STILL = {"motion.model": "still"}
+
+
+def watch(live: Live, first: float, images: int, seen: dict[str, Any], period: float = 0.2) -> None:
+    """So many images, one after the other."""
+    before = live.counts()["images"]
+    for i in range(images):
+        live.detect(detections(at(first + period * i), seen))
+        live.taken(before + i + 1)
+
+
+def test_life_cycle(live: Callable[..., Live]) -> None:
+    world = live(parameters={**STILL, "least_existence": 0.0}, active=False)
+    assert world.state == "unconfigured"
+    assert world.change(Transition.TRANSITION_CONFIGURE) and world.state == "inactive"
+    world.detect(detections(at(0.0), {"mug": MUG}))
+    world.spin(0.2)
+    assert world.counts()["images"] == 0 and not world.objects
+    assert world.change(Transition.TRANSITION_ACTIVATE) and world.state == "active"
+    world.until(world._is_connected, "the partner is connected")
+    watch(world, 1.0, 2, {"mug": MUG})
+    assert world.newest(at(1.2))["mug"].results[0].hypothesis.class_id == "mug"
+    assert world.change(Transition.TRANSITION_DEACTIVATE)
+    world.detect(detections(at(2.0), {"mug": MUG}))
+    world.spin(0.2)
+    assert world.counts()["images"] == 2
+    # What is known outlives a pause, and nothing a clean-up.
+    assert world.change(Transition.TRANSITION_ACTIVATE)
+    world.until(world._is_connected, "the partner is connected again")
+    watch(world, 3.0, 1, {"box": BOX})
+    assert set(world.newest(at(3.0))) == {"mug", "box"}
+    assert world.change(Transition.TRANSITION_DEACTIVATE) and world.change(Transition.TRANSITION_CLEANUP)
+    assert world.state == "unconfigured" and world.counts() == {}
+    assert world.change(Transition.TRANSITION_CONFIGURE) and world.change(Transition.TRANSITION_ACTIVATE)
+    assert world.counts()["images"] == 0
+    assert world.change(Transition.TRANSITION_ACTIVE_SHUTDOWN) and world.state == "finalized"
+
+
+def test_parameters(live: Callable[..., Live]) -> None:
+    world = live(parameters={"filter.max_hypotheses": 5, "max_gap_s": 1}, active=False)
+    node = world.node
+    described = world.partner.create_client(DescribeParameters, "/posemix/describe_parameters")
+    names = ["filter.max_hypotheses", "motion.model", "detections.type"]
+    found = world.call(described, DescribeParameters.Request(names=names)).descriptors
+    assert all(len(d.description) > 10 for d in found) and "still" in found[1].additional_constraints
+    assert node.get_parameter("max_gap_s").value == 1.0
+    assert world.change(Transition.TRANSITION_CONFIGURE)
+    assert node._configuration.tracker.filter.max_hypotheses == 5
+    result = node.set_parameters([Parameter("max_gap_s", value=0.1)])[0]
+    assert not result.successful and "max_gap_s" in result.reason
+    assert world.change(Transition.TRANSITION_CLEANUP)
+    assert node.set_parameters([Parameter("max_gap_s", value=0.1)])[0].successful
+    for name, wrong in (("motion.model", "running"), ("max_gap_s", -1.0), ("filter.max_hypotheses", 0)):
+        before = node.get_parameter(name)
+        assert node.set_parameters([Parameter(name, value=wrong)])[0].successful
+        assert not world.change(Transition.TRANSITION_CONFIGURE) and world.state == "unconfigured"
+        node.set_parameters([before])
+    assert world.change(Transition.TRANSITION_CONFIGURE) and node._configuration["max_gap_s"] == 0.1
+
+
+def test_a_publisher_whose_quality_of_service_does_not_fit_is_reported(live: Callable[..., Live]) -> None:
+    poor = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
+    world = live(parameters=STILL, active=False, detector_qos=poor)
+    assert world.change(Transition.TRANSITION_CONFIGURE) and world.change(Transition.TRANSITION_ACTIVATE)
+    status = world.status("node", lambda s: "RELIABILITY" in s.message)
+    assert status.level == b"\x01" and "/posemix/detections" in status.message
+    world.detect(detections(at(0.0), {"mug": MUG}))
+    world.spin(0.3)
+    assert world.counts()["images"] == 0
+
+
+def test_sensor_data_is_taken_by_default(live: Callable[..., Live]) -> None:
+    poor = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
+    plain = {"qos_overrides./posemix/detections.subscription.reliability": "best_effort"}
+    world = live(parameters={**STILL, **plain}, detector_qos=poor)
+
+    def sent() -> bool:
+        world.detect(detections(at(0.1 * world.counts()["images"]), {"mug": MUG}))
+        return world.counts()["images"] > 0
+
+    world.until(sent, "an image is taken in")
+
+
+def test_what_is_published(live: Callable[..., Live]) -> None:
+    world = live(parameters={**STILL, "markers_hz": 1000.0, "least_existence": 0.0})
+    flipped = MUG * SE3(SO3.exp([0.0, 0.0, np.pi]))
+    watch(world, 0.0, 12, {"mug": [[(MUG, 0.6), (flipped, 0.4)]], "box": BOX}, period=0.5)
+    found = world.newest(at(5.5))
+    mug = found["mug"]
+    assert set(found) == {"mug", "box"} and len(mug.results) == 2
+    weights = [r.hypothesis.score for r in mug.results]
+    assert sum(weights) == pytest.approx(1.0) and weights == sorted(weights, reverse=True)
+    covariance = np.array(mug.results[0].pose.covariance).reshape((6, 6))
+    assert np.linalg.eigvalsh(covariance)[0] > 0 and np.allclose(covariance, covariance.T)
+    leading = mug.results[0].pose.pose.position
+    np.testing.assert_allclose([leading.x, leading.y, leading.z], MUG.translation, atol=0.02)
+    # The box is confirmed, and so in /tf, as is the camera.
+    world.until(lambda: {t.child_frame_id for t in world.transforms} >= {"box", "camera"}, "transforms")
+    status = world.status("box", lambda s: s.message == "good")
+    values = values_of(status)
+    assert status.level == b"\x00" and float(values["existence"]) > 0.95 and values["register_again"] == "false"
+    assert float(values["mode_probability"]) > 0.9
+    assert world.status("mug").message == "ambiguous"
+    node = values_of(world.status("node"))
+    assert node["images"] == "12" and float(node["latency_99_ms"]) > 0.0
+    ellipsoids = [m for m in world.markers[-1].markers if m.ns == "mug/ellipsoids"]
+    assert len(ellipsoids) == 2 and ellipsoids[0].color.a > ellipsoids[1].color.a
+    assert {m.ns for m in world.markers[-1].markers} >= {"box/axes", "box/ellipsoids", "box/name", "mug/axes"}
+
+
+def test_reset(live: Callable[..., Live]) -> None:
+    world = live(parameters={**STILL, "least_existence": 0.0})
+    watch(world, 0.0, 3, {"mug": MUG})
+    reset = world.partner.create_client(Trigger, "/posemix/reset")
+    assert world.call(reset, Trigger.Request()).success
+    # An earlier stamp than before is no jump now.
+    watch(world, -5.0, 1, {"box": BOX})
+    assert set(world.newest(at(-5.0))) == {"box"} and world.counts()["resets"] == 1
+
+
+def test_the_world_is_above_the_odometry_unless_something_else_is(live: Callable[..., Live]) -> None:
+    world = live(parameters={"least_existence": 0.0})
+    world.move(at(0.0), SE3(translation=[1.0, 0.0, 0.0]))
+    watch(world, 0.0, 1, {"mug": MUG})
+    found = world.until(lambda: [t for t in world.transforms if t.child_frame_id == "odom"], "map -> odom")
+    shift = found[-1].transform.translation
+    np.testing.assert_allclose([shift.x, shift.y, shift.z], 0.0, atol=1e-9)
+    world.send_transform(transform("earth", "odom", SE3(), at(0.5)))
+    world.until(lambda: world.node._engine.transforms.parent("odom") == "earth", "earth -> odom")
+    world.transforms.clear()
+    world.move(at(1.0), SE3(translation=[1.0, 0.0, 0.0]))
+    watch(world, 1.0, 1, {"mug": MUG})
+    world.status("node", lambda s: "'odom' is below 'earth'" in s.message)
+    assert not [t for t in world.transforms if t.child_frame_id == "odom"]
+
+
+def test_without_odometry_the_world_is_above_the_tree_of_the_camera(live: Callable[..., Live]) -> None:
+    world = live(parameters={**STILL, "least_existence": 0.0})
+    place = SE3.exp([0.3, 0.2, 0.1, 0.5, 0.6, 0.7])
+    world.send_transform(transform("base_link", "camera", place), static=True)
+    world.until(lambda: world.node._engine.transforms.parent("camera"), "base_link -> camera")
+    watch(world, 0.0, 1, {"mug": MUG})
+    found = world.until(lambda: [t for t in world.transforms if t.child_frame_id == "base_link"], "map -> base_link")
+    shift = found[-1].transform.translation
+    np.testing.assert_allclose([shift.x, shift.y, shift.z], place.inverse().translation, atol=1e-9)
+    world.send_transform(transform("map", "earth", SE3()), static=True)
+    world.send_transform(transform("earth", "base_link", SE3()), static=True)
+    world.until(lambda: world.node._engine.transforms.root("camera") == "map", "map -> earth -> base_link")
+    watch(world, 1.0, 1, {"mug": MUG})
+    assert "'camera' is below 'map'" in world.status("node", lambda s: s.message != "good").message
