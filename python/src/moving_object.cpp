@@ -226,18 +226,25 @@ void bind_smoothing(nb::module_& m) {
           },
           "sensor"_a, "models"_a = nb::none(), "settings"_a = nb::none(),
           "most_steps"_a = nb::none())
-      .def("update", &S::update, "observation"_a, "camera"_a, "frames"_a = Frames{},
-           "Predicts to the observation's stamp, then takes it in, as `MovingObjectFilter.update`.")
+      .def(
+          "update",
+          [](S& self, const Observation& observation, const KnownCamera& camera,
+             const Frames& frames, const std::optional<Matrix6d>& change) {
+            return self.update(observation, camera, frames, change.value_or(Matrix6d::Zero()));
+          },
+          "observation"_a, "camera"_a, "frames"_a = Frames{}, "change"_a = nb::none(),
+          "Predicts to the observation's stamp, then takes it in, as `MovingObjectFilter.update`. "
+          "`change` is the covariance, shape (6, 6), by which the error of the camera's pose has "
+          "changed since the last step (perturbation on the left, world frame).")
       .def(
           "predict",
           [](S& self, double time_s, const Frames& frames, const std::optional<Matrix6d>& change) {
             self.predict(time_s, frames, change.value_or(Matrix6d::Zero()));
           },
           "time_s"_a, "frames"_a = Frames{}, "change"_a = nb::none(),
-          "A step to a time [s] without an observation, as `MovingObjectFilter.predict`. `change` "
-          "is "
-          "the covariance, shape (6, 6), by which the error of the camera's pose has changed since "
-          "the last step (perturbation on the left, world frame).")
+          "A step to a time [s] without an observation, as `MovingObjectFilter.predict`; `change` "
+          "as "
+          "for `update`.")
       .def("smoothed", &S::smoothed, nb::call_guard<nb::gil_scoped_release>(),
            "The object at the times of the steps that are kept, the oldest first, given all "
            "observations so far.")

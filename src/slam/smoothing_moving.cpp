@@ -45,17 +45,20 @@ SmoothedTrack smoothed_track(const FilteredRun& run, std::size_t object, const O
   std::vector<std::size_t> steps;  // by frame, the number of steps so far
   std::size_t taken = 0;
   for (std::size_t k = 0; k < run.named.stamps.size(); ++k) {
-    if (taken > 0) {
-      smoother.predict(run.named.stamps[k], run.known_frames[k], errors[k].change);
-      ++taken;
-    }
+    const std::size_t before = taken;
     for (const ObservedObject& seen : run.observed[k]) {
       if (seen.object != object) continue;
       Observation observation = seen.observation;
       observation.stamp_s = run.named.stamps[k];
       const KnownFrame camera{frames[k].camera.mean() * seen.source.body_camera,
                               errors[k].of_image};
-      smoother.update(observation, {.frame = camera}, run.known_frames[k]);
+      // An object that was not seen so far has no place that could change.
+      smoother.update(observation, {.frame = camera}, run.known_frames[k],
+                      taken == before && taken > 0 ? errors[k].change : Matrix6d(Matrix6d::Zero()));
+      ++taken;
+    }
+    if (taken == before && taken > 0) {
+      smoother.predict(run.named.stamps[k], run.known_frames[k], errors[k].change);
       ++taken;
     }
     steps.push_back(taken);

@@ -6,8 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "moving_orbit.hpp"
-#include "posemix/slam/smoothing.hpp"
+#include "moving_recording.hpp"
 #include "posemix/testing/expect.hpp"
 #include "smoothing_scene.hpp"
 
@@ -15,99 +14,7 @@
 namespace posemix {
 namespace {
 
-using testing::draw;
-using testing::expect_same_bits;
-using testing::hand;
-using testing::isotropic;
-using testing::moving_by;
-using testing::MovingOrbit;
-using testing::nees_of;
-using testing::plain_slam;
-using testing::pose;
-using testing::ray_noise;
-using testing::thrown_message;
-
-constexpr std::size_t kLength = 60;
-constexpr std::size_t kMoved = 30;  ///< from this frame on the cup is elsewhere
-constexpr std::size_t kHand = 2;
-constexpr std::size_t kCup = 3;
-
-/// A camera circles a box and a mug, a hand that moves, and a cup that is put down elsewhere.
-struct Recorded {
-  explicit Recorded(std::uint64_t seed, double odometry_sd_m = 1e-3) {
-    MovingOrbit scene(seed);
-    scene.q = isotropic(0.05, odometry_sd_m);
-    models = testing::static_models();
-    models.push_back(hand());
-    models.push_back({.id = "cup", .noise = hand().noise, .motion = moving_by(PutDownMotion{})});
-    for (const ObjectModel& model : models) sequence.objects.push_back({model.id, {}, {}, {}});
-    settings.tracker = plain_slam();
-    std::get<MultiObjectSlamSettings>(settings.tracker).moving = testing::plain_moving_settings();
-    settings.motion.noise = {scene.q, NoisePer::frame};
-    prior.emplace(SE3d::exp(draw(isotropic(0.3, 0.005), scene.stream)) * scene.camera,
-                  isotropic(0.3, 0.005));
-    SE3d odometry;
-    for (std::size_t k = 0; k < kLength; ++k) {
-      if (k > 0) odometry = odometry * scene.next();
-      const SE3d cup =
-          k < kMoved ? pose(0.1, 0, 0.4, -0.15, -0.1, 0.02) : pose(0.1, 0, 1.4, 0.12, -0.15, 0.02);
-      sequence.stamps.push_back(0.1 * static_cast<double>(k));
-      sequence.odometry.emplace_back(odometry);
-      cameras.push_back(scene.camera);
-      truth.push_back({scene.moving.truth, cup});
-      add(0, scene.detect(0, 0.0, 0.0));
-      add(1, scene.detect(1, 0.0, 0.0));
-      add(kHand, k % 3 == 2 ? std::nullopt : std::optional(scene.moving.inlier()));
-      add(kCup, k % 4 == 1 || k < 2
-                    ? std::nullopt
-                    : std::optional(scene.moving.erring(cup, hand().noise.components().front())));
-    }
-  }
-  void add(std::size_t object, const std::optional<SE3d>& seen) {
-    sequence.objects[object].detections.push_back(seen);
-  }
-  SlamRun smoothed(const RunOptions& options = {}) const {
-    return run_smoothed(sequence, *prior, models, settings, {}, options);
-  }
-  SlamRun filtered() const { return run(sequence, *prior, models, settings); }
-
-  Sequence sequence;
-  std::vector<ObjectModel> models;
-  ObjectSlamSettings settings;
-  std::optional<PoseDensity> prior;
-  std::vector<SE3d> cameras;
-  std::vector<std::array<SE3d, 2>> truth;  ///< hand, cup
-};
-
-double squared_distance(const PoseDensity& estimate, const SE3d& truth) {
-  return (estimate.mean().translation() - truth.translation()).squaredNorm();
-}
-
-/// Sums over frames and objects that move.
-struct Sums {
-  double squares[2] = {};
-  double world[2] = {};
-  double relative[2] = {};
-  double camera = 0.0;
-  double count[2] = {};
-
-  void add(const Recorded& recorded, const SlamRun& run) {
-    for (std::size_t k = 0; k < kLength; ++k) {
-      const FrameEstimate& frame = run.frames[k];
-      camera += squared_distance(frame.camera, recorded.cameras[k]);
-      for (std::size_t i = 0; i < 2; ++i) {
-        const std::size_t object = kHand + i;
-        if (!frame.objects[object]) continue;
-        const SE3d& truth = recorded.truth[k][i];
-        squares[i] += squared_distance(*frame.objects[object], truth);
-        world[i] += nees_of(truth, *frame.objects[object]) / 6.0;
-        relative[i] +=
-            nees_of(recorded.cameras[k].inverse() * truth, *frame.relative[object]) / 6.0;
-        count[i] += 1.0;
-      }
-    }
-  }
-};
+using namespace testing;  // NOLINT(google-build-using-namespace)
 
 TEST(SmoothingMoving, ErrorsAreSmallerThanTheFiltersAndAsStated) {
   Sums filtered;
@@ -250,15 +157,13 @@ TEST(SmoothingMoving, DetectionsOfAClassAreSmoothedAsTheFilterAssignsThem) {
   const SlamRun a = recorded.smoothed();
   const SlamRun b = other.smoothed();
   ASSERT_EQ(b.frames.size(), kLength);
-  EXPECT_LT(testing::distance(a.frames[40].camera.mean(), b.frames[40].camera.mean()), 0.005);
+  EXPECT_LT(distance(a.frames[40].camera.mean(), b.frames[40].camera.mean()), 0.005);
   for (std::size_t j = 0; j < 2; ++j) {
     ASSERT_TRUE(b.frames[40].objects[j]);
-    EXPECT_LT(testing::distance(a.frames[40].objects[j]->mean(), b.frames[40].objects[j]->mean()),
-              0.01);
+    EXPECT_LT(distance(a.frames[40].objects[j]->mean(), b.frames[40].objects[j]->mean()), 0.01);
   }
   for (std::size_t j = kHand; j <= kCup; ++j)
-    EXPECT_LT(testing::distance(a.frames[40].objects[j]->mean(), b.frames[40].objects[j]->mean()),
-              0.02);
+    EXPECT_LT(distance(a.frames[40].objects[j]->mean(), b.frames[40].objects[j]->mean()), 0.02);
 }
 
 TEST(SmoothingMoving, NoObjectIsForgottenBecauseOfHowItBegan) {

@@ -28,15 +28,15 @@ class MovingObjectSmoother {
                                 const MovingObjectSettings& settings = {},
                                 std::optional<std::size_t> most_steps = {});
 
-  /// As MovingObjectFilter::update.
-  /// @throws InvalidInput as there
-  MovingObjectReport update(const Observation& observation, const KnownCamera& camera,
-                            const std::vector<KnownFrame>& frames = {});
-
-  /// As MovingObjectFilter::predict: a step without an observation. `change` is the covariance by
-  /// which the error of the camera's pose has changed since the last step (perturbation on the
-  /// left, world frame).
+  /// As MovingObjectFilter::update. `change` is the covariance by which the error of the camera's
+  /// pose has changed since the last step (perturbation on the left, world frame).
   /// @throws InvalidInput as there, and for a covariance that is not positive semidefinite
+  MovingObjectReport update(const Observation& observation, const KnownCamera& camera,
+                            const std::vector<KnownFrame>& frames = {},
+                            const Matrix6d& change = Matrix6d::Zero());
+
+  /// As MovingObjectFilter::predict: a step without an observation.
+  /// @throws InvalidInput as update
   void predict(double time_s, const std::vector<KnownFrame>& frames = {},
                const Matrix6d& change = Matrix6d::Zero());
 
@@ -48,7 +48,10 @@ class MovingObjectSmoother {
   const MovingObjectFilter& filter() const { return filter_; }
 
  private:
-  void keep_record();
+  /// The filter at a later time, before a camera whose error has changed.
+  MovingObjectFilter predicted(double time_s, const std::vector<KnownFrame>& frames,
+                               const Matrix6d& change) const;
+  void keep_record(const Matrix6d& change);
 
   MovingObjectFilter filter_;
   std::optional<std::size_t> most_steps_;

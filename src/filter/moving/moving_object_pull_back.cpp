@@ -111,8 +111,8 @@ void MovingObjectState::trace_weights(const std::vector<MovingHypothesis>& birth
       trace_->weights.emplace_back(hypothesis.id, hypothesis.weights.by_model());
 }
 
-void MovingObjectState::trace_prediction(const Matrix6d& change) {
-  trace_ = StepTrace{.change = change};
+void MovingObjectState::trace_prediction() {
+  trace();
   trace_weights({});
 }
 
@@ -135,7 +135,7 @@ PlacedObject MovingObjectState::smoothed_mixture(const PlacedObject& mixed, std:
     predicted.set_motion(motion.state, motion.jacobian);
     f.topLeftCorner<12, 12>() = motion.jacobian;
   }
-  predicted.covariance.topLeftCorner<6, 6>() += next.trace.change;
+  predicted.covariance.topLeftCorner<6, 6>() += next.change;
   const auto slow = sensor().slow_covariance();
   for (const auto& [id, correlation] : next.trace.correlation) {
     if (id != hypothesis.id || !slow) continue;

@@ -18,24 +18,40 @@ MovingObjectSmoother::MovingObjectSmoother(ObjectSensor sensor, MotionModels mod
 
 MovingObjectReport MovingObjectSmoother::update(const Observation& observation,
                                                 const KnownCamera& camera,
-                                                const std::vector<KnownFrame>& frames) {
-  MovingObjectReport report = filter_.update(observation, camera, frames);
-  keep_record();
+                                                const std::vector<KnownFrame>& frames,
+                                                const Matrix6d& change) {
+  MovingObjectReport report;
+  if (change.isZero(0.0)) {
+    report = filter_.update(observation, camera, frames);
+  } else {
+    MovingObjectFilter updated = predicted(observation.stamp_s, frames, change);
+    report = updated.update(observation, camera, frames);
+    filter_ = std::move(updated);
+  }
+  keep_record(change);
   return report;
 }
 
 void MovingObjectSmoother::predict(double time_s, const std::vector<KnownFrame>& frames,
                                    const Matrix6d& change) {
-  MovingObjectFilter predicted(filter_);
-  predicted.predict(time_s, frames);
-  predicted.move_world(SE3d(), change, predicted.state_->constant_covariance());
-  predicted.state_->trace_prediction(change);
-  filter_ = std::move(predicted);
-  keep_record();
+  filter_ = predicted(time_s, frames, change);
+  filter_.state_->trace_prediction();
+  keep_record(change);
 }
 
-void MovingObjectSmoother::keep_record() {
-  records_.push_back(std::make_shared<internal::StepRecord>(filter_.state_->record()));
+MovingObjectFilter MovingObjectSmoother::predicted(double time_s,
+                                                   const std::vector<KnownFrame>& frames,
+                                                   const Matrix6d& change) const {
+  MovingObjectFilter later(filter_);
+  later.predict(time_s, frames);
+  later.move_world(SE3d(), change, later.state_->constant_covariance());
+  return later;
+}
+
+void MovingObjectSmoother::keep_record(const Matrix6d& change) {
+  internal::StepRecord record = filter_.state_->record();
+  record.change = change;
+  records_.push_back(std::make_shared<internal::StepRecord>(std::move(record)));
   if (most_steps_ && records_.size() > *most_steps_) records_.pop_front();
 }
 

@@ -62,7 +62,6 @@ struct StepTrace {
   std::vector<std::pair<std::uint64_t, double>> correlation = {};
   Vector6d slow_factor = Vector6d::Ones();  ///< of the scale of the slow error, learned
   KnownFrame camera = {};
-  Matrix6d change = Matrix6d::Zero();  ///< of the error of the camera's pose, a covariance
 };
 
 /// The hypotheses and the case that the place is not known.
@@ -78,6 +77,7 @@ struct StepRecord {
   std::vector<KnownFrame> frames;
   Matrix6d constant;
   StepTrace trace;
+  Matrix6d change = Matrix6d::Zero();  ///< covariance, of the error of the camera's pose
 };
 
 class MovingObjectState {
@@ -111,7 +111,7 @@ class MovingObjectState {
   /// From now on updates leave a trace.
   void trace() { trace_.emplace(); }
   /// The trace of a step without an observation.
-  void trace_prediction(const Matrix6d& change);
+  void trace_prediction();
   /// The posterior, with the trace of the last update.
   StepRecord record() const;
   /// The posterior becomes that of a record, with the hypotheses and weights of `belief`.
