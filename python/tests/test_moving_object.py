@@ -88,6 +88,24 @@ def test_a_smoother_keeps_the_last_steps() -> None:
         px.MovingObjectSmoother(px.ObjectSensor(), most_steps=0)
 
 
+def test_a_smoother_takes_steps_without_observations_and_changes_of_the_camera() -> None:
+    steps, _ = recording(3, 20)
+    kept = px.MovingObjectSmoother(px.ObjectSensor(noise=noise()), models())
+    changed = px.MovingObjectSmoother(px.ObjectSensor(noise=noise()), models())
+    for step in steps:
+        if step.observation.stamp_s > 1.0:
+            kept.predict(step.observation.stamp_s - 0.05)
+            changed.predict(step.observation.stamp_s - 0.05, change=1e-4 * np.eye(6))
+        kept.update(step.observation, step.camera)
+        changed.update(step.observation, step.camera, change=1e-4 * np.eye(6))
+    assert len(kept.smoothed()) == len(changed.smoothed()) == 29
+    for a, b in zip(kept.smoothed()[12:], changed.smoothed()[12:], strict=True):
+        assert np.trace(a.hypotheses[0].world.covariance) < np.trace(b.hypotheses[0].world.covariance)
+    with pytest.raises(ValueError, match="semidefinite"):
+        kept.predict(5.0, change=-np.eye(6))
+    assert kept.filter.time_s == steps[-1].observation.stamp_s
+
+
 def test_an_object_in_a_gripper_moves_with_it() -> None:
     tracker = px.MovingObjectFilter(px.ObjectSensor(noise=noise()), px.MotionModels(models=[px.AttachedMotion()]))
     for k in range(20):

@@ -123,6 +123,7 @@ ImageList read_images(const TomlTable& camera, const FileFinder& files) {
 std::vector<std::vector<std::string>> ImageList::on(const Timeline& timeline,
                                                     const std::vector<BodyCamera>& cameras) const {
   std::vector<std::string> names;
+  names.reserve(cameras.size() + 1);
   for (const BodyCamera& camera : cameras) names.push_back(camera.name);
   if (names.empty()) names.emplace_back();
   if (all) return std::vector(timeline.size(), names);
