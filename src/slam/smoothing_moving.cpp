@@ -163,6 +163,9 @@ class MovingSmoothing {
                         .relative = std::vector<std::optional<PoseDensity>>(count),
                         .pose_indices = std::vector<std::optional<std::size_t>>(count),
                         .mode_probabilities = std::vector<std::optional<double>>(count),
+                        .existences = filtered.existences,
+                        .healths = filtered.healths,
+                        .register_again = filtered.register_again,
                         .report = filtered.report,
                         .ids = filtered.ids};
     frame.report.seconds += fixed.report.seconds;
@@ -175,6 +178,9 @@ class MovingSmoothing {
         frame.relative[j] = fixed.relative[*at];
         frame.pose_indices[j] = fixed.pose_indices[*at];
         frame.mode_probabilities[j] = fixed.mode_probabilities[*at];
+        // The mode is right where the place is.
+        if (frame.mode_probabilities[j] && put_down_of(models_[j].motion) && tracks_[j][k])
+          *frame.mode_probabilities[j] *= tracks_[j][k]->hypotheses.front().probability;
         if (!frame.alternatives.empty()) frame.alternatives[j] = fixed.alternatives[*at];
       } else if (has_own_track(models_[j].motion) && tracks_[j][k]) {
         report_moving(j, *tracks_[j][k], errors_[k], frame);

@@ -35,8 +35,14 @@ void correct(PlacedObject& object, const Vector18d& shift, const Matrix18d& redu
     object.covariance.col(k).array() -=
         (gain.array() + gain[k] - gain.array() * gain[k]) * reduction.col(k).array();
   }
+  const Vector18d moved = gain.cwiseProduct(shift);
+  object.move(moved);
+  // The covariance is of perturbations of the mean before: the inverse of
+  // PlacedObject::transported.
+  const Matrix6d jacobian = SE3d::left_jacobian(moved.head<6>());
+  object.covariance.topRows<6>() = (jacobian * object.covariance.topRows<6>()).eval();
+  object.covariance.leftCols<6>() = (object.covariance.leftCols<6>() * jacobian.transpose()).eval();
   symmetrize(object.covariance);
-  object.move(gain.cwiseProduct(shift));
 }
 
 }  // namespace
