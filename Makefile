@@ -8,7 +8,7 @@ PREFIX ?= /usr/local
 PYTHON ?= python3
 PROGRAM := build/release/posemix
 FORMATTED = $(shell find include src tests bench -name '*.hpp' -o -name '*.cpp')
-SCRIPTS := tools/bootstrap tools/report_inputs .ci/run
+SCRIPTS := tools/bootstrap tools/deb_test tools/debian_root tools/wheel_test tools/make_release tools/report_inputs .ci/run
 
 export CMAKE_BUILD_PARALLEL_LEVEL = $(JOBS)
 export CTEST_PARALLEL_LEVEL = $(JOBS)
@@ -18,7 +18,8 @@ PYTHON_SOURCES = $(shell find python -name '*.py' -o -name '*.?pp' -o -name CMak
 
 VENV_PIP = $(VENV)/bin/pip install --quiet --disable-pip-version-check
 
-.PHONY: help build built demo test test-cpp test-python test-ros report-test fuzz bench format style lint tidy docs coverage install clean
+.PHONY: help build built demo test test-cpp test-python test-ros report-test fuzz bench deb deb-test wheels wheels-test release format style lint tidy docs \
+  coverage install clean
 .DELETE_ON_ERROR:
 
 help:
@@ -27,6 +28,11 @@ help:
 	@echo 'make test       build and run all tests: test-cpp, test-python, report-test (the report page in a browser), test-ros'
 	@echo 'make fuzz       the tests that damage files, under sanitizers'
 	@echo 'make bench      build and run the benchmarks, results into build/bench; then those of the report page in a browser'
+	@echo 'make deb        Debian packages of program and library, into build/deb'
+	@echo 'make deb-test   install them beside nothing else, use them, and remove them (as root; fetches a small Debian)'
+	@echo 'make wheels     wheels for CPython 3.10 and later and a source distribution, into build/wheels'
+	@echo 'make wheels-test  install them beside nothing else and use them (as root; fetches a small Debian)'
+	@echo 'make release    source archive, Debian packages and the wheels of build/wheels with SHA-256 sums, into build/dist'
 	@echo 'make format     format the sources'
 	@echo 'make style      check format, include directions and scripts'
 	@echo 'make lint       the same, and clang-tidy; with TIDY_SINCE=COMMIT only for the files changed since'
@@ -99,7 +105,7 @@ build/.ros: build/.python tools/ros_environment $(wildcard python/tests/ros/mess
 
 test-ros: build/.ros
 	@if [ -e build/ros/unavailable ]; then echo "The tests with ROS 2 are skipped: $$(cat build/ros/unavailable)"; \
-	else build/ros/run python -m pytest -q -p no:cacheprovider python/tests/ros; fi
+	else build/ros/run python -m pytest -q -rs -p no:cacheprovider python/tests/ros; fi
 
 fuzz: build/.bootstrap-test
 	@$(call configured,release,POSEMIX_BUILD_TESTS)
@@ -116,14 +122,44 @@ bench: build/.bootstrap-bench
 	done
 	cd report && POSEMIX_CHROMIUM="$$(command -v chromium)" npm run --silent bench
 
+# The time of the last commit is that of all files in the packages, which are the same when they are built again.
+deb: build/.bootstrap-deb
+	@test -f build/release/build.ninja || cmake --preset release -DPOSEMIX_BUILD_TESTS=OFF
+	cmake --build --preset release --target posemix_installed
+	@rm -rf build/deb
+	SOURCE_DATE_EPOCH="$$(git log -1 --format=%ct 2>/dev/null || stat -c %Y CHANGELOG.md)" \
+	  cpack --config build/release/CPackConfig.cmake -B build/deb
+	@rm -rf build/deb/_CPack_Packages
+
+deb-test: deb
+	tools/deb_test build/deb build/deb-test
+
+wheels: build/.bootstrap-wheels
+	tools/make_wheels
+
+wheels-test:
+	tools/wheel_test build/wheels build/wheels-test
+
+release: build/.bootstrap-release deb
+	tools/make_release build/dist build/deb/*.deb $(wildcard build/wheels/*.whl build/wheels/*.tar.gz)
+
 format: build/.bootstrap-style
 	clang-format -i $(FORMATTED)
 
-style: build/.bootstrap-style
+# Every file states its licence and copyright, by the REUSE specification.
+build/.reuse: | build/.bootstrap-style
+	@$(PYTHON) -m venv build/reuse
+	@build/reuse/bin/pip install --quiet --disable-pip-version-check reuse==6.2.0
+	@touch $@
+
+style: build/.bootstrap-style build/.reuse
 	tools/check_includes.py
 	tools/umbrella_headers.py --check
+	tools/version.py
+	@cmp LICENSE LICENSES/MIT.txt
+	build/reuse/bin/reuse lint --quiet || { build/reuse/bin/reuse lint --lines; exit 1; }
 	@clang-format --dry-run -Werror $(FORMATTED)
-	shellcheck $(SCRIPTS)
+	shellcheck -x $(SCRIPTS)
 
 lint: style tidy
 

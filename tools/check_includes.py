@@ -14,7 +14,7 @@ import sys
 from pathlib import Path
 
 ROOMS = ("base", "lie", "density", "mixture", "divergence", "reduction", "detector", "filter", "slam", "grasp", "io", "fiducial",
-         "config", "draw", "results", "study", "fetch", "app")
+         "config", "draw", "results", "live", "study", "fetch", "app")
 LIBRARY_TREES = ("src", "include")
 ROOM_TREES = ("src", "tests", "bench")
 CPP_SUFFIXES = (".hpp", ".cpp")

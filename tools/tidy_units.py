@@ -49,9 +49,10 @@ def units_for(changed, units, folders):
 
 
 def compiled_files(build):
-    """The files of compile_commands.json."""
+    """The C++ files of compile_commands.json; those in C are made from descriptions of messages."""
     commands = json.loads((build / "compile_commands.json").read_text(encoding="utf-8"))
-    return sorted({Path(entry["directory"], entry["file"]) for entry in commands})
+    files = {Path(entry["directory"], entry["file"]) for entry in commands}
+    return sorted(path for path in files if path.suffix != ".c")
 
 
 def changed_files(root, commit):

@@ -10,6 +10,7 @@
 #include "posemix/base/random.hpp"
 #include "posemix/base/range.hpp"
 #include "posemix/base/sobol.hpp"
+#include "posemix/base/state_fields.hpp"
 #include "posemix/base/statistics.hpp"
 #include "posemix/base/stopwatch.hpp"
 #include "posemix/base/units.hpp"

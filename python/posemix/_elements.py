@@ -39,6 +39,8 @@ class Elements:
         return element
 
     def _rows(self) -> FloatArray:
+        if self._data.ndim == 1:
+            return self._data[None]
         return flat_rows(np.ascontiguousarray(self._data), 1)
 
     @classmethod
@@ -141,6 +143,8 @@ class Elements:
         """The product, first `other` then `self`; arrays are broadcast."""
         if not isinstance(other, type(self)):
             return NotImplemented
+        if self._data.ndim == other._data.ndim == 1:
+            return self._wrap(self._call("multiply", self._rows(), other._rows()), ())
         a, b, shape = self._broadcast(other)
         return self._wrap(self._call("multiply", a, b), shape)
 

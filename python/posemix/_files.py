@@ -7,7 +7,9 @@ from __future__ import annotations
 import os
 import tempfile
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from typing import TextIO
 
 
 def read_text(path: str | os.PathLike[str]) -> str:
@@ -42,15 +44,22 @@ def numbers(fields: list[str], count: int, where: str) -> list[float]:
     return values
 
 
-def write_text(path: str | os.PathLike[str], text: str) -> None:
-    """Writes a file as a whole: beside its target first, then renamed."""
+@contextmanager
+def whole_file(path: str | os.PathLike[str]) -> Iterator[TextIO]:
+    """A file to write beside `path`, which takes its place at the end; after an exception all is as it was."""
     target = Path(path)
     handle, name = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
     try:
         with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as file:
-            file.write(text)
+            yield file
         os.chmod(name, 0o644)
         os.replace(name, target)
     except BaseException:
         os.unlink(name)
         raise
+
+
+def write_text(path: str | os.PathLike[str], text: str) -> None:
+    """Writes a file as a whole or not at all."""
+    with whole_file(path) as file:
+        file.write(text)

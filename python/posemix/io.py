@@ -20,8 +20,9 @@ from posemix._core import (
     AngleUnit, BopModel, GraspOutcomes, GraspTrial, LengthUnit, MixtureConvention, MixtureFile, NamedPose, ObjectBox,
     PoseKind, PoseSamples, PosteriorFile, Side, SimulationFile, StampedPoses, TangentOrder, read_bop_model,
     read_bop_models, read_grasp_outcomes, read_mixture, read_object_poses, read_observations, read_pose_samples,
-    read_posterior, read_simulation, read_slam_job, read_symmetry_file, read_tum, write_mixture, write_object_poses,
-    write_observations, write_poses, write_posterior, write_report, write_results, write_simulation, write_tum,
+    read_posterior, read_simulation, read_slam_job, read_symmetry_file, read_tum, write_comparison, write_mixture,
+    write_object_poses, write_observations, write_poses, write_posterior, write_report, write_results, write_simulation,
+    write_tum,
 )  # fmt: skip
 from posemix.lie import SE3
 
@@ -30,8 +31,8 @@ __all__ = [
     "NamedPose", "ObjectBox", "PoseKind", "PoseSamples", "PosteriorFile", "Side", "SimulationFile", "StampedPoses",
     "TangentOrder", "read_bop_model", "read_bop_models", "read_bop_rows", "read_grasp_outcomes", "read_mixture",
     "read_object_poses", "read_observations", "read_pose_samples", "read_posterior", "read_simulation",
-    "read_slam_job", "read_symmetry_file", "read_tum", "write_mixture", "write_object_poses", "write_observations",
-    "write_poses", "write_posterior", "write_report", "write_results", "write_simulation", "write_tum",
+    "read_slam_job", "read_symmetry_file", "read_tum", "write_comparison", "write_mixture", "write_object_poses",
+    "write_observations", "write_poses", "write_posterior", "write_report", "write_results", "write_simulation", "write_tum",
 ]  # fmt: skip
 
 

@@ -108,7 +108,12 @@ class SE3(Elements):
     def from_tq(cls, values: npt.ArrayLike) -> SE3:
         """Poses from rows ``[tx, ty, tz, qx, qy, qz, qw]``, shape (..., 7), as in TUM files."""
         rows = as_floats(values, (7,), "values")
-        return cls(SO3(rows[..., 3:]), rows[..., :3])
+        quaternions = np.ascontiguousarray(rows[..., 3:])
+        turned = _core.so3_normalized(flat_rows(quaternions, 1))
+        require_finite(rows[..., :3], "translation")
+        data = rows.copy()
+        data[..., 3:] = turned.reshape(quaternions.shape)
+        return cls._wrap(data, rows.shape[:-1])
 
     def to_tq(self) -> FloatArray:
         """Rows ``[tx, ty, tz, qx, qy, qz, qw]``, shape (..., 7)."""

@@ -150,6 +150,8 @@ void bind_sequence(nb::module_& m);
 void bind_frame_estimate(nb::module_& m);
 void bind_frame_input(nb::module_& m);
 void bind_stamped_slam(nb::module_& m);
+void bind_slam_state(nb::module_& m);
+void bind_relocalise(nb::module_& m);
 void bind_slam(nb::module_& m);
 void bind_smoother(nb::module_& m);
 void bind_association(nb::module_& m);

@@ -75,6 +75,9 @@ void bind_object_metrics(nb::module_& m) {
              "Medians of T_camera_object as filtered and as detected over the same frames.")
       .field("detections", &O::detections, "int", "Frames with a detection.")
       .field("gated", &O::gated, "int", "Detections left out by the gate.")
+      .field("unexplained", &O::unexplained, "int",
+             "Detections that the filter could not explain: gated, doubted, or the birth of a "
+             "hypothesis.")
       .field("right_mode_frames", &O::right_mode_frames, "int",
              "Frames within 20 deg and 10 cm of the truth.")
       .field("right_mode_share", &O::right_mode_share, "float | None",

@@ -107,6 +107,9 @@ void bind_results(nb::module_& m) {
              "detection.")
       .field("clutter_probability", &R::clutter_probability, "float",
              "Probability that nothing of the leading hypothesis explains it.")
+      .field("nis", &R::nis, "float | None",
+             "z^T S^-1 z of the leading hypothesis under the noise's first component, of six "
+             "degrees of freedom; None without a hypothesis before the detection.")
       .field("residual", &R::residual, kFloatArray,
              "Residual from the leading hypothesis, white under that component; shape (6,).")
       .done();

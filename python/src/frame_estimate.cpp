@@ -41,6 +41,9 @@ void bind_reports(nb::module_& m) {
       .field("candidates", &R::candidates, "list[CandidateReport]", "Reports, one per candidate.")
       .field("observations", &R::observations, "list[CandidateReport]",
              "Reports, one per observation.")
+      .field("nis", &R::nis, "list[float | None]",
+             "Squared Mahalanobis distances of the innovations, one per object model, with six "
+             "degrees of freedom; empty where the tracker has none.")
       .field("update", &R::update, "UpdateReport", "Report of the Gaussian-sum filter.")
       .field("merges", &R::merges, "int", "Number of hypotheses that became one with another.")
       .field("seconds", &R::seconds, "float",
@@ -109,8 +112,10 @@ template <class Value>
 auto by_id(std::vector<Value> FrameEstimate::*member) {
   return [member](const FrameEstimate& frame) {
     nb::dict all;
-    for (std::size_t i = 0; i < (frame.*member).size(); ++i)
-      all[nb::str(frame.ids->at(i).c_str())] = nb::cast((frame.*member)[i]);
+    for (std::size_t i = 0; i < (frame.*member).size(); ++i) {
+      const Value& value = (frame.*member)[i];
+      all[nb::str(frame.ids->at(i).c_str())] = nb::cast(value);
+    }
     return all;
   };
 }

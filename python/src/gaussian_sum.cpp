@@ -81,6 +81,9 @@ void bind_results(nb::module_& m) {
       .field("gated", &R::gated, "list[bool]", "Whether each detection was left out by the gate.")
       .field("failed", &R::failed, "list[bool]",
              "Left out because an innovation covariance was not positive definite.")
+      .field("nis", &R::nis, "list[float | None]",
+             "z^T S^-1 z of the heaviest hypothesis before each detection, under the noise "
+             "component that explains it best, of six degrees of freedom.")
       .field("log_evidence", &R::log_evidence, "float",
              "Log of the summed likelihood of the detections used [nats].")
       .field("reductions", &R::reductions, "list[ReductionReport]",

@@ -120,7 +120,7 @@ constexpr const char* kWriteResultsDoc =
 Parameters
 ----------
 folder : path
-    The folder; it appears, or its files are replaced, as a whole.
+    The folder; it appears, or its files are replaced, as a whole. Files of an earlier run in it are removed.
 job : SlamJob
     The job.
 run : SlamRun
@@ -154,7 +154,9 @@ void bind_results(nb::module_& m) {
       "write_results",
       [](const fs::path& folder, const SlamJob& job, const RecordedRun& run) {
         const nb::gil_scoped_release unlocked;
-        write_folder(folder, format_results(job, run, evaluate(job, run)));
+        OutputFolder results(folder);
+        write_results(results, job, run, evaluate(job, run));
+        results.commit();
       },
       "folder"_a, "job"_a, "run"_a, kWriteResultsDoc);
 }

@@ -42,6 +42,8 @@ NB_MODULE(_core, m) {
   bind_slam(m);
   bind_smoother(m);
   bind_stamped_slam(m);
+  bind_slam_state(m);
+  bind_relocalise(m);
   bind_association(m);
   bind_fuse_views(m);
   bind_slam_run(m);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <variant>
@@ -18,6 +19,7 @@
 #include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
+#include "density.hpp"
 #include "poses.hpp"
 
 namespace posemix::python {
@@ -96,6 +98,26 @@ struct SettingValue<SE3d> {
     double row[7];
     Wire<SE3d>::write(value, row);
     return fmt::format("SE3([{:.6g}])", fmt::join(row, ", "));
+  }
+};
+
+/// Its text is made without the package's class, which is not there yet when the module is loaded.
+template <>
+struct SettingValue<ConcentratedSE3> {
+  static nb::object get(const ConcentratedSE3& value) { return nb::cast(value); }
+  static ConcentratedSE3 set(nb::handle value, const std::string& /*name*/) {
+    return nb::cast<ConcentratedSE3>(value);
+  }
+  static bool same(const ConcentratedSE3& a, const ConcentratedSE3& b) {
+    return SettingValue<SE3d>::same(a.mean(), b.mean()) && a.covariance() == b.covariance();
+  }
+  static std::string text(const ConcentratedSE3& value) {
+    const Vector6d sd = value.covariance().diagonal().cwiseSqrt();
+    const Eigen::Vector3d degrees = sd.head<3>() * (180.0 / std::numbers::pi);
+    const Eigen::Vector3d millimetres = 1000.0 * sd.tail<3>();
+    return fmt::format("ConcentratedGaussian({}, sd {:.3g} deg; {:.3g} mm)",
+                       SettingValue<SE3d>::text(value.mean()), fmt::join(degrees, ", "),
+                       fmt::join(millimetres, ", "));
   }
 };
 

@@ -8,6 +8,7 @@
 
 #include "copies.hpp"
 #include "frame_input.hpp"
+#include "slam_state.hpp"
 
 namespace posemix::python {
 namespace {
@@ -96,6 +97,11 @@ void bind_slam(nb::module_& m) {
             return self.step(input.as("input", "a FrameInput").of(self.objects()));
           },
           "input"_a, kStepDoc)
+      .def("forget", &S::forget, "object"_a,
+           "Forgets the object at an index: its next sighting begins it anew. All else stays as it "
+           "is.\n\n"
+           "Raises\n------\nValueError\n    For an index that there is not, and another tracker "
+           "than the multi-object filter.\n")
       .def_prop_ro(
           "ids",
           [](const S& self) {
@@ -156,6 +162,7 @@ void bind_slam(nb::module_& m) {
           },
           "A copy of the multi-object filter; None for another tracker.")
       .def("__repr__", &slam_text);
+  bind_state_of(slam);
   with_copies(slam);
 }
 

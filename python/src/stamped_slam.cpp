@@ -15,6 +15,7 @@
 #include "record.hpp"
 #include "settings.hpp"
 #include "slam.hpp"
+#include "slam_state.hpp"
 #include "words.hpp"
 
 namespace posemix::python {
@@ -140,6 +141,17 @@ void bind_stamped_slam(nb::module_& m) {
            "Raises\n------\nValueError\n    For a name that there is not, and a stamp that has "
            "jumped or has a pose already; nothing is changed.\n")
       .def(
+          "forget",
+          [](S& self, const std::string& id, std::optional<double> stamp_s) {
+            return self.forget(id, stamp_s);
+          },
+          "id"_a, "stamp_s"_a = nb::none(),
+          "Forgets an object as of a time [s], by default that of the newest stamp.\n\n"
+          "Sightings of it until then do not count any more, however late they come; its first one "
+          "after it begins it anew. All else stays as it is.\n\n"
+          "Raises\n------\nValueError\n    For an id that there is not, and a stamp that has "
+          "jumped; nothing is changed.\n")
+      .def(
           "estimate", [](S& self) { return self.estimate(); },
           "The estimate at the newest stamp; with odometry, at the newest that odometry has "
           "reached. None before the first.")
@@ -178,6 +190,10 @@ void bind_stamped_slam(nb::module_& m) {
           nb::for_getter(nb::sig("def cameras(self, /) -> collections.abc.Sequence[BodyCamera]")),
           "Cameras of the rig as they are known by now: estimates of those with a covariance.")
       .def_prop_ro(
+          "objects", [](const S& self) { return frozen(self.slam().objects()); },
+          nb::for_getter(nb::sig("def objects(self, /) -> collections.abc.Sequence[ObjectModel]")),
+          "Copies of the object models, which cannot be changed, with those of objects on sight.")
+      .def_prop_ro(
           "counts", [](const S& self) { return self.counts(); }, "Inputs by what became of them.")
       .def_prop_ro("waiting", &S::waiting,
                    "Number of observations that wait for odometry, or for the first pose of a "
@@ -188,6 +204,7 @@ void bind_stamped_slam(nb::module_& m) {
       .def_prop_ro(
           "multi_object", [](const S& self) { return MultiObjectFilter(self.slam().filter()); },
           "A copy of the multi-object filter at the stamp of the last estimate.");
+  bind_state_of(slam);
   with_copies(slam);
 }
 

@@ -54,7 +54,7 @@ REDUCTION = Place("sequence_filter.cpp read_reduction", FILTER)
 PARTICLES = Place("sequence_filter.cpp read_particles", FILTER)
 MOTION = Place("sequence_camera.cpp read_motion", "`[motion]`")
 PROCESS = Place("sequence_camera.cpp read_process_noise", "`[motion]`", prose=True)
-MODEL = Place("sequence_file.cpp read_model", "`[[objects]]`")
+MODEL = Place("sequence_models.cpp read_model", "`[[objects]]`")
 NOISE = Place("sequence_noise.cpp read_component", "`[noise.NAME]`")
 CLUTTER = Place("sequence_noise.cpp read_clutter", "`[noise.NAME]`", row="clutter")
 DEPENDENCE = Place("sequence_noise.cpp read_dependence", "`[noise.NAME]`")
@@ -102,6 +102,7 @@ IN_FILES: dict[str, tuple[Place, Keys]] = {
         },
     ),
     "AssociationSettings": (ASSOCIATION, {}),
+    "StampedSlamSettings": (Place("../live/settings.cpp read_stamped_settings", "`[stamped]`", "live.md"), {}),
     "MovingObjectSettings": (MOVING, {"merge_rotation_rad": "merge_rotation_deg"}),
     "ExistenceSettings": (EXISTENCE, {}),
     "HealthSettings": (HEALTH, {}),
@@ -126,9 +127,9 @@ IN_FILES: dict[str, tuple[Place, Keys]] = {
     "ObjectModel": (
         MODEL,
         {
-            "id": ("id", MODEL.by("sequence_file.cpp read_id")),
-            "noise": ("noise", MODEL.by("sequence_file.cpp add_used")),
-            "detectors": ("detectors", MODEL.by("sequence_file.cpp read_detectors")),
+            "id": ("id", MODEL.by("sequence_models.cpp read_id")),
+            "noise": ("noise", MODEL.by("sequence_models.cpp add_used_noise")),
+            "detectors": ("detectors", MODEL.by("sequence_models.cpp read_detectors")),
             "independent_start": "start",
             "class_id": "class",
             "motion": ("motion", replace(OBJECT_MOTION, prose=True)),
@@ -306,7 +307,7 @@ WITHOUT_FILE = {
     "LogisticSettings": "a part of the grasp study", "ConsensusSettings": "a part of the grasp study",
     "FiducialSettings": "options of posemix fiducials", "FiducialSequenceSettings": "options of posemix fiducials",
     "FuseViewsSettings": "options of posemix fuse-views", "BopObservationSettings": "options of posemix fuse-views",
-    "StampedSlamSettings": "for observations as they come",
+    "RelocaliseSettings": "options of posemix relocalise",
     "RegionFitSettings": "a part of the grasp study", "MeanSettings": "limits of the arithmetic",
     "MomentSettings": "limits of the arithmetic", "IteratedUpdateSettings": "limits of the arithmetic",
     "CauchySettings": "GaussianSumSettings.cauchy_scale sets it",
@@ -392,6 +393,15 @@ def test_a_row_that_is_gone_is_noticed(place: Place, key: str) -> None:
     lines = section_of((ROOT / "docs" / place.page).read_text(), place.section)
     kept = [line for line in lines if line not in cells_with(lines, key)]
     assert documents(lines, place, key) and not documents(kept, place, key)
+
+
+@pytest.mark.parametrize(("reader", "section"), [("read_node", "`[live]`"), ("read_source", "`[[sources]]`")])
+def test_every_key_of_posemix_live_is_documented(reader: str, section: str) -> None:
+    called = r'(?:get_\w+(?:<\w+>)?\(|count_or\(\*table, |noise_of\(table, noise_models, )"(\w+)"'
+    keys = {"name", *re.findall(called, functions(f"../live/settings.cpp {reader}"))}
+    lines = section_of((ROOT / "docs" / "live.md").read_text(), section)
+    rows = [line.split("|")[1] for line in lines if line.startswith("| `")]
+    assert keys == {key for row in rows for key in re.findall(r"`([^`]+)`", row)}
 
 
 def test_exceptions_of_files_are_of_fields_that_exist() -> None:

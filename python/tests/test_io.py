@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import base64
 import dataclasses
 import json
 import os
@@ -150,14 +151,18 @@ def test_an_old_name_in_a_mixture_file_warns(tmp_path: Path) -> None:
         assert px.read_mixture(tmp_path / "m.json").mixture == mixture
 
 
+def payload_of(page: Path) -> Any:
+    text = page.read_text()
+    start = text.index('id="posemix-report">') + len('id="posemix-report">')
+    return json.loads(text[start : text.index("</script>", start)])
+
+
 def test_a_report_holds_the_run(recording: Path, tmp_path: Path) -> None:
     job = px.read_slam_job(recording / "sequence.toml")
     px.write_results(tmp_path / "out", job, px.run(job))
     page = px.write_report(tmp_path / "out", title="A table & its <objects>")
     assert page == tmp_path / "out" / "report.html"
-    text = page.read_text()
-    start = text.index('id="posemix-report">') + len('id="posemix-report">')
-    shown = json.loads(text[start : text.index("</script>", start)])
+    shown = payload_of(page)
     assert shown["kind"] == "slam" and shown["title"] == "A table & its <objects>"
     assert shown["trace"]["frames"] == len(job.sequence)
     metrics = json.loads((tmp_path / "out" / "metrics.json").read_text())
@@ -167,6 +172,59 @@ def test_a_report_holds_the_run(recording: Path, tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="empty"):
         (tmp_path / "empty").mkdir()
         px.write_report(tmp_path / "empty")
+
+
+def test_a_report_has_the_camera_and_its_images(recording: Path, tmp_path: Path) -> None:
+    job = px.read_slam_job(recording / "sequence.toml")
+    px.write_results(tmp_path / "out", job, px.run(job))
+    (tmp_path / "images").mkdir()
+    picture = b"\x89PNG\r\n\x1a\n a picture"
+    for k in range(3):
+        (tmp_path / "images" / f"{k}.5.png").write_bytes(picture)
+    page = px.write_report(tmp_path / "out", camera=(600, 601, 320, 240, 640, 480), images=tmp_path / "images")
+    shown = payload_of(page)
+    assert shown["trace"]["intrinsics"] == {"fx": 600, "fy": 601, "cx": 320, "cy": 240, "width": 640, "height": 480}
+    assert [image["stamp_s"] for image in shown["images"]] == [0.5, 1.5, 2.5]
+    assert base64.b64decode(shown["images"][0]["data"]) == picture
+    with pytest.raises(ValueError, match="positive focal lengths"):
+        px.write_report(tmp_path / "out", camera=(0, 601, 320, 240, 640, 480))
+
+
+def test_a_report_warns_of_files_of_another_run(recording: Path, tmp_path: Path) -> None:
+    job = px.read_slam_job(recording / "sequence.toml")
+    px.write_results(tmp_path / "out", job, px.run(job))
+    mixture = next((tmp_path / "out").glob("mixture_*.json"))
+    px.write_mixture(mixture, px.Mixture([px.ConcentratedGaussian(px.SE3(), np.eye(6))]), "a", "b")
+    with pytest.warns(UserWarning, match="is left out, as it is not of the run"):
+        page = px.write_report(tmp_path / "out")
+    assert mixture.name not in payload_of(page)["documents"]
+
+
+def test_results_replace_those_of_another_run(recording: Path, tmp_path: Path) -> None:
+    job = px.read_slam_job(recording / "sequence.toml")
+    px.write_results(tmp_path / "out", job, px.run(job))
+    (tmp_path / "out" / "notes.md").write_text("mine")
+    assert list((tmp_path / "out").glob("mixture_*.json"))
+    other = job.using("riekf")
+    px.write_results(tmp_path / "out", other, px.run(other))
+    assert not list((tmp_path / "out").glob("mixture_*.json"))
+    assert (tmp_path / "out" / "notes.md").exists()
+
+
+def test_runs_are_compared(recording: Path, tmp_path: Path) -> None:
+    job = px.read_slam_job(recording / "sequence.toml")
+    methods = ["riekf", "gm-iekf"]
+    for method in methods:
+        other = job.using(method)
+        px.write_results(tmp_path / method, other, px.run(other))
+    page = px.write_comparison([tmp_path / method for method in methods], title="Two filters")
+    assert page == tmp_path / "comparison.html"
+    shown = payload_of(page)
+    assert shown["kind"] == "comparison" and shown["title"] == "Two filters"
+    assert [run["name"] for run in shown["runs"]] == methods
+    assert payload_of(px.write_report(tmp_path))["runs"] == shown["runs"]
+    with pytest.raises(ValueError, match="at least two"):
+        px.write_comparison([tmp_path / "riekf"], tmp_path / "x.html")
 
 
 def test_errors_name_the_file(recording: Path, tmp_path: Path) -> None:

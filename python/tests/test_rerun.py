@@ -5,26 +5,19 @@
 from __future__ import annotations
 
 import warnings
-from collections import defaultdict
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from rrd import columns, rr
 from slam_scene import Scene
-
-rr = pytest.importorskip("rerun")
 
 from posemix import SE3, SO3, ConcentratedGaussian, Mixture, TrackHealth, plot
 from posemix import rerun as log
 
 COVARIANCE = np.diag([0.02, 0.01, 0.03, 1e-4, 4e-4, 9e-4])
-
-
-def reader(path: Path) -> Any:
-    module = pytest.importorskip("rerun.chunk" if hasattr(rr, "chunk") else "rerun.experimental")
-    return module.RrdReader(str(path))
 
 
 @pytest.fixture
@@ -39,14 +32,7 @@ def logged(tmp_path: Path) -> Callable[[Callable[[Any], None]], dict[str, dict[s
             warnings.simplefilter("error")
             use(recording)
         recording.disconnect()
-        found: dict[str, dict[str, list[Any]]] = defaultdict(lambda: defaultdict(list))
-        for chunk in reader(path).stream().to_chunks():
-            batch = chunk.to_record_batch()
-            for name, column in zip(batch.schema.names, batch.columns, strict=True):
-                if str(column.type).startswith(("timestamp", "duration")):
-                    column = column.cast("int64")  # nanoseconds
-                found[chunk.entity_path.lstrip("/")][name] += column.to_pylist()
-        return found
+        return columns(path)
 
     return run
 
@@ -102,6 +88,14 @@ def test_single_component(logged: Any) -> None:
     single = Mixture([ConcentratedGaussian(SE3(), COVARIANCE)])
     found = logged(lambda r: log.log_hypotheses("m", single, recording=r))
     assert found["m/axes"]["Arrows3D:labels"][0] == ["1.000", "", ""]
+
+
+def test_the_heaviest_component_has_the_name(logged: Any) -> None:
+    two = [ConcentratedGaussian(SE3(translation=[x, 0.0, 0.0]), COVARIANCE) for x in (1.0, 2.0)]
+    mixture = Mixture(two, [0.75, 0.25])
+    found = logged(lambda r: log.log_hypotheses("m", mixture, name="mug", colour="#102030", recording=r))
+    assert found["m/axes"]["Arrows3D:labels"][0] == ["mug 0.750", "", "", "0.250", "", ""]
+    assert found["m/ellipsoids"]["Ellipsoids3D:colors"][0][0] >> 8 == 0x102030
 
 
 def test_numbers_over_time(logged: Any) -> None:

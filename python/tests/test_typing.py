@@ -35,7 +35,7 @@ def test_every_public_name_is_seen(tmp_path: Path) -> None:
 
 
 def test_the_examples_are_fully_typed(tmp_path: Path) -> None:
-    assert len(EXAMPLES) == 4
+    assert len(EXAMPLES) == 5
     assert complaints(tmp_path, *EXAMPLES) == ""
 
 

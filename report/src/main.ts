@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+import { comparisonPage } from "./pages/comparison.ts";
 import { consistencyPage } from "./pages/consistency.ts";
 import { mixturePage } from "./pages/mixture.ts";
 import { saltBoxPage } from "./pages/salt_box.ts";
@@ -20,13 +21,15 @@ async function pageOf(payload: Payload): Promise<HTMLElement> {
       return studyPage(payload);
     case "consistency":
       return consistencyPage(payload);
+    case "comparison":
+      return comparisonPage(payload);
   }
 }
 
 function failure(error: unknown): HTMLElement {
   const message = error instanceof BadPayload ? error.message : `The page failed: ${String(error)}`;
-  return element("main", { class: "notice", role: "alert" },
-    element("h1", {}, "This report cannot be shown"), element("p", {}, message));
+  return element("main", {}, element("div", { class: "notice", role: "alert" },
+    element("h1", {}, "This report cannot be shown"), element("p", {}, message)));
 }
 
 async function start(): Promise<void> {

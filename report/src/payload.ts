@@ -5,7 +5,7 @@
 export type Json = null | boolean | number | string | Json[] | { [key: string]: Json };
 export type JsonObject = { [key: string]: Json };
 
-export const KINDS = ["slam", "mixture", "salt_box", "study", "consistency"] as const;
+export const KINDS = ["slam", "mixture", "salt_box", "study", "consistency", "comparison"] as const;
 export type Kind = (typeof KINDS)[number];
 
 export interface ColumnHead {
@@ -31,11 +31,22 @@ export interface PackedTrace {
   models?: Record<string, string[]>;
   columns: ColumnHead[];
   data: string;
+  /** Of the camera, as scene/lens.ts reads them. */
+  intrinsics?: Json;
 }
 
 export interface PackedMesh {
   vertices: string;
   triangles: string;
+}
+
+/** One run of a comparison. */
+export interface PackedRun {
+  name: string;
+  trace: PackedTrace;
+  documents: JsonObject;
+  /** The run's own page, as a path relative to this one. */
+  report?: string;
 }
 
 export interface Payload {
@@ -50,6 +61,10 @@ export interface Payload {
   texts: Record<string, string>;
   meshes: Record<string, PackedMesh>;
   trace?: PackedTrace;
+  /** Of the camera, as scene/images.ts reads them. */
+  images?: Json;
+  /** Of a comparison. */
+  runs?: PackedRun[];
 }
 
 /** A payload that this page cannot show; the message is shown to the reader. */
@@ -82,6 +97,20 @@ function trace(value: unknown): PackedTrace {
   }
   if (typeof value["data"] !== "string") throw new BadPayload('"trace.data" must be a text.');
   return value as unknown as PackedTrace;
+}
+
+function packedRuns(value: unknown): PackedRun[] {
+  if (!Array.isArray(value) || value.length < 2) throw new BadPayload('A report of kind "comparison" needs "runs", two or more.');
+  return value.map((run: unknown, i) => {
+    if (!isObject(run)) throw new BadPayload(`"runs[${i}]" must be an object.`);
+    const { name, documents, report } = run;
+    return {
+      name: typeof name === "string" && name !== "" ? name : `run ${i + 1}`,
+      trace: trace(run["trace"]),
+      documents: isObject(documents) ? documents : {},
+      ...(typeof report === "string" ? { report } : {}),
+    };
+  });
 }
 
 /** Checks the data in the page. */
@@ -121,5 +150,7 @@ export function readPayload(text: string): Payload {
     texts: textMap(value["texts"], "texts"),
     meshes: meshes as unknown as Record<string, PackedMesh>,
     ...(kind === "slam" ? { trace: trace(value["trace"]) } : {}),
+    ...(value["images"] !== undefined ? { images: value["images"] } : {}),
+    ...(kind === "comparison" ? { runs: packedRuns(value["runs"]) } : {}),
   };
 }

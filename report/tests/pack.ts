@@ -12,6 +12,8 @@ interface TrackJson {
   sd: Poses;
   position_covariance?: Poses;
   truth: Poses | null;
+  /** Of the frames with a truth. */
+  nees?: (number | null)[];
 }
 
 interface ObjectJson {
@@ -25,6 +27,8 @@ interface ObjectJson {
   register_again?: boolean[];
   model_names?: string[];
   models?: (number[] | null)[];
+  /** Squared Mahalanobis distance of the innovation, where a detection was used. */
+  nis?: (number | null)[];
   alternatives?: { id: number; probability: number; pose: Pose }[][];
 }
 
@@ -56,6 +60,8 @@ function mask(frames: number, ...bits: (Poses | null | undefined)[]): Int32Array
   return values;
 }
 
+const rows = (values: (number | null)[] | undefined) => values?.map((value) => (value === null ? null : [value]));
+
 function track(writer: TraceWriter, name: string, json: TrackJson): void {
   writer.addPoses(name, json.pose);
   writer.addRows(`${name}/log_sd`, 6, "int16", 1e-3, json.sd, "exp");
@@ -70,6 +76,7 @@ function track(writer: TraceWriter, name: string, json: TrackJson): void {
     writer.addRows(`${name}/position_correlation`, 3, "int16", 1 / 32767, rho);
   }
   if (json.truth) writer.addPoses(`${name}/truth`, json.truth);
+  if (json.nees) writer.addRows(`${name}/nees`, 1, "int16", 5e-3, rows(json.nees)!, "exp");
 }
 
 /** Gives every hypothesis a slot for as long as it lives. */
@@ -103,8 +110,6 @@ function hypotheses(writer: TraceWriter, name: string, frames: Slot[][]): void {
   });
 }
 
-const rows = (values: (number | null)[] | undefined) => values?.map((value) => (value === null ? null : [value]));
-
 /** Existence and health, and models of motion, where there are any. */
 function tracks(writer: TraceWriter, name: string, object: ObjectJson): void {
   const head = (key: string) => ({ name: `${name}/${key}`, width: 1, type: "uint8", scale: 1, map: "linear" }) as const;
@@ -132,8 +137,9 @@ export function packTrace(json: TraceJson): PackedTrace {
     const object = json.objects[id];
     const name = `objects/${id}`;
     const bits = [object.world.pose, object.world.truth, object.relative.pose, object.relative.truth, object.detection,
-      rows(object.mode_probability), rows(object.existence), object.models];
-    writer.add(head(`${name}/mask`), [mask(frames, ...bits)]);
+      rows(object.mode_probability), rows(object.existence), object.models, rows(object.nis)];
+    writer.add({ ...head(`${name}/mask`), type: object.nis ? "uint16" : "uint8" }, [mask(frames, ...bits)]);
+    if (object.nis) writer.addRows(`${name}/nis`, 1, "int16", 5e-3, rows(object.nis)!, "exp");
     track(writer, `${name}/world`, object.world);
     track(writer, `${name}/relative`, object.relative);
     writer.addPoses(`${name}/detection`, object.detection);

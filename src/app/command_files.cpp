@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 
 #include "posemix/io/output_file.hpp"
@@ -30,8 +31,33 @@ std::string read_standard_input() {
   return bytes;
 }
 
-std::string value_text(const Json& value) {
-  if (value.is_number_float()) return fmt::format("{:.10g}", value.get<double>());
+/// The standard error beside a number of an object: that of "value" is "standard_error", that of
+/// "kl_nats" is "kl_standard_error".
+std::optional<double> standard_error_of(const Json& found, const std::string& key) {
+  const std::string kind = "standard_error";
+  std::string name = key == "value" ? kind : key.substr(0, key.rfind('_') + 1) + kind;
+  if (key.ends_with(kind)) name = key;
+  const auto error = found.find(name);
+  if (error == found.end() || !error->is_number()) return std::nullopt;
+  return error->get<double>();
+}
+
+/// A number with the digits that its standard error leaves: two of the error.
+std::string number_text(double number, const std::optional<double>& error) {
+  if (!error || !(*error > 0.0)) return fmt::format("{:.6g}", number);
+  const int digit = static_cast<int>(std::floor(std::log10(*error))) - 1;
+  const double unit = std::pow(10.0, digit);
+  const bool is_plain = digit > -7 && std::abs(number) < 1e9;
+  if (is_plain)
+    return fmt::format("{:.{}f}", unit * std::round(number / unit), std::max(0, -digit));
+  const double size = std::max(std::abs(number), *error);
+  return fmt::format("{:.{}e}", number, static_cast<int>(std::floor(std::log10(size))) - digit);
+}
+
+std::string value_text(const Json& found, const std::string& key, const Json& value) {
+  if (value.is_number_float())
+    return number_text(value.get<double>(), standard_error_of(found, key));
+  if (value.is_null()) return "none";
   return value.is_string() ? value.get<std::string>() : value.dump();
 }
 
@@ -45,7 +71,8 @@ void add_rows(std::string& text, const Json& found, std::size_t indent) {
       text += fmt::format("{:{}}{}:\n", "", indent, key);
       add_rows(text, value, indent + 2);
     } else {
-      text += fmt::format("{:{}}{:<{}}  {}\n", "", indent, key + ":", width + 1, value_text(value));
+      text += fmt::format("{:{}}{:<{}}  {}\n", "", indent, key + ":", width + 1,
+                          value_text(found, key, value));
     }
   }
 }

@@ -79,6 +79,7 @@ class ScratchFolder {
 
 void write_folder(const fs::path& path, const ConsistencyResults& results) {
   OutputFolder folder(path);
+  folder.remove_earlier(earlier_consistency(folder.target()));
   for (const auto& [name, content] : format_consistency_files(results)) folder.write(name, content);
   folder.commit();
 }
@@ -87,7 +88,7 @@ void write_page(const ConsistencyOptions& options, const ConsistencyResults& res
   const InterruptGuard guard;
   const ScratchFolder folder;
   write_folder(folder.path(), results);
-  write_report_shown(folder.path(), {.out = *options.report}, false, guard);
+  write_report_shown({folder.path()}, {.out = *options.report}, false, guard);
 }
 
 int consistency_command(ConsistencyOptions options) {

@@ -118,6 +118,7 @@ std::size_t unpack_all(const std::vector<SourceFile>& files, const std::filesyst
 }
 
 int fetch_data(const DataFetchOptions& options) {
+  check_can_fetch();
   const std::vector<DataSource> sources = known_sources(options.registry);
   const DataSource& source = find_source(sources, options.source);
   const std::vector<SourceFile> files = selected_files(source, options.patterns);

@@ -8,6 +8,7 @@
 #include "data.hpp"
 #include "data_parts.hpp"
 #include "exit_codes.hpp"
+#include "fetch/download.hpp"
 #include "fetch/verify.hpp"
 #include "interrupt.hpp"
 #include "posemix/base/error.hpp"
@@ -33,6 +34,7 @@ std::string describe_verification(const Verification& found) {
 }
 
 int verify_data(const DataVerifyOptions& options) {
+  check_can_fetch();
   const std::vector<DataSource> sources = known_sources(options.registry);
   const InterruptGuard guard;
   std::size_t problems = 0;

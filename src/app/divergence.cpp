@@ -25,17 +25,24 @@ Json estimate_json(const DivergenceEstimate& estimate, const char* unit) {
   return {{"value", estimate.value}, {"standard_error", estimate.error}, {"unit", unit}};
 }
 
-/// The mixture-Wasserstein distance; null if one of the mixtures is projected.
+/// Adds the mixture-Wasserstein distance; null, with the reason, if one of the mixtures is
+/// projected.
 template <class P, class Q>
-Json wasserstein_json(const Mixture<P>& p, const Mixture<Q>& q, double length_scale) {
+void add_wasserstein(Json& found, const Mixture<P>& p, const Mixture<Q>& q, double length_scale) {
   using Concentrated = ConcentratedGaussian<SE3d>;
-  if constexpr (std::is_same_v<P, Concentrated> && std::is_same_v<Q, Concentrated>) {
-    return {{"value", mixture_wasserstein(p, q, length_scale)},
-            {"unit", "m"},
-            {"length_scale_m_per_rad", length_scale},
-            {"estimator", "MW2: the components moved onto each other at the least cost"}};
+  constexpr bool kOfP = std::is_same_v<P, Concentrated>;
+  constexpr bool kOfQ = std::is_same_v<Q, Concentrated>;
+  if constexpr (kOfP && kOfQ) {
+    found["wasserstein"] = {
+        {"value", mixture_wasserstein(p, q, length_scale)},
+        {"unit", "m"},
+        {"length_scale_m_per_rad", length_scale},
+        {"estimator", "MW2: the components moved onto each other at the least cost"}};
   } else {
-    return nullptr;
+    const char* const projected = !kOfP && !kOfQ ? "both are" : kOfP ? "q is" : "p is";
+    found["wasserstein"] = nullptr;
+    found["wasserstein_reason"] = fmt::format(
+        "it is of two concentrated mixtures, {} projected (see posemix convert)", projected);
   }
 }
 
@@ -47,14 +54,17 @@ Json divergences(const Mixture<P>& p, const Mixture<Q>& q, const DivergenceOptio
   RandomStream backward = stream(1);
   RandomStream both = stream(2);
   RandomStream squared = stream(3);
-  return {{"kl", estimate_json(kl_monte_carlo(p, q, forward, settings), "nats")},
-          {"kl_reverse", estimate_json(kl_monte_carlo(q, p, backward, settings), "nats")},
-          {"symmetric_kl", estimate_json(symmetric_kl_monte_carlo(p, q, both, settings), "nats")},
-          {"isd", estimate_json(isd_monte_carlo(p, q, squared, settings), "rad^-3 m^-3")},
-          {"wasserstein", wasserstein_json(p, q, options.length_scale)},
-          {"estimator", "randomised quasi-Monte Carlo, with respect to the Haar measure rad^3 m^3"},
-          {"samples", options.samples},
-          {"seed", options.seed}};
+  Json found = {
+      {"kl", estimate_json(kl_monte_carlo(p, q, forward, settings), "nats")},
+      {"kl_reverse", estimate_json(kl_monte_carlo(q, p, backward, settings), "nats")},
+      {"symmetric_kl", estimate_json(symmetric_kl_monte_carlo(p, q, both, settings), "nats")},
+      {"isd", estimate_json(isd_monte_carlo(p, q, squared, settings), "rad^-3 m^-3")},
+  };
+  add_wasserstein(found, p, q, options.length_scale);
+  found["estimator"] = "randomised quasi-Monte Carlo, with respect to the Haar measure rad^3 m^3";
+  found["samples"] = options.samples;
+  found["seed"] = options.seed;
+  return found;
 }
 
 int compare_files(const DivergenceOptions& options) {

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "program.hpp"
 
+#include <algorithm>
 #include <array>
 #include <csignal>
 #include <cstdio>
@@ -10,19 +11,26 @@
 #include <sstream>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 
+#include "completion.hpp"
+#include "config/toml_node.hpp"
 #include "data.hpp"
 #include "exit_codes.hpp"
 #include "fetch/download.hpp"
 #include "fiducials.hpp"
 #include "interrupt.hpp"
+#include "live.hpp"
+#include "manual.hpp"
 #include "mixture_commands.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/io/output_folder.hpp"
 #include "report.hpp"
+#include "run_provenance.hpp"
 #include "simulate.hpp"
 #include "slam.hpp"
 #include "study.hpp"
@@ -33,9 +41,10 @@ namespace posemix {
 namespace {
 
 constexpr std::array kMixtureCommands{
-    add_fit_command,    add_fuse_command,        add_compose_command,    add_reduce_command,
-    add_sample_command, add_density_command,     add_divergence_command, add_convert_command,
-    add_grasp_command,  add_consistency_command, add_fuse_views_command};
+    add_fit_command,       add_fuse_command,        add_compose_command,    add_reduce_command,
+    add_sample_command,    add_density_command,     add_divergence_command, add_convert_command,
+    add_grasp_command,     add_consistency_command, add_fuse_views_command, add_state_command,
+    add_relocalise_command};
 
 int fail(std::string_view message, int exit_code) {
   const std::string line = fmt::format("posemix: error: {}\n", message);
@@ -85,6 +94,26 @@ void describe(CLI::App& program) {
       "`posemix COMMAND --help` describes a command.");
 }
 
+/// What is wrong with the words after a command that needs another one.
+std::string missing_command_text(const CLI::App& command, const std::vector<std::string>& words) {
+  const char* const label = command.get_name() == "study" ? "study" : "command";
+  if (words.empty()) return fmt::format("got no {}", label);
+  if (words.front().starts_with('-')) return fmt::format("unknown option '{}'", words.front());
+  std::vector<std::string_view> known;
+  for (const CLI::App* each : command.get_subcommands(nullptr)) {
+    if (!each->get_name().empty()) known.push_back(each->get_name());
+  }
+  std::string_view near = internal::nearest_name(words.front(), known);
+  // The only one that begins so.
+  const auto begins = [&](std::string_view name) { return name.starts_with(words.front()); };
+  if (near.empty() && std::count_if(known.begin(), known.end(), begins) == 1)
+    near = *std::find_if(known.begin(), known.end(), begins);
+  if (!near.empty())
+    return fmt::format("unknown {} '{}', did you mean '{}'?", label, words.front(), near);
+  return fmt::format("unknown {} '{}', expected one of {}", label, words.front(),
+                     fmt::join(known, ", "));
+}
+
 /// Prints the text of --help or --version, or reports an error in the command line.
 int answer(const CLI::App& program, const CLI::ParseError& reason) {
   if (reason.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) {
@@ -95,12 +124,18 @@ int answer(const CLI::App& program, const CLI::ParseError& reason) {
       return kExitDone;
     });
   }
-  std::string command = "posemix";
-  for (auto commands = program.get_subcommands(); !commands.empty();
-       commands = commands[0]->get_subcommands()) {
-    command += " " + commands[0]->get_name();
+  const CLI::App* command = &program;
+  std::string name = program.get_name();
+  while (!command->get_subcommands().empty()) {
+    command = command->get_subcommands().front();
+    name += " " + command->get_name();
   }
-  return fail(fmt::format("{}; see `{} --help`", reason.what(), command), kExitUsage);
+  if (command->get_require_subcommand_min() == 0)
+    return fail(fmt::format("{}; see `{} --help`", reason.what(), name), kExitUsage);
+  const std::vector<std::string> words = command->remaining();
+  if (words.empty()) std::fputs((program.help() + "\n").c_str(), stderr);
+  return fail(missing_command_text(*command, words) + fmt::format("; see `{} --help`", name),
+              kExitUsage);
 }
 
 }  // namespace
@@ -113,13 +148,17 @@ int run_program(int argc, const char* const* argv) {
   std::function<int()> action;
   try {
     describe(program);
-    add_slam_command(program, action);
+    const std::vector<std::string> command = command_words(argc, argv);
+    add_slam_command(program, action, command);
+    add_live_command(program, action);
     add_simulate_command(program, action);
-    add_study_command(program, action);
+    add_study_command(program, action, command);
     add_report_command(program, action);
     add_data_command(program, action);
     add_fiducials_command(program, action);
     for (const auto& add : kMixtureCommands) add(program, action);
+    add_completion_command(program, action);
+    add_manual_command(program, action);
     program.parse(argc, argv);
   } catch (const CLI::ParseError& reason) {
     return answer(program, reason);

@@ -2,8 +2,10 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "report.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
 #include <csignal>
 #include <cstring>
 #include <memory>
@@ -32,11 +34,13 @@ namespace {
 namespace fs = std::filesystem;
 
 struct ReportCommandOptions {
-  std::string results;
+  std::vector<std::string> results;
   std::optional<std::string> out;
   std::optional<std::string> title;
   std::vector<std::string> meshes;
   std::string mesh_unit;
+  std::optional<std::string> camera;
+  std::optional<std::string> images;
   bool open = false;
   bool quiet = false;
 };
@@ -51,6 +55,35 @@ void add_mesh(ReportOptions& options, const std::string& text, double unit_m) {
   if (!options.meshes.try_emplace(id, ReportMesh{text.substr(at + 1), unit_m}).second) {
     throw UsageError(fmt::format("--mesh: got {} again, expected it once", in_quotes(id)));
   }
+}
+
+/// The camera of an option fx,fy,cx,cy,width,height.
+ReportCamera camera_of(const std::string& text) {
+  const auto fail = [&] {
+    throw UsageError(
+        fmt::format("--camera: got {}, expected fx,fy,cx,cy,width,height", in_quotes(text, 80)));
+  };
+  std::vector<double> numbers;
+  for (const std::string_view field : split_fields(text, ',')) {
+    const auto number = parse_number(trimmed(field));
+    if (!number) fail();
+    numbers.push_back(*number);
+  }
+  if (numbers.size() != 6) fail();
+  const auto pixels = [&](double number) {
+    if (!(number >= 1.0 && number <= 1e6 && number == std::floor(number))) fail();
+    return static_cast<std::uint32_t>(number);
+  };
+  return {numbers[0], numbers[1], numbers[2], numbers[3], pixels(numbers[4]), pixels(numbers[5])};
+}
+
+ReportOptions report_options(const ReportCommandOptions& options) {
+  ReportOptions report{.out = options.out, .title = options.title};
+  const double unit_m = options.mesh_unit == "mm" ? 1e-3 : 1.0;
+  for (const std::string& mesh : options.meshes) add_mesh(report, mesh, unit_m);
+  if (options.camera) report.camera = camera_of(*options.camera);
+  if (options.images) report.images = ReportImages{*options.images};
+  return report;
 }
 
 /// Opens the page in the browser of the desktop and returns at once.
@@ -80,12 +113,26 @@ void open_in_browser(const fs::path& path) {
   }
 }
 
-int report_command(const ReportCommandOptions& options) {
+/// `--mesh a=1.ply b=2.ply`: words that follow the first mesh could be results, too, and are meshes
+/// where they look like one and are no path.
+void take_meshes(ReportCommandOptions& options) {
+  if (options.meshes.empty()) return;
+  const auto is_mesh = [](const std::string& word) {
+    std::error_code ignored;
+    return word.find('=') != std::string::npos && !fs::exists(word, ignored);
+  };
+  const auto rest = std::stable_partition(options.results.begin(), options.results.end(),
+                                          [&](const std::string& word) { return !is_mesh(word); });
+  options.meshes.insert(options.meshes.end(), rest, options.results.end());
+  options.results.erase(rest, options.results.end());
+  if (options.results.empty()) throw UsageError("results is required");
+}
+
+int report_command(ReportCommandOptions options) {
   const InterruptGuard guard;
-  ReportOptions report{.out = options.out, .title = options.title};
-  const double unit_m = options.mesh_unit == "mm" ? 1e-3 : 1.0;
-  for (const std::string& mesh : options.meshes) add_mesh(report, mesh, unit_m);
-  const fs::path path = write_report_shown(options.results, report, !options.quiet, guard);
+  take_meshes(options);
+  const std::vector<fs::path> results(options.results.begin(), options.results.end());
+  const fs::path path = write_report_shown(results, report_options(options), !options.quiet, guard);
   if (!options.quiet) print_text(fmt::format("Report: {}\n", file_url(path)));
   if (options.open) open_in_browser(fs::absolute(path));
   return kExitDone;
@@ -93,7 +140,7 @@ int report_command(const ReportCommandOptions& options) {
 
 }  // namespace
 
-fs::path write_report_shown(const fs::path& results, ReportOptions options, bool shown,
+fs::path write_report_shown(const std::vector<fs::path>& results, ReportOptions options, bool shown,
                             const InterruptGuard& guard) {
   constexpr std::size_t kMegabyte = 1000000;
   ProgressReport progress(shown, "MB");
@@ -102,7 +149,8 @@ fs::path write_report_shown(const fs::path& results, ReportOptions options, bool
     progress.update(done / kMegabyte, total / kMegabyte);
     guard.check();
   };
-  return write_report(results, options);
+  return results.size() == 1 ? write_report(results.front(), options)
+                             : write_comparison(results, options);
 }
 
 std::string file_url(const fs::path& path) {
@@ -122,23 +170,39 @@ void add_report_command(CLI::App& program, std::function<int()>& action) {
   command->footer(
       "RESULTS is a folder that posemix slam, study or consistency wrote, a folder of mixture "
       "files,\n"
-      "or one mixture file. The page is one file that needs neither a network nor a server.\n"
+      "or one mixture file. Several runs of posemix slam over one recording, or a folder with\n"
+      "several, are compared. The page is one file that needs neither a network nor a server.\n"
       "\n"
-      "Example: posemix report out/0036 --mesh mug=models/obj_000014.ply --mesh-unit mm --open");
-  command->add_option("results", options->results, "What to show")
+      "Example: posemix report out/0036 --mesh mug=models/obj_000014.ply --mesh-unit mm --open\n"
+      "         posemix report out/riekf out/gm-iekf --out comparison.html");
+  command->add_option("results", options->results, "What to show, or runs to compare")
       ->required()
       ->type_name("RESULTS");
   command
-      ->add_option("--out", options->out, "Where to write it; without it report.html in the folder")
+      ->add_option(
+          "--out", options->out,
+          "Where to write it; without it report.html in the folder, or comparison.html in that "
+          "of all runs")
       ->type_name("FILE.html");
   CLI::Option* const unit =
       command->add_option("--mesh-unit", options->mesh_unit, "Unit of all meshes (BOP: mm)")
           ->check(CLI::IsMember({"m", "mm"}))
           ->type_name("m|mm");
-  command->add_option("--mesh", options->meshes, "Mesh of an object, with --mesh-unit; repeatable")
+  command
+      ->add_option("--mesh", options->meshes,
+                   "Meshes of objects, with --mesh-unit: one or more, repeatable")
       ->type_name("ID=FILE.ply")
       ->allow_extra_args(false)
       ->needs(unit);
+  command
+      ->add_option("--camera", options->camera,
+                   "Intrinsics of the camera in pixels, without distortion")
+      ->type_name("fx,fy,cx,cy,width,height");
+  command
+      ->add_option("--images", options->images,
+                   "JPEG and PNG files of the camera, with stamps in their names [s or ns] or in a "
+                   "file stamps.csv (name,stamp_s)")
+      ->type_name("DIR");
   command->add_option("--title", options->title, "Title of the page")->type_name("TEXT");
   command->add_flag("--open", options->open, "Open it with xdg-open");
   command->add_flag("--quiet", options->quiet, "Print nothing");

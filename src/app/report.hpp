@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "posemix/results/report.hpp"
 
@@ -20,8 +21,9 @@ class InterruptGuard;
 /// a function that runs it and returns the exit code.
 void add_report_command(CLI::App& program, std::function<int()>& action);
 
-/// Calls write_report, with a progress bar if `shown`; a signal stops it.
-std::filesystem::path write_report_shown(const std::filesystem::path& results,
+/// Calls write_report, or of several results write_comparison, with a progress bar if `shown`; a
+/// signal stops it.
+std::filesystem::path write_report_shown(const std::vector<std::filesystem::path>& results,
                                          ReportOptions options, bool shown,
                                          const InterruptGuard& guard);
 

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include <fmt/format.h>
@@ -15,11 +16,14 @@
 #include "interrupt.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/config/sequence_file.hpp"
+#include "posemix/io/output_file.hpp"
 #include "posemix/io/output_folder.hpp"
 #include "posemix/results/report.hpp"
 #include "posemix/results/results.hpp"
+#include "posemix/slam/state.hpp"
 #include "progress.hpp"
 #include "report.hpp"
+#include "run_provenance.hpp"
 #include "summary.hpp"
 
 namespace posemix {
@@ -34,12 +38,20 @@ struct SlamOptions {
   std::vector<std::string> overrides;
   bool smooth = false;
   std::optional<std::size_t> smooth_lag;
+  std::optional<std::string> save_state;
   bool report = false;
   bool quiet = false;
   bool json = false;
+  std::vector<std::string> command;  ///< the words of the command line
 };
 
-SlamJob read_job(const SlamOptions& options) {
+/// What is to be done, and where it comes from.
+struct KnownJob {
+  SlamJob job;
+  Provenance provenance;
+};
+
+KnownJob read_job(const SlamOptions& options) {
   TomlDocument document = TomlDocument::load(options.sequence);
   for (const std::string& assignment : options.overrides) document.apply_override(assignment);
   if (options.smooth) document.apply_override("filter.smooth=full");
@@ -49,17 +61,42 @@ SlamJob read_job(const SlamOptions& options) {
   }
   SlamJob job = read_slam_job(document, data_folders(options.sequence, options.data));
   print_warnings(document.warnings());
-  return job;
+  Provenance provenance =
+      run_provenance(options.command, options.sequence, options.overrides, document, job);
+  return {std::move(job), std::move(provenance)};
 }
 
-SlamRun filter(const SlamJob& job, const SlamOptions& options, const InterruptGuard& guard) {
+/// What would be lost at the end.
+void require_state(const SlamJob& job, const SlamOptions& options) {
+  if (!options.save_state) return;
+  if (job.smoothing)
+    throw InvalidInput("a smoothed run has no state to be saved, expected --save-state alone");
+  if (!std::holds_alternative<MultiObjectSlamSettings>(job.settings.tracker))
+    throw InvalidInput(
+        "--save-state: the tracker has no state that can be saved, expected the multi-object "
+        "filter");
+  const fs::path folder = fs::absolute(*options.save_state).parent_path();
+  if (fs::is_directory(folder)) return;
+  throw InvalidInput(fmt::format("--save-state {}: there is no folder '{}'", *options.save_state,
+                                 folder.string()));
+}
+
+SlamRun filter(const SlamJob& job, const SlamOptions& options, HypothesisRecord& record,
+               std::string& state, const InterruptGuard& guard) {
+  const auto finished = [&](const ObjectSlam& slam) {
+    if (options.save_state) state = state_bytes(slam);
+  };
   ProgressReport progress_report(!options.quiet, "frames");
   const auto progress = [&](std::size_t done, std::size_t total) {
     progress_report.update(done, total);
     return !guard.interrupted();
   };
   try {
-    return run(job, {.record_hypotheses = job.trace_hypotheses > 0, .progress = progress});
+    require_state(job, options);
+    return run(job, {.record_hypotheses = job.trace_hypotheses > 0,
+                     .progress = progress,
+                     .finished = finished,
+                     .estimated = [&](FrameEstimate& frame) { record.take(frame); }});
   } catch (const InvalidInput& error) {
     throw InvalidInput(fmt::format("{}: {}", options.sequence, error.what()));
   }
@@ -67,42 +104,56 @@ SlamRun filter(const SlamJob& job, const SlamOptions& options, const InterruptGu
 
 /// Writes the report of the results and returns a line with its URL.
 std::string report_of(const SlamOptions& options, const InterruptGuard& guard) {
-  const fs::path path = write_report_shown(options.out, {}, !options.quiet, guard);
+  const fs::path path = write_report_shown({options.out}, {}, !options.quiet, guard);
   return fmt::format("Report:  {}\n", file_url(path));
+}
+
+/// What is said of the results of an earlier run in the folder.
+std::string replaced_line(const fs::path& folder) {
+  const std::size_t files = earlier_results(folder).size();
+  if (files == 0) return "";
+  return fmt::format("Replaced: the results of an earlier run, {} files\n", files);
 }
 
 int slam_to_folder(const SlamOptions& options) {
   const InterruptGuard guard;
   if (options.report) require_report_page();
-  const SlamJob job = read_job(options);
+  auto [job, provenance] = read_job(options);
   OutputFolder folder(options.out);
   guard.check();
-  const SlamRun result = filter(job, options, guard);
+  std::string state;
+  HypothesisRecord record(job, folder.scratch());
+  const SlamRun result = filter(job, options, record, state, guard);
   guard.check();
   const Metrics metrics = evaluate(job, result);
-  for (const auto& [name, content] : format_results(job, result, metrics)) {
-    folder.write(name, content);
-    guard.check();
-  }
+  provenance.finished = utc_now();
+  const std::string replaced = replaced_line(folder.target());
+  const std::string text = write_results(
+      folder, job, result, metrics, {.provenance = std::move(provenance), .hypotheses = &record});
+  guard.check();
   folder.commit();
+  if (options.save_state) write_output_file(*options.save_state, state);
   const std::string report = options.report ? report_of(options, guard) : "";
   if (options.json) {
-    print_text(format_metrics(metrics, job.method));
+    print_text(text);
   } else if (!options.quiet) {
-    print_text(format_summary(job, metrics) + fmt::format("\nResults: {}\n", options.out) + report);
+    print_text(format_summary(job, result, metrics, colours_fit_output()) +
+               fmt::format("\nResults: {}\n", options.out) + replaced + report);
   }
   return kExitDone;
 }
 
 }  // namespace
 
-void add_slam_command(CLI::App& program, std::function<int()>& action) {
+void add_slam_command(CLI::App& program, std::function<int()>& action,
+                      const std::vector<std::string>& words) {
   const auto options = std::make_shared<SlamOptions>();
+  options->command = words;
   CLI::App* command = program.add_subcommand("slam", "Camera and objects from recorded detections");
   command->footer(
       "Writes into DIR: camera.tum, object_<id>.tum, relative_<id>.tum, metrics.json,\n"
       "posterior.json, trace.json and picture.svg; by the multi-object filter mixture_<id>.json\n"
-      "too. The folder appears when all is done.\n"
+      "too. The folder appears when all is done, and files of an earlier run in it are removed.\n"
       "\n"
       "Relative paths in SEQUENCE.toml are looked up below --data; without it, beside the\n"
       "sequence file, then below $POSEMIX_DATA, or in the cache of `posemix data`.\n"
@@ -127,6 +178,10 @@ void add_slam_command(CLI::App& program, std::function<int()>& action) {
                    "Estimates from N frames more (filter.smooth = \"fixed_lag\")")
       ->type_name("N")
       ->excludes(smooth);
+  command
+      ->add_option("--save-state", options->save_state,
+                   "Save the whole posterior after the last frame to FILE too (see posemix state)")
+      ->type_name("FILE");
   command->add_option("--out", options->out, "Folder for the results")
       ->required()
       ->type_name("DIR");

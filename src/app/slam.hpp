@@ -3,6 +3,8 @@
 #pragma once
 
 #include <functional>
+#include <string>
+#include <vector>
 
 namespace CLI {  // NOLINT(readability-identifier-naming)
 class App;
@@ -11,7 +13,9 @@ class App;
 namespace posemix {
 
 /// Adds the command `slam` to the program. If it is on the command line, parsing sets `action` to a
-/// function that runs it and returns the exit code.
-void add_slam_command(CLI::App& program, std::function<int()>& action);
+/// function that runs it and returns the exit code. Results have
+/// words of the command line, `words`.
+void add_slam_command(CLI::App& program, std::function<int()>& action,
+                      const std::vector<std::string>& words);
 
 }  // namespace posemix

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "study.hpp"
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <memory>
@@ -19,7 +20,10 @@
 #include "posemix/config/toml_table.hpp"
 #include "posemix/io/grasp_outcomes.hpp"
 #include "posemix/io/output_folder.hpp"
+#include "posemix/results/results.hpp"
 #include "progress.hpp"
+#include "run_provenance.hpp"
+#include "screen_text.hpp"
 #include "study/consistency/study.hpp"
 #include "study/divergence/study.hpp"
 #include "study/engine/run_study.hpp"
@@ -49,6 +53,8 @@ struct StudyOptions {
   bool resume = false;
   bool quiet = false;
   bool json = false;
+  bool all_rows = false;
+  std::vector<std::string> command;  ///< the words of the command line
 };
 
 /// A study of the program.
@@ -168,14 +174,47 @@ void check_output(const std::string& out, const fs::path& journal) {
   if (journal.has_parent_path()) fs::create_directories(journal.parent_path(), error);
 }
 
-void write_report(const StudyReport& report, const StudyOptions& options) {
+/// The tables, what is found, and where all is.
+std::string printed_text(const StudyReport& report, const StudyOptions& options) {
+  constexpr std::size_t kScreen = 40;
+  constexpr std::size_t kAround = 3;  // blank lines, and where the results are
+  std::string notes;
+  for (const std::string& note : report.notes) notes += fmt::format("{}\n", note);
+  const std::size_t rest = kScreen - std::min(kScreen / 2, kAround + report.notes.size());
+  const std::string tables = options.all_rows ? report.summary : screen_text(report.summary, rest);
+  const bool is_whole = tables.size() >= report.summary.size();
+  return fmt::format("{}{}{}\nResults: {}{}\n", tables, notes.empty() ? "" : "\n", notes,
+                     options.out, is_whole ? "" : " (all rows: its tables, or --all-rows here)");
+}
+
+/// The files of a study, study.json with where they come from.
+std::vector<StudyFile> files_of(const Study& study, const StudyReport& report,
+                                const StudyOptions& options) {
+  std::vector<StudyFile> files = report.files;
+  std::vector<std::string> names;
+  for (const StudyFile& file : files) names.push_back(file.name);
+  Provenance provenance =
+      study_provenance(options.command, study.settings, options.settings.value_or(""));
+  provenance.finished = utc_now();
+  files.front().content = study_with_provenance(files.front().content, provenance, names);
+  return files;
+}
+
+void write_files(const Study& study, const StudyReport& report, const StudyOptions& options) {
+  const std::vector<StudyFile> files = files_of(study, report, options);
   OutputFolder folder(options.out);
-  for (const StudyFile& file : report.files) folder.write(file.name, file.content);
+  const std::vector<fs::path> earlier = earlier_study(folder.target());
+  folder.remove_earlier(earlier);
+  for (const StudyFile& file : files) folder.write(file.name, file.content);
   folder.commit();
+  const std::string replaced =
+      earlier.empty()
+          ? ""
+          : fmt::format("Replaced: the results of an earlier study, {} files\n", earlier.size());
   if (options.json) {
-    print_text(report.files.front().content);
+    print_text(files.front().content);
   } else if (!options.quiet) {
-    print_text(report.summary + fmt::format("\nResults: {}\n", options.out));
+    print_text(printed_text(report, options) + replaced);
   }
 }
 
@@ -200,7 +239,7 @@ int run_command(const StudyCommand& command, const StudyOptions& options) {
                               .progress = go_on});
   if (!run) return kExitDone;
   guard.check();
-  write_report(run->study.report(run->results), options);
+  write_files(run->study, run->study.report(run->results), options);
   std::error_code error;
   if (!fs::remove(journal, error)) {
     throw OutputError(fmt::format("{}: cannot be removed: {}", journal.string(), error.message()));
@@ -237,12 +276,14 @@ void add_options(CLI::App& command, const std::shared_ptr<StudyOptions>& options
       ->type_name("N");
   command.add_flag("--resume", options->resume, "Continue an interrupted study from DIR.journal");
   command.add_flag("--json", options->json, "Print study.json instead of a table");
+  command.add_flag("--all-rows", options->all_rows, "Print all rows, not only what fits a screen");
   command.add_flag("--quiet", options->quiet, "Print neither progress nor table");
 }
 
 }  // namespace
 
-void add_study_command(CLI::App& program, std::function<int()>& action) {
+void add_study_command(CLI::App& program, std::function<int()>& action,
+                       const std::vector<std::string>& words) {
   CLI::App* study = program.add_subcommand("study", "Experiments, on all cores or over MPI");
   study->require_subcommand(1);
   study->footer(
@@ -253,6 +294,7 @@ void add_study_command(CLI::App& program, std::function<int()>& action) {
   study->get_formatter()->label("Subcommands", "Studies");
   for (const StudyCommand& known : kStudies) {
     const auto options = std::make_shared<StudyOptions>();
+    options->command = words;
     CLI::App* command = study->add_subcommand(known.name, known.description);
     command->footer(fmt::format(
         "Writes study.json, tables (CSV) and figures (SVG) into DIR when all is done. What is\n"

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <functional>
+#include <string>
+#include <vector>
 
 namespace CLI {  // NOLINT(readability-identifier-naming)
 class App;
@@ -12,6 +14,8 @@ namespace posemix {
 
 /// Adds the command `study`, with one subcommand per study, to the program. If one of them is on
 /// the command line, parsing sets `action` to a function that runs it and returns the exit code.
-void add_study_command(CLI::App& program, std::function<int()>& action);
+/// Results have words of the command line, `words`.
+void add_study_command(CLI::App& program, std::function<int()>& action,
+                       const std::vector<std::string>& words);
 
 }  // namespace posemix

@@ -12,8 +12,12 @@
 
 namespace posemix {
 
-/// A short table of errors and consistency, to be read by people.
-std::string format_summary(const SlamJob& job, const Metrics& metrics);
+/// Whether the standard output is a terminal that shows colours, and NO_COLOR is not set.
+bool colours_fit_output();
+
+/// A short table of errors, and a line on the consistency of every pose, to be read by people.
+std::string format_summary(const SlamJob& job, const SlamRun& run, const Metrics& metrics,
+                           bool colours);
 
 /// Thrown when the reader of the standard output has closed it.
 class BrokenPipe : public OutputError {

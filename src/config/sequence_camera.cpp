@@ -86,16 +86,18 @@ NumberedScene read_scene_truth(const TomlTable& truth, const FileFinder& files,
   return result;
 }
 
+PlacedStamp read_stamp(const LineReader& reader, std::string_view text) {
+  const double stamp = reader.number_from(text, "stamp");
+  if (std::abs(stamp) > kLatestStamp) reader.fail(fmt::format("stamp {}", stamp), "seconds");
+  return {stamp, fmt::format("{}:{}", reader.name(), reader.number())};
+}
+
 /// Stamps, one per line.
-std::vector<double> read_stamps(const std::filesystem::path& path) {
+std::vector<PlacedStamp> read_stamps(const std::filesystem::path& path) {
   const std::string text = read_file(path);
-  std::vector<double> stamps;
+  std::vector<PlacedStamp> stamps;
   LineReader reader(text, path.string());
-  while (reader.next_content()) {
-    stamps.push_back(reader.number_from(trimmed(reader.line()), "stamp"));
-    if (std::abs(stamps.back()) > kLatestStamp)
-      reader.fail(fmt::format("stamp {}", stamps.back()), "seconds");
-  }
+  while (reader.next_content()) stamps.push_back(read_stamp(reader, trimmed(reader.line())));
   return stamps;
 }
 
@@ -109,11 +111,8 @@ ImageList read_images(const TomlTable& camera, const FileFinder& files) {
   while (reader.next_content()) {
     const std::string_view line = trimmed(reader.line());
     const std::size_t end = std::min(line.find_first_of(" \t"), line.size());
-    list.images.push_back({.stamp = reader.number_from(line.substr(0, end), "stamp"),
-                           .camera = std::string(trimmed(line.substr(end))),
-                           .place = fmt::format("{}:{}", reader.name(), reader.number())});
-    if (std::abs(list.images.back().stamp) > kLatestStamp)
-      reader.fail(fmt::format("stamp {}", list.images.back().stamp), "seconds");
+    list.images.push_back({.at = read_stamp(reader, line.substr(0, end)),
+                           .camera = std::string(trimmed(line.substr(end)))});
   }
   return list;
 }
@@ -129,13 +128,13 @@ std::vector<std::vector<std::string>> ImageList::on(const Timeline& timeline,
   if (all) return std::vector(timeline.size(), names);
   std::vector<std::vector<std::string>> by_frame(timeline.size());
   for (const Image& image : images) {
-    const auto frame = timeline.at_stamp(image.stamp);
+    const auto frame = timeline.at_stamp(image.at.stamp);
     if (!frame) {
       throw InvalidInput(fmt::format("{}: got an image at stamp {} s, where {} has no frame",
-                                     image.place, image.stamp, timeline.source()));
+                                     image.at.place, image.at.stamp, timeline.source()));
     }
     if (std::ranges::find(names, image.camera) == names.end()) {
-      throw InvalidInput(fmt::format("{}: got camera '{}', expected one of: '{}'", image.place,
+      throw InvalidInput(fmt::format("{}: got camera '{}', expected one of: '{}'", image.at.place,
                                      image.camera, fmt::join(names, "', '")));
     }
     by_frame[*frame].push_back(image.camera);

@@ -18,10 +18,6 @@ namespace {
 
 using namespace internal;
 
-/// The name of the noise model for objects that name none: default_detector_noise(), unless the
-/// file has a table of this name.
-constexpr std::string_view kDefaultNoise = "default";
-
 void check_schema(const TomlTable& root) {
   const std::int64_t schema = root.get_integer("schema");
   if (schema == kSequenceSchema) return;
@@ -38,78 +34,6 @@ std::string read_name(const TomlDocument& document, const TomlTable& root) {
   const std::string name = path.filename().string();
   const std::string recording = root.get_string_or("sequence", "");
   return name.find(recording) == std::string::npos ? name + " " + recording : name;
-}
-
-std::string read_id(const TomlTable& object, std::set<std::string>& taken) {
-  std::string id = object.get_string("id");
-  if (!is_usable_id(id))
-    object.fail("id", fmt::format("is {}, expected {}", in_quotes(id), kUsableId));
-  if (!taken.insert(id).second) {
-    object.fail("id", fmt::format("is {}, which another object has already", in_quotes(id)));
-  }
-  return id;
-}
-
-/// The noise model that a table names.
-DetectorNoise noise_of(const TomlTable& object,
-                       const std::map<std::string, DetectorNoise>& noise_models,
-                       const std::string& key = "noise") {
-  const std::string noise = object.get_string_or(key, std::string(kDefaultNoise));
-  const auto found = noise_models.find(noise);
-  const bool built_in = found == noise_models.end() && noise == kDefaultNoise;
-  if (found == noise_models.end() && !built_in) {
-    object.fail(key, fmt::format("is {0}, but there is no table [noise.{1}]", in_quotes(noise),
-                                 noise.empty() ? "NAME" : noise));
-  }
-  return built_in ? default_detector_noise() : found->second;
-}
-
-/// The pose that an object is known to have, with an error along its own axes.
-ObjectPrior read_prior(const TomlTable& prior) {
-  constexpr NumberRange kProbability{.lowest = 1e-6, .highest = 1.0};
-  const SE3d pose = read_pose(prior, "pose");
-  const Matrix6d covariance = pose.adjoint_congruence(read_pose_covariance(prior));
-  ObjectPrior result{ConcentratedGaussian<SE3d>(pose, covariance)};
-  result.probability = prior.get_double_or("probability", result.probability, kProbability);
-  return result;
-}
-
-/// The noise models of several detectors of an object, by their names.
-std::map<std::string, DetectorNoise> read_detectors(
-    const TomlTable& object, const std::map<std::string, DetectorNoise>& noise_models) {
-  std::map<std::string, DetectorNoise> detectors;
-  const auto table = object.find_table("detectors");
-  if (!table) return detectors;
-  for (const std::string& name : table->keys())
-    detectors.emplace(name, noise_of(*table, noise_models, name));
-  return detectors;
-}
-
-/// Names of the noise models that a table of objects uses.
-void add_used(const TomlTable& object, std::set<std::string>& used) {
-  used.insert(object.get_string_or("noise", std::string(kDefaultNoise)));
-  if (const auto detectors = object.find_table("detectors")) {
-    for (const std::string& name : detectors->keys()) used.insert(detectors->get_string(name));
-  }
-}
-
-ObjectModel read_model(const TomlTable& object, const FileFinder& files, std::set<std::string>& ids,
-                       const std::map<std::string, DetectorNoise>& noise_models,
-                       const std::vector<FrameFile>& frames) {
-  std::string id = read_id(object, ids);
-  DetectorNoise noise = noise_of(object, noise_models);
-  std::optional<Matrix6d> start;
-  if (const auto table = object.find_table("start")) start = read_pose_covariance(*table);
-  ObjectModel model{std::move(id),
-                    std::move(noise),
-                    start,
-                    read_object_symmetries(object, files),
-                    object.get_string_or("class", ""),
-                    read_detectors(object, noise_models)};
-  if (const auto prior = object.find_table("prior"))
-    model.prior = located(object, "prior", [&] { return read_prior(*prior); });
-  model.motion = read_object_motion(object, frames);
-  return model;
 }
 
 /// The tables [[objects]], of which there need be none where observations name objects.
@@ -145,11 +69,7 @@ ObservedRecording read_observed(const TomlTable& root, const FileFinder& files,
   const auto table = root.find_table("on_sight");
   require_known_objects(observed.files, models, table.has_value());
   if (table) {
-    ObjectModel model;
-    model.noise = noise_of(*table, noise_models);
-    model.detectors = read_detectors(*table, noise_models);
-    model.symmetries = read_object_symmetries(*table, files);
-    model.motion = read_object_motion(*table, frames);
+    ObjectModel model = read_model_on_sight(*table, files, noise_models, frames);
     for (const std::string& id : ids_on_sight(observed.files, ids_of(models))) {
       model.id = id;
       models.push_back(model);
@@ -248,14 +168,12 @@ std::vector<ObjectModel> read_models(const TomlTable& root, const FileFinder& fi
                                      const SlamMethod& method,
                                      const std::map<std::string, DetectorNoise>& noise_models,
                                      const std::vector<FrameFile>& frames) {
-  std::vector<ObjectModel> models;
-  std::set<std::string> ids;
-  for (const TomlTable& object : object_tables(root)) {
+  const std::vector<TomlTable> tables = object_tables(root);
+  for (const TomlTable& object : tables) {
     if (object.has("prior") && !is_multi_object(method))
       object.fail("prior", "is for the multi-object filter; expected none with another method");
-    models.push_back(read_model(object, files, ids, noise_models, frames));
   }
-  return models;
+  return read_object_models(tables, files, noise_models, frames);
 }
 
 /// Checks how the objects of the file, and those on sight, may move.
@@ -278,8 +196,8 @@ SlamJob read_slam_job(const TomlDocument& document,
   auto noise_models = read_noise_models(root);
   if (const auto* tracker = std::get_if<MultiObjectSlamSettings>(&method.tracker)) {
     std::set<std::string> used;
-    for (const TomlTable& object : object_tables(root)) add_used(object, used);
-    if (const auto table = root.find_table("on_sight")) add_used(*table, used);
+    for (const TomlTable& object : object_tables(root)) add_used_noise(object, used);
+    if (const auto table = root.find_table("on_sight")) add_used_noise(*table, used);
     assume_missing(root, used, tracker->filter.default_clutter, noise_models);
   }
   const std::vector<FrameFile> frames = read_known_frames(root, files);

@@ -56,7 +56,10 @@ fs::path FileFinder::find(const TomlTable& table, std::string_view key) const {
   for (const fs::path& folder : folders_) {
     for (const std::string& root : roots_) {
       fs::path place = (folder / root / named).lexically_normal();
-      if (is_there(place)) return place;
+      if (is_there(place)) {
+        table.note_input(place);
+        return place;
+      }
       const std::string text = in_quotes(place.string(), 300);
       if (std::find(places.begin(), places.end(), text) == places.end()) places.push_back(text);
     }

@@ -129,9 +129,9 @@ std::vector<double> stamps_of(const std::vector<ObservationFile>& files,
     const auto next = stamps.lower_bound(stamp - kSameStamp);
     if (next == stamps.end() || *next > stamp + kSameStamp) stamps.insert(stamp);
   };
-  for (const double stamp : camera.stamps) add(stamp);
+  for (const PlacedStamp& one : camera.stamps) add(one.stamp);
   if (camera.images)
-    for (const ImageList::Image& image : camera.images->images) add(image.stamp);
+    for (const ImageList::Image& image : camera.images->images) add(image.at.stamp);
   std::set<double> seen;
   for (const ObservationFile& file : files)
     for (const Observation& observation : file.observations) seen.insert(observation.stamp_s);

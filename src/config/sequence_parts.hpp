@@ -123,12 +123,17 @@ struct NumberedScene {
   std::map<std::int64_t, std::optional<SE3d>> poses;
 };
 
+/// A stamp in a list, and where it stands, for messages.
+struct PlacedStamp {
+  double stamp;
+  std::string place;
+};
+
 /// The images that the detectors have searched.
 struct ImageList {
   struct Image {
-    double stamp;
+    PlacedStamp at;
     std::string camera;
-    std::string place;  ///< in a file, for messages
   };
   bool all = false;  ///< every frame is an image of every camera
   std::vector<Image> images = {};
@@ -145,7 +150,7 @@ struct CameraFiles {
   std::optional<NumberedScene> scene_truth;  ///< used instead of `truth` for a dataset
   double frame_period_s = kFramePeriodS;
   /// Of frames, in a recording with observations.
-  std::vector<double> stamps = {};
+  std::vector<PlacedStamp> stamps = {};
   std::optional<ImageList> images = {};
 };
 
@@ -244,6 +249,22 @@ void check_motion(const TomlTable& object, const ObjectModel& model, const SlamJ
                   const SlamMethod& method);
 
 // --- [[objects]]
+
+/// The noise model that a table names under a key; without the key, or by the name `default`, it is
+/// default_detector_noise() unless there is a table of that name.
+DetectorNoise noise_of(const TomlTable& object,
+                       const std::map<std::string, DetectorNoise>& noise_models,
+                       const std::string& key);
+/// Adds the names of the noise models that a table of objects uses.
+void add_used_noise(const TomlTable& object, std::set<std::string>& used);
+/// The models of the tables [[objects]].
+std::vector<ObjectModel> read_object_models(
+    const std::vector<TomlTable>& tables, const FileFinder& files,
+    const std::map<std::string, DetectorNoise>& noise_models, const std::vector<FrameFile>& frames);
+/// The model of the table [on_sight], without an id.
+ObjectModel read_model_on_sight(const TomlTable& table, const FileFinder& files,
+                                const std::map<std::string, DetectorNoise>& noise_models,
+                                const std::vector<FrameFile>& frames);
 
 /// The detections of one object before they are assigned to frames: by stamp, or by number counted
 /// from zero.

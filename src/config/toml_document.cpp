@@ -139,6 +139,8 @@ TomlTable TomlDocument::root() const { return TomlTable(state_, &state_->root, "
 
 const std::string& TomlDocument::name() const { return state_->name; }
 
+const std::vector<std::filesystem::path>& TomlDocument::inputs() const { return state_->inputs; }
+
 const std::vector<std::string>& TomlDocument::warnings() const { return state_->warnings; }
 
 }  // namespace posemix

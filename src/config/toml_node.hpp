@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <set>
@@ -42,7 +43,8 @@ struct TomlState {
   std::string name;
   TomlNode root;
   std::map<std::string, std::string, std::less<>> variables;
-  mutable std::vector<std::string> warnings;  ///< in the order in which they came up
+  mutable std::vector<std::string> warnings;               ///< in the order in which they came up
+  mutable std::vector<std::filesystem::path> inputs = {};  ///< read for keys, each once
   /// Old and new names of keys at the top of this document alone.
   std::map<std::string, std::string, std::less<>> renamed = {};
 

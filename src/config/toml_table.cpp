@@ -99,6 +99,11 @@ void TomlTable::fail(std::string_view key, std::string_view message) const {
       fmt::format("{}: key '{}' {}", location(key), join_toml_path(path_, key), message));
 }
 
+void TomlTable::note_input(const std::filesystem::path& path) const {
+  std::vector<std::filesystem::path>& inputs = state_->inputs;
+  if (std::find(inputs.begin(), inputs.end(), path) == inputs.end()) inputs.push_back(path);
+}
+
 void TomlTable::warn(std::string_view key, std::string_view message) const {
   state_->warnings.push_back(
       fmt::format("{}: key '{}' {}", location(key), join_toml_path(path_, key), message));

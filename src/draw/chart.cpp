@@ -11,6 +11,7 @@
 #include "chart_axis.hpp"
 #include "chart_legend.hpp"
 #include "chart_panel.hpp"
+#include "picture_colours.hpp"
 #include "posemix/base/error.hpp"
 #include "svg.hpp"
 
@@ -26,6 +27,8 @@ constexpr double kPanelHeight = 290.0;
 constexpr double kMargin = 14.0;
 constexpr double kTitleSize = 17.0;
 constexpr double kTitleHeight = 36.0;
+constexpr double kNoteSize = 12.5;
+constexpr double kNoteHeight = 20.0;
 
 /// The font size, at most `size`, at which a text fits a width.
 double fitting_size(double size, std::string_view text, double width) {
@@ -64,21 +67,36 @@ void check(const Chart& chart) {
   }
 }
 
-void draw_title(SvgDocument& svg, std::string_view title, double width) {
-  if (title.empty()) return;
-  svg.text({kMargin, 24}, title,
-           {.size = fitting_size(kTitleSize, title, width - 2 * kMargin), .bold = true});
+/// What stands above the panels.
+struct ChartHead {
+  std::string_view title;
+  std::string_view note = {};
+
+  double height() const {
+    return (title.empty() ? kMargin : kTitleHeight) + (note.empty() ? 0.0 : kNoteHeight);
+  }
+};
+
+void draw_head(SvgDocument& svg, const ChartHead& head, double width) {
+  const double room = width - 2 * kMargin;
+  if (!head.title.empty()) {
+    svg.text({kMargin, 24}, head.title,
+             {.size = fitting_size(kTitleSize, head.title, room), .bold = true});
+  }
+  if (head.note.empty()) return;
+  svg.text({kMargin, head.height() - 10.0}, head.note,
+           {.size = fitting_size(kNoteSize, head.note, room), .fill = std::string(kAxisColour)});
 }
 
-/// Panels in rows and columns below the title and the legend.
-std::string draw_panels(std::string_view title, std::span<const Chart> charts, std::size_t columns,
+/// Panels in rows and columns below the head and the legend.
+std::string draw_panels(const ChartHead& head, std::span<const Chart> charts, std::size_t columns,
                         double width, double panel_height) {
   for (const Chart& chart : charts) check(chart);
   const ChartLegend legend(charts);
-  const double top = (title.empty() ? kMargin : kTitleHeight) + legend.height(width - 2 * kMargin);
+  const double top = head.height() + legend.height(width - 2 * kMargin);
   const std::size_t rows = (charts.size() + columns - 1) / columns;
-  SvgDocument svg(width, top + panel_height * static_cast<double>(rows), title);
-  draw_title(svg, title, width);
+  SvgDocument svg(width, top + panel_height * static_cast<double>(rows), head.title);
+  draw_head(svg, head, width);
   legend.draw(svg, {kMargin, top - legend.height(width - 2 * kMargin), width - 2 * kMargin, 0});
   const double panel_width = width / static_cast<double>(columns);
   for (std::size_t i = 0; i < charts.size(); ++i) {
@@ -96,14 +114,15 @@ std::string draw_panels(std::string_view title, std::span<const Chart> charts, s
 std::string draw_chart(const Chart& chart) {
   Chart panel = chart;
   panel.title.clear();
-  return draw_panels(chart.title, {&panel, 1}, 1, kWidth, kHeight);
+  return draw_panels({chart.title}, {&panel, 1}, 1, kWidth, kHeight);
 }
 
-std::string draw_charts(std::string_view title, std::span<const Chart> charts, int columns) {
+std::string draw_charts(std::string_view title, std::span<const Chart> charts, int columns,
+                        std::string_view note) {
   if (columns < 1)
     throw InvalidInput(fmt::format("charts: got {} columns, expected at least one", columns));
   require(!charts.empty(), "charts: got none, expected at least one");
-  return draw_panels(title, charts, static_cast<std::size_t>(columns),
+  return draw_panels({title, note}, charts, static_cast<std::size_t>(columns),
                      std::max(kWidth, kLeastPanelWidth * columns), kPanelHeight);
 }
 

@@ -83,6 +83,14 @@ double ChartAxis::at(double value) const {
 }
 
 std::vector<ChartTick> ChartAxis::linear_ticks(int count) const {
+  std::vector<ChartTick> ticks = even_ticks(count);
+  // Round steps are up to 2.5 times as wide as asked for: of a few, one may be left.
+  for (int more = count + 1; ticks.size() < kFewestTicks && more <= 3 * count; ++more)
+    ticks = even_ticks(more);
+  return ticks;
+}
+
+std::vector<ChartTick> ChartAxis::even_ticks(int count) const {
   const auto [lowest, highest] = range_;
   const double step = round_step(highest - lowest, count);
   const double room = 1e-9 * step;
@@ -114,6 +122,15 @@ std::vector<ChartTick> ChartAxis::decade_ticks(std::span<const int> labelled_dig
       if (label || stride == 1 || digit == 1)
         ticks.push_back({value, label ? number_text(value) : std::string()});
     }
+  }
+  return ticks;
+}
+
+std::vector<ChartTick> ChartAxis::ticks_at(std::span<const double> values) const {
+  std::vector<ChartTick> ticks;
+  for (const double value : values) {
+    if (value >= range_.first && value <= range_.second)
+      ticks.push_back({value, number_text(value)});
   }
   return ticks;
 }

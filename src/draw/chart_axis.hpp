@@ -35,10 +35,15 @@ class ChartAxis {
   const ChartRange& range() const { return range_; }
   bool log() const { return log_; }
 
-  /// About `count` ticks with labels; on a logarithmic axis also lines between the decades.
+  /// About `count` ticks with labels, three at least where the axis is linear; on a logarithmic
+  /// axis also lines between the decades.
   std::vector<ChartTick> ticks(int count) const;
 
+  /// Ticks at those of the values that the range has.
+  std::vector<ChartTick> ticks_at(std::span<const double> values) const;
+
  private:
+  std::vector<ChartTick> even_ticks(int count) const;
   std::vector<ChartTick> linear_ticks(int count) const;
   std::vector<ChartTick> decade_ticks(std::span<const int> labelled, int count) const;
 

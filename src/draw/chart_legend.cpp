@@ -6,6 +6,8 @@
 #include <array>
 #include <string_view>
 
+#include "picture_colours.hpp"
+
 namespace posemix::internal {
 namespace {
 
@@ -15,16 +17,12 @@ constexpr double kSwatch = 26.0;
 constexpr double kGap = 7.0;
 constexpr double kBelow = 8.0;
 
-/// Colours that colour-blind readers can distinguish (Okabe and Ito 2008), without the yellow,
-/// which is too faint for a line on white.
-constexpr std::array<std::string_view, 7> kColours{"#0072B2", "#D55E00", "#009E73", "#CC79A7",
-                                                   "#E69F00", "#56B4E9", "#222222"};
 /// A second round through the colours is dashed, a third dotted.
 constexpr std::array<std::string_view, 3> kDashes{"", "7 4", "2 3"};
 
 SeriesStyle numbered_style(std::size_t number) {
-  return {std::string(kColours[number % kColours.size()]),
-          std::string(kDashes[number / kColours.size() % kDashes.size()])};
+  return {object_colour(number),
+          std::string(kDashes[number / kObjectColours.size() % kDashes.size()])};
 }
 
 double entry_width(const std::string& label) {

@@ -95,6 +95,23 @@ void draw_band(SvgDocument& svg, const ChartAxis& x, const ChartAxis& y, const C
   draw();
 }
 
+void draw_bars(SvgDocument& svg, const ChartAxis& x, const ChartAxis& y, const ChartSeries& series,
+               const std::string& colour) {
+  constexpr double kHalfCap = 3.0;
+  const SvgStyle style{.stroke = colour, .width = 1.2};
+  for (std::size_t i = 0; i < series.lower.size(); ++i) {
+    const bool shown = shows(series.x[i], x.log()) && shows(series.lower[i], y.log()) &&
+                       shows(series.upper[i], y.log());
+    if (!shown) continue;
+    const Eigen::Vector2d low(x.at(series.x[i]), y.at(series.lower[i]));
+    const Eigen::Vector2d high(low.x(), y.at(series.upper[i]));
+    const Eigen::Vector2d cap(kHalfCap, 0.0);
+    svg.line(low, high, style);
+    svg.line(low - cap, low + cap, style);
+    svg.line(high - cap, high + cap, style);
+  }
+}
+
 Points dots_of(const ChartAxis& x, const ChartAxis& y, const ChartSeries& series) {
   Points points;
   for (const Points& piece : line_pieces(x, y, series)) {
@@ -108,7 +125,11 @@ Points dots_of(const ChartAxis& x, const ChartAxis& y, const ChartSeries& series
 
 void draw_series(SvgDocument& svg, const ChartAxis& x, const ChartAxis& y,
                  const ChartSeries& series, const SeriesStyle& style) {
-  draw_band(svg, x, y, series, style.colour);
+  if (series.bars) {
+    draw_bars(svg, x, y, series, style.colour);
+  } else {
+    draw_band(svg, x, y, series, style.colour);
+  }
   const auto pieces = series.step ? step_pieces(x, y, series) : line_pieces(x, y, series);
   for (const Points& piece : pieces)
     svg.polyline(piece, {.stroke = style.colour, .width = kLineWidth, .dash = style.dash});

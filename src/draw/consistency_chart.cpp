@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "picture_colours.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/draw/chart.hpp"
 
@@ -15,15 +16,15 @@ namespace {
 
 constexpr std::size_t kMostPoints = 1000;
 constexpr double kLowestShown = 1e-3;
-constexpr const char* kLineColour = "#0072B2";
-constexpr const char* kBandColour = "#009E73";
-constexpr const char* kMeanColour = "#D55E00";
+constexpr std::string_view kLineColour = internal::kObjectColours[2];
+constexpr std::string_view kBandColour = internal::kTruthColour;
+constexpr std::string_view kMeanColour = internal::kObjectColours[1];
 
 using NeesOf = double FrameConsistency::*;
 
 /// NEES over the degrees of freedom, averaged over as many frames as leave kMostPoints.
 ChartSeries nees_series(const ConsistencyReport& report, NeesOf nees_of, std::size_t dof) {
-  ChartSeries series{.label = "NEES per degree of freedom", .color = kLineColour};
+  ChartSeries series{.label = "NEES per degree of freedom", .color = std::string(kLineColour)};
   const std::size_t stride = (report.frames.size() + kMostPoints - 1) / kMostPoints;
   for (std::size_t k = 0; k < report.frames.size(); k += stride) {
     const std::size_t end = std::min(k + stride, report.frames.size());
@@ -44,9 +45,13 @@ Chart nees_chart(const std::string& title, const ConsistencyReport& report,
   const auto [least, most] = std::minmax_element(nees.y.begin(), nees.y.end());
   const double low = std::min({*least, summary.anees, summary.frame_band.low});
   const double high = std::max({*most, summary.anees, summary.frame_band.high});
-  const auto level = [&](const char* label, double value, const char* colour, const char* dash) {
-    return ChartSeries{
-        .label = label, .x = {first, last}, .y = {value, value}, .color = colour, .dash = dash};
+  const auto level = [&](const char* label, double value, std::string_view colour,
+                         const char* dash) {
+    return ChartSeries{.label = label,
+                       .x = {first, last},
+                       .y = {value, value},
+                       .color = std::string(colour),
+                       .dash = dash};
   };
   ChartSeries band = level("95 % of the frames of a consistent estimate", 1.0, kBandColour, "6 4");
   band.lower.assign(2, summary.frame_band.low);

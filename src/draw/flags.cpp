@@ -7,6 +7,9 @@
 #include <cmath>
 #include <limits>
 
+#include <fmt/format.h>
+
+#include "picture_colours.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/base/units.hpp"
 #include "svg.hpp"
@@ -20,6 +23,7 @@ using Eigen::Vector3d;
 
 constexpr double kSize = 560.0;
 constexpr double kHead = 34.0;
+constexpr double kSide = 220.0;  ///< for the legend, beside the drawing
 
 /// Points of space on the picture.
 class Projection {
@@ -63,7 +67,8 @@ void draw_box(SvgDocument& svg, const Projection& at, const OutlinedBox& box) {
   for (int from = 0; from < 8; ++from) {
     for (const int axis : {1, 2, 4}) {
       if ((from & axis) == 0) {
-        svg.line(corner(from), corner(from | axis), {.stroke = "#8A8A8A", .width = 1.2});
+        svg.line(corner(from), corner(from | axis),
+                 {.stroke = std::string(kTruthColour), .width = 1.2});
       }
     }
   }
@@ -73,11 +78,46 @@ void draw_triad(SvgDocument& svg, const Projection& at) {
   const Vector2d origin(46.0, kHead + kSize - 46.0);
   constexpr std::array kNames{"x", "y", "z"};
   for (int i = 0; i < 3; ++i) {
+    const std::string colour(kAxisColours[static_cast<std::size_t>(i)]);
     const Vector2d tip = origin + 28.0 * at.direction(Vector3d::Unit(i));
-    svg.line(origin, tip, {.stroke = "#555555", .width = 1.5});
+    svg.line(origin, tip, {.stroke = colour, .width = 1.8});
     svg.text(tip + Vector2d(3.0, 4.0), kNames[static_cast<std::size_t>(i)],
-             {.size = 11.0, .fill = "#555555"});
+             {.size = 11.0, .fill = colour, .bold = true});
   }
+}
+
+/// The eye is far away, so that a length is the same everywhere.
+void draw_length(SvgDocument& svg, const FlagView& view) {
+  const double metre = 0.5 * kSize / view.extent;
+  const double length_m = round_step(2.0 * view.extent, 6);
+  const Vector2d to(kSize - 16.0, kHead + kSize - 18.0);
+  const Vector2d from = to - Vector2d(length_m * metre, 0.0);
+  const SvgStyle style{.stroke = std::string(kCameraColour), .width = 2};
+  svg.line(from, to, style);
+  for (const auto& end : {from, to}) svg.line(end - Vector2d(0, 4), end + Vector2d(0, 4), style);
+  svg.text(0.5 * (from + to) - Vector2d(0, 8), fmt::format("{:.4g} mm", 1e3 * length_m),
+           {.size = 12, .anchor = SvgAnchor::middle, .halo = true});
+}
+
+/// What the colours and the marks mean; a single group that is called as the picture needs no name.
+void draw_side(SvgDocument& svg, std::string_view title, std::span<const FlagGroup> groups,
+               bool has_box) {
+  const double left = kSize + 12.0;
+  double y = kHead + 18.0;
+  for (const FlagGroup& group : groups) {
+    if (groups.size() == 1 && group.label == title) continue;
+    svg.circle({left + 8.0, y - 4.0}, 5.0, {.fill = group.colour});
+    svg.text({left + 20.0, y}, group.label);
+    y += 20.0;
+  }
+  y += 8.0;
+  const SvgFont font{.size = 12, .fill = std::string(kAxisColour)};
+  for (const char* line : {"A flag is a pose: its foot is the",
+                           "position, its pole the z axis, its", "tip points along the x axis."}) {
+    svg.text({left, y}, line, font);
+    y += 17.0;
+  }
+  if (has_box) svg.text({left, y + 4.0}, "Grey lines: the true box.", font);
 }
 
 }  // namespace
@@ -100,8 +140,7 @@ FlagView view_of(std::span<const FlagGroup> groups, double flag) {
 std::string draw_flags(std::string_view title, std::span<const FlagGroup> groups,
                        const FlagView& view, const std::optional<OutlinedBox>& box) {
   require(view.extent > 0.0 && view.flag > 0.0, "flags: extent and flag must be positive");
-  SvgDocument svg(kSize, kSize + kHead, title);
-  svg.rectangle({0.0, 0.0, kSize, kSize + kHead}, {.fill = "#FFFFFF"});
+  SvgDocument svg(kSize + kSide, kSize + kHead, title);
   const Projection at(view);
   svg.begin_clip({0.0, kHead, kSize, kSize});
   if (box) draw_box(svg, at, *box);
@@ -111,12 +150,8 @@ std::string draw_flags(std::string_view title, std::span<const FlagGroup> groups
   svg.end_clip();
   draw_triad(svg, at);
   svg.text({12.0, 22.0}, title, {.size = 15.0, .bold = true});
-  double y = kHead + 18.0;
-  for (const FlagGroup& group : groups) {
-    svg.circle({20.0, y - 4.0}, 5.0, {.fill = group.colour});
-    svg.text({32.0, y}, group.label, {.halo = true});
-    y += 18.0;
-  }
+  draw_length(svg, view);
+  draw_side(svg, title, groups, box.has_value());
   return svg.str();
 }
 

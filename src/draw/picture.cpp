@@ -3,12 +3,17 @@
 #include "posemix/draw/picture.hpp"
 
 #include <algorithm>
+#include <array>
 
 #include <fmt/format.h>
 
 #include "picture_colours.hpp"
+#include "picture_curves.hpp"
+#include "picture_legend.hpp"
 #include "picture_map.hpp"
 #include "picture_strip.hpp"
+#include "posemix/base/words.hpp"
+#include "run_consistency.hpp"
 #include "svg.hpp"
 
 namespace posemix {
@@ -18,136 +23,146 @@ using namespace internal;
 
 constexpr double kPictureWidth = 1000.0;
 constexpr double kPictureLeft = 64.0;
-constexpr SvgBox kMap{kPictureLeft, 100.0, 600.0, 460.0};
-constexpr double kLegendLeft = 688.0;
-constexpr double kStripTop = 636.0;
-constexpr double kStripHeight = 84.0;
-constexpr double kStripGap = 14.0;
+constexpr double kPictureRight = 28.0;
+constexpr SvgBox kMap{kPictureLeft, 100.0, 560.0, 460.0};
+constexpr SvgBox kLegend{652.0, 100.0, kPictureWidth - kPictureRight - 652.0, 460.0};
+constexpr double kStripTop = 692.0;
+constexpr double kStripHeight = 76.0;
+constexpr double kStripDistance = 122.0;
+constexpr double kNameRise = 22.0;  ///< of the name above its strip
+constexpr double kStripGap = 46.0;
+constexpr double kProbabilityWidth = 170.0;
 constexpr std::size_t kMostStrips = 8;
-
-std::string centimetres(const std::optional<double>& metres) {
-  return metres ? fmt::format("{:.2f} cm", 100.0 * *metres) : "-";
-}
-
-std::string degrees_text(const std::optional<double>& value) {
-  return value ? fmt::format("{:.2f} deg", *value) : "-";
-}
 
 std::string headline(const SlamJob& job, const SlamRun& run, const Metrics& metrics) {
   const double seconds = job.sequence.stamps[run.frames.size() - 1] - job.sequence.stamps.front();
   std::string text = fmt::format("{} frames, {:.4g} s", run.frames.size(), seconds);
   if (!metrics.camera.position_rmse_m) return text + ", no ground truth of the camera";
-  return text + fmt::format("; camera error (rms) {}, {}",
-                            centimetres(metrics.camera.position_rmse_m),
-                            degrees_text(metrics.camera.rotation_rmse_deg));
+  return text + "; camera error (rms) " +
+         pose_error_text(metrics.camera.position_rmse_m, metrics.camera.rotation_rmse_deg);
 }
 
-/// Rows of the legend, one below the other.
-class Legend {
- public:
-  explicit Legend(SvgDocument& svg) : svg_(svg) {}
-
-  void line(std::string_view text, const SvgStyle& style) {
-    svg_.line({kLegendLeft, y_ - 4}, {kLegendLeft + 26, y_ - 4}, style);
-    row(text);
-  }
-  void dot(std::string_view text, const SvgStyle& style) {
-    svg_.circle({kLegendLeft + 13, y_ - 4}, 4.5, style);
-    row(text);
-  }
-  void ellipse(std::string_view text) {
-    svg_.ellipse({kLegendLeft + 13, y_ - 4}, {13, 6}, 0,
-                 {.stroke = std::string(kAxisColour), .fill = std::string(kGridColour)});
-    row(text);
-  }
-  void cross(std::string_view text) {
-    draw_cross(svg_, {kLegendLeft + 13, y_ - 4});
-    row(text);
-  }
-  void row(std::string_view text) {
-    svg_.text({kLegendLeft + 36, y_}, text, {.size = 12.5});
-    y_ += 20;
-  }
-  void object(std::size_t index, const ObjectMetrics& metrics) {
-    svg_.rectangle({kLegendLeft + 6, y_ - 11, 14, 12}, {.fill = object_colour(index)});
-    svg_.text({kLegendLeft + 36, y_}, metrics.id,
-              {.size = 12.5, .fill = object_colour(index), .bold = true});
-    y_ += 16;
-    const bool known = metrics.relative.rotation_rmse_deg.has_value();
-    const std::string errors =
-        known ? fmt::format("{}, {}", centimetres(metrics.relative.position_rmse_m),
-                            degrees_text(metrics.relative.rotation_rmse_deg))
-              : fmt::format("{} detections, {} gated", metrics.detections, metrics.gated);
-    svg_.text({kLegendLeft + 36, y_}, errors, {.size = 11.5, .fill = std::string(kAxisColour)});
-    y_ += 20;
-  }
-  void space() { y_ += 8; }
-  void heading(std::string_view text) {
-    svg_.text({kLegendLeft, y_}, text, {.size = 12.5, .bold = true});
-    y_ += 20;
-  }
-
- private:
-  SvgDocument& svg_;
-  double y_ = kMap.top + 10;
+/// The strips of a pose.
+struct PictureRow {
+  std::string name;
+  std::string colour;
+  PoseCurves curves;
+  std::optional<ConsistencyReport> consistency;
 };
 
-void draw_legend(SvgDocument& svg, const SlamJob& job, const Metrics& metrics) {
-  const std::string camera(kCameraColour);
-  const std::string truth(kTruthColour);
-  Legend legend(svg);
-  legend.heading("Map");
-  legend.line("camera, estimate, with view direction", {.stroke = camera, .width = 1.8});
-  if (!job.sequence.camera_truth.empty()) {
-    legend.line("camera, ground truth", {.stroke = truth, .width = 1.8, .dash = "6 4"});
-  }
-  legend.dot("start", {.stroke = camera, .width = 1.6, .fill = "#ffffff"});
-  legend.dot("end", {.fill = camera});
-  legend.ellipse("3-sigma of the position");
-  legend.dot("object at the end", {.fill = object_colour(0)});
-  const bool known = std::any_of(
-      metrics.objects.begin(), metrics.objects.end(),
-      [](const ObjectMetrics& object) { return object.world.position_rmse_m.has_value(); });
-  if (known) legend.cross("object, ground truth");
-  legend.space();
-  legend.heading("Objects relative to the camera (rms)");
-  const std::size_t shown = std::min(metrics.objects.size(), kMostStrips);
-  for (std::size_t i = 0; i < shown; ++i) legend.object(i, metrics.objects[i]);
-  if (shown < metrics.objects.size())
-    legend.row(fmt::format("and {} more", metrics.objects.size() - shown));
+std::string consistency_text(const ConsistencyReport& report) {
+  const NeesSummary& pose = report.pose;
+  const std::string fault = fault_text(report);
+  return fmt::format("{}: NEES {}, expected 1, 95 % band {:.2f} to {:.2f}{}{}",
+                     word_of(report.verdict), nees_text(pose.anees), pose.band.low, pose.band.high,
+                     fault.empty() ? "" : "; ", fault);
 }
 
-void draw_strips(SvgDocument& svg, const SlamJob& job, const SlamRun& run, const Metrics& metrics,
-                 std::size_t shown) {
-  const bool known = std::any_of(
-      metrics.objects.begin(), metrics.objects.end(),
-      [](const ObjectMetrics& object) { return object.relative.rotation_rmse_deg.has_value(); });
-  svg.text({kPictureLeft, kStripTop - 10},
-           known ? "Rotation of the object relative to the camera [deg]: error of the estimate "
-                   "(line) and of the "
-                   "detector (dots), 3-sigma width (shade)"
-                 : "Rotation of the object relative to the camera [deg]: 3-sigma width",
-           {.size = 12.5, .bold = true});
-  for (std::size_t i = 0; i < shown; ++i) {
-    const double top = kStripTop + static_cast<double>(i) * (kStripHeight + kStripGap);
-    draw_strip(svg, {kPictureLeft, top, kPictureWidth - kPictureLeft - 28, kStripHeight}, job, i,
-               strip_curves(job, run, i), i + 1 == shown);
+/// The camera, where its truth is known, and the first objects.
+std::vector<PictureRow> rows_of(const SlamJob& job, const SlamRun& run) {
+  std::vector<PictureRow> rows;
+  PoseCurves camera = camera_curves(job, run);
+  if (has_values(camera.position.estimate)) {
+    rows.push_back({"camera in the world", std::string(kCameraColour), std::move(camera),
+                    camera_consistency(job, run)});
   }
+  for (std::size_t i = 0; i < std::min(job.models.size(), kMostStrips); ++i) {
+    rows.push_back({job.models[i].id, object_colour(i), object_curves(job, run, i),
+                    relative_consistency(job, run, i)});
+  }
+  return rows;
+}
+
+/// The columns of the strips: rotation, position, and where a filter tells it, the probability.
+struct StripColumns {
+  explicit StripColumns(bool has_probability) {
+    const double whole = kPictureWidth - kPictureLeft - kPictureRight;
+    const double rest = has_probability ? kProbabilityWidth + kStripGap : 0.0;
+    const double width = 0.5 * (whole - rest - kStripGap);
+    boxes = {SvgBox{kPictureLeft, 0.0, width, kStripHeight},
+             SvgBox{kPictureLeft + width + kStripGap, 0.0, width, kStripHeight},
+             SvgBox{kPictureWidth - kPictureRight - kProbabilityWidth, 0.0, kProbabilityWidth,
+                    kStripHeight}};
+  }
+  SvgBox at(std::size_t column, double top) const {
+    SvgBox box = boxes[column];
+    box.top = top;
+    return box;
+  }
+  std::array<SvgBox, 3> boxes;
+};
+
+void draw_headings(SvgDocument& svg, const StripColumns& columns, bool known,
+                   bool has_probability) {
+  const SvgFont bold{.size = 13.5, .bold = true};
+  const SvgFont small{.size = 12, .fill = std::string(kAxisColour)};
+  const double y = kStripTop - 74.0;
+  const char* what = known ? "error" : "3 sigma";
+  svg.text({kPictureLeft, y}, fmt::format("Rotation, {} [deg]", what), bold);
+  svg.text({columns.at(1, 0).left, y}, fmt::format("Position, {} [mm]", what), bold);
+  if (has_probability) svg.text({columns.at(2, 0).left, y}, "P(right mode)", bold);
+  svg.text({kPictureLeft, y + 17.0},
+           known ? "Objects relative to the camera. Line: estimate; dots: detections; shade: 3 "
+                   "sigma in the least certain direction; triangles: beyond the scale."
+                 : "Objects relative to the camera. Shade: 3 sigma in the least certain direction.",
+           small);
+}
+
+void draw_row(SvgDocument& svg, const StripColumns& columns, const std::vector<double>& stamps,
+              const PictureRow& row, double top, bool last) {
+  svg.text({kPictureLeft, top - kNameRise}, row.name, {.fill = row.colour, .bold = true});
+  if (row.consistency) {
+    const double left = kPictureLeft + 8.2 * static_cast<double>(row.name.size()) + 14.0;
+    svg.text({left, top - kNameRise}, consistency_text(*row.consistency),
+             {.size = 12, .fill = std::string(kAxisColour)});
+  }
+  draw_error_strip(svg, columns.at(0, top), stamps, row.curves.rotation, {row.colour, "deg", last});
+  draw_error_strip(svg, columns.at(1, top), stamps, row.curves.position, {row.colour, "mm", last});
+  if (!has_values(row.curves.mode_probability)) return;
+  draw_probability_strip(svg, columns.at(2, top), stamps, row.curves.mode_probability,
+                         {row.colour, "", last});
+}
+
+/// The objects that have no strip.
+std::string left_out(const SlamJob& job) {
+  if (job.models.size() <= kMostStrips) return "";
+  std::string text = fmt::format("and {} more objects:", job.models.size() - kMostStrips);
+  constexpr std::size_t kWidest = 130;
+  for (std::size_t i = kMostStrips; i < job.models.size(); ++i) {
+    if (text.size() + job.models[i].id.size() > kWidest) return text + " ...";
+    text += (i == kMostStrips ? " " : ", ") + job.models[i].id;
+  }
+  return text;
+}
+
+void draw_strips(SvgDocument& svg, const SlamJob& job, const std::vector<PictureRow>& rows) {
+  const auto known = [](const PictureRow& row) { return has_values(row.curves.position.estimate); };
+  const auto told = [](const PictureRow& row) { return has_values(row.curves.mode_probability); };
+  const bool has_probability = std::any_of(rows.begin(), rows.end(), told);
+  const StripColumns columns(has_probability);
+  draw_headings(svg, columns, std::any_of(rows.begin(), rows.end(), known), has_probability);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const double top = kStripTop + kStripDistance * static_cast<double>(i);
+    draw_row(svg, columns, job.sequence.stamps, rows[i], top, i + 1 == rows.size());
+  }
+  svg.text({kPictureLeft, kStripTop + kStripDistance * static_cast<double>(rows.size()) + 8.0},
+           left_out(job), {.size = 12.5});
 }
 
 }  // namespace
 
 std::string format_picture(const SlamJob& job, const SlamRun& run, const Metrics& metrics) {
-  const std::size_t shown = std::min(job.models.size(), kMostStrips);
-  const double height = kStripTop + static_cast<double>(shown) * (kStripHeight + kStripGap) + 34.0;
+  const std::vector<PictureRow> rows = rows_of(job, run);
+  const double strips = kStripDistance * static_cast<double>(rows.size());
+  const double more = left_out(job).empty() ? 0.0 : 24.0;
   const std::string title = fmt::format("{}: {}", job.name, job.method);
-  SvgDocument svg(kPictureWidth, height, title);
+  SvgDocument svg(kPictureWidth, kStripTop + strips + more, title);
   svg.text({kPictureLeft, 34}, title, {.size = 20, .bold = true});
   svg.text({kPictureLeft, 58}, headline(job, run, metrics),
            {.size = 14, .fill = std::string(kAxisColour)});
   draw_map(svg, kMap, job, run);
-  draw_legend(svg, job, metrics);
-  draw_strips(svg, job, run, metrics, shown);
+  draw_legend(svg, kLegend, job, metrics);
+  draw_strips(svg, job, rows);
   return svg.str();
 }
 

@@ -10,6 +10,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "picture_colours.hpp"
+#include "picture_labels.hpp"
 #include "posemix/base/units.hpp"
 #include "position_covariance.hpp"
 
@@ -158,33 +159,53 @@ void draw_camera_marks(SvgDocument& svg, const MapView& view, const SlamRun& run
   }
 }
 
-/// A place for a label beside `at` that is not on the labels placed so far.
-Eigen::Vector2d place_label(const Eigen::Vector2d& at, std::vector<Eigen::Vector2d>& placed) {
-  Eigen::Vector2d place = at + Eigen::Vector2d(11, -9);
-  const auto collides = [&](const Eigen::Vector2d& other) {
-    return std::abs(other.y() - place.y()) < 14.0 && std::abs(other.x() - place.x()) < 90.0;
-  };
-  while (std::any_of(placed.begin(), placed.end(), collides)) place.y() += 4.0;
-  placed.push_back(place);
-  return place;
+/// The length of the scale's bar [m], a round number.
+double scale_length_m(const MapView& view) {
+  return round_step(view.box().width / view.pixels_per_metre(), 8);
 }
 
+/// Where the scale is drawn.
+SvgBox scale_box(const MapView& view) {
+  const double width = scale_length_m(view) * view.pixels_per_metre();
+  return {view.box().left + 10.0, view.box().bottom() - 40.0, width + 12.0, 34.0};
+}
+
+void draw_scale(SvgDocument& svg, const MapView& view) {
+  const SvgBox& box = view.box();
+  const double length_m = scale_length_m(view);
+  const Eigen::Vector2d from(box.left + 16, box.bottom() - 16);
+  const Eigen::Vector2d to = from + Eigen::Vector2d(length_m * view.pixels_per_metre(), 0);
+  const SvgStyle style{.stroke = std::string(kCameraColour), .width = 2};
+  svg.line(from, to, style);
+  for (const auto& end : {from, to})
+    svg.line(end - Eigen::Vector2d(0, 4), end + Eigen::Vector2d(0, 4), style);
+  const std::string label =
+      length_m < 1.0 ? fmt::format("{:.4g} mm", 1e3 * length_m) : fmt::format("{:.4g} m", length_m);
+  svg.text(0.5 * (from + to) - Eigen::Vector2d(0, 8), label,
+           {.size = 12, .anchor = SvgAnchor::middle});
+}
+
+/// Estimates at the end and true positions, and what their labels keep clear of.
 void draw_objects(SvgDocument& svg, const MapView& view, const SlamJob& job, const SlamRun& run) {
-  std::vector<Eigen::Vector2d> labels;
+  std::vector<PointLabel> labels;
+  std::vector<SvgBox> marks{scale_box(view)};
   for (std::size_t object = 0; object < job.models.size(); ++object) {
     const auto& density = run.frames.back().objects[object];
     if (!density) continue;
     const std::string colour = object_colour(object);
     draw_ellipse(svg, view, *density, colour);
     const Eigen::Vector2d centre = view.pixel(density->mean().translation());
-    svg.circle(centre, 2.6, {.fill = colour});
     if (const auto truth = last_truth(job, run, object)) {
       const ErrorReduction reduction(job.models[object].symmetries);
       const SE3d nearest = reduction.nearest(*truth, density->mean());
-      draw_cross(svg, view.pixel(nearest.translation()));
+      const Eigen::Vector2d at = view.pixel(nearest.translation());
+      draw_cross(svg, at);
+      marks.push_back({at.x() - 5.0, at.y() - 5.0, 10.0, 10.0});
     }
-    svg.text(place_label(centre, labels), job.models[object].id, {.fill = colour, .bold = true});
+    svg.circle(centre, 2.6, {.fill = colour});
+    labels.push_back({job.models[object].id, colour, centre});
   }
+  draw_point_labels(svg, labels, view.box(), marks);
 }
 
 void draw_grid(SvgDocument& svg, const MapView& view) {
@@ -205,21 +226,6 @@ void draw_grid(SvgDocument& svg, const MapView& view) {
     svg.text({box.left - 6, y + 4}, label(i * step),
              {.size = 11, .fill = std::string(kAxisColour), .anchor = SvgAnchor::end});
   }
-}
-
-void draw_scale(SvgDocument& svg, const MapView& view) {
-  const SvgBox& box = view.box();
-  const double length_m = round_step(box.width / view.pixels_per_metre(), 8);
-  const Eigen::Vector2d from(box.left + 16, box.bottom() - 16);
-  const Eigen::Vector2d to = from + Eigen::Vector2d(length_m * view.pixels_per_metre(), 0);
-  const SvgStyle style{.stroke = std::string(kCameraColour), .width = 2};
-  svg.line(from, to, style);
-  for (const auto& end : {from, to})
-    svg.line(end - Eigen::Vector2d(0, 4), end + Eigen::Vector2d(0, 4), style);
-  const std::string label = length_m < 1.0 ? fmt::format("{:.4g} cm", 100.0 * length_m)
-                                           : fmt::format("{:.4g} m", length_m);
-  svg.text(0.5 * (from + to) - Eigen::Vector2d(0, 8), label,
-           {.size = 12, .anchor = SvgAnchor::middle});
 }
 
 }  // namespace

@@ -3,41 +3,20 @@
 #include "picture_strip.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <type_traits>
+#include <limits>
 
 #include <fmt/format.h>
-#include <Eigen/Eigenvalues>
 
 #include "picture_colours.hpp"
 #include "posemix/base/statistics.hpp"
-#include "posemix/base/units.hpp"
 
 namespace posemix::internal {
 namespace {
 
-constexpr std::size_t kMostCurvePoints = 2000;
-
-/// Against the nearest of the equivalent truths.
-std::optional<double> rotation_error_deg(const std::optional<SE3d>& estimate,
-                                         const std::optional<SE3d>& truth,
-                                         const ErrorReduction& reduction) {
-  if (!estimate || !truth) return std::nullopt;
-  const SE3d nearest = reduction.nearest(*truth, *estimate);
-  return degrees((estimate->rotation() * nearest.rotation().inverse()).log().norm());
-}
-
-/// 3 sigma about the least certain axis that can be observed.
-std::optional<double> width_deg(const PoseDensity& density, const ErrorReduction& reduction) {
-  if (reduction.rotation_dof() == 0) return std::nullopt;
-  const auto sd_deg = [](const auto& rotation) {
-    using Matrix = std::decay_t<decltype(rotation)>;
-    const Eigen::SelfAdjointEigenSolver<Matrix> eigen(rotation, Eigen::EigenvaluesOnly);
-    return degrees(3.0 * std::sqrt(std::max(0.0, eigen.eigenvalues().maxCoeff())));
-  };
-  if (reduction.rotation_dof() < 3) return sd_deg(reduction.rotation_covariance(density));
-  return sd_deg(Eigen::Matrix3d(density.covariance().topLeftCorner<3, 3>()));
-}
+constexpr std::size_t kMostCurvePoints = 1000;
+constexpr double kLeastBetweenCarets = 5.0;
 
 double quantile_of(const Curve& curve, double probability) {
   std::vector<double> values;
@@ -49,14 +28,14 @@ double quantile_of(const Curve& curve, double probability) {
 
 /// Upper end of the error axis: it includes nearly all errors of the estimate, and those of the
 /// detections only as far as the estimate stays readable.
-double highest_of(const StripCurves& curves) {
+double highest_of(const ErrorCurves& curves) {
   const double estimate = quantile_of(curves.estimate, 0.97);
   const double width = quantile_of(curves.width, 0.9);
   const double detector = quantile_of(curves.detector, 0.9);
   double highest = estimate > 0.0
                        ? std::max(estimate, std::min(std::max(width, detector), 2.5 * estimate))
                        : width;
-  highest = std::clamp(1.1 * highest, 0.1, 185.0);
+  highest = std::max(1.1 * highest, 0.1);
   const double step = round_step(highest, 4);
   return step * std::ceil(highest / step);
 }
@@ -71,8 +50,9 @@ class StripView {
         highest_(highest) {}
 
   double x(double stamp) const { return box_.left + box_.width * (stamp - first_) / span_; }
+  /// Far beyond the scale the drawing is cut anyway.
   double y(double value) const {
-    return box_.bottom() - box_.height * std::min(value / highest_, 1.0);
+    return box_.bottom() - box_.height * std::min(value / highest_, 10.0);
   }
 
   const SvgBox& box() const { return box_; }
@@ -87,15 +67,17 @@ class StripView {
   double highest_;
 };
 
-/// Pieces of a curve without gaps.
+/// Pieces of a curve without gaps. Of a long one every point is the largest value of some frames.
 std::vector<std::vector<Eigen::Vector2d>> pieces(const StripView& view,
                                                  const std::vector<double>& stamps,
                                                  const Curve& curve) {
   const std::size_t stride = 1 + curve.size() / kMostCurvePoints;
   std::vector<std::vector<Eigen::Vector2d>> result(1);
   for (std::size_t k = 0; k < curve.size(); k += stride) {
-    if (curve[k]) {
-      result.back().emplace_back(view.x(stamps[k]), view.y(*curve[k]));
+    const auto end = curve.begin() + static_cast<long>(std::min(k + stride, curve.size()));
+    const auto largest = *std::max_element(curve.begin() + static_cast<long>(k), end);
+    if (largest) {
+      result.back().emplace_back(view.x(stamps[k]), view.y(*largest));
     } else if (!result.back().empty()) {
       result.emplace_back();
     }
@@ -113,64 +95,113 @@ void draw_band(SvgDocument& svg, const StripView& view, const std::vector<double
   }
 }
 
-void draw_detector(SvgDocument& svg, const StripView& view, const std::vector<double>& stamps,
-                   const Curve& curve, const std::string& colour) {
+/// The frames whose value is beyond the scale: how many, and the largest of them.
+struct Beyond {
+  std::size_t count = 0;
+  double largest = 0.0;
+};
+
+/// Marks what is beyond the scale at the upper edge, where marks have room.
+Beyond draw_beyond(SvgDocument& svg, const StripView& view, const std::vector<double>& stamps,
+                   const Curve& curve, const SvgStyle& style) {
+  Beyond beyond;
+  double last = -std::numeric_limits<double>::infinity();
+  const double top = view.box().top + 1.5;
+  for (std::size_t k = 0; k < curve.size(); ++k) {
+    if (!curve[k] || *curve[k] <= view.highest()) continue;
+    ++beyond.count;
+    beyond.largest = std::max(beyond.largest, *curve[k]);
+    const double x = view.x(stamps[k]);
+    if (x - last < kLeastBetweenCarets) continue;
+    last = x;
+    const std::array caret{Eigen::Vector2d(x, top), Eigen::Vector2d(x - 3.5, top + 6.0),
+                           Eigen::Vector2d(x + 3.5, top + 6.0)};
+    svg.polygon(caret, style);
+  }
+  return beyond;
+}
+
+std::string beyond_text(const Beyond& beyond, const char* what, const std::string& unit) {
+  return fmt::format("{} {}{} (to {:.3g} {})", beyond.count, what, beyond.count == 1 ? "" : "s",
+                     beyond.largest, unit);
+}
+
+void draw_detections(SvgDocument& svg, const StripView& view, const std::vector<double>& stamps,
+                     const Curve& curve, const std::string& colour) {
   std::vector<Eigen::Vector2d> points;
-  for (const auto& piece : pieces(view, stamps, curve))
-    points.insert(points.end(), piece.begin(), piece.end());
+  for (std::size_t k = 0; k < curve.size(); ++k) {
+    if (curve[k] && *curve[k] <= view.highest())
+      points.emplace_back(view.x(stamps[k]), view.y(*curve[k]));
+  }
   svg.dots(points, {.stroke = colour, .width = 1.8, .opacity = 0.4});
 }
 
-void draw_axes(SvgDocument& svg, const StripView& view, bool with_time) {
+void draw_time_axis(SvgDocument& svg, const StripView& view) {
   const SvgBox& box = view.box();
-  const SvgStyle grid{.stroke = std::string(kGridColour)};
-  const SvgFont font{.size = 11, .fill = std::string(kAxisColour), .anchor = SvgAnchor::end};
-  const double step = round_step(view.highest(), 3);
-  for (double value = 0.0; value <= view.highest() * (1.0 + 1e-9); value += step) {
-    svg.line({box.left, view.y(value)}, {box.right(), view.y(value)}, grid);
-    svg.text({box.left - 6, view.y(value) + 4}, fmt::format("{:.4g}", value), font);
-  }
-  if (!with_time) return;
-  const double time_step = round_step(view.span(), 8);
-  for (double i = std::ceil(view.first() / time_step); i * time_step <= view.first() + view.span();
-       ++i) {
-    svg.text({view.x(i * time_step), box.bottom() + 15}, fmt::format("{:.6g}", i * time_step),
+  const double step = round_step(view.span(), 5);
+  for (double i = std::ceil(view.first() / step); i * step <= view.first() + view.span(); ++i) {
+    svg.text({view.x(i * step), box.bottom() + 15}, fmt::format("{:.6g}", i * step),
              {.size = 11, .fill = std::string(kAxisColour), .anchor = SvgAnchor::middle});
   }
   svg.text({box.right(), box.bottom() + 30}, "time [s]",
            {.size = 12, .fill = std::string(kAxisColour), .anchor = SvgAnchor::end});
 }
 
-}  // namespace
-
-StripCurves strip_curves(const SlamJob& job, const SlamRun& run, std::size_t object) {
-  const ErrorReduction reduction(job.models[object].symmetries);
-  StripCurves curves;
-  for (std::size_t k = 0; k < run.frames.size(); ++k) {
-    const auto truth = true_relative_pose(job.sequence, object, k);
-    const auto& density = run.frames[k].relative[object];
-    const auto mean = density ? std::optional(density->mean()) : std::nullopt;
-    curves.estimate.push_back(rotation_error_deg(mean, truth, reduction));
-    curves.detector.push_back(
-        rotation_error_deg(job.sequence.objects[object].detections[k], truth, reduction));
-    curves.width.push_back(density ? width_deg(*density, reduction) : std::nullopt);
+void draw_axes(SvgDocument& svg, const StripView& view, const StripStyle& style) {
+  const SvgBox& box = view.box();
+  const double step = round_step(view.highest(), 3);
+  for (double value = 0.0; value <= view.highest() * (1.0 + 1e-9); value += step) {
+    svg.line({box.left, view.y(value)}, {box.right(), view.y(value)},
+             {.stroke = std::string(kGridColour)});
+    svg.text({box.left - 6, view.y(value) + 4}, fmt::format("{:.4g}", value),
+             {.size = 11, .fill = std::string(kAxisColour), .anchor = SvgAnchor::end});
   }
-  return curves;
+  if (style.has_time_axis) draw_time_axis(svg, view);
 }
 
-void draw_strip(SvgDocument& svg, const SvgBox& box, const SlamJob& job, std::size_t object,
-                const StripCurves& curves, bool last) {
-  const std::vector<double>& stamps = job.sequence.stamps;
-  const StripView view(box, stamps, highest_of(curves));
-  const std::string colour = object_colour(object);
-  draw_axes(svg, view, last);
-  draw_band(svg, view, stamps, curves.width, colour);
-  draw_detector(svg, view, stamps, curves.detector, colour);
-  for (const auto& piece : pieces(view, stamps, curves.estimate))
+void draw_line(SvgDocument& svg, const StripView& view, const std::vector<double>& stamps,
+               const Curve& curve, const std::string& colour) {
+  for (const auto& piece : pieces(view, stamps, curve)) {
     svg.polyline(piece, {.stroke = colour, .width = 1.4});
+    if (piece.size() == 1) svg.circle(piece.front(), 1.4, {.fill = colour});
+  }
+}
+
+void draw_frame(SvgDocument& svg, const SvgBox& box) {
   svg.rectangle(box, {.stroke = std::string(kAxisColour), .width = 0.8});
-  svg.text({box.left + 8, box.top + 15}, job.models[object].id,
-           {.fill = colour, .bold = true, .halo = true});
+}
+
+}  // namespace
+
+void draw_error_strip(SvgDocument& svg, const SvgBox& box, const std::vector<double>& stamps,
+                      const ErrorCurves& curves, const StripStyle& style) {
+  const StripView view(box, stamps, highest_of(curves));
+  draw_axes(svg, view, style);
+  svg.begin_clip(box);
+  draw_band(svg, view, stamps, curves.width, style.colour);
+  draw_detections(svg, view, stamps, curves.detector, style.colour);
+  draw_line(svg, view, stamps, curves.estimate, style.colour);
+  const Beyond detections = draw_beyond(svg, view, stamps, curves.detector,
+                                        {.stroke = style.colour, .width = 0.8, .fill = "#ffffff"});
+  const Beyond estimates = draw_beyond(svg, view, stamps, curves.estimate, {.fill = style.colour});
+  svg.end_clip();
+  draw_frame(svg, box);
+  std::string text = estimates.count > 0 ? beyond_text(estimates, "estimate", style.unit) : "";
+  if (detections.count > 0)
+    text += (text.empty() ? "" : ", ") + beyond_text(detections, "detection", style.unit);
+  if (text.empty()) return;
+  svg.text({box.right(), box.top - 5}, "beyond: " + text,
+           {.size = 10, .fill = std::string(kAxisColour), .anchor = SvgAnchor::end});
+}
+
+void draw_probability_strip(SvgDocument& svg, const SvgBox& box, const std::vector<double>& stamps,
+                            const Curve& curve, const StripStyle& style) {
+  const StripView view(box, stamps, 1.0);
+  draw_axes(svg, view, style);
+  svg.begin_clip({box.left, box.top - 1, box.width, box.height + 2});
+  draw_line(svg, view, stamps, curve, style.colour);
+  svg.end_clip();
+  draw_frame(svg, box);
 }
 
 }  // namespace posemix::internal

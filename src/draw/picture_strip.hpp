@@ -2,29 +2,27 @@
 // SPDX-FileCopyrightText: posemix contributors
 #pragma once
 
-#include <cstddef>
-#include <optional>
+#include <string>
 #include <vector>
 
-#include "posemix/draw/picture.hpp"
+#include "picture_curves.hpp"
 #include "svg.hpp"
 
 namespace posemix::internal {
 
-/// One number per frame of one object; empty for a frame without a value.
-using Curve = std::vector<std::optional<double>>;
-
-/// The curves in the strip of one object [deg].
-struct StripCurves {
-  Curve estimate;  ///< rotation error of the estimate; empty without ground truth
-  Curve detector;  ///< rotation error of the detections
-  Curve width;     ///< 3 sigma about the least certain axis
+/// The look of a strip.
+struct StripStyle {
+  std::string colour;
+  std::string unit;            ///< of the error, for what is said of errors beyond the scale
+  bool has_time_axis = false;  ///< whether the times are written below it
 };
 
-StripCurves strip_curves(const SlamJob& job, const SlamRun& run, std::size_t object);
+/// Draws an error over time. What is beyond the scale has a mark at the upper edge, and is counted.
+void draw_error_strip(SvgDocument& svg, const SvgBox& box, const std::vector<double>& stamps,
+                      const ErrorCurves& curves, const StripStyle& style);
 
-/// Draws the strip of one object over time; the last of several has the time axis.
-void draw_strip(SvgDocument& svg, const SvgBox& box, const SlamJob& job, std::size_t object,
-                const StripCurves& curves, bool last);
+/// Draws a probability over time.
+void draw_probability_strip(SvgDocument& svg, const SvgBox& box, const std::vector<double>& stamps,
+                            const Curve& curve, const StripStyle& style);
 
 }  // namespace posemix::internal

@@ -74,9 +74,9 @@ class PartFile : public Sink {
   std::uint64_t size_ = 0;
 };
 
-class TextSink : public Sink {
+class TextDownload : public Sink {
  public:
-  explicit TextSink(std::string& text) : text_(text) {}
+  explicit TextDownload(std::string& text) : text_(text) {}
   std::uint64_t size() const override { return text_.size(); }
   void clear() override { text_.clear(); }
   void append(std::string_view bytes) override {
@@ -123,6 +123,8 @@ bool persist(const ConnectionSettings& settings, Sink& sink, const ByteProgress&
 
 }  // namespace
 
+void check_can_fetch() {}
+
 struct Connection::Handle {
   Handle() : curl(curl_easy_init()) {
     if (curl == nullptr) throw std::bad_alloc();
@@ -154,7 +156,7 @@ bool Connection::get(const std::string& url, const std::filesystem::path& part,
 
 std::string Connection::get_text(const std::string& url, const ByteProgress& progress) {
   std::string text;
-  TextSink sink(text);
+  TextDownload sink(text);
   persist(settings_, sink, progress, [&] {
     sink.clear();
     return Transfer(handle_->curl, url, settings_.allow_http, sink, std::nullopt, progress)

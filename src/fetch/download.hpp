@@ -14,6 +14,10 @@
 
 namespace posemix {
 
+/// Does nothing where this build can download, check and unpack files.
+/// @throws InvalidInput where it cannot
+void check_can_fetch();
+
 /// A failure of the network or of a server. The message names the address and the reason.
 class NetworkError : public std::runtime_error {
  public:

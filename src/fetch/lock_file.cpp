@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "io/json_fault.hpp"
 #include "paths.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/io/text.hpp"
@@ -92,12 +93,7 @@ std::string_view word_of(HashCheck check) {
 }
 
 LockFile parse_lock_file(std::string_view text, const std::string& name) {
-  LockJson json;
-  try {
-    json = LockJson::parse(text);
-  } catch (const LockJson::exception&) {
-    throw InvalidInput(name + ": got a text that is not JSON, expected a lock file");
-  }
+  const LockJson json = internal::json_of(text, name, "a lock file");
   const LockValue root(json, name);
   if (root.member("schema").count() != kLockSchema) root.member("schema").fail("1");
   if (root.member("type").string() != kLockType) root.member("type").fail(kLockType);
@@ -135,7 +131,7 @@ LockFile read_lock_file(const std::filesystem::path& folder) {
   return parse_lock_file(read_file(path), path.string());
 }
 
-std::string utc_now() {
+std::string download_time() {
   return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
 }
 

@@ -43,6 +43,6 @@ std::string format_lock_file(const LockFile& lock);
 LockFile read_lock_file(const std::filesystem::path& folder);
 
 /// The current time in the form of LockEntry::date.
-std::string utc_now();
+std::string download_time();
 
 }  // namespace posemix

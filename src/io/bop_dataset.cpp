@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "json_fault.hpp"
 #include "json_place.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/io/dataset.hpp"
@@ -18,13 +19,7 @@ using namespace internal;
 constexpr double kDatasetMillimetre = 1e-3;
 
 Json parse_scene_document(std::string_view text, const std::string& name) {
-  try {
-    return Json::parse(text);
-  } catch (const Json::exception& error) {
-    throw InvalidInput(
-        fmt::format("{}: got a text that is not JSON ({}), expected an object with a key per image",
-                    name, error.what()));
-  }
+  return json_of(text, name, "an object with a key per image");
 }
 
 std::int64_t image_id(const JsonPlace& root, const std::string& key) {

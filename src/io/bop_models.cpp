@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "json_fault.hpp"
 #include "json_place.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/io/rigid.hpp"
@@ -15,15 +16,6 @@ namespace {
 using namespace internal;
 
 constexpr double kModelMillimetre = 1e-3;
-
-Json parse_models_document(std::string_view text, const std::string& name) {
-  try {
-    return Json::parse(text);
-  } catch (const Json::exception& error) {
-    throw InvalidInput(fmt::format(
-        "{}: got a text that is not JSON ({}), expected models_info.json", name, error.what()));
-  }
-}
 
 /// The place of a key for messages.
 std::string place_of(const std::string& name, const std::string& id, std::string_view key) {
@@ -108,7 +100,7 @@ std::array<Eigen::Vector3d, 8> ObjectBox::corners() const {
 }
 
 BopModels parse_bop_models(std::string_view text, const std::string& name) {
-  const Json json = parse_models_document(text, name);
+  const Json json = json_of(text, name, "models_info.json");
   const JsonPlace root(json, name);
   BopModels models;
   for (const std::string& key : root.keys()) {
@@ -120,7 +112,7 @@ BopModels parse_bop_models(std::string_view text, const std::string& name) {
 }
 
 BopModel parse_bop_model(std::string_view text, const std::string& name, std::int64_t object) {
-  const Json json = parse_models_document(text, name);
+  const Json json = json_of(text, name, "models_info.json");
   const std::string id = std::to_string(object);
   return read_bop_entry(JsonPlace(json, name).member(id), name, id);
 }

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "json_fault.hpp"
 #include "json_place.hpp"
 #include "observation_numbers.hpp"
 #include "posemix/base/error.hpp"
@@ -101,14 +102,7 @@ std::vector<Observation> bop_observations(std::span<const BopRow> rows,
 }
 
 std::vector<ImageGroup> parse_image_groups(std::string_view text, const std::string& name) {
-  Json json;
-  try {
-    json = Json::parse(text);
-  } catch (const Json::exception& error) {
-    throw InvalidInput(
-        fmt::format("{}: got a text that is not JSON ({}), expected an array of groups of images",
-                    name, error.what()));
-  }
+  const Json json = json_of(text, name, "an array of groups of images");
   std::vector<ImageGroup> groups;
   const JsonPlace root(json, name);
   std::size_t index = 0;

@@ -11,6 +11,7 @@
 #include <fmt/ranges.h>
 #include <Eigen/Geometry>
 
+#include "json_fault.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/io/text.hpp"
 
@@ -31,8 +32,7 @@ Json parse_json(std::string_view text, const std::string& name, std::string_view
   try {
     return Json::parse(text, check);
   } catch (const Json::exception& error) {
-    throw InvalidInput(fmt::format("{}: got a text that is not JSON ({}), expected {}", name,
-                                   error.what(), expected));
+    refuse_json(error, name, expected);
   }
 }
 

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "posemix/io/output_folder.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <string>
 #include <system_error>
@@ -118,6 +119,11 @@ void OutputFolder::remove_traces() noexcept {
 }
 
 void OutputFolder::write(const fs::path& name, std::string_view content) {
+  write(name, [&](const TextSink& sink) { sink(content); });
+}
+
+void OutputFolder::write(const fs::path& name,
+                         const std::function<void(const TextSink&)>& content) {
   if (committed_)
     fail_output(target_ / name, "cannot be written", "the folder is already in place");
   if (!stays_inside(name))
@@ -127,9 +133,28 @@ void OutputFolder::write(const fs::path& name, std::string_view content) {
   fs::create_directories(path.parent_path(), error);
   check(error, path.parent_path(), "cannot be created");
   Descriptor file(path, O_WRONLY | O_CREAT | O_EXCL);
-  file.write_all(content);
+  content([&](std::string_view piece) { file.write_all(piece); });
   file.sync();
   names_.push_back(name);
+}
+
+void OutputFolder::remove_earlier(const std::vector<fs::path>& names) {
+  for (const fs::path& name : names) {
+    if (!stays_inside(name))
+      fail_output(name, "cannot be removed", "not a file name within the folder");
+    earlier_.push_back(name);
+  }
+}
+
+void OutputFolder::remove_files() const {
+  for (const fs::path& name : earlier_) {
+    if (std::find(names_.begin(), names_.end(), name) != names_.end()) continue;
+    const fs::path path = target_ / name;
+    std::error_code error;
+    const fs::file_status status = fs::symlink_status(path, error);
+    if (!fs::is_regular_file(status) && !fs::is_symlink(status)) continue;
+    if (::unlink(path.c_str()) != 0 && errno != ENOENT) fail_with_errno(path, "cannot be removed");
+  }
 }
 
 void OutputFolder::move_files() {
@@ -147,6 +172,7 @@ void OutputFolder::move_files() {
     }
     sync_folder(path.parent_path());
   }
+  remove_files();
   fs::remove_all(hidden_, error);
 }
 

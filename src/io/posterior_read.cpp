@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "json_fault.hpp"
 #include "json_place.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/io/text.hpp"
@@ -87,13 +88,7 @@ Component<Hypothesis> read_component(const JsonPlace& place, std::size_t size) {
 }  // namespace
 
 PosteriorFile parse_posterior(std::string_view text, const std::string& name) {
-  Json json;
-  try {
-    json = Json::parse(text);
-  } catch (const Json::exception& error) {
-    throw InvalidInput(fmt::format("{}: got a text that is not JSON ({}), expected posterior.json",
-                                   name, error.what()));
-  }
+  const Json json = json_of(text, name, "posterior.json");
   const JsonPlace root(json, name);
   check_head(root);
   std::vector<NamedPose> poses = read_named_poses(root.member("poses"));

@@ -18,6 +18,8 @@ class Deflater {
   Deflater& operator=(const Deflater&) = delete;
 
   void add(std::string_view bytes);
+  /// Bytes of the stream so far; what was added lately may not be among them.
+  std::size_t size() const { return stream_.size(); }
   /// Ends the stream and returns it; nothing can be added afterwards.
   std::string finish();
 

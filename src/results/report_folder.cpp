@@ -9,9 +9,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "io/json_fault.hpp"
+#include "io/sha256.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/io/mixture_file.hpp"
 #include "posemix/io/text.hpp"
+#include "run_files.hpp"
 
 namespace posemix::internal {
 namespace {
@@ -21,6 +24,8 @@ namespace fs = std::filesystem;
 constexpr const char* kTraceFile = "trace.json";
 constexpr const char* kMetricsFile = "metrics.json";
 constexpr const char* kStudyFile = "study.json";
+constexpr const char* kPosteriorFile = "posterior.json";
+constexpr const char* kCamerasFile = "cameras.csv";
 
 [[noreturn]] void fail_to_list(const fs::path& folder, const std::error_code& error) {
   throw InvalidInput(fmt::format("{}: cannot be read: {}", folder.string(), error.message()));
@@ -47,15 +52,11 @@ bool has_results(const fs::path& folder) {
          is_file(folder / kConsistencyFile);
 }
 
-Json read_document(const fs::path& path) {
-  try {
-    return Json::parse(read_file(path));
-  } catch (const Json::exception& error) {
-    throw InvalidInput(
-        fmt::format("{}: got a text that is not JSON ({}), expected JSON as posemix writes it",
-                    path.string(), error.what()));
-  }
+Json parse_document(const std::string& text, const fs::path& path) {
+  return json_of(text, path.string(), "JSON as posemix writes it");
 }
+
+Json read_document(const fs::path& path) { return parse_document(read_file(path), path); }
 
 bool is_mixture(const Json& document) {
   if (!document.is_object()) return false;
@@ -75,11 +76,15 @@ void add_file(ReportFolder& folder, const fs::path& path) {
   const std::string name = path.filename().string();
   const std::string extension = path.extension().string();
   if (extension == ".json" && name != kTraceFile) {
-    Json document = read_document(path);
+    const std::string text = read_file(path);
+    Json document = parse_document(text, path);
     check_mixture(document, path, folder);
+    if (is_mixture(document) || name == kPosteriorFile) folder.digests[name] = sha256_of(text);
     folder.documents[name] = std::move(document);
   } else if (extension == ".csv") {
-    folder.tables[name] = read_file(path);
+    const std::string text = read_file(path);
+    if (name == kCamerasFile) folder.digests[name] = sha256_of(text);
+    folder.tables[name] = text;
   } else if (extension == ".svg") {
     folder.pictures[name] = read_file(path);
   } else if (extension == ".md") {
@@ -169,7 +174,26 @@ ReportFolder read_report_folder(const fs::path& results) {
     if (is_file(path)) add(folder, path);
   }
   folder.kind = kind_of(folder, results);
+  if (folder.kind == ReportKind::slam) keep_files_of_run(folder, results, kMetricsFile);
   return folder;
+}
+
+std::vector<fs::path> runs_in(const fs::path& folder) {
+  std::vector<fs::path> runs;
+  for (const fs::path& path : paths_in(folder)) {
+    if (is_file(path / kTraceFile) && is_file(path / kMetricsFile)) runs.push_back(path);
+  }
+  return runs;
+}
+
+bool holds_runs(const fs::path& folder) {
+  std::error_code error;
+  if (!fs::is_directory(folder, error) || has_results(folder)) return false;
+  const std::vector<fs::path> paths = paths_in(folder);
+  const bool has_documents = std::any_of(paths.begin(), paths.end(), [](const fs::path& path) {
+    return path.extension() == ".json" && is_file(path);
+  });
+  return !has_documents && runs_in(folder).size() > 1;
 }
 
 }  // namespace posemix::internal

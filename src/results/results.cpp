@@ -3,15 +3,19 @@
 #include "posemix/results/results.hpp"
 
 #include <cmath>
+#include <functional>
 
 #include <fmt/format.h>
 
 #include "io/covariance_columns.hpp"
 #include "io/json_numbers.hpp"
+#include "io/sha256.hpp"
+#include "metrics_file.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/draw/picture.hpp"
 #include "posemix/io/mixture_file.hpp"
 #include "posemix/io/tum.hpp"
+#include "trace_writer.hpp"
 
 namespace posemix {
 namespace {
@@ -60,49 +64,6 @@ std::string camera_tum(const SlamJob& job, const SlamRun& run) {
   return format_tum(poses);
 }
 
-Json medians_json(const PoseMedians& medians) {
-  return {{"position_median_m", json_number(medians.position_m)},
-          {"rotation_median_deg", json_number(medians.rotation_deg)}};
-}
-
-/// Puts existence and health into the metrics of an object, where there are any.
-void add_health(const ObjectMetrics& object, Json& json) {
-  if (!object.health) return;
-  json["existence"] = json_number(object.existence);
-  json["health"] = word_of(*object.health);
-  Json& shares = json["health_shares"];
-  for (const auto& [word, health] : words<TrackHealth>)
-    shares[std::string(word)] = object.health_shares[static_cast<std::size_t>(health)];
-}
-
-Json object_metrics(const ObjectMetrics& object) {
-  Json json = {{"position_rmse_m", json_number(object.world.position_rmse_m)},
-               {"rotation_rmse_deg", json_number(object.world.rotation_rmse_deg)},
-               {"relative_position_rmse_m", json_number(object.relative.position_rmse_m)},
-               {"relative_rotation_rmse_deg", json_number(object.relative.rotation_rmse_deg)},
-               {"detection_relative_position_rmse_m",
-                json_number(object.detection_relative.position_rmse_m)},
-               {"detection_relative_rotation_rmse_deg",
-                json_number(object.detection_relative.rotation_rmse_deg)},
-               {"paired",
-                {{"frames", object.paired.frames},
-                 {"estimate", medians_json(object.paired.estimate)},
-                 {"detection", medians_json(object.paired.detection)}}},
-               {"detections", object.detections},
-               {"gated", object.gated},
-               {"right_mode_share", json_number(object.right_mode_share)},
-               {"mode_probability", json_number(object.mode_probability)}};
-  add_health(object, json);
-  return json;
-}
-
-Json consistency_json(const Consistency& consistency) {
-  return {{"anees", json_number(consistency.anees)},
-          {"median_nees", json_number(consistency.median_nees)},
-          {"rotation_anees", json_number(consistency.rotation_anees)},
-          {"position_anees", json_number(consistency.position_anees)}};
-}
-
 /// The alternatives of one object, without those of probability zero.
 Mixture<PoseDensity> world_mixture(const std::vector<ObjectHypothesis>& alternatives) {
   constexpr double kLeastProbability = 1e-12;
@@ -128,44 +89,70 @@ std::string cameras_csv(const std::vector<BodyCamera>& cameras) {
   return any ? text : "";
 }
 
-}  // namespace
+/// Takes the files of a run one after the other: the name, and a function that gives the content.
+using FileSink =
+    std::function<void(const std::string&, const std::function<void(const TextSink&)>&)>;
 
-std::string format_metrics(const Metrics& metrics, const std::string& method) {
-  Json objects = Json::object();
-  Json anees = Json::object();
-  Json right_anees = Json::object();
-  Json world = Json::object();
-  Json relative = Json::object();
-  for (const ObjectMetrics& object : metrics.objects) {
-    objects[object.id] = object_metrics(object);
-    anees[object.id] = json_number(object.relative_anees);
-    right_anees[object.id] = json_number(object.right_mode_anees);
-    world[object.id] = consistency_json(object.world_consistency);
-    relative[object.id] = consistency_json(object.relative_consistency);
+/// The files of a run for a FileSink, with the digests of those that only some runs have.
+class ResultFiles {
+ public:
+  ResultFiles(const SlamJob& job, const SlamRun& run, const Metrics& metrics,
+              const ResultOptions& options, FileSink sink)
+      : job_(job), run_(run), metrics_(metrics), options_(options), sink_(std::move(sink)) {}
+
+  /// Returns the text of metrics.json.
+  std::string put_all() {
+    put("camera.tum", camera_tum(job_, run_));
+    for (std::size_t object = 0; object < job_.models.size(); ++object) {
+      const std::string& id = job_.models[object].id;
+      put(fmt::format("object_{}.tum", id),
+          object_tum(job_, run_, &FrameEstimate::objects, object));
+      put(fmt::format("relative_{}.tum", id),
+          object_tum(job_, run_, &FrameEstimate::relative, object));
+    }
+    put_mixtures();
+    if (const std::string cameras = cameras_csv(run_.cameras); !cameras.empty())
+      put_named("cameras.csv", cameras);
+    put_named("posterior.json", format_posterior(last_posterior(job_, run_)));
+    sink_("trace.json", [&](const TextSink& text) {
+      const auto* record = options_.hypotheses;
+      stamp_.run = write_trace(job_, run_, record == nullptr ? nullptr : &record->texts(), text);
+    });
+    const Provenance* provenance = options_.provenance ? &*options_.provenance : nullptr;
+    std::string metrics = metrics_text(metrics_, job_.method, &stamp_, provenance);
+    put("metrics.json", metrics);
+    put("picture.svg", format_picture(job_, run_, metrics_));
+    return metrics;
   }
-  const Json json = {
-      {"schema", kMetricsSchema},
-      {"frames", metrics.frames},
-      {"method", method},
-      {"camera",
-       {{"position_rmse_m", json_number(metrics.camera.position_rmse_m)},
-        {"rotation_rmse_deg", json_number(metrics.camera.rotation_rmse_deg)},
-        {"position_log_rmse_m", json_number(metrics.camera.position_log_rmse_m)}}},
-      {"odometry",
-       {{"position_rmse_m", json_number(metrics.odometry.position_rmse_m)},
-        {"rotation_rmse_deg", json_number(metrics.odometry.rotation_rmse_deg)}}},
-      {"objects", objects},
-      {"consistency", {{"relative_anees", anees}, {"right_mode_relative_anees", right_anees}}},
-      {"camera_consistency", consistency_json(metrics.camera_consistency)},
-      {"world_consistency", world},
-      {"relative_consistency", relative},
-      {"timing",
-       {{"frame_median_us", json_number(metrics.timing.frame_median_us)},
-        {"update_median_us", json_number(metrics.timing.update_median_us)},
-        {"reduce_median_us", json_number(metrics.timing.reduce_median_us)},
-        {"merges_per_frame", json_number(metrics.timing.merges_per_frame)}}}};
-  return json_text(json, 2);
-}
+
+ private:
+  void put(const std::string& name, const std::string& text) const {
+    sink_(name, [&](const TextSink& out) { out(text); });
+  }
+
+  void put_named(const std::string& name, const std::string& text) {
+    stamp_.files[name] = sha256_of(text);
+    put(name, text);
+  }
+
+  void put_mixtures() {
+    for (std::size_t object = 0; object < run_.hypotheses.size(); ++object) {
+      if (run_.hypotheses[object].empty()) continue;
+      const std::string& id = job_.models[object].id;
+      put_named(fmt::format("mixture_{}.json", id),
+                format_mixture({{"world", id}, world_mixture(run_.hypotheses[object])}));
+    }
+  }
+
+  const SlamJob& job_;
+  const SlamRun& run_;
+  const Metrics& metrics_;
+  const ResultOptions& options_;
+  FileSink sink_;
+  RunStamp stamp_;
+};
+
+}  // namespace
 
 PosteriorFile last_posterior(const SlamJob& job, const SlamRun& run) {
   const std::size_t size = run.posterior[0].density.mean().size();
@@ -180,29 +167,28 @@ PosteriorFile last_posterior(const SlamJob& job, const SlamRun& run) {
 
 std::vector<NamedText> format_results(const SlamJob& job, const SlamRun& run,
                                       const Metrics& metrics) {
+  return format_results(job, run, metrics, ResultOptions());
+}
+
+std::vector<NamedText> format_results(const SlamJob& job, const SlamRun& run,
+                                      const Metrics& metrics, const ResultOptions& options) {
   require_finite(job, run);
   std::vector<NamedText> files;
-  files.emplace_back("camera.tum", camera_tum(job, run));
-  for (std::size_t object = 0; object < job.models.size(); ++object) {
-    const std::string& id = job.models[object].id;
-    files.emplace_back(fmt::format("object_{}.tum", id),
-                       object_tum(job, run, &FrameEstimate::objects, object));
-    files.emplace_back(fmt::format("relative_{}.tum", id),
-                       object_tum(job, run, &FrameEstimate::relative, object));
-  }
-  for (std::size_t object = 0; object < run.hypotheses.size(); ++object) {
-    if (run.hypotheses[object].empty()) continue;
-    files.emplace_back(
-        fmt::format("mixture_{}.json", job.models[object].id),
-        format_mixture({{"world", job.models[object].id}, world_mixture(run.hypotheses[object])}));
-  }
-  if (std::string cameras = cameras_csv(run.cameras); !cameras.empty())
-    files.emplace_back("cameras.csv", std::move(cameras));
-  files.emplace_back("metrics.json", format_metrics(metrics, job.method));
-  files.emplace_back("posterior.json", format_posterior(last_posterior(job, run)));
-  files.emplace_back("trace.json", format_trace(job, run));
-  files.emplace_back("picture.svg", format_picture(job, run, metrics));
+  ResultFiles(job, run, metrics, options, [&](const std::string& name, const auto& content) {
+    std::string& text = files.emplace_back(name, "").second;
+    content([&](std::string_view piece) { text += piece; });
+  }).put_all();
   return files;
+}
+
+std::string write_results(OutputFolder& folder, const SlamJob& job, const SlamRun& run,
+                          const Metrics& metrics, const ResultOptions& options) {
+  require_finite(job, run);
+  folder.remove_earlier(earlier_results(folder.target()));
+  return ResultFiles(
+             job, run, metrics, options,
+             [&](const std::string& name, const auto& content) { folder.write(name, content); })
+      .put_all();
 }
 
 }  // namespace posemix

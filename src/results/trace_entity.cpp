@@ -20,7 +20,7 @@ namespace {
 const std::map<std::string, unsigned> kMaskBits{
     {"pose", 0U},           {"truth", 1U},           {"world: pose", 0U}, {"world: truth", 1U},
     {"relative: pose", 2U}, {"relative: truth", 3U}, {"detection", 4U},   {"mode_probability", 5U},
-    {"existence", 6U},      {"models", 7U}};
+    {"existence", 6U},      {"models", 7U},          {"nis", 8U}};
 
 const std::vector<std::string> kCameraKeys{"pose", "sd"};
 const std::vector<std::string> kObjectKeys{"world: pose",  "world: sd", "relative: pose",
@@ -31,6 +31,7 @@ TraceSeriesPtr track_series(const std::string& path, const std::string& key,
   if (key == "pose") return pose_series(path, prefix, scales);
   if (key == "truth") return pose_series(path, prefix + "/truth", scales);
   if (key == "sd") return sd_series(path, prefix);
+  if (key == "nees") return distance_series(path, prefix + "/nees");
   if (key == "position_covariance") return position_series(path, prefix);
   return nullptr;
 }
@@ -77,13 +78,14 @@ TraceSeriesPtr TraceEntity::make(const TraceKeys& keys, const std::string& path,
   if (keys.size() != 1) return nullptr;
   const std::string name = prefix_ + "/" + keys[0];
   if (keys[0] == "detection") return pose_series(path, name, scales.coarse());
+  if (keys[0] == "nis") return distance_series(path, name);
   if (keys[0] == "status") return status_series(path, name);
   if (keys[0] == "health") return health_series(path, name);
   if (keys[0] == "register_again") return flag_series(path, name);
   if (keys[0] == "models") return shares_series(path, name);
   if (keys[0] == "mode_probability" || keys[0] == "existence")
     return probability_series(path, name);
-  if (keys[0] == "alternatives") return alternatives_series(path, prefix_, scales.coarse());
+  if (keys[0] == "alternatives") return alternatives_series(path, prefix_, hypotheses_);
   return nullptr;
 }
 
@@ -120,7 +122,9 @@ TraceColumn TraceEntity::mask() const {
       if (series->present()[k]) bits[k] |= 1U << bit->second;
     }
   }
-  TraceColumn column(prefix_ + "/mask", {});
+  const auto most = *std::max_element(bits.begin(), bits.end());
+  const ColumnType type = most > 0xFFU ? ColumnType::uint16 : ColumnType::uint8;
+  TraceColumn column(prefix_ + "/mask", {1, type});
   for (const unsigned value : bits) column.add(std::array{static_cast<double>(value)});
   return column;
 }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "trace_hypotheses.hpp"
 #include "trace_series.hpp"
 
 namespace posemix::internal {
@@ -21,8 +22,9 @@ class TraceEntity {
  public:
   /// `path` names the entity in error messages; `prefix` is "camera" or "objects/<id>" and begins
   /// the names of its columns.
-  TraceEntity(std::string path, std::string prefix)
-      : path_(std::move(path)), prefix_(std::move(prefix)) {}
+  /// Alternatives go to `hypotheses`, which must outlive the entity.
+  TraceEntity(std::string path, std::string prefix, HypothesisStore& hypotheses)
+      : path_(std::move(path)), prefix_(std::move(prefix)), hypotheses_(hypotheses) {}
 
   /// The series for the array under these keys of the entity; null if a report does not need it.
   /// @throws InvalidInput when the array has been opened before
@@ -47,6 +49,7 @@ class TraceEntity {
 
   std::string path_;
   std::string prefix_;
+  HypothesisStore& hypotheses_;
   bool has_old_keys_ = false;
   std::map<std::string, TraceSeriesPtr> series_;  ///< by the keys within the entity
 };

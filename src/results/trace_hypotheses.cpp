@@ -4,18 +4,20 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <fmt/format.h>
 
+#include "hypothesis_slots.hpp"
 #include "posemix/base/error.hpp"
 
 namespace posemix::internal {
 namespace {
 
-constexpr ColumnFormat kIdFormat{1, ColumnType::int32};
-constexpr ColumnFormat kHypothesisProbability{1, ColumnType::uint16, 1.0 / 65535.0};
 constexpr std::size_t kMostHypotheses = 1000;
+/// Hypotheses of all entities and frames in memory: 42 MB.
+constexpr std::size_t kMostRows = 1'500'000;
+/// Bytes of a hypothesis in its columns, before they are compressed.
+constexpr std::size_t kRowBytes = 27;
 
 std::int32_t id_at(const TracePlace& place) {
   const double id = place.number_in(0.0, std::numeric_limits<std::int32_t>::max());
@@ -33,138 +35,185 @@ std::size_t number_of_hypotheses(const TracePlace& place) {
 
 class AlternativesSeries final : public TraceSeries {
  public:
-  AlternativesSeries(std::string path, std::string prefix, const TraceScales& scales)
-      : TraceSeries(std::move(path)), prefix_(std::move(prefix)), slots_(scales) {}
-  void move_to(std::vector<TraceColumn>& columns) override { slots_.move_to(prefix_, columns); }
+  AlternativesSeries(std::string path, const std::string& prefix, HypothesisStore& store)
+      : TraceSeries(std::move(path)), store_(store), entity_(store.add_entity(prefix)) {}
+  void move_to(std::vector<TraceColumn>& /*columns*/) override {}
 
  private:
   void read(const TracePlace& place) override {
-    hypotheses_.clear();
-    places_.clear();
+    std::vector<TraceHypothesis> hypotheses;
     const std::size_t size = place.value().is_null() ? 0 : number_of_hypotheses(place);
-    places_.reserve(size);
+    hypotheses.reserve(size);
     for (std::size_t i = 0; i < size; ++i) {
-      const TracePlace& item = places_.emplace_back(place.item(i));
+      const TracePlace item = place.item(i);
       const std::int32_t id = id_at(item.member("id"));
       const auto same = [id](const TraceHypothesis& other) { return other.id == id; };
-      if (std::any_of(hypotheses_.begin(), hypotheses_.end(), same)) {
+      if (std::any_of(hypotheses.begin(), hypotheses.end(), same)) {
         item.fail(fmt::format("the id {} again", id), "another");
       }
-      hypotheses_.push_back({id, item.member("probability").probability(), item.member("pose")});
+      const double probability = item.member("probability").probability();
+      hypotheses.push_back(store_.hypothesis(id, probability, item.member("pose")));
     }
-    slots_.add(hypotheses_);
+    store_.add(entity_, std::move(hypotheses));
   }
 
-  std::string prefix_;
-  HypothesisSlots slots_;
-  std::vector<TracePlace> places_;  ///< places of the entries of hypotheses_
-  std::vector<TraceHypothesis> hypotheses_;
+  HypothesisStore& store_;
+  std::size_t entity_;
 };
 
 }  // namespace
 
-HypothesisSlots::Slot::Slot(std::size_t index, const TraceScales& scales, std::size_t frames)
-    : mask(fmt::format("/hypotheses/{}/mask", index), {}),
-      ids(fmt::format("/hypotheses/{}/id", index), kIdFormat),
-      probabilities(fmt::format("/hypotheses/{}/probability", index), kHypothesisProbability),
-      poses(fmt::format("/hypotheses/{}", index), scales) {
-  mask.repeat_until(frames);
-  ids.repeat_until(frames);
-  probabilities.repeat_until(frames);
-  poses.repeat_until(frames);
+HypothesisStore::HypothesisStore(const TraceScales& scales)
+    : scales_(scales), reader_("", scales) {}
+
+std::size_t HypothesisStore::add_entity(std::string prefix, std::size_t frames) {
+  entities_.push_back({std::move(prefix), std::vector<std::uint16_t>(frames, 0), {}});
+  return entities_.size() - 1;
 }
 
-HypothesisSlots::Slot& HypothesisSlots::slot_of(std::int32_t id) {
-  const auto has = [&](std::optional<std::int32_t> wanted) {
-    return std::find_if(slots_.begin(), slots_.end(),
-                        [&](const Slot& slot) { return slot.id == wanted; });
+TraceHypothesis HypothesisStore::hypothesis(std::int32_t id, double probability,
+                                            const TracePlace& pose) const {
+  const std::array<double, 7> numbers = reader_.read(pose);
+  TraceHypothesis hypothesis;
+  hypothesis.id = id;
+  hypothesis.probability =
+      static_cast<std::uint16_t>(std::llround(65535.0 * std::min(1.0, probability)));
+  for (std::size_t i = 0; i < 3; ++i) {
+    hypothesis.position[i] =
+        static_cast<std::int32_t>(std::llround(numbers[i] / scales_.position_m));
+  }
+  for (std::size_t i = 0; i < 4; ++i) {
+    hypothesis.quaternion[i] =
+        static_cast<std::int16_t>(std::llround(numbers[3 + i] / scales_.quaternion));
+  }
+  return hypothesis;
+}
+
+void HypothesisStore::add(std::size_t entity, std::vector<TraceHypothesis> hypotheses) {
+  const auto heavier = [](const TraceHypothesis& a, const TraceHypothesis& b) {
+    return a.probability > b.probability;
   };
-  auto found = has(id);
-  if (found == slots_.end()) found = has(std::nullopt);
-  if (found == slots_.end()) return slots_.emplace_back(slots_.size(), scales_, frames_);
-  return *found;
+  std::stable_sort(hypotheses.begin(), hypotheses.end(), heavier);
+  if (hypotheses.size() > kept_) hypotheses.resize(kept_);
+  Entity& own = entities_[entity];
+  own.counts.push_back(static_cast<std::uint16_t>(hypotheses.size()));
+  own.all.insert(own.all.end(), hypotheses.begin(), hypotheses.end());
+  rows_ += hypotheses.size();
+  if (rows_ > kMostRows) keep_most(kMostRows / 4 * 3);
 }
 
-void HypothesisSlots::add(const std::vector<TraceHypothesis>& hypotheses) {
-  for (Slot& slot : slots_) {
-    const auto lives = [&](const TraceHypothesis& each) { return slot.id == each.id; };
-    if (std::none_of(hypotheses.begin(), hypotheses.end(), lives)) slot.id.reset();
+/// Keeps at most so many hypotheses in all, or one of every frame.
+void HypothesisStore::keep_most(std::size_t rows) {
+  std::vector<std::size_t> frames_with(kMostHypotheses + 1, 0);  // by the number of hypotheses
+  for (const Entity& entity : entities_) {
+    for (const std::uint16_t count : entity.counts) ++frames_with[count];
   }
-  for (const TraceHypothesis& hypothesis : hypotheses) {
-    Slot& slot = slot_of(hypothesis.id);
-    slot.id = hypothesis.id;
-    slot.ids.add(std::array{static_cast<double>(hypothesis.id)});
-    slot.probabilities.add(std::array{hypothesis.probability});
-    slot.poses.add(hypothesis.pose);
+  std::size_t frames = 0;
+  for (std::size_t count = 1; count <= kMostHypotheses; ++count) frames += frames_with[count];
+  std::size_t kept = 0;
+  std::size_t total = 0;
+  while (frames > 0 && (kept == 0 || total + frames <= rows)) {
+    total += frames;
+    frames -= frames_with[++kept];
   }
-  end_frame();
-}
-
-void HypothesisSlots::end_frame() {
-  ++frames_;
-  for (Slot& slot : slots_) {
-    slot.mask.add(std::array{slot.id ? 1.0 : 0.0});
-    slot.ids.repeat_until(frames_);
-    slot.probabilities.repeat_until(frames_);
-    slot.poses.repeat_until(frames_);
+  if (frames == 0) return;
+  kept_ = kept;
+  rows_ = 0;
+  for (Entity& entity : entities_) {
+    keep(entity);
+    rows_ += entity.all.size();
   }
 }
 
-void HypothesisSlots::move_to(const std::string& prefix, std::vector<TraceColumn>& columns) {
-  const std::size_t first = columns.size();
-  for (Slot& slot : slots_) {
-    columns.push_back(std::move(slot.mask));
-    columns.push_back(std::move(slot.ids));
-    columns.push_back(std::move(slot.probabilities));
-    std::move(slot.poses).move_to(columns);
+void HypothesisStore::keep(Entity& entity) const {
+  auto from = entity.all.begin();
+  auto to = entity.all.begin();
+  for (std::uint16_t& count : entity.counts) {
+    const auto least = static_cast<std::uint16_t>(std::min<std::size_t>(count, kept_));
+    to = std::copy(from, from + least, to);
+    from += count;
+    count = least;
   }
-  for (std::size_t i = first; i < columns.size(); ++i) columns[i].put_before_name(prefix);
+  entity.all.erase(to, entity.all.end());
+}
+
+std::vector<TraceColumn> HypothesisStore::columns_of(const Entity& entity) const {
+  HypothesisSlots slots(scales_);
+  std::span<const TraceHypothesis> rest(entity.all);
+  for (const std::uint16_t count : entity.counts) {
+    slots.add(rest.first(count));
+    rest = rest.subspan(count);
+  }
+  return std::move(slots).columns(entity.prefix);
+}
+
+std::size_t HypothesisStore::compressed_size() const {
+  Deflater data;
+  for (const Entity& entity : entities_) {
+    for (const TraceColumn& column : columns_of(entity)) column.write(data);
+  }
+  return data.finish().size();
+}
+
+void HypothesisStore::write(std::size_t most_bytes, Deflater& data, Json& headers) {
+  constexpr double kMargin = 0.95;
+  while (kRowBytes * rows_ > most_bytes && kept_ > 1) {
+    const std::size_t size = compressed_size();
+    if (size <= most_bytes) break;
+    const std::size_t before = kept_;
+    keep_most(static_cast<std::size_t>(kMargin * static_cast<double>(most_bytes) *
+                                       static_cast<double>(rows_) / static_cast<double>(size)));
+    if (kept_ == before) break;
+  }
+  for (Entity& entity : entities_) {
+    for (const TraceColumn& column : columns_of(entity)) {
+      column.write(data);
+      headers.push_back(column.header());
+    }
+    entity.all = {};
+  }
+}
+
+std::optional<std::size_t> HypothesisStore::kept() const {
+  return kept_ <= kMostHypotheses ? std::optional(kept_) : std::nullopt;
 }
 
 void JointHypotheses::read(const TracePlace& place) {
-  std::vector<TracePlace> places;
   const std::size_t size = place.value().is_null() ? 0 : number_of_hypotheses(place);
-  places.reserve(2 * size);
-  std::vector<std::vector<TraceHypothesis>> of_pose(slots_.size());
+  std::vector<std::vector<TraceHypothesis>> of_pose(store_.size());
   for (std::size_t i = 0; i < size; ++i) {
-    const TracePlace& item = places.emplace_back(place.item(i));
+    const TracePlace item = place.item(i);
     const double weight = item.member("weight").probability();
-    const TracePlace& poses = places.emplace_back(item.member("poses"));
+    const TracePlace poses = item.member("poses");
     if (poses.size() == 0) poses.fail("no poses", "the camera's and the objects'");
-    if (slots_.empty()) {
-      HypothesisSlots unseen(scales_);
-      for (std::size_t frame = 1; frame < frames(); ++frame) unseen.add({});
-      slots_.assign(poses.size(), unseen);
+    if (store_.size() == 0) {
+      for (std::size_t pose = 0; pose < poses.size(); ++pose) store_.add_entity("", frames() - 1);
       of_pose.resize(poses.size());
     }
-    if (poses.size() != slots_.size()) {
-      poses.fail(fmt::format("{} poses", poses.size()), fmt::format("{}", slots_.size()));
+    if (poses.size() != store_.size()) {
+      poses.fail(fmt::format("{} poses", poses.size()), fmt::format("{}", store_.size()));
     }
     for (std::size_t pose = 0; pose < poses.size(); ++pose) {
       if (poses.value()[pose].is_null()) continue;
-      of_pose[pose].push_back({static_cast<std::int32_t>(i), weight, poses.item(pose)});
+      of_pose[pose].push_back(
+          store_.hypothesis(static_cast<std::int32_t>(i), weight, poses.item(pose)));
     }
   }
-  for (std::size_t pose = 0; pose < slots_.size(); ++pose) slots_[pose].add(of_pose[pose]);
+  for (std::size_t pose = 0; pose < store_.size(); ++pose)
+    store_.add(pose, std::move(of_pose[pose]));
 }
 
-void JointHypotheses::name(std::vector<std::string> prefixes) {
-  if (!slots_.empty() && slots_.size() != prefixes.size()) {
+void JointHypotheses::name(const std::vector<std::string>& prefixes) {
+  if (store_.size() > 0 && store_.size() != prefixes.size()) {
     throw InvalidInput(fmt::format("{}: got {} poses, expected {}: the camera's and the objects'",
-                                   path(), slots_.size(), prefixes.size()));
+                                   path(), store_.size(), prefixes.size()));
   }
-  prefixes_ = std::move(prefixes);
-}
-
-void JointHypotheses::move_to(std::vector<TraceColumn>& columns) {
-  for (std::size_t pose = 0; pose < slots_.size(); ++pose) {
-    slots_[pose].move_to(prefixes_[pose], columns);
-  }
+  for (std::size_t pose = 0; pose < store_.size(); ++pose) store_.name(pose, prefixes[pose]);
 }
 
 TraceSeriesPtr alternatives_series(std::string path, const std::string& prefix,
-                                   const TraceScales& scales) {
-  return std::make_unique<AlternativesSeries>(std::move(path), prefix, scales);
+                                   HypothesisStore& store) {
+  return std::make_unique<AlternativesSeries>(std::move(path), prefix, store);
 }
 
 }  // namespace posemix::internal

@@ -2,7 +2,9 @@
 // SPDX-FileCopyrightText: posemix contributors
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,66 +13,78 @@
 
 namespace posemix::internal {
 
-/// A hypothesis of one frame.
+/// A hypothesis of one frame, in the integers of its columns.
 struct TraceHypothesis {
   std::int32_t id = 0;
-  double probability = 0.0;
-  TracePlace pose;
+  std::array<std::int32_t, 3> position{};
+  std::array<std::int16_t, 4> quaternion{};
+  std::uint16_t probability = 0;
 };
 
-/// Hypotheses over the frames in slots. A hypothesis keeps its slot as long as it lives, so that
-/// the values of a slot change little from frame to frame.
-class HypothesisSlots {
+/// Hypotheses of several entities over the frames, for columns `prefix`/hypotheses/k/... A
+/// hypothesis keeps its slot k as long as it lives, so that the values of a slot change little from
+/// frame to frame. Memory and stream have a limit: where there are more hypotheses, those that are
+/// the heaviest of their frame are kept, so many of every frame and entity.
+class HypothesisStore {
  public:
-  explicit HypothesisSlots(const TraceScales& scales) : scales_(scales) {}
+  explicit HypothesisStore(const TraceScales& scales);
 
-  /// Adds the hypotheses of the next frame.
-  void add(const std::vector<TraceHypothesis>& hypotheses);
-  /// Compresses the slots as columns `prefix`/hypotheses/k/...
-  void move_to(const std::string& prefix, std::vector<TraceColumn>& columns);
+  /// One more entity, whose first `frames` frames have none. Returns its index.
+  std::size_t add_entity(std::string prefix, std::size_t frames = 0);
+  void name(std::size_t entity, std::string prefix) { entities_[entity].prefix = prefix; }
+  std::size_t size() const { return entities_.size(); }
+
+  /// @throws InvalidInput as PoseColumns::read
+  TraceHypothesis hypothesis(std::int32_t id, double probability, const TracePlace& pose) const;
+  /// Adds the hypotheses of the next frame of an entity.
+  void add(std::size_t entity, std::vector<TraceHypothesis> hypotheses);
+
+  /// Compresses all as columns, in about as many bytes as `most_bytes` or fewer.
+  void write(std::size_t most_bytes, Deflater& data, Json& headers);
+  /// The largest number of hypotheses of a frame and entity, where some were left out.
+  std::optional<std::size_t> kept() const;
 
  private:
-  struct Slot {
-    Slot(std::size_t index, const TraceScales& scales, std::size_t frames);
-
-    std::optional<std::int32_t> id;  ///< id of the hypothesis in the slot
-    TraceColumn mask;
-    TraceColumn ids;
-    TraceColumn probabilities;
-    PoseColumns poses;
+  struct Entity {
+    std::string prefix;
+    std::vector<std::uint16_t> counts;  ///< by frame
+    std::vector<TraceHypothesis> all;   ///< frame by frame
   };
 
-  Slot& slot_of(std::int32_t id);
-  void end_frame();
+  void keep_most(std::size_t rows);
+  void keep(Entity& entity) const;
+  std::size_t compressed_size() const;
+  std::vector<TraceColumn> columns_of(const Entity& entity) const;
 
   TraceScales scales_;
-  std::size_t frames_ = 0;
-  std::vector<Slot> slots_;
+  PoseColumns reader_;
+  std::vector<Entity> entities_;
+  std::size_t rows_ = 0;
+  std::size_t kept_ = std::numeric_limits<std::size_t>::max();
 };
 
-/// The alternatives of one object: columns `prefix`/hypotheses/k/...
+/// The alternatives of one object, whose columns the store writes.
 TraceSeriesPtr alternatives_series(std::string path, const std::string& prefix,
-                                   const TraceScales& scales);
+                                   HypothesisStore& store);
 
 /// Joint hypotheses: poses of the camera and of every object. They become hypotheses of
 /// every entity separately, whose ids are their ranks.
 class JointHypotheses final : public TraceSeries {
  public:
   JointHypotheses(std::string path, const TraceScales& scales)
-      : TraceSeries(std::move(path)), scales_(scales) {}
+      : TraceSeries(std::move(path)), store_(scales) {}
 
   /// The entities of the poses ("camera", "objects/mug", ...), in their order.
   /// @throws InvalidInput when the number of poses is different
-  void name(std::vector<std::string> prefixes);
+  void name(const std::vector<std::string>& prefixes);
   /// Call name() first.
-  void move_to(std::vector<TraceColumn>& columns) override;
+  HypothesisStore& store() { return store_; }
+  void move_to(std::vector<TraceColumn>& /*columns*/) override {}
 
  private:
   void read(const TracePlace& place) override;
 
-  TraceScales scales_;
-  std::vector<std::string> prefixes_;
-  std::vector<HypothesisSlots> slots_;  ///< one per pose; empty until the first hypothesis
+  HypothesisStore store_;  ///< an entity per pose; none until the first hypothesis
 };
 
 }  // namespace posemix::internal

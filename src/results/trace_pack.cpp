@@ -2,11 +2,13 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "trace_pack.hpp"
 
+#include <algorithm>
 #include <optional>
 #include <set>
 
 #include <fmt/format.h>
 
+#include "io/json_fault.hpp"
 #include "io/json_place.hpp"
 #include "io/renamed.hpp"
 #include "posemix/base/error.hpp"
@@ -21,11 +23,19 @@ namespace {
 
 using Event = Json::parse_event_t;
 
+/// Of the compressed columns: a page of less than 15 MB. Hypotheses get what the rest leaves, or a
+/// part that is enough for the few heaviest ones.
+constexpr std::size_t kMostBytes = 10'000'000;
+constexpr std::size_t kLeastHypothesisBytes = 1'500'000;
+
 /// Receives the events of the parser. Arrays over frames are taken entry by entry and never kept.
 class TracePacker {
  public:
   TracePacker(const std::string& name, const TraceScales& scales)
-      : name_(name), scales_(scales), joint_(name + ": hypotheses", scales.coarse()) {}
+      : name_(name),
+        scales_(scales),
+        alternatives_(scales.coarse()),
+        joint_(name + ": hypotheses", scales.coarse()) {}
 
   /// Callback of the parser: returns whether to keep the value.
   bool take(std::size_t depth, Event event, Json& value) {
@@ -52,7 +62,7 @@ class TracePacker {
     const JsonPlace root(document, name_);
     check(root);
     const std::vector<std::string> order = objects_in_order(root);
-    if (!has_alternatives_) write_joint(order);
+    write_hypotheses(order);
     const JsonPlace stamps = root.member("stamps_s");
     Json times = Json::array();
     for (const JsonPlace& stamp : stamps.items(frames_)) times.push_back(stamp.number());
@@ -61,18 +71,24 @@ class TracePacker {
     Json healths = Json::array();
     for (const auto& [word, health] : words<TrackHealth>) healths.push_back(word);
     const auto copy = [&](const char* key) { return Json(root.member(key).string()); };
-    return {{"name", copy("name")},
-            {"method", copy("method")},
-            {"conventions", document.value("conventions", Json::object())},
-            {"order", order},
-            {"frames", *frames_},
-            {"stamps_s", std::move(times)},
-            {"statuses", std::move(statuses)},
-            {"healths", std::move(healths)},
-            {"models", model_names(root, order)},
-            {"columns", std::move(headers_)},
-            {"data", base64(data_.finish())}};
+    Json packed = {{"name", copy("name")},
+                   {"method", copy("method")},
+                   {"conventions", document.value("conventions", Json::object())},
+                   {"order", order},
+                   {"frames", *frames_},
+                   {"stamps_s", std::move(times)},
+                   {"statuses", std::move(statuses)},
+                   {"healths", std::move(healths)},
+                   {"models", model_names(root, order)},
+                   {"nees_dof", nees_dofs(root, order)}};
+    if (root.has("run")) packed["run"] = copy("run");
+    if (kept_) packed["hypotheses_kept"] = *kept_;
+    packed["columns"] = std::move(headers_);
+    packed["data"] = base64(data_.finish());
+    return packed;
   }
+
+  std::optional<std::size_t> kept_hypotheses() const { return kept_; }
 
  private:
   bool take_inside(std::size_t depth, Event event, const Json& value) {
@@ -108,7 +124,7 @@ class TracePacker {
     }
     const std::string path = depth == 1 ? "camera" : "objects: " + keys_[1];
     entity_depth_ = depth;
-    return entity_.emplace(name_ + ": " + path, prefix);
+    return entity_.emplace(name_ + ": " + path, prefix, alternatives_);
   }
 
   void close_entity() {
@@ -179,13 +195,28 @@ class TracePacker {
     return names;
   }
 
-  void write_joint(const std::vector<std::string>& order) {
-    std::vector<std::string> prefixes{"camera"};
-    for (const std::string& id : order) prefixes.push_back("objects/" + id);
-    joint_.name(std::move(prefixes));
-    std::vector<TraceColumn> columns;
-    joint_.move_to(columns);
-    write_columns(columns, data_, headers_);
+  /// Degrees of freedom of the NEES of the objects that have it, by id.
+  static Json nees_dofs(const JsonPlace& root, const std::vector<std::string>& order) {
+    Json dofs = Json::object();
+    const JsonPlace objects = root.member("objects");
+    for (const std::string& id : order) {
+      const JsonPlace object = objects.member(id);
+      if (object.has("nees_dof")) dofs[id] = object.member("nees_dof").number();
+    }
+    return dofs;
+  }
+
+  /// At the end, so that they get the bytes that the rest leaves.
+  void write_hypotheses(const std::vector<std::string>& order) {
+    if (!has_alternatives_) {
+      std::vector<std::string> prefixes{"camera"};
+      for (const std::string& id : order) prefixes.push_back("objects/" + id);
+      joint_.name(prefixes);
+    }
+    HypothesisStore& store = has_alternatives_ ? alternatives_ : joint_.store();
+    const std::size_t rest = kMostBytes - std::min(kMostBytes, data_.size());
+    store.write(std::max(kLeastHypothesisBytes, rest), data_, headers_);
+    kept_ = store.kept();
   }
 
   std::string name_;
@@ -196,7 +227,9 @@ class TracePacker {
   std::optional<TraceEntity> entity_;
   std::size_t entity_depth_ = 0;
   std::set<std::string> entities_;  ///< entities read so far
+  HypothesisStore alternatives_;
   JointHypotheses joint_;
+  std::optional<std::size_t> kept_;  ///< hypotheses of a frame, where some are left out
   bool has_alternatives_ = false;
   bool has_old_keys_ = false;
   std::optional<std::size_t> frames_;
@@ -221,10 +254,15 @@ PackedTrace pack_once(std::istream& text, const std::string& name, const TracePr
     if (packer.has_old_keys()) {
       packed.warnings.push_back(renamed_warning(name, "key", kOldStatusKey, "status"));
     }
+    if (const auto kept = packer.kept_hypotheses()) {
+      packed.warnings.push_back(fmt::format(
+          "{}: the page has the {} heaviest hypotheses of a frame, as all of them would "
+          "make it too large",
+          name, *kept));
+    }
     return packed;
   } catch (const Json::exception& error) {
-    throw InvalidInput(fmt::format("{}: got a text that is not JSON ({}), expected trace.json",
-                                   name, error.what()));
+    refuse_json(error, name, "trace.json");
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include <fmt/format.h>
@@ -41,7 +42,7 @@ class PoseSeries final : public TraceSeries {
  private:
   void read(const TracePlace& place) override {
     if (place.value().is_null()) return columns_.repeat_until(frames());
-    columns_.add(place);
+    columns_.add(columns_.read(place));
   }
 
   PoseColumns columns_;
@@ -132,6 +133,13 @@ class ProbabilitySeries final : public NumberSeries {
   double number(const TracePlace& place) override { return place.probability(); }
 };
 
+class DistanceSeries final : public NumberSeries {
+  using NumberSeries::NumberSeries;
+  double number(const TracePlace& place) override {
+    return place.number_in(0.0, std::numeric_limits<double>::max());
+  }
+};
+
 class StatusSeries final : public NumberSeries {
   using NumberSeries::NumberSeries;
   double number(const TracePlace& place) override {
@@ -199,7 +207,7 @@ PoseColumns::PoseColumns(const std::string& prefix, const TraceScales& scales)
     : position_(prefix + "/position", position_format(scales)),
       quaternion_(prefix + "/quaternion", quaternion_format(scales)) {}
 
-void PoseColumns::add(const TracePlace& place) {
+std::array<double, 7> PoseColumns::read(const TracePlace& place) const {
   constexpr double kNormTolerance = 1e-4;
   std::array<double, 7> pose;
   place.numbers(pose);
@@ -207,15 +215,17 @@ void PoseColumns::add(const TracePlace& place) {
     place.item(i).number_in(-kFarthestPosition, kFarthestPosition);
     if (!position_.holds(pose[i])) throw PositionOutOfReach();
   }
-  double product = 0.0;
   double squared = 0.0;
-  for (std::size_t i = 0; i < 4; ++i) {
-    product += pose[3 + i] * last_[i];
-    squared += pose[3 + i] * pose[3 + i];
-  }
+  for (std::size_t i = 3; i < 7; ++i) squared += pose[i] * pose[i];
   if (!(std::abs(std::sqrt(squared) - 1.0) <= kNormTolerance)) {
     place.fail(fmt::format("a quaternion of norm {:.6g}", std::sqrt(squared)), "norm 1");
   }
+  return pose;
+}
+
+void PoseColumns::add(const std::array<double, 7>& pose) {
+  double product = 0.0;
+  for (std::size_t i = 0; i < 4; ++i) product += pose[3 + i] * last_[i];
   for (std::size_t i = 0; i < 4; ++i) last_[i] = product < 0.0 ? -pose[3 + i] : pose[3 + i];
   position_.add(std::span(pose).first<3>());
   quaternion_.add(last_);
@@ -246,6 +256,10 @@ TraceSeriesPtr position_series(std::string path, const std::string& prefix) {
 TraceSeriesPtr probability_series(std::string path, const std::string& name) {
   const ColumnFormat format{1, ColumnType::uint16, kProbabilityScale};
   return std::make_unique<ProbabilitySeries>(std::move(path), name, format);
+}
+
+TraceSeriesPtr distance_series(std::string path, const std::string& name) {
+  return std::make_unique<DistanceSeries>(std::move(path), name, sd_format(1));
 }
 
 TraceSeriesPtr status_series(std::string path, const std::string& name) {

@@ -30,8 +30,10 @@ class PoseColumns {
  public:
   PoseColumns(const std::string& prefix, const TraceScales& scales);
 
-  /// [tx, ty, tz, qx, qy, qz, qw]
-  void add(const TracePlace& place);
+  /// [tx, ty, tz, qx, qy, qz, qw], as the columns can hold it.
+  /// @throws InvalidInput for another entry, PositionOutOfReach for one that is too far out
+  std::array<double, 7> read(const TracePlace& place) const;
+  void add(const std::array<double, 7>& pose);
   void repeat_until(std::size_t frames);
   void move_to(std::vector<TraceColumn>& columns) &&;
 
@@ -84,6 +86,8 @@ TraceSeriesPtr probability_series(std::string path, const std::string& name);
 /// Probabilities of several cases, as many as the first entry has: column `name` of that width, and
 /// none where no frame has an entry.
 TraceSeriesPtr shares_series(std::string path, const std::string& name);
+/// Squared Mahalanobis distances, such as NEES: column `name`.
+TraceSeriesPtr distance_series(std::string path, const std::string& name);
 /// Status of detections: column `name` of values of DetectionStatus.
 TraceSeriesPtr status_series(std::string path, const std::string& name);
 /// Health of a track: column `name` of values of TrackHealth.

@@ -11,6 +11,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
+#include "io/json_fault.hpp"
 #include "io/json_place.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/io/text.hpp"
@@ -21,11 +22,22 @@ namespace {
 using namespace internal;
 
 /// Large parts of a trace that are not needed here.
-constexpr std::array<std::string_view, 14> kLeftOut{
-    "hypotheses", "alternatives",    "detection",           "status",
-    "sd",         "merges",          "position_covariance", "existence",
-    "health",     "models",          "register_again",      "twist",
-    "twist_sd",   "mode_probability"};
+constexpr std::array<std::string_view, 16> kLeftOut{"hypotheses",
+                                                    "alternatives",
+                                                    "detection",
+                                                    "status",
+                                                    "sd",
+                                                    "merges",
+                                                    "position_covariance",
+                                                    "existence",
+                                                    "health",
+                                                    "models",
+                                                    "register_again",
+                                                    "twist",
+                                                    "twist_sd",
+                                                    "mode_probability",
+                                                    "nees",
+                                                    "nis"};
 
 Json read_needed(const std::filesystem::path& path) {
   constexpr int kIds = 2;  // the depth of objects' ids, which may be any word
@@ -37,9 +49,7 @@ Json read_needed(const std::filesystem::path& path) {
   try {
     return Json::parse(read_file(path), keep);
   } catch (const Json::exception& error) {
-    throw InvalidInput(
-        fmt::format("{}: got a text that is not JSON ({}), expected JSON as posemix writes it",
-                    path.string(), error.what()));
+    refuse_json(error, path.string(), "JSON as posemix writes it");
   }
 }
 

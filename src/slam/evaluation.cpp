@@ -80,7 +80,7 @@ class ObjectScores {
 };
 
 /// Whether a filter left the detection out or took it for a gross error.
-bool is_gated(DetectionStatus status) {
+bool is_unexplained(DetectionStatus status) {
   return status == DetectionStatus::gated || status == DetectionStatus::doubted ||
          status == DetectionStatus::birth;
 }
@@ -128,7 +128,8 @@ ObjectMetrics evaluate_object(const Sequence& sequence, const SlamRun& run, std:
     // One that names a class is of the object if the filter says so.
     const bool taken = frame.report.statuses[object] != DetectionStatus::none;
     metrics.detections += detected.has_value() || taken ? 1 : 0;
-    metrics.gated += is_gated(frame.report.statuses[object]) ? 1 : 0;
+    metrics.gated += frame.report.statuses[object] == DetectionStatus::gated ? 1 : 0;
+    metrics.unexplained += is_unexplained(frame.report.statuses[object]) ? 1 : 0;
     if (frame.relative[object] && truth)
       scores.add(*frame.relative[object], *truth, mode_probability(frame, object));
   }

@@ -56,6 +56,7 @@ FrameEstimate GaussianSumSlam::step(const FrameInput& input) {
 
   FrameReport report;
   report.statuses.assign(objects_.size(), DetectionStatus::none);
+  report.nis.assign(objects_.size(), std::nullopt);
   update_known(known, report);
   add_new(detections, report);
 
@@ -81,6 +82,7 @@ void GaussianSumSlam::update_known(const KnownDetections& known, FrameReport& re
   report.update = filter_.update(known.detections);
   for (std::size_t i = 0; i < known.objects.size(); ++i) {
     ++counts_[known.objects[i]];
+    report.nis[known.objects[i]] = report.update.nis[i];
     report.statuses[known.objects[i]] = report.update.gated[i]    ? DetectionStatus::gated
                                         : report.update.failed[i] ? DetectionStatus::failed
                                                                   : DetectionStatus::used;

@@ -46,7 +46,8 @@ void InstanceTracks::add(bool is_known, const std::string& class_id) {
 }
 
 void InstanceTracks::forget(std::size_t object) {
-  tracks_[object] = {.is_known = tracks_[object].is_known, .class_id = tracks_[object].class_id};
+  // What was known of it before its first sighting is forgotten, too.
+  tracks_[object] = {.class_id = tracks_[object].class_id};
 }
 
 void InstanceTracks::begin(double dt) {

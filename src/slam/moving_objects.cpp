@@ -202,6 +202,7 @@ ObjectUpdateReport MovingObjects::update(std::size_t object, Observation observa
           .merges = report.merges,
           .inlier_probability = report.inlier_probability,
           .clutter_probability = 1.0 - report.right_probability,
+          .nis = report.nis,
           .residual = report.residual};
 }
 

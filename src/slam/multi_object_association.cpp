@@ -60,6 +60,7 @@ void MultiObjectSlam::update_named(bool moving, std::span<Seen> sightings, Frame
       model.id = id;
       object = add_object(std::move(model));
       report.statuses.push_back(DetectionStatus::none);
+      report.nis.emplace_back();
     }
     const bool known = is_known(*object);
     *seen.report = {.status = known ? CandidateStatus::assigned : CandidateStatus::fresh,
@@ -137,7 +138,6 @@ CandidateReport MultiObjectSlam::new_instance(const std::vector<std::size_t>& mo
   std::optional<std::size_t> oldest;
   for (const std::size_t object : models) {
     if (!is_known(object)) return {.status = CandidateStatus::fresh, .object = object};
-    if (objects_[object].prior) continue;
     if (!tracks_.gives_way(object) || tracks_.last_frame(object) == objects_.frames()) continue;
     if (!oldest || tracks_.last_frame(object) < tracks_.last_frame(*oldest)) oldest = object;
   }

@@ -16,12 +16,30 @@ bool MultiObjectSlam::is_known(std::size_t object) const {
 }
 
 void MultiObjectSlam::forget(std::size_t object) {
+  objects_.require(object);
   if (moving_.has(object)) {
     moving_.forget(object);
   } else {
     filter_.forget(object);
   }
   tracks_.forget(object);
+}
+
+void MultiObjectSlam::forget(std::size_t object, FrameEstimate& last) {
+  forget(object);
+  // An estimate may be older than an object that was added.
+  if (object >= last.objects.size()) return;
+  last.objects[object].reset();
+  last.relative[object].reset();
+  last.mode_probabilities[object].reset();
+  last.existences[object].reset();
+  last.healths[object] = TrackHealth::none;
+  last.register_again[object] = false;
+  last.motion_models[object].clear();
+  last.twists[object].reset();
+  if (!last.alternatives.empty()) last.alternatives[object].clear();
+  for (std::size_t other = 0; other < last.pose_indices.size(); ++other)
+    last.pose_indices[other] = pose_index(other);
 }
 
 ObjectUpdateReport MultiObjectSlam::update_filter(std::size_t object,

@@ -161,6 +161,7 @@ FrameEstimate MultiObjectSlam::step(const FrameInput& input) {
   moving_.begin(is_first ? 0.0 : input.dt, input.frames);
 
   report.statuses.assign(objects_.size(), DetectionStatus::none);
+  report.nis.assign(objects_.size(), std::nullopt);
   const Stopwatch updates;
   // What moves is seen from the camera as it is known from what does not.
   for (const bool moving : {false, true}) {
@@ -275,6 +276,7 @@ void MultiObjectSlam::update(std::size_t object, const Observation& observation,
                             .clutter_probability = update.clutter_probability,
                             .inlier_probability = update.inlier_probability,
                             .residual = update.residual});
+  report.nis[object] = update.nis;
   report.update.log_evidence += update.log_evidence;
   report.merges += update.merges;
   report.statuses[object] = !known                             ? DetectionStatus::started

@@ -4,6 +4,8 @@
 
 #include <utility>
 
+#include "posemix/base/error.hpp"
+
 namespace posemix {
 namespace {
 
@@ -35,6 +37,12 @@ ObjectSlam::ObjectSlam(const PoseDensity& camera, std::vector<ObjectModel> objec
 
 FrameEstimate ObjectSlam::step(const FrameInput& input) {
   return std::visit([&](auto& tracker) { return tracker.step(input); }, tracker_);
+}
+
+void ObjectSlam::forget(std::size_t object) {
+  auto* tracker = std::get_if<MultiObjectSlam>(&tracker_);
+  require(tracker != nullptr, "this tracker forgets no object, expected the multi-object filter");
+  tracker->forget(object);
 }
 
 Posterior ObjectSlam::posterior() const {

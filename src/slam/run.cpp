@@ -20,8 +20,10 @@ SlamRun run(const Sequence& sequence, const PoseDensity& camera_prior,
   frames.reserve(count);
   for (std::size_t k = 0; k < count; ++k) {
     frames.push_back(slam.step(internal::frame_input(sequence, k, slam.multi_object() != nullptr)));
+    if (options.estimated) options.estimated(frames.back());
     if (options.progress && !options.progress(k + 1, count)) break;
   }
+  if (options.finished) options.finished(slam);
   auto pose_indices = frames.back().pose_indices;
   SlamRun result{std::move(frames), slam.posterior(), std::move(pose_indices), {}};
   if (const auto* tracker = std::get_if<MultiObjectSlam>(&slam.tracker())) {

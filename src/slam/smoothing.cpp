@@ -182,12 +182,16 @@ JointSmoothing smooth_joint(const Sequence& sequence, const PoseDensity& camera_
   const std::size_t count = sequence.stamps.size();
   std::vector<FrameEstimate> frames;
   frames.reserve(count);
+  const auto keep = [&](FrameEstimate&& estimate) {
+    if (options.estimated) options.estimated(estimate);
+    frames.push_back(std::move(estimate));
+  };
   for (std::size_t k = 0; k < count; ++k) {
     auto estimate = smoother.step(internal::frame_input(sequence, k, true));
-    if (estimate) frames.push_back(std::move(*estimate));
+    if (estimate) keep(std::move(*estimate));
     if (options.progress && !options.progress(k + 1, count)) break;
   }
-  for (FrameEstimate& estimate : smoother.finish()) frames.push_back(std::move(estimate));
+  for (FrameEstimate& estimate : smoother.finish()) keep(std::move(estimate));
   auto pose_indices = frames.back().pose_indices;
   SlamRun result{
       std::move(frames), Posterior({{0.0, *smoother.joint()}}), std::move(pose_indices), {}};

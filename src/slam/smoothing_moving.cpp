@@ -3,6 +3,7 @@
 #include "slam/smoothing_moving.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -84,6 +85,19 @@ void require_one_detector(const ObjectModel& model) {
                   model.id, model.detectors.size() + 1));
 }
 
+/// What would be refused after the filter has run.
+void require_smoothable(const PoseDensity& camera_prior, const std::vector<ObjectModel>& models,
+                        const ObjectSlamSettings& settings, const SmoothingSettings& smoothing) {
+  std::vector<ObjectModel> fixed;
+  for (const ObjectModel& model : models) {
+    if (has_own_track(model.motion)) continue;
+    if (put_down_of(model.motion)) require_one_detector(model);
+    fixed.push_back(model);
+    fixed.back().motion = {};
+  }
+  const FixedLagSmoother refuses(camera_prior, std::move(fixed), settings, smoothing);
+}
+
 /// An estimate that has no error of the camera with this one.
 MovingObjectEstimate with_camera_error(MovingObjectEstimate estimate, const Matrix6d& camera) {
   for (MovingObjectHypothesis& hypothesis : estimate.hypotheses) {
@@ -124,21 +138,23 @@ class MovingSmoothing {
 
   /// Where objects are put down, before the camera of the filter.
   StaticPart find_places() {
-    for (const ObjectModel& model : models_)
-      if (put_down_of(model.motion)) require_one_detector(model);
     errors_.assign(run_.frames.size(), {});
     follow(run_.frames,
            [](const ObjectModel& model) { return put_down_of(model.motion).has_value(); });
     return static_part(run_.named, models_, tracks_);
   }
 
-  SlamRun put_together(const StaticPart& part, const JointSmoothing& joint) {
+  SlamRun put_together(const StaticPart& part, const JointSmoothing& joint,
+                       const std::function<void(FrameEstimate&)>& estimated) {
     const SlamRun& fixed = joint.run;
+    keep_first(fixed.frames.size());  // where it was interrupted
     errors_ = camera_errors(fixed.frames, joint.camera_lags, run_.camera_lasts);
     follow(fixed.frames, [](const ObjectModel& model) { return has_own_track(model.motion); });
     SlamRun all{{}, fixed.posterior, {}};
-    for (std::size_t k = 0; k < run_.frames.size(); ++k)
+    for (std::size_t k = 0; k < run_.frames.size(); ++k) {
       all.frames.push_back(frame(k, part, fixed.frames[k]));
+      if (estimated) estimated(all.frames.back());
+    }
     all.pose_indices = all.frames.back().pose_indices;
     for (std::size_t j = 0; j < models_.size(); ++j) {
       const auto at = part.object_at[j].back();
@@ -148,6 +164,11 @@ class MovingSmoothing {
   }
 
  private:
+  void keep_first(std::size_t frames) {
+    run_.frames.erase(run_.frames.begin() + static_cast<std::ptrdiff_t>(frames), run_.frames.end());
+    run_.named.stamps.resize(frames);
+  }
+
   template <class Kind>
   void follow(const std::vector<FrameEstimate>& frames, const Kind& kind) {
     for (std::size_t j = 0; j < models_.size(); ++j)
@@ -223,15 +244,21 @@ SlamRun smooth_after_filter(const Sequence& sequence, const PoseDensity& camera_
                             const std::vector<ObjectModel>& models,
                             const ObjectSlamSettings& settings, const SmoothingSettings& smoothing,
                             const RunOptions& options) {
+  require_smoothable(camera_prior, models, settings, smoothing);
   const auto& tracker = std::get<MultiObjectSlamSettings>(settings.tracker);
   ObjectSlamSettings recorded = settings;
   recorded.record_hypotheses |= options.record_hypotheses;
-  MovingSmoothing moving(models, tracker.moving,
-                         filtered_run(sequence, camera_prior, models, recorded, options));
+  FilteredRun filtered = filtered_run(sequence, camera_prior, models, recorded, options);
+  // What the filter has done when it is stopped is smoothed to its end.
+  const bool stopped = filtered.frames.size() < sequence.stamps.size();
+  MovingSmoothing moving(models, tracker.moving, std::move(filtered));
   const StaticPart part = moving.find_places();
   return moving.put_together(
-      part, smooth_joint(part.sequence, camera_prior, part.models, recorded, smoothing,
-                         {.record_hypotheses = recorded.record_hypotheses, .progress = {}}));
+      part,
+      smooth_joint(part.sequence, camera_prior, part.models, recorded, smoothing,
+                   {.record_hypotheses = recorded.record_hypotheses,
+                    .progress = stopped ? decltype(options.progress){} : options.progress}),
+      options.estimated);
 }
 
 }  // namespace internal

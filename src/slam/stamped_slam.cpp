@@ -9,12 +9,15 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "observation_order.hpp"
 #include "posemix/base/error.hpp"
 
 namespace posemix {
 namespace {
+
+constexpr double kFarthestOdometry = 1e9;  // [m]
 
 double stamp_of(const std::optional<EstimateAtStamp>& estimate) {
   return estimate ? estimate->stamp_s : -std::numeric_limits<double>::infinity();
@@ -95,6 +98,35 @@ StampAdmission StampedSlam::add_image(double stamp_s, const std::string& camera)
   return add_to_frame(stamp_s, [&](Frame& frame) { frame.images.insert(camera); });
 }
 
+StampAdmission StampedSlam::forget(std::string_view id, std::optional<double> stamp_s) {
+  if (!is_object(id)) {
+    std::vector<std::string_view> ids;
+    for (const ObjectModel& model : now_.slam.objects()) ids.emplace_back(model.id);
+    throw InvalidInput(
+        fmt::format("there is no object '{}', expected one of: {}", id, fmt::join(ids, ", ")));
+  }
+  if (!stamp_s && !newest_) return StampAdmission::taken;  // nothing was seen so far
+  if (stamp_s && newest_ && *stamp_s > *newest_ + settings_.jump_back_s) {
+    // Input that comes after it would seem to have jumped back.
+    throw InvalidInput(
+        fmt::format("object '{}' is forgotten at the stamp {:.6f} s, expected at most {:g} s after "
+                    "the newest input, which is at {:.6f} s",
+                    id, *stamp_s, settings_.jump_back_s, *newest_));
+  }
+  return add_to_frame(stamp_s.value_or(*newest_),
+                      [&](Frame& frame) { frame.forgotten.emplace(id); });
+}
+
+bool StampedSlam::is_object(std::string_view id) const {
+  const auto has_id = [&](const ObjectModel& model) { return model.id == id; };
+  if (std::ranges::any_of(now_.slam.objects(), has_id)) return true;
+  // Objects on sight are there when their first sighting is played.
+  const auto names_it = [&](const Observation& seen) { return seen.object == id; };
+  return std::ranges::any_of(frames_, [&](const auto& frame) {
+    return std::ranges::any_of(frame.second.observations, names_it);
+  });
+}
+
 template <class Change>
 StampAdmission StampedSlam::add_to_frame(double stamp, const Change& change) {
   const StampAdmission admission = admit(stamp);
@@ -114,7 +146,10 @@ StampAdmission StampedSlam::add_to_frame(double stamp, const Change& change) {
 StampAdmission StampedSlam::add_odometry(double stamp_s, const SE3d& odom_body) {
   require(has_odometry_,
           "the motion model has no odometry, expected the model `odometry` or `given`");
-  require(odom_body.matrix().allFinite(), "the pose of the odometry is not finite");
+  // The motion between two of them has to be one that the filter can compute with.
+  require(odom_body.matrix().allFinite() &&
+              odom_body.translation().cwiseAbs().maxCoeff() <= kFarthestOdometry,
+          "the pose of the odometry is not finite, or is beyond 1e9 m");
   const StampAdmission admission = admit(stamp_s);
   if (admission == StampAdmission::too_late) {
     ++counts_.too_late;
@@ -204,6 +239,12 @@ void StampedSlam::play_frame(double stamp_s, const Frame& frame) {
   if (is_given_) input.camera = odometry_at(stamp_s);
   for (std::size_t i = 0; i < names_.size(); ++i) input.frames.push_back(frame_at(i, stamp_s));
   FrameEstimate estimate = now_.slam.step(input);
+  for (const std::string& id : frame.forgotten) {
+    const auto object = std::ranges::find(*estimate.ids, id);
+    if (object == estimate.ids->end())
+      continue;  // a sighting of it came before, and is too old now
+    now_.slam.forget(static_cast<std::size_t>(object - estimate.ids->begin()), estimate);
+  }
   now_.estimate = {stamp_s, std::move(estimate)};
 }
 

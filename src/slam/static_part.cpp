@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include <algorithm>
 #include <map>
 #include <utility>
 
@@ -25,6 +26,15 @@ std::vector<std::optional<std::size_t>> places_of(const SmoothedTrack& track) {
     places.push_back(place);
   }
   return places;
+}
+
+/// The id of an object at one of its places, which no other object has.
+std::string id_at(const std::string& id, std::size_t place,
+                  const std::vector<ObjectModel>& models) {
+  std::string own = fmt::format("{} (place {})", id, place + 1);
+  while (std::ranges::any_of(models, [&](const auto& model) { return model.id == own; }))
+    own += "'";
+  return own;
 }
 
 /// The detections of the frames in which an object is at one of its places.
@@ -86,8 +96,7 @@ StaticPart static_part(const Sequence& sequence, const std::vector<ObjectModel>&
     for (std::size_t k = 0; k < frames; ++k)
       if (places[k]) object_at[k] = part.models.size() + *places[k];
     for (std::size_t place = 0; place < count; ++place) {
-      std::string id = models[j].id;
-      if (is_put_down) id += fmt::format(" (place {})", place + 1);
+      std::string id = is_put_down ? id_at(models[j].id, place, models) : models[j].id;
       add(models[j], recording_at(sequence.objects[j], places, place, std::move(id)), place == 0);
     }
   }

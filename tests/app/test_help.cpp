@@ -59,10 +59,11 @@ TEST(Help, ExamplesOfEveryCommandWork) {
     return program.wait();
   };
   constexpr std::string_view kCommands =
-      ",slam,simulate,study,report,consistency,data,fit,fuse,fuse-views,compose,reduce,sample,"
+      ",slam,live,simulate,study,report,consistency,data,fit,fuse,fuse-views,compose,reduce,sample,"
       "density,"
       "divergence,convert,"
-      "grasp,data list,data fetch,data verify,data sequence,study divergence,study monte-carlo,"
+      "grasp,completion,manual,data list,data fetch,data verify,data sequence,study "
+      "divergence,study monte-carlo,"
       "study ycbv,study noise,study grasp,study salt-box,study tless,study fuse-views,study "
       "fiducials";
   std::size_t count = 0;

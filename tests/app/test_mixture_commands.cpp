@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include <regex>
 #include <sstream>
 
 #include <gtest/gtest.h>
@@ -203,19 +204,6 @@ TEST_F(MixtureCommands, FitProjectedAndWeighted) {
   const json weighted = json::parse(shell("posemix fit w.csv --weights w" + fit).err);
   const json half = json::parse(shell("posemix fit half.csv" + fit).err);
   EXPECT_NEAR(weighted["log_likelihood"], half["log_likelihood"], 1e-4);
-}
-
-TEST_F(MixtureCommands, DivergenceOfAFileFromItself) {
-  for (const std::string distribution : {"", "-pg"}) {
-    const std::string file = "mug" + distribution + ".json";
-    const json found =
-        json::parse(output_of("posemix divergence " + file + " " + file + " --json"));
-    EXPECT_NEAR(found["kl"]["value"], 0.0, 1e-12);
-    EXPECT_NEAR(found["isd"]["value"], 0.0, 1e-9);
-    EXPECT_EQ(found["wasserstein"].is_null(), !distribution.empty());
-  }
-  EXPECT_TRUE(contains(output_of("posemix divergence mug.json mug-pg.json"), "symmetric_kl:"));
-  expect_error("posemix divergence mug.json", 2, "files");
 }
 
 TEST_F(MixtureCommands, ConvertBetweenConventionsAndDistributions) {

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <chrono>
 #include <fstream>
+#include <regex>
 #include <thread>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -41,7 +43,7 @@ TEST(Program, HelpHasAnExampleForEveryCommand) {
   EXPECT_EQ(program.exit_code, 0);
   EXPECT_TRUE(contains(program.out, "Exit codes: 0 done")) << program.out;
   EXPECT_TRUE(contains(program.out, "Example: posemix ")) << program.out;
-  for (const std::string command : {"slam", "simulate", "study", "report", "data"}) {
+  for (const std::string command : {"slam", "live", "simulate", "study", "report", "data"}) {
     EXPECT_TRUE(contains(program.out, command));
     const ProgramResult help = run_posemix({command, "--help"});
     EXPECT_EQ(help.exit_code, 0);
@@ -58,11 +60,30 @@ TEST(Program, Version) {
 }
 
 TEST(Program, WrongUsage) {
-  expect_error(run_posemix({}), 2, "`posemix --help`");
-  expect_error(run_posemix({"fly"}), 2, "`posemix --help`");
+  expect_error(run_posemix({"fly"}), 2, "unknown command 'fly', expected one of slam, live, ");
+  expect_error(run_posemix({"slamm", "a.toml", "--out", "x"}), 2,
+               "unknown command 'slamm', did you mean 'slam'?; see `posemix --help`");
+  expect_error(run_posemix({"study", "salt-bx"}), 2,
+               "unknown study 'salt-bx', did you mean 'salt-box'?; see `posemix study --help`");
+  expect_error(run_posemix({"study", "salt"}), 2, "did you mean 'salt-box'?");
+  expect_error(run_posemix({"data", "fetsh"}), 2, "unknown command 'fetsh', did you mean 'fetch'?");
+  expect_error(run_posemix({"--loud"}), 2, "unknown option '--loud'; see `posemix --help`");
   expect_error(run_posemix({"slam"}), 2, "`posemix slam --help`");
   expect_error(run_posemix({"slam", "a.toml"}), 2, "--out is required");
   expect_error(run_posemix({"slam", "a.toml", "--out", "x", "--frobnicate"}), 2, "--frobnicate");
+}
+
+TEST(Program, WithoutACommandThereIsHelp) {
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{}, std::vector<std::string>{"study"}, {"data"}}) {
+    const ProgramResult result = run_posemix(words);
+    std::vector<std::string> asked = words;
+    asked.push_back("--help");
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_EQ(result.out, "");
+    EXPECT_TRUE(result.err.starts_with(run_posemix(asked).out)) << result.err;
+    EXPECT_TRUE(contains(result.err, "\nposemix: error: got no ")) << result.err;
+  }
 }
 
 class Slam : public ::testing::Test {
@@ -91,6 +112,37 @@ TEST_F(Slam, WritesAllFilesAndPrintsATable) {
                                       "relative_mug.tum", "trace.json"}));
   EXPECT_EQ(names_in(results_.path()), std::vector<std::string>{"run"});
   EXPECT_EQ(read_posterior(out() / "posterior.json").poses.size(), 4U);
+}
+
+TEST_F(Slam, TheTableHasUnitsAndAVerdictForEveryPose) {
+  const ProgramResult result = slam();
+  const json metrics = json::parse(content_of(out() / "metrics.json"));
+  const double rmse_m = metrics["camera"]["position_rmse_m"];
+  EXPECT_TRUE(contains(result.out, fmt::format("\ncamera  {:9.2f}", 1e3 * rmse_m))) << result.out;
+  const std::size_t heading = result.out.find(" world ");
+  EXPECT_LT(heading, result.out.find("[mm]   [deg]")) << result.out;
+  ASSERT_EQ(metrics["consistency"]["relative_anees"].size(), 3U);
+  for (const auto& [id, anees] : metrics["consistency"]["relative_anees"].items()) {
+    const std::regex line("\n" + id + " +(consistent|overconfident|cautious) \\(NEES " +
+                          fmt::format("{:.2f}", anees.get<double>()) +
+                          ", expected 1, 95 % band 0\\.[0-9]+ to [0-9.]+\\)");
+    EXPECT_TRUE(std::regex_search(result.out, line)) << id << ": " << result.out;
+  }
+}
+
+TEST_F(Slam, ColoursOnATerminalOnlyAndNotWithNoColor) {
+  const auto shown = [&](std::vector<std::string> before) {
+    for (const std::string& word : {std::string(POSEMIX_PROGRAM), std::string("slam"),
+                                    small_.toml().string(), std::string("--out"), out().string()})
+      before.push_back(word);
+    return testing::terminal_output(before);
+  };
+  const std::regex colour("\033\\[3[123]m(consistent|overconfident|cautious)\033\\[0m");
+  const std::string with = shown({"/usr/bin/env", "-u", "NO_COLOR", "TERM=xterm"});
+  EXPECT_TRUE(std::regex_search(with, colour)) << with;
+  EXPECT_FALSE(std::regex_search(shown({"/usr/bin/env", "TERM=xterm", "NO_COLOR=1"}), colour));
+  EXPECT_FALSE(std::regex_search(shown({"/usr/bin/env", "-u", "NO_COLOR", "TERM=dumb"}), colour));
+  EXPECT_FALSE(contains(slam().out, "\033"));
 }
 
 TEST_F(Slam, JsonPrintsTheMetrics) {

@@ -75,6 +75,58 @@ TEST_F(ReportCommand, TitleAndMeshes) {
   EXPECT_NE(page().find("\"meshes\":{\"box\":{\"vertices\":"), std::string::npos);
 }
 
+TEST_F(ReportCommand, MeshesOfOneFlagOrOfSeveral) {
+  const std::string mesh = results_.put("mug.ply", kTriangle).string();
+  const std::vector<std::string> both{"--mesh", "mug=" + mesh, "box=" + mesh, "--mesh-unit", "mm"};
+  EXPECT_EQ(report(both).exit_code, 0);
+  const std::string once = page();
+  EXPECT_EQ(
+      report({"--mesh", "mug=" + mesh, "--mesh", "box=" + mesh, "--mesh-unit", "mm"}).exit_code, 0);
+  EXPECT_EQ(once, page());
+  std::vector<std::string> before{"report"};
+  before.insert(before.end(), both.begin(), both.end());
+  before.push_back(run());
+  EXPECT_EQ(run_posemix(before).exit_code, 0);
+  EXPECT_EQ(once, page());
+  EXPECT_NE(once.find("\"meshes\":{\"box\":{\"vertices\":"), std::string::npos);
+}
+
+TEST_F(ReportCommand, ComparesRuns) {
+  const std::string other = (results_ / "another").string();
+  ASSERT_EQ(run_posemix({"slam", (small_.folder / "sequence.toml").string(), "--out", other,
+                         "--set", "filter={}", "--quiet"})
+                .exit_code,
+            0);
+  const ProgramResult result = report({other});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(result.out, "Report: file://" + results_.path().string() + "/comparison.html\n");
+  const std::string named = content_of(results_ / "comparison.html");
+  EXPECT_NE(named.find("\"kind\":\"comparison\""), std::string::npos);
+  EXPECT_LT(named.find("\"name\":\"a run\""), named.find("\"name\":\"another\""));
+  const ProgramResult above = run_posemix({"report", results_.path().string()});
+  EXPECT_EQ(above.exit_code, 0) << above.err;
+  EXPECT_EQ(content_of(results_ / "report.html"), named) << "in the order of their names";
+  const ProgramResult mixed = report({(small_.folder.path()).string()});
+  EXPECT_EQ(mixed.exit_code, 3);
+}
+
+TEST_F(ReportCommand, TakesACameraAndItsImages) {
+  results_.put("images/0.5.png", "\x89PNG\r\n\x1a\n a picture");
+  const ProgramResult result = report(
+      {"--camera", "600.5, 601,320,240,640,480", "--images", (results_ / "images").string()});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(page().find("\"intrinsics\":{\"fx\":600.5,\"fy\":601.0,\"cx\":320.0,\"cy\":240.0,"
+                        "\"width\":640,\"height\":480}"),
+            std::string::npos);
+  EXPECT_NE(page().find("\"images\":[{\"stamp_s\":0.5,\"type\":\"image/png\""), std::string::npos);
+  for (const std::string wrong :
+       {"600", "a,601,320,240,640,480", "600,601,320,240,640.5,480", "600,601,320,240,640,480,0"}) {
+    const ProgramResult refused = report({"--camera", wrong});
+    EXPECT_EQ(refused.exit_code, 2) << wrong;
+    EXPECT_NE(refused.err.find("expected fx,fy,cx,cy,width,height"), std::string::npos);
+  }
+}
+
 TEST_F(ReportCommand, Mistakes) {
   const std::string mesh = results_.put("mug.ply", kTriangle).string();
   const auto expect = [&](const std::vector<std::string>& more, int exit_code,
@@ -101,7 +153,8 @@ TEST_F(ReportCommand, Mistakes) {
 TEST_F(ReportCommand, SlamWritesItToo) {
   const ProgramResult result = slam({"--report"});
   EXPECT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_NE(result.out.find("\nResults: " + run() + "\nReport:  file://"), std::string::npos);
+  EXPECT_NE(result.out.find("\nResults: " + run() + "\n"), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find("\nReport:  file://"), std::string::npos) << result.out;
   const std::string by_slam = page();
   EXPECT_EQ(report().exit_code, 0);
   EXPECT_EQ(by_slam, page());

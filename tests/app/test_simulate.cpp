@@ -92,9 +92,9 @@ TEST_F(Simulate, DemoComparesThreeFilters) {
     EXPECT_NE(result.out.find(part), std::string::npos) << part;
   }
   EXPECT_EQ(names_in(results_ / "demo"),
-            (std::vector<std::string>{"gm-iekf", "multi-object", "riekf", "sequence"}));
-  if (!has_report_page()) return;
-  const std::string page = (results_ / "demo/multi-object/report.html").string();
+            (std::vector<std::string>{"comparison.html", "gm-iekf", "multi-object", "riekf",
+                                      "sequence"}));
+  const std::string page = (results_ / "demo/comparison.html").string();
   EXPECT_TRUE(result.out.ends_with("file://" + page + "\n")) << result.out;
   EXPECT_GT(std::filesystem::file_size(page), 100000U);
 }

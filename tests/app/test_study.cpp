@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include <algorithm>
 #include <chrono>
+#include <cstdlib>
+#include <set>
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -37,11 +39,25 @@ class StudyCommand : public ::testing::Test {
             "--out", to.string(),          "--quiet"};
   }
 
+  /// study.json without what tells of the command alone.
+  static nlohmann::json study_of(const fs::path& folder) {
+    auto study = nlohmann::json::parse(content_of(folder / "study.json"));
+    for (const char* key : {"command", "finished"}) {
+      EXPECT_TRUE(study.at("provenance").contains(key)) << key;
+      study["provenance"].erase(key);
+    }
+    return study;
+  }
+
   /// Every file but those with times.
   static void expect_same_files(const fs::path& a, const fs::path& b) {
     ASSERT_EQ(names_in(a), names_in(b));
     for (const std::string& name : names_in(a)) {
       if (name.starts_with("timing")) continue;
+      if (name == "study.json") {
+        EXPECT_EQ(study_of(a), study_of(b));
+        continue;
+      }
       EXPECT_EQ(content_of(a / name), content_of(b / name)) << name;
     }
   }
@@ -66,7 +82,31 @@ TEST_F(StudyCommand, DivergenceWritesTheSchema) {
   EXPECT_EQ(json.at("schema"), 1);
   EXPECT_EQ(json.at("study"), "divergence");
   EXPECT_NEAR(json.at("rows").at(0).at("kl").get<double>(), 0.87336600, 1e-8);
+  EXPECT_TRUE(json.at("description").get<std::string>().ends_with("?"));
+  ASSERT_EQ(json.at("notes").size(), 1U);
+  EXPECT_TRUE(contains(result.out, json.at("notes").at(0))) << "the page says what is printed";
+  EXPECT_EQ(json.at("columns").at("kl").at("standard_error"), "kl_error");
   EXPECT_FALSE(fs::exists(out("out.journal"))) << "nothing is left of a study that is done";
+}
+
+TEST_F(StudyCommand, PrintsAScreenUnlessAskedForAllRows) {
+  const auto printed = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"study", "divergence", "--out", out().string()};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_posemix(arguments).out;
+  };
+  const auto lines = [](const std::string& text) {
+    return std::count(text.begin(), text.end(), '\n');
+  };
+  const std::string screen = printed({});
+  EXPECT_LE(lines(screen), 40) << screen;
+  EXPECT_TRUE(contains(screen, " rows more\n")) << screen;
+  EXPECT_TRUE(contains(screen, "--all-rows")) << screen;
+  const auto rows = nlohmann::json::parse(content_of(out() / "study.json")).at("rows").size();
+  ASSERT_GT(rows, 40U);
+  const std::string all = printed({"--all-rows"});
+  EXPECT_GT(lines(all), static_cast<std::ptrdiff_t>(rows));
+  EXPECT_FALSE(contains(all, "rows more")) << all;
 }
 
 TEST_F(StudyCommand, GivesTheSameForAnyNumberOfThreads) {
@@ -78,6 +118,46 @@ TEST_F(StudyCommand, GivesTheSameForAnyNumberOfThreads) {
     EXPECT_EQ(result.out + result.err, "");
   }
   expect_same_files(out("1"), out("3"));
+}
+
+TEST_F(StudyCommand, SaysWhereItsResultsComeFrom) {
+  const fs::path settings = folder_.put("a setting.toml", "phi_deg = [30]\n");
+  ::setenv("SOURCE_DATE_EPOCH", "0", 1);
+  const ProgramResult result =
+      run_posemix({"study", "divergence", settings.string(), "--json", "--out", out().string()});
+  ::unsetenv("SOURCE_DATE_EPOCH");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  const std::string text = content_of(out() / "study.json");
+  EXPECT_EQ(result.out, text);
+  const auto study = nlohmann::json::parse(text);
+  const auto& provenance = study.at("provenance");
+  EXPECT_EQ(provenance.at("finished"), "1970-01-01T00:00:00Z");
+  EXPECT_EQ(provenance.at("command"),
+            "posemix study divergence '" + settings.string() + "' --json --out " + out().string());
+  EXPECT_EQ(provenance.at("settings").at("phi_deg"), nlohmann::json({30.0}));
+  EXPECT_EQ(provenance.at("inputs").at(0).at("path"), settings.string());
+  EXPECT_EQ(provenance.at("inputs").at(0).at("sha256").get<std::string>().size(), 64U);
+  const auto names = names_in(out());
+  EXPECT_EQ(std::set<std::string>(names.begin(), names.end()),
+            study.at("files").get<std::set<std::string>>());
+}
+
+TEST_F(StudyCommand, AnotherStudyRemovesTheFilesOfTheFirst) {
+  ASSERT_EQ(run_posemix({"study", "divergence", "--set", "phi_deg=[30]", "--out", out().string(),
+                         "--quiet"})
+                .exit_code,
+            0);
+  const std::size_t files = names_in(out()).size();
+  folder_.put("out/notes.md", "mine");
+  auto arguments = monte_carlo(out());
+  arguments.pop_back();
+  const ProgramResult result = run_posemix(arguments);
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(contains(result.out, "Replaced: the results of an earlier study, " +
+                                       std::to_string(files) + " files\n"))
+      << result.out;
+  EXPECT_FALSE(fs::exists(out() / "divergence.csv"));
+  EXPECT_EQ(content_of(out() / "notes.md"), "mine");
 }
 
 TEST_F(StudyCommand, ReadsSettingsFromAFile) {

@@ -57,6 +57,7 @@ SlamJob job_of(const std::string& sequence, const std::string& table = kTable) {
   const testing::TemporaryFolder folder;
   folder.put("observations.csv", table);
   folder.put("odometry.tum", kOdometry);
+  folder.put("images.txt", "0 left\n1e9 left\n");
   return read_slam_job(TomlDocument::parse(sequence, "sequence.toml"), {folder.path()});
 }
 
@@ -133,6 +134,17 @@ TEST(SequenceObservations, ErrorsOfStampsNameTheRow) {
       "observations.csv:5: got stamp_s = 1700000, expected seconds of the clock of ");
   EXPECT_INVALID_WITH(job_of(kSequence, replaced(kTable, "\n0.10,left", "\n1e13,left")),
                       "observations.csv:5: got stamp_s = \"1e13\", expected seconds");
+}
+
+TEST(SequenceObservations, ErrorsOfListedStampsNameTheRow) {
+  const std::string with = replaced(kSequence, "odometry = \"odometry.tum\"\n",
+                                    "odometry = \"odometry.tum\"\nimages = \"images.txt\"\n");
+  const std::string without = replaced(with, "odometry = \"odometry.tum\"\n", "");
+  EXPECT_INVALID_WITH(job_of(with),
+                      "images.txt:2: got stamp = 1000000000, expected seconds of the clock of");
+  EXPECT_INVALID_WITH(
+      job_of(without),
+      "images.txt:2: got stamp = 1000000000, expected seconds of the clock of the others");
 }
 
 TEST(SequenceObservations, ErrorsOfIdsNameTheRow) {

@@ -7,6 +7,7 @@
 #include <limits>
 #include <regex>
 #include <set>
+#include <sstream>
 
 #include <gtest/gtest.h>
 
@@ -95,6 +96,69 @@ TEST(Chart, LinearTicksAreRoundAndCoverTheRange) {
   const std::string svg = draw_chart(chart);
   for (const char* label : {"0", "10", "60", "0.1", "0.3"}) EXPECT_TRUE(has_label(svg, label));
   EXPECT_FALSE(has_label(svg, "0.30000000000000004"));
+}
+
+TEST(Chart, SmallPanelsHaveThreeTicksAtLeast) {
+  for (const double reach : {0.03, 0.4, 1.0, 2.4, 4.9, 7.0}) {
+    Chart chart{.x_range = std::pair(-reach, reach), .y_range = std::pair(1.0, 2.0)};
+    chart.series.push_back({.x = {-reach, reach}, .y = {1, 2}});
+    const std::string svg = draw_charts("panels", std::vector<Chart>{chart, chart, chart}, 3);
+    const std::vector<std::string> labels = tick_labels(svg);
+    // Numbers beyond 0.9 are of y.
+    std::set<std::string> of_x;
+    for (const std::string& label : labels) {
+      if (std::abs(std::stod(label)) <= reach && !(std::stod(label) >= 1.0 && reach < 1.0))
+        of_x.insert(label);
+    }
+    EXPECT_GE(of_x.size(), 3U) << reach;
+  }
+}
+
+TEST(Chart, TicksWhereTheDataAre) {
+  Chart chart{.x_ticks = {0, 1, 2, 3, 4, 5, 9}};
+  chart.series.push_back({.x = {0, 5}, .y = {10, 20}});
+  const std::string svg = draw_chart(chart);
+  for (const char* label : {"0", "1", "2", "3", "4", "5"}) EXPECT_TRUE(has_label(svg, label));
+  EXPECT_FALSE(has_label(svg, "9")) << "beyond the range";
+}
+
+TEST(Chart, EqualAxesKeepACircleRound) {
+  Chart chart{.equal_axes = true};
+  ChartSeries circle;
+  for (int i = 0; i <= 90; ++i) {
+    circle.x.push_back(3.0 * std::cos(4.0 * i * M_PI / 180.0));
+    circle.y.push_back(3.0 * std::sin(4.0 * i * M_PI / 180.0));
+  }
+  chart.series.push_back(circle);
+  const auto extent = [](const std::string& svg) {
+    std::smatch found;
+    EXPECT_TRUE(std::regex_search(svg, found, std::regex(R"re(<polyline points="([^"]*)")re")));
+    double x[2] = {1e9, -1e9};
+    double y[2] = {1e9, -1e9};
+    std::istringstream numbers(found[1]);
+    for (std::string pair; numbers >> pair;) {
+      const double at_x = std::stod(pair);
+      const double at_y = std::stod(pair.substr(pair.find(',') + 1));
+      x[0] = std::min(x[0], at_x), x[1] = std::max(x[1], at_x);
+      y[0] = std::min(y[0], at_y), y[1] = std::max(y[1], at_y);
+    }
+    return (x[1] - x[0]) / (y[1] - y[0]);
+  };
+  EXPECT_NEAR(extent(draw_chart(chart)), 1.0, 0.01);
+  chart.equal_axes = false;
+  EXPECT_GT(extent(draw_chart(chart)), 1.3);
+}
+
+TEST(Chart, ErrorBarsAndANote) {
+  Chart chart = sample();
+  const std::string band = draw_chart(chart);
+  chart.series[1].bars = true;
+  const std::string bars = draw_chart(chart);
+  EXPECT_EQ(count(bars, "<polygon"), 0U);
+  EXPECT_EQ(count(bars, "<line") - count(band, "<line"), 12U) << "a bar and two caps a point";
+  const std::string noted = draw_charts("title", {&chart, 1}, 1, "a < b is said here");
+  EXPECT_NE(noted.find(">a &lt; b is said here<"), std::string::npos);
+  EXPECT_TRUE(is_well_formed(noted));
 }
 
 TEST(Chart, TicksOfANarrowRangeFarFromZeroDiffer) {

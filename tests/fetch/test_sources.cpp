@@ -80,8 +80,8 @@ TEST(Addresses, HttpsOrThisMachine) {
 
 LockFile some_lock() {
   LockFile lock{"test", "1", {}};
-  lock.files["a/b"] = {"https://example.org/a/b", 3, kHash, HashCheck::pinned, utc_now()};
-  lock.files["c"] = {"https://example.org/c", 0, kHash, HashCheck::none, utc_now()};
+  lock.files["a/b"] = {"https://example.org/a/b", 3, kHash, HashCheck::pinned, download_time()};
+  lock.files["c"] = {"https://example.org/c", 0, kHash, HashCheck::none, download_time()};
   return lock;
 }
 

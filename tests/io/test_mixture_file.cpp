@@ -253,6 +253,41 @@ TEST(MixtureFile, TextsThatAreNoJson) {
   EXPECT_INVALID_WITH(parse_mixture(nan, "m.json"), "m.json: got a text that is not JSON");
 }
 
+/// The message about a text that is no JSON, without its beginning.
+std::string fault_of_text(const std::string& text) {
+  try {
+    parse_mixture(text, "m.json");
+  } catch (const InvalidInput& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(MixtureFile, SaysInPlainWordsWhereATextIsNoJson) {
+  const std::vector<std::pair<std::string, std::string>> cases{
+      {"", "line 1, column 1: the text ends too early"},
+      {"{\n", "the text ends too early"},
+      {"salt", "line 1, column 1: got \"s\", expected a value or a key"},
+      {"{'a': 1}", "line 1, column 2: got \"'\", expected a value or a key"},
+      {"{\n \"a\": 1,\n \"b\" 2}", "line 3, column 6: got a number, expected ':'"},
+      {"[1, 2,]", "line 1, column 7: got ']', expected a value"},
+      {"[1]]", "line 1, column 4: got ']', expected the end of the text"},
+      {"{1: 2}", "got a number, expected a string"},
+      {"[\"b", "a string without a closing quote"},
+      {"[\"\\x\"]", "a string with a wrong escape"},
+      {"[\"\xff\"]", "a string that is not UTF-8"},
+      {"[1.]", "a number that does not end as one"},
+      {"[\x01]", "got the character U+0001"},
+      {"[1e999]", "the number 1e999 is too large"}};
+  for (const auto& [text, fault] : cases) {
+    const std::string message = fault_of_text(text);
+    EXPECT_NE(message.find("m.json: got a text that is not JSON ("), std::string::npos) << message;
+    EXPECT_NE(message.find(fault), std::string::npos) << message;
+    for (const char* internal : {"json.exception", "syntax error", "last read", "literal"})
+      EXPECT_EQ(message.find(internal), std::string::npos) << message;
+  }
+}
+
 TEST(MixtureFile, ReadsAFile) {
   const testing::TemporaryFolder folder;
   const auto path = folder.put("m.json", kProjected);

@@ -98,6 +98,43 @@ TEST(OutputFolder, ReplacesFilesAndKeepsOthers) {
                                    "results/sub/y"}));
 }
 
+TEST(OutputFolder, RemovesEarlierFilesThatAreNotWrittenAnew) {
+  const TemporaryFolder folder;
+  for (const char* name : {"results/x", "results/old", "results/mine", "results/sub/old"})
+    folder.put(name, "old");
+  folder.put("elsewhere", "kept");
+  fs::create_symlink(folder / "elsewhere", folder / "results/link");
+  {
+    OutputFolder out(folder / "results");
+    out.write("x", "lost");
+    out.remove_earlier({"x", "old"});
+  }
+  EXPECT_EQ(content_of(folder / "results/old"), "old") << "without commit nothing changes";
+  OutputFolder out(folder / "results");
+  out.write("x", "new");
+  out.remove_earlier({"x", "old", "sub", "link", "not there"});
+  out.commit();
+  EXPECT_EQ(content_of(folder / "results/x"), "new");
+  EXPECT_EQ(content_of(folder / "elsewhere"), "kept") << "a link goes, not its target";
+  EXPECT_EQ(everything_in(folder / "results"),
+            (std::set<std::string>{"x", "mine", "sub", "sub/old"}));
+  OutputFolder again(folder / "results");
+  EXPECT_NE(output_error([&] {
+              again.remove_earlier({"../elsewhere"});
+            }).find("not a file name within the folder"),
+            std::string::npos);
+}
+
+TEST(OutputFolder, WritesInPieces) {
+  const TemporaryFolder folder;
+  OutputFolder out(folder / "results");
+  out.write("x", [](const TextSink& sink) {
+    for (int i = 0; i < 3; ++i) sink(std::to_string(i));
+  });
+  out.commit();
+  EXPECT_EQ(content_of(folder / "results/x"), "012");
+}
+
 TEST(OutputFolder, FollowsALink) {
   const TemporaryFolder folder;
   fs::create_directory(folder / "real");

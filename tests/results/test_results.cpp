@@ -89,10 +89,10 @@ TEST(Results, MetricsFollowTheSchema) {
     for (const auto& [key, value] : object.items()) names.push_back(key);
     return names;
   };
-  EXPECT_EQ(keys(metrics),
-            (std::vector<std::string>{"camera", "camera_consistency", "consistency", "frames",
-                                      "method", "objects", "odometry", "relative_consistency",
-                                      "schema", "timing", "world_consistency"}));
+  EXPECT_EQ(keys(metrics), (std::vector<std::string>{"camera", "camera_consistency", "consistency",
+                                                     "files", "frames", "method", "objects",
+                                                     "odometry", "relative_consistency", "run",
+                                                     "schema", "timing", "world_consistency"}));
   EXPECT_EQ(
       keys(metrics["camera"]),
       (std::vector<std::string>{"position_log_rmse_m", "position_rmse_m", "rotation_rmse_deg"}));
@@ -101,7 +101,7 @@ TEST(Results, MetricsFollowTheSchema) {
                                       "detection_relative_rotation_rmse_deg", "detections", "gated",
                                       "mode_probability", "paired", "position_rmse_m",
                                       "relative_position_rmse_m", "relative_rotation_rmse_deg",
-                                      "right_mode_share", "rotation_rmse_deg"}));
+                                      "right_mode_share", "rotation_rmse_deg", "unexplained"}));
   const PairedErrors& paired = results().metrics.objects[0].paired;
   EXPECT_EQ(metrics["objects"]["mug"]["paired"],
             json({{"frames", paired.frames},

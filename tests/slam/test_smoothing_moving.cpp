@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 #include <cmath>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -220,6 +221,30 @@ TEST(SmoothingMoving, ARunThatIsStoppedHasTheFramesSoFar) {
   }
 }
 
+TEST(SmoothingMoving, ShowsItsProgressAfterTheFilterAndCanBeStoppedThen) {
+  const Recorded recorded(5);
+  std::size_t calls = 0;
+  recorded.smoothed({.progress = [&](std::size_t, std::size_t) { return ++calls > 0; }});
+  EXPECT_EQ(calls, 2 * kLength);
+  calls = 0;
+  const SlamRun run = recorded.smoothed(
+      {.progress = [&](std::size_t, std::size_t) { return ++calls < kLength + 20; }});
+  EXPECT_EQ(run.frames.size(), 20U);
+  EXPECT_EQ(run.hypotheses.size(), 4U);
+}
+
+TEST(SmoothingMoving, ObjectsMayHaveAnyIds) {
+  const Recorded recorded(5);
+  Recorded other = recorded;
+  for (const auto& [object, id] : {std::pair(0, "cup (place 1)"), std::pair(1, "cup (place 1)'")})
+    other.models[object].id = other.sequence.objects[object].id = id;
+  const SlamRun run = other.smoothed();
+  // Sums may be taken in another order, that of the ids.
+  const SE3d camera = recorded.smoothed().frames.back().camera.mean();
+  EXPECT_LT((camera.inverse() * run.frames.back().camera.mean()).log().norm(), 1e-9);
+  EXPECT_EQ(*run.frames.back().ids, *other.filtered().frames.back().ids);
+}
+
 TEST(SmoothingMoving, ARecordingInWhichAllMovesIsSmoothed) {
   Recorded recorded(6);
   for (const std::size_t gone : {kCup, std::size_t{1}, std::size_t{0}}) {
@@ -252,8 +277,11 @@ TEST(SmoothingMoving, RefusesWhatItCannotDo) {
             }).find("smoothing by a fixed lag: detections that name a class"),
             std::string::npos);
   recorded.models[kCup].detectors = {{"other", ray_noise()}};
+  // Before the filter runs.
   EXPECT_NE(thrown_message([&] {
-              recorded.smoothed();
+              recorded.smoothed({.progress = [](std::size_t, std::size_t) -> bool {
+                throw std::logic_error("the filter ran");
+              }});
             }).find("object 'cup' is put down elsewhere and has 2 noise models"),
             std::string::npos);
 }

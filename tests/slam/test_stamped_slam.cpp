@@ -214,6 +214,8 @@ TEST(StampedSlam, RefusesWhatIsNotValidAndChangesNothing) {
   EXPECT_THROW(slam.add_odometry(nan, SE3d()), InvalidInput);
   EXPECT_THROW(slam.add_odometry(1.0, SE3d()), InvalidInput);  // there is one already
   EXPECT_THROW(slam.add_odometry(1.1, SE3d(SO3d(), {nan, 0, 0})), InvalidInput);
+  // With which no frame after it could be computed.
+  EXPECT_THROW(slam.add_odometry(1.1, SE3d(SO3d(), {1e160, 0, 0})), InvalidInput);
   expect_same(slam.estimate().value(), before);
   EXPECT_THROW(make({.history_s = -1.0}), InvalidInput);
   EXPECT_THROW(make({.history_s = 5.0, .jump_back_s = 1.0}), InvalidInput);

@@ -132,12 +132,29 @@ TEST(TlessStudy, SymmetriesEndTheFlips) {
 
   const std::vector<std::string> results{declared.dump(), none.dump()};
   const StudyReport report = report_tless(results);
-  ASSERT_EQ(report.files.size(), 4U);
+  ASSERT_EQ(report.files.size(), 5U);
   EXPECT_EQ(report.files[0].name, "study.json");
+  EXPECT_EQ(report.files[4].name, "errors.svg");
+  EXPECT_NE(report.files[4].content.find("estimate, symmetries declared"), std::string::npos);
   const Json study = Json::parse(report.files[0].content);
   EXPECT_EQ(study["rows"].size(), 4U);
   EXPECT_EQ(study["rows"][0]["object"], "5.0");
   EXPECT_EQ(study["summary"][0]["figure"], "scenes");
+  const auto row_of = [&](const std::string& figure) -> Json {
+    for (const Json& row : study["summary"]) {
+      if (row["figure"] == figure) return row;
+    }
+    return nullptr;
+  };
+  EXPECT_EQ(row_of("estimate: share found")["declared"], 1.0);
+  EXPECT_EQ(row_of("views of instances")["declared"], 24);
+  EXPECT_EQ(row_of("estimate at the end: median position error")["unit"], "mm");
+  EXPECT_EQ(report.summary.find("mssd_m"), std::string::npos) << "no keys of files";
+  ASSERT_EQ(report.notes.size(), 2U);
+  EXPECT_EQ(study["notes"][0], report.notes[0]);
+  EXPECT_NE(report.notes[0].find("Within 20 deg and 5 cm are 100 % of the views"),
+            std::string::npos)
+      << report.notes[0];
 }
 
 TEST(TlessStudy, ReadsItsSettings) {

@@ -118,6 +118,8 @@ class TomlTable {
   [[noreturn]] void fail(std::string_view key, std::string_view message) const;
   /// Adds `location: key 'path.key' message` to the warnings of the document.
   void warn(std::string_view key, std::string_view message) const;
+  /// Notes that a file, or a folder, was read for a key (TomlDocument::inputs).
+  void note_input(const std::filesystem::path& path) const;
   /// Keys of earlier releases that have no effect any more: a warning for each that is there.
   void ignore_removed(std::initializer_list<std::string_view> keys, std::string_view reason) const;
 
@@ -185,6 +187,8 @@ class TomlDocument {
   /// (`file:line: key 'noise.mug.null' is now 'noise.mug.clutter'; ...`), and about what a reader
   /// assumed where keys are missing.
   const std::vector<std::string>& warnings() const;
+  /// Files and folders that were read for the document's keys so far, each once.
+  const std::vector<std::filesystem::path>& inputs() const;
 
   /// Calls TomlTable::finish for the whole document.
   void finish() const { root().finish(); }

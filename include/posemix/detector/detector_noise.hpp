@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "posemix/base/linear.hpp"
+#include "posemix/base/state_fields.hpp"
 #include "posemix/base/words.hpp"
 #include "posemix/lie/lie.hpp"
 #include "posemix/lie/pose_covariance.hpp"
@@ -173,6 +174,9 @@ class DetectorNoise {
   DetectorNoise single_gaussian() const;
 
  private:
+  template <class>
+  friend struct internal::StateFields;
+
   std::vector<NoiseComponent> components_;
   Clutter clutter_;
   NoiseDependence dependence_;

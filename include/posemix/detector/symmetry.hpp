@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "posemix/base/linear.hpp"
+#include "posemix/base/state_fields.hpp"
 #include "posemix/base/units.hpp"
 #include "posemix/lie/lie.hpp"
 
@@ -88,6 +89,9 @@ class SymmetryGroup {
   Matrix6d observed_projection() const;
 
  private:
+  template <class>
+  friend struct internal::StateFields;
+
   /// Directions of the tangent space along which the pose is free: one column per axis.
   using Generators = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::ColMajor, 6, 3>;
   struct Named;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -86,6 +87,9 @@ struct UpdateReport {
   std::vector<bool> gated;  ///< whether the gate left the detection out
   /// Whether the detection was left out because an innovation covariance was not positive definite.
   std::vector<bool> failed;
+  /// z^T S^-1 z of the heaviest hypothesis before each detection, under the noise component that
+  /// explains it best, of six degrees of freedom; none where no S is positive definite.
+  std::vector<std::optional<double>> nis = {};
   double log_evidence = 0.0;  ///< log of the summed likelihood of the detections used [nats]
   std::vector<ReductionReport> reductions;  ///< one for joint use, otherwise one per used detection
   double update_seconds = 0.0;

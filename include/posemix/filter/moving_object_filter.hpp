@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "posemix/base/state_fields.hpp"
 #include "posemix/density/concentrated_gaussian.hpp"
 #include "posemix/detector/object_sensor.hpp"
 #include "posemix/detector/observation.hpp"
@@ -202,6 +203,9 @@ class MovingObjectFilter {
   const MovingObjectSettings& settings() const;
 
  private:
+  template <class>
+  friend struct internal::StateFields;
+
   friend class MovingObjectSmoother;
 
   std::unique_ptr<internal::MovingObjectState> state_;

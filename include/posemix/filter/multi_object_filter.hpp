@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "posemix/base/state_fields.hpp"
 #include "posemix/density/concentrated_gaussian.hpp"
 #include "posemix/detector/object_sensor.hpp"
 #include "posemix/detector/observation.hpp"
@@ -133,6 +134,9 @@ struct ObjectUpdateReport {
   /// component.
   double inlier_probability = 0.0;
   double clutter_probability = 1.0;  ///< probability of clutter under the leading hypothesis
+  /// z^T S^-1 z of the leading hypothesis under the noise's first component, of six degrees of
+  /// freedom (fewer with symmetries about axes); none without a hypothesis before the detection.
+  std::optional<double> nis = {};
   /// Residual from the leading hypothesis in standard deviations, along the axes of the noise.
   Vector6d residual = Vector6d::Zero();
 };
@@ -292,6 +296,9 @@ class MultiObjectFilter {
   const ObjectSensor& sensor(std::size_t object, std::size_t detector = 0) const;
 
  private:
+  template <class>
+  friend struct internal::StateFields;
+
   /// @throws InvalidInput for a filter that was moved from
   internal::GlobalHypotheses& hypotheses_of_all();
   const internal::GlobalHypotheses& hypotheses_of_all() const;

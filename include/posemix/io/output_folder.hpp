@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <stdexcept>
 #include <string_view>
 #include <vector>
@@ -15,15 +16,18 @@ class OutputError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Takes a text piece by piece.
+using TextSink = std::function<void(std::string_view)>;
+
 /// A folder of results that appears as a whole or not at all.
 ///
 /// Files are written into a hidden folder `.<name>.partial-<process>` beside the target, and
 /// commit() moves them to the target. A target that is missing or empty is replaced by one rename;
-/// in a target with files, each file is replaced by a rename of its own, and other files stay. (If
-/// the target is a mount point, or its parent cannot be written, the hidden folder is inside it.)
-/// Files are on the disk before they are renamed. Without commit() the destructor removes the
-/// hidden folder and every parent folder that the constructor created. Every member throws
-/// OutputError.
+/// in a target with files, each file is replaced by a rename of its own, and other files stay but
+/// for those that remove_earlier() names. (If the target is a mount point, or its parent cannot be
+/// written, the hidden folder is inside it.) Files are on the disk before they are renamed. Without
+/// commit() the destructor removes the hidden folder and every parent folder that the constructor
+/// created. Every member throws OutputError.
 class OutputFolder {
  public:
   /// Creates the hidden folder and missing parents of the target.
@@ -37,23 +41,36 @@ class OutputFolder {
   /// and can be written only once.
   void write(const std::filesystem::path& name, std::string_view content);
 
+  /// The same for a text that comes in pieces: `content` is called with the function that takes
+  /// them.
+  void write(const std::filesystem::path& name,
+             const std::function<void(const TextSink&)>& content);
+
+  /// Names files of earlier results in the target: commit() removes those that are not written,
+  /// when the others are in place. Those that are not there, and folders, are left aside.
+  void remove_earlier(const std::vector<std::filesystem::path>& names);
+
   /// Moves the files to the target. Nothing can be written afterwards.
   void commit();
 
   /// The absolute path of the target.
   const std::filesystem::path& target() const { return target_; }
+  /// A folder on the disk of the target for files without a name, until commit().
+  const std::filesystem::path& scratch() const { return hidden_; }
 
  private:
   void create_parents();
   void create_hidden();
   bool create_hidden_in(const std::filesystem::path& folder);
   void move_files();
+  void remove_files() const;
   void remove_traces() noexcept;
 
   std::filesystem::path target_;
   std::filesystem::path hidden_;
   std::vector<std::filesystem::path> created_parents_;  // innermost first
   std::vector<std::filesystem::path> names_;
+  std::vector<std::filesystem::path> earlier_;
   bool committed_ = false;
 };
 

@@ -3,11 +3,16 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "posemix/io/output_folder.hpp"
 #include "posemix/io/posterior_file.hpp"
+#include "posemix/results/hypothesis_record.hpp"
+#include "posemix/results/provenance.hpp"
 #include "posemix/slam/evaluation.hpp"
 #include "posemix/slam/job.hpp"
 
@@ -28,6 +33,32 @@ using NamedText = std::pair<std::string, std::string>;
 /// cause
 std::vector<NamedText> format_results(const SlamJob& job, const SlamRun& run,
                                       const Metrics& metrics);
+
+struct ResultOptions {
+  std::optional<Provenance> provenance = {};  ///< for metrics.json
+  /// The hypotheses of all frames, where they were taken out of the run.
+  const HypothesisRecord* hypotheses = nullptr;
+};
+
+/// The same with more for metrics.json and trace.json.
+/// @throws InvalidInput also when the record has another number of frames than the run
+std::vector<NamedText> format_results(const SlamJob& job, const SlamRun& run,
+                                      const Metrics& metrics, const ResultOptions& options);
+
+/// Writes all of these files into a folder, with little memory beside the run's own, and names the
+/// earlier results in it for removal: commit() is left to the caller. Returns metrics.json.
+/// @throws InvalidInput as format_results, OutputError as OutputFolder
+std::string write_results(OutputFolder& folder, const SlamJob& job, const SlamRun& run,
+                          const Metrics& metrics, const ResultOptions& options = {});
+
+/// The names of the files in a folder that belong to a run whose metrics.json is in it, a report
+/// included; by the names of the run's objects, so that files of others are not among them.
+std::vector<std::filesystem::path> earlier_results(const std::filesystem::path& folder);
+
+/// The same for the study whose study.json is in the folder, by its key `files`, and for what
+/// posemix consistency wrote.
+std::vector<std::filesystem::path> earlier_study(const std::filesystem::path& folder);
+std::vector<std::filesystem::path> earlier_consistency(const std::filesystem::path& folder);
 
 /// metrics.json: root mean square errors, consistency and timing; null without ground truth.
 std::string format_metrics(const Metrics& metrics, const std::string& method);

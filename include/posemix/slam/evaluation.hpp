@@ -103,7 +103,9 @@ struct ObjectMetrics {
   PoseErrors detection_relative;  ///< T_camera_object as detected
   PairedErrors paired;            ///< medians of both over the same frames
   std::size_t detections = 0;     ///< frames with one, also one of its class that it was given
-  std::size_t gated = 0;
+  std::size_t gated = 0;          ///< those that a gate left out
+  /// Those that the filter could not explain: gated, doubted, or the birth of a hypothesis.
+  std::size_t unexplained = 0;
   /// Frames within 20 deg and 10 cm of the truth, and their share of those with estimate and truth.
   std::size_t right_mode_frames = 0;
   std::optional<double> right_mode_share;

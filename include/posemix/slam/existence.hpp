@@ -7,6 +7,8 @@
 #include <cstddef>
 #include <span>
 
+#include "posemix/base/state_fields.hpp"
+
 /// The probability that an instance exists, apart from that of its modes (docs/existence.md).
 namespace posemix {
 
@@ -78,6 +80,9 @@ class Existence {
   double detection_probability() const;
 
  private:
+  template <class>
+  friend struct internal::StateFields;
+
   /// Values that a rate of detection is taken to have.
   static constexpr int kRates = 24;
   using Rates = Eigen::Array<double, kRates, 1>;
@@ -115,6 +120,9 @@ class FieldOfView {
   bool contains(const Eigen::Vector3d& position) const;
 
  private:
+  template <class>
+  friend struct internal::StateFields;
+
   Eigen::AlignedBox2d box_;  ///< of [x/z, y/z]
   double farthest_ = 0.0;    ///< largest z [m]
 };

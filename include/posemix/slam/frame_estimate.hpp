@@ -57,6 +57,12 @@ struct FrameReport {
   /// One per observation; those that name their object are assigned, or fresh where they are the
   /// first of it.
   std::vector<CandidateReport> observations = {};
+  /// One per object model: squared Mahalanobis distance z^T S^-1 z of the innovation of its last
+  /// detection, of six degrees of freedom (fewer with symmetries about axes), by the leading
+  /// hypothesis under the noise's first component (multi-object tracker), or by the heaviest one
+  /// under the component that explains it best (Gaussian-sum filter). Empty where the tracker has
+  /// none.
+  std::vector<std::optional<double>> nis = {};
   UpdateReport update = {};
   std::size_t merges = 0;
   double seconds = 0.0;  ///< predict, update, reduce and summarise

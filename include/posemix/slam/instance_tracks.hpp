@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "posemix/base/state_fields.hpp"
 #include "posemix/base/words.hpp"
 #include "posemix/lie/lie.hpp"
 #include "posemix/slam/existence.hpp"
@@ -118,6 +119,9 @@ class InstanceTracks {
   bool should_register(std::size_t object) const;
 
  private:
+  template <class>
+  friend struct internal::StateFields;
+
   /// A camera and a detector.
   using Searched = std::pair<std::string, std::string>;
   struct Track {

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "posemix/base/state_fields.hpp"
 #include "posemix/filter/moving_object_filter.hpp"
 #include "posemix/filter/multi_object_filter.hpp"
 #include "posemix/slam/frame_estimate.hpp"
@@ -75,6 +76,9 @@ class MovingObjects {
   const MovingObjectFilter& filter(std::size_t object) const;
 
  private:
+  template <class>
+  friend struct internal::StateFields;
+
   struct Track {
     MovingObjectFilter filter;
     MovingObjectFilter unseen;  ///< as it began

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "posemix/base/state_fields.hpp"
 #include "posemix/filter/multi_object_filter.hpp"
 #include "posemix/slam/instance_tracks.hpp"
 #include "posemix/slam/motion_settings.hpp"
@@ -65,6 +66,18 @@ class MultiObjectSlam {
 
   FrameEstimate step(const FrameInput& input);
 
+  /// One more object from the next frame on, such as one of an old map whose place is known by now
+  /// (posemix::relocalise). Returns its index.
+  /// @throws InvalidInput, and changes nothing, for an id that another model has, and as the
+  /// constructor
+  std::size_t add(ObjectModel model);
+  /// The object is as if it had never been seen, and had no prior: its next sighting begins it
+  /// anew. All else stays as it is, also what was learned from its sightings about the camera.
+  /// @throws InvalidInput when there is no object at the index
+  void forget(std::size_t object);
+  /// The same, and takes the object out of an estimate, that of the last frame.
+  void forget(std::size_t object, FrameEstimate& last);
+
   /// Camera and leading hypotheses of the objects that stand still; those that move are
   /// independent of it, and in `moving`.
   Posterior posterior() const { return Posterior({{0.0, estimate()}}); }
@@ -114,6 +127,9 @@ class MultiObjectSlam {
   std::vector<ObservedObject> observed(const FrameInput& input) const;
 
  private:
+  template <class>
+  friend struct internal::StateFields;
+
   /// An observation with where it comes from.
   struct Seen {
     Observation observation;
@@ -147,7 +163,6 @@ class MultiObjectSlam {
   // --- of objects that move, or not
   std::size_t add_object(ObjectModel model);
   bool is_known(std::size_t object) const;
-  void forget(std::size_t object);
   ObjectUpdateReport update_filter(std::size_t object, const Observation& observation,
                                    const ObservationSource& source);
   PoseDensity predicted_detection(std::size_t object, const ObservationSource& source) const;

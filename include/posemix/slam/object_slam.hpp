@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -40,12 +41,18 @@ class ObjectSlam {
   /// @throws InvalidInput as the tracker
   ObjectSlam(const PoseDensity& camera, std::vector<ObjectModel> objects,
              const ObjectSlamSettings& settings = {});
+  /// Goes on with a tracker, such as one that was loaded.
+  explicit ObjectSlam(Tracker tracker) : tracker_(std::move(tracker)) {}
 
   /// The next frame; at the first one nothing moves.
   /// @throws InvalidInput, and changes nothing, when the number of detections is not that of the
   /// object models, dt is not positive and finite after the first frame, the motion, a detection or
   /// a candidate is not finite, or a tracker without births gets candidates
   FrameEstimate step(const FrameInput& input);
+  /// The object is as if it had never been seen (MultiObjectSlam::forget).
+  /// @throws InvalidInput when there is no object at the index, and for a tracker that is not
+  /// MultiObjectSlam
+  void forget(std::size_t object);
 
   Posterior posterior() const;
   const Hypothesis& estimate() const;

@@ -28,7 +28,12 @@ struct SlamRun {
 struct RunOptions {
   bool record_hypotheses = false;
   /// Called after every frame with (frames done, frames in all); returning false stops the run.
-  std::function<bool(std::size_t, std::size_t)> progress;
+  std::function<bool(std::size_t, std::size_t)> progress = {};
+  /// Called by `run` with the tracker after the last frame, such as to save its state.
+  std::function<void(const ObjectSlam&)> finished = {};
+  /// Called with every estimate that the run will return, in their order, before it is kept, such
+  /// as to move recorded hypotheses out of it, which need most of the memory of a long run.
+  std::function<void(FrameEstimate&)> estimated = {};
 };
 
 /// Runs object SLAM over a recording, one object model per object of the recording, with the same

@@ -91,7 +91,8 @@ class FixedLagSmoother {
 /// detected, on the mode that leads in the end (for a lag: when the frame is reported), which may
 /// not be the first one; mode_probabilities and probabilities are those of then. `alternatives` of
 /// the frames hold the hypotheses of then, each smoothed in place of the leading one. The posterior
-/// is the smoothed one of the last frame, in the order camera, motion, objects.
+/// is the smoothed one of the last frame, in the order camera, motion, objects. Where objects move
+/// or detections name classes the filter runs first, and `progress` counts the frames twice.
 /// @throws InvalidInput as `run` and FixedLagSmoother
 SlamRun run_smoothed(const Sequence& sequence, const PoseDensity& camera_prior,
                      const std::vector<ObjectModel>& models, const ObjectSlamSettings& settings,

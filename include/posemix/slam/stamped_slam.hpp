@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "posemix/base/state_fields.hpp"
 #include "posemix/base/words.hpp"
 #include "posemix/slam/multi_object_slam.hpp"
 
@@ -100,8 +101,8 @@ class StampedSlam {
   /// not known, or whose stamp has jumped
   StampAdmission add(const Observation& observation);
   /// T_odom_body at a time; under the motion model `given` T_world_body.
-  /// @throws InvalidInput, and changes nothing, for a pose that is not finite, a stamp that has
-  /// jumped or has another pose already, and under a motion model without odometry
+  /// @throws InvalidInput, and changes nothing, for a pose that is not finite or beyond 1e9 m, a
+  /// stamp that has jumped or has another pose already, and under a motion model without odometry
   StampAdmission add_odometry(double stamp_s, const SE3d& odom_body);
 
   /// An image at a time of the camera with this name in which nothing was detected: what should be
@@ -117,6 +118,14 @@ class StampedSlam {
   /// @throws InvalidInput, and changes nothing, for a name that there is not, a pose that is not
   /// valid, and a stamp that has jumped or has another pose already
   StampAdmission add_frame(std::string_view name, double stamp_s, const KnownFrame& frame);
+
+  /// An object is forgotten as of a time, by default that of the newest stamp: what was seen of it
+  /// until then, and at it, does not count any more, however late it comes, and its first sighting
+  /// after it begins it anew. All else stays as it is (MultiObjectSlam::forget). Like every input
+  /// it is taken in at its stamp, so the estimate has it from there on.
+  /// @throws InvalidInput, and changes nothing, for an id that there is not, and a stamp that has
+  /// jumped or is more than `jump_back_s` after the newest
+  StampAdmission forget(std::string_view id, std::optional<double> stamp_s = {});
 
   /// The estimate at the newest stamp; with odometry, at the newest that odometry has reached. None
   /// before the first.
@@ -141,11 +150,15 @@ class StampedSlam {
   const MultiObjectSlam& slam() const { return now_.slam; }
 
  private:
+  template <class>
+  friend struct internal::StateFields;
+
   /// The input at one stamp.
   struct Frame {
     std::vector<Observation> observations = {};
     std::set<std::string> images = {};  ///< cameras whose images show nothing
     std::optional<SE3d> odometry = {};
+    std::set<std::string> forgotten = {};  ///< ids, after the observations
   };
   /// The tracker after the frames up to a stamp.
   struct State {
@@ -162,6 +175,8 @@ class StampedSlam {
   void play_again_after(double stamp_s);
   void play(double until_s);
   void play_frame(double stamp_s, const Frame& frame);
+  /// Whether there is an object with this id, or will be one when the input is played.
+  bool is_object(std::string_view id) const;
   void forget_old();
   std::optional<double> newest_odometry() const;
   /// T_odom_body at a time, where poses on both sides are near enough.

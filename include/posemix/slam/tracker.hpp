@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "posemix/base/state_fields.hpp"
 #include "posemix/slam/frame_estimate.hpp"
 #include "posemix/slam/frame_input.hpp"
 #include "posemix/slam/object_model.hpp"
@@ -82,6 +83,9 @@ class TrackedObjects {
   void begin(const FrameInput& input);
 
  private:
+  template <class>
+  friend struct internal::StateFields;
+
   std::vector<ObjectModel> models_;
   ObjectIds ids_;
   std::map<std::string, std::size_t, std::less<>> index_;  ///< by id

@@ -13,8 +13,10 @@ from posemix.bags.observations import named
 from posemix.bags.read import Detections, Recording
 from posemix.bags.states import TrackState
 from posemix.bags.track_rows import TrackRows
-from posemix.density import ConcentratedGaussian
-from posemix.mixture import Mixture
+from posemix._core import ObjectHypothesis
+from posemix.lie import SE3
+from posemix.live_view.frames import LiveFrame, mixture_of
+from posemix.live_view.view import View
 from posemix.slam import (
     Candidate,
     FrameEstimate,
@@ -137,8 +139,12 @@ def by_arrival(
     slam: StampedSlam,
     has_odometry: bool,
     tracks: TrackRows,
+    views: Sequence[View] = (),
 ) -> Iterator[Counter[StampAdmission]]:
-    """Runs the multi-object filter over the observations, and yields what became of those of every frame."""
+    """Runs the multi-object filter over the observations, and yields what became of those of every frame.
+
+    Views are shown every estimate.
+    """
     stamps = recording.stamps.tolist()
     stamps_ns = dict(zip(stamps, recording.stamps_ns.tolist(), strict=True))
     arrivals = recording.arrivals_ns if len(recording.arrivals_ns) else recording.stamps_ns
@@ -156,15 +162,28 @@ def by_arrival(
         found = slam.finish()
         if found is not None:
             tracks.begin(stamps_ns[found.stamp_s], found.estimate.camera)
-            _add_objects(slam, found.estimate, tracks)
+            hypotheses = _add_objects(slam, found.estimate, tracks)
+            if views:
+                seen = _detected(observations[k]) if found.stamp_s == stamps[k] else {}
+                frame = LiveFrame(found.stamp_s, found.estimate, hypotheses, seen)
+                for view in views:
+                    view.show(frame)
         yield counts
 
 
-def _add_objects(slam: StampedSlam, estimate: FrameEstimate, tracks: TrackRows) -> None:
+def _add_objects(
+    slam: StampedSlam, estimate: FrameEstimate, tracks: TrackRows
+) -> dict[str, list[ObjectHypothesis]]:
+    """Adds the objects that were seen, and returns their hypotheses."""
+    hypotheses = {}
     for j, name in enumerate(estimate.ids):
         of_object = estimate.object(name)
         if of_object.world is not None:
-            found = slam.hypotheses(name)
-            densities = [ConcentratedGaussian(h.pose, h.covariance) for h in found]
-            mixture = Mixture(densities, [h.probability for h in found])
-            tracks.add(j, of_object.world, mixture, TrackState.of(of_object))
+            hypotheses[name] = found = slam.hypotheses(name)
+            tracks.add(j, of_object.world, mixture_of(found), TrackState.of(of_object))
+    return hypotheses
+
+
+def _detected(observations: Sequence[Observation]) -> dict[str, SE3]:
+    """The heaviest pose of every observation that is of an object by its name."""
+    return {o.object: max(o.components, key=lambda c: c.weight).pose for o in observations if o.object}

@@ -102,8 +102,10 @@ def components_of(
     """
     if pose == "bbox":
         return [ObservationComponent(best_pose)]
-    numbers = [i for i, r in enumerate(detection.results) if class_of(r) == class_of(best)]
-    weights = [1.0]
+    numbers, weights = [0], [1.0]
+    if len(detection.results) > 1:
+        name = class_of(best)
+        numbers = [i for i, r in enumerate(detection.results) if class_of(r) == name]
     if len(numbers) > 1:
         weights = weights_of_scores([score_of(detection.results[i]) for i in numbers]).tolist()
     components = []

@@ -76,7 +76,8 @@ class DetectionRows:
         return index
 
     def _add(self, detection: Any, frame: int, camera: str, pose_of: PoseOf) -> None:
-        best = max(detection.results, key=score_of)
+        results = detection.results
+        best = results[0] if len(results) == 1 else max(results, key=score_of)
         shape = best.pose.pose if pose_of == "result" else detection.bbox.center
         pose = from_pose(shape)
         self.components.append(components_of(detection, best, pose, pose_of))

@@ -18,6 +18,7 @@ from posemix.bags.track_rows import TrackRows
 from posemix.bags.write import Track, write
 from posemix.density import ConcentratedGaussian
 from posemix.lie import SE3
+from posemix.live_view.view import View
 from posemix.noise import pose_covariance
 from posemix.runs import Progress
 from posemix.slam import (
@@ -92,6 +93,7 @@ def track_objects(
     *,
     camera_prior: ConcentratedGaussian[SE3] | None = None,
     stamped: StampedSlamSettings | None = None,
+    view: View | Sequence[View] = (),
     progress: Progress | None = None,
 ) -> BagRun:
     """Runs object SLAM over the result of `read`.
@@ -113,6 +115,8 @@ def track_objects(
         standard deviations of 0.05 deg and 2 mm.
     stamped : StampedSlamSettings, optional
         History over which late observations are taken in, and stamps that jump; for the multi-object filter.
+    view : View or sequence of View
+        Views of `posemix.live_view` that are shown every estimate of the multi-object filter, and stay open.
     progress : callable, optional
         Called with (frames done, frames in all). If it returns False, the run stops and the frames done so far are
         returned.
@@ -125,13 +129,16 @@ def track_objects(
             motion.model = MotionModel.constant_velocity
             settings.motion = motion
     _require_candidates_allowed(objects, settings)
+    views = [view] if isinstance(view, View) else list(view)
+    if views and not isinstance(settings.tracker, MultiObjectSlamSettings):
+        raise ValueError("a view is of the multi-object filter; expected its settings as tracker")
     start = recording.odometry[0] if recording.has_odometry[0] else SE3()
     prior = camera_prior or ConcentratedGaussian(start, pose_covariance(np.radians(0.05), 0.002))
     tracks = TrackRows(objects)
     if isinstance(settings.tracker, MultiObjectSlamSettings):
         slam = StampedSlam(prior, objects, settings.tracker, settings.motion, stamped)
         has_odometry = settings.motion.model == MotionModel.odometry
-        frames = by_arrival(recording, objects, slam, has_odometry, tracks)
+        frames = by_arrival(recording, objects, slam, has_odometry, tracks, views)
     else:
         frames = by_stamps(recording, objects, ObjectSlam(prior, objects, settings), tracks)
     late = too_late = 0
@@ -173,6 +180,7 @@ def run_slam(
     stamped: StampedSlamSettings | None = None,
     world_frame: str | None = None,
     storage: Literal["mcap", "sqlite3", "ros1"] = "mcap",
+    view: View | Sequence[View] = (),
     progress: Progress | None = None,
 ) -> BagRun:
     """Reads a bag, runs object SLAM and writes camera, objects and their hypotheses as a bag.
@@ -183,7 +191,7 @@ def run_slam(
         As for `read`.
     out, storage
         As for `write`; nothing is written without `out`.
-    models, settings, camera_prior, stamped, progress
+    models, settings, camera_prior, stamped, view, progress
         As for `track_objects`.
     world_frame : str, optional
         Name of the world frame in the written bag; by default the odometry's frame, or "world" without odometry.
@@ -200,7 +208,7 @@ def run_slam(
         camera_frame=camera_frame, max_gap_s=max_gap_s,
     )  # fmt: skip
     result = track_objects(
-        recording, models, settings, camera_prior=camera_prior, stamped=stamped, progress=progress
+        recording, models, settings, camera_prior=camera_prior, stamped=stamped, view=view, progress=progress
     )
     if out is not None:
         frame = world_frame or recording.odometry_frame or "world"

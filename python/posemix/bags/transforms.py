@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Mapping
 
 import numpy as np
 import numpy.typing as npt
@@ -12,9 +13,20 @@ import numpy.typing as npt
 from posemix._arrays import FloatArray
 from posemix.lie import SE3
 
-__all__ = ["Nanoseconds", "Timeline", "TransformBuffer"]
+__all__ = ["Nanoseconds", "Timeline", "TransformBuffer", "ancestors"]
 
 Nanoseconds = npt.NDArray[np.int64]
+
+
+def ancestors(parents: Mapping[str, str], frame: str) -> list[str]:
+    """A frame and all above it; raises ValueError naming them where they form a ring."""
+    chain = [frame]
+    while chain[-1] in parents:
+        parent = parents[chain[-1]]
+        if parent in chain:
+            raise ValueError(f"the frames {', '.join(chain)} form a ring")
+        chain.append(parent)
+    return chain
 
 
 class Timeline:
@@ -110,15 +122,6 @@ class TransformBuffer:
             self._lines[child] = Timeline(times, SE3.from_tq(np.array(self._rows[child])))
         return self._lines[child]
 
-    def _ancestors(self, frame: str) -> list[str]:
-        chain = [frame]
-        while chain[-1] in self._parents:
-            parent = self._parents[chain[-1]]
-            if parent in chain:
-                raise ValueError(f"the frames {', '.join(chain)} form a ring")
-            chain.append(parent)
-        return chain
-
     def lookup(
         self, target: str, source: str, stamps_ns: Nanoseconds, *, max_gap_s: float
     ) -> tuple[SE3, npt.NDArray[np.bool_]]:
@@ -147,7 +150,7 @@ class TransformBuffer:
         identity, always = SE3.identity(len(stamps_ns)), np.ones(len(stamps_ns), dtype=bool)
         if target == source:
             return identity, always
-        up, down = self._ancestors(source), self._ancestors(target)
+        up, down = ancestors(self._parents, source), ancestors(self._parents, target)
         shared = [frame for frame in up if frame in down]
         if not shared:
             there = ", ".join(self.frames) or "none"

@@ -19,8 +19,8 @@ from posemix.lie import SE3
 
 __all__ = [
     "Order", "Side", "additive_jacobian", "covariance_from", "covariance_to", "density_from",
-    "density_to", "from_tangent", "inverted", "product_jacobian", "require_word", "side_jacobian", "skew",
-    "tangent_from", "tangent_to", "to_tangent", "transformed",
+    "density_to", "from_tangent", "inverse_additive_jacobian", "inverted", "product_jacobian",
+    "require_word", "side_jacobian", "skew", "tangent_from", "tangent_to", "to_tangent", "transformed",
 ]  # fmt: skip
 
 Side: TypeAlias = Literal["left", "right"]
@@ -36,10 +36,13 @@ def require_word(value: str, allowed: tuple[str, ...], name: str) -> None:
 
 def skew(v: npt.ArrayLike) -> FloatArray:
     """The matrix [v]x, shape (..., 3, 3), for which [v]x w is the cross product of v and w."""
-    x, y, z = np.moveaxis(as_floats(v, (3,), "v"), -1, 0)
-    zero = np.zeros_like(x)
-    rows = [[zero, -z, y], [z, zero, -x], [-y, x, zero]]
-    return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
+    values = as_floats(v, (3,), "v")
+    found = np.zeros((*values.shape[:-1], 3, 3))
+    x, y, z = values[..., 0], values[..., 1], values[..., 2]
+    found[..., 0, 1], found[..., 0, 2] = -z, y
+    found[..., 1, 0], found[..., 1, 2] = z, -x
+    found[..., 2, 0], found[..., 2, 1] = -y, x
+    return found
 
 
 def _swapped(values: FloatArray, axes: tuple[int, ...], order: Order) -> FloatArray:
@@ -103,6 +106,13 @@ def additive_jacobian(mean: SE3) -> FloatArray:
     jacobian = np.zeros((*mean.shape, 6, 6))
     jacobian[...] = np.eye(6)
     jacobian[..., 3:, :3] = skew(mean.translation)
+    return jacobian
+
+
+def inverse_additive_jacobian(mean: SE3) -> FloatArray:
+    """The exact inverse of `additive_jacobian`."""
+    jacobian = additive_jacobian(mean)
+    jacobian[..., 3:, :3] *= -1.0
     return jacobian
 
 

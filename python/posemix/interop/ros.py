@@ -27,7 +27,7 @@ from posemix._arrays import FloatArray, as_floats
 from posemix.density import ConcentratedGaussian
 from posemix.interop.conventions import (
     additive_jacobian,
-    inverted,
+    inverse_additive_jacobian,
     require_word,
     transformed,
     side_jacobian,
@@ -39,6 +39,9 @@ __all__ = [
     "Frame", "Reading", "covariance_from_ros", "covariance_to_ros", "from_pose", "from_pose_with_covariance",
     "to_pose", "to_pose_with_covariance",
 ]  # fmt: skip
+
+# Places of the numbers of a covariance with the halves in the other order.
+_SWAPPED = np.roll(np.arange(36).reshape((6, 6)), 3, axis=(0, 1)).ravel()
 
 Reading: TypeAlias = Literal["rotation_vector", "rpy"]
 Frame: TypeAlias = Literal["parent", "child"]
@@ -53,7 +56,7 @@ def _jacobian(mean: SE3, reading: Reading, frame: Frame, inverse: bool) -> Float
         return inverse_rpy_jacobian(mean) if inverse else rpy_jacobian(mean)
     if frame == "child":
         return side_jacobian(mean.inverse() if inverse else mean, "right")
-    return inverted(additive_jacobian(mean)) if inverse else additive_jacobian(mean)
+    return inverse_additive_jacobian(mean) if inverse else additive_jacobian(mean)
 
 
 def covariance_from_ros(
@@ -75,7 +78,7 @@ def covariance_from_ros(
     ndarray, shape (..., 6, 6)
     """
     rows = as_floats(values, (36,), "values")
-    matrix = np.roll(rows.reshape((*rows.shape[:-1], 6, 6)), 3, axis=(-2, -1))
+    matrix = rows[..., _SWAPPED].reshape((*rows.shape[:-1], 6, 6))
     return transformed(matrix, _jacobian(mean, reading, frame, inverse=False))
 
 
@@ -90,7 +93,7 @@ def covariance_to_ros(
         With the reading "rpy" at a pitch of a quarter turn.
     """
     matrix = transformed(covariance, _jacobian(mean, reading, frame, inverse=True))
-    return np.roll(matrix, 3, axis=(-2, -1)).reshape((*matrix.shape[:-2], 36))
+    return matrix.reshape((*matrix.shape[:-2], 36))[..., _SWAPPED]
 
 
 def from_pose(message: Any) -> SE3:

@@ -3,7 +3,7 @@
 """Pictures of poses, densities and mixtures with matplotlib: `pip install posemix[plot]`.
 
 Every function draws on the given axes, labels them with units, and returns the artists. Functions for space take
-two-dimensional axes and a plane, or axes with the projection "3d". The colours are those of Okabe and Ito, which
+two-dimensional axes and a plane, or axes with the projection "3d". The colours are those of the report, which
 colour-blind readers can distinguish.
 """
 

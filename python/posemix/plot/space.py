@@ -28,7 +28,7 @@ from posemix.plot.style import (
     quads,
 )
 
-__all__ = ["ellipsoid", "flags", "position_contours", "position_covariance"]
+__all__ = ["ellipsoid", "flags", "position_contours", "position_covariance", "position_ellipsoids"]
 
 PoseDistribution: TypeAlias = ConcentratedGaussian[SE3] | ProjectedGaussian[SE3] | Mixture[Any]
 
@@ -51,6 +51,34 @@ def position_covariance(
     jacobian = np.concatenate([-skew(at), np.broadcast_to(np.eye(3), (*at.shape, 3))], axis=-1)
     matrix = as_floats(covariance, (6, 6), "covariance")
     return np.asarray(jacobian @ matrix @ np.swapaxes(jacobian, -1, -2))
+
+
+def position_ellipsoids(
+    means: SE3, covariances: npt.ArrayLike, sigmas: float
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Centres [m], half axes [m] and quaternions x, y, z, w of the ellipsoids of positions, to first order.
+
+    Parameters
+    ----------
+    means : SE3, shape (...)
+        Poses T_a_b.
+    covariances : array_like, shape (..., 6, 6)
+        Covariances of the left perturbation, rotation (rad) before translation (m).
+    sigmas : float
+        Half axes in standard deviations.
+
+    Returns
+    -------
+    centres, half_axes : ndarray, shape (..., 3)
+    quaternions : ndarray, shape (..., 4)
+    """
+    values, vectors = np.linalg.eigh(position_covariance(means, covariances))
+    turned = vectors * np.where(np.linalg.det(vectors) < 0.0, -1.0, 1.0)[..., None, None]
+    homogeneous = np.zeros((*means.shape, 4, 4))
+    homogeneous[..., :3, :3] = turned
+    homogeneous[..., 3, 3] = 1.0
+    quaternions = SE3.from_matrix(homogeneous).rotation.quaternion
+    return means.translation, sigmas * np.sqrt(np.maximum(values, 0.0)), quaternions
 
 
 def root_of(covariance: FloatArray) -> FloatArray:

@@ -11,13 +11,21 @@ import numpy as np
 from posemix._arrays import FloatArray
 from posemix._peers import peer
 
-__all__ = ["PALETTE", "Axes", "Plane"]
+__all__ = ["AXIS_COLOURS", "PALETTE", "Axes", "Plane"]
 
 Axes: TypeAlias = Any
 Plane: TypeAlias = Literal["xy", "xz", "yz", "yx", "zx", "zy"]
 
-# Okabe and Ito (2008), without black and yellow.
-PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
+# The colours of objects and lines: those of the report and of the program's pictures, in the same order, which readers
+# with any colour vision can distinguish.
+PALETTE = (
+    "#AA9117", "#B12CBE", "#296E79", "#DC68B5", "#4B9BCF", "#856224", "#9079FE", "#A27558", "#9249EB", "#CD3BA2",
+)  # fmt: skip
+
+# Colours of x, y and z, and of nothing else.
+AXIS_COLOURS = ("#D8232A", "#1E8E3E", "#2F62DC")
+# Colour of the ground truth, and of what is not an object.
+TRUTH_COLOUR = "#8A8A8A"
 
 
 def colour_of(index: int) -> str:

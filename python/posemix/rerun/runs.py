@@ -11,7 +11,7 @@ from posemix._core import SlamRun, TrackHealth
 from posemix.plot.style import PALETTE
 from posemix.rerun.shapes import log_scalars, log_tracking, set_time, viewer
 
-__all__ = ["log_run", "log_state"]
+__all__ = ["log_health", "log_run", "log_state"]
 
 
 def log_state(
@@ -40,13 +40,18 @@ def log_state(
     recording : RecordingStream, optional
         Rerun's recording stream; by default the current one.
     """
-    rr = viewer()
     if health != before:
-        bad = health in (TrackHealth.lost, TrackHealth.inconsistent)
-        rr.log(f"{path}/health", rr.TextLog(health.name, level="WARN" if bad else "INFO"), recording=recording)
+        log_health(f"{path}/health", health, health.name, recording=recording)
     if existence is not None:
         log_scalars(path, {"existence": existence}, recording=recording)
     log_scalars(f"{path}/motion_models", motion_models or {}, recording=recording)
+
+
+def log_health(path: str, health: TrackHealth, text: str, *, recording: Any = None) -> None:
+    """Logs a text to PATH, a warning where the health is that of a track that is lost or inconsistent."""
+    rr = viewer()
+    bad = health in (TrackHealth.lost, TrackHealth.inconsistent)
+    rr.log(path, rr.TextLog(text, level="WARN" if bad else "INFO"), recording=recording)
 
 
 def log_run(

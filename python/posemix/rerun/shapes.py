@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from posemix._arrays import FloatArray, as_floats
+from posemix._arrays import as_floats
 from posemix._peers import peer
 from posemix.density import ConcentratedGaussian
 from posemix.lie import SE3
 from posemix.mixture import Mixture
-from posemix.plot.space import position_covariance
-from posemix.plot.style import PALETTE
+from posemix.plot.space import position_ellipsoids
+from posemix.plot.style import AXIS_COLOURS, PALETTE
 
 __all__ = [
     "log_ellipsoid", "log_hypotheses", "log_pose", "log_scalars", "log_trajectory", "log_tracking", "set_time",
@@ -24,16 +24,14 @@ __all__ = [
 
 TIMELINE = "time"
 
-# Colours of x, y and z: red, green and blue, as far as colour-blind readers can distinguish them.
-_AXES = ("#D55E00", "#009E73", "#0072B2")
-
 
 def viewer() -> Any:
     """The package rerun."""
     return peer("rerun", "posemix.rerun", "posemix[rerun]")
 
 
-def _rgba(colour: str, alpha: float) -> list[int]:
+def rgba(colour: str, alpha: float) -> list[int]:
+    """A colour such as "#0072B2" and an opacity from 0 to 1, as bytes."""
     red, green, blue = (int(colour[i : i + 2], 16) for i in (1, 3, 5))
     return [red, green, blue, round(255 * min(max(alpha, 0.0), 1.0))]
 
@@ -53,27 +51,15 @@ def log_pose(path: str, pose: SE3, *, axis_length: float = 0.1, recording: Any =
     pose : SE3
         T_parent_entity.
     axis_length : float
-        Length of the axes [m].
+        Length of the axes [m]; 0: none.
     recording : RecordingStream, optional
         Rerun's recording stream; by default the current one.
     """
     rr = viewer()
     tq = pose.to_tq()
     transform = rr.Transform3D(translation=tq[:3], quaternion=tq[3:])
-    rr.log(path, transform, rr.TransformAxes3D(axis_length), recording=recording)
-
-
-def _ellipsoids(
-    means: SE3, covariances: FloatArray, sigmas: float
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Centres, half sizes and quaternions of the ellipsoids of the positions."""
-    values, vectors = np.linalg.eigh(position_covariance(means, covariances))
-    turned = vectors * np.where(np.linalg.det(vectors) < 0.0, -1.0, 1.0)[..., None, None]
-    homogeneous = np.zeros((*means.shape, 4, 4))
-    homogeneous[..., :3, :3] = turned
-    homogeneous[..., 3, 3] = 1.0
-    quaternions = SE3.from_matrix(homogeneous).rotation.quaternion
-    return means.translation, sigmas * np.sqrt(np.maximum(values, 0.0)), quaternions
+    axes = [rr.TransformAxes3D(axis_length)] if axis_length > 0 else []
+    rr.log(path, transform, *axes, recording=recording)
 
 
 def log_ellipsoid(
@@ -100,9 +86,9 @@ def log_ellipsoid(
         Rerun's recording stream; by default the current one.
     """
     rr = viewer()
-    centre, sizes, quaternion = _ellipsoids(density.mean, density.covariance, sigmas)
+    centre, sizes, quaternion = position_ellipsoids(density.mean, density.covariance, sigmas)
     ellipsoid = rr.Ellipsoids3D(
-        centers=[centre], half_sizes=[sizes], quaternions=[quaternion], colors=[_rgba(colour, 0.6)]
+        centers=[centre], half_sizes=[sizes], quaternions=[quaternion], colors=[rgba(colour, 0.6)]
     )
     rr.log(path, ellipsoid, recording=recording)
 
@@ -113,6 +99,8 @@ def log_hypotheses(
     *,
     axis_length: float = 0.1,
     sigmas: float = 3.0,
+    colour: str = PALETTE[0],
+    name: str = "",
     recording: Any = None,
 ) -> None:
     """Logs the components of a mixture as axes and ellipsoids, whose opacity grows with the weight.
@@ -130,6 +118,10 @@ def log_hypotheses(
         Length of the arrows [m].
     sigmas : float
         Half axes of the ellipsoids in standard deviations.
+    colour : str
+        Colour of the ellipsoids, such as "#0072B2".
+    name : str
+        Name in front of the weight of the heaviest component.
     recording : RecordingStream, optional
         Rerun's recording stream; by default the current one.
     """
@@ -139,19 +131,20 @@ def log_hypotheses(
     means: SE3 = mixture.means[order]
     vectors = axis_length * np.swapaxes(means.rotation.matrix(), -1, -2).reshape((-1, 3))
     labels = [text for weight in weights for text in (f"{weight:.3f}", "", "")]
+    labels[0] = f"{name} {labels[0]}".lstrip()
     arrows = rr.Arrows3D(
         vectors=vectors,
         origins=np.repeat(means.translation, 3, axis=0),
-        colors=[_rgba(axis, 0.15 + 0.85 * w) for w in weights for axis in _AXES],
+        colors=[rgba(axis, 0.15 + 0.85 * w) for w in weights for axis in AXIS_COLOURS],
         labels=labels,
     )
     rr.log(f"{path}/axes", arrows, recording=recording)
-    centres, sizes, quaternions = _ellipsoids(means, mixture.covariances[order], sigmas)
+    centres, sizes, quaternions = position_ellipsoids(means, mixture.covariances[order], sigmas)
     ellipsoids = rr.Ellipsoids3D(
         centers=centres,
         half_sizes=sizes,
         quaternions=quaternions,
-        colors=[_rgba(PALETTE[0], 0.05 + 0.6 * w) for w in weights],
+        colors=[rgba(colour, 0.05 + 0.6 * w) for w in weights],
     )
     rr.log(f"{path}/ellipsoids", ellipsoids, recording=recording)
 
@@ -180,7 +173,7 @@ def log_trajectory(
         Rerun's recording stream; by default the current one.
     """
     rr = viewer()
-    strip = rr.LineStrips3D([poses.translation], colors=[_rgba(colour, 1.0)])
+    strip = rr.LineStrips3D([poses.translation], colors=[rgba(colour, 1.0)])
     rr.log(path, strip, static=static, recording=recording)
 
 
@@ -199,7 +192,7 @@ def log_scalars(path: str, values: Mapping[str, float], *, recording: Any = None
     rr = viewer()
     for name, value in values.items():
         if not np.isnan(value):
-            rr.log(f"{path}/{name}", rr.Scalars([float(value)]), recording=recording)
+            rr.log(f"{path}/{name}".lstrip("/"), rr.Scalars([float(value)]), recording=recording)
 
 
 def log_tracking(

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import gc
 import sys
 
 _NEEDED = """posemix-ros: {error}
@@ -25,16 +26,27 @@ def main(arguments: list[str] | None = None) -> int:
         print(_NEEDED.format(error=error), file=sys.stderr)
         return 1
     rclpy.init(args=arguments)
+    node = None
     try:
         node = PosemixNode()
         if node.get_parameter("autostart").value:
             for step in (node.trigger_configure, node.trigger_activate):
                 if step() != TransitionCallbackReturn.SUCCESS:
                     return 1
+        # What is there now stays: without it every full collection of garbage would hold an image up by 20 ms and more.
+        gc.collect()
+        gc.freeze()
         rclpy.spin(node)
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
+    except Exception:
+        # A signal ends the context at once, also under a message that is just being published.
+        if rclpy.ok():
+            raise
     finally:
+        if node is not None:
+            node.save_at_end()
+            node.end_watch()
         rclpy.try_shutdown()
     return 0
 

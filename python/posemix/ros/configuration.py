@@ -8,7 +8,7 @@ import copy
 import re
 import tempfile
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, cast
@@ -101,29 +101,38 @@ class Configuration:
         return names(self.values["cameras"])
 
     @property
+    def declared(self) -> list[str]:
+        """Classes with parameters of their own."""
+        return names(self.values["classes"])
+
+    @property
     def has_odometry(self) -> bool:
         """Whether the motion model takes poses of odometry."""
         return self.motion.model in (MotionModel.odometry, MotionModel.given)
 
-    def models(self, symmetries: Mapping[str, SymmetryGroup]) -> list[ObjectModel]:
-        """The models of the classes that were declared, and of those whose symmetries are known."""
-        declared = names(self.values["classes"])
-        classes = declared + sorted(set(symmetries) - set(declared) if self.values["on_sight"] else ())
-        return [
-            model
-            for name in classes
-            for model in self._instances(name, symmetries.get(name), name in declared)
-        ]
+    def models(
+        self, symmetries: Mapping[str, SymmetryGroup], several: Collection[str] = ()
+    ) -> list[ObjectModel]:
+        """The models of the classes that are declared, and of those that are `several` or with known symmetries."""
+        declared = self.declared
+        others = {*symmetries, *several} - set(declared) if self.values["on_sight"] else set()
+        found = []
+        for name in declared:
+            count = int(self.values[f"{name}.instances"])
+            ids = [name] if count == 1 else [f"{name}_{i + 1}" for i in range(count)]
+            found += self._instances(name, ids, self.values[f"{name}.motion"], symmetries)
+        for name in sorted(others):
+            # The first has the name that it had while it was alone.
+            count = int(self.values["on_sight_instances"]) if name in several else 1
+            ids = [name] + [f"{name}_{i}" for i in range(2, count + 1)]
+            found += self._instances(name, ids, "static", symmetries)
+        return found
 
     def _instances(
-        self, name: str, symmetries: SymmetryGroup | None, is_declared: bool
+        self, name: str, ids: Sequence[str], motion: str, symmetries: Mapping[str, SymmetryGroup]
     ) -> list[ObjectModel]:
-        count = int(self.values[f"{name}.instances"]) if is_declared else 1
-        motion = self.values[f"{name}.motion"] if is_declared else "static"
-        ids = [name] if count == 1 else [f"{name}_{i + 1}" for i in range(count)]
-        return [
-            self.model(own, name if count > 1 else "", motion, symmetries or SymmetryGroup()) for own in ids
-        ]
+        of_class = name if len(ids) > 1 else ""
+        return [self.model(own, of_class, motion, symmetries.get(name)) for own in ids]
 
     def model(
         self, name: str, class_id: str = "", motion: str = "static", symmetries: SymmetryGroup | None = None
@@ -196,10 +205,12 @@ def _require_sound(values: Mapping[str, Any]) -> None:
     for name in names(values["classes"]):
         if values[f"{name}.instances"] < 1:
             raise ValueError(f"{name}.instances is {values[f'{name}.instances']}; expected at least 1")
-    for name in ("queue_size", "replay_images", "input_depth"):
+    for name in ("queue_size", "replay_images", "input_depth", "on_sight_instances"):
         if values[name] < 1:
             raise ValueError(f"{name} is {values[name]}; expected at least 1")
-    for name in ("max_gap_s", "transform_timeout_s", "diagnostics_hz", "markers_sigmas"):
+    if values["report_frames"] < 2:
+        raise ValueError(f"report_frames is {values['report_frames']}; expected at least 2")
+    for name in ("max_gap_s", "transform_timeout_s", "diagnostics_hz", "markers_sigmas", "view_hz"):
         if not values[name] > 0:
             raise ValueError(f"{name} is {values[name]}; expected a positive number")
 
@@ -208,6 +219,8 @@ def _source(
     values: Mapping[str, Any], name: str, index: int, noises: Mapping[str, DetectorNoise]
 ) -> Source:
     of = {p.name: values[f"{name}.{p.name}"] for p in SOURCE}
+    if of["pose"] == "bbox" and of["type"] == "Detection2DArray":
+        raise ValueError(f"{name}.pose is 'bbox', of which a Detection2DArray has none in space; expected 'result'")
     return Source(
         name if index else "", of["topic"] or f"~/{name}", of["type"], of["frame"].lstrip("/"), of["pose"],
         of["least_score"], noises[name],

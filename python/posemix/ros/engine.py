@@ -4,27 +4,15 @@
 
 from __future__ import annotations
 
-import copy
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
 
-import numpy as np
-
-from posemix._core import (
-    BodyCamera,
-    FrameEstimate,
-    ObjectHypothesis,
-    Observation,
-    StampAdmission,
-    StampedSlam,
-    SymmetryGroup,
-)
-from posemix.bags.filter_runs import ClassTable
-from posemix.density import ConcentratedGaussian
-from posemix.lie import SE3
-from posemix.noise import pose_covariance
+from posemix._core import RelocaliseOutcome, StampAdmission, SymmetryGroup, relocalise
 from posemix.ros.configuration import Configuration
 from posemix.ros.estimates import EngineCounts, LiveEstimate
+from posemix.ros.known_classes import KnownClasses
+from posemix.ros.live_run import LiveRun
+from posemix.ros.maps import SavedMap, carried_over, merged, read_map, with_priors, write_map
 from posemix.ros.messages import Image
 from posemix.ros.surroundings import ReadyImage, Surroundings
 from posemix.ros.transforms import LiveTransforms
@@ -33,6 +21,8 @@ __all__ = ["Engine"]
 
 # Images in succession whose stamps are refused as too far ahead, after which the clock is taken to have jumped.
 _AHEAD = 10
+# Time between two attempts to find an old map in the world of the run [s].
+_ATTEMPTS_S = 0.5
 
 
 class Engine:
@@ -53,26 +43,26 @@ class Engine:
         self._configuration = configuration
         self.around = Surroundings(configuration)
         self.counts = EngineCounts()
-        self.symmetries: dict[str, SymmetryGroup] = dict(configuration.symmetries)
+        self._known = KnownClasses(dict(configuration.symmetries))
+        # What a user may want to know, for the log.
+        self.news: deque[str] = deque(maxlen=20)
         # Why the last image was dropped, refused, or taken without odometry.
         self.complaint = ""
         self._log: deque[ReadyImage] = deque(maxlen=int(configuration["replay_images"]))
         self._waiting: deque[Image] = deque()
-        self._begin_again()
-        self._slam_from(SE3(), [])  # which refuses what is not valid
-
-    def _begin_again(self) -> None:
-        self._slam: StampedSlam | None = None
-        self._start_ns = 0
-        self._stamps: dict[float, int] = {}
-        self._with_odometry: dict[int, SE3 | None] = {}
+        self._run: LiveRun | None = None
         self._ahead = 0
-        self._table = ClassTable([])
-        self._classes: dict[str, str] = {}
+        # An old map that is to be found, the stamp of the next attempt, and what became of the last one.
+        self._old: SavedMap | None = None
+        self._next_attempt_ns = 0
+        self.map_state = ""
+        LiveRun(configuration, self._known)  # which refuses what is not valid
 
     def reset(self) -> None:
         """Forgets objects, odometry, and images that wait; transforms for all times are kept."""
-        self._begin_again()
+        self._run = self._old = None
+        self._ahead = 0
+        self.map_state = ""
         self._log.clear()
         self._waiting.clear()
         self.around.clear()
@@ -89,29 +79,42 @@ class Engine:
         return self.around.transforms
 
     def set_symmetries(self, symmetries: Mapping[str, SymmetryGroup]) -> LiveEstimate | None:
-        """Takes symmetries of classes, also after images: those that are kept are played again with them.
+        """Takes symmetries of classes, also after images: these are played again with them while all are kept.
 
-        The estimate that follows is returned, where anything has changed.
+        Of a longer run the objects go on from where they are, up to the symmetries (`carried_over`). The estimate that
+        follows is returned, where there is one.
         """
         changed = {
             name: group
             for name, group in symmetries.items()
-            if name not in self.symmetries or self.symmetries[name] != group
+            if name not in self._known.symmetries or self._known.symmetries[name] != group
         }
         if not changed:
             return None
-        self.symmetries.update(changed)
-        kept = list(self._log)
-        if self._slam is None or not kept:
+        self._known.symmetries.update(changed)
+        if self._run is not None:
+            self.news.append(f"symmetries of {', '.join(sorted(changed))} came after detections")
+        return self._with_other_models()
+
+    def _with_other_models(self, anew: Collection[str] = ()) -> LiveEstimate | None:
+        """Goes on with the models as they are known now; those of the classes `anew` begin anew."""
+        run, kept = self._run, list(self._log)
+        if run is None:
+            return None
+        if not run.is_whole:
+            self._log.clear()
+            models = run.models(self._known)
+            kept_models = {m.id: m for m in models if m.class_id not in anew}
+            run.go_on_with(with_priors(models, carried_over(run.slam, kept_models)))
             return None
         counts, self.counts = self.counts, EngineCounts()
-        self._slam = None
-        self._stamps.clear()
-        self._with_odometry.clear()
+        self._run = None
         self._log.clear()
         found = None
         for ready in kept:
             found = self._take(ready) or found
+        if self._run is not None:
+            self._run.lineage |= run.lineage
         self.counts = counts
         return found
 
@@ -137,7 +140,12 @@ class Engine:
             if image not in self._waiting:  # a jump of the clock has taken it away
                 continue
             is_over = now_s - image.arrival_s >= self._configuration["transform_timeout_s"]
-            prepared = self.around.ready(image, is_over=is_over)
+            try:
+                prepared = self.around.ready(image, is_over=is_over)
+            except ValueError as error:
+                self._waiting.remove(image)
+                self._refuse(str(error))
+                continue
             if prepared is None and not is_over:
                 continue
             self._waiting.remove(image)
@@ -148,77 +156,46 @@ class Engine:
             if prepared.odometry is None and self._configuration.has_odometry:
                 self.counts.without_odometry += 1
                 self.complaint = self.around.complaint
+            several = self._known.newly_several(prepared, self._configuration)
+            if several:
+                self.news.extend(f"there are several objects of the class '{name}'" for name in several)
+                self._with_other_models(several)
             estimate = self._take(prepared)
             if estimate is not None:
                 found.append(estimate)
         return found
 
-    def _slam_from(self, start: SE3, cameras: list[BodyCamera]) -> StampedSlam:
-        of = self._configuration
-        covariance = pose_covariance(np.radians(of["start_rotation_sd_deg"]), of["start_translation_sd_m"])
-        models = of.models(self.symmetries)
-        tracker = copy.copy(of.tracker)
-        tracker.cameras = cameras
-        self._classes = {model.id: model.class_id or model.id for model in models}
-        self._table = ClassTable(models, bool(of["on_sight"]))
-        return StampedSlam(ConcentratedGaussian(start, covariance), models, tracker, of.motion, of.stamped)
-
     def _take(self, ready: ReadyImage) -> LiveEstimate | None:
-        image = ready.image
-        if self._slam is None:
-            self._start_ns = image.stamp_ns
-            self._slam = self._slam_from(SE3() if ready.odometry is None else ready.odometry, ready.cameras)
-        resets = self._slam.counts.resets
+        image, run = ready.image, self._run
+        if run is None:
+            run = self._run = LiveRun(
+                self._configuration, self._known, ready.odometry, image.stamp_ns, ready.cameras
+            )
+        resets = run.resets
         try:
-            self._put(self._slam, ready)
+            admissions, ignored = run.put(ready)
         except ValueError as error:
             self._refuse(str(error))
             return None
+        if run.resets > resets:
+            return self._after_jump(ready)
         self._ahead = 0
+        run.is_whole = run.is_whole and len(self._log) < (self._log.maxlen or 0)
         self._log.append(ready)
         self.counts.images += 1
-        if self._slam.counts.resets > resets:
-            self._after_jump(ready)
-        found = self._slam.finish()
-        if found is None:
+        self.counts.ignored += ignored
+        self.counts.observations += len(admissions)
+        self.counts.late += admissions.count(StampAdmission.replayed)
+        self.counts.too_late += admissions.count(StampAdmission.too_late)
+        try:
+            found = run.estimate(image.arrival_s, self.around.body)
+        except ValueError as error:  # what was taken in leads nowhere, and stays
+            self._refuse(str(error))
+            self.reset()
             return None
-        stamp_ns = self._stamps[found.stamp_s]
-        self._forget_stamps(stamp_ns)
-        return LiveEstimate(
-            stamp_ns, image.arrival_s, found.estimate, self._with_odometry.get(stamp_ns), self.around.body,
-            self._hypotheses(self._slam, found.estimate),
-            {name: self._classes.get(name, name) for name in found.estimate.ids},
-        )  # fmt: skip
-
-    def _put(self, slam: StampedSlam, ready: ReadyImage) -> None:
-        image = ready.image
-        stamp_s = (image.stamp_ns - self._start_ns) * 1e-9
-        observations = self._observations(ready, stamp_s)
-        self._stamps[stamp_s] = image.stamp_ns
-        if ready.odometry is not None and self._with_odometry.get(image.stamp_ns) is None:
-            slam.add_odometry(stamp_s, ready.odometry)
-            self._with_odometry[image.stamp_ns] = ready.odometry
-        for observation in observations:
-            self._count(slam.add(observation))
-        if not observations and self._configuration["empty_is_image"]:
-            slam.add_image(stamp_s, image.frame if self._configuration.cameras else "")
-
-    def _observations(self, ready: ReadyImage, stamp_s: float) -> list[Observation]:
-        image = ready.image
-        assigned = self._table.assigned(image.class_ids, image.scores)
-        self.counts.ignored += len(image.class_ids) - len(assigned)
-        return [
-            Observation(
-                ready.components[row], object=name, class_id=of_class, detector=image.source, stamp_s=stamp_s,
-                score=image.scores[row], camera=image.frame if self._configuration.cameras else "",
-            )
-            for row, name, of_class in assigned
-        ]  # fmt: skip
-
-    def _count(self, admission: StampAdmission) -> None:
-        self.counts.observations += 1
-        self.counts.late += admission == StampAdmission.replayed
-        self.counts.too_late += admission == StampAdmission.too_late
+        if found is not None and self._old is not None and found.stamp_ns >= self._next_attempt_ns:
+            self._find_map(run, self._old, found.stamp_ns)
+        return found
 
     def _refuse(self, why: str) -> None:
         self.counts.refused += 1
@@ -227,25 +204,84 @@ class Engine:
         if self._ahead >= _AHEAD:
             self.reset()
 
-    def _after_jump(self, ready: ReadyImage) -> None:
-        """The filter has forgotten all before the image: so does what is around it."""
+    def _after_jump(self, ready: ReadyImage) -> LiveEstimate | None:
+        """The stamps have jumped back: all before the image is forgotten, and a run begins with it."""
         self.counts.resets += 1
-        stamp_ns = ready.image.stamp_ns
-        self._log = deque([ready], maxlen=self._log.maxlen)
-        self._stamps = {(stamp_ns - self._start_ns) * 1e-9: stamp_ns}
-        self._with_odometry = {stamp_ns: ready.odometry}
-        latest = stamp_ns + round(self._configuration.stamped.jump_back_s * 1e9)
+        self._run, self._next_attempt_ns = None, 0
+        self._log.clear()
+        latest = ready.image.stamp_ns + round(self._configuration.stamped.jump_back_s * 1e9)
         self._waiting = deque(image for image in self._waiting if image.stamp_ns <= latest)
+        return self._take(ready)
 
-    def _forget_stamps(self, newest_ns: int) -> None:
-        if len(self._stamps) > 4096:
-            oldest = newest_ns - round(self._configuration.stamped.jump_back_s * 1e9)
-            self._stamps = {s: ns for s, ns in self._stamps.items() if ns >= oldest}
-            self._with_odometry = {ns: pose for ns, pose in self._with_odometry.items() if ns >= oldest}
+    # --- maps
 
-    def _hypotheses(self, slam: StampedSlam, estimate: FrameEstimate) -> dict[str, list[ObjectHypothesis]]:
-        return {
-            name: sorted(slam.hypotheses(name), key=lambda h: -h.probability)
-            for name, world in estimate.objects.items()
-            if world is not None
-        }
+    def save(self, path: str, *, over_unknown: bool = True) -> None:
+        """Saves all that is known, also in place of a map that is looked for unless told otherwise.
+
+        Raises
+        ------
+        ValueError
+            Before the first image, when there is nothing to save, and for a map that must not be written over.
+        OSError
+            When the file cannot be written.
+        """
+        if self._run is None:
+            raise ValueError("nothing was seen so far, so that there is no map to save")
+        if self._old is not None and not over_unknown:
+            raise ValueError("the map that was loaded is not found so far, and would be lost")
+        write_map(path, self._run.saved(self.around.body, self._known))
+
+    def load(self, path: str, *, go_on: bool = False) -> str:
+        """Loads a map, and says what becomes of it.
+
+        It is found in the world of the run as soon as enough of its objects are seen again. To `go_on`, before the
+        first image, the run is that of the map: odometry must be, too.
+
+        Raises
+        ------
+        ValueError
+            For a file that is no map, one that cannot go on, and one whose images are in the run already.
+        OSError
+            When it cannot be read.
+        """
+        found = read_map(path)
+        if go_on and self._run is None:
+            self._run = LiveRun.of_saved(self._configuration, self._known, found)
+            self.around.body = found.body
+            self.map_state = "goes on"
+            return f"the run of {path} goes on, with {found.objects} objects"
+        if self._run is not None and self._run.lineage & found.lineage:
+            raise ValueError(f"{path} is a map of this run, or one that was found in it: it tells nothing new")
+        self._old, self._next_attempt_ns, self.map_state = found, 0, "is looked for"
+        if self._run is not None:
+            last = self._run.slam.finish()
+            if last is not None:
+                self._find_map(self._run, found, 0)
+        return f"{path} has {found.objects} objects; the map {self.map_state}"
+
+    def _find_map(self, run: LiveRun, old: SavedMap, stamp_ns: int) -> None:
+        self._next_attempt_ns = stamp_ns + round(_ATTEMPTS_S * 1e9)
+        found = relocalise(old.slam, run.slam)
+        self.map_state = f"is looked for: {found.outcome.name}, {len(found.agreed)} objects agree"
+        if found.outcome == RelocaliseOutcome.found:
+            models = run.models(self._known, old.slam.objects)
+            run.go_on_with(merged(old.slam, run.slam, found, models))
+            run.lineage |= old.lineage
+            self._log.clear()
+            self._old = None
+            self.map_state = f"was found by {len(found.agreed)} objects"
+            self.news.append(f"the map {self.map_state}")
+
+    def forget(self, names: Sequence[str]) -> LiveEstimate | None:
+        """Forgets single objects, and returns the estimate without them.
+
+        Raises
+        ------
+        ValueError
+            For a name that there is not, naming those that there are; nothing is changed.
+        """
+        if self._run is None:
+            raise ValueError("nothing was seen so far; known are: none")
+        self._run.forget(names)
+        self._log.clear()
+        return self._run.estimate(0.0, self.around.body)

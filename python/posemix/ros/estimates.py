@@ -8,9 +8,8 @@ from dataclasses import dataclass
 
 from posemix._core import FrameEstimate, ObjectHypothesis
 from posemix.bags.track_messages import PoseMixture
-from posemix.density import ConcentratedGaussian
 from posemix.lie import SE3
-from posemix.mixture import Mixture
+from posemix.live_view.frames import mixture_of
 
 __all__ = ["EngineCounts", "LiveEstimate"]
 
@@ -80,6 +79,4 @@ class LiveEstimate:
 
     def mixture(self, name: str) -> PoseMixture:
         """The hypotheses of an object as a density."""
-        found = self.hypotheses[name]
-        densities = [ConcentratedGaussian(h.pose, h.covariance) for h in found]
-        return Mixture(densities, [h.probability for h in found])
+        return mixture_of(self.hypotheses[name])

@@ -6,7 +6,9 @@ from __future__ import annotations
 
 import time
 from collections import deque
+from functools import partial
 from importlib import import_module
+from pathlib import Path
 from typing import Any
 
 from rclpy.clock import JumpThreshold
@@ -14,19 +16,29 @@ from rclpy.duration import Duration
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
-from posemix.lie import SE3
-from posemix.ros.configuration import Source, configuration
+from posemix.ros.cdr import (
+    DetectionArray,
+    PosedFrame,
+    read_detections_2d,
+    read_detections_3d,
+    read_odometry,
+    read_transforms,
+)
+from posemix.ros.configuration import Source, configuration, names
 from posemix.ros.engine import Engine
 from posemix.ros.estimates import LiveEstimate
 from posemix.ros.markers import markers
 from posemix.ros.messages import images_of, symmetries_of
-from posemix.ros.node_base import LATCHED, STATIC, NodeBase
-from posemix.ros.outputs import Outputs
+from posemix.ros.node_base import LATCHED, STATIC
+from posemix.ros.node_watch import WatchedNode
+from posemix.ros.outputs import Outputs, latency_values
+from posemix.ros.services import Services
+from posemix.ros.sight import CameraSights
 
 __all__ = ["PosemixNode"]
 
 
-class PosemixNode(NodeBase):
+class PosemixNode(WatchedNode):
     """Takes detections and odometry, publishes objects. Parameters are read at `configure`.
 
     Parameters
@@ -60,18 +72,21 @@ class PosemixNode(NodeBase):
             found = configuration(self._values())
             if found["symmetries_topic"]:
                 _symmetries_type()
-            self._engine = Engine(found)
+            engine = Engine(found)
+            if found["load_map"] and Path(found["map_file"]).exists():
+                self.get_logger().info(engine.load(found["map_file"], go_on=found["map_goes_on"]))
+            self._begin_watch(found.values)
+            self._engine = engine
         except (ValueError, OSError, ImportError) as error:
             self.get_logger().error(f"cannot be configured: {error}")
             return TransitionCallbackReturn.FAILURE
         self._configuration = found
-        self._make = Outputs(self._types, found.values)
+        self._make, self._sights = Outputs(self._types, found.values), CameraSights()
         self._objects = self._publisher("vision_msgs/msg/Detection3DArray", "~/objects", LATCHED)
         self._markers = self._publisher("visualization_msgs/msg/MarkerArray", "~/markers", LATCHED)
         self._diagnostics = self._publisher("diagnostic_msgs/msg/DiagnosticArray", "/diagnostics", QoSProfile(depth=10))
         self._tf = self._publisher("tf2_msgs/msg/TFMessage", "/tf", QoSProfile(depth=100))
-        trigger = import_module("std_srvs.srv").Trigger
-        self._own_services = [self.create_service(trigger, "~/reset", self._reset)]
+        self._offered = Services(self, self._engine, self._after_service)
         return TransitionCallbackReturn.SUCCESS
 
     def on_activate(self, state: LifecycleState) -> Any:
@@ -79,12 +94,18 @@ class PosemixNode(NodeBase):
         of = self._configuration
         sensor = QoSProfile(depth=of["input_depth"], reliability=ReliabilityPolicy.BEST_EFFORT)
         for source in of.sources:
-            kind = f"vision_msgs/msg/{source.type}"
-            self._listen(kind, source.topic, sensor, lambda message, s=source: self._take_detections(s, message))
-        self._listen("tf2_msgs/msg/TFMessage", "/tf", QoSProfile(depth=100), self._take_transforms, True)
-        self._listen("tf2_msgs/msg/TFMessage", "/tf_static", STATIC, self._take_static, True)
+            self._listen(
+                f"vision_msgs/msg/{source.type}", source.topic, sensor, partial(self._take_detections, source),
+                read=read_detections_3d if source.type == "Detection3DArray" else read_detections_2d,
+            )  # fmt: skip
+        moving: dict[str, Any] = {"read": read_transforms, "is_motion": True}
+        self._listen("tf2_msgs/msg/TFMessage", "/tf", QoSProfile(depth=100), self._take_transforms, **moving)
+        self._listen("tf2_msgs/msg/TFMessage", "/tf_static", STATIC, self._take_static, **moving)
         if of["odometry_topic"]:
-            self._listen("nav_msgs/msg/Odometry", of["odometry_topic"], sensor, self._take_odometry, True)
+            moving["read"] = read_odometry
+            self._listen("nav_msgs/msg/Odometry", of["odometry_topic"], sensor, self._take_odometry, **moving)
+        for topic in names(of["camera_info_topics"]):
+            self._listen("sensor_msgs/msg/CameraInfo", topic, sensor, lambda message, _: self._sights.take(message))
         if of["symmetries_topic"]:
             self._listen(_symmetries_type(), of["symmetries_topic"], LATCHED, self._take_symmetries)
         self._own_timers = [
@@ -100,6 +121,7 @@ class PosemixNode(NodeBase):
     def on_deactivate(self, state: LifecycleState) -> Any:
         """Listens no more; what is known is kept."""
         self._be_deaf()
+        self.save_at_end()
         return super().on_deactivate(state)
 
     def on_cleanup(self, state: LifecycleState) -> Any:
@@ -110,8 +132,19 @@ class PosemixNode(NodeBase):
     def on_shutdown(self, state: LifecycleState) -> Any:
         """Lets go of everything."""
         self._be_deaf()
+        self.save_at_end()
         self._clear()
         return TransitionCallbackReturn.SUCCESS
+
+    def save_at_end(self) -> None:
+        """Saves the map, where `save_map` says so and there is one."""
+        path, engine = self.get_parameter("map_file").value, self._engine
+        if engine is None or not (path and self._configuration["save_map"]) or not engine.counts.images:
+            return
+        try:
+            engine.save(path, over_unknown=False)
+        except (ValueError, OSError) as error:
+            self.get_logger().error(f"the map is not saved: {error}")
 
     def _be_deaf(self) -> None:
         super()._be_deaf()
@@ -125,10 +158,10 @@ class PosemixNode(NodeBase):
     def _clear(self) -> None:
         if self._engine is None:
             return
+        self.end_watch()
         for publisher in (self._objects, self._markers, self._diagnostics, self._tf):
             self.destroy_lifecycle_publisher(publisher)
-        for service in self._own_services:
-            self.destroy_service(service)
+        self._offered.destroy()
         self._engine = self._last = None
         self._bad = 0
         self._problems.clear()
@@ -137,13 +170,13 @@ class PosemixNode(NodeBase):
 
     # --- input
 
-    def _take_detections(self, source: Source, message: Any) -> None:
+    def _take_detections(self, source: Source, message: DetectionArray, arrival_s: float) -> None:
         engine = self._engine
         if engine is None:
             return
         try:
             found = images_of(
-                message, source=source.name, arrival_s=time.monotonic(), now_ns=self.get_clock().now().nanoseconds,
+                message, source=source.name, arrival_s=arrival_s, now_ns=self.get_clock().now().nanoseconds,
                 pose=source.pose, frame=source.frame, least_score=source.least_score,
             )  # fmt: skip
         except ValueError as error:
@@ -155,45 +188,31 @@ class PosemixNode(NodeBase):
             engine.add(image)
         self._work()
 
-    def _take_transforms(self, message: Any, *, is_static: bool = False) -> None:
+    def _take_transforms(self, transforms: list[PosedFrame], arrival_s: float, *, is_static: bool = False) -> None:
         engine = self._engine
         if engine is None:
             return
         world = self._configuration["world_frame"]
-        for item in message.transforms:
+        for item in transforms:
             parent, name = item.header.frame_id.lstrip("/"), item.child_frame_id.lstrip("/")
-            if parent == world and name in self._own_frames:
-                continue
-            stamp = None if is_static else _nanoseconds(item.header.stamp)
-            t, q = item.transform.translation, item.transform.rotation
-            engine.transforms.take(parent, name, (t.x, t.y, t.z, q.x, q.y, q.z, q.w), stamp)
+            if parent != world or name not in self._own_frames:
+                engine.transforms.take(parent, name, item.row, None if is_static else item.header.stamp.nanoseconds)
 
-    def _take_static(self, message: Any) -> None:
-        self._take_transforms(message, is_static=True)
+    def _take_static(self, transforms: list[PosedFrame], arrival_s: float) -> None:
+        self._take_transforms(transforms, arrival_s, is_static=True)
 
-    def _take_odometry(self, message: Any) -> None:
-        engine = self._engine
-        if engine is None:
-            return
-        p, q = message.pose.pose.position, message.pose.pose.orientation
-        try:
-            engine.around.add_odometry(
-                message.header.frame_id.lstrip("/"), message.child_frame_id.lstrip("/"),
-                (p.x, p.y, p.z, q.x, q.y, q.z, q.w), _nanoseconds(message.header.stamp),
+    def _take_odometry(self, message: PosedFrame, arrival_s: float) -> None:
+        if self._engine is not None:
+            self._engine.around.add_odometry(
+                message.header.frame_id.lstrip("/"), message.child_frame_id.lstrip("/"), message.row,
+                message.header.stamp.nanoseconds,
             )  # fmt: skip
-        except ValueError as error:
-            self._complain(str(error))
 
-    def _take_symmetries(self, message: Any) -> None:
+    def _take_symmetries(self, message: Any, arrival_s: float) -> None:
         if self._engine is None:
             return
-        try:
-            found = self._engine.set_symmetries(symmetries_of(message))
-        except ValueError as error:
-            self._complain(str(error))
-            return
+        found = self._engine.set_symmetries(symmetries_of(message))
         if found is not None:
-            self.get_logger().info("symmetries came after detections: those that are kept were taken in again")
             self._publish(found, is_new=False)
 
     def _after_jump(self, jump: Any) -> None:
@@ -202,12 +221,11 @@ class PosemixNode(NodeBase):
             self._last = None
             self._complain("the clock has jumped back: all is forgotten")
 
-    def _reset(self, request: Any, response: Any) -> Any:
-        if self._engine is not None:
-            self._engine.reset()
-            self._last = None
-        response.success, response.message = True, "all objects are forgotten"
-        return response
+    def _after_service(self, found: LiveEstimate | None) -> None:
+        """What is known has changed without an image."""
+        self._last = found
+        if found is not None:
+            self._publish(found, is_new=False)
 
     # --- output
 
@@ -223,6 +241,8 @@ class PosemixNode(NodeBase):
             self._publish(estimate)
         if engine.counts.resets > resets:
             self._complain("stamps have jumped back: all before is forgotten")
+        while engine.news:
+            self.get_logger().info(engine.news.popleft())
         bad = engine.counts.dropped + engine.counts.refused + engine.counts.without_odometry
         if bad > self._bad:
             self._complain(engine.complaint)
@@ -232,58 +252,37 @@ class PosemixNode(NodeBase):
         self._objects.publish(self._make.objects(estimate))
         if is_new:
             self._latencies.append(time.monotonic() - estimate.arrival_s)
-        transforms = self._make.transforms(estimate, self._below_world(estimate))
-        if transforms.transforms:
-            self._own_frames.update(item.child_frame_id for item in transforms.transforms)
+        assert self._engine is not None
+        below = self._engine.around.below_world(estimate)
+        if isinstance(below, str):
+            self._complain(below)
+            below = None
+        frames, transforms = self._make.transforms(estimate, below)
+        if frames:
+            self._own_frames.update(frames)
             self._tf.publish(transforms)
         self._last = estimate
+        self._show_live(estimate)
         rate, now = self._configuration["markers_hz"], time.monotonic()
         if rate > 0 and now >= self._next_markers_s and self._markers.get_subscription_count() > 0:
             self._next_markers_s = now + 1.0 / rate
             of = self._configuration
             self._markers.publish(markers(estimate, self._make, of["markers_sigmas"], of["world_frame"]))
 
-    def _below_world(self, estimate: LiveEstimate) -> tuple[str, SE3] | None:
-        """The frame that this node puts below the world, and T_frame_body.
-
-        With odometry it is that of the odometry, without it the root of the tree in which the body is.
-        """
-        of, engine = self._configuration, self._engine
-        assert engine is not None
-        if not of["publish_world_tf"]:
-            return None
-        world = of["world_frame"]
-        if of.has_odometry:
-            child, pose = str(of["odom_frame"]), estimate.odometry
-            if child == world:
-                return None
-            above = engine.transforms.parent(child)
-        else:
-            child = engine.transforms.root(estimate.body)
-            pose = engine.transforms.at(child, estimate.body, estimate.stamp_ns, of["max_gap_s"])
-            above = world if child == world else None
-        if above is not None and (above != world or child == world):
-            self._complain(
-                f"'{child if child != world else estimate.body}' is below '{above}' in /tf already, so that this node "
-                f"does not say where it is in '{world}' (publish_world_tf)"
-            )
-            return None
-        return None if pose is None else (child, pose)
-
     def _diagnose(self) -> None:
         engine = self._engine
         if engine is None:
             return
-        recent = self._recent_problems(2.0 / self._configuration["diagnostics_hz"])
+        recent = self._recent_problems()
         values = {"waiting": str(engine.waiting), "sources": str(len(self._configuration.sources))}
-        if self._latencies:
-            ordered = sorted(self._latencies)
-            values["latency_median_ms"] = f"{1e3 * ordered[len(ordered) // 2]:.3f}"
-            values["latency_99_ms"] = f"{1e3 * ordered[int(0.99 * (len(ordered) - 1))]:.3f}"
+        if engine.map_state:
+            values["map"] = engine.map_state
+        values |= latency_values(self._latencies)
         name = self.get_name()
         statuses = [self._make.node_status(name, engine.counts, recent, values)]
         if self._last is not None:
-            statuses += self._make.object_statuses(self._last, name)
+            in_view = self._sights.in_view(self._last, engine.transforms, self._configuration["max_gap_s"])
+            statuses += self._make.object_statuses(self._last, name, in_view)
         stamp = self.get_clock().now().nanoseconds
         self._diagnostics.publish(self._make.diagnostics(stamp, statuses))
 
@@ -294,6 +293,3 @@ def _symmetries_type() -> Any:
     except ImportError:
         raise ImportError("symmetries_topic needs the package happypose_msgs in the ROS workspace") from None
 
-
-def _nanoseconds(stamp: Any) -> int:
-    return int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec)

@@ -14,7 +14,9 @@ from rclpy.lifecycle import LifecycleNode
 from rclpy.parameter import Parameter as RosParameter
 from rclpy.qos import DurabilityPolicy, QoSPolicyKind, QoSProfile, qos_policy_name_from_kind
 from rclpy.qos_overriding_options import QoSOverridingOptions
+from rclpy.subscription import Subscription
 
+from posemix.ros.cdr import LAYOUTS
 from posemix.ros.configuration import class_parameters, source_parameters
 from posemix.ros.parameters import Parameter, parameters
 
@@ -32,11 +34,12 @@ _TYPES = {
         "Point", "Pose", "PoseWithCovariance", "Quaternion", "Transform", "TransformStamped", "Vector3",
     ),
     "vision_msgs": (
-        "BoundingBox3D", "Detection2DArray", "Detection3D", "Detection3DArray", "ObjectHypothesis",
-        "ObjectHypothesisWithPose",
+        "BoundingBox2D", "BoundingBox3D", "Detection2D", "Detection2DArray", "Detection3D", "Detection3DArray",
+        "ObjectHypothesis", "ObjectHypothesisWithPose", "Pose2D",
     ),
     "tf2_msgs": ("TFMessage",),
     "nav_msgs": ("Odometry",),
+    "sensor_msgs": ("CameraInfo",),
     "diagnostic_msgs": ("DiagnosticArray", "DiagnosticStatus", "KeyValue"),
     "visualization_msgs": ("Marker", "MarkerArray"),
 }  # fmt: skip
@@ -44,16 +47,28 @@ _POLICIES = (QoSPolicyKind.HISTORY, QoSPolicyKind.DEPTH, QoSPolicyKind.RELIABILI
 # Received by all that subscribe later, too.
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 STATIC = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+# Whether callbacks may have the stamps of the middleware.
+_HAS_INFORMATION = hasattr(Subscription, "CallbackType")
 _QUIET_S = 5.0
 _MOST_AT_ONCE = 200
 _FORGOTTEN_S = 60.0
+# Parameters that services read when they are called.
+_ANY_TIME = {"map_file", "forget_ids"}
+_LONGEST_QUEUE_S = 10.0
 
 
 def _message_types() -> dict[str, Any]:
     found: dict[str, Any] = {}
     for package, names in _TYPES.items():
         module = import_module(f"{package}.msg")
-        found |= {f"{package}/msg/{name}": getattr(module, name) for name in names}
+        try:
+            found |= {f"{package}/msg/{name}": getattr(module, name) for name in names}
+        except AttributeError as error:
+            raise ImportError(f"{error}; expected {package} of Humble or later") from None
+    for name, layout in LAYOUTS.items():
+        fields = found[name].get_fields_and_field_types()
+        if fields != layout:
+            raise ImportError(f"{name} has the fields {fields}; expected {layout}, as of Humble or later")
     status = found["diagnostic_msgs/msg/DiagnosticStatus"]
     # The field is a byte, which is no integer in Python's messages.
     found["diagnostic_msgs/msg/DiagnosticStatus"] = lambda level, **fields: status(
@@ -85,6 +100,7 @@ class NodeBase(LifecycleNode):  # type: ignore[misc]
         self._motion: list[Callable[[], None]] = []
         self._problems: dict[str, tuple[float, str]] = {}
         self._logged: dict[str, float] = {}
+        self._asked = (0.0, 0.0)
         self.add_on_set_parameters_callback(self._refuse_changes)
 
     def _is_configured(self) -> bool:
@@ -127,7 +143,7 @@ class NodeBase(LifecycleNode):  # type: ignore[misc]
 
     def _refuse_changes(self, changed: list[Any]) -> Any:
         rcl = import_module("rcl_interfaces.msg")
-        mine = {parameter.name for parameter in self._declared}
+        mine = {parameter.name for parameter in self._declared} - _ANY_TIME
         names = [p.name for p in changed if p.name in mine]
         if names and self._is_configured():
             reason = f"{names[0]} is read when the node is configured: clean it up, set it and configure it again"
@@ -138,35 +154,49 @@ class NodeBase(LifecycleNode):  # type: ignore[misc]
         return self.create_lifecycle_publisher(
             self._types[kind], topic, _copy(profile),
             event_callbacks=PublisherEventCallbacks(
-                incompatible_qos=lambda e: self._incompatible(topic, "subscription", e)
+                incompatible_qos=lambda e: self._incompatible(topic, "subscription", e), use_default_callbacks=False
             ),
             qos_overriding_options=QoSOverridingOptions(_POLICIES),
         )  # fmt: skip
 
-    def _listen(self, kind: Any, topic: str, profile: QoSProfile, callback: Any, is_motion: bool = False) -> None:
-        """Subscribes. Messages of motion are all taken before the images that may wait for them."""
+    def _listen(
+        self, kind: Any, topic: str, profile: QoSProfile, callback: Callable[[Any, float], None],
+        *, read: Callable[[bytes], Any] | None = None, is_motion: bool = False,
+    ) -> None:  # fmt: skip
+        """Subscribes; `callback` has the message and the time at which it came [s], by a clock that does not jump.
+
+        With `read` that makes messages of their bytes. Messages of motion are all taken before the images that may wait
+        for them.
+        """
         cls = self._types[kind] if isinstance(kind, str) else kind
+
+        def give(message: Any, information: Any) -> None:
+            try:
+                callback(message if read is None else read(message), _arrival_s(information))
+            except ValueError as error:
+                self._complain(f"{topic}: {error}")
 
         def take_all() -> None:
             for _ in range(_MOST_AT_ONCE):
-                found = subscription.handle.take_message(cls, False)
+                found = subscription.handle.take_message(cls, read is not None)
                 if found is None:
                     break
-                callback(found[0])
+                give(*found)
 
-        def take(message: Any) -> None:
-            callback(message)
-            self._work()
+        def take(message: Any, information: Any) -> None:
+            give(message, information)
+            if is_motion:
+                self._work()
 
         if is_motion:
             self._motion.append(take_all)
         self._heard.append(
             subscription := self.create_subscription(
-                cls, topic, take if is_motion else callback, _copy(profile),
+                cls, topic, take if _HAS_INFORMATION else lambda message: take(message, None), _copy(profile),
                 event_callbacks=SubscriptionEventCallbacks(
-                    incompatible_qos=lambda e: self._incompatible(topic, "publisher", e)
+                    incompatible_qos=lambda e: self._incompatible(topic, "publisher", e), use_default_callbacks=False
                 ),
-                qos_overriding_options=QoSOverridingOptions(_POLICIES),
+                qos_overriding_options=QoSOverridingOptions(_POLICIES), raw=read is not None,
             )
         )  # fmt: skip
 
@@ -194,12 +224,20 @@ class NodeBase(LifecycleNode):  # type: ignore[misc]
             self._logged[key] = now
         self._problems[key] = (float("inf") if lasting else now, why)
 
-    def _recent_problems(self, within_s: float) -> list[str]:
-        """What was complained of lately, and what lasts."""
-        now = time.monotonic()
+    def _recent_problems(self) -> list[str]:
+        """What was complained of since the call before the last one, and what lasts."""
+        now, since = time.monotonic(), self._asked[0]
+        self._asked = (self._asked[1], now)
         self._problems = {key: of for key, of in self._problems.items() if now - of[0] < _FORGOTTEN_S}
         self._logged = {key: when for key, when in self._logged.items() if now - when < _FORGOTTEN_S}
-        return [why for when, why in self._problems.values() if now - when <= within_s]
+        return [why for when, why in self._problems.values() if when >= since]
+
+
+def _arrival_s(information: Any) -> float:
+    """When the middleware received a message, where it says so, by the clock that does not jump [s]."""
+    received = 0 if information is None else information["received_timestamp"]
+    since_s = 1e-9 * (time.time_ns() - received)
+    return time.monotonic() - (since_s if 0.0 < since_s < _LONGEST_QUEUE_S else 0.0)
 
 
 def _copy(profile: QoSProfile) -> QoSProfile:

@@ -59,12 +59,19 @@ NODE = (
     Parameter("sources", ["detections"], "Names of the detectors; each has the parameters SOURCE.*."),
     Parameter("classes", NONE, "Classes with parameters CLASS.* of their own."),
     Parameter("on_sight", True, "Whether a class that is not among `classes` is an object when it is first detected."),
+    Parameter(
+        "on_sight_instances", 8,
+        "Number of objects of such a class, once the detector shows several in one image; 1: ever the best one alone.",
+    ),
     Parameter("world_frame", "map", "Frame of the objects."),
     Parameter("odom_frame", "odom", "Frame relative to which the camera's motion is known."),
     Parameter("odometry_topic", "", "Topic of nav_msgs/Odometry; empty: the odometry is in /tf."),
     Parameter("camera_frame", "", "Frame of the camera, where there is one; empty: that of the first detections."),
     Parameter("body_frame", "base_link", "Frame on which the cameras of a rig stand."),
     Parameter("cameras", NONE, "Frames of the cameras of a rig, by the messages' headers; none: there is one camera."),
+    Parameter(
+        "camera_info_topics", NONE, "Topics of sensor_msgs/CameraInfo, for `in_view` in the diagnostics of objects."
+    ),
     Parameter("max_gap_s", 0.2, "Longest gap between two transforms that is interpolated [s]."),
     Parameter(
         "transform_timeout_s", 0.5,
@@ -80,8 +87,20 @@ NODE = (
     Parameter("symmetries_topic", "", "Latched topic of happypose_msgs/ObjectSymmetriesArray; empty: none."),
     Parameter(
         "replay_images", 600,
-        "Number of the last images that are kept, so that symmetries that come late count from there on.",
+        "Number of images up to which a run is played again when models change, as by symmetries that come late; in a "
+        "longer one the objects go on from where they are.",
     ),
+    Parameter(
+        "map_file", "", "File of ~/save and ~/load, and of load_map and save_map; may be set at any time."
+    ),
+    Parameter("load_map", False, "Whether map_file is loaded, where it is there, when the node is configured."),
+    Parameter("save_map", False, "Whether map_file is saved when the node is deactivated or ends."),
+    Parameter(
+        "map_goes_on", False,
+        "Whether the run of a map that is loaded before the first image goes on, as after a restart of the node alone; "
+        "else the map is found again by its objects.",
+    ),
+    Parameter("forget_ids", NONE, "Names of the objects that ~/forget forgets; may be set at any time."),
     Parameter("least_existence", 0.5, "Objects that exist with a smaller probability are not among ~/objects."),
     Parameter("publish_tf", True, "Whether /tf has the leading hypothesis of every confirmed object."),
     Parameter(
@@ -93,6 +112,18 @@ NODE = (
     Parameter("markers_hz", 5.0, "Largest rate of ~/markers [Hz]; 0: none."),
     Parameter("markers_sigmas", 3.0, "Half axes of the ellipsoids in standard deviations."),
     Parameter("diagnostics_hz", 1.0, "Rate of /diagnostics [Hz]."),
+    Parameter("view", "none", "Viewer that shows what is going on.", ("none", "rerun", "foxglove")),
+    Parameter(
+        "view_address", "",
+        "Address of the view or its file, as of `open_view`; empty: :9876 for Rerun, 127.0.0.1:8765 for Foxglove.",
+    ),
+    Parameter("view_hz", 10.0, "Largest rate of the view, and of the recording for the report [Hz]."),
+    Parameter(
+        "report_folder", "",
+        "Folder in which every run has one with its recording and, from deactivate, shutdown or ~/report on, its "
+        "report; empty: none.",
+    ),
+    Parameter("report_frames", 3000, "Frames of the recording at most; of a longer run every so many-th is left."),
 )  # fmt: skip
 
 SOURCE = (

@@ -6,12 +6,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
 
 from posemix._core import BodyCamera, ObservationComponent
 from posemix.bags.observations import moved
 from posemix.lie import SE3
 from posemix.ros.configuration import Configuration
+from posemix.ros.estimates import LiveEstimate
 from posemix.ros.messages import Image
 from posemix.ros.transforms import LiveLine, LiveTransforms, Row
 
@@ -134,11 +134,9 @@ class Surroundings:
             return None
         if not self._configuration["odometry_topic"]:
             return self.transforms.at(self._configuration["odom_frame"], self.body, stamp_ns, gap_s)
-        if self.odometry.newest_ns is None:
-            return None
-        poses, known = self.odometry.near(stamp_ns).at(np.array([stamp_ns]), gap_s)
-        to_body = self.transforms.at(self._base, self.body, stamp_ns, gap_s)
-        return poses[0] * to_body if known[0] and to_body is not None else None
+        pose = self.odometry.at(stamp_ns, gap_s)
+        to_body = None if pose is None else self.transforms.at(self._base, self.body, stamp_ns, gap_s)
+        return None if pose is None or to_body is None else pose * to_body
 
     def _cameras(self) -> list[BodyCamera] | None:
         """The cameras of the rig; None until transforms say where they are."""
@@ -152,3 +150,27 @@ class Surroundings:
                 found.append(BodyCamera(name=name, body_camera=pose))
             self._rig = found
         return self._rig
+
+    def below_world(self, estimate: LiveEstimate) -> tuple[str, SE3] | str | None:
+        """The frame that the node puts below the world, and T_frame_body; why it does not, where it should.
+
+        With odometry it is that of the odometry, without it the root of the tree in which the body is.
+        """
+        of, world = self._configuration, str(self._configuration["world_frame"])
+        if not of["publish_world_tf"]:
+            return None
+        if of.has_odometry:
+            child, pose = str(of["odom_frame"]), estimate.odometry
+            if child == world:
+                return None
+            above = self.transforms.parent(child)
+        else:
+            child = self.transforms.root(estimate.body)
+            pose = self.transforms.at(child, estimate.body, estimate.stamp_ns, of["max_gap_s"])
+            above = world if child == world else None
+        if above is not None and (above != world or child == world):
+            return (
+                f"'{child if child != world else estimate.body}' is below '{above}' in /tf already, so that this node "
+                f"does not say where it is in '{world}' (publish_world_tf)"
+            )
+        return None if pose is None else (child, pose)

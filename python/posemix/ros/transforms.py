@@ -7,10 +7,7 @@ from __future__ import annotations
 from bisect import bisect_left, insort
 from collections.abc import Sequence
 
-import numpy as np
-import numpy.typing as npt
-
-from posemix.bags.transforms import Nanoseconds, Timeline, TransformBuffer
+from posemix.bags.transforms import ancestors
 from posemix.lie import SE3
 
 __all__ = ["LiveLine", "LiveTransforms"]
@@ -58,21 +55,43 @@ class LiveLine:
         """The newest stamp [ns]; None before the first, and of one pose for all times."""
         return self._rows[-1][0] if self._rows else None
 
-    def near(self, stamp_ns: int) -> Timeline:
-        """The poses before and after a time, as far as they are there."""
-        if self._static is not None and not self._rows:
-            return Timeline(np.zeros(0, dtype=np.int64), _poses([self._static]))
-        after = bisect_left(self._rows, stamp_ns, key=lambda item: item[0])
-        rows = self._rows[max(after - 1, 0) : after + 1]
-        return Timeline(np.array([s for s, _ in rows], dtype=np.int64), _poses([r for _, r in rows]))
+    def at(self, stamp_ns: int, max_gap_s: float) -> SE3 | None:
+        """The pose at a time, to the last bit as `posemix.bags` interpolates it; None where it is not known.
+
+        Where one of the two that it lies between is none, such as a quaternion of zeros, it is not known.
+        """
+        try:
+            return self._at(stamp_ns, max_gap_s)
+        except ValueError:
+            return None
+
+    def _at(self, stamp_ns: int, max_gap_s: float) -> SE3 | None:
+        rows = self._rows
+        if not rows:
+            return None if self._static is None else _IDENTITY * _pose(self._static)
+        after = bisect_left(rows, stamp_ns, key=lambda item: item[0])
+        if after < len(rows) and rows[after][0] == stamp_ns:
+            return _IDENTITY * _pose(rows[after][1])
+        if after == 0 or after == len(rows):
+            return None
+        begin, end = rows[after - 1][0], rows[after][0]
+        width = (end - begin) * 1e-9
+        if not width <= max_gap_s:
+            return None
+        start = _pose(rows[after - 1][1])
+        share = (stamp_ns - begin) * 1e-9 / width
+        return SE3.exp(share * (_pose(rows[after][1]) * start.inverse()).log()) * start
 
 
-def _poses(rows: Sequence[Row]) -> SE3:
+_IDENTITY = SE3()
+
+
+def _pose(row: Row) -> SE3:
     # Twice, as bags do: rounded quaternions are not quite those of one normalisation.
-    return SE3.from_tq(SE3.from_tq(np.array(rows, dtype=np.float64).reshape((-1, 7))).to_tq())
+    return SE3.from_tq(SE3.from_tq(row).to_tq())
 
 
-class LiveTransforms(TransformBuffer):
+class LiveTransforms:
     """The tree of frames over a window of time.
 
     Parameters
@@ -93,7 +112,7 @@ class LiveTransforms(TransformBuffer):
     """
 
     def __init__(self, window_s: float) -> None:
-        super().__init__()
+        self._parents: dict[str, str] = {}
         self._window_ns = round(window_s * 1e9)
         self._live: dict[str, LiveLine] = {}
 
@@ -107,10 +126,6 @@ class LiveTransforms(TransformBuffer):
             self._live[child] = LiveLine(self._window_ns)
         self._live[child].add(stamp_ns, row)
 
-    def add(self, parent: str, child: str, pose: SE3, stamp_ns: int | None = None) -> None:
-        """Adds T_parent_child at a time, or without a stamp for all times."""
-        self.take(parent, child, pose.to_tq().tolist(), stamp_ns)
-
     def clear(self) -> None:
         """Forgets all transforms but those for all times, as after a jump of the clock."""
         for child in [c for c, line in self._live.items() if line.newest_ns is not None]:
@@ -123,25 +138,28 @@ class LiveTransforms(TransformBuffer):
     def root(self, frame: str) -> str:
         """The last of the frames above a frame, or itself."""
         try:
-            return self._ancestors(frame)[-1]
+            return ancestors(self._parents, frame)[-1]
         except ValueError:  # a ring
             return frame
-
-    def lookup(
-        self, target: str, source: str, stamps_ns: Nanoseconds, *, max_gap_s: float
-    ) -> tuple[SE3, npt.NDArray[np.bool_]]:
-        """T_target_source at one time; see `TransformBuffer`."""
-        for frame in {*self._ancestors(target), *self._ancestors(source)}:
-            if frame in self._live:
-                self._lines[frame] = self._live[frame].near(int(stamps_ns[0]))
-        return super().lookup(target, source, stamps_ns, max_gap_s=max_gap_s)
 
     def at(self, target: str, source: str, stamp_ns: int, max_gap_s: float) -> SE3 | None:
         """T_target_source at a time; None where it is not known."""
         if target == source:
             return SE3()
         try:
-            poses, known = self.lookup(target, source, np.array([stamp_ns]), max_gap_s=max_gap_s)
-        except ValueError:
+            up, down = ancestors(self._parents, source), ancestors(self._parents, target)
+        except ValueError:  # a ring
             return None
-        return poses[0] if known[0] else None
+        top = next((frame for frame in up if frame in down), None)
+        if top is None:
+            return None
+        ways = []
+        for chain in (down, up):
+            total = _IDENTITY
+            for frame in chain[: chain.index(top)]:
+                pose = self._live[frame].at(stamp_ns, max_gap_s)
+                if pose is None:
+                    return None
+                total = pose * total
+            ways.append(total)
+        return ways[0].inverse() * ways[1]

@@ -2,6 +2,7 @@
 # SPDX-FileCopyrightText: posemix contributors
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -21,6 +22,7 @@ from posemix import (
     TrackHealth,
     bags,
 )
+from posemix.live_view import LiveRecording
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -61,6 +63,31 @@ def test_flips_are_the_results_of_a_detection(maker: Callable[[str], BagMaker]) 
     angles = [(pose.inverse() * density.mean).rotation.angle() for density in mixture]
     assert min(angles) < 0.1
     assert max(angles) > 3.0
+
+
+def test_views_see_every_estimate_of_a_bag(drive: Callable[..., Path], tmp_path: Path) -> None:
+    """What views are shown is what the run returns, with the detections of the frame."""
+    path = drive("mcap")
+    alone = bags.run_slam(path, detections="/objects", odometry="/odom")
+    with LiveRecording(tmp_path / "a") as one, LiveRecording(tmp_path / "b") as other:
+        found = bags.run_slam(path, detections="/objects", odometry="/odom", view=[one, other])
+        assert one.frames == other.frames == 20
+        one.write_results()
+    np.testing.assert_array_equal(found.camera.poses.to_tq(), alone.camera.poses.to_tq())
+    trace = json.loads((tmp_path / "a" / "trace.json").read_text())
+    np.testing.assert_allclose(trace["camera"]["pose"], found.camera.poses.to_tq(), atol=1e-8)
+    recording = found.recording
+    np.testing.assert_allclose(trace["stamps_s"], recording.stamps)
+    for track in found.objects:
+        shown = trace["objects"][track.name]
+        np.testing.assert_allclose(shown["world"]["pose"], track.poses.to_tq(), atol=1e-8)
+        rows = [i for i, name in enumerate(recording.detections.class_id) if name == track.name]
+        seen = recording.detections.poses[np.array(rows)].to_tq()
+        np.testing.assert_allclose(np.abs(shown["detection"]), np.abs(seen), atol=1e-8)
+        assert shown["health"] == [state.health.name for state in track.states]
+    with pytest.raises(ValueError, match="a view is of the multi-object filter"):
+        settings = ObjectSlamSettings(tracker=GaussianSumSettings())
+        bags.track_objects(recording, settings=settings, view=one)
 
 
 def test_two_of_a_class(maker: Callable[[str], BagMaker]) -> None:

@@ -209,6 +209,25 @@ class Live:
         engine = self.node and self.node._engine
         return {} if not engine else dict(vars(engine.counts))
 
+    def show_five_objects(self, images: int) -> None:
+        """Shows five objects to a moving camera at 60 Hz, until the last estimate has all of them."""
+        rng = np.random.default_rng(3)
+        places = {f"object_{i}": SE3.exp([*rng.normal(size=3), *rng.uniform(-0.3, 0.3, 2), 1.0]) for i in range(5)}
+        scene = []
+        for i in range(images):
+            camera = SE3(translation=[0.001 * i, 0.0, 0.0])
+            errors = rng.normal(size=(5, 6)) * [0.01, 0.01, 0.01, 0.003, 0.003, 0.003]
+            of_camera = camera.inverse()
+            seen = {id_: of_camera * places[id_] * SE3.exp(e) for id_, e in zip(places, errors, strict=True)}
+            scene.append((camera, detections(at(i / 60), seen)))
+        begin = time.monotonic()
+        for i, (camera, message) in enumerate(scene):
+            self.move(at(i / 60), camera)
+            self.spin(max(begin + (i + 0.2) / 60 - time.monotonic(), 0.0))
+            self.detect(message)
+            self.spin(max(begin + (i + 1) / 60 - time.monotonic(), 0.0))
+        assert set(self.newest(at((images - 1) / 60))) == set(places)
+
     def taken(self, images: int) -> None:
         """Waits until so many images were taken in."""
         self.until(lambda: self.counts().get("images", 0) >= images, f"{images} images are taken in")

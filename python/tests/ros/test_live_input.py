@@ -116,7 +116,7 @@ def test_symmetries_may_come_late(live: Callable[..., Live]) -> None:
         publisher = world.partner.create_publisher(ObjectSymmetriesArray, "/symmetries", LATCHED)
         if not late:
             publisher.publish(symmetries_of_box())
-            world.until(lambda w=world: "can" in w.node._engine.symmetries, "symmetries")
+            world.until(lambda w=world: "can" in w.node._engine._known.symmetries, "symmetries")
         for i, seen in enumerate(images):
             world.detect(detections(at(0.3 * i), seen))
             world.taken(i + 1)

@@ -4,7 +4,9 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,6 +18,7 @@ from lifecycle_msgs.msg import Transition
 from rcl_interfaces.srv import DescribeParameters
 from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile, ReliabilityPolicy
+from sensor_msgs.msg import CameraInfo
 from std_srvs.srv import Trigger
 
 from posemix import SE3, SO3
@@ -132,6 +135,60 @@ def test_what_is_published(live: Callable[..., Live]) -> None:
     ellipsoids = [m for m in world.markers[-1].markers if m.ns == "mug/ellipsoids"]
     assert len(ellipsoids) == 2 and ellipsoids[0].color.a > ellipsoids[1].color.a
     assert {m.ns for m in world.markers[-1].markers} >= {"box/axes", "box/ellipsoids", "box/name", "mug/axes"}
+
+
+def test_a_report_on_request_and_at_the_end(live: Callable[..., Live], tmp_path: Path) -> None:
+    given = {**STILL, "report_folder": str(tmp_path / "runs"), "view_hz": 1000.0}
+    world = live(parameters=given)
+    ask = world.partner.create_client(Trigger, "/posemix/report")
+    answer = world.call(ask, Trigger.Request())
+    assert not answer.success and "there is no frame to report so far" in answer.message
+    watch(world, 1.0, 5, {"mug": MUG})
+    answer = world.call(ask, Trigger.Request())
+    assert answer.success, answer.message
+    page = Path(answer.message)
+    assert page.parent.parent == tmp_path / "runs" and page.name == "report.html"
+    stamps = json.loads((page.parent / "trace.json").read_text())["stamps_s"]
+    np.testing.assert_allclose(stamps, [1e-9 * at(1.0 + 0.2 * i) for i in range(5)], atol=1e-6)
+    # What comes meanwhile is in the report at the end, and a new run has a folder of its own.
+    watch(world, 2.0, 3, {"mug": MUG, "box": BOX})
+    assert world.change(Transition.TRANSITION_DEACTIVATE)
+    found = json.loads((page.parent / "trace.json").read_text())
+    assert found["frames"] == 8 and found["order"] == ["mug", "box"]
+    written = page.stat().st_mtime_ns
+    assert world.change(Transition.TRANSITION_CLEANUP)
+    assert page.stat().st_mtime_ns == written, "there was nothing new to report"
+    assert world.change(Transition.TRANSITION_CONFIGURE)
+    assert len(list((tmp_path / "runs").iterdir())) == 2
+
+
+def test_a_view_that_cannot_be_is_an_error(live: Callable[..., Live], tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    no_folder = {"report_folder": str(tmp_path / "file")}
+    for given in ({"view": "rviz"}, no_folder, {"view": "foxglove", "view_address": "x"}):
+        world = live(parameters={**STILL, **given}, active=False)
+        assert not world.change(Transition.TRANSITION_CONFIGURE) and world.state == "unconfigured"
+        world.close()
+    world = live(parameters=STILL)
+    answer = world.call(world.partner.create_client(Trigger, "/posemix/report"), Trigger.Request())
+    assert not answer.success and "report_folder is empty" in answer.message
+
+
+def test_what_is_in_view_by_the_cameras_matrix(live: Callable[..., Live]) -> None:
+    world = live(parameters={**STILL, "least_existence": 0.0, "camera_info_topics": ["/camera/info"]})
+    info = CameraInfo(width=640, height=480, k=np.array([500.0, 0, 320, 0, 500, 240, 0, 0, 1]))
+    info.header.frame_id = "camera"
+    topic = world.partner.create_publisher(CameraInfo, "/camera/info", 10)
+    world.until(lambda: topic.get_subscription_count() > 0, "camera info is heard")
+    # 1.2 m aside at one metre is 600 pixels off the centre.
+    watch(world, 0.0, 3, {"mug": MUG, "box": SE3(translation=[1.2, 0.0, 1.0])})
+    assert "in_view" not in values_of(world.status("mug"))
+    topic.publish(info)
+    assert values_of(world.status("mug", lambda s: "in_view" in values_of(s)))["in_view"] == "true"
+    assert values_of(world.status("box"))["in_view"] == "false"
+    info.k = np.zeros(9)
+    topic.publish(info)
+    world.status("node", lambda s: "camera 'camera' has focal lengths of 0" in s.message)
 
 
 def test_reset(live: Callable[..., Live]) -> None:

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import subprocess
@@ -123,43 +124,40 @@ def test_a_bag_through_the_node_is_the_run_over_the_bag(
 
 
 def test_latency_at_60_hz(live: Callable[..., Live], domain: int, capsys: pytest.CaptureFixture[str]) -> None:
-    """The node is a process of its own, as on a robot; its diagnostics say what it adds."""
+    """The node is a process of its own on one core, and says what it adds, from the middleware's receipt on."""
     reliable = {"qos_overrides./posemix/detections.subscription.reliability": "reliable"}
     parameters = {"least_existence": 0.0, "diagnostics_hz": 5.0, **reliable}
     running = program("--ros-args", *[a for k, v in parameters.items() for a in ("-p", f"{k}:={v}")], domain=domain)
+    os.sched_setaffinity(running.pid, {min(os.sched_getaffinity(0))})
     world = live(node=False)
-    rng = np.random.default_rng(3)
-    places = {f"object_{i}": SE3.exp([*rng.normal(size=3), *rng.uniform(-0.3, 0.3, 2), 1.0]) for i in range(5)}
     count = 420
-    images = []
-    for i in range(count):
-        camera = SE3(translation=[0.001 * i, 0.0, 0.0])
-        seen = {
-            name: camera.inverse() * pose * SE3.exp(rng.normal(size=6) * [0.01, 0.01, 0.01, 0.003, 0.003, 0.003])
-            for name, pose in places.items()
-        }
-        images.append((camera, detections(at(i / 60), seen)))
     try:
         world.until(world._is_connected, "the program is there", 20.0)
-        begin = time.monotonic()
-        for i, (camera, message) in enumerate(images):
-            world.move(at(i / 60), camera)
-            world.spin(max(begin + (i + 0.2) / 60 - time.monotonic(), 0.0))
-            world.detect(message)
-            world.spin(max(begin + (i + 1) / 60 - time.monotonic(), 0.0))
-        assert set(world.newest(at((count - 1) / 60))) == set(places)
+        cpu_s = cpu_time_s(running.pid)
+        world.show_five_objects(count)
+        cpu_s = cpu_time_s(running.pid) - cpu_s
         values = values_of(world.status("node", lambda s: "latency_99_ms" in values_of(s)))
     finally:
         running.send_signal(signal.SIGINT)
         running.communicate(timeout=10)
     with capsys.disabled():
+        of = {key: values[f"latency_{key}_ms"] for key in ("mean", "median", "99", "worst")}
         print(
-            f"\nadded latency at 60 Hz with five objects: median {values['latency_median_ms']} ms, "
-            f"99 % {values['latency_99_ms']} ms, {values['images']} of {count} images"
+            f"\nadded latency at 60 Hz with five objects: mean {of['mean']} ms, median {of['median']} ms, "
+            f"99 % {of['99']} ms, worst {of['worst']} ms, {1e3 * cpu_s / count:.2f} ms of CPU per image, "
+            f"{values['images']} of {count} images, load of the machine {os.getloadavg()[0]:.1f}"
         )
+    if os.getloadavg()[0] > 4 * (os.cpu_count() or 1):
+        pytest.skip("the machine has too much else to do")
     assert values["without_odometry"] == "0"
     # A bound that a busy machine holds, and a node that waits for a timer or a time-out does not.
     assert float(values["latency_median_ms"]) < 100.0
+
+
+def cpu_time_s(pid: int) -> float:
+    """Time that the threads of a process have been on a core [s]."""
+    fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
 def program(*arguments: str, domain: int) -> subprocess.Popen[str]:
@@ -196,3 +194,29 @@ def test_the_program_says_which_parameter_is_wrong(ros: None, domain: int) -> No
     text, _ = running.communicate(timeout=20)
     assert running.returncode == 1
     assert "motion.model is 'flying'" in text and "there is no parameter 'max_gap'" in text
+
+
+@pytest.mark.parametrize("end", [signal.SIGINT, signal.SIGTERM])
+def test_the_program_writes_its_report_when_it_is_ended(
+    live: Callable[..., Live], domain: int, tmp_path: Path, end: signal.Signals
+) -> None:
+    parameters = [
+        "motion.model:=still", f"report_folder:={tmp_path}", "view_hz:=1000.0", "least_existence:=0.0",
+        "qos_overrides./posemix/detections.subscription.reliability:=reliable",
+    ]  # fmt: skip
+    running = program("--ros-args", *(a for p in parameters for a in ("-p", p)), domain=domain)
+    try:
+        world = live(node=False)
+        world.until(world._is_connected, "the program listens", 20.0)
+        for k in range(10):
+            world.detect(detections(at(0.1 * k), {"mug": SE3(translation=[0.0, 0.0, 0.8])}))
+            world.newest(at(0.1 * k))
+        world.spin(0.3)
+        running.send_signal(end)
+        text, _ = running.communicate(timeout=20)
+    finally:
+        running.kill()
+    assert running.returncode == 0 and "Traceback" not in text, text
+    pages = list(tmp_path.glob("*/report.html"))
+    assert len(pages) == 1 and f"report: {pages[0]}" in text
+    assert json.loads((pages[0].parent / "trace.json").read_text())["frames"] == 10

@@ -165,7 +165,9 @@ def test_the_engine_bounds_what_it_keeps() -> None:
     for i in range(6000):
         engine.add(image(0.1 * i, arrival_s=0.1 * i))
         assert len(engine.ready(0.1 * i)) == 1
-    assert len(engine._log) == 10 and len(engine._stamps) <= 4100 and engine.counts.images == 6000
+    run = engine._run
+    assert run is not None and len(run._stamps) <= 4100 and len(run._with_odometry) <= 4100
+    assert len(engine._log) == 10 and not run.is_whole and engine.counts.images == 6000
 
 
 def test_images_that_waited_before_a_jump_are_dropped() -> None:

@@ -36,3 +36,25 @@ export function histogram(angles: Float64Array, components: Int32Array, count: n
   });
   return { x: Array.from({ length: bins }, (_, i) => low + (i + 0.5) * width), density };
 }
+
+const STRUCTURE_BINS = 60;
+/** Less than this is a single Gaussian, as far as so many samples can tell [nat]. */
+const LEAST_STRUCTURE = 0.03;
+
+/** How far angles are from one Gaussian: its entropy less theirs [nat], and their standard deviation. */
+export function structureOf(angles: Float64Array): { excess: number; sd: number } {
+  const mean = angles.reduce((sum, angle) => sum + angle, 0) / angles.length;
+  const sd = Math.sqrt(angles.reduce((sum, angle) => sum + (angle - mean) ** 2, 0) / angles.length);
+  const { x, density } = histogram(angles, new Int32Array(angles.length), 1, STRUCTURE_BINS);
+  const width = x[1] - x[0];
+  const entropy = density[0].reduce((sum, value) => (value > 0 ? sum - value * width * Math.log(value) : sum), 0);
+  return { excess: sd > 0 ? 0.5 * Math.log(2 * Math.PI * Math.E * sd * sd) - entropy : 0, sd };
+}
+
+/** The axis about which there is most to see: several peaks, or else the widest one. */
+export function axisOfInterest(mixture: Mixture, samples: Samples, frame: AngleFrame): number {
+  const found = [0, 1, 2].map((axis) => structureOf(anglesOf(mixture, samples, axis, frame)));
+  const best = [0, 1, 2].reduce((a, b) => (found[b].excess > found[a].excess ? b : a));
+  if (found[best].excess > LEAST_STRUCTURE) return best;
+  return [0, 1, 2].reduce((a, b) => (found[b].sd > found[a].sd ? b : a));
+}

@@ -65,5 +65,5 @@ export function consistencyPage(payload: Payload): HTMLElement {
   if (rest.length > 0) made.push({ name: "Files", build: () => element("div", {}, ...rest) });
   publish({ kind: "consistency", poses: poses.map((pose) => String(pose["name"] ?? "")), pictures: pictures.length });
   const aligned = document["alignment"] === "none" ? "" : `, aligned (${String(document["alignment"])})`;
-  return element("div", { class: "page" }, header(payload, `Consistency of estimates${aligned}`), element("main", {}, tabs("Consistency", made)), footer(payload));
+  return element("div", { class: "page" }, header(payload, `Consistency of estimates${aligned}`), element("main", {}, tabs("Consistency", made).node), footer(payload));
 }

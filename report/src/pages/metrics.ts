@@ -1,61 +1,166 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-// The numbers of metrics.json, with units.
+// The numbers of metrics.json by theme, in few units and with words for all of them.
 import { isObject, type Json, type JsonObject } from "../payload.ts";
 import { element } from "../ui/dom.ts";
-import { table } from "../ui/table.ts";
+import { formatted, titleOf } from "../ui/format.ts";
+import { decimalsOf, fixed } from "../ui/numbers.ts";
+import { HELP_WORDS, STATUS_WORDS, type Word, wordOf } from "./words.ts";
 
-const leaf = (value: Json) => !isObject(value);
+/** A number of the document by its path. */
+type Numbers = Map<string, Json>;
 
-/** The numbers of an object by their path, `a/b/c`. */
-function flat(value: JsonObject): JsonObject {
-  return Object.fromEntries(
-    Object.entries(value).flatMap(([key, inner]): [string, Json][] =>
-      isObject(inner) ? Object.entries(flat(inner)).map(([path, number]) => [`${key}/${path}`, number]) : [[key, inner]]),
-  );
+interface Theme {
+  title: string;
+  note?: string;
+  /** Whether it takes a quantity of a section; the first theme that does has it. */
+  takes: (section: string, quantity: string) => boolean;
 }
 
-/** A table with a row per entry; if entries are objects, the paths of their numbers are the columns. */
-function section(name: string, value: JsonObject): HTMLElement[] {
-  const entries = Object.entries(value).map(([key, inner]): [string, Json] => [key, isObject(inner) ? flat(inner) : inner]);
-  const nested = entries.filter((entry): entry is [string, JsonObject] => isObject(entry[1]));
-  const made: HTMLElement[] = [];
-  const single = entries.filter(([, inner]) => leaf(inner));
-  if (single.length > 0) {
-    made.push(table(name, ["", ...single.map(([key]) => key)], [
-      { name, cells: single.map(([key, inner]) => ({ value: inner, key: `${name}/${key}` })) },
-    ]));
+const ends = (...keys: string[]) => (_: string, quantity: string) => keys.includes(quantity);
+
+const OBJECT_THEMES: readonly Theme[] = [
+  { title: "Objects in the world", note: "Estimate against ground truth.", takes: ends("position_rmse_m", "rotation_rmse_deg") },
+  { title: "Objects as seen from the camera", note: "Filter and detector, each over all of its own frames.", takes: (_, quantity) => /^(detection_)?relative_(position|rotation)_rmse/.test(quantity) },
+  { title: "Filter and detector over the same frames", takes: (_, quantity) => quantity.startsWith("paired/") },
+  { title: "Detections and modes", takes: ends("detections", "gated", "unexplained", "right_mode_share", "mode_probability", "existence", "health") },
+  { title: "Share of the frames in every state of the track", takes: (_, quantity) => quantity.startsWith("health_shares/") },
+];
+const TITLES: Readonly<Record<string, string>> = {
+  consistency: "Consistency as seen from the camera", relative_consistency: "Consistency as seen from the camera, by part",
+  world_consistency: "Consistency in the world", timing: "Work per frame",
+};
+
+/** The numbers below a value by their path, `a/b/c`. */
+function flat(value: Json, path: string, out: Numbers = new Map()): Numbers {
+  if (isObject(value)) for (const [key, inner] of Object.entries(value)) flat(inner, path === "" ? key : `${path}/${key}`, out);
+  else out.set(path, value);
+  return out;
+}
+
+interface Column {
+  quantity: string;
+  word: Word;
+}
+
+function columnOf(quantity: string): Column {
+  const known = wordOf(quantity);
+  if (known) return { quantity, word: known };
+  if (quantity.startsWith("health_shares/")) return { quantity, word: { name: quantity.slice(14), unit: "%", scale: 100, text: "Share of the frames." } };
+  const { name, unit } = titleOf(quantity);
+  return { quantity, word: { name, unit, text: "" } };
+}
+
+interface Cell {
+  path: string;
+  value: Json | undefined;
+}
+
+/** Words of the quantities that are shown. */
+type Used = Map<string, Word>;
+
+/** A table with aligned decimals; undefined where it would be one of dashes. */
+function numberTable(caption: string, note: string | undefined, columns: Column[], rows: { name: string; cells: Cell[] }[], used: Used): HTMLElement | undefined {
+  const isShown = columns.map((_, k) => rows.some(({ cells }) => cells[k].value !== null && cells[k].value !== undefined));
+  if (!isShown.includes(true)) return undefined;
+  const keep = <T>(list: T[]) => list.filter((_, k) => isShown[k]);
+  const shown = keep(columns);
+  const isCount = (column: Column) => rows.every(({ cells }) => Number.isInteger(cells[columns.indexOf(column)].value ?? 0));
+  const scaled = (value: Json | undefined, { word }: Column) => (typeof value === "number" ? value * (word.scale ?? 1) : value);
+  const decimals = shown.map((column) => decimalsOf(rows.flatMap(({ cells }) => {
+    const value = scaled(cells[columns.indexOf(column)].value, column);
+    return typeof value === "number" ? [value] : [];
+  }))).map((digits, k) => (shown[k].word.unit === undefined && isCount(shown[k]) ? 0 : digits));
+  const head = element("tr", {}, element("td"), ...shown.map(({ word }) => {
+    if (word.text !== "") used.set(word.name, word);
+    return element("th", { scope: "col", title: word.text }, word.name, ...(word.unit ? [element("span", { class: "unit" }, ` [${word.unit}]`)] : []));
+  }));
+  const body = rows.map(({ name, cells }) => element("tr", { "data-entity": name }, element("th", { scope: "row" }, name), ...keep(cells).map(({ path, value }, k) => {
+    const number = scaled(value, shown[k]);
+    const text = typeof number === "number" ? fixed(number, decimals[k]) : formatted(number);
+    return element("td", { class: typeof number === "string" ? "" : "number", "data-key": path, "data-value": JSON.stringify(value ?? null) }, text);
+  })));
+  const made = element("table", { class: "aligned" }, element("caption", {}, caption, ...(note ? [element("small", {}, note)] : [])),
+    element("thead", {}, head), element("tbody", {}, ...body));
+  return element("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": caption }, made);
+}
+
+/** A table of some quantities of the objects of a section; `at` gives the path of a number. */
+function objectTable(caption: string, note: string | undefined, quantities: string[], ids: string[], numbers: Numbers, at: (id: string, quantity: string) => string, used: Used): HTMLElement | undefined {
+  const rows = ids.map((id) => ({ name: id, cells: quantities.map((quantity) => ({ path: at(id, quantity), value: numbers.get(at(id, quantity)) })) }));
+  return numberTable(caption, note, quantities.map(columnOf), rows, used);
+}
+
+/** Camera and odometry, whose quantities are the same, as two rows. */
+function cameraTable(document: JsonObject, numbers: Numbers, used: Used): HTMLElement | undefined {
+  const parts = [["camera", "filter"], ["odometry", "odometry alone"]].filter(([key]) => isObject(document[key]));
+  const quantities = [...new Set(parts.flatMap(([key]) => Object.keys(document[key] as JsonObject)))];
+  const rows = parts.map(([key, name]) => ({ name, cells: quantities.map((quantity) => ({ path: `${key}/${quantity}`, value: numbers.get(`${key}/${quantity}`) })) }));
+  return numberTable("Camera in the world", undefined, quantities.map(columnOf), rows, used);
+}
+
+function objectTables(document: JsonObject, ids: string[], numbers: Numbers, used: Used): (HTMLElement | undefined)[] {
+  const objects = document["objects"];
+  if (!isObject(objects)) return [];
+  const quantities = [...new Set(ids.flatMap((id) => [...flat(objects[id], "").keys()]))];
+  const themes = [...OBJECT_THEMES, { title: "Objects, other", takes: () => true } as Theme];
+  const left = new Set(quantities);
+  return themes.map(({ title, note, takes }) => {
+    const own = quantities.filter((quantity) => left.has(quantity) && takes("objects", quantity));
+    for (const quantity of own) left.delete(quantity);
+    return objectTable(title, note, own, ids, numbers, (id, quantity) => `objects/${id}/${quantity}`, used);
+  });
+}
+
+/** Any other section: a row per object where it is by object, in either order; else one row. */
+function otherTable(section: string, value: JsonObject, ids: string[], numbers: Numbers, used: Used): HTMLElement | undefined {
+  const title = TITLES[section] ?? section.replaceAll("_", " ");
+  const keys = Object.keys(value);
+  const isObjects = (names: string[]) => names.length > 0 && names.every((name) => ids.includes(name));
+  const inner = Object.values(value);
+  if (isObjects(keys)) {
+    const quantities = [...new Set(inner.flatMap((one) => [...flat(one, "").keys()]))];
+    return objectTable(title, undefined, quantities, ids, numbers, (id, quantity) => `${section}/${id}${quantity === "" ? "" : `/${quantity}`}`, used);
   }
-  if (nested.length > 0) {
-    const columns = [...new Set(nested.flatMap(([, inner]) => Object.keys(inner)))];
-    made.push(table(name, ["", ...columns], nested.map(([row, inner]) => ({
-      name: row,
-      cells: columns.map((key) => ({ value: inner[key], key: `${name}/${row}/${key}` })),
-    }))));
+  if (inner.every((one) => isObject(one) && isObjects(Object.keys(one)))) {
+    return objectTable(title, undefined, keys, ids, numbers, (id, quantity) => `${section}/${quantity}/${id}`, used);
   }
-  return made;
+  const quantities = [...flat(value, "").keys()];
+  const rows = [{ name: section === "camera_consistency" ? "camera" : "run", cells: quantities.map((quantity) => ({ path: `${section}/${quantity}`, value: numbers.get(`${section}/${quantity}`) })) }];
+  return numberTable(section === "camera_consistency" ? "Consistency of the camera" : title, undefined, quantities.map(columnOf), rows, used);
 }
 
-/** {quantity: {object: number}} transposed, so that every table has a row per object. */
-function byObject(value: JsonObject, objects: Json | undefined): JsonObject {
-  const ids = isObject(objects) ? Object.keys(objects) : [];
-  const quantities = Object.entries(value);
-  const turned = quantities.every(([, inner]) => isObject(inner) && Object.keys(inner).every((id) => ids.includes(id)));
-  if (!turned || value === objects) return value;
-  return Object.fromEntries(
-    ids.map((id) => [id, Object.fromEntries(quantities.map(([name, inner]) => [name, (inner as JsonObject)[id] ?? null]))]),
-  );
+function definitions(words: Iterable<readonly [string, string]>): HTMLElement {
+  const list = element("dl", { class: "words" });
+  for (const [name, text] of words) list.append(element("dt", {}, name), element("dd", {}, text));
+  return list;
 }
+
+/** What all the words on this tab, and of the page, mean. */
+function help(used: Used): HTMLElement {
+  return element("details", { class: "help" }, element("summary", {}, "Words"),
+    definitions([...used.values()].map(({ name, text }) => [name, text] as const)),
+    element("h2", {}, "Status of a detection"), definitions(Object.entries(STATUS_WORDS)),
+    element("h2", {}, "On the other tabs"), definitions(Object.entries(HELP_WORDS)));
+}
+
+/** Sections that have a place of their own on the page. */
+const ELSEWHERE = new Set(["camera", "odometry", "objects", "provenance"]);
 
 export function metrics(document: Json | undefined): HTMLElement {
   if (!isObject(document)) return element("p", { class: "notice" }, "The folder has no metrics.json.");
-  const node = element("div", { class: "tables", id: "metrics" });
-  const top: JsonObject = {};
-  for (const [key, value] of Object.entries(document)) {
-    if (isObject(value)) node.append(...section(key, byObject(value, document["objects"])));
-    else if (key !== "schema") top[key] = value;
-  }
-  node.prepend(...section("run", top));
-  node.append(element("p", { class: "hint" }, "Root mean squares over the frames with both an estimate and ground truth. A dash marks a missing value."));
+  const numbers = flat(document, "");
+  const objects = document["objects"];
+  const ids = isObject(objects) ? Object.keys(objects) : [];
+  const used: Used = new Map();
+  const top = Object.entries(document).filter(([key, value]) => key !== "schema" && !isObject(value)).map(([key]) => key);
+  const tables = [
+    numberTable("Run", undefined, top.map(columnOf), [{ name: "run", cells: top.map((key) => ({ path: key, value: document[key] })) }], used),
+    cameraTable(document, numbers, used),
+    ...objectTables(document, ids, numbers, used),
+    ...Object.entries(document).flatMap(([key, value]) => (isObject(value) && !ELSEWHERE.has(key) ? [otherTable(key, value, ids, numbers, used)] : [])),
+  ].filter((made) => made !== undefined);
+  const node = element("div", { class: "tables", id: "metrics" }, ...tables,
+    element("p", { class: "hint" }, "Errors are over the frames with both an estimate and ground truth. A dash marks a missing value; press a row of an object to select it."), help(used));
   return node;
 }

@@ -1,25 +1,23 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-import { DEGREES, log } from "../math/rotation.ts";
-import { type AngleFrame, anglesOf, histogram } from "../mixture/marginal.ts";
-import { type Mixture, positionCovariance, readMixture, rotationSd } from "../mixture/mixture.ts";
+import { componentTable, componentToggles, marginal } from "../mixture/parts.ts";
+import { type Mixture, readMixture } from "../mixture/mixture.ts";
+import { componentColours } from "../mixture/order.ts";
 import { sampleMixture, type Samples } from "../mixture/sample.ts";
 import { BadPayload, isObject, type Payload } from "../payload.ts";
-import { Chart, type ChartSeries } from "../plots/chart.ts";
-import { ChartGroup } from "../plots/group.ts";
 import { type FlagLayers, FlagScene } from "../scene/flag_scene.ts";
-import type { View } from "../scene/viewport.ts";
+import { composePicture, savePicture } from "../scene/picture.ts";
+import { lengthText } from "../scene/units.ts";
+import type { View, Viewport } from "../scene/viewport.ts";
+import type { RunState } from "../state/run_state.ts";
 import { button, choice, element, toggle } from "../ui/dom.ts";
-import { colourOf } from "../ui/palette.ts";
-import { table } from "../ui/table.ts";
 import { files } from "./files.ts";
 import { footer, header, noScene, picture, publish } from "./page.ts";
+import { fullScreenButton } from "./scene_controls.ts";
+import { printMixtures } from "./print_mixture.ts";
 
 const FLAGS = 400;
 const DRAWS = 20000;
-const BINS = 90;
-const MOST_SERIES = 8;
-const MOST_TOGGLES = 16;
 const LAYERS: readonly (readonly [keyof FlagLayers, string])[] = [
   ["flags", "Flags"], ["means", "Means"], ["ellipsoids", "3-sigma ellipsoids"], ["labels", "Labels"],
 ];
@@ -32,56 +30,6 @@ export function mixtureDocuments(payload: Payload): Mixture[] {
     .map(([name, document]) => readMixture(name, document));
 }
 
-/** The numbers of the components with the largest weights, in their order. */
-function heaviest({ components }: Mixture, most: number): number[] {
-  const byWeight = components.map((_, k) => k).sort((a, b) => components[b].weight - components[a].weight);
-  return byWeight.slice(0, most).sort((a, b) => a - b);
-}
-
-function marginal(mixture: Mixture, samples: Samples, group: ChartGroup): HTMLElement {
-  let axis = 2;
-  let frame: AngleFrame = "body";
-  const fill = () => {
-    const angles = anglesOf(mixture, samples, axis, frame);
-    const { x, density } = histogram(angles, samples.components, mixture.components.length, BINS);
-    const series: ChartSeries[] = [{ label: "all", values: density[0], kind: "shade" }];
-    for (const k of mixture.components.length > 1 ? heaviest(mixture, MOST_SERIES) : []) {
-      series.push({ label: `component ${k + 1}`, values: density[1 + k], colour: colourOf(k) });
-    }
-    group.replace([new Chart({ title: `angle about ${"xyz"[axis]}, probability per degree`, x, xLabel: "angle [deg]", series, height: 260 })]);
-  };
-  fill();
-  return element("div", {},
-    element("div", { class: "controls" },
-      choice("Axis", [["0", "x"], ["1", "y"], ["2", "z"]], "2", (value) => ((axis = Number(value)), fill())),
-      choice("of", [["body", mixture.to], ["reference", mixture.from]], frame, (value) => ((frame = value as AngleFrame), fill())),
-      element("p", { class: "hint" }, `Relative to the heaviest component's mean, from ${samples.count} samples.`)),
-    group.node);
-}
-
-function componentTable(mixture: Mixture): HTMLElement {
-  const columns = ["", "weight", "x_m", "y_m", "z_m", "rotation_vector_deg", "rotation_sd_deg", "position_sd_mm"];
-  const rows = mixture.components.map((component, k) => {
-    const r = [0, 0, 0];
-    log(component.quaternion, r);
-    const p = positionCovariance(mixture, component);
-    const list = (values: number[], digits: number) => values.map((value) => value.toFixed(digits)).join(", ");
-    const at = `${mixture.name}/${k}`;
-    return {
-      name: String(k + 1),
-      cells: [
-        { value: component.weight, key: `${at}/weight` },
-        ...component.translation.map((value, i) => ({ value, key: `${at}/translation/${i}` })),
-        { value: list(r.map((angle) => angle * DEGREES), 2) },
-        { value: list(rotationSd(mixture, component).map((sd) => sd * DEGREES), 2) },
-        { value: list([0, 4, 8].map((i) => 1000 * Math.sqrt(p[i])), 2) },
-      ],
-    };
-  });
-  const side = mixture.side === "left" ? `axes of ${mixture.from}` : `axes of ${mixture.to}`;
-  return table(`T_${mixture.from}_${mixture.to}: ${mixture.distribution} Gaussians; rotation sd about the ${side}`, columns, rows);
-}
-
 interface Drawn {
   mixture: Mixture;
   /** Few samples, for flags. */
@@ -91,16 +39,21 @@ interface Drawn {
 }
 
 /** The scene and its buttons; undefined if the browser cannot draw it. */
-function makeScene(drawn: Drawn[], stage: HTMLElement): FlagScene | undefined {
+function makeScene(drawn: Drawn[], stage: HTMLElement, shown: () => Mixture): FlagScene | undefined {
   try {
     const most = Math.max(...drawn.map(({ mixture }) => mixture.components.length));
     const scene = new FlagScene("Samples from the mixture as flags", most, FLAGS);
-    const views = element("div", { class: "buttons", role: "group", "aria-label": "View" },
-      ...VIEWS.map(([view, name]) => button(name, () => scene.viewport.look(view))));
-    const layers = element("div", { class: "toggles", role: "group", "aria-label": "Show" },
+    const views = element("div", { class: "buttons", role: "group", "aria-label": "View of the mixture" },
+      ...VIEWS.map(([view, name]) => button(name, () => scene.look(view))));
+    const layers = element("div", { class: "toggles", role: "group", "aria-label": "Show of the mixture" },
       ...LAYERS.map(([layer, name]) => toggle(name, scene.layers[layer], (on) => scene.setLayer(layer, on))));
-    stage.append(scene.viewport.node, element("div", { class: "controls" }, views, layers),
-      element("p", { class: "hint" }, "A flag's foot is the position, its pole the z axis, its pennant points along x."));
+    const save = button("Save picture", () => {
+      const mixture = shown();
+      const colours = componentColours(mixture);
+      const legend = mixture.components.map(({ weight }, k) => ({ text: `${k + 1}: ${(100 * weight).toFixed(1)} %`, colour: colours[k] }));
+      savePicture(composePicture(scene.viewport, `${mixture.name}: T_${mixture.from}_${mixture.to}`, legend), `${mixture.name.replace(/\.json$/, "")}_flags.png`);
+    });
+    stage.append(scene.viewport.node, element("div", { class: "controls" }, views, layers, element("div", { class: "buttons" }, save, ...fullScreenButton(stage))));
     return scene;
   } catch (error) {
     stage.append(noScene(error));
@@ -108,55 +61,81 @@ function makeScene(drawn: Drawn[], stage: HTMLElement): FlagScene | undefined {
   }
 }
 
-function componentToggles(mixture: Mixture, hidden: Set<number>, change: () => void): HTMLElement {
-  const parts = element("div", { class: "toggles", role: "group", "aria-label": "Components" });
-  for (const k of heaviest(mixture, MOST_TOGGLES)) {
-    const box = toggle(`${k + 1}`, true, (on) => {
-      if (on) hidden.delete(k);
-      else hidden.add(k);
-      change();
-    });
-    box.style.setProperty("--swatch", colourOf(k));
-    box.classList.add("swatched");
-    parts.append(box);
-  }
-  return parts;
+/** What the mixtures of a run are, and the way to the frame that they are of. */
+function lastFrameNote(state: RunState): HTMLElement {
+  const last = state.trace.frames - 1;
+  const text = element("span", {});
+  const go = button("Go to the last frame", () => state.go(last));
+  const write = () => {
+    const here = state.frame === last;
+    text.textContent = `All hypotheses at the last frame, ${state.trace.seconds[last].toFixed(2)} s; the trace has but the heaviest of the others. ` +
+      (here ? "It is the frame that the page shows." : `The page shows frame ${state.frame} of ${last}.`);
+    go.hidden = here;
+  };
+  state.on("frame", write);
+  write();
+  return element("p", { class: "hint last-frame" }, text, " ", go);
 }
 
 export interface MixtureView {
   node: HTMLElement;
   flagCount: () => number;
+  /** For tests. */
+  probe: () => unknown;
+  viewport: Viewport | undefined;
+  /** The mixture that is shown. */
+  shown: () => Mixture;
 }
 
-/** Scene, marginal and table of one or more mixtures. */
-export function mixtureView(mixtures: Mixture[]): MixtureView {
+const ofObject = (mixture: Mixture, id: string) => mixture.to === id || mixture.name === `mixture_${id}.json`;
+
+/** Scene, marginal and table of one or more mixtures; of a run, those at its last frame. */
+export function mixtureView(mixtures: Mixture[], state?: RunState): MixtureView {
   const drawn = mixtures.map((mixture): Drawn => ({ mixture, flags: sampleMixture(mixture, FLAGS), many: undefined }));
   const below = element("div", { class: "below" });
   const stage = element("div", { class: "stage" });
-  const scene = makeScene(drawn, stage);
+  const own = state ? mixtures.findIndex((mixture) => ofObject(mixture, state.nameOf(state.selected))) : 0;
+  let at = Math.max(0, own);
+  const scene = makeScene(drawn, stage, () => mixtures[at]);
+  const hint = element("p", { class: "hint" });
+  stage.append(hint);
   let fitted = "";
   const show = (index: number) => {
+    at = index;
     const entry = drawn[index];
     const { mixture, flags } = entry;
     const hidden = new Set<number>();
     const update = () => scene?.show(mixture, flags, hidden);
     // Mixtures of one pose, such as the stages of a fusion, share one view.
     const pose = `${mixture.from} ${mixture.to}`;
-    if (fitted !== pose) scene?.fit(mixture.from, drawn.filter((one) => `${one.mixture.from} ${one.mixture.to}` === pose).map((one) => one.flags));
+    if (fitted !== pose) scene?.fit(drawn.filter((one) => `${one.mixture.from} ${one.mixture.to}` === pose));
     fitted = pose;
     update();
+    hint.textContent = `${flags.count} poses drawn from the mixture as flags: the foot is the position, the pole the z axis, the pennant points along x.` +
+      (scene ? ` Grid: ${lengthText(scene.step)}. Axes of ${mixture.from}.` : "");
     entry.many ??= sampleMixture(mixture, DRAWS, 2);
     below.replaceChildren(
-      ...(mixture.components.length > 1 ? [componentToggles(mixture, hidden, update)] : []),
-      marginal(mixture, entry.many, new ChartGroup()), componentTable(mixture));
+      ...(mixture.components.length > 1 ? [componentToggles(mixture, hidden, update)] : []), marginal(mixture, entry.many), componentTable(mixture));
   };
-  show(0);
-  const chooser = mixtures.length > 1
-    ? [choice("Mixture", mixtures.map(({ name, to }, i) => [String(i), `${to} (${name})`] as const), "0", (value) => show(Number(value)))]
-    : [];
+  show(at);
+  const chooser = choice("Mixture", mixtures.map(({ name, to }, i) => [String(i), `${to} (${name})`] as const), String(at), (value) => {
+    show(Number(value));
+    const entity = state?.trace.objects.findIndex(({ id }) => ofObject(mixtures[at], id)) ?? -1;
+    if (entity >= 0) state?.select(entity);
+  });
+  state?.on("selection", () => {
+    const index = mixtures.findIndex((mixture) => ofObject(mixture, state.nameOf(state.selected)));
+    if (index < 0 || index === at) return;
+    chooser.querySelector("select")!.value = String(index);
+    show(index);
+  });
+  const head = [...(mixtures.length > 1 ? [chooser] : []), ...(state ? [lastFrameNote(state)] : [])];
   return {
-    node: element("div", { class: "mixture" }, ...chooser, element("div", { class: "columns" }, stage, below)),
+    node: element("div", { class: "mixture" }, ...head, element("div", { class: "mixture-parts" }, stage, below)),
     flagCount: () => scene?.flagCount ?? 0,
+    probe: () => scene && { labels: scene.viewport.labels.shown, scale: { ...scene.viewport.overlay.scale }, step: scene.step, notes: [...scene.viewport.overlay.notes], top: scene.topPixels() },
+    viewport: scene?.viewport,
+    shown: () => mixtures[at],
   };
 }
 
@@ -168,7 +147,9 @@ export function mixturePage(payload: Payload): HTMLElement {
     kind: "mixture",
     names: mixtures.map(({ name }) => name),
     get flags() { return view.flagCount(); },
+    get scene() { return view.probe(); },
   });
+  printMixtures(payload, "A pose that may have more than one peak", mixtures, () => view);
   const pictures = Object.entries(payload.pictures).map(([name, svg]) => picture(name, svg));
   return element("div", { class: "page" }, header(payload, "A pose that may have more than one peak"),
     element("main", {}, view.node, ...pictures, ...files(payload)), footer(payload));

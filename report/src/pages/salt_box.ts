@@ -3,16 +3,17 @@
 // The salt box of the MPG paper: flags by stage.
 import type { Payload } from "../payload.ts";
 import type { Mixture } from "../mixture/mixture.ts";
-import { Chart } from "../plots/chart.ts";
-import { ChartGroup } from "../plots/group.ts";
+import { chartFigure } from "../plots/explorer.ts";
+import { key } from "../plots/drawing.ts";
+import type { TableChart } from "../plots/table_chart.ts";
 import { button, element } from "../ui/dom.ts";
 import { colourOf } from "../ui/palette.ts";
 import { type Tab, tabs } from "../ui/tabs.ts";
 import type { Table } from "../ui/csv.ts";
-import { tableNode } from "./files.ts";
-import { mixtureDocuments, mixtureView } from "./mixture.ts";
+import { mixtureDocuments, type MixtureView, mixtureView } from "./mixture.ts";
 import { footer, header, picture, publish } from "./page.ts";
-import { studyTables } from "./study.ts";
+import { printMixtures } from "./print_mixture.ts";
+import { storyNode, studyTables, tablesNode } from "./study.ts";
 
 /** Pictures and mixtures in the order of the stages. */
 export function inOrder(names: string[], stages: string[]): string[] {
@@ -49,25 +50,27 @@ function stepper(payload: Payload, names: string[]): HTMLElement {
   return element("div", { class: "stepper" }, list, place);
 }
 
-/** Standard deviations over the stages. */
-function spread(stages: Table): ChartGroup {
-  const group = new ChartGroup();
+/** Standard deviations by stage. Stages are two branches that meet, so that no line joins them. */
+export function spread(stages: Table): TableChart[] {
   const names = stages.rows.map((row) => String(row[0]));
-  const x = names.map((_, i) => i + 1);
-  const column = (name: string, scale: number) => {
-    const k = stages.columns.indexOf(name);
-    return stages.rows.map((row) => (k >= 0 && typeof row[k] === "number" ? scale * (row[k] as number) : null));
-  };
-  const chart = (title: string, key: (axis: string) => string, scale: number) =>
-    new Chart({
-      title, x, xNames: names, height: 300,
-      series: ["x", "y", "z"].map((axis, k) => ({ label: axis, values: column(key(axis), scale), colour: colourOf(k), kind: "both" as const })),
+  const chart = (title: string, key: (axis: string) => string, scale: number): TableChart => {
+    const lines = ["x", "y", "z"].map((axis, index) => {
+      const k = stages.columns.indexOf(key(axis));
+      const points = stages.rows.flatMap((row, i) =>
+        k >= 0 && typeof row[k] === "number" ? [{ x: names[i], value: scale * (row[k] as number), low: undefined, high: undefined, rows: 1 }] : []);
+      return { group: axis, index, points };
     });
-  group.replace([
+    return { title, xLabel: "stage", yLabel: title, names, words: true, panel: { unit: "", lines }, log: false };
+  };
+  return [
     chart("rotation standard deviation [deg]", (axis) => `rotation_std_${axis}_deg`, 1),
     chart("translation standard deviation [mm]", (axis) => `translation_std_${axis}_m`, 1000),
-  ]);
-  return group;
+  ];
+}
+
+function spreadNode(stages: Table): HTMLElement {
+  const axes = ["x", "y", "z"].map((name, k) => ({ name: `about or along ${name}`, colour: colourOf(k), shape: k }));
+  return element("div", {}, key(axes), element("div", { class: "panel-grid" }, ...spread(stages).map(chartFigure)));
 }
 
 export function saltBoxPage(payload: Payload): HTMLElement {
@@ -78,21 +81,22 @@ export function saltBoxPage(payload: Payload): HTMLElement {
   const mixtures = inOrder(Object.keys(payload.documents), stageNames);
   const ordered: Mixture[] = mixtureDocuments(payload).sort((a, b) => mixtures.indexOf(a.name) - mixtures.indexOf(b.name));
   const list: Tab[] = [];
-  let flags = () => 0;
+  let view: MixtureView | undefined;
   if (pictures.length > 0) list.push({ name: "Flags by stage", build: () => stepper(payload, pictures) });
   if (ordered.length > 0) {
     list.push({
       name: "In space",
       build: () => {
-        const view = mixtureView(ordered);
-        flags = view.flagCount;
+        view = mixtureView(ordered);
         return view.node;
       },
     });
   }
-  if (stages.rows.length > 0) list.push({ name: "Spread", build: () => spread(stages).node });
-  list.push({ name: "Tables", build: () => element("div", { class: "tables" }, ...Object.entries(found).map(([name, table]) => tableNode(name, table))) });
-  publish({ kind: "salt_box", pictures, mixtures: ordered.map(({ name }) => name), get flags() { return flags(); } });
-  return element("div", { class: "page" }, header(payload, "Salt box: a pose from three features, flags by stage"),
-    element("main", {}, tabs("Salt box", list)), footer(payload));
+  if (stages.rows.length > 0) list.push({ name: "Spread", build: () => spreadNode(stages) });
+  list.push({ name: "Tables", build: () => tablesNode(found) });
+  publish({ kind: "salt_box", pictures, mixtures: ordered.map(({ name }) => name), get flags() { return view?.flagCount() ?? 0; } });
+  const subtitle = "Salt box: a pose from three features, flags by stage";
+  printMixtures(payload, subtitle, ordered, () => view, pictures, found);
+  return element("div", { class: "page study" }, header(payload, subtitle),
+    element("main", {}, ...storyNode("salt-box", found), tabs("Salt box", list).node), footer(payload));
 }

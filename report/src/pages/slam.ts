@@ -1,104 +1,117 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 import type { Payload } from "../payload.ts";
-import { ChartGroup } from "../plots/group.ts";
-import type { Layers } from "../scene/layers.ts";
-import { SlamScene } from "../scene/slam_scene.ts";
-import type { View } from "../scene/viewport.ts";
-import { readTrace, type Trace } from "../trace/trace.ts";
-import { button, element, toggle } from "../ui/dom.ts";
+import type { ChartGroup } from "../plots/group.ts";
+import { bindAddress } from "../state/address.ts";
+import { EventChoice } from "../state/event_choice.ts";
+import { PoseDisplay } from "../state/pose_display.ts";
+import { RunFacts } from "../state/run_facts.ts";
+import { RunState } from "../state/run_state.ts";
+import { readTrace } from "../trace/trace.ts";
+import { element } from "../ui/dom.ts";
+import { Keys } from "../ui/keys.ts";
+import { linkRows } from "../ui/linked_rows.ts";
 import { Player } from "../ui/player.ts";
-import { type Tab, tabs } from "../ui/tabs.ts";
+import { Strips } from "../ui/strips.ts";
+import { type Tab, type Tabs, tabs } from "../ui/tabs.ts";
+import { eventsList } from "./events_list.ts";
 import { files } from "./files.ts";
 import { metrics } from "./metrics.ts";
 import { mixtureDocuments, mixtureView } from "./mixture.ts";
-import { footer, header, noScene, picture, publish } from "./page.ts";
-import { detectionPlots, errorPlots, statusPlots, hypothesisPlots, type Seek } from "./slam_plots.ts";
+import { overview } from "./overview.ts";
+import { footer, header, picture, publish } from "./page.ts";
+import { printRun } from "./print_run.ts";
+import { makeScene } from "./scene_controls.ts";
+import { plotTabs } from "./slam_plots.ts";
 import { StateTable } from "./state_table.ts";
-import { trackPlots } from "./track_plots.ts";
 
-const LAYERS: readonly (readonly [keyof Layers, string])[] = [
-  ["truth", "Ground truth"], ["ellipsoids", "3-sigma ellipsoids"], ["hypotheses", "Hypotheses"],
-  ["detections", "Detections"], ["labels", "Labels"], ["paths", "Paths of objects"],
-];
-const VIEWS: readonly (readonly [View, string])[] = [
-  ["fit", "All"], ["near", "Objects"], ["top", "Top"], ["front", "Front"], ["side", "Side"], ["eye", "Camera"],
-];
-
-function sceneControls(scene: SlamScene, trace: Trace): HTMLElement {
-  const views = element("div", { class: "buttons", role: "group", "aria-label": "View" });
-  for (const [view, name] of VIEWS) views.append(button(name, () => scene.look(view)));
-  const layers = element("div", { class: "toggles", role: "group", "aria-label": "Show" });
-  for (const [layer, name] of LAYERS) {
-    if (layer === "truth" && !trace.hasTruth) continue;
-    if (layer === "paths" && !scene.objectPaths.any) continue;
-    layers.append(toggle(name, scene.layers[layer], (on) => scene.setLayer(layer, on)));
-  }
-  return element("div", { class: "controls" }, views, layers);
+/** A tab whose content is told when it is opened. */
+function opened(name: string, build: () => { node: HTMLElement; open: () => void }): Tab {
+  let made: ReturnType<typeof build> | undefined;
+  return { name, build: () => (made = build()).node, open: () => made?.open() };
 }
 
-function gridText(step: number): string {
-  return step >= 1 ? `${step} m` : step >= 0.01 ? `${Number((100 * step).toPrecision(2))} cm` : `${Number((1000 * step).toPrecision(2))} mm`;
+interface Shared {
+  facts: RunFacts;
+  events: EventChoice;
+  display: PoseDisplay;
 }
 
-function makeScene(trace: Trace, payload: Payload): { node: HTMLElement; scene: SlamScene | undefined } {
-  try {
-    const scene = new SlamScene(trace, payload.meshes);
-    const hint = element("p", { class: "hint" },
-      `Axes: x orange, y green, z blue. Ghosts: hypotheses, the fainter the less probable. Grid: ${gridText(scene.gridStep)}.`);
-    return { node: element("div", { class: "stage" }, scene.viewport.node, sceneControls(scene, trace), hint), scene };
-  } catch (error) {
-    return { node: element("div", { class: "stage" }, noScene(error)), scene: undefined };
-  }
-}
-
-function makeTabs(trace: Trace, payload: Payload, seek: Seek, groups: ChartGroup[]): HTMLElement {
-  const plots = (name: string, build: (trace: Trace, group: ChartGroup, seek: Seek) => HTMLElement): Tab => {
-    const group = new ChartGroup();
-    groups.push(group);
-    return { name, build: () => build(trace, group, seek), open: () => group.mark() };
-  };
+function makeTabs(state: RunState, payload: Payload, groups: ChartGroup[], { facts, events, display }: Shared): Tabs {
+  const numbers = payload.documents["metrics.json"];
   const list: Tab[] = [
-    plots("Detections", detectionPlots),
-    plots("Errors", errorPlots),
-    plots("Hypotheses", hypothesisPlots),
-    plots("Status", statusPlots),
-    ...(trace.hasTracks ? [plots("Tracks", trackPlots)] : []),
-    { name: "Numbers", build: () => metrics(payload.documents["metrics.json"]) },
+    opened("Overview", () => overview(state, facts, display, numbers)),
+    opened("Events", () => eventsList(state, facts, events)),
+    ...plotTabs(state, groups),
+    { name: "Numbers", build: () => linkRows(metrics(numbers), state) },
   ];
   const mixtures = mixtureDocuments(payload);
-  if (mixtures.length > 0) list.push({ name: "Mixtures", build: () => mixtureView(mixtures).node });
+  if (mixtures.length > 0) list.push({ name: "Mixtures", build: () => mixtureView(mixtures, state).node });
   const rest = files(payload);
   const pictures = Object.entries(payload.pictures).map(([name, svg]) => picture(name, svg));
   if (rest.length + pictures.length > 0) list.push({ name: "Files", build: () => element("div", {}, ...pictures, ...rest) });
-  return tabs("Plots and numbers", list);
+  return tabs("Plots and numbers", list, (name) => state.setTab(name));
+}
+
+/** Keys for the selected object, and from event to event. */
+function addRunKeys(state: RunState, events: EventChoice, keys: Keys): void {
+  const step = (by: number) => () => {
+    const count = state.trace.objects.length + 1;
+    state.select(((state.selected + 1 + by + count) % count) - 1);
+  };
+  keys.add(["]"], "select the next object", step(1));
+  keys.add(["["], "select the object before", step(-1));
+  keys.add(["o"], "show the selected object alone, or all", () => state.solo(state.selected));
+  keys.add(["h"], "hide or show the selected object", () => state.setHidden(state.selected, !state.hidden.has(state.selected)));
+  keys.add(["n"], "the next event; with shift of the selected object", ({ shiftKey }) => events.step(1, shiftKey));
+  keys.add(["p"], "the event before; with shift of the selected object", ({ shiftKey }) => events.step(-1, shiftKey));
+  keys.add(["f"], "follow the selected object", () => state.setFollow(!state.follow));
 }
 
 export async function slamPage(payload: Payload): Promise<HTMLElement> {
   const started = performance.now();
   const trace = await readTrace(payload.trace!);
   const decoded = performance.now();
-  const { node: stage, scene } = makeScene(trace, payload);
-  const state = new StateTable(trace);
+  const facts = new RunFacts(trace);
+  const state = new RunState(trace, facts.byDoubt[0]);
+  const shared = { facts, events: new EventChoice(state, facts), display: new PoseDisplay() };
+  const keys = new Keys();
+  const { node: stage, scene } = makeScene(state, payload);
+  const table = new StateTable(state, shared.display);
   const groups: ChartGroup[] = [];
+  const player = new Player(state, keys);
+  new Strips(state, shared.events, player.strips);
+  const pages = makeTabs(state, payload, groups, shared);
+  state.on("tab", () => pages.show(state.tab));
+  addRunKeys(state, shared.events, keys);
   let updateTime = 0;
-  const show = (frame: number) => {
+  const show = () => {
     const start = performance.now();
-    scene?.update(frame);
-    for (const group of groups) group.update(trace.seconds[frame]);
+    scene?.update(state.frame);
+    for (const group of groups) group.update(state.seconds);
     updateTime = performance.now() - start;
-    state.update(frame);
+    table.update();
     scene?.viewport.invalidate();
   };
-  const player = new Player(trace, show);
-  stage.append(player.node, state.node);
-  const node = element("div", { class: "page slam" }, header(payload, `${trace.head.method} · ${trace.frames} frames`),
-    element("main", { class: "columns" }, stage, makeTabs(trace, payload, (seconds) => player.seek(seconds), groups)), footer(payload));
-  show(0);
+  state.on("frame", show);
+  (scene?.viewport.node ?? stage.firstElementChild!).after(player.node);
+  stage.append(table.node);
+  const node = element("div", { class: "page slam" }, header(payload, `${trace.head.method} · ${trace.frames} frames`, keys),
+    element("main", { class: "columns" }, stage, pages.node), footer(payload));
+  show();
+  bindAddress(state);
+  const seen = () => {
+    // Labels take the colours of paper.
+    scene?.update(state.frame);
+    return scene?.viewport;
+  };
+  printRun(payload, trace, seen, () => `${state.seconds.toFixed(2)} s`);
   publish({
     kind: "slam",
     frames: trace.frames,
-    get frame() { return player.frame; },
+    get frame() { return state.frame; },
+    get events() { return facts.events; },
+    get selected() { return state.nameOf(state.selected); },
     get updateTime() { return updateTime; },
     get drawTime() { return scene?.viewport.drawTime; },
     get firstDraw() { return scene?.viewport.firstDraw; },
@@ -106,6 +119,7 @@ export async function slamPage(payload: Payload): Promise<HTMLElement> {
     get faint() { return scene?.faint.axes.mesh.count; },
     get ellipsoids() { return scene?.ellipsoidCount; },
     get bodies() { return scene?.bodyIds; },
+    scene: scene?.probe,
     decodeTime: decoded - started,
     pose: (id: string) => scene?.shown(id === "camera" ? "camera" : trace.objects.findIndex((object) => object.id === id)),
   });

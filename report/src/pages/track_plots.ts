@@ -3,37 +3,36 @@
 // The plots of tracks: health, existence, and models of motion.
 import { Chart, type ChartSeries } from "../plots/chart.ts";
 import type { ChartGroup } from "../plots/group.ts";
-import { healthChart, marksLegend } from "../plots/statuses.ts";
-import type { Trace } from "../trace/trace.ts";
+import { valuesOf } from "../plots/series.ts";
+import { healthChart, marksLegend, wordsThatOccur } from "../plots/statuses.ts";
+import type { RunState } from "../state/run_state.ts";
 import { element } from "../ui/dom.ts";
 import { colourOf, HEALTH_MARKS } from "../ui/palette.ts";
+import type { Plots, PlotTab } from "./plot_settings.ts";
 
-type Seek = (seconds: number) => void;
-
-function line(trace: Trace, label: string, colour: string, at: (frame: number) => number | undefined): ChartSeries {
-  return { label, colour, values: Array.from({ length: trace.frames }, (_, frame) => at(frame) ?? null) };
-}
-
-function probabilities(trace: Trace, title: string, series: ChartSeries[], seek: Seek): Chart {
-  return new Chart({ title, x: trace.seconds, series, range: [-0.02, 1.02], height: 200, seek });
+function probabilities(state: RunState, title: string, series: ChartSeries[]): Chart {
+  return new Chart({ title, x: state.trace.seconds, series, range: [-0.02, 1.02], height: 200, seek: (seconds) => state.seek(seconds) });
 }
 
 /** Health and existence of every object, and the probabilities of the models of those that move. */
-export function trackPlots(trace: Trace, group: ChartGroup, seek: Seek): HTMLElement {
+export function trackPlots({ state }: Plots, group: ChartGroup): PlotTab {
+  const { trace } = state;
   const charts: Chart[] = [];
   const hasHealth = trace.objects.some(({ health }) => health !== undefined);
-  if (hasHealth) charts.push(healthChart(trace, seek));
-  const existing = trace.objects.flatMap(({ id, existence }, i) => (existence ? [line(trace, id, colourOf(i), existence)] : []));
-  if (existing.length > 0) charts.push(probabilities(trace, "probability that the object exists", existing, seek));
+  if (hasHealth) charts.push(healthChart(state));
+  const existing = trace.objects.flatMap(({ id, existence }, i): ChartSeries[] =>
+    existence ? [{ label: id, colour: colourOf(i), values: valuesOf(trace.frames, existence), select: () => state.select(i) }] : []);
+  if (existing.length > 0) charts.push(probabilities(state, "probability that the object exists", existing));
   for (const { id, models } of trace.objects) {
     if (!models) continue;
-    const series = models.names.map((name, k) => line(trace, name, colourOf(k), (frame) => models.probability(k, frame)));
-    charts.push(probabilities(trace, `models of motion of ${id}`, series, seek));
+    const series = models.names.map((name, k) => ({ label: name, colour: colourOf(k), values: valuesOf(trace.frames, (frame) => models.probability(k, frame)) }));
+    charts.push(probabilities(state, `models of motion of ${id}`, series));
   }
   group.replace(charts);
+  state.on("selection", () => group.redraw());
   const again = trace.objects.some(({ registerAgain }) => registerAgain?.some((value) => value !== 0));
   const node = element("div", {}, group.node);
-  if (hasHealth) node.append(marksLegend(trace.healths, HEALTH_MARKS));
+  if (hasHealth) node.append(marksLegend(wordsThatOccur(trace.objects.map(({ health }) => ({ values: health })), trace.healths), HEALTH_MARKS));
   if (again) node.append(element("p", { class: "hint" }, "A line above a band: the object should be registered again."));
-  return node;
+  return { node, opened: () => {} };
 }

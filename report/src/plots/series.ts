@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 // The series in the plots of a run, computed from its trace.
-import { covarianceOf, largestEigenvalue } from "../math/linear.ts";
+import { covarianceOf } from "../math/linear.ts";
+import { normBound } from "../math/norm_bound.ts";
 import { angleBetween, DEGREES, log, multiplyInverse, rollPitchYaw, rotationVector, unwrap } from "../math/rotation.ts";
-import type { Estimate, PoseTrack, Trace } from "../trace/trace.ts";
+import type { Estimate, PoseTrack } from "../trace/trace.ts";
 import type { ChartSeries, Values } from "./chart.ts";
 
 export type RotationAs = "vector" | "rpy";
@@ -74,8 +75,11 @@ function nearestVector(q: number[], last: number[], near: number[], beside: bool
   rotationVector(q, out);
 }
 
+/** What can be read of a pose frame by frame. */
+export type TrackView = Pick<PoseTrack, "has" | "position" | "quaternion">;
+
 /** Angle [deg] and distance [mm] between two tracks in frames that have both. */
-export function errorNorms(track: PoseTrack, truth: PoseTrack, frames: number): { angle: Values; distance: Values } {
+export function errorNorms(track: TrackView, truth: TrackView, frames: number): { angle: Values; distance: Values } {
   const [angle, distance] = [blank(frames), blank(frames)];
   const [p, t] = [[0, 0, 0], [0, 0, 0]];
   const [q, r] = [[0, 0, 0, 1], [0, 0, 0, 1]];
@@ -91,8 +95,8 @@ export function errorNorms(track: PoseTrack, truth: PoseTrack, frames: number): 
   return { angle, distance };
 }
 
-/** Truth minus estimate: Log(R_true R_est^T) [deg] and the difference of the positions [mm], by axis. */
-export function errorComponents(track: PoseTrack, truth: PoseTrack, frames: number): PoseSeries {
+/** Truth minus estimate: R_true R_est^T, as a vector or as angles [deg], and the difference of the positions [mm], by axis. */
+export function errorComponents(track: PoseTrack, truth: PoseTrack, frames: number, as: RotationAs = "vector"): PoseSeries {
   const series = { position: three(frames), rotation: three(frames) };
   const [p, t, e] = [[0, 0, 0], [0, 0, 0], [0, 0, 0]];
   const [q, r] = [[0, 0, 0, 1], [0, 0, 0, 1]];
@@ -103,7 +107,8 @@ export function errorComponents(track: PoseTrack, truth: PoseTrack, frames: numb
     track.quaternion(frame, q);
     truth.quaternion(frame, r);
     multiplyInverse(r, q, q);
-    log(q, e);
+    if (as === "vector") log(q, e);
+    else rollPitchYaw(q, e);
     for (let i = 0; i < 3; ++i) {
       series.rotation[i][frame] = e[i] * DEGREES;
       series.position[i][frame] = 1000 * (t[i] - p[i]);
@@ -112,51 +117,69 @@ export function errorComponents(track: PoseTrack, truth: PoseTrack, frames: numb
   return series;
 }
 
-/** Three standard deviations by axis, in degrees and millimetres, and of the least certain direction. */
-export function threeSigma(estimate: Estimate, frames: number): PoseSeries & { angle: Values; distance: Values } {
+/** Standard deviations by axis, in degrees and millimetres, and what the norms of consistent errors do not exceed. */
+export interface Spread extends PoseSeries {
+  angle: Values;
+  distance: Values;
+}
+
+export function spreadOf(estimate: Estimate, frames: number): Spread {
   const out = { position: three(frames), rotation: three(frames), angle: blank(frames), distance: blank(frames) };
   const sd = [0, 0, 0];
+  const none = [0, 0, 0];
   const p = new Float64Array(9);
   for (let frame = 0; frame < frames; ++frame) {
     if (!estimate.pose.has(frame)) continue;
     if (estimate.hasSd) {
       estimate.rotationSd(frame, sd);
-      for (let i = 0; i < 3; ++i) out.rotation[i][frame] = 3 * sd[i] * DEGREES;
-      out.angle[frame] = 3 * Math.max(sd[0], sd[1], sd[2]) * DEGREES;
+      for (let i = 0; i < 3; ++i) out.rotation[i][frame] = sd[i] * DEGREES;
+      covarianceOf(sd, none, p);
+      out.angle[frame] = normBound(p) * DEGREES;
     }
     if (estimate.hasPositionSd) {
       estimate.positionSdAt(frame, sd);
-      for (let i = 0; i < 3; ++i) out.position[i][frame] = 3000 * sd[i];
+      for (let i = 0; i < 3; ++i) out.position[i][frame] = 1000 * sd[i];
       if (estimate.hasCovariance) estimate.covariance(frame, p);
-      else covarianceOf(sd, [0, 0, 0], p);
-      out.distance[frame] = 3000 * Math.sqrt(largestEigenvalue(p));
+      else covarianceOf(sd, none, p);
+      out.distance[frame] = 1000 * normBound(p);
     }
   }
   return out;
 }
 
-export const negative = (values: Values): Values => values.map((value) => (value === null ? null : -value));
+export const times = (values: Values, factor: number): Values => values.map((value) => (value === null ? null : factor * value));
 
-/** The probability in every slot of an object, with a gap where another hypothesis takes over the slot. */
-export function hypothesisSeries(trace: Trace, object: number): Values[] {
-  return trace.objects[object].hypotheses.map((slot) => {
-    const values = blank(trace.frames);
-    for (let frame = 0; frame < trace.frames; ++frame) {
-      if (!slot.pose.has(frame)) continue;
-      const taken = frame > 0 && slot.pose.has(frame - 1) && slot.id(frame) !== slot.id(frame - 1);
-      if (!taken) values[frame] = slot.probability(frame);
-    }
-    return values;
-  });
+/** The values of a function of the frame. */
+export function valuesOf(frames: number, at: (frame: number) => number | undefined): Values {
+  return Array.from({ length: frames }, (_, frame) => at(frame) ?? null);
 }
 
-/** A limit that holds nine tenths of the detections and of the shade, and all but a hundredth of the errors. */
+function sizeAt(values: Values, share: number): number {
+  const sizes = Float64Array.from(values.filter((value) => value !== null), Math.abs).sort();
+  return sizes.length > 0 ? sizes[Math.floor(share * (sizes.length - 1))] : 0;
+}
+
+/** How many times the range of the lines the sigmas, and the detections, may take of the picture. */
+const MOST_SPREAD = 4;
+const MOST_DOTS = 2.5;
+/** Of Gaussian values these are about 4 sigma; detections of another mode are farther out. */
+const MOST_MEDIANS = 6;
+
+/**
+ * A range for lines: it holds all but a hundredth of their values. Sigmas and detections widen it only so far that the
+ * lines remain to be seen; what is beyond is marked at the edge.
+ */
 export function usualRange(series: ChartSeries[], fromZero: boolean): [number, number] {
-  let top = 0;
-  for (const { values, kind } of series) {
-    const sizes = values.filter((value) => value !== null).map((value) => Math.abs(value!)).sort((a, b) => a - b);
-    if (sizes.length > 0) top = Math.max(top, sizes[Math.floor((kind === undefined ? 0.99 : 0.9) * (sizes.length - 1))]);
+  let [lines, areas, dots] = [0, 0, 0];
+  for (const { values, kind, quiet } of series) {
+    if (kind === "dots") dots = quiet ? dots : Math.max(dots, Math.min(sizeAt(values, 0.99), MOST_MEDIANS * sizeAt(values, 0.5)));
+    else if (kind === "shade" || kind === "band") areas = Math.max(areas, sizeAt(values, 0.9));
+    else lines = Math.max(lines, sizeAt(values, 0.99));
   }
-  top = top > 0 ? 1.2 * top : 1;
+  // Without lines the dots are the subject.
+  const subject = lines > 0 ? lines : dots;
+  let top = subject > 0 ? Math.max(subject, Math.min(areas, MOST_SPREAD * subject)) : areas;
+  top = Math.max(top, Math.min(dots, MOST_DOTS * top));
+  top = top > 0 ? 1.15 * top : 1;
   return [fromZero ? 0 : -top, top];
 }

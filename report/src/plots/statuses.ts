@@ -1,13 +1,19 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 // The status of every detection, and the health of every track: a row per object.
-import type uPlot from "uplot";
-import type { Trace } from "../trace/trace.ts";
+import type { RunState } from "../state/run_state.ts";
 import type { Integers } from "../trace/decode.ts";
+import type { Trace } from "../trace/trace.ts";
 import { element } from "../ui/dom.ts";
 import { HEALTH_MARKS, STATUS_MARKS } from "../ui/palette.ts";
 import { themeColour } from "../ui/theme.ts";
-import { Chart } from "./chart.ts";
+import { Chart, type Rows } from "./chart.ts";
+import { faded7 } from "./chart_options.ts";
+import type { Field, Pen } from "./pen.ts";
+import { type Run, runsOf, spansOf } from "./runs.ts";
+
+const LEAST = 3;
+const SPARE = 0.14;
 
 /** Number of detections of every status, by object. */
 export function countStatuses(trace: Trace): number[][] {
@@ -26,84 +32,108 @@ export interface Row {
   flag?: Integers | undefined;
 }
 
-/** Frames with equal values from `from` on. */
-function endOf(values: Integers, from: number, frames: number): number {
-  let to = from + 1;
-  while (to < frames && values[to] === values[from]) ++to;
-  return to;
+interface Band {
+  runs: Run[];
+  flags: Run[];
+}
+
+const markOf = (word: string | undefined, marks: Marks) => marks[word ?? ""] ?? { colour: "#8A8A8A", height: 0.5, text: word ?? "" };
+
+/** The middle of a row and the height that its marks may have. */
+function place(field: Field, row: number, count: number): { middle: number; full: number; top: number; height: number } {
+  const top = field.y(count - row);
+  const height = field.y(count - row - 1) - top;
+  return { top, height, middle: top + height / 2, full: (1 - 2 * SPARE) * height };
+}
+
+function paintBand(pen: Pen, field: Field, band: Band, at: ReturnType<typeof place>, words: readonly string[], marks: Marks, x: (frame: number) => number, spoken: boolean): void {
+  const { middle, full } = at;
+  const rank = (value: number) => (markOf(words[value], marks).colour === "" ? -1 : markOf(words[value], marks).height);
+  const right = field.left + field.width;
+  for (const { start, end, value } of spansOf(band.runs, x, LEAST * field.pixel, rank)) {
+    if (end < field.left || start > right) continue;
+    const { colour, height } = markOf(words[value], marks);
+    const [low, high] = [Math.max(start, field.left), Math.min(end, right)];
+    pen.rect(low, middle - (height * full) / 2, high - low, height * full, colour);
+    if (!spoken || high - low < pen.widthOf(words[value], 10) + 8 * field.pixel) continue;
+    // Beside a thin band there is room above it only.
+    const inside = height >= 0.5;
+    pen.text(words[value], low + 4 * field.pixel, inside ? middle : middle - (height * full) / 2 - 6 * field.pixel, inside ? "#000000" : themeColour("--ink"), { size: 10 });
+  }
+  for (const { from, to, value } of band.flags) {
+    if (value !== 0) pen.rect(x(from), middle - full / 2 - 3 * field.pixel, Math.max(LEAST * field.pixel, x(to) - x(from)), 2 * field.pixel, themeColour("--ink"));
+  }
 }
 
 /** Paints a band of marks per row; with `spoken` words stand in the bands where there is room. */
-export function paintRows(trace: Trace, plot: uPlot, rows: Row[], words: readonly string[], marks: Marks, spoken = false): void {
-  const { ctx } = plot;
-  const { left, top, width, height } = plot.bbox;
-  const x = (frame: number) => plot.valToPos(trace.seconds[Math.min(frame, trace.frames - 1)], "x", true);
-  ctx.save();
-  ctx.beginPath();
-  ctx.rect(left, top, width, height);
-  ctx.clip();
-  ctx.font = `${10 * devicePixelRatio}px system-ui, sans-serif`;
-  ctx.textAlign = "left";
-  ctx.textBaseline = "bottom";
-  rows.forEach(({ values, flag }, row) => {
-    if (!values) return;
-    const bottom = plot.valToPos(rows.length - 1 - row, "y", true);
-    const full = 0.85 * (bottom - plot.valToPos(rows.length - row, "y", true));
-    for (let from = 0; from < trace.frames; ) {
-      const to = endOf(values, from, trace.frames);
-      const word = words[values[from]];
-      const mark = marks[word] ?? { colour: "#8A8A8A", height: 0.5, text: word };
-      if (mark.colour !== "") {
-        const [start, end] = [x(from), x(to)];
-        ctx.fillStyle = mark.colour;
-        ctx.fillRect(start, bottom - mark.height * full, Math.max(1.5, end - start), mark.height * full);
-        const [low, high] = [Math.max(start, left), Math.min(end, left + width)];
-        if (spoken && high - low > ctx.measureText(word).width + 8 * devicePixelRatio) {
-          ctx.fillStyle = mark.height < 0.6 ? themeColour("--ink") : "#000000";
-          ctx.fillText(word, low + 4 * devicePixelRatio, bottom - (mark.height < 0.6 ? mark.height * full : 0.12 * full));
-        }
-      }
-      from = to;
-    }
-    ctx.fillStyle = themeColour("--ink");
-    for (let from = 0; flag && from < trace.frames; ) {
-      const to = endOf(flag, from, trace.frames);
-      if (flag[from]) ctx.fillRect(x(from), bottom - full - 3 * devicePixelRatio, Math.max(1.5, x(to) - x(from)), 2 * devicePixelRatio);
-      from = to;
-    }
-  });
-  ctx.restore();
+function painter(state: RunState, bands: Band[], words: readonly string[], marks: Marks, spoken: boolean) {
+  const { trace } = state;
+  return (pen: Pen, field: Field) => {
+    const x = (frame: number) => field.x(trace.seconds[Math.min(frame, trace.frames - 1)]);
+    bands.forEach((band, row) => {
+      const at = place(field, row, bands.length);
+      if (state.selected === row) pen.rect(field.left, at.top, field.width, at.height, faded7(themeColour("--accent"), 0.14));
+      if (row > 0) pen.line([field.left, at.top, field.left + field.width, at.top], themeColour("--line"), field.pixel);
+      paintBand(pen, field, band, at, words, marks, x, spoken);
+    });
+  };
 }
 
 const rowNames = (trace: Trace) => trace.objects.map(({ id }) => (id.length > 13 ? `${id.slice(0, 12)}…` : id)).reverse();
 
-export function statusChart(trace: Trace, seek: (seconds: number) => void): Chart {
-  const count = trace.objects.length;
-  return new Chart({
-    title: "What became of the detections",
-    x: trace.seconds,
-    height: 44 + Math.max(3, count) * 26,
-    series: [{ label: "status", values: new Array<null>(trace.frames).fill(null), kind: "dots" }],
-    range: [0, count],
-    yNames: rowNames(trace),
-    seek,
-    paint: (plot) => paintRows(trace, plot, trace.objects.map(({ status }) => ({ values: status })), trace.statuses, STATUS_MARKS),
-  });
+function rowsOf(trace: Trace, rows: Row[], words: readonly string[]): Rows {
+  const known = trace.objects.map(({ id }, i) => ({ id, values: rows[i].values }));
+  return {
+    columns: ["time [s]", ...known.map(({ id }) => id)],
+    rows: Array.from(trace.seconds, (seconds, frame) => [seconds, ...known.map(({ values }) => (values ? (words[values[frame]] ?? null) : null))]),
+  };
 }
 
-export function healthChart(trace: Trace, seek: (seconds: number) => void): Chart {
-  const count = trace.objects.length;
-  const rows = trace.objects.map(({ health, registerAgain }) => ({ values: health, flag: registerAgain }));
-  return new Chart({
-    title: "health of the tracks",
+interface RowChart {
+  title: string;
+  rows: Row[];
+  words: readonly string[];
+  marks: Marks;
+  rowHeight: number;
+  spoken: boolean;
+}
+
+function rowChart(state: RunState, { title, rows, words, marks, rowHeight, spoken }: RowChart): Chart {
+  const { trace } = state;
+  const bands = rows.map(({ values, flag }) => ({ runs: values ? runsOf(values) : [], flags: flag ? runsOf(flag) : [] }));
+  const chart = new Chart({
+    title,
     x: trace.seconds,
-    height: 44 + Math.max(3, count) * 32,
-    series: [{ label: "health", values: new Array<null>(trace.frames).fill(null), kind: "dots" }],
-    range: [0, count],
+    height: 52 + Math.max(2, rows.length) * rowHeight,
+    series: [{ label: title, values: new Array<null>(trace.frames).fill(null), kind: "dots" }],
+    range: [0, rows.length],
     yNames: rowNames(trace),
-    seek,
-    paint: (plot) => paintRows(trace, plot, rows, trace.healths, HEALTH_MARKS, true),
+    seek: (seconds) => state.seek(seconds),
+    pressRow: (row) => state.select(row),
+    paint: painter(state, bands, words, marks, spoken),
+    rows: () => rowsOf(trace, rows, words),
+    keys: wordsThatOccur(rows, words).flatMap((label) => (markOf(label, marks).colour === "" ? [] : [{ label, colour: markOf(label, marks).colour }])),
   });
+  return chart;
+}
+
+export function statusChart(state: RunState): Chart {
+  const { objects, statuses } = state.trace;
+  const rows = objects.map(({ status }) => ({ values: status }));
+  return rowChart(state, { title: "status of the detections", rows, words: statuses, marks: STATUS_MARKS, rowHeight: 26, spoken: false });
+}
+
+export function healthChart(state: RunState): Chart {
+  const { objects, healths } = state.trace;
+  const rows = objects.map(({ health, registerAgain }) => ({ values: health, flag: registerAgain }));
+  return rowChart(state, { title: "health of the tracks", rows, words: healths, marks: HEALTH_MARKS, rowHeight: 34, spoken: true });
+}
+
+/** The words that occur in some row. */
+export function wordsThatOccur(rows: readonly Row[], words: readonly string[]): string[] {
+  const seen = new Set<number>();
+  for (const { values } of rows) values?.forEach((value) => seen.add(value));
+  return words.filter((_, value) => seen.has(value));
 }
 
 /** The words of marks beside their colours and heights. */

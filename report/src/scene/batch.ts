@@ -30,7 +30,7 @@ varying vec3 vNormal;
 void main() {
   float facing = abs(normalize(vNormal).z);
 #ifdef GLASS
-  float alpha = vTint.a * (0.30 + 0.70 * pow(1.0 - facing, 1.5));
+  float alpha = vTint.a * (0.10 + 0.90 * pow(1.0 - facing, 2.0));
   gl_FragColor = vec4(vTint.rgb, alpha);
 #else
   gl_FragColor = vec4(vTint.rgb * (0.65 + 0.35 * facing), vTint.a);
@@ -47,6 +47,10 @@ export interface BatchLook {
   solid?: boolean;
   /** Whether it is visible through what is in front of it. */
   onTop?: boolean;
+  /** Only its nearest surface is drawn, so that a translucent mesh does not show its own far side. */
+  shell?: boolean;
+  /** What has a larger one is drawn later. */
+  order?: number;
 }
 
 export class Batch {
@@ -55,6 +59,7 @@ export class Batch {
   private readonly tints: Float32Array;
   private readonly tintAttribute: InstancedBufferAttribute;
   private readonly rotation = new Float64Array(9);
+  private readonly depth: InstancedMesh | undefined;
   private count = 0;
 
   constructor(shape: BufferGeometry, private readonly most: number, look: BatchLook = {}) {
@@ -72,12 +77,26 @@ export class Batch {
     this.mesh = new InstancedMesh(geometry, material, Math.max(1, most));
     this.mesh.frustumCulled = false;
     this.mesh.count = 0;
-    this.mesh.renderOrder = look.onTop ? 1 : 0;
+    this.mesh.renderOrder = look.order ?? (look.onTop ? 5 : 0);
     this.mesh.instanceMatrix.setUsage(DynamicDrawUsage);
     this.matrices = this.mesh.instanceMatrix.array as Float32Array;
     this.tints = new Float32Array(4 * Math.max(1, most));
     this.tintAttribute = new InstancedBufferAttribute(this.tints, 4).setUsage(DynamicDrawUsage);
     geometry.setAttribute("tint", this.tintAttribute);
+    if (look.shell) this.depth = this.nearest(geometry, material);
+  }
+
+  /** The same shape, of which the depth alone is drawn, right before. */
+  private nearest(geometry: BufferGeometry, material: ShaderMaterial): InstancedMesh {
+    const writing = material.clone();
+    writing.colorWrite = false;
+    writing.depthWrite = true;
+    const depth = new InstancedMesh(geometry, writing, Math.max(1, this.most));
+    depth.instanceMatrix = this.mesh.instanceMatrix;
+    depth.frustumCulled = false;
+    depth.renderOrder = this.mesh.renderOrder - 0.5;
+    this.mesh.add(depth);
+    return depth;
   }
 
   begin(): void {
@@ -109,6 +128,7 @@ export class Batch {
 
   end(): void {
     this.mesh.count = this.count;
+    if (this.depth) this.depth.count = this.count;
     this.mesh.visible = this.count > 0;
     this.mesh.instanceMatrix.needsUpdate = true;
     this.tintAttribute.needsUpdate = true;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 // How the scene shows tracks: paths of objects that move, and objects that are not confirmed or lost.
-import { type Color, Group } from "three";
+import { type Color, Group, type Object3D } from "three";
 import type { Numbers } from "../math/rotation.ts";
 import type { Trace } from "../trace/trace.ts";
 import { TRUTH_COLOUR } from "../ui/palette.ts";
@@ -15,16 +15,17 @@ type Shape = ConstructorParameters<typeof Batch>[0];
 export class ObjectPaths {
   readonly node = new Group();
   readonly truth = new Group();
-  private readonly paths: Path[] = [];
+  private readonly paths: { index: number; path: Path; truth: Object3D | undefined }[] = [];
 
   constructor(trace: Trace, colours: readonly Color[], dash: number) {
     trace.objects.forEach(({ models, world }, i) => {
       if (!models || !world) return;
       const path = new Path(world.pose, trace.frames, true);
       path.setColour(colours[i]);
-      this.paths.push(path);
+      const truth = world.truth && dashedPath(world.truth, trace.frames, TRUTH_COLOUR, dash);
+      this.paths.push({ index: i, path, truth });
       this.node.add(path.node);
-      if (world.truth) this.truth.add(dashedPath(world.truth, trace.frames, TRUTH_COLOUR, dash));
+      if (truth) this.truth.add(truth);
     });
   }
 
@@ -32,8 +33,12 @@ export class ObjectPaths {
     return this.paths.length > 0;
   }
 
-  update(frame: number): void {
-    for (const path of this.paths) path.update(frame);
+  update(frame: number, hidden: ReadonlySet<number>): void {
+    for (const { index, path, truth } of this.paths) {
+      path.node.visible = !hidden.has(index);
+      if (truth) truth.visible = path.node.visible;
+      path.update(frame);
+    }
   }
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 import {
-  BoxGeometry, BufferAttribute, BufferGeometry, Color, GridHelper, LineBasicMaterial, LineSegments, SphereGeometry, Vector3,
+  BoxGeometry, BufferAttribute, BufferGeometry, Color, ConeGeometry, GridHelper, LineBasicMaterial, LineSegments, SphereGeometry, Vector3,
 } from "three";
 import { mergeGeometries } from "three/examples/jsm/utils/BufferGeometryUtils.js";
 import { BadPayload, type PackedMesh } from "../payload.ts";
@@ -33,7 +33,7 @@ export function ballShape(): BufferGeometry {
 
 /** A flag of height one: the foot is the position, the pole the z axis, the pennant's tip points along x. */
 export function flagShape(): BufferGeometry {
-  const pole = new BoxGeometry(0.02, 0.02, 1).translate(0, 0, 0.5).toNonIndexed();
+  const pole = new BoxGeometry(0.012, 0.012, 1).translate(0, 0, 0.5).toNonIndexed();
   pole.deleteAttribute("uv");
   const pennant = new BufferGeometry();
   pennant.setAttribute("position", new BufferAttribute(new Float32Array([0, 0, 1, 0, 0, 0.6, 0.6, 0, 0.8]), 3));
@@ -41,17 +41,39 @@ export function flagShape(): BufferGeometry {
   return mergeGeometries([pole, pennant]);
 }
 
-/** The edges of a camera that looks along z, x to the right and y down. */
-export function frustum(depth: number): LineSegments<BufferGeometry, LineBasicMaterial> {
-  const [w, h] = [0.62, 0.46];
-  const corners = [[-w, -h], [w, -h], [w, h], [-w, h]].map(([x, y]) => [x, y, 1]);
+/** A cone with its tip at zero, and the unit circle at z = 1. */
+export function coneShape(): BufferGeometry {
+  return new ConeGeometry(1, 1, 28, 1, true).translate(0, -0.5, 0).rotateX(-Math.PI / 2);
+}
+
+/** A bar from -1 to 1 along z, as thick as the other columns of its linear map. */
+export function barShape(): BufferGeometry {
+  return new BoxGeometry(1, 1, 2);
+}
+
+/** The edges of a camera that looks along z, x to the right and y down, with its image's corners at distance one. */
+export function frustum(depth: number, image: readonly [number, number][]): LineSegments<BufferGeometry, LineBasicMaterial> {
+  const corners = image.map(([x, y]) => [x, y, 1]);
   const edges: number[][] = [];
   corners.forEach((corner, i) => edges.push([0, 0, 0], corner, corner, corners[(i + 1) % 4]));
-  edges.push([-0.3 * w, -1.05 * h, 1], [0, -1.4 * h, 1], [0, -1.4 * h, 1], [0.3 * w, -1.05 * h, 1]);
+  // A small roof says which side is up.
+  const [left, right] = [corners[0], corners[1]];
+  const at = (share: number, lift: number) => [left[0] + share * (right[0] - left[0]), left[1] - lift * (right[0] - left[0]), 1];
+  edges.push(at(0.35, 0.03), at(0.5, 0.15), at(0.5, 0.15), at(0.65, 0.03));
   const points = new BufferGeometry().setAttribute("position", new BufferAttribute(new Float32Array(edges.flat()), 3));
   const lines = new LineSegments(points, new LineBasicMaterial());
   lines.scale.setScalar(depth);
   return lines;
+}
+
+/** The rectangle of the image, in the camera's frame, at a distance. */
+export function imageShape(depth: number, image: readonly [number, number][]): BufferGeometry {
+  const places = [0, 3, 2, 0, 2, 1];
+  const uv = [[0, 1], [1, 1], [1, 0], [0, 0]];
+  const shape = new BufferGeometry();
+  shape.setAttribute("position", new BufferAttribute(new Float32Array(places.flatMap((k) => [depth * image[k][0], depth * image[k][1], depth])), 3));
+  shape.setAttribute("uv", new BufferAttribute(new Float32Array(places.flatMap((k) => uv[k])), 2));
+  return shape;
 }
 
 /** A length of 1, 2 or 5 times a power of ten, about a tenth of a given length. */

@@ -1,31 +1,43 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 import {
-  AmbientLight, Box3, DirectionalLight, type Matrix4, PerspectiveCamera, Scene, Vector3, WebGLRenderer,
+  AmbientLight, Box3, DirectionalLight, type Matrix4, OrthographicCamera, PerspectiveCamera, Scene, Vector3, WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { element } from "../ui/dom.ts";
 import { onTheme } from "../ui/theme.ts";
 import { LabelLayer } from "./labels.ts";
+import { type Intrinsics, windowOf } from "./lens.ts";
+import { Overlay } from "./overlay.ts";
+import { Pointer, type PointerTarget } from "./pointer.ts";
+import { axisName, directionOf, fitOf, isFlat, type View } from "./views.ts";
 
-export type View = "fit" | "near" | "top" | "front" | "side" | "eye";
+export type { View } from "./views.ts";
 
 const KEY_TURN = Math.PI / 36;
+const FIELD = 45;
 
-/** A scene on the page: renderer, camera, orbit controls and labels. It draws when something has changed. */
+/** A scene on the page: renderer, cameras, orbit controls, labels and what the picture says. It draws when something has changed. */
 export class Viewport {
   readonly node: HTMLElement;
   readonly scene = new Scene();
-  readonly camera = new PerspectiveCamera(45, 1, 0.01, 100);
   readonly labels: LabelLayer;
+  readonly overlay: Overlay;
   readonly controls: OrbitControls;
+  camera: PerspectiveCamera | OrthographicCamera;
+  /** Of the recording's camera, if they are known. */
+  lens: Intrinsics | undefined;
   /** Called after the camera moved, before drawing. */
   beforeDraw: () => void = () => {};
   onLeaveEye: () => void = () => {};
+  /** Called with the view whose axis the reader pressed. */
+  onAxis: (view: View) => void = (view) => this.look(view);
   /** Time that the last drawing took on the processor [ms]. */
   drawTime = 0;
   /** Time of the first drawing [ms since the page was requested]. */
   firstDraw = 0;
+  private readonly perspective = new PerspectiveCamera(FIELD, 1, 0.01, 100);
+  private readonly flat = new OrthographicCamera();
   private readonly renderer: WebGLRenderer;
   private readonly box = new Box3();
   private points: Vector3[] = [];
@@ -34,6 +46,7 @@ export class Viewport {
   private moved = false;
   private pending = false;
   private eye: Matrix4 | undefined;
+  private readonly arm = new Vector3();
 
   /** @throws Error if the browser has no WebGL */
   constructor(name: string, private up: Vector3) {
@@ -42,11 +55,14 @@ export class Viewport {
     const canvas = this.renderer.domElement;
     canvas.tabIndex = 0;
     canvas.setAttribute("role", "img");
-    canvas.setAttribute("aria-label", `${name}. Drag to turn, wheel or pinch to zoom; keys A, D, W, S turn, plus and minus zoom.`);
+    canvas.setAttribute("aria-label", `${name}. Drag to turn, pinch or Ctrl and wheel to zoom; keys A, D, W, S turn, plus and minus zoom.`);
     this.labels = new LabelLayer();
     this.node = element("div", { class: "viewport" }, canvas, this.labels.canvas);
+    this.camera = this.perspective;
     this.camera.up.copy(up);
     this.controls = new OrbitControls(this.camera, canvas);
+    this.overlay = new Overlay(() => this.camera, () => this.controls.target);
+    this.labels.painter = this.overlay;
     this.controls.addEventListener("change", () => this.invalidate());
     this.controls.addEventListener("start", () => {
       this.moved = true;
@@ -61,6 +77,26 @@ export class Viewport {
     onTheme(() => this.invalidate());
   }
 
+  /** What a click, a double click and the resting pointer do. */
+  listen(target: PointerTarget): Pointer {
+    const onGizmo = (x: number, y: number) => this.overlay.viewAt(x, y);
+    const whole: PointerTarget = {
+      click: (x, y) => {
+        const view = onGizmo(x, y);
+        if (view) this.onAxis(view);
+        else target.click(x, y);
+      },
+      doubleClick: (x, y) => {
+        if (!onGizmo(x, y)) target.doubleClick(x, y);
+      },
+      hover: (x, y) => {
+        const view = onGizmo(x, y);
+        return view ? [`look along the ${view.replace("-", "")} axis`] : target.hover(x, y);
+      },
+    };
+    return new Pointer(this.node, this.renderer.domElement, whole, (on) => (this.controls.enableZoom = on));
+  }
+
   setUp(up: Vector3): void {
     this.up = up;
   }
@@ -71,9 +107,9 @@ export class Viewport {
     this.points = [...points];
     for (const point of this.points) this.box.expandByPoint(point);
     if (this.box.isEmpty()) this.box.setFromCenterAndSize(new Vector3(), new Vector3(1, 1, 1));
-    this.box.expandByScalar(0.05 * this.size + 1e-3);
-    this.camera.near = this.size / 500;
-    this.camera.far = this.size * 40;
+    this.box.expandByScalar(0.02 * this.size + 1e-3);
+    this.perspective.near = this.size / 500;
+    this.perspective.far = this.size * 40;
   }
 
   /** The extent that the view "near" shows. */
@@ -86,6 +122,10 @@ export class Viewport {
     return this.eye !== undefined;
   }
 
+  get isFlat(): boolean {
+    return this.camera === this.flat;
+  }
+
   get size(): number {
     return this.box.getSize(new Vector3()).length();
   }
@@ -94,45 +134,84 @@ export class Viewport {
     return this.box.getCenter(new Vector3());
   }
 
+  get canvas(): HTMLCanvasElement {
+    return this.renderer.domElement;
+  }
+
   /** Moves the view so that everything is visible; "eye" is the view from a camera pose (OpenCV's camera frame). */
   look(view: View, eye?: Matrix4): void {
     this.eye = view === "eye" ? eye : undefined;
     this.view = view;
     this.moved = false;
-    if (!this.eye) {
-      const across = Math.abs(this.up.x) < 0.9 ? new Vector3(1, 0, 0) : new Vector3(0, 1, 0);
-      across.addScaledVector(this.up, -across.dot(this.up)).normalize();
-      const forward = new Vector3().crossVectors(this.up, across);
-      const from = new Vector3();
-      if (view === "top") from.copy(this.up).addScaledVector(forward, -1e-3);
-      else if (view === "front") from.copy(forward).negate();
-      else if (view === "side") from.copy(across);
-      else from.copy(across).multiplyScalar(0.55).addScaledVector(forward, -0.75).addScaledVector(this.up, 0.6);
-      const near = view === "near" && this.nearPoints.length > 0;
-      const points = near ? this.nearPoints : this.points;
-      const centre = points.length > 0 ? new Box3().setFromPoints(points).getCenter(new Vector3()) : this.centre;
-      const least = (near ? 0.12 : 0.02) * this.size;
-      this.camera.up.copy(this.up);
-      this.camera.position.copy(centre).addScaledVector(from.normalize(), this.distanceFor(points, centre, from, least));
-      this.controls.target.copy(centre);
-    }
+    this.use(isFlat(view) ? this.flat : this.perspective);
+    if (!this.eye) this.stand(view);
+    this.applyLens();
     this.controls.update();
     this.invalidate();
   }
 
-  /** The distance at which all points, with a margin around each, are visible, looking against a direction. */
-  private distanceFor(points: Vector3[], centre: Vector3, from: Vector3, margin: number): number {
-    const right = new Vector3().crossVectors(this.up, from).normalize();
-    const above = new Vector3().crossVectors(from, right);
-    const high = Math.tan((this.camera.fov * Math.PI) / 360);
-    let distance = margin / high;
-    for (const point of points) {
-      const arm = point.clone().sub(centre);
-      const across = (Math.abs(arm.dot(right)) + margin) / (high * this.camera.aspect);
-      const along = (Math.abs(arm.dot(above)) + margin) / high;
-      distance = Math.max(distance, arm.dot(from) + 1.05 * Math.max(across, along));
-    }
-    return distance;
+  private use(camera: PerspectiveCamera | OrthographicCamera): void {
+    this.camera = camera;
+    this.controls.object = camera;
+  }
+
+  private stand(view: View): void {
+    const from = directionOf(view, this.up);
+    const near = view === "near" && this.nearPoints.length > 0;
+    const points = near ? this.nearPoints : this.points;
+    const centre = points.length > 0 ? new Box3().setFromPoints(points).getCenter(new Vector3()) : this.centre;
+    const fit = fitOf(points, centre, {
+      from, up: this.up, margin: (near ? 0.06 : 0.02) * this.size, aspect: this.perspective.aspect,
+      tangent: this.isFlat ? 0 : Math.tan((FIELD * Math.PI) / 360),
+    });
+    this.flat.zoom = 1;
+    this.flat.top = fit.half;
+    const distance = this.isFlat ? 2 * this.size : fit.distance;
+    this.flat.near = 0;
+    this.flat.far = 6 * this.size;
+    this.camera.up.copy(this.up);
+    this.camera.position.copy(fit.centre).addScaledVector(from, distance);
+    this.controls.target.copy(fit.centre);
+  }
+
+  /** The projections for the size of the view; the recording's own where the view is from its camera. */
+  private applyLens(): void {
+    const { clientWidth: width, clientHeight: height } = this.node;
+    const { perspective, flat } = this;
+    if (width > 0 && height > 0) perspective.aspect = width / height;
+    flat.bottom = -flat.top;
+    flat.right = flat.top * perspective.aspect;
+    flat.left = -flat.right;
+    flat.updateProjectionMatrix();
+    perspective.updateProjectionMatrix();
+    if (!this.eye || !this.lens || width === 0 || height === 0) return;
+    const { left, right, top, bottom } = windowOf(this.lens, width, height, perspective.near);
+    perspective.projectionMatrix.makePerspective(left, right, top, bottom, perspective.near, perspective.far);
+    perspective.projectionMatrixInverse.copy(perspective.projectionMatrix).invert();
+  }
+
+  /** What the view shows, in words; "" where its buttons say it. */
+  get caption(): string {
+    if (!this.isFlat) return "";
+    this.camera.updateMatrixWorld();
+    const column = (k: number, sign: number) => axisName(new Vector3().setFromMatrixColumn(this.camera.matrixWorld, k).multiplyScalar(sign));
+    const [right, above, along] = [column(0, 1), column(1, 1), column(2, -1)];
+    return right && above && along ? `along ${along}: ${right} to the right, ${above} up, no perspective` : "no perspective";
+  }
+
+  /** Moves the view by a vector, with what it looks at. */
+  shift(by: Vector3): void {
+    this.moved = true;
+    this.camera.position.add(by);
+    this.controls.target.add(by);
+  }
+
+  /** Turns the view's centre to a point, without turning the view. */
+  centreOn(point: Vector3): void {
+    if (this.eye) return;
+    this.shift(this.arm.subVectors(point, this.controls.target));
+    this.controls.update();
+    this.invalidate();
   }
 
   /** Follows the camera of the recording, if the view is from there. */
@@ -151,6 +230,7 @@ export class Viewport {
     const distance = this.camera.position.distanceTo(this.centre);
     this.controls.target.set(e[8], e[9], e[10]).multiplyScalar(distance).add(this.camera.position);
     this.camera.up.copy(this.up);
+    this.applyLens();
     this.onLeaveEye();
   }
 
@@ -178,8 +258,7 @@ export class Viewport {
   private resize(): void {
     const { clientWidth: width, clientHeight: height } = this.node;
     if (width === 0 || height === 0) return;
-    this.camera.aspect = width / height;
-    this.camera.updateProjectionMatrix();
+    this.applyLens();
     this.renderer.setSize(width, height, false);
     this.labels.resize(width, height);
     // The view is fitted again until the reader turns the scene.
@@ -193,16 +272,20 @@ export class Viewport {
     if (event.ctrlKey || event.metaKey || event.altKey || !(step || ["+", "=", "-"].includes(event.key))) return;
     this.moved = true;
     this.leaveEye();
+    event.preventDefault();
     const arm = this.camera.position.clone().sub(this.controls.target);
+    const nearer = event.key === "-" ? 1 / 0.9 : 0.9;
     if (step) {
       arm.applyAxisAngle(this.up, step[0] * KEY_TURN);
       const axis = new Vector3().crossVectors(this.up, arm).normalize();
       const tilt = arm.angleTo(this.up) + step[1] * KEY_TURN;
       if (tilt > 0.05 && tilt < Math.PI - 0.05) arm.applyAxisAngle(axis, step[1] * KEY_TURN);
-    } else if (event.key === "+" || event.key === "=") arm.multiplyScalar(0.9);
-    else arm.multiplyScalar(1 / 0.9);
-    event.preventDefault();
+    } else if (this.isFlat) {
+      this.flat.zoom /= nearer;
+      this.flat.updateProjectionMatrix();
+    } else arm.multiplyScalar(nearer);
     this.camera.position.copy(this.controls.target).add(arm);
     this.controls.update();
+    this.invalidate();
   }
 }

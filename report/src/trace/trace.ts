@@ -66,6 +66,11 @@ export class Estimate {
     for (let i = 0; i < 3; ++i) out[i] = this.logSd ? this.logSd.value(i, frame) : NaN;
   }
 
+  /** Standard deviations of the translation of the perturbation [m], which are the position's only at the frame's origin. */
+  tangentSd(frame: number, out: Numbers): void {
+    for (let i = 0; i < 3; ++i) out[i] = this.logSd ? this.logSd.value(3 + i, frame) : NaN;
+  }
+
   /** Standard deviations of the position [m]. */
   positionSdAt(frame: number, out: Numbers): void {
     for (let i = 0; i < 3; ++i) out[i] = this.positionSd ? this.positionSd.value(i, frame) : NaN;
@@ -186,7 +191,7 @@ export class Trace {
 
   constructor(
     readonly head: PackedTrace,
-    columns: Columns,
+    readonly columns: Columns,
   ) {
     this.frames = head.frames;
     this.seconds = Float64Array.from(head.stamps_s, (stamp) => stamp - head.stamps_s[0]);

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-// Colours that readers with any colour vision can distinguish (Okabe and Ito; the last four after Tol).
+// The colours of objects, which readers with any colour vision can distinguish, and which have a contrast of three on white
+// and on the dark page. None is like an axis or the ground truth. src/draw has the same, in the same order.
 
 const COLOURS = [
-  "#D55E00", "#0072B2", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#882255", "#44AA99", "#999933", "#AA4499",
+  "#AA9117", "#B12CBE", "#296E79", "#DC68B5", "#4B9BCF", "#856224", "#9079FE", "#A27558", "#9249EB", "#CD3BA2",
 ] as const;
 
 /** The colour of an object, component or series by its number. */
@@ -11,7 +12,8 @@ export function colourOf(index: number): string {
   return COLOURS[index % COLOURS.length];
 }
 
-export const AXIS_COLOURS = ["#D55E00", "#009E73", "#0072B2"] as const;
+/** x, y and z, and nothing else. */
+export const AXIS_COLOURS = ["#D8232A", "#1E8E3E", "#2F62DC"] as const;
 export const TRUTH_COLOUR = "#8A8A8A";
 
 /** The mark of a status: a colour, and a share of the row's height, so that the colour is not the only difference. */

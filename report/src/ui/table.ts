@@ -15,7 +15,8 @@ export function table(caption: string, columns: string[], rows: { name: string; 
   const head = element("tr");
   for (const column of columns) {
     const { name, unit } = titleOf(column);
-    head.append(element("th", { scope: "col" }, name, ...(unit ? [element("span", { class: "unit" }, ` [${unit}]`)] : [])));
+    // A corner without a name heads nothing.
+    head.append(element(column === "" ? "td" : "th", column === "" ? {} : { scope: "col" }, name, ...(unit ? [element("span", { class: "unit" }, ` [${unit}]`)] : [])));
   }
   const body = element("tbody");
   for (const row of rows) {

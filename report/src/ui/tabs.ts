@@ -10,26 +10,44 @@ export interface Tab {
   open?: () => void;
 }
 
-/** Tabs with the keys of the ARIA practices: left, right, home, end. */
-export function tabs(label: string, list: Tab[]): HTMLElement {
+export interface Tabs {
+  node: HTMLElement;
+  /** Opens a tab by its name, in any case; what is no name is ignored. */
+  show: (name: string) => void;
+  /** Builds the tabs that were not opened so far, as for print. */
+  buildAll: () => void;
+}
+
+const slug = (text: string) => text.toLowerCase().replaceAll(/[^a-z0-9]+/g, "-");
+
+/** Tabs with the keys of the ARIA practices: left, right, home, end. `opened` is told the name of the one that is shown. */
+export function tabs(label: string, list: Tab[], opened: (name: string) => void = () => {}): Tabs {
   const bar = element("div", { role: "tablist", "aria-label": label, class: "tabs" });
   const node = element("section", { class: "tabbed" }, bar);
+  const ids = list.map(({ name }) => `${slug(label)}-${slug(name)}`);
   const heads = list.map((tab, i) =>
-    element("button", { type: "button", role: "tab", id: `tab-${label}-${i}`, "aria-controls": `panel-${label}-${i}` }, tab.name),
+    element("button", { type: "button", role: "tab", id: `tab-${ids[i]}`, "aria-controls": `panel-${ids[i]}` }, tab.name),
   );
   const panels = list.map((_, i) =>
-    element("div", { role: "tabpanel", id: `panel-${label}-${i}`, "aria-labelledby": `tab-${label}-${i}`, hidden: true, tabindex: 0 }),
+    element("div", { role: "tabpanel", id: `panel-${ids[i]}`, "aria-labelledby": `tab-${ids[i]}`, hidden: true, tabindex: 0 }),
   );
   const built = new Set<number>();
+  const buildOne = (index: number) => {
+    if (!built.has(index)) panels[index].append(list[index].build());
+    built.add(index);
+  };
+  let shown = -1;
   const show = (chosen: number) => {
+    if (chosen === shown) return;
+    shown = chosen;
     heads.forEach((head, i) => {
       head.setAttribute("aria-selected", String(i === chosen));
       head.tabIndex = i === chosen ? 0 : -1;
       panels[i].hidden = i !== chosen;
     });
-    if (!built.has(chosen)) panels[chosen].append(list[chosen].build());
-    built.add(chosen);
+    buildOne(chosen);
     list[chosen].open?.();
+    opened(list[chosen].name);
   };
   heads.forEach((head, i) => {
     head.addEventListener("click", () => show(i));
@@ -38,7 +56,7 @@ export function tabs(label: string, list: Tab[]): HTMLElement {
         ArrowRight: i + 1, ArrowLeft: i - 1 + heads.length, Home: 0, End: heads.length - 1,
       };
       const step = steps[event.key];
-      if (step === undefined) return;
+      if (step === undefined || event.shiftKey) return;
       event.preventDefault();
       event.stopPropagation();
       const next = step % heads.length;
@@ -49,5 +67,12 @@ export function tabs(label: string, list: Tab[]): HTMLElement {
   bar.append(...heads);
   node.append(...panels);
   show(0);
-  return node;
+  return {
+    node,
+    show: (name) => {
+      const index = list.findIndex((tab) => tab.name.toLowerCase() === name.toLowerCase());
+      if (index >= 0) show(index);
+    },
+    buildAll: () => list.forEach((_, i) => buildOne(i)),
+  };
 }

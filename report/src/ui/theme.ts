@@ -7,10 +7,30 @@ export type Theme = "light" | "dark";
 
 const preferred = matchMedia("(prefers-color-scheme: dark)");
 const listeners = new Set<() => void>();
-let chosen: Theme | undefined;
+const KEY = "posemix-theme";
+let chosen: Theme | undefined = kept();
+
+/** What the reader chose last; browsers may refuse to keep anything of a page from a file. */
+function kept(): Theme | undefined {
+  try {
+    const value = localStorage.getItem(KEY);
+    return value === "light" || value === "dark" ? value : undefined;
+  } catch {
+    return undefined;
+  }
+}
+
+function keep(value: Theme): void {
+  try {
+    localStorage.setItem(KEY, value);
+  } catch {
+    // Then the choice lasts as long as the page.
+  }
+}
+let forced: Theme | undefined;
 
 export function theme(): Theme {
-  return chosen ?? (preferred.matches ? "dark" : "light");
+  return forced ?? chosen ?? (preferred.matches ? "dark" : "light");
 }
 
 /** The value of a custom property of the style sheet, such as "--ink". */
@@ -27,16 +47,23 @@ function apply(): void {
   for (const listener of listeners) listener();
 }
 
+/** Overrules the reader's choice, as for print; undefined gives it back. */
+export function forceTheme(wanted: Theme | undefined): void {
+  if (forced === wanted) return;
+  forced = wanted;
+  apply();
+}
+
 /** The button that changes the theme. */
 export function themeButton(): HTMLButtonElement {
   const made = element("button", { type: "button", class: "theme" });
   const name = () => {
     const other = theme() === "dark" ? "light" : "dark";
-    made.textContent = other === "dark" ? "Dark" : "Light";
-    made.setAttribute("aria-label", `Use ${other} colours`);
+    made.textContent = `Use ${other} colours`;
   };
   made.addEventListener("click", () => {
     chosen = theme() === "dark" ? "light" : "dark";
+    keep(chosen);
     apply();
   });
   onTheme(name);

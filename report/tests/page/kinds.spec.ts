@@ -59,8 +59,8 @@ test("a study: figures, charts and tables", async ({ page }) => {
   const complaints = await open(page, "study", studyReport());
   await openAllTabs(page);
   await page.getByRole("tab", { name: "Charts" }).click();
-  await expect(page.locator("figcaption")).toContainText(["robot rotation rmse [deg]"]);
-  await page.getByRole("combobox", { name: "Up", exact: true }).selectOption({ label: "anees" });
+  await expect(page.locator("figcaption").first()).toHaveText("robot rotation RMSE [deg], by noise exponent");
+  await page.getByRole("combobox", { name: "Value", exact: true }).selectOption("anees");
   await page.getByRole("combobox", { name: "Scale", exact: true }).selectOption("log");
   await page.getByRole("combobox", { name: "Table", exact: true }).selectOption("timing.csv");
   await page.getByRole("tab", { name: "Figures" }).click();

@@ -70,3 +70,9 @@ export interface ShownPose {
 export function shownPose(page: Page, id: string): Promise<ShownPose | undefined> {
   return page.evaluate((name) => (window.posemix!["pose"] as (id: string) => ShownPose | undefined)(name), id);
 }
+
+/** Selects an object by the address, as of a link; a page opens on the most uncertain one. */
+export async function selectObject(page: Page, id: string): Promise<void> {
+  await page.evaluate((name) => (location.hash = `object=${encodeURIComponent(name)}`), id);
+  await expect.poll(() => probe(page, "selected")).toBe(id);
+}

@@ -2,7 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 import { expect, test } from "@playwright/test";
 import type { JsonObject } from "../../src/payload.ts";
-import { formatted } from "../../src/ui/format.ts";
+import { wordOf } from "../../src/pages/words.ts";
 import { packTrace, type TraceJson } from "../pack.ts";
 import { syntheticMetrics, syntheticReport } from "../synthetic.ts";
 import { open, probe, scrub, type ShownPose, shownPose } from "./report.ts";
@@ -51,7 +51,7 @@ test("what is drawn is what the trace says, frame by frame", async ({ page }) =>
     expect(await probe(page, "ghosts")).toBe(frame === 0 ? 1 : 2);
   }
   const cells = page.locator("#state tr", { hasText: "cup" }).locator("td");
-  await expect(cells).toHaveText(["-0.2000", "0.0000", "0.2000", /^-?0\.0, -?0\.0, 177\.6$/, "used", "2: 75, 25 %", "75.0 %"]);
+  await expect(cells).toHaveText(["-0.2000± 30.0", "0.0000± 60.0", "0.2000± 90.0", /^0\.0, 0\.0, 177\.6± 1\.72, 3\.44, 5\.1[56]$/, "used", "2: 75, 25 %", "75.0 %"]);
   await expect(page.locator("output.time")).toHaveText("2.00 s · frame 2 / 2");
 });
 
@@ -68,20 +68,24 @@ test("the table of numbers is metrics.json", async ({ page }) => {
   };
   collect(syntheticMetrics(small), "");
   leaves.delete("schema");
-  expect(shown.length).toBe(leaves.size);
-  for (const [key, value, text] of shown) {
-    // Tables by object turn {quantity: {object}} over; those of the run have no section.
-    const [section, row, column] = key.split("/");
-    const place = [key, `${section}/${column}/${row}`, row].find((name) => leaves.has(name));
-    expect(place, key).toBeDefined();
-    expect(JSON.parse(value)).toBe(leaves.get(place!));
-    expect(text).toBe(formatted(leaves.get(place!) as number));
+  // What is null in all rows has no column.
+  const known = [...leaves].filter(([, value]) => value !== null);
+  const numbers = new Map(shown.map(([key, value, text]) => [key, { value: JSON.parse(value) as unknown, text }]));
+  for (const [key, value] of known) {
+    expect(numbers.get(key)?.value, key).toBe(value);
+    if (typeof value !== "number") continue;
+    const { scale = 1 } = wordOf(key.replace(/^objects\/[^/]+\//, "")) ?? {};
+    const { text } = numbers.get(key)!;
+    const digits = text.split(".")[1]?.length ?? 0;
+    expect(Math.abs(Number(text) - scale * value), key).toBeLessThanOrEqual(0.5001 * 10 ** -digits);
   }
-  await expect(page.getByRole("columnheader", { name: "position rmse [m]" }).first()).toBeVisible();
+  for (const { value } of numbers.values()) expect(value === null || [...leaves.values()].includes(value)).toBe(true);
+  await expect(page.getByRole("columnheader", { name: "position error, rms [mm]" }).first()).toBeVisible();
 });
 
 test("scrubbing moves the scene", async ({ page }) => {
   await open(page, "scrub", syntheticReport(small));
+  await page.getByRole("tab", { name: "Detections" }).click();
   const canvas = page.locator(".slam .viewport").first();
   const before = await canvas.screenshot();
   const first = (await shownPose(page, "camera"))!.position;
@@ -122,6 +126,7 @@ test("the keys: arrows, shift, home, end and space", async ({ page }) => {
 
 test("pressing in a plot goes to that time", async ({ page }) => {
   await open(page, "seek", syntheticReport(small));
+  await page.getByRole("tab", { name: "Detections" }).click();
   const over = page.locator(".u-over").first();
   const box = (await over.boundingBox())!;
   await over.click({ position: { x: box.width / 2, y: 20 } });

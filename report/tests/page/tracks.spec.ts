@@ -47,9 +47,9 @@ test("tracks have their tab, states and paths", async ({ page }) => {
   const complaints = await open(page, "tracks", report(movingTrace()));
   await page.getByRole("tab", { name: "Tracks" }).click();
   await expect(page.locator("[role=tabpanel]:not([hidden]) figcaption")).toHaveText(["health of the tracks", "probability that the object exists", "models of motion of cup"]);
-  await expect(page.locator("[role=tabpanel]:not([hidden]) .u-legend").last()).toContainText("constant velocity 2");
+  await expect(page.locator("[role=tabpanel]:not([hidden]) .plot-legend")).toContainText("constant velocity 2");
   await expect(page.getByText("A line above a band")).toBeVisible();
-  const track = (id: string) => page.locator("#state tr", { hasText: id }).locator("td").last();
+  const track = (id: string) => page.locator(`#state tr[data-entity="${id}"]`).locator("td").last();
   await scrub(page, 30);
   await expect(track("box")).toHaveText("good");
   expect(await probe(page, "faint")).toBe(0);

@@ -2,8 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { parseCsv, type Table, tableOfRows } from "../../src/ui/csv.ts";
-import { groupColumns, nameColumns, numericColumns, pivot } from "../../src/plots/pivot.ts";
+import { parseCsv, tableOfRows } from "../../src/ui/csv.ts";
 import { gridStep } from "../../src/scene/shapes.ts";
 import { formatted, titleOf } from "../../src/ui/format.ts";
 
@@ -15,26 +14,6 @@ test("comma-separated values: numbers, words, quotes, blanks", () => {
 
 test("rows that are objects have the columns of all of them", () => {
   assert.deepEqual(tableOfRows([{ a: 1 }, { b: "x", a: null }, 3]), { columns: ["a", "b"], rows: [[1, null], [null, "x"]] });
-});
-
-const table: Table = {
-  columns: ["method", "level", "error"],
-  rows: [["a", 1, 2], ["a", 0, 1], ["b", 1, 4], ["a", 1, 4], ["b", 0, null]],
-};
-
-test("what may stand where in a chart", () => {
-  assert.deepEqual(numericColumns(table), ["level", "error"]);
-  assert.deepEqual(nameColumns(table), ["method"]);
-  assert.deepEqual(groupColumns(table), ["method", "level"]);
-});
-
-test("a pivot sorts numbers, averages what is twice there, and leaves gaps", () => {
-  assert.deepEqual(pivot(table, { x: "level", y: "error", by: "method" }), {
-    x: [0, 1], names: undefined, groups: ["a", "b"], values: [[1, 3], [null, 4]],
-  });
-  assert.deepEqual(pivot(table, { x: "method", y: "error", by: "" }), {
-    x: [1, 2], names: ["a", "b"], groups: [""], values: [[7 / 3, 4]],
-  });
 });
 
 test("numbers and names of tables", () => {

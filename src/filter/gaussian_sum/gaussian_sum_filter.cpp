@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "check_input.hpp"
+#include "innovation_score.hpp"
 #include "posemix/base/statistics.hpp"
 #include "posemix/base/stopwatch.hpp"
 
@@ -108,6 +109,25 @@ void keep_most_likely(std::vector<Component<Hypothesis>>& children, std::size_t 
   children.erase(begin + 1, children.end());
 }
 
+/// z^T S^-1 z of the heaviest hypothesis under the noise component that explains a detection best.
+std::optional<double> nis_of(const Posterior& posterior, const Detection& detection) {
+  const auto& hypotheses = posterior.components();
+  const auto heaviest =
+      std::max_element(hypotheses.begin(), hypotheses.end(),
+                       [](const auto& a, const auto& b) { return a.log_weight < b.log_weight; });
+  std::optional<double> nis;
+  double most = -std::numeric_limits<double>::infinity();
+  for (const NoiseComponent& noise : detection.noise->components()) {
+    const internal::InnovationScore score =
+        internal::innovation_score(heaviest->density, detection, noise);
+    const double weighed = std::log(noise.weight) + score.log_likelihood;
+    if (!(weighed > most)) continue;
+    most = weighed;
+    nis = score.squared;
+  }
+  return nis;
+}
+
 /// True when the detection is beyond the threshold for every hypothesis and noise component.
 bool is_outlier(const Posterior& posterior, const Detection& detection, double threshold) {
   for (const auto& hypothesis : posterior.components()) {
@@ -153,6 +173,7 @@ UpdateReport GaussianSumFilter::update(std::span<const Detection> given) {
   UpdateReport report;
   report.gated.assign(detections.size(), false);
   report.failed.assign(detections.size(), false);
+  for (const Detection& detection : detections) report.nis.push_back(nis_of(posterior_, detection));
   for (std::size_t i = 0; i < detections.size(); ++i) {
     report.gated[i] = std::isfinite(gate_) && is_outlier(posterior_, detections[i], gate_);
   }
@@ -169,6 +190,7 @@ UpdateReport GaussianSumFilter::update(std::span<const Detection> given) {
   }
   for (std::size_t i = 0; i < detections.size(); ++i) {
     if (report.gated[i]) continue;
+    if (i > 0) report.nis[i] = nis_of(posterior_, detections[i]);
     report.failed[i] = !branch(detections.subspan(i, 1), report);
     reduce(report);
   }

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "innovation_score.hpp"
 #include "symmetric_products.hpp"
 #include "world_noise.hpp"
 
@@ -106,15 +107,23 @@ Innovation innovation(const PoseStackd& mean, const Detection& detection,
   return {(detected * object.inverse()).log(), world_noise(noise, camera, object)};
 }
 
-double squared_mahalanobis(const Hypothesis& hypothesis, const Detection& detection,
-                           const NoiseComponent& noise) {
+internal::InnovationScore internal::innovation_score(const Hypothesis& hypothesis,
+                                                     const Detection& detection,
+                                                     const NoiseComponent& noise) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const std::array given{&noise};
   const std::span<const Detection> detections(&detection, 1);
-  const internal::NoiseAtMean at_mean(hypothesis.mean(), detections, given);
+  const NoiseAtMean at_mean(hypothesis.mean(), detections, given);
   const LinearObservation<kPoseDof> one(hypothesis, detections, at_mean.components());
   const Eigen::LLT<Matrix6d> factor(one.s);
-  if (factor.info() != Eigen::Success) return std::numeric_limits<double>::infinity();
-  return factor.matrixL().solve(one.residual).squaredNorm();
+  if (factor.info() != Eigen::Success) return {kInfinity, -kInfinity};
+  const Vector6d residual = one.residual;
+  return {factor.matrixL().solve(residual).squaredNorm(), log_normal(factor, residual)};
+}
+
+double squared_mahalanobis(const Hypothesis& hypothesis, const Detection& detection,
+                           const NoiseComponent& noise) {
+  return internal::innovation_score(hypothesis, detection, noise).squared;
 }
 
 UpdateResult update(const Hypothesis& prior, std::span<const Detection> detections,

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "placed_object.hpp"
+#include "posemix/base/state_fields.hpp"
 
 /// What a detector shows: the object, in one of its modes, or something else
 /// (docs/moving-objects.md, "The detector").
@@ -30,6 +31,9 @@ class DetectorModes {
   double persistence(double dt) const;
 
  private:
+  template <class>
+  friend struct StateFields;
+
   std::vector<std::size_t> mode_of_;
   std::vector<std::size_t> first_;
   std::vector<double> weights_;

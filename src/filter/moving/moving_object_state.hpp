@@ -14,6 +14,7 @@
 #include "filter/multi_object/object_merge.hpp"
 #include "mode_weights.hpp"
 #include "placed_object.hpp"
+#include "posemix/base/state_fields.hpp"
 
 /// The posterior of MovingObjectFilter (docs/moving-objects.md).
 namespace posemix::internal {
@@ -121,6 +122,9 @@ class MovingObjectState {
   MovingBelief pulled_back(const StepRecord& next, const MovingBelief& after) const;
 
  private:
+  template <class>
+  friend struct StateFields;
+
   using Evidence = std::vector<std::vector<ModeEvidence>>;  ///< by hypothesis and model
 
   std::size_t model_count() const { return models_.models.size(); }

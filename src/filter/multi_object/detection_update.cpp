@@ -261,6 +261,13 @@ Explanation explain(const DetectionState& state, const WeighedObservation& obser
   return result;
 }
 
+std::optional<double> DetectionUpdate::nis() const {
+  const Innovation& inlier = explanation.inlier();
+  const Eigen::LLT<Matrix6d> s(inlier.covariance);
+  if (s.info() != Eigen::Success) return std::nullopt;
+  return s.matrixL().solve(inlier.residual).squaredNorm();
+}
+
 Vector6d DetectionUpdate::white_residual() const {
   const Innovation& inlier = explanation.inlier();
   const SE3d to_axes = inlier.axes.inverse();

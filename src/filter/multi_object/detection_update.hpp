@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "posemix/base/linear.hpp"
@@ -146,6 +147,9 @@ struct DetectionUpdate {
   double log_evidence() const { return explanation.log_evidence; }
   /// Probability of the first component.
   double inlier_probability() const { return explanation.inlier_probability(); }
+  /// z^T S^-1 z of the first component of the noise; none where S is numerically not positive
+  /// definite.
+  std::optional<double> nis() const;
   /// Residual of the first component of the noise in standard deviations, along its axes.
   Vector6d white_residual() const;
 };

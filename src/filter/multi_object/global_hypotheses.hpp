@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "multi_object_state.hpp"
+#include "posemix/base/state_fields.hpp"
 #include "posemix/density/pose_stack.hpp"
 #include "posemix/mixture/mixture.hpp"
 
@@ -61,6 +62,9 @@ class GlobalHypotheses {
   Mixture<ConcentratedGaussian<SE3d>> object(std::size_t j) const;
 
  private:
+  template <class>
+  friend struct StateFields;
+
   struct Weighted {
     MultiObjectState state;
     LogTotals log = {};  ///< of its weight

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "detection_update.hpp"
+#include "posemix/base/state_fields.hpp"
 #include "posemix/density/concentrated_gaussian.hpp"
 #include "posemix/filter/update.hpp"
 #include "posemix/lie/pose_blocks.hpp"
@@ -203,6 +204,9 @@ class JointGaussian {
   void rebase_like(const JointGaussian& first, const BlockPairs& same);
 
  private:
+  template <class>
+  friend struct StateFields;
+
   struct Block {
     SE3d pose;
     std::optional<Vector6d> slow = {};  ///< present where the block is a slow error

@@ -80,6 +80,7 @@ std::vector<ObjectSensor> sensors_of(const ObjectSensor& object, double default_
 void describe(const DetectionUpdate& leader, ObjectUpdateReport& report) {
   report.inlier_probability = leader.inlier_probability();
   report.clutter_probability = leader.explanation.clutter_probability;
+  report.nis = leader.nis();
   report.residual = leader.white_residual();
 }
 

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "detection_update.hpp"
+#include "posemix/base/state_fields.hpp"
 #include "posemix/filter/multi_object_filter.hpp"
 
 namespace posemix::internal {
@@ -44,6 +45,9 @@ class LearnedSensor {
   void reset();
 
  private:
+  template <class>
+  friend struct StateFields;
+
   ObjectSensor sensor_;
   Vector6d given_noise_scale_;
   Vector6d given_slow_scale_;

@@ -9,6 +9,7 @@
 #include "camera_regression.hpp"
 #include "filter/moving/mode_weights.hpp"
 #include "joint_gaussian.hpp"
+#include "posemix/base/state_fields.hpp"
 #include "posemix/filter/multi_object_filter.hpp"
 
 namespace posemix::internal {
@@ -236,6 +237,9 @@ class ObjectBelief {
            const SymmetryGroup& symmetries, const MergeBounds& bounds, std::uint64_t& next_id);
 
  private:
+  template <class>
+  friend struct StateFields;
+
   struct Leader {
     Standing standing;
     std::size_t position;    ///< index among the hypotheses

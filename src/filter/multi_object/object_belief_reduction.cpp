@@ -36,7 +36,7 @@ std::size_t ObjectBelief::merge(JointGaussian& joint, const SymmetryGroup& symme
 /// Hypothesis `b`, which comes after `a`, becomes a part of `a`.
 void ObjectBelief::merge_two(JointGaussian& joint, std::size_t a, std::size_t b,
                              const ConditionalPose& at_a, const ConditionalPose& at_b) {
-  const Midway midway(at_a, standing(a).log_weight, at_b, standing(b).log_weight);
+  const RowsMidway midway(at_a, standing(a).log_weight, at_b, standing(b).log_weight);
   const Standing common = merged(standing(a), standing(b));
   const std::uint64_t gone = standing(standing(a).id == common.id ? b : a).id;
   if (!leads(a) && !leads(b)) {

@@ -47,8 +47,8 @@ Standing merged(const Standing& a, const Standing& b) {
   return result;
 }
 
-Midway::Midway(const ConditionalPose& a, double log_weight_a, const ConditionalPose& b,
-               double log_weight_b) {
+RowsMidway::RowsMidway(const ConditionalPose& a, double log_weight_a, const ConditionalPose& b,
+                       double log_weight_b) {
   share_b_ = 1.0 / (1.0 + std::exp(log_weight_a - log_weight_b));
   share_a_ = 1.0 - share_b_;
   Vector12d distance = Vector12d::Zero();
@@ -61,7 +61,7 @@ Midway::Midway(const ConditionalPose& a, double log_weight_a, const ConditionalP
   transport_b_ = SE3d::left_jacobian_inverse(mean_b_.head<6>());
 }
 
-Matrix12d Midway::covariance(const Matrix12d& a, const Matrix12d& b) const {
+Matrix12d RowsMidway::covariance(const Matrix12d& a, const Matrix12d& b) const {
   const auto transported = [](const Matrix6d& transport, Matrix12d p) {
     p.topRows<6>() = (transport * p.topRows<6>()).eval();
     p.leftCols<6>() = (p.leftCols<6>() * transport.transpose()).eval();
@@ -73,7 +73,7 @@ Matrix12d Midway::covariance(const Matrix12d& a, const Matrix12d& b) const {
   return sum;
 }
 
-ConditionalPose Midway::merged(const ConditionalPose& a, const ConditionalPose& b) const {
+ConditionalPose RowsMidway::merged(const ConditionalPose& a, const ConditionalPose& b) const {
   ConditionalPose result{pose_, a.slow, covariance(a.covariance, b.covariance),
                          cross_covariance(a.cross_covariance, b.cross_covariance)};
   if (a.extrinsics.cols() > 0) result.extrinsics = cross_covariance(a.extrinsics, b.extrinsics);

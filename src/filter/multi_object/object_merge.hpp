@@ -24,10 +24,10 @@ Standing merged(const Standing& a, const Standing& b);
 ///
 /// This is the rule of posemix/reduction/merge.hpp. It is written for rows here, because the camera
 /// and the other objects are common to both hypotheses and are not moved.
-class Midway {
+class RowsMidway {
  public:
-  Midway(const ConditionalPose& a, double log_weight_a, const ConditionalPose& b,
-         double log_weight_b);
+  RowsMidway(const ConditionalPose& a, double log_weight_a, const ConditionalPose& b,
+             double log_weight_b);
 
   /// Covariance of the merged object from those of the two, [xi_O; b].
   Matrix12d covariance(const Matrix12d& a, const Matrix12d& b) const;

@@ -63,8 +63,9 @@ std::vector<std::string> columns() {
          {"anees", "anees_error", "within_1_sigma", "within_2_sigma", "within_3_sigma"})
       names.push_back(fmt::format("{}_{}", pose, of));
   }
-  for (const char* name : {"mode_probability", "right_mode", "right_mode_error", "rotation_deg",
-                           "position_m", "duplicates", "instances"})
+  for (const char* name : {"mode_probability", "mode_probability_error", "right_mode",
+                           "right_mode_error", "rotation_deg", "rotation_standard_error_deg",
+                           "position_m", "position_standard_error_m", "duplicates", "instances"})
     names.emplace_back(name);
   return names;
 }
@@ -92,11 +93,10 @@ std::vector<Cell> row_of(const std::string& name, const std::vector<Json>& trial
     for (const Json& trial : trials) values.push_back(trial.at(key));
     return estimate_of(values);
   };
-  row.emplace_back(mean("mode_probability").mean);
-  row.emplace_back(mean("right_mode").mean);
-  row.emplace_back(mean("right_mode").error);
-  row.emplace_back(mean("rotation_deg").mean);
-  row.emplace_back(mean("position_m").mean);
+  for (const char* key : {"mode_probability", "right_mode", "rotation_deg", "position_m"}) {
+    const Estimate estimate = mean(key);
+    row.insert(row.end(), {estimate.mean, estimate.error});
+  }
   for (const char* key : {"duplicates", "instances"}) {
     std::int64_t sum = 0;
     for (const Json& trial : trials) sum += trial.at(key).get<std::int64_t>();
@@ -135,15 +135,49 @@ StudyTable summary_of(const StudyTable& table) {
 std::string figure(const StudyTable& table) {
   Chart chart{.x_label = "cell, in the order of the table", .y_label = "ANEES"};
   for (std::size_t pose = 0; pose < kPoses.size(); ++pose) {
-    ChartSeries series{.label = kPoses[pose], .markers = true};
+    ChartSeries series{.label = kPoses[pose], .bars = true, .markers = true};
     for (std::size_t i = 0; i < table.rows().size(); ++i) {
-      series.x.push_back(static_cast<double>(i + 1));
-      series.y.push_back(std::get<double>(table.rows()[i][2 + 5 * pose]));
+      const double anees = std::get<double>(table.rows()[i][2 + 5 * pose]);
+      const double error = std::get<double>(table.rows()[i][3 + 5 * pose]);
+      series.x.push_back(static_cast<double>(i + 1) + 0.12 * (static_cast<double>(pose) - 1.0));
+      series.y.push_back(anees);
+      series.lower.push_back(anees - error);
+      series.upper.push_back(anees + error);
     }
     chart.series.push_back(std::move(series));
   }
+  for (std::size_t i = 0; i < table.rows().size(); ++i)
+    chart.x_ticks.push_back(static_cast<double>(i + 1));
+  chart.marks = {{1.0, "consistent"}};
   return draw_charts("Consistency of the defaults on simulated recordings",
-                     std::span<const Chart>(&chart, 1), 1);
+                     std::span<const Chart>(&chart, 1), 1,
+                     "Bars: one standard error of the mean over the recordings.");
+}
+
+constexpr std::string_view kConsistencyQuestion =
+    "Are the errors of the default filter as large as its covariances say, on simulated recordings "
+    "of several kinds?";
+
+/// Where the ANEES differs from 1 by more than two of its standard errors.
+std::vector<std::string> consistency_notes(const StudyTable& table, std::size_t runs) {
+  std::vector<std::string> notes{
+      "ANEES is 1 when consistent, larger when overconfident, smaller when cautious."};
+  if (runs < 2) return notes;
+  for (std::size_t pose = 0; pose < kPoses.size(); ++pose) {
+    std::vector<std::string> above;
+    for (const auto& row : table.rows()) {
+      const double anees = std::get<double>(row[2 + 5 * pose]);
+      const double error = std::get<double>(row[3 + 5 * pose]);
+      if (anees - 2.0 * error > 1.0)
+        above.push_back(fmt::format("{} ({:.3g})", std::get<std::string>(row[0]), anees));
+    }
+    notes.push_back(above.empty()
+                        ? fmt::format("{}: nowhere overconfident by more than two standard errors.",
+                                      kPoses[pose])
+                        : fmt::format("{}: overconfident by more than two standard errors in {}.",
+                                      kPoses[pose], fmt::join(above, ", ")));
+  }
+  return notes;
 }
 
 StudyReport report(const std::vector<ConsistencyCell>& cells, std::size_t runs,
@@ -155,10 +189,12 @@ StudyReport report(const std::vector<ConsistencyCell>& cells, std::size_t runs,
       trials.push_back(Json::parse(results[i * runs + run]));
     table.add(row_of(cells[i].name, trials));
   }
-  return {{{"study.json", format_study("consistency", table)},
+  const std::vector<std::string> notes = consistency_notes(table, runs);
+  return {{{"study.json", format_study({"consistency", kConsistencyQuestion, notes}, table)},
            {"consistency.csv", table.csv()},
            {"consistency.svg", figure(table)}},
-          summary_of(table).text(3)};
+          summary_of(table).text(3),
+          notes};
 }
 
 std::vector<ConsistencyCell> chosen_cells(const std::vector<std::string>& names) {

@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "draw/method_colours.hpp"
 #include "posemix/draw/chart.hpp"
 #include "study/engine/table.hpp"
 
@@ -59,7 +60,10 @@ StudyTable table_of(const DivergenceStudySettings& settings, const Part& part,
 
 ChartSeries curve(const DivergenceStudySettings& settings, const std::string& rule,
                   std::vector<double> y) {
-  return {.label = rule, .x = settings.phi_deg, .y = std::move(y), .markers = true};
+  ChartSeries series = internal::method_series(rule);
+  series.x = settings.phi_deg;
+  series.y = std::move(y);
+  return series;
 }
 
 /// Fig. 3: the loss of each rule in excess of the midway merge, and the losses themselves.
@@ -86,16 +90,38 @@ std::string figure(const DivergenceStudySettings& settings, const Part& part) {
   return draw_charts("Loss by merging two components on SO(3)", charts, 2);
 }
 
+constexpr std::string_view kDivergenceQuestion =
+    "What does merging two components on SO(3) into one lose, by the rule of the merge and the "
+    "angle between the components?";
+
+/// The losses at the widest angle, least first.
+std::vector<std::string> divergence_notes(const DivergenceStudySettings& settings,
+                                          const Part& part) {
+  if (settings.phi_deg.empty()) return {};
+  std::vector<std::pair<double, std::string>> losses;
+  for (const std::string& rule : part.rules)
+    losses.emplace_back(part.values.at(rule).at("kl").back(), rule);
+  std::sort(losses.begin(), losses.end());
+  std::string note =
+      fmt::format("KL divergence that is lost at {:g} deg [nats]:", settings.phi_deg.back());
+  for (const auto& [loss, rule] : losses)
+    note += fmt::format("{} {} {:.4g}", rule == losses.front().second ? "" : ",", rule, loss);
+  return {note + "."};
+}
+
 }  // namespace
 
 StudyReport report_divergence(const DivergenceStudySettings& settings,
                               std::span<const std::string> results) {
   const Part exact = collect(results, "rows");
   const StudyTable table = table_of(settings, exact, {"kl", "kl_error", "isd", "isd_error"});
-  StudyReport report{{{"study.json", format_study("divergence", table)},
-                      {"divergence.csv", table.csv()},
-                      {"divergence.svg", figure(settings, exact)}},
-                     table_of(settings, exact, {"kl", "isd"}).text(9)};
+  const std::vector<std::string> notes = divergence_notes(settings, exact);
+  StudyReport report{
+      {{"study.json", format_study({"divergence", kDivergenceQuestion, notes}, table)},
+       {"divergence.csv", table.csv()},
+       {"divergence.svg", figure(settings, exact)}},
+      table_of(settings, exact, {"kl", "isd"}).text(9),
+      notes};
   if (const Part grid = collect(results, "grid"); !grid.rules.empty()) {
     report.files.push_back(
         {"paper-grid.csv", table_of(settings, grid, {"kl", "isd", "mass"}).csv()});

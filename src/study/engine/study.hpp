@@ -20,8 +20,9 @@ struct StudyFile {
 
 /// The report of a study whose items are all done.
 struct StudyReport {
-  std::vector<StudyFile> files;  ///< study.json, tables (CSV) and figures (SVG)
-  std::string summary;           ///< the main table as text
+  std::vector<StudyFile> files;         ///< study.json, tables (CSV) and figures (SVG)
+  std::string summary;                  ///< the main tables as text, with blank lines between them
+  std::vector<std::string> notes = {};  ///< what the numbers say, in sentences
 };
 
 /// An experiment.

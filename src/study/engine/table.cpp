@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "columns.hpp"
 #include "posemix/base/error.hpp"
 
 namespace posemix {
@@ -57,10 +58,14 @@ nlohmann::ordered_json rows_json(const StudyTable& table) {
   return rows;
 }
 
-nlohmann::ordered_json document_of(std::string_view study, const StudyTable& rows) {
+nlohmann::ordered_json document_of(const StudyText& text, const std::vector<std::string>& columns,
+                                   const StudyTable& rows) {
   nlohmann::ordered_json document;
   document["schema"] = kStudySchema;
-  document["study"] = study;
+  document["study"] = text.study;
+  document["description"] = text.description;
+  document["notes"] = text.notes;
+  document["columns"] = columns_json(columns);
   document["rows"] = rows_json(rows);
   return document;
 }
@@ -113,13 +118,16 @@ std::string StudyTable::text(int digits) const {
   return result;
 }
 
-std::string format_study(std::string_view study, const StudyTable& rows) {
-  return document_of(study, rows).dump(1) + "\n";
+std::string format_study(const StudyText& text, const StudyTable& rows) {
+  return document_of(text, rows.columns(), rows).dump(1) + "\n";
 }
 
-std::string format_study(std::string_view study, const StudyTable& rows,
-                         const StudyTable& summary) {
-  nlohmann::ordered_json document = document_of(study, rows);
+std::string format_study(const StudyText& text, const StudyTable& rows, const StudyTable& summary) {
+  std::vector<std::string> columns = rows.columns();
+  for (const std::string& name : summary.columns()) {
+    if (std::find(columns.begin(), columns.end(), name) == columns.end()) columns.push_back(name);
+  }
+  nlohmann::ordered_json document = document_of(text, columns, rows);
   document["summary"] = rows_json(summary);
   return document.dump(1) + "\n";
 }

@@ -38,11 +38,18 @@ class StudyTable {
   std::vector<std::vector<Cell>> rows_;
 };
 
-/// The file study.json: {"schema": 1, "study": name, "rows": [{column: value, ...}, ...]}. A number
-/// that is not finite is written as null.
-std::string format_study(std::string_view study, const StudyTable& rows);
+/// What study.json says beside its numbers.
+struct StudyText {
+  std::string_view study;               ///< its name
+  std::string_view description;         ///< what it asks, in one sentence
+  std::vector<std::string> notes = {};  ///< what the numbers say, in sentences
+};
+
+/// The file study.json: {"schema": 1, "study": name, "description": ..., "notes": [...], "columns":
+/// {...}, "rows": [{column: value, ...}, ...]}. A number that is not finite is written as null.
+std::string format_study(const StudyText& text, const StudyTable& rows);
 
 /// The same with a second table under the key "summary".
-std::string format_study(std::string_view study, const StudyTable& rows, const StudyTable& summary);
+std::string format_study(const StudyText& text, const StudyTable& rows, const StudyTable& summary);
 
 }  // namespace posemix

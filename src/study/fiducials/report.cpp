@@ -3,11 +3,14 @@
 #include "report.hpp"
 
 #include <algorithm>
+#include <map>
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "posemix/base/statistics.hpp"
 #include "posemix/draw/chart.hpp"
 #include "study/engine/table.hpp"
 
@@ -61,6 +64,26 @@ std::string draw_fiducial_paths(const FiducialRows& paths) {
   return draw_charts("Camera against the reference", charts, charts.size() > 1 ? 2 : 1);
 }
 
+constexpr std::string_view kFiducialsQuestion =
+    "Does SLAM on square tags gain when a filter gets both poses that the corners of a tag allow, "
+    "and not one?";
+
+/// The errors of the camera by input, as medians over the recordings.
+std::vector<std::string> fiducials_notes(const FiducialRows& rows) {
+  std::map<std::string, std::vector<double>> errors;
+  for (const Json& row : rows) {
+    if (row.at("camera_rms_m").is_number())
+      errors[row.at("input")].push_back(row.at("camera_rms_m"));
+  }
+  std::string note = "Error of the camera (rms), median over the recordings [mm]:";
+  for (const auto& [input, values] : errors) {
+    note += fmt::format("{} {} {:.3g}", input == errors.begin()->first ? "" : ",", input,
+                        1e3 * median(values));
+  }
+  if (errors.empty()) return {};
+  return {note + "."};
+}
+
 }  // namespace
 
 StudyReport report_fiducials(std::span<const std::string> results) {
@@ -74,11 +97,13 @@ StudyReport report_fiducials(std::span<const std::string> results) {
   }
   const StudyTable table = fiducial_table(rows);
   StudyReport report;
-  report.files = {{"study.json", format_study("fiducials", table)},
-                  {"fiducials.csv", table.csv()},
-                  {"tags.csv", fiducial_table(tags).csv()},
-                  {"timing.csv", fiducial_table(timing).csv()},
-                  {"camera.svg", draw_fiducial_paths(paths)}};
+  report.notes = fiducials_notes(rows);
+  report.files = {
+      {"study.json", format_study({"fiducials", kFiducialsQuestion, report.notes}, table)},
+      {"fiducials.csv", table.csv()},
+      {"tags.csv", fiducial_table(tags).csv()},
+      {"timing.csv", fiducial_table(timing).csv()},
+      {"camera.svg", draw_fiducial_paths(paths)}};
   const std::vector<std::string> shown{"recording",
                                        "input",
                                        "camera_rms_m",

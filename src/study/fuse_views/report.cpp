@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "posemix/base/statistics.hpp"
@@ -147,6 +148,33 @@ std::map<std::string, std::string> learned_noises(
   return noises;
 }
 
+constexpr std::string_view kFuseViewsQuestion =
+    "How much better are poses that are fused from several views than those of single views, and "
+    "are they consistent?";
+
+/// Single against fused views for every case with random groups.
+std::vector<std::string> fuse_views_notes(const StudyTable& summary) {
+  const auto column = [&](std::string_view name) {
+    const auto found = std::find(summary.columns().begin(), summary.columns().end(), name);
+    return static_cast<std::size_t>(found - summary.columns().begin());
+  };
+  const std::size_t single = column("single_mssd_recall");
+  const std::size_t fused = column("fused_mssd_recall");
+  std::vector<std::string> notes;
+  for (const auto& row : summary.rows()) {
+    const auto* const before = std::get_if<double>(&row[single]);
+    const auto* const after = std::get_if<double>(&row[fused]);
+    if (std::get<std::string>(row[1]) != "random" || before == nullptr || after == nullptr)
+      continue;
+    notes.push_back(
+        fmt::format("{}, {}, symmetries {}, noise {}: recall by MSSD {:.3g} of single "
+                    "views, {:.3g} fused.",
+                    std::get<std::string>(row[0]), std::get<std::string>(row[2]),
+                    std::get<std::string>(row[3]), std::get<std::string>(row[4]), *before, *after));
+  }
+  return notes;
+}
+
 }  // namespace
 
 StudyReport report_fuse_views(std::span<const std::string> results) {
@@ -174,7 +202,9 @@ StudyReport report_fuse_views(std::span<const std::string> results) {
   const StudyTable table = table_of(rows, scene_keys);
   const StudyTable summary = table_of(sums, kCaseKeys);
   StudyReport report;
-  report.files = {{"study.json", format_study("fuse-views", table, summary)},
+  report.notes = fuse_views_notes(summary);
+  report.files = {{"study.json",
+                   format_study({"fuse-views", kFuseViewsQuestion, report.notes}, table, summary)},
                   {"fuse-views.csv", table.csv()},
                   {"summary.csv", summary.csv()}};
   for (auto& [dataset, noise] : learned_noises(cases))

@@ -5,14 +5,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <set>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "draw/picture_colours.hpp"
 #include "posemix/base/units.hpp"
 #include "posemix/draw/chart.hpp"
+#include "posemix/grasp/scores.hpp"
 #include "study/engine/table.hpp"
 #include "study/grasp/methods.hpp"
 
@@ -44,9 +47,8 @@ std::vector<Grasp> grasps_of(const std::vector<Json>& items) {
   return grasps;
 }
 
-/// In place of an object: all that have a region of their own.
+/// All objects that have a region of their own.
 constexpr const char* kLearnt = "learnt";
-
 /// The grasps that a row is about; empty names stand for all.
 struct Selection {
   std::string split, object, gripper, estimator;
@@ -231,8 +233,11 @@ std::string reliability_chart(const std::vector<Grasp>& grasps, std::size_t bins
                 .y_label = "success rate",
                 .x_range = std::pair{0.0, 1.0},
                 .y_range = std::pair{0.0, 1.0}};
-    chart.series.push_back(
-        {.label = "ideal", .x = {0, 1}, .y = {0, 1}, .color = "#888888", .dash = "4 4"});
+    chart.series.push_back({.label = "ideal",
+                            .x = {0, 1},
+                            .y = {0, 1},
+                            .color = std::string(internal::kTruthColour),
+                            .dash = "4 4"});
     std::size_t method = 0;
     for (const auto& name : kGraspMethods) {
       ChartSeries series{.label = name, .markers = true};
@@ -255,9 +260,23 @@ std::string summary_of(const StudyTable& scores) {
     if (row[2] != Cell("all") || row[4] != Cell("all")) continue;
     table.add({row[1], row[3], row[0], row[6], row[8], row[9], row[10], row[11], row[12]});
   }
-  return "All objects whose outcomes are of both kinds. region_at_true_error knows the truth: a "
-         "bound.\n" +
-         table.text(3);
+  return table.text(3);
+}
+
+constexpr std::string_view kGraspQuestion =
+    "How well is the success of a grasp predicted from the uncertainty of pose estimators?";
+
+std::vector<std::string> grasp_notes(const StudyTable& scores) {
+  const std::string bound = "region_at_true_error";
+  std::pair best(std::numeric_limits<double>::infinity(), std::string());
+  for (const std::vector<Cell>& row : scores.rows()) {
+    const bool is_all = row[2] == Cell("all") && row[3] == Cell("all") && row[4] == Cell("all");
+    const auto& name = std::get<std::string>(row[0]);
+    if (is_all && name != bound) best = std::min(best, std::pair(std::get<double>(row[8]), name));
+  }
+  return {"Rows about all objects are of those whose outcomes are of both kinds.",
+          bound + " knows the truth: it is a bound, not a method.",
+          fmt::format("The least Brier score has {}: {:.3g}.", best.second, best.first)};
 }
 
 }  // namespace
@@ -267,13 +286,15 @@ StudyReport report_grasp(std::span<const std::string> results, std::size_t bins)
   for (const std::string& result : results) items.push_back(Json::parse(result));
   const std::vector<Grasp> grasps = grasps_of(items);
   const StudyTable scores = score_table(grasps, bins);
-  return {{{"study.json", format_study("grasp", scores)},
+  const std::vector<std::string> notes = grasp_notes(scores);
+  return {{{"study.json", format_study({"grasp", kGraspQuestion, notes}, scores)},
            {"scores.csv", scores.csv()},
            {"predictions.csv", prediction_table(grasps).csv()},
            {"regions.csv", region_table(items).csv()},
            {"errors.csv", error_table(items).csv()},
            {"reliability.svg", reliability_chart(grasps, bins)}},
-          summary_of(scores)};
+          summary_of(scores),
+          notes};
 }
 
 }  // namespace posemix

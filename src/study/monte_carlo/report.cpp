@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "draw/method_colours.hpp"
 #include "posemix/base/statistics.hpp"
 #include "posemix/draw/chart.hpp"
 #include "study/engine/table.hpp"
@@ -125,18 +126,37 @@ StudyTable timing_table(const MonteCarloStudySettings& settings, const Values& v
   return table;
 }
 
+/// A chart over the levels of noise.
+Chart level_chart(const MonteCarloStudySettings& settings, std::string_view y_label) {
+  return {.x_label = "odometry noise, power of ten of Q",
+          .y_label = std::string(y_label),
+          .log_y = true,
+          .x_ticks = settings.noise_exponents};
+}
+
+/// The series of a method, a little to the side of those of others, which it may cover.
+ChartSeries level_series(const MonteCarloStudySettings& settings, std::size_t method) {
+  constexpr double kBetween = 0.07;
+  ChartSeries series = internal::method_series(settings.methods[method]);
+  const double middle = 0.5 * static_cast<double>(settings.methods.size() - 1);
+  for (const double exponent : settings.noise_exponents)
+    series.x.push_back(exponent + kBetween * (static_cast<double>(method) - middle));
+  return series;
+}
+
 std::string quantity_figure(const MonteCarloStudySettings& settings, const Values& values) {
   std::vector<Chart> charts;
   for (std::size_t q = 0; q < kQuantities.size(); ++q) {
     const Quantity& quantity = kQuantities[q];
-    Chart& chart = charts.emplace_back(Chart{.x_label = "odometry noise, power of ten of Q",
-                                             .y_label = std::string(quantity.axis),
-                                             .log_y = true});
+    Chart& chart = charts.emplace_back(level_chart(settings, quantity.axis));
     for (std::size_t method = 0; method < settings.methods.size(); ++method) {
-      ChartSeries& series = chart.series.emplace_back(ChartSeries{
-          .label = settings.methods[method], .x = settings.noise_exponents, .markers = true});
+      ChartSeries& series = chart.series.emplace_back(level_series(settings, method));
+      series.bars = true;
       for (std::size_t level = 0; level < settings.noise_exponents.size(); ++level) {
-        series.y.push_back(mean_with_error(values(level, method, q)).mean);
+        const MeanWithError mean = mean_with_error(values(level, method, q));
+        series.y.push_back(mean.mean);
+        series.lower.push_back(mean.mean - mean.standard_error);
+        series.upper.push_back(mean.mean + mean.standard_error);
       }
     }
     if (quantity.dof == 0) continue;
@@ -144,7 +164,7 @@ std::string quantity_figure(const MonteCarloStudySettings& settings, const Value
     chart.marks = {{band.first, "95 %"}, {band.second, "95 %"}};
   }
   return draw_charts(fmt::format("Monte-Carlo study, {} runs (simulated)", settings.runs), charts,
-                     2);
+                     2, "Bars: one standard error of the mean over the runs; dashed: 95 % band.");
 }
 
 std::string trajectory_figure(const MonteCarloStudySettings& settings) {
@@ -162,17 +182,15 @@ std::string trajectory_figure(const MonteCarloStudySettings& settings) {
   return draw_chart({.title = "Simulated trajectory from above",
                      .x_label = "x [m]",
                      .y_label = "y [m]",
-                     .series = {path, first, {.label = "object", .x = {0}, .y = {0}}}});
+                     .series = {path, first, {.label = "object", .x = {0}, .y = {0}}},
+                     .equal_axes = true});
 }
 
 std::string timing_figure(const MonteCarloStudySettings& settings, const Values& values) {
-  Chart chart{.title = "Processor time of one run",
-              .x_label = "odometry noise, power of ten of Q",
-              .y_label = "median [ms]",
-              .log_y = true};
+  Chart chart = level_chart(settings, "median [ms]");
+  chart.title = "Processor time of one run";
   for (std::size_t method = 0; method < settings.methods.size(); ++method) {
-    ChartSeries& series = chart.series.emplace_back(ChartSeries{
-        .label = settings.methods[method], .x = settings.noise_exponents, .markers = true});
+    ChartSeries& series = chart.series.emplace_back(level_series(settings, method));
     for (std::size_t level = 0; level < settings.noise_exponents.size(); ++level) {
       series.y.push_back(1e3 * median(values(level, method, kSeconds)));
     }
@@ -193,12 +211,30 @@ std::string summary_text(const MonteCarloStudySettings& settings, const Values& 
       table.add(std::move(row));
     }
   }
+  return table.text(4);
+}
+
+constexpr std::string_view kMonteCarloQuestion =
+    "Which filter stays accurate and consistent when the noise of the odometry grows?";
+
+/// The bands of the consistency, and the errors where the odometry is worst.
+std::vector<std::string> monte_carlo_notes(const MonteCarloStudySettings& settings,
+                                           const Values& values) {
   const auto band = chi_square_band(settings.runs, kStateDof);
   const auto relative = chi_square_band(settings.runs, kRelativeDof);
-  return table.text(4) + fmt::format(
-                             "95 % bands of one time: ANEES {:.3f} to {:.3f}, relative "
-                             "NEES {:.3f} to {:.3f}\n",
-                             band.first, band.second, relative.first, relative.second);
+  std::vector<std::string> notes{
+      fmt::format("95 % bands of one time: ANEES {:.3f} to {:.3f}, relative NEES {:.3f} to {:.3f}.",
+                  band.first, band.second, relative.first, relative.second)};
+  const std::size_t last = settings.noise_exponents.size() - 1;
+  std::string errors =
+      fmt::format("Rotation error of the object at 10^{:g} [deg]:", settings.noise_exponents[last]);
+  for (std::size_t method = 0; method < settings.methods.size(); ++method) {
+    const MeanWithError mean = mean_with_error(values(last, method, 1));
+    errors += fmt::format("{} {} {:.3g} +- {:.1g}", method == 0 ? "" : ",",
+                          settings.methods[method], mean.mean, mean.standard_error);
+  }
+  notes.push_back(errors + ".");
+  return notes;
 }
 
 }  // namespace
@@ -207,14 +243,16 @@ StudyReport report_monte_carlo(const MonteCarloStudySettings& settings,
                                std::span<const std::string> results) {
   const Values values(settings, results);
   const StudyTable table = main_table(settings, values);
-  return {{{"study.json", format_study("monte-carlo", table)},
+  const std::vector<std::string> notes = monte_carlo_notes(settings, values);
+  return {{{"study.json", format_study({"monte-carlo", kMonteCarloQuestion, notes}, table)},
            {"monte-carlo.csv", table.csv()},
            {"paired.csv", paired_table(settings, values).csv()},
            {"timing.csv", timing_table(settings, values).csv()},
            {"errors.svg", quantity_figure(settings, values)},
            {"trajectory.svg", trajectory_figure(settings)},
            {"timing.svg", timing_figure(settings, values)}},
-          summary_text(settings, values)};
+          summary_text(settings, values),
+          notes};
 }
 
 }  // namespace posemix

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "draw/picture_colours.hpp"
 #include "posemix/base/units.hpp"
 #include "posemix/config/noise_toml.hpp"
 #include "posemix/draw/chart.hpp"
@@ -89,12 +90,12 @@ Chart variance_chart(const OdometryNoise& noise, std::size_t first) {
               .y_label = first == 0 ? "variance [deg^2]" : "variance [mm^2]",
               .log_x = true,
               .log_y = true};
-  constexpr std::array kColours{"#0072B2", "#D55E00", "#009E73"};
   constexpr std::array kLetters{"x", "y", "z"};
   for (std::size_t i = 0; i < 3; ++i) {
-    ChartSeries seen{.label = kLetters[i], .color = kColours[i], .markers = true};
+    const std::string colour(internal::kAxisColours[i]);
+    ChartSeries seen{.label = kLetters[i], .color = colour, .markers = true};
     ChartSeries fitted{
-        .label = std::string(kLetters[i]) + ", fitted", .color = kColours[i], .dash = "6 4"};
+        .label = std::string(kLetters[i]) + ", fitted", .color = colour, .dash = "6 4"};
     for (const OdometryWindow& window : noise.windows) {
       const auto at = static_cast<Eigen::Index>(first + i);
       const double unit = std::pow(in_unit(1.0, first), 2);

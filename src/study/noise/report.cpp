@@ -2,8 +2,8 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "study/noise/report.hpp"
 
+#include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 
 #include <fmt/format.h>
@@ -11,8 +11,8 @@
 #include "posemix/base/statistics.hpp"
 #include "posemix/base/units.hpp"
 #include "posemix/config/noise_toml.hpp"
-#include "posemix/draw/chart.hpp"
 #include "study/engine/table.hpp"
+#include "study/noise/figures.hpp"
 #include "study/noise/groups.hpp"
 #include "study/noise/json.hpp"
 #include "study/noise/odometry_report.hpp"
@@ -22,8 +22,6 @@ namespace posemix {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr int kCurvePoints = 301;
 
 constexpr std::array kAxisColumns{"count",
                                   "mean",
@@ -56,8 +54,6 @@ Cell cell(const Json& json) {
 }
 
 std::string truth_of(const Json& item) { return item["proxy"].get<bool>() ? "proxy" : "annotated"; }
-
-bool along_ray(const Json& item) { return item["frame"] == "ray"; }
 
 std::string unit_of(const Json& item, std::size_t axis) {
   if (axis < 3) return "deg";
@@ -107,68 +103,6 @@ StudyTable group_table(const std::vector<Json>& items, const char* key,
     }
   }
   return table;
-}
-
-const Json& chosen_model(const Json& item) {
-  for (const Json& model : item["models"]) {
-    if (model["chosen"].get<bool>()) return model;
-  }
-  return item["models"].back();
-}
-
-/// Density of one coordinate of the residual at x, in the unit of the axis, without clutter. Along
-/// the object's axes an offset counts by its logarithm; along others it has no place.
-double marginal_density(const DetectorNoise& noise, std::size_t axis, double x) {
-  const auto at = static_cast<Eigen::Index>(axis);
-  const double unit = axis < 3 ? kRadPerDeg : 1.0;
-  double sum = 0.0;
-  for (const NoiseComponent& component : noise.components()) {
-    const Vector6d offset = component.offset.log();
-    if (component.frame != NoiseFrame::object && offset.norm() > 0.0) continue;
-    const double sd = std::sqrt(component.covariance(at, at)) / unit;
-    const double z = (x - offset[at] / unit) / sd;
-    sum += component.weight * std::exp(-0.5 * z * z) / (sd * std::sqrt(2.0 * std::numbers::pi));
-  }
-  return sum;
-}
-
-ChartSeries curve(const std::string& label, const DetectorNoise& noise, std::size_t axis,
-                  double reach, double unit) {
-  ChartSeries series{.label = label};
-  for (int i = 0; i < kCurvePoints; ++i) {
-    const double x = reach * (2.0 * i / (kCurvePoints - 1) - 1.0);
-    series.x.push_back(unit * x);
-    series.y.push_back(marginal_density(noise, axis, x) / unit);
-  }
-  return series;
-}
-
-Chart axis_chart(const Json& item, std::size_t axis) {
-  const Json& histogram = item["axes"][axis]["histogram"];
-  const double unit = axis < 3 ? 1.0 : 100.0;  // drawn in deg and cm, or per cent of the range
-  const std::string name = axis < 3 ? "deg" : along_ray(item) ? "% of range" : "cm";
-  const double reach = histogram["reach"];
-  const auto counts = histogram["counts"].get<std::vector<double>>();
-  const double width = 2.0 * reach / static_cast<double>(counts.size());
-  const double total = item["axes"][axis]["count"];
-  Chart chart{.title = std::string(kNoiseAxes[axis]),
-              .x_label = fmt::format("residual [{}]", name),
-              .y_label = fmt::format("density [1/{}]", axis < 3 || !along_ray(item) ? name : "%")};
-  ChartSeries bars{.label = "detections", .color = "#888888", .step = true};
-  for (std::size_t i = 0; i < counts.size(); ++i) {
-    bars.x.push_back(unit * (static_cast<double>(i) * width - reach));
-    bars.y.push_back(counts[i] / (total * width * unit));
-  }
-  bars.x.push_back(unit * reach);
-  chart.series.push_back(std::move(bars));
-  const DetectorNoise single = noise_from_json(item["models"][0]["noise"]);
-  chart.series.push_back(curve("one component", single, axis, reach, unit));
-  const Json& model = chosen_model(item);
-  if (model["components"] > 1) {
-    chart.series.push_back(curve(fmt::format("{} components", model["components"].get<int>()),
-                                 noise_from_json(model["noise"]), axis, reach, unit));
-  }
-  return chart;
 }
 
 std::string toml_of(const Json& item, const std::string& name) {
@@ -229,9 +163,33 @@ StudyTable axis_summary(const std::vector<Json>& items) {
   return table;
 }
 
+constexpr std::string_view kNoiseQuestion =
+    "How large are the errors of a detector, and which noise model has a filter to use for them?";
+
+/// The model that is chosen for every object, and what to make of the units.
+std::vector<std::string> noise_notes(const std::vector<Json>& items) {
+  std::vector<std::string> notes{
+      "Rotations are in deg, translations in m or, along the ray, in shares of the range."};
+  const auto is_proxy = [](const Json& item) { return item["proxy"].get<bool>(); };
+  if (std::any_of(items.begin(), items.end(), is_proxy)) {
+    notes.emplace_back(
+        "The truth `proxy` is the mean of the detections themselves: what they share is not in "
+        "it.");
+  }
+  std::size_t several = 0;
+  for (const Json& item : items) several += chosen_model(item)["components"] > 1 ? 1 : 0;
+  notes.push_back(fmt::format(
+      "The BIC chooses more than one component, that is tails wider than Gaussian, for {} of {} "
+      "groups of detections.",
+      several, items.size()));
+  return notes;
+}
+
 void add_tables(const std::vector<Json>& items, StudyReport& report) {
   const StudyTable axes = axis_table(items);
-  report.files.push_back({"study.json", format_study("noise", axes)});
+  report.notes = noise_notes(items);
+  report.files.push_back(
+      {"study.json", format_study({"noise", kNoiseQuestion, report.notes}, axes)});
   report.files.push_back({"noise.csv", axes.csv()});
   constexpr std::array kModels{"components",     "offsets", "clutter",       "parameters",
                                "log_likelihood", "bic",     "bic_effective", "iterations",
@@ -252,11 +210,9 @@ void add_tables(const std::vector<Json>& items, StudyReport& report) {
     report.files.push_back({"validation.csv", folds.csv()});
     report.summary += "Held-out log density per detection [nats]:\n" + folds.text(4) + "\n";
   }
-  report.summary +=
-      "Rotations in deg, translations in m or of the range. Truth `proxy`: the mean of the "
-      "detections themselves.\n" +
-      axis_summary(items).text(3) + "\nModels, and the number of frames that count as one:\n" +
-      summary_table(items).text(3);
+  report.summary += "Errors along each axis:\n" + axis_summary(items).text(3) +
+                    "\nModels, and the number of frames that count as one:\n" +
+                    summary_table(items).text(3);
 }
 
 }  // namespace
@@ -277,13 +233,8 @@ StudyReport report_noise(std::span<const std::string> results) {
   report_slow_errors(items, report);
   for (const Json& item : items) {
     const std::string name = noise_name(item["detector"], item["object"]);
-    std::vector<Chart> charts;
-    for (std::size_t axis = 0; axis < 6; ++axis) charts.push_back(axis_chart(item, axis));
-    const std::string title = fmt::format(
-        "Residuals of {} for {}{}", item["detector"].get<std::string>(),
-        item["object"].get<std::string>(), item["proxy"].get<bool>() ? " (against a proxy)" : "");
     report.files.push_back({"noise_" + name + ".toml", toml_of(item, name)});
-    report.files.push_back({"noise_" + name + ".svg", draw_charts(title, charts, 3)});
+    report.files.push_back({"noise_" + name + ".svg", draw_residuals(item)});
   }
   if (odometry) report_odometry(*odometry, report);
   return report;

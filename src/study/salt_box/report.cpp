@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "draw/picture_colours.hpp"
 #include "posemix/base/random.hpp"
 #include "posemix/base/statistics.hpp"
 #include "posemix/draw/flags.hpp"
@@ -80,11 +81,6 @@ StudyTable trial_table(std::span<const std::string> results) {
   return table;
 }
 
-const char* colour_of(std::size_t feature) {
-  static constexpr const char* kColours[] = {"#009E73", "#0072B2", "#8E44AD", "#E69F00", "#CC79A7"};
-  return kColours[feature % std::size(kColours)];
-}
-
 FlagGroup flags_of(const SaltBoxSettings& settings, const SaltBoxStage& stage, std::string label,
                    std::string colour, std::uint64_t stream_index) {
   FlagGroup group{std::move(label), std::move(colour), {}};
@@ -94,6 +90,9 @@ FlagGroup flags_of(const SaltBoxSettings& settings, const SaltBoxStage& stage, s
   }
   return group;
 }
+
+/// The number of an estimate's colour, which no feature has.
+constexpr std::size_t kOfEstimate = 8;
 
 /// One picture per stage, all with the same view. Features and the objects composed from them are
 /// shown together, as in Figs. 2 and 3 of the paper.
@@ -105,14 +104,17 @@ std::vector<StudyFile> pictures(const SaltBoxSettings& settings,
   for (std::size_t i = 0; i < stages.size(); ++i) {
     const SaltBoxStage& stage = stages[i];
     if (stage.name.starts_with("feature_")) {
-      features.push_back(flags_of(settings, stage, stage.name, colour_of(features.size()), i));
+      features.push_back(
+          flags_of(settings, stage, stage.name, internal::object_colour(features.size()), i));
       all.push_back(features.back());
     } else if (stage.name.starts_with("object_")) {
-      objects.push_back(flags_of(settings, stage, stage.name, colour_of(objects.size()), i));
+      objects.push_back(
+          flags_of(settings, stage, stage.name, internal::object_colour(objects.size()), i));
       all.push_back(objects.back());
     } else {
       const std::string label = fmt::format("{}, {} components", stage.name, stage.mixture.size());
-      estimates.emplace_back(stage.name, flags_of(settings, stage, label, "#D55E00", i));
+      estimates.emplace_back(
+          stage.name, flags_of(settings, stage, label, internal::object_colour(kOfEstimate), i));
     }
   }
   const FlagView view = view_of(all);
@@ -138,9 +140,26 @@ std::vector<StudyFile> mixture_files(const std::vector<SaltBoxStage>& stages) {
   return files;
 }
 
-constexpr const char* kTrap =
-    "Features seen in one view share one tilt: fused as if independent they are overconfident\n"
-    "(trials.csv, shared_view). Fuse features of different views, or one of each view.\n";
+constexpr std::string_view kSaltBoxQuestion =
+    "What is known of the pose of a box from three features that are seen on it, each of which "
+    "leaves several poses?";
+
+/// What fusing does, and the trap in it.
+std::vector<std::string> salt_box_notes(const StudyTable& stages, bool has_trials) {
+  const auto text = [&](const std::vector<Cell>& row) {
+    return fmt::format("{:.3g} deg and {:.3g} mm ({})", std::get<double>(row[3]),
+                       1e3 * std::get<double>(row[4]), std::get<std::string>(row[0]));
+  };
+  std::vector<std::string> notes{
+      fmt::format("Three features together lower the standard deviation of the pose from {} to {}.",
+                  text(stages.rows()[1]), text(stages.rows().back()))};
+  if (!has_trials) return notes;
+  notes.emplace_back(
+      "Features seen in one view share one tilt: fused as if independent they are overconfident "
+      "(trials.csv, shared_view).");
+  notes.emplace_back("Fuse features of different views, or one of each view.");
+  return notes;
+}
 
 }  // namespace
 
@@ -150,14 +169,16 @@ StudyReport report_salt_box(const SaltBoxSettings& settings, std::span<const std
   const StudyTable reductions = reduction_table(example);
   const std::vector<SaltBoxStage> run = run_salt_box(settings);
   StudyReport report;
-  report.files.push_back({"study.json", format_study("salt-box", stages)});
+  report.notes = salt_box_notes(stages, results.size() > 1);
+  report.files.push_back(
+      {"study.json", format_study({"salt-box", kSaltBoxQuestion, report.notes}, stages)});
   report.files.push_back({"stages.csv", stages.csv()});
   report.files.push_back({"reductions.csv", reductions.csv()});
   report.summary = stages.text() + "\n" + reductions.text();
   if (results.size() > 1) {
     const StudyTable trials = trial_table(results.subspan(1));
     report.files.push_back({"trials.csv", trials.csv()});
-    report.summary += "\n" + trials.text() + "\n" + kTrap;
+    report.summary += "\n" + trials.text();
   }
   report.files.push_back(
       {"posterior.json", format_mixture({{"camera", "box"}, run.back().mixture})});

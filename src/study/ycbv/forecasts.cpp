@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "draw/method_colours.hpp"
+#include "draw/picture_colours.hpp"
 #include "posemix/draw/chart.hpp"
 
 /// Is the probability of the mode calibrated?
@@ -74,15 +76,16 @@ std::vector<StudyFile> report_forecasts(std::span<const std::vector<Cell>> forec
               .x_label = "probability of the mode",
               .y_label = "share on the right mode",
               .x_range = std::pair(0.0, 1.0)};
-  ChartSeries diagonal{.label = "calibrated", .color = "#8A8A8A", .dash = "5 4"};
+  ChartSeries diagonal{
+      .label = "calibrated", .color = std::string(internal::kTruthColour), .dash = "5 4"};
   diagonal.x = {0.0, 1.0};
   diagonal.y = {0.0, 1.0};
   chart.series.push_back(std::move(diagonal));
   for (const auto& [key, bins] : bins_of(forecasts)) {
     const auto& [detector, method] = key;
     const double error = calibration_error(bins);
-    ChartSeries series{.label = fmt::format("{}, {} (error {:.3f})", detector, method, error),
-                       .markers = true};
+    ChartSeries series = internal::method_series(method);
+    series.label = fmt::format("{}, {} (error {:.3f})", detector, method, error);
     for (std::size_t bin = 0; bin < kForecastBins; ++bin) {
       const ForecastBin& sum = bins[bin];
       if (sum.weight <= 0.0) continue;

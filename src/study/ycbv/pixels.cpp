@@ -7,8 +7,9 @@
 #include <limits>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
+#include "io/json_fault.hpp"
+#include "io/json_place.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/base/statistics.hpp"
 #include "posemix/io/text.hpp"
@@ -45,16 +46,13 @@ Eigen::Vector2d read_focal_lengths(const fs::path& path) {
 
 /// Size of the object's box [m].
 std::optional<Eigen::Vector3d> read_cuboid(const fs::path& path, const std::string& object) {
-  try {
-    const auto document = nlohmann::json::parse(read_file(path));
-    for (const auto& item : document.at("exported_objects")) {
-      if (item.at("class") != object) continue;
-      const auto size = item.at("cuboid_dimensions").get<std::array<double, 3>>();
-      return kMetresPerCentimetre * Eigen::Vector3d(size[0], size[1], size[2]);
-    }
-  } catch (const nlohmann::json::exception& error) {
-    throw InvalidInput(fmt::format("{}: {}, expected objects with their cuboid_dimensions",
-                                   path.string(), error.what()));
+  const auto document =
+      internal::json_of(read_file(path), path.string(), "objects with their cuboid_dimensions");
+  const internal::JsonPlace root(document, path.string());
+  for (const internal::JsonPlace& item : root.member("exported_objects").items()) {
+    if (item.member("class").string() != object) continue;
+    const Eigen::VectorXd size = item.member("cuboid_dimensions").vector(3);
+    return kMetresPerCentimetre * Eigen::Vector3d(size);
   }
   return std::nullopt;
 }

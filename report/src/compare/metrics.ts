@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+// The numbers by which runs are compared, each with what chance may make of it.
+import { isObject, type Json } from "../payload.ts";
+import { holm, type Paired, paired } from "../stats/paired.ts";
+import type { Comparison, Norms, Run, Values } from "./runs.ts";
+
+/** Differences that chance makes more often are ties. */
+export const LEVEL = 0.05;
+/** Within these an estimate is on the right mode, as in metrics.json. */
+export const RIGHT_DEG = 20;
+export const RIGHT_MM = 100;
+
+export type Verdict = "best" | "tie" | "worse" | "undecided" | "untested" | "none";
+
+export interface Cell {
+  value: number | undefined;
+  verdict: Verdict;
+  /** Against the best run. */
+  test: Paired | undefined;
+  /** Raised for the number of comparisons in the table. */
+  p: number | undefined;
+}
+
+export interface MetricRow {
+  entity: string;
+  quantity: string;
+  unit: string;
+  better: "small" | "large" | "near";
+  /** What is right where being near to it is better. */
+  nominal?: number;
+  /** The run with the best value, or -1. */
+  best: number;
+  cells: Cell[];
+  /** The frames that all runs have. */
+  frames: number | undefined;
+}
+
+/** What a row is made of: per run a number per frame, whose mean is turned into the value. */
+interface Source {
+  entity: string;
+  quantity: string;
+  unit: string;
+  better: MetricRow["better"];
+  nominal?: number;
+  perFrame: (Values | undefined)[];
+  value: (mean: number) => number;
+}
+
+/** Values where all runs that have any have one, so that all are measured by the same frames. */
+export function inCommon(series: readonly (Values | undefined)[]): { series: (Values | undefined)[]; frames: number } {
+  const there = series.filter((one): one is Values => one !== undefined && one.some((value) => value !== null));
+  const length = there[0]?.length ?? 0;
+  const common = Array.from({ length }, (_, i) => there.every((one) => one[i] !== null));
+  const cut = series.map((one) => (one && there.includes(one) ? one.map((value, i) => (common[i] ? value : null)) : undefined));
+  return { series: cut, frames: common.filter(Boolean).length };
+}
+
+const meanOf = (values: Values): number | undefined => {
+  let [sum, count] = [0, 0];
+  for (const value of values) {
+    if (value === null) continue;
+    sum += value;
+    ++count;
+  }
+  return count > 0 ? sum / count : undefined;
+};
+const cost = (row: { better: MetricRow["better"]; nominal?: number }, value: number) =>
+  row.better === "small" ? value : row.better === "large" ? -value : Math.abs(row.nominal === 1 ? Math.log(Math.max(value, 1e-12)) : value - (row.nominal ?? 0));
+
+function bestOf(row: { better: MetricRow["better"]; nominal?: number }, values: (number | undefined)[]): number {
+  let best = -1;
+  values.forEach((value, i) => {
+    if (value !== undefined && (best < 0 || cost(row, value) < cost(row, values[best]!))) best = i;
+  });
+  return values.filter((value) => value !== undefined).length > 1 ? best : -1;
+}
+
+/** A row whose differences are tested by frame. */
+function tested(source: Source): MetricRow | undefined {
+  const { series, frames } = inCommon(source.perFrame);
+  if (frames === 0) return undefined;
+  const values = series.map((one) => {
+    const mean = one && meanOf(one);
+    return mean === undefined ? undefined : source.value(mean);
+  });
+  const best = bestOf(source, values);
+  const cells = values.map((value, i): Cell => {
+    const [own, other] = [series[i], best < 0 ? undefined : series[best]];
+    const test = i !== best && own && other ? paired(own, other) : undefined;
+    return { value, verdict: value === undefined ? "none" : "untested", test, p: test?.p };
+  });
+  return { entity: source.entity, quantity: source.quantity, unit: source.unit, better: source.better, ...(source.nominal !== undefined ? { nominal: source.nominal } : {}), best, cells, frames };
+}
+
+/** A row of numbers that metrics.json has, which cannot be tested. */
+function stated(entity: string, quantity: string, unit: string, better: MetricRow["better"], values: (number | undefined)[], nominal?: number): MetricRow | undefined {
+  if (values.filter((value) => value !== undefined).length < 2) return undefined;
+  const row = { entity, quantity, unit, better, ...(nominal !== undefined ? { nominal } : {}) };
+  const best = bestOf(row, values);
+  return { ...row, best, frames: undefined, cells: values.map((value, i): Cell => ({ value, verdict: value === undefined ? "none" : i === best ? "best" : "untested", test: undefined, p: undefined })) };
+}
+
+const square = (values: Values | undefined): Values | undefined => values?.map((value) => (value === null ? null : value * value));
+
+function onRightMode({ distance, angle }: Norms): Values {
+  return angle.map((degrees, i) => (degrees === null ? null : degrees <= RIGHT_DEG && distance[i]! <= RIGHT_MM ? 100 : 0));
+}
+
+function number(document: Json | undefined, ...path: string[]): number | undefined {
+  let at: Json | undefined = document;
+  for (const key of path) at = isObject(at) ? at[key] : undefined;
+  return typeof at === "number" ? at : undefined;
+}
+
+function errorRows(runs: Run[], entity: string, id: string | undefined): (MetricRow | undefined)[] {
+  const errors = runs.map((run) => run.error(id));
+  const rms = (quantity: string, unit: string, pick: (norms: Norms) => Values) =>
+    tested({ entity, quantity, unit, better: "small", perFrame: errors.map((norms) => norms && square(pick(norms))), value: Math.sqrt });
+  const right = id === undefined ? undefined
+    : tested({ entity, quantity: "frames on the right mode", unit: "%", better: "large", perFrame: errors.map((norms) => norms && onRightMode(norms)), value: (mean) => mean });
+  return [
+    rms("position error, rms", "mm", ({ distance }) => distance), rms("rotation error, rms", "deg", ({ angle }) => angle),
+    // Where every run always is on the right mode there is nothing to compare.
+    ...(right && right.cells.some(({ value }) => value !== undefined && value < 100) ? [right] : []),
+    stated(entity, "ANEES, expected 1", "", "near", runs.map(({ metrics }) =>
+      id === undefined ? number(metrics, "camera_consistency", "anees") : number(metrics, "consistency", "relative_anees", id)), 1),
+  ];
+}
+
+/** Without truth: how sure the runs are of themselves, which is not how good they are. */
+function spreadRows(runs: Run[], entity: string, id: string | undefined): (MetricRow | undefined)[] {
+  const sigmas = runs.map((run) => run.sigma(id));
+  const row = (quantity: string, unit: string, pick: (norms: Norms) => Values): MetricRow | undefined => {
+    const values = inCommon(sigmas.map((norms) => norms && pick(norms)));
+    if (values.frames === 0) return undefined;
+    const cells = values.series.map((one): Cell => ({ value: one && meanOf(one), verdict: one ? "untested" : "none", test: undefined, p: undefined }));
+    return { entity, quantity, unit, better: "small", best: -1, cells, frames: values.frames };
+  };
+  const apart = (unit: string, words: string, pick: (norms: Norms) => Values): MetricRow | undefined => {
+    const cells = runs.map((run, i): Cell => {
+      const norms = i === 0 ? undefined : run.apart(runs[0], id);
+      const mean = norms && meanOf(square(pick(norms))!);
+      return { value: mean === undefined ? undefined : Math.sqrt(mean), verdict: mean === undefined ? "none" : "untested", test: undefined, p: undefined };
+    });
+    return cells.some(({ value }) => value !== undefined) ? { entity, quantity: `${words} between it and ${runs[0].name}, rms`, unit, better: "small", best: -1, cells, frames: undefined } : undefined;
+  };
+  return [apart("mm", "distance", ({ distance }) => distance), apart("deg", "angle", ({ angle }) => angle),
+    row("own 99.7 % bound of the position, mean", "mm", ({ distance }) => distance),
+    row("own 99.7 % bound of the rotation, mean", "deg", ({ angle }) => angle)];
+}
+
+/** Says of every cell whether it is the best, a tie with it, or worse; all tests of the table count together. */
+function judge(rows: MetricRow[]): void {
+  const cells = rows.flatMap((row) => row.cells.filter(({ test }) => test !== undefined));
+  holm(cells.map(({ p }) => p)).forEach((p, i) => (cells[i].p = p));
+  for (const row of rows) {
+    if (row.best < 0) continue;
+    row.cells.forEach((cell, i) => {
+      if (i === row.best) cell.verdict = "best";
+      else if (cell.test) cell.verdict = cell.test.difference === 0 ? "tie" : cell.p === undefined ? "undecided" : cell.p > LEVEL ? "tie" : "worse";
+    });
+  }
+}
+
+export function metricRows({ runs, ids, hasTruth }: Comparison): MetricRow[] {
+  const of = (entity: string, id: string | undefined) => (hasTruth ? errorRows(runs, entity, id) : spreadRows(runs, entity, id));
+  const all = [
+    ...of("camera in the world", undefined), ...ids.flatMap((id) => of(`${id} from the camera`, id)),
+    stated("program", "time of a frame, median", "ms", "small", runs.map(({ metrics }) => {
+      const us = number(metrics, "timing", "frame_median_us");
+      return us === undefined ? undefined : us / 1000;
+    })),
+  ];
+  const rows = all.filter((row): row is MetricRow => row !== undefined);
+  judge(rows);
+  return rows;
+}
+
+export function pText(p: number): string {
+  return p < 0.001 ? "p < 0.001" : `p = ${p.toFixed(p < 0.1 ? 3 : 2)}`;
+}
+
+const rounded = (value: number) => (value >= 100 ? value.toFixed(0) : String(Number(value.toPrecision(3))));
+export const valueText = (value: number | undefined, unit: string) => (value === undefined ? "–" : `${rounded(value)}${unit ? ` ${unit}` : ""}`);
+
+/** What stands below a value: its difference to the best, and whether that is more than chance. */
+export function cellNote(row: MetricRow, cell: Cell, names: readonly string[]): string {
+  const best = row.best < 0 ? undefined : row.cells[row.best].value;
+  if (cell.verdict === "none" || best === undefined || cell.value === undefined) return "";
+  if (cell.verdict === "best") {
+    const ties = row.cells.filter(({ verdict }) => verdict === "tie").length;
+    return ties > 0 ? "best, with a tie" : row.frames === undefined ? "best, not tested" : "best";
+  }
+  const difference = cell.value - best;
+  const share = best !== 0 && row.better === "small" && Math.abs(difference) >= 0.005 * Math.abs(best) ? ` (${difference >= 0 ? "+" : ""}${((100 * difference) / best).toFixed(0)} %)` : "";
+  const head = difference === 0 ? "equal" : `${difference > 0 ? "+" : "−"}${valueText(Math.abs(difference), row.unit)}${share}`;
+  const size = cell.test ? `, ${Math.round(cell.test.effective)} independent frames` : "";
+  switch (cell.verdict) {
+    case "tie":
+      return difference === 0 ? `tie with ${names[row.best]}` : `tie with ${names[row.best]}: ${head}, ${pText(cell.p ?? 1)}${size}`;
+    case "worse":
+      return `${head}, ${pText(cell.p ?? 1)}${size}`;
+    case "undecided":
+      return `${head}, undecided${size}`;
+    default:
+      return `${head}, not tested`;
+  }
+}

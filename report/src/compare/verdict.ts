@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+// Which run is better, where, and by how much, in sentences.
+import { type MetricRow, pText, valueText } from "./metrics.ts";
+import type { Failure } from "./failures.ts";
+import type { Comparison, Run } from "./runs.ts";
+
+function listed(words: string[]): string {
+  return words.length < 2 ? (words[0] ?? "") : `${words.slice(0, -1).join(", ")} and ${words[words.length - 1]}`;
+}
+
+const capital = (text: string) => text.slice(0, 1).toUpperCase() + text.slice(1);
+
+/** Which runs failed and which did not, as the first thing to be said. */
+export function failureSentence({ runs, hasTruth }: Comparison, failures: Failure[]): string {
+  const failed = runs.filter((run) => failures.some((failure) => failure.run === run));
+  if (failed.length === 0 && !hasTruth) return "The runs agree on the modes of all objects.";
+  if (failed.length === 0) return "No run was on a wrong mode for half a second or more.";
+  const others = runs.filter((run) => !failed.includes(run)).map(({ name }) => name);
+  const differing = [...new Set(failures.filter(({ kind }) => kind === "other mode").map(({ id }) => id))];
+  if (!hasTruth && failures.every(({ kind }) => kind === "other mode")) return `The runs disagree on ${listed(differing)}.`;
+  const what = (run: Run) => [...new Set(failures.filter((failure) => failure.run === run).map(({ id }) => id))];
+  const spoken = failed.map((run) => `${run.name} fails at ${listed(what(run))}`);
+  return `${spoken.join("; ")}${others.length > 0 ? `; ${listed(others)} ${others.length > 1 ? "do" : "does"} not fail` : ""}.`;
+}
+
+/** One row as a sentence: who is best, who ties with it, and by how much the others are worse. */
+export function rowSentence(row: MetricRow, names: readonly string[]): string {
+  const best = row.cells[row.best];
+  const of = (verdict: string) => row.cells.flatMap((cell, i) => (cell.verdict === verdict ? [i] : []));
+  const value = (i: number) => valueText(row.cells[i].value, row.unit);
+  const head = capital(`${row.entity}, ${row.quantity}`);
+  const [ties, worse, open] = [of("tie"), of("worse"), of("undecided")];
+  const tied = ties.length > 0 ? `${listed([row.best, ...ties].map((i) => `${names[i]} (${value(i)})`))} are a tie` : `${names[row.best]} is the best (${value(row.best)})`;
+  const behind = worse.map((i) => {
+    const factor = row.better === "small" && best.value! > 0 ? `${(row.cells[i].value! / best.value!).toPrecision(2)} times as much, ` : "";
+    return `${names[i]} has ${value(i)} (${factor}${pText(row.cells[i].p ?? 1)})`;
+  });
+  const undecided = open.map((i) => `${names[i]} has ${value(i)} (undecided: too few independent frames)`);
+  return `${head}: ${[tied, ...behind, ...undecided].join("; ")}.`;
+}
+
+/** Which runs are the best in a quantity of the objects: each alone, or in a tie, and for which objects. */
+function objectSentence(rows: MetricRow[], names: readonly string[]): string {
+  const ofRuns = new Map<string, string[]>();
+  const open: string[] = [];
+  for (const row of rows) {
+    const name = row.entity.replace(/ from the camera$/, "");
+    if (row.cells.some(({ verdict }) => verdict === "undecided")) {
+      const values = row.cells.flatMap(({ value }, i) => (value === undefined ? [] : [`${names[i]} ${valueText(value, row.unit)}`]));
+      open.push(`${name} (${values.join(", ")}; too few independent frames)`);
+      continue;
+    }
+    const best = row.cells.flatMap(({ verdict }, i) => (verdict === "best" || verdict === "tie" ? [names[i]] : []));
+    const key = best.length === 1 ? `${best[0]} alone is the best for` : best.length === names.length ? "all tie for" : `${listed(best)} tie for`;
+    ofRuns.set(key, [...(ofRuns.get(key) ?? []), name]);
+  }
+  const parts = [...ofRuns].map(([key, objects]) => `${key} ${listed(objects)}`);
+  return [...parts, ...(open.length > 0 ? [`undecided for ${listed(open)}`] : [])].join("; ");
+}
+
+/** The largest difference between runs in a quantity of the objects, as a sentence. */
+function largest(rows: MetricRow[]): MetricRow | undefined {
+  const factor = (row: MetricRow) => Math.max(...row.cells.map(({ value, verdict }) => (verdict === "worse" ? value! / Math.max(row.cells[row.best].value!, 1e-9) : 0)));
+  const sorted = rows.filter((row) => factor(row) > 0).sort((a, b) => factor(b) - factor(a));
+  return sorted[0];
+}
+
+export function verdictSentences({ runs, hasTruth }: Comparison, rows: MetricRow[]): string[] {
+  const names = runs.map(({ name }) => name);
+  const judged = rows.filter((row) => row.best >= 0 && row.frames !== undefined);
+  if (!hasTruth || judged.length === 0) return [];
+  const sentences = judged.filter(({ entity }) => entity.startsWith("camera in")).map((row) => rowSentence(row, names));
+  for (const quantity of ["rotation error, rms", "position error, rms"]) {
+    const own = judged.filter((row) => row.quantity === quantity && row.entity.endsWith(" from the camera"));
+    if (own.length === 0) continue;
+    if (own.length === 1) {
+      sentences.push(rowSentence(own[0], names));
+      continue;
+    }
+    const most = largest(own);
+    const example = most ? ` Largest difference: ${rowSentence(most, names)}` : "";
+    sentences.push(`Objects from the camera, ${quantity}: ${objectSentence(own, names)}.${example}`);
+  }
+  return sentences;
+}

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+// Tables with a row per object: a press on a row selects its object, and the selected one is marked.
+import type { RunState } from "../state/run_state.ts";
+
+/** Links the rows below a node whose `data-entity`, or else heading, is an object's id. */
+export function linkRows(node: HTMLElement, state: RunState): HTMLElement {
+  const rows = [...node.querySelectorAll("tbody tr")].flatMap((row) => {
+    const name = (row as HTMLElement).dataset["entity"] ?? row.querySelector("th")?.textContent ?? "";
+    const entity = state.entityOf(name);
+    return entity === undefined ? [] : [{ row, entity }];
+  });
+  const mark = () => {
+    for (const { row, entity } of rows) {
+      if (entity === state.selected) row.setAttribute("aria-current", "true");
+      else row.removeAttribute("aria-current");
+    }
+  };
+  for (const { row, entity } of rows) {
+    row.classList.add("linked");
+    row.addEventListener("click", () => state.select(entity));
+  }
+  state.on("selection", mark);
+  mark();
+  return node;
+}

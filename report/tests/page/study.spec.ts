@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+import { readFileSync } from "node:fs";
+import { expect, type Page, test } from "@playwright/test";
+import { parseCsv } from "../../src/ui/csv.ts";
+import { grasp, monteCarlo, noise, unknownStudy, ycbv } from "../study_documents.ts";
+import { open, openAllTabs } from "./report.ts";
+
+test.setTimeout(120_000);
+
+/** Group, x, value and number of rows of every point that is drawn. */
+function drawn(page: Page): Promise<{ group: string; x: string; value: number; rows: number }[]> {
+  return page.locator(".table-chart [data-value]").evaluateAll((marks) => marks.map((mark) => ({
+    group: mark.getAttribute("data-group")!, x: mark.getAttribute("data-x")!, value: Number(mark.getAttribute("data-value")), rows: Number(mark.getAttribute("data-rows")),
+  })));
+}
+
+const pick = (page: Page, name: string, label: string) => page.getByRole("combobox", { name, exact: true }).selectOption({ label });
+
+test("a study opens with its result, and says where it comes from", async ({ page }) => {
+  const complaints = await open(page, "story", monteCarlo());
+  await expect(page.getByRole("region", { name: "Result" })).toContainText("iterated has the smallest rotation error of the camera, 9.99 deg; midway follows with 10 deg: a tie, 0.01 deg apart on the same 400 runs, p = 0.4");
+  await expect(page.locator(".subtitle").first()).not.toHaveText("Study monte-carlo");
+  await page.getByText("posemix 0.2.0 · seed 7 · 2026-03-01 12:00 UTC").click();
+  await expect(page.getByText("posemix study monte-carlo --out 'out dir/x'")).toBeVisible();
+  await expect(page.getByText("path.turns")).toBeVisible();
+  await expect(page.getByText("cafe0123")).toBeVisible();
+  expect(complaints).toEqual([]);
+});
+
+test("a study of unknown columns has no invented result", async ({ page }) => {
+  await open(page, "story-unknown", unknownStudy());
+  await expect(page.getByRole("region", { name: "Result" })).toHaveCount(0);
+  await openAllTabs(page);
+});
+
+test("units have panels of their own, and points say what they are means of", async ({ page }) => {
+  await open(page, "chart-units", noise(0));
+  await expect(page.locator("figcaption")).toHaveText(["robust standard deviation [deg], by object", "robust standard deviation [m], by object"]);
+  await expect(page.locator(".notes")).toContainText("Each point is the mean of 2 rows, over detector; bars are one standard error of that mean.");
+  await expect(page.locator(".notes")).toContainText("Left out: 8 rows whose object is all.");
+  expect((await drawn(page)).find(({ group, x }) => group === "rotation_x" && x === "mug")).toEqual({ group: "rotation_x", x: "mug", value: 2.5, rows: 2 });
+  await pick(page, "Only detector", "cosypose");
+  await expect(page.locator(".notes")).toContainText("Each point is one row.");
+  expect((await drawn(page)).find(({ group, x }) => group === "rotation_x" && x === "mug")).toEqual({ group: "rotation_x", x: "mug", value: 3, rows: 1 });
+  await page.getByRole("checkbox", { name: "Rows of all, mean, median" }).check();
+  expect((await drawn(page)).some(({ x }) => x === "all")).toBe(true);
+  // Names are no numbers: no line joins them.
+  await expect(page.locator(".table-chart .curve")).toHaveCount(0);
+});
+
+test("a study's own totals stand for what is not drawn", async ({ page }) => {
+  await open(page, "chart-totals", grasp());
+  await expect(page.getByRole("combobox", { name: "Only split", exact: true })).toHaveValue("all");
+  expect((await drawn(page)).every(({ rows }) => rows === 1)).toBe(true);
+  await pick(page, "Only split", "every");
+  await expect(page.locator(".notes")).toContainText("mean of 3 rows, over split");
+});
+
+test("too many groups are cut with a word, or have a panel each", async ({ page }) => {
+  await open(page, "chart-groups", ycbv(19));
+  expect(new Set((await drawn(page)).map(({ x }) => x)).size).toBe(19);
+  await pick(page, "Group by", "method");
+  await pick(page, "Against", "sequence");
+  await expect(page.locator(".notes")).toContainText("14 of 19 groups are shown");
+  expect(new Set((await drawn(page)).map(({ group }) => group)).size).toBe(14);
+  await page.getByRole("checkbox", { name: "A panel per group" }).check();
+  await expect(page.locator(".table-chart")).toHaveCount(19);
+  await expect(page.locator(".notes")).not.toContainText("groups are shown");
+});
+
+test("tables sort, narrow, go on, and are saved as they are shown", async ({ page }) => {
+  await open(page, "tables", ycbv(60));
+  await page.getByRole("tab", { name: "Tables" }).click();
+  const rows = page.locator(".data-table").filter({ has: page.getByRole("heading", { name: "rows", exact: true }) });
+  const column = (name: string) => rows.locator(`tbody [data-key$="/${name}"]`).evaluateAll((cells) => cells.map((cell) => JSON.parse(cell.getAttribute("data-value")!) as unknown));
+  await expect(rows.getByRole("status")).toHaveText("240 rows; 1 to 100 are shown");
+  await rows.getByRole("button", { name: "pixel median" }).click();
+  await expect(rows.getByRole("columnheader", { name: "pixel median" })).toHaveAttribute("aria-sort", "descending");
+  const falling = (await column("pixel_median")) as number[];
+  expect(falling).toEqual([...falling].sort((a, b) => b - a));
+  await rows.getByRole("button", { name: "Next rows" }).click();
+  await expect(rows.getByRole("status")).toHaveText("240 rows; 101 to 200 are shown");
+  await rows.getByRole("searchbox").fill("method_07 0022");
+  await expect(rows.getByRole("status")).toHaveText("1 of 240 rows");
+  expect(await column("sequence")).toEqual(["0022"]);
+  await rows.getByRole("searchbox").fill("");
+  await rows.getByRole("combobox", { name: "sequence", exact: true }).selectOption("0004");
+  await expect(rows.getByRole("status")).toHaveText("60 of 240 rows");
+  const [saved] = await Promise.all([page.waitForEvent("download"), rows.getByRole("button", { name: "Save CSV of rows" }).click()]);
+  expect(saved.suggestedFilename()).toBe("rows.csv");
+  const table = parseCsv(readFileSync((await saved.path())!, "utf8"));
+  expect(table.rows.length).toBe(60);
+  expect(table.rows.map((row) => row[table.columns.indexOf("pixel_median")])).toEqual(await column("pixel_median"));
+});
+
+test("the head of a table stays in view, and a row leads to its run", async ({ page }) => {
+  await open(page, "tables-head", ycbv(60));
+  await page.getByRole("tab", { name: "Tables" }).click();
+  const region = page.getByRole("region", { name: "Table rows" });
+  const head = region.locator("thead th").first();
+  await region.evaluate((node) => (node.scrollTop = 1500));
+  const [top, box] = await Promise.all([head.evaluate((node) => node.getBoundingClientRect().top), region.evaluate((node) => node.getBoundingClientRect().top)]);
+  expect(Math.abs(top - box)).toBeLessThan(3);
+  await expect(region.getByRole("link", { name: "open the run" }).first()).toHaveAttribute("href", "runs/0001_003_method_00/report.html");
+});
+
+test("many figures have an index, which words narrow; alt texts say what is shown", async ({ page }) => {
+  await open(page, "figures", noise(75));
+  await page.getByRole("tab", { name: "Figures" }).click();
+  await expect(page.getByRole("img")).toHaveCount(1);
+  await expect(page.getByRole("img", { name: "Residuals of dope for object 0" })).toBeVisible();
+  await page.getByRole("searchbox", { name: "Figures with the words" }).fill("object 7");
+  await expect(page.getByRole("tabpanel", { name: "Figures" }).getByRole("status")).toHaveText("12 of 75 figures");
+  await page.getByRole("button", { name: "Next figure" }).click();
+  await expect(page.getByRole("img", { name: "Residuals of dope for object 7. With time [s]." })).toBeVisible();
+});
+
+for (const [width, height] of [[390, 844], [1024, 768], [1366, 768], [3840, 2160]] as const) {
+  test(`nothing sticks out at ${width}x${height}, and the width is used`, async ({ page }) => {
+    await page.setViewportSize({ width, height });
+    await open(page, `form-${width}`, ycbv(19));
+    for (const tab of await page.getByRole("tab").all()) {
+      await tab.click();
+      expect(await page.evaluate(() => document.documentElement.scrollWidth)).toBeLessThanOrEqual(width);
+    }
+    expect((await page.locator(".page").boundingBox())!.width).toBeGreaterThan(0.95 * width);
+    if (width === 3840) expect(await page.evaluate(() => parseFloat(getComputedStyle(document.body).fontSize))).toBeGreaterThan(18);
+  });
+}

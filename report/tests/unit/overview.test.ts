@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { wordOf } from "../../src/pages/words.ts";
+import { rotationText, sigmaText } from "../../src/state/pose_display.ts";
+import { RunFacts } from "../../src/state/run_facts.ts";
+import { CAMERA, RunState } from "../../src/state/run_state.ts";
+import { EventChoice } from "../../src/state/event_choice.ts";
+import { cameraSentence, comparison, detectorSentence } from "../../src/trace/summary.ts";
+import { readTrace } from "../../src/trace/trace.ts";
+import { verdictOfCoverage, verdictOfSquares } from "../../src/trace/verdict.ts";
+import { decimalsOf, fixed, percent, short } from "../../src/ui/numbers.ts";
+import { poseText } from "../../src/ui/pose_text.ts";
+import { leastByPixel } from "../../src/trace/sureness.ts";
+import { normal, uniform } from "../../src/mixture/sample.ts";
+import { AT, eventfulMetrics, eventfulTrace, IDS } from "../eventful.ts";
+import { packTrace } from "../pack.ts";
+
+test("numbers: no -0.0, three digits, no false certainty", () => {
+  assert.deepEqual([-0.04, -0.06, 0, 1.25].map((value) => fixed(value, 1)), ["0.0", "-0.1", "0.0", "1.3"]);
+  assert.deepEqual([0, 0.01234, 1.234, 123.4, 12345, -6.5, NaN].map(short), ["0", "0.0123", "1.23", "123", "12345", "-6.50", "–"]);
+  assert.deepEqual([percent(0.57), percent(0.99999), percent(1), percent(1e-5), percent(0), percent(undefined), percent(0.99996, 1)],
+    ["57 %", ">99 %", "100 %", "<1 %", "0 %", "–", ">99.9 %"]);
+  assert.deepEqual([[2.61, 3.2, 10.21], [100, 80], [0.0026, 0.0123], [1152], [45.1, 5.88], [], [0]].map(decimalsOf), [2, 1, 4, 0, 2, 0, 0]);
+});
+
+test("rotations as text", () => {
+  const q = [0, 0, -Math.SQRT1_2, -Math.SQRT1_2];
+  assert.equal(rotationText(q, "rpy"), "0.0, 0.0, 90.0");
+  assert.equal(rotationText(q, "vector"), "0.0, 0.0, 90.0");
+  assert.equal(rotationText(q, "quaternion"), "0.0000, 0.0000, 0.7071, 0.7071");
+  assert.equal(sigmaText([1, NaN, 2], "mm"), "");
+  assert.equal(sigmaText([1, 12.34, 0.1], "mm"), "± 1.00, 12.3, 0.100 mm");
+});
+
+test("a pose for other programs; names stay names", () => {
+  const pose = { from: "world", to: 'a"\n: b', stamp: 12.25, p: [1, -0.5, 0.000000001], q: [0, 0, Math.SQRT1_2, Math.SQRT1_2] };
+  assert.equal(poseText(pose, "quaternion"), "1 -0.5 0.000000001 0 0 0.707106781 0.707106781");
+  assert.deepEqual(JSON.parse(poseText(pose, "matrix")), [[0, -1, 0, 1], [1, 0, 0, -0.5], [0, 0, 1, 1e-9], [0, 0, 0, 1]]);
+  const lines = poseText(pose, "ros").split("\n");
+  assert.equal(lines[0], '# "a\\"\\n: b" in "world"');
+  assert.ok(lines.includes("  stamp: {sec: 12, nanosec: 250000000}") && lines.includes("  position: {x: 1, y: -0.5, z: 0.000000001}"));
+});
+
+test("verdicts: squares of six degrees of freedom, and coverage", () => {
+  const gauss = normal(uniform(3));
+  const squares = (scale: number) => Float32Array.from({ length: 800 }, () => scale * [1, 2, 3, 4, 5, 6].reduce((sum) => sum + gauss() ** 2, 0));
+  const words = [1, 1.5, 4, 0.5].map((scale) => verdictOfSquares(squares(scale), "NEES")!.word);
+  assert.deepEqual(words, ["consistent", "slightly overconfident", "overconfident", "cautious"]);
+  assert.equal(verdictOfSquares(squares(1), "NIS")!.word, "innovations as expected");
+  assert.equal(verdictOfSquares(new Float32Array(3).fill(NaN), "NEES"), undefined);
+  const coverage = (most: number) => verdictOfCoverage({ largest: new Float32Array(0), frames: 1000, outside: [0, 1, 0, most, 0, 2] });
+  assert.deepEqual([3, 20, 200].map((most) => coverage(most).level), ["good", "fair", "bad"]);
+  assert.match(coverage(200).reason, /^20\.0 % of the errors of position x/);
+});
+
+test("the facts of a run: order, verdict, worst moment", async () => {
+  const facts = new RunFacts(await readTrace(packTrace(eventfulTrace())));
+  assert.equal(facts.byDoubt[0], IDS.indexOf("tea-box"));
+  assert.equal(facts.verdict(IDS.indexOf("mug")).level, "good");
+  assert.equal(facts.verdict(IDS.indexOf("tea-box")).level, "bad");
+  assert.notEqual(facts.verdict(IDS.indexOf("cracker-box")).level, "good");
+  const worst = facts.worst(IDS.indexOf("cracker-box"))!;
+  assert.ok(worst.of === "error" && worst.frame >= AT.dragged[0] && worst.frame <= AT.dragged[1]);
+  const without = new RunFacts(await readTrace(packTrace(eventfulTrace({ truth: false }))));
+  assert.deepEqual([without.verdict(CAMERA).level, without.verdict(0).word], ["none", "innovations as expected"]);
+  assert.deepEqual(without.worst(1), { frame: 0, of: "mode", size: without.trace.objects[1].modeProbability!(0) });
+});
+
+test("sentences of metrics.json", () => {
+  assert.deepEqual([comparison(1, 3.2), comparison(2, 1), comparison(1, 1.01)], ["3.2 times smaller", "2.0 times larger", "as large"]);
+  assert.match(cameraSentence(eventfulMetrics())!, /5\.88 mm and 0\.758 deg\. Odometry alone has 45\.1 mm .* 7\.7 times smaller/);
+  assert.equal(cameraSentence({ camera: { position_rmse_m: null } }), undefined);
+  assert.match(detectorSentence(eventfulMetrics())!, /2\.7 times smaller than that of the detector/);
+  assert.equal(detectorSentence({ objects: { a: {} } }), undefined);
+});
+
+test("gated and unexplained of metrics.json are one quantity", () => {
+  assert.equal(wordOf("gated")!.name, "not explained");
+  assert.equal(wordOf("objects/unexplained"), wordOf("gated"));
+  assert.equal(wordOf("toString"), undefined);
+});
+
+test("steps from event to event, of all objects or the selected one", async () => {
+  const trace = await readTrace(packTrace(eventfulTrace()));
+  const facts = new RunFacts(trace);
+  const state = new RunState(trace, 0);
+  const events = new EventChoice(state, facts);
+  state.go(AT.flip - 1);
+  events.step(1, false);
+  assert.deepEqual([state.frame, state.nameOf(state.selected)], [AT.flip, "tea-box"]);
+  events.step(1, true);
+  assert.deepEqual([state.frame, state.nameOf(state.selected)], [AT.pruned, "tea-box"]);
+  events.step(-1, false);
+  assert.equal(state.frame, AT.moves[0]);
+  events.setKind("flipped", false);
+  events.step(-1, false);
+  assert.equal(state.frame, AT.enters);
+});
+
+test("strips show the least of every pixel", async () => {
+  const trace = await readTrace(packTrace(eventfulTrace()));
+  const least = leastByPixel(trace, IDS.indexOf("tea-box"), 30);
+  assert.ok(Math.abs(least[0] - 0.57) < 1e-3 && least[29] > 0.99);
+  assert.ok(Number.isNaN(leastByPixel(trace, IDS.indexOf("late-cup"), 30)[0]));
+  assert.equal(leastByPixel(trace, 0, 900).filter(Number.isNaN).length, 0);
+});

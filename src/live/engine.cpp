@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "engine.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "posemix/base/error.hpp"
+
+namespace posemix::internal {
+namespace {
+
+/// Images in succession whose stamps are refused as too far ahead, after which the clock is taken
+/// to have jumped.
+constexpr std::size_t kAhead = 10;
+
+StampedSlam slam_from(const LiveSettings& settings, const std::optional<SE3d>& odometry,
+                      const std::vector<BodyCamera>& cameras) {
+  MultiObjectSlamSettings tracker = settings.tracker;
+  tracker.cameras = cameras;
+  const bool at_odometry = settings.starts_at_odometry && odometry;
+  const SE3d start = at_odometry ? *odometry : settings.start.mean();
+  return StampedSlam(PoseDensity(start, settings.start.covariance()), settings.models, tracker,
+                     settings.motion, settings.stamped);
+}
+
+}  // namespace
+
+LiveEngine::LiveEngine(const LiveSettings& settings, bool records)
+    : settings_(&settings),
+      around_(settings),
+      table_(settings.models, settings.tracker.on_sight.has_value()),
+      recording_(records ? settings.report_images : 0) {
+  slam_from(settings, std::nullopt, {});  // which throws for what is not valid
+}
+
+void LiveEngine::begin_again() {
+  slam_.reset();
+  odometry_.clear();
+  ahead_ = 0;
+  recording_.clear();
+}
+
+void LiveEngine::reset() {
+  begin_again();
+  waiting_.clear();
+  around_.clear();
+  ++counts_.resets;
+}
+
+void LiveEngine::add(LiveImage image) {
+  around_.see(image);
+  waiting_.push_back(std::move(image));
+  while (waiting_.size() > settings_->node.queue_size) {
+    waiting_.pop_front();
+    ++counts_.dropped;
+    complaint_ = "more images wait than queue_size";
+  }
+}
+
+std::vector<LiveEstimate> LiveEngine::ready(double now_s) {
+  std::vector<LiveEstimate> found;
+  for (std::size_t i = 0; i < waiting_.size();) {
+    const std::size_t resets = counts_.resets;
+    const bool is_over = now_s - waiting_[i].arrival_s >= settings_->node.transform_timeout_s;
+    std::optional<ReadyImage> prepared;
+    try {
+      prepared = around_.ready(waiting_[i], is_over);
+    } catch (const InvalidInput& error) {
+      refuse(take_out(i), error.what());
+      if (counts_.resets > resets) i = 0;
+      continue;
+    }
+    if (!prepared && !is_over) {
+      ++i;
+      continue;
+    }
+    take_out(i);
+    if (auto estimate = settle(prepared)) found.push_back(std::move(*estimate));
+    // A jump of the clock has taken images away.
+    if (counts_.resets > resets) i = 0;
+  }
+  return found;
+}
+
+LiveImage LiveEngine::take_out(std::size_t i) {
+  LiveImage image = std::move(waiting_[i]);
+  waiting_.erase(waiting_.begin() + static_cast<std::ptrdiff_t>(i));
+  return image;
+}
+
+/// Takes in an image that has waited long enough; none prepared where its frame is not known.
+std::optional<LiveEstimate> LiveEngine::settle(const std::optional<ReadyImage>& prepared) {
+  if (!prepared) {
+    ++counts_.dropped;
+    complaint_ = around_.complaint();
+    return std::nullopt;
+  }
+  if (!prepared->odometry && settings_->has_odometry()) {
+    ++counts_.without_odometry;
+    complaint_ = around_.complaint();
+  }
+  return take(*prepared);
+}
+
+void LiveEngine::start(const ReadyImage& ready) {
+  start_ns_ = newest_ns_ = ready.image.stamp_ns;
+  slam_ = slam_from(*settings_, ready.odometry, around_.cameras());
+}
+
+std::optional<LiveEstimate> LiveEngine::take(const ReadyImage& ready) {
+  if (!slam_) start(ready);
+  const std::size_t resets = slam_->counts().resets;
+  try {
+    put(ready);
+  } catch (const InvalidInput& error) {
+    refuse(ready.image, error.what());
+    return std::nullopt;
+  }
+  ahead_ = 0;
+  ++counts_.images;
+  if (slam_->counts().resets > resets) after_jump(ready);
+  newest_ns_ = std::max(newest_ns_, ready.image.stamp_ns);
+  try {
+    return estimate(ready.image);
+  } catch (const InvalidInput& error) {
+    // What was taken in leads nowhere, and would stay.
+    refuse(ready.image, error.what());
+    reset();
+    return std::nullopt;
+  }
+}
+
+void LiveEngine::put(const ReadyImage& ready) {
+  const LiveImage& image = ready.image;
+  const double stamp_s = seconds(image.stamp_ns);
+  const std::vector<Observation> observations = observations_of(image, stamp_s);
+  const std::size_t too_late = slam_->counts().too_late;
+  auto& known = odometry_[image.stamp_ns];
+  if (ready.odometry && !known) {
+    slam_->add_odometry(stamp_s, *ready.odometry);
+    known = ready.odometry;
+  }
+  for (const Observation& observation : observations) {
+    const StampAdmission admission = slam_->add(observation);
+    ++counts_.observations;
+    if (admission == StampAdmission::replayed) ++counts_.late;
+    if (admission == StampAdmission::too_late) ++counts_.too_late;
+  }
+  const std::string camera = settings_->node.cameras.empty() ? "" : image.frame;
+  const bool shows_nothing = observations.empty() && settings_->node.empty_is_image;
+  if (shows_nothing) slam_->add_image(stamp_s, camera);
+  if (slam_->counts().too_late > too_late) return;
+  recording_.add({image.stamp_ns, ready.odometry, observations,
+                  shows_nothing ? std::optional(camera) : std::nullopt});
+}
+
+std::vector<Observation> LiveEngine::observations_of(const LiveImage& image, double stamp_s) {
+  const std::vector<ClassTable::Row> rows = table_.assigned(image.detections);
+  counts_.ignored += image.detections.size() - rows.size();
+  std::vector<Observation> observations;
+  observations.reserve(rows.size());
+  for (const ClassTable::Row& row : rows) {
+    const LiveDetection& detection = image.detections[row.detection];
+    observations.push_back({.object = row.object,
+                            .class_id = row.class_id,
+                            .components = detection.components,
+                            .camera = settings_->node.cameras.empty() ? "" : image.frame,
+                            .detector = image.detector,
+                            .stamp_s = stamp_s,
+                            .score = detection.score});
+  }
+  return observations;
+}
+
+void LiveEngine::refuse(const LiveImage& image, const std::string& why) {
+  ++counts_.refused;
+  complaint_ = why;
+  const bool is_ahead =
+      seconds(image.stamp_ns) > seconds(newest_ns_) + settings_->stamped.jump_ahead_s;
+  ahead_ = is_ahead ? ahead_ + 1 : 0;
+  if (ahead_ >= kAhead) reset();
+}
+
+/// The filter has forgotten all before the image: so does what is around it.
+void LiveEngine::after_jump(const ReadyImage& ready) {
+  ++counts_.resets;
+  const std::int64_t stamp_ns = ready.image.stamp_ns;
+  newest_ns_ = stamp_ns;
+  odometry_ = {{stamp_ns, ready.odometry}};
+  recording_.keep_last();
+  const std::int64_t latest = stamp_ns + nanoseconds(settings_->stamped.jump_back_s);
+  std::erase_if(waiting_, [&](const LiveImage& image) { return image.stamp_ns > latest; });
+}
+
+std::optional<LiveEstimate> LiveEngine::estimate(const LiveImage& image) {
+  const auto& found = slam_->finish();
+  if (!found) return std::nullopt;
+  const std::int64_t stamp_ns = start_ns_ + nanoseconds(found->stamp_s);
+  odometry_.erase(odometry_.begin(),
+                  odometry_.lower_bound(stamp_ns - nanoseconds(settings_->stamped.jump_back_s)));
+  const auto odometry = odometry_.find(stamp_ns);
+  LiveEstimate result{.stamp_ns = stamp_ns,
+                      .arrival_s = image.arrival_s,
+                      .frame = found->estimate,
+                      .odometry = odometry == odometry_.end() ? std::nullopt : odometry->second,
+                      .hypotheses = {},
+                      .classes = {}};
+  const MultiObjectSlam& slam = slam_->slam();
+  for (std::size_t i = 0; i < slam.objects().size(); ++i) {
+    auto& hypotheses = result.hypotheses.emplace_back();
+    if (result.frame.objects[i]) hypotheses = slam.hypotheses(i);
+    std::ranges::stable_sort(hypotheses, std::ranges::greater(), &ObjectHypothesis::probability);
+    result.classes.push_back(class_of(slam.objects()[i]));
+  }
+  return result;
+}
+
+std::optional<LiveResult> LiveEngine::result() const {
+  if (!slam_ || recording_.is_empty()) return std::nullopt;
+  return result_of(recording_, *settings_, slam_->slam().objects(), around_.cameras());
+}
+
+}  // namespace posemix::internal

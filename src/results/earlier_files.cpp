@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include <array>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "io/json_numbers.hpp"
+#include "posemix/base/error.hpp"
+#include "posemix/io/text.hpp"
+#include "posemix/results/results.hpp"
+
+namespace posemix {
+namespace {
+
+using namespace internal;
+
+namespace fs = std::filesystem;
+
+constexpr const char* kReportName = "report.html";
+constexpr std::array kRunNames{"camera.tum",  "metrics.json", "posterior.json", "trace.json",
+                               "picture.svg", "cameras.csv",  kReportName};
+constexpr std::array kConsistencyNames{"consistency.json", "consistency.csv", "consistency.svg",
+                                       "consistency.md", kReportName};
+
+/// An object of JSON, empty where the file is missing, damaged or something else.
+Json object_in(const fs::path& path) {
+  std::error_code error;
+  if (!fs::is_regular_file(path, error)) return Json::object();
+  try {
+    Json json = Json::parse(read_file(path), nullptr, false);
+    return json.is_object() ? json : Json::object();
+  } catch (const InvalidInput&) {
+    return Json::object();
+  }
+}
+
+/// The names that are there, and are names of files within the folder.
+std::vector<fs::path> there(const fs::path& folder, const std::vector<std::string>& names) {
+  std::vector<fs::path> found;
+  for (const std::string& name : names) {
+    const fs::path path(name);
+    const bool is_name = path == path.filename() && !name.empty() && name != "." && name != "..";
+    std::error_code error;
+    if (is_name && fs::is_regular_file(folder / path, error)) found.push_back(path);
+  }
+  return found;
+}
+
+}  // namespace
+
+std::vector<fs::path> earlier_results(const fs::path& folder) {
+  const Json metrics = object_in(folder / "metrics.json");
+  const auto objects = metrics.find("objects");
+  if (objects == metrics.end() || !objects->is_object()) return {};
+  std::vector<std::string> names(kRunNames.begin(), kRunNames.end());
+  for (const auto& [id, numbers] : objects->items()) {
+    for (const char* pattern : {"object_{}.tum", "relative_{}.tum", "mixture_{}.json"})
+      names.push_back(fmt::format(fmt::runtime(pattern), id));
+  }
+  return there(folder, names);
+}
+
+std::vector<fs::path> earlier_study(const fs::path& folder) {
+  const Json study = object_in(folder / "study.json");
+  const auto files = study.find("files");
+  if (!study.contains("study")) return {};
+  std::vector<std::string> names{"study.json", kReportName};
+  if (files != study.end() && files->is_array()) {
+    for (const Json& name : *files)
+      if (name.is_string()) names.push_back(name.get<std::string>());
+  }
+  return there(folder, names);
+}
+
+std::vector<fs::path> earlier_consistency(const fs::path& folder) {
+  const Json consistency = object_in(folder / "consistency.json");
+  if (consistency.value("type", Json()) != "posemix.consistency") return {};
+  return there(folder, {kConsistencyNames.begin(), kConsistencyNames.end()});
+}
+
+}  // namespace posemix
