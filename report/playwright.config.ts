@@ -12,7 +12,7 @@ export default defineConfig({
   expect: { toHaveScreenshot: { maxDiffPixelRatio: 0.04, animations: "disabled" } },
   use: {
     browserName: "chromium",
-    viewport: { width: 1100, height: 720 },
+    viewport: { width: 1280, height: 1000 },
     launchOptions: {
       executablePath: process.env["POSEMIX_CHROMIUM"] ?? "/usr/bin/chromium",
       args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"],

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 #include <array>
+#include <set>
+#include <string>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -35,8 +37,8 @@ Json object_in(const fs::path& path) {
   }
 }
 
-/// The names that are there, and are names of files within the folder.
-std::vector<fs::path> there(const fs::path& folder, const std::vector<std::string>& names) {
+/// The names that are there, each once, and are names of files within the folder.
+std::vector<fs::path> there(const fs::path& folder, const std::set<std::string>& names) {
   std::vector<fs::path> found;
   for (const std::string& name : names) {
     const fs::path path(name);
@@ -53,10 +55,10 @@ std::vector<fs::path> earlier_results(const fs::path& folder) {
   const Json metrics = object_in(folder / "metrics.json");
   const auto objects = metrics.find("objects");
   if (objects == metrics.end() || !objects->is_object()) return {};
-  std::vector<std::string> names(kRunNames.begin(), kRunNames.end());
+  std::set<std::string> names(kRunNames.begin(), kRunNames.end());
   for (const auto& [id, numbers] : objects->items()) {
     for (const char* pattern : {"object_{}.tum", "relative_{}.tum", "mixture_{}.json"})
-      names.push_back(fmt::format(fmt::runtime(pattern), id));
+      names.insert(fmt::format(fmt::runtime(pattern), id));
   }
   return there(folder, names);
 }
@@ -65,10 +67,10 @@ std::vector<fs::path> earlier_study(const fs::path& folder) {
   const Json study = object_in(folder / "study.json");
   const auto files = study.find("files");
   if (!study.contains("study")) return {};
-  std::vector<std::string> names{"study.json", kReportName};
+  std::set<std::string> names{"study.json", kReportName};
   if (files != study.end() && files->is_array()) {
     for (const Json& name : *files)
-      if (name.is_string()) names.push_back(name.get<std::string>());
+      if (name.is_string()) names.insert(name.get<std::string>());
   }
   return there(folder, names);
 }

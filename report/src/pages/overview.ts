@@ -32,7 +32,7 @@ function trouble(state: RunState, kind: EventKind, events: readonly RunEvent[]):
     case "register":
       return ["should be registered again from ", at(events[0].from), " on"];
     case "unexplained":
-      return [`${plural(events.length, "run")} of ${plural(count, "detection")} not explained, the longest at `, at(worst.from)];
+      return [`${events.length === 1 ? "a run" : `${events.length} runs`} of ${plural(count, "detection")} not explained, ${events.length === 1 ? "" : "the longest "}at `, at(worst.from)];
     case "beyond":
       return [`error beyond 3 sigma in ${plural(count, "frame")}, most at `, at(worst.peak), ` (${short(worst.size)} sigma)`];
     default:
@@ -98,7 +98,7 @@ function spreadSentence(state: RunState): string {
 function summary(state: RunState, facts: RunFacts, metrics: Json | undefined, order: readonly Entity[]): HTMLElement {
   const { trace } = state;
   const sentences = trace.hasTruth ? [cameraSentence(metrics), detectorSentence(metrics)] : [spreadSentence(state)];
-  return element("div", { class: "summary" },
+  return element("div", { class: "summary", "data-print": "" },
     ...[durationSentence(trace), ...sentences].filter((text) => text !== undefined).map((text) => element("p", {}, text)),
     verdicts(facts, state, order), troubles(state, facts, order));
 }

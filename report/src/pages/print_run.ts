@@ -14,6 +14,7 @@ import { provenanceLines } from "./provenance.ts";
 
 const INK = "#1d2125";
 const MOST_OBJECTS = 15;
+const MOST_TROUBLES = 8;
 const PLOT = { width: 430, height: 200 };
 
 type Values = (number | null)[];
@@ -92,19 +93,29 @@ function plots(trace: Trace, list: Measured[]): HTMLElement {
     ...plot("probability of the mode", objects.flatMap((one) => (one.mode ? [line(one, one.mode)] : [])), [0, 1.02]));
 }
 
+/** A list that is too long for its sheet ends with how many are left. */
+function shortened(part: Node): Node {
+  if (!(part instanceof Element)) return part;
+  for (const list of part.querySelectorAll(".troubles")) {
+    const left = [...list.children].slice(MOST_TROUBLES);
+    if (left.length < 2) continue;
+    left.forEach((item) => item.remove());
+    list.append(element("li", {}, `${left.length} more are in the page.`));
+  }
+  return part;
+}
+
 export function printRun(payload: Payload, trace: Trace, viewport: () => Viewport | undefined, moment: () => string): void {
   onPrint(() => {
     const list = entitiesOf(trace).flatMap((entity) => measured(trace, entity) ?? []);
-    const marked = markedForPrint();
     const left = trace.objects.length - MOST_OBJECTS;
     const duration = (trace.seconds[trace.frames - 1] ?? 0).toFixed(1);
     const lines = [`${trace.head.method}, ${trace.frames} frames, ${duration} s`, ...provenanceLines(payload.documents)];
     const entries = list.map(({ name, colour }) => ({ name, colour }));
     return [
-      sheetOf(printHeader(payload.title, lines), ...scenePicture(viewport(), `The scene at ${moment()}`), ...marked,
-        ...(marked.length === 0 ? [printTable(summary(payload, trace, list), MOST_OBJECTS + 1)] : [])),
-      sheetOf(plots(trace, list), key(entries), ...(left > 0 ? [element("p", { class: "hint" }, `${left} more objects are in the page.`)] : []),
-        ...(marked.length > 0 ? [printTable(summary(payload, trace, list), MOST_OBJECTS + 1)] : [])),
+      sheetOf(printHeader(payload.title, lines), ...markedForPrint().map(shortened), ...scenePicture(viewport(), `The scene at ${moment()}`),
+        printTable(summary(payload, trace, list), MOST_OBJECTS + 1)),
+      sheetOf(plots(trace, list), key(entries), ...(left > 0 ? [element("p", { class: "hint" }, `${left} more objects are in the page.`)] : [])),
     ];
   });
 }

@@ -76,7 +76,13 @@ function uncertaintyControls(scene: SlamScene): HTMLElement {
       (value) => scene.setLook({ factor: Number(value) as 0 | 1 | 10 | 100 })),
     choice("Covariance", [["world", "in the world"], ["camera", "relative to the camera"], ["object", "along the object's axes"]], "world",
       (value) => scene.setLook({ frame: value as "world" | "camera" | "object" })));
-  return element("details", { class: "uncertainty", open: innerWidth > 700 }, element("summary", {}, "Uncertainty"), list);
+  return list;
+}
+
+/** What the scene shows, and how it is read; closed on a screen that is too low for it and the scene. */
+function drawnPanel(scene: SlamScene, state: RunState): HTMLElement {
+  return element("details", { class: "drawn", open: innerWidth > 700 && innerHeight >= 1000 }, element("summary", {}, "What is drawn"),
+    layerToggles(scene, state), uncertaintyControls(scene), hintOf(scene));
 }
 
 /** The whole screen for the scene and its timeline. */
@@ -121,6 +127,6 @@ export function makeScene(state: RunState, payload: Payload): { node: HTMLElemen
   }
   const tools = element("div", { class: "buttons" }, saveButton(scene, state), ...fullScreenButton(stage));
   const row = element("div", { class: "controls scene-controls" }, viewButtons(scene, state), tools);
-  stage.append(scene.viewport.node, row, layerToggles(scene, state), uncertaintyControls(scene), hintOf(scene));
+  stage.append(scene.viewport.node, row, drawnPanel(scene, state));
   return { node: stage, scene };
 }

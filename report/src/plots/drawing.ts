@@ -55,7 +55,7 @@ export function axisLeft(scale: Scale, frame: Frame): SVGElement[] {
 
 /** The colours of lines, above the drawings that share them. */
 export function key(entries: readonly { name: string; colour: string; shape?: number }[]): HTMLElement {
-  return element("ul", { class: "legend key" }, ...entries.map(({ name, colour, shape }) => {
+  return element("ul", { class: "legend signs" }, ...entries.map(({ name, colour, shape }) => {
     const sign = svg("svg", { width: 14, height: 12, "aria-hidden": "true" }, shape === undefined ? line(0, 6, 14, 6, "sign", colour) : mark(shape, 7, 6, colour, 4));
     return element("li", {}, sign, name);
   }));

@@ -48,7 +48,7 @@ export function tableCharts(table: Table, choice: Choice, log = false, apart = f
 }
 
 export function chartFigure(chart: TableChart): HTMLElement {
-  return element("figure", { class: "chart" }, element("figcaption", {}, chart.title), responsive((width) => drawTable({ ...chart, isCaptioned: true }, width)));
+  return element("figure", { class: "drawn-table" }, element("figcaption", {}, chart.title), responsive((width) => drawTable({ ...chart, isCaptioned: true }, width)));
 }
 
 /** The key of the groups, and what a point is. */

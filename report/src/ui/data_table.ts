@@ -69,7 +69,7 @@ export class DataTable {
     this.keys = new Set(keyColumns(table));
     this.columns = table.columns.map((_, k) => this.columnOf(k));
     this.heads = table.columns.map((_, k) => this.head(k));
-    const made = element("table", {}, element("caption", { class: "hidden" }, name), element("thead", {}, element("tr", {}, ...this.heads)), this.body);
+    const made = element("table", {}, element("caption", { class: "unseen" }, name), element("thead", {}, element("tr", {}, ...this.heads)), this.body);
     const scroll = element("div", { class: "scroll tall", tabindex: 0, role: "region", "aria-label": `Table ${name}` }, made);
     this.node.append(element("h2", {}, name), this.tools(), scroll, this.pager);
     this.fill();

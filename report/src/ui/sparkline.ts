@@ -53,7 +53,7 @@ export function sparkline(state: RunState, series: SparkSeries, colour: string):
     line(`M0 ${(HEIGHT - (HEIGHT - 1) * (series.limit / series.top)).toFixed(1)}H${POINTS}`, "var(--muted)", { "stroke-dasharray": "2 3" });
   }
   line(sparkPath(series, frames), colour, { "stroke-width": 1.3, "stroke-linejoin": "round" });
-  const playhead = element("span", { class: "mark" });
+  const playhead = element("span", { class: "playhead" });
   const plot = element("div", { class: "spark", title: "Press to go there" });
   plot.append(svg, playhead);
   plot.addEventListener("click", (event) => {

@@ -17,7 +17,7 @@ const GAP = 1;
 
 export class Strips {
   private readonly canvas = element("canvas", { role: "img" });
-  private readonly playhead = element("span", { class: "mark" });
+  private readonly playhead = element("span", { class: "playhead" });
   private readonly said = element("output", { class: "now" });
   private readonly box: HTMLElement;
   private width = 0;

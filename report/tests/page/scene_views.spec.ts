@@ -69,7 +69,8 @@ test("through the camera: its intrinsics, and its image lies behind what is proj
   // The trace rounds the camera's rotation to 1/32767.
   expected.forEach((value, i) => expect(Math.abs(seen[i] - value)).toBeLessThan(0.2));
   // The image has a yellow disc there, which is seen beside the object's axes.
-  const [red, green, blue] = await colourAt(page, seen[0] - 7, seen[1] + 5);
+  const zoom = box.height / 240;
+  const [red, green, blue] = await colourAt(page, seen[0] - 4 * zoom, seen[1] + 3 * zoom);
   expect(red > 200 && green > 180 && blue < 110, `${red} ${green} ${blue}`).toBe(true);
   await scrub(page, 41);
   await expect.poll(() => scene(page, "image")).toBe(20);

@@ -9,7 +9,9 @@ import { open, openAllTabs } from "./report.ts";
 test.setTimeout(120_000);
 
 /** Group, x, value and number of rows of every point that is drawn. */
-function drawn(page: Page): Promise<{ group: string; x: string; value: number; rows: number }[]> {
+async function drawn(page: Page): Promise<{ group: string; x: string; value: number; rows: number }[]> {
+  // A chart is drawn once it knows its width.
+  await page.locator(".table-chart [data-value]").first().waitFor({ state: "attached" });
   return page.locator(".table-chart [data-value]").evaluateAll((marks) => marks.map((mark) => ({
     group: mark.getAttribute("data-group")!, x: mark.getAttribute("data-x")!, value: Number(mark.getAttribute("data-value")), rows: Number(mark.getAttribute("data-rows")),
   })));
