@@ -89,7 +89,7 @@ test("scrubbing moves the scene", async ({ page }) => {
   const canvas = page.locator(".slam .viewport").first();
   const before = await canvas.screenshot();
   const first = (await shownPose(page, "camera"))!.position;
-  const mark = page.locator(".playhead").first();
+  const mark = page.locator(".chart .playhead").first();
   const place = await mark.evaluate((node) => node.style.transform);
   await scrub(page, 15);
   const second = (await shownPose(page, "camera"))!.position;
