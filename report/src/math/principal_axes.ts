@@ -1,35 +1,10 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 // Principal axes of symmetric 3x3 matrices, row by row, without memory of their own per call.
+import { diagonalise } from "./eigen.ts";
 import type { Numbers } from "./rotation.ts";
 
-const SWEEPS = 12;
 const work = new Float64Array(9);
-
-/** One of Jacobi's rotations, which makes the entry (p, q) zero. */
-function turn(a: Float64Array, v: Numbers, p: number, q: number): void {
-  const off = a[3 * p + q];
-  if (off === 0) return;
-  const theta = (a[4 * q] - a[4 * p]) / (2 * off);
-  const t = (theta < 0 ? -1 : 1) / (Math.abs(theta) + Math.sqrt(theta * theta + 1));
-  const c = 1 / Math.sqrt(t * t + 1);
-  const s = t * c;
-  for (let k = 0; k < 3; ++k) {
-    const [x, y] = [3 * k + p, 3 * k + q];
-    const before = a[x];
-    a[x] = c * before - s * a[y];
-    a[y] = s * before + c * a[y];
-    const column = v[x];
-    v[x] = c * column - s * v[y];
-    v[y] = s * column + c * v[y];
-  }
-  for (let k = 0; k < 3; ++k) {
-    const [x, y] = [3 * p + k, 3 * q + k];
-    const before = a[x];
-    a[x] = c * before - s * a[y];
-    a[y] = s * before + c * a[y];
-  }
-}
 
 function swap(values: Numbers, vectors: Numbers, i: number, j: number): void {
   if (values[i] >= values[j]) return;
@@ -49,13 +24,7 @@ export function eigen3(p: Numbers, values: Numbers, vectors: Numbers): void {
     work[i] = p[i];
     vectors[i] = i % 4 === 0 ? 1 : 0;
   }
-  for (let sweep = 0; sweep < SWEEPS; ++sweep) {
-    const off = Math.abs(work[1]) + Math.abs(work[2]) + Math.abs(work[5]);
-    if (off <= 1e-15 * (Math.abs(work[0]) + Math.abs(work[4]) + Math.abs(work[8]))) break;
-    turn(work, vectors, 0, 1);
-    turn(work, vectors, 0, 2);
-    turn(work, vectors, 1, 2);
-  }
+  diagonalise(work, vectors, 3);
   for (let i = 0; i < 3; ++i) values[i] = work[4 * i];
   swap(values, vectors, 0, 1);
   swap(values, vectors, 1, 2);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 // Scales and round numbers for drawings.
+import { ticks } from "./ticks.ts";
 
 export interface Scale {
   low: number;
@@ -11,22 +12,14 @@ export interface Scale {
   at: (value: number) => number;
 }
 
-function linearTicks(low: number, high: number, most: number): number[] {
-  const raw = (high - low) / Math.max(1, most);
-  const power = 10 ** Math.floor(Math.log10(raw));
-  const step = power * ([1, 2, 5, 10].find((k) => k * power >= raw) ?? 10);
-  const ticks: number[] = [];
-  for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; ++k) ticks.push(Number((k * step).toPrecision(12)));
-  return ticks;
-}
-
+/** Within few decades also parts of them, so that a narrow range has ticks too. */
 function logTicks(low: number, high: number, most: number): number[] {
   const [first, last] = [Math.floor(Math.log10(low)), Math.ceil(Math.log10(high))];
   const parts = last - first <= 1 ? [1, 2, 3, 5] : last - first <= 3 ? [1, 3] : [1];
   const step = Math.max(1, Math.ceil((last - first) / most));
-  const ticks: number[] = [];
-  for (let power = first; power <= last; power += step) for (const part of parts) ticks.push(part * 10 ** power);
-  return ticks.filter((tick) => tick >= low * (1 - 1e-9) && tick <= high * (1 + 1e-9));
+  const found: number[] = [];
+  for (let power = first; power <= last; power += step) for (const part of parts) found.push(part * 10 ** power);
+  return found.filter((tick) => tick >= low * (1 - 1e-9) && tick <= high * (1 + 1e-9));
 }
 
 /** A scale over all values. Zero is in it where that costs less than half of the room; logarithmic only if all are positive. */
@@ -52,7 +45,7 @@ export function scaleOf(values: Iterable<number>, { log = false, most = 6, tight
     [low, high] = [low === 0 ? 0 : low - margin, high === 0 ? 0 : high + margin];
   }
   if (low === high) [low, high] = low === 0 ? [0, 1] : [low - 0.5 * Math.abs(low), high + 0.5 * Math.abs(high)];
-  return { low, high, log: false, ticks: linearTicks(low, high, most), at: (value) => (value - low) / (high - low) };
+  return { low, high, log: false, ticks: ticks(low, high, most), at: (value) => (value - low) / (high - low) };
 }
 
 /** A tick's number: without digits that only rounding made. */

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 // What is worked out of a whole run, once and when it is asked for.
-import { type Deviation, deviationOf, neesOf, nisOf } from "../trace/deviation.ts";
+import { type Deviation, deviationOf } from "../trace/deviation.ts";
 import { eventsOf, type RunEvent } from "../trace/events.ts";
+import { neesOf, nisOf, squaresOf } from "../trace/squares.ts";
 import type { Estimate, Trace } from "../trace/trace.ts";
 import { UNKNOWN, type Verdict, verdictOfErrors, verdictOfSquares } from "../trace/verdict.ts";
 
@@ -40,12 +41,12 @@ export class RunFacts {
     return estimate && deviationOf(estimate, this.trace.frames);
   });
 
-  readonly nees = once((entity) => neesOf(this.trace, entity, this.frameOf(entity)));
+  readonly nees = once((entity) => squaresOf(this.trace, neesOf(this.trace, entity, this.frameOf(entity))));
 
   readonly verdict = once((entity): Verdict => {
     const deviation = this.deviation(entity);
     if (deviation) return verdictOfErrors(this.nees(entity), deviation);
-    const nis = entity < 0 ? undefined : nisOf(this.trace, entity);
+    const nis = squaresOf(this.trace, nisOf(this.trace, entity));
     return (nis && verdictOfSquares(nis, "NIS")) ?? UNKNOWN;
   });
 

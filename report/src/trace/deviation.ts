@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-// Errors in units of their standard deviations, and NEES.
+// Errors in units of their standard deviations.
 import { log, multiplyInverse } from "../math/rotation.ts";
-import type { Estimate, Trace } from "./trace.ts";
+import type { Estimate } from "./trace.ts";
 
 export const AXIS_NAMES = ["rotation x", "rotation y", "rotation z", "position x", "position y", "position z"] as const;
 
@@ -46,28 +46,4 @@ export function deviationOf(estimate: Estimate, frames: number): Deviation | und
     largest[frame] = most;
   }
   return counted > 0 ? { largest, frames: counted, outside } : undefined;
-}
-
-/** A column of squares over the frames that have one; NaN elsewhere. */
-function squares(trace: Trace, name: string, has: (frame: number) => boolean): Float32Array | undefined {
-  const column = trace.columns.get(name);
-  if (!column) return undefined;
-  return Float32Array.from({ length: trace.frames }, (_, frame) => (has(frame) ? column.value(0, frame) : NaN));
-}
-
-/** NEES of six degrees of freedom of the camera, or of an object as seen from it or in the world. */
-export function neesOf(trace: Trace, entity: number, of: "world" | "relative"): Float32Array | undefined {
-  const estimate = entity < 0 ? trace.camera : trace.objects[entity][of];
-  const truth = estimate?.truth;
-  const name = entity < 0 ? "camera/nees" : `objects/${trace.objects[entity].id}/${of}/nees`;
-  return truth && squares(trace, name, (frame) => truth.has(frame) && estimate.pose.has(frame));
-}
-
-const NIS_BIT = 1 << 8;
-
-/** Squared Mahalanobis distances of the innovations of an object. */
-export function nisOf(trace: Trace, index: number): Float32Array | undefined {
-  const name = `objects/${trace.objects[index].id}`;
-  const mask = trace.columns.get(`${name}/mask`)?.components[0];
-  return mask && squares(trace, `${name}/nis`, (frame) => (mask[frame] & NIS_BIT) !== 0);
 }

@@ -37,3 +37,8 @@ export function nisOf(trace: Trace, entity: Entity): Square | undefined {
 }
 
 export const hasSquares = (trace: Trace, end: "nees" | "nis"): boolean => [...trace.columns.keys()].some((name) => name.endsWith(`/${end}`));
+
+/** The values of all frames, NaN where there is none. */
+export function squaresOf(trace: Trace, square: Square | undefined): Float32Array | undefined {
+  return square && Float32Array.from({ length: trace.frames }, (_, frame) => square(frame) ?? NaN);
+}
