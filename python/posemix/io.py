@@ -32,7 +32,8 @@ __all__ = [
     "TangentOrder", "read_bop_model", "read_bop_models", "read_bop_rows", "read_grasp_outcomes", "read_mixture",
     "read_object_poses", "read_observations", "read_pose_samples", "read_posterior", "read_simulation",
     "read_slam_job", "read_symmetry_file", "read_tum", "write_comparison", "write_mixture", "write_object_poses",
-    "write_observations", "write_poses", "write_posterior", "write_report", "write_results", "write_simulation", "write_tum",
+    "write_observations", "write_poses", "write_posterior", "write_report", "write_results", "write_simulation",
+    "write_tum",
 ]  # fmt: skip
 
 

@@ -155,7 +155,9 @@ void bind_results(nb::module_& m) {
       [](const fs::path& folder, const SlamJob& job, const RecordedRun& run) {
         const nb::gil_scoped_release unlocked;
         OutputFolder results(folder);
-        write_results(results, job, run, evaluate(job, run));
+        Provenance provenance;
+        provenance.finished = utc_now();
+        write_results(results, job, run, evaluate(job, run), {.provenance = provenance});
         results.commit();
       },
       "folder"_a, "job"_a, "run"_a, kWriteResultsDoc);

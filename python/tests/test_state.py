@@ -202,6 +202,6 @@ def test_a_prior_has_the_density_of_the_package() -> None:
     world = px.ConcentratedGaussian(px.SE3(translation=[0.1, 0.2, 0.3]), px.pose_covariance(math.radians(1.0), 0.002))
     prior = px.ObjectPrior(world=world, probability=0.9)
     assert isinstance(prior.world, px.ConcentratedGaussian)
-    assert prior.world.mean == world.mean and (prior.world.covariance == world.covariance).all()
+    assert (prior.world.mean.matrix() == world.mean.matrix()).all() and (prior.world.covariance == world.covariance).all()
     assert repr(world) in repr(prior) and prior == copy.deepcopy(prior) == pickle.loads(pickle.dumps(prior))
     assert prior != px.ObjectPrior(world=px.ConcentratedGaussian(px.SE3(), world.covariance), probability=0.9)

@@ -29,6 +29,12 @@ std::string entry_text(const Json& json, bool is_first) {
   return is_first ? text : "," + text;
 }
 
+/// Gives the memory of a vector back, which clearing it does not.
+template <class T>
+void release(std::vector<T>& values) {
+  std::vector<T>().swap(values);
+}
+
 }  // namespace
 
 Json joint_hypotheses_json(const FrameEstimate& frame, std::size_t most) {
@@ -58,14 +64,14 @@ Json alternatives_json(std::vector<ObjectAlternative> list, std::size_t most) {
 }
 
 void HypothesisTexts::take(FrameEstimate& frame) {
-  frame.report.update.reductions = {};
+  release(frame.report.update.reductions);
   const auto moves = [](const auto& twist) { return twist.has_value(); };
   if (std::none_of(frame.twists.begin(), frame.twists.end(), moves)) {
-    frame.twists = {};
-    frame.motion_models = {};
+    release(frame.twists);
+    release(frame.motion_models);
   }
   texts_.append(0, entry_text(joint_hypotheses_json(frame, most_), frames_++ == 0));
-  frame.hypotheses = {};
+  release(frame.hypotheses);
   if (frame.alternatives.empty()) return;
   const bool is_first = alternatives_++ == 0;
   for (std::size_t object = 0; object < objects_; ++object) {
@@ -73,7 +79,7 @@ void HypothesisTexts::take(FrameEstimate& frame) {
         1 + object,
         entry_text(alternatives_json(std::move(frame.alternatives[object]), most_), is_first));
   }
-  frame.alternatives = {};
+  release(frame.alternatives);
 }
 
 }  // namespace internal

@@ -286,20 +286,25 @@ void MultiObjectSlam::update(std::size_t object, const Observation& observation,
 }
 
 FrameEstimate MultiObjectSlam::frame_estimate(FrameReport report) const {
+  const std::size_t count = objects_.size();
   std::vector<std::optional<std::size_t>> indices;
-  for (std::size_t object = 0; object < objects_.size(); ++object)
-    indices.push_back(pose_index(object));
+  indices.reserve(count);
+  for (std::size_t object = 0; object < count; ++object) indices.push_back(pose_index(object));
   FrameEstimate frame{.camera = filter_.camera(),
                       .objects = {},
                       .relative = {},
                       .pose_indices = std::move(indices),
                       .report = std::move(report),
                       .ids = objects_.ids()};
+  // A run keeps the estimates of all its frames: no room is left over.
+  frame.objects.reserve(count);
+  frame.relative.reserve(count);
+  frame.mode_probabilities.reserve(count);
   for (auto& one : filter_.leading_estimates()) {
     frame.objects.push_back(one ? std::optional(one->world) : std::nullopt);
     frame.relative.push_back(one ? std::optional(one->relative) : std::nullopt);
   }
-  for (std::size_t object = 0; object < objects_.size(); ++object) {
+  for (std::size_t object = 0; object < count; ++object) {
     frame.mode_probabilities.push_back(
         frame.objects[object] ? std::optional(filter_.mode_probability(object)) : std::nullopt);
     if (!record_hypotheses_) continue;

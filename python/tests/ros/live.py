@@ -157,6 +157,12 @@ class Live:
         subscribed = [self.partner.count_publishers(t) for t in ("/posemix/objects", "/diagnostics")]
         return all(p.get_subscription_count() > 0 for p in publishers) and all(subscribed)
 
+    def meet_program(self) -> None:
+        """Waits for a node in another process, until it has found the partner, too: what is sent before is lost."""
+        self.until(self._is_connected, "the program is there", 20.0)
+        self.until(lambda: self.diagnostics, "the program speaks", 20.0)
+        self.spin(0.3)  # its readers know the partner as soon as its writers do, or a moment later
+
     def close(self) -> None:
         self.executor.shutdown()
         for node in filter(None, (self.node, self.partner)):

@@ -62,7 +62,7 @@ class Program:
     def ready(self, publishers: int = 0) -> Program:
         """Waits until the program and its partner hear each other."""
         self.until("publishers", publishers or len(self.world._detectors) + 2)
-        self.world.until(self.world._is_connected, "the program is there", 20.0)
+        self.world.meet_program()
         return self
 
     def values(self) -> dict[str, str]:

@@ -131,7 +131,7 @@ def test_the_program_is_ended_and_started_again_with_its_map(
     running = program(*arguments, domain=domain)
     try:
         world = live(node=False)
-        world.until(world._is_connected, "the program is there", 20.0)
+        world.meet_program()
         for i in range(8):
             assert set(sighted(world, 0.2 * i, ALL)) == set(ALL)
         if end == "killed":
@@ -145,7 +145,7 @@ def test_the_program_is_ended_and_started_again_with_its_map(
         # The robot stands elsewhere, and so does the world of the new run.
         running = program(*arguments, domain=domain)
         world = live(node=False)
-        world.until(world._is_connected, "the program is there again", 20.0)
+        world.meet_program()
         seen = {name: MOVED.inverse() * ALL[name] for name in ("mug", "box")}
         for i in range(8):
             found = sighted(world, 50.0 + 0.2 * i, seen)

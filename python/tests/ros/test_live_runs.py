@@ -132,7 +132,7 @@ def test_latency_at_60_hz(live: Callable[..., Live], domain: int, capsys: pytest
     world = live(node=False)
     count = 420
     try:
-        world.until(world._is_connected, "the program is there", 20.0)
+        world.meet_program()
         cpu_s = cpu_time_s(running.pid)
         world.show_five_objects(count)
         cpu_s = cpu_time_s(running.pid) - cpu_s
@@ -207,7 +207,7 @@ def test_the_program_writes_its_report_when_it_is_ended(
     running = program("--ros-args", *(a for p in parameters for a in ("-p", p)), domain=domain)
     try:
         world = live(node=False)
-        world.until(world._is_connected, "the program listens", 20.0)
+        world.meet_program()
         for k in range(10):
             world.detect(detections(at(0.1 * k), {"mug": SE3(translation=[0.0, 0.0, 0.8])}))
             world.newest(at(0.1 * k))

@@ -57,7 +57,7 @@ def test_memory_does_not_grow(live: Callable[..., Live], domain: int, capsys: py
     step = max(IMAGES // 16, 1)
     begin = time.monotonic()
     try:
-        world.until(world._is_connected, "the program is there", 20.0)
+        world.meet_program()
         cpu_s = cpu_time_s(running.pid)
         for i in range(IMAGES):
             angle = 2.0 * np.pi * i / (20 * RATE)
