@@ -14,7 +14,8 @@ export CMAKE_BUILD_PARALLEL_LEVEL = $(JOBS)
 export CTEST_PARALLEL_LEVEL = $(JOBS)
 
 VENV := build/venv
-PYTHON_SOURCES = $(shell find python -name '*.py' -o -name '*.?pp' -o -name CMakeLists.txt)
+PYTHON_SOURCES = $(shell find python -path python/tests -prune -o \( -name '*.py' -o -name '*.?pp' -o -name CMakeLists.txt \) -print)
+PYTHON_BUILDS = $(shell sed -n 's/^requires = \[\(.*\)\]/\1/p' pyproject.toml | tr -d ',')
 
 VENV_PIP = $(VENV)/bin/pip install --quiet --disable-pip-version-check
 
@@ -73,11 +74,13 @@ report-test: built
 	cd report && POSEMIX_REPORT_INPUTS="$(CURDIR)/build/report-inputs" \
 	  POSEMIX_CHROMIUM="$$(command -v chromium)" npm test
 
-# The package is built as pip builds it, with the library that is there already.
+# The package is built as pip builds it, with the library that is there already, in a folder that stays:
+# an isolated build has other paths every time, and compiles everything anew.
 build/.python: build/.bootstrap-test pyproject.toml $(PYTHON_SOURCES) | built
 	cmake --install build/release --prefix build/prefix >/dev/null
 	@test -x $(VENV)/bin/python || $(PYTHON) -m venv $(VENV)
-	$(VENV_PIP) '.[test]' \
+	$(VENV_PIP) $(PYTHON_BUILDS)
+	$(VENV_PIP) --no-build-isolation '.[test]' -Cbuild-dir=build/extension \
 	  -Ccmake.define.CMAKE_PREFIX_PATH='$(CURDIR)/build/prefix'
 	@touch $@
 

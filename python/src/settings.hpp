@@ -2,6 +2,10 @@
 // SPDX-FileCopyrightText: posemix contributors
 #pragma once
 
+#include <algorithm>
+#include <string>
+#include <vector>
+
 #include "fields.hpp"
 #include "parts.hpp"
 
@@ -41,11 +45,22 @@ class Settings {
     return *this;
   }
 
+  /// The last field has no default: who makes an object must say it.
+  Settings& required() {
+    required_.emplace_back(std::prev(fields_->end())->name);
+    return *this;
+  }
+
   nb::class_<T>& done() {
     const auto fields = fields_;
     class_.def(
         "__init__",
-        [fields, defaults = defaults_](T* self, const nb::kwargs& values) {
+        [fields, defaults = defaults_, required = required_](T* self, const nb::kwargs& values) {
+          for (const std::string& name : required) {
+            if (values.contains(name.c_str())) continue;
+            const std::string text = fmt::format("{}: expected a value of {}", fields->name(), name);
+            throw nb::type_error(text.c_str());
+          }
           auto* made = new (self) T(defaults());
           fields->assign(*made, values);
         },
@@ -57,7 +72,7 @@ class Settings {
     });
     const T defaults = defaults_();
     class_.attr("__doc__") = summary_ + fields->document([&](const Field<T>& field) {
-      return fmt::format(" Default {}.", field.shown(defaults));
+      return is_required(field) ? "" : fmt::format(" Default {}.", field.shown(defaults));
     });
     return class_;
   }
@@ -71,14 +86,21 @@ class Settings {
   std::string signature() const {
     std::string text = "def __init__(self";
     if (fields_->begin() != fields_->end()) text += ", *";
-    for (const Field<T>& field : *fields_)
-      text += fmt::format(", {}: {} = ...", field.name, argument_type(field.type));
+    for (const Field<T>& field : *fields_) {
+      text += fmt::format(", {}: {}", field.name, argument_type(field.type));
+      if (!is_required(field)) text += " = ...";
+    }
     return text + ") -> None";
+  }
+
+  bool is_required(const Field<T>& field) const {
+    return std::find(required_.begin(), required_.end(), field.name) != required_.end();
   }
 
   std::string summary_;
   std::function<T()> defaults_;
   std::shared_ptr<Fields<T>> fields_;
+  std::vector<std::string> required_;
   nb::class_<T> class_;
 };
 

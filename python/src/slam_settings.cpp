@@ -136,6 +136,7 @@ void bind_slam_settings_struct(nb::module_& m) {
               [] { return P{PoseDensity(SE3d(), Matrix6d::Identity())}; })
       .field("world", &P::world, "posemix.density.ConcentratedGaussian",
              "T_world_object, independent of the camera and of other objects.")
+      .required()
       .field("probability", &P::probability, "float", "Probability that this holds.")
       .done();
   using O = ObjectModel;

@@ -43,7 +43,8 @@ def test_the_trace_is_that_of_a_run(tmp_path: Path) -> None:
     assert set(live) == set(run) - {"run"}
     for key in ("type", "schema", "frames", "stamps_s", "order", "merges"):
         assert live[key] == run[key], key
-    assert set(live["camera"]) == set(run["camera"])
+    # A live run has no ground truth, and so no NEES, which are of all keys null here.
+    assert set(live["camera"]) == set(run["camera"]) - {"nees"}
     of_objects = [(live["objects"][name], run["objects"][name]) for name in run["order"]]
     for mine, theirs in of_objects:
         assert set(mine) == set(theirs)

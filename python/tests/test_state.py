@@ -203,5 +203,11 @@ def test_a_prior_has_the_density_of_the_package() -> None:
     prior = px.ObjectPrior(world=world, probability=0.9)
     assert isinstance(prior.world, px.ConcentratedGaussian)
     assert (prior.world.mean.matrix() == world.mean.matrix()).all() and (prior.world.covariance == world.covariance).all()
-    assert repr(world) in repr(prior) and prior == copy.deepcopy(prior) == pickle.loads(pickle.dumps(prior))
+    assert "sd 1, 1, 1 deg; 2, 2, 2 mm" in repr(prior) and "probability=0.9" in repr(prior)
+    assert prior == copy.deepcopy(prior) == pickle.loads(pickle.dumps(prior))
     assert prior != px.ObjectPrior(world=px.ConcentratedGaussian(px.SE3(), world.covariance), probability=0.9)
+
+
+def test_a_prior_needs_its_density() -> None:
+    with pytest.raises(TypeError, match="ObjectPrior: expected a value of world"):
+        px.ObjectPrior(probability=0.9)  # type: ignore[call-arg]

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from posemix._arrays import FloatArray
-from posemix._core import ObjectEstimate, ObjectHypothesis
+from posemix._core import DetectionStatus, FrameEstimate, ObjectEstimate, ObjectHypothesis
 from posemix.density import ConcentratedGaussian
 from posemix.lie import SE3
 from posemix.live_view.frames import LiveFrame
@@ -55,6 +55,14 @@ def _alternative(hypothesis: ObjectHypothesis) -> dict[str, Any]:
     }
 
 
+def _nis_of(name: str, estimate: FrameEstimate) -> float | None:
+    """Of a detection that was used; the others are no innovations of a consistent filter."""
+    of_all = estimate.report.nis
+    index = list(estimate.objects).index(name)
+    is_used = index < len(of_all) and estimate.object(name).status == DetectionStatus.used
+    return _number(of_all[index]) if is_used else None
+
+
 def _object_entry(name: str, of_object: ObjectEstimate, frame: LiveFrame) -> dict[str, Any]:
     hypotheses = sorted(frame.hypotheses[name], key=lambda h: -h.probability)
     entry: dict[str, Any] = {
@@ -67,6 +75,9 @@ def _object_entry(name: str, of_object: ObjectEstimate, frame: LiveFrame) -> dic
         "register_again": of_object.register_again,
         "alternatives": [_alternative(h) for h in hypotheses],
     }
+    nis = _nis_of(name, frame.estimate)
+    if nis is not None:
+        entry["nis"] = nis
     if name in frame.detections:
         entry["detection"] = numbers(frame.detections[name].to_tq(), _DIGITS)
     if of_object.twist is not None:

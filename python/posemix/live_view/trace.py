@@ -99,6 +99,8 @@ def _object(rows: Sequence[Mapping[str, Any] | None], names: Sequence[str]) -> d
     }
     for key, otherwise in _OTHERWISE.items():
         found[key] = [otherwise if row is None else row.get(key, otherwise) for row in rows]
+    if any(row is not None and "nis" in row for row in rows):
+        found["nis"] = [None if row is None else row.get("nis") for row in rows]
     if any(row is not None and "models" in row for row in rows):
         for key in _MOTION:
             found[key] = [None if row is None else row.get(key) for row in rows]
