@@ -75,11 +75,13 @@ report-test: built
 	  POSEMIX_CHROMIUM="$$(command -v chromium)" npm test
 
 # The package is built as pip builds it, with the library that is there already, in a folder that stays:
-# an isolated build has other paths every time, and compiles everything anew.
+# an isolated build has other paths every time, and compiles everything anew. The stub generator must not find the
+# package of before beside the new module.
 build/.python: build/.bootstrap-test pyproject.toml $(PYTHON_SOURCES) | built
 	cmake --install build/release --prefix build/prefix >/dev/null
 	@test -x $(VENV)/bin/python || $(PYTHON) -m venv $(VENV)
 	$(VENV_PIP) $(PYTHON_BUILDS)
+	$(VENV)/bin/pip uninstall --quiet --yes posemix
 	$(VENV_PIP) --no-build-isolation '.[test]' -Cbuild-dir=build/extension \
 	  -Ccmake.define.CMAKE_PREFIX_PATH='$(CURDIR)/build/prefix'
 	@touch $@
