@@ -75,35 +75,49 @@ export function filterColumns(table: Table, { x, by }: Pick<Choice, "x" | "by">)
   return keyColumns(table).filter((name) => ![x, by, "unit", "quantity", "report"].includes(name)).slice(0, 8);
 }
 
-/** The rows that are left after the filters and without totals, and what was left out. */
+/** What totals there are in a column, each once. */
+function totalsIn(rows: Json[][], k: number): string[] {
+  return [...new Set(rows.filter((row) => isTotal(row[k])).map((row) => String(row[k])))];
+}
+
+/** The rows that are left after the filters and without totals, and what was left out. A total stays where it is what the reader chose. */
 export function chosenRows(table: Table, choice: Choice): { rows: Json[][]; notes: string[] } {
   const notes: string[] = [];
-  let { rows } = table;
-  for (const name of choice.totals ? [] : [choice.x, choice.by]) {
-    const k = table.columns.indexOf(name);
-    if (k < 0) continue;
+  const filters = Object.entries(choice.filters).filter(([name, value]) => value !== "" && table.columns.includes(name));
+  let rows = table.rows.filter((row) => filters.every(([name, value]) => String(row[table.columns.indexOf(name)]) === value));
+  if (choice.totals) return { rows, notes };
+  table.columns.forEach((name, k) => {
+    if (["unit", "quantity"].includes(name) || filters.some(([filtered]) => filtered === name)) return;
+    const totals = totalsIn(rows, k);
+    if (totals.length === 0) return;
     const kept = rows.filter((row) => !isTotal(row[k]));
-    if (kept.length < rows.length && kept.length > 0) {
-      const left = [...new Set(rows.filter((row) => isTotal(row[k])).map((row) => String(row[k])))];
-      notes.push(`Left out: ${rows.length - kept.length} rows whose ${spoken(name)} is ${left.join(" or ")}.`);
+    if (kept.length > 0) {
+      notes.push(`Left out: ${rows.length - kept.length} rows whose ${spoken(name)} is ${totals.join(" or ")}.`);
       rows = kept;
+    } else if (totals.length > 1) {
+      // A mean and a median of the same rows have no mean.
+      const own = totals.find((total) => total.toLowerCase() === choice.reduce) ?? totals[0];
+      rows = rows.filter((row) => String(row[k]) === own);
+      notes.push(`Only rows whose ${spoken(name)} is ${own} are drawn, not those of ${totals.filter((total) => total !== own).join(" or ")}.`);
     }
-  }
-  for (const [name, value] of Object.entries(choice.filters)) {
-    const k = table.columns.indexOf(name);
-    if (k >= 0 && value !== "") rows = rows.filter((row) => String(row[k]) === value);
-  }
+  });
   return { rows, notes };
 }
 
-/** Filters to begin with: where a column has a row over all, that one, so that the page need not average. */
+const isWhole = (value: string) => ["all", "total"].includes(value.toLowerCase());
+
+/** Filters to begin with: where a column has a row over all, that one, so that the page need not average; not where only means of other columns have one. */
 export function firstFilters(table: Table, choice: Choice): Record<string, string> {
   const filters: Record<string, string> = {};
-  for (const name of filterColumns(table, choice)) {
-    const left = { columns: table.columns, rows: chosenRows(table, { ...choice, filters }).rows };
-    const values = valuesOf(left, name);
-    const total = values.find((value) => value.toLowerCase() === "all" || value.toLowerCase() === "total");
-    if (total !== undefined && values.length > 1) filters[name] = total;
+  const names = filterColumns(table, choice);
+  const under = (chosen: Record<string, string>): Table => ({ columns: table.columns, rows: chosenRows(table, { ...choice, totals: true, filters: chosen }).rows });
+  for (const name of names) {
+    const total = valuesOf(under(filters), name).find(isWhole);
+    if (total === undefined) continue;
+    const chosen = { ...filters, [name]: total };
+    const left = under(chosen);
+    const isMeans = (other: string) => !Object.hasOwn(chosen, other) && valuesOf(left, other).every((value) => isTotal(value) && !isWhole(value)) && valuesOf(left, other).length > 0;
+    if (!names.some(isMeans)) filters[name] = total;
   }
   return filters;
 }

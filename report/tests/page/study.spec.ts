@@ -56,7 +56,7 @@ test("a study's own totals stand for what is not drawn", async ({ page }) => {
   await expect(page.getByRole("combobox", { name: "Only split", exact: true })).toHaveValue("all");
   expect((await drawn(page)).every(({ rows }) => rows === 1)).toBe(true);
   await pick(page, "Only split", "every");
-  await expect(page.locator(".notes")).toContainText("mean of 3 rows, over split");
+  await expect(page.locator(".notes")).toContainText("mean of 2 rows, over split");
 });
 
 test("too many groups are cut with a word, or have a panel each", async ({ page }) => {

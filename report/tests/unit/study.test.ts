@@ -2,7 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import type { JsonObject } from "../../src/payload.ts";
+import type { Json, JsonObject } from "../../src/payload.ts";
 import { scaleOf, tickText } from "../../src/plots/scale.ts";
 import { tracePath } from "../../src/plots/time_plot.ts";
 import { commandOf, factsOf, settingsOf } from "../../src/pages/provenance.ts";
@@ -80,6 +80,26 @@ test("a study's own totals are taken rather than averaged on the page", () => {
   const { panels, notes } = pointsOf(rows, { ...first, filters });
   assert.ok(panels[0].lines.every(({ points }) => points.every(({ rows }) => rows === 1)));
   assert.match(notes.join(" "), /Left out: \d+ rows whose gripper is all/);
+});
+
+test("a total is never averaged with what it is made of, in whichever column it stands", () => {
+  const rows: Table = {
+    columns: ["sequence", "object", "method", "pixels"],
+    rows: ["a", "b", "c"].flatMap((sequence, s) => ["x", "y"].map((method, m): Json[] => [sequence, "mug", method, 1 + 10 * m + s ** 2]))
+      .concat(["mean", "median"].flatMap((name) => ["x", "y"].map((method): Json[] => [name, "all", method, name === "mean" ? 900 : 100]))),
+  };
+  const first = choice({ x: "method", y: "pixels", reduce: "median" });
+  const filters = firstFilters(rows, first);
+  assert.deepEqual(filters, {});
+  const { panels, notes } = pointsOf(rows, { ...first, filters });
+  assert.deepEqual(panels[0].lines[0].points.map(({ x, value, rows }) => [x, value, rows]), [["x", 2, 3], ["y", 12, 3]]);
+  assert.equal(notes[0], "Each point is the median of 3 rows, over sequence; bars are the quartiles.");
+  assert.equal(notes[1], "Left out: 4 rows whose sequence is mean or median.");
+  // The reader asks for the totals: the one that the chart is of, rather than something between the two.
+  const total = pointsOf(rows, { ...first, filters: { object: "all" } });
+  assert.deepEqual(total.panels[0].lines[0].points.map(({ value, rows }) => [value, rows]), [[100, 1], [100, 1]]);
+  assert.match(total.notes.join(" "), /one row.* Only rows whose sequence is median are drawn, not those of mean\./);
+  assert.deepEqual(pointsOf(rows, { ...first, filters: { sequence: "mean" } }).panels[0].lines[0].points.map(({ value }) => value), [900, 900]);
 });
 
 test("results in words, from the data alone", () => {
