@@ -62,6 +62,14 @@ function axisOf(trace: Trace, index: number, frame: number): string {
   return most < 0 || angle * DEGREES < RIGHT_DEG ? "" : ` about its ${"xyz"[most]} axis`;
 }
 
+/** "221 mm", "2.4 m". */
+function lengthText(mm: number): string {
+  if (mm >= 1000) return `${Number((mm / 1000).toPrecision(2))} m`;
+  return `${mm >= 10 ? mm.toFixed(0) : Number(mm.toPrecision(2))} mm`;
+}
+
+const angleText = (degrees: number) => `${degrees >= 10 ? degrees.toFixed(0) : Number(degrees.toPrecision(2))} deg`;
+
 /** How many detections in these frames were right, and how many were used. */
 function detectionsIn(trace: Trace, index: number, frames: number[]): string {
   const { detection, relative, status } = trace.objects[index];
@@ -92,20 +100,28 @@ function reasonOf(run: Run, index: number, places: number[]): string {
   const [degrees, mm] = [middle(pick(error.angle)), middle(pick(error.distance))];
   const isTurned = degrees > RIGHT_DEG;
   const own = pick(isTurned ? sigma?.angle : sigma?.distance);
-  const unit = isTurned ? "deg" : "mm";
   const off = isTurned
-    ? `turned by ${degrees.toFixed(0)} deg${axisOf(run.trace, index, run.frames[places[Math.floor(places.length / 2)]])}` : `off by ${mm.toFixed(0)} mm`;
-  const said = own.length > 0 ? `, its own 99.7 % bound is ${middle(own).toPrecision(2)} ${unit}` : "";
+    ? `turned by ${degrees.toFixed(0)} deg${axisOf(run.trace, index, run.frames[places[Math.floor(places.length / 2)]])}` : `off by ${lengthText(mm)}`;
+  const said = own.length > 0 ? `, its own 99.7 % bound is ${(isTurned ? angleText : lengthText)(middle(own))}` : "";
   const seen = detectionsIn(run.trace, index, places.map((i) => run.frames[i]).filter((frame) => frame >= 0));
   return `${off}${said}${seen ? `; ${seen}` : ""}`;
+}
+
+/** On the right mode, on a wrong one, or not known: who is honestly unsure is on none. */
+function isWrongAt(degrees: number | null, mm: number | null, boundDegrees: number | null, boundMm: number | null): boolean | undefined {
+  if (degrees === null || mm === null) return undefined;
+  const beyond = (error: number, right: number, bound: number | null) => error > right && (bound === null || error > bound);
+  if (beyond(degrees, RIGHT_DEG, boundDegrees) || beyond(mm, RIGHT_MM, boundMm)) return true;
+  return degrees > RIGHT_DEG || mm > RIGHT_MM ? undefined : false;
 }
 
 function wrongModes(run: Run, index: number, timeline: Trace): Failure[] {
   const { id } = run.trace.objects[index];
   const error = run.error(id);
   if (!error) return [];
-  const states = error.angle.map((degrees, i) => (degrees === null ? undefined : degrees > RIGHT_DEG || error.distance[i]! > RIGHT_MM));
-  const known = states.flatMap((state, i) => (state === undefined ? [] : [i]));
+  const bound = run.sigma(id);
+  const states = error.angle.map((degrees, i) => isWrongAt(degrees, error.distance[i], bound?.angle[i] ?? null, bound?.distance[i] ?? null));
+  const known = error.angle.flatMap((degrees, i) => (degrees === null ? [] : [i]));
   const { seconds } = timeline;
   return spellsOf(states, seconds).map(({ first, last }): Failure => {
     const places = states.flatMap((state, i) => (state && i >= first && i <= last ? [i] : []));
@@ -151,13 +167,16 @@ function absences(run: Run, id: string, { runs, timeline }: Comparison): Failure
   }));
 }
 
+/** Whether the truth tells of any object of a run on which mode it is. */
+export const isJudged = (run: Run): boolean => run.trace.objects.some(({ id }) => run.error(id) !== undefined);
+
 /** All failures, the longest first. */
 export function failuresOf(comparison: Comparison): Failure[] {
-  const { runs, ids, timeline } = comparison;
+  const { runs, ids, timeline, isOneRecording } = comparison;
   const found = runs.flatMap((run) => [
     ...run.trace.objects.flatMap((_, index) => wrongModes(run, index, timeline)),
-    ...ids.flatMap((id) => absences(run, id, comparison)),
-    ...(run === runs[0] ? [] : ids.flatMap((id) => disagreements(run, runs[0], id, timeline))),
+    ...(isOneRecording ? ids.flatMap((id) => absences(run, id, comparison)) : []),
+    ...(run === runs[0] || !isOneRecording ? [] : ids.flatMap((id) => disagreements(run, runs[0], id, timeline))),
   ]);
   return found.sort((a, b) => b.until - b.from - (a.until - a.from));
 }

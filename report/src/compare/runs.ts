@@ -6,6 +6,7 @@ import { BadPayload, type JsonObject, type PackedRun } from "../payload.ts";
 import { type Estimate, type PoseTrack, readTrace, Trace } from "../trace/trace.ts";
 import { colourOf } from "../ui/palette.ts";
 import { safePath } from "../ui/data_table.ts";
+import { otherRecording } from "./recordings.ts";
 
 export type Values = (number | null)[];
 
@@ -106,6 +107,8 @@ export interface Comparison {
   /** The ids of all objects, by their number on the page. */
   ids: string[];
   hasTruth: boolean;
+  /** Whether frames of one run may be compared with those of another. */
+  isOneRecording: boolean;
   /** What a reader must know before comparing. */
   cautions: string[];
 }
@@ -141,18 +144,23 @@ function hashes(run: Run): Set<string> {
   return new Set(inputs.map((input) => String((input as JsonObject)?.["sha256"] ?? "")).filter((hash) => hash !== ""));
 }
 
-function cautionsOf(runs: Run[], seconds: number): string[] {
-  const cautions: string[] = [];
-  const lengths = runs.map(({ span: [from, until] }) => until - from);
-  if (runs.some(({ span: [from, until] }) => from > 0.02 * seconds || until < 0.98 * seconds)) {
+/** The same run under two names. */
+function twice(runs: Run[]): string[] {
+  const idOf = (run: Run) => (typeof run.metrics["run"] === "string" && run.metrics["run"] !== "" ? run.metrics["run"] : undefined);
+  return runs.flatMap((run, i) => {
+    const same = runs.slice(0, i).find((other) => idOf(other) !== undefined && idOf(other) === idOf(run));
+    return same ? [`${same.name} and ${run.name} are the same run: that they agree says nothing.`] : [];
+  });
+}
+
+function cautionsOf(runs: Run[], seconds: number, apart: string[]): string[] {
+  const cautions: string[] = [...apart, ...twice(runs)];
+  if (apart.length === 0 && runs.some(({ span: [from, until] }) => from > 0.02 * seconds || until < 0.98 * seconds)) {
     const list = runs.map(({ name, span: [from, until], trace }) => `${name} ${trace.frames} frames, ${from.toFixed(1)} to ${until.toFixed(1)} s`).join("; ");
     cautions.push(`The runs are of different length (${list}): they are compared over the frames that all have.`);
   }
-  if (Math.max(...lengths) > 0 && runs.every((run) => run.frames.every((frame, i) => frame < 0 || runs.every((other) => other === run || other.frames[i] < 0)))) {
-    cautions.push("The runs have no stamp in common: they cannot be compared frame by frame, and may be of different recordings.");
-  }
   const known = runs.map(hashes).filter((set) => set.size > 0);
-  if (known.length > 1 && known.some((set) => ![...set].some((hash) => known[0].has(hash)))) {
+  if (apart.length === 0 && known.length > 1 && known.some((set) => ![...set].some((hash) => known[0].has(hash)))) {
     cautions.push("The runs were made from different input files: they may be of different recordings.");
   }
   const without = runs.filter(({ trace }) => !trace.hasTruth).map(({ name }) => name);
@@ -174,5 +182,10 @@ export async function readComparison(packed: readonly PackedRun[]): Promise<Comp
     const span = [own[0] - stamps[0], own[own.length - 1] - stamps[0]] as const;
     return new Run(i, names[i], trace, safePath(packed[i].report), packed[i].documents, placesOf(stamps, own), span);
   });
-  return { runs, timeline, ids, hasTruth: runs.some(({ trace }) => trace.hasTruth), cautions: cautionsOf(runs, timeline.seconds[timeline.frames - 1]) };
+  const apart = runs.slice(1).flatMap((run) => {
+    const why = otherRecording(runs[0], run);
+    return why === undefined ? [] : [`${runs[0].name} and ${run.name} ${why}: they are of different recordings, and are neither tested nor ranked against each other.`];
+  });
+  const cautions = cautionsOf(runs, timeline.seconds[timeline.frames - 1], apart);
+  return { runs, timeline, ids, hasTruth: runs.some(({ trace }) => trace.hasTruth), isOneRecording: apart.length === 0, cautions };
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 // Which run is better, where, and by how much, in sentences.
-import { type MetricRow, pText, valueText } from "./metrics.ts";
-import type { Failure } from "./failures.ts";
+import { type Failure, isJudged } from "./failures.ts";
+import { cost, differenceText, type MetricRow, pText, valueText } from "./metrics.ts";
 import type { Comparison, Run } from "./runs.ts";
 
 function listed(words: string[]): string {
@@ -11,32 +11,62 @@ function listed(words: string[]): string {
 
 const capital = (text: string) => text.slice(0, 1).toUpperCase() + text.slice(1);
 
-/** Which runs failed and which did not, as the first thing to be said. */
-export function failureSentence({ runs, hasTruth }: Comparison, failures: Failure[]): string {
-  const failed = runs.filter((run) => failures.some((failure) => failure.run === run));
-  if (failed.length === 0 && !hasTruth) return "The runs agree on the modes of all objects.";
-  if (failed.length === 0) return "No run was on a wrong mode for half a second or more.";
-  const others = runs.filter((run) => !failed.includes(run)).map(({ name }) => name);
+/** Runs without truth: whether they are on a wrong mode nobody can say. */
+function unjudgedText(runs: Run[]): string {
+  if (runs.length === 0) return "";
+  return `; ${listed(runs.map(({ name }) => name))} ${runs.length > 1 ? "have" : "has"} no ground truth and cannot be judged`;
+}
+
+/** What can be said where no run has truth. */
+function agreement({ isOneRecording }: Comparison, failures: Failure[]): string {
   const differing = [...new Set(failures.filter(({ kind }) => kind === "other mode").map(({ id }) => id))];
-  if (!hasTruth && failures.every(({ kind }) => kind === "other mode")) return `The runs disagree on ${listed(differing)}.`;
-  const what = (run: Run) => [...new Set(failures.filter((failure) => failure.run === run).map(({ id }) => id))];
+  if (differing.length > 0) return `The runs disagree on ${listed(differing)}.`;
+  return isOneRecording ? "The runs agree on the modes of all objects; without ground truth none can be judged." : "Without ground truth no run can be judged.";
+}
+
+/** Which runs failed and which did not, as the first thing to be said. */
+export function failureSentence(comparison: Comparison, failures: Failure[]): string {
+  const { runs } = comparison;
+  const real = failures.filter(({ kind }) => kind !== "other mode");
+  const failed = runs.filter((run) => real.some((failure) => failure.run === run));
+  const others = runs.filter((run) => !failed.includes(run) && isJudged(run));
+  const unjudged = unjudgedText(runs.filter((run) => !failed.includes(run) && !isJudged(run)));
+  if (failed.length === 0 && others.length === 0) return agreement(comparison, failures);
+  const names = listed(others.map(({ name }) => name));
+  if (failed.length === 0 && unjudged === "") return "No run was on a wrong mode for half a second or more.";
+  if (failed.length === 0) return `${names} ${others.length > 1 ? "were" : "was"} on no wrong mode for half a second or more${unjudged}.`;
+  const what = (run: Run) => [...new Set(real.filter((failure) => failure.run === run).map(({ id }) => id))];
   const spoken = failed.map((run) => `${run.name} fails at ${listed(what(run))}`);
-  return `${spoken.join("; ")}${others.length > 0 ? `; ${listed(others)} ${others.length > 1 ? "do" : "does"} not fail` : ""}.`;
+  return `${spoken.join("; ")}${others.length > 0 ? `; ${names} ${others.length > 1 ? "do" : "does"} not fail` : ""}${unjudged}.`;
+}
+
+/** How much more than the best: small differences in per cent, large ones as a factor, shares in points. */
+function moreText(row: MetricRow, value: number, best: number): string {
+  if (row.unit === "%") return `${differenceText(Math.abs(value - best), "%")} ${value < best ? "less" : "more"}, `;
+  if (row.better !== "small" || best <= 0) return "";
+  const ratio = value / best;
+  if (ratio >= 2) return `${ratio >= 100 ? ratio.toFixed(0) : Number(ratio.toPrecision(2))} times as much, `;
+  const share = 100 * (ratio - 1);
+  return `${share < 1 ? Number(share.toPrecision(1)) : share.toFixed(0)} % more, `;
+}
+
+/** Runs of a row, the best value first. */
+function inOrder(row: MetricRow, list: number[]): number[] {
+  return [...list].sort((a, b) => cost(row, row.cells[a].value!) - cost(row, row.cells[b].value!));
 }
 
 /** One row as a sentence: who is best, who ties with it, and by how much the others are worse. */
 export function rowSentence(row: MetricRow, names: readonly string[]): string {
   const best = row.cells[row.best];
-  const of = (verdict: string) => row.cells.flatMap((cell, i) => (cell.verdict === verdict ? [i] : []));
+  const of = (verdict: string) => inOrder(row, row.cells.flatMap((cell, i) => (cell.verdict === verdict ? [i] : [])));
   const value = (i: number) => valueText(row.cells[i].value, row.unit);
   const head = capital(`${row.entity}, ${row.quantity}`);
   const [ties, worse, open] = [of("tie"), of("worse"), of("undecided")];
-  const tied = ties.length > 0 ? `${listed([row.best, ...ties].map((i) => `${names[i]} (${value(i)})`))} are a tie` : `${names[row.best]} is the best (${value(row.best)})`;
+  const tied = ties.length > 0 ? `${listed([row.best, ...ties].map((i) => `${names[i]} (${value(i)})`))} are a tie` : `${names[row.best]} ${open.length > 0 ? "has the best value" : "is the best"} (${value(row.best)})`;
   const behind = worse.map((i) => {
-    const factor = row.better === "small" && best.value! > 0 ? `${(row.cells[i].value! / best.value!).toPrecision(2)} times as much, ` : "";
-    return `${names[i]} has ${value(i)} (${factor}${pText(row.cells[i].p ?? 1)})`;
+    return `${names[i]} has ${value(i)} (${moreText(row, row.cells[i].value!, best.value!)}${pText(row.cells[i].p ?? 1)})`;
   });
-  const undecided = open.map((i) => `${names[i]} has ${value(i)} (undecided: too few independent frames)`);
+  const undecided = open.map((i) => `${names[i]} has ${value(i)} (not told apart: too few independent frames)`);
   return `${head}: ${[tied, ...behind, ...undecided].join("; ")}.`;
 }
 
@@ -47,7 +77,7 @@ function objectSentence(rows: MetricRow[], names: readonly string[]): string {
   for (const row of rows) {
     const name = row.entity.replace(/ from the camera$/, "");
     if (row.cells.some(({ verdict }) => verdict === "undecided")) {
-      const values = row.cells.flatMap(({ value }, i) => (value === undefined ? [] : [`${names[i]} ${valueText(value, row.unit)}`]));
+      const values = inOrder(row, row.cells.flatMap(({ value }, i) => (value === undefined ? [] : [i]))).map((i) => `${names[i]} ${valueText(row.cells[i].value, row.unit)}`);
       open.push(`${name} (${values.join(", ")}; too few independent frames)`);
       continue;
     }
@@ -56,7 +86,7 @@ function objectSentence(rows: MetricRow[], names: readonly string[]): string {
     ofRuns.set(key, [...(ofRuns.get(key) ?? []), name]);
   }
   const parts = [...ofRuns].map(([key, objects]) => `${key} ${listed(objects)}`);
-  return [...parts, ...(open.length > 0 ? [`undecided for ${listed(open)}`] : [])].join("; ");
+  return [...parts, ...(open.length > 0 ? [`not told apart for ${listed(open)}`] : [])].join("; ");
 }
 
 /** The largest difference between runs in a quantity of the objects, as a sentence. */

@@ -131,7 +131,7 @@ export async function comparisonPage(payload: Payload): Promise<HTMLElement> {
   const pages = tabs("Comparison", [
     { name: "Metrics", build: () => metricsTable(comparison, rows) },
     { name: comparison.hasTruth ? "Errors" : "Differences", build: () => errorsTab(comparison, state, group), open: () => group.mark() },
-    { name: "Failures", build: () => failureList(failures) },
+    { name: "Failures", build: () => failureList(comparison, failures) },
     { name: "Runs", build: () => runList(comparison) },
   ], (name) => state.setTab(name));
   state.on("tab", () => pages.show(state.tab));

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 // The tables of a comparison: metrics with their significance, failures with links, and what each run is.
-import { type Failure, failureText } from "../compare/failures.ts";
-import { cellNote, LEVEL, type MetricRow, RIGHT_DEG, RIGHT_MM, valueText } from "../compare/metrics.ts";
+import { type Failure, failureText, isJudged } from "../compare/failures.ts";
+import { cellNote, LEVEL, type MetricRow, RIGHT_DEG, RIGHT_MM, TIE_FRAMES, TIE_POINTS, TIE_SHARE, valueText } from "../compare/metrics.ts";
 import type { Comparison, Run } from "../compare/runs.ts";
 import { element } from "../ui/dom.ts";
 import { provenanceNode } from "./provenance.ts";
@@ -29,8 +29,9 @@ function runHead(run: Run): HTMLElement {
 }
 
 const TEST = `Differences are tested by frame, on squares of errors, over the frames that all runs have. Neighbouring frames are alike, so that the test counts as many frames as are
- independent (n / (1 + 2 times the sum of the autocorrelations of the difference)) and uses Student's t. p values are raised for the number of tests in the table (Holm); with p above ${LEVEL} the
- difference is called a tie. Right mode: within ${RIGHT_DEG} deg and ${RIGHT_MM} mm of the truth.`;
+ independent (n / (1 + 2 times the sum of the autocorrelations of the difference)) and uses Student's t. p values are raised for the number of tests in the table (Holm); with p above ${LEVEL} a
+ difference is not told from chance. Runs tie only where at least ${TIE_FRAMES} frames are independent and the difference is within ${100 * TIE_SHARE} % (shares: ${TIE_POINTS} points)
+ with 95 %; else they are not told apart. Right mode: within ${RIGHT_DEG} deg and ${RIGHT_MM} mm of the truth.`;
 
 export function metricsTable({ runs, hasTruth }: Comparison, rows: MetricRow[]): HTMLElement {
   const names = runs.map(({ name }) => name);
@@ -53,8 +54,17 @@ export function metricsTable({ runs, hasTruth }: Comparison, rows: MetricRow[]):
 
 const MOST_FAILURES = 60;
 
-export function failureList(failures: Failure[]): HTMLElement {
-  if (failures.length === 0) return element("p", {}, "No run was on a wrong mode for half a second, and none lacks an estimate that another has.");
+/** Where nothing failed: what was looked at, and what nobody can say. */
+function noFailure({ runs, isOneRecording }: Comparison): string {
+  const unjudged = runs.filter((run) => !isJudged(run)).map(({ name }) => name);
+  const lacks = isOneRecording ? " No run lacks an estimate that another has." : "";
+  const judged = unjudged.length < runs.length ? `No run${unjudged.length > 0 ? " with ground truth" : ""} was on a wrong mode for half a second.` : "";
+  const rest = unjudged.length > 0 ? ` Without ground truth it cannot be said on which mode these are: ${unjudged.join(", ")}.` : "";
+  return `${judged}${lacks}${rest}`.trim();
+}
+
+export function failureList(comparison: Comparison, failures: Failure[]): HTMLElement {
+  if (failures.length === 0) return element("p", {}, noFailure(comparison));
   const items = failures.slice(0, MOST_FAILURES).map((failure) => {
     const { run, from, id, why } = failure;
     const name = element("strong", { class: "swatched" }, run.name);

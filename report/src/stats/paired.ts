@@ -45,6 +45,18 @@ export function studentP(t: number, dof: number): number {
   return incompleteBeta(dof / 2, 0.5, dof / (dof + t * t));
 }
 
+/** What Student's t exceeds in absolute value with a probability. */
+export function studentQuantile(p: number, dof: number): number {
+  let [low, high] = [0, 1];
+  while (studentP(high, dof) > p && high < 1e6) high *= 2;
+  for (let i = 0; i < 60; ++i) {
+    const middle = (low + high) / 2;
+    if (studentP(middle, dof) > p) low = middle;
+    else high = middle;
+  }
+  return high;
+}
+
 /** The number of independent values that carry as much about the mean: n / (1 + 2 sum r_k), r_k up to where pairs of them fade. */
 export function effectiveSize(values: ArrayLike<number>): number {
   const n = values.length;

@@ -54,7 +54,7 @@ test("metrics are those of the traces; the best is bold, a tie is called a tie",
   await expect(metric(page, key(other.name))).toContainText(`tie with ${best.name}`);
   await expect(metric(page, key("riekf"))).toHaveAttribute("data-verdict", "worse");
   await expect(metric(page, key("riekf"))).toContainText("p < 0.001");
-  await expect(metric(page, "tea-box from the camera/rotation error, rms/riekf")).toContainText("undecided");
+  await expect(metric(page, "tea-box from the camera/rotation error, rms/riekf")).toContainText("not told apart");
 });
 
 test("scenes are overlaid or beside each other, with one timeline and one view", async ({ page }) => {

@@ -3,9 +3,9 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { failuresOf, failureText, spellsOf } from "../../src/compare/failures.ts";
-import { cellNote, inCommon, metricRows } from "../../src/compare/metrics.ts";
+import { cellNote, inCommon, type MetricRow, metricRows } from "../../src/compare/metrics.ts";
 import { distinctNames, placesOf, readComparison, unionOf } from "../../src/compare/runs.ts";
-import { failureSentence, verdictSentences } from "../../src/compare/verdict.ts";
+import { failureSentence, rowSentence, verdictSentences } from "../../src/compare/verdict.ts";
 import type { PackedRun } from "../../src/payload.ts";
 import { comparisonReport, EQUAL, FAILING, GOOD, type RunShape } from "../comparison_documents.ts";
 
@@ -54,6 +54,62 @@ test("the best, a tie, and worse, by frame", async () => {
   assert.deepEqual(anees.cells.map(({ value }) => value), [1.2, 1.2, 900]);
   const sentences = verdictSentences(comparison, rows);
   assert.match(sentences[0], /^Camera in the world, position error, rms: .* are a tie; riekf has 10\.\d mm \(2\.\d times as much, p < 0\.001\)\.$/);
+});
+
+test("who is honestly unsure is on no wrong mode", async () => {
+  // Half a turn is beyond no bound of 2.4 m, but beyond that of the rotation: the spell is one of the rotation.
+  const sure = failuresOf(await read([GOOD, FAILING]));
+  assert.equal(sure.length, 1);
+  const moved = (positionSd: number) => read([GOOD, { ...EQUAL, offset: 0.22, positionSd }]);
+  const [wrong] = failuresOf(await moved(0.005)).filter(({ id }) => id === "mug");
+  assert.match(wrong.why, /^off by 220 mm, its own 99\.7 % bound is 19 mm/);
+  const unsure = await moved(0.64);
+  assert.deepEqual(failuresOf(unsure), []);
+  assert.equal(failureSentence(unsure, []), "No run was on a wrong mode for half a second or more.");
+  // Far beyond a large bound, lengths are in metres.
+  const far = failuresOf(await read([GOOD, { ...EQUAL, offset: 9, positionSd: 0.64 }]))[0];
+  assert.match(far.why, /^off by 9 m, its own 99\.7 % bound is 2\.4 m/);
+});
+
+test("runs of different recordings are neither tested nor ranked", async () => {
+  for (const [other, why] of [[{ recording: 2 }, "different detections"], [{ truthShift: 0.01 }, "different true poses"]] as const) {
+    const comparison = await read([GOOD, { ...EQUAL, ...other }]);
+    assert.equal(comparison.isOneRecording, false);
+    assert.ok(comparison.cautions.some((text) => text.includes(`${why} at the same stamps`) && text.includes("neither tested nor ranked")), comparison.cautions.join());
+    const rows = metricRows(comparison);
+    assert.ok(rows.length > 4 && rows.every(({ best, cells }) => best === -1 && cells.every(({ test }) => test === undefined)));
+    assert.deepEqual(verdictSentences(comparison, rows), []);
+  }
+  assert.equal((await read([GOOD, EQUAL, FAILING])).isOneRecording, true);
+  const twice = await read([{ ...GOOD, id: "9b" }, { ...GOOD, name: "again", id: "9b" }]);
+  assert.ok(twice.cautions.some((text) => text.startsWith("multi-object and again are the same run")));
+});
+
+test("of a run without truth nobody can say on which mode it is", async () => {
+  const mixed = await read([GOOD, { ...EQUAL, truth: false }]);
+  assert.equal(failureSentence(mixed, failuresOf(mixed)), "multi-object was on no wrong mode for half a second or more; gm-iekf has no ground truth and cannot be judged.");
+  const none = await read([{ ...GOOD, truth: false }, { ...EQUAL, truth: false }]);
+  assert.match(failureSentence(none, failuresOf(none)), /without ground truth none can be judged/);
+});
+
+test("shares differ by points, small differences by per cent, and few frames tell nothing", async () => {
+  const rows = metricRows(await read([GOOD, FAILING]));
+  const names = ["a", "b"];
+  const right = rows.find(({ entity, quantity }) => entity.startsWith("tea-box") && quantity.startsWith("frames on"))!;
+  assert.match(cellNote(right, right.cells[1], names), /: −38\.5 points,|^−38\.5 points,/);
+  const turn = rows.find(({ entity, quantity }) => entity.startsWith("tea-box") && quantity.startsWith("rotation"))!;
+  assert.equal(turn.cells[1].verdict, "undecided");
+  assert.match(cellNote(turn, turn.cells[1], names), /^not told apart from a/);
+  const test = { frames: 600, effective: 30, difference: 0.5, standardError: 0.1, p: 0.013 };
+  const row = (value: number, verdict: "worse" | "tie" | "undecided"): MetricRow => ({
+    entity: "box", quantity: "position error, rms", unit: "mm", better: "small", best: 2, frames: 600, cells: [
+      { value: 30, verdict: "tie", test, p: 0.5, interval: [0, 1] }, { value, verdict, test, p: 0.013, interval: [0, 1] },
+      { value: 18.84, verdict: "best", test: undefined, p: undefined, interval: undefined },
+    ],
+  });
+  assert.equal(rowSentence(row(19.13, "worse"), ["x", "y", "z"]), "Box, position error, rms: z (18.8 mm) and x (30 mm) are a tie; y has 19.1 mm (2 % more, p = 0.013).");
+  assert.match(rowSentence(row(57, "worse"), ["x", "y", "z"]), /y has 57 mm \(3 times as much, p = 0\.013\)/);
+  assert.match(rowSentence(row(19, "tie"), ["x", "y", "z"]), /z \(18\.8 mm\), y \(19 mm\) and x \(30 mm\) are a tie/);
 });
 
 test("ANEES is best where it is nearest to one, also from below", async () => {

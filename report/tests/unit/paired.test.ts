@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { normal, uniform } from "../../src/mixture/sample.ts";
-import { effectiveSize, holm, incompleteBeta, paired, studentP } from "../../src/stats/paired.ts";
+import { effectiveSize, holm, incompleteBeta, paired, studentP, studentQuantile } from "../../src/stats/paired.ts";
 
 const near = (value: number, expected: number, tolerance: number) => assert.ok(Math.abs(value - expected) <= tolerance, `${value} is not ${expected}`);
 
@@ -19,6 +19,7 @@ test("Student's t, against tables", () => {
   near(studentP(-12.706, 1), 0.05, 1e-4);
   near(studentP(2.576, 1e6), 0.01, 1e-4);
   assert.equal(studentP(0, 5), 1);
+  near(studentQuantile(0.05, 10), 2.228, 1e-3);
   near(incompleteBeta(2, 3, 0.4), 0.5248, 1e-6);
 });
 
