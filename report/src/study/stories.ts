@@ -13,7 +13,7 @@ const rowsOf = (table: Table | undefined): Row[] =>
 const number = (row: Row | undefined, key: string): number | undefined => (row !== undefined && isNumber(row[key]) ? row[key] : undefined);
 const having = (rows: Row[], key: string) => rows.filter((row) => isNumber(row[key]));
 const written = (value: number) => String(Number(value.toPrecision(4)));
-const percent = (share: number) => `${(100 * share).toFixed(share > 0.995 || share < 0.1 ? 1 : 0)} %`;
+const percent = (share: number) => `${(100 * share).toFixed((share > 0.995 && share < 1) || (share > 0 && share < 0.1) ? 1 : 0)} %`;
 const named = (value: Json | undefined) => String(value ?? "–");
 
 function least(rows: Row[], key: string, size: (value: number) => number = (value) => value): Row[] {
@@ -28,7 +28,7 @@ function compared(best: Row, second: Row | undefined, key: string, what: string,
   const [a, b] = [number(best, key)!, number(second, key)];
   const head = `${named(best["method"])} has the smallest ${what}, ${written(a)}${unit}`;
   if (second === undefined || b === undefined) return `${head}.`;
-  if (a === b) return `${named(best["method"])} and ${named(second["method"])} have the same ${what}, ${written(a)}${unit}: a tie.`;
+  if (written(a) === written(b)) return `${named(best["method"])} and ${named(second["method"])} have the same ${what}, ${written(a)}${unit}: a tie.`;
   return `${head}; ${named(second["method"])} follows with ${written(b)}${unit}${chance}.`;
 }
 
@@ -47,6 +47,11 @@ function pairedChance(tables: Tables, best: Row, second: Row | undefined, key: s
   return errors[0] === undefined || errors[1] === undefined ? "" : ` (standard errors ${written(errors[0])} and ${written(errors[1])})`;
 }
 
+const spanOf = (values: number[]) => `${written(Math.min(...values))} and ${written(Math.max(...values))}`;
+
+/** Methods are not ranked by the consistency of fewer runs. */
+const LEAST_RUNS = 20;
+
 function monteCarlo(tables: Tables): string[] {
   const rows = having(rowsOf(tables["rows"]), "noise_exponent");
   if (rows.length === 0) return [];
@@ -56,7 +61,10 @@ function monteCarlo(tables: Tables): string[] {
   const [best, second] = least(noisiest, "robot_rotation_rmse_deg");
   const found = best ? [`${at} ${compared(best, second, "robot_rotation_rmse_deg", "rotation error of the camera", " deg", pairedChance(tables, best, second, "robot_rotation_rmse_deg"))}`] : [];
   const ranked = least(noisiest, "anees", fromOne);
-  if (ranked.length > 1) {
+  const runs = Math.min(...noisiest.map((row) => number(row, "runs") ?? Infinity));
+  if (ranked.length > 1 && runs < LEAST_RUNS) {
+    found.push(`ANEES is between ${spanOf(ranked.map((row) => row["anees"] as number))} there (expected 1); ${runs} runs are too few to rank the methods by it.`);
+  } else if (ranked.length > 1) {
     const [good, bad] = [ranked[0], ranked[ranked.length - 1]];
     found.push(`The covariance of ${named(good["method"])} is the nearest to right there (ANEES ${written(good["anees"] as number)}, expected 1); that of ${named(bad["method"])} is the farthest (${written(bad["anees"] as number)}).`);
   }
@@ -72,7 +80,11 @@ function divergence(tables: Tables): string[] {
   const [best, second] = ranked;
   const all = [...new Set(rows.map((row) => row["phi_deg"]))].filter((phi) => least(rows.filter((row) => row["phi_deg"] === phi), "kl")[0]?.["rule"] === best["rule"]);
   const angles = new Set(rows.map((row) => row["phi_deg"])).size;
-  return [`${named(best["rule"])} loses the least: at ${widest} deg between the means its KL divergence is ${written(best["kl"] as number)} nats, ${named(second["rule"])} follows with ${written(second["kl"] as number)}. It is the best at ${all.length} of ${angles} angles.`];
+  const loss = (row: Row) => written(row["kl"] as number);
+  const equal = ranked.filter((row) => loss(row) === loss(best)).map((row) => named(row["rule"]));
+  const at = `at ${widest} deg between the means`;
+  if (equal.length > 1) return [`${equal.join(" and ")} lose the least: ${at} the KL divergence of each is ${loss(best)} nats, a tie.`];
+  return [`${named(best["rule"])} loses the least: ${at} its KL divergence is ${loss(best)} nats, ${named(second["rule"])} follows with ${loss(second)}. It is the best at ${all.length} of ${angles} angles.`];
 }
 
 function noise(tables: Tables): string[] {
@@ -114,14 +126,15 @@ function ycbv(tables: Tables): string[] {
 
 function tless(tables: Tables): string[] {
   const figures = new Map(rowsOf(tables["summary"]).map((row) => [named(row["figure"]), row]));
-  const within = number(figures.get("within_share"), "declared");
-  const single = number(figures.get("detection_within_share"), "declared");
-  const none = number(figures.get("within_share"), "none");
-  if (within === undefined || single === undefined) return [];
-  const found = [`The map has ${percent(within)} of the views of instances within 20 deg and 5 cm; single detections have ${percent(single)}.`];
-  const flips = [number(figures.get("flip_share"), "declared"), number(figures.get("flip_share"), "none")];
-  if (none !== undefined) found.push(`Without declared symmetries it has ${percent(none)}${flips[0] !== undefined && flips[1] !== undefined ? `; estimates flip in ${percent(flips[0])} of the steps with them and ${percent(flips[1])} without` : ""}.`);
-  return found;
+  const of = (figure: string, symmetries: string) => number(figures.get(figure), symmetries);
+  const within = "share within 20 deg and 5 cm";
+  const [declared, none, single] = [of(`estimate: ${within}`, "declared"), of(`estimate: ${within}`, "none"), of(`detection: ${within}`, "declared")];
+  if (declared === undefined || single === undefined) return [];
+  const found = [`The map has ${percent(declared)} of the views of instances within 20 deg and 5 cm; single detections have ${percent(single)}.`];
+  if (none === undefined) return found;
+  const flips = ["declared", "none"].map((symmetries) => of("share of steps with a flip", symmetries));
+  const flipText = flips[0] !== undefined && flips[1] !== undefined ? `; estimates flip in ${percent(flips[0])} of the steps with them and in ${percent(flips[1])} without` : "";
+  return [...found, `Without declared symmetries the map has ${percent(none)}${flipText}.`];
 }
 
 function fuseViews(tables: Tables): string[] {

@@ -117,6 +117,29 @@ test("results in words, from the data alone", () => {
   assert.deepEqual(storyOf("toString", {}), []);
 });
 
+test("the figures of the study of views have the names that the program writes", () => {
+  const summary: Table = {
+    columns: ["figure", "unit", "declared", "none"],
+    rows: [["estimate: share within 20 deg and 5 cm", "", 0.8187, 0.7991], ["detection: share within 20 deg and 5 cm", "", 0.4503, 0.4503], ["share of steps with a flip", "", 0, 0.01066]],
+  };
+  assert.deepEqual(storyOf("tless", { summary }), [
+    "The map has 82 % of the views of instances within 20 deg and 5 cm; single detections have 45 %.",
+    "Without declared symmetries the map has 80 %; estimates flip in 0 % of the steps with them and in 1.1 % without.",
+  ]);
+  assert.deepEqual(storyOf("tless", { summary: { columns: ["figure"], rows: [["scenes"]] } }), []);
+});
+
+test("what is equal in the digits that are shown is a tie, and few runs rank no method", () => {
+  const of = (second: number): Table => ({ columns: ["phi_deg", "rule", "kl"], rows: [[90, "midway", 1.53301], [90, "moment_matched", second], [90, "anchor", 4]] });
+  assert.deepEqual(storyOf("divergence", { rows: of(1.53303) }), ["midway and moment_matched lose the least: at 90 deg between the means the KL divergence of each is 1.533 nats, a tie."]);
+  assert.match(storyOf("divergence", { rows: of(1.6) })[0], /^midway loses the least: .* moment_matched follows with 1\.6\./);
+  const rows = rowsOf(monteCarlo());
+  const few = { columns: rows.columns, rows: rows.rows.map((row) => row.map((value, k) => (rows.columns[k] === "runs" ? 4 : value))) };
+  assert.equal(storyOf("monte-carlo", { rows: few })[1], "ANEES is between 1.002 and 3.314 there (expected 1); 4 runs are too few to rank the methods by it.");
+  const pixels: Table = { columns: ["detector", "method", "rows", "pixel_median"], rows: [["DOPE", "a", 3, 12.00001], ["DOPE", "b", 3, 12.00002]] };
+  assert.match(storyOf("ycbv", { summary: pixels })[0], /a and b have the same median pixel error, 12 px: a tie/);
+});
+
 test("links go below the page's folder and nowhere else", () => {
   assert.equal(safePath("runs/0001 a/report.html"), "runs/0001%20a/report.html");
   for (const bad of ["../x.html", "a/../../x", "/etc/x", "javascript:alert(1)", "https://a.b/c", "//a.b", "a\\b", "", "a?b", 3, null]) assert.equal(safePath(bad), undefined, String(bad));
