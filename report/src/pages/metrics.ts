@@ -19,10 +19,12 @@ interface Theme {
 
 const ends = (...keys: string[]) => (_: string, quantity: string) => keys.includes(quantity);
 
+const isPaired = (quantity: string) => quantity.startsWith("paired/");
+
 const OBJECT_THEMES: readonly Theme[] = [
   { title: "Objects in the world", note: "Estimate against ground truth.", takes: ends("position_rmse_m", "rotation_rmse_deg") },
   { title: "Objects as seen from the camera", note: "Filter and detector, each over all of its own frames.", takes: (_, quantity) => /^(detection_)?relative_(position|rotation)_rmse/.test(quantity) },
-  { title: "Filter and detector over the same frames", takes: (_, quantity) => quantity.startsWith("paired/") },
+  { title: "Filter and detector over the same frames", takes: (_, quantity) => isPaired(quantity) },
   { title: "Detections and modes", takes: ends("detections", "gated", "unexplained", "right_mode_share", "mode_probability", "existence", "health") },
   { title: "Share of the frames in every state of the track", takes: (_, quantity) => quantity.startsWith("health_shares/") },
 ];
@@ -43,8 +45,8 @@ interface Column {
   word: Word;
 }
 
-function columnOf(quantity: string): Column {
-  const known = wordOf(quantity);
+function columnOf(quantity: string, isOlder = false): Column {
+  const known = wordOf(quantity, isOlder);
   if (known) return { quantity, word: known };
   if (quantity.startsWith("health_shares/")) return { quantity, word: { name: quantity.slice(14), unit: "%", scale: 100, text: "Share of the frames." } };
   const { name, unit } = titleOf(quantity);
@@ -88,7 +90,8 @@ function numberTable(caption: string, note: string | undefined, columns: Column[
 /** A table of some quantities of the objects of a section; `at` gives the path of a number. */
 function objectTable(caption: string, note: string | undefined, quantities: string[], ids: string[], numbers: Numbers, at: (id: string, quantity: string) => string, used: Used): HTMLElement | undefined {
   const rows = ids.map((id) => ({ name: id, cells: quantities.map((quantity) => ({ path: at(id, quantity), value: numbers.get(at(id, quantity)) })) }));
-  return numberTable(caption, note, quantities.map(columnOf), rows, used);
+  const isOlder = quantities.includes("gated") && !quantities.includes("unexplained");
+  return numberTable(caption, note, quantities.map((quantity) => columnOf(quantity, isOlder)), rows, used);
 }
 
 /** Camera and odometry, whose quantities are the same, as two rows. */
@@ -96,7 +99,7 @@ function cameraTable(document: JsonObject, numbers: Numbers, used: Used): HTMLEl
   const parts = [["camera", "filter"], ["odometry", "odometry alone"]].filter(([key]) => isObject(document[key]));
   const quantities = [...new Set(parts.flatMap(([key]) => Object.keys(document[key] as JsonObject)))];
   const rows = parts.map(([key, name]) => ({ name, cells: quantities.map((quantity) => ({ path: `${key}/${quantity}`, value: numbers.get(`${key}/${quantity}`) })) }));
-  return numberTable("Camera in the world", undefined, quantities.map(columnOf), rows, used);
+  return numberTable("Camera in the world", undefined, quantities.map((quantity) => columnOf(quantity)), rows, used);
 }
 
 function objectTables(document: JsonObject, ids: string[], numbers: Numbers, used: Used): (HTMLElement | undefined)[] {
@@ -108,6 +111,8 @@ function objectTables(document: JsonObject, ids: string[], numbers: Numbers, use
   return themes.map(({ title, note, takes }) => {
     const own = quantities.filter((quantity) => left.has(quantity) && takes("objects", quantity));
     for (const quantity of own) left.delete(quantity);
+    // Without truth no frame has an error of both.
+    if (own.every(isPaired) && ids.every((id) => (numbers.get(`objects/${id}/paired/frames`) ?? 0) === 0)) return undefined;
     return objectTable(title, note, own, ids, numbers, (id, quantity) => `objects/${id}/${quantity}`, used);
   });
 }
@@ -127,7 +132,7 @@ function otherTable(section: string, value: JsonObject, ids: string[], numbers: 
   }
   const quantities = [...flat(value, "").keys()];
   const rows = [{ name: section === "camera_consistency" ? "camera" : "run", cells: quantities.map((quantity) => ({ path: `${section}/${quantity}`, value: numbers.get(`${section}/${quantity}`) })) }];
-  return numberTable(section === "camera_consistency" ? "Consistency of the camera" : title, undefined, quantities.map(columnOf), rows, used);
+  return numberTable(section === "camera_consistency" ? "Consistency of the camera" : title, undefined, quantities.map((quantity) => columnOf(quantity)), rows, used);
 }
 
 function definitions(words: Iterable<readonly [string, string]>): HTMLElement {
@@ -144,8 +149,21 @@ function help(used: Used): HTMLElement {
     element("h2", {}, "On the other tabs"), definitions(Object.entries(HELP_WORDS)));
 }
 
+/** What the run and its files are known by: shortened, since no one reads it; the whole is in the title. */
+function identity(document: JsonObject): HTMLElement[] {
+  const { run, files } = document;
+  const hashes = [...(typeof run === "string" ? [["run", run, "run"]] : []),
+    ...(isObject(files) ? Object.entries(files).map(([name, hash]) => [name, String(hash), `files/${name}`]) : [])];
+  if (hashes.length === 0) return [];
+  const list = element("dl", { class: "settings" }, ...hashes.map(([name, hash, path]) => element("div", {}, element("dt", {}, name),
+    element("dd", { title: hash, "data-key": path, "data-value": JSON.stringify(hash) }, hash.length > SHORT_HASH ? `${hash.slice(0, SHORT_HASH)}…` : hash))));
+  return [element("details", { class: "identity" }, element("summary", {}, "Number of the run, and SHA-256 of its files"), list)];
+}
+
+const SHORT_HASH = 12;
+
 /** Sections that have a place of their own on the page. */
-const ELSEWHERE = new Set(["camera", "odometry", "objects", "provenance"]);
+const ELSEWHERE = new Set(["camera", "odometry", "objects", "provenance", "files"]);
 
 export function metrics(document: Json | undefined): HTMLElement {
   if (!isObject(document)) return element("p", { class: "notice" }, "The folder has no metrics.json.");
@@ -153,14 +171,14 @@ export function metrics(document: Json | undefined): HTMLElement {
   const objects = document["objects"];
   const ids = isObject(objects) ? Object.keys(objects) : [];
   const used: Used = new Map();
-  const top = Object.entries(document).filter(([key, value]) => key !== "schema" && !isObject(value)).map(([key]) => key);
+  const top = Object.entries(document).filter(([key, value]) => key !== "schema" && key !== "run" && !isObject(value)).map(([key]) => key);
   const tables = [
-    numberTable("Run", undefined, top.map(columnOf), [{ name: "run", cells: top.map((key) => ({ path: key, value: document[key] })) }], used),
+    numberTable("Run", undefined, top.map((key) => columnOf(key)), [{ name: "run", cells: top.map((key) => ({ path: key, value: document[key] })) }], used),
     cameraTable(document, numbers, used),
     ...objectTables(document, ids, numbers, used),
     ...Object.entries(document).flatMap(([key, value]) => (isObject(value) && !ELSEWHERE.has(key) ? [otherTable(key, value, ids, numbers, used)] : [])),
   ].filter((made) => made !== undefined);
   const node = element("div", { class: "tables", id: "metrics" }, ...tables,
-    element("p", { class: "hint" }, "Errors are over the frames with both an estimate and ground truth. A dash marks a missing value; press a row of an object to select it."), help(used));
+    element("p", { class: "hint" }, "Errors are over the frames with both an estimate and ground truth. A dash marks a missing value; press a row of an object to select it."), ...identity(document), help(used));
   return node;
 }

@@ -37,8 +37,9 @@ export const WORDS: Readonly<Record<string, Word>> = {
   detections: { name: "detections", text: "Detections of this object, with those that were not explained." },
   unexplained: {
     name: "not explained",
-    text: "Detections that the filter took for gross errors: those with the status doubted, birth or gated. The status gated alone is a part of them: outside the gate of all hypotheses, and not used.",
+    text: "Detections that the filter took for gross errors: those with the status doubted, birth or gated.",
   },
+  gated: { name: "outside the gate", text: "Detections outside the gate of all hypotheses, which were not used: a part of those that were not explained." },
   right_mode_share: { name: "near the truth", ...share, text: "Share of the frames whose estimate, as seen from the camera, is within 20 deg and 10 cm of the ground truth." },
   mode_probability: { name: "mode probability", ...share, text: `${MODE_PROBABILITY} At the last frame.` },
   existence: { name: "exists", ...share, text: "Probability that the object exists, at the last frame." },
@@ -55,8 +56,8 @@ export const WORDS: Readonly<Record<string, Word>> = {
   merges_per_frame: { name: "merges per frame", text: "Pairs of hypotheses that were merged, per frame." },
 };
 
-/** Other keys of the same quantity. */
-const SAME: Readonly<Record<string, string>> = { gated: "unexplained" };
+/** What older files call it. */
+const FORMER: Readonly<Record<string, string>> = { gated: "unexplained" };
 
 /** Words of what became of detections, in metrics and plots. */
 export const STATUS_WORDS: Readonly<Record<string, string>> = {
@@ -80,12 +81,12 @@ export const HELP_WORDS: Readonly<Record<string, string>> = {
   "not explained": "A detection that the leading hypothesis does not explain: its status is doubted, birth, gated or failed.",
 };
 
-/** The word of a path in metrics.json, by its end. */
-export function wordOf(path: string): Word | undefined {
+/** The word of a path in metrics.json, by its end. `isOlder`: of a file that does not tell what was gated from all that was not explained. */
+export function wordOf(path: string, isOlder = false): Word | undefined {
   const keys = path.split("/");
   for (let i = 0; i < keys.length; ++i) {
     const end = keys.slice(i).join("/");
-    const own = Object.hasOwn(SAME, end) ? SAME[end] : end;
+    const own = isOlder && Object.hasOwn(FORMER, end) ? FORMER[end] : end;
     if (Object.hasOwn(WORDS, own)) return WORDS[own];
   }
   return undefined;
