@@ -2,22 +2,22 @@
 // SPDX-FileCopyrightText: posemix contributors
 // What the covariances of one pose are worth, as numbers and in words.
 import { DEGREES } from "../math/rotation.ts";
-import { effectiveFrames, effectiveSamples, meanSquare, type MeanSquare } from "../math/statistics.ts";
+import { meanSquare, type MeanSquare } from "../math/statistics.ts";
 import type { Values } from "../plots/chart.ts";
-import { type Coverage, coverageOf, EXPECTED, grossText, normalized, percent } from "../plots/coverage.ts";
+import { type Coverage, coverageOf, EXPECTED, grossText, percent } from "../plots/coverage.ts";
 import { type Direction, worstDirection } from "../plots/direction.ts";
-import { rightAt } from "../plots/reliability.ts";
-import { errorComponents, type PoseSeries, type Spread, spreadOf, valuesOf } from "../plots/series.ts";
-import { withinBand } from "../plots/squares_chart.ts";
+import { errorComponents, spreadOf, valuesOf } from "../plots/series.ts";
 import { CAMERA, type Entity } from "../state/run_state.ts";
-import { estimateOf, neesOf, nisOf, type Of, POSE_DOF, type Square } from "../trace/squares.ts";
-import type { Trace } from "../trace/trace.ts";
+import { deviationOf, effectiveOf } from "../trace/deviation.ts";
+import { rightAt } from "../trace/right_mode.ts";
+import { estimateOf, neesOf, nisOf, type Of, POSE_DOF, type Square, squaresOf } from "../trace/squares.ts";
+import type { Estimate, Trace } from "../trace/trace.ts";
+import { BAD_OUTSIDE, sentenceOf, sizeText, type Verdict, verdictOfInnovations } from "../trace/verdict.ts";
 
-export interface Squares {
-  values: Values;
+/** The mean NEES over the frames on the right mode, where there are others too. */
+export interface RightMode {
   frames: number;
-  /** Independent frames that say as much. */
-  effective: number;
+  ofFrames: number;
   square: MeanSquare;
 }
 
@@ -27,10 +27,10 @@ export interface AxisCoverage {
 }
 
 export interface Findings {
-  nees: Squares | undefined;
-  /** The same over the frames on the right mode, where there are others too. */
-  rightMode: Squares | undefined;
-  nis: Squares | undefined;
+  /** By frame. */
+  nees: Values | undefined;
+  nis: Values | undefined;
+  rightMode: RightMode | undefined;
   /** Rotation about x, y, z, position along x, y, z; empty without truth. */
   axes: AxisCoverage[];
   direction: Direction | undefined;
@@ -41,25 +41,22 @@ const WORDS = ["x", "y", "z"];
 /** What an axis is, in the frame of a camera. */
 const SEEN = ["right", "down", "depth"];
 
-function squaresOf(trace: Trace, square: Square | undefined, effective: (values: Float64Array) => number): Squares | undefined {
-  if (!square) return undefined;
-  const values = valuesOf(trace.frames, square);
-  const known = Float64Array.from(values.filter((value) => value !== null));
-  if (known.length === 0) return undefined;
-  const worth = effective(known);
-  return { values, frames: known.length, effective: worth, square: meanSquare(known, POSE_DOF, worth) };
-}
-
-/** Errors over sigma by component, in the frames where all are known and `take` holds. */
-function ratiosOf(errors: PoseSeries, sigma: Spread, take: (frame: number) => boolean): Float64Array[] {
-  const only = (values: Values) => values.map((value, frame) => (take(frame) ? value : null));
-  const lists = HALVES.flatMap(([half]) => WORDS.map((_, i) => normalized(only(errors[half][i]), sigma[half][i])));
-  return lists.filter((list) => list.length > 0 && list.length === lists[0].length);
+function rightModeOf(trace: Trace, estimate: Estimate, nees: Square | undefined): RightMode | undefined {
+  const deviation = deviationOf(estimate, trace.frames);
+  if (!nees || !deviation) return undefined;
+  const right = rightAt(estimate);
+  const known = (frame: number) => nees(frame) !== undefined && !Number.isNaN(deviation.largest[frame]);
+  const all = Array.from({ length: trace.frames }, (_, frame) => frame).filter(known);
+  const frames = all.filter((frame) => right(frame) === true);
+  if (frames.length === 0 || frames.length === all.length) return undefined;
+  const effective = Math.min(frames.length, effectiveOf(deviation, (frame) => known(frame) && right(frame) === true));
+  return { frames: frames.length, ofFrames: all.length, square: meanSquare(frames.map((frame) => nees(frame)!), POSE_DOF, effective) };
 }
 
 export function findingsOf(trace: Trace, entity: Entity, of: Of): Findings {
   const estimate = estimateOf(trace, entity, of);
-  const nis = squaresOf(trace, nisOf(trace, entity), effectiveSamples);
+  const [nees, nisAt] = [neesOf(trace, entity, of), nisOf(trace, entity)];
+  const nis = nisAt && squaresOf(trace, nisAt)!.some((value) => !Number.isNaN(value)) ? valuesOf(trace.frames, nisAt) : undefined;
   if (!estimate?.truth) return { nees: undefined, rightMode: undefined, nis, axes: [], direction: undefined };
   const errors = errorComponents(estimate.pose, estimate.truth, trace.frames);
   const sigma = spreadOf(estimate, trace.frames);
@@ -69,37 +66,26 @@ export function findingsOf(trace: Trace, entity: Entity, of: Of): Findings {
     const seen = inCamera && half === "position" ? `, ${SEEN[i]}` : "";
     return coverage ? [{ name: `${text} ${axis}${seen}`, coverage }] : [];
   }));
-  const nees = neesOf(trace, entity, of);
-  const over = (take: (frame: number) => boolean) => {
-    const ratios = ratiosOf(errors, sigma, take);
-    return squaresOf(trace, nees && ((frame) => (take(frame) ? nees(frame) : undefined)),
-      (known) => (ratios.length > 0 ? Math.min(known.length, effectiveFrames(ratios)) : effectiveSamples(known)));
+  return {
+    nees: nees && valuesOf(trace.frames, nees), rightMode: rightModeOf(trace, estimate, nees), nis, axes, direction: worstDirection(estimate, trace.frames),
   };
-  const right = rightAt(estimate);
-  const [all, rightMode] = [over(() => true), over((frame) => right(frame) === true)];
-  const isMixed = all && rightMode && rightMode.frames < all.frames;
-  return { nees: all, rightMode: isMixed ? rightMode : undefined, nis, axes, direction: worstDirection(estimate, trace.frames) };
 }
 
 const rounded = (value: number) => String(Number(value.toPrecision(3)));
 
-/** "ANEES 3.56 per degree of freedom (1 expected), ..." */
-export function squareText(name: string, { frames, effective, square }: Squares): string {
-  const { mean, interval: [low, high], verdict } = square;
-  const factor = Math.sqrt(mean);
-  const words = verdict === "consistent"
-    ? "nothing speaks against the covariances"
-    : verdict === "overconfident" ? `overconfident, sigmas are about ${factor.toFixed(1)} times too small` : `cautious, sigmas are about ${(1 / factor).toFixed(1)} times too large`;
-  return `${name} ${rounded(mean)} per degree of freedom (1 expected), 95 % interval ${rounded(low)} to ${rounded(high)}: ${words}. Frames are correlated: ${frames} of them say as much as ${rounded(effective)} independent ones.`;
-}
-
-function axesText(axes: AxisCoverage[]): string[] {
+/** By axis; what the verdict says of the whole pose is not denied. */
+function axesText(axes: AxisCoverage[], { level, word }: Verdict): string[] {
   const of = (verdict: string) => axes.filter(({ coverage }) => coverage.square.verdict === verdict).sort((a, b) => b.coverage.square.mean - a.coverage.square.mean);
-  const over = of("overconfident").map(({ name, coverage }) => `${name} (sigma ${Math.sqrt(coverage.square.mean).toFixed(1)} times too small, ${percent(coverage.shares[2])} within 3 sigma${grossText(coverage)})`);
-  const careful = of("cautious").map(({ name, coverage }) => `${name} (${(1 / Math.max(1e-3, Math.sqrt(coverage.square.mean))).toFixed(1)} times too large)`);
-  if (over.length + careful.length === 0) return ["By axis, no direction is overconfident or cautious beyond what so many frames can tell."];
-  return [...(over.length > 0 ? [`Overconfident along: ${over.join("; ")}. ${percent(EXPECTED[2])} are expected within 3 sigma.`] : []),
-    ...(careful.length > 0 ? [`Cautious along: ${careful.join("; ")}.`] : [])];
+  const size = ({ square }: Coverage) => sizeText(Math.sqrt(square.mean));
+  const over = of("overconfident").map(({ name, coverage }) => `${name} (sigma ${size(coverage)}, ${percent(coverage.shares[2])} within 3 sigma${grossText(coverage)})`);
+  const careful = of("cautious").filter(({ coverage }) => 1 - coverage.shares[2] <= BAD_OUTSIDE).map(({ name, coverage }) => `${name} (${size(coverage)})`);
+  const nothing = level === "good" && over.length + careful.length === 0;
+  const lead = level === "good" ? `${word[0].toUpperCase()}${word.slice(1)} as a whole, but errors are larger than sigma along` : "Overconfident along";
+  return [
+    ...(nothing ? ["By axis, no direction is overconfident or cautious beyond what so many frames can tell."] : []),
+    ...(over.length > 0 ? [`${lead}: ${over.join("; ")}. ${percent(EXPECTED[2])} are expected within 3 sigma.`] : []),
+    ...(careful.length > 0 ? [`Cautious along: ${careful.join("; ")}.`] : []),
+  ];
 }
 
 function directionText({ along, factor }: Direction, frame: string): string {
@@ -108,19 +94,16 @@ function directionText({ along, factor }: Direction, frame: string): string {
   return `Of all directions the position's errors are largest against their covariance along (${along.map((value) => value.toFixed(2)).join(", ")}) of the ${frame}${words}: ${factor.toFixed(1)} times sigma.`;
 }
 
-/** The findings in sentences, the most telling first. */
-export function sentences({ nees, rightMode, nis, axes, direction }: Findings, frame: string): string[] {
-  const found: string[] = [];
-  if (nees) found.push(squareText("ANEES", nees));
-  if (nees && rightMode) {
-    const { mean, interval: [low, high], verdict } = rightMode.square;
-    found.push(`A wrong mode is no matter of sigmas: over the ${rightMode.frames} of ${nees.frames} frames on the right mode ANEES is ${rounded(mean)}, ${rounded(low)} to ${rounded(high)}: ${verdict}.`);
+/** The findings in sentences, the verdict first. */
+export function sentences({ rightMode, nis, axes, direction }: Findings, verdict: Verdict, frame: string): string[] {
+  const found = [sentenceOf(verdict)];
+  if (rightMode) {
+    const { mean, interval: [low, high], verdict: word } = rightMode.square;
+    found.push(`A wrong mode is no matter of sigmas: over the ${rightMode.frames} of ${rightMode.ofFrames} frames on the right mode ANEES is ${rounded(mean)}, ${rounded(low)} to ${rounded(high)}: ${word}.`);
   }
-  if (axes.length > 0) found.push(...axesText(axes));
+  if (axes.length > 0) found.push(...axesText(axes, verdict));
   if (direction) found.push(directionText(direction, frame));
-  if (nis) {
-    const { frames, within } = withinBand(nis.values);
-    found.push(`${squareText("Mean NIS", nis)} ${percent(within / frames)} of the innovations are within the 95 % band.`);
-  }
+  const innovations = nis && axes.length > 0 ? verdictOfInnovations(Float32Array.from(nis, (value) => value ?? NaN)) : undefined;
+  if (innovations) found.push(sentenceOf(innovations));
   return found;
 }

@@ -6,6 +6,7 @@ import { EXPECTED, grossText, percent } from "../plots/coverage.ts";
 import { ChartGroup } from "../plots/group.ts";
 import { BINS, type Reliability, reliabilityOf } from "../plots/reliability.ts";
 import { neesChart, nisChart } from "../plots/squares_chart.ts";
+import type { RunFacts } from "../state/run_facts.ts";
 import { CAMERA } from "../state/run_state.ts";
 import { hasSquares } from "../trace/squares.ts";
 import type { Trace } from "../trace/trace.ts";
@@ -74,7 +75,7 @@ function introduction(trace: Trace, { nees, nis }: Findings): string {
   return `NEES: squared error over covariance, ${nis ? "NIS: squared innovation over its covariance, " : ""}compared with chi-square of 6 degrees of freedom.${missing}`;
 }
 
-export function consistencyTab(plots: Plots, group: ChartGroup): PlotTab {
+export function consistencyTab(plots: Plots, facts: RunFacts, group: ChartGroup): PlotTab {
   const { state } = plots;
   const { trace } = state;
   const hint = element("p", { class: "hint" });
@@ -88,10 +89,11 @@ export function consistencyTab(plots: Plots, group: ChartGroup): PlotTab {
     const { selected } = state;
     const colour = selected === CAMERA ? themeColour("--ink") : colourOf(selected);
     const found = findingsOf(trace, selected, plots.of.value);
-    const said = sentences(found, frameWords(selected, plots.of.value));
+    const verdict = facts.verdictIn(selected, plots.of.value);
+    const said = sentences(found, verdict, frameWords(selected, plots.of.value));
     hint.textContent = introduction(trace, found);
-    list.replaceChildren(...(said.length > 0 ? said : [`There is nothing to judge ${state.nameOf(selected)} by.`]).map((text) => element("li", {}, text)));
-    group.replace([...(found.nees ? [neesChart(state, found.nees.values, colour)] : []), ...(found.nis ? [nisChart(state, found.nis.values, colour)] : [])]);
+    list.replaceChildren(...said.map((text) => element("li", {}, text)));
+    group.replace([...(found.nees ? [neesChart(state, found.nees, colour)] : []), ...(found.nis ? [nisChart(state, found.nis, colour)] : [])]);
     tables.replaceChildren(...(found.axes.length > 0 ? [coverageTable(found.axes)] : []));
     all = all === null ? reliabilityOf(trace, trace.objects) : all;
     if (!all) return;

@@ -42,14 +42,14 @@ export class ObjectCard {
     readonly entity: Entity,
   ) {
     const name = state.nameOf(entity);
-    const { word, reason, detail, level } = facts.verdict(entity);
-    const verdict = element("span", { class: `verdict ${level}`, title: `${reason} ${detail}`.trim() }, element("span", { "aria-hidden": "true" }, SIGNS[level]), ` ${word}`);
+    const { word, reason, sentence, level } = facts.verdict(entity);
+    const verdict = element("span", { class: `verdict ${level}`, title: sentence }, element("span", { "aria-hidden": "true" }, SIGNS[level]), ` ${word}`);
     const series = this.series();
     this.spark = series && sparkline(state, series, entity < 0 ? "var(--ink)" : colourOf(entity));
     const head = button(name, () => state.select(entity), { class: "name" });
     if (entity >= 0) head.style.setProperty("--swatch", colourOf(entity));
     this.node = element("article", { class: "card", "data-entity": name },
-      element("h2", {}, head, verdict), this.factList(), element("p", { class: "hint reason", title: detail }, reason), ...(this.spark ? [this.spark.node] : []));
+      element("h2", {}, head, verdict), this.factList(), element("p", { class: "hint reason", title: sentence }, reason), ...(this.spark ? [this.spark.node] : []));
     this.node.addEventListener("click", (event) => {
       if (!(event.target as HTMLElement).closest("button, .spark")) state.select(entity);
     });

@@ -42,7 +42,7 @@ function makeTabs(state: RunState, payload: Payload, groups: ChartGroup[], { fac
   const list: Tab[] = [
     opened("Overview", () => overview(state, facts, display, numbers)),
     opened("Events", () => eventsList(state, facts, events)),
-    ...plotTabs(state, groups),
+    ...plotTabs(state, facts, groups),
     { name: "Numbers", build: () => linkRows(metrics(numbers), state) },
   ];
   const mixtures = mixtureDocuments(payload);
@@ -72,7 +72,7 @@ export async function slamPage(payload: Payload): Promise<HTMLElement> {
   const started = performance.now();
   const trace = await readTrace(payload.trace!);
   const decoded = performance.now();
-  const facts = new RunFacts(trace);
+  const facts = new RunFacts(trace, payload.documents["metrics.json"]);
   const state = new RunState(trace, facts.byDoubt[0]);
   const shared = { facts, events: new EventChoice(state, facts), display: new PoseDisplay() };
   const keys = new Keys();

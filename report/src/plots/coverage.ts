@@ -3,6 +3,7 @@
 // How often errors lie within their standard deviations, and what follows.
 import { shareWithin } from "../math/chi_square.ts";
 import { effectiveFrames, meanSquare, type MeanSquare, type Verdict } from "../math/statistics.ts";
+import { sizeText } from "../trace/verdict.ts";
 import type { Values } from "./chart.ts";
 
 export const EXPECTED = [shareWithin(1), shareWithin(2), shareWithin(3)] as const;
@@ -69,8 +70,8 @@ export function percent(share: number): string {
 
 export function verdictText({ mean }: MeanSquare, verdict: Verdict): string {
   const factor = Math.sqrt(mean);
-  if (verdict === "overconfident") return `overconfident, sigma is ${factor.toFixed(1)} times too small`;
-  return verdict === "cautious" ? `cautious, sigma is ${(1 / Math.max(factor, 1e-3)).toFixed(1)} times too large` : "consistent";
+  if (verdict === "overconfident") return `overconfident, sigma is ${sizeText(factor)}`;
+  return verdict === "cautious" ? `cautious, sigma is ${sizeText(factor)}` : "consistent";
 }
 
 /** "84 % within 3 sigma (99.7 % expected): overconfident, ..." */

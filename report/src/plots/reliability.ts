@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 // Whether what is said to be right with a probability is right as often.
-import { angleBetween, DEGREES } from "../math/rotation.ts";
-import type { Estimate, ObjectTrack, Trace } from "../trace/trace.ts";
-import { REACH_DEG, REACH_M } from "./river.ts";
+import { rightAt } from "../trace/right_mode.ts";
+import type { ObjectTrack, Trace } from "../trace/trace.ts";
 
 export const BINS = 10;
 
@@ -20,20 +19,6 @@ export interface Reliability {
   frames: number;
   /** Mean squared difference of probability and outcome. */
   brier: number;
-}
-
-/** Whether an estimate is on the right mode, within 20 deg and 10 cm of the truth, as right_mode_share of metrics.json. */
-export function rightAt({ pose, truth }: Estimate): (frame: number) => boolean | undefined {
-  const [p, t] = [[0, 0, 0], [0, 0, 0]];
-  const [q, r] = [[0, 0, 0, 1], [0, 0, 0, 1]];
-  return (frame) => {
-    if (!truth || !pose.has(frame) || !truth.has(frame)) return undefined;
-    pose.position(frame, p);
-    truth.position(frame, t);
-    pose.quaternion(frame, q);
-    truth.quaternion(frame, r);
-    return angleBetween(q, r) * DEGREES <= REACH_DEG && Math.hypot(p[0] - t[0], p[1] - t[1], p[2] - t[2]) <= REACH_M;
-  };
 }
 
 const estimateWithTruth = ({ relative, world }: ObjectTrack) => [relative, world].find((one) => one?.truth !== undefined);

@@ -2,11 +2,8 @@
 // SPDX-FileCopyrightText: posemix contributors
 // The hypotheses of one object over time: when each begins and ends, and what they are at a frame.
 import { DEGREES, log, multiply, multiplyInverse, rotate } from "../math/rotation.ts";
+import { REACH_DEG, REACH_M } from "../trace/right_mode.ts";
 import type { HypothesisSlot, ObjectTrack, Trace } from "../trace/trace.ts";
-
-/** Two poses nearer than this are the same mode, as in right_mode_share of metrics.json. */
-export const REACH_DEG = 20;
-export const REACH_M = 0.1;
 
 export interface Lane {
   /** As in trace.json. */

@@ -1,36 +1,14 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 // NEES and NIS over time with their chi-square band.
-import { chiSquareQuantile } from "../math/chi_square.ts";
 import type { RunState } from "../state/run_state.ts";
-import { POSE_DOF } from "../trace/squares.ts";
+import { BAND, POSE_DOF, withinBand } from "../trace/squares.ts";
 import { OUTSIDE_COLOUR } from "./colours.ts";
 import { Chart, type ChartSeries, type Values } from "./chart.ts";
 import { percent } from "./coverage.ts";
 
-/** Where 95 % of the frames of a consistent pose lie. */
-export const BAND: readonly [number, number] = [chiSquareQuantile(0.025, POSE_DOF), chiSquareQuantile(0.975, POSE_DOF)];
-
 const LEAST = 0.2;
 const MOST = 1000;
-
-export interface Within {
-  frames: number;
-  within: number;
-  above: number;
-}
-
-/** How many values are in the band, and above it. */
-export function withinBand(values: Values): Within {
-  const found = { frames: 0, within: 0, above: 0 };
-  for (const value of values) {
-    if (value === null) continue;
-    ++found.frames;
-    if (value > BAND[1]) ++found.above;
-    else if (value >= BAND[0]) ++found.within;
-  }
-  return found;
-}
 
 function squaresChart(state: RunState, label: string, values: Values, colour: string, dots: boolean): Chart {
   const { seconds, frames } = state.trace;

@@ -2,10 +2,11 @@
 // SPDX-FileCopyrightText: posemix contributors
 // What is worked out of a whole run, once and when it is asked for.
 import { type Deviation, deviationOf } from "../trace/deviation.ts";
+import type { Json } from "../payload.ts";
 import { eventsOf, type RunEvent } from "../trace/events.ts";
-import { neesOf, nisOf, squaresOf } from "../trace/squares.ts";
+import { estimateOf, neesOf, nisOf, type Of, squaresOf } from "../trace/squares.ts";
 import type { Estimate, Trace } from "../trace/trace.ts";
-import { UNKNOWN, type Verdict, verdictOfErrors, verdictOfSquares } from "../trace/verdict.ts";
+import { findingIn, NEVER, NO_ERROR, NO_TRUTH, type Verdict, verdictOfErrors, verdictOfInnovations } from "../trace/verdict.ts";
 
 /** Makes a value at the first call. */
 function once<T>(make: (entity: number) => T): (entity: number) => T {
@@ -24,7 +25,7 @@ export interface WorstMoment {
 }
 
 export class RunFacts {
-  constructor(readonly trace: Trace) {}
+  constructor(readonly trace: Trace, private readonly metrics?: Json) {}
 
   /** The frame of reference in which an object is judged: the camera's where its truth is known, for that has no drift in it. */
   readonly frameOf = once((entity): "world" | "relative" => {
@@ -43,12 +44,42 @@ export class RunFacts {
 
   readonly nees = once((entity) => squaresOf(this.trace, neesOf(this.trace, entity, this.frameOf(entity))));
 
-  readonly verdict = once((entity): Verdict => {
-    const deviation = this.deviation(entity);
-    if (deviation) return verdictOfErrors(this.nees(entity), deviation);
-    const nis = squaresOf(this.trace, nisOf(this.trace, entity));
-    return (nis && verdictOfSquares(nis, "NIS")) ?? UNKNOWN;
-  });
+  /** What covariances are worth in the frame of reference in which an object is judged. */
+  verdict(entity: number): Verdict {
+    return this.verdicts[this.frameOf(entity)](entity);
+  }
+
+  /** The same in a given one. */
+  verdictIn(entity: number, of: Of): Verdict {
+    return this.verdicts[entity < 0 ? "world" : of](entity);
+  }
+
+  private readonly verdicts = {
+    relative: once((entity) => this.judge(entity, "relative")),
+    world: once((entity) => this.judge(entity, "world")),
+  };
+
+  private judge(entity: number, of: Of): Verdict {
+    const { trace } = this;
+    const estimate = estimateOf(trace, entity, of);
+    const deviation = estimate && deviationOf(estimate, trace.frames);
+    if (deviation) {
+      const isStated = entity < 0 || of === "relative";
+      const stated = isStated ? findingIn(this.metrics, trace.objects[entity]?.id) : undefined;
+      return verdictOfErrors(stated, squaresOf(trace, neesOf(trace, entity, of)), deviation);
+    }
+    const nis = squaresOf(trace, nisOf(trace, entity));
+    return (nis && verdictOfInnovations(nis)) ?? this.silence(entity, estimate);
+  }
+
+  /** Why nothing can be said of a pose. */
+  private silence(entity: number, estimate: Estimate | undefined): Verdict {
+    const { trace } = this;
+    const { world, relative } = trace.objects[entity] ?? { world: trace.camera, relative: undefined };
+    const isEstimated = [world, relative].some((one) => one && trace.seconds.some((_, frame) => one.pose.has(frame)));
+    if (!isEstimated) return NEVER;
+    return estimate?.truth ? NO_ERROR : NO_TRUTH;
+  }
 
   private found: RunEvent[] | undefined;
 

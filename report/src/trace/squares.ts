@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 // Squared normalised errors and innovations that the program computed with the whole covariance.
+import { chiSquareQuantile } from "../math/chi_square.ts";
 import { CAMERA, type Entity } from "../state/run_state.ts";
 import type { Estimate, Trace } from "./trace.ts";
 
@@ -10,6 +11,8 @@ export type Square = (frame: number) => number | undefined;
 
 /** Degrees of freedom of NEES and NIS. */
 export const POSE_DOF = 6;
+/** Where 95 % of the frames of a consistent pose lie. */
+export const BAND: readonly [number, number] = [chiSquareQuantile(0.025, POSE_DOF), chiSquareQuantile(0.975, POSE_DOF)];
 const NIS_BIT = 1 << 8;
 
 export function estimateOf(trace: Trace, entity: Entity, of: Of): Estimate | undefined {
@@ -41,4 +44,22 @@ export const hasSquares = (trace: Trace, end: "nees" | "nis"): boolean => [...tr
 /** The values of all frames, NaN where there is none. */
 export function squaresOf(trace: Trace, square: Square | undefined): Float32Array | undefined {
   return square && Float32Array.from({ length: trace.frames }, (_, frame) => square(frame) ?? NaN);
+}
+
+export interface Within {
+  frames: number;
+  within: number;
+  above: number;
+}
+
+/** How many values are in the band, and above it; a frame without one has null or NaN. */
+export function withinBand(values: Iterable<number | null>): Within {
+  const found = { frames: 0, within: 0, above: 0 };
+  for (const value of values) {
+    if (value === null || Number.isNaN(value)) continue;
+    ++found.frames;
+    if (value > BAND[1]) ++found.above;
+    else if (value >= BAND[0]) ++found.within;
+  }
+  return found;
 }

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { findingsOf, sentences } from "../../src/pages/consistency_findings.ts";
 import { wordOf } from "../../src/pages/words.ts";
 import { rotationText, sigmaText } from "../../src/state/pose_display.ts";
 import { RunFacts } from "../../src/state/run_facts.ts";
@@ -9,12 +10,12 @@ import { CAMERA, RunState } from "../../src/state/run_state.ts";
 import { EventChoice } from "../../src/state/event_choice.ts";
 import { cameraSentence, comparison, detectorSentence } from "../../src/trace/summary.ts";
 import { readTrace } from "../../src/trace/trace.ts";
-import { verdictOfCoverage, verdictOfSquares } from "../../src/trace/verdict.ts";
+import { findingIn, sizeText, verdictOfCoverage, verdictOfErrors, verdictOfInnovations } from "../../src/trace/verdict.ts";
 import { decimalsOf, fixed, percent, short } from "../../src/ui/numbers.ts";
 import { poseText } from "../../src/ui/pose_text.ts";
 import { leastByPixel } from "../../src/trace/sureness.ts";
 import { normal, uniform } from "../../src/mixture/sample.ts";
-import { AT, eventfulMetrics, eventfulTrace, IDS } from "../eventful.ts";
+import { AT, eventfulMetrics, eventfulTrace, FRAMES, IDS } from "../eventful.ts";
 import { packTrace } from "../pack.ts";
 
 test("numbers: no -0.0, three digits, no false certainty", () => {
@@ -43,16 +44,66 @@ test("a pose for other programs; names stay names", () => {
   assert.ok(lines.includes("  stamp: {sec: 12, nanosec: 250000000}") && lines.includes("  position: {x: 1, y: -0.5, z: 0.000000001}"));
 });
 
-test("verdicts: squares of six degrees of freedom, and coverage", () => {
-  const gauss = normal(uniform(3));
-  const squares = (scale: number) => Float32Array.from({ length: 800 }, () => scale * [1, 2, 3, 4, 5, 6].reduce((sum) => sum + gauss() ** 2, 0));
-  const words = [1, 1.5, 4, 0.5].map((scale) => verdictOfSquares(squares(scale), "NEES")!.word);
-  assert.deepEqual(words, ["consistent", "slightly overconfident", "overconfident", "cautious"]);
-  assert.equal(verdictOfSquares(squares(1), "NIS")!.word, "innovations as expected");
-  assert.equal(verdictOfSquares(new Float32Array(3).fill(NaN), "NEES"), undefined);
-  const coverage = (most: number) => verdictOfCoverage({ largest: new Float32Array(0), frames: 1000, outside: [0, 1, 0, most, 0, 2] });
+const ERRORS = { ratios: [1, 2, 3, 4, 5, 6].map(() => new Float32Array(1000).fill(1)), largest: new Float32Array(1000).fill(1), frames: 1000 };
+const outside = (most: number) => ({ ...ERRORS, outside: [0, 1, 0, most, 0, 2] });
+const said = (verdict: "consistent" | "overconfident" | "cautious", anees: number, reason = "") => ({ verdict, reason, anees, interval: [0.8, 1.3] as [number, number], effective: 90.4 });
+
+test("the program's verdict is the page's; errors far out in many frames are bad however small the mean is", () => {
+  const of = (...args: Parameters<typeof said>) => (most: number) => verdictOfErrors(said(...args), undefined, outside(most));
+  const inShort = ({ level, word }: { level: string; word: string }) => `${level} ${word}`;
+  assert.deepEqual([of("consistent", 1)(3), of("cautious", 0.5)(0), of("overconfident", 1.4)(20), of("overconfident", 1.4)(60), of("overconfident", 2.3)(3)].map(inShort),
+    ["good consistent", "fair cautious", "fair slightly overconfident", "bad overconfident", "bad overconfident"]);
+  const { reason, sentence } = of("overconfident", 1.4, "17 % of position x outside 3 sigma")(170);
+  assert.equal(reason, "17 % of position x outside 3 sigma. ANEES 1.4 (1 expected), 95 % interval 0.8 to 1.3 from 90.4 independent frames.");
+  assert.match(sentence, /^17 % of position x outside 3 sigma\. ANEES 1\.4 per degree of freedom .* 1000 of them say as much as 90\.4 independent ones\.$/);
+  const coverage = (most: number) => verdictOfCoverage(outside(most));
   assert.deepEqual([3, 20, 200].map((most) => coverage(most).level), ["good", "fair", "bad"]);
   assert.match(coverage(200).reason, /^20\.0 % of the errors of position x/);
+});
+
+test("without the program's verdict NEES and errors give one, for the card and the tab alike", async () => {
+  const json = eventfulTrace();
+  const mug = IDS.indexOf("mug");
+  for (const [metrics, text] of [[undefined, /^ANEES/], [{ consistency: { relative_verdicts: { mug: { ...said("overconfident", 9, "x"), effective_frames: 12 } } } }, /^X\. ANEES 9 .* 12 independent/]] as const) {
+    const facts = new RunFacts(await readTrace(packTrace(json)), metrics);
+    assert.match(facts.verdict(mug).reason, text);
+    const [first, ...rest] = sentences(findingsOf(facts.trace, mug, "relative"), facts.verdictIn(mug, "relative"), "camera");
+    assert.ok(first.toLowerCase().startsWith(facts.verdict(mug).word));
+    assert.equal(rest.some((text) => text.startsWith("By axis, no direction")), metrics === undefined);
+  }
+  // Errors beyond 3 sigma in 8 % of the frames, of a pose whose mean NEES says little.
+  const facts = new RunFacts(await readTrace(packTrace(json)));
+  const cracker = facts.verdict(IDS.indexOf("cracker-box"));
+  assert.deepEqual([cracker.level, cracker.word], ["bad", "overconfident"]);
+  assert.match(cracker.reason, /^[\d.]+ % of position \w outside 3 sigma\. ANEES/);
+  assert.equal(findingIn({ consistency: { camera_verdict: null } }, undefined), undefined);
+});
+
+test("a pose that is known exactly is no look at its covariance", async () => {
+  const json = eventfulTrace();
+  const exact = (rows: (number[] | null)[]) => rows.map((row, k) => (k < 10 ? row!.map(() => 0) : row));
+  [json.camera.sd, json.camera.position_covariance] = [exact(json.camera.sd), exact(json.camera.position_covariance!)];
+  const facts = new RunFacts(await readTrace(packTrace(json)));
+  assert.equal(facts.deviation(CAMERA)!.frames, FRAMES - 10);
+});
+
+test("innovations: mostly in their band are as expected, and sizes near one are in percent", () => {
+  const gauss = normal(uniform(3));
+  const squares = (scale: number) => Float32Array.from({ length: 3000 }, () => scale * [1, 2, 3, 4, 5, 6].reduce((sum) => sum + gauss() ** 2, 0));
+  const words = [1, 1.06, 1.5, 4, 0.5].map((scale) => verdictOfInnovations(squares(scale))!.word);
+  assert.deepEqual(words, ["innovations as expected", "innovations as expected", "innovations large", "innovations too large", "innovations small"]);
+  assert.equal(verdictOfInnovations(new Float32Array(3).fill(NaN)), undefined);
+  assert.deepEqual([1.04, 1.6, 0.95, 0.5, 1.001].map(sizeText), ["4 % too small", "1.6 times too small", "5 % too large", "2.0 times too large", "1 % too small"]);
+});
+
+test("an object with truth that was never estimated, and one without truth", async () => {
+  const json = eventfulTrace();
+  for (const pose of [json.objects["mug"].world, json.objects["mug"].relative]) pose.pose = pose.pose.map(() => null);
+  json.objects["mug"].nis = json.objects["mug"].nis!.map(() => null);
+  const facts = new RunFacts(await readTrace(packTrace(json)));
+  assert.equal(facts.verdict(IDS.indexOf("mug")).reason, "It was never estimated.");
+  const single = verdictOfInnovations(Float32Array.from([6, NaN]))!;
+  assert.match(single.sentence, /That is one frame alone\./);
 });
 
 test("the facts of a run: order, verdict, worst moment", async () => {

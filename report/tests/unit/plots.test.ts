@@ -8,10 +8,11 @@ import { coverageOf, coverageText, grossText, normalized, outside, percent, shar
 import { worstDirection } from "../../src/plots/direction.ts";
 import { aligned, ape, type Pairs, pairsOf, rpe, stepsFor, umeyama } from "../../src/plots/evo.ts";
 import { beyondText, countBeyond } from "../../src/plots/marks.ts";
-import { reliabilityOf, rightAt } from "../../src/plots/reliability.ts";
+import { reliabilityOf } from "../../src/plots/reliability.ts";
 import { spreadOf, usualRange } from "../../src/plots/series.ts";
 import { logTicks, short, ticks } from "../../src/plots/ticks.ts";
 import { TimeWindow } from "../../src/plots/window.ts";
+import { rightAt } from "../../src/trace/right_mode.ts";
 import { hasSquares, neesOf, nisOf } from "../../src/trace/squares.ts";
 import { readTrace } from "../../src/trace/trace.ts";
 import { packTrace } from "../pack.ts";
