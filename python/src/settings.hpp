@@ -40,8 +40,7 @@ class Settings {
             nb::sig(kept(fmt::format("def {}(self, /) -> {}", name, attribute_type(type))))),
         nb::for_setter(nb::sig(
             kept(fmt::format("def {}(self, value: {}, /) -> None", name, argument_type(type))))),
-        nb::for_setter(nb::arg("value").none()),
-        text);
+        nb::for_setter(nb::arg("value").none()), text);
     return *this;
   }
 
@@ -58,7 +57,8 @@ class Settings {
         [fields, defaults = defaults_, required = required_](T* self, const nb::kwargs& values) {
           for (const std::string& name : required) {
             if (values.contains(name.c_str())) continue;
-            const std::string text = fmt::format("{}: expected a value of {}", fields->name(), name);
+            const std::string text =
+                fmt::format("{}: expected a value of {}", fields->name(), name);
             throw nb::type_error(text.c_str());
           }
           auto* made = new (self) T(defaults());

@@ -76,11 +76,9 @@ std::string verdict_word(ConsistencyVerdict verdict, bool colours) {
 
 std::string verdict_line(const std::string& name, std::size_t width,
                          const ConsistencyReport& report, bool colours) {
-  const NeesSummary& pose = report.pose;
   const std::string fault = internal::fault_text(report);
-  return fmt::format("{:<{}}  {} (NEES {}, expected 1, 95 % band {:.2f} to {:.2f}){}{}\n", name,
-                     width, verdict_word(report.verdict, colours), internal::nees_text(pose.anees),
-                     pose.band.low, pose.band.high, fault.empty() ? "" : ": ", fault);
+  return fmt::format("{:<{}}  {} ({}){}{}\n", name, width, verdict_word(report.verdict, colours),
+                     internal::nees_text(report.pose), fault.empty() ? "" : ": ", fault);
 }
 
 /// Whether errors are as large as the covariances say, a line for every pose with ground truth.

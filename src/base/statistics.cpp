@@ -63,6 +63,19 @@ double chi_square_quantile(double probability, std::size_t dof, const char* name
   return boost::math::quantile(boost::math::chi_squared(static_cast<double>(dof)), probability);
 }
 
+double gaussian_norm_quantile(const Eigen::MatrixXd& covariance, double probability) {
+  kOpenUnitInterval.check(probability, "probability");
+  const Eigen::MatrixXd squared = covariance * covariance;
+  const double first = covariance.trace();
+  const double second = squared.trace();
+  const double third = (squared * covariance).trace();
+  if (!(second > 0.0 && third > 0.0)) return 0.0;
+  const double dof = second * second * second / (third * third);
+  const double quantile = boost::math::quantile(boost::math::chi_squared(dof), probability);
+  const double standard = (quantile - dof) / std::sqrt(2.0 * dof);
+  return std::sqrt(std::max(0.0, first + std::sqrt(2.0 * second) * standard));
+}
+
 std::pair<double, double> chi_square_band(std::size_t count, std::size_t dof) {
   const auto n = static_cast<double>(count * dof);
   const boost::math::chi_squared distribution(n);

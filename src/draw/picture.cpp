@@ -51,10 +51,8 @@ struct PictureRow {
 };
 
 std::string consistency_text(const ConsistencyReport& report) {
-  const NeesSummary& pose = report.pose;
   const std::string fault = fault_text(report);
-  return fmt::format("{}: NEES {}, expected 1, 95 % band {:.2f} to {:.2f}{}{}",
-                     word_of(report.verdict), nees_text(pose.anees), pose.band.low, pose.band.high,
+  return fmt::format("{}: {}{}{}", word_of(report.verdict), nees_text(report.pose),
                      fault.empty() ? "" : "; ", fault);
 }
 
@@ -97,15 +95,18 @@ void draw_headings(SvgDocument& svg, const StripColumns& columns, bool known,
   const SvgFont bold{.size = 13.5, .bold = true};
   const SvgFont small{.size = 12, .fill = std::string(kAxisColour)};
   const double y = kStripTop - 74.0;
-  const char* what = known ? "error" : "3 sigma";
+  const char* what = known ? "error" : "99.7 % bound";
   svg.text({kPictureLeft, y}, fmt::format("Rotation, {} [deg]", what), bold);
   svg.text({columns.at(1, 0).left, y}, fmt::format("Position, {} [mm]", what), bold);
-  if (has_probability) svg.text({columns.at(2, 0).left, y}, "P(right mode)", bold);
-  svg.text({kPictureLeft, y + 17.0},
-           known ? "Objects relative to the camera. Line: estimate; dots: detections; shade: 3 "
-                   "sigma in the least certain direction; triangles: beyond the scale."
-                 : "Objects relative to the camera. Shade: 3 sigma in the least certain direction.",
-           small);
+  if (has_probability) svg.text({columns.at(2, 0).left, y}, "Mode probability", bold);
+  svg.text(
+      {kPictureLeft, y + 17.0},
+      known
+          ? "Objects relative to the camera. Line: estimate; dots: detections; shade: the "
+            "norm that 99.7 % of consistent errors are below; triangles: beyond the scale."
+          : "Objects relative to the camera. Shade: the norm that 99.7 % of consistent errors are "
+            "below.",
+      small);
 }
 
 void draw_row(SvgDocument& svg, const StripColumns& columns, const std::vector<double>& stamps,

@@ -5,8 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Eigenvalues>
-
+#include "posemix/base/statistics.hpp"
 #include "posemix/base/units.hpp"
 #include "position_covariance.hpp"
 
@@ -15,20 +14,18 @@ namespace {
 
 constexpr double kPictureMillimetres = 1e3;
 
-/// 3 sigma in the least certain direction.
-template <class Matrix>
-double widest(const Matrix& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(covariance, Eigen::EigenvaluesOnly);
-  return 3.0 * std::sqrt(std::max(0.0, eigen.eigenvalues().maxCoeff()));
+/// What the norm of a consistent error exceeds as rarely as a normal variable 3 sigma.
+double bound(const Eigen::MatrixXd& covariance) {
+  static const double kShare = std::erf(3.0 / std::sqrt(2.0));
+  return gaussian_norm_quantile(covariance, kShare);
 }
 
 /// Of the axes that can be observed.
 std::optional<double> rotation_width_deg(const PoseDensity& density,
                                          const ErrorReduction& reduction) {
   if (reduction.rotation_dof() == 0) return std::nullopt;
-  if (reduction.rotation_dof() < 3)
-    return degrees(widest(Eigen::MatrixXd(reduction.rotation_covariance(density))));
-  return degrees(widest(Eigen::Matrix3d(density.covariance().topLeftCorner<3, 3>())));
+  if (reduction.rotation_dof() < 3) return degrees(bound(reduction.rotation_covariance(density)));
+  return degrees(bound(density.covariance().topLeftCorner<3, 3>()));
 }
 
 /// Collects the curves of one pose.
@@ -44,7 +41,7 @@ class CurveMaker {
     const auto rotation = estimate ? rotation_width_deg(*estimate, reduction_) : std::nullopt;
     curves_.rotation.width.push_back(rotation);
     const auto position =
-        estimate ? std::optional(kPictureMillimetres * widest(position_covariance(*estimate)))
+        estimate ? std::optional(kPictureMillimetres * bound(position_covariance(*estimate)))
                  : std::nullopt;
     curves_.position.width.push_back(position);
   }

@@ -17,7 +17,7 @@ using Curve = std::vector<std::optional<double>>;
 struct ErrorCurves {
   Curve estimate;
   Curve detector;
-  Curve width;  ///< 3 sigma in the least certain direction
+  Curve width;  ///< the norm that 99.7 % of consistent errors are below
 };
 
 /// What the strips of a pose show.

@@ -66,6 +66,10 @@ std::string fault_text(const ConsistencyReport& report) {
                      worst->axis);
 }
 
-std::string nees_text(double nees) { return fmt::format("{:.{}f}", nees, nees < 100.0 ? 2 : 0); }
+std::string nees_text(const NeesSummary& pose) {
+  const auto text = [](double nees) { return fmt::format("{:.{}f}", nees, nees < 100.0 ? 2 : 0); };
+  return fmt::format("mean NEES {} (1 expected), 95 % interval {} to {}", text(pose.anees),
+                     text(pose.interval.low), text(pose.interval.high));
+}
 
 }  // namespace posemix::internal

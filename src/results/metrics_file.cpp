@@ -58,11 +58,11 @@ Json consistency_json(const Consistency& consistency) {
 }  // namespace
 
 std::string format_metrics(const Metrics& metrics, const std::string& method) {
-  return internal::metrics_text(metrics, method, nullptr, nullptr);
+  return internal::metrics_text(metrics, method, {});
 }
 
 std::string internal::metrics_text(const Metrics& metrics, const std::string& method,
-                                   const RunStamp* stamp, const Provenance* provenance) {
+                                   const MetricsExtras& extras) {
   Json objects = Json::object();
   Json anees = Json::object();
   Json right_anees = Json::object();
@@ -76,11 +76,11 @@ std::string internal::metrics_text(const Metrics& metrics, const std::string& me
     relative[object.id] = consistency_json(object.relative_consistency);
   }
   Json json = {{"schema", kMetricsSchema}, {"frames", metrics.frames}, {"method", method}};
-  if (stamp != nullptr) {
-    json["run"] = stamp->run;
-    json["files"] = stamp->files;
+  if (extras.stamp != nullptr) {
+    json["run"] = extras.stamp->run;
+    json["files"] = extras.stamp->files;
   }
-  if (provenance != nullptr) json["provenance"] = provenance_json(*provenance);
+  if (extras.provenance != nullptr) json["provenance"] = provenance_json(*extras.provenance);
   json.update(
       Json{{"camera",
             {{"position_rmse_m", json_number(metrics.camera.position_rmse_m)},
@@ -99,6 +99,7 @@ std::string internal::metrics_text(const Metrics& metrics, const std::string& me
              {"update_median_us", json_number(metrics.timing.update_median_us)},
              {"reduce_median_us", json_number(metrics.timing.reduce_median_us)},
              {"merges_per_frame", json_number(metrics.timing.merges_per_frame)}}}});
+  if (extras.verdicts != nullptr) json["consistency"].update(*extras.verdicts);
   return json_text(json, 2);
 }
 

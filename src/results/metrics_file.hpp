@@ -5,6 +5,7 @@
 #include <map>
 #include <string>
 
+#include "io/json_numbers.hpp"
 #include "posemix/results/provenance.hpp"
 #include "posemix/slam/evaluation.hpp"
 
@@ -16,8 +17,14 @@ struct RunStamp {
   std::map<std::string, std::string> files;  ///< SHA-256 by name
 };
 
-/// metrics.json, with the keys `run` and `files`, and `provenance`, where they are not null.
-std::string metrics_text(const Metrics& metrics, const std::string& method, const RunStamp* stamp,
-                         const Provenance* provenance);
+/// What metrics.json has beside the metrics; null: nothing.
+struct MetricsExtras {
+  const RunStamp* stamp = nullptr;         ///< the keys `run` and `files`
+  const Provenance* provenance = nullptr;  ///< the key of that name
+  const Json* verdicts = nullptr;          ///< more keys of `consistency`
+};
+
+std::string metrics_text(const Metrics& metrics, const std::string& method,
+                         const MetricsExtras& extras);
 
 }  // namespace posemix::internal

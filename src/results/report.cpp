@@ -54,8 +54,16 @@ void write_page(const fs::path& path, const std::string& data) {
   write_output_file(path, filled_page(inflated(page.stream, page.size), data));
 }
 
+/// A page never takes the place of results.
+fs::path checked_page(const fs::path& path) {
+  const fs::path end = path.extension();
+  if (end == ".html" || end == ".htm") return path;
+  throw InvalidInput(fmt::format("{}: got this name for the page, expected one that ends in .html",
+                                 path.string()));
+}
+
 fs::path path_of_report(const fs::path& results, const ReportOptions& options) {
-  if (options.out) return *options.out;
+  if (options.out) return checked_page(*options.out);
   std::error_code error;
   if (!fs::is_regular_file(results, error)) return results / "report.html";
   return fs::path(results).replace_extension(".html");
@@ -104,8 +112,8 @@ fs::path write_report(const fs::path& results, const ReportOptions& options) {
 
 fs::path write_comparison(const std::vector<fs::path>& runs, const ReportOptions& options) {
   require_report_page();
-  fs::path path = options.out.value_or(fs::path());
-  if (path.empty()) path = common_parent(runs) / "comparison.html";
+  fs::path path =
+      options.out ? checked_page(*options.out) : common_parent(runs) / "comparison.html";
   write_page(path, format_comparison(runs, options));
   return path;
 }

@@ -148,6 +148,27 @@ ReportKind kind_of(const ReportFolder& folder, const fs::path& path) {
   return ReportKind::mixture;
 }
 
+/// Leaves out the files of a study that was written beside a run: a report never mixes the two.
+void leave_out_study(ReportFolder& folder, const fs::path& path) {
+  const auto study = folder.documents.find(kStudyFile);
+  if (study == folder.documents.end()) return;
+  folder.warnings.push_back(
+      fmt::format("{}: is left out with its files, as the folder has a run too, which is shown",
+                  (path / kStudyFile).string()));
+  std::vector<std::string> names{kStudyFile};
+  const auto files = study->is_object() ? study->find("files") : study->end();
+  if (files != study->end() && files->is_array()) {
+    for (const Json& name : *files)
+      if (name.is_string()) names.push_back(name.get<std::string>());
+  }
+  for (const std::string& name : names) {
+    folder.documents.erase(name);
+    folder.tables.erase(name);
+    folder.pictures.erase(name);
+    folder.texts.erase(name);
+  }
+}
+
 ReportFolder one_mixture(const fs::path& path) {
   ReportFolder folder;
   folder.kind = ReportKind::mixture;
@@ -174,7 +195,10 @@ ReportFolder read_report_folder(const fs::path& results) {
     if (is_file(path)) add(folder, path);
   }
   folder.kind = kind_of(folder, results);
-  if (folder.kind == ReportKind::slam) keep_files_of_run(folder, results, kMetricsFile);
+  if (folder.kind == ReportKind::slam) {
+    leave_out_study(folder, results);
+    keep_files_of_run(folder, results, kMetricsFile);
+  }
   return folder;
 }
 

@@ -16,6 +16,7 @@
 #include "posemix/io/mixture_file.hpp"
 #include "posemix/io/tum.hpp"
 #include "trace_writer.hpp"
+#include "verdicts_json.hpp"
 
 namespace posemix {
 namespace {
@@ -119,7 +120,8 @@ class ResultFiles {
       stamp_.run = write_trace(job_, run_, record == nullptr ? nullptr : &record->texts(), text);
     });
     const Provenance* provenance = options_.provenance ? &*options_.provenance : nullptr;
-    std::string metrics = metrics_text(metrics_, job_.method, &stamp_, provenance);
+    const Json verdicts = verdicts_json(job_, run_);
+    std::string metrics = metrics_text(metrics_, job_.method, {&stamp_, provenance, &verdicts});
     put("metrics.json", metrics);
     put("picture.svg", format_picture(job_, run_, metrics_));
     return metrics;

@@ -142,6 +142,10 @@ TEST_F(ReportCommand, Mistakes) {
          "--mesh: got \"mug\" again, expected it once");
   expect({"--mesh", "cup=" + mesh, "--mesh-unit", "m"}, 3, "expected one for box, can, mug");
   expect({"--out", (results_ / "no/x.html").string()}, 4, "no/x.html");
+  const std::string trace = content_of(std::filesystem::path(run()) / "trace.json");
+  expect({"--out", (std::filesystem::path(run()) / "trace.json").string()}, 3,
+         "one that ends in .html");
+  EXPECT_EQ(content_of(std::filesystem::path(run()) / "trace.json"), trace);
   const ProgramResult above = run_posemix({"report", results_.path().string()});
   EXPECT_EQ(above.exit_code, 3);
   EXPECT_NE(above.err.find("one of the folders within that have some: " + run()), std::string::npos)

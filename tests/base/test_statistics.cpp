@@ -36,6 +36,22 @@ TEST(Statistics, ChiSquareQuantilesOfTwoDegreesOfFreedom) {
   EXPECT_THROW(chi_square_quantile(0.5, 0), InvalidInput);
 }
 
+// By inversion of the characteristic function (Imhof 1961) with SciPy 1.15's quad and brentq.
+TEST(Statistics, NormOfAGaussian) {
+  const double share = std::erf(3.0 / std::sqrt(2.0));
+  const auto norm = [&](double a, double b, double c) {
+    return gaussian_norm_quantile(Eigen::Vector3d(a, b, c).asDiagonal(), share);
+  };
+  EXPECT_NEAR(norm(1.0, 1.0, 1.0), 3.76250, 1e-5);
+  EXPECT_NEAR(norm(4.0, 0.0, 0.0), 6.0, 1e-9);
+  EXPECT_NEAR(norm(4.0, 1.0, 0.25), 6.11820, 0.006 * 6.1);
+  EXPECT_NEAR(norm(9.0, 9.0, 0.01), 10.31838, 0.006 * 10.3);
+  EXPECT_NEAR(norm(1.0, 0.5, 0.5), 3.23791, 0.006 * 3.2);
+  EXPECT_NEAR(norm(25.0, 1.0, 1.0), 15.06802, 0.006 * 15.0);
+  EXPECT_EQ(norm(0.0, 0.0, 0.0), 0.0);
+  EXPECT_THROW(gaussian_norm_quantile(Eigen::Matrix2d::Identity(), 1.0), InvalidInput);
+}
+
 // Bands of 100 runs as in the notes on the Monte-Carlo study: 1200 and 600 degrees of freedom.
 TEST(Statistics, ChiSquareBands) {
   const auto state = chi_square_band(100, 12);

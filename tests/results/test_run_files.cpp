@@ -112,6 +112,25 @@ TEST(RunFiles, OfAnEarlierVersionByTheFilter) {
   EXPECT_FALSE(reported.data["documents"].contains("mixture_mug.json"));
 }
 
+TEST(RunFiles, AReportOfARunLeavesOutAStudyBesideIt) {
+  const TemporaryFolder folder;
+  put_all(folder, with_hypotheses());
+  folder.put(
+      "study.json",
+      R"({"study": "divergence", "files": ["study.json", "divergence.csv", "divergence.svg"]})");
+  folder.put("divergence.csv", "a\n1\n");
+  folder.put("divergence.svg", "<svg/>");
+  folder.put("mine.csv", "a\n1\n");
+  const Reported reported = report_of(folder);
+  EXPECT_EQ(reported.data.at("kind"), "slam");
+  EXPECT_FALSE(reported.data.at("documents").contains("study.json"));
+  EXPECT_FALSE(reported.data.at("tables").contains("divergence.csv"));
+  EXPECT_FALSE(reported.data.at("pictures").contains("divergence.svg"));
+  EXPECT_TRUE(reported.data.at("tables").contains("mine.csv"));
+  ASSERT_EQ(reported.warnings.size(), 1U);
+  EXPECT_NE(reported.warnings.front().find("study.json: is left out"), std::string::npos);
+}
+
 TEST(RunFiles, TraceAndMetricsOfTwoRunsAreAnError) {
   const TemporaryFolder folder;
   put_all(folder, with_hypotheses());

@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include <Eigen/Core>
+
 /// Means, quantiles and tests for evaluations.
 namespace posemix {
 
@@ -34,6 +36,13 @@ double quantile(std::vector<double> values, double p);
 /// does not exceed with the given probability.
 /// @throws InvalidInput when the probability, called `name`, is not in (0, 1) or dof is zero
 double chi_square_quantile(double probability, std::size_t dof, const char* name = "probability");
+
+/// The norm that a Gaussian vector with mean zero and this covariance does not exceed with the
+/// given probability. Its square is a weighted sum of chi-square variables; it is replaced by one
+/// with the same mean, variance and skewness (Liu, Tang and Zhang 2009), which is exact for a
+/// sphere and for a line, and within 1 % for three dimensions.
+/// @throws InvalidInput when the probability is not in (0, 1)
+double gaussian_norm_quantile(const Eigen::MatrixXd& covariance, double probability);
 
 /// The interval in which the ANEES of `count` errors of `dof` degrees of freedom lies with
 /// probability 0.95 if the errors are independent and the covariances right: quantiles of the
