@@ -74,16 +74,20 @@ report-test: built
 	cd report && POSEMIX_REPORT_INPUTS="$(CURDIR)/build/report-inputs" \
 	  POSEMIX_CHROMIUM="$$(command -v chromium)" npm test
 
-# The package is built as pip builds it, with the library that is there already, in a folder that stays:
-# an isolated build has other paths every time, and compiles everything anew. The stub generator must not find the
-# package of before beside the new module.
+# install_package(extras): built as pip builds it, with the library that is there already, in a folder that stays: an
+# isolated build has other paths every time, and compiles everything anew. The stub generator must not find the package
+# of before beside the new module.
+define install_package
+$(VENV_PIP) $(PYTHON_BUILDS)
+$(VENV)/bin/pip uninstall --quiet --quiet --yes posemix
+$(VENV_PIP) --no-build-isolation '.[$(1)]' -Cbuild-dir=build/extension \
+  -Ccmake.define.CMAKE_PREFIX_PATH='$(CURDIR)/build/prefix'
+endef
+
 build/.python: build/.bootstrap-test pyproject.toml $(PYTHON_SOURCES) | built
 	cmake --install build/release --prefix build/prefix >/dev/null
 	@test -x $(VENV)/bin/python || $(PYTHON) -m venv $(VENV)
-	$(VENV_PIP) $(PYTHON_BUILDS)
-	$(VENV)/bin/pip uninstall --quiet --yes posemix
-	$(VENV_PIP) --no-build-isolation '.[test]' -Cbuild-dir=build/extension \
-	  -Ccmake.define.CMAKE_PREFIX_PATH='$(CURDIR)/build/prefix'
+	$(call install_package,test)
 	@touch $@
 
 # The peers that are built for NumPy 1 have an environment of their own, which borrows the package.
@@ -175,7 +179,7 @@ tidy: build/.bootstrap-lint
 	if [ -n "$$units" ]; then run-clang-tidy -quiet -j $(JOBS) -p build/tidy $$units; fi
 
 docs: build/.bootstrap-docs build/.python
-	$(VENV_PIP) '.[docs]' -Ccmake.define.CMAKE_PREFIX_PATH='$(CURDIR)/build/prefix'
+	$(call install_package,docs)
 	@mkdir -p build/docs
 	doxygen docs/Doxyfile
 	$(VENV)/bin/sphinx-build -q -j auto -w build/docs/warnings.txt docs build/docs/html 2>/dev/null

@@ -157,7 +157,8 @@ class Fetch {
     report_.bytes += content->size;
     progress_.bytes_done += content->size;
     const auto known = lock_.files.find(file.path);
-    const std::string date = there && known != lock_.files.end() ? known->second.date : download_time();
+    const std::string date =
+        there && known != lock_.files.end() ? known->second.date : download_time();
     lock_.files[file.path] = {source_.url_of(file), content->size, content->sha256, expected->check,
                               date};
     return true;

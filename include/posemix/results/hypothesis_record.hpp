@@ -31,8 +31,8 @@ class HypothesisRecord {
   HypothesisRecord(const HypothesisRecord&) = delete;
   HypothesisRecord& operator=(const HypothesisRecord&) = delete;
 
-  /// Moves the hypotheses of the next frame out of its estimate, and drops what no file has: reports
-  /// of reductions, and the places of motions where nothing moves.
+  /// Moves the hypotheses of the next frame out of its estimate, and drops what no file has:
+  /// reports of reductions, and the places of motions where nothing moves.
   /// @throws OutputError when the disk is full
   void take(FrameEstimate& frame);
   /// Frames taken so far.
