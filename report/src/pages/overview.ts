@@ -5,7 +5,8 @@ import type { Json } from "../payload.ts";
 import type { PoseDisplay } from "../state/pose_display.ts";
 import type { RunFacts } from "../state/run_facts.ts";
 import { CAMERA, type Entity, type RunState } from "../state/run_state.ts";
-import { BAD_KINDS, durationOf, type EventKind, type RunEvent } from "../trace/events.ts";
+import { type Deviation, framesBeyond } from "../trace/deviation.ts";
+import { BAD_KINDS, durationOf, type EventKind, type RunEvent, UNSURE_KINDS } from "../trace/events.ts";
 import { cameraSentence, detectorSentence, durationSentence } from "../trace/summary.ts";
 import type { Level } from "../trace/verdict.ts";
 import { button, element } from "../ui/dom.ts";
@@ -17,49 +18,98 @@ import { ObjectCard, SIGNS } from "./object_card.ts";
 const EVERY = 100;
 const SEVERITY: readonly Level[] = ["bad", "fair", "none", "good"];
 
+type Parts = (Node | string)[];
+
+/** "from 21.50 s to 23.40 s"; "on" where it lasts to the end. */
+function spanText(state: RunState, { from, to, entity }: RunEvent): Parts {
+  const isOpen = to === state.trace.frames - 1;
+  return ["from ", momentLink(state, from, entity), ...(isOpen ? [" on"] : [" to ", momentLink(state, to, entity)])];
+}
+
+/** All frames beyond 3 sigma, also those that make no event. */
+function beyondText(state: RunState, facts: RunFacts, entity: Entity): Parts {
+  const { frame, size } = facts.worst(entity)!;
+  return [`error beyond 3 sigma in ${plural(framesBeyond(facts.deviation(entity)!), "frame")}, most at `, momentLink(state, frame, entity), ` (${short(size)} sigma)`];
+}
+
 /** One kind of trouble of an object: how often and when. */
-function trouble(state: RunState, kind: EventKind, events: readonly RunEvent[]): (Node | string)[] {
+function trouble(state: RunState, facts: RunFacts, kind: EventKind, events: readonly RunEvent[]): Parts {
   const worst = events.reduce((a, b) => (b.size > a.size ? b : a));
   const count = events.reduce((sum, event) => sum + event.count, 0);
   const last = events[events.length - 1];
-  const length = events.reduce((sum, event) => sum + durationOf(state.trace, event), 0);
+  const length = time(events.reduce((sum, event) => sum + durationOf(state.trace, event), 0));
   const at = (frame: number) => momentLink(state, frame, worst.entity);
+  const lasting = (words: string): Parts => [`${words} for ${length}, first at `, at(events[0].from)];
   switch (kind) {
+    case "wrong":
+      return lasting("on the wrong mode");
+    case "lost":
+    case "ambiguous":
+      return lasting(kind);
+    case "unknown":
+      return [`its ${worst.detail!.replace(" not", " is not")} (3 sigma) at worst, at `, at(worst.peak)];
     case "flipped":
       return [`flipped or jumped ${count === 1 ? "once, at " : `${count} times, the last at `}`, at(last.peak)];
-    case "lost":
-      return [`lost for ${time(length)}, first at `, at(events[0].from)];
     case "register":
-      return ["should be registered again from ", at(events[0].from), " on"];
+      return [`should be registered again ${events.length === 1 ? "" : `${events.length} times, first `}`, ...spanText(state, events[0])];
     case "unexplained":
-      return [`${events.length === 1 ? "a run" : `${events.length} runs`} of ${plural(count, "detection")} not explained, ${events.length === 1 ? "" : "the longest "}at `, at(worst.from)];
+      return [`${events.length === 1 ? "a run of " : `${events.length} runs, `}${plural(count, "detection")}${events.length === 1 ? "" : " in all,"} not explained, ${events.length === 1 ? "" : "the longest "}at `, at(worst.from)];
     case "beyond":
-      return [`error beyond 3 sigma in ${plural(count, "frame")}, most at `, at(worst.peak), ` (${short(worst.size)} sigma)`];
+      return beyondText(state, facts, worst.entity);
     default:
       return [`NEES beyond its 99.9 % band in ${plural(count, "frame")}, most at `, at(worst.peak), ` (${short(worst.size)})`];
   }
 }
 
-/** What went wrong, an item per object. */
+/** The kinds that are told of one pose. */
+function kindsOf(events: readonly RunEvent[]): EventKind[] {
+  const has = (kind: EventKind) => events.some((event) => event.kind === kind);
+  // Both tell of the same errors, and one is enough for a summary.
+  return [...BAD_KINDS, ...UNSURE_KINDS].filter((kind) => has(kind) && !(kind === "nees" && has("beyond")));
+}
+
+/** How bad it went, the first number first: on a wrong mode, the largest error in sigmas, faults without a size. */
+function severity(facts: RunFacts, entity: Entity): number[] {
+  const events = facts.eventsOfEntity(entity);
+  const has = (kind: EventKind) => Number(events.some((event) => event.kind === kind));
+  const { of, size } = facts.worst(entity) ?? { of: "spread", size: 0 };
+  return [has("wrong"), of === "error" && has("beyond") ? size : 0, has("lost") + has("register"), has("flipped"), has("unexplained")];
+}
+
+function bySeverity(facts: RunFacts, order: readonly Entity[]): Entity[] {
+  const ranks = new Map(order.map((entity) => [entity, severity(facts, entity)]));
+  const compare = (a: Entity, b: Entity) => ranks.get(b)!.map((rank, k) => rank - ranks.get(a)![k]).find((difference) => difference !== 0) ?? 0;
+  return [...order].sort(compare);
+}
+
+/** Of a run without troubles; errors that are beyond 3 sigma are told, however few. */
+function calmText(facts: RunFacts, order: readonly Entity[], hasTruth: boolean): string {
+  const nothing = "no flip, no lost object, no run of detections that are not explained";
+  if (!hasTruth) return `Nothing went wrong that the trace shows: ${nothing}.`;
+  const deviations = order.map((entity) => facts.deviation(entity)).filter((deviation) => deviation !== undefined);
+  const sum = (of: (deviation: Deviation) => number) => deviations.reduce((total, deviation) => total + of(deviation), 0);
+  const [beyond, frames] = [sum(framesBeyond), sum((deviation) => deviation.frames)];
+  if (beyond === 0) return `Nothing went wrong that the trace shows: ${nothing}, no wrong mode, and no error is beyond 3 sigma.`;
+  return `The trace shows ${nothing} and no wrong mode. Errors are beyond 3 sigma in ${beyond} of ${frames} poses, but never for long.`;
+}
+
+/** What went wrong, an item per object, the worst first. */
 function troubles(state: RunState, facts: RunFacts, order: readonly Entity[]): HTMLElement {
   const list = element("ul", { class: "troubles" });
-  for (const entity of order) {
+  const told = new Set<EventKind>();
+  for (const entity of bySeverity(facts, order)) {
     const events = facts.eventsOfEntity(entity);
-    const isBeyond = events.some(({ kind }) => kind === "beyond");
-    const parts = [...BAD_KINDS].flatMap((kind) => {
-      // Both tell of the same errors, and one is enough for a summary.
-      const own = events.filter((event) => event.kind === kind && !(kind === "nees" && isBeyond));
-      return own.length > 0 ? [trouble(state, kind, own)] : [];
-    });
-    if (parts.length === 0) continue;
+    const kinds = kindsOf(events);
+    if (kinds.length === 0) continue;
     const item = element("li", {}, button(state.nameOf(entity), () => state.select(entity), { class: "link strong" }), ": ");
-    parts.forEach((part, k) => item.append(...(k > 0 ? ["; "] : []), ...part));
+    kinds.forEach((kind, k) => item.append(...(k > 0 ? ["; "] : []), ...trouble(state, facts, kind, events.filter((event) => event.kind === kind))));
     item.append(".");
     list.append(item);
+    for (const kind of kinds) told.add(kind);
   }
-  if (list.childElementCount > 0) return element("div", {}, element("h2", {}, "What went wrong"), list);
-  const truth = state.trace.hasTruth ? ", and no error is beyond 3 sigma for longer than chance" : "";
-  return element("p", {}, `Nothing went wrong that the trace shows: no flip, no lost object, no run of detections that are not explained${truth}.`);
+  if (told.size === 0) return element("p", {}, calmText(facts, order, state.trace.hasTruth));
+  const isFault = [...told].some((kind) => BAD_KINDS.has(kind));
+  return element("div", {}, element("h2", {}, isFault ? "What went wrong" : "What was not known"), list);
 }
 
 /** Consistency of all poses, the worst first. */

@@ -6,16 +6,20 @@ import { fixed, percent, plural, short, time } from "../ui/numbers.ts";
 import type { Deviation } from "./deviation.ts";
 import { hypothesisEvents } from "./hypothesis_events.ts";
 import { flips } from "./flips.ts";
+import { modeEvents } from "./mode_events.ts";
 import { joinAll, type Span, spansOf } from "./spans.ts";
 import type { ObjectTrack, Trace } from "./trace.ts";
 
 export const EVENT_KINDS = {
   entered: "entered",
+  wrong: "on a wrong mode",
   flipped: "flip or jump",
   born: "hypothesis born",
   merged: "hypothesis merged",
   pruned: "hypothesis pruned",
   unexplained: "detections not explained",
+  ambiguous: "ambiguous",
+  unknown: "pose not known",
   lost: "lost",
   register: "register again",
   moved: "moved",
@@ -25,7 +29,9 @@ export const EVENT_KINDS = {
 export type EventKind = keyof typeof EVENT_KINDS;
 
 /** Kinds that say that something went wrong. */
-export const BAD_KINDS: ReadonlySet<EventKind> = new Set(["flipped", "unexplained", "lost", "register", "beyond", "nees"]);
+export const BAD_KINDS: ReadonlySet<EventKind> = new Set(["wrong", "flipped", "unexplained", "lost", "register", "beyond", "nees"]);
+/** Kinds in which the filter says itself that it is not sure: no fault, but worth telling. */
+export const UNSURE_KINDS: ReadonlySet<EventKind> = new Set(["ambiguous", "unknown"]);
 
 export interface RunEvent extends Span {
   kind: EventKind;
@@ -99,16 +105,23 @@ function entered(trace: Trace, { world, relative }: ObjectTrack): Found[] {
   return [];
 }
 
-function ofObject(trace: Trace, index: number, gap: number): Found[] {
+/** Spans of a word of health. */
+function ofHealth(trace: Trace, { health }: ObjectTrack, kind: EventKind & ("lost" | "ambiguous"), gap: number): Found[] {
+  const word = trace.healths.indexOf(kind);
+  return health && word >= 0 ? named(kind, spansOf(trace.frames, (frame) => (health[frame] === word ? 1 : 0), gap)) : [];
+}
+
+function ofObject(trace: Trace, index: number, deviation: Deviation | undefined, gap: number): Found[] {
   const object = trace.objects[index];
-  const { health, registerAgain } = object;
-  const lost = trace.healths.indexOf("lost");
+  const { registerAgain } = object;
   return [
     ...entered(trace, object),
     ...flips(trace, object),
     ...hypothesisEvents(trace, object),
     ...unexplained(trace, object),
-    ...(health && lost >= 0 ? named("lost", spansOf(trace.frames, (frame) => (health[frame] === lost ? 1 : 0), gap)) : []),
+    ...modeEvents(trace, object, deviation, gap),
+    ...ofHealth(trace, object, "ambiguous", gap).filter(({ count }) => count >= LEAST_FRAMES),
+    ...ofHealth(trace, object, "lost", gap),
     ...(registerAgain ? named("register", spansOf(trace.frames, (frame) => registerAgain[frame], gap)) : []),
     ...moved(trace, object, gap),
   ];
@@ -132,7 +145,7 @@ export function eventsOf(trace: Trace, errors: ErrorSeries): RunEvent[] {
   let events: RunEvent[] = [];
   for (let entity = -1; entity < trace.objects.length; ++entity) {
     const found = [
-      ...(entity < 0 ? [] : ofObject(trace, entity, gap)),
+      ...(entity < 0 ? [] : ofObject(trace, entity, errors.deviation(entity), gap)),
       ...beyond("beyond", errors.deviation(entity)?.largest, SIGMA_LIMIT, SIGMA_SURE, gap),
       ...beyond("nees", errors.nees(entity), NEES_LIMIT, NEES_SURE, gap),
     ];
@@ -168,6 +181,12 @@ export function describe(trace: Trace, event: RunEvent): string {
       return count > 1 ? `${count} hypotheses pruned, one that had ${percent(size)}` : `a hypothesis pruned that had up to ${percent(size)}`;
     case "unexplained":
       return `${plural(count, "detection")} that the leading hypothesis does not explain, ${lasting(trace, event)}`;
+    case "wrong":
+      return `on a wrong mode ${lasting(trace, event)}${detail === undefined ? "" : `: ${detail} from the truth`}`;
+    case "ambiguous":
+      return `ambiguous ${lasting(trace, event)}`;
+    case "unknown":
+      return `${detail ?? "pose not known"} (3 sigma), ${lasting(trace, event)}`;
     case "lost":
       return `lost ${lasting(trace, event)}${to === trace.frames - 1 ? ", until the end" : ", then found again"}`;
     case "register":

@@ -61,6 +61,27 @@ test("errors beyond 3 sigma and NEES beyond its band are found where the truth s
   assert.ok(without.events.some(({ kind }) => kind === "flipped"));
 });
 
+test("a wrong mode, a track that is ambiguous, and an object out of sight whose pose is not known", async () => {
+  const json = eventfulTrace();
+  const { mug, cart } = json.objects;
+  mug.health = mug.health!.map((word, k) => (k >= 100 && k < 130 ? "ambiguous" : word));
+  const hidden = (k: number) => k >= 200 && k < 250;
+  cart.detection = cart.detection.map((pose, k) => (hidden(k) ? null : pose));
+  for (const track of [cart.world, cart.relative]) {
+    track.sd = track.sd.map((sd, k) => (hidden(k) ? sd!.map(() => 0.2) : sd));
+    track.position_covariance = track.position_covariance!.map((covariance, k) => (hidden(k) ? [0.04, 0, 0, 0.04, 0, 0.04] : covariance));
+    track.pose = track.pose.map((pose, k) => (hidden(k) ? [pose![0] + 0.3, ...pose!.slice(1)] : pose));
+  }
+  const facts = await factsOf(json);
+  assert.deepEqual(frames(of(facts, "tea-box", "wrong")), [[0, AT.flip - 1]]);
+  assert.match(describe(facts.trace, of(facts, "tea-box", "wrong")[0]), /^on a wrong mode for 6\.00 s: turned (17\d|180) deg about z.* from the truth$/);
+  assert.deepEqual(frames(of(facts, "mug", "ambiguous")), [[100, 129]]);
+  assert.deepEqual(frames(of(facts, "cart", "unknown")), [[200, 249]]);
+  assert.match(describe(facts.trace, of(facts, "cart", "unknown")[0]), /^position not known to better than 600 mm \(3 sigma\), for 5\.00 s$/);
+  assert.deepEqual(of(facts, "cart", "wrong"), []);
+  assert.ok(facts.events.every(({ kind, entity }) => kind !== "wrong" || entity === IDS.indexOf("tea-box")));
+});
+
 test("events are by time, and every kind has words", async () => {
   const facts = await factsOf(eventfulTrace());
   const times = facts.events.map(({ from }) => from);
