@@ -22,8 +22,14 @@ export class Describer {
     if (pick.kind === "truth") return this.other(`${id}: ground truth`, pick, frame);
     if (pick.kind === "detection") return this.other(`${id}: detection`, pick, frame);
     const quaternion = pick.entity === CAMERA ? this.q : this.objects.quaternions[pick.entity];
-    if (!this.uncertainty.read(pick.entity, frame, quaternion, this.spread)) return [id];
-    return [id, ...spreadLines(this.spread, this.uncertainty.look.frame).map((line) => (pick.entity === CAMERA ? line.replace("T_world_object", "T_world_camera") : line))];
+    const head = [id, ...this.weight(pick.entity, frame)];
+    if (!this.uncertainty.read(pick.entity, frame, quaternion, this.spread)) return head;
+    return [...head, ...spreadLines(this.spread, this.uncertainty.look.frame).map((line) => (pick.entity === CAMERA ? line.replace("T_world_object", "T_world_camera") : line))];
+  }
+
+  private weight(entity: number, frame: number): string[] {
+    const percent = entity === CAMERA ? -1 : this.objects.leadingPercent(entity, frame);
+    return percent < 0 ? [] : [`${percent} %: the filter's own weight of this hypothesis, a belief`];
   }
 
   private hypothesis(id: string, { entity, slot }: Pick, frame: number): string[] {

@@ -132,8 +132,8 @@ export class ObjectPart {
     if (this.isHere[index]) {
       const p = this.positions[index];
       const isSelected = this.state.selected === index;
-      this.labels.add(p[0], p[1], p[2], this.names.at(index, frame, this.leadingPercent(index, frame)), isSelected ? style.strong : style.name);
-      if (isSelected) this.uncertainty.addLengths(this.labels, frame, p, style.part);
+      this.labels.add(p[0], p[1], p[2], this.names.at(index, frame, this.layers.hypotheses ? this.leadingPercent(index, frame) : -1), isSelected ? style.strong : style.name);
+      if (isSelected) this.uncertainty.addLengths(this.labels, p, style.part);
       return;
     }
     // The ground truth of what was not seen so far would be nameless axes.
@@ -143,9 +143,11 @@ export class ObjectPart {
     this.labels.add(this.p[0], this.p[1], this.p[2], this.lateNames[index], style.truth);
   }
 
-  private leadingPercent(index: number, frame: number): number {
-    if (!this.layers.hypotheses) return -1;
-    for (const slot of this.trace.objects[index].hypotheses) {
+  /** The weight of the hypothesis that is the estimate; -1 where it is the only one that the filter can have, since its weight says nothing then. */
+  leadingPercent(index: number, frame: number): number {
+    const { hypotheses, modeProbability } = this.trace.objects[index];
+    if (hypotheses.length < 2 && modeProbability?.(frame) === undefined) return -1;
+    for (const slot of hypotheses) {
       if (!slot.pose.has(frame)) continue;
       slot.pose.position(frame, this.p);
       slot.pose.quaternion(frame, this.q);

@@ -5,6 +5,7 @@ import { type Camera, type OrthographicCamera, type PerspectiveCamera, Vector3 }
 import { AXIS_COLOURS } from "../ui/palette.ts";
 import { onTheme, themeColour } from "../ui/theme.ts";
 import type { Painter } from "./labels.ts";
+import { wrapped } from "./picture_text.ts";
 import type { Placement } from "./placement.ts";
 import { lengthText, roundLength } from "./units.ts";
 import type { View } from "./views.ts";
@@ -24,6 +25,8 @@ export function metresPerPixel(camera: PerspectiveCamera | OrthographicCamera, d
 export class Overlay implements Painter {
   /** Lines at the upper left. */
   notes: string[] = [];
+  /** The same as they were drawn last, with the lines broken. */
+  readonly noteLines: string[] = [];
   /** Where the selected object is, and how large [m]; undefined if it is not seen. */
   readonly marked = new Vector3();
   markedSize = 0;
@@ -54,7 +57,7 @@ export class Overlay implements Painter {
     this.paintMark(context, width, height, camera);
     this.paintScale(context, width, height, camera, placement);
     this.paintAxes(context, width, height, camera, placement);
-    this.paintNotes(context, placement);
+    this.paintNotes(context, width, placement);
   }
 
   /** Corners around the selected object. */
@@ -153,14 +156,21 @@ export class Overlay implements Painter {
     context.font = FONT;
   }
 
-  private paintNotes(context: CanvasRenderingContext2D, placement: Placement): void {
-    this.notes.forEach((text, i) => {
-      const width = context.measureText(text).width + 12;
-      this.plate(context, 6, 6 + 20 * i, width, 18);
-      placement.block(6, 6 + 20 * i, width, 18);
-      context.fillStyle = i === 0 ? this.ink : this.muted;
-      context.fillText(text, 12, 15 + 20 * i);
-    });
+  /** What is wider than the picture goes on in the next line. */
+  private paintNotes(context: CanvasRenderingContext2D, most: number, placement: Placement): void {
+    const measure = (text: string) => context.measureText(text).width;
+    this.noteLines.length = 0;
+    for (let i = 0; i < this.notes.length; ++i) {
+      for (const text of wrapped(this.notes[i], most - 24, measure)) {
+        const top = 6 + 20 * this.noteLines.length;
+        const width = measure(text) + 12;
+        this.plate(context, 6, top, width, 18);
+        placement.block(6, top, width, 18);
+        context.fillStyle = i === 0 ? this.ink : this.muted;
+        context.fillText(text, 12, top + 9);
+        this.noteLines.push(text);
+      }
+    }
   }
 
   /** The view along the axis whose end is at a point of the picture. */

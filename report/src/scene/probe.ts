@@ -21,9 +21,10 @@ export function sceneProbe(scene: SlamScene, state: RunState): SceneProbe {
   const { viewport, uncertainty, camera } = scene;
   return Object.freeze({
     get counts() { return { ...uncertainty.counts, wireframes: scene.bodies.wireframes }; },
-    get factor() { return uncertainty.factor(state.frame); },
+    get factor() { return uncertainty.factor; },
     get look() { return { ...uncertainty.look }; },
     get notes() { return [...viewport.overlay.notes]; },
+    get noteLines() { return viewport.overlay.noteLines; },
     get scale() { return { ...viewport.overlay.scale }; },
     get axisEnds() { return viewport.overlay.axisEnds; },
     get labels() { return viewport.labels.shown; },

@@ -91,7 +91,7 @@ export class SlamScene {
   private fit(depth: number): void {
     const { viewport, trace, unit } = this;
     const corners = this.camera.corners.map(([x, y]) => [depth * x, depth * y, depth]);
-    const most = 0.3 * viewport.size;
+    const most = 0.15 * viewport.size;
     viewport.setNear(objectBounds(trace));
     viewport.setBounds(fullBounds(trace, { corners, reach: (index, frame) => Math.max(1.3 * unit, Math.min(most, this.uncertainty.reach(index, frame))) }));
     this.origin.begin();
@@ -279,7 +279,7 @@ export class SlamScene {
   private note(frame: number): void {
     const { notes } = this.viewport.overlay;
     notes.length = 0;
-    const uncertain = this.uncertainty.describe(frame);
+    const uncertain = this.uncertainty.describe();
     if (uncertain) notes.push(uncertain);
     const { caption } = this.viewport;
     if (caption) notes.push(caption);

@@ -2,16 +2,16 @@
 // SPDX-FileCopyrightText: posemix contributors
 // How sure the filter is, in space: ellipsoids of the position, cones of the rotation, samples and principal axes.
 import { Color, Group } from "three";
-import { coneMap } from "../math/cone.ts";
+import { coneMap, MOST_HALF_ANGLE } from "../math/cone.ts";
 import { PoseSamples } from "../math/pose_samples.ts";
-import { matrixOf, multiply, type Numbers, rotate } from "../math/rotation.ts";
+import { DEGREES, matrixOf, multiply, type Numbers, rotate } from "../math/rotation.ts";
 import { CAMERA, type Entity } from "../state/run_state.ts";
 import type { Estimate, Trace } from "../trace/trace.ts";
 import { AXIS_COLOURS } from "../ui/palette.ts";
 import { Batch } from "./batch.ts";
 import type { Bodies } from "./bodies.ts";
 import type { CameraPart } from "./camera_part.ts";
-import { Exaggeration } from "./exaggeration.ts";
+import { exaggerationOf } from "./exaggeration.ts";
 import type { LabelLayer, LabelStyle } from "./labels.ts";
 import type { Layers, UncertaintyLook } from "./layers.ts";
 import { axesShape, ballShape, barShape, coneShape } from "./shapes.ts";
@@ -41,9 +41,11 @@ export class UncertaintyPart {
   private readonly bars: Batch;
   private readonly cloud = new Batch(axesShape(0.03), SAMPLES, { tintShare: 0.35, order: 1 });
   private readonly samples = new PoseSamples(SAMPLES);
-  private readonly automatic = new Map<string, Exaggeration>();
+  private readonly automatic = new Map<string, number>();
   private readonly axisColours = AXIS_COLOURS.map((colour) => new Color(colour));
   private readonly ink = new Color();
+  /** Whether a cone of this frame would be wider than cones are drawn. */
+  private isCapped = false;
   private words = "";
   private wordsOf = NaN;
   private readonly turn = new Float64Array(9);
@@ -69,43 +71,45 @@ export class UncertaintyPart {
   }
 
   /** How many times larger than true it is drawn. */
-  factor(frame: number): number {
+  get factor(): number {
     if (this.look.factor > 0) return this.look.factor;
     const isRelative = this.look.frame === "camera";
     const key = isRelative ? "relative" : "world";
     let found = this.automatic.get(key);
-    if (!found) {
+    if (found === undefined) {
       const of = (index: number) => (isRelative ? this.trace.objects[index].relative : this.trace.objects[index].world);
-      found = new Exaggeration(this.trace, of, VISIBLE * this.unit);
+      found = exaggerationOf(this.trace, of, VISIBLE * this.unit);
       this.automatic.set(key, found);
     }
-    return found.at(frame);
+    return found;
   }
 
   /** What is drawn, in words. */
-  describe(frame: number): string {
+  describe(): string {
     const { layers, look } = this;
     // The text is made anew only where it changes.
     const key = Number(layers.ellipsoids) + 2 * Number(layers.cones) + 4 * Number(layers.samples) + 8 * Number(look.frame === "camera") +
-      16 * look.sigma + 64 * this.factor(frame);
-    if (key !== this.wordsOf) this.words = this.describeNow(frame);
+      16 * look.sigma + 64 * this.factor + 65536 * Number(this.isCapped);
+    if (key !== this.wordsOf) this.words = this.describeNow();
     this.wordsOf = key;
     return this.words;
   }
 
-  private describeNow(frame: number): string {
+  private describeNow(): string {
     const { layers, look } = this;
     const drawn = [layers.ellipsoids && "ellipsoids", layers.cones && "cones of rotation"].filter(Boolean).join(" and ");
     if (drawn === "" && !layers.samples) return "";
     const sigma = look.sigma === 0 ? "1, 2, 3 sigma" : `${look.sigma} sigma`;
-    const factor = this.factor(frame);
+    const { factor } = this;
+    const capped = layers.cones && this.isCapped ? `, cones at most ${(MOST_HALF_ANGLE * DEGREES).toFixed(0)} deg wide to each side` : "";
     const size = factor === 1 ? "true size" : `drawn ${factor} times larger`;
     const of = look.frame === "camera" ? ", relative to the camera" : "";
-    return (drawn === "" ? `samples, ${size}` : `${drawn}: ${sigma}, ${size}`) + of;
+    return (drawn === "" ? `samples, ${size}` : `${drawn}: ${sigma}, ${size}`) + capped + of;
   }
 
   begin(): void {
     this.hasSelected = false;
+    this.isCapped = false;
     for (const batch of [this.shells, this.cones, this.bars, this.cloud]) batch.begin();
   }
 
@@ -130,7 +134,7 @@ export class UncertaintyPart {
   add(entity: Entity, frame: number, p: Numbers, q: Numbers, colour: Color, isSelected: boolean): void {
     const spread = isSelected ? this.selected : this.spread;
     if (!this.read(entity, frame, q, spread)) return;
-    const factor = this.factor(frame);
+    const { factor } = this;
     if (isSelected) this.hasSelected = true;
     if (this.layers.ellipsoids) this.addShells(spread, p, factor, colour);
     const isConed = entity !== CAMERA && (isSelected || this.trace.objects.length <= MOST_CONED);
@@ -157,7 +161,7 @@ export class UncertaintyPart {
     matrixOf(q, this.turn);
     for (let k = 0; k < 3; ++k) {
       for (let i = 0; i < 3; ++i) this.axis[i] = this.turn[3 * i + k];
-      coneMap(this.axis, spread.rotation, this.times * factor, this.unit, this.map);
+      this.isCapped = coneMap(this.axis, spread.rotation, this.times * factor, this.unit, this.map) || this.isCapped;
       this.cones.addLinear(p, this.map, 1, this.axisColours[k], isSelected ? 0.75 : 0.4);
     }
   }
@@ -183,11 +187,11 @@ export class UncertaintyPart {
   }
 
   /** The lengths of the selected object's axes, true ones, in mm. */
-  addLengths(labels: LabelLayer, frame: number, p: Numbers, style: LabelStyle): void {
+  addLengths(labels: LabelLayer, p: Numbers, style: LabelStyle): void {
     if (!this.hasSelected || !this.layers.lengths) return;
     const isOwn = this.look.frame === "object";
     const columns = isOwn ? this.selected.axes : this.selected.directions;
-    const factor = this.factor(frame);
+    const { factor } = this;
     for (let k = 0; k < 3; ++k) {
       const sd = this.times * (isOwn ? this.selected.alongSd[k] : this.selected.lengths[k]);
       const at = factor * sd;
@@ -222,7 +226,7 @@ export class UncertaintyPart {
   /** How far from the object's position its ellipsoid is drawn. */
   reach(entity: Entity, frame: number): number {
     if (!this.layers.ellipsoids || !this.read(entity, frame, IDENTITY, this.spread)) return 0;
-    return this.times * this.factor(frame) * this.spread.lengths[0];
+    return this.times * this.factor * this.spread.lengths[0];
   }
 
   get counts(): { shells: number; cones: number; bars: number; samples: number } {

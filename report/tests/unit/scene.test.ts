@@ -11,17 +11,19 @@ import { axisOfInterest } from "../../src/mixture/marginal.ts";
 import { readMixture } from "../../src/mixture/mixture.ts";
 import { byWeight, componentColours, MOST_COLOURS, REST_COLOUR } from "../../src/mixture/order.ts";
 import { normal, sampleMixture, uniform } from "../../src/mixture/sample.ts";
-import { factorFor } from "../../src/scene/exaggeration.ts";
+import { exaggerationOf, factorFor } from "../../src/scene/exaggeration.ts";
 import { trimmed } from "../../src/scene/extent.ts";
 import { nearestImage, readImages } from "../../src/scene/images.ts";
 import { cornersOf, imageBox, readIntrinsics, windowOf } from "../../src/scene/lens.ts";
-import { legendLines, pictureName } from "../../src/scene/picture_text.ts";
+import { legendLines, pictureName, wrapped } from "../../src/scene/picture_text.ts";
 import { Placement } from "../../src/scene/placement.ts";
 import { axisText, differenceText } from "../../src/scene/tips.ts";
 import { lengthText, mmText, roundLength } from "../../src/scene/units.ts";
 import { axisName, directionOf, fitOf } from "../../src/scene/views.ts";
 import { mug, projected } from "../documents.ts";
-import { LENS } from "../scene_run.ts";
+import { packTrace } from "../pack.ts";
+import { FRAMES, LENS, sceneTrace, sdOf } from "../scene_run.ts";
+import { readTrace } from "../../src/trace/trace.ts";
 
 const close = (actual: number, expected: number, tolerance: number) =>
   assert.ok(Math.abs(actual - expected) <= tolerance, `${actual} is not ${expected}`);
@@ -51,6 +53,8 @@ test("a cone: half angles are sigmas of the rotations across the axis, and its o
   close(map[8], 2, 1e-12);
   coneMap([0, 0, 1], [9, 0, 0, 0, 9, 0, 0, 0, 9], 3, 1, map);
   close(reach(0), Math.tan(MOST_HALF_ANGLE), 1e-9);
+  const isCapped = (sd: number) => coneMap([0, 0, 1], [sd * sd, 0, 0, 0, sd * sd, 0, 0, 0, 9], 3, 1, map);
+  assert.deepEqual([isCapped(0.1), isCapped(0.5)], [false, true]);
 });
 
 /** Mean and covariance of many draws: of position, and of the rotation vector from the mean. */
@@ -209,13 +213,23 @@ test("images: the nearest one, and what is none is refused", () => {
   assert.throws(() => readImages([{ stamp_s: 1, type: "image/png", data: 'x" onerror="' }]), /images/);
 });
 
-test("exaggeration: the smallest factor that is enough, calm near the bound", () => {
-  assert.equal(factorFor(0.5, 0.1, 1), 1);
-  assert.equal(factorFor(0.02, 0.1, 1), 10);
-  assert.equal(factorFor(1e-6, 0.1, 1), 100);
-  assert.equal(factorFor(0.105, 0.1, 10), 10);
-  assert.equal(factorFor(0.2, 0.1, 10), 1);
-  assert.equal(factorFor(0, 0.1, 10), 10);
+test("exaggeration: the smallest factor that is enough for the median of the run", async () => {
+  assert.deepEqual([0.5, 0.02, 1e-6, 0].map((size) => factorFor(size, 0.1)), [1, 10, 100, 1]);
+  const trace = await readTrace(packTrace(sceneTrace()));
+  const sizes = Array.from({ length: FRAMES }, (_, frame) => 3 * Math.max(...sdOf(0, frame, false).slice(3))).sort((a, b) => a - b);
+  const of = (index: number) => (index === 0 ? trace.objects[0].world : undefined);
+  const middle = sizes[FRAMES / 2];
+  assert.ok(sizes[0] < 0.75 * middle && sizes[FRAMES - 1] > 1.5 * middle);
+  assert.equal(exaggerationOf(trace, of, 0.8 * middle), 1);
+  assert.equal(exaggerationOf(trace, of, 1.3 * middle), 10);
+});
+
+test("a note that is wider than the picture is broken between words", () => {
+  const text = "ellipsoids and cones: 3 sigma, drawn 10 times larger";
+  assert.deepEqual(wrapped(text, 100, (part) => part.length), [text]);
+  const lines = wrapped(text, 30, (part) => part.length);
+  assert.equal(lines.join(" "), text);
+  assert.ok(lines.length === 2 && lines.every((line) => line.length <= 30));
 });
 
 test("words: lengths, differences and names of files", () => {
