@@ -1,14 +1,22 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 // The state in the address of the page, #t=20.7&object=mug&tab=errors, so that a moment can be sent.
-import type { RunState, Topic } from "./run_state.ts";
+import { isView } from "../scene/views.ts";
+import { CAMERA, type Entity, type RunState, type Topic } from "./run_state.ts";
 
 const TOPICS: readonly Topic[] = ["frame", "selection", "visibility", "follow", "tab", "view"];
 /** Browsers refuse addresses that change too often. */
 const LEAST_PAUSE_MS = 300;
 
+/** What an address does not name is as it is at the beginning. */
+export interface Beginning {
+  object: Entity;
+  tab: string;
+  view: string;
+}
+
 /** The part of the address after #; what is as at the beginning is left out. */
-export function addressOf(state: RunState, initial: { object: number; tab: string; view: string }): string {
+export function addressOf(state: RunState, initial: Beginning): string {
   const parts = new URLSearchParams();
   if (state.frame !== 0) parts.set("t", String(Number(state.seconds.toFixed(4))));
   if (state.selected !== initial.object) parts.set("object", state.nameOf(state.selected));
@@ -19,27 +27,33 @@ export function addressOf(state: RunState, initial: { object: number; tab: strin
   return parts.toString();
 }
 
-/** Takes a state from an address; what it does not know is left as it is. */
-export function readAddress(state: RunState, address: string): void {
+/** Opens a tab by its name in small letters; the first one where there is no such tab. */
+function openTab(state: RunState, name: string, first: string): void {
+  if (name === state.tab.toLowerCase()) return;
+  state.setTab(name);
+  // A tab that opens puts its own name, which has a capital.
+  if (state.tab === name) state.setTab(first);
+}
+
+/** Takes the whole state from an address, so that it shows what it showed to its sender; what the page does not know is as at the beginning. */
+export function readAddress(state: RunState, address: string, initial: Beginning): void {
   const parts = new URLSearchParams(address.replace(/^#/, ""));
   const seconds = Number(parts.get("t") ?? NaN);
   // Addresses have rounded times, and the frame before would be another one.
-  if (Number.isFinite(seconds)) state.seek(seconds + 1e-4);
-  const object = state.entityOf(parts.get("object") ?? "");
-  if (object !== undefined) state.select(object);
+  state.seek(Number.isFinite(seconds) ? seconds + 1e-4 : 0);
+  state.select(state.entityOf(parts.get("object") ?? "") ?? initial.object);
   const hidden = new Set(parts.getAll("hide"));
-  state.trace.objects.forEach(({ id }, i) => state.setHidden(i, hidden.has(id)));
+  for (let entity = CAMERA; entity < state.trace.objects.length; ++entity) state.setHidden(entity, hidden.has(state.nameOf(entity)));
   state.setFollow(parts.get("follow") === "1");
-  const view = parts.get("view");
-  if (view !== null) state.setView(view);
-  const tab = parts.get("tab");
-  if (tab !== null) state.setTab(tab);
+  const view = parts.get("view") ?? "";
+  state.setView(isView(view) ? view : initial.view);
+  openTab(state, (parts.get("tab") ?? initial.tab).toLowerCase(), initial.tab);
 }
 
 /** Keeps the address as the state is, and the state as an address that is entered. */
 export function bindAddress(state: RunState): void {
   const initial = { object: state.selected, tab: state.tab, view: state.view };
-  if (location.hash.length > 1) readAddress(state, location.hash);
+  if (location.hash.length > 1) readAddress(state, location.hash, initial);
   let timer: ReturnType<typeof setTimeout> | undefined;
   const write = () => {
     timer = undefined;
@@ -47,5 +61,5 @@ export function bindAddress(state: RunState): void {
     history.replaceState(null, "", address === "" ? location.pathname + location.search : `#${address}`);
   };
   for (const topic of TOPICS) state.on(topic, () => (timer ??= setTimeout(write, LEAST_PAUSE_MS)));
-  addEventListener("hashchange", () => readAddress(state, location.hash));
+  addEventListener("hashchange", () => readAddress(state, location.hash, initial));
 }

@@ -9,12 +9,20 @@ export class EventChoice {
   private readonly offKinds = new Set<EventKind>();
   private chosen: Entity | undefined;
   private shown: RunEvent[] | undefined;
+  /** The event that was stepped to last. */
+  private current: RunEvent | undefined;
   private readonly listeners = new Set<() => void>();
+  private readonly steppers = new Set<() => void>();
 
   constructor(private readonly state: RunState, private readonly facts: RunFacts) {}
 
   on(change: () => void): void {
     this.listeners.add(change);
+  }
+
+  /** Told of every step, also of one to another event of the same frame and object. */
+  onStep(step: () => void): void {
+    this.steppers.add(step);
   }
 
   private tell(): void {
@@ -43,22 +51,31 @@ export class EventChoice {
     return (this.shown ??= this.facts.events.filter(({ kind, entity }) => this.has(kind) && (this.chosen === undefined || entity === this.chosen)));
   }
 
-  /** Goes to the next (1) or previous (-1) frame at which an event begins, and selects its object. */
-  step(by: 1 | -1, onlySelected: boolean): void {
-    const { state } = this;
-    const events = this.events.filter(({ entity }) => !onlySelected || entity === state.selected);
-    const found = by > 0 ? events.find(({ from }) => from > state.frame) : events.filter(({ from }) => from < state.frame).at(-1);
-    if (!found) return;
-    // Of several that begin at one frame, the first.
-    const event = events.find(({ from }) => from === found.from)!;
-    state.go(event.from);
-    state.select(event.entity);
+  /** The event that was stepped to, as long as its frame and object are shown. */
+  private get stepped(): RunEvent | undefined {
+    const { current, state } = this;
+    return current && current.from === state.frame && current.entity === state.selected ? current : undefined;
   }
 
-  /** The event that began last at or before a frame and still lasts there. */
+  /** Goes to the next (1) or previous (-1) event, and selects its object; of several that begin at one frame to each in turn. */
+  step(by: 1 | -1, onlySelected: boolean): void {
+    const { state, stepped } = this;
+    const events = this.events.filter(({ entity }) => !onlySelected || entity === state.selected);
+    const at = stepped ? events.indexOf(stepped) : -1;
+    const next = by > 0 ? events.find(({ from }) => from > state.frame) : events.filter(({ from }) => from < state.frame).at(-1);
+    const found = at >= 0 ? events[at + by] : next;
+    if (!found) return;
+    this.current = found;
+    state.go(found.from);
+    state.select(found.entity);
+    for (const listener of this.steppers) listener();
+  }
+
+  /** The event that was stepped to; else of those that last at a frame the one that began last, of the selected object if it has one. */
   at(frame: number): RunEvent | undefined {
-    let found: RunEvent | undefined;
-    for (const event of this.events) if (event.from <= frame && frame <= event.to) found = event;
-    return found;
+    const { stepped, state } = this;
+    const lasting = this.events.filter(({ from, to }) => from <= frame && frame <= to);
+    if (stepped && lasting.includes(stepped)) return stepped;
+    return lasting.filter(({ entity }) => entity === state.selected).at(-1) ?? lasting.at(-1);
   }
 }

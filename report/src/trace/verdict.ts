@@ -81,6 +81,8 @@ export function findingIn(metrics: Json | undefined, id: string | undefined): Fi
   return { verdict, reason: typeof reason === "string" ? reason : "", anees, interval: [low, high], effective };
 }
 
+const outsideText = (name: string, share: number) => `${percent(share, share < 0.1 ? 1 : 0)} of ${name} outside 3 sigma`;
+
 /** From NEES and errors: by the interval of the mean, but errors far out in many frames are too many however alike the frames are. */
 function findingOf(nees: Float32Array, deviation: Deviation): Finding | undefined {
   const values = nees.filter((value, frame) => !Number.isNaN(value) && !Number.isNaN(deviation.largest[frame]));
@@ -89,7 +91,7 @@ function findingOf(nees: Float32Array, deviation: Deviation): Finding | undefine
   const { mean, interval, verdict } = meanSquare(values, POSE_DOF, effective);
   const { name, share } = worstAxis(deviation);
   const isOver = verdict === "overconfident" || share > BAD_OUTSIDE;
-  const reason = isOver && share > NAMED_OUTSIDE ? `${percent(share, share < 0.1 ? 1 : 0)} of ${name} outside 3 sigma` : "";
+  const reason = isOver && share > NAMED_OUTSIDE ? outsideText(name, share) : "";
   return { verdict: isOver ? "overconfident" : verdict, reason, anees: mean, interval, effective };
 }
 
@@ -115,10 +117,13 @@ export function verdictOfCoverage(deviation: Pick<Deviation, "frames" | "outside
 export function verdictOfErrors(stated: Finding | undefined, nees: Float32Array | undefined, deviation: Deviation): Verdict {
   const finding = stated ?? (nees && findingOf(nees, deviation));
   if (!finding) return verdictOfCoverage(deviation);
-  const { anees, interval: [low, high], effective, reason } = finding;
+  const { anees, interval: [low, high], effective, verdict } = finding;
+  const { name, share } = worstAxis(deviation);
+  // A reader who sees many errors far out beside "consistent" must be told why.
+  const reason = verdict === "consistent" && share > BAD_OUTSIDE ? `${outsideText(name, share)}, but so few independent frames are no proof` : finding.reason;
   const why = reason === "" ? "" : `${reason[0].toUpperCase()}${reason.slice(1)}. `;
   return {
-    ...levelOf(finding, worstAxis(deviation).share),
+    ...levelOf(finding, share),
     reason: `${why}ANEES ${rounded(anees)} (1 expected), 95 % interval ${rounded(low)} to ${rounded(high)} from ${plural(Number(rounded(effective)), "independent frame")}.`,
     sentence: why + squareText("ANEES", "sigmas", finding, deviation.frames),
   };

@@ -34,7 +34,8 @@ export class Strips {
     onTheme(() => this.draw());
     events.on(() => (this.draw(), this.update()));
     state.on("frame", () => this.update());
-    state.on("selection", () => this.draw());
+    events.onStep(() => this.update());
+    state.on("selection", () => (this.draw(), this.update()));
     this.update();
   }
 

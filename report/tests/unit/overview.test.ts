@@ -56,6 +56,7 @@ test("the program's verdict is the page's; errors far out in many frames are bad
   const { reason, sentence } = of("overconfident", 1.4, "17 % of position x outside 3 sigma")(170);
   assert.equal(reason, "17 % of position x outside 3 sigma. ANEES 1.4 (1 expected), 95 % interval 0.8 to 1.3 from 90.4 independent frames.");
   assert.match(sentence, /^17 % of position x outside 3 sigma\. ANEES 1\.4 per degree of freedom .* 1000 of them say as much as 90\.4 independent ones\.$/);
+  assert.match(of("consistent", 1)(130).sentence, /^13 % of position x outside 3 sigma, but so few independent frames are no proof\. ANEES/);
   const coverage = (most: number) => verdictOfCoverage(outside(most));
   assert.deepEqual([3, 20, 200].map((most) => coverage(most).level), ["good", "fair", "bad"]);
   assert.match(coverage(200).reason, /^20\.0 % of the errors of position x/);
@@ -149,6 +150,27 @@ test("steps from event to event, of all objects or the selected one", async () =
   events.setKind("flipped", false);
   events.step(-1, false);
   assert.equal(state.frame, AT.enters);
+});
+
+test("every event of a frame is reached, and the caption is that of the selected object", async () => {
+  const json = eventfulTrace();
+  const trace = await readTrace(packTrace(json));
+  const state = new RunState(trace, 0);
+  const events = new EventChoice(state, new RunFacts(trace));
+  // All that are there at first enter at frame 0.
+  const first = events.events.filter(({ from }) => from === 0);
+  assert.ok(first.length >= 5);
+  for (const { entity } of first) {
+    state.select(entity);
+    assert.equal(events.at(0)!.entity, entity);
+  }
+  state.go(1);
+  const back = first.map(() => (events.step(-1, false), events.at(0)));
+  assert.deepEqual(back, [...first].reverse());
+  const there = first.slice(1).map(() => (events.step(1, false), events.at(0)));
+  assert.deepEqual(there, first.slice(1));
+  events.step(1, false);
+  assert.ok(state.frame > 0);
 });
 
 test("strips show the least of every pixel", async () => {
