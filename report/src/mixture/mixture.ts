@@ -21,6 +21,8 @@ export interface Component {
 }
 
 export interface Mixture {
+  /** Of its object in a run, whose tints its components have. */
+  colour?: string;
   name: string;
   distribution: Distribution;
   side: Side;

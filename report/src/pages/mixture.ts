@@ -11,6 +11,7 @@ import { lengthText } from "../scene/units.ts";
 import type { View, Viewport } from "../scene/viewport.ts";
 import type { RunState } from "../state/run_state.ts";
 import { button, choice, element, toggle } from "../ui/dom.ts";
+import { colourOf } from "../ui/palette.ts";
 import { files } from "./files.ts";
 import { footer, header, noScene, picture, publish } from "./page.ts";
 import { fullScreenButton } from "./scene_controls.ts";
@@ -89,8 +90,15 @@ export interface MixtureView {
 
 const ofObject = (mixture: Mixture, id: string) => mixture.to === id || mixture.name === `mixture_${id}.json`;
 
+/** A mixture of a run has the colour of its object. */
+function coloured(mixture: Mixture, state: RunState | undefined): Mixture {
+  const index = state?.trace.objects.findIndex(({ id }) => ofObject(mixture, id)) ?? -1;
+  return index < 0 ? mixture : { ...mixture, colour: colourOf(index) };
+}
+
 /** Scene, marginal and table of one or more mixtures; of a run, those at its last frame. */
-export function mixtureView(mixtures: Mixture[], state?: RunState): MixtureView {
+export function mixtureView(plain: Mixture[], state?: RunState): MixtureView {
+  const mixtures = plain.map((mixture) => coloured(mixture, state));
   const drawn = mixtures.map((mixture): Drawn => ({ mixture, flags: sampleMixture(mixture, FLAGS), many: undefined }));
   const below = element("div", { class: "below" });
   const stage = element("div", { class: "stage" });

@@ -21,6 +21,7 @@ import { axisText, differenceText } from "../../src/scene/tips.ts";
 import { lengthText, mmText, roundLength } from "../../src/scene/units.ts";
 import { axisName, directionOf, fitOf } from "../../src/scene/views.ts";
 import { mug, projected } from "../documents.ts";
+import { colourOf } from "../../src/ui/palette.ts";
 import { packTrace } from "../pack.ts";
 import { FRAMES, LENS, sceneTrace, sdOf } from "../scene_run.ts";
 import { readTrace } from "../../src/trace/trace.ts";
@@ -252,6 +253,12 @@ test("mixtures: by weight, and only the heaviest have colours of their own", () 
   const colours = componentColours(mixture);
   assert.equal(new Set(order.slice(0, MOST_COLOURS).map((k) => colours[k])).size, MOST_COLOURS);
   assert.ok(order.slice(MOST_COLOURS).every((k) => colours[k] === REST_COLOUR));
+  // In a run: the object's own colour and tints of it, none of which is another object's.
+  const tints = componentColours({ ...mixture, colour: colourOf(2) });
+  assert.equal(tints[order[0]], colourOf(2));
+  assert.equal(new Set(order.slice(0, 5).map((k) => tints[k])).size, 5);
+  const others = Array.from({ length: 10 }, (_, i) => colourOf(i).toLowerCase()).filter((_, i) => i !== 2);
+  assert.ok(tints.every((colour) => !others.includes(colour.toLowerCase())));
 });
 
 test("the marginal opens on the axis with peaks, else on the widest", () => {
