@@ -9,6 +9,7 @@ import { table } from "../ui/table.ts";
 import { type Tab, tabs } from "../ui/tabs.ts";
 import { files } from "./files.ts";
 import { footer, header, picture, publish } from "./page.ts";
+import { printConsistency } from "./print_consistency.ts";
 
 const list = (value: Json | undefined): Json[] => (Array.isArray(value) ? value : []);
 const object = (value: Json | undefined): JsonObject => (isObject(value) ? value : {});
@@ -65,5 +66,7 @@ export function consistencyPage(payload: Payload): HTMLElement {
   if (rest.length > 0) made.push({ name: "Files", build: () => element("div", {}, ...rest) });
   publish({ kind: "consistency", poses: poses.map((pose) => String(pose["name"] ?? "")), pictures: pictures.length });
   const aligned = document["alignment"] === "none" ? "" : `, aligned (${String(document["alignment"])})`;
-  return element("div", { class: "page" }, header(payload, `Consistency of estimates${aligned}`), element("main", {}, tabs("Consistency", made).node), footer(payload));
+  const subtitle = `Consistency of estimates${aligned}`;
+  printConsistency(payload, subtitle, poses);
+  return element("div", { class: "page" }, header(payload, subtitle), element("main", {}, tabs("Consistency", made).node), footer(payload));
 }

@@ -13,6 +13,7 @@ import { markedForPrint, onPrint, printHeader, type PrintTable, printTable, scen
 import { provenanceLines } from "./provenance.ts";
 
 const INK = "#1d2125";
+const BOUND = "99.7 % bound";
 const MOST_OBJECTS = 15;
 const MOST_TROUBLES = 8;
 const PLOT = { width: 430, height: 200 };
@@ -43,8 +44,12 @@ function entitiesOf(trace: Trace): Entity[] {
   return [{ name: "camera", colour: INK, estimate: trace.camera, mode: undefined }, ...objects];
 }
 
-function aneesOf(payload: Payload, id: string): Json {
+function aneesOf(payload: Payload, id: string | undefined): Json {
   const metrics = payload.documents["metrics.json"];
+  if (id === undefined) {
+    const camera = isObject(metrics) ? metrics["camera_consistency"] : undefined;
+    return isObject(camera) ? (camera["anees"] ?? null) : null;
+  }
   const consistency = isObject(metrics) ? metrics["consistency"] : undefined;
   const anees = isObject(consistency) ? consistency["relative_anees"] : undefined;
   return isObject(anees) ? (anees[id] ?? null) : null;
@@ -66,28 +71,32 @@ function measured(trace: Trace, entity: Entity): Measured | undefined {
 
 function summary(payload: Payload, trace: Trace, list: Measured[]): PrintTable {
   const hasTruth = trace.hasTruth;
-  const [what, of] = hasTruth ? ["error", rms] : ["99.7 % bound", middle];
+  const [what, of] = hasTruth ? ["error", rms] : [BOUND, middle];
   const kind = hasTruth ? "rms" : "median";
   return {
     name: hasTruth ? "Errors: the camera in the world, objects as seen from the camera" : "Uncertainty; there is no ground truth, so that errors are not known",
     columns: ["", "frames", `position ${what}, ${kind}_mm`, `rotation ${what}, ${kind}_deg`, "ANEES (expected 1)", "mode probability at the end"],
-    rows: list.map(({ name, distance, angle, mode }) => {
+    rows: list.map(({ name, estimate, distance, angle, mode }) => {
       const end = mode?.filter((value) => value !== null).pop() ?? null;
-      return [name, distance.filter((value) => value !== null).length, of(distance), of(angle), name === "camera" ? null : aneesOf(payload, name), end];
+      return [name, distance.filter((value) => value !== null).length, of(distance), of(angle), aneesOf(payload, estimate === trace.camera ? undefined : name), end];
     }),
   };
 }
 
 function plots(trace: Trace, list: Measured[]): HTMLElement {
-  const what = trace.hasTruth ? "error" : "99.7 % bound";
+  const what = trace.hasTruth ? "error" : BOUND;
   const camera = list.find(({ estimate }) => estimate === trace.camera);
   const objects = list.filter((one) => one !== camera);
   const plot = (title: string, series: TimeSeries[], range?: [number, number]) =>
     series.length > 0 ? [timePlot({ title, seconds: trace.seconds, series, ...PLOT, ...(range ? { range } : {}) })] : [];
   const line = ({ name, colour }: Entity, values: Values): TimeSeries => ({ name, colour, values });
+  // The bounds of many objects would hide their errors.
+  const bound = trace.hasTruth && camera?.estimate ? spreadOf(camera.estimate, trace.frames) : undefined;
+  const dashed = (values: Values): TimeSeries => ({ name: BOUND, colour: INK, values, look: "dashed" });
+  const title = (part: string, unit: string) => `camera: ${part} ${what}${bound ? `, dashed: ${BOUND}` : ""} [${unit}]`;
   return element("div", { class: "print-plots" },
-    ...plot(`camera: position ${what} [mm]`, camera ? [line(camera, camera.distance)] : []),
-    ...plot(`camera: rotation ${what} [deg]`, camera ? [line(camera, camera.angle)] : []),
+    ...plot(title("position", "mm"), camera ? [line(camera, camera.distance), ...(bound ? [dashed(bound.distance)] : [])] : []),
+    ...plot(title("rotation", "deg"), camera ? [line(camera, camera.angle), ...(bound ? [dashed(bound.angle)] : [])] : []),
     ...plot(`objects from the camera: position ${what} [mm]`, objects.map((one) => line(one, one.distance))),
     ...plot(`objects from the camera: rotation ${what} [deg]`, objects.map((one) => line(one, one.angle))),
     ...plot("probability of the mode", objects.flatMap((one) => (one.mode ? [line(one, one.mode)] : [])), [0, 1.02]));

@@ -64,12 +64,33 @@ export function provenanceNode(documents: JsonObject): HTMLElement | undefined {
     ...(inputs.length > 0 ? [list(inputs, "Inputs and their SHA-256")] : []));
 }
 
+/** What is longer ends with an ellipsis after a whole word. */
+export function cut(text: string, most: number): string {
+  return text.length <= most ? text : `${text.slice(0, most - 1).replace(/\s+\S*$/, "")} …`;
+}
+
+/** So many letters of settings are printed, each of which is whole; tables of their own, such as noise, are in the page. */
+const MOST_PRINTED = 240;
+const MOST_OF_ONE = 60;
+
+function printed(settings: string[]): string[] {
+  const shown: string[] = [];
+  let length = 0;
+  for (const text of settings) {
+    if (text.length > MOST_OF_ONE || length + text.length > MOST_PRINTED) continue;
+    shown.push(text);
+    length += text.length + 2;
+  }
+  const left = settings.length - shown.length;
+  if (shown.length === 0) return [];
+  return [`${shown.join("; ")}${left > 0 ? `; and ${left} more in the page` : ""}`];
+}
+
 /** The same as plain lines, for print. */
 export function provenanceLines(documents: JsonObject): string[] {
   const provenance = provenanceOf(documents);
   if (!provenance) return [];
   const command = commandOf(provenance);
   const settings = settingsOf(provenance["settings"]).map(([key, value]) => `${key} = ${value}`);
-  const shown = settings.slice(0, 24).join("; ");
-  return [factsOf(provenance).join(" · "), ...(command ? [command] : []), ...(shown ? [settings.length > 24 ? `${shown}; and ${settings.length - 24} more` : shown] : [])];
+  return [factsOf(provenance).join(" · "), ...(command ? [cut(command, MOST_PRINTED)] : []), ...printed(settings)];
 }

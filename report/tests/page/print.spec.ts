@@ -2,8 +2,9 @@
 // SPDX-FileCopyrightText: posemix contributors
 // What is printed: two sheets in light colours, without controls, with nothing cut.
 import { expect, test } from "@playwright/test";
+import type { JsonObject } from "../../src/payload.ts";
 import { comparisonReport } from "../comparison_documents.ts";
-import { mixtureReport, saltBoxReport } from "../documents.ts";
+import { consistencyReport, mixtureReport, saltBoxReport } from "../documents.ts";
 import { grasp, monteCarlo, noise, ycbv } from "../study_documents.ts";
 import { syntheticReport } from "../synthetic.ts";
 import { open, scrub } from "./report.ts";
@@ -57,6 +58,31 @@ test("the sheets have the title, the numbers of the run, the scene and the plots
   await expect(sheet).toHaveCount(0);
   expect(await page.evaluate(() => document.documentElement.dataset["theme"])).toBe("dark");
   await expect(page.locator("#app")).toBeVisible();
+});
+
+test("the print of a run has the camera's ANEES, its bound beside its errors, and no setting that is cut", async ({ page }) => {
+  const report = structuredClone(run());
+  const metrics = (report["documents"] as Record<string, JsonObject>)["metrics.json"];
+  metrics["camera_consistency"] = { anees: 1.2345 };
+  metrics["provenance"] = { program: "posemix", command: "posemix slam a.toml", settings: { values: { noise: `{"mug" = ${"[1, 2], ".repeat(200)}}`, gate: 0.999 } } };
+  await open(page, "print-run-facts", report);
+  await page.evaluate(() => dispatchEvent(new Event("beforeprint")));
+  const sheet = page.locator(".print-sheet");
+  await expect(sheet.locator("tr", { hasText: "camera" }).first()).toContainText(/1\.23/);
+  await expect(sheet.locator(".print-head")).toContainText("values.gate = 0.999; and 1 more in the page");
+  await expect(sheet.locator(".print-head")).not.toContainText("noise");
+  await expect(sheet.locator(".print-plots")).toContainText("camera: position error, dashed: 99.7 % bound [mm]");
+});
+
+test("a report on consistency is printed as its findings and its NEES, not as the page", async ({ page }) => {
+  const report = consistencyReport();
+  await open(page, "print-consistency", report);
+  await page.evaluate(() => dispatchEvent(new Event("beforeprint")));
+  const sheet = page.locator(".print-sheet");
+  const pose = (((report["documents"] as Record<string, JsonObject>)["consistency.json"]["poses"]) as JsonObject[])[0];
+  for (const finding of pose["findings"] as string[]) await expect(sheet).toContainText(finding);
+  await expect(sheet).toContainText("NEES per degree of freedom (expected 1)");
+  await expect(sheet.locator("tr", { hasText: `${String(pose["name"])}: rotation` })).toHaveCount(1);
 });
 
 test("the print of a comparison has its sentence first, and all runs", async ({ page }) => {

@@ -5,7 +5,7 @@ import { test } from "node:test";
 import type { Json, JsonObject } from "../../src/payload.ts";
 import { scaleOf, tickText } from "../../src/plots/scale.ts";
 import { tracePath } from "../../src/plots/time_plot.ts";
-import { commandOf, factsOf, settingsOf } from "../../src/pages/provenance.ts";
+import { commandOf, factsOf, provenanceLines, settingsOf } from "../../src/pages/provenance.ts";
 import { type Choice, firstFilters, pointsOf } from "../../src/study/aggregate.ts";
 import { errorColumnOf, keyColumns, numericColumns, quantityColumns, wordColumns } from "../../src/study/columns.ts";
 import { storyOf } from "../../src/study/stories.ts";
@@ -163,6 +163,13 @@ test("provenance: the command can be typed, settings have their paths", () => {
   assert.deepEqual(settingsOf(given["settings"]), [["a.b", "1"], ["a.c", "[1,2]"], ["d", "x"]]);
   assert.deepEqual(factsOf(given), ["posemix 1.2", "seed 3", "2026-03-01 12:00 UTC"]);
   assert.deepEqual(factsOf({ started: "never", seed: null }), []);
+});
+
+test("provenance for print: whole settings or none, and long commands end after a word", () => {
+  const noise = `{"mug" = {"components" = [${"{weight = 0.6}, ".repeat(20)}]}}`;
+  const lines = provenanceLines({ "metrics.json": { provenance: { command: `posemix slam ${"a.toml ".repeat(80)}`, settings: { values: { motion: "odometry", noise, gate: 0.999 } } } } });
+  assert.equal(lines[2], "values.motion = odometry; values.gate = 0.999; and 1 more in the page");
+  assert.ok(lines[1].endsWith("a.toml …") && lines[1].length <= 240);
 });
 
 test("scales have round ticks within their ends", () => {
