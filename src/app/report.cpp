@@ -164,6 +164,33 @@ std::string file_url(const fs::path& path) {
   return url;
 }
 
+namespace {
+
+void add_page_options(CLI::App& command, ReportCommandOptions& options) {
+  CLI::Option* const unit =
+      command.add_option("--mesh-unit", options.mesh_unit, "Unit of all meshes (BOP: mm)")
+          ->check(CLI::IsMember({"m", "mm"}))
+          ->type_name("m|mm");
+  command
+      .add_option("--mesh", options.meshes,
+                  "Meshes of objects, with --mesh-unit: one or more, repeatable")
+      ->type_name("ID=FILE.ply")
+      ->allow_extra_args(false)
+      ->needs(unit);
+  command
+      .add_option("--camera", options.camera,
+                  "Intrinsics of the camera in pixels, without distortion")
+      ->type_name("fx,fy,cx,cy,width,height");
+  command
+      .add_option("--images", options.images,
+                  "JPEG and PNG files of the camera, with stamps in their names [s or ns] or in a "
+                  "file stamps.csv (name,stamp_s)")
+      ->type_name("DIR");
+  command.add_option("--title", options.title, "Title of the page")->type_name("TEXT");
+}
+
+}  // namespace
+
 void add_report_command(CLI::App& program, std::function<int()>& action) {
   const auto options = std::make_shared<ReportCommandOptions>();
   CLI::App* command = program.add_subcommand("report", "Results as one HTML page for a browser");
@@ -184,26 +211,7 @@ void add_report_command(CLI::App& program, std::function<int()>& action) {
           "Where to write it; without it report.html in the folder, or comparison.html in that "
           "of all runs")
       ->type_name("FILE.html");
-  CLI::Option* const unit =
-      command->add_option("--mesh-unit", options->mesh_unit, "Unit of all meshes (BOP: mm)")
-          ->check(CLI::IsMember({"m", "mm"}))
-          ->type_name("m|mm");
-  command
-      ->add_option("--mesh", options->meshes,
-                   "Meshes of objects, with --mesh-unit: one or more, repeatable")
-      ->type_name("ID=FILE.ply")
-      ->allow_extra_args(false)
-      ->needs(unit);
-  command
-      ->add_option("--camera", options->camera,
-                   "Intrinsics of the camera in pixels, without distortion")
-      ->type_name("fx,fy,cx,cy,width,height");
-  command
-      ->add_option("--images", options->images,
-                   "JPEG and PNG files of the camera, with stamps in their names [s or ns] or in a "
-                   "file stamps.csv (name,stamp_s)")
-      ->type_name("DIR");
-  command->add_option("--title", options->title, "Title of the page")->type_name("TEXT");
+  add_page_options(*command, *options);
   command->add_flag("--open", options->open, "Open it with xdg-open");
   command->add_flag("--quiet", options->quiet, "Print nothing");
   command->callback(

@@ -143,6 +143,26 @@ int slam_to_folder(const SlamOptions& options) {
   return kExitDone;
 }
 
+void add_input_options(CLI::App& command, SlamOptions& options) {
+  command
+      .add_option("sequence", options.sequence,
+                  "The recording and the settings (TOML; see docs/formats.md)")
+      ->required()
+      ->type_name("SEQUENCE.toml");
+  command.add_option("--data", options.data, "Folder below which the recording's files lie")
+      ->type_name("DIR");
+  command.add_option("--set", options.overrides, "Override a key of the sequence file; repeatable")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
+  CLI::Option* const smooth = command.add_flag(
+      "--smooth", options.smooth, "Estimates from the whole recording (filter.smooth = \"full\")");
+  command
+      .add_option("--smooth-lag", options.smooth_lag,
+                  "Estimates from N frames more (filter.smooth = \"fixed_lag\")")
+      ->type_name("N")
+      ->excludes(smooth);
+}
+
 }  // namespace
 
 void add_slam_command(CLI::App& program, std::function<int()>& action,
@@ -160,24 +180,7 @@ void add_slam_command(CLI::App& program, std::function<int()>& action,
       "\n"
       "Example: posemix slam configs/ycbv-dope.toml --set object=004_sugar_box_16k \\\n"
       "           --set sequence=0036 --set filter.max_hypotheses=6 --out out/0036");
-  command
-      ->add_option("sequence", options->sequence,
-                   "The recording and the settings (TOML; see docs/formats.md)")
-      ->required()
-      ->type_name("SEQUENCE.toml");
-  command->add_option("--data", options->data, "Folder below which the recording's files lie")
-      ->type_name("DIR");
-  command
-      ->add_option("--set", options->overrides, "Override a key of the sequence file; repeatable")
-      ->type_name("KEY=VALUE")
-      ->allow_extra_args(false);
-  CLI::Option* const smooth = command->add_flag(
-      "--smooth", options->smooth, "Estimates from the whole recording (filter.smooth = \"full\")");
-  command
-      ->add_option("--smooth-lag", options->smooth_lag,
-                   "Estimates from N frames more (filter.smooth = \"fixed_lag\")")
-      ->type_name("N")
-      ->excludes(smooth);
+  add_input_options(*command, *options);
   command
       ->add_option("--save-state", options->save_state,
                    "Save the whole posterior after the last frame to FILE too (see posemix state)")

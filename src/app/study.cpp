@@ -192,6 +192,7 @@ std::vector<StudyFile> files_of(const Study& study, const StudyReport& report,
                                 const StudyOptions& options) {
   std::vector<StudyFile> files = report.files;
   std::vector<std::string> names;
+  names.reserve(files.size());
   for (const StudyFile& file : files) names.push_back(file.name);
   Provenance provenance =
       study_provenance(options.command, study.settings, options.settings.value_or(""));

@@ -66,7 +66,7 @@ std::string paired_table(const Metrics& metrics, std::size_t width) {
 
 /// The verdict in its colour, where there are colours.
 std::string verdict_word(ConsistencyVerdict verdict, bool colours) {
-  const std::string word(word_of(verdict));
+  std::string word(word_of(verdict));
   if (!colours) return word;
   const int colour = verdict == ConsistencyVerdict::consistent      ? 32
                      : verdict == ConsistencyVerdict::overconfident ? 31

@@ -91,6 +91,7 @@ std::vector<ObjectModel> read_object_models(
     const std::map<std::string, DetectorNoise>& noise_models,
     const std::vector<FrameFile>& frames) {
   std::vector<ObjectModel> models;
+  models.reserve(tables.size());
   std::set<std::string> ids;
   for (const TomlTable& table : tables)
     models.push_back(read_model(table, files, ids, noise_models, frames));

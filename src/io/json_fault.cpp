@@ -82,7 +82,7 @@ std::string reason_of(std::string_view message) {
   if (token == "end of input") return "the text ends too early";
   if (token.empty()) return "it cannot be read";
   const std::size_t expected = message.rfind("; expected ");
-  const std::string what = "got " + token_words(token);
+  std::string what = "got " + token_words(token);
   if (expected == std::string_view::npos) return what;
   return fmt::format("{}, expected {}", what, token_words(message.substr(expected + 11)));
 }

@@ -98,7 +98,7 @@ std::string internal::write_trace(const SlamJob& job, const SlamRun& run,
             [&](std::size_t k) { return Json(run.frames[k].report.merges); });
   write_joint(out, job, run, hypotheses);
   out.flush();
-  const std::string id = hash.digits().substr(0, kRunDigits);
+  std::string id = hash.digits().substr(0, kRunDigits);
   sink(fmt::format(",\"run\":\"{}\"}}\n", id));
   return id;
 }

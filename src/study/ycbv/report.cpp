@@ -180,6 +180,7 @@ std::vector<std::string> ycbv_notes(const StudyTable& summary) {
     if (!is_new) place->second = std::min(place->second, found);
   }
   std::vector<std::string> notes;
+  notes.reserve(least.size() + 2);
   for (const auto& [detector, best] : least) {
     notes.push_back(fmt::format("{}: the least median error in the image has {}, {:.3g} px.",
                                 detector, best.second, best.first));
