@@ -3,7 +3,9 @@
 // Overview, events, one selection in the tables, the timeline on a phone.
 import { expect, type Page, test } from "@playwright/test";
 import { fixed } from "../../src/ui/numbers.ts";
+import { comparisonReport } from "../comparison_documents.ts";
 import { AT, eventfulReport, eventfulTrace, FRAMES, IDS, SD } from "../eventful.ts";
+import { packTrace } from "../pack.ts";
 import { open, openAllTabs, probe, scrub, shownPose } from "./report.ts";
 
 interface ShownEvent {
@@ -215,6 +217,43 @@ test("on a phone the timeline is in sight in every tab, wherever the page is scr
     }
     expect(await page.evaluate(() => document.documentElement.scrollWidth)).toBeLessThanOrEqual(390);
   }
+});
+
+for (const [width, height] of [[844, 390], [1024, 768]] as const) {
+  test(`at ${width} x ${height} the timeline is in sight, wherever the page is scrolled to`, async ({ page }) => {
+    await page.setViewportSize({ width, height });
+    await open(page, `timeline-${width}`, eventfulReport());
+    for (const share of [0, 0.5, 1]) {
+      await page.evaluate((part) => scrollTo(0, part * (document.documentElement.scrollHeight - innerHeight - 80)), share);
+      await expect(page.getByRole("slider", { name: "Frame" })).toBeInViewport({ ratio: 1 });
+      await expect(page.getByRole("button", { name: "Play" })).toBeInViewport({ ratio: 1 });
+    }
+    await page.evaluate(() => scrollTo(0, 0));
+    const scene = (await page.locator(".viewport").first().boundingBox())!;
+    const player = (await page.locator(".player").boundingBox())!;
+    expect(player.y - scene.y).toBeGreaterThan(0.45 * height);
+  });
+}
+
+test("of several runs the timeline is in sight on a small screen, wherever the columns are", async ({ page }) => {
+  await page.setViewportSize({ width: 1366, height: 768 });
+  await open(page, "timeline-comparison", comparisonReport());
+  for (const at of [0, 200, 500]) {
+    await page.evaluate((y) => scrollTo(0, y), at);
+    await expect(page.getByRole("slider", { name: "Frame" })).toBeInViewport({ ratio: 1 });
+  }
+});
+
+test("the table of poses fits its column, or has a shadow where it goes on", async ({ page }) => {
+  await page.setViewportSize({ width: 1366, height: 768 });
+  const json = eventfulTrace();
+  for (const id of IDS) for (const key of ["existence", "health", "register_again", "models", "model_names"] as const) delete json.objects[id][key];
+  await open(page, "poses-fit", eventfulReport({}, { trace: packTrace(json) as never }));
+  const scroll = page.getByRole("region", { name: "Poses at this frame" });
+  expect(await scroll.evaluate((node) => node.scrollWidth - node.clientWidth)).toBeLessThanOrEqual(0);
+  await expect(page.getByRole("columnheader", { name: "mode probability" }).first()).toBeInViewport({ ratio: 1 });
+  await open(page, "poses-scroll", eventfulReport());
+  expect(await scroll.evaluate((node) => getComputedStyle(node).backgroundAttachment)).toBe("local, local, scroll, scroll");
 });
 
 test("on a small screen the poses of the first rows are seen without scrolling", async ({ page }) => {

@@ -8,7 +8,7 @@ import { rotationText, sigmaText } from "../../src/state/pose_display.ts";
 import { RunFacts } from "../../src/state/run_facts.ts";
 import { CAMERA, RunState } from "../../src/state/run_state.ts";
 import { EventChoice } from "../../src/state/event_choice.ts";
-import { cameraSentence, comparison, detectorSentence } from "../../src/trace/summary.ts";
+import { cameraSentence, comparison, detectorSentence, durationSentence } from "../../src/trace/summary.ts";
 import { readTrace } from "../../src/trace/trace.ts";
 import { findingIn, sizeText, verdictOfCoverage, verdictOfErrors, verdictOfInnovations } from "../../src/trace/verdict.ts";
 import { decimalsOf, fixed, percent, short } from "../../src/ui/numbers.ts";
@@ -17,6 +17,7 @@ import { leastByPixel } from "../../src/trace/sureness.ts";
 import { normal, uniform } from "../../src/mixture/sample.ts";
 import { AT, eventfulMetrics, eventfulTrace, FRAMES, IDS } from "../eventful.ts";
 import { packTrace } from "../pack.ts";
+import { syntheticTrace } from "../synthetic.ts";
 
 test("numbers: no -0.0, three digits, no false certainty", () => {
   assert.deepEqual([-0.04, -0.06, 0, 1.25].map((value) => fixed(value, 1)), ["0.0", "-0.1", "0.0", "1.3"]);
@@ -124,8 +125,18 @@ test("sentences of metrics.json", () => {
   assert.deepEqual([comparison(1, 3.2), comparison(2, 1), comparison(1, 1.01)], ["3.2 times smaller", "2.0 times larger", "as large"]);
   assert.match(cameraSentence(eventfulMetrics())!, /5\.88 mm and 0\.758 deg\. Odometry alone has 45\.1 mm .* 7\.7 times smaller/);
   assert.equal(cameraSentence({ camera: { position_rmse_m: null } }), undefined);
+  const beside = (position: number, rotation: number) => cameraSentence({ camera: { position_rmse_m: 0.002, rotation_rmse_deg: 1 }, odometry: { position_rmse_m: position, rotation_rmse_deg: rotation } })!;
+  assert.equal(beside(0, 1e-9), "Camera: rms error 2.00 mm and 1.00 deg.");
+  assert.match(beside(0.001, 3), /: the filter is worse than odometry alone in position: its position error is 2\.0 times larger, its rotation error 3\.0 times smaller\.$/);
+  assert.match(beside(0.001, 0.5), /: the filter is worse than odometry alone: its position error/);
   assert.match(detectorSentence(eventfulMetrics())!, /2\.7 times smaller than that of the detector/);
   assert.equal(detectorSentence({ objects: { a: {} } }), undefined);
+});
+
+test("a single frame lasts no time", async () => {
+  const [one, many] = await Promise.all([1, 20].map((frames) => readTrace(syntheticTrace({ frames, objects: 1, hypotheses: 1 }))));
+  assert.match(durationSentence(one), /^1 frame; 1 object; filter /);
+  assert.match(durationSentence(many), /^20 frames in [\d.]+ s, [\d.]+ frames per second; /);
 });
 
 test("gated is what was not explained in older files, and a part of it in others", () => {
