@@ -4,6 +4,7 @@
 import { DEGREES, log } from "../math/rotation.ts";
 import { type Mixture, positionCovariance, rotationSd } from "../mixture/mixture.ts";
 import type { Payload } from "../payload.ts";
+import { shownTable } from "../study/shown.ts";
 import { storyOf } from "../study/stories.ts";
 import type { Table } from "../ui/csv.ts";
 import { element } from "../ui/dom.ts";
@@ -48,7 +49,7 @@ export function printMixtures(
         ...storyOf("salt-box", tables).map((text) => element("p", { class: "sentence" }, text)), ...scene,
         ...(scene.length === 0 ? shown : []), ...(one && scene.length > 0 ? [printTable(components(one), 12)] : [])),
       sheetOf(...(scene.length > 0 ? shown : []), ...(left > 0 ? [element("p", { class: "hint" }, `${left} more figures are in the page.`)] : []),
-        ...(rows ? [printTable({ name: "stages", ...rows }, 16)] : []),
+        ...(rows ? [printTable({ name: "stages", ...shownTable(rows) }, 16)] : []),
         ...(one && (scene.length === 0 || one.components.length > 12) ? [printTable(components(one), MOST_COMPONENTS)] : []),
         ...(others.length > 0 ? [element("p", { class: "hint" }, `The page has further mixtures: ${others.join(", ")}.`)] : [])),
     ];

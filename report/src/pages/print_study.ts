@@ -4,6 +4,7 @@
 import type { Payload } from "../payload.ts";
 import { chartNotes, firstChoice, tableCharts } from "../plots/explorer.ts";
 import { drawTable } from "../plots/table_chart.ts";
+import { shownTable } from "../study/shown.ts";
 import { questionOf, storyOf } from "../study/stories.ts";
 import type { Table } from "../ui/csv.ts";
 import { element } from "../ui/dom.ts";
@@ -16,7 +17,8 @@ const MOST_PANELS = 2;
 const MOST_LINES = 26;
 const WIDTH = 860;
 
-function chartOf(study: string, table: Table | undefined): Node[] {
+function chartOf(study: string, plain: Table | undefined): Node[] {
+  const table = plain && shownTable(plain);
   const first = table && firstChoice(table, firstColumns(study));
   if (!table || !first) return [];
   const { points, charts } = tableCharts(table, first);
@@ -29,7 +31,8 @@ function chartOf(study: string, table: Table | undefined): Node[] {
 }
 
 /** What is printed of a table: not standard errors, bands and links, which the page has. */
-function forPrint({ columns, rows }: Table): Table {
+function forPrint(table: Table): Table {
+  const { columns, rows } = shownTable(table);
   const kept = columns.flatMap((name, k) => (/(_standard_error|_error|_band_low|_band_high)$|^report$/.test(name) && k > 0 ? [] : [k]));
   return { columns: kept.map((k) => columns[k]), rows: rows.map((row) => kept.map((k) => row[k] ?? null)) };
 }

@@ -3,6 +3,7 @@
 // Draws any two columns of a table, one line per value of a third, and says what every point is made of.
 import { type Choice, filterColumns, firstFilters, type Points, pointsOf } from "../study/aggregate.ts";
 import { isTotal, keyColumns, numericColumns, quantityColumns, spoken, valuesOf, wordColumns } from "../study/columns.ts";
+import { shownName, shownTable } from "../study/shown.ts";
 import { choice, element, toggle } from "../ui/dom.ts";
 import { colourOf } from "../ui/palette.ts";
 import type { Table } from "../ui/csv.ts";
@@ -15,12 +16,12 @@ interface Settings extends Choice {
   apart: boolean;
 }
 
-/** The choice that a table's chart begins with; undefined if there is nothing to draw. */
+/** The choice that the chart of a table in shown units begins with, from names of columns as they are in files; undefined if there is nothing to draw. */
 export function firstChoice(table: Table, preferred: Partial<Choice>): Choice | undefined {
   const numbers = quantityColumns(table);
   const across = [...new Set([...wordColumns(table), ...numericColumns(table)])];
   if (numbers.length < 1 || across.length < 2) return undefined;
-  const pick = (wanted: string | undefined, list: string[], otherwise: string) => (wanted !== undefined && list.includes(wanted) ? wanted : otherwise);
+  const pick = (wanted: string | undefined, list: string[], otherwise: string) => [wanted, wanted === undefined ? undefined : shownName(wanted)].find((name) => name !== undefined && list.includes(name)) ?? otherwise;
   const x = pick(preferred.x, across, across[0]);
   const y = pick(preferred.y, numbers, numbers.find((name) => name !== x) ?? numbers[0]);
   const keys = keyColumns(table).filter((name) => name !== x && name !== y);
@@ -121,7 +122,8 @@ class Explorer {
 }
 
 /** A chart of a table with lists to choose its columns from; undefined if there is nothing to draw. */
-export function explorer(table: Table, preferred: Partial<Choice>): HTMLElement | undefined {
+export function explorer(plain: Table, preferred: Partial<Choice>): HTMLElement | undefined {
+  const table = shownTable(plain);
   const first = firstChoice(table, preferred);
   return first && new Explorer(table, first).node;
 }

@@ -2,7 +2,8 @@
 // SPDX-FileCopyrightText: posemix contributors
 // A table of any size: sorted by any column, narrowed by words, page by page, with bars behind its numbers.
 import type { Json } from "../payload.ts";
-import { isNumber, keyColumns, valuesOf } from "../study/columns.ts";
+import { columnOf, isNumber, keyColumns, valuesOf } from "../study/columns.ts";
+import { lengthScales, shownName } from "../study/shown.ts";
 import type { Table } from "./csv.ts";
 import { button, choice, element } from "./dom.ts";
 import { formatted, titleOf } from "./format.ts";
@@ -46,6 +47,9 @@ function compare(a: Json, b: Json): number {
 
 interface Column {
   numeric: boolean;
+  /** What a value is multiplied by where it is written, and the name that it has then. */
+  scale: number;
+  title: { name: string; unit: string };
   decimals: number | undefined;
   most: number;
   bars: boolean;
@@ -67,7 +71,9 @@ export class DataTable {
 
   constructor(private readonly name: string, private readonly table: Table) {
     this.keys = new Set(keyColumns(table));
-    this.columns = table.columns.map((_, k) => this.columnOf(k));
+    const scales = lengthScales(table);
+    this.columns = table.columns.map((_, k) => this.columnOf(k, scales));
+    this.shareDecimals();
     this.heads = table.columns.map((_, k) => this.head(k));
     const made = element("table", {}, element("caption", { class: "unseen" }, name), element("thead", {}, element("tr", {}, ...this.heads)), this.body);
     const scroll = element("div", { class: "scroll tall", tabindex: 0, role: "region", "aria-label": `Table ${name}` }, made);
@@ -75,16 +81,31 @@ export class DataTable {
     this.fill();
   }
 
-  private columnOf(k: number): Column {
-    const values = this.table.rows.map((row) => row[k] ?? null);
+  private columnOf(k: number, scales: ReadonlyMap<string, number>): Column {
+    const column = this.table.columns[k];
+    const scale = scales.get(column) ?? 1;
+    const values = this.shownOf(k, scale);
     const numeric = values.some(isNumber) && values.every((value) => value === null || isNumber(value));
     const sizes = numeric ? values.filter(isNumber).map(Math.abs) : [];
-    const isKey = this.keys.has(this.table.columns[k]);
-    return { numeric, decimals: numeric ? decimalsOf(values) : undefined, most: sizes.reduce((most, size) => Math.max(most, size), 0), bars: numeric && !isKey && k > 0 && new Set(sizes).size > 1 };
+    const isKey = this.keys.has(column);
+    return { numeric, scale, title: titleOf(scales.has(column) ? shownName(column) : column), decimals: numeric ? decimalsOf(values) : undefined, most: sizes.reduce((most, size) => Math.max(most, size), 0), bars: numeric && !isKey && k > 0 && new Set(sizes).size > 1 };
+  }
+
+  private shownOf(k: number, scale: number): Json[] {
+    return columnOf(this.table, this.table.columns[k]).map((value) => (isNumber(value) ? scale * value : value));
+  }
+
+  /** Columns of one unit have the same decimals, where their sizes allow it. */
+  private shareDecimals(): void {
+    for (const unit of ["mm", "deg"]) {
+      const own = this.columns.flatMap((column, k) => (column.numeric && column.title.unit === unit && !this.keys.has(this.table.columns[k]) ? [k] : []));
+      const decimals = decimalsOf(own.flatMap((k) => this.shownOf(k, this.columns[k].scale)));
+      if (decimals !== undefined) for (const k of own) this.columns[k].decimals = decimals;
+    }
   }
 
   private head(k: number): HTMLElement {
-    const { name, unit } = titleOf(this.table.columns[k]);
+    const { name, unit } = this.columns[k].title;
     const press = button(unit ? `${name} [${unit}]` : name || "–", () => this.sort(k), { class: "sort" });
     return element("th", { scope: "col", class: this.columns[k].numeric ? "number" : "" }, press);
   }
@@ -137,11 +158,12 @@ export class DataTable {
     const column = this.columns[k];
     const name = this.table.columns[k];
     const link = name === "report" ? safePath(value) : undefined;
-    const written = isNumber(value) && column.decimals !== undefined ? value.toFixed(column.decimals) : formatted(value);
+    const shown = isNumber(value) ? column.scale * value : value;
+    const written = isNumber(shown) && column.decimals !== undefined ? shown.toFixed(column.decimals) : formatted(shown);
     const attributes = { class: column.numeric ? "number" : "", "data-key": `${this.name}/${row}/${name}`, "data-value": JSON.stringify(value) };
     const content = link === undefined ? written : element("a", { href: link }, "open the run");
     const made = k === 0 ? element("th", { scope: "row", ...attributes }, content) : element("td", attributes, content);
-    if (column.bars && isNumber(value) && column.most > 0) made.style.setProperty("--bar", `${((100 * Math.abs(value)) / column.most).toFixed(1)}%`);
+    if (column.bars && isNumber(shown) && column.most > 0) made.style.setProperty("--bar", `${((100 * Math.abs(shown)) / column.most).toFixed(1)}%`);
     return made;
   }
 

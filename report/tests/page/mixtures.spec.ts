@@ -3,6 +3,7 @@
 // Mixtures, on their own and at the end of a run.
 import { expect, type Page, test } from "@playwright/test";
 import type { JsonObject } from "../../src/payload.ts";
+import { colourOf } from "../../src/ui/palette.ts";
 import { mug, projected } from "../documents.ts";
 import { FRAMES, sceneReport } from "../scene_run.ts";
 import { open, probe, scrub, selectObject } from "./report.ts";
@@ -86,6 +87,10 @@ test("in a run they say that they are of the last frame, and follow the selectio
   await expect(table(page)).toContainText("T_world_mug");
   await page.keyboard.press("]");
   await expect(table(page)).toContainText("T_world_tea-box");
+  // The object's own colour and tints of it: those of the palette are other objects'.
+  const swatches = await page.locator("table.components .dot").evaluateAll((dots) => dots.map((dot) => (dot as HTMLElement).style.getPropertyValue("--swatch")));
+  expect(swatches[0]).toBe(colourOf(1));
+  expect(Array.from({ length: 10 }, (_, i) => colourOf(i))).not.toContain(swatches[1]);
   await page.getByRole("combobox", { name: "Mixture", exact: true }).selectOption({ label: "mug (mixture_mug.json)" });
   expect(await probe(page, "selected")).toBe("mug");
 });

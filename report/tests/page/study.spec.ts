@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 import { readFileSync } from "node:fs";
 import { expect, type Page, test } from "@playwright/test";
+import type { JsonObject } from "../../src/payload.ts";
 import { parseCsv } from "../../src/ui/csv.ts";
 import { grasp, monteCarlo, noise, unknownStudy, ycbv } from "../study_documents.ts";
 import { open, openAllTabs } from "./report.ts";
@@ -94,6 +95,20 @@ test("tables sort, narrow, go on, and are saved as they are shown", async ({ pag
   const table = parseCsv(readFileSync((await saved.path())!, "utf8"));
   expect(table.rows.length).toBe(60);
   expect(table.rows.map((row) => row[table.columns.indexOf("pixel_median")])).toEqual(await column("pixel_median"));
+});
+
+test("columns of one unit have the same decimals, and lengths are in mm beside the file's own values", async ({ page }) => {
+  const report = unknownStudy();
+  const study = (report["documents"] as Record<string, JsonObject>)["study.json"];
+  study["rows"] = [{ stage: "one", x_m: 0.01, y_m: 0.0123, z_cm: 3 }, { stage: "two", x_m: 0.02, y_m: 0.0456, z_cm: 1 }];
+  await open(page, "tables-units", report);
+  await page.getByRole("tab", { name: "Tables" }).click();
+  const table = page.locator(".data-table").first();
+  await expect(table.getByRole("columnheader")).toHaveText(["stage", "x [mm]", "y [mm]", "z [mm]"]);
+  const cells = await table.locator("tbody tr").first().locator("td").allTextContents();
+  expect(cells.map(Number)).toEqual([10, 12.3, 30]);
+  expect(new Set(cells.map((text) => text.split(".")[1]?.length ?? 0)).size).toBe(1);
+  await expect(table.locator('[data-key="rows/0/x_m"]')).toHaveAttribute("data-value", "0.01");
 });
 
 test("the head of a table stays in view, and a row leads to its run", async ({ page }) => {

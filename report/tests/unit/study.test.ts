@@ -8,6 +8,7 @@ import { tracePath } from "../../src/plots/time_plot.ts";
 import { commandOf, factsOf, provenanceLines, settingsOf } from "../../src/pages/provenance.ts";
 import { type Choice, firstFilters, pointsOf } from "../../src/study/aggregate.ts";
 import { errorColumnOf, keyColumns, numericColumns, quantityColumns, wordColumns } from "../../src/study/columns.ts";
+import { lengthScales, shownTable } from "../../src/study/shown.ts";
 import { storyOf } from "../../src/study/stories.ts";
 import { parseCsv, type Table, tableOfRows } from "../../src/ui/csv.ts";
 import { csvOf, decimalsOf, safePath } from "../../src/ui/data_table.ts";
@@ -155,6 +156,17 @@ test("numbers of a column share their decimals", () => {
   assert.equal(decimalsOf([1, 2, 300]), 0);
   assert.equal(decimalsOf([1e-6, 1000]), undefined);
   assert.equal(decimalsOf([0.0123, 0.0456]), 5);
+});
+
+test("small lengths are shown in mm, in whichever unit a table has them", () => {
+  const mixed: Table = { columns: ["stage", "place_m", "place_m_standard_error", "size_cm", "turn_deg"], rows: [["a", 0.01, 0.002, 3, 10], ["b", null, 0.001, 1, 2]] };
+  assert.deepEqual([...lengthScales(mixed)], [["place_m", 1000], ["place_m_standard_error", 1000], ["size_cm", 10]]);
+  assert.deepEqual(shownTable(mixed), {
+    columns: ["stage", "place_mm", "place_mm_standard_error", "size_mm", "turn_deg"], rows: [["a", 10, 2, 30, 10], ["b", null, 1, 10, 2]],
+  });
+  // Craters are not.
+  const craters = rowsOf(unknownStudy());
+  assert.equal(shownTable(craters), craters);
 });
 
 test("provenance: the command can be typed, settings have their paths", () => {
