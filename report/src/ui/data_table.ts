@@ -64,6 +64,8 @@ export class DataTable {
   private readonly heads: HTMLElement[];
   private readonly keys: ReadonlySet<string>;
   private readonly only = new Map<number, string>();
+  /** Whether every row is another quantity, so that its numbers are like each other, and not like those above. */
+  private readonly isByRow: boolean;
   private words = "";
   private sorted = -1;
   private falling = false;
@@ -71,6 +73,7 @@ export class DataTable {
 
   constructor(private readonly name: string, private readonly table: Table) {
     this.keys = new Set(keyColumns(table));
+    this.isByRow = table.columns.includes("figure");
     const scales = lengthScales(table);
     this.columns = table.columns.map((_, k) => this.columnOf(k, scales));
     this.shareDecimals();
@@ -88,7 +91,7 @@ export class DataTable {
     const numeric = values.some(isNumber) && values.every((value) => value === null || isNumber(value));
     const sizes = numeric ? values.filter(isNumber).map(Math.abs) : [];
     const isKey = this.keys.has(column);
-    return { numeric, scale, title: titleOf(scales.has(column) ? shownName(column) : column), decimals: numeric ? decimalsOf(values) : undefined, most: sizes.reduce((most, size) => Math.max(most, size), 0), bars: numeric && !isKey && k > 0 && new Set(sizes).size > 1 };
+    return { numeric, scale, title: titleOf(scales.has(column) ? shownName(column) : column), decimals: numeric ? decimalsOf(values) : undefined, most: sizes.reduce((most, size) => Math.max(most, size), 0), bars: numeric && !this.isByRow && !isKey && k > 0 && new Set(sizes).size > 1 };
   }
 
   private shownOf(k: number, scale: number): Json[] {
@@ -159,7 +162,8 @@ export class DataTable {
     const name = this.table.columns[k];
     const link = name === "report" ? safePath(value) : undefined;
     const shown = isNumber(value) ? column.scale * value : value;
-    const written = isNumber(shown) && column.decimals !== undefined ? shown.toFixed(column.decimals) : formatted(shown);
+    const decimals = this.isByRow ? decimalsOf(this.table.rows[row]) : column.decimals;
+    const written = isNumber(shown) && decimals !== undefined ? shown.toFixed(decimals) : formatted(shown);
     const attributes = { class: column.numeric ? "number" : "", "data-key": `${this.name}/${row}/${name}`, "data-value": JSON.stringify(value) };
     const content = link === undefined ? written : element("a", { href: link }, "open the run");
     const made = k === 0 ? element("th", { scope: "row", ...attributes }, content) : element("td", attributes, content);

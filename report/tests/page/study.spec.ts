@@ -111,6 +111,18 @@ test("columns of one unit have the same decimals, and lengths are in mm beside t
   await expect(table.locator('[data-key="rows/0/x_m"]')).toHaveAttribute("data-value", "0.01");
 });
 
+test("where rows are different quantities their numbers share decimals by row", async ({ page }) => {
+  const report = unknownStudy();
+  (report["documents"] as Record<string, JsonObject>)["study.json"]["rows"] = [
+    { figure: "scenes", declared: 10, none: 10 }, { figure: "share found", declared: 0.9158, none: 0.9126 }, { figure: "rotation", declared: 1.635, none: 10.17 },
+  ];
+  await open(page, "tables-figures", report);
+  await page.getByRole("tab", { name: "Tables" }).click();
+  const texts = await page.locator(".data-table").first().locator("tbody tr").evaluateAll((rows) => rows.map((row) => [...row.querySelectorAll("td")].map((cell) => cell.textContent)));
+  expect(texts[0]).toEqual(["10", "10"]);
+  for (const row of texts) expect(new Set(row.map((text) => text.split(".")[1]?.length ?? 0)).size).toBe(1);
+});
+
 test("the head of a table stays in view, and a row leads to its run", async ({ page }) => {
   await open(page, "tables-head", ycbv(60));
   await page.getByRole("tab", { name: "Tables" }).click();
