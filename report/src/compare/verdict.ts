@@ -77,7 +77,7 @@ function objectSentence(rows: MetricRow[], names: readonly string[]): string {
   for (const row of rows) {
     const name = row.entity.replace(/ from the camera$/, "");
     if (row.cells.some(({ verdict }) => verdict === "undecided")) {
-      const values = inOrder(row, row.cells.flatMap(({ value }, i) => (value === undefined ? [] : [i]))).map((i) => `${names[i]} ${valueText(row.cells[i].value, row.unit)}`);
+      const values = inOrder(row, row.cells.flatMap(({ value, verdict }, i) => (value === undefined || verdict === "worse" ? [] : [i]))).map((i) => `${names[i]} ${valueText(row.cells[i].value, row.unit)}`);
       open.push(`${name} (${values.join(", ")}; too few independent frames)`);
       continue;
     }

@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { failuresOf, failureText, spellsOf } from "../../src/compare/failures.ts";
 import { cellNote, inCommon, type MetricRow, metricRows } from "../../src/compare/metrics.ts";
-import { distinctNames, placesOf, readComparison, unionOf } from "../../src/compare/runs.ts";
+import { type Comparison, distinctNames, placesOf, readComparison, unionOf } from "../../src/compare/runs.ts";
 import { failureSentence, rowSentence, verdictSentences } from "../../src/compare/verdict.ts";
 import type { PackedRun } from "../../src/payload.ts";
 import { comparisonReport, EQUAL, FAILING, GOOD, type RunShape } from "../comparison_documents.ts";
@@ -110,6 +110,19 @@ test("shares differ by points, small differences by per cent, and few frames tel
   assert.equal(rowSentence(row(19.13, "worse"), ["x", "y", "z"]), "Box, position error, rms: z (18.8 mm) and x (30 mm) are a tie; y has 19.1 mm (2 % more, p = 0.013).");
   assert.match(rowSentence(row(57, "worse"), ["x", "y", "z"]), /y has 57 mm \(3 times as much, p = 0\.013\)/);
   assert.match(rowSentence(row(19, "tie"), ["x", "y", "z"]), /z \(18\.8 mm\), y \(19 mm\) and x \(30 mm\) are a tie/);
+});
+
+test("what is told apart is not listed among what is not", () => {
+  const test = { frames: 600, effective: 30, difference: 0.5, standardError: 0.1, p: 0.5 };
+  const row = (id: string): MetricRow => ({
+    entity: `${id} from the camera`, quantity: "rotation error, rms", unit: "deg", better: "small", best: 0, frames: 600, cells: [
+      { value: 7, verdict: "best", test: undefined, p: undefined, interval: undefined }, { value: 14, verdict: "undecided", test, p: 0.5, interval: [-7, 20] },
+      { value: 179, verdict: "worse", test, p: 0, interval: [160, 180] },
+    ],
+  });
+  const runs = ["a", "b", "c"].map((name) => ({ name }));
+  const [text] = verdictSentences({ runs, hasTruth: true } as unknown as Comparison, [row("mug"), row("box")]);
+  assert.match(text, /not told apart for mug \(a 7 deg, b 14 deg; too few independent frames\) and box/);
 });
 
 test("ANEES is best where it is nearest to one, also from below", async () => {
