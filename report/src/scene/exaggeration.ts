@@ -7,26 +7,29 @@ import type { Estimate, Trace } from "../trace/trace.ts";
 export const FACTORS = [1, 10, 100] as const;
 const SAMPLES = 400;
 
-/** The smallest factor with which a size is visible. */
-export function factorFor(size: number, visible: number): number {
+/** The smallest factor with which a size is visible, or a smaller one where it would let the largest hide the scene. */
+export function factorFor(size: number, visible: number, largest: number, most: number): number {
   if (!(size > 0)) return FACTORS[0];
-  return FACTORS.find((factor) => factor * size >= visible) ?? FACTORS[FACTORS.length - 1];
+  const wanted = FACTORS.find((factor) => factor * size >= visible) ?? FACTORS[FACTORS.length - 1];
+  return [...FACTORS].reverse().find((factor) => factor <= wanted && factor * largest <= most) ?? FACTORS[0];
 }
 
-/** The factor of a run, by the median 3 sigma of the positions of its objects over its frames. */
-export function exaggerationOf(trace: Trace, of: (index: number) => Estimate | undefined, visible: number): number {
+const middle = (sizes: number[]): number => sizes.sort((a, b) => a - b)[Math.floor(sizes.length / 2)] ?? 0;
+
+/** The factor of a run, by the 3 sigma of the position of the median object: its median over the frames, and its largest. */
+export function exaggerationOf(trace: Trace, of: (index: number) => Estimate | undefined, visible: number, most: number): number {
   const step = Math.max(1, Math.floor(trace.frames / SAMPLES));
   const covariance = new Float64Array(9);
-  const sizes: number[] = [];
-  trace.objects.forEach((_, index) => {
-    const estimate = of(index);
-    if (!estimate?.hasCovariance) return;
-    for (let frame = 0; frame < trace.frames; frame += step) {
-      if (!estimate.pose.has(frame)) continue;
+  const medians: number[] = [];
+  for (let frame = 0; frame < trace.frames; frame += step) {
+    const sizes = trace.objects.flatMap((_, index) => {
+      const estimate = of(index);
+      if (!estimate?.hasCovariance || !estimate.pose.has(frame)) return [];
       estimate.covariance(frame, covariance);
-      sizes.push(3 * Math.sqrt(Math.max(0, largestEigenvalue(covariance))));
-    }
-  });
-  sizes.sort((a, b) => a - b);
-  return factorFor(sizes[Math.floor(sizes.length / 2)] ?? 0, visible);
+      return [3 * Math.sqrt(Math.max(0, largestEigenvalue(covariance)))];
+    });
+    if (sizes.length > 0) medians.push(middle(sizes));
+  }
+  const size = middle(medians);
+  return factorFor(size, visible, medians[medians.length - 1] ?? 0, most);
 }

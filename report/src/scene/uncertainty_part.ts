@@ -21,6 +21,8 @@ import { mmText } from "./units.ts";
 const SAMPLES = 80;
 /** Share of the length of an axis that the median object's 3 sigma should have. */
 const VISIBLE = 0.25;
+/** The largest of it in the run, in lengths of an axis. */
+const MOST = 5;
 /** Of more objects the cones would hide each other: only the selected one has them. */
 const MOST_CONED = 6;
 const EYE_STRENGTH = 0.55;
@@ -78,7 +80,7 @@ export class UncertaintyPart {
     let found = this.automatic.get(key);
     if (found === undefined) {
       const of = (index: number) => (isRelative ? this.trace.objects[index].relative : this.trace.objects[index].world);
-      found = exaggerationOf(this.trace, of, VISIBLE * this.unit);
+      found = exaggerationOf(this.trace, of, VISIBLE * this.unit, MOST * this.unit);
       this.automatic.set(key, found);
     }
     return found;

@@ -215,14 +215,17 @@ test("images: the nearest one, and what is none is refused", () => {
 });
 
 test("exaggeration: the smallest factor that is enough for the median of the run", async () => {
-  assert.deepEqual([0.5, 0.02, 1e-6, 0].map((size) => factorFor(size, 0.1)), [1, 10, 100, 1]);
+  assert.deepEqual([0.5, 0.02, 1e-6, 0].map((size) => factorFor(size, 0.1, size, 1)), [1, 10, 100, 1]);
+  // What is large at first must not hide the scene.
+  assert.equal(factorFor(0.02, 0.1, 0.3, 1), 1);
   const trace = await readTrace(packTrace(sceneTrace()));
   const sizes = Array.from({ length: FRAMES }, (_, frame) => 3 * Math.max(...sdOf(0, frame, false).slice(3))).sort((a, b) => a - b);
   const of = (index: number) => (index === 0 ? trace.objects[0].world : undefined);
   const middle = sizes[FRAMES / 2];
   assert.ok(sizes[0] < 0.75 * middle && sizes[FRAMES - 1] > 1.5 * middle);
-  assert.equal(exaggerationOf(trace, of, 0.8 * middle), 1);
-  assert.equal(exaggerationOf(trace, of, 1.3 * middle), 10);
+  assert.equal(exaggerationOf(trace, of, 0.8 * middle, 9), 1);
+  assert.equal(exaggerationOf(trace, of, 1.3 * middle, 9), 10);
+  assert.equal(exaggerationOf(trace, of, 1.3 * middle, 5 * sizes[FRAMES - 1]), 1);
 });
 
 test("a note that is wider than the picture is broken between words", () => {
