@@ -79,7 +79,8 @@ function axesText(axes: AxisCoverage[], { level, word }: Verdict): string[] {
   const size = ({ square }: Coverage) => sizeText(Math.sqrt(square.mean));
   const over = of("overconfident").map(({ name, coverage }) => `${name} (sigma ${size(coverage)}, ${percent(coverage.shares[2])} within 3 sigma${grossText(coverage)})`);
   const careful = of("cautious").filter(({ coverage }) => 1 - coverage.shares[2] <= BAD_OUTSIDE).map(({ name, coverage }) => `${name} (${size(coverage)})`);
-  const nothing = level === "good" && over.length + careful.length === 0;
+  const isFarOut = axes.some(({ coverage }) => 1 - coverage.shares[2] > BAD_OUTSIDE);
+  const nothing = level === "good" && !isFarOut && over.length + careful.length === 0;
   const lead = level === "good" ? `${word[0].toUpperCase()}${word.slice(1)} as a whole, but errors are larger than sigma along` : "Overconfident along";
   return [
     ...(nothing ? ["By axis, no direction is overconfident or cautious beyond what so many frames can tell."] : []),

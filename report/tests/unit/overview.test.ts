@@ -73,6 +73,11 @@ test("without the program's verdict NEES and errors give one, for the card and t
     assert.ok(first.toLowerCase().startsWith(facts.verdict(mug).word));
     assert.equal(rest.some((text) => text.startsWith("By axis, no direction")), metrics === undefined);
   }
+  // What the program finds consistent for few independent frames has errors far out all the same.
+  const few = new RunFacts(await readTrace(packTrace(json)), { consistency: { relative_verdicts: { "cracker-box": { ...said("consistent", 1.5), effective_frames: 3 } } } });
+  const boxSaid = sentences(findingsOf(few.trace, IDS.indexOf("cracker-box"), "relative"), few.verdict(IDS.indexOf("cracker-box")), "camera");
+  assert.match(boxSaid[0], /^Consistent: .* outside 3 sigma, but so few independent frames are no proof/);
+  assert.ok(!boxSaid.some((text) => text.startsWith("By axis, no direction")));
   // Errors beyond 3 sigma in 8 % of the frames, of a pose whose mean NEES says little.
   const facts = new RunFacts(await readTrace(packTrace(json)));
   const cracker = facts.verdict(IDS.indexOf("cracker-box"));
