@@ -32,7 +32,9 @@ class HypothesisStore {
 
   /// One more entity, whose first `frames` frames have none. Returns its index.
   std::size_t add_entity(std::string prefix, std::size_t frames = 0);
-  void name(std::size_t entity, std::string prefix) { entities_[entity].prefix = std::move(prefix); }
+  void name(std::size_t entity, std::string prefix) {
+    entities_[entity].prefix = std::move(prefix);
+  }
   std::size_t size() const { return entities_.size(); }
 
   /// @throws InvalidInput as PoseColumns::read
