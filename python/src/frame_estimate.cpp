@@ -114,7 +114,7 @@ auto by_id(std::vector<Value> FrameEstimate::*member) {
     nb::dict all;
     for (std::size_t i = 0; i < (frame.*member).size(); ++i) {
       const Value& value = (frame.*member)[i];
-      all[nb::str(frame.ids->at(i).c_str())] = nb::cast(value);
+      all[nb::cast(frame.ids->at(i))] = nb::cast(value);
     }
     return all;
   };
@@ -125,7 +125,7 @@ auto none_or_by_id(std::vector<std::optional<double>> FrameEstimate::*member) {
   return [member](const FrameEstimate& frame) {
     nb::dict all = by_id(member)(frame);
     if (nb::len(all) == 0 && frame.ids)
-      for (const std::string& id : *frame.ids) all[nb::str(id.c_str())] = nb::none();
+      for (const std::string& id : *frame.ids) all[nb::cast(id)] = nb::none();
     return all;
   };
 }

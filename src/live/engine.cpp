@@ -131,8 +131,20 @@ std::optional<LiveEstimate> LiveEngine::take(const ReadyImage& ready) {
   }
 }
 
+namespace {
+
+/// Refuses an image before any of its detections is taken in.
+void check_names(const LiveImage& image) {
+  for (const LiveDetection& detection : image.detections) {
+    require(!detection.class_id.empty(), "got a detection without a class, expected its name");
+  }
+}
+
+}  // namespace
+
 void LiveEngine::put(const ReadyImage& ready) {
   const LiveImage& image = ready.image;
+  check_names(image);
   const double stamp_s = seconds(image.stamp_ns);
   const std::vector<Observation> observations = observations_of(image, stamp_s);
   const std::size_t too_late = slam_->counts().too_late;

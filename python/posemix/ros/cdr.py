@@ -27,6 +27,8 @@ _HEAD = b"\x00\x01\x00\x00"
 _PADDING = [bytes(n) for n in range(8)]
 _BOX_NUMBERS = {2: 5, 3: 10}
 _NANOSECONDS = 1_000_000_000
+# The first and last time of a message [ns]; what is beyond, as of a wrong clock, is at these.
+_FIRST_NS, _LAST_NS = -(2**31) * _NANOSECONDS, 2**31 * _NANOSECONDS - 1
 
 _POSE = {"position": "geometry_msgs/Point", "orientation": "geometry_msgs/Quaternion"}
 _SHAPED = {"pose": "geometry_msgs/Pose", "covariance": "double[36]"}
@@ -288,7 +290,7 @@ class Writer:
         """A std_msgs/Header."""
         out = self._out
         out += _PADDING[-len(out) & 3]
-        out += struct.pack("<iI", *divmod(stamp_ns, _NANOSECONDS))
+        out += struct.pack("<iI", *divmod(min(max(stamp_ns, _FIRST_NS), _LAST_NS), _NANOSECONDS))
         out += _text(frame)
 
     def data(self) -> bytes:

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import copy
+import math
 import re
 import tempfile
 import warnings
@@ -98,7 +99,7 @@ class Configuration:
     @property
     def cameras(self) -> list[str]:
         """Frames of the cameras of a rig; empty where there is one camera."""
-        return names(self.values["cameras"])
+        return [name.lstrip("/") for name in names(self.values["cameras"])]
 
     @property
     def declared(self) -> list[str]:
@@ -186,6 +187,8 @@ def configuration(given: Mapping[str, Any]) -> Configuration:
     for parameter in (*known, *more):
         parameter.checked(values[parameter.name])
     _require_sound(values)
+    for name in ("world_frame", "odom_frame", "camera_frame", "body_frame"):
+        values[name] = values[name].lstrip("/")
     noises = _noises(values["noise_file"], values)
     sources = [_source(values, name, i, noises) for i, name in enumerate(names(values["sources"]))]
     defaults = ObjectSlamSettings()
@@ -199,6 +202,12 @@ def configuration(given: Mapping[str, Any]) -> Configuration:
 
 
 def _require_sound(values: Mapping[str, Any]) -> None:
+    for name, value in values.items():
+        if isinstance(value, float) and not math.isfinite(value):
+            raise ValueError(f"{name} is {value}; expected a finite number")
+    cameras = [name.lstrip("/") for name in names(values["cameras"])]
+    if len(set(cameras)) < len(cameras):
+        raise ValueError(f"cameras is {cameras}; expected every frame once")
     owners = names(values["sources"])
     if not owners or len(set(owners)) < len(owners):
         raise ValueError(f"sources is {owners}; expected at least one name, and every name once")

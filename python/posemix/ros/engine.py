@@ -55,6 +55,8 @@ class Engine:
         # An old map that is to be found, the stamp of the next attempt, and what became of the last one.
         self._old: SavedMap | None = None
         self._next_attempt_ns = 0
+        # Whether a map that was loaded is not found so far, also by a run that was forgotten: it would be lost.
+        self._is_map_missing = False
         self.map_state = ""
         LiveRun(configuration, self._known)  # which refuses what is not valid
 
@@ -167,12 +169,12 @@ class Engine:
 
     def _take(self, ready: ReadyImage) -> LiveEstimate | None:
         image, run = ready.image, self._run
-        if run is None:
-            run = self._run = LiveRun(
-                self._configuration, self._known, ready.odometry, image.stamp_ns, ready.cameras
-            )
-        resets = run.resets
         try:
+            if run is None:
+                run = self._run = LiveRun(
+                    self._configuration, self._known, ready.odometry, image.stamp_ns, ready.cameras
+                )
+            resets = run.resets
             admissions, ignored = run.put(ready)
         except ValueError as error:
             self._refuse(str(error))
@@ -227,9 +229,10 @@ class Engine:
         """
         if self._run is None:
             raise ValueError("nothing was seen so far, so that there is no map to save")
-        if self._old is not None and not over_unknown:
+        if self._is_map_missing and not over_unknown:
             raise ValueError("the map that was loaded is not found so far, and would be lost")
         write_map(path, self._run.saved(self.around.body, self._known))
+        self._is_map_missing = False
 
     def load(self, path: str, *, go_on: bool = False) -> str:
         """Loads a map, and says what becomes of it.
@@ -253,6 +256,7 @@ class Engine:
         if self._run is not None and self._run.lineage & found.lineage:
             raise ValueError(f"{path} is a map of this run, or one that was found in it: it tells nothing new")
         self._old, self._next_attempt_ns, self.map_state = found, 0, "is looked for"
+        self._is_map_missing = True
         if self._run is not None:
             last = self._run.slam.finish()
             if last is not None:
@@ -269,6 +273,7 @@ class Engine:
             run.lineage |= old.lineage
             self._log.clear()
             self._old = None
+            self._is_map_missing = False
             self.map_state = f"was found by {len(found.agreed)} objects"
             self.news.append(f"the map {self.map_state}")
 

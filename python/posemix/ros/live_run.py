@@ -35,6 +35,13 @@ __all__ = ["LiveRun"]
 _MOST_STAMPS = 4096
 
 
+def _check_names(class_ids: Sequence[str]) -> None:
+    """Refuses an image before any of its detections is taken in."""
+    for name in class_ids:
+        if not name or any(ord(letter) < 32 for letter in name):
+            raise ValueError(f"got a detection of the class {name!r}, expected a name without control characters")
+
+
 class LiveRun:
     """A filter from its first image on.
 
@@ -107,6 +114,7 @@ class LiveRun:
             For an observation that is not valid, and a stamp that has jumped.
         """
         image = ready.image
+        _check_names(image.class_ids)
         stamp_s = (image.stamp_ns - self.start_ns) * 1e-9
         observations = self._observations(ready, stamp_s)
         ignored = len(image.class_ids) - len(observations)

@@ -30,6 +30,9 @@ from posemix.lie import SE3
 
 __all__ = ["SavedMap", "carried_over", "merged", "read_map", "write_map"]
 
+_FORMAT = "posemix.ros map"
+# How the files begin.
+_STATE, _NOTE = b"\x89PMXSTATE\r\n", f'{{"format": "{_FORMAT}"'.encode()
 # Of priors, none of which is certain.
 _LEAST_PROBABILITY, _LARGEST_PROBABILITY = 0.05, 0.99
 _LEAST_EXISTENCE = 0.5
@@ -83,18 +86,31 @@ def _digest(path: Path) -> str:
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
+def _check_writable(place: Path) -> None:
+    """A parameter that names another file must not cost its content."""
+    for file, begins in ((place, _STATE), (_note(place), _NOTE)):
+        if not file.exists():
+            continue
+        with file.open("rb") as there:
+            if there.read(len(begins)) != begins:
+                raise ValueError(f"{file}: is there and no map, so that it is not written over")
+
+
 def write_map(path: str, found: SavedMap) -> None:
     """Saves the state in a file, and beside it, in PATH.json, what of the node belongs to it.
 
     Raises
     ------
+    ValueError
+        Where a file is that is no map, or the note of none.
     OSError
         When it cannot be written; a file from before is as it was.
     """
-    place = Path(path)
+    place = Path(path).expanduser()
+    _check_writable(place)
     place.parent.mkdir(parents=True, exist_ok=True)
     found.slam.save(place)
-    note: dict[str, Any] = {"format": "posemix.ros map", "version": 1, "state_sha256": _digest(place)}
+    note: dict[str, Any] = {"format": _FORMAT, "version": 1, "state_sha256": _digest(place)}
     note |= {"start_ns": found.start_ns, "body": found.body, "lineage": sorted(found.lineage)}
     note |= {"several": sorted(found.several), "symmetries": sorted(found.symmetries)}
     if math.isfinite(found.since_s):
@@ -115,7 +131,7 @@ def read_map(path: str) -> SavedMap:
     OSError
         When it cannot be read.
     """
-    place = Path(path)
+    place = Path(path).expanduser()
     if not place.exists():
         raise FileNotFoundError(f"{place}: there is no such map")
     slam = StampedSlam.load(place)
@@ -129,7 +145,7 @@ def read_map(path: str) -> SavedMap:
                 symmetries=frozenset(note["symmetries"]),
                 odometry=None if stamp_ns is None else (int(stamp_ns), None if not numbers else SE3.from_tq(numbers)),
             )  # fmt: skip
-    except (OSError, ValueError, KeyError, TypeError):
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
         pass
     return SavedMap(slam, None, "")
 

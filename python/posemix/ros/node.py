@@ -73,7 +73,7 @@ class PosemixNode(WatchedNode):
             if found["symmetries_topic"]:
                 _symmetries_type()
             engine = Engine(found)
-            if found["load_map"] and Path(found["map_file"]).exists():
+            if found["load_map"] and found["map_file"] and Path(found["map_file"]).expanduser().exists():
                 self.get_logger().info(engine.load(found["map_file"], go_on=found["map_goes_on"]))
             self._begin_watch(found.values)
             self._engine = engine

@@ -92,7 +92,7 @@ class Surroundings:
     def _body_of(self, image: Image) -> str:
         if self._configuration.cameras:
             return str(self._configuration["body_frame"])
-        return str(self._configuration["camera_frame"]).lstrip("/") or image.frame
+        return str(self._configuration["camera_frame"]) or image.frame
 
     def ready(self, image: Image, *, is_over: bool) -> ReadyImage | None:
         """The image with its poses in the frame of its camera, and with odometry; None where that is not known.

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 from typing import Any
 
@@ -270,3 +271,66 @@ def test_several_of_a_class_that_is_not_declared(kept: int) -> None:
     for i in range(10):
         found = two.look(0.2 * i, ["mug"], others)
     assert set(found.hypotheses) == {"mug"} and two.engine.counts.ignored == 20
+
+
+def test_a_map_that_is_not_found_is_kept_through_a_reset(tmp_path: Path) -> None:
+    place = tmp_path / "kitchen.state"
+    first = robot()
+    first.drive(0.0, 2.0, ["mug", "box", "jar"])
+    first.engine.save(str(place))
+    kept = place.read_bytes()
+    second = robot()
+    second.engine.load(str(place))
+    second.drive(0.0, 1.0, ["can"])
+    second.engine.reset()
+    second.drive(2.0, 3.0, ["can"])
+    with pytest.raises(ValueError, match="not found so far"):
+        second.engine.save(str(place), over_unknown=False)
+    assert place.read_bytes() == kept
+    second.engine.save(str(place))
+    second.engine.save(str(place), over_unknown=False)
+
+
+def test_a_map_is_written_over_maps_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HOME", str(tmp_path / "home"))
+    one = robot()
+    one.drive(0.0, 1.0, ["mug"])
+    (tmp_path / "notes.txt").write_text("precious")
+    (tmp_path / "package.json").write_text("{}")
+    for name in ("notes.txt", "package"):
+        with pytest.raises(ValueError, match="is there and no map"):
+            one.engine.save(str(tmp_path / name))
+    assert (tmp_path / "notes.txt").read_text() == "precious" and (tmp_path / "package.json").read_text() == "{}"
+    one.engine.save("~/mug.state")
+    one.engine.save("~/mug.state")
+    assert (tmp_path / "home" / "mug.state").exists()
+    assert "the map is looked for" in robot().engine.load("~/mug.state")
+
+
+@pytest.mark.parametrize("name", ["", "\0", "mug\0x", "a\nb"])
+def test_a_message_with_a_bad_name_is_refused_as_a_whole(name: str) -> None:
+    one = robot(on_sight=True)
+    one.drive(0.0, 1.0, ["mug"])
+    images = one.engine.counts.images
+    PLACES[name] = PLACES["box"]
+    try:
+        assert one.look(1.2, ["jar", name]) is None
+    finally:
+        del PLACES[name]
+    assert one.engine.counts.refused == 1 and one.engine.counts.images == images and one.engine.counts.resets == 0
+    assert "without control characters" in one.engine.complaint
+    found = one.look(1.4, ["mug"])
+    assert set(found.frame.ids) >= {"mug"} and "jar" not in found.hypotheses
+
+
+@pytest.mark.parametrize(
+    "given", [{"transform_time_offset_s": math.nan}, {"markers_hz": math.inf}, {"cameras": ["cam", "/cam"]}]
+)
+def test_parameters_that_cannot_be_are_refused(given: dict[str, Any]) -> None:
+    with pytest.raises(ValueError, match=next(iter(given))):
+        configuration(given)
+
+
+def test_frames_may_begin_with_a_slash() -> None:
+    one = robot(odom_frame="/odom", world_frame="/map")
+    assert one.drive(0.0, 1.0, ["mug"]) is not None and one.engine.counts.without_odometry == 0
