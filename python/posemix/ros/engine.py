@@ -268,6 +268,8 @@ class Engine:
         found = relocalise(old.slam, run.slam)
         self.map_state = f"is looked for: {found.outcome.name}, {len(found.agreed)} objects agree"
         if found.outcome == RelocaliseOutcome.found:
+            # One nut of a run may be any of several in the old map, and is of their class from now on.
+            self._known.several |= old.several
             models = run.models(self._known, old.slam.objects)
             run.go_on_with(merged(old.slam, run.slam, found, models))
             run.lineage |= old.lineage

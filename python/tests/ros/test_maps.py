@@ -334,3 +334,17 @@ def test_parameters_that_cannot_be_are_refused(given: dict[str, Any]) -> None:
 def test_frames_may_begin_with_a_slash() -> None:
     one = robot(odom_frame="/odom", world_frame="/map")
     assert one.drive(0.0, 1.0, ["mug"]) is not None and one.engine.counts.without_odometry == 0
+
+
+def test_one_of_several_in_an_old_map_is_of_their_class(tmp_path: Path) -> None:
+    places = [SE3(SO3(), [0.1, 0.1, 1.0]), SE3(SO3(), [-0.2, 0.25, 1.0])]
+    old, new = robot(), robot()
+    for i in range(20):
+        old.look(0.2 * i, ["mug", "box", "jar"], {"nut": places})
+    old.engine.save(str(tmp_path / "old.state"))
+    new.engine.load(str(tmp_path / "old.state"))
+    for i in range(20):
+        new.look(0.2 * i, ["mug", "box", "jar"], {"nut": places[:1]})
+    assert "was found" in new.engine.map_state and new.engine._run is not None
+    nuts = [model for model in new.engine._run.slam.objects if model.id.startswith("nut")]
+    assert len(nuts) > 1 and {model.class_id for model in nuts} == {"nut"}
