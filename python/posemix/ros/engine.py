@@ -23,6 +23,7 @@ __all__ = ["Engine"]
 _AHEAD = 10
 # Time between two attempts to find an old map in the world of the run [s].
 _ATTEMPTS_S = 0.5
+_FILES = 100
 
 
 class Engine:
@@ -57,6 +58,8 @@ class Engine:
         self._next_attempt_ns = 0
         # Whether a map that was loaded is not found so far, also by a run that was forgotten: it would be lost.
         self._is_map_missing = False
+        # Digests of the last files, which may be copied without what stands beside them.
+        self._saved: deque[str] = deque(maxlen=_FILES)
         self.map_state = ""
         LiveRun(configuration, self._known)  # which refuses what is not valid
 
@@ -231,7 +234,7 @@ class Engine:
             raise ValueError("nothing was seen so far, so that there is no map to save")
         if self._is_map_missing and not over_unknown:
             raise ValueError("the map that was loaded is not found so far, and would be lost")
-        write_map(path, self._run.saved(self.around.body, self._known))
+        self._saved.append(write_map(path, self._run.saved(self.around.body, self._known)))
         self._is_map_missing = False
 
     def load(self, path: str, *, go_on: bool = False) -> str:
@@ -253,7 +256,7 @@ class Engine:
             self.around.body = found.body
             self.map_state = "goes on"
             return f"the run of {path} goes on, with {found.objects} objects"
-        if self._run is not None and self._run.lineage & found.lineage:
+        if self._run is not None and found.lineage & {*self._run.lineage, *self._saved}:
             raise ValueError(f"{path} is a map of this run, or one that was found in it: it tells nothing new")
         self._old, self._next_attempt_ns, self.map_state = found, 0, "is looked for"
         self._is_map_missing = True

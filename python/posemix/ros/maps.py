@@ -96,8 +96,8 @@ def _check_writable(place: Path) -> None:
                 raise ValueError(f"{file}: is there and no map, so that it is not written over")
 
 
-def write_map(path: str, found: SavedMap) -> None:
-    """Saves the state in a file, and beside it, in PATH.json, what of the node belongs to it.
+def write_map(path: str, found: SavedMap) -> str:
+    """Saves the state in a file, and what of the node belongs to it in PATH.json. Returns the SHA-256 of the state.
 
     Raises
     ------
@@ -119,6 +119,7 @@ def write_map(path: str, found: SavedMap) -> None:
         stamp_ns, pose = found.odometry
         note["odometry"] = [stamp_ns, None if pose is None else pose.to_tq().tolist()]
     write_text(_note(place), json.dumps(note) + "\n")
+    return str(note["state_sha256"])
 
 
 def read_map(path: str) -> SavedMap:
@@ -147,7 +148,8 @@ def read_map(path: str) -> SavedMap:
             )  # fmt: skip
     except (OSError, ValueError, KeyError, TypeError, RecursionError):
         pass
-    return SavedMap(slam, None, "")
+    # Without a note a map stands for itself.
+    return SavedMap(slam, None, "", lineage=frozenset([_digest(place)]))
 
 
 def _total(slam: StampedSlam, name: str, mean: SE3, symmetries: SymmetryGroup) -> float:

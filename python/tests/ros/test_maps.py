@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import json
 import math
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -348,3 +349,18 @@ def test_one_of_several_in_an_old_map_is_of_their_class(tmp_path: Path) -> None:
     assert "was found" in new.engine.map_state and new.engine._run is not None
     nuts = [model for model in new.engine._run.slam.objects if model.id.startswith("nut")]
     assert len(nuts) > 1 and {model.class_id for model in nuts} == {"nut"}
+
+
+def test_a_copy_of_a_map_without_its_note_tells_nothing_new(tmp_path: Path) -> None:
+    one = robot()
+    one.drive(0.0, 2.0, ["mug", "box", "jar"])
+    one.engine.save(str(tmp_path / "own.state"))
+    shutil.copy(tmp_path / "own.state", tmp_path / "copy.state")
+    with pytest.raises(ValueError, match="tells nothing new"):
+        one.engine.load(str(tmp_path / "copy.state"))
+    other = robot()
+    other.engine.load(str(tmp_path / "copy.state"))
+    other.drive(0.0, 2.0, ["mug", "box", "jar"])
+    assert "was found" in other.engine.map_state
+    with pytest.raises(ValueError, match="tells nothing new"):
+        other.engine.load(str(tmp_path / "copy.state"))
