@@ -55,9 +55,9 @@ def rerun_growth_mb() -> float:
 
 
 def test_rerun_keeps_no_more_than_its_limit() -> None:
-    """Without a limit it grows by 11 MB."""
+    """By 1 MB; with the default limit, which is not reached, by 6.5 MB and more."""
     pytest.importorskip("rerun")
-    assert in_a_process(rerun_growth_mb) < 6.0
+    assert in_a_process(rerun_growth_mb) < 4.0
 
 
 def test_foxglove_drops_what_a_viewer_does_not_read() -> None:

@@ -5,80 +5,15 @@
 from __future__ import annotations
 
 import json
-import math
-import shutil
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import posemix as px
 import pytest
+from ros.robot import ELSEWHERE, PLACES, SECOND, START, numbers, robot, where
 
 from posemix import SE3, SO3
-from posemix.ros import Engine, Image, LiveEstimate, configuration
-
-SECOND = 1_000_000_000
-START = 1_700_000_000 * SECOND
-PLACES = {
-    "mug": SE3(SO3.exp([0.1, 0.2, 0.3]), [0.2, 0.0, 0.9]),
-    "box": SE3(SO3.exp([0.0, 0.4, 1.0]), [-0.2, 0.1, 1.0]),
-    "jar": SE3(SO3.exp([0.9, 0.0, -1.0]), [0.0, -0.2, 1.1]),
-    "can": SE3(SO3.exp([0.3, -0.5, 0.2]), [0.3, 0.3, 1.2]),
-}
-# Where the odometry begins anew after the robot was switched off.
-ELSEWHERE = SE3.exp([0.0, 0.0, 0.7, 1.5, -0.4, 0.0])
-
-
-def camera_at(seconds: float) -> SE3:
-    """T_world_camera."""
-    return SE3.exp([0.0, 0.03 * seconds, 0.0, 0.05 * seconds, 0.0, 0.0])
-
-
-class Robot:
-    """An engine, and what it is given."""
-
-    def __init__(self, engine: Engine, odometry: SE3 | None = None) -> None:
-        self.engine = engine
-        # T_odom_world.
-        self.odometry = SE3() if odometry is None else odometry
-
-    def look(self, seconds: float, names: tuple[str, ...] | list[str], more: dict[str, list[SE3]] | None = None) -> Any:
-        """An image in which objects are seen; `more` are places of others of their classes."""
-        camera = camera_at(seconds)
-        stamp = START + round(seconds * SECOND)
-        self.engine.transforms.take("odom", "camera", (self.odometry * camera).to_tq().tolist(), stamp)
-        seen = [(name, PLACES[name]) for name in names] + [(n, p) for n, of in (more or {}).items() for p in of]
-        rng = np.random.default_rng(round(1000 * seconds))
-        poses = [
-            camera.inverse() * pose * SE3.exp(rng.normal(size=6) * [0.01, 0.01, 0.01, 0.002, 0.002, 0.002])
-            for _, pose in seen
-        ]
-        self.engine.add(Image(
-            stamp, "camera", "", 0.0, tuple(name for name, _ in seen), tuple(0.9 - 0.01 * i for i in range(len(seen))),
-            ("camera",) * len(seen), tuple([px.ObservationComponent(pose)] for pose in poses),
-        ))  # fmt: skip
-        found = self.engine.ready(0.0)
-        return found[-1] if found else None
-
-    def drive(self, begin: float, end: float, names: tuple[str, ...] | list[str], period: float = 0.2) -> Any:
-        found = None
-        for i in range(round((end - begin) / period)):
-            found = self.look(begin + period * i, names)
-        return found
-
-
-def robot(**more: Any) -> Robot:
-    odometry = more.pop("odometry", None)
-    return Robot(Engine(configuration({"start_rotation_sd_deg": 0.01, **more})), odometry)
-
-
-def numbers(estimate: LiveEstimate) -> np.ndarray:
-    rows = [[*h.pose.to_tq(), *h.covariance.ravel(), h.probability] for of in estimate.hypotheses.values() for h in of]
-    return np.array(rows)
-
-
-def where(estimate: LiveEstimate, name: str) -> SE3:
-    return estimate.hypotheses[name][0].pose
+from posemix.ros import Image
 
 
 def test_a_run_goes_on_to_the_last_bit(tmp_path: Path) -> None:
@@ -272,95 +207,3 @@ def test_several_of_a_class_that_is_not_declared(kept: int) -> None:
     for i in range(10):
         found = two.look(0.2 * i, ["mug"], others)
     assert set(found.hypotheses) == {"mug"} and two.engine.counts.ignored == 20
-
-
-def test_a_map_that_is_not_found_is_kept_through_a_reset(tmp_path: Path) -> None:
-    place = tmp_path / "kitchen.state"
-    first = robot()
-    first.drive(0.0, 2.0, ["mug", "box", "jar"])
-    first.engine.save(str(place))
-    kept = place.read_bytes()
-    second = robot()
-    second.engine.load(str(place))
-    second.drive(0.0, 1.0, ["can"])
-    second.engine.reset()
-    second.drive(2.0, 3.0, ["can"])
-    with pytest.raises(ValueError, match="not found so far"):
-        second.engine.save(str(place), over_unknown=False)
-    assert place.read_bytes() == kept
-    second.engine.save(str(place))
-    second.engine.save(str(place), over_unknown=False)
-
-
-def test_a_map_is_written_over_maps_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("HOME", str(tmp_path / "home"))
-    one = robot()
-    one.drive(0.0, 1.0, ["mug"])
-    (tmp_path / "notes.txt").write_text("precious")
-    (tmp_path / "package.json").write_text("{}")
-    for name in ("notes.txt", "package"):
-        with pytest.raises(ValueError, match="is there and no map"):
-            one.engine.save(str(tmp_path / name))
-    assert (tmp_path / "notes.txt").read_text() == "precious" and (tmp_path / "package.json").read_text() == "{}"
-    one.engine.save("~/mug.state")
-    one.engine.save("~/mug.state")
-    assert (tmp_path / "home" / "mug.state").exists()
-    assert "the map is looked for" in robot().engine.load("~/mug.state")
-
-
-@pytest.mark.parametrize("name", ["", "\0", "mug\0x", "a\nb"])
-def test_a_message_with_a_bad_name_is_refused_as_a_whole(name: str) -> None:
-    one = robot(on_sight=True)
-    one.drive(0.0, 1.0, ["mug"])
-    images = one.engine.counts.images
-    PLACES[name] = PLACES["box"]
-    try:
-        assert one.look(1.2, ["jar", name]) is None
-    finally:
-        del PLACES[name]
-    assert one.engine.counts.refused == 1 and one.engine.counts.images == images and one.engine.counts.resets == 0
-    assert "without control characters" in one.engine.complaint
-    found = one.look(1.4, ["mug"])
-    assert set(found.frame.ids) >= {"mug"} and "jar" not in found.hypotheses
-
-
-@pytest.mark.parametrize(
-    "given", [{"transform_time_offset_s": math.nan}, {"markers_hz": math.inf}, {"cameras": ["cam", "/cam"]}]
-)
-def test_parameters_that_cannot_be_are_refused(given: dict[str, Any]) -> None:
-    with pytest.raises(ValueError, match=next(iter(given))):
-        configuration(given)
-
-
-def test_frames_may_begin_with_a_slash() -> None:
-    one = robot(odom_frame="/odom", world_frame="/map")
-    assert one.drive(0.0, 1.0, ["mug"]) is not None and one.engine.counts.without_odometry == 0
-
-
-def test_one_of_several_in_an_old_map_is_of_their_class(tmp_path: Path) -> None:
-    places = [SE3(SO3(), [0.1, 0.1, 1.0]), SE3(SO3(), [-0.2, 0.25, 1.0])]
-    old, new = robot(), robot()
-    for i in range(20):
-        old.look(0.2 * i, ["mug", "box", "jar"], {"nut": places})
-    old.engine.save(str(tmp_path / "old.state"))
-    new.engine.load(str(tmp_path / "old.state"))
-    for i in range(20):
-        new.look(0.2 * i, ["mug", "box", "jar"], {"nut": places[:1]})
-    assert "was found" in new.engine.map_state and new.engine._run is not None
-    nuts = [model for model in new.engine._run.slam.objects if model.id.startswith("nut")]
-    assert len(nuts) > 1 and {model.class_id for model in nuts} == {"nut"}
-
-
-def test_a_copy_of_a_map_without_its_note_tells_nothing_new(tmp_path: Path) -> None:
-    one = robot()
-    one.drive(0.0, 2.0, ["mug", "box", "jar"])
-    one.engine.save(str(tmp_path / "own.state"))
-    shutil.copy(tmp_path / "own.state", tmp_path / "copy.state")
-    with pytest.raises(ValueError, match="tells nothing new"):
-        one.engine.load(str(tmp_path / "copy.state"))
-    other = robot()
-    other.engine.load(str(tmp_path / "copy.state"))
-    other.drive(0.0, 2.0, ["mug", "box", "jar"])
-    assert "was found" in other.engine.map_state
-    with pytest.raises(ValueError, match="tells nothing new"):
-        other.engine.load(str(tmp_path / "copy.state"))

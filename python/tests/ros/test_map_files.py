@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: MIT
+# SPDX-FileCopyrightText: posemix contributors
+"""What must not be lost: maps in files, and a run when a message or a parameter is bad; without ROS."""
+
+from __future__ import annotations
+
+import math
+import shutil
+from pathlib import Path
+from typing import Any
+
+import pytest
+from ros.robot import PLACES, robot
+
+from posemix import SE3, SO3
+from posemix.ros import configuration
+
+
+def test_a_map_that_is_not_found_is_kept_through_a_reset(tmp_path: Path) -> None:
+    place = tmp_path / "kitchen.state"
+    first = robot()
+    first.drive(0.0, 2.0, ["mug", "box", "jar"])
+    first.engine.save(str(place))
+    kept = place.read_bytes()
+    second = robot()
+    second.engine.load(str(place))
+    second.drive(0.0, 1.0, ["can"])
+    second.engine.reset()
+    second.drive(2.0, 3.0, ["can"])
+    with pytest.raises(ValueError, match="not found so far"):
+        second.engine.save(str(place), over_unknown=False)
+    assert place.read_bytes() == kept
+    second.engine.save(str(place))
+    second.engine.save(str(place), over_unknown=False)
+
+
+def test_a_map_is_written_over_maps_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HOME", str(tmp_path / "home"))
+    one = robot()
+    one.drive(0.0, 1.0, ["mug"])
+    (tmp_path / "notes.txt").write_text("precious")
+    (tmp_path / "package.json").write_text("{}")
+    for name in ("notes.txt", "package"):
+        with pytest.raises(ValueError, match="is there and no map"):
+            one.engine.save(str(tmp_path / name))
+    assert (tmp_path / "notes.txt").read_text() == "precious" and (tmp_path / "package.json").read_text() == "{}"
+    one.engine.save("~/mug.state")
+    one.engine.save("~/mug.state")
+    assert (tmp_path / "home" / "mug.state").exists()
+    assert "the map is looked for" in robot().engine.load("~/mug.state")
+
+
+@pytest.mark.parametrize("name", ["", "\0", "mug\0x", "a\nb"])
+def test_a_message_with_a_bad_name_is_refused_as_a_whole(name: str) -> None:
+    one = robot(on_sight=True)
+    one.drive(0.0, 1.0, ["mug"])
+    images = one.engine.counts.images
+    PLACES[name] = PLACES["box"]
+    try:
+        assert one.look(1.2, ["jar", name]) is None
+    finally:
+        del PLACES[name]
+    assert one.engine.counts.refused == 1 and one.engine.counts.images == images and one.engine.counts.resets == 0
+    assert "without control characters" in one.engine.complaint
+    found = one.look(1.4, ["mug"])
+    assert set(found.frame.ids) >= {"mug"} and "jar" not in found.hypotheses
+
+
+@pytest.mark.parametrize(
+    "given", [{"transform_time_offset_s": math.nan}, {"markers_hz": math.inf}, {"cameras": ["cam", "/cam"]}]
+)
+def test_parameters_that_cannot_be_are_refused(given: dict[str, Any]) -> None:
+    with pytest.raises(ValueError, match=next(iter(given))):
+        configuration(given)
+
+
+def test_frames_may_begin_with_a_slash() -> None:
+    one = robot(odom_frame="/odom", world_frame="/map")
+    assert one.drive(0.0, 1.0, ["mug"]) is not None and one.engine.counts.without_odometry == 0
+
+
+def test_one_of_several_in_an_old_map_is_of_their_class(tmp_path: Path) -> None:
+    places = [SE3(SO3(), [0.1, 0.1, 1.0]), SE3(SO3(), [-0.2, 0.25, 1.0])]
+    old, new = robot(), robot()
+    for i in range(20):
+        old.look(0.2 * i, ["mug", "box", "jar"], {"nut": places})
+    old.engine.save(str(tmp_path / "old.state"))
+    new.engine.load(str(tmp_path / "old.state"))
+    for i in range(20):
+        new.look(0.2 * i, ["mug", "box", "jar"], {"nut": places[:1]})
+    assert "was found" in new.engine.map_state and new.engine._run is not None
+    nuts = [model for model in new.engine._run.slam.objects if model.id.startswith("nut")]
+    assert len(nuts) > 1 and {model.class_id for model in nuts} == {"nut"}
+
+
+def test_a_copy_of_a_map_without_its_note_tells_nothing_new(tmp_path: Path) -> None:
+    one = robot()
+    one.drive(0.0, 2.0, ["mug", "box", "jar"])
+    one.engine.save(str(tmp_path / "own.state"))
+    shutil.copy(tmp_path / "own.state", tmp_path / "copy.state")
+    with pytest.raises(ValueError, match="tells nothing new"):
+        one.engine.load(str(tmp_path / "copy.state"))
+    other = robot()
+    other.engine.load(str(tmp_path / "copy.state"))
+    other.drive(0.0, 2.0, ["mug", "box", "jar"])
+    assert "was found" in other.engine.map_state
+    with pytest.raises(ValueError, match="tells nothing new"):
+        other.engine.load(str(tmp_path / "copy.state"))
