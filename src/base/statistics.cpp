@@ -65,6 +65,8 @@ double chi_square_quantile(double probability, std::size_t dof, const char* name
 
 double gaussian_norm_quantile(const Eigen::MatrixXd& covariance, double probability) {
   kOpenUnitInterval.check(probability, "probability");
+  require(covariance.rows() == covariance.cols() && covariance.allFinite(),
+          "gaussian_norm_quantile: covariance is not square or not finite");
   const Eigen::MatrixXd squared = covariance * covariance;
   const double first = covariance.trace();
   const double second = squared.trace();

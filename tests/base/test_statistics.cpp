@@ -50,6 +50,8 @@ TEST(Statistics, NormOfAGaussian) {
   EXPECT_NEAR(norm(25.0, 1.0, 1.0), 15.06802, 0.006 * 15.0);
   EXPECT_EQ(norm(0.0, 0.0, 0.0), 0.0);
   EXPECT_THROW(gaussian_norm_quantile(Eigen::Matrix2d::Identity(), 1.0), InvalidInput);
+  EXPECT_THROW(norm(1.0, NAN, 1.0), InvalidInput);
+  EXPECT_THROW(gaussian_norm_quantile(Eigen::MatrixXd::Zero(2, 3), share), InvalidInput);
 }
 
 // Bands of 100 runs as in the notes on the Monte-Carlo study: 1200 and 600 degrees of freedom.
