@@ -41,8 +41,8 @@ double chi_square_quantile(double probability, std::size_t dof, const char* name
 /// given probability. Its square is a weighted sum of chi-square variables; it is replaced by one
 /// with the same mean, variance and skewness (Liu, Tang and Zhang 2009), which is exact for a
 /// sphere and for a line, and within 1 % for three dimensions.
-/// @throws InvalidInput when the probability is not in (0, 1), or the covariance is not square or not
-/// finite
+/// @throws InvalidInput when the probability is not in (0, 1), or the covariance is not square or
+/// not finite
 double gaussian_norm_quantile(const Eigen::MatrixXd& covariance, double probability);
 
 /// The interval in which the ANEES of `count` errors of `dof` degrees of freedom lies with
