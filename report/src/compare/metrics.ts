@@ -14,6 +14,8 @@ export const TIE_POINTS = 5;
 /** Within these an estimate is on the right mode, as in metrics.json. */
 export const RIGHT_DEG = 20;
 export const RIGHT_MM = 100;
+/** The entity of the camera's rows; those of objects end with "from the camera". */
+export const CAMERA_ROWS = "camera in the world";
 
 export type Verdict = "best" | "tie" | "worse" | "undecided" | "untested" | "none";
 
@@ -190,7 +192,7 @@ export function metricRows(comparison: Comparison): MetricRow[] {
   const { runs, ids, hasTruth, isOneRecording } = comparison;
   const of = (entity: string, id: string | undefined) => (hasTruth ? errorRows : spreadRows)(comparison, entity, id);
   const all = [
-    ...of("camera in the world", undefined), ...ids.flatMap((id) => of(`${id} from the camera`, id)),
+    ...of(CAMERA_ROWS, undefined), ...ids.flatMap((id) => of(`${id} from the camera`, id)),
     stated("program", "time of a frame, median", "ms", "small", runs.map(({ metrics }) => {
       const us = number(metrics, "timing", "frame_median_us");
       return us === undefined ? undefined : us / 1000;

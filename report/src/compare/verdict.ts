@@ -2,7 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 // Which run is better, where, and by how much, in sentences.
 import { type Failure, isJudged } from "./failures.ts";
-import { cost, differenceText, type MetricRow, pText, valueText } from "./metrics.ts";
+import { CAMERA_ROWS, cost, differenceText, type MetricRow, pText, valueText } from "./metrics.ts";
 import type { Comparison, Run } from "./runs.ts";
 
 function listed(words: string[]): string {
@@ -100,7 +100,7 @@ export function verdictSentences({ runs, hasTruth }: Comparison, rows: MetricRow
   const names = runs.map(({ name }) => name);
   const judged = rows.filter((row) => row.best >= 0 && row.frames !== undefined);
   if (!hasTruth || judged.length === 0) return [];
-  const sentences = judged.filter(({ entity }) => entity.startsWith("camera in")).map((row) => rowSentence(row, names));
+  const sentences = judged.filter(({ entity }) => entity === CAMERA_ROWS).map((row) => rowSentence(row, names));
   for (const quantity of ["rotation error, rms", "position error, rms"]) {
     const own = judged.filter((row) => row.quantity === quantity && row.entity.endsWith(" from the camera"));
     if (own.length === 0) continue;

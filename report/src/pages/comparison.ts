@@ -78,7 +78,7 @@ function errorsTab(comparison: Comparison, state: RunState, group: ChartGroup): 
     const charts = curves(comparison, state, group, look);
     note.textContent = charts.length === 0 ? `No run has an estimate of ${state.nameOf(state.selected)}.` : "";
   };
-  const names = [["-1", "camera"], ...ids.map((id, i) => [String(i), id])] as [string, string][];
+  const names = [["-1", state.nameOf(CAMERA)], ...ids.map((id, i) => [String(i), id])] as [string, string][];
   const chooser = choice(comparison.hasTruth ? "Errors of" : "Differences of", names, String(state.selected), (value) => state.select(Number(value)));
   const list = chooser.querySelector("select")!;
   state.on("selection", () => {

@@ -8,8 +8,8 @@ import { element } from "../ui/dom.ts";
 import { provenanceNode } from "./provenance.ts";
 
 /** The part of an address after #, for a moment of an object on the timeline. */
-export function momentAddress(seconds: number, id: string, tab = ""): string {
-  const parts = new URLSearchParams({ t: String(Number(seconds.toFixed(3))), object: id });
+export function momentAddress(seconds: number, id: string | undefined, tab = ""): string {
+  const parts = new URLSearchParams({ t: String(Number(seconds.toFixed(3))), ...(id === undefined ? {} : { object: id }) });
   if (tab !== "") parts.set("tab", tab);
   return `#${parts.toString()}`;
 }
@@ -18,7 +18,8 @@ export function momentAddress(seconds: number, id: string, tab = ""): string {
 export function momentLinks(run: Run, seconds: number, id: string, text: string): (Node | string)[] {
   const here = element("a", { href: momentAddress(seconds, id, run.trace.hasTruth ? "errors" : "differences") }, text);
   if (run.report === undefined) return [here];
-  const own = momentAddress(Math.max(0, seconds - run.span[0]), id);
+  // A page without the object may have something else of its name, such as the camera.
+  const own = momentAddress(Math.max(0, seconds - run.span[0]), run.object(id)?.id);
   return [here, " (", element("a", { href: `${run.report}${own}` }, "in its own page"), ")"];
 }
 

@@ -58,11 +58,18 @@ interface Cell {
   value: Json | undefined;
 }
 
+interface Row {
+  name: string;
+  /** The name of the object or camera that it is of; a word such as "filter" may be one, too. */
+  entity?: string;
+  cells: Cell[];
+}
+
 /** Words of the quantities that are shown. */
 type Used = Map<string, Word>;
 
 /** A table with aligned decimals; undefined where it would be one of dashes. */
-function numberTable(caption: string, note: string | undefined, columns: Column[], rows: { name: string; cells: Cell[] }[], used: Used): HTMLElement | undefined {
+function numberTable(caption: string, note: string | undefined, columns: Column[], rows: Row[], used: Used): HTMLElement | undefined {
   const isShown = columns.map((_, k) => rows.some(({ cells }) => cells[k].value !== null && cells[k].value !== undefined));
   if (!isShown.includes(true)) return undefined;
   const keep = <T>(list: T[]) => list.filter((_, k) => isShown[k]);
@@ -77,7 +84,7 @@ function numberTable(caption: string, note: string | undefined, columns: Column[
     if (word.text !== "") used.set(word.name, word);
     return element("th", { scope: "col", title: word.text }, word.name, ...(word.unit ? [element("span", { class: "unit" }, ` [${word.unit}]`)] : []));
   }));
-  const body = rows.map(({ name, cells }) => element("tr", { "data-entity": name }, element("th", { scope: "row" }, name), ...keep(cells).map(({ path, value }, k) => {
+  const body = rows.map(({ name, entity, cells }) => element("tr", { ...(entity === undefined ? {} : { "data-entity": entity }) }, element("th", { scope: "row" }, name), ...keep(cells).map(({ path, value }, k) => {
     const number = scaled(value, shown[k]);
     const text = typeof number === "number" ? fixed(number, decimals[k]) : formatted(number);
     return element("td", { class: typeof number === "string" ? "" : "number", "data-key": path, "data-value": JSON.stringify(value ?? null) }, text);
@@ -89,7 +96,7 @@ function numberTable(caption: string, note: string | undefined, columns: Column[
 
 /** A table of some quantities of the objects of a section; `at` gives the path of a number. */
 function objectTable(caption: string, note: string | undefined, quantities: string[], ids: string[], numbers: Numbers, at: (id: string, quantity: string) => string, used: Used): HTMLElement | undefined {
-  const rows = ids.map((id) => ({ name: id, cells: quantities.map((quantity) => ({ path: at(id, quantity), value: numbers.get(at(id, quantity)) })) }));
+  const rows = ids.map((id): Row => ({ name: id, entity: id, cells: quantities.map((quantity) => ({ path: at(id, quantity), value: numbers.get(at(id, quantity)) })) }));
   const isOlder = quantities.includes("gated") && !quantities.includes("unexplained");
   return numberTable(caption, note, quantities.map((quantity) => columnOf(quantity, isOlder)), rows, used);
 }
@@ -117,8 +124,13 @@ function objectTables(document: JsonObject, ids: string[], numbers: Numbers, use
   });
 }
 
+interface Names {
+  ids: string[];
+  camera: string;
+}
+
 /** Any other section: a row per object where it is by object, in either order; else one row. */
-function otherTable(section: string, value: JsonObject, ids: string[], numbers: Numbers, used: Used): HTMLElement | undefined {
+function otherTable(section: string, value: JsonObject, { ids, camera }: Names, numbers: Numbers, used: Used): HTMLElement | undefined {
   const title = TITLES[section] ?? section.replaceAll("_", " ");
   const keys = Object.keys(value);
   const isObjects = (names: string[]) => names.length > 0 && names.every((name) => ids.includes(name));
@@ -131,8 +143,9 @@ function otherTable(section: string, value: JsonObject, ids: string[], numbers: 
     return objectTable(title, undefined, keys, ids, numbers, (id, quantity) => `${section}/${quantity}/${id}`, used);
   }
   const quantities = [...flat(value, "").keys()];
-  const rows = [{ name: section === "camera_consistency" ? "camera" : "run", cells: quantities.map((quantity) => ({ path: `${section}/${quantity}`, value: numbers.get(`${section}/${quantity}`) })) }];
-  return numberTable(section === "camera_consistency" ? "Consistency of the camera" : title, undefined, quantities.map((quantity) => columnOf(quantity)), rows, used);
+  const isCamera = section === "camera_consistency";
+  const rows: Row[] = [{ ...(isCamera ? { name: camera, entity: camera } : { name: "run" }), cells: quantities.map((quantity) => ({ path: `${section}/${quantity}`, value: numbers.get(`${section}/${quantity}`) })) }];
+  return numberTable(isCamera ? "Consistency of the camera" : title, undefined, quantities.map((quantity) => columnOf(quantity)), rows, used);
 }
 
 function definitions(words: Iterable<readonly [string, string]>): HTMLElement {
@@ -165,7 +178,8 @@ const SHORT_HASH = 12;
 /** Sections that have a place of their own on the page. */
 const ELSEWHERE = new Set(["camera", "odometry", "objects", "provenance", "files"]);
 
-export function metrics(document: Json | undefined): HTMLElement {
+/** @param camera what the page calls the camera */
+export function metrics(document: Json | undefined, camera: string): HTMLElement {
   if (!isObject(document)) return element("p", { class: "notice" }, "The folder has no metrics.json.");
   const numbers = flat(document, "");
   const objects = document["objects"];
@@ -176,7 +190,7 @@ export function metrics(document: Json | undefined): HTMLElement {
     numberTable("Run", undefined, top.map((key) => columnOf(key)), [{ name: "run", cells: top.map((key) => ({ path: key, value: document[key] })) }], used),
     cameraTable(document, numbers, used),
     ...objectTables(document, ids, numbers, used),
-    ...Object.entries(document).flatMap(([key, value]) => (isObject(value) && !ELSEWHERE.has(key) ? [otherTable(key, value, ids, numbers, used)] : [])),
+    ...Object.entries(document).flatMap(([key, value]) => (isObject(value) && !ELSEWHERE.has(key) ? [otherTable(key, value, { ids, camera }, numbers, used)] : [])),
   ].filter((made) => made !== undefined);
   const node = element("div", { class: "tables", id: "metrics" }, ...tables,
     element("p", { class: "hint" }, "Errors are over the frames with both an estimate and ground truth. A dash marks a missing value; press a row of an object to select it."), ...identity(document), help(used));

@@ -3,29 +3,10 @@
 // What the tabs with plots have in common: settings that they share, and lists to choose from.
 import type { RotationAs } from "../plots/series.ts";
 import { CAMERA, type Entity, type RunState } from "../state/run_state.ts";
+import { Setting } from "../state/setting.ts";
 import type { Of } from "../trace/squares.ts";
 import { choice, element } from "../ui/dom.ts";
-
-/** A value that several tabs show and change. */
-export class Setting<T> {
-  private readonly listeners = new Set<() => void>();
-
-  constructor(private now: T) {}
-
-  get value(): T {
-    return this.now;
-  }
-
-  set(value: T): void {
-    if (value === this.now) return;
-    this.now = value;
-    for (const listener of this.listeners) listener();
-  }
-
-  onChange(listener: () => void): void {
-    this.listeners.add(listener);
-  }
-}
+import { settingChoice } from "../ui/setting_choice.ts";
 
 export interface Plots {
   state: RunState;
@@ -63,13 +44,6 @@ export interface PlotTab {
   opened: () => void;
 }
 
-/** A list that shows and changes a setting. */
-function settingChoice<T extends string>(text: string, options: readonly (readonly [T, string])[], setting: Setting<T>): HTMLLabelElement {
-  const made = choice(text, options, setting.value, (value) => setting.set(value as T));
-  setting.onChange(() => (made.querySelector("select")!.value = setting.value));
-  return made;
-}
-
 export const rotationChoice = ({ rotationAs }: Plots): HTMLLabelElement =>
   settingChoice("Rotation as", [["vector", "rotation vector"], ["rpy", "roll, pitch, yaw"]], rotationAs);
 
@@ -85,7 +59,7 @@ export function frameChoice({ of, state }: Plots): HTMLLabelElement {
 /** A list of the objects, with `camera` of it too, which shows and changes the selected one. */
 export function entityChoice(state: RunState, text: string, camera: boolean): HTMLLabelElement {
   const names = state.trace.objects.map(({ id }, i) => [String(i), id] as const);
-  const first = camera ? [[String(CAMERA), "camera"] as const] : [];
+  const first = camera ? [[String(CAMERA), state.nameOf(CAMERA)] as const] : [];
   const chosen = () => String(camera ? state.selected : Math.max(0, state.selected));
   const made = choice(text, [...first, ...names], chosen(), (value) => state.select(Number(value)));
   state.on("selection", () => (made.querySelector("select")!.value = chosen()));

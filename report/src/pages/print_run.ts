@@ -41,7 +41,7 @@ function entitiesOf(trace: Trace): Entity[] {
     name: id, colour: colourOf(i), estimate: relative,
     mode: modeProbability && Array.from({ length: trace.frames }, (_, frame) => modeProbability(frame) ?? null),
   }));
-  return [{ name: "camera", colour: INK, estimate: trace.camera, mode: undefined }, ...objects];
+  return [{ name: trace.cameraName, colour: INK, estimate: trace.camera, mode: undefined }, ...objects];
 }
 
 function aneesOf(payload: Payload, id: string | undefined): Json {
@@ -52,7 +52,7 @@ function aneesOf(payload: Payload, id: string | undefined): Json {
   }
   const consistency = isObject(metrics) ? metrics["consistency"] : undefined;
   const anees = isObject(consistency) ? consistency["relative_anees"] : undefined;
-  return isObject(anees) ? (anees[id] ?? null) : null;
+  return isObject(anees) && Object.hasOwn(anees, id) ? anees[id] : null;
 }
 
 interface Measured extends Entity {
@@ -93,7 +93,7 @@ function plots(trace: Trace, list: Measured[]): HTMLElement {
   // The bounds of many objects would hide their errors.
   const bound = trace.hasTruth && camera?.estimate ? spreadOf(camera.estimate, trace.frames) : undefined;
   const dashed = (values: Values): TimeSeries => ({ name: BOUND, colour: INK, values, look: "dashed" });
-  const title = (part: string, unit: string) => `camera: ${part} ${what}${bound ? `, dashed: ${BOUND}` : ""} [${unit}]`;
+  const title = (part: string, unit: string) => `${trace.cameraName}: ${part} ${what}${bound ? `, dashed: ${BOUND}` : ""} [${unit}]`;
   return element("div", { class: "print-plots" },
     ...plot(title("position", "mm"), camera ? [line(camera, camera.distance), ...(bound ? [dashed(bound.distance)] : [])] : []),
     ...plot(title("rotation", "deg"), camera ? [line(camera, camera.angle), ...(bound ? [dashed(bound.angle)] : [])] : []),

@@ -9,8 +9,10 @@ import { SlamScene } from "../scene/slam_scene.ts";
 import { lengthText } from "../scene/units.ts";
 import { isView, type View } from "../scene/views.ts";
 import type { RunState } from "../state/run_state.ts";
-import { button, choice, element, toggle } from "../ui/dom.ts";
+import type { SceneLook } from "../state/scene_look.ts";
+import { button, element, toggle } from "../ui/dom.ts";
 import { AXIS_COLOURS, colourOf, TRUTH_COLOUR } from "../ui/palette.ts";
+import { oneOfChoice } from "../ui/setting_choice.ts";
 import { noScene } from "./page.ts";
 
 const LAYERS: readonly (readonly [keyof Layers, string])[] = [
@@ -63,26 +65,22 @@ function layerToggles(scene: SlamScene, state: RunState): HTMLElement {
   return layers;
 }
 
-function uncertaintyControls(scene: SlamScene): HTMLElement {
+function uncertaintyControls(scene: SlamScene, look: SceneLook): HTMLElement {
   const list = element("div", { class: "toggles", role: "group", "aria-label": "Uncertainty" });
   for (const [layer, name, text] of UNCERTAINTY) {
     const box = toggle(name, scene.layers[layer], (on) => scene.setLayer(layer, on));
     box.title = text;
     list.append(box);
   }
-  list.append(
-    choice("Size", [["1", "1 sigma"], ["2", "2 sigma"], ["3", "3 sigma"], ["0", "1, 2, 3 sigma"]], "3", (value) => scene.setLook({ sigma: Number(value) as 0 | 1 | 2 | 3 })),
-    choice("drawn", [["0", "so that it is visible"], ["1", "in true size"], ["10", "10 times larger"], ["100", "100 times larger"]], "0",
-      (value) => scene.setLook({ factor: Number(value) as 0 | 1 | 10 | 100 })),
-    choice("Covariance", [["world", "in the world"], ["camera", "relative to the camera"], ["object", "along the object's axes"]], "world",
-      (value) => scene.setLook({ frame: value as "world" | "camera" | "object" })));
+  list.append(oneOfChoice("Size", look.sigma), oneOfChoice("drawn", look.factor), oneOfChoice("Covariance", look.frame));
+  look.onChange(() => scene.setLook(look.value));
   return list;
 }
 
 /** What the scene shows, and how it is read; closed on a screen that is too low for it and the scene. */
-function drawnPanel(scene: SlamScene, state: RunState): HTMLElement {
+function drawnPanel(scene: SlamScene, state: RunState, look: SceneLook): HTMLElement {
   return element("details", { class: "drawn", open: innerWidth > 700 && innerHeight >= 1000 }, element("summary", {}, "What is drawn"),
-    layerToggles(scene, state), uncertaintyControls(scene), hintOf(scene));
+    layerToggles(scene, state), uncertaintyControls(scene, look), hintOf(scene));
 }
 
 /** The whole screen for the scene and its timeline. */
@@ -115,7 +113,7 @@ function hintOf(scene: SlamScene): HTMLElement {
 }
 
 /** The scene, or what to do where it cannot be drawn. */
-export function makeScene(state: RunState, payload: Payload): { node: HTMLElement; scene: SlamScene | undefined } {
+export function makeScene(state: RunState, payload: Payload, look: SceneLook): { node: HTMLElement; scene: SlamScene | undefined } {
   const stage = element("div", { class: "stage" });
   let scene: SlamScene;
   try {
@@ -127,6 +125,6 @@ export function makeScene(state: RunState, payload: Payload): { node: HTMLElemen
   }
   const tools = element("div", { class: "buttons" }, saveButton(scene, state), ...fullScreenButton(stage));
   const row = element("div", { class: "controls scene-controls" }, viewButtons(scene, state), tools);
-  stage.append(scene.viewport.node, row, drawnPanel(scene, state));
+  stage.append(scene.viewport.node, row, drawnPanel(scene, state, look));
   return { node: stage, scene };
 }

@@ -7,6 +7,7 @@ import { EventChoice } from "../state/event_choice.ts";
 import { PoseDisplay } from "../state/pose_display.ts";
 import { RunFacts } from "../state/run_facts.ts";
 import { RunState } from "../state/run_state.ts";
+import { SceneLook } from "../state/scene_look.ts";
 import { readTrace } from "../trace/trace.ts";
 import { element } from "../ui/dom.ts";
 import { Keys } from "../ui/keys.ts";
@@ -43,7 +44,7 @@ function makeTabs(state: RunState, payload: Payload, groups: ChartGroup[], { fac
     opened("Overview", () => overview(state, facts, display, numbers)),
     opened("Events", () => eventsList(state, facts, events)),
     ...plotTabs(state, facts, groups),
-    { name: "Numbers", build: () => linkRows(metrics(numbers), state) },
+    { name: "Numbers", build: () => linkRows(metrics(numbers, state.trace.cameraName), state) },
   ];
   const mixtures = mixtureDocuments(payload);
   if (mixtures.length > 0) list.push({ name: "Mixtures", build: () => mixtureView(mixtures, state).node });
@@ -76,7 +77,8 @@ export async function slamPage(payload: Payload): Promise<HTMLElement> {
   const state = new RunState(trace, facts.byDoubt[0]);
   const shared = { facts, events: new EventChoice(state, facts), display: new PoseDisplay() };
   const keys = new Keys();
-  const { node: stage, scene } = makeScene(state, payload);
+  const look = new SceneLook();
+  const { node: stage, scene } = makeScene(state, payload, look);
   const table = new StateTable(state, shared.display);
   const groups: ChartGroup[] = [];
   const player = new Player(state, keys);
@@ -99,7 +101,8 @@ export async function slamPage(payload: Payload): Promise<HTMLElement> {
   const node = element("div", { class: "page slam" }, header(payload, `${trace.head.method} · ${trace.frames} frames`, keys),
     element("main", { class: "columns" }, stage, pages.node), footer(payload));
   show();
-  bindAddress(state);
+  const { reference, rotation } = shared.display;
+  bindAddress(state, { sigma: look.sigma, exaggeration: look.factor, covariance: look.frame, poses: reference, rotation });
   const seen = () => {
     // Labels take the colours of paper.
     scene?.update(state.frame);
@@ -121,7 +124,10 @@ export async function slamPage(payload: Payload): Promise<HTMLElement> {
     get bodies() { return scene?.bodyIds; },
     scene: scene?.probe,
     decodeTime: decoded - started,
-    pose: (id: string) => scene?.shown(id === "camera" ? "camera" : trace.objects.findIndex((object) => object.id === id)),
+    pose: (id: string) => {
+      const entity = state.entityOf(id);
+      return entity === undefined ? undefined : scene?.shown(entity);
+    },
   });
   return node;
 }

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-import { PoseDisplay, PoseReading, type Reference, ROTATION_FORMS, type RotationForm, rotationText, sigmaText } from "../state/pose_display.ts";
+import { PoseDisplay, PoseReading, rotationText, sigmaText } from "../state/pose_display.ts";
 import { CAMERA, type Entity, type RunState } from "../state/run_state.ts";
 import type { Trace } from "../trace/trace.ts";
-import { button, choice, element } from "../ui/dom.ts";
+import { button, element } from "../ui/dom.ts";
 import { icon, setIcon } from "../ui/icons.ts";
 import { openMenu } from "../ui/menu.ts";
 import { fixed, percent, short } from "../ui/numbers.ts";
 import { colourOf } from "../ui/palette.ts";
 import { copyText, POSE_FORMS, type PoseForm, poseText } from "../ui/pose_text.ts";
+import { oneOfChoice } from "../ui/setting_choice.ts";
 import { MODE_PROBABILITY } from "./words.ts";
 
 const EVERY = 120;
@@ -63,8 +64,7 @@ export class StateTable {
   private controls(): HTMLElement {
     const { display } = this;
     return element("div", { class: "controls" },
-      choice("Poses in", [["world", "the world"], ["camera", "the camera"]], display.of, (value) => display.set(value as Reference, display.form)),
-      choice("rotation as", ROTATION_FORMS, display.form, (value) => display.set(display.of, value as RotationForm)),
+      oneOfChoice("Poses in", display.reference), oneOfChoice("rotation as", display.rotation),
       element("span", { class: "hint" }, "±: 3 sigma"), this.said);
   }
 
@@ -102,7 +102,7 @@ export class StateTable {
       return;
     }
     const pose = {
-      from: this.display.of, to: this.state.nameOf(entity), stamp: this.trace.head.stamps_s[frame],
+      from: this.display.of === "camera" ? this.trace.cameraName : "world", to: this.state.nameOf(entity), stamp: this.trace.head.stamps_s[frame],
       p: [...this.reading.p], q: [...this.reading.q],
     };
     const copy = async (form: PoseForm) => {

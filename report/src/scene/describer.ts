@@ -17,7 +17,7 @@ export class Describer {
   constructor(private readonly trace: Trace, private readonly objects: ObjectPart, private readonly uncertainty: UncertaintyPart) {}
 
   lines(pick: Pick, frame: number): string[] {
-    const id = pick.entity === CAMERA ? "camera" : this.trace.objects[pick.entity].id;
+    const id = pick.entity === CAMERA ? this.trace.cameraName : this.trace.objects[pick.entity].id;
     if (pick.kind === "hypothesis") return this.hypothesis(id, pick, frame);
     if (pick.kind === "truth") return this.other(`${id}: ground truth`, pick, frame);
     if (pick.kind === "detection") return this.other(`${id}: detection`, pick, frame);

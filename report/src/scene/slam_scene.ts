@@ -152,8 +152,8 @@ export class SlamScene {
     this.redraw();
   }
 
-  setLook(change: Partial<UncertaintyLook>): void {
-    Object.assign(this.uncertainty.look, change);
+  setLook(look: UncertaintyLook): void {
+    Object.assign(this.uncertainty.look, look);
     this.redraw();
   }
 
@@ -169,8 +169,7 @@ export class SlamScene {
   }
 
   /** The pose at which an object, or the camera, is drawn. */
-  shown(index: number | "camera"): ShownPose | undefined {
-    const entity = index === "camera" ? CAMERA : index;
+  shown(entity: Entity): ShownPose | undefined {
     const position = this.positionOf(entity);
     if (!position) return undefined;
     const quaternion = entity === CAMERA ? this.camera.quaternion : this.objects.quaternions[entity];
@@ -241,7 +240,7 @@ export class SlamScene {
     if (!withCamera || !this.layers.labels || !this.camera.here) return;
     const [x, y, z] = this.camera.position;
     const { strong, name } = this.objects.cameraStyles;
-    this.viewport.labels.add(x, y, z, "camera", selected === CAMERA ? strong : name);
+    this.viewport.labels.add(x, y, z, this.trace.cameraName, selected === CAMERA ? strong : name);
   }
 
   private addCamera(frame: number): void {

@@ -3,6 +3,7 @@
 // The state in the address of the page, #t=20.7&object=mug&tab=errors, so that a moment can be sent.
 import { isView } from "../scene/views.ts";
 import { CAMERA, type Entity, type RunState, type Topic } from "./run_state.ts";
+import type { OneOf } from "./setting.ts";
 
 const TOPICS: readonly Topic[] = ["frame", "selection", "visibility", "follow", "tab", "view"];
 /** Browsers refuse addresses that change too often. */
@@ -15,8 +16,11 @@ export interface Beginning {
   view: string;
 }
 
+/** Settings of the page that are in the address, by their names there. */
+export type Kept = Readonly<Record<string, OneOf<string>>>;
+
 /** The part of the address after #; what is as at the beginning is left out. */
-export function addressOf(state: RunState, initial: Beginning): string {
+export function addressOf(state: RunState, initial: Beginning, kept: Kept = {}): string {
   const parts = new URLSearchParams();
   if (state.frame !== 0) parts.set("t", String(Number(state.seconds.toFixed(4))));
   if (state.selected !== initial.object) parts.set("object", state.nameOf(state.selected));
@@ -24,6 +28,7 @@ export function addressOf(state: RunState, initial: Beginning): string {
   if (state.view !== initial.view) parts.set("view", state.view);
   for (const entity of state.hidden) parts.append("hide", state.nameOf(entity));
   if (state.follow) parts.set("follow", "1");
+  for (const [name, { value, first }] of Object.entries(kept)) if (value !== first) parts.set(name, value);
   return parts.toString();
 }
 
@@ -36,7 +41,7 @@ function openTab(state: RunState, name: string, first: string): void {
 }
 
 /** Takes the whole state from an address, so that it shows what it showed to its sender; what the page does not know is as at the beginning. */
-export function readAddress(state: RunState, address: string, initial: Beginning): void {
+export function readAddress(state: RunState, address: string, initial: Beginning, kept: Kept = {}): void {
   const parts = new URLSearchParams(address.replace(/^#/, ""));
   const seconds = Number(parts.get("t") ?? NaN);
   // Addresses have rounded times, and the frame before would be another one.
@@ -47,19 +52,22 @@ export function readAddress(state: RunState, address: string, initial: Beginning
   state.setFollow(parts.get("follow") === "1");
   const view = parts.get("view") ?? "";
   state.setView(isView(view) ? view : initial.view);
+  for (const [name, setting] of Object.entries(kept)) setting.take(parts.get(name));
   openTab(state, (parts.get("tab") ?? initial.tab).toLowerCase(), initial.tab);
 }
 
 /** Keeps the address as the state is, and the state as an address that is entered. */
-export function bindAddress(state: RunState): void {
+export function bindAddress(state: RunState, kept: Kept = {}): void {
   const initial = { object: state.selected, tab: state.tab, view: state.view };
-  if (location.hash.length > 1) readAddress(state, location.hash, initial);
+  if (location.hash.length > 1) readAddress(state, location.hash, initial, kept);
   let timer: ReturnType<typeof setTimeout> | undefined;
   const write = () => {
     timer = undefined;
-    const address = addressOf(state, initial);
+    const address = addressOf(state, initial, kept);
     history.replaceState(null, "", address === "" ? location.pathname + location.search : `#${address}`);
   };
-  for (const topic of TOPICS) state.on(topic, () => (timer ??= setTimeout(write, LEAST_PAUSE_MS)));
-  addEventListener("hashchange", () => readAddress(state, location.hash, initial));
+  const later = () => void (timer ??= setTimeout(write, LEAST_PAUSE_MS));
+  for (const topic of TOPICS) state.on(topic, later);
+  for (const setting of Object.values(kept)) setting.onChange(later);
+  addEventListener("hashchange", () => readAddress(state, location.hash, initial, kept));
 }

@@ -4,10 +4,11 @@
 import { DEGREES, type Numbers, rollPitchYaw, rotationVector } from "../math/rotation.ts";
 import type { Estimate, ObjectTrack, Trace } from "../trace/trace.ts";
 import { fixed, short } from "../ui/numbers.ts";
+import { OneOf } from "./setting.ts";
 
 export type Reference = "world" | "camera";
 export type RotationForm = "rpy" | "vector" | "quaternion";
-export const ROTATION_FORMS: readonly (readonly [RotationForm, string])[] = [
+const ROTATION_FORMS: readonly (readonly [RotationForm, string])[] = [
   ["rpy", "roll, pitch, yaw"], ["vector", "rotation vector"], ["quaternion", "quaternion x y z w"],
 ];
 
@@ -52,31 +53,26 @@ export function sigmaText(values: readonly number[], unit = ""): string {
 }
 
 export class PoseDisplay {
-  private reference: Reference = "world";
-  private rotation: RotationForm = "rpy";
-  private readonly listeners = new Set<() => void>();
+  readonly reference = new OneOf<Reference>([["world", "the world"], ["camera", "the camera"]], "world");
+  readonly rotation = new OneOf<RotationForm>(ROTATION_FORMS, "rpy");
 
   on(change: () => void): void {
-    this.listeners.add(change);
+    this.reference.onChange(change);
+    this.rotation.onChange(change);
   }
 
   get of(): Reference {
-    return this.reference;
+    return this.reference.value;
   }
 
   get form(): RotationForm {
-    return this.rotation;
-  }
-
-  set(reference: Reference, rotation: RotationForm): void {
-    [this.reference, this.rotation] = [reference, rotation];
-    for (const listener of this.listeners) listener();
+    return this.rotation.value;
   }
 
   /** The estimate of an object in the chosen frame; of the camera in the world. */
   estimate(trace: Trace, entity: number): Estimate | undefined {
-    if (entity < 0) return this.reference === "world" ? trace.camera : undefined;
+    if (entity < 0) return this.of === "world" ? trace.camera : undefined;
     const object: ObjectTrack = trace.objects[entity];
-    return this.reference === "world" ? object.world : object.relative;
+    return this.of === "world" ? object.world : object.relative;
   }
 }

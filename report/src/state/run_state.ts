@@ -64,16 +64,16 @@ export class RunState {
     this.tell("selection");
   }
 
-  /** The id of an object, or "camera". */
+  /** The id of an object, or the camera's name, which no object has. */
   nameOf(entity: Entity): string {
-    return entity === CAMERA ? "camera" : this.trace.objects[entity].id;
+    return entity === CAMERA ? this.trace.cameraName : this.trace.objects[entity].id;
   }
 
-  /** The object of an id; undefined if there is none. */
+  /** What has a name; undefined if nothing has. */
   entityOf(name: string): Entity | undefined {
     const index = this.trace.objects.findIndex(({ id }) => id === name);
     if (index >= 0) return index;
-    return name === "camera" ? CAMERA : undefined;
+    return name === this.trace.cameraName ? CAMERA : undefined;
   }
 
   /** The objects that are hidden in the scene. */

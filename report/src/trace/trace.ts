@@ -177,12 +177,21 @@ function slots(columns: Columns, name: string): HypothesisSlot[] {
   }
 }
 
+/** "camera", or a name that no object has. */
+function cameraNameOf(ids: readonly string[]): string {
+  let name = "camera";
+  while (ids.includes(name)) name = `the ${name}`;
+  return name;
+}
+
 export class Trace {
   readonly frames: number;
   /** Seconds since the first frame. */
   readonly seconds: Float64Array;
   readonly statuses: readonly string[];
   readonly healths: readonly string[];
+  /** What the camera is called, on the page and in addresses; it tells it from all objects. */
+  readonly cameraName: string;
   readonly camera: Estimate | undefined;
   readonly cameraHypotheses: readonly HypothesisSlot[];
   readonly objects: readonly ObjectTrack[];
@@ -197,6 +206,7 @@ export class Trace {
     this.seconds = Float64Array.from(head.stamps_s, (stamp) => stamp - head.stamps_s[0]);
     this.statuses = head.statuses ?? [];
     this.healths = head.healths ?? [];
+    this.cameraName = cameraNameOf(head.order);
     const bits = (mask: Integers | undefined, bit: number) => new Presence(mask, 1 << bit);
     const mask = columns.get("camera/mask")?.components[0];
     this.camera = estimate(columns, "camera", bits(mask, 0), bits(mask, 1));

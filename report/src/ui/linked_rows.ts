@@ -3,11 +3,10 @@
 // Tables with a row per object: a press on a row selects its object, and the selected one is marked.
 import type { RunState } from "../state/run_state.ts";
 
-/** Links the rows below a node whose `data-entity`, or else heading, is an object's id. */
+/** Links the rows below a node with the name of an object or the camera as `data-entity`; a heading may be the same word and mean something else. */
 export function linkRows(node: HTMLElement, state: RunState): HTMLElement {
-  const rows = [...node.querySelectorAll("tbody tr")].flatMap((row) => {
-    const name = (row as HTMLElement).dataset["entity"] ?? row.querySelector("th")?.textContent ?? "";
-    const entity = state.entityOf(name);
+  const rows = [...node.querySelectorAll<HTMLElement>("tbody tr[data-entity]")].flatMap((row) => {
+    const entity = state.entityOf(row.dataset["entity"]!);
     return entity === undefined ? [] : [{ row, entity }];
   });
   const mark = () => {

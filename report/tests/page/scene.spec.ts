@@ -29,7 +29,7 @@ test("ellipsoids, cones and samples are as many as there are poses, sigmas and c
   expect(await counts()).toEqual({ shells: 5, cones: 12, bars: 3, samples: 0, wireframes: 5 });
   await scrub(page, LATE.frame);
   expect(await counts()).toEqual({ shells: 6, cones: 15, bars: 3, samples: 0, wireframes: 5 });
-  await choose(page, "Size", "0");
+  await choose(page, "Size", "all");
   expect((await counts())["shells"]).toBe(18);
   await page.getByRole("checkbox", { name: "Samples" }).check();
   await page.getByRole("checkbox", { name: "Rotation cones" }).uncheck();
@@ -82,7 +82,7 @@ test("the picture says how much larger uncertainty is drawn, and lengths stay tr
     expect((await scene<string[]>(page, "notes"))[0]).toContain(words);
     expect(await scene(page, "factor")).toBe(Number(value));
   }
-  await choose(page, "drawn", "0");
+  await choose(page, "drawn", "visible");
   expect(await lengths()).toEqual(before);
   // It is one factor for the run, so that what shrinks is seen to shrink.
   const factors = new Set<number>();
