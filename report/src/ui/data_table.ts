@@ -2,8 +2,8 @@
 // SPDX-FileCopyrightText: posemix contributors
 // A table of any size: sorted by any column, narrowed by words, page by page, with bars behind its numbers.
 import type { Json } from "../payload.ts";
-import { columnOf, isNumber, keyColumns, valuesOf } from "../study/columns.ts";
-import { lengthScales, shownName } from "../study/shown.ts";
+import { isNumber, keyColumns, valuesOf } from "../study/columns.ts";
+import { shownTable } from "../study/shown.ts";
 import type { Table } from "./csv.ts";
 import { button, choice, element } from "./dom.ts";
 import { formatted, titleOf } from "./format.ts";
@@ -47,8 +47,6 @@ function compare(a: Json, b: Json): number {
 
 interface Column {
   numeric: boolean;
-  /** What a value is multiplied by where it is written, and the name that it has then. */
-  scale: number;
   title: { name: string; unit: string };
   decimals: number | undefined;
   most: number;
@@ -62,6 +60,8 @@ export class DataTable {
   private readonly count = element("p", { class: "hint", role: "status" });
   private readonly pager = element("div", { class: "buttons pager" });
   private readonly heads: HTMLElement[];
+  /** As it is shown, by the same numbers of rows and columns as the data. */
+  private readonly seen: Table;
   private readonly keys: ReadonlySet<string>;
   private readonly only = new Map<number, string>();
   /** Whether every row is another quantity, so that its numbers are like each other, and not like those above. */
@@ -74,8 +74,8 @@ export class DataTable {
   constructor(private readonly name: string, private readonly table: Table) {
     this.keys = new Set(keyColumns(table));
     this.isByRow = table.columns.includes("figure");
-    const scales = lengthScales(table);
-    this.columns = table.columns.map((_, k) => this.columnOf(k, scales));
+    this.seen = shownTable(table);
+    this.columns = table.columns.map((_, k) => this.columnOf(k));
     this.shareDecimals();
     this.heads = table.columns.map((_, k) => this.head(k));
     const made = element("table", {}, element("caption", { class: "unseen" }, name), element("thead", {}, element("tr", {}, ...this.heads)), this.body);
@@ -84,25 +84,23 @@ export class DataTable {
     this.fill();
   }
 
-  private columnOf(k: number, scales: ReadonlyMap<string, number>): Column {
-    const column = this.table.columns[k];
-    const scale = scales.get(column) ?? 1;
-    const values = this.shownOf(k, scale);
+  private columnOf(k: number): Column {
+    const values = this.valuesAt(k);
     const numeric = values.some(isNumber) && values.every((value) => value === null || isNumber(value));
     const sizes = numeric ? values.filter(isNumber).map(Math.abs) : [];
-    const isKey = this.keys.has(column);
-    return { numeric, scale, title: titleOf(scales.has(column) ? shownName(column) : column), decimals: numeric ? decimalsOf(values) : undefined, most: sizes.reduce((most, size) => Math.max(most, size), 0), bars: numeric && !this.isByRow && !isKey && k > 0 && new Set(sizes).size > 1 };
+    const isKey = this.keys.has(this.table.columns[k]);
+    return { numeric, title: titleOf(this.seen.columns[k]), decimals: numeric ? decimalsOf(values) : undefined, most: sizes.reduce((most, size) => Math.max(most, size), 0), bars: numeric && !this.isByRow && !isKey && k > 0 && new Set(sizes).size > 1 };
   }
 
-  private shownOf(k: number, scale: number): Json[] {
-    return columnOf(this.table, this.table.columns[k]).map((value) => (isNumber(value) ? scale * value : value));
+  private valuesAt(k: number): Json[] {
+    return this.seen.rows.map((row) => row[k] ?? null);
   }
 
   /** Columns of one unit have the same decimals, where their sizes allow it. */
   private shareDecimals(): void {
     for (const unit of ["mm", "deg"]) {
       const own = this.columns.flatMap((column, k) => (column.numeric && column.title.unit === unit && !this.keys.has(this.table.columns[k]) ? [k] : []));
-      const decimals = decimalsOf(own.flatMap((k) => this.shownOf(k, this.columns[k].scale)));
+      const decimals = decimalsOf(own.flatMap((k) => this.valuesAt(k)));
       if (decimals !== undefined) for (const k of own) this.columns[k].decimals = decimals;
     }
   }
@@ -120,7 +118,7 @@ export class DataTable {
     const box = element("input", { type: "search", "aria-label": `Rows of ${this.name} with the words`, placeholder: "Rows with the words …" });
     box.addEventListener("input", () => this.narrow(() => (this.words = box.value.toLowerCase())));
     const lists = table.columns.flatMap((column, k) => {
-      const values = valuesOf(table, column);
+      const values = valuesOf(this.seen, this.seen.columns[k]);
       if (!this.keys.has(column) || values.length > MOST_CHOICES || this.columns[k].numeric) return [];
       return [choice(titleOf(column).name, [["", "every"], ...values.map((value) => [value, value] as const)], "",
         (value) => this.narrow(() => (value === "" ? this.only.delete(k) : this.only.set(k, value))))];
@@ -145,7 +143,7 @@ export class DataTable {
   /** The rows that are left, in their order, with their numbers in the table. */
   shown(): [Json[], number][] {
     const { sorted, falling, words } = this;
-    const left = this.table.rows.map((row, i): [Json[], number] => [row, i]).filter(([row]) =>
+    const left = this.seen.rows.map((row, i): [Json[], number] => [row, i]).filter(([row]) =>
       [...this.only].every(([k, value]) => String(row[k]) === value)
       && (words === "" || words.split(/\s+/).every((word) => row.some((cell) => String(cell ?? "").toLowerCase().includes(word)))));
     if (sorted >= 0) {
@@ -157,12 +155,12 @@ export class DataTable {
     return left;
   }
 
-  private cell(value: Json, k: number, row: number): HTMLElement {
+  private cell(shown: Json, k: number, row: number): HTMLElement {
     const column = this.columns[k];
     const name = this.table.columns[k];
+    const value = this.table.rows[row][k] ?? null;
     const link = name === "report" ? safePath(value) : undefined;
-    const shown = isNumber(value) ? column.scale * value : value;
-    const decimals = this.isByRow ? decimalsOf(this.table.rows[row]) : column.decimals;
+    const decimals = this.isByRow ? decimalsOf(this.seen.rows[row]) : column.decimals;
     const written = isNumber(shown) && decimals !== undefined ? shown.toFixed(decimals) : formatted(shown);
     const attributes = { class: column.numeric ? "number" : "", "data-key": `${this.name}/${row}/${name}`, "data-value": JSON.stringify(value) };
     const content = link === undefined ? written : element("a", { href: link }, "open the run");
@@ -188,7 +186,7 @@ export class DataTable {
   }
 
   private save(): void {
-    const text = csvOf({ columns: this.table.columns, rows: this.shown().map(([row]) => row) });
+    const text = csvOf({ columns: this.table.columns, rows: this.shown().map(([, i]) => this.table.rows[i]) });
     const address = URL.createObjectURL(new Blob([text], { type: "text/csv" }));
     element("a", { href: address, download: `${this.name.replaceAll(/[^A-Za-z0-9._-]+/g, "_").replace(/\.csv$/, "")}.csv` }).click();
     setTimeout(() => URL.revokeObjectURL(address), 1000);

@@ -39,7 +39,7 @@ test("a study of unknown columns has no invented result", async ({ page }) => {
 
 test("units have panels of their own, and points say what they are means of", async ({ page }) => {
   await open(page, "chart-units", noise(0));
-  await expect(page.locator("figcaption")).toHaveText(["robust standard deviation [deg], by object", "robust standard deviation [m], by object"]);
+  await expect(page.locator("figcaption")).toHaveText(["robust standard deviation [deg], by object", "robust standard deviation [mm], by object"]);
   await expect(page.locator(".notes")).toContainText("Each point is the mean of 2 rows, over detector; bars are one standard error of that mean.");
   await expect(page.locator(".notes")).toContainText("Left out: 8 rows whose object is all.");
   expect((await drawn(page)).find(({ group, x }) => group === "rotation_x" && x === "mug")).toEqual({ group: "rotation_x", x: "mug", value: 2.5, rows: 2 });
@@ -95,6 +95,22 @@ test("tables sort, narrow, go on, and are saved as they are shown", async ({ pag
   const table = parseCsv(readFileSync((await saved.path())!, "utf8"));
   expect(table.rows.length).toBe(60);
   expect(table.rows.map((row) => row[table.columns.indexOf("pixel_median")])).toEqual(await column("pixel_median"));
+});
+
+test("the noise of detectors: rows of lengths are in mm in table and chart, the file's own values stay", async ({ page }) => {
+  await open(page, "noise-units", noise());
+  await expect(page.locator(".drawn-table").nth(1)).toContainText("[mm]");
+  await page.getByRole("tab", { name: "Tables" }).click();
+  const table = page.locator(".data-table").first();
+  await table.getByRole("combobox", { name: "unit", exact: true }).selectOption("mm");
+  const cells = table.locator('tbody [data-key$="/robust_sd"]');
+  const read = await cells.evaluateAll((nodes) => nodes.map((node) => [Number(node.textContent), JSON.parse((node as HTMLElement).dataset["value"]!) as number]));
+  expect(read.length).toBeGreaterThan(0);
+  for (const [written, value] of read) expect(Math.abs(written - 1000 * value)).toBeLessThan(0.01 * written);
+  const [saved] = await Promise.all([page.waitForEvent("download"), table.getByRole("button", { name: "Save CSV of rows" }).click()]);
+  const { columns, rows } = parseCsv(readFileSync((await saved.path())!, "utf8"));
+  expect(rows.map((row) => row[columns.indexOf("unit")])).toEqual(read.map(() => "m"));
+  expect(rows.map((row) => row[columns.indexOf("robust_sd")])).toEqual(read.map(([, value]) => value));
 });
 
 test("columns of one unit have the same decimals, and lengths are in mm beside the file's own values", async ({ page }) => {

@@ -169,6 +169,17 @@ test("small lengths are shown in mm, in whichever unit a table has them", () => 
   assert.equal(shownTable(craters), craters);
 });
 
+test("lengths whose unit is in their row are shown in mm, what has none is as it was", () => {
+  const columns = ["axis", "unit", "count", "mean", "robust_sd", "slow_sd_error", "inlier_sd_of_recordings", "kurtosis", "lag1_autocorrelation", "window_s"];
+  const table: Table = { columns, rows: [["rotation_x", "deg", 9, 0.5, 1, 0.1, null, 3, 0.9, 2], ["translation_x", "m", 9, -0.002, 0.01, 0.001, 0.004, 3, 0.9, 2], ["translation_z", "range", 9, 0.002, 0.01, 0.001, null, 3, 0.9, 2]] };
+  const shown = shownTable(table);
+  assert.deepEqual(shown.columns, columns);
+  assert.deepEqual(shown.rows, [table.rows[0], ["translation_x", "mm", 9, -2, 10, 1, 4, 3, 0.9, 2], table.rows[2]]);
+  // The distances of a map are not.
+  const map: Table = { columns: ["unit", "mean"], rows: [["m", 12], ["m", 40]] };
+  assert.equal(shownTable(map), map);
+});
+
 test("provenance: the command can be typed, settings have their paths", () => {
   const given: JsonObject = { program: "posemix", version: "1.2", seed: 3, started: "2026-03-01T12:00:00Z", command: ["posemix", "slam", "my file.toml", "it's"], settings: { a: { b: 1, c: [1, 2] }, d: "x" } };
   assert.equal(commandOf(given), "posemix slam 'my file.toml' 'it'\\''s'");
