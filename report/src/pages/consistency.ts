@@ -41,11 +41,11 @@ function axes(name: string, pose: JsonObject): HTMLElement {
 }
 
 function findings(poses: JsonObject[]): HTMLElement {
-  return element("div", {}, ...poses.flatMap((pose) => {
+  return element("div", { class: "pose-findings" }, ...poses.map((pose) => {
     const name = String(pose["name"] ?? "");
     const words = list(pose["findings"]).map((text) => element("li", {}, String(text)));
-    return [element("h2", {}, name), element("ul", { class: "findings" }, ...words),
-      element("div", { class: "tables" }, summary(name, pose), axes(name, pose))];
+    return element("section", {}, element("h2", {}, name), element("ul", { class: "findings" }, ...words),
+      element("div", { class: "tables" }, summary(name, pose), axes(name, pose)));
   }));
 }
 

@@ -3,6 +3,7 @@
 // The settings of uPlot for a chart.
 import uPlot from "uplot";
 import { faded } from "../ui/palette.ts";
+import { enlarged } from "../ui/text_size.ts";
 import { themeColour } from "../ui/theme.ts";
 import type { ChartSeries, ChartSettings } from "./chart.ts";
 import { beyondText, countBeyond, paintCarets, paintDots } from "./marks.ts";
@@ -71,25 +72,27 @@ export function prepare({ x, series }: ChartSettings): Prepared {
   return { data: data as uPlot.AlignedData, series: made, bands, places };
 }
 
-function namedTicks(names: string[]): uPlot.Axis {
+function namedTicks(names: string[], factor: number): uPlot.Axis {
   const longest = Math.max(...names.map((name) => name.length));
-  return { size: Math.min(150, 14 + 6.5 * longest), rotate: -90, splits: () => names.map((_, i) => i + 1), values: () => names };
+  return { size: factor * Math.min(150, 14 + 6.5 * longest), rotate: -90, splits: () => names.map((_, i) => i + 1), values: () => names };
 }
 
 function axes(settings: ChartSettings): uPlot.Axis[] {
+  const factor = enlarged();
+  const font = `${Math.round(11 * factor)}px system-ui, sans-serif`;
   const axis = (extra: uPlot.Axis): uPlot.Axis => ({
     stroke: () => themeColour("--muted"),
     grid: { stroke: () => themeColour("--line"), width: 1 },
     ticks: { stroke: () => themeColour("--line"), width: 1, size: 4 },
-    font: "11px system-ui, sans-serif",
-    labelFont: "11px system-ui, sans-serif",
+    font,
+    labelFont: font,
     ...extra,
   });
   const { xNames, yNames, yTicks } = settings;
   const label = xLabelOf(settings);
   return [
-    axis({ size: 24, gap: 3, ...(xNames ? namedTicks(xNames) : {}), ...(label ? { label, labelSize: 16, labelGap: 0 } : {}) }),
-    axis({ size: yNames ? 96 : 54, gap: 3, ...(yTicks ? { splits: () => yTicks } : {}), ...(yNames ? { splits: () => yNames.map((_, i) => i + 0.5), values: () => yNames, grid: { show: false }, ticks: { show: false } } : {}) }),
+    axis({ size: 24 * factor, gap: 3, ...(xNames ? namedTicks(xNames, factor) : {}), ...(label ? { label, labelSize: 16 * factor, labelGap: 0 } : {}) }),
+    axis({ size: (yNames ? 96 : 54) * factor, gap: 3, ...(yTicks ? { splits: () => yTicks } : {}), ...(yNames ? { splits: () => yNames.map((_, i) => i + 0.5), values: () => yNames, grid: { show: false }, ticks: { show: false } } : {}) }),
   ];
 }
 

@@ -3,6 +3,7 @@
 // Marks and axes of the drawings that tables are shown by. They are vectors, so that print and large screens show them sharp.
 import { element } from "../ui/dom.ts";
 import { svg } from "../ui/svg.ts";
+import { enlarged } from "../ui/text_size.ts";
 import { type Scale, tickText } from "./scale.ts";
 
 export const FONT = 12;
@@ -60,9 +61,6 @@ export function key(entries: readonly { name: string; colour: string; shape?: nu
     return element("li", {}, sign, name);
   }));
 }
-
-/** How much larger than usual the page's text is, as on a large screen. */
-const enlarged = () => parseFloat(getComputedStyle(document.documentElement).fontSize) / 16 || 1;
 
 /** A drawing that is drawn anew when its place has another width; its text grows with that of the page. */
 export function responsive(draw: (width: number) => SVGSVGElement): HTMLElement {

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 import { type Camera, Vector3 } from "three";
 import { element } from "../ui/dom.ts";
+import { enlarged } from "../ui/text_size.ts";
 import { onTheme, themeColour } from "../ui/theme.ts";
 import { NEAR_SLOTS, Placement, SLOTS } from "./placement.ts";
 
@@ -32,6 +33,8 @@ export interface LabelStyle {
 export class LabelLayer {
   readonly canvas = element("canvas", { class: "labels", "aria-hidden": "true" });
   painter: Painter | undefined;
+  /** How much larger than usual all of it is; places within are in units of as many pixels. */
+  factor = 1;
   /** Names that had no room when it was drawn last. */
   left = 0;
   private readonly context = this.canvas.getContext("2d")!;
@@ -80,12 +83,13 @@ export class LabelLayer {
 
   resize(width: number, height: number): void {
     const ratio = Math.min(devicePixelRatio, 2);
-    this.width = width;
-    this.height = height;
+    this.factor = enlarged();
+    this.width = width / this.factor;
+    this.height = height / this.factor;
     this.canvas.width = Math.round(width * ratio);
     this.canvas.height = Math.round(height * ratio);
-    this.context.setTransform(ratio, 0, 0, ratio, 0, 0);
-    const size = height > 1100 ? 15 : 12;
+    this.context.setTransform(ratio * this.factor, 0, 0, ratio * this.factor, 0, 0);
+    const size = this.height > 1100 ? 15 : 12;
     this.plain = `${size}px system-ui, sans-serif`;
     this.strong = `700 ${size}px system-ui, sans-serif`;
     this.widths.clear();
@@ -212,7 +216,8 @@ export class LabelLayer {
   }
 
   /** The entity of the label at a point, undefined if there is none. */
-  at(x: number, y: number): number | undefined {
+  at(pixelX: number, pixelY: number): number | undefined {
+    const [x, y] = [pixelX / this.factor, pixelY / this.factor];
     for (let i = 0; i < this.count; ++i) {
       const [left, top, width] = [this.boxes[3 * i], this.boxes[3 * i + 1], this.boxes[3 * i + 2]];
       if (width > 0 && x >= left && x <= left + width && y >= top && y <= top + HEIGHT) return this.styles[i].entity;
@@ -220,10 +225,12 @@ export class LabelLayer {
     return undefined;
   }
 
-  /** What is drawn, for tests. */
+  /** What is drawn, for tests, in pixels. */
   get shown(): { text: string; entity: number; x: number; y: number; width: number; height: number }[] {
+    const { factor } = this;
     const all = Array.from({ length: this.count }, (_, i) => ({
-      text: this.texts[i], entity: this.styles[i].entity, x: this.boxes[3 * i], y: this.boxes[3 * i + 1], width: this.boxes[3 * i + 2], height: HEIGHT,
+      text: this.texts[i], entity: this.styles[i].entity,
+      x: factor * this.boxes[3 * i], y: factor * this.boxes[3 * i + 1], width: factor * this.boxes[3 * i + 2], height: factor * HEIGHT,
     }));
     return all.filter(({ width }) => width > 0);
   }

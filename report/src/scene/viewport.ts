@@ -79,7 +79,7 @@ export class Viewport {
 
   /** What a click, a double click and the resting pointer do. */
   listen(target: PointerTarget): Pointer {
-    const onGizmo = (x: number, y: number) => this.overlay.viewAt(x, y);
+    const onGizmo = (x: number, y: number) => this.overlay.viewAt(x / this.labels.factor, y / this.labels.factor);
     const whole: PointerTarget = {
       click: (x, y) => {
         const view = onGizmo(x, y);
