@@ -43,12 +43,25 @@ struct StateFields<PoseStackd> {
   static PoseStackd of_stored(Stored stored) { return PoseStackd(std::move(stored)); }
 };
 
+/// Whether a symmetric matrix of finite numbers is a covariance but for what computing loses: its
+/// correlations, with 1e-3 added to the diagonal, are positive definite.
+inline bool could_be_covariance(const Eigen::MatrixXd& matrix) {
+  constexpr double kLost = 1e-3;
+  if (!(matrix.diagonal().array() >= 0.0).all()) return false;
+  const Eigen::VectorXd sd = matrix.diagonal().cwiseSqrt();
+  const Eigen::VectorXd scale = (sd.array() > 0.0).select(sd.cwiseInverse(), 1.0);
+  Eigen::MatrixXd correlations = scale.asDiagonal() * matrix * scale.asDiagonal();
+  if (!correlations.isApprox(correlations.transpose(), kLost)) return false;
+  correlations.diagonal().array() += kLost;
+  return correlations.llt().info() == Eigen::Success;
+}
+
 /// @throws InvalidInput unless a covariance has this size and could be one
 inline void require_covariance(const auto& covariance, Eigen::Index size) {
   require_state(covariance.rows() == size && covariance.cols() == size,
                 "a covariance of the size of what it is of");
   require_state(covariance.allFinite(), "a covariance that is finite");
-  require_state((covariance.diagonal().array() >= 0.0).all(), "variances that are not negative");
+  require_state(could_be_covariance(covariance), "a covariance that is positive semi-definite");
 }
 
 template <LieGroup G>

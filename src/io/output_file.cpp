@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "posemix/io/output_file.hpp"
 
+#include <atomic>
 #include <cstdio>
 #include <system_error>
 
@@ -19,13 +20,13 @@ using namespace internal;
 
 namespace fs = std::filesystem;
 
-/// A file that is removed at the end of its scope unless it has been moved to its target.
+constexpr unsigned kMostPartialFiles = 1000;
+
+/// A new file beside a target, which is removed at the end of its scope unless it has been put in
+/// the target's place.
 class PartialFile {
  public:
-  explicit PartialFile(const fs::path& target)
-      : target_(target),
-        path_(target.parent_path() /
-              fmt::format(".{}.partial-{}", target.filename().string(), ::getpid())) {}
+  explicit PartialFile(const fs::path& target) : target_(target), file_(create()) {}
   ~PartialFile() {
     std::error_code ignored;
     fs::remove(path_, ignored);
@@ -33,21 +34,37 @@ class PartialFile {
   PartialFile(const PartialFile&) = delete;
   PartialFile& operator=(const PartialFile&) = delete;
 
-  void write(std::string_view content) const {
-    Descriptor file(path_, O_WRONLY | O_CREAT | O_TRUNC, target_);
-    file.write_all(content);
-    file.sync();
+  void write(std::string_view content) {
+    file_.write_all(content);
+    file_.sync();
   }
+  /// A file that is replaced keeps its permissions.
   void put_in_place() const {
-    if (std::rename(path_.c_str(), target_.c_str()) != 0) {
+    std::error_code is_new;
+    const fs::perms before = fs::status(target_, is_new).permissions();
+    if (!is_new && fs::exists(target_)) fs::permissions(path_, before, is_new);
+    if (std::rename(path_.c_str(), target_.c_str()) != 0)
       fail_with_errno(target_, "cannot be replaced");
-    }
     sync_folder(target_.parent_path());
   }
 
  private:
+  /// Neither a file of another thread nor a link that somebody has put there is written to.
+  Descriptor create() {
+    static std::atomic<unsigned> count = 0;
+    for (unsigned attempt = 0;; ++attempt) {
+      path_ = target_.parent_path() /
+              fmt::format(".{}.partial-{}-{}", target_.filename().string(), ::getpid(), ++count);
+      std::error_code error;
+      const bool is_taken = fs::exists(fs::symlink_status(path_, error));
+      if (!is_taken || attempt == kMostPartialFiles)
+        return Descriptor(path_, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW, target_);
+    }
+  }
+
   fs::path target_;
   fs::path path_;
+  Descriptor file_;
 };
 
 }  // namespace
@@ -62,7 +79,7 @@ void write_output_file(const fs::path& path, std::string_view content) {
   }
   const fs::path target = fs::weakly_canonical(fs::absolute(path, error), error);
   if (error || !target.has_filename()) fail_output(path, "cannot be written", "not a file name");
-  const PartialFile partial(target);
+  PartialFile partial(target);
   partial.write(content);
   partial.put_in_place();
 }

@@ -3,16 +3,19 @@
 #include "engine.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 #include <utility>
+
+#include <fmt/format.h>
 
 #include "posemix/base/error.hpp"
 
 namespace posemix::internal {
 namespace {
 
-/// Images in succession whose stamps are refused as too far ahead, after which the clock is taken
-/// to have jumped.
-constexpr std::size_t kAhead = 10;
+/// Images in succession whose stamps have jumped, after which the clock is taken to have jumped:
+/// not one wrong stamp.
+constexpr std::size_t kJumped = 5;
 
 StampedSlam slam_from(const LiveSettings& settings, const std::optional<SE3d>& odometry,
                       const std::vector<BodyCamera>& cameras) {
@@ -37,7 +40,7 @@ LiveEngine::LiveEngine(const LiveSettings& settings, bool records)
 void LiveEngine::begin_again() {
   slam_.reset();
   odometry_.clear();
-  ahead_ = 0;
+  jumped_ = 0;
   recording_.clear();
 }
 
@@ -67,8 +70,8 @@ std::vector<LiveEstimate> LiveEngine::ready(double now_s) {
     try {
       prepared = around_.ready(waiting_[i], is_over);
     } catch (const InvalidInput& error) {
-      refuse(take_out(i), error.what());
-      if (counts_.resets > resets) i = 0;
+      take_out(i);
+      refuse(error.what());
       continue;
     }
     if (!prepared && !is_over) {
@@ -109,23 +112,23 @@ void LiveEngine::start(const ReadyImage& ready) {
 }
 
 std::optional<LiveEstimate> LiveEngine::take(const ReadyImage& ready) {
+  if (const std::string why = slam_ ? jump_to(ready.image.stamp_ns) : ""; !why.empty())
+    return jump(ready, why);
   if (!slam_) start(ready);
-  const std::size_t resets = slam_->counts().resets;
+  newest_ns_ = std::max(newest_ns_, ready.image.stamp_ns);
   try {
     put(ready);
   } catch (const InvalidInput& error) {
-    refuse(ready.image, error.what());
+    refuse(error.what());
     return std::nullopt;
   }
-  ahead_ = 0;
+  jumped_ = 0;
   ++counts_.images;
-  if (slam_->counts().resets > resets) after_jump(ready);
-  newest_ns_ = std::max(newest_ns_, ready.image.stamp_ns);
   try {
     return estimate(ready.image);
   } catch (const InvalidInput& error) {
     // What was taken in leads nowhere, and would stay.
-    refuse(ready.image, error.what());
+    refuse(error.what());
     reset();
     return std::nullopt;
   }
@@ -185,24 +188,36 @@ std::vector<Observation> LiveEngine::observations_of(const LiveImage& image, dou
   return observations;
 }
 
-void LiveEngine::refuse(const LiveImage& image, const std::string& why) {
+void LiveEngine::refuse(const std::string& why) {
   ++counts_.refused;
   complaint_ = why;
-  const bool is_ahead =
-      seconds(image.stamp_ns) > seconds(newest_ns_) + settings_->stamped.jump_ahead_s;
-  ahead_ = is_ahead ? ahead_ + 1 : 0;
-  if (ahead_ >= kAhead) reset();
 }
 
-/// The filter has forgotten all before the image: so does what is around it.
-void LiveEngine::after_jump(const ReadyImage& ready) {
+/// How a stamp has jumped; empty where it has not, and where the filter refuses it.
+std::string LiveEngine::jump_to(std::int64_t stamp_ns) const {
+  const StampedSlamSettings& of = settings_->stamped;
+  const double stamp_s = seconds(stamp_ns);
+  const double newest_s = seconds(newest_ns_);
+  if (stamp_s > newest_s + of.jump_ahead_s)
+    return fmt::format("the stamp is {:.1f} s after the newest one before it", stamp_s - newest_s);
+  if (of.on_jump_back == StampJump::reset && stamp_s < newest_s - of.jump_back_s)
+    return fmt::format("the stamp is {:.1f} s before the newest one", newest_s - stamp_s);
+  return {};
+}
+
+/// The image is refused, or is the last of enough of them, with which a run begins.
+std::optional<LiveEstimate> LiveEngine::jump(const ReadyImage& ready, const std::string& why) {
+  if (++jumped_ < kJumped) {
+    refuse(fmt::format("{}; {} images in succession are taken for another clock", why, kJumped));
+    return std::nullopt;
+  }
   ++counts_.resets;
-  const std::int64_t stamp_ns = ready.image.stamp_ns;
-  newest_ns_ = stamp_ns;
-  odometry_ = {{stamp_ns, ready.odometry}};
-  recording_.keep_last();
-  const std::int64_t latest = stamp_ns + nanoseconds(settings_->stamped.jump_back_s);
-  std::erase_if(waiting_, [&](const LiveImage& image) { return image.stamp_ns > latest; });
+  begin_again();
+  const std::int64_t window = nanoseconds(settings_->stamped.jump_back_s);
+  std::erase_if(waiting_, [&](const LiveImage& image) {
+    return std::abs(image.stamp_ns - ready.image.stamp_ns) > window;
+  });
+  return take(ready);
 }
 
 std::optional<LiveEstimate> LiveEngine::estimate(const LiveImage& image) {

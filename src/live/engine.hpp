@@ -75,8 +75,9 @@ class LiveEngine {
   void start(const ReadyImage& ready);
   std::optional<LiveEstimate> take(const ReadyImage& ready);
   void put(const ReadyImage& ready);
-  void refuse(const LiveImage& image, const std::string& why);
-  void after_jump(const ReadyImage& ready);
+  void refuse(const std::string& why);
+  std::string jump_to(std::int64_t stamp_ns) const;
+  std::optional<LiveEstimate> jump(const ReadyImage& ready, const std::string& why);
   std::optional<LiveEstimate> estimate(const LiveImage& image);
   std::vector<Observation> observations_of(const LiveImage& image, double stamp_s);
   double seconds(std::int64_t stamp_ns) const {
@@ -92,7 +93,7 @@ class LiveEngine {
   std::int64_t start_ns_ = 0;
   std::map<std::int64_t, std::optional<SE3d>> odometry_;  ///< of the images
   std::int64_t newest_ns_ = 0;
-  std::size_t ahead_ = 0;  ///< images in succession whose stamps are too far ahead
+  std::size_t jumped_ = 0;  ///< images in succession whose stamps have jumped
   ClassTable table_;
   LiveRecording recording_;
 };

@@ -88,10 +88,6 @@ void LiveRecording::add(RecordedImage image) {
   if (images_.size() > most_) images_.pop_front();
 }
 
-void LiveRecording::keep_last() {
-  if (!images_.empty()) images_.erase(images_.begin(), std::prev(images_.end()));
-}
-
 LiveResult result_of(const LiveRecording& recording, const LiveSettings& settings,
                      std::vector<ObjectModel> models, const std::vector<BodyCamera>& cameras) {
   const auto names = usable_ids(models);

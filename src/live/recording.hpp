@@ -37,8 +37,6 @@ class LiveRecording {
 
   void add(RecordedImage image);
   void clear() { images_.clear(); }
-  /// Forgets all but the last image.
-  void keep_last();
   bool is_empty() const { return images_.empty(); }
   const std::deque<RecordedImage>& images() const { return images_; }
 

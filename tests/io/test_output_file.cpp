@@ -3,10 +3,13 @@
 #include "posemix/io/output_file.hpp"
 
 #include <filesystem>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "temporary_folder.hpp"
 
@@ -60,6 +63,48 @@ TEST(OutputFile, APipeIsWrittenTo) {
   EXPECT_TRUE(fs::is_fifo(pipe));
   write_output_file("/dev/null", "gone");
   EXPECT_TRUE(fs::is_character_file("/dev/null"));
+}
+
+TEST(OutputFile, ThreadsThatWriteOneFile) {
+  const TemporaryFolder folder;
+  const auto content = [](int i) { return std::string(1 << 20, static_cast<char>('a' + i)); };
+  std::vector<std::thread> threads;
+  threads.reserve(4);
+  for (int i = 0; i < 4; ++i) {
+    threads.emplace_back([&, i] {
+      for (int k = 0; k < 10; ++k) write_output_file(folder / "a", content(i));
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  const std::string found = content_of(folder / "a");
+  EXPECT_EQ(found, content(found.at(0) - 'a'));
+  EXPECT_EQ(files_in(folder.path()), 1U);
+}
+
+TEST(OutputFile, PermissionsStay) {
+  const TemporaryFolder folder;
+  folder.put("secret", "old");
+  fs::permissions(folder / "secret", fs::perms::owner_read | fs::perms::owner_write);
+  write_output_file(folder / "secret", "new");
+  EXPECT_EQ(content_of(folder / "secret"), "new");
+  EXPECT_EQ(fs::status(folder / "secret").permissions(),
+            fs::perms::owner_read | fs::perms::owner_write);
+}
+
+TEST(OutputFile, ALinkInPlaceOfThePartialFileIsNotFollowed) {
+  const TemporaryFolder folder;
+  folder.put("precious", "kept");
+  for (int i = 1; i < 2000; ++i) {
+    fs::create_symlink("precious", folder / (".a.partial-" + std::to_string(::getpid()) + "-" +
+                                             std::to_string(i)));
+  }
+  try {
+    write_output_file(folder / "a", "new");
+    EXPECT_EQ(content_of(folder / "a"), "new");
+  } catch (const OutputError&) {
+    EXPECT_FALSE(fs::exists(folder / "a"));
+  }
+  EXPECT_EQ(content_of(folder / "precious"), "kept");
 }
 
 TEST(OutputFile, WhatCannotBeWritten) {

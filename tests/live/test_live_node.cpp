@@ -180,15 +180,30 @@ TEST(LiveNode, CamerasOfARigStandWhereTfStaticHasThem) {
 TEST(LiveNode, StampsThatJumpBackAreANewRecording) {
   LiveBench bench(kSeen);
   for (const double start : {100.0, 40.0}) {
-    for (int i = 0; i < 4; ++i) {
+    for (int i = 0; i < 6; ++i) {
       bench.move(start + 0.2 * i);
       bench.detect(array_at(start + 0.2 * i, {{start > 50.0 ? "mug" : "box", mug_pose()}}));
     }
   }
   EXPECT_EQ(bench.counts().resets, 1u);
+  EXPECT_EQ(bench.counts().refused, 4u);
   EXPECT_EQ(bench.counts().images, 8u);
   ASSERT_EQ(bench.objects.back().detections.size(), 1u);
   EXPECT_EQ(bench.objects.back().detections[0].id, "box") << "the mug is forgotten";
+}
+
+TEST(LiveNode, OneWrongStampCostsOneImage) {
+  LiveBench bench(kStill);
+  bench.see(100.0);
+  double stamp = 101.0;
+  for (const double wrong : {5.0, 9000.0, 0.0, 50.0, 20.0, 8000.0}) {
+    bench.see(wrong);
+    bench.see(stamp);
+    stamp += 1.0;
+  }
+  EXPECT_EQ(bench.counts().resets, 0u);
+  EXPECT_EQ(bench.counts().refused, 6u);
+  EXPECT_EQ(bench.counts().images, 7u);
 }
 
 TEST(LiveNode, SingleStampsFarAheadAreRefusedAndManyAreAnotherClock) {
@@ -198,9 +213,10 @@ TEST(LiveNode, SingleStampsFarAheadAreRefusedAndManyAreAnotherClock) {
   EXPECT_EQ(bench.counts().refused, 1u);
   bench.see(1.0);
   EXPECT_EQ(bench.counts().images, 2u);
-  for (int i = 0; i < 11; ++i) bench.see(9000.0 + i);
+  for (int i = 0; i < 6; ++i) bench.see(9000.0 + i);
   EXPECT_EQ(bench.counts().resets, 1u);
-  EXPECT_EQ(bench.counts().images, 3u);
+  EXPECT_EQ(bench.counts().refused, 5u);
+  EXPECT_EQ(bench.counts().images, 4u);
 }
 
 TEST(LiveNode, ASimulatedClockThatStepsBackForgetsAll) {

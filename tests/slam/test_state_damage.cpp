@@ -75,6 +75,29 @@ TEST(StateDamage, AStateThatIsCutOffSaysSo) {
                         bytes.size() - kHead + 1, bytes.size() - kHead));
 }
 
+TEST(StateDamage, AnImpossibleCovarianceIsRefused) {
+  // A covariance of the camera with numbers that are nowhere else.
+  Matrix6d covariance = Matrix6d::Identity() * 0.01234567891;
+  covariance(0, 1) = covariance(1, 0) = 0.00123456789;
+  const std::string bytes =
+      state_bytes(StampedSlam(PoseDensity(SE3d(), covariance), {{.id = "mug"}}));
+  const auto message_with = [&](double found, double other) {
+    std::string damaged = bytes;
+    const auto from = internal::bytes_of(found);
+    const auto to = internal::bytes_of(other);
+    const std::string_view pattern(from.data(), from.size());
+    for (auto at = damaged.find(pattern); at != std::string::npos;
+         at = damaged.find(pattern, at + to.size()))
+      damaged.replace(at, to.size(), to.data(), to.size());
+    return message_of(with_checksum(damaged));
+  };
+  const std::string expected =
+      "the state is damaged: expected a covariance that is positive semi-definite";
+  EXPECT_EQ(message_with(covariance(0, 1), covariance(0, 1)), "");
+  EXPECT_EQ(message_with(covariance(0, 1), 0.02), expected);  // a correlation of two
+  EXPECT_EQ(message_with(covariance(0, 0), -0.01), expected);
+}
+
 TEST(StateDamage, EveryByteIsGuarded) {
   const std::string& bytes = rich_state();
   for (std::size_t k = 0; k < bytes.size(); k += 1 + bytes.size() / 500) {

@@ -19,8 +19,8 @@ from posemix.ros.transforms import LiveTransforms
 
 __all__ = ["Engine"]
 
-# Images in succession whose stamps are refused as too far ahead, after which the clock is taken to have jumped.
-_AHEAD = 10
+# Images in succession whose stamps have jumped, after which the clock is taken to have jumped: not one wrong stamp.
+_JUMPED = 5
 # Time between two attempts to find an old map in the world of the run [s].
 _ATTEMPTS_S = 0.5
 _FILES = 100
@@ -52,7 +52,7 @@ class Engine:
         self._log: deque[ReadyImage] = deque(maxlen=int(configuration["replay_images"]))
         self._waiting: deque[Image] = deque()
         self._run: LiveRun | None = None
-        self._ahead = 0
+        self._jumped = 0
         # An old map that is to be found, the stamp of the next attempt, and what became of the last one.
         self._old: SavedMap | None = None
         self._next_attempt_ns = 0
@@ -66,7 +66,7 @@ class Engine:
     def reset(self) -> None:
         """Forgets objects, odometry, and images that wait; transforms for all times are kept."""
         self._run = self._old = None
-        self._ahead = 0
+        self._jumped = 0
         self.map_state = ""
         self._log.clear()
         self._waiting.clear()
@@ -172,19 +172,19 @@ class Engine:
 
     def _take(self, ready: ReadyImage) -> LiveEstimate | None:
         image, run = ready.image, self._run
+        jump = "" if run is None else run.jump_to(image.stamp_ns)
+        if jump:
+            return self._jump(ready, jump)
         try:
             if run is None:
                 run = self._run = LiveRun(
                     self._configuration, self._known, ready.odometry, image.stamp_ns, ready.cameras
                 )
-            resets = run.resets
             admissions, ignored = run.put(ready)
         except ValueError as error:
             self._refuse(str(error))
             return None
-        if run.resets > resets:
-            return self._after_jump(ready)
-        self._ahead = 0
+        self._jumped = 0
         run.is_whole = run.is_whole and len(self._log) < (self._log.maxlen or 0)
         self._log.append(ready)
         self.counts.images += 1
@@ -205,17 +205,19 @@ class Engine:
     def _refuse(self, why: str) -> None:
         self.counts.refused += 1
         self.complaint = why
-        self._ahead = self._ahead + 1 if "ahead of the newest" in why else 0
-        if self._ahead >= _AHEAD:
-            self.reset()
 
-    def _after_jump(self, ready: ReadyImage) -> LiveEstimate | None:
-        """The stamps have jumped back: all before the image is forgotten, and a run begins with it."""
+    def _jump(self, ready: ReadyImage, why: str) -> LiveEstimate | None:
+        """A stamp has jumped: the image is refused, or is the last of enough of them, with which a run begins."""
+        self._jumped += 1
+        if self._jumped < _JUMPED:
+            self._refuse(f"{why}; {_JUMPED} images in succession are taken for another clock")
+            return None
         self.counts.resets += 1
         self._run, self._next_attempt_ns = None, 0
         self._log.clear()
-        latest = ready.image.stamp_ns + round(self._configuration.stamped.jump_back_s * 1e9)
-        self._waiting = deque(image for image in self._waiting if image.stamp_ns <= latest)
+        window = round(self._configuration.stamped.jump_back_s * 1e9)
+        near = ready.image.stamp_ns
+        self._waiting = deque(image for image in self._waiting if abs(image.stamp_ns - near) <= window)
         return self._take(ready)
 
     # --- maps

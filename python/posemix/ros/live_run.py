@@ -19,6 +19,7 @@ from posemix._core import (
     Observation,
     StampAdmission,
     StampedSlam,
+    StampJump,
 )
 from posemix.bags.filter_runs import ClassTable
 from posemix.density import ConcentratedGaussian
@@ -74,6 +75,7 @@ class LiveRun:
     ) -> None:
         self._configuration = configuration
         self.start_ns = start_ns
+        self._newest_s = 0.0
         # Whether all images of the run were taken in by this filter, which knows nothing else.
         self.is_whole = True
         self._stamps: dict[float, int] = {}
@@ -100,10 +102,17 @@ class LiveRun:
         self._classes = {model.id: model.class_id or model.id for model in models}
         self._table = ClassTable(models, bool(self._configuration["on_sight"]))
 
-    @property
-    def resets(self) -> int:
-        """Number of times at which stamps have jumped back, and all was forgotten."""
-        return self.slam.counts.resets
+    def jump_to(self, stamp_ns: int) -> str:
+        """Says how a stamp has jumped; empty where it has not, and where the filter refuses it."""
+        of, step_s = self._configuration.stamped, self._seconds(stamp_ns) - self._newest_s
+        if self._seconds(stamp_ns) > self._newest_s + of.jump_ahead_s:
+            return f"the stamp is {step_s:.1f} s after the newest one before it"
+        if of.on_jump_back == StampJump.reset and self._seconds(stamp_ns) < self._newest_s - of.jump_back_s:
+            return f"the stamp is {-step_s:.1f} s before the newest one"
+        return ""
+
+    def _seconds(self, stamp_ns: int) -> float:
+        return (stamp_ns - self.start_ns) * 1e-9
 
     def put(self, ready: ReadyImage) -> tuple[list[StampAdmission], int]:
         """Takes an image in: what became of its observations, and the number of its other detections.
@@ -115,11 +124,12 @@ class LiveRun:
         """
         image = ready.image
         _check_names(image.class_ids)
-        stamp_s = (image.stamp_ns - self.start_ns) * 1e-9
+        stamp_s = self._seconds(image.stamp_ns)
         observations = self._observations(ready, stamp_s)
         ignored = len(image.class_ids) - len(observations)
         if stamp_s < self._since_s:
             return [StampAdmission.too_late] * len(observations), ignored
+        self._newest_s = max(self._newest_s, stamp_s)
         self._stamps[stamp_s] = image.stamp_ns
         if ready.odometry is not None and self._with_odometry.get(image.stamp_ns) is None:
             self.slam.add_odometry(stamp_s, ready.odometry)
@@ -242,6 +252,8 @@ class LiveRun:
         if differences:
             raise ValueError(f"the map was made with other parameters of: {', '.join(differences)}; it cannot go on")
         run.slam = found.slam
+        last = found.slam.finish()
+        run._newest_s = 0.0 if last is None else last.stamp_s
         run._name(found.slam.objects)
         known.symmetries.update(then.symmetries)
         known.several |= then.several

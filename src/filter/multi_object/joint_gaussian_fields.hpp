@@ -58,6 +58,8 @@ struct StateFields<JointGaussian> {
       require_state(carrier.mean.allFinite(), "carriers with a mean that is finite");
     }
     for (const bool one : taken) require_state(one, "a block for every coordinate");
+    require_state(could_be_covariance(x.covariance()),
+                  "a covariance that is positive semi-definite");
   }
 
  private:
