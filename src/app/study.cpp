@@ -97,7 +97,7 @@ const std::array kStudies{
     StudyCommand{"ycbv", "Filters on every recording of the data folder",
                  "posemix study ycbv --set 'sequences=[\"0022\"]' --out out/ycbv", true, false,
                  [](const TomlTable& table, const StudyOptions& options) {
-                   YcbvStudySettings settings = read_ycbv_settings(table);
+                   YcbvStudySettings settings = read_ycbv_settings(table, options.out);
                    settings.data = data_folder(options);
                    return make_ycbv_study(settings);
                  }},

@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "io/expect_invalid.hpp"
+#include "io/temporary_folder.hpp"
+#include "posemix/results/report.hpp"
 #include "recording_tree.hpp"
 
 namespace posemix {
@@ -71,6 +73,31 @@ TEST(YcbvStudy, HasOneRowPerSequenceObjectAndMethod) {
     find_row(rows, "mean", "all", method);
     if (method != "published") find_row(rows, "0001", kBox, method);
   }
+}
+
+TEST(YcbvStudy, KeptRunsAreLinkedFromTheirRows) {
+  if (!has_report_page()) GTEST_SKIP() << "this build has no report page";
+  const SmallTree tree;
+  const testing::TemporaryFolder out;
+  const YcbvStudySettings settings{
+      .data = tree.path(),
+      .methods = {"detector", "default", "varied: filter.max_hypotheses=5"},
+      .sequences = {"0022"},
+      .runs_in = out.path()};
+  const Json rows = run_rows(settings);
+  EXPECT_EQ(find_row(rows, "0022", "4", "default")["report"],
+            "runs/0022-cosypose-all-default/report.html");
+  EXPECT_TRUE(find_row(rows, "0022", "4", "detector")["report"].is_null());
+  EXPECT_TRUE(find_row(rows, "mean", "all", "default")["report"].is_null());
+  for (const char* method : {"default", "varied"}) {
+    const std::filesystem::path page =
+        out / find_row(rows, "0022", "14", method)["report"].get<std::string>();
+    EXPECT_TRUE(std::filesystem::exists(page)) << page;
+    EXPECT_TRUE(std::filesystem::exists(page.parent_path() / "metrics.json"));
+  }
+  const Json without =
+      run_rows({.data = tree.path(), .methods = {"default"}, .sequences = {"0022"}});
+  EXPECT_FALSE(find_row(without, "0022", "4", "default").contains("report"));
 }
 
 TEST(YcbvStudy, RowsSayWhatIsKnown) {

@@ -118,6 +118,16 @@ StudyTable joined(const StudyTable& first, const StudyTable& second) {
   return result;
 }
 
+/// Rows of runs that are kept end with their pages.
+std::vector<std::string> columns_of(const std::vector<YcbvRows>& items) {
+  std::vector<std::string> columns = ycbv_columns();
+  const bool has_pages = std::ranges::any_of(items, [&](const YcbvRows& rows) {
+    return !rows.results.empty() && rows.results[0].size() > columns.size();
+  });
+  if (has_pages) columns.emplace_back("report");
+  return columns;
+}
+
 /// The columns that fit on a screen.
 std::string text_of(const StudyTable& table) {
   static const std::vector<std::pair<std::string, std::string>> shown{
@@ -264,11 +274,13 @@ YcbvRows parse_ycbv_rows(const std::string& text) {
 }
 
 StudyReport report_ycbv(std::span<const std::string> items) {
-  StudyTable results(ycbv_columns());
+  std::vector<YcbvRows> parsed;
+  parsed.reserve(items.size());
+  for (const std::string& item : items) parsed.push_back(parse_ycbv_rows(item));
+  StudyTable results(columns_of(parsed));
   StudyTable timing(ycbv_timing_columns());
   std::vector<std::vector<Cell>> forecasts;
-  for (const std::string& item : items) {
-    YcbvRows rows = parse_ycbv_rows(item);
+  for (YcbvRows& rows : parsed) {
     for (auto& row : rows.results) results.add(std::move(row));
     for (auto& row : rows.timing) timing.add(std::move(row));
     std::move(rows.forecasts.begin(), rows.forecasts.end(), std::back_inserter(forecasts));

@@ -6,6 +6,7 @@
 #include <array>
 
 #include "forecasts.hpp"
+#include "kept_run.hpp"
 #include "pixels.hpp"
 #include "posemix/base/units.hpp"
 #include "posemix/slam/evaluation.hpp"
@@ -58,7 +59,8 @@ struct Row {
 class Item {
  public:
   Item(const YcbvStudySettings& settings, const Recording& recording, const YcbvMethod& method)
-      : recording_(recording),
+      : settings_(settings),
+        recording_(recording),
         method_(method),
         job_(read_ycbv_job(settings, recording, method)),
         pixels_(PixelMetric::find(recording)) {}
@@ -147,6 +149,7 @@ class Item {
                              cell(row.paired.detection.rotation_deg),
                              cell(row.paired.detection.position_m, kCentimetres),
                              truth_of(index)});
+    if (settings_.runs_in) rows_.results.back().push_back(page_ ? Cell(*page_) : Cell());
   }
 
   /// Estimates of T_camera_object with the truth of their frames.
@@ -189,8 +192,11 @@ class Item {
   }
 
   void run_filter() {
-    const SlamRun slam = run(job_);
+    const bool records = settings_.runs_in && job_.trace_hypotheses > 0;
+    const SlamRun slam = run(job_, {.record_hypotheses = records});
     const Metrics metrics = evaluate(job_, slam);
+    if (settings_.runs_in)
+      page_ = keep_run(*settings_.runs_in, recording_, method_, {job_, slam, metrics});
     for (std::size_t i = 0; i < job_.models.size(); ++i) {
       const ObjectMetrics& errors = metrics.objects[i];
       const auto estimate_at = [&](std::size_t k) { return mean_of(slam.frames[k].relative[i]); };
@@ -248,10 +254,12 @@ class Item {
                             timing.reduce_median_us, mean, timing.merges_per_frame});
   }
 
+  const YcbvStudySettings& settings_;
   const Recording& recording_;
   const YcbvMethod& method_;
   SlamJob job_;
   std::optional<PixelMetric> pixels_;
+  std::optional<std::string> page_;  ///< of the run, from the study's folder
   YcbvRows rows_;
 };
 

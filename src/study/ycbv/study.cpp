@@ -11,6 +11,7 @@
 
 #include "posemix/base/error.hpp"
 #include "posemix/io/text.hpp"
+#include "posemix/results/report.hpp"
 #include "report.hpp"
 
 namespace posemix {
@@ -69,6 +70,7 @@ std::string settings_text(const YcbvStudySettings& settings, const std::vector<Y
         own == settings.profiles.end() ? std::string(recording_profile(detector)) : own->second;
   }
   json["profiles"]["published"] = std::string(recording_profile("published"));
+  if (settings.runs_in) json["reports"] = true;
   json["items"] = nlohmann::ordered_json::array();
   for (const auto& [recording, method] : items) {
     json["items"].push_back({{"detector", recording.detector},
@@ -83,8 +85,12 @@ std::string settings_text(const YcbvStudySettings& settings, const std::vector<Y
 
 }  // namespace
 
-YcbvStudySettings read_ycbv_settings(const TomlTable& table) {
+YcbvStudySettings read_ycbv_settings(const TomlTable& table, const std::filesystem::path& out) {
   YcbvStudySettings settings;
+  if (table.get_bool_or("reports", false)) {
+    require_report_page();
+    settings.runs_in = out;
+  }
   settings.methods = table.get_strings_or("methods", ycbv_methods());
   for (const std::string& method : settings.methods) {
     try {

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,9 @@ struct YcbvStudySettings {
       {};  ///< for every method, as for TomlDocument::apply_override
   /// Text of the sequence file by detector; recording_profile for the others.
   std::map<std::string, std::string> profiles = {};
+  /// Folder of the study, for the results of every filter's run and their pages in `runs` below it;
+  /// none: these are not kept.
+  std::optional<std::filesystem::path> runs_in = {};
 };
 
 /// The methods of the study, in the order of its table:
@@ -49,9 +53,9 @@ std::vector<std::string> ycbv_methods();
 
 /// Reads the settings: the arrays `methods` (all of ycbv_methods where missing), `sequences`,
 /// `objects`, `set` (overrides), and the table `profiles` with the path of a sequence file by
-/// detector.
+/// detector; with `reports` the runs are kept in `out`.
 /// @throws InvalidInput as TomlTable does
-YcbvStudySettings read_ycbv_settings(const TomlTable& table);
+YcbvStudySettings read_ycbv_settings(const TomlTable& table, const std::filesystem::path& out = {});
 
 /// The study: one item per recording and method, one row per recording, object and method, then
 /// the mean and the median by detector and method over the known values, and a summary against the
