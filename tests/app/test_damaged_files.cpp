@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include <functional>
 #include <map>
+#include <ostream>
 
 #include <gtest/gtest.h>
 
@@ -55,6 +56,9 @@ struct Case {
   std::string file;
   Damage damage;
 };
+
+/// In the name of the test, in place of its bytes with their addresses.
+void PrintTo(const Case& one, std::ostream* out) { *out << one.damage.name << " " << one.file; }
 
 class DamagedFile : public ::testing::TestWithParam<Case> {};
 

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include <cmath>
 #include <numbers>
+#include <ostream>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -31,6 +32,9 @@ struct Row {
   double mass;
   double kl_unit, first_unit, mass_unit;  ///< units of the last given digit
 };
+
+/// In the name of the test, in place of its bytes with their addresses.
+void PrintTo(const Row& row, std::ostream* out) { *out << row.phi << " deg"; }
 
 class PaperGrid : public ::testing::TestWithParam<Row> {};
 

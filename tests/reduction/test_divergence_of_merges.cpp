@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include <array>
 #include <cmath>
+#include <ostream>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -36,6 +37,9 @@ Part part(double deviation, double angle) {
 Density merged(const std::array<Part, 2>& parts, MergeRule rule) {
   return merge<SO3d>(parts, {.rule = rule}).component.density;
 }
+
+/// In the name of the test, in place of its bytes with their addresses.
+void PrintTo(const Row& row, std::ostream* out) { *out << row.phi << " deg"; }
 
 class SectionFiveDivergences : public ::testing::TestWithParam<Row> {};
 

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include <array>
 #include <cmath>
+#include <ostream>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -93,6 +94,9 @@ struct Reference {
   double isd_first;
   double isd_second;
 };
+
+/// In the name of the test, in place of its bytes with their addresses.
+void PrintTo(const Reference& row, std::ostream* out) { *out << row.phi << " deg"; }
 
 class SectionFive : public ::testing::TestWithParam<Reference> {
  protected:
