@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <tuple>
 
 #include <Eigen/SVD>
 
@@ -14,16 +15,18 @@ namespace posemix::internal {
 namespace {
 
 /// The share of the tolerance for the integrals along the rays.
-constexpr double kInnerShare = 0.01;
+constexpr double kInnerShare = 0.1;
+constexpr double kNoiseShare = 0.25;
 constexpr std::size_t kMaxPieces = 400;
 
 }  // namespace
 
-BallIntegral::BallIntegral(const RotationPair& pair, DensityFactor factor, Centres centres,
+BallIntegral::BallIntegral(const RotationPair& pair, const Integrand& integrand, Centres centres,
                            const std::optional<Eigen::Vector3d>& axis, double tolerance)
     : pair_(pair),
-      factor_(factor),
+      integrand_(integrand),
       inner_tolerance_(std::max(1e-13, kInnerShare * tolerance)),
+      ray_(pair),
       cubature_([this](std::size_t k, const Eigen::Vector3d& u) { return along_ray(k, u); },
                 axis.has_value()) {
   const auto add = [&](const std::vector<RotationPeak>& peaks, double share) {
@@ -82,66 +85,68 @@ std::vector<SphereFeature> BallIntegral::features(std::size_t k) const {
   return found;
 }
 
-RayIntegral BallIntegral::piece(const RotationRay& ray, double stretch, double from,
-                                double to) const {
+RayIntegral BallIntegral::piece(double stretch, double from, double to) {
   const double centre = 0.5 * (from + to);
   const double half = 0.5 * (to - from);
+  const auto& nodes = KronrodRule::instance().nodes;
+  static_assert(std::tuple_size_v<decltype(KronrodRule::nodes)> < kRayPoints);
+  RayBlock block;
+  std::ranges::fill(block.rho, centre);
+  for (std::size_t i = 0; i < nodes.size(); ++i) block.rho[i] = centre + half * nodes[i].at;
+  ray_.evaluate(stretch, block);
   RayIntegral sum;
   double difference = 0.0;
-  for (const auto& node : KronrodRule::instance().nodes) {
-    const double rho = centre + half * node.at;
-    const auto log_density = ray.at(rho * stretch);
-    const double value =
-        half * rho * rho * std::exp(-0.5 * rho * rho) * factor_(log_density.p, log_density.q);
-    sum.value += node.weight * value;
-    sum.absolute += node.weight * std::abs(value);
-    difference += node.difference * value;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const double value = half * block.mass[i] * integrand_.factor(block.log_p[i], block.log_q[i]);
+    sum.value += nodes[i].weight * value;
+    sum.absolute += nodes[i].weight * std::abs(value);
+    difference += nodes[i].difference * value;
   }
   sum.error = std::abs(difference);
-  sum.evaluations = KronrodRule::instance().nodes.size();
+  sum.evaluations = nodes.size();
   return sum;
 }
 
-std::vector<BallIntegral::Piece> BallIntegral::first_pieces(const RotationRay& ray, double stretch,
-                                                            double end) const {
+void BallIntegral::begin_pieces(double stretch, double end) {
   constexpr double kMiddle = 4.0;  // most of the mass lies inside
   constexpr double kSliver = 1e-12;
-  std::vector<double> breaks{0.0};
-  ray.append_breaks(end * stretch, stretch, breaks);
-  for (double& at : breaks) at /= stretch;
-  if (end > kMiddle) breaks.push_back(kMiddle);
-  breaks.push_back(end);
-  std::ranges::sort(breaks);
-  std::vector<Piece> pieces;
-  for (std::size_t i = 0; i + 1 < breaks.size(); ++i) {
-    if (breaks[i + 1] - breaks[i] < kSliver) continue;
-    pieces.push_back({breaks[i], breaks[i + 1], piece(ray, stretch, breaks[i], breaks[i + 1])});
+  breaks_.assign(1, 0.0);
+  ray_.append_breaks(end * stretch, stretch, breaks_);
+  for (double& at : breaks_) at /= stretch;
+  if (end > kMiddle) breaks_.push_back(kMiddle);
+  breaks_.push_back(end);
+  std::ranges::sort(breaks_);
+  pieces_.clear();
+  for (std::size_t i = 0; i + 1 < breaks_.size(); ++i) {
+    if (breaks_[i + 1] - breaks_[i] < kSliver) continue;
+    pieces_.push_back({breaks_[i], breaks_[i + 1], piece(stretch, breaks_[i], breaks_[i + 1])});
   }
-  return pieces;
 }
 
-RayIntegral BallIntegral::along_ray(std::size_t k, const Eigen::Vector3d& u) const {
+RayIntegral BallIntegral::along_ray(std::size_t k, const Eigen::Vector3d& u) {
   const Centre& centre = centres_[k];
   const Eigen::Vector3d along = centre.root * u;
   const double stretch = along.norm();
   const double end = std::min(kRadius, std::numbers::pi / stretch);
-  const RotationRay ray(pair_, centre.peak->mean, along / stretch);
-  std::vector<Piece> pieces = first_pieces(ray, stretch, end);
+  ray_.begin(centre.peak->mean, along / stretch);
+  begin_pieces(stretch, end);
   RayIntegral sum;
-  for (const Piece& part : pieces) sum.add(part.integral, 1.0);
-  const double tolerance = std::max(ray_tolerance_, inner_tolerance_ * sum.absolute);
-  while (sum.error > tolerance && pieces.size() < kMaxPieces) {
+  for (const Piece& part : pieces_) sum.add(part.integral, 1.0);
+  // Smaller errors are noise, which no finer pieces remove.
+  const double noise = kNoiseShare * integrand_.rounding(sum.absolute);
+  const double tolerance = std::max({ray_tolerance_, inner_tolerance_ * sum.absolute, noise});
+  while (sum.error > tolerance && pieces_.size() < kMaxPieces) {
     const auto worst =
-        std::ranges::max_element(pieces, {}, [](const Piece& p) { return p.integral.error; });
+        std::ranges::max_element(pieces_, {}, [](const Piece& p) { return p.integral.error; });
     const double middle = 0.5 * (worst->from + worst->to);
-    const Piece left{worst->from, middle, piece(ray, stretch, worst->from, middle)};
-    const Piece right{middle, worst->to, piece(ray, stretch, middle, worst->to)};
+    const Piece left{worst->from, middle, piece(stretch, worst->from, middle)};
+    const Piece right{middle, worst->to, piece(stretch, middle, worst->to)};
     const std::size_t evaluations = sum.evaluations;
     sum.add(worst->integral, -1.0);
     sum.evaluations = evaluations;
     sum.add(left.integral, 1.0).add(right.integral, 1.0);
     *worst = left;
-    pieces.push_back(right);
+    pieces_.push_back(right);
   }
   RayIntegral weighted;
   weighted.add(sum, std::abs(centre.share) * centre.peak->weight * std::exp(-1.5 * kLogTwoPi));

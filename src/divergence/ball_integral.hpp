@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <vector>
 
@@ -21,11 +22,27 @@ enum class Centres {
   mean         ///< the peaks of p and q, with half their weights
 };
 
+/// The rounding error of a log density.
+inline constexpr double kLogRounding = 4e-15;
+
+/// An integrand, and how rounding of the log densities reaches it.
+struct Integrand {
+  DensityFactor factor;
+  double scale;      ///< about the largest value of densities in it; 1 for log densities
+  bool is_positive;  ///< of second order in the difference of the log densities
+
+  /// The rounding error of a weighted mean of the factor whose absolute value is so large.
+  double rounding(double absolute) const {
+    if (!is_positive) return kLogRounding * scale;
+    return kLogRounding * std::sqrt(2.0 * absolute * scale) + kLogRounding * kLogRounding * scale;
+  }
+};
+
 /// One divergence of one pair of mixtures as a sum of integrals over tangent balls.
 class BallIntegral {
  public:
   /// @param axis common axis of symmetry, if there is one
-  BallIntegral(const RotationPair& pair, DensityFactor factor, Centres centres,
+  BallIntegral(const RotationPair& pair, const Integrand& integrand, Centres centres,
                const std::optional<Eigen::Vector3d>& axis, double tolerance);
   BallIntegral(const BallIntegral&) = delete;
   BallIntegral& operator=(const BallIntegral&) = delete;
@@ -54,15 +71,19 @@ class BallIntegral {
   static Eigen::Matrix3d symmetric_root(const RotationPeak& peak, const Eigen::Vector3d& axis);
   double solid_weight() const;
   std::vector<SphereFeature> features(std::size_t k) const;
-  std::vector<Piece> first_pieces(const RotationRay& ray, double stretch, double end) const;
-  RayIntegral along_ray(std::size_t k, const Eigen::Vector3d& u) const;
-  RayIntegral piece(const RotationRay& ray, double stretch, double from, double to) const;
+  void begin_pieces(double stretch, double end);
+  RayIntegral along_ray(std::size_t k, const Eigen::Vector3d& u);
+  RayIntegral piece(double stretch, double from, double to);
 
   const RotationPair& pair_;
-  DensityFactor factor_;
+  Integrand integrand_;
   double inner_tolerance_;
   double ray_tolerance_ = 0.0;
   std::vector<Centre> centres_;
+  // Of the ray at hand.
+  RotationRay ray_;
+  std::vector<double> breaks_;
+  std::vector<Piece> pieces_;
   SphereCubature cubature_;
 };
 

@@ -23,7 +23,7 @@ struct KronrodRule {
 /// Two Gauss-Legendre rules on [-1, 1] for tensor products.
 struct PatchRules {
   static constexpr std::size_t kFine = 8;
-  static constexpr std::size_t kCoarse = 5;
+  static constexpr std::size_t kCoarse = 6;
   struct Node {
     double at;
     double weight;

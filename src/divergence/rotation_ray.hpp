@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "posemix/divergence/so3_quadrature.hpp"
+#include "ray_kernels.hpp"
 
 namespace posemix::internal {
 
@@ -39,27 +40,35 @@ class RotationRay {
     double q;
   };
 
-  RotationRay(const RotationPair& pair, const Eigen::Quaterniond& start,
-              const Eigen::Vector3d& direction);
+  /// The pair must outlive the ray, which has no direction so far.
+  explicit RotationRay(const RotationPair& pair);
 
+  /// Begins a ray at a rotation C with a unit direction n.
+  void begin(const Eigen::Quaterniond& start, const Eigen::Vector3d& direction);
+
+  /// The reference of the kernel that evaluates a block: exact to a few units in the last place.
   LogDensities at(double r) const;
+  void evaluate(double stretch, RayBlock& block) {
+    ray_log_densities(peaks_.data(), of_p_, peaks_.size(), stretch, block, scratch_.data());
+  }
 
   /// Appends the radii inside (0, end) at which the integrand is not smooth, or changes quickly
   /// because of features that are narrow compared with `scale`.
   void append_breaks(double end, double scale, std::vector<double>& breaks) const;
 
  private:
-  struct Peak {
-    double a_scalar, b_scalar;
-    Eigen::Vector3d a, b;              ///< vector parts of A and B
-    Eigen::Vector3d white_a, white_b;  ///< the same, whitened
-    double log_scale;
+  /// Vector parts of A and B.
+  struct Vectors {
+    Eigen::Vector3d a, b;
   };
 
-  static double log_density(const Peak* first, const Peak* last, double cosine, double sine);
+  double log_density(std::size_t first, std::size_t last, double cosine, double sine) const;
 
-  std::vector<Peak> peaks_;  ///< the components of p, then those of q
+  const RotationPair* pair_;
   std::size_t of_p_;
+  std::vector<RayPeak> peaks_;  ///< the components of p, then those of q
+  std::vector<Vectors> vectors_;
+  std::vector<double> scratch_;
 };
 
 }  // namespace posemix::internal

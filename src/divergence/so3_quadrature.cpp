@@ -14,10 +14,10 @@ namespace posemix {
 namespace internal {
 namespace {
 
-/// The rounding error of a log density.
-constexpr double kLogRounding = 4e-15;
 /// If a smooth integrand cancels to less than this share, the non-negative form is used.
 constexpr double kCancellation = 0.05;
+/// So many rounding errors are nothing but noise.
+constexpr double kNoise = 10.0;
 
 RotationPair checked_pair(const RotationDensity& p, const RotationDensity& q,
                           const RotationQuadratureSettings& settings) {
@@ -31,10 +31,8 @@ RotationPair checked_pair(const RotationDensity& p, const RotationDensity& q,
 /// Refines until the error is below the tolerance or below the rounding error.
 DivergenceEstimate refined(BallIntegral& integral, double peak_density,
                            const RotationQuadratureSettings& settings) {
-  const auto rounding = [&](double value) {
-    return kLogRounding * std::sqrt(2.0 * std::abs(value) * peak_density) +
-           kLogRounding * kLogRounding * peak_density;
-  };
+  const Integrand positive{nullptr, peak_density, true};
+  const auto rounding = [&](double value) { return positive.rounding(std::abs(value)); };
   const auto done = [&] {
     const RayIntegral& total = integral.total();
     return total.error <=
@@ -56,7 +54,7 @@ double largest_density(const RotationPair& pair) {
 /// An integral, and which of its two forms was used.
 struct BestForm {
   DivergenceEstimate estimate;
-  bool cancelled;  ///< the smooth form cancelled, so the non-negative one was used
+  bool lacks_masses;  ///< the non-negative form was used, without the difference of the masses
 };
 
 /// Computes an integral by its smooth form, or if that cancels by the non-negative one.
@@ -64,15 +62,19 @@ BestForm best_of(const RotationPair& pair, DensityFactor smooth, Centres centres
                  DensityFactor positive, double peak_density,
                  const RotationQuadratureSettings& settings) {
   const auto axis = common_axis(pair);
-  BallIntegral direct(pair, smooth, centres, axis, settings.relative_tolerance);
+  const Integrand linear{smooth, peak_density, false};
+  BallIntegral direct(pair, linear, centres, axis, settings.relative_tolerance);
   const RayIntegral first = direct.total();
-  if (!(std::abs(first.value) < kCancellation * first.absolute)) {
+  const bool is_noise = first.absolute < kNoise * linear.rounding(first.absolute);
+  if (!is_noise && !(std::abs(first.value) < kCancellation * first.absolute)) {
     return {refined(direct, peak_density, settings), false};
   }
-  BallIntegral gap(pair, positive, Centres::mean, axis, settings.relative_tolerance);
+  BallIntegral gap(pair, {positive, peak_density, true}, Centres::mean, axis,
+                   settings.relative_tolerance);
   DivergenceEstimate estimate = refined(gap, peak_density, settings);
   estimate.evaluations += first.evaluations;
-  return {estimate, true};
+  // Where the densities are the same, so are the masses that they miss.
+  return {estimate, !is_noise};
 }
 
 }  // namespace
@@ -82,8 +84,9 @@ DivergenceEstimate kl(const RotationDensity& p, const RotationDensity& q,
                       const RotationQuadratureSettings& settings) {
   using namespace internal;
   const RotationPair pair = checked_pair(p, q, settings);
-  auto [estimate, cancelled] = best_of(pair, log_ratio, Centres::of_p, gap_factor, 1.0, settings);
-  if (!cancelled) return estimate;
+  auto [estimate, lacks_masses] =
+      best_of(pair, log_ratio, Centres::of_p, gap_factor, 1.0, settings);
+  if (!lacks_masses) return estimate;
   const double allowed = settings.relative_tolerance * std::abs(estimate.value);
   const RayIntegral masses = missing_mass_gap(pair, 0.1 * allowed);
   estimate.value += masses.value;
