@@ -23,8 +23,8 @@
 /// it passes a narrow component. A common axis of symmetry of the densities is found automatically;
 /// then no integral over the azimuth is needed. Errors are estimated from pairs of rules, and
 /// raised if the halves of a cell disagree with the whole \cite berntsen1991adaptive; they are
-/// estimates, not bounds. The points of a ray are evaluated at once by the widest vector instructions
-/// of the machine, so that the last digits depend on these.
+/// estimates, not bounds. The points of a ray are evaluated at once by the widest vector
+/// instructions of the machine, so that the last digits depend on these.
 namespace posemix {
 
 /// A density or a mixture on SO(3); both convert implicitly.

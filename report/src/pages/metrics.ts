@@ -33,6 +33,10 @@ const TITLES: Readonly<Record<string, string>> = {
   world_consistency: "Consistency in the world", timing: "Work per frame",
 };
 
+/** Keys of the section on consistency that have a table of their own, and what stands first in it. */
+const VERDICTS: ReadonlySet<string> = new Set(["camera_verdict", "relative_verdicts"]);
+const VERDICT_COLUMNS = ["verdict", "anees", "interval", "effective_frames", "reason"];
+
 /** The numbers below a value by their path, `a/b/c`. */
 function flat(value: Json, path: string, out: Numbers = new Map()): Numbers {
   if (isObject(value)) for (const [key, inner] of Object.entries(value)) flat(inner, path === "" ? key : `${path}/${key}`, out);
@@ -68,6 +72,8 @@ interface Row {
 /** Words of the quantities that are shown. */
 type Used = Map<string, Word>;
 
+const isNumbers = (value: Json | undefined): value is number[] => Array.isArray(value) && value.length > 0 && value.every((one) => typeof one === "number");
+
 /** A table with aligned decimals; undefined where it would be one of dashes. */
 function numberTable(caption: string, note: string | undefined, columns: Column[], rows: Row[], used: Used): HTMLElement | undefined {
   const isShown = columns.map((_, k) => rows.some(({ cells }) => cells[k].value !== null && cells[k].value !== undefined));
@@ -75,19 +81,21 @@ function numberTable(caption: string, note: string | undefined, columns: Column[
   const keep = <T>(list: T[]) => list.filter((_, k) => isShown[k]);
   const shown = keep(columns);
   const isCount = (column: Column) => rows.every(({ cells }) => Number.isInteger(cells[columns.indexOf(column)].value ?? 0));
+  const isWords = (k: number) => rows.some(({ cells }) => typeof cells[k].value === "string");
   const scaled = (value: Json | undefined, { word }: Column) => (typeof value === "number" ? value * (word.scale ?? 1) : value);
+  const written = (value: Json | undefined, digits: number) => typeof value === "number" ? fixed(value, digits) : isNumbers(value) ? value.map((one) => fixed(one, digits)).join(" to ") : formatted(value);
   const decimals = shown.map((column) => decimalsOf(rows.flatMap(({ cells }) => {
     const value = scaled(cells[columns.indexOf(column)].value, column);
-    return typeof value === "number" ? [value] : [];
+    return typeof value === "number" ? [value] : isNumbers(value) ? value : [];
   }))).map((digits, k) => (shown[k].word.unit === undefined && isCount(shown[k]) ? 0 : digits));
-  const head = element("tr", {}, element("td"), ...shown.map(({ word }) => {
+  const head = element("tr", {}, element("td"), ...shown.map((column) => {
+    const { word } = column;
     if (word.text !== "") used.set(word.name, word);
-    return element("th", { scope: "col", title: word.text }, word.name, ...(word.unit ? [element("span", { class: "unit" }, ` [${word.unit}]`)] : []));
+    return element("th", { scope: "col", title: word.text, ...(isWords(columns.indexOf(column)) ? { class: "of-words" } : {}) }, word.name, ...(word.unit ? [element("span", { class: "unit" }, ` [${word.unit}]`)] : []));
   }));
   const body = rows.map(({ name, entity, cells }) => element("tr", { ...(entity === undefined ? {} : { "data-entity": entity }) }, element("th", { scope: "row" }, name), ...keep(cells).map(({ path, value }, k) => {
-    const number = scaled(value, shown[k]);
-    const text = typeof number === "number" ? fixed(number, decimals[k]) : formatted(number);
-    return element("td", { class: typeof number === "string" ? "" : "number", "data-key": path, "data-value": JSON.stringify(value ?? null) }, text);
+    const text = written(scaled(value, shown[k]), decimals[k]);
+    return element("td", { class: isWords(columns.indexOf(shown[k])) ? `of-words${shown[k].word.isLong ? " long" : ""}` : "number", "data-key": path, "data-value": JSON.stringify(value ?? null) }, text);
   })));
   const made = element("table", { class: "aligned" }, element("caption", {}, caption, ...(note ? [element("small", {}, note)] : [])),
     element("thead", {}, head), element("tbody", {}, ...body));
@@ -129,23 +137,43 @@ interface Names {
   camera: string;
 }
 
-/** Any other section: a row per object where it is by object, in either order; else one row. */
-function otherTable(section: string, value: JsonObject, { ids, camera }: Names, numbers: Numbers, used: Used): HTMLElement | undefined {
+const isOf = (ids: string[], names: string[]) => names.length > 0 && names.every((name) => ids.includes(name));
+
+/** The verdicts on the poses, a row for each. */
+function verdictTable(section: JsonObject, { ids, camera }: Names, numbers: Numbers, used: Used): HTMLElement | undefined {
+  const { camera_verdict: ofCamera, relative_verdicts: ofObjects } = section;
+  const poses = [...(ofCamera === undefined ? [] : [[camera, "consistency/camera_verdict"]]),
+    ...(isObject(ofObjects) ? ids.filter((id) => Object.hasOwn(ofObjects, id)).map((id) => [id, `consistency/relative_verdicts/${id}`]) : [])];
+  const given = [ofCamera, ...(isObject(ofObjects) ? Object.values(ofObjects) : [])].filter((one) => isObject(one));
+  const quantities = [...new Set([...VERDICT_COLUMNS, ...given.flatMap((one) => Object.keys(one))])];
+  const rows = poses.map(([name, path]): Row => ({ name, entity: name, cells: quantities.map((quantity) => ({ path: `${path}/${quantity}`, value: numbers.get(`${path}/${quantity}`) })) }));
+  return numberTable("Are errors as large as the covariances say?", "Of the camera in the world, of objects as seen from the camera.", quantities.map((quantity) => columnOf(quantity)), rows, used);
+}
+
+/** Any other section: a row per object of what is by object, in either order, and one row of the rest. */
+function otherTables(section: string, value: JsonObject, names: Names, numbers: Numbers, used: Used): (HTMLElement | undefined)[] {
+  const { ids, camera } = names;
   const title = TITLES[section] ?? section.replaceAll("_", " ");
-  const keys = Object.keys(value);
-  const isObjects = (names: string[]) => names.length > 0 && names.every((name) => ids.includes(name));
-  const inner = Object.values(value);
-  if (isObjects(keys)) {
-    const quantities = [...new Set(inner.flatMap((one) => [...flat(one, "").keys()]))];
-    return objectTable(title, undefined, quantities, ids, numbers, (id, quantity) => `${section}/${id}${quantity === "" ? "" : `/${quantity}`}`, used);
+  const isVerdict = (key: string) => section === "consistency" && VERDICTS.has(key);
+  const keys = Object.keys(value).filter((key) => !isVerdict(key));
+  if (isOf(ids, keys)) {
+    const quantities = [...new Set(Object.values(value).flatMap((one) => [...flat(one, "").keys()]))];
+    return [objectTable(title, undefined, quantities, ids, numbers, (id, quantity) => `${section}/${id}${quantity === "" ? "" : `/${quantity}`}`, used)];
   }
-  if (inner.every((one) => isObject(one) && isObjects(Object.keys(one)))) {
-    return objectTable(title, undefined, keys, ids, numbers, (id, quantity) => `${section}/${quantity}/${id}`, used);
-  }
-  const quantities = [...flat(value, "").keys()];
+  const isByObject = (key: string) => isObject(value[key]) && isOf(ids, Object.keys(value[key]));
+  const byObject = keys.filter(isByObject);
+  // The numbers of each object may have parts of their own.
+  const parts = byObject.flatMap((key) => [...new Set(Object.values(value[key] as JsonObject).flatMap((one) => [...flat(one, "").keys()]))].map((part) => [key, part] as const));
+  const ends = new Map(parts.map(([key, part]) => [part === "" ? key : `${key}/${part}`, { key, part }]));
+  const at = (id: string, quantity: string) => [section, ends.get(quantity)!.key, id, ...(ends.get(quantity)!.part === "" ? [] : [ends.get(quantity)!.part])].join("/");
+  const rest = [...flat(Object.fromEntries(keys.filter((key) => !isByObject(key)).map((key) => [key, value[key]])), "").keys()];
   const isCamera = section === "camera_consistency";
-  const rows: Row[] = [{ ...(isCamera ? { name: camera, entity: camera } : { name: "run" }), cells: quantities.map((quantity) => ({ path: `${section}/${quantity}`, value: numbers.get(`${section}/${quantity}`) })) }];
-  return numberTable(isCamera ? "Consistency of the camera" : title, undefined, quantities.map((quantity) => columnOf(quantity)), rows, used);
+  const row: Row = { ...(isCamera ? { name: camera, entity: camera } : { name: "run" }), cells: rest.map((quantity) => ({ path: `${section}/${quantity}`, value: numbers.get(`${section}/${quantity}`) })) };
+  return [
+    ...(Object.keys(value).some(isVerdict) ? [verdictTable(value, names, numbers, used)] : []),
+    ...(byObject.length > 0 ? [objectTable(title, undefined, [...ends.keys()], ids, numbers, at, used)] : []),
+    ...(rest.length > 0 ? [numberTable(isCamera ? "Consistency of the camera" : title, undefined, rest.map((quantity) => columnOf(quantity)), [row], used)] : []),
+  ];
 }
 
 function definitions(words: Iterable<readonly [string, string]>): HTMLElement {
@@ -190,7 +218,7 @@ export function metrics(document: Json | undefined, camera: string): HTMLElement
     numberTable("Run", undefined, top.map((key) => columnOf(key)), [{ name: "run", cells: top.map((key) => ({ path: key, value: document[key] })) }], used),
     cameraTable(document, numbers, used),
     ...objectTables(document, ids, numbers, used),
-    ...Object.entries(document).flatMap(([key, value]) => (isObject(value) && !ELSEWHERE.has(key) ? [otherTable(key, value, { ids, camera }, numbers, used)] : [])),
+    ...Object.entries(document).flatMap(([key, value]) => (isObject(value) && !ELSEWHERE.has(key) ? otherTables(key, value, { ids, camera }, numbers, used) : [])),
   ].filter((made) => made !== undefined);
   const node = element("div", { class: "tables", id: "metrics" }, ...tables,
     element("p", { class: "hint" }, "Errors are over the frames with both an estimate and ground truth. A dash marks a missing value; press a row of an object to select it."), ...identity(document), help(used));

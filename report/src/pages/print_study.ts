@@ -4,6 +4,7 @@
 import type { Payload } from "../payload.ts";
 import { chartNotes, firstChoice, tableCharts } from "../plots/explorer.ts";
 import { drawTable } from "../plots/table_chart.ts";
+import { linkColumn } from "../study/columns.ts";
 import { shownTable } from "../study/shown.ts";
 import { questionOf, storyOf } from "../study/stories.ts";
 import type { Table } from "../ui/csv.ts";
@@ -33,7 +34,8 @@ function chartOf(study: string, plain: Table | undefined): Node[] {
 /** What is printed of a table: not standard errors, bands and links, which the page has. */
 function forPrint(table: Table): Table {
   const { columns, rows } = shownTable(table);
-  const kept = columns.flatMap((name, k) => (/(_standard_error|_error|_band_low|_band_high)$|^report$/.test(name) && k > 0 ? [] : [k]));
+  const link = linkColumn(table);
+  const kept = columns.flatMap((name, k) => ((/(_standard_error|_error|_band_low|_band_high)$/.test(name) && k > 0) || k === link ? [] : [k]));
   return { columns: kept.map((k) => columns[k]), rows: rows.map((row) => kept.map((k) => row[k] ?? null)) };
 }
 

@@ -8,6 +8,8 @@ export interface Word {
   unit?: string;
   scale?: number;
   text: string;
+  /** Of words that need more than a line. */
+  isLong?: boolean;
 }
 
 export const MODE_PROBABILITY =
@@ -50,6 +52,13 @@ export const WORDS: Readonly<Record<string, Word>> = {
   median_nees: { name: "NEES, median", text: "Its median over the frames, which a few frames on a wrong mode do not change." },
   rotation_anees: { name: "NEES, rotation", text: "Of the rotation alone, at the body." },
   position_anees: { name: "NEES, position", text: "Of the position alone, at the body." },
+  verdict: {
+    name: "verdict",
+    text: "Whether errors are as large as the covariances say, as posemix consistency finds it: consistent, overconfident (errors are larger) or cautious (smaller). Where standard deviations are less than 1.5 times too small, the cards say slightly overconfident.",
+  },
+  interval: { name: "NEES, 95 % interval", text: "Within it the mean NEES is, as far as so many independent frames can tell: above 1 throughout is overconfident, below 1 cautious." },
+  effective_frames: { name: "independent frames", text: "Errors of frames that follow one another are alike: as many independent frames say as much." },
+  reason: { name: "most at fault", isLong: true, text: "The part or the direction of the pose whose errors are the least as its covariance says." },
   frame_median_us: { name: "frame", ...us, text: "Median time of a frame: predict, update, reduce and summarise." },
   update_median_us: { name: "update", ...us, text: "Median time of the update." },
   reduce_median_us: { name: "reduction", ...us, text: "Median time in which hypotheses are pruned and merged." },

@@ -72,7 +72,7 @@ function pointOf(x: string | number, values: number[], errors: (number | null)[]
 
 /** The columns that a chart can be narrowed to one value of. */
 export function filterColumns(table: Table, { x, by }: Pick<Choice, "x" | "by">): string[] {
-  return keyColumns(table).filter((name) => ![x, by, "unit", "quantity", "report"].includes(name)).slice(0, 8);
+  return keyColumns(table).filter((name) => ![x, by, "unit", "quantity"].includes(name)).slice(0, 8);
 }
 
 /** What totals there are in a column, each once. */

@@ -12,6 +12,13 @@ const COUNTED = /(^|_)(count|frames|detections|grasps|successes|failures|runs|ro
 /** Names of rows that are made from others. */
 const TOTALS = new Set(["all", "mean", "median", "total", "mixed"]);
 
+/** Where the column is that leads from a row to the page of its run; -1 where there is none. */
+export function linkColumn({ columns, rows }: Table): number {
+  const k = columns.indexOf("report");
+  const isPath = (value: Json | undefined) => value === null || value === undefined || (typeof value === "string" && value.endsWith(".html"));
+  return k >= 0 && rows.every((row) => isPath(row[k])) ? k : -1;
+}
+
 export const isNumber = (value: Json | undefined): value is number => typeof value === "number";
 export const isTotal = (value: Json | undefined): boolean => typeof value === "string" && TOTALS.has(value.toLowerCase());
 
@@ -33,7 +40,8 @@ export function numericColumns(table: Table): string[] {
 }
 
 export function wordColumns(table: Table): string[] {
-  return table.columns.filter((name) => columnOf(table, name).some((value) => typeof value === "string") && valuesOf(table, name).length <= MOST_KEYS);
+  const link = linkColumn(table);
+  return table.columns.filter((name, k) => k !== link && columnOf(table, name).some((value) => typeof value === "string") && valuesOf(table, name).length <= MOST_KEYS);
 }
 
 /** Columns that tell rows apart: words, and whole numbers that come again and stand before what was measured. */

@@ -2,7 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 // A table of any size: sorted by any column, narrowed by words, page by page, with bars behind its numbers.
 import type { Json } from "../payload.ts";
-import { isNumber, keyColumns, valuesOf } from "../study/columns.ts";
+import { isNumber, keyColumns, linkColumn, valuesOf } from "../study/columns.ts";
 import { shownTable } from "../study/shown.ts";
 import type { Table } from "./csv.ts";
 import { button, choice, element } from "./dom.ts";
@@ -11,6 +11,7 @@ import { formatted, titleOf } from "./format.ts";
 const ROWS_OF_PAGE = 100;
 const MOST_CHOICES = 20;
 const LEAST_FOR_TOOLS = 8;
+const MOST_WORDS = 6;
 
 /** The decimals that a column's numbers share, so that they stand below one another; undefined if their sizes differ too much. */
 export function decimalsOf(values: readonly Json[]): number | undefined {
@@ -63,6 +64,10 @@ export class DataTable {
   /** As it is shown, by the same numbers of rows and columns as the data. */
   private readonly seen: Table;
   private readonly keys: ReadonlySet<string>;
+  /** The column with the pages of the rows' runs. */
+  private readonly link: number;
+  /** Columns in the order in which they stand: the link beside the name of its row, not behind all numbers. */
+  private readonly order: readonly number[];
   private readonly only = new Map<number, string>();
   /** Whether every row is another quantity, so that its numbers are like each other, and not like those above. */
   private readonly isByRow: boolean;
@@ -73,12 +78,15 @@ export class DataTable {
 
   constructor(private readonly name: string, private readonly table: Table) {
     this.keys = new Set(keyColumns(table));
+    this.link = linkColumn(table);
+    const others = table.columns.map((_, k) => k).filter((k) => k !== this.link);
+    this.order = this.link < 0 ? others : [...others.slice(0, 1), this.link, ...others.slice(1)];
     this.isByRow = table.columns.includes("figure");
     this.seen = shownTable(table);
     this.columns = table.columns.map((_, k) => this.columnOf(k));
     this.shareDecimals();
     this.heads = table.columns.map((_, k) => this.head(k));
-    const made = element("table", {}, element("caption", { class: "unseen" }, name), element("thead", {}, element("tr", {}, ...this.heads)), this.body);
+    const made = element("table", {}, element("caption", { class: "unseen" }, name), element("thead", {}, element("tr", {}, ...this.order.map((k) => this.heads[k]))), this.body);
     const scroll = element("div", { class: "scroll tall", tabindex: 0, role: "region", "aria-label": `Table ${name}` }, made);
     this.node.append(element("h2", {}, name), this.tools(), scroll, this.pager);
     this.fill();
@@ -145,7 +153,7 @@ export class DataTable {
     const { sorted, falling, words } = this;
     const left = this.seen.rows.map((row, i): [Json[], number] => [row, i]).filter(([row]) =>
       [...this.only].every(([k, value]) => String(row[k]) === value)
-      && (words === "" || words.split(/\s+/).every((word) => row.some((cell) => String(cell ?? "").toLowerCase().includes(word)))));
+      && (words === "" || words.split(/\s+/).every((word) => row.some((cell, k) => k !== this.link && String(cell ?? "").toLowerCase().includes(word)))));
     if (sorted >= 0) {
       left.sort(([a], [b]) => {
         if (a[sorted] === null || b[sorted] === null) return a[sorted] === b[sorted] ? 0 : a[sorted] === null ? 1 : -1;
@@ -155,16 +163,29 @@ export class DataTable {
     return left;
   }
 
+  /** What tells a row from the others: "0022, 4, midway". */
+  private nameOf(row: number): string {
+    const words = this.seen.columns.flatMap((_, k) => (this.keys.has(this.table.columns[k]) ? [this.seen.rows[row][k] ?? null] : [])).filter((value) => value !== null);
+    return words.length > 0 ? words.slice(0, MOST_WORDS).join(", ") : `row ${row + 1}`;
+  }
+
+  /** The page of the row's run; nothing where it has none. */
+  private opener(row: number): Node | string {
+    const value = this.table.rows[row][this.link] ?? null;
+    const path = safePath(value);
+    if (path === undefined) return value === null ? "" : formatted(value);
+    return element("a", { href: path, "aria-label": `open the run of ${this.nameOf(row)}` }, "open");
+  }
+
   private cell(shown: Json, k: number, row: number): HTMLElement {
     const column = this.columns[k];
     const name = this.table.columns[k];
     const value = this.table.rows[row][k] ?? null;
-    const link = name === "report" ? safePath(value) : undefined;
     const decimals = this.isByRow ? decimalsOf(this.seen.rows[row]) : column.decimals;
     const written = isNumber(shown) && decimals !== undefined ? shown.toFixed(decimals) : formatted(shown);
     const attributes = { class: column.numeric ? "number" : "", "data-key": `${this.name}/${row}/${name}`, "data-value": JSON.stringify(value) };
-    const content = link === undefined ? written : element("a", { href: link }, "open the run");
-    const made = k === 0 ? element("th", { scope: "row", ...attributes }, content) : element("td", attributes, content);
+    const content = k === this.link ? this.opener(row) : written;
+    const made = k === this.order[0] ? element("th", { scope: "row", ...attributes }, content) : element("td", attributes, content);
     if (column.bars && isNumber(shown) && column.most > 0) made.style.setProperty("--bar", `${((100 * Math.abs(shown)) / column.most).toFixed(1)}%`);
     return made;
   }
@@ -175,7 +196,7 @@ export class DataTable {
     this.page = Math.min(this.page, pages - 1);
     const from = this.page * ROWS_OF_PAGE;
     const part = rows.slice(from, from + ROWS_OF_PAGE);
-    this.body.replaceChildren(...part.map(([row, i]) => element("tr", {}, ...row.map((value, k) => this.cell(value ?? null, k, i)))));
+    this.body.replaceChildren(...part.map(([row, i]) => element("tr", {}, ...this.order.map((k) => this.cell(row[k] ?? null, k, i)))));
     this.heads.forEach((head, k) => head.setAttribute("aria-sort", k !== this.sorted ? "none" : this.falling ? "descending" : "ascending"));
     const all = this.table.rows.length;
     const left = rows.length < all ? `${rows.length} of ${all} rows` : `${all} rows`;

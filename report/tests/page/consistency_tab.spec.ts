@@ -84,6 +84,11 @@ test("the table of coverage has the shares of the run, NEES its band, and senten
     });
     expect(cells[4]).toContain(["consistent", "overconfident", "cautious"][axis]);
   }
+  const lefts = await panel(page).locator("table.coverage :is(thead th, tbody tr:first-child td):last-child").evaluateAll((cells) => cells.map((cell) => {
+    const { textAlign, paddingLeft } = getComputedStyle(cell);
+    return [textAlign, cell.getBoundingClientRect().left + parseFloat(paddingLeft)];
+  }));
+  expect(lefts[0]).toEqual(lefts[1]);
   // One frame in twenty has a NEES of 30, the others 6: in the band of 1.24 to 14.45.
   await expect(note(page, "NEES")).toHaveText("95 % of 400 frames within 1.24 to 14.45 (95 % expected), 5 % above (2.5 % expected)");
   const mean = (30 * 20 + 6 * 380) / 400 / 6;

@@ -33,6 +33,44 @@ test("what was gated has a name of its own beside what was not explained, and in
   expect(await heads(page)).toContain("not explained");
 });
 
+test("consistency has a row per object and words, and verdicts a table with the camera", async ({ page }) => {
+  const judged = (verdict: string, reason: string) => ({ verdict, reason, anees: 2.5, interval: [1.25, 4.5], effective_frames: 12.5 });
+  await page.setViewportSize({ width: 390, height: 844 });
+  let ids: string[] = [];
+  const complaints = await open(page, "numbers-verdicts", report((metrics, objects) => {
+    ids = Object.keys(objects);
+    metrics["consistency"] = {
+      relative_anees: Object.fromEntries(ids.map((id, i) => [id, 1 + i])), right_mode_relative_anees: Object.fromEntries(ids.map((id) => [id, 0.9])),
+      camera_verdict: judged("consistent", ""),
+      relative_verdicts: Object.fromEntries(ids.map((id, i) => [id, i === 2 ? null : judged("overconfident", "15 % of position y outside 3 sigma")])),
+      runs_of_errors: 4,
+    };
+  }));
+  await page.getByRole("tab", { name: "Numbers" }).click();
+  const table = (caption: string) => page.locator("#metrics").getByRole("region", { name: caption, exact: true }).getByRole("table");
+  const texts = (caption: string, row: string) => table(caption).locator(`tbody tr[data-entity="${row}"] td`).allTextContents();
+  const seen = table("Consistency as seen from the camera");
+  await expect(seen.first().getByRole("columnheader")).toHaveText(["NEES", "NEES near the truth"]);
+  await expect(seen.first().getByRole("rowheader")).toHaveText(ids);
+  expect(await seen.first().locator(`tbody tr[data-entity="${ids[1]}"] td`).allTextContents()).toEqual(["2.00", "0.90"]);
+  // What is not by object does not make one row of all.
+  await expect(seen.last().getByRole("columnheader")).toHaveText(["runs of errors"]);
+  const verdicts = "Are errors as large as the covariances say?";
+  await expect(table(verdicts).getByRole("columnheader")).toHaveText(["verdict", "NEES, mean", "NEES, 95 % interval", "independent frames", "most at fault"]);
+  await expect(table(verdicts).getByRole("rowheader")).toHaveText(["camera", ...ids]);
+  expect(await texts(verdicts, "camera")).toEqual(["consistent", "2.50", "1.25 to 4.50", "12.5", "–"]);
+  expect(await texts(verdicts, ids[0])).toEqual(["overconfident", "2.50", "1.25 to 4.50", "12.5", "15 % of position y outside 3 sigma"]);
+  expect(await texts(verdicts, ids[2])).toEqual(["–", "–", "–", "–", "–"]);
+  await expect(page.locator(`#metrics [data-key="consistency/relative_verdicts/${ids[0]}/interval"]`)).toHaveAttribute("data-value", "[1.25,4.5]");
+  // Heads stand above their words.
+  const left = (at: ReturnType<typeof table>) => at.evaluate((node) => getComputedStyle(node).textAlign);
+  expect(await left(table(verdicts).getByRole("columnheader", { name: "verdict" }))).toBe("left");
+  expect((await page.locator("#metrics thead th").allTextContents()).join()).not.toContain("/");
+  await page.getByText("Words", { exact: true }).click();
+  await expect(page.locator("#metrics dt").filter({ hasText: /^most at fault$/ })).toBeVisible();
+  expect(complaints).toEqual([]);
+});
+
 test("hashes are folded and short, and no table is wider for them", async ({ page }) => {
   await open(page, "numbers-hashes", report((metrics) => Object.assign(metrics, {
     run: HASH.slice(0, 32), files: Object.fromEntries(Array.from({ length: 16 }, (_, i) => [`detections_of_object_${i}.tum`, HASH])),

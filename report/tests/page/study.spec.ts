@@ -150,6 +150,62 @@ test("the head of a table stays in view, and a row leads to its run", async ({ p
   await expect(region.getByRole("link", { name: "open the run" }).first()).toHaveAttribute("href", "runs/0001_003_method_00/report.html");
 });
 
+test("rows open the page of their run, by pointer and by keyboard, and however they are sorted", async ({ page }) => {
+  const path = "runs/0004_003_method_01/report.html";
+  await open(page, path.replace(".html", ""), unknownStudy());
+  await page.setViewportSize({ width: 390, height: 844 });
+  await open(page, "tables-runs", ycbv(3));
+  await page.getByRole("tab", { name: "Tables" }).click();
+  const rows = page.getByRole("region", { name: "Table rows" });
+  const link = rows.getByRole("link", { name: "open the run of 0004, 003, method_01", exact: true });
+  // It is seen without scrolling, on a phone too, and is a word.
+  await link.scrollIntoViewIfNeeded();
+  await expect(rows).toHaveJSProperty("scrollLeft", 0);
+  const [box, place] = [(await link.boundingBox())!, (await rows.boundingBox())!];
+  expect(box.x + box.width).toBeLessThan(place.x + place.width);
+  await expect(link).toHaveText("open");
+  await expect(rows.getByRole("link")).toHaveCount(9);
+  await expect(rows).not.toContainText(".html");
+  // Rows of means have no run.
+  await expect(rows.locator('[data-key="rows/9/report"]')).toHaveText("");
+  const table = page.locator(".data-table").filter({ has: rows });
+  await expect(table.getByRole("combobox", { name: "report", exact: true })).toHaveCount(0);
+  await rows.getByRole("button", { name: "pixel median" }).click();
+  await table.getByRole("searchbox").fill("method_01");
+  await expect(table.getByRole("status")).toHaveText("4 of 12 rows");
+  await expect(rows.getByRole("link")).toHaveCount(3);
+  const links = await rows.locator("tbody tr", { has: page.getByRole("link") }).evaluateAll((lines) => lines.map((line) => [line.querySelector("th")!.textContent, line.querySelector("a")!.getAttribute("href")]));
+  for (const [sequence, to] of links) expect(to).toBe(`runs/${sequence}_003_method_01/report.html`);
+  const [saved] = await Promise.all([page.waitForEvent("download"), table.getByRole("button", { name: "Save CSV of rows" }).click()]);
+  const { columns, rows: lines } = parseCsv(readFileSync((await saved.path())!, "utf8"));
+  expect(columns[columns.length - 1]).toBe("report");
+  expect(lines.map((line) => line[columns.length - 1])).toContain(path);
+  // What is seen is searched, and that is not the path.
+  await table.getByRole("searchbox").fill("html");
+  await expect(table.getByRole("status")).toHaveText("0 of 12 rows");
+  await table.getByRole("searchbox").fill("0004 method_01");
+  await link.click();
+  await expect(page).toHaveURL(new RegExp(`/${path}$`));
+  await page.goBack();
+  await page.getByRole("tab", { name: "Tables" }).click();
+  await rows.focus();
+  while (!(await link.evaluate((node) => node === document.activeElement))) await page.keyboard.press("Tab");
+  await page.keyboard.press("Enter");
+  await expect(page).toHaveURL(new RegExp(`/${path}$`));
+});
+
+test("pages of runs are nothing to draw against or to group by, and are not printed", async ({ page }) => {
+  const report = ycbv(3);
+  delete (report["documents"] as Record<string, JsonObject>)["study.json"]["summary"];
+  await open(page, "tables-runs-print", report);
+  for (const name of ["Group by", "Against"]) expect(await page.getByRole("combobox", { name }).locator("option").allTextContents()).not.toContain("report");
+  await page.emulateMedia({ media: "print" });
+  await page.evaluate(() => dispatchEvent(new Event("beforeprint")));
+  const heads = await page.locator("table:visible thead th").allTextContents();
+  expect(heads.join()).toContain("method");
+  expect(heads.join()).not.toContain("report");
+});
+
 test("many figures have an index, which words narrow; alt texts say what is shown", async ({ page }) => {
   await open(page, "figures", noise(75));
   await page.getByRole("tab", { name: "Figures" }).click();

@@ -3,14 +3,14 @@
 // A large screen: tables and plots take the width, lines of text do not.
 import { expect, type Page, test } from "@playwright/test";
 import { comparisonReport } from "../comparison_documents.ts";
-import { consistencyReport } from "../documents.ts";
+import { consistencyReport, mixtureReport } from "../documents.ts";
 import { eventfulReport } from "../eventful.ts";
 import { noise } from "../study_documents.ts";
 import { open } from "./report.ts";
 
 const MOST_LETTERS = 95;
 
-/** How many letters the longest line of a paragraph or an item of a list has. */
+/** How many letters the longest line of a paragraph, an item of a list or a caption of a table has. */
 const longest = (page: Page) => page.evaluate(() => {
   const lines = (node: Element) => {
     const counts = new Map<number, number>();
@@ -27,7 +27,7 @@ const longest = (page: Page) => page.evaluate(() => {
     }
     return [...counts.values()];
   };
-  const shown = [...document.querySelectorAll("main :is(p, li)")].filter((node) => (node as HTMLElement).offsetParent !== null && !node.closest(".signs"));
+  const shown = [...document.querySelectorAll("main :is(p, li, caption)")].filter((node) => (node as HTMLElement).offsetParent !== null && !node.closest(".signs"));
   return Math.max(0, ...shown.flatMap(lines));
 });
 
@@ -46,9 +46,10 @@ for (const [name, scale] of [["4k", 1], ["4k of two pixels each", 2]] as const) 
       }
     });
 
-    for (const [kind, report] of [["comparison", comparisonReport], ["consistency", consistencyReport], ["study", noise]] as const) {
+    for (const [kind, report] of [["comparison", comparisonReport], ["consistency", consistencyReport], ["study", noise], ["mixture", mixtureReport]] as const) {
       test(`lines of text are short: ${kind}`, async ({ page }) => {
         await open(page, `wide-${kind}-${scale}`, report());
+        expect(await longest(page)).toBeLessThanOrEqual(MOST_LETTERS);
         for (const tab of await page.getByRole("tab").all()) {
           await tab.click();
           expect(await longest(page)).toBeLessThanOrEqual(MOST_LETTERS);
