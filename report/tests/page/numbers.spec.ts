@@ -52,7 +52,7 @@ test("consistency has a row per object and words, and verdicts a table with the 
   const seen = table("Consistency as seen from the camera");
   await expect(seen.first().getByRole("columnheader")).toHaveText(["NEES", "NEES near the truth"]);
   await expect(seen.first().getByRole("rowheader")).toHaveText(ids);
-  expect(await seen.first().locator(`tbody tr[data-entity="${ids[1]}"] td`).allTextContents()).toEqual(["2.00", "0.90"]);
+  expect(await seen.first().locator(`tbody tr[data-entity="${ids[1]}"] td`).allTextContents()).toEqual(["2", "0.900"]);
   // What is not by object does not make one row of all.
   await expect(seen.last().getByRole("columnheader")).toHaveText(["runs of errors"]);
   const verdicts = "Are errors as large as the covariances say?";
