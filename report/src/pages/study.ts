@@ -75,6 +75,14 @@ export function tablesNode(found: Record<string, Table>): HTMLElement {
   return element("div", { class: "tables" }, ...Object.entries(found).map(([name, table]) => new DataTable(name, table).node));
 }
 
+/** Who comes back from the page of a run finds the tab that was left. */
+function studyTabs(list: Tab[]): HTMLElement {
+  const state: unknown = history.state;
+  const made = tabs("Study", list, (tab) => history.replaceState({ tab }, ""));
+  if (typeof state === "object" && state !== null && "tab" in state && typeof state.tab === "string") made.show(state.tab);
+  return made.node;
+}
+
 export function studyPage(payload: Payload): HTMLElement {
   const study = studyName(payload);
   const found = studyTables(payload);
@@ -88,7 +96,7 @@ export function studyPage(payload: Payload): HTMLElement {
   if (texts.length > 0) list.push({ name: "Texts", build: () => element("div", {}, ...texts) });
   publish({ kind: "study", study, pictures: pictures.length, tables: Object.keys(found) });
   printStudy(payload, study, found);
-  const body = list.length > 0 ? tabs("Study", list).node : element("p", { class: "notice" }, "The folder has no figures and no tables.");
+  const body = list.length > 0 ? studyTabs(list) : element("p", { class: "notice" }, "The folder has no figures and no tables.");
   return element("div", { class: "page study" }, header(payload, questionOf(study)),
     element("main", {}, ...storyNode(study, found), body), footer(payload));
 }

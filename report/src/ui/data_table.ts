@@ -165,7 +165,10 @@ export class DataTable {
 
   /** What tells a row from the others: "0022, 4, midway". */
   private nameOf(row: number): string {
-    const words = this.seen.columns.flatMap((_, k) => (this.keys.has(this.table.columns[k]) ? [this.seen.rows[row][k] ?? null] : [])).filter((value) => value !== null);
+    const keys = this.columns.map((_, k) => k).filter((k) => this.keys.has(this.table.columns[k]));
+    // Numbers behind the words may be results that are whole by chance.
+    const last = keys.map((k) => this.columns[k].numeric).lastIndexOf(false);
+    const words = keys.slice(0, last < 0 ? keys.length : last + 1).map((k) => this.seen.rows[row][k] ?? null).filter((value) => value !== null);
     return words.length > 0 ? words.slice(0, MOST_WORDS).join(", ") : `row ${row + 1}`;
   }
 

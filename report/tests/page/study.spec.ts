@@ -187,7 +187,7 @@ test("rows open the page of their run, by pointer and by keyboard, and however t
   await link.click();
   await expect(page).toHaveURL(new RegExp(`/${path}$`));
   await page.goBack();
-  await page.getByRole("tab", { name: "Tables" }).click();
+  await expect(page.getByRole("tab", { name: "Tables" })).toHaveAttribute("aria-selected", "true");
   await rows.focus();
   while (!(await link.evaluate((node) => node === document.activeElement))) await page.keyboard.press("Tab");
   await page.keyboard.press("Enter");

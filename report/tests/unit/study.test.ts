@@ -7,7 +7,7 @@ import { scaleOf, tickText } from "../../src/plots/scale.ts";
 import { tracePath } from "../../src/plots/time_plot.ts";
 import { commandOf, factsOf, provenanceLines, settingsOf } from "../../src/pages/provenance.ts";
 import { type Choice, firstFilters, pointsOf } from "../../src/study/aggregate.ts";
-import { errorColumnOf, keyColumns, numericColumns, quantityColumns, wordColumns } from "../../src/study/columns.ts";
+import { errorColumnOf, keyColumns, linkColumn, numericColumns, quantityColumns, wordColumns } from "../../src/study/columns.ts";
 import { lengthScales, shownTable } from "../../src/study/shown.ts";
 import { storyOf } from "../../src/study/stories.ts";
 import { parseCsv, type Table, tableOfRows } from "../../src/ui/csv.ts";
@@ -144,6 +144,15 @@ test("what is equal in the digits that are shown is a tie, and few runs rank no 
 test("links go below the page's folder and nowhere else", () => {
   assert.equal(safePath("runs/0001 a/report.html"), "runs/0001%20a/report.html");
   for (const bad of ["../x.html", "a/../../x", "/etc/x", "javascript:alert(1)", "https://a.b/c", "//a.b", "a\\b", "", "a?b", 3, null]) assert.equal(safePath(bad), undefined, String(bad));
+});
+
+test("a column of pages is none of keys, and a column of other words called so is one", () => {
+  const pages: Table = { columns: ["method", "report"], rows: [["a", "runs/a/report.html"], ["b", "runs/b/report.html"], ["mean", null]] };
+  assert.equal(linkColumn(pages), 1);
+  assert.deepEqual(keyColumns(pages), ["method"]);
+  const words: Table = { columns: ["method", "report"], rows: [["a", "weekly"], ["b", "daily"]] };
+  assert.equal(linkColumn(words), -1);
+  assert.deepEqual(keyColumns(words), ["method", "report"]);
 });
 
 test("a saved table is read as it was", () => {
