@@ -14,6 +14,28 @@ function correlated(count: number, rho: number, seed: number): number[] {
   return Array.from({ length: count }, () => (last = rho * last + Math.sqrt(1 - rho * rho) * gauss()));
 }
 
+test("Student's t is that of SciPy 1.17 (2 * stats.t.sf(|t|, dof) and stats.t.isf(p / 2, dof))", () => {
+  const tails: [number, number, number][] = [
+    [0.1, 1, 0.936548965138893],
+    [2, 1.5, 0.22418833035605112],
+    [12.706204736, 1, 0.050000000000684656],
+    [3, 7.25, 0.019134132993169097],
+    [-2.5, 30, 0.01811564906806669],
+    [6, 199.5, 9.146519892245594e-9],
+    [40, 5, 1.8411962171772954e-7],
+    [1.959963985, 1e6, 0.05000027724145847],
+    [9, 1e4, 2.6678432694686606e-19],
+  ];
+  for (const [t, dof, p] of tails) assert.ok(Math.abs(studentP(t, dof) / p - 1) < 1e-7, `${t} ${dof}: ${studentP(t, dof)}`);
+  const quantiles: [number, number, number][] = [
+    [0.05, 1, 12.706204736174705],
+    [0.05, 3.7, 2.8675207071911903],
+    [0.05, 250, 1.9694983934211538],
+    [0.001, 12, 4.3177912836061845],
+  ];
+  for (const [p, dof, t] of quantiles) assert.ok(Math.abs(studentQuantile(p, dof) / t - 1) < 1e-7, `${p} ${dof}: ${studentQuantile(p, dof)}`);
+});
+
 test("Student's t, against tables", () => {
   near(studentP(2.228, 10), 0.05, 1e-4);
   near(studentP(-12.706, 1), 0.05, 1e-4);
