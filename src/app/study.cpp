@@ -99,6 +99,7 @@ const std::array kStudies{
                  [](const TomlTable& table, const StudyOptions& options) {
                    YcbvStudySettings settings = read_ycbv_settings(table, options.out);
                    settings.data = data_folder(options);
+                   settings.command = options.command;
                    return make_ycbv_study(settings);
                  }},
     StudyCommand{"noise", "A detector's errors against ground truth, and a noise model for them",

@@ -83,7 +83,8 @@ TEST(YcbvStudy, KeptRunsAreLinkedFromTheirRows) {
       .data = tree.path(),
       .methods = {"detector", "default", "varied: filter.max_hypotheses=5"},
       .sequences = {"0022"},
-      .runs_in = out.path()};
+      .runs_in = out.path(),
+      .command = {"posemix", "study", "ycbv"}};
   const Json rows = run_rows(settings);
   EXPECT_EQ(find_row(rows, "0022", "4", "default")["report"],
             "runs/0022-cosypose-all-default/report.html");
@@ -93,7 +94,9 @@ TEST(YcbvStudy, KeptRunsAreLinkedFromTheirRows) {
     const std::filesystem::path page =
         out / find_row(rows, "0022", "14", method)["report"].get<std::string>();
     EXPECT_TRUE(std::filesystem::exists(page)) << page;
-    EXPECT_TRUE(std::filesystem::exists(page.parent_path() / "metrics.json"));
+    const Json metrics = Json::parse(testing::content_of(page.parent_path() / "metrics.json"));
+    EXPECT_EQ(metrics["provenance"]["command"], "posemix study ycbv");
+    EXPECT_EQ(metrics["provenance"]["settings"]["method"], method);
   }
   const Json without =
       run_rows({.data = tree.path(), .methods = {"default"}, .sequences = {"0022"}});

@@ -2,7 +2,6 @@
 // SPDX-FileCopyrightText: posemix contributors
 #pragma once
 
-#include <filesystem>
 #include <string>
 
 #include "method.hpp"
@@ -17,10 +16,10 @@ struct FinishedRun {
   const Metrics& metrics;
 };
 
-/// Writes the results of a run and their page into a folder of their own below `out`, and returns
-/// the path of the page from there.
+/// Writes the results of a run and their page into a folder of their own below that of the study,
+/// and returns the path of the page from there.
 /// @throws OutputError where they cannot be written
-std::string keep_run(const std::filesystem::path& out, const Recording& recording,
+std::string keep_run(const YcbvStudySettings& settings, const Recording& recording,
                      const YcbvMethod& method, const FinishedRun& finished);
 
 }  // namespace posemix

@@ -195,8 +195,7 @@ class Item {
     const bool records = settings_.runs_in && job_.trace_hypotheses > 0;
     const SlamRun slam = run(job_, {.record_hypotheses = records});
     const Metrics metrics = evaluate(job_, slam);
-    if (settings_.runs_in)
-      page_ = keep_run(*settings_.runs_in, recording_, method_, {job_, slam, metrics});
+    if (settings_.runs_in) page_ = keep_run(settings_, recording_, method_, {job_, slam, metrics});
     for (std::size_t i = 0; i < job_.models.size(); ++i) {
       const ObjectMetrics& errors = metrics.objects[i];
       const auto estimate_at = [&](std::size_t k) { return mean_of(slam.frames[k].relative[i]); };

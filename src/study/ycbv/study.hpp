@@ -28,6 +28,7 @@ struct YcbvStudySettings {
   /// Folder of the study, for the results of every filter's run and their pages in `runs` below it;
   /// none: these are not kept.
   std::optional<std::filesystem::path> runs_in = {};
+  std::vector<std::string> command = {};  ///< the words of the command line, for these results
 };
 
 /// The methods of the study, in the order of its table:
