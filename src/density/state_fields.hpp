@@ -43,10 +43,14 @@ struct StateFields<PoseStackd> {
   static PoseStackd of_stored(Stored stored) { return PoseStackd(std::move(stored)); }
 };
 
-/// Whether a symmetric matrix of finite numbers is a covariance but for what computing loses: its
-/// correlations, with 1e-3 added to the diagonal, are positive definite.
-inline bool could_be_covariance(const Eigen::MatrixXd& matrix) {
+/// Whether a symmetric matrix of finite numbers is a covariance but for what computing loses: with
+/// 1e-12 of the largest variance added to all of them, which is lost where a wide prior was, and
+/// 1e-3 to the correlations, it is positive definite.
+inline bool could_be_covariance(const Eigen::MatrixXd& given) {
   constexpr double kLost = 1e-3;
+  constexpr double kLostOfLargest = 1e-12;
+  Eigen::MatrixXd matrix = given;
+  if (matrix.size() > 0) matrix.diagonal().array() += kLostOfLargest * matrix.diagonal().maxCoeff();
   if (!(matrix.diagonal().array() >= 0.0).all()) return false;
   const Eigen::VectorXd sd = matrix.diagonal().cwiseSqrt();
   const Eigen::VectorXd scale = (sd.array() > 0.0).select(sd.cwiseInverse(), 1.0);

@@ -26,7 +26,13 @@ constexpr unsigned kMostPartialFiles = 1000;
 /// the target's place.
 class PartialFile {
  public:
-  explicit PartialFile(const fs::path& target) : target_(target), file_(create()) {}
+  /// A file that is replaced keeps its permissions, from before there is any content.
+  explicit PartialFile(const fs::path& target) : target_(target), file_(create()) {
+    std::error_code is_new;
+    const fs::file_status before = fs::status(target_, is_new);
+    if (!is_new && fs::exists(before))
+      fs::permissions(path_, before.permissions() & fs::perms::all, is_new);
+  }
   ~PartialFile() {
     std::error_code ignored;
     fs::remove(path_, ignored);
@@ -38,11 +44,7 @@ class PartialFile {
     file_.write_all(content);
     file_.sync();
   }
-  /// A file that is replaced keeps its permissions.
   void put_in_place() const {
-    std::error_code is_new;
-    const fs::perms before = fs::status(target_, is_new).permissions();
-    if (!is_new && fs::exists(target_)) fs::permissions(path_, before, is_new);
     if (std::rename(path_.c_str(), target_.c_str()) != 0)
       fail_with_errno(target_, "cannot be replaced");
     sync_folder(target_.parent_path());

@@ -115,7 +115,6 @@ std::optional<LiveEstimate> LiveEngine::take(const ReadyImage& ready) {
   if (const std::string why = slam_ ? jump_to(ready.image.stamp_ns) : ""; !why.empty())
     return jump(ready, why);
   if (!slam_) start(ready);
-  newest_ns_ = std::max(newest_ns_, ready.image.stamp_ns);
   try {
     put(ready);
   } catch (const InvalidInput& error) {
@@ -155,16 +154,21 @@ void LiveEngine::put(const ReadyImage& ready) {
   if (ready.odometry && !known) {
     slam_->add_odometry(stamp_s, *ready.odometry);
     known = ready.odometry;
+    newest_ns_ = std::max(newest_ns_, image.stamp_ns);
   }
   for (const Observation& observation : observations) {
     const StampAdmission admission = slam_->add(observation);
+    newest_ns_ = std::max(newest_ns_, image.stamp_ns);
     ++counts_.observations;
     if (admission == StampAdmission::replayed) ++counts_.late;
     if (admission == StampAdmission::too_late) ++counts_.too_late;
   }
   const std::string camera = settings_->node.cameras.empty() ? "" : image.frame;
   const bool shows_nothing = observations.empty() && settings_->node.empty_is_image;
-  if (shows_nothing) slam_->add_image(stamp_s, camera);
+  if (shows_nothing) {
+    slam_->add_image(stamp_s, camera);
+    newest_ns_ = std::max(newest_ns_, image.stamp_ns);
+  }
   if (slam_->counts().too_late > too_late) return;
   recording_.add({image.stamp_ns, ready.odometry, observations,
                   shows_nothing ? std::optional(camera) : std::nullopt});
@@ -207,16 +211,24 @@ std::string LiveEngine::jump_to(std::int64_t stamp_ns) const {
 
 /// The image is refused, or is the last of enough of them, with which a run begins.
 std::optional<LiveEstimate> LiveEngine::jump(const ReadyImage& ready, const std::string& why) {
-  if (++jumped_ < kJumped) {
+  const std::int64_t stamp_ns = ready.image.stamp_ns;
+  const std::int64_t near = nanoseconds(settings_->stamped.jump_back_s);
+  // Images of one clock are near each other, and of several moments.
+  if (jumped_ == 0 || std::abs(static_cast<double>(stamp_ns) - static_cast<double>(jumped_to_ns_)) >
+                          static_cast<double>(near)) {
+    jumped_ = 1;
+  } else if (stamp_ns != jumped_to_ns_) {
+    ++jumped_;
+  }
+  jumped_to_ns_ = stamp_ns;
+  if (jumped_ < kJumped) {
     refuse(fmt::format("{}; {} images in succession are taken for another clock", why, kJumped));
     return std::nullopt;
   }
   ++counts_.resets;
   begin_again();
-  const std::int64_t window = nanoseconds(settings_->stamped.jump_back_s);
-  std::erase_if(waiting_, [&](const LiveImage& image) {
-    return std::abs(image.stamp_ns - ready.image.stamp_ns) > window;
-  });
+  std::erase_if(waiting_,
+                [&](const LiveImage& image) { return std::abs(image.stamp_ns - stamp_ns) > near; });
   return take(ready);
 }
 

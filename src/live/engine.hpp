@@ -93,7 +93,8 @@ class LiveEngine {
   std::int64_t start_ns_ = 0;
   std::map<std::int64_t, std::optional<SE3d>> odometry_;  ///< of the images
   std::int64_t newest_ns_ = 0;
-  std::size_t jumped_ = 0;  ///< images in succession whose stamps have jumped
+  std::size_t jumped_ = 0;  ///< images in succession whose stamps have jumped to one time
+  std::int64_t jumped_to_ns_ = 0;
   ClassTable table_;
   LiveRecording recording_;
 };

@@ -206,6 +206,16 @@ TEST(LiveNode, OneWrongStampCostsOneImage) {
   EXPECT_EQ(bench.counts().images, 7u);
 }
 
+TEST(LiveNode, UnlikeWrongStampsAreNoClock) {
+  LiveBench bench(kStill);
+  bench.see(100.0);
+  for (const double wrong : {-5000.0, 9000.0, -300.0, 50000.0, -77.0, 50000.0}) bench.see(wrong);
+  for (int i = 0; i < 6; ++i) bench.see(20.0);  // one moment, of several detectors
+  EXPECT_EQ(bench.counts().resets, 0u);
+  bench.see(101.0);
+  EXPECT_EQ(bench.counts().images, 2u);
+}
+
 TEST(LiveNode, SingleStampsFarAheadAreRefusedAndManyAreAnotherClock) {
   LiveBench bench(kStill);
   bench.see(0.0);

@@ -98,6 +98,29 @@ TEST(StateDamage, AnImpossibleCovarianceIsRefused) {
   EXPECT_EQ(message_with(covariance(0, 0), -0.01), expected);
 }
 
+TEST(StateDamage, WhatRoundingLeavesOfAWidePriorIsACovariance) {
+  RandomStream random(9);
+  for (const double sd : {1e3, 1e5, 4e5, 1e6, 3e6, 1e7}) {
+    Matrix6d prior = Matrix6d::Identity();
+    prior.bottomRightCorner<3, 3>() *= sd * sd;
+    StampedSlam slam(PoseDensity(SE3d(), prior), {{.id = "mug"}, {.id = "box"}});
+    for (int k = 0; k < 40; ++k) {
+      for (const char* id : {"mug", "box"}) {
+        Vector6d error;
+        for (double& x : error) x = 0.002 * random.normal();
+        const SE3d seen = SE3d::exp(error) * SE3d(SO3d(), {*id == 'm' ? 0.1 : -0.2, 0.0, 0.8});
+        Observation one;
+        one.object = id;
+        one.components.push_back({.pose = seen});
+        one.stamp_s = 0.1 * k;
+        slam.add(one);
+      }
+      slam.estimate();
+    }
+    EXPECT_NO_THROW(slam_of_state(state_bytes(slam))) << "a prior of " << sd << " m";
+  }
+}
+
 TEST(StateDamage, EveryByteIsGuarded) {
   const std::string& bytes = rich_state();
   for (std::size_t k = 0; k < bytes.size(); k += 1 + bytes.size() / 500) {

@@ -3,6 +3,7 @@
 #include "study/ycbv/study.hpp"
 
 #include <cmath>
+#include <set>
 
 #include <nlohmann/json.hpp>
 
@@ -101,6 +102,24 @@ TEST(YcbvStudy, KeptRunsAreLinkedFromTheirRows) {
   const Json without =
       run_rows({.data = tree.path(), .methods = {"default"}, .sequences = {"0022"}});
   EXPECT_FALSE(find_row(without, "0022", "4", "default").contains("report"));
+}
+
+TEST(YcbvStudy, KeptRunsOfMethodsWithAlikeNamesAreApart) {
+  if (!has_report_page()) GTEST_SKIP() << "this build has no report page";
+  const SmallTree tree;
+  const testing::TemporaryFolder out;
+  const Json rows =
+      run_rows({.data = tree.path(),
+                .methods = {"a b: filter.max_hypotheses=2", "a+b: filter.max_hypotheses=3",
+                            "default", "default: filter.max_hypotheses=4",
+                            std::string(240, 'x') + ": filter.max_hypotheses=5"},
+                .sequences = {"0022"},
+                .runs_in = out.path()});
+  std::set<std::string> pages;
+  for (const Json& row : rows)
+    if (row["report"].is_string()) pages.insert(row["report"].get<std::string>());
+  EXPECT_EQ(pages.size(), 5U);
+  for (const std::string& page : pages) EXPECT_TRUE(std::filesystem::exists(out / page)) << page;
 }
 
 TEST(YcbvStudy, RowsSayWhatIsKnown) {

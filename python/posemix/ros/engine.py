@@ -52,7 +52,7 @@ class Engine:
         self._log: deque[ReadyImage] = deque(maxlen=int(configuration["replay_images"]))
         self._waiting: deque[Image] = deque()
         self._run: LiveRun | None = None
-        self._jumped = 0
+        self._jumped = self._jumped_to_ns = 0
         # An old map that is to be found, the stamp of the next attempt, and what became of the last one.
         self._old: SavedMap | None = None
         self._next_attempt_ns = 0
@@ -208,15 +208,19 @@ class Engine:
 
     def _jump(self, ready: ReadyImage, why: str) -> LiveEstimate | None:
         """A stamp has jumped: the image is refused, or is the last of enough of them, with which a run begins."""
-        self._jumped += 1
+        near, window = ready.image.stamp_ns, round(self._configuration.stamped.jump_back_s * 1e9)
+        # Images of one clock are near each other, and of several moments.
+        if self._jumped == 0 or abs(near - self._jumped_to_ns) > window:
+            self._jumped = 1
+        elif near != self._jumped_to_ns:
+            self._jumped += 1
+        self._jumped_to_ns = near
         if self._jumped < _JUMPED:
             self._refuse(f"{why}; {_JUMPED} images in succession are taken for another clock")
             return None
         self.counts.resets += 1
         self._run, self._next_attempt_ns = None, 0
         self._log.clear()
-        window = round(self._configuration.stamped.jump_back_s * 1e9)
-        near = ready.image.stamp_ns
         self._waiting = deque(image for image in self._waiting if abs(image.stamp_ns - near) <= window)
         return self._take(ready)
 

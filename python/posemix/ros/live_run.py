@@ -75,6 +75,7 @@ class LiveRun:
     ) -> None:
         self._configuration = configuration
         self.start_ns = start_ns
+        # The newest stamp that the filter knows, which an image that tells it nothing does not move.
         self._newest_s = 0.0
         # Whether all images of the run were taken in by this filter, which knows nothing else.
         self.is_whole = True
@@ -129,14 +130,17 @@ class LiveRun:
         ignored = len(image.class_ids) - len(observations)
         if stamp_s < self._since_s:
             return [StampAdmission.too_late] * len(observations), ignored
-        self._newest_s = max(self._newest_s, stamp_s)
         self._stamps[stamp_s] = image.stamp_ns
         if ready.odometry is not None and self._with_odometry.get(image.stamp_ns) is None:
             self.slam.add_odometry(stamp_s, ready.odometry)
             self._with_odometry[image.stamp_ns] = ready.odometry
+            self._newest_s = max(self._newest_s, stamp_s)
         admissions = [self.slam.add(observation) for observation in observations]
         if not observations and self._configuration["empty_is_image"]:
             self.slam.add_image(stamp_s, image.frame if self._configuration.cameras else "")
+            self._newest_s = max(self._newest_s, stamp_s)
+        if admissions:
+            self._newest_s = max(self._newest_s, stamp_s)
         return admissions, ignored
 
     def _observations(self, ready: ReadyImage, stamp_s: float) -> list[Observation]:

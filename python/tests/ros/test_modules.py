@@ -191,6 +191,29 @@ def test_images_that_waited_before_a_jump_are_dropped() -> None:
     assert engine.counts.resets == 1
 
 
+def test_images_that_tell_nothing_do_not_stop_the_clock() -> None:
+    engine = Engine(configuration({"motion.model": "still", "empty_is_image": False}))
+    engine.add(image(0.0))
+    assert len(engine.ready(0.0)) == 1
+    for i in range(40):
+        engine.add(image(100.0 * i, None))
+        engine.ready(0.0)
+    # More than jump_ahead_s after the filter's last input: five images, and then a new run.
+    taken = 0
+    for i in range(20):
+        engine.add(image(4000.0 + i))
+        taken += len(engine.ready(0.0))
+    assert taken == 16 and engine.counts.resets == 1
+
+
+def test_unlike_wrong_stamps_are_no_clock() -> None:
+    engine = Engine(configuration({"motion.model": "still"}))
+    for seconds in (100.0, -5000.0, 9000.0, -300.0, 50000.0, -77.0, 20.0, 20.0, 20.0, 20.0, 20.0, 20.0):
+        engine.add(image(seconds))
+        engine.ready(0.0)
+    assert engine.counts.resets == 0 and engine.counts.images == 1
+
+
 def test_several_of_a_class_and_what_has_no_model() -> None:
     engine = Engine(configuration({
         "motion.model": "still", "classes": ["nut"], "nut.instances": 3, "on_sight": False,

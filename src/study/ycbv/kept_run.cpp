@@ -5,10 +5,13 @@
 #include <algorithm>
 #include <cctype>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "base/checksum.hpp"
 #include "posemix/io/output_folder.hpp"
 #include "posemix/results/report.hpp"
 #include "posemix/results/results.hpp"
@@ -16,7 +19,16 @@
 namespace posemix {
 namespace {
 
-/// Methods may have overrides in their names.
+constexpr std::size_t kLongest = 100;
+
+/// Whether the name says which method it is.
+bool is_known(const YcbvMethod& method) {
+  const std::vector<std::string> names = ycbv_methods();
+  return std::ranges::find(names, method.name) != names.end() &&
+         find_ycbv_method(method.name).overrides == method.overrides;
+}
+
+/// Different for methods of other names or overrides, of which a name of a folder may not tell.
 std::string folder_name(const Recording& recording, const YcbvMethod& method) {
   std::string name = fmt::format("{}-{}-{}-{}", recording.sequence, recording.detector,
                                  recording.object, method.name);
@@ -24,7 +36,11 @@ std::string folder_name(const Recording& recording, const YcbvMethod& method) {
       name,
       [](unsigned char c) { return std::isalnum(c) == 0 && c != '-' && c != '.' && c != '_'; },
       '_');
-  return name;
+  const std::string plain = fmt::format("{}-{}-{}-{}", recording.sequence, recording.detector,
+                                        recording.object, method.name);
+  if (name == plain && name.size() <= kLongest && is_known(method)) return name;
+  const std::string all = fmt::format("{}: {}", plain, fmt::join(method.overrides, " "));
+  return fmt::format("{}-{:016x}", name.substr(0, kLongest), internal::crc64(all));
 }
 
 /// What the method changes in the profile of the detector.
