@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include <gtest/gtest.h>
+#include <hwy/targets.h>
 
 #include "divergence/rotation_ray.hpp"
 #include "posemix/base/random.hpp"
@@ -33,7 +34,7 @@ std::vector<RotationPeak> random_peaks(std::size_t count, RandomStream& random) 
   return rotation_peaks(Mixture<Peak>(components));
 }
 
-TEST(RotationRay, TheKernelIsItsScalarReference) {
+void expect_the_reference() {
   RandomStream random(5);
   for (const std::size_t count : {1U, 2U, 7U}) {
     const RotationPair pair{random_peaks(count, random), random_peaks(1 + count / 2, random)};
@@ -59,6 +60,17 @@ TEST(RotationRay, TheKernelIsItsScalarReference) {
       }
     }
   }
+}
+
+TEST(RotationRay, TheKernelIsItsScalarReferenceByAnyInstructions) {
+  const std::int64_t supported = hwy::SupportedTargets();
+  for (const std::int64_t target : {HWY_EMU128, HWY_AVX2, HWY_AVX3, HWY_NEON}) {
+    if (target != HWY_EMU128 && (supported & target) == 0) continue;
+    SCOPED_TRACE(hwy::TargetName(target));
+    hwy::GetChosenTarget().Update(target);
+    expect_the_reference();
+  }
+  hwy::GetChosenTarget().Update(supported);
 }
 
 }  // namespace

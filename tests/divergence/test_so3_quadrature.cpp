@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include <gtest/gtest.h>
 
@@ -134,6 +135,31 @@ TEST(RotationQuadrature, ConcentratedPeaksApproachTheClosedFormQuadratically) {
   };
   EXPECT_LT(std::abs(error(1e-3)), 1e-5);
   EXPECT_NEAR(error(0.02) / error(0.01), 4.0, 0.1);
+}
+
+Peaks random_mixture(std::size_t count, RandomStream& stream) {
+  std::vector<Component<Peak>> components;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double deviation = std::pow(10.0, -0.5 - 1.3 * stream.uniform());
+    components.push_back({std::log(0.1 + stream.uniform()),
+                          {SO3d::exp(vector_of_length(stream, std::numbers::pi * stream.uniform())),
+                           correlated(stream, deviation)}});
+  }
+  return Peaks(components);
+}
+
+TEST(RotationQuadrature, ErrorsOfMixturesAreWithinTheirEstimates) {
+  RandomStream stream(77);
+  for (std::size_t k = 0; k < 12; ++k) {
+    const Peaks p = random_mixture(1 + k % 4, stream);
+    const Peaks q = random_mixture(1 + k / 4, stream);
+    for (auto* divergence : {&kl, &symmetric_kl, &isd}) {
+      const DivergenceEstimate found = divergence(p, q, {});
+      const DivergenceEstimate finer = divergence(p, q, {.relative_tolerance = 1e-8});
+      EXPECT_TRUE(found.converged);
+      EXPECT_LE(std::abs(found.value - finer.value), found.error + finer.error) << k;
+    }
+  }
 }
 
 TEST(RotationQuadrature, IsZeroForEqualDensities) {

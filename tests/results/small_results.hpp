@@ -32,4 +32,10 @@ struct SmallResults {
   std::map<std::string, std::string> files;
 };
 
+/// The run with the settings of the file, made once.
+inline const SmallResults& results() {
+  static const SmallResults results;
+  return results;
+}
+
 }  // namespace posemix::testing

@@ -17,12 +17,8 @@ namespace {
 using nlohmann::json;
 using testing::replaced;
 
+using testing::results;
 using Results = testing::SmallResults;
-
-const Results& results() {
-  static const Results results;
-  return results;
-}
 
 TEST(Picture, IsWellFormedInEveryCase) {
   EXPECT_NE(results().files.at("picture.svg").find("<title>small 0001: gm-iekf (midway)</title>"),

@@ -18,12 +18,8 @@ namespace {
 using nlohmann::json;
 using testing::kSmallFrames;
 
+using testing::results;
 using Results = testing::SmallResults;
-
-const Results& results() {
-  static const Results results;
-  return results;
-}
 
 TEST(Results, NamesOfFiles) {
   std::vector<std::string> names;

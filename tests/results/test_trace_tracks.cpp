@@ -15,12 +15,8 @@ namespace posemix {
 namespace {
 
 using nlohmann::json;
+using testing::results;
 using Results = testing::SmallResults;
-
-const Results& results() {
-  static const Results results;
-  return results;
-}
 
 TEST(TraceTracks, AreEstimatesWithTheirTruth) {
   const std::filesystem::path path = results().small.folder / "trace.json";
