@@ -3,7 +3,7 @@
 // Hypotheses over time: the river, the table at the playhead, and the mode probability of every object.
 import { expect, type Page, test } from "@playwright/test";
 import { hypothesesAt, MERGED, riverReport, riverTrace, STEP_S, TURNED, WRONG } from "../river_trace.ts";
-import { open, probe, scrub } from "./report.ts";
+import { boxOf, open, probe, scrub } from "./report.ts";
 
 const panel = (page: Page) => page.locator("[role=tabpanel]:not([hidden])");
 const rows = (page: Page) => panel(page).locator("table.hypotheses tbody tr");
@@ -45,7 +45,7 @@ test("pointing at a band or a row highlights the hypothesis in both, and a press
   const over = panel(page).locator(".u-over").first();
   const canvas = panel(page).locator("canvas").first();
   await over.scrollIntoViewIfNeeded();
-  const box = (await over.boundingBox())!;
+  const box = await boxOf(over);
   const at = (frame: number, weight: number) => ({ x: (box.width * frame) / 399, y: box.height * (1 - weight / 1.16) });
   const plain = await canvas.screenshot();
   await over.hover({ position: at(120, 0.75) });

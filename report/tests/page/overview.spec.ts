@@ -6,7 +6,7 @@ import { fixed } from "../../src/ui/numbers.ts";
 import { comparisonReport } from "../comparison_documents.ts";
 import { AT, eventfulReport, eventfulTrace, FRAMES, IDS, SD } from "../eventful.ts";
 import { packTrace } from "../pack.ts";
-import { open, openAllTabs, probe, scrub, shownPose } from "./report.ts";
+import { boxOf, open, openAllTabs, probe, scrub, shownPose } from "./report.ts";
 
 interface ShownEvent {
   kind: string;
@@ -65,7 +65,7 @@ test("cards select, and their links go to the moment", async ({ page }) => {
   await page.locator(".troubles li", { hasText: "cracker-box" }).getByRole("button", { name: "14.00 s" }).click();
   expect([await selected(page), await frame(page)]).toEqual(["cracker-box", AT.unexplained[0]]);
   const spark = card(page, "camera").locator(".spark");
-  const box = (await spark.boundingBox())!;
+  const box = await boxOf(spark);
   await spark.click({ position: { x: box.width / 2, y: 10 } });
   expect(Math.abs((await frame(page)) - (FRAMES - 1) / 2)).toBeLessThan(2);
 });
@@ -134,8 +134,8 @@ test("a press on a strip goes there and selects its object", async ({ page }) =>
   await open(page, "strips", eventfulReport());
   const canvas = page.locator(".strips canvas");
   await expect(canvas).toHaveAttribute("aria-label", /Mode probability of 5 objects/);
-  const box = (await canvas.boundingBox())!;
-  const bar = (await page.getByRole("slider", { name: "Frame" }).boundingBox())!;
+  const box = await boxOf(canvas);
+  const bar = await boxOf(page.getByRole("slider", { name: "Frame" }));
   expect(box.x >= bar.x && box.x + box.width <= bar.x + bar.width).toBe(true);
   await canvas.click({ position: { x: box.width * 0.5, y: ((IDS.indexOf("late-cup") + 0.5) / IDS.length) * box.height } });
   expect(await selected(page)).toBe("late-cup");
@@ -210,7 +210,7 @@ test("on a phone the timeline is in sight in every tab, wherever the page is scr
     await tab.click();
     for (const share of [0, 0.5, 1]) {
       await page.evaluate((part) => scrollTo(0, part * (document.documentElement.scrollHeight - innerHeight - 80)), share);
-      const box = (await page.getByRole("slider", { name: "Frame" }).boundingBox())!;
+      const box = await boxOf(page.getByRole("slider", { name: "Frame" }));
       expect(box.y).toBeGreaterThan(0);
       expect(box.y + box.height).toBeLessThanOrEqual(844);
       expect(box.x + box.width).toBeLessThanOrEqual(390);
@@ -229,8 +229,8 @@ for (const [width, height] of [[844, 390], [1024, 768]] as const) {
       await expect(page.getByRole("button", { name: "Play" })).toBeInViewport({ ratio: 1 });
     }
     await page.evaluate(() => scrollTo(0, 0));
-    const scene = (await page.locator(".viewport").first().boundingBox())!;
-    const player = (await page.locator(".player").boundingBox())!;
+    const scene = await boxOf(page.locator(".viewport").first());
+    const player = await boxOf(page.locator(".player"));
     expect(player.y - scene.y).toBeGreaterThan(0.45 * height);
   });
 }

@@ -5,7 +5,7 @@ import { readFileSync } from "node:fs";
 import { expect, type Locator, type Page, test } from "@playwright/test";
 import { riverReport, riverTrace, STEP_S } from "../river_trace.ts";
 import { syntheticReport } from "../synthetic.ts";
-import { open, openAllTabs, probe, scrub } from "./report.ts";
+import { boxOf, open, openAllTabs, probe, scrub } from "./report.ts";
 
 const panel = (page: Page) => page.locator("[role=tabpanel]:not([hidden])");
 const chart = (page: Page, title: string): Locator => panel(page).locator(".chart", { has: page.locator("figcaption", { hasText: title }) }).first();
@@ -18,7 +18,7 @@ async function openTab(page: Page, name: string): Promise<void> {
 async function press(plot: Locator, x: number, y: number): Promise<void> {
   const over = plot.locator(".u-over");
   await over.scrollIntoViewIfNeeded();
-  const box = (await over.boundingBox())!;
+  const box = await boxOf(over);
   await over.click({ position: { x: x * box.width, y: y * box.height } });
 }
 
@@ -43,7 +43,7 @@ test("captions have the error at the playhead, and the one under the pointer whi
   await expect(panel(page).locator(".when").first()).toHaveText(`playhead at ${(399 * STEP_S).toFixed(2)} s`);
   const over = chart(page, "position y [mm]").locator(".u-over");
   await over.scrollIntoViewIfNeeded();
-  const box = (await over.boundingBox())!;
+  const box = await boxOf(over);
   await page.mouse.move(box.x + box.width / 2, box.y + 20);
   const seconds = Number((await panel(page).locator(".when").first().textContent())!.match(/^pointer at ([\d.]+) s$/)![1]);
   expect(Math.abs((await shown()) - error(Math.round(seconds / STEP_S)))).toBeLessThan(0.02);
@@ -78,7 +78,7 @@ test("a drag zooms all plots of the time, the playhead out of view is told, and 
   await scrub(page, 390);
   const over = chart(page, "position error").locator(".u-over");
   await over.scrollIntoViewIfNeeded();
-  const box = (await over.boundingBox())!;
+  const box = await boxOf(over);
   await page.mouse.move(box.x + 0.25 * box.width, box.y + 30);
   await page.mouse.down();
   await page.mouse.move(box.x + 0.5 * box.width, box.y + 30, { steps: 4 });

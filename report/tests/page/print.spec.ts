@@ -7,7 +7,7 @@ import { comparisonReport } from "../comparison_documents.ts";
 import { consistencyReport, mixtureReport, saltBoxReport } from "../documents.ts";
 import { grasp, monteCarlo, noise, ycbv } from "../study_documents.ts";
 import { syntheticReport } from "../synthetic.ts";
-import { open, scrub } from "./report.ts";
+import { boxOf, open, scrub } from "./report.ts";
 
 test.setTimeout(180_000);
 
@@ -50,7 +50,7 @@ test("the sheets have the title, the numbers of the run, the scene and the plots
   const [shown, own] = await sheet.locator("canvas").evaluate((canvas: HTMLCanvasElement) => [canvas.clientWidth / canvas.clientHeight, canvas.width / canvas.height]);
   expect(Math.abs(shown / own - 1)).toBeLessThan(0.03);
   for (const part of await sheet.locator("svg, table, canvas, p").all()) {
-    const box = (await part.boundingBox())!;
+    const box = await boxOf(part);
     expect(box.x + box.width).toBeLessThanOrEqual(761);
   }
   await page.evaluate(() => dispatchEvent(new Event("afterprint")));

@@ -4,7 +4,7 @@
 import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import path from "node:path";
 import { fileURLToPath, pathToFileURL } from "node:url";
-import { expect, type Page } from "@playwright/test";
+import { expect, type Locator, type Page } from "@playwright/test";
 import { fill } from "../folder.ts";
 
 const root = path.join(path.dirname(fileURLToPath(import.meta.url)), "..", "..");
@@ -75,4 +75,19 @@ export function shownPose(page: Page, id: string): Promise<ShownPose | undefined
 export async function selectObject(page: Page, id: string): Promise<void> {
   await page.evaluate((name) => (location.hash = `object=${encodeURIComponent(name)}`), id);
   await expect.poll(() => probe(page, "selected")).toBe(id);
+}
+
+/** The box of an element once it stands still: two drawn frames later it is the same. */
+export async function boxOf(locator: Locator): Promise<{ x: number; y: number; width: number; height: number }> {
+  const read = async () => {
+    const box = await locator.boundingBox();
+    await locator.page().evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+    return box;
+  };
+  let box = await read();
+  for (;;) {
+    const next = await read();
+    if (box && next && JSON.stringify(next) === JSON.stringify(box)) return box;
+    box = next;
+  }
 }

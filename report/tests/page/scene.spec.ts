@@ -6,7 +6,7 @@ import type { JsonObject } from "../../src/payload.ts";
 import { packTrace } from "../pack.ts";
 import { covarianceOf, FRAMES, IDS, LATE, sceneReport, sceneTrace, sdOf } from "../scene_run.ts";
 import { syntheticReport } from "../synthetic.ts";
-import { open, probe, scrub, selectObject } from "./report.ts";
+import { boxOf, open, probe, scrub, selectObject } from "./report.ts";
 import { canvas, drawn, scene } from "./scene.ts";
 
 // Drawing by software on a machine that does other things takes its time.
@@ -143,7 +143,7 @@ test("a click on an object, its label or its ghost selects it; a double click ce
   (await scene<number[]>(page, "target")).forEach((value, i) => expect(Math.abs(value - place[i])).toBeLessThan(2e-5));
   // A drag turns the view and selects nothing.
   const selected = await probe(page, "selected");
-  const box = (await canvas(page).boundingBox())!;
+  const box = await boxOf(canvas(page));
   await page.mouse.move(box.x + 30, box.y + 200);
   await page.mouse.down();
   await page.mouse.move(box.x + 150, box.y + 230, { steps: 4 });

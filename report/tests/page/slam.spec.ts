@@ -5,7 +5,7 @@ import type { JsonObject } from "../../src/payload.ts";
 import { wordOf } from "../../src/pages/words.ts";
 import { packTrace, type TraceJson } from "../pack.ts";
 import { syntheticMetrics, syntheticReport } from "../synthetic.ts";
-import { open, probe, scrub, type ShownPose, shownPose } from "./report.ts";
+import { boxOf, open, probe, scrub, type ShownPose, shownPose } from "./report.ts";
 
 const small = { frames: 120, objects: 3, hypotheses: 4 };
 
@@ -128,7 +128,7 @@ test("pressing in a plot goes to that time", async ({ page }) => {
   await open(page, "seek", syntheticReport(small));
   await page.getByRole("tab", { name: "Detections" }).click();
   const over = page.locator(".u-over").first();
-  const box = (await over.boundingBox())!;
+  const box = await boxOf(over);
   await over.click({ position: { x: box.width / 2, y: 20 } });
   expect(Math.abs((await probe<number>(page, "frame")) - 59.5)).toBeLessThan(2);
 });

@@ -5,7 +5,7 @@ import { expect, type Page, test } from "@playwright/test";
 import type { JsonObject } from "../../src/payload.ts";
 import { parseCsv } from "../../src/ui/csv.ts";
 import { grasp, monteCarlo, noise, unknownStudy, ycbv } from "../study_documents.ts";
-import { open, openAllTabs } from "./report.ts";
+import { boxOf, open, openAllTabs } from "./report.ts";
 
 test.setTimeout(120_000);
 
@@ -161,7 +161,7 @@ test("rows open the page of their run, by pointer and by keyboard, and however t
   // It is seen without scrolling, on a phone too, and is a word.
   await link.scrollIntoViewIfNeeded();
   await expect(rows).toHaveJSProperty("scrollLeft", 0);
-  const [box, place] = [(await link.boundingBox())!, (await rows.boundingBox())!];
+  const [box, place] = [await boxOf(link), await boxOf(rows)];
   expect(box.x + box.width).toBeLessThan(place.x + place.width);
   await expect(link).toHaveText("open");
   await expect(rows.getByRole("link")).toHaveCount(9);
@@ -225,7 +225,7 @@ for (const [width, height] of [[390, 844], [1024, 768], [1366, 768], [3840, 2160
       await tab.click();
       expect(await page.evaluate(() => document.documentElement.scrollWidth)).toBeLessThanOrEqual(width);
     }
-    expect((await page.locator(".page").boundingBox())!.width).toBeGreaterThan(0.95 * width);
+    expect((await boxOf(page.locator(".page"))).width).toBeGreaterThan(0.95 * width);
     if (width === 3840) expect(await page.evaluate(() => parseFloat(getComputedStyle(document.body).fontSize))).toBeGreaterThan(18);
   });
 }

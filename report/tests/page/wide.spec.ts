@@ -6,7 +6,7 @@ import { comparisonReport } from "../comparison_documents.ts";
 import { consistencyReport, mixtureReport } from "../documents.ts";
 import { eventfulReport } from "../eventful.ts";
 import { noise } from "../study_documents.ts";
-import { open } from "./report.ts";
+import { boxOf, open } from "./report.ts";
 
 const MOST_LETTERS = 95;
 
@@ -37,7 +37,7 @@ for (const [name, scale] of [["4k", 1], ["4k of two pixels each", 2]] as const) 
 
     test("the poses take the width below the scene, and nothing sticks out", async ({ page }) => {
       await open(page, `wide-run-${scale}`, eventfulReport());
-      const [table, stage] = [(await page.locator("#state").boundingBox())!, (await page.locator(".stage .viewport").boundingBox())!];
+      const [table, stage] = [await boxOf(page.locator("#state")), await boxOf(page.locator(".stage .viewport"))];
       expect(table.width).toBeGreaterThan(0.95 * stage.width);
       for (const tab of await page.getByRole("tab").all()) {
         await tab.click();
