@@ -50,6 +50,15 @@ function(posemix_add_room room)
   endif()
 endfunction()
 
+# posemix_vector_kernels(<file>...)
+#
+# Sources that Highway compiles once for every set of vector instructions: such a file includes itself, by its name alone
+# and before other headers.
+function(posemix_vector_kernels)
+  set_source_files_properties(${ARGN} PROPERTIES
+    INCLUDE_DIRECTORIES "${CMAKE_CURRENT_SOURCE_DIR}" SKIP_PRECOMPILE_HEADERS ON)
+endfunction()
+
 # posemix_add_program(SOURCES <file>... [DEPENDS <target>...])
 #
 # Defines the program posemix, at the top of the build folder.

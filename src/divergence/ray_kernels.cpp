@@ -2,16 +2,15 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "divergence/ray_kernels.hpp"
 
-// Compiled for two vector widths besides the baseline, as the inner loops of EM.
-#define HWY_DISABLED_TARGETS \
-  (HWY_SSSE3 | HWY_SSE4 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+#include "base/vector_targets.hpp"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "ray_kernels.cpp"
 #include "hwy/foreach_target.h"
 //
+#include "base/vector_dispatch.hpp"
 #include "hwy/contrib/math/math-inl.h"
 #include "hwy/highway.h"
-#include "mixture/em_polynomials.hpp"
+#include "lie/half_angle-inl.hpp"
 #include "mixture/em_vector-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -88,7 +87,7 @@ HWY_EXPORT(ray_log_densities);
 
 void ray_log_densities(const RayPeak* peaks, std::size_t of_p, std::size_t count, double stretch,
                        RayBlock& block, double* scratch) {
-  HWY_DYNAMIC_DISPATCH(ray_log_densities)(peaks, of_p, count, stretch, block, scratch);
+  POSEMIX_DISPATCH(ray_log_densities)(peaks, of_p, count, stretch, block, scratch);
 }
 
 }  // namespace posemix::internal

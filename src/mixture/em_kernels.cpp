@@ -2,18 +2,14 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "posemix/mixture/em_kernels.hpp"
 
-#include "em_polynomials.hpp"
-
-// Compiled for two vector widths besides the baseline, and for no target whose vectors cannot be
-// members of a class.
-#define HWY_DISABLED_TARGETS \
-  (HWY_SSSE3 | HWY_SSE4 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+#include "base/vector_targets.hpp"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "em_kernels.cpp"
 #include "hwy/foreach_target.h"
 //
 #include "em_pose-inl.hpp"
 #include "em_vector-inl.hpp"
+#include "base/vector_dispatch.hpp"
 #include "hwy/contrib/math/math-inl.h"
 #include "hwy/highway.h"
 
@@ -228,31 +224,31 @@ HWY_EXPORT(shares_of_log_terms);
 
 void projected_log_density(std::size_t n, const EmRow* samples, std::size_t count,
                            const ProjectedKernel& density, EmRow* y, EmRow& out) {
-  HWY_DYNAMIC_DISPATCH(projected_log_density)(n, samples, count, density, y, out);
+  POSEMIX_DISPATCH(projected_log_density)(n, samples, count, density, y, out);
 }
 
 void add_moments(std::size_t n, const EmRow* y, const EmRow& shares, std::size_t count,
                  double* sums) {
-  HWY_DYNAMIC_DISPATCH(add_moments)(n, y, shares, count, sums);
+  POSEMIX_DISPATCH(add_moments)(n, y, shares, count, sums);
 }
 
 void add_projected_gradient(std::size_t n, const EmRow* y, const EmRow& shares, std::size_t count,
                             const ProjectedKernel& density, double* sums) {
-  HWY_DYNAMIC_DISPATCH(add_projected_gradient)(n, y, shares, count, density, sums);
+  POSEMIX_DISPATCH(add_projected_gradient)(n, y, shares, count, density, sums);
 }
 
 void pose_log_density(const EmRow* samples, std::size_t count, const PoseKernel& density,
                       EmRow* rows, EmRow& out) {
-  HWY_DYNAMIC_DISPATCH(pose_log_density)(samples, count, density, rows, out);
+  POSEMIX_DISPATCH(pose_log_density)(samples, count, density, rows, out);
 }
 
 void add_pose_gradient(const EmRow* rows, const EmRow& shares, std::size_t count,
                        const PoseKernel& density, double* sums) {
-  HWY_DYNAMIC_DISPATCH(add_pose_gradient)(rows, shares, count, density, sums);
+  POSEMIX_DISPATCH(add_pose_gradient)(rows, shares, count, density, sums);
 }
 
 double shares_from_log_terms(const EmRow& weights, std::size_t count, std::span<EmRow> terms) {
-  return HWY_DYNAMIC_DISPATCH(shares_of_log_terms)(weights, count, terms.data(), terms.size());
+  return POSEMIX_DISPATCH(shares_of_log_terms)(weights, count, terms.data(), terms.size());
 }
 
 }  // namespace posemix::internal

@@ -9,40 +9,11 @@
 #define POSEMIX_EM_POSE_INL
 #endif
 
-#include "em_polynomials.hpp"
 #include "em_vector-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace posemix::internal {
 namespace HWY_NAMESPACE {
-
-/// a x b + c.
-HWY_INLINE V3 cross_sum(const V3& a, const V3& b, const V3& c) {
-  return {hn::MulAdd(a.y, b.z, hn::NegMulAdd(a.z, b.y, c.x)),
-          hn::MulAdd(a.z, b.x, hn::NegMulAdd(a.x, b.z, c.y)),
-          hn::MulAdd(a.x, b.y, hn::NegMulAdd(a.y, b.x, c.z))};
-}
-
-/// Below this squared angle the coefficients of the inverse Jacobian are taken from their series.
-constexpr double kSeriesBelow = 1e-2;
-
-/// sum of c[k] u^k, k = 0 ... 4.
-HWY_INLINE V series(V u, const double (&c)[5]) {
-  const V low = hn::MulAdd(u, set(c[1]), set(c[0]));
-  const V high = hn::MulAdd(u, set(c[3]), set(c[2]));
-  const V u2 = hn::Mul(u, u);
-  return hn::MulAdd(hn::MulAdd(u2, set(c[4]), high), u2, low);
-}
-
-/// D = (1 - (t/2) cot(t/2)) / u with u = t^2, from (t/2) / sin(t/2), cos(t/2) and four times the
-/// square of the former. The digits that D loses for small u do not matter, because it is
-/// multiplied by u.
-HWY_INLINE V second_order_of(V ratio, V cosine, V four_ratio_squared) {
-  const V u = hn::Mul(four_ratio_squared, hn::NegMulAdd(cosine, cosine, set(1.0)));
-  const V closed = hn::Div(hn::NegMulAdd(ratio, cosine, set(1.0)), u);
-  const V small = series(u, {1.0 / 12, 1.0 / 720, 1.0 / 30240, 1.0 / 1209600, 1.0 / 47900160});
-  return hn::IfThenElse(hn::Lt(u, set(kSeriesBelow)), small, closed);
-}
 
 /// Twice dD/du: ((t/2)^2 / sin^2(t/2) + (t/2) cot(t/2) - 2) / u^2.
 HWY_INLINE V twice_slope_of(V ratio, V second_order, V u) {

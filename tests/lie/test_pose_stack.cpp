@@ -42,17 +42,19 @@ TEST(PoseStack, ActsPoseByPose) {
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_TRUE(product[i].is_approx(a[i] * a[i], 0.0));
     EXPECT_TRUE(b[i].is_approx(a[i].inverse(), 0.0));
-    EXPECT_EQ((a.log().segment<6>(6 * static_cast<Eigen::Index>(i))), a[i].log());
+    // By vector instructions, with other roundings.
+    EXPECT_TRUE(a.log().segment<6>(6 * static_cast<Eigen::Index>(i)).isApprox(a[i].log(), 1e-15));
   }
 }
 
 TEST(PoseStack, MatricesAreBlockDiagonal) {
   const PoseStackd a = example(2);
-  const MatrixXd j = PoseStackd::left_jacobian(a.log());
-  EXPECT_EQ((j.block<6, 6>(6, 6)), SE3d::left_jacobian(a[1].log()));
+  const VectorXd xi = a.log();
+  const MatrixXd j = PoseStackd::left_jacobian(xi);
+  EXPECT_EQ((j.block<6, 6>(6, 6)), SE3d::left_jacobian(xi.tail<6>()));
   EXPECT_TRUE(j.topRightCorner(6, 6).isZero(0.0));
   EXPECT_EQ((a.adjoint().block<6, 6>(0, 0)), a[0].adjoint());
-  EXPECT_EQ((PoseStackd::ad(a.log()).block<6, 6>(0, 0)), SE3d::ad(a[0].log()));
+  EXPECT_EQ((PoseStackd::ad(xi).block<6, 6>(0, 0)), SE3d::ad(xi.head<6>()));
 }
 
 TEST(PoseStack, CongruenceReadsTheUpperBlocksOnly) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -21,8 +22,8 @@ namespace posemix {
 /// Adjoint and Jacobians are block-diagonal. The dense matrices are for inspection and tests; the
 /// congruences work block by block in O(n^2). Functions of two stacks, or of a tangent vector,
 /// throw InvalidInput if the sizes do not fit. Assigning a stack of the same size allocates
-/// nothing.
-/// nothing.
+/// nothing. In double precision, functions of all poses use vector instructions; the templates here
+/// are their reference.
 template <typename S>
 class PoseStack {
  public:
@@ -96,6 +97,12 @@ class PoseStack {
     return static_cast<std::size_t>(xi.size() / Pose::Dof);
   }
 
+  void check_same_size(const PoseStack& other) const {
+    if (size() == other.size()) return;
+    throw InvalidInput(
+        fmt::format("pose stacks of {} and {} poses cannot be multiplied", size(), other.size()));
+  }
+
   template <typename Function>
   static TangentMatrix block_diagonal(const Tangent& xi, Function function) {
     TangentMatrix m = TangentMatrix::Zero(xi.size(), xi.size());
@@ -154,10 +161,7 @@ typename PoseStack<S>::Tangent PoseStack<S>::log() const {
 
 template <typename S>
 PoseStack<S> PoseStack<S>::operator*(const PoseStack& other) const {
-  if (size() != other.size()) {
-    throw InvalidInput(
-        fmt::format("pose stacks of {} and {} poses cannot be multiplied", size(), other.size()));
-  }
+  check_same_size(other);
   PoseStack product(size());
   for (std::size_t i = 0; i < size(); ++i) product[i] = poses_[i] * other[i];
   return product;
@@ -272,6 +276,34 @@ bool PoseStack<S>::is_approx(const PoseStack& other, const Scalar& tol) const {
   return true;
 }
 
+template <>
+PoseStack<double> PoseStack<double>::exp(const Tangent& xi);
+template <>
+PoseStack<double>::Tangent PoseStack<double>::log() const;
+template <>
+PoseStack<double>::TangentMatrix PoseStack<double>::congruence(const std::vector<Blocks>& blocks,
+                                                               const TangentMatrix& p);
+template <>
+PoseStack<double>::TangentMatrix PoseStack<double>::left_jacobian_congruence(
+    const Tangent& xi, const TangentMatrix& p);
+template <>
+PoseStack<double>::TangentMatrix PoseStack<double>::left_jacobian_inverse_congruence(
+    const Tangent& xi, const TangentMatrix& p);
+
 extern template class PoseStack<double>;
+
+namespace internal {
+
+/// weight J_l^-1(xi) P J_l^-T(xi).
+struct MovedCovariance {
+  const Eigen::VectorXd* xi;
+  const Eigen::MatrixXd* p;
+  double weight;
+};
+
+/// The sum of the moved covariances of a stack and of D D^T; exactly symmetric.
+Eigen::MatrixXd sum_of(std::span<const MovedCovariance> parts, const Eigen::MatrixXd& d);
+
+}  // namespace internal
 
 }  // namespace posemix

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cmath>
+#include <concepts>
 #include <span>
 #include <vector>
 
@@ -46,22 +47,33 @@ struct SeenFrom {
   typename G::Tangent d;
 };
 
-/// sum += weight J_l^-1(d) P J_l^-T(d).
+/// J_l^-1(d) P J_l^-T(d).
 template <LieGroup G>
-void add_transported(const SeenFrom<G>& seen, TransportJacobian jacobian,
-                     typename G::TangentMatrix& sum) {
+typename G::TangentMatrix transported(const SeenFrom<G>& seen, TransportJacobian jacobian) {
   const auto& p = seen.density->covariance();
-  if (jacobian == TransportJacobian::bernoulli) {
-    typename G::TangentMatrix moved = bernoulli_inverse_congruence<G>(seen.d, p);
-    symmetrize(moved);
-    sum += seen.weight * moved;
-  } else if constexpr (requires {
-                         G::add_left_jacobian_inverse_congruence(seen.d, p, seen.weight, sum);
-                       }) {
-    G::add_left_jacobian_inverse_congruence(seen.d, p, seen.weight, sum);
-  } else {
-    sum += seen.weight * G::left_jacobian_inverse_congruence(seen.d, p);
+  if (jacobian == TransportJacobian::exact) return G::left_jacobian_inverse_congruence(seen.d, p);
+  typename G::TangentMatrix moved = bernoulli_inverse_congruence<G>(seen.d, p);
+  symmetrize(moved);
+  return moved;
+}
+
+/// sum_i w_i J_l^-1(d_i) P_i J_l^-T(d_i) + D D^T.
+template <LieGroup G>
+typename G::TangentMatrix sum_of_transported(std::span<const SeenFrom<G>> parts,
+                                             const Eigen::MatrixXd& deviations,
+                                             TransportJacobian jacobian) {
+  if constexpr (std::same_as<G, PoseStackd>) {
+    if (jacobian == TransportJacobian::exact) {
+      std::vector<MovedCovariance> moved;
+      moved.reserve(parts.size());
+      for (const auto& part : parts)
+        moved.push_back({&part.d, &part.density->covariance(), part.weight});
+      return sum_of(moved, deviations);
+    }
   }
+  typename G::TangentMatrix sum = deviations * deviations.transpose();
+  for (const auto& part : parts) sum += part.weight * transported(part, jacobian);
+  return sum;
 }
 
 /// The moments of weighted densities in the tangent space at `anchor`; their d are relative to this
@@ -70,14 +82,14 @@ template <LieGroup G>
 TangentGaussian<G> moments_at(const G& anchor, std::span<const SeenFrom<G>> parts,
                               TransportJacobian jacobian) {
   const Eigen::Index n = anchor.dof();
-  TangentGaussian<G> result{anchor, G::Tangent::Zero(n), G::TangentMatrix::Zero(n, n)};
-  typename G::Tangent deviation;
+  TangentGaussian<G> result{anchor, G::Tangent::Zero(n), {}};
   for (const SeenFrom<G>& part : parts) result.mean += part.weight * part.d;
-  for (const SeenFrom<G>& part : parts) {
-    add_transported(part, jacobian, result.covariance);
-    deviation = std::sqrt(part.weight) * (part.d - result.mean);
-    result.covariance.noalias() += deviation * deviation.transpose();
+  Eigen::MatrixXd deviations(n, static_cast<Eigen::Index>(parts.size()));
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    deviations.col(static_cast<Eigen::Index>(i)) =
+        std::sqrt(parts[i].weight) * (parts[i].d - result.mean);
   }
+  result.covariance = sum_of_transported(parts, deviations, jacobian);
   return result;
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <concepts>
 #include <vector>
 
 #include "posemix/lie/mean.hpp"
@@ -103,6 +104,24 @@ Midway<G> midway_of(const Carrying<ConcentratedGaussian<G>>& carrying,
   return {point, carrying.seen_from(point.mean)};
 }
 
+/// The merge of two stacks by the rules midway or tangent_of_larger, where `first` has the tangent
+/// space and the weight w_1, with vector instructions; the templates here are the reference.
+ConcentratedGaussian<PoseStackd> merged_pair(MergeRule rule, double w_1,
+                                             const ConcentratedGaussian<PoseStackd>& first,
+                                             const ConcentratedGaussian<PoseStackd>& second);
+
+/// Whether merged_pair() is for these components.
+template <LieGroup G>
+bool is_stack_pair(const Carrying<ConcentratedGaussian<G>>& carrying,
+                   const MergeSettings& settings) {
+  if constexpr (std::same_as<G, PoseStackd>) {
+    return settings.rule != MergeRule::moment_matched &&
+           settings.jacobian == TransportJacobian::exact && carrying.size() == 2 &&
+           carrying.mean(0).size() == carrying.mean(1).size() && carrying.mean(0).size() > 0;
+  }
+  return false;
+}
+
 /// Pointers to components that lie next to each other in memory.
 template <class D>
 std::vector<const Component<D>*> pointers_to(std::span<const Component<D>> components) {
@@ -132,6 +151,15 @@ MergeResult<ConcentratedGaussian<G>> merge(
   if (components.size() == 1) return {*components.front(), true};
   const double log_weight = carrying.log_total;
   if (carrying.size() == 1) return {{log_weight, *carrying.densities.front()}, true};
+  if constexpr (std::same_as<G, PoseStackd>) {
+    if (internal::is_stack_pair(carrying, settings)) {
+      const std::size_t first = settings.rule == MergeRule::midway ? 0 : carrying.heaviest();
+      return {{log_weight, internal::merged_pair(settings.rule, carrying.weights[first],
+                                                 *carrying.densities[first],
+                                                 *carrying.densities[1 - first])},
+              true};
+    }
+  }
 
   switch (settings.rule) {
     case MergeRule::midway: {

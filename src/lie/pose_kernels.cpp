@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "lie/pose_kernels.hpp"
+
+#include "base/vector_targets.hpp"
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "pose_kernels.cpp"
+#include "hwy/foreach_target.h"
+//
+#include "base/vector_dispatch.hpp"
+#include "hwy/highway.h"
+#include "lie/pose_rows-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace posemix::internal {
+namespace HWY_NAMESPACE {
+
+/// Calls result(xi, i) for all vectors of tangent vectors. Returns whether an angle is beyond the
+/// series.
+template <class Result>
+HWY_INLINE bool for_tangents(ConstRows rows, std::size_t count, const Result& result) {
+  bool large = false;
+  for (std::size_t i = 0; i < count; i += kLanes) {
+    const Tangents xi = load_tangents(rows, i, count);
+    result(xi, i);
+    large = large || !hn::AllTrue(D(), hn::Lt(dot(xi.phi, xi.phi), set(kLargestSquaredAngle)));
+  }
+  return large;
+}
+
+bool exp_rows(ConstRows xi, MutableRows poses, std::size_t count) {
+  return for_tangents(xi, count, [&](const Tangents& one, std::size_t i) HWY_ATTR {
+    store_poses(exp(one), poses, i, count);
+  });
+}
+
+void log_rows(ConstRows poses, MutableRows xi, std::size_t count) {
+  for (std::size_t i = 0; i < count; i += kLanes)
+    store_tangents(log(load_poses(poses, i, count)), xi, i, count);
+}
+
+void product_rows(ConstRows x, ConstRows y, MutableRows result, std::size_t count) {
+  for (std::size_t i = 0; i < count; i += kLanes)
+    store_poses(product(load_poses(x, i, count), load_poses(y, i, count)), result, i, count);
+}
+
+void quotient_rows(ConstRows x, ConstRows y, MutableRows result, std::size_t count) {
+  for (std::size_t i = 0; i < count; i += kLanes) {
+    const Poses quotient = product(load_poses(x, i, count), inverse(load_poses(y, i, count)));
+    store_poses(quotient, result, i, count);
+  }
+}
+
+bool jacobian_rows(ConstRows xi, MutableRows blocks, std::size_t count) {
+  return for_tangents(xi, count, [&](const Tangents& one, std::size_t i) HWY_ATTR {
+    store_blocks(left_jacobian(one), blocks, i, count);
+  });
+}
+
+bool inverse_jacobian_rows(ConstRows xi, MutableRows blocks, std::size_t count) {
+  return for_tangents(xi, count, [&](const Tangents& one, std::size_t i) HWY_ATTR {
+    store_blocks(left_jacobian_inverse(one), blocks, i, count);
+  });
+}
+
+HWY_INLINE Tangents scaled(V s, const Tangents& xi) {
+  return {scaled(s, xi.phi), scaled(s, xi.rho)};
+}
+
+/// dx by the body's axes, Log(X_1^-1 X_2) = Ad(X_1^-1) dx, which does not lose digits far from the
+/// origin.
+void midway_rows(ConstRows x_1, ConstRows x_2, double w_1, const MergedPoses& result,
+                 std::size_t count) {
+  const V w_2 = set(1.0 - w_1);
+  for (std::size_t i = 0; i < count; i += kLanes) {
+    const Poses first = load_poses(x_1, i, count);
+    const Tangents body = log(product(inverse(first), load_poses(x_2, i, count)));
+    const Tangents dx = times(adjoint(first), body);
+    store_poses(product(first, exp(scaled(w_2, body))), result.mean, i, count);
+    store_blocks(left_jacobian_inverse(scaled(hn::Neg(w_2), dx)), result.first, i, count);
+    store_blocks(left_jacobian_inverse(scaled(set(w_1), dx)), result.second, i, count);
+    store_tangents(dx, result.distance, i, count);
+  }
+}
+
+HWY_INLINE Matrices product(const Matrices& a, const Matrices& b) {
+  Matrices result;
+  for (std::size_t column = 0; column < 9; column += 3) {
+    const V3 one = times(a, {b.m[column], b.m[column + 1], b.m[column + 2]});
+    result.m[column] = one.x;
+    result.m[column + 1] = one.y;
+    result.m[column + 2] = one.z;
+  }
+  return result;
+}
+
+HWY_INLINE TwistMatrices product(const TwistMatrices& x, const TwistMatrices& y) {
+  TwistMatrices result{product(x.a, y.a), product(x.b, y.a)};
+  const Matrices rest = product(x.a, y.b);
+  for (std::size_t k = 0; k < 9; ++k) result.b.m[k] = hn::Add(result.b.m[k], rest.m[k]);
+  return result;
+}
+
+void tangent_merge_rows(ConstRows x_1, ConstRows x_2, double w_1, const MergedPoses& result,
+                        std::size_t count) {
+  for (std::size_t i = 0; i < count; i += kLanes) {
+    const Poses first = load_poses(x_1, i, count);
+    const Tangents dx = log(product(load_poses(x_2, i, count), inverse(first)));
+    const Tangents mean = scaled(set(1.0 - w_1), dx);
+    const TwistMatrices back = left_jacobian(mean);
+    store_poses(product(exp(mean), first), result.mean, i, count);
+    store_blocks(back, result.first, i, count);
+    store_blocks(product(back, left_jacobian_inverse(dx)), result.second, i, count);
+    store_tangents(times(back, dx), result.distance, i, count);
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace posemix::internal
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace posemix::internal {
+
+HWY_EXPORT(exp_rows);
+HWY_EXPORT(log_rows);
+HWY_EXPORT(product_rows);
+HWY_EXPORT(quotient_rows);
+HWY_EXPORT(jacobian_rows);
+HWY_EXPORT(inverse_jacobian_rows);
+HWY_EXPORT(midway_rows);
+HWY_EXPORT(tangent_merge_rows);
+
+namespace {
+
+Vector6d tangent_at(ConstRows xi, std::size_t i) {
+  return Eigen::Map<const Vector6d>(xi.data + i * xi.stride);
+}
+
+/// Calls one(i) for the tangent vectors whose angle is beyond that of the vectors' series.
+template <class One>
+void for_large_angles(ConstRows xi, std::size_t count, const One& one) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const double squared = tangent_at(xi, i).head<3>().squaredNorm();
+    if (!(squared < kLargestSquaredAngle)) one(i);
+  }
+}
+
+template <class Blocks>
+void write_large_angles(ConstRows xi, MutableRows rows, std::size_t count, const Blocks& blocks) {
+  for_large_angles(xi, count, [&](std::size_t i) {
+    const TwistMatrix<double> m = blocks(tangent_at(xi, i));
+    Eigen::Map<Eigen::Matrix3d>(rows.data + i * rows.stride) = m.a;
+    Eigen::Map<Eigen::Matrix3d>(rows.data + i * rows.stride + 9) = m.b;
+  });
+}
+
+}  // namespace
+
+void exp_of(ConstRows xi, MutableRows poses, std::size_t count) {
+  if (!POSEMIX_DISPATCH(exp_rows)(xi, poses, count)) return;
+  for_large_angles(xi, count, [&](std::size_t i) {
+    const SE3d pose = SE3d::exp(tangent_at(xi, i));
+    Eigen::Map<Eigen::Vector4d>(poses.data + i * poses.stride) =
+        pose.rotation().quaternion().coeffs();
+    Eigen::Map<Eigen::Vector3d>(poses.data + i * poses.stride + 4) = pose.translation();
+  });
+}
+
+void log_of(ConstRows poses, MutableRows xi, std::size_t count) {
+  POSEMIX_DISPATCH(log_rows)(poses, xi, count);
+}
+
+void product_of(ConstRows x, ConstRows y, MutableRows result, std::size_t count) {
+  POSEMIX_DISPATCH(product_rows)(x, y, result, count);
+}
+
+void quotient_of(ConstRows x, ConstRows y, MutableRows result, std::size_t count) {
+  POSEMIX_DISPATCH(quotient_rows)(x, y, result, count);
+}
+
+void left_jacobian_blocks_of(ConstRows xi, MutableRows blocks, std::size_t count) {
+  if (POSEMIX_DISPATCH(jacobian_rows)(xi, blocks, count))
+    write_large_angles(xi, blocks, count, &SE3d::left_jacobian_blocks);
+}
+
+void left_jacobian_inverse_blocks_of(ConstRows xi, MutableRows blocks, std::size_t count) {
+  if (POSEMIX_DISPATCH(inverse_jacobian_rows)(xi, blocks, count))
+    write_large_angles(xi, blocks, count, &SE3d::left_jacobian_inverse_blocks);
+}
+
+void midway_of(ConstRows x_1, ConstRows x_2, double w_1, const MergedPoses& result,
+               std::size_t count) {
+  POSEMIX_DISPATCH(midway_rows)(x_1, x_2, w_1, result, count);
+}
+
+void tangent_merge_of(ConstRows x_1, ConstRows x_2, double w_1, const MergedPoses& result,
+                      std::size_t count) {
+  POSEMIX_DISPATCH(tangent_merge_rows)(x_1, x_2, w_1, result, count);
+}
+
+}  // namespace posemix::internal
+#endif

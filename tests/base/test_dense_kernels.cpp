@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "base/dense_kernels.hpp"
+
+#include <cstdint>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "base/every_instruction_set.hpp"
+#include "posemix/base/random.hpp"
+
+// Oracle: the same in long double, by definition and without blocks.
+namespace posemix::internal {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using MatrixXl = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
+
+MatrixXd random_matrix(Index rows, Index columns, std::uint64_t seed) {
+  RandomStream stream(11, seed);
+  MatrixXd m(rows, columns);
+  for (double& x : m.reshaped()) x = stream.normal();
+  return m;
+}
+
+/// Of condition number about `spread`^2.
+MatrixXd random_covariance(Index n, double spread, std::uint64_t seed) {
+  const MatrixXd root = random_matrix(n, n, seed);
+  MatrixXd s = root * root.transpose() / static_cast<double>(n) + MatrixXd::Identity(n, n);
+  for (Index i = 0; i < n; ++i) {
+    const double scale = i % 2 == 0 ? spread : 1.0;
+    s.row(i) *= scale;
+    s.col(i) *= scale;
+  }
+  return s;
+}
+
+/// The largest entry of the difference over the largest of the expected values.
+double relative_error(const MatrixXd& values, const MatrixXl& expected) {
+  return static_cast<double>((values.cast<long double>() - expected).cwiseAbs().maxCoeff() /
+                             expected.cwiseAbs().maxCoeff());
+}
+
+constexpr double kTolerance = 1e-13;
+constexpr Index kSizes[] = {6, 12, 18, 24, 30, 36, 42, 66, 126};
+
+TEST(DenseKernels, AProductIsSubtracted) {
+  by_every_instruction_set([] {
+    for (const Index rows : kSizes) {
+      for (const Index depth : {1, 6, 17, 36}) {
+        const MatrixXd a = random_matrix(rows, depth, 1);
+        const MatrixXd b = random_matrix(18, depth, 2);
+        MatrixXd c = random_matrix(rows, 18, 3);
+        const MatrixXl expected =
+            c.cast<long double>() - a.cast<long double>() * b.cast<long double>().transpose();
+        subtract_product(c, a, b);
+        EXPECT_LT(relative_error(c, expected), kTolerance) << rows << " rows, depth " << depth;
+      }
+    }
+  });
+}
+
+TEST(DenseKernels, ABlockIsChangedAndNothingAroundIt) {
+  by_every_instruction_set([] {
+    const MatrixXd a = random_matrix(18, 6, 1);
+    MatrixXd c = random_matrix(32, 32, 3);
+    MatrixXd expected = c;
+    expected.block(7, 9, 18, 18) -= a * a.transpose();
+    subtract_product(c.block(7, 9, 18, 18), a, a);
+    EXPECT_LT(relative_error(c, expected.cast<long double>()), kTolerance);
+    expected.block(7, 9, 18, 18).setZero();
+    c.block(7, 9, 18, 18).setZero();
+    EXPECT_EQ(c, expected);
+  });
+}
+
+TEST(DenseKernels, ASymmetricProductIsThatAboveTheDiagonalAndExactlySymmetric) {
+  by_every_instruction_set([] {
+    for (const Index n : kSizes) {
+      // Not symmetric, to see which triangle is computed.
+      const MatrixXd a = random_matrix(n, 6, 4);
+      const MatrixXd b = random_matrix(n, 6, 5);
+      MatrixXd p = random_covariance(n, 1.0, 6);
+      MatrixXl expected =
+          p.cast<long double>() - a.cast<long double>() * b.cast<long double>().transpose();
+      expected = expected.triangularView<Eigen::Upper>();
+      expected += MatrixXl(expected.triangularView<Eigen::StrictlyUpper>().transpose());
+      subtract_symmetric_product(p, a, b);
+      EXPECT_LT(relative_error(p, expected), kTolerance) << n;
+      EXPECT_EQ(p, p.transpose()) << n;
+    }
+  });
+}
+
+TEST(DenseKernels, TheFactorIsCholeskys) {
+  by_every_instruction_set([] {
+    for (const Index n : kSizes) {
+      const MatrixXd s = random_covariance(n, 10.0, 7);
+      MatrixXd l = s;
+      // What stands above the diagonal is not read.
+      l.triangularView<Eigen::StrictlyUpper>().setConstant(
+          std::numeric_limits<double>::quiet_NaN());
+      ASSERT_TRUE(factor_in_place(l)) << n;
+      const MatrixXd lower = l.triangularView<Eigen::Lower>();
+      const MatrixXl expected = s.cast<long double>().llt().matrixL();
+      EXPECT_LT(relative_error(lower, expected), kTolerance) << n;
+    }
+  });
+}
+
+TEST(DenseKernels, AMatrixThatIsNotPositiveDefiniteHasNoFactor) {
+  by_every_instruction_set([] {
+    for (const Index bad : {0, 5, 6, 17, 23}) {
+      MatrixXd s = random_covariance(24, 1.0, 8);
+      s(bad, bad) = -1e-6;
+      EXPECT_FALSE(factor_in_place(s)) << bad;
+      s = random_covariance(24, 1.0, 8);
+      s(bad, bad) = std::numeric_limits<double>::quiet_NaN();
+      EXPECT_FALSE(factor_in_place(s)) << bad;
+    }
+  });
+}
+
+TEST(DenseKernels, SolutionsFromTheRight) {
+  by_every_instruction_set([] {
+    for (const Index n : kSizes) {
+      for (const Index rows : {6, 18, 36}) {
+        const MatrixXd s = random_covariance(n, 3.0, 9);
+        const MatrixXd x = random_matrix(rows, n, 10);
+        const Eigen::LLT<MatrixXl> exact(s.cast<long double>());
+        MatrixXd l = s;
+        ASSERT_TRUE(factor_in_place(l));
+        MatrixXd half = x;
+        solve_transposed_from_right(l, half);
+        const MatrixXl x_t = x.cast<long double>().transpose();
+        EXPECT_LT(relative_error(half, exact.matrixL().solve(x_t).transpose()), kTolerance) << n;
+        MatrixXd whole = x;
+        solve_from_right(l, whole);
+        EXPECT_LT(relative_error(whole, exact.solve(x_t).transpose()), kTolerance) << n;
+      }
+    }
+  });
+}
+
+TEST(DenseKernels, TheLowerTriangleIsMirrored) {
+  by_every_instruction_set([] {
+    for (const Index n : kSizes) {
+      MatrixXd m = random_matrix(n, n, 12);
+      MatrixXd expected = m.triangularView<Eigen::Lower>();
+      expected.triangularView<Eigen::StrictlyUpper>() = m.transpose();
+      mirror_lower_in_place(m);
+      EXPECT_EQ(m, expected) << n;
+    }
+  });
+}
+
+}  // namespace
+}  // namespace posemix::internal
