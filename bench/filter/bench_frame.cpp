@@ -113,6 +113,38 @@ void frame(benchmark::State& state) {
       benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
+/// The published filter's frame (midway-merge paper, section VII-B): five objects detected at once
+/// under two noise components by each of twelve hypotheses, the merge of the 24 children to twelve,
+/// and the summary.
+void joint_frame(benchmark::State& state) {
+  const Recording recording(5);
+  GaussianSumSettings published;
+  published.update = UpdateRule::linearized;
+  published.noise_use = NoiseUse::joint;
+  published.summary = Summary::merge_two_largest;
+  published.reduction = {.prune_below = 0.0, .max_components = 12};
+  RandomStream stream(2, 0);
+  std::vector<Component<Hypothesis>> hypotheses;
+  for (int i = 0; i < 12; ++i) {
+    Eigen::VectorXd xi(recording.prior.dof());
+    stream.fill_normal(xi);
+    hypotheses.push_back(
+        {0.1 * i, Hypothesis::trusted(PoseStackd::exp(0.01 * xi) * recording.prior.mean(),
+                                      recording.prior.covariance())});
+  }
+  GaussianSumFilter filter(Posterior(std::move(hypotheses)), published);
+  filter.update(recording.detections.front());
+  for (auto _ : state) {
+    GaussianSumFilter copy = filter;
+    copy.predict([&](Hypothesis hypothesis) {
+      return predict_with_odometry(std::move(hypothesis), SE3d(), recording.step_noise);
+    });
+    copy.update(recording.detections.front());
+    benchmark::DoNotOptimize(copy.summarise());
+  }
+  state.counters["hypotheses"] = static_cast<double>(filter.posterior().size());
+}
+
 void sizes(benchmark::internal::Benchmark* benchmark) {
   benchmark->ArgName("objects")->Arg(1)->Arg(5)->Unit(benchmark::kMillisecond);
 }
@@ -125,6 +157,8 @@ BENCHMARK(frame<UpdateRule::linearized, MergeRule::moment_matched>)
     ->Name("frame_linearized_moment_matched")
     ->Apply(sizes);
 BENCHMARK(frame<UpdateRule::iterated, MergeRule::midway>)->Name("frame_iterated")->Apply(sizes);
+
+BENCHMARK(joint_frame)->Unit(benchmark::kMicrosecond);
 
 }  // namespace
 }  // namespace posemix

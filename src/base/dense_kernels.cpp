@@ -41,24 +41,28 @@ struct Part {
   HWY_INLINE void store(V v, double* at) const { hn::BlendedStore(v, mask, D(), at); }
 };
 
-/// Six columns of C -= A B^T, over kVectors vectors of rows of A and C.
+/// Six columns of C -= A B^T, over kVectors vectors of rows of A and C, the last with `last`.
 template <std::size_t kVectors, class Access>
-HWY_INLINE void subtract_tile(const Access& access, const double* a, std::size_t stride_a,
+HWY_INLINE void subtract_tile(const Access& last, const double* a, std::size_t stride_a,
                               const Strided& b, std::size_t depth, double* c,
                               std::size_t stride_c) {
+  const auto load = [&](const double* at, std::size_t v) HWY_ATTR {
+    return v + 1 == kVectors ? last.load(at + v * kLanes) : hn::LoadU(D(), at + v * kLanes);
+  };
   V sums[kVectors][kColumns];
   POSEMIX_UNROLL
   for (std::size_t v = 0; v < kVectors; ++v) {
     POSEMIX_UNROLL
-    for (std::size_t j = 0; j < kColumns; ++j) sums[v][j] = access.load(c + j * stride_c + v * kLanes);
+    for (std::size_t j = 0; j < kColumns; ++j) sums[v][j] = load(c + j * stride_c, v);
   }
   for (std::size_t k = 0; k < depth; ++k) {
     V rows[kVectors];
     POSEMIX_UNROLL
-    for (std::size_t v = 0; v < kVectors; ++v) rows[v] = access.load(a + k * stride_a + v * kLanes);
+    for (std::size_t v = 0; v < kVectors; ++v) rows[v] = load(a + k * stride_a, v);
+    const double* const factors = b.data + k * b.column;
     POSEMIX_UNROLL
     for (std::size_t j = 0; j < kColumns; ++j) {
-      const V factor = hn::Set(D(), b.data[j * b.row + k * b.column]);
+      const V factor = set(factors[j * b.row]);
       POSEMIX_UNROLL
       for (std::size_t v = 0; v < kVectors; ++v)
         sums[v][j] = hn::NegMulAdd(rows[v], factor, sums[v][j]);
@@ -67,7 +71,26 @@ HWY_INLINE void subtract_tile(const Access& access, const double* a, std::size_t
   POSEMIX_UNROLL
   for (std::size_t v = 0; v < kVectors; ++v) {
     POSEMIX_UNROLL
-    for (std::size_t j = 0; j < kColumns; ++j) access.store(sums[v][j], c + j * stride_c + v * kLanes);
+    for (std::size_t j = 0; j < kColumns; ++j) {
+      double* const at = c + j * stride_c + v * kLanes;
+      v + 1 == kVectors ? last.store(sums[v][j], at) : hn::StoreU(sums[v][j], D(), at);
+    }
+  }
+}
+
+/// Vectors of rows of a tile: as many as there are registers for their sums.
+constexpr std::size_t kTile = kLanes == 8 ? 3 : 2;
+
+/// A tile of whole vectors but for the last one.
+template <std::size_t kVectors>
+HWY_INLINE void subtract_last_tile(std::size_t rows, const double* a, std::size_t stride_a,
+                                   const Strided& b, std::size_t depth, double* c,
+                                   std::size_t stride_c) {
+  const std::size_t last = rows - (kVectors - 1) * kLanes;
+  if (last == kLanes) {
+    subtract_tile<kVectors>(Whole(), a, stride_a, b, depth, c, stride_c);
+  } else {
+    subtract_tile<kVectors>(Part(last), a, stride_a, b, depth, c, stride_c);
   }
 }
 
@@ -75,17 +98,23 @@ HWY_INLINE void subtract_tile(const Access& access, const double* a, std::size_t
 HWY_INLINE void subtract_columns(std::size_t rows, const double* a, std::size_t stride_a,
                                  const Strided& b, std::size_t depth, double* c,
                                  std::size_t stride_c) {
-  std::size_t row = 0;
-  for (; row + 2 * kLanes <= rows; row += 2 * kLanes)
-    subtract_tile<2>(Whole(), a + row, stride_a, b, depth, c + row, stride_c);
-  for (; row + kLanes <= rows; row += kLanes)
-    subtract_tile<1>(Whole(), a + row, stride_a, b, depth, c + row, stride_c);
-  if (row < rows) subtract_tile<1>(Part(rows - row), a + row, stride_a, b, depth, c + row, stride_c);
+  for (; rows > kTile * kLanes; rows -= kTile * kLanes) {
+    subtract_tile<kTile>(Whole(), a, stride_a, b, depth, c, stride_c);
+    a += kTile * kLanes;
+    c += kTile * kLanes;
+  }
+  if (rows > 2 * kLanes) {
+    subtract_last_tile<kTile>(rows, a, stride_a, b, depth, c, stride_c);
+  } else if (rows > kLanes) {
+    subtract_last_tile<2>(rows, a, stride_a, b, depth, c, stride_c);
+  } else if (rows > 0) {
+    subtract_last_tile<1>(rows, a, stride_a, b, depth, c, stride_c);
+  }
 }
 
 void subtract_product(double* c, std::size_t stride_c, const double* a, std::size_t stride_a,
-                      const double* b, std::size_t stride_b, std::size_t rows,
-                      std::size_t columns, std::size_t depth) {
+                      const double* b, std::size_t stride_b, std::size_t rows, std::size_t columns,
+                      std::size_t depth) {
   for (std::size_t j = 0; j < columns; j += kColumns)
     subtract_columns(rows, a, stride_a, {b + j, 1, stride_b}, depth, c + j * stride_c, stride_c);
 }
@@ -210,6 +239,33 @@ void solve(const double* l, std::size_t stride_l, std::size_t size, double* x, s
   }
 }
 
+void subtract(const double* a, std::size_t stride_a, const double* b, std::size_t stride_b,
+              std::size_t rows, std::size_t columns, double* c, std::size_t stride_c) {
+  for (std::size_t j = 0; j < columns; ++j) {
+    for_rows(rows, [&](const auto& access, std::size_t row) HWY_ATTR {
+      const V difference =
+          hn::Sub(access.load(a + row + j * stride_a), access.load(b + row + j * stride_b));
+      access.store(difference, c + row + j * stride_c);
+    });
+  }
+}
+
+void times_vector(const double* a, std::size_t stride, std::size_t rows, std::size_t columns,
+                  const double* x, double* y) {
+  for_rows(rows, [&](const auto& access, std::size_t row) HWY_ATTR {
+    V even = hn::Zero(D());
+    V odd = even;
+    for (std::size_t k = 0; k + 1 < columns; k += 2) {
+      even = hn::MulAdd(access.load(a + row + k * stride), set(x[k]), even);
+      odd = hn::MulAdd(access.load(a + row + (k + 1) * stride), set(x[k + 1]), odd);
+    }
+    if (columns % 2 == 1) {
+      even = hn::MulAdd(access.load(a + row + (columns - 1) * stride), set(x[columns - 1]), even);
+    }
+    access.store(hn::Add(even, odd), y + row);
+  });
+}
+
 void mirror(double* m, std::size_t stride, std::size_t size) { mirror_lower(m, stride, size); }
 
 }  // namespace HWY_NAMESPACE
@@ -224,6 +280,8 @@ HWY_EXPORT(subtract_lower_product);
 HWY_EXPORT(factor);
 HWY_EXPORT(solve_transposed);
 HWY_EXPORT(solve);
+HWY_EXPORT(subtract);
+HWY_EXPORT(times_vector);
 HWY_EXPORT(mirror);
 
 namespace {
@@ -262,10 +320,33 @@ void solve_transposed_from_right(ConstMatrixRef l, MatrixRef x) {
   (l.data(), stride(l), count(l.rows()), x.data(), stride(x), count(x.rows()));
 }
 
-void solve_from_right(ConstMatrixRef l, MatrixRef x) {
-  solve_transposed_from_right(l, x);
+void solve_after_transposed(ConstMatrixRef l, MatrixRef x) {
   POSEMIX_DISPATCH(solve)
   (l.data(), stride(l), count(l.rows()), x.data(), stride(x), count(x.rows()));
+}
+
+void solve_from_right(ConstMatrixRef l, MatrixRef x) {
+  solve_transposed_from_right(l, x);
+  solve_after_transposed(l, x);
+}
+
+void set_difference(MatrixRef c, ConstMatrixRef a, ConstMatrixRef b) {
+  POSEMIX_DISPATCH(subtract)
+  (a.data(), stride(a), b.data(), stride(b), count(a.rows()), count(a.cols()), c.data(), stride(c));
+}
+
+Eigen::VectorXd product(ConstMatrixRef a, const Eigen::VectorXd& x) {
+  Eigen::VectorXd y(a.rows());
+  POSEMIX_DISPATCH(times_vector)
+  (a.data(), stride(a), count(a.rows()), count(a.cols()), x.data(), y.data());
+  return y;
+}
+
+double log_det_of_factor(ConstMatrixRef l) {
+  double sum = 0.0;
+  // Products of six entries do not overflow between 1e-50 and 1e50.
+  for (Eigen::Index j = 0; j < l.rows(); j += 6) sum += std::log(l.diagonal().segment<6>(j).prod());
+  return 2.0 * sum;
 }
 
 void mirror_lower_in_place(MatrixRef m) {

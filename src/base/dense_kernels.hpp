@@ -6,7 +6,8 @@
 
 /// Products and factors of the small dense matrices of filters, with the widest vector instructions
 /// of the machine. All sizes but those that are summed over are multiples of six, the coordinates
-/// of a pose. Sums run over vectors of rows, so that no sum is over lanes.
+/// of a pose; a matrix that is solved for may have any number of rows. Sums run over vectors of
+/// rows, so that no sum is over lanes.
 namespace posemix::internal {
 
 using MatrixRef = Eigen::Ref<Eigen::MatrixXd>;
@@ -29,8 +30,19 @@ void subtract_symmetric_product(MatrixRef p, ConstMatrixRef a, ConstMatrixRef b)
 
 /// x <- x L^-T.
 void solve_transposed_from_right(ConstMatrixRef l, MatrixRef x);
+/// x <- x L^-1.
+void solve_after_transposed(ConstMatrixRef l, MatrixRef x);
 /// x <- x S^-1 = x L^-T L^-1.
 void solve_from_right(ConstMatrixRef l, MatrixRef x);
+
+/// c = a - b, of any size.
+void set_difference(MatrixRef c, ConstMatrixRef a, ConstMatrixRef b);
+
+/// a x.
+Eigen::VectorXd product(ConstMatrixRef a, const Eigen::VectorXd& x);
+
+/// log det S of its factor L.
+double log_det_of_factor(ConstMatrixRef l);
 
 /// The strict upper triangle takes the values of the lower one.
 void mirror_lower_in_place(MatrixRef m);

@@ -30,7 +30,8 @@ HWY_INLINE void load_fields(const double* rows, std::size_t stride, V* fields) {
     POSEMIX_UNROLL
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
       const double* const row = rows + lane * stride + first;
-      tile[lane] = part == kLanes ? hn::LoadU(D(), row) : hn::MaskedLoad(hn::FirstN(D(), part), D(), row);
+      tile[lane] =
+          part == kLanes ? hn::LoadU(D(), row) : hn::MaskedLoad(hn::FirstN(D(), part), D(), row);
     }
     transpose(tile);
     POSEMIX_UNROLL
@@ -60,7 +61,8 @@ HWY_INLINE void store_fields(const V* fields, double* rows, std::size_t stride,
   }
 }
 
-/// Rows that are read: `count` of them, `stride` numbers apart. Lanes beyond the last row repeat it.
+/// Rows that are read: `count` of them, `stride` numbers apart. Lanes beyond the last row repeat
+/// it.
 template <std::size_t kFields>
 struct InputRows {
   const double* data;

@@ -46,12 +46,13 @@ void restrict_to(std::string_view name) {
   for (const auto& [set, targets] : kSets) {
     if (set != name) continue;
     if ((hwy::SupportedTargets() & targets) == 0)
-      throw InvalidInput(fmt::format("{} is \"{}\", which this machine does not have", kVariable, name));
+      throw InvalidInput(
+          fmt::format("{} is \"{}\", which this machine does not have", kVariable, name));
     hwy::DisableTargets(wider_than(name));
     return;
   }
-  throw InvalidInput(fmt::format(
-      "{} is \"{}\"; expected auto, portable, avx2, avx512 or neon", kVariable, name));
+  throw InvalidInput(
+      fmt::format("{} is \"{}\"; expected auto, portable, avx2, avx512 or neon", kVariable, name));
 }
 
 }  // namespace

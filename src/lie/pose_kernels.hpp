@@ -8,8 +8,8 @@
 #include "posemix/base/linear.hpp"
 #include "posemix/lie/lie.hpp"
 
-/// SE3's functions on many poses at once, with the widest vector instructions of the machine. se3.hpp
-/// is the reference. A result does not depend on the number of poses or on their order.
+/// SE3's functions on many poses at once, with the widest vector instructions of the machine.
+/// se3.hpp is the reference. A result does not depend on the number of poses or on their order.
 namespace posemix::internal {
 
 /// Squared angle [rad^2] up to which vectors are evaluated by series; beyond, one by one.
@@ -37,6 +37,8 @@ inline MutableRows rows_of(SE3d* poses) {
 
 /// Exp(xi) of `count` tangent vectors.
 void exp_of(ConstRows xi, MutableRows poses, std::size_t count);
+/// Exp(xi) X.
+void exp_product_of(ConstRows xi, ConstRows poses, MutableRows result, std::size_t count);
 /// Log(X).
 void log_of(ConstRows poses, MutableRows xi, std::size_t count);
 /// X Y.
@@ -47,8 +49,14 @@ void quotient_of(ConstRows x, ConstRows y, MutableRows result, std::size_t count
 void left_jacobian_blocks_of(ConstRows xi, MutableRows blocks, std::size_t count);
 void left_jacobian_inverse_blocks_of(ConstRows xi, MutableRows blocks, std::size_t count);
 
-/// What the merge of two stacks needs of their poses, by pose: the mean, and the blocks by which the
-/// covariance of either is moved and the distance of both, in the tangent space at one point.
+/// Ad(X) P Ad(X)^T; a covariance has 36 numbers in a row. Exactly symmetric.
+void adjoint_congruence_of(ConstRows poses, ConstRows covariances, MutableRows result,
+                           std::size_t count);
+/// Log(X Y Z^-1) of one X, as the residual of a detection Y by the camera X of an object at Z.
+void residual_of(const SE3d& x, ConstRows y, ConstRows z, MutableRows xi, std::size_t count);
+
+/// What the merge of two stacks needs of their poses, by pose: the mean, and the blocks by which
+/// the covariance of either is moved and the distance of both, in the tangent space at one point.
 struct MergedPoses {
   MutableRows mean;
   MutableRows first;
@@ -56,12 +64,12 @@ struct MergedPoses {
   MutableRows distance;
 };
 
-/// Midway-merge paper, eq. 12: with dx = Log(X_2 X_1^-1) the mean is Exp(w_2 dx) X_1, the blocks are
-/// J_l^-1(-w_2 dx) and J_l^-1(w_1 dx), the distance is dx.
+/// Midway-merge paper, eq. 12: with dx = Log(X_2 X_1^-1) the mean is Exp(w_2 dx) X_1, the blocks
+/// are J_l^-1(-w_2 dx) and J_l^-1(w_1 dx), the distance is dx.
 void midway_of(ConstRows x_1, ConstRows x_2, double w_1, const MergedPoses& result,
                std::size_t count);
-/// The tangent space is that at X_1, and the sum of both is moved to its mean m = w_2 dx (Cesic et al.
-/// 2017): the blocks are J_l(m) and J_l(m) J_l^-1(dx), the distance is J_l(m) dx.
+/// The tangent space is that at X_1, and the sum of both is moved to its mean m = w_2 dx (Cesic et
+/// al. 2017): the blocks are J_l(m) and J_l(m) J_l^-1(dx), the distance is J_l(m) dx.
 void tangent_merge_of(ConstRows x_1, ConstRows x_2, double w_1, const MergedPoses& result,
                       std::size_t count);
 

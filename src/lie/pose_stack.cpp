@@ -42,7 +42,8 @@ Eigen::MatrixXd sum_of(std::span<const MovedCovariance> parts, const Eigen::Matr
 template <>
 PoseStack<double> PoseStack<double>::exp(const Tangent& xi) {
   PoseStack stack(poses_in(xi));
-  internal::exp_of(internal::tangent_rows(xi), internal::rows_of(stack.poses_.data()), stack.size());
+  internal::exp_of(internal::tangent_rows(xi), internal::rows_of(stack.poses_.data()),
+                   stack.size());
   return stack;
 }
 
@@ -77,8 +78,8 @@ template <>
 PoseStack<double>::TangentMatrix PoseStack<double>::left_jacobian_inverse_congruence(
     const Tangent& xi, const TangentMatrix& p) {
   std::vector<Blocks> blocks(poses_in(xi));
-  internal::left_jacobian_inverse_blocks_of(internal::tangent_rows(xi), internal::block_rows(blocks),
-                                            blocks.size());
+  internal::left_jacobian_inverse_blocks_of(internal::tangent_rows(xi),
+                                            internal::block_rows(blocks), blocks.size());
   return congruence(blocks, p);
 }
 

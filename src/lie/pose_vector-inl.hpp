@@ -58,7 +58,8 @@ HWY_INLINE V polynomial(const std::array<V, kN>& c, V u) {
 template <std::size_t kN>
 HWY_INLINE V polynomial(const std::array<double, kN>& c, V u) {
   std::array<V, (kN + 1) / 2> pairs;
-  for (std::size_t k = 0; k < kN / 2; ++k) pairs[k] = hn::MulAdd(set(c[2 * k + 1]), u, set(c[2 * k]));
+  for (std::size_t k = 0; k < kN / 2; ++k)
+    pairs[k] = hn::MulAdd(set(c[2 * k + 1]), u, set(c[2 * k]));
   if constexpr (kN % 2 == 1) pairs[kN / 2] = set(c[kN - 1]);
   return polynomial(pairs, hn::Mul(u, u));
 }
@@ -175,9 +176,9 @@ HWY_INLINE TwistMatrices left_jacobian_inverse(const Tangents& xi) {
   const V along = dot(phi, rho);
   const V3 half = scaled(hn::Mul(set(0.5), c[C::kD]), phi);
   return {hat_plus_symmetric(c[C::kHalfCot], scaled(set(-0.5), phi), phi, half),
-          hat_plus_symmetric(hn::Mul(hn::Add(along, along), c[C::kHalfCotSlope]),
-                             scaled(set(-0.5), rho), phi,
-                             scaled_sum(hn::Mul(along, c[C::kDSlope]), phi, scaled(c[C::kD], rho)))};
+          hat_plus_symmetric(
+              hn::Mul(hn::Add(along, along), c[C::kHalfCotSlope]), scaled(set(-0.5), rho), phi,
+              scaled_sum(hn::Mul(along, c[C::kDSlope]), phi, scaled(c[C::kD], rho)))};
 }
 
 /// The coefficients of J_l = A I + B phi^ + C phi phi^T, and their slopes in u.
@@ -214,10 +215,11 @@ HWY_INLINE TwistMatrices left_jacobian(const Tangents& xi) {
   const V along = dot(phi, rho);
   const V du = hn::Add(along, along);
   const V3 half = scaled(hn::Mul(set(0.5), c[C::kC]), phi);
-  return {hat_plus_symmetric(c[C::kA], scaled(c[C::kB], phi), phi, half),
-          hat_plus_symmetric(hn::Mul(du, found.a_slope()),
-                             scaled_sum(hn::Mul(du, c[C::kBSlope]), phi, scaled(c[C::kB], rho)), phi,
-                             scaled_sum(hn::Mul(along, c[C::kCSlope]), phi, scaled(c[C::kC], rho)))};
+  return {
+      hat_plus_symmetric(c[C::kA], scaled(c[C::kB], phi), phi, half),
+      hat_plus_symmetric(hn::Mul(du, found.a_slope()),
+                         scaled_sum(hn::Mul(du, c[C::kBSlope]), phi, scaled(c[C::kB], rho)), phi,
+                         scaled_sum(hn::Mul(along, c[C::kCSlope]), phi, scaled(c[C::kC], rho)))};
 }
 
 /// R(q) by columns.

@@ -47,7 +47,8 @@ struct Block {
   V rows[kDof][kParts];
 };
 
-/// P B^T for two blocks; a column of B, which is padded, is a vector over the columns of the product.
+/// P B^T for two blocks; a column of B, which is padded, is a vector over the columns of the
+/// product.
 HWY_INLINE Block right_product(const double* p, std::size_t stride, const double* b) {
   Block product;
   POSEMIX_UNROLL
@@ -102,7 +103,7 @@ HWY_NOINLINE void add_block(const double* p, std::size_t stride, const TwistMatr
 
 /// Writes a block of the sum, and its transpose. Rows of the sum are columns in memory.
 HWY_NOINLINE void write(const Block& block, std::size_t row, std::size_t column, double* sum,
-                      std::size_t stride) {
+                        std::size_t stride) {
   POSEMIX_UNROLL
   for (std::size_t part = 0; part < kParts; ++part) {
     const std::size_t count = std::min(kLanes, kDof - part * kLanes);
@@ -117,7 +118,8 @@ HWY_NOINLINE void write(const Block& block, std::size_t row, std::size_t column,
         hn::BlendedStore(rows[r], hn::FirstN(D(), count), D(), at);
       }
     }
-    if (row != column) store_fields<kDof>(rows, sum + (column + part * kLanes) * stride + row, stride, count);
+    if (row != column)
+      store_fields<kDof>(rows, sum + (column + part * kLanes) * stride + row, stride, count);
   }
 }
 

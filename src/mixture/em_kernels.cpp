@@ -7,9 +7,9 @@
 #define HWY_TARGET_INCLUDE "em_kernels.cpp"
 #include "hwy/foreach_target.h"
 //
+#include "base/vector_dispatch.hpp"
 #include "em_pose-inl.hpp"
 #include "em_vector-inl.hpp"
-#include "base/vector_dispatch.hpp"
 #include "hwy/contrib/math/math-inl.h"
 #include "hwy/highway.h"
 

@@ -24,11 +24,14 @@ struct Workspace {
   }
 };
 
-MutableRows rows_of(std::vector<TwistMatrix<double>>& blocks) { return {blocks.data()->a.data(), 18}; }
+MutableRows rows_of(std::vector<TwistMatrix<double>>& blocks) {
+  return {blocks.data()->a.data(), 18};
+}
 
 }  // namespace
 
-/// Either rule is a sum of two congruences and of w_1 w_2 d d^T, d the distance in the tangent space.
+/// Either rule is a sum of two congruences and of w_1 w_2 d d^T, d the distance in the tangent
+/// space.
 ConcentratedGaussian<PoseStackd> merged_pair(MergeRule rule, double w_1,
                                              const ConcentratedGaussian<PoseStackd>& first,
                                              const ConcentratedGaussian<PoseStackd>& second) {
@@ -36,7 +39,9 @@ ConcentratedGaussian<PoseStackd> merged_pair(MergeRule rule, double w_1,
   static thread_local Workspace work;
   work.resize(poses);
   PoseStackd mean(poses);
-  const MergedPoses found{internal::rows_of(&mean[0]), rows_of(work.first), rows_of(work.second),
+  const MergedPoses found{internal::rows_of(&mean[0]),
+                          rows_of(work.first),
+                          rows_of(work.second),
                           {work.distance.data(), 6}};
   const ConstRows x_1 = internal::rows_of(first.mean().poses().data());
   const ConstRows x_2 = internal::rows_of(second.mean().poses().data());

@@ -144,6 +144,44 @@ TEST(DenseKernels, SolutionsFromTheRight) {
   });
 }
 
+TEST(DenseKernels, AnyNumberOfRowsIsSolvedFor) {
+  by_every_instruction_set([] {
+    const MatrixXd s = random_covariance(18, 3.0, 9);
+    MatrixXd l = s;
+    ASSERT_TRUE(factor_in_place(l));
+    for (const Index rows : {1, 2, 5, 7, 9, 13, 37}) {
+      const MatrixXd x = random_matrix(rows, 18, 10);
+      MatrixXd found = x;
+      solve_from_right(l, found);
+      const MatrixXl x_t = x.cast<long double>().transpose();
+      const MatrixXl expected = s.cast<long double>().llt().solve(x_t).transpose();
+      EXPECT_LT(relative_error(found, expected), kTolerance) << rows;
+    }
+  });
+}
+
+TEST(DenseKernels, DifferencesProductsWithVectorsAndDeterminants) {
+  by_every_instruction_set([] {
+    for (const Index rows : {1, 6, 7, 36}) {
+      const MatrixXd a = random_matrix(rows, 9, 13);
+      const MatrixXd b = random_matrix(rows, 9, 14);
+      MatrixXd c(rows, 9);
+      set_difference(c, a, b);
+      EXPECT_EQ(c, a - b) << rows;
+      const Eigen::VectorXd x = random_matrix(9, 1, 15);
+      const MatrixXl expected = a.cast<long double>() * x.cast<long double>();
+      EXPECT_LT(relative_error(product(a, x), expected), kTolerance) << rows;
+    }
+    for (const double scale : {1e-30, 1.0, 1e30}) {
+      MatrixXd s = scale * random_covariance(36, 3.0, 16);
+      const MatrixXl l = s.cast<long double>().llt().matrixL();
+      const long double expected = 2.0L * l.diagonal().array().log().sum();
+      ASSERT_TRUE(factor_in_place(s));
+      EXPECT_NEAR(log_det_of_factor(s), static_cast<double>(expected), 1e-11) << scale;
+    }
+  });
+}
+
 TEST(DenseKernels, TheLowerTriangleIsMirrored) {
   by_every_instruction_set([] {
     for (const Index n : kSizes) {

@@ -2,8 +2,9 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "lie/pose_kernels.hpp"
 
-#include <array>
+#include <algorithm>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -115,6 +116,60 @@ TEST(PoseKernels, ProductsAndQuotientsAreThoseOfSE3) {
   });
 }
 
+TEST(PoseKernels, ExpTimesAPose) {
+  by_every_instruction_set([] {
+    const std::vector<Vector6d> xi = tangents();
+    std::vector<SE3d> x;
+    for (std::size_t i = 0; i < xi.size(); ++i) x.push_back(poses()[i % poses().size()]);
+    std::vector<SE3d> found(xi.size());
+    exp_product_of(rows(xi), rows_of(std::as_const(x).data()), rows_of(found.data()), xi.size());
+    for (std::size_t i = 0; i < xi.size(); ++i) {
+      EXPECT_LT(error(found[i], SE3l::exp(xi[i].cast<long double>()) * exact(x[i])), 1e-14)
+          << xi[i].transpose();
+    }
+  });
+}
+
+TEST(PoseKernels, ResidualsOfDetections) {
+  by_every_instruction_set([] {
+    const std::vector<SE3d> y = poses();
+    const std::vector<SE3d> z(y.rbegin(), y.rend());
+    const SE3d x = SE3d::exp((Vector6d() << 0.3, -0.2, 0.5, 1.0, 2.0, -3.0).finished());
+    std::vector<Vector6d> found(y.size());
+    residual_of(x, rows_of(y.data()), rows_of(z.data()), {found.data()->data(), 6}, y.size());
+    for (std::size_t i = 0; i < y.size(); ++i) {
+      const Tangentl expected = (exact(x) * exact(y[i]) * exact(z[i]).inverse()).log();
+      const double size = static_cast<double>(1.0L + expected.norm());
+      EXPECT_LT((found[i] - expected.cast<double>()).norm(), 1e-13 * size) << i;
+    }
+  });
+}
+
+TEST(PoseKernels, CongruencesWithAdjoints) {
+  by_every_instruction_set([] {
+    RandomStream stream(8);
+    const std::vector<SE3d> x = poses();
+    std::vector<Matrix6d> p(x.size());
+    for (Matrix6d& one : p) {
+      Matrix6d root;
+      for (double& entry : root.reshaped()) entry = stream.normal();
+      one = root * root.transpose();
+    }
+    // In place, as filters use it.
+    std::vector<Matrix6d> found = p;
+    adjoint_congruence_of(rows_of(x.data()), {found.data()->data(), 36}, {found.data()->data(), 36},
+                          x.size());
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const MatrixXl expected = exact(x[i]).adjoint_congruence(p[i].cast<long double>());
+      const MatrixXl difference = found[i].cast<long double>() - expected;
+      EXPECT_LT(static_cast<double>(difference.cwiseAbs().maxCoeff()),
+                1e-14 * static_cast<double>(expected.cwiseAbs().maxCoeff()))
+          << i;
+      EXPECT_EQ(found[i], found[i].transpose()) << i;
+    }
+  });
+}
+
 template <class Exact>
 void expect_blocks(const std::vector<TwistMatrix<double>>& found, const std::vector<Vector6d>& xi,
                    const Exact& exact_blocks) {
@@ -179,8 +234,8 @@ TEST(StackKernels, ASumOfCongruencesIsThatOfStacks) {
         for (double& x : root.reshaped()) x = stream.normal();
         p[k] = root * root.transpose();
         const double weight = 0.2 + 0.3 * static_cast<double>(k);
-        expected += weight * PoseStack<long double>::left_jacobian_congruence(
-                                 xi, p[k].cast<long double>());
+        expected +=
+            weight * PoseStack<long double>::left_jacobian_congruence(xi, p[k].cast<long double>());
         parts.push_back({blocks[k].data(), &p[k], weight});
       }
       Eigen::MatrixXd sum(n, n);

@@ -154,9 +154,9 @@ MergeResult<ConcentratedGaussian<G>> merge(
   if constexpr (std::same_as<G, PoseStackd>) {
     if (internal::is_stack_pair(carrying, settings)) {
       const std::size_t first = settings.rule == MergeRule::midway ? 0 : carrying.heaviest();
-      return {{log_weight, internal::merged_pair(settings.rule, carrying.weights[first],
-                                                 *carrying.densities[first],
-                                                 *carrying.densities[1 - first])},
+      return {{log_weight,
+               internal::merged_pair(settings.rule, carrying.weights[first],
+                                     *carrying.densities[first], *carrying.densities[1 - first])},
               true};
     }
   }

@@ -28,10 +28,10 @@ UpdateResult update_in_relative_poses(const Hypothesis& prior,
   // P' = (I - G D) P, then P <- P' - (P' D^T - G S) G^T.
   const Tall<Dim> g = internal::times_inverse<Dim>(relative.cross, relative.factor);
   Eigen::MatrixXd covariance = prior.covariance();
-  internal::subtract_symmetric_product<Dim>(covariance, g, relative.cross);
+  internal::subtract_symmetric_product(covariance, g, relative.cross);
   Tall<Dim> rest = relative.times_dt(covariance);
-  rest.noalias() -= g * solution.covariance;
-  internal::subtract_symmetric_product<Dim>(covariance, rest, g);
+  internal::subtract_product(rest, g, solution.covariance);
+  internal::subtract_symmetric_product(covariance, rest, g);
   return {internal::back_project_relative(prior.mean(), g * solution.zeta, std::move(covariance),
                                           detections, first_object),
           solution.log_likelihood, true};

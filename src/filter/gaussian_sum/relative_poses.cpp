@@ -50,12 +50,11 @@ RelativePrior<Dim>::RelativePrior(const Hypothesis& prior, std::span<const Detec
 
 template <int Dim>
 Tall<Dim> RelativePrior<Dim>::times_dt(const Eigen::MatrixXd& matrix) const {
-  Tall<Dim> result(matrix.rows(), size());
+  Tall<Dim> result = Tall<Dim>::Zero(matrix.rows(), size());
+  Tall<kPoseDof> difference(matrix.rows(), kPoseDof);
   for (std::size_t j = 0; j < poses.size(); ++j) {
-    for (std::size_t k = 0; k < static_cast<std::size_t>(matrix.rows() / kPoseDof); ++k) {
-      const Matrix6d difference = block(matrix, k, kCamera) - block(matrix, k, poses[j].object);
-      block(result, k, j) = poses[j].to_object.transpose_after(difference);
-    }
+    difference = columns(matrix, poses[j].object) - columns(matrix, kCamera);
+    subtract_product(columns(result, j), difference, poses[j].to_object.dense());
   }
   return result;
 }

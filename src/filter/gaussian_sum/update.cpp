@@ -2,12 +2,15 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "posemix/filter/update.hpp"
 
+#include <algorithm>
 #include <array>
 #include <limits>
 #include <utility>
 
+#include "base/dense_kernels.hpp"
 #include "innovation_score.hpp"
-#include "symmetric_products.hpp"
+#include "innovations.hpp"
+#include "lie/pose_kernels.hpp"
 #include "world_noise.hpp"
 
 namespace posemix {
@@ -31,70 +34,54 @@ Hypothesis extended(const Hypothesis& prior, const SE3d& mean, const Matrix6d& c
   return Hypothesis::trusted(std::move(poses), std::move(joint));
 }
 
-/// matrix H^T: the columns of each object minus those of the camera.
-template <int Dim>
-Tall<Dim> times_ht(const MatrixXd& matrix, std::span<const Detection> detections) {
-  Tall<Dim> result(matrix.rows(), offset(detections.size()));
-  for (std::size_t j = 0; j < detections.size(); ++j) {
-    columns(result, j) = columns(matrix, detections[j].object) - columns(matrix, kCamera);
-  }
-  return result;
+/// `result` becomes matrix H^T: the columns of each object minus those of the camera.
+void set_times_ht(const MatrixXd& matrix, std::span<const Detection> detections, MatrixRef result) {
+  const auto camera = columns(matrix, kCamera);
+  for (std::size_t j = 0; j < detections.size(); ++j)
+    set_difference(columns(result, j), columns(matrix, detections[j].object), camera);
 }
 
-/// z, R and the products P H^T and S = H P H^T + R of several detections.
-template <int Dim>
-struct LinearObservation {
-  Vector<Dim> residual;
-  Square<Dim> noise;
-  Tall<Dim> p_ht;
-  Square<Dim> s;
+/// Memory of an update, which a thread keeps.
+struct Workspace {
+  Innovations seen;
+  MatrixXd p_ht;  ///< P H^T, and z^T as the row below
+  MatrixXd s;     ///< S = H P H^T + R, then its factor
+  MatrixXd gain;  ///< K = P H^T S^-1, and z^T S^-1
+  MatrixXd rest;
 
-  LinearObservation(const Hypothesis& prior, std::span<const Detection> detections,
-                    std::span<const NoiseComponent* const> components)
-      : p_ht(times_ht<Dim>(prior.covariance(), detections)) {
-    const Index size = offset(detections.size());
-    residual.resize(size);
-    noise.setZero(size, size);
-    s.resize(size, size);
-    for (std::size_t j = 0; j < detections.size(); ++j) {
-      const Innovation one = innovation(prior.mean(), detections[j], *components[j]);
-      segment(residual, j) = one.residual;
-      block(noise, j, j) = one.noise;
-      rows(s, j) = rows(p_ht, detections[j].object) - rows(p_ht, kCamera);
-    }
-    s += noise;
-    symmetrize(s);
+  void resize(Index n, Index m) {
+    p_ht.resize(n + 1, m);
+    gain.resize(n + 1, m);
+    s.resize(m, m);
+    rest.resize(n, m);
   }
 };
 
-template <int Dim>
-UpdateResult update_with(const Hypothesis& prior, std::span<const Detection> detections,
-                         std::span<const NoiseComponent* const> noise) {
-  // Innovation and its covariance, S = H P H^T + R.
-  const LinearObservation<Dim> observed(prior, detections, noise);
-  const Eigen::LLT<Square<Dim>> s(observed.s);
-  if (s.info() != Eigen::Success) {
-    return {prior, -std::numeric_limits<double>::infinity(), false};
-  }
-  // Gain and correction, K = P H^T S^-1, X <- Exp(K z) X.
-  const Tall<Dim> gain = internal::times_inverse<Dim>(observed.p_ht, s);
-  PoseStackd mean = prior.mean();
-  for (std::size_t k = 0; k < mean.size(); ++k) {
-    mean[k] = SE3d::exp(rows(gain, k) * observed.residual) * mean[k];
-  }
-  // Joseph's form: P' = (I - K H) P, then P <- P' - (P' H^T - K R) K^T.
-  MatrixXd covariance = prior.covariance();
-  internal::subtract_symmetric_product<Dim>(covariance, gain, observed.p_ht);
-  Tall<Dim> rest = times_ht<Dim>(covariance, detections);
+/// P H^T, and the lower triangle of S.
+void observe(const Hypothesis& prior, std::span<const Detection> detections, Workspace& work) {
+  const Index n = prior.dof();
+  set_times_ht(prior.covariance(), detections, work.p_ht.topRows(n));
+  work.p_ht.row(n) = work.seen.residual.transpose();
   for (std::size_t j = 0; j < detections.size(); ++j) {
-    const Matrix6d noise_j = block(observed.noise, j, j);
-    for (std::size_t k = 0; k < mean.size(); ++k) {
-      block(rest, k, j).noalias() -= block(gain, k, j) * noise_j;
+    for (std::size_t i = j; i < detections.size(); ++i) {
+      block(work.s, i, j) =
+          block(work.p_ht, detections[i].object, j) - block(work.p_ht, kCamera, j);
     }
+    block(work.s, j, j) += work.seen.noise[j];
   }
-  internal::subtract_symmetric_product<Dim>(covariance, rest, gain);
-  return {Hypothesis::trusted(std::move(mean), std::move(covariance)),
-          log_normal(s, observed.residual), true};
+}
+
+/// Joseph's form: P' = (I - K H) P, then P <- P' - (P' H^T - K R) K^T.
+MatrixXd joseph(const Hypothesis& prior, std::span<const Detection> detections, Workspace& work) {
+  const Index n = prior.dof();
+  const auto gain = work.gain.topRows(n);
+  MatrixXd covariance = prior.covariance();
+  subtract_symmetric_product(covariance, gain, work.p_ht.topRows(n));
+  set_times_ht(covariance, detections, work.rest);
+  for (std::size_t j = 0; j < detections.size(); ++j)
+    subtract_product(columns(work.rest, j), columns(gain, j), work.seen.noise[j]);
+  subtract_symmetric_product(covariance, work.rest, gain);
+  return covariance;
 }
 
 }  // namespace
@@ -112,13 +99,16 @@ internal::InnovationScore internal::innovation_score(const Hypothesis& hypothesi
                                                      const NoiseComponent& noise) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const std::array given{&noise};
-  const std::span<const Detection> detections(&detection, 1);
-  const NoiseAtMean at_mean(hypothesis.mean(), detections, given);
-  const LinearObservation<kPoseDof> one(hypothesis, detections, at_mean.components());
-  const Eigen::LLT<Matrix6d> factor(one.s);
+  const NoiseAtMean at_mean(hypothesis.mean(), std::span(&detection, 1), given);
+  const Innovation one = innovation(hypothesis.mean(), detection, *at_mean.components().front());
+  const MatrixXd& p = hypothesis.covariance();
+  const Matrix6d cross = block(p, detection.object, kCamera);
+  Matrix6d s = block(p, detection.object, detection.object) + block(p, kCamera, kCamera) - cross -
+               cross.transpose() + one.noise;
+  symmetrize(s);
+  const Eigen::LLT<Matrix6d> factor(s);
   if (factor.info() != Eigen::Success) return {kInfinity, -kInfinity};
-  const Vector6d residual = one.residual;
-  return {factor.matrixL().solve(residual).squaredNorm(), log_normal(factor, residual)};
+  return {factor.matrixL().solve(one.residual).squaredNorm(), log_normal(factor, one.residual)};
 }
 
 double squared_mahalanobis(const Hypothesis& hypothesis, const Detection& detection,
@@ -130,8 +120,26 @@ UpdateResult update(const Hypothesis& prior, std::span<const Detection> detectio
                     std::span<const NoiseComponent* const> noise) {
   if (detections.empty()) return {prior, 0.0, true};
   const internal::NoiseAtMean at_mean(prior.mean(), detections, noise);
-  if (detections.size() == 1) return update_with<kPoseDof>(prior, detections, at_mean.components());
-  return update_with<Eigen::Dynamic>(prior, detections, at_mean.components());
+  static thread_local Workspace work;
+  const Index n = prior.dof();
+  const Index m = offset(detections.size());
+  work.resize(n, m);
+  // Innovation and its covariance, S = H P H^T + R.
+  work.seen.set(prior.mean(), detections, at_mean.components());
+  observe(prior, detections, work);
+  if (!factor_in_place(work.s)) return {prior, -std::numeric_limits<double>::infinity(), false};
+  std::copy_n(work.p_ht.data(), work.p_ht.size(), work.gain.data());
+  solve_transposed_from_right(work.s, work.gain);
+  const double log_likelihood = -0.5 * (work.gain.row(n).squaredNorm() + log_det_of_factor(work.s) +
+                                        static_cast<double>(m) * kLogTwoPi);
+  // Gain and correction, K = P H^T S^-1, X <- Exp(K z) X.
+  solve_after_transposed(work.s, work.gain);
+  const Eigen::VectorXd correction = product(work.gain.topRows(n), work.seen.residual);
+  PoseStackd mean(prior.mean().size());
+  exp_product_of({correction.data(), kPoseDof}, rows_of(prior.mean().poses().data()),
+                 rows_of(&mean[0]), mean.size());
+  return {Hypothesis::trusted(std::move(mean), joseph(prior, detections, work)), log_likelihood,
+          true};
 }
 
 Hypothesis with_detected_object(const Hypothesis& prior, const SE3d& camera_object,
