@@ -9,6 +9,8 @@
 
 #include <gtest/gtest.h>
 
+#include "base/every_instruction_set.hpp"
+#include "posemix/base/random.hpp"
 #include "posemix/reduction/merge.hpp"
 #include "posemix/testing/density_draw.hpp"
 #include "posemix/testing/expect.hpp"
@@ -213,6 +215,112 @@ TYPED_TEST(PairSelectorOn, NoPairIsCheaperThanTheChosen) {
       }
     }
   });
+}
+
+/// A mixture with clusters, light and heavy components.
+std::vector<Component<Pose>> clusters(std::size_t count) {
+  RandomStream stream(17);
+  std::vector<Component<Pose>> components;
+  for (std::size_t i = 0; i < count; ++i) {
+    Vector6d centre = Vector6d::Zero();
+    centre[2] = static_cast<double>(i % 3);
+    Matrix6d root;
+    for (double& x : root.reshaped()) x = 0.1 * stream.normal();
+    Vector6d step;
+    for (double& x : step) x = (i % 5 == 0 ? 1.0 : 0.1) * stream.normal();
+    const SE3d mean = SE3d::exp(step) * SE3d::exp(centre);
+    components.push_back(
+        {stream.normal(), Pose(mean, root * root.transpose() + 1e-3 * Matrix6d::Identity())});
+  }
+  return components;
+}
+
+double cost_of(const Component<Pose>& a, const Component<Pose>& b, PairRule rule,
+               DistanceMetric metric) {
+  switch (rule) {
+    case PairRule::runnalls:
+      return runnalls_bound(a, b);
+    case PairRule::symmetric_kl:
+      return gaussian_symmetric_kl(a.density, b.density);
+    case PairRule::weighted_symmetric_kl:
+      return weighted_symmetric_kl(a, b);
+    default:
+      return -distance(a.density, b.density, metric);
+  }
+}
+
+constexpr std::array kMetrics{DistanceMetric::tangent_norm, DistanceMetric::rotation,
+                              DistanceMetric::translation, DistanceMetric::mahalanobis};
+
+TEST(PairSelector, CostsByVectorInstructionsAreThoseOfTheFunctions) {
+  internal::by_every_instruction_set([] {
+    const std::vector<Component<Pose>> components = clusters(21);
+    internal::ComponentColumns columns(components.size());
+    for (std::size_t i = 0; i < components.size(); ++i) columns.set(i, components[i]);
+    std::vector<double> costs(components.size() + 8);
+    for (const PairRule rule : kRules) {
+      if (rule == PairRule::largest_with_smallest) continue;
+      for (const DistanceMetric metric : kMetrics) {
+        columns.costs(rule, metric, 4, components.size(), costs.data());
+        for (std::size_t i = 0; i < components.size(); ++i) {
+          if (i == 4) continue;
+          const double expected = cost_of(components[i], components[4], rule, metric);
+          EXPECT_NEAR(costs[i], expected, 1e-12 * (1.0 + std::abs(expected)))
+              << word_of(rule) << " " << i;
+        }
+      }
+    }
+  });
+}
+
+TEST(PairSelector, FindsTheLeastPairThroughAllMerges) {
+  // Oracle: all pairs anew after every merge.
+  for (const PairRule rule : kRules) {
+    if (rule == PairRule::largest_with_smallest) continue;
+    std::vector<Component<Pose>> components = clusters(40);
+    const auto metric = DistanceMetric::tangent_norm;
+    PairSelector<Pose> selector(components, rule, metric);
+    while (components.size() > 2) {
+      Pair least{0, 1};
+      for (std::size_t a = 0; a < components.size(); ++a) {
+        for (std::size_t b = a + 1; b < components.size(); ++b) {
+          if (cost_of(components[b], components[a], rule, metric) <
+              cost_of(components[least.second], components[least.first], rule, metric))
+            least = {a, b};
+        }
+      }
+      const auto [a, b] = selector.next(components);
+      ASSERT_EQ(Pair(a, b), least) << word_of(rule) << ", " << components.size() << " left";
+      const Component<Pose>* const two[] = {&components[a], &components[b]};
+      components[a] = merge<SE3d>(std::span<const Component<Pose>* const>(two)).component;
+      components.erase(components.begin() + static_cast<std::ptrdiff_t>(b));
+      selector.merged(components, a, b);
+    }
+  }
+}
+
+TEST(PairTable, KeepsTheOrderOfEqualCostsThroughErasures) {
+  internal::PairTable table(6);
+  const std::vector<double> equal(6 + 8, 1.0);
+  for (std::size_t row = 1; row < 6; ++row) table.set_before(row, equal.data());
+  EXPECT_EQ(table.least(), Pair(0, 1));
+  EXPECT_FALSE(table.erase(0));
+  EXPECT_EQ(table.least(), Pair(0, 1));
+  EXPECT_FALSE(table.erase(1));
+  // Three of six slots are left: they are renumbered.
+  EXPECT_TRUE(table.erase(0));
+  EXPECT_EQ(table.slots(), (std::vector<std::size_t>{0, 1, 2}));
+  EXPECT_EQ(table.least(), Pair(0, 1));
+  const std::vector<double> costs{0.5, 0.0, 0.25};
+  table.set_all(1, costs.data());
+  EXPECT_EQ(table.least(), Pair(1, 2));
+}
+
+TEST(PairTable, WithoutACostTheFirstTwoArePaired) {
+  internal::PairTable table(3);
+  const std::vector<double> none(3 + 8, std::numeric_limits<double>::quiet_NaN());
+  for (std::size_t row = 1; row < 3; ++row) table.set_before(row, none.data());
+  EXPECT_EQ(table.least(), Pair(0, 1));
 }
 
 }  // namespace

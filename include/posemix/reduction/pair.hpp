@@ -14,6 +14,7 @@
 #include "posemix/divergence/gaussian.hpp"
 #include "posemix/divergence/projected.hpp"
 #include "posemix/mixture/moments.hpp"
+#include "posemix/reduction/pair_table.hpp"
 
 namespace posemix {
 
@@ -161,55 +162,73 @@ class PairSelector {
   void merged(const Components& components, std::size_t a, std::size_t b);
 
  private:
+  /// Whether costs are computed by vector instructions.
+  static constexpr bool kByColumns = std::same_as<D, ConcentratedGaussian<SE3d>>;
+  /// Lanes beyond the last cost.
+  static constexpr std::size_t kRoom = 8;
+
   static std::pair<std::size_t, std::size_t> extreme_weights(const Components& components);
   double cost(const Component<D>& a, const Component<D>& b) const;
+  /// costs_ becomes that of the pairs of component `i` with the first `count`, by their slots.
+  void find_costs(const Components& components, std::size_t i, std::size_t count);
 
   PairRule rule_;
   DistanceMetric metric_;
-  std::vector<std::vector<double>> costs_;
+  internal::PairTable table_;
+  internal::ComponentColumns columns_;
+  std::vector<double> costs_;
 };
 
 template <class D>
 PairSelector<D>::PairSelector(const Components& components, PairRule rule, DistanceMetric metric)
     : rule_(rule), metric_(metric) {
   if (rule_ == PairRule::largest_with_smallest) return;
-  costs_.resize(components.size());
-  for (std::size_t row = 0; row < components.size(); ++row) {
-    costs_[row].resize(row);
-    for (std::size_t column = 0; column < row; ++column) {
-      costs_[row][column] = cost(components[row], components[column]);
+  table_ = internal::PairTable(components.size());
+  costs_.resize(components.size() + kRoom);
+  if constexpr (kByColumns) {
+    columns_ = internal::ComponentColumns(components.size());
+    for (std::size_t i = 0; i < components.size(); ++i) columns_.set(i, components[i]);
+  }
+  for (std::size_t row = 1; row < components.size(); ++row) {
+    find_costs(components, row, row);
+    table_.set_before(row, costs_.data());
+  }
+}
+
+template <class D>
+void PairSelector<D>::find_costs(const Components& components, std::size_t i, std::size_t count) {
+  const std::vector<std::size_t>& slots = table_.slots();
+  if constexpr (kByColumns) {
+    if (count > 0) columns_.costs(rule_, metric_, slots[i], slots[count - 1] + 1, costs_.data());
+  } else {
+    for (std::size_t k = 0; k < count; ++k) {
+      if (k == i) continue;
+      const auto [column, row] = std::minmax(i, k);
+      costs_[slots[k]] = cost(components[row], components[column]);
     }
   }
 }
 
 template <class D>
 std::pair<std::size_t, std::size_t> PairSelector<D>::next(const Components& components) const {
-  if (rule_ == PairRule::largest_with_smallest) return extreme_weights(components);
-  double best = std::numeric_limits<double>::infinity();
-  std::pair<std::size_t, std::size_t> pair{0, 1};
-  for (std::size_t a = 0; a < components.size(); ++a) {
-    for (std::size_t b = a + 1; b < components.size(); ++b) {
-      if (costs_[b][a] < best) {
-        best = costs_[b][a];
-        pair = {a, b};
-      }
-    }
-  }
-  return pair;
+  return rule_ == PairRule::largest_with_smallest ? extreme_weights(components) : table_.least();
 }
 
 template <class D>
 void PairSelector<D>::merged(const Components& components, std::size_t a, std::size_t b) {
   if (rule_ == PairRule::largest_with_smallest) return;
-  costs_.erase(costs_.begin() + static_cast<std::ptrdiff_t>(b));
-  for (std::size_t row = b; row < costs_.size(); ++row) {
-    costs_[row].erase(costs_[row].begin() + static_cast<std::ptrdiff_t>(b));
+  const std::vector<std::size_t> before = table_.slots();
+  const bool renumbered = table_.erase(b);
+  if constexpr (kByColumns) {
+    if (renumbered) {
+      std::vector<std::size_t> left = before;
+      left.erase(left.begin() + static_cast<std::ptrdiff_t>(b));
+      columns_.renumber(left);
+    }
+    columns_.set(table_.slots()[a], components[a]);
   }
-  for (std::size_t other = 0; other < components.size(); ++other) {
-    if (other == a) continue;
-    const auto [column, row] = std::minmax(a, other);
-    costs_[row][column] = cost(components[row], components[column]);
-  }
+  find_costs(components, a, components.size());
+  table_.set_all(a, costs_.data());
 }
 
 template <class D>
