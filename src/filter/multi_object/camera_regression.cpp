@@ -67,11 +67,8 @@ bool is_rotation(const Vector6d& moved, const Matrix6d& covariance) {
 }
 
 CameraRegression::CameraRegression(const CameraMoments& before, const CameraMoments& after)
-    : before_(before), after_(after) {
-  if (before.rig.empty()) {
-    camera_.compute(before.covariance);
-    return;
-  }
+    : before_(before), after_(after), camera_(before.covariance) {
+  if (before.rig.empty()) return;
   shift_ = before.rig.factor().solve(after.rig.mean - before.rig.mean);
   if (auto l = low_rank_reduction(before.rig.covariance, after.rig.covariance)) {
     reduction_ = std::move(*l);
@@ -86,8 +83,7 @@ void CameraRegression::carry(ConditionalPose& pose) const {
   }
   // G = P_OC P_CC^-1, O <- Exp(G (m' - m)) O, P_OO += G (P_CC' - P_CC) G^T, P_OC <- G P_CC'.
   if (!pose.slow) {
-    const Matrix6d cross = pose.cross_covariance.topRows<6>();
-    const Matrix6d g = camera_.solve(cross.transpose()).transpose();
+    const Matrix6d g = camera_.solved_rows(pose.cross_covariance.topRows<6>());
     const Vector6d shift = g * (after_.mean - before_.mean);
     Matrix6d own = pose.covariance.topLeftCorner<6, 6>();
     own += g * (after_.covariance - before_.covariance) * g.transpose();
@@ -101,7 +97,7 @@ void CameraRegression::carry(ConditionalPose& pose) const {
     pose.cross_covariance.topRows<6>() = g * after_.covariance;
     return;
   }
-  const Matrix12x6d g = regression_on_camera(pose.cross_covariance, camera_);
+  const Matrix12x6d g = camera_.solved_rows(pose.cross_covariance);
   const Vector12d shift = g * (after_.mean - before_.mean);
   Matrix12d own = pose.covariance;
   own += g * (after_.covariance - before_.covariance) * g.transpose();

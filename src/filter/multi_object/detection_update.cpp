@@ -40,9 +40,8 @@ Matrix6d times_h(const Matrix18x6d& d, const Matrix6d& slow_map) {
 
 /// The factor by which a component of the noise is wider than the first one.
 double width(const NoiseAtPose& component, const NoiseAtPose& first) {
-  const Eigen::LLT<Matrix6d> own(component.covariance);
-  const Eigen::LLT<Matrix6d> reference(first.covariance);
-  return std::exp((log_det(own) - log_det(reference)) / 6.0);
+  return std::exp(
+      (Cholesky6(component.covariance).log_det() - Cholesky6(first.covariance).log_det()) / 6.0);
 }
 
 /// Covariance of the white error along the axes of the noise.
@@ -78,7 +77,7 @@ Innovation innovation(const DetectionState& state, const ObservationComponent& o
   result.axes = state.camera * at.axes;
   result.white = white_along(at, expected, observed, component, sensor);
   result.noise = result.axes.adjoint_congruence(result.white);
-  result.slow_map = slow_map_of(result.axes, at, sensor);
+  result.slow_map = state.has_slow ? slow_map_of(result.axes, at, sensor) : Matrix6d::Zero();
   SE3d seen = observed.pose * component.offset.inverse();
   if (!sensor.symmetries.is_trivial()) {
     const Matrix6d local =
@@ -87,8 +86,8 @@ Innovation innovation(const DetectionState& state, const ObservationComponent& o
     // The detected angle about an axis of symmetry is any angle.
     result.noise += state.object.adjoint_congruence(sensor.symmetries.unobserved_covariance());
   }
-  result.residual =
-      (state.camera * seen * state.object.inverse()).log() - result.slow_map * state.slow;
+  result.residual = (state.camera * seen * state.object.inverse()).log();
+  if (state.has_slow) result.residual -= result.slow_map * state.slow;
   return result;
 }
 
@@ -102,10 +101,10 @@ struct Evidence {
 /// predicted pose that is less certain than this volume, whose log is `log_volume`, is cut off at
 /// its border: it has the volume's density at its peak and is as much flatter as it was larger.
 Evidence evidence_of(const Vector6d& residual, const Matrix6d& covariance, double log_volume) {
-  const Eigen::LLT<Matrix6d> s(covariance);
-  if (s.info() != Eigen::Success) return {};
-  const double squared = s.matrixL().solve(residual).squaredNorm();
-  const double of_gaussian = log_det(s) + 6.0 * kLogTwoPi;
+  const Cholesky6 s(covariance);
+  if (!s.ok()) return {};
+  const double squared = s.whitened(residual).squaredNorm();
+  const double of_gaussian = s.log_det() + 6.0 * kLogTwoPi;
   const double larger = 0.5 * of_gaussian - log_volume;
   if (larger <= 0.0) return {-0.5 * (squared + of_gaussian), squared};
   return {-0.5 * squared * std::exp(-larger) - log_volume, squared};
@@ -198,7 +197,10 @@ Evidence add_innovation(const DetectionState& state, const ObservationComponent&
                         const std::optional<Matrix6d>& slow, std::vector<Innovation>& innovations) {
   innovations.push_back(innovation(state, observed, component, sensor));
   Innovation& seen = innovations.back();
-  seen.covariance = times_h(times_ht(state.covariance, seen.slow_map), seen.slow_map) + seen.noise;
+  seen.covariance =
+      seen.noise + (state.has_slow
+                        ? times_h(times_ht(state.covariance, seen.slow_map), seen.slow_map)
+                        : state.difference());
   const double log_volume =
       std::log(8.0 * std::numbers::pi * std::numbers::pi * sensor.noise.clutter().volume_m3);
   const Evidence evidence = evidence_of(state, seen, component.run_length, slow, log_volume);
@@ -263,9 +265,9 @@ Explanation explain(const DetectionState& state, const WeighedObservation& obser
 
 std::optional<double> DetectionUpdate::nis() const {
   const Innovation& inlier = explanation.inlier();
-  const Eigen::LLT<Matrix6d> s(inlier.covariance);
-  if (s.info() != Eigen::Success) return std::nullopt;
-  return s.matrixL().solve(inlier.residual).squaredNorm();
+  const Cholesky6 s(inlier.covariance);
+  if (!s.ok()) return std::nullopt;
+  return s.whitened(inlier.residual).squaredNorm();
 }
 
 Vector6d DetectionUpdate::white_residual() const {
@@ -276,12 +278,41 @@ Vector6d DetectionUpdate::white_residual() const {
       to_axes.adjoint_congruence(inlier.covariance).diagonal().cwiseSqrt());
 }
 
+namespace {
+
+/// The update of camera and object, which have no slow error.
+void move_pair(const DetectionState& state, double camera_gain, DetectionUpdate& update) {
+  using Vector12d = Eigen::Matrix<double, 12, 1>;
+  using Matrix12d = Eigen::Matrix<double, 12, 12>;
+  const Matrix12d before = state.covariance.topLeftCorner<12, 12>();
+  const Eigen::Matrix<double, 12, 6> d =
+      before.middleCols<6>(kObjectRow) - before.middleCols<6>(kCameraRow);
+  Vector12d gain = Vector12d::Ones();
+  gain.head<6>().setConstant(camera_gain);
+  Vector12d mean;
+  Matrix12d covariance = before;
+  GaussianUpdate pair(gain, mean, covariance);
+  for (const Innovation& seen : update.explanation.innovations) {
+    if (seen.weight > 0.0) pair.add(seen, d);
+  }
+  pair.finish();
+  update.posterior.mean.head<12>() = mean;
+  update.posterior.covariance.topLeftCorner<12, 12>() = covariance;
+}
+
+}  // namespace
+
 DetectionUpdate moved_by(Explanation explanation, const DetectionState& state,
                          const GainFactors& factors) {
   DetectionUpdate result{std::move(explanation), {}};
   DetectionMoments& posterior = result.posterior;
-  posterior.covariance = state.covariance;
+  if (!std::isfinite(result.log_evidence()) || state.has_slow)
+    posterior.covariance = state.covariance;
   if (!std::isfinite(result.log_evidence())) return result;
+  if (!state.has_slow) {
+    move_pair(state, factors.camera, result);
+    return result;
+  }
   Vector18d gain = Vector18d::Ones();
   gain.head<6>().setConstant(factors.camera);
   gain.tail<6>().setConstant(factors.slow);

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "base/cholesky6.hpp"
 #include "posemix/base/linear.hpp"
 #include "posemix/detector/object_sensor.hpp"
 #include "posemix/detector/observation.hpp"
@@ -29,6 +30,7 @@ struct DetectionState {
   SE3d object;
   Vector6d slow = Vector6d::Zero();  ///< mean of b
   Matrix18d covariance = Matrix18d::Zero();
+  bool has_slow = true;  ///< false: the rows of b are zero
 
   SE3d camera_object() const { return camera.inverse() * object; }
   /// Covariance of xi_O - xi_C in the world frame.
@@ -198,10 +200,9 @@ class GaussianUpdate {
   /// One component: `d` is P H^T, n x 6.
   template <class Columns>
   void add(const Innovation& innovation, const Columns& d) {
-    const Eigen::LLT<Matrix6d> s(innovation.covariance);
-    const Columns whitened = s.matrixL().solve(d.transpose()).transpose();
-    const Vector moved =
-        gain_.cwiseProduct(whitened * s.matrixL().solve(innovation.residual).eval());
+    const Cholesky6 s(innovation.covariance);
+    const Columns whitened = s.whitened_rows(d);
+    const Vector moved = gain_.cwiseProduct(whitened * s.whitened(innovation.residual));
     reduction_.template selfadjointView<Eigen::Lower>().rankUpdate(whitened, innovation.weight);
     second_.template selfadjointView<Eigen::Lower>().rankUpdate(moved, innovation.weight);
     mean_ += innovation.weight * moved;

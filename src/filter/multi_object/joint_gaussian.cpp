@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "base/cholesky6.hpp"
+
 namespace posemix::internal {
 
 using Eigen::Index;
@@ -15,12 +17,7 @@ void move(ConditionalPose& object, const Vector12d& by) {
 }
 
 Matrix12x6d regression_on_camera(const Matrix12x6d& cross_covariance, const Matrix6d& camera) {
-  return regression_on_camera(cross_covariance, Eigen::LLT<Matrix6d>(camera));
-}
-
-Matrix12x6d regression_on_camera(const Matrix12x6d& cross_covariance,
-                                 const Eigen::LLT<Matrix6d>& camera) {
-  return camera.solve(cross_covariance.transpose()).transpose();
+  return Cholesky6(camera).solved_rows(cross_covariance);
 }
 
 Matrix6d JointGaussian::covariance(std::size_t row, std::size_t column) const {

@@ -70,8 +70,6 @@ struct CameraChange {
 
 /// The regression of a pose and a slow error on the camera, P_OC P_CC^-1.
 Matrix12x6d regression_on_camera(const Matrix12x6d& cross_covariance, const Matrix6d& camera);
-Matrix12x6d regression_on_camera(const Matrix12x6d& cross_covariance,
-                                 const Eigen::LLT<Matrix6d>& camera);
 /// The same on the camera and the extrinsics, 12 rows.
 Eigen::MatrixXd regression_on_rig(const ConditionalPose& object, const Eigen::MatrixXd& rig);
 
@@ -179,6 +177,11 @@ class JointGaussian {
   CameraChange update(std::size_t index, const Explanation& leading,
                       const CameraAlternative& alternative, const GainFactors& factors,
                       const ObservationSource& source = {});
+  /// The same by dense products and factors: for extrinsics and passive objects, where the covariance
+  /// is nearly singular, and as the reference.
+  CameraChange update_densely(std::size_t index, const Explanation& leading,
+                              const CameraAlternative& alternative, const GainFactors& factors,
+                              const ObservationSource& source = {});
   /// Becomes the mixture of this with 1 - `weight` and of `other` with `weight`, eq. (11): the
   /// blocks in `shared`, by their index here and there, take its moments, and the others keep their
   /// regression on them. Returns the mean of camera and extrinsics in the tangent space at the mean
@@ -235,6 +238,12 @@ class JointGaussian {
   Eigen::Index first(std::size_t index) const { return blocks_[index].at; }
   Eigen::Index dof(std::size_t index) const { return offset(blocks_of(index)); }
   Eigen::Index rig_dof() const { return offset(1 + extrinsics_); }
+  /// update() in the columns of what the detection sees, for an object of Own coordinates; none where
+  /// the covariance is nearly singular.
+  template <int Own>
+  std::optional<CameraChange> update_columns(std::size_t index, const Explanation& leading,
+                                             const CameraAlternative& alternative,
+                                             const GainFactors& factors);
   /// P H^T of a detection of the object at `index` under one component.
   SixColumns times_ht(std::size_t index, const Matrix6d& slow_map,
                       const Eigen::MatrixXd& seen_by) const;

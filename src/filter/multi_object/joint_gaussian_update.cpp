@@ -4,6 +4,7 @@
 
 #include "camera_regression.hpp"
 #include "joint_gaussian.hpp"
+#include "pair_columns.hpp"
 
 /// The update of the joint Gaussian by a detection, eq. (5) to (8), (10), (13) and (14) of
 /// docs/many-objects.md.
@@ -91,9 +92,53 @@ SixColumns JointGaussian::times_ht(std::size_t index, const Matrix6d& slow_map,
   return d;
 }
 
+template <int Own>
+std::optional<CameraChange> JointGaussian::update_columns(std::size_t index,
+                                                          const Explanation& leading,
+                                                          const CameraAlternative& alternative,
+                                                          const GainFactors& factors) {
+  PairUpdate<Own> pair(covariance_, first(index), leading, factors);
+  if (alternative.weight < kNegligibleWeight) {
+    pair.take_leading(covariance_);
+  } else if (!pair.take_mixture(alternative.weight, alternative.mean, alternative.covariance,
+                                covariance_)) {
+    return std::nullopt;
+  }
+  // E[e (K z)^T] with e = e_0 - K z is (1 - g) D S^-1 D_C^T g_C.
+  const double g = factors.camera;
+  CameraChange change{Vector6d::Zero(), g * g * pair.camera_reduction(),
+                      SixColumns::Zero(covariance_.rows(), 6)};
+  if (g < 1.0 || factors.slow < 1.0) {
+    const SixColumns reduction = g * pair.reduction_with_camera();
+    change.error_covariance = (1.0 - g) * reduction;
+    change.error_covariance.middleRows<6>(first(index)).setZero();
+    if constexpr (Own > 6) {
+      const Index slow = first(index + 1);
+      change.error_covariance.middleRows<6>(slow) =
+          (1.0 - factors.slow) * reduction.middleRows<6>(slow);
+    }
+  }
+  change.mean = move_active(pair.mean());
+  move_passive(pair.mean());
+  return change;
+}
+
 CameraChange JointGaussian::update(std::size_t index, const Explanation& leading,
                                    const CameraAlternative& alternative, const GainFactors& factors,
                                    const ObservationSource& source) {
+  activate(index);
+  if (extrinsics_ == 0 && (alternative.weight < kNegligibleWeight || is_small(index))) {
+    const auto change = dof(index) == 6 ? update_columns<6>(index, leading, alternative, factors)
+                                        : update_columns<12>(index, leading, alternative, factors);
+    if (change) return *change;
+  }
+  return update_densely(index, leading, alternative, factors, source);
+}
+
+CameraChange JointGaussian::update_densely(std::size_t index, const Explanation& leading,
+                                           const CameraAlternative& alternative,
+                                           const GainFactors& factors,
+                                           const ObservationSource& source) {
   activate(index);
   const Index n = covariance_.rows();
   const MatrixXd by = seen_by(source);

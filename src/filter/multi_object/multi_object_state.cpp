@@ -153,7 +153,7 @@ GainFactors MultiObjectState::gain_factors(const TrackedObject& object,
     const Matrix6d a = slow_error_map(state, inlier, sensor);
     innovation += a * *slow * a.transpose();
   }
-  const double unknown = Eigen::LLT<Matrix6d>(innovation).solve(predicted).trace() / 6.0;
+  const double unknown = Cholesky6(innovation).solved_rows(predicted).trace() / 6.0;
   const double full = std::pow(std::clamp(unknown, 0.0, 1.0), 2);
   return {.camera = settings.camera_gain + (1.0 - settings.camera_gain) * full,
           .slow = settings.slow_error_gain};

@@ -87,7 +87,7 @@ const SE3d& ObjectBelief::mean(const JointGaussian& joint, std::size_t h) const 
 DetectionState ObjectBelief::state(const JointGaussian& joint, std::size_t h) const {
   const ConditionalPose object = pose(joint, h);
   DetectionState state{joint.pose(kCamera), object.pose, object.slow.value_or(Vector6d::Zero()),
-                       Matrix18d::Zero()};
+                       Matrix18d::Zero(), object.slow.has_value()};
   state.covariance.topLeftCorner<6, 6>() = joint.covariance(kCamera, kCamera);
   state.covariance.bottomLeftCorner<12, 6>() = object.cross_covariance;
   state.covariance.topRightCorner<6, 12>() = object.cross_covariance.transpose();

@@ -95,7 +95,7 @@ void ObjectBelief::shift_back(const CameraChange& change, const Matrix6d& back,
   const Eigen::MatrixXd& rig = camera.rig.covariance;
   const Eigen::MatrixXd rig_after =
       camera.rig.empty() ? Eigen::MatrixXd() : shifted_rig(rig, change, back);
-  const Eigen::LLT<Matrix6d> factor(camera.covariance);
+  const Cholesky6 factor(camera.covariance);
   const Matrix6d with_error = change.error_covariance.topRows<6>() * back.transpose();
   const Matrix6d shifted =
       with_error + with_error.transpose() + back * change.covariance * back.transpose();
@@ -117,7 +117,7 @@ void ObjectBelief::shift_back(const CameraChange& change, const Matrix6d& back,
       }
     }
     if (camera.rig.empty()) {
-      internal::shift_back(pose, change, back, regression_on_camera(pose.cross_covariance, factor));
+      internal::shift_back(pose, change, back, factor.solved_rows(pose.cross_covariance));
     } else {
       shift_back_with_rig(pose, change, back, regression_on_rig(pose, rig));
     }

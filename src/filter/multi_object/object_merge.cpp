@@ -24,9 +24,9 @@ bool agree(const Matrix6d& camera, const SymmetryGroup& symmetries, const MergeB
   };
   if (!are_near(symmetries, bounds, a.pose, b.pose)) return false;
   if (!symmetries.is_trivial()) b.pose = symmetries.closest(b.pose, a.pose, Matrix6d::Identity());
-  const Eigen::LLT<Matrix6d> mean(0.5 * (seen_from_camera(a) + seen_from_camera(b)));
+  const Cholesky6 mean(0.5 * (seen_from_camera(a) + seen_from_camera(b)));
   const Vector6d z = (b.pose * a.pose.inverse()).log();
-  return mean.matrixL().solve(z).squaredNorm() < bounds.squared_distance;
+  return mean.whitened(z).squaredNorm() < bounds.squared_distance;
 }
 
 Standing merged(const Standing& a, const Standing& b) {

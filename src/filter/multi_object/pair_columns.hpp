@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <Eigen/Core>
+
+#include "detection_update.hpp"
+
+/// The update of a joint Gaussian in the columns of what a detection sees, eq. (26) to (30) of
+/// docs/many-objects.md.
+namespace posemix::internal {
+
+/// Memory of updates, which a thread keeps.
+struct PairWorkspace {
+  Eigen::MatrixXd columns;   ///< F, the covariance with [xi_C; y]
+  Eigen::MatrixXd weighted;  ///< F Q
+  Eigen::MatrixXd ordered;   ///< the covariance with the object last, then its factor
+  Eigen::MatrixXd rows;
+};
+
+/// An update of a joint covariance, of which the camera has the first coordinates, by a detection of
+/// an object with Own coordinates: 6, or 12 with the slow error behind the pose. y = [xi_O - xi_C; b]
+/// is what the detection sees.
+template <int Own>
+class PairUpdate {
+ public:
+  /// `object` is the first coordinate of the object, `gain` that of all else.
+  PairUpdate(const Eigen::MatrixXd& covariance, Eigen::Index object, const Explanation& leading,
+             const GainFactors& gain);
+
+  /// Eq. (5): the covariance under the leading hypothesis alone.
+  void take_leading(Eigen::MatrixXd& covariance);
+  /// Eq. (5) to (8): the same where the object's other hypotheses, of probability `weight`, give the
+  /// camera other moments. False, and nothing has changed, where the covariance is so nearly
+  /// singular that this way would lose digits.
+  [[nodiscard]] bool take_mixture(double weight, const Vector6d& camera_mean,
+                                  const Matrix6d& camera, Eigen::MatrixXd& covariance);
+
+  /// Mean of all coordinates, in the tangent spaces at the means before.
+  const Eigen::VectorXd& mean() const { return mean_; }
+  /// D sum_c a_c S_c^-1 D_C^T with D = P H^T, for the rows of the camera and for all rows.
+  Matrix6d camera_reduction() const;
+  Eigen::Matrix<double, Eigen::Dynamic, 6> reduction_with_camera() const;
+
+ private:
+  static constexpr int kAll = 6 + Own;
+  using Square = Eigen::Matrix<double, Own, Own>;
+  using Wide = Eigen::Matrix<double, Own, kAll>;
+  using All = Eigen::Matrix<double, kAll, kAll>;
+  using Seen = Eigen::Matrix<double, Own, 1>;
+
+  /// N(g, g'), by which the covariance of rows of gain g with columns of gain g' changes: F N F'^T.
+  Square change(double row_gain, double column_gain) const;
+  /// Rows of the object in the columns of y, times N for its own gain and that of all else.
+  Square object_change() const;
+  /// The object's covariance under the leading hypothesis.
+  Square object_covariance(const Eigen::MatrixXd& covariance) const;
+  /// The object's covariance given everything else; false where that is nearly singular.
+  bool given_the_rest(const Eigen::MatrixXd& covariance, Square& own);
+  /// The rows of the object become L F^T, its own block `own`.
+  void set_object(const Wide& l, const Square& own, Eigen::MatrixXd& covariance);
+  auto seen() const { return work_.columns.template rightCols<Own>(); }
+
+  PairWorkspace& work_;
+  Eigen::Index object_;
+  GainFactors gain_;
+  Seen moved_ = Seen::Zero();          ///< sum_c a_c u_c, u_c = h_c S_c^-1 z_c, h_c = [I; A_c^T]
+  Square reduction_ = Square::Zero();  ///< sum_c a_c h_c S_c^-1 h_c^T
+  Square spread_ = Square::Zero();     ///< sum_c a_c u_c u_c^T less that of the mean
+  Eigen::VectorXd mean_;
+};
+
+extern template class PairUpdate<6>;
+extern template class PairUpdate<12>;
+
+}  // namespace posemix::internal
