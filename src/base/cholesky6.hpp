@@ -11,17 +11,18 @@ namespace posemix::internal {
 
 /// The Cholesky factor of a 6x6 covariance S = L L^T, of which the lower triangle is read. Like
 /// Eigen::LLT<Matrix6d>, with loops of a length known at compile time, which Eigen leaves to its
-/// kernels for any size.
+/// kernels for any size. A direction in which rounding leaves no variance is taken as known: it adds
+/// nothing to what is whitened or solved.
 class Cholesky6 {
  public:
   explicit Cholesky6(const Matrix6d& s) {
     for (Eigen::Index j = 0; j < 6; ++j) {
       double pivot = s(j, j);
       for (Eigen::Index k = 0; k < j; ++k) pivot -= l_(j, k) * l_(j, k);
-      ok_ = ok_ && pivot > 0.0;
-      const double root = std::sqrt(pivot);
-      reciprocals_[j] = 1.0 / root;
-      l_(j, j) = root;
+      const bool positive = pivot > 0.0;
+      ok_ = ok_ && positive;
+      l_(j, j) = positive ? std::sqrt(pivot) : 0.0;
+      reciprocals_[j] = positive ? 1.0 / l_(j, j) : 0.0;
       for (Eigen::Index i = j + 1; i < 6; ++i) {
         double sum = s(i, j);
         for (Eigen::Index k = 0; k < j; ++k) sum -= l_(i, k) * l_(j, k);
@@ -30,7 +31,7 @@ class Cholesky6 {
     }
   }
 
-  /// Whether S is positive definite; without that nothing else may be asked for.
+  /// Whether S is positive definite.
   bool ok() const { return ok_; }
 
   double log_det() const { return 2.0 * std::log(l_.diagonal().prod()); }
