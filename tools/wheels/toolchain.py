@@ -3,6 +3,7 @@
 """The compiler of the wheels: clang, libc++ and glibc's oldest supported version, from the PyPI package ziglang."""
 
 import os
+import platform
 import shlex
 import shutil
 import subprocess
@@ -63,10 +64,10 @@ class Toolchain:
         self.zig = next((tools / "lib").glob("python3*/site-packages/ziglang/zig"))
         self.commands = self.work / "bin"
         self.commands.mkdir(exist_ok=True)
-        target = f"{machine}-linux-gnu.{GLIBC}"
+        self.target = f"{machine}-linux-gnu.{GLIBC}"
         for name, words in COMMANDS.items():
             script = self.commands / name
-            text = f'#!/bin/sh\nexec {shlex.quote(str(self.zig))} {words.format(target=target)} "$@"\n'
+            text = f'#!/bin/sh\nexec {shlex.quote(str(self.zig))} {words.format(target=self.target)} "$@"\n'
             if not script.exists() or script.read_text() != text:
                 script.write_text(text)
                 script.chmod(0o755)
@@ -80,9 +81,15 @@ class Toolchain:
                 "CFLAGS": flags, "CXXFLAGS": flags, "SOURCE_DATE_EPOCH": str(source_time())}
 
     @property
+    def foreign(self):
+        """Whether programs for that machine do not run on this one."""
+        return self.machine != platform.machine()
+
+    @property
     def definitions(self):
         """What every CMake project of the wheels is configured with."""
-        return {"CMAKE_TOOLCHAIN_FILE": HERE / "zig.cmake", "CMAKE_BUILD_TYPE": "Release",
+        cross = {"CMAKE_SYSTEM_NAME": "Linux", "CMAKE_SYSTEM_PROCESSOR": self.machine} if self.foreign else {}
+        return {**cross, "CMAKE_TOOLCHAIN_FILE": HERE / "zig.cmake", "CMAKE_BUILD_TYPE": "Release",
                 "CMAKE_C_FLAGS_RELEASE": "-O2 -DNDEBUG", "CMAKE_CXX_FLAGS_RELEASE": "-O2 -DNDEBUG",
                 "CMAKE_PREFIX_PATH": self.prefix, "CMAKE_POSITION_INDEPENDENT_CODE": "ON", "BUILD_SHARED_LIBS": "OFF",
                 "CMAKE_DISABLE_PRECOMPILE_HEADERS": "ON",  # which zig cannot write
@@ -97,7 +104,6 @@ class Toolchain:
         chosen = ["--target", *targets] if targets else []
         run("cmake", "--build", folder, *chosen, "--", "-k", "0", log=log, env=self.environment)
         run("cmake", "--install", folder, *install, log=log, env=self.environment)
-
 
     def configure(self, source, folder):
         """The same for a project with a configure script: its static library."""
