@@ -75,18 +75,19 @@ SourceFile read_file_entry(const TomlTable& table, bool has_pointers) {
 }
 
 std::vector<SourceFile> parse_manifest(std::string_view text, const std::string& name) {
-  constexpr std::size_t kDigits = 64;
   std::vector<SourceFile> files;
   LineReader reader(text, name);
   while (reader.next_content()) {
     const std::string_view line = reader.line();
-    const bool fits = line.size() > kDigits + 2 && line[kDigits] == ' ' &&
-                      (line[kDigits + 1] == ' ' || line[kDigits + 1] == '*') &&
-                      is_sha256(line.substr(0, kDigits));
+    // A file of an unknown sum has a dash for it.
+    const std::size_t digits = line.starts_with('-') ? 1 : 64;
+    const bool fits = line.size() > digits + 2 && line[digits] == ' ' &&
+                      (line[digits + 1] == ' ' || line[digits + 1] == '*') &&
+                      (digits == 1 || is_sha256(line.substr(0, digits)));
     if (!fits) reader.fail(in_quotes(line, 100), "a line 'SHA-256  path'");
     SourceFile file;
-    file.sha256 = line.substr(0, kDigits);
-    file.path = line.substr(kDigits + 2);
+    if (digits > 1) file.sha256 = line.substr(0, digits);
+    file.path = line.substr(digits + 2);
     if (!is_inner_path(file.path))
       reader.fail(fmt::format("the path {}", in_quotes(file.path, 100)),
                   "one below the source's folder");

@@ -16,6 +16,18 @@ SOURCE = HERE.parent.parent
 GLIBC = "2.28"  # of RHEL 8, Debian 10, Ubuntu 18.10 and everything later
 COMMANDS = {"cc": "cc -target {target}", "c++": "c++ -target {target}", "ar": "ar", "ranlib": "ranlib"}
 
+# A shared library is linked again with identical functions once, where their addresses do not count: its linker can do that,
+# and `zig c++` has no option for it. The command is told on a line that starts with the linker's name.
+FOLD = """
+case " $* " in
+  *" -shared "*)
+    lines=$(ZIG_VERBOSE_LINK=1 "$zig" c++ -target {target} "$@" 2>&1) || {{ echo "$lines" >&2; exit 1; }}
+    link=$(echo "$lines" | grep "^ld\\.lld ") || {{ echo "expected the command of the linker, got: $lines" >&2; exit 1; }}
+    exec "$zig" $link --icf=safe
+    ;;
+esac
+"""
+
 
 def say(text):
     print(f"wheels: {text}", flush=True)
@@ -49,6 +61,7 @@ def tools_environment(work):
         venv.create(folder, with_pip=True, clear=True)
         run(folder / "bin/pip", "install", "--quiet", "--disable-pip-version-check", "-r", requirements)
         stamp.write_text(requirements.read_text())
+    sys.path.extend(str(path) for path in (folder / "lib").glob("python3*/site-packages"))  # Zopfli's
     return folder
 
 
@@ -67,7 +80,8 @@ class Toolchain:
         self.target = f"{machine}-linux-gnu.{GLIBC}"
         for name, words in COMMANDS.items():
             script = self.commands / name
-            text = f'#!/bin/sh\nexec {shlex.quote(str(self.zig))} {words.format(target=self.target)} "$@"\n'
+            text = "#!/bin/sh\n" + (FOLD if name == "c++" else "") + 'exec "$zig" ' + words + ' "$@"\n'
+            text = text.replace('"$zig"', shlex.quote(str(self.zig))).format(target=self.target)
             if not script.exists() or script.read_text() != text:
                 script.write_text(text)
                 script.chmod(0o755)
