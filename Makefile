@@ -8,7 +8,7 @@ PREFIX ?= /usr/local
 PYTHON ?= python3
 PROGRAM := build/release/posemix
 FORMATTED = $(shell find include src tests bench -name '*.hpp' -o -name '*.cpp')
-SCRIPTS := tools/bootstrap tools/deb_test tools/debian_root tools/wheel_test tools/make_release tools/report_inputs .ci/run
+SCRIPTS := tools/bootstrap tools/deb_test tools/debian_root tools/wheel_test tools/source_test tools/wheels/first_use tools/make_release tools/report_inputs .ci/run
 
 export CMAKE_BUILD_PARALLEL_LEVEL = $(JOBS)
 export CTEST_PARALLEL_LEVEL = $(JOBS)
@@ -19,7 +19,7 @@ PYTHON_BUILDS = $(shell sed -n 's/^requires = \[\(.*\)\]/\1/p' pyproject.toml | 
 
 VENV_PIP = $(VENV)/bin/pip install --quiet --disable-pip-version-check
 
-.PHONY: help build built demo test test-cpp test-python test-ros report-test fuzz bench deb deb-test wheels wheels-test release format style lint tidy docs \
+.PHONY: help build built demo test test-cpp test-python test-ros report-test fuzz bench deb deb-test wheels wheels-test source-test release format style lint tidy docs \
   coverage install clean
 .DELETE_ON_ERROR:
 
@@ -33,6 +33,7 @@ help:
 	@echo 'make deb-test   install them beside nothing else, use them, and remove them (as root; fetches a small Debian)'
 	@echo 'make wheels     wheels for CPython 3.10 and later and a source distribution, into build/wheels'
 	@echo 'make wheels-test  install them beside nothing else and use them (as root; fetches a small Debian)'
+	@echo 'make source-test  pip install . from a clone and from the source distribution on a Debian with nothing (as root; an hour)'
 	@echo 'make release    source archive, Debian packages and the wheels of build/wheels with SHA-256 sums, into build/dist'
 	@echo 'make format     format the sources'
 	@echo 'make style      check format, include directions and scripts'
@@ -144,7 +145,10 @@ deb-test: deb
 	tools/deb_test build/deb build/deb-test
 
 wheels: build/.bootstrap-wheels
-	tools/make_wheels
+	tools/make_wheels --machine aarch64
+
+source-test:
+	tools/source_test build/source-test $(firstword $(wildcard build/wheels/*.tar.gz))
 
 wheels-test:
 	tools/wheel_test build/wheels build/wheels-test

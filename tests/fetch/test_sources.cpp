@@ -102,6 +102,26 @@ TEST(LockFiles, ReadBackAndRefuseWhatIsWrong) {
   EXPECT_NE(error("\"schema\": 1", "\"schema\": 2").find("l: schema: got"), std::string::npos);
 }
 
+TEST(Sources, AManifestHasADashForASumThatIsNotKnown) {
+  const std::string text =
+      "schema = 1\n[[sources]]\nname = \"a\"\ntitle = \"t\"\nlicence = \"l\"\n"
+      "base_url = \"https://example.org/\"\nmanifest = \"m\"\n";
+  const auto read = [&](const std::string& manifest) {
+    return parse_sources(TomlDocument::parse(text, "r"),
+                         [&](const std::string&) { return manifest; })
+        .at(0)
+        .files;
+  };
+  const std::vector<SourceFile> files = read("-  a/b\n" + kHash + "  c\n- *-  d\n");
+  ASSERT_EQ(files.size(), 3U);
+  EXPECT_EQ(files[0].path, "a/b");
+  EXPECT_EQ(files[0].sha256, "");
+  EXPECT_EQ(files[1].sha256, kHash);
+  EXPECT_EQ(files[2].path, "-  d");
+  EXPECT_THROW(read("--  a\n"), InvalidInput);
+  EXPECT_THROW(read("- \n"), InvalidInput);
+}
+
 TEST(Sources, DamagedFilesAreRefusedOrRead) {
   const std::vector<std::string> locks{format_lock_file(some_lock())};
   const std::vector<std::string> registries{
