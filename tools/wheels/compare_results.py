@@ -3,7 +3,7 @@
 """Compare the numbers of one run on two machines: python compare_results.py FOLDER FOLDER TOLERANCE
 
 Of text and JSON files every number is compared, with a tolerance that is relative above one and absolute below, and every word.
-Provenance, which tells the machine's time and command, is left out, and pages and pictures, which are made of the rest.
+Provenance and timing, which tell of the machine, are left out, and pages and pictures, which are made of the rest.
 """
 
 import json
@@ -18,7 +18,7 @@ def leaves(value, name=""):
     """Numbers and words of a JSON document, each with its place."""
     if isinstance(value, dict):
         for key in value:
-            if key != "provenance":
+            if key not in ("provenance", "timing"):
                 yield from leaves(value[key], f"{name}.{key}")
     elif isinstance(value, list):
         for index, item in enumerate(value):
