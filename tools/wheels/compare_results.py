@@ -57,7 +57,7 @@ def compare(a, b, tolerance):
 
 def main():
     first, second, tolerance = Path(sys.argv[1]), Path(sys.argv[2]), float(sys.argv[3])
-    files = sorted(path.relative_to(first) for path in first.rglob("*") if path.suffix in (".txt", ".csv", ".json", ".toml"))
+    files = sorted(path.relative_to(first) for path in first.rglob("*") if path.suffix in (".tum", ".txt", ".csv", ".json", ".toml"))
     if not files:
         sys.exit(f"{first}: no files to compare")
     results = [compare(first / file, second / file, tolerance) for file in files]
