@@ -116,6 +116,14 @@ def complete(wheel, version, libraries, others, notices, out):
     return write_wheel(files, out / wheel.name)
 
 
+# auditwheel takes the names of platforms of the machine it runs on, and no other: it is told which one that is.
+AUDITWHEEL = """import platform, sys
+machine = sys.argv.pop(1)
+platform.machine = lambda: machine
+from auditwheel.main import main
+sys.exit(main())"""
+
+
 def repair(wheel, toolchain, glibc):
     """auditwheel checks what the module needs of the system, and names the platform; nothing is to be copied in."""
     platform = f"manylinux_{glibc.replace('.', '_')}_{toolchain.machine}"
@@ -123,6 +131,7 @@ def repair(wheel, toolchain, glibc):
     repaired.mkdir(exist_ok=True)
     for old in repaired.glob("*.whl"):
         old.unlink()
-    run(toolchain.tools / "bin/auditwheel", "repair", "--plat", platform, "--only-plat", "--wheel-dir", repaired, wheel,
-        log=toolchain.work / "repair.log", env={**toolchain.environment, "PATH": f"{toolchain.tools}/bin:/usr/bin:/bin"})
+    run(toolchain.tools / "bin/python", "-c", AUDITWHEEL, toolchain.machine, "repair", "--plat", platform, "--only-plat",
+        "--wheel-dir", repaired, wheel, log=toolchain.work / "repair.log",
+        env={**toolchain.environment, "PATH": f"{toolchain.tools}/bin:/usr/bin:/bin"})
     return next(repaired.glob("*.whl"))
