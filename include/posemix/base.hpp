@@ -14,4 +14,5 @@
 #include "posemix/base/statistics.hpp"
 #include "posemix/base/stopwatch.hpp"
 #include "posemix/base/units.hpp"
+#include "posemix/base/vector_instructions.hpp"
 #include "posemix/base/words.hpp"

@@ -7,4 +7,5 @@
 #include "posemix/reduction/merge.hpp"
 #include "posemix/reduction/merge_impl.hpp"
 #include "posemix/reduction/pair.hpp"
+#include "posemix/reduction/pair_table.hpp"
 #include "posemix/reduction/reduce.hpp"

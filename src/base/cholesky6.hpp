@@ -34,6 +34,9 @@ class Cholesky6 {
   /// Whether S is positive definite.
   bool ok() const { return ok_; }
 
+  /// L.
+  const Matrix6d& factor() const { return l_; }
+
   double log_det() const { return 2.0 * std::log(l_.diagonal().prod()); }
 
   /// L^-1 z.

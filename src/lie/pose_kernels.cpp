@@ -75,16 +75,16 @@ HWY_INLINE Tangents scaled(V s, const Tangents& xi) {
 
 /// dx by the body's axes, Log(X_1^-1 X_2) = Ad(X_1^-1) dx, which does not lose digits far from the
 /// origin.
-void midway_rows(ConstRows x_1, ConstRows x_2, double w_1, const MergedPoses& result,
-                 std::size_t count) {
-  const V w_2 = set(1.0 - w_1);
+void midway_rows(ConstRows x_1, ConstRows x_2, const PairWeights& weights,
+                 const MergedPoses& result, std::size_t count) {
+  const V w_2 = set(weights.second);
   for (std::size_t i = 0; i < count; i += kLanes) {
     const Poses first = load_poses(x_1, i, count);
     const Tangents body = log(product(inverse(first), load_poses(x_2, i, count)));
     const Tangents dx = times(adjoint(first), body);
     store_poses(product(first, exp(scaled(w_2, body))), result.mean, i, count);
     store_blocks(left_jacobian_inverse(scaled(hn::Neg(w_2), dx)), result.first, i, count);
-    store_blocks(left_jacobian_inverse(scaled(set(w_1), dx)), result.second, i, count);
+    store_blocks(left_jacobian_inverse(scaled(set(weights.first), dx)), result.second, i, count);
     store_tangents(dx, result.distance, i, count);
   }
 }
@@ -176,12 +176,12 @@ HWY_INLINE TwistMatrices product(const TwistMatrices& x, const TwistMatrices& y)
   return result;
 }
 
-void tangent_merge_rows(ConstRows x_1, ConstRows x_2, double w_1, const MergedPoses& result,
-                        std::size_t count) {
+void tangent_merge_rows(ConstRows x_1, ConstRows x_2, const PairWeights& weights,
+                        const MergedPoses& result, std::size_t count) {
   for (std::size_t i = 0; i < count; i += kLanes) {
     const Poses first = load_poses(x_1, i, count);
     const Tangents dx = log(product(load_poses(x_2, i, count), inverse(first)));
-    const Tangents mean = scaled(set(1.0 - w_1), dx);
+    const Tangents mean = scaled(set(weights.second), dx);
     const TwistMatrices back = left_jacobian(mean);
     store_poses(product(exp(mean), first), result.mean, i, count);
     store_blocks(back, result.first, i, count);
@@ -291,14 +291,14 @@ void residual_of(const SE3d& x, ConstRows y, ConstRows z, MutableRows xi, std::s
   POSEMIX_DISPATCH(residual_rows)(rows_of(&x), y, z, xi, count);
 }
 
-void midway_of(ConstRows x_1, ConstRows x_2, double w_1, const MergedPoses& result,
+void midway_of(ConstRows x_1, ConstRows x_2, const PairWeights& weights, const MergedPoses& result,
                std::size_t count) {
-  POSEMIX_DISPATCH(midway_rows)(x_1, x_2, w_1, result, count);
+  POSEMIX_DISPATCH(midway_rows)(x_1, x_2, weights, result, count);
 }
 
-void tangent_merge_of(ConstRows x_1, ConstRows x_2, double w_1, const MergedPoses& result,
-                      std::size_t count) {
-  POSEMIX_DISPATCH(tangent_merge_rows)(x_1, x_2, w_1, result, count);
+void tangent_merge_of(ConstRows x_1, ConstRows x_2, const PairWeights& weights,
+                      const MergedPoses& result, std::size_t count) {
+  POSEMIX_DISPATCH(tangent_merge_rows)(x_1, x_2, weights, result, count);
 }
 
 }  // namespace posemix::internal

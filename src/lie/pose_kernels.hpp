@@ -57,6 +57,13 @@ void residual_of(const SE3d& x, ConstRows y, ConstRows z, MutableRows xi, std::s
 
 /// What the merge of two stacks needs of their poses, by pose: the mean, and the blocks by which
 /// the covariance of either is moved and the distance of both, in the tangent space at one point.
+/// Two weights with the sum one, of which one may be too small to be left of the other's difference
+/// from it.
+struct PairWeights {
+  double first;
+  double second;
+};
+
 struct MergedPoses {
   MutableRows mean;
   MutableRows first;
@@ -66,11 +73,11 @@ struct MergedPoses {
 
 /// Midway-merge paper, eq. 12: with dx = Log(X_2 X_1^-1) the mean is Exp(w_2 dx) X_1, the blocks
 /// are J_l^-1(-w_2 dx) and J_l^-1(w_1 dx), the distance is dx.
-void midway_of(ConstRows x_1, ConstRows x_2, double w_1, const MergedPoses& result,
+void midway_of(ConstRows x_1, ConstRows x_2, const PairWeights& weights, const MergedPoses& result,
                std::size_t count);
 /// The tangent space is that at X_1, and the sum of both is moved to its mean m = w_2 dx (Cesic et
 /// al. 2017): the blocks are J_l(m) and J_l(m) J_l^-1(dx), the distance is J_l(m) dx.
-void tangent_merge_of(ConstRows x_1, ConstRows x_2, double w_1, const MergedPoses& result,
-                      std::size_t count);
+void tangent_merge_of(ConstRows x_1, ConstRows x_2, const PairWeights& weights,
+                      const MergedPoses& result, std::size_t count);
 
 }  // namespace posemix::internal

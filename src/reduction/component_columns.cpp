@@ -14,7 +14,8 @@ constexpr std::size_t kRoom = 8;
 ComponentColumns::ComponentColumns(std::size_t slots)
     : stride_(slots + kRoom), numbers_(kPoseFields * stride_) {}
 
-void ComponentColumns::set(std::size_t slot, const Component<ConcentratedGaussian<SE3d>>& component) {
+void ComponentColumns::set(std::size_t slot,
+                           const Component<ConcentratedGaussian<SE3d>>& component) {
   double* field = &numbers_[slot];
   const auto put = [&](double value) {
     *field = value;
@@ -38,8 +39,8 @@ void ComponentColumns::renumber(const std::vector<std::size_t>& slots) {
   }
 }
 
-void ComponentColumns::costs(PairRule rule, DistanceMetric metric, std::size_t slot, std::size_t count,
-                        double* costs) const {
+void ComponentColumns::costs(PairRule rule, DistanceMetric metric, std::size_t slot,
+                             std::size_t count, double* costs) const {
   double one[kPoseFields];
   for (std::size_t k = 0; k < kPoseFields; ++k) one[k] = numbers_[k * stride_ + slot];
   pair_costs(rule, metric, one, numbers_.data(), stride_, count, costs);

@@ -57,6 +57,7 @@ HWY_INLINE V moved_log_det(const Gaussians& a, const Tangents& xi) {
 }
 
 /// D(p || q) + D(q || p) in the tangent space at the midpoint.
+/// Infinite where rounding leaves a covariance no factor: such a pair is merged last.
 HWY_INLINE V symmetric_kl(const Gaussians& a, const Gaussians& b) {
   const Tangents d = difference(a, b);
   const Symmetric p =
@@ -67,15 +68,18 @@ HWY_INLINE V symmetric_kl(const Gaussians& a, const Gaussians& b) {
   const V sum = hn::Add(
       hn::Add(squared_norm(solved(q_factor, p_factor)), squared_norm(solved(p_factor, q_factor))),
       hn::Add(squared_norm(solved(p_factor, d)), squared_norm(solved(q_factor, d))));
-  return hn::MulSub(set(0.5), sum, set(6.0));
+  const V divergence = hn::MulSub(set(0.5), sum, set(6.0));
+  return hn::IfThenElse(hn::IsNaN(divergence), hn::Inf(D()), divergence);
 }
 
-/// Runnalls' bound in the tangent space at the midway point.
+/// Runnalls' bound in the tangent space at the midway point. A component without weight costs
+/// nothing, whatever rounding leaves of the logarithms.
 HWY_INLINE V runnalls(const Gaussians& a, const Gaussians& b) {
   const V total = hn::Add(a.weight, b.weight);
-  const auto none = hn::Eq(total, hn::Zero(D()));
-  const V share_a = hn::Div(a.weight, hn::IfThenElse(none, set(1.0), total));
-  const V share_b = hn::Div(b.weight, hn::IfThenElse(none, set(1.0), total));
+  const auto none = hn::Eq(hn::Mul(a.weight, b.weight), hn::Zero(D()));
+  const V divisor = hn::IfThenElse(none, set(1.0), total);
+  const V share_a = hn::Div(a.weight, divisor);
+  const V share_b = hn::Div(b.weight, divisor);
   const Tangents d = difference(a, b);
   const Tangents to_a = scaled_tangents(hn::Neg(share_b), d);
   const Tangents to_b = scaled_tangents(share_a, d);

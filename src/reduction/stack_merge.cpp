@@ -32,7 +32,7 @@ MutableRows rows_of(std::vector<TwistMatrix<double>>& blocks) {
 
 /// Either rule is a sum of two congruences and of w_1 w_2 d d^T, d the distance in the tangent
 /// space.
-ConcentratedGaussian<PoseStackd> merged_pair(MergeRule rule, double w_1,
+ConcentratedGaussian<PoseStackd> merged_pair(MergeRule rule, double w_1, double w_2,
                                              const ConcentratedGaussian<PoseStackd>& first,
                                              const ConcentratedGaussian<PoseStackd>& second) {
   const std::size_t poses = first.mean().size();
@@ -46,11 +46,10 @@ ConcentratedGaussian<PoseStackd> merged_pair(MergeRule rule, double w_1,
   const ConstRows x_1 = internal::rows_of(first.mean().poses().data());
   const ConstRows x_2 = internal::rows_of(second.mean().poses().data());
   if (rule == MergeRule::midway) {
-    midway_of(x_1, x_2, w_1, found, poses);
+    midway_of(x_1, x_2, {w_1, w_2}, found, poses);
   } else {
-    tangent_merge_of(x_1, x_2, w_1, found, poses);
+    tangent_merge_of(x_1, x_2, {w_1, w_2}, found, poses);
   }
-  const double w_2 = 1.0 - w_1;
   work.distance *= std::sqrt(w_1 * w_2);
   const Congruence parts[] = {{work.first.data(), &first.covariance(), w_1},
                               {work.second.data(), &second.covariance(), w_2}};

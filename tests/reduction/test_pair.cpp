@@ -273,6 +273,34 @@ TEST(PairSelector, CostsByVectorInstructionsAreThoseOfTheFunctions) {
   });
 }
 
+TEST(PairSelector, AComponentWithoutWeightCostsNothingByAnyInstructions) {
+  internal::by_every_instruction_set([] {
+    std::vector<Component<Pose>> components = clusters(9);
+    components[2].log_weight = -std::numeric_limits<double>::infinity();
+    internal::ComponentColumns columns(components.size());
+    for (std::size_t i = 0; i < components.size(); ++i) columns.set(i, components[i]);
+    std::vector<double> costs(components.size() + 8);
+    for (const PairRule rule : {PairRule::runnalls, PairRule::weighted_symmetric_kl}) {
+      columns.costs(rule, {}, 2, components.size(), costs.data());
+      for (std::size_t i = 0; i < components.size(); ++i) EXPECT_EQ(costs[i], 0.0) << i;
+      columns.costs(rule, {}, 4, components.size(), costs.data());
+      EXPECT_EQ(costs[2], 0.0);
+    }
+  });
+}
+
+TEST(PairSelector, WhereRoundingLeavesNoFactorADivergenceIsInfinite) {
+  const Component<Pose> wide{0.0, Pose(SE3d(), 1e10 * Matrix6d::Identity())};
+  const Component<Pose> narrow{0.0,
+                               Pose(SE3d(SO3d(), {1e4, 0.0, 0.0}), 1e-10 * Matrix6d::Identity())};
+  internal::ComponentColumns columns(2);
+  columns.set(0, wide);
+  columns.set(1, narrow);
+  std::vector<double> costs(2 + 8);
+  columns.costs(PairRule::symmetric_kl, {}, 1, 1, costs.data());
+  EXPECT_GT(costs[0], 1e10);
+}
+
 TEST(PairSelector, FindsTheLeastPairThroughAllMerges) {
   // Oracle: all pairs anew after every merge.
   for (const PairRule rule : kRules) {

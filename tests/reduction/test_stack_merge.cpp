@@ -102,6 +102,23 @@ TEST(StackMerge, BothRulesByEveryInstructionSet) {
   });
 }
 
+TEST(StackMerge, AWeightThatTheOthersDifferenceFromOneLosesCounts) {
+  const Eigen::MatrixXd covariance = 1e-14 * Eigen::MatrixXd::Identity(12, 12);
+  Eigen::VectorXd apart = Eigen::VectorXd::Zero(12);
+  apart[3] = 3.0;
+  const double log_small = -37.0;  // 8.5e-17, half of the last digit of one
+  const Component<Density> large{0.0, Density(PoseStackd(2), covariance)};
+  const Component<Density> small{log_small, Density(PoseStackd::exp(apart), covariance)};
+  // Translations alone: w_1 P + w_2 P + w_1 w_2 d^2.
+  const double expected = 1e-14 + std::exp(log_small) * 9.0;
+  for (const MergeRule rule : {MergeRule::midway, MergeRule::tangent_of_larger}) {
+    for (const Pair& pair : {Pair{large, small}, Pair{small, large}}) {
+      const auto merged = merge<PoseStackd>(pair, {.rule = rule}).component;
+      EXPECT_NEAR(merged.density.covariance()(3, 3), expected, 1e-13 * expected);
+    }
+  }
+}
+
 TEST(StackMerge, StacksOfNoPosesAndOfDifferentSizes) {
   const Component<Density> none{0.0, Density::trusted(PoseStackd(), Eigen::MatrixXd(0, 0))};
   const std::array nothing{none, none};

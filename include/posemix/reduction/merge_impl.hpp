@@ -105,8 +105,8 @@ Midway<G> midway_of(const Carrying<ConcentratedGaussian<G>>& carrying,
 }
 
 /// The merge of two stacks by the rules midway or tangent_of_larger, where `first` has the tangent
-/// space and the weight w_1, with vector instructions; the templates here are the reference.
-ConcentratedGaussian<PoseStackd> merged_pair(MergeRule rule, double w_1,
+/// space, with weights of sum one, with vector instructions; the templates here are the reference.
+ConcentratedGaussian<PoseStackd> merged_pair(MergeRule rule, double w_1, double w_2,
                                              const ConcentratedGaussian<PoseStackd>& first,
                                              const ConcentratedGaussian<PoseStackd>& second);
 
@@ -154,9 +154,9 @@ MergeResult<ConcentratedGaussian<G>> merge(
   if constexpr (std::same_as<G, PoseStackd>) {
     if (internal::is_stack_pair(carrying, settings)) {
       const std::size_t first = settings.rule == MergeRule::midway ? 0 : carrying.heaviest();
-      return {{log_weight,
-               internal::merged_pair(settings.rule, carrying.weights[first],
-                                     *carrying.densities[first], *carrying.densities[1 - first])},
+      return {{log_weight, internal::merged_pair(
+                               settings.rule, carrying.weights[first], carrying.weights[1 - first],
+                               *carrying.densities[first], *carrying.densities[1 - first])},
               true};
     }
   }

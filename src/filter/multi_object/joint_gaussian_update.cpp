@@ -98,6 +98,7 @@ std::optional<CameraChange> JointGaussian::update_columns(std::size_t index,
                                                           const CameraAlternative& alternative,
                                                           const GainFactors& factors) {
   PairUpdate<Own> pair(covariance_, first(index), leading, factors);
+  if (!pair.ok()) return std::nullopt;
   if (alternative.weight < kNegligibleWeight) {
     pair.take_leading(covariance_);
   } else if (!pair.take_mixture(alternative.weight, alternative.mean, alternative.covariance,

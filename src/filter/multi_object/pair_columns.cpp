@@ -15,13 +15,18 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-/// A variance given everything before, relative to the largest one, below which a covariance is
-/// nearly singular: the factor has lost digits then, and poses that rounding takes anywhere are
-/// caught by RegularFactor.
-constexpr double kLeastVariance = 1e-8;
+/// The part of a variance that is left given everything before, below which a covariance is nearly
+/// singular: the factor has lost digits then, and poses that rounding takes anywhere are caught by
+/// RegularFactor.
+constexpr double kLeastPart = 1e-8;
 
 /// The factor by which (I + Phi N)^-1 may be larger than the identity, and lose digits.
 constexpr double kMostAmplified = 1e4;
+
+const Innovation& heaviest(const std::vector<Innovation>& innovations) {
+  return *std::max_element(innovations.begin(), innovations.end(),
+                           [](const auto& a, const auto& b) { return a.weight < b.weight; });
+}
 
 PairWorkspace& workspace() {
   static thread_local PairWorkspace kept;
@@ -33,12 +38,18 @@ PairWorkspace& workspace() {
 template <int Own>
 PairUpdate<Own>::PairUpdate(const MatrixXd& covariance, Index object, const Explanation& leading,
                             const GainFactors& gain)
-    : work_(workspace()), object_(object), gain_(gain) {
+    : work_(workspace()),
+      object_(object),
+      gain_(gain),
+      main_(heaviest(leading.innovations)),
+      whitening_(main_.covariance) {
+  if (!whitening_.ok()) return;
+  // h_c in whitened coordinates, [L_0^T; (A_c - A_0)^T].
   Eigen::Matrix<double, Own, 6> h;
-  h.template topRows<6>().setIdentity();
+  h.template topRows<6>() = whitening_.factor().transpose();
   for (const Innovation& one : leading.innovations) {
     if (!(one.weight > 0.0)) continue;
-    if constexpr (Own > 6) h.template bottomRows<6>() = one.slow_map.transpose();
+    if constexpr (Own > 6) h.template bottomRows<6>() = (one.slow_map - main_.slow_map).transpose();
     const Cholesky6 s(one.covariance);
     const Eigen::Matrix<double, Own, 6> white = s.whitened_rows(h);
     const Seen u = white * s.whitened(one.residual);
@@ -52,10 +63,33 @@ PairUpdate<Own>::PairUpdate(const MatrixXd& covariance, Index object, const Expl
   f.resize(covariance.rows(), kAll);
   f.leftCols<6>() = covariance.leftCols<6>();
   set_difference(f.middleCols<6>(6), covariance.middleCols<6>(object), covariance.leftCols<6>());
-  if constexpr (Own > 6) f.rightCols<6>() = covariance.middleCols<6>(object + 6);
+  if constexpr (Own > 6) {
+    f.rightCols<6>() = covariance.middleCols<6>(object + 6);
+    subtract_product(f.middleCols<6>(6), f.rightCols<6>(), -main_.slow_map);
+  }
+  solve_transposed_from_right(whitening_.factor(), f.middleCols<6>(6));
   mean_ = product(seen(), gain_.camera * moved_);
   mean_.segment<Own>(object) = seen().template middleRows<Own>(object) * moved_;
   if constexpr (Own > 6) mean_.segment<6>(object + 6) *= gain_.slow;
+}
+
+template <int Own>
+typename PairUpdate<Own>::Wide PairUpdate<Own>::whitened(const Wide& rows) const {
+  Wide result = rows;
+  Eigen::Matrix<double, 6, kAll> detected = rows.template topRows<6>();
+  if constexpr (Own > 6) detected += main_.slow_map.lazyProduct(rows.template bottomRows<6>());
+  result.template topRows<6>() = whitening_.whitened_rows(detected.transpose().eval()).transpose();
+  return result;
+}
+
+template <int Own>
+typename PairUpdate<Own>::Square PairUpdate<Own>::in_whitened_columns(const Square& m) const {
+  Square result = m;
+  Eigen::Matrix<double, Own, 6> detected = m.template leftCols<6>();
+  if constexpr (Own > 6)
+    detected += m.template rightCols<6>().lazyProduct(main_.slow_map.transpose());
+  result.template leftCols<6>() = whitening_.whitened_rows(detected);
+  return result;
 }
 
 template <int Own>
@@ -66,13 +100,14 @@ typename PairUpdate<Own>::Square PairUpdate<Own>::change(double row_gain,
 }
 
 template <int Own>
-typename PairUpdate<Own>::Square PairUpdate<Own>::object_change() const {
+typename PairUpdate<Own>::Square PairUpdate<Own>::object_change(const Square& less) const {
   const Square own = seen().template middleRows<Own>(object_);
   Square result;
-  result.template topRows<6>() = own.template topRows<6>().lazyProduct(change(1.0, gain_.camera));
+  result.template topRows<6>() =
+      own.template topRows<6>().lazyProduct(Square(change(1.0, gain_.camera) - less));
   if constexpr (Own > 6) {
     result.template bottomRows<6>() =
-        own.template bottomRows<6>().lazyProduct(change(gain_.slow, gain_.camera));
+        own.template bottomRows<6>().lazyProduct(Square(change(gain_.slow, gain_.camera) - less));
   }
   return result;
 }
@@ -95,29 +130,25 @@ typename PairUpdate<Own>::Square PairUpdate<Own>::object_covariance(
 }
 
 template <int Own>
-void PairUpdate<Own>::set_object(const Wide& l, const Square& own, MatrixXd& covariance) {
-  // The columns F L^T.
-  MatrixXd& rows = work_.rows;
-  rows.setZero(covariance.rows(), Own);
-  subtract_product(rows, work_.columns, Wide(-l));
-  rows.middleRows<Own>(object_) = 0.5 * (own + own.transpose());
-  covariance.middleCols<Own>(object_) = rows;
-  covariance.middleRows<Own>(object_) = rows.transpose();
+void PairUpdate<Own>::change_covariance(ConstMatrixRef columns, ConstMatrixRef weighted,
+                                        ConstMatrixRef l, const Square& own, MatrixXd& covariance) {
+  MatrixXd& object = work_.object;
+  object = covariance.middleCols<Own>(object_);
+  subtract_product(object, columns, -l);
+  object.middleRows<Own>(object_) = 0.5 * (own + own.transpose());
+  subtract_lower_product(covariance, columns, weighted);
+  mirror_lower_in_place(covariance);
+  covariance.middleCols<Own>(object_) = object;
+  covariance.middleRows<Own>(object_) = object.transpose();
 }
 
 template <int Own>
 void PairUpdate<Own>::take_leading(MatrixXd& covariance) {
   const Square own = object_covariance(covariance);
-  // The rows of the object are [I I 0; 0 0 I] F^T before, and change by N.
-  Wide l = Wide::Zero();
-  l.template topLeftCorner<6, 6>().setIdentity();
-  l.template rightCols<Own>() = Square::Identity() + object_change();
   MatrixXd& weighted = work_.weighted;
   weighted.setZero(covariance.rows(), Own);
   subtract_product(weighted, seen(), change(gain_.camera, gain_.camera));
-  subtract_lower_product(covariance, seen(), weighted);
-  mirror_lower_in_place(covariance);
-  set_object(l, own, covariance);
+  change_covariance(seen(), weighted, object_change(Square::Zero()), own, covariance);
 }
 
 template <int Own>
@@ -137,10 +168,11 @@ bool PairUpdate<Own>::given_the_rest(const MatrixXd& covariance, Square& own) {
   for (Index k = 0; k < object_; ++k) copy_column(k, k);
   for (Index k = 0; k < rest; ++k) copy_column(object_ + Own + k, object_ + k);
   for (Index k = 0; k < Own; ++k) copy_column(object_ + k, n - Own + k);
-  const double largest = covariance.diagonal().maxCoeff();
+  const Eigen::VectorXd variances = ordered.diagonal();
   if (!factor_in_place(ordered)) return false;
-  const double least = ordered.diagonal().minCoeff();
-  if (!(least * least > kLeastVariance * largest)) return false;
+  const double least =
+      ordered.diagonal().array().square().cwiseQuotient(variances.array()).minCoeff();
+  if (!(least > kLeastPart)) return false;
   const Square l = ordered.bottomRightCorner<Own, Own>().template triangularView<Eigen::Lower>();
   own = l.lazyProduct(l.transpose());
   return true;
@@ -149,43 +181,42 @@ bool PairUpdate<Own>::given_the_rest(const MatrixXd& covariance, Square& own) {
 template <int Own>
 bool PairUpdate<Own>::take_mixture(double weight, const Vector6d& camera_mean,
                                    const Matrix6d& camera, MatrixXd& covariance) {
+  const Matrix6d before = covariance.topLeftCorner<6, 6>();
+  const Cholesky6 prior(before);
   Square given;
-  if (!given_the_rest(covariance, given)) return false;
-  const MatrixXd& f = work_.columns;
+  if (!prior.ok() || !given_the_rest(covariance, given)) return false;
+  MatrixXd& f = work_.columns;
+  solve_transposed_from_right(prior.factor(), f.leftCols<6>());
   const double g = gain_.camera;
   const Square n_gg = change(g, g);
-  // Phi = F_s^T B_ss^-1 F_s, eq. (28).
-  All phi;
-  phi.template topRows<6>() = f.topRows<6>();
-  phi.template bottomRows<Own>() = f.middleRows<Own>(object_);
-  phi.template middleRows<6>(6) -= f.topRows<6>();
-  phi.template bottomRightCorner<Own, Own>() -= given;
-  // The object's regression under the leading hypothesis, C F_s^T B_ss^-1 with C = [[I; 0] C_y],
-  // eq. (29).
-  const Square phi_yn = phi.template bottomRightCorner<Own, Own>().lazyProduct(n_gg);
-  const Square inverse = Eigen::PartialPivLU<Square>(Square::Identity() + phi_yn).inverse();
+  // Rows of the object in F, of everything but what is its own, and those of y in Phi, eq. (28).
+  const Square given_in_columns = in_whitened_columns(given);
+  Wide known = f.middleRows<Own>(object_);
+  known.template rightCols<Own>() -= given_in_columns;
+  Wide phi_y = known;
+  phi_y.template topRows<6>() -= f.topRows<6>();
+  phi_y = whitened(phi_y);
+  const Square phi_n = phi_y.template rightCols<Own>().lazyProduct(n_gg);
+  const Square inverse = Eigen::PartialPivLU<Square>(Square::Identity() + phi_n).inverse();
   if (!(inverse.cwiseAbs().maxCoeff() < kMostAmplified)) return false;
-  Square direct = Square::Identity() + object_change();
-  direct.template topRows<6>() -= phi.template topRightCorner<6, Own>().lazyProduct(n_gg);
+  // The object's regression under the leading hypothesis, C - E, eq. (29).
+  const Square direct = object_change(n_gg) + given_in_columns.lazyProduct(n_gg);
   const Square c_y = direct.lazyProduct(inverse);
   // Everything but the object: B_ss + F_s Q F_s^T, eq. (27).
-  const Cholesky6 prior(f.topLeftCorner<6, 6>());
   Eigen::Matrix<double, kAll, 1> apart;
-  apart.template head<6>() = prior.solved(camera_mean);
+  apart.template head<6>() = prior.whitened(camera_mean);
   apart.template tail<Own>() = -g * moved_;
   All q = weight * (1.0 - weight) * (apart * apart.transpose());
-  const Matrix6d solved = prior.solved_rows(Matrix6d(camera - f.topLeftCorner<6, 6>()));
-  q.template topLeftCorner<6, 6>() += weight * prior.solved_rows(Matrix6d(solved.transpose()));
+  const Matrix6d whitened_once = prior.whitened_rows(Matrix6d(camera - before));
+  q.template topLeftCorner<6, 6>() +=
+      weight * prior.whitened_rows(Matrix6d(whitened_once.transpose()));
   q.template bottomRightCorner<Own, Own>() += (1.0 - weight) * n_gg;
   // The moments of the mixture, eq. (30).
-  Wide c_phi = c_y.lazyProduct(phi.template bottomRows<Own>());
-  c_phi.template topRows<6>() += phi.template topRows<6>();
-  const Wide c_phi_q = c_phi.lazyProduct(q);
-  Wide difference = c_phi_q;
+  const Wide c_phi = known + c_y.lazyProduct(phi_y);
+  Wide l = c_phi.lazyProduct(q);
+  Wide difference = l;
   difference.template rightCols<Own>() -= c_phi.template rightCols<Own>().lazyProduct(n_gg);
   const Square own = object_covariance(covariance) + difference.lazyProduct(c_phi.transpose());
-  Wide l = c_phi_q;
-  l.template topLeftCorner<6, 6>() += Matrix6d::Identity();
   l.template rightCols<Own>() += c_y;
   const Eigen::Matrix<double, kAll, 1> shift = weight * apart;
   const Seen own_mean = mean_.segment<Own>(object_) + c_phi * shift;
@@ -194,9 +225,7 @@ bool PairUpdate<Own>::take_mixture(double weight, const Vector6d& camera_mean,
   MatrixXd& weighted = work_.weighted;
   weighted.setZero(covariance.rows(), kAll);
   subtract_product(weighted, f, q);
-  subtract_lower_product(covariance, f, weighted);
-  mirror_lower_in_place(covariance);
-  set_object(l, own, covariance);
+  change_covariance(f, weighted, l, own, covariance);
   return true;
 }
 

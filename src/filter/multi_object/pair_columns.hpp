@@ -4,6 +4,8 @@
 
 #include <Eigen/Core>
 
+#include "base/cholesky6.hpp"
+#include "base/dense_kernels.hpp"
 #include "detection_update.hpp"
 
 /// The update of a joint Gaussian in the columns of what a detection sees, eq. (26) to (30) of
@@ -12,15 +14,18 @@ namespace posemix::internal {
 
 /// Memory of updates, which a thread keeps.
 struct PairWorkspace {
-  Eigen::MatrixXd columns;   ///< F, the covariance with [xi_C; y]
+  Eigen::MatrixXd columns;   ///< F, the covariance with [xi_C; y], whitened
   Eigen::MatrixXd weighted;  ///< F Q
   Eigen::MatrixXd ordered;   ///< the covariance with the object last, then its factor
-  Eigen::MatrixXd rows;
+  Eigen::MatrixXd object;    ///< the columns of the object
 };
 
-/// An update of a joint covariance, of which the camera has the first coordinates, by a detection of
-/// an object with Own coordinates: 6, or 12 with the slow error behind the pose. y = [xi_O - xi_C; b]
-/// is what the detection sees.
+/// An update of a joint covariance, of which the camera has the first coordinates, by a detection
+/// of an object with Own coordinates: 6, or 12 with the slow error behind the pose. y = [xi_O -
+/// xi_C + A_0 b; b] is what the detection sees, with the slow error as the heaviest component of
+/// the noise has it. Columns are whitened, those of xi_C by its covariance and those of y_1 by that
+/// of the innovation: far from the origin, or where a slow error is much larger than what is left
+/// of the pose, products with inverses would cancel.
 template <int Own>
 class PairUpdate {
  public:
@@ -28,10 +33,12 @@ class PairUpdate {
   PairUpdate(const Eigen::MatrixXd& covariance, Eigen::Index object, const Explanation& leading,
              const GainFactors& gain);
 
+  /// Whether there is an update to take: false where the innovation's covariance is singular.
+  [[nodiscard]] bool ok() const { return whitening_.ok(); }
   /// Eq. (5): the covariance under the leading hypothesis alone.
   void take_leading(Eigen::MatrixXd& covariance);
-  /// Eq. (5) to (8): the same where the object's other hypotheses, of probability `weight`, give the
-  /// camera other moments. False, and nothing has changed, where the covariance is so nearly
+  /// Eq. (5) to (8): the same where the object's other hypotheses, of probability `weight`, give
+  /// the camera other moments. False, and nothing has changed, where the covariance is so nearly
   /// singular that this way would lose digits.
   [[nodiscard]] bool take_mixture(double weight, const Vector6d& camera_mean,
                                   const Matrix6d& camera, Eigen::MatrixXd& covariance);
@@ -51,19 +58,28 @@ class PairUpdate {
 
   /// N(g, g'), by which the covariance of rows of gain g with columns of gain g' changes: F N F'^T.
   Square change(double row_gain, double column_gain) const;
-  /// Rows of the object in the columns of y, times N for its own gain and that of all else.
-  Square object_change() const;
+  /// Rows of the object in the columns of y, times N for its own gain and that of all else less
+  /// another matrix.
+  Square object_change(const Square& less) const;
   /// The object's covariance under the leading hypothesis.
   Square object_covariance(const Eigen::MatrixXd& covariance) const;
   /// The object's covariance given everything else; false where that is nearly singular.
   bool given_the_rest(const Eigen::MatrixXd& covariance, Square& own);
-  /// The rows of the object become L F^T, its own block `own`.
-  void set_object(const Wide& l, const Square& own, Eigen::MatrixXd& covariance);
+  /// The covariance less columns * weighted^T, but the object's columns plus columns * l^T and its
+  /// block `own`.
+  void change_covariance(ConstMatrixRef columns, ConstMatrixRef weighted, ConstMatrixRef l,
+                         const Square& own, Eigen::MatrixXd& covariance);
+  /// Rows of [xi_O - xi_C; b] become those of whitened y.
+  Wide whitened(const Wide& rows) const;
+  /// Columns of [xi_O - xi_C; b] become those of whitened y.
+  Square in_whitened_columns(const Square& m) const;
   auto seen() const { return work_.columns.template rightCols<Own>(); }
 
   PairWorkspace& work_;
   Eigen::Index object_;
   GainFactors gain_;
+  const Innovation& main_;             ///< the heaviest component, 0
+  Cholesky6 whitening_;                ///< L_0, of its innovation's covariance
   Seen moved_ = Seen::Zero();          ///< sum_c a_c u_c, u_c = h_c S_c^-1 z_c, h_c = [I; A_c^T]
   Square reduction_ = Square::Zero();  ///< sum_c a_c h_c S_c^-1 h_c^T
   Square spread_ = Square::Zero();     ///< sum_c a_c u_c u_c^T less that of the mean
