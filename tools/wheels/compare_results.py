@@ -3,7 +3,8 @@
 """Compare the numbers of one run on two machines: python compare_results.py FOLDER FOLDER TOLERANCE
 
 Of text and JSON files every number is compared, with a tolerance that is relative above one and absolute below, and every word.
-Provenance and timing, which tell of the machine, are left out, and pages and pictures, which are made of the rest.
+Provenance, timing and the digest of a run, which tell of the machine or of last digits, are left out, and so are pages and pictures,
+which are made of the rest.
 """
 
 import json
@@ -18,7 +19,7 @@ def leaves(value, name=""):
     """Numbers and words of a JSON document, each with its place."""
     if isinstance(value, dict):
         for key in value:
-            if key not in ("provenance", "timing"):
+            if key not in ("provenance", "timing", "run"):
                 yield from leaves(value[key], f"{name}.{key}")
     elif isinstance(value, list):
         for index, item in enumerate(value):
