@@ -11,11 +11,15 @@
 #include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/distributions/students_t.hpp>
 
+#include "base/in_double.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/base/range.hpp"
 
 namespace posemix {
 namespace {
+
+using ChiSquared = boost::math::chi_squared_distribution<double, internal::InDouble>;
+using StudentsT = boost::math::students_t_distribution<double, internal::InDouble>;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
@@ -60,7 +64,7 @@ double quantile(std::vector<double> values, double p) {
 double chi_square_quantile(double probability, std::size_t dof, const char* name) {
   kOpenUnitInterval.check(probability, name);
   require(dof > 0, "chi_square_quantile: dof is 0, expected at least 1");
-  return boost::math::quantile(boost::math::chi_squared(static_cast<double>(dof)), probability);
+  return boost::math::quantile(ChiSquared(static_cast<double>(dof)), probability);
 }
 
 double gaussian_norm_quantile(const Eigen::MatrixXd& covariance, double probability) {
@@ -73,14 +77,14 @@ double gaussian_norm_quantile(const Eigen::MatrixXd& covariance, double probabil
   const double third = (squared * covariance).trace();
   if (!(second > 0.0 && third > 0.0)) return 0.0;
   const double dof = second * second * second / (third * third);
-  const double quantile = boost::math::quantile(boost::math::chi_squared(dof), probability);
+  const double quantile = boost::math::quantile(ChiSquared(dof), probability);
   const double standard = (quantile - dof) / std::sqrt(2.0 * dof);
   return std::sqrt(std::max(0.0, first + std::sqrt(2.0 * second) * standard));
 }
 
 std::pair<double, double> chi_square_band(std::size_t count, std::size_t dof) {
   const auto n = static_cast<double>(count * dof);
-  const boost::math::chi_squared distribution(n);
+  const ChiSquared distribution(n);
   return {boost::math::quantile(distribution, 0.025) / n,
           boost::math::quantile(distribution, 0.975) / n};
 }
@@ -94,7 +98,7 @@ PairedTest paired_test(std::span<const double> a, std::span<const double> b) {
   if (difference.standard_error == 0.0) {
     return {difference.mean, 0.0, difference.mean == 0.0 ? 1.0 : 0.0};
   }
-  const boost::math::students_t distribution(static_cast<double>(differences.size()) - 1.0);
+  const StudentsT distribution(static_cast<double>(differences.size()) - 1.0);
   const double t = std::abs(difference.mean) / difference.standard_error;
   return {difference.mean, difference.standard_error,
           2.0 * boost::math::cdf(boost::math::complement(distribution, t))};

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <boost/math/distributions/normal.hpp>
 
+#include "base/in_double.hpp"
 #include "density_factors.hpp"
 #include "posemix/base/sobol.hpp"
 
@@ -26,7 +27,7 @@ class NormalPoints {
   NormalPoints(std::size_t dimension, RandomStream& stream) : points_(dimension, stream) {}
 
   void next(Eigen::VectorXd& white) {
-    const boost::math::normal_distribution<double> distribution;
+    const boost::math::normal_distribution<double, internal::InDouble> distribution;
     points_.next(white);
     for (double& value : white) value = boost::math::quantile(distribution, value);
   }

@@ -10,9 +10,13 @@
 
 #include <boost/math/special_functions/erf.hpp>
 
+#include "base/in_double.hpp"
+
 namespace posemix::internal {
 
-double normal_quantile(double p) { return -std::numbers::sqrt2 * boost::math::erfc_inv(2.0 * p); }
+double normal_quantile(double p) {
+  return -std::numbers::sqrt2 * boost::math::erfc_inv(2.0 * p, InDouble());
+}
 
 namespace {
 

@@ -7,8 +7,12 @@
 
 #include <boost/math/distributions/chi_squared.hpp>
 
+#include "base/in_double.hpp"
+
 namespace posemix::internal {
 namespace {
+
+using ChiSquared = boost::math::chi_squared_distribution<double, InDouble>;
 
 /// Lags grow by this part, so that a long series costs n log n; between them r_k is linear.
 constexpr Eigen::Index kLagsPerOctave = 16;
@@ -74,13 +78,13 @@ double standard_error_of_mean(const Eigen::VectorXd& values) {
 }
 
 Interval chi_square_interval(double value, double dof) {
-  const boost::math::chi_squared distribution(dof);
+  const ChiSquared distribution(dof);
   return {value * boost::math::quantile(distribution, kBandTail) / dof,
           value * boost::math::quantile(boost::math::complement(distribution, kBandTail)) / dof};
 }
 
 Interval confidence_interval(double mean, double dof, double tail) {
-  const boost::math::chi_squared distribution(dof);
+  const ChiSquared distribution(dof);
   return {mean * dof / boost::math::quantile(boost::math::complement(distribution, tail)),
           mean * dof / boost::math::quantile(distribution, tail)};
 }
@@ -104,7 +108,7 @@ Interval eigenvalue_limits(double count, std::size_t dimension) {
 }
 
 Coverage coverage_of(std::span<const double> squares, std::size_t dof) {
-  const boost::math::chi_squared distribution(static_cast<double>(dof));
+  const ChiSquared distribution(static_cast<double>(dof));
   Coverage coverage{};
   for (std::size_t i = 0; i < 3; ++i) {
     const auto sigma = static_cast<double>(i + 1);
