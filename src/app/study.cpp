@@ -189,21 +189,23 @@ std::string printed_text(const StudyReport& report, const StudyOptions& options)
 }
 
 /// The files of a study, study.json with where they come from.
-std::vector<StudyFile> files_of(const Study& study, const StudyReport& report,
+std::vector<StudyFile> files_of(const StudyRun& run, const StudyReport& report,
                                 const StudyOptions& options) {
   std::vector<StudyFile> files = report.files;
   std::vector<std::string> names;
   names.reserve(files.size());
   for (const StudyFile& file : files) names.push_back(file.name);
   Provenance provenance =
-      study_provenance(options.command, study.settings, options.settings.value_or(""));
+      study_provenance(options.command, run.study.settings, options.settings.value_or(""));
   provenance.finished = utc_now();
+  provenance.instructions = run.instructions;
   files.front().content = study_with_provenance(files.front().content, provenance, names);
   return files;
 }
 
-void write_files(const Study& study, const StudyReport& report, const StudyOptions& options) {
-  const std::vector<StudyFile> files = files_of(study, report, options);
+void write_files(const StudyRun& run, const StudyOptions& options) {
+  const StudyReport report = run.study.report(run.results);
+  const std::vector<StudyFile> files = files_of(run, report, options);
   OutputFolder folder(options.out);
   const std::vector<fs::path> earlier = earlier_study(folder.target());
   folder.remove_earlier(earlier);
@@ -241,7 +243,7 @@ int run_command(const StudyCommand& command, const StudyOptions& options) {
                               .progress = go_on});
   if (!run) return kExitDone;
   guard.check();
-  write_files(run->study, run->study.report(run->results), options);
+  write_files(*run, options);
   std::error_code error;
   if (!fs::remove(journal, error)) {
     throw OutputError(fmt::format("{}: cannot be removed: {}", journal.string(), error.message()));

@@ -86,6 +86,8 @@ std::vector<ProvenanceInput> provenance_inputs(std::span<const fs::path> paths) 
 
 Json internal::provenance_json(const Provenance& provenance) {
   Json json = {{"program", "posemix"}, {"version", POSEMIX_VERSION}};
+  json["instructions"] =
+      provenance.instructions.empty() ? Json(nullptr) : Json(provenance.instructions);
   if (!provenance.command.empty()) json["command"] = quoted_command(provenance.command);
   if (provenance.seed) json["seed"] = *provenance.seed;
   if (!provenance.settings.empty()) json["settings"] = parsed(provenance.settings, "settings");

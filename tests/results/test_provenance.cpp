@@ -50,6 +50,8 @@ TEST(Provenance, IsAKeyOfMetrics) {
   provenance.settings = R"({"overrides": ["a=1"]})";
   provenance.inputs = {{"a.toml", "12"}, {"folder", ""}};
   provenance.finished = "2026-11-23T17:20:42Z";
+  EXPECT_EQ(provenance.instructions, vector_instructions());
+  provenance.instructions = "avx2 without FMA";
   const auto files =
       format_results(*results.job, *results.slam, results.metrics, {.provenance = provenance});
   for (const auto& [name, text] : files) {
@@ -62,6 +64,7 @@ TEST(Provenance, IsAKeyOfMetrics) {
     EXPECT_TRUE(version.starts_with("0.")) << version;
     EXPECT_EQ(metrics["provenance"], json({{"program", "posemix"},
                                            {"version", version},
+                                           {"instructions", "avx2 without FMA"},
                                            {"command", "posemix slam"},
                                            {"seed", 7},
                                            {"settings", {{"overrides", {"a=1"}}}},
@@ -83,6 +86,11 @@ TEST(Provenance, IsAKeyOfStudies) {
   EXPECT_EQ(study["files"], json(files));
   EXPECT_EQ(study["provenance"]["command"], "posemix");
   EXPECT_FALSE(study["provenance"].contains("seed"));
+  EXPECT_EQ(study["provenance"]["instructions"], vector_instructions());
+  Provenance unknown{.command = {"posemix"}, .seed = {}};
+  unknown.instructions.clear();
+  EXPECT_TRUE(json::parse(study_with_provenance("{}", unknown, files))["provenance"]["instructions"]
+                  .is_null());
   EXPECT_INVALID_WITH(study_with_provenance("[]", {.command = {}, .seed = {}}, files),
                       "study.json: got");
 }

@@ -6,6 +6,7 @@
 // leaves without a word.
 #include <cstdio>
 #include <cstdlib>
+#include <exception>
 #include <string>
 #include <vector>
 
@@ -29,7 +30,12 @@ int main(int argc, char** argv) {
     };
     return study;
   };
-  const auto run = posemix::run_study(ranks, make, options);
-  if (run && run->complete) std::fputs(run->study.report(run->results).summary.c_str(), stdout);
-  return 0;
+  try {
+    const auto run = posemix::run_study(ranks, make, options);
+    if (run && run->complete) std::fputs(run->study.report(run->results).summary.c_str(), stdout);
+    return 0;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 1;
+  }
 }

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "counting_study.hpp"
+#include "posemix/base/vector_instructions.hpp"
 #include "running_program.hpp"
 #include "study/engine/journal.hpp"
 
@@ -56,13 +57,32 @@ TEST_P(Ranks, LoseNoFinishedItemWhenOneDies) {
   EXPECT_NE(died.exit_code, 0);
   {
     const Journal journal(journal_, counting_study(kItems), true);
-    // Items are handed out in order, at most two to a rank at a time.
-    EXPECT_GE(journal.finished().size(), 150U - 2U * static_cast<std::size_t>(GetParam()));
+    // Items are handed out in order, at most eight to a rank at a time: items take a millisecond,
+    // and chunks are for the 6 ms until the next message and the answer to it.
+    EXPECT_GE(journal.finished().size(), 150U - 8U * static_cast<std::size_t>(GetParam()));
     EXPECT_FALSE(journal.finished().contains(150));
   }
   const ProgramResult resumed = run({"--resume"});
   EXPECT_EQ(resumed.exit_code, 0) << resumed.err;
   EXPECT_EQ(resumed.out, expected());
+}
+
+TEST_P(Ranks, OfOtherVectorInstructionsAreRefused) {
+  if (vector_instructions() == "portable") GTEST_SKIP() << "this machine has no wider set";
+  const ProgramResult result =
+      testing::RunningProgram({POSEMIX_MPIRUN, "-n", std::to_string(GetParam() - 1),
+                               POSEMIX_RANKS_PROGRAM, journal_.string(), ":", "-n", "1",
+                               "/usr/bin/env", "POSEMIX_SIMD=portable", POSEMIX_RANKS_PROGRAM,
+                               journal_.string()})
+          .wait();
+  EXPECT_NE(result.exit_code, 0);
+  EXPECT_EQ(result.out, "");
+  EXPECT_NE(
+      result.err.find(fmt::format("rank {} has the vector instructions portable", GetParam() - 1)),
+      std::string::npos)
+      << result.err;
+  EXPECT_NE(result.err.find("rank 0 has " + std::string(vector_instructions())), std::string::npos)
+      << result.err;
 }
 
 INSTANTIATE_TEST_SUITE_P(Two, Ranks, ::testing::Values(2));

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "study/engine/run_study.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <fstream>
 #include <numeric>
@@ -12,6 +13,7 @@
 #include "counting_study.hpp"
 #include "io/temporary_folder.hpp"
 #include "posemix/base/error.hpp"
+#include "posemix/base/vector_instructions.hpp"
 #include "posemix/io/output_folder.hpp"
 #include "posemix/io/text.hpp"
 #include "study/engine/journal.hpp"
@@ -53,6 +55,7 @@ TEST(RunStudy, GivesTheSameForAnyNumberOfThreads) {
     const StudyRun run = run_here([] { return counting_study(kItems); }, {.threads = threads});
     EXPECT_TRUE(run.complete);
     EXPECT_EQ(run.results, expected) << threads << " threads";
+    EXPECT_EQ(run.instructions, vector_instructions());
   }
 }
 
@@ -109,12 +112,27 @@ class JournalFile : public ::testing::Test {
  protected:
   void fill(std::size_t items) {
     Journal journal(path_, study_, false);
-    for (std::size_t item = 0; item < items; ++item) {
-      journal.append(item, fmt::format("result \"{}\"", item));
-    }
+    std::vector<FinishedItem> finished;
+    for (std::size_t item = 0; item < items; ++item)
+      finished.push_back({item, fmt::format("result \"{}\"", item)});
+    journal.append(finished);
+  }
+
+  /// Puts something else in the place of the vector instructions, with their key.
+  void replace_instructions(const std::string& by) {
+    const std::string key = fmt::format(R"(,"instructions":"{}")", vector_instructions());
+    std::string text = read_file(path_);
+    const std::size_t at = text.find(key);
+    ASSERT_LT(at, text.find('\n')) << text;
+    std::ofstream(path_, std::ios::binary) << text.replace(at, key.size(), by);
   }
 
   std::size_t count() { return Journal(path_, study_, true).finished().size(); }
+
+  std::size_t count_lines() {
+    const std::string text = read_file(path_);
+    return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+  }
 
   TemporaryFolder folder_;
   std::filesystem::path path_ = folder_ / "journal";
@@ -173,6 +191,38 @@ TEST_F(JournalFile, RefusesOtherSettingsAndSaysWhich) {
   fill(1);
   const std::string message = refusal([&] { Journal(path_, counting_study(kItems, 2), true); });
   EXPECT_NE(message.find("'settings.seed' is 1, now 2"), std::string::npos) << message;
+}
+
+TEST_F(JournalFile, SaysByWhichVectorInstructionsItsItemsAre) {
+  fill(1);
+  EXPECT_EQ(Journal(path_, study_, true).instructions(), vector_instructions());
+}
+
+TEST_F(JournalFile, RefusesResultsByOtherVectorInstructions) {
+  fill(2);
+  replace_instructions(R"(,"instructions":"avx1024")");
+  const std::string message = refusal([&] { count(); });
+  EXPECT_NE(message.find("by other vector instructions, avx1024, now " +
+                         std::string(vector_instructions())),
+            std::string::npos)
+      << message;
+  EXPECT_EQ(count_lines(), 3U) << "nothing is lost";
+}
+
+TEST_F(JournalFile, OfAProgramThatDidNotSayIsContinuedWithoutAWordOnInstructions) {
+  fill(2);
+  replace_instructions("");
+  const Journal journal(path_, study_, true);
+  EXPECT_EQ(journal.finished().size(), 2U);
+  EXPECT_EQ(journal.instructions(), "");
+}
+
+TEST_F(JournalFile, RefusesInstructionsThatAreNoText) {
+  fill(2);
+  replace_instructions(R"(,"instructions":512)");
+  const std::string message = refusal([&] { count(); });
+  EXPECT_NE(message.find("journal:1:"), std::string::npos) << message;
+  EXPECT_NE(message.find("512"), std::string::npos) << message;
 }
 
 TEST_F(JournalFile, IsLockedAgainstASecondProcess) {

@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "posemix/base/vector_instructions.hpp"
+
 /// Where results come from: the key `provenance` of metrics.json and study.json.
 namespace posemix {
 
@@ -25,6 +27,8 @@ struct Provenance {
   std::string settings = {};          ///< an object as JSON; empty: not known
   std::vector<ProvenanceInput> inputs = {};
   std::string finished = {};  ///< ISO 8601, UTC
+  /// What decides on the last bits of results; empty: not known.
+  std::string instructions{vector_instructions()};
 };
 
 /// The words as one line that a shell takes apart into the same words.

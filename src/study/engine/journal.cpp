@@ -14,6 +14,7 @@
 #include <nlohmann/json.hpp>
 
 #include "posemix/base/error.hpp"
+#include "posemix/base/vector_instructions.hpp"
 #include "posemix/io/output_folder.hpp"
 #include "posemix/io/text.hpp"
 
@@ -23,6 +24,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kJournalSchema = 1;
+constexpr const char* kInstructions = "instructions";
 
 [[noreturn]] void fail_with_errno(const std::filesystem::path& path, std::string_view what) {
   throw OutputError(fmt::format("{}: {}: {}", path.string(), what, std::strerror(errno)));
@@ -44,13 +46,17 @@ int open_locked(const std::filesystem::path& path, bool resume) {
   return file;
 }
 
-std::string header(const Study& study) {
+Json head_of(const Study& study) {
   Json head;
   head["schema"] = kJournalSchema;
   head["study"] = study.name;
   head["items"] = study.items;
   head["settings"] = Json::parse(study.settings);
-  return head.dump() + "\n";
+  return head;
+}
+
+std::string line_of(const FinishedItem& item) {
+  return fmt::format("{{\"item\":{},\"result\":{}}}\n", item.item, Json(item.text).dump());
 }
 
 /// The first key of two headers whose values differ, and both values.
@@ -64,6 +70,23 @@ std::string difference(const Json& theirs, const Json& ours, const std::string& 
     return difference(other, value, path.empty() ? key : fmt::format("{}.{}", path, key));
   }
   return fmt::format("'{}' has other keys", path);
+}
+
+/// Refuses the journal of another study, or of results by other vector instructions.
+void check_head(const std::filesystem::path& path, const Json& head, std::string_view instructions,
+                const Study& study) {
+  if (const Json ours = head_of(study); head != ours) {
+    throw InvalidInput(fmt::format(
+        "{}: the journal of another study: {}; write to another folder, or remove the file",
+        path.string(), difference(head, ours)));
+  }
+  if (!instructions.empty() && instructions != vector_instructions()) {
+    throw InvalidInput(fmt::format(
+        "{}: its results are by other vector instructions, {}, now {}, and the last bits would "
+        "differ from item to item; continue where `posemix --version` says {} (POSEMIX_SIMD "
+        "chooses), or remove the file",
+        path.string(), instructions, vector_instructions(), instructions));
+  }
 }
 
 }  // namespace
@@ -89,18 +112,9 @@ void Journal::read(const Study& study) {
   if (::ftruncate(file_, static_cast<off_t>(whole)) != 0) {
     fail_with_errno(path_, "cannot be written");
   }
-  const std::string expected = header(study);
-  if (whole == 0) return write(expected);
-
+  if (whole == 0) return write_head(study);
   LineReader lines(std::string_view(text).substr(0, whole), path_.string());
-  lines.next();
-  const Json head = Json::parse(lines.line(), nullptr, false);
-  if (!head.is_object()) lines.fail(in_quotes(lines.line()), "the head of a study's journal");
-  if (const Json ours = Json::parse(expected); head != ours) {
-    throw InvalidInput(fmt::format(
-        "{}: the journal of another study: {}; write to another folder, or remove the file",
-        path_.string(), difference(head, ours)));
-  }
+  read_head(lines, study);
   while (lines.next()) {
     const Json line = Json::parse(lines.line(), nullptr, false);
     const bool valid = line.is_object() && line.contains("item") && line.contains("result") &&
@@ -113,11 +127,31 @@ void Journal::read(const Study& study) {
   holds_items_ = !finished_.empty();
 }
 
-void Journal::append(std::size_t item, std::string_view result) {
-  Json line;
-  line["item"] = item;
-  line["result"] = result;
-  write(line.dump() + "\n");
+void Journal::write_head(const Study& study) {
+  instructions_ = vector_instructions();
+  Json head = head_of(study);
+  head[kInstructions] = instructions_;
+  write(head.dump() + "\n");
+}
+
+void Journal::read_head(LineReader& lines, const Study& study) {
+  lines.next();
+  Json head = Json::parse(lines.line(), nullptr, false);
+  if (!head.is_object()) lines.fail(in_quotes(lines.line()), "the head of a study's journal");
+  if (head.contains(kInstructions)) {
+    const Json& instructions = head[kInstructions];
+    if (!instructions.is_string()) lines.fail(instructions.dump(), "vector instructions as a text");
+    instructions_ = instructions.get<std::string>();
+    head.erase(kInstructions);
+  }
+  check_head(path_, head, instructions_, study);
+}
+
+void Journal::append(std::span<const FinishedItem> items) {
+  if (items.empty()) return;
+  std::string lines;
+  for (const FinishedItem& item : items) lines += line_of(item);
+  write(lines);
   holds_items_ = true;
 }
 

@@ -11,7 +11,7 @@
 namespace posemix {
 
 /// Kinds of messages between ranks.
-enum class RankMessageKind : int { hello, item, result, error, stop, bye };
+enum class RankMessageKind : int { hello, items, results, error, stop, bye };
 
 /// A message from another rank. The kind determines the meaning of number and text.
 struct RankMessage {

@@ -50,13 +50,15 @@ class Ranks::Impl {
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
 
-  /// Frees the messages that have been delivered.
+  /// Frees messages that have been delivered, up to the first that has not: rank 0 may have sent
+  /// thousands.
   void tidy() {
-    outgoing.remove_if([](Outgoing& message) {
+    while (!outgoing.empty()) {
       int done = 0;
-      MPI_Test(&message.request, &done, MPI_STATUS_IGNORE);
-      return done != 0;
-    });
+      MPI_Test(&outgoing.front().request, &done, MPI_STATUS_IGNORE);
+      if (done == 0) return;
+      outgoing.pop_front();
+    }
   }
 
   int rank = 0;

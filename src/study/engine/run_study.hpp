@@ -29,16 +29,20 @@ struct StudyRun {
   Study study;
   std::vector<std::string> results;  ///< results of all items, in order; empty if it was stopped
   bool complete = false;
+  /// The vector instructions of all results; empty where some are from a journal of a program
+  /// before 0.3.
+  std::string instructions;
 };
 
 /// Runs all items of a study on all threads of all ranks.
 ///
 /// Every rank calls this; every rank makes the study for itself. Rank 0 hands out items as others
-/// finish, writes the journal and gets the results; the rest get nothing back. The journal of a
-/// study that was stopped, or that died, is kept; the caller removes the journal of a complete
-/// study once its report is written. When `make` or an item throws on any rank, no rank begins
-/// another item and rank 0 throws.
-/// @throws InvalidInput as Journal, and when the ranks do not agree on the study
+/// finish, in chunks where they take little time (`Schedule`), writes the journal and gets the
+/// results; the rest get nothing back. The journal of a study that was stopped, or that died, is
+/// kept; the caller removes the journal of a complete study once its report is written. When `make`
+/// or an item throws on any rank, no rank begins another item and rank 0 throws.
+/// @throws InvalidInput as Journal, and when the ranks do not agree on the study or on vector
+/// instructions
 std::optional<StudyRun> run_study(Ranks& ranks, const std::function<Study()>& make,
                                   const StudyRunOptions& options = {});
 
