@@ -28,8 +28,10 @@
 #include "manual.hpp"
 #include "mixture_commands.hpp"
 #include "posemix/base/error.hpp"
+#include "posemix/base/vector_instructions.hpp"
 #include "posemix/io/output_folder.hpp"
 #include "report.hpp"
+#include "restart.hpp"
 #include "run_provenance.hpp"
 #include "simulate.hpp"
 #include "slam.hpp"
@@ -80,7 +82,8 @@ void describe(CLI::App& program) {
   program.require_subcommand(1);
   program.get_formatter()->label("SUBCOMMAND", "COMMAND");
   program.get_formatter()->label("Subcommands", "Commands");
-  program.set_version_flag("--version", "posemix " POSEMIX_VERSION);
+  program.set_version_flag("--version", fmt::format("posemix {}\nvector instructions: {}",
+                                                    POSEMIX_VERSION, vector_instructions()));
   program.footer(
       "Exit codes: 0 done, 1 internal error, 2 wrong usage, 3 bad input file or value,\n"
       "4 output cannot be written, 5 network, 130 interrupted (143 by SIGTERM), 141 nobody reads\n"
@@ -142,6 +145,11 @@ int answer(const CLI::App& program, const CLI::ParseError& reason) {
 
 int run_program(int argc, const char* const* argv) {
   std::signal(SIGPIPE, SIG_IGN);
+  const int started = guarded([] {
+    restart_where_portable();
+    return kExitDone;
+  });
+  if (started != kExitDone) return started;
   CLI::App program(
       "Poses of a camera and of objects from noisy detections, with calibrated multi-modal "
       "uncertainty");
