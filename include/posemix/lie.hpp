@@ -3,6 +3,8 @@
 #pragma once
 
 /// Everything of the room `lie`.
+#include "posemix/lie/batch.hpp"
+#include "posemix/lie/batch_rows.hpp"
 #include "posemix/lie/bernoulli.hpp"
 #include "posemix/lie/concept.hpp"
 #include "posemix/lie/interpolate.hpp"

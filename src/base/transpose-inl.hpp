@@ -11,6 +11,7 @@
 #endif
 
 #include <cstddef>
+#include <cstdint>
 
 #include "base/vectors-inl.hpp"
 #include "hwy/highway.h"
@@ -57,6 +58,30 @@ HWY_INLINE void transpose([[maybe_unused]] V* rows) {
     }
   }
 #endif
+}
+
+/// Transposes both halves of half as many vectors as there are lanes; two vectors of two.
+HWY_INLINE void transpose_part(V* rows) {
+#if HWY_MAX_BYTES > 16
+  if constexpr (kLanes == 8) {
+    const D d;
+    // Masks of the lanes that take the shuffled vector, so that a shuffle is one instruction.
+    constexpr std::uint8_t kEven = 0x33;
+    constexpr std::uint8_t kOdd = 0xcc;
+    const auto even = hn::LoadMaskBits(d, &kEven);
+    const auto odd = hn::LoadMaskBits(d, &kOdd);
+    const V even_01 = hn::InterleaveLower(d, rows[0], rows[1]);
+    const V odd_01 = hn::InterleaveUpper(d, rows[0], rows[1]);
+    const V even_23 = hn::InterleaveLower(d, rows[2], rows[3]);
+    const V odd_23 = hn::InterleaveUpper(d, rows[2], rows[3]);
+    rows[0] = hn::IfThenElse(odd, hn::SwapAdjacentBlocks(even_23), even_01);
+    rows[1] = hn::IfThenElse(odd, hn::SwapAdjacentBlocks(odd_23), odd_01);
+    rows[2] = hn::IfThenElse(even, hn::SwapAdjacentBlocks(even_01), even_23);
+    rows[3] = hn::IfThenElse(even, hn::SwapAdjacentBlocks(odd_01), odd_23);
+    return;
+  }
+#endif
+  transpose<2>(rows);
 }
 
 /// The strict upper triangle of a column-major matrix takes the values of the lower one.

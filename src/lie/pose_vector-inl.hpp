@@ -10,12 +10,11 @@
 #define POSEMIX_POSE_VECTOR_INL
 #endif
 
-#include <array>
 #include <cstddef>
 
 #include "hwy/highway.h"
+#include "lie/angle_coefficients-inl.hpp"
 #include "lie/half_angle-inl.hpp"
-#include "posemix/lie/small_angle.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace posemix::internal {
@@ -33,8 +32,9 @@ HWY_INLINE Poses product(const Poses& a, const Poses& b) {
            hn::Add(t.z, a.translation.z)}};
 }
 HWY_INLINE Poses inverse(const Poses& a) {
-  const Quaternion back = conjugate(a.rotation);
-  return {back, negated(turned(back, a.translation))};
+  const V3 v = negated(a.rotation.v);
+  const V w = a.rotation.w;
+  return {{v, w}, negated(turned({v, w}, a.translation))};
 }
 
 /// Tangent vectors.
@@ -43,49 +43,30 @@ struct Tangents {
   V3 rho;
 };
 
-/// The polynomial of small_angle, by the same scheme.
-template <std::size_t kN>
-HWY_INLINE V polynomial(const std::array<V, kN>& c, V u) {
-  if constexpr (kN == 1) {
-    return c[0];
-  } else {
-    std::array<V, (kN + 1) / 2> pairs;
-    for (std::size_t k = 0; k < kN / 2; ++k) pairs[k] = hn::MulAdd(c[2 * k + 1], u, c[2 * k]);
-    if constexpr (kN % 2 == 1) pairs[kN / 2] = c[kN - 1];
-    return polynomial(pairs, hn::Mul(u, u));
-  }
+/// Exp(phi) from cos and sinc of half the angle and u = phi.phi, with one Newton step towards
+/// |q|^2 = cos^2 + sinc^2 u/4 = 1.
+HWY_INLINE Quaternion exp(const HalfAngle& half, const V3& phi, V u) {
+  const V cosine = half.values[HalfAngle::kCosine];
+  const V sine = hn::Mul(set(0.5), half.values[HalfAngle::kSinc]);
+  const V squared = hn::MulAdd(hn::Mul(sine, sine), u, hn::Mul(cosine, cosine));
+  const V scale = hn::NegMulAdd(set(0.5), squared, set(1.5));
+  return {scaled(hn::Mul(scale, sine), phi), hn::Mul(scale, cosine)};
 }
-template <std::size_t kN>
-HWY_INLINE V polynomial(const std::array<double, kN>& c, V u) {
-  std::array<V, (kN + 1) / 2> pairs;
-  for (std::size_t k = 0; k < kN / 2; ++k)
-    pairs[k] = hn::MulAdd(set(c[2 * k + 1]), u, set(c[2 * k]));
-  if constexpr (kN % 2 == 1) pairs[kN / 2] = set(c[kN - 1]);
-  return polynomial(pairs, hn::Mul(u, u));
+HWY_INLINE Quaternion exp(const V3& phi) {
+  const V u = dot(phi, phi);
+  return exp(coefficients<HalfAngle>(u), phi, u);
 }
-
-/// cos and sinc of half the angle by their series, for u = theta^2 < kLargestSquaredAngle.
-struct Half {
-  V cosine;
-  V sinc;
-
-  HWY_INLINE explicit Half(V u) {
-    const auto& series = small_angle::detail::sine_series<double>();
-    const V w = hn::Mul(set(0.25), u);
-    cosine = hn::NegMulAdd(w, polynomial(series.b, w), set(1.0));
-    sinc = polynomial(series.a, w);
-  }
-};
-
 HWY_INLINE Poses exp(const Tangents& xi) {
-  const V u = dot(xi.phi, xi.phi);
-  const Half half(u);
-  const V a = hn::Mul(half.sinc, half.cosine);
-  const V b = hn::Mul(set(0.5), hn::Mul(half.sinc, half.sinc));
-  const V c = hn::IfThenElseZero(hn::Gt(u, hn::Zero(D())), hn::Div(hn::Sub(set(1.0), a), u));
-  const V along = hn::Mul(c, dot(xi.phi, xi.rho));
-  return {renormalised({scaled(hn::Mul(set(0.5), half.sinc), xi.phi), half.cosine}),
-          scaled_sum(along, xi.phi, scaled_sum(b, cross(xi.phi, xi.rho), scaled(a, xi.rho)))};
+  const auto& [phi, rho] = xi;
+  const V u = dot(phi, phi);
+  const HalfAngle half = coefficients<HalfAngle>(u);
+  const V sinc = half.values[HalfAngle::kSinc];
+  const V a = hn::Mul(sinc, half.values[HalfAngle::kCosine]);
+  const V b = hn::Mul(hn::Mul(set(0.5), sinc), sinc);
+  const V c = hn::IfThenZeroElse(hn::Eq(u, hn::Zero(D())), hn::Div(hn::Sub(set(1.0), a), u));
+  const V along = hn::Mul(c, dot(phi, rho));
+  return {exp(half, phi, u),
+          scaled_sum(along, phi, scaled_sum(b, cross(phi, rho), scaled(a, rho)))};
 }
 
 /// The quaternion's sign with which w >= 0, or of w = 0 the first component of v that is not zero.
@@ -97,16 +78,30 @@ HWY_INLINE V positive_sign(const Quaternion& q) {
   return hn::And(deciding, hn::SignBit(D()));
 }
 
-/// rho = t - phi x t / 2 + D phi x (phi x t).
+/// (t/2) / sin(t/2) for the angle t.
+HWY_INLINE V half_angle_over_sine(V cosine) {
+  return Powers(cosine).polynomial(kHalfAngleOverSine);
+}
+HWY_INLINE V3 log(const Quaternion& q) {
+  const V ratio = half_angle_over_sine(hn::Abs(q.w));
+  return scaled(hn::Xor(hn::Add(ratio, ratio), positive_sign(q)), q.v);
+}
+
+/// rho = (ratio w) t - ratio v x t + outer v v^T t with the half angle's quaternion (w, v), as in
+/// SO3.
 HWY_INLINE Tangents log(const Poses& x) {
-  const V cosine = hn::Min(hn::Abs(x.rotation.w), set(1.0));
-  const V ratio = Powers(cosine).polynomial(kHalfAngleOverSine);
-  const V twice = hn::Add(ratio, ratio);
-  const V3 phi = scaled(hn::Xor(twice, positive_sign(x.rotation)), x.rotation.v);
-  const V second_order = second_order_of(ratio, cosine, hn::Mul(twice, twice));
-  const V3 once = cross(phi, x.translation);
-  const V3 both = scaled_sum(second_order, cross(phi, once), x.translation);
-  return {phi, scaled_sum(set(-0.5), once, both)};
+  const auto& [q, t] = x;
+  const V sign = positive_sign(q);
+  const V w = hn::Abs(q.w);
+  const V squared_sine = hn::NegMulAdd(w, w, set(1.0));
+  const V inverse = hn::Div(set(1.0), squared_sine);
+  const V ratio = half_angle_over_sine(w);
+  const V product = hn::Mul(ratio, w);
+  const V outer = hn::Mul(hn::Sub(set(1.0), product), hn::Mul(inverse, dot(q.v, t)));
+  const V along = hn::IfThenZeroElse(hn::Eq(squared_sine, hn::Zero(D())), outer);
+  const V turning = hn::Xor(ratio, sign);
+  return {scaled(hn::Add(turning, turning), q.v),
+          scaled_sum(along, q.v, scaled_sum(turning, cross(t, q.v), scaled(product, t)))};
 }
 
 /// 3x3 matrices by columns.
@@ -125,101 +120,52 @@ HWY_INLINE Matrices hat_plus_symmetric(V d, const V3& w, const V3& p, const V3& 
            hn::Add(xz, w.y), hn::Sub(yz, w.x), diagonal(p.z, q.z)}};
 }
 
+/// d I + w^ + q p^T for parallel p and q.
+HWY_INLINE Matrices hat_plus_outer(V d, const V3& w, const V3& p, const V3& q) {
+  return {{hn::MulAdd(q.x, p.x, d), hn::MulAdd(q.y, p.x, w.z), hn::MulSub(q.z, p.x, w.y),  //
+           hn::MulSub(q.x, p.y, w.z), hn::MulAdd(q.y, p.y, d), hn::MulAdd(q.z, p.y, w.x),  //
+           hn::MulAdd(q.x, p.z, w.y), hn::MulSub(q.y, p.z, w.x), hn::MulAdd(q.z, p.z, d)}};
+}
+
 /// The blocks of matrices [a 0; b a].
 struct TwistMatrices {
   Matrices a;
   Matrices b;
 };
 
-/// A coefficient by its series where that holds, else in closed form.
-template <class Coefficients>
-HWY_INLINE Coefficients coefficients(V u) {
-  const auto small = hn::Lt(u, set(small_angle::kSeriesBelow));
-  if (hn::AllTrue(D(), small)) return Coefficients::by_series(u);
-  const Coefficients closed = Coefficients::in_closed_form(u);
-  if (hn::AllFalse(D(), small)) return closed;
-  const Coefficients series = Coefficients::by_series(u);
-  Coefficients result;
-  for (std::size_t k = 0; k < Coefficients::kCount; ++k)
-    result.values[k] = hn::IfThenElse(small, series.values[k], closed.values[k]);
-  return result;
-}
-
-/// The coefficients of J_l^-1 = half_cot I - phi^/2 + D phi phi^T, and their slopes in u.
-struct InverseCoefficients {
-  enum : std::size_t { kHalfCot, kD, kHalfCotSlope, kDSlope, kCount };
-  V values[kCount];
-
-  static HWY_INLINE InverseCoefficients by_series(V u) {
-    const auto& series = small_angle::detail::cotangent_series<double>();
-    const V d = polynomial(series.d, u);
-    const V slope = polynomial(series.slope, u);
-    return {{hn::NegMulAdd(u, d, set(1.0)), d, hn::Neg(hn::MulAdd(u, slope, d)), slope}};
-  }
-  static HWY_INLINE InverseCoefficients in_closed_form(V u) {
-    const Half half(u);
-    const V half_cot = hn::Div(half.cosine, half.sinc);
-    const V inverse = hn::Div(set(1.0), u);
-    const V d = hn::Mul(hn::Sub(set(1.0), half_cot), inverse);
-    const V rational = hn::NegMulAdd(half_cot, half_cot, hn::NegMulAdd(set(0.25), u, half_cot));
-    const V slope = hn::Mul(rational, hn::Mul(set(0.5), inverse));
-    return {{half_cot, d, slope, hn::Neg(hn::Mul(hn::Add(slope, d), inverse))}};
-  }
-};
-
 /// J_l^-1.
+HWY_INLINE Matrices left_jacobian_inverse(const V3& phi) {
+  const InverseCoefficients c = coefficients<InverseCoefficients>(dot(phi, phi));
+  return hat_plus_outer(c.values[c.kHalfCot], scaled(set(-0.5), phi), phi,
+                        scaled(c.values[c.kD], phi));
+}
 HWY_INLINE TwistMatrices left_jacobian_inverse(const Tangents& xi) {
   const auto& [phi, rho] = xi;
-  using C = InverseCoefficients;
-  const C found = coefficients<C>(dot(phi, phi));
-  const V* const c = found.values;
+  const auto c = coefficients<InverseCoefficientsAndSlopes>(dot(phi, phi));
+  const V d = c.values[c.kD];
   const V along = dot(phi, rho);
-  const V3 half = scaled(hn::Mul(set(0.5), c[C::kD]), phi);
-  return {hat_plus_symmetric(c[C::kHalfCot], scaled(set(-0.5), phi), phi, half),
-          hat_plus_symmetric(
-              hn::Mul(hn::Add(along, along), c[C::kHalfCotSlope]), scaled(set(-0.5), rho), phi,
-              scaled_sum(hn::Mul(along, c[C::kDSlope]), phi, scaled(c[C::kD], rho)))};
+  const V3 q = scaled_sum(hn::Mul(along, c.values[c.kDSlope]), phi, scaled(d, rho));
+  return {hat_plus_outer(c.values[c.kHalfCot], scaled(set(-0.5), phi), phi, scaled(d, phi)),
+          hat_plus_symmetric(hn::Mul(hn::Add(along, along), c.values[c.kHalfCotSlope]),
+                             scaled(set(-0.5), rho), phi, q)};
 }
 
-/// The coefficients of J_l = A I + B phi^ + C phi phi^T, and their slopes in u.
-struct JacobianCoefficients {
-  enum : std::size_t { kA, kB, kC, kBSlope, kCSlope, kCount };
-  V values[kCount];
-
-  HWY_INLINE V a_slope() const { return hn::Mul(set(0.5), hn::Sub(values[kC], values[kB])); }
-
-  static HWY_INLINE JacobianCoefficients by_series(V u) {
-    const auto& series = small_angle::detail::sine_series<double>();
-    const V c = polynomial(series.c, u);
-    return {{hn::NegMulAdd(u, c, set(1.0)), polynomial(series.b, u), c, polynomial(series.d_b, u),
-             polynomial(series.d_c, u)}};
-  }
-  static HWY_INLINE JacobianCoefficients in_closed_form(V u) {
-    const Half half(u);
-    const V inverse = hn::Div(set(1.0), u);
-    const V a = hn::Mul(half.sinc, half.cosine);
-    const V b = hn::Mul(set(0.5), hn::Mul(half.sinc, half.sinc));
-    const V c = hn::Mul(hn::Sub(set(1.0), a), inverse);
-    const V half_inverse = hn::Mul(set(0.5), inverse);
-    return {{a, b, c, hn::Mul(hn::NegMulAdd(set(2.0), b, a), half_inverse),
-             hn::Mul(hn::NegMulAdd(set(3.0), c, b), half_inverse)}};
-  }
-};
-
 /// J_l.
+HWY_INLINE Matrices left_jacobian(const V3& phi) {
+  const JacobianCoefficients c = coefficients<JacobianCoefficients>(dot(phi, phi));
+  return hat_plus_outer(c.values[c.kA], scaled(c.values[c.kB], phi), phi,
+                        scaled(c.values[c.kC], phi));
+}
 HWY_INLINE TwistMatrices left_jacobian(const Tangents& xi) {
   const auto& [phi, rho] = xi;
-  using C = JacobianCoefficients;
-  const C found = coefficients<C>(dot(phi, phi));
-  const V* const c = found.values;
+  const auto c = coefficients<JacobianCoefficientsAndSlopes>(dot(phi, phi));
+  const V b = c.values[c.kB];
   const V along = dot(phi, rho);
   const V du = hn::Add(along, along);
-  const V3 half = scaled(hn::Mul(set(0.5), c[C::kC]), phi);
-  return {
-      hat_plus_symmetric(c[C::kA], scaled(c[C::kB], phi), phi, half),
-      hat_plus_symmetric(hn::Mul(du, found.a_slope()),
-                         scaled_sum(hn::Mul(du, c[C::kBSlope]), phi, scaled(c[C::kB], rho)), phi,
-                         scaled_sum(hn::Mul(along, c[C::kCSlope]), phi, scaled(c[C::kC], rho)))};
+  const V3 w = scaled_sum(hn::Mul(du, c.values[c.kBSlope]), phi, scaled(b, rho));
+  const V3 q = scaled_sum(hn::Mul(along, c.values[c.kCSlope]), phi, scaled(c.values[c.kC], rho));
+  return {hat_plus_outer(c.values[c.kA], scaled(b, phi), phi, scaled(c.values[c.kC], phi)),
+          hat_plus_symmetric(hn::Mul(du, c.a_slope()), w, phi, q)};
 }
 
 /// R(q) by columns.

@@ -13,6 +13,7 @@
 #include <cstddef>
 
 #include "base/vector_targets.hpp"
+#include "hwy/contrib/math/math-inl.h"
 #include "hwy/highway.h"
 #include "lie/pose_vector-inl.hpp"
 

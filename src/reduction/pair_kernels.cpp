@@ -47,8 +47,8 @@ HWY_INLINE Tangents difference(const Gaussians& a, const Gaussians& b) {
 
 /// log |det J_l|.
 HWY_INLINE V log_det_jacobian(const Tangents& xi) {
-  const Half half(dot(xi.phi, xi.phi));
-  return hn::Mul(set(4.0), hn::Log(D(), hn::Abs(half.sinc)));
+  const auto half = coefficients<HalfAngle>(dot(xi.phi, xi.phi));
+  return hn::Mul(set(4.0), hn::Log(D(), hn::Abs(half.values[HalfAngle::kSinc])));
 }
 
 /// log |J_l^-1 P J_l^-T|.

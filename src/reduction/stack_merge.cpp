@@ -43,8 +43,8 @@ ConcentratedGaussian<PoseStackd> merged_pair(MergeRule rule, double w_1, double 
                           rows_of(work.first),
                           rows_of(work.second),
                           {work.distance.data(), 6}};
-  const ConstRows x_1 = internal::rows_of(first.mean().poses().data());
-  const ConstRows x_2 = internal::rows_of(second.mean().poses().data());
+  const ConstPoseRows x_1 = internal::rows_of(first.mean().poses().data());
+  const ConstPoseRows x_2 = internal::rows_of(second.mean().poses().data());
   if (rule == MergeRule::midway) {
     midway_of(x_1, x_2, {w_1, w_2}, found, poses);
   } else {

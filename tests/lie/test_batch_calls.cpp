@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include <limits>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "base/every_instruction_set.hpp"
+#include "posemix/base/error.hpp"
+#include "posemix/base/random.hpp"
+#include "posemix/lie/batch.hpp"
+
+// What holds for every function of batches, whatever it computes.
+namespace posemix {
+namespace {
+
+using internal::by_every_instruction_set;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+/// Of angles up to four radians and some beyond.
+std::vector<Vector6d> tangents(std::size_t count) {
+  RandomStream stream(3);
+  std::vector<Vector6d> xi(count);
+  for (Vector6d& one : xi) {
+    for (double& x : one) x = 1.5 * stream.normal();
+  }
+  return xi;
+}
+
+TEST(BatchCalls, WhatIsNotANumberStaysInItsPlace) {
+  by_every_instruction_set([] {
+    std::vector<Vector6d> xi(9, Vector6d::Constant(0.1));
+    for (int k = 0; k < 6; ++k) xi[static_cast<std::size_t>(k)][k] = kNan;
+    std::vector<SE3d> x(9);
+    std::vector<Vector6d> logs(9);
+    std::vector<Matrix6d> jacobians(9);
+    batch::exp(xi, x);
+    batch::log(x, logs);
+    batch::left_jacobian_inverse(xi, jacobians);
+    for (std::size_t i = 0; i < 6; ++i) {
+      EXPECT_EQ(x[i].rotation().quaternion().coeffs().hasNaN(), i < 3) << i;
+      EXPECT_TRUE(x[i].translation().hasNaN()) << i;
+      EXPECT_TRUE(logs[i].hasNaN()) << i;
+      EXPECT_TRUE(jacobians[i].hasNaN()) << i;
+    }
+    for (std::size_t i = 6; i < 9; ++i) {
+      EXPECT_LT((logs[i] - xi[i]).norm(), 1e-15) << i;
+      EXPECT_FALSE(jacobians[i].hasNaN()) << i;
+    }
+  });
+}
+
+TEST(BatchCalls, TheBitsAreTheSameForAnyNumberOfThreads) {
+  const std::vector<Vector6d> xi = tangents(50001);
+  std::vector<SE3d> one(xi.size());
+  std::vector<Matrix6d> one_jacobians(xi.size());
+  batch::exp(xi, one);
+  batch::left_jacobian_inverse(xi, one_jacobians);
+  for (const std::size_t threads : {0u, 2u, 3u, 7u}) {
+    std::vector<SE3d> several(xi.size());
+    std::vector<Matrix6d> jacobians(xi.size());
+    batch::exp(xi, several, threads);
+    batch::left_jacobian_inverse(xi, jacobians, threads);
+    for (std::size_t i = 0; i < xi.size(); ++i) {
+      ASSERT_EQ(several[i].matrix(), one[i].matrix()) << threads << " threads, item " << i;
+      ASSERT_EQ(jacobians[i], one_jacobians[i]) << threads << " threads, item " << i;
+    }
+  }
+}
+
+TEST(BatchCalls, AResultDoesNotDependOnItsNeighbours) {
+  by_every_instruction_set([] {
+    const std::vector<Vector6d> xi = tangents(57);
+    std::vector<SE3d> all(xi.size());
+    std::vector<Vector6d> logs(xi.size());
+    batch::exp(xi, all);
+    batch::log(all, logs);
+    for (std::size_t i = 0; i < xi.size(); ++i) {
+      SE3d one;
+      Vector6d log;
+      batch::exp({&xi[i], 1}, {&one, 1});
+      batch::log({&one, 1}, {&log, 1});
+      EXPECT_EQ(one.matrix(), all[i].matrix()) << i;
+      EXPECT_EQ(log, logs[i]) << i;
+    }
+  });
+}
+
+TEST(BatchCalls, AResultMayBeAnArgument) {
+  by_every_instruction_set([] {
+    std::vector<SE3d> x;
+    for (const Vector6d& xi : tangents(57)) x.push_back(SE3d::exp(xi));
+    const std::vector<SE3d> y(x.rbegin(), x.rend());
+    std::vector<SE3d> expected(x.size());
+    batch::compose(x, y, expected);
+    std::vector<SE3d> found = x;
+    batch::compose(found, y, found);
+    for (std::size_t i = 0; i < x.size(); ++i) EXPECT_EQ(found[i].matrix(), expected[i].matrix());
+  });
+}
+
+TEST(BatchCalls, NoItemsAreNoWork) {
+  std::vector<SE3d> none;
+  EXPECT_NO_THROW(batch::exp(std::vector<Vector6d>(), none, 4));
+}
+
+TEST(BatchCalls, NumbersOfItemsThatDifferAreRefused) {
+  std::vector<SE3d> x(3);
+  std::vector<Matrix6d> p(2);
+  EXPECT_THROW(batch::exp(std::vector<Vector6d>(2), x), InvalidInput);
+  EXPECT_THROW(batch::compose(x, std::vector<SE3d>(4), x), InvalidInput);
+  EXPECT_THROW(batch::inverse({x, p}, {x, p}), InvalidInput);
+}
+
+}  // namespace
+}  // namespace posemix
