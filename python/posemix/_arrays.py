@@ -24,6 +24,26 @@ def as_floats(values: npt.ArrayLike, trailing: tuple[int, ...], name: str) -> Fl
     return array
 
 
+def as_vectors(values: npt.ArrayLike, size: int, name: str) -> tuple[FloatArray, tuple[int, ...]]:
+    """Vectors of `size` numbers as rows of a matrix, and the shape of their array.
+
+    Doubles are copied only if the numbers of a vector are not next to each other, or if the vectors are not
+    evenly apart.
+    """
+    array = np.asarray(values, dtype=np.float64)
+    row = array.strides[0] if array.ndim == 2 else -1
+    if array.shape[-1:] != (size,) or array.strides[-1] != 8 or row < 0 or row % 8 or not array.flags.aligned:
+        array = as_floats(array, (size,), name)
+    return flat_rows(array, 1), array.shape[:-1]
+
+
+def thread_count(threads: int) -> int:
+    """The number of threads; raises ValueError where it is negative."""
+    if threads < 0:
+        raise ValueError(f"threads is {threads}; expected 1 or more, or 0 for one per core")
+    return threads
+
+
 def flat_rows(array: FloatArray, trailing: int) -> FloatArray:
     """The array with all axes but the last `trailing` joined to one."""
     return array.reshape((-1, *array.shape[array.ndim - trailing :]))

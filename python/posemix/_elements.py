@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from posemix import _core
-from posemix._arrays import FloatArray, as_floats, flat_rows
+from posemix._arrays import FloatArray, as_floats, as_vectors, flat_rows, thread_count
 
 Self = TypeVar("Self", bound="Elements")
 
@@ -57,16 +57,18 @@ class Elements:
         return cls._wrap(data, data.shape[:-1])
 
     @classmethod
-    def exp(cls: type[Self], xi: npt.ArrayLike) -> Self:
+    def exp(cls: type[Self], xi: npt.ArrayLike, *, threads: int = 1) -> Self:
         """The elements with the given logarithms.
 
         Parameters
         ----------
         xi : array_like, shape (..., dof)
             Tangent vectors, rotation (rad) before translation (m).
+        threads : int
+            Number of threads, 0 for one per core. The result has the same bits for any number.
         """
-        values = as_floats(xi, (cls.DOF,), "xi")
-        return cls._wrap(cls._call("exp", flat_rows(values, 1)), values.shape[:-1])
+        rows, shape = as_vectors(xi, cls.DOF, "xi")
+        return cls._wrap(cls._call("exp", rows, thread_count(threads)), shape)
 
     @classmethod
     def from_matrix(cls: type[Self], matrix: npt.ArrayLike, tolerance: float = 1e-6) -> Self:
@@ -108,13 +110,26 @@ class Elements:
     def __iter__(self: Self) -> Iterator[Self]:
         return (self[i] for i in range(len(self)))
 
-    def log(self) -> FloatArray:
-        """Tangent vectors [rad, m], shape (..., dof); the norm of the rotation vector is at most pi."""
-        return self._call("log", self._rows()).reshape((*self.shape, self.DOF))
+    def log(self, *, threads: int = 1) -> FloatArray:
+        """Tangent vectors [rad, m], shape (..., dof); the norm of the rotation vector is at most pi.
 
-    def inverse(self: Self) -> Self:
-        """The inverse elements."""
-        return self._wrap(self._call("inverse", self._rows()), self.shape)
+        Parameters
+        ----------
+        threads : int
+            As for `exp`.
+        """
+        rows = self._call("log", self._rows(), thread_count(threads))
+        return rows.reshape((*self.shape, self.DOF))
+
+    def inverse(self: Self, *, threads: int = 1) -> Self:
+        """The inverse elements.
+
+        Parameters
+        ----------
+        threads : int
+            As for `exp`.
+        """
+        return self._wrap(self._call("inverse", self._rows(), thread_count(threads)), self.shape)
 
     def matrix(self) -> FloatArray:
         """Matrices, shape (..., 3, 3) for rotations, (..., 4, 4) for poses."""
@@ -172,35 +187,60 @@ class Elements:
         return self._call("act", a, flat_rows(values, 1)).reshape((*shape, 3))
 
     @classmethod
-    def _jacobian(cls, name: str, xi: npt.ArrayLike) -> FloatArray:
-        values = as_floats(xi, (cls.DOF,), "xi")
-        rows = cls._call(name, flat_rows(values, 1))
-        return rows.reshape((*values.shape[:-1], cls.DOF, cls.DOF))
+    def _jacobian(cls, name: str, xi: npt.ArrayLike, sign: int, threads: int) -> FloatArray:
+        rows, shape = as_vectors(xi, cls.DOF, "xi")
+        matrices = cls._call(name, rows if sign > 0 else -rows, thread_count(threads))
+        return matrices.reshape((*shape, cls.DOF, cls.DOF))
 
     @classmethod
-    def left_jacobian(cls, xi: npt.ArrayLike) -> FloatArray:
-        """J_l(xi), shape (..., dof, dof): Exp(xi + d) = Exp(J_l(xi) d) Exp(xi) to first order."""
-        return cls._jacobian("left_jacobian", xi)
+    def left_jacobian(cls, xi: npt.ArrayLike, *, threads: int = 1) -> FloatArray:
+        """J_l(xi), shape (..., dof, dof): Exp(xi + d) = Exp(J_l(xi) d) Exp(xi) to first order.
+
+        Parameters
+        ----------
+        xi, threads
+            As for `exp`.
+        """
+        return cls._jacobian("left_jacobian", xi, 1, threads)
 
     @classmethod
-    def left_jacobian_inverse(cls, xi: npt.ArrayLike) -> FloatArray:
-        """J_l(xi)^-1, shape (..., dof, dof); singular at angles 2 pi, 4 pi, ..."""
-        return cls._jacobian("left_jacobian_inverse", xi)
+    def left_jacobian_inverse(cls, xi: npt.ArrayLike, *, threads: int = 1) -> FloatArray:
+        """J_l(xi)^-1, shape (..., dof, dof); singular at angles 2 pi, 4 pi, ...
+
+        Parameters
+        ----------
+        xi, threads
+            As for `exp`.
+        """
+        return cls._jacobian("left_jacobian_inverse", xi, 1, threads)
 
     @classmethod
-    def right_jacobian(cls, xi: npt.ArrayLike) -> FloatArray:
-        """J_r(xi) = J_l(-xi), shape (..., dof, dof)."""
-        return cls._jacobian("right_jacobian", xi)
+    def right_jacobian(cls, xi: npt.ArrayLike, *, threads: int = 1) -> FloatArray:
+        """J_r(xi) = J_l(-xi), shape (..., dof, dof).
+
+        Parameters
+        ----------
+        xi, threads
+            As for `exp`.
+        """
+        return cls._jacobian("left_jacobian", xi, -1, threads)
 
     @classmethod
-    def right_jacobian_inverse(cls, xi: npt.ArrayLike) -> FloatArray:
-        """J_r(xi)^-1, shape (..., dof, dof)."""
-        return cls._jacobian("right_jacobian_inverse", xi)
+    def right_jacobian_inverse(cls, xi: npt.ArrayLike, *, threads: int = 1) -> FloatArray:
+        """J_r(xi)^-1, shape (..., dof, dof).
+
+        Parameters
+        ----------
+        xi, threads
+            As for `exp`.
+        """
+        return cls._jacobian("left_jacobian_inverse", xi, -1, threads)
 
     @classmethod
     def ad(cls, xi: npt.ArrayLike) -> FloatArray:
         """ad(xi), shape (..., dof, dof): ad(a) b = [a, b]."""
-        return cls._jacobian("ad", xi)
+        rows, shape = as_vectors(xi, cls.DOF, "xi")
+        return cls._call("ad", rows).reshape((*shape, cls.DOF, cls.DOF))
 
     def is_approx(self: Self, other: Self, tolerance: float = 1e-9) -> bool:
         """Whether all logarithms of ``other^-1 self`` have norms of at most `tolerance`."""

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from posemix import _core
-from posemix._arrays import FloatArray, as_floats, flat_rows, require_finite
+from posemix._arrays import FloatArray, as_floats, flat_rows, require_finite, thread_count
 from posemix._core import (
     BoundedLoss, CompositionRule, FuseResult, FuseSettings, MergeRecord, MergeResult, MergeSettings, Moments,
     MomentSettings, ProductMode, ProjectedFuseSettings, ProjectedMixtureComposeSettings, ProjectedMixtureFuseSettings,
@@ -79,7 +79,12 @@ def _pose_arrays(rows: Any, shape: tuple[int, ...]) -> tuple[SE3, FloatArray]:
 
 
 def compose_arrays(
-    x: SE3, covariance_x: npt.ArrayLike, y: SE3, covariance_y: npt.ArrayLike
+    x: SE3,
+    covariance_x: npt.ArrayLike,
+    y: SE3,
+    covariance_y: npt.ArrayLike,
+    *,
+    threads: int = 1,
 ) -> tuple[SE3, FloatArray]:
     """Means and covariances of many products X_i Y_i; see `compose`.
 
@@ -89,6 +94,8 @@ def compose_arrays(
         Means; a single one is used for all.
     covariance_x, covariance_y : array_like, shape (n, 6, 6) or (6, 6)
         Covariances of the left perturbations, as many as means. They must be positive definite, which is not checked.
+    threads : int
+        Number of threads, 0 for one per core. The result has the same bits for any number.
 
     Returns
     -------
@@ -100,21 +107,33 @@ def compose_arrays(
     ValueError
         For covariances that are not finite, and numbers of densities that differ.
     """
-    rows = _core.compose_rows(*_pose_rows(x, covariance_x), *_pose_rows(y, covariance_y))
+    rows = _core.compose_rows(
+        *_pose_rows(x, covariance_x), *_pose_rows(y, covariance_y), thread_count(threads)
+    )
     return _pose_arrays(rows, x.shape or y.shape)
 
 
 def between_arrays(
-    x: SE3, covariance_x: npt.ArrayLike, y: SE3, covariance_y: npt.ArrayLike
+    x: SE3,
+    covariance_x: npt.ArrayLike,
+    y: SE3,
+    covariance_y: npt.ArrayLike,
+    *,
+    threads: int = 1,
 ) -> tuple[SE3, FloatArray]:
     """Means and covariances of X_i^-1 Y_i; arguments as for `compose_arrays`."""
-    rows = _core.between_rows(*_pose_rows(x, covariance_x), *_pose_rows(y, covariance_y))
+    rows = _core.between_rows(
+        *_pose_rows(x, covariance_x), *_pose_rows(y, covariance_y), thread_count(threads)
+    )
     return _pose_arrays(rows, x.shape or y.shape)
 
 
-def inverse_arrays(x: SE3, covariance: npt.ArrayLike) -> tuple[SE3, FloatArray]:
+def inverse_arrays(
+    x: SE3, covariance: npt.ArrayLike, *, threads: int = 1
+) -> tuple[SE3, FloatArray]:
     """Means and covariances of X_i^-1; arguments as for `compose_arrays`."""
-    return _pose_arrays(_core.inverse_rows(*_pose_rows(x, covariance)), x.shape)
+    rows = _core.inverse_rows(*_pose_rows(x, covariance), thread_count(threads))
+    return _pose_arrays(rows, x.shape)
 
 
 def fuse_arrays(

@@ -12,6 +12,7 @@
 #include <nanobind/ndarray.h>
 
 #include "posemix/base/error.hpp"
+#include "posemix/lie/batch_rows.hpp"
 #include "posemix/lie/lie.hpp"
 
 /// Conversions between numpy arrays and elements of groups. Poses are rows [tx, ty, tz, qx, qy, qz,
@@ -86,6 +87,14 @@ inline void require_columns(const Rows& rows, std::size_t columns, const char* n
     throw InvalidInput(fmt::format("{} has shape ({}, {}); expected ({}, {})", name, rows.shape(0),
                                    rows.shape(1), rows.shape(0), columns));
   }
+}
+
+/// Poses in the rows of an array; a single one is used for all.
+inline internal::ConstPoseRows pose_rows_in(const Rows& x) {
+  return {x.data() + 3, x.data(), x.shape(0) == 1 ? 0U : 7U};
+}
+inline internal::MutablePoseRows pose_rows_out(const NewArray& x) {
+  return {x.data + 3, x.data, 7};
 }
 
 /// The elements in the rows of an array.

@@ -24,6 +24,9 @@ struct PoseRows {
   }
 
   std::size_t size() const { return means.shape(0); }
+  internal::ConstDensities rows() const {
+    return {pose_rows_in(means), {covariances.data(), size() == 1 ? 0U : 36U}};
+  }
   ConcentratedSE3 at(std::size_t i) const {
     const std::size_t k = size() == 1 ? 0 : i;
     const Eigen::Map<const Matrix6d> covariance(covariances.data() + 36 * k);
@@ -41,48 +44,66 @@ struct PoseRowsOut {
     Wire<SE3d>::write(density.mean(), means.data + 7 * i);
     Eigen::Map<Matrix6d>(covariances.data + 36 * i) = density.covariance();
   }
+  internal::MutableDensities rows() const { return {pose_rows_out(means), {covariances.data, 36}}; }
   nb::tuple tuple() { return nb::make_tuple(std::move(means.array), std::move(covariances.array)); }
 };
 
-template <class Operation>
-nb::tuple each_density(const PoseRows& x, const PoseRows& y, Operation operation) {
+std::size_t common_size(const PoseRows& x, const PoseRows& y) {
   if (x.size() != y.size() && x.size() != 1 && y.size() != 1) {
     throw InvalidInput(fmt::format(
         "{} densities and {}; expected as many of both, or one of either", x.size(), y.size()));
   }
-  const std::size_t n = x.size() == 1 ? y.size() : x.size();
-  PoseRowsOut out(n);
+  return x.size() == 1 ? y.size() : x.size();
+}
+
+/// function(rows..., count) on several threads.
+template <class Function, class... In>
+nb::tuple in_batch(Function function, std::size_t count, std::size_t threads, const In&... in) {
+  PoseRowsOut out(count);
   {
     const nb::gil_scoped_release unlocked;
-    for (std::size_t i = 0; i < n; ++i) out.set(i, operation(x.at(i), y.at(i)));
+    internal::by_parts(function, count, threads, in.rows()..., out.rows());
   }
   return out.tuple();
+}
+
+nb::tuple fused_rows(const PoseRows& x, const PoseRows& y, const FuseSettings& settings) {
+  PoseRowsOut out(common_size(x, y));
+  std::vector<bool> converged;
+  {
+    const nb::gil_scoped_release unlocked;
+    for (std::size_t i = 0; i < common_size(x, y); ++i) {
+      const auto result = fuse(x.at(i), y.at(i), settings);
+      converged.push_back(result.converged);
+      out.set(i, result.density);
+    }
+  }
+  const nb::tuple densities = out.tuple();
+  return nb::make_tuple(densities[0], densities[1], converged);
 }
 
 }  // namespace
 
 void bind_density_batches(nb::module_& m) {
-  m.def("compose_rows", [](const Rows& mx, const Matrices& cx, const Rows& my, const Matrices& cy) {
-    return each_density({mx, cx}, {my, cy},
-                        [](const auto& x, const auto& y) { return compose(x, y); });
-  });
-  m.def("between_rows", [](const Rows& mx, const Matrices& cx, const Rows& my, const Matrices& cy) {
-    return each_density({mx, cx}, {my, cy},
-                        [](const auto& x, const auto& y) { return between(x, y); });
-  });
-  m.def("inverse_rows", [](const Rows& mx, const Matrices& cx) {
+  m.def("compose_rows", [](const Rows& mx, const Matrices& cx, const Rows& my, const Matrices& cy,
+                           std::size_t threads) {
     const PoseRows x(mx, cx);
-    return each_density(x, x, [](const auto& a, const auto&) { return inverse(a); });
+    const PoseRows y(my, cy);
+    return in_batch(internal::density_product_of, common_size(x, y), threads, x, y);
+  });
+  m.def("between_rows", [](const Rows& mx, const Matrices& cx, const Rows& my, const Matrices& cy,
+                           std::size_t threads) {
+    const PoseRows x(mx, cx);
+    const PoseRows y(my, cy);
+    return in_batch(internal::density_between_of, common_size(x, y), threads, x, y);
+  });
+  m.def("inverse_rows", [](const Rows& mx, const Matrices& cx, std::size_t threads) {
+    const PoseRows x(mx, cx);
+    return in_batch(internal::density_inverse_of, x.size(), threads, x);
   });
   m.def("fuse_rows", [](const Rows& mx, const Matrices& cx, const Rows& my, const Matrices& cy,
                         const FuseSettings& settings) {
-    std::vector<bool> converged;
-    const nb::tuple fused = each_density({mx, cx}, {my, cy}, [&](const auto& x, const auto& y) {
-      auto result = fuse(x, y, settings);
-      converged.push_back(result.converged);
-      return std::move(result.density);
-    });
-    return nb::make_tuple(fused[0], fused[1], converged);
+    return fused_rows({mx, cx}, {my, cy}, settings);
   });
 }
 

@@ -61,38 +61,123 @@ typename G::Tangent tangent(const double* p) {
   return Eigen::Map<const typename G::Tangent>(p);
 }
 
-/// Binds the functions of one group under names that begin with `prefix`.
+/// Tangent vectors, whose rows need not be next to each other.
+using Vectors = nb::ndarray<const double, nb::ndim<2>, nb::device::cpu>;
+
+internal::ConstRows vectors(const Vectors& xi, std::size_t dof) {
+  if (xi.shape(1) != dof || (xi.shape(0) > 0 && xi.stride(1) != 1)) {
+    throw InvalidInput(fmt::format("tangent vectors of {} numbers; expected {}, next to each other",
+                                   xi.shape(1), dof));
+  }
+  return {xi.data(), static_cast<std::size_t>(xi.stride(0))};
+}
+
+/// The functions of many elements of a group, and their rows.
+template <class G>
+struct Batch;
+
+template <>
+struct Batch<SO3d> {
+  static constexpr auto kExp = &internal::so3_exp_of;
+  static constexpr auto kLog = &internal::so3_log_of;
+  static constexpr auto kLeftJacobian = &internal::so3_left_jacobian_of;
+  static constexpr auto kLeftJacobianInverse = &internal::so3_left_jacobian_inverse_of;
+  static constexpr auto kProduct = &internal::so3_product_of;
+  static constexpr auto kInverse = &internal::so3_inverse_of;
+
+  static internal::ConstRows in(const Rows& x) { return {x.data(), x.shape(0) == 1 ? 0U : 4U}; }
+  static internal::MutableRows out(const NewArray& x) { return {x.data, 4}; }
+};
+
+template <>
+struct Batch<SE3d> {
+  static constexpr auto kExp = &internal::exp_of;
+  static constexpr auto kLog = &internal::log_of;
+  static constexpr auto kLeftJacobian = &internal::left_jacobian_of;
+  static constexpr auto kLeftJacobianInverse = &internal::left_jacobian_inverse_of;
+  static constexpr auto kProduct = &internal::product_of;
+  static constexpr auto kInverse = &internal::inverse_of;
+
+  static internal::ConstPoseRows in(const Rows& x) { return pose_rows_in(x); }
+  static internal::MutablePoseRows out(const NewArray& x) { return pose_rows_out(x); }
+};
+
+/// function(rows..., count) on several threads, without holding the interpreter's lock.
+template <class Function, class... BatchRows>
+void in_batch(Function function, std::size_t count, std::size_t threads, const BatchRows&... rows) {
+  const nb::gil_scoped_release unlocked;
+  internal::by_parts(function, count, threads, rows...);
+}
+
+/// Binds the batch functions of one group under names that begin with `prefix`.
+template <class G>
+void bind_batches(nb::module_& m, const std::string& prefix) {
+  using B = Batch<G>;
+  constexpr std::size_t kDof = Wire<G>::kDof;
+  constexpr std::size_t kSize = Wire<G>::kSize;
+  const auto def = [&](const char* name, auto function, auto... extra) {
+    m.def((prefix + name).c_str(), function, extra..., "threads"_a = 1);
+  };
+  def(
+      "exp",
+      [](const Vectors& xi, std::size_t threads) {
+        const internal::ConstRows in = vectors(xi, kDof);
+        NewArray out({xi.shape(0), kSize});
+        in_batch(B::kExp, xi.shape(0), threads, in, B::out(out));
+        return std::move(out.array);
+      },
+      "xi"_a);
+  def(
+      "log",
+      [](const Rows& x, std::size_t threads) {
+        require_columns(x, kSize, "x");
+        NewArray out({x.shape(0), kDof});
+        in_batch(B::kLog, x.shape(0), threads, B::in(x), internal::MutableRows{out.data, kDof});
+        return std::move(out.array);
+      },
+      "x"_a);
+  def(
+      "multiply",
+      [](const Rows& a, const Rows& b, std::size_t threads) {
+        const std::size_t n = common_rows(a, b);
+        require_columns(a, kSize, "a");
+        require_columns(b, kSize, "b");
+        NewArray out({n, kSize});
+        in_batch(B::kProduct, n, threads, B::in(a), B::in(b), B::out(out));
+        return std::move(out.array);
+      },
+      "a"_a, "b"_a);
+  def(
+      "inverse",
+      [](const Rows& x, std::size_t threads) {
+        require_columns(x, kSize, "x");
+        NewArray out({x.shape(0), kSize});
+        in_batch(B::kInverse, x.shape(0), threads, B::in(x), B::out(out));
+        return std::move(out.array);
+      },
+      "x"_a);
+  const auto jacobian = [&](const char* name, auto function) {
+    def(
+        name,
+        [function](const Vectors& xi, std::size_t threads) {
+          const internal::ConstRows in = vectors(xi, kDof);
+          NewArray out({xi.shape(0), kDof, kDof});
+          in_batch(function, xi.shape(0), threads, in,
+                   internal::MutableMatrices{out.data, kDof * kDof, true});
+          return std::move(out.array);
+        },
+        "xi"_a);
+  };
+  jacobian("left_jacobian", B::kLeftJacobian);
+  jacobian("left_jacobian_inverse", B::kLeftJacobianInverse);
+}
+
+/// Binds the other functions of one group under names that begin with `prefix`.
 template <class G>
 void bind_group(nb::module_& m, const std::string& prefix) {
   const auto def = [&](const char* name, auto function, auto... extra) {
     m.def((prefix + name).c_str(), function, extra...);
   };
-  def(
-      "exp",
-      [](const Rows& xi) {
-        require_columns(xi, Wire<G>::kDof, "xi");
-        return each_row(xi, {Wire<G>::kSize}, [](const double* in, double* out) {
-          Wire<G>::write(G::exp(tangent<G>(in)), out);
-        });
-      },
-      "xi"_a);
-  def(
-      "log",
-      [](const Rows& x) {
-        return each_row(x, {Wire<G>::kDof}, [](const double* in, double* out) {
-          Eigen::Map<typename G::Tangent> result(out);
-          result = Wire<G>::read(in).log();
-        });
-      },
-      "x"_a);
-  def(
-      "multiply",
-      [](const Rows& a, const Rows& b) {
-        return each_pair(a, b, Wire<G>::kSize, [](const double* x, const double* y, double* out) {
-          Wire<G>::write(Wire<G>::read(x) * Wire<G>::read(y), out);
-        });
-      },
-      "a"_a, "b"_a);
   def(
       "act",
       [](const Rows& x, const Rows& points) {
@@ -103,14 +188,6 @@ void bind_group(nb::module_& m, const std::string& prefix) {
         });
       },
       "x"_a, "points"_a);
-  def(
-      "inverse",
-      [](const Rows& x) {
-        return each_row(x, {Wire<G>::kSize}, [](const double* in, double* out) {
-          Wire<G>::write(Wire<G>::read(in).inverse(), out);
-        });
-      },
-      "x"_a);
   def(
       "matrix",
       [](const Rows& x) {
@@ -147,25 +224,15 @@ void bind_group(nb::module_& m, const std::string& prefix) {
         });
       },
       "x"_a);
-  const auto jacobian = [&](const char* name, auto function) {
-    def(
-        name,
-        [function](const Rows& xi) {
-          require_columns(xi, Wire<G>::kDof, "xi");
-          return each_row(xi, {Wire<G>::kDof, Wire<G>::kDof},
-                          [function](const double* in, double* out) {
-                            write_matrix<G>(function(tangent<G>(in)), out);
-                          });
-        },
-        "xi"_a);
-  };
-  using Tangent = typename G::Tangent;
-  jacobian("left_jacobian", [](const Tangent& xi) { return G::left_jacobian(xi); });
-  jacobian("left_jacobian_inverse", [](const Tangent& xi) { return G::left_jacobian_inverse(xi); });
-  jacobian("right_jacobian", [](const Tangent& xi) { return G::right_jacobian(xi); });
-  jacobian("right_jacobian_inverse",
-           [](const Tangent& xi) { return G::right_jacobian_inverse(xi); });
-  jacobian("ad", [](const Tangent& xi) { return G::ad(xi); });
+  def(
+      "ad",
+      [](const Rows& xi) {
+        require_columns(xi, Wire<G>::kDof, "xi");
+        return each_row(xi, {Wire<G>::kDof, Wire<G>::kDof}, [](const double* in, double* out) {
+          write_matrix<G>(G::ad(tangent<G>(in)), out);
+        });
+      },
+      "xi"_a);
   def(
       "interpolate",
       [](const Numbers& a, const Numbers& b, const Numbers& t) {
@@ -192,7 +259,9 @@ void bind_group(nb::module_& m, const std::string& prefix) {
 
 void bind_lie(nb::module_& m) {
   bind_group<SO3d>(m, "so3_");
+  bind_batches<SO3d>(m, "so3_");
   bind_group<SE3d>(m, "se3_");
+  bind_batches<SE3d>(m, "se3_");
   m.def(
       "so3_normalized",
       [](const Rows& quaternions) {

@@ -19,6 +19,7 @@ from posemix import (
     ProjectedGaussian,
     back_project,
     between,
+    between_arrays,
     compose,
     compose_arrays,
     fuse,
@@ -106,6 +107,7 @@ def test_batches_are_one_density_after_the_other(rng: np.random.Generator) -> No
     with pytest.raises(ValueError, match=r"covariances holds nan at index \(0, 0, 0\)"):
         compose_arrays(means[0], np.full((6, 6, 6), np.nan), means[1], p[1])
     inverse_mean, inverse_cov = inverse_arrays(means[0], p[0])
+    between_mean, between_cov = between_arrays(means[0], p[0], means[1], p[1], threads=2)
     for i in range(6):
         x = ConcentratedGaussian(means[0][i], p[0, i])
         y = ConcentratedGaussian(means[1][i], p[1, i])
@@ -117,6 +119,24 @@ def test_batches_are_one_density_after_the_other(rng: np.random.Generator) -> No
         np.testing.assert_allclose(fused_cov[i], fused.covariance, atol=1e-12)
         np.testing.assert_allclose(inverse_cov[i], inverse(x).covariance, atol=1e-13)
         assert inverse_mean[i].is_approx(inverse(x).mean, 1e-12)
+        np.testing.assert_allclose(between_cov[i], between(x, y).covariance, atol=1e-13)
+        assert between_mean[i].is_approx(between(x, y).mean, 1e-12)
+
+
+def test_one_density_is_composed_with_all(rng: np.random.Generator) -> None:
+    x = SE3.exp(rng.normal(size=6))
+    y = SE3.exp(rng.normal(size=(11, 6)))
+    p = covariance(rng, 0.1, 0.02)
+    q = np.stack([covariance(rng, 0.1, 0.02) for _ in range(11)])
+    left = compose_arrays(x, p, y, q)
+    right = compose_arrays(y, q, x, p)
+    for i in range(11):
+        one = compose(ConcentratedGaussian(x, p), ConcentratedGaussian(y[i], q[i]))
+        assert left[0][i].is_approx(one.mean, 1e-12)
+        np.testing.assert_allclose(left[1][i], one.covariance, atol=1e-14)
+        one = compose(ConcentratedGaussian(y[i], q[i]), ConcentratedGaussian(x, p))
+        assert right[0][i].is_approx(one.mean, 1e-12)
+        np.testing.assert_allclose(right[1][i], one.covariance, atol=1e-14)
 
 
 def test_fusion_is_bayes_rule_for_narrow_densities(rng: np.random.Generator) -> None:

@@ -114,9 +114,41 @@ def test_bad_values_are_refused() -> None:
 
 
 def test_memory_that_fits_is_not_copied() -> None:
-    from posemix._arrays import as_floats
+    from posemix._arrays import as_floats, as_vectors
 
     xi = np.zeros((10, 6))
     assert np.shares_memory(as_floats(xi, (6,), "xi"), xi)
-    strided = np.zeros((10, 12))[:, ::2]
-    assert SE3.exp(strided).shape == (10,)
+    table = np.zeros((10, 8))
+    rows, shape = as_vectors(table[::2, 1:7], 6, "xi")
+    assert np.shares_memory(rows, table)
+    assert shape == (5,)
+
+
+def test_vectors_apart_are_those_next_to_each_other(rng: np.random.Generator) -> None:
+    table = rng.normal(size=(37, 14))
+    for apart in (table[:, 1:7], table[::3, :6], table[::-1, :6], table[:, ::2][:, :6], table.T[:6].T):
+        np.testing.assert_array_equal(SE3.exp(apart)._data, SE3.exp(apart.copy())._data)
+        np.testing.assert_array_equal(SE3.left_jacobian(apart), SE3.left_jacobian(apart.copy()))
+        np.testing.assert_array_equal(SE3.ad(apart), SE3.ad(apart.copy()))
+
+
+@pytest.mark.parametrize("group", [SO3, SE3])
+def test_results_have_the_same_bits_by_any_number_of_threads(
+    group: type, rng: np.random.Generator
+) -> None:
+    xi = rng.normal(size=(40001, group.DOF))
+    x = group.exp(xi)
+    for threads in (0, 2, 5):
+        np.testing.assert_array_equal(group.exp(xi, threads=threads)._data, x._data)
+        np.testing.assert_array_equal(x.log(threads=threads), x.log())
+        np.testing.assert_array_equal(x.inverse(threads=threads)._data, x.inverse()._data)
+        for jacobian in (group.left_jacobian, group.right_jacobian_inverse):
+            np.testing.assert_array_equal(jacobian(xi, threads=threads), jacobian(xi))
+    with pytest.raises(ValueError, match="threads is -1; expected 1 or more, or 0 for one per core"):
+        group.exp(xi, threads=-1)
+
+
+def test_what_is_not_a_number_stays_in_its_place() -> None:
+    xi = np.zeros((9, 6))
+    xi[4, 1] = np.nan
+    assert np.isnan(SE3.exp(xi).log()).any(axis=-1).tolist() == [i == 4 for i in range(9)]
