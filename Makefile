@@ -8,7 +8,7 @@ PREFIX ?= /usr/local
 PYTHON ?= python3
 PROGRAM := build/release/posemix
 FORMATTED = $(shell find include src tests bench -name '*.hpp' -o -name '*.cpp')
-SCRIPTS := tools/bootstrap tools/deb_test tools/debian_root tools/wheel_test tools/source_test tools/wheels/first_use tools/make_release tools/report_inputs .ci/run
+SCRIPTS := tools/bootstrap tools/bench_peers tools/deb_test tools/debian_root tools/wheel_test tools/source_test tools/wheels/first_use tools/make_release tools/report_inputs .ci/run
 
 export CMAKE_BUILD_PARALLEL_LEVEL = $(JOBS)
 export CTEST_PARALLEL_LEVEL = $(JOBS)
@@ -19,7 +19,7 @@ PYTHON_BUILDS = $(shell sed -n 's/^requires = \[\(.*\)\]/\1/p' pyproject.toml | 
 
 VENV_PIP = $(VENV)/bin/pip install --quiet --disable-pip-version-check
 
-.PHONY: help build built demo test test-cpp test-python test-ros report-test fuzz bench deb deb-test wheels wheels-test source-test release format style lint tidy docs \
+.PHONY: help build built demo test test-cpp test-python test-ros report-test fuzz bench bench-built bench-table deb deb-test wheels wheels-test source-test release format style lint tidy docs \
   coverage install clean
 .DELETE_ON_ERROR:
 
@@ -28,7 +28,8 @@ help:
 	@echo 'make demo       simulate a sequence and run three filters on it side by side, into build/demo, with a report'
 	@echo 'make test       build and run all tests: test-cpp, test-python, report-test (the report page in a browser), test-ros'
 	@echo 'make fuzz       the tests that damage files, under sanitizers'
-	@echo 'make bench      build and run the benchmarks, results into build/bench; then those of the report page in a browser'
+	@echo 'make bench      build and run the benchmarks, results into build/bench; those of the report page in a browser; last'
+	@echo '                one table of the library beside its peers (docs/benchmarks.md), which make bench-table makes alone'
 	@echo 'make deb        Debian packages of program and library, into build/deb'
 	@echo 'make deb-test   install them beside nothing else, use them, and remove them (as root; fetches a small Debian)'
 	@echo 'make wheels     wheels for CPython 3.10 and later and a source distribution, into build/wheels'
@@ -123,14 +124,25 @@ fuzz: build/.bootstrap-test
 	cmake --build --preset release --target fuzz_tests
 	ctest --preset release -L '^fuzz$$'
 
-bench: build/.bootstrap-bench
-	@$(call configured,release,POSEMIX_BUILD_BENCH)
+# The peers that Debian does not have, from PyPI; the headers of Sophus are those in the source archive of its package for Python.
+build/.peers: bench/peers/requirements.txt bench/peers/sophus.txt tools/bench_peers
+	@tools/bench_peers build/peers
+	@touch $@
+
+bench-built: build/.bootstrap-bench build/.peers
+	cmake --preset release -DPOSEMIX_BUILD_BENCH=ON -DPOSEMIX_SOPHUS="$(wildcard $(CURDIR)/build/peers/sophus)"
 	cmake --build --preset release --target benchmarks
+
+bench: bench-built
 	@mkdir -p build/bench
 	@for bench in build/release/bench/bench_*; do \
 	  "$$bench" --benchmark_out="build/bench/$${bench##*/}.json" --benchmark_out_format=json || exit 1; \
 	done
 	cd report && POSEMIX_CHROMIUM="$$(command -v chromium)" npm run --silent bench
+	@$(MAKE) --no-print-directory bench-table
+
+bench-table: bench-built
+	tools/bench_table build/release/bench/peers build/bench --python build/peers/venv/bin/python
 
 # The time of the last commit is that of all files in the packages, which are the same when they are built again.
 deb: build/.bootstrap-deb
