@@ -11,8 +11,8 @@ namespace posemix::internal {
 
 /// The Cholesky factor of a 6x6 covariance S = L L^T, of which the lower triangle is read. Like
 /// Eigen::LLT<Matrix6d>, with loops of a length known at compile time, which Eigen leaves to its
-/// kernels for any size. A direction in which rounding leaves no variance is taken as known: it adds
-/// nothing to what is whitened or solved.
+/// kernels for any size. A direction in which rounding leaves no variance is taken as known: it
+/// adds nothing to what is whitened or solved.
 class Cholesky6 {
  public:
   explicit Cholesky6(const Matrix6d& s) {

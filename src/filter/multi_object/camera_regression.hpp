@@ -40,7 +40,7 @@ class CameraRegression {
   const CameraMoments& before_;
   const CameraMoments& after_;
   Cholesky6 camera_;       ///< of the covariance before, without extrinsics
-  Eigen::VectorXd shift_;        ///< P^-1 (m' - m), with extrinsics
+  Eigen::VectorXd shift_;  ///< P^-1 (m' - m), with extrinsics
   /// L with P' = P - L L^T, and P^-1 L. An observation under one hypothesis changes the rig in six
   /// directions alone; without columns P' is another one, and `solved_` is empty.
   Eigen::MatrixXd reduction_;

@@ -177,8 +177,8 @@ class JointGaussian {
   CameraChange update(std::size_t index, const Explanation& leading,
                       const CameraAlternative& alternative, const GainFactors& factors,
                       const ObservationSource& source = {});
-  /// The same by dense products and factors: for extrinsics and passive objects, where the covariance
-  /// is nearly singular, and as the reference.
+  /// The same by dense products and factors: for extrinsics and passive objects, where the
+  /// covariance is nearly singular, and as the reference.
   CameraChange update_densely(std::size_t index, const Explanation& leading,
                               const CameraAlternative& alternative, const GainFactors& factors,
                               const ObservationSource& source = {});
@@ -238,8 +238,8 @@ class JointGaussian {
   Eigen::Index first(std::size_t index) const { return blocks_[index].at; }
   Eigen::Index dof(std::size_t index) const { return offset(blocks_of(index)); }
   Eigen::Index rig_dof() const { return offset(1 + extrinsics_); }
-  /// update() in the columns of what the detection sees, for an object of Own coordinates; none where
-  /// the covariance is nearly singular.
+  /// update() in the columns of what the detection sees, for an object of Own coordinates; none
+  /// where the covariance is nearly singular.
   template <int Own>
   std::optional<CameraChange> update_columns(std::size_t index, const Explanation& leading,
                                              const CameraAlternative& alternative,
