@@ -121,15 +121,9 @@ class Elements:
         rows = self._call("log", self._rows(), thread_count(threads))
         return rows.reshape((*self.shape, self.DOF))
 
-    def inverse(self: Self, *, threads: int = 1) -> Self:
-        """The inverse elements.
-
-        Parameters
-        ----------
-        threads : int
-            As for `exp`.
-        """
-        return self._wrap(self._call("inverse", self._rows(), thread_count(threads)), self.shape)
+    def inverse(self: Self) -> Self:
+        """The inverse elements."""
+        return self._wrap(self._call("inverse", self._rows()), self.shape)
 
     def matrix(self) -> FloatArray:
         """Matrices, shape (..., 3, 3) for rotations, (..., 4, 4) for poses."""

@@ -39,9 +39,9 @@ class SO3(Elements):
     --------
     >>> import numpy as np
     >>> from posemix import SO3
-    >>> quarter = SO3.exp([0, 0, np.pi / 2])
-    >>> quarter.act([1.0, 0.0, 0.0]).round(9)
-    array([0., 1., 0.])
+    >>> turn = SO3.exp([0, 0, np.pi / 6])
+    >>> turn.act([1.0, 0.0, 0.0]).round(3)
+    array([0.866, 0.5  , 0.   ])
     >>> SO3.exp(np.zeros((1000, 3))).shape
     (1000,)
     """

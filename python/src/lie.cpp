@@ -82,8 +82,6 @@ struct Batch<SO3d> {
   static constexpr auto kLog = &internal::so3_log_of;
   static constexpr auto kLeftJacobian = &internal::so3_left_jacobian_of;
   static constexpr auto kLeftJacobianInverse = &internal::so3_left_jacobian_inverse_of;
-  static constexpr auto kProduct = &internal::so3_product_of;
-  static constexpr auto kInverse = &internal::so3_inverse_of;
 
   static internal::ConstRows in(const Rows& x) { return {x.data(), x.shape(0) == 1 ? 0U : 4U}; }
   static internal::MutableRows out(const NewArray& x) { return {x.data, 4}; }
@@ -95,8 +93,6 @@ struct Batch<SE3d> {
   static constexpr auto kLog = &internal::log_of;
   static constexpr auto kLeftJacobian = &internal::left_jacobian_of;
   static constexpr auto kLeftJacobianInverse = &internal::left_jacobian_inverse_of;
-  static constexpr auto kProduct = &internal::product_of;
-  static constexpr auto kInverse = &internal::inverse_of;
 
   static internal::ConstPoseRows in(const Rows& x) { return pose_rows_in(x); }
   static internal::MutablePoseRows out(const NewArray& x) { return pose_rows_out(x); }
@@ -136,26 +132,6 @@ void bind_batches(nb::module_& m, const std::string& prefix) {
         return std::move(out.array);
       },
       "x"_a);
-  def(
-      "multiply",
-      [](const Rows& a, const Rows& b, std::size_t threads) {
-        const std::size_t n = common_rows(a, b);
-        require_columns(a, kSize, "a");
-        require_columns(b, kSize, "b");
-        NewArray out({n, kSize});
-        in_batch(B::kProduct, n, threads, B::in(a), B::in(b), B::out(out));
-        return std::move(out.array);
-      },
-      "a"_a, "b"_a);
-  def(
-      "inverse",
-      [](const Rows& x, std::size_t threads) {
-        require_columns(x, kSize, "x");
-        NewArray out({x.shape(0), kSize});
-        in_batch(B::kInverse, x.shape(0), threads, B::in(x), B::out(out));
-        return std::move(out.array);
-      },
-      "x"_a);
   const auto jacobian = [&](const char* name, auto function) {
     def(
         name,
@@ -178,6 +154,24 @@ void bind_group(nb::module_& m, const std::string& prefix) {
   const auto def = [&](const char* name, auto function, auto... extra) {
     m.def((prefix + name).c_str(), function, extra...);
   };
+  // Products and inverses have the bits of the operators of C++, so that increments of odometry from
+  // Python are those of a recording.
+  def(
+      "multiply",
+      [](const Rows& a, const Rows& b) {
+        return each_pair(a, b, Wire<G>::kSize, [](const double* x, const double* y, double* out) {
+          Wire<G>::write(Wire<G>::read(x) * Wire<G>::read(y), out);
+        });
+      },
+      "a"_a, "b"_a);
+  def(
+      "inverse",
+      [](const Rows& x) {
+        return each_row(x, {Wire<G>::kSize}, [](const double* in, double* out) {
+          Wire<G>::write(Wire<G>::read(in).inverse(), out);
+        });
+      },
+      "x"_a);
   def(
       "act",
       [](const Rows& x, const Rows& points) {

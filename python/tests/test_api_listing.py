@@ -28,7 +28,7 @@ def test_the_listing_has_compiled_and_python_names_with_their_arguments():
     from python_names import public_names
 
     lines = set(public_names("posemix"))
-    assert "posemix.SO3.exp(cls: 'type[Self]', xi: 'npt.ArrayLike') -> 'Self'" in lines
+    assert "posemix.SO3.exp(cls: 'type[Self]', xi: 'npt.ArrayLike', *, threads: 'int' = 1) -> 'Self'" in lines
     assert "posemix.ReductionSettings.max_components: int (may be assigned)" in lines
     assert any(line.startswith("posemix.fit_existence(counts: ") for line in lines)
     assert {f"posemix.TrackHealth.{health.name}" for health in px.TrackHealth} <= lines

@@ -41,6 +41,8 @@ EMPTY = {"StaticMotion"}
 
 # Structs without a class, and why.
 WITHOUT_CLASS = {
+    "UncertainPoses": "arguments of posemix::batch, whose functions take arrays in Python",
+    "UncertainPosesResult": "results of posemix::batch",
     "MotionPrediction": "a step of MovingObjectFilter",
     "TrackedPlace": "a step of MultiObjectSlam",
     "MotionState": "a step of MovingObjectFilter",
