@@ -171,9 +171,13 @@ function cautionsOf(runs: Run[], seconds: number, apart: string[]): string[] {
 
 export async function readComparison(packed: readonly PackedRun[]): Promise<Comparison> {
   const names = distinctNames(packed.map(({ name }) => name));
-  const traces = await Promise.all(packed.map(async ({ trace }, i) => readTrace(trace).catch((error: unknown) => {
+  // All at once; of several that are damaged the first is named, and not the one that fails first.
+  const read = await Promise.allSettled(packed.map(({ trace }) => readTrace(trace)));
+  const traces = read.map((result, i) => {
+    if (result.status === "fulfilled") return result.value;
+    const error: unknown = result.reason;
     throw error instanceof BadPayload ? new BadPayload(`Run ${names[i]}: ${error.message}`) : error;
-  })));
+  });
   const stamps = unionOf(traces.map(({ head }) => head.stamps_s));
   const ids = [...new Set(traces.flatMap(({ head }) => head.order))];
   const timeline = new Trace({ name: "", method: "", order: ids, frames: stamps.length, stamps_s: stamps, columns: [], data: "" }, new Map());
