@@ -45,6 +45,7 @@ std::string start_again() {
     const std::string program = std::filesystem::read_symlink("/proc/self/exe").string();
     std::vector<std::string> words = own_command_line();
     std::vector<char*> arguments;
+    arguments.reserve(words.size() + 1);
     for (std::string& word : words) arguments.push_back(word.data());
     arguments.push_back(nullptr);
     ::execv(program.c_str(), arguments.data());

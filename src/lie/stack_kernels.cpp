@@ -145,7 +145,7 @@ void sum_congruences(const CongruenceSum& of, double* sum) {
       POSEMIX_UNROLL
       for (std::size_t part = 0; part < kParts; ++part) {
         POSEMIX_UNROLL
-        for (std::size_t r = 0; r < kDof; ++r) block.rows[r][part] = hn::Zero(D());
+        for (auto& row : block.rows) row[part] = hn::Zero(D());
         const auto mask = hn::FirstN(D(), std::min(kLanes, kDof - part * kLanes));
         for (std::size_t k = 0; k < of.deviations; ++k) {
           const V row = hn::MaskedLoad(mask, D(), d_j + k * n + part * kLanes);

@@ -130,8 +130,9 @@ typename PairUpdate<Own>::Square PairUpdate<Own>::object_covariance(
 }
 
 template <int Own>
-void PairUpdate<Own>::change_covariance(ConstMatrixRef columns, ConstMatrixRef weighted,
-                                        ConstMatrixRef l, const Square& own, MatrixXd& covariance) {
+void PairUpdate<Own>::change_covariance(const ConstMatrixRef& columns,
+                                        const ConstMatrixRef& weighted, const ConstMatrixRef& l,
+                                        const Square& own, MatrixXd& covariance) {
   MatrixXd& object = work_.object;
   object = covariance.middleCols<Own>(object_);
   subtract_product(object, columns, -l);
@@ -179,6 +180,38 @@ bool PairUpdate<Own>::given_the_rest(const MatrixXd& covariance, Square& own) {
 }
 
 template <int Own>
+typename PairUpdate<Own>::All PairUpdate<Own>::weighting(
+    double weight, const Eigen::Matrix<double, kAll, 1>& apart, const Cholesky6& prior,
+    const Matrix6d& camera_change, const Square& n_gg) const {
+  All q = weight * (1.0 - weight) * (apart * apart.transpose());
+  const Matrix6d whitened_once = prior.whitened_rows(camera_change);
+  q.template topLeftCorner<6, 6>() +=
+      weight * prior.whitened_rows(Matrix6d(whitened_once.transpose()));
+  q.template bottomRightCorner<Own, Own>() += (1.0 - weight) * n_gg;
+  return q;
+}
+
+/// The moments of the mixture, eq. (30).
+template <int Own>
+void PairUpdate<Own>::take_moments(const Eigen::Matrix<double, kAll, 1>& shift, const All& q,
+                                   const Wide& c_phi, const Square& c_y, MatrixXd& covariance) {
+  const MatrixXd& f = work_.columns;
+  Wide l = c_phi.lazyProduct(q);
+  Wide difference = l;
+  difference.template rightCols<Own>() -=
+      c_phi.template rightCols<Own>().lazyProduct(change(gain_.camera, gain_.camera));
+  const Square own = object_covariance(covariance) + difference.lazyProduct(c_phi.transpose());
+  l.template rightCols<Own>() += c_y;
+  const Seen own_mean = mean_.segment<Own>(object_) + c_phi * shift;
+  mean_ += product(f, shift);
+  mean_.segment<Own>(object_) = own_mean;
+  MatrixXd& weighted = work_.weighted;
+  weighted.setZero(covariance.rows(), kAll);
+  subtract_product(weighted, f, q);
+  change_covariance(f, weighted, l, own, covariance);
+}
+
+template <int Own>
 bool PairUpdate<Own>::take_mixture(double weight, const Vector6d& camera_mean,
                                    const Matrix6d& camera, MatrixXd& covariance) {
   const Matrix6d before = covariance.topLeftCorner<6, 6>();
@@ -202,30 +235,11 @@ bool PairUpdate<Own>::take_mixture(double weight, const Vector6d& camera_mean,
   // The object's regression under the leading hypothesis, C - E, eq. (29).
   const Square direct = object_change(n_gg) + given_in_columns.lazyProduct(n_gg);
   const Square c_y = direct.lazyProduct(inverse);
-  // Everything but the object: B_ss + F_s Q F_s^T, eq. (27).
   Eigen::Matrix<double, kAll, 1> apart;
   apart.template head<6>() = prior.whitened(camera_mean);
   apart.template tail<Own>() = -g * moved_;
-  All q = weight * (1.0 - weight) * (apart * apart.transpose());
-  const Matrix6d whitened_once = prior.whitened_rows(Matrix6d(camera - before));
-  q.template topLeftCorner<6, 6>() +=
-      weight * prior.whitened_rows(Matrix6d(whitened_once.transpose()));
-  q.template bottomRightCorner<Own, Own>() += (1.0 - weight) * n_gg;
-  // The moments of the mixture, eq. (30).
-  const Wide c_phi = known + c_y.lazyProduct(phi_y);
-  Wide l = c_phi.lazyProduct(q);
-  Wide difference = l;
-  difference.template rightCols<Own>() -= c_phi.template rightCols<Own>().lazyProduct(n_gg);
-  const Square own = object_covariance(covariance) + difference.lazyProduct(c_phi.transpose());
-  l.template rightCols<Own>() += c_y;
-  const Eigen::Matrix<double, kAll, 1> shift = weight * apart;
-  const Seen own_mean = mean_.segment<Own>(object_) + c_phi * shift;
-  mean_ += product(f, shift);
-  mean_.segment<Own>(object_) = own_mean;
-  MatrixXd& weighted = work_.weighted;
-  weighted.setZero(covariance.rows(), kAll);
-  subtract_product(weighted, f, q);
-  change_covariance(f, weighted, l, own, covariance);
+  const All q = weighting(weight, apart, prior, camera - before, n_gg);
+  take_moments(weight * apart, q, known + c_y.lazyProduct(phi_y), c_y, covariance);
   return true;
 }
 

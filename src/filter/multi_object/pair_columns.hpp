@@ -65,10 +65,16 @@ class PairUpdate {
   Square object_covariance(const Eigen::MatrixXd& covariance) const;
   /// The object's covariance given everything else; false where that is nearly singular.
   bool given_the_rest(const Eigen::MatrixXd& covariance, Square& own);
+  /// Q, eq. (27): everything but the object has B_ss + F_s Q F_s^T.
+  All weighting(double weight, const Eigen::Matrix<double, kAll, 1>& apart, const Cholesky6& prior,
+                const Matrix6d& camera_change, const Square& n_gg) const;
+  /// Eq. (30), with the mean shifted by F `shift`.
+  void take_moments(const Eigen::Matrix<double, kAll, 1>& shift, const All& q, const Wide& c_phi,
+                    const Square& c_y, Eigen::MatrixXd& covariance);
   /// The covariance less columns * weighted^T, but the object's columns plus columns * l^T and its
   /// block `own`.
-  void change_covariance(ConstMatrixRef columns, ConstMatrixRef weighted, ConstMatrixRef l,
-                         const Square& own, Eigen::MatrixXd& covariance);
+  void change_covariance(const ConstMatrixRef& columns, const ConstMatrixRef& weighted,
+                         const ConstMatrixRef& l, const Square& own, Eigen::MatrixXd& covariance);
   /// Rows of [xi_O - xi_C; b] become those of whitened y.
   Wide whitened(const Wide& rows) const;
   /// Columns of [xi_O - xi_C; b] become those of whitened y.

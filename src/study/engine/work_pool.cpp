@@ -72,14 +72,13 @@ std::size_t WorkPool::pop() {
 }
 
 void WorkPool::work_on(std::size_t item, FinishedBatch& batch) const {
-  using Clock = std::chrono::steady_clock;
-  const Clock::time_point begin = Clock::now();
+  const auto begin = std::chrono::steady_clock::now();
   try {
     batch.items.push_back({item, work_(item)});
   } catch (...) {
     batch.error = std::current_exception();
   }
-  batch.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+  batch.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
 void WorkPool::run() {
