@@ -39,7 +39,7 @@ void solve_from_right(ConstMatrixRef l, MatrixRef x);
 void set_difference(MatrixRef c, ConstMatrixRef a, ConstMatrixRef b);
 
 /// a x.
-Eigen::VectorXd product(ConstMatrixRef a, Eigen::Ref<const Eigen::VectorXd> x);
+Eigen::VectorXd product(ConstMatrixRef a, const Eigen::Ref<const Eigen::VectorXd>& x);
 
 /// log det S of its factor L.
 double log_det_of_factor(ConstMatrixRef l);
