@@ -71,8 +71,10 @@ CLibraryVersion version_of_c_library() {
 bool fuses_here() {
   const std::string tunables = tunables_at_start();
   const CLibraryVersion version = version_of_c_library();
-  return (__builtin_cpu_supports("fma") != 0 && !is_hidden(tunables, "FMA", version)) ||
-         (__builtin_cpu_supports("fma4") != 0 && !is_hidden(tunables, "FMA4", version));
+  // The versions with FMA are for processors that have AVX2, too.
+  const bool fma = __builtin_cpu_supports("fma") != 0 && __builtin_cpu_supports("avx2") != 0 &&
+                   !is_hidden(tunables, "FMA", version) && !is_hidden(tunables, "AVX2", version);
+  return fma || (__builtin_cpu_supports("fma4") != 0 && !is_hidden(tunables, "FMA4", version));
 }
 #endif
 

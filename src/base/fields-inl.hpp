@@ -52,6 +52,21 @@ HWY_INLINE V load_part(const double* row, [[maybe_unused]] std::size_t stride) {
   return hn::LoadU(D(), row);
 }
 
+/// The first of 2 or 4 lanes, without a mask: an extraction that is stored by one touches what is
+/// masked, and faults where that is no memory.
+template <std::size_t kFields, class Part>
+HWY_INLINE void store_first(Part, hn::VFromD<Part> part, double* row) {
+#if HWY_MAX_BYTES > 16
+  if constexpr (kFields > 1) {
+    const hn::Half<Part> half;
+    hn::StoreU(hn::LowerHalf(half, part), half, row);
+    if constexpr (kFields == 3) row[2] = hn::GetLane(hn::UpperHalf(half, part));
+    return;
+  }
+#endif
+  row[0] = hn::GetLane(part);
+}
+
 template <std::size_t kFields>
 HWY_INLINE void store_part(V part, double* row, [[maybe_unused]] std::size_t stride) {
 #if HWY_MAX_BYTES > 16
@@ -60,9 +75,8 @@ HWY_INLINE void store_part(V part, double* row, [[maybe_unused]] std::size_t str
     const auto lower = hn::LowerHalf(half, part);
     const auto upper = hn::UpperHalf(half, part);
     if constexpr (kFields < kPart) {
-      const auto mask = hn::FirstN(half, kFields);
-      hn::BlendedStore(lower, mask, half, row);
-      hn::BlendedStore(upper, mask, half, row + kPart * stride);
+      store_first<kFields>(half, lower, row);
+      store_first<kFields>(half, upper, row + kPart * stride);
     } else {
       hn::StoreU(lower, half, row);
       hn::StoreU(upper, half, row + kPart * stride);
@@ -71,7 +85,7 @@ HWY_INLINE void store_part(V part, double* row, [[maybe_unused]] std::size_t str
   }
 #endif
   if constexpr (kFields < kPart) {
-    hn::BlendedStore(part, hn::FirstN(D(), kFields), D(), row);
+    store_first<kFields>(D(), part, row);
   } else {
     hn::StoreU(part, D(), row);
   }

@@ -50,25 +50,38 @@ using internal::MutableMatrices;
 using internal::MutablePoseRows;
 using internal::MutableRows;
 
-ConstRows rows_of(std::span<const Eigen::Vector3d> x) { return {x.data()->data(), 3}; }
-MutableRows rows_of(std::span<Eigen::Vector3d> x) { return {x.data()->data(), 3}; }
-ConstRows rows_of(std::span<const Vector6d> x) { return {x.data()->data(), 6}; }
-MutableRows rows_of(std::span<Vector6d> x) { return {x.data()->data(), 6}; }
-ConstRows rows_of(std::span<const Matrix6d> x) { return {x.data()->data(), 36}; }
-MutableRows rows_of(std::span<Matrix6d> x) { return {x.data()->data(), 36}; }
-MutableRows rows_of(std::span<TwistMatrix<double>> x) { return {x.data()->a.data(), 18}; }
-ConstPoseRows rows_of(std::span<const SE3d> x) { return internal::rows_of(x.data()); }
-MutablePoseRows rows_of(std::span<SE3d> x) { return internal::rows_of(x.data()); }
-MutableMatrices matrices_of(std::span<Eigen::Matrix3d> x) { return {x.data()->data(), 9, false}; }
-MutableMatrices matrices_of(std::span<Matrix6d> x) { return {x.data()->data(), 36, false}; }
+/// The numbers of vectors or matrices; of none there is no object to ask.
+template <class T>
+auto numbers(std::span<T> x) {
+  return x.empty() ? nullptr : x.front().data();
+}
+
+ConstRows rows_of(std::span<const Eigen::Vector3d> x) { return {numbers(x), 3}; }
+MutableRows rows_of(std::span<Eigen::Vector3d> x) { return {numbers(x), 3}; }
+ConstRows rows_of(std::span<const Vector6d> x) { return {numbers(x), 6}; }
+MutableRows rows_of(std::span<Vector6d> x) { return {numbers(x), 6}; }
+ConstRows rows_of(std::span<const Matrix6d> x) { return {numbers(x), 36}; }
+MutableRows rows_of(std::span<Matrix6d> x) { return {numbers(x), 36}; }
+MutableRows rows_of(std::span<TwistMatrix<double>> x) {
+  return {x.empty() ? nullptr : x.front().a.data(), 18};
+}
+ConstPoseRows rows_of(std::span<const SE3d> x) {
+  return x.empty() ? ConstPoseRows{} : internal::rows_of(x.data());
+}
+MutablePoseRows rows_of(std::span<SE3d> x) {
+  return x.empty() ? MutablePoseRows{} : internal::rows_of(x.data());
+}
+MutableMatrices matrices_of(std::span<Eigen::Matrix3d> x) { return {numbers(x), 9, false}; }
+MutableMatrices matrices_of(std::span<Matrix6d> x) { return {numbers(x), 36, false}; }
 
 constexpr std::size_t kRotationStride = sizeof(SO3d) / sizeof(double);
-ConstRows rows_of(std::span<const SO3d> x) {
-  return {x.data()->quaternion().coeffs().data(), kRotationStride};
+const double* numbers(std::span<const SO3d> x) {
+  return x.empty() ? nullptr : x.front().quaternion().coeffs().data();
 }
+ConstRows rows_of(std::span<const SO3d> x) { return {numbers(x), kRotationStride}; }
 MutableRows rows_of(std::span<SO3d> x) {
   // NOLINTNEXTLINE(cppcoreguidelines-pro-type-const-cast): SO3 has no access to its numbers
-  return {const_cast<double*>(x.data()->quaternion().coeffs().data()), kRotationStride};
+  return {const_cast<double*>(numbers(std::span<const SO3d>(x))), kRotationStride};
 }
 
 ConstDensities rows_of(const UncertainPoses& x) { return {rows_of(x.mean), rows_of(x.covariance)}; }

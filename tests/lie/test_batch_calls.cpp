@@ -3,12 +3,16 @@
 #include <limits>
 #include <vector>
 
+#include <sys/mman.h>
+#include <unistd.h>
+
 #include <gtest/gtest.h>
 
 #include "base/every_instruction_set.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/base/random.hpp"
 #include "posemix/lie/batch.hpp"
+#include "posemix/lie/batch_rows.hpp"
 
 // What holds for every function of batches, whatever it computes.
 namespace posemix {
@@ -49,6 +53,57 @@ TEST(BatchCalls, WhatIsNotANumberStaysInItsPlace) {
       EXPECT_FALSE(jacobians[i].hasNaN()) << i;
     }
   });
+}
+
+/// Numbers that end where no memory is.
+class LastNumbers {
+ public:
+  explicit LastNumbers(std::size_t count) {
+    const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+    used_ = (count * sizeof(double) + page - 1) / page * page;
+    size_ = used_ + page;
+    memory_ = static_cast<char*>(
+        ::mmap(nullptr, size_, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0));
+    EXPECT_EQ(::mprotect(memory_ + used_, page, PROT_NONE), 0);
+    first_ = reinterpret_cast<double*>(memory_ + used_) - count;
+  }
+  LastNumbers(const LastNumbers&) = delete;
+  LastNumbers& operator=(const LastNumbers&) = delete;
+  ~LastNumbers() { ::munmap(memory_, size_); }
+
+  double* data() const { return first_; }
+
+ private:
+  std::size_t used_ = 0;
+  std::size_t size_ = 0;
+  char* memory_ = nullptr;
+  double* first_ = nullptr;
+};
+
+TEST(BatchCalls, NothingIsTouchedBehindAResult) {
+  by_every_instruction_set([] {
+    for (const std::size_t count : {1u, 2u, 3u, 7u, 8u, 9u, 16u, 64u}) {
+      const std::vector<Vector6d> xi = tangents(count);
+      const internal::ConstRows in{xi.front().data(), 6};
+      // Poses in rows of seven numbers, as arrays of Python have them; their rotations and vectors.
+      const LastNumbers poses(7 * count);
+      internal::exp_of(in, {poses.data() + 3, poses.data(), 7}, count);
+      const LastNumbers rotations(4 * count);
+      internal::so3_exp_of(in, {rotations.data(), 4}, count);
+      const LastNumbers vectors(3 * count);
+      internal::so3_log_of({rotations.data(), 4}, {vectors.data(), 3}, count);
+      const SE3d last = SE3d::exp(xi.back());
+      EXPECT_NEAR(poses.data()[7 * count - 7], last.translation()[0], 1e-13);
+      EXPECT_NEAR(vectors.data()[3 * count - 1], last.rotation().log()[2], 1e-12);
+    }
+  });
+}
+
+TEST(BatchCalls, OfNothingIsNothing) {
+  batch::exp(std::span<const Vector6d>(), std::span<SE3d>());
+  batch::log(std::span<const SO3d>(), std::span<Eigen::Vector3d>());
+  batch::left_jacobian(std::span<const Vector6d>(), std::span<TwistMatrix<double>>());
+  batch::compose(batch::UncertainPoses{}, batch::UncertainPoses{}, batch::UncertainPosesResult{});
 }
 
 TEST(BatchCalls, TheBitsAreTheSameForAnyNumberOfThreads) {

@@ -9,8 +9,10 @@
 #include "posemix/lie/lie.hpp"
 
 /// Functions of many rotations or poses at once, by the widest vector instructions of the machine.
-/// The functions of SO3 and SE3 with these names are the reference: values agree to 1e-13 of their
-/// size, and what is not a number makes its result not a number, without an exception.
+/// The functions of SO3 and SE3 with these names are the reference: for angles up to pi values
+/// agree to 1e-13 of their size, for larger ones to as many digits less as the angle has before its
+/// point, and J_l^-1 less near 2 pi, where it is singular. What is not a number makes its result
+/// not a number, without an exception.
 ///
 /// A result has as many items as the arguments, and may be one of them. `threads` threads work on
 /// it, 0 for one per core; the bits are the same for any number.
