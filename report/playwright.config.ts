@@ -6,10 +6,9 @@ export default defineConfig({
   testDir: "tests/page",
   workers: 2,
   timeout: 120_000,
-  // Beside other work a browser may stand still for seconds; what passes only then is listed as flaky.
-  retries: 1,
   reporter: [["list"]],
   snapshotPathTemplate: "tests/golden/{arg}{ext}",
+  // Beside other work a browser may stand still for seconds: an expectation waits longer than the five of the default.
   // Fonts and software rendering differ a little between machines.
   expect: { timeout: 15_000, toHaveScreenshot: { maxDiffPixelRatio: 0.04, animations: "disabled" } },
   use: {

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any, TypeVar
 
@@ -70,7 +71,24 @@ def between(
 
 def _pose_rows(means: SE3, covariances: npt.ArrayLike) -> tuple[FloatArray, FloatArray]:
     matrices = require_finite(as_floats(covariances, (6, 6), "covariances"), "covariances")
-    return flat_rows(np.ascontiguousarray(means._data), 1), flat_rows(matrices, 2)
+    rows = flat_rows(np.ascontiguousarray(means._data), 1), flat_rows(matrices, 2)
+    if matrices.shape[:-2] != means.shape and not len(rows[0]) == len(rows[1]) == 1:
+        raise ValueError(
+            f"means of shape {means.shape} and covariances of shape {matrices.shape}; expected {(*means.shape, 6, 6)}"
+        )
+    return rows
+
+
+def _common_shape(x: SE3, y: SE3) -> tuple[int, ...]:
+    """The shape of what is made of both, of which one may be single."""
+    if x.shape == y.shape:
+        return x.shape
+    single = [math.prod(shape) == 1 for shape in (x.shape, y.shape)]
+    if not any(single):
+        raise ValueError(f"means of shapes {x.shape} and {y.shape}; expected the same, or a single one of either")
+    if all(single):
+        return max(x.shape, y.shape, key=len)
+    return y.shape if single[0] else x.shape
 
 
 def _pose_arrays(rows: Any, shape: tuple[int, ...]) -> tuple[SE3, FloatArray]:
@@ -91,7 +109,7 @@ def compose_arrays(
     Parameters
     ----------
     x, y : SE3, shape (n,) or ()
-        Means; a single one is used for all.
+        Means of any one shape; a single one is used for all.
     covariance_x, covariance_y : array_like, shape (n, 6, 6) or (6, 6)
         Covariances of the left perturbations, as many as means. They must be positive definite, which is not checked.
     threads : int
@@ -107,10 +125,11 @@ def compose_arrays(
     ValueError
         For covariances that are not finite, and numbers of densities that differ.
     """
+    shape = _common_shape(x, y)
     rows = _core.compose_rows(
         *_pose_rows(x, covariance_x), *_pose_rows(y, covariance_y), thread_count(threads)
     )
-    return _pose_arrays(rows, x.shape or y.shape)
+    return _pose_arrays(rows, shape)
 
 
 def between_arrays(
@@ -122,10 +141,11 @@ def between_arrays(
     threads: int = 1,
 ) -> tuple[SE3, FloatArray]:
     """Means and covariances of X_i^-1 Y_i; arguments as for `compose_arrays`."""
+    shape = _common_shape(x, y)
     rows = _core.between_rows(
         *_pose_rows(x, covariance_x), *_pose_rows(y, covariance_y), thread_count(threads)
     )
-    return _pose_arrays(rows, x.shape or y.shape)
+    return _pose_arrays(rows, shape)
 
 
 def inverse_arrays(
@@ -152,10 +172,10 @@ def fuse_arrays(
     converged : ndarray of bool, shape (n,)
         If False, mean and covariance are those of the last iteration.
     """
+    shape = _common_shape(x, y)
     means, covariances, converged = _core.fuse_rows(
         *_pose_rows(x, covariance_x), *_pose_rows(y, covariance_y), settings or FuseSettings()
     )
-    shape = x.shape or y.shape
     mean, covariance = _pose_arrays((means, covariances), shape)
     return mean, covariance, np.asarray(converged, dtype=bool).reshape(shape)
 

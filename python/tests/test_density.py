@@ -139,6 +139,23 @@ def test_one_density_is_composed_with_all(rng: np.random.Generator) -> None:
         np.testing.assert_allclose(right[1][i], one.covariance, atol=1e-14)
 
 
+def test_arrays_of_densities_have_one_shape_or_one_is_single(rng: np.random.Generator) -> None:
+    def some(*shape: int) -> tuple[SE3, np.ndarray]:
+        return SE3.exp(rng.normal(size=(*shape, 6))), np.broadcast_to(0.01 * np.eye(6), (*shape, 6, 6))
+
+    for function in (compose_arrays, between_arrays, fuse_arrays):
+        for left, right, expected in [
+            ((1,), (6,), (6,)), ((6,), (1,), (6,)), ((), (2, 3), (2, 3)),
+            ((1,), (0,), (0,)), ((), (1,), (1,)), ((), (), ()),
+        ]:
+            result = function(*some(*left), *some(*right))
+            assert (result[0].shape, result[1].shape) == (expected, (*expected, 6, 6))
+        with pytest.raises(ValueError, match=r"shapes \(2, 3\) and \(3, 2\); expected the same"):
+            function(*some(2, 3), *some(3, 2))
+        with pytest.raises(ValueError, match=r"shape \(2, 3\) and covariances of shape \(3, 2, 6, 6\); expected"):
+            function(some(2, 3)[0], some(3, 2)[1], *some(2, 3))
+
+
 def test_fusion_is_bayes_rule_for_narrow_densities(rng: np.random.Generator) -> None:
     p, q = covariance(rng, 1e-3, 1e-3), covariance(rng, 1e-3, 1e-3)
     d = 1e-3 * rng.normal(size=6)
