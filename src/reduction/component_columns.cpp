@@ -5,11 +5,6 @@
 #include "reduction/pair_kernels.hpp"
 
 namespace posemix::internal {
-namespace {
-
-constexpr std::size_t kRoom = 8;
-
-}  // namespace
 
 ComponentColumns::ComponentColumns(std::size_t slots)
     : stride_(slots + kRoom), numbers_(kPoseFields * stride_) {}

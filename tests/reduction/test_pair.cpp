@@ -257,7 +257,7 @@ TEST(PairSelector, CostsByVectorInstructionsAreThoseOfTheFunctions) {
     const std::vector<Component<Pose>> components = clusters(21);
     internal::ComponentColumns columns(components.size());
     for (std::size_t i = 0; i < components.size(); ++i) columns.set(i, components[i]);
-    std::vector<double> costs(components.size() + 8);
+    std::vector<double> costs(components.size() + internal::ComponentColumns::kRoom);
     for (const PairRule rule : kRules) {
       if (rule == PairRule::largest_with_smallest) continue;
       for (const DistanceMetric metric : kMetrics) {
@@ -279,7 +279,7 @@ TEST(PairSelector, AComponentWithoutWeightCostsNothingByAnyInstructions) {
     components[2].log_weight = -std::numeric_limits<double>::infinity();
     internal::ComponentColumns columns(components.size());
     for (std::size_t i = 0; i < components.size(); ++i) columns.set(i, components[i]);
-    std::vector<double> costs(components.size() + 8);
+    std::vector<double> costs(components.size() + internal::ComponentColumns::kRoom);
     for (const PairRule rule : {PairRule::runnalls, PairRule::weighted_symmetric_kl}) {
       columns.costs(rule, {}, 2, components.size(), costs.data());
       for (std::size_t i = 0; i < components.size(); ++i) EXPECT_EQ(costs[i], 0.0) << i;
@@ -296,7 +296,7 @@ TEST(PairSelector, WhereRoundingLeavesNoFactorADivergenceIsInfinite) {
   internal::ComponentColumns columns(2);
   columns.set(0, wide);
   columns.set(1, narrow);
-  std::vector<double> costs(2 + 8);
+  std::vector<double> costs(2 + internal::ComponentColumns::kRoom);
   columns.costs(PairRule::symmetric_kl, {}, 1, 1, costs.data());
   EXPECT_GT(costs[0], 1e10);
 }

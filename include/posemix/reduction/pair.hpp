@@ -164,8 +164,6 @@ class PairSelector {
  private:
   /// Whether costs are computed by vector instructions.
   static constexpr bool kByColumns = std::same_as<D, ConcentratedGaussian<SE3d>>;
-  /// Lanes beyond the last cost.
-  static constexpr std::size_t kRoom = 8;
 
   static std::pair<std::size_t, std::size_t> extreme_weights(const Components& components);
   double cost(const Component<D>& a, const Component<D>& b) const;
@@ -184,7 +182,7 @@ PairSelector<D>::PairSelector(const Components& components, PairRule rule, Dista
     : rule_(rule), metric_(metric) {
   if (rule_ == PairRule::largest_with_smallest) return;
   table_ = internal::PairTable(components.size());
-  costs_.resize(components.size() + kRoom);
+  costs_.resize(components.size() + internal::ComponentColumns::kRoom);
   if constexpr (kByColumns) {
     columns_ = internal::ComponentColumns(components.size());
     for (std::size_t i = 0; i < components.size(); ++i) columns_.set(i, components[i]);

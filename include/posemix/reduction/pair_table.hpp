@@ -66,13 +66,16 @@ class PairTable {
 /// once by vector instructions.
 class ComponentColumns {
  public:
+  /// Numbers beyond the last one that whole vectors may touch.
+  static constexpr std::size_t kRoom = 8;
+
   ComponentColumns() = default;
   explicit ComponentColumns(std::size_t slots);
 
   void set(std::size_t slot, const Component<ConcentratedGaussian<SE3d>>& component);
   /// The slots given, in rising order, become the first ones.
   void renumber(const std::vector<std::size_t>& slots);
-  /// The costs of pairs of a slot with the first `count` ones. `costs` has room for eight more.
+  /// The costs of pairs of a slot with the first `count` ones. `costs` has room for kRoom more.
   void costs(PairRule rule, DistanceMetric metric, std::size_t slot, std::size_t count,
              double* costs) const;
 

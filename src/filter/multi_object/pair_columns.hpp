@@ -84,9 +84,10 @@ class PairUpdate {
   PairWorkspace& work_;
   Eigen::Index object_;
   GainFactors gain_;
-  const Innovation& main_;             ///< the heaviest component, 0
-  Cholesky6 whitening_;                ///< L_0, of its innovation's covariance
-  Seen moved_ = Seen::Zero();          ///< sum_c a_c u_c, u_c = h_c S_c^-1 z_c, h_c = [I; A_c^T]
+  const Innovation& main_;  ///< the heaviest component, 0
+  Cholesky6 whitening_;     ///< L_0, of its innovation's covariance
+  /// sum_c a_c u_c with u_c = h_c S_c^-1 z_c, h_c = [L_0^T; (A_c - A_0)^T].
+  Seen moved_ = Seen::Zero();
   Square reduction_ = Square::Zero();  ///< sum_c a_c h_c S_c^-1 h_c^T
   Square spread_ = Square::Zero();     ///< sum_c a_c u_c u_c^T less that of the mean
   Eigen::VectorXd mean_;
