@@ -92,6 +92,7 @@ PosteriorFile parse_posterior(std::string_view text, const std::string& name) {
   const JsonPlace root(json, name);
   check_head(root);
   std::vector<NamedPose> poses = read_named_poses(root.member("poses"));
+  root.member("group").require_word(fmt::format("SE(3)^{}", poses.size()));
   std::vector<Component<Hypothesis>> components;
   const JsonPlace component_place = root.member("components");
   for (const JsonPlace& item : component_place.items())

@@ -104,6 +104,8 @@ TEST(PosteriorFile, RejectsWhatItDoesNotKnow) {
   EXPECT_INVALID_WITH(reread(with("/perturbation/order", "trans_rot")), "order: got");
   EXPECT_INVALID_WITH(reread(with("/units/rotation", "deg")),
                       "rotation: got \"deg\", expected \"rad\"");
+  EXPECT_INVALID_WITH(reread(with("/group", "SE(3)^3")),
+                      "group: got \"SE(3)^3\", expected \"SE(3)^4\"");
   EXPECT_INVALID_WITH(reread(with("/poses/1/kind", "robot")),
                       "p.json: poses[1]: kind: got \"robot\"");
   EXPECT_INVALID_WITH(reread(with("/poses/1/name", "can")), "the object \"can\" again");
