@@ -3,7 +3,7 @@
 """Compare the numbers of one run on two machines: python compare_results.py FOLDER FOLDER TOLERANCE
 
 Of text and JSON files every number is compared, with a tolerance that is relative above one and absolute below, and every word.
-Provenance, timing and the digest of a run, which tell of the machine or of last digits, are left out, and so are pages and pictures,
+Provenance, timing and digests, which tell of the machine or of last digits, are left out, and so are pages and pictures,
 which are made of the rest.
 """
 
@@ -19,7 +19,7 @@ def leaves(value, name=""):
     """Numbers and words of a JSON document, each with its place."""
     if isinstance(value, dict):
         for key in value:
-            if key not in ("provenance", "timing", "run"):
+            if key not in ("provenance", "timing", "run", "files"):
                 yield from leaves(value[key], f"{name}.{key}")
     elif isinstance(value, list):
         for index, item in enumerate(value):
