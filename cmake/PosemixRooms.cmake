@@ -23,7 +23,7 @@ function(posemix_add_room room)
     # Compiled together, because sources are small compared with the templates that they instantiate.
     posemix_unite(${target})
     if(room IN_LIST POSEMIX_SMALL)
-      target_compile_options(${target} PRIVATE -Os)
+      target_compile_options(${target} PRIVATE -Oz)
     endif()
     set(scope PUBLIC)
   else()

@@ -12,6 +12,9 @@ from pathlib import Path
 
 from toolchain import fail, run, say
 
+# Libraries that take no time worth telling in what posemix does are compiled for size.
+SMALL = {f"CMAKE_{language}_FLAGS_RELEASE": "-Oz -DNDEBUG" for language in ("C", "CXX")}
+
 
 @dataclass
 class Library:
@@ -38,13 +41,13 @@ class Library:
 
 def compiled():
     return [
-        Library("fmt", "fmtlib", "MIT", {"FMT_TEST": "OFF", "FMT_DOC": "OFF"}),
+        Library("fmt", "fmtlib", "MIT", {"FMT_TEST": "OFF", "FMT_DOC": "OFF", **SMALL}),
         Library("nlopt", "nlopt", "LGPL-2.1-or-later", {
-            **{f"NLOPT_{part}": "OFF" for part in ("CXX", "PYTHON", "OCTAVE", "MATLAB", "GUILE", "SWIG", "TESTS")}}),
+            **SMALL, **{f"NLOPT_{part}": "OFF" for part in ("CXX", "PYTHON", "OCTAVE", "MATLAB", "GUILE", "SWIG", "TESTS")}}),
         Library("highway", "highway", "Apache-2.0", {
             "BUILD_TESTING": "OFF", **{f"HWY_ENABLE_{part}": "OFF" for part in ("TESTS", "EXAMPLES")}}),
         Library("yaml-cpp", "yaml-cpp", "MIT", {
-            "YAML_BUILD_SHARED_LIBS": "OFF", **{f"YAML_CPP_BUILD_{part}": "OFF" for part in ("TESTS", "TOOLS", "CONTRIB")}}),
+            **SMALL, "YAML_BUILD_SHARED_LIBS": "OFF", **{f"YAML_CPP_BUILD_{part}": "OFF" for part in ("TESTS", "TOOLS", "CONTRIB")}}),
         Library("zlib", "zlib", "Zlib"),
     ]
 
@@ -149,14 +152,15 @@ def build_dependencies(work, toolchain):
     for library in libraries:
         source = packages.source(library)
         done = toolchain.work / f"{library.name}.done"
-        if done.exists() and done.read_text() == library.version:
+        made = f"{library.version} {library.options}"
+        if done.exists() and done.read_text() == made:
             continue
         say(f"{library.name} {library.version} for {toolchain.machine}")
         if library.options:
             toolchain.cmake(source, toolchain.work / library.name, library.options)
         else:
             toolchain.configure(source, toolchain.work / library.name)
-        done.write_text(library.version)
+        done.write_text(made)
     only_headers = headers()
     found = header_definitions(packages, toolchain, only_headers)
     return [*libraries, *only_headers], found
