@@ -106,10 +106,11 @@ void bind_job(nb::module_& m) {
       "path"_a, "data"_a = nb::none(), "overrides"_a = nb::tuple(), kReadJobDoc);
 }
 
-/// Writes files to a folder that appears as a whole.
+/// Writes the files of a recording to a folder that appears as a whole.
 template <class Files>
 void write_folder(const fs::path& target, const Files& files) {
   OutputFolder folder(target);
+  folder.put_last("sequence.toml");
   for (const auto& [name, content] : files) folder.write(name, content);
   folder.commit();
 }

@@ -46,6 +46,7 @@ int convert_sequence(const SequenceConversion& options) {
   const bool csv = options.format == ObservationFormat::csv;
   const std::string name = csv ? "observations.csv" : "observations.jsonl";
   OutputFolder folder(options.out);
+  folder.put_last(kSequence);
   folder.write(name,
                csv ? format_observations(observations) : format_observation_lines(observations));
   folder.write(kStamps, stamps_text(job.sequence.stamps));

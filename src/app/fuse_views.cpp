@@ -98,6 +98,7 @@ int fuse_views_command(const FuseViewsOptions& options) {
   const InterruptGuard guard;
   const FuseViewsJob job = read_fuse_views_job(options.input);
   OutputFolder folder(options.out);
+  folder.put_last("fused.csv");
   FuseViewsOutput output;
   for (const ViewGroup& group : job.groups) {
     add_group(group, job, options, output);

@@ -37,6 +37,7 @@ int simulate_to_folder(const SimulateOptions& options) {
   const SimulatedSequence simulated = simulate(file.config, options.seed);
   guard.check();
   OutputFolder folder(options.out);
+  folder.put_last("sequence.toml");
   for (const auto& [name, content] : format_simulation(file, simulated, options.seed)) {
     folder.write(name, content);
     guard.check();

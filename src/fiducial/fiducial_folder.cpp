@@ -32,6 +32,7 @@ std::vector<StampedPose> odometry_of_rig(std::vector<StampedPose> odometry,
 
 void write_fiducial_folder(const FiducialFolder& folder, const std::filesystem::path& target) {
   OutputFolder out(target);
+  out.put_last("sequence.toml");
   const std::string observations = format_observations(folder.fiducials.observations);
   if (folder.compress) {
     out.write("observations.csv.gz", gzip(observations));

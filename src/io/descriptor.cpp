@@ -13,6 +13,17 @@
 #include "posemix/io/output_folder.hpp"
 
 namespace posemix::internal {
+namespace {
+
+/// Opens a file; a signal may interrupt that on a file system over a network.
+int opened(const std::filesystem::path& path, int flags) {
+  while (true) {
+    const int number = ::open(path.c_str(), flags | O_CLOEXEC, 0666);
+    if (number >= 0 || errno != EINTR) return number;
+  }
+}
+
+}  // namespace
 
 void fail_output(const std::filesystem::path& path, std::string_view what,
                  std::string_view reason) {
@@ -25,7 +36,7 @@ void fail_with_errno(const std::filesystem::path& path, std::string_view what) {
 
 Descriptor::Descriptor(const std::filesystem::path& path, int flags,
                        const std::filesystem::path& shown)
-    : shown_(shown), number_(::open(path.c_str(), flags | O_CLOEXEC, 0666)) {
+    : shown_(shown), number_(opened(path, flags)) {
   if (number_ < 0) fail_with_errno(shown_, "cannot be written");
 }
 
@@ -40,7 +51,10 @@ void Descriptor::write_all(std::string_view content) {
 }
 
 void Descriptor::sync() {
-  if (::fsync(number_) != 0 && errno != EINVAL && errno != EROFS) {
+  int status = 0;
+  do status = ::fsync(number_);
+  while (status != 0 && errno == EINTR);
+  if (status != 0 && errno != EINVAL && errno != EROFS) {
     fail_with_errno(shown_, "cannot be written to the disk");
   }
 }

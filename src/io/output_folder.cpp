@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <string>
 #include <system_error>
+#include <utility>
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -14,6 +14,8 @@
 #include <fmt/format.h>
 
 #include "descriptor.hpp"
+#include "file_moves.hpp"
+#include "partial_folder.hpp"
 
 namespace posemix {
 namespace {
@@ -21,8 +23,6 @@ namespace {
 using namespace internal;
 
 namespace fs = std::filesystem;
-
-constexpr int kMostAttempts = 1000;
 
 void check(const std::error_code& error, const fs::path& path, std::string_view what) {
   if (error) fail_output(path, what, error.message());
@@ -89,16 +89,11 @@ void OutputFolder::create_parents() {
 }
 
 bool OutputFolder::create_hidden_in(const fs::path& folder) {
-  const std::string stem = fmt::format(".{}.partial-{}", target_.filename().string(), ::getpid());
-  for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
-    const fs::path path = folder / (attempt == 0 ? stem : fmt::format("{}-{}", stem, attempt));
-    if (::mkdir(path.c_str(), 0777) == 0) {
-      hidden_ = path;
-      return true;
-    }
-    if (errno != EEXIST) return false;
-  }
-  return false;
+  auto created = PartialFolder::create(folder, target_.filename());
+  if (!created) return false;
+  hidden_path_ = created->path();
+  hidden_ = std::make_unique<PartialFolder>(std::move(*created));
+  return true;
 }
 
 void OutputFolder::create_hidden() {
@@ -114,7 +109,7 @@ void OutputFolder::create_hidden() {
 
 void OutputFolder::remove_traces() noexcept {
   std::error_code ignored;
-  if (!hidden_.empty()) fs::remove_all(hidden_, ignored);
+  if (hidden_) fs::remove_all(hidden_path_, ignored);
   for (const fs::path& parent : created_parents_) ::rmdir(parent.c_str());
 }
 
@@ -128,7 +123,7 @@ void OutputFolder::write(const fs::path& name,
     fail_output(target_ / name, "cannot be written", "the folder is already in place");
   if (!stays_inside(name))
     fail_output(name, "cannot be written", "not a file name within the folder");
-  const fs::path path = hidden_ / name;
+  const fs::path path = hidden_path_ / name;
   std::error_code error;
   fs::create_directories(path.parent_path(), error);
   check(error, path.parent_path(), "cannot be created");
@@ -146,15 +141,10 @@ void OutputFolder::remove_earlier(const std::vector<fs::path>& names) {
   }
 }
 
-void OutputFolder::remove_files() const {
-  for (const fs::path& name : earlier_) {
-    if (std::find(names_.begin(), names_.end(), name) != names_.end()) continue;
-    const fs::path path = target_ / name;
-    std::error_code error;
-    const fs::file_status status = fs::symlink_status(path, error);
-    if (!fs::is_regular_file(status) && !fs::is_symlink(status)) continue;
-    if (::unlink(path.c_str()) != 0 && errno != ENOENT) fail_with_errno(path, "cannot be removed");
-  }
+void OutputFolder::put_last(const fs::path& name) { last_ = name; }
+
+bool OutputFolder::is_written(const fs::path& name) const {
+  return std::find(names_.begin(), names_.end(), name) != names_.end();
 }
 
 void OutputFolder::move_files() {
@@ -165,27 +155,29 @@ void OutputFolder::move_files() {
     fs::create_directories(path.parent_path(), error);
     check(error, path.parent_path(), "cannot be created");
   }
-  for (const fs::path& name : names_) {
-    const fs::path path = target_ / name;
-    if (::rename((hidden_ / name).c_str(), path.c_str()) != 0) {
-      fail_with_errno(path, "cannot be replaced");
-    }
-    sync_folder(path.parent_path());
-  }
-  remove_files();
-  fs::remove_all(hidden_, error);
+  FileMoves moves(hidden_path_, target_);
+  if (!last_.empty()) moves.put_aside(last_);
+  for (const fs::path& name : names_)
+    if (name != last_) moves.put(name);
+  for (const fs::path& name : earlier_)
+    if (!is_written(name)) moves.take_away(name);
+  if (is_written(last_)) moves.put(last_);
+  moves.keep();
+  if (!last_.empty()) fs::remove(set_aside(target_ / last_), error);
+  fs::remove_all(hidden_path_, error);
 }
 
 void OutputFolder::commit() {
   if (committed_) fail_output(target_, "cannot be committed", "the folder is already in place");
-  sync_folder(hidden_);
-  if (::rename(hidden_.c_str(), target_.c_str()) != 0) {
+  sync_folder(hidden_path_);
+  if (::rename(hidden_path_.c_str(), target_.c_str()) != 0) {
     const bool filled = errno == ENOTEMPTY || errno == EEXIST;
-    const bool inside = hidden_.parent_path() == target_;
+    const bool inside = hidden_path_.parent_path() == target_;
     if (!filled && !inside) fail_with_errno(target_, "cannot be put in place");
     move_files();
   }
   committed_ = true;
+  hidden_.reset();
   sync_folder(target_.parent_path());
 }
 

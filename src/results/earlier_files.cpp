@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "io/file_moves.hpp"
 #include "io/json_numbers.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/io/text.hpp"
@@ -25,9 +26,11 @@ constexpr std::array kRunNames{"camera.tum",  "metrics.json", "posterior.json", 
 constexpr std::array kConsistencyNames{"consistency.json", "consistency.csv", "consistency.svg",
                                        "consistency.md", kReportName};
 
-/// An object of JSON, empty where the file is missing, damaged or something else.
-Json object_in(const fs::path& path) {
+/// The object of JSON that says which files are of a result, or of one that was about to be
+/// replaced; empty where the file is missing, damaged or something else.
+Json object_in(fs::path path) {
   std::error_code error;
+  if (!fs::exists(path, error)) path = set_aside(path);
   if (!fs::is_regular_file(path, error)) return Json::object();
   try {
     Json json = Json::parse(read_file(path), nullptr, false);

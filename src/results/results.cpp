@@ -187,6 +187,7 @@ std::string write_results(OutputFolder& folder, const SlamJob& job, const SlamRu
                           const Metrics& metrics, const ResultOptions& options) {
   require_finite(job, run);
   folder.remove_earlier(earlier_results(folder.target()));
+  folder.put_last("metrics.json");
   return ResultFiles(
              job, run, metrics, options,
              [&](const std::string& name, const auto& content) { folder.write(name, content); })

@@ -2,7 +2,10 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "posemix/io/output_folder.hpp"
 
+#include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <set>
@@ -230,6 +233,56 @@ TEST(OutputFolder, AFolderInTheWayChangesNothing) {
   EXPECT_EQ(content_of(folder / "results/a"), "old");
   EXPECT_EQ(everything_in(folder.path()),
             (std::set<std::string>{"results", "results/a", "results/b", "results/b/c"}));
+}
+
+TEST(OutputFolder, AFileThatCannotBeReplacedPutsAllBack) {
+  const TemporaryFolder folder;
+  for (const char* name : {"results/key", "results/a", "results/old"}) folder.put(name, "old");
+  {
+    OutputFolder out(folder / "results");
+    for (const char* name : {"key", "a", "b", "c"}) out.write(name, "new");
+    out.put_last("key");
+    out.remove_earlier({"key", "a", "old"});
+    // Somebody removes a file that is to be moved.
+    fs::remove(out.scratch() / "c");
+    EXPECT_EQ(output_error([&] { out.commit(); }),
+              (folder / "results/c").string() + ": cannot be replaced: No such file or directory");
+  }
+  EXPECT_EQ(everything_in(folder.path()),
+            (std::set<std::string>{"results", "results/key", "results/a", "results/old"}));
+  for (const char* name : {"results/key", "results/a", "results/old"})
+    EXPECT_EQ(content_of(folder / name), "old") << name;
+}
+
+TEST(OutputFolder, WhatADeadProcessLeftBehindIsRemovedAndNothingElse) {
+  const TemporaryFolder folder;
+  const pid_t dead = ::fork();
+  if (dead == 0) ::_exit(0);
+  ::waitpid(dead, nullptr, 0);
+  const std::string left = ".results.partial-" + std::to_string(dead);
+  const std::set<std::string> others{".results.partial-1", ".results.partial-mine", left + "-x",
+                                     ".other.partial-" + std::to_string(dead)};
+  for (const std::string& name : {left, left + "-3"}) folder.put(name + "/big", "x");
+  for (const std::string& name : others) fs::create_directory(folder / name);
+  folder.put(left + "-4", "a file");
+  { const OutputFolder out(folder / "results"); }
+  std::set<std::string> expected = others;
+  expected.insert(left + "-4");
+  EXPECT_EQ(everything_in(folder.path()), expected);
+}
+
+TEST(OutputFolder, WhatIsLockedIsInUseThoughItsProcessIsNotOfThisMachine) {
+  const TemporaryFolder folder;
+  const pid_t dead = ::fork();
+  if (dead == 0) ::_exit(0);
+  ::waitpid(dead, nullptr, 0);
+  const fs::path used = folder / (".results.partial-" + std::to_string(dead));
+  fs::create_directory(used);
+  const int lock = ::open(used.c_str(), O_RDONLY | O_DIRECTORY);
+  ASSERT_EQ(::flock(lock, LOCK_EX), 0);
+  { const OutputFolder out(folder / "results"); }
+  EXPECT_TRUE(fs::exists(used));
+  ::close(lock);
 }
 
 }  // namespace

@@ -4,11 +4,15 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <stdexcept>
 #include <string_view>
 #include <vector>
 
 namespace posemix {
+namespace internal {
+class PartialFolder;
+}
 
 /// An error of the system when writing output: the message names the path and the reason.
 class OutputError : public std::runtime_error {
@@ -24,10 +28,11 @@ using TextSink = std::function<void(std::string_view)>;
 /// Files are written into a hidden folder `.<name>.partial-<process>` beside the target, and
 /// commit() moves them to the target. A target that is missing or empty is replaced by one rename;
 /// in a target with files, each file is replaced by a rename of its own, and other files stay but
-/// for those that remove_earlier() names. (If the target is a mount point, or its parent cannot be
-/// written, the hidden folder is inside it.) Files are on the disk before they are renamed. Without
-/// commit() the destructor removes the hidden folder and every parent folder that the constructor
-/// created. Every member throws OutputError.
+/// for those that remove_earlier() names; where one of them cannot be replaced, all are put back.
+/// (If the target is a mount point, or its parent cannot be written, the hidden folder is inside
+/// it.) Files are on the disk before they are renamed. Without commit() the destructor removes the
+/// hidden folder and every parent folder that the constructor created; that of a process that was
+/// killed is removed by the next one that writes the same target. Every member throws OutputError.
 class OutputFolder {
  public:
   /// Creates the hidden folder and missing parents of the target.
@@ -50,27 +55,34 @@ class OutputFolder {
   /// when the others are in place. Those that are not there, and folders, are left aside.
   void remove_earlier(const std::vector<std::filesystem::path>& names);
 
+  /// Names the file without which the folder is no result. In a target with files it is set aside
+  /// first, as `.<name>.replaced`, and put in place last: a process that is killed in between
+  /// leaves a folder without it, and never one with files of two results.
+  void put_last(const std::filesystem::path& name);
+
   /// Moves the files to the target. Nothing can be written afterwards.
   void commit();
 
   /// The absolute path of the target.
   const std::filesystem::path& target() const { return target_; }
   /// A folder on the disk of the target for files without a name, until commit().
-  const std::filesystem::path& scratch() const { return hidden_; }
+  const std::filesystem::path& scratch() const { return hidden_path_; }
 
  private:
   void create_parents();
   void create_hidden();
   bool create_hidden_in(const std::filesystem::path& folder);
   void move_files();
-  void remove_files() const;
+  bool is_written(const std::filesystem::path& name) const;
   void remove_traces() noexcept;
 
   std::filesystem::path target_;
-  std::filesystem::path hidden_;
+  std::unique_ptr<internal::PartialFolder> hidden_;
+  std::filesystem::path hidden_path_;
   std::vector<std::filesystem::path> created_parents_;  // innermost first
   std::vector<std::filesystem::path> names_;
   std::vector<std::filesystem::path> earlier_;
+  std::filesystem::path last_;
   bool committed_ = false;
 };
 
