@@ -7,10 +7,17 @@
 namespace posemix {
 
 WorkPool::WorkPool(std::size_t threads, Work work) : work_(std::move(work)) {
-  for (std::size_t i = 0; i < threads; ++i) threads_.emplace_back([this] { run(); });
+  try {
+    for (std::size_t i = 0; i < threads; ++i) threads_.emplace_back([this] { run(); });
+  } catch (...) {
+    close();
+    throw;
+  }
 }
 
-WorkPool::~WorkPool() {
+WorkPool::~WorkPool() { close(); }
+
+void WorkPool::close() {
   cancel();
   {
     const std::lock_guard lock(mutex_);

@@ -22,6 +22,7 @@ class WorkPool {
  public:
   using Work = std::function<std::string(std::size_t)>;
 
+  /// @throws std::system_error when a thread cannot be started
   WorkPool(std::size_t threads, Work work);
   /// Drops items that have not begun and waits for the others.
   ~WorkPool();
@@ -41,6 +42,7 @@ class WorkPool {
   FinishedBatch take(std::chrono::milliseconds patience);
 
  private:
+  void close();
   void run();
   void work_on(std::size_t item, FinishedBatch& batch) const;
   /// The next item, taken off the queue.
