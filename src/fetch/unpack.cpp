@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstddef>
+#include <cstdint>
 #include <cstdio>
 #include <cstring>
 #include <memory>
@@ -30,6 +32,12 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kReadBlock = 1U << 18U;
 
+/// What an archive may hold: recordings are images, which hardly shrink, and text.
+constexpr std::size_t kMostEntries = 1000000;
+constexpr std::ptrdiff_t kDeepest = 32;
+constexpr std::uint64_t kMostTimesLarger = 100;
+constexpr std::uint64_t kAlwaysAllowed = std::uint64_t{1} << 30U;
+
 [[noreturn]] void fail_unpack(const fs::path& path) {
   throw OutputError(fmt::format("{}: cannot be unpacked: {}", path.string(), std::strerror(errno)));
 }
@@ -40,8 +48,14 @@ class Archive {
       : path_(path), archive_(archive_read_new(), archive_read_free) {
     archive_read_support_format_zip(archive_.get());
     archive_read_support_format_tar(archive_.get());
-    archive_read_support_filter_all(archive_.get());
+    // Not all that there are: some start a program.
+    archive_read_support_filter_gzip(archive_.get());
+    archive_read_support_filter_bzip2(archive_.get());
+    archive_read_support_filter_xz(archive_.get());
     check(archive_read_open_filename(archive_.get(), path.c_str(), kReadBlock));
+    std::error_code error;
+    const std::uintmax_t size = fs::file_size(path, error);
+    left_ = kAlwaysAllowed + (error ? 0 : kMostTimesLarger * size);
   }
 
   /// The next entry; null at the end.
@@ -50,6 +64,8 @@ class Archive {
     const int status = archive_read_next_header(archive_.get(), &entry);
     if (status == ARCHIVE_EOF) return nullptr;
     check(status);
+    if (++entries_ > kMostEntries)
+      refuse(fmt::format("more than {} entries", kMostEntries), "fewer");
     return entry;
   }
 
@@ -57,10 +73,15 @@ class Archive {
     const void* block = nullptr;
     std::size_t size = 0;
     la_int64_t offset = 0;
+    end_ = 0;
     while (true) {
       const int status = archive_read_data_block(archive_.get(), &block, &size, &offset);
       if (status == ARCHIVE_EOF) return;
       check(status);
+      // A hole that is left out counts, too.
+      const auto end = static_cast<std::uint64_t>(offset) + size;
+      spend(end - std::min(end, end_));
+      end_ = std::max(end, end_);
       std::string_view rest(static_cast<const char*>(block), size);
       while (!rest.empty()) {
         const ssize_t written = ::pwrite(file, rest.data(), rest.size(), offset);
@@ -78,6 +99,18 @@ class Archive {
   }
 
  private:
+  [[noreturn]] void refuse(const std::string& got, std::string_view expected) const {
+    throw InvalidInput(fmt::format("{}: got {}, expected {}", path_.string(), got, expected));
+  }
+
+  void spend(std::uint64_t bytes) {
+    if (bytes > left_)
+      refuse(fmt::format("an archive that unpacks to more than {} times its size and 1 GiB",
+                         kMostTimesLarger),
+             "less");
+    left_ -= bytes;
+  }
+
   void check(int status) const {
     if (status >= ARCHIVE_WARN) return;
     const char* reason = archive_error_string(archive_.get());
@@ -86,6 +119,9 @@ class Archive {
   }
 
   fs::path path_;
+  std::uint64_t left_ = 0;  ///< bytes that may still come
+  std::uint64_t end_ = 0;   ///< of the entry so far
+  std::size_t entries_ = 0;
   std::unique_ptr<archive, decltype(&archive_read_free)> archive_;
 };
 
@@ -98,6 +134,8 @@ std::string inner_name(const Archive& archive, archive_entry* entry, const std::
   while (name.ends_with('/')) name.pop_back();
   if (name.empty() || name == ".") return {};
   if (!is_inner_path(name)) archive.fail(full, "a path inside the folder");
+  if (std::count(name.begin(), name.end(), '/') >= kDeepest)
+    archive.fail(full, fmt::format("a path of at most {} names", kDeepest));
   if (strip.empty()) return name;
   if (name == strip) return {};
   return name.starts_with(strip + "/") ? name.substr(strip.size() + 1) : name;

@@ -101,9 +101,20 @@ void refuse_json(const Json::exception& error, const std::string& name, std::str
                                  json_fault(error), expected));
 }
 
+void check_json_depth(int depth, const std::string& name) {
+  constexpr int kDeepest = 100;
+  if (depth <= kDeepest) return;
+  throw InvalidInput(fmt::format(
+      "{}: got a value within more than {} arrays and objects, expected fewer", name, kDeepest));
+}
+
 Json json_of(std::string_view text, const std::string& name, std::string_view expected) {
+  const auto check = [&](int depth, Json::parse_event_t, const Json&) {
+    check_json_depth(depth, name);
+    return true;
+  };
   try {
-    return Json::parse(text);
+    return Json::parse(text, check);
   } catch (const Json::exception& error) {
     refuse_json(error, name, expected);
   }

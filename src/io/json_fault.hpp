@@ -17,6 +17,11 @@ std::string json_fault(const Json::exception& error);
 [[noreturn]] void refuse_json(const Json::exception& error, const std::string& name,
                               std::string_view expected);
 
+/// Refuses a value that lies in more than 100 arrays and objects: what walks through a document
+/// does so with a function call for each of them.
+/// @throws InvalidInput
+void check_json_depth(int depth, const std::string& name);
+
 /// Parses a document of others, in which a key may occur twice; `expected` says of what.
 /// @throws InvalidInput as refuse_json
 Json json_of(std::string_view text, const std::string& name, std::string_view expected);

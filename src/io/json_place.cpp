@@ -19,7 +19,8 @@ namespace posemix::internal {
 
 Json parse_json(std::string_view text, const std::string& name, std::string_view expected) {
   std::vector<std::set<std::string>> open;
-  const auto check = [&](int, Json::parse_event_t event, const Json& parsed) {
+  const auto check = [&](int depth, Json::parse_event_t event, const Json& parsed) {
+    check_json_depth(depth, name);
     if (event == Json::parse_event_t::object_start) open.emplace_back();
     if (event == Json::parse_event_t::object_end) open.pop_back();
     if (event == Json::parse_event_t::key &&

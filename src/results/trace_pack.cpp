@@ -246,6 +246,7 @@ PackedTrace pack_once(std::istream& text, const std::string& name, const TracePr
   TracePacker packer(name, scales);
   std::size_t events = 0;
   const auto take = [&](int depth, Event event, Json& value) {
+    check_json_depth(depth, name);
     if (++events % kEventsBetween == 0) progress(static_cast<std::size_t>(text.tellg()));
     return packer.take(static_cast<std::size_t>(depth), event, value);
   };

@@ -41,7 +41,8 @@ constexpr std::array<std::string_view, 16> kLeftOut{"hypotheses",
 
 Json read_needed(const std::filesystem::path& path) {
   constexpr int kIds = 2;  // the depth of objects' ids, which may be any word
-  const auto keep = [](int depth, Json::parse_event_t event, Json& parsed) {
+  const auto keep = [&](int depth, Json::parse_event_t event, Json& parsed) {
+    check_json_depth(depth, path.string());
     if (event != Json::parse_event_t::key || depth == kIds) return true;
     const auto& key = parsed.get_ref<const std::string&>();
     return std::find(kLeftOut.begin(), kLeftOut.end(), key) == kLeftOut.end();

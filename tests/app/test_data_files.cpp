@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include <algorithm>
+
 #include <archive.h>
 #include <archive_entry.h>
 #include <gtest/gtest.h>
@@ -75,6 +77,56 @@ TEST_F(Data, UnpacksArchivesInsideTheFolderOnly) {
   const ProgramResult link = fetch_zip("link", "/tmp");
   EXPECT_EQ(link.exit_code, 3);
   EXPECT_TRUE(has(link.err, "no links")) << link.err;
+}
+
+/// A tar file of one entry, which is a hole but for its last bytes.
+void write_sparse_tar(const std::filesystem::path& path, const std::string& name, la_int64_t size) {
+  archive* tar = archive_write_new();
+  archive_write_set_format_pax(tar);
+  ASSERT_EQ(archive_write_open_filename(tar, path.c_str()), ARCHIVE_OK);
+  archive_entry* entry = archive_entry_new();
+  archive_entry_set_pathname(entry, name.c_str());
+  archive_entry_set_perm(entry, 0644);
+  archive_entry_set_filetype(entry, AE_IFREG);
+  archive_entry_set_size(entry, size);
+  archive_entry_sparse_add_entry(entry, size - 4, 4);
+  archive_write_header(tar, entry);
+  // The bytes of the hole are left out by the writer.
+  const std::string zeros(1U << 20U, '\0');
+  for (la_int64_t left = size; left > 0;) {
+    const auto more = std::min<la_int64_t>(left, static_cast<la_int64_t>(zeros.size()));
+    archive_write_data(tar, zeros.data(), static_cast<std::size_t>(more));
+    left -= more;
+  }
+  archive_entry_free(entry);
+  archive_write_free(tar);
+}
+
+TEST_F(Data, AnArchiveThatUnpacksToFarMoreThanItsSizeOrTooDeepIsRefused) {
+  const auto unpack = [&](const std::string& name, la_int64_t size) {
+    write_sparse_tar(folder_ / "a.tar", name, size);
+    EXPECT_LT(std::filesystem::file_size(folder_ / "a.tar"), 20000U);
+    server_.put("a.tar", content_of(folder_ / "a.tar"));
+    std::filesystem::remove_all(folder_ / "out");
+    folder_.put("sources.toml",
+                fmt::format("schema = 1\n[[sources]]\nname = \"test\"\ntitle = \"t\"\n"
+                            "licence = \"l\"\nbase_url = \"{}\"\nfiles = [{{path = \"a.tar\"}}]\n",
+                            server_.url("plain")));
+    return fetch({"--yes", "--unpack"});
+  };
+  EXPECT_EQ(unpack("x", 1 << 20).exit_code, 0);
+  EXPECT_EQ(std::filesystem::file_size(folder_ / "out/test/x"), 1U << 20U);
+  const ProgramResult bomb = unpack("x", la_int64_t{2} << 30);
+  EXPECT_EQ(bomb.exit_code, 3) << bomb.err;
+  EXPECT_TRUE(has(bomb.err, "more than 100 times its size and 1 GiB")) << bomb.err;
+  for (const char* left : {"out/test/x", "out/test/x.part"})
+    EXPECT_FALSE(std::filesystem::exists(folder_ / left)) << left;
+  std::string deep = "x";
+  for (int i = 0; i < 32; ++i) deep.insert(0, "d/");
+  const ProgramResult deeper = unpack(deep, 8);
+  EXPECT_EQ(deeper.exit_code, 3) << deeper.err;
+  EXPECT_TRUE(has(deeper.err, "a path of at most 32 names")) << deeper.err;
+  EXPECT_EQ(unpack(deep.substr(2), 8).exit_code, 0);
 }
 
 TEST_F(Data, ADamagedRegistryIsRefused) {

@@ -209,5 +209,24 @@ TEST_F(ReportCommand, SaysWhenThePageCannotBeOpened) {
       << result.err;
 }
 
+TEST_F(ReportCommand, ArraysWithinArraysWithoutEndAreRefused) {
+  const std::string open(200000, '[');
+  const std::string deep = open + std::string(open.size(), ']');
+  const std::string trace = content_of(results_ / "a run/trace.json");
+  // In a folder of a run, as its trace, and alone.
+  const std::string alone = results_.put("alone/x.json", deep).parent_path().string();
+  results_.put("a run/x.json", "{\"a\":" + deep + "}");
+  for (const std::string& where : {run(), alone}) {
+    const ProgramResult result = run_posemix({"report", where});
+    EXPECT_EQ(result.exit_code, 3) << result.err;
+    EXPECT_NE(result.err.find("x.json: got a value within more than 100 arrays and objects"),
+              std::string::npos)
+        << result.err;
+  }
+  std::filesystem::remove(results_ / "a run/x.json");
+  results_.put("a run/trace.json", "{\"a\":" + deep + "," + trace.substr(1));
+  EXPECT_NE(report().err.find("trace.json: got a value within more than 100"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace posemix
