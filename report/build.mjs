@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 // Bundles the page into one file: node build.mjs [--outdir DIR]
+import { createHash } from "node:crypto";
 import { mkdir, readFile, rename, writeFile } from "node:fs/promises";
 import path from "node:path";
 import { fileURLToPath } from "node:url";
@@ -38,16 +39,24 @@ async function notices() {
   return texts.join("\n\n").replaceAll("--", "- -");
 }
 
-const [html, script, style, licences] = await Promise.all([
+/** What the page's policy allows: this script or style, and none that somebody brings in by a name or a text. */
+function hashOf(text) {
+  return `'sha256-${createHash("sha256").update(text).digest("base64")}'`;
+}
+
+const [html, bundled, style, licences] = await Promise.all([
   readFile(path.join(here, "src", "index.html"), "utf8"),
   bundle("main.ts"),
   bundle("style.css"),
   notices(),
 ]);
+const script = bundled.replaceAll("</script", "<\\/script");
 const page = html
+  .replace("@SCRIPT_HASH@", () => hashOf(script))
+  .replace("@STYLE_HASH@", () => hashOf(style))
   .replace("@LICENCES@", () => licences)
   .replace("@STYLE@", () => style)
-  .replace("@SCRIPT@", () => script.replaceAll("</script", "<\\/script"));
+  .replace("@SCRIPT@", () => script);
 if (page.split(MARK).length !== 2) throw new Error(`the page must contain ${MARK} exactly once`);
 
 await mkdir(outdir, { recursive: true });
