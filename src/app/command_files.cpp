@@ -10,6 +10,7 @@
 #include "posemix/io/output_file.hpp"
 #include "posemix/io/text.hpp"
 #include "summary.hpp"
+#include "terminal_text.hpp"
 #include "usage_error.hpp"
 
 namespace posemix {
@@ -143,7 +144,7 @@ void report(std::string_view command, const Json& found, const OutputOptions& ou
     text = fmt::format("posemix {}:\n", command);
     add_rows(text, found, 2);
   }
-  std::fputs(text.c_str(), stderr);
+  std::fputs(terminal_text(text).c_str(), stderr);
 }
 
 std::string transform_name(const FrameNames& frames) {

@@ -15,6 +15,7 @@
 #include "posemix/results/report.hpp"
 #include "report.hpp"
 #include "summary.hpp"
+#include "terminal_text.hpp"
 
 namespace posemix {
 namespace {
@@ -80,6 +81,7 @@ class ScratchFolder {
 void write_folder(const fs::path& path, const ConsistencyResults& results) {
   OutputFolder folder(path);
   folder.remove_earlier(earlier_consistency(folder.target()));
+  folder.put_last("consistency.json");
   for (const auto& [name, content] : format_consistency_files(results)) folder.write(name, content);
   folder.commit();
 }
@@ -102,7 +104,7 @@ int consistency_command(ConsistencyOptions options) {
   if (options.out) write_folder(*options.out, results);
   if (options.report) write_page(options, results);
   const bool printed = options.json == "-" || options.svg == "-";
-  if (!options.quiet && !printed) print_text(format_consistency_text(results));
+  if (!options.quiet && !printed) print_text(terminal_text(format_consistency_text(results)));
   return kExitDone;
 }
 

@@ -12,6 +12,7 @@
 #include "exit_codes.hpp"
 #include "posemix/base/error.hpp"
 #include "summary.hpp"
+#include "terminal_text.hpp"
 
 namespace posemix {
 namespace {
@@ -55,12 +56,12 @@ int list_data(const DataListOptions& options) {
   const std::vector<DataSource> sources = known_sources(options.registry);
   if (options.source) {
     const DataSource& source = find_source(sources, *options.source);
-    print_text(describe_source(source) + list_files(source));
+    print_text(terminal_text(describe_source(source) + list_files(source)));
     return kExitDone;
   }
   std::string text;
   for (const DataSource& source : sources) text += describe_source(source) + "\n";
-  print_text(text +
+  print_text(terminal_text(text) +
              "`posemix data list NAME` lists the files, `posemix data fetch NAME` gets "
              "them.\n");
   return kExitDone;

@@ -19,6 +19,7 @@
 #include "posemix/config/data_folder.hpp"
 #include "progress.hpp"
 #include "summary.hpp"
+#include "terminal_text.hpp"
 
 namespace posemix {
 namespace {
@@ -51,7 +52,7 @@ std::string licence_notice(const DataSource& source, const std::vector<SourceFil
 
 /// Shows the licence and, if a person can answer, asks whether to continue.
 void agree(const DataFetchOptions& options, const std::string& notice) {
-  std::fputs(notice.c_str(), stderr);
+  std::fputs(terminal_text(notice).c_str(), stderr);
   if (options.yes) return;
   if (isatty(STDIN_FILENO) != 1 || !on_terminal()) {
     throw InvalidInput("got nobody to ask whether the licence above is accepted, expected --yes");
@@ -105,7 +106,8 @@ std::size_t unpack_all(const std::vector<SourceFile>& files, const std::filesyst
   std::size_t count = 0;
   for (const SourceFile& file : files) {
     if (!is_archive_name(file.path)) continue;
-    if (!options.quiet) std::fputs(fmt::format("unpacking {}\n", file.path).c_str(), stderr);
+    if (!options.quiet)
+      std::fputs(fmt::format("unpacking {}\n", terminal_line(file.path)).c_str(), stderr);
     const auto unpacked = unpack_archive(folder / file.path, folder, file.strip,
                                          [&](std::size_t) { return !guard.interrupted(); });
     if (!unpacked)

@@ -13,6 +13,7 @@
 #include "exit_codes.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/io/dataset_sequence.hpp"
+#include "terminal_text.hpp"
 #include "usage_error.hpp"
 
 namespace posemix {
@@ -36,7 +37,7 @@ int write_sequence(DataSequenceOptions options) {
   write_output(options.out, text.toml);
   if (options.quiet) return kExitDone;
   for (const std::string& note : text.notes)
-    std::fputs(fmt::format("note: {}\n", note).c_str(), stderr);
+    std::fputs(fmt::format("note: {}\n", terminal_line(note)).c_str(), stderr);
   return kExitDone;
 }
 

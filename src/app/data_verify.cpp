@@ -13,6 +13,7 @@
 #include "interrupt.hpp"
 #include "posemix/base/error.hpp"
 #include "summary.hpp"
+#include "terminal_text.hpp"
 
 namespace posemix {
 namespace {
@@ -42,7 +43,7 @@ int verify_data(const DataVerifyOptions& options) {
     const Verification found =
         verify_folder(folder, sources, [&](std::uint64_t) { return !guard.interrupted(); });
     guard.check();
-    print_text(describe_verification(found));
+    print_text(terminal_text(describe_verification(found)));
     problems += found.problems.size();
   }
   if (problems == 0) return kExitDone;

@@ -21,6 +21,7 @@
 #include "progress.hpp"
 #include "report.hpp"
 #include "summary.hpp"
+#include "terminal_text.hpp"
 
 namespace posemix {
 namespace {
@@ -50,7 +51,7 @@ std::optional<internal::LiveResult> run_until_interrupted(const internal::LiveSe
                                                           const LiveCommandOptions& options) {
   const InterruptGuard guard;
   const auto tell = [&](const std::string& line) {
-    if (!options.quiet) print_text(fmt::format("posemix live: {}\n", line));
+    if (!options.quiet) print_text(fmt::format("posemix live: {}\n", terminal_line(line)));
   };
   try {
     return internal::run_live(settings,

@@ -11,6 +11,7 @@
 #include <sstream>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 #include <fmt/format.h>
@@ -37,6 +38,7 @@
 #include "slam.hpp"
 #include "study.hpp"
 #include "summary.hpp"
+#include "terminal_text.hpp"
 #include "usage_error.hpp"
 
 namespace posemix {
@@ -49,7 +51,7 @@ constexpr std::array kMixtureCommands{
     add_relocalise_command};
 
 int fail(std::string_view message, int exit_code) {
-  const std::string line = fmt::format("posemix: error: {}\n", message);
+  const std::string line = fmt::format("posemix: error: {}\n", terminal_line(message));
   std::fputs(line.c_str(), stderr);
   return exit_code;
 }
@@ -72,6 +74,11 @@ int guarded(const std::function<int()>& action) {
     return fail(error.what(), kExitSignal + error.signal());
   } catch (const std::bad_alloc&) {
     return fail("out of memory", kExitInternal);
+  } catch (const std::system_error& error) {
+    const bool lacks = error.code() == std::errc::resource_unavailable_try_again ||
+                       error.code() == std::errc::not_enough_memory;
+    if (!lacks) return fail(fmt::format("internal error: {}", error.what()), kExitInternal);
+    return fail("out of memory, or of threads", kExitInternal);
   } catch (const std::exception& error) {
     return fail(fmt::format("internal error: {}", error.what()), kExitInternal);
   }
@@ -85,9 +92,9 @@ void describe(CLI::App& program) {
   program.set_version_flag("--version", fmt::format("posemix {}\nvector instructions: {}",
                                                     POSEMIX_VERSION, vector_instructions()));
   program.footer(
-      "Exit codes: 0 done, 1 internal error, 2 wrong usage, 3 bad input file or value,\n"
-      "4 output cannot be written, 5 network, 130 interrupted (143 by SIGTERM), 141 nobody reads\n"
-      "the standard output any more.\n"
+      "Exit codes: 0 done, 1 internal error or out of memory, 2 wrong usage, 3 bad input file or\n"
+      "value, 4 output cannot be written, 5 network, 130 interrupted (143 by SIGTERM), 141 nobody\n"
+      "reads the standard output any more.\n"
       "\n"
       "Example: posemix simulate configs/demo.toml --seed 1 --out out/sequence\n"
       "         posemix slam out/sequence/sequence.toml --out out/results\n"
@@ -144,7 +151,9 @@ int answer(const CLI::App& program, const CLI::ParseError& reason) {
 }  // namespace
 
 int run_program(int argc, const char* const* argv) {
+  // A closed pipe and a limit on the size of files are errors of the call, with a message.
   std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);
   const int started = guarded([] {
     restart_where_portable();
     return kExitDone;

@@ -37,6 +37,7 @@
 #include "study/tless/study.hpp"
 #include "study/ycbv/study.hpp"
 #include "summary.hpp"
+#include "terminal_text.hpp"
 
 namespace posemix {
 namespace {
@@ -209,6 +210,7 @@ void write_files(const StudyRun& run, const StudyOptions& options) {
   OutputFolder folder(options.out);
   const std::vector<fs::path> earlier = earlier_study(folder.target());
   folder.remove_earlier(earlier);
+  folder.put_last(files.front().name);
   for (const StudyFile& file : files) folder.write(file.name, file.content);
   folder.commit();
   const std::string replaced =
@@ -218,7 +220,7 @@ void write_files(const StudyRun& run, const StudyOptions& options) {
   if (options.json) {
     print_text(files.front().content);
   } else if (!options.quiet) {
-    print_text(printed_text(report, options) + replaced);
+    print_text(terminal_text(printed_text(report, options) + replaced));
   }
 }
 
@@ -245,7 +247,7 @@ int run_command(const StudyCommand& command, const StudyOptions& options) {
   guard.check();
   write_files(*run, options);
   std::error_code error;
-  if (!fs::remove(journal, error)) {
+  if (!fs::remove(journal, error) && error) {
     throw OutputError(fmt::format("{}: cannot be removed: {}", journal.string(), error.message()));
   }
   return kExitDone;

@@ -13,6 +13,7 @@
 
 #include "draw/run_consistency.hpp"
 #include "posemix/base/words.hpp"
+#include "terminal_text.hpp"
 
 namespace posemix {
 namespace {
@@ -109,8 +110,9 @@ std::string format_summary(const SlamJob& job, const SlamRun& run, const Metrics
                            bool colours) {
   std::size_t width = 6;
   for (const ObjectMetrics& object : metrics.objects) width = std::max(width, object.id.size());
-  std::string text = fmt::format("{}: {}, {} frames, {:.2f} ms per frame (median)\n\n", job.name,
-                                 job.method, metrics.frames, 1e-3 * metrics.timing.frame_median_us);
+  std::string text =
+      fmt::format("{}: {}, {} frames, {:.2f} ms per frame (median)\n\n", terminal_line(job.name),
+                  job.method, metrics.frames, 1e-3 * metrics.timing.frame_median_us);
   text +=
       "Root mean square errors against the ground truth, each over its own frames; '-' where there "
       "is none.\n"
@@ -131,7 +133,7 @@ void print_text(std::string_view text) {
 
 void print_warnings(const std::vector<std::string>& warnings) {
   for (const std::string& warning : warnings) {
-    std::fputs(fmt::format("posemix: warning: {}\n", warning).c_str(), stderr);
+    std::fputs(fmt::format("posemix: warning: {}\n", terminal_line(warning)).c_str(), stderr);
   }
 }
 
