@@ -19,7 +19,7 @@ PYTHON_BUILDS = $(shell sed -n 's/^requires = \[\(.*\)\]/\1/p' pyproject.toml | 
 
 VENV_PIP = $(VENV)/bin/pip install --quiet --disable-pip-version-check
 
-.PHONY: help build built demo test test-cpp test-python test-ros report-test fuzz bench bench-built bench-table deb deb-test wheels wheels-test source-test release format style lint tidy docs \
+.PHONY: help build built demo test test-cpp test-python test-ros report-test fuzz faults bench bench-built bench-table deb deb-test wheels wheels-test source-test release format style lint tidy docs \
   coverage install clean
 .DELETE_ON_ERROR:
 
@@ -28,6 +28,7 @@ help:
 	@echo 'make demo       simulate a sequence and run three filters on it side by side, into build/demo, with a report'
 	@echo 'make test       build and run all tests: test-cpp, test-python, report-test (the report page in a browser), test-ros'
 	@echo 'make fuzz       the tests that damage files, under sanitizers'
+	@echo 'make faults     the program under faults of disk and memory, at every call by which it changes files'
 	@echo 'make bench      build and run the benchmarks, results into build/bench; those of the report page in a browser; last'
 	@echo '                one table of the library beside its peers (docs/benchmarks.md), which make bench-table makes alone'
 	@echo 'make deb        Debian packages of program and library, into build/deb'
@@ -117,6 +118,10 @@ build/.ros: build/.python tools/ros_environment $(wildcard python/tests/ros/mess
 test-ros: build/.ros
 	@if [ -e build/ros/unavailable ]; then echo "The tests with ROS 2 are skipped: $$(cat build/ros/unavailable)"; \
 	else build/ros/run python -m pytest -q -rs -p no:cacheprovider python/tests/ros; fi
+
+# Every call by which a command changes files is disturbed, one after the other.
+faults: built
+	POSEMIX_FAULT_POINTS=all ctest --preset release -L '^faults$$'
 
 fuzz: build/.bootstrap-test
 	@$(call configured,release,POSEMIX_BUILD_TESTS)

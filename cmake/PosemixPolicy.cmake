@@ -26,18 +26,34 @@ if(POSEMIX_WERROR)
   endif()
 endif()
 
+# Executables are position-independent where the linker can do it.
+include(CheckPIESupported)
+check_pie_supported(LANGUAGES CXX)
+
+# posemix_harden(<target>): what makes a fault of memory an end of the program and not a way into it. The checks of
+# glibc's functions need an optimised build; sanitizers have their own.
+function(posemix_harden target)
+  target_compile_options(${target} PRIVATE -fstack-protector-strong
+    "$<$<CONFIG:Release,RelWithDebInfo>:-U_FORTIFY_SOURCE;-D_FORTIFY_SOURCE=3>")
+  target_link_options(${target} PRIVATE "LINKER:-z,relro,-z,now,-z,noexecstack")
+endfunction()
+
 # posemix_sanitize(<target> <sanitizers>): compiles with sanitizers, a list separated by commas.
 function(posemix_sanitize target sanitizers)
-  target_compile_options(${target} PRIVATE -fsanitize=${sanitizers} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  target_compile_options(${target} PRIVATE -fsanitize=${sanitizers} -fno-sanitize-recover=all -fno-omit-frame-pointer
+    -U_FORTIFY_SOURCE)
   target_link_options(${target} PRIVATE -fsanitize=${sanitizers})
 endfunction()
 
-# posemix_apply_policy(<target>): sets warnings, sanitizers and coverage, all PRIVATE.
+# posemix_apply_policy(<target>): sets warnings, hardening, sanitizers and coverage, all PRIVATE.
 function(posemix_apply_policy target)
   target_compile_features(${target} PUBLIC cxx_std_20)
   set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF POSITION_INDEPENDENT_CODE ON)
   # Contraction into fused multiply-adds would make results depend on the machine.
   target_compile_options(${target} PRIVATE ${POSEMIX_WARNINGS} -ffp-contract=off)
+  if(POSEMIX_HARDEN)
+    posemix_harden(${target})
+  endif()
   if(POSEMIX_SANITIZE)
     posemix_sanitize(${target} "${POSEMIX_SANITIZE}")
   endif()

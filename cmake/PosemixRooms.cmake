@@ -76,7 +76,7 @@ endfunction()
 # posemix_add_tests(<room>
 #   SOURCES <file>...
 #   [DEPENDS <target>...]  libraries under test
-#   [LABEL <label>]        slow: left out of coverage; fuzz: linked with the sanitized file rooms if they are built
+#   [LABEL <label>]        slow, faults: left out of coverage; fuzz: linked with the sanitized file rooms if they are built
 #   [TIMEOUT <seconds>])   of one test case, 300 unless given
 #
 # Defines the program tests_<room>, or tests_<room>_<label>, linked with gtest_main, rapidcheck and posemix::testing, and

@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+//
+// Limits of the system, other processes, closed pipes, and kills at any moment: a message, an exit
+// code of the table, and nothing lost.
+#include <array>
+#include <chrono>
+#include <iostream>
+#include <random>
+#include <set>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "subjects.hpp"
+
+namespace posemix {
+namespace {
+
+namespace fs = std::filesystem;
+
+using testing::FaultyRun;
+using testing::ProgramResult;
+using testing::result_in;
+using testing::run_with_fault;
+using testing::RunningProgram;
+using testing::TemporaryFolder;
+
+class Neighbours : public ::testing::Test {
+ protected:
+  Neighbours() { testing::copy_recording(inputs_.path()); }
+
+  std::vector<std::string> slam() const {
+    return testing::slam_command(inputs_.path(), folder_.path(), false);
+  }
+  std::vector<std::string> study(bool again = false) const {
+    auto words = testing::study_command({}, folder_.path(), false);
+    if (again) words.emplace_back("--resume");
+    return words;
+  }
+
+  /// A command under limits of bash's ulimit.
+  static ProgramResult limited(const std::string& limits, const std::vector<std::string>& command) {
+    std::vector<std::string> words{"/bin/bash", "-c", limits + "; exec \"$@\"", "bash"};
+    words.insert(words.end(), command.begin(), command.end());
+    return RunningProgram(words).wait();
+  }
+
+  static void expect_error(const ProgramResult& result, int exit_code, const std::string& part) {
+    EXPECT_EQ(result.exit_code, exit_code) << result.err;
+    EXPECT_TRUE(result.err.starts_with("posemix: error: ")) << result.err;
+    EXPECT_NE(result.err.find(part), std::string::npos) << result.err;
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+  }
+
+  TemporaryFolder inputs_;
+  TemporaryFolder folder_;
+};
+
+TEST_F(Neighbours, ALimitOnTheSizeOfFilesIsAnErrorOfTheOutputAndLeavesNothing) {
+  expect_error(limited("ulimit -f 8", slam()), 4, "File too large");
+  EXPECT_EQ(testing::names_in(folder_.path()), std::vector<std::string>{});
+}
+
+TEST_F(Neighbours, AStudyWhoseJournalHasNoRoomIsContinued) {
+  const FaultyRun whole = run_with_fault(study(), "", folder_.path());
+  ASSERT_EQ(whole.result.exit_code, 0) << whole.result.err;
+  const auto expected = result_in(folder_.path(), {"out", "study.json"});
+  fs::remove_all(folder_ / "out");
+  // One block of 1024 bytes holds the head and no more than a part of the items.
+  expect_error(limited("ulimit -f 1", study()), 4,
+               "out.journal: cannot be written: File too large");
+  const ProgramResult again =
+      RunningProgram([&] {
+        auto words = study(true);
+        words.insert(words.begin(), {"/usr/bin/env", "SOURCE_DATE_EPOCH=0"});
+        return words;
+      }())
+          .wait();
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_EQ(result_in(folder_.path(), {"out", "study.json"}), expected);
+}
+
+TEST_F(Neighbours, WithoutMemoryThereIsAMessageAndNoCore) {
+#ifdef POSEMIX_SANITIZED
+  GTEST_SKIP() << "sanitizers reserve more than there is";
+#endif
+  std::set<int> codes;
+  // From less than the loader needs to more than the run does.
+  for (int kilobytes = 40000; kilobytes < 4000000; kilobytes = kilobytes * 6 / 5) {
+    const ProgramResult result = limited(fmt::format("ulimit -v {}", kilobytes), slam());
+    codes.insert(result.exit_code);
+    if (result.exit_code == 0) break;
+    EXPECT_FALSE(fs::exists(folder_ / "out")) << kilobytes;
+    if (result.exit_code == 127) continue;  // of the loader
+    EXPECT_EQ(result.exit_code, 1) << kilobytes << " kB: " << result.err;
+    EXPECT_NE(result.err.find("out of memory"), std::string::npos) << result.err;
+  }
+  EXPECT_TRUE(codes.contains(0)) << "the last limit is enough";
+}
+
+TEST_F(Neighbours, AStudyWithoutRoomForItsThreadsSaysSo) {
+#ifdef POSEMIX_SANITIZED
+  GTEST_SKIP() << "sanitizers reserve more than there is";
+#endif
+  auto words = study();
+  *(std::find(words.begin(), words.end(), "--threads") + 1) = "2000";
+  expect_error(limited("ulimit -v 1500000", words), 1, "out of memory");
+  EXPECT_FALSE(fs::exists(folder_ / "out"));
+}
+
+TEST_F(Neighbours, NobodyReadsTheOutputAnyMore) {
+  const ProgramResult result = RunningProgram({"/bin/bash", "-c", "set -o pipefail; \"$@\" | true",
+                                               "bash", POSEMIX_PROGRAM, "data", "list"})
+                                   .wait();
+  // `true` may end before or after the first write.
+  EXPECT_TRUE(result.exit_code == 141 || result.exit_code == 0) << result.exit_code;
+  EXPECT_EQ(result.err, "");
+}
+
+TEST_F(Neighbours, ASecondProcessOnTheJournalOfARunningStudyIsRefusedWithOrWithoutResume) {
+  auto words = study();
+  *std::find(words.begin(), words.end(), "runs=5") = "runs=100000";
+  RunningProgram first(words);
+  const fs::path journal = folder_ / "out.journal";
+  while (!fs::exists(journal) || fs::file_size(journal) == 0) {
+    ASSERT_FALSE(first.has_ended()) << first.wait().err;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  for (const bool resumes : {false, true}) {
+    auto second = words;
+    if (resumes) second.emplace_back("--resume");
+    expect_error(RunningProgram(second).wait(), 4, "out.journal: in use by another process");
+  }
+  first.send(SIGINT);
+  EXPECT_EQ(first.wait().exit_code, 130);
+}
+
+TEST_F(Neighbours, TwoRunsIntoOneFolderLeaveTheFilesOfOne) {
+  const auto whole = run_with_fault(slam(), "", folder_.path());
+  const auto expected = result_in(folder_.path(), {"out", "metrics.json"});
+  for (int i = 0; i < 5; ++i) {
+    fs::remove_all(folder_ / "out");
+    auto words = slam();
+    words.insert(words.begin(), {"/usr/bin/env", "SOURCE_DATE_EPOCH=0"});
+    RunningProgram first(words);
+    RunningProgram second(words);
+    const std::array results{first.wait(), second.wait()};
+    for (const ProgramResult& result : results)
+      EXPECT_TRUE(result.exit_code == 0 || result.exit_code == 4) << result.err;
+    EXPECT_EQ(result_in(folder_.path(), {"out", "metrics.json"}), expected);
+    EXPECT_EQ(testing::names_in(folder_.path()), std::vector<std::string>{"out"});
+  }
+}
+
+TEST_F(Neighbours, AStudyThatIsKilledAgainAndAgainIsWorthTheSame) {
+  ASSERT_EQ(run_with_fault(study(), "", folder_.path()).result.exit_code, 0);
+  const auto expected = result_in(folder_.path(), {"out", "study.json"});
+  std::mt19937 random(7);
+  const int kills = testing::visits_all() ? 1000 : 10;
+  int done = 0;
+  for (int i = 0; i < kills;) {
+    fs::remove_all(folder_ / "out");
+    fs::remove(folder_ / "out.journal");
+    for (bool ended = false; !ended;) {
+      auto words = study(true);
+      words.insert(words.begin(), {"/usr/bin/env", "SOURCE_DATE_EPOCH=0"});
+      RunningProgram program(words);
+      std::this_thread::sleep_for(std::chrono::microseconds(random() % 60000));
+      if (i < kills) {
+        program.send(SIGKILL);
+        ++i;
+      }
+      const ProgramResult result = program.wait();
+      ended = result.exit_code == 0;
+      if (!ended) {
+        ASSERT_EQ(result.exit_code, 128 + SIGKILL) << result.err;
+        const auto now = result_in(folder_.path(), {"out", "study.json"});
+        EXPECT_TRUE(!now || now == expected);
+      }
+    }
+    EXPECT_EQ(result_in(folder_.path(), {"out", "study.json"}), expected);
+    ++done;
+  }
+  std::cout << kills << " kills, " << done << " studies\n";
+}
+
+#ifdef POSEMIX_MPIRUN
+TEST_F(Neighbours, AStudyWhoseRanksAreKilledIsContinued) {
+  ASSERT_EQ(run_with_fault(study(), "", folder_.path()).result.exit_code, 0);
+  const auto expected = result_in(folder_.path(), {"out", "study.json"});
+  const auto ranks = [&](bool again) {
+    auto words = study(again);
+    words.insert(words.begin(),
+                 {"/usr/bin/env", "OMPI_ALLOW_RUN_AS_ROOT=1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1",
+                  "OMPI_MCA_rmaps_base_oversubscribe=1", POSEMIX_MPIRUN, "-n", "2"});
+    return words;
+  };
+  const FaultyRun counted = run_with_fault(ranks(false), "", folder_.path());
+  ASSERT_EQ(counted.result.exit_code, 0) << counted.result.err;
+  const std::size_t step = testing::visits_all() ? 1 : counted.calls.size() / 3;
+  for (std::size_t point = 2; point < counted.calls.size(); point += step) {
+    SCOPED_TRACE(point);
+    fs::remove_all(folder_ / "out");
+    const FaultyRun run =
+        run_with_fault(ranks(false), fmt::format("kill {}", point), folder_.path());
+    const auto now = result_in(folder_.path(), {"out", "study.json"});
+    EXPECT_TRUE(!now || now == expected);
+    if (run.result.exit_code == 0) continue;  // it had fewer calls
+    const FaultyRun again = run_with_fault(ranks(true), "", folder_.path());
+    EXPECT_EQ(again.result.exit_code, 0) << again.result.err;
+    EXPECT_EQ(result_in(folder_.path(), {"out", "study.json"}), expected);
+    fs::remove(folder_ / "out.journal");
+  }
+}
+#endif
+
+}  // namespace
+}  // namespace posemix
