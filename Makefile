@@ -8,7 +8,7 @@ PREFIX ?= /usr/local
 PYTHON ?= python3
 PROGRAM := build/release/posemix
 FORMATTED = $(shell find include src tests bench -name '*.hpp' -o -name '*.cpp')
-SCRIPTS := tools/bootstrap tools/bench_peers tools/deb_test tools/debian_root tools/wheel_test tools/source_test tools/wheels/first_use tools/make_release tools/report_inputs .ci/run
+SCRIPTS := tools/bootstrap tools/bench_peers tools/deb_test tools/debian_root tools/wheel_test tools/source_test tools/wheels/first_use tools/make_release tools/report_inputs tools/oss-fuzz/build.sh .ci/run
 
 export CMAKE_BUILD_PARALLEL_LEVEL = $(JOBS)
 export CTEST_PARALLEL_LEVEL = $(JOBS)
@@ -19,7 +19,7 @@ PYTHON_BUILDS = $(shell sed -n 's/^requires = \[\(.*\)\]/\1/p' pyproject.toml | 
 
 VENV_PIP = $(VENV)/bin/pip install --quiet --disable-pip-version-check
 
-.PHONY: help build built demo test test-cpp test-python test-ros report-test fuzz faults bench bench-built bench-table deb deb-test wheels wheels-test source-test release format style lint tidy docs \
+.PHONY: help build built demo test test-cpp test-python test-ros report-test fuzz-built fuzz fuzz-long fuzz-coverage faults bench bench-built bench-table deb deb-test wheels wheels-test source-test release format style lint tidy docs \
   coverage install clean
 .DELETE_ON_ERROR:
 
@@ -27,7 +27,8 @@ help:
 	@echo 'make build      the program, at $(PROGRAM)'
 	@echo 'make demo       simulate a sequence and run three filters on it side by side, into build/demo, with a report'
 	@echo 'make test       build and run all tests: test-cpp, test-python, report-test (the report page in a browser), test-ros'
-	@echo 'make fuzz       the tests that damage files, under sanitizers'
+	@echo 'make fuzz       the fuzz targets (libFuzzer, under sanitizers), each for FUZZ_SECONDS=60; make fuzz-long: for an hour'
+	@echo 'make fuzz-coverage  lines of the readers that their inputs reach'
 	@echo 'make faults     the program under faults of disk and memory, at every call by which it changes files'
 	@echo 'make bench      build and run the benchmarks, results into build/bench; those of the report page in a browser; last'
 	@echo '                one table of the library beside its peers (docs/benchmarks.md), which make bench-table makes alone'
@@ -123,11 +124,20 @@ test-ros: build/.ros
 faults: built
 	POSEMIX_FAULT_POINTS=all ctest --preset release -L '^faults$$'
 
-fuzz: build/.bootstrap-test
-	@$(call configured,release,POSEMIX_BUILD_TESTS)
-	@$(call configured,release,POSEMIX_SANITIZED_FUZZ)
-	cmake --build --preset release --target fuzz_tests
-	ctest --preset release -L '^fuzz$$'
+FUZZ_SECONDS ?= 60
+
+fuzz-built: build/.bootstrap-fuzz
+	@test -f build/fuzz/build.ninja || cmake --preset fuzz
+	cmake --build --preset fuzz --target fuzz_programs
+
+fuzz: fuzz-built
+	tools/fuzz run $(FUZZ_SECONDS)
+
+fuzz-long:
+	$(MAKE) --no-print-directory fuzz FUZZ_SECONDS=3600
+
+fuzz-coverage: fuzz-built
+	tools/fuzz coverage
 
 # The peers that Debian does not have, from PyPI; the headers of Sophus are those in the source archive of its package for Python.
 build/.peers: bench/peers/requirements.txt bench/peers/sophus.txt tools/bench_peers

@@ -76,7 +76,7 @@ endfunction()
 # posemix_add_tests(<room>
 #   SOURCES <file>...
 #   [DEPENDS <target>...]  libraries under test
-#   [LABEL <label>]        slow, faults: left out of coverage; fuzz: linked with the sanitized file rooms if they are built
+#   [LABEL <label>]        slow, damage, faults: left out of coverage
 #   [TIMEOUT <seconds>])   of one test case, 300 unless given
 #
 # Defines the program tests_<room>, or tests_<room>_<label>, linked with gtest_main, rapidcheck and posemix::testing, and
@@ -99,22 +99,13 @@ function(posemix_add_tests room)
   endif()
   add_executable(${name} ${arg_SOURCES})
   posemix_apply_test_policy(${name})
-  if(arg_LABEL STREQUAL "fuzz" AND TARGET posemix::files_sanitized)
-    posemix_sanitize(${name} address,undefined)
-    list(TRANSFORM arg_DEPENDS REPLACE "^posemix::(io|config|draw|results)$" posemix::files_sanitized)
-    target_sources(${name} PRIVATE "${PROJECT_SOURCE_DIR}/tests/sanitizer_options.cpp")
-  else()
-    posemix_precompile(${name} FROM posemix_test_headers)
-  endif()
+  posemix_precompile(${name} FROM posemix_test_headers)
   target_link_libraries(${name} PRIVATE posemix_test_support ${arg_DEPENDS} posemix::testing GTest::gtest_main)
   target_include_directories(${name} PRIVATE "${PROJECT_SOURCE_DIR}/tests" "${PROJECT_SOURCE_DIR}/src")
   target_compile_definitions(${name} PRIVATE POSEMIX_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   gtest_discover_tests(${name} TEST_PREFIX ${room}. DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60
     PROPERTIES TIMEOUT ${arg_TIMEOUT} ${label}
     ENVIRONMENT_MODIFICATION "RC_PARAMS=string_prepend:seed=20221124 ")
-  if(arg_LABEL STREQUAL "fuzz")
-    set_property(GLOBAL APPEND PROPERTY POSEMIX_FUZZ_TESTS ${name})
-  endif()
 endfunction()
 
 # posemix_add_bench(bench_<x> SOURCES <file>... [DEPENDS <target>...])
