@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "moving_object_state.hpp"
@@ -12,23 +13,35 @@ namespace {
 /// Parts of a mixture of models below this are left out.
 constexpr double kLeastPart = 1e-9;
 
+/// Squarings of a transition after which rounding may have grown, as every one doubles its relative
+/// error.
+constexpr int kExactSquarings = 20;
+
+void normalise_rows(Eigen::MatrixXd& transition) {
+  transition = transition.cwiseMax(0.0).eval();
+  for (Eigen::Index i = 0; i < transition.rows(); ++i) transition.row(i) /= transition.row(i).sum();
+}
+
 /// exp(generator t) of a Markov chain, by halving the time and the power series.
 Eigen::MatrixXd transition_of(const Eigen::MatrixXd& generator, double t) {
   const Eigen::Index n = generator.rows();
+  const double largest = generator.cwiseAbs().maxCoeff();
   int halvings = 0;
-  const double largest = generator.cwiseAbs().maxCoeff() * t;
-  for (; std::ldexp(largest, -halvings) > 0.25; ++halvings) {
-  }
-  const Eigen::MatrixXd g = std::ldexp(t, -halvings) * generator;
+  double step = std::min(t, std::numeric_limits<double>::max());
+  // The product with the whole time may be infinite, that with the step is not in the end.
+  for (; largest * step > 0.25; ++halvings) step *= 0.5;
+  const Eigen::MatrixXd g = step * generator;
   Eigen::MatrixXd power = Eigen::MatrixXd::Identity(n, n);
   Eigen::MatrixXd sum = power;
   for (int k = 1; k < 14; ++k) {
     power = (power * g / k).eval();
     sum += power;
   }
-  for (int k = 0; k < halvings; ++k) sum = (sum * sum).eval();
-  sum = sum.cwiseMax(0.0).eval();
-  for (Eigen::Index i = 0; i < n; ++i) sum.row(i) /= sum.row(i).sum();
+  for (int k = 0; k < halvings; ++k) {
+    sum = (sum * sum).eval();
+    if (k >= kExactSquarings) normalise_rows(sum);
+  }
+  normalise_rows(sum);
   return sum;
 }
 
