@@ -179,14 +179,14 @@ TEST_P(Faults, LeaveAWholeResultOrNoneAndASecondTryMakesItAsIfNothingHadHappened
 }
 
 INSTANTIATE_TEST_SUITE_P(All, ShortWrites, ::testing::ValuesIn(testing::subjects()),
-                         [](const auto& info) { return std::string(info.param.name); });
+                         [](const auto& each) { return std::string(each.param.name); });
 
 INSTANTIATE_TEST_SUITE_P(All, Faults,
                          ::testing::Combine(::testing::ValuesIn(testing::subjects()),
                                             ::testing::ValuesIn(kDisturbances)),
-                         [](const auto& info) {
-                           return fmt::format("{}_{}", std::get<0>(info.param).name,
-                                              std::get<1>(info.param).name);
+                         [](const auto& each) {
+                           return fmt::format("{}_{}", std::get<0>(each.param).name,
+                                              std::get<1>(each.param).name);
                          });
 
 }  // namespace
