@@ -15,6 +15,8 @@ class PartialFolder {
   /// have left behind are removed.
   static std::optional<PartialFolder> create(const std::filesystem::path& parent,
                                              const std::filesystem::path& name);
+  PartialFolder(const PartialFolder&) = delete;
+  PartialFolder& operator=(const PartialFolder&) = delete;
   PartialFolder(PartialFolder&& other) noexcept;
   PartialFolder& operator=(PartialFolder&&) = delete;
   ~PartialFolder();
