@@ -62,8 +62,12 @@ Json place_json(const ProjectedGaussian<SE3d>& density, const MixtureConvention&
 
 template <class D>
 Json component_json(const Component<D>& component, const MixtureConvention& convention) {
-  const bool weightless = std::isinf(component.log_weight);
-  Json json = weightless ? Json{{"weight", 0.0}} : Json{{"log_weight", component.log_weight}};
+  Json json;
+  if (std::isinf(component.log_weight)) {
+    json["weight"] = 0.0;
+  } else {
+    json["log_weight"] = component.log_weight;
+  }
   json.update(place_json(component.density, convention));
   return json;
 }

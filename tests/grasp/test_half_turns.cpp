@@ -100,8 +100,8 @@ TEST(HalfTurns, AnyTurnAboutAnAxisIsAllowedByPi) {
        {Vector3d(60.0, 60.0, 180.0), Vector3d(20.0, 180.0, 180.0), Vector3d(8.0, 5.0, 180.0)}) {
     SCOPED_TRACE(degrees.transpose());
     expect_agreement(mixture, turns(degrees, 0.01), m, 100000);
-    expect_agreement(mixture, turns(degrees, 0.01), m * SE3d(SO3d::exp({0.0, 0.0, 1.3}), {}),
-                     100000);
+    const SE3d turned = m * SE3d(SO3d::exp({0.0, 0.0, 1.3}), Vector3d::Zero());
+    expect_agreement(mixture, turns(degrees, 0.01), turned, 100000);
   }
   RandomStream stream(1);
   const auto all = success_probability(mixture, turns(Vector3d::Constant(180.0)), m, stream);

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "bounded_run.hpp"
 #include "config/small_recording.hpp"
 #include "posemix/config/sequence_file.hpp"
 #include "posemix/results/results.hpp"
@@ -26,25 +27,6 @@ std::string one_object() {
   return text.substr(0, begin) + text.substr(text.find("[filter]"));
 }
 
-/// Runs with few hypotheses and frames, because a damaged setting may have any number.
-void slam_to_text(const TomlDocument& document, const std::filesystem::path& folder) {
-  SlamJob job = read_slam_job(document, {folder});
-  if (auto* filter = std::get_if<GaussianSumSettings>(&job.settings.tracker)) {
-    ReductionSettings& reduction = filter->reduction;
-    reduction.max_components = std::min<std::size_t>(reduction.max_components, 4);
-    reduction.merge_from = std::min<std::size_t>(reduction.merge_from, 8);
-  }
-  if (auto* particles = std::get_if<ParticleFilterSettings>(&job.settings.tracker))
-    particles->particles = std::min<std::size_t>(particles->particles, 8);
-  const auto progress = [](std::size_t done, std::size_t) { return done < kMostFrames; };
-  const SlamRun slam = run(job.sequence, job.camera_prior, job.models, job.settings,
-                           {.record_hypotheses = true, .progress = progress});
-  const auto files = format_results(job, slam, evaluate(job.sequence, slam));
-  for (const auto& [name, text] : files) {
-    if (name == "posterior.json") parse_posterior(text, name);
-  }
-}
-
 void expect_sound(const FuzzReport& report, std::size_t least_of_each) {
   EXPECT_TRUE(report.failures.empty())
       << report.failures.size() << " failures, the first: " << report.failures[0];
@@ -56,7 +38,8 @@ TEST(DamagedSequence, SequenceFiles) {
   const testing::SmallFolder small;
   const std::vector<std::string> originals{std::string(testing::kSmallToml)};
   const auto parse = [&](const std::string& text) {
-    slam_to_text(TomlDocument::parse(text, "s.toml"), small.folder.path());
+    testing::run_first_frames(TomlDocument::parse(text, "s.toml"), small.folder.path(),
+                              kMostFrames);
   };
   expect_sound(fuzz(originals, kInputs, 11, parse), 200);
 }
@@ -78,7 +61,8 @@ TEST(DamagedSequence, TumFiles) {
   std::size_t next = 0;
   const auto parse = [&](const std::string& text) {
     small.folder.put("damaged.txt", text);
-    slam_to_text(documents[next++ % documents.size()], small.folder.path());
+    testing::run_first_frames(documents[next++ % documents.size()], small.folder.path(),
+                              kMostFrames);
   };
   expect_sound(fuzz(originals, kInputs, 12, parse), 300);
 }

@@ -230,7 +230,9 @@ TEST_P(AxisSymmetry, FiveDegreesOfFreedomCountAndTheTurnDoesNot) {
 INSTANTIATE_TEST_SUITE_P(Offsets, AxisSymmetry, ::testing::Values(0.0, 0.2));
 
 TEST(ConsistencyReport, UnderAllTurnsThePositionIsLeft) {
-  const SymmetryGroup ball({}, {{Eigen::Vector3d::UnitX(), {}}, {Eigen::Vector3d::UnitY(), {}}});
+  const Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  const SymmetryGroup ball(
+      {}, {{Eigen::Vector3d::UnitX(), centre}, {Eigen::Vector3d::UnitY(), centre}});
   RandomStream stream(10);
   auto series = series_of(1000, 1.0, [&] { return standard_normal(stream); });
   for (EstimateWithTruth& pair : series) {

@@ -13,6 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "counting_study.hpp"
+#include "io/expect_invalid.hpp"
 #include "io/temporary_folder.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/base/vector_instructions.hpp"
@@ -23,20 +24,10 @@ namespace posemix {
 namespace {
 
 using testing::counting_study;
+using testing::invalid_input_message;
 using testing::TemporaryFolder;
 
 constexpr std::size_t kItems = 60;
-
-/// The message of the InvalidInput that `action` throws.
-template <class Action>
-std::string refusal(Action&& action) {
-  try {
-    action();
-  } catch (const InvalidInput& error) {
-    return error.what();
-  }
-  return "nothing was thrown";
-}
 
 class JournalFile : public ::testing::Test {
  protected:
@@ -78,7 +69,7 @@ TEST_F(JournalFile, IsReadBack) {
 
 TEST_F(JournalFile, IsNotOverwrittenWithoutResume) {
   fill(3);
-  const std::string message = refusal([&] { Journal(path_, study_, false); });
+  const std::string message = invalid_input_message([&] { Journal(path_, study_, false); });
   EXPECT_NE(message.find("--resume"), std::string::npos) << message;
   EXPECT_EQ(count(), 3U);
 }
@@ -113,7 +104,7 @@ TEST_F(JournalFile, RefusesALineThatIsDamaged) {
   std::string text = read_file(path_);
   text[text.find("item\":1") + 2] = '#';
   std::ofstream(path_, std::ios::binary) << text;
-  const std::string message = refusal([&] { count(); });
+  const std::string message = invalid_input_message([&] { count(); });
   EXPECT_NE(message.find("journal:3:"), std::string::npos) << message;
 }
 
@@ -127,7 +118,7 @@ TEST_F(JournalFile, RefusesAResultThatIsDamagedThoughItsLineIsWhole) {
     std::string damaged = text;
     damaged[at] = by;
     std::ofstream(path_, std::ios::binary) << damaged;
-    const std::string message = refusal([&] { count(); });
+    const std::string message = invalid_input_message([&] { count(); });
     EXPECT_NE(message.find("journal:3:"), std::string::npos) << message;
     EXPECT_NE(message.find("without this line the item is done again"), std::string::npos)
         << message;
@@ -187,9 +178,11 @@ TEST_F(JournalFile, WithoutItemsIsNoReasonToRefuseAStudy) {
 TEST_F(JournalFile, DoesNotTouchAFileThatIsNone) {
   for (const std::string text : {"notes", "notes\n", "notes\nmore\n"}) {
     std::ofstream(path_, std::ios::binary) << text;
-    EXPECT_NE(refusal([&] { Journal(path_, study_, false); }).find("remove the file"),
+    EXPECT_NE(invalid_input_message([&] { Journal(path_, study_, false); }).find("remove the file"),
               std::string::npos);
-    EXPECT_NE(refusal([&] { Journal(path_, study_, true); }).find("the head of a study's journal"),
+    EXPECT_NE(invalid_input_message([&] {
+                Journal(path_, study_, true);
+              }).find("the head of a study's journal"),
               std::string::npos);
     EXPECT_EQ(read_file(path_), text);
   }
@@ -197,7 +190,8 @@ TEST_F(JournalFile, DoesNotTouchAFileThatIsNone) {
 
 TEST_F(JournalFile, RefusesOtherSettingsAndSaysWhich) {
   fill(1);
-  const std::string message = refusal([&] { Journal(path_, counting_study(kItems, 2), true); });
+  const std::string message =
+      invalid_input_message([&] { Journal(path_, counting_study(kItems, 2), true); });
   EXPECT_NE(message.find("'settings.seed' is 1, now 2"), std::string::npos) << message;
 }
 
@@ -209,7 +203,7 @@ TEST_F(JournalFile, SaysByWhichVectorInstructionsItsItemsAre) {
 TEST_F(JournalFile, RefusesResultsByOtherVectorInstructions) {
   fill(2);
   replace_instructions(R"(,"instructions":"avx1024")");
-  const std::string message = refusal([&] { count(); });
+  const std::string message = invalid_input_message([&] { count(); });
   EXPECT_NE(message.find("by other vector instructions, avx1024, now " +
                          std::string(vector_instructions())),
             std::string::npos)
@@ -228,7 +222,7 @@ TEST_F(JournalFile, OfAProgramThatDidNotSayIsContinuedWithoutAWordOnInstructions
 TEST_F(JournalFile, RefusesInstructionsThatAreNoText) {
   fill(2);
   replace_instructions(R"(,"instructions":512)");
-  const std::string message = refusal([&] { count(); });
+  const std::string message = invalid_input_message([&] { count(); });
   EXPECT_NE(message.find("journal:1:"), std::string::npos) << message;
   EXPECT_NE(message.find("512"), std::string::npos) << message;
 }

@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "counting_study.hpp"
+#include "io/expect_invalid.hpp"
 #include "io/temporary_folder.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/base/vector_instructions.hpp"
@@ -22,6 +23,7 @@ namespace posemix {
 namespace {
 
 using testing::counting_study;
+using testing::invalid_input_message;
 using testing::TemporaryFolder;
 
 constexpr std::size_t kItems = 60;
@@ -36,17 +38,6 @@ std::vector<std::string> expected_results() {
 StudyRun run_here(const std::function<Study()>& make, const StudyRunOptions& options) {
   Ranks ranks;
   return run_study(ranks, make, options).value();
-}
-
-/// The message of the InvalidInput that `action` throws.
-template <class Action>
-std::string refusal(Action&& action) {
-  try {
-    action();
-  } catch (const InvalidInput& error) {
-    return error.what();
-  }
-  return "nothing was thrown";
 }
 
 TEST(RunStudy, GivesTheSameForAnyNumberOfThreads) {

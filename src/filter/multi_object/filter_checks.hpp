@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <cstddef>
+
+#include <fmt/format.h>
+
+#include "posemix/base/error.hpp"
+
+/// Indices that callers of MultiObjectFilter give.
+namespace posemix::internal {
+
+inline void require_object(std::size_t object, std::size_t objects) {
+  if (object >= objects)
+    throw InvalidInput(fmt::format("there is no object {}; there are {}", object, objects));
+}
+
+inline void require_detector(std::size_t detector, std::size_t detectors) {
+  if (detector >= detectors) {
+    throw InvalidInput(
+        fmt::format("the object has {} detectors; there is none at index {}", detectors, detector));
+  }
+}
+
+inline void require_camera(std::size_t camera, std::size_t cameras) {
+  if (camera >= cameras) {
+    throw InvalidInput(
+        fmt::format("there is no camera {} whose pose on the body is estimated; there are {}",
+                    camera, cameras));
+  }
+}
+
+inline void require_hypothesis(std::size_t hypothesis, std::size_t object, std::size_t hypotheses) {
+  if (hypothesis >= hypotheses) {
+    throw InvalidInput(fmt::format("object {} has {} hypotheses; there is none at index {}", object,
+                                   hypotheses, hypothesis));
+  }
+}
+
+}  // namespace posemix::internal
