@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "filter_checks.hpp"
 #include "global_hypotheses.hpp"
 
