@@ -10,9 +10,9 @@
 
 #include "posemix/mixture/em.hpp"
 
-/// EM of seven components on SE(3): one iteration (a pass over all samples and the M-step), against
-/// a naive pass with functions of one sample at a time. The counter `ratio` is the naive time over
-/// the time of EM in this run.
+/// EM of seven components on SE(3) and R^6: one iteration (a pass over all samples and the M-step),
+/// against a naive pass with functions of one sample at a time. The counter `ratio` is the naive
+/// time over the time of EM in this run.
 namespace posemix {
 namespace {
 
@@ -24,7 +24,7 @@ Mixture<D> scattered_mixture(RandomStream& stream) {
   for (std::size_t k = 0; k < kComponents; ++k) {
     Eigen::VectorXd centre(6);
     stream.fill_normal(centre);
-    parts.push_back({0.0, D(SE3d::exp(0.5 * centre), Matrix6d(0.04 * Matrix6d::Identity()))});
+    parts.push_back({0.0, D(D::Group::exp(0.5 * centre), Matrix6d(0.04 * Matrix6d::Identity()))});
   }
   return Mixture<D>(std::move(parts));
 }
@@ -32,7 +32,7 @@ Mixture<D> scattered_mixture(RandomStream& stream) {
 template <class D>
 struct Problem {
   Mixture<D> truth;
-  std::vector<SE3d> samples;
+  std::vector<typename D::Group> samples;
 
   static const Problem& of(std::int64_t count) {
     static std::map<std::int64_t, Problem> problems;
@@ -45,7 +45,8 @@ struct Problem {
   }
 };
 
-Vector6d coordinates(const ConcentratedGaussian<SE3d>& density, const SE3d& sample) {
+template <LieGroup G>
+Vector6d coordinates(const ConcentratedGaussian<G>& density, const G& sample) {
   return (sample * density.mean().inverse()).log();
 }
 Vector6d coordinates(const ProjectedGaussian<SE3d>& density, const SE3d& sample) {
@@ -67,7 +68,7 @@ double naive_seconds(const Problem<D>& problem) {
   std::vector<double> terms(kComponents);
   const double begin = seconds_of_processor();
   for (std::size_t i = 0; i < problem.samples.size(); i += 10) {
-    const SE3d& sample = problem.samples[i];
+    const typename D::Group& sample = problem.samples[i];
     for (std::size_t k = 0; k < kComponents; ++k) {
       terms[k] = problem.truth[k].log_weight + evaluators[k].log_density(sample);
     }
@@ -111,6 +112,12 @@ BENCHMARK(bench_iteration<ConcentratedGaussian<SE3d>>)
     ->Unit(benchmark::kMillisecond);
 BENCHMARK(bench_iteration<ProjectedGaussian<SE3d>>)
     ->Name("em_projected_se3_7")
+    ->Arg(100000)
+    ->Arg(1000000)
+    ->UseManualTime()
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK(bench_iteration<ConcentratedGaussian<Rnd<6>>>)
+    ->Name("em_r6_7")
     ->Arg(100000)
     ->Arg(1000000)
     ->UseManualTime()

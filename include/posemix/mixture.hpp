@@ -8,6 +8,7 @@
 #include "posemix/mixture/em_impl.hpp"
 #include "posemix/mixture/em_kernels.hpp"
 #include "posemix/mixture/em_projected.hpp"
+#include "posemix/mixture/em_rn.hpp"
 #include "posemix/mixture/em_rows.hpp"
 #include "posemix/mixture/em_samples.hpp"
 #include "posemix/mixture/em_start.hpp"

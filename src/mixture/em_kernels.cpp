@@ -8,7 +8,9 @@
 #include "hwy/foreach_target.h"
 //
 #include "base/vector_dispatch.hpp"
+#include "em_moments-inl.hpp"
 #include "em_pose-inl.hpp"
+#include "em_rn-inl.hpp"
 #include "em_vector-inl.hpp"
 #include "hwy/contrib/math/math-inl.h"
 #include "hwy/highway.h"
@@ -49,89 +51,18 @@ void projected_log_density(std::size_t n, const EmRow* samples, std::size_t coun
          : projected_rows<6>(samples, count, density, y, out);
 }
 
-/// Row kRow of the moments: first += s, second_j += s y_j.
-template <int kRow>
-struct MomentRow {
-  V first;
-  V second[kRow + 1];
-
-  HWY_INLINE MomentRow(std::size_t n, const double* sums) {
-    first = load(sums + (1 + kRow) * kSumStride);
-    for (std::size_t j = 0; j <= kRow; ++j)
-      second[j] = load(sums + em_second_moment(n, kRow, j) * kSumStride);
-  }
-  HWY_INLINE void add(const V* y, V share) {
-    const V shared = hn::Mul(share, y[kRow]);
-    first = hn::Add(first, shared);
-    for (int j = 0; j <= kRow; ++j) second[j] = hn::MulAdd(shared, y[j], second[j]);
-  }
-  HWY_INLINE void save(std::size_t n, double* sums) const {
-    hn::Store(first, D(), sums + (1 + kRow) * kSumStride);
-    for (std::size_t j = 0; j <= kRow; ++j)
-      hn::Store(second[j], D(), sums + em_second_moment(n, kRow, j) * kSumStride);
-  }
-};
-
-void add_moments_3(const EmRow* y, const EmRow& shares, std::size_t count, double* sums) {
-  V weight = load(sums);
-  MomentRow<0> row0(3, sums);
-  MomentRow<1> row1(3, sums);
-  MomentRow<2> row2(3, sums);
-  for (std::size_t i = 0; i < count; i += hn::Lanes(D())) {
-    const V share = load(shares, i);
-    if (none(share)) continue;
-    const V v[3] = {load(y[0], i), load(y[1], i), load(y[2], i)};
-    weight = hn::Add(weight, share);
-    row0.add(v, share);
-    row1.add(v, share);
-    row2.add(v, share);
-  }
-  hn::Store(weight, D(), sums);
-  row0.save(3, sums);
-  row1.save(3, sums);
-  row2.save(3, sums);
-}
-
-void add_moments_6(const EmRow* y, const EmRow& shares, std::size_t count, double* sums) {
-  V weight = load(sums);
-  MomentRow<0> row0(6, sums);
-  MomentRow<1> row1(6, sums);
-  MomentRow<2> row2(6, sums);
-  MomentRow<3> row3(6, sums);
-  MomentRow<4> row4(6, sums);
-  MomentRow<5> row5(6, sums);
-  for (std::size_t i = 0; i < count; i += hn::Lanes(D())) {
-    const V share = load(shares, i);
-    if (none(share)) continue;
-    const V v[6] = {load(y[0], i), load(y[1], i), load(y[2], i),
-                    load(y[3], i), load(y[4], i), load(y[5], i)};
-    weight = hn::Add(weight, share);
-    row0.add(v, share);
-    row1.add(v, share);
-    row2.add(v, share);
-    row3.add(v, share);
-    row4.add(v, share);
-    row5.add(v, share);
-  }
-  hn::Store(weight, D(), sums);
-  row0.save(6, sums);
-  row1.save(6, sums);
-  row2.save(6, sums);
-  row3.save(6, sums);
-  row4.save(6, sums);
-  row5.save(6, sums);
-}
-
 void add_moments(std::size_t n, const EmRow* y, const EmRow& shares, std::size_t count,
                  double* sums) {
-  n == 3 ? add_moments_3(y, shares, count, sums) : add_moments_6(y, shares, count, sums);
+  const StoredRows rows{y};
+  n == 3 ? add_moments_of<3>(rows, shares, count, sums)
+         : add_moments_of<6>(rows, shares, count, sums);
 }
 
 template <int kN>
 void projected_gradient(const EmRow* y, const EmRow& shares, std::size_t count,
                         const ProjectedKernel& density, double* sums) {
   V total[4];
-  for (std::size_t j = 0; j < 4; ++j) total[j] = load(sums + j * kSumStride);
+  for (std::size_t j = 0; j < 4; ++j) total[j] = load_sum(sums, j);
   for (std::size_t i = 0; i < count; i += hn::Lanes(D())) {
     const V share = load(shares, i);
     if (none(share)) continue;
@@ -144,7 +75,7 @@ void projected_gradient(const EmRow* y, const EmRow& shares, std::size_t count,
     for (int j = 0; j < 3; ++j) total[j] = hn::MulAdd(inner, v[j], total[j]);
     total[3] = hn::MulAdd(inner, dot({v[0], v[1], v[2]}, {v[0], v[1], v[2]}), total[3]);
   }
-  for (std::size_t j = 0; j < 4; ++j) hn::Store(total[j], D(), sums + j * kSumStride);
+  for (std::size_t j = 0; j < 4; ++j) store_sum(total[j], sums, j);
 }
 
 void add_projected_gradient(std::size_t n, const EmRow* y, const EmRow& shares, std::size_t count,
@@ -220,6 +151,8 @@ HWY_EXPORT(add_moments);
 HWY_EXPORT(add_projected_gradient);
 HWY_EXPORT(pose_log_density);
 HWY_EXPORT(add_pose_gradient);
+HWY_EXPORT(rn_log_density);
+HWY_EXPORT(add_rn_moments);
 HWY_EXPORT(shares_of_log_terms);
 
 void projected_log_density(std::size_t n, const EmRow* samples, std::size_t count,
@@ -245,6 +178,15 @@ void pose_log_density(const EmRow* samples, std::size_t count, const PoseKernel&
 void add_pose_gradient(const EmRow* rows, const EmRow& shares, std::size_t count,
                        const PoseKernel& density, double* sums) {
   POSEMIX_DISPATCH(add_pose_gradient)(rows, shares, count, density, sums);
+}
+
+void rn_log_density(const EmRow* samples, std::size_t count, const RnKernel& density, EmRow& out) {
+  POSEMIX_DISPATCH(rn_log_density)(samples, count, density, out);
+}
+
+void add_rn_moments(const EmRow* samples, const EmRow& shares, std::size_t count,
+                    const RnKernel& density, double* sums) {
+  POSEMIX_DISPATCH(add_rn_moments)(samples, shares, count, density, sums);
 }
 
 double shares_from_log_terms(const EmRow& weights, std::size_t count, std::span<EmRow> terms) {

@@ -69,7 +69,7 @@ void pose_log_density(const EmRow* samples, std::size_t count, const PoseKernel&
 void add_pose_gradient(const EmRow* rows, const EmRow& shares, std::size_t count,
                        const PoseKernel& density, double* sums) {
   V total[kPoseGradientSums];
-  for (std::size_t j = 0; j < kPoseGradientSums; ++j) total[j] = load(sums + j * kSumStride);
+  for (std::size_t j = 0; j < kPoseGradientSums; ++j) total[j] = load_sum(sums, j);
   const auto& p = density.precision;
   for (std::size_t i = 0; i < count; i += hn::Lanes(D())) {
     const V share = load(shares, i);
@@ -98,8 +98,7 @@ void add_pose_gradient(const EmRow* rows, const EmRow& shares, std::size_t count
     for (std::size_t j = 0; j < 6; ++j) total[6 + j] = hn::MulAdd(with_y, xi[j], total[6 + j]);
     for (std::size_t j = 0; j < 6; ++j) total[12 + j] = hn::MulAdd(with_y2, xi[j], total[12 + j]);
   }
-  for (std::size_t j = 0; j < kPoseGradientSums; ++j)
-    hn::Store(total[j], D(), sums + j * kSumStride);
+  for (std::size_t j = 0; j < kPoseGradientSums; ++j) store_sum(total[j], sums, j);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -2,6 +2,10 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "posemix/mixture/em_rows.hpp"
 
+#include <fmt/format.h>
+
+#include "posemix/base/error.hpp"
+
 namespace posemix {
 namespace {
 
@@ -39,5 +43,16 @@ EmCoordinates::EmCoordinates(std::span<const SO3d> elements)
 
 EmCoordinates::EmCoordinates(std::span<const SE3d> elements)
     : dimensions_(kQuaternion + 3), size_(elements.size()), rows_(rows_of(elements, dimensions_)) {}
+
+EmCoordinates::EmCoordinates(std::size_t size, Eigen::Index dimensions)
+    : dimensions_(static_cast<std::size_t>(dimensions)),
+      size_(size),
+      rows_(blocks(size) * dimensions_) {}
+
+void EmCoordinates::check_dimensions(std::size_t index, Eigen::Index dimensions) const {
+  if (static_cast<std::size_t>(dimensions) == dimensions_) return;
+  throw InvalidInput(
+      fmt::format("EM: sample {} has {} dimensions, the first {}", index, dimensions, dimensions_));
+}
 
 }  // namespace posemix

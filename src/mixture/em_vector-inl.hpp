@@ -18,7 +18,13 @@ HWY_BEFORE_NAMESPACE();
 namespace posemix::internal {
 namespace HWY_NAMESPACE {
 
-constexpr std::size_t kSumStride = 8;
+/// Sum number k, and where it is kept: once for every block, and so without alignment.
+HWY_INLINE V load_sum(const double* sums, std::size_t k) {
+  return hn::LoadU(D(), sums + k * kEmSumLanes);
+}
+HWY_INLINE void store_sum(V v, double* sums, std::size_t k) {
+  hn::StoreU(v, D(), sums + k * kEmSumLanes);
+}
 
 HWY_INLINE V load(const double* at) { return hn::Load(D(), at); }
 HWY_INLINE V load(const EmRow& row, std::size_t i) { return hn::Load(D(), row.data() + i); }

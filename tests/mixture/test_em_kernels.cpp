@@ -1,20 +1,24 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 #include <limits>
+#include <type_traits>
 
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 
+#include "base/every_instruction_set.hpp"
 #include "em_draws.hpp"
 #include "posemix/mixture/em.hpp"
+#include "posemix/testing/expect.hpp"
 
 /// Compares the loops with vector instructions to the plain functions, sample by sample.
 namespace posemix {
 namespace {
 
+using testing::Gaussian;
 using testing::Projected;
 using testing::random_element;
 using testing::random_mixture;
+using testing::thrown_message;
 
 /// Poses about `centre` at angles from 3e-9 to pi and at metres, and the centre itself; one more
 /// than fits a block and a vector.
@@ -81,6 +85,80 @@ TEST(EmKernels, OfConcentratedGaussiansAgreeWithTheGroup) {
   EXPECT_LT((moments.gradient - expected.gradient).norm(), 1e-8 * expected.weight);
 }
 
+template <class N>
+class EmKernelsOnVectors : public ::testing::Test {};
+template <int N>
+using Size = std::integral_constant<int, N>;
+using Sizes =
+    ::testing::Types<Size<1>, Size<2>, Size<3>, Size<4>, Size<5>, Size<6>, Size<7>, Size<11>>;
+TYPED_TEST_SUITE(EmKernelsOnVectors, Sizes);
+
+/// Compares with the worker of any group: one block and a part of another, whose size is no
+/// multiple of a vector's, with a mean that is ten deviations from zero. Every sum has some 300
+/// terms, each of which is rounded a few times: 1e-13 of the sum of absolute values.
+template <LieGroup G>
+void expect_worker_of_any_group(const Gaussian<G>& density, const std::vector<G>& elements,
+                                RandomStream& stream) {
+  const EmSettings settings;
+  typename EmModel<Gaussian<G>>::Worker worker(density, settings);
+  internal::EmAnyGroupWorker<G> reference(density, settings);
+  const EmCoordinates samples{std::span<const G>(elements)};
+  const EmSamples<G> plain{std::span<const G>(elements)};
+  const Eigen::VectorXd sd = density.covariance().diagonal().cwiseSqrt();
+  Eigen::VectorXd absolute = Eigen::VectorXd::Zero(sd.size());
+  for (std::size_t begin = 0; begin < elements.size(); begin += kEmBlock) {
+    const std::size_t count = std::min(kEmBlock, elements.size() - begin);
+    EmRow log, expected, shares;
+    worker.log_density(samples, begin, count, log);
+    reference.log_density(plain, begin, count, expected);
+    for (std::size_t i = 0; i < count; ++i) {
+      ASSERT_NEAR(log[i], expected[i], 1e-13 * (10.0 + std::abs(expected[i])));
+      shares[i] = i % 3 == 0 || (i > 64 && i < 96) ? 0.0 : stream.uniform();
+      const Eigen::VectorXd y = (elements[begin + i] * density.mean().inverse()).log();
+      absolute += shares[i] * y.cwiseAbs();
+    }
+    worker.accumulate(shares);
+    reference.accumulate(shares);
+  }
+  const auto moments = worker.moments();
+  const auto& sums = reference.moments();
+  EXPECT_NEAR(worker.weight(), sums.weight, 1e-13 * sums.weight);
+  EXPECT_EQ(moments.weight, worker.weight());
+  const Eigen::VectorXd root = sums.second.diagonal().cwiseSqrt();
+  for (Eigen::Index i = 0; i < sd.size(); ++i) {
+    EXPECT_NEAR(moments.first[i], sums.first[i], 1e-13 * absolute[i]);
+    for (Eigen::Index j = 0; j < sd.size(); ++j)
+      EXPECT_NEAR(moments.second(i, j), sums.second(i, j), 1e-13 * root[i] * root[j]);
+  }
+  EXPECT_LT((moments.gradient - sums.gradient).norm(), 1e-11 * (1.0 + sums.gradient.norm()));
+}
+
+TYPED_TEST(EmKernelsOnVectors, AgreeWithTheWorkerOfAnyGroup) {
+  constexpr int kN = TypeParam::value;
+  RandomStream stream(24);
+  const auto density = random_mixture<Rnd<kN>>(1, 10.0, 1.0, stream)[0].density;
+  const Gaussian<Rnd<Eigen::Dynamic>> same{
+      Rnd<Eigen::Dynamic>(Eigen::VectorXd(density.mean().value())),
+      Eigen::MatrixXd(density.covariance())};
+  std::vector<Rnd<kN>> samples;
+  std::vector<Rnd<Eigen::Dynamic>> of_any_size;
+  for (int i = 0; i < 301; ++i) {
+    samples.push_back(density.sample(stream));
+    of_any_size.emplace_back(Eigen::VectorXd(samples.back().value()));
+  }
+  internal::by_every_instruction_set([&] {
+    expect_worker_of_any_group(density, samples, stream);
+    expect_worker_of_any_group(same, of_any_size, stream);
+  });
+}
+
+TEST(EmKernels, RefuseVectorsOfSeveralDimensions) {
+  const std::vector<Rnd<Eigen::Dynamic>> samples{Rnd<Eigen::Dynamic>(Eigen::VectorXd::Zero(2)),
+                                                 Rnd<Eigen::Dynamic>(Eigen::VectorXd::Zero(3))};
+  EXPECT_EQ(thrown_message([&] { EmCoordinates{std::span(samples)}; }),
+            "EM: sample 1 has 3 dimensions, the first 2");
+}
+
 TEST(EmKernels, SharesAreThoseOfTheExponentials) {
   RandomStream stream(22);
   EmRow weights;
@@ -121,11 +199,8 @@ TEST(EmKernels, DoNotDependOnTheInstructions) {
   const std::vector<SE3d> poses = poses_about(random_element<SE3d>(0.5, stream), stream);
   const EmCoordinates samples{std::span<const SE3d>(poses)};
   const EmSettings settings;
-  const std::int64_t supported = hwy::SupportedTargets();
   std::vector<EmRow> first;
-  for (const std::int64_t target : {HWY_EMU128, HWY_AVX2, HWY_AVX3, HWY_NEON}) {
-    if (target != HWY_EMU128 && (supported & target) == 0) continue;
-    hwy::GetChosenTarget().Update(target);
+  internal::by_every_instruction_set([&] {
     std::vector<EmRow> rows(3);
     internal::EmGaussianWorker<SE3d>(density, settings).log_density(samples, 0, kEmBlock, rows[0]);
     EmModel<Projected<SE3d>>::Worker(projected, settings)
@@ -138,8 +213,7 @@ TEST(EmKernels, DoNotDependOnTheInstructions) {
         ASSERT_NEAR(rows[j][i], first[j][i], 1e-11 * (1.0 + std::abs(first[j][i])));
       }
     }
-  }
-  hwy::GetChosenTarget().Update(supported);
+  });
 }
 
 }  // namespace

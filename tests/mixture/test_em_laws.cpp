@@ -21,8 +21,9 @@ using testing::worst_fall;
 
 template <class D>
 class EmOn : public ::testing::Test {};
-using Densities = ::testing::Types<Gaussian<SO3d>, Gaussian<SE3d>, Gaussian<PoseStackd>,
-                                   Gaussian<Rnd<3>>, Projected<SO3d>, Projected<SE3d>>;
+using Densities =
+    ::testing::Types<Gaussian<SO3d>, Gaussian<SE3d>, Gaussian<PoseStackd>, Gaussian<Rnd<3>>,
+                     Gaussian<Rnd<Eigen::Dynamic>>, Projected<SO3d>, Projected<SE3d>>;
 TYPED_TEST_SUITE(EmOn, Densities);
 
 /// What the fits of a kind of density are tested with.

@@ -50,14 +50,14 @@ struct EmGaussianMoments {
 
 /// One component in one iteration, on any group.
 template <LieGroup G>
-class EmGaussianWorker {
+class EmAnyGroupWorker {
  public:
   using Density = ConcentratedGaussian<G>;
   using Tangent = typename G::Tangent;
   using Covariance = typename G::TangentMatrix;
   using Samples = EmSamples<G>;
 
-  EmGaussianWorker(const Density& density, const EmSettings& settings)
+  EmAnyGroupWorker(const Density& density, const EmSettings& settings)
       : density_(density),
         settings_(&settings),
         inverse_mean_(density.mean().inverse()),
@@ -108,6 +108,9 @@ class EmGaussianWorker {
   double weight() const { return moments_.weight; }
   Density update(double step) const { return moments_.update(density_, *settings_, step); }
 
+  /// The moments accumulated so far.
+  const EmGaussianMoments<G>& moments() const { return moments_; }
+
  private:
   Density density_;
   const EmSettings* settings_;
@@ -118,6 +121,13 @@ class EmGaussianWorker {
   TangentRows<G> white_;
   Eigen::Array<double, 1, Eigen::Dynamic> shared_;
   EmGaussianMoments<G> moments_;
+};
+
+/// The worker that EM uses. Poses and vectors have specialisations with vector instructions.
+template <LieGroup G>
+class EmGaussianWorker : public EmAnyGroupWorker<G> {
+ public:
+  using EmAnyGroupWorker<G>::EmAnyGroupWorker;
 };
 
 /// One component in one iteration, for poses, with vector instructions.
@@ -229,3 +239,5 @@ extern template EmResult<ConcentratedGaussian<SE3d>> fit_mixture(
     const std::optional<Mixture<ConcentratedGaussian<SE3d>>>&);
 
 }  // namespace posemix
+
+#include "posemix/mixture/em_rn.hpp"  // IWYU pragma: export

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <vector>
 
 #include "posemix/mixture/em_rows.hpp"
 
@@ -58,5 +59,20 @@ inline constexpr std::size_t kPoseGradientSums = 18;
 /// Adds the terms of the gradient that are not linear in the second moments of xi.
 void add_pose_gradient(const EmRow* rows, const EmRow& shares, std::size_t count,
                        const PoseKernel& density, double* sums);
+
+/// The parameters of a Gaussian on R^n in the inner loops.
+struct RnKernel {
+  std::vector<double> mean;
+  std::vector<double> factor;  ///< L^-1, P = L L^T: its lower triangle, row by row
+  double log_constant;
+};
+
+/// Computes the log density of every sample. n is any; up to 6 all intermediate results are in
+/// registers.
+void rn_log_density(const EmRow* samples, std::size_t count, const RnKernel& density, EmRow& out);
+
+/// Adds the weighted moments of the samples less the mean to the sums; see em_second_moment.
+void add_rn_moments(const EmRow* samples, const EmRow& shares, std::size_t count,
+                    const RnKernel& density, double* sums);
 
 }  // namespace posemix::internal

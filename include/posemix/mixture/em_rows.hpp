@@ -24,18 +24,34 @@ struct alignas(64) EmRow {
   double operator[](std::size_t i) const { return values[i]; }
 };
 
-/// Rotations or poses for EM, coordinate by coordinate within each block: rows qx qy qz qw, and for
-/// poses tx ty tz [m]. The last block is filled up with identities.
+/// Elements for EM, coordinate by coordinate within each block: rows qx qy qz qw for rotations, and
+/// tx ty tz [m] for poses; one row for each coordinate of vectors. The last block is filled up with
+/// identities.
 class EmCoordinates {
  public:
   explicit EmCoordinates(std::span<const SO3d> elements);
   explicit EmCoordinates(std::span<const SE3d> elements);
+  /// @throws InvalidInput when the dimensions differ
+  template <int N>
+  explicit EmCoordinates(std::span<const Rnd<N>> elements)
+      : EmCoordinates(elements.size(), elements.empty() ? 0 : elements.front().dof()) {
+    for (std::size_t i = 0; i < size_; ++i) {
+      check_dimensions(i, elements[i].dof());
+      EmRow* rows = &rows_[i / kEmBlock * dimensions_];
+      for (std::size_t j = 0; j < dimensions_; ++j)
+        rows[j][i % kEmBlock] = elements[i].value()[static_cast<Eigen::Index>(j)];
+    }
+  }
 
   std::size_t size() const { return size_; }
   /// The rows of the block that begins at the sample `begin`, a multiple of kEmBlock.
   const EmRow* block(std::size_t begin) const { return &rows_[begin / kEmBlock * dimensions_]; }
 
  private:
+  /// Zeros.
+  EmCoordinates(std::size_t size, Eigen::Index dimensions);
+  void check_dimensions(std::size_t index, Eigen::Index dimensions) const;
+
   std::size_t dimensions_;
   std::size_t size_;
   std::vector<EmRow> rows_;
@@ -43,20 +59,25 @@ class EmCoordinates {
 
 namespace internal {
 
-/// Sums over samples, each kept as one partial sum per vector lane.
+/// Sums over samples are kept as one partial sum per vector lane, at most so many of them.
+inline constexpr std::size_t kEmSumLanes = 8;
+
+/// Sum number k.
+inline double em_total(const double* sums, std::size_t k) {
+  double sum = 0.0;
+  for (std::size_t lane = 0; lane < kEmSumLanes; ++lane) sum += sums[k * kEmSumLanes + lane];
+  return sum;
+}
+
+/// kCount sums.
 template <std::size_t kCount>
 class EmSums {
  public:
   double* data() { return lanes_.data(); }
-  double total(std::size_t i) const {
-    double sum = 0.0;
-    for (std::size_t lane = 0; lane < kLanes; ++lane) sum += lanes_[i * kLanes + lane];
-    return sum;
-  }
+  double total(std::size_t i) const { return em_total(lanes_.data(), i); }
 
  private:
-  static constexpr std::size_t kLanes = 8;
-  alignas(64) std::array<double, kCount * kLanes> lanes_{};
+  std::array<double, kCount * kEmSumLanes> lanes_{};
 };
 
 /// The position of E[y_i y_j], i >= j, among the sums over y of n coordinates, which are in order:
