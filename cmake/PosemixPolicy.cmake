@@ -38,10 +38,11 @@ function(posemix_harden target)
   target_link_options(${target} PRIVATE "LINKER:-z,relro,-z,now,-z,noexecstack")
 endfunction()
 
-# posemix_sanitize(<target> <sanitizers>): compiles with sanitizers, a list separated by commas.
+# posemix_sanitize(<target> <sanitizers>): compiles with sanitizers, a list separated by commas, and with the assertions of
+# the standard library. What Eigen leaves uninitialised is NaN.
 function(posemix_sanitize target sanitizers)
   target_compile_options(${target} PRIVATE -fsanitize=${sanitizers} -fno-sanitize-recover=all -fno-omit-frame-pointer
-    -U_FORTIFY_SOURCE)
+    -U_FORTIFY_SOURCE -D_GLIBCXX_ASSERTIONS -DEIGEN_INITIALIZE_MATRICES_BY_NAN)
   target_link_options(${target} PRIVATE -fsanitize=${sanitizers})
 endfunction()
 
@@ -64,10 +65,10 @@ function(posemix_apply_policy target)
 endfunction()
 
 # posemix_apply_test_policy(<target>): as posemix_apply_policy, with little optimisation, because tests take longer to
-# compile than to run; the code under test is optimised in full.
+# compile than to run; the code under test is optimised in full. Tests have the assertions of the standard library.
 function(posemix_apply_test_policy target)
   posemix_apply_policy(${target})
-  target_compile_options(${target} PRIVATE "$<$<CONFIG:Release>:-O1>")
+  target_compile_options(${target} PRIVATE "$<$<CONFIG:Release>:-O1>" -D_GLIBCXX_ASSERTIONS)
 endfunction()
 
 # posemix_precompile(<target> FROM <owner> [HEADERS <header>...])
