@@ -11,6 +11,7 @@
 #include <Eigen/Geometry>
 
 #include "posemix/base/error.hpp"
+#include "posemix/lie/pose_checks.hpp"
 
 namespace posemix {
 
@@ -94,16 +95,15 @@ void require_length(double value, std::string_view name) {
 void check_dependence(NoiseDependence& dependence) {
   if (dependence.slow) {
     SlowError& slow = *dependence.slow;
-    slow.covariance =
-        checked_covariance(slow.covariance, 6, "detector noise: covariance of the slow error");
+    const std::string name = "detector noise: covariance of the slow error";
+    slow.covariance = checked_covariance(slow.covariance, 6, name);
+    check_variances(slow.covariance, name);
     require_length(slow.correlation_time_s, "correlation time");
     require_length(slow.correlation_angle_rad, "correlation angle");
   }
   if (dependence.common) {
     const std::string name = "detector noise: covariance of the error in common";
-    // Zero variances are allowed; what is added here is far below any error of a detector.
-    const Matrix6d raised = *dependence.common + 1e-18 * Matrix6d::Identity();
-    checked_covariance(raised, 6, name);
+    check_noise(*dependence.common, name);
   }
   require_number(dependence.mode_time_s, 0.0, true, "mode time");
 }
@@ -121,10 +121,7 @@ DetectorNoise::DetectorNoise(std::vector<NoiseComponent> components, Clutter clu
   for (std::size_t i = 0; i < components_.size(); ++i) {
     NoiseComponent& component = components_[i];
     require_number(component.weight, 0.0, false, fmt::format("weight of component {}", i));
-    if (!component.offset.matrix().allFinite()) {
-      throw InvalidInput(fmt::format(
-          "detector noise: offset of component {} holds a value that is not finite", i));
-    }
+    check_pose(component.offset, fmt::format("detector noise: offset of component {}", i));
     require_number(component.run_length, 1.0, true, fmt::format("run length of component {}", i));
     if (dependence_.slow && component.frame != components_.front().frame) {
       throw InvalidInput(fmt::format(
@@ -132,8 +129,9 @@ DetectorNoise::DetectorNoise(std::vector<NoiseComponent> components, Clutter clu
           "all beside a slow error",
           i));
     }
-    component.covariance = checked_covariance(
-        component.covariance, 6, fmt::format("detector noise: covariance of component {}", i));
+    const std::string name = fmt::format("detector noise: covariance of component {}", i);
+    component.covariance = checked_covariance(component.covariance, 6, name);
+    check_variances(component.covariance, name);
     total += component.weight;
   }
   for (NoiseComponent& component : components_) component.weight /= total;

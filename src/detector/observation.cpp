@@ -10,6 +10,7 @@
 
 #include "observation_ranges.hpp"
 #include "posemix/base/error.hpp"
+#include "posemix/lie/pose_checks.hpp"
 
 namespace posemix {
 namespace {
@@ -19,29 +20,20 @@ constexpr double kAsymmetry = 1e-6;
 /// Weights in files are rounded.
 constexpr double kWeightSum = 1e-3;
 
-void check_covariance(const Matrix6d& covariance, std::size_t component) {
-  if (!covariance.allFinite()) {
-    throw InvalidInput(
-        fmt::format("components[{}].covariance holds a value that is not finite", component));
-  }
+void check_covariance(const Matrix6d& covariance) {
+  check_variances(covariance, "covariance");
   const double largest = covariance.cwiseAbs().maxCoeff();
   if ((covariance - covariance.transpose()).cwiseAbs().maxCoeff() > kAsymmetry * largest)
-    throw InvalidInput(fmt::format("components[{}].covariance is not symmetric", component));
-  if (Eigen::LLT<Matrix6d>(covariance).info() != Eigen::Success) {
-    throw InvalidInput(
-        fmt::format("components[{}].covariance is not positive definite", component));
-  }
+    throw InvalidInput("covariance is not symmetric");
+  if (Eigen::LLT<Matrix6d>(covariance).info() != Eigen::Success)
+    throw InvalidInput("covariance is not positive definite");
 }
 
-void check_component(const ObservationComponent& component, std::size_t index) {
-  if (!component.pose.matrix().allFinite()) {
-    throw InvalidInput(fmt::format("components[{}].pose holds a value that is not finite", index));
-  }
-  if (!(component.weight >= 0.0) || std::isinf(component.weight)) {
-    throw InvalidInput(
-        fmt::format("components[{}].weight is {}, expected zero or more", index, component.weight));
-  }
-  if (component.covariance) check_covariance(*component.covariance, index);
+void check_component(const ObservationComponent& component) {
+  check_pose(component.pose, "pose");
+  if (!(component.weight >= 0.0) || std::isinf(component.weight))
+    throw InvalidInput(fmt::format("weight is {}, expected zero or more", component.weight));
+  if (component.covariance) check_covariance(*component.covariance);
 }
 
 }  // namespace
@@ -67,7 +59,11 @@ void validate(const Observation& observation) {
     throw InvalidInput("the observation has no components, expected at least one");
   double total = 0.0;
   for (std::size_t k = 0; k < observation.components.size(); ++k) {
-    check_component(observation.components[k], k);
+    try {
+      check_component(observation.components[k]);
+    } catch (const InvalidInput& error) {
+      throw InvalidInput(fmt::format("components[{}].{}", k, error.what()));
+    }
     total += observation.components[k].weight;
   }
   if (!(std::abs(total - 1.0) <= kWeightSum)) {
@@ -81,8 +77,7 @@ void validate(const Observation& observation) {
                     "a sighting that is of no object)",
                     *observation.clutter));
   }
-  if (!std::isfinite(observation.stamp_s))
-    throw InvalidInput(fmt::format("stamp_s is {}, expected finite seconds", observation.stamp_s));
+  kStamp.check(observation.stamp_s, "stamp_s");
   if (observation.score && !std::isfinite(*observation.score))
     throw InvalidInput(fmt::format("score is {}, expected a finite number", *observation.score));
 }

@@ -13,9 +13,8 @@
 namespace posemix::internal {
 namespace {
 
-/// The squares of the standard deviations that a sequence file may state.
+/// The square of the least standard deviation that a sequence file may state.
 constexpr double kLeastVariance = 1e-18;
-constexpr double kLargestVariance = 1e12;
 
 }  // namespace
 
@@ -43,7 +42,7 @@ std::optional<CovarianceFault> fault_of(const Matrix6d& covariance) {
     const double variance = covariance(i, i);
     if (variance >= kLeastVariance && variance <= kLargestVariance) continue;
     return CovarianceFault{fmt::format("c{}{} = {}", i, i, variance),
-                           "a variance in [1e-18, 1e+12] (rad^2, m^2)"};
+                           "a variance in [1e-18, 1e+16] (rad^2, m^2)"};
   }
   if (Eigen::LLT<Matrix6d>(covariance).info() == Eigen::Success) return std::nullopt;
   return CovarianceFault{"a covariance c00 ... c55 that is not positive definite", "one that is"};

@@ -8,13 +8,11 @@
 #include <string_view>
 #include <vector>
 
+#include "posemix/base/limits.hpp"
 #include "posemix/detector/observation.hpp"
 
 /// Observations of a file with their lines, and what their numbers may be.
 namespace posemix::internal {
-
-/// A stamp beyond is in a wrong unit [s].
-inline constexpr double kLatestStamp = 1e12;
 
 /// The observations of a file in its order, and the lines in which they begin.
 struct PlacedObservations {

@@ -13,11 +13,13 @@
 
 #include "observation_order.hpp"
 #include "posemix/base/error.hpp"
+#include "posemix/base/limits.hpp"
 
 namespace posemix {
 namespace {
 
-constexpr double kFarthestOdometry = 1e9;  // [m]
+/// The motion between two poses must be one that a filter takes, whatever their rotations.
+constexpr double kFarthestOdometry = kFarthestPosition / 4.0;
 
 double stamp_of(const std::optional<EstimateAtStamp>& estimate) {
   return estimate ? estimate->stamp_s : -std::numeric_limits<double>::infinity();
@@ -53,8 +55,7 @@ StampedSlam::StampedSlam(const PoseDensity& body, std::vector<ObjectModel> objec
 }
 
 StampAdmission StampedSlam::admit(double stamp_s) {
-  if (!std::isfinite(stamp_s))
-    throw InvalidInput(fmt::format("the stamp is {}, expected finite seconds", stamp_s));
+  kStamp.check(stamp_s, "the stamp");
   if (!newest_) return StampAdmission::taken;
   if (stamp_s > *newest_ + settings_.jump_ahead_s) {
     throw InvalidInput(
@@ -146,10 +147,9 @@ StampAdmission StampedSlam::add_to_frame(double stamp, const Change& change) {
 StampAdmission StampedSlam::add_odometry(double stamp_s, const SE3d& odom_body) {
   require(has_odometry_,
           "the motion model has no odometry, expected the model `odometry` or `given`");
-  // The motion between two of them has to be one that the filter can compute with.
   require(odom_body.matrix().allFinite() &&
               odom_body.translation().cwiseAbs().maxCoeff() <= kFarthestOdometry,
-          "the pose of the odometry is not finite, or is beyond 1e9 m");
+          "the pose of the odometry is not finite, or is beyond 2.5e7 m");
   const StampAdmission admission = admit(stamp_s);
   if (admission == StampAdmission::too_late) {
     ++counts_.too_late;

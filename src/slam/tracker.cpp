@@ -12,6 +12,7 @@
 
 #include "posemix/base/error.hpp"
 #include "posemix/base/linear.hpp"
+#include "posemix/lie/pose_checks.hpp"
 
 namespace posemix {
 
@@ -36,15 +37,14 @@ std::vector<std::optional<SE3d>> detections_by_id(const std::vector<ObjectModel>
 
 namespace {
 
-/// Whether the filters can compute with the pose: powers of its translation must be finite too.
-bool is_usable(const SE3d& pose) {
-  constexpr double kLargestPosition = 1e50;
-  return pose.translation().cwiseAbs().maxCoeff() <= kLargestPosition &&
-         pose.translation().allFinite() && pose.rotation().quaternion().coeffs().allFinite();
-}
-
-[[noreturn]] void refuse(const std::string& name) {
-  throw InvalidInput(fmt::format("frame: {} is not finite, or is beyond 1e50 m", name));
+/// Runs a check; what it refuses begins with a name, which is made only then.
+template <class Name, class Check>
+void naming(const Name& name, const Check& check) {
+  try {
+    check();
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(fmt::format("{}: {}", name(), error.what()));
+  }
 }
 
 }  // namespace
@@ -75,19 +75,20 @@ void TrackedObjects::check(const FrameInput& input) const {
     throw InvalidInput(
         fmt::format("frame: {} detections for {} objects", input.detections.size(), size()));
   }
-  if (frames_ > 0 && !(input.dt > 0.0 && std::isfinite(input.dt))) {
+  if (frames_ > 0 && !(input.dt > 0.0 && input.dt <= kLatestStamp)) {
     throw InvalidInput(
         fmt::format("frame: dt is {} s, expected a positive and finite time", input.dt));
   }
-  if (input.motion && !is_usable(*input.motion)) refuse("the motion");
-  if (input.camera && !is_usable(*input.camera)) refuse("the pose of the camera");
+  if (input.motion) check_pose(*input.motion, "frame: the motion");
+  if (input.camera) check_pose(*input.camera, "frame: the pose of the camera");
   for (std::size_t object = 0; object < input.detections.size(); ++object) {
-    const auto& detection = input.detections[object];
-    if (detection && !is_usable(*detection))
-      refuse(fmt::format("the detection of '{}'", models_[object].id));
+    if (!input.detections[object]) continue;
+    naming([&] { return fmt::format("frame: the detection of '{}'", models_[object].id); },
+           [&] { check_pose(*input.detections[object], "the pose"); });
   }
   for (std::size_t i = 0; i < input.candidates.size(); ++i) {
-    if (!is_usable(input.candidates[i].camera_object)) refuse(fmt::format("candidate {}", i));
+    naming([&] { return fmt::format("frame: candidate {}", i); },
+           [&] { check_pose(input.candidates[i].camera_object, "the pose"); });
     if (std::isnan(input.candidates[i].score))
       throw InvalidInput(fmt::format("frame: the score of candidate {} is not a number", i));
   }
@@ -96,16 +97,7 @@ void TrackedObjects::check(const FrameInput& input) const {
 }
 
 void TrackedObjects::check(const Observation& observation, const std::string& name) {
-  try {
-    validate(observation);
-  } catch (const InvalidInput& error) {
-    throw InvalidInput(fmt::format("{}: {}", name, error.what()));
-  }
-  for (std::size_t k = 0; k < observation.components.size(); ++k) {
-    if (is_usable(observation.components[k].pose)) continue;
-    throw InvalidInput(
-        fmt::format("{}: components[{}].pose is not finite, or is beyond 1e50 m", name, k));
-  }
+  naming([&] { return name; }, [&] { validate(observation); });
   if (observation.object.empty() == observation.class_id.empty()) {
     throw InvalidInput(fmt::format(
         "{}: has {}, expected one of them", name,

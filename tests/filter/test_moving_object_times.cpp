@@ -23,7 +23,7 @@ TEST(MovingObjectFilter, ForgetsTheModelOverAnyTime) {
     models.rates = Eigen::MatrixXd::Constant(2, 2, rate);
     MovingObjectFilter filter({default_detector_noise()}, models);
     filter.update(observation_of(pose(0.1, 0.2, 0.3, 0.0, 0.0, 0.5)), exact_camera(SE3d()));
-    for (const double time_s : {100.0, 1e7, 1e200}) {
+    for (const double time_s : {100.0, 1e7, 1e12}) {
       const MovingObjectEstimate later = filter.estimate_at(time_s);
       EXPECT_NEAR(later.models.at(0), 0.5, 1e-9) << rate << " over " << time_s;
       EXPECT_NEAR(later.models.at(1), 0.5, 1e-9) << rate << " over " << time_s;

@@ -2,7 +2,9 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
+#include <string>
 
 #include "multi_object_scene.hpp"
 #include "posemix/testing/expect.hpp"
@@ -52,6 +54,45 @@ TEST(MultiObjectFilter, RefusesWhatIsNotFiniteAndStaysAsItWas) {
   EXPECT_THROW(filter.predict_random_walk(q, -0.1), InvalidInput);
   EXPECT_THROW(filter.predict_constant_velocity(1.0, q, q, nan * q, 0.1), InvalidInput);
   EXPECT_EQ(filter.joint().covariance(), before);
+}
+
+TEST(MultiObjectFilter, RefusesANoiseThatIsNegativeInSomeDirectionAndStaysAsItWas) {
+  OrbitScene scene(1, 1, 0.05, 1e-3);
+  MultiObjectFilter filter = filter_of(scene, plain_settings());
+  filter.update(0, scene.camera.inverse() * scene.truth[0]);
+  const Eigen::MatrixXd before = filter.joint().covariance();
+  const Matrix6d good = isotropic(0.1, 1e-3);
+  Matrix6d bad = good;
+  bad(0, 5) = bad(5, 0) = 2.0 * std::sqrt(good(0, 0) * good(5, 5));
+  const auto refused = [&](const std::string& what, const auto& action) {
+    EXPECT_EQ(thrown_message(action), what + " is not positive semidefinite");
+    EXPECT_EQ(filter.joint().covariance(), before);
+  };
+  refused("noise of the odometry", [&] { filter.predict_with_odometry(SE3d(), bad, 0.1); });
+  refused("noise of the random walk", [&] { filter.predict_random_walk(bad, 0.1); });
+  const auto moved = [&](const Matrix6d& q, const Matrix6d& q_motion, const Matrix6d& at_rest) {
+    filter.predict_constant_velocity(1.0, q, q_motion, at_rest, 0.1);
+  };
+  refused("noise of the pose", [&] { moved(bad, good, good); });
+  refused("noise of the motion", [&] { moved(good, bad, good); });
+  refused("covariance of the motion at rest", [&] { moved(good, good, bad); });
+}
+
+TEST(MultiObjectFilter, RefusesWhatIsFartherThanAnythingAndStaysAsItWas) {
+  OrbitScene scene(1, 1, 0.05, 1e-3);
+  MultiObjectFilter filter = filter_of(scene, plain_settings());
+  filter.update(0, scene.camera.inverse() * scene.truth[0]);
+  const Eigen::MatrixXd before = filter.joint().covariance();
+  const Matrix6d q = isotropic(0.1, 1e-3);
+  for (const double far : {1.1e8, 1e155, 1e300}) {
+    const SE3d away(SO3d(), {0.0, far, 0.0});
+    EXPECT_THROW(filter.update(0, away), InvalidInput) << far;
+    EXPECT_THROW(filter.predict_with_odometry(away, q, 0.1), InvalidInput) << far;
+    EXPECT_THROW(filter.set_camera({away, q}, 0.1), InvalidInput) << far;
+    EXPECT_THROW(filter.predict_with_odometry(SE3d(), 1e20 * far * q, 0.1), InvalidInput) << far;
+    EXPECT_THROW(filter.predict_random_walk(q, far * far), InvalidInput) << far;
+    EXPECT_EQ(filter.joint().covariance(), before) << far;
+  }
 }
 
 TEST(MultiObjectFilter, RefusesAllOfAFilterThatWasMovedFrom) {

@@ -57,6 +57,18 @@ TEST(Predict, RefusesWhatIsNotFinite) {
   EXPECT_THROW(predict_constant_velocity(before, 1.0, q, -q), InvalidInput);
 }
 
+TEST(Predict, RefusesANoiseThatIsNegativeInSomeDirection) {
+  RandomStream stream(2);
+  const Hypothesis before(camera_motion_object(), correlated_covariance(3, stream));
+  const Matrix6d q = isotropic(0.5, 0.01);
+  Matrix6d bad = q;
+  bad(0, 5) = bad(5, 0) = 2.0 * std::sqrt(q(0, 0) * q(5, 5));
+  EXPECT_THROW(predict_with_odometry(before, SE3d(), bad), InvalidInput);
+  EXPECT_THROW(predict_random_walk(before, bad), InvalidInput);
+  EXPECT_THROW(predict_constant_velocity(before, 1.0, bad, q), InvalidInput);
+  EXPECT_THROW(predict_constant_velocity(before, 1.0, q, bad), InvalidInput);
+}
+
 /// The camera after `periods` of the motion in the state.
 PoseStackd moved(const PoseStackd& poses, double periods) {
   PoseStackd result = poses;

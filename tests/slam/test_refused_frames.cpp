@@ -180,9 +180,9 @@ TEST(RefusedFrames, NameWhatIsNotFinite) {
       return thrown_message([&] { slam.step(input); });
     };
     EXPECT_EQ(message({.detections = {std::nullopt, kNoPose}}),
-              "frame: the detection of 'b' is not finite, or is beyond 1e50 m");
+              "frame: the detection of 'b': the pose holds a value that is not finite");
     EXPECT_EQ(message({.motion = kNoPose, .detections = {std::nullopt, std::nullopt}}),
-              "frame: the motion is not finite, or is beyond 1e50 m");
+              "frame: the motion holds a value that is not finite");
     EXPECT_EQ(message({.detections = {std::nullopt}}), "frame: 1 detections for 2 objects");
   }
 }

@@ -47,10 +47,10 @@ Observation observation_of(const SE3d& camera_object);
 /// @throws InvalidInput for an observation without components
 std::size_t best_component(const Observation& observation);
 
-/// @throws InvalidInput when there is no component, a pose is not finite, a weight not finite or
-/// negative, their sum not one (to a thousandth), a covariance is not symmetric positive definite,
-/// the probability of clutter not in (0, 1 - 1e-9], or the stamp or the score not finite; it names
-/// the component
+/// @throws InvalidInput when there is no component, as check_pose for a pose, a weight is not
+/// finite or negative, their sum not one (to a thousandth), as check_variances for a covariance and
+/// when it is not symmetric positive definite, the probability of clutter is not in (0, 1 - 1e-9],
+/// the stamp beyond kLatestStamp, or the score not finite; it names the component
 void validate(const Observation& observation);
 
 }  // namespace posemix

@@ -104,7 +104,8 @@ struct UpdateReport {
 class GaussianSumFilter {
  public:
   /// Starts from a prior, usually one hypothesis that holds the camera alone.
-  /// @throws InvalidInput when a setting is out of range
+  /// @throws InvalidInput when a setting is out of range, and as check_pose and check_variances for
+  /// the prior
   GaussianSumFilter(Posterior prior, GaussianSumSettings settings);
 
   /// Moves every hypothesis, for example by predict_with_odometry. If `motion` throws, the filter
@@ -113,8 +114,8 @@ class GaussianSumFilter {
 
   /// Every hypothesis gets one child per noise component, is updated, and the mixture is reduced.
   /// @throws InvalidInput when a detection names the camera, a pose that does not exist or one
-  /// named twice, when it is not finite, or when joint use finds detectors whose components differ
-  /// in number or weight; the filter stays as it was
+  /// named twice, as check_pose for its pose, or when joint use finds detectors whose components
+  /// differ in number or weight; the filter stays as it was
   UpdateReport update(std::span<const Detection> detections);
   /// Only the checks of `update`.
   /// @throws InvalidInput as `update`
@@ -122,12 +123,12 @@ class GaussianSumFilter {
 
   /// A new object enters every hypothesis with its full cross-covariance, one child per noise
   /// component, and the mixture is reduced. Returns the index of its pose.
-  /// @throws InvalidInput when the pose is not finite
+  /// @throws InvalidInput as check_pose
   std::size_t add_object(const SE3d& camera_object, const DetectorNoise& noise);
 
   /// A new object enters every hypothesis at T_R camera_object with an error that is independent of
   /// all others, the covariance in the world frame. Returns the index of its pose.
-  /// @throws InvalidInput when the pose is not finite or the covariance is none
+  /// @throws InvalidInput as check_pose, and when the covariance is none
   std::size_t add_independent_object(const SE3d& camera_object, const Matrix6d& covariance);
 
   const Posterior& posterior() const { return posterior_; }

@@ -65,7 +65,7 @@ struct KnownFrame {
   Matrix6d covariance = Matrix6d::Zero();
 };
 
-/// @throws InvalidInput when the pose is not finite or the covariance is not positive semidefinite
+/// @throws InvalidInput as check_pose and check_noise
 void validate(const KnownFrame& frame);
 
 /// The camera of an observation. Its pose is not corrected (docs/moving-objects.md, "The camera").

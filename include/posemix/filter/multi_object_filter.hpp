@@ -155,12 +155,13 @@ struct ObjectUpdateReport {
 /// Invariants: covariances are symmetric positive definite; the weights of an object's hypotheses
 /// and of its absence sum to one; every object with hypotheses has one that leads.
 ///
-/// Predictions and updates throw InvalidInput, and change nothing, when an argument is not finite,
-/// a variance or a time step negative. All that takes the index of an object or of a hypothesis
-/// throws InvalidInput when there is none at it.
+/// All functions throw InvalidInput, and change nothing, as check_pose for a pose, as check_noise
+/// for a noise, and for a time step that is negative or beyond kLatestStamp. All that takes the
+/// index of an object or of a hypothesis throws InvalidInput when there is none at it.
 class MultiObjectFilter {
  public:
-  /// @throws InvalidInput when a setting is out of range
+  /// @throws InvalidInput when a setting is out of range, and as check_pose and check_variances for
+  /// the camera
   MultiObjectFilter(const ConcentratedGaussian<SE3d>& camera,
                     const std::vector<ObjectSensor>& objects, const MultiObjectSettings& settings);
   MultiObjectFilter(const MultiObjectFilter&);
@@ -190,13 +191,12 @@ class MultiObjectFilter {
   void set_camera(const ConcentratedGaussian<SE3d>& world_camera, double dt);
 
   /// One detection T_camera_object of the object at `object`.
-  /// @throws InvalidInput also when the pose is not finite
   ObjectUpdateReport update(std::size_t object, const SE3d& camera_object);
 
   /// One observation of the object at `object`, a mixture of poses (docs/many-objects.md,
   /// "Observations that are mixtures"). Its names and stamp are not looked at.
-  /// @throws InvalidInput also as validate(observation), for a body_camera that is not finite, and
-  /// for a camera or a detector that there is not
+  /// @throws InvalidInput also as validate(observation), and for a camera or a detector that there
+  /// is not
   ObjectUpdateReport update(std::size_t object, const Observation& observation,
                             const ObservationSource& source = {});
   /// A camera on the body whose pose T_body_camera is not known exactly: it becomes a part of the
@@ -209,7 +209,8 @@ class MultiObjectFilter {
   /// One more object, never detected. Returns its index. With a prior it has one hypothesis from
   /// the beginning, which is as any other. With a motion it is put down elsewhere now and then
   /// (docs/many-objects.md, "Objects that are put down elsewhere"); a rate of zero is none.
-  /// @throws InvalidInput for a prior whose probability is not in (0, 1], and as validate(motion)
+  /// @throws InvalidInput as check_pose and check_variances for the prior, when its probability is
+  /// not in (0, 1], and as validate(motion)
   std::size_t add_object(ObjectSensor object, const std::optional<ObjectPrior>& prior = {},
                          const std::optional<PutDownMotion>& motion = {});
 

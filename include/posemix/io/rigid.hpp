@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include "posemix/base/limits.hpp"
 #include "posemix/io/text.hpp"
 #include "posemix/lie/lie.hpp"
 
@@ -20,9 +21,6 @@ inline constexpr double kRotationTolerance = 1e-4;
 
 /// Largest accepted deviation of a quaternion's norm from one, for rounded text.
 inline constexpr double kQuaternionNormTolerance = 1e-2;
-
-/// Largest accepted coordinate of a position [m]; a larger one must be in a wrong unit.
-inline constexpr double kFarthestPosition = 1e8;
 
 /// Checks that no coordinate of the position is beyond kFarthestPosition.
 /// @throws InvalidInput otherwise, with `where` before the reason

@@ -46,8 +46,8 @@ class ObjectSlam {
 
   /// The next frame; at the first one nothing moves.
   /// @throws InvalidInput, and changes nothing, when the number of detections is not that of the
-  /// object models, dt is not positive and finite after the first frame, the motion, a detection or
-  /// a candidate is not finite, or a tracker without births gets candidates
+  /// object models, dt is not in (0, kLatestStamp] after the first frame, as check_pose for the
+  /// motion, a detection and a candidate, or when a tracker without births gets candidates
   FrameEstimate step(const FrameInput& input);
   /// The object is as if it had never been seen (MultiObjectSlam::forget).
   /// @throws InvalidInput when there is no object at the index, and for a tracker that is not

@@ -8,10 +8,10 @@
 #include <numeric>
 #include <utility>
 
-#include "check_input.hpp"
 #include "innovation_score.hpp"
 #include "posemix/base/statistics.hpp"
 #include "posemix/base/stopwatch.hpp"
+#include "posemix/lie/pose_checks.hpp"
 
 namespace posemix {
 namespace {
@@ -32,7 +32,7 @@ void check_detections(std::span<const Detection> detections, std::size_t poses) 
       throw InvalidInput(
           fmt::format("detection of pose {}, expected an object in 1..{}", object, poses - 1));
     }
-    internal::require_finite_pose(detections[i].camera_object, "detection");
+    check_pose(detections[i].camera_object, "detection");
     for (std::size_t j = 0; j < i; ++j) {
       if (detections[j].object == object) {
         throw InvalidInput(fmt::format("object at pose {} is detected twice in one frame", object));
@@ -151,6 +151,11 @@ GaussianSumFilter::GaussianSumFilter(Posterior prior, GaussianSumSettings settin
     throw InvalidInput(fmt::format("filter: cauchy scale is {}, expected a positive number",
                                    settings_.cauchy_scale));
   }
+  for (const auto& component : posterior_.components()) {
+    for (const SE3d& pose : component.density.mean().poses()) check_pose(pose, "filter: the prior");
+    for (std::size_t i = 0; i < component.density.mean().size(); ++i)
+      check_variances(block(component.density.covariance(), i, i), "filter: the prior");
+  }
 }
 
 void GaussianSumFilter::predict(const std::function<Hypothesis(Hypothesis)>& motion) {
@@ -239,7 +244,7 @@ void GaussianSumFilter::reduce(UpdateReport& report) {
 }
 
 std::size_t GaussianSumFilter::add_object(const SE3d& camera_object, const DetectorNoise& noise) {
-  internal::require_finite_pose(camera_object, "detection");
+  check_pose(camera_object, "detection");
   if (!noise.is_white()) return add_object(camera_object, noise.as_white());
   const std::size_t index = posterior_[0].density.mean().size();
   std::vector<Component<Hypothesis>> children;
@@ -257,7 +262,7 @@ std::size_t GaussianSumFilter::add_object(const SE3d& camera_object, const Detec
 
 std::size_t GaussianSumFilter::add_independent_object(const SE3d& camera_object,
                                                       const Matrix6d& covariance) {
-  internal::require_finite_pose(camera_object, "detection");
+  check_pose(camera_object, "detection");
   const Matrix6d checked = checked_covariance(covariance, 6, "covariance of the new object");
   const std::size_t index = posterior_[0].density.mean().size();
   predict([&](const Hypothesis& hypothesis) {

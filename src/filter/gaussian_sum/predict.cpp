@@ -2,13 +2,10 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "posemix/filter/predict.hpp"
 
-#include <cmath>
 #include <utility>
 
-#include <fmt/format.h>
-
-#include "check_input.hpp"
 #include "posemix/lie/pose_blocks.hpp"
+#include "posemix/lie/pose_checks.hpp"
 
 namespace posemix {
 namespace {
@@ -21,8 +18,8 @@ void add_noise(Eigen::MatrixXd& covariance, std::size_t index, const SE3d& pose,
 }  // namespace
 
 Hypothesis predict_with_odometry(Hypothesis hypothesis, const SE3d& motion, const Matrix6d& q) {
-  internal::require_finite_pose(motion, "odometry");
-  internal::require_process_noise(q, "noise of the odometry");
+  check_pose(motion, "odometry");
+  check_noise(q, "noise of the odometry");
   auto [mean, covariance] = std::move(hypothesis).release();
   mean[kCamera] = mean[kCamera] * motion;
   add_noise(covariance, kCamera, mean[kCamera], q);
@@ -41,10 +38,9 @@ Matrix6d constant_velocity_transfer(const SE3d& camera, const SE3d& motion, doub
 
 Hypothesis predict_constant_velocity(Hypothesis hypothesis, double periods, const Matrix6d& q,
                                      const Matrix6d& q_motion) {
-  internal::require_process_noise(q, "noise of the pose");
-  internal::require_process_noise(q_motion, "noise of the motion");
-  if (!std::isfinite(periods))
-    throw InvalidInput(fmt::format("{} periods; expected a finite number", periods));
+  check_noise(q, "noise of the pose");
+  check_noise(q_motion, "noise of the motion");
+  kStamp.check(periods, "periods");
   auto [mean, covariance] = std::move(hypothesis).release();
   const Vector6d velocity = mean[kMotion].log();
   const Matrix6d transfer = constant_velocity_transfer(mean[kCamera], mean[kMotion], periods);

@@ -2,15 +2,13 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "posemix/filter/moving_object_filter.hpp"
 
-#include <cmath>
 #include <string>
 #include <utility>
 
 #include <fmt/format.h>
-#include <Eigen/Eigenvalues>
 
 #include "moving_object_state.hpp"
-#include "posemix/base/range.hpp"
+#include "posemix/lie/pose_checks.hpp"
 
 namespace posemix {
 namespace {
@@ -32,26 +30,13 @@ void check_moving_settings(const MovingObjectSettings& s) {
   kUnitInterval.check(s.slow_error_gain, "slow_error_gain");
 }
 
-void check_semidefinite(const Matrix6d& covariance, const char* name) {
-  if (!covariance.allFinite())
-    throw InvalidInput(fmt::format("{} holds a value that is not finite", name));
-  const double largest = covariance.cwiseAbs().maxCoeff();
-  if (largest == 0.0) return;
-  if ((covariance - covariance.transpose()).cwiseAbs().maxCoeff() > 1e-9 * largest)
-    throw InvalidInput(fmt::format("{} is not symmetric", name));
-  if (Eigen::SelfAdjointEigenSolver<Matrix6d>(covariance).eigenvalues()[0] < -1e-9 * largest)
-    throw InvalidInput(fmt::format("{} is not positive semidefinite", name));
-}
-
 void check_frame(const KnownFrame& frame, const char* name) {
-  if (!frame.pose.matrix().allFinite())
-    throw InvalidInput(fmt::format("the pose of {} holds a value that is not finite", name));
-  check_semidefinite(frame.covariance, "the covariance of a frame");
+  check_pose(frame.pose, name);
+  check_noise(frame.covariance, "the covariance of a frame");
 }
 
 void check_time(double time_s, const std::optional<double>& last) {
-  if (!std::isfinite(time_s))
-    throw InvalidInput(fmt::format("the time is {}, expected seconds", time_s));
+  kStamp.check(time_s, "the time");
   if (last && time_s < *last)
     throw InvalidInput(fmt::format("the time is {} s, expected {} s or later", time_s, *last));
 }
@@ -101,7 +86,7 @@ MovingObjectReport MovingObjectFilter::update(const Observation& observation,
   validate(observation);
   check_time(observation.stamp_s, state_->time_s());
   check_frame(camera.frame, "the camera");
-  check_semidefinite(camera.constant_covariance, "the constant covariance of the camera");
+  check_noise(camera.constant_covariance, "the constant covariance of the camera");
   check_frames(frames);
   if (frames.size() < state_->frames_needed()) {
     throw InvalidInput(fmt::format("{} frames are given, expected {} for the motion models",
@@ -169,9 +154,9 @@ ConcentratedGaussian<SE3d> MovingObjectFilter::predicted_detection(
 
 void MovingObjectFilter::move_world(const SE3d& by, const Matrix6d& added,
                                     const Matrix6d& constant) {
-  require(by.matrix().allFinite(), "move_world: the motion is not finite");
-  check_semidefinite(added, "the covariance of a motion of the world");
-  check_semidefinite(constant, "the constant covariance of the camera");
+  check_pose(by, "the motion of the world");
+  check_noise(added, "the covariance of a motion of the world");
+  check_noise(constant, "the constant covariance of the camera");
   state_->move_world(by, added, constant);
 }
 

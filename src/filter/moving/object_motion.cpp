@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string>
 
+#include "posemix/base/limits.hpp"
 #include "posemix/base/range.hpp"
 
 namespace posemix {
@@ -188,7 +189,7 @@ Matrix12d propagated(const Matrix12d& j, const Matrix12d& p) {
 }
 
 void check_sds(const Vector6d& sds, const char* name) {
-  for (const double sd : sds) kNotNegative.check(sd, name);
+  for (const double sd : sds) kStandardDeviation.check(sd, name);
 }
 
 struct MotionCheck {

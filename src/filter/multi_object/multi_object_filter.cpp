@@ -2,7 +2,6 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "posemix/filter/multi_object_filter.hpp"
 
-#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -10,6 +9,7 @@
 
 #include "filter_checks.hpp"
 #include "global_hypotheses.hpp"
+#include "posemix/lie/pose_checks.hpp"
 
 namespace posemix {
 
@@ -17,22 +17,11 @@ using namespace internal;
 
 namespace {
 
-void require_finite(const SE3d& pose, const char* name) {
-  if (!pose.matrix().allFinite())
-    throw InvalidInput(fmt::format("{} holds a value that is not finite", name));
-}
+void check_step(double dt) { kTimeStep.check(dt, "dt"); }
 
-/// A noise may be zero in some directions.
-void require_noise(const Matrix6d& covariance, const char* name) {
-  if (!covariance.allFinite())
-    throw InvalidInput(fmt::format("{} holds a value that is not finite", name));
-  if (covariance.diagonal().minCoeff() < 0.0)
-    throw InvalidInput(fmt::format("{} has a negative variance", name));
-}
-
-void require_time(double dt) {
-  if (!(dt >= 0.0) || std::isinf(dt))
-    throw InvalidInput(fmt::format("time step is {}; expected seconds, zero or more", dt));
+void check_density(const ConcentratedGaussian<SE3d>& density, const char* name) {
+  check_pose(density.mean(), name);
+  check_variances(density.covariance(), name);
 }
 
 }  // namespace
@@ -40,7 +29,9 @@ void require_time(double dt) {
 MultiObjectFilter::MultiObjectFilter(const ConcentratedGaussian<SE3d>& camera,
                                      const std::vector<ObjectSensor>& objects,
                                      const MultiObjectSettings& settings)
-    : state_(std::make_unique<GlobalHypotheses>(MultiObjectState(camera, objects, settings))) {}
+    : state_(std::make_unique<GlobalHypotheses>(MultiObjectState(camera, objects, settings))) {
+  check_density(camera, "pose of the camera");
+}
 
 MultiObjectFilter::MultiObjectFilter(const MultiObjectFilter& other)
     : state_(std::make_unique<GlobalHypotheses>(other.hypotheses_of_all())) {}
@@ -65,35 +56,34 @@ const GlobalHypotheses& MultiObjectFilter::hypotheses_of_all() const {
 const MultiObjectState& MultiObjectFilter::current() const { return hypotheses_of_all().summary(); }
 
 void MultiObjectFilter::predict_with_odometry(const SE3d& motion, const Matrix6d& q, double dt) {
-  require_finite(motion, "odometry");
-  require_noise(q, "noise of the odometry");
-  require_time(dt);
+  check_pose(motion, "odometry");
+  check_noise(q, "noise of the odometry");
+  check_step(dt);
   hypotheses_of_all().for_each(
       [&](MultiObjectState& s) { s.predict_with_odometry(motion, q, dt); });
 }
 
 void MultiObjectFilter::predict_random_walk(const Matrix6d& q, double dt) {
-  require_noise(q, "noise of the random walk");
-  require_time(dt);
+  check_noise(q, "noise of the random walk");
+  check_step(dt);
   hypotheses_of_all().for_each([&](MultiObjectState& s) { s.predict_random_walk(q, dt); });
 }
 
 void MultiObjectFilter::predict_constant_velocity(double periods, const Matrix6d& q,
                                                   const Matrix6d& q_motion, const Matrix6d& at_rest,
                                                   double dt) {
-  require_noise(q, "noise of the pose");
-  require_noise(q_motion, "noise of the motion");
-  require_noise(at_rest, "covariance of the motion at rest");
-  require_time(dt);
-  if (!std::isfinite(periods))
-    throw InvalidInput(fmt::format("{} periods; expected a finite number", periods));
+  check_noise(q, "noise of the pose");
+  check_noise(q_motion, "noise of the motion");
+  check_noise(at_rest, "covariance of the motion at rest");
+  check_step(dt);
+  kStamp.check(periods, "periods");
   hypotheses_of_all().for_each(
       [&](MultiObjectState& s) { s.predict_constant_velocity(periods, q, q_motion, at_rest, dt); });
 }
 
 void MultiObjectFilter::set_camera(const ConcentratedGaussian<SE3d>& world_camera, double dt) {
-  require_finite(world_camera.mean(), "pose of the camera");
-  require_time(dt);
+  check_density(world_camera, "pose of the camera");
+  check_step(dt);
   // The constructor checks the covariance.
   const ConcentratedGaussian<SE3d> camera(world_camera.mean(), world_camera.covariance());
   hypotheses_of_all().for_each([&](MultiObjectState& s) { s.set_camera(camera, dt); });
@@ -101,7 +91,7 @@ void MultiObjectFilter::set_camera(const ConcentratedGaussian<SE3d>& world_camer
 
 ObjectUpdateReport MultiObjectFilter::update(std::size_t object, const SE3d& camera_object) {
   require_object(object, object_count());
-  require_finite(camera_object, "detection");
+  check_pose(camera_object, "detection");
   return hypotheses_of_all().update(object, observation_of(camera_object), {});
 }
 
@@ -111,12 +101,12 @@ ObjectUpdateReport MultiObjectFilter::update(std::size_t object, const Observati
   require_detector(source.detector, hypotheses_of_all().first().objects[object].detectors.size());
   validate(observation);
   if (source.camera) require_camera(*source.camera, extrinsic_count());
-  require_finite(source.body_camera, "pose of the camera on its body");
+  check_pose(source.body_camera, "pose of the camera on its body");
   return hypotheses_of_all().update(object, observation, source);
 }
 
 std::size_t MultiObjectFilter::add_camera(const ConcentratedGaussian<SE3d>& body_camera) {
-  require_finite(body_camera.mean(), "pose of the camera on its body");
+  check_density(body_camera, "pose of the camera on its body");
   if (current().joint.size() > 1 + extrinsic_count()) {
     throw InvalidInput(
         "a camera whose pose is estimated comes too late; expected it before the first detection "
@@ -140,9 +130,12 @@ ConcentratedGaussian<SE3d> MultiObjectFilter::extrinsic(std::size_t camera) cons
 std::size_t MultiObjectFilter::add_object(ObjectSensor object,
                                           const std::optional<ObjectPrior>& prior,
                                           const std::optional<PutDownMotion>& motion) {
-  if (prior && !(prior->probability > 0.0 && prior->probability <= 1.0)) {
-    throw InvalidInput(fmt::format("the prior has the probability {}, expected one in (0, 1]",
-                                   prior->probability));
+  if (prior) {
+    check_density(prior->world, "the prior");
+    if (!(prior->probability > 0.0 && prior->probability <= 1.0)) {
+      throw InvalidInput(fmt::format("the prior has the probability {}, expected one in (0, 1]",
+                                     prior->probability));
+    }
   }
   if (motion) validate(*motion);
   hypotheses_of_all().for_each([&](MultiObjectState& s) { s.add_object(object, prior, motion); });

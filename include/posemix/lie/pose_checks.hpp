@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <string_view>
+
+#include "posemix/base/limits.hpp"
+#include "posemix/base/linear.hpp"
+#include "posemix/lie/lie.hpp"
+
+/// What is asked of poses and of their covariances before anything is computed with them. `name`
+/// begins the message of an error.
+namespace posemix {
+
+/// @throws InvalidInput when the pose is not finite, or a coordinate is beyond kFarthestPosition
+void check_pose(const SE3d& pose, std::string_view name);
+
+/// @throws InvalidInput when an entry is not finite, or a variance beyond kLargestVariance
+void check_variances(const Matrix6d& covariance, std::string_view name);
+
+/// Checks the covariance of a noise, which may be zero in some directions.
+/// @throws InvalidInput as check_variances, and when the matrix is not symmetric up to rounding
+/// (1e-9 of its largest entry) or not positive semidefinite
+void check_noise(const Matrix6d& covariance, std::string_view name);
+
+}  // namespace posemix

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "posemix/base/error.hpp"
+#include "posemix/base/random.hpp"
+#include "posemix/lie/pose_checks.hpp"
+#include "posemix/testing/expect.hpp"
+
+namespace posemix {
+namespace {
+
+using testing::thrown_message;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInf = std::numeric_limits<double>::infinity();
+
+TEST(PoseChecks, APoseIsFiniteAndNotTooFar) {
+  EXPECT_NO_THROW(check_pose(SE3d(SO3d(), {1e8, -1e8, 0.0}), "it"));
+  EXPECT_EQ(thrown_message([] {
+              check_pose(SE3d(SO3d(), {0.0, -1.1e8, 0.0}), "it");
+            }),
+            "it has a position of 1.1e+08 m, expected at most 1e+08 m");
+  for (const double value : {kNan, kInf, -kInf}) {
+    EXPECT_EQ(thrown_message([&] {
+                check_pose(SE3d(SO3d(), {0.0, value, 0.0}), "it");
+              }),
+              "it holds a value that is not finite");
+  }
+}
+
+TEST(PoseChecks, VariancesHaveABound) {
+  const Matrix6d one = Matrix6d::Identity();
+  EXPECT_NO_THROW(check_variances(1e16 * one, "it"));
+  EXPECT_EQ(thrown_message([&] { check_variances(1e17 * one, "it"); }),
+            "it has a variance of 1e+17, expected at most 1e+16 (rad^2, m^2)");
+  EXPECT_EQ(thrown_message([&] { check_variances(kNan * one, "it"); }),
+            "it holds a value that is not finite");
+}
+
+TEST(PoseChecks, ANoiseMayBeZeroInSomeDirections) {
+  EXPECT_NO_THROW(check_noise(Matrix6d::Zero(), "it"));
+  RandomStream stream(1);
+  for (int k = 0; k < 200; ++k) {
+    // Of any rank below six, with standard deviations over twelve decades.
+    Matrix6d root = Matrix6d::Zero();
+    for (int j = 0; j < k % 6; ++j) {
+      for (int i = 0; i < 6; ++i) root(i, j) = stream.normal();
+    }
+    for (int i = 0; i < 6; ++i) root.row(i) *= std::pow(10.0, 12.0 * stream.uniform() - 6.0);
+    EXPECT_NO_THROW(check_noise(root * root.transpose(), "it")) << root;
+  }
+}
+
+TEST(PoseChecks, ANoiseHasNoNegativeVarianceInAnyDirection) {
+  const auto refused = [](const Matrix6d& noise) {
+    return thrown_message([&] { check_noise(noise, "it"); });
+  };
+  Matrix6d noise = Matrix6d::Identity();
+  noise(4, 4) = -1e-300;
+  EXPECT_EQ(refused(noise), "it has a negative variance");
+  noise(4, 4) = 1.0;
+  noise(0, 5) = 0.1;
+  EXPECT_EQ(refused(noise), "it is not symmetric");
+  // An error in common of two directions that is larger than the errors themselves, whatever the
+  // units of the two.
+  for (const double unit : {1e-8, 1.0, 1e6}) {
+    noise = Matrix6d::Identity();
+    noise.row(5) *= unit;
+    noise.col(5) *= unit;
+    noise(0, 5) = noise(5, 0) = 1.001 * unit;
+    EXPECT_EQ(refused(noise), "it is not positive semidefinite") << unit;
+    noise(0, 5) = noise(5, 0) = unit;
+    EXPECT_NO_THROW(check_noise(noise, "it")) << unit;
+  }
+  noise = Matrix6d::Identity();
+  noise(2, 2) = 0.0;
+  noise(2, 3) = noise(3, 2) = 0.01;
+  EXPECT_EQ(refused(noise), "it is not positive semidefinite");
+}
+
+}  // namespace
+}  // namespace posemix
