@@ -10,6 +10,7 @@
 #include <Eigen/SVD>
 
 #include "quadrature_rules.hpp"
+#include "smooth_ball.hpp"
 
 namespace posemix::internal {
 namespace {
@@ -36,8 +37,44 @@ BallIntegral::BallIntegral(const RotationPair& pair, const Integrand& integrand,
   };
   add(pair.p, centres == Centres::mean ? 0.5 : 1.0);
   if (centres != Centres::of_p) add(pair.q, centres == Centres::mean ? 0.5 : -1.0);
-  for (std::size_t k = 0; k < centres_.size(); ++k) cubature_.add_sphere(k, features(k));
-  ray_tolerance_ = inner_tolerance_ * cubature_.total().absolute / solid_weight();
+  add_balls(axis.has_value(), tolerance);
+}
+
+void BallIntegral::add_balls(bool axisymmetric, double tolerance) {
+  const double radius = trapezoidal_radius(tolerance);
+  std::vector<std::size_t> others;
+  for (std::size_t k = 0; k < centres_.size(); ++k) {
+    const double narrowest = narrowest_feature(pair_, integrand_, centres_[k], radius);
+    if (TrapezoidalBall::can_resolve(narrowest, axisymmetric)) {
+      smooth_.push_back({k, {pair_, integrand_, centres_[k], axisymmetric, radius, narrowest}});
+    } else {
+      others.push_back(k);
+    }
+  }
+  sum_up();
+  for (const std::size_t k : others) cubature_.add_sphere(k, features(k));
+  sum_up();
+}
+
+void BallIntegral::sum_up() {
+  total_ = cubature_.total();
+  total_.evaluations += abandoned_;
+  for (const SmoothBall& ball : smooth_) total_.add(ball.rule.total(), 1.0);
+  ray_tolerance_ = inner_tolerance_ * total_.absolute / solid_weight();
+}
+
+void BallIntegral::refine(double error) {
+  const auto worst = std::ranges::max_element(
+      smooth_, {}, [](const SmoothBall& ball) { return ball.rule.total().error; });
+  if (worst == smooth_.end() || worst->rule.total().error < cubature_.total().error) {
+    cubature_.refine();
+  } else if (!worst->rule.refine(error / static_cast<double>(centres_.size()))) {
+    const std::size_t k = worst->k;
+    abandoned_ += worst->rule.total().evaluations;
+    smooth_.erase(worst);
+    cubature_.add_sphere(k, features(k));
+  }
+  sum_up();
 }
 
 /// The square root of a peak's covariance whose third axis is the axis of symmetry.
@@ -54,7 +91,7 @@ Eigen::Matrix3d BallIntegral::symmetric_root(const RotationPeak& peak,
 
 double BallIntegral::solid_weight() const {
   double sum = 0.0;
-  for (const Centre& centre : centres_) sum += std::abs(centre.share) * centre.peak->weight;
+  for (const BallCentre& centre : centres_) sum += std::abs(centre.share) * centre.peak->weight;
   return sum * 4.0 * std::numbers::pi * std::exp(-1.5 * kLogTwoPi);
 }
 
@@ -124,7 +161,7 @@ void BallIntegral::begin_pieces(double stretch, double end) {
 }
 
 RayIntegral BallIntegral::along_ray(std::size_t k, const Eigen::Vector3d& u) {
-  const Centre& centre = centres_[k];
+  const BallCentre& centre = centres_[k];
   const Eigen::Vector3d along = centre.root * u;
   const double stretch = along.norm();
   const double end = std::min(kRadius, std::numbers::pi / stretch);
@@ -149,7 +186,7 @@ RayIntegral BallIntegral::along_ray(std::size_t k, const Eigen::Vector3d& u) {
     pieces_.push_back(right);
   }
   RayIntegral weighted;
-  weighted.add(sum, std::abs(centre.share) * centre.peak->weight * std::exp(-1.5 * kLogTwoPi));
+  weighted.add(sum, std::abs(centre.factor()));
   weighted.value = std::copysign(1.0, centre.share) * weighted.value;
   return weighted;
 }

@@ -2,13 +2,13 @@
 // SPDX-FileCopyrightText: posemix contributors
 #pragma once
 
-#include <cmath>
 #include <optional>
 #include <vector>
 
-#include "density_factors.hpp"
+#include "ball_centre.hpp"
 #include "rotation_ray.hpp"
 #include "sphere_cubature.hpp"
+#include "trapezoidal_ball.hpp"
 
 namespace posemix::internal {
 
@@ -22,23 +22,8 @@ enum class Centres {
   mean         ///< the peaks of p and q, with half their weights
 };
 
-/// The rounding error of a log density.
-inline constexpr double kLogRounding = 4e-15;
-
-/// An integrand, and how rounding of the log densities reaches it.
-struct Integrand {
-  DensityFactor factor;
-  double scale;      ///< about the largest value of densities in it; 1 for log densities
-  bool is_positive;  ///< of second order in the difference of the log densities
-
-  /// The rounding error of a weighted mean of the factor whose absolute value is so large.
-  double rounding(double absolute) const {
-    if (!is_positive) return kLogRounding * scale;
-    return kLogRounding * std::sqrt(2.0 * absolute * scale) + kLogRounding * kLogRounding * scale;
-  }
-};
-
-/// One divergence of one pair of mixtures as a sum of integrals over tangent balls.
+/// One divergence of one pair of mixtures as a sum of integrals over tangent balls: by trapezoidal
+/// rules where the integrand is smooth in the whole ball, otherwise along rays.
 class BallIntegral {
  public:
   /// @param axis common axis of symmetry, if there is one
@@ -50,15 +35,15 @@ class BallIntegral {
   BallIntegral& operator=(BallIntegral&&) = delete;
   ~BallIntegral() = default;
 
-  const RayIntegral& total() const { return cubature_.total(); }
-  void refine() { cubature_.refine(); }
+  const RayIntegral& total() const { return total_; }
+  /// Refines where the error is largest; `error` is wanted.
+  void refine(double error);
 
  private:
-  /// A peak about which to integrate, and its square root in the coordinates of the sphere.
-  struct Centre {
-    const RotationPeak* peak;
-    double share;
-    Eigen::Matrix3d root;
+  /// A ball in which the integrand is smooth, and its centre.
+  struct SmoothBall {
+    std::size_t k;
+    TrapezoidalBall rule;
   };
 
   /// A part of a ray, in standard deviations.
@@ -70,6 +55,8 @@ class BallIntegral {
 
   static Eigen::Matrix3d symmetric_root(const RotationPeak& peak, const Eigen::Vector3d& axis);
   double solid_weight() const;
+  void add_balls(bool axisymmetric, double tolerance);
+  void sum_up();
   std::vector<SphereFeature> features(std::size_t k) const;
   void begin_pieces(double stretch, double end);
   RayIntegral along_ray(std::size_t k, const Eigen::Vector3d& u);
@@ -79,12 +66,15 @@ class BallIntegral {
   Integrand integrand_;
   double inner_tolerance_;
   double ray_tolerance_ = 0.0;
-  std::vector<Centre> centres_;
+  std::vector<BallCentre> centres_;
+  std::vector<SmoothBall> smooth_;
   // Of the ray at hand.
   RotationRay ray_;
   std::vector<double> breaks_;
   std::vector<Piece> pieces_;
   SphereCubature cubature_;
+  std::size_t abandoned_ = 0;  ///< evaluations by rules that did not converge
+  RayIntegral total_;
 };
 
 /// The weighted sum of the Gaussian masses beyond |xi| = pi of the peaks of q, less that of p.

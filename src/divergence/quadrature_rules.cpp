@@ -3,9 +3,11 @@
 #include "quadrature_rules.hpp"
 
 #include <algorithm>
+#include <numbers>
 
 #include <boost/math/quadrature/gauss.hpp>
 #include <boost/math/quadrature/gauss_kronrod.hpp>
+#include <boost/math/special_functions/bessel.hpp>
 #include <boost/math/special_functions/legendre.hpp>
 
 namespace posemix::internal {
@@ -47,6 +49,17 @@ PatchRules make_patch() {
   return rules;
 }
 
+DiscRule make_disc() {
+  DiscRule rule{};
+  int k = 0;
+  for (auto& node : rule.nodes) {
+    const double zero = boost::math::cyl_bessel_j_zero(0.0, ++k);
+    const double slope = boost::math::cyl_bessel_j(1, zero);
+    node = {zero / std::numbers::pi, 4.0 / (std::numbers::pi * slope * slope)};
+  }
+  return rule;
+}
+
 }  // namespace
 
 const KronrodRule& KronrodRule::instance() {
@@ -57,6 +70,11 @@ const KronrodRule& KronrodRule::instance() {
 const PatchRules& PatchRules::instance() {
   static const PatchRules rules = make_patch();
   return rules;
+}
+
+const DiscRule& DiscRule::instance() {
+  static const DiscRule rule = make_disc();
+  return rule;
 }
 
 }  // namespace posemix::internal

@@ -33,14 +33,15 @@ DivergenceEstimate refined(BallIntegral& integral, double peak_density,
                            const RotationQuadratureSettings& settings) {
   const Integrand positive{nullptr, peak_density, true};
   const auto rounding = [&](double value) { return positive.rounding(std::abs(value)); };
-  const auto done = [&] {
-    const RayIntegral& total = integral.total();
-    return total.error <=
-           std::max(settings.relative_tolerance * std::abs(total.value), rounding(total.value));
-  };
-  while (!done() && integral.total().evaluations < settings.max_evaluations) integral.refine();
   const RayIntegral& total = integral.total();
-  return {total.value, total.error + rounding(total.value), total.evaluations, done()};
+  const auto allowed = [&] {
+    return std::max(settings.relative_tolerance * std::abs(total.value), rounding(total.value));
+  };
+  while (!(total.error <= allowed()) && total.evaluations < settings.max_evaluations) {
+    integral.refine(allowed());
+  }
+  return {total.value, total.error + rounding(total.value), total.evaluations,
+          total.error <= allowed()};
 }
 
 double largest_density(const RotationPair& pair) {

@@ -17,14 +17,17 @@
 ///
 /// Method: the integrand is written as sum_k v_k N_k G over components k (G = log(p/q) or p - q, or
 /// if that cancels a form that is never negative), and every part is integrated over the tangent
-/// ball of its own component in coordinates that whiten N_k: adaptive cubature over the directions,
-/// adaptive Gauss-Kronrod along each ray out to 9 standard deviations. A ray is cut where it
-/// crosses the cut locus (angle pi) of any component, which is the zero of one sinusoid, and where
-/// it passes a narrow component. A common axis of symmetry of the densities is found automatically;
-/// then no integral over the azimuth is needed. Errors are estimated from pairs of rules, and
+/// ball of its own component in coordinates that whiten N_k. Where G is smooth in the whole ball,
+/// the trapezoidal rule converges exponentially \cite trefethen2014trapezoidal: on ever finer
+/// body-centred cubic lattices, or, if the densities have a common axis of symmetry, which is found
+/// automatically, in the half-plane beside it with radii at zeros of a Bessel function \cite
+/// ogata2005bessel. Elsewhere, and where a component is very narrow, it is adaptive cubature over
+/// the directions, and adaptive Gauss-Kronrod along each ray out to 9 standard deviations. A ray is
+/// cut where it crosses the cut locus (angle pi) of any component, which is the zero of one
+/// sinusoid, and where it passes a narrow component. Errors are estimated from pairs of rules, and
 /// raised if the halves of a cell disagree with the whole \cite berntsen1991adaptive; they are
-/// estimates, not bounds. The points of a ray are evaluated at once by the widest vector
-/// instructions of the machine, so that the last digits depend on these.
+/// estimates, not bounds. Points are evaluated many at once by the widest vector instructions of
+/// the machine, so that the last digits depend on these.
 namespace posemix {
 
 /// A density or a mixture on SO(3); both convert implicitly.
