@@ -6,6 +6,7 @@
 #include "posemix/base/draw_index.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/base/gaussian_cubature.hpp"
+#include "posemix/base/limits.hpp"
 #include "posemix/base/linear.hpp"
 #include "posemix/base/random.hpp"
 #include "posemix/base/range.hpp"

@@ -11,6 +11,7 @@
 #include "posemix/lie/lie.hpp"
 #include "posemix/lie/mean.hpp"
 #include "posemix/lie/pose_blocks.hpp"
+#include "posemix/lie/pose_checks.hpp"
 #include "posemix/lie/pose_covariance.hpp"
 #include "posemix/lie/pose_stack.hpp"
 #include "posemix/lie/rn.hpp"
