@@ -17,19 +17,23 @@ HWY_BEFORE_NAMESPACE();
 namespace posemix::internal {
 namespace HWY_NAMESPACE {
 
-/// Terms of the series of cos(sqrt(u)) and of sin(sqrt(u)) / sqrt(u): exact to 1e-17 up to
-/// u = (pi/2)^2. Neither needs a root, a division, or care about zero.
-constexpr int kTerms = 13;
+/// (-1)^k / (2 k + odd)! for the series of cos(sqrt(u)) and of sin(sqrt(u)) / sqrt(u) in u: exact
+/// to 1e-17 up to u = (pi/2)^2. Neither needs a root, a division, or care about zero.
+struct Alternating {
+  static constexpr int kTerms = 13;
+  double c[kTerms];
 
-/// sum_k (-u)^k / (2 k + odd)!, by Horner's rule.
-template <int kOdd>
-HWY_INLINE V alternating_series(V u) {
-  V sum = set(1.0);
-  POSEMIX_UNROLL
-  for (int k = kTerms - 1; k > 0; --k) {
-    const double factor = (2.0 * k + kOdd) * (2.0 * k + kOdd - 1.0);
-    sum = hn::NegMulAdd(hn::Mul(u, set(1.0 / factor)), sum, set(1.0));
+  explicit constexpr Alternating(int odd) : c{1.0} {
+    for (int k = 1; k < kTerms; ++k) c[k] = -c[k - 1] / ((2.0 * k + odd) * (2.0 * k + odd - 1.0));
   }
+};
+constexpr Alternating kCosine(0);
+constexpr Alternating kSineRatio(1);
+
+HWY_INLINE V sum_of(const Alternating& series, V u) {
+  V sum = set(series.c[Alternating::kTerms - 1]);
+  POSEMIX_UNROLL
+  for (int k = Alternating::kTerms - 2; k >= 0; --k) sum = hn::MulAdd(sum, u, set(series.c[k]));
   return sum;
 }
 
@@ -47,8 +51,8 @@ HWY_INLINE void place_points(const double (&variances)[3], TangentBlock& block,
     hn::Store(squared, D(), block.squared + i);
     hn::Store(hn::Exp(D(), hn::Mul(set(-0.5), squared)), D(), block.mass + i);
     const V u = hn::Mul(set(0.25), dot(squares, set3(variances)));
-    const V3 sine = scaled(hn::Mul(set(0.5), alternating_series<1>(u)), x);
-    hn::Store(alternating_series<0>(u), D(), points.part[0] + i);
+    const V3 sine = scaled(hn::Mul(set(0.5), sum_of(kSineRatio, u)), x);
+    hn::Store(sum_of(kCosine, u), D(), points.part[0] + i);
     hn::Store(sine.x, D(), points.part[1] + i);
     hn::Store(sine.y, D(), points.part[2] + i);
     hn::Store(sine.z, D(), points.part[3] + i);

@@ -95,15 +95,22 @@ void TrapezoidalBall::add_point(double x, double y, double z, double weight) {
 }
 
 void TrapezoidalBall::add_block() {
+  using Values = Eigen::Array<double, kTangentPoints, 1>;
+  using Row = Eigen::Map<Values, Eigen::Aligned64>;
   for (auto& x : block_.x) std::fill(x + waiting_, x + kTangentPoints, 0.0);
+  weights_.tail(kTangentPoints - waiting_).setZero();
   tangent_log_densities(view_, block_, scratch_.data());
-  const double inner = (radius_ - kShell) * (radius_ - kShell);
-  for (std::size_t i = 0; i < waiting_; ++i) {
-    const double value = weights_[i] * block_.mass[i] * factor_(block_.log_p[i], block_.log_q[i]);
-    value_ += value;
-    absolute_ += std::abs(value);
-    if (block_.squared[i] > inner) shell_ += std::abs(value);
+  Values factors = Row(block_.log_p) - Row(block_.log_q);
+  if (factor_ != log_ratio) {
+    for (std::size_t i = 0; i < kTangentPoints; ++i)
+      factors[i] = factor_(block_.log_p[i], block_.log_q[i]);
   }
+  // Sums of sums: the rounding errors of millions of points do not add up.
+  const Values terms = weights_ * Row(block_.mass) * factors;
+  const double inner = (radius_ - kShell) * (radius_ - kShell);
+  value_ += terms.sum();
+  absolute_ += terms.abs().sum();
+  shell_ += (Row(block_.squared) > inner).select(terms.abs(), 0.0).sum();
   total_.evaluations += waiting_;
   waiting_ = 0;
 }

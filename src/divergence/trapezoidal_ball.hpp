@@ -64,7 +64,7 @@ class TrapezoidalBall {
   double shell_ = 0.0;
   // Points of it that wait for their evaluation.
   TangentBlock block_;
-  double weights_[kTangentPoints];
+  Eigen::Array<double, kTangentPoints, 1> weights_;
   std::size_t waiting_ = 0;
 };
 
