@@ -14,7 +14,7 @@ namespace {
 /// A ball that reaches so far is not smooth: beyond pi its points would count twice.
 constexpr double kLargestAngle = 3.0;
 /// A peak does not matter if it is so many of its standard deviations away.
-constexpr double kReach = 12.0;
+constexpr double kFarAway = 12.0;
 
 /// Whether a ball may reach the cut locus of a peak at an offset from its centre.
 ///
@@ -45,7 +45,7 @@ double narrowest_feature(const RotationPair& pair, const Integrand& integrand,
       if (reaches_cut_locus(centre.root, radius, offset)) return 0.0;
       const Eigen::Matrix3d spread = whiten * SO3d::left_jacobian_inverse(offset) * peak.root;
       const Eigen::Vector3d widths = spread.jacobiSvd().singularValues();
-      const bool matters = (whiten * offset).norm() < radius + kReach * widths[0];
+      const bool matters = (whiten * offset).norm() < radius + kFarAway * widths[0];
       if (matters && !is_plain) narrowest = std::min(narrowest, widths[2]);
     }
   }
