@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from posemix import _core
-from posemix._arrays import FloatArray, as_floats, as_vectors, flat_rows, thread_count
+from posemix._arrays import FloatArray, as_floats, as_vectors, flat_rows, require_finite, thread_count
 
 Self = TypeVar("Self", bound="Elements")
 
@@ -26,6 +26,14 @@ class Elements:
 
     __slots__ = ("_data",)
     _data: FloatArray
+
+    @classmethod
+    def _checked(cls: type[Self], value: Any, name: str) -> Self:
+        """The value itself; raises TypeError naming the argument where it is none of this class."""
+        if not isinstance(value, cls):
+            kinds = cls.__name__ if cls is not Elements else "SO3 or SE3"
+            raise TypeError(f"{name} is a {type(value).__name__}; expected {kinds}")
+        return value
 
     @classmethod
     def _call(cls, name: str, *arguments: Any) -> FloatArray:
@@ -171,7 +179,7 @@ class Elements:
         -------
         ndarray, shape (..., 3)
         """
-        values = as_floats(points, (3,), "points")
+        values = require_finite(as_floats(points, (3,), "points"), "points")
         shape = np.broadcast_shapes(self.shape, values.shape[:-1])
         a = self._rows()
         if self.shape and self.shape != shape:
@@ -238,7 +246,9 @@ class Elements:
 
     def is_approx(self: Self, other: Self, tolerance: float = 1e-9) -> bool:
         """Whether all logarithms of ``other^-1 self`` have norms of at most `tolerance`."""
-        differences = (other.inverse() * self).log()
+        if not tolerance >= 0.0:
+            raise ValueError(f"tolerance is {tolerance}; expected a number that is not negative")
+        differences = (type(self)._checked(other, "other").inverse() * self).log()
         return bool((np.linalg.norm(differences, axis=-1) <= tolerance).all())
 
     def __reduce__(self: Self) -> tuple[Any, tuple[Any, ...]]:

@@ -15,7 +15,8 @@ import numpy as np
 import numpy.typing as npt
 
 from posemix import _core
-from posemix._arrays import FloatArray, as_floats, flat_rows
+from posemix._arrays import FloatArray, as_floats
+from posemix._elements import Elements
 from posemix.lie import SE3, SO3
 from posemix.random import RandomStream, stream_of
 
@@ -30,7 +31,7 @@ _ON_SO3 = (_core.ConcentratedSO3, _core.ProjectedSO3)
 
 def rows_of(points: SO3 | SE3) -> FloatArray:
     """The elements as rows of numbers, shape (n, 4) or (n, 7)."""
-    return flat_rows(np.ascontiguousarray(points._data), 1)
+    return Elements._checked(points, "points")._rows()
 
 
 def standard_deviations(covariance: FloatArray) -> str:
@@ -151,6 +152,7 @@ class ConcentratedGaussian(_Density[G]):
         -------
         ndarray, shape (...)
         """
+        Elements._checked(points, "points")
         shape = points.shape if not self.mean.shape else self._stack_shape(points)
         result: FloatArray = self._handle.log_density(rows_of(points))
         return result.reshape(shape)
@@ -233,7 +235,8 @@ class ProjectedGaussian(_Density[G]):
         matrix = as_floats(covariance, (len(mean), len(mean)), "covariance")
         group: Any = SO3 if len(mean) == 3 else SE3
         self._group = group
-        self._handle = _PROJECTED[group](tangent_point._data, mean, matrix)
+        point = SO3._checked(tangent_point, "tangent_point")
+        self._handle = _PROJECTED[group](point._data, mean, matrix)
 
     @classmethod
     def at_mean(cls, mean: G, covariance: npt.ArrayLike) -> ProjectedGaussian[G]:
@@ -288,7 +291,9 @@ class ProjectedGaussian(_Density[G]):
 
     def change_chart(self, tangent_point: SO3) -> ProjectedGaussian[G]:
         """The density in the chart at another tangent point, first order in u (eq. 15-16)."""
-        density: ProjectedGaussian[G] = self._handle.change_chart(tangent_point._data)
+        density: ProjectedGaussian[G] = self._handle.change_chart(
+            SO3._checked(tangent_point, "tangent_point")._data
+        )
         return density
 
     def _parts(self) -> tuple[Any, ...]:

@@ -81,7 +81,7 @@ def exact_kl(p: ProjectedGaussian[Any], q: ProjectedGaussian[Any]) -> float:
 
 def runnalls_bound(a: D, weight_a: float, b: D, weight_b: float) -> float:
     """Runnalls' upper bound on the divergence that merging two components causes [nats]."""
-    if not (weight_a > 0.0 and weight_b > 0.0):
+    if not (0.0 < weight_a < math.inf and 0.0 < weight_b < math.inf):
         raise ValueError(f"weights are {weight_a} and {weight_b}; expected positive numbers")
     return float(overloaded.runnalls_bound(math.log(weight_a), a, math.log(weight_b), b))
 

@@ -12,6 +12,7 @@ import numpy.typing as npt
 from posemix import _core
 from posemix._arrays import FloatArray
 from posemix._core import BicSelection, EmResult, EmSettings
+from posemix._elements import Elements
 from posemix.density import rows_of
 from posemix.lie import SE3, SO3
 from posemix.mixture import Mixture
@@ -27,7 +28,7 @@ def _arguments(
 ) -> tuple[FloatArray, bool, list[float]]:
     if distribution not in ("concentrated", "projected"):
         raise ValueError(f"distribution is '{distribution}'; expected 'concentrated' or 'projected'")
-    if len(samples.shape) != 1:
+    if len(Elements._checked(samples, "samples").shape) != 1:
         raise ValueError(f"samples have shape {samples.shape}; expected (n,)")
     counts = [] if weights is None else np.asarray(weights, dtype=np.float64).tolist()
     return rows_of(samples), distribution == "projected", counts

@@ -9,6 +9,7 @@ out of it towards the viewer. Covariances are those of n in ``T_camera_tag Exp(n
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -106,6 +107,10 @@ def tag_poses(
     array([0.84, 0.16])
     """
     minima = tag_minima(corners, size, camera, order)
+    if not 0.0 <= least_weight < 0.5:
+        raise ValueError(f"least_weight is {least_weight}; expected a number in [0, 0.5)")
+    if not 0.0 <= bearing_sd_px < math.inf:
+        raise ValueError(f"bearing_sd_px is {bearing_sd_px}; expected a number that is not negative")
     return TagPoses(*_core.tag_components(minima, noise, least_weight, camera, bearing_sd_px))
 
 

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from posemix import _core
-from posemix._arrays import FloatArray, as_floats, flat_rows
+from posemix._arrays import FloatArray, as_floats, flat_rows, require_finite
 from posemix._core import (
     BestGrasp, BestGraspSettings, ConsensusSettings, ErrorMixture, ErrorMixtureFit, ErrorMixtureSettings,
     GraspCandidate, LogisticModel, LogisticSettings, PlattCalibration, PoseConsensus, RegionFit, RegionFitSettings,
@@ -36,7 +36,7 @@ __all__ = [
 
 
 def _broadcast(x: SE3, y: SE3) -> tuple[SE3, SE3]:
-    shape = np.broadcast_shapes(x.shape, y.shape)
+    shape = np.broadcast_shapes(SE3._checked(x, "estimate").shape, SE3._checked(y, "truth").shape)
     a, b = (np.ascontiguousarray(np.broadcast_to(p._data, (*shape, 7))) for p in (x, y))
     return SE3._wrap(a, shape), SE3._wrap(b, shape)
 
@@ -70,8 +70,8 @@ def truth_with_error(estimate: SE3, error: npt.ArrayLike) -> SE3:
     error : array_like, shape (..., 6)
         Errors in the form of `sight_error`.
     """
-    errors = as_floats(error, (6,), "error")
-    shape = np.broadcast_shapes(estimate.shape, errors.shape[:-1])
+    errors = require_finite(as_floats(error, (6,), "error"), "error")
+    shape = np.broadcast_shapes(SE3._checked(estimate, "estimate").shape, errors.shape[:-1])
     poses = np.ascontiguousarray(np.broadcast_to(estimate._data, (*shape, 7)))
     rows = flat_rows(np.ascontiguousarray(np.broadcast_to(errors, (*shape, 6))), 1)
     return _core.truth_with_error(SE3._wrap(poses, shape), rows)

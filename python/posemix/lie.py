@@ -97,7 +97,7 @@ class SE3(Elements):
     def __init__(
         self, rotation: SO3 | None = None, translation: npt.ArrayLike = (0.0, 0.0, 0.0)
     ) -> None:
-        turned = SO3() if rotation is None else rotation
+        turned = SO3() if rotation is None else SO3._checked(rotation, "rotation")
         moved = require_finite(as_floats(translation, (3,), "translation"), "translation")
         shape = np.broadcast_shapes(turned.shape, moved.shape[:-1])
         self._data = np.empty((*shape, 7))
@@ -143,7 +143,8 @@ def interpolate(a: G, b: G, t: npt.ArrayLike) -> G:
     t : array_like, shape (...)
         Parameters.
     """
-    at = np.ascontiguousarray(t, dtype=np.float64)
+    at = require_finite(np.ascontiguousarray(t, dtype=np.float64), "t")
+    type(Elements._checked(a, "a"))._checked(b, "b")
     data = a._call("interpolate", a._data, b._data, at.reshape(-1))
     return a._wrap(data, at.shape)
 
@@ -167,6 +168,7 @@ def weighted_mean(x: G, weights: npt.ArrayLike | None = None) -> G:
     ----------
     Pennec and Arsigny, Exponential Barycenters of the Canonical Cartan Connection (2012).
     """
+    Elements._checked(x, "x")
     w = np.ones(len(x)) if weights is None else as_floats(weights, (len(x),), "weights")
     data, converged = type(x)._call("weighted_mean", x._rows(), w)
     if not converged:

@@ -41,6 +41,8 @@ _MIXTURES: dict[type, Any] = {
 def log_of_weights(weights: npt.ArrayLike) -> FloatArray:
     """Logarithms of weights that are finite and not negative."""
     values = np.ascontiguousarray(weights, dtype=np.float64)
+    if values.ndim != 1:
+        raise ValueError(f"weights has shape {values.shape}; expected (k,)")
     for i, weight in enumerate(values):
         if not (weight >= 0.0 and np.isfinite(weight)):
             raise ValueError(f"weight {i} is {weight}, expected a finite number >= 0")
@@ -93,6 +95,10 @@ class Mixture(Generic[D]):
             raise ValueError("a mixture needs at least one component")
         if weights is not None and log_weights is not None:
             raise ValueError("weights and log_weights are both given; expected one of them")
+        for i, density in enumerate(densities):
+            if type(getattr(density, "_handle", None)) not in _MIXTURES:
+                kind = type(density).__name__
+                raise TypeError(f"densities[{i}] is a {kind}; expected a ConcentratedGaussian or a ProjectedGaussian")
         kinds = {type(density._handle) for density in densities}
         if len(kinds) > 1:
             names = sorted(kind.__name__ for kind in kinds)
@@ -166,6 +172,8 @@ class Mixture(Generic[D]):
 
         The heaviest component always stays.
         """
+        if not 0.0 <= threshold <= 1.0:
+            raise ValueError(f"threshold is {threshold}; expected a number in [0, 1]")
         pruned: tuple[Mixture[D], float] = self._handle.prune(threshold)
         return pruned
 

@@ -19,6 +19,7 @@ from posemix._core import (
     Reduction, ReductionReport, ReductionSettings,
 )  # fmt: skip
 from posemix.density import ConcentratedGaussian, ProjectedGaussian
+from posemix._elements import Elements
 from posemix.lie import SE3, SO3
 from posemix.mixture import Mixture, log_of_weights, overloaded
 
@@ -71,7 +72,7 @@ def between(
 
 def _pose_rows(means: SE3, covariances: npt.ArrayLike) -> tuple[FloatArray, FloatArray]:
     matrices = require_finite(as_floats(covariances, (6, 6), "covariances"), "covariances")
-    rows = flat_rows(np.ascontiguousarray(means._data), 1), flat_rows(matrices, 2)
+    rows = SE3._checked(means, "means")._rows(), flat_rows(matrices, 2)
     if matrices.shape[:-2] != means.shape and not len(rows[0]) == len(rows[1]) == 1:
         raise ValueError(
             f"means of shape {means.shape} and covariances of shape {matrices.shape}; expected {(*means.shape, 6, 6)}"
@@ -81,7 +82,7 @@ def _pose_rows(means: SE3, covariances: npt.ArrayLike) -> tuple[FloatArray, Floa
 
 def _common_shape(x: SE3, y: SE3) -> tuple[int, ...]:
     """The shape of what is made of both, of which one may be single."""
-    if x.shape == y.shape:
+    if SE3._checked(x, "x").shape == SE3._checked(y, "y").shape:
         return x.shape
     single = [math.prod(shape) == 1 for shape in (x.shape, y.shape)]
     if not any(single):
@@ -205,7 +206,7 @@ def recenter(density: ConcentratedGaussian[G], anchor: G) -> tuple[FloatArray, F
 
     First order in xi: mean d = Log(X0 anchor^-1), covariance J_l(d)^-1 P J_l(d)^-T.
     """
-    mean, covariance = _core.recenter(density, anchor._data)
+    mean, covariance = _core.recenter(density, Elements._checked(anchor, "anchor")._data)
     return mean, covariance
 
 
@@ -213,9 +214,11 @@ def back_project(
     anchor: G, mean: npt.ArrayLike, covariance: npt.ArrayLike
 ) -> ConcentratedGaussian[G]:
     """The density at Exp(mean) anchor with covariance J_l P J_l^T, the inverse of `recenter`."""
-    dof = anchor.DOF
+    dof = Elements._checked(anchor, "anchor").DOF
     density: ConcentratedGaussian[G] = overloaded.back_project(
-        anchor._data, as_floats(mean, (dof,), "mean"), as_floats(covariance, (dof, dof), "covariance")
+        anchor._data,
+        require_finite(as_floats(mean, (dof,), "mean"), "mean"),
+        require_finite(as_floats(covariance, (dof, dof), "covariance"), "covariance"),
     )
     return density
 

@@ -17,7 +17,7 @@ __all__ = ["Candidate", "ObjectRecording", "Sequence", "is_known", "with_misses"
 
 def is_known(poses: SE3) -> npt.NDArray[np.bool_]:
     """Whether each entry of an array of poses is known, shape (...); unknown poses are rows of NaN."""
-    return np.asarray(~np.isnan(poses._data).all(axis=-1))
+    return np.asarray(~np.isnan(SE3._checked(poses, "poses")._data).all(axis=-1))
 
 
 def with_misses(

@@ -2,9 +2,11 @@
 // SPDX-FileCopyrightText: posemix contributors
 #pragma once
 
+#include <cmath>
 #include <string>
 #include <vector>
 
+#include "arrays.hpp"
 #include "setting_value.hpp"
 
 namespace posemix::python {
@@ -22,8 +24,16 @@ class ArrayLike : public nb::object {
 
   /// Its numbers one after the other.
   Eigen::VectorXd flat() const { return nb::cast<Eigen::VectorXd>(raveled("float64")); }
-  std::vector<bool> flags() const { return listed<bool>("bool"); }
-  std::vector<std::size_t> indices() const { return listed<std::size_t>("intp"); }
+  /// @throws InvalidInput for a number that is neither zero nor one
+  std::vector<bool> flags() const {
+    return listed<bool>([](double v) { return v == 0.0 || v == 1.0; }, "true or false");
+  }
+  /// @throws InvalidInput for a number that is no integer, or negative
+  std::vector<std::size_t> indices() const {
+    // Larger integers are no doubles.
+    const auto is_index = [](double v) { return v >= 0.0 && v <= 0x1p53 && v == std::floor(v); };
+    return listed<std::size_t>(is_index, "integers that are zero or more");
+  }
 
   /// Its shape as an array.
   std::vector<std::size_t> shape() const {
@@ -44,8 +54,13 @@ class ArrayLike : public nb::object {
         .attr("ravel")();
   }
   template <class Value>
-  std::vector<Value> listed(const char* type) const {
-    return nb::cast<std::vector<Value>>(raveled(type).attr("tolist")());
+  std::vector<Value> listed(bool (*is_one)(double), const char* expected) const {
+    std::vector<Value> values;
+    for (const double number : flat()) {
+      if (!is_one(number)) throw InvalidInput(fmt::format("got {}, expected {}", number, expected));
+      values.push_back(static_cast<Value>(number));
+    }
+    return values;
   }
 };
 
@@ -63,5 +78,13 @@ struct ShapedRows {
     rows = nb::cast<Rows>(arrays.attr("flat_rows")(array, 1));
   }
 };
+
+/// Square matrices of an array of any shape before its last two axes.
+/// @throws InvalidInput for another shape
+inline Matrices matrices_of(const ArrayLike& values, std::size_t side, const char* name) {
+  const nb::module_ arrays = nb::module_::import_("posemix._arrays");
+  const nb::object array = arrays.attr("as_floats")(values, nb::make_tuple(side, side), name);
+  return nb::cast<Matrices>(arrays.attr("flat_rows")(array, 2));
+}
 
 }  // namespace posemix::python

@@ -3,8 +3,9 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <memory>
-#include <numeric>
+#include <new>
 #include <vector>
 
 #include <fmt/format.h>
@@ -29,6 +30,18 @@ using Matrices = nb::ndarray<const double, nb::ndim<3>, nb::c_contig, nb::device
 using Numbers = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using Array = nb::ndarray<nb::numpy, double>;
 
+/// The number of entries of an array.
+/// @throws std::bad_alloc when there is no such number
+inline std::size_t entries(const std::vector<std::size_t>& shape) {
+  std::size_t product = 1;
+  for (const std::size_t length : shape) {
+    if (length != 0 && product > std::numeric_limits<std::size_t>::max() / length)
+      throw std::bad_alloc();
+    product *= length;
+  }
+  return product;
+}
+
 /// A new array, which owns its memory. It is made with the interpreter's lock held and filled
 /// without.
 struct NewArray {
@@ -36,8 +49,7 @@ struct NewArray {
   Array array;
 
   explicit NewArray(const std::vector<std::size_t>& shape)
-      : NewArray(shape, new double[std::accumulate(shape.begin(), shape.end(), std::size_t{1},
-                                                   std::multiplies<>())]) {}
+      : NewArray(shape, new double[entries(shape)]) {}
 
  private:
   NewArray(const std::vector<std::size_t>& shape, double* memory)

@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <type_traits>
+#include <typeinfo>
 
 #include <nanobind/typing.h>
 
@@ -44,7 +45,12 @@ AnyEmResult fit(const Rows& samples, bool projected, const std::vector<double>& 
                 const EmSettings& settings, RandomStream& stream, const nb::object& start) {
   return with_kind(samples, projected, [&](const auto& all, auto kind) {
     using D = typename decltype(kind)::type;
-    const auto from = nb::cast<std::optional<Mixture<D>>>(start);
+    std::optional<Mixture<D>> from;
+    try {
+      from = nb::cast<std::optional<Mixture<D>>>(start);
+    } catch (const std::bad_cast&) {
+      throw nb::type_error("start is no mixture of the kind and on the group of the fit");
+    }
     std::optional<EmResult<D>> found;
     {
       const nb::gil_scoped_release unlocked;

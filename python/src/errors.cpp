@@ -92,11 +92,9 @@ void bind_errors(nb::module_& m) {
              const ArrayLike& covariances) {
             const nb::object logs =
                 nb::module_::import_("posemix.mixture").attr("log_of_weights")(weights);
-            const nb::module_ numpy = nb::module_::import_("numpy");
-            new (self) M(mixture_of(
-                nb::cast<std::vector<double>>(logs.attr("tolist")()),
-                ShapedRows(means, 6, "means").rows,
-                nb::cast<Matrices>(numpy.attr("asarray")(covariances, "dtype"_a = "float64"))));
+            new (self) M(mixture_of(nb::cast<std::vector<double>>(logs.attr("tolist")()),
+                                    ShapedRows(means, 6, "means").rows,
+                                    matrices_of(covariances, 6, "covariances")));
           },
           "weights"_a, "means"_a, "covariances"_a)
       .def_prop_ro(

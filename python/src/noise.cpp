@@ -6,6 +6,7 @@
 
 #include "array_like.hpp"
 #include "density.hpp"
+#include "posemix/base/range.hpp"
 #include "posemix/config/noise_toml.hpp"
 #include "posemix/detector/default_noise.hpp"
 #include "posemix/detector/object_sensor.hpp"
@@ -204,8 +205,11 @@ void bind_sensor(nb::module_& m) {
   m.def(
       "pose_covariance",
       [](const ArrayLike& rotation, const ArrayLike& translation) {
-        return matrix_array(pose_covariance(Sides::set(rotation, "rotation_sd_rad"),
-                                            Sides::set(translation, "translation_sd_m")));
+        const Eigen::Vector3d turn = Sides::set(rotation, "rotation_sd_rad");
+        const Eigen::Vector3d shift = Sides::set(translation, "translation_sd_m");
+        for (const double sd : turn) kNotNegative.check(sd, "rotation_sd_rad");
+        for (const double sd : shift) kNotNegative.check(sd, "translation_sd_m");
+        return matrix_array(pose_covariance(turn, shift));
       },
       "rotation_sd_rad"_a, "translation_sd_m"_a, kPoseCovarianceDoc);
   m.def("default_detector_noise", &default_detector_noise,

@@ -101,8 +101,10 @@ def test_a_smoother_takes_steps_without_observations_and_changes_of_the_camera()
     assert len(kept.smoothed()) == len(changed.smoothed()) == 29
     for a, b in zip(kept.smoothed()[12:], changed.smoothed()[12:], strict=True):
         assert np.trace(a.hypotheses[0].world.covariance) < np.trace(b.hypotheses[0].world.covariance)
+    indefinite = np.eye(6)
+    indefinite[0, 5] = indefinite[5, 0] = 2.0
     with pytest.raises(ValueError, match="semidefinite"):
-        kept.predict(5.0, change=-np.eye(6))
+        kept.predict(5.0, change=indefinite)
     assert kept.filter.time_s == steps[-1].observation.stamp_s
 
 

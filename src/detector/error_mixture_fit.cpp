@@ -10,6 +10,7 @@
 
 #include "posemix/base/draw_index.hpp"
 #include "posemix/base/error.hpp"
+#include "posemix/base/range.hpp"
 #include "posemix/base/statistics.hpp"
 #include "posemix/base/units.hpp"
 #include "posemix/detector/error_mixture.hpp"
@@ -164,6 +165,7 @@ class Run {
 }  // namespace
 
 std::vector<Vector6d> trimmed_errors(std::span<const Vector6d> errors, double trim) {
+  kPositive.check(trim, "trim");
   if (errors.size() < kLeastErrors) return {errors.begin(), errors.end()};
   Vector6d centre;
   Vector6d reach;
@@ -197,6 +199,7 @@ ErrorMixtureFit fit_error_mixture(std::span<const Vector6d> errors,
   require_errors(errors.size());
   require(settings.max_components > 0, "an error mixture needs at least one full component");
   require(settings.restarts > 0, "a fit of an error mixture needs at least one start");
+  kNotNegative.check(settings.tolerance, "tolerance");
   const Rows rows = rows_of(errors);
   const Vector6d spread =
       covariance_of(rows_of(trimmed_errors(errors, settings.trim))).diagonal().array() + 1e-12;

@@ -14,6 +14,7 @@
 #include "detector/noise_assembly.hpp"
 #include "detector/noise_sizes.hpp"
 #include "posemix/base/error.hpp"
+#include "posemix/base/range.hpp"
 
 namespace posemix {
 namespace {
@@ -31,6 +32,7 @@ struct FrameModels {
 
 void check(const NoiseFitSettings& settings) {
   require(settings.max_components > 0, "noise model: 0 components, expected one or more");
+  kUnitInterval.check(settings.least_clutter, "noise model: least_clutter");
   if (settings.free_means && settings.frame != NoiseFrame::object) {
     throw InvalidInput(fmt::format(
         "noise model: free means in the frame {}, expected free_means = false or the frame object",

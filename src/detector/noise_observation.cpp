@@ -9,6 +9,7 @@
 
 #include "detector/noise_rows.hpp"
 #include "posemix/base/error.hpp"
+#include "posemix/base/limits.hpp"
 #include "posemix/base/statistics.hpp"
 #include "posemix/base/units.hpp"
 
@@ -20,6 +21,9 @@ void check_stamps(std::span<const double> stamps_s, std::size_t frames) {
     throw InvalidInput(fmt::format("noise model: {} stamps of {} frames, expected as many",
                                    stamps_s.size(), frames));
   }
+  for (std::size_t frame = 0; frame < stamps_s.size(); ++frame)
+    if (!kStamp.contains(stamps_s[frame]))
+      kStamp.check(stamps_s[frame], fmt::format("noise model: stamp of frame {}", frame));
   for (std::size_t frame = 1; frame < stamps_s.size(); ++frame) {
     if (!(stamps_s[frame] < stamps_s[frame - 1])) continue;
     throw InvalidInput(

@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
+#include "posemix/base/error.hpp"
 #include "posemix/detector/symmetry.hpp"
 
 /// Nearest equivalent poses.
@@ -67,6 +68,8 @@ SE3d SymmetryGroup::turned_to(const SE3d& error) const {
 SE3d SymmetryGroup::closest(const SE3d& pose, const SE3d& reference,
                             const Matrix6d& information) const {
   if (is_trivial()) return pose;
+  if (!information.allFinite())
+    throw InvalidInput("the information holds a value that is not finite");
   const SE3d error = pose.inverse() * reference;
   double least = std::numeric_limits<double>::infinity();
   SE3d best;

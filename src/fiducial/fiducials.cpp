@@ -10,6 +10,7 @@
 #include "io/covariance_columns.hpp"
 #include "plausibility.hpp"
 #include "posemix/base/error.hpp"
+#include "posemix/base/range.hpp"
 #include "posemix/io/text.hpp"
 
 namespace posemix {
@@ -177,6 +178,7 @@ Fiducials observe_fiducials(std::span<const CornerSighting> sightings,
     throw InvalidInput(fmt::format(
         "the least weight of a component is {}, expected one in [0, 0.5)", settings.least_weight));
   }
+  kNotNegative.check(settings.bearing_sd_px, "bearing_sd_px");
   return Observer(sightings, cameras, tags, settings).run();
 }
 

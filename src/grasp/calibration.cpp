@@ -10,6 +10,7 @@
 
 #include "grasp/region_parameters.hpp"
 #include "posemix/base/error.hpp"
+#include "posemix/base/range.hpp"
 
 namespace posemix {
 namespace {
@@ -67,6 +68,9 @@ LogisticModel fit_logistic(const Eigen::MatrixXd& features, const std::vector<bo
     throw InvalidInput(
         fmt::format("{} rows of features for {} outcomes", features.rows(), outcomes.size()));
   }
+  kPositive.check(settings.weights_sd, "weights_sd");
+  kPositive.check(settings.bias_sd, "bias_sd");
+  kAnyNumber.check(settings.bias_mean, "bias_mean");
   Eigen::MatrixXd design(features.rows(), n + 1);
   design << features, Eigen::VectorXd::Ones(features.rows());
   Posterior posterior{design, outcomes, Eigen::VectorXd::Zero(n + 1),

@@ -8,6 +8,7 @@
 
 #include "grasp/region_parameters.hpp"
 #include "posemix/base/error.hpp"
+#include "posemix/base/range.hpp"
 #include "posemix/base/statistics.hpp"
 
 namespace posemix {
@@ -206,6 +207,7 @@ double region_log_posterior(const RegionParameters& parameters,
 RegionFit fit_tolerance_region(std::span<const ErrorOutcome> outcomes,
                                const RegionFitSettings& settings, RandomStream& stream) {
   require(settings.starts > 0, "fit of a tolerance region without a start");
+  kNotNegative.check(settings.tolerance, "fit of a tolerance region: tolerance");
   const std::vector<Sample> samples = samples_of(outcomes);
   const Normal prior = prior_of(settings.priors);
   Search best{&samples, &prior, prior.mean};

@@ -7,7 +7,10 @@
 #include <limits>
 #include <tuple>
 
+#include <fmt/format.h>
+
 #include "posemix/base/error.hpp"
+#include "posemix/base/range.hpp"
 
 namespace posemix {
 namespace {
@@ -15,8 +18,17 @@ namespace {
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kLeastProbability = 1e-9;
 
+void check(std::span<const ScoredPrediction> predictions) {
+  for (std::size_t i = 0; i < predictions.size(); ++i) {
+    const double probability = predictions[i].probability;
+    if (!kUnitInterval.contains(probability))
+      kUnitInterval.check(probability, fmt::format("probability {}", i));
+  }
+}
+
 template <class Loss>
 double mean_of(std::span<const ScoredPrediction> predictions, Loss loss) {
+  check(predictions);
   double sum = 0.0;
   for (const ScoredPrediction& p : predictions) sum += loss(p);
   return sum / static_cast<double>(predictions.size());
@@ -44,6 +56,7 @@ double accuracy(std::span<const ScoredPrediction> predictions) {
 }
 
 double auc_within_groups(std::span<const ScoredPrediction> predictions) {
+  check(predictions);
   std::vector<ScoredPrediction> sorted(predictions.begin(), predictions.end());
   std::sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) {
     return std::tie(a.group, a.probability) < std::tie(b.group, b.probability);
@@ -77,6 +90,7 @@ double auc_within_groups(std::span<const ScoredPrediction> predictions) {
 std::vector<ReliabilityBin> reliability(std::span<const ScoredPrediction> predictions,
                                         std::size_t bins) {
   require(bins > 0, "a reliability diagram needs at least one bin");
+  check(predictions);
   std::vector<ReliabilityBin> result(bins);
   for (const ScoredPrediction& p : predictions) {
     const auto place = static_cast<std::size_t>(p.probability * static_cast<double>(bins));

@@ -14,6 +14,7 @@
 
 #include "grasp/box_integral.hpp"
 #include "posemix/base/error.hpp"
+#include "posemix/base/range.hpp"
 #include "posemix/mixture/log_weights.hpp"
 
 namespace posemix {
@@ -136,6 +137,7 @@ BestGrasp best_grasp(const Mixture<D>& mixture, const ToleranceBox& box, RandomS
   check(settings.final);
   require(settings.starts > 0, "best_grasp: expected at least 1 start");
   require(settings.points > 0, "best_grasp: expected at least 1 point");
+  kNotNegative.check(settings.tolerance, "best_grasp: tolerance");
   const BoxIntegral<D> integral(mixture, box);
   BestGrasp best{{}, {}, {}, 0};
   for (const std::size_t k : heaviest(mixture, settings.starts)) {

@@ -9,11 +9,13 @@
 #include <fmt/format.h>
 #include <Eigen/Cholesky>
 
+#include "association_gates.hpp"
 #include "posemix/base/error.hpp"
-#include "posemix/base/range.hpp"
-#include "posemix/base/statistics.hpp"
 
 namespace posemix {
+
+using namespace internal;
+
 namespace {
 
 /// Above every sum of possible costs: pairs beyond the gate are never taken.
@@ -70,11 +72,6 @@ class Predicted {
   Matrix6d information_;  ///< along the object's axes
 };
 
-struct Gates {
-  double position;
-  double cap;
-};
-
 /// A pair of an instance and an observation.
 struct Pair {
   double cost = kImpossible;
@@ -82,14 +79,14 @@ struct Pair {
 };
 
 Pair cheapest(const Predicted& instance, const Observation& observation,
-              const SymmetryGroup& symmetries, const Gates& gates) {
+              const SymmetryGroup& symmetries, const AssociationGates& gates) {
   const double most = observation.components[best_component(observation)].weight;
   Pair best;
   for (const ObservationComponent& component : observation.components) {
     const SE3d nearest = instance.nearest(component.pose, symmetries);
     const double position = instance.squared_position(nearest);
     if (position > gates.position || component.weight <= 0.0) continue;
-    const double cost = std::min(instance.squared_pose(nearest), position + gates.cap) -
+    const double cost = std::min(instance.squared_pose(nearest), position + gates.rotation) -
                         2.0 * std::log(component.weight / most);
     if (cost < best.cost) best = {cost, nearest};
   }
@@ -100,12 +97,12 @@ Pair cheapest(const Predicted& instance, const Observation& observation,
 /// columns for all of them one assignment would be many.
 Eigen::MatrixXd cost_matrix(const std::vector<Predicted>& instances,
                             std::span<const Observation> candidates,
-                            const SymmetryGroup& symmetries, const Gates& gates) {
+                            const SymmetryGroup& symmetries, const AssociationGates& gates) {
   const auto rows = static_cast<Eigen::Index>(candidates.size());
   const auto columns = static_cast<Eigen::Index>(instances.size());
   Eigen::MatrixXd cost(rows, columns + rows);
   cost.setConstant(kImpossible);
-  cost.rightCols(rows).diagonal().setConstant(gates.position + gates.cap);
+  cost.rightCols(rows).diagonal().setConstant(gates.position + gates.rotation);
   for (Eigen::Index i = 0; i < rows; ++i) {
     for (Eigen::Index j = 0; j < columns; ++j) {
       cost(i, j) = cheapest(instances[static_cast<std::size_t>(j)],
@@ -193,11 +190,7 @@ JointAssociation associate_jointly(std::span<const ConcentratedGaussian<SE3d>> i
                                    std::span<const Observation> candidates,
                                    const NoiseComponent& noise, const SymmetryGroup& symmetries,
                                    const AssociationSettings& settings) {
-  kOpenUnitInterval.check(settings.certain_probability, "certain_probability");
-  require(settings.joint_assignments > 0, "joint_assignments is 0, expected at least 1");
-  const Gates gates{
-      chi_square_quantile(settings.gate_probability, 3, "gate_probability"),
-      chi_square_quantile(settings.rotation_cap_probability, 3, "rotation_cap_probability")};
+  const AssociationGates gates = gates_of(settings);
   std::vector<Predicted> predicted;
   predicted.reserve(instances.size());
   for (const auto& instance : instances) predicted.emplace_back(instance, noise);

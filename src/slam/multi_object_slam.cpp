@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "association_gates.hpp"
 #include "observation_order.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/base/stopwatch.hpp"
@@ -59,6 +60,7 @@ MultiObjectFilter make_filter(const PoseDensity& camera, const std::vector<Objec
                               const MotionSettings& motion) {
   require_alike_in_class(objects);
   require_valid(settings.cameras);
+  internal::gates_of(settings.association);
   if (settings.on_sight) sensor_of(*settings.on_sight);
   MultiObjectSettings filter = settings.filter;
   filter.has_odometry = motion.model == MotionModel::odometry || motion.model == MotionModel::still;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 #include <limits>
 
@@ -9,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "posemix/base/error.hpp"
+#include "posemix/base/limits.hpp"
 #include "posemix/slam/stamped_slam.hpp"
 
 /// Frames that may hold objects, and objects ahead of the newest stamp.
@@ -89,9 +89,10 @@ double StampedSlam::begin_s() const {
 }
 
 std::optional<PoseDensity> StampedSlam::object_at(std::string_view id, double stamp_s) {
+  kStamp.check(stamp_s, "the stamp");
   const auto& now = estimate();
   if (!now) return std::nullopt;
-  if (!(stamp_s >= now->stamp_s && std::isfinite(stamp_s))) {
+  if (stamp_s < now->stamp_s) {
     throw InvalidInput(
         fmt::format("the stamp is {:.6f} s, expected {:.6f} s or later", stamp_s, now->stamp_s));
   }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "posemix/base/error.hpp"
+#include "posemix/base/range.hpp"
 
 namespace posemix {
 namespace {
@@ -104,6 +105,8 @@ double max_symmetric_surface_distance(const SE3d& estimate, const SE3d& truth,
                                       std::span<const Eigen::Vector3d> points,
                                       const SymmetryGroup& symmetries) {
   require(!points.empty(), "the surface distance needs at least one point");
+  for (const Eigen::Vector3d& point : points)
+    require(point.allFinite(), "a point of the surface is not finite");
   const std::vector<SymmetryAxis>& axes = symmetries.axes();
   double least = std::numeric_limits<double>::infinity();
   for (const SE3d& element : symmetries.elements()) {
@@ -122,6 +125,7 @@ double max_symmetric_surface_distance(const SE3d& estimate, const SE3d& truth,
 
 SymmetricPoseError symmetric_pose_error(const SE3d& estimate, const SE3d& truth,
                                         const SymmetryGroup& symmetries, double length_m) {
+  kPositive.check(length_m, "length_m");
   Matrix6d information = Matrix6d::Identity();
   information.bottomRightCorner<3, 3>() /= length_m * length_m;
   const SE3d nearest = symmetries.closest(truth, estimate, information);

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "posemix/testing/expect.hpp"
 #include "scenario.hpp"
 
 namespace posemix {
@@ -67,6 +68,13 @@ TEST(Predict, RefusesANoiseThatIsNegativeInSomeDirection) {
   EXPECT_THROW(predict_random_walk(before, bad), InvalidInput);
   EXPECT_THROW(predict_constant_velocity(before, 1.0, bad, q), InvalidInput);
   EXPECT_THROW(predict_constant_velocity(before, 1.0, q, bad), InvalidInput);
+}
+
+TEST(Predict, RefusesAHypothesisWithoutTheMotion) {
+  const Hypothesis camera(PoseStackd({SE3d()}), isotropic(0.5, 0.01));
+  const Matrix6d q = isotropic(0.5, 0.01);
+  EXPECT_EQ(testing::thrown_message([&] { predict_constant_velocity(camera, 1.0, q, q); }),
+            "a hypothesis of 1 poses, expected the motion of the camera at index 1");
 }
 
 /// The camera after `periods` of the motion in the state.

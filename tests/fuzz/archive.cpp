@@ -26,13 +26,13 @@ void expect_plain(const fs::path& folder) {
 
 POSEMIX_FUZZ_TARGET(archive) {
   static const posemix::testing::TemporaryFolder place;
-  const auto [letter, rest] = Choice(bytes);
-  const fs::path archive = place.put("a.zip", rest);
+  const Choice choice(bytes);
+  const fs::path archive = place.put("a.zip", choice.rest);
   const fs::path inside = place / "outer/inner";
   fs::remove_all(place / "outer");
   fs::create_directories(inside);
   try {
-    takes(archive.string(), [&, strip = letter] {
+    takes(archive.string(), [&, strip = choice.letter] {
       unpack_archive(archive, inside, strip == 's' ? "top" : "",
                      [](std::size_t files) { return files < kMostFiles; });
     });

@@ -49,31 +49,32 @@ void read_annotations(std::string_view text) {
 }  // namespace
 
 POSEMIX_FUZZ_TARGET(bop) {
-  const auto [letter, rest] = Choice(bytes);
-  switch (letter) {
+  const Choice choice(bytes);
+  switch (choice.letter) {
     case 'm':
-      return read_models(rest);
+      return read_models(choice.rest);
     case 'a':
-      return read_annotations(rest);
+      return read_annotations(choice.rest);
     case 'c':
       takes("c.json", [&] {
-        for (const auto& [image, pose] : parse_bop_scene_camera(rest, "c.json"))
+        for (const auto& [image, pose] : parse_bop_scene_camera(choice.rest, "c.json"))
           if (pose) expect_pose(*pose);
       });
       return;
     case 's':
       takes("s.json", [&] {
-        for (const auto& [image, pose] : parse_scene_cameras(rest, "s.json")) expect_pose(pose);
+        for (const auto& [image, pose] : parse_scene_cameras(choice.rest, "s.json"))
+          expect_pose(pose);
       });
       return;
     case 'g':
       takes("g.json", [&] {
-        for (const ImageGroup& group : parse_image_groups(rest, "g.json"))
+        for (const ImageGroup& group : parse_image_groups(choice.rest, "g.json"))
           expect(!group.images.empty(), "a group without images");
       });
       return;
     default:
-      return read_results(rest);
+      return read_results(choice.rest);
   }
 }
 

@@ -47,28 +47,28 @@ void read_grasps(std::string_view text) {
 }  // namespace
 
 POSEMIX_FUZZ_TARGET(csv) {
-  const auto [letter, rest] = Choice(bytes);
-  switch (letter) {
+  const Choice choice(bytes);
+  switch (choice.letter) {
     case 't':
-      return read_samples(rest, PoseFormat::tum);
+      return read_samples(choice.rest, PoseFormat::tum);
     case 'n':
-      return read_samples(rest, PoseFormat::npy);
+      return read_samples(choice.rest, PoseFormat::npy);
     case 'l':
-      return read_samples(rest, PoseFormat::csv, {.residuals = Side::left});
+      return read_samples(choice.rest, PoseFormat::csv, {.residuals = Side::left});
     case 'r':
-      return read_samples(rest, PoseFormat::csv, {.residuals = Side::right, .weights = "w"});
+      return read_samples(choice.rest, PoseFormat::csv, {.residuals = Side::right, .weights = "w"});
     case 'o':
-      return read_named_poses(rest);
+      return read_named_poses(choice.rest);
     case 'g':
-      return read_grasps(rest);
+      return read_grasps(choice.rest);
     case 'p':
       takes("f.csv", [&] {
-        for (const auto& [image, pose] : parse_pose_table(rest, "f.csv", {2, 5}, "est_"))
+        for (const auto& [image, pose] : parse_pose_table(choice.rest, "f.csv", {2, 5}, "est_"))
           expect_pose(pose);
       });
       return;
     default:
-      return read_samples(rest, PoseFormat::csv);
+      return read_samples(choice.rest, PoseFormat::csv);
   }
 }
 

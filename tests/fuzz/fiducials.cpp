@@ -28,16 +28,16 @@ void read_corners_of(std::string_view text) {
 }  // namespace
 
 POSEMIX_FUZZ_TARGET(fiducials) {
-  const auto [letter, rest] = Choice(bytes);
-  switch (letter) {
+  const Choice choice(bytes);
+  switch (choice.letter) {
 #ifdef POSEMIX_WITH_YAML
     case 'c':
-      takes("f", [&, text = rest] {
+      takes("f", [&, text = choice.rest] {
         for (const RigCamera& camera : parse_cameras(text, "f")) validate(camera.model);
       });
       return;
     case 'p':
-      takes("f", [&, text = rest] {
+      takes("f", [&, text = choice.rest] {
         std::vector<RigCamera> cameras(2);
         cameras[0].name = "cam0";
         cameras[1].name = "cam1";
@@ -45,11 +45,11 @@ POSEMIX_FUZZ_TARGET(fiducials) {
       });
       return;
     case 't':
-      takes("f", [&, text = rest] { parse_tag_map(text, "f"); });
+      takes("f", [&, text = choice.rest] { parse_tag_map(text, "f"); });
       return;
 #endif
     default:
-      return read_corners_of(rest);
+      return read_corners_of(choice.rest);
   }
 }
 

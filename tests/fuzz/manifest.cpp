@@ -34,12 +34,12 @@ void read_registry(std::string_view registry, std::string_view manifest, const s
 }  // namespace
 
 POSEMIX_FUZZ_TARGET(manifest) {
-  const auto [letter, rest] = Choice(bytes);
-  switch (letter) {
+  const Choice choice(bytes);
+  switch (choice.letter) {
     case 'm':
-      return read_registry(kRegistry, rest, "m");
+      return read_registry(kRegistry, choice.rest, "m");
     case 'l':
-      takes("f", [&, text = rest] {
+      takes("f", [&, text = choice.rest] {
         const LockFile lock = parse_lock_file(text, "f");
         for (const auto& [path, entry] : lock.files)
           expect(is_inner_path(path), "a path that leads out");
@@ -49,12 +49,12 @@ POSEMIX_FUZZ_TARGET(manifest) {
       });
       return;
     case 'p':
-      takes("f", [&, text = rest] {
+      takes("f", [&, text = choice.rest] {
         expect(is_sha256(parse_lfs_pointer(text, "f").sha256), "a sum that is none");
       });
       return;
     default:
-      return read_registry(rest, "-  a\n", "f");
+      return read_registry(choice.rest, "-  a\n", "f");
   }
 }
 

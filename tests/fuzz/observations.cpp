@@ -25,12 +25,12 @@ void expect_same(const std::vector<Observation>& a, const std::vector<Observatio
 }  // namespace
 
 POSEMIX_FUZZ_TARGET(observations) {
-  const auto [letter, rest] = Choice(bytes);
-  takes("f", [&, letter = letter, rest = rest] {
-    const auto read =
-        letter == 'j' ? parse_observation_lines(rest, "f") : parse_observations(rest, "f");
+  const Choice choice(bytes);
+  takes("f", [&, choice.letter = choice.letter, choice.rest = choice.rest] {
+    const auto read = choice.letter == 'j' ? parse_observation_lines(choice.rest, "f")
+                                           : parse_observations(choice.rest, "f");
     for (const Observation& observation : read) validate(observation);
-    expect_same(read, letter == 'j'
+    expect_same(read, choice.letter == 'j'
                           ? parse_observation_lines(format_observation_lines(read), "again")
                           : parse_observations(format_observations(read), "again"));
   });

@@ -27,18 +27,18 @@ void read_noise(std::string_view text) {
 }  // namespace
 
 POSEMIX_FUZZ_TARGET(settings) {
-  const auto [letter, rest] = Choice(bytes);
-  switch (letter) {
+  const Choice choice(bytes);
+  switch (choice.letter) {
     case 'y':
-      takes("f.toml", [&, text = rest] {
+      takes("f.toml", [&, text = choice.rest] {
         for (const auto& [object, group] : parse_symmetry_file(text, "f.toml"))
           expect(!group.elements().empty(), "a group without the identity");
       });
       return;
     case 'n':
-      return read_noise(rest);
+      return read_noise(choice.rest);
     default:
-      takes("f.toml", [&, text = rest] {
+      takes("f.toml", [&, text = choice.rest] {
         const SimulationFile file = read_simulation(TomlDocument::parse(text, "f.toml"));
         validate(file.config);
       });

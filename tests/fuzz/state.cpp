@@ -29,9 +29,9 @@ std::string with_head(std::string_view body, bool is_stamped) {
 }  // namespace
 
 POSEMIX_FUZZ_TARGET(state) {
-  const auto [letter, rest] = Choice(bytes);
-  takes("the state", [&, letter = letter, rest = rest] {
-    const std::string state = with_head(rest, letter == 's');
+  const Choice choice(bytes);
+  takes("the state", [&, choice.letter = choice.letter, choice.rest = choice.rest] {
+    const std::string state = with_head(choice.rest, choice.letter == 's');
     const SlamState slam = slam_of_state(state);
     std::visit(
         [](const auto& one) {

@@ -32,19 +32,19 @@ void report_of_trace(std::string_view text) {
 }  // namespace
 
 POSEMIX_FUZZ_TARGET(trace) {
-  const auto [letter, rest] = Choice(bytes);
+  const Choice choice(bytes);
   static const TemporaryFolder study;
   static const TemporaryFolder consistency;
   static const TemporaryFolder mixtures;
-  switch (letter) {
+  switch (choice.letter) {
     case 's':
-      return report_with(study, "study.json", rest);
+      return report_with(study, "study.json", choice.rest);
     case 'c':
-      return report_with(consistency, "consistency.json", rest);
+      return report_with(consistency, "consistency.json", choice.rest);
     case 'm':
-      return report_with(mixtures, "mug.json", rest);
+      return report_with(mixtures, "mug.json", choice.rest);
     default:
-      return report_of_trace(rest);
+      return report_of_trace(choice.rest);
   }
 }
 

@@ -3,9 +3,11 @@
 #include "posemix/grasp/scores.hpp"
 
 #include <cmath>
+#include <limits>
 
 #include <gtest/gtest.h>
 
+#include "posemix/base/error.hpp"
 #include "posemix/base/random.hpp"
 #include "posemix/grasp/calibration.hpp"
 #include "posemix/testing/expect.hpp"
@@ -97,6 +99,19 @@ TEST(Platt, RecoversADistortion) {
   EXPECT_LT(calibration_error(p), 0.015);
   EXPECT_NEAR(fit_platt({}).slope, 1.0, 1e-12);
   EXPECT_NEAR(fit_platt({}).bias, 0.0, 1e-12);
+}
+
+TEST(Scores, RefuseWhatIsNoProbability) {
+  for (const double wrong : {-1e-3, 1.001, std::numeric_limits<double>::quiet_NaN(),
+                             std::numeric_limits<double>::infinity()}) {
+    const std::vector<ScoredPrediction> predictions{{0.5, true, 0}, {wrong, false, 0}};
+    EXPECT_THROW(brier_score(predictions), InvalidInput);
+    EXPECT_THROW(log_loss(predictions), InvalidInput);
+    EXPECT_THROW(accuracy(predictions), InvalidInput);
+    EXPECT_THROW(auc_within_groups(predictions), InvalidInput);
+    EXPECT_THROW(reliability(predictions), InvalidInput);
+    EXPECT_THROW(calibration_error(predictions), InvalidInput);
+  }
 }
 
 }  // namespace

@@ -7,8 +7,8 @@
 /// How the camera moves between two frames. Objects stand still. Every noise is a right
 /// perturbation of the camera pose, so its covariance Q (already multiplied by the time step) is in
 /// the camera frame and enters the covariance as P_RR += Ad(T_R) Q Ad(T_R)^T. The functions throw
-/// InvalidInput as check_pose for the motion and as check_noise for the noise, and for a step that
-/// is not finite or beyond kLatestStamp.
+/// InvalidInput as check_pose for the motion and as check_noise for the noise, for a step that is
+/// not finite or beyond kLatestStamp, and for a hypothesis without the poses that are moved.
 namespace posemix {
 
 /// Index of the pose that holds the camera's motion per reference period, for constant velocity.

@@ -16,6 +16,8 @@ struct ScoredPrediction {
   std::size_t group = 0;  ///< only predictions of one group are compared by the AUC
 };
 
+// All functions throw InvalidInput for a probability that is not in [0, 1].
+
 /// Mean squared difference of probability and outcome.
 double brier_score(std::span<const ScoredPrediction> predictions);
 

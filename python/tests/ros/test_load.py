@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 # SPDX-FileCopyrightText: posemix contributors
-"""Node and program under more than they can do: queues have bounds, the oldest images are dropped and counted, and soon after it
-is as if nothing had been.
+"""Node and program under more than they can do: queues have bounds, the oldest images are dropped and counted, and soon
+after it is as if nothing had been.
 
 A short burst, unless POSEMIX_LOAD_IMAGES says how many images it has; `-s` prints what happened:
 
@@ -32,6 +32,7 @@ from .test_live_soak import resident_mb
 IMAGES = int(os.environ.get("POSEMIX_LOAD_IMAGES", "900"))
 SOURCES = [f"source_{k}" for k in range(5)]
 PER_SOURCE = 20
+OBJECTS = PER_SOURCE * len(SOURCES)
 # Ten times what cameras have.
 RATE = 600
 QUEUE = 100
@@ -46,9 +47,9 @@ class Watched:
         self.pid, self.world, self.values = pid, world, values
 
     def flood(self, rng: np.random.Generator) -> tuple[float, int]:
-        """A hundred objects by five detectors, each twenty of them, in images of 600 Hz; how long that took [s], and the most
-        images that waited."""
-        places = [SE3.exp([*rng.normal(size=3), *rng.uniform(-1.0, 1.0, 2), 2.0]) for _ in range(PER_SOURCE * len(SOURCES))]
+        """A hundred objects by five detectors, each twenty of them, in images of 600 Hz; how long that took [s], and
+        the most images that waited."""
+        places = [SE3.exp([*rng.normal(size=3), *rng.uniform(-1.0, 1.0, 2), 2.0]) for _ in range(OBJECTS)]
         scene = []
         for i in range(IMAGES):
             k = i % len(SOURCES)
@@ -63,7 +64,8 @@ class Watched:
             self.world.detect(message, source)
             self.world.spin(max(begin + (i + 1) / RATE - time.monotonic(), 0.0))
             if i % 100 == 99 and self.world.diagnostics:
-                waiting = max(waiting, *(int(values_of(s).get("waiting", 0)) for s in self.world.diagnostics[-1].status))
+                statuses = self.world.diagnostics[-1].status
+                waiting = max(waiting, *(int(values_of(s).get("waiting", 0)) for s in statuses))
         return time.monotonic() - begin, waiting
 
 
@@ -80,11 +82,12 @@ def watched(request: Any, ros: None, live: Callable[..., Live], domain: int, tmp
         running.close()
         return
     parameters = {
-        "least_existence": 0.0, "diagnostics_hz": 20.0, "queue_size": QUEUE, "transform_timeout_s": 0.2, "input_depth": 1000,
-        "sources": f"[{','.join(SOURCES)}]",
+        "least_existence": 0.0, "diagnostics_hz": 20.0, "queue_size": QUEUE, "transform_timeout_s": 0.2,
+        "input_depth": 1000, "sources": f"[{','.join(SOURCES)}]",
         **{f"qos_overrides./posemix/{name}.subscription.reliability": "reliable" for name in SOURCES},
     }  # fmt: skip
-    process = node_program("--ros-args", *[a for k, v in parameters.items() for a in ("-p", f"{k}:={v}")], domain=domain)
+    words = [word for name, value in parameters.items() for word in ("-p", f"{name}:={value}")]
+    process = node_program("--ros-args", *words, domain=domain)
     world = live(node=False, kinds=kinds)
     try:
         world.meet_program()
@@ -119,10 +122,10 @@ def test_more_than_can_be_done(watched: Watched, request: Any, capsys: pytest.Ca
     lost = IMAGES - taken - dropped
     with capsys.disabled():
         print(
-            f"\n{request.node.name}: {IMAGES} images of {PER_SOURCE} of {PER_SOURCE * len(SOURCES)} objects by {len(SOURCES)} "
-            f"detectors in {seconds:.1f} s: {taken} taken in, {dropped} dropped and counted, {lost} merged or left in the "
-            f"middleware; at most {waiting} waited, empty after {empty_s:.1f} s; {before_mb:.0f} MB before, {after_mb:.0f} MB "
-            f"after; the next image answered in {1e3 * answer_s:.0f} ms"
+            f"\n{request.node.name}: {IMAGES} images of {PER_SOURCE} of {OBJECTS} objects by {len(SOURCES)} detectors "
+            f"in {seconds:.1f} s: {taken} taken in, {dropped} dropped and counted, {lost} merged or left in the "
+            f"middleware; at most {waiting} waited, empty after {empty_s:.1f} s; {before_mb:.0f} MB before, "
+            f"{after_mb:.0f} MB after; the next image answered in {1e3 * answer_s:.0f} ms"
         )
     assert taken > 0 and waiting <= QUEUE
     assert after_mb < before_mb + LEAST_GROWTH_MB

@@ -4,6 +4,8 @@
 
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "posemix/lie/pose_blocks.hpp"
 #include "posemix/lie/pose_checks.hpp"
 
@@ -15,11 +17,19 @@ void add_noise(Eigen::MatrixXd& covariance, std::size_t index, const SE3d& pose,
   block(covariance, index, index) += pose.adjoint_congruence(q);
 }
 
+/// Hypotheses may come from anywhere, and so be without a pose.
+void check_holds(const Hypothesis& hypothesis, std::size_t index, const char* what) {
+  if (index < hypothesis.mean().size()) return;
+  throw InvalidInput(fmt::format("a hypothesis of {} poses, expected {} at index {}",
+                                 hypothesis.mean().size(), what, index));
+}
+
 }  // namespace
 
 Hypothesis predict_with_odometry(Hypothesis hypothesis, const SE3d& motion, const Matrix6d& q) {
   check_pose(motion, "odometry");
   check_noise(q, "noise of the odometry");
+  check_holds(hypothesis, kCamera, "the camera");
   auto [mean, covariance] = std::move(hypothesis).release();
   mean[kCamera] = mean[kCamera] * motion;
   add_noise(covariance, kCamera, mean[kCamera], q);
@@ -41,6 +51,7 @@ Hypothesis predict_constant_velocity(Hypothesis hypothesis, double periods, cons
   check_noise(q, "noise of the pose");
   check_noise(q_motion, "noise of the motion");
   kStamp.check(periods, "periods");
+  check_holds(hypothesis, kMotion, "the motion of the camera");
   auto [mean, covariance] = std::move(hypothesis).release();
   const Vector6d velocity = mean[kMotion].log();
   const Matrix6d transfer = constant_velocity_transfer(mean[kCamera], mean[kMotion], periods);
