@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <iterator>
 #include <utility>
 
 #include <fmt/format.h>
@@ -53,7 +54,16 @@ void LiveEngine::reset() {
 
 void LiveEngine::add(LiveImage image) {
   around_.see(image);
-  waiting_.push_back(std::move(image));
+  // Images that have come late go before newer ones, as less is played again then; stamps that may
+  // be of another clock do not.
+  const std::int64_t near = nanoseconds(settings_->stamped.jump_back_s);
+  auto place = waiting_.end();
+  while (place != waiting_.begin()) {
+    const std::int64_t newer = std::prev(place)->stamp_ns - image.stamp_ns;
+    if (newer <= 0 || newer > near) break;
+    --place;
+  }
+  waiting_.insert(place, std::move(image));
   while (waiting_.size() > settings_->node.queue_size) {
     waiting_.pop_front();
     ++counts_.dropped;
@@ -61,9 +71,9 @@ void LiveEngine::add(LiveImage image) {
   }
 }
 
-std::vector<LiveEstimate> LiveEngine::ready(double now_s) {
+std::vector<LiveEstimate> LiveEngine::ready(double now_s, std::size_t most) {
   std::vector<LiveEstimate> found;
-  for (std::size_t i = 0; i < waiting_.size();) {
+  for (std::size_t i = 0; i < waiting_.size() && found.size() < most;) {
     const std::size_t resets = counts_.resets;
     const bool is_over = now_s - waiting_[i].arrival_s >= settings_->node.transform_timeout_s;
     std::optional<ReadyImage> prepared;

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -62,9 +63,10 @@ class LiveEngine {
 
   /// Takes an image, which waits until `ready` finds what it needs.
   void add(LiveImage image);
-  /// The estimates after the images that need not wait any more, in the order in which they came.
-  /// `now_s` is of the clock of LiveImage::arrival_s.
-  std::vector<LiveEstimate> ready(double now_s);
+  /// The estimates after the images that need not wait any more, in the order of their stamps,
+  /// `most` at once. `now_s` is of the clock of LiveImage::arrival_s.
+  std::vector<LiveEstimate> ready(double now_s,
+                                  std::size_t most = std::numeric_limits<std::size_t>::max());
   /// Forgets objects, odometry, and images that wait; transforms for all times are kept.
   void reset();
 

@@ -63,10 +63,13 @@ std::optional<LiveResult> run_live(const LiveSettings& settings, const LiveOptio
   const double period_s = 1.0 / settings.node.diagnostics_hz;
   const double patience_s = std::min(kLongestWait, 0.5 * settings.node.transform_timeout_s);
   double next_diagnostics_s = steady_seconds() + period_s;
+  bool has_more = false;
   while (!options.stop()) {
-    graph.wait(std::clamp(next_diagnostics_s - steady_seconds(), 0.0, patience_s));
+    // With more to do it does not wait, but looks at what has come after every image.
+    const double until_s = has_more ? 0.0 : next_diagnostics_s - steady_seconds();
+    graph.wait(std::clamp(until_s, 0.0, patience_s));
     take_messages(graph, settings.sources.size(), node);
-    node.work();
+    has_more = node.work();
     if (steady_seconds() < next_diagnostics_s) continue;
     for (const std::string& mismatch : graph.take_mismatches()) node.complain(mismatch, true);
     node.diagnose(graph.counts());

@@ -71,15 +71,17 @@ void LiveNode::reset() {
   last_.reset();
 }
 
-void LiveNode::work() {
-  if (engine_.waiting() == 0) return;
+bool LiveNode::work() {
+  if (engine_.waiting() == 0) return false;
   const std::size_t resets = engine_.counts().resets;
-  for (const LiveEstimate& estimate : engine_.ready(ports_.now_s())) publish(estimate);
+  const std::vector<LiveEstimate> estimates = engine_.ready(ports_.now_s(), 1);
+  for (const LiveEstimate& estimate : estimates) publish(estimate);
   const LiveCounts& counts = engine_.counts();
   if (counts.resets > resets) complain("stamps have jumped back: all before is forgotten");
   const std::size_t bad = counts.dropped + counts.refused + counts.without_odometry;
   if (bad > bad_) complain(engine_.complaint());
   bad_ = bad;
+  return !estimates.empty() && engine_.waiting() > 0;
 }
 
 void LiveNode::publish(const LiveEstimate& estimate) {

@@ -43,8 +43,9 @@ class LiveNode {
   void take_clock(std::int64_t clock_ns);
   /// Forgets all objects.
   void reset();
-  /// Publishes what images that need not wait any more say.
-  void work();
+  /// Publishes what the next image says that need not wait any more. Returns whether there may be
+  /// more of them.
+  bool work();
   void diagnose(const GraphCounts& graph = {});
   void complain(const std::string& why, bool lasts = false);
 

@@ -21,8 +21,25 @@ namespace {
 /// The motion between two poses must be one that a filter takes, whatever their rotations.
 constexpr double kFarthestOdometry = kFarthestPosition / 4.0;
 
+/// Frames between two checkpoints, at most. A late one is played again with those behind it.
+constexpr std::ptrdiff_t kFramesApart = 4;
+
 double stamp_of(const std::optional<EstimateAtStamp>& estimate) {
   return estimate ? estimate->stamp_s : -std::numeric_limits<double>::infinity();
+}
+
+/// Takes out checkpoints that are nearer to each other than a part of their age: input is more
+/// often a little late than very late.
+template <class Checkpoints>
+void thin_out(Checkpoints& checkpoints, double interval_s) {
+  constexpr double kPartOfAge = 0.5;
+  const double now = stamp_of(checkpoints.back().estimate);
+  for (std::size_t i = checkpoints.size() - 1; i-- > 1;) {
+    const double before = stamp_of(checkpoints[i - 1].estimate);
+    const double apart = stamp_of(checkpoints[i + 1].estimate) - before;
+    if (apart <= std::min(interval_s, kPartOfAge * (now - before)))
+      checkpoints.erase(checkpoints.begin() + static_cast<std::ptrdiff_t>(i));
+  }
 }
 
 void require_positive(double value, const char* name) {
@@ -220,8 +237,11 @@ void StampedSlam::play(double until_s) {
                    : frames_.lower_bound(begin);
   for (; frame != frames_.end() && frame->first <= until_s; ++frame) {
     play_frame(frame->first, frame->second);
-    if (frame->first >= stamp_of(checkpoints_.back().estimate) + interval)
-      checkpoints_.push_back(now_);
+    const double last = stamp_of(checkpoints_.back().estimate);
+    const auto after = frames_.upper_bound(last);
+    if (frame->first < last + interval && std::distance(after, frame) + 1 < kFramesApart) continue;
+    checkpoints_.push_back(now_);
+    thin_out(checkpoints_, interval);
   }
 }
 

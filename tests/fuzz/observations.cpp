@@ -26,7 +26,7 @@ void expect_same(const std::vector<Observation>& a, const std::vector<Observatio
 
 POSEMIX_FUZZ_TARGET(observations) {
   const Choice choice(bytes);
-  takes("f", [&, choice.letter = choice.letter, choice.rest = choice.rest] {
+  takes("f", [&] {
     const auto read = choice.letter == 'j' ? parse_observation_lines(choice.rest, "f")
                                            : parse_observations(choice.rest, "f");
     for (const Observation& observation : read) validate(observation);

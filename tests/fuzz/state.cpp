@@ -30,7 +30,7 @@ std::string with_head(std::string_view body, bool is_stamped) {
 
 POSEMIX_FUZZ_TARGET(state) {
   const Choice choice(bytes);
-  takes("the state", [&, choice.letter = choice.letter, choice.rest = choice.rest] {
+  takes("the state", [&] {
     const std::string state = with_head(choice.rest, choice.letter == 's');
     const SlamState slam = slam_of_state(state);
     std::visit(

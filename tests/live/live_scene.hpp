@@ -75,7 +75,7 @@ struct LiveBench {
   }
   void detect(const RosDetections& message, std::size_t source = 0) {
     node.take_detections(source, message);
-    node.work();
+    while (node.work()) continue;
   }
   const LiveCounts& counts() const { return node.engine().counts(); }
   /// The value of a key of the node's status.

@@ -118,6 +118,18 @@ TEST(LiveNode, AnImageWaitsForItsOdometryAndThenGoesWithout) {
   EXPECT_EQ(bench.log.size(), 1u);
 }
 
+TEST(LiveNode, AnImageIsPublishedBeforeTheNextIsTakenIn) {
+  LiveBench bench(kSeen);
+  for (const double seconds : {0.0, 0.1, 0.2, 0.3}) bench.see(seconds);
+  EXPECT_EQ(bench.status("waiting"), "4");
+  for (const double seconds : {0.0, 0.1, 0.2, 0.3}) bench.move(seconds);
+  for (std::size_t images = 1; images <= 4; ++images) {
+    EXPECT_EQ(bench.node.work(), images < 4);
+    EXPECT_EQ(bench.counts().images, images);
+  }
+  EXPECT_FALSE(bench.node.work());
+}
+
 TEST(LiveNode, DetectionsInAnotherFrameAreCarriedToTheCamera) {
   LiveBench bench(kSeen + "camera_frame = \"camera\"\n[motion]\nmodel = \"still\"\n");
   bench.detect(array_at(0.0, {{"mug", mug_pose()}}, "nowhere"));

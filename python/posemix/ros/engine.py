@@ -126,14 +126,19 @@ class Engine:
     def add(self, image: Image) -> None:
         """Takes an image, which waits until `ready` finds what it needs."""
         self.around.see(image)
-        self._waiting.append(image)
+        # As in LiveEngine::add.
+        near = round(self._configuration.stamped.jump_back_s * 1e9)
+        place = len(self._waiting)
+        while place > 0 and 0 < self._waiting[place - 1].stamp_ns - image.stamp_ns <= near:
+            place -= 1
+        self._waiting.insert(place, image)
         while len(self._waiting) > int(self._configuration["queue_size"]):
             self._waiting.popleft()
             self.counts.dropped += 1
             self.complaint = "more images wait than queue_size"
 
     def ready(self, now_s: float) -> list[LiveEstimate]:
-        """The estimates after the images that need not wait any more, in the order in which they came.
+        """The estimates after the images that need not wait any more, in the order of their stamps.
 
         Parameters
         ----------
