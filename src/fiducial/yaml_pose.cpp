@@ -43,7 +43,8 @@ StatedPose pose_of(const YamlValue& value) {
     stated.covariance = covariance_of_root(*root);
   } else if (position && rotation) {
     Vector6d sd;
-    sd << deviations(*rotation), deviations(*position);
+    sd.head<3>() = deviations(*rotation);
+    sd.tail<3>() = deviations(*position);
     stated.covariance = sd.cwiseAbs2().asDiagonal();
   } else if (position || rotation) {
     value.fail(position ? "only position_noise" : "only rotation_noise",

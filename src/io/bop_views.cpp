@@ -109,15 +109,16 @@ std::vector<ImageGroup> parse_image_groups(std::string_view text, const std::str
   for (const JsonPlace& entry : root.items()) {
     ImageGroup& group = groups.emplace_back();
     group.scene = id_of(entry.member("scene_id"), "a scene id");
+    const JsonPlace all = entry.member("im_id");
     const Json& images = json[index++]["im_id"];
     std::size_t at = 0;
-    for (const JsonPlace& image : entry.member("im_id").items()) {
+    for (const JsonPlace& image : all.items()) {
       group.images.push_back(image_of(image, images[at++].is_array()));
       const auto last = group.images.end() - 1;
       if (std::find(group.images.begin(), last, *last) != last)
         image.fail(fmt::format("image {} again", *last), "every image once");
     }
-    if (group.images.empty()) entry.member("im_id").fail("no image", "at least one");
+    if (group.images.empty()) all.fail("no image", "at least one");
   }
   if (groups.empty()) root.fail("no group", "at least one");
   return groups;
