@@ -145,7 +145,8 @@ ProjectedGaussian<SE3d> read_density(const JsonPlace& place, const MixtureConven
   const JsonPlace mean = place.member("tangent_mean");
   mean.require_only({"u", "translation"});
   Vector6d y;
-  y << mean.member("u").vector(3), read_translation(mean.member("translation"), convention.length);
+  y.head<3>() = mean.member("u").vector(3);
+  y.tail<3>() = read_translation(mean.member("translation"), convention.length);
   const SO3d rotation = point.member("quaternion_xyzw").rotation();
   auto density = with_covariance(place.member("covariance"), convention, [&](const Matrix6d& p) {
     return ProjectedGaussian<SE3d>(rotation, y, p);

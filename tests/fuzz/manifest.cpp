@@ -37,7 +37,7 @@ POSEMIX_FUZZ_TARGET(manifest) {
   const Choice choice(bytes);
   switch (choice.letter) {
     case 'm':
-      return read_registry(kRegistry, choice.rest, "m");
+      return read_registry(kRegistry, choice.rest, "");
     case 'l':
       takes("f", [&, text = choice.rest] {
         const LockFile lock = parse_lock_file(text, "f");
