@@ -60,6 +60,11 @@ std::optional<double> optional_number(const CsvTable& table, const std::string& 
 /// What all rows of a sighting share.
 Observation observation_of_row(const CsvTable& table) {
   Observation row;
+  for (const char* column : {"id", "class", "camera", "detector"}) {
+    // Written, it would be a line break.
+    if (table.field(column).find('\r') != std::string_view::npos)
+      table.reader().fail(fmt::format("a carriage return in {}", column), "none");
+  }
   row.object = table.field("id");
   row.class_id = table.field("class");
   if (row.object.empty() == row.class_id.empty())

@@ -89,13 +89,21 @@ StateHead head_of(std::string_view bytes) {
           number_of<std::uint64_t>(bytes.substr(32)), number_of<std::uint64_t>(bytes.substr(40))};
 }
 
+constexpr std::string_view kOfState = "the state";
+
 template <class Slam>
 Slam slam_of_body(std::string_view body) {
-  internal::StateReader reader(body);
-  reader.take<std::string>();  // the version
-  Slam slam = reader.take<Slam>();
-  reader.finish();
-  return slam;
+  try {
+    internal::StateReader reader(body);
+    reader.take<std::string>();  // the version
+    Slam slam = reader.take<Slam>();
+    reader.finish();
+    return slam;
+  } catch (const InvalidInput& error) {
+    // Parts of it check themselves, and do not know where they are.
+    if (std::string_view(error.what()).starts_with(kOfState)) throw;
+    throw InvalidInput(fmt::format("{} is damaged: {}", kOfState, error.what()));
+  }
 }
 
 /// The bytes of anything that is a part of a state.

@@ -50,11 +50,14 @@ void read_densities(std::string_view text, const CovarianceConvention& conventio
       expect_density(frame.density, "a line");
       series.push_back({frame.stamp, frame.density, SE3d(SO3d(), {1, 2, 3})});
     }
-    if (series.size() > 1) consistency_of(series);
-    const auto again = parse_tum_covariance(format_tum_covariance(frames), "again");
-    expect(again.size() == frames.size(), "another number of frames after writing");
-    for (std::size_t k = 0; k < frames.size(); ++k)
-      expect_same_poses(frames[k].density.mean(), again[k].density.mean());
+    // Nearly singular covariances are taken, but rounding may leave none that is definite.
+    if (series.size() > 1) takes("consistency", [&] { consistency_of(series); });
+    takes("again", [&] {
+      const auto again = parse_tum_covariance(format_tum_covariance(frames), "again");
+      expect(again.size() == frames.size(), "another number of frames after writing");
+      for (std::size_t k = 0; k < frames.size(); ++k)
+        expect_same_poses(frames[k].density.mean(), again[k].density.mean());
+    });
   });
 }
 

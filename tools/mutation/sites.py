@@ -120,7 +120,7 @@ def with_mutants(path, numbered):
     """The text of a file with its mutants, which do not overlap."""
     text = path.read_bytes()
     for number, site in sorted(numbered, key=lambda pair: -pair[1].start):
-        text = text[: site.start] + site.after.format(k=number).encode() + text[site.end :]
+        text = text[: site.start] + site.after.replace("{k}", str(number)).encode() + text[site.end :]
     return text.decode()
 
 
