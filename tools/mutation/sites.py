@@ -3,6 +3,7 @@
 """Places of C++ sources at which a mutant can be put, found by clang's syntax tree."""
 
 import dataclasses
+import itertools
 from pathlib import Path
 
 from clang import cindex
@@ -105,7 +106,8 @@ def sites_of(path, arguments):
             if child.location.file is None or child.location.file.name != str(path):
                 continue
             if child.kind in FUNCTIONS:
-                if not any(t.spelling in ("constexpr", "consteval") for t in list(child.get_tokens())[:4]):
+                head = itertools.takewhile(lambda token: token != "{", (t.spelling for t in child.get_tokens()))
+                if not {"constexpr", "consteval"} & set(head):
                     yield child
             elif child.kind in (CursorKind.NAMESPACE, CursorKind.CLASS_DECL, CursorKind.STRUCT_DECL,
                                 CursorKind.CLASS_TEMPLATE, CursorKind.LINKAGE_SPEC):  # fmt: skip
