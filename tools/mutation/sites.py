@@ -87,7 +87,9 @@ class Reader:
         elif cursor.kind == CursorKind.CALL_EXPR and parent.kind == CursorKind.COMPOUND_STMT:
             text = self.text(start, end)
             self.add(cursor, "statement", f"(posemix_mutant({{k}}) ? void() : void({text}))", "left out")
-        if cursor.kind in DECISIONS and children and is_arithmetic(children[0]):
+        if cursor.kind == CursorKind.IF_STMT and "constexpr" in [t.spelling for t in cursor.get_tokens()][:2]:
+            children = children[1:]
+        elif cursor.kind in DECISIONS and children and is_arithmetic(children[0]):
             text = self.text(children[0].extent.start.offset, children[0].extent.end.offset)
             self.add(children[0], "decision", f"(posemix_mutant({{k}}) != static_cast<bool>({text}))", "negated")
         for child in children:
@@ -118,9 +120,8 @@ def sites_of(path, arguments):
     return reader.found
 
 
-def with_mutants(path, numbered):
-    """The text of a file with its mutants, which do not overlap."""
-    text = path.read_bytes()
+def with_mutants(text, numbered):
+    """The text of a file, as bytes, with its mutants, which do not overlap."""
     for number, site in sorted(numbered, key=lambda pair: -pair[1].start):
         text = text[: site.start] + site.after.replace("{k}", str(number)).encode() + text[site.end :]
     return text.decode()
