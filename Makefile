@@ -19,7 +19,7 @@ PYTHON_BUILDS = $(shell sed -n 's/^requires = \[\(.*\)\]/\1/p' pyproject.toml | 
 
 VENV_PIP = $(VENV)/bin/pip install --quiet --disable-pip-version-check
 
-.PHONY: help build built demo test test-cpp test-python test-ros report-test fuzz-built fuzz fuzz-long fuzz-coverage faults bench bench-built bench-table deb deb-test wheels wheels-test source-test release format style lint tidy docs \
+.PHONY: help build built demo test test-cpp test-python test-ros report-test fuzz-built fuzz fuzz-long fuzz-coverage mutation faults bench bench-built bench-table deb deb-test wheels wheels-test source-test release format style lint tidy docs \
   coverage install clean
 .DELETE_ON_ERROR:
 
@@ -29,6 +29,7 @@ help:
 	@echo 'make test       build and run all tests: test-cpp, test-python, report-test (the report page in a browser), test-ros'
 	@echo 'make fuzz       the fuzz targets (libFuzzer, under sanitizers), each for FUZZ_SECONDS=60; make fuzz-long: for an hour'
 	@echo 'make fuzz-coverage  lines of the readers that their inputs reach'
+	@echo 'make mutation   small changes of the library, which the tests should notice; takes hours'
 	@echo 'make faults     the program under faults of disk and memory, at every call by which it changes files'
 	@echo 'make bench      build and run the benchmarks, results into build/bench; those of the report page in a browser; last'
 	@echo '                one table of the library beside its peers (docs/benchmarks.md), which make bench-table makes alone'
@@ -135,6 +136,10 @@ fuzz: fuzz-built
 
 fuzz-long:
 	$(MAKE) --no-print-directory fuzz FUZZ_SECONDS=3600
+
+# Debian's Python has the package of clang.
+mutation: build/.bootstrap-mutation
+	/usr/bin/python3 tools/mutation_test --work build/mutation
 
 fuzz-coverage: fuzz-built
 	tools/fuzz coverage

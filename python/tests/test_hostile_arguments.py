@@ -16,6 +16,7 @@ from pathlib import Path
 
 import hostile
 import pytest
+from public_calls import ALL, Callee
 
 # What reads files is fed by the fuzz targets, and what needs other packages by its own tests.
 ELSEWHERE = re.compile(
@@ -57,10 +58,10 @@ NAN_IS_FINE: dict[str, list[str]] = {
     ],
 }  # fmt: skip
 SECONDS = 60
-CALLEES = [callee for callee in hostile.ALL if not ELSEWHERE.match(callee.path)]
+CALLEES = [callee for callee in ALL if not ELSEWHERE.match(callee.path)]
 
 
-def attack(callees: Sequence[hostile.Callee], out: int) -> None:
+def attack(callees: Sequence[Callee], out: int) -> None:
     """In a process of its own: a line of JSON before every call and after it."""
     with os.fdopen(out, "w", buffering=1) as lines:
         for callee in callees:
@@ -73,7 +74,7 @@ def attack(callees: Sequence[hostile.Callee], out: int) -> None:
             lines.write(json.dumps(["called", callee.path, count]) + "\n")
 
 
-def attacked(callees: Sequence[hostile.Callee]) -> tuple[list[str], set[str]]:
+def attacked(callees: Sequence[Callee]) -> tuple[list[str], set[str]]:
     """What went wrong, and what could not be called."""
     wrong, uncalled, left = [], set(), list(callees)
     while left:

@@ -4,8 +4,8 @@
 #include <numbers>
 
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 
+#include "base/every_instruction_set.hpp"
 #include "divergence/rotation_ray.hpp"
 #include "posemix/base/random.hpp"
 
@@ -63,14 +63,7 @@ void expect_the_reference() {
 }
 
 TEST(RotationRay, TheKernelIsItsScalarReferenceByAnyInstructions) {
-  const std::int64_t supported = hwy::SupportedTargets();
-  for (const std::int64_t target : {HWY_EMU128, HWY_AVX2, HWY_AVX3, HWY_NEON}) {
-    if (target != HWY_EMU128 && (supported & target) == 0) continue;
-    SCOPED_TRACE(hwy::TargetName(target));
-    hwy::GetChosenTarget().Update(target);
-    expect_the_reference();
-  }
-  hwy::GetChosenTarget().Update(supported);
+  by_every_instruction_set(expect_the_reference);
 }
 
 }  // namespace

@@ -5,8 +5,8 @@
 #include <numbers>
 
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 
+#include "base/every_instruction_set.hpp"
 #include "divergence/smooth_ball.hpp"
 #include "divergence/trapezoidal_ball.hpp"
 #include "divergence/trapezoidal_points.hpp"
@@ -123,14 +123,7 @@ void expect_the_densities_of_the_ray() {
 }
 
 TEST(TangentKernel, IsTheScalarReferenceOfTheRayByAnyInstructions) {
-  const std::int64_t supported = hwy::SupportedTargets();
-  for (const std::int64_t target : {HWY_EMU128, HWY_AVX2, HWY_AVX3, HWY_NEON}) {
-    if (target != HWY_EMU128 && (supported & target) == 0) continue;
-    SCOPED_TRACE(hwy::TargetName(target));
-    hwy::GetChosenTarget().Update(target);
-    expect_the_densities_of_the_ray();
-  }
-  hwy::GetChosenTarget().Update(supported);
+  by_every_instruction_set(expect_the_densities_of_the_ray);
 }
 
 TEST(NarrowestFeature, IsZeroWhereTheCutLocusIsReached) {
@@ -169,6 +162,7 @@ TEST(NarrowestFeature, CountsPeaksThatMatter) {
 
 TEST(TrapezoidalBall, ItsErrorsBoundTheTrueOnes) {
   RandomStream stream(8);
+  int resolved = 0;
   for (int i = 0; i < 40; ++i) {
     const SO3d about = turned(stream, 3.0);
     const auto count = static_cast<std::size_t>(i);
@@ -178,6 +172,7 @@ TEST(TrapezoidalBall, ItsErrorsBoundTheTrueOnes) {
     const Integrand integrand{i % 3 == 2 ? density_gap : log_ratio, 1.0, false};
     const double narrowest = narrowest_feature(pair, integrand, centre, 7.5);
     if (!TrapezoidalBall::can_resolve(narrowest, false)) continue;
+    ++resolved;
     std::vector<RayIntegral> levels;
     TrapezoidalBall ball(pair, integrand, centre, false, 7.5, narrowest);
     do {
@@ -188,6 +183,7 @@ TEST(TrapezoidalBall, ItsErrorsBoundTheTrueOnes) {
       EXPECT_LE(std::abs(level.value - last.value), level.error + last.error) << i;
     }
   }
+  EXPECT_GE(resolved, 20);
 }
 
 TEST(TrapezoidalBall, GivesUpWhereItDoesNotConverge) {

@@ -18,6 +18,14 @@ using testing::OrbitScene;
 using testing::plain_settings;
 using testing::thrown_message;
 
+/// A filter of one object, which was detected.
+MultiObjectFilter filter_that_has_seen() {
+  const OrbitScene scene(1, 1, 0.05, 1e-3);
+  MultiObjectFilter filter = filter_of(scene, plain_settings());
+  filter.update(0, scene.camera.inverse() * scene.truth[0]);
+  return filter;
+}
+
 TEST(MultiObjectFilter, RefusesWhatItDoesNotKnow) {
   const OrbitScene scene(1, 1, 0.05, 1e-3);
   MultiObjectFilter filter = filter_of(scene, plain_settings());
@@ -40,9 +48,7 @@ TEST(MultiObjectFilter, RefusesWhatItDoesNotKnow) {
 }
 
 TEST(MultiObjectFilter, RefusesWhatIsNotFiniteAndStaysAsItWas) {
-  OrbitScene scene(1, 1, 0.05, 1e-3);
-  MultiObjectFilter filter = filter_of(scene, plain_settings());
-  filter.update(0, scene.camera.inverse() * scene.truth[0]);
+  MultiObjectFilter filter = filter_that_has_seen();
   const Eigen::MatrixXd before = filter.joint().covariance();
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const SE3d bad(SO3d(), {0.0, nan, 0.0});
@@ -57,9 +63,7 @@ TEST(MultiObjectFilter, RefusesWhatIsNotFiniteAndStaysAsItWas) {
 }
 
 TEST(MultiObjectFilter, RefusesANoiseThatIsNegativeInSomeDirectionAndStaysAsItWas) {
-  OrbitScene scene(1, 1, 0.05, 1e-3);
-  MultiObjectFilter filter = filter_of(scene, plain_settings());
-  filter.update(0, scene.camera.inverse() * scene.truth[0]);
+  MultiObjectFilter filter = filter_that_has_seen();
   const Eigen::MatrixXd before = filter.joint().covariance();
   const Matrix6d good = isotropic(0.1, 1e-3);
   Matrix6d bad = good;
@@ -79,9 +83,7 @@ TEST(MultiObjectFilter, RefusesANoiseThatIsNegativeInSomeDirectionAndStaysAsItWa
 }
 
 TEST(MultiObjectFilter, RefusesWhatIsFartherThanAnythingAndStaysAsItWas) {
-  OrbitScene scene(1, 1, 0.05, 1e-3);
-  MultiObjectFilter filter = filter_of(scene, plain_settings());
-  filter.update(0, scene.camera.inverse() * scene.truth[0]);
+  MultiObjectFilter filter = filter_that_has_seen();
   const Eigen::MatrixXd before = filter.joint().covariance();
   const Matrix6d q = isotropic(0.1, 1e-3);
   for (const double far : {1.1e8, 1e155, 1e300}) {

@@ -118,8 +118,10 @@ def test_more_than_can_be_done(watched: Watched, request: Any, capsys: pytest.Ca
     begin = time.monotonic()
     world.detect(detections(at(last), {"object_0": SE3(translation=[0.0, 0.0, 2.0])}), SOURCES[0])
     stamp = divmod(at(last), SECOND)
-    answered = lambda: any((m.header.stamp.sec, m.header.stamp.nanosec) == stamp for m in world.objects)  # noqa: E731
-    world.until(answered, "the calm image is answered", 60.0)
+    world.until(
+        lambda: any((m.header.stamp.sec, m.header.stamp.nanosec) == stamp for m in world.objects),
+        "the calm image is answered", 60.0,
+    )  # fmt: skip
     answer_s = time.monotonic() - begin
     # The next one as if nothing had been.
     world.move(at(last + 0.1), SE3())

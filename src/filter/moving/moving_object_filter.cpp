@@ -31,7 +31,7 @@ void check_moving_settings(const MovingObjectSettings& s) {
 }
 
 void check_frame(const KnownFrame& frame, const char* name) {
-  check_pose(frame.pose, name);
+  check_pose(frame.pose, fmt::format("the pose of {}", name));
   check_noise(frame.covariance, "the covariance of a frame");
 }
 
