@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 # SPDX-FileCopyrightText: posemix contributors
 #
-# Defines MatIO::MatIO, the library that reads MATLAB files, because it has no CMake package of its own.
+# Defines MatIO::MatIO, the library that writes MATLAB files for the tests, because it has no CMake package of its own.
 include(FindPackageHandleStandardArgs)
 find_path(MatIO_INCLUDE_DIR matio.h)
 find_library(MatIO_LIBRARY matio)

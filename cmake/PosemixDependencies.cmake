@@ -49,13 +49,6 @@ if(POSEMIX_MPI)
   set(POSEMIX_WITH_MPI ${MPI_CXX_FOUND})
 endif()
 
-# MatIO::MatIO, for the MATLAB files of YCB-Video.
-set(POSEMIX_WITH_MATIO OFF)
-if(POSEMIX_MATIO)
-  find_package(MatIO 1.5)
-  set(POSEMIX_WITH_MATIO ${MatIO_FOUND})
-endif()
-
 # The target yaml-cpp, for the camera and tag files of fiducials.
 set(POSEMIX_WITH_YAML OFF)
 if(POSEMIX_YAML)
@@ -84,6 +77,8 @@ if(POSEMIX_BUILD_TESTS)
     message(FATAL_ERROR "The tests need downloads: POSEMIX_BUILD_TESTS=ON goes with POSEMIX_FETCH=ON")
   endif()
   find_package(GTest 1.12 REQUIRED)
+  # MatIO::MatIO, which writes the MATLAB files that tests read.
+  find_package(MatIO 1.5 REQUIRED)
   find_package(rapidcheck REQUIRED)
 endif()
 if(POSEMIX_BUILD_BENCH)

@@ -16,7 +16,7 @@ configure_package_config_file("${CMAKE_CURRENT_LIST_DIR}/posemix-config.cmake.in
 write_basic_package_version_file("${PROJECT_BINARY_DIR}/posemix-config-version.cmake"
   COMPATIBILITY SameMinorVersion)
 install(FILES "${PROJECT_BINARY_DIR}/posemix-config.cmake"
-  "${PROJECT_BINARY_DIR}/posemix-config-version.cmake" "${CMAKE_CURRENT_LIST_DIR}/FindMatIO.cmake" DESTINATION "${POSEMIX_CMAKE_DIR}"
+  "${PROJECT_BINARY_DIR}/posemix-config-version.cmake" DESTINATION "${POSEMIX_CMAKE_DIR}"
   COMPONENT development)
 
 # All that is installed, and nothing that is only tested.

@@ -15,6 +15,7 @@
 
 #include <fmt/format.h>
 
+#include "base/uninterrupted.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/io/output_folder.hpp"
 #include "transfer.hpp"
@@ -29,7 +30,9 @@ constexpr std::chrono::milliseconds kNap{50};
 class PartFile : public Sink {
  public:
   explicit PartFile(const std::filesystem::path& path)
-      : path_(path), number_(::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666)) {
+      : path_(path), number_(internal::uninterrupted([&] {
+          return ::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+        })) {
     struct stat status {};
     if (number_ < 0 || ::fstat(number_, &status) != 0) fail_write();
     size_ = static_cast<std::uint64_t>(status.st_size);
@@ -44,21 +47,21 @@ class PartFile : public Sink {
 
   std::uint64_t size() const override { return size_; }
   void clear() override {
-    if (::ftruncate(number_, 0) != 0) fail_write();
+    if (internal::uninterrupted([&] { return ::ftruncate(number_, 0); }) != 0) fail_write();
     size_ = 0;
   }
   void append(std::string_view bytes) override {
     while (!bytes.empty()) {
-      const ssize_t written =
-          ::pwrite(number_, bytes.data(), bytes.size(), static_cast<off_t>(size_));
-      if (written < 0 && errno != EINTR) fail_write();
-      if (written <= 0) continue;
+      const ssize_t written = internal::uninterrupted(
+          [&] { return ::pwrite(number_, bytes.data(), bytes.size(), static_cast<off_t>(size_)); });
+      if (written < 0) fail_write();
       bytes.remove_prefix(static_cast<std::size_t>(written));
       size_ += static_cast<std::uint64_t>(written);
     }
   }
   void sync() {
-    if (::fsync(number_) != 0 && errno != EINVAL && errno != EROFS) fail_write();
+    const int status = internal::uninterrupted([&] { return ::fsync(number_); });
+    if (status != 0 && errno != EINVAL && errno != EROFS) fail_write();
   }
 
  private:

@@ -20,6 +20,7 @@
 
 #include <fmt/format.h>
 
+#include "base/uninterrupted.hpp"
 #include "paths.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/io/output_folder.hpp"
@@ -84,9 +85,9 @@ class Archive {
       end_ = std::max(end, end_);
       std::string_view rest(static_cast<const char*>(block), size);
       while (!rest.empty()) {
-        const ssize_t written = ::pwrite(file, rest.data(), rest.size(), offset);
-        if (written < 0 && errno != EINTR) fail_unpack(target);
-        if (written <= 0) continue;
+        const ssize_t written = internal::uninterrupted(
+            [&] { return ::pwrite(file, rest.data(), rest.size(), offset); });
+        if (written < 0) fail_unpack(target);
         rest.remove_prefix(static_cast<std::size_t>(written));
         offset += written;
       }
@@ -162,7 +163,9 @@ void unpack_file(Archive& archive, const fs::path& folder, const fs::path& name)
   const fs::path part = target.string() + ".part";
   std::error_code ignored;
   fs::remove(part, ignored);
-  const int file = ::open(part.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+  const int file = internal::uninterrupted([&] {
+    return ::open(part.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+  });
   if (file < 0) fail_unpack(part);
   try {
     archive.write_to(file, part);

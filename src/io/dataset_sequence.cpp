@@ -5,8 +5,11 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <string_view>
+#include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "json_numbers.hpp"
 #include "posemix/base/error.hpp"
@@ -146,11 +149,12 @@ class SequenceWriter {
     return has_name ? names_[static_cast<std::size_t>(object - 1)] : std::to_string(object);
   }
 
-  std::string results_keys(std::int64_t object) const {
-    const std::string score =
-        request_.min_score ? fmt::format(", min_score = {}", *request_.min_score) : "";
-    return fmt::format("scene = {}, object = {}, first_frame = {}{}", request_.scene, object,
-                       first_frame_, score);
+  std::string results_keys(std::int64_t object, std::string_view separator) const {
+    std::vector<std::string> keys{fmt::format("scene = {}", request_.scene),
+                                  fmt::format("object = {}", object),
+                                  fmt::format("first_frame = {}", first_frame_)};
+    if (request_.min_score) keys.push_back(fmt::format("min_score = {}", *request_.min_score));
+    return fmt::format("{}", fmt::join(keys, separator));
   }
 
   std::string symmetries(std::int64_t object) const {
@@ -162,7 +166,7 @@ class SequenceWriter {
   std::string single(std::int64_t object) const {
     std::string text = fmt::format("\n[[objects]]\nid = {}\n", toml_string(id_of(object)));
     text += fmt::format("detections = {{bop = {}, {}}}\n", absolute_path(request_.results),
-                        results_keys(object));
+                        results_keys(object, ", "));
     if (instances_.contains(object))
       text += fmt::format("ground_truth = {{{}, object = {}, first_frame = {}}}\n", place_, object,
                           first_frame_);
@@ -187,10 +191,8 @@ class SequenceWriter {
   }
 
   std::string candidate_table(std::int64_t object) const {
-    std::string keys = results_keys(object);
-    for (std::size_t at; (at = keys.find(", ")) != std::string::npos;) keys.replace(at, 2, "\n");
     return fmt::format("\n[[candidates]]\nclass = {}\nbop = {}\n{}\n", toml_string(id_of(object)),
-                       absolute_path(request_.results), keys);
+                       absolute_path(request_.results), results_keys(object, "\n"));
   }
 
   const DatasetSequence& request_;

@@ -10,21 +10,10 @@
 
 #include <fmt/format.h>
 
+#include "base/uninterrupted.hpp"
 #include "posemix/io/output_folder.hpp"
 
 namespace posemix::internal {
-namespace {
-
-/// Opens a file; a signal may interrupt that on a file system over a network.
-int opened(const std::filesystem::path& path, int flags) {
-  while (true) {
-    const int number = ::open(path.c_str(), flags | O_CLOEXEC, 0666);
-    if (number >= 0 || errno != EINTR) return number;
-  }
-}
-
-}  // namespace
-
 void fail_output(const std::filesystem::path& path, std::string_view what,
                  std::string_view reason) {
   throw OutputError(fmt::format("{}: {}: {}", path.string(), what, reason));
@@ -36,7 +25,8 @@ void fail_with_errno(const std::filesystem::path& path, std::string_view what) {
 
 Descriptor::Descriptor(const std::filesystem::path& path, int flags,
                        const std::filesystem::path& shown)
-    : shown_(shown), number_(opened(path, flags)) {
+    : shown_(shown),
+      number_(uninterrupted([&] { return ::open(path.c_str(), flags | O_CLOEXEC, 0666); })) {
   if (number_ < 0) fail_with_errno(shown_, "cannot be written");
 }
 
@@ -44,16 +34,15 @@ Descriptor::~Descriptor() { ::close(number_); }
 
 void Descriptor::write_all(std::string_view content) {
   while (!content.empty()) {
-    const ssize_t written = ::write(number_, content.data(), content.size());
-    if (written < 0 && errno != EINTR) fail_with_errno(shown_, "cannot be written");
-    if (written > 0) content.remove_prefix(static_cast<std::size_t>(written));
+    const ssize_t written =
+        uninterrupted([&] { return ::write(number_, content.data(), content.size()); });
+    if (written < 0) fail_with_errno(shown_, "cannot be written");
+    content.remove_prefix(static_cast<std::size_t>(written));
   }
 }
 
 void Descriptor::sync() {
-  int status = 0;
-  do status = ::fsync(number_);
-  while (status != 0 && errno == EINTR);
+  const int status = uninterrupted([&] { return ::fsync(number_); });
   if (status != 0 && errno != EINVAL && errno != EROFS) {
     fail_with_errno(shown_, "cannot be written to the disk");
   }

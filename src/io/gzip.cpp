@@ -7,13 +7,15 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
-#include <zlib.h>
 
+#include "inflater.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/io/text.hpp"
 
 namespace posemix {
 namespace {
+
+using namespace internal;
 
 constexpr int kGzipWindow = MAX_WBITS + 16;  ///< zlib's word for gzip
 constexpr std::size_t kMostBytes = std::size_t{1} << 30;
@@ -21,23 +23,8 @@ constexpr std::size_t kPiece = std::size_t{1} << 18;
 
 bool is_gzip(std::string_view bytes) { return bytes.substr(0, 2) == "\x1f\x8b"; }
 
-Bytef* zlib_bytes(std::string_view bytes) {
-  // zlib does not write to its input.
-  return reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
-}
-
-struct Inflater {
-  z_stream stream{};
-  Inflater() {
-    if (inflateInit2(&stream, kGzipWindow) != Z_OK) throw std::bad_alloc();
-  }
-  ~Inflater() { inflateEnd(&stream); }
-  Inflater(const Inflater&) = delete;
-  Inflater& operator=(const Inflater&) = delete;
-};
-
 std::string uncompressed(std::string_view bytes, const std::string& name) {
-  Inflater inflater;
+  Inflater inflater(kGzipWindow);
   z_stream& stream = inflater.stream;
   stream.next_in = zlib_bytes(bytes);
   stream.avail_in = static_cast<uInt>(bytes.size());
@@ -80,7 +67,7 @@ std::string gzip(std::string_view bytes) {
   stream.next_out = zlib_bytes(out);
   stream.avail_out = static_cast<uInt>(out.size());
   const int status = deflate(&stream, Z_FINISH);
-  out.resize(out.size() - stream.avail_out);
+  out.erase(stream.total_out);
   deflateEnd(&stream);
   if (status != Z_STREAM_END) throw std::runtime_error("zlib could not compress");
   return out;

@@ -169,8 +169,9 @@ std::string format_consistency(const ConsistencyResults& results) {
 }
 
 std::string format_consistency_text(const ConsistencyResults& results) {
-  std::string text = results.title + "\n" + alignment_text(results.alignment);
-  for (const NamedConsistency& pose : results.poses) text += "\n" + pose_text(pose, results.axes);
+  std::string text = fmt::format("{}\n{}", results.title, alignment_text(results.alignment));
+  for (const NamedConsistency& pose : results.poses)
+    text += fmt::format("\n{}", pose_text(pose, results.axes));
   return text;
 }
 

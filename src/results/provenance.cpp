@@ -59,7 +59,10 @@ Json parsed(const std::string& text, const char* name) {
 
 std::string quoted_command(std::span<const std::string> words) {
   std::string line;
-  for (const std::string& word : words) line += (line.empty() ? "" : " ") + quoted_word(word);
+  for (const std::string& word : words) {
+    if (!line.empty()) line += ' ';
+    line += quoted_word(word);
+  }
   return line;
 }
 

@@ -201,7 +201,8 @@ ObjectModel object_model(const SimulationObject& object) {
   for (const SimulationNoise& noise : claimed_noise(object)) {
     components.push_back({noise.weight, covariance_of(noise.sd), noise.frame, offset_of(noise)});
   }
-  NoiseDependence dependence{.mode_time_s = claimed_mode_time_s(object)};
+  NoiseDependence dependence;
+  dependence.mode_time_s = claimed_mode_time_s(object);
   if (const auto slow = claimed_slow_error(object)) {
     dependence.slow =
         SlowError{covariance_of(slow->sd), slow->correlation_s, slow->correlation_angle_rad};

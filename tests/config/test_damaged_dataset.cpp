@@ -67,7 +67,7 @@ TEST(DamagedDataset, MetaOfYcbVideo) {
                         require_finite(instance.camera_object);
                       if (scene.cameras.at(1)) require_finite(*scene.cameras.at(1));
                     }),
-               50);
+               20);
 }
 
 }  // namespace

@@ -4,8 +4,10 @@
 
 #include <functional>
 
+#include "app/data_server.hpp"
 #include "config/small_recording.hpp"
 #include "faulty_run.hpp"
+#include "fetch/checksum.hpp"
 
 namespace posemix::testing {
 
@@ -21,6 +23,8 @@ struct Subject {
       command;
   /// What a second try has beside the words of the first.
   std::vector<std::string> again = {};
+  /// Lines that it tells first, as the licence of what it fetches.
+  std::size_t lines_first = 0;
 };
 
 inline void PrintTo(const Subject& subject, std::ostream* out) { *out << subject.name; }
@@ -59,6 +63,33 @@ inline std::vector<std::string> study_command(const std::filesystem::path& /*inp
           "--quiet",
           "--out",
           (folder / "out").string()};
+}
+
+/// Two files on a server of this machine, with registries of the first one and of both.
+inline void serve_files(const std::filesystem::path& inputs) {
+  static DataServer server;
+  std::string files;
+  for (const char* name : {"first", "second"}) {
+    std::string content;
+    for (int i = 0; i < 10000; ++i) content += fmt::format("{} {}\n", name, i);
+    server.put(name, content);
+    std::ofstream(inputs / name) << content;
+    files += fmt::format("{{path = \"{}\", size = {}, sha256 = \"{}\"}}, ", name, content.size(),
+                         content_of_file(inputs / name)->sha256);
+    std::ofstream(inputs / fmt::format("{}.toml", name))
+        << "schema = 1\n[[sources]]\nname = \"test\"\ntitle = \"A test\"\nlicence = \"CC0\"\n"
+        << fmt::format("base_url = \"{}\"\nfiles = [{}]\n", server.url("plain"), files);
+  }
+}
+
+inline std::vector<std::string> fetch_command(const std::filesystem::path& inputs,
+                                              const std::filesystem::path& folder, bool earlier) {
+  const auto registry = inputs / (earlier ? "first.toml" : "second.toml");
+  return {POSEMIX_PROGRAM, "data",
+          "fetch",         "test",
+          "--registry",    registry.string(),
+          "--out",         (folder / "out").string(),
+          "--yes",         "--quiet"};
 }
 
 inline const std::vector<Subject>& subjects() {
@@ -121,7 +152,14 @@ inline const std::vector<Subject>& subjects() {
              "--components",  "1",     "--from",
              "camera",        "--to",  earlier ? "before" : "mug",
              "--quiet",       "--out", (folder / "fitted.json").string()};
-       }}};
+       }},
+      // Every file is a result of its own; the list of what came grows with them.
+      {"fetch",
+       {{"out/test/first", ""}, {"out/test/second", ""}},
+       serve_files,
+       fetch_command,
+       {},
+       4}};
   return all;
 }
 

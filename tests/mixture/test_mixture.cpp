@@ -201,6 +201,13 @@ TEST(Mixture, PruneKeepsWeightsAtTheThresholdAndTheHeaviest) {
   EXPECT_EQ(with_zero.size(), 2U);
 }
 
+TEST(Mixture, PruneRefusesAThresholdThatIsNoNumber) {
+  LineMixture mixture = with_weights({0.75, 0.25});
+  EXPECT_NE(thrown_message([&] { mixture.prune(kNan); }).find("threshold is nan"),
+            std::string::npos);
+  EXPECT_EQ(mixture.size(), 2U);
+}
+
 TEST(Mixture, ReleaseGivesTheNormalisedComponents) {
   const auto components = with_weights({2.0, 6.0}).release();
   ASSERT_EQ(components.size(), 2U);

@@ -110,7 +110,9 @@ class Mixture {
   }
 
   /// The indices, in rising order, of the components that prune(threshold) keeps.
+  /// @throws InvalidInput when the threshold is not a number
   std::vector<std::size_t> indices_not_below(double threshold) const {
+    if (std::isnan(threshold)) throw InvalidInput("threshold is nan, expected a number");
     const std::size_t kept = heaviest();
     std::vector<std::size_t> indices;
     indices.reserve(size());
@@ -122,6 +124,7 @@ class Mixture {
 
   /// Drops every component whose weight is below `threshold` (the heaviest always stays),
   /// normalises, and returns the weight dropped.
+  /// @throws InvalidInput when the threshold is not a number
   double prune(double threshold) {
     const std::vector<std::size_t> kept = indices_not_below(threshold);
     double dropped = 0.0;

@@ -17,6 +17,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/checksum.hpp"
+#include "base/uninterrupted.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/base/vector_instructions.hpp"
 #include "posemix/io/output_folder.hpp"
@@ -179,9 +180,8 @@ void Journal::read_item(LineReader& lines, const Study& study) {
 
 /// Makes the file as long as its whole lines.
 void Journal::cut_to(std::size_t size) {
-  while (::ftruncate(file_, static_cast<off_t>(size)) != 0) {
-    if (errno != EINTR) fail_with_errno(path_, "cannot be written");
-  }
+  if (internal::uninterrupted([&] { return ::ftruncate(file_, static_cast<off_t>(size)); }) != 0)
+    fail_with_errno(path_, "cannot be written");
   size_ = size;
 }
 
