@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "io/temporary_folder.hpp"
 #include "posemix/io/output_file.hpp"
 #include "posemix/testing/data.hpp"
 #include "posemix/testing/expect.hpp"
@@ -23,18 +24,7 @@ using testing::RichScene;
 
 class StateFile : public ::testing::Test {
  protected:
-  void SetUp() override {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  static std::string content(const fs::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
-
-  fs::path folder_ = fs::path(::testing::TempDir()) / "posemix_state_file";
+  testing::TemporaryFolder folder_;
 };
 
 TEST_F(StateFile, HoldsTheStateAndReplacesAnOlderOne) {
@@ -44,12 +34,12 @@ TEST_F(StateFile, HoldsTheStateAndReplacesAnOlderOne) {
   for (const auto& input : RichScene(4).session(1.0)) testing::give(slam, input);
   slam.estimate();
   save_state(path, slam);
-  EXPECT_EQ(content(path), state_bytes(slam));
+  EXPECT_EQ(testing::content_of(path), state_bytes(slam));
   EXPECT_EQ(state_bytes(std::get<StampedSlam>(load_state(path))), state_bytes(slam));
   save_state(path, slam.slam());
   EXPECT_EQ(state_bytes(std::get<MultiObjectSlam>(load_state(path))), state_bytes(slam.slam()));
   // Nothing else is left in the folder.
-  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 1);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_.path()), fs::directory_iterator()), 1);
 }
 
 TEST_F(StateFile, ErrorsNameTheFile) {
