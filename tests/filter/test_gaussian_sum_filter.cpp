@@ -257,6 +257,20 @@ TEST(GaussianSumFilter, RefusesWhatIsNotFiniteAndStaysAsItWas) {
   EXPECT_TRUE(after.mean().is_approx(before.mean(), 0.0));
 }
 
+TEST(GaussianSumFilter, RefusesAPriorInWhichTheNoiseIsLost) {
+  Matrix6d wide = isotropic(1.0, 0.01);
+  wide(4, 4) = 1e16;
+  GaussianSumFilter filter = camera_filter(kCameraPose, wide, GaussianSumSettings());
+  const Eigen::MatrixXd before = filter.posterior()[0].density.covariance();
+  const DetectorNoise noise = gaussian_noise();
+  const SE3d y = kCameraPose.inverse() * kObject;
+  EXPECT_THROW(filter.add_object(y, noise), InvalidInput);
+  const std::size_t object = filter.add_independent_object(y, isotropic(1.0, 0.01));
+  const Detection detection{object, y, &noise};
+  EXPECT_THROW(filter.update(std::span(&detection, 1)), InvalidInput);
+  EXPECT_EQ(filter.posterior()[0].density.covariance().topLeftCorner(6, 6), before);
+}
+
 TEST(GaussianSumFilterSlow, CovarianceStaysPositiveDefiniteOverAMillionSteps) {
   RandomStream stream(9);
   const DetectorNoise noise = gaussian_noise(1.0, 0.002);

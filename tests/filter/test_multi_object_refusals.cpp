@@ -6,6 +6,8 @@
 #include <limits>
 #include <string>
 
+#include <Eigen/Eigenvalues>
+
 #include "multi_object_scene.hpp"
 #include "posemix/testing/expect.hpp"
 
@@ -95,6 +97,46 @@ TEST(MultiObjectFilter, RefusesWhatIsFartherThanAnythingAndStaysAsItWas) {
     EXPECT_THROW(filter.predict_random_walk(q, far * far), InvalidInput) << far;
     EXPECT_EQ(filter.joint().covariance(), before) << far;
   }
+}
+
+/// The smallest eigenvalue of the correlations of all poses.
+double definiteness(const MultiObjectFilter& filter) {
+  const Eigen::MatrixXd p = filter.joint().covariance();
+  const Eigen::VectorXd scale = p.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd correlations = scale.asDiagonal() * p * scale.asDiagonal();
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(correlations, Eigen::EigenvaluesOnly)
+      .eigenvalues()[0];
+}
+
+TEST(MultiObjectFilter, IsDefiniteForAnyPriorThatItTakesAndRefusesOthers) {
+  const Matrix6d noise = isotropic(1e-3, 1e-3);
+  const ObjectSensor sensor{DetectorNoise({NoiseComponent{1.0, noise}}, Clutter{0.01, 1.0})};
+  const SE3d first(SO3d::exp({0.2, 0.3, 1.0}), {1, 2, 0.5}), second(SO3d(), {-1, 1, 0.5});
+  for (const double wide : {1e1, 1e2, 1e3, 3e3}) {
+    Matrix6d prior = noise;
+    prior.bottomRightCorner<3, 3>() *= std::pow(wide / 1e-3, 2);
+    MultiObjectFilter filter({SE3d(), prior}, {sensor}, {});
+    filter.add_object(sensor, ObjectPrior{{first, noise}, 1.0});
+    for (int frame = 0; frame < 5; ++frame) {
+      filter.update(1, first);
+      filter.update(0, second);
+      EXPECT_GT(definiteness(filter), 0.0) << wide;
+    }
+  }
+  Matrix6d prior = noise;
+  prior(4, 4) = 1e8;
+  MultiObjectFilter filter({SE3d(), prior}, {sensor}, {});
+  const Eigen::MatrixXd before = filter.joint().covariance();
+  const std::string why =
+      " has a standard deviation of 1e+04 m and the detection one of 0.001 m; expected at most "
+      "3.2e+06 times as much, which double precision holds";
+  EXPECT_EQ(thrown_message([&] { filter.update(0, second); }), "the pose of the camera" + why);
+  EXPECT_EQ(thrown_message([&] {
+              filter.add_object(sensor, ObjectPrior{{first, prior}, 1.0});
+            }),
+            "the prior" + why);
+  EXPECT_EQ(filter.joint().covariance(), before);
+  EXPECT_EQ(filter.object_count(), 1U);
 }
 
 TEST(MultiObjectFilter, RefusesAllOfAFilterThatWasMovedFrom) {

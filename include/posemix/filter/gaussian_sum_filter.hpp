@@ -114,8 +114,8 @@ class GaussianSumFilter {
 
   /// Every hypothesis gets one child per noise component, is updated, and the mixture is reduced.
   /// @throws InvalidInput when a detection names the camera, a pose that does not exist or one
-  /// named twice, as check_pose for its pose, or when joint use finds detectors whose components
-  /// differ in number or weight; the filter stays as it was
+  /// named twice, as check_pose for its pose, when a prior is 3e6 times as wide as the noise, or
+  /// joint use finds components that differ in number or weight; the filter stays as it was
   UpdateReport update(std::span<const Detection> detections);
   /// Only the checks of `update`.
   /// @throws InvalidInput as `update`

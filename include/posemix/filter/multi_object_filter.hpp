@@ -195,8 +195,8 @@ class MultiObjectFilter {
 
   /// One observation of the object at `object`, a mixture of poses (docs/many-objects.md,
   /// "Observations that are mixtures"). Its names and stamp are not looked at.
-  /// @throws InvalidInput also as validate(observation), and for a camera or a detector that there
-  /// is not
+  /// @throws InvalidInput also as validate(observation), for a camera or a detector that there is
+  /// not, and where the camera's standard deviation is more than 3e6 times the detection's
   ObjectUpdateReport update(std::size_t object, const Observation& observation,
                             const ObservationSource& source = {});
   /// A camera on the body whose pose T_body_camera is not known exactly: it becomes a part of the
@@ -209,8 +209,8 @@ class MultiObjectFilter {
   /// One more object, never detected. Returns its index. With a prior it has one hypothesis from
   /// the beginning, which is as any other. With a motion it is put down elsewhere now and then
   /// (docs/many-objects.md, "Objects that are put down elsewhere"); a rate of zero is none.
-  /// @throws InvalidInput as check_pose and check_variances for the prior, when its probability is
-  /// not in (0, 1], and as validate(motion)
+  /// @throws InvalidInput as check_pose and check_variances for the prior, when it is 3e6 times as
+  /// wide as the noise or its probability is not in (0, 1], and as validate(motion)
   std::size_t add_object(ObjectSensor object, const std::optional<ObjectPrior>& prior = {},
                          const std::optional<PutDownMotion>& motion = {});
 

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <utility>
 
+#include "filter/precision.hpp"
 #include "innovation_score.hpp"
 #include "posemix/base/statistics.hpp"
 #include "posemix/base/stopwatch.hpp"
@@ -38,6 +39,16 @@ void check_detections(std::span<const Detection> detections, std::size_t poses) 
         throw InvalidInput(fmt::format("object at pose {} is detected twice in one frame", object));
       }
     }
+  }
+}
+
+/// A pose before a detection may be no more uncertain than rounding allows.
+void check_precision(const Posterior& prior, std::size_t pose, const DetectorNoise& noise) {
+  const char* name = pose == kCamera ? "the pose of the camera" : "the pose of the object";
+  for (const auto& hypothesis : prior.components()) {
+    const Matrix6d covariance = block(hypothesis.density.covariance(), pose, pose);
+    for (const NoiseComponent& component : noise.components())
+      internal::require_precision(covariance, component.covariance, name);
   }
 }
 
@@ -168,6 +179,10 @@ void GaussianSumFilter::predict(const std::function<Hypothesis(Hypothesis)>& mot
 
 void GaussianSumFilter::check(std::span<const Detection> detections) const {
   check_detections(detections, posterior_[0].density.mean().size());
+  for (const Detection& detection : detections) {
+    for (const std::size_t pose : {kCamera, detection.object})
+      check_precision(posterior_, pose, *detection.noise);
+  }
   if (settings_.noise_use == NoiseUse::joint && !detections.empty()) common_components(detections);
 }
 
@@ -245,6 +260,7 @@ void GaussianSumFilter::reduce(UpdateReport& report) {
 
 std::size_t GaussianSumFilter::add_object(const SE3d& camera_object, const DetectorNoise& noise) {
   check_pose(camera_object, "detection");
+  check_precision(posterior_, kCamera, noise);
   if (!noise.is_white()) return add_object(camera_object, noise.as_white());
   const std::size_t index = posterior_[0].density.mean().size();
   std::vector<Component<Hypothesis>> children;

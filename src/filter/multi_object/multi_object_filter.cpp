@@ -24,6 +24,13 @@ void check_density(const ConcentratedGaussian<SE3d>& density, const char* name) 
   check_variances(density.covariance(), name);
 }
 
+void check_precision(const MultiObjectState& state, std::size_t object,
+                     const Observation& observation, std::size_t detector) {
+  require_comparable(state.joint.covariance(kCamera, kCamera),
+                     state.objects[object].detectors[detector].sensor(), observation,
+                     "the pose of the camera");
+}
+
 }  // namespace
 
 MultiObjectFilter::MultiObjectFilter(const ConcentratedGaussian<SE3d>& camera,
@@ -92,7 +99,9 @@ void MultiObjectFilter::set_camera(const ConcentratedGaussian<SE3d>& world_camer
 ObjectUpdateReport MultiObjectFilter::update(std::size_t object, const SE3d& camera_object) {
   require_object(object, object_count());
   check_pose(camera_object, "detection");
-  return hypotheses_of_all().update(object, observation_of(camera_object), {});
+  const Observation observation = observation_of(camera_object);
+  check_precision(hypotheses_of_all().first(), object, observation, 0);
+  return hypotheses_of_all().update(object, observation, {});
 }
 
 ObjectUpdateReport MultiObjectFilter::update(std::size_t object, const Observation& observation,
@@ -102,6 +111,7 @@ ObjectUpdateReport MultiObjectFilter::update(std::size_t object, const Observati
   validate(observation);
   if (source.camera) require_camera(*source.camera, extrinsic_count());
   check_pose(source.body_camera, "pose of the camera on its body");
+  check_precision(hypotheses_of_all().first(), object, observation, source.detector);
   return hypotheses_of_all().update(object, observation, source);
 }
 
@@ -132,6 +142,7 @@ std::size_t MultiObjectFilter::add_object(ObjectSensor object,
                                           const std::optional<PutDownMotion>& motion) {
   if (prior) {
     check_density(prior->world, "the prior");
+    require_comparable(prior->world.covariance(), object, {}, "the prior");
     if (!(prior->probability > 0.0 && prior->probability <= 1.0)) {
       throw InvalidInput(fmt::format("the prior has the probability {}, expected one in (0, 1]",
                                      prior->probability));
