@@ -16,14 +16,14 @@ SOURCE = HERE.parent.parent
 GLIBC = "2.28"  # of RHEL 8, Debian 10, Ubuntu 18.10 and everything later
 COMMANDS = {"cc": "cc -target {target}", "c++": "c++ -target {target}", "ar": "ar", "ranlib": "ranlib"}
 
-# A shared library is linked again with identical functions once (no function of ours is told by its address): its linker can
-# do that, and `zig c++` has no option for it. The command is told on a line that starts with the linker's name.
+# A shared library is linked again with identical functions once, where their addresses do not count: its linker can do that,
+# and `zig c++` has no option for it. The command is told on a line that starts with the linker's name.
 FOLD = """
 case " $* " in
   *" -shared "*)
     lines=$(ZIG_VERBOSE_LINK=1 "$zig" c++ -target {target} "$@" 2>&1) || {{ echo "$lines" >&2; exit 1; }}
     link=$(echo "$lines" | grep "^ld\\.lld ") || {{ echo "expected the command of the linker, got: $lines" >&2; exit 1; }}
-    exec "$zig" $link --icf=all
+    exec "$zig" $link --icf=safe
     ;;
 esac
 """
@@ -104,7 +104,7 @@ class Toolchain:
         """What every CMake project of the wheels is configured with."""
         cross = {"CMAKE_SYSTEM_NAME": "Linux", "CMAKE_SYSTEM_PROCESSOR": self.machine} if self.foreign else {}
         return {**cross, "CMAKE_TOOLCHAIN_FILE": HERE / "zig.cmake", "CMAKE_BUILD_TYPE": "Release",
-                "CMAKE_C_FLAGS_RELEASE": "-O2 -DNDEBUG", "CMAKE_CXX_FLAGS_RELEASE": "-O2 -DNDEBUG -flto",
+                "CMAKE_C_FLAGS_RELEASE": "-O2 -DNDEBUG", "CMAKE_CXX_FLAGS_RELEASE": "-O2 -DNDEBUG",
                 "CMAKE_PREFIX_PATH": self.prefix, "CMAKE_POSITION_INDEPENDENT_CODE": "ON", "BUILD_SHARED_LIBS": "OFF",
                 "CMAKE_DISABLE_PRECOMPILE_HEADERS": "ON",  # which zig cannot write
                 "CMAKE_INSTALL_PREFIX": self.prefix, "CMAKE_INSTALL_LIBDIR": "lib"}
