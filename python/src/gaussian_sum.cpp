@@ -131,8 +131,9 @@ constexpr const char* kUpdateDoc =
 Raises
 ------
 ValueError
-    For a detection of the camera, of a pose that does not exist or of one named twice, and when joint
-    use finds detectors whose components differ in number or weight.
+    For a detection of the camera, of a pose that does not exist or of one named twice, when a pose
+    has 3e6 times the standard deviation of a noise, and when joint use finds detectors whose
+    components differ in number or weight.
 )";
 
 using Prior = std::variant<Posterior, ConcentratedStack, Mixture<ConcentratedSE3>, ConcentratedSE3>;

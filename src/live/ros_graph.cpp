@@ -13,6 +13,17 @@
 #include "ros_domain.hpp"
 #include "ros_wire.hpp"
 
+/// Cyclone DDS 0.10 reads the answers of Fast DDS to anyone's question about a type, and crashes in
+/// some (a segmentation fault below ddsi_xt_type_add_typeobj): a second type on one of the topics
+/// made two other programs ask. The types of this program have no such information, so it needs
+/// neither questions nor answers. The library calls both by name, and finds these first.
+// NOLINTBEGIN(readability-identifier-naming)
+extern "C" void ddsi_tl_handle_reply(void* domain, void* message);
+extern "C" void ddsi_tl_handle_request(void* domain, void* message);
+extern "C" void ddsi_tl_handle_reply(void* /*domain*/, void* /*message*/) {}
+extern "C" void ddsi_tl_handle_request(void* /*domain*/, void* /*message*/) {}
+// NOLINTEND(readability-identifier-naming)
+
 namespace posemix::internal {
 namespace {
 

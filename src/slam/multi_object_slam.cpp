@@ -13,6 +13,7 @@
 #include <fmt/ranges.h>
 
 #include "association_gates.hpp"
+#include "filter/multi_object/filter_checks.hpp"
 #include "observation_order.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/base/stopwatch.hpp"
@@ -61,7 +62,10 @@ MultiObjectFilter make_filter(const PoseDensity& camera, const std::vector<Objec
   require_alike_in_class(objects);
   require_valid(settings.cameras);
   internal::gates_of(settings.association);
-  if (settings.on_sight) sensor_of(*settings.on_sight);
+  if (settings.on_sight) {
+    internal::require_precision(camera.covariance(), sensor_of(*settings.on_sight),
+                                "the pose of the camera");
+  }
   MultiObjectSettings filter = settings.filter;
   filter.has_odometry = motion.model == MotionModel::odometry || motion.model == MotionModel::still;
   MultiObjectFilter made(camera, {}, filter);
@@ -70,6 +74,7 @@ MultiObjectFilter make_filter(const PoseDensity& camera, const std::vector<Objec
     if (!one.is_exact()) made.add_camera(one.prior());
   for (const ObjectModel& object : objects) {
     try {
+      internal::require_precision(camera.covariance(), sensor_of(object), "the pose of the camera");
       add_to(made, object);
     } catch (const InvalidInput& error) {
       throw InvalidInput(fmt::format("object '{}': {}", object.id, error.what()));

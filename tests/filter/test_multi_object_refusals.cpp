@@ -125,18 +125,23 @@ TEST(MultiObjectFilter, IsDefiniteForAnyPriorThatItTakesAndRefusesOthers) {
   }
   Matrix6d prior = noise;
   prior(4, 4) = 1e8;
-  MultiObjectFilter filter({SE3d(), prior}, {sensor}, {});
-  const Eigen::MatrixXd before = filter.joint().covariance();
   const std::string why =
       " has a standard deviation of 1e+04 m and the detection one of 0.001 m; expected at most "
       "3.2e+06 times as much, which double precision holds";
-  EXPECT_EQ(thrown_message([&] { filter.update(0, second); }), "the pose of the camera" + why);
   EXPECT_EQ(thrown_message([&] {
-              filter.add_object(sensor, ObjectPrior{{first, prior}, 1.0});
+              MultiObjectFilter({SE3d(), prior}, {sensor}, {});
             }),
-            "the prior" + why);
-  EXPECT_EQ(filter.joint().covariance(), before);
-  EXPECT_EQ(filter.object_count(), 1U);
+            "the pose of the camera" + why);
+  ObjectSensor two{DetectorNoise({NoiseComponent{1.0, isotropic(1.0, 1.0)}}, Clutter{0.01, 1.0})};
+  two.other_detectors.push_back(sensor.noise);
+  MultiObjectFilter filter({SE3d(), noise}, {sensor}, {});
+  for (const ObjectSensor& refused : {sensor, two}) {
+    EXPECT_EQ(thrown_message([&] {
+                filter.add_object(refused, ObjectPrior{{first, prior}, 1.0});
+              }),
+              "the prior" + why);
+    EXPECT_EQ(filter.object_count(), 1U);
+  }
 }
 
 TEST(MultiObjectFilter, RefusesAllOfAFilterThatWasMovedFrom) {

@@ -63,40 +63,6 @@ double loss(const Mixture<Rotation>& before, const Rotation& after) {
       .value;
 }
 
-TEST(GnomonicMean, IsWhereTheMeanOfUVanishes) {
-  RandomStream stream(2);
-  for (int trial = 0; trial < 20; ++trial) {
-    std::vector<SO3d> rotations;
-    std::vector<double> weights;
-    for (int i = 0; i < 5; ++i) {
-      rotations.push_back(
-          SO3d::exp({0.6 * stream.normal(), 0.6 * stream.normal(), 0.6 * stream.normal()}));
-      weights.push_back(stream.uniform());
-    }
-    const MeanResult<SO3d> mean = gnomonic_mean(rotations, weights);
-    EXPECT_TRUE(mean.converged);
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    for (std::size_t i = 0; i < 5; ++i) {
-      sum += weights[i] * gnomonic::lift(mean.mean, rotations[i]);
-    }
-    EXPECT_LT(sum.norm(), 1e-11);
-  }
-}
-
-TEST(GnomonicMean, OfTwoIsOnTheGeodesicHoweverFarTheyAreApart) {
-  for (const double angle : {10.0, 90.0, 170.0, 180.0}) {
-    const std::vector rotations{SO3d(), SO3d::exp({0.0, angle * kDegree, 0.0})};
-    const MeanResult<SO3d> mean = gnomonic_mean(rotations, std::vector{0.7, 0.3});
-    EXPECT_TRUE(mean.converged);
-    // .7 tan(a / 2) = .3 tan((angle - a) / 2), and no turn about the other axes.
-    const Eigen::Vector3d turn = mean.mean.log();
-    EXPECT_NEAR(0.7 * std::tan(0.5 * turn.y()), 0.3 * std::tan(0.5 * (angle * kDegree - turn.y())),
-                1e-11);
-    EXPECT_NEAR(turn.x(), 0.0, 1e-13);
-    EXPECT_NEAR(turn.z(), 0.0, 1e-13);
-  }
-}
-
 TEST(ProjectedMerge, InOneTangentSpaceIsThatOfGaussians) {
   RandomStream stream(3);
   const SO3d q = SO3d::exp({0.3, 0.1, -0.4});

@@ -263,5 +263,27 @@ TEST(StampedSlam, AnImageWithoutDetectionsTellsThatAnObjectIsLost) {
   EXPECT_EQ(slam.add_image(38.5), StampAdmission::replayed);
 }
 
+/// A detector that is far too sure, or a camera that was lost for an hour, does not stop a session.
+TEST(StampedSlam, GoesOnWhereTheCameraIsKnownFarWorseThanADetection) {
+  for (const double variance : {1e-12, 1e-18, 1e-40}) {
+    for (const double gap_s : {1.0, 3500.0}) {
+      StampedSlam slam(kStart, {{.id = "mug"}}, {}, {.model = MotionModel::random_walk});
+      Observation seen = observation_of(SE3d(SO3d(), {0.0, 0.0, 1.0}));
+      seen.object = "mug";
+      for (int k = 0; k < 12; ++k) {
+        seen.stamp_s = k + (k < 6 ? 0.0 : gap_s);
+        seen.components[0].covariance.reset();
+        if (k % 3 == 0) seen.components[0].covariance = variance * Matrix6d::Identity();
+        slam.add(seen);
+        ASSERT_NO_THROW(slam.estimate()) << variance << ' ' << gap_s << ' ' << k;
+      }
+      const auto& mug = slam.estimate()->estimate.objects[0];
+      ASSERT_TRUE(mug.has_value());
+      EXPECT_TRUE(mug->covariance().allFinite());
+      EXPECT_EQ(slam.estimate()->stamp_s, seen.stamp_s);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace posemix

@@ -98,12 +98,17 @@ TEST(StateDamage, AnImpossibleCovarianceIsRefused) {
   EXPECT_EQ(message_with(covariance(0, 0), -0.01), expected);
 }
 
+/// Of two objects, with a camera whose position is known to `sd` [m].
+StampedSlam slam_with_prior(double sd) {
+  Matrix6d prior = Matrix6d::Identity();
+  prior.bottomRightCorner<3, 3>() *= sd * sd;
+  return StampedSlam(PoseDensity(SE3d(), prior), {{.id = "mug"}, {.id = "box"}});
+}
+
 TEST(StateDamage, WhatRoundingLeavesOfAWidePriorIsACovariance) {
   RandomStream random(9);
   for (const double sd : {1e1, 1e2, 1e3, 3e3, 1e4}) {
-    Matrix6d prior = Matrix6d::Identity();
-    prior.bottomRightCorner<3, 3>() *= sd * sd;
-    StampedSlam slam(PoseDensity(SE3d(), prior), {{.id = "mug"}, {.id = "box"}});
+    StampedSlam slam = slam_with_prior(sd);
     for (int k = 0; k < 40; ++k) {
       for (const char* id : {"mug", "box"}) {
         Vector6d error;
@@ -118,6 +123,13 @@ TEST(StateDamage, WhatRoundingLeavesOfAWidePriorIsACovariance) {
       slam.estimate();
     }
     EXPECT_NO_THROW(slam_of_state(state_bytes(slam))) << "a prior of " << sd << " m";
+  }
+  // Wider, and rounding would leave covariances of the relative poses that are none.
+  for (const double sd : {1e5, 4e5, 1e6, 3e6, 1e7}) {
+    const std::string message = thrown_message([&] { slam_with_prior(sd); });
+    EXPECT_TRUE(
+        message.starts_with("object 'mug': the pose of the camera has a standard deviation"))
+        << message;
   }
 }
 

@@ -160,8 +160,8 @@ struct ObjectUpdateReport {
 /// index of an object or of a hypothesis throws InvalidInput when there is none at it.
 class MultiObjectFilter {
  public:
-  /// @throws InvalidInput when a setting is out of range, and as check_pose and check_variances for
-  /// the camera
+  /// @throws InvalidInput when a setting is out of range, as check_pose and check_variances for the
+  /// camera, and when the camera's standard deviation is more than 3e6 times that of a noise
   MultiObjectFilter(const ConcentratedGaussian<SE3d>& camera,
                     const std::vector<ObjectSensor>& objects, const MultiObjectSettings& settings);
   MultiObjectFilter(const MultiObjectFilter&);
@@ -195,8 +195,8 @@ class MultiObjectFilter {
 
   /// One observation of the object at `object`, a mixture of poses (docs/many-objects.md,
   /// "Observations that are mixtures"). Its names and stamp are not looked at.
-  /// @throws InvalidInput also as validate(observation), for a camera or a detector that there is
-  /// not, and where the camera's standard deviation is more than 3e6 times the detection's
+  /// @throws InvalidInput also as validate(observation), and for a camera or a detector that there
+  /// is not
   ObjectUpdateReport update(std::size_t object, const Observation& observation,
                             const ObservationSource& source = {});
   /// A camera on the body whose pose T_body_camera is not known exactly: it becomes a part of the
@@ -210,7 +210,7 @@ class MultiObjectFilter {
   /// the beginning, which is as any other. With a motion it is put down elsewhere now and then
   /// (docs/many-objects.md, "Objects that are put down elsewhere"); a rate of zero is none.
   /// @throws InvalidInput as check_pose and check_variances for the prior, when it is 3e6 times as
-  /// wide as the noise or its probability is not in (0, 1], and as validate(motion)
+  /// wide as a noise or its probability is not in (0, 1], and as validate(motion)
   std::size_t add_object(ObjectSensor object, const std::optional<ObjectPrior>& prior = {},
                          const std::optional<PutDownMotion>& motion = {});
 

@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: MIT
 # SPDX-FileCopyrightText: posemix contributors
-"""Bytes that are no messages, on the topics that the node and the program hear."""
+"""Bytes that are no messages, and messages of another type, on the topics that the node and the program hear."""
 
 from __future__ import annotations
 
 import struct
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -18,7 +20,7 @@ from rclpy.serialization import serialize_message
 
 from posemix import SE3
 
-from .live import Live, at, detections, odometry, transform
+from .live import Live, at, detections, odometry, transform, values_of
 from .program import Program, unavailable
 from .test_live_node import MUG, STILL
 
@@ -31,14 +33,18 @@ def world(request: Any, ros: None, domain: int, tmp_path: Path) -> Iterator[Live
     """The partner of a node or of a program that stands still."""
     if request.param == NODE:
         one = Live(parameters={**STILL, "least_existence": 0.0})
-        yield one
-        one.close()
+        try:
+            yield one
+        finally:
+            one.close()
     else:
         source = '[[sources]]\nname = "detections"\nreliability = "reliable"\n[motion]\nmodel = "still"\n'
-        running = Program(tmp_path, domain, source).ready()
-        yield running.world
-        assert running.process.poll() is None
-        running.close()
+        running = Program(tmp_path, domain, source)
+        try:
+            yield running.ready().world
+            assert running.process.poll() is None, "the program has ended"
+        finally:
+            running.close()
 
 
 def wrong_bytes(good: bytes) -> Iterator[bytes]:
@@ -71,13 +77,34 @@ def test_bytes_that_are_no_message_are_dropped(world: Live) -> None:
             publisher.publish(wrong)
             world.spin(0.01)
     answers(world, 1e6)
+    # They have arrived: something of them was said.
+    status = values_of(world.status("node"))
+    assert int(status["refused"]) > 0
+
+
+STRANGER = """
+import rclpy, sys, time
+from nav_msgs.msg import Odometry
+rclpy.init(domain_id=int(sys.argv[1]))
+publisher = rclpy.create_node("stranger").create_publisher(Odometry, "/posemix/detections", 10)
+for _ in range(40):
+    publisher.publish(Odometry())
+    time.sleep(0.05)
+"""
+
+
+def test_a_publisher_of_another_type_is_not_heard(world: Live, domain: int) -> None:
+    """In a process of its own: within one the middleware refuses a second type."""
+    with subprocess.Popen([sys.executable, "-c", STRANGER, str(domain)]) as stranger:
+        while stranger.poll() is None:
+            world.spin(0.1)
+    assert stranger.returncode == 0
+    answers(world, 10.0)
 
 
 def answers(world: Live, seconds: float) -> None:
-    """A good image behind all that is answered, by a damaged stamp later than any other if need be."""
-    later = at(seconds)
-    for i in range(8):  # enough that a clock which a damaged stamp has moved is that of these again
-        world.detect(detections(later + i * 100_000_000, {"mug": MUG}))
+    """Good images are taken in: later than damaged stamps may be, and so many that their clock counts."""
+    for i in range(8):
+        world.detect(detections(at(seconds + 0.1 * i), {"mug": MUG}))
         world.spin(0.05)
-    found = world.newest(later + 700_000_000)
-    assert "mug" in found
+    assert "mug" in world.newest(at(seconds + 0.7))

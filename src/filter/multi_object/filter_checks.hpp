@@ -10,7 +10,6 @@
 #include "filter/precision.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/detector/object_sensor.hpp"
-#include "posemix/detector/observation.hpp"
 
 /// What callers of MultiObjectFilter give.
 namespace posemix::internal {
@@ -42,14 +41,15 @@ inline void require_hypothesis(std::size_t hypothesis, std::size_t object, std::
   }
 }
 
-/// Whether what is known of a pose before a detection and the noise of the detection can stand in
-/// one covariance: that of the detector, and that of the observation where it states its own.
-inline void require_comparable(const Matrix6d& predicted, const ObjectSensor& sensor,
-                               const Observation& observation, std::string_view name) {
-  for (const NoiseComponent& component : sensor.noise.components())
-    require_precision(predicted, component.covariance, name);
-  for (const ObservationComponent& component : observation.components)
-    if (component.covariance) require_precision(predicted, *component.covariance, name);
+/// Whether a prior and the noise of the object's detectors can stand in one covariance.
+inline void require_precision(const Matrix6d& prior, const ObjectSensor& sensor,
+                              std::string_view name) {
+  const auto check = [&](const DetectorNoise& noise) {
+    for (const NoiseComponent& component : noise.components())
+      require_precision(prior, component.covariance, name);
+  };
+  check(sensor.noise);
+  for (const DetectorNoise& other : sensor.other_detectors) check(other);
 }
 
 }  // namespace posemix::internal

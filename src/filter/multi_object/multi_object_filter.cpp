@@ -24,13 +24,6 @@ void check_density(const ConcentratedGaussian<SE3d>& density, const char* name) 
   check_variances(density.covariance(), name);
 }
 
-void check_precision(const MultiObjectState& state, std::size_t object,
-                     const Observation& observation, std::size_t detector) {
-  require_comparable(state.joint.covariance(kCamera, kCamera),
-                     state.objects[object].detectors[detector].sensor(), observation,
-                     "the pose of the camera");
-}
-
 }  // namespace
 
 MultiObjectFilter::MultiObjectFilter(const ConcentratedGaussian<SE3d>& camera,
@@ -38,6 +31,8 @@ MultiObjectFilter::MultiObjectFilter(const ConcentratedGaussian<SE3d>& camera,
                                      const MultiObjectSettings& settings)
     : state_(std::make_unique<GlobalHypotheses>(MultiObjectState(camera, objects, settings))) {
   check_density(camera, "pose of the camera");
+  for (const ObjectSensor& object : objects)
+    require_precision(camera.covariance(), object, "the pose of the camera");
 }
 
 MultiObjectFilter::MultiObjectFilter(const MultiObjectFilter& other)
@@ -99,9 +94,7 @@ void MultiObjectFilter::set_camera(const ConcentratedGaussian<SE3d>& world_camer
 ObjectUpdateReport MultiObjectFilter::update(std::size_t object, const SE3d& camera_object) {
   require_object(object, object_count());
   check_pose(camera_object, "detection");
-  const Observation observation = observation_of(camera_object);
-  check_precision(hypotheses_of_all().first(), object, observation, 0);
-  return hypotheses_of_all().update(object, observation, {});
+  return hypotheses_of_all().update(object, observation_of(camera_object), {});
 }
 
 ObjectUpdateReport MultiObjectFilter::update(std::size_t object, const Observation& observation,
@@ -111,7 +104,6 @@ ObjectUpdateReport MultiObjectFilter::update(std::size_t object, const Observati
   validate(observation);
   if (source.camera) require_camera(*source.camera, extrinsic_count());
   check_pose(source.body_camera, "pose of the camera on its body");
-  check_precision(hypotheses_of_all().first(), object, observation, source.detector);
   return hypotheses_of_all().update(object, observation, source);
 }
 
@@ -142,7 +134,7 @@ std::size_t MultiObjectFilter::add_object(ObjectSensor object,
                                           const std::optional<PutDownMotion>& motion) {
   if (prior) {
     check_density(prior->world, "the prior");
-    require_comparable(prior->world.covariance(), object, {}, "the prior");
+    require_precision(prior->world.covariance(), object, "the prior");
     if (!(prior->probability > 0.0 && prior->probability <= 1.0)) {
       throw InvalidInput(fmt::format("the prior has the probability {}, expected one in (0, 1]",
                                      prior->probability));
