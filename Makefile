@@ -47,6 +47,9 @@ help:
 	@echo 'make install    install the program and the library under PREFIX ($(PREFIX))'
 	@echo 'make clean      remove build/'
 
+# A log tells when each stage begins.
+BEGINS = @echo "$$(date +%T) $@"
+
 build/.bootstrap-%: tools/bootstrap
 	@tools/bootstrap $*
 	@mkdir -p build && touch $@
@@ -68,13 +71,16 @@ test: test-cpp
 	$(MAKE) --no-print-directory test-ros
 
 built: build/.bootstrap-test
+	$(BEGINS)
 	@$(call configured,release,POSEMIX_BUILD_TESTS)
 	cmake --build --preset release
 
 test-cpp: built
+	$(BEGINS)
 	ctest --preset release
 
 report-test: built
+	$(BEGINS)
 	tools/report_inputs $(PROGRAM) build/report-inputs
 	cd report && POSEMIX_REPORT_INPUTS="$(CURDIR)/build/report-inputs" \
 	  POSEMIX_CHROMIUM="$$(command -v chromium)" npm test
@@ -90,6 +96,7 @@ $(VENV_PIP) --no-build-isolation '.[$(1)]' -Cbuild-dir=build/extension \
 endef
 
 build/.python: build/.bootstrap-test pyproject.toml $(PYTHON_SOURCES) | built
+	$(BEGINS)
 	cmake --install build/release --prefix build/prefix >/dev/null
 	@test -x $(VENV)/bin/python || $(PYTHON) -m venv $(VENV)
 	$(call install_package,test)
@@ -105,6 +112,7 @@ build/.numpy1: build/.python
 	@touch $@
 
 test-python: build/.python build/.numpy1
+	$(BEGINS)
 	$(VENV)/bin/ruff check --quiet python examples
 	cd python && ../$(VENV)/bin/mypy --strict posemix
 	POSEMIX_PROGRAM='$(CURDIR)/$(PROGRAM)' $(VENV)/bin/pytest -q
@@ -118,6 +126,7 @@ build/.ros: build/.python tools/ros_environment $(wildcard python/tests/ros/mess
 	@touch $@
 
 test-ros: build/.ros
+	$(BEGINS)
 	@if [ -e build/ros/unavailable ]; then echo "The tests with ROS 2 are skipped: $$(cat build/ros/unavailable)"; \
 	else build/ros/run python -m pytest -q -rs -p no:cacheprovider python/tests/ros; fi
 
@@ -198,6 +207,7 @@ build/.reuse: | build/.bootstrap-style
 	@touch $@
 
 style: build/.bootstrap-style build/.reuse
+	$(BEGINS)
 	tools/check_includes.py
 	tools/umbrella_headers.py --check
 	tools/version.py
@@ -210,6 +220,7 @@ lint: style tidy
 
 # The names of files are patterns for run-clang-tidy, which takes every file of build/tidy without one.
 tidy: build/.bootstrap-lint
+	$(BEGINS)
 	@cmake --preset tidy >/dev/null
 	@units=$$(tools/tidy_units.py build/tidy $(if $(TIDY_SINCE),--since $(TIDY_SINCE))); \
 	if [ -n "$$units" ]; then run-clang-tidy -quiet -j $(JOBS) -p build/tidy $$units; fi

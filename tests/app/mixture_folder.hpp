@@ -14,10 +14,6 @@
 /// A folder with mixture files, and the program in a shell.
 namespace posemix::testing {
 
-inline bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 inline ConcentratedPoses two_peaks() {
   Matrix6d covariance = 4e-4 * Matrix6d::Identity();
   covariance.topLeftCorner<3, 3>() = 0.01 * Eigen::Matrix3d::Identity();

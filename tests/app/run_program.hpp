@@ -16,6 +16,10 @@
 
 namespace posemix::testing {
 
+inline bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
 /// Runs the program of this build with arguments.
 inline ProgramResult run_posemix(std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), POSEMIX_PROGRAM);

@@ -15,14 +15,11 @@
 namespace posemix {
 namespace {
 
+using testing::contains;
 using testing::content_of;
 using testing::ProgramResult;
 using testing::run_posemix;
 using testing::TemporaryFolder;
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
 
 /// The examples of a help text, with their continuation lines, one string each.
 std::vector<std::string> examples_of(const std::string& help) {

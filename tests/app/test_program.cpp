@@ -18,16 +18,13 @@ namespace posemix {
 namespace {
 
 using nlohmann::json;
+using testing::contains;
 using testing::content_of;
 using testing::names_in;
 using testing::ProgramResult;
 using testing::run_posemix;
 using testing::SmallFolder;
 using testing::TemporaryFolder;
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
 
 /// One line with the prefix of every error message.
 void expect_error(const ProgramResult& result, int exit_code, const std::string& part) {

@@ -17,16 +17,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
+using testing::contains;
 using testing::content_of;
 using testing::names_in;
 using testing::ProgramResult;
 using testing::run_posemix;
 using testing::RunningProgram;
 using testing::TemporaryFolder;
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
 
 class StudyCommand : public ::testing::Test {
  protected:

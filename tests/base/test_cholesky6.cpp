@@ -11,7 +11,7 @@
 namespace posemix::internal {
 namespace {
 
-Matrix6d random_covariance(RandomStream& random, double scale) {
+Matrix6d random_covariance6(RandomStream& random, double scale) {
   Matrix6d root;
   for (double& x : root.reshaped()) x = scale * random.normal();
   return root * root.transpose() + 1e-3 * scale * scale * Matrix6d::Identity();
@@ -27,7 +27,7 @@ TEST(Cholesky6, SolvesAsEigenDoes) {
   RandomStream random(1);
   for (const double scale : {1e-6, 1.0, 1e6}) {
     for (int trial = 0; trial < 20; ++trial) {
-      const Matrix6d s = random_covariance(random, scale);
+      const Matrix6d s = random_covariance6(random, scale);
       const Eigen::LLT<Matrix6d> expected(s);
       const Vector6d z = random_vector(random);
       const Cholesky6 factor(s);
@@ -47,7 +47,7 @@ TEST(Cholesky6, ADirectionWithoutVarianceAddsNothing) {
   RandomStream random(2);
   for (Eigen::Index known = 0; known < 6; ++known) {
     for (const double left : {0.0, -1e-18, -std::numeric_limits<double>::denorm_min()}) {
-      Matrix6d s = random_covariance(random, 1.0);
+      Matrix6d s = random_covariance6(random, 1.0);
       s.row(known).setZero();
       s.col(known).setZero();
       s(known, known) = left;

@@ -21,7 +21,7 @@ namespace {
 using testing::fuzz;
 using testing::FuzzReport;
 
-constexpr std::size_t kInputs = 10000;
+constexpr std::size_t kDamagedFiles = 10000;
 
 const std::vector<std::string> kTum{
     "# stamp tx ty tz qx qy qz qw\n"
@@ -127,7 +127,7 @@ TEST(DamagedIo, Tum) {
         parse_tum(format_tum(frames, TumMisses::write_zeros), "f", {.allow_misses = true});
     require(again.size() == frames.size(), "another number of frames after writing");
   };
-  expect_sound(fuzz(kTum, kInputs, 1, parse), 100);
+  expect_sound(fuzz(kTum, kDamagedFiles, 1, parse), 100);
 }
 
 TEST(DamagedIo, TumWithCovariancesAndTheirConsistency) {
@@ -145,7 +145,7 @@ TEST(DamagedIo, TumWithCovariancesAndTheirConsistency) {
     }
     require(!consistency_of(series).findings.empty(), "nothing found");
   };
-  expect_sound(fuzz(texts, kInputs, 5, parse), 100);
+  expect_sound(fuzz(texts, kDamagedFiles, 5, parse), 100);
 }
 
 TEST(DamagedIo, Bop) {
@@ -155,14 +155,14 @@ TEST(DamagedIo, Bop) {
       for (const ScoredPose& each : poses) require_pose(each.pose);
     }
   };
-  expect_sound(fuzz(kBop, kInputs, 2, parse), 100);
+  expect_sound(fuzz(kBop, kDamagedFiles, 2, parse), 100);
 }
 
 TEST(DamagedIo, ObjectPoses) {
   const auto parse = [](const std::string& text) {
     for (const auto& [id, pose] : parse_object_poses(text, "f")) require_pose(pose);
   };
-  expect_sound(fuzz(kObjects, kInputs, 3, parse), 100);
+  expect_sound(fuzz(kObjects, kDamagedFiles, 3, parse), 100);
 }
 
 TEST(DamagedIo, Npy) {
@@ -173,7 +173,7 @@ TEST(DamagedIo, Npy) {
         testing::npy_bytes(pose.matrix(), {.version = version, .fortran = version == 2}));
     originals.push_back(testing::npy_bytes(pose.matrix(), {.version = version, .wide = true}));
   }
-  expect_sound(fuzz(originals, kInputs, 4,
+  expect_sound(fuzz(originals, kDamagedFiles, 4,
                     [](const std::string& bytes) { require_pose(parse_npy_pose(bytes, "f")); }),
                100);
 }
@@ -184,7 +184,7 @@ TEST(DamagedIo, Toml) {
     read_every_way(document.root());
     document.finish();
   };
-  expect_sound(fuzz(kToml, kInputs, 5, parse), 100);
+  expect_sound(fuzz(kToml, kDamagedFiles, 5, parse), 100);
 }
 
 TEST(DamagedIo, TomlOverrides) {
@@ -197,7 +197,7 @@ TEST(DamagedIo, TomlOverrides) {
     read_every_way(document.root());
     document.finish();
   };
-  expect_sound(fuzz(assignments, kInputs / 5, 6, parse), 100);
+  expect_sound(fuzz(assignments, kDamagedFiles / 5, 6, parse), 100);
 }
 
 }  // namespace

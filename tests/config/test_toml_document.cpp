@@ -9,33 +9,34 @@
 namespace posemix {
 namespace {
 
-TomlDocument document_of(std::string_view text) { return TomlDocument::parse(text, "s.toml"); }
+TomlDocument parsed(std::string_view text) { return TomlDocument::parse(text, "s.toml"); }
 
 TomlDocument with_override(std::string_view text, std::string_view assignment) {
-  TomlDocument document = document_of(text);
+  TomlDocument document = parsed(text);
   document.apply_override(assignment);
   return document;
 }
 
-constexpr const char* kObjects = "[[objects]]\nid = 'mug'\nx = 1\n[[objects]]\nid = 'can'\nx = 2\n";
+constexpr const char* kTwoObjects =
+    "[[objects]]\nid = 'mug'\nx = 1\n[[objects]]\nid = 'can'\nx = 2\n";
 
 TEST(TomlDocument, RejectsDamagedText) {
-  EXPECT_INVALID(document_of(""), "s.toml: got an empty text, expected a TOML document");
-  EXPECT_INVALID_WITH(document_of(" \r\n"), "empty text");
-  EXPECT_INVALID_WITH(document_of("a = 1\nb = [1, 2\n"), "s.toml:");
-  EXPECT_INVALID_WITH(document_of("a = 1\na = 2\n"), "s.toml:2: ");
-  EXPECT_INVALID_WITH(document_of(std::string_view("a = 1\n\0\0", 8)), "s.toml:2: ");
-  EXPECT_INVALID_WITH(document_of("\x89PNG\r\n\x1a\n"), "s.toml:1: ");
-  EXPECT_INVALID_WITH(document_of("a = \"\xff\"\n"), "s.toml:1: ");
-  EXPECT_INVALID_WITH(document_of(std::string((1 << 20) + 1, '#')),
+  EXPECT_INVALID(parsed(""), "s.toml: got an empty text, expected a TOML document");
+  EXPECT_INVALID_WITH(parsed(" \r\n"), "empty text");
+  EXPECT_INVALID_WITH(parsed("a = 1\nb = [1, 2\n"), "s.toml:");
+  EXPECT_INVALID_WITH(parsed("a = 1\na = 2\n"), "s.toml:2: ");
+  EXPECT_INVALID_WITH(parsed(std::string_view("a = 1\n\0\0", 8)), "s.toml:2: ");
+  EXPECT_INVALID_WITH(parsed("\x89PNG\r\n\x1a\n"), "s.toml:1: ");
+  EXPECT_INVALID_WITH(parsed("a = \"\xff\"\n"), "s.toml:1: ");
+  EXPECT_INVALID_WITH(parsed(std::string((1 << 20) + 1, '#')),
                       "expected a TOML document of at most 1048576");
 }
 
 TEST(TomlDocument, RejectsWhatTheParserAssumes) {
-  EXPECT_INVALID_WITH(document_of("a = 1\n[=]\n"), "s.toml:2: ");
-  EXPECT_INVALID_WITH(document_of("\u00e9 = 1\n"), "s.toml:1: ");
-  EXPECT_INVALID_WITH(document_of("a = 1 \u00e9\n"), "s.toml:1: ");
-  EXPECT_INVALID_WITH(document_of("a = 1979-05-27T-1:32:00Z\n"), "s.toml:1: ");
+  EXPECT_INVALID_WITH(parsed("a = 1\n[=]\n"), "s.toml:2: ");
+  EXPECT_INVALID_WITH(parsed("\u00e9 = 1\n"), "s.toml:1: ");
+  EXPECT_INVALID_WITH(parsed("a = 1 \u00e9\n"), "s.toml:1: ");
+  EXPECT_INVALID_WITH(parsed("a = 1979-05-27T-1:32:00Z\n"), "s.toml:1: ");
 }
 
 TEST(TomlDocument, RejectsDeepNesting) {
@@ -44,15 +45,15 @@ TEST(TomlDocument, RejectsDeepNesting) {
     for (std::size_t i = 0; i < depth; ++i) key += "a.";
     return key + "a";
   };
-  EXPECT_INVALID_WITH(document_of(dotted(200000) + " = 1\n"), "got 200000 dots");
-  EXPECT_INVALID_WITH(document_of("[" + dotted(2000) + "]\n" + dotted(1999) + " = 1\n"),
+  EXPECT_INVALID_WITH(parsed(dotted(200000) + " = 1\n"), "got 200000 dots");
+  EXPECT_INVALID_WITH(parsed("[" + dotted(2000) + "]\n" + dotted(1999) + " = 1\n"),
                       "more than 32 tables");
-  EXPECT_INVALID_WITH(document_of("a = " + std::string(100000, '[')), "s.toml:1: ");
-  EXPECT_INVALID_WITH(document_of("1.1.1.1 = 2").root().get_double("x"), "is missing");
-  EXPECT_NO_THROW(document_of(dotted(20) + " = 1.5\n"));
+  EXPECT_INVALID_WITH(parsed("a = " + std::string(100000, '[')), "s.toml:1: ");
+  EXPECT_INVALID_WITH(parsed("1.1.1.1 = 2").root().get_double("x"), "is missing");
+  EXPECT_NO_THROW(parsed(dotted(20) + " = 1.5\n"));
   std::string numbers = "a = [1.5";
   for (int i = 0; i < 10000; ++i) numbers += ", 1.5";
-  EXPECT_EQ(document_of(numbers + "]").root().get_vector("a").size(), 10001);
+  EXPECT_EQ(parsed(numbers + "]").root().get_vector("a").size(), 10001);
 }
 
 TEST(TomlDocument, LoadsFiles) {
@@ -102,13 +103,13 @@ TEST(TomlOverride, ElementsOfArrays) {
   const auto x_of = [](const TomlDocument& document, std::size_t index) {
     return document.root().get_tables("objects")[index].get_integer("x");
   };
-  EXPECT_EQ(x_of(with_override(kObjects, "objects.1.x=7"), 1), 7);
-  EXPECT_EQ(x_of(with_override(kObjects, "objects.can.x=7"), 1), 7);
-  EXPECT_EQ(x_of(with_override(kObjects, "objects.mug.x=7"), 0), 7);
+  EXPECT_EQ(x_of(with_override(kTwoObjects, "objects.1.x=7"), 1), 7);
+  EXPECT_EQ(x_of(with_override(kTwoObjects, "objects.can.x=7"), 1), 7);
+  EXPECT_EQ(x_of(with_override(kTwoObjects, "objects.mug.x=7"), 0), 7);
   EXPECT_EQ(with_override("v = [1, 2]", "v.1=7").root().get_vector("v")[1], 7);
-  EXPECT_INVALID(with_override(kObjects, "objects.2.x=7"),
+  EXPECT_INVALID(with_override(kTwoObjects, "objects.2.x=7"),
                  "--set objects.2.x=7: got index 2 in 'objects', expected 0 to 1");
-  EXPECT_INVALID(with_override(kObjects, "objects.cup.x=7"),
+  EXPECT_INVALID(with_override(kTwoObjects, "objects.cup.x=7"),
                  "--set objects.cup.x=7: got 'cup' in 'objects', expected an index or the id of "
                  "one of its tables");
 }
@@ -140,7 +141,7 @@ TEST(TomlOverride, BadAssignments) {
 }
 
 TEST(TomlVariables, ReplacedInStrings) {
-  TomlDocument document = document_of(
+  TomlDocument document = parsed(
       "object = '003'\nnumber = 7\npath = '${object}/${number}/$x/${object}.txt'\n"
       "list = ['${data}/a']\n");
   document.set_variable("data", "/d");
@@ -151,7 +152,7 @@ TEST(TomlVariables, ReplacedInStrings) {
 
 TEST(TomlVariables, FromOverrides) {
   for (const char* sequence : {"0001", "1001", "'0001'"}) {
-    TomlDocument document = document_of("path = 'odom/${sequence}.txt'\n");
+    TomlDocument document = parsed("path = 'odom/${sequence}.txt'\n");
     document.apply_override(std::string("sequence=") + sequence);
     const std::string expected =
         sequence == std::string("1001") ? "odom/1001.txt" : "odom/0001.txt";
@@ -161,7 +162,7 @@ TEST(TomlVariables, FromOverrides) {
 }
 
 TEST(TomlVariables, Errors) {
-  const auto read = [](std::string_view text) { return document_of(text).root().get_string("p"); };
+  const auto read = [](std::string_view text) { return parsed(text).root().get_string("p"); };
   EXPECT_INVALID(
       read("p = '${object}'"),
       "s.toml:1: got ${object}, but there is no key 'object' at the top of the document: "

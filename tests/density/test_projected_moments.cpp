@@ -22,7 +22,7 @@ double normalizer(const Vector3d& mean, const Matrix3d& covariance) {
 
 Matrix3d diagonal(double a, double b, double c) { return Vector3d(a, b, c).asDiagonal(); }
 
-Matrix3d tilted() {
+Matrix3d skewed() {
   return (Matrix3d() << 0.09, 0.02, 0.0, 0.02, 0.04, -0.01, 0.0, -0.01, 0.16).finished();
 }
 
@@ -43,8 +43,8 @@ TEST(ProjectedNormalizer, AgreesWithTheOraclesToTwelveDigits) {
   expect_relative(normalizer({0.5, 0.0, -1.0}, diagonal(4.0, 0.5, 0.001)), 0.072922686659639725,
                   1e-12);
   expect_relative(normalizer(zero, diagonal(1e4, 1.0, 1e-6)), 0.0035396800654718870, 1e-12);
-  expect_relative(normalizer(zero, tilted()), 0.660187379067032, 1e-12);
-  expect_relative(normalizer({0.1, -0.2, 0.05}, tilted()), 0.613735711835063, 1e-12);
+  expect_relative(normalizer(zero, skewed()), 0.660187379067032, 1e-12);
+  expect_relative(normalizer({0.1, -0.2, 0.05}, skewed()), 0.613735711835063, 1e-12);
 }
 
 TEST(ProjectedNormalizer, HasItsLimits) {
@@ -53,12 +53,12 @@ TEST(ProjectedNormalizer, HasItsLimits) {
   const Vector3d far(2.0, -1.0, 2.0);
   EXPECT_NEAR(normalizer(far, tiny), 1.0 / 100.0, 1e-9);
   const Matrix3d turn = SO3d::exp({0.4, -1.1, 0.7}).matrix();
-  expect_relative(normalizer(turn * far, turn * tilted() * turn.transpose()),
-                  normalizer(far, tilted()), 1e-13);
+  expect_relative(normalizer(turn * far, turn * skewed() * turn.transpose()),
+                  normalizer(far, skewed()), 1e-13);
 }
 
 TEST(ProjectedMoments, AgreeWithTheOracles) {
-  const ProjectedMoments centred = projected_moments(Vector3d::Zero(), tilted());
+  const ProjectedMoments centred = projected_moments(Vector3d::Zero(), skewed());
   const Matrix3d second =
       (Matrix3d() << 0.070176418549, 0.014160349228, 0.000251125465, 0.014160349228, 0.034649982746,
        -0.006201235488, 0.000251125465, -0.006201235488, 0.109567059527)
@@ -71,7 +71,7 @@ TEST(ProjectedMoments, AgreeWithTheOracles) {
           .finished();
   EXPECT_LT((centred.rotation - rotation).cwiseAbs().maxCoeff(), 1e-12);
 
-  const ProjectedMoments off = projected_moments({0.1, -0.2, 0.05}, tilted());
+  const ProjectedMoments off = projected_moments({0.1, -0.2, 0.05}, skewed());
   EXPECT_LT((off.mean - Vector3d(0.08729255, -0.18189944, 0.03119763)).norm(), 1e-8);
   const Vector3d variance = (off.second_moment - off.mean * off.mean.transpose()).diagonal();
   EXPECT_LT((variance - Vector3d(0.070701862802, 0.034919441497, 0.110682375314)).norm(), 1e-12);
@@ -98,7 +98,7 @@ TEST(ProjectedMoments, AreDerivativesOfTheNormalizer) {
   // In natural parameters J = S^-1, h = J m: d(ln C - ...)/dh = E[u]; here by m alone,
   // d ln C / dm = S^-1 (E[u] - m).
   const Vector3d mean(0.4, 0.3, -0.6);
-  const Matrix3d covariance = 3.0 * tilted();
+  const Matrix3d covariance = 3.0 * skewed();
   const ProjectedMoments moments = projected_moments(mean, covariance);
   const Vector3d expected = covariance.inverse() * (moments.mean - mean);
   for (int i = 0; i < 3; ++i) {
@@ -113,7 +113,7 @@ TEST(ProjectedMoments, AreDerivativesOfTheNormalizer) {
 
 TEST(ProjectedCovariance, IsThatOfTheMoment) {
   for (const double scale : {1e-6, 0.01, 0.5, 4.0, 40.0}) {
-    const Matrix3d covariance = scale * tilted();
+    const Matrix3d covariance = scale * skewed();
     const Matrix3d moment = projected_moments(Vector3d::Zero(), covariance).second_moment;
     const ProjectedCovariance found = projected_covariance_of_moment(moment);
     EXPECT_TRUE(found.converged) << scale;

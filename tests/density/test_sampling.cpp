@@ -10,7 +10,7 @@
 namespace posemix {
 namespace {
 
-constexpr int kDraws = 100'000;
+constexpr int kManyDraws = 100'000;
 
 template <class G>
 class Sampling : public ::testing::Test {
@@ -36,7 +36,7 @@ class Sampling : public ::testing::Test {
                             Visit&& visit) {
     RandomStream stream(seed);
     const G inverse_mean = density.mean().inverse();
-    for (int i = 0; i < kDraws; ++i) visit((density.sample(stream) * inverse_mean).log());
+    for (int i = 0; i < kManyDraws; ++i) visit((density.sample(stream) * inverse_mean).log());
   }
 };
 
@@ -65,11 +65,11 @@ TYPED_TEST(Sampling, SquaredMahalanobisDistancesAreChiSquare) {
     mean += white;
     if (white.squaredNorm() < median) ++within_median;
   });
-  const auto [low, high] = testing::chi_square_band(n * kDraws);
+  const auto [low, high] = testing::chi_square_band(n * kManyDraws);
   EXPECT_GT(sum, low);
   EXPECT_LT(sum, high);
-  EXPECT_LT(mean.squaredNorm() / kDraws, testing::chi_square_band(n).second);
-  EXPECT_NEAR(within_median, 0.5 * kDraws, 5.0 * std::sqrt(0.25 * kDraws));
+  EXPECT_LT(mean.squaredNorm() / kManyDraws, testing::chi_square_band(n).second);
+  EXPECT_NEAR(within_median, 0.5 * kManyDraws, 5.0 * std::sqrt(0.25 * kManyDraws));
 }
 
 TYPED_TEST(Sampling, TheStreamDecidesTheDraws) {

@@ -20,7 +20,7 @@ using testing::single;
 using Lie = ConcentratedGaussian<SE3d>;
 using Projected = ProjectedGaussian<SE3d>;
 
-constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr double kOneDegree = std::numbers::pi / 180.0;
 constexpr std::array kRules{ConversionRule::linear, ConversionRule::cubature,
                             ConversionRule::maximum_likelihood};
 
@@ -42,12 +42,12 @@ Matrix6d covariance(int seed, double rotation, double translation) {
 const SE3d kMean(SO3d::exp({0.2, -0.1, 0.3}), {0.3, -0.2, 0.5});
 
 Lie lie(int seed, double degrees) {
-  Matrix6d p = kMean.adjoint_congruence(covariance(seed, degrees * kDegree, 0.03));
+  Matrix6d p = kMean.adjoint_congruence(covariance(seed, degrees * kOneDegree, 0.03));
   symmetrize(p);
   return {kMean, p};
 }
 Projected projected(int seed, double degrees) {
-  return {kMean, covariance(seed, 0.5 * degrees * kDegree, 0.03)};
+  return {kMean, covariance(seed, 0.5 * degrees * kOneDegree, 0.03)};
 }
 
 /// Every rule uses the same points, so that differences are not noise.

@@ -18,7 +18,7 @@ using testing::correlated;
 using testing::single;
 using Pose = ProjectedGaussian<SE3d>;
 using Rotation = ProjectedGaussian<SO3d>;
-using Vectors = ConcentratedGaussian<Rnd<6>>;
+using Vectors6 = ConcentratedGaussian<Rnd<6>>;
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
@@ -34,7 +34,7 @@ Rotation rotation(const SO3d& tangent_point, const Eigen::Vector3d& mean,
 }
 
 /// The Gaussian in the tangent space as a density on R^6.
-Vectors in_vectors(const Pose& density) {
+Vectors6 in_vectors(const Pose& density) {
   return {Rnd<6>(density.tangent_mean()), density.covariance()};
 }
 

@@ -112,8 +112,8 @@ TYPED_TEST(WassersteinOn, MixtureOfEqualWeightsIsTheBestPermutation) {
       }
       best = std::min(best, sum / static_cast<double>(n));
     } while (std::ranges::next_permutation(order).found);
-    using Peaks = Mixture<ConcentratedGaussian<TypeParam>>;
-    RC_ASSERT(std::abs(mixture_wasserstein(Peaks(a), Peaks(b), 0.5) - std::sqrt(best)) <
+    using Mixtures = Mixture<ConcentratedGaussian<TypeParam>>;
+    RC_ASSERT(std::abs(mixture_wasserstein(Mixtures(a), Mixtures(b), 0.5) - std::sqrt(best)) <
               1e-9 * (1.0 + std::sqrt(best)));
   });
 }
@@ -121,12 +121,12 @@ TYPED_TEST(WassersteinOn, MixtureOfEqualWeightsIsTheBestPermutation) {
 TYPED_TEST(WassersteinOn, MixtureDistanceOfAMixtureFromItselfIsZero) {
   check_property([] {
     auto components = draw_components<TypeParam>(4, 0.4, 0.2);
-    using Peaks = Mixture<ConcentratedGaussian<TypeParam>>;
-    const Peaks p(components);
+    using Mixtures = Mixture<ConcentratedGaussian<TypeParam>>;
+    const Mixtures p(components);
     std::ranges::reverse(components);
-    RC_ASSERT(mixture_wasserstein(p, Peaks(components)) < 2e-6);
+    RC_ASSERT(mixture_wasserstein(p, Mixtures(components)) < 2e-6);
     RC_ASSERT(mixture_wasserstein(p, p) < 1e-12);
-    const Peaks one({components[0]});
+    const Mixtures one({components[0]});
     double expected = 0.0;
     for (const auto& c : p.components()) {
       expected += std::exp(c.log_weight) *

@@ -16,7 +16,7 @@ using testing::view;
 using testing::with_noise;
 
 /// The minima of views of which many are ambiguous.
-std::vector<std::vector<TagMinimum>> draw(double sd, double dof, int count) {
+std::vector<std::vector<TagMinimum>> draw_minima(double sd, double dof, int count) {
   RandomStream stream(21);
   std::vector<std::vector<TagMinimum>> sightings;
   for (int i = 0; i < count; ++i) {
@@ -36,7 +36,7 @@ std::vector<std::vector<TagMinimum>> draw(double sd, double dof, int count) {
 
 TEST(CornerNoise, NormalNoiseIsLearned) {
   const CornerNoiseFit fit =
-      fit_corner_noise(draw(0.3, std::numeric_limits<double>::infinity(), 5000));
+      fit_corner_noise(draw_minima(0.3, std::numeric_limits<double>::infinity(), 5000));
   EXPECT_TRUE(fit.converged);
   EXPECT_GT(fit.sightings, 4990U);
   EXPECT_NEAR(fit.noise.sd_px, 0.3, 0.01);  // one standard error is 0.002
@@ -44,14 +44,14 @@ TEST(CornerNoise, NormalNoiseIsLearned) {
 }
 
 TEST(CornerNoise, HeavyTailsAreLearned) {
-  const CornerNoiseFit fit = fit_corner_noise(draw(0.2, 4.0, 10000));
+  const CornerNoiseFit fit = fit_corner_noise(draw_minima(0.2, 4.0, 10000));
   EXPECT_TRUE(fit.converged);
   EXPECT_NEAR(fit.noise.sd_px, 0.2, 0.01);
   EXPECT_NEAR(fit.noise.dof, 4.0, 0.5);
 }
 
 TEST(CornerNoise, SightingsWithoutPoseDoNotCount) {
-  auto sightings = draw(0.3, std::numeric_limits<double>::infinity(), 200);
+  auto sightings = draw_minima(0.3, std::numeric_limits<double>::infinity(), 200);
   const CornerNoiseFit fit = fit_corner_noise(sightings);
   sightings.insert(sightings.begin() + 7, std::vector<TagMinimum>{});
   const CornerNoiseFit with_gap = fit_corner_noise(sightings);
@@ -61,7 +61,7 @@ TEST(CornerNoise, SightingsWithoutPoseDoNotCount) {
 
 TEST(CornerNoise, CornersWithoutNoiseHaveAFiniteOne) {
   const CornerNoiseFit fit =
-      fit_corner_noise(draw(0.0, std::numeric_limits<double>::infinity(), 50));
+      fit_corner_noise(draw_minima(0.0, std::numeric_limits<double>::infinity(), 50));
   EXPECT_GT(fit.noise.sd_px, 0.0);
   EXPECT_LT(fit.noise.sd_px, 1e-5);
 }

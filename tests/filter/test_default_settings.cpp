@@ -16,7 +16,7 @@ using testing::draw;
 using testing::isotropic;
 using testing::pose;
 
-const Matrix6d kStart = isotropic(0.1, 0.002);
+const Matrix6d kStartCovariance = isotropic(0.1, 0.002);
 const Matrix6d kOdometry = isotropic(0.04, 0.5e-3);  // per frame of a tenth of a second
 
 SymmetryGroup ball() {
@@ -68,8 +68,8 @@ TEST(DefaultSettings, AConsideredCameraDoesNotBecomeSurer) {
 // An object that is not seen becomes as uncertain from the camera as the odometry makes it, in all
 // that is reported of it.
 TEST(DefaultSettings, ThePauseIsInTheRelativePose) {
-  MultiObjectFilter filter(ConcentratedGaussian<SE3d>(SE3d(), kStart), {{default_detector_noise()}},
-                           {});
+  MultiObjectFilter filter(ConcentratedGaussian<SE3d>(SE3d(), kStartCovariance),
+                           {{default_detector_noise()}}, {});
   filter.update(0, pose(0.1, 0.2, 0.3, 0.0, 0.1, 1.0));
   const Matrix6d before = filter.relative(0, 0).covariance();
   const Matrix6d expected_before = filter.predicted_detection(0, 0).covariance();
@@ -87,10 +87,10 @@ TEST(DefaultSettings, ThePauseIsInTheRelativePose) {
 }
 
 TEST(DefaultSettings, TheCameraHasAllOfItsOdometrysNoise) {
-  MultiObjectFilter filter(ConcentratedGaussian<SE3d>(SE3d(), kStart), {{default_detector_noise()}},
-                           {});
+  MultiObjectFilter filter(ConcentratedGaussian<SE3d>(SE3d(), kStartCovariance),
+                           {{default_detector_noise()}}, {});
   for (int i = 0; i < 100; ++i) filter.predict_with_odometry(SE3d(), kOdometry, 0.1);
-  EXPECT_TRUE(filter.camera().covariance().isApprox(kStart + 100.0 * kOdometry, 1e-9));
+  EXPECT_TRUE(filter.camera().covariance().isApprox(kStartCovariance + 100.0 * kOdometry, 1e-9));
 }
 
 /// Root mean square of the position's error per axis after `count` detections, over several runs.
@@ -149,7 +149,7 @@ TEST(DefaultSettings, AModelWithoutClutterStillGivesUpAWrongBeginning) {
   const Matrix6d covariance = isotropic(3.0, 0.01);
   const SE3d truth = pose(0.3, -0.2, 0.5, 0.1, -0.05, 1.0);
   const SE3d wrong = truth * pose(0, 0, 3.14, 0.2, 0, 0);
-  MultiObjectFilter filter(ConcentratedGaussian<SE3d>(SE3d(), kStart),
+  MultiObjectFilter filter(ConcentratedGaussian<SE3d>(SE3d(), kStartCovariance),
                            {{DetectorNoise({{.covariance = covariance}})}}, {});
   RandomStream stream(3, 1);
   for (int i = 0; i < 230; ++i) {
@@ -164,7 +164,7 @@ TEST(DefaultSettings, AModelWithoutClutterStillGivesUpAWrongBeginning) {
 // A young object is as certain as its one detection: white error, slow error and that in common.
 TEST(DefaultSettings, AYoungObjectIsAsCertainAsItsDetection) {
   const DetectorNoise noise = default_detector_noise();
-  MultiObjectFilter filter(ConcentratedGaussian<SE3d>(SE3d(), kStart), {{noise}}, {});
+  MultiObjectFilter filter(ConcentratedGaussian<SE3d>(SE3d(), kStartCovariance), {{noise}}, {});
   const SE3d seen(SO3d(), {0.0, 0.0, 1.0});  // along the axis of the camera, at one metre
   filter.update(0, seen);
   const auto& c = noise.components();
@@ -186,7 +186,7 @@ TEST(DefaultSettings, ErrorsBeyondTheModelDoNotMoveTheObjectAwayFromItsDetection
   double worst = 0.0;
   for (int run = 0; run < kRuns; ++run) {
     RandomStream stream(static_cast<std::uint64_t>(run), 9);
-    MultiObjectFilter filter(ConcentratedGaussian<SE3d>(SE3d(), kStart),
+    MultiObjectFilter filter(ConcentratedGaussian<SE3d>(SE3d(), kStartCovariance),
                              {{default_detector_noise()}}, {});
     SE3d before;
     for (int k = 0; k < 12; ++k) {

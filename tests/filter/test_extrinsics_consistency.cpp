@@ -14,7 +14,7 @@ using testing::plain_settings;
 using testing::pose;
 using testing::ray_noise;
 
-const SE3d kBodyCamera = pose(0.1, 0.5, -0.2, 0.2, -0.1, 0.05);
+const SE3d kTrueBodyCamera = pose(0.1, 0.5, -0.2, 0.2, -0.1, 0.05);
 
 /// T_body_camera with an error drawn from the covariance that it states.
 ConcentratedGaussian<SE3d> drawn(const SE3d& truth, const Matrix6d& covariance,
@@ -71,15 +71,15 @@ double run_rig(std::uint64_t seed, const DetectorNoise& noise, Nees& sum, bool i
   RandomStream& random = scene.stream;
   MultiObjectFilter filter(drawn(scene.camera, isotropic(0.1, 0.002), random),
                            std::vector<ObjectSensor>(3, {noise}), plain_settings());
-  const ConcentratedGaussian<SE3d> prior = drawn(kBodyCamera, isotropic(2.0, 0.02), random);
-  filter.add_camera(is_exact ? ConcentratedGaussian<SE3d>(kBodyCamera, 1e-12 * prior.covariance())
-                             : prior);
+  const ConcentratedGaussian<SE3d> prior = drawn(kTrueBodyCamera, isotropic(2.0, 0.02), random);
+  filter.add_camera(
+      is_exact ? ConcentratedGaussian<SE3d>(kTrueBodyCamera, 1e-12 * prior.covariance()) : prior);
   for (int k = 1; k <= 150; ++k) {
     filter.predict_with_odometry(scene.advance(), scene.q, 0.1);
     for (std::size_t object = 0; object < 3; ++object) {
       if (random.uniform() < 0.3) continue;
       const bool is_second = random.uniform() < 0.5;
-      const SE3d camera = is_second ? scene.camera * kBodyCamera : scene.camera;
+      const SE3d camera = is_second ? scene.camera * kTrueBodyCamera : scene.camera;
       const SE3d seen = detect(noise, camera.inverse() * scene.truth[object], random);
       filter.update(object, observation_of(seen),
                     is_second ? ObservationSource{.camera = 0} : ObservationSource{});
@@ -87,7 +87,7 @@ double run_rig(std::uint64_t seed, const DetectorNoise& noise, Nees& sum, bool i
     if (k % 50 != 0) continue;
     ++sum.count;
     sum.body += nees(filter.camera(), scene.camera);
-    sum.extrinsic += nees(filter.extrinsic(0), kBodyCamera);
+    sum.extrinsic += nees(filter.extrinsic(0), kTrueBodyCamera);
     for (std::size_t object = 0; object < 3; ++object) {
       const auto world = filter.leading_estimates()[object];
       const SE3d& right = scene.truth[object];
@@ -98,7 +98,7 @@ double run_rig(std::uint64_t seed, const DetectorNoise& noise, Nees& sum, bool i
       sum.relative += nees(world->relative, scene.camera.inverse() * right);
     }
   }
-  return (filter.extrinsic(0).mean().translation() - kBodyCamera.translation()).norm();
+  return (filter.extrinsic(0).mean().translation() - kTrueBodyCamera.translation()).norm();
 }
 
 void expect_consistent(double value, const char* name) {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include <Eigen/Eigenvalues>
+
 #include "multi_object_scene.hpp"
 #include "posemix/filter/update.hpp"
 

@@ -35,7 +35,7 @@ ConcentratedGaussian<SE3d> anywhere(const SE3d& near) {
   return {near, position.adjoint_congruence(covariance)};
 }
 
-Observation observed(const SE3d& camera_object, double first = 1.0) {
+Observation observed_alone(const SE3d& camera_object, double first = 1.0) {
   Observation observation = observation_of(camera_object);
   if (first < 1.0) {
     observation.components.front().weight = first;
@@ -67,7 +67,7 @@ TEST(KnownObjects, OfAWrongSurveyAreLetGoOf) {
   filter.add_object({tag_noise()}, prior_at(world));
   for (int k = 0; k < 30; ++k) {
     filter.predict_random_walk(isotropic(0.01, 1e-4), 0.1);
-    filter.update(0, observed(truth));
+    filter.update(0, observed_alone(truth));
   }
   const auto leading = filter.leading(0);
   ASSERT_TRUE(leading.has_value());
@@ -80,8 +80,8 @@ TEST(LostCamera, IsFoundFromAKnownObject) {
   const SE3d camera(SO3d::exp({-1.5, 1.2, 1.0}), {27.0, -8.0, 1.5});
   MultiObjectFilter filter(anywhere(SE3d(SO3d(), {30.0, -8.0, 0.0})), {}, plain_settings());
   filter.add_object({tag_noise()}, prior_at(world));
-  filter.update(0, observed(camera.inverse() * world));
-  filter.update(0, observed(camera.inverse() * world));
+  filter.update(0, observed_alone(camera.inverse() * world));
+  filter.update(0, observed_alone(camera.inverse() * world));
   EXPECT_LT(apart(filter.camera().mean(), camera), 0.02);
   const Eigen::Matrix3d rotation = filter.camera().covariance().topLeftCorner<3, 3>();
   EXPECT_LT(rotation.trace(), 0.01);
@@ -97,7 +97,7 @@ TEST(LostCamera, IsFoundWithOdometryAndTheDefaultNoise) {
   filter.add_object({default_detector_noise()}, prior_at(world));
   for (int k = 0; k < 30; ++k) {
     filter.predict_with_odometry(SE3d(), isotropic(0.1, 0.001), 0.1);
-    filter.update(0, observed(camera.inverse() * world));
+    filter.update(0, observed_alone(camera.inverse() * world));
   }
   EXPECT_LT((filter.camera().mean().translation() - camera.translation()).norm(), 0.2);
   EXPECT_LT(apart(filter.hypotheses(0)[*filter.leading(0)].pose, world), 0.05);
@@ -110,8 +110,8 @@ TEST(LostCamera, TakesNewObjectsAlong) {
   const SE3d camera(SO3d::exp({-1.5, 1.2, 1.0}), {2.0, 1.0, 1.5});
   MultiObjectFilter filter(anywhere(SE3d()), {{tag_noise()}}, plain_settings());
   filter.add_object({tag_noise()}, prior_at(known));
-  for (int k = 0; k < 3; ++k) filter.update(0, observed(camera.inverse() * fresh));
-  for (int k = 0; k < 3; ++k) filter.update(1, observed(camera.inverse() * known));
+  for (int k = 0; k < 3; ++k) filter.update(0, observed_alone(camera.inverse() * fresh));
+  for (int k = 0; k < 3; ++k) filter.update(1, observed_alone(camera.inverse() * known));
   EXPECT_LT(apart(filter.camera().mean(), camera), 0.02);
   EXPECT_LT(apart(filter.hypotheses(0)[*filter.leading(0)].pose, fresh), 0.05);
 }
@@ -119,7 +119,7 @@ TEST(LostCamera, TakesNewObjectsAlong) {
 TEST(LostCamera, IsIndependentOfTheMapAfterALongPause) {
   MultiObjectFilter filter({SE3d(), isotropic(1.0, 0.01)}, {{tag_noise()}}, plain_settings());
   const SE3d object(SO3d(), {0.0, 0.0, 1.0});
-  filter.update(0, observed(object));
+  filter.update(0, observed_alone(object));
   const Matrix6d before = filter.hypotheses(0)[0].covariance;
   const double position = filter.camera().covariance()(5, 5);
   filter.predict_random_walk(isotropic(300.0, 2.0), 30.0);
@@ -130,7 +130,7 @@ TEST(LostCamera, IsIndependentOfTheMapAfterALongPause) {
 
   // It is found from its map.
   const SE3d camera(SO3d::exp({1.0, -2.0, 0.5}), {1.5, 1.0, -2.0});
-  for (int k = 0; k < 3; ++k) filter.update(0, observed(camera.inverse() * object));
+  for (int k = 0; k < 3; ++k) filter.update(0, observed_alone(camera.inverse() * object));
   EXPECT_LT(apart(filter.camera().mean(), camera), 0.05);
 }
 
@@ -141,7 +141,7 @@ TEST(LostCamera, HasAStateForEveryComponent) {
   const SE3d camera(SO3d::exp({-0.5, 0.6, 1.0}), {2.0, 1.0, 1.5});
   MultiObjectFilter filter(anywhere(SE3d()), {}, plain_settings());
   filter.add_object({tag_noise(5.0)}, prior_at(world));
-  Observation wrong = observed(camera.inverse() * world, 0.3);  // the wrong pose has 0.7
+  Observation wrong = observed_alone(camera.inverse() * world, 0.3);  // the wrong pose has 0.7
   filter.update(0, wrong);
   const auto cameras = filter.camera_mixture();
   ASSERT_GE(cameras.size(), 2U);
@@ -151,7 +151,7 @@ TEST(LostCamera, HasAStateForEveryComponent) {
   EXPECT_TRUE(right);
   // Nearer, the right pose is clear.
   filter.predict_random_walk(isotropic(1.0, 0.01), 0.1);
-  filter.update(0, observed(camera.inverse() * world, 0.999));
+  filter.update(0, observed_alone(camera.inverse() * world, 0.999));
   EXPECT_LT(apart(filter.camera().mean(), camera), 0.1);
 }
 
@@ -163,7 +163,7 @@ TEST(Weights, CountOnceAndMoreWhereTheyAreClearer) {
                              plain_settings());
     for (const double first : firsts) {
       filter.predict_random_walk(isotropic(1e-3, 1e-5), 0.05);
-      filter.update(0, observed(object, first));
+      filter.update(0, observed_alone(object, first));
     }
     double right = 0.0;
     for (const ObjectHypothesis& h : filter.hypotheses(0))

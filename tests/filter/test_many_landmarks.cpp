@@ -73,7 +73,7 @@ class ManyLandmarks : public ::testing::Test {
 };
 
 /// Largest difference of two joint Gaussians, in standard deviations and in correlations.
-double difference(const GlobalHypotheses& a, const GlobalHypotheses& b) {
+double weight_difference(const GlobalHypotheses& a, const GlobalHypotheses& b) {
   EXPECT_LT(b.summary().joint.active(), b.summary().joint.size());
   EXPECT_TRUE(b.joint().covariance().allFinite());
   const auto x = a.joint();
@@ -111,7 +111,7 @@ TEST_F(ManyLandmarks, PassiveOnesAreThoseOfTheDenseFilter) {
     EXPECT_TRUE(estimates[j]->relative.covariance().isApprox(
         relative_pose(joint, 0, *index).covariance(), 1e-9));
   }
-  EXPECT_LT(difference(dense, compressed), 1e-8);
+  EXPECT_LT(weight_difference(dense, compressed), 1e-8);
 }
 
 TEST_F(ManyLandmarks, SoTheyAreWithSlowErrorsAndDampedGains) {
@@ -121,7 +121,7 @@ TEST_F(ManyLandmarks, SoTheyAreWithSlowErrorsAndDampedGains) {
       filter_of(one_mode(true, true), MultiObjectSettings{.default_clutter = 0.0}, kFew);
   for (int part = 0; part < 6; ++part) {
     run(dense, compressed, 50, 0.0);
-    EXPECT_LT(difference(dense, compressed), 1e-8);
+    EXPECT_LT(weight_difference(dense, compressed), 1e-8);
   }
   const Eigen::MatrixXd here = dense.summary().joint.covariance();
   const Eigen::MatrixXd there = compressed.summary().joint.covariance();
@@ -141,7 +141,7 @@ TEST_F(ManyLandmarks, SoTheyAreWithConstantVelocity) {
     state.predict_constant_velocity(1.0, isotropic(0.1, 1e-3), isotropic(0.2, 2e-3),
                                     isotropic(2.0, 0.05), 0.1);
   });
-  EXPECT_LT(difference(dense, compressed), 1e-8);
+  EXPECT_LT(weight_difference(dense, compressed), 1e-8);
 }
 
 // A slow error that has decayed to a thousandth is taken out of the base, and is drawn anew when
@@ -154,7 +154,7 @@ TEST_F(ManyLandmarks, AForgottenSlowErrorIsIndependent) {
   GlobalHypotheses compressed = filter_of(noise, plain_settings(), kFew);
   for (int part = 0; part < 10; ++part) {
     run(dense, compressed, 30, 0.0);
-    EXPECT_LT(difference(dense, compressed), 2e-3);
+    EXPECT_LT(weight_difference(dense, compressed), 2e-3);
   }
   const MultiObjectState& all = compressed.summary();
   std::size_t independent = 0;

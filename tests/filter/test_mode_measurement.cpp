@@ -11,7 +11,7 @@ namespace {
 using testing::isotropic;
 using testing::pose;
 
-struct Scene {
+struct ModeScene {
   SE3d camera = pose(0.3, -0.2, 0.5, 0.4, 0.1, -0.6);
   SE3d object = pose(0.1, 0.2, -0.4, 0.2, 0, 0.5);
   SE3d detected = camera.inverse() * object * pose(0.02, 0, 0, 0, 0.01, 0);
@@ -26,7 +26,7 @@ struct Scene {
 
 // One component and no clutter: the factor is the Gaussian of that component.
 TEST(ModeMeasurement, TheInformationIsThatOfTheComponent) {
-  const Scene scene;
+  const ModeScene scene;
   const ObjectSensor sensor{DetectorNoise({{.covariance = scene.covariance}})};
   const ModeMeasurement seen = measure_mode(scene.state(), scene.detected, sensor);
   const Matrix6d in_world = scene.object.adjoint_congruence(scene.covariance);
@@ -38,7 +38,7 @@ TEST(ModeMeasurement, TheInformationIsThatOfTheComponent) {
 }
 
 TEST(ModeMeasurement, ARunOfDetectionsHasTheInformationOfOne) {
-  const Scene scene;
+  const ModeScene scene;
   const ObjectSensor sensor{DetectorNoise({{.covariance = scene.covariance, .run_length = 4.0}})};
   const ModeMeasurement seen = measure_mode(scene.state(), scene.detected, sensor);
   const Matrix6d in_world = scene.object.adjoint_congruence(scene.covariance);
@@ -47,7 +47,7 @@ TEST(ModeMeasurement, ARunOfDetectionsHasTheInformationOfOne) {
 
 // z = Log(...) - A b, where A turns the axes of the noise into those of the world.
 TEST(ModeMeasurement, TheSlowErrorIsTakenOffTheResidual) {
-  const Scene scene;
+  const ModeScene scene;
   const ObjectSensor sensor{DetectorNoise({{.covariance = scene.covariance}}, {},
                                           {.slow = SlowError{.covariance = scene.covariance}})};
   ModeState state = scene.state();

@@ -14,7 +14,7 @@ using testing::nees_of;
 using testing::plain_moving_settings;
 using testing::SceneNoise;
 
-constexpr double kStep = 0.1;
+using testing::kStep;
 
 /// NEES of a still object in the world after many detections from cameras with errors.
 double camera_nees(const Matrix6d& independent, const Matrix6d& constant, bool state_it) {

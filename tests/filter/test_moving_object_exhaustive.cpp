@@ -26,7 +26,7 @@ using testing::sds;
 
 using PoseMixture = Mixture<ConcentratedGaussian<SE3d>>;
 
-constexpr double kStep = 0.1;
+using testing::kStep;
 
 /// A history: the object, if its place is known, the place of a run, if the detector is in one, and
 /// whether the detector is right.
@@ -206,7 +206,7 @@ class AllHistories {
   std::vector<History> histories_;
 };
 
-double kl(const PoseMixture& p, const PoseMixture& q) {
+double mixture_kl(const PoseMixture& p, const PoseMixture& q) {
   RandomStream stream(3, 1);
   return kl_monte_carlo(p, q, stream, {.samples = 500}).value;
 }
@@ -237,7 +237,7 @@ Loss mean_loss(const DetectorNoise& noise, const MotionModels& models, int seeds
       filter.update(scene.observed(seen), exact_camera(scene.camera));
       exact.update(scene.camera, seen, k == 0);
       result.histories = std::max(result.histories, exact.size());
-      if (k + 1 == frames) result.kl += kl(exact.object(), filter.object_mixture()) / seeds;
+      if (k + 1 == frames) result.kl += mixture_kl(exact.object(), filter.object_mixture()) / seeds;
       result.model = std::max(result.model,
                               std::abs(exact.model_probability(1) - filter.estimate().models[1]));
     }

@@ -21,7 +21,7 @@ using testing::pose;
 using testing::SceneNoise;
 using testing::sds;
 
-constexpr double kStep = 0.1;
+using testing::kStep;
 
 struct Consistency {
   double nees = 0.0;  ///< of the pose, per degree of freedom

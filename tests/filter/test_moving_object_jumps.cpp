@@ -19,7 +19,7 @@ using testing::pose;
 using testing::SceneNoise;
 using testing::sds;
 
-constexpr double kStep = 0.1;
+using testing::kStep;
 
 bool is_at(const SE3d& truth, const MovingObjectEstimate& estimate) {
   if (estimate.hypotheses.empty()) return false;

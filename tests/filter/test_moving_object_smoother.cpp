@@ -20,7 +20,7 @@ using testing::pose;
 using testing::SceneNoise;
 using testing::sds;
 
-constexpr double kStep = 0.1;
+using testing::kStep;
 
 /// Of the truth at the steps of a recording: NEES per degree of freedom, and squared errors of
 /// rotation and position.

@@ -16,10 +16,10 @@
 namespace posemix {
 namespace {
 
-constexpr double kStep = 0.1;
+using testing::kStep;
 constexpr double kDeviation = 0.003;  ///< of a detection [m]
 constexpr double kAcceleration = 0.3;
-constexpr double kStart = 0.1;  ///< of the velocity of an object that begins to move [m/s]
+constexpr double kStartSpeedSd = 0.1;  ///< of the velocity of an object that begins to move [m/s]
 
 Vector6d along(double rotation, double translation) { return testing::sds(rotation, translation); }
 
@@ -32,7 +32,7 @@ DetectorNoise noise() {
 ConstantVelocityMotion moving() {
   return {.acceleration_sds = along(1e-7, kAcceleration),
           .frame = MotionFrame::world,
-          .start_sds = along(1e-7, kStart),
+          .start_sds = along(1e-7, kStartSpeedSd),
           .break_rate = 0.0};
 }
 
@@ -42,14 +42,14 @@ Eigen::MatrixXd motion_covariance(const std::vector<bool>& moves) {
   const auto n = static_cast<Eigen::Index>(moves.size());
   // Rows: positions by step, then the velocity.
   Eigen::MatrixXd p = Eigen::MatrixXd::Zero(n + 1, n + 1);
-  if (moves[0]) p(n, n) = kStart * kStart;
+  if (moves[0]) p(n, n) = kStartSpeedSd * kStartSpeedSd;
   const double q = kAcceleration * kAcceleration;
   for (Eigen::Index k = 1; k < n; ++k) {
     const auto now = static_cast<std::size_t>(k);
     if (moves[now - 1] != moves[now]) {
       p.row(n).setZero();
       p.col(n).setZero();
-      if (moves[now]) p(n, n) = kStart * kStart;
+      if (moves[now]) p(n, n) = kStartSpeedSd * kStartSpeedSd;
     }
     Eigen::MatrixXd f = Eigen::MatrixXd::Identity(n + 1, n + 1);
     f(k, k) = 0.0;
@@ -116,24 +116,25 @@ Exact exact(const Eigen::MatrixXd& seen, double start, double change) {
   return result;
 }
 
-struct Loss {
+struct SmootherLoss {
   double mean = 0.0;      ///< largest error in exact standard deviations
   double ratio = 0.0;     ///< largest |log| of the ratio of variances
   double model = 0.0;     ///< mean error of the probability of a model
   double filtered = 0.0;  ///< the same of the filter, which does not know what comes
 };
 
-Loss loss(double start, double rate, const MotionModels& models, int seeds, int steps) {
+SmootherLoss loss(double start, double rate, const MotionModels& models, int seeds, int steps) {
   const double change = rate > 0.0 ? -0.5 * std::expm1(-2.0 * rate * kStep) : 0.0;
   MovingObjectSettings settings = testing::plain_moving_settings();
   settings.lost_rate = 0.0;
-  Loss result;
+  SmootherLoss result;
   for (int seed = 0; seed < seeds; ++seed) {
     RandomStream stream(static_cast<std::uint64_t>(seed), 5);
     Eigen::MatrixXd seen(steps, 3);
     std::vector<MovingObjectStep> recording;
     const Eigen::Vector3d velocity =
-        testing::draw(Matrix6d(kStart * kStart * Matrix6d::Identity()), stream).head<3>();
+        testing::draw(Matrix6d(kStartSpeedSd * kStartSpeedSd * Matrix6d::Identity()), stream)
+            .head<3>();
     for (int k = 0; k < steps; ++k) {
       const double travelled = kStep * std::max(0, k - (start > 0.9 ? 0 : steps / 2));
       const Eigen::Vector3d error =
@@ -172,7 +173,7 @@ Loss loss(double start, double rate, const MotionModels& models, int seeds, int 
 }
 
 TEST(MovingObjectSmootherExact, IsExactForOneModel) {
-  const Loss result = loss(1.0, 0.0, {.models = {moving()}}, 5, 10);
+  const SmootherLoss result = loss(1.0, 0.0, {.models = {moving()}}, 5, 10);
   EXPECT_LT(result.mean, 1e-3);
   EXPECT_LT(result.ratio, 1e-3);
 }
@@ -181,7 +182,7 @@ TEST(MovingObjectSmootherExact, LosesLittleByMixingModels) {
   const MotionModels models{.models = {StaticMotion{}, moving()},
                             .rates = (Eigen::MatrixXd(2, 2) << 0.0, 0.5, 0.5, 0.0).finished(),
                             .start = {0.7, 0.3}};
-  const Loss result = loss(0.3, 0.5, models, 20, 10);
+  const SmootherLoss result = loss(0.3, 0.5, models, 20, 10);
   EXPECT_LT(result.mean, 1.0);
   EXPECT_LT(result.model, 0.06);
   EXPECT_LT(result.model, 0.5 * result.filtered);

@@ -21,7 +21,7 @@ struct Losses {
   std::size_t tuples = 0;
 };
 
-double kl(const PoseMixture& p, const PoseMixture& q) {
+double mixture_divergence(const PoseMixture& p, const PoseMixture& q) {
   RandomStream stream(3, 1);
   return kl_monte_carlo(p, q, stream, {.samples = 20000}).value;
 }
@@ -53,10 +53,10 @@ Losses losses(std::uint64_t seed, double odometry_deg, double odometry_m, double
   }
   Losses result;
   result.tuples = exact.size();
-  result.camera = kl(exact.marginal(0), filter.camera_mixture());
+  result.camera = mixture_divergence(exact.marginal(0), filter.camera_mixture());
   for (std::size_t j = 0; j < objects; ++j) {
-    result.object +=
-        kl(exact.marginal(j + 1), filter.object_mixture(j)) / static_cast<double>(objects);
+    result.object += mixture_divergence(exact.marginal(j + 1), filter.object_mixture(j)) /
+                     static_cast<double>(objects);
   }
   return result;
 }

@@ -19,7 +19,7 @@ using testing::plain_settings;
 using testing::pose;
 
 const SE3d kSeen(SO3d::exp({2.8, 0.1, 0.0}), {0.05, -0.02, 0.9});
-const SE3d kFlip(SO3d::exp({0.0, 0.0, std::numbers::pi}), Eigen::Vector3d::Zero());
+const SE3d kHalfTurn(SO3d::exp({0.0, 0.0, std::numbers::pi}), Eigen::Vector3d::Zero());
 
 DetectorNoise plain_noise(double clutter = 0.1) {
   return DetectorNoise({{.weight = 1.0 - clutter, .covariance = isotropic(2.0, 0.01)}},
@@ -32,7 +32,7 @@ MultiObjectFilter filter_of(const DetectorNoise& noise, double camera_sd = 1e-4)
           plain_settings()};
 }
 
-Observation observed(double first, const SE3d& a = kSeen, const SE3d& b = kSeen * kFlip) {
+Observation observed(double first, const SE3d& a = kSeen, const SE3d& b = kSeen * kHalfTurn) {
   Observation observation;
   observation.components = {{.weight = first, .pose = a}, {.weight = 1.0 - first, .pose = b}};
   return observation;
@@ -70,7 +70,7 @@ TEST(Observations, StartOneHypothesisPerComponentWithItsWeight) {
   ASSERT_EQ(list.size(), 2U);
   EXPECT_NEAR(list[0].probability / list[1].probability, 0.7 / 0.3, 1e-9);
   EXPECT_LT((list[0].pose.inverse() * kSeen).log().norm(), 1e-9);
-  EXPECT_LT((list[1].pose.inverse() * kSeen * kFlip).log().norm(), 1e-9);
+  EXPECT_LT((list[1].pose.inverse() * kSeen * kHalfTurn).log().norm(), 1e-9);
   EXPECT_NEAR(list[0].probability + list[1].probability, 0.9, 1e-9);
 }
 
@@ -78,7 +78,7 @@ TEST(Observations, WeighHypothesesByTheDensityOfTheMixture) {
   MultiObjectFilter filter = filter_of(plain_noise());
   filter.update(0, observed(0.7));
   const SE3d near = kSeen * SE3d::exp((Vector6d() << 0.02, 0.01, 0, 0.004, 0, 0).finished());
-  const Observation second = observed(0.4, near, near * kFlip);
+  const Observation second = observed(0.4, near, near * kHalfTurn);
   const double clutter = 0.1 / (8.0 * std::numbers::pi * std::numbers::pi);
   double expected[2];
   for (std::size_t h = 0; h < 2; ++h) {
@@ -167,7 +167,7 @@ TEST(Observations, OfManyComponentsKeepEveryMode) {
   RandomStream stream(5, 1);
   Observation observation;
   for (int k = 0; k < 252; ++k) {
-    const SE3d mode = k < 240 ? kSeen : kSeen * kFlip;
+    const SE3d mode = k < 240 ? kSeen : kSeen * kHalfTurn;
     observation.components.push_back(
         {.weight = 1.0 / 252.0,
          .pose = mode * SE3d::exp(testing::draw(isotropic(0.5, 0.002), stream))});

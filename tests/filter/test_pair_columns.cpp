@@ -27,7 +27,7 @@ Vector6d random_vector(double scale, RandomStream& stream) {
   return v;
 }
 
-struct Scene {
+struct PairScene {
   JointGaussian joint;
   std::vector<std::size_t> objects;
   double noise = 1.0;  ///< of detections, a factor
@@ -61,11 +61,11 @@ Explanation explanation(const JointGaussian& joint, std::size_t index, double no
 }
 
 /// Objects with and without a slow error, correlated by detections, and odometry between them.
-Scene scene(std::size_t objects, RandomStream& stream, double noise = 1.0) {
-  Scene result{JointGaussian(ConcentratedGaussian<SE3d>(SE3d::exp(random_vector(0.5, stream)),
-                                                        random_covariance(0.3, 1.0, stream))),
-               {},
-               noise};
+PairScene scene(std::size_t objects, RandomStream& stream, double noise = 1.0) {
+  PairScene result{JointGaussian(ConcentratedGaussian<SE3d>(SE3d::exp(random_vector(0.5, stream)),
+                                                            random_covariance(0.3, 1.0, stream))),
+                   {},
+                   noise};
   JointGaussian& joint = result.joint;
   for (std::size_t k = 0; k < objects; ++k) {
     ConditionalPose object{
@@ -108,7 +108,7 @@ double worst_difference(const JointGaussian& a, const JointGaussian& b) {
   return worst;
 }
 
-void expect_the_same(const Scene& scene, std::size_t index, double weight,
+void expect_the_same(const PairScene& scene, std::size_t index, double weight,
                      const GainFactors& factors, RandomStream& stream, double bound = 1e-11) {
   SCOPED_TRACE(fmt::format("{} objects, block {}, weight {}, gains {} and {}", scene.objects.size(),
                            index, weight, factors.camera, factors.slow));
@@ -134,7 +134,7 @@ TEST(PairColumns, TheUpdateIsThatByDenseProducts) {
   by_every_instruction_set([] {
     RandomStream stream(21);
     for (const std::size_t objects : {1u, 2u, 5u, 10u}) {
-      const Scene scene = internal::scene(objects, stream);
+      const PairScene scene = internal::scene(objects, stream);
       for (const std::size_t index : {scene.objects.front(), scene.objects.back()}) {
         for (const double weight : {0.0, 1e-3, 0.4, 0.9}) {
           expect_the_same(scene, index, weight, {}, stream);
@@ -147,8 +147,8 @@ TEST(PairColumns, TheUpdateIsThatByDenseProducts) {
 }
 
 /// The world is shifted by so much: rotations about its origin move everything.
-Scene seen_from(const SE3d& shift, const Scene& scene) {
-  Scene result = scene;
+PairScene seen_from(const SE3d& shift, const PairScene& scene) {
+  PairScene result = scene;
   for (std::size_t k = 0; k < scene.joint.size(); ++k) {
     if (!scene.joint.is_pose(k)) continue;
     result.joint.set_pose(k, shift * scene.joint.pose(k));
@@ -168,7 +168,7 @@ Scene seen_from(const SE3d& shift, const Scene& scene) {
 TEST(PairColumns, ASmallNoiseLosesNoMoreThanWithDenseProducts) {
   RandomStream stream(23);
   for (const double noise : {1e-1, 1e-2, 1e-3, 1e-4}) {
-    const Scene scene = internal::scene(3, stream, noise);
+    const PairScene scene = internal::scene(3, stream, noise);
     for (const std::size_t index : scene.objects) {
       expect_the_same(scene, index, 0.0, {}, stream, 1e-13);
       // The factor of a covariance in which `noise` is left of a variance loses digits of it.
@@ -179,7 +179,7 @@ TEST(PairColumns, ASmallNoiseLosesNoMoreThanWithDenseProducts) {
 
 TEST(PairColumns, FarFromTheOriginTheUpdateIsWhatItIsThere) {
   RandomStream stream(24);
-  const Scene near = internal::scene(3, stream);
+  const PairScene near = internal::scene(3, stream);
   for (const double distance : {1e2, 1e4, 1e5}) {
     const SE3d shift(SO3d(), {distance, 0.0, 0.0});
     for (const std::size_t index : near.objects) {
@@ -192,14 +192,14 @@ TEST(PairColumns, FarFromTheOriginTheUpdateIsWhatItIsThere) {
         seen.noise = shift.adjoint_congruence(seen.noise);
         seen.slow_map = shift.adjoint() * seen.slow_map;
       }
-      Scene expected = near;
+      PairScene expected = near;
       expected.joint.update_densely(index, leading, {}, {});
-      Scene far = seen_from(shift, near);
+      PairScene far = seen_from(shift, near);
       far.joint.update(index, far_leading, {}, {});
       // A rotation of a third of a radian moves what is `distance` away by more than it is known,
       // to 3 mm: of sixteen digits twice that ratio's are lost.
       const double lost = distance * 0.3 / 0.003;
-      const Scene back = seen_from(shift.inverse(), far);
+      const PairScene back = seen_from(shift.inverse(), far);
       EXPECT_LT(worst_difference(back.joint, expected.joint), 1e-16 * lost * lost);
     }
   }
@@ -207,7 +207,7 @@ TEST(PairColumns, FarFromTheOriginTheUpdateIsWhatItIsThere) {
 
 TEST(PairColumns, ANearlySingularCovarianceIsLeftToDenseProducts) {
   RandomStream stream(22);
-  Scene scene = internal::scene(2, stream);
+  PairScene scene = internal::scene(2, stream);
   // Of another object hardly anything is left, given the camera.
   ConditionalPose object{SE3d(), {}, Matrix12d::Zero(), Matrix12x6d::Zero()};
   const Matrix6d known = scene.joint.covariance(kCamera, kCamera);

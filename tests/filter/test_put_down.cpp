@@ -23,10 +23,10 @@ using testing::PutDownScene;
 using testing::Runs;
 using testing::SceneNoise;
 
-constexpr double kStep = 0.1;
-constexpr std::size_t kObjects = 6;
+constexpr double kFramePeriod = 0.1;
+constexpr std::size_t kPutDown = 6;
 
-bool is_at(const SE3d& truth, const SE3d& mean) {
+bool is_near(const SE3d& truth, const SE3d& mean) {
   return (truth.rotation().inverse() * mean.rotation()).angle() < radians(20.0) &&
          (truth.translation() - mean.translation()).norm() < 0.04;
 }
@@ -36,11 +36,11 @@ bool is_right(const PutDownScene& scene, const MultiObjectFilter& filter, std::s
   const auto leading = filter.leading(j);
   if (!leading) return false;
   const SE3d seen = filter.camera().mean().inverse() * filter.hypothesis_means(j)[*leading].pose;
-  return is_at(scene.truth[j], scene.camera * seen);
+  return is_near(scene.truth[j], scene.camera * seen);
 }
 
-MultiObjectFilter filter_of(const PutDownScene& scene, const DetectorNoise& noise,
-                            const std::optional<PutDownMotion>& motion) {
+MultiObjectFilter put_down_filter(const PutDownScene& scene, const DetectorNoise& noise,
+                                  const std::optional<PutDownMotion>& motion) {
   MultiObjectSettings settings = plain_settings();
   MultiObjectFilter filter(ConcentratedGaussian<SE3d>(scene.camera, isotropic(0.1, 0.002)), {},
                            settings);
@@ -62,24 +62,24 @@ struct Course {
 /// 300 frames in which the first half of the objects is put down elsewhere twice.
 Course course(std::uint64_t seed, const DetectorNoise& noise,
               const std::optional<PutDownMotion>& motion, int moves, int frames = 300) {
-  PutDownScene scene(seed, kObjects, noise);
-  std::vector<std::vector<int>> times(kObjects);
+  PutDownScene scene(seed, kPutDown, noise);
+  std::vector<std::vector<int>> times(kPutDown);
   RandomStream chance(seed, 5);
-  for (std::size_t j = 0; j < kObjects / 2; ++j) {
+  for (std::size_t j = 0; j < kPutDown / 2; ++j) {
     for (int m = 0; m < moves; ++m) {
       const int part = (frames - 80) / moves;
       times[j].push_back(40 + m * part + static_cast<int>(chance.uniform() * (part - 35)));
     }
   }
-  MultiObjectFilter filter = filter_of(scene, noise, motion);
+  MultiObjectFilter filter = put_down_filter(scene, noise, motion);
   SE3d by_odometry = scene.camera;
   Course result;
-  std::vector<int> since(kObjects, -1);
+  std::vector<int> since(kPutDown, -1);
   for (int frame = 0; frame < frames; ++frame) {
     const SE3d odometry = scene.advance();
     by_odometry = by_odometry * odometry;
-    filter.predict_with_odometry(odometry, scene.q, kStep);
-    for (std::size_t j = 0; j < kObjects; ++j) {
+    filter.predict_with_odometry(odometry, scene.q, kFramePeriod);
+    for (std::size_t j = 0; j < kPutDown; ++j) {
       if (std::count(times[j].begin(), times[j].end(), frame) > 0) {
         scene.put_down(j);
         since[j] = 0;
@@ -141,12 +141,12 @@ FalseMoves false_moves(const DetectorNoise& noise, const PutDownMotion& motion, 
                        int seeds, int frames) {
   FalseMoves result;
   for (int seed = 0; seed < seeds; ++seed) {
-    PutDownScene scene(static_cast<std::uint64_t>(seed), kObjects, noise, runs);
-    MultiObjectFilter filter = filter_of(scene, noise, motion);
-    std::vector<bool> was_right(kObjects, true);
+    PutDownScene scene(static_cast<std::uint64_t>(seed), kPutDown, noise, runs);
+    MultiObjectFilter filter = put_down_filter(scene, noise, motion);
+    std::vector<bool> was_right(kPutDown, true);
     for (int frame = 0; frame < frames; ++frame) {
-      filter.predict_with_odometry(scene.advance(), scene.q, kStep);
-      for (std::size_t j = 0; j < kObjects; ++j) {
+      filter.predict_with_odometry(scene.advance(), scene.q, kFramePeriod);
+      for (std::size_t j = 0; j < kPutDown; ++j) {
         filter.update(j, scene.detect(j, frame > 200));
         if (frame < 200) continue;
         const bool right = is_right(scene, filter, j);
@@ -204,9 +204,9 @@ TEST(PutDown, HasTheOddsOfTheFilterOfOneObject) {
   for (int k = 0; k < 60; ++k) {
     const SE3d seen = k < 50 ? here : there;
     Observation observation = observation_of(seen);
-    observation.stamp_s = kStep * k;
+    observation.stamp_s = kFramePeriod * k;
     one.update(observation, exact_camera(camera.mean()));
-    many.set_camera(camera, kStep);
+    many.set_camera(camera, kFramePeriod);
     many.update(0, seen);
     if (k < 50) continue;
     std::vector<HypothesisMean> places;
@@ -220,8 +220,9 @@ TEST(PutDown, HasTheOddsOfTheFilterOfOneObject) {
 
 TEST(PutDown, ARateOfZeroIsNone) {
   PutDownScene scene(3, 2, SceneNoise{}.noise());
-  MultiObjectFilter with = filter_of(scene, SceneNoise{}.noise(), PutDownMotion{.jump_rate = 0.0});
-  MultiObjectFilter without = filter_of(scene, SceneNoise{}.noise(), {});
+  MultiObjectFilter with =
+      put_down_filter(scene, SceneNoise{}.noise(), PutDownMotion{.jump_rate = 0.0});
+  MultiObjectFilter without = put_down_filter(scene, SceneNoise{}.noise(), {});
   for (int k = 0; k < 20; ++k) {
     const SE3d odometry = scene.advance();
     for (MultiObjectFilter* f : {&with, &without}) f->predict_with_odometry(odometry, scene.q, 0.1);
@@ -237,10 +238,10 @@ TEST(PutDown, ARateOfZeroIsNone) {
 // What is forgotten may be put down elsewhere again, and is found.
 TEST(PutDown, AnObjectThatWasForgottenIsFound) {
   PutDownScene scene(4, 1, SceneNoise{}.noise());
-  MultiObjectFilter filter = filter_of(scene, SceneNoise{}.noise(), PutDownMotion{});
+  MultiObjectFilter filter = put_down_filter(scene, SceneNoise{}.noise(), PutDownMotion{});
   for (int k = 0; k < 20; ++k) {
     if (k == 10) filter.forget(0);
-    filter.predict_with_odometry(scene.advance(), scene.q, kStep);
+    filter.predict_with_odometry(scene.advance(), scene.q, kFramePeriod);
     filter.update(0, scene.camera.inverse() * scene.truth[0]);
   }
   EXPECT_TRUE(is_right(scene, filter, 0));
@@ -248,23 +249,23 @@ TEST(PutDown, AnObjectThatWasForgottenIsFound) {
 
 TEST(GivenCamera, IsIndependentOfWhatWasBefore) {
   PutDownScene scene(5, 2, SceneNoise{}.noise());
-  MultiObjectFilter filter = filter_of(scene, SceneNoise{}.noise(), {});
+  MultiObjectFilter filter = put_down_filter(scene, SceneNoise{}.noise(), {});
   for (int k = 0; k < 10; ++k) {
-    filter.predict_with_odometry(scene.advance(), scene.q, kStep);
+    filter.predict_with_odometry(scene.advance(), scene.q, kFramePeriod);
     for (const std::size_t j : {0U, 1U}) filter.update(j, scene.detect(j));
   }
   const Eigen::MatrixXd before = filter.joint().covariance();
   const ConcentratedGaussian<SE3d> given(scene.camera, isotropic(0.5, 0.004));
-  filter.set_camera(given, kStep);
+  filter.set_camera(given, kFramePeriod);
   const Eigen::MatrixXd after = filter.joint().covariance();
   EXPECT_EQ(filter.camera().mean().matrix(), scene.camera.matrix());
   EXPECT_EQ(filter.camera().covariance(), given.covariance());
   EXPECT_TRUE(after.topRightCorner(6, 12).isZero(0.0));
   EXPECT_EQ(after.bottomRightCorner(12, 12), before.bottomRightCorner(12, 12));
   EXPECT_THROW(filter.set_camera(given, -1.0), InvalidInput);
-  EXPECT_THROW(
-      filter.set_camera(ConcentratedGaussian<SE3d>::trusted(SE3d(), -given.covariance()), kStep),
-      InvalidInput);
+  EXPECT_THROW(filter.set_camera(ConcentratedGaussian<SE3d>::trusted(SE3d(), -given.covariance()),
+                                 kFramePeriod),
+               InvalidInput);
 }
 
 // On an arm whose pose errs by 0.5 degrees and 4 mm anew in each image.
@@ -275,11 +276,11 @@ TEST(GivenCamera, ObjectsAreAveragesOverImages) {
   constexpr int kSeeds = 30;
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
     PutDownScene scene(seed, 1, noise);
-    MultiObjectFilter filter = filter_of(scene, noise, PutDownMotion{});
+    MultiObjectFilter filter = put_down_filter(scene, noise, PutDownMotion{});
     for (int k = 0; k < 40; ++k) {
       scene.advance();
       const SE3d given = SE3d::exp(testing::draw(arm, scene.stream)) * scene.camera;
-      filter.set_camera({given, arm}, kStep);
+      filter.set_camera({given, arm}, kFramePeriod);
       filter.update(0, scene.detect(0));
     }
     const ObjectHypothesis h = filter.hypotheses(0)[*filter.leading(0)];

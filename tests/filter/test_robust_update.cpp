@@ -34,7 +34,7 @@ Hypothesis camera_and_object(const SE3d& camera, const SE3d& object) {
   return with_independent_pose(alone, object, isotropic(2.0, 0.02));
 }
 
-double moved_by(const Hypothesis& prior, const Hypothesis& posterior) {
+double distance_moved(const Hypothesis& prior, const Hypothesis& posterior) {
   return (posterior.mean()[1] * prior.mean()[1].inverse()).log().norm();
 }
 
@@ -54,8 +54,8 @@ TEST(CauchyUpdate, LargeScaleIsTheInvariantEkf) {
     EXPECT_TRUE(cauchy.posterior.covariance().isApprox(plain.posterior.covariance(), 1e-8));
     EXPECT_NEAR(cauchy.log_likelihood, plain.log_likelihood, 1e-8);
     // And a scale that counts does not move further than that.
-    EXPECT_LT(moved_by(prior, robust(prior, detection, component, 1.0).posterior),
-              moved_by(prior, plain.posterior));
+    EXPECT_LT(distance_moved(prior, robust(prior, detection, component, 1.0).posterior),
+              distance_moved(prior, plain.posterior));
   }
 }
 
@@ -65,7 +65,7 @@ TEST(CauchyUpdate, InfluenceFallsAsTheInverseOfAGrossError) {
   const auto influence = [&](double error_m) {
     const SE3d off(SO3d(), {error_m, 0.0, 0.0});
     const Detection detection{1, kCameraPose.inverse() * off * kObject, &noise};
-    return moved_by(prior, robust(prior, detection, noise.components()[0], 3.0).posterior);
+    return distance_moved(prior, robust(prior, detection, noise.components()[0], 3.0).posterior);
   };
   // Far out lambda = d^2 / c^2 and the gain falls with its inverse: ten times as far, a tenth of
   // the influence. What is left of the 1 in lambda at 2 m is (c sd / 2 m)^2, less than 1e-3.

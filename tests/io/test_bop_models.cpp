@@ -20,15 +20,15 @@ const std::string kModels = R"({
   "20": {"diameter": 33.5, "some_other_key": "any"}
 })";
 
-std::string with(const std::string& from, const std::string& to) {
+std::string models_with(const std::string& from, const std::string& to) {
   std::string text = kModels;
   return text.replace(text.find(from), from.size(), to);
 }
 
-BopModels parse(const std::string& text) { return parse_bop_models(text, "m.json"); }
+BopModels parse_models(const std::string& text) { return parse_bop_models(text, "m.json"); }
 
 TEST(BopModels, ReadsMillimetres) {
-  const BopModels models = parse(kModels);
+  const BopModels models = parse_models(kModels);
   ASSERT_EQ(models.size(), 3U);
   const BopModel& five = models.at(5);
   EXPECT_DOUBLE_EQ(five.diameter_m, 0.10869);
@@ -46,7 +46,7 @@ TEST(BopModels, ReadsMillimetres) {
 }
 
 TEST(BopModels, CombinesDiscreteAndContinuous) {
-  const BopModels models = parse(kModels);
+  const BopModels models = parse_models(kModels);
   const BopModel& can = models.at(14);
   EXPECT_EQ(can.symmetries.elements().size(), 2U);
   ASSERT_EQ(can.symmetries.axes().size(), 1U);
@@ -56,33 +56,33 @@ TEST(BopModels, CombinesDiscreteAndContinuous) {
 }
 
 TEST(BopModels, RefusesWithThePlace) {
-  EXPECT_INVALID_WITH(parse("{"), "m.json: got a text that is not JSON");
-  EXPECT_INVALID(parse("{}"), "m.json: got no object, expected at least one");
-  EXPECT_INVALID(parse(with("\"20\"", "\"cup\"")),
+  EXPECT_INVALID_WITH(parse_models("{"), "m.json: got a text that is not JSON");
+  EXPECT_INVALID(parse_models("{}"), "m.json: got no object, expected at least one");
+  EXPECT_INVALID(parse_models(models_with("\"20\"", "\"cup\"")),
                  "m.json: got the key \"cup\", expected an object id");
-  EXPECT_INVALID(parse(with("\"diameter\": 50,", "")),
+  EXPECT_INVALID(parse_models(models_with("\"diameter\": 50,", "")),
                  "m.json: 14: got no key 'diameter', expected one");
-  EXPECT_INVALID(parse(with("108.69", "-1")),
+  EXPECT_INVALID(parse_models(models_with("108.69", "-1")),
                  "m.json: 5: diameter: got -1, expected a positive number");
-  EXPECT_INVALID(parse(with("\"size_y\": 41", "\"size_q\": 41")),
+  EXPECT_INVALID(parse_models(models_with("\"size_y\": 41", "\"size_q\": 41")),
                  "m.json: 5: got no key 'size_y', expected one");
-  EXPECT_INVALID(parse(with("41", "-41")),
+  EXPECT_INVALID(parse_models(models_with("41", "-41")),
                  "m.json: 5: size_y: got a negative number, expected a number of at least 0");
-  EXPECT_INVALID(parse(with(", 0, 0, 0, 1]]},\n  \"14\"", ", 0, 0, 1]]},\n  \"14\"")),
+  EXPECT_INVALID(parse_models(models_with(", 0, 0, 0, 1]]},\n  \"14\"", ", 0, 0, 1]]},\n  \"14\"")),
                  "m.json: 5: symmetries_discrete[0]: got 15 entries, expected 16");
-  EXPECT_INVALID_WITH(parse(with("[[-1, 0, 0, 10", "[[-2, 0, 0, 10")),
+  EXPECT_INVALID_WITH(parse_models(models_with("[[-1, 0, 0, 10", "[[-2, 0, 0, 10")),
                       "m.json: 5: symmetries_discrete[0]: ");
-  EXPECT_INVALID(parse(with("\"axis\": [0, 0, 2]", "\"axis\": [0, 0]")),
+  EXPECT_INVALID(parse_models(models_with("\"axis\": [0, 0, 2]", "\"axis\": [0, 0]")),
                  "m.json: 14: symmetries_continuous[0]: axis: got 2 entries, expected 3");
-  EXPECT_INVALID_WITH(parse(with("\"axis\": [0, 0, 2]", "\"axis\": [0, 0, 0]")),
+  EXPECT_INVALID_WITH(parse_models(models_with("\"axis\": [0, 0, 2]", "\"axis\": [0, 0, 0]")),
                       "m.json: 14: symmetries: axis 0");
   // A quarter turn alone is no group.
-  EXPECT_INVALID_WITH(parse(with("[[-1, 0, 0, 10, 0, -1", "[[0, -1, 0, 0, 1, 0")),
+  EXPECT_INVALID_WITH(parse_models(models_with("[[-1, 0, 0, 10, 0, -1", "[[0, -1, 0, 0, 1, 0")),
                       "m.json: 5: symmetries: the set is no group: element 0 ");
 }
 
 TEST(BopModels, ReadsOneOfThemWhateverTheOthers) {
-  const std::string damaged = with("\"diameter\": 50,", "");
+  const std::string damaged = models_with("\"diameter\": 50,", "");
   EXPECT_DOUBLE_EQ(parse_bop_model(damaged, "m.json", 20).diameter_m, 0.0335);
   EXPECT_INVALID(parse_bop_model(damaged, "m.json", 21), "m.json: got no key '21', expected one");
 }

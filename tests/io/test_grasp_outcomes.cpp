@@ -16,7 +16,7 @@ const std::string kHead =
     "est_qw,gt_tx,gt_ty,gt_tz,gt_qx,gt_qy,gt_qz,gt_qw,grasp_small,grasp_large\n";
 const std::string kPoses = "1,2,3,0,0,0.6,0.8,1,2,3.5,0,0,0,1,";
 
-GraspOutcomes parse(const std::string& text) {
+GraspOutcomes parse_outcomes(const std::string& text) {
   GraspOutcomes outcomes;
   parse_grasp_outcomes(text, "a_b.csv", "a", "b", outcomes);
   return outcomes;
@@ -24,7 +24,7 @@ GraspOutcomes parse(const std::string& text) {
 
 TEST(GraspOutcomes, ReadsColumnsByName) {
   const GraspOutcomes read =
-      parse(kHead + "2,7,5,x,0.25," + kPoses + "1,\r\n2,8,5,x,0," + kPoses + "0.0,1\n");
+      parse_outcomes(kHead + "2,7,5,x,0.25," + kPoses + "1,\r\n2,8,5,x,0," + kPoses + "0.0,1\n");
   ASSERT_EQ(read.grippers, (std::vector<std::string>{"large", "small"}));
   ASSERT_EQ(read.trials.size(), 2U);
   const GraspTrial& trial = read.trials[0];
@@ -43,22 +43,23 @@ TEST(GraspOutcomes, ReadsColumnsByName) {
 
 TEST(GraspOutcomes, SaysWhatIsWrongAndWhere) {
   const std::string row = "2,7,5,x,0.25," + kPoses;
-  EXPECT_INVALID(parse("# nothing\n"), "a_b.csv: got no line, expected the names of the columns");
-  EXPECT_INVALID(parse("scene_id,im_id,score\n"),
+  EXPECT_INVALID(parse_outcomes("# nothing\n"),
+                 "a_b.csv: got no line, expected the names of the columns");
+  EXPECT_INVALID(parse_outcomes("scene_id,im_id,score\n"),
                  "a_b.csv:1: got no column obj_id, expected one of that name");
-  EXPECT_INVALID(parse("scene_id,scene_id\n"),
+  EXPECT_INVALID(parse_outcomes("scene_id,scene_id\n"),
                  "a_b.csv:1: got column \"scene_id\" again, expected every column once");
-  EXPECT_INVALID(parse(kHead + row + "1\n"), "a_b.csv:3: got 20 columns, expected 21");
-  EXPECT_INVALID(parse(kHead + "2,7,5,x,high," + kPoses + "1,\n"),
+  EXPECT_INVALID(parse_outcomes(kHead + row + "1\n"), "a_b.csv:3: got 20 columns, expected 21");
+  EXPECT_INVALID(parse_outcomes(kHead + "2,7,5,x,high," + kPoses + "1,\n"),
                  "a_b.csv:3: got score = \"high\", expected a finite number");
-  EXPECT_INVALID(parse(kHead + "2,7.5,5,x,1," + kPoses + "1,\n"),
+  EXPECT_INVALID(parse_outcomes(kHead + "2,7.5,5,x,1," + kPoses + "1,\n"),
                  "a_b.csv:3: got im_id = \"7.5\", expected an integer that is not negative");
-  EXPECT_INVALID(parse(kHead + row + "2,\n"),
+  EXPECT_INVALID(parse_outcomes(kHead + row + "2,\n"),
                  "a_b.csv:3: got grasp_small = \"2\", expected 0, 1 or nothing");
-  EXPECT_INVALID(parse(kHead + "2,7,5,x,1,1,2,3,0,0,0,1,1,2,3.5,0,0,0.5,1,1,\n"),
+  EXPECT_INVALID(parse_outcomes(kHead + "2,7,5,x,1,1,2,3,0,0,0,1,1,2,3.5,0,0,0.5,1,1,\n"),
                  "a_b.csv:3: got a quaternion of norm 1.11803 in gt_qx ... gt_qw, expected norm 1 "
                  "within 0.01");
-  EXPECT_INVALID(parse(kHead + row + "1,\n" + row + "1,\n"),
+  EXPECT_INVALID(parse_outcomes(kHead + row + "1,\n" + row + "1,\n"),
                  "a_b.csv:4: got object 5 in image 7 of scene 2 again, expected one estimate per "
                  "object and image");
 }

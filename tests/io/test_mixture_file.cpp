@@ -48,7 +48,8 @@ const ConcentratedGaussian<SE3d>& only_peak(const MixtureFile& file) {
 }
 
 /// The text with one value put in place of another.
-Json with(const std::string& pointer, const Json& value, const std::string& text = kConcentrated) {
+Json mixture_with(const std::string& pointer, const Json& value,
+                  const std::string& text = kConcentrated) {
   Json json = Json::parse(text);
   json[Json::json_pointer(pointer)] = value;
   return json;
@@ -109,14 +110,14 @@ TEST(MixtureFile, PlainWeightsAreNormalised) {
 }
 
 TEST(MixtureFile, RightPerturbationsBecomeLeftOnes) {
-  const auto peak = only_peak(parse(with("/side", "right")));
+  const auto peak = only_peak(parse(mixture_with("/side", "right")));
   const Matrix6d body = only_peak(parse_mixture(kConcentrated, "m.json")).covariance();
   const Matrix6d ad = peak.mean().adjoint();
   EXPECT_LE((peak.covariance() - ad * body * ad.transpose()).cwiseAbs().maxCoeff(), 1e-15);
 }
 
 TEST(MixtureFile, OrderAndUnits) {
-  Json json = with("/order", "translation_rotation");
+  Json json = mixture_with("/order", "translation_rotation");
   json["units"] = {{"rotation", "deg"}, {"translation", "mm"}};
   const auto peak = only_peak(parse(json));
   EXPECT_NEAR(peak.mean().translation().z(), 3e-3, 1e-18);
@@ -164,10 +165,13 @@ TEST(MixtureFile, MissingAndUnknownKeysAreRefused) {
   EXPECT_INVALID(parse(without("/components/0", "weight")),
                  "m.json: components[0]: got no key 'log_weight', expected one of 'weight' and "
                  "'log_weight'");
-  EXPECT_INVALID_WITH(parse(with("/stamp", 1)), "m.json: got the unknown key \"stamp\", expected");
-  EXPECT_INVALID_WITH(parse(with("/components/0/log_weight", 0)), "both 'weight' and 'log_weight'");
-  EXPECT_INVALID_WITH(parse(with("/components/0/tangent_mean", 0)), "unknown key \"tangent_mean\"");
-  EXPECT_INVALID_WITH(parse(with("/components/0/mean/x", 0)),
+  EXPECT_INVALID_WITH(parse(mixture_with("/stamp", 1)),
+                      "m.json: got the unknown key \"stamp\", expected");
+  EXPECT_INVALID_WITH(parse(mixture_with("/components/0/log_weight", 0)),
+                      "both 'weight' and 'log_weight'");
+  EXPECT_INVALID_WITH(parse(mixture_with("/components/0/tangent_mean", 0)),
+                      "unknown key \"tangent_mean\"");
+  EXPECT_INVALID_WITH(parse(mixture_with("/components/0/mean/x", 0)),
                       "m.json: components[0]: mean: got the unknown key \"x\"");
   std::string twice = kConcentrated;
   twice.insert(twice.find("\"side\""), "\"side\": \"right\", ");
@@ -187,58 +191,61 @@ TEST(MixtureFile, TheOldNameOfTheDistributionIsReadWithAWarning) {
     EXPECT_EQ(format_mixture(file).find("\"law\""), std::string::npos);
   }
   EXPECT_TRUE(parse_mixture(kConcentrated, "m.json").warnings.empty());
-  EXPECT_INVALID(parse(with("/law", "concentrated")),
+  EXPECT_INVALID(parse(mixture_with("/law", "concentrated")),
                  "m.json: got both 'distribution' and 'law', its old name, expected "
                  "'distribution' alone");
 }
 
 TEST(MixtureFile, WrongWordsAreRefused) {
-  EXPECT_INVALID(parse(with("/type", "posemix.posterior")),
+  EXPECT_INVALID(parse(mixture_with("/type", "posemix.posterior")),
                  "m.json: type: got \"posemix.posterior\", expected \"posemix.mixture\"");
-  EXPECT_INVALID(parse(with("/schema", 2)),
+  EXPECT_INVALID(parse(mixture_with("/schema", 2)),
                  "m.json: schema: got 2, expected 1: the file was written in another version of "
                  "the format");
-  EXPECT_INVALID(parse(with("/group", "SO3")), "m.json: group: got \"SO3\", expected \"SE3\"");
+  EXPECT_INVALID(parse(mixture_with("/group", "SO3")),
+                 "m.json: group: got \"SO3\", expected \"SE3\"");
   EXPECT_INVALID(
-      parse(with("/distribution", "Gaussian")),
+      parse(mixture_with("/distribution", "Gaussian")),
       "m.json: distribution: got \"Gaussian\", expected \"concentrated\" or \"projected\"");
-  EXPECT_INVALID(parse(with("/side", "body")),
+  EXPECT_INVALID(parse(mixture_with("/side", "body")),
                  "m.json: side: got \"body\", expected \"left\" or \"right\"");
-  EXPECT_INVALID(parse(with("/units/translation", "cm")),
+  EXPECT_INVALID(parse(mixture_with("/units/translation", "cm")),
                  "m.json: units: translation: got \"cm\", expected \"m\" or \"mm\"");
-  EXPECT_INVALID(parse(with("/side", "left", kProjected)),
+  EXPECT_INVALID(parse(mixture_with("/side", "left", kProjected)),
                  "m.json: side: got \"left\", expected \"right\"");
-  EXPECT_INVALID(parse(with("/units/rotation", "rad", kProjected)),
+  EXPECT_INVALID(parse(mixture_with("/units/rotation", "rad", kProjected)),
                  "m.json: units: rotation: got \"rad\", expected \"tan_half_angle\"");
-  EXPECT_INVALID_WITH(parse(with("/frames/to", "a b")), "m.json: frames: to: got \"a b\"");
+  EXPECT_INVALID_WITH(parse(mixture_with("/frames/to", "a b")), "m.json: frames: to: got \"a b\"");
 }
 
 TEST(MixtureFile, NumbersThatAreNoneOrOutOfRange) {
-  EXPECT_INVALID(parse(with("/components/0/weight", -1)),
+  EXPECT_INVALID(parse(mixture_with("/components/0/weight", -1)),
                  "m.json: components[0]: weight: got -1, expected a number of at least zero");
-  EXPECT_INVALID(parse(with("/components/0/weight", 0)),
+  EXPECT_INVALID(parse(mixture_with("/components/0/weight", 0)),
                  "m.json: components: all weights are zero, expected at least one component "
                  "with a weight above zero");
-  EXPECT_INVALID_WITH(parse(with("/components", Json::array())), "m.json: components: a");
+  EXPECT_INVALID_WITH(parse(mixture_with("/components", Json::array())), "m.json: components: a");
   const double nan = std::numeric_limits<double>::quiet_NaN();  // written as null
-  EXPECT_INVALID(parse(with("/components/0/weight", nan)),
+  EXPECT_INVALID(parse(mixture_with("/components/0/weight", nan)),
                  "m.json: components[0]: weight: got null, expected a number");
-  EXPECT_INVALID(parse(with("/components/0/covariance/2/2", nan)),
+  EXPECT_INVALID(parse(mixture_with("/components/0/covariance/2/2", nan)),
                  "m.json: components[0]: covariance[2][2]: got null, expected a number");
-  EXPECT_INVALID_WITH(parse(with("/components/0/mean/translation/1", 1e9)), "at most 1e+08 m");
-  EXPECT_INVALID(parse(with("/components/0/mean/quaternion_xyzw", {0, 0, 1, 1})),
+  EXPECT_INVALID_WITH(parse(mixture_with("/components/0/mean/translation/1", 1e9)),
+                      "at most 1e+08 m");
+  EXPECT_INVALID(parse(mixture_with("/components/0/mean/quaternion_xyzw", {0, 0, 1, 1})),
                  "m.json: components[0]: mean: quaternion_xyzw: got norm 1.41421356, expected "
                  "norm 1");
-  EXPECT_INVALID(parse(with("/components/0/covariance/5", {1, 2, 3})),
+  EXPECT_INVALID(parse(mixture_with("/components/0/covariance/5", {1, 2, 3})),
                  "m.json: components[0]: covariance[5]: got 3 entries, expected 6");
 }
 
 TEST(MixtureFile, CovariancesThatAreNone) {
-  EXPECT_INVALID(parse(with("/components/0/covariance/4/4", -0.02)),
+  EXPECT_INVALID(parse(mixture_with("/components/0/covariance/4/4", -0.02)),
                  "m.json: components[0]: covariance: the matrix is not positive definite, "
                  "expected a symmetric positive definite matrix");
-  EXPECT_INVALID_WITH(parse(with("/components/0/covariance/0/5", 0.002)), "is not symmetric");
-  EXPECT_INVALID_WITH(parse(with("/components/0/covariance/4/4", -0.02, kProjected)),
+  EXPECT_INVALID_WITH(parse(mixture_with("/components/0/covariance/0/5", 0.002)),
+                      "is not symmetric");
+  EXPECT_INVALID_WITH(parse(mixture_with("/components/0/covariance/4/4", -0.02, kProjected)),
                       "is not positive definite");
 }
 

@@ -23,11 +23,11 @@ std::string row(const std::string& begin) {
   return begin + ",0,0,1,0,0,0,1," + kNoCovariance + "\n";
 }
 
-std::vector<Observation> parse(const std::string& rows) {
+std::vector<Observation> parse_rows(const std::string& rows) {
   return parse_observations(std::string(kHeader) + "\n" + rows, "o.csv");
 }
 
-std::vector<Observation> some_observations() {
+std::vector<Observation> observations_of_table() {
   Observation tag;
   tag.object = "7";
   tag.camera = "left";
@@ -47,7 +47,7 @@ std::vector<Observation> some_observations() {
 }
 
 TEST(ObservationCsv, ReadsWhatItWrites) {
-  const auto before = some_observations();
+  const auto before = observations_of_table();
   const std::string text = format_observations(before);
   EXPECT_EQ(text.substr(0, text.find('\n')), kHeader);
   const auto after = parse_observations(text, "o.csv");
@@ -68,7 +68,7 @@ TEST(ObservationCsv, ReadsWhatItWrites) {
 }
 
 TEST(ObservationCsv, ClutterAndScoreAreColumnsWhereThereAreSome) {
-  auto observations = some_observations();
+  auto observations = observations_of_table();
   observations[0].clutter = 0.125;
   observations[1].score = -3.5;
   const std::string text = format_observations(observations);
@@ -82,7 +82,7 @@ TEST(ObservationCsv, ClutterAndScoreAreColumnsWhereThereAreSome) {
 
 TEST(ObservationCsv, AFileMayBeCompressed) {
   const testing::TemporaryFolder folder;
-  const std::string text = format_observations(some_observations());
+  const std::string text = format_observations(observations_of_table());
   std::ofstream(folder / "o.csv") << text;
   std::ofstream(folder / "o.csv.gz") << gzip(text);
   EXPECT_EQ(format_observations(read_observations(folder / "o.csv")), text);
@@ -90,28 +90,28 @@ TEST(ObservationCsv, AFileMayBeCompressed) {
 }
 
 TEST(ObservationCsv, ErrorsNameTheLineOfTheSighting) {
-  EXPECT_INVALID(parse(row("1,,,7,,0,0.5") + row("1,,,7,,0,0.25")),
+  EXPECT_INVALID(parse_rows(row("1,,,7,,0,0.5") + row("1,,,7,,0,0.25")),
                  "o.csv:2: in sighting 0, which begins here: the weights of the components sum to "
                  "0.75, expected one");
-  EXPECT_INVALID_WITH(parse(row("1,,,7,,0,1") + row("1,,,7,,1,1.5") + row("1,,,7,,1,-0.5")),
+  EXPECT_INVALID_WITH(parse_rows(row("1,,,7,,0,1") + row("1,,,7,,1,1.5") + row("1,,,7,,1,-0.5")),
                       "o.csv:4: got weight = \"-0.5\", expected zero or more");
-  EXPECT_INVALID_WITH(parse(row("1,,,7,,0,nan")), "o.csv:2: ");
+  EXPECT_INVALID_WITH(parse_rows(row("1,,,7,,0,nan")), "o.csv:2: ");
   EXPECT_INVALID(
-      parse(row("1,,,7,,0,1") + row("1,,,8,,1,1") + row("1,,,7,,0,1")),
+      parse_rows(row("1,,,7,,0,1") + row("1,,,8,,1,1") + row("1,,,7,,0,1")),
       "o.csv:4: got sighting 0 again, expected the rows of a sighting one after the other");
-  EXPECT_INVALID_WITH(parse(row("1,,,7,,0,0.5") + row("2,,,7,,0,0.5")),
+  EXPECT_INVALID_WITH(parse_rows(row("1,,,7,,0,0.5") + row("2,,,7,,0,0.5")),
                       "o.csv:3: got other values for sighting 0");
-  EXPECT_INVALID(parse(row("1,,,,,0,1")),
+  EXPECT_INVALID(parse_rows(row("1,,,,,0,1")),
                  "o.csv:2: got neither id nor class, expected one of the two");
-  EXPECT_INVALID(parse(row("1,,,7,mug,0,1")),
+  EXPECT_INVALID(parse_rows(row("1,,,7,mug,0,1")),
                  "o.csv:2: got both id and class, expected one of the two");
-  EXPECT_INVALID(parse(""), "o.csv: got no rows, expected at least one");
-  EXPECT_INVALID_WITH(parse("1,,,7,,0,1,0,0,1,0,0,0,2," + kNoCovariance + "\n"),
+  EXPECT_INVALID(parse_rows(""), "o.csv: got no rows, expected at least one");
+  EXPECT_INVALID_WITH(parse_rows("1,,,7,,0,1,0,0,1,0,0,0,2," + kNoCovariance + "\n"),
                       "o.csv:2: got a quaternion of norm 2");
-  EXPECT_INVALID_WITH(parse("1,,,7,,0,1,0,0,1,0,0,0,1,1" + kNoCovariance + "\n"),
+  EXPECT_INVALID_WITH(parse_rows("1,,,7,,0,1,0,0,1,0,0,0,1,1" + kNoCovariance + "\n"),
                       "o.csv:2: got 20 empty fields of a covariance, expected none or all 21");
   const std::string indefinite = "1,0,0,0,0,0,1,0,0,0,0,1,0,0,0,1,0,0,-1,0,1";
-  EXPECT_INVALID_WITH(parse("1,,,7,,0,1,0,0,1,0,0,0,1," + indefinite + "\n"),
+  EXPECT_INVALID_WITH(parse_rows("1,,,7,,0,1,0,0,1,0,0,0,1," + indefinite + "\n"),
                       "o.csv:2: got c44 = -1, expected a variance in [1e-18, 1e+16]");
   EXPECT_INVALID_WITH(parse_observations("stamp_s,camera\n", "o.csv"), "got no column detector");
 }
@@ -140,7 +140,8 @@ TEST(ObservationCsv, ErrorsOfNumbersNameRowAndColumn) {
       {with("2,,,7,,1,1", pose, "1e-4,2e-4" + variances.substr(6) + "1e-4"),
        "a covariance c00 ... c55 that is not positive definite, expected one that is"},
   };
-  for (const auto& [rows, named] : cases) EXPECT_INVALID_WITH(parse(rows), "o.csv:5: got " + named);
+  for (const auto& damaged : cases)
+    EXPECT_INVALID_WITH(parse_rows(damaged.first), "o.csv:5: got " + damaged.second);
   const std::string clutter = std::string(kHeader) + ",clutter\n";
   for (const char* value : {"0", "1", "-0.5", "1.5", "0.999999999999"}) {
     EXPECT_INVALID_WITH(
@@ -151,7 +152,7 @@ TEST(ObservationCsv, ErrorsOfNumbersNameRowAndColumn) {
 }
 
 TEST(ObservationCsv, ErrorsOfSplitSightingsNameTheRowThatComesLater) {
-  EXPECT_INVALID(parse(row("1,,,7,,0,0.5") + row("1,,,8,,1,1") + row("1,,,7,,0,0.5")),
+  EXPECT_INVALID(parse_rows(row("1,,,7,,0,0.5") + row("1,,,8,,1,1") + row("1,,,7,,0,0.5")),
                  "o.csv:4: got sighting 0 again, expected the rows of a sighting one after the "
                  "other");
 }
@@ -174,7 +175,7 @@ TEST(ObservationCsv, PlaceholdersAreNoCovariance) {
   for (const char* none :
        {"0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0", "1,0,0,0,0,0,1,0,0,0,0,1,0,0,0,1,0,0,1,0,1",
         "-1,0,0,0,0,0,1,0,0,0,0,1,0,0,0,1,0,0,1,0,1"}) {
-    const auto read = parse("1,,,7,,0,1,0,0,1,0,0,0,1," + std::string(none) + "\n");
+    const auto read = parse_rows("1,,,7,,0,1,0,0,1,0,0,0,1," + std::string(none) + "\n");
     EXPECT_FALSE(read[0].components[0].covariance.has_value()) << none;
   }
 }
@@ -190,16 +191,16 @@ TEST(ObservationCsv, TheColumnsOfCovariancesMayBeMissing) {
 }
 
 TEST(ObservationCsv, RefusesToWriteWhatCannotBeReadBack) {
-  auto observations = some_observations();
+  auto observations = observations_of_table();
   observations[0].camera = "left, upper";
   EXPECT_INVALID(
       format_observations(observations),
       "the camera of an observation is \"left, upper\", expected one without commas, line "
       "breaks and blanks at its ends");
-  observations = some_observations();
+  observations = observations_of_table();
   observations[0].components.clear();
   EXPECT_INVALID_WITH(format_observations(observations), "has no components");
-  observations = some_observations();
+  observations = observations_of_table();
   observations[1].class_id.clear();
   EXPECT_INVALID(
       format_observations(observations),

@@ -16,7 +16,7 @@ const std::string kAscii =
     "property float z\nproperty uchar red\nelement face 1\nproperty list uchar int vertex_indices\n"
     "end_header\n1 2 3 255\n-4.5 0 6e1 0\n3 0 1 0\n";
 
-std::vector<Eigen::Vector3d> parse(const std::string& bytes) {
+std::vector<Eigen::Vector3d> parse_vertices(const std::string& bytes) {
   return parse_ply_vertices(bytes, "m.ply", 1e-3);
 }
 
@@ -32,7 +32,7 @@ void append(std::string& bytes, Number number) {
 }
 
 TEST(Ply, Ascii) {
-  const auto vertices = parse(kAscii);
+  const auto vertices = parse_vertices(kAscii);
   ASSERT_EQ(vertices.size(), 2U);
   EXPECT_LT((vertices[0] - Eigen::Vector3d(0.001, 0.002, 0.003)).norm(), 1e-15);
   EXPECT_LT((vertices[1] - Eigen::Vector3d(-0.0045, 0, 0.06)).norm(), 1e-15);
@@ -50,31 +50,32 @@ TEST(Ply, BinaryWithPropertiesInAnyOrder) {
     append<std::int16_t>(bytes, -2);
     append<float>(bytes, -2.0F);
   }
-  const auto vertices = parse(bytes);
+  const auto vertices = parse_vertices(bytes);
   ASSERT_EQ(vertices.size(), 2U);
   EXPECT_LT((vertices[1] - Eigen::Vector3d(0.0015, -0.002, 0.004)).norm(), 1e-15);
-  EXPECT_INVALID(parse(bytes.substr(0, bytes.size() - 1)),
+  EXPECT_INVALID(parse_vertices(bytes.substr(0, bytes.size() - 1)),
                  "m.ply: got the end of the file in vertex 1, expected 2 of them");
 }
 
 TEST(Ply, RefusesDamage) {
-  EXPECT_INVALID(parse("plx\n"), "m.ply: got another first line, expected 'ply'");
-  EXPECT_INVALID(parse(with(kAscii, "end_header", "end")),
+  EXPECT_INVALID(parse_vertices("plx\n"), "m.ply: got another first line, expected 'ply'");
+  EXPECT_INVALID(parse_vertices(with(kAscii, "end_header", "end")),
                  "m.ply: got no line 'end_header', expected one");
-  EXPECT_INVALID(parse(with(kAscii, "ascii", "binary_big_endian")),
+  EXPECT_INVALID(parse_vertices(with(kAscii, "ascii", "binary_big_endian")),
                  "m.ply: got another format, expected ascii or binary_little_endian");
-  EXPECT_INVALID(parse(with(kAscii, "float y", "float w")),
+  EXPECT_INVALID(parse_vertices(with(kAscii, "float y", "float w")),
                  "m.ply: got vertices without x, y, z, expected all three");
-  EXPECT_INVALID(parse(with(kAscii, "float y", "text y")),
+  EXPECT_INVALID(parse_vertices(with(kAscii, "float y", "text y")),
                  "m.ply: got a property of type \"text\", expected a number");
-  EXPECT_INVALID(parse(with(kAscii, "property uchar red", "property list uchar int red")),
+  EXPECT_INVALID(parse_vertices(with(kAscii, "property uchar red", "property list uchar int red")),
                  "m.ply: got a vertex property that is a list, expected numbers");
   EXPECT_INVALID(
-      parse(with(kAscii, "vertex 2", "vertex -2")),
+      parse_vertices(with(kAscii, "vertex 2", "vertex -2")),
       "m.ply: got \"element vertex -2\", expected 'element vertex' and a positive number");
-  EXPECT_INVALID(parse(with(kAscii, "-4.5", "nan")),
+  EXPECT_INVALID(parse_vertices(with(kAscii, "-4.5", "nan")),
                  "m.ply: got a damaged line of vertex 1, expected a number more");
-  EXPECT_INVALID_WITH(parse(with(kAscii, "vertex 2", "vertex 9")), "damaged line of vertex 3");
+  EXPECT_INVALID_WITH(parse_vertices(with(kAscii, "vertex 2", "vertex 9")),
+                      "damaged line of vertex 3");
 }
 
 // --- faces

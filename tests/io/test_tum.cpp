@@ -21,12 +21,12 @@ constexpr const char* kPlain =
     "\n"
     "  0.1\t-1e-3 2.5 3 0 0 0.7071068 0.7071068  \n";
 
-std::vector<StampedPose> parse(std::string_view text, const TumOptions& options = {}) {
+std::vector<StampedPose> parse_poses(std::string_view text, const TumOptions& options = {}) {
   return parse_tum(text, "t.txt", options);
 }
 
 TEST(Tum, ReadsPosesCommentsAndLineEnds) {
-  const auto frames = parse(kPlain);
+  const auto frames = parse_poses(kPlain);
   ASSERT_EQ(frames.size(), 2U);
   EXPECT_EQ(frames[0].stamp, 0.0);
   EXPECT_TRUE(frames[0].pose->is_approx(SE3d(SO3d(), {1, 2, 3}), 0));
@@ -35,56 +35,60 @@ TEST(Tum, ReadsPosesCommentsAndLineEnds) {
   EXPECT_TRUE(frames[1].pose->is_approx(SE3d(quarter, {-1e-3, 2.5, 3}), 1e-14));
 }
 
-TEST(Tum, LastLineWithoutEnd) { EXPECT_EQ(parse("0 0 0 0 0 0 0 1").size(), 1U); }
+TEST(Tum, LastLineWithoutEnd) { EXPECT_EQ(parse_poses("0 0 0 0 0 0 0 1").size(), 1U); }
 
 TEST(Tum, MissesOnlyInDetections) {
   const std::string text = "0 0 -0.0 0 0 0 0 0\n1 0 0 1 0 0 0 1\n";
-  EXPECT_INVALID_WITH(parse(text), "t.txt:1: got an all-zero pose, expected a pose in every line");
-  const auto frames = parse(text, {.allow_misses = true});
+  EXPECT_INVALID_WITH(parse_poses(text),
+                      "t.txt:1: got an all-zero pose, expected a pose in every line");
+  const auto frames = parse_poses(text, {.allow_misses = true});
   EXPECT_FALSE(frames[0].pose.has_value());
   EXPECT_TRUE(frames[1].pose.has_value());
 }
 
 TEST(Tum, ZeroTranslationMayCountAsMiss) {
   const std::string text = "0.5 0.0 -0.0 0.0 0 0 0 1\n";
-  EXPECT_TRUE(parse(text, {.allow_misses = true})[0].pose.has_value());
-  EXPECT_FALSE(
-      parse(text, {.allow_misses = true, .zero_translation_is_miss = true})[0].pose.has_value());
+  EXPECT_TRUE(parse_poses(text, {.allow_misses = true})[0].pose.has_value());
+  EXPECT_FALSE(parse_poses(text, {.allow_misses = true, .zero_translation_is_miss = true})[0]
+                   .pose.has_value());
 }
 
 TEST(Tum, StampsIncrease) {
-  EXPECT_INVALID(parse("0.2 0 0 0 0 0 0 1\n0.1 0 0 0 0 0 0 1\n"),
+  EXPECT_INVALID(parse_poses("0.2 0 0 0 0 0 0 1\n0.1 0 0 0 0 0 0 1\n"),
                  "t.txt:2: got stamp 0.1 after stamp 0.2, expected strictly increasing stamps");
-  EXPECT_INVALID_WITH(parse("1 0 0 0 0 0 0 1\n1 0 0 0 0 0 0 1\n"), "t.txt:2: got stamp 1 after");
+  EXPECT_INVALID_WITH(parse_poses("1 0 0 0 0 0 0 1\n1 0 0 0 0 0 0 1\n"),
+                      "t.txt:2: got stamp 1 after");
 }
 
 TEST(Tum, QuaternionIsNearlyUnit) {
   EXPECT_INVALID(
-      parse("0 1 2 3 0 0 0 0.98\n"),
+      parse_poses("0 1 2 3 0 0 0 0.98\n"),
       "t.txt:1: got a quaternion of norm 0.98, expected qx qy qz qw of norm 1 within 0.01");
-  EXPECT_INVALID_WITH(parse("0 1 2 3 0 0 0 0\n"), "got a quaternion of norm 0,");
-  EXPECT_INVALID_WITH(parse("0 1 2 3 1e308 1e308 1e308 1e308\n"), "got a quaternion of norm ");
-  const SE3d pose = *parse("0 1 2 3 0 0 0.6 0.805\n")[0].pose;
+  EXPECT_INVALID_WITH(parse_poses("0 1 2 3 0 0 0 0\n"), "got a quaternion of norm 0,");
+  EXPECT_INVALID_WITH(parse_poses("0 1 2 3 1e308 1e308 1e308 1e308\n"),
+                      "got a quaternion of norm ");
+  const SE3d pose = *parse_poses("0 1 2 3 0 0 0.6 0.805\n")[0].pose;
   EXPECT_NEAR(pose.rotation().quaternion().norm(), 1, 1e-15);
 }
 
 TEST(Tum, RejectsDamagedFiles) {
-  EXPECT_INVALID(parse(""), "t.txt: got no poses, expected lines 'stamp tx ty tz qx qy qz qw'");
-  EXPECT_INVALID_WITH(parse("# only a comment\n"), "got no poses");
-  EXPECT_INVALID(parse("0 1 2 3 0 0 0 1\n1 1 2 3 0 0 0\n"),
+  EXPECT_INVALID(parse_poses(""),
+                 "t.txt: got no poses, expected lines 'stamp tx ty tz qx qy qz qw'");
+  EXPECT_INVALID_WITH(parse_poses("# only a comment\n"), "got no poses");
+  EXPECT_INVALID(parse_poses("0 1 2 3 0 0 0 1\n1 1 2 3 0 0 0\n"),
                  "t.txt:2: got 7 columns, expected 8: stamp tx ty tz qx qy qz qw");
-  EXPECT_INVALID_WITH(parse("0 1 2 3 0 0 0 1 9\n"), "got 9 columns");
-  EXPECT_INVALID(parse("0 1 nan 3 0 0 0 1\n"),
+  EXPECT_INVALID_WITH(parse_poses("0 1 2 3 0 0 0 1 9\n"), "got 9 columns");
+  EXPECT_INVALID(parse_poses("0 1 nan 3 0 0 0 1\n"),
                  "t.txt:1: got ty = \"nan\", expected a finite number");
-  EXPECT_INVALID_WITH(parse("inf 1 2 3 0 0 0 1\n"), "got stamp = \"inf\"");
-  EXPECT_INVALID_WITH(parse("0 1 2 3 0 0 0 1e999\n"), "got qw = \"1e999\"");
-  EXPECT_INVALID_WITH(parse("0 1,5 2 3 0 0 0 1\n"), "got tx = \"1,5\"");
-  EXPECT_INVALID_WITH(parse("0,1,2,3,0,0,0,1\n"), "got 1 columns");
-  EXPECT_INVALID_WITH(parse(std::string("0 1 2 3 0 0 0 1\n\x7f"
-                                        "ELF\0\0",
-                                        22)),
+  EXPECT_INVALID_WITH(parse_poses("inf 1 2 3 0 0 0 1\n"), "got stamp = \"inf\"");
+  EXPECT_INVALID_WITH(parse_poses("0 1 2 3 0 0 0 1e999\n"), "got qw = \"1e999\"");
+  EXPECT_INVALID_WITH(parse_poses("0 1,5 2 3 0 0 0 1\n"), "got tx = \"1,5\"");
+  EXPECT_INVALID_WITH(parse_poses("0,1,2,3,0,0,0,1\n"), "got 1 columns");
+  EXPECT_INVALID_WITH(parse_poses(std::string("0 1 2 3 0 0 0 1\n\x7f"
+                                              "ELF\0\0",
+                                              22)),
                       "t.txt:2: got a NUL byte");
-  EXPECT_INVALID_WITH(parse("\x89PNG\r\n\x1a\n"), "t.txt:1: got 1 columns");
+  EXPECT_INVALID_WITH(parse_poses("\x89PNG\r\n\x1a\n"), "t.txt:1: got 1 columns");
 }
 
 TEST(Tum, ErrorsNameTheFile) {
@@ -103,7 +107,8 @@ TEST(Tum, WritesWhatItReads) {
     frames.push_back({1.7e9 + i / 30.0, SE3d::exp(SE3d::Tangent(xi))});
   }
   frames[7].pose.reset();
-  const auto again = parse(format_tum(frames, TumMisses::write_zeros), {.allow_misses = true});
+  const auto again =
+      parse_poses(format_tum(frames, TumMisses::write_zeros), {.allow_misses = true});
   ASSERT_EQ(again.size(), frames.size());
   for (std::size_t i = 0; i < frames.size(); ++i) {
     EXPECT_EQ(again[i].stamp, frames[i].stamp);
@@ -112,7 +117,7 @@ TEST(Tum, WritesWhatItReads) {
       EXPECT_TRUE(again[i].pose->is_approx(*frames[i].pose, 1e-11));
     }
   }
-  EXPECT_EQ(parse(format_tum(frames)).size(), frames.size() - 1);
+  EXPECT_EQ(parse_poses(format_tum(frames)).size(), frames.size() - 1);
 }
 
 TEST(Tum, WritesTwelveDigits) {

@@ -13,12 +13,12 @@
 namespace posemix {
 namespace {
 
-constexpr const char* kPose = "0.5 1 2 3 0 0 0 1";
+constexpr const char* kPoseText = "0.5 1 2 3 0 0 0 1";
 /// The upper triangle of diag(1, 2, 3, 4, 5, 6) with 0.5 between the first and the last.
 constexpr const char* kUpper = " 1 0 0 0 0 0.5 2 0 0 0 0 3 0 0 0 4 0 0 5 0 6";
 
-std::vector<StampedDensity> parse(const std::string& text,
-                                  const CovarianceConvention& convention = {}) {
+std::vector<StampedDensity> parse_densities(const std::string& text,
+                                            const CovarianceConvention& convention = {}) {
   return parse_tum_covariance(text, "t.tum", convention);
 }
 
@@ -29,15 +29,15 @@ Matrix6d stated() {
 }
 
 TEST(TumCovariance, ReadsTheUpperTriangleOrAllOfIt) {
-  const auto upper = parse("# comment\n" + std::string(kPose) + kUpper + "\n");
+  const auto upper = parse_densities("# comment\n" + std::string(kPoseText) + kUpper + "\n");
   ASSERT_EQ(upper.size(), 1U);
   EXPECT_EQ(upper[0].stamp, 0.5);
   EXPECT_EQ(upper[0].density.covariance(), stated());
-  std::string full = kPose;
+  std::string full = kPoseText;
   for (Eigen::Index i = 0; i < 6; ++i) {
     for (Eigen::Index j = 0; j < 6; ++j) full += " " + std::to_string(stated()(i, j));
   }
-  EXPECT_EQ(parse(full)[0].density.covariance(), stated());
+  EXPECT_EQ(parse_densities(full)[0].density.covariance(), stated());
 }
 
 /// The error that a convention speaks of, and a left perturbation that causes it, to first order.
@@ -74,32 +74,33 @@ TEST(TumCovariance, ConventionsAreWhatTheySay) {
 }
 
 TEST(TumCovariance, WrittenReadsBack) {
-  const auto frames = parse(std::string(kPose) + kUpper);
-  const auto again = parse(format_tum_covariance(frames));
+  const auto frames = parse_densities(std::string(kPoseText) + kUpper);
+  const auto again = parse_densities(format_tum_covariance(frames));
   EXPECT_EQ(again[0].density.covariance(), frames[0].density.covariance());
   EXPECT_TRUE(again[0].density.mean().is_approx(frames[0].density.mean(), 0));
 }
 
 TEST(TumCovariance, ErrorsNameTheLine) {
-  const std::string good = std::string(kPose) + kUpper + "\n";
-  EXPECT_INVALID(parse(kPose),
+  const std::string good = std::string(kPoseText) + kUpper + "\n";
+  EXPECT_INVALID(parse_densities(kPoseText),
                  "t.tum:1: got 8 columns, expected 29: a pose without its covariance says nothing "
                  "on consistency");
-  EXPECT_INVALID_WITH(parse(std::string(kPose) + " 1 2 3"), "t.tum:1: got 11 columns, expected 29");
-  EXPECT_INVALID_WITH(parse(good + good), "t.tum:2: got stamp 0.5 after stamp 0.5");
+  EXPECT_INVALID_WITH(parse_densities(std::string(kPoseText) + " 1 2 3"),
+                      "t.tum:1: got 11 columns, expected 29");
+  EXPECT_INVALID_WITH(parse_densities(good + good), "t.tum:2: got stamp 0.5 after stamp 0.5");
   const std::string indefinite = " 1 0 0 0 0 3 2 0 0 0 0 3 0 0 0 4 0 0 5 0 6";
-  EXPECT_INVALID(parse(good + "1 1 2 3 0 0 0 1" + indefinite),
+  EXPECT_INVALID(parse_densities(good + "1 1 2 3 0 0 0 1" + indefinite),
                  "t.tum:2: got a covariance that is not positive definite, expected one that is");
-  std::string zeros = kPose;
+  std::string zeros = kPoseText;
   for (int i = 0; i < 21; ++i) zeros += " 0";
-  EXPECT_INVALID(parse(zeros),
+  EXPECT_INVALID(parse_densities(zeros),
                  "t.tum:1: got a covariance of zeros (unknown), expected one that is positive "
                  "definite");
-  std::string skew = kPose;
+  std::string skew = kPoseText;
   for (int i = 0; i < 36; ++i) skew += i % 7 == 0 ? " 1" : (i == 1 ? " 0.5" : " 0");
-  EXPECT_INVALID_WITH(parse(skew), "t.tum:1: got a covariance that is not symmetric");
-  EXPECT_INVALID_WITH(parse(std::string(kPose) + " nan" + (kUpper + 2)), "t.tum:1: ");
-  EXPECT_INVALID_WITH(parse("# nothing\n"), "t.tum: got no poses");
+  EXPECT_INVALID_WITH(parse_densities(skew), "t.tum:1: got a covariance that is not symmetric");
+  EXPECT_INVALID_WITH(parse_densities(std::string(kPoseText) + " nan" + (kUpper + 2)), "t.tum:1: ");
+  EXPECT_INVALID_WITH(parse_densities("# nothing\n"), "t.tum: got no poses");
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include <limits>
 #include <vector>
 
 #include <sys/mman.h>
@@ -9,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "base/every_instruction_set.hpp"
+#include "numbers.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/base/random.hpp"
 #include "posemix/lie/batch.hpp"
@@ -20,7 +20,7 @@ namespace {
 
 using internal::by_every_instruction_set;
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using testing::kNan;
 
 /// Of angles up to four radians and some beyond.
 std::vector<Vector6d> tangents(std::size_t count) {

@@ -2,8 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include <gtest/gtest.h>
 
-#include <limits>
-
+#include "numbers.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/base/random.hpp"
 #include "posemix/lie/pose_checks.hpp"
@@ -14,8 +13,8 @@ namespace {
 
 using testing::thrown_message;
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInf = std::numeric_limits<double>::infinity();
+using testing::kInf;
+using testing::kNan;
 
 TEST(PoseChecks, APoseIsFiniteAndNotTooFar) {
   EXPECT_NO_THROW(check_pose(SE3d(SO3d(), {1e8, -1e8, 0.0}), "it"));

@@ -21,7 +21,7 @@ using SE3l = SE3<long double>;
 using Tangentl = SE3l::Tangent;
 using MatrixXl = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
 
-constexpr double kTolerance = 1e-13;
+constexpr double kKernelTolerance = 1e-13;
 
 /// Angles of zero, tiny ones, on both sides of where the series end, near pi and beyond it.
 std::vector<Vector6d> tangents() {
@@ -177,7 +177,7 @@ void expect_blocks(const std::vector<TwistMatrix<double>>& found, const std::vec
     const TwistMatrix<long double> expected = exact_blocks(xi[i].cast<long double>());
     const double size = static_cast<double>(expected.dense().cwiseAbs().maxCoeff());
     const MatrixXl difference = found[i].dense().cast<long double>() - expected.dense();
-    EXPECT_LT(static_cast<double>(difference.cwiseAbs().maxCoeff()), kTolerance * size)
+    EXPECT_LT(static_cast<double>(difference.cwiseAbs().maxCoeff()), kKernelTolerance * size)
         << xi[i].transpose();
   }
 }
@@ -242,7 +242,7 @@ TEST(StackKernels, ASumOfCongruencesIsThatOfStacks) {
       sum_congruences(parts, d, sum);
       const MatrixXl difference = sum.cast<long double>() - expected;
       EXPECT_LT(static_cast<double>(difference.cwiseAbs().maxCoeff()),
-                kTolerance * static_cast<double>(expected.cwiseAbs().maxCoeff()))
+                kKernelTolerance * static_cast<double>(expected.cwiseAbs().maxCoeff()))
           << size;
       EXPECT_EQ(sum, sum.transpose()) << size;
     }

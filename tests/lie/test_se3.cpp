@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 #include <limits>
-#include <numbers>
 
 #include <gtest/gtest.h>
 
+#include "numbers.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/lie/lie.hpp"
 
@@ -15,7 +15,7 @@ using Eigen::Matrix4d;
 using Eigen::Vector3d;
 using Vector6d = SE3d::Tangent;
 
-constexpr double kPi = std::numbers::pi;
+using testing::kPi;
 
 Vector6d twist(const Vector3d& phi, const Vector3d& rho) {
   Vector6d xi;

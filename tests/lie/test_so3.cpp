@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include <limits>
-#include <numbers>
 
 #include <gtest/gtest.h>
 
+#include "numbers.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/lie/lie.hpp"
 #include "posemix/testing/expect.hpp"
@@ -17,9 +16,9 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 using testing::thrown_message;
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInf = std::numeric_limits<double>::infinity();
+using testing::kInf;
+using testing::kNan;
+using testing::kPi;
 
 TEST(SO3, QuarterTurnAboutZ) {
   const auto r = SO3d::exp(Vector3d(0, 0, kPi / 2));

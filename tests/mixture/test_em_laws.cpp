@@ -134,8 +134,8 @@ TYPED_TEST(EmOn, EndsWhereTheLikelihoodIsStationary) {
 
 template <class G>
 class ProjectedEmOn : public ::testing::Test {};
-using Groups = ::testing::Types<SO3d, SE3d>;
-TYPED_TEST_SUITE(ProjectedEmOn, Groups);
+using EmGroups = ::testing::Types<SO3d, SE3d>;
+TYPED_TEST_SUITE(ProjectedEmOn, EmGroups);
 
 /// Compares the loops with vector instructions to the class.
 TYPED_TEST(ProjectedEmOn, KernelsAgreeWithTheClass) {

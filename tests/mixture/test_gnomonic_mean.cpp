@@ -12,7 +12,7 @@
 namespace posemix {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr double kOneDegree = std::numbers::pi / 180.0;
 
 struct WeightedRotations {
   std::vector<SO3d> rotations;
@@ -44,13 +44,13 @@ TEST(GnomonicMean, IsWhereTheMeanOfUVanishes) {
 
 TEST(GnomonicMean, OfTwoIsOnTheGeodesicHoweverFarTheyAreApart) {
   for (const double angle : {10.0, 90.0, 170.0, 180.0}) {
-    const std::vector rotations{SO3d(), SO3d::exp({0.0, angle * kDegree, 0.0})};
+    const std::vector rotations{SO3d(), SO3d::exp({0.0, angle * kOneDegree, 0.0})};
     const MeanResult<SO3d> mean = gnomonic_mean(rotations, std::vector{0.7, 0.3});
     EXPECT_TRUE(mean.converged);
     // .7 tan(a / 2) = .3 tan((angle - a) / 2), and no turn about the other axes.
     const Eigen::Vector3d turn = mean.mean.log();
-    EXPECT_NEAR(0.7 * std::tan(0.5 * turn.y()), 0.3 * std::tan(0.5 * (angle * kDegree - turn.y())),
-                1e-11);
+    EXPECT_NEAR(0.7 * std::tan(0.5 * turn.y()),
+                0.3 * std::tan(0.5 * (angle * kOneDegree - turn.y())), 1e-11);
     EXPECT_NEAR(turn.x(), 0.0, 1e-13);
     EXPECT_NEAR(turn.z(), 0.0, 1e-13);
   }

@@ -127,8 +127,8 @@ TEST(Mixture, RejectsSizesThatDiffer) {
 
 template <class G>
 class MixtureOn : public ::testing::Test {};
-using Groups = ::testing::Types<SO3d, SE3d, PoseStackd, Rnd<3>>;
-TYPED_TEST_SUITE(MixtureOn, Groups);
+using MixtureGroups = ::testing::Types<SO3d, SE3d, PoseStackd, Rnd<3>>;
+TYPED_TEST_SUITE(MixtureOn, MixtureGroups);
 
 TYPED_TEST(MixtureOn, DensityIsTheWeightedSum) {
   testing::check_property([] {

@@ -24,7 +24,7 @@ using Scalar1 = Eigen::Matrix<double, 1, 1>;
 
 Rnd<1> at(double x) { return Rnd<1>(Scalar1(x)); }
 
-Line on_line(double mean, double variance) { return {at(mean), Scalar1(variance)}; }
+Line normal_at(double mean, double variance) { return {at(mean), Scalar1(variance)}; }
 
 double normal(double x, double variance) {
   return std::exp(-0.5 * x * x / variance) / std::sqrt(2.0 * std::numbers::pi * variance);
@@ -73,9 +73,9 @@ TEST(MixtureOperations, InverseKeepsWeightsAndDensity) {
 TEST(MixtureOperations, ComposeAgreesWithMonteCarlo) {
   // On R^1 the composition is the sum; the distribution function is compared at five points.
   const auto a =
-      Mixture<Line>::from_weights(std::vector{0.3, 0.7}, {on_line(-1, 0.2), on_line(2, 0.5)});
+      Mixture<Line>::from_weights(std::vector{0.3, 0.7}, {normal_at(-1, 0.2), normal_at(2, 0.5)});
   const auto b =
-      Mixture<Line>::from_weights(std::vector{0.6, 0.4}, {on_line(0, 0.3), on_line(5, 1.0)});
+      Mixture<Line>::from_weights(std::vector{0.6, 0.4}, {normal_at(0, 0.3), normal_at(5, 1.0)});
   const auto sum = compose(a, b);
   constexpr int kDraws = 60'000;
   const std::vector<double> cuts{-1.0, 0.5, 2.0, 4.0, 6.5};
@@ -103,8 +103,10 @@ TEST(MixtureOperations, FuseOnTheLineIsTheClosedForm) {
   const std::vector<double> b{0.0, 3.0};
   const std::vector<double> var_a{0.2, 0.5};
   const std::vector<double> var_b{0.3, 1.0};
-  const auto p = Mixture<Line>::from_weights(w, {on_line(a[0], var_a[0]), on_line(a[1], var_a[1])});
-  const auto q = Mixture<Line>::from_weights(v, {on_line(b[0], var_b[0]), on_line(b[1], var_b[1])});
+  const auto p =
+      Mixture<Line>::from_weights(w, {normal_at(a[0], var_a[0]), normal_at(a[1], var_a[1])});
+  const auto q =
+      Mixture<Line>::from_weights(v, {normal_at(b[0], var_b[0]), normal_at(b[1], var_b[1])});
   const auto fused = fuse(p, q);
   double evidence = 0.0;
   for (std::size_t i = 0; i < 2; ++i) {
@@ -132,8 +134,8 @@ TEST(MixtureOperations, FuseOnTheLineIsTheClosedForm) {
 
 TEST(MixtureOperations, FuseOfDistantMixturesDoesNotUnderflow) {
   // 100 deviations apart: the evidence exp(-2500) is zero in double precision, its log is not.
-  const auto p = Mixture<Line>::from_weights(std::vector{1.0}, {on_line(0.0, 1.0)});
-  const auto q = Mixture<Line>::from_weights(std::vector{1.0}, {on_line(100.0, 1.0)});
+  const auto p = Mixture<Line>::from_weights(std::vector{1.0}, {normal_at(0.0, 1.0)});
+  const auto q = Mixture<Line>::from_weights(std::vector{1.0}, {normal_at(100.0, 1.0)});
   const auto fused = fuse(p, q);
   EXPECT_NEAR(fused.log_overlap, -2500.0 - 0.5 * std::log(4.0 * std::numbers::pi), 1e-9);
   EXPECT_NEAR(fused.density.weight(0), 1.0, 1e-15);

@@ -44,8 +44,8 @@ TEST(MomentsOfVectors, ObeyTheLawOfTotalVariance) {
 
 template <class G>
 class MomentsOn : public ::testing::Test {};
-using Groups = ::testing::Types<SO3d, SE3d, PoseStackd, Rnd<3>>;
-TYPED_TEST_SUITE(MomentsOn, Groups);
+using MomentGroups = ::testing::Types<SO3d, SE3d, PoseStackd, Rnd<3>>;
+TYPED_TEST_SUITE(MomentsOn, MomentGroups);
 
 TYPED_TEST(MomentsOn, OfOneComponentAreItsOwn) {
   check_property([] {

@@ -27,8 +27,8 @@ std::span<const Component<ConcentratedGaussian<G>>> view(const Components<G>& co
 
 template <class G>
 class TangentMomentsOn : public ::testing::Test {};
-using Groups = ::testing::Types<SO3d, SE3d, PoseStackd, Rnd<3>>;
-TYPED_TEST_SUITE(TangentMomentsOn, Groups);
+using TangentGroups = ::testing::Types<SO3d, SE3d, PoseStackd, Rnd<3>>;
+TYPED_TEST_SUITE(TangentMomentsOn, TangentGroups);
 
 TYPED_TEST(TangentMomentsOn, MatchTheMomentsOfTheMovedComponents) {
   check_property([] {

@@ -72,8 +72,8 @@ TEST(MergeOnVectors, EveryRulePreservesMoments) {
 
 template <class G>
 class MergeOn : public ::testing::Test {};
-using Groups = ::testing::Types<SO3d, SE3d, PoseStackd, Rnd<3>>;
-TYPED_TEST_SUITE(MergeOn, Groups);
+using MergeGroups = ::testing::Types<SO3d, SE3d, PoseStackd, Rnd<3>>;
+TYPED_TEST_SUITE(MergeOn, MergeGroups);
 
 TYPED_TEST(MergeOn, OneComponentStaysAsItIs) {
   check_property([] {

@@ -25,8 +25,8 @@ class MidwayOn : public ::testing::Test {
     return std::span<const Component<ConcentratedGaussian<G>>>(components);
   }
 };
-using Groups = ::testing::Types<SO3d, SE3d, PoseStackd, Rnd<3>>;
-TYPED_TEST_SUITE(MidwayOn, Groups);
+using MidwayGroups = ::testing::Types<SO3d, SE3d, PoseStackd, Rnd<3>>;
+TYPED_TEST_SUITE(MidwayOn, MidwayGroups);
 
 /// Two to `most` components with the means of every pose within 1.5 rad of each other.
 template <class G>

@@ -20,11 +20,11 @@ using Rotation = ProjectedGaussian<SO3d>;
 using Pose = ProjectedGaussian<SE3d>;
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr std::array kMergeRules{MergeRule::midway, MergeRule::tangent_of_larger,
-                                 MergeRule::moment_matched};
-constexpr std::array kPairRules{PairRule::largest_with_smallest, PairRule::most_distant,
-                                PairRule::runnalls, PairRule::symmetric_kl,
-                                PairRule::weighted_symmetric_kl};
+constexpr std::array kProjectedMergeRules{MergeRule::midway, MergeRule::tangent_of_larger,
+                                          MergeRule::moment_matched};
+constexpr std::array kProjectedPairRules{PairRule::largest_with_smallest, PairRule::most_distant,
+                                         PairRule::runnalls, PairRule::symmetric_kl,
+                                         PairRule::weighted_symmetric_kl};
 
 template <class G>
 Mixture<ProjectedGaussian<G>> random_mixture(RandomStream& stream, std::size_t size, double away,
@@ -114,7 +114,7 @@ TEST(ProjectedMerge, MatchingTheMomentsOfTheLawLosesTheLeast) {
         Case{120.0, {1.02707, 1.04506, 0.91132}}}) {
     const auto before = two(one.separation);
     for (std::size_t i = 0; i < 3; ++i) {
-      const auto result = merged(before, kMergeRules[i]);
+      const auto result = merged(before, kProjectedMergeRules[i]);
       EXPECT_TRUE(result.converged);
       EXPECT_NEAR(loss(before, result.component.density), one.kl[i], 2e-3 * one.kl[i] + 2e-4);
     }
@@ -142,7 +142,7 @@ TEST(ProjectedMerge, NoNeighbourOfMatchedMomentsIsMuchBetter) {
 
 TEST(ProjectedMerge, FarApartItConvergesWithEveryRule) {
   for (const double separation : {150.0, 175.0, 179.9}) {
-    for (const MergeRule rule : kMergeRules) {
+    for (const MergeRule rule : kProjectedMergeRules) {
       const auto result = merged(two(separation), rule);
       EXPECT_TRUE(result.converged);
       EXPECT_TRUE(result.component.density.covariance().allFinite());
@@ -158,7 +158,7 @@ TEST(ProjectedMerge, RefusesAWeightThatIsNone) {
        {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     components[1].log_weight = bad;
     const std::span<const Component<Pose>> both(components);
-    for (const MergeRule rule : kMergeRules) {
+    for (const MergeRule rule : kProjectedMergeRules) {
       EXPECT_THROW(merge<SE3d>(both, {.rule = rule}), InvalidInput);
       EXPECT_THROW(merge<SE3d>(both.last(1), {.rule = rule}), InvalidInput);
     }
@@ -170,7 +170,7 @@ TEST(ProjectedMerge, WithoutWeightAComponentDoesNotCount) {
   auto components = random_mixture<SE3d>(stream, 3, 0.3, 0.1).release();
   components[1].log_weight = -std::numeric_limits<double>::infinity();
   const std::vector two_of_them{components[0], components[2]};
-  for (const MergeRule rule : kMergeRules) {
+  for (const MergeRule rule : kProjectedMergeRules) {
     const auto all = merge<SE3d>(std::span<const Component<Pose>>(components), {.rule = rule});
     const auto carrying =
         merge<SE3d>(std::span<const Component<Pose>>(two_of_them), {.rule = rule});
@@ -183,8 +183,8 @@ TEST(ProjectedReduce, KeepsInvariantsWithEveryRule) {
   RandomStream stream(7);
   for (int trial = 0; trial < 5; ++trial) {
     const auto mixture = random_mixture<SE3d>(stream, 8, 0.4, 0.1);
-    for (const MergeRule rule : kMergeRules) {
-      for (const PairRule pair : kPairRules) {
+    for (const MergeRule rule : kProjectedMergeRules) {
+      for (const PairRule pair : kProjectedPairRules) {
         const auto [reduced, report] = reduce(
             mixture,
             {.drop_smallest = 2, .max_components = 3, .pair = pair, .merge = {.rule = rule}});
@@ -215,7 +215,7 @@ TEST(ProjectedReduce, CommutesWithChangesOfTheFrame) {
         {c.log_weight,
          {turn * c.density.tangent_point(), c.density.tangent_mean(), c.density.covariance()}});
   }
-  for (const MergeRule rule : kMergeRules) {
+  for (const MergeRule rule : kProjectedMergeRules) {
     const ReductionSettings settings{
         .max_components = 3, .pair = PairRule::weighted_symmetric_kl, .merge = {.rule = rule}};
     const auto a = reduce(mixture, settings).mixture;

@@ -19,7 +19,7 @@ namespace {
 
 using Line = ConcentratedGaussian<Rnd<1>>;
 
-Line on_line(double mean, double variance = 1.0) {
+Line unit_on_line(double mean, double variance = 1.0) {
   using Scalar1 = Eigen::Matrix<double, 1, 1>;
   return {Rnd<1>(Scalar1(mean)), Scalar1(variance)};
 }
@@ -29,7 +29,7 @@ Mixture<Line> ladder(std::size_t count) {
   std::vector<double> weights(count);
   std::iota(weights.begin(), weights.end(), 1.0);
   std::vector<Line> densities;
-  for (std::size_t i = 0; i < count; ++i) densities.push_back(on_line(static_cast<double>(i)));
+  for (std::size_t i = 0; i < count; ++i) densities.push_back(unit_on_line(static_cast<double>(i)));
   return Mixture<Line>::from_weights(weights, std::move(densities));
 }
 
@@ -60,7 +60,7 @@ TEST(Reduce, TriggerOfThePublishedFilter) {
 
 TEST(Reduce, TriggerCountsWhatIsLeftAfterPruning) {
   auto components = ladder(15).release();
-  components.push_back({std::log(1e-7), on_line(50.0)});
+  components.push_back({std::log(1e-7), unit_on_line(50.0)});
   const ReductionSettings settings{.prune_below = 1e-6, .max_components = 12, .merge_from = 16};
   EXPECT_EQ(reduce(Mixture(components), settings).mixture.size(), 15U);
   const ReductionSettings keeping{.prune_below = 1e-8, .max_components = 12, .merge_from = 16};
@@ -69,7 +69,7 @@ TEST(Reduce, TriggerCountsWhatIsLeftAfterPruning) {
 
 TEST(Reduce, PruningReportsTheWeightDropped) {
   const auto mixture = Mixture<Line>::from_weights(std::vector{0.6, 4e-6, 0.3, 0.0, 0.099996},
-                                                   std::vector<Line>(5, on_line(0.0)));
+                                                   std::vector<Line>(5, unit_on_line(0.0)));
   const auto [reduced, report] = reduce(mixture);  // prunes below 5e-6 by default
   EXPECT_EQ(reduced.size(), 3U);
   EXPECT_EQ(report.components_pruned, 2U);
@@ -78,9 +78,9 @@ TEST(Reduce, PruningReportsTheWeightDropped) {
 }
 
 TEST(Reduce, KeepsTheHeaviestWithoutMerging) {
-  const auto mixture =
-      Mixture<Line>::from_weights(std::vector{0.1, 0.4, 0.2, 0.1, 0.2},
-                                  {on_line(0), on_line(1), on_line(2), on_line(3), on_line(4)});
+  const auto mixture = Mixture<Line>::from_weights(
+      std::vector{0.1, 0.4, 0.2, 0.1, 0.2},
+      {unit_on_line(0), unit_on_line(1), unit_on_line(2), unit_on_line(3), unit_on_line(4)});
   const auto [reduced, report] = reduce(mixture, {.keep_heaviest = 2});
   ASSERT_EQ(reduced.size(), 2U);
   // In the order they had; of the two of weight 0.2 the earlier.
@@ -108,7 +108,8 @@ TEST(Reduce, KeepsTheHeaviestAfterPruningAndBeforeMerging) {
 TEST(Reduce, ReportTellsEveryMerge) {
   // By hand, the largest with the smallest: 0.5 at 0 takes 0.1 at 4; then 0.6 takes 0.15 at 1.
   const auto mixture = Mixture<Line>::from_weights(
-      std::vector{0.5, 0.15, 0.25, 0.1}, {on_line(0), on_line(1), on_line(2), on_line(4)});
+      std::vector{0.5, 0.15, 0.25, 0.1},
+      {unit_on_line(0), unit_on_line(1), unit_on_line(2), unit_on_line(4)});
   const auto [reduced, report] = reduce(mixture, {.max_components = 2});
   ASSERT_EQ(report.merges.size(), 2U);
   EXPECT_NEAR(report.merges[0].weight_a, 0.5, 1e-14);
@@ -128,7 +129,8 @@ TEST(Reduce, ReportTellsEveryMerge) {
 
 TEST(Reduce, ObeysThePairRuleAndTheMetric) {
   const auto mixture = Mixture<Line>::from_weights(
-      std::vector{0.4, 0.3, 0.2, 0.1}, {on_line(0), on_line(5), on_line(0.1), on_line(2)});
+      std::vector{0.4, 0.3, 0.2, 0.1},
+      {unit_on_line(0), unit_on_line(5), unit_on_line(0.1), unit_on_line(2)});
   const auto distance_of = [&](PairRule rule) {
     return reduce(mixture, {.max_components = 3, .pair = rule}).report.merges.at(0).distance;
   };
@@ -155,8 +157,8 @@ TEST(Reduce, ToOneComponentIsTheMomentsOfTheMixtureOnVectors) {
 
 template <class G>
 class ReduceOn : public ::testing::Test {};
-using Groups = ::testing::Types<SO3d, SE3d, PoseStackd, Rnd<3>>;
-TYPED_TEST_SUITE(ReduceOn, Groups);
+using ReduceGroups = ::testing::Types<SO3d, SE3d, PoseStackd, Rnd<3>>;
+TYPED_TEST_SUITE(ReduceOn, ReduceGroups);
 
 TYPED_TEST(ReduceOn, KeepsInvariantsWithEveryRule) {
   testing::check_property([] {
@@ -186,7 +188,8 @@ TYPED_TEST(ReduceOn, KeepsInvariantsWithEveryRule) {
 
 TEST(Reduce, ComponentsWithoutWeightMergeAway) {
   const auto mixture = Mixture<Line>::from_weights(
-      std::vector{0.0, 0.0, 1.0, 0.0}, {on_line(1), on_line(2), on_line(3), on_line(4)});
+      std::vector{0.0, 0.0, 1.0, 0.0},
+      {unit_on_line(1), unit_on_line(2), unit_on_line(3), unit_on_line(4)});
   for (const PairRule pair : {PairRule::largest_with_smallest, PairRule::most_distant,
                               PairRule::runnalls, PairRule::symmetric_kl}) {
     const ReductionSettings settings{.prune_below = 0.0, .max_components = 1, .pair = pair};

@@ -17,8 +17,8 @@ namespace {
 using Stackl = PoseStack<long double>;
 using Vectorl = Stackl::Tangent;
 using Matrixl = Stackl::TangentMatrix;
-using Density = ConcentratedGaussian<PoseStackd>;
-using Pair = std::array<Component<Density>, 2>;
+using StackDensity = ConcentratedGaussian<PoseStackd>;
+using StackPair = std::array<Component<StackDensity>, 2>;
 
 Stackl exact(const PoseStackd& stack) {
   Stackl result;
@@ -27,7 +27,7 @@ Stackl exact(const PoseStackd& stack) {
   return result;
 }
 
-Pair random_pair(std::size_t poses, double apart, std::uint64_t seed) {
+StackPair random_pair(std::size_t poses, double apart, std::uint64_t seed) {
   RandomStream stream(3, seed);
   const auto n = static_cast<Eigen::Index>(6 * poses);
   const auto draw = [&](double scale) {
@@ -42,8 +42,8 @@ Pair random_pair(std::size_t poses, double apart, std::uint64_t seed) {
     return Eigen::MatrixXd(root * root.transpose() + 1e-3 * Eigen::MatrixXd::Identity(n, n));
   };
   const PoseStackd mean = PoseStackd::exp(draw(0.6));
-  return {{{std::log(0.3), Density(mean, covariance())},
-           {std::log(0.5), Density(PoseStackd::exp(draw(apart)) * mean, covariance())}}};
+  return {{{std::log(0.3), StackDensity(mean, covariance())},
+           {std::log(0.5), StackDensity(PoseStackd::exp(draw(apart)) * mean, covariance())}}};
 }
 
 struct Moments {
@@ -51,12 +51,12 @@ struct Moments {
   Matrixl covariance;
 };
 
-Matrixl moved(const Matrixl& j, const Density& density) {
+Matrixl moved(const Matrixl& j, const StackDensity& density) {
   return j * density.covariance().cast<long double>() * j.transpose();
 }
 
 /// Midway-merge paper, eq. 12 to 18.
-Moments midway(const Pair& pair) {
+Moments midway(const StackPair& pair) {
   const long double w_2 = 0.5L / 0.8L;
   const Stackl x_1 = exact(pair[0].density.mean());
   const Vectorl dx = (exact(pair[1].density.mean()) * x_1.inverse()).log();
@@ -67,7 +67,7 @@ Moments midway(const Pair& pair) {
 }
 
 /// Cesic et al. 2017: in the tangent space of the second component, which has the larger weight.
-Moments tangent_of_larger(const Pair& pair) {
+Moments tangent_of_larger(const StackPair& pair) {
   const long double w_1 = 0.3L / 0.8L;
   const Stackl x_2 = exact(pair[1].density.mean());
   const Vectorl d = (exact(pair[0].density.mean()) * x_2.inverse()).log();
@@ -78,7 +78,7 @@ Moments tangent_of_larger(const Pair& pair) {
   return {Stackl::exp(w_1 * d) * x_2, j * p * j.transpose()};
 }
 
-void expect(const Pair& pair, MergeRule rule, const Moments& expected) {
+void expect(const StackPair& pair, MergeRule rule, const Moments& expected) {
   const auto merged = merge<PoseStackd>(pair, {.rule = rule}).component;
   EXPECT_NEAR(merged.log_weight, std::log(0.8), 1e-15);
   EXPECT_TRUE(exact(merged.density.mean()).is_approx(expected.mean, 1e-14L));
@@ -94,7 +94,7 @@ TEST(StackMerge, BothRulesByEveryInstructionSet) {
     for (const std::size_t poses : {1u, 2u, 4u, 6u, 9u}) {
       for (const double apart : {1e-9, 0.1, 0.7}) {
         SCOPED_TRACE(fmt::format("{} poses, {} apart", poses, apart));
-        const Pair pair = random_pair(poses, apart, poses);
+        const StackPair pair = random_pair(poses, apart, poses);
         expect(pair, MergeRule::midway, midway(pair));
         expect(pair, MergeRule::tangent_of_larger, tangent_of_larger(pair));
       }
@@ -107,12 +107,12 @@ TEST(StackMerge, AWeightThatTheOthersDifferenceFromOneLosesCounts) {
   Eigen::VectorXd apart = Eigen::VectorXd::Zero(12);
   apart[3] = 3.0;
   const double log_small = -37.0;  // 8.5e-17, half of the last digit of one
-  const Component<Density> large{0.0, Density(PoseStackd(2), covariance)};
-  const Component<Density> small{log_small, Density(PoseStackd::exp(apart), covariance)};
+  const Component<StackDensity> large{0.0, StackDensity(PoseStackd(2), covariance)};
+  const Component<StackDensity> small{log_small, StackDensity(PoseStackd::exp(apart), covariance)};
   // Translations alone: w_1 P + w_2 P + w_1 w_2 d^2.
   const double expected = 1e-14 + std::exp(log_small) * 9.0;
   for (const MergeRule rule : {MergeRule::midway, MergeRule::tangent_of_larger}) {
-    for (const Pair& pair : {Pair{large, small}, Pair{small, large}}) {
+    for (const StackPair& pair : {StackPair{large, small}, StackPair{small, large}}) {
       const auto merged = merge<PoseStackd>(pair, {.rule = rule}).component;
       EXPECT_NEAR(merged.density.covariance()(3, 3), expected, 1e-13 * expected);
     }
@@ -120,10 +120,11 @@ TEST(StackMerge, AWeightThatTheOthersDifferenceFromOneLosesCounts) {
 }
 
 TEST(StackMerge, StacksOfNoPosesAndOfDifferentSizes) {
-  const Component<Density> none{0.0, Density::trusted(PoseStackd(), Eigen::MatrixXd(0, 0))};
+  const Component<StackDensity> none{0.0,
+                                     StackDensity::trusted(PoseStackd(), Eigen::MatrixXd(0, 0))};
   const std::array nothing{none, none};
   EXPECT_EQ(merge<PoseStackd>(nothing).component.density.mean().size(), 0u);
-  const Pair pair = random_pair(2, 0.1, 1);
+  const StackPair pair = random_pair(2, 0.1, 1);
   const std::array different{pair[0], random_pair(3, 0.1, 1)[1]};
   EXPECT_THROW(merge<PoseStackd>(different), InvalidInput);
 }

@@ -14,7 +14,7 @@ namespace {
 using testing::fuzz;
 using testing::FuzzReport;
 
-void expect_sound(const FuzzReport& report, std::size_t least_of_each) {
+void expect_sound_reports(const FuzzReport& report, std::size_t least_of_each) {
   EXPECT_TRUE(report.failures.empty())
       << report.failures.size() << " failures, the first: " << report.failures[0];
   EXPECT_GT(report.accepted, least_of_each);
@@ -41,7 +41,7 @@ TEST(DamagedReport, Traces) {
     folder.put("trace.json", text);
     format_report(folder.path());
   };
-  expect_sound(fuzz(originals, 1500, 31, parse), 20);
+  expect_sound_reports(fuzz(originals, 1500, 31, parse), 20);
 }
 
 TEST(DamagedReport, Meshes) {
@@ -60,7 +60,7 @@ TEST(DamagedReport, Meshes) {
       }
     }
   };
-  expect_sound(fuzz(originals, 10000, 32, parse), 300);
+  expect_sound_reports(fuzz(originals, 10000, 32, parse), 300);
 }
 
 }  // namespace

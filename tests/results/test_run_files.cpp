@@ -33,7 +33,7 @@ struct Reported {
   std::vector<std::string> warnings;
 };
 
-Reported report_of(const TemporaryFolder& folder) {
+Reported reported_run(const TemporaryFolder& folder) {
   Reported reported;
   ReportOptions options;
   options.warn = [&](const std::string& warning) { reported.warnings.push_back(warning); };
@@ -81,7 +81,7 @@ TEST(RunFiles, AReportLeavesOutMixturesOfAnotherRun) {
   const TemporaryFolder folder;
   put_all(folder, with_hypotheses());
   put_all(folder, joint());
-  const Reported reported = report_of(folder);
+  const Reported reported = reported_run(folder);
   for (const auto& [name, document] : reported.data["documents"].items())
     EXPECT_FALSE(name.starts_with("mixture_")) << name;
   ASSERT_EQ(reported.warnings.size(), 3U);
@@ -93,9 +93,9 @@ TEST(RunFiles, AReportLeavesOutMixturesOfAnotherRun) {
 TEST(RunFiles, AReportKeepsItsOwnMixturesAlone) {
   const TemporaryFolder folder;
   put_all(folder, with_hypotheses());
-  EXPECT_EQ(report_of(folder).warnings, std::vector<std::string>{});
+  EXPECT_EQ(reported_run(folder).warnings, std::vector<std::string>{});
   folder.put("mixture_mug.json", with_hypotheses().files.at("mixture_box.json"));
-  const Reported reported = report_of(folder);
+  const Reported reported = reported_run(folder);
   EXPECT_EQ(reported.warnings.size(), 1U);
   EXPECT_TRUE(reported.data["documents"].contains("mixture_box.json"));
   EXPECT_FALSE(reported.data["documents"].contains("mixture_mug.json"));
@@ -105,10 +105,10 @@ TEST(RunFiles, OfAnEarlierVersionByTheFilter) {
   const TemporaryFolder folder;
   put_all(folder, with_hypotheses());
   folder.put("metrics.json", earlier_metrics(with_hypotheses()).dump());
-  EXPECT_TRUE(report_of(folder).data["documents"].contains("mixture_mug.json"));
+  EXPECT_TRUE(reported_run(folder).data["documents"].contains("mixture_mug.json"));
   put_all(folder, joint());
   folder.put("metrics.json", earlier_metrics(joint()).dump());
-  const Reported reported = report_of(folder);
+  const Reported reported = reported_run(folder);
   EXPECT_FALSE(reported.data["documents"].contains("mixture_mug.json"));
 }
 
@@ -121,7 +121,7 @@ TEST(RunFiles, AReportOfARunLeavesOutAStudyBesideIt) {
   folder.put("divergence.csv", "a\n1\n");
   folder.put("divergence.svg", "<svg/>");
   folder.put("mine.csv", "a\n1\n");
-  const Reported reported = report_of(folder);
+  const Reported reported = reported_run(folder);
   EXPECT_EQ(reported.data.at("kind"), "slam");
   EXPECT_FALSE(reported.data.at("documents").contains("study.json"));
   EXPECT_FALSE(reported.data.at("tables").contains("divergence.csv"));
@@ -144,7 +144,7 @@ TEST(RunFiles, WhatWasGatedIsReadAsUnexplained) {
   json metrics = earlier_metrics(with_hypotheses());
   metrics["objects"]["mug"]["gated"] = 7;
   folder.put("metrics.json", metrics.dump());
-  const Reported reported = report_of(folder);
+  const Reported reported = reported_run(folder);
   const json& mug = reported.data["documents"]["metrics.json"]["objects"]["mug"];
   EXPECT_EQ(mug["unexplained"], 7);
   EXPECT_FALSE(mug.contains("gated"));

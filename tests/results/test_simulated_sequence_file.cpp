@@ -17,7 +17,7 @@
 namespace posemix {
 namespace {
 
-SlamJob job_from(const std::map<std::string, std::string>& files) {
+SlamJob job_of_files(const std::map<std::string, std::string>& files) {
   const testing::TemporaryFolder folder;
   for (const auto& [name, content] : files) folder.put(name, content);
   const std::filesystem::path path = folder / "sequence.toml";
@@ -33,7 +33,7 @@ SlamJob job_with(const std::string& object, const std::string& filter) {
       "\"n\"\n" +
           object + "\n[filter]\n" + filter,
       "sim.toml"));
-  return job_from(format_simulation(file, simulate(file.config, 1), 1));
+  return job_of_files(format_simulation(file, simulate(file.config, 1), 1));
 }
 
 const std::optional<SlowError>& slow_in(const SlamJob& job) {
@@ -84,7 +84,7 @@ TEST(SimulatedSequenceFile, EveryShippedConfigurationIsReadBack) {
     } catch (const InvalidInput&) {
       continue;  // a sequence file or symmetries
     }
-    const SlamJob job = job_from(format_simulation(*file, simulate(file->config, 1), 1));
+    const SlamJob job = job_of_files(format_simulation(*file, simulate(file->config, 1), 1));
     EXPECT_EQ(job.sequence.stamps.size(), file->config.path.frames) << entry.path();
     ++simulated;
   }

@@ -87,7 +87,7 @@ SimulationFile scene_from(std::string_view text) {
 }
 
 /// The scene with a part replaced.
-std::string with(const std::string& from, const std::string& to) {
+std::string scene_with(const std::string& from, const std::string& to) {
   std::string text(kScene);
   const std::size_t at = text.find(from);
   EXPECT_NE(at, std::string::npos) << from;
@@ -218,7 +218,8 @@ TEST(SimulationScenes, AllTruthIsWritten) {
 
 TEST(SimulationScenes, ErrorsNameFileLineAndKey) {
   const auto expect = [](const std::string& from, const std::string& to, const std::string& part) {
-    const std::string text = testing::invalid_input_message([&] { scene_from(with(from, to)); });
+    const std::string text =
+        testing::invalid_input_message([&] { scene_from(scene_with(from, to)); });
     EXPECT_NE(text.find(part), std::string::npos) << text << "\nlacks: " << part;
   };
   expect("set_up = \"still\"", "set_up = \"fixed\"", "sim.toml:4: key 'camera.set_up'");

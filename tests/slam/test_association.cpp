@@ -79,7 +79,9 @@ NoiseComponent noise(double rotation_deg = 3.0, double translation_m = 0.005) {
 
 Candidate candidate(const SE3d& pose, double score = 1.0) { return {"box", pose, score}; }
 
-SE3d half_turn() { return SE3d(SO3d::exp({0, 0, std::numbers::pi}), Eigen::Vector3d::Zero()); }
+SE3d half_turn_about_z() {
+  return SE3d(SO3d::exp({0, 0, std::numbers::pi}), Eigen::Vector3d::Zero());
+}
 
 TEST(Associate, GivesEveryInstanceItsDetection) {
   const std::vector<Density> instances{density(at(0, 0)), density(at(0.1, 0, 20)),
@@ -100,9 +102,9 @@ TEST(Associate, GivesEveryInstanceItsDetection) {
 
 TEST(Associate, TakesTheEquivalentPoseNearestToTheInstance) {
   const std::vector<Density> instances{density(at(0, 0))};
-  const std::vector<Candidate> seen{candidate(at(0.002, 0, 4) * half_turn())};
+  const std::vector<Candidate> seen{candidate(at(0.002, 0, 4) * half_turn_about_z())};
   const auto plain = associate(instances, seen, noise(), {});
-  const auto aware = associate(instances, seen, noise(), SymmetryGroup({half_turn()}));
+  const auto aware = associate(instances, seen, noise(), SymmetryGroup({half_turn_about_z()}));
   // Without the symmetry the place decides, at the price of the cap: the 0.99 quantile of a
   // chi-square with three degrees of freedom is 11.345 (tables).
   ASSERT_EQ(plain[0].status, CandidateStatus::assigned);

@@ -8,6 +8,8 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
+
 #include "error_series.hpp"
 #include "posemix/testing/expect.hpp"
 

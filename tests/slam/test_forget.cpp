@@ -23,11 +23,11 @@ using testing::RichScene;
 using testing::StampedInput;
 using testing::thrown_message;
 
-const SE3d kMug = pose(0.1, 0.2, 0.3, 0.0, 0.0, 0.6);
+const SE3d kForgottenMug = pose(0.1, 0.2, 0.3, 0.0, 0.0, 0.6);
 const SE3d kBefore = pose(0.3, 0.0, 0.1, 0.2, 0.0, 0.7);
 const SE3d kAfter = pose(0.0, 0.4, 0.1, -0.2, 0.1, 0.8);
 
-Observation seen(const std::string& object, const SE3d& place, double stamp_s = 0.0) {
+Observation seen_at(const std::string& object, const SE3d& place, double stamp_s = 0.0) {
   Observation observation = observation_of(place);
   observation.object = object;
   observation.stamp_s = stamp_s;
@@ -53,17 +53,17 @@ void expect_near(const MultiObjectSlam& a, const MultiObjectSlam& b, std::size_t
   EXPECT_EQ(a.detections(object), b.detections(object));
 }
 
-/// An object of a kind, seen at one place and forgotten, then seen at another one, against one that
-/// was never seen at the first.
+/// An object of a kind, seen at one place and forgotten, then seen at another one, against
+/// one that was never seen at the first.
 void expect_as_never_seen(ObjectModel model) {
   const Matrix6d certain = isotropic(1e-4, 1e-6);
   const MotionSettings still{.model = MotionModel::still};
   MultiObjectSlam forgetful(PoseDensity(SE3d(), certain), {{.id = "mug"}, model}, {}, still);
   MultiObjectSlam never = forgetful;
   const auto step = [](MultiObjectSlam& slam, const ObjectModel& of, const SE3d* place) {
-    FrameInput input{.dt = 0.1, .observations = {seen("mug", kMug)}};
+    FrameInput input{.dt = 0.1, .observations = {seen_at("mug", kForgottenMug)}};
     if (place != nullptr) {
-      input.observations.push_back(seen(of.class_id.empty() ? of.id : "", *place));
+      input.observations.push_back(seen_at(of.class_id.empty() ? of.id : "", *place));
       input.observations.back().class_id = of.class_id;
     }
     return slam.step(input);
@@ -168,18 +168,18 @@ StampedSlam still_slam() {
 
 TEST(Forget, LateInputFromBeforeDoesNotBringItBack) {
   StampedSlam slam = still_slam();
-  for (const double t : {1.0, 1.1, 1.2}) slam.add(seen("mug", kBefore, t));
-  slam.add(seen("box", kMug, 1.2));
+  for (const double t : {1.0, 1.1, 1.2}) slam.add(seen_at("mug", kBefore, t));
+  slam.add(seen_at("box", kForgottenMug, 1.2));
   EXPECT_TRUE(slam.estimate()->estimate.object("mug").world);
   EXPECT_EQ(slam.forget("mug"), StampAdmission::taken);
   EXPECT_FALSE(slam.estimate()->estimate.object("mug").world);
   EXPECT_TRUE(slam.estimate()->estimate.object("box").world);
   EXPECT_EQ(slam.estimate()->stamp_s, 1.2);
   // One that was taken before, and one at the same time.
-  EXPECT_EQ(slam.add(seen("mug", kBefore, 1.15)), StampAdmission::replayed);
-  slam.add(seen("mug", kBefore, 1.2));
+  EXPECT_EQ(slam.add(seen_at("mug", kBefore, 1.15)), StampAdmission::replayed);
+  slam.add(seen_at("mug", kBefore, 1.2));
   EXPECT_FALSE(slam.estimate()->estimate.object("mug").world);
-  slam.add(seen("mug", kAfter, 1.3));
+  slam.add(seen_at("mug", kAfter, 1.3));
   const auto& anew = slam.estimate();
   ASSERT_TRUE(anew->estimate.object("mug").world);
   EXPECT_EQ(anew->estimate.object("mug").status, DetectionStatus::started);
@@ -225,15 +225,15 @@ TEST(Forget, IsTakenInAtItsStampInWhateverOrder) {
 TEST(Forget, AStampOfItsOwnMayBeAheadOfTheInput) {
   // The robot takes the mug away at 1.3, where the last image is of 1.2 and one of 1.25 is to come.
   StampedSlam slam = still_slam();
-  slam.add(seen("mug", kBefore, 1.2));
+  slam.add(seen_at("mug", kBefore, 1.2));
   slam.forget("mug", 1.3);
-  slam.add(seen("mug", kBefore, 1.25));
+  slam.add(seen_at("mug", kBefore, 1.25));
   EXPECT_EQ(slam.estimate()->stamp_s, 1.3);
   EXPECT_FALSE(slam.estimate()->estimate.object("mug").world);
   EXPECT_EQ(slam.counts().taken, 2U);
   EXPECT_EQ(slam.counts().replayed, 1U);
   // What is older than the history is past.
-  slam.add(seen("mug", kAfter, 5.0));
+  slam.add(seen_at("mug", kAfter, 5.0));
   EXPECT_EQ(slam.forget("mug", 2.0), StampAdmission::too_late);
   EXPECT_TRUE(slam.estimate()->estimate.object("mug").world);
 }
@@ -244,7 +244,7 @@ TEST(Forget, WhatIsNotThereIsRefused) {
   EXPECT_FALSE(slam.estimate());
   EXPECT_EQ(thrown_message([&] { slam.forget("cup"); }),
             "there is no object 'cup', expected one of: mug, box");
-  slam.add(seen("mug", kBefore, 20.0));
+  slam.add(seen_at("mug", kBefore, 20.0));
   EXPECT_THROW(slam.forget("mug", 1.0), InvalidInput);  // the clock jumped
   EXPECT_THROW(slam.forget("mug", std::nan("")), InvalidInput);
   // What comes next would be older than it by so much that the clock seemed to have jumped.
@@ -266,11 +266,11 @@ TEST(Forget, AnObjectOnSightIsThereBeforeItsFirstSightingIsPlayed) {
   settings.on_sight = ObjectModel{.id = ""};
   StampedSlam slam(PoseDensity(SE3d(), isotropic(0.1, 0.001)), {}, settings,
                    {.model = MotionModel::still});
-  slam.add(seen("lid", kBefore, 1.0));
+  slam.add(seen_at("lid", kBefore, 1.0));
   EXPECT_EQ(slam.forget("lid"), StampAdmission::taken);
   EXPECT_FALSE(slam.estimate()->estimate.object("lid").world);
   EXPECT_THROW(slam.forget("led"), InvalidInput);
-  slam.add(seen("lid", kAfter, 1.1));
+  slam.add(seen_at("lid", kAfter, 1.1));
   EXPECT_TRUE(slam.estimate()->estimate.object("lid").world);
 }
 

@@ -45,13 +45,13 @@ SimulationConfig table() {
 
 TEST(MultiObjectSimulation, TheRightModeLeadsAtTheEnd) {
   const SimulationConfig config = table();
-  constexpr int kRuns = 100;
+  constexpr int kSeeds = 100;
   std::size_t right = 0;
   std::size_t objects = 0;
   double seconds = 0.0;
   std::size_t frames = 0;
   double camera = 0.0;
-  for (int seed = 1; seed <= kRuns; ++seed) {
+  for (int seed = 1; seed <= kSeeds; ++seed) {
     const SimulatedSequence simulated = simulate(config, static_cast<std::uint64_t>(seed));
     const Sequence sequence = simulated.sequence();
     std::vector<ObjectModel> models;
@@ -72,9 +72,9 @@ TEST(MultiObjectSimulation, TheRightModeLeadsAtTheEnd) {
   }
   std::printf("right mode at the end: %zu of %zu; %.0f us per frame; camera over odometry %.3f\n",
               right, objects, 1e6 * seconds / static_cast<double>(frames),
-              std::exp(camera / kRuns));
+              std::exp(camera / kSeeds));
   EXPECT_GE(static_cast<double>(right), 0.97 * static_cast<double>(objects));
-  EXPECT_LE(std::exp(camera / kRuns), 1.02);
+  EXPECT_LE(std::exp(camera / kSeeds), 1.02);
 }
 
 }  // namespace

@@ -33,7 +33,7 @@ std::vector<ObjectModel> bolts(std::size_t count, const SymmetryGroup& symmetrie
   return models;
 }
 
-ObjectSlam make(const SE3d& camera, const std::vector<ObjectModel>& models) {
+ObjectSlam make_candidates(const SE3d& camera, const std::vector<ObjectModel>& models) {
   return ObjectSlam(ConcentratedGaussian<SE3d>(camera, isotropic(0.01, 1e-4)), models, {});
 }
 
@@ -73,7 +73,7 @@ struct Followed {
 
 /// Which confirmed model is at each true object, and how its pose moves.
 Followed follow(OrbitScene& scene, const SymmetryGroup& declared, int frames) {
-  ObjectSlam slam = make(scene.camera, bolts(kModels, declared));
+  ObjectSlam slam = make_candidates(scene.camera, bolts(kModels, declared));
   Followed result;
   result.models.resize(scene.truth.size());
   std::vector<std::optional<SE3d>> before(scene.truth.size());
@@ -139,7 +139,7 @@ TEST(ObjectCandidates, FlipsWithoutTheSymmetry) {
   EXPECT_GT(flips, 0U);
 }
 
-std::vector<Candidate> at(double x, double score = 1.0) {
+std::vector<Candidate> candidate_at(double x, double score = 1.0) {
   return {{"bolt", pose(0.3, 0.2, 0.1, x, 0.0, 0.8), score}};
 }
 
@@ -149,12 +149,14 @@ FrameInput first(const std::vector<Candidate>& candidates) {
 }
 
 TEST(ObjectCandidates, ATentativeInstanceGivesWay) {
-  ObjectSlam slam = make(SE3d(), bolts(1, {}));
-  EXPECT_EQ(slam.step(first(at(0.0))).report.candidates[0].status, CandidateStatus::fresh);
-  EXPECT_EQ(slam.step({0.1, SE3d(), none(1), at(0.0)}).report.candidates[0].status,
+  ObjectSlam slam = make_candidates(SE3d(), bolts(1, {}));
+  EXPECT_EQ(slam.step(first(candidate_at(0.0))).report.candidates[0].status,
+            CandidateStatus::fresh);
+  EXPECT_EQ(slam.step({0.1, SE3d(), none(1), candidate_at(0.0)}).report.candidates[0].status,
             CandidateStatus::assigned);
   EXPECT_EQ(slam.detections(0), 2U);
-  const CandidateReport taken = slam.step({0.1, SE3d(), none(1), at(0.4)}).report.candidates[0];
+  const CandidateReport taken =
+      slam.step({0.1, SE3d(), none(1), candidate_at(0.4)}).report.candidates[0];
   EXPECT_EQ(taken.status, CandidateStatus::fresh);
   EXPECT_EQ(taken.object, std::optional<std::size_t>(0));
   EXPECT_TRUE(taken.recycled);
@@ -163,19 +165,20 @@ TEST(ObjectCandidates, ATentativeInstanceGivesWay) {
 }
 
 TEST(ObjectCandidates, AConfirmedInstanceStays) {
-  ObjectSlam slam = make(SE3d(), bolts(1, {}));
-  slam.step(first(at(0.0)));
-  for (int k = 0; k < 2; ++k) slam.step({0.1, SE3d(), none(1), at(0.0)});
-  const CandidateReport other = slam.step({0.1, SE3d(), none(1), at(0.4)}).report.candidates[0];
+  ObjectSlam slam = make_candidates(SE3d(), bolts(1, {}));
+  slam.step(first(candidate_at(0.0)));
+  for (int k = 0; k < 2; ++k) slam.step({0.1, SE3d(), none(1), candidate_at(0.0)});
+  const CandidateReport other =
+      slam.step({0.1, SE3d(), none(1), candidate_at(0.4)}).report.candidates[0];
   EXPECT_EQ(other.status, CandidateStatus::dropped);
   EXPECT_FALSE(other.object.has_value());
   EXPECT_EQ(slam.detections(0), 3U);
 }
 
 TEST(ObjectCandidates, TheSurestTakesTheLastModel) {
-  ObjectSlam slam = make(SE3d(), bolts(1, {}));
-  std::vector<Candidate> both = at(0.0, 0.5);
-  both.push_back(at(0.4, 0.9).front());
+  ObjectSlam slam = make_candidates(SE3d(), bolts(1, {}));
+  std::vector<Candidate> both = candidate_at(0.0, 0.5);
+  both.push_back(candidate_at(0.4, 0.9).front());
   both.push_back({"nut", SE3d(), 1.0});
   const FrameReport report = slam.step(first(both)).report;
   // One that was seen in this frame does not give way.
@@ -187,36 +190,36 @@ TEST(ObjectCandidates, TheSurestTakesTheLastModel) {
 
 TEST(ObjectCandidates, AnObjectIsAClassOfItsOwn) {
   ObjectModel bolt{.id = "bolt", .noise = ray_noise()};
-  ObjectSlam slam = make(SE3d(), {bolt});
-  slam.step({.detections = {at(0.0).front().camera_object}});
-  const FrameReport report = slam.step({0.1, SE3d(), none(1), at(0.0)}).report;
+  ObjectSlam slam = make_candidates(SE3d(), {bolt});
+  slam.step({.detections = {candidate_at(0.0).front().camera_object}});
+  const FrameReport report = slam.step({0.1, SE3d(), none(1), candidate_at(0.0)}).report;
   EXPECT_EQ(report.candidates[0].status, CandidateStatus::assigned);
   EXPECT_EQ(slam.detections(0), 2U);
 }
 
 TEST(ObjectCandidates, ModelsOfOneClassAreAlike) {
   std::vector<ObjectModel> models = bolts(3, half_turn());
-  EXPECT_NO_THROW(make(SE3d(), models));
+  EXPECT_NO_THROW(make_candidates(SE3d(), models));
   models[2].symmetries = {};
-  EXPECT_EQ(thrown_message([&] { make(SE3d(), models); }),
+  EXPECT_EQ(thrown_message([&] { make_candidates(SE3d(), models); }),
             "objects 'bolt.0' and 'bolt.2' are of class 'bolt', but their symmetries differ; "
             "expected the same");
   models[2] = bolts(3, half_turn())[2];
   NoiseComponent component = models[1].noise.components().front();
   component.covariance *= 1.5;
   models[1].noise = DetectorNoise({component}, models[1].noise.clutter());
-  EXPECT_EQ(thrown_message([&] { make(SE3d(), models); }),
+  EXPECT_EQ(thrown_message([&] { make_candidates(SE3d(), models); }),
             "objects 'bolt.0' and 'bolt.1' are of class 'bolt', but their noise models differ; "
             "expected the same");
   models[1].class_id = "nut";
-  EXPECT_NO_THROW(make(SE3d(), models)) << "classes may differ";
+  EXPECT_NO_THROW(make_candidates(SE3d(), models)) << "classes may differ";
 }
 
 TEST(ObjectCandidates, TheGaussianSumFilterRefusesThem) {
   ObjectSlamSettings settings;
   settings.tracker = GaussianSumSettings{};
   ObjectSlam slam(ConcentratedGaussian<SE3d>(SE3d(), isotropic(0.1, 1e-3)), bolts(1, {}), settings);
-  EXPECT_NE(thrown_message([&] { slam.step(first(at(0.0))); }).find("Gaussian-sum"),
+  EXPECT_NE(thrown_message([&] { slam.step(first(candidate_at(0.0))); }).find("Gaussian-sum"),
             std::string::npos);
 }
 
@@ -225,7 +228,7 @@ TEST(ObjectCandidates, RunPassesThoseOfARecording) {
   sequence.objects = {{"bolt.0", none(2), {}, {}}, {"bolt.1", none(2), {}, {}}};
   sequence.stamps = {0.0, 0.1};
   sequence.odometry = {SE3d(), SE3d()};
-  sequence.candidates = {at(0.0), at(0.4)};
+  sequence.candidates = {candidate_at(0.0), candidate_at(0.4)};
   const ConcentratedGaussian<SE3d> camera(SE3d(), isotropic(0.1, 1e-3));
   const SlamRun done = run(sequence, camera, bolts(2, {}), {});
   EXPECT_TRUE(done.frames[0].objects[0].has_value());

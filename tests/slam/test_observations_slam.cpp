@@ -22,8 +22,8 @@ namespace {
 using testing::isotropic;
 using testing::pose;
 
-const PoseDensity kStart(SE3d(), isotropic(0.1, 0.001));
-const SE3d kMug = pose(0.1, 0.2, 0, 0.1, 0, 1);
+const PoseDensity kSureStart(SE3d(), isotropic(0.1, 0.001));
+const SE3d kSeenMug = pose(0.1, 0.2, 0, 0.1, 0, 1);
 const SE3d kFlip(SO3d::exp({0.0, 0.0, std::numbers::pi}), Eigen::Vector3d::Zero());
 
 Observation of(const std::string& id, const SE3d& seen, double weight = 0.6) {
@@ -46,8 +46,8 @@ void expect_refused(MultiObjectSlam& slam, const Observation& observation,
 }
 
 TEST(ObservationsSlam, NameTheirObjectAndBringAllTheirModes) {
-  MultiObjectSlam slam(kStart, {{.id = "box"}, {.id = "mug"}}, {}, {}, true);
-  const FrameEstimate e = slam.step({.observations = {of("mug", kMug)}});
+  MultiObjectSlam slam(kSureStart, {{.id = "box"}, {.id = "mug"}}, {}, {}, true);
+  const FrameEstimate e = slam.step({.observations = {of("mug", kSeenMug)}});
   EXPECT_FALSE(e.object("box").world.has_value());
   EXPECT_EQ(e.object("mug").alternatives.size(), 2U);
   EXPECT_EQ(e.object("mug").status, DetectionStatus::started);
@@ -59,13 +59,14 @@ TEST(ObservationsSlam, NameTheirObjectAndBringAllTheirModes) {
 TEST(ObservationsSlam, FromTheCamerasOfARigMeetInItsBody) {
   const SE3d left = pose(0, 0.3, 0, -0.1, 0, 0);
   const SE3d right = pose(0, -0.3, 0, 0.1, 0, 0);
-  MultiObjectSlam slam(kStart, {{.id = "mug"}}, {.cameras = {{"left", left}, {"right", right}}});
-  Observation a = of("mug", left.inverse() * kMug);
+  MultiObjectSlam slam(kSureStart, {{.id = "mug"}},
+                       {.cameras = {{"left", left}, {"right", right}}});
+  Observation a = of("mug", left.inverse() * kSeenMug);
   a.camera = "left";
-  Observation b = of("mug", right.inverse() * kMug);
+  Observation b = of("mug", right.inverse() * kSeenMug);
   b.camera = "right";
   const FrameEstimate e = slam.step({.observations = {a, b}});
-  EXPECT_LT((e.object("mug").world->mean().inverse() * kMug).log().norm(), 1e-6);
+  EXPECT_LT((e.object("mug").world->mean().inverse() * kSeenMug).log().norm(), 1e-6);
   EXPECT_EQ(slam.detections(0), 2U);
   EXPECT_EQ(slam.filter().hypotheses(0).size(), 2U);
   Observation third = a;
@@ -77,14 +78,14 @@ TEST(ObservationsSlam, AnyOrderOfAFrameGivesTheSameBits) {
   const auto estimates = [](std::uint64_t shuffles) {
     RandomStream order(shuffles, 2);
     RandomStream noise(5, 3);
-    MultiObjectSlam slam(kStart, {{.id = "mug"}}, {.on_sight = ObjectModel{}});
+    MultiObjectSlam slam(kSureStart, {{.id = "mug"}}, {.on_sight = ObjectModel{}});
     std::optional<FrameEstimate> e;
     for (int frame = 0; frame < 4; ++frame) {
       std::vector<Observation> seen;
       for (const char* id : {"mug", "tag 2", "tag 10", "tag 2"}) {
-        Observation one = of(id, kMug * SE3d::exp(testing::draw(isotropic(1.0, 0.01), noise)));
-        one.components.push_back({.weight = 0.7, .pose = kMug * pose(0, 0, 3, 0, 0, 0)});
-        one.components.push_back({.weight = 0.3, .pose = kMug * pose(0, 3, 0, 0, 0, 0)});
+        Observation one = of(id, kSeenMug * SE3d::exp(testing::draw(isotropic(1.0, 0.01), noise)));
+        one.components.push_back({.weight = 0.7, .pose = kSeenMug * pose(0, 0, 3, 0, 0, 0)});
+        one.components.push_back({.weight = 0.3, .pose = kSeenMug * pose(0, 3, 0, 0, 0, 0)});
         for (ObservationComponent& component : one.components) component.weight *= 0.5;
         seen.push_back(one);
       }
@@ -118,13 +119,13 @@ TEST(ObservationsSlam, CalibrateACameraThatIsNotKnownExactly) {
   ObjectModel mug{.id = "mug",
                   .noise = DetectorNoise({{.covariance = isotropic(0.2, 0.001)}}, {.weight = 0.05},
                                          {.slow = std::nullopt})};
-  MultiObjectSlam slam(kStart, {mug},
+  MultiObjectSlam slam(kSureStart, {mug},
                        {.cameras = {{"body", SE3d()},
                                     {"right", stated, off},
                                     {"third", SE3d(), Matrix6d(Matrix6d::Zero())}}});
-  Observation a{.object = "mug", .components = {{.pose = kMug}}};
+  Observation a{.object = "mug", .components = {{.pose = kSeenMug}}};
   a.camera = "body";
-  Observation b{.object = "mug", .components = {{.pose = right.inverse() * kMug}}};
+  Observation b{.object = "mug", .components = {{.pose = right.inverse() * kSeenMug}}};
   b.camera = "right";
   slam.step({.observations = {a, b}});
   for (int k = 0; k < 5; ++k) slam.step({.dt = 0.1, .motion = SE3d(), .observations = {a, b}});
@@ -135,7 +136,7 @@ TEST(ObservationsSlam, CalibrateACameraThatIsNotKnownExactly) {
   EXPECT_LT((cameras[1].body_camera.inverse() * right).log().norm(), 2e-3);
   EXPECT_LT(cameras[1].covariance->trace(), 0.05 * off.trace());
   // The result is an input of the next run.
-  EXPECT_NO_THROW(MultiObjectSlam(kStart, {mug}, {.cameras = cameras}));
+  EXPECT_NO_THROW(MultiObjectSlam(kSureStart, {mug}, {.cameras = cameras}));
   EXPECT_EQ(slam.filter().extrinsic_count(), 1U);
   EXPECT_EQ(slam.pose_index(0), 1U);
 }
@@ -143,12 +144,12 @@ TEST(ObservationsSlam, CalibrateACameraThatIsNotKnownExactly) {
 TEST(ObservationsSlam, RefuseACovarianceOfACameraThatIsNone) {
   Matrix6d indefinite = isotropic(1, 0.01);
   indefinite(3, 3) = -1.0;
-  EXPECT_THROW(MultiObjectSlam(kStart, {}, {.cameras = {{"left", SE3d(), indefinite}}}),
+  EXPECT_THROW(MultiObjectSlam(kSureStart, {}, {.cameras = {{"left", SE3d(), indefinite}}}),
                InvalidInput);
   const BodyCamera uncertain{"left", SE3d(), isotropic(1, 0.01)};
   ObjectSlamSettings settings;
   settings.tracker = MultiObjectSlamSettings{.cameras = {uncertain}};
-  EXPECT_THROW(FixedLagSmoother(kStart, {{.id = "mug"}}, settings, SmoothingSettings{}),
+  EXPECT_THROW(FixedLagSmoother(kSureStart, {{.id = "mug"}}, settings, SmoothingSettings{}),
                InvalidInput);
 }
 
@@ -156,8 +157,8 @@ TEST(ObservationsSlam, OfDetectorsHaveTheNoiseOfEach) {
   ObjectModel mug{.id = "mug"};
   mug.detectors.emplace("sharp",
                         DetectorNoise({{.covariance = isotropic(0.2, 0.001)}}, {.weight = 0.1}));
-  MultiObjectSlam slam(kStart, {mug});
-  Observation sharp = of("mug", kMug);
+  MultiObjectSlam slam(kSureStart, {mug});
+  Observation sharp = of("mug", kSeenMug);
   sharp.detector = "sharp";
   const FrameEstimate e = slam.step({.observations = {sharp}});
   EXPECT_LT(e.object("mug").relative->covariance()(0, 0), 1.1 * isotropic(0.2, 0.001)(0, 0));
@@ -167,12 +168,14 @@ TEST(ObservationsSlam, OfDetectorsHaveTheNoiseOfEach) {
 }
 
 TEST(ObservationsSlam, OfUnknownObjectsAreRefusedOrBeginOne) {
-  MultiObjectSlam strict(kStart, {{.id = "mug"}});
-  expect_refused(strict, of("tag_7", kMug), "there is no object 'tag_7', expected one of: mug");
-  MultiObjectSlam slam(kStart, {}, {.on_sight = ObjectModel{}});
-  slam.step({.observations = {of("tag_7", kMug)}});
-  const FrameEstimate e = slam.step(
-      {.dt = 0.1, .motion = SE3d(), .observations = {of("tag_9", kMug), of("tag_7", kMug)}});
+  MultiObjectSlam strict(kSureStart, {{.id = "mug"}});
+  expect_refused(strict, of("tag_7", kSeenMug), "there is no object 'tag_7', expected one of: mug");
+  MultiObjectSlam slam(kSureStart, {}, {.on_sight = ObjectModel{}});
+  slam.step({.observations = {of("tag_7", kSeenMug)}});
+  const FrameEstimate e =
+      slam.step({.dt = 0.1,
+                 .motion = SE3d(),
+                 .observations = {of("tag_9", kSeenMug), of("tag_7", kSeenMug)}});
   ASSERT_EQ(slam.objects().size(), 2U);
   EXPECT_EQ(slam.objects()[0].id, "tag_7");
   EXPECT_EQ(slam.objects()[1].id, "tag_9");
@@ -181,9 +184,9 @@ TEST(ObservationsSlam, OfUnknownObjectsAreRefusedOrBeginOne) {
 }
 
 TEST(ObservationsSlam, OfAClassAreAssociatedByTheirNearestComponent) {
-  MultiObjectSlam slam(kStart,
+  MultiObjectSlam slam(kSureStart,
                        {{.id = "nut_1", .class_id = "nut"}, {.id = "nut_2", .class_id = "nut"}});
-  const SE3d first = kMug;
+  const SE3d first = kSeenMug;
   const SE3d second = pose(0, 0, 0, -0.3, 0.1, 1.2);
   const auto nut = [](const SE3d& seen) {
     Observation observation = of("", seen);
@@ -203,12 +206,12 @@ TEST(ObservationsSlam, OfAClassAreAssociatedByTheirNearestComponent) {
 }
 
 TEST(ObservationsSlam, MustNameAnObjectOrAClass) {
-  MultiObjectSlam slam(kStart, {{.id = "mug"}});
-  expect_refused(slam, of("", kMug), "neither object nor class_id");
-  Observation both = of("mug", kMug);
+  MultiObjectSlam slam(kSureStart, {{.id = "mug"}});
+  expect_refused(slam, of("", kSeenMug), "neither object nor class_id");
+  Observation both = of("mug", kSeenMug);
   both.class_id = "mug";
   expect_refused(slam, both, "both object and class_id");
-  Observation heavy = of("mug", kMug);
+  Observation heavy = of("mug", kSeenMug);
   heavy.components[0].weight = 2.0;
   expect_refused(slam, heavy, "observations[0]: ");
 }
@@ -220,17 +223,17 @@ TEST(ObservationsSlam, InARecordingAreUsedByTheMultiObjectFilterAndTheirBestByOt
   for (int k = 0; k < 10; ++k) {
     sequence.stamps.push_back(0.1 * k);
     sequence.odometry.emplace_back(SE3d());
-    sequence.observations.push_back({of("mug", kMug)});
-    mug.detections.emplace_back(kMug);
+    sequence.observations.push_back({of("mug", kSeenMug)});
+    mug.detections.emplace_back(kSeenMug);
   }
   sequence.objects = {mug};
   const std::vector<ObjectModel> models{{.id = "mug"}};
-  const SlamRun mixture = run(sequence, kStart, models, {});
+  const SlamRun mixture = run(sequence, kSureStart, models, {});
   EXPECT_EQ(mixture.hypotheses[0].size(), 2U);
-  const SlamRun best = run(sequence, kStart, models, {.tracker = GaussianSumSettings{}});
-  EXPECT_LT((best.frames.back().objects[0]->mean().inverse() * kMug).log().norm(), 1e-3);
-  const SlamRun smoothed = run_smoothed(sequence, kStart, models, {}, {});
-  EXPECT_LT((smoothed.frames.back().objects[0]->mean().inverse() * kMug).log().norm(), 1e-3);
+  const SlamRun best = run(sequence, kSureStart, models, {.tracker = GaussianSumSettings{}});
+  EXPECT_LT((best.frames.back().objects[0]->mean().inverse() * kSeenMug).log().norm(), 1e-3);
+  const SlamRun smoothed = run_smoothed(sequence, kSureStart, models, {}, {});
+  EXPECT_LT((smoothed.frames.back().objects[0]->mean().inverse() * kSeenMug).log().norm(), 1e-3);
 }
 
 }  // namespace

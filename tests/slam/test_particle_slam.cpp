@@ -18,22 +18,22 @@ using testing::gaussian_noise;
 using testing::isotropic;
 using testing::pose;
 
-const SE3d kStart = pose(0.1, 0.2, -0.1, 0.3, -0.2, 0.1);
-const PoseDensity kPrior(kStart, isotropic(0.5, 0.005));
-const SE3d kMug = pose(0.4, -0.3, 0.2, 0.1, 0.2, 1.1);
+const SE3d kParticleStart = pose(0.1, 0.2, -0.1, 0.3, -0.2, 0.1);
+const PoseDensity kPrior(kParticleStart, isotropic(0.5, 0.005));
+const SE3d kParticleMug = pose(0.4, -0.3, 0.2, 0.1, 0.2, 1.1);
 const SE3d kBox = pose(-0.2, 0.5, 0.7, -0.3, 0.1, 0.9);
 
 /// Frames of one object with detector errors that follow the model.
-Sequence sequence_of(std::size_t frames, const SE3d& object = kMug, std::uint64_t seed = 1,
+Sequence sequence_of(std::size_t frames, const SE3d& object = kParticleMug, std::uint64_t seed = 1,
                      const Matrix6d& errors = isotropic(4.0, 0.01)) {
   RandomStream stream(seed);
   Sequence sequence;
   ObjectRecording recording{"mug", {}, {}, {}};
-  SE3d camera = kStart;
+  SE3d camera = kParticleStart;
   for (std::size_t k = 0; k < frames; ++k) {
     sequence.stamps.push_back(0.1 * static_cast<double>(k));
     sequence.camera_truth.emplace_back(camera);
-    sequence.odometry.emplace_back(kStart.inverse() * camera);
+    sequence.odometry.emplace_back(kParticleStart.inverse() * camera);
     recording.detections.emplace_back(camera.inverse() * object * SE3d::exp(draw(errors, stream)));
     recording.world_truth.emplace_back(object);
     camera = camera * pose(0.02, 0.01, 0.0, 0.01, 0.0, 0.02);
@@ -72,7 +72,7 @@ TEST(ParticleFilter, OneGaussianIsTheInvariantEkf) {
   // sample size is (5 / 9)^3 of the particles, about 1300: standard errors of 0.03 standard
   // deviations for means and 0.04 for variances, of which four are allowed.
   const DetectorNoise noise = gaussian_noise(1.0, 0.01);
-  const Sequence sequence = sequence_of(3, kMug, 1, isotropic(1.0, 0.01));
+  const Sequence sequence = sequence_of(3, kParticleMug, 1, isotropic(1.0, 0.01));
   ParticleFilterSettings settings;
   settings.particles = 8000;
   settings.resample_below = 0.0;
@@ -120,8 +120,8 @@ TEST(ParticleFilter, TracksThroughGrossErrorsByClutter) {
         *sequence.objects[0].detections[k] * pose(2.0, 0.0, 0.0, 0.3, 0.0, 0.0);
   const DetectorNoise robust({{0.8, isotropic(4.0, 0.01)}}, {.weight = 0.2});
   const SlamRun with_clutter = run_particles(sequence, robust);
-  EXPECT_LT(rotation_error(with_clutter, 29, kMug), 6.0);
-  EXPECT_LT(rotation_error(with_clutter, 59, kMug), 6.0);
+  EXPECT_LT(rotation_error(with_clutter, 29, kParticleMug), 6.0);
+  EXPECT_LT(rotation_error(with_clutter, 59, kParticleMug), 6.0);
   EXPECT_EQ(with_clutter.frames[25].report.statuses[0], DetectionStatus::used);
   const Metrics metrics = evaluate(sequence, with_clutter);
   EXPECT_LT(*metrics.camera.position_rmse_m, 0.05);
@@ -134,8 +134,8 @@ TEST(ParticleFilter, AWrongFirstDetectionIsLeftByTheParticlesThatWaited) {
   const DetectorNoise robust({{0.8, isotropic(4.0, 0.01)}}, {.weight = 0.2});
   const SlamRun waited = run_particles(sequence, robust);
   EXPECT_EQ(waited.frames[0].report.statuses[0], DetectionStatus::started);
-  EXPECT_GT(rotation_error(waited, 0, kMug), 90.0);
-  EXPECT_LT(rotation_error(waited, 39, kMug), 6.0);
+  EXPECT_GT(rotation_error(waited, 0, kParticleMug), 90.0);
+  EXPECT_LT(rotation_error(waited, 39, kParticleMug), 6.0);
 }
 
 TEST(ParticleFilter, SeveralObjectsEnterAsTheyAreSeen) {

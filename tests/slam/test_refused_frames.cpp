@@ -28,7 +28,7 @@ using testing::thrown_message;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-const PoseDensity kStart(pose(0.1, 0.2, -0.1, 0.3, -0.2, 0.1), isotropic(0.5, 0.005));
+const PoseDensity kRefusedStart(pose(0.1, 0.2, -0.1, 0.3, -0.2, 0.1), isotropic(0.5, 0.005));
 const SE3d kMotion = pose(0.01, -0.02, 0.01, 0.02, 0.01, -0.01);
 const SE3d kNoPose(SO3d(), {0.0, kNan, 1.0});
 
@@ -37,7 +37,7 @@ std::vector<FrameInput> good_frames() {
   const std::vector<SE3d> objects{pose(0.4, -0.3, 0.2, 0.1, 0.2, 1.1),
                                   pose(-0.2, 0.5, 0.1, -0.3, 0.1, 1.4)};
   RandomStream stream(4);
-  SE3d camera = kStart.mean();
+  SE3d camera = kRefusedStart.mean();
   std::vector<FrameInput> frames;
   for (int k = 0; k < 12; ++k) {
     FrameInput& frame = frames.emplace_back();
@@ -117,8 +117,8 @@ std::vector<Case> cases() {
           {"particles", {.motion = vague, .tracker = ParticleFilterSettings{.particles = 20}}}};
 }
 
-ObjectSlam make(const ObjectSlamSettings& settings) {
-  return {kStart,
+ObjectSlam make_refusing(const ObjectSlamSettings& settings) {
+  return {kRefusedStart,
           {{.id = "a", .noise = heavy_tailed_noise()}, {.id = "b", .noise = heavy_tailed_noise()}},
           settings};
 }
@@ -154,8 +154,8 @@ void expect_same(const ObjectSlam& actual, const ObjectSlam& expected) {
 TEST(RefusedFrames, LeaveNoTraceInAnyTracker) {
   for (const auto& [name, settings] : cases()) {
     SCOPED_TRACE(name);
-    ObjectSlam expected = make(settings);
-    ObjectSlam actual = make(settings);
+    ObjectSlam expected = make_refusing(settings);
+    ObjectSlam actual = make_refusing(settings);
     bool first = true;
     for (const FrameInput& good : good_frames()) {
       for (const Bad& bad : bad_changes()) {
@@ -175,7 +175,7 @@ TEST(RefusedFrames, LeaveNoTraceInAnyTracker) {
 TEST(RefusedFrames, NameWhatIsNotFinite) {
   for (const auto& [name, settings] : cases()) {
     SCOPED_TRACE(name);
-    ObjectSlam slam = make(settings);
+    ObjectSlam slam = make_refusing(settings);
     const auto message = [&](const FrameInput& input) {
       return thrown_message([&] { slam.step(input); });
     };
@@ -192,7 +192,7 @@ TEST(RefusedFrames, NoiseThatDoesNotGoTogetherLeavesNoTrace) {
   joint.noise_use = NoiseUse::joint;
   const auto make_joint = [&] {
     return ObjectSlam(
-        kStart,
+        kRefusedStart,
         {{.id = "a", .noise = heavy_tailed_noise()}, {.id = "b", .noise = gaussian_noise()}},
         {.tracker = joint});
   };
@@ -212,7 +212,7 @@ TEST(RefusedFrames, NoiseThatDoesNotGoTogetherLeavesNoTrace) {
 
 TEST(RefusedFrames, ModelsAndSettingsAreCheckedBefore) {
   const auto refused = [](const ObjectModel& model, const TrackerSettings& tracker) {
-    return thrown_message([&] { ObjectSlam(kStart, {model}, {.tracker = tracker}); });
+    return thrown_message([&] { ObjectSlam(kRefusedStart, {model}, {.tracker = tracker}); });
   };
   ObjectModel independent{.id = "a", .noise = gaussian_noise()};
   independent.independent_start = -Matrix6d::Identity();

@@ -18,21 +18,21 @@ using testing::isotropic;
 using testing::pose;
 using testing::thrown_message;
 
-const SE3d kObject = pose(0.4, -0.3, 0.2, 0.1, 0.2, 1.1);
-const SE3d kStart = pose(0.1, 0.2, -0.1, 0.3, -0.2, 0.1);
-const PoseDensity kPrior(kStart, isotropic(0.5, 0.005));
+const SE3d kRunObject = pose(0.4, -0.3, 0.2, 0.1, 0.2, 1.1);
+const SE3d kRunStart = pose(0.1, 0.2, -0.1, 0.3, -0.2, 0.1);
+const PoseDensity kRunPrior(kRunStart, isotropic(0.5, 0.005));
 
 /// Five frames of one object, complete and without errors.
 Sequence perfect_sequence() {
   Sequence sequence;
   ObjectRecording object{"mug", {}, {}, {}};
-  SE3d camera = kStart;
+  SE3d camera = kRunStart;
   for (int k = 0; k < 5; ++k) {
     sequence.stamps.push_back(0.1 * k);
     sequence.camera_truth.emplace_back(camera);
-    sequence.odometry.emplace_back(kStart.inverse() * camera);
-    object.detections.emplace_back(camera.inverse() * kObject);
-    object.world_truth.emplace_back(kObject);
+    sequence.odometry.emplace_back(kRunStart.inverse() * camera);
+    object.detections.emplace_back(camera.inverse() * kRunObject);
+    object.world_truth.emplace_back(kRunObject);
     camera = camera * pose(0.02, 0.01, 0.0, 0.01, 0.0, 0.02);
   }
   sequence.objects.push_back(object);
@@ -42,7 +42,7 @@ Sequence perfect_sequence() {
 SlamRun run_default(const Sequence& sequence, const RunOptions& options = {}) {
   ObjectSlamSettings settings;
   settings.tracker = GaussianSumSettings{};
-  return run(sequence, kPrior, {{"mug", gaussian_noise(), std::nullopt}}, settings, options);
+  return run(sequence, kRunPrior, {{"mug", gaussian_noise(), std::nullopt}}, settings, options);
 }
 
 TEST(Run, PerfectInputGivesPerfectOutput) {
@@ -92,7 +92,7 @@ TEST(Run, RiekfHasOneHypothesisAndTheSecondMomentOfTheNoise) {
   EXPECT_EQ(models[0].noise.components().size(), 1U);
   const double variance = models[0].noise.components()[0].covariance(2, 2);
   EXPECT_NEAR(variance, 0.7 * std::pow(radians(4), 2) + 0.3 * std::pow(radians(12), 2), 1e-12);
-  const SlamRun result = run(perfect_sequence(), kPrior, models, riekf.settings());
+  const SlamRun result = run(perfect_sequence(), kRunPrior, models, riekf.settings());
   EXPECT_EQ(result.posterior.size(), 1U);
 }
 
@@ -111,7 +111,7 @@ TEST(Run, RefusesASequenceThatIsNotOne) {
   expect_refused([](Sequence& s) { s.objects[0].world_truth.pop_back(); });
   expect_refused([](Sequence& s) { s.objects[0].relative_truth.resize(2); });
   expect_refused([](Sequence& s) { s.objects.push_back(s.objects[0]); });
-  EXPECT_THROW(run(perfect_sequence(), kPrior, {}, {}), InvalidInput);
+  EXPECT_THROW(run(perfect_sequence(), kRunPrior, {}, {}), InvalidInput);
 }
 
 TEST(Run, RefusesModelsOfOtherObjects) {
@@ -120,8 +120,8 @@ TEST(Run, RefusesModelsOfOtherObjects) {
   sequence.objects[1].id = "box";
   const std::vector<ObjectModel> swapped{{"mug", gaussian_noise()}, {"cup", gaussian_noise()}};
   const char* message = "object model 1 is 'cup', but recorded object 1 is 'box'";
-  EXPECT_EQ(thrown_message([&] { return run(sequence, kPrior, swapped, {}); }), message);
-  EXPECT_EQ(thrown_message([&] { return run_smoothed(sequence, kPrior, swapped, {}, {}); }),
+  EXPECT_EQ(thrown_message([&] { return run(sequence, kRunPrior, swapped, {}); }), message);
+  EXPECT_EQ(thrown_message([&] { return run_smoothed(sequence, kRunPrior, swapped, {}, {}); }),
             message);
 }
 
@@ -194,9 +194,9 @@ TEST(Evaluate, RelativeTruthAndCameraGiveTheWorldPose) {
   ObjectRecording& object = sequence.objects[0];
   object.world_truth.clear();
   for (const auto& camera : sequence.camera_truth)
-    object.relative_truth.emplace_back(camera->inverse() * kObject);
+    object.relative_truth.emplace_back(camera->inverse() * kRunObject);
   object.relative_truth[2].reset();
-  EXPECT_TRUE(true_world_pose(sequence, 0, 1)->is_approx(kObject, 1e-12));
+  EXPECT_TRUE(true_world_pose(sequence, 0, 1)->is_approx(kRunObject, 1e-12));
   EXPECT_FALSE(true_world_pose(sequence, 0, 2).has_value());
   EXPECT_FALSE(true_relative_pose(sequence, 0, 2).has_value());
 }

@@ -25,7 +25,7 @@ struct Odometry {
 };
 using Input = std::variant<Observation, Odometry>;
 
-const PoseDensity kStart(SE3d(), isotropic(0.1, 0.001));
+const PoseDensity kStampedStart(SE3d(), isotropic(0.1, 0.001));
 
 /// A body that moves at constant speed, with odometry at 20 Hz and two objects whose two-peaked
 /// observations come between, from two cameras.
@@ -65,8 +65,8 @@ StampAdmission give(StampedSlam& slam, const Input& input) {
   return slam.add_odometry(odometry.stamp_s, odometry.odom_body);
 }
 
-StampedSlam make(const StampedSlamSettings& stamped = {}) {
-  return StampedSlam(kStart, {{.id = "mug"}, {.id = "box"}}, {}, {}, stamped);
+StampedSlam make_stamped(const StampedSlamSettings& stamped = {}) {
+  return StampedSlam(kStampedStart, {{.id = "mug"}, {.id = "box"}}, {}, {}, stamped);
 }
 
 void expect_same(const EstimateAtStamp& a, const EstimateAtStamp& b) {
@@ -91,7 +91,7 @@ std::vector<Input> sorted(std::vector<Input> inputs) {
 
 TEST(StampedSlam, AnyOrderWithinTheHistoryGivesTheSameBits) {
   const std::vector<Input> inputs = sorted(recording(6.0));
-  StampedSlam in_order = make();
+  StampedSlam in_order = make_stamped();
   for (const Input& input : inputs) give(in_order, input);
   const EstimateAtStamp expected = in_order.finish().value();
   EXPECT_EQ(in_order.counts().replayed + in_order.counts().too_late, 0U);
@@ -103,7 +103,7 @@ TEST(StampedSlam, AnyOrderWithinTheHistoryGivesTheSameBits) {
       arrivals.emplace_back(stamp_of(input) + 0.9 * stream.uniform(), input);
     std::stable_sort(arrivals.begin(), arrivals.end(),
                      [](const auto& a, const auto& b) { return a.first < b.first; });
-    StampedSlam late = make({.checkpoints = 1 + seed});
+    StampedSlam late = make_stamped({.checkpoints = 1 + seed});
     for (std::size_t k = 0; k < arrivals.size(); ++k) {
       give(late, arrivals[k].second);
       if (k % (seed + 1) == 0) late.estimate();  // asking changes nothing
@@ -115,7 +115,7 @@ TEST(StampedSlam, AnyOrderWithinTheHistoryGivesTheSameBits) {
 }
 
 TEST(StampedSlam, OlderInputIsRefusedAndCounted) {
-  StampedSlam slam = make();
+  StampedSlam slam = make_stamped();
   for (const Input& input : sorted(recording(3.0))) give(slam, input);
   const EstimateAtStamp before = slam.estimate().value();
   Observation old = std::get<Observation>(recording(1.0).back());
@@ -128,7 +128,7 @@ TEST(StampedSlam, OlderInputIsRefusedAndCounted) {
 
 TEST(StampedSlam, AStampThatJumpsBackIsAnErrorOrAReset) {
   for (const StampJump choice : {StampJump::refuse, StampJump::reset}) {
-    StampedSlam slam = make({.jump_back_s = 2.0, .on_jump_back = choice});
+    StampedSlam slam = make_stamped({.jump_back_s = 2.0, .on_jump_back = choice});
     for (const Input& input : sorted(recording(4.0))) give(slam, input);
     const EstimateAtStamp before = slam.estimate().value();
     if (choice == StampJump::refuse) {
@@ -136,7 +136,7 @@ TEST(StampedSlam, AStampThatJumpsBackIsAnErrorOrAReset) {
       expect_same(slam.estimate().value(), before);
       continue;
     }
-    StampedSlam fresh = make();
+    StampedSlam fresh = make_stamped();
     for (const Input& input : sorted(recording(1.0))) {
       give(slam, input);
       give(fresh, input);
@@ -147,7 +147,7 @@ TEST(StampedSlam, AStampThatJumpsBackIsAnErrorOrAReset) {
 }
 
 TEST(StampedSlam, ObservationsWaitForOdometryAndAreAppliedAtTheirTime) {
-  StampedSlam slam = make();
+  StampedSlam slam = make_stamped();
   const auto body_at = [](double t) { return pose(0, 0, 0, 0.2 * t, 0, 0); };
   slam.add_odometry(0.0, body_at(0.0));
   Observation seen{.object = "mug", .stamp_s = 0.25};
@@ -164,7 +164,7 @@ TEST(StampedSlam, ObservationsWaitForOdometryAndAreAppliedAtTheirTime) {
 }
 
 TEST(StampedSlam, WithoutOdometryForLongObservationsAreFramesOfUnknownMotion) {
-  StampedSlam slam = make({.history_s = 0.5});
+  StampedSlam slam = make_stamped({.history_s = 0.5});
   slam.add_odometry(0.0, SE3d());
   for (int k = 1; k <= 20; ++k) {
     Observation seen{.object = "mug", .stamp_s = 0.1 * k};
@@ -184,8 +184,8 @@ TEST(StampedSlam, ObservationsOfOneStampAreTakenInAFixedOrder) {
       at_once.back().stamp_s = 0.25;
     }
   }
-  StampedSlam forwards = make();
-  StampedSlam backwards = make();
+  StampedSlam forwards = make_stamped();
+  StampedSlam backwards = make_stamped();
   for (StampedSlam* slam : {&forwards, &backwards}) slam->add_odometry(0.0, SE3d());
   for (const Observation& observation : at_once) forwards.add(observation);
   std::reverse(at_once.begin(), at_once.end());
@@ -195,7 +195,7 @@ TEST(StampedSlam, ObservationsOfOneStampAreTakenInAFixedOrder) {
 }
 
 TEST(StampedSlam, RefusesWhatIsNotValidAndChangesNothing) {
-  StampedSlam slam = make();
+  StampedSlam slam = make_stamped();
   for (const Input& input : sorted(recording(1.0))) give(slam, input);
   const EstimateAtStamp before = slam.estimate().value();
   const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -217,15 +217,15 @@ TEST(StampedSlam, RefusesWhatIsNotValidAndChangesNothing) {
   // With which no frame after it could be computed.
   EXPECT_THROW(slam.add_odometry(1.1, SE3d(SO3d(), {1e160, 0, 0})), InvalidInput);
   expect_same(slam.estimate().value(), before);
-  EXPECT_THROW(make({.history_s = -1.0}), InvalidInput);
-  EXPECT_THROW(make({.history_s = 5.0, .jump_back_s = 1.0}), InvalidInput);
-  EXPECT_THROW(make({.checkpoints = 0}), InvalidInput);
-  StampedSlam walk(kStart, {{.id = "mug"}}, {}, {.model = MotionModel::random_walk});
+  EXPECT_THROW(make_stamped({.history_s = -1.0}), InvalidInput);
+  EXPECT_THROW(make_stamped({.history_s = 5.0, .jump_back_s = 1.0}), InvalidInput);
+  EXPECT_THROW(make_stamped({.checkpoints = 0}), InvalidInput);
+  StampedSlam walk(kStampedStart, {{.id = "mug"}}, {}, {.model = MotionModel::random_walk});
   EXPECT_THROW(walk.add_odometry(0.0, SE3d()), InvalidInput);
 }
 
 TEST(StampedSlam, WithoutAnOdometryModelEveryObservationIsAppliedAtOnce) {
-  StampedSlam slam(kStart, {{.id = "mug"}}, {}, {.model = MotionModel::random_walk});
+  StampedSlam slam(kStampedStart, {{.id = "mug"}}, {}, {.model = MotionModel::random_walk});
   EXPECT_FALSE(slam.estimate().has_value());
   Observation seen{.object = "mug", .stamp_s = 3.0};
   seen.components = {{.pose = pose(0, 0, 0, 0, 0, 1)}};
@@ -267,7 +267,7 @@ TEST(StampedSlam, AnImageWithoutDetectionsTellsThatAnObjectIsLost) {
 TEST(StampedSlam, GoesOnWhereTheCameraIsKnownFarWorseThanADetection) {
   for (const double variance : {1e-12, 1e-18, 1e-40}) {
     for (const double gap_s : {1.0, 3500.0}) {
-      StampedSlam slam(kStart, {{.id = "mug"}}, {}, {.model = MotionModel::random_walk});
+      StampedSlam slam(kStampedStart, {{.id = "mug"}}, {}, {.model = MotionModel::random_walk});
       Observation seen = observation_of(SE3d(SO3d(), {0.0, 0.0, 1.0}));
       seen.object = "mug";
       for (int k = 0; k < 12; ++k) {

@@ -29,7 +29,7 @@ Slam reloaded(const Slam& slam) {
 }
 
 /// Every number of two estimates, but for measured times.
-void expect_same(const FrameEstimate& a, const FrameEstimate& b) {
+void expect_same_estimates(const FrameEstimate& a, const FrameEstimate& b) {
   EXPECT_EQ(a.camera.mean().matrix(), b.camera.mean().matrix());
   EXPECT_EQ(a.camera.covariance(), b.camera.covariance());
   ASSERT_EQ(*a.ids, *b.ids);
@@ -86,13 +86,13 @@ TEST(State, WhatWasStoppedGoesOnAsIfItWasNot) {
       ASSERT_EQ(own.has_value(), estimate.has_value());
       if (!own) continue;
       EXPECT_EQ(own->stamp_s, estimate->stamp_s);
-      expect_same(own->estimate, estimate->estimate);
+      expect_same_estimates(own->estimate, estimate->estimate);
       largest_hypotheses = std::max(largest_hypotheses, slam.slam().hypotheses(0).size());
     }
   }
   const std::string bytes = state_bytes(undisturbed);
   for (StampedSlam& slam : stopped) EXPECT_EQ(state_bytes(slam), bytes);
-  expect_same(undisturbed.finish()->estimate, stopped.front().finish()->estimate);
+  expect_same_estimates(undisturbed.finish()->estimate, stopped.front().finish()->estimate);
   // The recording had what it is for.
   EXPECT_EQ(stopped.size(), cuts.size());
   EXPECT_GT(largest_hypotheses, 1U);
@@ -149,7 +149,7 @@ void expect_same_after_reload(const MotionSettings& motion, std::size_t objects,
         input.detections[j] = scene.detect(j, 0.3, 0.1);
     change(input, scene);
     const FrameEstimate expected = slam.step(input);
-    for (MultiObjectSlam& one : stopped) expect_same(one.step(input), expected);
+    for (MultiObjectSlam& one : stopped) expect_same_estimates(one.step(input), expected);
     if (k == 1 || k == frames / 2) stopped.push_back(reloaded(slam));
   }
   for (const MultiObjectSlam& one : stopped) {
@@ -192,7 +192,7 @@ TEST(State, GlobalHypothesesGoOn) {
     if (k > 0) input.motion = scene.advance();
     input.detections = {scene.detect(0, 0.5, 0.0), scene.detect(1, 0.5, 0.0)};
     const FrameEstimate expected = slam.step(input);
-    for (MultiObjectSlam& one : stopped) expect_same(one.step(input), expected);
+    for (MultiObjectSlam& one : stopped) expect_same_estimates(one.step(input), expected);
     const std::size_t states = slam.filter().camera_mixture().size();
     if (states > most || k == 20) stopped.push_back(reloaded(slam));
     most = std::max(most, states);
@@ -207,7 +207,7 @@ TEST(State, OfObjectSlamIsThatOfItsTracker) {
   slam.step({.detections = {testing::pose(0.1, 0.2, 0.3, 0.0, 0.0, 0.5)}});
   ObjectSlam loaded(std::get<MultiObjectSlam>(slam_of_state(state_bytes(slam))));
   const FrameInput next{.dt = 0.1, .detections = {testing::pose(0.1, 0.2, 0.31, 0.0, 0.01, 0.5)}};
-  expect_same(slam.step(next), loaded.step(next));
+  expect_same_estimates(slam.step(next), loaded.step(next));
   const ObjectSlam particles(camera, {{.id = "mug"}}, {.tracker = ParticleFilterSettings{}});
   EXPECT_EQ(thrown_message([&] { state_bytes(particles); }),
             "the tracker has no state that can be saved, expected the multi-object filter");
@@ -224,7 +224,7 @@ TEST(State, AnObjectThatIsAddedIsOneOfTheOthers) {
   EXPECT_EQ(slam.hypotheses(1).size(), 1U);
   MultiObjectSlam loaded = reloaded(slam);
   const FrameInput next{.dt = 0.1, .detections = {mug, mug}};
-  expect_same(slam.step(next), loaded.step(next));
+  expect_same_estimates(slam.step(next), loaded.step(next));
   EXPECT_EQ(thrown_message([&] { slam.add({.id = "mug"}); }),
             "there is an object 'mug' already, expected another id");
   EXPECT_THROW(slam.add({.id = "cup", .independent_start = Matrix6d::Identity()}), InvalidInput);

@@ -18,9 +18,9 @@ using testing::isotropic;
 using testing::pose;
 using testing::thrown_message;
 
-const SE3d kObject = pose(0.4, -0.3, 0.2, 0.1, 0.2, 1.1);
-const SE3d kStart = pose(0.1, 0.2, -0.1, 0.3, -0.2, 0.1);
-constexpr std::size_t kFrames = 40;
+const SE3d kSymmetric = pose(0.4, -0.3, 0.2, 0.1, 0.2, 1.1);
+const SE3d kFirstCamera = pose(0.1, 0.2, -0.1, 0.3, -0.2, 0.1);
+constexpr std::size_t kMetricFrames = 40;
 
 SE3d turn_about_z(double angle) {
   return SE3d(SO3d::exp(Eigen::Vector3d(0, 0, angle)), Eigen::Vector3d::Zero());
@@ -32,15 +32,15 @@ Sequence sequence_turned_by(double angle) {
   RandomStream stream(1);
   Sequence sequence;
   ObjectRecording object{"can", {}, {}, {}};
-  SE3d camera = kStart;
-  for (std::size_t k = 0; k < kFrames; ++k) {
+  SE3d camera = kFirstCamera;
+  for (std::size_t k = 0; k < kMetricFrames; ++k) {
     Vector6d n;
     for (double& x : n) x = 0.01 * stream.normal();
     sequence.stamps.push_back(0.1 * static_cast<double>(k));
     sequence.camera_truth.emplace_back(camera);
-    sequence.odometry.emplace_back(kStart.inverse() * camera);
-    object.detections.emplace_back(camera.inverse() * kObject * SE3d::exp(n));
-    object.world_truth.emplace_back(kObject * turn_about_z(angle * static_cast<double>(k)));
+    sequence.odometry.emplace_back(kFirstCamera.inverse() * camera);
+    object.detections.emplace_back(camera.inverse() * kSymmetric * SE3d::exp(n));
+    object.world_truth.emplace_back(kSymmetric * turn_about_z(angle * static_cast<double>(k)));
     camera = camera * pose(0.02, 0.01, 0.0, 0.01, 0.0, 0.02);
   }
   sequence.objects.push_back(object);
@@ -50,7 +50,7 @@ Sequence sequence_turned_by(double angle) {
 SlamRun run_of(const Sequence& sequence) {
   ObjectSlamSettings settings;
   settings.tracker = GaussianSumSettings{};
-  const PoseDensity prior(kStart, isotropic(0.5, 0.005));
+  const PoseDensity prior(kFirstCamera, isotropic(0.5, 0.005));
   return run(sequence, prior, {{"can", gaussian_noise(), std::nullopt}}, settings);
 }
 
@@ -122,7 +122,8 @@ void set_frame(std::size_t k, std::optional<double> estimate, std::optional<doub
 TEST(PairedMetrics, AreMediansOverTheFramesWithBoth) {
   Sequence sequence = sequence_turned_by(0.0);
   SlamRun run = run_of(sequence);
-  for (std::size_t k = 0; k < kFrames; ++k) set_frame(k, std::nullopt, std::nullopt, sequence, run);
+  for (std::size_t k = 0; k < kMetricFrames; ++k)
+    set_frame(k, std::nullopt, std::nullopt, sequence, run);
   set_frame(3, 1.0, 2.0, sequence, run);
   set_frame(4, 7.0, 4.0, sequence, run);
   set_frame(5, 3.0, 100.0, sequence, run);  // a gross error moves no median

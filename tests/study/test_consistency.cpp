@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "posemix/base/error.hpp"
 #include "study/consistency/trial.hpp"
 
 /// A small version of the study: the defaults, told only the detector's model.

@@ -14,7 +14,7 @@
 namespace posemix {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 constexpr const char* kSightings =
     "stamp_s,camera,id,tx_m,ty_m,tz_m,qx,qy,qz,qw\n"
@@ -121,9 +121,9 @@ TEST(FiducialsPeer, IsScoredInTheSameTables) {
                                             .inputs = {FiducialInput::best},
                                             .peers = {{"perfect", "sh '" + script + "'"}}});
   ASSERT_EQ(study.items, 2U);
-  const Json filter = Json::parse(study.run_item(0));
-  const Json peer = Json::parse(study.run_item(1));
-  const Json& row = peer["row"];
+  const OrderedJson filter = OrderedJson::parse(study.run_item(0));
+  const OrderedJson peer = OrderedJson::parse(study.run_item(1));
+  const OrderedJson& row = peer["row"];
   EXPECT_EQ(row["input"], "perfect");
   EXPECT_EQ(row["frames"], testing::kFrames);
   EXPECT_EQ(row["frames_not_finite"], 0);

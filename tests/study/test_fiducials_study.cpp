@@ -15,7 +15,7 @@
 namespace posemix {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 using testing::kFrames;
 using testing::position_text;
@@ -23,9 +23,9 @@ using testing::tag_pose;
 using testing::tags_text;
 using testing::write_recording;
 
-Json run_one(const FiducialsStudySettings& settings) {
+OrderedJson run_one(const FiducialsStudySettings& settings) {
   const Study study = make_fiducials_study(settings);
-  return Json::parse(study.run_item(0));
+  return OrderedJson::parse(study.run_item(0));
 }
 
 #ifdef POSEMIX_WITH_YAML
@@ -33,8 +33,8 @@ Json run_one(const FiducialsStudySettings& settings) {
 TEST(FiducialsStudy, ScoresARecordingWithOdometry) {
   const testing::TemporaryFolder data;
   write_recording(data, "with_odometry", true, 0);
-  const Json found = run_one({.data = data.path()});
-  const Json& row = found["row"];
+  const OrderedJson found = run_one({.data = data.path()});
+  const OrderedJson& row = found["row"];
   EXPECT_EQ(row["recording"], "with_odometry");
   EXPECT_EQ(row["input"], "weights");
   EXPECT_EQ(row["priors"], false);
@@ -60,7 +60,7 @@ TEST(FiducialsStudy, PiecesThatNothingJoinsHavePosesThatAreNumbers) {
   POSEMIX_REQUIRE_DATA();
   for (const char* mode_time : {"0.3", "1.0"}) {
     for (const char* hypotheses : {"4", "8"}) {
-      const Json row =
+      const OrderedJson row =
           run_one({.data = *testing::data_dir(),
                    .recordings = {"test_9"},
                    .inputs = {FiducialInput::weights},
@@ -78,7 +78,7 @@ TEST(FiducialsStudy, ASurveyGivesTheFrameOrTheTruth) {
   const testing::TemporaryFolder data;
   write_recording(data, "surveyed", false, 3);
   FiducialsStudySettings settings{.data = data.path()};
-  const Json with = run_one(settings)["row"];
+  const OrderedJson with = run_one(settings)["row"];
   EXPECT_EQ(with["priors"], true);
   EXPECT_LT(with["survey_frame_rms_m"], 0.05);
   EXPECT_EQ(with["surveyed_tags"], 3);
@@ -87,7 +87,7 @@ TEST(FiducialsStudy, ASurveyGivesTheFrameOrTheTruth) {
   EXPECT_TRUE(with["tag_anees"].is_null());
   EXPECT_TRUE(with["odometry_rms_m"].is_null());
   settings.priors = false;
-  const Json without = run_one(settings)["row"];
+  const OrderedJson without = run_one(settings)["row"];
   EXPECT_EQ(without["priors"], false);
   EXPECT_TRUE(without["survey_frame_rms_m"].is_null());
   EXPECT_EQ(without["surveyed_tags"], 3);
@@ -103,7 +103,7 @@ TEST(FiducialsStudy, ASurveyOfAnotherPlaceIsListed) {
   const std::string place = position_text(tag_pose(0).translation());
   text.replace(text.find(place), place.size(), "{x: 9, y: 0, z: 0}");
   data.put("tagslam/moved/tagslam.yaml", text);
-  const Json found = run_one({.data = data.path(), .priors = false});
+  const OrderedJson found = run_one({.data = data.path(), .priors = false});
   EXPECT_EQ(found["row"]["survey_off"], 1);
   EXPECT_EQ(found["row"]["surveyed_tags"], 0);
   EXPECT_EQ(found["tags"][0]["survey_off"], 1);
@@ -123,7 +123,7 @@ TEST(FiducialsStudy, ReportsEveryInputOfEveryRecording) {
   for (std::size_t i = 0; i < study.items; ++i) results.push_back(study.run_item(i));
   const StudyReport report = study.report(results);
   ASSERT_EQ(report.files.size(), 5U);
-  const Json json = Json::parse(report.files[0].content);
+  const OrderedJson json = OrderedJson::parse(report.files[0].content);
   ASSERT_EQ(json["rows"].size(), 4U);
   EXPECT_EQ(json["rows"][3]["recording"], "b");
   EXPECT_EQ(json["rows"][3]["input"], "best");

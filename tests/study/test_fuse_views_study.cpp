@@ -16,7 +16,7 @@
 namespace posemix {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 using testing::thrown_message;
 
 FuseViewsStudySettings read(const std::string& text) {
@@ -27,23 +27,23 @@ FuseViewsStudySettings read(const std::string& text) {
 }
 
 /// Eight images around one object of class 5, of which one is missed and one is false.
-MultiViewScene scene() {
-  MultiViewScene scene;
-  scene.dataset = "ycbv";
-  scene.number = 3;
+MultiViewScene views_scene() {
+  MultiViewScene views_scene;
+  views_scene.dataset = "ycbv";
+  views_scene.number = 3;
   const SE3d object(SO3d::exp({0.3, 0.0, 0.1}), Eigen::Vector3d::Zero());
-  scene.world_objects[5] = {object};
+  views_scene.world_objects[5] = {object};
   for (int k = 0; k < 8; ++k) {
     const SE3d turn(SO3d::exp({0.0, 0.7 * k, 0.0}), Eigen::Vector3d::Zero());
     const SE3d camera = turn * SE3d(SO3d(), {0.0, 0.0, -0.8});
-    scene.images.push_back(k);
-    scene.world_camera.push_back(camera);
-    scene.truth.push_back({{3, k, 5, 1.0, camera.inverse() * object}});
-    scene.estimates.push_back({});
-    if (k != 2) scene.estimates.back().push_back(scene.truth.back()[0]);
+    views_scene.images.push_back(k);
+    views_scene.world_camera.push_back(camera);
+    views_scene.truth.push_back({{3, k, 5, 1.0, camera.inverse() * object}});
+    views_scene.estimates.push_back({});
+    if (k != 2) views_scene.estimates.back().push_back(views_scene.truth.back()[0]);
   }
-  scene.estimates[2].push_back({3, 2, 5, 0.5, SE3d(SO3d(), {0.4, 0.0, 0.8})});
-  return scene;
+  views_scene.estimates[2].push_back({3, 2, 5, 0.5, SE3d(SO3d(), {0.4, 0.0, 0.8})});
+  return views_scene;
 }
 
 TEST(FuseViewsStudy, GroupsHoldEveryImageOnce) {
@@ -61,9 +61,10 @@ TEST(FuseViewsStudy, GroupsHoldEveryImageOnce) {
 
 TEST(FuseViewsStudy, CountsWhatIsFound) {
   const FuseViewsStudySettings settings = read("datasets = [\"ycbv\"]\n");
-  const Json rows = run_fuse_views(scene(), settings, {default_detector_noise(), 0.8, 0.5});
+  const OrderedJson rows =
+      run_fuse_views(views_scene(), settings, {default_detector_noise(), 0.8, 0.5});
   ASSERT_EQ(rows.size(), 18U);  // two groupings, three inputs, three noises, no symmetries
-  for (const Json& row : rows) {
+  for (const OrderedJson& row : rows) {
     EXPECT_EQ(row["pairs"], 8);
     EXPECT_EQ(row["single_found"], 7);
     EXPECT_EQ(row["fused_found"], 8);
@@ -82,7 +83,7 @@ TEST(FuseViewsStudy, CountsWhatIsFound) {
       read_detector_noise(noise.root().get_table("noise").get_table("detector")).clutter().weight,
       default_detector_noise().clutter().weight);
   EXPECT_EQ(report.files[0].name, "study.json");
-  const Json study = Json::parse(report.files[0].content);
+  const OrderedJson study = OrderedJson::parse(report.files[0].content);
   EXPECT_EQ(study["rows"].size(), 18U);
   EXPECT_EQ(study["summary"][0]["single_found"], 0.875);
 }
@@ -114,8 +115,8 @@ TEST(FuseViewsStudy, RecordedScenes) {
   std::vector<std::string> results;
   for (std::size_t i = 0; i < study.items; ++i) results.push_back(study.run_item(i));
   EXPECT_EQ(results[0], study.run_item(0));
-  const Json report = Json::parse(study.report(results).files[0].content);
-  for (const Json& row : report["summary"]) {
+  const OrderedJson report = OrderedJson::parse(study.report(results).files[0].content);
+  for (const OrderedJson& row : report["summary"]) {
     if (row["groups_of"] != "random" || row["noise"] != "learned") continue;
     EXPECT_GT(row["fused_within_10deg_2cm"].get<double>(),
               row["single_within_10deg_2cm"].get<double>() + 0.1)

@@ -27,7 +27,7 @@ using testing::counting_study;
 using testing::invalid_input_message;
 using testing::TemporaryFolder;
 
-constexpr std::size_t kItems = 60;
+constexpr std::size_t kJournalItems = 60;
 
 class JournalFile : public ::testing::Test {
  protected:
@@ -57,7 +57,7 @@ class JournalFile : public ::testing::Test {
 
   TemporaryFolder folder_;
   std::filesystem::path path_ = folder_ / "journal";
-  Study study_ = counting_study(kItems);
+  Study study_ = counting_study(kJournalItems);
 };
 
 TEST_F(JournalFile, IsReadBack) {
@@ -191,7 +191,7 @@ TEST_F(JournalFile, DoesNotTouchAFileThatIsNone) {
 TEST_F(JournalFile, RefusesOtherSettingsAndSaysWhich) {
   fill(1);
   const std::string message =
-      invalid_input_message([&] { Journal(path_, counting_study(kItems, 2), true); });
+      invalid_input_message([&] { Journal(path_, counting_study(kJournalItems, 2), true); });
   EXPECT_NE(message.find("'settings.seed' is 1, now 2"), std::string::npos) << message;
 }
 

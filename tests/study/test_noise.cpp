@@ -54,14 +54,14 @@ ResidualSet simulated(NoiseFrame frame, std::size_t frames, std::uint64_t seed) 
   return set;
 }
 
-std::string file(const StudyReport& report, const std::string& name) {
+std::string file_of(const StudyReport& report, const std::string& name) {
   for (const StudyFile& f : report.files) {
     if (f.name == name) return f.content;
   }
   return {};
 }
 
-StudyReport run_all(const Study& study) {
+StudyReport run_noise(const Study& study) {
   std::vector<std::string> results;
   for (std::size_t i = 0; i < study.items; ++i) results.push_back(study.run_item(i));
   return study.report(results);
@@ -86,9 +86,9 @@ TEST(NoiseStudy, RecoversASimulatedMixture) {
             .max_components = 3, .restarts = 2, .frame = frame, .clutter = false, .modes = false}};
     const Study study = make_noise_study({.residuals = {simulated(frame, 4000, 1)}}, settings);
     ASSERT_EQ(study.items, 1U);
-    const StudyReport report = run_all(study);
+    const StudyReport report = run_noise(study);
     const DetectorNoise noise =
-        read_back(file(report, "noise_simulated_cup_1.toml"), "simulated_cup_1");
+        read_back(file_of(report, "noise_simulated_cup_1.toml"), "simulated_cup_1");
     ASSERT_EQ(noise.components().size(), 2U);
     const NoiseComponent& sharp = noise.components()[0];
     const NoiseComponent& wide = noise.components()[1];
@@ -99,7 +99,7 @@ TEST(NoiseStudy, RecoversASimulatedMixture) {
       EXPECT_NEAR(std::sqrt(sharp.covariance(i, i)) / sd, 1.0, 0.08);
       EXPECT_NEAR(std::sqrt(wide.covariance(i, i)) / (i == 2 ? 7.5 * sd : sd), 1.0, 0.1);
     }
-    const auto rows = nlohmann::json::parse(file(report, "study.json"))["rows"];
+    const auto rows = nlohmann::json::parse(file_of(report, "study.json"))["rows"];
     ASSERT_EQ(rows.size(), 6U);
     EXPECT_EQ(rows[2]["axis"], "rotation_z");
     EXPECT_EQ(rows[2]["count"], 3600);
@@ -108,7 +108,7 @@ TEST(NoiseStudy, RecoversASimulatedMixture) {
     EXPECT_NEAR(rows[2]["kurtosis"], 3.0 * 20259.6 / (92.4 * 92.4), 0.7);
     EXPECT_NEAR(rows[0]["kurtosis"], 3.0, 0.4);
     EXPECT_NEAR(rows[2]["lag1_autocorrelation"], 0.0, 0.06);
-    EXPECT_LT(file(report, "noise_simulated_cup_1.svg").find("<svg"), 200U);
+    EXPECT_LT(file_of(report, "noise_simulated_cup_1.svg").find("<svg"), 200U);
   }
 }
 
@@ -134,8 +134,8 @@ TEST(NoiseStudy, HasOneItemPerObjectAndOneForAll) {
   EXPECT_NE(study.settings, make_noise_study({.residuals = {a, b}}, one_component()).settings);
 }
 
-/// A recording on disk, studied from its TUM files and from its sequence file, and the model that
-/// comes out put back into the sequence file.
+/// A recording on disk, studied from its TUM files and from its sequence file, and the model
+/// that comes out put back into the sequence file.
 TEST(NoiseStudy, ReadsFilesAndGivesAModelThatSlamReads) {
   const testing::TemporaryFolder folder;
   const ResidualSet set = simulated(NoiseFrame::object, 400, 3);
@@ -178,7 +178,7 @@ TEST(NoiseStudy, ReadsFilesAndGivesAModelThatSlamReads) {
                                                             .frame = NoiseFrame::object,
                                                             .clutter = false,
                                                             .modes = false}});
-  const std::string toml = plain_model(file(run_all(study), "noise_detector_cup.toml"));
+  const std::string toml = plain_model(file_of(run_noise(study), "noise_detector_cup.toml"));
   TomlDocument document = TomlDocument::parse(sequence + toml, (folder / "fitted.toml").string());
   document.apply_override("objects.cup.noise=detector_cup");
   const SlamJob job = read_slam_job(document, {folder.path()});
@@ -206,7 +206,7 @@ TEST(NoiseStudy, FindsModesWithFreeMeans) {
                                                                       .free_means = true,
                                                                       .clutter = false,
                                                                       .modes = false}});
-  const DetectorNoise noise = read_back(file(run_all(study), "noise_d_o.toml"), "d_o");
+  const DetectorNoise noise = read_back(file_of(run_noise(study), "noise_d_o.toml"), "d_o");
   ASSERT_EQ(noise.components().size(), 2U);
   // Clutter is always possible.
   EXPECT_NEAR(noise.clutter().weight, 1e-3, 1e-9);

@@ -17,9 +17,9 @@ using testing::counting_study;
 using testing::ProgramResult;
 using testing::TemporaryFolder;
 
-constexpr std::size_t kItems = 200;
+constexpr std::size_t kRankItems = 200;
 
-class Ranks : public ::testing::TestWithParam<int> {
+class SeveralRanks : public ::testing::TestWithParam<int> {
  protected:
   static void SetUpTestSuite() {
     // Open MPI refuses more ranks than cores, and to run as root, without these.
@@ -36,9 +36,9 @@ class Ranks : public ::testing::TestWithParam<int> {
   }
 
   static std::string expected() {
-    const Study study = counting_study(kItems);
+    const Study study = counting_study(kRankItems);
     std::vector<std::string> results;
-    for (std::size_t item = 0; item < kItems; ++item) results.push_back(study.run_item(item));
+    for (std::size_t item = 0; item < kRankItems; ++item) results.push_back(study.run_item(item));
     return study.report(results).summary;
   }
 
@@ -46,17 +46,17 @@ class Ranks : public ::testing::TestWithParam<int> {
   std::filesystem::path journal_ = folder_ / "journal";
 };
 
-TEST_P(Ranks, GiveWhatOneProcessGives) {
+TEST_P(SeveralRanks, GiveWhatOneProcessGives) {
   const ProgramResult result = run({});
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(result.out, expected());
 }
 
-TEST_P(Ranks, LoseNoFinishedItemWhenOneDies) {
+TEST_P(SeveralRanks, LoseNoFinishedItemWhenOneDies) {
   const ProgramResult died = run({"--die-at", "150"});
   EXPECT_NE(died.exit_code, 0);
   {
-    const Journal journal(journal_, counting_study(kItems), true);
+    const Journal journal(journal_, counting_study(kRankItems), true);
     // Items are handed out in order, at most eight to a rank at a time: items take a millisecond,
     // and chunks are for the 6 ms until the next message and the answer to it.
     EXPECT_GE(journal.finished().size(), 150U - 8U * static_cast<std::size_t>(GetParam()));
@@ -67,7 +67,7 @@ TEST_P(Ranks, LoseNoFinishedItemWhenOneDies) {
   EXPECT_EQ(resumed.out, expected());
 }
 
-TEST_P(Ranks, OfOtherVectorInstructionsAreRefused) {
+TEST_P(SeveralRanks, OfOtherVectorInstructionsAreRefused) {
   if (vector_instructions() == "portable") GTEST_SKIP() << "this machine has no wider set";
   const ProgramResult result =
       testing::RunningProgram({POSEMIX_MPIRUN, "-n", std::to_string(GetParam() - 1),
@@ -85,8 +85,8 @@ TEST_P(Ranks, OfOtherVectorInstructionsAreRefused) {
       << result.err;
 }
 
-INSTANTIATE_TEST_SUITE_P(Two, Ranks, ::testing::Values(2));
-INSTANTIATE_TEST_SUITE_P(Four, Ranks, ::testing::Values(4));
+INSTANTIATE_TEST_SUITE_P(Two, SeveralRanks, ::testing::Values(2));
+INSTANTIATE_TEST_SUITE_P(Four, SeveralRanks, ::testing::Values(4));
 
 }  // namespace
 }  // namespace posemix

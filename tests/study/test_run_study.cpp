@@ -26,12 +26,12 @@ using testing::counting_study;
 using testing::invalid_input_message;
 using testing::TemporaryFolder;
 
-constexpr std::size_t kItems = 60;
+constexpr std::size_t kStudyItems = 60;
 
 std::vector<std::string> expected_results() {
-  const Study study = counting_study(kItems);
+  const Study study = counting_study(kStudyItems);
   std::vector<std::string> results;
-  for (std::size_t item = 0; item < kItems; ++item) results.push_back(study.run_item(item));
+  for (std::size_t item = 0; item < kStudyItems; ++item) results.push_back(study.run_item(item));
   return results;
 }
 
@@ -43,7 +43,7 @@ StudyRun run_here(const std::function<Study()>& make, const StudyRunOptions& opt
 TEST(RunStudy, GivesTheSameForAnyNumberOfThreads) {
   const auto expected = expected_results();
   for (const std::size_t threads : {1, 2, 5}) {
-    const StudyRun run = run_here([] { return counting_study(kItems); }, {.threads = threads});
+    const StudyRun run = run_here([] { return counting_study(kStudyItems); }, {.threads = threads});
     EXPECT_TRUE(run.complete);
     EXPECT_EQ(run.results, expected) << threads << " threads";
     EXPECT_EQ(run.instructions, vector_instructions());
@@ -56,7 +56,7 @@ TEST(RunStudy, ContinuesAStoppedStudyWithoutDoingAnythingTwice) {
   options.progress = [](std::size_t done, std::size_t) { return done < 20; };
   std::atomic<std::size_t> calls = 0;
   const auto make = [&calls] {
-    Study study = counting_study(kItems);
+    Study study = counting_study(kStudyItems);
     study.run_item = [&calls, work = study.run_item](std::size_t item) {
       ++calls;
       return work(item);
@@ -77,7 +77,7 @@ TEST(RunStudy, ContinuesAStoppedStudyWithoutDoingAnythingTwice) {
   const StudyRun run = run_here(make, options);
   EXPECT_TRUE(run.complete);
   EXPECT_EQ(run.results, expected_results());
-  EXPECT_EQ(calls, kItems) << "what had begun when the study was stopped is kept too";
+  EXPECT_EQ(calls, kStudyItems) << "what had begun when the study was stopped is kept too";
   EXPECT_GE(first_report, 20U);
 }
 
@@ -85,7 +85,7 @@ TEST(RunStudy, AnItemThatThrowsEndsTheStudyAndKeepsWhatIsDone) {
   const TemporaryFolder folder;
   const StudyRunOptions options{.threads = 2, .journal = folder / "journal"};
   const auto make = [] {
-    Study study = counting_study(kItems);
+    Study study = counting_study(kStudyItems);
     study.run_item = [work = study.run_item](std::size_t item) {
       if (item == 30) throw std::runtime_error("item 30 is broken");
       return work(item);
@@ -94,7 +94,7 @@ TEST(RunStudy, AnItemThatThrowsEndsTheStudyAndKeepsWhatIsDone) {
   };
   Ranks ranks;
   EXPECT_THROW(run_study(ranks, make, options), std::runtime_error);
-  const Journal journal(options.journal, counting_study(kItems), true);
+  const Journal journal(options.journal, counting_study(kStudyItems), true);
   EXPECT_GE(journal.finished().size(), 29U);
   EXPECT_FALSE(journal.finished().contains(30));
 }

@@ -18,7 +18,7 @@
 namespace posemix {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 SE3d turned(double z_deg, double x = 0.0) {
   return SE3d(SO3d::exp({0.0, 0.0, radians(z_deg)}), {x, 0.0, 0.7});
@@ -111,15 +111,15 @@ TEST(TlessStudy, OdometryIsTheTruthWithNoiseOfTheStatedSize) {
 }
 
 TEST(TlessStudy, SymmetriesEndTheFlips) {
-  const Json declared = run_tless(scene(), settings(), true);
-  const Json none = run_tless(scene(), settings(), false);
+  const OrderedJson declared = run_tless(scene(), settings(), true);
+  const OrderedJson none = run_tless(scene(), settings(), false);
   EXPECT_EQ(declared["scene"]["models"], 4);  // three in one image, and one
   EXPECT_EQ(declared["scene"]["flips"], 0);
   EXPECT_EQ(declared["scene"]["confirmed"], 2);
   EXPECT_EQ(declared["scene"]["false_confirmed"], 0);
   EXPECT_EQ(declared["scene"]["detections"], 25);
   ASSERT_EQ(declared["instances"].size(), 2U);
-  for (const Json& row : declared["instances"]) {
+  for (const OrderedJson& row : declared["instances"]) {
     EXPECT_EQ(row["frames"], 12);
     EXPECT_EQ(row["found"], 12);
     EXPECT_EQ(row["within"], 12);
@@ -136,12 +136,12 @@ TEST(TlessStudy, SymmetriesEndTheFlips) {
   EXPECT_EQ(report.files[0].name, "study.json");
   EXPECT_EQ(report.files[4].name, "errors.svg");
   EXPECT_NE(report.files[4].content.find("estimate, symmetries declared"), std::string::npos);
-  const Json study = Json::parse(report.files[0].content);
+  const OrderedJson study = OrderedJson::parse(report.files[0].content);
   EXPECT_EQ(study["rows"].size(), 4U);
   EXPECT_EQ(study["rows"][0]["object"], "5.0");
   EXPECT_EQ(study["summary"][0]["figure"], "scenes");
-  const auto row_of = [&](const std::string& figure) -> Json {
-    for (const Json& row : study["summary"]) {
+  const auto row_of = [&](const std::string& figure) -> OrderedJson {
+    for (const OrderedJson& row : study["summary"]) {
       if (row["figure"] == figure) return row;
     }
     return nullptr;
@@ -189,10 +189,10 @@ TEST(TlessStudy, RecordedScenes) {
   for (std::size_t i = 0; i < study.items; ++i) {
     const std::string text = study.run_item(i);
     EXPECT_EQ(text, study.run_item(i));
-    const Json result = Json::parse(text);
+    const OrderedJson result = OrderedJson::parse(text);
     flips[i % 2] += result["scene"]["flips"].get<std::int64_t>();
     if (i % 2 == 1) continue;
-    for (const Json& row : result["instances"]) {
+    for (const OrderedJson& row : result["instances"]) {
       within += row["within"].get<std::int64_t>();
       detected += row["detection_within"].get<std::int64_t>();
     }

@@ -18,7 +18,7 @@ namespace {
 using testing::RecordingTree;
 using Json = nlohmann::json;
 
-const std::string kBox(testing::kTreeBox);
+const std::string kBoxOfTree(testing::kTreeBox);
 const std::string kExperiments = "slam-super-6d/experiments/ycbv/";
 
 StudyReport report_of(const Study& study) {
@@ -27,23 +27,23 @@ StudyReport report_of(const Study& study) {
   return study.report(results);
 }
 
-std::string file(const StudyReport& report, const std::string& name) {
-  for (const StudyFile& file : report.files) {
-    if (file.name == name) return file.content;
+std::string file_named(const StudyReport& report, const std::string& name) {
+  for (const StudyFile& file_named : report.files) {
+    if (file_named.name == name) return file_named.content;
   }
   return {};
 }
 
 Json rows_of(const StudyReport& report) {
-  return Json::parse(file(report, "study.json")).at("rows");
+  return Json::parse(file_named(report, "study.json")).at("rows");
 }
 
 Json run_rows(const YcbvStudySettings& settings) {
   return rows_of(report_of(make_ycbv_study(settings)));
 }
 
-Json find_row(const Json& rows, const std::string& sequence, const std::string& object,
-              const std::string& method) {
+Json find_sequence_row(const Json& rows, const std::string& sequence, const std::string& object,
+                       const std::string& method) {
   for (const Json& row : rows) {
     if (row["sequence"] == sequence && row["object"] == object && row["method"] == method)
       return row;
@@ -69,10 +69,10 @@ TEST(YcbvStudy, HasOneRowPerSequenceObjectAndMethod) {
   EXPECT_EQ(rows.size(), 2 * (methods - 1) + (methods - 2) + 2 * (methods - 1 + methods - 2));
   for (const std::string& method : ycbv_methods()) {
     if (method == "published_offline") continue;
-    find_row(rows, "0022", "4", method);
-    find_row(rows, "0022", "14", method);
-    find_row(rows, "mean", "all", method);
-    if (method != "published") find_row(rows, "0001", kBox, method);
+    find_sequence_row(rows, "0022", "4", method);
+    find_sequence_row(rows, "0022", "14", method);
+    find_sequence_row(rows, "mean", "all", method);
+    if (method != "published") find_sequence_row(rows, "0001", kBoxOfTree, method);
   }
 }
 
@@ -87,13 +87,13 @@ TEST(YcbvStudy, KeptRunsAreLinkedFromTheirRows) {
       .runs_in = out.path(),
       .command = {"posemix", "study", "ycbv"}};
   const Json rows = run_rows(settings);
-  EXPECT_EQ(find_row(rows, "0022", "4", "default")["report"],
+  EXPECT_EQ(find_sequence_row(rows, "0022", "4", "default")["report"],
             "runs/0022-cosypose-all-default/report.html");
-  EXPECT_TRUE(find_row(rows, "0022", "4", "detector")["report"].is_null());
-  EXPECT_TRUE(find_row(rows, "mean", "all", "default")["report"].is_null());
+  EXPECT_TRUE(find_sequence_row(rows, "0022", "4", "detector")["report"].is_null());
+  EXPECT_TRUE(find_sequence_row(rows, "mean", "all", "default")["report"].is_null());
   for (const char* method : {"default", "varied"}) {
     const std::filesystem::path page =
-        out / find_row(rows, "0022", "14", method)["report"].get<std::string>();
+        out / find_sequence_row(rows, "0022", "14", method)["report"].get<std::string>();
     EXPECT_TRUE(std::filesystem::exists(page)) << page;
     const Json metrics = Json::parse(testing::content_of(page.parent_path() / "metrics.json"));
     EXPECT_EQ(metrics["provenance"]["command"], "posemix study ycbv");
@@ -101,7 +101,7 @@ TEST(YcbvStudy, KeptRunsAreLinkedFromTheirRows) {
   }
   const Json without =
       run_rows({.data = tree.path(), .methods = {"default"}, .sequences = {"0022"}});
-  EXPECT_FALSE(find_row(without, "0022", "4", "default").contains("report"));
+  EXPECT_FALSE(find_sequence_row(without, "0022", "4", "default").contains("report"));
 }
 
 TEST(YcbvStudy, KeptRunsOfMethodsWithAlikeNamesAreApart) {
@@ -125,22 +125,22 @@ TEST(YcbvStudy, KeptRunsOfMethodsWithAlikeNamesAreApart) {
 TEST(YcbvStudy, RowsSayWhatIsKnown) {
   const SmallTree tree;
   const Json rows = run_rows({.data = tree.path()});
-  const Json detector = find_row(rows, "0001", kBox, "detector");
+  const Json detector = find_sequence_row(rows, "0001", kBoxOfTree, "detector");
   EXPECT_EQ(detector["frames"], testing::kTreeFrames);
   EXPECT_EQ(detector["detections"], testing::kTreeFrames - 1);
   EXPECT_TRUE(detector["camera_rotation_rmse_deg"].is_null());
   EXPECT_NEAR(detector["relative_rotation_rmse_deg"], 1.0, 0.5);
   EXPECT_GT(detector["pixel_median"], 1.0);
   EXPECT_EQ(detector["object_truth"], "ground truth");
-  const Json odometry = find_row(rows, "0001", kBox, "odometry");
+  const Json odometry = find_sequence_row(rows, "0001", kBoxOfTree, "odometry");
   EXPECT_TRUE(odometry["relative_rotation_rmse_deg"].is_null());
   EXPECT_TRUE(odometry["merges_per_frame"].is_null());
-  const Json midway = find_row(rows, "0001", kBox, "midway");
+  const Json midway = find_sequence_row(rows, "0001", kBoxOfTree, "midway");
   for (const char* column :
        {"camera_rotation_rmse_deg", "camera_position_rmse_cm", "object_rotation_rmse_deg",
         "relative_position_rmse_cm", "relative_anees", "pixel_median", "merges_per_frame"})
     EXPECT_TRUE(midway[column].is_number()) << column;
-  const Json mug = find_row(rows, "0022", "14", "midway");
+  const Json mug = find_sequence_row(rows, "0022", "14", "midway");
   EXPECT_EQ(mug["object_truth"], "proxy");
   EXPECT_TRUE(mug["pixel_median"].is_null());
 }
@@ -156,8 +156,8 @@ TEST(YcbvStudy, OdometryAloneDriftsAsMuchAsItWasMadeTo) {
   // off.
   const double turn = 0.0207 * 100 * 0.01 * testing::kTreeFrames;
   for (const char* sequence : {"0001", "0022"}) {
-    const Json row =
-        find_row(rows, sequence, std::string(sequence) == "0001" ? kBox : "4", "odometry");
+    const Json row = find_sequence_row(
+        rows, sequence, std::string(sequence) == "0001" ? kBoxOfTree : "4", "odometry");
     EXPECT_NEAR(row["camera_position_rmse_cm"], drift, turn);
     EXPECT_NEAR(row["camera_rotation_rmse_deg"], 0.0, 1e-6);
   }
@@ -167,15 +167,16 @@ TEST(YcbvStudy, MeansAndMediansAreOverTheRowsOfADetector) {
   SmallTree tree;
   tree.put_dope("0002");
   tree.put_dope("0003");
-  tree.remove(kExperiments + "inference/" + kBox + "/ground_truth/0003_ycb_gt.txt");
+  tree.remove(kExperiments + "inference/" + kBoxOfTree + "/ground_truth/0003_ycb_gt.txt");
   tree.remove(kExperiments + "odom/ground_truth/0003.txt");
-  const Json rows = run_rows({.data = tree.path(), .methods = {"detector"}, .objects = {kBox}});
+  const Json rows =
+      run_rows({.data = tree.path(), .methods = {"detector"}, .objects = {kBoxOfTree}});
   ASSERT_EQ(rows.size(), 5U);
-  const Json one = find_row(rows, "0001", kBox, "detector");
-  EXPECT_TRUE(find_row(rows, "0003", kBox, "detector")["pixel_median"].is_null());
-  EXPECT_TRUE(find_row(rows, "0003", kBox, "detector")["object_truth"].is_null());
+  const Json one = find_sequence_row(rows, "0001", kBoxOfTree, "detector");
+  EXPECT_TRUE(find_sequence_row(rows, "0003", kBoxOfTree, "detector")["pixel_median"].is_null());
+  EXPECT_TRUE(find_sequence_row(rows, "0003", kBoxOfTree, "detector")["object_truth"].is_null());
   for (const char* sequence : {"mean", "median"}) {
-    const Json row = find_row(rows, sequence, "all", "detector");
+    const Json row = find_sequence_row(rows, sequence, "all", "detector");
     EXPECT_EQ(row["detector"], "dope");
     EXPECT_DOUBLE_EQ(row["pixel_median"], one["pixel_median"]);
     EXPECT_TRUE(row["camera_rotation_rmse_deg"].is_null());
@@ -185,7 +186,7 @@ TEST(YcbvStudy, MeansAndMediansAreOverTheRowsOfADetector) {
 TEST(YcbvStudy, WithoutTruthAndOdometryTheFiltersStillRun) {
   RecordingTree tree;
   tree.put_dope("0001");
-  tree.remove(kExperiments + "inference/" + kBox + "/ground_truth/0001_ycb_gt.txt");
+  tree.remove(kExperiments + "inference/" + kBoxOfTree + "/ground_truth/0001_ycb_gt.txt");
   tree.remove(kExperiments + "odom/ground_truth/0001.txt");
   tree.remove(kExperiments + "odom/results/0001.txt");
   tree.remove(kExperiments + "odom/YCB.yaml");
@@ -197,7 +198,7 @@ TEST(YcbvStudy, WithoutTruthAndOdometryTheFiltersStillRun) {
       EXPECT_TRUE(row[column].is_null()) << column;
     EXPECT_EQ(row["detections"], testing::kTreeFrames - 1);
   }
-  EXPECT_NE(file(report, "errors.svg").find("no ground truth"), std::string::npos);
+  EXPECT_NE(file_named(report, "errors.svg").find("no ground truth"), std::string::npos);
 }
 
 TEST(YcbvStudy, OnlyTimesDifferFromRunToRun) {
@@ -209,7 +210,7 @@ TEST(YcbvStudy, OnlyTimesDifferFromRunToRun) {
   for (const StudyFile& each : first.files) {
     names.push_back(each.name);
     if (each.name == "timing.csv") continue;
-    EXPECT_EQ(each.content, file(second, each.name)) << each.name;
+    EXPECT_EQ(each.content, file_named(second, each.name)) << each.name;
   }
   EXPECT_EQ(names, (std::vector<std::string>{"study.json", "ycbv.csv", "summary.csv", "anees.csv",
                                              "paired.csv", "timing.csv", "reliability.csv",
@@ -224,7 +225,7 @@ TEST(YcbvStudy, TimesAreThoseOfTheFilters) {
   const SmallTree tree;
   const StudyReport report =
       report_of(make_ycbv_study({.data = tree.path(), .methods = {"detector", "midway"}}));
-  const std::string timing = file(report, "timing.csv");
+  const std::string timing = file_named(report, "timing.csv");
   EXPECT_TRUE(timing.starts_with("sequence,object,detector,method,frame_median_us,"));
   EXPECT_NE(timing.find("\n0022,all,cosypose,midway,"), std::string::npos);
   EXPECT_NE(timing.find("\nmean,all,dope,midway,"), std::string::npos);
@@ -234,7 +235,8 @@ TEST(YcbvStudy, TimesAreThoseOfTheFilters) {
 TEST(YcbvStudy, OverridesAndOwnMethodsReachTheFilter) {
   const SmallTree tree;
   const auto anees = [&](const YcbvStudySettings& settings, const std::string& method) {
-    return find_row(run_rows(settings), "0001", kBox, method)["relative_anees"].get<double>();
+    return find_sequence_row(run_rows(settings), "0001", kBoxOfTree, method)["relative_anees"]
+        .get<double>();
   };
   const YcbvStudySettings plain{.data = tree.path(), .methods = {"default"}};
   YcbvStudySettings own = plain;
@@ -250,11 +252,11 @@ TEST(YcbvStudy, ADamagedFileIsNamed) {
   SmallTree tree;
   tree.put(kExperiments + "odom/YCB.yaml", "Camera.fx: 1000.0\n");
   const Study study =
-      make_ycbv_study({.data = tree.path(), .methods = {"detector"}, .objects = {kBox}});
+      make_ycbv_study({.data = tree.path(), .methods = {"detector"}, .objects = {kBoxOfTree}});
   EXPECT_INVALID_WITH(study.run_item(0), "YCB.yaml: got focal lengths 1000 and 0");
   tree.put(kExperiments + "_ycb_original.json", "{\"exported_objects\": [{}]}");
   EXPECT_INVALID_WITH(study.run_item(0), "_ycb_original.json: ");
-  tree.put(kExperiments + "inference/" + kBox + "/Initial/0001.txt", "0.0 x\n");
+  tree.put(kExperiments + "inference/" + kBoxOfTree + "/Initial/0001.txt", "0.0 x\n");
   EXPECT_INVALID_WITH(study.run_item(0), "Initial/0001.txt:1");
 }
 
@@ -266,7 +268,7 @@ TEST(YcbvStudy, RefusesWhatIsNotThere) {
   EXPECT_INVALID_WITH(make_ycbv_study({.data = tree.path(), .sequences = {"0099"}}),
                       "has no recording of sequence 0099 and object any");
   EXPECT_INVALID_WITH(
-      make_ycbv_study({.data = tree.path(), .methods = {"published"}, .objects = {kBox}}),
+      make_ycbv_study({.data = tree.path(), .methods = {"published"}, .objects = {kBoxOfTree}}),
       "none of them is for the recordings");
 }
 

@@ -18,7 +18,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-Json rows_of(const YcbvStudySettings& settings) {
+Json rows_of_study(const YcbvStudySettings& settings) {
   const Study study = make_ycbv_study(settings);
   std::vector<std::string> results;
   for (std::size_t i = 0; i < study.items; ++i) results.push_back(study.run_item(i));
@@ -46,7 +46,7 @@ void expect_row(const Json& row, const Metrics& metrics, std::size_t object) {
 
 TEST(YcbvData, Sequence0022IsAsTheSequenceFileRunsIt) {
   POSEMIX_REQUIRE_DATA();
-  const Json rows = rows_of(
+  const Json rows = rows_of_study(
       {.data = *testing::data_dir(), .methods = {"midway", "published"}, .sequences = {"0022"}});
   const Metrics midway = run_config(
       "ycbv-0022", {"filter.method=gm-iekf", "objects.0.noise=gaussian", "objects.1.noise=gaussian",
@@ -69,10 +69,10 @@ TEST(YcbvData, DopePairsAreAsTheSequenceFileRunsThem) {
   for (const auto& [object, sequence] :
        {std::pair<std::string, std::string>{"003_cracker_box_16k", "0035"},
         std::pair<std::string, std::string>{"010_potted_meat_can_16k", "0060"}}) {
-    const Json rows = rows_of({.data = *testing::data_dir(),
-                               .methods = {"riekf", "default"},
-                               .sequences = {sequence},
-                               .objects = {object}});
+    const Json rows = rows_of_study({.data = *testing::data_dir(),
+                                     .methods = {"riekf", "default"},
+                                     .sequences = {sequence},
+                                     .objects = {object}});
     const std::vector<std::string> pair{"object=" + object, "sequence=" + sequence};
     std::vector<std::string> riekf = pair;
     riekf.insert(riekf.end(), {"filter.method=riekf", "objects.0.noise=gaussian"});
@@ -119,10 +119,10 @@ TEST(YcbvData, TheDefaultSurvivesRealDetections) {
 // factor of two.
 TEST(YcbvData, TheDefaultIsAsSureAsItIsRight) {
   POSEMIX_REQUIRE_DATA();
-  const Json rows =
-      rows_of({.data = *testing::data_dir(),
-               .methods = {"default"},
-               .objects = {"003_cracker_box_16k", "004_sugar_box_16k", "010_potted_meat_can_16k"}});
+  const Json rows = rows_of_study(
+      {.data = *testing::data_dir(),
+       .methods = {"default"},
+       .objects = {"003_cracker_box_16k", "004_sugar_box_16k", "010_potted_meat_can_16k"}});
   for (const char* column : {"camera_anees", "right_mode_anees"}) {
     std::vector<double> values;
     for (const Json& row : rows) {
