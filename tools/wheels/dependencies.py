@@ -25,6 +25,7 @@ class Library:
     licence: str  # SPDX
     options: dict = field(default_factory=dict)  # of its CMake project; without any it is built by configure and make
     kind: str = "source"  # or "all", headers that are not compiled
+    headers: tuple = ()  # of its source, which its project does not install with these options
     version: str = ""
     notice: Path = Path()  # Debian's file with copyright and licences
     licence_alone: bool = False  # of the notice the text of the licence is enough
@@ -45,7 +46,9 @@ def compiled():
         Library("nlopt", "nlopt", "LGPL-2.1-or-later", {
             **SMALL, **{f"NLOPT_{part}": "OFF" for part in ("CXX", "PYTHON", "OCTAVE", "MATLAB", "GUILE", "SWIG", "TESTS")}}),
         Library("highway", "highway", "Apache-2.0", {
-            "BUILD_TESTING": "OFF", **{f"HWY_ENABLE_{part}": "OFF" for part in ("TESTS", "EXAMPLES")}}),
+            "BUILD_TESTING": "OFF", **{f"HWY_ENABLE_{part}": "OFF" for part in ("CONTRIB", "TESTS", "EXAMPLES")}},
+            # Of its sorting, which takes ten minutes to compile, nothing is used.
+            headers=("hwy/contrib/math/math-inl.h",)),
         Library("yaml-cpp", "yaml-cpp", "MIT", {
             **SMALL, "YAML_BUILD_SHARED_LIBS": "OFF", **{f"YAML_CPP_BUILD_{part}": "OFF" for part in ("TESTS", "TOOLS", "CONTRIB")}}),
         Library("zlib", "zlib", "Zlib"),
@@ -160,6 +163,10 @@ def build_dependencies(work, toolchain):
             toolchain.cmake(source, toolchain.work / library.name, library.options)
         else:
             toolchain.configure(source, toolchain.work / library.name)
+        for header in library.headers:
+            installed = toolchain.prefix / "include" / header
+            installed.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(source / header, installed)
         done.write_text(made)
     only_headers = headers()
     found = header_definitions(packages, toolchain, only_headers)
