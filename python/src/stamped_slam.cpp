@@ -130,8 +130,12 @@ void bind_stamped_slam(nb::module_& m) {
           "Takes in T_odom_body at a time [s].\n\n"
           "Raises\n------\nValueError\n    For a stamp that has jumped or has a pose already; "
           "nothing is changed.\n")
-      .def("add_image", &S::add_image, "stamp_s"_a, "camera"_a = "",
-           "Takes in that an image of a camera at a time [s] shows nothing.\n\n"
+      .def("add_image",
+           nb::overload_cast<double, const std::string&, const std::optional<std::string>&>(
+               &S::add_image),
+           "stamp_s"_a, "camera"_a = "", "detector"_a = nb::none(),
+           "Takes in that one detector, or none given any, has found nothing in an image of a "
+           "camera at a time [s].\n\n"
            "Objects that should be seen in it may be gone. Images with observations need not be "
            "told.\n\n"
            "Raises\n------\nValueError\n    For a camera that there is not, and a stamp that has "

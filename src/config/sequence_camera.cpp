@@ -133,9 +133,11 @@ std::vector<std::vector<std::string>> ImageList::on(const Timeline& timeline,
       throw InvalidInput(fmt::format("{}: got an image at stamp {} s, where {} has no frame",
                                      image.at.place, image.at.stamp, timeline.source()));
     }
-    if (std::ranges::find(names, image.camera) == names.end()) {
+    const std::string camera = image.camera.substr(0, image.camera.rfind('@'));
+    if (std::ranges::find(names, image.camera) == names.end() &&
+        std::ranges::find(names, camera) == names.end()) {
       throw InvalidInput(fmt::format("{}: got camera '{}', expected one of: '{}'", image.at.place,
-                                     image.camera, fmt::join(names, "', '")));
+                                     camera, fmt::join(names, "', '")));
     }
     by_frame[*frame].push_back(image.camera);
   }

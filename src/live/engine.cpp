@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "posemix/base/error.hpp"
+#include "slam/searched_image.hpp"
 
 namespace posemix::internal {
 namespace {
@@ -38,18 +39,20 @@ LiveEngine::LiveEngine(const LiveSettings& settings, bool records)
   slam_from(settings, std::nullopt, {});  // which throws for what is not valid
 }
 
-void LiveEngine::begin_again() {
+void LiveEngine::begin_again(const std::string& why) {
+  ++counts_.resets;
+  why_reset_ = why;
   slam_.reset();
+  lacks_odometry_ = false;
   odometry_.clear();
   jumped_ = 0;
   recording_.clear();
 }
 
 void LiveEngine::reset() {
-  begin_again();
+  begin_again("all is forgotten");
   waiting_.clear();
   around_.clear();
-  ++counts_.resets;
 }
 
 void LiveEngine::add(LiveImage image) {
@@ -116,14 +119,29 @@ std::optional<LiveEstimate> LiveEngine::settle(const std::optional<ReadyImage>& 
   return take(*prepared);
 }
 
+/// A run whose camera is given begins where it is.
+bool LiveEngine::lacks_given_pose(const ReadyImage& ready) const {
+  return settings_->motion.model == MotionModel::given && settings_->starts_at_odometry &&
+         !ready.odometry;
+}
+
 void LiveEngine::start(const ReadyImage& ready) {
   start_ns_ = newest_ns_ = ready.image.stamp_ns;
+  lacks_odometry_ = settings_->has_odometry() && settings_->starts_at_odometry && !ready.odometry;
   slam_ = slam_from(*settings_, ready.odometry, around_.cameras());
 }
 
 std::optional<LiveEstimate> LiveEngine::take(const ReadyImage& ready) {
   if (const std::string why = slam_ ? jump_to(ready.image.stamp_ns) : ""; !why.empty())
     return jump(ready, why);
+  // A world that began without odometry is not that of the odometry.
+  if (slam_ && lacks_odometry_ && ready.odometry)
+    begin_again("odometry has come: what was estimated without it is forgotten");
+  if (!slam_ && lacks_given_pose(ready)) {
+    ++counts_.dropped;
+    complaint_ = around_.complaint();
+    return std::nullopt;
+  }
   if (!slam_) start(ready);
   try {
     put(ready);
@@ -139,6 +157,7 @@ std::optional<LiveEstimate> LiveEngine::take(const ReadyImage& ready) {
     // What was taken in leads nowhere, and would stay.
     refuse(error.what());
     reset();
+    why_reset_ = fmt::format("{}: all is forgotten", error.what());
     return std::nullopt;
   }
 }
@@ -175,13 +194,21 @@ void LiveEngine::put(const ReadyImage& ready) {
   }
   const std::string camera = settings_->node.cameras.empty() ? "" : image.frame;
   const bool shows_nothing = observations.empty() && settings_->node.empty_is_image;
+  // What other detectors find may be there all the same.
+  const auto detector =
+      settings_->sources.size() > 1 ? std::optional(image.detector) : std::nullopt;
   if (shows_nothing) {
-    slam_->add_image(stamp_s, camera);
+    slam_->add_image(stamp_s, camera, detector);
     newest_ns_ = std::max(newest_ns_, image.stamp_ns);
   }
-  if (slam_->counts().too_late > too_late) return;
+  if (slam_->counts().too_late > too_late) {
+    complaint_ = fmt::format(
+        "an image is {:.1f} s older than the newest one, and history_s is {:g} s: it is left out",
+        seconds(newest_ns_) - stamp_s, settings_->stamped.history_s);
+    return;
+  }
   recording_.add({image.stamp_ns, ready.odometry, observations,
-                  shows_nothing ? std::optional(camera) : std::nullopt});
+                  shows_nothing ? std::optional(name_of({camera, detector})) : std::nullopt});
 }
 
 std::vector<Observation> LiveEngine::observations_of(const LiveImage& image, double stamp_s) {
@@ -235,8 +262,7 @@ std::optional<LiveEstimate> LiveEngine::jump(const ReadyImage& ready, const std:
     refuse(fmt::format("{}; {} images in succession are taken for another clock", why, kJumped));
     return std::nullopt;
   }
-  ++counts_.resets;
-  begin_again();
+  begin_again(why + ": all before is forgotten");
   std::erase_if(waiting_,
                 [&](const LiveImage& image) { return std::abs(image.stamp_ns - stamp_ns) > near; });
   return take(ready);

@@ -56,6 +56,8 @@ class LiveEngine {
   void refuse_message() { ++counts_.refused; }
   /// Why the last image was dropped, refused, or taken without odometry.
   const std::string& complaint() const { return complaint_; }
+  /// Why all was forgotten the last time.
+  const std::string& why_reset() const { return why_reset_; }
   std::size_t waiting() const { return waiting_.size(); }
   /// What was taken in as a job over a recording; none before the first image, and where no images
   /// are kept.
@@ -71,9 +73,10 @@ class LiveEngine {
   void reset();
 
  private:
-  void begin_again();
+  void begin_again(const std::string& why);
   LiveImage take_out(std::size_t i);
   std::optional<LiveEstimate> settle(const std::optional<ReadyImage>& prepared);
+  bool lacks_given_pose(const ReadyImage& ready) const;
   void start(const ReadyImage& ready);
   std::optional<LiveEstimate> take(const ReadyImage& ready);
   void put(const ReadyImage& ready);
@@ -90,8 +93,10 @@ class LiveEngine {
   Surroundings around_;
   LiveCounts counts_;
   std::string complaint_;
+  std::string why_reset_;
   std::deque<LiveImage> waiting_;
   std::optional<StampedSlam> slam_;
+  bool lacks_odometry_ = false;  ///< of the run: where it began the odometry was not known
   std::int64_t start_ns_ = 0;
   std::map<std::int64_t, std::optional<SE3d>> odometry_;  ///< of the images
   std::int64_t newest_ns_ = 0;

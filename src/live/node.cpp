@@ -69,6 +69,9 @@ void LiveNode::take_clock(std::int64_t clock_ns) {
 void LiveNode::reset() {
   engine_.reset();
   last_.reset();
+  in_tf_ns_.reset();
+  // The last message stays for those that subscribe later.
+  ports_.objects({.header = {clock_ns(), settings_->node.world_frame}, .detections = {}});
 }
 
 bool LiveNode::work() {
@@ -77,8 +80,9 @@ bool LiveNode::work() {
   const std::vector<LiveEstimate> estimates = engine_.ready(ports_.now_s(), 1);
   for (const LiveEstimate& estimate : estimates) publish(estimate);
   const LiveCounts& counts = engine_.counts();
-  if (counts.resets > resets) complain("stamps have jumped back: all before is forgotten");
-  const std::size_t bad = counts.dropped + counts.refused + counts.without_odometry;
+  if (counts.resets > resets) complain(engine_.why_reset());
+  const std::size_t bad =
+      counts.dropped + counts.refused + counts.without_odometry + counts.too_late;
   if (bad > bad_) complain(engine_.complaint());
   bad_ = bad;
   return !estimates.empty() && engine_.waiting() > 0;
@@ -88,9 +92,11 @@ void LiveNode::publish(const LiveEstimate& estimate) {
   ports_.objects(objects_message(estimate, settings_->node));
   latencies_.push_back(ports_.now_s() - estimate.arrival_s);
   if (latencies_.size() > kLatencies) latencies_.pop_front();
+  last_ = estimate;
+  if (in_tf_ns_ == estimate.stamp_ns) return;
+  in_tf_ns_ = estimate.stamp_ns;
   const auto transforms = transforms_message(estimate, settings_->node, below_world(estimate));
   if (!transforms.empty()) ports_.transforms(transforms);
-  last_ = estimate;
 }
 
 /// With odometry it is the frame of the odometry that this node puts below the world, without it
@@ -103,7 +109,7 @@ std::optional<FrameBelow> LiveNode::below_world(const LiveEstimate& estimate) {
   if (settings_->has_odometry()) {
     if (node.odom_frame == node.world_frame) return std::nullopt;
     const std::string above = frames.parent(node.odom_frame);
-    if (above.empty() || above == node.world_frame) {
+    if (above.empty()) {
       if (!estimate.odometry) return std::nullopt;
       return FrameBelow(node.odom_frame, *estimate.odometry);
     }

@@ -65,7 +65,9 @@ class LiveNode {
   std::optional<LiveEstimate> last_;
   std::int64_t sim_clock_ns_ = 0;  ///< zero before the first
   std::size_t bad_ = 0;            ///< images that were complained of
-  std::deque<double> latencies_;   ///< from the arrival of images to the publication [s]
+  /// Stamp of the last estimate in /tf, whose readers take one of a time [ns].
+  std::optional<std::int64_t> in_tf_ns_;
+  std::deque<double> latencies_;  ///< from the arrival of images to the publication [s]
 };
 
 }  // namespace posemix::internal

@@ -26,7 +26,7 @@ struct RecordedImage {
   std::int64_t stamp_ns;
   std::optional<SE3d> odometry = {};
   std::vector<Observation> observations = {};
-  std::optional<std::string> empty_of = {};  ///< camera of an image in which nothing was detected
+  std::optional<std::string> empty_of = {};  ///< an image that shows nothing, as FrameInput::images
 };
 
 /// The last images of a run.

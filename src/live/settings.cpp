@@ -48,12 +48,13 @@ LiveNodeSettings read_node(const TomlTable& root) {
   const auto table = root.find_table("live");
   if (!table) return s;
   s.name = node_name(*table, s.name);
-  s.world_frame = table->get_string_or("world_frame", s.world_frame);
-  s.odom_frame = table->get_string_or("odom_frame", s.odom_frame);
+  s.world_frame = frame_name(table->get_string_or("world_frame", s.world_frame));
+  s.odom_frame = frame_name(table->get_string_or("odom_frame", s.odom_frame));
   s.odometry_topic = table->get_string_or("odometry_topic", s.odometry_topic);
   s.camera_frame = frame_name(table->get_string_or("camera_frame", s.camera_frame));
-  s.body_frame = table->get_string_or("body_frame", s.body_frame);
+  s.body_frame = frame_name(table->get_string_or("body_frame", s.body_frame));
   s.cameras = table->get_strings_or("cameras", s.cameras);
+  for (std::string& camera : s.cameras) camera = frame_name(camera);
   s.max_gap_s = table->get_double_or("max_gap_s", s.max_gap_s, kSeconds);
   s.transform_timeout_s =
       table->get_double_or("transform_timeout_s", s.transform_timeout_s, kSeconds);

@@ -52,7 +52,12 @@ std::optional<ReadyImage> Surroundings::ready(const LiveImage& image, bool is_ov
   if (!settings_->has_odometry()) return result;
   result.odometry = odometry_at(image.stamp_ns);
   if (result.odometry) return result;
-  complaint_ = fmt::format("no odometry at {} ns", image.stamp_ns);
+  const LiveNodeSettings& node = settings_->node;
+  complaint_ = fmt::format(
+      "no odometry at {} ns: {} has no pose of {} in {} (motion.model says how the camera moves "
+      "without)",
+      image.stamp_ns, node.odometry_topic.empty() ? "/tf" : node.odometry_topic, in_quotes(body_),
+      in_quotes(node.odom_frame));
   return is_over ? std::optional(result) : std::nullopt;
 }
 

@@ -116,8 +116,11 @@ void FieldOfView::add(const Eigen::Vector3d& position) {
 }
 
 bool FieldOfView::contains(const Eigen::Vector3d& position) const {
-  return position.z() > 0.0 && position.z() <= farthest_ &&
-         box_.contains(Eigen::Vector2d(position.head<2>() / position.z()));
+  // What stands still before a camera that does is always at one place, but for rounding.
+  constexpr double kRounding = 1e-6;
+  const Eigen::Vector2d direction = position.head<2>() / position.z();
+  return position.z() > 0.0 && position.z() <= farthest_ * (1.0 + kRounding) &&
+         box_.squaredExteriorDistance(direction) <= kRounding * kRounding;
 }
 
 }  // namespace posemix

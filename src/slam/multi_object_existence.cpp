@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 #include "posemix/slam/multi_object_slam.hpp"
+#include "slam/searched_image.hpp"
 
 /// Existence of the objects of MultiObjectSlam (docs/existence.md).
 namespace posemix {
@@ -26,7 +27,10 @@ void MultiObjectSlam::look(const FrameInput& input) {
   if (!input.candidates.empty()) look({}, "");
   for (const Observation& observation : input.observations)
     look(observation.camera, observation.detector);
-  for (const std::string& camera : input.images) look(camera, std::nullopt);
+  for (const std::string& name : input.images) {
+    const internal::SearchedImage image = internal::searched_image(settings_.cameras, name);
+    look(image.camera, image.detector);
+  }
 }
 
 void MultiObjectSlam::update_tracks(FrameEstimate& frame) {

@@ -19,6 +19,7 @@
 #include "posemix/base/stopwatch.hpp"
 #include "slam/frames.hpp"
 #include "slam/motion.hpp"
+#include "slam/searched_image.hpp"
 
 namespace posemix {
 namespace {
@@ -152,8 +153,8 @@ FrameEstimate MultiObjectSlam::step(const FrameInput& input) {
   moving_.check(input);
   FrameReport report = empty_report(input);
   std::vector<Seen> sightings = sightings_of(input, report);
-  for (const std::string& camera : input.images)
-    index_of_camera(settings_.cameras, camera);  // which throws for another name
+  for (const std::string& image : input.images)
+    internal::searched_image(settings_.cameras, image);  // which throws for another camera
   const auto moved = camera_step_of(motion_, is_first, input);
   objects_.begin(input);
   forget_deleted();

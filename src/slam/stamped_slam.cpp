@@ -14,6 +14,7 @@
 #include "observation_order.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/base/limits.hpp"
+#include "slam/searched_image.hpp"
 
 namespace posemix {
 namespace {
@@ -112,8 +113,15 @@ StampAdmission StampedSlam::add(const Observation& observation) {
 }
 
 StampAdmission StampedSlam::add_image(double stamp_s, const std::string& camera) {
+  return add_image(stamp_s, camera, std::nullopt);
+}
+
+StampAdmission StampedSlam::add_image(double stamp_s, const std::string& camera,
+                                      const std::optional<std::string>& detector) {
   index_of_camera(now_.slam.cameras(), camera);  // which throws for another name
-  return add_to_frame(stamp_s, [&](Frame& frame) { frame.images.insert(camera); });
+  return add_to_frame(stamp_s, [&](Frame& frame) {
+    frame.images.insert(internal::name_of({camera, detector}));
+  });
 }
 
 StampAdmission StampedSlam::forget(std::string_view id, std::optional<double> stamp_s) {

@@ -6,6 +6,7 @@
 #include <limits>
 #include <tuple>
 
+#include "slam/searched_image.hpp"
 #include "slam/state_fields.hpp"
 
 /// Estimates, and the history of object SLAM by stamps, in a saved state.
@@ -167,7 +168,7 @@ struct StateFields<StampedSlam> {
     require_state(!x.initial_.estimate, "a beginning without an estimate");
     for (const auto& [key, frame] : x.frames_) {
       require_state(std::isfinite(key), "stamps that are finite");
-      for (const std::string& camera : frame.images) index_of_camera(settings.cameras, camera);
+      for (const std::string& image : frame.images) searched_image(settings.cameras, image);
       for (const Observation& one : frame.observations) x.now_.slam.check(one);
     }
     for (const auto& [key, pose] : x.odometry_)

@@ -16,7 +16,7 @@ const std::string kSeen = "[live]\nleast_existence = 0\n";
 const std::string kStill = kSeen + "[motion]\nmodel = \"still\"\n";
 
 /// All numbers of the objects of a message.
-std::vector<double> numbers(const RosDetections& message) {
+std::vector<double> covariance_of(const RosDetections& message) {
   std::vector<double> all;
   for (const RosDetection& object : message.detections) {
     for (const RosResult& of_object : object.results) {
@@ -75,7 +75,7 @@ TEST(LiveNode, TheOrderOfDetectionsDoesNotMatter) {
     LiveBench bench(kSeen);
     for (int i = 0; i <= 24; ++i) bench.move(0.05 * i);
     for (const double seconds : order) bench.see(seconds);
-    return std::pair(numbers(bench.objects.back()), bench.counts().late);
+    return std::pair(covariance_of(bench.objects.back()), bench.counts().late);
   };
   const auto sorted = last_of({0.0, 0.2, 0.4, 0.6, 0.8, 1.0});
   const auto mixed = last_of({0.0, 0.4, 0.2, 0.8, 0.6, 1.0});
@@ -89,10 +89,10 @@ TEST(LiveNode, WhatIsOlderThanTheHistoryIsCountedAndLeftOut) {
   LiveBench bench(kStill);
   bench.see(0.0);
   bench.see(1.0);
-  const auto before = numbers(bench.objects.back());
+  const auto before = covariance_of(bench.objects.back());
   bench.see(-0.5);
   EXPECT_EQ(bench.counts().too_late, 2u);
-  EXPECT_EQ(numbers(bench.objects.back()), before);
+  EXPECT_EQ(covariance_of(bench.objects.back()), before);
 }
 
 TEST(LiveNode, AnImageWaitsForItsOdometryAndThenGoesWithout) {
@@ -114,7 +114,9 @@ TEST(LiveNode, AnImageWaitsForItsOdometryAndThenGoesWithout) {
   EXPECT_EQ(bench.counts().images, 3u);
   EXPECT_EQ(bench.counts().without_odometry, 1u);
   bench.node.diagnose();
-  EXPECT_EQ(bench.diagnostics.statuses[0].message, "no odometry at 1700000000200000000 ns");
+  EXPECT_EQ(bench.diagnostics.statuses[0].message,
+            "no odometry at 1700000000200000000 ns: /tf has no pose of \"camera\" in \"odom\" "
+            "(motion.model says how the camera moves without)");
   EXPECT_EQ(bench.log.size(), 1u);
 }
 

@@ -192,5 +192,12 @@ TEST(FieldOfView, IsWhereAnythingWasSeen) {
   EXPECT_FALSE(view.contains({0.0, 0.0, -1.0}));
 }
 
+TEST(FieldOfView, HasRoomForRounding) {
+  FieldOfView view;
+  view.add({0.1, -0.2, 0.7});
+  EXPECT_TRUE(view.contains({0.1 + 1e-15, -0.2 - 1e-15, 0.7 + 1e-15}));
+  EXPECT_FALSE(view.contains({0.1 + 1e-4, -0.2, 0.7}));
+}
+
 }  // namespace
 }  // namespace posemix

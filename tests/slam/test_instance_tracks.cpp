@@ -5,10 +5,15 @@
 
 #include <gtest/gtest.h>
 
+#include "posemix/base/error.hpp"
 #include "posemix/slam/run.hpp"
+#include "posemix/slam/stamped_slam.hpp"
+#include "slam/searched_image.hpp"
 
 namespace posemix {
 namespace {
+
+using std::string_literals::operator""s;
 
 const SE3d kPlace(SO3d(), {0.0, 0.0, 1.0});
 
@@ -141,6 +146,50 @@ TEST(InstanceTracks, AnObjectAloneInViewIsLostWhereTheRecordingNamesItsImages) {
   EXPECT_EQ(last_estimate(sequence).healths[0], TrackHealth::good);
   sequence.images.pop_back();
   EXPECT_THROW(last_estimate(sequence), InvalidInput);
+}
+
+/// Existence of a mug that one detector sees once a second, while another one sees a nut for three
+/// seconds and then nothing, ten times a second.
+double beside_another(const std::optional<std::string>& empty_of) {
+  StampedSlam slam(PoseDensity(SE3d(), 1e-8 * Matrix6d::Identity()), {{.id = "mug"}, {.id = "nut"}},
+                   {}, {.model = MotionModel::still});
+  const auto see = [&](const char* object, const char* detector, double stamp_s) {
+    slam.add({.object = object,
+              .components = {{.pose = kPlace}},
+              .detector = detector,
+              .stamp_s = stamp_s});
+  };
+  for (int k = 0; k < 300; ++k) {
+    if (k % 10 == 0) see("mug", "mugs", 0.1 * k);
+    if (k < 30) {
+      see("nut", "nuts", 0.1 * k + 0.05);
+    } else {
+      slam.add_image(0.1 * k + 0.05, "", empty_of);
+    }
+  }
+  return slam.finish()->estimate.existences[0].value();
+}
+
+TEST(InstanceTracks, WhatOneDetectorDoesNotFindMayBeThereForAnother) {
+  EXPECT_GT(beside_another("nuts"), 0.999);
+  EXPECT_LT(beside_another(std::nullopt), 0.5) << "searched by both";
+}
+
+TEST(InstanceTracks, AnImageIsNamedByItsCameraAndByADetector) {
+  const std::vector<BodyCamera> cameras{{.name = "left"}, {.name = "a@b"}};
+  const auto image = [&](const std::string& name) {
+    const auto found = internal::searched_image(cameras, name);
+    return std::pair(found.camera, found.detector.value_or("all"));
+  };
+  EXPECT_EQ(image("left"), std::pair("left"s, "all"s));
+  EXPECT_EQ(image("left@tags"), std::pair("left"s, "tags"s));
+  EXPECT_EQ(image("left@"), std::pair("left"s, ""s));
+  EXPECT_EQ(image("a@b"), std::pair("a@b"s, "all"s));
+  EXPECT_EQ(image("a@b@tags"), std::pair("a@b"s, "tags"s));
+  EXPECT_THROW(image("right@tags"), InvalidInput);
+  EXPECT_THROW(image(""), InvalidInput);
+  EXPECT_EQ(internal::searched_image({}, "@tags").detector, "tags");
+  EXPECT_EQ(internal::name_of({"left", "tags"}), "left@tags");
 }
 
 }  // namespace

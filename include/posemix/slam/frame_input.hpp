@@ -25,8 +25,8 @@ struct FrameInput {
   /// Detections that are mixtures, for the multi-object tracker: of an object model, or of a class.
   /// Their stamps are not looked at.
   std::vector<Observation> observations = {};
-  /// Names of cameras whose images show none of the objects, next to those of observations and
-  /// candidates: what is in view and is not detected may be gone.
+  /// Cameras whose images show none of the objects, next to those of observations and candidates:
+  /// what is in view and not detected may be gone. CAMERA@DETECTOR: one detector searched it.
   std::vector<std::string> images = {};
   /// T_world_camera as it is given, for MotionModel::given; elsewhere it is not looked at.
   std::optional<SE3d> camera = {};

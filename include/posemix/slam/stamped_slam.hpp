@@ -110,6 +110,9 @@ class StampedSlam {
   /// @throws InvalidInput, and changes nothing, for a camera that there is not, and a stamp that
   /// has jumped
   StampAdmission add_image(double stamp_s, const std::string& camera = {});
+  /// The same of an image that one detector has searched: what others found may be there.
+  StampAdmission add_image(double stamp_s, const std::string& camera,
+                           const std::optional<std::string>& detector);
 
   /// T_world_frame of one of MultiObjectSlamSettings::frames at a time; between two that are no
   /// further apart than the history the motion is a part of the motion between them, elsewhere the
@@ -156,7 +159,7 @@ class StampedSlam {
   /// The input at one stamp.
   struct Frame {
     std::vector<Observation> observations = {};
-    std::set<std::string> images = {};  ///< cameras whose images show nothing
+    std::set<std::string> images = {};  ///< that show nothing, as FrameInput::images
     std::optional<SE3d> odometry = {};
     std::set<std::string> forgotten = {};  ///< ids, after the observations
   };

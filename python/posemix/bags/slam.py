@@ -137,7 +137,7 @@ def track_objects(
     tracks = TrackRows(objects)
     if isinstance(settings.tracker, MultiObjectSlamSettings):
         slam = StampedSlam(prior, objects, settings.tracker, settings.motion, stamped)
-        has_odometry = settings.motion.model == MotionModel.odometry
+        has_odometry = settings.motion.model in (MotionModel.odometry, MotionModel.given)
         frames = by_arrival(recording, objects, slam, has_odometry, tracks, views)
     else:
         frames = by_stamps(recording, objects, ObjectSlam(prior, objects, settings), tracks)

@@ -203,7 +203,9 @@ def configuration(given: Mapping[str, Any]) -> Configuration:
 
 def _require_sound(values: Mapping[str, Any]) -> None:
     for name, value in values.items():
-        if isinstance(value, float) and not math.isfinite(value):
+        # Of this one infinity has a meaning.
+        is_known = value == math.inf and name.endswith(".noise_scale_detections")
+        if isinstance(value, float) and not math.isfinite(value) and not is_known:
             raise ValueError(f"{name} is {value}; expected a finite number")
     cameras = [name.lstrip("/") for name in names(values["cameras"])]
     if len(set(cameras)) < len(cameras):
@@ -288,9 +290,11 @@ def _motion(word: str) -> MotionModels:
 
 
 def _bop_symmetries(values: Mapping[str, Any]) -> dict[str, SymmetryGroup]:
-    """Symmetries of the declared classes; a class without an entry has none."""
+    """Symmetries of the declared classes, each of which has an entry."""
     if not values["models_info"]:
         return {}
+    if not names(values["classes"]):
+        raise ValueError("models_info is for what is in classes, which is empty; expected the classes to be detected")
     entries = read_bop_models(values["models_info"])
     found = {}
     for name in names(values["classes"]):

@@ -6,8 +6,9 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Collection, Mapping, Sequence
+from pathlib import Path
 
-from posemix._core import RelocaliseOutcome, StampAdmission, SymmetryGroup, relocalise
+from posemix._core import MotionModel, RelocaliseOutcome, StampAdmission, SymmetryGroup, relocalise
 from posemix.ros.configuration import Configuration
 from posemix.ros.estimates import EngineCounts, LiveEstimate
 from posemix.ros.known_classes import KnownClasses
@@ -24,6 +25,10 @@ _JUMPED = 5
 # Time between two attempts to find an old map in the world of the run [s].
 _ATTEMPTS_S = 0.5
 _FILES = 100
+
+
+def _resolved(path: str) -> Path:
+    return Path(path).expanduser().resolve()
 
 
 class Engine:
@@ -49,6 +54,8 @@ class Engine:
         self.news: deque[str] = deque(maxlen=20)
         # Why the last image was dropped, refused, or taken without odometry.
         self.complaint = ""
+        # Why all was forgotten the last time.
+        self.why_reset = ""
         self._log: deque[ReadyImage] = deque(maxlen=int(configuration["replay_images"]))
         self._waiting: deque[Image] = deque()
         self._run: LiveRun | None = None
@@ -56,22 +63,36 @@ class Engine:
         # An old map that is to be found, the stamp of the next attempt, and what became of the last one.
         self._old: SavedMap | None = None
         self._next_attempt_ns = 0
-        # Whether a map that was loaded is not found so far, also by a run that was forgotten: it would be lost.
-        self._is_map_missing = False
+        self._looked_for: Path | None = None
+        # The map that was loaded, and the files that were loaded or saved.
+        self._loaded: SavedMap | None = None
+        self._map_files: set[Path] = set()
+        # Files with maps of which nothing is in the run, also as a run was forgotten: they would be lost.
+        self._missing_maps: set[Path] = set()
         # Digests of the last files, which may be copied without what stands beside them.
         self._saved: deque[str] = deque(maxlen=_FILES)
         self.map_state = ""
         LiveRun(configuration, self._known)  # which refuses what is not valid
 
     def reset(self) -> None:
-        """Forgets objects, odometry, and images that wait; transforms for all times are kept."""
-        self._run = self._old = None
-        self._jumped = 0
-        self.map_state = ""
-        self._log.clear()
+        """Forgets objects, the map, odometry, and images that wait; transforms for all times are kept."""
+        self._loaded = None
+        self.lose("all is forgotten")
+
+    def lose(self, why: str) -> None:
+        """Forgets as `reset`, for a reason; a map that was loaded is looked for again."""
+        self._begin_again(why)
         self._waiting.clear()
         self.around.clear()
+
+    def _begin_again(self, why: str) -> None:
         self.counts.resets += 1
+        self.why_reset = why
+        self._run, self._old = None, self._loaded
+        self._missing_maps = set(self._map_files)
+        self.map_state = "" if self._old is None else "is looked for"
+        self._jumped = self._next_attempt_ns = 0
+        self._log.clear()
 
     @property
     def waiting(self) -> int:
@@ -180,6 +201,15 @@ class Engine:
         jump = "" if run is None else run.jump_to(image.stamp_ns)
         if jump:
             return self._jump(ready, jump)
+        if run is None and ready.odometry is None and self._configuration.motion.model == MotionModel.given:
+            # A run whose camera is given begins where it is.
+            self.counts.dropped += 1
+            self.complaint = self.around.complaint
+            return None
+        # A world that began without odometry is not that of the odometry.
+        if run is not None and run.lacks_odometry and ready.odometry is not None:
+            self._begin_again("odometry has come: what was estimated without it is forgotten")
+            run = None
         try:
             if run is None:
                 run = self._run = LiveRun(
@@ -196,12 +226,18 @@ class Engine:
         self.counts.ignored += ignored
         self.counts.observations += len(admissions)
         self.counts.late += admissions.count(StampAdmission.replayed)
-        self.counts.too_late += admissions.count(StampAdmission.too_late)
+        too_late = admissions.count(StampAdmission.too_late)
+        if too_late:
+            self.counts.too_late += too_late
+            self.complaint = (
+                f"an image is {run.age_s(image.stamp_ns):.1f} s older than the newest one, and stamped.history_s is "
+                f"{self._configuration.stamped.history_s:g} s: it is left out"
+            )
         try:
             found = run.estimate(image.arrival_s, self.around.body)
         except ValueError as error:  # what was taken in leads nowhere, and stays
             self._refuse(str(error))
-            self.reset()
+            self.lose(f"{error}: all is forgotten")
             return None
         if found is not None and self._old is not None and found.stamp_ns >= self._next_attempt_ns:
             self._find_map(run, self._old, found.stamp_ns)
@@ -223,9 +259,7 @@ class Engine:
         if self._jumped < _JUMPED:
             self._refuse(f"{why}; {_JUMPED} images in succession are taken for another clock")
             return None
-        self.counts.resets += 1
-        self._run, self._next_attempt_ns = None, 0
-        self._log.clear()
+        self._begin_again(f"{why}: all before is forgotten")
         self._waiting = deque(image for image in self._waiting if abs(image.stamp_ns - near) <= window)
         return self._take(ready)
 
@@ -243,10 +277,13 @@ class Engine:
         """
         if self._run is None:
             raise ValueError("nothing was seen so far, so that there is no map to save")
-        if self._is_map_missing and not over_unknown:
-            raise ValueError("the map that was loaded is not found so far, and would be lost")
+        if _resolved(path) in self._missing_maps and not over_unknown:
+            raise ValueError(
+                f"nothing of what is in {path} is in this run, and it would be lost; ~/save writes over it all the same"
+            )
         self._saved.append(write_map(path, self._run.saved(self.around.body, self._known)))
-        self._is_map_missing = False
+        self._map_files.add(_resolved(path))
+        self._missing_maps.discard(_resolved(path))
 
     def load(self, path: str, *, go_on: bool = False) -> str:
         """Loads a map, and says what becomes of it.
@@ -263,6 +300,8 @@ class Engine:
         """
         found = read_map(path)
         if go_on and self._run is None:
+            self._loaded = found
+            self._map_files.add(_resolved(path))
             self._run = LiveRun.of_saved(self._configuration, self._known, found)
             self.around.body = found.body
             self.map_state = "goes on"
@@ -270,7 +309,10 @@ class Engine:
         if self._run is not None and found.lineage & {*self._run.lineage, *self._saved}:
             raise ValueError(f"{path} is a map of this run, or one that was found in it: it tells nothing new")
         self._old, self._next_attempt_ns, self.map_state = found, 0, "is looked for"
-        self._is_map_missing = True
+        self._loaded = found
+        self._looked_for = _resolved(path)
+        self._map_files.add(self._looked_for)
+        self._missing_maps.add(self._looked_for)
         if self._run is not None:
             last = self._run.slam.finish()
             if last is not None:
@@ -289,7 +331,8 @@ class Engine:
             run.lineage |= old.lineage
             self._log.clear()
             self._old = None
-            self._is_map_missing = False
+            if self._looked_for is not None:
+                self._missing_maps.discard(self._looked_for)
             self.map_state = f"was found by {len(found.agreed)} objects"
             self.news.append(f"the map {self.map_state}")
 

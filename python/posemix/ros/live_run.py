@@ -81,6 +81,8 @@ class LiveRun:
         self.is_whole = True
         self._stamps: dict[float, int] = {}
         self._with_odometry: dict[int, SE3 | None] = {}
+        # Whether the odometry was not known where the run began.
+        self.lacks_odometry = configuration.has_odometry and start is None
         # Before this stamp the filter knows nothing [s].
         self._since_s = -math.inf
         # The runs whose images are in the estimate, this one among them.
@@ -102,6 +104,10 @@ class LiveRun:
     def _name(self, models: Sequence[ObjectModel]) -> None:
         self._classes = {model.id: model.class_id or model.id for model in models}
         self._table = ClassTable(models, bool(self._configuration["on_sight"]))
+
+    def age_s(self, stamp_ns: int) -> float:
+        """How much older than the newest stamp that the filter knows a stamp is [s]."""
+        return self._newest_s - self._seconds(stamp_ns)
 
     def jump_to(self, stamp_ns: int) -> str:
         """Says how a stamp has jumped; empty where it has not, and where the filter refuses it."""
@@ -137,7 +143,10 @@ class LiveRun:
             self._newest_s = max(self._newest_s, stamp_s)
         admissions = [self.slam.add(observation) for observation in observations]
         if not observations and self._configuration["empty_is_image"]:
-            self.slam.add_image(stamp_s, image.frame if self._configuration.cameras else "")
+            # What other detectors find may be there all the same.
+            detector = image.source if len(self._configuration.sources) > 1 else None
+            camera = image.frame if self._configuration.cameras else ""
+            self.slam.add_image(stamp_s, camera, detector)
             self._newest_s = max(self._newest_s, stamp_s)
         if admissions:
             self._newest_s = max(self._newest_s, stamp_s)

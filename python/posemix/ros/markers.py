@@ -23,18 +23,19 @@ _AXIS_M = 0.1
 _ARROW, _SPHERE, _TEXT, _DELETE_ALL = 0, 2, 9, 3
 
 
-def markers(estimate: LiveEstimate, make: Outputs, sigmas: float, world_frame: str) -> Any:
+def markers(estimate: LiveEstimate | None, make: Outputs, sigmas: float, world_frame: str) -> Any:
     """The MarkerArray: of every hypothesis three axes and the ellipsoid of its position, as opaque as it is probable.
 
-    Namespaces are the objects' names with /axes, /ellipsoids and /name.
+    Namespaces are the objects' names with /axes, /ellipsoids and /name. Without an estimate all are deleted.
     """
-    header = make.header(estimate.stamp_ns, world_frame)
+    header = make.header(0 if estimate is None else estimate.stamp_ns, world_frame)
     marker = make.types["visualization_msgs/msg/Marker"]
     found = [marker(header=header, action=_DELETE_ALL)]
-    for name in estimate.hypotheses:
-        for item in _of_object(name, estimate.mixture(name), make, sigmas):
-            item.header = header
-            found.append(item)
+    if estimate is not None:
+        for name in estimate.hypotheses:
+            for item in _of_object(name, estimate.mixture(name), make, sigmas):
+                item.header = header
+                found.append(item)
     return make.types["visualization_msgs/msg/MarkerArray"](markers=found)
 
 

@@ -11,7 +11,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from rclpy.clock import JumpThreshold
+from rclpy.clock import Clock, ClockType, JumpThreshold
 from rclpy.duration import Duration
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from rclpy.qos import QoSProfile, ReliabilityPolicy
@@ -24,7 +24,7 @@ from posemix.ros.cdr import (
     read_odometry,
     read_transforms,
 )
-from posemix.ros.configuration import Source, configuration, names
+from posemix.ros.configuration import Configuration, Source, configuration, names
 from posemix.ros.engine import Engine
 from posemix.ros.estimates import LiveEstimate
 from posemix.ros.markers import markers
@@ -36,6 +36,9 @@ from posemix.ros.services import Services
 from posemix.ros.sight import CameraSights
 
 __all__ = ["PosemixNode"]
+
+# Of a frame of its own in /tf the node knows so many again.
+_MOST_OWN = 100
 
 
 class PosemixNode(WatchedNode):
@@ -55,9 +58,13 @@ class PosemixNode(WatchedNode):
         self._latencies: deque[float] = deque(maxlen=1000)
         self._last: LiveEstimate | None = None
         self._next_markers_s = 0.0
+        # Whether the last markers are not those of the last estimate.
+        self._are_markers_old = False
         self._bad = 0
-        # What this node has put below the world in /tf, and hears itself.
-        self._own_frames: set[str] = set()
+        # Stamps of what this node has put below the world in /tf and hears itself, by frame [ns].
+        self._own_frames: dict[str, deque[int]] = {}
+        # Stamp of the last estimate in /tf [ns].
+        self._in_tf_ns: int | None = None
         self._own_timers: list[Any] = []
         self._jumps: Any = None
 
@@ -69,7 +76,9 @@ class PosemixNode(WatchedNode):
     def on_configure(self, state: LifecycleState) -> Any:
         """Reads the parameters; fails, with the reason in the log, where they are not valid."""
         try:
+            self._declare_named()
             found = configuration(self._values())
+            self._require_topics(_topics(found))
             if found["symmetries_topic"]:
                 _symmetries_type()
             engine = Engine(found)
@@ -77,7 +86,7 @@ class PosemixNode(WatchedNode):
                 self.get_logger().info(engine.load(found["map_file"], go_on=found["map_goes_on"]))
             self._begin_watch(found.values)
             self._engine = engine
-        except (ValueError, OSError, ImportError) as error:
+        except Exception as error:  # rclpy says nothing of what is raised here
             self.get_logger().error(f"cannot be configured: {error}")
             return TransitionCallbackReturn.FAILURE
         self._configuration = found
@@ -90,7 +99,16 @@ class PosemixNode(WatchedNode):
         return TransitionCallbackReturn.SUCCESS
 
     def on_activate(self, state: LifecycleState) -> Any:
-        """Begins to listen."""
+        """Begins to listen; where it cannot, the reason is in the log, and the node is as it was."""
+        try:
+            self._hear()
+        except Exception as error:  # rclpy says nothing of what is raised here
+            self.get_logger().error(f"cannot be activated: {error}")
+            self._be_deaf()
+            return TransitionCallbackReturn.FAILURE
+        return super().on_activate(state)
+
+    def _hear(self) -> None:
         of = self._configuration
         sensor = QoSProfile(depth=of["input_depth"], reliability=ReliabilityPolicy.BEST_EFFORT)
         for source in of.sources:
@@ -108,15 +126,16 @@ class PosemixNode(WatchedNode):
             self._listen("sensor_msgs/msg/CameraInfo", topic, sensor, lambda message, _: self._sights.take(message))
         if of["symmetries_topic"]:
             self._listen(_symmetries_type(), of["symmetries_topic"], LATCHED, self._take_symmetries)
+        # A clock that is simulated may stand still, in which images wait all the same.
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
         self._own_timers = [
-            self.create_timer(1.0 / of["diagnostics_hz"], self._diagnose),
-            self.create_timer(0.5 * of["transform_timeout_s"], self._work),
+            self.create_timer(1.0 / of["diagnostics_hz"], self._diagnose, clock=steady),
+            self.create_timer(0.5 * of["transform_timeout_s"], self._work, clock=steady),
         ]
         threshold = JumpThreshold(
             min_forward=None, min_backward=Duration(nanoseconds=-1), on_clock_change=True
         )
         self._jumps = self.get_clock().create_jump_callback(threshold, post_callback=self._after_jump)
-        return super().on_activate(state)
 
     def on_deactivate(self, state: LifecycleState) -> Any:
         """Listens no more; what is known is kept."""
@@ -166,6 +185,7 @@ class PosemixNode(WatchedNode):
         self._bad = 0
         self._problems.clear()
         self._own_frames.clear()
+        self._in_tf_ns = None
         self._latencies.clear()
 
     # --- input
@@ -195,8 +215,9 @@ class PosemixNode(WatchedNode):
         world = self._configuration["world_frame"]
         for item in transforms:
             parent, name = item.header.frame_id.lstrip("/"), item.child_frame_id.lstrip("/")
-            if parent != world or name not in self._own_frames:
-                engine.transforms.take(parent, name, item.row, None if is_static else item.header.stamp.nanoseconds)
+            stamp_ns = item.header.stamp.nanoseconds
+            if parent != world or stamp_ns not in self._own_frames.get(name, ()):
+                engine.transforms.take(parent, name, item.row, None if is_static else stamp_ns)
 
     def _take_static(self, transforms: list[PosedFrame], arrival_s: float) -> None:
         self._take_transforms(transforms, arrival_s, is_static=True)
@@ -217,15 +238,21 @@ class PosemixNode(WatchedNode):
 
     def _after_jump(self, jump: Any) -> None:
         if self._engine is not None:
-            self._engine.reset()
-            self._last = None
-            self._complain("the clock has jumped back: all is forgotten")
+            self._engine.lose("the clock has jumped back: all is forgotten")
+            self._after_service(None)
+            self._complain(self._engine.why_reset)
 
     def _after_service(self, found: LiveEstimate | None) -> None:
         """What is known has changed without an image."""
         self._last = found
         if found is not None:
             self._publish(found, is_new=False)
+        else:
+            # The last message stays for those that subscribe later.
+            self._in_tf_ns = None
+            self._are_markers_old = True
+            self._mark()
+            self._objects.publish(self._make.nothing(self.get_clock().now().nanoseconds))
 
     # --- output
 
@@ -237,13 +264,17 @@ class PosemixNode(WatchedNode):
         for take_all in self._motion:
             take_all()
         resets = engine.counts.resets
-        for estimate in engine.ready(time.monotonic()):
-            self._publish(estimate)
+        try:
+            for estimate in engine.ready(time.monotonic()):
+                self._publish(estimate)
+        except ValueError as error:  # from a timer it would end the node
+            self._complain(str(error))
         if engine.counts.resets > resets:
-            self._complain("stamps have jumped back: all before is forgotten")
+            self._complain(engine.why_reset)
         while engine.news:
             self.get_logger().info(engine.news.popleft())
-        bad = engine.counts.dropped + engine.counts.refused + engine.counts.without_odometry
+        of = engine.counts
+        bad = of.dropped + of.refused + of.without_odometry + of.too_late
         if bad > self._bad:
             self._complain(engine.complaint)
         self._bad = bad
@@ -252,27 +283,42 @@ class PosemixNode(WatchedNode):
         self._objects.publish(self._make.objects(estimate))
         if is_new:
             self._latencies.append(time.monotonic() - estimate.arrival_s)
-        assert self._engine is not None
+        self._publish_transforms(estimate)
+        self._last = estimate
+        self._show_live(estimate)
+        self._are_markers_old = True
+        self._mark()
+
+    def _publish_transforms(self, estimate: LiveEstimate) -> None:
+        """Readers of /tf take one transform of a time, and complain of others."""
+        if self._in_tf_ns == estimate.stamp_ns or self._engine is None:
+            return
+        self._in_tf_ns = estimate.stamp_ns
         below = self._engine.around.below_world(estimate)
         if isinstance(below, str):
             self._complain(below)
             below = None
         frames, transforms = self._make.transforms(estimate, below)
         if frames:
-            self._own_frames.update(frames)
+            stamp_ns = self._make.transform_stamp(estimate)
+            for name in frames:
+                self._own_frames.setdefault(name, deque(maxlen=_MOST_OWN)).append(stamp_ns)
             self._tf.publish(transforms)
-        self._last = estimate
-        self._show_live(estimate)
-        rate, now = self._configuration["markers_hz"], time.monotonic()
-        if rate > 0 and now >= self._next_markers_s and self._markers.get_subscription_count() > 0:
-            self._next_markers_s = now + 1.0 / rate
-            of = self._configuration
-            self._markers.publish(markers(estimate, self._make, of["markers_sigmas"], of["world_frame"]))
+
+    def _mark(self) -> None:
+        """Publishes markers where anybody looks at them, not too often; the last ones from a timer."""
+        of, now = self._configuration, time.monotonic()
+        is_time = of["markers_hz"] > 0 and now >= self._next_markers_s
+        if not is_time or not self._are_markers_old or self._markers.get_subscription_count() == 0:
+            return
+        self._next_markers_s, self._are_markers_old = now + 1.0 / of["markers_hz"], False
+        self._markers.publish(markers(self._last, self._make, of["markers_sigmas"], of["world_frame"]))
 
     def _diagnose(self) -> None:
         engine = self._engine
         if engine is None:
             return
+        self._mark()
         recent = self._recent_problems()
         values = {"waiting": str(engine.waiting), "sources": str(len(self._configuration.sources))}
         if engine.map_state:
@@ -285,6 +331,14 @@ class PosemixNode(WatchedNode):
             statuses += self._make.object_statuses(self._last, name, in_view)
         stamp = self.get_clock().now().nanoseconds
         self._diagnostics.publish(self._make.diagnostics(stamp, statuses))
+
+
+def _topics(found: Configuration) -> list[tuple[str, str]]:
+    """What is listened to, after the parameter that names it."""
+    owners = names(found["sources"])
+    topics = [(f"{owner}.topic", source.topic) for owner, source in zip(owners, found.sources, strict=True)]
+    topics += [(name, found[name]) for name in ("odometry_topic", "symmetries_topic") if found[name]]
+    return topics + [("camera_info_topics", topic) for topic in names(found["camera_info_topics"])]
 
 
 def _symmetries_type() -> Any:

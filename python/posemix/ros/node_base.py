@@ -6,15 +6,17 @@ from __future__ import annotations
 
 import re
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from importlib import import_module
 from typing import Any
 
+from rclpy.exceptions import InvalidTopicNameException
 from rclpy.lifecycle import LifecycleNode
 from rclpy.parameter import Parameter as RosParameter
 from rclpy.qos import DurabilityPolicy, QoSPolicyKind, QoSProfile, qos_policy_name_from_kind
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.subscription import Subscription
+from rclpy.validate_topic_name import validate_topic_name
 
 from posemix.ros.cdr import LAYOUTS
 from posemix.ros.configuration import class_parameters, source_parameters
@@ -92,9 +94,9 @@ class NodeBase(LifecycleNode):  # type: ignore[misc]
         super().__init__(name, **options)
         self._types = _message_types()
         self._declared: list[Parameter] = []
+        self._named: list[Parameter] = []
         self._declare(parameters())
-        values = self._values()
-        self._declare([*source_parameters(values), *class_parameters(values)])
+        self._declare_named()
         self._warn_of_unknown()
         self._heard: list[Any] = []
         self._motion: list[Callable[[], None]] = []
@@ -129,6 +131,18 @@ class NodeBase(LifecycleNode):  # type: ignore[misc]
                 self.declare_parameter(parameter.name, value, descriptor)
         self._declared += found
 
+    def _declare_named(self) -> None:
+        """The parameters of the sources and classes that there are, also when these have changed."""
+        values = self._values()
+        named = [*source_parameters(values), *class_parameters(values)]
+        wanted, there = {p.name for p in named}, {p.name for p in self._named}
+        for gone in there - wanted:
+            self.undeclare_parameter(gone)
+        self._declared = [p for p in self._declared if p.name not in there - wanted]
+        new = {p.name: p for p in named if p.name not in there}
+        self._declare(list(new.values()))
+        self._named = named
+
     def _values(self) -> dict[str, Any]:
         found = {}
         for parameter in self._declared:
@@ -149,6 +163,15 @@ class NodeBase(LifecycleNode):  # type: ignore[misc]
             reason = f"{names[0]} is read when the node is configured: clean it up, set it and configure it again"
             return rcl.SetParametersResult(successful=False, reason=reason)
         return rcl.SetParametersResult(successful=True)
+
+    def _require_topics(self, topics: Sequence[tuple[str, str]]) -> None:
+        """Refuses what rclpy would, by the parameters that name the topics: it says nothing of a failed transition."""
+        for name, topic in topics:
+            try:
+                validate_topic_name(topic)
+            except InvalidTopicNameException as error:
+                why = str(error).splitlines()[0]
+                raise ValueError(f"{name} is '{topic}', which is no name of a topic: {why}") from None
 
     def _publisher(self, kind: str, topic: str, profile: QoSProfile) -> Any:
         return self.create_lifecycle_publisher(

@@ -109,6 +109,18 @@ class Outputs:
             out.string(name)
         return out.data()
 
+    def nothing(self, stamp_ns: int) -> bytes:
+        """The Detection3DArray without objects."""
+        out = Writer()
+        out.header(stamp_ns, str(self._values["world_frame"]))
+        out.count(0)
+        return out.data()
+
+    def transform_stamp(self, estimate: LiveEstimate) -> int:
+        """The stamp in /tf of an estimate [ns]."""
+        offset_s: float = self._values["transform_time_offset_s"]
+        return estimate.stamp_ns + round(offset_s * 1e9)
+
     def transforms(self, estimate: LiveEstimate, below: tuple[str, SE3] | None = None) -> tuple[list[str], bytes]:
         """The TFMessage: confirmed objects in the world, and a frame that is `below` it, with T_frame_body.
 
@@ -122,7 +134,7 @@ class Outputs:
                     found.append((str(self._values["tf_prefix"]) + name, _world_row(worlds[name])))
         if below is not None:
             found.append((below[0], (frame.camera.mean * below[1].inverse()).to_tq()))
-        stamp_ns = estimate.stamp_ns + round(self._values["transform_time_offset_s"] * 1e9)
+        stamp_ns = self.transform_stamp(estimate)
         out = Writer()
         out.count(len(found))
         for child, row in found:

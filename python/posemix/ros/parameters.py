@@ -83,7 +83,7 @@ NODE = (
     Parameter("start_rotation_sd_deg", 0.05, "Error of the camera's pose in the world at the start [deg]."),
     Parameter("start_translation_sd_m", 0.002, "Error of the same [m]."),
     Parameter("noise_file", "", "TOML file with tables [noise.NAME], as in sequence files; for SOURCE.noise."),
-    Parameter("models_info", "", "models_info.json of BOP, for the symmetries of the classes."),
+    Parameter("models_info", "", "models_info.json of BOP, for the symmetries of what is in classes."),
     Parameter("symmetries_topic", "", "Latched topic of happypose_msgs/ObjectSymmetriesArray; empty: none."),
     Parameter(
         "replay_images", 600,

@@ -106,7 +106,10 @@ class Surroundings:
             return None
         odometry = self._odometry_at(image.stamp_ns, of["max_gap_s"])
         if odometry is None and of.has_odometry:
-            self.complaint = f"no odometry at {image.stamp_ns} ns"
+            self.complaint = (
+                f"no odometry at {image.stamp_ns} ns: {of['odometry_topic'] or '/tf'} has no pose of '{self.body}' in "
+                f"'{of['odom_frame']}' (motion.model says how the camera moves without)"
+            )
             if not is_over:
                 return None
         return ReadyImage(image, odometry, components, cameras)
@@ -168,7 +171,7 @@ class Surroundings:
             child = self.transforms.root(estimate.body)
             pose = self.transforms.at(child, estimate.body, estimate.stamp_ns, of["max_gap_s"])
             above = world if child == world else None
-        if above is not None and (above != world or child == world):
+        if above is not None:
             return (
                 f"'{child if child != world else estimate.body}' is below '{above}' in /tf already, so that this node "
                 f"does not say where it is in '{world}' (publish_world_tf)"

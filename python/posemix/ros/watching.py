@@ -87,7 +87,7 @@ class Watch:
             self._views[-1].wait(5.0)
             try:
                 path = self._recording.write_report()
-            except (ValueError, OSError) as error:
+            except Exception as error:  # who waits for an answer gets one
                 return False, str(error)
             self._reported = last_s
             return True, str(path)

@@ -257,7 +257,8 @@ def test_a_clock_that_jumps_back(live: Callable[..., Live]) -> None:
     tick(8.0)
     world.until(lambda: world.counts()["resets"] == resets + 1, "a reset")
     watch(world, 8.0, 1, {"box": BOX})
-    assert set(world.newest(at(8.0))) == {"box"}
+    # The empty array after the jump may have the same stamp.
+    world.until(lambda: set(world.newest(at(8.0))) == {"box"}, "the box alone")
 
 
 def test_stamps_far_ahead(live: Callable[..., Live]) -> None:

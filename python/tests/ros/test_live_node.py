@@ -7,6 +7,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -20,10 +21,12 @@ from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import CameraInfo
 from std_srvs.srv import Trigger
+from vision_msgs.msg import Detection3DArray
+from visualization_msgs.msg import MarkerArray
 
 from posemix import SE3, SO3
 
-from .live import Live, at, detections, transform, values_of
+from .live import LATCHED, Live, at, detections, transform, values_of
 
 MUG = SE3(SO3.exp([0.1, 0.2, 0.3]), [0.1, 0.0, 0.8])
 BOX = SE3(SO3.exp([0.0, 0.0, 1.0]), [-0.2, 0.1, 1.0])
@@ -215,6 +218,72 @@ def test_the_world_is_above_the_odometry_unless_something_else_is(live: Callable
     watch(world, 1.0, 1, {"mug": MUG})
     world.status("node", lambda s: "'odom' is below 'earth'" in s.message)
     assert not [t for t in world.transforms if t.child_frame_id == "odom"]
+
+
+def test_nobody_else_puts_the_odometry_below_the_world(live: Callable[..., Live]) -> None:
+    world = live(parameters={"least_existence": 0.0})
+    world.move(at(0.0), SE3())
+    watch(world, 0.0, 1, {"mug": MUG})
+    world.until(lambda: [t for t in world.transforms if t.child_frame_id == "odom"], "map -> odom")
+    # Its own transforms, which it hears, are none of another's.
+    world.move(at(0.5), SE3())
+    watch(world, 0.5, 1, {"mug": MUG})
+    assert world.status("node").message == "good"
+    world.send_transform(transform("map", "odom", SE3(translation=[0.0, 1.0, 0.0]), at(0.7)))
+    world.until(lambda: world.node._engine.transforms.parent("odom") == "map", "map -> odom of another")
+    world.transforms.clear()
+    world.move(at(1.0), SE3())
+    watch(world, 1.0, 1, {"mug": MUG})
+    world.status("node", lambda s: "'odom' is below 'map'" in s.message)
+    # The partner hears its own transform, too.
+    assert not [t for t in world.transforms if t.child_frame_id == "odom" and t.transform.translation.y != 1.0]
+
+
+def test_bad_parameters_are_named_when_the_node_is_configured(live: Callable[..., Live]) -> None:
+    world = live(parameters=STILL)
+    assert world.change(Transition.TRANSITION_DEACTIVATE) and world.change(Transition.TRANSITION_CLEANUP)
+    complaints: list[str] = []
+    world.node.get_logger = lambda: SimpleNamespace(error=complaints.append, warning=print, info=print)
+
+    def refused(name: str, value: Any) -> str:
+        before = world.node.get_parameter(name)
+        world.node.set_parameters([Parameter(name, value=value)])
+        assert not world.change(Transition.TRANSITION_CONFIGURE) and world.state == "unconfigured"
+        world.node.set_parameters([before])
+        return complaints[-1]
+
+    assert "detections.topic is '~/my topic'" in refused("detections.topic", "~/my topic")
+    assert "odometry_topic is 'a b'" in refused("odometry_topic", "a b")
+    assert "sources.topic" not in refused("sources", ["my-detector"])
+    assert "my-detector.topic is '~/my-detector'" in complaints[-1]
+    assert "cannot be configured" in refused("filter.max_hypotheses", -1)
+    # As the node says itself: clean it up, set it and configure it again.
+    world.node.set_parameters([Parameter("sources", value=["others"])])
+    assert world.change(Transition.TRANSITION_CONFIGURE) and world.change(Transition.TRANSITION_ACTIVATE)
+    assert world.node.has_parameter("others.clutter") and not world.node.has_parameter("detections.clutter")
+
+
+def test_what_was_forgotten_is_not_shown_to_those_who_come_later(live: Callable[..., Live]) -> None:
+    world = live(parameters={**STILL, "least_existence": 0.0})
+    watch(world, 0.0, 3, {"mug": MUG})
+    reset = world.partner.create_client(Trigger, "/posemix/reset")
+    assert world.call(reset, Trigger.Request()).success
+    world.until(lambda: not world.objects[-1].detections, "an empty array")
+    late: list[Any] = []
+    world.partner.create_subscription(Detection3DArray, "/posemix/objects", late.append, LATCHED)
+    world.until(lambda: late, "the last message")
+    assert not late[-1].detections and late[-1].header.frame_id == "map"
+
+
+def test_markers_are_there_for_those_who_come_later(live: Callable[..., Live]) -> None:
+    world = live(parameters={**STILL, "least_existence": 0.0})
+    watch(world, 0.0, 3, {"mug": MUG})
+    late: list[Any] = []
+    world.partner.create_subscription(MarkerArray, "/posemix/markers", late.append, LATCHED)
+    world.until(lambda: any(len(m.markers) > 1 for m in late), "markers of the mug")
+    reset = world.partner.create_client(Trigger, "/posemix/reset")
+    assert world.call(reset, Trigger.Request()).success
+    world.until(lambda: len(late[-1].markers) == 1, "that all are deleted")
 
 
 def test_without_odometry_the_world_is_above_the_tree_of_the_camera(live: Callable[..., Live]) -> None:
