@@ -133,11 +133,12 @@ std::vector<std::vector<std::string>> ImageList::on(const Timeline& timeline,
       throw InvalidInput(fmt::format("{}: got an image at stamp {} s, where {} has no frame",
                                      image.at.place, image.at.stamp, timeline.source()));
     }
-    const std::string camera = image.camera.substr(0, image.camera.rfind('@'));
-    if (std::ranges::find(names, image.camera) == names.end() &&
-        std::ranges::find(names, camera) == names.end()) {
+    const auto has_it = [&](const std::string& name) {
+      return image.camera == name || image.camera.starts_with(name + "@");
+    };
+    if (std::ranges::none_of(names, has_it)) {
       throw InvalidInput(fmt::format("{}: got camera '{}', expected one of: '{}'", image.at.place,
-                                     camera, fmt::join(names, "', '")));
+                                     image.camera, fmt::join(names, "', '")));
     }
     by_frame[*frame].push_back(image.camera);
   }

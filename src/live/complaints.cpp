@@ -10,14 +10,15 @@ namespace {
 /// The same is not logged again within this time [s].
 constexpr double kQuietS = 5.0;
 constexpr double kForgottenS = 60.0;
-/// Numbers of so many digits are stamps.
+/// Numbers of so many digits are stamps, and those with a point change from image to image, too.
 constexpr std::size_t kStampDigits = 6;
 
 std::string without_stamps(const std::string& text) {
   std::string result;
   std::string number;
   const auto end_number = [&] {
-    if (number.size() < kStampDigits) result += number;
+    const bool has_point = number.find('.') != std::string::npos && number.size() > 1;
+    if (number.size() < kStampDigits && !has_point) result += number;
     number.clear();
   };
   for (const char c : text) {

@@ -202,6 +202,7 @@ void LiveEngine::put(const ReadyImage& ready) {
     newest_ns_ = std::max(newest_ns_, image.stamp_ns);
   }
   if (slam_->counts().too_late > too_late) {
+    if (observations.empty()) ++counts_.too_late;
     complaint_ = fmt::format(
         "an image is {:.1f} s older than the newest one, and history_s is {:g} s: it is left out",
         seconds(newest_ns_) - stamp_s, settings_->stamped.history_s);

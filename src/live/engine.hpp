@@ -56,6 +56,8 @@ class LiveEngine {
   void refuse_message() { ++counts_.refused; }
   /// Why the last image was dropped, refused, or taken without odometry.
   const std::string& complaint() const { return complaint_; }
+  /// Whether nothing was taken in since all was forgotten.
+  bool is_empty() const { return !slam_; }
   /// Why all was forgotten the last time.
   const std::string& why_reset() const { return why_reset_; }
   std::size_t waiting() const { return waiting_.size(); }

@@ -68,9 +68,13 @@ void LiveNode::take_clock(std::int64_t clock_ns) {
 
 void LiveNode::reset() {
   engine_.reset();
+  publish_nothing();
+}
+
+/// The last message stays for those that subscribe later.
+void LiveNode::publish_nothing() {
   last_.reset();
   in_tf_ns_.reset();
-  // The last message stays for those that subscribe later.
   ports_.objects({.header = {clock_ns(), settings_->node.world_frame}, .detections = {}});
 }
 
@@ -80,7 +84,10 @@ bool LiveNode::work() {
   const std::vector<LiveEstimate> estimates = engine_.ready(ports_.now_s(), 1);
   for (const LiveEstimate& estimate : estimates) publish(estimate);
   const LiveCounts& counts = engine_.counts();
-  if (counts.resets > resets) complain(engine_.why_reset());
+  if (counts.resets > resets) {
+    complain(engine_.why_reset());
+    if (engine_.is_empty()) publish_nothing();
+  }
   const std::size_t bad =
       counts.dropped + counts.refused + counts.without_odometry + counts.too_late;
   if (bad > bad_) complain(engine_.complaint());

@@ -53,6 +53,7 @@ class LiveNode {
 
  private:
   void publish(const LiveEstimate& estimate);
+  void publish_nothing();
   std::optional<FrameBelow> below_world(const LiveEstimate& estimate);
   /// The time by the clock of the robot, which may be simulated.
   std::int64_t clock_ns() const;

@@ -119,9 +119,15 @@ StampAdmission StampedSlam::add_image(double stamp_s, const std::string& camera)
 StampAdmission StampedSlam::add_image(double stamp_s, const std::string& camera,
                                       const std::optional<std::string>& detector) {
   index_of_camera(now_.slam.cameras(), camera);  // which throws for another name
-  return add_to_frame(stamp_s, [&](Frame& frame) {
-    frame.images.insert(internal::name_of({camera, detector}));
-  });
+  const std::string name = internal::name_of({camera, detector});
+  const auto named = internal::searched_image(now_.slam.cameras(), name);
+  if (named.camera != camera || named.detector != detector) {
+    throw InvalidInput(fmt::format(
+        "an image of camera '{}' by detector '{}' has the name of one of camera '{}', expected "
+        "names of cameras without '@'",
+        camera, detector.value_or(""), named.camera));
+  }
+  return add_to_frame(stamp_s, [&](Frame& frame) { frame.images.insert(name); });
 }
 
 StampAdmission StampedSlam::forget(std::string_view id, std::optional<double> stamp_s) {

@@ -92,6 +92,31 @@ TEST(LiveWorld, IsEmptyAfterAReset) {
   EXPECT_EQ(bench.objects.back().header.frame, "map");
 }
 
+// What is forgotten because the clock has jumped is published no more, also where nothing follows.
+TEST(LiveWorld, IsEmptyWhereNothingFollowsAJump) {
+  LiveBench bench(kAll + "[motion]\nmodel = \"given\"\n");
+  bench.move(0.0);
+  bench.see(0.0);
+  EXPECT_EQ(bench.objects.back().detections.size(), 2u);
+  for (int i = 0; i < 6; ++i) {
+    bench.detect(array_at(5000.0 + i, {{"mug", mug_pose()}}));
+    bench.now_s += 1.0;
+    while (bench.node.work()) continue;
+  }
+  EXPECT_EQ(bench.counts().resets, 1u);
+  EXPECT_TRUE(bench.objects.back().detections.empty());
+}
+
+TEST(LiveWorld, EmptyImagesOlderThanTheHistoryAreComplainedOfOnce) {
+  LiveBench bench(kAll + "[motion]\nmodel = \"still\"\n");
+  bench.see(0.0);
+  bench.see(5.0);
+  const std::size_t before = bench.log.size();
+  for (int i = 0; i < 10; ++i) bench.detect(array_at(3.0 + 0.1 * i, {}));
+  EXPECT_EQ(bench.counts().too_late, 10u);
+  EXPECT_EQ(bench.log.size(), before + 1);
+}
+
 TEST(LiveWorld, ImagesOlderThanTheHistoryAreComplainedOf) {
   LiveBench bench(kAll + "[motion]\nmodel = \"still\"\n");
   bench.see(0.0);

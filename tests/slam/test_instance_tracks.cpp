@@ -175,6 +175,20 @@ TEST(InstanceTracks, WhatOneDetectorDoesNotFindMayBeThereForAnother) {
   EXPECT_LT(beside_another(std::nullopt), 0.5) << "searched by both";
 }
 
+// A name that means another image would be refused when it is played, again and again.
+TEST(InstanceTracks, ADetectorWithAnAtInItsNameIsOne) {
+  EXPECT_LT(beside_another("mugs"), 0.5);
+  const PoseDensity start(SE3d(), 1e-8 * Matrix6d::Identity());
+  StampedSlam rig(start, {{.id = "mug"}}, {.cameras = {{.name = "a"}}});
+  EXPECT_EQ(rig.add_image(0.0, "a", "yolo@v2"), StampAdmission::taken);
+  EXPECT_NO_THROW(rig.finish());
+  // Where a camera has such a name it is the one.
+  rig = StampedSlam(start, {{.id = "mug"}}, {.cameras = {{.name = "a"}, {.name = "a@yolo"}}});
+  EXPECT_THROW(rig.add_image(0.0, "a", "yolo"), InvalidInput);
+  EXPECT_THROW(rig.add_image(0.0, "a", "yolo@v2"), InvalidInput);
+  EXPECT_NO_THROW(rig.finish());
+}
+
 TEST(InstanceTracks, AnImageIsNamedByItsCameraAndByADetector) {
   const std::vector<BodyCamera> cameras{{.name = "left"}, {.name = "a@b"}};
   const auto image = [&](const std::string& name) {
@@ -186,6 +200,8 @@ TEST(InstanceTracks, AnImageIsNamedByItsCameraAndByADetector) {
   EXPECT_EQ(image("left@"), std::pair("left"s, ""s));
   EXPECT_EQ(image("a@b"), std::pair("a@b"s, "all"s));
   EXPECT_EQ(image("a@b@tags"), std::pair("a@b"s, "tags"s));
+  EXPECT_EQ(image("left@yolo@v2"), std::pair("left"s, "yolo@v2"s));
+  EXPECT_EQ(internal::searched_image({}, "@yolo@v2").detector, "yolo@v2");
   EXPECT_THROW(image("right@tags"), InvalidInput);
   EXPECT_THROW(image(""), InvalidInput);
   EXPECT_EQ(internal::searched_image({}, "@tags").detector, "tags");

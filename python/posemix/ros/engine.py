@@ -63,9 +63,9 @@ class Engine:
         # An old map that is to be found, the stamp of the next attempt, and what became of the last one.
         self._old: SavedMap | None = None
         self._next_attempt_ns = 0
-        self._looked_for: Path | None = None
-        # The map that was loaded, and the files that were loaded or saved.
+        # The map that was loaded, its file, and all files that were loaded or saved.
         self._loaded: SavedMap | None = None
+        self._loaded_from: Path | None = None
         self._map_files: set[Path] = set()
         # Files with maps of which nothing is in the run, also as a run was forgotten: they would be lost.
         self._missing_maps: set[Path] = set()
@@ -93,6 +93,13 @@ class Engine:
         self.map_state = "" if self._old is None else "is looked for"
         self._jumped = self._next_attempt_ns = 0
         self._log.clear()
+        # What a run has saved that was forgotten tells the next one something.
+        self._saved.clear()
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether nothing was taken in since all was forgotten."""
+        return self._run is None
 
     @property
     def waiting(self) -> int:
@@ -215,7 +222,7 @@ class Engine:
                 run = self._run = LiveRun(
                     self._configuration, self._known, ready.odometry, image.stamp_ns, ready.cameras
                 )
-            admissions, ignored = run.put(ready)
+            admissions, ignored, is_late = run.put(ready)
         except ValueError as error:
             self._refuse(str(error))
             return None
@@ -226,13 +233,10 @@ class Engine:
         self.counts.ignored += ignored
         self.counts.observations += len(admissions)
         self.counts.late += admissions.count(StampAdmission.replayed)
-        too_late = admissions.count(StampAdmission.too_late)
+        too_late = admissions.count(StampAdmission.too_late) + is_late
         if too_late:
             self.counts.too_late += too_late
-            self.complaint = (
-                f"an image is {run.age_s(image.stamp_ns):.1f} s older than the newest one, and stamped.history_s is "
-                f"{self._configuration.stamped.history_s:g} s: it is left out"
-            )
+            self.complaint = run.why_late(image.stamp_ns)
         try:
             found = run.estimate(image.arrival_s, self.around.body)
         except ValueError as error:  # what was taken in leads nowhere, and stays
@@ -284,6 +288,8 @@ class Engine:
         self._saved.append(write_map(path, self._run.saved(self.around.body, self._known)))
         self._map_files.add(_resolved(path))
         self._missing_maps.discard(_resolved(path))
+        if self._loaded is not None and self._loaded_from == _resolved(path):
+            self._loaded = read_map(path)
 
     def load(self, path: str, *, go_on: bool = False) -> str:
         """Loads a map, and says what becomes of it.
@@ -300,19 +306,20 @@ class Engine:
         """
         found = read_map(path)
         if go_on and self._run is None:
-            self._loaded = found
-            self._map_files.add(_resolved(path))
             self._run = LiveRun.of_saved(self._configuration, self._known, found)
             self.around.body = found.body
+            # The run changes what was read.
+            self._old, self._loaded, self._loaded_from = None, read_map(path), _resolved(path)
+            self._map_files.add(_resolved(path))
+            self._missing_maps.discard(_resolved(path))
             self.map_state = "goes on"
             return f"the run of {path} goes on, with {found.objects} objects"
         if self._run is not None and found.lineage & {*self._run.lineage, *self._saved}:
             raise ValueError(f"{path} is a map of this run, or one that was found in it: it tells nothing new")
         self._old, self._next_attempt_ns, self.map_state = found, 0, "is looked for"
-        self._loaded = found
-        self._looked_for = _resolved(path)
-        self._map_files.add(self._looked_for)
-        self._missing_maps.add(self._looked_for)
+        self._loaded, self._loaded_from = found, _resolved(path)
+        self._map_files.add(self._loaded_from)
+        self._missing_maps.add(self._loaded_from)
         if self._run is not None:
             last = self._run.slam.finish()
             if last is not None:
@@ -331,8 +338,8 @@ class Engine:
             run.lineage |= old.lineage
             self._log.clear()
             self._old = None
-            if self._looked_for is not None:
-                self._missing_maps.discard(self._looked_for)
+            if self._loaded_from is not None:
+                self._missing_maps.discard(self._loaded_from)
             self.map_state = f"was found by {len(found.agreed)} objects"
             self.news.append(f"the map {self.map_state}")
 

@@ -23,7 +23,8 @@ class EngineCounts:
     images, observations : int
         Images that were taken in, and observations in them.
     late, too_late : int
-        Observations that came out of order and were taken in at their stamps, and those older than the history.
+        Observations that came out of order and were taken in at their stamps, and those older than the history, with
+        images that show nothing.
     ignored : int
         Detections of classes that no model has, or one object's second in an image.
     without_odometry : int

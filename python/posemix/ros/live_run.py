@@ -105,9 +105,15 @@ class LiveRun:
         self._classes = {model.id: model.class_id or model.id for model in models}
         self._table = ClassTable(models, bool(self._configuration["on_sight"]))
 
-    def age_s(self, stamp_ns: int) -> float:
-        """How much older than the newest stamp that the filter knows a stamp is [s]."""
-        return self._newest_s - self._seconds(stamp_ns)
+    def why_late(self, stamp_ns: int) -> str:
+        """Why an image with a stamp is left out that is too late."""
+        stamp_s = self._seconds(stamp_ns)
+        if stamp_s < self._since_s:
+            return "an image is from before a map was found or models changed: it is left out"
+        return (
+            f"an image is {self._newest_s - stamp_s:.1f} s older than the newest one, and stamped.history_s is "
+            f"{self._configuration.stamped.history_s:g} s: it is left out"
+        )
 
     def jump_to(self, stamp_ns: int) -> str:
         """Says how a stamp has jumped; empty where it has not, and where the filter refuses it."""
@@ -121,8 +127,9 @@ class LiveRun:
     def _seconds(self, stamp_ns: int) -> float:
         return (stamp_ns - self.start_ns) * 1e-9
 
-    def put(self, ready: ReadyImage) -> tuple[list[StampAdmission], int]:
-        """Takes an image in: what became of its observations, and the number of its other detections.
+    def put(self, ready: ReadyImage) -> tuple[list[StampAdmission], int, bool]:
+        """Takes an image in: what became of its observations, the number of its other detections, and whether it shows
+        nothing and is too late.
 
         Raises
         ------
@@ -135,22 +142,23 @@ class LiveRun:
         observations = self._observations(ready, stamp_s)
         ignored = len(image.class_ids) - len(observations)
         if stamp_s < self._since_s:
-            return [StampAdmission.too_late] * len(observations), ignored
+            return [StampAdmission.too_late] * len(observations), ignored, not observations
         self._stamps[stamp_s] = image.stamp_ns
         if ready.odometry is not None and self._with_odometry.get(image.stamp_ns) is None:
             self.slam.add_odometry(stamp_s, ready.odometry)
             self._with_odometry[image.stamp_ns] = ready.odometry
             self._newest_s = max(self._newest_s, stamp_s)
         admissions = [self.slam.add(observation) for observation in observations]
+        is_late = False
         if not observations and self._configuration["empty_is_image"]:
             # What other detectors find may be there all the same.
             detector = image.source if len(self._configuration.sources) > 1 else None
             camera = image.frame if self._configuration.cameras else ""
-            self.slam.add_image(stamp_s, camera, detector)
+            is_late = self.slam.add_image(stamp_s, camera, detector) == StampAdmission.too_late
             self._newest_s = max(self._newest_s, stamp_s)
         if admissions:
             self._newest_s = max(self._newest_s, stamp_s)
-        return admissions, ignored
+        return admissions, ignored, is_late
 
     def _observations(self, ready: ReadyImage, stamp_s: float) -> list[Observation]:
         image = ready.image

@@ -38,7 +38,7 @@ from posemix.ros.sight import CameraSights
 __all__ = ["PosemixNode"]
 
 # Of a frame of its own in /tf the node knows so many again.
-_MOST_OWN = 100
+_MOST_OWN = 1000
 
 
 class PosemixNode(WatchedNode):
@@ -61,11 +61,13 @@ class PosemixNode(WatchedNode):
         # Whether the last markers are not those of the last estimate.
         self._are_markers_old = False
         self._bad = 0
-        # Stamps of what this node has put below the world in /tf and hears itself, by frame [ns].
-        self._own_frames: dict[str, deque[int]] = {}
+        # What this node has put below the world in /tf and hears itself, by frame: stamp [ns] and numbers.
+        self._own_frames: dict[str, deque[tuple[int, list[float]]]] = {}
         # Stamp of the last estimate in /tf [ns].
         self._in_tf_ns: int | None = None
         self._own_timers: list[Any] = []
+        self._publishers_made: list[Any] = []
+        self._offered: Services | None = None
         self._jumps: Any = None
 
     def _is_configured(self) -> bool:
@@ -85,18 +87,26 @@ class PosemixNode(WatchedNode):
             if found["load_map"] and found["map_file"] and Path(found["map_file"]).expanduser().exists():
                 self.get_logger().info(engine.load(found["map_file"], go_on=found["map_goes_on"]))
             self._begin_watch(found.values)
+            self._offer(found, engine)
             self._engine = engine
         except Exception as error:  # rclpy says nothing of what is raised here
             self.get_logger().error(f"cannot be configured: {error}")
+            self._clear()
             return TransitionCallbackReturn.FAILURE
+        return TransitionCallbackReturn.SUCCESS
+
+    def _offer(self, found: Configuration, engine: Engine) -> None:
         self._configuration = found
         self._make, self._sights = Outputs(self._types, found.values), CameraSights()
-        self._objects = self._publisher("vision_msgs/msg/Detection3DArray", "~/objects", LATCHED)
-        self._markers = self._publisher("visualization_msgs/msg/MarkerArray", "~/markers", LATCHED)
-        self._diagnostics = self._publisher("diagnostic_msgs/msg/DiagnosticArray", "/diagnostics", QoSProfile(depth=10))
-        self._tf = self._publisher("tf2_msgs/msg/TFMessage", "/tf", QoSProfile(depth=100))
-        self._offered = Services(self, self._engine, self._after_service)
-        return TransitionCallbackReturn.SUCCESS
+        self._objects = self._published("vision_msgs/msg/Detection3DArray", "~/objects", LATCHED)
+        self._markers = self._published("visualization_msgs/msg/MarkerArray", "~/markers", LATCHED)
+        self._diagnostics = self._published("diagnostic_msgs/msg/DiagnosticArray", "/diagnostics", QoSProfile(depth=10))
+        self._tf = self._published("tf2_msgs/msg/TFMessage", "/tf", QoSProfile(depth=100))
+        self._offered = Services(self, engine, self._after_service)
+
+    def _published(self, kind: str, topic: str, profile: QoSProfile) -> Any:
+        self._publishers_made.append(self._publisher(kind, topic, profile))
+        return self._publishers_made[-1]
 
     def on_activate(self, state: LifecycleState) -> Any:
         """Begins to listen; where it cannot, the reason is in the log, and the node is as it was."""
@@ -106,7 +116,11 @@ class PosemixNode(WatchedNode):
             self.get_logger().error(f"cannot be activated: {error}")
             self._be_deaf()
             return TransitionCallbackReturn.FAILURE
-        return super().on_activate(state)
+        done = super().on_activate(state)
+        if self._engine is not None and self._engine.is_empty:
+            # While it was inactive it may have been reset.
+            self._after_service(None)
+        return done
 
     def _hear(self) -> None:
         of = self._configuration
@@ -175,13 +189,13 @@ class PosemixNode(WatchedNode):
             self._jumps = None
 
     def _clear(self) -> None:
-        if self._engine is None:
-            return
         self.end_watch()
-        for publisher in (self._objects, self._markers, self._diagnostics, self._tf):
+        for publisher in self._publishers_made:
             self.destroy_lifecycle_publisher(publisher)
-        self._offered.destroy()
-        self._engine = self._last = None
+        self._publishers_made.clear()
+        if self._offered is not None:
+            self._offered.destroy()
+        self._engine = self._last = self._offered = None
         self._bad = 0
         self._problems.clear()
         self._own_frames.clear()
@@ -216,7 +230,7 @@ class PosemixNode(WatchedNode):
         for item in transforms:
             parent, name = item.header.frame_id.lstrip("/"), item.child_frame_id.lstrip("/")
             stamp_ns = item.header.stamp.nanoseconds
-            if parent != world or stamp_ns not in self._own_frames.get(name, ()):
+            if parent != world or (stamp_ns, list(item.row)) not in self._own_frames.get(name, ()):
                 engine.transforms.take(parent, name, item.row, None if is_static else stamp_ns)
 
     def _take_static(self, transforms: list[PosedFrame], arrival_s: float) -> None:
@@ -271,6 +285,8 @@ class PosemixNode(WatchedNode):
             self._complain(str(error))
         if engine.counts.resets > resets:
             self._complain(engine.why_reset)
+            if engine.is_empty:
+                self._after_service(None)
         while engine.news:
             self.get_logger().info(engine.news.popleft())
         of = engine.counts
@@ -301,8 +317,8 @@ class PosemixNode(WatchedNode):
         frames, transforms = self._make.transforms(estimate, below)
         if frames:
             stamp_ns = self._make.transform_stamp(estimate)
-            for name in frames:
-                self._own_frames.setdefault(name, deque(maxlen=_MOST_OWN)).append(stamp_ns)
+            for name, row in frames.items():
+                self._own_frames.setdefault(name, deque(maxlen=_MOST_OWN)).appendleft((stamp_ns, row))
             self._tf.publish(transforms)
 
     def _mark(self) -> None:

@@ -116,6 +116,9 @@ class NodeBase(LifecycleNode):  # type: ignore[misc]
     def _declare(self, found: list[Parameter]) -> None:
         rcl = import_module("rcl_interfaces.msg")
         for parameter in found:
+            if self.has_parameter(parameter.name):  # from an attempt that failed after it
+                self._declared += [parameter] if parameter not in self._declared else []
+                continue
             text = parameter.text
             words = ", ".join(f"'{word}'" for word in parameter.choices)
             descriptor = rcl.ParameterDescriptor(
@@ -240,8 +243,8 @@ class NodeBase(LifecycleNode):  # type: ignore[misc]
     def _complain(self, why: str, *, lasting: bool = False) -> None:
         """Puts a problem into the log, not too often, and into the next diagnostics, or into all that follow."""
         now = time.monotonic()
-        # The same at another stamp is the same.
-        key = re.sub(r"[\d.]{6,}", "", why)
+        # The same at another stamp, or of another age, is the same.
+        key = re.sub(r"\d+\.\d+|[\d.]{6,}", "", why)
         if now - self._logged.get(key, -_QUIET_S) >= _QUIET_S:
             self.get_logger().warning(why)
             self._logged[key] = now

@@ -121,10 +121,12 @@ class Outputs:
         offset_s: float = self._values["transform_time_offset_s"]
         return estimate.stamp_ns + round(offset_s * 1e9)
 
-    def transforms(self, estimate: LiveEstimate, below: tuple[str, SE3] | None = None) -> tuple[list[str], bytes]:
+    def transforms(
+        self, estimate: LiveEstimate, below: tuple[str, SE3] | None = None
+    ) -> tuple[dict[str, list[float]], bytes]:
         """The TFMessage: confirmed objects in the world, and a frame that is `below` it, with T_frame_body.
 
-        The names of these frames come first.
+        The numbers of these frames come first.
         """
         frame, found = estimate.frame, []
         if self._values["publish_tf"]:
@@ -141,7 +143,7 @@ class Outputs:
             out.header(stamp_ns, str(self._values["world_frame"]))
             out.string(child)
             out.doubles(row.astype("<f8").tobytes())
-        return [child for child, _ in found], out.data()
+        return {child: row.tolist() for child, row in found}, out.data()
 
     def diagnostics(self, stamp_ns: int, statuses: Sequence[Any]) -> Any:
         """The DiagnosticArray of statuses."""

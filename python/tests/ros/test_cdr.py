@@ -213,9 +213,10 @@ def test_outputs_are_written(seed: int) -> None:
             np.testing.assert_allclose([p.x, p.y, p.z], h.pose.translation, rtol=1e-15)
             expected = covariance_to_ros(h.pose, h.covariance, reading="rotation_vector", frame="parent")
             np.testing.assert_allclose(r.pose.covariance, expected, rtol=1e-12, atol=1e-12)
-    names, data = make.transforms(of, ("odom", SE3.exp(rng.normal(size=6))))
+    rows, data = make.transforms(of, ("odom", SE3.exp(rng.normal(size=6))))
     transforms = deserialize_message(data, TFMessage)
     assert len(serialize_message(transforms)) == len(data)
+    names = list(rows)
     assert [t.child_frame_id for t in transforms.transforms] == names
     good = [name for name in of.hypotheses if of.frame.healths[name] == TrackHealth.good]
     assert names == [f"p/{name}" for name in good] + ["odom"]

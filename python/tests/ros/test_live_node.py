@@ -229,7 +229,7 @@ def test_nobody_else_puts_the_odometry_below_the_world(live: Callable[..., Live]
     world.move(at(0.5), SE3())
     watch(world, 0.5, 1, {"mug": MUG})
     assert world.status("node").message == "good"
-    world.send_transform(transform("map", "odom", SE3(translation=[0.0, 1.0, 0.0]), at(0.7)))
+    world.send_transform(transform("map", "odom", SE3(translation=[0.0, 1.0, 0.0]), at(0.5)))
     world.until(lambda: world.node._engine.transforms.parent("odom") == "map", "map -> odom of another")
     world.transforms.clear()
     world.move(at(1.0), SE3())
@@ -261,6 +261,27 @@ def test_bad_parameters_are_named_when_the_node_is_configured(live: Callable[...
     world.node.set_parameters([Parameter("sources", value=["others"])])
     assert world.change(Transition.TRANSITION_CONFIGURE) and world.change(Transition.TRANSITION_ACTIVATE)
     assert world.node.has_parameter("others.clutter") and not world.node.has_parameter("detections.clutter")
+
+
+def test_a_node_that_cannot_be_configured_says_so_and_may_be_set(live: Callable[..., Live]) -> None:
+    world = live(parameters={**STILL, "qos_overrides./tf.publisher.reliability": "nonsense"}, active=False)
+    complaints: list[str] = []
+    world.node.get_logger = lambda: SimpleNamespace(error=complaints.append, warning=print, info=print)
+    assert not world.change(Transition.TRANSITION_CONFIGURE) and world.state == "unconfigured"
+    assert "cannot be configured" in complaints[-1]
+    assert world.node.set_parameters([Parameter("map_file", value="m"), Parameter("on_sight", value=False)])[1].successful
+
+
+def test_a_reset_while_inactive_is_seen_by_those_who_come_later(live: Callable[..., Live]) -> None:
+    world = live(parameters={**STILL, "least_existence": 0.0})
+    watch(world, 0.0, 3, {"mug": MUG})
+    assert world.change(Transition.TRANSITION_DEACTIVATE)
+    reset = world.partner.create_client(Trigger, "/posemix/reset")
+    assert world.call(reset, Trigger.Request()).success
+    assert world.change(Transition.TRANSITION_ACTIVATE)
+    late: list[Any] = []
+    world.partner.create_subscription(Detection3DArray, "/posemix/objects", late.append, LATCHED)
+    world.until(lambda: late and not late[-1].detections, "an empty array")
 
 
 def test_what_was_forgotten_is_not_shown_to_those_who_come_later(live: Callable[..., Live]) -> None:

@@ -118,3 +118,59 @@ def test_infinity_where_it_has_a_meaning() -> None:
     assert configuration({"filter.noise_scale_detections": math.inf}).tracker is not None
     with pytest.raises(ValueError, match="max_gap_s is inf"):
         configuration({"max_gap_s": math.inf})
+
+
+def test_a_run_that_goes_on_is_not_merged_with_itself(tmp_path: Path) -> None:
+    place = str(tmp_path / "kitchen.state")
+    first = robot()
+    first.drive(0.0, 2.0, ["mug", "box", "jar"])
+    first.engine.save(place)
+    second = robot()
+    second.engine.load(place, go_on=True)
+    second.drive(2.0, 3.0, ["mug"])
+    second.engine.lose("for the test")
+    second.engine.load(place, go_on=True)
+    second.drive(2.0, 4.0, ["mug", "box", "jar"])
+    assert second.engine.map_state == "goes on"
+    # A map that cannot go on leaves nothing behind.
+    third = robot(**{"filter.max_hypotheses": 5})
+    with pytest.raises(ValueError, match="cannot go on"):
+        third.engine.load(place, go_on=True)
+    third.engine.lose("for the test")
+    assert third.engine.map_state == ""
+
+
+def test_what_was_saved_during_the_run_is_what_is_looked_for(tmp_path: Path) -> None:
+    place = tmp_path / "kitchen.state"
+    first = robot()
+    first.drive(0.0, 4.0, ["mug", "box"])
+    first.engine.save(str(place))
+    second = robot()
+    second.engine.load(str(place))
+    second.drive(100.0, 104.0, ["mug", "box", "can"])
+    assert "was found" in second.engine.map_state
+    second.engine.save(str(place))
+    found = second.drive(DAY_S, DAY_S + 5.0, ["mug", "box"])
+    assert "was found" in second.engine.map_state and set(found.hypotheses) == {"mug", "box", "can"}
+
+
+@pytest.mark.parametrize("source", ["yolo@v2", "yolo"])
+def test_names_of_detectors_may_be_any(source: str) -> None:
+    one = robot(**{
+        "motion.model": "still", "sources": ["mugs", source], f"{source}.topic": "others", "cameras": ["camera"],
+        "body_frame": "base_link",
+    })  # fmt: skip
+    one.engine.transforms.take("base_link", "camera", BASE_CAMERA.to_tq().tolist(), None)
+    for i in range(20):
+        one.engine.add(image(0.2 * i, ["mug"]))
+        one.engine.add(image(0.2 * i + 0.1, [], source=source))
+        one.engine.ready(0.0)
+    assert (one.engine.counts.images, one.engine.counts.refused, one.engine.counts.resets) == (40, 0, 0)
+
+
+def test_late_images_that_show_nothing_are_complained_of() -> None:
+    one = robot(**{"motion.model": "still"})
+    for seconds, seen in ((0.0, ["mug"]), (5.0, ["mug"]), (3.0, [])):
+        one.engine.add(image(seconds, seen))
+        one.engine.ready(0.0)
+    assert one.engine.counts.too_late == 1 and "2.0 s older than the newest one" in one.engine.complaint
