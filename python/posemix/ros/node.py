@@ -117,7 +117,7 @@ class PosemixNode(WatchedNode):
             self._be_deaf()
             return TransitionCallbackReturn.FAILURE
         done = super().on_activate(state)
-        if self._engine is not None and self._engine.is_empty:
+        if self._engine is not None and self._engine.is_empty and self._engine.counts.resets:
             # While it was inactive it may have been reset.
             self._after_service(None)
         return done
