@@ -134,12 +134,13 @@ void bind_stamped_slam(nb::module_& m) {
            nb::overload_cast<double, const std::string&, const std::optional<std::string>&>(
                &S::add_image),
            "stamp_s"_a, "camera"_a = "", "detector"_a = nb::none(),
-           "Takes in that one detector, or none given any, has found nothing in an image of a "
-           "camera at a time [s].\n\n"
+           "Takes in that nothing was detected in an image of a camera at a time [s], by one "
+           "detector or, without its name, by any.\n\n"
            "Objects that should be seen in it may be gone. Images with observations need not be "
            "told.\n\n"
-           "Raises\n------\nValueError\n    For a camera that there is not, and a stamp that has "
-           "jumped; nothing is changed.\n")
+           "Raises\n------\nValueError\n    For a camera that there is not, a stamp that has "
+           "jumped, and where CAMERA@DETECTOR names an image of another camera; nothing is "
+           "changed.\n")
       .def("add_frame", &S::add_frame, "name"_a, "stamp_s"_a, "frame"_a,
            "Takes in T_world_frame of a frame that may hold objects, at a time [s].\n\n"
            "Raises\n------\nValueError\n    For a name that there is not, and a stamp that has "

@@ -102,6 +102,13 @@ TEST_F(SequenceCamera, ImagesAreAllFramesOrThoseOfAFile) {
   small_.folder.put("left.txt", fmt::format("{} left\n", stamps[0]));
   EXPECT_INVALID_WITH(read_with({"camera.images=left.txt"}),
                       "left.txt:1: got camera 'left', expected one of: ''");
+  small_.folder.put("tags.txt", fmt::format("{} @tags\n{}\n", stamps[0], stamps[1]));
+  const auto tags = read_with({"camera.images=tags.txt"}).sequence.images;
+  EXPECT_EQ(tags[0], std::vector<std::string>{"@tags"});
+  EXPECT_EQ(tags[1], std::vector<std::string>{""});
+  small_.folder.put("left.txt", fmt::format("{} left@tags\n", stamps[0]));
+  EXPECT_INVALID_WITH(read_with({"camera.images=left.txt"}),
+                      "left.txt:1: got camera 'left@tags', expected one of: ''");
   small_.folder.put("words.txt", "all of them\n");
   EXPECT_INVALID_WITH(read_with({"camera.images=words.txt"}), "words.txt:1");
 }

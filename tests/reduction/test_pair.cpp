@@ -19,14 +19,14 @@ namespace posemix {
 namespace {
 
 using Line = ConcentratedGaussian<Rnd<1>>;
-using ConcentratedPose = ConcentratedGaussian<SE3d>;
+using Posed = ConcentratedGaussian<SE3d>;
 using Pair = std::pair<std::size_t, std::size_t>;
 
 constexpr std::array kPairRules{PairRule::largest_with_smallest, PairRule::most_distant,
                                 PairRule::runnalls, PairRule::symmetric_kl,
                                 PairRule::weighted_symmetric_kl};
 
-Component<Line> weighted_on_line(double weight, double mean, double variance = 1.0) {
+Component<Line> on_axis(double weight, double mean, double variance = 1.0) {
   using Scalar1 = Eigen::Matrix<double, 1, 1>;
   return {std::log(weight), {Rnd<1>(Scalar1(mean)), Scalar1(variance)}};
 }
@@ -40,30 +40,19 @@ Pair next(const std::vector<Component<ConcentratedGaussian<G>>>& components, Pai
 TEST(PairSelector, LargestWithSmallestGoesByWeight) {
   using R1 = Rnd<1>;
   const auto rule = PairRule::largest_with_smallest;
-  EXPECT_EQ(next<R1>({weighted_on_line(0.2, 0), weighted_on_line(0.5, 9), weighted_on_line(0.1, 8),
-                      weighted_on_line(0.2, 7)},
-                     rule),
+  EXPECT_EQ(next<R1>({on_axis(0.2, 0), on_axis(0.5, 9), on_axis(0.1, 8), on_axis(0.2, 7)}, rule),
             Pair(1, 2));
-  EXPECT_EQ(next<R1>({weighted_on_line(0.1, 0), weighted_on_line(0.2, 9), weighted_on_line(0.7, 8)},
-                     rule),
-            Pair(0, 2));
+  EXPECT_EQ(next<R1>({on_axis(0.1, 0), on_axis(0.2, 9), on_axis(0.7, 8)}, rule), Pair(0, 2));
   // The first largest and the last smallest of equals.
-  EXPECT_EQ(next<R1>({weighted_on_line(0.1, 0), weighted_on_line(0.4, 9), weighted_on_line(0.4, 8),
-                      weighted_on_line(0.1, 0)},
-                     rule),
+  EXPECT_EQ(next<R1>({on_axis(0.1, 0), on_axis(0.4, 9), on_axis(0.4, 8), on_axis(0.1, 0)}, rule),
             Pair(1, 3));
-  EXPECT_EQ(
-      next<R1>({weighted_on_line(1, 0), weighted_on_line(1, 9), weighted_on_line(1, 8)}, rule),
-      Pair(0, 2));
-  EXPECT_EQ(
-      next<R1>({weighted_on_line(1, 0), weighted_on_line(0, 9), weighted_on_line(0, 8)}, rule),
-      Pair(0, 2));
+  EXPECT_EQ(next<R1>({on_axis(1, 0), on_axis(1, 9), on_axis(1, 8)}, rule), Pair(0, 2));
+  EXPECT_EQ(next<R1>({on_axis(1, 0), on_axis(0, 9), on_axis(0, 8)}, rule), Pair(0, 2));
 }
 
 TEST(PairSelector, MostDistantGoesByTheMeans) {
   using R1 = Rnd<1>;
-  EXPECT_EQ(next<R1>({weighted_on_line(0.2, 1), weighted_on_line(0.5, -3), weighted_on_line(0.1, 2),
-                      weighted_on_line(0.2, 1.5)},
+  EXPECT_EQ(next<R1>({on_axis(0.2, 1), on_axis(0.5, -3), on_axis(0.1, 2), on_axis(0.2, 1.5)},
                      PairRule::most_distant),
             Pair(1, 2));
 }
@@ -72,8 +61,7 @@ TEST(PairSelector, SymmetricKlTakesTheMostAlikeWhateverTheWeights) {
   using R1 = Rnd<1>;
   // Symmetric KL: 0 and 1 differ by 0.1^2 = 0.01; 2 and 3 share the mean but not the variance,
   // (9 + 1/9 - 2) / 2 = 3.6.
-  EXPECT_EQ(next<R1>({weighted_on_line(0.5, 0), weighted_on_line(0.4, 0.1),
-                      weighted_on_line(1e-6, 5), weighted_on_line(1e-6, 5, 9)},
+  EXPECT_EQ(next<R1>({on_axis(0.5, 0), on_axis(0.4, 0.1), on_axis(1e-6, 5), on_axis(1e-6, 5, 9)},
                      PairRule::symmetric_kl),
             Pair(0, 1));
 }
@@ -82,8 +70,7 @@ TEST(PairSelector, RunnallsPrefersPairsOfLittleWeight) {
   using R1 = Rnd<1>;
   // The same components: merging the two light ones costs about 1e-6, the heavy ones about
   // 0.45 log(1 + 0.0025) = 1e-3.
-  EXPECT_EQ(next<R1>({weighted_on_line(0.5, 0), weighted_on_line(0.4, 0.1),
-                      weighted_on_line(1e-6, 5), weighted_on_line(1e-6, 5, 9)},
+  EXPECT_EQ(next<R1>({on_axis(0.5, 0), on_axis(0.4, 0.1), on_axis(1e-6, 5), on_axis(1e-6, 5, 9)},
                      PairRule::runnalls),
             Pair(2, 3));
 }
@@ -91,30 +78,25 @@ TEST(PairSelector, RunnallsPrefersPairsOfLittleWeight) {
 TEST(PairSelector, WeightedSymmetricKlPrefersPairsOfLittleWeight) {
   using R1 = Rnd<1>;
   // The same components: 0.5 0.4 / 0.9 0.01 = 2.2e-3 against 0.5e-6 3.6.
-  EXPECT_EQ(next<R1>({weighted_on_line(0.5, 0), weighted_on_line(0.4, 0.1),
-                      weighted_on_line(1e-6, 5), weighted_on_line(1e-6, 5, 9)},
+  EXPECT_EQ(next<R1>({on_axis(0.5, 0), on_axis(0.4, 0.1), on_axis(1e-6, 5), on_axis(1e-6, 5, 9)},
                      PairRule::weighted_symmetric_kl),
             Pair(2, 3));
-  EXPECT_NEAR(weighted_symmetric_kl(weighted_on_line(0.5, 0), weighted_on_line(0.4, 0.1)),
-              0.002 / 0.9, 1e-15);
-  EXPECT_EQ(weighted_symmetric_kl(weighted_on_line(0.5, 0), weighted_on_line(0.0, 0.1)), 0.0);
+  EXPECT_NEAR(weighted_symmetric_kl(on_axis(0.5, 0), on_axis(0.4, 0.1)), 0.002 / 0.9, 1e-15);
+  EXPECT_EQ(weighted_symmetric_kl(on_axis(0.5, 0), on_axis(0.0, 0.1)), 0.0);
 }
 
 TEST(PairSelector, TiesGoToThePairFoundFirst) {
   using R1 = Rnd<1>;
-  const std::vector same{weighted_on_line(0.2, 1), weighted_on_line(0.5, 1),
-                         weighted_on_line(0.3, 1), weighted_on_line(0.1, 1)};
+  const std::vector same{on_axis(0.2, 1), on_axis(0.5, 1), on_axis(0.3, 1), on_axis(0.1, 1)};
   EXPECT_EQ(next<R1>(same, PairRule::most_distant), Pair(0, 1));
   EXPECT_EQ(next<R1>(same, PairRule::symmetric_kl), Pair(0, 1));
   // 0-2 and 1-2 are equally far apart.
-  EXPECT_EQ(next<R1>({weighted_on_line(1, 0), weighted_on_line(1, 0), weighted_on_line(1, 4)},
-                     PairRule::most_distant),
+  EXPECT_EQ(next<R1>({on_axis(1, 0), on_axis(1, 0), on_axis(1, 4)}, PairRule::most_distant),
             Pair(0, 2));
 }
 
 /// A pose with the given logarithm and standard deviations.
-Component<ConcentratedPose> pose(const Vector6d& log_mean,
-                                 const Vector6d& deviations = Vector6d::Ones()) {
+Component<Posed> pose(const Vector6d& log_mean, const Vector6d& deviations = Vector6d::Ones()) {
   return {0.0, {SE3d::exp(log_mean), deviations.cwiseAbs2().asDiagonal()}};
 }
 
@@ -169,7 +151,7 @@ TEST(PairSelector, TheMetricDecidesWhatIsDistant) {
 }
 
 TEST(PairSelector, RejectsAnUnknownRule) {
-  const std::vector components{weighted_on_line(1, 0), weighted_on_line(1, 1)};
+  const std::vector components{on_axis(1, 0), on_axis(1, 1)};
   EXPECT_EQ(testing::thrown_message([&] { next<Rnd<1>>(components, static_cast<PairRule>(9)); }),
             "reduce: unknown pair rule");
 }
@@ -236,9 +218,9 @@ TYPED_TEST(PairSelectorOn, NoPairIsCheaperThanTheChosen) {
 }
 
 /// A mixture with clusters, light and heavy components.
-std::vector<Component<ConcentratedPose>> clusters(std::size_t count) {
+std::vector<Component<Posed>> clusters(std::size_t count) {
   RandomStream stream(17);
-  std::vector<Component<ConcentratedPose>> components;
+  std::vector<Component<Posed>> components;
   for (std::size_t i = 0; i < count; ++i) {
     Vector6d centre = Vector6d::Zero();
     centre[2] = static_cast<double>(i % 3);
@@ -248,14 +230,13 @@ std::vector<Component<ConcentratedPose>> clusters(std::size_t count) {
     for (double& x : step) x = (i % 5 == 0 ? 1.0 : 0.1) * stream.normal();
     const SE3d mean = SE3d::exp(step) * SE3d::exp(centre);
     components.push_back(
-        {stream.normal(),
-         ConcentratedPose(mean, root * root.transpose() + 1e-3 * Matrix6d::Identity())});
+        {stream.normal(), Posed(mean, root * root.transpose() + 1e-3 * Matrix6d::Identity())});
   }
   return components;
 }
 
-double cost_of(const Component<ConcentratedPose>& a, const Component<ConcentratedPose>& b,
-               PairRule rule, DistanceMetric metric) {
+double cost_of(const Component<Posed>& a, const Component<Posed>& b, PairRule rule,
+               DistanceMetric metric) {
   switch (rule) {
     case PairRule::runnalls:
       return runnalls_bound(a, b);
@@ -273,7 +254,7 @@ constexpr std::array kMetrics{DistanceMetric::tangent_norm, DistanceMetric::rota
 
 TEST(PairSelector, CostsByVectorInstructionsAreThoseOfTheFunctions) {
   internal::by_every_instruction_set([] {
-    const std::vector<Component<ConcentratedPose>> components = clusters(21);
+    const std::vector<Component<Posed>> components = clusters(21);
     internal::ComponentColumns columns(components.size());
     for (std::size_t i = 0; i < components.size(); ++i) columns.set(i, components[i]);
     std::vector<double> costs(components.size() + internal::ComponentColumns::kRoom);
@@ -294,7 +275,7 @@ TEST(PairSelector, CostsByVectorInstructionsAreThoseOfTheFunctions) {
 
 TEST(PairSelector, AComponentWithoutWeightCostsNothingByAnyInstructions) {
   internal::by_every_instruction_set([] {
-    std::vector<Component<ConcentratedPose>> components = clusters(9);
+    std::vector<Component<Posed>> components = clusters(9);
     components[2].log_weight = -std::numeric_limits<double>::infinity();
     internal::ComponentColumns columns(components.size());
     for (std::size_t i = 0; i < components.size(); ++i) columns.set(i, components[i]);
@@ -309,10 +290,9 @@ TEST(PairSelector, AComponentWithoutWeightCostsNothingByAnyInstructions) {
 }
 
 TEST(PairSelector, WhereRoundingLeavesNoFactorADivergenceIsInfinite) {
-  const Component<ConcentratedPose> wide{0.0,
-                                         ConcentratedPose(SE3d(), 1e10 * Matrix6d::Identity())};
-  const Component<ConcentratedPose> narrow{
-      0.0, ConcentratedPose(SE3d(SO3d(), {1e4, 0.0, 0.0}), 1e-10 * Matrix6d::Identity())};
+  const Component<Posed> wide{0.0, Posed(SE3d(), 1e10 * Matrix6d::Identity())};
+  const Component<Posed> narrow{0.0,
+                                Posed(SE3d(SO3d(), {1e4, 0.0, 0.0}), 1e-10 * Matrix6d::Identity())};
   internal::ComponentColumns columns(2);
   columns.set(0, wide);
   columns.set(1, narrow);
@@ -325,9 +305,9 @@ TEST(PairSelector, FindsTheLeastPairThroughAllMerges) {
   // Oracle: all pairs anew after every merge.
   for (const PairRule rule : kPairRules) {
     if (rule == PairRule::largest_with_smallest) continue;
-    std::vector<Component<ConcentratedPose>> components = clusters(40);
+    std::vector<Component<Posed>> components = clusters(40);
     const auto metric = DistanceMetric::tangent_norm;
-    PairSelector<ConcentratedPose> selector(components, rule, metric);
+    PairSelector<Posed> selector(components, rule, metric);
     while (components.size() > 2) {
       Pair least{0, 1};
       for (std::size_t a = 0; a < components.size(); ++a) {
@@ -339,9 +319,8 @@ TEST(PairSelector, FindsTheLeastPairThroughAllMerges) {
       }
       const auto [a, b] = selector.next(components);
       ASSERT_EQ(Pair(a, b), least) << word_of(rule) << ", " << components.size() << " left";
-      const Component<ConcentratedPose>* const two[] = {&components[a], &components[b]};
-      components[a] =
-          merge<SE3d>(std::span<const Component<ConcentratedPose>* const>(two)).component;
+      const Component<Posed>* const two[] = {&components[a], &components[b]};
+      components[a] = merge<SE3d>(std::span<const Component<Posed>* const>(two)).component;
       components.erase(components.begin() + static_cast<std::ptrdiff_t>(b));
       selector.merged(components, a, b);
     }

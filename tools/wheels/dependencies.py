@@ -47,7 +47,7 @@ def compiled():
             **SMALL, **{f"NLOPT_{part}": "OFF" for part in ("CXX", "PYTHON", "OCTAVE", "MATLAB", "GUILE", "SWIG", "TESTS")}}),
         Library("highway", "highway", "Apache-2.0", {
             "BUILD_TESTING": "OFF", **{f"HWY_ENABLE_{part}": "OFF" for part in ("CONTRIB", "TESTS", "EXAMPLES")}},
-            # Of its sorting, which takes ten minutes to compile, nothing is used.
+            # Of its sorting, which takes long to compile, nothing is used.
             headers=("hwy/contrib/math/math-inl.h",)),
         Library("yaml-cpp", "yaml-cpp", "MIT", {
             **SMALL, "YAML_BUILD_SHARED_LIBS": "OFF", **{f"YAML_CPP_BUILD_{part}": "OFF" for part in ("TESTS", "TOOLS", "CONTRIB")}}),

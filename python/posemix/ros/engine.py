@@ -6,13 +6,13 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Collection, Mapping, Sequence
-from pathlib import Path
 
 from posemix._core import MotionModel, RelocaliseOutcome, StampAdmission, SymmetryGroup, relocalise
 from posemix.ros.configuration import Configuration
 from posemix.ros.estimates import EngineCounts, LiveEstimate
 from posemix.ros.known_classes import KnownClasses
 from posemix.ros.live_run import LiveRun
+from posemix.ros.map_files import MapFiles
 from posemix.ros.maps import SavedMap, carried_over, merged, read_map, with_priors, write_map
 from posemix.ros.messages import Image
 from posemix.ros.surroundings import ReadyImage, Surroundings
@@ -24,12 +24,6 @@ __all__ = ["Engine"]
 _JUMPED = 5
 # Time between two attempts to find an old map in the world of the run [s].
 _ATTEMPTS_S = 0.5
-_FILES = 100
-
-
-def _resolved(path: str) -> Path:
-    return Path(path).expanduser().resolve()
-
 
 class Engine:
     """Object SLAM by stamps over what a live system says.
@@ -63,20 +57,13 @@ class Engine:
         # An old map that is to be found, the stamp of the next attempt, and what became of the last one.
         self._old: SavedMap | None = None
         self._next_attempt_ns = 0
-        # The map that was loaded, its file, and all files that were loaded or saved.
-        self._loaded: SavedMap | None = None
-        self._loaded_from: Path | None = None
-        self._map_files: set[Path] = set()
-        # Files with maps of which nothing is in the run, also as a run was forgotten: they would be lost.
-        self._missing_maps: set[Path] = set()
-        # Digests of the last files, which may be copied without what stands beside them.
-        self._saved: deque[str] = deque(maxlen=_FILES)
+        self._files = MapFiles()
         self.map_state = ""
         LiveRun(configuration, self._known)  # which refuses what is not valid
 
     def reset(self) -> None:
         """Forgets objects, the map, odometry, and images that wait; transforms for all times are kept."""
-        self._loaded = None
+        self._files.loaded = None
         self.lose("all is forgotten")
 
     def lose(self, why: str) -> None:
@@ -88,13 +75,11 @@ class Engine:
     def _begin_again(self, why: str) -> None:
         self.counts.resets += 1
         self.why_reset = why
-        self._run, self._old = None, self._loaded
-        self._missing_maps = set(self._map_files)
+        self._run, self._old = None, self._files.loaded
+        self._files.run_is_lost()
         self.map_state = "" if self._old is None else "is looked for"
         self._jumped = self._next_attempt_ns = 0
         self._log.clear()
-        # What a run has saved that was forgotten tells the next one something.
-        self._saved.clear()
 
     @property
     def is_empty(self) -> bool:
@@ -281,15 +266,9 @@ class Engine:
         """
         if self._run is None:
             raise ValueError("nothing was seen so far, so that there is no map to save")
-        if _resolved(path) in self._missing_maps and not over_unknown:
-            raise ValueError(
-                f"nothing of what is in {path} is in this run, and it would be lost; ~/save writes over it all the same"
-            )
-        self._saved.append(write_map(path, self._run.saved(self.around.body, self._known)))
-        self._map_files.add(_resolved(path))
-        self._missing_maps.discard(_resolved(path))
-        if self._loaded is not None and self._loaded_from == _resolved(path):
-            self._loaded = read_map(path)
+        if not over_unknown:
+            self._files.require_kept(path)
+        self._files.was_saved(path, write_map(path, self._run.saved(self.around.body, self._known)))
 
     def load(self, path: str, *, go_on: bool = False) -> str:
         """Loads a map, and says what becomes of it.
@@ -308,18 +287,14 @@ class Engine:
         if go_on and self._run is None:
             self._run = LiveRun.of_saved(self._configuration, self._known, found)
             self.around.body = found.body
-            # The run changes what was read.
-            self._old, self._loaded, self._loaded_from = None, read_map(path), _resolved(path)
-            self._map_files.add(_resolved(path))
-            self._missing_maps.discard(_resolved(path))
-            self.map_state = "goes on"
+            # The run changes what was read first.
+            self._files.was_loaded(path, read_map(path), is_in_run=True)
+            self._old, self.map_state = None, "goes on"
             return f"the run of {path} goes on, with {found.objects} objects"
-        if self._run is not None and found.lineage & {*self._run.lineage, *self._saved}:
+        if self._run is not None and found.lineage & {*self._run.lineage, *self._files.saved}:
             raise ValueError(f"{path} is a map of this run, or one that was found in it: it tells nothing new")
         self._old, self._next_attempt_ns, self.map_state = found, 0, "is looked for"
-        self._loaded, self._loaded_from = found, _resolved(path)
-        self._map_files.add(self._loaded_from)
-        self._missing_maps.add(self._loaded_from)
+        self._files.was_loaded(path, found, is_in_run=False)
         if self._run is not None:
             last = self._run.slam.finish()
             if last is not None:
@@ -338,8 +313,7 @@ class Engine:
             run.lineage |= old.lineage
             self._log.clear()
             self._old = None
-            if self._loaded_from is not None:
-                self._missing_maps.discard(self._loaded_from)
+            self._files.was_found()
             self.map_state = f"was found by {len(found.agreed)} objects"
             self.news.append(f"the map {self.map_state}")
 

@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import time
-from collections import deque
 from functools import partial
 from importlib import import_module
 from pathlib import Path
@@ -26,22 +25,14 @@ from posemix.ros.cdr import (
 )
 from posemix.ros.configuration import Configuration, Source, configuration, names
 from posemix.ros.engine import Engine
-from posemix.ros.estimates import LiveEstimate
-from posemix.ros.markers import markers
 from posemix.ros.messages import images_of, symmetries_of
 from posemix.ros.node_base import LATCHED, STATIC
-from posemix.ros.node_watch import WatchedNode
-from posemix.ros.outputs import Outputs, latency_values
-from posemix.ros.services import Services
-from posemix.ros.sight import CameraSights
+from posemix.ros.node_outputs import PublishingNode
 
 __all__ = ["PosemixNode"]
 
-# Of a frame of its own in /tf the node knows so many again.
-_MOST_OWN = 1000
 
-
-class PosemixNode(WatchedNode):
+class PosemixNode(PublishingNode):
     """Takes detections and odometry, publishes objects. Parameters are read at `configure`.
 
     Parameters
@@ -53,25 +44,10 @@ class PosemixNode(WatchedNode):
     """
 
     def __init__(self, name: str = "posemix", **options: Any) -> None:
-        self._engine: Engine | None = None
         super().__init__(name, **options)
-        self._latencies: deque[float] = deque(maxlen=1000)
-        self._last: LiveEstimate | None = None
-        self._next_markers_s = 0.0
-        # Whether the last markers are not those of the last estimate.
-        self._are_markers_old = False
         self._bad = 0
-        # What this node has put below the world in /tf and hears itself, by frame: stamp [ns] and numbers.
-        self._own_frames: dict[str, deque[tuple[int, list[float]]]] = {}
-        # Stamp of the last estimate in /tf [ns].
-        self._in_tf_ns: int | None = None
         self._own_timers: list[Any] = []
-        self._publishers_made: list[Any] = []
-        self._offered: Services | None = None
         self._jumps: Any = None
-
-    def _is_configured(self) -> bool:
-        return self._engine is not None
 
     # --- lifecycle
 
@@ -94,19 +70,6 @@ class PosemixNode(WatchedNode):
             self._clear()
             return TransitionCallbackReturn.FAILURE
         return TransitionCallbackReturn.SUCCESS
-
-    def _offer(self, found: Configuration, engine: Engine) -> None:
-        self._configuration = found
-        self._make, self._sights = Outputs(self._types, found.values), CameraSights()
-        self._objects = self._published("vision_msgs/msg/Detection3DArray", "~/objects", LATCHED)
-        self._markers = self._published("visualization_msgs/msg/MarkerArray", "~/markers", LATCHED)
-        self._diagnostics = self._published("diagnostic_msgs/msg/DiagnosticArray", "/diagnostics", QoSProfile(depth=10))
-        self._tf = self._published("tf2_msgs/msg/TFMessage", "/tf", QoSProfile(depth=100))
-        self._offered = Services(self, engine, self._after_service)
-
-    def _published(self, kind: str, topic: str, profile: QoSProfile) -> Any:
-        self._publishers_made.append(self._publisher(kind, topic, profile))
-        return self._publishers_made[-1]
 
     def on_activate(self, state: LifecycleState) -> Any:
         """Begins to listen; where it cannot, the reason is in the log, and the node is as it was."""
@@ -190,17 +153,9 @@ class PosemixNode(WatchedNode):
 
     def _clear(self) -> None:
         self.end_watch()
-        for publisher in self._publishers_made:
-            self.destroy_lifecycle_publisher(publisher)
-        self._publishers_made.clear()
-        if self._offered is not None:
-            self._offered.destroy()
-        self._engine = self._last = self._offered = None
+        self._take_back()
         self._bad = 0
         self._problems.clear()
-        self._own_frames.clear()
-        self._in_tf_ns = None
-        self._latencies.clear()
 
     # --- input
 
@@ -230,7 +185,7 @@ class PosemixNode(WatchedNode):
         for item in transforms:
             parent, name = item.header.frame_id.lstrip("/"), item.child_frame_id.lstrip("/")
             stamp_ns = item.header.stamp.nanoseconds
-            if parent != world or (stamp_ns, list(item.row)) not in self._own_frames.get(name, ()):
+            if parent != world or not self._is_own(name, stamp_ns, item.row):
                 engine.transforms.take(parent, name, item.row, None if is_static else stamp_ns)
 
     def _take_static(self, transforms: list[PosedFrame], arrival_s: float) -> None:
@@ -256,19 +211,7 @@ class PosemixNode(WatchedNode):
             self._after_service(None)
             self._complain(self._engine.why_reset)
 
-    def _after_service(self, found: LiveEstimate | None) -> None:
-        """What is known has changed without an image."""
-        self._last = found
-        if found is not None:
-            self._publish(found, is_new=False)
-        else:
-            # The last message stays for those that subscribe later.
-            self._in_tf_ns = None
-            self._are_markers_old = True
-            self._mark()
-            self._objects.publish(self._make.nothing(self.get_clock().now().nanoseconds))
-
-    # --- output
+    # --- work
 
     def _work(self) -> None:
         engine = self._engine
@@ -295,59 +238,6 @@ class PosemixNode(WatchedNode):
             self._complain(engine.complaint)
         self._bad = bad
 
-    def _publish(self, estimate: LiveEstimate, *, is_new: bool = True) -> None:
-        self._objects.publish(self._make.objects(estimate))
-        if is_new:
-            self._latencies.append(time.monotonic() - estimate.arrival_s)
-        self._publish_transforms(estimate)
-        self._last = estimate
-        self._show_live(estimate)
-        self._are_markers_old = True
-        self._mark()
-
-    def _publish_transforms(self, estimate: LiveEstimate) -> None:
-        """Readers of /tf take one transform of a time, and complain of others."""
-        if self._in_tf_ns == estimate.stamp_ns or self._engine is None:
-            return
-        self._in_tf_ns = estimate.stamp_ns
-        below = self._engine.around.below_world(estimate)
-        if isinstance(below, str):
-            self._complain(below)
-            below = None
-        frames, transforms = self._make.transforms(estimate, below)
-        if frames:
-            stamp_ns = self._make.transform_stamp(estimate)
-            for name, row in frames.items():
-                self._own_frames.setdefault(name, deque(maxlen=_MOST_OWN)).appendleft((stamp_ns, row))
-            self._tf.publish(transforms)
-
-    def _mark(self) -> None:
-        """Publishes markers where anybody looks at them, not too often; the last ones from a timer."""
-        of, now = self._configuration, time.monotonic()
-        is_time = of["markers_hz"] > 0 and now >= self._next_markers_s
-        if not is_time or not self._are_markers_old or self._markers.get_subscription_count() == 0:
-            return
-        self._next_markers_s, self._are_markers_old = now + 1.0 / of["markers_hz"], False
-        self._markers.publish(markers(self._last, self._make, of["markers_sigmas"], of["world_frame"]))
-
-    def _diagnose(self) -> None:
-        engine = self._engine
-        if engine is None:
-            return
-        self._mark()
-        recent = self._recent_problems()
-        values = {"waiting": str(engine.waiting), "sources": str(len(self._configuration.sources))}
-        if engine.map_state:
-            values["map"] = engine.map_state
-        values |= latency_values(self._latencies)
-        name = self.get_name()
-        statuses = [self._make.node_status(name, engine.counts, recent, values)]
-        if self._last is not None:
-            in_view = self._sights.in_view(self._last, engine.transforms, self._configuration["max_gap_s"])
-            statuses += self._make.object_statuses(self._last, name, in_view)
-        stamp = self.get_clock().now().nanoseconds
-        self._diagnostics.publish(self._make.diagnostics(stamp, statuses))
-
 
 def _topics(found: Configuration) -> list[tuple[str, str]]:
     """What is listened to, after the parameter that names it."""
@@ -362,4 +252,3 @@ def _symmetries_type() -> Any:
         return import_module("happypose_msgs.msg").ObjectSymmetriesArray
     except ImportError:
         raise ImportError("symmetries_topic needs the package happypose_msgs in the ROS workspace") from None
-

@@ -94,7 +94,6 @@ class NodeBase(LifecycleNode):  # type: ignore[misc]
         super().__init__(name, **options)
         self._types = _message_types()
         self._declared: list[Parameter] = []
-        self._named: list[Parameter] = []
         self._declare(parameters())
         self._declare_named()
         self._warn_of_unknown()
@@ -116,35 +115,34 @@ class NodeBase(LifecycleNode):  # type: ignore[misc]
     def _declare(self, found: list[Parameter]) -> None:
         rcl = import_module("rcl_interfaces.msg")
         for parameter in found:
-            if self.has_parameter(parameter.name):  # from an attempt that failed after it
-                self._declared += [parameter] if parameter not in self._declared else []
-                continue
-            text = parameter.text
-            words = ", ".join(f"'{word}'" for word in parameter.choices)
-            descriptor = rcl.ParameterDescriptor(
-                description=text, additional_constraints=f"One of {words}" if words else ""
-            )
-            value = parameter.default
-            # A number that is written without a point is one, too.
-            given = self._parameter_overrides.get(parameter.name)
-            is_integer = given is not None and given.type_ == RosParameter.Type.INTEGER
-            if isinstance(value, float) and is_integer:
-                self.declare_parameter(parameter.name, float(given.value), descriptor, ignore_override=True)
-            else:
-                self.declare_parameter(parameter.name, value, descriptor)
-        self._declared += found
+            self._declare_one(parameter, rcl)
+            self._declared.append(parameter)
+
+    def _declare_one(self, parameter: Parameter, rcl: Any) -> None:
+        text = parameter.text
+        words = ", ".join(f"'{word}'" for word in parameter.choices)
+        descriptor = rcl.ParameterDescriptor(
+            description=text, additional_constraints=f"One of {words}" if words else ""
+        )
+        value = parameter.default
+        # A number that is written without a point is one, too.
+        given = self._parameter_overrides.get(parameter.name)
+        is_integer = given is not None and given.type_ == RosParameter.Type.INTEGER
+        if isinstance(value, float) and is_integer:
+            self.declare_parameter(parameter.name, float(given.value), descriptor, ignore_override=True)
+        else:
+            self.declare_parameter(parameter.name, value, descriptor)
 
     def _declare_named(self) -> None:
         """The parameters of the sources and classes that there are, also when these have changed."""
         values = self._values()
         named = [*source_parameters(values), *class_parameters(values)]
-        wanted, there = {p.name for p in named}, {p.name for p in self._named}
-        for gone in there - wanted:
+        wanted = {p.name: p for p in named}
+        there = {p.name for p in self._declared} - {p.name for p in parameters()}
+        for gone in there - set(wanted):
             self.undeclare_parameter(gone)
-        self._declared = [p for p in self._declared if p.name not in there - wanted]
-        new = {p.name: p for p in named if p.name not in there}
-        self._declare(list(new.values()))
-        self._named = named
+        self._declared = [p for p in self._declared if p.name not in there - set(wanted)]
+        self._declare([p for name, p in wanted.items() if name not in there])
 
     def _values(self) -> dict[str, Any]:
         found = {}

@@ -15,6 +15,7 @@ from posemix import (
     SE3,
     SO3,
     GaussianSumSettings,
+    MotionModel,
     MultiObjectSlamSettings,
     ObjectModel,
     ObjectSlamSettings,
@@ -134,6 +135,21 @@ def test_without_odometry(maker: Callable[[str], BagMaker]) -> None:
         bag.detections(i / 10, "camera", {"7": SE3(translation=[0.0, 0.0, 1.0])})
     found = bags.run_slam(bag.write(), detections="/objects")
     assert found.camera.poses[-1].is_approx(SE3(), 0.05)
+
+
+def test_poses_that_are_given_are_read(maker: Callable[[str], BagMaker]) -> None:
+    bag, place = maker("mcap"), SE3(translation=[0.0, 0.0, 1.0])
+    for i in range(10):
+        pose = SE3.exp([0.0, 0.0, 0.1 * i, 0.5 * i, 0.0, 0.0])
+        bag.odometry(i / 5, pose)
+        bag.detections(i / 5, "base", {"7": pose.inverse() * place})
+    settings = ObjectSlamSettings()
+    motion = settings.motion
+    motion.model = MotionModel.given
+    settings.motion = motion
+    found = bags.run_slam(bag.write(), detections="/objects", odometry="/odom", settings=settings)
+    assert found.camera.poses[-1].is_approx(pose, 1e-3)
+    assert found.objects[0].poses[-1].is_approx(place, 1e-3)
 
 
 def test_messages_without_detections_are_images(maker: Callable[[str], BagMaker]) -> None:

@@ -257,6 +257,10 @@ def test_bad_parameters_are_named_when_the_node_is_configured(live: Callable[...
     assert "sources.topic" not in refused("sources", ["my-detector"])
     assert "my-detector.topic is '~/my-detector'" in complaints[-1]
     assert "cannot be configured" in refused("filter.max_hypotheses", -1)
+    # One that is of another type where the names are declared.
+    world.node._parameter_overrides["b.frame"] = Parameter("b.frame", value=5)
+    assert "b.frame" in refused("sources", ["b"])
+    assert "b.frame" in refused("sources", ["b"])
     # As the node says itself: clean it up, set it and configure it again.
     world.node.set_parameters([Parameter("sources", value=["others"])])
     assert world.change(Transition.TRANSITION_CONFIGURE) and world.change(Transition.TRANSITION_ACTIVATE)
@@ -282,6 +286,11 @@ def test_a_reset_while_inactive_is_seen_by_those_who_come_later(live: Callable[.
     late: list[Any] = []
     world.partner.create_subscription(Detection3DArray, "/posemix/objects", late.append, LATCHED)
     world.until(lambda: late and not late[-1].detections, "an empty array")
+
+
+def test_diagnostics_go_on_where_a_simulated_clock_stands_still(live: Callable[..., Live]) -> None:
+    world = live(parameters={**STILL, "use_sim_time": True})
+    assert world.status("node").message == "good"
 
 
 def test_what_was_forgotten_is_not_shown_to_those_who_come_later(live: Callable[..., Live]) -> None:

@@ -65,12 +65,17 @@ def test_an_object_stays_that_another_detector_does_not_find() -> None:
     assert existence("") < 0.5
 
 
+def saved_map(place: Path, names: list[str]) -> bytes:
+    """A map of a kitchen with objects; returns what is in its file."""
+    first = robot()
+    first.drive(0.0, 4.0, names)
+    first.engine.save(str(place))
+    return place.read_bytes()
+
+
 def test_a_map_is_kept_and_found_again_where_the_clock_jumps(tmp_path: Path) -> None:
     place = tmp_path / "kitchen.state"
-    first = robot()
-    first.drive(0.0, 4.0, list(PLACES))
-    first.engine.save(str(place))
-    kept = place.read_bytes()
+    kept = saved_map(place, list(PLACES))
     second = robot()
     second.engine.load(str(place))
     second.drive(100.0, 104.0, ["mug", "box"])
@@ -88,9 +93,7 @@ def test_a_map_is_kept_and_found_again_where_the_clock_jumps(tmp_path: Path) -> 
 
 def test_a_map_saved_elsewhere_is_not_the_one_that_is_missing(tmp_path: Path) -> None:
     place = tmp_path / "kitchen.state"
-    first = robot()
-    first.drive(0.0, 2.0, ["mug", "box"])
-    first.engine.save(str(place))
+    saved_map(place, ["mug", "box"])
     second = robot()
     second.engine.load(str(place))
     second.drive(100.0, 101.0, ["can"])
@@ -115,22 +118,20 @@ def test_parameters_that_have_no_effect_are_refused(tmp_path: Path) -> None:
 
 
 def test_infinity_where_it_has_a_meaning() -> None:
-    assert configuration({"filter.noise_scale_detections": math.inf}).tracker is not None
+    assert configuration({"filter.noise_scale_detections": math.inf}).tracker.filter.noise_scale_detections == math.inf
     with pytest.raises(ValueError, match="max_gap_s is inf"):
         configuration({"max_gap_s": math.inf})
 
 
 def test_a_run_that_goes_on_is_not_merged_with_itself(tmp_path: Path) -> None:
     place = str(tmp_path / "kitchen.state")
-    first = robot()
-    first.drive(0.0, 2.0, ["mug", "box", "jar"])
-    first.engine.save(place)
+    saved_map(Path(place), ["mug", "box", "jar"])
     second = robot()
     second.engine.load(place, go_on=True)
-    second.drive(2.0, 3.0, ["mug"])
+    second.drive(4.0, 5.0, ["mug"])
     second.engine.lose("for the test")
     second.engine.load(place, go_on=True)
-    second.drive(2.0, 4.0, ["mug", "box", "jar"])
+    second.drive(4.0, 6.0, ["mug", "box", "jar"])
     assert second.engine.map_state == "goes on"
     # A map that cannot go on leaves nothing behind.
     third = robot(**{"filter.max_hypotheses": 5})
@@ -142,9 +143,7 @@ def test_a_run_that_goes_on_is_not_merged_with_itself(tmp_path: Path) -> None:
 
 def test_what_was_saved_during_the_run_is_what_is_looked_for(tmp_path: Path) -> None:
     place = tmp_path / "kitchen.state"
-    first = robot()
-    first.drive(0.0, 4.0, ["mug", "box"])
-    first.engine.save(str(place))
+    saved_map(place, ["mug", "box"])
     second = robot()
     second.engine.load(str(place))
     second.drive(100.0, 104.0, ["mug", "box", "can"])
