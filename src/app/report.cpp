@@ -142,11 +142,11 @@ int report_command(ReportCommandOptions options) {
 
 fs::path write_report_shown(const std::vector<fs::path>& results, ReportOptions options, bool shown,
                             const InterruptGuard& guard) {
-  constexpr std::size_t kMegabyte = 1000000;
+  constexpr std::size_t kBytesPerMegabyte = 1000000;
   ProgressReport progress(shown, "MB");
   options.warn = [](const std::string& warning) { print_warnings({warning}); };
   options.progress = [&](std::size_t done, std::size_t total) {
-    progress.update(done / kMegabyte, total / kMegabyte);
+    progress.update(done / kBytesPerMegabyte, total / kBytesPerMegabyte);
     guard.check();
   };
   return results.size() == 1 ? write_report(results.front(), options)

@@ -13,7 +13,7 @@ namespace {
 /// A feature is narrow if its standard deviation is below this share of the ray's.
 constexpr double kNarrow = 0.5;
 /// The distance from a ray in standard deviations beyond which a narrow feature does not matter.
-constexpr double kReach = 12.0;
+constexpr double kRayReach = 12.0;
 constexpr double kFeatureHalfWidth = 4.0;
 
 }  // namespace
@@ -118,7 +118,7 @@ void RotationRay::append_breaks(double end, double scale, std::vector<double>& b
     const double sine = std::sin(0.5 * closest);
     const double along = 1.0 / (cosine * white_b - sine * white_a).norm();
     if (along > kNarrow * scale) continue;
-    if (2.0 * (cosine * white_a + sine * white_b).norm() > kReach) continue;
+    if (2.0 * (cosine * white_a + sine * white_b).norm() > kRayReach) continue;
     for (const double offset : {-kFeatureHalfWidth * along, 0.0, kFeatureHalfWidth * along}) {
       append(closest + offset);
     }

@@ -56,7 +56,7 @@ std::vector<std::size_t> gripper_places(const std::vector<std::string>& names,
   return places;
 }
 
-void require_columns(const CsvTable& table) {
+void require_outcome_columns(const CsvTable& table) {
   for (const char* column : {"scene_id", "im_id", "obj_id", "score"}) table.require_column(column);
   table.require_pose("est_");
   table.require_pose("gt_");
@@ -68,7 +68,7 @@ void parse_grasp_outcomes(std::string_view text, const std::string& name,
                           const std::string& dataset, const std::string& estimator,
                           GraspOutcomes& outcomes) {
   CsvTable table(text, name);
-  require_columns(table);
+  require_outcome_columns(table);
   const std::vector<std::string> grippers = grippers_of(table);
   const std::vector<std::size_t> places = gripper_places(grippers, outcomes);
   std::set<std::tuple<std::int64_t, std::int64_t, std::int64_t>> seen;

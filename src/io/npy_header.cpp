@@ -159,10 +159,10 @@ NpyHeader parse_npy_header(std::string_view bytes, const std::string& name) {
 
 std::string format_npy_header(const std::vector<std::size_t>& shape) {
   constexpr std::size_t kBeforeText = 10;
-  constexpr std::size_t kAlignment = 64;
+  constexpr std::size_t kHeaderAlignment = 64;
   std::string text = fmt::format("{{'descr': '<f8', 'fortran_order': False, 'shape': ({}{}), }}",
                                  fmt::join(shape, ", "), shape.size() == 1 ? "," : "");
-  text.append(kAlignment - 1 - (kBeforeText + text.size()) % kAlignment, ' ');
+  text.append(kHeaderAlignment - 1 - (kBeforeText + text.size()) % kHeaderAlignment, ' ');
   text += '\n';
   const auto low = static_cast<char>(text.size() & 0xff);
   const auto high = static_cast<char>(text.size() >> 8);

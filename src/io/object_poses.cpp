@@ -15,12 +15,13 @@
 namespace posemix {
 namespace {
 
-constexpr std::array<std::string_view, 7> kColumns{"tx", "ty", "tz", "qx", "qy", "qz", "qw"};
+constexpr std::array<std::string_view, 7> kObjectPoseColumns{"tx", "ty", "tz", "qx",
+                                                             "qy", "qz", "qw"};
 
 SE3d parse_pose(const std::vector<std::string_view>& words, const LineReader& reader) {
   PoseNumbers numbers;
   for (std::size_t i = 0; i < numbers.size(); ++i) {
-    numbers[i] = reader.number_from(words[i + 1], kColumns[i]);
+    numbers[i] = reader.number_from(words[i + 1], kObjectPoseColumns[i]);
   }
   return pose_from_numbers(numbers, reader);
 }
@@ -32,10 +33,10 @@ std::map<std::string, SE3d> parse_object_poses(std::string_view text, const std:
   LineReader reader(text, name);
   while (reader.next_content()) {
     const std::vector<std::string_view> words = split_words(reader.line());
-    if (words.size() < kColumns.size() + 1) {
+    if (words.size() < kObjectPoseColumns.size() + 1) {
       reader.fail(fmt::format("{} columns", words.size()), "8: id tx ty tz qx qy qz qw");
     }
-    for (const std::string_view word : std::span(words).subspan(kColumns.size() + 1)) {
+    for (const std::string_view word : std::span(words).subspan(kObjectPoseColumns.size() + 1)) {
       reader.number_from(word, "a column after qw");
     }
     const bool fresh = poses.emplace(std::string(words[0]), parse_pose(words, reader)).second;

@@ -34,7 +34,7 @@ void refuse_other_case(const CsvTable& table) {
   }
 }
 
-void require_columns(const CsvTable& table) {
+void require_sighting_columns(const CsvTable& table) {
   refuse_other_case(table);
   for (const std::string_view column : split_fields(kWhere, ','))
     table.require_column(std::string(column));
@@ -178,7 +178,7 @@ namespace internal {
 
 PlacedObservations parse_placed_table(std::string_view text, const std::string& name) {
   CsvTable table(text, name);
-  require_columns(table);
+  require_sighting_columns(table);
   Collector collector(table);
   while (table.next()) collector.add();
   collector.finish();

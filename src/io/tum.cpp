@@ -14,8 +14,8 @@
 namespace posemix {
 namespace {
 
-constexpr std::array<std::string_view, 8> kColumns{"stamp", "tx", "ty", "tz",
-                                                   "qx",    "qy", "qz", "qw"};
+constexpr std::array<std::string_view, 8> kTumColumns{"stamp", "tx", "ty", "tz",
+                                                      "qx",    "qy", "qz", "qw"};
 
 std::optional<SE3d> parse_pose(const PoseNumbers& numbers, const LineReader& reader,
                                const TumOptions& options) {
@@ -32,12 +32,12 @@ std::optional<SE3d> parse_pose(const PoseNumbers& numbers, const LineReader& rea
 
 StampedPose parse_frame(const LineReader& reader, const TumOptions& options) {
   const std::vector<std::string_view> words = split_words(reader.line());
-  if (words.size() != kColumns.size()) {
+  if (words.size() != kTumColumns.size()) {
     reader.fail(fmt::format("{} columns", words.size()), "8: stamp tx ty tz qx qy qz qw");
   }
   std::array<double, 8> numbers;
   for (std::size_t i = 0; i < numbers.size(); ++i) {
-    numbers[i] = reader.number_from(words[i], kColumns[i]);
+    numbers[i] = reader.number_from(words[i], kTumColumns[i]);
   }
   PoseNumbers pose;
   std::copy(numbers.begin() + 1, numbers.end(), pose.begin());

@@ -115,8 +115,8 @@ PairPrediction PairsFit::predict(const MapPair& pair) const {
   const auto [mean, covariance] = given(cross, error(pair, pair));
   const Eigen::LLT<Matrix6d> factor(covariance);
   if (factor.info() != Eigen::Success) {
-    constexpr double kInfinity = std::numeric_limits<double>::infinity();
-    return {kInfinity, -kInfinity};
+    constexpr double kUnbounded = std::numeric_limits<double>::infinity();
+    return {kUnbounded, -kUnbounded};
   }
   const Vector6d difference = residual(pair) - mean;
   return {difference.dot(factor.solve(difference)), log_normal(factor, difference)};

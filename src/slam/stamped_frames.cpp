@@ -79,11 +79,11 @@ std::vector<std::string> StampedSlam::missing_frames() const {
 }
 
 double StampedSlam::begin_s() const {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  double begin = -kInfinity;
+  constexpr double kNoBegin = std::numeric_limits<double>::infinity();
+  double begin = -kNoBegin;
   for (std::size_t i = 0; i < names_.size(); ++i) {
     if (!now_.slam.moving().may_hold(i)) continue;
-    begin = std::max(begin, first_poses_[i] ? *first_poses_[i] - settings_.history_s : kInfinity);
+    begin = std::max(begin, first_poses_[i] ? *first_poses_[i] - settings_.history_s : kNoBegin);
   }
   return begin;
 }

@@ -18,7 +18,7 @@ using Eigen::MatrixXd;
 /// The part of a variance that is left given everything before, below which a covariance is nearly
 /// singular: the factor has lost digits then, and poses that rounding takes anywhere are caught by
 /// RegularFactor.
-constexpr double kLeastPart = 1e-8;
+constexpr double kLeastPivot = 1e-8;
 
 /// The factor by which (I + Phi N)^-1 may be larger than the identity, and lose digits.
 constexpr double kMostAmplified = 1e4;
@@ -173,7 +173,7 @@ bool PairUpdate<Own>::given_the_rest(const MatrixXd& covariance, Square& own) {
   if (!factor_in_place(ordered)) return false;
   const double least =
       ordered.diagonal().array().square().cwiseQuotient(variances.array()).minCoeff();
-  if (!(least > kLeastPart)) return false;
+  if (!(least > kLeastPivot)) return false;
   const Square l = ordered.bottomRightCorner<Own, Own>().template triangularView<Eigen::Lower>();
   own = l.lazyProduct(l.transpose());
   return true;

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdlib>
-#include <ctime>
 #include <system_error>
 #include <utility>
 
@@ -14,6 +13,7 @@
 #include "figures.hpp"
 #include "posemix/config/sequence_file.hpp"
 #include "posemix/io/output_folder.hpp"
+#include "study/engine/thread_time.hpp"
 
 namespace posemix {
 namespace {
@@ -108,14 +108,6 @@ nlohmann::ordered_json score_estimate(const PreparedRecording& recording, const 
       {{"recording", recording.name}, {"input", input}, {"priors", recording.has_priors()}});
 }
 
-/// The processor's time of this thread [s].
-double thread_seconds() {
-  timespec time{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  constexpr double kNano = 1e-9;
-  return static_cast<double>(time.tv_sec) + kNano * static_cast<double>(time.tv_nsec);
-}
-
 }  // namespace
 
 void replace_observations(FiducialInput input, Sequence& sequence) {
@@ -135,9 +127,9 @@ nlohmann::ordered_json run_fiducials(const FiducialRecording& recording, Fiducia
   PreparedRecording given = prepare_recording(recording, settings);
   replace_observations(input, given.job.sequence);
   FiducialTimes times;
-  double before = thread_seconds();
+  double before = internal::thread_seconds();
   const auto progress = [&](std::size_t, std::size_t) {
-    const double now = thread_seconds();
+    const double now = internal::thread_seconds();
     ++times.frames;
     times.processor_s += now - before;
     times.worst_s = std::max(times.worst_s, now - before);

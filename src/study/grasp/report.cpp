@@ -253,7 +253,7 @@ std::string reliability_chart(const std::vector<Grasp>& grasps, std::size_t bins
   return draw_charts("Predicted and observed success of grasps", charts, 2);
 }
 
-std::string summary_of(const StudyTable& scores) {
+std::string mean_scores(const StudyTable& scores) {
   StudyTable table({"split", "gripper", "method", "grasps", "brier", "log_loss", "auc",
                     "calibration_error", "accuracy"});
   for (const std::vector<Cell>& row : scores.rows()) {
@@ -293,7 +293,7 @@ StudyReport report_grasp(std::span<const std::string> results, std::size_t bins)
            {"regions.csv", region_table(items).csv()},
            {"errors.csv", error_table(items).csv()},
            {"reliability.svg", reliability_chart(grasps, bins)}},
-          summary_of(scores),
+          mean_scores(scores),
           notes};
 }
 

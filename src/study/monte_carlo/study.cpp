@@ -3,26 +3,19 @@
 #include "study.hpp"
 
 #include <cmath>
-#include <ctime>
 
 #include <nlohmann/json.hpp>
 
 #include "posemix/density/pose_stack.hpp"
 #include "posemix/slam/evaluation.hpp"
 #include "report.hpp"
+#include "study/engine/thread_time.hpp"
 #include "trial.hpp"
 
 namespace posemix {
 namespace {
 
 constexpr std::size_t kObject = 1;
-
-/// Processor time of the calling thread, which other threads do not disturb.
-double thread_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 double squared_rotation(const SE3d& estimate, const SE3d& truth) {
   return (estimate * truth.inverse()).log().head<3>().squaredNorm();
@@ -52,7 +45,7 @@ MonteCarloErrors filter_trial(const MonteCarloTrial& trial, const MonteCarloMeth
   Sums sums;
   double seconds = 0.0;
   for (const MonteCarloStep& step : trial.steps) {
-    const double start = thread_seconds();
+    const double start = internal::thread_seconds();
     for (const SE3d& motion : step.odometry) {
       filter.predict([&](Hypothesis h) {
         return predict_with_odometry(std::move(h), motion, trial.odometry_noise);
@@ -61,7 +54,7 @@ MonteCarloErrors filter_trial(const MonteCarloTrial& trial, const MonteCarloMeth
     const Detection detection{kObject, step.detection, &noise};
     filter.update(std::span(&detection, 1));
     const Hypothesis estimate = filter.summarise();
-    seconds += thread_seconds() - start;
+    seconds += internal::thread_seconds() - start;
     sums.add(estimate, step.true_camera, trial.true_object);
   }
   const auto frames = static_cast<double>(trial.steps.size());

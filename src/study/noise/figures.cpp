@@ -19,7 +19,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kCurvePoints = 301;
+constexpr int kDensityPoints = 301;
 
 /// Density of one coordinate of the residual at x, in the unit of the axis, without clutter. Along
 /// the object's axes an offset counts by its logarithm; along others it has no place.
@@ -40,8 +40,8 @@ double marginal_density(const DetectorNoise& noise, std::size_t axis, double x) 
 ChartSeries curve(const std::string& label, const DetectorNoise& noise, std::size_t axis,
                   double reach, double unit) {
   ChartSeries series{.label = label};
-  for (int i = 0; i < kCurvePoints; ++i) {
-    const double x = reach * (2.0 * i / (kCurvePoints - 1) - 1.0);
+  for (int i = 0; i < kDensityPoints; ++i) {
+    const double x = reach * (2.0 * i / (kDensityPoints - 1) - 1.0);
     series.x.push_back(unit * x);
     series.y.push_back(marginal_density(noise, axis, x) / unit);
   }

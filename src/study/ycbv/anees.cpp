@@ -17,7 +17,7 @@ constexpr double kLow = 0.5;
 constexpr double kHigh = 2.0;
 
 /// Poses and their columns.
-constexpr std::array<std::pair<const char*, const char*>, 6> kPoses{
+constexpr std::array<std::pair<const char*, const char*>, 6> kPoseColumns{
     {{"relative", "relative_anees"},
      {"relative, right mode", "right_mode_anees"},
      {"world", "world_anees"},
@@ -44,7 +44,7 @@ StudyTable summarise_anees(const StudyTable& rows) {
       {"detector", "method", "pose", "rows", "median", "mean", "worst", "share_half_to_two"});
   for (const std::string& detector : table.names("detector")) {
     for (const std::string& method : table.names("method")) {
-      for (const auto& [pose, column] : kPoses) {
+      for (const auto& [pose, column] : kPoseColumns) {
         const std::vector<double> values = values_of(table, detector, method, column);
         if (values.empty()) continue;
         const auto within = std::count_if(values.begin(), values.end(), [](double value) {

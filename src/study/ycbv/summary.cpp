@@ -16,10 +16,10 @@ namespace {
 constexpr const char* kReference = "published: ACT";
 
 /// A column of one method by recording and object.
-using Values = std::map<std::string, double>;
+using MethodValues = std::map<std::string, double>;
 
-Values values_of(const TableReader& rows, std::string_view method, std::string_view column) {
-  Values values;
+MethodValues values_of(const TableReader& rows, std::string_view method, std::string_view column) {
+  MethodValues values;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (rows.text(i, "method") == method && !std::isnan(rows.number(i, column)))
       values[rows.key(i)] = rows.number(i, column);
@@ -65,16 +65,16 @@ class SummaryRow {
   }
 
   /// The number of rows whose column is below the reference; empty if none can be compared.
-  Cell better(std::string_view column, const Values& reference) const {
+  Cell better(std::string_view column, const MethodValues& reference) const {
     return count(reference, column, [](double value, double other) { return value < other; });
   }
   /// The number of rows that can be compared with the reference.
-  Cell compared(const Values& reference) const {
+  Cell compared(const MethodValues& reference) const {
     return count(reference, "pixel_median", [](double, double) { return true; });
   }
 
   /// Geometric mean of the ratio of a column to the odometry's value.
-  Cell over(const Values& odometry, std::string_view column) const {
+  Cell over(const MethodValues& odometry, std::string_view column) const {
     double sum = 0.0;
     std::size_t count = 0;
     for (const std::size_t i : group_.rows) {
@@ -107,7 +107,8 @@ class SummaryRow {
 
  private:
   template <class Condition>
-  Cell count(const Values& reference, std::string_view column, const Condition& condition) const {
+  Cell count(const MethodValues& reference, std::string_view column,
+             const Condition& condition) const {
     std::int64_t compared = 0;
     std::int64_t count = 0;
     for (const std::size_t i : group_.rows) {
@@ -128,9 +129,9 @@ class SummaryRow {
 
 StudyTable summarise_ycbv(const StudyTable& rows) {
   const TableReader table(rows);
-  const Values act = values_of(table, kReference, "pixel_median");
-  const Values rotation = values_of(table, "odometry", "camera_rotation_rmse_deg");
-  const Values position = values_of(table, "odometry", "camera_position_rmse_cm");
+  const MethodValues act = values_of(table, kReference, "pixel_median");
+  const MethodValues rotation = values_of(table, "odometry", "camera_rotation_rmse_deg");
+  const MethodValues position = values_of(table, "odometry", "camera_position_rmse_cm");
   StudyTable summary({"detector", "method", "rows", "pixel_median", "pixel_median_last_map",
                       "better_than_act", "better_than_act_last_map", "compared_with_act",
                       "camera_rotation_over_odometry", "camera_position_over_odometry", "recovered",
