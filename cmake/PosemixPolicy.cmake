@@ -11,6 +11,9 @@ if(PROJECT_IS_TOP_LEVEL AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   endif()
 endif()
 
+# The sources of a room do not wait for the libraries of the rooms that it uses.
+set(CMAKE_OPTIMIZE_DEPENDENCIES ON)
+
 set(POSEMIX_WARNINGS -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
     -Wnon-virtual-dtor -Wold-style-cast -Wimplicit-fallthrough)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
@@ -99,9 +102,6 @@ endfunction()
 # posemix_unite(<target> <count>): compiles so many sources at a time, because sources are small compared with the
 # templates that they instantiate. A name in an unnamed namespace then occurs once per target.
 function(posemix_unite target count)
-  if(POSEMIX_UNITE_ALL)
-    set(count 0)
-  endif()
   set_target_properties(${target} PROPERTIES UNITY_BUILD ${POSEMIX_UNITY} UNITY_BUILD_BATCH_SIZE ${count})
   if(POSEMIX_UNITY AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     # In a unity build g++ treats every source as an included header and warns about types with unnamed namespaces.

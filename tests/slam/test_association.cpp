@@ -16,7 +16,7 @@
 namespace posemix {
 namespace {
 
-using Density = ConcentratedGaussian<SE3d>;
+using InstanceDensity = ConcentratedGaussian<SE3d>;
 using testing::thrown_message;
 
 /// The least sum over all permutations.
@@ -65,11 +65,11 @@ SE3d at(double x, double y, double yaw_deg = 0.0) {
   return SE3d(SO3d::exp({0.2, -0.1, radians(yaw_deg)}), {x, y, 0.8});
 }
 
-Density density(const SE3d& pose, double rotation_deg = 2.0, double translation_m = 0.004) {
+InstanceDensity density(const SE3d& pose, double rotation_deg = 2.0, double translation_m = 0.004) {
   // A body covariance, moved to the camera's frame.
   const Matrix6d body = pose_covariance(Eigen::Vector3d::Constant(radians(rotation_deg)),
                                         Eigen::Vector3d::Constant(translation_m));
-  return Density(pose, pose.adjoint_congruence(body));
+  return InstanceDensity(pose, pose.adjoint_congruence(body));
 }
 
 NoiseComponent noise(double rotation_deg = 3.0, double translation_m = 0.005) {
@@ -84,8 +84,8 @@ SE3d half_turn_about_z() {
 }
 
 TEST(Associate, GivesEveryInstanceItsDetection) {
-  const std::vector<Density> instances{density(at(0, 0)), density(at(0.1, 0, 20)),
-                                       density(at(0, 0.15, 80))};
+  const std::vector<InstanceDensity> instances{density(at(0, 0)), density(at(0.1, 0, 20)),
+                                               density(at(0, 0.15, 80))};
   const SE3d error(SO3d::exp({0.02, 0.03, -0.02}), {0.003, -0.002, 0.004});
   const std::vector<Candidate> seen{candidate(instances[2].mean() * error),
                                     candidate(instances[0].mean() * error),
@@ -101,7 +101,7 @@ TEST(Associate, GivesEveryInstanceItsDetection) {
 }
 
 TEST(Associate, TakesTheEquivalentPoseNearestToTheInstance) {
-  const std::vector<Density> instances{density(at(0, 0))};
+  const std::vector<InstanceDensity> instances{density(at(0, 0))};
   const std::vector<Candidate> seen{candidate(at(0.002, 0, 4) * half_turn_about_z())};
   const auto plain = associate(instances, seen, noise(), {});
   const auto aware = associate(instances, seen, noise(), SymmetryGroup({half_turn_about_z()}));
@@ -120,7 +120,7 @@ TEST(Associate, GateIsOfThePosition) {
   // The 0.999 quantile of a chi-square with three degrees of freedom is 16.266 (tables).
   const double sd = std::hypot(0.004, 0.005);
   const double gate = sd * std::sqrt(16.266);
-  const std::vector<Density> instances{density(at(0, 0))};
+  const std::vector<InstanceDensity> instances{density(at(0, 0))};
   const auto status = [&](double x) {
     return associate(instances, std::vector{candidate(at(x, 0))}, noise(), {})[0].status;
   };
@@ -129,7 +129,7 @@ TEST(Associate, GateIsOfThePosition) {
 }
 
 TEST(Associate, SecondDetectionOfOneObjectIsRejected) {
-  const std::vector<Density> instances{density(at(0, 0))};
+  const std::vector<InstanceDensity> instances{density(at(0, 0))};
   const std::vector<Candidate> seen{candidate(at(0.006, 0)), candidate(at(0.001, 0)),
                                     candidate(at(0.3, 0), 0.6), candidate(at(0.305, 0), 0.7),
                                     candidate(at(0.6, 0), 0.1)};
@@ -153,7 +153,8 @@ TEST(Associate, WithoutInstancesOrCandidates) {
 
 /// The cost of a pair by the definition in the header, with the position's covariance from
 /// finite differences and explicit inverses.
-double pair_cost(const Density& instance, const SE3d& seen, const NoiseComponent& detector) {
+double pair_cost(const InstanceDensity& instance, const SE3d& seen,
+                 const NoiseComponent& detector) {
   const double h = 1e-6;
   Eigen::Matrix<double, 3, 6> slope;
   for (Eigen::Index i = 0; i < 6; ++i) {
@@ -183,7 +184,7 @@ TEST(Associate, TotalCostIsLeastOfAllAssignments) {
   RandomStream stream(9);
   for (int round = 0; round < 60; ++round) {
     // A crowd: distances are of the size of the errors.
-    std::vector<Density> instances;
+    std::vector<InstanceDensity> instances;
     std::vector<Candidate> seen;
     const NoiseComponent detector = noise(10.0, 0.02);
     const std::size_t known = 1 + static_cast<std::size_t>(round % 4);

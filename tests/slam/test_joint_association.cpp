@@ -14,14 +14,14 @@
 namespace posemix {
 namespace {
 
-using Density = ConcentratedGaussian<SE3d>;
+using InstanceDensity = ConcentratedGaussian<SE3d>;
 using testing::isotropic;
 using testing::pose;
 
 const NoiseComponent kNoise{.covariance = isotropic(1.0, 0.01), .frame = NoiseFrame::camera};
 
-Density instance_at(double x, double sd_m = 0.005) {
-  return Density(pose(0, 0, 0, x, 0, 1), isotropic(1.0, sd_m));
+InstanceDensity instance_at(double x, double sd_m = 0.005) {
+  return InstanceDensity(pose(0, 0, 0, x, 0, 1), isotropic(1.0, sd_m));
 }
 
 Observation seen_at(double x) {
@@ -31,7 +31,7 @@ Observation seen_at(double x) {
 }
 
 TEST(JointAssociation, IsCertainWhereNothingCompetes) {
-  const std::vector<Density> instances{instance_at(0.0), instance_at(0.5)};
+  const std::vector<InstanceDensity> instances{instance_at(0.0), instance_at(0.5)};
   const std::vector<Observation> seen{seen_at(0.501), seen_at(0.001), seen_at(1.0)};
   const JointAssociation joint = associate_jointly(instances, seen, kNoise, {});
   Eigen::MatrixXd expected(3, 2);
@@ -42,7 +42,7 @@ TEST(JointAssociation, IsCertainWhereNothingCompetes) {
 
 // Two instances and two detections: the probabilities of both pairings by hand.
 TEST(JointAssociation, OfTwoPairsIsTheRatioOfTheirDensities) {
-  const std::vector<Density> instances{instance_at(0.0), instance_at(0.02, 0.01)};
+  const std::vector<InstanceDensity> instances{instance_at(0.0), instance_at(0.02, 0.01)};
   const std::vector<Observation> seen{seen_at(0.004), seen_at(0.015)};
   const JointAssociation joint = associate_jointly(instances, seen, kNoise, {});
   const auto log_density = [&](std::size_t j, std::size_t i) {
@@ -71,7 +71,7 @@ TEST(JointAssociation, OfTwoPairsIsTheRatioOfTheirDensities) {
 
 // Detections that are of neither are no more ways to have the same assignment.
 TEST(JointAssociation, DoesNotDependOnDetectionsFarAway) {
-  const std::vector<Density> instances{instance_at(0.0), instance_at(0.02)};
+  const std::vector<InstanceDensity> instances{instance_at(0.0), instance_at(0.02)};
   std::vector<Observation> seen{seen_at(0.009), seen_at(0.0105)};
   const Eigen::MatrixXd alone = associate_jointly(instances, seen, kNoise, {}).probabilities;
   for (int k = 0; k < 6; ++k) seen.push_back(seen_at(2.0 + k));
@@ -101,7 +101,7 @@ TEST(JointAssociation, NearObjectsAreNotPulledApartOrTogether) {
     for (const char* id : {"a", "b"})
       models.push_back({.id = id, .noise = noise, .class_id = "bolt"});
     const SE3d camera;
-    ObjectSlam slam(Density(camera, isotropic(0.01, 1e-5)), models, {});
+    ObjectSlam slam(InstanceDensity(camera, isotropic(0.01, 1e-5)), models, {});
     const double places[] = {-0.015, 0.015};
     for (int k = 0; k < 60; ++k) {
       FrameInput input{.dt = 0.1, .motion = SE3d()};
@@ -154,7 +154,7 @@ double lost_after(double pause_s, int detections, const SymmetryGroup& symmetrie
     };
     ObjectSlamSettings settings;
     settings.motion = motion;
-    ObjectSlam slam(Density(SE3d(), isotropic(0.01, 1e-4)), models, settings);
+    ObjectSlam slam(InstanceDensity(SE3d(), isotropic(0.01, 1e-4)), models, settings);
     const SE3d object(SO3d(), {0.1, 0.0, 1.0});
     SE3d camera;
     CandidateStatus last = CandidateStatus::fresh;
