@@ -83,7 +83,9 @@ SaltBoxSettings simulate(const SaltBoxSettings& settings, bool shared_view, Rand
     const SE3d truth = salt_box_truth() * SE3d(SO3d(), feature.point);
     const Vector3d spin(0.0, 0.0, settings.spin_sd * stream.normal());
     const Vector3d ray = truth.translation().normalized();
-    Vector3d noise(stream.normal(), stream.normal(), stream.normal());
+    // One by one: compilers differ in the order of the arguments of a call.
+    Vector3d noise;
+    for (Eigen::Index axis = 2; axis >= 0; --axis) noise[axis] = stream.normal();
     noise = settings.lateral_sd * (noise - ray * ray.dot(noise)) +
             simulated.depth_sd * ray * ray.dot(noise);
     feature.detected =
