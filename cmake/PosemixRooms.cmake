@@ -21,7 +21,7 @@ function(posemix_add_room room)
     posemix_apply_policy(${target})
     posemix_precompile(${target} FROM posemix_room_headers)
     if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
-      posemix_unite(${target} 0)  # all: clang and clang-tidy take half of the time; g++ would take more
+      posemix_unite(${target} 0)  # all: clang-tidy takes half of the time; g++ takes more
     else()
       posemix_unite(${target} 9)
     endif()

@@ -100,8 +100,7 @@ class MovingScene {
       Eigen::VectorXd white(4);
       stream.fill_normal(white);
       const Eigen::Quaterniond turn(white[0], white[1], white[2], white[3]);
-      const Eigen::Vector3d place(stream.uniform() - 0.5, stream.uniform() - 0.5,
-                                  stream.uniform() - 0.5);
+      const Eigen::Vector3d place = point_in_cube(stream);
       truth = SE3d(SO3d::from_matrix(turn.normalized().toRotationMatrix()), 0.4 * place);
     } while ((truth.translation() - before).norm() < 0.1);
   }
@@ -131,8 +130,7 @@ class MovingScene {
     Eigen::VectorXd white(4);
     stream.fill_normal(white);
     const Eigen::Quaterniond turn(white[0], white[1], white[2], white[3]);
-    const Eigen::Vector3d place(stream.uniform() - 0.5, stream.uniform() - 0.5,
-                                stream.uniform() - 0.5);
+    const Eigen::Vector3d place = point_in_cube(stream);
     return camera.inverse() * SE3d(SO3d::from_matrix(turn.normalized().toRotationMatrix()), place);
   }
 

@@ -66,10 +66,8 @@ struct OrbitScene {
     const SE3d seen = camera.inverse() * truth[object];
     const double chance = stream.uniform();
     if (chance < wild) {
-      return SE3d(
-          SO3d::exp(2.0 * Eigen::Vector3d(stream.normal(), stream.normal(), stream.normal())),
-          seen.translation() +
-              0.1 * Eigen::Vector3d(stream.normal(), stream.normal(), stream.normal()));
+      const Eigen::Vector3d shift = 0.1 * normals(stream);
+      return SE3d(SO3d::exp(2.0 * normals(stream)), seen.translation() + shift);
     }
     const SE3d flip = pose(0, 0, std::numbers::pi, 0, 0, 0);
     const SE3d mode = chance < wild + flips ? seen * flip : seen;

@@ -85,8 +85,7 @@ class PutDownScene {
     Eigen::VectorXd white(4);
     stream.fill_normal(white);
     const Eigen::Quaterniond turn(white[0], white[1], white[2], white[3]);
-    const Eigen::Vector3d place(stream.uniform() - 0.5, stream.uniform() - 0.5,
-                                stream.uniform() - 0.5);
+    const Eigen::Vector3d place = point_in_cube(stream);
     return {SO3d::from_matrix(turn.normalized().toRotationMatrix()), side * place};
   }
 

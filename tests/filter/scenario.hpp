@@ -31,6 +31,20 @@ inline Vector6d draw(const Matrix6d& covariance, RandomStream& stream) {
   return Eigen::LLT<Matrix6d>(covariance).matrixL() * white;
 }
 
+/// Three draws, one by one: the order of the arguments of a call is the compiler's.
+inline Eigen::Vector3d normals(RandomStream& stream) {
+  Eigen::Vector3d values;
+  for (Eigen::Index axis = 2; axis >= 0; --axis) values[axis] = stream.normal();
+  return values;
+}
+
+/// A point in a cube of side 1 about the origin, likewise.
+inline Eigen::Vector3d point_in_cube(RandomStream& stream) {
+  Eigen::Vector3d point;
+  for (Eigen::Index axis = 2; axis >= 0; --axis) point[axis] = stream.uniform() - 0.5;
+  return point;
+}
+
 /// The mug of the midway paper (eq. 36): a heavy tail about z.
 inline DetectorNoise heavy_tailed_noise(double tail_sd_deg = 12.0) {
   NoiseComponent core{0.7, isotropic(4.0, 0.01)};

@@ -93,7 +93,7 @@ TEST_F(Ties, EndWhenItIsDecided) {
     filter.predict_with_odometry(scene.advance(), scene.q, 0.1);
     for (std::size_t j = 0; j < 2; ++j) filter.update(j, scene.detect(j, 0.0, 0.0));
   }
-  EXPECT_GT(std::exp(filter.camera_mixture()[0].log_weight), 0.999);
+  EXPECT_EQ(filter.camera_mixture().size(), 1U);
   for (std::size_t j = 0; j < 2; ++j) EXPECT_GT(filter.mode_probability(j), 0.999);
 }
 

@@ -163,14 +163,14 @@ FalseMoves false_moves(const DetectorNoise& noise, const PutDownMotion& motion, 
 TEST(PutDown, IsNotSeenInRunsOfKnownFlips) {
   const DetectorNoise noise =
       SceneNoise{.gross = 0.04, .clutter = 0.02, .flips = 0.25, .mode_time_s = 3.0}.noise();
-  const FalseMoves result = false_moves(noise, {}, {.length = 30, .part = 0.25}, 20, 700);
+  const FalseMoves result = false_moves(noise, {}, {.length = 30, .part = 0.25}, 1, 700);
   EXPECT_LE(result.moves, result.detections / 10000);
 }
 
 TEST(PutDown, IsNotSeenInRunsOfFlipsThatTheNoiseDoesNotKnow) {
   const DetectorNoise noise =
       SceneNoise{.gross = 0.04, .clutter = 0.25, .mode_time_s = 3.0}.noise();
-  const FalseMoves result = false_moves(noise, {}, {.length = 30, .part = 0.25}, 20, 700);
+  const FalseMoves result = false_moves(noise, {}, {.length = 30, .part = 0.25}, 1, 700);
   EXPECT_LE(result.moves, result.detections / 10000);
 }
 
@@ -179,7 +179,7 @@ TEST(PutDown, IsAsProbableInRunsElsewhereAsTheRatesSay) {
       SceneNoise{.gross = 0.04, .clutter = 0.25, .mode_time_s = 3.0}.noise();
   const FalseMoves result = false_moves(
       noise, {.jump_rate = 1e-4},
-      {.length = 30, .part = 0.25, .flip = pose(0.5, 0.2, 1.0, 0.2, -0.1, 0.1)}, 20, 700);
+      {.length = 30, .part = 0.25, .flip = pose(0.5, 0.2, 1.0, 0.2, -0.1, 0.1)}, 1, 700);
   EXPECT_LE(result.moves, result.detections / 10000);
 }
 

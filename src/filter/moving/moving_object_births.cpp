@@ -58,13 +58,13 @@ MovingHypothesis MovingObjectState::birth(const ObservationComponent& seen, std:
 
 /// The hypothesis that explains a component of the observation best, within the quantile.
 MovingHypothesis* MovingObjectState::explaining(const Evidence& evidence, std::size_t component) {
-  constexpr double kLeastPlausible = 0.01;
+  constexpr double kLeastModelShare = 0.01;
   double least = explained_;
   MovingHypothesis* nearest = nullptr;
   for (std::size_t h = 0; h < evidence.size(); ++h) {
     const Eigen::ArrayXd by_model = hypotheses_[h].weights.by_model();
     for (std::size_t k = 0; k < model_count(); ++k) {
-      if (by_model[static_cast<Eigen::Index>(k)] < kLeastPlausible * by_model.sum()) continue;
+      if (by_model[static_cast<Eigen::Index>(k)] < kLeastModelShare * by_model.sum()) continue;
       if (evidence[h][k].squared_distances[component] >= least) continue;
       least = evidence[h][k].squared_distances[component];
       nearest = &hypotheses_[h];

@@ -11,7 +11,7 @@ namespace posemix::internal {
 namespace {
 
 /// Parts of a mixture of models below this are left out.
-constexpr double kLeastModel = 1e-9;
+constexpr double kLeastModelPart = 1e-9;
 
 /// Squarings of a transition after which rounding may have grown, as every one doubles its relative
 /// error.
@@ -117,7 +117,7 @@ std::vector<PlacedObject> MovingObjectState::mixed_models(const MovingHypothesis
     for (std::size_t l = 0; l < model_count(); ++l) {
       const auto row = static_cast<Eigen::Index>(l);
       const double weight = before[row] * transition(row, static_cast<Eigen::Index>(k));
-      if (!(weight > kLeastModel * total) && l != k) continue;
+      if (!(weight > kLeastModelPart * total) && l != k) continue;
       const PlacedObject* source = &hypothesis.objects[l];
       if (l != k) {
         Matrix12d jacobian;
