@@ -60,14 +60,21 @@ export function readAddress(state: RunState, address: string, initial: Beginning
 export function bindAddress(state: RunState, kept: Kept = {}): void {
   const initial = { object: state.selected, tab: state.tab, view: state.view };
   if (location.hash.length > 1) readAddress(state, location.hash, initial, kept);
+  let known = location.hash;
   let timer: ReturnType<typeof setTimeout> | undefined;
   const write = () => {
     timer = undefined;
+    // An address was entered, and its event is on its way: the state before must not be written over it.
+    if (location.hash !== known) return;
     const address = addressOf(state, initial, kept);
     history.replaceState(null, "", address === "" ? location.pathname + location.search : `#${address}`);
+    known = location.hash;
   };
   const later = () => void (timer ??= setTimeout(write, LEAST_PAUSE_MS));
   for (const topic of TOPICS) state.on(topic, later);
   for (const setting of Object.values(kept)) setting.onChange(later);
-  addEventListener("hashchange", () => readAddress(state, location.hash, initial, kept));
+  addEventListener("hashchange", () => {
+    known = location.hash;
+    readAddress(state, known, initial, kept);
+  });
 }

@@ -94,6 +94,23 @@ test("back, forward and a sent link restore them", async ({ page }) => {
   expect(await scene(page, "look")).toEqual({ sigma: 1, factor: 10, frame: "object" });
 });
 
+test("an address that is entered while the page is busy is not written over by the address before", async ({ page }) => {
+  await open(page, "address-busy", sceneReport());
+  // The page writes its address a moment after a change, and hears of an address that is entered only when it is at rest.
+  for (const [entered, sigma] of [["#sigma=2", 2], ["#sigma=1", 1], ["#sigma=2", 2]] as const) {
+    await page.evaluate(async (address) => {
+      location.hash = "#sigma=all";
+      await new Promise((done) => addEventListener("hashchange", done, { once: true }));
+      const { port1, port2 } = new MessageChannel();
+      port1.onmessage = () => void (location.hash = address);
+      port2.postMessage("enter it");
+      for (const end = performance.now() + 500; performance.now() < end;);
+    }, entered);
+    await expect.poll(() => scene(page, "look")).toEqual({ ...AT_FIRST, sigma });
+    expect(await hash(page)).toBe(entered);
+  }
+});
+
 test("a bad value in an address is as at the beginning, beside good ones", async ({ page }) => {
   await open(page, "address-bad", sceneReport());
   await enter(page, CHOSEN);
