@@ -100,8 +100,12 @@ function(posemix_precompile target)
 endfunction()
 
 # posemix_unite(<target> <count>): compiles so many sources at a time, because sources are small compared with the
-# templates that they instantiate. A name in an unnamed namespace then occurs once per target.
+# templates that they instantiate. A name in an unnamed namespace then occurs once per target. Clang takes all of them at a
+# time, and clang-tidy with it; g++ takes longer per source, the more templates it has seen.
 function(posemix_unite target count)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+    set(count 0)
+  endif()
   set_target_properties(${target} PROPERTIES UNITY_BUILD ${POSEMIX_UNITY} UNITY_BUILD_BATCH_SIZE ${count})
   if(POSEMIX_UNITY AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     # In a unity build g++ treats every source as an included header and warns about types with unnamed namespaces.

@@ -19,7 +19,7 @@
 /// the tests of the filter of one moving object.
 namespace posemix::testing {
 
-inline constexpr double kStep = 0.1;  ///< between two frames [s]
+inline constexpr double kFramePeriod_s = 0.1;  ///< between two frames [s]
 inline const SE3d kFlipOfObject = pose(0, 0, std::numbers::pi, 0, 0, 0);
 
 inline Vector6d sds(double rotation, double translation) {

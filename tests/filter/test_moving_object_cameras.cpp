@@ -14,7 +14,7 @@ using testing::nees_of;
 using testing::plain_moving_settings;
 using testing::SceneNoise;
 
-using testing::kStep;
+using testing::kFramePeriod_s;
 
 /// NEES of a still object in the world after many detections from cameras with errors.
 double camera_nees(const Matrix6d& independent, const Matrix6d& constant, bool state_it) {
@@ -26,7 +26,7 @@ double camera_nees(const Matrix6d& independent, const Matrix6d& constant, bool s
     const SE3d fixed = SE3d::exp(testing::draw(constant, scene.stream));
     MovingObjectFilter filter({noise}, {}, plain_moving_settings());
     for (int k = 0; k < 40; ++k) {
-      scene.advance(StaticMotion{}, kStep);
+      scene.advance(StaticMotion{}, kFramePeriod_s);
       // The true camera is Exp(error) times the stated one.
       const SE3d stated =
           (SE3d::exp(testing::draw(independent, scene.stream)) * fixed).inverse() * scene.camera;
@@ -55,7 +55,7 @@ TEST(MovingObjectCameras, SeesTheObjectFromTheCameraWithoutItsConstantError) {
   const KnownCamera camera =
       still_camera(ConcentratedGaussian<SE3d>(scene.camera, isotropic(1.0, 0.01)));
   for (int k = 0; k < 30; ++k) {
-    scene.advance(StaticMotion{}, kStep);
+    scene.advance(StaticMotion{}, kFramePeriod_s);
     filter.update(scene.observed(scene.inlier()), camera);
   }
   const auto seen = filter.relative_mixture(camera);
@@ -76,7 +76,7 @@ TEST(MovingObjectCameras, HasTheErrorOfTheFrameThatHoldsTheObject) {
   MovingObjectFilter filter({SceneNoise{.gross = 0.0}.noise()}, {.models = {AttachedMotion{}}},
                             plain_moving_settings());
   for (int k = 0; k < 200; ++k) {
-    scene.advance(StaticMotion{}, kStep);
+    scene.advance(StaticMotion{}, kFramePeriod_s);
     filter.update(scene.observed(scene.inlier()), exact_camera(scene.camera),
                   {{.pose = SE3d(), .covariance = of_frame}});
   }

@@ -26,7 +26,7 @@ using testing::sds;
 
 using PoseMixture = Mixture<ConcentratedGaussian<SE3d>>;
 
-using testing::kStep;
+using testing::kFramePeriod_s;
 
 /// A history: the object, if its place is known, the place of a run, if the detector is in one, and
 /// whether the detector is right.
@@ -100,7 +100,7 @@ class AllHistories {
     std::vector<History> next;
     const double r01 = models_.rates(0, 1);
     const double r10 = models_.rates(1, 0);
-    const double mixed = -std::expm1(-(r01 + r10) * kStep) / (r01 + r10);
+    const double mixed = -std::expm1(-(r01 + r10) * kFramePeriod_s) / (r01 + r10);
     const double change[2] = {r01 * mixed, r10 * mixed};
     for (const History& history : histories_) {
       for (const std::size_t to : {std::size_t{0}, std::size_t{1}}) {
@@ -114,9 +114,9 @@ class AllHistories {
         }
         const MotionState state =
             as_state_of(*history.object, models_.models[history.model], models_.models[to]);
-        moved.object = predict(state, models_.models[to], kStep).state;
+        moved.object = predict(state, models_.models[to], kFramePeriod_s).state;
         const auto* put_down = std::get_if<PutDownMotion>(&models_.models[to]);
-        const double stays = put_down ? std::exp(-put_down->jump_rate * kStep) : 1.0;
+        const double stays = put_down ? std::exp(-put_down->jump_rate * kFramePeriod_s) : 1.0;
         if (put_down) {
           History gone = moved;
           gone.object.reset();
@@ -135,7 +135,7 @@ class AllHistories {
     const double alone = settings_.isolated_clutter * clutter;
     const double in_run = (clutter - alone) / (1.0 - alone);
     const double time = noise_.dependence().mode_time_s;
-    const double stay = first || time == 0.0 ? 0.0 : std::exp(-kStep / time);
+    const double stay = first || time == 0.0 ? 0.0 : std::exp(-kFramePeriod_s / time);
     std::vector<History> next;
     for (const History& history : histories_) {
       const auto add = [&](double weight, bool run, bool keep) {
@@ -232,7 +232,7 @@ Loss mean_loss(const DetectorNoise& noise, const MotionModels& models, int seeds
     MovingObjectFilter filter({noise}, models, settings);
     AllHistories exact(noise, models, settings);
     for (int k = 0; k < frames; ++k) {
-      if (k > 0) scene.time_s += kStep;
+      if (k > 0) scene.time_s += kFramePeriod_s;
       const SE3d seen = show(scene, k);
       filter.update(scene.observed(seen), exact_camera(scene.camera));
       exact.update(scene.camera, seen, k == 0);
@@ -289,7 +289,8 @@ TEST(MovingObjectExhaustive, LosesLittleWhileTheObjectMoves) {
                               4, 5, [](MovingScene& scene, int k) {
                                 if (k == 0) scene.twist << 0.4, -0.5, 0.3, 0.1, 0.1, -0.05;
                                 const double now = scene.time_s;
-                                if (k > 0) scene.advance(ConstantVelocityMotion{sds(0, 0)}, kStep);
+                                if (k > 0)
+                                  scene.advance(ConstantVelocityMotion{sds(0, 0)}, kFramePeriod_s);
                                 scene.time_s = now;
                                 return scene.inlier();
                               });

@@ -21,7 +21,7 @@ using testing::pose;
 using testing::SceneNoise;
 using testing::sds;
 
-using testing::kStep;
+using testing::kFramePeriod_s;
 
 struct Consistency {
   double nees = 0.0;  ///< of the pose, per degree of freedom
@@ -49,7 +49,7 @@ Consistency consistency(const ObjectMotion& motion, const DetectorNoise& noise, 
         frame_motion = k == 0 ? SE3d() : next * frame.inverse();
         frame = next;
       }
-      if (k > 0) scene.advance(motion, kStep, frame_motion);
+      if (k > 0) scene.advance(motion, kFramePeriod_s, frame_motion);
       const MovingObjectReport report =
           filter.update(scene.observed(scene.inlier()), exact_camera(scene.camera), {{frame}});
       if (k < 10) continue;
@@ -111,7 +111,7 @@ TEST(MovingObjectFilter, FindsTheModel) {
       if (k == 30)
         scene.twist = testing::draw(moving.start_sds.cwiseAbs2().asDiagonal(), scene.stream);
       if (k == 60) scene.twist.setZero();
-      scene.advance(moves ? ObjectMotion(moving) : ObjectMotion(StaticMotion{}), kStep);
+      scene.advance(moves ? ObjectMotion(moving) : ObjectMotion(StaticMotion{}), kFramePeriod_s);
       filter.update(scene.observed(scene.detect()), exact_camera(scene.camera));
       const MovingObjectEstimate estimate = filter.estimate();
       if (k == 29) still += estimate.models[0] / (2 * kSeeds);
@@ -141,7 +141,7 @@ TEST(MovingObjectFilter, PredictsWithoutAChange) {
     scene.twist = testing::draw(motion.start_sds.cwiseAbs2().asDiagonal(), scene.stream);
     MovingObjectFilter filter({noise}, {.models = {motion}}, plain_moving_settings());
     for (int k = 0; k < 15; ++k) {
-      scene.advance(motion, kStep);
+      scene.advance(motion, kFramePeriod_s);
       filter.update(scene.observed(scene.inlier()), exact_camera(scene.camera));
     }
     const SE3d before = filter.estimate().hypotheses.front().world.mean();
@@ -174,10 +174,10 @@ TEST(MovingObjectFilter, KeepsTheSlowErrorOfTheDetector) {
     MovingScene scene(static_cast<std::uint64_t>(seed), noise);
     MovingObjectFilter filter({noise}, {.models = {RandomWalkMotion{sds(0.02, 0.005)}}},
                               plain_moving_settings());
-    const double a = std::exp(-kStep / 5.0);
+    const double a = std::exp(-kFramePeriod_s / 5.0);
     Vector6d slow = testing::draw(dependence.slow->covariance, scene.stream);
     for (int k = 0; k < 100; ++k) {
-      scene.advance(RandomWalkMotion{sds(0.02, 0.005)}, kStep);
+      scene.advance(RandomWalkMotion{sds(0.02, 0.005)}, kFramePeriod_s);
       slow = (a * slow +
               std::sqrt(1 - a * a) * testing::draw(dependence.slow->covariance, scene.stream))
                  .eval();
@@ -204,7 +204,7 @@ TEST(MovingObjectFilter, LeavesTheAngleAboutAnAxisOfSymmetryFree) {
   const ConstantVelocityMotion motion{sds(0.3, 0.05), MotionFrame::object, sds(1.0, 0.3)};
   MovingObjectFilter filter({noise, symmetries}, {.models = {motion}}, plain_moving_settings());
   for (int k = 0; k < 80; ++k) {
-    scene.advance(ConstantVelocityMotion{sds(0, 0)}, kStep);
+    scene.advance(ConstantVelocityMotion{sds(0, 0)}, kFramePeriod_s);
     const SE3d any_angle(SO3d::exp({0.0, 0.0, 6.3 * scene.stream.uniform()}), {0, 0, 0});
     filter.update(scene.observed(scene.inlier() * any_angle), exact_camera(scene.camera));
   }

@@ -19,7 +19,7 @@ using testing::pose;
 using testing::SceneNoise;
 using testing::sds;
 
-using testing::kStep;
+using testing::kFramePeriod_s;
 
 bool is_at(const SE3d& truth, const MovingObjectEstimate& estimate) {
   if (estimate.hypotheses.empty()) return false;
@@ -42,12 +42,12 @@ int detections_until_noticed(std::uint64_t seed, const DetectorNoise& noise,
   MovingScene scene(seed, noise);
   MovingObjectFilter filter = tracker(noise, models);
   for (int k = 0; k < 30; ++k) {
-    scene.advance(StaticMotion{}, kStep);
+    scene.advance(StaticMotion{}, kFramePeriod_s);
     filter.update(scene.observed(scene.detect()), exact_camera(scene.camera));
   }
   scene.put_down();
   for (int k = 1; k <= 30; ++k) {
-    scene.advance(StaticMotion{}, kStep);
+    scene.advance(StaticMotion{}, kFramePeriod_s);
     filter.update(scene.observed(scene.detect()), exact_camera(scene.camera));
     if (is_at(scene.truth, filter.estimate())) return k;
   }
@@ -92,7 +92,7 @@ FalseJumps false_jumps(const DetectorNoise& noise, const MotionModels& models, i
     bool was_right = true;
     int in_run = 0;
     for (int k = 0; k < frames; ++k) {
-      scene.advance(StaticMotion{}, kStep);
+      scene.advance(StaticMotion{}, kFramePeriod_s);
       if (k > 300 && in_run == 0 && scene.stream.uniform() < 1.0 / (3.0 * run)) in_run = run;
       const SE3d seen = in_run > 0 ? scene.erring(scene.truth * flip, noise.components().front())
                                    : scene.detect();
@@ -163,13 +163,13 @@ TEST(MovingObjectJumps, HaveTheOddsOfTheRatesOfRunsAndJumps) {
     Observation observation = observation_of(at);
     observation.stamp_s = t;
     filter.update(observation, exact_camera(scene.camera));
-    t += kStep;
+    t += kFramePeriod_s;
   };
   const SE3d here = scene.camera.inverse() * scene.truth;
   const SE3d there = here * pose(0.5, 1.0, 0.4, 0.2, 0.1, 0.1);
   for (int k = 0; k < 200; ++k) see(here);
-  const double stay = std::exp(-kStep / mode_time);
-  const double jump = -std::expm1(-rate * kStep);
+  const double stay = std::exp(-kFramePeriod_s / mode_time);
+  const double jump = -std::expm1(-rate * kFramePeriod_s);
   // The object here and a run, or put down there and right.
   double run_there = (1.0 - jump) * (1.0 - stay) * clutter;
   double put_there = jump * (stay + (1.0 - stay) * (1.0 - clutter));

@@ -20,7 +20,7 @@ using testing::pose;
 using testing::SceneNoise;
 using testing::sds;
 
-using testing::kStep;
+using testing::kFramePeriod_s;
 
 /// Of the truth at the steps of a recording: NEES per degree of freedom, and squared errors of
 /// rotation and position.
@@ -83,7 +83,7 @@ Compared compared(const ObjectMotion& motion, int seeds, int frames) {
         frame_motion = k == 0 ? SE3d() : next * frame.inverse();
         frame = next;
       }
-      if (k > 0) scene.advance(motion, kStep, frame_motion);
+      if (k > 0) scene.advance(motion, kFramePeriod_s, frame_motion);
       recording.add(scene, scene.inlier(), frame);
     }
     recording.compare({noise}, {.models = {motion}}, result);
@@ -136,7 +136,7 @@ TEST(MovingObjectSmoother, IsConsistentWhereTheModelChanges) {
       if (k == 30)
         scene.twist = testing::draw(moving.start_sds.cwiseAbs2().asDiagonal(), scene.stream);
       if (k == 60) scene.twist.setZero();
-      scene.advance(moves ? ObjectMotion(moving) : ObjectMotion(StaticMotion{}), kStep);
+      scene.advance(moves ? ObjectMotion(moving) : ObjectMotion(StaticMotion{}), kFramePeriod_s);
       recording.add(scene, scene.detect());
     }
     recording.compare({noise}, models, result);
@@ -155,7 +155,7 @@ TEST(MovingObjectSmoother, HasAStepWhereTheObjectIsPutDown) {
     Recording recording;
     for (int k = 0; k < 40; ++k) {
       if (k == 20) scene.put_down();
-      scene.advance(StaticMotion{}, kStep);
+      scene.advance(StaticMotion{}, kFramePeriod_s);
       recording.add(scene, scene.inlier());
     }
     const auto smoothed = smooth_moving_object({noise}, {.models = {PutDownMotion{}}},
@@ -179,7 +179,7 @@ TEST(MovingObjectSmoother, KeepsSoManyStepsAndEndsWithTheFilter) {
   MovingObjectSmoother all({noise}, models);
   MovingObjectSmoother lagged({noise}, models, {}, 6);
   for (int k = 0; k < 20; ++k) {
-    scene.advance(models.models[0], kStep);
+    scene.advance(models.models[0], kFramePeriod_s);
     const Observation observation = scene.observed(scene.inlier());
     all.update(observation, exact_camera(scene.camera));
     lagged.update(observation, exact_camera(scene.camera));

@@ -16,7 +16,7 @@
 namespace posemix {
 namespace {
 
-using testing::kStep;
+using testing::kFramePeriod_s;
 constexpr double kDeviation = 0.003;  ///< of a detection [m]
 constexpr double kAcceleration = 0.3;
 constexpr double kStartSpeedSd = 0.1;  ///< of the velocity of an object that begins to move [m/s]
@@ -54,13 +54,13 @@ Eigen::MatrixXd motion_covariance(const std::vector<bool>& moves) {
     Eigen::MatrixXd f = Eigen::MatrixXd::Identity(n + 1, n + 1);
     f(k, k) = 0.0;
     f(k, k - 1) = 1.0;
-    f(k, n) = kStep;
+    f(k, n) = kFramePeriod_s;
     p = (f * p * f.transpose()).eval();
     if (!moves[now]) continue;
-    p(k, k) += q * std::pow(kStep, 3) / 3.0;
-    p(k, n) += q * kStep * kStep / 2.0;
-    p(n, k) += q * kStep * kStep / 2.0;
-    p(n, n) += q * kStep;
+    p(k, k) += q * std::pow(kFramePeriod_s, 3) / 3.0;
+    p(k, n) += q * kFramePeriod_s * kFramePeriod_s / 2.0;
+    p(n, k) += q * kFramePeriod_s * kFramePeriod_s / 2.0;
+    p(n, n) += q * kFramePeriod_s;
   }
   return p.topLeftCorner(n, n);
 }
@@ -124,7 +124,7 @@ struct SmootherLoss {
 };
 
 SmootherLoss loss(double start, double rate, const MotionModels& models, int seeds, int steps) {
-  const double change = rate > 0.0 ? -0.5 * std::expm1(-2.0 * rate * kStep) : 0.0;
+  const double change = rate > 0.0 ? -0.5 * std::expm1(-2.0 * rate * kFramePeriod_s) : 0.0;
   MovingObjectSettings settings = testing::plain_moving_settings();
   settings.lost_rate = 0.0;
   SmootherLoss result;
@@ -136,13 +136,13 @@ SmootherLoss loss(double start, double rate, const MotionModels& models, int see
         testing::draw(Matrix6d(kStartSpeedSd * kStartSpeedSd * Matrix6d::Identity()), stream)
             .head<3>();
     for (int k = 0; k < steps; ++k) {
-      const double travelled = kStep * std::max(0, k - (start > 0.9 ? 0 : steps / 2));
+      const double travelled = kFramePeriod_s * std::max(0, k - (start > 0.9 ? 0 : steps / 2));
       const Eigen::Vector3d error =
           testing::draw(Matrix6d(kDeviation * kDeviation * Matrix6d::Identity()), stream).head<3>();
       seen.row(k) = travelled * velocity + error;
       MovingObjectStep step{.observation =
                                 observation_of(SE3d(SO3d(), Eigen::Vector3d(seen.row(k))))};
-      step.observation.stamp_s = kStep * k;
+      step.observation.stamp_s = kFramePeriod_s * k;
       recording.push_back(step);
     }
     const MovingObjectSmoothing smoothing =

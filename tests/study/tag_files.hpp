@@ -17,7 +17,7 @@
 /// Files of a simulated recording of square tags.
 namespace posemix::testing {
 
-inline constexpr int kFrames = 60;
+inline constexpr int kTagFrames = 60;
 inline constexpr double kTagEdge = 0.15;
 
 /// T_map_rig: a curve before a wall of tags, looking at it.
@@ -86,7 +86,7 @@ inline void write_recording(const TemporaryFolder& data, const std::string& name
   std::string corners = "stamp_s,topic,tag,u0_px,v0_px,u1_px,v1_px,u2_px,v2_px,u3_px,v3_px\n";
   std::vector<StampedPose> reference, odometry;
   const SE3d odom_map(SO3d::exp({0.3, 0.1, 0.2}), {1.0, -2.0, 0.5});
-  for (int k = 0; k < kFrames; ++k) {
+  for (int k = 0; k < kTagFrames; ++k) {
     const double t = k / 20.0;
     const SE3d rig = rig_at(t);
     reference.push_back({t, rig});

@@ -125,12 +125,12 @@ TEST(FiducialsPeer, IsScoredInTheSameTables) {
   const OrderedJson peer = OrderedJson::parse(study.run_item(1));
   const OrderedJson& row = peer["row"];
   EXPECT_EQ(row["input"], "perfect");
-  EXPECT_EQ(row["frames"], testing::kFrames);
+  EXPECT_EQ(row["frames"], testing::kTagFrames);
   EXPECT_EQ(row["frames_not_finite"], 0);
   EXPECT_LT(row["camera_max_m"], 1e-9);
   EXPECT_LT(row["survey_frame_max_m"], 1e-9);
   EXPECT_EQ(row["odometry_rms_m"], filter["row"]["odometry_rms_m"]);
-  EXPECT_EQ(row["scored_sightings"], 5 * testing::kFrames);
+  EXPECT_EQ(row["scored_sightings"], 5 * testing::kTagFrames);
   EXPECT_EQ(row["wrong_share"], row["detector_wrong_share"]);
   EXPECT_EQ(row["detector_wrong_share"], filter["row"]["detector_wrong_share"]);
   EXPECT_TRUE(row["camera_anees"].is_null());

@@ -17,7 +17,7 @@ namespace {
 
 using OrderedJson = nlohmann::ordered_json;
 
-using testing::kFrames;
+using testing::kTagFrames;
 using testing::position_text;
 using testing::tag_pose;
 using testing::tags_text;
@@ -38,9 +38,9 @@ TEST(FiducialsStudy, ScoresARecordingWithOdometry) {
   EXPECT_EQ(row["recording"], "with_odometry");
   EXPECT_EQ(row["input"], "weights");
   EXPECT_EQ(row["priors"], false);
-  EXPECT_EQ(row["frames"], kFrames);
-  EXPECT_EQ(row["sightings"], 5 * kFrames);
-  EXPECT_EQ(row["scored_frames"], kFrames);
+  EXPECT_EQ(row["frames"], kTagFrames);
+  EXPECT_EQ(row["sightings"], 5 * kTagFrames);
+  EXPECT_EQ(row["scored_frames"], kTagFrames);
   EXPECT_EQ(row["tags"], 5);
   EXPECT_EQ(row["tags_from_several_sides"], 5);
   EXPECT_EQ(row["wrong_at_end"], 0);
@@ -51,8 +51,8 @@ TEST(FiducialsStudy, ScoresARecordingWithOdometry) {
   EXPECT_TRUE(row["normal_median_deg"].is_null());
   EXPECT_TRUE(row["camera_anees"].is_null());
   EXPECT_EQ(found["tags"].size(), 5U);
-  EXPECT_EQ(found["timing"]["frames"], kFrames);
-  EXPECT_NEAR(found["timing"]["recorded_s"].get<double>(), (kFrames - 1) / 20.0, 1e-9);
+  EXPECT_EQ(found["timing"]["frames"], kTagFrames);
+  EXPECT_NEAR(found["timing"]["recorded_s"].get<double>(), (kTagFrames - 1) / 20.0, 1e-9);
   EXPECT_GE(found["timing"]["worst_ms"], found["timing"]["mean_ms"]);
 }
 
@@ -141,7 +141,7 @@ TEST(FiducialsStudy, ASingleCameraIsTheRig) {
   const FiducialFolder folder = read_fiducial_recording(recordings[0]);
   ASSERT_EQ(folder.cameras.size(), 1U);
   EXPECT_TRUE(folder.cameras[0].rig_camera->pose.is_approx(SE3d(), 1e-12));
-  EXPECT_EQ(folder.fiducials.observations.size(), 5U * kFrames);
+  EXPECT_EQ(folder.fiducials.observations.size(), 5U * kTagFrames);
   EXPECT_TRUE(read_fiducial_reference(recordings[0]).at(0.05).has_value());
 }
 
