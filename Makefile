@@ -209,6 +209,7 @@ build/.reuse: | build/.bootstrap-style
 style: build/.bootstrap-style build/.reuse
 	$(BEGINS)
 	tools/check_includes.py
+	tools/check_names.py
 	tools/umbrella_headers.py --check
 	tools/version.py
 	@cmp LICENSE LICENSES/MIT.txt

@@ -23,7 +23,7 @@ Eigen::Matrix3d isotropic(double degrees) {
 }
 
 /// A correlated covariance with standard deviations of about `deviation`.
-Eigen::Matrix3d correlated(RandomStream& stream, double deviation) {
+Eigen::Matrix3d correlated_rotation(RandomStream& stream, double deviation) {
   Eigen::VectorXd entries(9);
   stream.fill_normal(entries);
   const Eigen::Matrix3d root = entries.reshaped(3, 3);
@@ -63,7 +63,7 @@ Reference by_product_rule(const Peaks& p, const Peaks& q, const SO3d& centre,
   return sum;
 }
 
-Peaks single(const Peak& peak) { return Peaks({{0.0, peak}}); }
+Peaks peaks_of(const Peak& peak) { return Peaks({{0.0, peak}}); }
 
 void expect_close(const DivergenceEstimate& estimate, double expected, double relative) {
   EXPECT_TRUE(estimate.converged);
@@ -83,10 +83,10 @@ TEST(RotationQuadrature, CorrelatedPeaksAgreeWithAProductRule) {
   RandomStream stream(11);
   for (const double deviation : {0.15, 0.25}) {
     const SO3d mean = SO3d::exp(vector_of_length(stream, 1.0));
-    const Peak p(mean, correlated(stream, deviation));
-    const Peak q(SO3d::exp(vector_of_length(stream, 0.3)) * mean, correlated(stream, 0.3));
+    const Peak p(mean, correlated_rotation(stream, deviation));
+    const Peak q(SO3d::exp(vector_of_length(stream, 0.3)) * mean, correlated_rotation(stream, 0.3));
     const testing::BallRule rule{.radial_panels = 3, .polar_panels = 2, .azimuths = 100};
-    const Reference expected = by_product_rule(single(p), single(q), mean, rule);
+    const Reference expected = by_product_rule(peaks_of(p), peaks_of(q), mean, rule);
     expect_close(kl(p, q), expected.kl, 1e-6);
     expect_close(isd(p, q), expected.isd, 1e-6);
     expect_close(symmetric_kl(p, q), expected.symmetric_kl, 1e-6);
@@ -97,7 +97,8 @@ TEST(RotationQuadrature, MixturesAgreeWithAProductRule) {
   RandomStream stream(12);
   const SO3d mean = SO3d::exp(vector_of_length(stream, 2.0));
   const auto peak = [&](double away, double deviation) {
-    return Peak(SO3d::exp(vector_of_length(stream, away)) * mean, correlated(stream, deviation));
+    return Peak(SO3d::exp(vector_of_length(stream, away)) * mean,
+                correlated_rotation(stream, deviation));
   };
   const Peaks p({{std::log(0.6), peak(0.2, 0.2)}, {std::log(0.4), peak(0.4, 0.15)}});
   const Peaks q({{std::log(0.2), peak(0.3, 0.15)}, {std::log(0.8), peak(0.2, 0.2)}});
@@ -115,8 +116,8 @@ TEST(RotationQuadrature, WithACommonMeanItIsTheClosedForm) {
   for (const double deviation : {1e-3, 0.02, 0.2}) {
     for (const double ratio : {1.0, 0.05, 20.0}) {
       const SO3d mean = SO3d::exp(vector_of_length(stream, 1.5));
-      const Peak p(mean, correlated(stream, std::min(0.2, deviation * ratio)));
-      const Peak q(mean, correlated(stream, deviation));
+      const Peak p(mean, correlated_rotation(stream, std::min(0.2, deviation * ratio)));
+      const Peak q(mean, correlated_rotation(stream, deviation));
       expect_close(kl(p, q), gaussian_kl(p, q), 1e-7);
       expect_close(symmetric_kl(p, q), gaussian_symmetric_kl(p, q), 1e-6);
     }
@@ -125,8 +126,8 @@ TEST(RotationQuadrature, WithACommonMeanItIsTheClosedForm) {
 
 TEST(RotationQuadrature, ConcentratedPeaksApproachTheClosedFormQuadratically) {
   RandomStream stream(14);
-  const Eigen::Matrix3d shape_p = correlated(stream, 1.0);
-  const Eigen::Matrix3d shape_q = correlated(stream, 1.0);
+  const Eigen::Matrix3d shape_p = correlated_rotation(stream, 1.0);
+  const Eigen::Matrix3d shape_q = correlated_rotation(stream, 1.0);
   const Eigen::Vector3d step = vector_of_length(stream, 1.0);
   const auto error = [&](double scale) {
     const Peak p(SO3d(), scale * scale * shape_p);
@@ -143,7 +144,7 @@ Peaks random_mixture(std::size_t count, RandomStream& stream) {
     const double deviation = std::pow(10.0, -0.5 - 1.3 * stream.uniform());
     components.push_back({std::log(0.1 + stream.uniform()),
                           {SO3d::exp(vector_of_length(stream, std::numbers::pi * stream.uniform())),
-                           correlated(stream, deviation)}});
+                           correlated_rotation(stream, deviation)}});
   }
   return Peaks(components);
 }
@@ -164,8 +165,8 @@ TEST(RotationQuadrature, ErrorsOfMixturesAreWithinTheirEstimates) {
 
 TEST(RotationQuadrature, IsZeroForEqualDensities) {
   RandomStream stream(15);
-  const Peak a(SO3d(), correlated(stream, 0.3));
-  const Peak b(SO3d::exp({0.4, 0.2, 0}), correlated(stream, 0.2));
+  const Peak a(SO3d(), correlated_rotation(stream, 0.3));
+  const Peak b(SO3d::exp({0.4, 0.2, 0}), correlated_rotation(stream, 0.2));
   const Peaks p({{std::log(0.3), a}, {std::log(0.7), b}});
   const Peaks swapped({{std::log(0.7), b}, {std::log(0.3), a}});
   for (const Peaks& q : {p, swapped}) {
@@ -178,7 +179,7 @@ TEST(RotationQuadrature, IsZeroForEqualDensities) {
 
 TEST(RotationQuadrature, KeepsRelativeAccuracyForNearlyEqualDensities) {
   RandomStream stream(16);
-  const Peak p(SO3d::exp({0.1, 0.2, 0.3}), correlated(stream, 0.2));
+  const Peak p(SO3d::exp({0.1, 0.2, 0.3}), correlated_rotation(stream, 0.2));
   for (const double change : {1e-3, 1e-5}) {
     const Peak q(p.mean(), (1.0 + change) * p.covariance());
     // (3 / 2) (log(1 + c) - c / (1 + c)), by its series.
@@ -193,7 +194,7 @@ TEST(RotationQuadrature, CountsTheMassMissingInTheBall) {
   const Peak p(SO3d(), isotropic(72.0));
   const Peak q(SO3d(), isotropic(75.0));
   const testing::BallRule rule{.radial_panels = 4, .polar_panels = 1, .azimuths = 1};
-  const Reference expected = by_product_rule(single(p), single(q), SO3d(), rule);
+  const Reference expected = by_product_rule(peaks_of(p), peaks_of(q), SO3d(), rule);
   EXPECT_NEAR(kl(p, q).value, expected.kl, 1e-6 * std::abs(expected.kl));
   EXPECT_NEAR(kl(unsymmetric(p), q).value, expected.kl, 1e-6 * std::abs(expected.kl));
 }
@@ -205,7 +206,7 @@ TEST(RotationQuadrature, CutLocusNextToTheMean) {
   const Peak q(SO3d::exp({0, 0, radians(175.0)}), isotropic(20.0));
   const testing::BallRule rule{
       .radius = radians(90.0), .radial_panels = 30, .polar_panels = 30, .azimuths = 1};
-  Reference expected = by_product_rule(single(p), single(q), SO3d(), rule);
+  Reference expected = by_product_rule(peaks_of(p), peaks_of(q), SO3d(), rule);
   expect_close(kl(p, q), expected.kl, 5e-6);
   expect_close(kl(unsymmetric(p), q), kl(p, q).value, 2e-6);
 }
@@ -217,7 +218,7 @@ TEST(RotationQuadrature, VeryDifferentWidths) {
   const Peak other(SO3d::exp(0.2 * axis), isotropic(20.0));
   const Peaks p({{std::log(0.5), wide}, {std::log(0.5), narrow}});
   const testing::BallRule rule{.radial_panels = 30, .polar_panels = 4, .azimuths = 1, .axis = axis};
-  const Reference expected = by_product_rule(p, single(other), narrow.mean(), rule);
+  const Reference expected = by_product_rule(p, peaks_of(other), narrow.mean(), rule);
   expect_close(kl(p, other), expected.kl, 1e-6);
   expect_close(isd(p, other), expected.isd, 1e-6);
   expect_close(symmetric_kl(p, other), expected.symmetric_kl, 2e-6);
@@ -228,8 +229,8 @@ TEST(RotationQuadrature, VeryDifferentWidths) {
 
 TEST(RotationQuadrature, FramesDoNotMatter) {
   RandomStream stream(17);
-  const Peak p(SO3d::exp({0.3, 0, 0}), correlated(stream, 0.5));
-  const Peak q(SO3d::exp({0, 0.9, 0.4}), correlated(stream, 0.4));
+  const Peak p(SO3d::exp({0.3, 0, 0}), correlated_rotation(stream, 0.5));
+  const Peak q(SO3d::exp({0, 0.9, 0.4}), correlated_rotation(stream, 0.4));
   const SO3d left = SO3d::exp({1.0, -2.0, 0.5});
   const auto moved = [&](const Peak& peak) {
     return Peak(left * peak.mean(), left.adjoint_congruence(peak.covariance()));
@@ -245,9 +246,9 @@ TEST(RotationQuadrature, TheReportedErrorBoundsTheTrueOne) {
   const Settings loose{.relative_tolerance = 1e-2};
   const Settings tight{.relative_tolerance = 1e-4};
   for (int i = 0; i < 4; ++i) {
-    const Peak a(SO3d(), correlated(stream, i % 2 == 0 ? 0.1 : 0.6));
-    const Peak b(SO3d::exp(vector_of_length(stream, 0.8 * i)), correlated(stream, 0.3));
-    const Peak c(SO3d::exp(vector_of_length(stream, 0.5)), correlated(stream, 0.4));
+    const Peak a(SO3d(), correlated_rotation(stream, i % 2 == 0 ? 0.1 : 0.6));
+    const Peak b(SO3d::exp(vector_of_length(stream, 0.8 * i)), correlated_rotation(stream, 0.3));
+    const Peak c(SO3d::exp(vector_of_length(stream, 0.5)), correlated_rotation(stream, 0.4));
     const Peaks p({{std::log(0.4), a}, {std::log(0.6), b}});
     for (const auto divergence : {kl, isd, symmetric_kl}) {
       const DivergenceEstimate quick = divergence(p, c, loose);
@@ -262,8 +263,8 @@ TEST(RotationQuadrature, TheReportedErrorBoundsTheTrueOne) {
 
 TEST(RotationQuadrature, SaysWhenItStoppedEarly) {
   RandomStream stream(19);
-  const Peak p(SO3d(), correlated(stream, 0.7));
-  const Peak q(SO3d::exp({0, 2.5, 0}), correlated(stream, 0.5));
+  const Peak p(SO3d(), correlated_rotation(stream, 0.7));
+  const Peak q(SO3d::exp({0, 2.5, 0}), correlated_rotation(stream, 0.5));
   const DivergenceEstimate exact = kl(p, q);
   const DivergenceEstimate early = kl(p, q, {.relative_tolerance = 1e-9, .max_evaluations = 1000});
   EXPECT_FALSE(early.converged);
@@ -290,10 +291,11 @@ TEST(RunnallsBound, BoundsTheDivergenceThatAMergeOfRotationsCauses) {
   RandomStream stream(20);
   for (int i = 0; i < 4; ++i) {
     const double share = 0.15 + 0.1 * i;
-    const Component<Peak> a{std::log(share), Peak(SO3d(), correlated(stream, 0.05))};
+    const Component<Peak> a{std::log(share), Peak(SO3d(), correlated_rotation(stream, 0.05))};
     const Component<Peak> b{std::log(0.6 - share), Peak(SO3d::exp(vector_of_length(stream, 0.1)),
-                                                        correlated(stream, 0.05))};
-    const Component<Peak> c{std::log(0.4), Peak(SO3d::exp({0.2, 0, 0}), correlated(stream, 0.1))};
+                                                        correlated_rotation(stream, 0.05))};
+    const Component<Peak> c{std::log(0.4),
+                            Peak(SO3d::exp({0.2, 0, 0}), correlated_rotation(stream, 0.1))};
     const std::array both{a, b};
     const SO3d anchor = interpolate(a.density.mean(), b.density.mean(), (0.6 - share) / 0.6);
     const Peak merged = back_project(tangent_moments<SO3d>(both, anchor));

@@ -26,7 +26,7 @@ DetectorNoise plain_noise(double clutter = 0.1) {
                        {.weight = clutter, .volume_m3 = 1.0});
 }
 
-MultiObjectFilter filter_of(const DetectorNoise& noise, double camera_sd = 1e-4) {
+MultiObjectFilter filter_with(const DetectorNoise& noise, double camera_sd = 1e-4) {
   return {ConcentratedGaussian<SE3d>(SE3d(), isotropic(camera_sd, 1e-3 * camera_sd)),
           {{noise}},
           plain_settings()};
@@ -50,7 +50,7 @@ double density(const MultiObjectFilter& filter, std::size_t h, const SE3d& seen,
 }
 
 TEST(Observations, OfOneComponentAreDetections) {
-  MultiObjectFilter one = filter_of(default_detector_noise());
+  MultiObjectFilter one = filter_with(default_detector_noise());
   MultiObjectFilter other = one;
   for (int k = 0; k < 5; ++k) {
     const SE3d seen = kSeen * SE3d::exp(0.02 * Vector6d::Constant(k % 3));
@@ -64,7 +64,7 @@ TEST(Observations, OfOneComponentAreDetections) {
 }
 
 TEST(Observations, StartOneHypothesisPerComponentWithItsWeight) {
-  MultiObjectFilter filter = filter_of(plain_noise());
+  MultiObjectFilter filter = filter_with(plain_noise());
   EXPECT_TRUE(filter.update(0, observed(0.7)).started);
   const auto list = filter.hypotheses(0);
   ASSERT_EQ(list.size(), 2U);
@@ -75,7 +75,7 @@ TEST(Observations, StartOneHypothesisPerComponentWithItsWeight) {
 }
 
 TEST(Observations, WeighHypothesesByTheDensityOfTheMixture) {
-  MultiObjectFilter filter = filter_of(plain_noise());
+  MultiObjectFilter filter = filter_with(plain_noise());
   filter.update(0, observed(0.7));
   const SE3d near = kSeen * SE3d::exp((Vector6d() << 0.02, 0.01, 0, 0.004, 0, 0).finished());
   const Observation second = observed(0.4, near, near * kHalfTurn);
@@ -94,7 +94,7 @@ TEST(Observations, WeighHypothesesByTheDensityOfTheMixture) {
 }
 
 TEST(Observations, ClutterOfTheirOwnReplacesThatOfTheNoise) {
-  MultiObjectFilter filter = filter_of(plain_noise(0.1));
+  MultiObjectFilter filter = filter_with(plain_noise(0.1));
   Observation doubtful = observed(0.5);
   doubtful.clutter = 0.8;
   filter.update(0, doubtful);
@@ -107,7 +107,7 @@ TEST(Observations, ACovarianceOfTheirOwnIsUsedAsTheNoiseSays) {
        {GivenCovariance::as_given, GivenCovariance::scaled, GivenCovariance::ignored}) {
     const DetectorNoise noise(plain_noise().components(), plain_noise().clutter(),
                               {.given_covariance = use});
-    MultiObjectFilter filter = filter_of(noise);
+    MultiObjectFilter filter = filter_with(noise);
     Observation observation = observation_of(kSeen);
     observation.components[0].covariance = own;
     filter.update(0, observation);
@@ -145,7 +145,7 @@ TEST(Observations, WeightsOfOneDetectorDoNotAddUpWithinItsModeTime) {
                          {.mode_time_s = mode_time});
   };
   const auto odds_after = [&](double mode_time) {
-    MultiObjectFilter filter = filter_of(noise(mode_time));
+    MultiObjectFilter filter = filter_with(noise(mode_time));
     for (int k = 0; k < 50; ++k) {
       filter.predict_with_odometry(SE3d(), Matrix6d::Zero(), 0.05);
       filter.update(0, observed(0.6));
@@ -172,7 +172,7 @@ TEST(Observations, OfManyComponentsKeepEveryMode) {
         {.weight = 1.0 / 252.0,
          .pose = mode * SE3d::exp(testing::draw(isotropic(0.5, 0.002), stream))});
   }
-  MultiObjectFilter filter = filter_of(plain_noise());
+  MultiObjectFilter filter = filter_with(plain_noise());
   filter.update(0, observation);
   const auto list = filter.hypotheses(0);
   ASSERT_EQ(list.size(), 2U);
@@ -182,7 +182,7 @@ TEST(Observations, OfManyComponentsKeepEveryMode) {
 }
 
 TEST(Observations, EveryComponentThatNobodyExplainsStartsAHypothesis) {
-  MultiObjectFilter filter = filter_of(plain_noise());
+  MultiObjectFilter filter = filter_with(plain_noise());
   filter.update(0, kSeen);
   EXPECT_TRUE(filter.update(0, observed(0.6)).started);
   EXPECT_EQ(filter.hypotheses(0).size(), 2U);
@@ -192,7 +192,7 @@ TEST(Observations, EveryComponentThatNobodyExplainsStartsAHypothesis) {
 
 TEST(Observations, FromACameraOnABodyAreThoseFromTheBody) {
   const SE3d body_camera = pose(0.3, -1.2, 0.4, 0.2, -0.1, 0.05);
-  MultiObjectFilter body = filter_of(plain_noise(), 0.5);
+  MultiObjectFilter body = filter_with(plain_noise(), 0.5);
   MultiObjectFilter rig = body;
   RandomStream stream(8, 1);
   for (int k = 0; k < 5; ++k) {
@@ -240,7 +240,7 @@ TEST(Observations, SlowErrorsOfSeveralDetectorsAreOneErrorInTheirOwnUnits) {
 }
 
 TEST(Observations, AreRefusedWholeWhereTheyAreNotValid) {
-  MultiObjectFilter filter = filter_of(plain_noise());
+  MultiObjectFilter filter = filter_with(plain_noise());
   filter.update(0, kSeen);
   const Matrix6d before = filter.relative(0, 0).covariance();
   Observation bad = observed(0.5);
@@ -251,7 +251,7 @@ TEST(Observations, AreRefusedWholeWhereTheyAreNotValid) {
 }
 
 TEST(Observations, OfAnObjectThatWasAddedStartIt) {
-  MultiObjectFilter filter = filter_of(plain_noise());
+  MultiObjectFilter filter = filter_with(plain_noise());
   filter.update(0, kSeen);
   EXPECT_EQ(filter.add_object({plain_noise()}), 1U);
   EXPECT_FALSE(filter.leading(1).has_value());

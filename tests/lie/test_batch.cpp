@@ -42,7 +42,7 @@ std::vector<Vector6d> tangents() {
   return result;
 }
 
-std::vector<Eigen::Vector3d> rotation_vectors() {
+std::vector<Eigen::Vector3d> all_rotation_vectors() {
   std::vector<Eigen::Vector3d> result;
   for (const Vector6d& xi : tangents()) result.emplace_back(xi.head<3>());
   return result;
@@ -101,7 +101,7 @@ double size_of(const Matrix& m) {
 
 TEST(Batch, RotationsAreThoseOfSO3) {
   by_every_instruction_set([] {
-    const std::vector<Eigen::Vector3d> phi = rotation_vectors();
+    const std::vector<Eigen::Vector3d> phi = all_rotation_vectors();
     const std::vector<SO3d> x = rotations();
     const std::vector<SO3d> y = reversed(x);
     std::vector<SO3d> exps(phi.size());
@@ -124,7 +124,7 @@ TEST(Batch, RotationsAreThoseOfSO3) {
 
 TEST(Batch, JacobiansOfRotationsAreThoseOfSO3) {
   by_every_instruction_set([] {
-    const std::vector<Eigen::Vector3d> phi = rotation_vectors();
+    const std::vector<Eigen::Vector3d> phi = all_rotation_vectors();
     std::vector<Eigen::Matrix3d> jacobians(phi.size());
     std::vector<Eigen::Matrix3d> inverses(phi.size());
     batch::left_jacobian(phi, jacobians);

@@ -19,8 +19,8 @@ using testing::isotropic;
 using testing::pose;
 
 constexpr int kRuns = 1000;
-constexpr int kFrames = 60;
-constexpr std::size_t kObjects = 2;
+constexpr int kRunFrames = 60;
+constexpr std::size_t kMapped = 2;
 
 /// A draw from a detector's own noise model.
 SE3d draw_detection(const SE3d& relative, const DetectorNoise& noise, RandomStream& stream) {
@@ -59,7 +59,7 @@ double squared_normalized_error(const DetectorNoise& noise, std::uint64_t run) {
     return detections;
   };
   slam.step({.detections = detect()});
-  for (int frame = 1; frame < kFrames; ++frame) {
+  for (int frame = 1; frame < kRunFrames; ++frame) {
     const SE3d odometry = pose(0.01, -0.02, 0.015, 0.02 * std::cos(0.1 * frame), 0.01, 0.0);
     camera = camera * odometry * SE3d::exp(draw(q, stream));
     slam.step({0.1, odometry, detect()});
@@ -75,7 +75,7 @@ void expect_consistent(const DetectorNoise& noise) {
   double sum = 0.0;
   for (int run = 0; run < kRuns; ++run)
     sum += squared_normalized_error(noise, static_cast<std::uint64_t>(run));
-  const double dof = 6.0 * (1 + kObjects) * kRuns;
+  const double dof = 6.0 * (1 + kMapped) * kRuns;
   const boost::math::chi_squared distribution(dof);
   const double anees = sum / dof;
   const double lower = boost::math::quantile(distribution, 0.025) / dof;

@@ -16,7 +16,7 @@ namespace posemix {
 namespace {
 
 const ExistenceSettings kSettings;
-constexpr double kPeriod = 100.0;  // so long that every image is a look of its own
+constexpr double kLookPeriod = 100.0;  // so long that every image is a look of its own
 
 /// With a chain that hardly changes, the posterior is that of two beta-binomial distributions.
 double beta_binomial(int detections, int images) {
@@ -48,8 +48,8 @@ TEST(Existence, IsThatOfUnknownRatesOfDetection) {
     for (int images = 1; images <= 20; ++images) {
       const bool detected = stream.uniform() < rate;
       detections += detected ? 1 : 0;
-      existence.predict(kPeriod, settings);
-      existence.update(detected ? Sighting::detected : Sighting::missed, kPeriod, settings);
+      existence.predict(kLookPeriod, settings);
+      existence.update(detected ? Sighting::detected : Sighting::missed, kLookPeriod, settings);
       // The rates are on a grid, and the density of clutter has a pole at zero.
       EXPECT_NEAR(existence.probability(), beta_binomial(detections, images), 0.03)
           << detections << " of " << images;

@@ -24,12 +24,12 @@ using testing::pose;
 
 const PoseDensity kSureStart(SE3d(), isotropic(0.1, 0.001));
 const SE3d kSeenMug = pose(0.1, 0.2, 0, 0.1, 0, 1);
-const SE3d kFlip(SO3d::exp({0.0, 0.0, std::numbers::pi}), Eigen::Vector3d::Zero());
+const SE3d kHalfTurn(SO3d::exp({0.0, 0.0, std::numbers::pi}), Eigen::Vector3d::Zero());
 
 Observation of(const std::string& id, const SE3d& seen, double weight = 0.6) {
   Observation observation{.object = id};
   observation.components = {{.weight = weight, .pose = seen},
-                            {.weight = 1.0 - weight, .pose = seen * kFlip}};
+                            {.weight = 1.0 - weight, .pose = seen * kHalfTurn}};
   return observation;
 }
 
@@ -195,8 +195,10 @@ TEST(ObservationsSlam, OfAClassAreAssociatedByTheirNearestComponent) {
   };
   const FrameEstimate before = slam.step({.observations = {nut(first), nut(second)}});
   // The heavier component is the other mode now, and each is of the same instance as before.
-  const FrameEstimate e = slam.step(
-      {.dt = 0.1, .motion = SE3d(), .observations = {nut(second * kFlip), nut(first * kFlip)}});
+  const FrameEstimate e =
+      slam.step({.dt = 0.1,
+                 .motion = SE3d(),
+                 .observations = {nut(second * kHalfTurn), nut(first * kHalfTurn)}});
   ASSERT_EQ(e.report.observations.size(), 2U);
   EXPECT_EQ(e.report.observations[0].object, before.report.observations[1].object);
   EXPECT_EQ(e.report.observations[1].object, before.report.observations[0].object);

@@ -54,12 +54,12 @@ std::vector<Input> recording(double seconds) {
   return inputs;
 }
 
-double stamp_of(const Input& input) {
+double stamp_of_input(const Input& input) {
   if (const auto* observation = std::get_if<Observation>(&input)) return observation->stamp_s;
   return std::get<Odometry>(input).stamp_s;
 }
 
-StampAdmission give(StampedSlam& slam, const Input& input) {
+StampAdmission give_to(StampedSlam& slam, const Input& input) {
   if (const auto* observation = std::get_if<Observation>(&input)) return slam.add(*observation);
   const auto& odometry = std::get<Odometry>(input);
   return slam.add_odometry(odometry.stamp_s, odometry.odom_body);
@@ -84,15 +84,16 @@ void expect_same(const EstimateAtStamp& a, const EstimateAtStamp& b) {
 }
 
 std::vector<Input> sorted(std::vector<Input> inputs) {
-  std::stable_sort(inputs.begin(), inputs.end(),
-                   [](const Input& a, const Input& b) { return stamp_of(a) < stamp_of(b); });
+  std::stable_sort(inputs.begin(), inputs.end(), [](const Input& a, const Input& b) {
+    return stamp_of_input(a) < stamp_of_input(b);
+  });
   return inputs;
 }
 
 TEST(StampedSlam, AnyOrderWithinTheHistoryGivesTheSameBits) {
   const std::vector<Input> inputs = sorted(recording(6.0));
   StampedSlam in_order = make_stamped();
-  for (const Input& input : inputs) give(in_order, input);
+  for (const Input& input : inputs) give_to(in_order, input);
   const EstimateAtStamp expected = in_order.finish().value();
   EXPECT_EQ(in_order.counts().replayed + in_order.counts().too_late, 0U);
   for (std::uint64_t seed = 0; seed < 6; ++seed) {
@@ -100,12 +101,12 @@ TEST(StampedSlam, AnyOrderWithinTheHistoryGivesTheSameBits) {
     RandomStream stream(seed, 2);
     std::vector<std::pair<double, Input>> arrivals;
     for (const Input& input : inputs)
-      arrivals.emplace_back(stamp_of(input) + 0.9 * stream.uniform(), input);
+      arrivals.emplace_back(stamp_of_input(input) + 0.9 * stream.uniform(), input);
     std::stable_sort(arrivals.begin(), arrivals.end(),
                      [](const auto& a, const auto& b) { return a.first < b.first; });
     StampedSlam late = make_stamped({.checkpoints = 1 + seed});
     for (std::size_t k = 0; k < arrivals.size(); ++k) {
-      give(late, arrivals[k].second);
+      give_to(late, arrivals[k].second);
       if (k % (seed + 1) == 0) late.estimate();  // asking changes nothing
     }
     EXPECT_GT(late.counts().replayed, 100U);
@@ -116,7 +117,7 @@ TEST(StampedSlam, AnyOrderWithinTheHistoryGivesTheSameBits) {
 
 TEST(StampedSlam, OlderInputIsRefusedAndCounted) {
   StampedSlam slam = make_stamped();
-  for (const Input& input : sorted(recording(3.0))) give(slam, input);
+  for (const Input& input : sorted(recording(3.0))) give_to(slam, input);
   const EstimateAtStamp before = slam.estimate().value();
   Observation old = std::get<Observation>(recording(1.0).back());
   old.stamp_s = 1.5;
@@ -129,7 +130,7 @@ TEST(StampedSlam, OlderInputIsRefusedAndCounted) {
 TEST(StampedSlam, AStampThatJumpsBackIsAnErrorOrAReset) {
   for (const StampJump choice : {StampJump::refuse, StampJump::reset}) {
     StampedSlam slam = make_stamped({.jump_back_s = 2.0, .on_jump_back = choice});
-    for (const Input& input : sorted(recording(4.0))) give(slam, input);
+    for (const Input& input : sorted(recording(4.0))) give_to(slam, input);
     const EstimateAtStamp before = slam.estimate().value();
     if (choice == StampJump::refuse) {
       EXPECT_THROW(slam.add_odometry(0.5, SE3d()), InvalidInput);
@@ -138,8 +139,8 @@ TEST(StampedSlam, AStampThatJumpsBackIsAnErrorOrAReset) {
     }
     StampedSlam fresh = make_stamped();
     for (const Input& input : sorted(recording(1.0))) {
-      give(slam, input);
-      give(fresh, input);
+      give_to(slam, input);
+      give_to(fresh, input);
     }
     EXPECT_EQ(slam.counts().resets, 1U);
     expect_same(slam.finish().value(), fresh.finish().value());
@@ -196,7 +197,7 @@ TEST(StampedSlam, ObservationsOfOneStampAreTakenInAFixedOrder) {
 
 TEST(StampedSlam, RefusesWhatIsNotValidAndChangesNothing) {
   StampedSlam slam = make_stamped();
-  for (const Input& input : sorted(recording(1.0))) give(slam, input);
+  for (const Input& input : sorted(recording(1.0))) give_to(slam, input);
   const EstimateAtStamp before = slam.estimate().value();
   const double nan = std::numeric_limits<double>::quiet_NaN();
   Observation seen{.object = "mug", .stamp_s = 1.0};

@@ -17,7 +17,7 @@ namespace {
 const Eigen::Vector3d kZ = Eigen::Vector3d::UnitZ();
 const Eigen::Vector3d kOff(0.02, -0.01, 0.05);
 
-SE3d turn(double angle, const Eigen::Vector3d& axis, const Eigen::Vector3d& point) {
+SE3d turn_about(double angle, const Eigen::Vector3d& axis, const Eigen::Vector3d& point) {
   const SO3d rotation = SO3d::exp(angle * axis);
   return SE3d(rotation, point - rotation * point);
 }
@@ -55,14 +55,14 @@ std::vector<SE3d> turns(const SE3d& element, std::size_t steps) {
   std::vector<SE3d> motions;
   for (std::size_t k = 0; k < steps; ++k) {
     const double angle = 2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(steps);
-    motions.push_back(element * turn(angle, kZ, kOff));
+    motions.push_back(element * turn_about(angle, kZ, kOff));
   }
   return motions;
 }
 
 TEST(SymmetricError, SurfaceDistanceOverElements) {
   RandomStream stream(3);
-  const SE3d half = turn(std::numbers::pi, kZ, kOff);
+  const SE3d half = turn_about(std::numbers::pi, kZ, kOff);
   const SymmetryGroup group({half});
   for (int i = 0; i < 20; ++i) {
     const auto points = random_points(stream);
@@ -75,7 +75,7 @@ TEST(SymmetricError, SurfaceDistanceOverElements) {
 
 TEST(SymmetricError, SurfaceDistanceAboutAnAxisIsThatOfAFineGrid) {
   RandomStream stream(4);
-  const SE3d flip = turn(std::numbers::pi, Eigen::Vector3d::UnitX(), kOff);
+  const SE3d flip = turn_about(std::numbers::pi, Eigen::Vector3d::UnitX(), kOff);
   const SymmetryGroup group({flip}, {{kZ, kOff}});
   std::vector<SE3d> coarse = turns(SE3d(), 315);
   std::vector<SE3d> fine = turns(SE3d(), 20000);
@@ -98,7 +98,7 @@ TEST(SymmetricError, TurnsOfTheGroupAreNoError) {
   const SE3d truth = random_pose(stream, 1.0, 0.5);
   const SymmetryGroup can({}, {{kZ, kOff}});
   const SymmetryGroup ball({}, {{kZ, kOff}, {Eigen::Vector3d::UnitX(), kOff}});
-  const SE3d turned = truth * turn(1.234, kZ, kOff);
+  const SE3d turned = truth * turn_about(1.234, kZ, kOff);
   EXPECT_LT(max_symmetric_surface_distance(turned, truth, points, can), 1e-9);
   EXPECT_LT(max_symmetric_surface_distance(turned, truth, points, ball), 1e-14);
   EXPECT_GT(max_symmetric_surface_distance(turned, truth, points, {}), 0.03);
@@ -112,7 +112,7 @@ TEST(SymmetricError, TurnsOfTheGroupAreNoError) {
 }
 
 TEST(SymmetricError, PoseErrorIsOfTheNearestEquivalent) {
-  const SE3d half = turn(std::numbers::pi, kZ, kOff);
+  const SE3d half = turn_about(std::numbers::pi, kZ, kOff);
   const SymmetryGroup group({half});
   const SE3d truth(SO3d::exp({0.3, 0.1, -0.4}), {0.1, 0.2, 0.9});
   const SE3d tilt(SO3d::exp({0.05, 0.0, 0.0}), Eigen::Vector3d(0, 0, 0.002));

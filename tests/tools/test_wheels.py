@@ -5,6 +5,8 @@
 import base64
 import csv
 import hashlib
+import importlib.machinery
+import importlib.util
 import io
 import json
 import sys
@@ -20,6 +22,10 @@ sys.path.insert(0, str(ROOT / "tools/wheels"))
 import dependencies  # noqa: E402
 import package  # noqa: E402
 
+loader = importlib.machinery.SourceFileLoader("make_wheels", str(ROOT / "tools/make_wheels"))
+make_wheels = importlib.util.module_from_spec(importlib.util.spec_from_loader(loader.name, loader))
+loader.exec_module(make_wheels)
+
 INFO = "thing-1.2.3.dist-info"
 FILES = {"thing/__init__.py": "x = 1\n", "thing-1.2.3.data/scripts/thing": "#!python\n", f"{INFO}/WHEEL": "Wheel-Version: 1.0\n",
          f"{INFO}/METADATA": "Name: thing\n", f"{INFO}/RECORD": "stale\n"}
@@ -34,6 +40,14 @@ def built(folder, order, date):
             entry.external_attr = (0o100777 if "scripts" in name else 0o100640) << 16
             archive.writestr(entry, FILES[name])
     return path
+
+
+class Libraries(unittest.TestCase):
+    def test_all_libraries_are_asked_for(self):
+        # The module links all of them, and none is built for the sake of another.
+        rooms = sorted(f"posemix_{path.parent.name}" for path in ROOT.glob("src/*/CMakeLists.txt")
+                       if "posemix_add_room(" in path.read_text(encoding="utf-8"))
+        self.assertEqual(sorted(make_wheels.library_targets()), rooms)
 
 
 class Wheels(unittest.TestCase):
