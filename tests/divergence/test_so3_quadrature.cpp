@@ -23,7 +23,7 @@ Eigen::Matrix3d isotropic(double degrees) {
 }
 
 /// A correlated covariance with standard deviations of about `deviation`.
-Eigen::Matrix3d correlated_rotation(RandomStream& stream, double deviation) {
+Eigen::Matrix3d correlated_covariance(RandomStream& stream, double deviation) {
   Eigen::VectorXd entries(9);
   stream.fill_normal(entries);
   const Eigen::Matrix3d root = entries.reshaped(3, 3);
@@ -83,8 +83,9 @@ TEST(RotationQuadrature, CorrelatedPeaksAgreeWithAProductRule) {
   RandomStream stream(11);
   for (const double deviation : {0.15, 0.25}) {
     const SO3d mean = SO3d::exp(vector_of_length(stream, 1.0));
-    const Peak p(mean, correlated_rotation(stream, deviation));
-    const Peak q(SO3d::exp(vector_of_length(stream, 0.3)) * mean, correlated_rotation(stream, 0.3));
+    const Peak p(mean, correlated_covariance(stream, deviation));
+    const Peak q(SO3d::exp(vector_of_length(stream, 0.3)) * mean,
+                 correlated_covariance(stream, 0.3));
     const testing::BallRule rule{.radial_panels = 3, .polar_panels = 2, .azimuths = 100};
     const Reference expected = by_product_rule(peaks_of(p), peaks_of(q), mean, rule);
     expect_close(kl(p, q), expected.kl, 1e-6);
@@ -98,7 +99,7 @@ TEST(RotationQuadrature, MixturesAgreeWithAProductRule) {
   const SO3d mean = SO3d::exp(vector_of_length(stream, 2.0));
   const auto peak = [&](double away, double deviation) {
     return Peak(SO3d::exp(vector_of_length(stream, away)) * mean,
-                correlated_rotation(stream, deviation));
+                correlated_covariance(stream, deviation));
   };
   const Peaks p({{std::log(0.6), peak(0.2, 0.2)}, {std::log(0.4), peak(0.4, 0.15)}});
   const Peaks q({{std::log(0.2), peak(0.3, 0.15)}, {std::log(0.8), peak(0.2, 0.2)}});
@@ -116,8 +117,8 @@ TEST(RotationQuadrature, WithACommonMeanItIsTheClosedForm) {
   for (const double deviation : {1e-3, 0.02, 0.2}) {
     for (const double ratio : {1.0, 0.05, 20.0}) {
       const SO3d mean = SO3d::exp(vector_of_length(stream, 1.5));
-      const Peak p(mean, correlated_rotation(stream, std::min(0.2, deviation * ratio)));
-      const Peak q(mean, correlated_rotation(stream, deviation));
+      const Peak p(mean, correlated_covariance(stream, std::min(0.2, deviation * ratio)));
+      const Peak q(mean, correlated_covariance(stream, deviation));
       expect_close(kl(p, q), gaussian_kl(p, q), 1e-7);
       expect_close(symmetric_kl(p, q), gaussian_symmetric_kl(p, q), 1e-6);
     }
@@ -126,8 +127,8 @@ TEST(RotationQuadrature, WithACommonMeanItIsTheClosedForm) {
 
 TEST(RotationQuadrature, ConcentratedPeaksApproachTheClosedFormQuadratically) {
   RandomStream stream(14);
-  const Eigen::Matrix3d shape_p = correlated_rotation(stream, 1.0);
-  const Eigen::Matrix3d shape_q = correlated_rotation(stream, 1.0);
+  const Eigen::Matrix3d shape_p = correlated_covariance(stream, 1.0);
+  const Eigen::Matrix3d shape_q = correlated_covariance(stream, 1.0);
   const Eigen::Vector3d step = vector_of_length(stream, 1.0);
   const auto error = [&](double scale) {
     const Peak p(SO3d(), scale * scale * shape_p);
@@ -144,7 +145,7 @@ Peaks random_mixture(std::size_t count, RandomStream& stream) {
     const double deviation = std::pow(10.0, -0.5 - 1.3 * stream.uniform());
     components.push_back({std::log(0.1 + stream.uniform()),
                           {SO3d::exp(vector_of_length(stream, std::numbers::pi * stream.uniform())),
-                           correlated_rotation(stream, deviation)}});
+                           correlated_covariance(stream, deviation)}});
   }
   return Peaks(components);
 }
@@ -165,8 +166,8 @@ TEST(RotationQuadrature, ErrorsOfMixturesAreWithinTheirEstimates) {
 
 TEST(RotationQuadrature, IsZeroForEqualDensities) {
   RandomStream stream(15);
-  const Peak a(SO3d(), correlated_rotation(stream, 0.3));
-  const Peak b(SO3d::exp({0.4, 0.2, 0}), correlated_rotation(stream, 0.2));
+  const Peak a(SO3d(), correlated_covariance(stream, 0.3));
+  const Peak b(SO3d::exp({0.4, 0.2, 0}), correlated_covariance(stream, 0.2));
   const Peaks p({{std::log(0.3), a}, {std::log(0.7), b}});
   const Peaks swapped({{std::log(0.7), b}, {std::log(0.3), a}});
   for (const Peaks& q : {p, swapped}) {
@@ -179,7 +180,7 @@ TEST(RotationQuadrature, IsZeroForEqualDensities) {
 
 TEST(RotationQuadrature, KeepsRelativeAccuracyForNearlyEqualDensities) {
   RandomStream stream(16);
-  const Peak p(SO3d::exp({0.1, 0.2, 0.3}), correlated_rotation(stream, 0.2));
+  const Peak p(SO3d::exp({0.1, 0.2, 0.3}), correlated_covariance(stream, 0.2));
   for (const double change : {1e-3, 1e-5}) {
     const Peak q(p.mean(), (1.0 + change) * p.covariance());
     // (3 / 2) (log(1 + c) - c / (1 + c)), by its series.
@@ -229,8 +230,8 @@ TEST(RotationQuadrature, VeryDifferentWidths) {
 
 TEST(RotationQuadrature, FramesDoNotMatter) {
   RandomStream stream(17);
-  const Peak p(SO3d::exp({0.3, 0, 0}), correlated_rotation(stream, 0.5));
-  const Peak q(SO3d::exp({0, 0.9, 0.4}), correlated_rotation(stream, 0.4));
+  const Peak p(SO3d::exp({0.3, 0, 0}), correlated_covariance(stream, 0.5));
+  const Peak q(SO3d::exp({0, 0.9, 0.4}), correlated_covariance(stream, 0.4));
   const SO3d left = SO3d::exp({1.0, -2.0, 0.5});
   const auto moved = [&](const Peak& peak) {
     return Peak(left * peak.mean(), left.adjoint_congruence(peak.covariance()));
@@ -246,9 +247,9 @@ TEST(RotationQuadrature, TheReportedErrorBoundsTheTrueOne) {
   const Settings loose{.relative_tolerance = 1e-2};
   const Settings tight{.relative_tolerance = 1e-4};
   for (int i = 0; i < 4; ++i) {
-    const Peak a(SO3d(), correlated_rotation(stream, i % 2 == 0 ? 0.1 : 0.6));
-    const Peak b(SO3d::exp(vector_of_length(stream, 0.8 * i)), correlated_rotation(stream, 0.3));
-    const Peak c(SO3d::exp(vector_of_length(stream, 0.5)), correlated_rotation(stream, 0.4));
+    const Peak a(SO3d(), correlated_covariance(stream, i % 2 == 0 ? 0.1 : 0.6));
+    const Peak b(SO3d::exp(vector_of_length(stream, 0.8 * i)), correlated_covariance(stream, 0.3));
+    const Peak c(SO3d::exp(vector_of_length(stream, 0.5)), correlated_covariance(stream, 0.4));
     const Peaks p({{std::log(0.4), a}, {std::log(0.6), b}});
     for (const auto divergence : {kl, isd, symmetric_kl}) {
       const DivergenceEstimate quick = divergence(p, c, loose);
@@ -263,8 +264,8 @@ TEST(RotationQuadrature, TheReportedErrorBoundsTheTrueOne) {
 
 TEST(RotationQuadrature, SaysWhenItStoppedEarly) {
   RandomStream stream(19);
-  const Peak p(SO3d(), correlated_rotation(stream, 0.7));
-  const Peak q(SO3d::exp({0, 2.5, 0}), correlated_rotation(stream, 0.5));
+  const Peak p(SO3d(), correlated_covariance(stream, 0.7));
+  const Peak q(SO3d::exp({0, 2.5, 0}), correlated_covariance(stream, 0.5));
   const DivergenceEstimate exact = kl(p, q);
   const DivergenceEstimate early = kl(p, q, {.relative_tolerance = 1e-9, .max_evaluations = 1000});
   EXPECT_FALSE(early.converged);
@@ -291,11 +292,11 @@ TEST(RunnallsBound, BoundsTheDivergenceThatAMergeOfRotationsCauses) {
   RandomStream stream(20);
   for (int i = 0; i < 4; ++i) {
     const double share = 0.15 + 0.1 * i;
-    const Component<Peak> a{std::log(share), Peak(SO3d(), correlated_rotation(stream, 0.05))};
+    const Component<Peak> a{std::log(share), Peak(SO3d(), correlated_covariance(stream, 0.05))};
     const Component<Peak> b{std::log(0.6 - share), Peak(SO3d::exp(vector_of_length(stream, 0.1)),
-                                                        correlated_rotation(stream, 0.05))};
+                                                        correlated_covariance(stream, 0.05))};
     const Component<Peak> c{std::log(0.4),
-                            Peak(SO3d::exp({0.2, 0, 0}), correlated_rotation(stream, 0.1))};
+                            Peak(SO3d::exp({0.2, 0, 0}), correlated_covariance(stream, 0.1))};
     const std::array both{a, b};
     const SO3d anchor = interpolate(a.density.mean(), b.density.mean(), (0.6 - share) / 0.6);
     const Peak merged = back_project(tangent_moments<SO3d>(both, anchor));

@@ -160,7 +160,7 @@ TEST(Bounds, RejectDestinationsThatDoNotFit) {
             "bounded_loss: a destination does not exist");
 }
 
-Matrix6d correlated_pose(RandomStream& stream, double deviation) {
+Matrix6d correlated_covariance(RandomStream& stream, double deviation) {
   Matrix6d root;
   for (double& value : root.reshaped()) value = stream.normal();
   Matrix6d covariance =
@@ -175,8 +175,8 @@ Mixture<D> random_poses(RandomStream& stream, double deviation) {
   for (int i = 0; i < 8; ++i) {
     Vector6d xi;
     for (double& value : xi) value = 2.0 * deviation * stream.normal();
-    components.push_back(
-        {std::log(stream.uniform() + 0.05), D(SE3d::exp(xi), correlated_pose(stream, deviation))});
+    components.push_back({std::log(stream.uniform() + 0.05),
+                          D(SE3d::exp(xi), correlated_covariance(stream, deviation))});
   }
   return Mixture<D>(std::move(components));
 }
