@@ -49,7 +49,9 @@ struct Part {
   std::size_t state_bytes = 0;  ///< the most
   double resident_mb = 0.0;
   long looks = 0;
-  std::size_t cameras = 0;                     ///< global hypotheses at all looks
+  std::size_t cameras = 0;  ///< global hypotheses at all looks
+  std::size_t most_cameras = 0;
+  double world_nees = 0.0;                     ///< of the camera in the world, at all looks
   std::vector<double> nees = {0.0, 0.0, 0.0};  ///< sums, of the objects that stay and the hand
   std::vector<long> counts = {0, 0, 0};
   long cups_seen = 0;
@@ -95,7 +97,7 @@ class Kitchen {
 
   FrameInput next() {
     FrameInput input{.dt = kPeriod_s, .motion = orbit_.advance()};
-    ++frame_;
+    if (++frame_ == 1) first_ = orbit_.camera;
     move_hand();
     if (frame_ % 1500 == 0) cups_[static_cast<std::size_t>(frame_ / 1500 % 2)] = anywhere();
     see(input, orbit_.truth[0], "box", "");
@@ -107,6 +109,8 @@ class Kitchen {
   }
 
   const SE3d& camera() const { return orbit_.camera; }
+  /// The same in the world of the filter, which is at its start in the first frame.
+  SE3d camera_in_map() const { return start_ * first_.inverse() * orbit_.camera; }
   SE3d truth(std::size_t object) const {
     return object == kMovingObject ? hand_.truth : orbit_.truth[object];
   }
@@ -155,6 +159,8 @@ class Kitchen {
   testing::OrbitScene orbit_;
   RandomStream stream_;
   DetectorNoise noise_ = noise();
+  SE3d start_ = orbit_.camera;
+  SE3d first_;
   long frame_ = 0;
   testing::MovingScene hand_;
   bool moves_ = false;
@@ -203,11 +209,15 @@ void score(const MultiObjectSlam& slam, const FrameEstimate& estimate, const Kit
   }
 }
 
-void look(const MultiObjectSlam& slam, const FrameEstimate& estimate, long frame, Part& part) {
+void look(const MultiObjectSlam& slam, const FrameEstimate& estimate, const Kitchen& kitchen,
+          long frame, Part& part) {
   expect_sound(slam, estimate, frame);
   part.state_bytes = std::max(part.state_bytes, state_bytes(slam).size());
   part.resident_mb = resident_mb();
-  part.cameras += slam.filter().camera_mixture().size();
+  const std::size_t cameras = slam.filter().camera_mixture().size();
+  part.cameras += cameras;
+  part.most_cameras = std::max(part.most_cameras, cameras);
+  part.world_nees += nees_of(kitchen.camera_in_map(), slam.filter().camera());
   ++part.looks;
 }
 
@@ -215,9 +225,11 @@ void look(const MultiObjectSlam& slam, const FrameEstimate& estimate, long frame
 void print(const Part& part) {
   std::cout << part.frames << " frames, " << 1e6 * part.seconds / static_cast<double>(part.frames)
             << " us each, " << static_cast<double>(part.cameras) / static_cast<double>(part.looks)
-            << " global hypotheses, state of " << part.state_bytes << " bytes, " << part.resident_mb
-            << " MB, ANEES " << part.anees(0) << ' ' << part.anees(1) << ' '
-            << part.anees(kMovingObject) << ", cups found "
+            << " global hypotheses, " << part.most_cameras << " at most, state of "
+            << part.state_bytes << " bytes, " << part.resident_mb << " MB, ANEES " << part.anees(0)
+            << ' ' << part.anees(1) << ' ' << part.anees(kMovingObject)
+            << " (of the camera in the world "
+            << part.world_nees / (6.0 * static_cast<double>(part.looks)) << "), cups found "
             << static_cast<double>(part.cups_seen) / static_cast<double>(part.cups_there)
             << std::endl;
 }
@@ -234,7 +246,7 @@ std::vector<Part> years(long count) {
     part.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     ++part.frames;
     score(slam, estimate, kitchen, part);
-    if (frame % 100 == 0) look(slam, estimate, frame, part);
+    if (frame % 100 == 0) look(slam, estimate, kitchen, frame, part);
     if (::testing::Test::HasFatalFailure()) return parts;
     if (10 * (frame + 1) / count > 10 * frame / count) print(part);
   }

@@ -9,6 +9,7 @@
 #include <tuple>
 #include <utility>
 
+#include "object_merge.hpp"
 #include "posemix/filter/update.hpp"
 #include "posemix/mixture/log_weights.hpp"
 
@@ -29,7 +30,32 @@ bool differ(const ObjectBelief& a, const ObjectBelief& b) {
   return false;
 }
 
-/// Whether an object is led by different hypotheses, both of which recent detections support.
+/// Whether the leading hypotheses of object `j` agree as seen from the camera, as those do that are
+/// merged; also where neither state has one.
+bool is_seen_alike(const MultiObjectState& a, const MultiObjectState& b, std::size_t j) {
+  const auto led = [&](const MultiObjectState& state) {
+    const ObjectBelief& belief = state.objects[j].belief;
+    return belief.pose(state.joint, *belief.leading());
+  };
+  const bool is_known = a.objects[j].belief.leading().has_value();
+  if (is_known != b.objects[j].belief.leading().has_value()) return false;
+  if (!is_known) return true;
+  ConditionalPose there = led(b);
+  there.pose = a.joint.pose(kCamera) * b.joint.pose(kCamera).inverse() * there.pose;
+  return agree(a.joint.covariance(kCamera, kCamera), a.objects[j].sensor().symmetries,
+               a.merge_bounds, led(a), there);
+}
+
+/// Whether two states differ by a shift of the world alone, between which no detection decides.
+bool are_one_but_for_the_world(const MultiObjectState& a, const MultiObjectState& b) {
+  if (!are_near({}, a.merge_bounds, a.joint.pose(kCamera), b.joint.pose(kCamera))) return false;
+  for (std::size_t j = 0; j < a.objects.size(); ++j)
+    if (!is_seen_alike(a, b, j)) return false;
+  return true;
+}
+
+/// Whether an object is led by different hypotheses that are seen apart, both of which recent
+/// detections support.
 bool can_both_win(const MultiObjectState& a, const MultiObjectState& b) {
   for (std::size_t j = 0; j < a.objects.size(); ++j) {
     const ObjectBelief& x = a.objects[j].belief;
@@ -37,7 +63,8 @@ bool can_both_win(const MultiObjectState& a, const MultiObjectState& b) {
     if (!x.leading() || !y.leading()) continue;
     const Standing& s = x.standing(*x.leading());
     const Standing& t = y.standing(*y.leading());
-    if (s.id != t.id && std::min(s.score, t.score) > a.supported_score()) return true;
+    if (s.id != t.id && std::min(s.score, t.score) > a.supported_score() && !is_seen_alike(a, b, j))
+      return true;
   }
   return false;
 }
@@ -212,6 +239,7 @@ void GlobalHypotheses::choose_first() {
 }
 
 double GlobalHypotheses::loss_of_mixing(const Weighted& a, const Weighted& b) const {
+  if (are_one_but_for_the_world(a.state, b.state)) return 0.0;
   LogTotals log_a = a.log;
   LogTotals log_b = b.log;
   normalise_pair(log_a, log_b);
