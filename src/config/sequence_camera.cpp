@@ -5,11 +5,13 @@
 #include <set>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "posemix/base/error.hpp"
 #include "posemix/base/units.hpp"
 #include "posemix/io/text.hpp"
 #include "sequence_parts.hpp"
+#include "slam/searched_image.hpp"
 
 namespace posemix::internal {
 namespace {
@@ -133,16 +135,27 @@ std::vector<std::vector<std::string>> ImageList::on(const Timeline& timeline,
       throw InvalidInput(fmt::format("{}: got an image at stamp {} s, where {} has no frame",
                                      image.at.place, image.at.stamp, timeline.source()));
     }
-    const auto has_it = [&](const std::string& name) {
-      return image.camera == name || image.camera.starts_with(name + "@");
-    };
-    if (std::ranges::none_of(names, has_it)) {
+    const auto searched = find_searched_image(cameras, image.camera);
+    if (!searched || std::ranges::find(names, searched->camera) == names.end()) {
       throw InvalidInput(fmt::format("{}: got camera '{}', expected one of: '{}'", image.at.place,
                                      image.camera, fmt::join(names, "', '")));
     }
     by_frame[*frame].push_back(image.camera);
   }
   return by_frame;
+}
+
+void ImageList::require_known_detectors(const std::vector<BodyCamera>& cameras,
+                                        const std::vector<ObjectModel>& models) const {
+  const auto names = names_of_detectors(models);
+  for (const Image& image : images) {
+    try {
+      require_known_detector(find_searched_image(cameras, image.camera).value_or(SearchedImage()),
+                             names);
+    } catch (const InvalidInput& error) {
+      throw InvalidInput(fmt::format("{}: {}", image.at.place, error.what()));
+    }
+  }
 }
 
 CameraFiles read_camera_files(const TomlTable& root, const FileFinder& files) {

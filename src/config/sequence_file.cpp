@@ -205,6 +205,7 @@ SlamJob read_slam_job(const TomlDocument& document,
   const ObservedRecording observed = read_observed(root, files, noise_models, frames, models);
   const CameraFiles camera = read_camera_files(root, files);
   require_one_clock(observed, camera);
+  if (camera.images) camera.images->require_known_detectors(observed.cameras, models);
   SlamJob job{.name = read_name(document, root),
               .method = {},
               .sequence = {},

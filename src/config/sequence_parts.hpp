@@ -142,6 +142,9 @@ struct ImageList {
   /// @throws InvalidInput for a stamp without a frame, and a camera that there is not
   std::vector<std::vector<std::string>> on(const Timeline& timeline,
                                            const std::vector<BodyCamera>& cameras) const;
+  /// @throws InvalidInput for a detector that no object names, where all objects name theirs
+  void require_known_detectors(const std::vector<BodyCamera>& cameras,
+                               const std::vector<ObjectModel>& models) const;
 };
 
 struct CameraFiles {

@@ -153,8 +153,7 @@ FrameEstimate MultiObjectSlam::step(const FrameInput& input) {
   moving_.check(input);
   FrameReport report = empty_report(input);
   std::vector<Seen> sightings = sightings_of(input, report);
-  for (const std::string& image : input.images)
-    internal::searched_image(settings_.cameras, image);  // which throws for another camera
+  for (const std::string& image : input.images) check_image(image);
   const auto moved = camera_step_of(motion_, is_first, input);
   objects_.begin(input);
   forget_deleted();
@@ -218,6 +217,15 @@ bool MultiObjectSlam::is_taken_before(const Observation& a, const Observation& b
 void MultiObjectSlam::check(const Observation& observation) const {
   TrackedObjects::check(observation, "observation");
   source_of(observation);
+}
+
+void MultiObjectSlam::check_image(const std::string& name) const {
+  const internal::SearchedImage image = internal::searched_image(settings_.cameras, name);
+  if (settings_.on_sight && settings_.on_sight->detectors.empty()) return;  // which takes any
+  auto names = internal::names_of_detectors(objects_.models());
+  if (names && settings_.on_sight)
+    for (const auto& [detector, noise] : settings_.on_sight->detectors) names->insert(detector);
+  internal::require_known_detector(image, names);
 }
 
 std::vector<ObservedObject> MultiObjectSlam::observed(const FrameInput& input) const {

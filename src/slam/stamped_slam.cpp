@@ -127,6 +127,7 @@ StampAdmission StampedSlam::add_image(double stamp_s, const std::string& camera,
         "names of cameras without '@'",
         camera, detector.value_or(""), named.camera));
   }
+  now_.slam.check_image(name);
   return add_to_frame(stamp_s, [&](Frame& frame) { frame.images.insert(name); });
 }
 

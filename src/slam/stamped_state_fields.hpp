@@ -168,7 +168,7 @@ struct StateFields<StampedSlam> {
     require_state(!x.initial_.estimate, "a beginning without an estimate");
     for (const auto& [key, frame] : x.frames_) {
       require_state(std::isfinite(key), "stamps that are finite");
-      for (const std::string& image : frame.images) searched_image(settings.cameras, image);
+      for (const std::string& image : frame.images) x.now_.slam.check_image(image);
       for (const Observation& one : frame.observations) x.now_.slam.check(one);
     }
     for (const auto& [key, pose] : x.odometry_)

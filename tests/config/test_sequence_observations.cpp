@@ -53,11 +53,12 @@ slow = "none"
 clutter = {weight = 0.05, volume_m3 = 1.0}
 )";
 
-SlamJob job_of(const std::string& sequence, const std::string& table = kTable) {
+SlamJob job_of(const std::string& sequence, const std::string& table = kTable,
+               const std::string& images = "0 left\n1e9 left\n") {
   const testing::TemporaryFolder folder;
   folder.put("observations.csv", table);
   folder.put("odometry.tum", kOdometry);
-  folder.put("images.txt", "0 left\n1e9 left\n");
+  folder.put("images.txt", images);
   return read_slam_job(TomlDocument::parse(sequence, "sequence.toml"), {folder.path()});
 }
 
@@ -122,6 +123,22 @@ TEST(SequenceObservations, AreOfSeveralDetectors) {
   EXPECT_INVALID_WITH(run(job_of(two, replaced(kTable, "0.05,left,,9", "0.05,left,other,9"))),
                       "observations.csv:4: got detector = \"other\", expected one of the detectors "
                       "of \"9\", one of: far, near");
+}
+
+TEST(SequenceObservations, ImagesAreOfDetectorsThatTheObjectsHave) {
+  const std::string two = replaced(
+      replaced(std::string(kSequence), "noise = \"tag\"\n",
+               "noise = \"tag\"\ndetectors = {near = \"tag\", far = \"tag\"}\n"),
+      "odometry = \"odometry.tum\"\n", "odometry = \"odometry.tum\"\nimages = \"images.txt\"\n");
+  const auto images_of = [&](const std::string& sequence, const char* image) {
+    return job_of(sequence, kTable, image).sequence.images;
+  };
+  EXPECT_EQ(images_of(two, "0.05 left@far\n")[1], std::vector<std::string>{"left@far"});
+  EXPECT_INVALID_WITH(images_of(two, "0.05 left@near\n0.10 left@typo\n"),
+                      "images.txt:2: got an image of detector 'typo', expected one of: far, near");
+  // An object that names no detectors takes any.
+  const std::string one = replaced(two, "detectors = {near = \"tag\", far = \"tag\"}\n", "");
+  EXPECT_EQ(images_of(one, "0.05 left@any\n")[1], std::vector<std::string>{"left@any"});
 }
 
 TEST(SequenceObservations, ErrorsOfStampsNameTheRow) {

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "io/expect_invalid.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/slam/run.hpp"
 #include "posemix/slam/stamped_slam.hpp"
@@ -187,6 +188,25 @@ TEST(InstanceTracks, ADetectorWithAnAtInItsNameIsOne) {
   EXPECT_THROW(rig.add_image(0.0, "a", "yolo"), InvalidInput);
   EXPECT_THROW(rig.add_image(0.0, "a", "yolo@v2"), InvalidInput);
   EXPECT_NO_THROW(rig.finish());
+}
+
+TEST(InstanceTracks, AnImageIsOfADetectorThatAnObjectHas) {
+  const DetectorNoise noise = ObjectModel().noise;
+  const PoseDensity start(SE3d(), 1e-8 * Matrix6d::Identity());
+  const ObjectModel mug{.id = "mug", .detectors = {{"yolo", noise}}};
+  const auto take = [&](const MultiObjectSlamSettings& settings, const ObjectModel& other) {
+    MultiObjectSlam slam(start, {mug, other}, settings);
+    slam.step({.images = {"@yolo", "@tags"}});
+  };
+  const ObjectModel box{.id = "box", .detectors = {{"tags", noise}}};
+  EXPECT_NO_THROW(take({}, box));
+  EXPECT_NO_THROW(take({}, {.id = "box"}));  // which takes any name
+  EXPECT_INVALID_WITH(take({}, {.id = "box", .detectors = {{"yolo", noise}}}),
+                      "got an image of detector 'tags', expected one of: yolo");
+  EXPECT_NO_THROW(take({.on_sight = ObjectModel{}}, {.id = "box", .detectors = {{"yolo", noise}}}));
+  StampedSlam stamped(start, {mug}, {});
+  EXPECT_THROW(stamped.add_image(0.0, "", "tags"), InvalidInput);
+  EXPECT_EQ(stamped.add_image(0.0, "", "yolo"), StampAdmission::taken);
 }
 
 TEST(InstanceTracks, AnImageIsNamedByItsCameraAndByADetector) {

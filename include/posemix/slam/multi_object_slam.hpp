@@ -122,6 +122,8 @@ class MultiObjectSlam {
   std::vector<BodyCamera> estimated_cameras() const;
   /// @throws InvalidInput for an observation that `step` would refuse
   void check(const Observation& observation) const;
+  /// The same for the name of an image, as in FrameInput::images.
+  void check_image(const std::string& name) const;
   /// What a frame says of the objects that it names, in the order in which `step` takes it.
   /// @throws InvalidInput for an object, a camera or a detector that is not known
   std::vector<ObservedObject> observed(const FrameInput& input) const;

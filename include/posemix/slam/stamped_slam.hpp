@@ -111,7 +111,8 @@ class StampedSlam {
   /// has jumped
   StampAdmission add_image(double stamp_s, const std::string& camera = {});
   /// The same of an image that one detector has searched: what others found may be there.
-  /// @throws InvalidInput also where CAMERA@DETECTOR is the name of another camera's image
+  /// @throws InvalidInput also where CAMERA@DETECTOR is the name of another camera's image, and for
+  /// a detector that no object has, where all name theirs
   StampAdmission add_image(double stamp_s, const std::string& camera,
                            const std::optional<std::string>& detector);
 

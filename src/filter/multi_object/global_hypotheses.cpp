@@ -30,32 +30,67 @@ bool differ(const ObjectBelief& a, const ObjectBelief& b) {
   return false;
 }
 
-/// Whether the leading hypotheses of object `j` agree as seen from the camera, as those do that are
-/// merged; also where neither state has one.
-bool is_seen_alike(const MultiObjectState& a, const MultiObjectState& b, std::size_t j) {
-  const auto led = [&](const MultiObjectState& state) {
-    const ObjectBelief& belief = state.objects[j].belief;
-    return belief.pose(state.joint, *belief.leading());
-  };
-  const bool is_known = a.objects[j].belief.leading().has_value();
-  if (is_known != b.objects[j].belief.leading().has_value()) return false;
-  if (!is_known) return true;
-  ConditionalPose there = led(b);
-  there.pose = a.joint.pose(kCamera) * b.joint.pose(kCamera).inverse() * there.pose;
-  return agree(a.joint.covariance(kCamera, kCamera), a.objects[j].sensor().symmetries,
-               a.merge_bounds, led(a), there);
+/// Whether two poses agree within the bounds of a merge, `mean` being the mean of their covariances
+/// about axes of the world.
+bool agree(const MergeBounds& bounds, const Matrix6d& mean, const SE3d& a, const SE3d& b) {
+  const Cholesky6 factor(mean);
+  return factor.ok() &&
+         factor.whitened((b * a.inverse()).log()).squaredNorm() < bounds.squared_distance;
+}
+
+/// Covariance of the leading hypothesis of object `j` as seen from the camera.
+Matrix6d seen_covariance(const MultiObjectState& state, std::size_t j) {
+  const ObjectBelief& belief = state.objects[j].belief;
+  const ConditionalPose led = belief.pose(state.joint, *belief.leading());
+  const Matrix6d cross = led.cross_covariance.topRows<6>();
+  return led.covariance.topLeftCorner<6, 6>() + state.joint.covariance(kCamera, kCamera) - cross -
+         cross.transpose();
+}
+
+/// Whether the leading hypotheses of object `j` agree as seen from the camera, where `there` takes
+/// the world of `b` to that of `a`; also where neither state has one.
+bool is_seen_alike(const MultiObjectState& a, const MultiObjectState& b, const SE3d& there,
+                   std::size_t j) {
+  const ObjectBelief& x = a.objects[j].belief;
+  const ObjectBelief& y = b.objects[j].belief;
+  if (x.leading().has_value() != y.leading().has_value()) return false;
+  if (!x.leading()) return true;
+  const SymmetryGroup& symmetries = a.objects[j].sensor().symmetries;
+  const SE3d led = x.pose(a.joint, *x.leading()).pose;
+  SE3d other = there * y.pose(b.joint, *y.leading()).pose;
+  if (!are_near(symmetries, a.merge_bounds, led, other)) return false;
+  if (!symmetries.is_trivial()) other = symmetries.closest(other, led, Matrix6d::Identity());
+  const Matrix6d mean =
+      0.5 * (seen_covariance(a, j) + there.adjoint_congruence(seen_covariance(b, j)));
+  return agree(a.merge_bounds, mean, led, other);
+}
+
+/// Whether the poses of a block that is on the body agree.
+bool are_alike(const MultiObjectState& a, std::size_t i, const MultiObjectState& b, std::size_t k) {
+  return agree(a.merge_bounds, 0.5 * (a.joint.covariance(i, i) + b.joint.covariance(k, k)),
+               a.joint.pose(i), b.joint.pose(k));
 }
 
 /// Whether two states differ by a shift of the world alone, between which no detection decides.
+/// Objects with a prior, and a camera that was given, are known in the world.
 bool are_one_but_for_the_world(const MultiObjectState& a, const MultiObjectState& b) {
-  if (!are_near({}, a.merge_bounds, a.joint.pose(kCamera), b.joint.pose(kCamera))) return false;
+  if (a.has_known_objects || a.has_given_camera) return false;
+  const SE3d there = a.joint.pose(kCamera) * b.joint.pose(kCamera).inverse();
   for (std::size_t j = 0; j < a.objects.size(); ++j)
-    if (!is_seen_alike(a, b, j)) return false;
-  return true;
+    if (!is_seen_alike(a, b, there, j)) return false;
+  for (std::size_t e = 0; e < a.joint.extrinsics(); ++e) {
+    const std::size_t i = JointGaussian::extrinsic_block(e);
+    if (!are_alike(a, i, b, i)) return false;
+  }
+  return !a.motion || are_alike(a, *a.motion, b, *b.motion);
 }
 
-/// Whether an object is led by different hypotheses that are seen apart, both of which recent
-/// detections support.
+/// Whether the cameras agree in the world.
+bool are_at_one_place(const MultiObjectState& a, const MultiObjectState& b) {
+  return are_alike(a, kCamera, b, kCamera);
+}
+
+/// Whether an object is led by different hypotheses, both of which recent detections support.
 bool can_both_win(const MultiObjectState& a, const MultiObjectState& b) {
   for (std::size_t j = 0; j < a.objects.size(); ++j) {
     const ObjectBelief& x = a.objects[j].belief;
@@ -63,8 +98,7 @@ bool can_both_win(const MultiObjectState& a, const MultiObjectState& b) {
     if (!x.leading() || !y.leading()) continue;
     const Standing& s = x.standing(*x.leading());
     const Standing& t = y.standing(*y.leading());
-    if (s.id != t.id && std::min(s.score, t.score) > a.supported_score() && !is_seen_alike(a, b, j))
-      return true;
+    if (s.id != t.id && std::min(s.score, t.score) > a.supported_score()) return true;
   }
   return false;
 }
@@ -239,12 +273,15 @@ void GlobalHypotheses::choose_first() {
 }
 
 double GlobalHypotheses::loss_of_mixing(const Weighted& a, const Weighted& b) const {
-  if (are_one_but_for_the_world(a.state, b.state)) return 0.0;
+  const bool are_one = are_one_but_for_the_world(a.state, b.state);
+  if (are_one && are_at_one_place(a.state, b.state)) return 0.0;
   LogTotals log_a = a.log;
   LogTotals log_b = b.log;
   normalise_pair(log_a, log_b);
   double weight = std::exp(log_b.weight);
-  if (std::abs(a.log.weight - b.log.weight) < kDecided && can_both_win(a.state, b.state))
+  // Of which only one can win if detections decide.
+  if (!are_one && std::abs(a.log.weight - b.log.weight) < kDecided &&
+      can_both_win(a.state, b.state))
     weight = 0.5;
   double loss = merge_loss(weight, a.state.joint.camera_moments(),
                            b.state.joint.camera_moments(a.state.joint));
