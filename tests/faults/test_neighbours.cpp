@@ -153,8 +153,12 @@ TEST_F(Neighbours, TwoRunsIntoOneFolderLeaveTheFilesOfOne) {
   }
 }
 
+// At any moment of a run, as long as one takes, and of those that continue it.
 TEST_F(Neighbours, AStudyThatIsKilledAgainAndAgainIsWorthTheSame) {
+  const auto start = std::chrono::steady_clock::now();
   ASSERT_EQ(run_with_fault(study(), "", folder_.path()).result.exit_code, 0);
+  const auto whole = std::chrono::duration_cast<std::chrono::microseconds>(
+      std::chrono::steady_clock::now() - start);
   const auto expected = result_in(folder_.path(), {"out", "study.json"});
   std::mt19937 random(7);
   const int kills = testing::visits_all() ? 1000 : 10;
@@ -166,14 +170,13 @@ TEST_F(Neighbours, AStudyThatIsKilledAgainAndAgainIsWorthTheSame) {
       auto words = study(true);
       words.insert(words.begin(), {"/usr/bin/env", "SOURCE_DATE_EPOCH=0"});
       RunningProgram program(words);
-      std::this_thread::sleep_for(std::chrono::microseconds(random() % 60000));
-      if (i < kills) {
-        program.send(SIGKILL);
-        ++i;
-      }
+      std::uniform_int_distribution<std::int64_t> moment(0, whole.count());
+      std::this_thread::sleep_for(std::chrono::microseconds(moment(random)));
+      if (i < kills) program.send(SIGKILL);
       const ProgramResult result = program.wait();
       ended = result.exit_code == 0;
       if (!ended) {
+        ++i;
         ASSERT_EQ(result.exit_code, 128 + SIGKILL) << result.err;
         const auto now = result_in(folder_.path(), {"out", "study.json"});
         EXPECT_TRUE(!now || now == expected);
