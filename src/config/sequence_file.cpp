@@ -176,6 +176,15 @@ std::vector<ObjectModel> read_models(const TomlTable& root, const FileFinder& fi
   return read_object_models(tables, files, noise_models, frames);
 }
 
+/// What the file says of the camera, which has to fit what was observed.
+CameraFiles read_camera(const TomlTable& root, const FileFinder& files,
+                        const ObservedRecording& observed, const std::vector<ObjectModel>& models) {
+  CameraFiles camera = read_camera_files(root, files);
+  require_one_clock(observed, camera);
+  if (camera.images) camera.images->require_known_detectors(observed.cameras, models);
+  return camera;
+}
+
 /// Checks how the objects of the file, and those on sight, may move.
 void check_motions(const TomlTable& root, const SlamMethod& method, const SlamJob& job) {
   const std::vector<TomlTable> objects = object_tables(root);
@@ -203,9 +212,7 @@ SlamJob read_slam_job(const TomlDocument& document,
   const std::vector<FrameFile> frames = read_known_frames(root, files);
   std::vector<ObjectModel> models = read_models(root, files, method, noise_models, frames);
   const ObservedRecording observed = read_observed(root, files, noise_models, frames, models);
-  const CameraFiles camera = read_camera_files(root, files);
-  require_one_clock(observed, camera);
-  if (camera.images) camera.images->require_known_detectors(observed.cameras, models);
+  const CameraFiles camera = read_camera(root, files, observed, models);
   SlamJob job{.name = read_name(document, root),
               .method = {},
               .sequence = {},
