@@ -221,6 +221,7 @@ void MultiObjectSlam::check(const Observation& observation) const {
 
 void MultiObjectSlam::check_image(const std::string& name) const {
   const internal::SearchedImage image = internal::searched_image(settings_.cameras, name);
+  if (!image.detector) return;
   if (settings_.on_sight && settings_.on_sight->detectors.empty()) return;  // which takes any
   auto names = internal::names_of_detectors(objects_.models());
   if (names && settings_.on_sight)

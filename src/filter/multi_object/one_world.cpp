@@ -2,6 +2,9 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "one_world.hpp"
 
+#include <optional>
+#include <vector>
+
 #include "object_merge.hpp"
 
 namespace posemix::internal {
@@ -15,30 +18,46 @@ bool are_within(const MergeBounds& bounds, const Matrix6d& mean, const SE3d& a, 
          factor.whitened((b * a.inverse()).log()).squaredNorm() < bounds.squared_distance;
 }
 
-/// Covariance of the leading hypothesis of object `j` as seen from the camera.
-Matrix6d seen_covariance(const MultiObjectState& state, std::size_t j) {
-  const ObjectBelief& belief = state.objects[j].belief;
-  const ConditionalPose led = belief.pose(state.joint, *belief.leading());
-  const Matrix6d cross = led.cross_covariance.topRows<6>();
-  return led.covariance.topLeftCorner<6, 6>() + state.joint.covariance(kCamera, kCamera) - cross -
-         cross.transpose();
+/// Covariance of the pose `i` as seen from the camera.
+Matrix6d seen_covariance(const JointGaussian& joint, std::size_t i) {
+  const Matrix6d cross = joint.covariance(i, kCamera);
+  return joint.covariance(i, i) + joint.covariance(kCamera, kCamera) - cross - cross.transpose();
 }
 
-/// Whether the leading hypotheses of object `j` agree as seen from the camera, where `there` takes
-/// the world of `b` to that of `a`; also where neither state has one.
-bool is_seen_alike(const MultiObjectState& a, const MultiObjectState& b, const SE3d& there,
-                   std::size_t j) {
-  const ObjectBelief& x = a.objects[j].belief;
-  const ObjectBelief& y = b.objects[j].belief;
-  if (x.leading().has_value() != y.leading().has_value()) return false;
-  if (!x.leading()) return true;
-  const SymmetryGroup& symmetries = a.objects[j].sensor().symmetries;
-  const SE3d led = x.pose(a.joint, *x.leading()).pose;
-  SE3d other = there * y.pose(b.joint, *y.leading()).pose;
-  if (!are_near(symmetries, a.merge_bounds, led, other)) return false;
+/// The leading hypotheses of an object in two states, as poses of their joint Gaussians.
+struct LeadingPair {
+  std::size_t j;
+  std::size_t a;
+  std::size_t b;
+};
+
+/// None where an object has a leading hypothesis in one state alone, or where two are not near, as
+/// seen from the camera; `there` takes the world of `b` to that of `a`.
+std::optional<std::vector<LeadingPair>> near_pairs(const MultiObjectState& a,
+                                                   const MultiObjectState& b, const SE3d& there) {
+  std::vector<LeadingPair> pairs;
+  for (std::size_t j = 0; j < a.objects.size(); ++j) {
+    const auto x = a.objects[j].belief.pose_index();
+    const auto y = b.objects[j].belief.pose_index();
+    if (x.has_value() != y.has_value()) return std::nullopt;
+    if (!x) continue;
+    if (!are_near(a.objects[j].sensor().symmetries, a.merge_bounds, a.joint.pose(*x),
+                  there * b.joint.pose(*y)))
+      return std::nullopt;
+    pairs.push_back({j, *x, *y});
+  }
+  return pairs;
+}
+
+/// Whether two leading hypotheses agree as seen from the camera.
+bool are_seen_alike(const MultiObjectState& a, const MultiObjectState& b, const SE3d& there,
+                    const LeadingPair& pair) {
+  const SymmetryGroup& symmetries = a.objects[pair.j].sensor().symmetries;
+  const SE3d& led = a.joint.pose(pair.a);
+  SE3d other = there * b.joint.pose(pair.b);
   if (!symmetries.is_trivial()) other = symmetries.closest(other, led, Matrix6d::Identity());
-  const Matrix6d mean =
-      0.5 * (seen_covariance(a, j) + there.adjoint_congruence(seen_covariance(b, j)));
+  const Matrix6d mean = 0.5 * (seen_covariance(a.joint, pair.a) +
+                               there.adjoint_congruence(seen_covariance(b.joint, pair.b)));
   return are_within(a.merge_bounds, mean, led, other);
 }
 
@@ -53,8 +72,10 @@ bool are_alike(const MultiObjectState& a, std::size_t i, const MultiObjectState&
 bool are_one_but_for_the_world(const MultiObjectState& a, const MultiObjectState& b) {
   if (a.has_known_objects || a.has_given_camera) return false;
   const SE3d there = a.joint.pose(kCamera) * b.joint.pose(kCamera).inverse();
-  for (std::size_t j = 0; j < a.objects.size(); ++j)
-    if (!is_seen_alike(a, b, there, j)) return false;
+  const auto pairs = near_pairs(a, b, there);
+  if (!pairs) return false;
+  for (const LeadingPair& pair : *pairs)
+    if (!are_seen_alike(a, b, there, pair)) return false;
   for (std::size_t e = 0; e < a.joint.extrinsics(); ++e) {
     const std::size_t i = JointGaussian::extrinsic_block(e);
     if (!are_alike(a, i, b, i)) return false;
