@@ -65,10 +65,9 @@ build: build/.bootstrap-build
 demo: build build/.bootstrap-demo
 	tools/demo $(PROGRAM) build/demo
 
-# Browsers wait more than they compute: beside the tests of the package.
+# Browsers wait more than they compute: beside the tests of the package and of the node.
 test: test-cpp
-	$(MAKE) --no-print-directory -j2 --output-sync=target test-python report-test build/.ros
-	$(MAKE) --no-print-directory test-ros
+	$(MAKE) --no-print-directory -j2 --output-sync=target report-test test-python test-ros
 
 built: build/.bootstrap-test
 	$(BEGINS)
@@ -219,12 +218,20 @@ style: build/.bootstrap-style build/.reuse
 
 lint: style tidy
 
+# A later one than Debian's, which looks at the headers of other libraries too and takes twice as long.
+build/.clang-tidy: | build/.bootstrap-lint
+	@$(PYTHON) -m venv build/clang-tidy
+	@build/clang-tidy/bin/pip install --quiet --disable-pip-version-check clang-tidy==23.1.4
+	@touch $@
+
 # The names of files are patterns for run-clang-tidy, which takes every file of build/tidy without one.
-tidy: build/.bootstrap-lint
+tidy: build/.bootstrap-lint build/.clang-tidy
 	$(BEGINS)
 	@cmake --preset tidy >/dev/null
 	@units=$$(tools/tidy_units.py build/tidy $(if $(TIDY_SINCE),--since $(TIDY_SINCE))); \
-	if [ -n "$$units" ]; then run-clang-tidy -quiet -j $(JOBS) -p build/tidy $$units; fi
+	if [ -n "$$units" ]; then \
+	  build/clang-tidy/bin/run-clang-tidy.py -clang-tidy-binary build/clang-tidy/bin/clang-tidy -quiet -j $(JOBS) -p build/tidy $$units; \
+	fi
 
 docs: build/.bootstrap-docs build/.python
 	$(call install_package,docs)

@@ -4,7 +4,8 @@
 
 from __future__ import annotations
 
-from typing import TypeAlias
+import operator
+from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -17,7 +18,7 @@ def as_floats(values: npt.ArrayLike, trailing: tuple[int, ...], name: str) -> Fl
 
     An array that already has this form is not copied.
     """
-    array = np.ascontiguousarray(values, dtype=np.float64)
+    array = np.asarray(values, dtype=np.float64, order="C")
     if array.shape[array.ndim - len(trailing) :] != trailing or array.ndim < len(trailing):
         expected = ", ".join(["...", *map(str, trailing)])
         raise ValueError(f"{name} has shape {array.shape}; expected ({expected})")
@@ -35,6 +36,14 @@ def as_vectors(values: npt.ArrayLike, size: int, name: str) -> tuple[FloatArray,
     if array.shape[-1:] != (size,) or array.strides[-1] != 8 or row < 0 or row % 8 or not array.flags.aligned:
         array = as_floats(array, (size,), name)
     return flat_rows(array, 1), array.shape[:-1]
+
+
+def whole_numbers(values: Any, name: str) -> tuple[int, ...]:
+    """One or more whole numbers as a tuple; raises TypeError where there are others."""
+    try:
+        return tuple(operator.index(value) for value in (values if np.ndim(values) else (values,)))
+    except TypeError:
+        raise TypeError(f"{name} is {values!r}; expected a whole number or a tuple of them") from None
 
 
 def thread_count(threads: int) -> int:

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from posemix import _core
-from posemix._arrays import FloatArray, as_floats, as_vectors, flat_rows, require_finite, thread_count
+from posemix._arrays import FloatArray, as_floats, as_vectors, flat_rows, require_finite, thread_count, whole_numbers
 
 Self = TypeVar("Self", bound="Elements")
 
@@ -59,8 +59,13 @@ class Elements:
         ----------
         shape : int or tuple of int
             Shape of the array.
+
+        Raises
+        ------
+        TypeError
+            For lengths that are no whole numbers.
         """
-        data = np.zeros((*np.atleast_1d(np.asarray(shape, dtype=int)), cls._SIZE))
+        data = np.zeros((*whole_numbers(shape, "shape"), cls._SIZE))
         data[..., -1] = 1.0
         return cls._wrap(data, data.shape[:-1])
 
@@ -112,7 +117,9 @@ class Elements:
         if not self.shape:
             raise TypeError(f"one {type(self).__name__} has no entries")
         key = index if isinstance(index, tuple) else (index,)
-        part = self._data[(*key, Ellipsis, slice(None))]
+        # The numbers of an element are no entries; an ellipsis comes once.
+        rest = () if any(each is Ellipsis for each in key) else (Ellipsis,)
+        part = self._data[(*key, *rest, slice(None))]
         return self._wrap(np.ascontiguousarray(part), part.shape[:-1])
 
     def __iter__(self: Self) -> Iterator[Self]:

@@ -1,11 +1,27 @@
 # SPDX-License-Identifier: MIT
 # SPDX-FileCopyrightText: posemix contributors
-"""Copies of settings that cannot be assigned to, where an assignment would change nothing but the copy."""
+"""Copies of settings and dicts that cannot be assigned to, where an assignment would change nothing but the copy."""
 
 from __future__ import annotations
 
 import functools
-from typing import Any, NoReturn
+from typing import Any, NoReturn, TypeVar
+
+K = TypeVar("K")
+V = TypeVar("V")
+
+
+class FrozenDict(dict[K, V]):
+    """A dict that cannot be changed, where a change would be made to a copy alone."""
+
+    def _refuse(self, *values: Any, **named: Any) -> NoReturn:
+        raise TypeError("this dict is a copy that cannot be changed; expected another object, as by replace()")
+
+    __setitem__ = __delitem__ = __ior__ = _refuse
+    clear = pop = popitem = setdefault = update = _refuse
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return FrozenDict, (dict(self),)
 
 
 def _blank(cls: Any) -> Any:

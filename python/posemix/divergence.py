@@ -29,6 +29,10 @@ def kl_monte_carlo(
 ) -> DivergenceEstimate:
     """The Kullback-Leibler divergence D(p || q) of two mixtures of any kinds [nats], by sampling.
 
+    The density of a concentrated Gaussian is that within half a turn of its mean: where standard deviations of rotation
+    are above about 1 rad it integrates to less than one, and the divergence is wrong by the log of that, and can come
+    out negative. The same holds for the other divergences.
+
     Parameters
     ----------
     p, q : Mixture

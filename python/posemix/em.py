@@ -30,8 +30,10 @@ def _arguments(
         raise ValueError(f"distribution is '{distribution}'; expected 'concentrated' or 'projected'")
     if len(Elements._checked(samples, "samples").shape) != 1:
         raise ValueError(f"samples have shape {samples.shape}; expected (n,)")
-    counts = [] if weights is None else np.asarray(weights, dtype=np.float64).tolist()
-    return rows_of(samples), distribution == "projected", counts
+    counts = np.empty(0) if weights is None else np.asarray(weights, dtype=np.float64)
+    if weights is not None and counts.shape != samples.shape:
+        raise ValueError(f"weights has shape {counts.shape}; expected {samples.shape}")
+    return rows_of(samples), distribution == "projected", counts.tolist()
 
 
 def fit_mixture(

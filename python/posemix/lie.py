@@ -143,7 +143,7 @@ def interpolate(a: G, b: G, t: npt.ArrayLike) -> G:
     t : array_like, shape (...)
         Parameters.
     """
-    at = require_finite(np.ascontiguousarray(t, dtype=np.float64), "t")
+    at = require_finite(np.asarray(t, dtype=np.float64, order="C"), "t")
     type(Elements._checked(a, "a"))._checked(b, "b")
     data = a._call("interpolate", a._data, b._data, at.reshape(-1))
     return a._wrap(data, at.shape)

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import html
+import operator
 from collections.abc import Iterator, Sequence
 from typing import Any, Generic, TypeVar
 
@@ -48,6 +49,13 @@ def log_of_weights(weights: npt.ArrayLike) -> FloatArray:
             raise ValueError(f"weight {i} is {weight}, expected a finite number >= 0")
     with np.errstate(divide="ignore"):
         return np.log(values)
+
+
+def scaled_weights(logs: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Weights over the largest of them on the last axis, and its logarithm; zeros and 0 where all are zero."""
+    largest = logs.max(axis=-1)
+    largest = np.where(np.isneginf(largest), 0.0, largest)
+    return np.exp(logs - largest[..., None]), largest
 
 
 class Mixture(Generic[D]):
@@ -105,6 +113,8 @@ class Mixture(Generic[D]):
             raise ValueError(f"components of different kinds: {', '.join(names)}")
         if log_weights is not None:
             logs = np.ascontiguousarray(log_weights, dtype=np.float64)
+            if logs.ndim != 1:
+                raise ValueError(f"log_weights has shape {logs.shape}; expected ({len(densities)},)")
         else:
             logs = log_of_weights(np.ones(len(densities)) if weights is None else weights)
         self._handle: Any = _MIXTURES[kinds.pop()](list(logs), list(densities))
@@ -121,8 +131,15 @@ class Mixture(Generic[D]):
         return len(self._handle)
 
     def __getitem__(self, index: int) -> D:
-        """The density of one component."""
-        density: D = self._handle.density(index + len(self) if index < 0 else index)
+        """The density of one component; a negative index counts from the end."""
+        try:
+            at = operator.index(index)
+        except TypeError:
+            raise TypeError(f"index is a {type(index).__name__}; expected a whole number") from None
+        size = len(self)
+        if not -size <= at < size:
+            raise IndexError(f"index is {at}; expected {-size} to {size - 1} for a mixture of {size}")
+        density: D = self._handle.density(at % size)
         return density
 
     def __iter__(self) -> Iterator[D]:
@@ -151,21 +168,79 @@ class Mixture(Generic[D]):
         return np.stack([density.covariance for density in self])
 
     def log_density(self, points: SO3 | SE3) -> FloatArray:
-        """Log of the density with respect to the Haar measure [nats], shape of `points`."""
+        """Log of the density with respect to the Haar measure [nats].
+
+        Parameters
+        ----------
+        points : SO3 or SE3, shape (...)
+            Elements; shape (..., n) for a mixture of joint densities.
+
+        Returns
+        -------
+        ndarray, shape (...)
+        """
+        if self._is_joint:
+            shares, largest = scaled_weights(self._weighted_logs(points))
+            with np.errstate(divide="ignore"):
+                return np.asarray(np.log(shares.sum(axis=-1)) + largest)
         result: FloatArray = self._handle.log_density(rows_of(points))
         return result.reshape(points.shape)
 
     def responsibilities(self, points: SO3 | SE3) -> FloatArray:
-        """Probabilities of the components given each point, shape (..., k)."""
-        logs = self._handle.component_log_densities(rows_of(points)) + self.log_weights
-        logs -= logs.max(axis=1, keepdims=True)
-        shares = np.exp(logs)
-        shares /= shares.sum(axis=1, keepdims=True)
-        return np.asarray(shares.reshape((*points.shape, len(self))))
+        """Probabilities of the components given each point, shape (..., k).
+
+        NaN at points where the density of every component is zero.
+
+        Parameters
+        ----------
+        points : SO3 or SE3, shape (...)
+            Elements; shape (..., n) for a mixture of joint densities.
+        """
+        shares, _ = scaled_weights(self._weighted_logs(points))
+        with np.errstate(invalid="ignore"):
+            return np.asarray(shares / shares.sum(axis=-1, keepdims=True))
 
     def sample(self, count: int, seed: int | RandomStream) -> Any:
-        """Draws, shape (count,)."""
-        return self[0]._group._wrap(self._handle.sample(count, stream_of(seed)), (count,))
+        """Draws, shape (count,), or (count, n) from a mixture of joint densities.
+
+        Each draws a component by its weight first: the same seed gives the same draws.
+
+        Parameters
+        ----------
+        count : int
+            Number of draws.
+        seed : int or RandomStream
+            A seed, or a stream, which is advanced.
+        """
+        stream = stream_of(seed)
+        if self._is_joint:
+            return self._joint_sample(operator.index(count), stream)
+        return self[0]._group._wrap(self._handle.sample(count, stream), (count,))
+
+    def _joint_sample(self, count: int, stream: RandomStream) -> SE3:
+        if count < 0:
+            raise ValueError(f"count is {count}; expected 0 or more")
+        densities = list(self)
+        sums = np.cumsum(self.weights)
+        heaviest = int(np.argmax(self.log_weights))
+        data = np.empty((count, *self[0].mean.shape, 7))
+        for row in data:
+            i = int(np.searchsorted(sums, stream.uniform(1)[0], side="right"))
+            row[...] = densities[i if i < len(densities) else heaviest].sample(1, stream)._data[0]
+        return SE3._wrap(data, data.shape[:-1])
+
+    @property
+    def _is_joint(self) -> bool:
+        return isinstance(self._handle, _core.MixtureConcentratedStack)
+
+    def _weighted_logs(self, points: SO3 | SE3) -> FloatArray:
+        """Logarithms of weight times density of every component, shape (..., k)."""
+        if self._is_joint:
+            logs = np.stack([density.log_density(points) for density in self], axis=-1)
+        else:
+            rows: FloatArray = self._handle.component_log_densities(rows_of(points))
+            logs = rows.reshape((*points.shape, len(self)))
+        return np.asarray(logs + self.log_weights)
 
     def prune(self, threshold: float) -> tuple[Mixture[D], float]:
         """The mixture without components lighter than `threshold`, and the weight dropped.
@@ -179,15 +254,20 @@ class Mixture(Generic[D]):
 
     def marginal(self, index: int) -> Mixture[ConcentratedGaussian[SE3]]:
         """The marginal mixture of one pose of a joint mixture."""
-        mixture: Mixture[ConcentratedGaussian[SE3]] = self._handle.marginal(index)
+        mixture: Mixture[ConcentratedGaussian[SE3]] = self._joint().marginal(index)
         return mixture
 
     def relative_pose(
         self, from_index: int, to_index: int
     ) -> Mixture[ConcentratedGaussian[SE3]]:
         """The mixture of ``T_from^-1 T_to``, including the cross-covariances of a joint mixture."""
-        mixture: Mixture[ConcentratedGaussian[SE3]] = self._handle.relative_pose(from_index, to_index)
+        mixture: Mixture[ConcentratedGaussian[SE3]] = self._joint().relative_pose(from_index, to_index)
         return mixture
+
+    def _joint(self) -> Any:
+        if not self._is_joint:
+            raise ValueError("these are densities of one element; expected joint densities")
+        return self._handle
 
     def __reduce__(self) -> tuple[Any, tuple[Any, ...]]:
         return _restored, (list(self), self.log_weights)

@@ -188,7 +188,9 @@ def fuse(
 ) -> FuseResult[X]:
     """The normalised product of two densities or mixtures and the log of its integral.
 
-    For concentrated Gaussians, Gauss-Newton finds the mode, with Laplace's approximation there. For projected
+    For concentrated Gaussians, Gauss-Newton finds the mode, with Laplace's approximation there; where the means are
+    more than 45 degrees apart it starts from other poses too, and takes the largest overlap (of densities of 10 to 60
+    degrees, one in a hundred has a higher mode still). For projected
     Gaussians see the MPG paper, III-C and eq. 19-20, with the overlap itself as weight. A mixture has one component
     for every pair of components, weighted by the overlap of the pair.
 
@@ -213,7 +215,13 @@ def recenter(density: ConcentratedGaussian[G], anchor: G) -> tuple[FloatArray, F
 def back_project(
     anchor: G, mean: npt.ArrayLike, covariance: npt.ArrayLike
 ) -> ConcentratedGaussian[G]:
-    """The density at Exp(mean) anchor with covariance J_l P J_l^T, the inverse of `recenter`."""
+    """The density at Exp(mean) anchor with covariance J_l P J_l^T, the inverse of `recenter`.
+
+    Raises
+    ------
+    ValueError
+        For a covariance that is not symmetric or not positive definite, and values that are not finite.
+    """
     dof = Elements._checked(anchor, "anchor").DOF
     density: ConcentratedGaussian[G] = overloaded.back_project(
         anchor._data,

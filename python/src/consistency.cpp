@@ -4,6 +4,7 @@
 
 #include <numeric>
 
+#include <fmt/ranges.h>
 #include <nanobind/stl/array.h>
 
 #include "array_like.hpp"
@@ -155,13 +156,13 @@ std::vector<double> stamps_of(const std::optional<ArrayLike>& given, std::size_t
 
 std::vector<StampedEstimate> estimates_of(const PoseArray& poses, const ArrayLike& covariances,
                                           const std::vector<double>& stamps) {
-  const nb::module_ arrays = nb::module_::import_("posemix._arrays");
-  const auto matrices = nb::cast<Matrices>(
-      arrays.attr("as_floats")(covariances, nb::make_tuple(6, 6), "covariances"));
-  if (matrices.shape(0) != poses.size()) {
-    throw InvalidInput(fmt::format("{} covariances for {} estimates; expected as many",
-                                   matrices.shape(0), poses.size()));
+  const std::vector<std::size_t> shape = covariances.shape();
+  if (shape != std::vector<std::size_t>{poses.size(), 6, 6}) {
+    throw InvalidInput(fmt::format("covariances has shape ({}{}); expected ({}, 6, 6)",
+                                   fmt::join(shape, ", "), shape.size() == 1 ? "," : "",
+                                   poses.size()));
   }
+  const Matrices matrices = matrices_of(covariances, 6, "covariances");
   std::vector<StampedEstimate> estimates;
   for (std::size_t k = 0; k < poses.size(); ++k) {
     const Eigen::Map<const Matrix6d> covariance(matrices.data() + 36 * k);

@@ -77,7 +77,9 @@ void bind_concentrated(nb::module_& m, const char* name) {
   m.def(
       "back_project",
       [](const Numbers& anchor, const typename G::Tangent& mean, const Covariance& covariance) {
-        return back_project(TangentGaussian<G>{element_of<G>(anchor), mean, covariance});
+        const G at = element_of<G>(anchor);
+        return back_project(
+            TangentGaussian<G>{at, mean, checked_covariance(covariance, at.dof(), "covariance")});
       },
       "anchor"_a, "mean"_a, "covariance"_a);
 }

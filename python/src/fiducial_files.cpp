@@ -75,11 +75,11 @@ void bind_cameras(nb::module_& m) {
 void bind_tags(nb::module_& m) {
   using T = TagMap;
   Record<T>(m, "TagMap", "Knowledge of the tags before they are seen.")
-      .field("size_m", &T::size_m, "dict[int, float]", "Edge by id [m].")
+      .field("size_m", &T::size_m, "collections.abc.Mapping[int, float]", "Edge by id [m].")
       .field("default_size_m", &T::default_size_m, "float | None",
              "Edge of the other tags [m]; None where it is unknown.")
-      .field("ignored", &T::ignored, "set[int]", "Ids of tags to ignore.")
-      .field("priors", &T::priors, "dict[int, StatedPose]",
+      .field("ignored", &T::ignored, "collections.abc.Set[int]", "Ids of tags to ignore.")
+      .field("priors", &T::priors, "collections.abc.Mapping[int, StatedPose]",
              "T_map_tag by id, of tags on static bodies whose poses are stated with their noise.")
       .field("rig_odometry", &T::rig_odometry, "posemix.lie.SE3 | None",
              "T_rig_odom, the frame whose motion the odometry states; None: that of the rig.")

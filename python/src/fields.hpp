@@ -113,6 +113,15 @@ class Fields {
     return text;
   }
 
+  /// Sets the text of the last field in place of that of its conversion.
+  void show_last_as(std::function<std::string(const T&)> shown) {
+    fields_.back().shown = std::move(shown);
+  }
+
+  /// Python makes the object from values of its own, which cannot be changed in place.
+  void set_input() { is_input_ = true; }
+  bool is_input() const { return is_input_; }
+
   /// Sets the text of an object in place of the names and values of its fields.
   void show_as(std::function<std::string(const T&)> text) { text_ = std::move(text); }
 
@@ -147,6 +156,7 @@ class Fields {
   std::string name_;
   std::vector<Field<T>> fields_;
   std::function<std::string(const T&)> text_;
+  bool is_input_ = false;
 };
 
 }  // namespace posemix::python

@@ -60,11 +60,16 @@ Parameters
 path : path
     The file.
 stamps : array_like, shape (n,)
-    Times [s].
+    Times, strictly increasing [s].
 poses : SE3, shape (n,)
     Poses; NaN for a frame without a pose.
 misses_as_zeros : bool
     Whether frames without a pose become lines of zeros; otherwise they are left out.
+
+Raises
+------
+ValueError
+    Naming the row, for stamps that `read_tum` would refuse.
 )";
 
 void bind_tum(nb::module_& m) {

@@ -168,7 +168,7 @@ void bind_simulation_files(nb::module_& m) {
   using F = SimulationFile;
   Record<F>(m, "SimulationFile", "The content of a simulation file.")
       .field("config", &F::config, "SimulationConfig", "Configuration of the simulation.")
-      .field("filter", &F::filter, "list[tuple[str, str]]",
+      .field("filter", &F::filter, "collections.abc.Sequence[tuple[str, str]]",
              "The table [filter] for the sequence file: keys, and values in the form of TOML.")
       .constructible(2)
       .done();

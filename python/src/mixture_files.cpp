@@ -130,7 +130,7 @@ void bind_posteriors(nb::module_& m) {
       })
       .field("method", &P::method, "str", "Display name of the method.")
       .field("stamp", &P::stamp, "float", "Time of the posterior [s].")
-      .field("poses", &P::poses, "list[NamedPose]",
+      .field("poses", &P::poses, "collections.abc.Sequence[NamedPose]",
              "Names of the poses, one per pose of every component.")
       .field("mixture", &P::mixture,
              "posemix.mixture.Mixture[posemix.density.ConcentratedGaussian[posemix.lie.SE3]]",

@@ -85,7 +85,11 @@ void bind_odometry_noise(nb::module_& m) {
         if (const auto* one = std::get_if<Sequence>(&recordings)) {
           add(*one);
         } else {
-          for (const nb::handle each : std::get<1>(recordings)) add(nb::cast<Sequence>(each));
+          std::size_t i = 0;
+          for (const nb::handle each : std::get<1>(recordings)) {
+            const Argument<Sequence> entry{nb::borrow(each)};
+            add(entry.as(fmt::format("recordings[{}]", i++), "a Sequence"));
+          }
         }
         const nb::gil_scoped_release unlocked;
         return fit_odometry_noise(all, settings.value_or(S{}));

@@ -83,6 +83,20 @@ inline nb::object read_only(nb::object value) {
   return value;
 }
 
+/// A copy as what cannot be changed in place, where a change would be lost: a list as a tuple, a
+/// dict and a set as frozen ones, an array that is read-only.
+inline nb::object unchangeable(const nb::object& value) {
+  if (nb::isinstance<nb::list>(value)) {
+    nb::list parts;
+    for (const nb::handle each : value) parts.append(unchangeable(nb::borrow(each)));
+    return nb::tuple(parts);
+  }
+  if (nb::isinstance<nb::dict>(value))
+    return nb::module_::import_("posemix._frozen").attr("FrozenDict")(value);
+  if (nb::isinstance<nb::set>(value)) return nb::frozenset(value);
+  return read_only(value);
+}
+
 /// The part of an object of settings: a reference where the part stays in its place for as long as
 /// the object lives; a frozen copy otherwise, and where the object itself is frozen.
 template <class Value>

@@ -10,7 +10,8 @@
 namespace posemix::python {
 
 /// A struct as a class like a frozen Python dataclass: attributes that cannot be assigned, repr,
-/// equality, copy and pickle. Only C++ makes one, unless it is `constructible`.
+/// equality, copy and pickle. Only C++ makes one, unless it is `constructible`; then lists, dicts
+/// and arrays among its attributes cannot be changed either.
 template <class T>
 class Record {
  public:
@@ -40,7 +41,11 @@ class Record {
   /// The same where Python sees `get(value)` or `get(object)`.
   template <class Value, class Get>
   Record& field(const char* name, Value T::*member, const char* type, const char* text, Get get) {
-    return add<SettingValue<Value>>(name, member, type, text, get);
+    add<SettingValue<Value>>(name, member, type, text, get);
+    fields_->show_last_as([member, get](const T& self) {
+      return std::string(nb::repr(seen(self, member, get)).c_str());
+    });
+    return *this;
   }
 
   /// Sets the repr, which by default has all fields.
@@ -59,6 +64,7 @@ class Record {
   /// default, as of a dataclass; `check` refuses what does not fit together.
   Record& constructible(
       std::size_t required, Check check = [](const T&) {}) {
+    fields_->set_input();
     const auto make = [fields = fields_, blank = blank_, required, check](
                           T* self, const nb::args& values, const nb::kwargs& named) {
       T made = blank();
@@ -108,16 +114,22 @@ class Record {
   }
 
  private:
+  template <class Value, class Get>
+  static nb::object seen(const T& self, Value T::*member, const Get& get) {
+    if constexpr (std::is_invocable_v<Get, const T&>)
+      return get(self);
+    else
+      return get(self.*member);
+  }
+
   template <class Convert, class Value, class Get>
   Record& add(const char* name, Value T::*member, const char* type, const char* text, Get get) {
     fields_->template add<Convert>(name, member, type, text);
     class_.def_prop_ro(
         name,
-        [member, get](const T& self) {
-          if constexpr (std::is_invocable_v<Get, const T&>)
-            return get(self);
-          else
-            return get(self.*member);
+        [member, get, fields = fields_](const T& self) {
+          const nb::object value = seen(self, member, get);
+          return fields->is_input() ? unchangeable(value) : value;
         },
         nb::for_getter(nb::sig(kept(fmt::format("def {}(self, /) -> {}", name, type)))), text);
     return *this;

@@ -101,13 +101,16 @@ void bind_sequence(nb::module_& m) {
                              "Shape (n,), strictly increasing [s].")
       .field("odometry", &S::odometry, kMaybePoses, "Shape (n,): T_odom_camera.")
       .field("camera_truth", &S::camera_truth, kMaybePoses, "Shape (n,): true T_world_camera.")
-      .field("objects", &S::objects, "list[ObjectRecording]", "Recordings of the objects.")
-      .field("candidates", &S::candidates, "list[list[Candidate]]",
+      .field("objects", &S::objects, "collections.abc.Sequence[ObjectRecording]",
+             "Recordings of the objects.")
+      .field("candidates", &S::candidates,
+             "collections.abc.Sequence[collections.abc.Sequence[Candidate]]",
              "Detections that name only the class, per frame; none unless given.")
-      .field("observations", &S::observations, "list[list[Observation]]",
+      .field("observations", &S::observations,
+             "collections.abc.Sequence[collections.abc.Sequence[Observation]]",
              "Detections that are mixtures, per frame; the multi-object filter uses them in place "
              "of the detections of all objects. None unless given.")
-      .field("images", &S::images, "list[list[str]]",
+      .field("images", &S::images, "collections.abc.Sequence[collections.abc.Sequence[str]]",
              "Per frame, names of cameras whose images the detectors have searched, also where "
              "they found nothing (\"\" for the only camera). None unless given: which images there "
              "are is then not known, but for those with detections.")

@@ -98,7 +98,9 @@ void bind_queries(nb::class_<SymmetryGroup>& group) {
             "Parameters\n----------\npose : SE3, shape (...)\n    Poses X.\n"
             "reference : SE3, shape (...) or ()\n    One per pose, or one for all.\n"
             "information : array_like, shape (6, 6)\n"
-            "    Of z = Log((X g)^-1 reference), along the object's own axes.\n");
+            "    Of z = Log((X g)^-1 reference), along the object's own axes, positive definite. Turns\n"
+            "    about axes are found by a local search, which for errors of rotation above about\n"
+            "    0.5 rad may end at another minimum.\n");
   group.def(
       "unobserved_covariance",
       [](const S& self) { return matrix_array(self.unobserved_covariance()); },
@@ -135,7 +137,7 @@ void bind_group(nb::module_& m) {
   });
   group.def("__setstate__",
             [](S& self, const std::pair<PoseArray, std::vector<SymmetryAxis>>& state) {
-              new (&self) S(make_group(state.first, state.second, {}));
+              new (&self) S(S::from_stored(state.first.poses(), state.second));
             });
   group.def(
       "__eq__",
@@ -163,7 +165,8 @@ estimate, truth : SE3
 symmetries : SymmetryGroup
     Symmetries of the object.
 length_m : float
-    Length in rotation^2 + (translation / length_m)^2, which the nearest pose minimises [m].
+    Length in rotation^2 + (translation / length_m)^2, which the nearest pose minimises [m]. Turns about axes are found
+    by a local search, which for errors of rotation above about 0.5 rad may end at another minimum.
 )";
 
 constexpr const char* kSurfaceDoc =

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import posemix as px
 import pytest
@@ -128,8 +130,12 @@ def test_poses_are_matched_in_time_and_aligned() -> None:
 
 def test_what_does_not_fit_is_named() -> None:
     estimates, covariances, truth = series(10, 8)
-    with pytest.raises(ValueError, match="9 covariances for 10 estimates"):
-        px.consistency(estimates, covariances[:9], truth)
+    for wrong in (covariances[:9], covariances[0], np.zeros(6), covariances[None], covariances[:, :5, :5]):
+        shape = re.escape(str(wrong.shape))
+        with pytest.raises(ValueError, match=rf"covariances has shape {shape}; expected \(10, 6, 6\)"):
+            px.consistency(estimates, wrong, truth)
+    with pytest.raises(ValueError, match=r"covariances has shape \(6, 6\); expected \(1, 6, 6\)"):
+        px.consistency(estimates[0], covariances[0], truth[0])
     with pytest.raises(ValueError, match="4 true poses for 10 estimates"):
         px.consistency(estimates, covariances, truth[:4])
     with pytest.raises(ValueError, match=r"covariances\[0\] is not positive definite"):

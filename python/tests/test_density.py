@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import pickle
+from typing import Any
 
 import numpy as np
 import pytest
@@ -175,6 +176,22 @@ def test_recentring_is_undone(rng: np.random.Generator) -> None:
     back = back_project(anchor, mean, cov)
     assert back.mean.is_approx(density.mean)
     np.testing.assert_allclose(back.covariance, density.covariance, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "bad", [-np.eye(3), np.zeros((3, 3)), [[1, 2, 0], [2, 1, 0], [0, 0, 1]], np.eye(3) + np.eye(3, k=1)]
+)
+def test_back_projection_refuses_what_is_no_covariance(bad: Any) -> None:
+    with pytest.raises(ValueError, match="covariance"):
+        back_project(SO3(), [0.1, 0.0, 0.0], bad)
+
+
+def test_fusion_finds_the_highest_of_several_modes() -> None:
+    # Oracle: the mean of p q over 400,000 rotations drawn uniformly by SciPy.
+    p = ConcentratedGaussian(SO3(), np.diag(np.radians([60, 40, 10]) ** 2))
+    q = ConcentratedGaussian(SO3.exp([0.0, 0.0, -np.pi]), np.diag(np.radians([60, 60, 10]) ** 2))
+    fused = fuse(p, q)
+    assert fused.converged and abs(fused.log_overlap + 10.5) < 1.2
 
 
 def test_projected_samples_follow_the_density(rng: np.random.Generator) -> None:

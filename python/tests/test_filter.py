@@ -272,3 +272,20 @@ def test_a_camera_of_a_rig_is_calibrated() -> None:
     camera = px.BodyCamera(name="right", body_camera=stated, covariance=off)
     np.testing.assert_allclose(camera.covariance, off)
     assert px.BodyCamera(name="left").covariance is None
+
+
+def test_a_group_of_a_wide_tolerance_can_be_copied() -> None:
+    nearly_half = px.SE3(px.SO3.exp([[0, 0, np.pi + 0.02]]))
+    group = px.SymmetryGroup(nearly_half, tolerance=px.SymmetryTolerance(rotation_rad=0.1))
+    model = px.ObjectModel(id="mug", symmetries=group)
+    for again in (copy.copy, copy.deepcopy, lambda x: pickle.loads(pickle.dumps(x))):
+        assert again(group) == group and again(model) == model
+    ball = px.SymmetryGroup(axes=[px.SymmetryAxis(direction=axis, point=[0, 0, 0.1]) for axis in np.eye(3)])
+    assert pickle.loads(pickle.dumps(ball)).axes == ball.axes
+
+
+def test_a_fold_that_the_tolerance_cannot_tell_apart_is_refused() -> None:
+    assert px.SymmetryGroup.turns([0, 0, 1], 719).elements.shape == (719,)
+    for fold in (720, 721, 1000):
+        with pytest.raises(ValueError, match=f"{fold} turns .* tolerance of 0.5 deg .* at most 719"):
+            px.SymmetryGroup.turns([0, 0, 1], fold)

@@ -24,6 +24,15 @@ def test_trajectories(tmp_path: Path) -> None:
     np.testing.assert_allclose(again.poses._data, poses._data, atol=1e-11)
     with pytest.raises(ValueError, match="2 stamps and 4 poses"):
         px.write_tum(tmp_path / "c.tum", [0, 1], poses)
+    for stamps, message in (
+        ([1, np.nan, 2, 3], r"stamps\[1\] is nan, expected a finite number"),
+        ([0, 1, 2, np.inf], r"stamps\[3\] is inf, expected a finite number"),
+        ([0, 0, 1, 2], r"stamps\[1\] is 0 after 0, expected stamps that increase strictly"),
+        ([0, 1, 2, 1.5], r"stamps\[3\] is 1.5 after 2, expected"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            px.write_tum(tmp_path / "c.tum", stamps, poses)
+    assert not (tmp_path / "c.tum").exists()
 
 
 @pytest.mark.parametrize("kind", ["concentrated", "projected"])

@@ -88,6 +88,9 @@ def test_the_geodesic_and_the_mean(rng: np.random.Generator) -> None:
     path = interpolate(a, b, [0.0, 0.25, 1.0])
     assert path[0].is_approx(a) and path[2].is_approx(b)
     np.testing.assert_allclose((path[1] * a.inverse()).log(), 0.25 * (b * a.inverse()).log(), atol=1e-12)
+    half = interpolate(a, b, 0.5)
+    assert half.shape == () and half.is_approx(interpolate(a, b, [0.5])[0], 0.0)
+    assert interpolate(a, b, np.ones((2, 3))).shape == (2, 3)
     x = SE3.exp(0.3 * rng.normal(size=(30, 6)))
     mean = weighted_mean(x)
     np.testing.assert_allclose((x * mean.inverse()).log().mean(axis=0), 0.0, atol=1e-10)
@@ -151,3 +154,21 @@ def test_what_is_not_a_number_stays_in_its_place() -> None:
     xi = np.zeros((9, 6))
     xi[4, 1] = np.nan
     assert np.isnan(SE3.exp(xi).log()).any(axis=-1).tolist() == [i == 4 for i in range(9)]
+
+
+def test_an_ellipsis_is_an_index_as_in_numpy(rng: np.random.Generator) -> None:
+    x = SE3.exp(rng.normal(size=(2, 3, 6)))
+    assert x[...].is_approx(x, 0.0) and x[..., 0].is_approx(x[:, 0], 0.0) and x[1, ...].is_approx(x[1], 0.0)
+
+
+def test_a_shape_is_of_whole_numbers() -> None:
+    shapes = [SO3.identity(shape).shape for shape in (2, np.int64(2), (2, 3), [2], ())]
+    assert shapes == [(2,), (2,), (2, 3), (2,), ()]
+    for shape in (2.7, 2.0, (1, 2.5), "2"):
+        with pytest.raises(TypeError, match="expected a whole number or a tuple of them"):
+            SE3.identity(shape)  # type: ignore[arg-type]
+
+
+def test_one_number_is_no_array() -> None:
+    with pytest.raises(ValueError, match=r"points has shape \(\); expected \(..., 3\)"):
+        SE3().act(1.0)

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import copy
 import pickle
+from typing import Any
 
 import numpy as np
 import pytest
@@ -66,8 +67,72 @@ def test_weights_are_normalised_and_checked() -> None:
         Mixture([])
     with pytest.raises(ValueError, match="different kinds"):
         Mixture([density, ConcentratedGaussian(SO3(), np.eye(3))])
-    with pytest.raises(IndexError):
-        Mixture([density])[1]
+    with pytest.raises(ValueError, match=r"log_weights has shape \(1, 2\); expected \(2,\)"):
+        Mixture([density, density], log_weights=[[0.0, 0.0]])
+
+
+def test_components_are_indexed_as_in_a_list() -> None:
+    mixture = two_modes()
+    assert mixture[-1] == mixture[1] and mixture[np.int64(-2)] == mixture[0]
+    for index in (2, -3):
+        with pytest.raises(IndexError, match=f"index is {index}; expected -2 to 1 for a mixture of 2"):
+            mixture[index]
+    with pytest.raises(TypeError, match="index is a float; expected a whole number"):
+        mixture[0.5]  # type: ignore[index]
+
+
+def joint_pair() -> tuple[Mixture, Mixture]:
+    """A mixture over one pose, and the same as a joint mixture over (1,) poses."""
+    single = two_modes()
+    stacks = [
+        ConcentratedGaussian(SE3.from_tq(density.mean.to_tq()[None]), density.covariance) for density in single
+    ]
+    return single, Mixture(stacks, single.weights)
+
+
+def test_a_joint_mixture_over_one_pose_is_the_mixture_over_that_pose() -> None:
+    single, joint = joint_pair()
+    points = single.sample(50, seed=3)
+    drawn = joint.sample(50, seed=3)
+    assert drawn.shape == (50, 1) and drawn[:, 0].is_approx(points, 1e-12)
+    np.testing.assert_allclose(joint.log_density(drawn), single.log_density(points), atol=1e-9)
+    np.testing.assert_allclose(joint.responsibilities(drawn), single.responsibilities(points), atol=1e-12)
+    assert joint.log_density(drawn[0]).shape == () and joint.responsibilities(drawn[0]).shape == (2,)
+    stream = RandomStream(3)
+    joint.sample(20, stream)
+    assert joint.sample(30, stream).is_approx(drawn[20:], 0.0)
+
+
+def test_a_joint_mixture_sums_what_its_components_say() -> None:
+    near = ConcentratedGaussian(SE3.identity(2), 0.01 * np.eye(12))
+    far = ConcentratedGaussian(SE3(translation=[[1.0, 0, 0], [0, 1.0, 0]]), 0.02 * np.eye(12))
+    mixture = Mixture([near, far], [0.3, 0.7])
+    points = mixture.sample(400, seed=1)
+    terms = np.stack([near.log_density(points), far.log_density(points)], axis=1) + np.log([0.3, 0.7])
+    np.testing.assert_allclose(mixture.log_density(points), logsumexp(terms, axis=1), atol=1e-12)
+    shares = mixture.responsibilities(points)
+    np.testing.assert_allclose(shares, np.exp(terms - logsumexp(terms, axis=1, keepdims=True)), atol=1e-12)
+    # Within 4 standard errors of a share of 0.7 among 400.
+    assert shares[:, 1].mean() == pytest.approx(0.7, abs=4 * np.sqrt(0.21 / 400))
+    assert Mixture([near, far], [1.0, 0.0]).responsibilities(points[0]).tolist() == [1.0, 0.0]
+    with pytest.raises(ValueError, match=r"points have shape \(\); expected \(..., 2\)"):
+        mixture.log_density(SE3())
+    with pytest.raises(ValueError, match="densities of one element; expected joint densities"):
+        two_modes().marginal(0)
+
+
+@pytest.mark.filterwarnings("error")
+def test_no_component_is_responsible_where_all_densities_are_zero() -> None:
+    gaussian = ConcentratedGaussian(SE3(), 0.01 * np.eye(6))
+    points = SE3(translation=[[0, 0, 0], [1e200, 0, 0]])
+    shares = Mixture([gaussian, gaussian]).responsibilities(points)
+    assert shares[0].tolist() == [0.5, 0.5] and np.isnan(shares[1]).all()
+    # The cut of projected Gaussians, half a turn from the mean.
+    modes = [ProjectedGaussian.at_mean(SO3(), 0.01 * np.eye(3))] * 2
+    assert np.isnan(Mixture(modes).responsibilities(SO3([1, 0, 0, 0]))).all()
+    stack = ConcentratedGaussian(SE3.identity(1), 0.01 * np.eye(6))
+    assert np.isnan(Mixture([stack, stack]).responsibilities(points[1:])).all()
+    assert Mixture([stack, stack]).log_density(points[1:]) == -np.inf
 
 
 def test_copies_are_equal() -> None:
@@ -152,6 +217,27 @@ def test_em_finds_two_modes(distribution: str) -> None:
     assert len(chosen.fit.mixture) == 2
 
 
+@pytest.mark.parametrize("bounds", [{"max_sd": 0.5}, {"min_sd": 0.2}, {"diagonal": True}])
+@pytest.mark.parametrize("distribution", ["concentrated", "projected"])
+def test_a_start_beyond_the_bounds_of_em_is_put_within(bounds: dict[str, Any], distribution: str) -> None:
+    cov = 0.01 * np.eye(6)
+    cov[0, 1] = cov[1, 0] = 0.009
+    cov[5, 5] = 1.0
+    start: Any = Mixture([ConcentratedGaussian(SE3(), cov)])
+    samples = start.sample(1000, seed=1)
+    if distribution == "projected":
+        start = to_projected(start, 1).mixture
+    fit = fit_mixture(samples, EmSettings(components=1, **bounds), seed=1, start=start, distribution=distribution)
+    found = fit.mixture.covariances[0]
+    # Those of projected Gaussians are of half the rotation vector, and of the translation given it.
+    scale = np.ones(6) if distribution == "concentrated" else np.array([2.0] * 3 + [1.0] * 3)
+    deviations = np.sqrt(np.linalg.eigvalsh(found * np.outer(scale, scale)))
+    assert deviations.max() < bounds.get("max_sd", np.inf) * 1.1
+    assert deviations.min() > bounds.get("min_sd", 0.0) * 0.9
+    if bounds.get("diagonal"):
+        np.testing.assert_allclose(found, np.diag(np.diag(found)), atol=1e-12)
+
+
 def test_em_refuses_bad_samples() -> None:
     with pytest.raises(ValueError, match="samples have shape"):
         fit_mixture(SE3(), EmSettings(), seed=1)
@@ -159,6 +245,10 @@ def test_em_refuses_bad_samples() -> None:
         fit_mixture(SE3.identity(20), EmSettings(), seed=1, distribution="normal")  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="component"):
         fit_mixture(SE3.identity(3), EmSettings(), seed=1)
+    for weights, shape in (([], r"\(0,\)"), (np.ones((20, 1)), r"\(20, 1\)"), (1.0, r"\(\)")):
+        for fit in (fit_mixture, fit_mixture_by_bic):
+            with pytest.raises(ValueError, match=rf"weights has shape {shape}; expected \(20,\)"):
+                fit(SE3.identity(20), EmSettings(), seed=1, weights=weights)
 
 
 def test_a_stream_goes_on_and_can_be_kept() -> None:

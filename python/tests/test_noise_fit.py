@@ -123,3 +123,8 @@ def test_odometry_noise_of_a_walk(rng: np.random.Generator) -> None:
     np.testing.assert_allclose(noise.sd_per_sqrt_s, sd, rtol=0.15)
     assert noise.recordings == 10
     assert '[motion]\nmodel = "odometry"' in noise.to_toml()
+
+
+def test_what_is_no_recording_is_named() -> None:
+    with pytest.raises(TypeError, match=r"recordings\[1\] is of type int; expected a Sequence"):
+        px.fit_odometry_noise([px.Sequence([0.0]), 1])  # type: ignore[list-item]

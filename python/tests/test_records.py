@@ -174,3 +174,45 @@ def documented() -> list[doctest.DocTest]:
 @pytest.mark.parametrize("test", documented(), ids=lambda test: test.name)
 def test_examples_of_compiled_docstrings_run(test: doctest.DocTest) -> None:
     assert doctest.DocTestRunner().run(test).failed == 0
+
+
+def test_what_python_made_cannot_be_changed_in_place() -> None:
+    """A change would be made to a copy alone, and be lost."""
+    candidate = px.Candidate("mug", px.SE3())
+    frame = px.FrameInput(dt=0.1, detections={"mug": px.SE3()}, candidates=[candidate], images=["left"])
+    assert frame.candidates == (candidate,) and frame.images == ("left",)
+    assert list(frame.detections) == ["mug"] and isinstance(frame.detections, dict)
+    for change in ("frame.candidates.append(candidate)", "frame.images.append('right')"):
+        with pytest.raises(AttributeError, match="append"):
+            eval(change, {"frame": frame, "candidate": candidate})
+    for change in ("x['cup'] = pose", "del x['mug']", "x.clear()", "x.update(cup=pose)", "x |= {'cup': pose}"):
+        with pytest.raises(TypeError, match="is a copy that cannot be changed"):
+            exec(change, {"x": frame.detections, "pose": px.SE3()})
+    track = px.ObjectRecording("mug", px.SE3.identity((5,)))
+    sequence = px.Sequence(np.arange(5.0), px.SE3.identity((5,)), objects=[track], candidates=[[candidate]] * 5)
+    assert sequence.objects == (track,) and sequence.candidates == ((candidate,),) * 5
+    with pytest.raises(ValueError, match="read-only"):
+        sequence.stamps[:] = 0
+    tags = px.TagMap({1: 0.2}, 0.1, {4})
+    assert tags.ignored == {4} and isinstance(tags.ignored, frozenset) and tags.size_m == {1: 0.2}
+
+
+def test_what_was_made_takes_its_own_values_back() -> None:
+    """Tuples and frozen dicts as well as lists and dicts."""
+    made = [px.FrameInput(dt=0.1, detections={"mug": px.SE3()}, images=["left"]), px.TagMap({1: 0.2}, 0.1, {4})]
+    made += [record for record in records() if isinstance(record, (px.Sequence, px.FrameInput, px.CameraModel))]
+    for record in made:
+        fields = {field.name: getattr(record, field.name) for field in dataclasses.fields(record)}
+        assert record.replace(**fields) == record == type(record)(**fields)
+        assert pickle.loads(pickle.dumps(record)) == record == copy.deepcopy(record)
+        for value in fields.values():
+            assert type(copy.deepcopy(value)) is type(pickle.loads(pickle.dumps(value))) is type(value)
+    assert made[0].replace(detections={"mug": px.SE3()}, images=["left"]) == made[0]
+    assert dataclasses.asdict(made[0])["images"] == ("left",)
+
+
+def test_the_text_of_a_result_has_the_values_of_its_attributes() -> None:
+    light = px.Mixture(list(two_modes()), [1.0, 1e-8])
+    report = px.reduce(light, px.ReductionSettings(prune_below=1e-4)).report
+    assert report.destination == [0, None]
+    assert "destination=[0, None]" in repr(report)

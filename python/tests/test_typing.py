@@ -45,8 +45,9 @@ def test_wrong_uses_are_found(tmp_path: Path) -> None:
         "px.ObjectSlamSettings().tracker = 5", "px.SimulationConfig().objects.append(px.SimulationObject())",
         "px.FrameInput(dt='now')", "px.SlamRun.alternative", "px.fuse(px.SE3(), px.SE3())",
         "px.MultiObjectSettings().max_hypotheses = 'many'",
+        "px.Sequence(np.zeros(1)).objects.append(px.ObjectRecording('mug', px.SE3.identity(1)))",
     ]  # fmt: skip
-    (tmp_path / "wrong.py").write_text("import posemix as px\n" + "\n".join(wrong) + "\n")
+    (tmp_path / "wrong.py").write_text("import numpy as np, posemix as px\n" + "\n".join(wrong) + "\n")
     found = complaints(tmp_path, tmp_path / "wrong.py")
     for line in range(2, len(wrong) + 2):
         assert f"wrong.py:{line}: error:" in found, f"{wrong[line - 2]} is not found: {found}"

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 #include <string_view>
+#include <utility>
 
 #include <CLI/CLI.hpp>
 
@@ -52,7 +53,7 @@ void read_value(const CLI::Option& option, OptionText& text) {
   std::vector<std::string> words;
   for (const std::string_view word : split_fields(text.value, '|')) words.emplace_back(word);
   text.kind = kind_of(text, words);
-  if (text.kind == ValueKind::word) text.words = words;
+  if (text.kind == ValueKind::word) text.words = std::move(words);
 }
 
 OptionText option_text(const CLI::Option& option) {

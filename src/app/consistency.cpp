@@ -108,6 +108,23 @@ int consistency_command(ConsistencyOptions options) {
   return kExitDone;
 }
 
+/// Refuses options that would have no effect, and two results on one standard output.
+void check_options(const CLI::App& command, const ConsistencyOptions& options) {
+  const ConsistencyInput& input = options.input;
+  if (options.json == "-" && options.svg == "-") {
+    throw CLI::ValidationError(
+        "--svg", "got - beside --json -, expected the name of a file for one of them");
+  }
+  if (input.data && !(input.truth && is_sequence_file(*input.truth)))
+    throw CLI::ValidationError("--data", "is for --truth with a sequence file");
+  if (!is_slam_result(input.estimate)) return;
+  for (const char* name : {"--side", "--order", "--convention"}) {
+    if (command.count(name) > 0)
+      throw CLI::ValidationError(
+          name, "is for TUM files; the covariances of posemix slam have a convention of their own");
+  }
+}
+
 void add_input_options(CLI::App& command, ConsistencyOptions& options) {
   ConsistencyInput& input = options.input;
   command
@@ -133,7 +150,8 @@ void add_input_options(CLI::App& command, ConsistencyOptions& options) {
                       "Symmetries by object: TOML, or models_info.json of BOP")
           ->type_name("FILE");
   CLI::Option* const object =
-      command.add_option("--object", input.object, "The object in --symmetries")->type_name("ID");
+      add_integer_option(command, "--object", input.object, {}, "The object in --symmetries")
+          ->type_name("ID");
   symmetries->needs(object);
   object->needs(symmetries);
 }
@@ -197,8 +215,10 @@ void add_consistency_command(CLI::App& program, std::function<int()>& action) {
   add_input_options(*command, *options);
   add_convention_options(*command, *options);
   add_comparison_options(*command, *options);
-  command->callback(
-      [options, &action] { action = [options] { return consistency_command(*options); }; });
+  command->callback([options, command, &action] {
+    check_options(*command, *options);
+    action = [options] { return consistency_command(*options); };
+  });
 }
 
 }  // namespace posemix

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -102,8 +103,6 @@ std::vector<StampedTruth> read_tum_truth(const std::string& path) {
   return truth;
 }
 
-bool is_sequence_file(const std::string& path) { return fs::path(path).extension() == ".toml"; }
-
 /// A TUM file has one pose, and --track says which one of a sequence file it is.
 void require_one_track(const ConsistencyInput& input) {
   if (!input.truth || !is_sequence_file(*input.truth)) {
@@ -127,6 +126,7 @@ std::vector<TraceTrack> chosen(std::vector<TraceTrack> tracks, const Consistency
     return tracks;
   }
   std::vector<TraceTrack> chosen;
+  chosen.reserve(input.tracks.size());
   for (const std::string& name : input.tracks)
     chosen.push_back(find_track(tracks, name, input.estimate));
   return chosen;
@@ -162,6 +162,13 @@ SymmetryGroup read_symmetries(const ConsistencyInput& input) {
 }
 
 }  // namespace
+
+bool is_sequence_file(const std::string& path) { return fs::path(path).extension() == ".toml"; }
+
+bool is_slam_result(const std::string& path) {
+  std::error_code ignored;
+  return is_trace(path) || fs::is_directory(path, ignored);
+}
 
 std::vector<TraceTrack> read_consistency_input(const ConsistencyInput& input) {
   std::vector<TraceTrack> tracks = chosen(read_estimates(input), input);

@@ -23,6 +23,12 @@ struct ConsistencyInput {
   std::optional<std::string> data;
 };
 
+/// Whether the truth is a sequence file, by its name.
+bool is_sequence_file(const std::string& path);
+
+/// Whether the estimates are what posemix slam wrote: a folder, or a trace.
+bool is_slam_result(const std::string& path);
+
 /// Reads estimates with their truth, one entry per pose.
 /// @throws InvalidInput for files that are not valid or do not fit one another
 std::vector<TraceTrack> read_consistency_input(const ConsistencyInput& input);

@@ -7,6 +7,7 @@
 #include "exit_codes.hpp"
 #include "io/renamed.hpp"
 #include "mixture_commands.hpp"
+#include "override_option.hpp"
 #include "posemix/divergence/conversion.hpp"
 #include "summary.hpp"
 
@@ -96,6 +97,16 @@ void check_kind(const CLI::App& command, const ConvertOptions& options) {
   is_sequence(options) ? check(kOfMixtures, "mixture") : check(kOfSequences, "sequence");
 }
 
+/// How a distribution is converted says nothing where none is.
+void check_distribution_options(const CLI::App& command) {
+  if (command.count("--distribution") > 0 || command.count("--law") > 0) return;
+  for (const char* name : {"--rule", "--max-kl", "--on-large-loss", "--seed"}) {
+    if (command.count(name) > 0)
+      throw CLI::ValidationError(
+          name, "requires --distribution, without which no distribution is converted");
+  }
+}
+
 int convert(const ConvertOptions& options) {
   if (!is_sequence(options)) return convert_file(options);
   SequenceConversion sequence = options.sequence;
@@ -156,9 +167,8 @@ void add_sequence_options(CLI::App& command, SequenceConversion& options) {
       ->default_str("jsonl");
   command.add_option("--data", options.data, "Folder below which the recording's files lie")
       ->type_name("DIR");
-  command.add_option("--set", options.overrides, "Override a key of the sequence file; repeatable")
-      ->type_name("KEY=VALUE")
-      ->allow_extra_args(false);
+  add_override_option(command, options.overrides,
+                      "Override a key of the sequence file; repeatable");
 }
 
 }  // namespace
@@ -195,6 +205,7 @@ void add_convert_command(CLI::App& program, std::function<int()>& action) {
   command->callback([options, command, &action] {
     check_old_distribution_option(*command);
     check_kind(*command, *options);
+    check_distribution_options(*command);
     action = [options] { return convert(*options); };
   });
 }

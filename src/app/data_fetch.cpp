@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include "command_options.hpp"
 #include "data.hpp"
 #include "data_parts.hpp"
 #include "exit_codes.hpp"
@@ -167,11 +168,8 @@ void add_data_fetch_command(CLI::App& data, std::function<int()>& action) {
       ->allow_extra_args(false);
   command->add_flag("--yes", options->yes, "Accept the licence that is shown");
   command->add_flag("--unpack", options->unpack, "Unpack archives too");
-  command
-      ->add_option("--retries", options->connection.retries,
-                   "Tries after an error that may pass, before giving up")
-      ->check(CLI::Range(0, 100))
-      ->type_name("N")
+  add_integer_option(*command, "--retries", options->connection.retries, {0, 100},
+                     "Tries after an error that may pass, before giving up")
       ->capture_default_str();
   command->add_flag("--allow-http", options->connection.allow_http,
                     "Also addresses of other machines without encryption");

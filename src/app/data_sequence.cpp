@@ -46,17 +46,16 @@ void add_sequence_inputs(CLI::App& command, DataSequenceOptions& options) {
   command.add_option("dataset", request.dataset, "Folder of a BOP dataset or of YCB-Video")
       ->required()
       ->type_name("DIR");
-  command.add_option("--scene", request.scene, "Number of the scene, or of the YCB-Video sequence")
-      ->required()
-      ->check(CLI::Range(0, 999'999))
-      ->type_name("N");
+  add_integer_option(command, "--scene", request.scene, {0, 999'999},
+                     "Number of the scene, or of the YCB-Video sequence")
+      ->required();
   command.add_option("--results", request.results, "The detector's estimates (BOP results, CSV)")
       ->required()
       ->type_name("FILE.csv");
   command.add_option("--split", request.split, "Folder of the scene in a BOP dataset")
       ->type_name("NAME")
       ->capture_default_str();
-  command.add_option("--object", request.objects, "Only this object; repeatable")
+  add_integer_option(command, "--object", request.objects, {}, "Only this object; repeatable")
       ->type_name("ID")
       ->allow_extra_args(false);
   command.add_option("--min-score", request.min_score, "Leave estimates of a lower score out")

@@ -2,12 +2,15 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include <cmath>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "command_files.hpp"
 #include "exit_codes.hpp"
 #include "mixture_commands.hpp"
 #include "posemix/divergence/monte_carlo.hpp"
 #include "posemix/divergence/wasserstein.hpp"
+#include "summary.hpp"
 
 namespace posemix {
 namespace {
@@ -67,12 +70,28 @@ Json divergences(const Mixture<P>& p, const Mixture<Q>& q, const DivergenceOptio
   return found;
 }
 
+/// Of divergences that are below zero by more than their errors.
+std::vector<std::string> warnings_of(const Json& found) {
+  constexpr double kErrors = 4.0;
+  std::vector<std::string> warnings;
+  for (const char* const key : {"kl", "kl_reverse", "symmetric_kl"}) {
+    const double value = found.at(key).at("value").get<double>();
+    if (value < -kErrors * found.at(key).at("standard_error").get<double>())
+      warnings.push_back(
+          fmt::format("{} is negative: the mixtures turn by more than half a turn, where their "
+                      "densities do not integrate to one",
+                      key));
+  }
+  return warnings;
+}
+
 int compare_files(const DivergenceOptions& options) {
   const std::vector<NamedMixture> inputs = read_mixtures(options.files);
   require_same_frames(inputs[0], inputs[1]);
   const Json found =
       std::visit([&](const auto& p, const auto& q) { return divergences(p, q, options); },
                  inputs[0].file.mixture, inputs[1].file.mixture);
+  print_warnings(warnings_of(found));
   write_output(options.output.out, options.json ? found.dump() + "\n" : format_table(found));
   return kExitDone;
 }
@@ -95,9 +114,8 @@ void add_divergence_command(CLI::App& program, std::function<int()>& action) {
       ->required()
       ->expected(2)
       ->type_name("MIXTURE.json");
-  command->add_option("--samples", options->samples, "Points of each estimate")
-      ->check(CLI::Range(std::size_t{1024}, std::size_t{1} << 30))
-      ->type_name("N")
+  add_integer_option(*command, "--samples", options->samples, {1024, std::uint64_t{1} << 30},
+                     "Points of each estimate")
       ->capture_default_str();
   add_seed_option(*command, options->seed);
   command

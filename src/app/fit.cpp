@@ -4,7 +4,9 @@
 
 #include "command_files.hpp"
 #include "exit_codes.hpp"
+#include "io/mixture_parts.hpp"
 #include "mixture_commands.hpp"
+#include "posemix/io/text.hpp"
 #include "posemix/mixture/em.hpp"
 
 namespace posemix {
@@ -70,6 +72,19 @@ int fit_file(const FitOptions& options) {
   return kExitDone;
 }
 
+/// The check that the value of an option is the name of a frame.
+std::string check_frame_name(const std::string& name) {
+  if (internal::is_frame_name(name)) return "";
+  return fmt::format("got {}, expected 1 to {} printable ASCII characters without blanks",
+                     in_quotes(name), internal::kLongestFrameName);
+}
+
+void check_deviations(const EmSettings& em) {
+  if (em.max_sd >= em.min_sd) return;
+  throw CLI::ValidationError("--max-sd", fmt::format("got {}, expected at least the {} of --min-sd",
+                                                     em.max_sd, em.min_sd));
+}
+
 void add_sample_options(CLI::App& command, FitOptions& options) {
   command
       .add_option("samples", options.samples,
@@ -86,8 +101,12 @@ void add_sample_options(CLI::App& command, FitOptions& options) {
       "Fit est gt^-1 (left) or gt^-1 est (right) of the columns est_tx ... and gt_tx ...");
   command.add_option("--from", options.frames.from, "Frame a of the poses T_a_b")
       ->required()
+      ->check(check_frame_name)
       ->type_name("NAME");
-  command.add_option("--to", options.frames.to, "Frame b")->required()->type_name("NAME");
+  command.add_option("--to", options.frames.to, "Frame b")
+      ->required()
+      ->check(check_frame_name)
+      ->type_name("NAME");
 }
 
 void add_em_options(CLI::App& command, FitOptions& options) {
@@ -99,10 +118,8 @@ void add_em_options(CLI::App& command, FitOptions& options) {
   add_count_option(*number, "--max-components", options.most_components,
                    "1 to so many, whichever has the smallest BIC");
   number->require_option(1);
-  command
-      .add_option("--restarts", options.em.restarts, "Starts, of which the most likely end is kept")
-      ->check(CLI::Range(1, 10000))
-      ->type_name("N")
+  add_integer_option(command, "--restarts", options.em.restarts, {1, 10000},
+                     "Starts, of which the most likely end is kept")
       ->capture_default_str();
   command.add_option("--min-sd", options.em.min_sd, "Smallest standard deviation, rad and m alike")
       ->check(number_in(kPositive))
@@ -111,9 +128,8 @@ void add_em_options(CLI::App& command, FitOptions& options) {
   command.add_option("--max-sd", options.em.max_sd, "Largest; without it there is none")
       ->check(number_in(kPositive))
       ->type_name("SD");
-  command.add_option("--max-iterations", options.em.max_iterations, "Of one start")
-      ->check(CLI::Range(1, 1'000'000))
-      ->type_name("N")
+  add_integer_option(command, "--max-iterations", options.em.max_iterations, {1, 1'000'000},
+                     "Of one start")
       ->capture_default_str();
   command.add_flag("--diagonal", options.em.diagonal, "Diagonal covariances");
   add_seed_option(command, options.seed);
@@ -133,7 +149,10 @@ void add_fit_command(CLI::App& program, std::function<int()>& action) {
   add_sample_options(*command, *options);
   add_em_options(*command, *options);
   add_report_options(*command, options->output);
-  command->callback([options, &action] { action = [options] { return fit_file(*options); }; });
+  command->callback([options, &action] {
+    check_deviations(options->em);
+    action = [options] { return fit_file(*options); };
+  });
 }
 
 }  // namespace posemix

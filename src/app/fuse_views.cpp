@@ -140,11 +140,8 @@ void add_view_options(CLI::App& command, FuseViewsInput& input) {
       ->type_name("NAME")
       ->capture_default_str();
   auto* groups = command.add_option_group("groups", "Which images are fused");
-  groups
-      ->add_option("--groups", input.group_size,
-                   "Groups of this many successive images of the results")
-      ->check(CLI::Range(1, 1000))
-      ->type_name("N");
+  add_integer_option(*groups, "--groups", input.group_size, {1, 1000},
+                     "Groups of this many successive images of the results");
   groups->add_option("--targets", input.targets, "Multi-view targets of BOP (JSON)")
       ->type_name("FILE");
   groups->require_option(1);

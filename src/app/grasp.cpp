@@ -101,12 +101,14 @@ void add_box_options(CLI::App& command, GraspOptions& options) {
                   "Largest rotation about the axes of the grasp: one number, or x y z")
       ->required()
       ->expected(1, 3)
+      ->check(number_in({.lowest = 0, .highest = 180, .without_lowest = true}, "in degrees"))
       ->type_name("DEG");
   command
       .add_option("--translation", options.translation,
                   "Largest translation along the axes of the grasp [m]: one number, or x y z")
       ->required()
       ->expected(1, 3)
+      ->check(number_in(kPositive, "in metres"))
       ->type_name("M");
   CLI::Option_group* where = command.add_option_group("Pose of the grasp");
   where->add_option("--pose", options.pose, "tx ty tz qx qy qz qw in the frame of the mixture")
@@ -136,6 +138,7 @@ void add_grasp_command(CLI::App& program, std::function<int()>& action) {
   add_box_options(*command, *options);
   add_count_option(*command, "--starts", options->starts,
                    "Components from whose modes --best starts")
+      ->needs(command->get_option("--best"))
       ->capture_default_str();
   add_count_option(*command, "--points", options->points, "Points per component and replicate")
       ->capture_default_str();

@@ -15,6 +15,7 @@
 #include "interrupt.hpp"
 #include "live/live.hpp"
 #include "live/ros_graph.hpp"
+#include "override_option.hpp"
 #include "posemix/io/output_folder.hpp"
 #include "posemix/results/report.hpp"
 #include "posemix/results/results.hpp"
@@ -120,9 +121,7 @@ void add_live_command(CLI::App& program, std::function<int()>& action) {
       ->type_name("CONFIG.toml");
   command->add_option("--data", options->data, "Folder below which files that it names lie")
       ->type_name("DIR");
-  command->add_option("--set", options->overrides, "Override a key of the file; repeatable")
-      ->type_name("KEY=VALUE")
-      ->allow_extra_args(false);
+  add_override_option(*command, options->overrides, "Override a key of the file; repeatable");
   CLI::Option* const out = command
                                ->add_option("--out", options->out,
                                             "Folder for the results of the run, as of posemix slam")

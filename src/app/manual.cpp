@@ -117,11 +117,12 @@ std::string conditions(const OptionText& option) {
 
 std::string option_entry(const OptionText& option) {
   std::vector<std::string> names;
+  names.reserve(option.names.size());
   for (const std::string& name : option.names) names.push_back(bold(name));
   std::string head = joined(names, ", ");
   if (!option.value.empty()) head += (head.empty() ? "" : " ") + italic(option.value);
   std::string text = plain(option.description);
-  if (!text.empty() && text.back() != '.') text += ".";
+  if (!text.empty() && text.back() != '.') text += '.';
   const std::string more = conditions(option);
   return fmt::format(".TP\n{}\n{}{}{}\n", head, text, more.empty() ? "" : "\n", more);
 }

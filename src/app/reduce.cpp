@@ -75,13 +75,23 @@ int reduce_file(const ReduceOptions& options) {
   return kExitDone;
 }
 
+void check_distance(const CLI::App& command, const ReduceOptions& options) {
+  if (command.count("--distance") > 0 && options.pair != PairRule::most_distant)
+    throw CLI::ValidationError("--distance", "is for --pair most_distant");
+}
+
+/// The options for merging, which is done with --to alone.
 void add_rule_options(CLI::App& command, ReduceOptions& options) {
+  CLI::Option* const to = command.get_option("--to");
   add_choice<PairRule>(command, "--pair", options.pair, "Which two are merged next")
+      ->needs(to)
       ->default_str("weighted_symmetric_kl");
   add_choice<DistanceMetric>(command, "--distance", options.distance,
                              "What distant means, for --pair most_distant")
+      ->needs(to)
       ->default_str("tangent_norm");
   add_choice<MergeRule>(command, "--merge", options.merge, "How two become one")
+      ->needs(to)
       ->default_str("moment_matched");
 }
 
@@ -103,21 +113,22 @@ void add_reduce_command(CLI::App& program, std::function<int()>& action) {
   command->add_option("file", options->file, "Mixture file; - is the standard input")
       ->required()
       ->type_name("MIXTURE.json");
-  command->add_option("--to", options->to, "Components to merge down to; without it none is merged")
-      ->check(CLI::Range(std::size_t{1}, kMostComponents))
-      ->type_name("N");
+  add_integer_option(*command, "--to", options->to, {1, kMostComponents},
+                     "Components to merge down to; without it none is merged");
   command->add_option("--drop-below", options->drop_below, "Components of less weight are dropped")
       ->check(number_in({.lowest = 0, .highest = 0.999999}))
       ->type_name("WEIGHT");
   add_count_option(*command, "--drop", options->drop, "So many of the lightest are dropped");
   add_rule_options(*command, *options);
-  command->add_option("--samples", options->samples, "Points for the measured divergence")
-      ->check(CLI::Range(std::size_t{1024}, std::size_t{1} << 30))
-      ->type_name("N")
+  add_integer_option(*command, "--samples", options->samples, {1024, std::uint64_t{1} << 30},
+                     "Points for the measured divergence")
       ->capture_default_str();
   add_seed_option(*command, options->seed);
   add_report_options(*command, options->output);
-  command->callback([options, &action] { action = [options] { return reduce_file(*options); }; });
+  command->callback([options, command, &action] {
+    check_distance(*command, *options);
+    action = [options] { return reduce_file(*options); };
+  });
 }
 
 }  // namespace posemix

@@ -13,6 +13,7 @@
 #include "command_options.hpp"
 #include "exit_codes.hpp"
 #include "interrupt.hpp"
+#include "override_option.hpp"
 #include "posemix/io/output_folder.hpp"
 #include "posemix/results/simulation_folder.hpp"
 #include "summary.hpp"
@@ -67,10 +68,8 @@ void add_simulate_command(CLI::App& program, std::function<int()>& action) {
   command->add_option("--out", options->out, "Folder for the recording")
       ->required()
       ->type_name("DIR");
-  command
-      ->add_option("--set", options->overrides, "Override a key of the configuration; repeatable")
-      ->type_name("KEY=VALUE")
-      ->allow_extra_args(false);
+  add_override_option(*command, options->overrides,
+                      "Override a key of the configuration; repeatable");
   command->add_flag("--quiet", options->quiet, "Print nothing");
   command->callback(
       [options, &action] { action = [options] { return simulate_to_folder(*options); }; });

@@ -2,18 +2,22 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "slam.hpp"
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include "command_options.hpp"
 #include "exit_codes.hpp"
 #include "interrupt.hpp"
+#include "override_option.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/config/sequence_file.hpp"
 #include "posemix/io/output_file.hpp"
@@ -30,6 +34,9 @@ namespace posemix {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// The largest lag, as of the key filter.smooth_lag.
+constexpr std::uint64_t kLongestLag = 1'000'000;
 
 struct SlamOptions {
   std::string sequence;
@@ -51,15 +58,40 @@ struct KnownJob {
   Provenance provenance;
 };
 
+/// The overrides that --smooth and --smooth-lag stand for.
+std::vector<std::string> smoothing_overrides(const SlamOptions& options) {
+  if (options.smooth) return {"filter.smooth=full"};
+  if (!options.smooth_lag) return {};
+  return {"filter.smooth=fixed_lag", fmt::format("filter.smooth_lag={}", *options.smooth_lag)};
+}
+
+/// --smooth or --smooth-lag N, as it was given.
+std::string smoothing_option(const SlamOptions& options) {
+  return options.smooth_lag ? fmt::format("--smooth-lag {}", *options.smooth_lag) : "--smooth";
+}
+
+/// Reads the job; errors name the option that was given and not the override that it stands for.
+SlamJob read_job(TomlDocument& document, const SlamOptions& options) {
+  const std::vector<std::string> smoothing = smoothing_overrides(options);
+  try {
+    for (const std::string& assignment : smoothing) document.apply_override(assignment);
+    return read_slam_job(document, data_folders(options.sequence, options.data));
+  } catch (const InvalidInput& error) {
+    const std::string_view message = error.what();
+    for (const std::string& assignment : smoothing) {
+      const std::string origin = fmt::format("--set {}:", assignment);
+      if (message.starts_with(origin))
+        throw InvalidInput(
+            fmt::format("{}:{}", smoothing_option(options), message.substr(origin.size())));
+    }
+    throw;
+  }
+}
+
 KnownJob read_job(const SlamOptions& options) {
   TomlDocument document = TomlDocument::load(options.sequence);
   for (const std::string& assignment : options.overrides) document.apply_override(assignment);
-  if (options.smooth) document.apply_override("filter.smooth=full");
-  if (options.smooth_lag) {
-    document.apply_override("filter.smooth=fixed_lag");
-    document.apply_override(fmt::format("filter.smooth_lag={}", *options.smooth_lag));
-  }
-  SlamJob job = read_slam_job(document, data_folders(options.sequence, options.data));
+  SlamJob job = read_job(document, options);
   print_warnings(document.warnings());
   Provenance provenance =
       run_provenance(options.command, options.sequence, options.overrides, document, job);
@@ -143,6 +175,17 @@ int slam_to_folder(const SlamOptions& options) {
   return kExitDone;
 }
 
+/// Refuses --smooth and --smooth-lag beside --set of what they set.
+void check_smoothing(const SlamOptions& options) {
+  if (!options.smooth && !options.smooth_lag) return;
+  for (const char* key : {"filter.smooth", "filter.smooth_lag"}) {
+    if (const std::string* const other = find_override(options.overrides, key)) {
+      throw CLI::ValidationError(smoothing_option(options),
+                                 fmt::format("got --set {} too, expected one of them", *other));
+    }
+  }
+}
+
 void add_input_options(CLI::App& command, SlamOptions& options) {
   command
       .add_option("sequence", options.sequence,
@@ -151,15 +194,12 @@ void add_input_options(CLI::App& command, SlamOptions& options) {
       ->type_name("SEQUENCE.toml");
   command.add_option("--data", options.data, "Folder below which the recording's files lie")
       ->type_name("DIR");
-  command.add_option("--set", options.overrides, "Override a key of the sequence file; repeatable")
-      ->type_name("KEY=VALUE")
-      ->allow_extra_args(false);
+  add_override_option(command, options.overrides,
+                      "Override a key of the sequence file; repeatable");
   CLI::Option* const smooth = command.add_flag(
       "--smooth", options.smooth, "Estimates from the whole recording (filter.smooth = \"full\")");
-  command
-      .add_option("--smooth-lag", options.smooth_lag,
-                  "Estimates from N frames more (filter.smooth = \"fixed_lag\")")
-      ->type_name("N")
+  add_integer_option(command, "--smooth-lag", options.smooth_lag, {1, kLongestLag},
+                     "Estimates from N frames more (filter.smooth = \"fixed_lag\")")
       ->excludes(smooth);
 }
 
@@ -191,8 +231,10 @@ void add_slam_command(CLI::App& program, std::function<int()>& action,
   command->add_flag("--report", options->report, "Write DIR/report.html too (see posemix report)");
   command->add_flag("--json", options->json, "Print metrics.json instead of a table");
   command->add_flag("--quiet", options->quiet, "Print neither progress nor table");
-  command->callback(
-      [options, &action] { action = [options] { return slam_to_folder(*options); }; });
+  command->callback([options, &action] {
+    check_smoothing(*options);
+    action = [options] { return slam_to_folder(*options); };
+  });
 }
 
 }  // namespace posemix

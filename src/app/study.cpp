@@ -13,8 +13,10 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include "command_options.hpp"
 #include "exit_codes.hpp"
 #include "interrupt.hpp"
+#include "override_option.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/config/sequence_file.hpp"
 #include "posemix/config/toml_table.hpp"
@@ -257,9 +259,7 @@ void add_options(CLI::App& command, const std::shared_ptr<StudyOptions>& options
                  const StudyCommand& known) {
   command.add_option("settings", options->settings, "Settings (TOML; see docs/studies.md)")
       ->type_name("SETTINGS.toml");
-  command.add_option("--set", options->overrides, "Override a key of the settings; repeatable")
-      ->type_name("KEY=VALUE")
-      ->allow_extra_args(false);
+  add_override_option(command, options->overrides, "Override a key of the settings; repeatable");
   if (known.reads_data) {
     command
         .add_option(
@@ -275,11 +275,9 @@ void add_options(CLI::App& command, const std::shared_ptr<StudyOptions>& options
         ->type_name("DIR");
   }
   command.add_option("--out", options->out, "Folder for the results")->required()->type_name("DIR");
-  command
-      .add_option("--threads", options->threads,
-                  "Threads of this process; without it the cores, shared among the host's ranks")
-      ->check(CLI::Range(1, 4096))
-      ->type_name("N");
+  add_integer_option(
+      command, "--threads", options->threads, {1, 4096},
+      "Threads of this process; without it the cores, shared among the host's ranks");
   command.add_flag("--resume", options->resume, "Continue an interrupted study from DIR.journal");
   command.add_flag("--json", options->json, "Print study.json instead of a table");
   command.add_flag("--all-rows", options->all_rows, "Print all rows, not only what fits a screen");

@@ -69,7 +69,7 @@ ObjectModel read_model(const TomlTable& object, const FileFinder& files, std::se
 DetectorNoise noise_of(const TomlTable& object,
                        const std::map<std::string, DetectorNoise>& noise_models,
                        const std::string& key) {
-  const std::string noise = object.get_string_or(key, std::string(kDefaultNoise));
+  const std::string noise = object.get_string_or(key, kDefaultNoise);
   const auto found = noise_models.find(noise);
   const bool built_in = found == noise_models.end() && noise == kDefaultNoise;
   if (found == noise_models.end() && !built_in) {
@@ -80,7 +80,7 @@ DetectorNoise noise_of(const TomlTable& object,
 }
 
 void add_used_noise(const TomlTable& object, std::set<std::string>& used) {
-  used.insert(object.get_string_or("noise", std::string(kDefaultNoise)));
+  used.insert(object.get_string_or("noise", kDefaultNoise));
   if (const auto detectors = object.find_table("detectors")) {
     for (const std::string& name : detectors->keys()) used.insert(detectors->get_string(name));
   }

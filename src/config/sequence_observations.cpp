@@ -65,7 +65,7 @@ std::optional<Matrix6d> read_camera_covariance(const TomlTable& table) {
   if (table.has("covariance")) {
     if (has_deviations)
       table.fail("covariance", "stands beside standard deviations, expected one of the two");
-    const Matrix6d stated = table.get_matrix("covariance", 6, 6);
+    Matrix6d stated = table.get_matrix("covariance", 6, 6);
     if (stated.isZero(0.0)) return stated;  // exact
     try {
       return checked_covariance(stated, 6, "");

@@ -48,6 +48,7 @@ void require_one_camera(const std::vector<ObservationFile>& files) {
 void require_known_cameras(const ObservedRecording& observed) {
   if (observed.cameras.empty()) return require_one_camera(observed.files);
   std::vector<std::string> names;
+  names.reserve(observed.cameras.size());
   for (const BodyCamera& camera : observed.cameras) names.push_back(camera.name);
   for (const ObservationFile& file : observed.files) {
     for (std::size_t i = 0; i < file.observations.size(); ++i) {
@@ -114,6 +115,7 @@ void require_known_sources(const ObservedRecording& observed,
           model.detectors.count(seen.detector) != 0)
         continue;
       std::vector<std::string> names;
+      names.reserve(model.detectors.size());
       for (const auto& [name, noise] : model.detectors) names.push_back(name);
       fail(file, i, "detector", seen.detector,
            fmt::format("one of the detectors of {}, {}", in_quotes(model.id), one_of(names)),

@@ -75,6 +75,10 @@ std::string describe_toml_value(const TomlNode& node);
 /// @throws InvalidInput `--set key=value: reason`
 void apply_toml_override(TomlState& state, std::string_view assignment);
 
+/// The parts of the key in `key=value`, without the quotes that they may have.
+/// @throws InvalidInput as apply_toml_override where there is no key
+std::vector<std::string> override_path(std::string_view assignment);
+
 /// The dotted path `parent.key`, or `key` at the top.
 std::string join_toml_path(std::string_view parent, std::string_view key);
 

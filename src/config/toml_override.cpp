@@ -110,6 +110,10 @@ std::string join_toml_path(std::string_view parent, std::string_view key) {
   return parent.empty() ? std::string(key) : fmt::format("{}.{}", parent, key);
 }
 
+std::vector<std::string> override_path(std::string_view assignment) {
+  return parse_override(assignment).path;
+}
+
 void apply_toml_override(TomlState& state, std::string_view assignment) {
   Override source = parse_override(assignment);
   const std::string given = dotted(source.path);

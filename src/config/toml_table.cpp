@@ -237,6 +237,7 @@ std::vector<std::string> TomlTable::get_strings(std::string_view key) const {
   const TomlNode& node = require(key, "an array of strings");
   if (node.kind != TomlKind::array) fail_value(key, node, "an array of strings");
   std::vector<std::string> strings;
+  strings.reserve(node.children.size());
   for (std::size_t i = 0; i < node.children.size(); ++i) {
     strings.push_back(string_of(indexed(key, i), node.children[i], "a string"));
   }
@@ -262,6 +263,7 @@ std::optional<TomlTable> TomlTable::find_table(std::string_view key) const {
 std::vector<TomlTable> TomlTable::tables_of(std::string_view key, const TomlNode& node) const {
   if (!is_array_of_tables(node)) fail_value(key, node, "an array of tables");
   std::vector<TomlTable> tables;
+  tables.reserve(node.children.size());
   for (std::size_t i = 0; i < node.children.size(); ++i) {
     tables.push_back(TomlTable(state_, &node.children[i], indexed(join_toml_path(path_, key), i)));
   }

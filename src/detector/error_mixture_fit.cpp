@@ -96,6 +96,7 @@ class Run {
 
   ErrorMixture mixture() const {
     std::vector<Gaussian> densities;
+    densities.reserve(means_.size());
     for (std::size_t k = 0; k < means_.size(); ++k) {
       densities.push_back(Gaussian::trusted(Rnd<6>(means_[k]), covariances_[k]));
     }

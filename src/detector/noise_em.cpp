@@ -120,6 +120,7 @@ class NoiseEm {
   /// reached. shares_ are those of the model that is kept.
   double move_offsets(double now) {
     std::vector<Vector6d> moves;
+    moves.reserve(terms_.size());
     for (std::size_t k = 0; k < terms_.size(); ++k) moves.push_back(offset_step(k));
     const std::vector<Term> before = terms_;
     for (const double step : {1.0, 0.5, 0.25, 0.125}) {

@@ -64,6 +64,7 @@ void compare_with_best(std::vector<NoiseValidation>& rows) {
                         [](const auto& a, const auto& b) { return a.log_density < b.log_density; });
   for (NoiseValidation& row : rows) {
     std::vector<double> differences;
+    differences.reserve(row.by_fold.size());
     for (std::size_t f = 0; f < row.by_fold.size(); ++f)
       differences.push_back(best.by_fold[f] - row.by_fold[f]);
     row.below_best = best.log_density - row.log_density;
@@ -89,6 +90,7 @@ std::vector<NoiseValidation> cross_validate(std::span<const NoiseTrack> tracks,
       const Eigen::ArrayXXd sums = held_out(folds, of_kind, frame, stream);
       for (Eigen::Index k = 0; k < sums.rows(); ++k) {
         std::vector<double> means;
+        means.reserve(folds.size());
         for (std::size_t f = 0; f < folds.size(); ++f)
           means.push_back(sums(k, static_cast<Eigen::Index>(f)) /
                           static_cast<double>(folds[f].size()));

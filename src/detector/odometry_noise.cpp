@@ -153,6 +153,7 @@ Vector12d bootstrap_errors(const AllSums& recordings, const OdometryNoiseSetting
   Vector12d squares = Vector12d::Zero();
   for (int sample = 0; sample < settings.bootstrap; ++sample) {
     std::vector<std::size_t> chosen;
+    chosen.reserve(count);
     for (std::size_t r = 0; r < count; ++r) {
       chosen.push_back(std::min(
           count - 1, static_cast<std::size_t>(stream.uniform() * static_cast<double>(count))));

@@ -57,6 +57,7 @@ struct SlowGain {
 SlowGain gain_over(const std::vector<double>& other, const std::vector<double>& model,
                    bool has_recordings) {
   std::vector<double> gains;
+  gains.reserve(model.size());
   for (std::size_t r = 0; r < model.size(); ++r) gains.push_back(model[r] - other[r]);
   const auto [mean, error] = mean_with_error(gains);
   const auto count = static_cast<double>(gains.size());
@@ -188,6 +189,7 @@ void add_parameters(const FittedSlowModel& model, const SlowScales& scales,
 Eigen::VectorXd errors_of(const SlowProblem& problem, const FittedSlowModel& model,
                           bool is_jackknife) {
   std::vector<std::size_t> recordings;
+  recordings.reserve(problem.tracks.size());
   for (const SlowTrack& track : problem.tracks) recordings.push_back(track.recording);
   const auto by_track = [&](std::span<const double> x) {
     return problem.by_track(model.parameters, x);

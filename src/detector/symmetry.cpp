@@ -72,6 +72,30 @@ Vector6d generator(const SymmetryAxis& axis) {
   return twist;
 }
 
+void require_finite(const std::vector<SE3d>& elements) {
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    const SE3d& motion = elements[i];
+    if (!motion.translation().allFinite() || !motion.rotation().quaternion().coeffs().allFinite())
+      throw InvalidInput(fmt::format("symmetries: element {} is not finite", i));
+  }
+}
+
+/// @throws InvalidInput for a negative number, and where a turn by one step counts as none
+void require_distinct_turns(int fold) {
+  if (fold < 0) {
+    throw InvalidInput(fmt::format(
+        "symmetries: {} turns about an axis, expected a number from 1, or 0 for any angle", fold));
+  }
+  const double tolerance = SymmetryTolerance{}.rotation_rad;
+  // Steps of the tolerance itself count as none, whichever way they are rounded.
+  const int largest = static_cast<int>(std::ceil(2.0 * std::numbers::pi / tolerance - 1e-6)) - 1;
+  if (fold <= largest) return;
+  throw InvalidInput(
+      fmt::format("symmetries: {} turns about an axis, of which the tolerance of {:.3g} deg takes "
+                  "two for one; expected at most {}, or 0 for any angle",
+                  fold, degrees(tolerance), largest));
+}
+
 [[noreturn]] void fail_axes(std::size_t i, std::size_t j) {
   throw InvalidInput(
       fmt::format("symmetries: axes {} and {} have no common point, so that turns about them make "
@@ -85,13 +109,10 @@ SymmetryGroup::SymmetryGroup(const std::vector<SE3d>& elements,
                              const std::vector<SymmetryAxis>& axes,
                              const SymmetryTolerance& tolerance) {
   take_axes(axes, tolerance);
+  require_finite(elements);
   std::vector<Named> all{{SE3d(), "the identity"}};
-  for (std::size_t i = 0; i < elements.size(); ++i) {
-    const SE3d& motion = elements[i];
-    if (!motion.translation().allFinite() || !motion.rotation().quaternion().coeffs().allFinite())
-      throw InvalidInput(fmt::format("symmetries: element {} is not finite", i));
-    all.push_back({motion, fmt::format("element {} ({})", i, described(motion))});
-  }
+  for (std::size_t i = 0; i < elements.size(); ++i)
+    all.push_back({elements[i], fmt::format("element {} ({})", i, described(elements[i]))});
   require_axes_kept(all, tolerance);
   for (const Named& candidate : all) {
     const bool is_known = std::any_of(elements_.begin(), elements_.end(), [&](const SE3d& known) {
@@ -103,18 +124,29 @@ SymmetryGroup::SymmetryGroup(const std::vector<SE3d>& elements,
   for (const SE3d& element : elements_) inverses_.push_back(element.inverse());
 }
 
+SymmetryGroup SymmetryGroup::from_stored(std::vector<SE3d> elements,
+                                         const std::vector<SymmetryAxis>& axes) {
+  require_finite(elements);
+  if (elements.empty() || elements.front().log() != Vector6d::Zero())
+    throw InvalidInput("symmetries: stored elements, expected the identity as the first");
+  SymmetryGroup group;
+  group.take_axes(axes, {});
+  group.elements_ = std::move(elements);
+  group.inverses_.clear();
+  for (const SE3d& element : group.elements_) group.inverses_.push_back(element.inverse());
+  return group;
+}
+
 SymmetryGroup SymmetryGroup::turns(const Eigen::Vector3d& axis, int fold) {
-  if (fold < 0) {
-    throw InvalidInput(fmt::format(
-        "symmetries: {} turns about an axis, expected a number from 1, or 0 for any angle", fold));
-  }
+  require_distinct_turns(fold);
   if (fold == 0) return SymmetryGroup({}, {{axis, Eigen::Vector3d::Zero()}});
   const Eigen::Vector3d direction = canonical({axis, Eigen::Vector3d::Zero()}, 0).direction;
   const double step = 2.0 * std::numbers::pi / fold;
-  std::vector<SE3d> elements;
+  std::vector<SE3d> elements{SE3d()};
   for (int i = 1; i < fold; ++i)
     elements.emplace_back(SO3d::exp(i * step * direction), Eigen::Vector3d::Zero());
-  SymmetryGroup group(elements);
+  // They are closed, and to check it takes fold^3 products.
+  SymmetryGroup group = from_stored(std::move(elements), {});
   group.turns_ = Turns{direction, step};
   return group;
 }

@@ -117,9 +117,9 @@ class Converter {
       for (const auto& piece : one.pieces) {
         all.push_back({mixture[i].log_weight + piece.log_weight, piece.density});
       }
-      largest = std::max(largest, one.kl);
+      if (std::abs(one.kl) > std::abs(largest)) largest = one.kl;
       components_split += one.pieces.size() > 1 ? 1 : 0;
-      within = within && one.kl <= settings_.max_kl;
+      within = within && is_within(one.kl);
       converged = converged && one.converged;
     }
     Mixture<To> result(std::move(all));
@@ -129,6 +129,10 @@ class Converter {
   }
 
  private:
+  /// A density so wide that it turns by more than half a turn does not integrate to one there, and
+  /// the divergence from it can be far below zero.
+  bool is_within(double kl) const { return std::abs(kl) <= settings_.max_kl; }
+
   /// Converts the parts of a density and measures the loss of them together.
   template <class Piece>
   ConvertedComponent<To> convert(const From& density, const std::vector<Component<Piece>>& pieces) {
@@ -150,7 +154,7 @@ class Converter {
   ConvertedComponent<To> convert(const From& density, std::size_t index) {
     double spread = internal::widest(density.covariance()).first;
     ConvertedComponent<To> best = convert(density, pieces_of(density, spread));
-    if (best.kl <= settings_.max_kl || settings_.on_large_loss == LargeLoss::accept) return best;
+    if (is_within(best.kl) || settings_.on_large_loss == LargeLoss::accept) return best;
     if (settings_.on_large_loss == LargeLoss::refuse) {
       throw InvalidInput(
           fmt::format("conversion: component {} would lose {:.4g} nats, expected at most max_kl = "
@@ -165,8 +169,8 @@ class Converter {
       if (narrower.size() <= pieces) continue;
       pieces = narrower.size();
       ConvertedComponent<To> finer = convert(density, narrower);
-      if (finer.kl < best.kl) best = std::move(finer);
-      if (best.kl <= settings_.max_kl) break;
+      if (std::abs(finer.kl) < std::abs(best.kl)) best = std::move(finer);
+      if (is_within(best.kl)) break;
     }
     return best;
   }

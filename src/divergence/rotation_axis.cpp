@@ -58,7 +58,7 @@ bool is_symmetric(const RotationPeak& first, const RotationPeak& peak,
 std::optional<Eigen::Vector3d> common_axis(const RotationPair& pair) {
   Peaks peaks(pair.p.begin(), pair.p.end());
   peaks.insert(peaks.end(), pair.q.begin(), pair.q.end());
-  const Eigen::Vector3d axis = candidate(peaks);
+  Eigen::Vector3d axis = candidate(peaks);
   for (const RotationPeak& peak : peaks) {
     if (!is_symmetric(peaks.front(), peak, axis)) return std::nullopt;
   }

@@ -74,6 +74,7 @@ std::vector<YamlValue> YamlValue::elements() const {
   if (node_.IsNull()) return {};
   if (!node_.IsSequence()) fail(kind_of(node_), "a list");
   std::vector<YamlValue> all;
+  all.reserve(node_.size());
   for (std::size_t i = 0; i < node_.size(); ++i)
     all.push_back({node_[i], name_, fmt::format("{}[{}]", key_, i)});
   return all;

@@ -74,7 +74,7 @@ std::string reason_of(std::string_view message) {
   if (!number.empty()) return fmt::format("the number {} is too large", number);
   if (const std::string_view invalid = between(message, kInvalid, "; "); !invalid.empty()) {
     std::string_view read = between(message, "last read: '", "'; expected ");
-    const bool is_last = message.ends_with("'") && !read.empty();
+    const bool is_last = message.ends_with('\'') && !read.empty();
     if (is_last) read.remove_suffix(1);
     return invalid_words(invalid, read);
   }

@@ -77,6 +77,7 @@ std::vector<JsonPlace> JsonPlace::items(std::optional<std::size_t> size) const {
     fail(fmt::format("{} entries", json_->size()), fmt::format("{}", *size));
   }
   std::vector<JsonPlace> items;
+  items.reserve(json_->size());
   for (std::size_t i = 0; i < json_->size(); ++i) {
     items.emplace_back((*json_)[i], fmt::format("{}[{}]", path_, i));
   }

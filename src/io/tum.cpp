@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -44,6 +45,18 @@ StampedPose parse_frame(const LineReader& reader, const TumOptions& options) {
   return {numbers[0], parse_pose(pose, reader, options)};
 }
 
+void require_increasing_stamps(std::span<const StampedPose> frames) {
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const double stamp = frames[i].stamp;
+    if (!std::isfinite(stamp))
+      throw InvalidInput(fmt::format("stamps[{}] is {}, expected a finite number", i, stamp));
+    if (i == 0 || stamp > frames[i - 1].stamp) continue;
+    throw InvalidInput(
+        fmt::format("stamps[{}] is {} after {}, expected stamps that increase strictly", i, stamp,
+                    frames[i - 1].stamp));
+  }
+}
+
 }  // namespace
 
 std::vector<StampedPose> parse_tum(std::string_view text, const std::string& name,
@@ -70,6 +83,7 @@ std::vector<StampedPose> read_tum(const std::filesystem::path& path, const TumOp
 }
 
 std::string format_tum(std::span<const StampedPose> frames, TumMisses misses) {
+  require_increasing_stamps(frames);
   std::string text;
   for (const StampedPose& frame : frames) {
     if (frame.pose) {

@@ -30,6 +30,7 @@ std::vector<double> parse_numbers(const LineReader& reader) {
                       "triangle row by row, or 44 with all of its 36");
   }
   std::vector<double> numbers;
+  numbers.reserve(words.size());
   for (std::size_t i = 0; i < words.size(); ++i)
     numbers.push_back(reader.number_from(words[i], fmt::format("column {}", i + 1)));
   return numbers;

@@ -74,7 +74,7 @@ void LiveNode::reset() {
 /// The last message stays for those that subscribe later.
 void LiveNode::publish_nothing() {
   last_.reset();
-  in_tf_ns_.reset();
+  in_tf_.reset();
   ports_.objects({.header = {clock_ns(), settings_->node.world_frame}, .detections = {}});
 }
 
@@ -100,9 +100,11 @@ void LiveNode::publish(const LiveEstimate& estimate) {
   latencies_.push_back(ports_.now_s() - estimate.arrival_s);
   if (latencies_.size() > kLatencies) latencies_.pop_front();
   last_ = estimate;
-  if (in_tf_ns_ == estimate.stamp_ns) return;
-  in_tf_ns_ = estimate.stamp_ns;
-  const auto transforms = transforms_message(estimate, settings_->node, below_world(estimate));
+  if (!in_tf_ || in_tf_->stamp_ns != estimate.stamp_ns) in_tf_ = InTf{estimate.stamp_ns, {}};
+  auto transforms = transforms_message(estimate, settings_->node, below_world(estimate));
+  std::erase_if(transforms, [&](const RosTransform& transform) {
+    return !in_tf_->frames.insert(transform.child).second;
+  });
   if (!transforms.empty()) ports_.transforms(transforms);
 }
 

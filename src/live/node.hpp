@@ -6,6 +6,7 @@
 #include <deque>
 #include <functional>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -52,6 +53,13 @@ class LiveNode {
   const LiveEngine& engine() const { return engine_; }
 
  private:
+  /// Stamp of the last estimate in /tf [ns], and the frames that were sent with it: readers take
+  /// one transform of a frame and a time.
+  struct InTf {
+    std::int64_t stamp_ns;
+    std::set<std::string> frames;
+  };
+
   void publish(const LiveEstimate& estimate);
   void publish_nothing();
   std::optional<FrameBelow> below_world(const LiveEstimate& estimate);
@@ -66,8 +74,7 @@ class LiveNode {
   std::optional<LiveEstimate> last_;
   std::int64_t sim_clock_ns_ = 0;  ///< zero before the first
   std::size_t bad_ = 0;            ///< images that were complained of
-  /// Stamp of the last estimate in /tf, whose readers take one of a time [ns].
-  std::optional<std::int64_t> in_tf_ns_;
+  std::optional<InTf> in_tf_;
   std::deque<double> latencies_;  ///< from the arrival of images to the publication [s]
 };
 

@@ -24,6 +24,12 @@ struct Regression {
   Eigen::Matrix3d residual;  ///< covariance of e, within bounds
 };
 
+EmSettings of_translation(const EmSettings& settings) {
+  EmSettings result = settings;
+  if (settings.unit.size() != 0) result.unit = settings.unit.tail<3>().eval();
+  return result;
+}
+
 Regression regress(const Vector6d& first, const Matrix6d& second, const EmSettings& settings) {
   const Vector6d mean = settings.fixed_means ? Vector6d(Vector6d::Zero()) : first;
   const Matrix6d about = second - mean * mean.transpose();
@@ -38,9 +44,7 @@ Regression regress(const Vector6d& first, const Matrix6d& second, const EmSettin
     symmetrize(fit.residual);
   }
   if (!settings.fixed_means) fit.intercept = first.tail<3>() - fit.slope * first.head<3>();
-  EmSettings of_translation = settings;
-  if (settings.unit.size() != 0) of_translation.unit = settings.unit.tail<3>().eval();
-  fit.residual = bounded_covariance(fit.residual, of_translation);
+  fit.residual = bounded_covariance(fit.residual, of_translation(settings));
   return fit;
 }
 
@@ -49,6 +53,28 @@ Eigen::Matrix3d covariance_given_u(const Matrix6d& p) {
   const Eigen::Matrix3d uu = p.topLeftCorner<3, 3>();
   return p.bottomRightCorner<3, 3>() -
          p.bottomLeftCorner<3, 3>() * uu.llt().solve(p.topRightCorner<3, 3>());
+}
+
+/// A covariance of y = [u; t] whose P_uu and R are within the bounds.
+Eigen::Matrix3d within_bounds(const Eigen::Matrix3d& p, const EmSettings& settings) {
+  return internal::clipped_projected_covariance(p, settings);
+}
+Matrix6d within_bounds(const Matrix6d& p, const EmSettings& settings) {
+  const Eigen::Matrix3d uu =
+      internal::clipped_projected_covariance(p.topLeftCorner<3, 3>(), settings);
+  const Eigen::Matrix3d given = covariance_given_u(p);
+  const Eigen::Matrix3d r = bounded_covariance(given, of_translation(settings));
+  if (uu == p.topLeftCorner<3, 3>() && r == given) return p;
+  Eigen::Matrix3d slope = Eigen::Matrix3d::Zero();
+  if (!settings.diagonal)
+    slope = p.topLeftCorner<3, 3>().llt().solve(p.topRightCorner<3, 3>()).transpose();
+  Matrix6d result;
+  result.topLeftCorner<3, 3>() = uu;
+  result.bottomLeftCorner<3, 3>() = slope * uu;
+  result.topRightCorner<3, 3>() = result.bottomLeftCorner<3, 3>().transpose();
+  result.bottomRightCorner<3, 3>() = r + slope * uu * slope.transpose();
+  symmetrize(result);
+  return result;
 }
 
 /// The projected Gaussian of largest likelihood at a tangent point for moments of y = [u; t - a].
@@ -300,8 +326,9 @@ template <RotationOrPose G>
 ProjectedGaussian<G> EmModel<ProjectedGaussian<G>>::prepared(const Density& density,
                                                              const EmSettings& settings) {
   const Eigen::Vector3d u = density.tangent_mean().template head<3>();
-  internal::bounded_projected_covariance(Eigen::Matrix3d::Identity(), settings);
-  return u.isZero(0.0) ? density : change_chart_to_mode(density);
+  const Density start = u.isZero(0.0) ? density : change_chart_to_mode(density);
+  const Covariance within = within_bounds(start.covariance(), settings);
+  return Density::trusted(start.tangent_point(), start.tangent_mean(), within);
 }
 
 template struct EmModel<ProjectedGaussian<SO3d>>;

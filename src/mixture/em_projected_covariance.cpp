@@ -51,4 +51,21 @@ Eigen::Matrix3d bounded_projected_covariance(const Eigen::Matrix3d& second_momen
   return covariance;
 }
 
+Eigen::Matrix3d clipped_projected_covariance(const Eigen::Matrix3d& covariance,
+                                             const EmSettings& settings) {
+  const Bounds bounds = bounds_of(settings);
+  if (settings.diagonal) {
+    const Eigen::Vector3d variances = covariance.diagonal();
+    return variances.cwiseMax(bounds.lower).cwiseMin(bounds.upper).asDiagonal();
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(covariance);
+  const Eigen::Vector3d& values = eigen.eigenvalues();
+  const Eigen::Vector3d within = values.cwiseMax(bounds.lower).cwiseMin(bounds.upper);
+  if (within == values) return covariance;
+  Eigen::Matrix3d clipped =
+      eigen.eigenvectors() * within.asDiagonal() * eigen.eigenvectors().transpose();
+  symmetrize(clipped);
+  return clipped;
+}
+
 }  // namespace posemix::internal

@@ -94,6 +94,10 @@ std::vector<std::string> names_of(const std::vector<fs::path>& runs) {
 }
 
 ReportFolder run_folder(const fs::path& path) {
+  if (fs::is_regular_file(path)) {
+    throw InvalidInput(fmt::format(
+        "{}: is a file, expected a folder that posemix slam wrote, to be compared", path.string()));
+  }
   ReportFolder folder = read_report_folder(path);
   if (folder.kind == ReportKind::slam) return folder;
   throw InvalidInput(fmt::format(

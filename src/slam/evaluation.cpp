@@ -32,7 +32,7 @@ class NearestErrors {
   explicit NearestErrors(const ErrorReduction& reduction) : reduction_(reduction) {}
 
   void add(const std::optional<SE3d>& estimate, const std::optional<SE3d>& truth) {
-    if (estimate && truth) sum_.add(*estimate, reduction_.nearest(*truth, *estimate));
+    if (estimate && truth) sum_.add(estimate, reduction_.nearest(*truth, *estimate));
   }
   PoseErrors errors() const { return sum_.errors(); }
 

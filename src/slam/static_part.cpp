@@ -33,7 +33,7 @@ std::string id_at(const std::string& id, std::size_t place,
                   const std::vector<ObjectModel>& models) {
   std::string own = fmt::format("{} (place {})", id, place + 1);
   while (std::ranges::any_of(models, [&](const auto& model) { return model.id == own; }))
-    own += "'";
+    own += '\'';
   return own;
 }
 

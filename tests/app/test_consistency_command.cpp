@@ -197,6 +197,25 @@ TEST_F(ConsistencyCommand, TheDifferenceOfStampsIsAFiniteNumber) {
   }
 }
 
+TEST_F(ConsistencyCommand, OneResultOnTheStandardOutput) {
+  const std::string command = "posemix consistency estimate.tum --truth truth.tum --json - --svg ";
+  expect_error(command + "-", 2, "--svg: got - beside --json -, expected the name of a file");
+  EXPECT_TRUE(Json::accept(output_of(command + "nees.svg")));
+}
+
+TEST_F(ConsistencyCommand, OptionsWithoutAnEffectAreRefused) {
+  const std::string command = "posemix consistency ";
+  expect_error(command + "estimate.tum --truth truth.tum --data .", 2,
+               "--data: is for --truth with a sequence file");
+  expect_error(command + "run --data .", 2, "--data: is for --truth with a sequence file");
+  for (const std::string option :
+       {"--side right", "--order rotation_translation", "--convention ros"}) {
+    for (const std::string run : {". ", "run/trace.json "})
+      expect_error(command + run + option, 2,
+                   option.substr(0, option.find(' ')) + ": is for TUM files");
+  }
+}
+
 TEST_F(ConsistencyCommand, ATrackOfOnePoseIsRefused) {
   EXPECT_TRUE(contains(failure("estimate.tum --truth truth.tum --track camera").err,
                        "--track: got \"camera\", but estimate.tum and its truth are of one pose"));

@@ -253,6 +253,56 @@ TEST_F(MixtureCommands, GraspAtAPoseAndTheBest) {
                "--pose: got a quaternion of norm 2");
 }
 
+TEST_F(MixtureCommands, NumbersAreWhatIsTyped) {
+  const auto drawn = [&](const std::string& options) {
+    return output_of("posemix sample mug.json " + options);
+  };
+  EXPECT_EQ(drawn("-n 010 --seed 2"), drawn("-n 10 --seed 2"));
+  EXPECT_EQ(drawn("-n 5 --seed 010"), drawn("-n 5 --seed 10"));
+  const std::string largest = drawn("-n 5 --seed 18446744073709551615");
+  EXPECT_NE(largest, drawn("-n 5 --seed 18446744073709551614"));
+  EXPECT_EQ(largest, drawn("-n 5 --seed 18446744073709551615"));
+}
+
+TEST_F(MixtureCommands, ErrorsOfOptionsNameTheOption) {
+  output_of("posemix sample mug.json -n 50 --out s.csv");
+  const std::string fit = "posemix fit s.csv --components 1 ";
+  expect_error(fit + "--from a --to b --min-sd 1 --max-sd .5", 2,
+               "error: --max-sd: got 0.5, expected at least the 1 of --min-sd");
+  expect_error(fit + "--from '' --to b", 2,
+               "error: --from: got \"\", expected 1 to 100 printable ASCII characters");
+  expect_error(fit + "--from a --to 'a b'", 2, "error: --to: got \"a b\", expected 1 to 100");
+  const std::string grasp = "posemix grasp mug.json --best ";
+  expect_error(grasp + "--rotation-deg 181 --translation 0.01", 2,
+               "error: --rotation-deg: got 181, expected a number in (0, 180], in degrees");
+  expect_error(grasp + "--rotation-deg 5 0 5 --translation 0.01", 2,
+               "error: --rotation-deg: got 0, expected a number in (0, 180], in degrees");
+  expect_error(grasp + "--rotation-deg 5 --translation -1", 2,
+               "error: --translation: got -1, expected a positive number, in metres");
+  output_of("posemix grasp mug.json --rotation-deg 180 --translation 0.01 --pose 0 0 0.8 0 0 0 1");
+}
+
+TEST_F(MixtureCommands, OptionsWithoutAnEffectAreRefused) {
+  expect_error(
+      "posemix grasp mug.json --rotation-deg 5 --translation 1 --pose 0 0 0.8 0 0 0 1 --starts 3",
+      2, "--starts requires --best");
+  for (const std::string option :
+       {"--rule linear", "--max-kl 1e-9", "--on-large-loss refuse", "--seed 3"}) {
+    expect_error("posemix convert mug.json " + option, 2,
+                 option.substr(0, option.find(' ')) + ": requires --distribution");
+  }
+  const std::string converted = " projected --rule linear --max-kl 1 --seed 3 --quiet";
+  EXPECT_EQ(shell("posemix convert mug.json --distribution" + converted).exit_code, 0);
+  EXPECT_EQ(shell("posemix convert mug.json --law" + converted).exit_code, 0);
+  for (const std::string option : {"--pair runnalls", "--merge midway", "--distance rotation"}) {
+    expect_error("posemix reduce mug.json --drop 1 " + option, 2,
+                 option.substr(0, option.find(' ')) + " requires --to");
+  }
+  expect_error("posemix reduce mug.json --to 1 --pair runnalls --distance rotation", 2,
+               "--distance: is for --pair most_distant");
+  output_of("posemix reduce mug.json --to 1 --pair most_distant --distance rotation --quiet");
+}
+
 TEST_F(MixtureCommands, DamagedFiles) {
   const std::string text = content_of(folder_ / "mug.json");
   folder_.put("cut.json", text.substr(0, text.size() / 2));

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -68,6 +69,50 @@ TEST(Program, WrongUsage) {
   expect_error(run_posemix({"slam"}), 2, "`posemix slam --help`");
   expect_error(run_posemix({"slam", "a.toml"}), 2, "--out is required");
   expect_error(run_posemix({"slam", "a.toml", "--out", "x", "--frobnicate"}), 2, "--frobnicate");
+}
+
+/// Every option that takes an integer, with the command before it.
+const std::vector<std::vector<std::string>> kIntegerOptions{{"fit", "--components"},
+                                                            {"fit", "--max-components"},
+                                                            {"fit", "--restarts"},
+                                                            {"fit", "--max-iterations"},
+                                                            {"fit", "--seed"},
+                                                            {"reduce", "--to"},
+                                                            {"reduce", "--drop"},
+                                                            {"reduce", "--samples"},
+                                                            {"reduce", "--seed"},
+                                                            {"sample", "--count"},
+                                                            {"sample", "--seed"},
+                                                            {"divergence", "--samples"},
+                                                            {"divergence", "--seed"},
+                                                            {"convert", "--seed"},
+                                                            {"grasp", "--starts"},
+                                                            {"grasp", "--points"},
+                                                            {"grasp", "--seed"},
+                                                            {"consistency", "--object"},
+                                                            {"fuse-views", "--groups"},
+                                                            {"relocalise", "--least-objects"},
+                                                            {"slam", "--smooth-lag"},
+                                                            {"simulate", "--seed"},
+                                                            {"data", "fetch", "--retries"},
+                                                            {"data", "sequence", "--scene"},
+                                                            {"data", "sequence", "--object"},
+                                                            {"study", "divergence", "--threads"}};
+
+TEST(Program, IntegersAreDecimalDigitsThatFit) {
+  for (const std::vector<std::string>& option : kIntegerOptions) {
+    for (const std::string value :
+         {"0x10", "1.5", "1e3", "-1", "+1", "", " 1", "18446744073709551616"}) {
+      std::vector<std::string> words = option;
+      words.push_back(value);
+      SCOPED_TRACE(fmt::format("{}", fmt::join(words, " ")));
+      expect_error(run_posemix(words), 2,
+                   fmt::format("{}: got \"{}\", expected an integer from ", option.back(), value));
+    }
+  }
+  expect_error(run_posemix({"fit", "--restarts", "10001"}), 2,
+               "--restarts: got \"10001\", expected an integer from 1 to 10000 in decimal digits");
+  EXPECT_TRUE(contains(run_posemix({"fit", "--help"}).out, "[1 - 10000]"));
 }
 
 TEST(Program, WithoutACommandThereIsHelp) {
@@ -176,6 +221,32 @@ TEST_F(Slam, Smooths) {
   EXPECT_EQ(method({"--smooth-lag", "3"}), "multi-object, smoothed by 3 frames");
   expect_error(slam({"--smooth"}), 3, "no other filter is smoothed");
   expect_error(slam({"--smooth", "--smooth-lag", "3"}), 2, "--smooth");
+}
+
+TEST_F(Slam, SmoothingIsNamedAsItWasGiven) {
+  expect_error(slam({"--smooth"}), 3, "posemix: error: --smooth: key 'filter.smooth' is for");
+  expect_error(slam({"--smooth-lag", "3"}), 3,
+               "posemix: error: --smooth-lag 3: key 'filter.smooth");
+  expect_error(slam({"--smooth-lag", "0"}), 2,
+               "--smooth-lag: got \"0\", expected an integer from 1");
+  expect_error(slam({"--smooth-lag", "3", "--set", "filter.smooth=full"}), 2,
+               "--smooth-lag 3: got --set filter.smooth=full too, expected one of them");
+  expect_error(slam({"--set", "filter.smooth_lag=3", "--smooth"}), 2,
+               "--smooth: got --set filter.smooth_lag=3 too, expected one of them");
+  EXPECT_EQ(names_in(results_.path()), std::vector<std::string>{});
+}
+
+TEST_F(Slam, NoOverrideReplacesAnother) {
+  expect_error(slam({"--set", "filter.max_components=2", "--set", "filter.max_components=3"}), 2,
+               "--set: \"filter.max_components=3\" replaces \"filter.max_components=2\", expected "
+               "one value for a key");
+  expect_error(slam({"--set", "filter.\"method\"=riekf", "--set", "filter.method=midway"}), 2,
+               "replaces");
+  expect_error(slam({"--set", "filter.method=riekf", "--set", "filter={}"}), 2, "replaces");
+  const ProgramResult within =
+      slam({"--set", "filter={}", "--set", "filter.method=riekf", "--json"});
+  EXPECT_EQ(within.exit_code, 0) << within.err;
+  EXPECT_TRUE(json::parse(within.out)["method"].get<std::string>().starts_with("riekf"));
 }
 
 TEST_F(Slam, QuietPrintsNothing) {

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <Eigen/LU>
@@ -138,6 +141,64 @@ TEST(Fuse, OverlapOnRotationsAgreesWithQuadrature) {
   // Laplace's approximation neglects terms quadratic in the deviations.
   EXPECT_NEAR(error / overlap_error(0.15), 4.0, 0.4);
   EXPECT_LT(std::abs(overlap_error(0.01)), 4e-5);
+}
+
+/// Wide about an axis, narrow about others.
+ConcentratedGaussian<SO3d> with_deviations(const SO3d& mean, const Eigen::Vector3d& degrees) {
+  const Eigen::Vector3d deviations = degrees * (std::numbers::pi / 180.0);
+  return {mean, deviations.cwiseAbs2().asDiagonal()};
+}
+
+// Oracle: 400,000 rotations drawn uniformly (SciPy); the logs of the integral are those of p q.
+TEST(Fuse, FindsTheHighestOfSeveralModes) {
+  struct Case {
+    Eigen::Vector3d p, q, turn_deg;
+    double log_integral;
+  };
+  const std::vector<Case> cases{{{10, 10, 60}, {60, 10, 40}, {0, -90.001, 0}, -11.60},
+                                {{40, 60, 10}, {10, 60, 10}, {0, 0, -120}, -13.7},
+                                {{60, 40, 10}, {60, 60, 10}, {0, 0, -180}, -10.5}};
+  for (const Case& one : cases) {
+    const SO3d turn = SO3d::exp(one.turn_deg * (std::numbers::pi / 180.0));
+    const auto p = with_deviations(SO3d(), one.p);
+    const auto q = with_deviations(turn, one.q);
+    const auto fused = fuse(p, q);
+    EXPECT_TRUE(fused.converged);
+    // Laplace's approximation of densities as wide as these.
+    EXPECT_NEAR(fused.log_overlap, one.log_integral, 1.2) << one.turn_deg.transpose();
+    EXPECT_NEAR(fuse(q, p).log_overlap, fused.log_overlap, 1e-9);
+  }
+}
+
+/// The largest overlap of many starts.
+template <class G>
+double largest_overlap(const ConcentratedGaussian<G>& p, const ConcentratedGaussian<G>& q) {
+  double best = -std::numeric_limits<double>::infinity();
+  for (int k = 0; k < 30; ++k) {
+    const auto from = internal::fuse_from(testing::draw_near_identity<G>(2.0) * p.mean(), p, q, {});
+    if (from.converged) best = std::max(best, from.log_overlap);
+  }
+  return best;
+}
+
+/// Means at any turn, 0.3 apart.
+template <class G>
+void expect_no_other_start_to_find_more() {
+  check_property([] {
+    const ConcentratedGaussian<G> p(G(), testing::draw_spread<G>(0.4));
+    typename G::Tangent apart = testing::draw_near_identity<G>(0.3).log();
+    apart.template head<3>() *=
+        1e-3 * testing::draw_integer(0, 3100) / apart.template head<3>().norm();
+    const ConcentratedGaussian<G> q(G::exp(apart), testing::draw_spread<G>(0.4));
+    RC_PRE(apart.allFinite());
+    const auto fused = fuse(p, q);
+    if (fused.converged) RC_ASSERT(fused.log_overlap > largest_overlap(p, q) - 1e-6);
+  });
+}
+
+TEST(Fuse, NoOtherStartFindsMore) {
+  expect_no_other_start_to_find_more<SO3d>();
+  expect_no_other_start_to_find_more<SE3d>();
 }
 
 TEST(Fuse, ReportsWhenItHasNotConverged) {

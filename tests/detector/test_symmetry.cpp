@@ -56,6 +56,23 @@ TEST(SymmetryGroup, RefusesWhatIsNotClosed) {
   EXPECT_NE(thrown_message([] { SymmetryGroup({turn(179.8, kZ)}, {}, {radians(0.1), 1e-3}); }), "");
 }
 
+TEST(SymmetryGroup, IsMadeAgainFromWhatIsStoredOfIt) {
+  const SymmetryTolerance wide{radians(6.0), 1e-3};
+  std::vector<SymmetryGroup> groups{SymmetryGroup({turn(178, kZ)}, {}, wide)};
+  for (const Case& c : cases()) groups.push_back(c.group);
+  RandomStream stream(9);
+  for (const SymmetryGroup& group : groups) {
+    const SymmetryGroup again = SymmetryGroup::from_stored(group.elements(), group.axes());
+    ASSERT_EQ(again.elements().size(), group.elements().size());
+    ASSERT_EQ(again.axes().size(), group.axes().size());
+    const SE3d error = SE3d::exp(draw(isotropic(60.0, 0.1), stream));
+    EXPECT_TRUE(again.reduced_error(error).is_approx(group.reduced_error(error), 1e-9));
+    EXPECT_TRUE(again.unobserved_covariance().isApprox(group.unobserved_covariance(), 1e-12));
+  }
+  EXPECT_NE(thrown_message([] { SymmetryGroup::from_stored({}, {}); }), "");
+  EXPECT_NE(thrown_message([] { SymmetryGroup::from_stored({turn(180, kZ)}, {}); }), "");
+}
+
 TEST(SymmetryGroup, RefusesAxesWithoutACommonPoint) {
   const Eigen::Vector3d up = kZ;
   const auto refuses = [](const std::vector<SymmetryAxis>& axes) {

@@ -64,6 +64,12 @@ TEST(SymmetryGroup, TurnsAreTheGroupOfTheirElements) {
   }
   EXPECT_NE(thrown_message([] { SymmetryGroup::turns(kZ, -1); }).find("-1 turns"),
             std::string::npos);
+  // Steps of half a degree are within the tolerance.
+  EXPECT_EQ(SymmetryGroup::turns(kZ, 719).elements().size(), 719U);
+  for (const int fold : {720, 721, 1000}) {
+    const std::string message = thrown_message([&] { SymmetryGroup::turns(kZ, fold); });
+    EXPECT_NE(message.find("at most 719"), std::string::npos) << message;
+  }
   EXPECT_NE(thrown_message([] { SymmetryGroup::turns(Eigen::Vector3d::Zero(), 4); }), "");
 }
 

@@ -128,6 +128,19 @@ TEST(Tum, WritesTwelveDigits) {
             "0.1 0.333333333333 0 1e-20 0 0 0 1\n12 0 0 0 0 0 0 0\n");
 }
 
+TEST(Tum, WritesNoStampsThatItWouldRefuse) {
+  const SE3d pose;
+  const auto text = [&](double first, double second) {
+    return format_tum(std::vector<StampedPose>{{first, pose}, {second, pose}});
+  };
+  const double nan = std::nan("");
+  EXPECT_INVALID_WITH(text(1, nan), "stamps[1] is nan, expected a finite number");
+  EXPECT_INVALID_WITH(text(-INFINITY, 1), "stamps[0] is -inf, expected a finite number");
+  EXPECT_INVALID_WITH(text(0.5, 0.5), "stamps[1] is 0.5 after 0.5, expected stamps that increase");
+  EXPECT_INVALID_WITH(text(1, 0.5), "stamps[1] is 0.5 after 1, expected stamps that increase");
+  EXPECT_EQ(format_tum({}), "");
+}
+
 TEST(TumData, SequenceOfTheSlamFolder) {
   POSEMIX_REQUIRE_DATA();
   const auto folder = *testing::data_dir() / "slam-super-6d/experiments/ycbv";

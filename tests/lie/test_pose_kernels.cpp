@@ -145,6 +145,36 @@ TEST(PoseKernels, ResidualsOfDetections) {
   });
 }
 
+/// By Adjoints and Jacobians, also of poses far away.
+std::vector<TwistMatrix<double>> twist_matrices() {
+  std::vector<TwistMatrix<double>> result;
+  for (const SE3d& x : poses()) result.push_back(x.adjoint_blocks());
+  for (const Vector6d& xi : tangents()) result.push_back(SE3d::left_jacobian_inverse_blocks(xi));
+  result.push_back(SE3d(SO3d::exp({1, -2, 0.5}), {1e6, -1e5, 1e-3}).adjoint_blocks());
+  return result;
+}
+
+TEST(PoseKernels, CongruencesOfOneMatrix) {
+  by_every_instruction_set([] {
+    RandomStream stream(9);
+    for (const TwistMatrix<double>& w : twist_matrices()) {
+      Matrix6d root;
+      for (double& entry : root.reshaped()) entry = stream.normal();
+      const Matrix6d p = root * root.transpose();
+      const Matrix6d found = w.congruence(p);
+      const MatrixXl l = w.dense().cast<long double>();
+      const MatrixXl expected = l * p.cast<long double>() * l.transpose();
+      const double size = static_cast<double>(
+          (l.cwiseAbs() * p.cwiseAbs().cast<long double>() * l.transpose().cwiseAbs()).maxCoeff());
+      const double difference =
+          static_cast<double>((found.cast<long double>() - expected).cwiseAbs().maxCoeff());
+      EXPECT_LE(difference, 1e-15 * size);
+      EXPECT_LE((found - w.congruence_by_products(p)).cwiseAbs().maxCoeff(), 2e-15 * size);
+      EXPECT_EQ(found, found.transpose());
+    }
+  });
+}
+
 TEST(PoseKernels, CongruencesWithAdjoints) {
   by_every_instruction_set([] {
     RandomStream stream(8);

@@ -93,6 +93,11 @@ TEST(SO3, ProjectsToTheNearestRotation) {
   const auto r = SO3d::exp(Vector3d(0.4, 1.0, -0.2));
   const Matrix3d stretched = r.matrix() * Vector3d(1 + 3e-7, 1 - 2e-7, 1).asDiagonal();
   EXPECT_TRUE(SO3d::from_matrix(stretched).is_approx(r, 1e-12));
+  // Also from afar, where the steps of Newton and Schulz alone led half a turn away.
+  for (const double factor : {0.01, 1.8, 2.0, 3.0, 1e6})
+    EXPECT_TRUE(SO3d::from_matrix(factor * r.matrix(), 1e13).is_approx(r, 1e-12)) << factor;
+  EXPECT_EQ(thrown_message([] { SO3d::from_matrix(Matrix3d::Zero(), 2.0); }),
+            "rotation matrix has determinant 0; expected +1");
   EXPECT_THROW(SO3d::from_matrix(stretched, 1e-8), InvalidInput);
 }
 

@@ -121,7 +121,8 @@ TEST_F(Comparison, RunsMustBeOverOneRecording) {
   folder_.put("empty/x", "");
   EXPECT_INVALID_WITH(format_comparison({all, folder_ / "empty"}), "empty: got a folder without");
   const auto mixture = folder_.put("mixture_mug.json", files(false).at("mixture_mug.json"));
-  EXPECT_INVALID_WITH(format_comparison({all, mixture}), "got a folder without a run");
+  EXPECT_INVALID_WITH(format_comparison({all, mixture}),
+                      "mixture_mug.json: is a file, expected a folder that posemix slam wrote");
 }
 
 TEST_F(Comparison, FoldersOfOneNameAreToldApart) {

@@ -70,7 +70,7 @@ class ConcentratedGaussian {
   };
 
  private:
-  ConcentratedGaussian(G mean, Covariance covariance, internal::Unchecked /*tag*/)
+  ConcentratedGaussian(G&& mean, Covariance&& covariance, internal::Unchecked /*tag*/)
       : mean_(std::move(mean)), covariance_(std::move(covariance)) {}
 
   G mean_;

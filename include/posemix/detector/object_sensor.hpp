@@ -33,16 +33,8 @@ struct ObjectSensor {
     return Matrix6d(slow_scale.asDiagonal() * slow->covariance * slow_scale.asDiagonal());
   }
 
-  /// Covariance of the error in common with the learned scale of the slow error, of which rotation
-  /// and translation each have one here: the axes of the two errors are not the same.
-  std::optional<Matrix6d> common_covariance() const {
-    const auto& common = noise.dependence().common;
-    if (!common) return std::nullopt;
-    Vector6d scale;
-    scale.head<3>().setConstant(slow_scale.head<3>().norm() / std::sqrt(3.0));
-    scale.tail<3>().setConstant(slow_scale.tail<3>().norm() / std::sqrt(3.0));
-    return Matrix6d(scale.asDiagonal() * *common * scale.asDiagonal());
-  }
+  /// Covariance of the error in common, of which detections tell nothing.
+  std::optional<Matrix6d> common_covariance() const { return noise.dependence().common; }
 };
 
 }  // namespace posemix

@@ -53,9 +53,17 @@ class SymmetryGroup {
                          const std::vector<SymmetryAxis>& axes = {},
                          const SymmetryTolerance& tolerance = {});
 
+  /// The group that had these elements() and axes(), which are kept as they are: a group that was
+  /// made with a wide tolerance is not closed to a narrower one.
+  /// @throws InvalidInput without elements, where the first is not the identity, and for numbers
+  /// that are not finite
+  static SymmetryGroup from_stored(std::vector<SE3d> elements,
+                                   const std::vector<SymmetryAxis>& axes);
+
   /// The rotations about an axis through the object's origin by multiples of a turn / fold; for
   /// fold 0 by any angle.
-  /// @throws InvalidInput for a negative fold and an axis that is zero or not finite
+  /// @throws InvalidInput for a negative fold, one whose steps the default tolerance takes for the
+  /// same motion, and an axis that is zero or not finite
   static SymmetryGroup turns(const Eigen::Vector3d& axis, int fold);
 
   const std::vector<SE3d>& elements() const { return elements_; }

@@ -92,12 +92,14 @@ struct ConversionSettings {
 template <class D>
 struct Conversion {
   Mixture<D> mixture;
-  double kl_lost;               ///< D(original || converted) of the mixtures [nats]
+  /// D(original || converted) of the mixtures [nats]; far below zero where components turn by more
+  /// than half a turn, so that their densities do not integrate to one.
+  double kl_lost;
   double kl_error;              ///< standard error of `kl_lost` [nats]
-  double largest_component_kl;  ///< largest loss of a single component [nats]
+  double largest_component_kl;  ///< loss of a single component, the largest in size [nats]
   std::size_t components_split;
   bool converged;     ///< whether every iteration of a mean converged
-  bool within_limit;  ///< whether every component's loss meets the limit
+  bool within_limit;  ///< whether every component's loss is at most the limit, in size
 };
 
 /// The mixture of projected Gaussians that approximates one of concentrated ones, component by

@@ -52,6 +52,7 @@ enum class TumMisses {
 
 /// The TUM text of frames: poses with 12 significant digits, stamps with as many as are needed to
 /// read back the same number.
+/// @throws InvalidInput naming the first frame whose stamp parse_tum would refuse
 std::string format_tum(std::span<const StampedPose> frames,
                        TumMisses misses = TumMisses::leave_out);
 

@@ -178,13 +178,20 @@ SO3<S> SO3<S>::from_matrix(const Matrix& r, const Scalar& tol) {
                     "at most {:.6g}",
                     static_cast<double>(deviation), static_cast<double>(tol)));
   }
-  if (r.determinant() < Scalar(0)) {
-    throw InvalidInput("rotation matrix has determinant -1 (a reflection); expected +1");
+  if (r.determinant() <= Scalar(0)) {
+    throw InvalidInput(r.determinant() < Scalar(0)
+                           ? "rotation matrix has determinant -1 (a reflection); expected +1"
+                           : "rotation matrix has determinant 0; expected +1");
   }
   const Scalar rounding = Scalar(8) * std::numeric_limits<Scalar>::epsilon();
-  constexpr int kMaxPolarSteps = 20;  // Newton-Schulz steps to the nearest rotation
+  constexpr int kMaxPolarSteps = 200;
+  // Newton steps to the nearest rotation from afar, and Newton-Schulz steps, which need no inverse.
   for (int step = 0; step < kMaxPolarSteps && defect.cwiseAbs().maxCoeff() > rounding; ++step) {
-    rotation -= (rotation * defect / Scalar(2)).eval();
+    if (defect.cwiseAbs().maxCoeff() > Scalar(0.5)) {
+      rotation = ((rotation + rotation.inverse().transpose()) / Scalar(2)).eval();
+    } else {
+      rotation -= (rotation * defect / Scalar(2)).eval();
+    }
     defect = rotation.transpose() * rotation - Matrix::Identity();
   }
   return from_quaternion(Quaternion(rotation));

@@ -66,8 +66,12 @@ struct TwistMatrix {
     return m;
   }
 
-  /// this * p * this^T for a symmetric p, by eight 3x3 products; the result is exactly symmetric.
-  Dense congruence(const Dense& p) const {
+  /// this * p * this^T for a symmetric p; the result is exactly symmetric. With doubles the vector
+  /// instructions of the machine are used.
+  Dense congruence(const Dense& p) const { return congruence_by_products(p); }
+
+  /// The same by eight 3x3 products, on every machine to the same bit: the reference.
+  Dense congruence_by_products(const Dense& p) const {
     const Block left = p.template topLeftCorner<3, 3>() * a.transpose();
     const Columns right = times_b_a_transpose(p);
     Dense m;
@@ -122,5 +126,8 @@ struct TwistMatrix {
            p.template rightCols<3>().lazyProduct(a.transpose());
   }
 };
+
+template <>
+TwistMatrix<double>::Dense TwistMatrix<double>::congruence(const Dense& p) const;
 
 }  // namespace posemix

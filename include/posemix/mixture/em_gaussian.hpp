@@ -221,6 +221,12 @@ struct EmModel<ConcentratedGaussian<G>> {
     return (settings.fixed_means ? 0 : n) + (settings.diagonal ? n : n * (n + 1) / 2);
   }
 
+  /// A component of the given start, within the bounds of the settings.
+  static Density prepared(const Density& density, const EmSettings& settings) {
+    return Density::trusted(density.mean(),
+                            Covariance(bounded_covariance(density.covariance(), settings)));
+  }
+
   static bool on_lower_bound(const Density& density, const EmSettings& settings) {
     const Eigen::Index n = density.dof();
     const Eigen::VectorXd unit =

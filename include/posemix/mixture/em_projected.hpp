@@ -71,7 +71,7 @@ struct EmModel<ProjectedGaussian<G>> {
   static Density stretched(const Density& density, const Eigen::VectorXd& factors);
   static std::size_t parameters(Eigen::Index dof, const EmSettings& settings);
   static bool on_lower_bound(const Density& density, const EmSettings& settings);
-  /// A component of the given start as PG_0.
+  /// A component of the given start as PG_0, within the bounds of the settings.
   /// @throws InvalidInput for units that differ
   static Density prepared(const Density& density, const EmSettings& settings);
 };
@@ -81,6 +81,9 @@ namespace internal {
 /// The covariance P_uu of largest likelihood for the second moment E[u u^T]; its eigenvalues (or
 /// its diagonal entries) are within bounds.
 Eigen::Matrix3d bounded_projected_covariance(const Eigen::Matrix3d& second_moment,
+                                             const EmSettings& settings);
+/// A covariance P_uu whose eigenvalues (or diagonal entries) beyond the bounds are put on them.
+Eigen::Matrix3d clipped_projected_covariance(const Eigen::Matrix3d& covariance,
                                              const EmSettings& settings);
 
 }  // namespace internal

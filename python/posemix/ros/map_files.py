@@ -24,7 +24,7 @@ class MapFiles:
     Attributes
     ----------
     loaded : SavedMap or None
-        The map that was loaded last, as it is in its file.
+        The map that was loaded last, as it is in its file; where none was, the one that was saved last.
     saved : deque of str
         SHA-256 of what this run has saved, which may be copied without what stands beside it.
     """
@@ -57,8 +57,8 @@ class MapFiles:
         self.saved.append(digest)
         self._files.add(place)
         self._missing.discard(place)
-        if self.loaded is not None and self._loaded_from == place:
-            self.loaded = read_map(path)
+        if self.loaded is None or self._loaded_from == place:
+            self.loaded, self._loaded_from = read_map(path), place
 
     def run_is_lost(self) -> None:
         """A run begins anew: nothing of any map is in it, and what the old one has saved is news to it."""

@@ -47,8 +47,8 @@ class PublishingNode(WatchedNode):
         self._are_markers_old = False
         # What this node has put below the world in /tf and hears itself, by frame: stamp [ns] and numbers.
         self._own_frames: dict[str, deque[tuple[int, list[float]]]] = {}
-        # Stamp of the last estimate in /tf [ns].
-        self._in_tf_ns: int | None = None
+        # Stamp of the last estimate in /tf [ns], and the frames that were sent with it.
+        self._in_tf: tuple[int, set[str]] | None = None
         self._publishers_made: list[Any] = []
         self._offered: Services | None = None
 
@@ -75,7 +75,7 @@ class PublishingNode(WatchedNode):
         self._publishers_made.clear()
         if self._offered is not None:
             self._offered.destroy()
-        self._engine = self._last = self._offered = self._in_tf_ns = None
+        self._engine = self._last = self._offered = self._in_tf = None
         self._own_frames.clear()
         self._latencies.clear()
 
@@ -90,7 +90,7 @@ class PublishingNode(WatchedNode):
             self._publish(found, is_new=False)
         else:
             # The last message stays for those that subscribe later.
-            self._in_tf_ns = None
+            self._in_tf = None
             self._are_markers_old = True
             self._mark()
             self._objects.publish(self._make.nothing(self.get_clock().now().nanoseconds))
@@ -106,15 +106,18 @@ class PublishingNode(WatchedNode):
         self._mark()
 
     def _publish_transforms(self, estimate: LiveEstimate) -> None:
-        """Readers of /tf take one transform of a time, and complain of others."""
-        if self._in_tf_ns == estimate.stamp_ns or self._engine is None:
+        """Readers of /tf take one transform of a frame and a time, and complain of others."""
+        if self._engine is None:
             return
-        self._in_tf_ns = estimate.stamp_ns
+        if self._in_tf is None or self._in_tf[0] != estimate.stamp_ns:
+            self._in_tf = (estimate.stamp_ns, set())
+        sent = self._in_tf[1]
         below = self._engine.around.below_world(estimate)
         if isinstance(below, str):
             self._complain(below)
             below = None
-        frames, transforms = self._make.transforms(estimate, below)
+        frames, transforms = self._make.transforms(estimate, below, sent)
+        sent.update(frames)
         if frames:
             stamp_ns = self._make.transform_stamp(estimate)
             for name, row in frames.items():

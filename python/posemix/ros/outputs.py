@@ -122,11 +122,11 @@ class Outputs:
         return estimate.stamp_ns + round(offset_s * 1e9)
 
     def transforms(
-        self, estimate: LiveEstimate, below: tuple[str, SE3] | None = None
+        self, estimate: LiveEstimate, below: tuple[str, SE3] | None = None, sent: Collection[str] = ()
     ) -> tuple[dict[str, list[float]], bytes]:
         """The TFMessage: confirmed objects in the world, and a frame that is `below` it, with T_frame_body.
 
-        The numbers of these frames come first.
+        The numbers of these frames come first. Those that were `sent` with this stamp are left out.
         """
         frame, found = estimate.frame, []
         if self._values["publish_tf"]:
@@ -136,6 +136,7 @@ class Outputs:
                     found.append((str(self._values["tf_prefix"]) + name, _world_row(worlds[name])))
         if below is not None:
             found.append((below[0], (frame.camera.mean * below[1].inverse()).to_tq()))
+        found = [(child, row) for child, row in found if child not in sent]
         stamp_ns = self.transform_stamp(estimate)
         out = Writer()
         out.count(len(found))

@@ -220,6 +220,25 @@ def test_the_world_is_above_the_odometry_unless_something_else_is(live: Callable
     assert not [t for t in world.transforms if t.child_frame_id == "odom"]
 
 
+def test_a_frame_is_in_tf_once_of_a_time_also_where_a_second_image_of_it_knows_more(live: Callable[..., Live]) -> None:
+    world = live(parameters={"least_existence": 0.0, "transform_timeout_s": 0.1})
+    world.move(at(0.0), SE3())
+    watch(world, 0.0, 1, {"mug": MUG})
+    # The odometry comes after the time for waiting, and then the image of another detector.
+    watch(world, 0.2, 1, {"mug": MUG})
+    assert world.counts()["without_odometry"] == 1
+    world.move(at(0.2), SE3())
+    world.until(lambda: world.node._engine.transforms.at("odom", "camera", at(0.2), 1.0) is not None, "the odometry")
+    for _ in range(2):
+        watch(world, 0.2, 1, {"mug": MUG})
+    world.move(at(0.4), SE3())
+    watch(world, 0.4, 1, {"mug": MUG})
+    stamps = [t.header.stamp.nanosec for t in world.until(
+        lambda: world.transforms if len(world.transforms) >= 3 else None, "map -> odom of three times"
+    )]  # fmt: skip
+    assert stamps == [0, 200_000_000, 400_000_000]
+
+
 def test_nobody_else_puts_the_odometry_below_the_world(live: Callable[..., Live]) -> None:
     world = live(parameters={"least_existence": 0.0})
     world.move(at(0.0), SE3())

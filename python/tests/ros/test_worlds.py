@@ -91,6 +91,20 @@ def test_a_map_is_kept_and_found_again_where_the_clock_jumps(tmp_path: Path) -> 
     second.engine.save(str(place), over_unknown=False)
 
 
+def test_a_map_saved_by_hand_is_looked_for_after_a_jump_of_the_clock(tmp_path: Path) -> None:
+    place = tmp_path / "kitchen.state"
+    one = robot()
+    one.drive(0.0, 4.0, ["mug", "box"])
+    one.engine.save(str(place))
+    found = one.drive(DAY_S, DAY_S + 5.0, ["mug", "box", "can"])
+    assert one.engine.counts.resets == 1 and "was found" in one.engine.map_state
+    assert set(found.hypotheses) == {"mug", "box", "can"}
+    one.engine.save(str(place), over_unknown=False)
+    # Who wants to forget does.
+    one.engine.reset()
+    assert one.engine.map_state == ""
+
+
 def test_a_map_saved_elsewhere_is_not_the_one_that_is_missing(tmp_path: Path) -> None:
     place = tmp_path / "kitchen.state"
     saved_map(place, ["mug", "box"])

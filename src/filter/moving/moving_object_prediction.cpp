@@ -221,12 +221,14 @@ void MovingObjectState::move_world(const SE3d& by, const Matrix6d& added,
 
 void MovingObjectState::decay_slow_errors(const KnownFrame& camera, double dt) {
   const auto& slow = sensor().noise.dependence().slow;
+  const MovingHypothesis* const led = leader();
   for (MovingHypothesis& hypothesis : hypotheses_) {
     const SE3d now = camera.pose.inverse() * hypothesis.objects[hypothesis.best_model()].pose;
     if (slow) {
       const double turned = hypothesis.seen_from ? view_angle(*hypothesis.seen_from, now) : 0.0;
       const double correlation = slow->correlation(dt, turned);
       if (trace_) trace_->correlation.emplace_back(hypothesis.id, correlation);
+      if (&hypothesis == led) detector_.decorrelate(correlation);
       for (PlacedObject& object : hypothesis.objects)
         decay_slow(object, correlation, *sensor().slow_covariance());
     }

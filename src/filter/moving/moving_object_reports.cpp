@@ -14,7 +14,7 @@ Matrix6d MovingObjectState::reported_covariance(const PlacedObject& object, std:
   Matrix6d covariance = object.pose_covariance() + added;
   if (const KnownFrame* frame = frame_of(model)) covariance += frame->covariance;
   Matrix6d local = sensor().symmetries.unobserved_covariance();
-  if (const auto common = sensor().common_covariance()) local += *common;
+  if (const auto common = detector_.common_covariance()) local += *common;
   covariance += object.pose.adjoint_congruence(local);
   symmetrize(covariance);
   return covariance;
@@ -52,6 +52,7 @@ PlacedObject MovingObjectState::reported(const MovingHypothesis& hypothesis,
   const Eigen::ArrayXd weights = hypothesis.weights.by_model();
   const double total = weights.sum();
   std::vector<PlacedObject> objects;
+  objects.reserve(model_count());
   for (std::size_t k = 0; k < model_count(); ++k)
     objects.push_back(reported(hypothesis.objects[k], k, added));
   std::vector<WeightedObject> parts;
@@ -103,6 +104,7 @@ MovingObjectEstimate MovingObjectState::estimate() const {
     const double total = weights.sum();
     models += weights;
     std::vector<double> of_models;
+    of_models.reserve(model_count());
     for (std::size_t k = 0; k < model_count(); ++k)
       of_models.push_back(weights[static_cast<Eigen::Index>(k)] / total);
     const PlacedObject object = reported(hypothesis, constant_);

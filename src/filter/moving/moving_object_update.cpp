@@ -47,6 +47,7 @@ std::vector<double> MovingObjectState::place_evidence(const Evidence& evidence) 
   for (std::size_t h = 0; h < hypotheses_.size(); ++h) {
     const Eigen::ArrayXd weights = hypotheses_[h].weights.by_model();
     std::vector<double> terms;
+    terms.reserve(model_count());
     for (std::size_t k = 0; k < model_count(); ++k)
       terms.push_back(std::log(weights[static_cast<Eigen::Index>(k)] / weights.sum()) +
                       evidence[h][k].log_right.front());
@@ -190,6 +191,7 @@ double MovingObjectState::take_in(const MovingObservation& observation, Evidence
   const double peak = largest(evidence);
   const WrongShares wrong = wrong_shares(observation.clutter, settings_.isolated_clutter);
   std::vector<Eigen::ArrayXd> begun;
+  begun.reserve(hypotheses_.size());
   std::vector<std::vector<double>> kept;
   for (MovingHypothesis& hypothesis : hypotheses_) {
     draw_modes(hypothesis, observation);

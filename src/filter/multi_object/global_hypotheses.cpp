@@ -62,6 +62,7 @@ GlobalHypotheses::GlobalHypotheses(const MultiObjectState& initial) { list_.push
 void GlobalHypotheses::split(std::size_t j, std::vector<ObservedDetection>& observed,
                              const Starters& may_start) {
   std::vector<double> losses;
+  losses.reserve(list_.size());
   for (std::size_t i = 0; i < list_.size(); ++i)
     losses.push_back(list_[i].state.tie_loss(j, observed[i], may_start));
   while (list_.size() < settings().max_global_hypotheses) {
@@ -131,6 +132,7 @@ ObjectUpdateReport GlobalHypotheses::update(std::size_t j, const Observation& ob
   const auto led = leading_id(j);
   activate(j);
   std::vector<ObservedDetection> observed;
+  observed.reserve(list_.size());
   for (const Weighted& one : list_) observed.push_back(one.state.observe(j, observation, source));
   // A component starts hypotheses where none of any state explains it.
   Starters may_start(observed.front().explained.size(), true);
@@ -156,6 +158,7 @@ ObjectUpdateReport GlobalHypotheses::update(std::size_t j, const Observation& ob
   }
   share_next_id();
   std::vector<double> weights;
+  weights.reserve(list_.size());
   for (const Weighted& one : list_) weights.push_back(one.log.weight);
   report.log_evidence = log_sum_exp(weights);
   normalise();
@@ -320,6 +323,7 @@ MultiObjectState GlobalHypotheses::mixed() const {
 
 Mixture<ConcentratedGaussian<SE3d>> GlobalHypotheses::camera() const {
   std::vector<Component<ConcentratedGaussian<SE3d>>> components;
+  components.reserve(list_.size());
   for (const Weighted& one : list_) {
     components.push_back({one.log.weight, ConcentratedGaussian<SE3d>::trusted(
                                               one.state.joint.pose(kCamera),

@@ -107,6 +107,7 @@ void MultiObjectState::add_object(const ObjectSensor& sensor,
     object.detectors.emplace_back(std::move(one));
   if (put_down && put_down->jump_rate > 0.0) {
     std::vector<DetectorModes> modes;
+    modes.reserve(object.detectors.size());
     for (const LearnedSensor& detector : object.detectors)
       modes.emplace_back(detector.sensor().noise);
     object.put_down = std::make_shared<const PutDown>(PutDown{*put_down, std::move(modes)});
@@ -164,8 +165,11 @@ void MultiObjectState::advance(double dt, const std::optional<SE3d>& camera_befo
   for (TrackedObject& object : objects) {
     const ObjectSensor& sensor = object.sensor();
     if (object.put_down) object.belief.leak(object.put_down->motion.jump_rate * dt);
-    if (const auto& slow = sensor.noise.dependence().slow)
-      object.belief.decay_slow_error(joint, *slow, *sensor.slow_covariance(), camera_before, dt);
+    if (const auto& slow = sensor.noise.dependence().slow) {
+      const double a = object.belief.decay_slow_error(joint, *slow, *sensor.slow_covariance(),
+                                                      camera_before, dt);
+      for (LearnedSensor& detector : object.detectors) detector.decorrelate(a);
+    }
   }
 }
 

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <utility>
 
+#include <Eigen/Cholesky>
+
 namespace posemix::internal {
 namespace {
 
@@ -17,14 +19,26 @@ struct AxisGroup {
 };
 constexpr std::array<AxisGroup, 4> kGroups{{{0, 2}, {2, 1}, {3, 2}, {5, 1}}};
 
-/// The scale of the slow error for a scale of the white one. Innovations show the white error
-/// alone: a quiet recording is not less biased, so that the slow error keeps its size down to a
-/// scale of 0.4. Where the white error is smaller still, the detector is a better one, and its slow
-/// error is smaller by the power 1.5 (docs/many-objects.md, "The scale of the noise").
+/// The scale of the slow error that goes with a scale of the white one. Innovations show the white
+/// error alone: a quiet recording is not less biased, so that the slow error keeps its size down to
+/// a scale of 0.4. Where the white error is smaller still, from many views, the detector is a
+/// better one, and its slow error is smaller by the power 1.5 (docs/many-objects.md, "The scale of
+/// the noise").
 double slow_scale(double noise_scale) { return std::min(1.0, std::pow(2.5 * noise_scale, 1.5)); }
 
 /// The largest change of a log variance by one detection.
 constexpr double kLargestStep = 1.0;
+
+/// Squared Mahalanobis distance of six coordinates that 0.1 % of the inliers exceed.
+constexpr double kSurprising = 22.46;
+
+/// Over 1 / kViews of its correlation length a slow error as large as stated changes by half of its
+/// standard deviation: innovations show whether it does.
+constexpr double kViews = 10.0;
+
+/// So many detections in succession that are inliers by the noise as given, and not by that which
+/// was learned, are no gross errors.
+constexpr std::uint64_t kSurprises = 5;
 
 /// The largest scale of covariances that observations bring themselves: detectors that state one
 /// count what they see, and not what their calibration lacks.
@@ -46,6 +60,16 @@ LearnedSensor::LearnedSensor(ObjectSensor sensor)
     : sensor_(std::move(sensor)),
       given_noise_scale_(sensor_.noise_scale),
       given_slow_scale_(sensor_.slow_scale) {}
+
+std::optional<Matrix6d> LearnedSensor::common_covariance() const {
+  const std::optional<Matrix6d>& common = sensor_.common_covariance();
+  if (!common || !sensor_.noise.dependence().is_typical) return common;
+  // Rotation and translation have one scale each: the axes of the two errors are not the same.
+  Vector6d scale;
+  scale.head<3>().setConstant(sensor_.slow_scale.head<3>().norm() / std::sqrt(3.0));
+  scale.tail<3>().setConstant(sensor_.slow_scale.tail<3>().norm() / std::sqrt(3.0));
+  return Matrix6d(scale.asDiagonal() * *common * scale.asDiagonal());
+}
 
 double LearnedSensor::new_share(double now_s) const {
   const double mode_time = sensor_.noise.dependence().mode_time_s;
@@ -77,14 +101,20 @@ Vector6d LearnedSensor::learn(const DetectionUpdate& update, bool has_covariance
   if (has_covariance && use == GivenCovariance::as_given) return Vector6d::Ones();
   if (!std::isfinite(settings.noise_scale_detections)) return Vector6d::Ones();
   const Innovation& inlier = update.explanation.inlier();
-  if (inlier.weight <= 0.0) return Vector6d::Ones();
   const SE3d to_axes = inlier.axes.inverse();
-  const Matrix6d s_inverse = Matrix6d(to_axes.adjoint_congruence(inlier.covariance)).inverse();
-  const Vector6d y = s_inverse * to_axes.adjoint_blocks().times(inlier.residual);
+  const Matrix6d s = to_axes.adjoint_congruence(inlier.covariance);
+  const Vector6d z = to_axes.adjoint_blocks().times(inlier.residual);
+  const Matrix6d s_inverse = s.inverse();
+  const Vector6d y = s_inverse * z;
+  double weight = inlier.weight;
+  if (has_learned_wrong(inlier, s, z, y.dot(z))) {
+    weight = 1.0;
+    information_.setZero();
+  }
+  if (weight <= 0.0) return Vector6d::Ones();
   const Vector6d scale = sensor_.noise_scale;
   const double largest =
       has_covariance && use == GivenCovariance::scaled ? kLargestGivenScale : 1.0;
-  Vector6d changed = Vector6d::Ones();
   for (const auto& [first, count] : kGroups) {
     Matrix6d r = Matrix6d::Zero();
     for (int i = first; i < first + count; ++i) {
@@ -93,18 +123,51 @@ Vector6d LearnedSensor::learn(const DetectionUpdate& update, bool has_covariance
     const Matrix6d s_r = s_inverse * r;
     const double score = 0.5 * (std::min(y.dot(r * y), 9.0 * count) - s_r.trace());
     const double information = 0.5 * (s_r * s_r).trace();
-    information_[first] += inlier.weight * information;
+    information_[first] += weight * information;
     const double prior = 0.5 * settings.noise_scale_detections * count;
-    const double step = std::clamp(inlier.weight * score / (prior + information_[first]),
-                                   -kLargestStep, kLargestStep);
+    const double step =
+        std::clamp(weight * score / (prior + information_[first]), -kLargestStep, kLargestStep);
     for (int i = first; i < first + count; ++i) {
       sensor_.noise_scale[i] =
           std::clamp(scale[i] * std::exp(0.5 * step), settings.least_noise_scale, largest);
-      const double slow = slow_scale(sensor_.noise_scale[i]) * given_slow_scale_[i];
-      if (!sensor_.slow_units) changed[i] = slow / std::exchange(sensor_.slow_scale[i], slow);
     }
   }
+  return learn_slow_scale();
+}
+
+/// As large as goes with the white error at once; smaller only as the slow error changes, since a
+/// detector that looks at one picture for long has small innovations whatever its slow error is.
+Vector6d LearnedSensor::learn_slow_scale() {
+  const double seen = 1.0 - std::pow(std::exchange(correlation_, 1.0), kViews);
+  Vector6d changed = Vector6d::Ones();
+  if (sensor_.slow_units) return changed;
+  for (Eigen::Index i = 0; i < 6; ++i) {
+    double& slow = sensor_.slow_scale[i];
+    const double wanted = slow_scale(sensor_.noise_scale[i]) * given_slow_scale_[i];
+    const double next = wanted < slow ? slow + seen * (wanted - slow) : wanted;
+    changed[i] = next / std::exchange(slow, next);
+  }
   return changed;
+}
+
+/// Counts surprises; whether there are so many that what was learned does not hold any more.
+bool LearnedSensor::has_learned_wrong(const Innovation& inlier, const Matrix6d& s,
+                                      const Vector6d& z, double squared_distance) {
+  if (squared_distance <= kSurprising) {
+    surprises_ = 0;
+    return false;
+  }
+  return is_plausible_as_given(inlier, s, z) && ++surprises_ >= kSurprises;
+}
+
+/// Whether a residual z of covariance S, along the axes of the noise, is one of the white error as
+/// it was given.
+bool LearnedSensor::is_plausible_as_given(const Innovation& inlier, const Matrix6d& s,
+                                          const Vector6d& z) const {
+  const Vector6d back = given_noise_scale_.cwiseQuotient(sensor_.noise_scale);
+  const Matrix6d given = back.asDiagonal() * inlier.white * back.asDiagonal();
+  const Eigen::LLT<Matrix6d> factor(s + given - inlier.white);
+  return factor.info() == Eigen::Success && z.dot(factor.solve(z)) <= kSurprising;
 }
 
 void LearnedSensor::reset() {

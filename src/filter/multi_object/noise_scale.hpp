@@ -22,6 +22,9 @@ class LearnedSensor {
 
   /// The sensor with the scale of its noise as learned by now.
   const ObjectSensor& sensor() const { return sensor_; }
+  /// Covariance of the error in common. That of a noise that is only typical has the scale of the
+  /// slow error; of one that is stated no detection tells.
+  std::optional<Matrix6d> common_covariance() const;
   /// Number of detections.
   std::uint64_t detections() const { return detections_; }
   /// Time since the last detection [s].
@@ -34,9 +37,10 @@ class LearnedSensor {
   double weight_share(const Observation& observation, double now_s) const;
   /// Counts a detection at the time `now_s`. Returns its new_share.
   double count_detection(const WeighedObservation& observation, double now_s);
+  /// The slow error has this correlation with itself as it was before a prediction.
+  void decorrelate(double correlation) { correlation_ *= correlation; }
   /// Learns the scale of the noise from an innovation of an observation that brings its own
-  /// covariances or not. Returns the factors by which the scale of
-  /// the slow error changed.
+  /// covariances or not. Returns the factors by which the scale of the slow error changed.
   Vector6d learn(const DetectionUpdate& update, bool has_covariance,
                  const MultiObjectSettings& settings);
   /// Sets the scale of the slow error, which is one for all detectors of an object.
@@ -48,6 +52,11 @@ class LearnedSensor {
   template <class>
   friend struct StateFields;
 
+  Vector6d learn_slow_scale();
+  bool has_learned_wrong(const Innovation& inlier, const Matrix6d& s, const Vector6d& z,
+                         double squared_distance);
+  bool is_plausible_as_given(const Innovation& inlier, const Matrix6d& s, const Vector6d& z) const;
+
   ObjectSensor sensor_;
   Vector6d given_noise_scale_;
   Vector6d given_slow_scale_;
@@ -56,6 +65,9 @@ class LearnedSensor {
   double last_s_ = 0.0;  ///< time of the last detection
   /// Log ratio of the two largest weights of the observation that said most in the last mode time.
   double told_ = 0.0;
+  double correlation_ = 1.0;  ///< of the slow error with that of the last learned detection
+  /// Number of detections in succession that are inliers by the noise as given alone.
+  std::uint64_t surprises_ = 0;
 };
 
 }  // namespace posemix::internal

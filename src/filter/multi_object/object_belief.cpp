@@ -97,6 +97,7 @@ DetectionState ObjectBelief::state(const JointGaussian& joint, std::size_t h) co
 
 std::vector<double> ObjectBelief::probabilities() const {
   std::vector<double> terms;
+  terms.reserve(size() + 1);
   for (std::size_t h = 0; h < size(); ++h) terms.push_back(standing(h).log_probability);
   terms.push_back(log_absence_probability_);
   const double total = log_sum_exp(terms);
@@ -168,6 +169,7 @@ void ObjectBelief::count_detection() {
 
 double ObjectBelief::log_total(const std::vector<Alternative>& births) const {
   std::vector<double> terms;
+  terms.reserve(size() + births.size() + 1);
   for (std::size_t h = 0; h < size(); ++h) terms.push_back(standing(h).log_weight);
   for (const Alternative& birth : births) terms.push_back(birth.standing.log_weight);
   terms.push_back(log_absent_);

@@ -4,10 +4,11 @@
 
 namespace posemix::internal {
 
-void ObjectBelief::decay_slow_error(JointGaussian& joint, const SlowError& slow,
-                                    const Matrix6d& stationary,
-                                    const std::optional<SE3d>& camera_before, double dt) {
+double ObjectBelief::decay_slow_error(JointGaussian& joint, const SlowError& slow,
+                                      const Matrix6d& stationary,
+                                      const std::optional<SE3d>& camera_before, double dt) {
   // b <- a b + w with a = exp(-|view angle| / theta - dt / tau) and Cov w = (1 - a^2) B.
+  double of_leader = 1.0;
   for (std::size_t h = 0; h < size(); ++h) {
     Standing& standing = mutable_standing(h);
     const SE3d& object = mean(joint, h);
@@ -19,6 +20,7 @@ void ObjectBelief::decay_slow_error(JointGaussian& joint, const SlowError& slow,
     const Matrix6d q = (1.0 - a * a) * stationary;
     if (leads(h)) {
       joint.decay_slow(leader_->pose_index, a, q);
+      of_leader = a;
       continue;
     }
     ConditionalPose& other = alternatives_[slot(h)].pose;
@@ -29,6 +31,7 @@ void ObjectBelief::decay_slow_error(JointGaussian& joint, const SlowError& slow,
     other.cross_covariance.bottomRows<6>() *= a;
     other.extrinsics.bottomRows<6>() *= a;
   }
+  return of_leader;
 }
 
 void ObjectBelief::transform(JointGaussian& joint, std::size_t h, const Matrix12d& f) {

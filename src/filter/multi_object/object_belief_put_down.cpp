@@ -174,6 +174,7 @@ void ObjectBelief::leak(double jumps) {
 
 std::vector<std::uint64_t> ObjectBelief::places() const {
   std::vector<std::uint64_t> result;
+  result.reserve(size());
   for (std::size_t h = 0; h < size(); ++h) result.push_back(place_of(standing(h).id));
   return result;
 }
@@ -189,6 +190,7 @@ PutDownEvidence ObjectBelief::observe_put_down(const JointGaussian& joint,
   WeighedObservation right = observation;
   right.log_clutter = kNoWeight;
   std::vector<ModeEvidence> seen;
+  seen.reserve(size());
   for (std::size_t h = 0; h < size(); ++h)
     seen.push_back(mode_evidence(state_from(joint, h, observation.source), right, sensor,
                                  shown.modes, kDetectors.turned_clutter));

@@ -67,14 +67,17 @@ template <>
 struct StateFields<LearnedSensor> {
   static LearnedSensor blank() { return LearnedSensor(blank_state<ObjectSensor>()); }
   static auto tie(auto& x) {
-    auto& [sensor, given_noise_scale, given_slow_scale, information, detections, last_s, told] = x;
+    auto& [sensor, given_noise_scale, given_slow_scale, information, detections, last_s, told,
+           correlation, surprises] = x;
     return std::tie(sensor, given_noise_scale, given_slow_scale, information, detections, last_s,
-                    told);
+                    told, correlation, surprises);
   }
   static void validate(const LearnedSensor& x) {
-    const auto& [sensor, noise, slow, information, detections, last_s, told] = x;
+    const auto& [sensor, noise, slow, information, detections, last_s, told, correlation,
+                 surprises] = x;
     require_state(noise.allFinite() && slow.allFinite() && information.allFinite() &&
-                      std::isfinite(last_s) && std::isfinite(told),
+                      std::isfinite(last_s) && std::isfinite(told) && correlation >= 0.0 &&
+                      correlation <= 1.0,
                   "a scale of the noise that is finite");
   }
 };

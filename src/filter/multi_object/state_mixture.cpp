@@ -66,6 +66,7 @@ std::optional<std::size_t> MultiObjectState::component_apart(
   const Explanation& explanation = observed.updates[*leading].explanation;
   if (!(explanation.clutter_probability < kClutter)) return std::nullopt;
   std::vector<double> probabilities;
+  probabilities.reserve(count);
   for (std::size_t k = 0; k < count; ++k) probabilities.push_back(explanation.probability_of(k));
   const auto most = std::max_element(probabilities.begin(), probabilities.end());
   const auto k = static_cast<std::size_t>(most - probabilities.begin());

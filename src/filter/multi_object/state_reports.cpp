@@ -16,7 +16,7 @@ Matrix6d largest_common(const std::vector<LearnedSensor>& detectors) {
   Matrix6d largest = Matrix6d::Zero();
   for (const LearnedSensor& detector : detectors) {
     if (detectors.size() > 1 && detector.detections() == 0) continue;
-    const auto common = detector.sensor().common_covariance();
+    const auto common = detector.common_covariance();
     if (common && common->trace() > largest.trace()) largest = *common;
   }
   return largest;
@@ -62,6 +62,7 @@ ConcentratedGaussian<PoseStackd> MultiObjectState::reported_joint() const {
 std::vector<HypothesisMean> MultiObjectState::hypothesis_means(const TrackedObject& object) const {
   const std::vector<double> probabilities = object.belief.probabilities();
   std::vector<HypothesisMean> list;
+  list.reserve(object.belief.size());
   for (std::size_t h = 0; h < object.belief.size(); ++h) {
     list.push_back({.pose = object.belief.mean(joint, h),
                     .probability = probabilities[h],

@@ -134,6 +134,14 @@ class Leader {
       journal_.reset();
     }
   }
+  /// The same for those of a message, unless it is cut off.
+  void keep(std::string_view message) noexcept {
+    try {
+      keep(results_in(message).items);
+    } catch (const std::exception&) {
+      return;
+    }
+  }
 
   /// Waits for the items in progress on this rank; begins no new one.
   void collect_running() noexcept {
@@ -153,7 +161,7 @@ class Leader {
         std::this_thread::sleep_for(kPatience);
         continue;
       }
-      if (message->kind == Kind::results) keep(results_in(message->text).items);
+      if (message->kind == Kind::results) keep(message->text);
       if (message->kind == Kind::bye) --left;
     }
   }

@@ -88,6 +88,7 @@ FiducialEstimate run_peer(const FiducialPeer& peer, const fs::path& input, const
   const std::string command =
       fmt::format("( {} {} {} ) > {} 2>&1", peer.command, quoted_argument(input),
                   quoted_argument(result), quoted_argument(log));
+  // NOLINTNEXTLINE(bugprone-command-processor): a command line is what a study is given
   if (std::system(command.c_str()) != 0) {
     throw InvalidInput(
         fmt::format("peer '{}': '{}' failed: {}", peer.name, peer.command, last_line(log)));

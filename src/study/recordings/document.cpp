@@ -106,7 +106,7 @@ class Writer {
     replace_all(name, "${sequence}", recording_.sequence);
     replace_all(name, "${object}", recording_.object);
     for (const char* root : {".", "slam-super-6d"}) {
-      const fs::path place = recording_.data / root / name;
+      fs::path place = recording_.data / root / name;
       std::error_code ignored;
       if (fs::exists(place, ignored)) return place;
     }

@@ -104,7 +104,7 @@ bool precedes(const Recording& a, const Recording& b) {
 
 std::optional<fs::path> find_experiments(const fs::path& data) {
   for (const fs::path& root : {data, data / "slam-super-6d"}) {
-    const fs::path experiments = root / "experiments" / "ycbv";
+    fs::path experiments = root / "experiments" / "ycbv";
     if (is_folder(experiments)) return experiments;
   }
   return std::nullopt;

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "multi_object_scene.hpp"
+
+/// What the multi-object filter learns of a detector, with the settings as they ship.
+namespace posemix {
+namespace {
+
+using testing::draw;
+using testing::isotropic;
+using testing::OrbitScene;
+using testing::pose;
+
+const Matrix6d kWhite = isotropic(2.0, 0.005);
+const Matrix6d kLasting = isotropic(2.5, 0.005);
+const Matrix6d kExact = isotropic(1e-4, 1e-6);
+
+/// A robot that stands or circles an object, and a detector whose white error is `white` times what
+/// the filter is told. The slow error changes with the view alone.
+struct Robot {
+  Robot(std::uint64_t seed, const NoiseDependence& dependence)
+      : stream(seed, 3),
+        filter(ConcentratedGaussian<SE3d>(OrbitScene::camera_at(0), kExact),
+               {{DetectorNoise({{.weight = 0.95, .covariance = kWhite, .frame = NoiseFrame::ray}},
+                               {.weight = 0.05}, dependence)}},
+               {}) {
+    if (dependence.slow) {
+      slow = dependence.slow;
+      b = draw(slow->covariance, stream);
+    }
+    if (dependence.common) truth = truth_known * SE3d::exp(draw(*dependence.common, stream));
+  }
+
+  Eigen::Vector3d view() const { return (truth.inverse() * camera).translation().normalized(); }
+
+  /// Sees the object from the place where it is, or from the next one; returns whether the
+  /// detection began another hypothesis.
+  bool see(bool drives, double white) {
+    const Eigen::Vector3d before = view();
+    if (drives) ++frame;
+    const SE3d next = OrbitScene::camera_at(frame);
+    filter.predict_with_odometry(camera.inverse() * next, isotropic(1e-5, 1e-7), 0.1);
+    camera = next;
+    if (slow) {
+      const double angle = std::acos(std::min(1.0, before.dot(view())));
+      const double a = slow->correlation(0.1, angle);
+      b = a * b + std::sqrt(1.0 - a * a) * draw(slow->covariance, stream);
+    }
+    // The error in common is that of the truth against what the detector takes for it. The others
+    // are along the ray, their translation a part of the range.
+    const SE3d shown = camera.inverse() * truth_known;
+    const NoiseAtPose at = noise_at({.covariance = kWhite, .frame = NoiseFrame::ray}, shown);
+    Vector6d error = b + white * draw(kWhite, stream);
+    error.tail<3>() *= shown.translation().norm();
+    return filter.update(0, at.axes * SE3d::exp(error) * at.axes.inverse() * shown).started;
+  }
+
+  ConcentratedGaussian<SE3d> estimate() const { return filter.relative(0, *filter.leading(0)); }
+  /// Of the pose from the camera, per degree of freedom.
+  double nees() const {
+    const auto found = estimate();
+    const Vector6d error = (camera.inverse() * truth * found.mean().inverse()).log();
+    return error.dot(found.covariance().llt().solve(error)) / 6.0;
+  }
+
+  RandomStream stream;
+  SE3d truth_known = pose(0.3, -0.2, 0.5, 0.1, -0.05, 0.05);
+  SE3d truth = truth_known;
+  std::optional<SlowError> slow;
+  Vector6d b = Vector6d::Zero();
+  int frame = 0;
+  SE3d camera = OrbitScene::camera_at(0);
+  MultiObjectFilter filter;
+};
+
+NoiseDependence slow_with_the_view() {
+  return {.slow =
+              SlowError{.covariance = kLasting, .correlation_angle_rad = 0.5 * std::numbers::pi}};
+}
+
+// A picture that stays the same has small innovations whatever the slow error is. The scale of the
+// slow error went down with them, and the NEES was 20 to 40.
+TEST(LearnedNoise, StandingStillIsNoEvidenceAgainstTheSlowError) {
+  constexpr int kRuns = 20;
+  for (const double white : {1.0, 0.3, 0.1}) {
+    double sum = 0.0;
+    for (int run = 0; run < kRuns; ++run) {
+      Robot robot(static_cast<std::uint64_t>(run), slow_with_the_view());
+      for (int i = 0; i < 300; ++i) robot.see(false, white);
+      sum += robot.nees() / kRuns;
+    }
+    std::printf("standing still, white error times %.1f: NEES %.2f\n", white, sum);
+    EXPECT_GT(sum, 0.5) << white;
+    EXPECT_LT(sum, 1.8) << white;
+  }
+}
+
+// After that, detections as they were stated were taken for wrong ones for minutes: 97 % of them
+// began hypotheses, and the NEES was 22.
+TEST(LearnedNoise, ARobotThatDrivesOnAfterStandingStillBelievesItsDetector) {
+  constexpr int kRuns = 10;
+  constexpr int kFrames = 300;
+  double nees = 0.0;
+  double refused = 0.0;
+  for (int run = 0; run < kRuns; ++run) {
+    Robot robot(static_cast<std::uint64_t>(run), slow_with_the_view());
+    for (int i = 0; i < 600; ++i) robot.see(false, 0.1);
+    for (int i = 0; i < kFrames; ++i) {
+      if (robot.see(true, 1.0)) refused += 1.0 / (kRuns * kFrames);
+      if (i >= 50) nees += robot.nees() / (kRuns * (kFrames - 50));
+    }
+  }
+  std::printf("driving on: %.1f %% of the detections begin hypotheses, NEES %.2f\n", 100 * refused,
+              nees);
+  EXPECT_LT(refused, 0.1);
+  EXPECT_LT(nees, 2.0);
+}
+
+// No detection tells of it, and so no scale that is learned from detections is its own.
+TEST(LearnedNoise, TheErrorInCommonKeepsItsSize) {
+  constexpr int kRuns = 30;
+  double nees = 0.0;
+  for (int run = 0; run < kRuns; ++run) {
+    Robot robot(static_cast<std::uint64_t>(run), {.common = kLasting});
+    for (int i = 0; i < 150; ++i) robot.see(true, 0.15);
+    nees += robot.nees() / kRuns;
+    EXPECT_GT(robot.estimate().covariance()(0, 0), 0.95 * kLasting(0, 0));
+  }
+  std::printf("error in common, white error times 0.15: NEES %.2f\n", nees);
+  EXPECT_LT(nees, 1.6);
+}
+
+}  // namespace
+}  // namespace posemix
