@@ -226,7 +226,7 @@ def test_a_start_beyond_the_bounds_of_em_is_put_within(bounds: dict[str, Any], d
     start: Any = Mixture([ConcentratedGaussian(SE3(), cov)])
     samples = start.sample(1000, seed=1)
     if distribution == "projected":
-        start = to_projected(start, 1).mixture
+        start = Mixture([ProjectedGaussian.at_mean(SE3(), cov)])
     fit = fit_mixture(samples, EmSettings(components=1, **bounds), seed=1, start=start, distribution=distribution)
     found = fit.mixture.covariances[0]
     # Those of projected Gaussians are of half the rotation vector, and of the translation given it.
