@@ -93,14 +93,15 @@ void bind_queries(nb::class_<SymmetryGroup>& group) {
       nb::for_getter(nb::sig("def axes(self, /) -> collections.abc.Sequence[SymmetryAxis]")),
       "Copies of the axes, which cannot be changed.");
   group.def_prop_ro("is_trivial", &S::is_trivial, "Whether the identity is the only motion.");
-  group.def("closest", &closest, "pose"_a, "reference"_a, "information"_a,
-            "The equivalent poses X g nearest to a reference.\n\n"
-            "Parameters\n----------\npose : SE3, shape (...)\n    Poses X.\n"
-            "reference : SE3, shape (...) or ()\n    One per pose, or one for all.\n"
-            "information : array_like, shape (6, 6)\n"
-            "    Of z = Log((X g)^-1 reference), along the object's own axes, positive definite. Turns\n"
-            "    about axes are found by a local search, which for errors of rotation above about\n"
-            "    0.5 rad may end at another minimum.\n");
+  group.def(
+      "closest", &closest, "pose"_a, "reference"_a, "information"_a,
+      "The equivalent poses X g nearest to a reference.\n\n"
+      "Parameters\n----------\npose : SE3, shape (...)\n    Poses X.\n"
+      "reference : SE3, shape (...) or ()\n    One per pose, or one for all.\n"
+      "information : array_like, shape (6, 6)\n"
+      "    Of z = Log((X g)^-1 reference), along the object's own axes, positive definite. Turns\n"
+      "    about axes are found by a local search, which for errors of rotation above about\n"
+      "    0.5 rad may end at another minimum.\n");
   group.def(
       "unobserved_covariance",
       [](const S& self) { return matrix_array(self.unobserved_covariance()); },
