@@ -127,6 +127,7 @@ std::vector<Starters> starters_of(const std::vector<ObservedDetection>& observed
 
 }  // namespace
 
+// NOLINTNEXTLINE(readability-function-size): one stage after the other
 ObjectUpdateReport GlobalHypotheses::update(std::size_t j, const Observation& observation,
                                             const ObservationSource& source) {
   const auto led = leading_id(j);
