@@ -43,5 +43,24 @@ TEST_F(DivergenceCommand, PrintsTheDigitsThatItsErrorLeaves) {
   EXPECT_LT(found[1].length(), 10) << table;
 }
 
+// A component that turns by more than half a turn has a density that does not integrate to one.
+TEST_F(DivergenceCommand, WarnsOfADivergenceBelowZero) {
+  const auto about_z = [](double deviation_rad) {
+    Matrix6d covariance = 1e-4 * Matrix6d::Identity();
+    covariance(2, 2) = deviation_rad * deviation_rad;
+    return MixtureFile{{"camera", "mug"},
+                       ConcentratedPoses({{0.0, ConcentratedGaussian<SE3d>(SE3d(), covariance)}})};
+  };
+  put("wide.json", about_z(2.7));
+  put("unknown.json", about_z(1.8));
+  const std::string command = "posemix divergence wide.json unknown.json --json";
+  const testing::ProgramResult result = shell(command);
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_LT(json::parse(result.out)["kl"]["value"], -0.1);
+  EXPECT_TRUE(contains(result.err, "posemix: warning: kl is negative: the mixtures turn by more"))
+      << result.err;
+  EXPECT_EQ(shell("posemix divergence mug.json mug.json").err, "");
+}
+
 }  // namespace
 }  // namespace posemix

@@ -7,7 +7,6 @@
 #include <thread>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -69,50 +68,6 @@ TEST(Program, WrongUsage) {
   expect_error(run_posemix({"slam"}), 2, "`posemix slam --help`");
   expect_error(run_posemix({"slam", "a.toml"}), 2, "--out is required");
   expect_error(run_posemix({"slam", "a.toml", "--out", "x", "--frobnicate"}), 2, "--frobnicate");
-}
-
-/// Every option that takes an integer, with the command before it.
-const std::vector<std::vector<std::string>> kIntegerOptions{{"fit", "--components"},
-                                                            {"fit", "--max-components"},
-                                                            {"fit", "--restarts"},
-                                                            {"fit", "--max-iterations"},
-                                                            {"fit", "--seed"},
-                                                            {"reduce", "--to"},
-                                                            {"reduce", "--drop"},
-                                                            {"reduce", "--samples"},
-                                                            {"reduce", "--seed"},
-                                                            {"sample", "--count"},
-                                                            {"sample", "--seed"},
-                                                            {"divergence", "--samples"},
-                                                            {"divergence", "--seed"},
-                                                            {"convert", "--seed"},
-                                                            {"grasp", "--starts"},
-                                                            {"grasp", "--points"},
-                                                            {"grasp", "--seed"},
-                                                            {"consistency", "--object"},
-                                                            {"fuse-views", "--groups"},
-                                                            {"relocalise", "--least-objects"},
-                                                            {"slam", "--smooth-lag"},
-                                                            {"simulate", "--seed"},
-                                                            {"data", "fetch", "--retries"},
-                                                            {"data", "sequence", "--scene"},
-                                                            {"data", "sequence", "--object"},
-                                                            {"study", "divergence", "--threads"}};
-
-TEST(Program, IntegersAreDecimalDigitsThatFit) {
-  for (const std::vector<std::string>& option : kIntegerOptions) {
-    for (const std::string value :
-         {"0x10", "1.5", "1e3", "-1", "+1", "", " 1", "18446744073709551616"}) {
-      std::vector<std::string> words = option;
-      words.push_back(value);
-      SCOPED_TRACE(fmt::format("{}", fmt::join(words, " ")));
-      expect_error(run_posemix(words), 2,
-                   fmt::format("{}: got \"{}\", expected an integer from ", option.back(), value));
-    }
-  }
-  expect_error(run_posemix({"fit", "--restarts", "10001"}), 2,
-               "--restarts: got \"10001\", expected an integer from 1 to 10000 in decimal digits");
-  EXPECT_TRUE(contains(run_posemix({"fit", "--help"}).out, "[1 - 10000]"));
 }
 
 TEST(Program, WithoutACommandThereIsHelp) {

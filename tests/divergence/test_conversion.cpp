@@ -229,6 +229,18 @@ TEST(ConversionOfMixtures, SplitsWhatWouldLoseTooMuch) {
   EXPECT_NEAR(split_up.mixture.weight(split_up.mixture.size() - 1), 0.6, 1e-12);
 }
 
+// So wide that a part of the probability is beyond half a turn, where the density ends: measured
+// so, it gains, which is no conversion within a limit.
+TEST(ConversionOfMixtures, ANegativeLossIsNotWithinTheLimit) {
+  RandomStream stream(9);
+  const Mixture<ConcentratedGaussian<SO3d>> wide(
+      {{0.0, ConcentratedGaussian<SO3d>(SO3d(), 9.0 * Eigen::Matrix3d::Identity())}});
+  const auto converted = to_projected(wide, stream);
+  EXPECT_LT(converted.kl_lost, -0.05);
+  EXPECT_LT(converted.largest_component_kl, -0.05);
+  EXPECT_FALSE(converted.within_limit);
+}
+
 TEST(ConversionOfMixtures, LosesNoMoreThanItsComponentsDo) {
   RandomStream stream(5);
   const Mixture<Projected> mixture(

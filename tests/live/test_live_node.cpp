@@ -95,33 +95,6 @@ TEST(LiveNode, WhatIsOlderThanTheHistoryIsCountedAndLeftOut) {
   EXPECT_EQ(covariance_of(bench.objects.back()), before);
 }
 
-/// The frames of the transforms since the last call.
-std::vector<std::string> taken_frames(LiveBench& bench) {
-  std::vector<std::string> frames;
-  for (const RosTransform& transform : bench.transforms) frames.push_back(transform.child);
-  bench.transforms.clear();
-  return frames;
-}
-
-TEST(LiveNode, AFrameIsInTfOnceOfATimeAlsoWhereASecondImageOfItKnowsMore) {
-  LiveBench bench(kSeen);
-  bench.move(0.0);
-  bench.see(0.0);
-  EXPECT_EQ(taken_frames(bench), std::vector<std::string>{"odom"});
-  // The odometry comes after the time for waiting, and then the image of another detector.
-  bench.see(0.2);
-  bench.now_s += 0.51;
-  bench.node.work();
-  EXPECT_EQ(bench.counts().without_odometry, 1u);
-  EXPECT_EQ(taken_frames(bench), std::vector<std::string>{});
-  bench.move(0.2);
-  bench.see(0.2);
-  EXPECT_EQ(taken_frames(bench), std::vector<std::string>{"odom"});
-  bench.see(0.2);
-  EXPECT_EQ(taken_frames(bench), std::vector<std::string>{});
-  EXPECT_EQ(bench.counts().images, 4u);
-}
-
 TEST(LiveNode, AnImageWaitsForItsOdometryAndThenGoesWithout) {
   LiveBench bench(kSeen);
   bench.move(0.0);

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <string>
+#include <vector>
 
 #include "live_scene.hpp"
 
@@ -137,6 +139,33 @@ TEST(LiveWorld, HasOneTransformOfATime) {
   EXPECT_TRUE(bench.transforms.empty());
   bench.see(10.0);
   EXPECT_FALSE(bench.transforms.empty());
+}
+
+/// The frames of the transforms since the last call.
+std::vector<std::string> taken_frames(LiveBench& bench) {
+  std::vector<std::string> frames;
+  for (const RosTransform& transform : bench.transforms) frames.push_back(transform.child);
+  bench.transforms.clear();
+  return frames;
+}
+
+TEST(LiveWorld, AFrameIsInTfOnceOfATimeAlsoWhereASecondImageOfItKnowsMore) {
+  LiveBench bench(kAll);
+  bench.move(0.0);
+  bench.see(0.0);
+  EXPECT_EQ(taken_frames(bench), std::vector<std::string>{"odom"});
+  // The odometry comes after the time for waiting, and then the image of another detector.
+  bench.see(0.2);
+  bench.now_s += 0.51;
+  bench.node.work();
+  EXPECT_EQ(bench.counts().without_odometry, 1u);
+  EXPECT_EQ(taken_frames(bench), std::vector<std::string>{});
+  bench.move(0.2);
+  bench.see(0.2);
+  EXPECT_EQ(taken_frames(bench), std::vector<std::string>{"odom"});
+  bench.see(0.2);
+  EXPECT_EQ(taken_frames(bench), std::vector<std::string>{});
+  EXPECT_EQ(bench.counts().images, 4u);
 }
 
 }  // namespace

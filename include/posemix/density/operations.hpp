@@ -5,11 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <utility>
 #include <vector>
-
-#include <Eigen/Eigenvalues>
 
 #include "posemix/density/concentrated_gaussian.hpp"
 
@@ -100,76 +97,18 @@ struct Factor {
   }
 };
 
-}  // namespace internal
-
-namespace internal {
-
-/// Half way from `from` to `to` by the longer turn about the same axis, and to the translation half
-/// way.
-inline SE3d middle_of_longer_way(const SE3d& from, const SE3d& to) {
-  SE3d::Tangent half = 0.5 * (to * from.inverse()).log();
-  half.head<3>() -= std::numbers::pi * half.head<3>().normalized();
-  return SE3d::exp(half) * from;
-}
-
-/// Half turns of a pose about its own position and the principal axes of a covariance of rotation,
-/// if that is wide.
-inline void add_half_turns(const SE3d& pose, const Eigen::Matrix3d& covariance,
-                           std::vector<SE3d>& starts) {
-  constexpr double kWide = 0.35;  // [rad]
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(covariance);
-  if (eigen.eigenvalues()[2] < kWide * kWide) return;
-  for (int i = 0; i < 3; ++i) {
-    const SO3d turn = SO3d::exp(std::numbers::pi * eigen.eigenvectors().col(i));
-    starts.emplace_back(turn * pose.rotation(), pose.translation());
-  }
-}
-
-/// Where the iteration of `fuse` starts besides the mean of p, of the pose `j`: where the means are
-/// more than 45 degrees apart the product has other modes, by the longer turn and by turns about
-/// axes about which a density is wide, and one of them may be the highest.
-inline std::vector<SE3d> other_starts(const SE3d& p, const Eigen::Matrix3d& covariance_p,
-                                      const SE3d& q, const Eigen::Matrix3d& covariance_q) {
-  if (!((q.rotation() * p.rotation().inverse()).angle() > 0.25 * std::numbers::pi)) return {};
-  std::vector<SE3d> starts{middle_of_longer_way(p, q)};
-  add_half_turns(p, covariance_p, starts);
-  add_half_turns(q, covariance_q, starts);
-  return starts;
-}
-
+/// Where the iteration of `fuse` starts besides the mean of p: where the means are more than 45
+/// degrees apart the product has other modes, by the longer turn and by half turns about axes about
+/// which a density is wide, and one of them may be the highest. None for other groups.
 template <LieGroup G>
 std::vector<G> other_starts(const ConcentratedGaussian<G>& /*p*/,
                             const ConcentratedGaussian<G>& /*q*/) {
   return {};
 }
-inline std::vector<SE3d> other_starts(const ConcentratedGaussian<SE3d>& p,
-                                      const ConcentratedGaussian<SE3d>& q) {
-  return other_starts(p.mean(), p.covariance().topLeftCorner<3, 3>(), q.mean(),
-                      q.covariance().topLeftCorner<3, 3>());
-}
-inline std::vector<SO3d> other_starts(const ConcentratedGaussian<SO3d>& p,
-                                      const ConcentratedGaussian<SO3d>& q) {
-  const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
-  std::vector<SO3d> starts;
-  for (const SE3d& start :
-       other_starts(SE3d(p.mean(), zero), p.covariance(), SE3d(q.mean(), zero), q.covariance()))
-    starts.push_back(start.rotation());
-  return starts;
-}
-/// Of every pose alone.
-inline std::vector<PoseStackd> other_starts(const ConcentratedGaussian<PoseStackd>& p,
-                                            const ConcentratedGaussian<PoseStackd>& q) {
-  std::vector<PoseStackd> starts;
-  for (std::size_t j = 0; j < p.mean().size(); ++j) {
-    const auto rotation = [j](const ConcentratedGaussian<PoseStackd>& density) {
-      const auto at = 6 * static_cast<Eigen::Index>(j);
-      return Eigen::Matrix3d(density.covariance().block<3, 3>(at, at));
-    };
-    for (const SE3d& start : other_starts(p.mean()[j], rotation(p), q.mean()[j], rotation(q)))
-      starts.emplace_back(p.mean())[j] = start;
-  }
-  return starts;
-}
+std::vector<SO3d> other_starts(const ConcentratedGaussian<SO3d>& p,
+                               const ConcentratedGaussian<SO3d>& q);
+std::vector<SE3d> other_starts(const ConcentratedGaussian<SE3d>& p,
+                               const ConcentratedGaussian<SE3d>& q);
 
 /// `fuse` from one start, for densities of equal size.
 template <LieGroup G>
@@ -202,13 +141,13 @@ FuseResult<ConcentratedGaussian<G>> fuse_from(G mode, const ConcentratedGaussian
 
 /// The normalised product of two densities on the same group and the log of its integral.
 ///
-/// Gauss-Newton on the sum of both negative logs finds the mode X*, from the mean of p, and where
-/// the means are more than 45 degrees apart also from others (by the longer turn, and by half turns
-/// about the axes of densities that are wide): that of the largest overlap is returned. Of
-/// densities of 10 to 60 degrees one in a hundred has a higher mode still. The covariance is the
-/// inverse of the information there. The overlap is Laplace's approximation p(X*) q(X*) (2
-/// pi)^(n/2) |P|^(1/2), in which p and q include their volume factors. Exact on R^n. If the
-/// iteration does not converge, `converged` is false; nothing is thrown.
+/// Gauss-Newton on the sum of both negative logs finds the mode X*, from the mean of p, and on
+/// SO(3) and SE(3), where the means are more than 45 degrees apart, also from others (by the longer
+/// turn, and by half turns about the axes of densities that are wide): that of the largest overlap
+/// is returned. Of densities of 10 to 60 degrees one in a hundred has a higher mode still. The
+/// covariance is the inverse of the information there. The overlap is Laplace's approximation
+/// p(X*) q(X*) (2 pi)^(n/2) |P|^(1/2), in which p and q include their volume factors. Exact on R^n.
+/// If the iteration does not converge, `converged` is false; nothing is thrown.
 /// @throws InvalidInput when sizes differ or max_iterations is not positive
 template <LieGroup G>
 FuseResult<ConcentratedGaussian<G>> fuse(const ConcentratedGaussian<G>& p,

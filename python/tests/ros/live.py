@@ -200,6 +200,13 @@ class Live:
     def detect(self, message: Any, topic: str = "detections") -> None:
         self._detectors[topic].publish(message)
 
+    def watch(self, first: float, images: int, seen: Mapping[str, Seen | list[SE3]], period: float = 0.2) -> None:
+        """So many images, one after the other."""
+        before = self.counts()["images"]
+        for i in range(images):
+            self.detect(detections(at(first + period * i), seen))
+            self.taken(before + i + 1)
+
     def move(self, stamp_ns: int, odom_camera: SE3) -> None:
         """T_odom_camera in /tf."""
         self._tf.publish(transform("odom", "camera", odom_camera, stamp_ns))

@@ -20,7 +20,7 @@ from vision_msgs.msg import Detection2DArray
 from posemix import SE3, SO3
 
 from .live import LATCHED, SECOND, Live, at, detections, odometry, set_pose, set_stamp, transform, values_of
-from .test_live_node import BOX, MUG, STILL, watch
+from .test_live_node import BOX, MUG, STILL
 
 SEEN_ALWAYS = {"least_existence": 0.0}
 
@@ -230,11 +230,11 @@ def test_stamps_that_jump_back(live: Callable[..., Live]) -> None:
 
 def test_one_wrong_stamp_costs_one_image(live: Callable[..., Live]) -> None:
     world = live(parameters={**STILL, **SEEN_ALWAYS})
-    watch(world, 100.0, 3, {"mug": MUG})
+    world.watch(100.0, 3, {"mug": MUG})
     for i, wrong in enumerate((5.0, 9000.0, 0.0, 50.0, 20.0, 8000.0)):
         world.detect(detections(at(wrong), {"mug": MUG}))
         world.until(lambda i=i: world.counts()["refused"] == i + 1, "it is refused")
-        watch(world, 101.0 + i, 1, {"mug": MUG})
+        world.watch(101.0 + i, 1, {"mug": MUG})
     assert set(world.newest(at(106.0))) == {"mug"}
     assert world.counts()["resets"] == 0 and world.counts()["images"] == 9
 
@@ -251,22 +251,22 @@ def test_a_clock_that_jumps_back(live: Callable[..., Live]) -> None:
 
     world.until(lambda: clock.get_subscription_count() > 0, "the clock's subscriber")
     tick(10.0)
-    watch(world, 10.0, 3, {"mug": MUG})
+    world.watch(10.0, 3, {"mug": MUG})
     resets = world.counts()["resets"]
     # Less than the stamps may jump back; the clock says it.
     tick(8.0)
     world.until(lambda: world.counts()["resets"] == resets + 1, "a reset")
-    watch(world, 8.0, 1, {"box": BOX})
+    world.watch(8.0, 1, {"box": BOX})
     # The empty array after the jump may have the same stamp.
     world.until(lambda: set(world.newest(at(8.0))) == {"box"}, "the box alone")
 
 
 def test_stamps_far_ahead(live: Callable[..., Live]) -> None:
     world = live(parameters={**STILL, **SEEN_ALWAYS})
-    watch(world, 0.0, 2, {"mug": MUG})
+    world.watch(0.0, 2, {"mug": MUG})
     world.detect(detections(at(9000.0), {"mug": MUG}))
     world.until(lambda: world.counts()["refused"] == 1, "one wrong stamp is refused")
-    watch(world, 1.0, 1, {"mug": MUG})
+    world.watch(1.0, 1, {"mug": MUG})
     for i in range(6):
         world.detect(detections(at(9000.0 + i), {"mug": MUG}))
     world.until(lambda: world.counts()["resets"] == 1 and world.counts()["images"] == 5, "the clock is another one")
@@ -277,19 +277,19 @@ def test_what_is_wrong_in_a_message_is_said_and_the_node_lives(live: Callable[..
     world.detect(detections(at(0.0), {"mug": MUG}, covariance=-2 * np.eye(6)))
     world.status("node", lambda s: "detection 0" in s.message and "positive definite" in s.message)
     assert world.counts()["refused"] == 1
-    watch(world, 1.0, 1, {"mug": MUG})
+    world.watch(1.0, 1, {"mug": MUG})
     assert set(world.newest(at(1.0))) == {"mug"}
 
 
 def test_what_is_not_seen_any_more_is_lost(live: Callable[..., Live]) -> None:
     world = live(parameters={**STILL, "empty_is_image": True})
-    watch(world, 0.0, 20, {"mug": MUG, "box": BOX}, period=0.5)
-    watch(world, 10.0, 24, {}, period=0.5)
+    world.watch(0.0, 20, {"mug": MUG, "box": BOX}, period=0.5)
+    world.watch(10.0, 24, {}, period=0.5)
     status = world.status("box")
     assert status.message == "lost" and status.level == b"\x02"
     assert values_of(status)["register_again"] == "true"
     world.spin(0.1)
     world.transforms.clear()
-    watch(world, 22.0, 1, {"mug": MUG}, period=0.5)
+    world.watch(22.0, 1, {"mug": MUG}, period=0.5)
     world.until(lambda: [t for t in world.transforms if t.child_frame_id == "mug"], "the mug is seen again")
     assert "box" not in {t.child_frame_id for t in world.transforms}

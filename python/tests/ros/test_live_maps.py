@@ -23,7 +23,7 @@ from std_srvs.srv import Trigger
 from posemix import SE3
 
 from .live import SECOND, Live, at, detections, values_of
-from .test_live_node import BOX, MUG, STILL, watch
+from .test_live_node import BOX, MUG, STILL
 from .test_live_runs import program
 
 JAR = SE3.exp([0.3, -0.4, 0.2, 0.1, 0.3, 1.2])
@@ -44,7 +44,7 @@ def set_parameter(world: Live, name: str, value: Any) -> Any:
 
 def test_single_objects_are_forgotten(live: Callable[..., Live]) -> None:
     world = live(parameters={**STILL, "least_existence": 0.0})
-    watch(world, 0.0, 3, {"mug": MUG, "box": BOX})
+    world.watch(0.0, 3, {"mug": MUG, "box": BOX})
     answer = trigger(world, "forget")
     assert not answer.success and "forget_ids is empty" in answer.message
     assert set_parameter(world, "forget_ids", ["cup"]).successful
@@ -53,9 +53,9 @@ def test_single_objects_are_forgotten(live: Callable[..., Live]) -> None:
     assert set_parameter(world, "forget_ids", ["mug"]).successful
     assert trigger(world, "forget").success
     world.until(lambda: {d.id for d in world.objects[-1].detections} == {"box"}, "the mug is forgotten")
-    watch(world, 1.0, 1, {"box": BOX})
+    world.watch(1.0, 1, {"box": BOX})
     assert set(world.newest(at(1.0))) == {"box"}
-    watch(world, 1.4, 1, {"mug": MUG})
+    world.watch(1.4, 1, {"mug": MUG})
     assert set(world.newest(at(1.4))) == {"box", "mug"}
 
 
@@ -67,15 +67,15 @@ def test_maps_are_saved_and_loaded(live: Callable[..., Live], tmp_path: Path) ->
     answer = trigger(world, "save")
     assert not answer.success and "nothing was seen" in answer.message
     assert "no such map" in trigger(world, "load").message
-    watch(world, 0.0, 12, ALL)
+    world.watch(0.0, 12, ALL)
     assert trigger(world, "save").success and file.exists()
     # A new world, in which two of them are seen from elsewhere.
     assert trigger(world, "reset").success
     seen = {name: MOVED.inverse() * pose for name, pose in ALL.items() if name != "jar"}
-    watch(world, 100.0, 3, seen)
+    world.watch(100.0, 3, seen)
     answer = trigger(world, "load")
     assert answer.success and "3 objects" in answer.message
-    watch(world, 101.0, 3, seen)
+    world.watch(101.0, 3, seen)
     found = world.newest(at(101.4))
     assert set(found) == set(ALL)
     place = found["jar"].bbox.center.position
@@ -93,13 +93,13 @@ def test_a_map_is_saved_at_the_end_and_loaded_at_the_beginning(live: Callable[..
         **STILL, "least_existence": 0.0, "map_file": str(file), "save_map": True, "load_map": True, "map_goes_on": True,
     }  # fmt: skip
     world = live(parameters=given)
-    watch(world, 0.0, 5, ALL)
+    world.watch(0.0, 5, ALL)
     assert not file.exists()
     assert world.change(Transition.TRANSITION_DEACTIVATE) and file.exists()
     assert world.change(Transition.TRANSITION_CLEANUP) and world.change(Transition.TRANSITION_CONFIGURE)
     assert world.change(Transition.TRANSITION_ACTIVATE)
     world.until(world._is_connected, "the partner is connected again")
-    watch(world, 2.0, 1, {"mug": MUG})
+    world.watch(2.0, 1, {"mug": MUG})
     assert set(world.newest(at(2.0))) == set(ALL)
     # Of other settings it is no run that could go on.
     assert world.change(Transition.TRANSITION_DEACTIVATE) and world.change(Transition.TRANSITION_CLEANUP)

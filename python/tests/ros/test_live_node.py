@@ -26,19 +26,11 @@ from visualization_msgs.msg import MarkerArray
 
 from posemix import SE3, SO3
 
-from .live import LATCHED, Live, at, detections, transform, values_of
+from .live import LATCHED, Live, at, detections, values_of
 
 MUG = SE3(SO3.exp([0.1, 0.2, 0.3]), [0.1, 0.0, 0.8])
 BOX = SE3(SO3.exp([0.0, 0.0, 1.0]), [-0.2, 0.1, 1.0])
 STILL = {"motion.model": "still"}
-
-
-def watch(live: Live, first: float, images: int, seen: dict[str, Any], period: float = 0.2) -> None:
-    """So many images, one after the other."""
-    before = live.counts()["images"]
-    for i in range(images):
-        live.detect(detections(at(first + period * i), seen))
-        live.taken(before + i + 1)
 
 
 def test_life_cycle(live: Callable[..., Live]) -> None:
@@ -50,7 +42,7 @@ def test_life_cycle(live: Callable[..., Live]) -> None:
     assert world.counts()["images"] == 0 and not world.objects
     assert world.change(Transition.TRANSITION_ACTIVATE) and world.state == "active"
     world.until(world._is_connected, "the partner is connected")
-    watch(world, 1.0, 2, {"mug": MUG})
+    world.watch(1.0, 2, {"mug": MUG})
     assert world.newest(at(1.2))["mug"].results[0].hypothesis.class_id == "mug"
     assert world.change(Transition.TRANSITION_DEACTIVATE)
     world.detect(detections(at(2.0), {"mug": MUG}))
@@ -59,7 +51,7 @@ def test_life_cycle(live: Callable[..., Live]) -> None:
     # What is known outlives a pause, and nothing a clean-up.
     assert world.change(Transition.TRANSITION_ACTIVATE)
     world.until(world._is_connected, "the partner is connected again")
-    watch(world, 3.0, 1, {"box": BOX})
+    world.watch(3.0, 1, {"box": BOX})
     assert set(world.newest(at(3.0))) == {"mug", "box"}
     assert world.change(Transition.TRANSITION_DEACTIVATE) and world.change(Transition.TRANSITION_CLEANUP)
     assert world.state == "unconfigured" and world.counts() == {}
@@ -116,7 +108,7 @@ def test_sensor_data_is_taken_by_default(live: Callable[..., Live]) -> None:
 def test_what_is_published(live: Callable[..., Live]) -> None:
     world = live(parameters={**STILL, "markers_hz": 1000.0, "least_existence": 0.0})
     flipped = MUG * SE3(SO3.exp([0.0, 0.0, np.pi]))
-    watch(world, 0.0, 12, {"mug": [[(MUG, 0.6), (flipped, 0.4)]], "box": BOX}, period=0.5)
+    world.watch(0.0, 12, {"mug": [[(MUG, 0.6), (flipped, 0.4)]], "box": BOX}, period=0.5)
     found = world.newest(at(5.5))
     mug = found["mug"]
     assert set(found) == {"mug", "box"} and len(mug.results) == 2
@@ -146,7 +138,7 @@ def test_a_report_on_request_and_at_the_end(live: Callable[..., Live], tmp_path:
     ask = world.partner.create_client(Trigger, "/posemix/report")
     answer = world.call(ask, Trigger.Request())
     assert not answer.success and "there is no frame to report so far" in answer.message
-    watch(world, 1.0, 5, {"mug": MUG})
+    world.watch(1.0, 5, {"mug": MUG})
     answer = world.call(ask, Trigger.Request())
     assert answer.success, answer.message
     page = Path(answer.message)
@@ -154,7 +146,7 @@ def test_a_report_on_request_and_at_the_end(live: Callable[..., Live], tmp_path:
     stamps = json.loads((page.parent / "trace.json").read_text())["stamps_s"]
     np.testing.assert_allclose(stamps, [1e-9 * at(1.0 + 0.2 * i) for i in range(5)], atol=1e-6)
     # What comes meanwhile is in the report at the end, and a new run has a folder of its own.
-    watch(world, 2.0, 3, {"mug": MUG, "box": BOX})
+    world.watch(2.0, 3, {"mug": MUG, "box": BOX})
     assert world.change(Transition.TRANSITION_DEACTIVATE)
     found = json.loads((page.parent / "trace.json").read_text())
     assert found["frames"] == 8 and found["order"] == ["mug", "box"]
@@ -184,7 +176,7 @@ def test_what_is_in_view_by_the_cameras_matrix(live: Callable[..., Live]) -> Non
     topic = world.partner.create_publisher(CameraInfo, "/camera/info", 10)
     world.until(lambda: topic.get_subscription_count() > 0, "camera info is heard")
     # 1.2 m aside at one metre is 600 pixels off the centre.
-    watch(world, 0.0, 3, {"mug": MUG, "box": SE3(translation=[1.2, 0.0, 1.0])})
+    world.watch(0.0, 3, {"mug": MUG, "box": SE3(translation=[1.2, 0.0, 1.0])})
     assert "in_view" not in values_of(world.status("mug"))
     topic.publish(info)
     assert values_of(world.status("mug", lambda s: "in_view" in values_of(s)))["in_view"] == "true"
@@ -196,66 +188,12 @@ def test_what_is_in_view_by_the_cameras_matrix(live: Callable[..., Live]) -> Non
 
 def test_reset(live: Callable[..., Live]) -> None:
     world = live(parameters={**STILL, "least_existence": 0.0})
-    watch(world, 0.0, 3, {"mug": MUG})
+    world.watch(0.0, 3, {"mug": MUG})
     reset = world.partner.create_client(Trigger, "/posemix/reset")
     assert world.call(reset, Trigger.Request()).success
     # An earlier stamp than before is no jump now.
-    watch(world, -5.0, 1, {"box": BOX})
+    world.watch(-5.0, 1, {"box": BOX})
     assert set(world.newest(at(-5.0))) == {"box"} and world.counts()["resets"] == 1
-
-
-def test_the_world_is_above_the_odometry_unless_something_else_is(live: Callable[..., Live]) -> None:
-    world = live(parameters={"least_existence": 0.0})
-    world.move(at(0.0), SE3(translation=[1.0, 0.0, 0.0]))
-    watch(world, 0.0, 1, {"mug": MUG})
-    found = world.until(lambda: [t for t in world.transforms if t.child_frame_id == "odom"], "map -> odom")
-    shift = found[-1].transform.translation
-    np.testing.assert_allclose([shift.x, shift.y, shift.z], 0.0, atol=1e-9)
-    world.send_transform(transform("earth", "odom", SE3(), at(0.5)))
-    world.until(lambda: world.node._engine.transforms.parent("odom") == "earth", "earth -> odom")
-    world.transforms.clear()
-    world.move(at(1.0), SE3(translation=[1.0, 0.0, 0.0]))
-    watch(world, 1.0, 1, {"mug": MUG})
-    world.status("node", lambda s: "'odom' is below 'earth'" in s.message)
-    assert not [t for t in world.transforms if t.child_frame_id == "odom"]
-
-
-def test_a_frame_is_in_tf_once_of_a_time_also_where_a_second_image_of_it_knows_more(live: Callable[..., Live]) -> None:
-    world = live(parameters={"least_existence": 0.0, "transform_timeout_s": 0.1})
-    world.move(at(0.0), SE3())
-    watch(world, 0.0, 1, {"mug": MUG})
-    # The odometry comes after the time for waiting, and then the image of another detector.
-    watch(world, 0.2, 1, {"mug": MUG})
-    assert world.counts()["without_odometry"] == 1
-    world.move(at(0.2), SE3())
-    world.until(lambda: world.node._engine.transforms.at("odom", "camera", at(0.2), 1.0) is not None, "the odometry")
-    for _ in range(2):
-        watch(world, 0.2, 1, {"mug": MUG})
-    world.move(at(0.4), SE3())
-    watch(world, 0.4, 1, {"mug": MUG})
-    stamps = [t.header.stamp.nanosec for t in world.until(
-        lambda: world.transforms if len(world.transforms) >= 3 else None, "map -> odom of three times"
-    )]  # fmt: skip
-    assert stamps == [0, 200_000_000, 400_000_000]
-
-
-def test_nobody_else_puts_the_odometry_below_the_world(live: Callable[..., Live]) -> None:
-    world = live(parameters={"least_existence": 0.0})
-    world.move(at(0.0), SE3())
-    watch(world, 0.0, 1, {"mug": MUG})
-    world.until(lambda: [t for t in world.transforms if t.child_frame_id == "odom"], "map -> odom")
-    # Its own transforms, which it hears, are none of another's.
-    world.move(at(0.5), SE3())
-    watch(world, 0.5, 1, {"mug": MUG})
-    assert world.status("node").message == "good"
-    world.send_transform(transform("map", "odom", SE3(translation=[0.0, 1.0, 0.0]), at(0.5)))
-    world.until(lambda: world.node._engine.transforms.parent("odom") == "map", "map -> odom of another")
-    world.transforms.clear()
-    world.move(at(1.0), SE3())
-    watch(world, 1.0, 1, {"mug": MUG})
-    world.status("node", lambda s: "'odom' is below 'map'" in s.message)
-    # The partner hears its own transform, too.
-    assert not [t for t in world.transforms if t.child_frame_id == "odom" and t.transform.translation.y != 1.0]
 
 
 def test_bad_parameters_are_named_when_the_node_is_configured(live: Callable[..., Live]) -> None:
@@ -297,7 +235,7 @@ def test_a_node_that_cannot_be_configured_says_so_and_may_be_set(live: Callable[
 
 def test_a_reset_while_inactive_is_seen_by_those_who_come_later(live: Callable[..., Live]) -> None:
     world = live(parameters={**STILL, "least_existence": 0.0})
-    watch(world, 0.0, 3, {"mug": MUG})
+    world.watch(0.0, 3, {"mug": MUG})
     assert world.change(Transition.TRANSITION_DEACTIVATE)
     reset = world.partner.create_client(Trigger, "/posemix/reset")
     assert world.call(reset, Trigger.Request()).success
@@ -314,7 +252,7 @@ def test_diagnostics_go_on_where_a_simulated_clock_stands_still(live: Callable[.
 
 def test_what_was_forgotten_is_not_shown_to_those_who_come_later(live: Callable[..., Live]) -> None:
     world = live(parameters={**STILL, "least_existence": 0.0})
-    watch(world, 0.0, 3, {"mug": MUG})
+    world.watch(0.0, 3, {"mug": MUG})
     reset = world.partner.create_client(Trigger, "/posemix/reset")
     assert world.call(reset, Trigger.Request()).success
     world.until(lambda: not world.objects[-1].detections, "an empty array")
@@ -326,26 +264,10 @@ def test_what_was_forgotten_is_not_shown_to_those_who_come_later(live: Callable[
 
 def test_markers_are_there_for_those_who_come_later(live: Callable[..., Live]) -> None:
     world = live(parameters={**STILL, "least_existence": 0.0})
-    watch(world, 0.0, 3, {"mug": MUG})
+    world.watch(0.0, 3, {"mug": MUG})
     late: list[Any] = []
     world.partner.create_subscription(MarkerArray, "/posemix/markers", late.append, LATCHED)
     world.until(lambda: any(len(m.markers) > 1 for m in late), "markers of the mug")
     reset = world.partner.create_client(Trigger, "/posemix/reset")
     assert world.call(reset, Trigger.Request()).success
     world.until(lambda: len(late[-1].markers) == 1, "that all are deleted")
-
-
-def test_without_odometry_the_world_is_above_the_tree_of_the_camera(live: Callable[..., Live]) -> None:
-    world = live(parameters={**STILL, "least_existence": 0.0})
-    place = SE3.exp([0.3, 0.2, 0.1, 0.5, 0.6, 0.7])
-    world.send_transform(transform("base_link", "camera", place), static=True)
-    world.until(lambda: world.node._engine.transforms.parent("camera"), "base_link -> camera")
-    watch(world, 0.0, 1, {"mug": MUG})
-    found = world.until(lambda: [t for t in world.transforms if t.child_frame_id == "base_link"], "map -> base_link")
-    shift = found[-1].transform.translation
-    np.testing.assert_allclose([shift.x, shift.y, shift.z], place.inverse().translation, atol=1e-9)
-    world.send_transform(transform("map", "earth", SE3()), static=True)
-    world.send_transform(transform("earth", "base_link", SE3()), static=True)
-    world.until(lambda: world.node._engine.transforms.root("camera") == "map", "map -> earth -> base_link")
-    watch(world, 1.0, 1, {"mug": MUG})
-    assert "'camera' is below 'map'" in world.status("node", lambda s: s.message != "good").message

@@ -225,10 +225,10 @@ void MovingObjectState::decay_slow_errors(const KnownFrame& camera, double dt) {
   for (MovingHypothesis& hypothesis : hypotheses_) {
     const SE3d now = camera.pose.inverse() * hypothesis.objects[hypothesis.best_model()].pose;
     if (slow) {
-      const double turned = hypothesis.seen_from ? view_angle(*hypothesis.seen_from, now) : 0.0;
-      const double correlation = slow->correlation(dt, turned);
+      const Eigen::Vector3d turned = view_turn(hypothesis.seen_from.value_or(now), now);
+      const double correlation = slow->correlation(dt, turned.norm());
       if (trace_) trace_->correlation.emplace_back(hypothesis.id, correlation);
-      if (&hypothesis == led) detector_.decorrelate(correlation);
+      if (&hypothesis == led) detector_.look(turned, dt);
       for (PlacedObject& object : hypothesis.objects)
         decay_slow(object, correlation, *sensor().slow_covariance());
     }

@@ -125,9 +125,18 @@ std::vector<Starters> starters_of(const std::vector<ObservedDetection>& observed
   return starters;
 }
 
+/// A component starts hypotheses where none of any state explains it.
+Starters unexplained(const std::vector<ObservedDetection>& observed) {
+  Starters may_start(observed.front().explained.size(), true);
+  for (const ObservedDetection& seen : observed) {
+    for (std::size_t k = 0; k < may_start.size(); ++k)
+      if (seen.explained[k]) may_start[k] = false;
+  }
+  return may_start;
+}
+
 }  // namespace
 
-// NOLINTNEXTLINE(readability-function-size): one stage after the other
 ObjectUpdateReport GlobalHypotheses::update(std::size_t j, const Observation& observation,
                                             const ObservationSource& source) {
   const auto led = leading_id(j);
@@ -135,12 +144,7 @@ ObjectUpdateReport GlobalHypotheses::update(std::size_t j, const Observation& ob
   std::vector<ObservedDetection> observed;
   observed.reserve(list_.size());
   for (const Weighted& one : list_) observed.push_back(one.state.observe(j, observation, source));
-  // A component starts hypotheses where none of any state explains it.
-  Starters may_start(observed.front().explained.size(), true);
-  for (const ObservedDetection& seen : observed) {
-    for (std::size_t k = 0; k < may_start.size(); ++k)
-      if (seen.explained[k]) may_start[k] = false;
-  }
+  const Starters may_start = unexplained(observed);
   split(j, observed, may_start);
   std::vector<Starters> starters = starters_of(observed, may_start, list_.size());
   split_by_components(j, observed, starters);
@@ -297,55 +301,6 @@ const ConcentratedGaussian<PoseStackd>& GlobalHypotheses::joint() const {
   const std::lock_guard lock(mutex_);
   if (!joint_) joint_ = all.reported_joint();
   return *joint_;
-}
-
-bool GlobalHypotheses::is_known(std::size_t j) const {
-  return std::any_of(list_.begin(), list_.end(), [&](const Weighted& one) {
-    return one.state.objects[j].belief.leading().has_value();
-  });
-}
-
-MultiObjectState GlobalHypotheses::mixed() const {
-  Weighted all = list_.front();
-  for (std::size_t i = 1; i < list_.size(); ++i) {
-    LogTotals log = list_[i].log;
-    const LogTotals total = normalise_pair(all.log, log);
-    all.state.mix(list_[i].state, all.log, log);
-    all.log = total;
-  }
-  for (std::size_t j = 0; j < all.state.objects.size(); ++j) {
-    const auto id = leading_id(j);
-    ObjectBelief& belief = all.state.objects[j].belief;
-    const auto h = id ? belief.find(*id) : std::nullopt;
-    if (h) belief.make_leader(all.state.joint, *h);
-  }
-  return std::move(all.state);
-}
-
-Mixture<ConcentratedGaussian<SE3d>> GlobalHypotheses::camera() const {
-  std::vector<Component<ConcentratedGaussian<SE3d>>> components;
-  components.reserve(list_.size());
-  for (const Weighted& one : list_) {
-    components.push_back({one.log.weight, ConcentratedGaussian<SE3d>::trusted(
-                                              one.state.joint.pose(kCamera),
-                                              one.state.joint.covariance(kCamera, kCamera))});
-  }
-  return Mixture<ConcentratedGaussian<SE3d>>(std::move(components));
-}
-
-Mixture<ConcentratedGaussian<SE3d>> GlobalHypotheses::object(std::size_t j) const {
-  std::vector<Component<ConcentratedGaussian<SE3d>>> components;
-  for (const Weighted& one : list_) {
-    const TrackedObject& object = one.state.objects[j];
-    for (std::size_t h = 0; h < object.belief.size(); ++h) {
-      const DetectionState state = one.state.reported(object, h);
-      components.push_back(
-          {one.log.weight + object.belief.standing(h).log_weight,
-           ConcentratedGaussian<SE3d>::trusted(
-               state.object, state.covariance.block<6, 6>(kObjectRow, kObjectRow))});
-    }
-  }
-  return Mixture<ConcentratedGaussian<SE3d>>(std::move(components));
 }
 
 }  // namespace posemix::internal

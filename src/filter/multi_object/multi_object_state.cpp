@@ -166,9 +166,9 @@ void MultiObjectState::advance(double dt, const std::optional<SE3d>& camera_befo
     const ObjectSensor& sensor = object.sensor();
     if (object.put_down) object.belief.leak(object.put_down->motion.jump_rate * dt);
     if (const auto& slow = sensor.noise.dependence().slow) {
-      const double a = object.belief.decay_slow_error(joint, *slow, *sensor.slow_covariance(),
-                                                      camera_before, dt);
-      for (LearnedSensor& detector : object.detectors) detector.decorrelate(a);
+      const Eigen::Vector3d turn = object.belief.decay_slow_error(
+          joint, *slow, *sensor.slow_covariance(), camera_before, dt);
+      for (LearnedSensor& detector : object.detectors) detector.look(turn, dt);
     }
   }
 }

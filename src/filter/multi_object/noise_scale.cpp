@@ -32,13 +32,12 @@ constexpr double kLargestStep = 1.0;
 /// Squared Mahalanobis distance of six coordinates that 0.1 % of the inliers exceed.
 constexpr double kSurprising = 22.46;
 
-/// Over 1 / kViews of its correlation length a slow error as large as stated changes by half of its
-/// standard deviation: innovations show whether it does.
-constexpr double kViews = 10.0;
+/// Number of detections before a change of the slow error and after it by whose means it shows.
+constexpr double kDetections = 10.0;
 
 /// So many detections in succession that are inliers by the noise as given, and not by that which
 /// was learned, are no gross errors.
-constexpr std::uint64_t kSurprises = 5;
+constexpr std::uint64_t kSurprises = 10;
 
 /// The largest scale of covariances that observations bring themselves: detectors that state one
 /// count what they see, and not what their calibration lacks.
@@ -54,6 +53,17 @@ double clarity(const std::vector<ObservationComponent>& components) {
     first = std::max(first, component.weight);
   }
   return second > 0.0 ? std::log(first / second) : 0.0;
+}
+
+Eigen::Vector3d view_turn(const SE3d& first, const SE3d& second) {
+  const auto direction = [](const SE3d& pose) {
+    return Eigen::Vector3d(-(pose.rotation().inverse() * pose.translation()).normalized());
+  };
+  const Eigen::Vector3d a = direction(first);
+  const Eigen::Vector3d b = direction(second);
+  const Eigen::Vector3d axis = a.cross(b);
+  const double sine = axis.norm();
+  return sine > 0.0 ? Eigen::Vector3d(axis * (std::atan2(sine, a.dot(b)) / sine)) : axis;
 }
 
 LearnedSensor::LearnedSensor(ObjectSensor sensor)
@@ -110,6 +120,9 @@ Vector6d LearnedSensor::learn(const DetectionUpdate& update, bool has_covariance
   if (has_learned_wrong(inlier, s, z, y.dot(z))) {
     weight = 1.0;
     information_.setZero();
+    turned_.setZero();
+    looked_s_ = 0.0;
+    shown_.setZero();
   }
   if (weight <= 0.0) return Vector6d::Ones();
   const Vector6d scale = sensor_.noise_scale;
@@ -135,29 +148,39 @@ Vector6d LearnedSensor::learn(const DetectionUpdate& update, bool has_covariance
   return learn_slow_scale();
 }
 
-/// As large as goes with the white error at once; smaller only as the slow error changes, since a
+/// As large as goes with the white error, and as given while the slow error does not change: a
 /// detector that looks at one picture for long has small innovations whatever its slow error is.
+/// A slow error as given, of the covariance B, differs from what it was by 2 (1 - a) B, and means
+/// of the white error by 2 s^2 / kDetections of its covariance. The information on B that such a
+/// difference brings grows with the square of the ratio of the two; that of what is given counts 1.
 Vector6d LearnedSensor::learn_slow_scale() {
-  const double seen = 1.0 - std::pow(std::exchange(correlation_, 1.0), kViews);
   Vector6d changed = Vector6d::Ones();
-  if (sensor_.slow_units) return changed;
+  const auto& slow = sensor_.noise.dependence().slow;
+  if (!slow || sensor_.slow_units) return changed;
+  const double a = slow->correlation(looked_s_, turned_.norm());
   for (Eigen::Index i = 0; i < 6; ++i) {
-    double& slow = sensor_.slow_scale[i];
-    const double wanted = slow_scale(sensor_.noise_scale[i]) * given_slow_scale_[i];
-    const double next = wanted < slow ? slow + seen * (wanted - slow) : wanted;
-    changed[i] = next / std::exchange(slow, next);
+    const double s = sensor_.noise_scale[i];
+    const double information = std::pow(kDetections * (1.0 - a) / (s * s), 2);
+    shown_[i] = std::max(shown_[i], information / (1.0 + information));
+    const double next = given_slow_scale_[i] * (1.0 - shown_[i] * (1.0 - slow_scale(s)));
+    changed[i] = next / std::exchange(sensor_.slow_scale[i], next);
   }
   return changed;
 }
 
 /// Counts surprises; whether there are so many that what was learned does not hold any more.
+/// Errors that are alike are those of a wrong mode, and tell nothing of the white error.
 bool LearnedSensor::has_learned_wrong(const Innovation& inlier, const Matrix6d& s,
                                       const Vector6d& z, double squared_distance) {
   if (squared_distance <= kSurprising) {
     surprises_ = 0;
     return false;
   }
-  return is_plausible_as_given(inlier, s, z) && ++surprises_ >= kSurprises;
+  if (!is_plausible_as_given(inlier, s, z)) return false;
+  const Vector6d change = z - std::exchange(surprise_, z);
+  const double squared_change = change.dot(inlier.white.llt().solve(change)) / 2.0;
+  surprises_ = squared_change > kSurprising ? surprises_ + 1 : 1;
+  return surprises_ >= kSurprises;
 }
 
 /// Whether a residual z of covariance S, along the axes of the noise, is one of the white error as

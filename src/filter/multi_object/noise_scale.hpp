@@ -13,6 +13,9 @@ namespace posemix::internal {
 
 /// Log ratio of the two largest weights; zero for one component.
 double clarity(const std::vector<ObservationComponent>& components);
+/// The rotation vector [rad], along the axes of the object, that takes the direction from it to the
+/// camera from that of the first pose in the camera to that of the second.
+Eigen::Vector3d view_turn(const SE3d& first, const SE3d& second);
 
 /// The detector of one object: its noise as given, and the scale of the noise that is learned from
 /// the innovations of the leading hypothesis (docs/many-objects.md, "The scale of the noise").
@@ -37,8 +40,11 @@ class LearnedSensor {
   double weight_share(const Observation& observation, double now_s) const;
   /// Counts a detection at the time `now_s`. Returns its new_share.
   double count_detection(const WeighedObservation& observation, double now_s);
-  /// The slow error has this correlation with itself as it was before a prediction.
-  void decorrelate(double correlation) { correlation_ *= correlation; }
+  /// The view of the object turned by a rotation vector [rad], along its axes, within a time [s].
+  void look(const Eigen::Vector3d& turn, double dt) {
+    turned_ += turn;
+    looked_s_ += dt;
+  }
   /// Learns the scale of the noise from an innovation of an observation that brings its own
   /// covariances or not. Returns the factors by which the scale of the slow error changed.
   Vector6d learn(const DetectionUpdate& update, bool has_covariance,
@@ -65,9 +71,14 @@ class LearnedSensor {
   double last_s_ = 0.0;  ///< time of the last detection
   /// Log ratio of the two largest weights of the observation that said most in the last mode time.
   double told_ = 0.0;
-  double correlation_ = 1.0;  ///< of the slow error with that of the last learned detection
-  /// Number of detections in succession that are inliers by the noise as given alone.
+  Eigen::Vector3d turned_ = Eigen::Vector3d::Zero();  ///< of the view since learning began [rad]
+  double looked_s_ = 0.0;                             ///< time since learning began [s]
+  /// How much of a slow error as large as given would have shown by now: 0 nothing, 1 all.
+  Vector6d shown_ = Vector6d::Zero();
+  /// Number of detections in succession, unlike each other, that are inliers by the noise as given
+  /// alone.
   std::uint64_t surprises_ = 0;
+  Vector6d surprise_ = Vector6d::Zero();  ///< residual of the last of them
 };
 
 }  // namespace posemix::internal

@@ -124,10 +124,11 @@ class ObjectBelief {
   // --- prediction
 
   /// The slow error after `dt` seconds and the motion of the camera from `camera_before`, for a
-  /// detector whose slow error has the covariance `stationary`. Returns the correlation with that
-  /// before, as the leading hypothesis has it.
-  double decay_slow_error(JointGaussian& joint, const SlowError& slow, const Matrix6d& stationary,
-                          const std::optional<SE3d>& camera_before, double dt);
+  /// detector whose slow error has the covariance `stationary`. Returns the turn of the
+  /// view (view_turn), as the leading hypothesis has it.
+  Eigen::Vector3d decay_slow_error(JointGaussian& joint, const SlowError& slow,
+                                   const Matrix6d& stationary,
+                                   const std::optional<SE3d>& camera_before, double dt);
   /// b <- f b and xi_O <- xi_O + A (1 - f) b for every hypothesis, with `factor` f by coordinate
   /// and the map A of the first component of `sensor`: the sum that a detection sees stays.
   void rescale_slow_error(JointGaussian& joint, const ObjectSensor& sensor, const Vector6d& factor);

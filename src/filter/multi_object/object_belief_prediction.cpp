@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include "noise_scale.hpp"
 #include "object_belief.hpp"
 
 namespace posemix::internal {
 
-double ObjectBelief::decay_slow_error(JointGaussian& joint, const SlowError& slow,
-                                      const Matrix6d& stationary,
-                                      const std::optional<SE3d>& camera_before, double dt) {
+Eigen::Vector3d ObjectBelief::decay_slow_error(JointGaussian& joint, const SlowError& slow,
+                                               const Matrix6d& stationary,
+                                               const std::optional<SE3d>& camera_before,
+                                               double dt) {
   // b <- a b + w with a = exp(-|view angle| / theta - dt / tau) and Cov w = (1 - a^2) B.
-  double of_leader = 1.0;
+  Eigen::Vector3d turn = Eigen::Vector3d::Zero();
   for (std::size_t h = 0; h < size(); ++h) {
     Standing& standing = mutable_standing(h);
     const SE3d& object = mean(joint, h);
@@ -16,11 +18,12 @@ double ObjectBelief::decay_slow_error(JointGaussian& joint, const SlowError& slo
     const SE3d before =
         camera_before ? camera_before->inverse() * object : standing.seen_from.value_or(now);
     standing.seen_from = now;
-    const double a = slow.correlation(dt, view_angle(before, now));
+    const Eigen::Vector3d turned = view_turn(before, now);
+    const double a = slow.correlation(dt, turned.norm());
     const Matrix6d q = (1.0 - a * a) * stationary;
     if (leads(h)) {
       joint.decay_slow(leader_->pose_index, a, q);
-      of_leader = a;
+      turn = turned;
       continue;
     }
     ConditionalPose& other = alternatives_[slot(h)].pose;
@@ -31,7 +34,7 @@ double ObjectBelief::decay_slow_error(JointGaussian& joint, const SlowError& slo
     other.cross_covariance.bottomRows<6>() *= a;
     other.extrinsics.bottomRows<6>() *= a;
   }
-  return of_leader;
+  return turn;
 }
 
 void ObjectBelief::transform(JointGaussian& joint, std::size_t h, const Matrix12d& f) {

@@ -68,16 +68,16 @@ struct StateFields<LearnedSensor> {
   static LearnedSensor blank() { return LearnedSensor(blank_state<ObjectSensor>()); }
   static auto tie(auto& x) {
     auto& [sensor, given_noise_scale, given_slow_scale, information, detections, last_s, told,
-           correlation, surprises] = x;
+           turned, looked_s, shown, surprises, surprise] = x;
     return std::tie(sensor, given_noise_scale, given_slow_scale, information, detections, last_s,
-                    told, correlation, surprises);
+                    told, turned, looked_s, shown, surprises, surprise);
   }
   static void validate(const LearnedSensor& x) {
-    const auto& [sensor, noise, slow, information, detections, last_s, told, correlation,
-                 surprises] = x;
+    const auto& [sensor, noise, slow, information, detections, last_s, told, turned, looked_s,
+                 shown, surprises, surprise] = x;
     require_state(noise.allFinite() && slow.allFinite() && information.allFinite() &&
-                      std::isfinite(last_s) && std::isfinite(told) && correlation >= 0.0 &&
-                      correlation <= 1.0,
+                      std::isfinite(last_s) && std::isfinite(told) && turned.allFinite() &&
+                      std::isfinite(looked_s) && shown.allFinite() && surprise.allFinite(),
                   "a scale of the noise that is finite");
   }
 };
