@@ -59,6 +59,7 @@ std::string object_tum(const SlamJob& job, const SlamRun& run, Densities densiti
 
 std::string camera_tum(const SlamJob& job, const SlamRun& run) {
   std::vector<StampedPose> poses;
+  poses.reserve(run.frames.size());
   for (std::size_t k = 0; k < run.frames.size(); ++k) {
     poses.push_back({job.sequence.stamps[k], run.frames[k].camera.mean()});
   }

@@ -285,6 +285,7 @@ Metrics evaluate(const Sequence& sequence, const SlamRun& run,
 
 Metrics evaluate(const SlamJob& job, const SlamRun& run) {
   std::vector<SymmetryGroup> symmetries;
+  symmetries.reserve(job.models.size());
   for (const ObjectModel& model : job.models) symmetries.push_back(model.symmetries);
   return evaluate(job.sequence, run, symmetries);
 }

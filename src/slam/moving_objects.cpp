@@ -58,6 +58,7 @@ void report_moving(std::size_t object, const MovingObjectEstimate& estimate, boo
 std::vector<ObjectHypothesis> hypotheses_of(const MovingObjectEstimate& estimate,
                                             const Matrix6d& camera) {
   std::vector<ObjectHypothesis> list;
+  list.reserve(estimate.hypotheses.size());
   for (const MovingObjectHypothesis& one : estimate.hypotheses) {
     list.push_back({.pose = one.world.mean(),
                     .covariance = one.world.covariance(),
@@ -122,6 +123,7 @@ void MovingObjects::forget(std::size_t object) { track(object).filter = track(ob
 
 std::vector<KnownFrame> MovingObjects::known_frames() const {
   std::vector<KnownFrame> known;
+  known.reserve(frames_.size());
   for (const auto& frame : frames_) known.push_back(frame.value_or(KnownFrame()));
   return known;
 }

@@ -43,6 +43,7 @@ std::size_t detector_of(const ObjectModel& object, const std::string& name) {
   if (found != object.detectors.end())
     return 1 + static_cast<std::size_t>(std::distance(object.detectors.begin(), found));
   std::vector<std::string_view> names;
+  names.reserve(object.detectors.size());
   for (const auto& [known, noise] : object.detectors) names.push_back(known);
   throw InvalidInput(fmt::format("object '{}' has no detector '{}', expected one of: {}", object.id,
                                  name, fmt::join(names, ", ")));

@@ -18,6 +18,7 @@ Vector6 vector_of(const SimulationSd& sd) {
 
 std::vector<double> weights_of(const SimulationObject& object) {
   std::vector<double> weights;
+  weights.reserve(object.noise.size());
   for (const SimulationNoise& component : object.noise) weights.push_back(component.weight);
   return weights;
 }

@@ -51,6 +51,7 @@ Pose pose_of(const Eigen::Vector3d& rotation_rad, const Eigen::Vector3d& transla
 
 Motion frame_motion(const SimulationFrame& frame) {
   std::vector<std::pair<Real, Pose>> stops;
+  stops.reserve(frame.waypoints.size());
   for (const SimulationWaypoint& waypoint : frame.waypoints)
     stops.emplace_back(waypoint.time_s, place_of(waypoint.place));
   return [stops](Real t) {
@@ -73,6 +74,7 @@ ObjectPath::ObjectPath(const SimulationObject& object, const Motions& frames, do
   add_still(0, first_);
   // Motions in the order of their times, each with a stream of its own.
   std::vector<std::pair<Real, std::function<void()>>> motions;
+  motions.reserve(object.conveyor.size());
   const auto stream = [&](const char* kind, std::size_t i) {
     return named_stream(seed, fmt::format("{}/{}/{}", object.id, kind, i));
   };

@@ -105,6 +105,7 @@ void validate(const SimulationConfig& config) {
   }
   check_scene(config);
   std::vector<ObjectModel> models;
+  models.reserve(config.objects.size());
   for (const SimulationObject& object : config.objects) models.push_back(object_model(object));
   require_alike_in_class(models);
 }

@@ -73,6 +73,7 @@ std::vector<Pose> ClutterSource::next(const Pose& world_camera) {
   std::vector<Pose> poses;
   const std::size_t count =
       clutter_.rate_per_image > 0.0 ? draw_count(clutter_.rate_per_image, random_) : 0;
+  poses.reserve(count);
   for (std::size_t i = 0; i < count; ++i) poses.push_back(anywhere());
   for (std::size_t i = 0; i < places_.size(); ++i) {
     const SimulationPlace& place = clutter_.places[i];

@@ -80,6 +80,7 @@ std::optional<FrameEstimate> FixedLagSmoother::step(const FrameInput& input) {
   }
   const MultiObjectFilter& filter = *slam_.multi_object();
   std::vector<bool> known;
+  known.reserve(filter.object_count());
   for (std::size_t j = 0; j < filter.object_count(); ++j)
     known.push_back(filter.leading(j).has_value());
   const std::size_t lag = smoothing_.lag_frames;
@@ -104,6 +105,7 @@ std::vector<FrameEstimate> FixedLagSmoother::smooth(std::size_t count) {
   const Stopwatch stopwatch;
   const MultiObjectFilter& now = *slam_.multi_object();
   std::vector<const SmootherFrame*> inputs;
+  inputs.reserve(window_.size());
   for (const Frame& frame : window_) inputs.push_back(&frame.taken);
   const SmoothingWindow window(before_, now, motion_, leading_modes(now));
   SmoothedModes smoothed = window.smooth(inputs, smoothing_.passes);

@@ -43,7 +43,8 @@ bool can_both_win(const MultiObjectState& a, const MultiObjectState& b) {
   return false;
 }
 
-/// The weights of two cases divided by their sum, which is returned.
+}  // namespace
+
 LogTotals normalise_pair(LogTotals& a, LogTotals& b) {
   const double weights[] = {a.weight, b.weight};
   const double probabilities[] = {a.probability, b.probability};
@@ -52,8 +53,6 @@ LogTotals normalise_pair(LogTotals& a, LogTotals& b) {
   b = {b.weight - total.weight, b.probability - total.probability};
   return total;
 }
-
-}  // namespace
 
 GlobalHypotheses::GlobalHypotheses(const MultiObjectState& initial) { list_.push_back({initial}); }
 

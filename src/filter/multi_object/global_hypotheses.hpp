@@ -13,6 +13,9 @@
 
 namespace posemix::internal {
 
+/// The weights of two cases divided by their sum, which is returned.
+LogTotals normalise_pair(LogTotals& a, LogTotals& b);
+
 /// The global hypotheses of a MultiObjectFilter (docs/many-objects.md, "Global hypotheses").
 ///
 /// Where two modes of an object tie and place the camera differently, a state that has one camera

@@ -185,6 +185,7 @@ StudyReport report(const std::vector<ConsistencyCell>& cells, std::size_t runs,
   StudyTable table(columns());
   for (std::size_t i = 0; i < cells.size(); ++i) {
     std::vector<Json> trials;
+    trials.reserve(runs);
     for (std::size_t run = 0; run < runs; ++run)
       trials.push_back(Json::parse(results[i * runs + run]));
     table.add(row_of(cells[i].name, trials));

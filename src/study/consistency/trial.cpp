@@ -74,6 +74,7 @@ ObjectSlam make_slam(const ConsistencyCell& cell, RandomStream& random) {
   const SE3d told = SE3d::exp(draw_error(start, random)).inverse();
   std::vector<ObjectModel> models;
   const std::size_t count = cell.candidates ? cell.objects + 1 : cell.objects;
+  models.reserve(count);
   for (std::size_t j = 0; j < count; ++j) {
     models.push_back({.id = fmt::format("{}", j),
                       .noise = detector_of(cell),

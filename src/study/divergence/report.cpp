@@ -99,6 +99,7 @@ std::vector<std::string> divergence_notes(const DivergenceStudySettings& setting
                                           const Part& part) {
   if (settings.phi_deg.empty()) return {};
   std::vector<std::pair<double, std::string>> losses;
+  losses.reserve(part.rules.size());
   for (const std::string& rule : part.rules)
     losses.emplace_back(part.values.at(rule).at("kl").back(), rule);
   std::sort(losses.begin(), losses.end());

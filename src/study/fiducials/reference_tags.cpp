@@ -138,6 +138,7 @@ class Components {
   /// The largest angle between the directions from a point to two cameras.
   double span_deg(const Eigen::Vector3d& point) const {
     std::vector<Eigen::Vector3d> directions;
+    directions.reserve(cameras_.size());
     for (const Eigen::Vector3d& camera : cameras_)
       directions.push_back((camera - point).normalized());
     double least = 1.0;

@@ -76,6 +76,7 @@ std::vector<std::size_t> blocks_of(const GraspData& data, std::size_t blocks) {
     }
   }
   std::vector<std::size_t> result;
+  result.reserve(data.outcomes.trials.size());
   for (const GraspTrial& t : data.outcomes.trials) {
     result.push_back(block.at({t.dataset, t.scene, t.image}));
   }

@@ -94,6 +94,7 @@ const Json& chosen_model(const Json& item) {
 
 std::string draw_residuals(const Json& item) {
   std::vector<Chart> charts;
+  charts.reserve(6);
   for (std::size_t axis = 0; axis < 6; ++axis) charts.push_back(axis_chart(item, axis));
   const std::string title = fmt::format(
       "Residuals of {} for {}{}", item["detector"].get<std::string>(),
