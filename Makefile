@@ -65,9 +65,10 @@ build: build/.bootstrap-build
 demo: build build/.bootstrap-demo
 	tools/demo $(PROGRAM) build/demo
 
-# Browsers wait more than they compute: beside the tests of the package and of the node.
+# Browsers wait more than they compute: beside the tests of the package. Those of the node, which keep times, come after.
 test: test-cpp
-	$(MAKE) --no-print-directory -j2 --output-sync=target report-test test-python test-ros
+	$(MAKE) --no-print-directory -j2 --output-sync=target test-python report-test build/.ros
+	$(MAKE) --no-print-directory test-ros
 
 built: build/.bootstrap-test
 	$(BEGINS)

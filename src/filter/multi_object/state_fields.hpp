@@ -77,7 +77,8 @@ struct StateFields<LearnedSensor> {
                  shown, surprises, surprise] = x;
     require_state(noise.allFinite() && slow.allFinite() && information.allFinite() &&
                       std::isfinite(last_s) && std::isfinite(told) && turned.allFinite() &&
-                      std::isfinite(looked_s) && shown.allFinite() && surprise.allFinite(),
+                      std::isfinite(looked_s) && (shown.array() >= 0.0).all() &&
+                      (shown.array() <= 1.0).all() && surprise.allFinite(),
                   "a scale of the noise that is finite");
   }
 };
