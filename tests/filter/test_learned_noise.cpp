@@ -82,9 +82,10 @@ struct Robot {
   MultiObjectFilter filter;
 };
 
-NoiseDependence slow_with_the_view() {
-  return {.slow =
-              SlowError{.covariance = kLasting, .correlation_angle_rad = 0.5 * std::numbers::pi}};
+NoiseDependence slow_with_the_view(bool is_typical = false) {
+  return {
+      .slow = SlowError{.covariance = kLasting, .correlation_angle_rad = 0.5 * std::numbers::pi},
+      .is_typical = is_typical};
 }
 
 // A picture that stays the same has small innovations whatever the slow error is. The scale of the
@@ -94,7 +95,7 @@ TEST(LearnedNoise, StandingStillIsNoEvidenceAgainstTheSlowError) {
   for (const double white : {1.0, 0.3, 0.1}) {
     double sum = 0.0;
     for (int run = 0; run < kRuns; ++run) {
-      Robot robot(static_cast<std::uint64_t>(run), slow_with_the_view());
+      Robot robot(static_cast<std::uint64_t>(run), slow_with_the_view(true));
       for (int i = 0; i < 300; ++i) robot.see(false, white);
       sum += robot.nees() / kRuns;
     }
@@ -110,7 +111,7 @@ TEST(LearnedNoise, OdometryThatTremblesIsNoChangeOfTheView) {
   for (const double degrees : {0.003, 0.01, 0.03}) {
     double sum = 0.0;
     for (int run = 0; run < kRuns; ++run) {
-      Robot robot(static_cast<std::uint64_t>(run), slow_with_the_view());
+      Robot robot(static_cast<std::uint64_t>(run), slow_with_the_view(true));
       robot.odometry = isotropic(degrees, 1e-5);
       for (int i = 0; i < 300; ++i) robot.see(false, 0.1);
       sum += robot.nees() / kRuns;
@@ -154,6 +155,23 @@ TEST(LearnedNoise, ErrorsThatAreAlikeUndoNothing) {
     refused += robot.see(false, 0.1) ? 1 : 0;
   }
   EXPECT_GE(refused, 3);
+}
+
+// Where the noise is stated, a small white error says nothing of the slow one: the NEES was 5.7 at
+// a tenth.
+TEST(LearnedNoise, AStatedSlowErrorKeepsItsSize) {
+  constexpr int kRuns = 20;
+  for (const double white : {0.3, 0.1}) {
+    double sum = 0.0;
+    for (int run = 0; run < kRuns; ++run) {
+      Robot robot(static_cast<std::uint64_t>(run), slow_with_the_view());
+      for (int i = 0; i < 300; ++i) robot.see(true, white);
+      sum += robot.nees() / kRuns;
+    }
+    std::printf("circling, white error times %.1f: NEES %.2f\n", white, sum);
+    EXPECT_GT(sum, 0.5) << white;
+    EXPECT_LT(sum, 1.8) << white;
+  }
 }
 
 // No detection tells of it, and so no scale that is learned from detections is its own.

@@ -148,15 +148,17 @@ Vector6d LearnedSensor::learn(const DetectionUpdate& update, bool has_covariance
   return learn_slow_scale();
 }
 
-/// As large as goes with the white error, and as given while the slow error does not change: a
-/// detector that looks at one picture for long has small innovations whatever its slow error is.
+/// That of a noise that is stated is as given. That of a typical one is as large as goes with the
+/// white error, and as given while the slow error does not change: a detector that looks at one
+/// picture for long has small innovations whatever its slow error is.
 /// A slow error as given, of the covariance B, differs from what it was by 2 (1 - a) B, and means
 /// of the white error by 2 s^2 / kDetections of its covariance. The information on B that such a
 /// difference brings grows with the square of the ratio of the two; that of what is given counts 1.
 Vector6d LearnedSensor::learn_slow_scale() {
   Vector6d changed = Vector6d::Ones();
-  const auto& slow = sensor_.noise.dependence().slow;
-  if (!slow || sensor_.slow_units) return changed;
+  const NoiseDependence& dependence = sensor_.noise.dependence();
+  const auto& slow = dependence.slow;
+  if (!slow || !dependence.is_typical || sensor_.slow_units) return changed;
   const double a = slow->correlation(looked_s_, turned_.norm());
   for (Eigen::Index i = 0; i < 6; ++i) {
     const double s = sensor_.noise_scale[i];
