@@ -12,6 +12,7 @@
 
 #include "posemix/base/error.hpp"
 #include "posemix/lie/pose_checks.hpp"
+#include "view_turn.hpp"
 
 namespace posemix {
 
@@ -48,6 +49,15 @@ double view_angle(const SE3d& first, const SE3d& second) {
   const Eigen::Vector3d a = view_direction(first);
   const Eigen::Vector3d b = view_direction(second);
   return std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
+Eigen::Vector3d internal::view_turn(const SE3d& first, const SE3d& second) {
+  const Eigen::Vector3d a = view_direction(first);
+  const Eigen::Vector3d axis = a.cross(view_direction(second));
+  const double sine = axis.norm();
+  const double angle = view_angle(first, second);
+  if (angle == 0.0) return Eigen::Vector3d::Zero();
+  return sine > 0.0 ? Eigen::Vector3d(axis * (angle / sine)) : angle * a.unitOrthogonal();
 }
 
 NoiseAtPose noise_at(const NoiseComponent& noise, const SE3d& camera_object) {

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "detector/view_turn.hpp"
 #include "moving_object_state.hpp"
 
 namespace posemix::internal {

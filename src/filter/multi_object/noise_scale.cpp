@@ -55,17 +55,6 @@ double clarity(const std::vector<ObservationComponent>& components) {
   return second > 0.0 ? std::log(first / second) : 0.0;
 }
 
-Eigen::Vector3d view_turn(const SE3d& first, const SE3d& second) {
-  const auto direction = [](const SE3d& pose) {
-    return Eigen::Vector3d(-(pose.rotation().inverse() * pose.translation()).normalized());
-  };
-  const Eigen::Vector3d a = direction(first);
-  const Eigen::Vector3d b = direction(second);
-  const Eigen::Vector3d axis = a.cross(b);
-  const double sine = axis.norm();
-  return sine > 0.0 ? Eigen::Vector3d(axis * (std::atan2(sine, a.dot(b)) / sine)) : axis;
-}
-
 LearnedSensor::LearnedSensor(ObjectSensor sensor)
     : sensor_(std::move(sensor)),
       given_noise_scale_(sensor_.noise_scale),

@@ -13,9 +13,6 @@ namespace posemix::internal {
 
 /// Log ratio of the two largest weights; zero for one component.
 double clarity(const std::vector<ObservationComponent>& components);
-/// The rotation vector [rad], along the axes of the object, that takes the direction from it to the
-/// camera from that of the first pose in the camera to that of the second.
-Eigen::Vector3d view_turn(const SE3d& first, const SE3d& second);
 
 /// The detector of one object: its noise as given, and the scale of the noise that is learned from
 /// the innovations of the leading hypothesis (docs/many-objects.md, "The scale of the noise").
@@ -40,7 +37,7 @@ class LearnedSensor {
   double weight_share(const Observation& observation, double now_s) const;
   /// Counts a detection at the time `now_s`. Returns its new_share.
   double count_detection(const WeighedObservation& observation, double now_s);
-  /// The view of the object turned by a rotation vector [rad], along its axes, within a time [s].
+  /// The view of the object turned by a rotation vector [rad] (view_turn) within a time [s].
   void look(const Eigen::Vector3d& turn, double dt) {
     turned_ += turn;
     looked_s_ += dt;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include "noise_scale.hpp"
+#include "detector/view_turn.hpp"
 #include "object_belief.hpp"
 
 namespace posemix::internal {
