@@ -2,39 +2,78 @@
 // SPDX-FileCopyrightText: posemix contributors
 #pragma once
 
-#include <algorithm>
-#include <concepts>
-#include <deque>
+#include <cstddef>
 #include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include <fmt/format.h>
+#include <nanobind/nanobind.h>
 
 #include "setting_value.hpp"
 
+/// The fields of bound structs. There are hundreds, so that what happens with them is compiled
+/// once, for objects by their addresses, and only the conversion of a value once for each type of
+/// value.
 namespace posemix::python {
 
 /// The annotation of an array among the attributes of a class.
 inline constexpr const char* kFloatArray = "numpy.typing.NDArray[numpy.float64]";
 
 /// A text that lives as long as the module.
-inline const char* kept(std::string text) {
-  static std::deque<std::string> texts;
-  return texts.emplace_back(std::move(text)).c_str();
+const char* kept(std::string text);
+
+/// What can be done with the values of one type, by their addresses.
+struct Conversion {
+  nb::object (*get)(const void* value);
+  void (*set)(void* value, nb::handle given, const std::string& name);
+  bool (*same)(const void* a, const void* b);
+  std::string (*text)(const void* value);
+  nb::object (*seen)(nb::handle self, void* value);  ///< as an attribute of `self`
+};
+
+/// The functions of `Convert`, as SettingValue<Value>, and `Seen::of(self, value)`.
+template <class Value, class Convert, class Seen>
+struct ConversionOf {
+  static const Value& value_at(const void* value) { return *static_cast<const Value*>(value); }
+
+  static nb::object get(const void* value) { return Convert::get(value_at(value)); }
+  static void set(void* value, nb::handle given, const std::string& name) {
+    *static_cast<Value*>(value) = Convert::set(given, name);
+  }
+  static bool same(const void* a, const void* b) { return Convert::same(value_at(a), value_at(b)); }
+  static std::string text(const void* value) { return Convert::text(value_at(value)); }
+  static nb::object seen(nb::handle self, void* value) {
+    return Seen::of(self, *static_cast<Value*>(value));
+  }
+
+  static constexpr Conversion kAll{&get, &set, &same, &text, &seen};
+};
+
+/// Distance of a member from the beginning of its object [bytes].
+template <class T, class Value>
+std::ptrdiff_t offset_of(Value T::*member) {
+  alignas(T) std::byte storage[sizeof(T)];  // the address of a part needs no object
+  const auto* object = reinterpret_cast<const T*>(storage);
+  return reinterpret_cast<const std::byte*>(std::addressof(object->*member)) - storage;
 }
 
-/// A field of a bound struct T.
-template <class T>
+/// A field of a bound struct.
 struct Field {
   const char* name;
   const char* type;  ///< the Python annotation
   const char* text;  ///< description of the field with its unit
-  std::function<nb::object(const T&)> get;
-  std::function<void(T&, nb::handle)> set;
-  std::function<std::string(const T&)> shown;
-  std::function<bool(const T&, const T&)> same;
+  std::ptrdiff_t offset;
+  const Conversion* conversion;
+  /// What Python sees of the field of an object, where it is not what the conversion says.
+  std::function<nb::object(const void* object)> seen = {};
+  bool is_required = false;  ///< it has no default
+
+  const void* of(const void* object) const { return static_cast<const char*>(object) + offset; }
+  void* of(void* object) const { return static_cast<char*>(object) + offset; }
+
+  std::string shown(const void* object) const;
+  bool same(const void* a, const void* b) const { return conversion->same(of(a), of(b)); }
 };
 
 /// The type of an argument that becomes a field of this type.
@@ -43,119 +82,81 @@ std::string argument_type(const std::string& type);
 /// The type of an attribute to which a value of this type can be assigned.
 std::string attribute_type(const std::string& type);
 
-/// The fields of a bound struct T, from which its class gets repr, equality, pickling and
-/// docstring.
-template <class T>
+/// The fields of a bound struct, from which its class gets attributes, constructor, repr, equality,
+/// pickling and docstring. What is given as an address is an object of that struct.
 class Fields {
  public:
-  explicit Fields(std::string name) : name_(std::move(name)) {}
+  using Make = std::function<void(void* place)>;
+  using Copy = void (*)(void* place, const void* object);
+  using Check = std::function<void(const void* object)>;
+  using Show = std::function<std::string(const void* object)>;
+
+  /// Those of a class, without any so far, which live as long as the module.
+  static Fields& of(nb::handle made, const char* name);
+
+  Fields(nb::handle made, const char* name) : class_(made), name_(name) {}
+  Fields(const Fields&) = delete;
+  Fields& operator=(const Fields&) = delete;
 
   const std::string& name() const { return name_; }
-  auto begin() const { return fields_.begin(); }
-  auto end() const { return fields_.end(); }
+  Field& last() { return fields_.back(); }
 
-  template <class Convert, class Value>
-  void add(const char* name, Value T::*member, const char* type, const char* text) {
-    const auto set = [member, what = name_ + "." + name](T& t, nb::handle value) {
-      t.*member = Convert::set(value, what);
-    };
-    fields_.push_back(
-        {name, type, text, [member](const T& t) { return Convert::get(t.*member); }, set,
-         [member](const T& t) { return Convert::text(t.*member); },
-         [member](const T& a, const T& b) { return Convert::same(a.*member, b.*member); }});
-  }
-
-  /// Assigns the values of a dict, whose keys are names of fields.
-  void assign(T& self, const nb::dict& values) const {
-    for (auto [key, value] : values) assign(self, nb::cast<std::string>(key), value);
-  }
-
-  /// @throws TypeError or ValueError naming the field, where the value does not fit it
-  void assign(T& self, const std::string& key, nb::handle value) const {
-    for (const Field<T>& field : fields_) {
-      if (key != field.name) continue;
-      try {
-        field.set(self, value);
-      } catch (const nb::cast_error&) {
-        throw nb::type_error(fmt::format("{}: {} is {}; expected {}", name_, key,
-                                         nb::repr(value).c_str(), field.type)
-                                 .c_str());
-      }
-      return;
-    }
-    throw nb::type_error(fmt::format("{} has no setting '{}'", name_, key).c_str());
-  }
-
-  /// Assigns values by position, then by name; each of the first `required` fields needs one.
-  void assign(T& self, const nb::args& values, const nb::kwargs& named,
-              std::size_t required) const {
-    nb::dict all;
-    const auto refuse = [this](const std::string& why) {
-      throw nb::type_error((name_ + " " + why).c_str());
-    };
-    if (values.size() > fields_.size())
-      refuse(fmt::format("takes {} values; got {}", fields_.size(), values.size()));
-    for (std::size_t i = 0; i < values.size(); ++i) all[fields_[i].name] = values[i];
-    for (auto [key, value] : named) {
-      if (all.contains(key)) refuse(fmt::format("got two values of {}", nb::repr(key).c_str()));
-      all[key] = value;
-    }
-    for (std::size_t i = 0; i < required; ++i)
-      if (!all.contains(fields_[i].name)) refuse(fmt::format("needs '{}'", fields_[i].name));
-    assign(self, all);
-  }
-
-  /// The section `Attributes` of a numpydoc docstring; `after` is what follows a field's text.
-  std::string document(const std::function<std::string(const Field<T>&)>& after) const {
-    std::string text = "\n\nAttributes\n----------\n";
-    for (const Field<T>& field : fields_)
-      text += fmt::format("{} : {}\n    {}{}\n", field.name, field.type, field.text, after(field));
-    return text;
-  }
-
-  /// Sets the text of the last field in place of that of its conversion.
-  void show_last_as(std::function<std::string(const T&)> shown) {
-    fields_.back().shown = std::move(shown);
-  }
-
-  /// Python makes the object from values of its own, which cannot be changed in place.
-  void set_input() { is_input_ = true; }
-  bool is_input() const { return is_input_; }
-
+  /// How an object is made to which fields are assigned.
+  void made_by(Make make) { make_ = std::move(make); }
   /// Sets the text of an object in place of the names and values of its fields.
-  void show_as(std::function<std::string(const T&)> text) { text_ = std::move(text); }
+  void show_as(Show text) { text_ = std::move(text); }
 
+  /// Adds a field as an attribute that can be assigned.
+  void add_setting(Field field);
+  /// Adds a field as an attribute that cannot be assigned.
+  void add_result(Field field);
+
+  /// Gives the class a constructor from keywords.
+  void define_keywords() const;
+  /// Gives the class a constructor from values by position or name, of which the first `required`
+  /// have no default, and `replace`; `check` refuses what does not fit together. Lists, dicts and
+  /// arrays among the attributes can then not be changed.
+  void define_arguments(std::size_t required, Copy copy, const Check& check);
   /// Gives the class repr, equality and pickling.
-  static void define(nb::class_<T>& made, const std::shared_ptr<Fields>& fields) {
-    made.def("__repr__", [fields](const T& self) {
-      if (fields->text_) return fields->text_(self);
-      std::string text = fields->name_ + "(";
-      for (const Field<T>& field : *fields)
-        text +=
-            fmt::format("{}{}={}", text.back() == '(' ? "" : ", ", field.name, field.shown(self));
-      return text + ")";
-    });
-    made.def(
-        "__eq__",
-        [fields](const T& self, nb::handle other) {
-          if (!nb::isinstance<T>(other)) return false;
-          const T& that = *nb::inst_ptr<T>(other);
-          return std::ranges::all_of(*fields,
-                                     [&](const Field<T>& field) { return field.same(self, that); });
-        },
-        nb::sig("def __eq__(self, other: object, /) -> bool"));
-    made.def("__getstate__", [fields](const T& self) {
-      nb::dict state;
-      for (const Field<T>& field : *fields) state[field.name] = field.get(self);
-      return state;
-    });
-    made.attr("__hash__") = nb::none();
-  }
+  void define_values() const;
+  /// Sets the docstring of the class, whose defaults are those of a new object.
+  void document(const std::string& summary, bool with_defaults, const char* more = "") const;
 
  private:
+  template <class Function, class... Extra>
+  void define(const char* name, Function function, const Extra&... extra) const {
+    nb::cpp_function_def(function, nb::scope(class_), nb::name(name), nb::is_method(), extra...);
+  }
+  /// The last field as an attribute, with a setter or None.
+  void add_attribute(const std::string& type, const nb::object& set) const;
+  nb::object attribute(const Field& field, nb::handle self) const;
+
+  bool is_one(nb::handle self) const;
+  /// The object of `self`.
+  /// @throws nb::next_overload, which becomes a TypeError, where it is none of the class
+  void* object_of(nb::handle self) const;
+  /// Makes the object of `self`, which has none, and fills it.
+  void make(nb::handle self, const std::function<void(void* object)>& fill) const;
+
+  /// @throws TypeError or ValueError naming the field, where the value does not fit it
+  void assign(void* object, const Field& field, nb::handle value) const;
+  /// Assigns the values of a dict, whose keys are names of fields.
+  void assign(void* object, const nb::dict& values) const;
+  /// Values by position, then by name; each of the first `required` fields needs one.
+  nb::dict named(const nb::args& values, const nb::kwargs& others, std::size_t required) const;
+  /// @throws TypeError where a field that is required has no value
+  void require(const nb::kwargs& values) const;
+
+  std::string repr(const void* object) const;
+  /// The parameters of a signature, each after a comma.
+  std::string parameters(const std::function<bool(std::size_t field)>& has_default) const;
+
+  nb::handle class_;  ///< which lives as long as the module
   std::string name_;
-  std::vector<Field<T>> fields_;
-  std::function<std::string(const T&)> text_;
+  std::vector<Field> fields_;
+  Make make_;
+  Check check_;
+  Show text_;
   bool is_input_ = false;
 };
 

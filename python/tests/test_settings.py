@@ -8,6 +8,7 @@ import copy
 import gc
 import inspect
 import pickle
+from unittest.mock import Mock
 
 import numpy as np
 import posemix as px
@@ -179,3 +180,35 @@ def test_copies_of_a_noise_model_cannot_be_assigned() -> None:
     tracker = px.MultiObjectFilter(px.ConcentratedGaussian(px.SE3(), np.eye(6)), [px.ObjectSensor()])
     with pytest.raises(AttributeError, match="MultiObjectSettings.birth_score"):
         tracker.settings.birth_score = 1.0
+
+
+def test_an_attribute_is_of_an_object_of_its_class() -> None:
+    """Other objects, mocks of the class and objects that were never filled have none."""
+    cls = px.MultiObjectSettings
+    unmade = cls.__new__(cls)
+    others = (42, Mock(spec=cls), px.FuseSettings(), unmade)
+    for other in others:
+        with pytest.raises(TypeError, match="max_hypotheses"):
+            cls.max_hypotheses.fget(other)  # type: ignore[attr-defined]
+        with pytest.raises(TypeError, match="max_hypotheses"):
+            cls.max_hypotheses.fset(other, 3)  # type: ignore[attr-defined]
+        with pytest.raises(TypeError, match="__repr__"):
+            cls.__repr__(other)
+        assert cls() != other
+
+
+def test_an_object_is_made_once() -> None:
+    made = px.MultiObjectSettings(max_hypotheses=3)
+    with pytest.raises(TypeError, match="__init__"):
+        made.__init__(max_hypotheses=4)  # type: ignore[misc]
+    with pytest.raises(TypeError, match="__setstate__"):
+        made.__setstate__({"max_hypotheses": 4})
+    assert made.max_hypotheses == 3
+    # What cannot be made is nothing, and can be made after all.
+    late = px.MultiObjectSettings.__new__(px.MultiObjectSettings)
+    with pytest.raises(TypeError, match="expected int"):
+        late.__init__(max_hypotheses="many")  # type: ignore[misc, arg-type]
+    with pytest.raises(TypeError, match="max_hypotheses"):
+        _ = late.max_hypotheses
+    late.__init__(max_hypotheses=5)  # type: ignore[misc]
+    assert late.max_hypotheses == 5
