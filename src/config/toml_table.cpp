@@ -27,6 +27,12 @@ std::string indexed(std::string_view key, std::size_t index) {
   return fmt::format("{}[{}]", key, index);
 }
 
+/// Counts every key within a value as known.
+void know_all(const TomlNode& node) {
+  node.known.insert(node.keys.begin(), node.keys.end());
+  for (const TomlNode& child : node.children) know_all(child);
+}
+
 std::string counted(Eigen::Index count, std::string_view what) {
   return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
 }
@@ -112,7 +118,10 @@ void TomlTable::warn(std::string_view key, std::string_view message) const {
 void TomlTable::ignore_removed(std::initializer_list<std::string_view> keys,
                                std::string_view reason) const {
   for (const std::string_view key : keys) {
-    if (has(key)) warn(key, fmt::format("has no effect any more: {}", reason));
+    const TomlNode* node = find(key);
+    if (node == nullptr) continue;
+    know_all(*node);
+    warn(key, fmt::format("has no effect any more: {}", reason));
   }
 }
 

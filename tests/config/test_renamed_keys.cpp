@@ -36,6 +36,16 @@ TEST(RemovedKeys, HaveNoEffectButAWarning) {
                       "needs it"}));
 }
 
+TEST(RemovedKeys, HaveNoEffectWithAllThatIsInThem) {
+  const TomlDocument document = document_of(
+      "[mug]\nbias = {sd_deg = 3, of = {range = 1}}\nold = [{a = 1}, {b = [{c = 2}]}]\n");
+  document.root().get_table("mug").ignore_removed({"bias", "old"}, "nothing needs it");
+  EXPECT_NO_THROW(document.finish());
+  EXPECT_EQ(document.warnings(),
+            (Warnings{"s.toml:2: key 'mug.bias' has no effect any more: nothing needs it",
+                      "s.toml:3: key 'mug.old' has no effect any more: nothing needs it"}));
+}
+
 TEST(RenamedKeys, AtTheTopOfADocumentOnlyThoseOfItsReader) {
   TomlDocument document = document_of("null = true\nnull_least = 0.25\n");
   EXPECT_EQ(document.warnings(), Warnings());

@@ -10,6 +10,25 @@
 namespace posemix::fuzzing {
 namespace {
 
+/// What is only looked at, or has a value otherwise, of a key and of one that there is not.
+void read_if_there(const TomlTable& table, const std::string& key) {
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(2);
+  const auto attempt = [](const auto& read) { takes("", read); };
+  for (const std::string& name : {key, key + "_sd_deg"}) {
+    expect(table.has(name) || !(table.is_array(name) || table.is_string(name)),
+           "nothing of a type");
+    attempt([&] { table.get_double_or(name, 1.0); });
+    attempt([&] { table.get_integer_or(name, 1); });
+    attempt([&] { table.get_bool_or(name, true); });
+    attempt([&] { table.get_string_or(name, "a"); });
+    attempt([&] { table.get_strings_or(name, {}); });
+    attempt([&] { expect(table.get_vector_or(name, zero).size() == 2, "another size"); });
+    attempt([&] { expect(!table.find_table(name) || table.is_table(name), "no table"); });
+    attempt([&] { table.find_tables(name); });
+    attempt([&] { table.get_double(name); });
+  }
+}
+
 /// Reads the keys leniently, so that every key reaches every getter.
 void read_every_way(const TomlTable& table) {
   enum class Word { one, two };
@@ -29,7 +48,23 @@ void read_every_way(const TomlTable& table) {
     attempt([&] {
       for (const TomlTable& item : table.get_tables(key)) read_every_way(item);
     });
+    read_if_there(table, key);
+    attempt([&] { expect(!table.text_of(key).empty(), "a value without a text"); });
+    expect(!table.location(key).empty(), "a value that is nowhere");
   }
+}
+
+/// Reads as the reader of a file that knows a few keys alone.
+void read_strictly(std::string_view text) {
+  TomlDocument document = TomlDocument::parse(text, "f");
+  document.set_variable("name", "given");
+  document.rename_key("old", "new");
+  const TomlTable root = document.root();
+  for (const char* key : {"range_m", "turn_deg", "name", "new", "objects"}) root.has(key);
+  expect(document.inputs().empty(), "a file that was read");
+  for (const std::string& warning : document.warnings())
+    expect(warning.starts_with("f:"), "a warning that has no place");
+  document.finish();
 }
 
 }  // namespace
@@ -37,10 +72,12 @@ void read_every_way(const TomlTable& table) {
 POSEMIX_FUZZ_TARGET(toml) {
   const std::size_t end = bytes.find('\1');
   const std::string_view assignment = end == bytes.npos ? "" : bytes.substr(end + 1);
+  takes("f", [&] { read_strictly(bytes.substr(0, end)); });
   takes("", [&] {
     TomlDocument document = TomlDocument::parse(bytes.substr(0, end), "f");
     if (!assignment.empty()) document.apply_override(std::string(assignment));
     read_every_way(document.root());
+    expect(!document.name().empty(), "a document without a name");
     document.finish();
   });
 }

@@ -72,7 +72,8 @@ CameraRegression::CameraRegression(const CameraMoments& before, const CameraMome
   shift_ = before.rig.factor().solve(after.rig.mean - before.rig.mean);
   if (auto l = low_rank_reduction(before.rig.covariance, after.rig.covariance)) {
     reduction_ = std::move(*l);
-    solved_ = before.rig.factor().solve(reduction_);
+    // Eigen takes no matrix without columns: that of a detection by which nothing moves.
+    if (reduction_.cols() > 0) solved_ = before.rig.factor().solve(reduction_);
   }
 }
 
