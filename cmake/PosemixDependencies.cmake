@@ -19,6 +19,7 @@ posemix_need(tomlplusplus 3.3 libtomlplusplus-dev)
 posemix_need(nlohmann_json 3.11 nlohmann-json3-dev)
 # NLopt::nlopt, whose C++ interface is header-only.
 posemix_need(NLopt 2.7 libnlopt-cxx-dev CONFIG)
+include("${CMAKE_CURRENT_LIST_DIR}/posemix-nlopt.cmake")
 # Highway, for vector instructions that are chosen at run time.
 posemix_need(hwy 1.0.3 libhwy-dev CONFIG)
 posemix_need(ZLIB 1.2 zlib1g-dev)

@@ -15,7 +15,7 @@ configure_package_config_file("${CMAKE_CURRENT_LIST_DIR}/posemix-config.cmake.in
   "${PROJECT_BINARY_DIR}/posemix-config.cmake" INSTALL_DESTINATION "${POSEMIX_CMAKE_DIR}")
 write_basic_package_version_file("${PROJECT_BINARY_DIR}/posemix-config-version.cmake"
   COMPATIBILITY SameMinorVersion)
-install(FILES "${PROJECT_BINARY_DIR}/posemix-config.cmake"
+install(FILES "${CMAKE_CURRENT_LIST_DIR}/posemix-nlopt.cmake" "${PROJECT_BINARY_DIR}/posemix-config.cmake"
   "${PROJECT_BINARY_DIR}/posemix-config-version.cmake" DESTINATION "${POSEMIX_CMAKE_DIR}"
   COMPONENT development)
 

@@ -56,6 +56,9 @@ double binary_number(PlyNumber type, const char* bytes) {
   return 0.0;
 }
 
+/// What the largest of the integer types counts to; a length may be written as any number.
+constexpr double kMostEntries = 4294967295.0;
+
 /// Takes the numbers of one element after another from the body of a file.
 class PlyBody {
  public:
@@ -83,7 +86,8 @@ class PlyBody {
  private:
   std::size_t take_length(PlyNumber type) {
     const double length = take_number(type);
-    if (!(length >= 0.0) || length != std::floor(length)) fail("a list of so many entries");
+    if (!(length >= 0.0 && length <= kMostEntries) || length != std::floor(length))
+      fail("a list of so many entries");
     return static_cast<std::size_t>(length);
   }
 

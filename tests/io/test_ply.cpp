@@ -122,6 +122,8 @@ TEST(PlyMesh, RefusesDamage) {
                  "m.ply: got corner 0.5 of face 0, expected one of 4 vertices");
   EXPECT_INVALID(mesh(with(kFaces, "7 3 2 1 0", "7 -3 2 1 0")),
                  "m.ply: got a damaged line of face 0, expected a list of so many entries");
+  EXPECT_INVALID(mesh(with(kFaces, "7 3 2 1 0", "7 3e33 2 1 0")),
+                 "m.ply: got a damaged line of face 0, expected a list of so many entries");
   EXPECT_INVALID(mesh(with(kFaces, "7 3 2 1 0", "7 9 2 1 0")),
                  "m.ply: got a damaged line of face 0, expected a number more");
   EXPECT_INVALID(mesh(with(kFaces, "vertex_indices", "corners")),
