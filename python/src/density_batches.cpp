@@ -69,17 +69,19 @@ nb::tuple in_batch(Function function, std::size_t count, std::size_t threads, co
 
 nb::tuple fused_rows(const PoseRows& x, const PoseRows& y, const FuseSettings& settings) {
   PoseRowsOut out(common_size(x, y));
-  std::vector<bool> converged;
+  std::vector<char> converged;
   {
     const nb::gil_scoped_release unlocked;
     for (std::size_t i = 0; i < common_size(x, y); ++i) {
       const auto result = fuse(x.at(i), y.at(i), settings);
-      converged.push_back(result.converged);
+      converged.push_back(result.converged ? 1 : 0);
       out.set(i, result.density);
     }
   }
+  nb::list flags;
+  for (const char each : converged) flags.append(nb::bool_(each != 0));
   const nb::tuple densities = out.tuple();
-  return nb::make_tuple(densities[0], densities[1], converged);
+  return nb::make_tuple(nb::object(densities[0]), nb::object(densities[1]), flags);
 }
 
 }  // namespace
