@@ -41,35 +41,42 @@ std::string Field::shown(const void* object) const {
   return seen ? std::string(nb::repr(seen(object)).c_str()) : conversion->text(of(object));
 }
 
-Fields& Fields::of(nb::handle made, const char* name) {
+Fields& Fields::kept_fields(nb::handle made, const char* name, Destroy destroy) {
   static std::deque<Fields> all;
-  return all.emplace_back(made, name);
+  return all.emplace_back(made, name, destroy);
 }
 
 // --- objects
 
-bool Fields::is_one(nb::handle self) const {
-  auto* const type = reinterpret_cast<PyTypeObject*>(class_.ptr());
-  return PyObject_TypeCheck(self.ptr(), type) != 0 && nb::inst_ready(self);
+bool Fields::is_of_class(nb::handle self) const {
+  return PyObject_TypeCheck(self.ptr(), reinterpret_cast<PyTypeObject*>(class_.ptr())) != 0;
 }
 
 void* Fields::object_of(nb::handle self) const {
-  if (!is_one(self)) throw nb::next_overload();
+  if (!is_of_class(self)) throw nb::next_overload();
+  if (!nb::inst_ready(self))
+    refuse(fmt::format("{}: the object was not made; a subclass calls super().__init__()", name_));
   return nb::inst_ptr<void>(self);
 }
 
+void Fields::require_unmade(nb::handle self, const char* function) const {
+  if (!is_of_class(self)) throw nb::next_overload();
+  if (nb::inst_ready(self))
+    refuse(fmt::format("{}.{}(): the object is made already; make another one", name_, function));
+}
+
 void Fields::make(nb::handle self, const std::function<void(void* object)>& fill) const {
-  auto* const type = reinterpret_cast<PyTypeObject*>(class_.ptr());
-  if (PyObject_TypeCheck(self.ptr(), type) == 0 || nb::inst_ready(self)) throw nb::next_overload();
+  if (!make_) refuse(fmt::format("{}: only the library makes one", name_));
   void* const object = nb::inst_ptr<void>(self);
   make_(object);
-  nb::inst_mark_ready(self);
   try {
     fill(object);
   } catch (...) {
-    nb::inst_destruct(self);
+    // Code of the values may have made it after all.
+    if (!nb::inst_ready(self)) destroy_(object);
     throw;
   }
+  nb::inst_mark_ready(self);
 }
 
 void Fields::assign(void* object, const Field& field, nb::handle value) const {
@@ -83,10 +90,12 @@ void Fields::assign(void* object, const Field& field, nb::handle value) const {
 
 void Fields::assign(void* object, const nb::dict& values) const {
   for (auto [key, value] : values) {
-    const auto name = nb::cast<std::string>(key);
+    std::string name;
+    const bool is_text = nb::try_cast<std::string>(key, name);
     const auto field = std::ranges::find_if(
-        fields_, [&](const Field& candidate) { return candidate.name == name; });
-    if (field == fields_.end()) refuse(fmt::format("{} has no setting '{}'", name_, name));
+        fields_, [&](const Field& candidate) { return is_text && candidate.name == name; });
+    if (field == fields_.end())
+      refuse(fmt::format("{} has no setting {}", name_, nb::repr(key).c_str()));
     assign(object, *field, value);
   }
 }
@@ -135,6 +144,7 @@ void Fields::add_attribute(const std::string& type, const nb::object& set) const
 }
 
 void Fields::add_result(Field field) {
+  has_results_ = true;
   fields_.push_back(std::move(field));
   add_attribute(last().type, nb::none());
 }
@@ -169,6 +179,7 @@ void Fields::define_keywords() const {
   define(
       "__init__",
       [this](nb::handle self, const nb::kwargs& values) {
+        require_unmade(self, "__init__");
         require(values);
         make(self, [&](void* object) { assign(object, values); });
       },
@@ -183,6 +194,7 @@ void Fields::define_arguments(std::size_t required, Copy copy, const Check& chec
   define(
       "__init__",
       [this, required](nb::handle self, const nb::args& values, const nb::kwargs& others) {
+        require_unmade(self, "__init__");
         const nb::dict all = named(values, others, required);
         make(self, [&](void* object) {
           assign(object, all);
@@ -222,6 +234,22 @@ std::string Fields::repr(const void* object) const {
   return text + ")";
 }
 
+nb::dict Fields::state_of(const void* object) const {
+  nb::dict state;
+  for (const Field& field : fields_) {
+    const auto key = nb::steal(PyUnicode_InternFromString(field.name));
+    state[key] = field.conversion->get(field.of(object));
+  }
+  return state;
+}
+
+void Fields::require_whole(const nb::dict& state) const {
+  if (!has_results_) return;
+  for (const Field& field : fields_)
+    if (!state.contains(field.name))
+      refuse(fmt::format("{}: a state without '{}'", name_, field.name));
+}
+
 void Fields::define_values() const {
   define(
       "__repr__", [this](nb::handle self) { return repr(object_of(self)); },
@@ -230,26 +258,21 @@ void Fields::define_values() const {
       "__eq__",
       [this](nb::handle self, nb::handle other) {
         const void* const object = object_of(self);
-        if (!is_one(other)) return false;
+        if (!is_of_class(other) || !nb::inst_ready(other)) return false;
         const void* const that = nb::inst_ptr<void>(other);
         return std::ranges::all_of(fields_,
                                    [&](const Field& field) { return field.same(object, that); });
       },
       nb::sig("def __eq__(self, other: object, /) -> bool"));
   define(
-      "__getstate__",
-      [this](nb::handle self) {
-        const void* const object = object_of(self);
-        nb::dict state;
-        for (const Field& field : fields_)
-          state[field.name] = field.conversion->get(field.of(object));
-        return state;
-      },
+      "__getstate__", [this](nb::handle self) { return state_of(object_of(self)); },
       nb::sig("def __getstate__(self) -> dict"));
   class_.attr("__hash__") = nb::none();
   define(
       "__setstate__",
       [this](nb::handle self, const nb::dict& state) {
+        require_unmade(self, "__setstate__");
+        require_whole(state);
         make(self, [&](void* object) { assign(object, state); });
       },
       nb::sig("def __setstate__(self, arg: dict, /) -> None"));

@@ -87,14 +87,19 @@ std::string attribute_type(const std::string& type);
 class Fields {
  public:
   using Make = std::function<void(void* place)>;
+  using Destroy = void (*)(void* object);
   using Copy = void (*)(void* place, const void* object);
   using Check = std::function<void(const void* object)>;
   using Show = std::function<std::string(const void* object)>;
 
   /// Those of a class, without any so far, which live as long as the module.
-  static Fields& of(nb::handle made, const char* name);
+  template <class T>
+  static Fields& of(const nb::class_<T>& made, const char* name) {
+    return kept_fields(made, name, [](void* object) { static_cast<T*>(object)->~T(); });
+  }
 
-  Fields(nb::handle made, const char* name) : class_(made), name_(name) {}
+  Fields(nb::handle made, const char* name, Destroy destroy)
+      : class_(made), name_(name), destroy_(destroy) {}
   Fields(const Fields&) = delete;
   Fields& operator=(const Fields&) = delete;
 
@@ -131,11 +136,17 @@ class Fields {
   void add_attribute(const std::string& type, const nb::object& set) const;
   nb::object attribute(const Field& field, nb::handle self) const;
 
-  bool is_one(nb::handle self) const;
+  static Fields& kept_fields(nb::handle made, const char* name, Destroy destroy);
+
+  bool is_of_class(nb::handle self) const;
   /// The object of `self`.
-  /// @throws nb::next_overload, which becomes a TypeError, where it is none of the class
+  /// @throws nb::next_overload, which becomes a TypeError, where it is none of the class, and
+  /// TypeError where it was not made
   void* object_of(nb::handle self) const;
-  /// Makes the object of `self`, which has none, and fills it.
+  /// @throws the same as object_of where `self` is none of the class or has its object already;
+  /// `function` is what would make it
+  void require_unmade(nb::handle self, const char* function) const;
+  /// Makes the object of `self`, which has none, and fills it. Nobody sees it before it is full.
   void make(nb::handle self, const std::function<void(void* object)>& fill) const;
 
   /// @throws TypeError or ValueError naming the field, where the value does not fit it
@@ -147,17 +158,23 @@ class Fields {
   /// @throws TypeError where a field that is required has no value
   void require(const nb::kwargs& values) const;
 
+  /// What pickles have, by names that are one object each.
+  nb::dict state_of(const void* object) const;
+  /// @throws TypeError where a state lacks a field of a class that Python does not fill itself
+  void require_whole(const nb::dict& state) const;
   std::string repr(const void* object) const;
   /// The parameters of a signature, each after a comma.
   std::string parameters(const std::function<bool(std::size_t field)>& has_default) const;
 
   nb::handle class_;  ///< which lives as long as the module
   std::string name_;
+  Destroy destroy_;
   std::vector<Field> fields_;
   Make make_;
   Check check_;
   Show text_;
   bool is_input_ = false;
+  bool has_results_ = false;  ///< its fields cannot be assigned
 };
 
 }  // namespace posemix::python

@@ -35,8 +35,12 @@ template <class Value>
 inline constexpr bool kIsList<std::vector<Value>> =
     !std::is_same_v<Value, SE3d> && !std::is_same_v<Value, std::optional<SE3d>>;
 
+/// Arrays whose numbers are within the struct. Those of any size move when they are assigned.
 template <class Value>
-inline constexpr bool kIsArray = std::is_base_of_v<Eigen::MatrixBase<Value>, Value>;
+inline constexpr bool kIsArray = false;
+template <class Value>
+requires std::is_base_of_v<Eigen::MatrixBase<Value>, Value>
+inline constexpr bool kIsArray<Value> = Value::SizeAtCompileTime != Eigen::Dynamic;
 
 inline nb::object frozen_class(nb::handle type) {
   return nb::module_::import_("posemix._frozen").attr("frozen_class")(type);

@@ -93,6 +93,9 @@ void bind_stamps(nb::module_& m) {
       .done();
   using E = EstimateAtStamp;
   Record<E>(m, "EstimateAtStamp", "An estimate and its time.")
+      .made_from([] {
+        return E{0.0, {unit_density(), {}, {}, {}}};
+      })
       .field("stamp_s", &E::stamp_s, "float", "Time of the estimate [s].")
       .field("estimate", &E::estimate, "FrameEstimate", "The estimate.")
       .done();

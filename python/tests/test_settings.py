@@ -186,29 +186,89 @@ def test_an_attribute_is_of_an_object_of_its_class() -> None:
     """Other objects, mocks of the class and objects that were never filled have none."""
     cls = px.MultiObjectSettings
     unmade = cls.__new__(cls)
-    others = (42, Mock(spec=cls), px.FuseSettings(), unmade)
-    for other in others:
-        with pytest.raises(TypeError, match="max_hypotheses"):
-            cls.max_hypotheses.fget(other)  # type: ignore[attr-defined]
-        with pytest.raises(TypeError, match="max_hypotheses"):
-            cls.max_hypotheses.fset(other, 3)  # type: ignore[attr-defined]
-        with pytest.raises(TypeError, match="__repr__"):
-            cls.__repr__(other)
+    for other in (42, Mock(spec=cls), px.FuseSettings(), unmade):
+        why = "was not made; a subclass calls" if other is unmade else "incompatible function arguments"
+        uses = (cls.max_hypotheses.fget, lambda o: cls.max_hypotheses.fset(o, 3), cls.__repr__, cls.__getstate__)
+        for use in uses:
+            with pytest.raises(TypeError, match=why):
+                use(other)
         assert cls() != other
 
 
 def test_an_object_is_made_once() -> None:
     made = px.MultiObjectSettings(max_hypotheses=3)
-    with pytest.raises(TypeError, match="__init__"):
+    with pytest.raises(TypeError, match=r"MultiObjectSettings.__init__\(\): the object is made already"):
         made.__init__(max_hypotheses=4)  # type: ignore[misc]
-    with pytest.raises(TypeError, match="__setstate__"):
+    with pytest.raises(TypeError, match=r"MultiObjectSettings.__setstate__\(\): the object is made already"):
         made.__setstate__({"max_hypotheses": 4})
     assert made.max_hypotheses == 3
+    with pytest.raises(TypeError, match="incompatible function arguments"):
+        px.ToleranceBox.__init__(42)
     # What cannot be made is nothing, and can be made after all.
     late = px.MultiObjectSettings.__new__(px.MultiObjectSettings)
     with pytest.raises(TypeError, match="expected int"):
         late.__init__(max_hypotheses="many")  # type: ignore[misc, arg-type]
-    with pytest.raises(TypeError, match="max_hypotheses"):
+    with pytest.raises(TypeError, match="was not made"):
         _ = late.max_hypotheses
     late.__init__(max_hypotheses=5)  # type: ignore[misc]
     assert late.max_hypotheses == 5
+
+
+def test_nobody_sees_an_object_before_it_is_whole() -> None:
+    """Code of a value that is converted could keep a part of an object that then is not made."""
+    seen = []
+
+    class Curious:
+        def __init__(self, owner: object) -> None:
+            self.owner = owner
+
+        def __float__(self) -> float:
+            try:
+                seen.append(self.owner.unit)
+            except TypeError as error:
+                seen.append(str(error))
+            raise ValueError("no")
+
+        __index__ = __float__
+
+    made = px.EmSettings.__new__(px.EmSettings)
+    with pytest.raises((TypeError, ValueError)):
+        made.__init__(unit=np.full(40, 7.0), max_sd=Curious(made))  # type: ignore[misc, arg-type]
+    assert seen and all("was not made" in str(each) for each in seen)
+
+
+def test_an_array_of_any_size_is_a_copy() -> None:
+    """It moves when another is assigned, and whoever held it would read what is there by then."""
+    settings = px.EmSettings(unit=np.full(40, 7.0))
+    held = settings.unit
+    settings.unit = np.zeros(3)
+    others = [np.full(40, 3.25) for _ in range(5)]
+    assert len(others) == 5 and held.tolist() == [7.0] * 40
+    with pytest.raises(ValueError, match="read-only"):
+        settings.unit[0] = 1.0
+    settings.unit = [1.0, 2.0]
+    assert settings.unit.tolist() == [1.0, 2.0]
+
+
+def test_pickles_share_the_names_of_fields() -> None:
+    one, other = (px.MultiObjectSettings().__getstate__() for _ in range(2))
+    assert all(a is b for a, b in zip(one, other, strict=True))
+
+
+def test_keys_that_are_no_names_are_refused() -> None:
+    with pytest.raises(TypeError, match=r"has no setting '\\ud800'"):
+        px.MultiObjectSettings(**{"\ud800": 1})
+    late = px.MultiObjectSettings.__new__(px.MultiObjectSettings)
+    with pytest.raises(TypeError, match="has no setting 3"):
+        late.__setstate__({3: 1})
+
+
+def test_results_are_made_of_whole_states() -> None:
+    corners = px.CornerSighting.__new__(px.CornerSighting)
+    with pytest.raises(TypeError, match="a state without 'stamp_s'"):
+        corners.__setstate__({})
+    body = px.ConcentratedGaussian(px.SE3(), 1e-4 * np.eye(6))
+    slam = px.StampedSlam(body, [px.ObjectModel(id="mug")])
+    slam.add(px.Observation([px.ObservationComponent(px.SE3(translation=[0, 0, 1]))], object="mug"))
+    found = slam.finish()
+    assert found is not None and pickle.loads(pickle.dumps(found)) == found
