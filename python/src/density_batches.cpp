@@ -69,7 +69,7 @@ nb::tuple in_batch(Function function, std::size_t count, std::size_t threads, co
 
 nb::tuple fused_rows(const PoseRows& x, const PoseRows& y, const FuseSettings& settings) {
   PoseRowsOut out(common_size(x, y));
-  std::vector<char> converged;
+  std::vector<char> converged;  // a std::vector<bool> of libc++ becomes no list
   {
     const nb::gil_scoped_release unlocked;
     for (std::size_t i = 0; i < common_size(x, y); ++i) {

@@ -41,9 +41,9 @@ std::string Field::shown(const void* object) const {
   return seen ? std::string(nb::repr(seen(object)).c_str()) : conversion->text(of(object));
 }
 
-Fields& Fields::kept_fields(nb::handle made, const char* name, Destroy destroy) {
+Fields& Fields::kept_fields(nb::handle made, const char* name, Move move) {
   static std::deque<Fields> all;
-  return all.emplace_back(made, name, destroy);
+  return all.emplace_back(made, name, move);
 }
 
 // --- objects
@@ -65,17 +65,20 @@ void Fields::require_unmade(nb::handle self, const char* function) const {
     refuse(fmt::format("{}.{}(): the object is made already; make another one", name_, function));
 }
 
-void Fields::make(nb::handle self, const std::function<void(void* object)>& fill) const {
+nb::object Fields::blank() const {
   if (!make_) refuse(fmt::format("{}: only the library makes one", name_));
-  void* const object = nb::inst_ptr<void>(self);
-  make_(object);
-  try {
-    fill(object);
-  } catch (...) {
-    // Code of the values may have made it after all.
-    if (!nb::inst_ready(self)) destroy_(object);
-    throw;
-  }
+  const nb::object made = nb::inst_alloc(class_);
+  make_(nb::inst_ptr<void>(made));
+  nb::inst_mark_ready(made);
+  return made;
+}
+
+void Fields::make(nb::handle self, const char* function,
+                  const std::function<void(void* object)>& fill) const {
+  const nb::object made = blank();
+  fill(nb::inst_ptr<void>(made));
+  require_unmade(self, function);
+  move_(nb::inst_ptr<void>(self), nb::inst_ptr<void>(made));
   nb::inst_mark_ready(self);
 }
 
@@ -181,7 +184,7 @@ void Fields::define_keywords() const {
       [this](nb::handle self, const nb::kwargs& values) {
         require_unmade(self, "__init__");
         require(values);
-        make(self, [&](void* object) { assign(object, values); });
+        make(self, "__init__", [&](void* object) { assign(object, values); });
       },
       nb::sig(
           kept(fmt::format("def __init__(self{}{}) -> None", fields_.empty() ? "" : ", *", all))));
@@ -196,7 +199,7 @@ void Fields::define_arguments(std::size_t required, Copy copy, const Check& chec
       [this, required](nb::handle self, const nb::args& values, const nb::kwargs& others) {
         require_unmade(self, "__init__");
         const nb::dict all = named(values, others, required);
-        make(self, [&](void* object) {
+        make(self, "__init__", [&](void* object) {
           assign(object, all);
           if (check_) check_(object);
         });
@@ -273,17 +276,13 @@ void Fields::define_values() const {
       [this](nb::handle self, const nb::dict& state) {
         require_unmade(self, "__setstate__");
         require_whole(state);
-        make(self, [&](void* object) { assign(object, state); });
+        make(self, "__setstate__", [&](void* object) { assign(object, state); });
       },
       nb::sig("def __setstate__(self, arg: dict, /) -> None"));
 }
 
 void Fields::document(const std::string& summary, bool with_defaults, const char* more) const {
-  nb::object like;  // which has the defaults
-  if (with_defaults) {
-    like = nb::inst_alloc(class_);
-    make(like, [](void*) {});
-  }
+  const nb::object like = with_defaults ? blank() : nb::none();
   std::string text = summary + "\n\nAttributes\n----------\n";
   for (const Field& field : fields_) {
     const std::string value = with_defaults && !field.is_required

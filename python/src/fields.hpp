@@ -5,7 +5,9 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <new>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <nanobind/nanobind.h>
@@ -87,7 +89,7 @@ std::string attribute_type(const std::string& type);
 class Fields {
  public:
   using Make = std::function<void(void* place)>;
-  using Destroy = void (*)(void* object);
+  using Move = void (*)(void* place, void* object);
   using Copy = void (*)(void* place, const void* object);
   using Check = std::function<void(const void* object)>;
   using Show = std::function<std::string(const void* object)>;
@@ -95,15 +97,15 @@ class Fields {
   /// Those of a class, without any so far, which live as long as the module.
   template <class T>
   static Fields& of(const nb::class_<T>& made, const char* name) {
-    return kept_fields(made, name, [](void* object) { static_cast<T*>(object)->~T(); });
+    return kept_fields(made, name, [](void* place, void* object) {
+      new (place) T(std::move(*static_cast<T*>(object)));
+    });
   }
 
-  Fields(nb::handle made, const char* name, Destroy destroy)
-      : class_(made), name_(name), destroy_(destroy) {}
+  Fields(nb::handle made, const char* name, Move move) : class_(made), name_(name), move_(move) {}
   Fields(const Fields&) = delete;
   Fields& operator=(const Fields&) = delete;
 
-  const std::string& name() const { return name_; }
   Field& last() { return fields_.back(); }
 
   /// How an object is made to which fields are assigned.
@@ -136,7 +138,7 @@ class Fields {
   void add_attribute(const std::string& type, const nb::object& set) const;
   nb::object attribute(const Field& field, nb::handle self) const;
 
-  static Fields& kept_fields(nb::handle made, const char* name, Destroy destroy);
+  static Fields& kept_fields(nb::handle made, const char* name, Move move);
 
   bool is_of_class(nb::handle self) const;
   /// The object of `self`.
@@ -146,8 +148,12 @@ class Fields {
   /// @throws the same as object_of where `self` is none of the class or has its object already;
   /// `function` is what would make it
   void require_unmade(nb::handle self, const char* function) const;
-  /// Makes the object of `self`, which has none, and fills it. Nobody sees it before it is full.
-  void make(nb::handle self, const std::function<void(void* object)>& fill) const;
+  /// A new object, to which nothing was assigned.
+  nb::object blank() const;
+  /// Makes the object of `self`, which has none, of a new one that is filled first: what is
+  /// assigned may run code that knows `self`. `function` as in require_unmade.
+  void make(nb::handle self, const char* function,
+            const std::function<void(void* object)>& fill) const;
 
   /// @throws TypeError or ValueError naming the field, where the value does not fit it
   void assign(void* object, const Field& field, nb::handle value) const;
@@ -168,7 +174,7 @@ class Fields {
 
   nb::handle class_;  ///< which lives as long as the module
   std::string name_;
-  Destroy destroy_;
+  Move move_;
   std::vector<Field> fields_;
   Make make_;
   Check check_;

@@ -14,6 +14,18 @@
 
 namespace posemix::python {
 
+/// What Python sees of a value in a record: a copy that is frozen, or what `Convert` says.
+template <class Convert>
+struct SeenInRecord {
+  template <class Value>
+  static nb::object of(nb::handle /*self*/, const Value& value) {
+    if constexpr (std::is_void_v<Convert>)
+      return frozen(value);
+    else
+      return Convert::get(value);
+  }
+};
+
 /// A struct as a class like a frozen Python dataclass: attributes that cannot be assigned, repr,
 /// equality, copy and pickle. Only C++ makes one, unless it is `constructible`; then lists, dicts
 /// and arrays among its attributes cannot be changed either.
@@ -34,8 +46,8 @@ class Record {
   template <class Convert = void, class Value>
   Record& field(const char* name, Value T::*member, const char* type, const char* text) {
     using Used = std::conditional_t<std::is_void_v<Convert>, SettingValue<Value>, Convert>;
-    fields_.add_result(
-        {name, type, text, offset_of(member), &ConversionOf<Value, Used, Seen<Convert>>::kAll});
+    fields_.add_result({name, type, text, offset_of(member),
+                        &ConversionOf<Value, Used, SeenInRecord<Convert>>::kAll});
     return *this;
   }
 
@@ -43,7 +55,7 @@ class Record {
   template <class Value, class Get>
   Record& field(const char* name, Value T::*member, const char* type, const char* text, Get get) {
     fields_.add_result({name, type, text, offset_of(member),
-                        &ConversionOf<Value, SettingValue<Value>, Seen<void>>::kAll,
+                        &ConversionOf<Value, SettingValue<Value>, SeenInRecord<void>>::kAll,
                         seen_by(member, get)});
     return *this;
   }
@@ -83,18 +95,6 @@ class Record {
   }
 
  private:
-  /// What Python sees of a value: what the chosen conversion says, or a copy that is frozen.
-  template <class Convert>
-  struct Seen {
-    template <class Value>
-    static nb::object of(nb::handle /*self*/, const Value& value) {
-      if constexpr (std::is_void_v<Convert>)
-        return frozen(value);
-      else
-        return Convert::get(value);
-    }
-  };
-
   template <class Value, class Get>
   static std::function<nb::object(const void*)> seen_by(Value T::*member, Get get) {
     if constexpr (std::is_invocable_v<Get, const T&>)

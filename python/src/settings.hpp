@@ -13,8 +13,8 @@
 
 namespace posemix::python {
 
-/// The part of an object of settings that Python sees.
-struct PartOf {
+/// What Python sees of a value in settings.
+struct SeenInSettings {
   template <class Value>
   static nb::object of(nb::handle self, Value& value) {
     return part_of(self, value);
@@ -43,7 +43,7 @@ class Settings {
   template <class Value>
   Settings& field(const char* name, Value T::*member, const char* type, const char* text) {
     fields_.add_setting({name, type, text, offset_of(member),
-                         &ConversionOf<Value, SettingValue<Value>, PartOf>::kAll});
+                         &ConversionOf<Value, SettingValue<Value>, SeenInSettings>::kAll});
     return *this;
   }
 

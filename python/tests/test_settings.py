@@ -237,6 +237,28 @@ def test_nobody_sees_an_object_before_it_is_whole() -> None:
     assert seen and all("was not made" in str(each) for each in seen)
 
 
+@pytest.mark.parametrize("inner", [{}, {"max_sd": "wide"}])
+def test_an_object_that_its_own_values_make_is_whole(inner: dict[str, object]) -> None:
+    made = px.EmSettings.__new__(px.EmSettings)
+
+    class Meddling:
+        def __float__(self) -> float:
+            try:
+                made.__init__(**inner)  # type: ignore[misc, arg-type]
+            except TypeError:
+                return 2.0
+            return 1.0
+
+    outer = {"unit": np.full(40, 7.0), "max_sd": Meddling()}
+    if inner:
+        made.__init__(**outer)  # type: ignore[misc, arg-type]
+        assert made == px.EmSettings(unit=np.full(40, 7.0), max_sd=2.0)
+    else:
+        with pytest.raises(TypeError, match="the object is made already"):
+            made.__init__(**outer)  # type: ignore[misc, arg-type]
+        assert made == px.EmSettings()
+
+
 def test_an_array_of_any_size_is_a_copy() -> None:
     """It moves when another is assigned, and whoever held it would read what is there by then."""
     settings = px.EmSettings(unit=np.full(40, 7.0))

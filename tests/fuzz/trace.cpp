@@ -44,14 +44,15 @@ void put_run(const TemporaryFolder& folder, const std::string& name) {
   for (const auto& [file, text] : testing::results().files) folder.put(name + "/" + file, text);
 }
 
+struct TwoRuns : TemporaryFolder {
+  TwoRuns() {
+    put_run(*this, "a");
+    put("b/metrics.json", "{}");
+  }
+};
+
 void comparison_with(std::string_view trace) {
-  static const TemporaryFolder folder;
-  static const bool is_there = [] {
-    put_run(folder, "a");
-    folder.put("b/metrics.json", "{}");
-    return true;
-  }();
-  expect(is_there, "a run to compare with");
+  static const TwoRuns folder;
   // Without any the run is compared with itself.
   folder.put("b/trace.json", trace.empty() ? testing::results().files.at("trace.json") : trace);
   takes(folder.path().string(), [&] {
@@ -59,16 +60,17 @@ void comparison_with(std::string_view trace) {
   });
 }
 
-void pictures_with(std::string_view stamps) {
-  static const TemporaryFolder folder;
-  static const bool is_there = [] {
-    put_run(folder, "run");
+struct RunWithPictures : TemporaryFolder {
+  RunWithPictures() {
+    put_run(*this, "run");
     for (const char* name : {"0.1.jpg", "1500000000000000000.JPEG", "left-0.5.png"})
-      folder.put(std::string("pictures/") + name, "\x89PNG\r\n\x1a\n and what follows");
-    folder.put("pictures/0.2.jpg", "\xff\xd8\xff and what follows");
-    return true;
-  }();
-  expect(is_there, "a run with pictures");
+      put(std::string("pictures/") + name, "\x89PNG\r\n\x1a\n and what follows");
+    put("pictures/0.2.jpg", "\xff\xd8\xff and what follows");
+  }
+};
+
+void pictures_with(std::string_view stamps) {
+  static const RunWithPictures folder;
   // Without them those in the names count.
   if (stamps.empty()) std::filesystem::remove(folder / "pictures/stamps.csv");
   if (!stamps.empty()) folder.put("pictures/stamps.csv", stamps);
